@@ -1,0 +1,31 @@
+//! What holds or drives an end of the bar: a relation between its velocity and its stress.
+
+use super::History;
+
+/// The condition at one end. Velocities are positive in +x at both ends; stresses are tension positive.
+#[derive(Debug, Clone)]
+pub enum EndCondition {
+    /// The end moves with this velocity, m/s. From `release` on (s) it is free.
+    Velocity {
+        /// Velocity against time.
+        history: History,
+        /// Time at which the end is let go.
+        release: Option<f64>,
+    },
+    /// The end carries this stress, Pa.
+    Stress {
+        /// Stress against time.
+        history: History,
+    },
+    /// No stress.
+    Free,
+    /// No motion.
+    Fixed,
+    /// Elastic waves leave without reflection: the bar seems to go on for ever, elastic and of the same section.
+    Absorbing,
+    /// A rigid wall that can push but not pull; `gap` is the initial distance to it, m, >= 0.
+    Wall {
+        /// Initial distance, m.
+        gap: f64,
+    },
+}

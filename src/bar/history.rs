@@ -1,0 +1,123 @@
+//! A quantity given at points in time: straight between rows, a repeated time is a jump, the last value holds.
+
+/// A checked history. Before its first row, and before t = 0, it is zero.
+#[derive(Debug, Clone, PartialEq)]
+pub struct History {
+    time: Vec<f64>,
+    value: Vec<f64>,
+}
+
+impl History {
+    /// A value that holds from t = 0 on.
+    pub fn constant(value: f64) -> Self {
+        Self { time: vec![0.0], value: vec![value] }
+    }
+
+    /// From rows (time in s, value): at least one, finite, times >= 0 and never decreasing, and at most two
+    /// rows with one time (the first is the value before the jump, the second after it).
+    ///
+    /// # Errors
+    /// The index of the first row that breaks a rule, and which rule.
+    pub fn new(rows: &[(f64, f64)]) -> Result<Self, (usize, &'static str)> {
+        if rows.is_empty() {
+            return Err((0, "a history needs at least one row"));
+        }
+        for (i, &(t, v)) in rows.iter().enumerate() {
+            if !t.is_finite() || !v.is_finite() {
+                return Err((i, "is not finite"));
+            }
+            if t < 0.0 {
+                return Err((i, "has a negative time"));
+            }
+            if i > 0 && t < rows[i - 1].0 {
+                return Err((i, "goes back in time"));
+            }
+            if i > 1 && t == rows[i - 2].0 {
+                return Err((i, "is the third row with one time"));
+            }
+        }
+        Ok(Self { time: rows.iter().map(|r| r.0).collect(), value: rows.iter().map(|r| r.1).collect() })
+    }
+
+    /// The rows' times, s.
+    pub fn time(&self) -> &[f64] {
+        &self.time
+    }
+
+    /// The rows' values.
+    pub fn value(&self) -> &[f64] {
+        &self.value
+    }
+
+    /// True where the value never changes after t = 0.
+    pub fn is_constant(&self) -> bool {
+        self.time[0] == 0.0 && self.value.iter().all(|&v| v == self.value[0])
+    }
+
+    /// The value just after `t`: at a jump, the value behind it.
+    pub fn at(&self, t: f64) -> f64 {
+        let next = self.time.partition_point(|&row| row <= t);
+        if next == 0 {
+            return 0.0;
+        }
+        if next == self.time.len() {
+            return self.value[next - 1];
+        }
+        let (t0, t1) = (self.time[next - 1], self.time[next]);
+        let (v0, v1) = (self.value[next - 1], self.value[next]);
+        v0 + (v1 - v0) * ((t - t0) / (t1 - t0))
+    }
+
+    /// The mean over `from..to` (s, from < to), exact for straight pieces and jumps.
+    ///
+    /// A solver that applies means instead of point values carries exactly the impulse or displacement asked for.
+    pub fn mean(&self, from: f64, to: f64) -> f64 {
+        let last = self.time.len() - 1;
+        if from >= self.time[last] {
+            return self.value[last];
+        }
+        let mut integral = 0.0;
+        for k in 0..last {
+            let (a, b) = (self.time[k].max(from), self.time[k + 1].min(to));
+            if b > a {
+                let slope = (self.value[k + 1] - self.value[k]) / (self.time[k + 1] - self.time[k]);
+                let middle = self.value[k] + slope * (0.5 * (a + b) - self.time[k]);
+                integral += middle * (b - a);
+            }
+        }
+        let tail = to - self.time[last].max(from);
+        if tail > 0.0 {
+            integral += self.value[last] * tail;
+        }
+        integral / (to - from)
+    }
+
+    /// The value of largest magnitude (the first one, where several are equal).
+    pub fn extreme(&self) -> f64 {
+        self.value.iter().fold(0.0, |m: f64, &v| if v.abs() > m.abs() { v } else { m })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn mean_is_exact_across_ramps_and_jumps() {
+        let h = History::new(&[(0.0, 0.0), (2.0, 4.0), (2.0, 1.0), (3.0, 1.0)]).expect("rows are right");
+        assert_eq!(h.mean(0.0, 2.0), 2.0);
+        assert_eq!(h.mean(1.0, 3.0), (3.0 + 1.0) / 2.0);
+        assert_eq!(h.mean(-1.0, 1.0), 0.5);
+        assert_eq!(h.mean(5.0, 9.0), 1.0);
+        assert_eq!(h.at(2.0), 1.0);
+        assert_eq!(h.at(1.0), 2.0);
+    }
+
+    #[test]
+    fn wrong_rows_are_refused_by_index() {
+        assert_eq!(History::new(&[]).unwrap_err().0, 0);
+        assert_eq!(History::new(&[(1.0, 0.0), (0.5, 0.0)]).unwrap_err().0, 1);
+        assert_eq!(History::new(&[(0.0, 0.0), (0.0, 1.0), (0.0, 2.0)]).unwrap_err().0, 2);
+        assert_eq!(History::new(&[(0.0, f64::NAN)]).unwrap_err().0, 0);
+    }
+}

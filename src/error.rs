@@ -1,0 +1,174 @@
+//! What can go wrong, and what the user is told: what, where, the value, the allowed range, and a help line.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
+
+/// Every fallible function of the library returns this.
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// The three ways in which a command can end without its result.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// The input is wrong; exit code 2.
+    #[error(transparent)]
+    Input(#[from] InputError),
+    /// The run could not go on; exit code 1.
+    #[error(transparent)]
+    Run(#[from] RunError),
+    /// A file could not be read or written; exit code 1 (an input file that is missing is an [`InputError`]).
+    #[error("{}: {reason}", path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// What the system or the HDF5 library said.
+        reason: String,
+    },
+    /// The user asked to stop (Ctrl-C); exit code 130.
+    #[error("interrupted")]
+    Interrupted,
+}
+
+impl Error {
+    /// The process exit code that the contract gives to this kind of error.
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Self::Input(_) => 2,
+            Self::Run(_) | Self::File { .. } => 1,
+            Self::Interrupted => 130,
+        }
+    }
+
+    /// A file error from anything that can say what happened.
+    pub fn file(path: &Path, reason: impl std::fmt::Display) -> Self {
+        Self::File { path: path.to_owned(), reason: reason.to_string() }
+    }
+}
+
+/// Where in a text file an error lies: shown with the line of the file.
+#[derive(Debug, Clone)]
+pub struct Place {
+    /// Name to show.
+    pub file: String,
+    /// The file's whole text.
+    pub text: Arc<str>,
+    /// Bytes of the text that are meant.
+    pub span: std::ops::Range<usize>,
+}
+
+impl Place {
+    /// Line number of the span's start, from 1.
+    pub fn line(&self) -> usize {
+        let start = self.span.start.min(self.text.len());
+        self.text.as_bytes()[..start].iter().filter(|&&b| b == b'\n').count() + 1
+    }
+}
+
+/// A wrong input: one clear sentence, its place, and what would be right.
+///
+/// Built with [`InputError::new`] and the methods below, in the order in which they are shown.
+#[derive(Debug, Clone)]
+pub struct InputError {
+    /// What is wrong, with the value that was given.
+    pub message: String,
+    /// The key, dotted as in `solve.cells`; empty where there is none.
+    pub key: String,
+    /// What would be allowed, e.g. "0 < cfl <= 1"; empty where a range means nothing.
+    pub allowed: String,
+    /// What to do.
+    pub help: String,
+    /// Where it stands.
+    pub place: Option<Place>,
+    source_code: Option<NamedSource<String>>,
+}
+
+impl InputError {
+    /// An error with its sentence; the rest is added by the methods below.
+    pub fn new(message: impl Into<String>) -> Self {
+        Self {
+            message: message.into(),
+            key: String::new(),
+            allowed: String::new(),
+            help: String::new(),
+            place: None,
+            source_code: None,
+        }
+    }
+
+    /// Names the key, dotted as in `solve.cells`.
+    #[must_use]
+    pub fn key(mut self, key: impl Into<String>) -> Self {
+        self.key = key.into();
+        self
+    }
+
+    /// States what is allowed.
+    #[must_use]
+    pub fn allowed(mut self, allowed: impl Into<String>) -> Self {
+        self.allowed = allowed.into();
+        self
+    }
+
+    /// Says what to do.
+    #[must_use]
+    pub fn help(mut self, help: impl Into<String>) -> Self {
+        self.help = help.into();
+        self
+    }
+
+    /// Points at the place in the file.
+    #[must_use]
+    pub fn at(mut self, place: Place) -> Self {
+        self.source_code = Some(NamedSource::new(&place.file, place.text.to_string()));
+        self.place = Some(place);
+        self
+    }
+}
+
+impl std::fmt::Display for InputError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        if let Some(place) = &self.place {
+            write!(f, "{}:{}: ", place.file, place.line())?;
+        }
+        if !self.key.is_empty() {
+            write!(f, "`{}`: ", self.key)?;
+        }
+        write!(f, "{}", self.message)?;
+        if !self.allowed.is_empty() {
+            write!(f, " (allowed: {})", self.allowed)?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for InputError {}
+
+impl Diagnostic for InputError {
+    fn help<'a>(&'a self) -> Option<Box<dyn std::fmt::Display + 'a>> {
+        (!self.help.is_empty()).then(|| Box::new(&self.help) as Box<dyn std::fmt::Display>)
+    }
+
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        self.source_code.as_ref().map(|s| s as &dyn SourceCode)
+    }
+
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        let span = self.place.as_ref()?.span.clone();
+        Some(Box::new(std::iter::once(LabeledSpan::new_with_span(Some("here".into()), span))))
+    }
+}
+
+/// A run that could not go on: why, when and where.
+#[derive(Debug, Clone, thiserror::Error)]
+#[error("the run stopped at t = {time:.6e} s, x = {x:.6e} m: {reason}")]
+pub struct RunError {
+    /// Why, with the values that tell.
+    pub reason: String,
+    /// Simulated time, s.
+    pub time: f64,
+    /// Place on the bar, m.
+    pub x: f64,
+    /// What to do about it.
+    pub help: String,
+}

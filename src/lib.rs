@@ -5,6 +5,7 @@
 //! end; velocity is positive in +x; everything inside is SI.
 
 pub mod error;
+pub mod input;
 pub mod units;
 
 pub mod material;

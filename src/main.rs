@@ -1,1 +1,5 @@
-fn main(){}
+//! The `barwave` command.
+
+fn main() -> std::process::ExitCode {
+    barwave::cli::main()
+}

@@ -1,0 +1,91 @@
+//! The command line: one file a command; this file is the table of contents.
+
+mod check;
+mod compare;
+mod critical;
+mod materials;
+mod new;
+mod plan;
+mod report;
+mod run;
+mod shell;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+use crate::error::{Error, Result};
+
+/// 1D elastic-plastic waves in bars: plastic wave fronts, critical impact velocity, HDF5 fields.
+#[derive(Debug, Parser)]
+#[command(name = "barwave", version, propagate_version = true)]
+pub(crate) struct Cli {
+    /// Threads to use (default: all; also `RAYON_NUM_THREADS`). Results do not depend on it.
+    #[arg(long, global = true, value_name = "N")]
+    threads: Option<usize>,
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Simulate one scene and write its result file.
+    Run(run::Args),
+    /// Say what a run would do, and what it would cost, without doing it.
+    Plan(plan::Args),
+    /// Validate scenes and materials.
+    Check(check::Args),
+    /// Critical impact velocity from the curve.
+    Critical(critical::Args),
+    /// Curves, wave speeds and impact velocities of several materials side by side.
+    Compare(compare::Args),
+    /// Draw a result file: x-t diagram, profiles, gauges, fronts, ledger, audit.
+    Report(report::Args),
+    /// The material library and what each curve rests on.
+    Materials(materials::Args),
+    /// Write a commented scene to start from.
+    New(new::Args),
+    /// Write shell completions.
+    Completions(shell::CompletionsArgs),
+    /// Write man pages.
+    Man(shell::ManArgs),
+    /// Write the JSON schema of scene or material files.
+    Schema(shell::SchemaArgs),
+}
+
+/// Runs the command line of this process.
+pub fn main() -> ExitCode {
+    let cli = Cli::parse();
+    match dispatch(&cli) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            show(&error);
+            ExitCode::from(error.exit_code())
+        }
+    }
+}
+
+fn dispatch(cli: &Cli) -> Result<()> {
+    if let Some(threads) = cli.threads {
+        // Fails only where a pool exists already, which then has the size first asked for.
+        let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
+    }
+    match &cli.command {
+        Command::Run(args) => run::run(args),
+        Command::Plan(args) => plan::run(args),
+        Command::Check(args) => check::run(args),
+        Command::Critical(args) => critical::run(args),
+        Command::Compare(args) => compare::run(args),
+        Command::Report(args) => report::run(args),
+        Command::Materials(args) => materials::run(args),
+        Command::New(args) => new::run(args),
+        Command::Completions(args) => shell::completions(args),
+        Command::Man(args) => shell::man(args),
+        Command::Schema(args) => shell::schema(args),
+    }
+}
+
+/// Writes an error to stderr: what, where, value, allowed range, help.
+fn show(error: &Error) {
+    eprintln!("error: {error}");
+}

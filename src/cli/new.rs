@@ -1,0 +1,11 @@
+//! `barwave new`.
+
+use crate::error::Result;
+
+/// Options of `barwave new`.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {}
+
+pub(crate) fn run(_args: &Args) -> Result<()> {
+    todo!()
+}

@@ -1,0 +1,11 @@
+//! `barwave report`.
+
+use crate::error::Result;
+
+/// Options of `barwave report`.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {}
+
+pub(crate) fn run(_args: &Args) -> Result<()> {
+    todo!()
+}

@@ -1,0 +1,1 @@
+//! Material laws for the solvers: state and strain increment in, stress out.

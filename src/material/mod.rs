@@ -1,0 +1,88 @@
+//! Materials: checked stress-strain tables, named formulas turned into tables, and the library of files.
+
+mod curve;
+
+use serde::Serialize;
+
+pub use curve::{Beyond, Curve, CurveError, Ultimate, UltimateReason};
+
+/// Which way the material is loaded from the virgin state.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sense {
+    /// Positive stress.
+    Tension,
+    /// Negative stress; curves hold magnitudes.
+    Compression,
+}
+
+impl Sense {
+    /// The sense of a signed stress or strain (zero counts as tension).
+    pub fn of(signed: f64) -> Self {
+        if signed < 0.0 { Self::Compression } else { Self::Tension }
+    }
+
+    /// +1 in tension, -1 in compression.
+    pub fn sign(self) -> f64 {
+        match self {
+            Self::Tension => 1.0,
+            Self::Compression => -1.0,
+        }
+    }
+}
+
+/// A material as the solvers see it: engineering tables, SI.
+#[derive(Debug, Clone, Serialize)]
+pub struct Material {
+    /// Short name, as in file names and legends.
+    pub name: String,
+    /// One line for people.
+    pub description: String,
+    /// Mass per volume, kg/m^3, > 0.
+    pub density: f64,
+    /// Elastic modulus, Pa: slope of every unloading; no slope of the curve exceeds it where it was given,
+    /// otherwise it is the steepest slope of the curve.
+    pub modulus: f64,
+    /// Poisson's ratio where the file gives one.
+    pub poisson: Option<f64>,
+    /// First loading in tension (and in compression too where `compression` is absent).
+    pub tension: Curve,
+    /// First loading in compression, magnitudes.
+    pub compression: Option<Curve>,
+    /// Largest distance in stress between the table and the formula it came from, Pa; 0 for a table.
+    pub table_error: f64,
+    /// What the curve rests on.
+    pub provenance: Provenance,
+}
+
+/// What a curve rests on.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
+pub struct Provenance {
+    /// The publication, as the file states it.
+    pub citation: String,
+    /// What was measured.
+    pub measured: String,
+    /// How sure: `measured`, `fitted` or `handbook`.
+    pub confidence: String,
+    /// File the material was read from, or "built-in", or "inline".
+    pub origin: String,
+}
+
+impl Material {
+    /// The loading table for a sense.
+    pub fn branch(&self, sense: Sense) -> &Curve {
+        match (sense, &self.compression) {
+            (Sense::Compression, Some(curve)) => curve,
+            _ => &self.tension,
+        }
+    }
+
+    /// Elastic bar wave speed sqrt(E/rho), m/s.
+    pub fn c0(&self) -> f64 {
+        (self.modulus / self.density).sqrt()
+    }
+
+    /// Elastic impedance rho c0 per unit area, Pa s/m.
+    pub fn impedance(&self) -> f64 {
+        self.density * self.c0()
+    }
+}

@@ -1,0 +1,193 @@
+//! What a run leaves behind: fields, gauges, end histories, fronts, ledger, audit, and the file they go to.
+
+pub mod store;
+mod summary;
+
+use serde::Serialize;
+
+pub use summary::{ElasticCheck, EndSummary, ErrorFigure, FrontSummary, LedgerSummary, Summary};
+
+/// A field that can be recorded over x and t.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Field {
+    /// Engineering stress, Pa.
+    Stress,
+    /// Engineering strain.
+    Strain,
+    /// Velocity, m/s.
+    Velocity,
+    /// Displacement, m.
+    Displacement,
+    /// Signed plastic strain.
+    PlasticStrain,
+    /// Accumulated plastic strain, >= 0.
+    AccumulatedPlasticStrain,
+}
+
+impl Field {
+    /// Every field, in the order of the contract.
+    pub const ALL: [Self; 6] = [
+        Self::Stress,
+        Self::Strain,
+        Self::Velocity,
+        Self::Displacement,
+        Self::PlasticStrain,
+        Self::AccumulatedPlasticStrain,
+    ];
+
+    /// Dataset name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Stress => "stress",
+            Self::Strain => "strain",
+            Self::Velocity => "velocity",
+            Self::Displacement => "displacement",
+            Self::PlasticStrain => "plastic_strain",
+            Self::AccumulatedPlasticStrain => "accumulated_plastic_strain",
+        }
+    }
+
+    /// SI unit, as written to the `units` attribute.
+    pub fn units(self) -> &'static str {
+        match self {
+            Self::Stress => "Pa",
+            Self::Velocity => "m/s",
+            Self::Displacement => "m",
+            Self::Strain | Self::PlasticStrain | Self::AccumulatedPlasticStrain => "1",
+        }
+    }
+
+    /// For the `long_name` attribute and for axis labels.
+    pub fn long_name(self) -> &'static str {
+        match self {
+            Self::Stress => "engineering stress, tension positive",
+            Self::Strain => "engineering strain",
+            Self::Velocity => "velocity in +x",
+            Self::Displacement => "displacement in +x",
+            Self::PlasticStrain => "plastic strain",
+            Self::AccumulatedPlasticStrain => "accumulated plastic strain",
+        }
+    }
+}
+
+/// One moment of the recorded fields: one row of n_x values for each recorded field, in the layout's order.
+#[derive(Debug, Clone)]
+pub struct Frame {
+    /// s.
+    pub time: f64,
+    /// A row for each field.
+    pub rows: Vec<Vec<f64>>,
+}
+
+/// A history at one place; every column has one value a row of `time`.
+#[derive(Debug, Clone, Default)]
+pub struct Trace {
+    /// s.
+    pub time: Vec<f64>,
+    /// Pa.
+    pub stress: Vec<f64>,
+    /// Engineering strain (left empty for the ends).
+    pub strain: Vec<f64>,
+    /// m/s.
+    pub velocity: Vec<f64>,
+}
+
+/// One row of the ledger. Energies in J, momenta in N s (per m^2 where the scene gives no area).
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct LedgerRow {
+    /// s.
+    pub time: f64,
+    /// Kinetic energy.
+    pub kinetic: f64,
+    /// Recoverable strain energy.
+    pub elastic: f64,
+    /// Energy dissipated in plastic flow since the start.
+    pub plastic: f64,
+    /// Work done on the bar by the left end since the start.
+    pub work_left: f64,
+    /// Work done on the bar by the right end since the start.
+    pub work_right: f64,
+    /// Momentum of the bar.
+    pub momentum: f64,
+    /// Impulse that both ends have given to the bar since the start.
+    pub impulse: f64,
+    /// Energy that is missing (or too much), over the larger of the initial energy and the work that went
+    /// through the ends; dimensionless.
+    pub residual: f64,
+}
+
+/// One front: an edge of the hull and what the simulation made of it. Signs as in the fields.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FrontRow {
+    /// Where it started: "left", "right" or "joint 1", ...
+    pub origin: String,
+    /// Strain behind the front.
+    pub strain_behind: f64,
+    /// Strain ahead of it.
+    pub strain_ahead: f64,
+    /// Stress behind, Pa.
+    pub stress_behind: f64,
+    /// Stress ahead, Pa.
+    pub stress_ahead: f64,
+    /// Theory, m/s: sqrt(d sigma/(rho d eps)), positive in +x.
+    pub speed: f64,
+    /// Read off the simulated field, m/s, positive in +x; NaN where the front could not be followed.
+    pub speed_measured: f64,
+    /// Place where it was last seen, m from the left end; NaN where it never was.
+    pub position: f64,
+    /// When it was last seen, s: the end of the run, or when it met another wave.
+    pub last_seen: f64,
+    /// Arrival time at each gauge in the layout's order, s; NaN where it did not get there.
+    pub arrivals: Vec<f64>,
+}
+
+/// A neglected effect, and how large it would have been.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct AuditRow {
+    /// e.g. "unloading".
+    pub effect: String,
+    /// Estimated size, in the measure that `message` names.
+    pub estimate: f64,
+    /// Size from which it matters.
+    pub threshold: f64,
+    /// One line for people: estimate, place, time, and the key that would switch it on.
+    pub message: String,
+}
+
+/// A curve as the run used it, for `/material/<name>`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MaterialRecord {
+    /// Group name.
+    pub name: String,
+    /// Knot strains, signed: compression branch first where it differs.
+    pub strain: Vec<f64>,
+    /// Knot stresses, Pa, signed.
+    pub stress: Vec<f64>,
+    /// kg/m^3.
+    pub density: f64,
+    /// Pa.
+    pub modulus: f64,
+    /// Citation, what was measured, confidence, origin: written as attributes.
+    pub provenance: crate::material::Provenance,
+}
+
+/// Size of the numbers in the file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Precision {
+    /// 8 bytes.
+    F64,
+    /// 4 bytes.
+    F32,
+}
+
+/// Compression of the fields.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Compression {
+    /// shuffle + deflate 1.
+    Deflate,
+    /// shuffle + lzf: faster, larger, h5py reads it.
+    Lzf,
+    /// None.
+    None,
+}

@@ -1,0 +1,129 @@
+//! The summary of a run, as printed and as `--json`.
+
+use serde::Serialize;
+
+use super::AuditRow;
+
+/// What `barwave run` says of a run. The keys are the contract's.
+#[derive(Debug, Clone, Serialize)]
+pub struct Summary {
+    /// Scene title.
+    pub scene: String,
+    /// "done", "rupture", "interrupted", ...
+    pub outcome: String,
+    /// "fd" or "moc".
+    pub method: String,
+    /// "leapfrog", ...
+    pub scheme: String,
+    /// Effects that were simulated.
+    pub effects: Vec<String>,
+    /// Cells.
+    pub cells: usize,
+    /// Time steps.
+    pub steps: usize,
+    /// Front collisions (0 for fd).
+    pub events: usize,
+    /// Whole run, output included, s.
+    pub wall_s: f64,
+    /// Stepping alone, s.
+    pub step_wall_s: f64,
+    /// cells * steps / `step_wall_s`.
+    pub cell_steps_per_s: f64,
+    /// Simulated time reached, s.
+    pub end_time_s: f64,
+    /// Left end at the end time.
+    pub left: EndSummary,
+    /// Right end at the end time.
+    pub right: EndSummary,
+    /// Fronts.
+    pub fronts: Vec<FrontSummary>,
+    /// Of the struck material; null where the data hold none.
+    #[serde(rename = "critical_velocity_m_s")]
+    pub critical_velocity: Option<f64>,
+    /// The imposed velocity is more than the bar can carry away.
+    pub above_critical: bool,
+    /// sigma against rho c0 v (9.34), where the run stayed elastic.
+    pub elastic_check: Option<ElasticCheck>,
+    /// Residuals.
+    pub ledger: LedgerSummary,
+    /// Error against a reference, where there is one.
+    pub error: Option<ErrorFigure>,
+    /// Neglected effects.
+    pub audit: Vec<AuditRow>,
+    /// Result file.
+    pub output: String,
+}
+
+/// The state at an end.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct EndSummary {
+    /// Pa.
+    #[serde(rename = "stress_Pa")]
+    pub stress: f64,
+    /// Engineering strain.
+    pub strain: f64,
+    /// m/s.
+    #[serde(rename = "velocity_m_s")]
+    pub velocity: f64,
+}
+
+/// A front in the summary.
+#[derive(Debug, Clone, Serialize)]
+pub struct FrontSummary {
+    /// Where it started.
+    pub origin: String,
+    /// Strain ahead.
+    pub strain_ahead: f64,
+    /// Strain behind.
+    pub strain_behind: f64,
+    /// Pa.
+    #[serde(rename = "stress_ahead_Pa")]
+    pub stress_ahead: f64,
+    /// Pa.
+    #[serde(rename = "stress_behind_Pa")]
+    pub stress_behind: f64,
+    /// Theory.
+    #[serde(rename = "speed_m_s")]
+    pub speed: f64,
+    /// Read off the field; null where it could not be followed.
+    #[serde(rename = "speed_measured_m_s")]
+    pub speed_measured: Option<f64>,
+    /// Last seen at; null where it never was.
+    #[serde(rename = "position_m")]
+    pub position: Option<f64>,
+    /// When that was.
+    pub last_seen_s: Option<f64>,
+}
+
+/// The elastic check, sigma = rho c0 v.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct ElasticCheck {
+    /// Simulated stress behind the front.
+    #[serde(rename = "stress_Pa")]
+    pub stress: f64,
+    /// rho c0 v with its sign.
+    #[serde(rename = "expected_Pa")]
+    pub expected: f64,
+    /// |stress - expected| / |expected|.
+    pub relative: f64,
+}
+
+/// What the ledger could not account for.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct LedgerSummary {
+    /// Largest energy residual of the run, relative.
+    pub energy_residual: f64,
+    /// Largest momentum residual of the run, relative.
+    pub momentum_residual: f64,
+}
+
+/// An error figure.
+#[derive(Debug, Clone, Serialize)]
+pub struct ErrorFigure {
+    /// The figure.
+    pub value: f64,
+    /// What was measured, e.g. "relative L1 of stress over the bar at the end time".
+    pub measure: String,
+    /// Against what.
+    pub reference: String,
+}

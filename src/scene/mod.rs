@@ -1,0 +1,89 @@
+//! A scene: what the user typed (`raw`), what it means (`check`), as plain data in SI (here).
+
+use std::path::PathBuf;
+
+use crate::bar::{Bar, EndCondition};
+use crate::record::{Compression, Field, Precision};
+
+/// A checked scene. Every default is filled in.
+#[derive(Debug, Clone)]
+pub struct Scene {
+    /// For people; the file's stem where the scene gives none.
+    pub title: String,
+    /// The file's stem: names the default output.
+    pub name: String,
+    /// The file, where it came from one.
+    pub path: Option<PathBuf>,
+    /// The scene's exact text, as read.
+    pub text: String,
+    /// Overrides (`--set`), as typed.
+    pub overrides: Vec<String>,
+    /// The bar.
+    pub bar: Bar,
+    /// Left end.
+    pub left: EndCondition,
+    /// Right end.
+    pub right: EndCondition,
+    /// Effects beyond the curve itself.
+    pub effects: Effects,
+    /// How to solve.
+    pub solve: Solve,
+    /// What to record.
+    pub record: Record,
+}
+
+/// What is simulated beyond path-independent loading.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Effects {
+    /// Elastic unloading of yielded points; none: the curve is followed both ways.
+    pub unloading: Option<Unloading>,
+}
+
+/// How the yield stress moves with plastic flow.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Unloading {
+    /// Tension and compression harden alike.
+    Isotropic,
+    /// The elastic range keeps its size and moves.
+    Kinematic,
+    /// The given fraction (0 to 1) of the hardening is kinematic.
+    Mixed(f64),
+}
+
+/// How the scene is solved.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Solve {
+    /// End time, s, > 0.
+    pub until: f64,
+    /// Method and its settings.
+    pub method: Method,
+}
+
+/// A method with its settings.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Method {
+    /// Finite differences on a staggered grid.
+    Leapfrog {
+        /// Cells over the whole bar, >= 2, shared out so that waves take equal time across each.
+        cells: usize,
+        /// Courant number of the fastest wave, 0 < cfl <= 1.
+        cfl: f64,
+    },
+}
+
+/// What is recorded.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Record {
+    /// Frame times, s, increasing, within 0..=until.
+    pub times: Vec<f64>,
+    /// x samples of the fields; none: the solver's own cells.
+    pub cells: Option<usize>,
+    /// Fields, no repeats.
+    pub fields: Vec<Field>,
+    /// Gauges: name and place, m from the left end, in the scene's order.
+    pub gauges: Vec<(String, f64)>,
+    /// Numbers of the fields in the file.
+    pub precision: Precision,
+    /// Compression of the fields in the file.
+    pub compression: Compression,
+}

@@ -1,0 +1,3 @@
+//! Solvers. They know laws, bars and ends; never an effect by name, never a file format.
+
+pub mod fd;

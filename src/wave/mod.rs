@@ -1,0 +1,3 @@
+//! Exact solutions built from a curve alone.
+
+pub mod similarity;

@@ -1,9 +1,12 @@
 //! Materials: checked stress-strain tables, named formulas turned into tables, and the library of files.
 
+mod constants;
 mod curve;
 
 use serde::Serialize;
 
+pub use constants::{Constants, CowperSymonds, HeatConstants, JohnsonCookRate, RateConstants};
+pub(crate) use curve::SLOPE_ROUND_OFF;
 pub use curve::{Beyond, Curve, CurveError, Ultimate, UltimateReason};
 
 /// Which way the material is loaded from the virgin state.
@@ -50,6 +53,8 @@ pub struct Material {
     pub compression: Option<Curve>,
     /// Largest distance in stress between the table and the formula it came from, Pa; 0 for a table.
     pub table_error: f64,
+    /// What else the file states: the law behind the table, rate and heat constants.
+    pub constants: Constants,
     /// What the curve rests on.
     pub provenance: Provenance,
 }
@@ -68,6 +73,23 @@ pub struct Provenance {
 }
 
 impl Material {
+    /// A material that is known by its density (kg/m^3, > 0) and one table alone: modulus from the steepest
+    /// slope, the same curve in compression.
+    pub fn from_curve(name: impl Into<String>, density: f64, curve: Curve) -> Self {
+        Self {
+            name: name.into(),
+            description: String::new(),
+            density,
+            modulus: curve.steepest(),
+            poisson: None,
+            tension: curve,
+            compression: None,
+            table_error: 0.0,
+            constants: Constants::default(),
+            provenance: Provenance::default(),
+        }
+    }
+
     /// The loading table for a sense.
     pub fn branch(&self, sense: Sense) -> &Curve {
         match (sense, &self.compression) {

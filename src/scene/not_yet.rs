@@ -17,12 +17,7 @@ struct Word {
     instead: &'static str,
 }
 
-const fn word(
-    path: &'static [&'static str],
-    value: &'static str,
-    what: &'static str,
-    instead: &'static str,
-) -> Word {
+const fn word(path: &'static [&'static str], value: &'static str, what: &'static str, instead: &'static str) -> Word {
     Word { path, value, what, instead }
 }
 

@@ -19,7 +19,7 @@ pub(super) fn json(scene: &Scene) -> Value {
         },
         "left": end(&scene.left),
         "right": end(&scene.right),
-        "effects": effects(scene.effects),
+        "effects": effects(&scene.effects),
         "solve": { "until": scene.solve.until, "method": "fd", "scheme": "leapfrog", "cells": cells, "cfl": cfl },
         "record": record(&scene.record),
     })
@@ -57,7 +57,7 @@ fn rows(history: &History) -> Vec<[f64; 2]> {
     history.time().iter().zip(history.value()).map(|(&t, &v)| [t, v]).collect()
 }
 
-fn effects(effects: Effects) -> Value {
+fn effects(effects: &Effects) -> Value {
     json!({ "unloading": effects.unloading })
 }
 

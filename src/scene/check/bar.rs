@@ -113,12 +113,8 @@ impl Checker<'_> {
         };
         let length = self.document.number(length, &format!("{key}.length"), Dimension::Length, Allowed::Positive)?;
         let area = self.area(piece, key)?;
-        let velocity = self.document.optional(
-            piece.velocity,
-            &format!("{key}.velocity"),
-            Dimension::Velocity,
-            Allowed::Finite,
-        )?;
+        let velocity =
+            self.document.optional(piece.velocity, &format!("{key}.velocity"), Dimension::Velocity, Allowed::Finite)?;
         let material = self.material(choice, &format!("{key}.material"), named)?;
         let segment = Segment {
             length,
@@ -143,9 +139,7 @@ impl Checker<'_> {
 
     fn material(&self, choice: &Spanned<MaterialChoice>, key: &str, named: &mut Named) -> Result<Arc<Material>> {
         match choice.get_ref() {
-            MaterialChoice::Inline(raw) => {
-                material::resolve(raw, self.document, key, self.base).map(Arc::new)
-            }
+            MaterialChoice::Inline(raw) => material::resolve(raw, self.document, key, self.base).map(Arc::new),
             MaterialChoice::Named(name) => {
                 if let Some(known) = named.get(name) {
                     return Ok(known.clone());

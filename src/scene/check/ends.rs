@@ -85,8 +85,9 @@ impl Checker<'_> {
         match forms.as_slice() {
             [_] => {}
             [] => {
-                let help =
-                    format!("add value = \"{unit}\", or history = [[\"0 us\", \"{unit}\"], ...], or csv = \"file.csv\"");
+                let help = format!(
+                    "add value = \"{unit}\", or history = [[\"0 us\", \"{unit}\"], ...], or csv = \"file.csv\""
+                );
                 return Err(self.missing(span, &format!("{key}.value"), &help));
             }
             [(first, _), (second, span), ..] => {

@@ -34,7 +34,7 @@ pub(super) fn check(document: &Document, base: &Path) -> Result<Scene> {
     let raw: RawScene = document.parse()?;
     let checker = Checker { document, base };
     let raw_bar = checker.required(raw.bar.as_ref(), "bar", "add [bar] with length and material")?;
-    let bar = checker.bar(raw_bar.get_ref())?;
+    let bar = checker.bar(raw_bar)?;
     let ends = "both ends are always stated: add e.g. [left] with kind = \"velocity\" and value = \"30 m/s\", and \
                 [right] with kind = \"free\"";
     let left = checker.end(checker.required(raw.left.as_ref(), "left", ends)?, "left")?;
@@ -42,7 +42,7 @@ pub(super) fn check(document: &Document, base: &Path) -> Result<Scene> {
     let effects = checker.effects(&raw.effects, &bar)?;
     let until = "add [solve] with until, the end time, e.g. until = \"200 us\"";
     let solve = checker.solve(checker.required(raw.solve.as_ref(), "solve", until)?)?;
-    let record = checker.record(&raw.record, &bar, effects, &solve)?;
+    let record = checker.record(&raw.record, &bar, &effects, &solve)?;
     let name = Path::new(&document.file).file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
     Ok(Scene {
         title: raw.title.unwrap_or_else(|| name.clone()),

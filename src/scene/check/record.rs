@@ -20,7 +20,7 @@ const MOST_GIB: f64 = 64.0;
 const GIB: f64 = 1024.0 * 1024.0 * 1024.0;
 
 impl Checker<'_> {
-    pub(super) fn record(&self, raw: &RawRecord, bar: &Bar, effects: Effects, solve: &Solve) -> Result<Record> {
+    pub(super) fn record(&self, raw: &RawRecord, bar: &Bar, effects: &Effects, solve: &Solve) -> Result<Record> {
         let cells = raw.cells.as_ref().map(|v| self.document.count(v, "record.cells", 1, MOST_CELLS)).transpose()?;
         let record = Record {
             times: self.times(raw, solve.until)?,
@@ -107,7 +107,7 @@ impl Checker<'_> {
         Ok(times)
     }
 
-    fn fields(&self, raw: &RawRecord, effects: Effects) -> Result<Vec<Field>> {
+    fn fields(&self, raw: &RawRecord, effects: &Effects) -> Result<Vec<Field>> {
         let Some(list) = &raw.fields else { return Ok(vec![Field::Stress, Field::Strain, Field::Velocity]) };
         let mut fields = Vec::with_capacity(list.len());
         for (i, word) in list.iter().enumerate() {
@@ -184,8 +184,6 @@ impl Checker<'_> {
 
 /// `frames` times from 0 to `until`, both included; one frame is the end alone.
 fn even_times(frames: usize, until: f64) -> Vec<f64> {
-    match frames {
-        1 => vec![until],
-        _ => (0..frames).map(|i| until * (i as f64 / (frames - 1) as f64)).collect(),
-    }
+    let intervals = frames - 1;
+    (0..frames).map(|i| if i == intervals { until } else { until * i as f64 / intervals as f64 }).collect()
 }

@@ -1,0 +1,257 @@
+//! The result file (HDF5). Only the files of this module name the hdf5 crates.
+//!
+//! # What is in it
+//! The contract is "Result file" in the interface. What this module adds to it:
+//!
+//! - `time` and `x` are dimension scales attached to every field, each group's `time` to its columns, so h5py
+//!   (`ds.dims[0]`) and xarray (`open_dataset(path, engine="h5netcdf")`, `group="gauges/middle"`) see labelled axes.
+//! - `/fronts` is one compound dataset, one row a front, with a column `arrival_<gauge>` for each gauge; the scale
+//!   `/front` numbers its rows (without one, xarray warns about an unnamed dimension).
+//! - `/ledger`, `/ends/<side>`, `/gauges/<name>`, `/audit` and `/material/<name>` are groups of one-dimensional columns.
+//! - NaN means "not there": fields that were never reached by the writer, fronts that could not be followed.
+//!
+//! # When is it complete
+//! The file is built under a temporary name beside its final one (`.OUT.h5.<pid>.tmp`): attributes, axes, materials,
+//! empty datasets. Only then does it take its final name, in one step, replacing an older result. So a start that
+//! fails leaves an older result alone and nothing under the final name, and from then on the final name always holds
+//! a file that opens, with `outcome = "running"` until [`Writer::finish`] writes the true outcome as its last act.
+//! A killed run therefore leaves its frames where the user looks for them: all that were flushed, which is every
+//! chunk when it is full and whatever there is about once a second.
+//!
+//! # Threads
+//! libhdf5 has one global lock, so one thread writes. [`Writer`] is its sending end: frames and traces go through a
+//! bounded channel, compression runs beside the stepping, and a solver that is faster than the disk waits.
+
+mod compound;
+mod read;
+mod scales;
+mod write;
+
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+pub use read::{Facts, Gauge, ResultFile};
+
+use super::{AuditRow, Compression, ErrorFigure, Field, Frame, FrontRow, LedgerRow, MaterialRecord, Precision, Trace};
+use crate::error::{Error, Result};
+use write::Sink;
+
+/// Version of the file's layout, in the root attribute `format_version`.
+pub const FORMAT_VERSION: u32 = 1;
+
+/// The value of the root attribute `outcome` until a run ends.
+pub const RUNNING: &str = "running";
+
+/// Longest time for which a finished frame stays only in memory.
+const FLUSH_EVERY: Duration = Duration::from_secs(1);
+
+/// Memory that frames waiting in the channel may take, bytes.
+const QUEUE_BYTES: usize = 64 << 20;
+
+/// The commit that this program was built from, where it was built inside its own repository; "+" marks local changes.
+pub fn git_revision() -> Option<&'static str> {
+    option_env!("BARWAVE_GIT_REVISION")
+}
+
+/// What the root attributes say of a run before its first step.
+#[derive(Debug, Clone, Default)]
+pub struct Header {
+    /// For people.
+    pub title: String,
+    /// The scene file's exact text.
+    pub scene: String,
+    /// JSON with every default filled in.
+    pub scene_resolved: String,
+    /// Overrides (`--set`), as typed.
+    pub overrides: Vec<String>,
+    /// Effects that are simulated.
+    pub effects: Vec<String>,
+    /// "fd" or "moc".
+    pub method: String,
+    /// "leapfrog", ...
+    pub scheme: String,
+    /// m/s; none where the data hold none.
+    pub critical_velocity: Option<f64>,
+}
+
+/// What the file holds and how.
+#[derive(Debug, Clone)]
+pub struct Layout {
+    /// Sample positions of the fields, m from the left end; `n_x` of them.
+    pub x: Vec<f64>,
+    /// Fields, in the order of the rows of every [`Frame`].
+    pub fields: Vec<Field>,
+    /// How many frames are expected, where known: small runs get small chunks.
+    pub frames: Option<usize>,
+    /// Gauges: name and place, m.
+    pub gauges: Vec<(String, f64)>,
+    /// Numbers of the fields (axes, traces and ledger are always 8 bytes).
+    pub precision: Precision,
+    /// Compression of the fields, traces and ledger.
+    pub compression: Compression,
+    /// Energies are J and momenta N s where true, per m^2 where false.
+    pub area_given: bool,
+}
+
+/// An end of the bar.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Side {
+    /// x = 0.
+    Left,
+    /// x = length.
+    Right,
+}
+
+impl Side {
+    /// Name of the group under `/ends`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Left => "left",
+            Self::Right => "right",
+        }
+    }
+}
+
+/// What is known when a run ends; written as root attributes.
+#[derive(Debug, Clone, Default)]
+pub struct Finish {
+    /// Whole run, s.
+    pub wall_seconds: f64,
+    /// Stepping alone, s.
+    pub step_wall_seconds: f64,
+    /// Cells (0 where the method has none).
+    pub cells: u64,
+    /// Time steps.
+    pub steps: u64,
+    /// Front collisions.
+    pub events: u64,
+    /// Cells times steps, as they were computed.
+    pub cell_steps: u64,
+    /// Why a run stopped that could not go on.
+    pub reason: Option<String>,
+    /// Error against a reference, where there is one.
+    pub error: Option<ErrorFigure>,
+}
+
+/// The writing end of a result file.
+///
+/// Every method hands its data to the writing thread; an error of that thread (a full disk, say) comes back from the
+/// next call. Dropping a writer without [`Writer::finish`] flushes what it was given and leaves `outcome = "running"`.
+#[derive(Debug)]
+pub struct Writer {
+    path: PathBuf,
+    sender: Option<SyncSender<Message>>,
+    thread: Option<JoinHandle<Result<()>>>,
+}
+
+/// What goes to the writing thread.
+#[derive(Debug)]
+enum Message {
+    Frame(Frame),
+    Gauge(usize, Trace),
+    End(Side, Trace),
+    Ledger(LedgerRow),
+    Finish(Box<Ending>),
+}
+
+/// Everything that [`Writer::finish`] writes.
+#[derive(Debug)]
+struct Ending {
+    outcome: String,
+    fronts: Vec<FrontRow>,
+    audit: Vec<AuditRow>,
+    figures: Finish,
+}
+
+impl Writer {
+    /// Starts a result file: builds it under a temporary name, gives it its final one, and starts the writing thread.
+    /// Missing folders are made.
+    ///
+    /// # Errors
+    /// [`Error::File`] where the file cannot be made or replaced; an older file is then untouched.
+    pub fn create(path: &Path, header: &Header, layout: &Layout, materials: &[MaterialRecord]) -> Result<Self> {
+        let sink = Sink::create(path, header, layout, materials)?;
+        let frame_bytes = 8 * (layout.x.len() * layout.fields.len()).max(1);
+        let (sender, receiver) = sync_channel((QUEUE_BYTES / frame_bytes).clamp(2, 256));
+        let thread = std::thread::Builder::new()
+            .name("result file".into())
+            .spawn(move || serve(sink, &receiver))
+            .map_err(|e| Error::file(path, e))?;
+        Ok(Self { path: path.to_owned(), sender: Some(sender), thread: Some(thread) })
+    }
+
+    /// Where the file is.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Adds a frame; frames come in the order of time.
+    pub fn frame(&mut self, frame: Frame) -> Result<()> {
+        self.send(Message::Frame(frame))
+    }
+
+    /// Adds rows to the gauge at `index` of the layout.
+    pub fn gauge(&mut self, index: usize, trace: Trace) -> Result<()> {
+        self.send(Message::Gauge(index, trace))
+    }
+
+    /// Adds rows to the history of an end (its `strain` is not kept).
+    pub fn end(&mut self, side: Side, trace: Trace) -> Result<()> {
+        self.send(Message::End(side, trace))
+    }
+
+    /// Adds a row to the ledger.
+    pub fn ledger(&mut self, row: LedgerRow) -> Result<()> {
+        self.send(Message::Ledger(row))
+    }
+
+    /// Writes what is known only at the end, then the outcome, and closes the file.
+    pub fn finish(mut self, outcome: &str, fronts: &[FrontRow], audit: &[AuditRow], figures: Finish) -> Result<()> {
+        let ending = Ending { outcome: outcome.into(), fronts: fronts.into(), audit: audit.into(), figures };
+        self.send(Message::Finish(Box::new(ending)))?;
+        self.join()
+    }
+
+    fn send(&mut self, message: Message) -> Result<()> {
+        match self.sender.as_ref().map(|s| s.send(message)) {
+            Some(Ok(())) => Ok(()),
+            // The thread is gone, and its result says why.
+            _ => self.join().and_then(|()| Err(Error::file(&self.path, "the file is closed already"))),
+        }
+    }
+
+    fn join(&mut self) -> Result<()> {
+        drop(self.sender.take());
+        match self.thread.take().map(JoinHandle::join) {
+            Some(Ok(result)) => result,
+            Some(Err(_)) => Err(Error::file(&self.path, "the writing thread broke off")),
+            None => Ok(()),
+        }
+    }
+}
+
+impl Drop for Writer {
+    fn drop(&mut self) {
+        // Nobody is left to hear of an error here; what was flushed before it is in the file.
+        let _ = self.join();
+    }
+}
+
+/// The writing thread: takes messages until the end, flushing full chunks at once and the rest in time.
+fn serve(mut sink: Sink, messages: &Receiver<Message>) -> Result<()> {
+    let mut next_flush = Instant::now() + FLUSH_EVERY;
+    loop {
+        match messages.recv_timeout(next_flush.saturating_duration_since(Instant::now())) {
+            Ok(Message::Finish(ending)) => return sink.finish(&ending),
+            Ok(message) => sink.take(message)?,
+            Err(RecvTimeoutError::Disconnected) => return sink.flush(),
+            Err(RecvTimeoutError::Timeout) => {}
+        }
+        if Instant::now() >= next_flush {
+            sink.flush()?;
+            next_flush = Instant::now() + FLUSH_EVERY;
+        }
+    }
+}

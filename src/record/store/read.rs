@@ -1,0 +1,386 @@
+//! The reading side: everything that a result file holds, as plain data. It reads unfinished files too.
+
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use hdf5::types::VarLenUnicode;
+use hdf5::{File, Group, H5Type, Location};
+use ndarray::{Array2, s};
+
+use super::compound::{self, Column, Values};
+use super::{FORMAT_VERSION, RUNNING, Side};
+use crate::error::{Error, InputError, Result};
+use crate::material::Provenance;
+use crate::record::{AuditRow, ErrorFigure, Field, FrontRow, LedgerRow, MaterialRecord, Trace};
+
+type Hdf<T> = hdf5::Result<T>;
+
+/// An open result file. Attributes are read at once, data when asked for.
+#[derive(Debug)]
+pub struct ResultFile {
+    path: PathBuf,
+    file: File,
+    facts: Facts,
+}
+
+/// The root attributes.
+#[derive(Debug, Clone, Default)]
+pub struct Facts {
+    /// Version of the program that wrote the file.
+    pub program_version: String,
+    /// The commit it was built from, where known.
+    pub git_revision: Option<String>,
+    /// When the run started, ISO 8601 UTC.
+    pub created: String,
+    /// For people.
+    pub title: String,
+    /// The scene's exact text.
+    pub scene: String,
+    /// JSON with every default filled in.
+    pub scene_resolved: String,
+    /// Overrides, as typed.
+    pub overrides: Vec<String>,
+    /// Effects that were simulated.
+    pub effects: Vec<String>,
+    /// "fd" or "moc".
+    pub method: String,
+    /// "leapfrog", ...
+    pub scheme: String,
+    /// "done", "running", ...
+    pub outcome: String,
+    /// Why a run stopped that could not go on.
+    pub reason: Option<String>,
+    /// "J" or "J/m^2".
+    pub energy_units: String,
+    /// m/s.
+    pub critical_velocity: Option<f64>,
+    /// Whole run, s; none in an unfinished file, like all that follow.
+    pub wall_seconds: Option<f64>,
+    /// Stepping alone, s.
+    pub step_wall_seconds: Option<f64>,
+    /// Cells.
+    pub cells: Option<u64>,
+    /// Time steps.
+    pub steps: Option<u64>,
+    /// Front collisions.
+    pub events: Option<u64>,
+    /// Cells times steps.
+    pub cell_steps: Option<u64>,
+    /// Error against a reference.
+    pub error: Option<ErrorFigure>,
+}
+
+impl Facts {
+    /// True until the run ended: the file of a run that goes on, or was killed.
+    pub fn is_unfinished(&self) -> bool {
+        self.outcome == RUNNING
+    }
+}
+
+/// A history at a place on the bar.
+#[derive(Debug, Clone)]
+pub struct Gauge {
+    /// As the scene names it.
+    pub name: String,
+    /// m from the left end.
+    pub x: f64,
+    /// The history.
+    pub trace: Trace,
+}
+
+impl ResultFile {
+    /// Opens a result file.
+    ///
+    /// # Errors
+    /// [`InputError`] where the file is missing, no result file, or of a layout that this program does not know.
+    pub fn open(path: &Path) -> Result<Self> {
+        if !path.is_file() {
+            return Err(wrong(path, "there is no such file", "name a result file that `barwave run` wrote").into());
+        }
+        let file = File::open(path).map_err(|e| cannot_open(path, &e))?;
+        let format: Hdf<String> = get_text(&file, "format");
+        if format.ok().as_deref() != Some("barwave") {
+            return Err(wrong(
+                path,
+                "this HDF5 file is not a barwave result",
+                "result files have the root attribute format = \"barwave\"",
+            )
+            .into());
+        }
+        match get::<u32>(&file, "format_version") {
+            Ok(FORMAT_VERSION) => {}
+            found => {
+                let found = found.map_or("missing".into(), |v| v.to_string());
+                let message = format!("the file's format_version is {found}, and this program reads {FORMAT_VERSION}");
+                return Err(
+                    wrong(path, &message, "use the program version that wrote it, or run its scene again").into()
+                );
+            }
+        }
+        let facts = read_facts(&file).map_err(|e| Error::file(path, e))?;
+        Ok(Self { path: path.to_owned(), file, facts })
+    }
+
+    /// Where the file is.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The root attributes.
+    pub fn facts(&self) -> &Facts {
+        &self.facts
+    }
+
+    /// Frame times, s; in a file that was cut off, of the frames that every field has.
+    pub fn time(&self) -> Result<Vec<f64>> {
+        self.run(|file| {
+            let mut time: Vec<f64> = file.dataset("time")?.read_raw()?;
+            for field in present(file) {
+                time.truncate(file.dataset(field.name())?.shape()[0]);
+            }
+            Ok(time)
+        })
+    }
+
+    /// Sample positions, m.
+    pub fn x(&self) -> Result<Vec<f64>> {
+        self.run(|file| file.dataset("x")?.read_raw())
+    }
+
+    /// Fields in the file.
+    pub fn fields(&self) -> Vec<Field> {
+        present(&self.file)
+    }
+
+    /// Frames `rows` of a field, shape (rows, `n_x`).
+    pub fn field(&self, field: Field, rows: Range<usize>) -> Result<Array2<f64>> {
+        self.run(|file| file.dataset(field.name())?.read_slice_2d(s![rows.start..rows.end, ..]))
+    }
+
+    /// Gauges, in the scene's order.
+    pub fn gauges(&self) -> Result<Vec<Gauge>> {
+        self.run(|file| {
+            gauge_groups(file)?
+                .iter()
+                .map(|(_, group)| {
+                    Ok(Gauge { name: get_text(group, "name")?, x: get(group, "x")?, trace: read_trace(group)? })
+                })
+                .collect()
+        })
+    }
+
+    /// History of an end.
+    pub fn end(&self, side: Side) -> Result<Trace> {
+        self.run(|file| read_trace(&file.group(&format!("ends/{}", side.name()))?))
+    }
+
+    /// The ledger.
+    pub fn ledger(&self) -> Result<Vec<LedgerRow>> {
+        self.run(|file| read_ledger(&file.group("ledger")?))
+    }
+
+    /// Fronts; empty in an unfinished file.
+    pub fn fronts(&self) -> Result<Vec<FrontRow>> {
+        self.run(|file| {
+            if !file.link_exists("fronts") {
+                return Ok(Vec::new());
+            }
+            let gauges: Vec<String> = gauge_groups(file)?.into_iter().map(|(link, _)| link).collect();
+            Ok(fronts_from(&compound::read(&file.dataset("fronts")?)?, &gauges))
+        })
+    }
+
+    /// Neglected effects; empty in an unfinished file.
+    pub fn audit(&self) -> Result<Vec<AuditRow>> {
+        self.run(|file| if file.link_exists("audit") { read_audit(&file.group("audit")?) } else { Ok(Vec::new()) })
+    }
+
+    /// Curves as the run used them.
+    pub fn materials(&self) -> Result<Vec<MaterialRecord>> {
+        self.run(|file| {
+            let group = file.group("material")?;
+            group.member_names()?.iter().map(|name| read_material(&group.group(name)?)).collect()
+        })
+    }
+
+    fn run<T>(&self, read: impl FnOnce(&File) -> Hdf<T>) -> Result<T> {
+        read(&self.file).map_err(|e| Error::file(&self.path, e))
+    }
+}
+
+fn wrong(path: &Path, message: &str, help: &str) -> InputError {
+    InputError::new(format!("{}: {message}", path.display())).help(help)
+}
+
+fn cannot_open(path: &Path, error: &hdf5::Error) -> InputError {
+    let said = error.to_string();
+    if said.contains("lock") {
+        return wrong(path, "the file is locked by the run that writes it", "wait until the run has ended");
+    }
+    if said.contains("truncated") {
+        return wrong(
+            path,
+            "the file was cut off while it was copied or written",
+            "copy it again, or run its scene again",
+        );
+    }
+    wrong(path, "this is not an HDF5 file", "name a result file that `barwave run` wrote")
+}
+
+fn read_facts(file: &File) -> Hdf<Facts> {
+    Ok(Facts {
+        program_version: get_text(file, "program_version")?,
+        git_revision: get_text(file, "git_revision").ok(),
+        created: get_text(file, "created")?,
+        title: get_text(file, "title")?,
+        scene: get_text(file, "scene")?,
+        scene_resolved: get_text(file, "scene_resolved")?,
+        overrides: get_texts(file, "overrides")?,
+        effects: get_texts(file, "effects")?,
+        method: get_text(file, "method")?,
+        scheme: get_text(file, "scheme")?,
+        outcome: get_text(file, "outcome")?,
+        reason: get_text(file, "reason").ok(),
+        energy_units: get_text(file, "energy_units")?,
+        critical_velocity: get(file, "critical_velocity").ok(),
+        wall_seconds: get(file, "wall_seconds").ok(),
+        step_wall_seconds: get(file, "step_wall_seconds").ok(),
+        cells: get(file, "cells").ok(),
+        steps: get(file, "steps").ok(),
+        events: get(file, "events").ok(),
+        cell_steps: get(file, "cell_steps").ok(),
+        error: read_error(file).ok(),
+    })
+}
+
+fn read_error(file: &File) -> Hdf<ErrorFigure> {
+    Ok(ErrorFigure {
+        value: get(file, "error_value")?,
+        measure: get_text(file, "error_measure")?,
+        reference: get_text(file, "error_reference")?,
+    })
+}
+
+fn present(file: &File) -> Vec<Field> {
+    Field::ALL.into_iter().filter(|field| file.link_exists(field.name())).collect()
+}
+
+/// Gauge groups with their link names, in the scene's order (links are kept in alphabetical order).
+fn gauge_groups(file: &File) -> Hdf<Vec<(String, Group)>> {
+    let gauges = file.group("gauges")?;
+    let mut groups = Vec::new();
+    for name in gauges.member_names()? {
+        let group = gauges.group(&name)?;
+        groups.push((get::<u32>(&group, "index")?, name, group));
+    }
+    groups.sort_by_key(|(index, ..)| *index);
+    Ok(groups.into_iter().map(|(_, name, group)| (name, group)).collect())
+}
+
+fn column(group: &Group, name: &str) -> Hdf<Vec<f64>> {
+    if group.link_exists(name) { group.dataset(name)?.read_raw() } else { Ok(Vec::new()) }
+}
+
+fn read_trace(group: &Group) -> Hdf<Trace> {
+    let mut trace = Trace {
+        time: column(group, "time")?,
+        stress: column(group, "stress")?,
+        strain: column(group, "strain")?,
+        velocity: column(group, "velocity")?,
+    };
+    // Only a file that was cut off in the middle of a flush has columns of different lengths.
+    let rows = trace.time.len().min(trace.stress.len()).min(trace.velocity.len());
+    for values in [&mut trace.time, &mut trace.stress, &mut trace.strain, &mut trace.velocity] {
+        values.truncate(rows);
+    }
+    Ok(trace)
+}
+
+fn read_ledger(group: &Group) -> Hdf<Vec<LedgerRow>> {
+    let names = ["time", "kinetic", "elastic", "plastic", "work_left", "work_right", "momentum", "impulse", "residual"];
+    let columns = names.iter().map(|name| column(group, name)).collect::<Hdf<Vec<_>>>()?;
+    let rows = columns.iter().map(Vec::len).min().unwrap_or(0);
+    let row = |i: usize| LedgerRow {
+        time: columns[0][i],
+        kinetic: columns[1][i],
+        elastic: columns[2][i],
+        plastic: columns[3][i],
+        work_left: columns[4][i],
+        work_right: columns[5][i],
+        momentum: columns[6][i],
+        impulse: columns[7][i],
+        residual: columns[8][i],
+    };
+    Ok((0..rows).map(row).collect())
+}
+
+fn fronts_from(columns: &[Column], gauges: &[String]) -> Vec<FrontRow> {
+    let values = |name: &str| columns.iter().find(|c| c.name == name).map(|c| &c.values);
+    let number = |name: &str, row: usize| match values(name) {
+        Some(Values::Number(numbers)) => numbers.get(row).copied().unwrap_or(f64::NAN),
+        _ => f64::NAN,
+    };
+    let Some(Values::Text(origins)) = values("origin") else {
+        return Vec::new();
+    };
+    let front = |(row, origin): (usize, &String)| FrontRow {
+        origin: origin.clone(),
+        strain_behind: number("strain_behind", row),
+        strain_ahead: number("strain_ahead", row),
+        stress_behind: number("stress_behind", row),
+        stress_ahead: number("stress_ahead", row),
+        speed: number("speed", row),
+        speed_measured: number("speed_measured", row),
+        position: number("position", row),
+        last_seen: number("last_seen", row),
+        arrivals: gauges.iter().map(|gauge| number(&format!("arrival_{gauge}"), row)).collect(),
+    };
+    origins.iter().enumerate().map(front).collect()
+}
+
+fn read_audit(group: &Group) -> Hdf<Vec<AuditRow>> {
+    let texts = |name: &str| -> Hdf<Vec<VarLenUnicode>> { group.dataset(name)?.read_raw() };
+    let (effects, messages) = (texts("effect")?, texts("message")?);
+    let (estimates, thresholds) = (column(group, "estimate")?, column(group, "threshold")?);
+    let rows = effects.iter().zip(&messages).zip(estimates.iter().zip(&thresholds));
+    Ok(rows
+        .map(|((effect, message), (&estimate, &threshold))| AuditRow {
+            effect: effect.to_string(),
+            estimate,
+            threshold,
+            message: message.to_string(),
+        })
+        .collect())
+}
+
+fn read_material(group: &Group) -> Hdf<MaterialRecord> {
+    Ok(MaterialRecord {
+        name: get_text(group, "name")?,
+        strain: column(group, "strain")?,
+        stress: column(group, "stress")?,
+        density: get(group, "density")?,
+        modulus: get(group, "modulus")?,
+        provenance: Provenance {
+            citation: get_text(group, "citation")?,
+            measured: get_text(group, "measured")?,
+            confidence: get_text(group, "confidence")?,
+            origin: get_text(group, "origin")?,
+        },
+    })
+}
+
+fn get<T: H5Type>(location: &Location, name: &str) -> Hdf<T> {
+    location.attr(name)?.read_scalar()
+}
+
+fn get_text(location: &Location, name: &str) -> Hdf<String> {
+    Ok(get::<VarLenUnicode>(location, name)?.to_string())
+}
+
+fn get_texts(location: &Location, name: &str) -> Hdf<Vec<String>> {
+    let attribute = location.attr(name)?;
+    if attribute.size() == 0 {
+        return Ok(Vec::new());
+    }
+    Ok(attribute.read_raw::<VarLenUnicode>()?.iter().map(ToString::to_string).collect())
+}

@@ -1,0 +1,95 @@
+//! HDF5 dimension scales, written attribute by attribute (the library's own helpers are in its high-level part, which
+//! is not linked in). The layout is that of the HDF5 dimension scale specification: `CLASS` and `NAME` on the scale,
+//! `DIMENSION_LIST` on the data, `REFERENCE_LIST` back on the scale.
+#![allow(unsafe_code)]
+
+use std::ffi::CString;
+
+use hdf5::types::VarLenArray;
+use hdf5::{Dataset, Group, Location, ObjectReference1, Result};
+use hdf5_sys::h5a::{H5Aclose, H5Acreate2, H5Awrite};
+use hdf5_sys::h5p::H5P_DEFAULT;
+use hdf5_sys::h5s::{H5S_class_t, H5Sclose, H5Screate};
+use hdf5_sys::h5t::{H5Tclose, H5Tcopy, H5Tset_size};
+
+/// An entry of `REFERENCE_LIST`: a dataset, and which of its dimensions the scale labels.
+#[derive(hdf5::H5Type, Clone, Copy)]
+#[repr(C)]
+struct BackReference {
+    dataset: ObjectReference1,
+    dimension: i32,
+}
+
+/// Makes the datasets `scales` of a group label the dimensions of the datasets `data`, first scale first dimension.
+/// A dataset has as many dimensions as there are scales. Called once for a group: every scale gets its whole list.
+pub(super) fn attach(group: &Group, scales: &[&str], data: &[&str]) -> Result<()> {
+    for scale in scales {
+        let dataset = group.dataset(scale)?;
+        null_terminated_attribute(&dataset, "CLASS", "DIMENSION_SCALE")?;
+        null_terminated_attribute(&dataset, "NAME", scale)?;
+    }
+    if data.is_empty() {
+        return Ok(());
+    }
+    label(group, scales, data)?;
+    refer_back(group, scales, data)
+}
+
+fn label(group: &Group, scales: &[&str], data: &[&str]) -> Result<()> {
+    let mut lists = Vec::with_capacity(scales.len());
+    for scale in scales {
+        lists.push(VarLenArray::from_slice(&[group.reference::<ObjectReference1>(scale)?]));
+    }
+    for name in data {
+        let dataset = group.dataset(name)?;
+        let attribute =
+            dataset.new_attr::<VarLenArray<ObjectReference1>>().shape(scales.len()).create("DIMENSION_LIST")?;
+        attribute.write_raw(&lists)?;
+    }
+    Ok(())
+}
+
+fn refer_back(group: &Group, scales: &[&str], data: &[&str]) -> Result<()> {
+    for (dimension, scale) in (0_i32..).zip(scales) {
+        let mut list = Vec::with_capacity(data.len());
+        for name in data {
+            list.push(BackReference { dataset: group.reference(name)?, dimension });
+        }
+        let dataset = group.dataset(scale)?;
+        dataset.new_attr::<BackReference>().shape(list.len()).create("REFERENCE_LIST")?.write_raw(&list)?;
+    }
+    Ok(())
+}
+
+/// Writes a fixed-length text attribute that ends with a zero byte. Readers know a scale only by such a `CLASS`; the
+/// fixed strings of the safe interface are padded instead.
+fn null_terminated_attribute(location: &Location, name: &str, value: &str) -> Result<()> {
+    let to_c = |s: &str| CString::new(s).map_err(|e| hdf5::Error::from(e.to_string()));
+    let (name, value) = (to_c(name)?, to_c(value)?);
+    let size = value.as_bytes_with_nul().len();
+    // SAFETY: every id is made here, checked, and closed here; `value` has `size` bytes, which is what the type says.
+    let written = hdf5::sync::sync(|| unsafe {
+        let text = H5Tcopy(*hdf5::globals::H5T_C_S1);
+        let space = H5Screate(H5S_class_t::H5S_SCALAR);
+        let sized = H5Tset_size(text, size);
+        let attribute = H5Acreate2(location.id(), name.as_ptr(), text, space, H5P_DEFAULT, H5P_DEFAULT);
+        let written = if sized < 0 || attribute < 0 { -1 } else { H5Awrite(attribute, text, value.as_ptr().cast()) };
+        if attribute >= 0 {
+            H5Aclose(attribute);
+        }
+        H5Sclose(space);
+        H5Tclose(text);
+        written
+    });
+    hdf5::h5check(written).map(|_| ())
+}
+
+/// A one-dimensional dataset numbering `rows` rows from 0, for tables whose rows have no coordinate of their own.
+pub(super) fn numbering(group: &Group, name: &str, rows: usize) -> Result<Dataset> {
+    let numbers: Vec<i64> = (0..rows as i64).collect();
+    let dataset = group.new_dataset::<i64>().shape(rows).create(name)?;
+    if rows > 0 {
+        dataset.write_raw(&numbers)?;
+    }
+    Ok(dataset)
+}

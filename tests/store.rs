@@ -1,0 +1,236 @@
+//! The result file: what goes in comes out, whatever way the writing ends.
+
+use std::path::Path;
+
+use barwave::error::Error;
+use barwave::material::Provenance;
+use barwave::record::store::{Finish, Header, Layout, RUNNING, ResultFile, Side, Writer};
+use barwave::record::{
+    AuditRow, Compression, ErrorFigure, Field, Frame, FrontRow, LedgerRow, MaterialRecord, Precision, Trace,
+};
+
+const SPEED: f64 = 5000.0;
+const CELLS: usize = 300;
+const FRAMES: usize = 150;
+
+/// A stress step that travels to the right: stress -100 MPa behind, velocity 2 m/s behind.
+fn frame(index: usize, x: &[f64]) -> Frame {
+    let time = index as f64 * 1e-6;
+    let behind = |x: f64| x <= SPEED * time;
+    let step = |value: f64| x.iter().map(|&x| if behind(x) { value } else { 0.0 }).collect::<Vec<_>>();
+    Frame { time, rows: vec![step(-100e6), step(2.0)] }
+}
+
+fn layout() -> Layout {
+    Layout {
+        x: (0..CELLS).map(|i| (i as f64 + 0.5) / CELLS as f64).collect(),
+        fields: vec![Field::Stress, Field::Velocity],
+        frames: Some(FRAMES),
+        gauges: vec![("middle".into(), 0.5), ("far/end".into(), 0.9)],
+        precision: Precision::F64,
+        compression: Compression::Deflate,
+        area_given: true,
+    }
+}
+
+fn header() -> Header {
+    Header {
+        title: "A step".into(),
+        scene: "title = \"A step\" # Stoßwelle\n".into(),
+        scene_resolved: "{}".into(),
+        overrides: vec![],
+        effects: vec!["unloading".into(), "plasticity".into()],
+        method: "fd".into(),
+        scheme: "leapfrog".into(),
+        critical_velocity: Some(44.5),
+    }
+}
+
+fn material() -> MaterialRecord {
+    MaterialRecord {
+        name: "copper".into(),
+        strain: vec![0.0, 0.001, 0.2],
+        stress: vec![0.0, 100e6, 300e6],
+        density: 8930.0,
+        modulus: 100e9,
+        provenance: Provenance { citation: "somebody, 1950".into(), ..Provenance::default() },
+    }
+}
+
+fn front() -> FrontRow {
+    FrontRow {
+        origin: "left".into(),
+        strain_behind: -8e-4,
+        strain_ahead: 0.0,
+        stress_behind: -100e6,
+        stress_ahead: 0.0,
+        speed: SPEED,
+        speed_measured: 4999.0,
+        position: 0.745,
+        last_seen: 149e-6,
+        arrivals: vec![1e-4, f64::NAN],
+    }
+}
+
+fn ledger(index: usize) -> LedgerRow {
+    LedgerRow { time: index as f64 * 1e-6, kinetic: index as f64, residual: 1e-15, ..LedgerRow::default() }
+}
+
+fn trace(index: usize) -> Trace {
+    let n = index as f64;
+    Trace { time: vec![n * 1e-6], stress: vec![-n], strain: vec![n * 1e-9], velocity: vec![2.0 * n] }
+}
+
+/// Writes `frames` frames with their traces and ledger rows.
+fn start(path: &Path, layout: &Layout, frames: usize) -> Writer {
+    let mut writer = Writer::create(path, &header(), layout, &[material()]).unwrap();
+    for index in 0..frames {
+        writer.frame(frame(index, &layout.x)).unwrap();
+        writer.gauge(0, trace(index)).unwrap();
+        writer.gauge(1, trace(index)).unwrap();
+        writer.end(Side::Left, trace(index)).unwrap();
+        writer.ledger(ledger(index)).unwrap();
+    }
+    writer
+}
+
+fn audit() -> AuditRow {
+    AuditRow { effect: "heat".into(), estimate: 3.0, threshold: 10.0, message: "3 K warmer".into() }
+}
+
+fn finish(writer: Writer) {
+    let error = ErrorFigure { value: 1e-3, measure: "relative L1".into(), reference: "exact".into() };
+    let figures = Finish { wall_seconds: 1.5, cell_steps: 12_345, error: Some(error), ..Finish::default() };
+    writer.finish("done", &[front()], &[audit()], figures).unwrap();
+}
+
+fn assert_frames(file: &ResultFile, layout: &Layout, frames: usize) {
+    let time = file.time().unwrap();
+    assert_eq!(time.len(), frames);
+    let stress = file.field(Field::Stress, 0..frames).unwrap();
+    let velocity = file.field(Field::Velocity, 0..frames).unwrap();
+    assert_eq!(stress.dim(), (frames, layout.x.len()));
+    for (index, &time) in time.iter().enumerate() {
+        let expected = frame(index, &layout.x);
+        assert_eq!(time, expected.time);
+        assert_eq!(stress.row(index).to_vec(), expected.rows[0]);
+        assert_eq!(velocity.row(index).to_vec(), expected.rows[1]);
+    }
+}
+
+#[test]
+fn a_finished_file_gives_everything_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("deep/er/step.h5");
+    let layout = layout();
+    finish(start(&path, &layout, FRAMES));
+
+    let file = ResultFile::open(&path).unwrap();
+    assert_frames(&file, &layout, FRAMES);
+    assert_eq!(file.x().unwrap(), layout.x);
+    assert_eq!(file.fields(), layout.fields);
+    let facts = file.facts();
+    assert_eq!((facts.outcome.as_str(), facts.is_unfinished()), ("done", false));
+    assert_eq!((&facts.scene, &facts.effects), (&header().scene, &header().effects));
+    assert_eq!(facts.critical_velocity, Some(44.5));
+    assert_eq!((facts.wall_seconds, facts.cell_steps), (Some(1.5), Some(12_345)));
+    assert_eq!(facts.error.as_ref().unwrap().value, 1e-3);
+    assert_eq!(facts.energy_units, "J");
+
+    let gauges = file.gauges().unwrap();
+    assert_eq!(gauges.iter().map(|g| (g.name.as_str(), g.x)).collect::<Vec<_>>(), [("middle", 0.5), ("far/end", 0.9)]);
+    assert_eq!(gauges[0].trace.stress, (0..FRAMES).map(|n| -(n as f64)).collect::<Vec<_>>());
+    let left = file.end(Side::Left).unwrap();
+    assert_eq!((left.velocity[3], left.strain.len()), (6.0, 0));
+    assert_eq!(file.end(Side::Right).unwrap().time.len(), 0);
+    assert_eq!(file.ledger().unwrap(), (0..FRAMES).map(ledger).collect::<Vec<_>>());
+    assert_eq!(file.audit().unwrap(), [audit()]);
+    assert_eq!(file.materials().unwrap(), [material()]);
+
+    let fronts = file.fronts().unwrap();
+    assert_eq!((fronts.len(), fronts[0].origin.as_str()), (1, "left"));
+    assert_eq!((fronts[0].speed_measured, fronts[0].arrivals[0]), (4999.0, 1e-4));
+    assert!(fronts[0].arrivals[1].is_nan());
+}
+
+#[test]
+fn nothing_but_the_result_is_left_in_the_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    finish(start(&folder.path().join("step.h5"), &layout(), 3));
+    let names: Vec<_> = std::fs::read_dir(folder.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
+    assert_eq!(names, ["step.h5"]);
+}
+
+#[test]
+fn a_dropped_writer_leaves_every_frame_and_says_running() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("dropped.h5");
+    let layout = layout();
+    drop(start(&path, &layout, 70)); // one full chunk of 64 and a part of the next
+
+    let file = ResultFile::open(&path).unwrap();
+    assert_eq!(file.facts().outcome, RUNNING);
+    assert!(file.facts().is_unfinished());
+    assert_frames(&file, &layout, 70);
+    assert!(file.fronts().unwrap().is_empty());
+    assert!(file.audit().unwrap().is_empty());
+    assert_eq!(file.facts().wall_seconds, None);
+}
+
+#[test]
+fn other_numbers_and_compressions_read_alike() {
+    let folder = tempfile::tempdir().unwrap();
+    for compression in [Compression::Lzf, Compression::None, Compression::Deflate] {
+        let path = folder.path().join("step.h5");
+        let layout = Layout { compression, precision: Precision::F32, ..layout() };
+        finish(start(&path, &layout, FRAMES));
+        // -100e6 and 2 are exact in 4 bytes, so the comparison stays exact.
+        assert_frames(&ResultFile::open(&path).unwrap(), &layout, FRAMES);
+    }
+}
+
+#[test]
+fn a_start_that_fails_leaves_the_older_result_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("step.h5");
+    finish(start(&path, &layout(), 5));
+    let before = std::fs::read(&path).unwrap();
+
+    let mut twice = layout();
+    twice.fields = vec![Field::Stress, Field::Stress];
+    let error = Writer::create(&path, &header(), &twice, &[]).unwrap_err();
+    assert!(matches!(error, Error::File { .. }), "{error}");
+    assert_eq!(std::fs::read(&path).unwrap(), before);
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+}
+
+#[test]
+fn a_folder_or_a_file_in_the_way_is_an_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let error = Writer::create(folder.path(), &header(), &layout(), &[]).unwrap_err();
+    assert!(error.to_string().contains("this is a folder"), "{error}");
+    std::fs::write(folder.path().join("taken"), "").unwrap();
+    assert!(Writer::create(&folder.path().join("taken/step.h5"), &header(), &layout(), &[]).is_err());
+}
+
+#[test]
+fn a_frame_that_does_not_fit_is_an_error_of_a_later_call() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut writer = start(&folder.path().join("step.h5"), &layout(), 1);
+    let _ = writer.frame(Frame { time: 1.0, rows: vec![vec![0.0; 3]] });
+    let error = writer.finish("done", &[], &[], Finish::default()).unwrap_err();
+    assert!(error.to_string().contains("does not fit 2 fields of 300 samples"), "{error}");
+}
+
+#[test]
+fn what_is_no_result_file_is_a_clear_input_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("x.h5");
+    let complaint = |path: &Path| match ResultFile::open(path).unwrap_err() {
+        Error::Input(error) => error.to_string(),
+        other => panic!("{other}"),
+    };
+    assert!(complaint(&path).contains("there is no such file"));
+    std::fs::write(&path, "not HDF5").unwrap();
+    assert!(complaint(&path).contains("this is not an HDF5 file"), "{}", complaint(&path));
+}

@@ -183,10 +183,13 @@ impl Document {
             return self.missing_key(span, &key, name);
         }
         let tidy = message.trim().replace('\n', "; ");
+        if message.starts_with("duplicate key") {
+            let twice = self.text.get(span.clone()).unwrap_or_default().trim().to_owned();
+            return self.error(span, &twice, "the key stands twice").help("keep one of the two");
+        }
         let wrong_type = message.starts_with("invalid type") || message.starts_with("invalid value");
         let help = match (wrong_type, message.split_once("expected ")) {
             (true, Some((_, expected))) => format!("write {} here", expected.trim()),
-            _ if message.contains("duplicate key") => "keep one of the two".into(),
             _ => "texts stand in \"quotes\", tables in [brackets], one `key = value` a line".into(),
         };
         self.error(span, &key, tidy).help(help)

@@ -52,6 +52,16 @@ const fn case(
     Case { from, to, line, key, parts }
 }
 
+/// The material's line.
+const MATERIAL: &str = r#"material = { name = "steel", density = "7800 kg/m^3", modulus = "200 GPa", beyond = "extend", curve = { table = [[0.001, "200 MPa"], [0.1, "400 MPa"]] } }"#;
+
+/// The whole of `[bar]`.
+const UNIFORM: &str = r#"[bar]
+length = "1 m"
+area = "1 cm^2"
+material = { name = "steel", density = "7800 kg/m^3", modulus = "200 GPa", beyond = "extend", curve = { table = [[0.001, "200 MPa"], [0.1, "400 MPa"]] } }
+"#;
+
 const CASES: &[Case] = &[
     // Words that do not exist: the nearest is named, and what is allowed.
     case(
@@ -247,6 +257,53 @@ const CASES: &[Case] = &[
         "bar.length",
         &["`length` of the whole bar stands beside [[bar.segment]]"],
     ),
+    // Materials, by name and in place.
+    case(MATERIAL, "material = \"copper-anealed\"", "material", "bar.material", &["copper-anealed", "copper-annealed"]),
+    case(MATERIAL, "material = \"./none.toml\"", "material", "bar.material", &["none.toml", "no such file"]),
+    case(
+        "\"7800 kg/m^3\"",
+        "\"-7800 kg/m^3\"",
+        "density",
+        "bar.material.density",
+        &["-7800 kg/m^3 is out of range", "density > 0"],
+    ),
+    case(
+        "modulus =",
+        "modulsu =",
+        "modulsu",
+        "bar.material.modulsu",
+        &["unknown key `modulsu`", "did you mean `modulus`?"],
+    ),
+    // Segments.
+    case(
+        UNIFORM,
+        "[[bar.segment]]\nlength = 1\nmaterial = \"mild-steel\"\njoint = \"contact\"\n[[bar.segment]]\nlength = 1\nmaterial = \"mild-steel\"\n",
+        "contact",
+        "bar.segment.0.joint",
+        &["a joint that can open", "joint = \"bonded\""],
+    ),
+    case(
+        UNIFORM,
+        "[[bar.segment]]\nlength = 1\nmaterial = \"mild-steel\"\narea = 1\n[[bar.segment]]\nlength = 1\nmaterial = \"mild-steel\"\n",
+        "[[bar.segment]]",
+        "bar.segment.1.area",
+        &["some segments state an area", "in every segment, or in none"],
+    ),
+    case(
+        UNIFORM,
+        "[[bar.segment]]\nlength = 1\nmaterial = \"mild-steel\"\nnotch = 0.5\n",
+        "notch",
+        "bar.segment.0.notch",
+        &["does not simulate a notch", "smaller area"],
+    ),
+    case(
+        UNIFORM,
+        "[[bar.segment]]\nlength = 1\nmaterial = \"mild-steel\"\njoint = \"bonded\"\n",
+        "joint",
+        "bar.segment.0.joint",
+        &["no next one"],
+    ),
+    case(UNIFORM, "[bar]\nsegment = []\n", "[bar]", "bar.segment", &["the bar has no segment"]),
     // Words for what this version does not simulate: refused by name, with the way out.
     case(
         "kind = \"free\"",
@@ -279,7 +336,7 @@ const CASES: &[Case] = &[
     case("area =", "mode = \"torsion\"\narea =", "torsion", "bar.mode", &["torsion", "mode = \"axial\""]),
     // No TOML at all.
     case("length = \"1 m\"", "length = 1 m", "length", "", &["help: "]),
-    case("title = ", "title = \"twice\"\ntitle = ", "title", "title", &["duplicate key", "keep one of the two"]),
+    case("title = ", "title = \"twice\"\ntitle = ", "title", "title", &["the key stands twice", "keep one of the two"]),
 ];
 
 fn check(file: &Path) -> Output {
@@ -400,4 +457,18 @@ fn schema_man_pages_and_completions_are_written() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     run(&["man", "--output", folder.path().to_str().expect("UTF-8")]);
     assert!(folder.path().join("barwave-check.1").exists());
+}
+
+/// Annealed copper is the same in tension and compression only in true stress: two engineering curves.
+#[test]
+fn kinematic_hardening_needs_one_curve() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let file = folder.path().join("two.toml");
+    let text = RIGHT.replace(MATERIAL, "material = \"copper-annealed\"").replace("isotropic", "kinematic");
+    std::fs::write(&file, text).expect("written");
+    let output = check(&file);
+    let shown = stderr(&output);
+    assert_eq!(output.status.code(), Some(2), "{shown}");
+    assert!(shown.starts_with("error: `effects.unloading`: kinematic hardening needs one curve"), "{shown}");
+    assert!(shown.contains("help: use unloading = \"isotropic\""), "{shown}");
 }

@@ -139,7 +139,9 @@ impl Checker<'_> {
 
     fn material(&self, choice: &Spanned<MaterialChoice>, key: &str, named: &mut Named) -> Result<Arc<Material>> {
         match choice.get_ref() {
-            MaterialChoice::Inline(raw) => material::resolve(raw, self.document, key, self.base).map(Arc::new),
+            MaterialChoice::Inline(raw) => {
+                material::resolve((**raw).clone(), self.document, key, self.base).map(Arc::new)
+            }
             MaterialChoice::Named(name) => {
                 if let Some(known) = named.get(name) {
                     return Ok(known.clone());

@@ -61,7 +61,7 @@ impl Place {
     /// Line number of the span's start, from 1.
     pub fn line(&self) -> usize {
         let start = self.span.start.min(self.text.len());
-        self.text.as_bytes()[..start].iter().filter(|&&b| b == b'\n').count() + 1
+        self.text.as_bytes()[..start].split(|&b| b == b'\n').count()
     }
 }
 

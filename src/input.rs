@@ -140,6 +140,33 @@ impl Document {
         path.join(".")
     }
 
+    /// Where a dotted key's value stands; none where the text has no such key.
+    pub fn span_of(&self, key: &str) -> Option<Range<usize>> {
+        let table = DeTable::parse(&self.text).ok()?;
+        let mut parts = key.split('.');
+        let mut value = table.get_ref().get(parts.next()?)?;
+        for part in parts {
+            value = match value.get_ref() {
+                DeValue::Table(table) => table.get(part)?,
+                DeValue::Array(items) => items.get(part.parse::<usize>().ok()?)?,
+                _ => return None,
+            };
+        }
+        Some(value.span())
+    }
+
+    /// A whole number within `low..=high`; 1e5 is one too.
+    pub fn count(&self, value: &Number, key: &str, low: usize, high: usize) -> Result<usize> {
+        let range = Allowed::Within(low as f64, high as f64);
+        let number = self.number(value, key, Dimension::None, range)?;
+        if number.fract() == 0.0 {
+            return Ok(number as usize);
+        }
+        let allowed = format!("{}, a whole number", range.describe(last_part(key), Dimension::None));
+        let error = self.error(value.span(), key, format!("{number} is not a whole number")).allowed(allowed);
+        Err(error.help(format!("write e.g. {} = {}", last_part(key), number.round())).into())
+    }
+
     /// Turns what the TOML reader says into an error with key, suggestion and help.
     fn explain(&self, error: &toml::de::Error) -> InputError {
         let span = error.span().unwrap_or(0..0);
@@ -156,10 +183,13 @@ impl Document {
             return self.missing_key(span, &key, name);
         }
         let tidy = message.trim().replace('\n', "; ");
+        if message.starts_with("duplicate key") {
+            let twice = self.text.get(span.clone()).unwrap_or_default().trim().to_owned();
+            return self.error(span, &twice, "the key stands twice").help("keep one of the two");
+        }
         let wrong_type = message.starts_with("invalid type") || message.starts_with("invalid value");
         let help = match (wrong_type, message.split_once("expected ")) {
             (true, Some((_, expected))) => format!("write {} here", expected.trim()),
-            _ if message.contains("duplicate key") => "keep one of the two".into(),
             _ => "texts stand in \"quotes\", tables in [brackets], one `key = value` a line".into(),
         };
         self.error(span, &key, tidy).help(help)

@@ -2,6 +2,12 @@
 
 use serde::Serialize;
 
+use super::file::Keys;
+use super::raw::{RawHeat, RawMaterial, RawRate};
+use crate::error::Result;
+use crate::input::Allowed::{NotNegative, Positive, Within};
+use crate::units::Dimension;
+
 /// Constants beside the curve; every one is absent where the file does not give it.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Constants {
@@ -55,4 +61,55 @@ pub struct HeatConstants {
     pub melting_temperature: Option<f64>,
     /// Exponent m of the softening, > 0.
     pub exponent: Option<f64>,
+}
+
+/// Checks the constants of a file.
+pub(super) fn resolve(raw: &RawMaterial, law: Option<String>, keys: Keys<'_>) -> Result<Constants> {
+    Ok(Constants {
+        law,
+        rate: raw.rate.as_ref().map_or_else(|| Ok(RateConstants::default()), |r| rate(r, keys))?,
+        heat: raw.heat.as_ref().map_or_else(|| Ok(HeatConstants::default()), |h| heat(h, keys))?,
+    })
+}
+
+fn rate(raw: &RawRate, keys: Keys<'_>) -> Result<RateConstants> {
+    let johnson_cook = raw.johnson_cook.as_ref().map(|jc| -> Result<_> {
+        Ok(JohnsonCookRate {
+            c: keys.number(&jc.c, "rate.johnson-cook.C", Dimension::None, NotNegative)?,
+            reference: keys.number(&jc.reference, "rate.johnson-cook.reference", Dimension::Rate, Positive)?,
+        })
+    });
+    let cowper_symonds = raw.cowper_symonds.as_ref().map(|cs| -> Result<_> {
+        Ok(CowperSymonds {
+            d: keys.number(&cs.d, "rate.cowper-symonds.D", Dimension::Rate, Positive)?,
+            q: keys.number(&cs.q, "rate.cowper-symonds.q", Dimension::None, Positive)?,
+        })
+    });
+    let malvern = raw.malvern.as_ref().map(|m| keys.number(&m.k, "rate.malvern.k", Dimension::Rate, Positive));
+    Ok(RateConstants {
+        johnson_cook: johnson_cook.transpose()?,
+        cowper_symonds: cowper_symonds.transpose()?,
+        malvern: malvern.transpose()?,
+    })
+}
+
+fn heat(raw: &RawHeat, keys: Keys<'_>) -> Result<HeatConstants> {
+    let temperature = |value, key| keys.optional(value, key, Dimension::Temperature, Positive);
+    let reference = temperature(raw.reference_temperature.as_ref(), "heat.reference-temperature")?;
+    let melting = temperature(raw.melting_temperature.as_ref(), "heat.melting-temperature")?;
+    if let (Some(reference), Some(melting), Some(given)) = (reference, melting, &raw.melting_temperature)
+        && melting <= reference
+    {
+        let message = format!("{melting} K is not above the reference temperature {reference} K");
+        let error = keys.error(given.span(), "heat.melting-temperature", message);
+        return Err(error.allowed("melting-temperature > reference-temperature").help("check the units").into());
+    }
+    let specific = raw.specific_heat.as_ref();
+    Ok(HeatConstants {
+        specific_heat: keys.optional(specific, "heat.specific-heat", Dimension::SpecificHeat, Positive)?,
+        fraction: keys.optional(raw.fraction.as_ref(), "heat.fraction", Dimension::None, Within(0.0, 1.0))?,
+        reference_temperature: reference,
+        melting_temperature: melting,
+        exponent: keys.optional(raw.exponent.as_ref(), "heat.m", Dimension::None, Positive)?,
+    })
 }

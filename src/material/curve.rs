@@ -1,9 +1,9 @@
 //! A first-loading stress-strain curve: a checked table, straight between its knots.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// What happens past the last knot.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Beyond {
     /// The last knot is where the specimen broke.

@@ -1,16 +1,31 @@
 //! Materials: checked stress-strain tables, named formulas turned into tables, and the library of files.
 
+mod branch;
 mod constants;
+mod csv;
 mod curve;
+mod file;
+mod formula;
+mod law_keys;
+pub mod library;
+mod raw;
+mod tabulate;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 pub use constants::{Constants, CowperSymonds, HeatConstants, JohnsonCookRate, RateConstants};
 pub(crate) use curve::SLOPE_ROUND_OFF;
 pub use curve::{Beyond, Curve, CurveError, Ultimate, UltimateReason};
+pub use file::{read, resolve};
+pub use formula::{Formula, Law};
+pub use raw::RawMaterial;
+pub use tabulate::{
+    Measure, Tabulate, Tabulated, engineering_from_true, tabulate_law, tabulate_true_rows, true_from_engineering,
+};
 
 /// Which way the material is loaded from the virgin state.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "lowercase")]
 pub enum Sense {
     /// Positive stress.
     Tension,

@@ -34,6 +34,8 @@ const VELOCITY: Exponents = [1, 0, -1, 0];
 
 /// Pound force: 0.45359237 kg * 9.80665 m/s^2, as an integer times 10^-13.
 const LBF: f64 = 45_359_237.0 * 980_665.0;
+// Exact only below 2^53.
+const _: () = assert!(LBF < 9_007_199_254_740_992.0);
 /// Square inch, times 10^8 m^-2.
 const SQUARE_INCH: f64 = 254.0 * 254.0;
 
@@ -161,12 +163,6 @@ mod tests {
         for (i, unit) in UNITS.iter().enumerate() {
             assert!(UNITS[..i].iter().all(|u| u.symbol != unit.symbol), "{} stands twice", unit.symbol);
         }
-    }
-
-    #[test]
-    fn integer_factors_stay_below_2_to_the_53() {
-        // Every product above is exact only there.
-        assert!(LBF < 9.007_199_254_740_992e15);
     }
 
     #[test]

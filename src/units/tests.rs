@@ -110,7 +110,7 @@ fn pound_force_spellings_are_right_to_the_last_digits() {
         ("500 ft*lbf/in^3", D::EnergyDensity, 500.0 * 0.3048 * lbf / 1.638_706_4e-5),
         ("500 ft lbf/in^3", D::EnergyDensity, 500.0 * 0.3048 * lbf / 1.638_706_4e-5),
         ("500 ft·lbf/in³", D::EnergyDensity, 500.0 * 0.3048 * lbf / 1.638_706_4e-5),
-        ("1 Btu", D::Energy, 1055.055_852_62),
+        ("1 Btu", D::Energy, 1_055.055_852_62),
         ("68 degF", D::Temperature, 293.15),
         ("36 kph", D::Velocity, 10.0),
     ];

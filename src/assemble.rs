@@ -1,1 +1,70 @@
-//! The one place where a scene chooses types.
+//! The one place where a scene chooses types: which law, in which form, for which segment.
+
+use std::sync::Arc;
+
+use crate::bar::Segment;
+use crate::law::{
+    Backbone, CellLaw, Envelope, Indexed, Isotropic, Mixed, PathIndependent, RowLaw, Rows, Searched, Table, TwoSided,
+};
+use crate::material::{Material, Sense};
+use crate::scene::{Effects, Method, Scene, Unloading};
+use crate::solver::fd::{Grid, Leapfrog, SegmentLaw};
+
+/// The finite-difference bar of a scene, ready to step.
+pub fn leapfrog(scene: &Scene) -> Leapfrog {
+    let Method::Leapfrog { cells, cfl } = scene.solve.method;
+    let grid = Grid::new(&scene.bar, cells, cfl);
+    let laws = scene.bar.segments.iter().map(|s| segment_law(s, &scene.effects)).collect();
+    Leapfrog::new(&scene.bar, grid, laws, [scene.left.clone(), scene.right.clone()])
+}
+
+/// The law of one segment under the scene's effects.
+pub fn segment_law(segment: &Segment, effects: &Effects) -> SegmentLaw {
+    let material = &segment.material;
+    let tension = Table::new(material.branch(Sense::Tension), material.modulus);
+    let compression = Table::new(material.branch(Sense::Compression), material.modulus);
+    SegmentLaw {
+        yield_stress: tension.yield_stress().min(compression.yield_stress()),
+        end: tension.end().min(compression.end()),
+        law: choose_backbone(material, tension, compression, effects),
+    }
+}
+
+/// Picks the fastest form in which the table can be read.
+fn choose_backbone(material: &Material, tension: Table, compression: Table, effects: &Effects) -> Arc<dyn RowLaw> {
+    let yield_stress = tension.yield_stress();
+    if material.compression.is_some() {
+        return match (Indexed::new(&tension), Indexed::new(&compression)) {
+            (Some(tension), Some(compression)) => choose_law(TwoSided { tension, compression }, yield_stress, effects),
+            _ => choose_law(
+                TwoSided { tension: Searched(tension), compression: Searched(compression) },
+                yield_stress,
+                effects,
+            ),
+        };
+    }
+    if let Some(two) = Envelope::<2>::new(&tension) {
+        choose_law(two, yield_stress, effects)
+    } else if let Some(four) = Envelope::<4>::new(&tension) {
+        choose_law(four, yield_stress, effects)
+    } else if let Some(eight) = Envelope::<8>::new(&tension) {
+        choose_law(eight, yield_stress, effects)
+    } else if let Some(indexed) = Indexed::new(&tension) {
+        choose_law(indexed, yield_stress, effects)
+    } else {
+        choose_law(Searched(tension), yield_stress, effects)
+    }
+}
+
+fn choose_law<B: Backbone + 'static>(backbone: B, yield_stress: f64, effects: &Effects) -> Arc<dyn RowLaw> {
+    match effects.unloading {
+        None => rows(PathIndependent(backbone)),
+        Some(Unloading::Isotropic) => rows(Isotropic(backbone)),
+        Some(Unloading::Kinematic) => rows(Mixed { backbone, yield_stress, kinematic: 1.0 }),
+        Some(Unloading::Mixed(kinematic)) => rows(Mixed { backbone, yield_stress, kinematic }),
+    }
+}
+
+fn rows<L: CellLaw<N> + 'static, const N: usize>(law: L) -> Arc<dyn RowLaw> {
+    Arc::new(Rows(law))
+}

@@ -61,7 +61,7 @@ impl Place {
     /// Line number of the span's start, from 1.
     pub fn line(&self) -> usize {
         let start = self.span.start.min(self.text.len());
-        self.text.as_bytes()[..start].iter().filter(|&&b| b == b'\n').count() + 1
+        self.text.as_bytes()[..start].split(|&b| b == b'\n').count()
     }
 }
 
@@ -79,8 +79,8 @@ pub struct InputError {
     /// What to do.
     pub help: String,
     /// Where it stands.
-    pub place: Option<Place>,
-    source_code: Option<NamedSource<String>>,
+    pub place: Option<Box<Place>>,
+    source_code: Option<Box<NamedSource<String>>>,
 }
 
 impl InputError {
@@ -120,8 +120,8 @@ impl InputError {
     /// Points at the place in the file.
     #[must_use]
     pub fn at(mut self, place: Place) -> Self {
-        self.source_code = Some(NamedSource::new(&place.file, place.text.to_string()));
-        self.place = Some(place);
+        self.source_code = Some(Box::new(NamedSource::new(&place.file, place.text.to_string())));
+        self.place = Some(Box::new(place));
         self
     }
 }
@@ -150,7 +150,7 @@ impl Diagnostic for InputError {
     }
 
     fn source_code(&self) -> Option<&dyn SourceCode> {
-        self.source_code.as_ref().map(|s| s as &dyn SourceCode)
+        self.source_code.as_deref().map(|s| s as &dyn SourceCode)
     }
 
     fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {

@@ -5,6 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use serde::de::DeserializeOwned;
+use toml::de::{DeTable, DeValue};
 
 use crate::error::{InputError, Place, Result};
 use crate::units::{Dimension, Quantity};
@@ -36,11 +37,52 @@ pub enum Allowed {
     Above(f64, f64),
 }
 
+impl Allowed {
+    /// Whether a value (SI) lies in the range; never true of NaN or infinities.
+    pub fn holds(self, value: f64) -> bool {
+        value.is_finite()
+            && match self {
+                Self::Finite => true,
+                Self::Positive => value > 0.0,
+                Self::NotNegative => value >= 0.0,
+                Self::Within(low, high) => (low..=high).contains(&value),
+                Self::Above(low, high) => value > low && value <= high,
+            }
+    }
+
+    /// The range as text, e.g. "0 < cfl <= 1", with the SI unit where the bounds have one.
+    pub fn describe(self, name: &str, dimension: Dimension) -> String {
+        let unit = match dimension.si_symbol() {
+            "" => String::new(),
+            symbol => format!(" {symbol}"),
+        };
+        match self {
+            Self::Finite => "any finite number".into(),
+            Self::Positive => format!("{name} > 0"),
+            Self::NotNegative => format!("{name} >= 0"),
+            Self::Within(low, high) => format!("{low} <= {name} <= {high}{unit}"),
+            Self::Above(low, high) => format!("{low} < {name} <= {high}{unit}"),
+        }
+    }
+}
+
 impl Document {
     /// Reads a file; a missing or unreadable one is an input error with a help line.
     pub fn read(path: &Path) -> Result<Self> {
-        let _ = path;
-        todo!()
+        let shown = path.display().to_string();
+        let bytes = std::fs::read(path).map_err(|e| {
+            let help = match e.kind() {
+                std::io::ErrorKind::NotFound => "check the spelling and the folder you are in",
+                std::io::ErrorKind::IsADirectory => "name a file in it",
+                _ => "check that the file may be read",
+            };
+            InputError::new(format!("cannot read `{shown}`: {}", plain_reason(&e))).help(help)
+        })?;
+        let text = String::from_utf8(bytes).map_err(|e| {
+            let line = e.as_bytes()[..e.utf8_error().valid_up_to()].split(|&b| b == b'\n').count();
+            InputError::new(format!("`{shown}` is not UTF-8 text (line {line})")).help("save the file as UTF-8")
+        })?;
+        Ok(Self::new(shown, text))
     }
 
     /// A document from text in memory.
@@ -50,7 +92,7 @@ impl Document {
 
     /// Parses into a serde mirror. An unknown key names the nearest right one; a syntax error keeps its line.
     pub fn parse<T: DeserializeOwned>(&self) -> Result<T> {
-        todo!()
+        toml::from_str(&self.text).map_err(|e| self.explain(&e).into())
     }
 
     /// An error at a span of this document.
@@ -60,7 +102,314 @@ impl Document {
 
     /// Converts and checks one number. `key` is dotted, as in `solve.cfl`.
     pub fn number(&self, value: &Number, key: &str, dimension: Dimension, allowed: Allowed) -> Result<f64> {
-        let _ = (value, key, dimension, allowed);
-        todo!()
+        let name = last_part(key);
+        let range = allowed.describe(name, dimension);
+        let example = format!("e.g. {name} = \"{}\"", dimension.example());
+        let typed = value.get_ref();
+        let si = typed.si(dimension).map_err(|reason| {
+            self.error(value.span(), key, reason).allowed(&range).help(number_help(name, dimension))
+        })?;
+        if allowed.holds(si) {
+            return Ok(si);
+        }
+        let help = match allowed {
+            Allowed::Finite => example,
+            Allowed::Positive => format!("give `{name}` a value above zero"),
+            Allowed::NotNegative => format!("give `{name}` zero or a value above it"),
+            Allowed::Within(..) | Allowed::Above(..) => format!("give `{name}` a value in the allowed range"),
+        };
+        Err(self.error(value.span(), key, format!("{typed} is out of range")).allowed(range).help(help).into())
+    }
+
+    /// Converts and checks a number that may be absent.
+    pub fn optional(
+        &self,
+        value: Option<&Number>,
+        key: &str,
+        dimension: Dimension,
+        allowed: Allowed,
+    ) -> Result<Option<f64>> {
+        value.map(|v| self.number(v, key, dimension, allowed)).transpose()
+    }
+
+    /// The dotted key whose key or value covers a span ("bar.segment.0.length"); empty at the top level.
+    pub fn key_at(&self, span: &Range<usize>) -> String {
+        let Ok(table) = DeTable::parse(&self.text) else { return String::new() };
+        let mut path = Vec::new();
+        walk_table(table.get_ref(), span, &mut path);
+        path.join(".")
+    }
+
+    /// Where a dotted key's value stands; none where the text has no such key.
+    pub fn span_of(&self, key: &str) -> Option<Range<usize>> {
+        let table = DeTable::parse(&self.text).ok()?;
+        let mut parts = key.split('.');
+        let mut value = table.get_ref().get(parts.next()?)?;
+        for part in parts {
+            value = match value.get_ref() {
+                DeValue::Table(table) => table.get(part)?,
+                DeValue::Array(items) => items.get(part.parse::<usize>().ok()?)?,
+                _ => return None,
+            };
+        }
+        Some(value.span())
+    }
+
+    /// A whole number within `low..=high`; 1e5 is one too.
+    pub fn count(&self, value: &Number, key: &str, low: usize, high: usize) -> Result<usize> {
+        let range = Allowed::Within(low as f64, high as f64);
+        let number = self.number(value, key, Dimension::None, range)?;
+        if number.fract() == 0.0 {
+            return Ok(number as usize);
+        }
+        let allowed = format!("{}, a whole number", range.describe(last_part(key), Dimension::None));
+        let error = self.error(value.span(), key, format!("{number} is not a whole number")).allowed(allowed);
+        Err(error.help(format!("write e.g. {} = {}", last_part(key), number.round())).into())
+    }
+
+    /// Turns what the TOML reader says into an error with key, suggestion and help.
+    fn explain(&self, error: &toml::de::Error) -> InputError {
+        let span = error.span().unwrap_or(0..0);
+        let message = error.message();
+        let quoted: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
+        let key = self.key_at(&span);
+        if message.starts_with("unknown field") {
+            return self.unknown_key(span, &key, &quoted);
+        }
+        if message.starts_with("unknown variant") {
+            return self.unknown_word(span, &key, &quoted);
+        }
+        if let (true, Some(name)) = (message.starts_with("missing field"), quoted.first()) {
+            return self.missing_key(span, &key, name);
+        }
+        let tidy = message.trim().replace('\n', "; ");
+        if message.starts_with("duplicate key") {
+            let twice = self.text.get(span.clone()).unwrap_or_default().trim().to_owned();
+            return self.error(span, &twice, "the key stands twice").help("keep one of the two");
+        }
+        let wrong_type = message.starts_with("invalid type") || message.starts_with("invalid value");
+        let help = match (wrong_type, message.split_once("expected ")) {
+            (true, Some((_, expected))) => format!("write {} here", expected.trim()),
+            _ => "texts stand in \"quotes\", tables in [brackets], one `key = value` a line".into(),
+        };
+        self.error(span, &key, tidy).help(help)
+    }
+
+    fn unknown_key(&self, span: Range<usize>, key: &str, quoted: &[&str]) -> InputError {
+        let (unknown, known) = split_first(quoted);
+        let parent = key.rsplit_once('.').map_or("", |(parent, _)| parent);
+        let place = if parent.is_empty() { "at the top level".to_owned() } else { format!("in `{parent}`") };
+        let list = known.join(", ");
+        let help = match nearest(unknown, known.iter().copied()) {
+            Some(near) => format!("did you mean `{near}`? The keys {place} are: {list}"),
+            None => format!("the keys {place} are: {list}"),
+        };
+        self.error(span, key, format!("unknown key `{unknown}`")).help(help)
+    }
+
+    fn unknown_word(&self, span: Range<usize>, key: &str, quoted: &[&str]) -> InputError {
+        let (unknown, known) = split_first(quoted);
+        self.word_error(span, key, unknown, known)
+    }
+
+    /// An error for a word that is none of the allowed ones; the nearest is suggested.
+    pub fn word_error(&self, span: Range<usize>, key: &str, word: &str, known: &[&str]) -> InputError {
+        let list = known.iter().map(|k| format!("\"{k}\"")).collect::<Vec<_>>().join(", ");
+        let help = match nearest(word, known.iter().copied()) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => "write one of the allowed words".into(),
+        };
+        self.error(span, key, format!("unknown word `{word}`")).allowed(list).help(help)
+    }
+
+    fn missing_key(&self, span: Range<usize>, table: &str, name: &str) -> InputError {
+        let key = if table.is_empty() { name.to_owned() } else { format!("{table}.{name}") };
+        let place = if table.is_empty() { "the top level of the file".to_owned() } else { format!("`[{table}]`") };
+        self.error(span, &key, format!("`{name}` is missing")).help(format!("add `{name}` to {place}"))
+    }
+}
+
+/// The word of a list that is most like a given one, if one is like it at all.
+pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let plain = |text: &str| text.to_lowercase().replace('_', "-");
+    let word = plain(word);
+    known
+        .into_iter()
+        .map(|k| (strsim::jaro_winkler(&plain(k), &word), k))
+        .filter(|(likeness, _)| *likeness > 0.78)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, k)| k)
+}
+
+/// The last part of a dotted key, which is how a range names the value.
+fn last_part(key: &str) -> &str {
+    key.rsplit('.').find(|part| part.parse::<usize>().is_err()).unwrap_or(key)
+}
+
+fn number_help(name: &str, dimension: Dimension) -> String {
+    match dimension.si_symbol() {
+        "" => format!("write a plain number, e.g. {name} = {}", dimension.example()),
+        symbol => format!("write e.g. {name} = \"{}\"; a plain number is in {symbol}", dimension.example()),
+    }
+}
+
+fn split_first<'a, 'b>(words: &'b [&'a str]) -> (&'a str, &'b [&'a str]) {
+    words.split_first().map_or(("", &[]), |(first, rest)| (*first, rest))
+}
+
+fn plain_reason(error: &std::io::Error) -> String {
+    match error.kind() {
+        std::io::ErrorKind::NotFound => "there is no such file".into(),
+        std::io::ErrorKind::IsADirectory => "it is a folder".into(),
+        std::io::ErrorKind::PermissionDenied => "permission denied".into(),
+        _ => error.to_string(),
+    }
+}
+
+fn covers(outer: &Range<usize>, inner: &Range<usize>) -> bool {
+    outer.start <= inner.start && inner.end <= outer.end
+}
+
+/// Follows the keys down to the one that covers the span; true where one was found.
+fn walk_table(table: &DeTable<'_>, span: &Range<usize>, path: &mut Vec<String>) -> bool {
+    for (key, value) in table {
+        path.push(key.get_ref().to_string());
+        if covers(&key.span(), span) || walk_value(value, span, path) {
+            return true;
+        }
+        path.pop();
+    }
+    false
+}
+
+fn walk_value(value: &toml::Spanned<DeValue<'_>>, span: &Range<usize>, path: &mut Vec<String>) -> bool {
+    let inside = match value.get_ref() {
+        // The parts of a [table] may stand anywhere in the file, so its own span says nothing about them.
+        DeValue::Table(table) => walk_table(table, span, path),
+        DeValue::Array(items) => items.iter().enumerate().any(|(i, item)| {
+            path.push(i.to_string());
+            let found = walk_value(item, span, path);
+            if !found {
+                path.pop();
+            }
+            found
+        }),
+        _ => false,
+    };
+    inside || covers(&value.span(), span)
+}
+
+#[cfg(test)]
+mod tests {
+    use serde::Deserialize;
+
+    use super::*;
+    use crate::error::Error;
+
+    #[derive(Debug, Deserialize)]
+    #[serde(deny_unknown_fields)]
+    #[expect(dead_code, reason = "only parsed")]
+    struct File {
+        title: Option<String>,
+        bar: Option<Bar>,
+    }
+
+    #[derive(Debug, Deserialize)]
+    #[serde(deny_unknown_fields)]
+    #[expect(dead_code, reason = "only parsed")]
+    struct Bar {
+        length: Number,
+        kind: Option<Kind>,
+        segment: Option<Vec<Bar>>,
+    }
+
+    #[derive(Debug, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    enum Kind {
+        Free,
+        Absorbing,
+    }
+
+    fn wrong(text: &str) -> InputError {
+        match Document::new("test.toml", text).parse::<File>() {
+            Err(Error::Input(error)) => error,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    fn line(error: &InputError) -> usize {
+        error.place.as_ref().map_or(0, |p| p.line())
+    }
+
+    #[test]
+    fn an_unknown_key_names_path_line_and_the_nearest() {
+        let error = wrong("title = \"x\"\n[bar]\nlenght = 1\n");
+        assert_eq!((error.key.as_str(), line(&error)), ("bar.lenght", 3));
+        assert_eq!(error.message, "unknown key `lenght`");
+        assert!(error.help.starts_with("did you mean `length`?"), "{}", error.help);
+        assert!(error.help.contains("length, kind, segment"), "{}", error.help);
+    }
+
+    #[test]
+    fn keys_inside_arrays_of_tables_carry_their_index() {
+        let error = wrong("[bar]\nlength = 1\n[[bar.segment]]\nlength = 1\n[[bar.segment]]\nlen = 2\n");
+        assert_eq!((error.key.as_str(), line(&error)), ("bar.segment.1.len", 6));
+    }
+
+    #[test]
+    fn an_unknown_word_lists_the_allowed_ones() {
+        let error = wrong("[bar]\nlength = 1\nkind = \"fre\"\n");
+        assert_eq!((error.key.as_str(), line(&error)), ("bar.kind", 3));
+        assert_eq!(error.allowed, "\"free\", \"absorbing\"");
+        assert_eq!(error.help, "did you mean `free`?");
+    }
+
+    #[test]
+    fn a_missing_key_names_its_table() {
+        let error = wrong("title = \"x\"\n\n[bar]\nkind = \"free\"\n");
+        assert_eq!((error.key.as_str(), line(&error)), ("bar.length", 3));
+        assert_eq!(error.help, "add `length` to `[bar]`");
+    }
+
+    #[test]
+    fn a_wrong_type_says_what_is_expected() {
+        let error = wrong("[bar]\nlength = true\n");
+        assert_eq!((error.key.as_str(), line(&error)), ("bar.length", 2));
+        assert!(error.message.contains("boolean `true`"), "{}", error.message);
+        assert!(error.help.contains("a number, or a text with a unit"), "{}", error.help);
+    }
+
+    #[test]
+    fn a_syntax_error_keeps_its_line() {
+        let error = wrong("title = \"x\"\n[bar]\nlength = 1 m\n");
+        assert_eq!(line(&error), 3);
+        assert!(!error.help.is_empty());
+    }
+
+    #[test]
+    fn numbers_out_of_range_show_value_and_range() {
+        let document = Document::new("test.toml", "cfl = 1.5\n");
+        let value = Number::new(6..9, Quantity::Number(1.5));
+        let range = Allowed::Above(0.0, 1.0);
+        let Err(Error::Input(error)) = document.number(&value, "solve.cfl", Dimension::None, range) else {
+            panic!("1.5 was accepted");
+        };
+        assert_eq!(error.to_string(), "test.toml:1: `solve.cfl`: 1.5 is out of range (allowed: 0 < cfl <= 1)");
+        assert!(!error.help.is_empty());
+    }
+
+    #[test]
+    fn ranges_are_what_they_say() {
+        assert!(!Allowed::Above(0.0, 1.0).holds(0.0) && Allowed::Above(0.0, 1.0).holds(1.0));
+        assert!(Allowed::Within(0.0, 1.0).holds(0.0) && !Allowed::Within(0.0, 1.0).holds(1.1));
+        assert!(!Allowed::Positive.holds(0.0) && Allowed::NotNegative.holds(0.0));
+        assert!(!Allowed::Finite.holds(f64::INFINITY));
+    }
+
+    #[test]
+    fn a_missing_file_is_an_input_error() {
+        let Err(error) = Document::read(Path::new("no/such/scene.toml")) else { panic!("there is one") };
+        assert_eq!(error.exit_code(), 2);
+        assert!(error.to_string().contains("no such file"), "{error}");
     }
 }

@@ -2,11 +2,13 @@
 
 mod end;
 mod history;
+mod launch;
 
 use std::sync::Arc;
 
 pub use end::EndCondition;
 pub use history::History;
+pub use launch::{Launch, Origin, launches};
 
 use crate::material::Material;
 

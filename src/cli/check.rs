@@ -1,11 +1,79 @@
 //! `barwave check`.
 
-use crate::error::Result;
+use std::path::{Path, PathBuf};
+
+use toml::de::DeTable;
+
+use super::message;
+use crate::error::{Error, InputError, Result};
+use crate::input::Document;
+use crate::material;
+use crate::scene::Scene;
 
 /// Options of `barwave check`.
 #[derive(Debug, clap::Args)]
-pub(crate) struct Args {}
+pub(crate) struct Args {
+    /// Scene and material files; which is which is seen from their content.
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<PathBuf>,
+}
 
-pub(crate) fn run(_args: &Args) -> Result<()> {
-    todo!()
+/// What a file is.
+enum Kind {
+    Scene,
+    Material,
+}
+
+/// Keys that only a scene has at its top level.
+const OF_A_SCENE: [&str; 6] = ["bar", "left", "right", "effects", "solve", "record"];
+/// Keys that only a material has at its top level.
+const OF_A_MATERIAL: [&str; 4] = ["density", "curve", "modulus", "source"];
+
+/// Checks every file, whatever the others hold; the last error decides the exit code, as every other one would.
+pub(crate) fn run(args: &Args) -> Result<()> {
+    let mut last: Option<Error> = None;
+    for file in &args.files {
+        match check(file) {
+            Ok(what) => println!("{}: ok ({what})", file.display()),
+            Err(error) => {
+                if let Some(before) = last.replace(error) {
+                    message::show(&before);
+                }
+            }
+        }
+    }
+    last.map_or(Ok(()), Err)
+}
+
+fn check(file: &Path) -> Result<&'static str> {
+    let document = Document::read(file)?;
+    match kind(&document)? {
+        Kind::Scene => Scene::read(file, &[]).map(|_| "scene"),
+        Kind::Material => material::library::find(&path_text(file), Path::new("")).map(|_| "material"),
+    }
+}
+
+/// A name without a folder would be looked up in the library first.
+fn path_text(file: &Path) -> String {
+    let text = file.display().to_string();
+    if file.components().count() > 1 { text } else { format!("./{text}") }
+}
+
+fn kind(document: &Document) -> Result<Kind> {
+    let Ok(table) = DeTable::parse(&document.text) else {
+        // The reader of any type says what is wrong with the text.
+        document.parse::<toml::Table>()?;
+        return Ok(Kind::Scene);
+    };
+    let has = |keys: &[&str]| table.get_ref().keys().any(|key| keys.contains(&key.get_ref().as_ref()));
+    match (has(&OF_A_SCENE), has(&OF_A_MATERIAL)) {
+        (true, _) => Ok(Kind::Scene),
+        (false, true) => Ok(Kind::Material),
+        (false, false) => {
+            let message = format!("`{}` is neither a scene nor a material", document.file);
+            let help = "a scene has [bar], [left], [right] and [solve]; a material has density and [curve]; \
+                        `barwave new NAME` writes a scene to start from";
+            Err(InputError::new(message).help(help).into())
+        }
+    }
 }

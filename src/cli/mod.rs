@@ -4,6 +4,7 @@ mod check;
 mod compare;
 mod critical;
 mod materials;
+mod message;
 mod new;
 mod plan;
 mod report;
@@ -14,7 +15,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
-use crate::error::{Error, Result};
+use crate::error::Result;
 
 /// 1D elastic-plastic waves in bars: plastic wave fronts, critical impact velocity, HDF5 fields.
 #[derive(Debug, Parser)]
@@ -59,7 +60,7 @@ pub fn main() -> ExitCode {
     match dispatch(&cli) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            show(&error);
+            message::show(&error);
             ExitCode::from(error.exit_code())
         }
     }
@@ -83,9 +84,4 @@ fn dispatch(cli: &Cli) -> Result<()> {
         Command::Man(args) => shell::man(args),
         Command::Schema(args) => shell::schema(args),
     }
-}
-
-/// Writes an error to stderr: what, where, value, allowed range, help.
-fn show(error: &Error) {
-    eprintln!("error: {error}");
 }

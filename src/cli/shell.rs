@@ -1,27 +1,78 @@
 //! `barwave completions`, `man` and `schema`: what other tools read about this one.
 
-use crate::error::Result;
+use std::io::Write;
+use std::path::PathBuf;
+
+use clap::{CommandFactory, ValueEnum};
+
+use super::Cli;
+use crate::error::{Error, Result};
+use crate::material::RawMaterial;
+use crate::scene::RawScene;
 
 /// Options of `barwave completions`.
 #[derive(Debug, clap::Args)]
-pub(crate) struct CompletionsArgs {}
+pub(crate) struct CompletionsArgs {
+    /// The shell; its completions go to stdout.
+    shell: clap_complete::Shell,
+}
 
 /// Options of `barwave man`.
 #[derive(Debug, clap::Args)]
-pub(crate) struct ManArgs {}
+pub(crate) struct ManArgs {
+    /// Folder for the pages of all commands. Without it, the main page goes to stdout.
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+}
 
 /// Options of `barwave schema`.
 #[derive(Debug, clap::Args)]
-pub(crate) struct SchemaArgs {}
-
-pub(crate) fn completions(_args: &CompletionsArgs) -> Result<()> {
-    todo!()
+pub(crate) struct SchemaArgs {
+    /// What the schema describes; it goes to stdout.
+    #[arg(value_enum, default_value_t = Described::Scene)]
+    file: Described,
 }
 
-pub(crate) fn man(_args: &ManArgs) -> Result<()> {
-    todo!()
+/// Kinds of files that have a schema.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Described {
+    /// Scene files.
+    Scene,
+    /// Material files.
+    Material,
 }
 
-pub(crate) fn schema(_args: &SchemaArgs) -> Result<()> {
-    todo!()
+pub(crate) fn completions(args: &CompletionsArgs) -> Result<()> {
+    let mut script = Vec::new();
+    clap_complete::generate(args.shell, &mut Cli::command(), "barwave", &mut script);
+    to_stdout(&script)
+}
+
+pub(crate) fn man(args: &ManArgs) -> Result<()> {
+    let Some(folder) = &args.output else {
+        let mut page = Vec::new();
+        let rendered = clap_mangen::Man::new(Cli::command()).render(&mut page);
+        rendered.map_err(|e| Error::file("man page".as_ref(), e))?;
+        return to_stdout(&page);
+    };
+    std::fs::create_dir_all(folder).map_err(|e| Error::file(folder, e))?;
+    clap_mangen::generate_to(Cli::command(), folder).map_err(|e| Error::file(folder, e))
+}
+
+pub(crate) fn schema(args: &SchemaArgs) -> Result<()> {
+    let schema = match args.file {
+        Described::Scene => schemars::schema_for!(RawScene),
+        Described::Material => schemars::schema_for!(RawMaterial),
+    };
+    let mut text = format!("{:#}", schema.as_value());
+    text.push('\n');
+    to_stdout(text.as_bytes())
+}
+
+/// A reader that closes the pipe early (`| head`) is no error.
+fn to_stdout(bytes: &[u8]) -> Result<()> {
+    match std::io::stdout().lock().write_all(bytes) {
+        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => Err(Error::file("stdout".as_ref(), e)),
+        _ => Ok(()),
+    }
 }

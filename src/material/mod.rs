@@ -1,13 +1,31 @@
 //! Materials: checked stress-strain tables, named formulas turned into tables, and the library of files.
 
+mod branch;
+mod constants;
+mod csv;
 mod curve;
+mod file;
+mod formula;
+mod law_keys;
+pub mod library;
+mod raw;
+mod tabulate;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
+pub use constants::{Constants, CowperSymonds, HeatConstants, JohnsonCookRate, RateConstants};
+pub(crate) use curve::SLOPE_ROUND_OFF;
 pub use curve::{Beyond, Curve, CurveError, Ultimate, UltimateReason};
+pub use file::{read, resolve};
+pub use formula::{Formula, Law};
+pub use raw::RawMaterial;
+pub use tabulate::{
+    Measure, Tabulate, Tabulated, engineering_from_true, tabulate_law, tabulate_true_rows, true_from_engineering,
+};
 
 /// Which way the material is loaded from the virgin state.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "lowercase")]
 pub enum Sense {
     /// Positive stress.
     Tension,
@@ -50,6 +68,8 @@ pub struct Material {
     pub compression: Option<Curve>,
     /// Largest distance in stress between the table and the formula it came from, Pa; 0 for a table.
     pub table_error: f64,
+    /// What else the file states: the law behind the table, rate and heat constants.
+    pub constants: Constants,
     /// What the curve rests on.
     pub provenance: Provenance,
 }
@@ -68,6 +88,23 @@ pub struct Provenance {
 }
 
 impl Material {
+    /// A material that is known by its density (kg/m^3, > 0) and one table alone: modulus from the steepest
+    /// slope, the same curve in compression.
+    pub fn from_curve(name: impl Into<String>, density: f64, curve: Curve) -> Self {
+        Self {
+            name: name.into(),
+            description: String::new(),
+            density,
+            modulus: curve.steepest(),
+            poisson: None,
+            tension: curve,
+            compression: None,
+            table_error: 0.0,
+            constants: Constants::default(),
+            provenance: Provenance::default(),
+        }
+    }
+
     /// The loading table for a sense.
     pub fn branch(&self, sense: Sense) -> &Curve {
         match (sense, &self.compression) {

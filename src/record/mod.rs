@@ -1,10 +1,14 @@
 //! What a run leaves behind: fields, gauges, end histories, fronts, ledger, audit, and the file they go to.
 
+mod fronts;
+mod ledger;
 pub mod store;
 mod summary;
 
 use serde::Serialize;
 
+pub use fronts::FrontTracker;
+pub use ledger::Ledger;
 pub use summary::{ElasticCheck, EndSummary, ErrorFigure, FrontSummary, LedgerSummary, Summary};
 
 /// A field that can be recorded over x and t.

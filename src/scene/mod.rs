@@ -1,9 +1,20 @@
 //! A scene: what the user typed (`raw`), what it means (`check`), as plain data in SI (here).
 
-use std::path::PathBuf;
+mod check;
+mod not_yet;
+mod overrides;
+mod raw;
+mod resolved;
+
+use std::path::{Path, PathBuf};
 
 use crate::bar::{Bar, EndCondition};
+use crate::error::Result;
+use crate::input::Document;
 use crate::record::{Compression, Field, Precision};
+
+use overrides::Overrides;
+pub use raw::RawScene;
 
 /// A checked scene. Every default is filled in.
 #[derive(Debug, Clone)]
@@ -40,7 +51,8 @@ pub struct Effects {
 }
 
 /// How the yield stress moves with plastic flow.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Unloading {
     /// Tension and compression harden alike.
     Isotropic,
@@ -87,3 +99,46 @@ pub struct Record {
     /// Compression of the fields in the file.
     pub compression: Compression,
 }
+
+impl Scene {
+    /// Reads and checks a scene file. `overrides` are `KEY=VALUE` texts, applied in order before anything is
+    /// checked: a dotted key ("bar.segment.0.length"), and a value that is TOML or else text ("-40 m/s"); an empty
+    /// value takes the key out.
+    ///
+    /// # Errors
+    /// Input errors only: the first thing that is wrong, with its place.
+    pub fn read(path: &Path, overrides: &[String]) -> Result<Self> {
+        let document = Document::read(path)?;
+        let base = path.parent().map_or_else(PathBuf::new, Path::to_owned);
+        let mut scene = Self::from_document(&document, &base, overrides)?;
+        scene.path = Some(path.to_owned());
+        Ok(scene)
+    }
+
+    /// Checks a scene from text in memory. `name` stands for the file in messages; paths in the scene are
+    /// relative to `base_dir`.
+    ///
+    /// # Errors
+    /// As for [`Scene::read`].
+    pub fn parse(name: &str, text: &str, base_dir: &Path, overrides: &[String]) -> Result<Self> {
+        Self::from_document(&Document::new(name, text), base_dir, overrides)
+    }
+
+    fn from_document(original: &Document, base: &Path, typed: &[String]) -> Result<Self> {
+        let overrides = Overrides::new(typed)?;
+        let edited = overrides.apply(original)?;
+        let mut scene = check::check(&edited, base).map_err(|e| overrides.explain(e, original))?;
+        scene.text = original.text.to_string();
+        scene.overrides = typed.to_vec();
+        Ok(scene)
+    }
+
+    /// Everything that the run uses, every default filled in, SI, the materials' tables included: for the result
+    /// file's `scene_resolved`.
+    pub fn resolved_json(&self) -> serde_json::Value {
+        resolved::json(self)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,3 +1,4 @@
 //! Exact solutions built from a curve alone.
 
+mod chain;
 pub mod similarity;

@@ -5,7 +5,8 @@
 
 use serde::Serialize;
 
-use crate::material::{Curve, UltimateReason};
+use super::chain::{Chain, Knot, Line};
+use crate::material::{Beyond, Curve, UltimateReason};
 
 /// One edge of the hull: one front, carrying the material from the state ahead to the state behind.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -23,6 +24,16 @@ pub struct Edge {
 }
 
 impl Edge {
+    fn between(ahead: Knot, behind: Knot, density: f64) -> Self {
+        Self {
+            strain_ahead: ahead.strain,
+            strain_behind: behind.strain,
+            stress_ahead: ahead.stress,
+            stress_behind: behind.stress,
+            speed: (ahead.slope_to(behind) / density).sqrt(),
+        }
+    }
+
     /// Velocity jump across the front, m/s: speed * d eps.
     pub fn velocity_jump(&self) -> f64 {
         self.speed * (self.strain_behind - self.strain_ahead)
@@ -61,40 +72,119 @@ pub struct Critical {
 }
 
 /// Upper concave hull of the table from 0 to `strain` (> 0; past the last knot only with `Beyond::Extend`),
-/// fastest front first. Neighbouring table segments of equal slope are one front.
+/// fastest front first. Neighbouring table segments of equal slope are one front. Where the stress at `strain` is
+/// below an earlier maximum the hull ends with a flat edge (speed 0) at that maximum.
 pub fn hull(curve: &Curve, density: f64, strain: f64) -> Vec<Edge> {
-    let _ = (curve, density, strain);
-    todo!()
+    edges(&chain_to(curve, density, strain))
 }
 
 /// Velocity change that loads the bar to `strain`, m/s: the sum of c d eps over the hull.
 pub fn impact_velocity(curve: &Curve, density: f64, strain: f64) -> f64 {
-    hull(curve, density, strain).iter().map(Edge::velocity_jump).sum()
+    chain_to(curve, density, strain).velocity()
+}
+
+fn chain_to(curve: &Curve, density: f64, strain: f64) -> Chain {
+    let loading = curve.running_maximum();
+    let mut chain = Chain::new(density);
+    for (&e, &s) in loading.strain().iter().zip(loading.stress()).skip(1).take_while(|(e, _)| **e < strain) {
+        chain.push(Knot { strain: e, stress: s });
+    }
+    chain.push(Knot { strain, stress: loading.stress_at(strain) });
+    chain
+}
+
+/// Velocity change that loads the bar to each knot of the curve's running maximum: (strain, m/s) from (0, 0), in
+/// one pass.
+pub fn impact_velocities(curve: &Curve, density: f64) -> Vec<(f64, f64)> {
+    let loading = curve.running_maximum();
+    let mut chain = Chain::new(density);
+    let mut rows = vec![(0.0, 0.0)];
+    for (&strain, &stress) in loading.strain().iter().zip(loading.stress()).skip(1) {
+        chain.push(Knot { strain, stress });
+        rows.push((strain, chain.velocity()));
+    }
+    rows
 }
 
 /// The fan behind which the velocity has changed by `velocity` (m/s, >= 0), exact for the table.
 pub fn fan_at_velocity(curve: &Curve, density: f64, velocity: f64) -> Fan {
-    let _ = (curve, density, velocity);
-    todo!()
+    imposed(curve, density, velocity, |chain, line| chain.reach_velocity(line, velocity))
 }
 
 /// The fan behind which the stress is `stress` (Pa, >= 0). A stress above the ultimate stress is `above_critical`.
 pub fn fan_at_stress(curve: &Curve, density: f64, stress: f64) -> Fan {
-    let _ = (curve, density, stress);
-    todo!()
+    imposed(curve, density, stress, |_, line| Chain::reach_stress(line, stress))
 }
 
 /// The critical impact velocity, where the data hold one.
 pub fn critical(curve: &Curve, density: f64) -> Option<Critical> {
-    let _ = (curve, density);
-    todo!()
+    let ultimate = curve.ultimate()?;
+    Some(Critical {
+        velocity: impact_velocity(curve, density, ultimate.strain),
+        strain: ultimate.strain,
+        stress: ultimate.stress,
+        reason: ultimate.reason,
+    })
+}
+
+/// Grows the hull knot by knot until `reach` finds the imposed value on the next piece of the curve.
+fn imposed(curve: &Curve, density: f64, value: f64, reach: impl Fn(&Chain, Line) -> Option<Knot>) -> Fan {
+    let mut chain = Chain::new(density);
+    if value <= 0.0 {
+        return fan(&chain);
+    }
+    let loading = curve.running_maximum();
+    let knots = loading.strain().iter().zip(loading.stress()).map(|(&strain, &stress)| Knot { strain, stress });
+    let ultimate = curve.ultimate();
+    let reached_ultimate = |knot: Knot| ultimate.is_some_and(|u| knot.strain >= u.strain);
+    for (slope, to) in loading.slopes().zip(knots.skip(1)) {
+        if reached_ultimate(chain.last()) {
+            break;
+        }
+        let line = Line { from: chain.last(), slope, to: Some(to) };
+        if let Some(end) = reach(&chain, line) {
+            chain.push(end);
+            return fan(&chain);
+        }
+        chain.push(to);
+    }
+    if ultimate.is_some() {
+        return Fan { above_critical: true, ..fan(&chain) };
+    }
+    if loading.beyond() == Beyond::Extend {
+        let line = Line { from: chain.last(), slope: loading.last_slope(), to: None };
+        if let Some(end) = reach(&chain, line) {
+            chain.push(end);
+            return fan(&chain);
+        }
+    }
+    Fan { beyond_data: true, ..fan(&chain) }
+}
+
+fn edges(chain: &Chain) -> Vec<Edge> {
+    chain.knots().windows(2).map(|pair| Edge::between(pair[0], pair[1], chain.density())).collect()
+}
+
+fn fan(chain: &Chain) -> Fan {
+    let last = chain.last();
+    Fan {
+        edges: edges(chain),
+        strain: last.strain,
+        stress: last.stress,
+        velocity: chain.velocity(),
+        above_critical: false,
+        beyond_data: false,
+    }
 }
 
 impl Fan {
     /// State at distance x from the struck end at time t, with xi = x/t (m/s, >= 0): (strain, stress, velocity
     /// change). On a front: the state behind it.
     pub fn state(&self, xi: f64) -> (f64, f64, f64) {
-        let _ = xi;
-        todo!()
+        let mut state = (0.0, 0.0, 0.0);
+        for edge in self.edges.iter().take_while(|edge| edge.speed >= xi) {
+            state = (edge.strain_behind, edge.stress_behind, state.2 + edge.velocity_jump());
+        }
+        state
     }
 }

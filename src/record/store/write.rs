@@ -122,7 +122,9 @@ impl Sink {
         let much = match message {
             Message::Frame(frame) => self.frames.push(&frame),
             Message::Gauge(index, trace) => match self.gauges.get_mut(index) {
-                Some(table) => table.push([&trace.time, &trace.stress, &trace.strain, &trace.velocity].map(Vec::as_slice)),
+                Some(table) => {
+                    table.push([&trace.time, &trace.stress, &trace.strain, &trace.velocity].map(Vec::as_slice))
+                }
                 None => Err(format!("there is no gauge number {index}").into()),
             },
             Message::End(side, Trace { time, stress, velocity, .. }) => {
@@ -338,7 +340,7 @@ fn build_histories(file: &File, layout: &Layout) -> Hdf<()> {
         build_columns(&group, &GAUGE_COLUMNS, TRACE_ROWS)?;
         put(&group, "x", x)?;
         put_text(&group, "x_units", "m")?;
-        put(&group, "index", &index as u32)?;
+        put(&group, "index", &(index as u32))?;
         put_text(&group, "name", name)?;
     }
     let ends = file.create_group("ends")?;

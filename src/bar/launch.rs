@@ -1,0 +1,201 @@
+//! What the bar's ends and joints send out at the start, in theory: the fans of fronts that follow from the curves
+//! alone, before anything is reflected.
+
+use super::{Bar, EndCondition, Segment};
+use crate::material::{Curve, Sense};
+use crate::wave::similarity::{Fan, fan_at_stress, fan_at_velocity};
+
+/// Where a fan starts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Origin {
+    /// The left end.
+    Left,
+    /// The right end.
+    Right,
+    /// The joint between segments `0` and the next, counted from 0.
+    Joint(usize),
+}
+
+impl std::fmt::Display for Origin {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Left => write!(f, "left"),
+            Self::Right => write!(f, "right"),
+            Self::Joint(k) => write!(f, "joint {}", k + 1),
+        }
+    }
+}
+
+/// One fan of fronts into one segment.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Launch {
+    /// Where it starts.
+    pub origin: Origin,
+    /// Place of the origin, m.
+    pub x: f64,
+    /// Segment that it runs through.
+    pub segment: usize,
+    /// +1 where it runs in +x, -1 in -x.
+    pub direction: f64,
+    /// Tension or compression.
+    pub sense: Sense,
+    /// The fronts, magnitudes.
+    pub fan: Fan,
+    /// Velocity of the bar ahead, m/s.
+    pub velocity_ahead: f64,
+    /// The largest imposed value holds from t = 0 on and never changes.
+    pub sudden: bool,
+    /// First time at which the driving value falls back (or lets go), s; infinite where it never does.
+    pub loads_until: f64,
+}
+
+/// All fans of a bar with its ends, left to right.
+pub fn launches(bar: &Bar, left: &EndCondition, right: &EndCondition) -> Vec<Launch> {
+    let last = bar.segments.len() - 1;
+    let mut all = Vec::new();
+    all.extend(from_end(left, Origin::Left, 0.0, 0, &bar.segments[0]));
+    let mut x = 0.0;
+    for k in 0..last {
+        x += bar.segments[k].length;
+        all.extend(from_joint(k, x, &bar.segments[k], &bar.segments[k + 1]));
+    }
+    all.extend(from_end(right, Origin::Right, bar.length(), last, &bar.segments[last]));
+    all
+}
+
+fn from_end(end: &EndCondition, origin: Origin, x: f64, segment: usize, at: &Segment) -> Option<Launch> {
+    let direction = if origin == Origin::Left { 1.0 } else { -1.0 };
+    let density = at.material.density;
+    let drive = Drive::of(end, direction, at.velocity)?;
+    // A wave running in +x behind which the bar moves faster in +x compresses it, and likewise mirrored.
+    let (sense, fan) = match drive.kind {
+        Kind::Velocity(jump) => {
+            let sense = Sense::of(-direction * jump);
+            (sense, fan_at_velocity(at.material.branch(sense), density, jump.abs()))
+        }
+        Kind::Stress(stress) => {
+            let sense = Sense::of(stress);
+            (sense, fan_at_stress(at.material.branch(sense), density, stress.abs()))
+        }
+    };
+    (!fan.edges.is_empty() || fan.above_critical).then_some(Launch {
+        origin,
+        x,
+        segment,
+        direction,
+        sense,
+        fan,
+        velocity_ahead: at.velocity,
+        sudden: drive.sudden,
+        loads_until: drive.loads_until,
+    })
+}
+
+/// What an end imposes on the bar at its strongest.
+struct Drive {
+    kind: Kind,
+    sudden: bool,
+    loads_until: f64,
+}
+
+enum Kind {
+    /// Velocity change, m/s.
+    Velocity(f64),
+    /// Stress, Pa.
+    Stress(f64),
+}
+
+impl Drive {
+    fn of(end: &EndCondition, direction: f64, rest: f64) -> Option<Self> {
+        let steady = |jump: f64| Self { kind: Kind::Velocity(jump), sudden: true, loads_until: f64::INFINITY };
+        match end {
+            EndCondition::Velocity { history, release } => {
+                let (peak, until) = peak(history, rest);
+                let loads_until = until.min(release.unwrap_or(f64::INFINITY));
+                Some(Self { kind: Kind::Velocity(peak), sudden: history.is_constant(), loads_until })
+            }
+            EndCondition::Stress { history } => {
+                let (peak, loads_until) = peak(history, 0.0);
+                Some(Self { kind: Kind::Stress(peak), sudden: history.is_constant(), loads_until })
+            }
+            EndCondition::Fixed => Some(steady(-rest)),
+            // The bar moves towards a wall at the left when its velocity is negative.
+            EndCondition::Wall { gap } if *gap == 0.0 && rest * direction < 0.0 => Some(steady(-rest)),
+            EndCondition::Wall { .. } | EndCondition::Free | EndCondition::Absorbing => None,
+        }
+    }
+}
+
+/// The first extreme of a history relative to `rest`, and when the history first falls back from it.
+fn peak(history: &super::History, rest: f64) -> (f64, f64) {
+    let mut best = 0.0_f64;
+    let mut previous_time = 0.0;
+    for (&time, &value) in history.time().iter().zip(history.value()) {
+        let relative = value - rest;
+        if best != 0.0 && (relative * best < 0.0 || relative.abs() < best.abs()) {
+            return (best, previous_time);
+        }
+        best = relative;
+        previous_time = time;
+    }
+    (best, f64::INFINITY)
+}
+
+/// Two segments that start with different velocities: the force at which both fans agree on the joint's velocity.
+fn from_joint(k: usize, x: f64, left: &Segment, right: &Segment) -> Vec<Launch> {
+    let closing = left.velocity - right.velocity;
+    let carries = closing > 0.0 || left.joint == super::Joint::Bonded;
+    if closing == 0.0 || !carries || matches!(left.joint, super::Joint::Contact { gap } if gap > 0.0) {
+        return Vec::new();
+    }
+    let sense = Sense::of(-closing);
+    let fan = |s: &Segment, force: f64| fan_at_stress(s.material.branch(sense), s.material.density, force / s.area);
+    let force = joint_force(closing.abs(), |force| fan(left, force).velocity + fan(right, force).velocity, {
+        let limit = |s: &Segment| s.area * strongest(s.material.branch(sense));
+        limit(left).min(limit(right))
+    });
+    [(k, left, -1.0), (k + 1, right, 1.0)]
+        .into_iter()
+        .map(|(segment, at, direction)| Launch {
+            origin: Origin::Joint(k),
+            x,
+            segment,
+            direction,
+            sense,
+            fan: fan(at, force),
+            velocity_ahead: at.velocity,
+            sudden: true,
+            loads_until: f64::INFINITY,
+        })
+        .collect()
+}
+
+/// Stress that the curve can carry at most, Pa; infinite where it goes on rising.
+fn strongest(curve: &Curve) -> f64 {
+    match curve.beyond() {
+        crate::material::Beyond::Extend if curve.ultimate().is_none() => f64::INFINITY,
+        _ => curve.stress().iter().fold(0.0, |m, &s| m.max(s)),
+    }
+}
+
+/// The force in 0..=limit at which `velocity(force)`, never falling, reaches `target`; to the last bit by bisection.
+fn joint_force(target: f64, velocity: impl Fn(f64) -> f64, limit: f64) -> f64 {
+    let (mut low, mut high) = (0.0, if limit.is_finite() { limit } else { 1.0 });
+    while limit.is_infinite() && velocity(high) < target {
+        high *= 2.0;
+    }
+    if velocity(high) <= target {
+        return high;
+    }
+    loop {
+        let middle = 0.5 * (low + high);
+        if middle <= low || middle >= high {
+            return high;
+        }
+        if velocity(middle) < target {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+}

@@ -1,0 +1,299 @@
+//! The loading table in stress units, in the forms in which kernels can read it fast.
+//!
+//! A table is `y = g(z)`, z = E eps >= 0, straight between knots, never falling, with slopes dy/dz = E_k/E in 0..=1.
+//! The first segment has slope exactly 1 up to the elastic limit, so reading it there returns z itself.
+
+use crate::material::{Beyond, Curve};
+
+/// A loading curve that a kernel can read. `sign` has the sign of the loading (tension positive); only
+/// [`TwoSided`] looks at it.
+pub trait Backbone: Send + Sync {
+    /// g(z), Pa, for z >= 0.
+    fn stress(&self, z: f64, sign: f64) -> f64;
+}
+
+/// One line of the table: `y = offset + slope * z` from `start` on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Line {
+    /// z from which it holds, Pa.
+    pub start: f64,
+    /// y at z = 0, Pa.
+    pub offset: f64,
+    /// dy/dz.
+    pub slope: f64,
+}
+
+impl Line {
+    #[inline(always)]
+    fn at(self, z: f64) -> f64 {
+        self.offset + self.slope * z
+    }
+}
+
+/// The table itself: its lines in order, the last one without end.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Table {
+    lines: Vec<Line>,
+    end: f64,
+}
+
+/// Slopes closer than this (relative) are one line: knots of tables computed from formulas lie that close to
+/// their line, and any physical change of slope is far larger.
+const SAME_SLOPE: f64 = 1e-12;
+
+impl Table {
+    /// The table of a loading curve with elastic modulus `modulus` (Pa, >= every slope of the curve). Drops in
+    /// stress are filled (see [`Curve::running_maximum`]): a falling stress cannot travel as a wave.
+    pub fn new(curve: &Curve, modulus: f64) -> Self {
+        let curve = curve.running_maximum();
+        let mut lines: Vec<Line> = Vec::with_capacity(curve.strain().len());
+        for (k, slope) in curve.slopes().enumerate() {
+            let relative = slope / modulus;
+            let slope = if (relative - 1.0).abs() < SAME_SLOPE { 1.0 } else { relative.max(0.0) };
+            if lines.last().is_some_and(|last| (last.slope - slope).abs() <= SAME_SLOPE) {
+                continue;
+            }
+            // On the elastic line a knot lies where its stress says, so that both lines meet there exactly.
+            let on_elastic_line = lines.len() == 1 && lines[0].slope == 1.0;
+            let y = curve.stress()[k];
+            let z = if on_elastic_line { y } else { modulus * curve.strain()[k] };
+            lines.push(Line { start: z, offset: y - slope * z, slope });
+        }
+        if curve.beyond() != Beyond::Extend {
+            let (z, y) = (modulus * curve.last_strain(), curve.stress()[curve.stress().len() - 1]);
+            if lines.last().is_some_and(|last| last.slope > 0.0) {
+                lines.push(Line { start: z, offset: y, slope: 0.0 });
+            }
+        }
+        let end = match curve.beyond() {
+            Beyond::Extend => f64::INFINITY,
+            Beyond::Rupture | Beyond::Error => modulus * curve.last_strain(),
+        };
+        Self { lines, end }
+    }
+
+    /// The lines, in order of `start`; at least one.
+    pub fn lines(&self) -> &[Line] {
+        &self.lines
+    }
+
+    /// z of the last knot, Pa; infinite where the curve goes on.
+    pub fn end(&self) -> f64 {
+        self.end
+    }
+
+    /// End of the elastic line, Pa: 0 where the curve leaves it at once, infinite where it never does.
+    pub fn yield_stress(&self) -> f64 {
+        if self.lines[0].slope < 1.0 { 0.0 } else { self.lines.get(1).map_or(f64::INFINITY, |l| l.start) }
+    }
+
+    /// True where slopes never grow along the table: it is then the lowest of its lines.
+    pub fn is_concave(&self) -> bool {
+        self.lines.windows(2).all(|w| w[1].slope <= w[0].slope)
+    }
+}
+
+/// Few lines of a concave table: g(z) is the lowest of them; no look-up at all. `K` lines, padded by repetition.
+#[derive(Debug, Clone)]
+pub struct Envelope<const K: usize> {
+    offset: [f64; K],
+    slope: [f64; K],
+}
+
+impl<const K: usize> Envelope<K> {
+    /// None where the table has more than `K` lines or is not concave.
+    pub fn new(table: &Table) -> Option<Self> {
+        let lines = table.lines();
+        if lines.len() > K || !table.is_concave() {
+            return None;
+        }
+        let line = |k: usize| lines[k.min(lines.len() - 1)];
+        Some(Self { offset: std::array::from_fn(|k| line(k).offset), slope: std::array::from_fn(|k| line(k).slope) })
+    }
+}
+
+impl<const K: usize> Backbone for Envelope<K> {
+    #[inline(always)]
+    fn stress(&self, z: f64, _sign: f64) -> f64 {
+        let mut y = self.offset[0] + self.slope[0] * z;
+        for k in 1..K {
+            let other = self.offset[k] + self.slope[k] * z;
+            y = if other < y { other } else { y };
+        }
+        y
+    }
+}
+
+/// Most bins that an [`Indexed`] table may use. Only those it does use take part in the cache.
+const BINS: usize = 4096;
+
+/// Many lines: a grid of bins over z, no more than one knot in each, so that one comparison picks the line.
+///
+/// The bin is read off the leading bits of the number `z + bias`: its exponent and the first bits of its mantissa.
+/// Bins are thus evenly spaced near zero (below `bias`) and grow in proportion to z beyond, as the knots of
+/// stress-strain tables do; and the bin of a number costs an addition, a shift and a subtraction.
+#[derive(Debug, Clone)]
+pub struct Indexed {
+    grid: BinGrid,
+    knot: Box<[f64; BINS]>,
+    offset: Box<[f64; 2 * BINS]>,
+    slope: Box<[f64; 2 * BINS]>,
+}
+
+/// Maps z >= 0 to a bin, never falling.
+#[derive(Debug, Clone, Copy)]
+struct BinGrid {
+    bias: f64,
+    shift: u32,
+    first: u64,
+    /// z from which everything is in the last bin.
+    top: f64,
+}
+
+impl BinGrid {
+    fn new(bias: f64, shift: u32, top: f64) -> Self {
+        Self { bias, shift, first: bias.to_bits() >> shift, top }
+    }
+
+    #[inline(always)]
+    fn bin(&self, z: f64) -> usize {
+        let z = if z < self.top { z } else { self.top };
+        (((z + self.bias).to_bits() >> self.shift) - self.first) as usize
+    }
+
+    /// The grid with the fewest bins that keeps all knots apart; none where that takes more than [`BINS`].
+    fn for_knots(lines: &[Line]) -> Option<Self> {
+        let top = lines[lines.len() - 1].start;
+        let mut best: Option<Self> = None;
+        for halvings in 0..40 {
+            let bias = top * 0.5_f64.powi(halvings - 4);
+            for bits in 0..=12 {
+                let grid = Self::new(bias, 52 - bits, top);
+                let fits = grid.bin(top) < BINS;
+                let apart = lines.windows(2).all(|w| grid.bin(w[1].start) > grid.bin(w[0].start));
+                if fits && apart && best.is_none_or(|b| grid.bin(top) < b.bin(top)) {
+                    best = Some(grid);
+                }
+            }
+        }
+        best
+    }
+}
+
+impl Indexed {
+    /// None where knots lie so unevenly that the grid would need more than 4096 bins.
+    pub fn new(table: &Table) -> Option<Self> {
+        let lines = table.lines();
+        if lines.len() < 2 {
+            return None;
+        }
+        let grid = BinGrid::for_knots(lines)?;
+        let mut index = Self { grid, knot: boxed(f64::INFINITY), offset: boxed(0.0), slope: boxed(0.0) };
+        let mut line = 0;
+        for bin in 0..BINS {
+            let before = line;
+            if line + 1 < lines.len() && grid.bin(lines[line + 1].start) == bin {
+                line += 1;
+                index.knot[bin] = lines[line].start;
+            }
+            for (side, k) in [before, line].into_iter().enumerate() {
+                index.offset[2 * bin + side] = lines[k].offset;
+                index.slope[2 * bin + side] = lines[k].slope;
+            }
+        }
+        Some(index)
+    }
+}
+
+/// A boxed array of one value, made on the heap.
+fn boxed<const N: usize>(value: f64) -> Box<[f64; N]> {
+    vec![value; N].into_boxed_slice().try_into().unwrap_or_else(|_| Box::new([value; N]))
+}
+
+impl Backbone for Indexed {
+    #[inline(always)]
+    fn stress(&self, z: f64, _sign: f64) -> f64 {
+        let bin = self.grid.bin(z) & (BINS - 1);
+        let entry = (2 * bin + usize::from(z >= self.knot[bin])) & (2 * BINS - 1);
+        self.offset[entry] + self.slope[entry] * z
+    }
+}
+
+/// Any table at all: binary search. For tables that [`Indexed`] cannot hold.
+#[derive(Debug, Clone)]
+pub struct Searched(pub Table);
+
+impl Backbone for Searched {
+    #[inline]
+    fn stress(&self, z: f64, _sign: f64) -> f64 {
+        let lines = self.0.lines();
+        let k = lines.partition_point(|l| l.start <= z).max(1) - 1;
+        lines[k].at(z)
+    }
+}
+
+/// Different tables in tension and compression.
+#[derive(Debug, Clone)]
+pub struct TwoSided<B> {
+    /// For a positive sign.
+    pub tension: B,
+    /// For a negative sign, magnitudes.
+    pub compression: B,
+}
+
+impl<B: Backbone> Backbone for TwoSided<B> {
+    #[inline(always)]
+    fn stress(&self, z: f64, sign: f64) -> f64 {
+        let (tension, compression) = (self.tension.stress(z, sign), self.compression.stress(z, sign));
+        if sign < 0.0 { compression } else { tension }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn power_law() -> Table {
+        let (modulus, yield_strain) = (200e9, 1e-3_f64);
+        let rows: Vec<(f64, f64)> = (0..60)
+            .map(|k| yield_strain * 50.0_f64.powf(f64::from(k) / 59.0))
+            .map(|e| (e, 200e6 * (e / yield_strain).powf(0.2)))
+            .collect();
+        Table::new(&Curve::new(&rows, Beyond::Extend).expect("rows rise"), modulus)
+    }
+
+    #[test]
+    fn every_form_reads_the_same_table() {
+        let table = power_law();
+        let (indexed, searched) = (Indexed::new(&table).expect("fits"), Searched(table));
+        for k in 0..20_000 {
+            let z = 1.2e10 * f64::from(k) / 20_000.0;
+            assert_eq!(indexed.stress(z, 1.0), searched.stress(z, 1.0), "z = {z}");
+        }
+        let short = Curve::new(&[(0.001, 200e6), (0.01, 400e6), (0.1, 500e6)], Beyond::Rupture).expect("rows rise");
+        let short = Table::new(&short, 200e9);
+        let envelope = Envelope::<4>::new(&short).expect("4 lines with the flat end");
+        let searched = Searched(short);
+        for k in 0..20_000 {
+            let z = 4e10 * f64::from(k) / 20_000.0;
+            // Neighbouring lines meet at their knot up to rounding, so the lowest may be the neighbour by an ulp or two.
+            assert!((envelope.stress(z, 1.0) - searched.stress(z, 1.0)).abs() <= 4e-16 * 6e8, "z = {z}");
+        }
+    }
+
+    #[test]
+    fn the_elastic_line_returns_its_argument() {
+        let table = power_law();
+        let indexed = Indexed::new(&table).expect("fits");
+        for k in 0..1000 {
+            let z = 199_999_999.0 * f64::from(k) / 1000.0;
+            assert_eq!(indexed.stress(z, 1.0), z);
+        }
+        assert!((table.yield_stress() - 200e6).abs() < 1e-6);
+    }
+
+    #[test]
+    fn nan_is_passed_on_without_panic() {
+        assert!(Indexed::new(&power_law()).expect("fits").stress(f64::NAN, 1.0).is_nan());
+    }
+}

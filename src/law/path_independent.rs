@@ -1,0 +1,35 @@
+//! sigma = f(eps) both ways: von Karman's theory as it stands, with no unloading branch.
+
+use super::{Backbone, CellLaw, Response};
+
+/// Stress follows the loading curve up and down: right while no yielded point unloads.
+///
+/// State: `[E eps_p signed]`, the part of E eps that is not sigma. Its "plastic" work is all work beyond the
+/// elastic energy sigma^2/(2E); where the strain goes back that work is given back too.
+#[derive(Debug, Clone)]
+pub struct PathIndependent<B>(pub B);
+
+impl<B: Backbone> CellLaw<1> for PathIndependent<B> {
+    #[inline(always)]
+    fn base(&self, sigma: f64, [inelastic]: [f64; 1]) -> f64 {
+        sigma + inelastic
+    }
+
+    #[inline(always)]
+    fn respond(&self, predictor: f64, [before]: [f64; 1]) -> Response<1> {
+        let reach = predictor.abs();
+        let sigma = self.0.stress(reach, predictor).copysign(predictor);
+        let inelastic = predictor - sigma;
+        Response { sigma, state: [inelastic], plastic: inelastic - before, reach }
+    }
+
+    #[inline(always)]
+    fn plastic_strain(&self, [inelastic]: [f64; 1]) -> f64 {
+        inelastic
+    }
+
+    #[inline(always)]
+    fn accumulated(&self, [inelastic]: [f64; 1]) -> f64 {
+        inelastic.abs()
+    }
+}

@@ -1,0 +1,89 @@
+//! Plastic flow with elastic unloading: isotropic, kinematic and mixed hardening, one look-up a step.
+//!
+//! With `g(z)` the loading table in stress units (z = E eps), `p = E * accumulated plastic strain` and
+//! hardening `h = f - sigma_y`, the stress behind a step follows without iteration: a point on the table obeys
+//! `E p' + sigma_y + h(p') = z`, so the table itself, read at `z = (elastic predictor) + E p`, is the solution.
+
+use super::{Backbone, CellLaw, Response};
+
+/// Isotropic hardening: tension and compression harden alike.
+///
+/// State: `[E p accumulated, E eps_p signed]`.
+/// `sigma' = sign(tau) min(|tau|, g(|tau| + E p))` with `tau = sigma + E d_eps`.
+#[derive(Debug, Clone)]
+pub struct Isotropic<B>(pub B);
+
+impl<B: Backbone> CellLaw<2> for Isotropic<B> {
+    #[inline(always)]
+    fn base(&self, sigma: f64, _state: [f64; 2]) -> f64 {
+        sigma
+    }
+
+    #[inline(always)]
+    fn respond(&self, predictor: f64, [p, signed]: [f64; 2]) -> Response<2> {
+        let size = predictor.abs();
+        let reach = size + p;
+        let table = self.0.stress(reach, predictor);
+        let stress = if size < table { size } else { table };
+        let sigma = stress.copysign(predictor);
+        let plastic = predictor - sigma;
+        Response { sigma, state: [p + (size - stress), signed + plastic], plastic, reach }
+    }
+
+    #[inline(always)]
+    fn plastic_strain(&self, state: [f64; 2]) -> f64 {
+        state[1]
+    }
+
+    #[inline(always)]
+    fn accumulated(&self, state: [f64; 2]) -> f64 {
+        state[0]
+    }
+}
+
+/// Mixed hardening: the fraction `kinematic` (0 to 1) of the hardening moves the elastic range, the rest widens it.
+///
+/// State: `[E p accumulated, E eps_p signed, back stress a, hardening h]`. With `xi = |tau - a|` the table is read at
+/// `z = xi + kinematic h + E p`. Needs a table that is the same in tension and compression.
+#[derive(Debug, Clone)]
+pub struct Mixed<B> {
+    /// First loading.
+    pub backbone: B,
+    /// Elastic limit of first loading, Pa.
+    pub yield_stress: f64,
+    /// 0 isotropic ... 1 kinematic.
+    pub kinematic: f64,
+}
+
+impl<B: Backbone> CellLaw<4> for Mixed<B> {
+    #[inline(always)]
+    fn base(&self, sigma: f64, _state: [f64; 4]) -> f64 {
+        sigma
+    }
+
+    #[inline(always)]
+    fn respond(&self, predictor: f64, [p, signed, back, h]: [f64; 4]) -> Response<4> {
+        let relative = predictor - back;
+        let trial = relative.abs() + self.kinematic * h;
+        let reach = trial + p;
+        let table = self.backbone.stress(reach, predictor);
+        let yields = trial > table;
+        let h_new = if yields { table - self.yield_stress } else { h };
+        let back_new = back + (self.kinematic * (h_new - h)).copysign(relative);
+        let on_surface = back_new + (self.yield_stress + (1.0 - self.kinematic) * h_new).copysign(relative);
+        let sigma = if yields { on_surface } else { predictor };
+        let flow = if yields { trial - table } else { 0.0 };
+        let plastic = flow.copysign(relative);
+        Response { sigma, state: [p + flow, signed + plastic, back_new, h_new], plastic, reach }
+    }
+
+    #[inline(always)]
+    fn plastic_strain(&self, state: [f64; 4]) -> f64 {
+        state[1]
+    }
+
+    #[inline(always)]
+    fn accumulated(&self, state: [f64; 4]) -> f64 {
+        state[0]
+    }
+}

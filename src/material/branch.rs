@@ -1,0 +1,254 @@
+//! One branch of a material: from `[curve]` or `[compression]` to a checked engineering table.
+
+use std::ops::Range;
+
+use toml::Spanned;
+
+use super::csv::{self, CsvTable};
+use super::file::Keys;
+use super::raw::{RawCurve, RawMaterial, RawTabulate};
+use super::{Beyond, Curve, CurveError, Law, Measure, Sense, Tabulate, Tabulated, tabulate_law, tabulate_true_rows};
+use crate::error::{InputError, Result};
+use crate::input::{Allowed, Number};
+use crate::units::Dimension;
+
+/// A checked branch.
+#[derive(Debug)]
+pub(super) struct Branch {
+    pub(super) curve: Curve,
+    /// Largest distance in stress from what it was made of, Pa.
+    pub(super) error: f64,
+}
+
+/// A curve as it was given, in its own measure.
+#[derive(Debug)]
+pub(super) struct Given<'a> {
+    name: &'static str,
+    pub(super) measure: Measure,
+    pub(super) sense: Sense,
+    beyond: Beyond,
+    how: Tabulate,
+    data: Data<'a>,
+}
+
+/// Where the numbers come from, with what it takes to point at them.
+#[derive(Debug)]
+enum Data<'a> {
+    Law(Law, Range<usize>),
+    Table(Vec<(f64, f64)>, &'a [(Number, Number)]),
+    Csv(CsvTable),
+}
+
+impl<'a> Given<'a> {
+    /// Reads the branch that stands under `name`; its numbers are checked one by one, not yet as a curve.
+    pub(super) fn read(
+        name: &'static str,
+        material: &'a RawMaterial,
+        raw: &'a Spanned<RawCurve>,
+        keys: Keys<'_>,
+    ) -> Result<Self> {
+        let curve = raw.get_ref();
+        let measure = one_of("measure", material.measure.as_ref(), curve.measure.as_ref(), name, keys)?;
+        let beyond = one_of("beyond", material.beyond.as_ref(), curve.beyond.as_ref(), name, keys)?;
+        let sense = if name == "compression" {
+            sense_of_compression(curve, keys)?
+        } else {
+            one_of("sense", material.sense.as_ref(), curve.sense.as_ref(), name, keys)?.unwrap_or(Sense::Tension)
+        };
+        Ok(Self {
+            name,
+            measure: measure.unwrap_or_default(),
+            sense,
+            beyond: beyond.unwrap_or(Beyond::Error),
+            how: tabulate(curve.tabulate.as_ref(), sense, name, keys)?,
+            data: Data::read(raw, name, keys)?,
+        })
+    }
+
+    /// The law as one line, where there is one.
+    pub(super) fn describe(&self) -> Option<String> {
+        let Data::Law(law, _) = &self.data else { return None };
+        let measure = match self.measure {
+            Measure::Engineering => "engineering",
+            Measure::True => "true",
+        };
+        Some(format!("{law} ({measure} stress and strain)"))
+    }
+
+    /// The checked engineering table for a sense.
+    pub(super) fn branch(&self, sense: Sense, modulus: Option<f64>, keys: Keys<'_>) -> Result<Branch> {
+        let table = match &self.data {
+            Data::Law(law, span) => self.of_law(law, span, sense, modulus, keys)?,
+            Data::Table(rows, _) => self.of_rows(rows, sense, modulus, keys)?,
+            Data::Csv(file) => self.of_rows(&file.rows, sense, modulus, keys)?,
+        };
+        let curve = Curve::new(&table.rows, self.beyond).map_err(|e| self.row_error(&e, keys))?;
+        if let Some(modulus) = modulus {
+            self.check_slopes(&curve, modulus, keys)?;
+        }
+        Ok(Branch { curve, error: table.error })
+    }
+
+    fn of_law(
+        &self,
+        law: &Law,
+        span: &Range<usize>,
+        sense: Sense,
+        modulus: Option<f64>,
+        keys: Keys<'_>,
+    ) -> Result<Tabulated> {
+        let Some(modulus) = modulus else {
+            let error = keys.error(span.clone(), "modulus", "a formula needs the elastic modulus");
+            return Err(error.help("add e.g. modulus = \"200 GPa\"").into());
+        };
+        tabulate_law(law, modulus, self.measure, sense, self.how)
+            .map_err(|reason| keys.error(span.clone(), &format!("{}.formula", self.name), reason).into())
+    }
+
+    fn of_rows(&self, rows: &[(f64, f64)], sense: Sense, modulus: Option<f64>, keys: Keys<'_>) -> Result<Tabulated> {
+        // The rows as given are checked before conversion can hide what is wrong with them.
+        Curve::new(rows, self.beyond).map_err(|e| self.row_error(&e, keys))?;
+        if self.measure == Measure::Engineering {
+            return Ok(Tabulated { rows: rows.to_vec(), error: 0.0 });
+        }
+        let past_origin = &rows[usize::from(rows[0].0 == 0.0)..];
+        Ok(tabulate_true_rows(past_origin, modulus, sense, self.how.tolerance))
+    }
+
+    /// Refuses slopes above the modulus.
+    fn check_slopes(&self, curve: &Curve, modulus: f64, keys: Keys<'_>) -> Result<()> {
+        let Some((knot, slope)) = curve.steeper_than(modulus) else { return Ok(()) };
+        let (strain, stress) = (curve.strain()[knot], curve.stress()[knot]);
+        let as_given = self.measure == Measure::Engineering && !matches!(self.data, Data::Law(..));
+        let row = if as_given { self.row_of_knot(knot) } else { 0 };
+        let message = format!(
+            "row {}: the slope up to strain {strain:e}, stress {stress:e} Pa is {slope:.6e} Pa, above the modulus \
+             {modulus:.6e} Pa",
+            if as_given { row + 1 } else { knot }
+        );
+        let help = "correct the row, or give the modulus the steepest slope (or leave it out: it is then that)";
+        Err(self.at_row(row, message, keys).allowed(format!("slopes <= {modulus:e} Pa")).help(help).into())
+    }
+
+    /// Row as given, from 0, of a knot of the curve (which may have an origin of its own).
+    fn row_of_knot(&self, knot: usize) -> usize {
+        let starts_at_origin = match &self.data {
+            Data::Law(..) => false,
+            Data::Table(rows, _) => rows.first().is_some_and(|r| r.0 == 0.0),
+            Data::Csv(file) => file.rows.first().is_some_and(|r| r.0 == 0.0),
+        };
+        if starts_at_origin { knot } else { knot - 1 }
+    }
+
+    fn row_error(&self, error: &CurveError, keys: Keys<'_>) -> InputError {
+        self.at_row(error.row, error.to_string(), keys)
+            .allowed("finite, not negative, strain increasing from row to row")
+            .help("rows are [strain, stress], magnitudes, the first one (0, 0) or left out")
+    }
+
+    /// An error at a row as given.
+    fn at_row(&self, row: usize, message: String, keys: Keys<'_>) -> InputError {
+        match &self.data {
+            Data::Law(_, span) => keys.error(span.clone(), &format!("{}.formula", self.name), message),
+            Data::Table(_, numbers) => {
+                let span = numbers.get(row).map_or(0..0, |(a, b)| a.span().start..b.span().end);
+                keys.error(span, &format!("{}.table", self.name), message)
+            }
+            Data::Csv(file) => file.error(row, &keys.key(&format!("{}.csv", self.name)), message),
+        }
+    }
+}
+
+impl<'a> Data<'a> {
+    fn read(raw: &'a Spanned<RawCurve>, name: &str, keys: Keys<'_>) -> Result<Self> {
+        let curve = raw.get_ref();
+        if curve.formula.is_none() {
+            super::law_keys::refuse_constants(curve, name, keys)?;
+        }
+        match (&curve.table, &curve.csv, &curve.formula) {
+            (Some(table), None, None) => Ok(Self::Table(table_rows(table, curve, name, keys)?, table)),
+            (None, Some(csv), None) => csv_rows(csv, curve, name, keys).map(Self::Csv),
+            (None, None, Some(formula)) => {
+                if let Some(unit) = &curve.unit {
+                    let error = keys.error(unit.span(), &format!("{name}.unit"), "a formula takes no `unit`");
+                    return Err(error.help("write units with the constants, e.g. K = \"530 MPa\"").into());
+                }
+                let law = super::law_keys::read(*formula.get_ref(), formula.span(), curve, name, keys)?;
+                Ok(Self::Law(law, formula.span()))
+            }
+            _ => {
+                let error = keys.error(raw.span(), name, "a curve is exactly one of `table`, `csv` and `formula`");
+                Err(error.help("e.g. table = [[0.001, \"200 MPa\"], [0.1, \"400 MPa\"]]").into())
+            }
+        }
+    }
+}
+
+/// A key that may stand at the top level of the material or in the curve, but not differ.
+fn one_of<T: Copy + PartialEq>(
+    key: &str,
+    top: Option<&Spanned<T>>,
+    inner: Option<&Spanned<T>>,
+    name: &str,
+    keys: Keys<'_>,
+) -> Result<Option<T>> {
+    if let (Some(top), Some(inner)) = (top, inner)
+        && top.get_ref() != inner.get_ref()
+    {
+        let error = keys.error(inner.span(), &format!("{name}.{key}"), format!("`{key}` differs from the one above"));
+        return Err(error.help("write it once").into());
+    }
+    Ok(inner.or(top).map(|value| *value.get_ref()))
+}
+
+fn sense_of_compression(curve: &RawCurve, keys: Keys<'_>) -> Result<Sense> {
+    if let Some(sense) = curve.sense.as_ref().filter(|s| *s.get_ref() == Sense::Tension) {
+        let error = keys.error(sense.span(), "compression.sense", "the compression branch says \"tension\"");
+        return Err(error.help("remove `sense` here").into());
+    }
+    Ok(Sense::Compression)
+}
+
+fn tabulate(raw: Option<&RawTabulate>, sense: Sense, name: &str, keys: Keys<'_>) -> Result<Tabulate> {
+    let tolerance = raw.and_then(|r| r.tolerance.as_ref());
+    let to_strain = raw.and_then(|r| r.to_strain.as_ref());
+    let key = |part: &str| format!("{name}.tabulate.{part}");
+    let farthest = if sense == Sense::Compression { 0.95 } else { 10.0 };
+    let range = Allowed::Above(0.0, farthest);
+    Ok(Tabulate {
+        tolerance: keys
+            .optional(tolerance, &key("tolerance"), Dimension::None, Allowed::Within(1e-8, 0.1))?
+            .unwrap_or(Tabulate::DEFAULT_TOLERANCE),
+        to_strain: keys.optional(to_strain, &key("to-strain"), Dimension::None, range)?,
+    })
+}
+
+/// SI value of the key `unit`.
+fn stress_unit(curve: &RawCurve, name: &str, keys: Keys<'_>) -> Result<Option<f64>> {
+    let Some(unit) = &curve.unit else { return Ok(None) };
+    let wrong = |e: InputError| keys.error(unit.span(), &format!("{name}.unit"), e.message).help(e.help);
+    csv::factor(unit.get_ref(), Dimension::Stress).map(Some).map_err(|e| wrong(e).into())
+}
+
+fn table_rows(table: &[(Number, Number)], curve: &RawCurve, name: &str, keys: Keys<'_>) -> Result<Vec<(f64, f64)>> {
+    let unit = stress_unit(curve, name, keys)?.unwrap_or(1.0);
+    let rows = table.iter().enumerate().map(|(row, (strain, stress))| {
+        let key = |column: &str| format!("{name}.table.{row}.{column}");
+        let strain = keys.number(strain, &key("strain"), Dimension::None, Allowed::Finite)?;
+        let si = keys.number(stress, &key("stress"), Dimension::Stress, Allowed::Finite)?;
+        let plain = matches!(stress.get_ref(), crate::units::Quantity::Number(_));
+        Ok((strain, if plain { si * unit } else { si }))
+    });
+    rows.collect()
+}
+
+fn csv_rows(csv: &Spanned<String>, curve: &RawCurve, name: &str, keys: Keys<'_>) -> Result<CsvTable> {
+    let unit = stress_unit(curve, name, keys)?;
+    let path = keys.base_dir.join(csv.get_ref());
+    if !path.is_file() {
+        let message = format!("cannot read `{}`: there is no such file", path.display());
+        let error = keys.error(csv.span(), &format!("{name}.csv"), message);
+        return Err(error.help("the path starts at the folder of this file").into());
+    }
+    csv::read(&path, unit)
+}

@@ -1,0 +1,115 @@
+//! What a material file states besides its curve: constants for the effects that need them.
+
+use serde::Serialize;
+
+use super::file::Keys;
+use super::raw::{RawHeat, RawMaterial, RawRate};
+use crate::error::Result;
+use crate::input::Allowed::{NotNegative, Positive, Within};
+use crate::units::Dimension;
+
+/// Constants beside the curve; every one is absent where the file does not give it.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct Constants {
+    /// The law from which the table was made, with its constants, as one line; none for a measured table.
+    pub law: Option<String>,
+    /// Rate dependence.
+    pub rate: RateConstants,
+    /// Heating and thermal softening.
+    pub heat: HeatConstants,
+}
+
+/// Constants of the rate laws.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct RateConstants {
+    /// Johnson-Cook: stress times 1 + C ln(rate/reference).
+    pub johnson_cook: Option<JohnsonCookRate>,
+    /// Cowper-Symonds: plastic rate = D (stress/static - 1)^q.
+    pub cowper_symonds: Option<CowperSymonds>,
+    /// Malvern's k, 1/s, > 0: plastic rate = k (stress - static)/E.
+    pub malvern: Option<f64>,
+}
+
+/// Johnson-Cook's rate factor 1 + C ln(rate/reference).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct JohnsonCookRate {
+    /// C, >= 0.
+    pub c: f64,
+    /// Reference plastic strain rate, 1/s, > 0.
+    pub reference: f64,
+}
+
+/// Cowper and Symonds' constants.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct CowperSymonds {
+    /// D, 1/s, > 0.
+    pub d: f64,
+    /// Exponent q, > 0.
+    pub q: f64,
+}
+
+/// Constants for adiabatic heating, and the softening 1 - ((T - reference)/(melting - reference))^exponent.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct HeatConstants {
+    /// J/(kg K), > 0.
+    pub specific_heat: Option<f64>,
+    /// Fraction of the plastic work that turns into heat, 0 to 1.
+    pub fraction: Option<f64>,
+    /// Temperature at which the curve holds, K.
+    pub reference_temperature: Option<f64>,
+    /// Melting temperature, K.
+    pub melting_temperature: Option<f64>,
+    /// Exponent m of the softening, > 0.
+    pub exponent: Option<f64>,
+}
+
+/// Checks the constants of a file.
+pub(super) fn resolve(raw: &RawMaterial, law: Option<String>, keys: Keys<'_>) -> Result<Constants> {
+    Ok(Constants {
+        law,
+        rate: raw.rate.as_ref().map_or_else(|| Ok(RateConstants::default()), |r| rate(r, keys))?,
+        heat: raw.heat.as_ref().map_or_else(|| Ok(HeatConstants::default()), |h| heat(h, keys))?,
+    })
+}
+
+fn rate(raw: &RawRate, keys: Keys<'_>) -> Result<RateConstants> {
+    let johnson_cook = raw.johnson_cook.as_ref().map(|jc| -> Result<_> {
+        Ok(JohnsonCookRate {
+            c: keys.number(&jc.c, "rate.johnson-cook.C", Dimension::None, NotNegative)?,
+            reference: keys.number(&jc.reference, "rate.johnson-cook.reference", Dimension::Rate, Positive)?,
+        })
+    });
+    let cowper_symonds = raw.cowper_symonds.as_ref().map(|cs| -> Result<_> {
+        Ok(CowperSymonds {
+            d: keys.number(&cs.d, "rate.cowper-symonds.D", Dimension::Rate, Positive)?,
+            q: keys.number(&cs.q, "rate.cowper-symonds.q", Dimension::None, Positive)?,
+        })
+    });
+    let malvern = raw.malvern.as_ref().map(|m| keys.number(&m.k, "rate.malvern.k", Dimension::Rate, Positive));
+    Ok(RateConstants {
+        johnson_cook: johnson_cook.transpose()?,
+        cowper_symonds: cowper_symonds.transpose()?,
+        malvern: malvern.transpose()?,
+    })
+}
+
+fn heat(raw: &RawHeat, keys: Keys<'_>) -> Result<HeatConstants> {
+    let temperature = |value, key| keys.optional(value, key, Dimension::Temperature, Positive);
+    let reference = temperature(raw.reference_temperature.as_ref(), "heat.reference-temperature")?;
+    let melting = temperature(raw.melting_temperature.as_ref(), "heat.melting-temperature")?;
+    if let (Some(reference), Some(melting), Some(given)) = (reference, melting, &raw.melting_temperature)
+        && melting <= reference
+    {
+        let message = format!("{melting} K is not above the reference temperature {reference} K");
+        let error = keys.error(given.span(), "heat.melting-temperature", message);
+        return Err(error.allowed("melting-temperature > reference-temperature").help("check the units").into());
+    }
+    let specific = raw.specific_heat.as_ref();
+    Ok(HeatConstants {
+        specific_heat: keys.optional(specific, "heat.specific-heat", Dimension::SpecificHeat, Positive)?,
+        fraction: keys.optional(raw.fraction.as_ref(), "heat.fraction", Dimension::None, Within(0.0, 1.0))?,
+        reference_temperature: reference,
+        melting_temperature: melting,
+        exponent: keys.optional(raw.exponent.as_ref(), "heat.m", Dimension::None, Positive)?,
+    })
+}

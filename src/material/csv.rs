@@ -1,0 +1,158 @@
+//! Stress-strain tables from CSV files: the columns strain, stress.
+//!
+//! A header line is allowed and may name units: `strain,stress_MPa`, `strain (%),stress [ksi]`. Without one, strains
+//! are plain and stresses in Pa, unless the caller names their unit. Lines that start with `#` are skipped. Signs
+//! may be those of compression (all values negative or zero): the table holds magnitudes.
+
+use std::path::Path;
+
+use crate::error::{InputError, Place, Result};
+use crate::input::Document;
+use crate::units::{Dimension, Quantity};
+
+/// The rows of a CSV file, each with its bytes in the file.
+#[derive(Debug, Clone)]
+pub(crate) struct CsvTable {
+    pub(crate) document: Document,
+    /// (strain, stress in Pa), magnitudes.
+    pub(crate) rows: Vec<(f64, f64)>,
+    spans: Vec<std::ops::Range<usize>>,
+}
+
+impl CsvTable {
+    /// An error at a row (from 0).
+    pub(crate) fn error(&self, row: usize, key: &str, message: impl Into<String>) -> InputError {
+        let span = self.spans.get(row).cloned().unwrap_or(0..0);
+        self.document.error(span, key, message)
+    }
+}
+
+/// One SI factor a column.
+#[derive(Debug, Clone, Copy)]
+struct Factors {
+    strain: f64,
+    stress: f64,
+}
+
+/// Reads a file. `unit` is the unit of the stresses where the header names none.
+///
+/// # Errors
+/// A missing file, a line without two columns, a value that is not a number, an unknown unit, or a unit given
+/// both in the header and by the caller.
+pub(crate) fn read(path: &Path, unit: Option<f64>) -> Result<CsvTable> {
+    let document = Document::read(path)?;
+    let mut reader = csv::ReaderBuilder::new()
+        .has_headers(false)
+        .flexible(true)
+        .comment(Some(b'#'))
+        .trim(csv::Trim::All)
+        .from_reader(document.text.as_bytes());
+    let mut factors = Factors { strain: 1.0, stress: unit.unwrap_or(1.0) };
+    let (mut rows, mut spans) = (Vec::new(), Vec::new());
+    for (index, record) in reader.records().enumerate() {
+        let record = record.map_err(|e| InputError::new(format!("{}: {e}", document.file)))?;
+        let start = record.position().map_or(0, |p| p.byte() as usize);
+        let length = document.text.get(start..).map_or(0, |rest| rest.find('\n').unwrap_or(rest.len()));
+        let place = Place { file: document.file.clone(), text: document.text.clone(), span: start..start + length };
+        let (Some(strain), Some(stress)) = (record.get(0), record.get(1)) else {
+            return Err(InputError::new("a line without two columns").at(place).help(COLUMNS).into());
+        };
+        if index == 0 && strain.parse::<f64>().is_err() && stress.parse::<f64>().is_err() {
+            factors = header(strain, stress, unit).map_err(|e| e.at(place))?;
+            continue;
+        }
+        let number = |text: &str, name: &str| {
+            text.parse::<f64>().map_err(|_| {
+                InputError::new(format!("{name} `{text}` is not a number")).at(place.clone()).help(COLUMNS)
+            })
+        };
+        rows.push((number(strain, "strain")? * factors.strain, number(stress, "stress")? * factors.stress));
+        spans.push(place.span.clone());
+    }
+    if rows.iter().all(|r| r.0 <= 0.0 && r.1 <= 0.0) {
+        rows.iter_mut().for_each(|r| *r = (r.0.abs(), r.1.abs()));
+    }
+    Ok(CsvTable { document, rows, spans })
+}
+
+const COLUMNS: &str = "the columns are strain, stress; the first line may name them and their units: strain,stress_MPa";
+
+fn header(strain: &str, stress: &str, unit: Option<f64>) -> std::result::Result<Factors, InputError> {
+    let mut factors = Factors { strain: 1.0, stress: unit.unwrap_or(1.0) };
+    let (strain_name, strain_unit) = name_and_unit(strain);
+    let (stress_name, stress_unit) = name_and_unit(stress);
+    let in_order = !strain_name.starts_with("stress") && !stress_name.starts_with("strain");
+    if !in_order {
+        return Err(InputError::new(format!("columns `{strain}`, `{stress}` are in the wrong order")).help(COLUMNS));
+    }
+    if !strain_unit.is_empty() {
+        factors.strain = factor(&strain_unit, Dimension::None)?;
+    }
+    if !stress_unit.is_empty() {
+        if unit.is_some() {
+            return Err(InputError::new(format!("the unit of stress is given twice: `{stress}` and the key `unit`"))
+                .help("remove the key `unit`"));
+        }
+        factors.stress = factor(&stress_unit, Dimension::Stress)?;
+    }
+    Ok(factors)
+}
+
+/// SI value of one unit.
+pub(crate) fn factor(unit: &str, dimension: Dimension) -> std::result::Result<f64, InputError> {
+    let unit = if unit == "percent" { "%" } else { unit };
+    Quantity::Text(format!("1 {unit}"))
+        .si(dimension)
+        .map_err(|reason| InputError::new(reason).help("write a unit such as MPa, ksi or psi for stress, % for strain"))
+}
+
+/// "stress_MPa", "stress (MPa)", "Stress [MPa]" into ("stress", "MPa").
+fn name_and_unit(title: &str) -> (String, String) {
+    let cut = title.find(['_', '(', '[', '/', ' ']).unwrap_or(title.len());
+    let (name, unit) = title.split_at(cut);
+    let unit = unit.trim_matches(|c: char| "_()[]/ ".contains(c));
+    (name.to_lowercase(), unit.to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rows(text: &str, unit: Option<f64>) -> Result<Vec<(f64, f64)>> {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("curve.csv");
+        std::fs::write(&path, text).expect("a file");
+        read(&path, unit).map(|t| t.rows)
+    }
+
+    #[test]
+    fn headers_name_units() {
+        let expected = vec![(0.001, 200e6), (0.02, 300e6)];
+        // The factors 0.01 and 1e6 round once.
+        let near = |text: &str, unit| {
+            for (a, b) in rows(text, unit).expect("it is right").iter().zip(&expected) {
+                assert!((a.0 / b.0 - 1.0).abs() < 1e-15 && (a.1 / b.1 - 1.0).abs() < 1e-15, "{text}");
+            }
+        };
+        near("0.001,200e6\n0.02,300e6\n", None);
+        near("0.001,200\n0.02,300\n", Some(1e6));
+        near("strain,stress\n0.001,200e6\n0.02,300e6\n", None);
+        near("strain,stress_MPa\n0.001,200\n0.02,300\n", None);
+        near("# measured at 20 degC\nStrain (%), Stress [MPa]\n0.1,200\n2,300\n", None);
+        near("strain_percent,stress (MPa)\n-0.1,-200\n-2,-300\n", None);
+    }
+
+    #[test]
+    fn wrong_lines_are_named() {
+        let refused = |text: &str, unit, words: &str| {
+            let error = rows(text, unit).expect_err("it is wrong");
+            assert!(error.to_string().contains(words), "{error}");
+            assert_eq!(error.exit_code(), 2);
+        };
+        refused("strain,stress\n0.001,2x\n", None, "curve.csv:2: stress `2x` is not a number");
+        refused("0.001\n", None, "without two columns");
+        refused("strain,stress_MPa\n0.001,200\n", Some(1e6), "given twice");
+        refused("stress_MPa,strain\n200,0.001\n", None, "wrong order");
+        refused("strain,stress_furlong\n0.001,200\n", None, "furlong");
+    }
+}

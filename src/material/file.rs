@@ -1,0 +1,138 @@
+//! What a material file means: from the serde mirror to a checked [`Material`].
+
+use std::ops::Range;
+use std::path::Path;
+
+use super::branch::{Branch, Given};
+use super::raw::{Confidence, RawMaterial, RawSource};
+use super::{Material, Measure, Provenance, Sense, constants};
+use crate::error::{InputError, Result};
+use crate::input::{Allowed, Document, Number};
+use crate::units::Dimension;
+
+/// Reads one material file. A file without a name is named by its stem.
+///
+/// # Errors
+/// An [`InputError`] with file, line, key, value and what is allowed.
+pub fn read(path: &Path) -> Result<Material> {
+    let document = Document::read(path)?;
+    let base = path.parent().unwrap_or(Path::new(""));
+    let stem = path.file_stem().map_or_else(|| "material".to_owned(), |s| s.to_string_lossy().into_owned());
+    parse(&document, &stem, base, &path.display().to_string())
+}
+
+/// A material from the text of a file.
+pub(super) fn parse(document: &Document, stem: &str, base: &Path, origin: &str) -> Result<Material> {
+    let raw: RawMaterial = document.parse()?;
+    let named = raw.name.is_some();
+    let mut material = resolve(raw, document, "", base)?;
+    if !named {
+        stem.clone_into(&mut material.name);
+    }
+    origin.clone_into(&mut material.provenance.origin);
+    Ok(material)
+}
+
+/// Checks a material that stands in `doc` under `key_prefix` (empty for a file of its own, "bar.material" in a
+/// scene). CSV files are looked up in `base_dir`.
+///
+/// # Errors
+/// An [`InputError`] with file, line, key, value and what is allowed.
+pub fn resolve(raw: RawMaterial, doc: &Document, key_prefix: &str, base_dir: &Path) -> Result<Material> {
+    let keys = Keys { doc, prefix: key_prefix, base_dir };
+    let modulus = keys.optional(raw.modulus.as_ref(), "modulus", Dimension::Stress, Allowed::Positive)?;
+    let given = Given::read("curve", &raw, &raw.curve, keys)?;
+    let main = given.branch(given.sense, modulus, keys)?;
+    let compression = compression(&raw, &given, modulus, keys)?;
+    let steepest = compression.iter().map(|c| c.curve.steepest()).fold(main.curve.steepest(), f64::max);
+    Ok(Material {
+        name: raw.name.clone().unwrap_or_else(|| "inline".into()),
+        description: raw.description.clone().unwrap_or_default(),
+        density: keys.number(&raw.density, "density", Dimension::Density, Allowed::Positive)?,
+        modulus: modulus.unwrap_or(steepest),
+        poisson: keys.optional(raw.poisson.as_ref(), "poisson", Dimension::None, Allowed::Within(0.0, 0.5))?,
+        table_error: compression.as_ref().map_or(main.error, |c| c.error.max(main.error)),
+        constants: constants::resolve(&raw, given.describe(), keys)?,
+        tension: main.curve,
+        compression: compression.map(|c| c.curve),
+        provenance: provenance(raw.source.as_ref()),
+    })
+}
+
+/// The compression branch: its own curve, the same true curve converted to compression, or none.
+fn compression(raw: &RawMaterial, main: &Given<'_>, modulus: Option<f64>, keys: Keys<'_>) -> Result<Option<Branch>> {
+    let symmetry = raw.symmetry.as_ref();
+    let refuse = |span, key: &str, message: &str, help: &str| Err(keys.error(span, key, message).help(help).into());
+    if let Some(curve) = &raw.compression {
+        if main.sense == Sense::Compression {
+            return refuse(
+                curve.span(),
+                "compression",
+                "`[curve]` is that of compression already",
+                "remove one of them",
+            );
+        }
+        if let Some(symmetry) = symmetry {
+            return refuse(symmetry.span(), "symmetry", "`[compression]` is given as well", "remove one of the two");
+        }
+        let given = Given::read("compression", raw, curve, keys)?;
+        return given.branch(Sense::Compression, modulus, keys).map(Some);
+    }
+    let Some(symmetry) = symmetry.filter(|s| *s.get_ref() == Measure::True) else { return Ok(None) };
+    if main.measure != Measure::True {
+        return refuse(symmetry.span(), "symmetry", "the curve is not a true one", "write measure = \"true\" if it is");
+    }
+    if main.sense == Sense::Compression {
+        let help = "remove `symmetry`: the engineering curve then serves in tension too";
+        return refuse(symmetry.span(), "symmetry", "the curve was measured in compression", help);
+    }
+    main.branch(Sense::Compression, modulus, keys).map(Some)
+}
+
+fn provenance(source: Option<&RawSource>) -> Provenance {
+    let confidence = source.and_then(|s| s.confidence).map_or("", |c| match c {
+        Confidence::Measured => "measured",
+        Confidence::Fitted => "fitted",
+        Confidence::Handbook => "handbook",
+    });
+    let text = |get: fn(&RawSource) -> &Option<String>| source.and_then(|s| get(s).clone()).unwrap_or_default();
+    Provenance {
+        citation: text(|s| &s.citation),
+        measured: text(|s| &s.measured),
+        confidence: confidence.into(),
+        origin: "inline".into(),
+    }
+}
+
+/// A document with the place of a material in it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Keys<'a> {
+    doc: &'a Document,
+    prefix: &'a str,
+    /// Where CSV files are looked up.
+    pub(super) base_dir: &'a Path,
+}
+
+impl Keys<'_> {
+    pub(super) fn key(&self, key: &str) -> String {
+        if self.prefix.is_empty() { key.to_owned() } else { format!("{}.{key}", self.prefix) }
+    }
+
+    pub(super) fn error(&self, span: Range<usize>, key: &str, message: impl Into<String>) -> InputError {
+        self.doc.error(span, &self.key(key), message)
+    }
+
+    pub(super) fn number(&self, value: &Number, key: &str, dimension: Dimension, allowed: Allowed) -> Result<f64> {
+        self.doc.number(value, &self.key(key), dimension, allowed)
+    }
+
+    pub(super) fn optional(
+        &self,
+        value: Option<&Number>,
+        key: &str,
+        dimension: Dimension,
+        allowed: Allowed,
+    ) -> Result<Option<f64>> {
+        value.map(|v| self.number(v, key, dimension, allowed)).transpose()
+    }
+}

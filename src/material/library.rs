@@ -1,0 +1,94 @@
+//! Where materials are found by name: files beside the scene, a folder of the user's, and the built-in library.
+//!
+//! A name with a path separator or ending in `.toml` is a path. Any other name is looked up as `NAME.toml` in
+//! `materials/` beside the scene (or in the working folder), then in the folder that `BARWAVE_MATERIALS` names,
+//! then in the library that is part of the program.
+
+use std::path::{Path, PathBuf};
+
+use super::{Material, file};
+use crate::error::{InputError, Result};
+use crate::input::{Document, nearest};
+
+/// Environment variable that names a folder with material files.
+pub const FOLDER_VARIABLE: &str = "BARWAVE_MATERIALS";
+
+macro_rules! built_in {
+    ($($name:literal),* $(,)?) => {
+        /// Names and texts of the built-in material files, sorted by name.
+        const BUILT_IN: &[(&str, &str)] =
+            &[$(($name, include_str!(concat!("../../materials/", $name, ".toml")))),*];
+    };
+}
+
+built_in!["copper-annealed", "mild-steel"];
+
+/// Other names for built-in materials.
+const ALIASES: &[(&str, &str)] = &[("steel-low-carbon-annealed", "mild-steel")];
+
+/// Names of the built-in materials, sorted.
+pub fn names() -> impl Iterator<Item = &'static str> {
+    BUILT_IN.iter().map(|(name, _)| *name)
+}
+
+/// The exact text of a built-in material file.
+pub fn built_in_text(name: &str) -> Option<&'static str> {
+    let name = ALIASES.iter().find(|(alias, _)| *alias == name).map_or(name, |(_, target)| target);
+    BUILT_IN.iter().find(|(known, _)| *known == name).map(|(_, text)| *text)
+}
+
+/// Folders in which material files are looked up, in order.
+pub fn folders(base_dir: &Path) -> Vec<PathBuf> {
+    let user = std::env::var_os(FOLDER_VARIABLE).filter(|v| !v.is_empty()).map(PathBuf::from);
+    std::iter::once(base_dir.join("materials")).chain(user).collect()
+}
+
+/// The material of a name or path; paths and `materials/` start at `base_dir` (the scene's folder).
+///
+/// # Errors
+/// An unknown name (with the nearest known one), a missing file, or whatever is wrong in the file.
+pub fn find(name_or_path: &str, base_dir: &Path) -> Result<Material> {
+    if is_path(name_or_path) {
+        return file::read(&base_dir.join(name_or_path));
+    }
+    let files = folders(base_dir).into_iter().map(|folder| folder.join(format!("{name_or_path}.toml")));
+    if let Some(path) = files.into_iter().find(|path| path.is_file()) {
+        return file::read(&path);
+    }
+    match built_in_text(name_or_path) {
+        Some(text) => {
+            let document = Document::new(format!("built-in {name_or_path}.toml"), text);
+            file::parse(&document, name_or_path, base_dir, "built-in")
+        }
+        None => Err(unknown(name_or_path, base_dir).into()),
+    }
+}
+
+/// Names of the materials in the user's folders, in the order in which they are looked up.
+pub fn user_names(base_dir: &Path) -> Vec<String> {
+    let mut names = Vec::new();
+    for folder in folders(base_dir) {
+        let files = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+        let toml = files.filter(|path| path.extension().is_some_and(|e| e == "toml"));
+        let mut found: Vec<_> = toml.filter_map(|p| Some(p.file_stem()?.to_string_lossy().into_owned())).collect();
+        found.sort();
+        names.extend(found.into_iter().filter(|name| !names.contains(name)).collect::<Vec<_>>());
+    }
+    names
+}
+
+fn is_path(name: &str) -> bool {
+    let is_toml = Path::new(name).extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
+    is_toml || name.contains('/') || name.contains(std::path::MAIN_SEPARATOR)
+}
+
+fn unknown(name: &str, base_dir: &Path) -> InputError {
+    let user = user_names(base_dir);
+    let mut known: Vec<&str> = names().chain(ALIASES.iter().map(|(alias, _)| *alias)).collect();
+    known.extend(user.iter().map(String::as_str));
+    let help = match nearest(name, known) {
+        Some(near) => format!("did you mean `{near}`? `barwave materials` lists them"),
+        None => "`barwave materials` lists them; a path to a material file ends in .toml".into(),
+    };
+    InputError::new(format!("there is no material `{name}`")).key("material").help(help)
+}

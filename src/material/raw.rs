@@ -1,0 +1,222 @@
+//! A material as a file or a scene writes it: the serde mirror. What it means is decided in `file`.
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+use toml::Spanned;
+
+use super::{Beyond, Formula, Measure, Sense};
+use crate::input::Number;
+use crate::units::Quantity;
+
+/// A material file, or an inline table `material = { ... }` in a scene.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct RawMaterial {
+    /// Short name; a file without one is named by its stem.
+    pub name: Option<String>,
+    /// One line for people.
+    pub description: Option<String>,
+    /// Mass per volume, > 0 (kg/m^3).
+    #[schemars(with = "Quantity")]
+    pub density: Number,
+    /// Elastic modulus, > 0 (Pa): slope of every unloading, never exceeded by the curve. Default: the curve's
+    /// steepest slope. Formulas need it.
+    #[schemars(with = "Option<Quantity>")]
+    pub modulus: Option<Number>,
+    /// Poisson's ratio, 0 to 0.5.
+    #[schemars(with = "Option<Quantity>")]
+    pub poisson: Option<Number>,
+    /// Whether strains and stresses are engineering (default) or true ones. May stand in `[curve]` instead.
+    #[schemars(with = "Option<Measure>")]
+    pub measure: Option<Spanned<Measure>>,
+    /// Whether the curve was measured in tension (default) or compression. May stand in `[curve]` instead.
+    #[schemars(with = "Option<Sense>")]
+    pub sense: Option<Spanned<Sense>>,
+    /// What happens past the last row: "rupture" (the specimen broke there), "extend" (the last slope goes on) or
+    /// "error" (a run that gets there stops; default). May stand in `[curve]` instead.
+    #[schemars(with = "Option<Beyond>")]
+    pub beyond: Option<Spanned<Beyond>>,
+    /// What the other sense does where `[compression]` is absent: "engineering" (default) mirrors the engineering
+    /// curve; "true" converts the same true curve to compression.
+    #[schemars(with = "Option<Measure>")]
+    pub symmetry: Option<Spanned<Measure>>,
+    /// The stress-strain curve of first loading.
+    #[schemars(with = "RawCurve")]
+    pub curve: Spanned<RawCurve>,
+    /// First loading in compression, where it differs; magnitudes.
+    #[schemars(with = "Option<RawCurve>")]
+    pub compression: Option<Spanned<RawCurve>>,
+    /// Constants of rate laws.
+    pub rate: Option<RawRate>,
+    /// Constants for heating and thermal softening.
+    pub heat: Option<RawHeat>,
+    /// What the curve rests on.
+    pub source: Option<RawSource>,
+}
+
+/// A curve: exactly one of `table`, `csv` and `formula`.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct RawCurve {
+    /// Rows [strain, stress]; magnitudes; strain increasing. Plain stresses are in `unit`.
+    #[schemars(with = "Option<Vec<(Quantity, Quantity)>>")]
+    pub table: Option<Vec<(Number, Number)>>,
+    /// A file with the columns strain, stress, relative to this one. A header may name the unit: "stress_MPa" or
+    /// "stress (MPa)", "strain (%)".
+    #[schemars(with = "Option<String>")]
+    pub csv: Option<Spanned<String>>,
+    /// A named law; its constants stand beside it.
+    #[schemars(with = "Option<Formula>")]
+    pub formula: Option<Spanned<Formula>>,
+    /// Unit of plain stresses in `table` or `csv`, e.g. "MPa" (default: Pa).
+    #[schemars(with = "Option<String>")]
+    pub unit: Option<Spanned<String>>,
+    /// As at the top level.
+    #[schemars(with = "Option<Measure>")]
+    pub measure: Option<Spanned<Measure>>,
+    /// As at the top level.
+    #[schemars(with = "Option<Sense>")]
+    pub sense: Option<Spanned<Sense>>,
+    /// As at the top level.
+    #[schemars(with = "Option<Beyond>")]
+    pub beyond: Option<Spanned<Beyond>>,
+    /// Hollomon, Ludwik, Swift: strength coefficient (Pa).
+    #[serde(rename = "K")]
+    #[schemars(with = "Option<Quantity>")]
+    pub k: Option<Number>,
+    /// All but Voce: exponent.
+    #[schemars(with = "Option<Quantity>")]
+    pub n: Option<Number>,
+    /// Johnson-Cook: yield stress (Pa).
+    #[serde(rename = "A")]
+    #[schemars(with = "Option<Quantity>")]
+    pub a: Option<Number>,
+    /// Johnson-Cook: hardening coefficient (Pa).
+    #[serde(rename = "B")]
+    #[schemars(with = "Option<Quantity>")]
+    pub b: Option<Number>,
+    /// Ludwik, Voce, Ramberg-Osgood: yield stress (Pa).
+    #[serde(rename = "yield")]
+    #[schemars(with = "Option<Quantity>")]
+    pub yield_stress: Option<Number>,
+    /// Voce: stress that is approached (Pa).
+    #[schemars(with = "Option<Quantity>")]
+    pub saturation: Option<Number>,
+    /// Voce: characteristic plastic strain.
+    #[schemars(with = "Option<Quantity>")]
+    pub strain: Option<Number>,
+    /// Swift: strain before the test.
+    #[schemars(with = "Option<Quantity>")]
+    pub prestrain: Option<Number>,
+    /// Ramberg-Osgood: plastic strain at the yield stress (default 0.002).
+    #[schemars(with = "Option<Quantity>")]
+    pub offset: Option<Number>,
+    /// How a formula becomes a table.
+    pub tabulate: Option<RawTabulate>,
+}
+
+/// How a formula (or a true table) becomes an engineering table.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct RawTabulate {
+    /// Largest distance in stress over the largest stress, 1e-8 to 0.1 (default 1e-3).
+    #[schemars(with = "Option<Quantity>")]
+    pub tolerance: Option<Number>,
+    /// Engineering strain at which the table ends (default: half as far again as the largest engineering stress;
+    /// 0.5 where there is none).
+    #[schemars(with = "Option<Quantity>")]
+    pub to_strain: Option<Number>,
+}
+
+/// `[rate]`: constants of rate laws.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct RawRate {
+    /// stress times 1 + C ln(rate/reference).
+    pub johnson_cook: Option<RawJohnsonCook>,
+    /// plastic rate = D (stress/static - 1)^q.
+    pub cowper_symonds: Option<RawCowperSymonds>,
+    /// plastic rate = k (stress - static)/E.
+    pub malvern: Option<RawMalvern>,
+}
+
+/// `[rate.johnson-cook]`.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct RawJohnsonCook {
+    /// C, >= 0.
+    #[serde(rename = "C")]
+    #[schemars(with = "Quantity")]
+    pub c: Number,
+    /// Reference rate, > 0 (1/s).
+    #[schemars(with = "Quantity")]
+    pub reference: Number,
+}
+
+/// `[rate.cowper-symonds]`.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct RawCowperSymonds {
+    /// D, > 0 (1/s).
+    #[serde(rename = "D")]
+    #[schemars(with = "Quantity")]
+    pub d: Number,
+    /// Exponent q, > 0.
+    #[schemars(with = "Quantity")]
+    pub q: Number,
+}
+
+/// `[rate.malvern]`.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct RawMalvern {
+    /// k, > 0 (1/s).
+    #[schemars(with = "Quantity")]
+    pub k: Number,
+}
+
+/// `[heat]`: constants for heating and thermal softening.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct RawHeat {
+    /// > 0 (J/(kg*K)).
+    #[schemars(with = "Option<Quantity>")]
+    pub specific_heat: Option<Number>,
+    /// Fraction of the plastic work that heats, 0 to 1.
+    #[schemars(with = "Option<Quantity>")]
+    pub fraction: Option<Number>,
+    /// Temperature at which the curve holds, > 0 (K).
+    #[schemars(with = "Option<Quantity>")]
+    pub reference_temperature: Option<Number>,
+    /// Melting temperature, above the reference temperature (K).
+    #[schemars(with = "Option<Quantity>")]
+    pub melting_temperature: Option<Number>,
+    /// Softening exponent m, > 0.
+    #[serde(rename = "m")]
+    #[schemars(with = "Option<Quantity>")]
+    pub exponent: Option<Number>,
+}
+
+/// `[source]`: what the curve rests on.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct RawSource {
+    /// The publication.
+    pub citation: Option<String>,
+    /// What was measured.
+    pub measured: Option<String>,
+    /// How sure.
+    pub confidence: Option<Confidence>,
+}
+
+/// How sure a curve is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Confidence {
+    /// The table is a measurement.
+    Measured,
+    /// A law fitted to measurements that the source shows.
+    Fitted,
+    /// Constants from a handbook or a secondary source.
+    Handbook,
+}

@@ -1,0 +1,310 @@
+//! From laws and true-stress tables to the engineering tables that solvers see.
+//!
+//! True to engineering, for incompressible plastic flow: in tension e = exp(eps) - 1, s = sigma/(1 + e); in
+//! compression, in magnitudes, e = 1 - exp(-eps), s = sigma/(1 - e). The elastic part is kept straight in the
+//! engineering measure, s = E e, so that elastic waves have one speed.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Law, SLOPE_ROUND_OFF, Sense};
+
+/// Which strain and stress a curve is given in.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Measure {
+    /// Change of length over first length; force over first area.
+    #[default]
+    Engineering,
+    /// Logarithmic strain; force over present area.
+    True,
+}
+
+/// How a law becomes a table.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tabulate {
+    /// Largest distance in stress between table and law, over the largest stress; the velocity that the table needs
+    /// to reach any strain is within the same fraction of the law's.
+    pub tolerance: f64,
+    /// Engineering strain at which the table ends; none: half as far again (in true strain) as the largest
+    /// engineering stress, or [`Tabulate::DEFAULT_END`] where there is no such maximum.
+    pub to_strain: Option<f64>,
+}
+
+impl Tabulate {
+    /// Default tolerance.
+    pub const DEFAULT_TOLERANCE: f64 = 1e-3;
+    /// Engineering strain at which the table of a law without a maximum ends by default.
+    pub const DEFAULT_END: f64 = 0.5;
+}
+
+/// An engineering table made from a law or from true stresses.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Tabulated {
+    /// (strain, stress in Pa), from the elastic limit on; the origin is left out.
+    pub rows: Vec<(f64, f64)>,
+    /// Largest distance in stress from what it was made of, Pa, sampled between the knots.
+    pub error: f64,
+}
+
+/// Engineering strain and stress (magnitudes) from true ones.
+pub fn engineering_from_true(sense: Sense, strain: f64, stress: f64) -> (f64, f64) {
+    let stretched = sense.sign() * strain;
+    (sense.sign() * stretched.exp_m1(), stress * (-stretched).exp())
+}
+
+/// True strain and stress (magnitudes) from engineering ones.
+pub fn true_from_engineering(sense: Sense, strain: f64, stress: f64) -> (f64, f64) {
+    let sign = sense.sign();
+    (sign * (sign * strain).ln_1p(), stress * (1.0 + sign * strain))
+}
+
+/// A law with what turns its stresses into engineering ones.
+struct Branch<'a> {
+    law: &'a Law,
+    modulus: f64,
+    measure: Measure,
+    sense: Sense,
+}
+
+impl Branch<'_> {
+    /// Elastic strain at a stress, in the law's own measure: with q = sigma/E, true stress on the straight
+    /// engineering line is sigma = E e (1 + e) in tension and E e (1 - e) in compression.
+    fn elastic_strain(&self, stress: f64) -> f64 {
+        match self.measure {
+            Measure::Engineering => stress / self.modulus,
+            Measure::True => {
+                let sign = self.sense.sign();
+                sign * (sign * elastic_engineering_strain(self.sense, stress / self.modulus)).ln_1p()
+            }
+        }
+    }
+
+    /// d(elastic strain)/d(stress), 1/Pa.
+    fn elastic_compliance(&self, stress: f64) -> f64 {
+        let sign = self.sense.sign();
+        let e = elastic_engineering_strain(self.sense, stress / self.modulus);
+        match self.measure {
+            Measure::Engineering => 1.0 / self.modulus,
+            Measure::True => 1.0 / (self.modulus * (1.0 + sign * e) * (1.0 + sign * 2.0 * e)),
+        }
+    }
+
+    /// Total strain in the law's own measure at its parameter `x` (plastic strain, or total for Hollomon).
+    fn total(&self, x: f64) -> f64 {
+        if self.law.of_total_strain() { x } else { x + self.elastic_strain(self.law.stress(x)) }
+    }
+
+    /// Engineering (strain, stress) at the law's parameter.
+    fn point(&self, x: f64) -> (f64, f64) {
+        match self.measure {
+            Measure::Engineering => (self.total(x), self.law.stress(x)),
+            Measure::True => engineering_from_true(self.sense, self.total(x), self.law.stress(x)),
+        }
+    }
+
+    /// The parameter at which the table leaves the elastic line.
+    ///
+    /// Laws with a yield stress start there. Hollomon's starts where it meets the line. Ramberg and Osgood's has
+    /// no elastic part; there it is where the distance from the line is half the tolerance (`allowance`, Pa).
+    fn elastic_limit(&self, allowance: f64) -> f64 {
+        match self.law {
+            Law::Hollomon { .. } => {
+                let off_line = |x: f64| {
+                    let (strain, stress) = self.point(x);
+                    self.modulus * strain - stress
+                };
+                bisect(1e-15_f64.ln(), 1.0_f64.ln(), |ln| off_line(ln.exp())).exp()
+            }
+            Law::RambergOsgood { .. } => 0.5 * allowance / self.modulus,
+            _ => 0.0,
+        }
+    }
+
+    /// d ln(engineering stress)/dx, up to a positive factor: zero at the largest engineering stress.
+    fn rise(&self, x: f64) -> f64 {
+        let stress = self.law.stress(x);
+        let of_law = self.law.slope(x) / stress;
+        if self.law.of_total_strain() {
+            return of_law - 1.0;
+        }
+        of_law * (1.0 - stress * self.elastic_compliance(stress)) - 1.0
+    }
+
+    /// The parameter of the largest engineering stress; only true stresses in tension have one.
+    fn maximum(&self, from: f64) -> Option<f64> {
+        const FARTHEST: f64 = 10.0;
+        if self.measure == Measure::Engineering || self.sense == Sense::Compression || self.rise(FARTHEST) > 0.0 {
+            return None;
+        }
+        if self.rise(from.max(f64::MIN_POSITIVE)) <= 0.0 {
+            return Some(from);
+        }
+        Some(bisect(from, FARTHEST, |x| -self.rise(x)))
+    }
+
+    /// The parameter at an engineering strain.
+    fn parameter_at(&self, strain: f64) -> f64 {
+        let mut high = 1.0;
+        while self.point(high).0 < strain && high < 1e3 {
+            high *= 2.0;
+        }
+        bisect(0.0, high, |x| self.point(x).0 - strain)
+    }
+}
+
+/// Elastic engineering strain where the true stress is q E: e (1 +- e) = q.
+fn elastic_engineering_strain(sense: Sense, q: f64) -> f64 {
+    2.0 * q / (1.0 + (1.0 + 4.0 * sense.sign() * q).max(0.0).sqrt())
+}
+
+/// Root of an increasing function, to round-off.
+fn bisect(mut low: f64, mut high: f64, f: impl Fn(f64) -> f64) -> f64 {
+    loop {
+        let middle = 0.5 * (low + high);
+        if middle <= low || middle >= high {
+            return middle;
+        }
+        if f(middle) < 0.0 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+}
+
+/// Tabulates a law. The table starts with the elastic limit (its origin row is left out) and has knots exactly at
+/// the elastic limit and at the largest engineering stress.
+///
+/// # Errors
+/// One sentence: the law starts above the elastic line, or the table would end before the elastic limit.
+pub fn tabulate_law(
+    law: &Law,
+    modulus: f64,
+    measure: Measure,
+    sense: Sense,
+    how: Tabulate,
+) -> Result<Tabulated, String> {
+    let branch = Branch { law, modulus, measure, sense };
+    let start = branch.elastic_limit(0.0);
+    let maximum = branch.maximum(start);
+    let end = match (how.to_strain, maximum) {
+        (Some(strain), _) => branch.parameter_at(strain),
+        (None, Some(x)) => 1.5 * x.max(start).max(1e-3),
+        (None, None) => branch.parameter_at(Tabulate::DEFAULT_END),
+    };
+    if !(end > start) || branch.point(end).0 <= branch.point(start).1 / modulus {
+        let limit = branch.point(start).1 / modulus;
+        return Err(format!("the table would end before the elastic limit, which is at strain {limit:.4e}"));
+    }
+    let top = branch.point(maximum.map_or(end, |x| x.min(end))).1;
+    let start = start.max(branch.elastic_limit(how.tolerance * top));
+    let limit = branch.point(start).1;
+    let mut breaks = vec![start];
+    breaks.extend(maximum.filter(|x| (start..end).contains(x) && *x > start));
+    breaks.push(end);
+    let mut table = refine(&|x| branch.point(x), &breaks, how.tolerance, top);
+    // Exactly on the elastic line, so that the first slope is the modulus.
+    table.rows[0] = (limit / modulus, limit);
+    if matches!(law, Law::RambergOsgood { .. }) {
+        table.error = table.error.max(modulus * start);
+    }
+    Ok(table)
+}
+
+/// Engineering table from rows of true strain (> 0) and stress, with knots added where straight true segments
+/// bend. Rows on the elastic line (slope `modulus`, or the first row's where none is known) stay on it.
+pub fn tabulate_true_rows(rows: &[(f64, f64)], modulus: Option<f64>, sense: Sense, tolerance: f64) -> Tabulated {
+    let Some(&(first_strain, first_stress)) = rows.first() else { return Tabulated::default() };
+    let modulus = modulus.unwrap_or(first_stress / first_strain);
+    let on_line = |&&(strain, stress): &&(f64, f64)| (stress / (modulus * strain) - 1.0).abs() <= SLOPE_ROUND_OFF;
+    let elastic = rows.iter().take_while(on_line).count();
+    let mut table = Tabulated::default();
+    for &(_, stress) in &rows[..elastic] {
+        let strain = elastic_engineering_strain(sense, stress / modulus);
+        table.rows.push((strain, modulus * strain));
+    }
+    let top = rows.iter().map(|&(e, s)| engineering_from_true(sense, e, s).1).fold(0.0, f64::max);
+    for k in elastic..rows.len() {
+        let from = if k == 0 { (0.0, 0.0) } else { rows[k - 1] };
+        let piece = straight_true_piece(from, rows[k], sense, tolerance, top);
+        let known = usize::from(!table.rows.is_empty());
+        table.rows.extend_from_slice(&piece.rows[known..]);
+        table.error = table.error.max(piece.error);
+    }
+    table
+}
+
+/// One straight segment of a true table, with a knot where its engineering stress is largest: in tension, where
+/// the true slope equals the true stress.
+fn straight_true_piece(from: (f64, f64), to: (f64, f64), sense: Sense, tolerance: f64, top: f64) -> Tabulated {
+    let slope = (to.1 - from.1) / (to.0 - from.0);
+    let point = |e: f64| engineering_from_true(sense, e, from.1 + slope * (e - from.0));
+    let peak = from.0 + (slope - from.1) / slope;
+    let mut breaks = vec![from.0];
+    breaks.extend((sense == Sense::Tension && slope > 0.0 && peak > from.0 && peak < to.0).then_some(peak));
+    breaks.push(to.0);
+    refine(&point, &breaks, tolerance, top)
+}
+
+/// Straight pieces between the given parameters and as many more as the tolerances ask for.
+fn refine(point: &dyn Fn(f64) -> (f64, f64), breaks: &[f64], tolerance: f64, top: f64) -> Tabulated {
+    let limits = Limits {
+        stress: tolerance * top,
+        relative: 0.3 * tolerance,
+        velocity: 0.02 * tolerance * velocity_scale(point, breaks),
+    };
+    let mut table = Tabulated { rows: vec![point(breaks[0])], error: 0.0 };
+    for pair in breaks.windows(2) {
+        split(point, (pair[0], pair[1]), limits, 60, &mut table);
+    }
+    table
+}
+
+/// What one straight piece may be off.
+#[derive(Debug, Clone, Copy)]
+struct Limits {
+    /// Pa.
+    stress: f64,
+    /// Of the velocity jump of the piece; less than the tolerance, since halving shows only part of the error.
+    relative: f64,
+    /// Or sqrt(Pa): sqrt(d stress d strain), a velocity times sqrt(density). For the few pieces at the steep start
+    /// and near the maximum, where the slope goes to zero and no halving makes the relative error small.
+    velocity: f64,
+}
+
+fn velocity_part(from: (f64, f64), to: (f64, f64)) -> f64 {
+    ((to.0 - from.0) * (to.1 - from.1)).max(0.0).sqrt()
+}
+
+fn velocity_scale(point: &dyn Fn(f64) -> (f64, f64), breaks: &[f64]) -> f64 {
+    const SAMPLES: u32 = 64;
+    let origin = (0.0, 0.0);
+    let mut total = velocity_part(origin, point(breaks[0]));
+    for pair in breaks.windows(2) {
+        let at = |i: u32| point(pair[0] + (pair[1] - pair[0]) * f64::from(i) / f64::from(SAMPLES));
+        total += (0..SAMPLES).map(|i| velocity_part(at(i), at(i + 1))).sum::<f64>();
+    }
+    total
+}
+
+/// Appends the pieces from `range.0` (already in the table) to `range.1`.
+fn split(point: &dyn Fn(f64) -> (f64, f64), range: (f64, f64), limits: Limits, depth: u32, table: &mut Tabulated) {
+    const SAMPLES: u32 = 8;
+    let (from, to) = (point(range.0), point(range.1));
+    let slope = (to.1 - from.1) / (to.0 - from.0);
+    let off = |i: u32| {
+        let (strain, stress) = point(range.0 + (range.1 - range.0) * f64::from(i) / f64::from(SAMPLES));
+        (stress - from.1 - slope * (strain - from.0)).abs()
+    };
+    let error = (1..SAMPLES).map(off).fold(0.0, f64::max);
+    let middle = 0.5 * (range.0 + range.1);
+    let halves = velocity_part(from, point(middle)) + velocity_part(point(middle), to);
+    let lost = (velocity_part(from, to) - halves).abs();
+    if depth > 0 && (error > limits.stress || lost > limits.velocity.max(limits.relative * halves)) {
+        split(point, (range.0, middle), limits, depth - 1, table);
+        split(point, (middle, range.1), limits, depth - 1, table);
+        return;
+    }
+    table.error = table.error.max(error);
+    table.rows.push(to);
+}

@@ -1,0 +1,192 @@
+//! Following fronts through the simulated field: where each edge of the theoretical fan is, how fast it moves, and
+//! when it reaches the gauges. Nothing here uses the theoretical speed.
+
+use super::FrontRow;
+use crate::bar::{Bar, EndCondition, Launch, Origin};
+use crate::solver::fd::{Leapfrog, Quantity};
+use crate::wave::similarity::Edge;
+
+/// Follows all fronts that a bar's ends and joints send out at the start.
+#[derive(Debug, Clone)]
+pub struct FrontTracker {
+    fronts: Vec<Front>,
+}
+
+/// One front: the place where the strain passes the middle between ahead and behind.
+#[derive(Debug, Clone)]
+struct Front {
+    launch: Launch,
+    edge: Edge,
+    window: Window,
+    /// Magnitude of strain that marks the front.
+    level: f64,
+    /// Cells behind the front, counted from the origin.
+    passed: usize,
+    /// (time, distance from the origin) while no other wave has interfered.
+    track: Vec<(f64, f64)>,
+    finished: bool,
+}
+
+/// Where and until when a fan runs undisturbed: distances from the origin and elastic signals from both sides.
+#[derive(Debug, Clone, Copy)]
+struct Window {
+    length: f64,
+    c0: f64,
+    /// First time at which any other wave can enter at the far side, s.
+    far: f64,
+    /// The same at the origin.
+    near: f64,
+}
+
+impl Window {
+    fn undisturbed(&self, time: f64, distance: f64) -> bool {
+        let from_far = self.length - self.c0 * (time - self.far).max(0.0);
+        let from_near = self.c0 * (time - self.near).max(0.0);
+        distance <= from_far && distance >= from_near
+    }
+}
+
+impl FrontTracker {
+    /// A tracker for the fans of a bar.
+    pub fn new(bar: &Bar, launches: &[Launch], ends: [&EndCondition; 2]) -> Self {
+        let mut fronts = Vec::new();
+        for launch in launches {
+            let window = window(bar, launch, launches, ends);
+            for edge in &launch.fan.edges {
+                let level = 0.5 * (edge.strain_ahead + edge.strain_behind);
+                fronts.push(Front {
+                    launch: launch.clone(),
+                    edge: *edge,
+                    window,
+                    level,
+                    passed: 0,
+                    track: Vec::new(),
+                    finished: false,
+                });
+            }
+        }
+        Self { fronts }
+    }
+
+    /// Looks where every front is now.
+    pub fn observe(&mut self, bar: &Leapfrog) {
+        for front in self.fronts.iter_mut().filter(|f| !f.finished) {
+            front.observe(bar);
+        }
+    }
+
+    /// What was found, with arrival times at gauges (name, place in m).
+    pub fn rows(&self, gauges: &[(String, f64)]) -> Vec<FrontRow> {
+        self.fronts.iter().map(|f| f.row(gauges)).collect()
+    }
+}
+
+impl Front {
+    fn observe(&mut self, bar: &Leapfrog) {
+        let part = &bar.grid().segments[self.launch.segment];
+        let cells = part.cells.len();
+        let sign = self.launch.sense.sign();
+        let from_origin = |k: usize| {
+            let cell = if self.launch.direction > 0.0 { part.cells.start + k } else { part.cells.end - 1 - k };
+            sign * bar.value(Quantity::Strain, cell)
+        };
+        while self.passed < cells && from_origin(self.passed) >= self.level {
+            self.passed += 1;
+        }
+        if self.passed == 0 {
+            return;
+        }
+        let (behind, ahead) = (from_origin(self.passed - 1), from_origin(self.passed.min(cells - 1)));
+        if self.passed == cells || behind < self.level {
+            self.finished = true;
+            return;
+        }
+        let within = (behind - self.level) / (behind - ahead);
+        let distance = (self.passed as f64 - 0.5 + within) * part.dx;
+        if self.window.undisturbed(bar.time(), distance) {
+            self.track.push((bar.time(), distance));
+        } else {
+            self.finished = true;
+        }
+    }
+
+    /// Speed by a straight line through the later half of the track, m/s.
+    fn speed(&self) -> f64 {
+        let late = &self.track[self.track.len() / 2..];
+        if late.len() < 2 {
+            return f64::NAN;
+        }
+        let n = late.len() as f64;
+        let (mean_t, mean_x) = late.iter().fold((0.0, 0.0), |m, p| (m.0 + p.0 / n, m.1 + p.1 / n));
+        let (mut tt, mut tx) = (0.0, 0.0);
+        for (t, x) in late {
+            tt += (t - mean_t).powi(2);
+            tx += (t - mean_t) * (x - mean_x);
+        }
+        tx / tt
+    }
+
+    /// When the front came to a distance from its origin, s, straight between sightings; NaN where it did not.
+    fn arrival(&self, distance: f64) -> f64 {
+        let after = self.track.partition_point(|p| p.1 < distance);
+        let Some(&(t1, x1)) = self.track.get(after) else { return f64::NAN };
+        let (t0, x0) = if after == 0 { (0.0, 0.0) } else { self.track[after - 1] };
+        if x1 > x0 { t0 + (t1 - t0) * (distance - x0) / (x1 - x0) } else { t1 }
+    }
+
+    fn row(&self, gauges: &[(String, f64)]) -> FrontRow {
+        let (sign, direction) = (self.launch.sense.sign(), self.launch.direction);
+        let (last_seen, distance) = self.track.last().copied().unwrap_or((f64::NAN, f64::NAN));
+        let arrivals = gauges.iter().map(|(_, x)| {
+            let distance = direction * (x - self.launch.x);
+            if (0.0..=self.window.length).contains(&distance) { self.arrival(distance) } else { f64::NAN }
+        });
+        FrontRow {
+            origin: self.launch.origin.to_string(),
+            strain_behind: sign * self.edge.strain_behind,
+            strain_ahead: sign * self.edge.strain_ahead,
+            stress_behind: sign * self.edge.stress_behind,
+            stress_ahead: sign * self.edge.stress_ahead,
+            speed: direction * self.edge.speed,
+            speed_measured: direction * self.speed(),
+            position: self.launch.x + direction * distance,
+            last_seen,
+            arrivals: arrivals.collect(),
+        }
+    }
+}
+
+/// Elastic waves are the fastest, so they bound when anything else can interfere.
+fn window(bar: &Bar, launch: &Launch, launches: &[Launch], ends: [&EndCondition; 2]) -> Window {
+    let segment = &bar.segments[launch.segment];
+    let last = bar.segments.len() - 1;
+    let far_x = launch.x + launch.direction * segment.length;
+    let others = |x: f64| {
+        let foreign = launches.iter().filter(|l| l.origin != launch.origin);
+        foreign.map(|l| transit(bar, x, l.x)).fold(f64::INFINITY, f64::min)
+    };
+    let at_bar_end = if launch.direction > 0.0 { launch.segment == last } else { launch.segment == 0 };
+    let far_end = ends[usize::from(launch.direction > 0.0)];
+    let reflects = !(at_bar_end && matches!(far_end, EndCondition::Absorbing));
+    let reflection = if reflects { transit(bar, launch.x, far_x) } else { f64::INFINITY };
+    let near = match launch.origin {
+        Origin::Left | Origin::Right => launch.loads_until,
+        Origin::Joint(k) => {
+            let neighbour = &bar.segments[if launch.direction > 0.0 { k } else { k + 1 }];
+            launch.loads_until.min(2.0 * neighbour.length / neighbour.material.c0()).min(others(launch.x))
+        }
+    };
+    Window { length: segment.length, c0: segment.material.c0(), far: reflection.min(others(far_x)), near }
+}
+
+/// Time that an elastic wave takes between two places, s.
+fn transit(bar: &Bar, a: f64, b: f64) -> f64 {
+    let (low, high) = (a.min(b), a.max(b));
+    let (mut x0, mut time) = (0.0, 0.0);
+    for segment in &bar.segments {
+        let x1 = x0 + segment.length;
+        time += (high.min(x1) - low.max(x0)).max(0.0) / segment.material.c0();
+        x0 = x1;
+    }
+    time
+}

@@ -1,0 +1,194 @@
+//! The bar: one uniform piece or a list of segments, their sections, materials and joints.
+
+use std::collections::HashMap;
+use std::f64::consts::PI;
+use std::ops::Range;
+use std::sync::Arc;
+
+use toml::Spanned;
+
+use super::super::raw::{MaterialChoice, RawBar, RawJoint, RawSegment};
+use super::Checker;
+use crate::bar::{Bar, Joint, Segment};
+use crate::error::{Error, Place, Result};
+use crate::input::{Allowed, Number};
+use crate::material::{self, Material};
+use crate::units::Dimension;
+
+/// What a uniform bar and a segment both state.
+struct Piece<'a> {
+    length: Option<&'a Number>,
+    area: Option<&'a Number>,
+    diameter: Option<&'a Number>,
+    material: Option<&'a Spanned<MaterialChoice>>,
+    velocity: Option<&'a Number>,
+    /// Where a complaint about something missing points.
+    span: Range<usize>,
+}
+
+/// Materials by name, so that a name is read once and its segments share it.
+type Named = HashMap<String, Arc<Material>>;
+
+impl Checker<'_> {
+    pub(super) fn bar(&self, raw: &Spanned<RawBar>) -> Result<Bar> {
+        let (span, raw) = (raw.span(), raw.get_ref());
+        let piece = Piece {
+            length: raw.length.as_ref(),
+            area: raw.area.as_ref(),
+            diameter: raw.diameter.as_ref(),
+            material: raw.material.as_ref(),
+            velocity: raw.velocity.as_ref(),
+            span,
+        };
+        let mut named = Named::new();
+        let Some(list) = &raw.segment else {
+            let (segment, area_given) = self.piece(&piece, "bar", &mut named)?;
+            return Ok(Bar { segments: vec![segment], area_given });
+        };
+        self.no_uniform_keys(&piece)?;
+        self.segments(list, piece.span, &mut named)
+    }
+
+    /// `[bar]` keys that belong into the segments once there are segments.
+    fn no_uniform_keys(&self, piece: &Piece<'_>) -> Result<()> {
+        let numbers = [
+            ("length", piece.length),
+            ("area", piece.area),
+            ("diameter", piece.diameter),
+            ("velocity", piece.velocity),
+        ];
+        let number = numbers.iter().find_map(|(name, value)| value.map(|v| (*name, v.span())));
+        let Some((name, span)) = number.or_else(|| piece.material.map(|m| ("material", m.span()))) else {
+            return Ok(());
+        };
+        let message = format!("`{name}` of the whole bar stands beside [[bar.segment]]");
+        let help = format!("move `{name}` into each [[bar.segment]], or take the segments out");
+        Err(self.error(span, &format!("bar.{name}"), message).help(help).into())
+    }
+
+    fn segments(&self, list: &[Spanned<RawSegment>], span: Range<usize>, named: &mut Named) -> Result<Bar> {
+        let mut segments = Vec::with_capacity(list.len());
+        let mut with_area = Vec::with_capacity(list.len());
+        for (i, raw) in list.iter().enumerate() {
+            let key = format!("bar.segment.{i}");
+            let last = i + 1 == list.len();
+            let (span, raw) = (raw.span(), raw.get_ref());
+            let piece = Piece {
+                length: raw.length.as_ref(),
+                area: raw.area.as_ref(),
+                diameter: raw.diameter.as_ref(),
+                material: raw.material.as_ref(),
+                velocity: raw.velocity.as_ref(),
+                span,
+            };
+            let (mut segment, area_given) = self.piece(&piece, &key, named)?;
+            segment.joint = self.joint(raw, &key, last)?;
+            segments.push(segment);
+            with_area.push(area_given);
+        }
+        if segments.is_empty() {
+            let help = "add [[bar.segment]] tables, or length and material to [bar]";
+            return Err(self.error(span, "bar.segment", "the bar has no segment").help(help).into());
+        }
+        if let Some(i) = with_area.iter().position(|&given| given != with_area[0]) {
+            let without = if with_area[0] { i } else { 0 };
+            let message = "some segments state an area and this one does not";
+            let error = self.error(list[without].span(), &format!("bar.segment.{without}.area"), message);
+            return Err(error.help("give `area` or `diameter` in every segment, or in none").into());
+        }
+        Ok(Bar { segments, area_given: with_area[0] })
+    }
+
+    /// A uniform piece, bonded to the next; and whether its area was given.
+    fn piece(&self, piece: &Piece<'_>, key: &str, named: &mut Named) -> Result<(Segment, bool)> {
+        let Some(length) = piece.length else {
+            let help = format!("add the length to `{key}`, e.g. length = \"1 m\"");
+            return Err(self.missing(piece.span.clone(), &format!("{key}.length"), &help));
+        };
+        let Some(choice) = piece.material else {
+            let help = format!(
+                "add a material to `{key}`: a library name (see `barwave materials`), a path, or an inline table"
+            );
+            return Err(self.missing(piece.span.clone(), &format!("{key}.material"), &help));
+        };
+        let length = self.document.number(length, &format!("{key}.length"), Dimension::Length, Allowed::Positive)?;
+        let area = self.area(piece, key)?;
+        let velocity =
+            self.document.optional(piece.velocity, &format!("{key}.velocity"), Dimension::Velocity, Allowed::Finite)?;
+        let material = self.material(choice, &format!("{key}.material"), named)?;
+        let segment = Segment {
+            length,
+            area: area.unwrap_or(1.0),
+            material,
+            velocity: velocity.unwrap_or(0.0),
+            joint: Joint::Bonded,
+        };
+        Ok((segment, area.is_some()))
+    }
+
+    fn area(&self, piece: &Piece<'_>, key: &str) -> Result<Option<f64>> {
+        let (area_key, diameter_key) = (format!("{key}.area"), format!("{key}.diameter"));
+        if let (Some(_), Some(diameter)) = (piece.area, piece.diameter) {
+            let error = self.error(diameter.span(), &diameter_key, "the section has both an area and a diameter");
+            return Err(error.help("keep `area` or `diameter`, not both").into());
+        }
+        let area = self.document.optional(piece.area, &area_key, Dimension::Area, Allowed::Positive)?;
+        let diameter = self.document.optional(piece.diameter, &diameter_key, Dimension::Length, Allowed::Positive)?;
+        Ok(area.or(diameter.map(|d| PI / 4.0 * d * d)))
+    }
+
+    fn material(&self, choice: &Spanned<MaterialChoice>, key: &str, named: &mut Named) -> Result<Arc<Material>> {
+        match choice.get_ref() {
+            MaterialChoice::Inline(raw) => {
+                material::resolve((**raw).clone(), self.document, key, self.base).map(Arc::new)
+            }
+            MaterialChoice::Named(name) => {
+                if let Some(known) = named.get(name) {
+                    return Ok(known.clone());
+                }
+                let found = material::library::find(name, self.base).map_err(|e| self.placed(e, choice, key))?;
+                let shared = Arc::new(found);
+                named.insert(name.clone(), shared.clone());
+                Ok(shared)
+            }
+        }
+    }
+
+    /// An error without a place of its own (no such material) gets the place where the scene names it.
+    fn placed(&self, error: Error, choice: &Spanned<MaterialChoice>, key: &str) -> Error {
+        let Error::Input(error) = error else { return error };
+        if error.place.is_some() {
+            return error.into();
+        }
+        let (file, text) = (self.document.file.clone(), self.document.text.clone());
+        error.key(key).at(Place { file, text, span: choice.span() }).into()
+    }
+
+    fn joint(&self, raw: &RawSegment, key: &str, last: bool) -> Result<Joint> {
+        let kind = raw.joint.as_ref().map_or(RawJoint::Bonded, |j| *j.get_ref());
+        let (joint_key, gap_key) = (format!("{key}.joint"), format!("{key}.gap"));
+        let gap = self.document.optional(raw.gap.as_ref(), &gap_key, Dimension::Length, Allowed::NotNegative)?;
+        if let (Some(joint), true) = (&raw.joint, last) {
+            let error = self.error(joint.span(), &joint_key, "the last segment has no next one to be joined to");
+            return Err(error.help("take it out; [right] says what is at the end of the bar").into());
+        }
+        if let (Some(gap), RawJoint::Bonded) = (&raw.gap, kind) {
+            let error = self.error(gap.span(), &gap_key, "a bonded joint has no gap");
+            return Err(error.help("take `gap` out, or say joint = \"contact\"").into());
+        }
+        match kind {
+            RawJoint::Bonded => Ok(Joint::Bonded),
+            RawJoint::Contact => {
+                self.refuse_contact(raw, &joint_key)?;
+                Ok(Joint::Contact { gap: gap.unwrap_or(0.0) })
+            }
+        }
+    }
+
+    /// No solver of this version opens or closes joints inside the bar; the rest of the program is ready for them.
+    fn refuse_contact(&self, raw: &RawSegment, key: &str) -> Result<()> {
+        let span = raw.joint.as_ref().map_or(0..0, Spanned::span);
+        let error = self.error(span, key, "this version does not simulate a joint that can open");
+        Err(error.allowed("\"bonded\"").help("use joint = \"bonded\" (the default)").into())
+    }
+}

@@ -1,0 +1,148 @@
+//! The two ends: which keys belong to which kind, and the histories that drive them.
+
+use std::ops::Range;
+
+use toml::Spanned;
+
+use super::super::raw::{EndKind, RawEnd};
+use super::Checker;
+use crate::bar::{EndCondition, History};
+use crate::error::Result;
+use crate::input::{Allowed, Number};
+use crate::units::Dimension;
+
+impl EndKind {
+    fn word(self) -> &'static str {
+        match self {
+            Self::Velocity => "velocity",
+            Self::Stress => "stress",
+            Self::Free => "free",
+            Self::Fixed => "fixed",
+            Self::Absorbing => "absorbing",
+            Self::Wall => "wall",
+        }
+    }
+
+    /// The keys, beside `kind`, that this kind takes.
+    fn keys(self) -> &'static [&'static str] {
+        match self {
+            Self::Velocity => &["value", "history", "csv", "release"],
+            Self::Stress => &["value", "history", "csv"],
+            Self::Wall => &["gap"],
+            Self::Free | Self::Fixed | Self::Absorbing => &[],
+        }
+    }
+}
+
+impl Checker<'_> {
+    pub(super) fn end(&self, raw: &Spanned<RawEnd>, key: &str) -> Result<EndCondition> {
+        let (span, raw) = (raw.span(), raw.get_ref());
+        let kind = *raw.kind.get_ref();
+        self.only_its_keys(raw, kind, key)?;
+        Ok(match kind {
+            EndKind::Velocity => EndCondition::Velocity {
+                history: self.history(raw, span, key, Dimension::Velocity)?,
+                release: self.document.optional(
+                    raw.release.as_ref(),
+                    &format!("{key}.release"),
+                    Dimension::Time,
+                    Allowed::Positive,
+                )?,
+            },
+            EndKind::Stress => EndCondition::Stress { history: self.history(raw, span, key, Dimension::Stress)? },
+            EndKind::Free => EndCondition::Free,
+            EndKind::Fixed => EndCondition::Fixed,
+            EndKind::Absorbing => EndCondition::Absorbing,
+            EndKind::Wall => {
+                let key = format!("{key}.gap");
+                let gap = self.document.optional(raw.gap.as_ref(), &key, Dimension::Length, Allowed::NotNegative)?;
+                EndCondition::Wall { gap: gap.unwrap_or(0.0) }
+            }
+        })
+    }
+
+    fn only_its_keys(&self, raw: &RawEnd, kind: EndKind, key: &str) -> Result<()> {
+        for (name, span) in given(raw) {
+            if kind.keys().contains(&name) {
+                continue;
+            }
+            let word = kind.word();
+            let message = format!("`{name}` means nothing for an end of kind \"{word}\"");
+            let allowed = match kind.keys() {
+                [] => "kind alone".to_owned(),
+                keys => format!("kind, {}", keys.join(", ")),
+            };
+            let help = format!("take `{name}` out, or give the end another kind");
+            return Err(self.error(span, &format!("{key}.{name}"), message).allowed(allowed).help(help).into());
+        }
+        Ok(())
+    }
+
+    /// The history of a driven end, from exactly one of its three forms.
+    fn history(&self, raw: &RawEnd, span: Range<usize>, key: &str, dimension: Dimension) -> Result<History> {
+        let forms: Vec<_> = given(raw).into_iter().filter(|(name, _)| *name != "release").collect();
+        let unit = dimension.example();
+        match forms.as_slice() {
+            [_] => {}
+            [] => {
+                let help = format!(
+                    "add value = \"{unit}\", or history = [[\"0 us\", \"{unit}\"], ...], or csv = \"file.csv\""
+                );
+                return Err(self.missing(span, &format!("{key}.value"), &help));
+            }
+            [(first, _), (second, span), ..] => {
+                let message = format!("`{first}` and `{second}` both say what drives the end");
+                let error = self.error(span.clone(), &format!("{key}.{second}"), message);
+                return Err(error.allowed("one of value, history, csv").help("keep one of them").into());
+            }
+        }
+        if let Some(value) = &raw.value {
+            let value = self.document.number(value, &format!("{key}.value"), dimension, Allowed::Finite)?;
+            return Ok(History::constant(value));
+        }
+        if let Some(rows) = &raw.history {
+            return self.rows(rows, &format!("{key}.history"), dimension);
+        }
+        match &raw.csv {
+            Some(path) => self.csv_history(path, &format!("{key}.csv"), dimension),
+            None => Err(self.missing(span, &format!("{key}.value"), "say what drives the end")),
+        }
+    }
+
+    fn rows(&self, rows: &Spanned<Vec<Spanned<Vec<Number>>>>, key: &str, dimension: Dimension) -> Result<History> {
+        let mut pairs = Vec::with_capacity(rows.get_ref().len());
+        for (i, row) in rows.get_ref().iter().enumerate() {
+            let [time, value] = row.get_ref().as_slice() else {
+                let count = row.get_ref().len();
+                let error = self.error(row.span(), &format!("{key}.{i}"), format!("a row has {count} entries"));
+                let help = format!("write [time, value], e.g. [\"10 us\", \"{}\"]", dimension.example());
+                return Err(error.allowed("2 entries: time and value").help(help).into());
+            };
+            let t = self.document.number(time, &format!("{key}.{i}.time"), Dimension::Time, Allowed::NotNegative)?;
+            let v = self.document.number(value, &format!("{key}.{i}.value"), dimension, Allowed::Finite)?;
+            pairs.push((t, v));
+        }
+        History::new(&pairs).map_err(|(i, why)| {
+            let span = rows.get_ref().get(i).map_or_else(|| rows.span(), Spanned::span);
+            let what = if pairs.is_empty() { why.to_owned() } else { format!("row {} {why}", i + 1) };
+            self.error(span, &format!("{key}.{i}"), what).allowed(ROWS).help(ROWS_HELP).into()
+        })
+    }
+}
+
+/// What rows of a history obey.
+pub(super) const ROWS: &str = "times never decrease, at most two rows with one time";
+/// And how to write them.
+pub(super) const ROWS_HELP: &str = "list the rows in the order of time; two rows with one time are a jump";
+
+/// The optional keys that were given, with their places.
+fn given(raw: &RawEnd) -> Vec<(&'static str, Range<usize>)> {
+    let all = [
+        ("value", raw.value.as_ref().map(Spanned::span)),
+        ("history", raw.history.as_ref().map(Spanned::span)),
+        ("csv", raw.csv.as_ref().map(Spanned::span)),
+        ("release", raw.release.as_ref().map(Spanned::span)),
+        ("gap", raw.gap.as_ref().map(Spanned::span)),
+    ];
+    all.into_iter().filter_map(|(name, span)| span.map(|s| (name, s))).collect()
+}

@@ -1,0 +1,121 @@
+//! From what the user typed to what it means: units, ranges, defaults, and what must or must not stand together.
+
+mod bar;
+mod csv_history;
+mod ends;
+mod record;
+
+use std::ops::Range;
+use std::path::Path;
+
+use toml::Spanned;
+
+use super::raw::{RawEffects, RawScene, RawSolve, RawUnloading};
+use super::{Effects, Method, Scene, Solve, Unloading, not_yet};
+use crate::bar::Bar;
+use crate::error::{InputError, Result};
+use crate::input::{Allowed, Document, Number};
+use crate::units::Dimension;
+
+/// Default number of cells.
+const CELLS: usize = 1000;
+/// Most cells that a run can be asked for: 10^8 cells are some gigabytes of state.
+const MOST_CELLS: usize = 100_000_000;
+
+/// The file being checked and the folder that its paths are relative to.
+struct Checker<'a> {
+    document: &'a Document,
+    base: &'a Path,
+}
+
+/// Checks a document; `text` and `overrides` of the scene are the caller's to fill.
+pub(super) fn check(document: &Document, base: &Path) -> Result<Scene> {
+    not_yet::refuse(document)?;
+    let raw: RawScene = document.parse()?;
+    let checker = Checker { document, base };
+    let raw_bar = checker.required(raw.bar.as_ref(), "bar", "add [bar] with length and material")?;
+    let bar = checker.bar(raw_bar)?;
+    let ends = "both ends are always stated: add e.g. [left] with kind = \"velocity\" and value = \"30 m/s\", and \
+                [right] with kind = \"free\"";
+    let left = checker.end(checker.required(raw.left.as_ref(), "left", ends)?, "left")?;
+    let right = checker.end(checker.required(raw.right.as_ref(), "right", ends)?, "right")?;
+    let effects = checker.effects(&raw.effects, &bar)?;
+    let until = "add [solve] with until, the end time, e.g. until = \"200 us\"";
+    let solve = checker.solve(checker.required(raw.solve.as_ref(), "solve", until)?)?;
+    let record = checker.record(&raw.record, &bar, &effects, &solve)?;
+    let name = Path::new(&document.file).file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
+    Ok(Scene {
+        title: raw.title.unwrap_or_else(|| name.clone()),
+        name,
+        path: None,
+        text: String::new(),
+        overrides: Vec::new(),
+        bar,
+        left,
+        right,
+        effects,
+        solve,
+        record,
+    })
+}
+
+impl Checker<'_> {
+    fn error(&self, span: Range<usize>, key: &str, message: impl Into<String>) -> InputError {
+        self.document.error(span, key, message)
+    }
+
+    /// A part that must be there; the help line says what to add.
+    fn required<'a, T>(&self, part: Option<&'a T>, key: &str, help: &str) -> Result<&'a T> {
+        part.ok_or_else(|| self.missing(self.end_of_text(), key, help))
+    }
+
+    fn missing(&self, span: Range<usize>, key: &str, help: &str) -> crate::error::Error {
+        let name = key.rsplit('.').next().unwrap_or(key);
+        self.error(span, key, format!("`{name}` is missing")).help(help).into()
+    }
+
+    /// Where a whole missing table would be added: the last line that has text.
+    fn end_of_text(&self) -> Range<usize> {
+        let end = self.document.text.trim_end().len();
+        end..end
+    }
+
+    fn solve(&self, raw: &Spanned<RawSolve>) -> Result<Solve> {
+        let (span, raw) = (raw.span(), raw.get_ref());
+        let Some(until) = &raw.until else {
+            let help = "add the end time, e.g. until = \"200 us\"; an elastic wave needs length/c0 to cross the bar";
+            return Err(self.missing(span, "solve.until", help));
+        };
+        let until = self.document.number(until, "solve.until", Dimension::Time, Allowed::Positive)?;
+        let cells = self.count(raw.cells.as_ref(), "solve.cells", 2, CELLS)?;
+        let range = Allowed::Above(0.0, 1.0);
+        let cfl = self.document.optional(raw.cfl.as_ref(), "solve.cfl", Dimension::None, range)?;
+        Ok(Solve { until, method: Method::Leapfrog { cells, cfl: cfl.unwrap_or(1.0) } })
+    }
+
+    /// A number of cells, with its default.
+    fn count(&self, value: Option<&Number>, key: &str, low: usize, default: usize) -> Result<usize> {
+        value.map_or(Ok(default), |v| self.document.count(v, key, low, MOST_CELLS))
+    }
+
+    fn effects(&self, raw: &RawEffects, bar: &Bar) -> Result<Effects> {
+        let Some(unloading) = &raw.unloading else { return Ok(Effects::default()) };
+        let key = "effects.unloading";
+        let kind = match unloading.get_ref() {
+            RawUnloading::Isotropic => Unloading::Isotropic,
+            RawUnloading::Kinematic => Unloading::Kinematic,
+            RawUnloading::Mixed(fraction) => {
+                let (key, range) = ("effects.unloading.mixed", Allowed::Within(0.0, 1.0));
+                Unloading::Mixed(self.document.number(fraction, key, Dimension::None, range)?)
+            }
+        };
+        let two_branches = bar.segments.iter().find(|s| s.material.compression.is_some());
+        if let (Some(segment), Unloading::Kinematic | Unloading::Mixed(_)) = (two_branches, kind) {
+            let name = &segment.material.name;
+            let message = format!("kinematic hardening needs one curve for both senses; `{name}` has two");
+            let help = "use unloading = \"isotropic\", or a material without a compression curve of its own";
+            return Err(self.error(unloading.span(), key, message).allowed("\"isotropic\"").help(help).into());
+        }
+        Ok(Effects { unloading: Some(kind) })
+    }
+}

@@ -1,0 +1,189 @@
+//! What is recorded: frame times, fields, gauges, and whether all of it can be meant.
+
+use toml::Spanned;
+
+use super::super::raw::{RawCompression, RawPrecision, RawRecord};
+use super::super::{Effects, Method, Record, Solve};
+use super::{Checker, MOST_CELLS};
+use crate::bar::Bar;
+use crate::error::Result;
+use crate::input::{Allowed, Number};
+use crate::record::{Compression, Field, Precision};
+use crate::units::{Dimension, System, format};
+
+/// Default number of frames.
+const FRAMES: usize = 200;
+/// More frames than this are a slip of the pen.
+const MOST_FRAMES: usize = 10_000_000;
+/// Largest result file, before compression, that is not a slip of the pen.
+const MOST_GIB: f64 = 64.0;
+const GIB: f64 = 1024.0 * 1024.0 * 1024.0;
+
+impl Checker<'_> {
+    pub(super) fn record(&self, raw: &RawRecord, bar: &Bar, effects: &Effects, solve: &Solve) -> Result<Record> {
+        let cells = raw.cells.as_ref().map(|v| self.document.count(v, "record.cells", 1, MOST_CELLS)).transpose()?;
+        let record = Record {
+            times: self.times(raw, solve.until)?,
+            cells,
+            fields: self.fields(raw, effects)?,
+            gauges: self.gauges(raw, bar.length())?,
+            precision: match raw.precision {
+                Some(RawPrecision::F32) => Precision::F32,
+                Some(RawPrecision::F64) | None => Precision::F64,
+            },
+            compression: match raw.compression {
+                Some(RawCompression::Lzf) => Compression::Lzf,
+                Some(RawCompression::None) => Compression::None,
+                Some(RawCompression::Deflate) | None => Compression::Deflate,
+            },
+        };
+        self.fits(raw, &record, solve)?;
+        Ok(record)
+    }
+
+    /// Frame times, from at most one of the three forms.
+    fn times(&self, raw: &RawRecord, until: f64) -> Result<Vec<f64>> {
+        let forms = [
+            ("frames", raw.frames.as_ref().map(Spanned::span)),
+            ("every", raw.every.as_ref().map(Spanned::span)),
+            ("times", raw.times.as_ref().map(Spanned::span)),
+        ];
+        let mut given = forms.into_iter().filter_map(|(name, span)| span.map(|s| (name, s)));
+        if let (Some((first, _)), Some((second, span))) = (given.next(), given.next()) {
+            let message = format!("`{first}` and `{second}` both say when frames are taken");
+            let error = self.error(span, &format!("record.{second}"), message);
+            return Err(error.allowed("one of frames, every, times").help("keep one of them").into());
+        }
+        if let Some(every) = &raw.every {
+            return self.times_every(every, until);
+        }
+        if let Some(times) = &raw.times {
+            return self.times_listed(times, until);
+        }
+        let frames = raw.frames.as_ref().map(|v| self.document.count(v, "record.frames", 1, MOST_FRAMES));
+        Ok(even_times(frames.transpose()?.unwrap_or(FRAMES), until))
+    }
+
+    fn times_every(&self, every: &Number, until: f64) -> Result<Vec<f64>> {
+        let key = "record.every";
+        let step = self.document.number(every, key, Dimension::Time, Allowed::Positive)?;
+        let whole = (until / step * (1.0 + 1e-12)).floor();
+        if whole > MOST_FRAMES as f64 {
+            let message = format!("{} gives {whole:.3e} frames", every.get_ref());
+            let allowed = format!("at most {MOST_FRAMES} frames");
+            return Err(self.error(every.span(), key, message).allowed(allowed).help("take a longer time").into());
+        }
+        let mut times: Vec<f64> = (0..=whole as usize).map(|i| (i as f64 * step).min(until)).collect();
+        // A step that divides the run up to round-off ends it; any other leaves a shorter last step.
+        match times.last_mut() {
+            Some(last) if until - *last <= 1e-9 * step => *last = until,
+            _ => times.push(until),
+        }
+        Ok(times)
+    }
+
+    fn times_listed(&self, list: &Spanned<Vec<Number>>, until: f64) -> Result<Vec<f64>> {
+        let mut times: Vec<f64> = Vec::with_capacity(list.get_ref().len());
+        for (i, value) in list.get_ref().iter().enumerate() {
+            let key = format!("record.times.{i}");
+            let time = self.document.number(value, &key, Dimension::Time, Allowed::NotNegative)?;
+            let shown = value.get_ref();
+            if time > until {
+                let message = format!("{shown} is after the end of the run");
+                let allowed = format!("0 <= time <= {}", format(until, Dimension::Time, System::Si));
+                let help = "take it out, or raise solve.until";
+                return Err(self.error(value.span(), &key, message).allowed(allowed).help(help).into());
+            }
+            if times.last().is_some_and(|&before| time <= before) {
+                let error = self.error(value.span(), &key, format!("{shown} is not after the time before it"));
+                return Err(error.allowed("increasing times").help("list the times in order, each once").into());
+            }
+            times.push(time);
+        }
+        if times.is_empty() {
+            let error = self.error(list.span(), "record.times", "the list of times is empty");
+            return Err(error.allowed("at least one time").help("use frames = 1 for the end alone").into());
+        }
+        Ok(times)
+    }
+
+    fn fields(&self, raw: &RawRecord, effects: &Effects) -> Result<Vec<Field>> {
+        let Some(list) = &raw.fields else { return Ok(vec![Field::Stress, Field::Strain, Field::Velocity]) };
+        let mut fields = Vec::with_capacity(list.len());
+        for (i, word) in list.iter().enumerate() {
+            let key = format!("record.fields.{i}");
+            let Some(field) = Field::ALL.into_iter().find(|f| f.name() == word.get_ref()) else {
+                let known = Field::ALL.map(Field::name);
+                return Err(self.document.word_error(word.span(), &key, word.get_ref(), &known).into());
+            };
+            if fields.contains(&field) {
+                let error = self.error(word.span(), &key, format!("`{}` stands twice", field.name()));
+                return Err(error.help("name each field once").into());
+            }
+            let plastic = matches!(field, Field::PlasticStrain | Field::AccumulatedPlasticStrain);
+            if plastic && effects.unloading.is_none() {
+                let message = format!("`{}` does not exist where the curve is followed both ways", field.name());
+                let help = "add [effects] with unloading = \"isotropic\", or take the field out";
+                return Err(self.error(word.span(), &key, message).help(help).into());
+            }
+            fields.push(field);
+        }
+        Ok(fields)
+    }
+
+    /// Gauges in the order of the file, which the map has lost and the places keep.
+    fn gauges(&self, raw: &RawRecord, length: f64) -> Result<Vec<(String, f64)>> {
+        let mut list: Vec<_> = raw.gauges.iter().collect();
+        list.sort_by_key(|(_, place)| place.span().start);
+        let mut gauges = Vec::with_capacity(list.len());
+        for (name, place) in list {
+            let key = format!("record.gauges.{name}");
+            if name.trim().is_empty() || name.contains('/') || name.chars().any(char::is_control) || name == "." {
+                let error = self.error(place.span(), &key, format!("`{name}` cannot name a gauge"));
+                return Err(error.allowed("a name without `/`").help("it becomes a group of the result file").into());
+            }
+            let x = self.document.number(place, &key, Dimension::Length, Allowed::Finite)?;
+            if !(0.0..=length).contains(&x) {
+                let message = format!("{} is outside the bar", place.get_ref());
+                let allowed = format!("0 <= {name} <= {}", format(length, Dimension::Length, System::Si));
+                let help = "places are measured from the left end";
+                return Err(self.error(place.span(), &key, message).allowed(allowed).help(help).into());
+            }
+            gauges.push((name.clone(), x));
+        }
+        Ok(gauges)
+    }
+
+    /// Refuses fields that no disk is meant to hold.
+    fn fits(&self, raw: &RawRecord, record: &Record, solve: &Solve) -> Result<()> {
+        let Method::Leapfrog { cells, .. } = solve.method;
+        let cells = record.cells.unwrap_or(cells);
+        let width = match record.precision {
+            Precision::F64 => 8.0,
+            Precision::F32 => 4.0,
+        };
+        let (frames, fields) = (record.times.len(), record.fields.len());
+        let bytes = frames as f64 * cells as f64 * fields as f64 * width;
+        if bytes <= MOST_GIB * GIB {
+            return Ok(());
+        }
+        let (key, span) = [
+            ("record.frames", raw.frames.as_ref().map(Spanned::span)),
+            ("record.every", raw.every.as_ref().map(Spanned::span)),
+            ("record.times", raw.times.as_ref().map(Spanned::span)),
+            ("record.cells", raw.cells.as_ref().map(Spanned::span)),
+        ]
+        .into_iter()
+        .find_map(|(key, span)| span.map(|s| (key, s)))
+        .unwrap_or_else(|| ("record", self.end_of_text()));
+        let message = format!("{frames} frames of {cells} cells and {fields} fields are {:.0} GiB", bytes / GIB);
+        let help = "record fewer frames, or fewer samples over x: cells = 1000 in [record]";
+        Err(self.error(span, key, message).allowed(format!("at most {MOST_GIB} GiB")).help(help).into())
+    }
+}
+
+/// `frames` times from 0 to `until`, both included; one frame is the end alone.
+fn even_times(frames: usize, until: f64) -> Vec<f64> {
+    let intervals = frames - 1;
+    (0..frames).map(|i| if i == intervals { until } else { until * i as f64 / intervals as f64 }).collect()
+}

@@ -1,0 +1,90 @@
+//! Words of the scene language that this version knows but cannot simulate: each is refused by name, with what
+//! can be done instead, and none is ever passed over in silence. A word that becomes available loses its row here.
+
+use std::ops::Range;
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use crate::error::Result;
+use crate::input::Document;
+
+/// A refusal: the key ("*" is any item of a list), the value that is meant (empty: any), what it is, and the way out.
+struct Word {
+    path: &'static [&'static str],
+    value: &'static str,
+    what: &'static str,
+    instead: &'static str,
+}
+
+const fn word(path: &'static [&'static str], value: &'static str, what: &'static str, instead: &'static str) -> Word {
+    Word { path, value, what, instead }
+}
+
+const DRIVEN: &str =
+    "drive the end with kind = \"velocity\" or \"stress\" and the history that the striking body would give it";
+const STRUCK_BAR: &str = "describe a bar in [bar] with its [left] and [right] ends";
+const LEAVE_OUT: &str = "leave it out; `unloading` is the effect that can be simulated";
+const LEAPFROG: &str = "use method = \"fd\" with scheme = \"leapfrog\" (both are the default)";
+const CELLS: &str = "leave it out and set the resolution with `cells`, e.g. cells = 4000";
+
+const WORDS: &[Word] = &[
+    word(&["spheres"], "", "the impact of spheres", STRUCK_BAR),
+    word(&["plate"], "", "the impact on a plate", STRUCK_BAR),
+    word(&["beam"], "", "the impact on a beam", STRUCK_BAR),
+    word(&["specimen"], "", "the energy method for a specimen", STRUCK_BAR),
+    word(&["striker"], "", "a striking body", DRIVEN),
+    word(&["left", "kind"], "striker", "a striker", DRIVEN),
+    word(&["left", "kind"], "ball", "a ball", DRIVEN),
+    word(&["left", "kind"], "spring", "a spring", "use kind = \"fixed\" or \"free\", the two limits of a spring"),
+    word(&["right", "kind"], "striker", "a striker", DRIVEN),
+    word(&["right", "kind"], "ball", "a ball", DRIVEN),
+    word(&["right", "kind"], "spring", "a spring", "use kind = \"fixed\" or \"free\", the two limits of a spring"),
+    word(&["bar", "mode"], "torsion", "torsion", "use mode = \"axial\" (the default)"),
+    word(&["bar", "segment", "*", "notch"], "", "a notch", "use a short segment with a smaller area"),
+    word(&["effects"], "auto", "the choice of effects by itself", "name them in an [effects] table"),
+    word(&["effects", "rate"], "", "the effect of the strain rate", LEAVE_OUT),
+    word(&["effects", "heat"], "", "heating by plastic work", LEAVE_OUT),
+    word(&["effects", "rupture"], "", "rupture inside the bar", LEAVE_OUT),
+    word(&["effects", "damping"], "", "damping", LEAVE_OUT),
+    word(&["effects", "lateral-inertia"], "", "lateral inertia", LEAVE_OUT),
+    word(&["solve", "method"], "moc", "the method of characteristics", LEAPFROG),
+    word(&["solve", "scheme"], "muscl", "the scheme muscl", LEAPFROG),
+    word(&["solve", "tolerance"], "", "the choice of method by tolerance", CELLS),
+    word(&["solve", "front-tolerance"], "", "front tracking", CELLS),
+    word(&["solve", "viscosity"], "", "artificial viscosity", "leave it out"),
+];
+
+/// Refuses the first word that cannot be simulated. Text that is no TOML passes: its reader complains better.
+pub(super) fn refuse(document: &Document) -> Result<()> {
+    let Ok(table) = DeTable::parse(&document.text) else { return Ok(()) };
+    for word in WORDS {
+        if let Some(span) = find(table.get_ref(), word.path, word.value) {
+            let key = document.key_at(&span);
+            let message = format!("this version does not simulate {}", word.what);
+            return Err(document.error(span, &key, message).help(word.instead).into());
+        }
+    }
+    Ok(())
+}
+
+/// The span of a value at a path; for a path alone, the span of its key.
+fn find(table: &DeTable<'_>, path: &[&str], value: &str) -> Option<Range<usize>> {
+    let (first, rest) = path.split_first()?;
+    let (key, item) = table.iter().find(|(key, _)| key.get_ref() == *first)?;
+    if !rest.is_empty() {
+        return find_in(item, rest, value);
+    }
+    if value.is_empty() {
+        return Some(key.span());
+    }
+    (item.get_ref().as_str() == Some(value)).then(|| item.span())
+}
+
+fn find_in(item: &Spanned<DeValue<'_>>, path: &[&str], value: &str) -> Option<Range<usize>> {
+    match (item.get_ref(), path) {
+        (DeValue::Table(table), _) => find(table, path, value),
+        (DeValue::Array(items), ["*", rest @ ..]) => items.iter().find_map(|i| find_in(i, rest, value)),
+        _ => None,
+    }
+}

@@ -1,0 +1,144 @@
+//! `--set KEY=VALUE`: changes the scene's text before it is read, so that every rule of the file holds for them too.
+
+use toml_edit::{ArrayOfTables, DocumentMut, Item, Value};
+
+use crate::error::{Error, InputError, Place, Result};
+use crate::input::Document;
+
+/// One override, split.
+#[derive(Debug, Clone)]
+struct Override {
+    typed: String,
+    key: Vec<String>,
+    value: String,
+}
+
+/// The overrides of one reading.
+#[derive(Debug, Clone)]
+pub(super) struct Overrides(Vec<Override>);
+
+impl Overrides {
+    /// Splits "left.value=-40 m/s" at its first "=".
+    pub(super) fn new(typed: &[String]) -> Result<Self> {
+        typed.iter().map(|t| split(t)).collect::<Result<_>>().map(Self)
+    }
+
+    /// The document with every override in its place, in order. An empty VALUE takes the key out.
+    pub(super) fn apply(&self, document: &Document) -> Result<Document> {
+        if self.0.is_empty() {
+            return Ok(document.clone());
+        }
+        // The reader's own complaint about a broken file is better than an editor's.
+        document.parse::<toml::Table>()?;
+        let mut edited: DocumentMut =
+            document.text.parse().map_err(|e: toml_edit::TomlError| InputError::new(e.message()))?;
+        for one in &self.0 {
+            one.put(edited.as_item_mut()).map_err(|message| one.error(message))?;
+        }
+        Ok(Document::new(document.file.clone(), edited.to_string()))
+    }
+
+    /// Points an error of the edited text at what the user can see: the override, or the same key in the file.
+    pub(super) fn explain(&self, error: Error, original: &Document) -> Error {
+        let Error::Input(error) = error else { return error };
+        if self.0.is_empty() || error.place.as_ref().is_none_or(|p| p.file != original.file) {
+            return error.into();
+        }
+        // The last one wins, as in the text.
+        if let Some(one) = self.0.iter().rev().find(|o| o.concerns(&error.key)) {
+            return one.place(error).into();
+        }
+        match original.span_of(&error.key) {
+            Some(span) => error.at(Place { file: original.file.clone(), text: original.text.clone(), span }).into(),
+            None => error.into(),
+        }
+    }
+}
+
+fn split(typed: &str) -> Result<Override> {
+    let wrong = |message: &str| {
+        InputError::new(format!("--set {typed}: {message}"))
+            .allowed("KEY=VALUE with a dotted key")
+            .help("write e.g. --set solve.cells=4000 or --set left.value=\"-40 m/s\"")
+    };
+    let (key, value) = typed.split_once('=').ok_or_else(|| wrong("there is no `=`"))?;
+    let key: Vec<String> = key.trim().split('.').map(|part| part.trim().to_owned()).collect();
+    if key.iter().any(String::is_empty) {
+        return Err(wrong("the key is not complete").into());
+    }
+    Ok(Override { typed: typed.to_owned(), key, value: value.trim().to_owned() })
+}
+
+impl Override {
+    /// TOML where it reads as such, otherwise text: a shell takes quotes away.
+    fn parsed(&self) -> Value {
+        self.value.parse().unwrap_or_else(|_| Value::from(self.value.as_str()))
+    }
+
+    fn put(&self, root: &mut Item) -> std::result::Result<(), String> {
+        let Some((last, parents)) = self.key.split_last() else { return Ok(()) };
+        let mut item = root;
+        for part in parents {
+            item = step(item, part)?;
+        }
+        if self.value.is_empty() {
+            return remove(item, last);
+        }
+        *step(item, last)? = Item::Value(self.parsed());
+        Ok(())
+    }
+
+    /// Whether a key of an error is the one set here, or lies inside it, or around a missing part of it.
+    fn concerns(&self, key: &str) -> bool {
+        let own = self.key.join(".");
+        key == own || key.strip_prefix(&own).is_some_and(|rest| rest.starts_with('.'))
+    }
+
+    fn place(&self, error: InputError) -> InputError {
+        let start = self.typed.find('=').map_or(0, |i| i + 1);
+        let span = if start < self.typed.len() { start..self.typed.len() } else { 0..self.typed.len() };
+        error.at(Place { file: "--set".into(), text: self.typed.as_str().into(), span })
+    }
+
+    fn error(&self, message: String) -> InputError {
+        let help = "the key is dotted as in the file, e.g. solve.cells or bar.segment.0.length (counted from 0)";
+        self.place(InputError::new(message).key(self.key.join(".")).help(help))
+    }
+}
+
+/// The item under one part of a key; what is missing is made, as an inline table.
+fn step<'a>(item: &'a mut Item, part: &str) -> std::result::Result<&'a mut Item, String> {
+    match item {
+        Item::ArrayOfTables(_) | Item::Value(Value::Array(_)) => step_index(item, part),
+        Item::None | Item::Table(_) | Item::Value(Value::InlineTable(_)) => Ok(&mut item[part]),
+        Item::Value(_) => Err(format!("`{part}` cannot stand inside a {}", item.type_name())),
+    }
+}
+
+fn step_index<'a>(item: &'a mut Item, part: &str) -> std::result::Result<&'a mut Item, String> {
+    let count = match item {
+        Item::ArrayOfTables(tables) => tables.len(),
+        _ => item.as_array().map_or(0, toml_edit::Array::len),
+    };
+    let index: usize = part.parse().map_err(|_| format!("`{part}` must be a number: it counts the items of a list"))?;
+    if index >= count {
+        return Err(format!("there is no item {index}: the list has {count}, counted from 0"));
+    }
+    Ok(&mut item[index])
+}
+
+fn remove(item: &mut Item, part: &str) -> std::result::Result<(), String> {
+    let gone = match item {
+        Item::ArrayOfTables(tables) => remove_table(tables, part),
+        _ => item.as_table_like_mut().is_some_and(|t| t.remove(part).is_some()),
+    };
+    if gone { Ok(()) } else { Err(format!("there is no `{part}` to take out (an empty value takes the key out)")) }
+}
+
+fn remove_table(tables: &mut ArrayOfTables, part: &str) -> bool {
+    let index = part.parse().ok().filter(|i: &usize| *i < tables.len());
+    if let Some(index) = index {
+        tables.remove(index);
+    }
+    index.is_some()
+}

@@ -1,0 +1,303 @@
+//! What the user typed: the mirror of a scene file. Every key is declared once, here, with unit, range and default.
+
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{Deserializer, MapAccess, Visitor};
+use toml::Spanned;
+
+use crate::input::Number;
+use crate::material::RawMaterial;
+use crate::units::Quantity;
+
+/// A scene: one bar, its two ends, how to solve it and what to record. Numbers are SI; a text is a number with
+/// its unit, such as "10 in". x runs from the left end, velocities are positive in +x, tension is positive.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(title = "barwave scene")]
+pub struct RawScene {
+    /// One line for people. Default: the file's name.
+    pub title: Option<String>,
+    /// The bar: uniform, or a list of segments. Required.
+    #[schemars(with = "RawBar")]
+    pub bar: Option<Spanned<RawBar>>,
+    /// What holds or drives the left end (x = 0). Required.
+    #[schemars(with = "RawEnd")]
+    pub left: Option<Spanned<RawEnd>>,
+    /// What holds or drives the right end. Required.
+    #[schemars(with = "RawEnd")]
+    pub right: Option<Spanned<RawEnd>>,
+    /// What is simulated beyond the curve itself. Default: nothing.
+    #[serde(default)]
+    pub effects: RawEffects,
+    /// How to solve. Required, for `until`.
+    #[schemars(with = "RawSolve")]
+    pub solve: Option<Spanned<RawSolve>>,
+    /// What to record. Default: 200 frames of stress, strain and velocity.
+    #[serde(default)]
+    pub record: RawRecord,
+}
+
+/// A uniform bar (length, material, ...), or `[[bar.segment]]` tables from left to right.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RawBar {
+    /// Length, m, > 0. Required for a uniform bar.
+    #[schemars(with = "Option<Quantity>")]
+    pub length: Option<Number>,
+    /// Cross-section, m^2, > 0; or give `diameter`. Default: none, forces and energies are then per m^2.
+    #[schemars(with = "Option<Quantity>")]
+    pub area: Option<Number>,
+    /// Diameter of a round section, m, > 0; in place of `area`.
+    #[schemars(with = "Option<Quantity>")]
+    pub diameter: Option<Number>,
+    /// Material: a library name, a path to a material file, or an inline table. Required for a uniform bar.
+    #[schemars(with = "Option<MaterialChoice>")]
+    pub material: Option<Spanned<MaterialChoice>>,
+    /// Initial velocity, m/s, positive in +x, any finite number. Default: 0.
+    #[schemars(with = "Option<Quantity>")]
+    pub velocity: Option<Number>,
+    /// What kind of wave. Default: "axial".
+    pub mode: Option<Mode>,
+    /// Segments, left to right; in place of the keys above (`mode` excepted).
+    #[schemars(with = "Option<Vec<RawSegment>>")]
+    pub segment: Option<Vec<Spanned<RawSegment>>>,
+}
+
+/// What kind of wave runs along the bar.
+#[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Mode {
+    /// Tension and compression.
+    Axial,
+}
+
+/// A uniform piece of the bar.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RawSegment {
+    /// Length, m, > 0. Required.
+    #[schemars(with = "Option<Quantity>")]
+    pub length: Option<Number>,
+    /// Cross-section, m^2, > 0; or give `diameter`. All segments state one, or none does.
+    #[schemars(with = "Option<Quantity>")]
+    pub area: Option<Number>,
+    /// Diameter of a round section, m, > 0; in place of `area`.
+    #[schemars(with = "Option<Quantity>")]
+    pub diameter: Option<Number>,
+    /// Material: a library name, a path to a material file, or an inline table. Required.
+    #[schemars(with = "Option<MaterialChoice>")]
+    pub material: Option<Spanned<MaterialChoice>>,
+    /// Initial velocity, m/s, positive in +x, any finite number. Default: 0.
+    #[schemars(with = "Option<Quantity>")]
+    pub velocity: Option<Number>,
+    /// How this segment meets the next. Default: "bonded".
+    #[schemars(with = "Option<RawJoint>")]
+    pub joint: Option<Spanned<RawJoint>>,
+    /// Initial opening of a contact joint, m, >= 0. Default: 0.
+    #[schemars(with = "Option<Quantity>")]
+    pub gap: Option<Number>,
+}
+
+/// How two segments meet.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum RawJoint {
+    /// Welded: force and velocity are continuous.
+    Bonded,
+    /// Touching; carries no tension.
+    Contact,
+}
+
+/// A material: by name or path, or given in place.
+#[derive(Debug, JsonSchema)]
+#[schemars(untagged)]
+pub enum MaterialChoice {
+    /// A library name, or the path of a material file.
+    Named(String),
+    /// The material itself.
+    Inline(Box<RawMaterial>),
+}
+
+// By hand: an untagged derive loses the places of the numbers inside, and the names of wrong keys.
+impl<'de> Deserialize<'de> for MaterialChoice {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Choice;
+
+        impl<'de> Visitor<'de> for Choice {
+            type Value = MaterialChoice;
+
+            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.write_str("a material's name, the path of a material file, or a table with the material itself")
+            }
+
+            fn visit_str<E>(self, name: &str) -> Result<MaterialChoice, E> {
+                Ok(MaterialChoice::Named(name.to_owned()))
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<MaterialChoice, A::Error> {
+                let material = RawMaterial::deserialize(MapAccessDeserializer::new(map))?;
+                Ok(MaterialChoice::Inline(Box::new(material)))
+            }
+        }
+
+        deserializer.deserialize_any(Choice)
+    }
+}
+
+/// What holds or drives an end. A driven end takes exactly one of `value`, `history` and `csv`.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RawEnd {
+    /// What the end is. Required.
+    #[schemars(with = "EndKind")]
+    pub kind: Spanned<EndKind>,
+    /// Velocity (m/s, positive in +x) or stress (Pa, tension positive) that holds from t = 0 on.
+    #[schemars(with = "Option<Quantity>")]
+    pub value: Option<Number>,
+    /// Rows [time, velocity or stress]; straight between rows, a repeated time is a jump, the last value holds.
+    /// Times in s, >= 0, never decreasing.
+    #[schemars(with = "Option<Vec<[Quantity; 2]>>")]
+    pub history: Option<Spanned<Vec<Spanned<Vec<Number>>>>>,
+    /// The same rows from a file with two columns, time and value; its path is relative to the scene file. A first
+    /// line without numbers names the columns and, in brackets, their units: `time [us],velocity [ft/s]`.
+    #[schemars(with = "Option<String>")]
+    pub csv: Option<Spanned<String>>,
+    /// For a velocity end: the time from which it is free, s, > 0. Default: never.
+    #[schemars(with = "Option<Quantity>")]
+    pub release: Option<Number>,
+    /// For a wall: its distance from the end at the start, m, >= 0. Default: 0.
+    #[schemars(with = "Option<Quantity>")]
+    pub gap: Option<Number>,
+}
+
+/// The kinds of ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum EndKind {
+    /// The end moves as told.
+    Velocity,
+    /// The end carries the stress it is told.
+    Stress,
+    /// No stress.
+    Free,
+    /// No motion.
+    Fixed,
+    /// Elastic waves leave without reflection.
+    Absorbing,
+    /// A rigid wall that pushes but does not pull.
+    Wall,
+}
+
+/// What is simulated beyond the curve itself: only what is named.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RawEffects {
+    /// Elastic unloading of yielded points. Default: none, the curve is followed both ways.
+    #[schemars(with = "Option<RawUnloading>")]
+    pub unloading: Option<Spanned<RawUnloading>>,
+}
+
+/// How the yield stress moves with plastic flow.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum RawUnloading {
+    /// Tension and compression harden alike.
+    Isotropic,
+    /// The elastic range keeps its size and moves.
+    Kinematic,
+    /// This fraction of the hardening is kinematic, 0 to 1.
+    #[schemars(with = "Quantity")]
+    Mixed(Number),
+}
+
+/// How the scene is solved.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RawSolve {
+    /// End time, s, > 0. Required.
+    #[schemars(with = "Quantity")]
+    pub until: Option<Number>,
+    /// Method. Default: "fd".
+    pub method: Option<RawMethod>,
+    /// Scheme of the method "fd". Default: "leapfrog".
+    pub scheme: Option<RawScheme>,
+    /// Cells over the whole bar, a whole number, 2 to 100000000. Default: 1000.
+    #[schemars(with = "Option<u64>")]
+    pub cells: Option<Number>,
+    /// Courant number of the fastest wave, 0 < cfl <= 1. Default: 1.
+    #[schemars(with = "Option<f64>")]
+    pub cfl: Option<Number>,
+}
+
+/// The methods.
+#[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum RawMethod {
+    /// Finite differences.
+    Fd,
+}
+
+/// The schemes of the method "fd".
+#[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum RawScheme {
+    /// Staggered in space and time.
+    Leapfrog,
+}
+
+/// What is recorded. At most one of `frames`, `every` and `times`.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RawRecord {
+    /// Frames of the fields, evenly spaced from t = 0 to the end, both included; 1 is the end alone. A whole
+    /// number, 1 to 10000000. Default: 200.
+    #[schemars(with = "Option<u64>")]
+    pub frames: Option<Number>,
+    /// Time between frames, s, > 0; the first is at t = 0, the end is included.
+    #[schemars(with = "Option<Quantity>")]
+    pub every: Option<Number>,
+    /// Times of the frames, s, increasing, from 0 to `solve.until`.
+    #[schemars(with = "Option<Vec<Quantity>>")]
+    pub times: Option<Spanned<Vec<Number>>>,
+    /// Samples of the fields over x, at the cell centres of an even grid; a whole number, 1 to 100000000.
+    /// Default: the solver's own cells.
+    #[schemars(with = "Option<u64>")]
+    pub cells: Option<Number>,
+    /// Fields: "stress", "strain", "velocity", "displacement"; with unloading also `"plastic_strain"` and
+    /// `"accumulated_plastic_strain"`. Default: stress, strain and velocity.
+    #[schemars(with = "Option<Vec<String>>")]
+    pub fields: Option<Vec<Spanned<String>>>,
+    /// Full-rate histories: name = place, m from the left end, within the bar. Default: none.
+    #[schemars(with = "BTreeMap<String, Quantity>")]
+    #[serde(default)]
+    pub gauges: BTreeMap<String, Number>,
+    /// Numbers of the fields in the file. Default: "f64".
+    pub precision: Option<RawPrecision>,
+    /// Compression of the fields in the file. Default: "deflate".
+    pub compression: Option<RawCompression>,
+}
+
+/// Size of the numbers in the file.
+#[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum RawPrecision {
+    /// 8 bytes.
+    F64,
+    /// 4 bytes.
+    F32,
+}
+
+/// Compression of the fields in the file.
+#[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum RawCompression {
+    /// Shuffle and deflate: small.
+    Deflate,
+    /// Shuffle and lzf: faster, larger.
+    Lzf,
+    /// None.
+    None,
+}

@@ -1,0 +1,83 @@
+//! The checked scene as JSON, SI, with every default filled in.
+
+use serde_json::{Map, Value, json};
+
+use super::{Effects, Method, Record, Scene};
+use crate::bar::{EndCondition, History, Joint, Segment};
+use crate::record::{Compression, Precision};
+
+pub(super) fn json(scene: &Scene) -> Value {
+    let Method::Leapfrog { cells, cfl } = scene.solve.method;
+    json!({
+        "title": scene.title,
+        "name": scene.name,
+        "overrides": scene.overrides,
+        "bar": {
+            "mode": "axial",
+            "area_given": scene.bar.area_given,
+            "segment": scene.bar.segments.iter().map(segment).collect::<Vec<_>>(),
+        },
+        "left": end(&scene.left),
+        "right": end(&scene.right),
+        "effects": effects(&scene.effects),
+        "solve": { "until": scene.solve.until, "method": "fd", "scheme": "leapfrog", "cells": cells, "cfl": cfl },
+        "record": record(&scene.record),
+    })
+}
+
+fn segment(segment: &Segment) -> Value {
+    let (joint, gap) = match segment.joint {
+        Joint::Bonded => ("bonded", None),
+        Joint::Contact { gap } => ("contact", Some(gap)),
+    };
+    json!({
+        "length": segment.length,
+        "area": segment.area,
+        "material": *segment.material,
+        "velocity": segment.velocity,
+        "joint": joint,
+        "gap": gap,
+    })
+}
+
+fn end(end: &EndCondition) -> Value {
+    match end {
+        EndCondition::Velocity { history, release } => {
+            json!({ "kind": "velocity", "history": rows(history), "release": release })
+        }
+        EndCondition::Stress { history } => json!({ "kind": "stress", "history": rows(history) }),
+        EndCondition::Free => json!({ "kind": "free" }),
+        EndCondition::Fixed => json!({ "kind": "fixed" }),
+        EndCondition::Absorbing => json!({ "kind": "absorbing" }),
+        EndCondition::Wall { gap } => json!({ "kind": "wall", "gap": gap }),
+    }
+}
+
+fn rows(history: &History) -> Vec<[f64; 2]> {
+    history.time().iter().zip(history.value()).map(|(&t, &v)| [t, v]).collect()
+}
+
+fn effects(effects: &Effects) -> Value {
+    json!({ "unloading": effects.unloading })
+}
+
+fn record(record: &Record) -> Value {
+    let precision = match record.precision {
+        Precision::F64 => "f64",
+        Precision::F32 => "f32",
+    };
+    let compression = match record.compression {
+        Compression::Deflate => "deflate",
+        Compression::Lzf => "lzf",
+        Compression::None => "none",
+    };
+    let gauges: Map<String, Value> = record.gauges.iter().map(|(name, x)| (name.clone(), json!(x))).collect();
+    json!({
+        "times": record.times,
+        "cells": record.cells,
+        "fields": record.fields.iter().map(|f| f.name()).collect::<Vec<_>>(),
+        "gauges": gauges,
+        "precision": precision,
+        "compression": compression,
+    })
+}

@@ -1,0 +1,254 @@
+use std::path::Path;
+
+use proptest::prelude::*;
+
+use super::*;
+use crate::bar::Joint;
+use crate::error::{Error, InputError};
+use crate::record::Compression;
+
+/// An elastic steel, so that these tests rest on no library.
+const STEEL: &str = r#"{ name = "steel", density = 7800, modulus = "200 GPa", beyond = "extend", curve = { table = [[0.001, 200e6], [0.1, 300e6]] } }"#;
+
+fn base(rest: &str) -> String {
+    format!(
+        "[bar]\nlength = \"1 m\"\nmaterial = {STEEL}\n[left]\nkind = \"velocity\"\nvalue = \"-30 m/s\"\n[right]\n\
+         kind = \"free\"\n[solve]\nuntil = \"200 us\"\n{rest}"
+    )
+}
+
+fn read(text: &str, overrides: &[&str]) -> Result<Scene> {
+    let overrides: Vec<String> = overrides.iter().map(|&o| o.to_owned()).collect();
+    Scene::parse("runs/test-bar.toml", text, Path::new(""), &overrides)
+}
+
+fn scene(rest: &str, overrides: &[&str]) -> Scene {
+    read(&base(rest), overrides).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn wrong(text: &str, overrides: &[&str]) -> InputError {
+    match read(text, overrides) {
+        Err(Error::Input(error)) => error,
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn defaults_are_filled_in() {
+    let scene = scene("", &[]);
+    assert_eq!((scene.title.as_str(), scene.name.as_str()), ("test-bar", "test-bar"));
+    assert_eq!(scene.effects, Effects::default());
+    assert_eq!(scene.solve, Solve { until: 200e-6, method: Method::Leapfrog { cells: 1000, cfl: 1.0 } });
+    assert!(!scene.bar.area_given && scene.bar.segments[0].area == 1.0 && scene.bar.segments[0].velocity == 0.0);
+    assert_eq!(scene.record.fields, [Field::Stress, Field::Strain, Field::Velocity]);
+    assert_eq!((scene.record.precision, scene.record.compression), (Precision::F64, Compression::Deflate));
+    assert_eq!(scene.record.times.len(), 200);
+    assert_eq!(scene.text, base(""));
+}
+
+#[test]
+fn frames_are_even_and_hold_both_ends() {
+    let times = |rest: &str| scene(&format!("[record]\n{rest}"), &[]).record.times;
+    let five = times("frames = 5");
+    assert_eq!((five.len(), five[0], five[4]), (5, 0.0, 200e-6));
+    // A product and a quotient: two roundings of 1.1e-16.
+    assert!(five.windows(2).all(|w| ((w[1] - w[0]) / 50e-6 - 1.0).abs() < 1e-14), "{five:?}");
+    assert_eq!(times("frames = 1"), [200e-6]);
+    assert_eq!(times("every = \"60 us\""), [0.0, 60e-6, 120e-6, 180e-6, 200e-6]);
+    // 200 us is a multiple of 0.1 us only up to round-off: no sliver at the end.
+    let fine = times("every = \"0.1 us\"");
+    assert_eq!((fine.len(), fine.last()), (2001, Some(&200e-6)));
+    assert_eq!(times("every = \"1 ms\""), [0.0, 200e-6]);
+    assert_eq!(times("times = [0, \"200 us\"]"), [0.0, 200e-6]);
+}
+
+#[test]
+fn times_increase_for_any_step() {
+    for i in 1..400 {
+        let times = scene(&format!("[record]\nevery = {:e}\n", 1e-6 * f64::from(i) * 0.37), &[]).record.times;
+        assert!(times.windows(2).all(|w| w[1] > w[0]), "{i}");
+        assert_eq!(times.last(), Some(&200e-6));
+    }
+}
+
+#[test]
+fn ends_mean_what_they_say() {
+    let end = |text: &str| {
+        let whole = base("").replace("kind = \"free\"", text);
+        read(&whole, &[]).unwrap_or_else(|e| panic!("{e}")).right
+    };
+    assert!(matches!(end("kind = \"wall\""), EndCondition::Wall { gap: 0.0 }));
+    assert!(matches!(end("kind = \"wall\"\ngap = \"1 mm\""), EndCondition::Wall { gap } if gap == 1e-3));
+    assert!(matches!(end("kind = \"fixed\""), EndCondition::Fixed));
+    assert!(matches!(end("kind = \"absorbing\""), EndCondition::Absorbing));
+    let EndCondition::Velocity { history, release } = end("kind = \"velocity\"\nvalue = 5\nrelease = \"10 us\"") else {
+        panic!("not a velocity end");
+    };
+    assert_eq!((history.at(1.0), release), (5.0, Some(10e-6)));
+    let EndCondition::Stress { history } = end("kind = \"stress\"\nhistory = [[0, \"1 MPa\"], [\"10 us\", 3e6]]")
+    else {
+        panic!("not a stress end");
+    };
+    assert_eq!(history.at(5e-6), 2e6);
+}
+
+#[test]
+fn segments_share_materials_and_state_areas_together() {
+    let segments = format!(
+        "[[bar.segment]]\nlength = 1\ndiameter = 2\nmaterial = {STEEL}\n\
+         [[bar.segment]]\nlength = 2\narea = 1\nmaterial = {STEEL}\nvelocity = \"3 m/s\"\n"
+    );
+    let text = base("").replace(&format!("[bar]\nlength = \"1 m\"\nmaterial = {STEEL}\n"), &segments);
+    let bar = read(&text, &[]).unwrap_or_else(|e| panic!("{e}")).bar;
+    assert_eq!(bar.segments.len(), 2);
+    assert!(bar.area_given);
+    assert_eq!(bar.segments[0].area, std::f64::consts::PI);
+    assert_eq!((bar.segments[1].velocity, bar.segments[0].joint), (3.0, Joint::Bonded));
+    let error = wrong(&text.replace("area = 1\n", ""), &[]);
+    assert_eq!(error.key, "bar.segment.1.area");
+}
+
+#[test]
+fn gauges_keep_the_order_of_the_file() {
+    let scene = scene("[record]\ngauges = { z = \"0.9 m\", a = \"10 cm\", m = 0.5 }\n", &[]);
+    let names: Vec<&str> = scene.record.gauges.iter().map(|(name, _)| name.as_str()).collect();
+    assert_eq!(names, ["z", "a", "m"]);
+}
+
+#[test]
+fn overrides_change_add_and_take_out() {
+    let changed = scene("", &["left.value=-40 m/s", "solve.cells=4e3", "effects.unloading=kinematic", "title=x = y"]);
+    assert!(matches!(changed.left, EndCondition::Velocity { ref history, .. } if history.at(0.0) == -40.0));
+    assert_eq!(changed.solve.method, Method::Leapfrog { cells: 4000, cfl: 1.0 });
+    assert_eq!(changed.effects.unloading, Some(Unloading::Kinematic));
+    assert_eq!(changed.title, "x = y");
+    assert_eq!(changed.text, base(""), "the text stays as read");
+    assert_eq!(changed.overrides.len(), 4);
+    let swapped = scene("", &["left.value=", "left.history=[[0, 0], [\"10 us\", \"-40 m/s\"]]"]);
+    assert!(matches!(swapped.left, EndCondition::Velocity { ref history, .. } if history.at(5e-6) == -20.0));
+    let deep = scene("", &["effects.unloading.mixed=0.25", "record.gauges.middle=0.5", "bar.material.density=8000"]);
+    assert_eq!(deep.effects.unloading, Some(Unloading::Mixed(0.25)));
+    assert_eq!(deep.record.gauges, [("middle".to_owned(), 0.5)]);
+    assert_eq!(deep.bar.segments[0].material.density, 8000.0);
+}
+
+#[test]
+fn overrides_reach_into_lists() {
+    let segments = format!("[[bar.segment]]\nlength = 1\nmaterial = {STEEL}\n");
+    let text = base("").replace(&format!("[bar]\nlength = \"1 m\"\nmaterial = {STEEL}\n"), &segments);
+    let bar = read(&text, &["bar.segment.0.length=10 in"]).unwrap_or_else(|e| panic!("{e}")).bar;
+    assert_eq!(bar.length(), 0.254);
+    let error = wrong(&text, &["bar.segment.1.length=10 in"]);
+    assert!(error.message.contains("no item 1: the list has 1"), "{error}");
+}
+
+#[test]
+fn errors_of_overrides_say_so() {
+    let error = wrong(&base(""), &["solve.cfl=1.5"]);
+    assert_eq!(error.to_string(), "--set:1: `solve.cfl`: 1.5 is out of range (allowed: 0 < cfl <= 1)");
+    let error = wrong(&base(""), &["solve.cell=1000"]);
+    assert!(error.to_string().starts_with("--set:1: `solve.cell`: unknown key"), "{error}");
+    let error = wrong(&base(""), &["solve.until.deep=1"]);
+    assert!(error.message.contains("cannot stand inside"), "{error}");
+    assert!(wrong(&base(""), &["solve.cfl"]).message.contains("no `=`"));
+    assert!(wrong(&base(""), &["=1"]).message.contains("not complete"));
+    assert!(wrong(&base(""), &["solve.cfl="]).message.contains("to take out"));
+}
+
+#[test]
+fn errors_beside_overrides_keep_their_line_in_the_file() {
+    let text = base("[record]\ncells = 0\n");
+    let line = text.lines().position(|l| l == "cells = 0").map(|i| i + 1);
+    // The new table is written above the wrong line.
+    let error = wrong(&text, &["effects.unloading=isotropic"]);
+    assert_eq!(error.place.map(|p| p.line()), line);
+}
+
+#[test]
+fn the_resolved_scene_is_complete() {
+    let json =
+        scene("[record]\ngauges = { middle = 0.5 }\n[effects]\nunloading = { mixed = 0.3 }\n", &[]).resolved_json();
+    assert_eq!(json["solve"]["cells"], 1000);
+    assert_eq!(json["effects"]["unloading"]["mixed"], 0.3);
+    assert_eq!(json["left"]["history"][0][1], -30.0);
+    assert_eq!(json["record"]["times"].as_array().map(Vec::len), Some(200));
+    assert_eq!(json["record"]["gauges"]["middle"], 0.5);
+    let segment = &json["bar"]["segment"][0];
+    assert_eq!(segment["material"]["density"], 7800.0);
+    assert!(segment["material"]["tension"]["strain"].as_array().is_some_and(|knots| knots.len() == 3));
+}
+
+#[test]
+fn csv_histories_take_units_from_the_header_or_the_cells() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let write = |text: &str| std::fs::write(folder.path().join("h.csv"), text).expect("written");
+    let text = base("").replace("value = \"-30 m/s\"", "csv = \"h.csv\"");
+    let read = || Scene::parse("a.toml", &text, folder.path(), &[]);
+    for content in [
+        "time [us],velocity [ft/s]\n0,0\n10,-100\n",
+        "# measured\n\"time (us)\";\"v (ft/s)\"\r\n0;0\r\n10;-100\r\n\r\n",
+        "0\t0\n1e-5\t-30.48\n",
+        "0,0\n10 us,-100 ft/s",
+    ] {
+        write(content);
+        let left = read().unwrap_or_else(|e| panic!("{content}: {e}")).left;
+        assert!(matches!(left, EndCondition::Velocity { ref history, .. } if (history.at(5e-6) + 15.24).abs() < 1e-12));
+    }
+    for (content, line, part) in [
+        ("time,v\n0,0\n1,2,3\n", 3, "3 columns"),
+        ("time,v\n1e-6,0\n0,0\n", 3, "goes back in time"),
+        ("time [kg],v\n1,0\n", 2, "is a mass, but a time"),
+        ("0,0\nx,y\n", 2, "does not start with a number"),
+        ("0,0\n-1,0\n", 2, "out of range"),
+        ("time,v\n", 1, "at least one row"),
+    ] {
+        write(content);
+        let Err(Error::Input(error)) = read() else { panic!("{content}: accepted") };
+        assert!(error.message.contains(part), "{content}: {error}");
+        let place = error.place.expect("a place in the CSV file");
+        assert!(place.file.ends_with("h.csv") && place.line() == line, "{content}: {}:{}", place.file, place.line());
+    }
+    std::fs::remove_file(folder.path().join("h.csv")).expect("removed");
+    let Err(Error::Input(error)) = read() else { panic!("accepted without a file") };
+    assert_eq!((error.key.as_str(), error.place.map(|p| p.file)), ("left.csv", Some("a.toml".into())));
+}
+
+/// A scene with a word from every part of the language, as the ground for slips.
+fn ground() -> String {
+    base(
+        "scheme = \"leapfrog\"\ncfl = 0.9\ncells = 100\n[effects]\nunloading = { mixed = 0.3 }\n[record]\nevery = \"10 us\"\n\
+          gauges = { middle = 0.5 }\nfields = [\"stress\"]\n",
+    )
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(1000))]
+
+    /// A slip of the pen is answered by a scene or by an input error with a help line, never by a panic.
+    #[test]
+    fn slips_are_answered(at in 0.0..1.0_f64, cut in 0..12_usize, put in "[-\\[\\]{}=\"#.,a-z0-9 \n]{0,4}") {
+        let mut text = ground();
+        let start = (at * text.len() as f64) as usize;
+        let end = (start + cut).min(text.len());
+        text.replace_range(start..end, &put);
+        match read(&text, &[]) {
+            Err(Error::Input(error)) => prop_assert!(!error.help.is_empty(), "{}", error),
+            Err(other) => prop_assert!(false, "{}", other),
+            Ok(_) => {}
+        }
+    }
+
+    /// So is an override.
+    #[test]
+    fn overrides_are_answered(
+        key in "(bar|left|solve|record|effects|title)(\\.[a-z0-9]{1,4}|\\.value|\\.gauges|\\.until|\\.0){0,3}",
+        value in "[-\\[\\]{}=\"#.,a-z0-9 ]{0,6}",
+    ) {
+        let typed = format!("{key}={value}");
+        match read(&ground(), &[&typed]) {
+            Err(Error::Input(error)) => prop_assert!(!error.help.is_empty(), "{}", error),
+            Err(other) => prop_assert!(false, "{}", other),
+            Ok(_) => {}
+        }
+    }
+}

@@ -1,0 +1,153 @@
+//! A run of cells that is stepped as one: small enough for the first-level cache, large enough that choosing its
+//! kernel costs nothing.
+
+use std::ops::Range;
+
+use multiversion::multiversion;
+
+use super::ripple;
+use crate::law::{RowLaw, RowReport, elastic_row};
+
+/// Cells of a full block. Fixed, so that sums over blocks have the same bits whatever the number of threads.
+pub(super) const BLOCK: usize = 512;
+
+/// What a block's cells have met so far; decides which kernel they need.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Stage {
+    /// Nothing has arrived: every stress is 0 and all nodes move alike. Nothing is computed.
+    Quiet,
+    /// No cell has yielded: the elastic kernel, and no plastic state in memory.
+    Elastic,
+    /// The law's own kernel.
+    Plastic,
+}
+
+/// Cells with their nodes. Neighbouring blocks hold a copy each of the node between them.
+#[derive(Debug, Clone)]
+pub(super) struct Block {
+    pub cells: Range<usize>,
+    pub segment: usize,
+    pub stage: Stage,
+    pub sigma: Vec<f64>,
+    /// Node velocities, one more than cells.
+    pub v: Vec<f64>,
+    /// Law state, empty until the block yields.
+    pub state: Vec<f64>,
+    /// 1 in cells that flowed in the latest step, else 0; empty until the block yields.
+    pub flow: Vec<f64>,
+    /// Running sum of [`RowReport::plastic`].
+    pub plastic: f64,
+    /// Largest reach so far.
+    pub reach: f64,
+    /// Velocity differences that the ripple damping hands over, one a cell; empty in an elastic run.
+    pub handed: Vec<f64>,
+    /// Velocities of the nodes next to the block in its own segment, for the damping.
+    pub outside: [Option<f64>; 2],
+    /// Running sum of what the damping took from the block's inner nodes, see [`ripple::hand_over`].
+    pub damped: f64,
+}
+
+/// What a block must know of its segment to step.
+#[derive(Clone, Copy)]
+pub(super) struct BlockLaw<'a> {
+    pub law: &'a dyn RowLaw,
+    /// E dt/dx.
+    pub stress_gain: f64,
+    /// dt/(rho dx).
+    pub velocity_gain: f64,
+    pub yield_stress: f64,
+}
+
+impl Block {
+    pub fn new(cells: Range<usize>, segment: usize, velocity: f64) -> Self {
+        let n = cells.len();
+        Self {
+            cells,
+            segment,
+            stage: Stage::Quiet,
+            sigma: vec![0.0; n],
+            v: vec![velocity; n + 1],
+            state: Vec::new(),
+            flow: Vec::new(),
+            plastic: 0.0,
+            reach: 0.0,
+            handed: Vec::new(),
+            outside: [None, None],
+            damped: 0.0,
+        }
+    }
+
+    /// Damps the ripples of the block's inner nodes; `outside` as in [`ripple::find`]. The nodes at its two edges belong
+    /// to the caller, who finds their share in `handed`.
+    pub fn damp_ripples(&mut self, velocity_gain: f64) {
+        if self.stage == Stage::Quiet {
+            return;
+        }
+        if self.handed.is_empty() {
+            self.handed = vec![0.0; self.sigma.len()];
+        }
+        ripple::find(&self.v, &self.flow, self.outside, &mut self.handed);
+        let inner = self.v.len() - 1;
+        self.damped += ripple::hand_over(velocity_gain, &self.sigma, &self.handed, &mut self.v[1..inner]);
+    }
+
+    /// Velocity difference that the damping hands over in the first and last cell.
+    pub fn handed_at_edges(&self) -> (f64, f64) {
+        (self.handed.first().copied().unwrap_or(0.0), self.handed.last().copied().unwrap_or(0.0))
+    }
+
+    /// Steps the stresses of the block, then the nodes inside it. The nodes at its two edges belong to the caller.
+    pub fn advance(&mut self, law: BlockLaw<'_>) {
+        if self.stage == Stage::Quiet {
+            if self.edges_at_rest() {
+                return;
+            }
+            self.stage = Stage::Elastic;
+        }
+        let report = self.advance_stress(law);
+        self.plastic += report.plastic;
+        self.reach = self.reach.max(report.reach);
+        let inner = self.v.len() - 1;
+        advance_velocity(law.velocity_gain, &self.sigma, &mut self.v[1..inner]);
+    }
+
+    /// A quiet block whose edge nodes still move with their neighbours has no strain rate anywhere.
+    fn edges_at_rest(&self) -> bool {
+        let last = self.v.len() - 1;
+        self.v[0] == self.v[last] && (last < 2 || self.v[0] == self.v[1])
+    }
+
+    fn advance_stress(&mut self, law: BlockLaw<'_>) -> RowReport {
+        if self.stage == Stage::Plastic {
+            return law.law.advance(law.stress_gain, &self.v, &mut self.sigma, &mut self.state, &mut self.flow);
+        }
+        let peak = elastic_row(law.stress_gain, &self.v, &mut self.sigma);
+        if peak <= law.yield_stress {
+            return RowReport { plastic: 0.0, reach: peak };
+        }
+        self.stage = Stage::Plastic;
+        self.state = vec![0.0; law.law.state_len() * self.sigma.len()];
+        self.flow = vec![0.0; self.sigma.len()];
+        law.law.first_yield(law.stress_gain, &self.v, &mut self.sigma, &mut self.state, &mut self.flow)
+    }
+
+    /// E times the signed plastic strain of local cell `i`, Pa.
+    pub fn plastic_strain(&self, law: &dyn RowLaw, i: usize) -> f64 {
+        if self.stage == Stage::Plastic { law.plastic_strain(&self.state, i) } else { 0.0 }
+    }
+
+    /// E times the accumulated plastic strain of local cell `i`, Pa.
+    pub fn accumulated(&self, law: &dyn RowLaw, i: usize) -> f64 {
+        if self.stage == Stage::Plastic { law.accumulated(&self.state, i) } else { 0.0 }
+    }
+}
+
+/// `v[i] += gain (sigma[i+1] - sigma[i])` for the nodes inside a block: one node fewer than cells.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
+fn advance_velocity(gain: f64, sigma: &[f64], v: &mut [f64]) {
+    let nodes = v.len();
+    let (left, right) = (&sigma[..nodes], &sigma[1..=nodes]);
+    for i in 0..nodes {
+        v[i] += gain * (right[i] - left[i]);
+    }
+}

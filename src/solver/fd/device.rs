@@ -1,0 +1,217 @@
+//! What happens at an end node of the staggered grid: half a cell's mass between the bar and whatever drives it.
+//!
+//! With outward normal n (-1 left, +1 right) the node obeys `m (v+ - v-)/dt = n A (sigma_end - sigma_cell)`, m being
+//! half a cell's mass. Prescribed histories enter by their exact mean over the step, so that the bar is given
+//! exactly the displacement (velocity ends) or impulse (stress ends) that was asked for.
+
+use super::ripple;
+use crate::bar::EndCondition;
+
+/// An end of the bar and its node.
+#[derive(Debug, Clone)]
+pub struct Device {
+    condition: EndCondition,
+    /// Outward normal: -1 left, +1 right.
+    normal: f64,
+    /// dt A/m = 2 dt/(rho dx), m/s per Pa.
+    gain: f64,
+    /// A dt: impulse per stress, m^2 s.
+    impulse_per_stress: f64,
+    dt: f64,
+    /// rho c0 of the end cell, and the velocity at which nothing is radiated.
+    impedance: f64,
+    rest_velocity: f64,
+    /// Velocity half a step before and after the current time, m/s.
+    before: f64,
+    after: f64,
+    /// Stress at the end at the current time, Pa.
+    stress: f64,
+    displacement: f64,
+    work: f64,
+    impulse: f64,
+    /// Sum of |impulse| of the steps, the scale for the momentum residual.
+    throughput: f64,
+    started: bool,
+    /// The velocity is prescribed just now.
+    held: bool,
+}
+
+/// What a step makes of an end.
+struct Motion {
+    velocity: f64,
+    stress: f64,
+    /// The velocity was prescribed, the stress is the reaction.
+    held: bool,
+}
+
+/// The grid at an end, as a device needs it.
+#[derive(Debug, Clone, Copy)]
+pub struct EndGrid {
+    /// Time step, s.
+    pub dt: f64,
+    /// Cell size, m.
+    pub dx: f64,
+    /// kg/m^3.
+    pub density: f64,
+    /// Elastic impedance rho c0, Pa s/m.
+    pub impedance: f64,
+    /// m^2.
+    pub area: f64,
+    /// Initial velocity, m/s.
+    pub velocity: f64,
+}
+
+impl Device {
+    /// The device at an end with outward normal `normal` (-1 left, +1 right).
+    pub fn new(condition: EndCondition, normal: f64, grid: EndGrid) -> Self {
+        Self {
+            condition,
+            normal,
+            gain: 2.0 * grid.dt / (grid.density * grid.dx),
+            impulse_per_stress: grid.area * grid.dt,
+            dt: grid.dt,
+            impedance: grid.impedance,
+            rest_velocity: grid.velocity,
+            before: grid.velocity,
+            after: grid.velocity,
+            stress: 0.0,
+            displacement: 0.0,
+            work: 0.0,
+            impulse: 0.0,
+            throughput: 0.0,
+            started: false,
+            held: false,
+        }
+    }
+
+    /// Takes the node from half a step before `time` to half a step after it. `sigma_cell` is the stress at `time`
+    /// in the end cell.
+    pub fn advance(&mut self, time: f64, sigma_cell: f64) {
+        let previous_stress = self.stress;
+        let motion = self.respond(time, sigma_cell);
+        (self.before, self.after) = (self.after, motion.velocity);
+        (self.stress, self.held) = (motion.stress, motion.held);
+        self.account(previous_stress);
+        self.displacement += self.dt * self.after;
+    }
+
+    /// The node's velocity after the step and the end's stress at its middle.
+    fn respond(&self, time: f64, sigma_cell: f64) -> Motion {
+        match &self.condition {
+            EndCondition::Velocity { history, release } => {
+                // Share of the step (half before `time` to half after) in which the end is still held.
+                let held = release.map_or(1.0, |r| (r - time) / self.dt + 0.5);
+                if held < 1.0 {
+                    return self.under_stress(held.max(0.0) * self.stress, sigma_cell);
+                }
+                self.moving(history.mean(time, time + self.dt), sigma_cell)
+            }
+            EndCondition::Stress { history } => {
+                let half = 0.5 * self.dt;
+                self.under_stress(history.mean(time - half, time + half), sigma_cell)
+            }
+            EndCondition::Free => self.under_stress(0.0, sigma_cell),
+            EndCondition::Fixed => self.moving(0.0, sigma_cell),
+            EndCondition::Absorbing => self.radiating(sigma_cell),
+            EndCondition::Wall { gap } => self.against_wall(*gap, sigma_cell),
+        }
+    }
+
+    fn moving(&self, velocity: f64, sigma_cell: f64) -> Motion {
+        let stress = sigma_cell + self.normal * (velocity - self.after) / self.gain;
+        Motion { velocity, stress, held: true }
+    }
+
+    fn under_stress(&self, stress: f64, sigma_cell: f64) -> Motion {
+        Motion { velocity: self.after + self.normal * self.gain * (stress - sigma_cell), stress, held: false }
+    }
+
+    /// sigma_end = -n Z (v - v_rest) with v the mean over the step: exact at Courant number 1.
+    fn radiating(&self, sigma_cell: f64) -> Motion {
+        let h = 0.5 * self.gain * self.impedance;
+        let before = self.after - self.rest_velocity;
+        let after = ((1.0 - h) * before - self.normal * self.gain * sigma_cell) / (1.0 + h);
+        let stress = -self.normal * self.impedance * 0.5 * (before + after);
+        Motion { velocity: after + self.rest_velocity, stress, held: false }
+    }
+
+    /// The wall takes up just the velocity that would carry the node into it; it never pulls.
+    ///
+    /// Where it lets go, it has pushed for the first half of the step. That half impulse is what the end needs to
+    /// leave with the velocity of the wave that frees it; without it every second node would lag behind, and the
+    /// bar would ring from cell to cell.
+    fn against_wall(&self, gap: f64, sigma_cell: f64) -> Motion {
+        let free = self.under_stress(0.0, sigma_cell);
+        let limit = self.normal * (gap - self.normal * self.displacement) / self.dt;
+        if self.normal * (free.velocity - limit) > 0.0 {
+            return self.moving(limit, sigma_cell);
+        }
+        self.under_stress(if self.held { 0.5 * self.stress } else { 0.0 }, sigma_cell)
+    }
+
+    /// The ripple damping changes the node's velocity, which no end prescribes just now. Returns the energy taken, J.
+    pub(super) fn damp(&mut self, change: f64, sigma_cell: f64) -> f64 {
+        let g = self.normal * self.gain * (self.stress - sigma_cell);
+        let half_mass = 0.5 * self.impulse_per_stress / self.gain;
+        let taken = half_mass * ripple::node(g, change, &mut self.after);
+        self.before += change;
+        self.displacement += self.dt * change;
+        taken
+    }
+
+    /// True where the end's velocity is prescribed just now, false where it follows from the stress.
+    pub(super) fn is_held(&self) -> bool {
+        self.held
+    }
+
+    /// Impulse and work by the trapezoidal rule in the end stress: the form in which the staggered scheme balances
+    /// momentum and energy to round-off. The first half step starts from the initial velocity.
+    fn account(&mut self, previous_stress: f64) {
+        let half = 0.5 * self.normal * self.impulse_per_stress;
+        let impulse = if self.started { half * (previous_stress + self.stress) } else { half * self.stress };
+        self.started = true;
+        self.impulse += impulse;
+        self.throughput += impulse.abs();
+        self.work += impulse * self.before;
+    }
+
+    /// Velocity half a step after the current time, m/s.
+    pub fn velocity_after(&self) -> f64 {
+        self.after
+    }
+
+    /// Velocity half a step before the current time, m/s.
+    pub fn velocity_before(&self) -> f64 {
+        self.before
+    }
+
+    /// Velocity at the current time, m/s.
+    pub fn velocity(&self) -> f64 {
+        0.5 * (self.before + self.after)
+    }
+
+    /// Stress at the end at the current time, Pa; at a jump, the mean of both sides.
+    pub fn stress(&self) -> f64 {
+        self.stress
+    }
+
+    /// Displacement at the current time, m.
+    pub fn displacement(&self) -> f64 {
+        self.displacement - self.dt * self.after
+    }
+
+    /// Work done on the bar so far, J.
+    pub fn work(&self) -> f64 {
+        self.work
+    }
+
+    /// Impulse given to the bar so far, N s, positive in +x.
+    pub fn impulse(&self) -> f64 {
+        self.impulse
+    }
+
+    /// Sum of the sizes of all impulses so far, N s.
+    pub fn throughput(&self) -> f64 {
+        self.throughput
+    }
+}

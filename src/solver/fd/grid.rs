@@ -1,0 +1,63 @@
+//! The staggered grid of a bar: stresses in cells, velocities at the nodes between them.
+
+use std::ops::Range;
+
+use crate::bar::Bar;
+
+/// One segment's part of the grid.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SegmentGrid {
+    /// Its cells, counted over the whole bar.
+    pub cells: Range<usize>,
+    /// Place of its left end, m.
+    pub x0: f64,
+    /// Cell size, m.
+    pub dx: f64,
+}
+
+/// The grid of a bar. Cells are shared out so that the fastest wave takes as nearly as possible the same time
+/// across each of them, whatever its material.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Grid {
+    /// Segments from left to right.
+    pub segments: Vec<SegmentGrid>,
+    /// Time step, s.
+    pub dt: f64,
+}
+
+impl Grid {
+    /// Shares about `cells` cells out over the bar; the time step is `cfl` times the shortest transit of a cell.
+    pub fn new(bar: &Bar, cells: usize, cfl: f64) -> Self {
+        let transit = bar.transit_time();
+        let mut segments = Vec::with_capacity(bar.segments.len());
+        let (mut first, mut x0, mut dt) = (0, 0.0, f64::INFINITY);
+        for segment in &bar.segments {
+            let c0 = segment.material.c0();
+            let share = segment.length / c0 / transit;
+            let count = ((cells as f64 * share).round() as usize).max(1);
+            let dx = segment.length / count as f64;
+            dt = dt.min(cfl * dx / c0);
+            segments.push(SegmentGrid { cells: first..first + count, x0, dx });
+            first += count;
+            x0 += segment.length;
+        }
+        Self { segments, dt }
+    }
+
+    /// Cells of the whole bar.
+    pub fn cells(&self) -> usize {
+        self.segments.last().map_or(0, |s| s.cells.end)
+    }
+
+    /// Cell centres, m.
+    pub fn centres(&self) -> Vec<f64> {
+        let centre = |s: &SegmentGrid, i: usize| s.x0 + ((i - s.cells.start) as f64 + 0.5) * s.dx;
+        self.segments.iter().flat_map(|s| s.cells.clone().map(move |i| centre(s, i))).collect()
+    }
+
+    /// The segment that holds place `x` (the left one at a joint).
+    pub fn segment_at(&self, x: f64) -> usize {
+        let after = self.segments.partition_point(|s| s.x0 < x);
+        after.max(1) - 1
+    }
+}

@@ -1,0 +1,489 @@
+//! The leapfrog scheme: velocities at nodes and half steps, stresses in cells and whole steps. At Courant number 1
+//! elastic waves are exact.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::block::{BLOCK, Block, BlockLaw, Stage};
+use super::device::{Device, EndGrid};
+use super::grid::Grid;
+use super::ripple;
+use crate::bar::{Bar, EndCondition};
+use crate::law::RowLaw;
+
+/// Bars with fewer cells than this are stepped on one thread: below it, waking a second thread costs more than it saves.
+const PARALLEL_FROM: usize = 65_536;
+
+/// The law of one segment, as assembled from its material and the effects.
+#[derive(Clone)]
+pub struct SegmentLaw {
+    /// Stepping law.
+    pub law: Arc<dyn RowLaw>,
+    /// Stress below which the law is elastic in both senses, Pa.
+    pub yield_stress: f64,
+    /// Reach (E times equivalent strain, Pa) at which the data end; infinite where they do not.
+    pub end: f64,
+}
+
+/// The node between two blocks: inside a segment, or at a bonded joint.
+#[derive(Debug, Clone, Copy)]
+struct Edge {
+    before: f64,
+    after: f64,
+    /// dt A/m of the cells on both sides, m/s per Pa.
+    gain_left: f64,
+    gain_right: f64,
+    /// Node mass, kg.
+    mass: f64,
+}
+
+/// Constants of a segment.
+#[derive(Debug, Clone, Copy)]
+struct Constants {
+    modulus: f64,
+    stress_gain: f64,
+    velocity_gain: f64,
+    /// rho A dx, kg.
+    cell_mass: f64,
+    /// A dx, m^3.
+    cell_volume: f64,
+}
+
+/// What can be read in a cell.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Quantity {
+    /// Engineering stress, Pa, tension positive.
+    Stress,
+    /// Engineering strain.
+    Strain,
+    /// Velocity at the centre at the time of the stresses, m/s, positive in +x: the mean over the cell's two nodes
+    /// and over the half steps before and after.
+    Velocity,
+    /// Signed plastic strain.
+    PlasticStrain,
+    /// Accumulated plastic strain, >= 0.
+    AccumulatedPlasticStrain,
+}
+
+/// A cell that came to the end of its material's data.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Passed {
+    /// Cell.
+    pub cell: usize,
+    /// Its segment.
+    pub segment: usize,
+    /// Its strain.
+    pub strain: f64,
+}
+
+/// Energies and momentum of the bar at the current time, J and N s.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Energies {
+    /// Sum of m v- v+ / 2, v- and v+ being the velocities half a step before and after: the form that the scheme
+    /// conserves.
+    pub kinetic: f64,
+    /// Sum of sigma^2/(2E) dV.
+    pub elastic: f64,
+    /// Plastic work since the start.
+    pub plastic: f64,
+    /// Taken by the ripple damping since the start (0 in an elastic run).
+    pub viscous: f64,
+    /// Momentum, positive in +x.
+    pub momentum: f64,
+}
+
+/// A bar being stepped. Between steps: stresses at `time()`, velocities half a step later.
+pub struct Leapfrog {
+    grid: Grid,
+    laws: Vec<SegmentLaw>,
+    constants: Vec<Constants>,
+    blocks: Vec<Block>,
+    edges: Vec<Edge>,
+    left: Device,
+    right: Device,
+    step: usize,
+    parallel: bool,
+    /// Some cell has yielded.
+    yielded: bool,
+    /// Energy that the ripple damping took from the nodes between blocks, J.
+    damped_at_edges: f64,
+}
+
+impl Leapfrog {
+    /// A bar at t = 0, unstressed, moving as its segments say. `laws` has one entry a segment.
+    pub fn new(bar: &Bar, grid: Grid, laws: Vec<SegmentLaw>, ends: [EndCondition; 2]) -> Self {
+        let constants = constants(bar, &grid);
+        let blocks = blocks(bar, &grid);
+        let edges = edges(&blocks, &constants);
+        let end_grid = |k: usize| {
+            let (segment, part) = (&bar.segments[k], &grid.segments[k]);
+            EndGrid {
+                dt: grid.dt,
+                dx: part.dx,
+                density: segment.material.density,
+                impedance: segment.material.impedance(),
+                area: segment.area,
+                velocity: segment.velocity,
+            }
+        };
+        let [left, right] = ends;
+        let left = Device::new(left, -1.0, end_grid(0));
+        let right = Device::new(right, 1.0, end_grid(bar.segments.len() - 1));
+        let parallel = grid.cells() >= PARALLEL_FROM;
+        let mut bar = Self {
+            grid,
+            laws,
+            constants,
+            blocks,
+            edges,
+            left,
+            right,
+            step: 0,
+            parallel,
+            yielded: false,
+            damped_at_edges: 0.0,
+        };
+        bar.share_edges();
+        bar.advance_edges();
+        bar
+    }
+
+    /// One step: stresses from velocities, then velocities from stresses. Allocates nothing, but for the plastic
+    /// state of a block in the step in which it first yields.
+    pub fn advance(&mut self) {
+        self.step += 1;
+        let (laws, constants) = (&self.laws, &self.constants);
+        let advance = |block: &mut Block| {
+            let (law, constants) = (&laws[block.segment], &constants[block.segment]);
+            block.advance(BlockLaw {
+                law: law.law.as_ref(),
+                stress_gain: constants.stress_gain,
+                velocity_gain: constants.velocity_gain,
+                yield_stress: law.yield_stress,
+            });
+        };
+        for_each(&mut self.blocks, self.parallel, advance);
+        self.advance_edges();
+        if self.yielded || self.note_yield() {
+            self.damp_ripples();
+        }
+    }
+
+    /// True from the step in which the first cell of the bar yields.
+    fn note_yield(&mut self) -> bool {
+        self.yielded = !self.stayed_elastic();
+        self.yielded
+    }
+
+    /// Takes grid-scale ripples out of the velocities, see [`super::ripple`].
+    fn damp_ripples(&mut self) {
+        for k in 0..self.blocks.len() {
+            self.blocks[k].outside = [self.node_outside(k, k.wrapping_sub(1)), self.node_outside(k, k + 1)];
+        }
+        let constants = &self.constants;
+        let damp = |block: &mut Block| block.damp_ripples(constants[block.segment].velocity_gain);
+        for_each(&mut self.blocks, self.parallel, damp);
+        for (k, edge) in self.edges.iter_mut().enumerate() {
+            let (left, right) = (&self.blocks[k], &self.blocks[k + 1]);
+            let change = right.handed_at_edges().0 - left.handed_at_edges().1;
+            let g = edge.gain_right * right.sigma[0] - edge.gain_left * last(&left.sigma);
+            self.damped_at_edges += 0.5 * edge.mass * ripple::node(g, change, &mut edge.after);
+            // So that after - before stays what the stresses gave the node, as for the nodes inside a block.
+            edge.before += change;
+        }
+        self.damp_ends();
+        self.share_edges();
+    }
+
+    /// The end nodes' part of the damping: half the mass, so twice the velocity change.
+    fn damp_ends(&mut self) {
+        let (first, last_block) = (&self.blocks[0], &self.blocks[self.blocks.len() - 1]);
+        let (left, right) = (2.0 * first.handed_at_edges().0, -2.0 * last_block.handed_at_edges().1);
+        if left != 0.0 && !self.left.is_held() {
+            self.damped_at_edges += self.left.damp(left, first.sigma[0]);
+        }
+        if right != 0.0 && !self.right.is_held() {
+            self.damped_at_edges += self.right.damp(right, last(&last_block.sigma));
+        }
+    }
+
+    /// Velocity of the node next to block `k` inside block `neighbour`, where both are of one segment. At an end that
+    /// is not held the bar goes on as in a mirror.
+    fn node_outside(&self, k: usize, neighbour: usize) -> Option<f64> {
+        let block = &self.blocks[k];
+        let Some(other) = self.blocks.get(neighbour) else {
+            let (end, mirrored) =
+                if k == 0 { (&self.left, block.v[1]) } else { (&self.right, block.v[block.v.len() - 2]) };
+            return (!end.is_held()).then_some(mirrored);
+        };
+        let inner = if neighbour < k { other.v[other.v.len() - 2] } else { other.v[1] };
+        (other.segment == block.segment).then_some(inner)
+    }
+
+    /// The nodes between blocks and at the ends, from the stresses on both sides.
+    fn advance_edges(&mut self) {
+        let time = self.time();
+        for (k, edge) in self.edges.iter_mut().enumerate() {
+            let sigma_left = last(&self.blocks[k].sigma);
+            let sigma_right = self.blocks[k + 1].sigma[0];
+            edge.before = edge.after;
+            edge.after += edge.gain_right * sigma_right - edge.gain_left * sigma_left;
+        }
+        self.left.advance(time, self.blocks[0].sigma[0]);
+        self.right.advance(time, last(&self.blocks[self.blocks.len() - 1].sigma));
+        self.share_edges();
+    }
+
+    /// Gives both neighbours of every edge its velocity.
+    fn share_edges(&mut self) {
+        for (k, edge) in self.edges.iter().enumerate() {
+            set_last(&mut self.blocks[k].v, edge.after);
+            self.blocks[k + 1].v[0] = edge.after;
+        }
+        let right_end = self.blocks.len() - 1;
+        self.blocks[0].v[0] = self.left.velocity_after();
+        set_last(&mut self.blocks[right_end].v, self.right.velocity_after());
+    }
+
+    /// Steps taken.
+    pub fn step(&self) -> usize {
+        self.step
+    }
+
+    /// Time of the stresses, s.
+    pub fn time(&self) -> f64 {
+        self.step as f64 * self.grid.dt
+    }
+
+    /// The grid.
+    pub fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
+    /// The left end.
+    pub fn left(&self) -> &Device {
+        &self.left
+    }
+
+    /// The right end.
+    pub fn right(&self) -> &Device {
+        &self.right
+    }
+
+    /// True while no cell has yielded: only the elastic kernel has run.
+    pub fn stayed_elastic(&self) -> bool {
+        self.blocks.iter().all(|b| b.stage != Stage::Plastic)
+    }
+
+    /// Mass of the bar, kg.
+    pub fn mass(&self) -> f64 {
+        self.blocks.iter().map(|b| self.constants[b.segment].cell_mass * b.sigma.len() as f64).sum()
+    }
+
+    /// Plastic state in memory, bytes.
+    pub fn state_bytes(&self) -> usize {
+        self.blocks.iter().map(|b| b.state.len() * size_of::<f64>()).sum()
+    }
+
+    /// A quantity in one cell.
+    pub fn value(&self, quantity: Quantity, cell: usize) -> f64 {
+        let k = self.blocks.partition_point(|b| b.cells.end <= cell);
+        self.block_value(quantity, k, cell - self.blocks[k].cells.start)
+    }
+
+    /// A quantity in every cell, into `out` (one entry a cell).
+    pub fn profile(&self, quantity: Quantity, out: &mut [f64]) {
+        for (k, block) in self.blocks.iter().enumerate() {
+            for (i, out) in out[block.cells.clone()].iter_mut().enumerate() {
+                *out = self.block_value(quantity, k, i);
+            }
+        }
+    }
+
+    /// A quantity in local cell `i` of block `k`.
+    fn block_value(&self, quantity: Quantity, k: usize, i: usize) -> f64 {
+        let block = &self.blocks[k];
+        let law = self.laws[block.segment].law.as_ref();
+        let modulus = self.constants[block.segment].modulus;
+        match quantity {
+            Quantity::Stress => block.sigma[i],
+            Quantity::Strain => (block.sigma[i] + block.plastic_strain(law, i)) / modulus,
+            Quantity::PlasticStrain => block.plastic_strain(law, i) / modulus,
+            Quantity::AccumulatedPlasticStrain => block.accumulated(law, i) / modulus,
+            Quantity::Velocity => 0.5 * (self.node_velocity(k, i) + self.node_velocity(k, i + 1)),
+        }
+    }
+
+    /// Displacement of every cell centre, m: the left end's, and the strain summed up to the place.
+    pub fn displacements(&self) -> Vec<f64> {
+        let mut strains = vec![0.0; self.grid.cells()];
+        self.profile(Quantity::Strain, &mut strains);
+        let mut centres = Vec::with_capacity(strains.len());
+        let mut node = self.left.displacement();
+        for part in &self.grid.segments {
+            for &strain in &strains[part.cells.clone()] {
+                let stretch = strain * part.dx;
+                centres.push(node + 0.5 * stretch);
+                node += stretch;
+            }
+        }
+        centres
+    }
+
+    /// Velocity of local node `i` of block `k` at the time of the stresses, m/s: the mean of half a step before and
+    /// half a step after.
+    fn node_velocity(&self, k: usize, i: usize) -> f64 {
+        let block = &self.blocks[k];
+        if i == 0 {
+            return if k == 0 { self.left.velocity() } else { self.edges[k - 1].mean() };
+        }
+        if i == block.sigma.len() {
+            return if k == self.edges.len() { self.right.velocity() } else { self.edges[k].mean() };
+        }
+        let gain = self.constants[block.segment].velocity_gain;
+        block.v[i] - 0.5 * (gain * (block.sigma[i] - block.sigma[i - 1]))
+    }
+
+    /// Energies and momentum at the current time. One pass over all cells.
+    pub fn energies(&self) -> Energies {
+        let mut total = Energies { viscous: self.damped_at_edges, ..Energies::default() };
+        for (k, block) in self.blocks.iter().enumerate() {
+            let c = &self.constants[block.segment];
+            let squares: f64 = block.sigma.iter().map(|s| s * s).sum();
+            total.elastic += 0.5 * c.cell_volume * squares / c.modulus;
+            total.plastic += 0.5 * c.cell_volume * block.plastic / c.modulus;
+            total.viscous += 0.5 * c.cell_mass * block.damped;
+            let inner = block.sigma.len();
+            let (mut product, mut sum) = (0.0, 0.0);
+            for i in 1..inner {
+                let after = block.v[i];
+                let before = after - c.velocity_gain * (block.sigma[i] - block.sigma[i - 1]);
+                product += after * before;
+                sum += after + before;
+            }
+            total.add_nodes(c.cell_mass, product, sum);
+            if let Some(edge) = self.edges.get(k) {
+                total.add_nodes(edge.mass, edge.after * edge.before, edge.after + edge.before);
+            }
+        }
+        for (device, segment) in [(&self.left, 0), (&self.right, self.constants.len() - 1)] {
+            let (before, after) = (device.velocity_before(), device.velocity_after());
+            total.add_nodes(0.5 * self.constants[segment].cell_mass, before * after, before + after);
+        }
+        total
+    }
+
+    /// Kinetic energy and momentum of the nodes with their initial velocities, before anything acts on them.
+    pub fn initial(&self) -> Energies {
+        debug_assert_eq!(self.step, 0);
+        let mut total = Energies::default();
+        for (k, block) in self.blocks.iter().enumerate() {
+            let c = &self.constants[block.segment];
+            let inner = &block.v[1..block.sigma.len()];
+            total.add_nodes(c.cell_mass, inner.iter().map(|v| v * v).sum(), 2.0 * inner.iter().sum::<f64>());
+            if let Some(edge) = self.edges.get(k) {
+                total.add_nodes(edge.mass, edge.before * edge.before, 2.0 * edge.before);
+            }
+        }
+        for (device, segment) in [(&self.left, 0), (&self.right, self.constants.len() - 1)] {
+            let v = device.velocity_before();
+            total.add_nodes(0.5 * self.constants[segment].cell_mass, v * v, 2.0 * v);
+        }
+        total
+    }
+
+    /// A cell that has come to the end of its material's data, if one has: the farthest gone.
+    pub fn passed_end_of_data(&self) -> Option<Passed> {
+        let block = self.blocks.iter().find(|b| b.reach >= self.laws[b.segment].end)?;
+        let law = self.laws[block.segment].law.as_ref();
+        let reach = |i: usize| block.sigma[i].abs() + block.accumulated(law, i);
+        let farthest = (0..block.sigma.len()).max_by(|&a, &b| reach(a).total_cmp(&reach(b)))?;
+        let cell = block.cells.start + farthest;
+        Some(Passed { cell, segment: block.segment, strain: self.value(Quantity::Strain, cell) })
+    }
+
+    /// The first cell whose stress is not a finite number.
+    pub fn not_finite(&self) -> Option<usize> {
+        let bad = |b: &Block| b.sigma.iter().position(|s| !s.is_finite()).map(|i| b.cells.start + i);
+        self.blocks.iter().find_map(bad)
+    }
+}
+
+impl Energies {
+    fn add_nodes(&mut self, mass: f64, product: f64, sum: f64) {
+        self.kinetic += 0.5 * mass * product;
+        self.momentum += 0.5 * mass * sum;
+    }
+
+    /// All energy in the bar, dissipated included, J.
+    pub fn total(&self) -> f64 {
+        self.kinetic + self.elastic + self.plastic + self.viscous
+    }
+}
+
+impl Edge {
+    fn mean(&self) -> f64 {
+        0.5 * (self.before + self.after)
+    }
+}
+
+fn for_each(blocks: &mut [Block], parallel: bool, act: impl Fn(&mut Block) + Send + Sync) {
+    if parallel {
+        blocks.par_iter_mut().with_min_len(16).for_each(act);
+    } else {
+        blocks.iter_mut().for_each(act);
+    }
+}
+
+fn last(values: &[f64]) -> f64 {
+    values[values.len() - 1]
+}
+
+fn set_last(values: &mut [f64], value: f64) {
+    let end = values.len() - 1;
+    values[end] = value;
+}
+
+fn constants(bar: &Bar, grid: &Grid) -> Vec<Constants> {
+    let of = |(segment, part): (&crate::bar::Segment, &super::SegmentGrid)| Constants {
+        modulus: segment.material.modulus,
+        stress_gain: segment.material.modulus * grid.dt / part.dx,
+        velocity_gain: grid.dt / (segment.material.density * part.dx),
+        cell_mass: segment.material.density * segment.area * part.dx,
+        cell_volume: segment.area * part.dx,
+    };
+    bar.segments.iter().zip(&grid.segments).map(of).collect()
+}
+
+fn blocks(bar: &Bar, grid: &Grid) -> Vec<Block> {
+    let mut blocks = Vec::new();
+    for (k, part) in grid.segments.iter().enumerate() {
+        for start in part.cells.clone().step_by(BLOCK) {
+            let end = (start + BLOCK).min(part.cells.end);
+            blocks.push(Block::new(start..end, k, bar.segments[k].velocity));
+        }
+    }
+    blocks
+}
+
+/// The nodes between blocks. At a joint of segments that move differently the node starts with their common momentum.
+fn edges(blocks: &[Block], constants: &[Constants]) -> Vec<Edge> {
+    let edge = |pair: &[Block]| {
+        let (left, right) = (&constants[pair[0].segment], &constants[pair[1].segment]);
+        let velocity = if pair[0].v[0] == pair[1].v[0] {
+            pair[0].v[0]
+        } else {
+            (left.cell_mass * pair[0].v[0] + right.cell_mass * pair[1].v[0]) / (left.cell_mass + right.cell_mass)
+        };
+        let mass = 0.5 * (left.cell_mass + right.cell_mass);
+        let (gain_left, gain_right) = if pair[0].segment == pair[1].segment {
+            (left.velocity_gain, left.velocity_gain)
+        } else {
+            // dt A/m, written with the segment's own gain dt/(rho dx) = dt A/(cell mass).
+            (left.velocity_gain * left.cell_mass / mass, right.velocity_gain * right.cell_mass / mass)
+        };
+        Edge { before: velocity, after: velocity, gain_left, gain_right, mass }
+    };
+    blocks.windows(2).map(edge).collect()
+}

@@ -1,0 +1,60 @@
+//! Reading the grid at chosen places.
+
+use super::Grid;
+use crate::bar::Bar;
+
+/// Places on the bar, each between two neighbouring cell centres of one segment.
+#[derive(Debug, Clone)]
+pub struct Sampling {
+    x: Vec<f64>,
+    /// Left cell, and weight of the cell right of it (0 where the place is a centre).
+    points: Vec<(usize, f64)>,
+    every_cell: bool,
+}
+
+impl Sampling {
+    /// Every cell centre of the grid.
+    pub fn cells(grid: &Grid) -> Self {
+        Self { x: grid.centres(), points: (0..grid.cells()).map(|i| (i, 0.0)).collect(), every_cell: true }
+    }
+
+    /// Centres of an even grid of `count` parts over the bar.
+    pub fn even(bar: &Bar, grid: &Grid, count: usize) -> Self {
+        let part = bar.length() / count as f64;
+        Self::at(grid, (0..count).map(|i| (i as f64 + 0.5) * part).collect())
+    }
+
+    /// Given places, m. Between two centres values are interpolated; values are never mixed across a joint.
+    pub fn at(grid: &Grid, x: Vec<f64>) -> Self {
+        let points = x.iter().map(|&x| locate(grid, x)).collect();
+        Self { x, points, every_cell: false }
+    }
+
+    /// True where the places are the cell centres, all of them in order.
+    pub fn is_every_cell(&self) -> bool {
+        self.every_cell
+    }
+
+    /// The places, m.
+    pub fn x(&self) -> &[f64] {
+        &self.x
+    }
+
+    /// One quantity at every place, from its value in a cell, into `out` (one entry a place).
+    pub fn read(&self, value: impl Fn(usize) -> f64, out: &mut [f64]) {
+        for (&(cell, weight), out) in self.points.iter().zip(out) {
+            let here = value(cell);
+            *out = if weight == 0.0 { here } else { here + weight * (value(cell + 1) - here) };
+        }
+    }
+}
+
+/// Left cell and weight of its right neighbour for a place; held at the outermost centres of the place's segment.
+fn locate(grid: &Grid, x: f64) -> (usize, f64) {
+    let part = &grid.segments[grid.segment_at(x)];
+    let last = (part.cells.len() - 1) as f64;
+    let place = ((x - part.x0) / part.dx - 0.5).clamp(0.0, last);
+    let cell = (place.floor() as usize).min(part.cells.len() - 1);
+    let weight = place - cell as f64;
+    (part.cells.start + cell, weight)
+}

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::print_json;
+use super::output;
 use crate::error::{Error, InputError, Result};
 use crate::record::{EndSummary, FrontSummary, Summary};
 use crate::run::{self, Progress, Wish};
@@ -65,7 +65,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         other => other?,
     };
     if args.json {
-        print_json(&summary)?;
+        output::json(&summary)?;
     } else if !args.quiet {
         print!("{}", text(&summary, args.units));
     }

@@ -121,15 +121,17 @@ impl Sink {
     /// Takes one message; much is written at once, little waits for the next flush.
     pub fn take(&mut self, message: Message) -> Result<()> {
         let much = match message {
-            Message::Frame(frame) => self.frames.push(frame),
+            Message::Frame(frame) => self.frames.push(&frame),
             Message::Gauge(index, trace) => match self.gauges.get_mut(index) {
-                Some(table) => table.push(vec![trace.time, trace.stress, trace.strain, trace.velocity]),
+                Some(table) => {
+                    table.push([&trace.time, &trace.stress, &trace.strain, &trace.velocity].map(Vec::as_slice))
+                }
                 None => Err(format!("there is no gauge number {index}").into()),
             },
             Message::End(side, Trace { time, stress, velocity, .. }) => {
-                self.ends[side as usize].push(vec![time, stress, velocity])
+                self.ends[side as usize].push([&time, &stress, &velocity].map(Vec::as_slice))
             }
-            Message::Ledger(row) => self.ledger.push(ledger_values(&row).map(|v| vec![v]).into()),
+            Message::Ledger(row) => self.ledger.push(ledger_values(&row).each_ref().map(std::slice::from_ref)),
             Message::Finish(ending) => return self.finish(&ending),
         };
         let path = &self.path;
@@ -192,7 +194,7 @@ impl Frames {
     }
 
     /// Keeps a frame; true where it is time to write.
-    fn push(&mut self, frame: Frame) -> Hdf<bool> {
+    fn push(&mut self, frame: &Frame) -> Hdf<bool> {
         if frame.rows.len() != self.blocks.len() || frame.rows.iter().any(|row| row.len() != self.columns) {
             return Err(format!(
                 "a frame of {} rows does not fit {} fields of {} samples",
@@ -240,12 +242,12 @@ impl Table {
     }
 
     /// Keeps rows, given column by column; true where it is time to write.
-    fn push(&mut self, columns: Vec<Vec<f64>>) -> Hdf<bool> {
-        let rows = columns.first().map_or(0, Vec::len);
+    fn push<const N: usize>(&mut self, columns: [&[f64]; N]) -> Hdf<bool> {
+        let rows = columns.first().map_or(0, |column| column.len());
         if columns.len() != self.waiting.len() || columns.iter().any(|column| column.len() != rows) {
             return Err("the columns of a history differ in length".into());
         }
-        for (waiting, column) in self.waiting.iter_mut().zip(&columns) {
+        for (waiting, column) in self.waiting.iter_mut().zip(columns) {
             waiting.extend_from_slice(column);
         }
         Ok(self.waiting[0].len() >= TRACE_ROWS)
@@ -290,7 +292,7 @@ fn build(path: &Path, header: &Header, layout: &Layout, materials: &[MaterialRec
 
 fn build_root(file: &File, header: &Header, layout: &Layout) -> Hdf<()> {
     put_text(file, "format", "barwave")?;
-    put(file, "format_version", FORMAT_VERSION)?;
+    put(file, "format_version", &FORMAT_VERSION)?;
     put_text(file, "program_version", env!("CARGO_PKG_VERSION"))?;
     if let Some(revision) = super::git_revision() {
         put_text(file, "git_revision", revision)?;
@@ -305,7 +307,7 @@ fn build_root(file: &File, header: &Header, layout: &Layout) -> Hdf<()> {
     put_text(file, "scheme", &header.scheme)?;
     put_text(file, "energy_units", energy_units(layout.area_given))?;
     if let Some(velocity) = header.critical_velocity {
-        put(file, "critical_velocity", velocity)?;
+        put(file, "critical_velocity", &velocity)?;
     }
     put_text(file, "outcome", RUNNING)
 }
@@ -337,9 +339,9 @@ fn build_histories(file: &File, layout: &Layout) -> Hdf<()> {
     for (index, (link, (name, x))) in gauge_links(layout).iter().zip(&layout.gauges).enumerate() {
         let group = gauges.create_group(link)?;
         build_columns(&group, &GAUGE_COLUMNS, TRACE_ROWS)?;
-        put(&group, "x", *x)?;
+        put(&group, "x", x)?;
         put_text(&group, "x_units", "m")?;
-        put(&group, "index", index as u32)?;
+        put(&group, "index", &(index as u32))?;
         put_text(&group, "name", name)?;
     }
     let ends = file.create_group("ends")?;
@@ -389,8 +391,8 @@ fn build_materials(file: &File, materials: &[MaterialRecord]) -> Hdf<()> {
         stress.write_raw(&material.stress)?;
         describe(&stress, "Pa", "engineering stress, tension positive")?;
         scales::attach(&group, &["strain"], &["stress"])?;
-        put(&group, "density", material.density)?;
-        put(&group, "modulus", material.modulus)?;
+        put(&group, "density", &material.density)?;
+        put(&group, "modulus", &material.modulus)?;
         let provenance = &material.provenance;
         put_text(&group, "name", &material.name)?;
         put_text(&group, "citation", &provenance.citation)?;
@@ -444,17 +446,17 @@ fn write_column<T: H5Type>(group: &Group, name: &str, values: &[T]) -> Hdf<()> {
 }
 
 fn write_figures(file: &File, figures: &Finish) -> Hdf<()> {
-    put(file, "wall_seconds", figures.wall_seconds)?;
-    put(file, "step_wall_seconds", figures.step_wall_seconds)?;
-    put(file, "cells", figures.cells)?;
-    put(file, "steps", figures.steps)?;
-    put(file, "events", figures.events)?;
-    put(file, "cell_steps", figures.cell_steps)?;
+    put(file, "wall_seconds", &figures.wall_seconds)?;
+    put(file, "step_wall_seconds", &figures.step_wall_seconds)?;
+    put(file, "cells", &figures.cells)?;
+    put(file, "steps", &figures.steps)?;
+    put(file, "events", &figures.events)?;
+    put(file, "cell_steps", &figures.cell_steps)?;
     if let Some(reason) = &figures.reason {
         put_text(file, "reason", reason)?;
     }
     if let Some(error) = &figures.error {
-        put(file, "error_value", error.value)?;
+        put(file, "error_value", &error.value)?;
         put_text(file, "error_measure", &error.measure)?;
         put_text(file, "error_reference", &error.reference)?;
     }
@@ -489,12 +491,12 @@ fn describe(dataset: &Dataset, units: &str, long_name: &str) -> Hdf<()> {
     put_text(dataset, "long_name", long_name)
 }
 
-fn put<T: H5Type>(location: &Location, name: &str, value: T) -> Hdf<()> {
-    location.new_attr::<T>().create(name)?.write_scalar(&value)
+fn put<T: H5Type>(location: &Location, name: &str, value: &T) -> Hdf<()> {
+    location.new_attr::<T>().create(name)?.write_scalar(value)
 }
 
 fn put_text(location: &Location, name: &str, value: &str) -> Hdf<()> {
-    put(location, name, text(value)?)
+    put(location, name, &text(value)?)
 }
 
 fn put_texts(location: &Location, name: &str, values: &[String]) -> Hdf<()> {
@@ -544,7 +546,7 @@ fn link_names<'a>(names: impl Iterator<Item = &'a str>) -> Vec<String> {
 /// ISO 8601 in UTC, to the second.
 fn timestamp(now: SystemTime) -> String {
     let seconds = now.duration_since(SystemTime::UNIX_EPOCH).map_or(0, |d| d.as_secs());
-    let (year, month, day) = civil_from_days((seconds / 86_400) as i64);
+    let (year, month, day) = civil_from_days((seconds / 86_400).cast_signed());
     let (hour, minute, second) = (seconds / 3600 % 24, seconds / 60 % 60, seconds % 60);
     format!("{year:04}-{month:02}-{day:02}T{hour:02}:{minute:02}:{second:02}Z")
 }

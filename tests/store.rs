@@ -25,7 +25,6 @@ fn layout() -> Layout {
     Layout {
         x: (0..CELLS).map(|i| (i as f64 + 0.5) / CELLS as f64).collect(),
         fields: vec![Field::Stress, Field::Velocity],
-        frames: Some(FRAMES),
         gauges: vec![("middle".into(), 0.5), ("far/end".into(), 0.9)],
         precision: Precision::F64,
         compression: Compression::Deflate,
@@ -166,7 +165,7 @@ fn a_dropped_writer_leaves_every_frame_and_says_running() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("dropped.h5");
     let layout = layout();
-    drop(start(&path, &layout, 70)); // one full chunk of 64 and a part of the next
+    drop(start(&path, &layout, 70));
 
     let file = ResultFile::open(&path).unwrap();
     assert_eq!(file.facts().outcome, RUNNING);

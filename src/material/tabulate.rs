@@ -248,7 +248,11 @@ fn straight_true_piece(from: (f64, f64), to: (f64, f64), sense: Sense, tolerance
 
 /// Straight pieces between the given parameters and as many more as the tolerances ask for.
 fn refine(point: &dyn Fn(f64) -> (f64, f64), breaks: &[f64], tolerance: f64, top: f64) -> Tabulated {
-    let limits = Limits { stress: tolerance * top, velocity: 0.1 * tolerance * velocity_scale(point, breaks) };
+    let limits = Limits {
+        stress: tolerance * top,
+        relative: 0.3 * tolerance,
+        velocity: 0.02 * tolerance * velocity_scale(point, breaks),
+    };
     let mut table = Tabulated { rows: vec![point(breaks[0])], error: 0.0 };
     for pair in breaks.windows(2) {
         split(point, (pair[0], pair[1]), limits, 60, &mut table);
@@ -261,8 +265,10 @@ fn refine(point: &dyn Fn(f64) -> (f64, f64), breaks: &[f64], tolerance: f64, top
 struct Limits {
     /// Pa.
     stress: f64,
-    /// sqrt(Pa): sqrt(d stress d strain), a velocity times sqrt(density). A tenth of the tolerance for each piece:
-    /// the few pieces at the steep start and near the maximum, where the slope goes to zero, make up the sum.
+    /// Of the velocity jump of the piece; less than the tolerance, since halving shows only part of the error.
+    relative: f64,
+    /// Or sqrt(Pa): sqrt(d stress d strain), a velocity times sqrt(density). For the few pieces at the steep start
+    /// and near the maximum, where the slope goes to zero and no halving makes the relative error small.
     velocity: f64,
 }
 
@@ -294,7 +300,7 @@ fn split(point: &dyn Fn(f64) -> (f64, f64), range: (f64, f64), limits: Limits, d
     let middle = 0.5 * (range.0 + range.1);
     let halves = velocity_part(from, point(middle)) + velocity_part(point(middle), to);
     let lost = (velocity_part(from, to) - halves).abs();
-    if depth > 0 && (error > limits.stress || lost > limits.velocity) {
+    if depth > 0 && (error > limits.stress || lost > limits.velocity.max(limits.relative * halves)) {
         split(point, (range.0, middle), limits, depth - 1, table);
         split(point, (middle, range.1), limits, depth - 1, table);
         return;

@@ -1,1 +1,3 @@
-//! Pictures and pages from result files.
+//! Pictures and pages from result files and studies.
+
+pub mod plot;

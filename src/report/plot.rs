@@ -1,0 +1,276 @@
+//! What every picture shares: looks, panels side by side, and writing them as SVG, PNG or HTML.
+//!
+//! SVG and HTML name the font DejaVu Sans with common substitutes; PNG is drawn with DejaVu Sans itself, which is
+//! part of the program, so it looks the same on a machine without fonts.
+
+use std::path::Path;
+use std::sync::{Arc, OnceLock};
+
+use kuva::backend::svg::SvgBackend;
+use kuva::prelude::{Figure, Layout, Plot, Theme};
+use kuva::render::render::{Scene, render_multiple};
+use resvg::{tiny_skia, usvg};
+
+use crate::error::{Error, InputError, Result};
+
+/// Pixels of a PNG for each SVG unit: 2.5 makes a panel of 520 units 1300 pixels wide, 300 dpi over 11 cm.
+pub const PNG_SCALE: f32 = 2.5;
+
+/// Width of a panel, SVG units.
+pub const PANEL_WIDTH: f64 = 520.0;
+
+/// Height of a panel, SVG units.
+pub const PANEL_HEIGHT: f64 = 390.0;
+
+/// Line colours that stay apart for colour-blind readers and in print (after Okabe and Ito, without the yellow).
+pub const COLOURS: [&str; 7] = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000"];
+
+/// Colour of the i-th line; they repeat after the last.
+pub fn colour(i: usize) -> &'static str {
+    COLOURS[i % COLOURS.len()]
+}
+
+/// Dash pattern that tells lines apart which share a colour.
+pub fn line_style(i: usize) -> kuva::plot::LineStyle {
+    use kuva::plot::LineStyle::{DashDot, Dashed, Dotted, Solid};
+    [Solid, Dashed, DashDot, Dotted][(i / COLOURS.len()) % 4].clone()
+}
+
+/// Black on white, pale grid.
+pub fn theme() -> Theme {
+    Theme { grid_color: "#e4e4e4".into(), legend_border: "#b0b0b0".into(), ..Theme::light() }
+}
+
+/// The layout of one panel: boxed axes with a pale grid, fitted to the plots. Labels carry their unit in round
+/// brackets: "stress (MPa)".
+pub fn layout(plots: &[Plot], title: &str, x_label: &str, y_label: &str) -> Layout {
+    let layout = Layout::auto_from_plots(plots)
+        .with_theme(theme())
+        .with_font_family(FONT_FAMILY)
+        .with_box_axes()
+        .with_x_label(x_label)
+        .with_y_label(y_label)
+        .with_title_size(15)
+        .with_label_size(14)
+        .with_tick_size(12)
+        .with_body_size(12)
+        .with_width(PANEL_WIDTH)
+        .with_height(PANEL_HEIGHT);
+    if title.is_empty() { layout } else { layout.with_title(title) }
+}
+
+const FONT_FAMILY: &str = "DejaVu Sans, Liberation Sans, Arial, Helvetica, sans-serif";
+
+/// One panel of a figure: what is drawn, and its [`layout`].
+pub struct Panel {
+    /// Drawn in this order.
+    pub plots: Vec<Plot>,
+    /// Axes, labels, legend.
+    pub layout: Layout,
+}
+
+/// Panels row by row with `columns` in a row, lettered (a), (b), ... where there is more than one, as SVG text.
+pub fn figure(panels: Vec<Panel>, columns: usize) -> String {
+    let rows = panels.len().div_ceil(columns.max(1));
+    if panels.len() == 1 {
+        let lone = panels.into_iter().map(|panel| render_multiple(panel.plots, panel.layout));
+        return lone.map(|scene| svg(&scene)).collect();
+    }
+    let (plots, layouts): (Vec<_>, Vec<_>) = panels.into_iter().map(|panel| (panel.plots, panel.layout)).unzip();
+    let figure = Figure::new(rows, columns)
+        .with_plots(plots)
+        .with_layouts(layouts)
+        .with_cell_size(PANEL_WIDTH, PANEL_HEIGHT)
+        .with_spacing(24.0)
+        .with_labels_lowercase();
+    svg(&figure.render())
+}
+
+/// SVG text of a scene.
+pub fn svg(scene: &Scene) -> String {
+    SvgBackend::new().render_scene(scene)
+}
+
+/// Kind of picture file, by its name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Format {
+    /// Vector picture.
+    Svg,
+    /// Pixels.
+    Png,
+    /// A page that needs nothing else.
+    Html,
+}
+
+impl Format {
+    /// The format of a file name, so that a wrong one is refused before any work is done.
+    ///
+    /// # Errors
+    /// An [`InputError`] where the name ends in none of .svg, .png, .html.
+    pub fn of(path: &Path) -> Result<Self> {
+        let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+        match extension.as_str() {
+            "svg" => Ok(Self::Svg),
+            "png" => Ok(Self::Png),
+            "html" | "htm" => Ok(Self::Html),
+            _ => Err(InputError::new(format!("`{}` names no kind of picture", path.display()))
+                .key("-o")
+                .allowed("names that end in .svg, .png or .html")
+                .help("e.g. -o figure.svg")
+                .into()),
+        }
+    }
+}
+
+/// Writes a picture in the format that the file name asks for. `title` is the title of an HTML page.
+///
+/// # Errors
+/// A name of no known kind, or a file that cannot be written.
+pub fn save(path: &Path, title: &str, svg: &str) -> Result<()> {
+    match Format::of(path)? {
+        Format::Svg => write_whole(path, svg.as_bytes()),
+        Format::Png => write_whole(path, &png(svg, PNG_SCALE).map_err(|reason| Error::file(path, reason))?),
+        Format::Html => write_whole(path, html(title, &[("", svg)]).as_bytes()),
+    }
+}
+
+/// Writes a file under a temporary name and then renames it: the final name never holds half a file.
+///
+/// # Errors
+/// The folder is missing or cannot be written to.
+pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
+    let mut name = path.file_name().unwrap_or_default().to_owned();
+    name.push(format!(".{}.part", std::process::id()));
+    let temporary = path.with_file_name(name);
+    std::fs::write(&temporary, bytes).and_then(|()| std::fs::rename(&temporary, path)).map_err(|e| {
+        // Nothing more can be done where even the leftover cannot be removed; the first error is the one to tell.
+        let _ = std::fs::remove_file(&temporary);
+        Error::file(path, e)
+    })
+}
+
+/// Draws SVG text as a PNG file, `scale` pixels a unit.
+///
+/// # Errors
+/// One sentence: text that is no SVG, or a picture too large for memory.
+pub fn png(svg: &str, scale: f32) -> std::result::Result<Vec<u8>, String> {
+    let options = usvg::Options { fontdb: fonts(), font_family: "DejaVu Sans".into(), ..usvg::Options::default() };
+    let tree = usvg::Tree::from_str(svg, &options).map_err(|e| e.to_string())?;
+    let size = tree.size().to_int_size().scale_by(scale).ok_or("the picture has no size")?;
+    let mut pixels =
+        tiny_skia::Pixmap::new(size.width(), size.height()).ok_or("the picture is too large for memory")?;
+    pixels.fill(tiny_skia::Color::WHITE);
+    resvg::render(&tree, tiny_skia::Transform::from_scale(scale, scale), &mut pixels.as_mut());
+    pixels.encode_png().map_err(|e| e.to_string())
+}
+
+/// A page of headed sections, each HTML or SVG text; it refers to nothing outside itself.
+pub fn html(title: &str, sections: &[(&str, &str)]) -> String {
+    let mut body = String::new();
+    for (heading, content) in sections {
+        if !heading.is_empty() {
+            body += &format!("<h2>{}</h2>\n", escape(heading));
+        }
+        body += &format!("<section>\n{content}\n</section>\n");
+    }
+    format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{title}</title>\n\
+         <style>\n{STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>\n{body}</body>\n</html>\n",
+        title = escape(title)
+    )
+}
+
+const STYLE: &str = "body{font-family:system-ui,'DejaVu Sans',sans-serif;max-width:72rem;margin:2rem auto;\
+padding:0 1rem;color:#111}h1{font-size:1.5rem}h2{font-size:1.15rem;margin-top:2rem}\
+svg,img{max-width:100%;height:auto}table{border-collapse:collapse;font-variant-numeric:tabular-nums}\
+th,td{padding:.25rem .7rem;border-bottom:1px solid #ddd;text-align:right}\
+th:first-child,td:first-child{text-align:left}pre{background:#f6f6f6;padding:.7rem;overflow-x:auto}\n";
+
+/// Text made safe to stand in HTML.
+pub fn escape(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+/// DejaVu Sans, for [`png`]. The plotting library carries the font but hands it out only inside SVG text, as
+/// base64, from where it is read back once.
+fn fonts() -> Arc<usvg::fontdb::Database> {
+    static FONTS: OnceLock<Arc<usvg::fontdb::Database>> = OnceLock::new();
+    let load = || {
+        let carrier = SvgBackend::new().with_embedded_font(true).render_scene(&Scene::new(1.0, 1.0));
+        let mut fonts = usvg::fontdb::Database::new();
+        for part in carrier.split(";base64,").skip(1) {
+            let encoded = part.split('\'').next().unwrap_or_default();
+            fonts.load_font_data(decode_base64(encoded));
+        }
+        fonts.set_sans_serif_family("DejaVu Sans");
+        fonts.set_monospace_family("DejaVu Sans Mono");
+        Arc::new(fonts)
+    };
+    FONTS.get_or_init(load).clone()
+}
+
+/// Bytes of standard base64 text; padding and anything else that is no digit is skipped.
+fn decode_base64(text: &str) -> Vec<u8> {
+    let digit = |c: u8| match c {
+        b'A'..=b'Z' => Some(c - b'A'),
+        b'a'..=b'z' => Some(c - b'a' + 26),
+        b'0'..=b'9' => Some(c - b'0' + 52),
+        b'+' => Some(62),
+        b'/' => Some(63),
+        _ => None,
+    };
+    let mut bytes = Vec::with_capacity(text.len() / 4 * 3);
+    let (mut buffer, mut bits) = (0_u32, 0);
+    for value in text.bytes().filter_map(digit) {
+        buffer = (buffer << 6) | u32::from(value);
+        bits += 6;
+        if bits >= 8 {
+            bits -= 8;
+            bytes.push((buffer >> bits) as u8);
+            buffer &= (1 << bits) - 1;
+        }
+    }
+    bytes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_font_is_there_and_text_leaves_ink() {
+        assert_eq!(fonts().faces().count(), 4);
+        let text = "<svg xmlns='http://www.w3.org/2000/svg' width='60' height='20'>\
+                    <text x='2' y='15' font-family='DejaVu Sans, Arial'>stress</text></svg>";
+        let blank = "<svg xmlns='http://www.w3.org/2000/svg' width='60' height='20'></svg>";
+        let ink = |svg| {
+            let picture = png(svg, 1.0).expect("it is SVG");
+            let pixels = tiny_skia::Pixmap::decode_png(&picture).expect("it is PNG");
+            pixels.pixels().iter().filter(|p| p.red() < 128).count()
+        };
+        assert_eq!(ink(blank), 0);
+        assert!(ink(text) > 50, "{}", ink(text));
+    }
+
+    #[test]
+    fn base64_is_decoded() {
+        assert_eq!(decode_base64("YmFyd2F2ZQ=="), b"barwave");
+    }
+
+    #[test]
+    fn formats_go_by_the_name() {
+        assert_eq!(Format::of(Path::new("a/b.PNG")).expect("known"), Format::Png);
+        assert_eq!(Format::of(Path::new("b.pdf")).expect_err("unknown").exit_code(), 2);
+        assert_eq!(Format::of(Path::new("svg")).expect_err("unknown").exit_code(), 2);
+    }
+
+    #[test]
+    fn a_file_appears_whole_or_not_at_all() {
+        let folder = tempfile::tempdir().expect("a folder");
+        write_whole(&folder.path().join("a.txt"), b"abc").expect("it can be written");
+        assert!(write_whole(&folder.path().join("no/a.txt"), b"abc").is_err());
+        let names: Vec<_> = std::fs::read_dir(folder.path()).expect("a folder").flatten().collect();
+        assert_eq!(names.len(), 1);
+    }
+}

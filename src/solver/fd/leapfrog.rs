@@ -398,9 +398,12 @@ impl Leapfrog {
     /// has one. A pass over all yielded cells.
     pub fn passed_end_of_data(&self) -> Option<Passed> {
         let passed = |block: &&Block| {
+            if block.stage != Stage::Plastic {
+                return false;
+            }
             let law = &self.laws[block.segment];
             let reach = law.law.reach(&block.sigma, &block.state);
-            block.stage == Stage::Plastic && (reach[0] >= law.end[0] || reach[1] >= law.end[1])
+            reach[0] >= law.end[0] || reach[1] >= law.end[1]
         };
         let block = self.blocks.iter().find(passed)?;
         let law = &self.laws[block.segment];

@@ -61,16 +61,24 @@ fn base() -> &'static Path {
     Path::new("")
 }
 
-/// User materials first, then the built-in ones that they do not hide.
-fn all() -> Result<Vec<Material>> {
+/// User materials first, then the built-in ones that they do not hide. A user file that is wrong is named on
+/// stderr and left out: it must not hide the others.
+fn all() -> Vec<Material> {
     let mut names = library::user_names(base());
     let built_in: Vec<_> = library::names().filter(|n| !names.iter().any(|user| user == n)).map(String::from).collect();
     names.extend(built_in);
-    names.iter().map(|name| library::find(name, base())).collect()
+    let mut materials = Vec::new();
+    for name in &names {
+        match library::find(name, base()) {
+            Ok(material) => materials.push(material),
+            Err(error) => eprintln!("left out `{name}`: {error}"),
+        }
+    }
+    materials
 }
 
 fn list(json: bool) -> Result<()> {
-    let materials = all()?;
+    let materials = all();
     if json {
         return output::json(&materials.iter().map(summary).collect::<Vec<_>>());
     }
@@ -164,7 +172,8 @@ fn describe(m: &Material) -> String {
     add("measured", m.provenance.measured.clone());
     add("rests on", m.provenance.confidence.clone());
     add("origin", m.provenance.origin.clone());
-    let mut text: String = lines.iter().map(|(name, value)| format!("{name:<15} {value}\n")).collect();
+    let lines: Vec<_> = lines.iter().map(|(name, value)| format!("{name:<15} {value}\n")).collect();
+    let mut text = lines.concat();
     text += &branch("tension", &m.tension);
     if let Some(compression) = &m.compression {
         text += &branch("compression", compression);
@@ -219,11 +228,11 @@ fn path() -> Result<()> {
     let mut text = String::new();
     for folder in library::folders(Path::new(".")) {
         let state = if folder.is_dir() { "" } else { "  (not there)" };
-        text += &format!("{}{state}\n", folder.display());
+        text += &[&folder.display().to_string(), state, "\n"].concat();
     }
     let variable = library::FOLDER_VARIABLE;
     if std::env::var_os(variable).is_none_or(|v| v.is_empty()) {
-        text += &format!("${variable}  (not set)\n");
+        text += &["$", variable, "  (not set)\n"].concat();
     }
     text += "built-in library\n";
     output::text(&text)

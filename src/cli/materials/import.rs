@@ -14,7 +14,7 @@ use crate::report::plot::write_whole;
 /// Options of `barwave materials import`.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// The columns strain, stress; a header may name units: strain,stress_MPa.
+    /// The columns strain, stress; a header may name units: `strain,stress_MPa`.
     csv: PathBuf,
     /// Mass per volume, e.g. "7.85 g/cm^3".
     #[arg(long)]

@@ -168,6 +168,14 @@ const CASES: &[Case] = &[
         "right.gap",
         &["-1 mm is out of range", "allowed: gap >= 0"],
     ),
+    case("\"200 us\"", "inf", "until", "solve.until", &["inf is not a finite number", "until > 0"]),
+    case(
+        "frames = 101",
+        "every = 1e-300",
+        "every",
+        "record.every",
+        &["frames", "at most 10000000 frames", "longer time"],
+    ),
     // Units.
     case(
         "\"-30 m/s\"",

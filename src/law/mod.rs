@@ -69,12 +69,12 @@ pub trait RowLaw: Send + Sync {
     /// State numbers a cell.
     fn state_len(&self) -> usize;
 
-    /// One step of the whole row.
-    fn advance(&self, gain: f64, v: &[f64], sigma: &mut [f64], state: &mut [f64]) -> RowReport;
+    /// One step of the whole row. `flow` is set to 1 in cells that flow plastically in the step, to 0 in others.
+    fn advance(&self, gain: f64, v: &[f64], sigma: &mut [f64], state: &mut [f64], flow: &mut [f64]) -> RowReport;
 
     /// The step in which a row that was elastic so far first yields: `sigma` holds the elastic predictor, `state`
     /// is zero; both are made right.
-    fn first_yield(&self, gain: f64, v: &[f64], sigma: &mut [f64], state: &mut [f64]) -> RowReport;
+    fn first_yield(&self, gain: f64, v: &[f64], sigma: &mut [f64], state: &mut [f64], flow: &mut [f64]) -> RowReport;
 
     /// E times the signed plastic strain of cell `i` of a row, Pa.
     fn plastic_strain(&self, state: &[f64], i: usize) -> f64;
@@ -92,12 +92,12 @@ impl<L: CellLaw<N>, const N: usize> RowLaw for Rows<L, N> {
         N
     }
 
-    fn advance(&self, gain: f64, v: &[f64], sigma: &mut [f64], state: &mut [f64]) -> RowReport {
-        row::<L, N, false>(&self.0, gain, v, sigma, state)
+    fn advance(&self, gain: f64, v: &[f64], sigma: &mut [f64], state: &mut [f64], flow: &mut [f64]) -> RowReport {
+        row::<L, N, false>(&self.0, gain, v, sigma, state, flow)
     }
 
-    fn first_yield(&self, gain: f64, v: &[f64], sigma: &mut [f64], state: &mut [f64]) -> RowReport {
-        row::<L, N, true>(&self.0, gain, v, sigma, state)
+    fn first_yield(&self, gain: f64, v: &[f64], sigma: &mut [f64], state: &mut [f64], flow: &mut [f64]) -> RowReport {
+        row::<L, N, true>(&self.0, gain, v, sigma, state, flow)
     }
 
     fn plastic_strain(&self, state: &[f64], i: usize) -> f64 {
@@ -122,6 +122,7 @@ fn row<L: CellLaw<N>, const N: usize, const FIRST: bool>(
     v: &[f64],
     sigma: &mut [f64],
     state: &mut [f64],
+    flow: &mut [f64],
 ) -> RowReport {
     let cells = sigma.len();
     let whole = cells - cells % LANES;
@@ -136,6 +137,7 @@ fn row<L: CellLaw<N>, const N: usize, const FIRST: bool>(
         let mut q = [[0.0; LANES]; N];
         let mut left = [0.0; LANES];
         let mut right = [0.0; LANES];
+        let mut flows = [0.0; LANES];
         copy(&mut s, &sigma[start..], width);
         copy(&mut left, &v[start..], width);
         copy(&mut right, &v[start + 1..], width);
@@ -151,11 +153,13 @@ fn row<L: CellLaw<N>, const N: usize, const FIRST: bool>(
             work[lane] += (sigma_before + after.sigma) * after.plastic;
             reach[lane] = after.reach.max(reach[lane]);
             s[lane] = after.sigma;
+            flows[lane] = if after.plastic == 0.0 { 0.0 } else { 1.0 };
             for k in 0..N {
                 q[k][lane] = after.state[k];
             }
         }
         sigma[start..start + width].copy_from_slice(&s[..width]);
+        flow[start..start + width].copy_from_slice(&flows[..width]);
         for (k, column) in columns.iter_mut().enumerate() {
             column[start..start + width].copy_from_slice(&q[k][..width]);
         }

@@ -1,4 +1,16 @@
 //! Pictures and pages from result files and studies.
 
 pub mod compare;
+mod axes;
+mod colour;
+mod display;
+mod figure;
+mod map;
+mod page;
+mod panels;
 pub mod plot;
+mod svg;
+
+pub use display::Units;
+pub use figure::draw;
+pub use page::page;

@@ -111,7 +111,7 @@ fn step<'a>(item: &'a mut Item, part: &str) -> std::result::Result<&'a mut Item,
     match item {
         Item::ArrayOfTables(_) | Item::Value(Value::Array(_)) => step_index(item, part),
         Item::None | Item::Table(_) | Item::Value(Value::InlineTable(_)) => Ok(&mut item[part]),
-        _ => Err(format!("`{part}` cannot stand inside a {}", item.type_name())),
+        Item::Value(_) => Err(format!("`{part}` cannot stand inside a {}", item.type_name())),
     }
 }
 

@@ -1,5 +1,7 @@
 use std::path::Path;
 
+use proptest::prelude::*;
+
 use super::*;
 use crate::bar::Joint;
 use crate::error::{Error, InputError};
@@ -209,4 +211,44 @@ fn csv_histories_take_units_from_the_header_or_the_cells() {
     std::fs::remove_file(folder.path().join("h.csv")).expect("removed");
     let Err(Error::Input(error)) = read() else { panic!("accepted without a file") };
     assert_eq!((error.key.as_str(), error.place.map(|p| p.file)), ("left.csv", Some("a.toml".into())));
+}
+
+/// A scene with a word from every part of the language, as the ground for slips.
+fn ground() -> String {
+    base(
+        "scheme = \"leapfrog\"\ncfl = 0.9\ncells = 100\n[effects]\nunloading = { mixed = 0.3 }\n[record]\nevery = \"10 us\"\n\
+          gauges = { middle = 0.5 }\nfields = [\"stress\"]\n",
+    )
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(1000))]
+
+    /// A slip of the pen is answered by a scene or by an input error with a help line, never by a panic.
+    #[test]
+    fn slips_are_answered(at in 0.0..1.0_f64, cut in 0..12_usize, put in "[-\\[\\]{}=\"#.,a-z0-9 \n]{0,4}") {
+        let mut text = ground();
+        let start = (at * text.len() as f64) as usize;
+        let end = (start + cut).min(text.len());
+        text.replace_range(start..end, &put);
+        match read(&text, &[]) {
+            Err(Error::Input(error)) => prop_assert!(!error.help.is_empty(), "{}", error),
+            Err(other) => prop_assert!(false, "{}", other),
+            Ok(_) => {}
+        }
+    }
+
+    /// So is an override.
+    #[test]
+    fn overrides_are_answered(
+        key in "(bar|left|solve|record|effects|title)(\\.[a-z0-9]{1,4}|\\.value|\\.gauges|\\.until|\\.0){0,3}",
+        value in "[-\\[\\]{}=\"#.,a-z0-9 ]{0,6}",
+    ) {
+        let typed = format!("{key}={value}");
+        match read(&ground(), &[&typed]) {
+            Err(Error::Input(error)) => prop_assert!(!error.help.is_empty(), "{}", error),
+            Err(other) => prop_assert!(false, "{}", other),
+            Ok(_) => {}
+        }
+    }
 }

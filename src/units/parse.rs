@@ -60,7 +60,7 @@ pub(super) fn parse(text: &str, dimension: Dimension) -> Result<f64, String> {
     if rest.is_empty() {
         return bare(value, trimmed, dimension);
     }
-    let factor = Parser { rest }.whole()?;
+    let factor = Parser { rest, depth: 0 }.whole()?;
     if factor.exponents != dimension.exponents() {
         return Err(wrong_dimension(trimmed, factor.exponents, dimension));
     }
@@ -122,7 +122,12 @@ fn number_end(text: &str) -> usize {
 
 struct Parser<'a> {
     rest: &'a str,
+    /// Open brackets.
+    depth: u32,
 }
+
+/// Brackets inside brackets; more would be no unit, and would cost stack.
+const DEEPEST: u32 = 8;
 
 impl Parser<'_> {
     fn whole(mut self) -> Result<Factor, String> {
@@ -162,10 +167,15 @@ impl Parser<'_> {
     fn factor(&mut self) -> Result<Factor, String> {
         self.rest = self.rest.trim_start();
         let base = if self.take('(') {
+            self.depth += 1;
+            if self.depth > DEEPEST {
+                return Err("the unit has too many brackets".into());
+            }
             let inner = self.expression()?;
             if !self.take(')') {
                 return Err("a bracket in the unit is not closed".into());
             }
+            self.depth -= 1;
             inner
         } else {
             self.symbol()?

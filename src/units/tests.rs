@@ -150,6 +150,14 @@ fn an_unknown_unit_names_the_nearest() {
 }
 
 #[test]
+fn brackets_are_bounded() {
+    assert_eq!(si("2 ((m))", Dimension::Length), 2.0);
+    assert_eq!(si("2 (m)/(s)/((kg))*(kg)", Dimension::Velocity), 2.0);
+    let deep = std::format!("2 {}m{}", "(".repeat(100_000), ")".repeat(100_000));
+    assert!(refused(&deep, Dimension::Length).contains("too many brackets"));
+}
+
+#[test]
 fn what_is_no_quantity_is_refused() {
     use Dimension as D;
     let cases = [

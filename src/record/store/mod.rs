@@ -15,8 +15,9 @@
 //! empty datasets. Only then does it take its final name, in one step, replacing an older result. So a start that
 //! fails leaves an older result alone and nothing under the final name, and from then on the final name always holds
 //! a file that opens, with `outcome = "running"` until [`Writer::finish`] writes the true outcome as its last act.
-//! A killed run therefore leaves its frames where the user looks for them: all that were flushed, which is every
-//! chunk when it is full and whatever there is about once a second.
+//! A killed run therefore leaves its frames where the user looks for them: all that were flushed, four times a
+//! second. What is on the disk is never rewritten (a frame's chunks hold nothing but that frame; histories grow
+//! uncompressed), so that a kill between two flushes cannot spoil what the last one wrote.
 //!
 //! # Threads
 //! libhdf5 has one global lock, so one thread writes. [`Writer`] is its sending end: frames and traces go through a
@@ -45,7 +46,7 @@ pub const FORMAT_VERSION: u32 = 1;
 pub const RUNNING: &str = "running";
 
 /// Longest time for which a finished frame stays only in memory.
-const FLUSH_EVERY: Duration = Duration::from_secs(1);
+const FLUSH_EVERY: Duration = Duration::from_millis(250);
 
 /// Memory that frames waiting in the channel may take, bytes.
 const QUEUE_BYTES: usize = 64 << 20;
@@ -83,13 +84,11 @@ pub struct Layout {
     pub x: Vec<f64>,
     /// Fields, in the order of the rows of every [`Frame`].
     pub fields: Vec<Field>,
-    /// How many frames are expected, where known: small runs get small chunks.
-    pub frames: Option<usize>,
     /// Gauges: name and place, m.
     pub gauges: Vec<(String, f64)>,
     /// Numbers of the fields (axes, traces and ledger are always 8 bytes).
     pub precision: Precision,
-    /// Compression of the fields, traces and ledger.
+    /// Compression of the fields.
     pub compression: Compression,
     /// Energies are J and momenta N s where true, per m^2 where false.
     pub area_given: bool,
@@ -239,9 +238,10 @@ impl Drop for Writer {
     }
 }
 
-/// The writing thread: takes messages until the end, flushing full chunks at once and the rest in time.
+/// The writing thread: takes messages until the end, and flushes what came at regular times.
 fn serve(mut sink: Sink, messages: &Receiver<Message>) -> Result<()> {
-    let mut next_flush = Instant::now() + FLUSH_EVERY;
+    // The first frame is on the disk at once.
+    let mut next_flush = Instant::now();
     loop {
         match messages.recv_timeout(next_flush.saturating_duration_since(Instant::now())) {
             Ok(Message::Finish(ending)) => return sink.finish(&ending),

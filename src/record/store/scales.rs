@@ -86,7 +86,7 @@ fn null_terminated_attribute(location: &Location, name: &str, value: &str) -> Re
 
 /// A one-dimensional dataset numbering `rows` rows from 0, for tables whose rows have no coordinate of their own.
 pub(super) fn numbering(group: &Group, name: &str, rows: usize) -> Result<Dataset> {
-    let numbers: Vec<i64> = (0..rows as i64).collect();
+    let numbers: Vec<i64> = (0_i64..).take(rows).collect();
     let dataset = group.new_dataset::<i64>().shape(rows).create(name)?;
     if rows > 0 {
         dataset.write_raw(&numbers)?;

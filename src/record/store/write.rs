@@ -1,4 +1,4 @@
-//! The writing side: builds the file, then appends frames, histories and ledger rows in whole chunks.
+//! The writing side: builds the file, then appends frames, histories and ledger rows.
 
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
@@ -14,16 +14,16 @@ use crate::record::{AuditRow, Compression, Frame, FrontRow, LedgerRow, MaterialR
 
 type Hdf<T> = hdf5::Result<T>;
 
-/// Frames in a chunk, at most: 64 rows compress at full speed, and a history at one place stays cheap to read.
-const CHUNK_ROWS: usize = 64;
-/// Samples in a chunk that has its full number of rows.
-const CHUNK_COLUMNS: usize = 1024;
-/// Memory that the frames of an unfinished chunk may take, bytes; wide frames get chunks of fewer rows.
-const BLOCK_BYTES: usize = 64 << 20;
-/// Rows in a chunk of a history.
-const TRACE_ROWS: usize = 4096;
-/// Rows in a chunk of the ledger.
-const LEDGER_ROWS: usize = 512;
+/// Samples in a chunk of the fields. A chunk is a piece of one frame, so that a chunk on the disk never changes: HDF5
+/// moves a compressed chunk that is written again, and a process killed between that and the next flush leaves a
+/// chunk that cannot be decompressed (1 kill in 5 of a writer at full speed, with chunks of 64 frames).
+const CHUNK_COLUMNS: usize = 16_384;
+/// Frames are written together up to this many bytes.
+const BLOCK_BYTES: usize = 4 << 20;
+/// Rows in a chunk of a history. Histories are not compressed, so that a chunk grows in place, for the same reason.
+const TRACE_ROWS: usize = 1024;
+/// Rows in a chunk of the frame times and of the ledger.
+const FRAME_ROWS: usize = 256;
 
 /// Columns of a history: name, units, long name.
 const GAUGE_COLUMNS: [[&str; 3]; 4] =
@@ -33,11 +33,12 @@ const TIME: [&str; 3] = ["time", "s", "time"];
 const VELOCITY: [&str; 3] = ["velocity", "m/s", "velocity in +x"];
 
 /// Columns of the ledger: name, long name. Energies but for time, the momenta, and the residual.
-const LEDGER_COLUMNS: [[&str; 2]; 9] = [
+const LEDGER_COLUMNS: [[&str; 2]; 10] = [
     ["time", "time"],
     ["kinetic", "kinetic energy"],
     ["elastic", "recoverable strain energy"],
     ["plastic", "energy dissipated in plastic flow since the start"],
+    ["viscous", "energy taken since the start by the damping of grid-scale ripples"],
     ["work_left", "work done by the left end since the start"],
     ["work_right", "work done by the right end since the start"],
     ["momentum", "momentum of the bar in +x"],
@@ -55,6 +56,8 @@ pub(super) struct Sink {
     gauge_links: Vec<String>,
     ends: [Table; 2],
     ledger: Table,
+    /// Something was written since the last flush.
+    unflushed: bool,
 }
 
 /// The fields over x and t.
@@ -64,7 +67,6 @@ struct Frames {
     fields: Vec<Dataset>,
     precision: Precision,
     columns: usize,
-    chunk_rows: usize,
     written: usize,
     times: Vec<f64>,
     /// Rows waiting, one block a field.
@@ -77,7 +79,6 @@ struct Table {
     columns: Vec<Dataset>,
     waiting: Vec<Vec<f64>>,
     written: usize,
-    chunk_rows: usize,
 }
 
 impl Sink {
@@ -102,56 +103,62 @@ impl Sink {
     }
 
     fn open(path: &Path, layout: &Layout) -> Hdf<Self> {
-        let file = File::open_rw(path)?;
+        // Chunks are written whole and once, so a cache would only put off their compression until the flush.
+        let file = File::with_options().with_fapl(|p| p.chunk_cache(1, 0, 1.0)).open_rw(path)?;
         let frames = Frames::open(&file, layout)?;
         let mut gauges = Vec::with_capacity(layout.gauges.len());
         let gauge_links = gauge_links(layout);
         for name in &gauge_links {
             let names = GAUGE_COLUMNS.map(|c| c[0]);
-            gauges.push(Table::open(&file.group(&format!("gauges/{name}"))?, &names, TRACE_ROWS)?);
+            gauges.push(Table::open(&file.group(&format!("gauges/{name}"))?, &names)?);
         }
-        let end = |side: Side| {
-            Table::open(&file.group(&format!("ends/{}", side.name()))?, &END_COLUMNS.map(|c| c[0]), TRACE_ROWS)
-        };
+        let end = |side: Side| Table::open(&file.group(&format!("ends/{}", side.name()))?, &END_COLUMNS.map(|c| c[0]));
         let ends = [end(Side::Left)?, end(Side::Right)?];
-        let ledger = Table::open(&file.group("ledger")?, &LEDGER_COLUMNS.map(|c| c[0]), LEDGER_ROWS)?;
-        Ok(Self { path: path.to_owned(), file, frames, gauges, gauge_links, ends, ledger })
+        let ledger = Table::open(&file.group("ledger")?, &LEDGER_COLUMNS.map(|c| c[0]))?;
+        Ok(Self { path: path.to_owned(), file, frames, gauges, gauge_links, ends, ledger, unflushed: false })
     }
 
-    /// Takes one message; whole chunks are written and flushed at once.
+    /// Takes one message; much is written at once, little waits for the next flush.
     pub fn take(&mut self, message: Message) -> Result<()> {
-        let full = match message {
-            Message::Frame(frame) => self.frames.push(frame),
+        let much = match message {
+            Message::Frame(frame) => self.frames.push(&frame),
             Message::Gauge(index, trace) => match self.gauges.get_mut(index) {
-                Some(table) => table.push(vec![trace.time, trace.stress, trace.strain, trace.velocity]),
+                Some(table) => {
+                    table.push([&trace.time, &trace.stress, &trace.strain, &trace.velocity].map(Vec::as_slice))
+                }
                 None => Err(format!("there is no gauge number {index}").into()),
             },
             Message::End(side, Trace { time, stress, velocity, .. }) => {
-                self.ends[side as usize].push(vec![time, stress, velocity])
+                self.ends[side as usize].push([&time, &stress, &velocity].map(Vec::as_slice))
             }
-            Message::Ledger(row) => self.ledger.push(ledger_values(&row).map(|v| vec![v]).into()),
+            Message::Ledger(row) => self.ledger.push(ledger_values(&row).each_ref().map(std::slice::from_ref)),
             Message::Finish(ending) => return self.finish(&ending),
         };
-        match full {
-            Ok(true) => self.flush(),
-            Ok(false) => Ok(()),
-            Err(error) => Err(Error::file(&self.path, error)),
+        let path = &self.path;
+        if much.map_err(|e| Error::file(path, e))? {
+            self.write_waiting()?;
         }
+        Ok(())
     }
 
     /// Writes whatever waits and hands it to the operating system.
     pub fn flush(&mut self) -> Result<()> {
-        self.write_waiting()
-            .and_then(|wrote| if wrote { self.file.flush() } else { Ok(()) })
-            .map_err(|e| Error::file(&self.path, format!("{e}; is the disk full?")))
+        self.write_waiting()?;
+        if self.unflushed {
+            self.file.flush().map_err(|e| disk_error(&self.path, &e))?;
+            self.unflushed = false;
+        }
+        Ok(())
     }
 
-    fn write_waiting(&mut self) -> Hdf<bool> {
-        let mut wrote = self.frames.write()?;
+    fn write_waiting(&mut self) -> Result<()> {
+        let path = &self.path;
+        let mut wrote = self.frames.write().map_err(|e| disk_error(path, &e))?;
         for table in self.gauges.iter_mut().chain(&mut self.ends).chain(std::iter::once(&mut self.ledger)) {
-            wrote |= table.write()?;
+            wrote |= table.write().map_err(|e| disk_error(path, &e))?;
         }
-        Ok(wrote)
+        self.unflushed |= wrote;
+        Ok(())
     }
 
     /// Writes the tables known only at the end, then the outcome as the very last thing.
@@ -180,15 +187,14 @@ impl Frames {
             fields,
             precision: layout.precision,
             columns: layout.x.len(),
-            chunk_rows: chunk_shape(layout).0,
             written: 0,
             times: Vec::new(),
             blocks,
         })
     }
 
-    /// Keeps a frame; true where a chunk is full.
-    fn push(&mut self, frame: Frame) -> Hdf<bool> {
+    /// Keeps a frame; true where it is time to write.
+    fn push(&mut self, frame: &Frame) -> Hdf<bool> {
         if frame.rows.len() != self.blocks.len() || frame.rows.iter().any(|row| row.len() != self.columns) {
             return Err(format!(
                 "a frame of {} rows does not fit {} fields of {} samples",
@@ -202,7 +208,7 @@ impl Frames {
         for (block, row) in self.blocks.iter_mut().zip(&frame.rows) {
             block.extend_from_slice(row);
         }
-        Ok((self.written + self.times.len()).is_multiple_of(self.chunk_rows))
+        Ok(8 * self.times.len() * self.columns * self.blocks.len() >= BLOCK_BYTES)
     }
 
     /// Writes the waiting rows, fields before times: a file cut off in between has no time without its fields.
@@ -229,22 +235,22 @@ impl Frames {
 }
 
 impl Table {
-    fn open(group: &Group, names: &[&str], chunk_rows: usize) -> Hdf<Self> {
+    fn open(group: &Group, names: &[&str]) -> Hdf<Self> {
         let columns = names.iter().map(|name| group.dataset(name)).collect::<Hdf<Vec<_>>>()?;
         let waiting = vec![Vec::new(); columns.len()];
-        Ok(Self { columns, waiting, written: 0, chunk_rows })
+        Ok(Self { columns, waiting, written: 0 })
     }
 
-    /// Keeps rows, given column by column; true where a chunk is full.
-    fn push(&mut self, columns: Vec<Vec<f64>>) -> Hdf<bool> {
-        let rows = columns.first().map_or(0, Vec::len);
+    /// Keeps rows, given column by column; true where it is time to write.
+    fn push<const N: usize>(&mut self, columns: [&[f64]; N]) -> Hdf<bool> {
+        let rows = columns.first().map_or(0, |column| column.len());
         if columns.len() != self.waiting.len() || columns.iter().any(|column| column.len() != rows) {
             return Err("the columns of a history differ in length".into());
         }
-        for (waiting, column) in self.waiting.iter_mut().zip(&columns) {
+        for (waiting, column) in self.waiting.iter_mut().zip(columns) {
             waiting.extend_from_slice(column);
         }
-        Ok(self.written % self.chunk_rows + self.waiting[0].len() >= self.chunk_rows)
+        Ok(self.waiting[0].len() >= TRACE_ROWS)
     }
 
     /// Writes the waiting rows, time last.
@@ -260,6 +266,10 @@ impl Table {
         self.written += rows;
         Ok(true)
     }
+}
+
+fn disk_error(path: &Path, error: &hdf5::Error) -> Error {
+    Error::file(path, format!("{error}; is the disk full?"))
 }
 
 fn append(dataset: &Dataset, start: usize, values: &[f64]) -> Hdf<()> {
@@ -282,7 +292,7 @@ fn build(path: &Path, header: &Header, layout: &Layout, materials: &[MaterialRec
 
 fn build_root(file: &File, header: &Header, layout: &Layout) -> Hdf<()> {
     put_text(file, "format", "barwave")?;
-    put(file, "format_version", FORMAT_VERSION)?;
+    put(file, "format_version", &FORMAT_VERSION)?;
     put_text(file, "program_version", env!("CARGO_PKG_VERSION"))?;
     if let Some(revision) = super::git_revision() {
         put_text(file, "git_revision", revision)?;
@@ -297,14 +307,13 @@ fn build_root(file: &File, header: &Header, layout: &Layout) -> Hdf<()> {
     put_text(file, "scheme", &header.scheme)?;
     put_text(file, "energy_units", energy_units(layout.area_given))?;
     if let Some(velocity) = header.critical_velocity {
-        put(file, "critical_velocity", velocity)?;
+        put(file, "critical_velocity", &velocity)?;
     }
     put_text(file, "outcome", RUNNING)
 }
 
 fn build_fields(file: &File, layout: &Layout) -> Hdf<()> {
-    let (rows, columns) = chunk_shape(layout);
-    let time = file.new_dataset::<f64>().chunk(rows.max(2)).shape(Extent::resizable(0)).create("time")?;
+    let time = file.new_dataset::<f64>().chunk(FRAME_ROWS).shape(Extent::resizable(0)).create("time")?;
     describe(&time, "s", "time")?;
     let x = file.new_dataset::<f64>().shape(layout.x.len()).create("x")?;
     x.write_raw(&layout.x)?;
@@ -315,8 +324,10 @@ fn build_fields(file: &File, layout: &Layout) -> Hdf<()> {
             Precision::F64 => file.new_dataset::<f64>().fill_value(f64::NAN),
             Precision::F32 => file.new_dataset::<f32>().fill_value(f32::NAN),
         };
-        let dataset =
-            compressed(builder, layout.compression).chunk((rows, columns)).shape(shape).create(field.name())?;
+        let dataset = compressed(builder, layout.compression)
+            .chunk((1, layout.x.len().clamp(1, CHUNK_COLUMNS)))
+            .shape(shape)
+            .create(field.name())?;
         describe(&dataset, field.units(), field.long_name())?;
     }
     let names: Vec<&str> = layout.fields.iter().map(|f| f.name()).collect();
@@ -327,15 +338,15 @@ fn build_histories(file: &File, layout: &Layout) -> Hdf<()> {
     let gauges = file.create_group("gauges")?;
     for (index, (link, (name, x))) in gauge_links(layout).iter().zip(&layout.gauges).enumerate() {
         let group = gauges.create_group(link)?;
-        build_columns(&group, &GAUGE_COLUMNS, TRACE_ROWS, layout.compression)?;
-        put(&group, "x", *x)?;
+        build_columns(&group, &GAUGE_COLUMNS, TRACE_ROWS)?;
+        put(&group, "x", x)?;
         put_text(&group, "x_units", "m")?;
-        put(&group, "index", index as u32)?;
+        put(&group, "index", &(index as u32))?;
         put_text(&group, "name", name)?;
     }
     let ends = file.create_group("ends")?;
     for side in [Side::Left, Side::Right] {
-        build_columns(&ends.create_group(side.name())?, &END_COLUMNS, TRACE_ROWS, layout.compression)?;
+        build_columns(&ends.create_group(side.name())?, &END_COLUMNS, TRACE_ROWS)?;
     }
     Ok(())
 }
@@ -351,7 +362,7 @@ fn build_ledger(file: &File, layout: &Layout) -> Hdf<()> {
         };
         [name, units, long_name]
     });
-    build_columns(&file.create_group("ledger")?, &columns, LEDGER_ROWS, layout.compression)
+    build_columns(&file.create_group("ledger")?, &columns, FRAME_ROWS)
 }
 
 fn energy_units(area_given: bool) -> &'static str {
@@ -359,9 +370,9 @@ fn energy_units(area_given: bool) -> &'static str {
 }
 
 /// Growing columns of a group; the first is the scale of the others.
-fn build_columns(group: &Group, columns: &[[&str; 3]], rows: usize, compression: Compression) -> Hdf<()> {
+fn build_columns(group: &Group, columns: &[[&str; 3]], rows: usize) -> Hdf<()> {
     for [name, units, long_name] in columns {
-        let builder = compressed(group.new_dataset::<f64>().fill_value(f64::NAN), compression);
+        let builder = group.new_dataset::<f64>().fill_value(f64::NAN);
         describe(&builder.chunk(rows).shape(Extent::resizable(0)).create(*name)?, units, long_name)?;
     }
     let names: Vec<&str> = columns.iter().map(|c| c[0]).collect();
@@ -380,8 +391,8 @@ fn build_materials(file: &File, materials: &[MaterialRecord]) -> Hdf<()> {
         stress.write_raw(&material.stress)?;
         describe(&stress, "Pa", "engineering stress, tension positive")?;
         scales::attach(&group, &["strain"], &["stress"])?;
-        put(&group, "density", material.density)?;
-        put(&group, "modulus", material.modulus)?;
+        put(&group, "density", &material.density)?;
+        put(&group, "modulus", &material.modulus)?;
         let provenance = &material.provenance;
         put_text(&group, "name", &material.name)?;
         put_text(&group, "citation", &provenance.citation)?;
@@ -435,44 +446,36 @@ fn write_column<T: H5Type>(group: &Group, name: &str, values: &[T]) -> Hdf<()> {
 }
 
 fn write_figures(file: &File, figures: &Finish) -> Hdf<()> {
-    put(file, "wall_seconds", figures.wall_seconds)?;
-    put(file, "step_wall_seconds", figures.step_wall_seconds)?;
-    put(file, "cells", figures.cells)?;
-    put(file, "steps", figures.steps)?;
-    put(file, "events", figures.events)?;
-    put(file, "cell_steps", figures.cell_steps)?;
+    put(file, "wall_seconds", &figures.wall_seconds)?;
+    put(file, "step_wall_seconds", &figures.step_wall_seconds)?;
+    put(file, "cells", &figures.cells)?;
+    put(file, "steps", &figures.steps)?;
+    put(file, "events", &figures.events)?;
+    put(file, "cell_steps", &figures.cell_steps)?;
     if let Some(reason) = &figures.reason {
         put_text(file, "reason", reason)?;
     }
     if let Some(error) = &figures.error {
-        put(file, "error_value", error.value)?;
+        put(file, "error_value", &error.value)?;
         put_text(file, "error_measure", &error.measure)?;
         put_text(file, "error_reference", &error.reference)?;
     }
     Ok(())
 }
 
-fn ledger_values(row: &LedgerRow) -> [f64; 9] {
+fn ledger_values(row: &LedgerRow) -> [f64; 10] {
     [
         row.time,
         row.kinetic,
         row.elastic,
         row.plastic,
+        row.viscous,
         row.work_left,
         row.work_right,
         row.momentum,
         row.impulse,
         row.residual,
     ]
-}
-
-/// Rows and columns of a chunk of the fields.
-fn chunk_shape(layout: &Layout) -> (usize, usize) {
-    let width = layout.x.len().max(1);
-    let affordable = BLOCK_BYTES / (8 * width * layout.fields.len().max(1));
-    let rows = CHUNK_ROWS.min(layout.frames.unwrap_or(CHUNK_ROWS)).min(affordable).max(1);
-    // Fewer rows, more columns: a chunk keeps about the same number of values.
-    (rows, width.min(CHUNK_COLUMNS * CHUNK_ROWS / rows))
 }
 
 fn compressed(builder: DatasetBuilderEmpty, compression: Compression) -> DatasetBuilderEmpty {
@@ -488,12 +491,12 @@ fn describe(dataset: &Dataset, units: &str, long_name: &str) -> Hdf<()> {
     put_text(dataset, "long_name", long_name)
 }
 
-fn put<T: H5Type>(location: &Location, name: &str, value: T) -> Hdf<()> {
-    location.new_attr::<T>().create(name)?.write_scalar(&value)
+fn put<T: H5Type>(location: &Location, name: &str, value: &T) -> Hdf<()> {
+    location.new_attr::<T>().create(name)?.write_scalar(value)
 }
 
 fn put_text(location: &Location, name: &str, value: &str) -> Hdf<()> {
-    put(location, name, text(value)?)
+    put(location, name, &text(value)?)
 }
 
 fn put_texts(location: &Location, name: &str, values: &[String]) -> Hdf<()> {
@@ -543,7 +546,7 @@ fn link_names<'a>(names: impl Iterator<Item = &'a str>) -> Vec<String> {
 /// ISO 8601 in UTC, to the second.
 fn timestamp(now: SystemTime) -> String {
     let seconds = now.duration_since(SystemTime::UNIX_EPOCH).map_or(0, |d| d.as_secs());
-    let (year, month, day) = civil_from_days((seconds / 86_400) as i64);
+    let (year, month, day) = civil_from_days((seconds / 86_400).cast_signed());
     let (hour, minute, second) = (seconds / 3600 % 24, seconds / 60 % 60, seconds % 60);
     format!("{year:04}-{month:02}-{day:02}T{hour:02}:{minute:02}:{second:02}Z")
 }

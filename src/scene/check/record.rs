@@ -69,7 +69,7 @@ impl Checker<'_> {
         let step = self.document.number(every, key, Dimension::Time, Allowed::Positive)?;
         let whole = (until / step * (1.0 + 1e-12)).floor();
         if whole > MOST_FRAMES as f64 {
-            let message = format!("{} gives {whole:.0} frames", every.get_ref());
+            let message = format!("{} gives {whole:.3e} frames", every.get_ref());
             let allowed = format!("at most {MOST_FRAMES} frames");
             return Err(self.error(every.span(), key, message).allowed(allowed).help("take a longer time").into());
         }

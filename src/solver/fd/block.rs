@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use multiversion::multiversion;
 
+use super::ripple;
 use crate::law::{RowLaw, RowReport, elastic_row};
 
 /// Cells of a full block. Fixed, so that sums over blocks have the same bits whatever the number of threads.
@@ -32,10 +33,18 @@ pub(super) struct Block {
     pub v: Vec<f64>,
     /// Law state, empty until the block yields.
     pub state: Vec<f64>,
+    /// 1 in cells that flowed in the latest step, else 0; empty until the block yields.
+    pub flow: Vec<f64>,
     /// Running sum of [`RowReport::plastic`].
     pub plastic: f64,
     /// Largest reach so far.
     pub reach: f64,
+    /// Velocity differences that the ripple damping hands over, one a cell; empty in an elastic run.
+    pub handed: Vec<f64>,
+    /// Velocities of the nodes next to the block in its own segment, for the damping.
+    pub outside: [Option<f64>; 2],
+    /// Running sum of what the damping took from the block's inner nodes, see [`ripple::hand_over`].
+    pub damped: f64,
 }
 
 /// What a block must know of its segment to step.
@@ -59,9 +68,32 @@ impl Block {
             sigma: vec![0.0; n],
             v: vec![velocity; n + 1],
             state: Vec::new(),
+            flow: Vec::new(),
             plastic: 0.0,
             reach: 0.0,
+            handed: Vec::new(),
+            outside: [None, None],
+            damped: 0.0,
         }
+    }
+
+    /// Damps the ripples of the block's inner nodes; `outside` as in [`ripple::find`]. The nodes at its two edges belong
+    /// to the caller, who finds their share in `handed`.
+    pub fn damp_ripples(&mut self, velocity_gain: f64) {
+        if self.stage == Stage::Quiet {
+            return;
+        }
+        if self.handed.is_empty() {
+            self.handed = vec![0.0; self.sigma.len()];
+        }
+        ripple::find(&self.v, &self.flow, self.outside, &mut self.handed);
+        let inner = self.v.len() - 1;
+        self.damped += ripple::hand_over(velocity_gain, &self.sigma, &self.handed, &mut self.v[1..inner]);
+    }
+
+    /// Velocity difference that the damping hands over in the first and last cell.
+    pub fn handed_at_edges(&self) -> (f64, f64) {
+        (self.handed.first().copied().unwrap_or(0.0), self.handed.last().copied().unwrap_or(0.0))
     }
 
     /// Steps the stresses of the block, then the nodes inside it. The nodes at its two edges belong to the caller.
@@ -87,7 +119,7 @@ impl Block {
 
     fn advance_stress(&mut self, law: BlockLaw<'_>) -> RowReport {
         if self.stage == Stage::Plastic {
-            return law.law.advance(law.stress_gain, &self.v, &mut self.sigma, &mut self.state);
+            return law.law.advance(law.stress_gain, &self.v, &mut self.sigma, &mut self.state, &mut self.flow);
         }
         let peak = elastic_row(law.stress_gain, &self.v, &mut self.sigma);
         if peak <= law.yield_stress {
@@ -95,7 +127,8 @@ impl Block {
         }
         self.stage = Stage::Plastic;
         self.state = vec![0.0; law.law.state_len() * self.sigma.len()];
-        law.law.first_yield(law.stress_gain, &self.v, &mut self.sigma, &mut self.state)
+        self.flow = vec![0.0; self.sigma.len()];
+        law.law.first_yield(law.stress_gain, &self.v, &mut self.sigma, &mut self.state, &mut self.flow)
     }
 
     /// E times the signed plastic strain of local cell `i`, Pa.

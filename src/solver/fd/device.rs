@@ -4,6 +4,7 @@
 //! half a cell's mass. Prescribed histories enter by their exact mean over the step, so that the bar is given
 //! exactly the displacement (velocity ends) or impulse (stress ends) that was asked for.
 
+use super::ripple;
 use crate::bar::EndCondition;
 
 /// An end of the bar and its node.
@@ -31,6 +32,16 @@ pub struct Device {
     /// Sum of |impulse| of the steps, the scale for the momentum residual.
     throughput: f64,
     started: bool,
+    /// The velocity is prescribed just now.
+    held: bool,
+}
+
+/// What a step makes of an end.
+struct Motion {
+    velocity: f64,
+    stress: f64,
+    /// The velocity was prescribed, the stress is the reaction.
+    held: bool,
 }
 
 /// The grid at an end, as a device needs it.
@@ -69,26 +80,29 @@ impl Device {
             impulse: 0.0,
             throughput: 0.0,
             started: false,
+            held: false,
         }
     }
 
     /// Takes the node from half a step before `time` to half a step after it. `sigma_cell` is the stress at `time`
-    /// in the end cell. Returns the new velocity, m/s.
-    pub fn advance(&mut self, time: f64, sigma_cell: f64) -> f64 {
+    /// in the end cell.
+    pub fn advance(&mut self, time: f64, sigma_cell: f64) {
         let previous_stress = self.stress;
-        self.before = self.after;
-        (self.after, self.stress) = self.respond(time, sigma_cell);
+        let motion = self.respond(time, sigma_cell);
+        (self.before, self.after) = (self.after, motion.velocity);
+        (self.stress, self.held) = (motion.stress, motion.held);
         self.account(previous_stress);
         self.displacement += self.dt * self.after;
-        self.after
     }
 
-    /// Velocity after the step and stress at its middle.
-    fn respond(&self, time: f64, sigma_cell: f64) -> (f64, f64) {
+    /// The node's velocity after the step and the end's stress at its middle.
+    fn respond(&self, time: f64, sigma_cell: f64) -> Motion {
         match &self.condition {
             EndCondition::Velocity { history, release } => {
-                if release.is_some_and(|r| time + 0.5 * self.dt > r) {
-                    return self.under_stress(0.0, sigma_cell);
+                // Share of the step (half before `time` to half after) in which the end is still held.
+                let held = release.map_or(1.0, |r| (r - time) / self.dt + 0.5);
+                if held < 1.0 {
+                    return self.under_stress(held.max(0.0) * self.stress, sigma_cell);
                 }
                 self.moving(history.mean(time, time + self.dt), sigma_cell)
             }
@@ -103,31 +117,51 @@ impl Device {
         }
     }
 
-    fn moving(&self, velocity: f64, sigma_cell: f64) -> (f64, f64) {
-        (velocity, sigma_cell + self.normal * (velocity - self.before) / self.gain)
+    fn moving(&self, velocity: f64, sigma_cell: f64) -> Motion {
+        let stress = sigma_cell + self.normal * (velocity - self.after) / self.gain;
+        Motion { velocity, stress, held: true }
     }
 
-    fn under_stress(&self, stress: f64, sigma_cell: f64) -> (f64, f64) {
-        (self.before + self.normal * self.gain * (stress - sigma_cell), stress)
+    fn under_stress(&self, stress: f64, sigma_cell: f64) -> Motion {
+        Motion { velocity: self.after + self.normal * self.gain * (stress - sigma_cell), stress, held: false }
     }
 
     /// sigma_end = -n Z (v - v_rest) with v the mean over the step: exact at Courant number 1.
-    fn radiating(&self, sigma_cell: f64) -> (f64, f64) {
+    fn radiating(&self, sigma_cell: f64) -> Motion {
         let h = 0.5 * self.gain * self.impedance;
-        let relative = self.before - self.rest_velocity;
-        let after = ((1.0 - h) * relative - self.normal * self.gain * sigma_cell) / (1.0 + h);
-        let stress = -self.normal * self.impedance * 0.5 * (relative + after);
-        (after + self.rest_velocity, stress)
+        let before = self.after - self.rest_velocity;
+        let after = ((1.0 - h) * before - self.normal * self.gain * sigma_cell) / (1.0 + h);
+        let stress = -self.normal * self.impedance * 0.5 * (before + after);
+        Motion { velocity: after + self.rest_velocity, stress, held: false }
     }
 
     /// The wall takes up just the velocity that would carry the node into it; it never pulls.
-    fn against_wall(&self, gap: f64, sigma_cell: f64) -> (f64, f64) {
-        let (free, _) = self.under_stress(0.0, sigma_cell);
-        let outward_limit = (gap - self.normal * self.displacement) / self.dt;
-        if self.normal * free <= outward_limit {
-            return (free, 0.0);
+    ///
+    /// Where it lets go, it has pushed for the first half of the step. That half impulse is what the end needs to
+    /// leave with the velocity of the wave that frees it; without it every second node would lag behind, and the
+    /// bar would ring from cell to cell.
+    fn against_wall(&self, gap: f64, sigma_cell: f64) -> Motion {
+        let free = self.under_stress(0.0, sigma_cell);
+        let limit = self.normal * (gap - self.normal * self.displacement) / self.dt;
+        if self.normal * (free.velocity - limit) > 0.0 {
+            return self.moving(limit, sigma_cell);
         }
-        self.moving(self.normal * outward_limit, sigma_cell)
+        self.under_stress(if self.held { 0.5 * self.stress } else { 0.0 }, sigma_cell)
+    }
+
+    /// The ripple damping changes the node's velocity, which no end prescribes just now. Returns the energy taken, J.
+    pub(super) fn damp(&mut self, change: f64, sigma_cell: f64) -> f64 {
+        let g = self.normal * self.gain * (self.stress - sigma_cell);
+        let half_mass = 0.5 * self.impulse_per_stress / self.gain;
+        let taken = half_mass * ripple::node(g, change, &mut self.after);
+        self.before += change;
+        self.displacement += self.dt * change;
+        taken
+    }
+
+    /// True where the end's velocity is prescribed just now, false where it follows from the stress.
+    pub(super) fn is_held(&self) -> bool {
+        self.held
     }
 
     /// Impulse and work by the trapezoidal rule in the end stress: the form in which the staggered scheme balances

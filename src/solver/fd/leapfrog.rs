@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use super::block::{BLOCK, Block, BlockLaw, Stage};
 use super::device::{Device, EndGrid};
 use super::grid::Grid;
+use super::ripple;
 use crate::bar::{Bar, EndCondition};
 use crate::law::RowLaw;
 
@@ -86,6 +87,8 @@ pub struct Energies {
     pub elastic: f64,
     /// Plastic work since the start.
     pub plastic: f64,
+    /// Taken by the ripple damping since the start (0 in an elastic run).
+    pub viscous: f64,
     /// Momentum, positive in +x.
     pub momentum: f64,
 }
@@ -101,6 +104,10 @@ pub struct Leapfrog {
     right: Device,
     step: usize,
     parallel: bool,
+    /// Some cell has yielded.
+    yielded: bool,
+    /// Energy that the ripple damping took from the nodes between blocks, J.
+    damped_at_edges: f64,
 }
 
 impl Leapfrog {
@@ -124,7 +131,19 @@ impl Leapfrog {
         let left = Device::new(left, -1.0, end_grid(0));
         let right = Device::new(right, 1.0, end_grid(bar.segments.len() - 1));
         let parallel = grid.cells() >= PARALLEL_FROM;
-        let mut bar = Self { grid, laws, constants, blocks, edges, left, right, step: 0, parallel };
+        let mut bar = Self {
+            grid,
+            laws,
+            constants,
+            blocks,
+            edges,
+            left,
+            right,
+            step: 0,
+            parallel,
+            yielded: false,
+            damped_at_edges: 0.0,
+        };
         bar.share_edges();
         bar.advance_edges();
         bar
@@ -144,12 +163,62 @@ impl Leapfrog {
                 yield_stress: law.yield_stress,
             });
         };
-        if self.parallel {
-            self.blocks.par_iter_mut().with_min_len(16).for_each(advance);
-        } else {
-            self.blocks.iter_mut().for_each(advance);
-        }
+        for_each(&mut self.blocks, self.parallel, advance);
         self.advance_edges();
+        if self.yielded || self.note_yield() {
+            self.damp_ripples();
+        }
+    }
+
+    /// True from the step in which the first cell of the bar yields.
+    fn note_yield(&mut self) -> bool {
+        self.yielded = !self.stayed_elastic();
+        self.yielded
+    }
+
+    /// Takes grid-scale ripples out of the velocities, see [`super::ripple`].
+    fn damp_ripples(&mut self) {
+        for k in 0..self.blocks.len() {
+            self.blocks[k].outside = [self.node_outside(k, k.wrapping_sub(1)), self.node_outside(k, k + 1)];
+        }
+        let constants = &self.constants;
+        let damp = |block: &mut Block| block.damp_ripples(constants[block.segment].velocity_gain);
+        for_each(&mut self.blocks, self.parallel, damp);
+        for (k, edge) in self.edges.iter_mut().enumerate() {
+            let (left, right) = (&self.blocks[k], &self.blocks[k + 1]);
+            let change = right.handed_at_edges().0 - left.handed_at_edges().1;
+            let g = edge.gain_right * right.sigma[0] - edge.gain_left * last(&left.sigma);
+            self.damped_at_edges += 0.5 * edge.mass * ripple::node(g, change, &mut edge.after);
+            // So that after - before stays what the stresses gave the node, as for the nodes inside a block.
+            edge.before += change;
+        }
+        self.damp_ends();
+        self.share_edges();
+    }
+
+    /// The end nodes' part of the damping: half the mass, so twice the velocity change.
+    fn damp_ends(&mut self) {
+        let (first, last_block) = (&self.blocks[0], &self.blocks[self.blocks.len() - 1]);
+        let (left, right) = (2.0 * first.handed_at_edges().0, -2.0 * last_block.handed_at_edges().1);
+        if left != 0.0 && !self.left.is_held() {
+            self.damped_at_edges += self.left.damp(left, first.sigma[0]);
+        }
+        if right != 0.0 && !self.right.is_held() {
+            self.damped_at_edges += self.right.damp(right, last(&last_block.sigma));
+        }
+    }
+
+    /// Velocity of the node next to block `k` inside block `neighbour`, where both are of one segment. At an end that
+    /// is not held the bar goes on as in a mirror.
+    fn node_outside(&self, k: usize, neighbour: usize) -> Option<f64> {
+        let block = &self.blocks[k];
+        let Some(other) = self.blocks.get(neighbour) else {
+            let (end, mirrored) =
+                if k == 0 { (&self.left, block.v[1]) } else { (&self.right, block.v[block.v.len() - 2]) };
+            return (!end.is_held()).then_some(mirrored);
+        };
+        let inner = if neighbour < k { other.v[other.v.len() - 2] } else { other.v[1] };
+        (other.segment == block.segment).then_some(inner)
     }
 
     /// The nodes between blocks and at the ends, from the stresses on both sides.
@@ -278,12 +347,13 @@ impl Leapfrog {
 
     /// Energies and momentum at the current time. One pass over all cells.
     pub fn energies(&self) -> Energies {
-        let mut total = Energies::default();
+        let mut total = Energies { viscous: self.damped_at_edges, ..Energies::default() };
         for (k, block) in self.blocks.iter().enumerate() {
             let c = &self.constants[block.segment];
             let squares: f64 = block.sigma.iter().map(|s| s * s).sum();
             total.elastic += 0.5 * c.cell_volume * squares / c.modulus;
             total.plastic += 0.5 * c.cell_volume * block.plastic / c.modulus;
+            total.viscous += 0.5 * c.cell_mass * block.damped;
             let inner = block.sigma.len();
             let (mut product, mut sum) = (0.0, 0.0);
             for i in 1..inner {
@@ -348,13 +418,21 @@ impl Energies {
 
     /// All energy in the bar, dissipated included, J.
     pub fn total(&self) -> f64 {
-        self.kinetic + self.elastic + self.plastic
+        self.kinetic + self.elastic + self.plastic + self.viscous
     }
 }
 
 impl Edge {
     fn mean(&self) -> f64 {
         0.5 * (self.before + self.after)
+    }
+}
+
+fn for_each(blocks: &mut [Block], parallel: bool, act: impl Fn(&mut Block) + Send + Sync) {
+    if parallel {
+        blocks.par_iter_mut().with_min_len(16).for_each(act);
+    } else {
+        blocks.iter_mut().for_each(act);
     }
 }
 

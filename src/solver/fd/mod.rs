@@ -4,6 +4,7 @@ mod block;
 mod device;
 mod grid;
 mod leapfrog;
+mod ripple;
 mod sample;
 
 pub use device::Device;

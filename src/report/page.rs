@@ -1,0 +1,200 @@
+//! The page of a result file: its figure, and in tables what a figure cannot say.
+
+use super::display::{Unit, Units, four_digits};
+use super::plot::{escape, html};
+use crate::error::Result;
+use crate::record::FrontRow;
+use crate::record::store::{Facts, ResultFile};
+
+/// A number without unit.
+const PLAIN: Unit = Unit { factor: 1.0, symbol: "" };
+
+/// One HTML page that needs nothing else: the figure `svg`, run facts, fronts, ledger, audit, materials, scene.
+pub fn page(file: &ResultFile, svg: &str, units: Units) -> Result<String> {
+    let facts = file.facts();
+    let fronts = fronts_table(file, units)?;
+    let ledger = ledger_table(file, units)?;
+    let audit = audit_list(file)?;
+    let materials = materials_table(file, units)?;
+    let scene = format!("<pre>{}</pre>", escape(&facts.scene));
+    let about = facts_table(facts);
+    let mut sections = vec![("", svg), ("Run", about.as_str())];
+    let optional = [
+        ("Fronts", &fronts),
+        ("Ledger", &ledger),
+        ("What was left out", &audit),
+        ("Materials", &materials),
+        ("Scene", &scene),
+    ];
+    sections.extend(optional.into_iter().filter(|(_, content)| !content.is_empty()).map(|(h, c)| (h, c.as_str())));
+    Ok(html(&facts.title, &sections))
+}
+
+/// A table; cells are escaped here.
+fn table(head: &[String], rows: &[Vec<String>]) -> String {
+    let line = |cells: &[String], tag: &str| {
+        let cells: String = cells.iter().map(|cell| format!("<{tag}>{}</{tag}>", escape(cell))).collect();
+        format!("<tr>{cells}</tr>\n")
+    };
+    let head = if head.is_empty() { String::new() } else { line(head, "th") };
+    let body: String = rows.iter().map(|row| line(row, "td")).collect();
+    format!("<table>\n{head}{body}</table>\n")
+}
+
+fn facts_table(facts: &Facts) -> String {
+    let mut rows: Vec<Vec<String>> = Vec::new();
+    let mut add = |name: &str, value: String| rows.push(vec![name.into(), value]);
+    let outcome = if facts.is_unfinished() {
+        "unfinished: the run still goes on, or was killed".into()
+    } else {
+        facts.outcome.clone()
+    };
+    add("outcome", outcome);
+    if let Some(reason) = &facts.reason {
+        add("reason", reason.clone());
+    }
+    add("method", format!("{} {}", facts.method, facts.scheme));
+    add("effects", if facts.effects.is_empty() { "none".into() } else { facts.effects.join(", ") });
+    if let Some(velocity) = facts.critical_velocity {
+        add("critical impact velocity", format!("{} m/s", four_digits(velocity)));
+    }
+    let counts = [
+        ("cells", facts.cells),
+        ("steps", facts.steps),
+        ("front collisions", facts.events),
+        ("cell steps", facts.cell_steps),
+    ];
+    for (name, count) in counts.into_iter().filter_map(|(name, count)| Some((name, count.filter(|c| *c > 0)?))) {
+        add(name, count.to_string());
+    }
+    if let Some(error) = &facts.error {
+        add("error", format!("{:.2e}: {}, against {}", error.value, error.measure, error.reference));
+    }
+    for (name, seconds) in [("wall time", facts.wall_seconds), ("of which stepping", facts.step_wall_seconds)] {
+        if let Some(seconds) = seconds {
+            add(name, format!("{} s", four_digits(seconds)));
+        }
+    }
+    if !facts.overrides.is_empty() {
+        add("overrides", facts.overrides.join("; "));
+    }
+    let commit = facts.git_revision.as_ref().map_or_else(String::new, |r| format!(", commit {r}"));
+    add("program", format!("barwave {}{commit}", facts.program_version));
+    add("started", facts.created.clone());
+    table(&[], &rows)
+}
+
+fn fronts_table(file: &ResultFile, units: Units) -> Result<String> {
+    let fronts = file.fronts()?;
+    let (Some(&end), Some(&last)) = (file.time()?.last(), file.x()?.last()) else {
+        return Ok(String::new());
+    };
+    if fronts.is_empty() {
+        return Ok(String::new());
+    }
+    let (stress, speed, length, time) = (units.stress(), units.velocity(), units.length(last), Units::time(end));
+    let gauges: Vec<String> = file.gauges()?.into_iter().map(|gauge| gauge.name).collect();
+    let mut head = vec![
+        "from".into(),
+        "strain ahead".into(),
+        "strain behind".into(),
+        stress.label("stress ahead"),
+        stress.label("stress behind"),
+        speed.label("speed, theory"),
+        speed.label("speed, measured"),
+        "difference (%)".into(),
+        length.label("last seen at"),
+    ];
+    head.extend(gauges.iter().map(|name| time.label(&format!("reached {name}"))));
+    let row = |front: &FrontRow| {
+        let difference = 100.0 * (front.speed_measured / front.speed - 1.0);
+        let mut cells = vec![
+            front.origin.clone(),
+            PLAIN.number(front.strain_ahead),
+            PLAIN.number(front.strain_behind),
+            stress.number(front.stress_ahead),
+            stress.number(front.stress_behind),
+            speed.number(front.speed),
+            speed.number(front.speed_measured),
+            if difference.is_finite() {
+                format!("{difference:+.2}").replace('-', "\u{2212}")
+            } else {
+                "\u{2013}".into()
+            },
+            length.number(front.position),
+        ];
+        cells.extend(front.arrivals.iter().map(|t| time.number(*t)));
+        cells
+    };
+    Ok(table(&head, &fronts.iter().map(row).collect::<Vec<_>>()))
+}
+
+fn ledger_table(file: &ResultFile, units: Units) -> Result<String> {
+    let rows = file.ledger()?;
+    let Some(last) = rows.last() else {
+        return Ok(String::new());
+    };
+    let stored = &file.facts().energy_units;
+    let energy = units.energy(stored);
+    let residual = rows.iter().map(|row| row.residual.abs()).fold(0.0, f64::max);
+    let values = [
+        ("kinetic energy at the end", energy.show(last.kinetic)),
+        ("elastic energy at the end", energy.show(last.elastic)),
+        ("dissipated in plastic flow", energy.show(last.plastic)),
+        ("work of the left end", energy.show(last.work_left)),
+        ("work of the right end", energy.show(last.work_right)),
+        ("largest energy residual, relative", format!("{residual:.1e}")),
+        ("momentum at the end, SI", four_digits(last.momentum)),
+        ("impulse of the ends, SI", four_digits(last.impulse)),
+    ];
+    Ok(table(&[], &values.map(|(name, value)| vec![name.to_owned(), value])))
+}
+
+fn audit_list(file: &ResultFile) -> Result<String> {
+    let rows = file.audit()?;
+    if rows.is_empty() {
+        return Ok(String::new());
+    }
+    let items: String = rows
+        .iter()
+        .map(|row| {
+            let line = format!("<b>{}</b>: {}", escape(&row.effect), escape(&row.message));
+            if row.estimate.abs() >= row.threshold {
+                format!("<li>{line} <em>(matters)</em></li>\n")
+            } else {
+                format!("<li>{line}</li>\n")
+            }
+        })
+        .collect();
+    Ok(format!("<ul>\n{items}</ul>\n"))
+}
+
+fn materials_table(file: &ResultFile, units: Units) -> Result<String> {
+    let (stress, density) = (units.stress(), units.density());
+    let head = ["material", "knots"].map(String::from).into_iter().chain([
+        density.label("density"),
+        stress.label("modulus"),
+        "rests on".into(),
+        "sure".into(),
+    ]);
+    let rows: Vec<Vec<String>> = file
+        .materials()?
+        .iter()
+        .map(|m| {
+            vec![
+                m.name.clone(),
+                m.strain.len().to_string(),
+                density.number(m.density),
+                stress.number(m.modulus),
+                [m.provenance.citation.as_str(), m.provenance.measured.as_str()]
+                    .iter()
+                    .filter(|text| !text.is_empty())
+                    .copied()
+                    .collect::<Vec<_>>()
+                    .join("; "),
+                m.provenance.confidence.clone(),
+            ]
+        })
+        .collect();
+    Ok(if rows.is_empty() { String::new() } else { table(&head.collect::<Vec<_>>(), &rows) })
+}

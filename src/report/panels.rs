@@ -1,0 +1,165 @@
+//! The line panels of the figure. Each draws itself and says whether the file had anything for it.
+
+use super::axes::{Axis, Series, line_panel};
+use super::colour::{ColourMap, hex};
+use super::display::{Unit, field_name};
+use super::figure::View;
+use super::map::nearest;
+use super::plot::colour;
+use super::svg::{Area, Stroke, Svg};
+use crate::error::Result;
+use crate::record::store::{Gauge, Side};
+use crate::record::{Field, FrontRow, LedgerRow, Trace};
+
+/// Profiles in the panel; the last is at the end time.
+const PROFILES: usize = 5;
+/// With more fronts than this, their levels would be a grey band.
+const MOST_LEVELS: usize = 16;
+
+/// The field against x at several times, with the levels behind the fronts where theory gives them.
+pub(super) fn profiles(svg: &mut Svg, panel: Area, view: &View, letter: char) -> Result<bool> {
+    let (time, length, unit) = (view.time_unit(), view.length_unit(), view.field_unit());
+    let fronts = view.file.fronts()?;
+    let mut series = levels(view, &fronts);
+    let mut indices: Vec<usize> =
+        (1..=PROFILES).map(|i| nearest(&view.time, view.end_time * i as f64 / PROFILES as f64)).collect();
+    indices.dedup();
+    for (number, &index) in indices.iter().enumerate() {
+        let values = view.file.field(view.field, index..index + 1)?;
+        let points = view.x.iter().zip(values.row(0)).map(|(x, v)| (x * length.factor, v * unit.factor)).collect();
+        let place = 0.82 * number as f64 / (indices.len().max(2) - 1) as f64;
+        let stroke = Stroke::new(hex(ColourMap::Sequential.at(place)), 1.7);
+        series.push(Series::line(time.brief(view.time[index]), points, stroke));
+    }
+    let name = field_name(view.field);
+    let x = Axis::new(length.label("position x"), 0.0, view.length * length.factor);
+    let y = Axis::around(unit.label(name), with_zero(&series));
+    line_panel(svg, panel, &format!("({letter})  {name} along the bar"), x, y, &series);
+    Ok(true)
+}
+
+fn levels(view: &View, fronts: &[FrontRow]) -> Vec<Series> {
+    let level = |front: &FrontRow| match view.field {
+        Field::Stress => Some(front.stress_behind),
+        Field::Strain => Some(front.strain_behind),
+        _ => None,
+    };
+    let mut values: Vec<f64> = fronts.iter().filter_map(level).filter(|v| v.is_finite()).collect();
+    values.sort_by(f64::total_cmp);
+    values.dedup();
+    if values.is_empty() || values.len() > MOST_LEVELS {
+        return Vec::new();
+    }
+    let (factor, end) = (view.field_unit().factor, view.length * view.length_unit().factor);
+    let points = values.iter().flat_map(|v| [(0.0, v * factor), (end, v * factor), (end, f64::NAN)]).collect();
+    vec![Series::line("theory, behind each front", points, Stroke::new("#777", 1.1).dashed("2 3"))]
+}
+
+/// Histories at the gauges: the shown field where gauges record it, stress otherwise.
+pub(super) fn gauges(svg: &mut Svg, panel: Area, view: &View, letter: char) -> Result<bool> {
+    let field = match view.field {
+        Field::Strain | Field::Velocity => view.field,
+        _ => Field::Stress,
+    };
+    let (length, unit) = (view.length_unit(), view.units.field(field));
+    let series: Vec<Series> = view
+        .file
+        .gauges()?
+        .iter()
+        .filter(|gauge| !gauge.trace.time.is_empty())
+        .enumerate()
+        .map(|(i, gauge)| {
+            let name = format!("{}, x = {}", gauge.name, length.brief(gauge.x));
+            history(view, name, &gauge.trace.time, column(gauge, field), unit, Stroke::new(colour(i), 1.6))
+        })
+        .collect();
+    let name = field_name(field);
+    Ok(histories(svg, panel, view, &format!("({letter})  {name} at the gauges"), unit.label(name), &series))
+}
+
+fn column(gauge: &Gauge, field: Field) -> &[f64] {
+    match field {
+        Field::Strain => &gauge.trace.strain,
+        Field::Velocity => &gauge.trace.velocity,
+        _ => &gauge.trace.stress,
+    }
+}
+
+/// Stress at both ends.
+pub(super) fn ends(svg: &mut Svg, panel: Area, view: &View, letter: char) -> Result<bool> {
+    let unit = view.units.stress();
+    let (left, right) = (view.file.end(Side::Left)?, view.file.end(Side::Right)?);
+    let end = |name: &str, trace: &Trace, i: usize| {
+        history(view, name.into(), &trace.time, &trace.stress, unit, Stroke::new(colour(i), 1.6))
+    };
+    let series = [end("left end", &left, 0), end("right end", &right, 1)];
+    let series: Vec<Series> = series.into_iter().filter(|s| !s.points.is_empty()).collect();
+    Ok(histories(svg, panel, view, &format!("({letter})  stress at the ends"), unit.label("stress"), &series))
+}
+
+/// Energies against time: where the work of the ends went.
+pub(super) fn ledger(svg: &mut Svg, panel: Area, view: &View, letter: char) -> Result<bool> {
+    let rows = view.file.ledger()?;
+    let unit = view.units.energy(&view.file.facts().energy_units);
+    let times: Vec<f64> = rows.iter().map(|row| row.time).collect();
+    let line = |name: &str, stroke: Stroke, value: fn(&LedgerRow) -> f64| {
+        let values: Vec<f64> = rows.iter().map(value).collect();
+        history(view, name.into(), &times, &values, unit, stroke)
+    };
+    let mut series = vec![
+        line("kinetic", Stroke::new(colour(0), 1.6), |row| row.kinetic),
+        line("elastic", Stroke::new(colour(2), 1.6), |row| row.elastic),
+        line("plastic", Stroke::new(colour(1), 1.6), |row| row.plastic),
+        line("sum", Stroke::new("#222", 1.6), |row| row.kinetic + row.elastic + row.plastic),
+        line("work of the ends", Stroke::new(colour(5), 2.2).dashed("6 5"), |row| row.work_left + row.work_right),
+    ];
+    series.retain(|s| !s.points.is_empty());
+    Ok(histories(svg, panel, view, &format!("({letter})  energy"), unit.label("energy"), &series))
+}
+
+/// Speed of every front over the strains that it carries: theory as steps, measurement as rings.
+pub(super) fn speeds(svg: &mut Svg, panel: Area, view: &View, letter: char) -> Result<bool> {
+    let fronts = view.file.fronts()?;
+    if fronts.is_empty() {
+        return Ok(false);
+    }
+    let unit = view.units.velocity();
+    let step = |f: &FrontRow| {
+        let speed = f.speed.abs() * unit.factor;
+        [(f.strain_ahead, speed), (f.strain_behind, speed), (f.strain_behind, f64::NAN)]
+    };
+    let middle = |f: &FrontRow| (0.5 * (f.strain_ahead + f.strain_behind), f.speed_measured.abs() * unit.factor);
+    let mut series = vec![Series::line("theory", fronts.iter().flat_map(step).collect(), Stroke::new(colour(0), 2.2))];
+    let measured: Vec<(f64, f64)> = fronts.iter().map(middle).filter(|p| p.1.is_finite()).collect();
+    if !measured.is_empty() {
+        series.push(Series::marks("measured in the fields", measured, Stroke::new(colour(1), 1.6)));
+    }
+    let strains = fronts.iter().flat_map(|f| [f.strain_ahead, f.strain_behind]);
+    let x = Axis::around("strain", strains);
+    let y = Axis::around(unit.label("front speed"), with_zero(&series));
+    line_panel(svg, panel, &format!("({letter})  speed of the fronts"), x, y, &series);
+    Ok(true)
+}
+
+/// The values of all series, and zero.
+fn with_zero(series: &[Series]) -> impl Iterator<Item = f64> {
+    series.iter().flat_map(|s| s.points.iter().map(|p| p.1)).chain(std::iter::once(0.0))
+}
+
+fn history(view: &View, name: String, times: &[f64], values: &[f64], unit: Unit, stroke: Stroke) -> Series {
+    let time = view.time_unit().factor;
+    let points = times.iter().zip(values).map(|(t, v)| (t * time, v * unit.factor)).collect();
+    Series::line(name, points, stroke)
+}
+
+/// A panel of histories; false where there is none.
+fn histories(svg: &mut Svg, panel: Area, view: &View, title: &str, label: String, series: &[Series]) -> bool {
+    if series.is_empty() {
+        return false;
+    }
+    let unit = view.time_unit();
+    let last = series.iter().flat_map(|s| s.points.last()).fold(view.end_time * unit.factor, |a, p| a.max(p.0));
+    let x = Axis::new(unit.label("time"), 0.0, last.max(f64::MIN_POSITIVE));
+    line_panel(svg, panel, title, x, Axis::around(label, with_zero(series)), series);
+    true
+}

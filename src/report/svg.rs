@@ -1,0 +1,223 @@
+//! A small SVG writer: lines, text, pictures. Sizes are in px; y runs down.
+
+use std::fmt::Write as _;
+
+use super::plot::escape;
+
+/// The fonts asked for, as in the other pictures; none is wider than [`text_width`] assumes.
+const FONT: &str = "DejaVu Sans, Liberation Sans, Arial, Helvetica, sans-serif";
+
+/// A drawing under construction.
+#[derive(Debug, Default)]
+pub(super) struct Svg {
+    body: String,
+    clips: usize,
+}
+
+/// How a text stands on its point.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Anchor {
+    Start,
+    Middle,
+    End,
+}
+
+/// A line's look.
+#[derive(Debug, Clone)]
+pub(super) struct Stroke {
+    pub colour: String,
+    pub width: f64,
+    /// SVG dash pattern; empty for a full line.
+    pub dash: &'static str,
+}
+
+impl Stroke {
+    pub fn new(colour: impl Into<String>, width: f64) -> Self {
+        Self { colour: colour.into(), width, dash: "" }
+    }
+
+    pub fn dashed(mut self, dash: &'static str) -> Self {
+        self.dash = dash;
+        self
+    }
+
+    fn attributes(&self) -> String {
+        let dash = if self.dash.is_empty() { String::new() } else { format!(" stroke-dasharray=\"{}\"", self.dash) };
+        format!("stroke=\"{}\" stroke-width=\"{}\"{dash}", self.colour, self.width)
+    }
+}
+
+/// A rectangle.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Area {
+    pub x: f64,
+    pub y: f64,
+    pub width: f64,
+    pub height: f64,
+}
+
+impl Area {
+    pub fn right(&self) -> f64 {
+        self.x + self.width
+    }
+
+    pub fn bottom(&self) -> f64 {
+        self.y + self.height
+    }
+}
+
+impl Svg {
+    pub fn rect(&mut self, area: Area, fill: &str, stroke: Option<&Stroke>) {
+        let stroke = stroke.map_or_else(String::new, Stroke::attributes);
+        let Area { x, y, width, height } = area;
+        self.push(format_args!(
+            "<rect x=\"{x:.2}\" y=\"{y:.2}\" width=\"{width:.2}\" height=\"{height:.2}\" fill=\"{fill}\" {stroke}/>"
+        ));
+    }
+
+    pub fn line(&mut self, from: (f64, f64), to: (f64, f64), stroke: &Stroke) {
+        let stroke = stroke.attributes();
+        self.push(format_args!(
+            "<line x1=\"{:.2}\" y1=\"{:.2}\" x2=\"{:.2}\" y2=\"{:.2}\" {stroke}/>",
+            from.0, from.1, to.0, to.1
+        ));
+    }
+
+    /// A line through points; a point that is not finite interrupts it.
+    pub fn path(&mut self, points: &[(f64, f64)], stroke: &Stroke) {
+        let mut path = String::new();
+        let mut pen_down = false;
+        for &(x, y) in points {
+            if x.is_finite() && y.is_finite() {
+                let _ = write!(path, "{}{x:.2} {y:.2}", if pen_down { 'L' } else { 'M' });
+                pen_down = true;
+            } else {
+                pen_down = false;
+            }
+        }
+        if !path.is_empty() {
+            let stroke = stroke.attributes();
+            self.push(format_args!("<path d=\"{path}\" fill=\"none\" stroke-linejoin=\"round\" {stroke}/>"));
+        }
+    }
+
+    pub fn circle(&mut self, centre: (f64, f64), radius: f64, fill: &str, stroke: &Stroke) {
+        let stroke = stroke.attributes();
+        self.push(format_args!(
+            "<circle cx=\"{:.2}\" cy=\"{:.2}\" r=\"{radius}\" fill=\"{fill}\" {stroke}/>",
+            centre.0, centre.1
+        ));
+    }
+
+    pub fn text(&mut self, at: (f64, f64), size: f64, anchor: Anchor, text: &str) {
+        self.styled_text(at, size, anchor, "", text);
+    }
+
+    pub fn bold(&mut self, at: (f64, f64), size: f64, anchor: Anchor, text: &str) {
+        self.styled_text(at, size, anchor, " font-weight=\"bold\"", text);
+    }
+
+    /// Text that reads upwards.
+    pub fn upright(&mut self, at: (f64, f64), size: f64, text: &str) {
+        let turn = format!(" transform=\"rotate(-90 {:.2} {:.2})\"", at.0, at.1);
+        self.styled_text(at, size, Anchor::Middle, &turn, text);
+    }
+
+    fn styled_text(&mut self, at: (f64, f64), size: f64, anchor: Anchor, style: &str, text: &str) {
+        let anchor = match anchor {
+            Anchor::Start => "start",
+            Anchor::Middle => "middle",
+            Anchor::End => "end",
+        };
+        let text = escape(text);
+        self.push(format_args!(
+            "<text x=\"{:.2}\" y=\"{:.2}\" font-size=\"{size}\" text-anchor=\"{anchor}\"{style}>{text}</text>",
+            at.0, at.1
+        ));
+    }
+
+    /// A PNG picture, stretched over the area.
+    pub fn image(&mut self, area: Area, png: &[u8]) {
+        let Area { x, y, width, height } = area;
+        let data = base64(png);
+        self.push(format_args!(
+            "<image x=\"{x:.2}\" y=\"{y:.2}\" width=\"{width:.2}\" height=\"{height:.2}\" \
+             preserveAspectRatio=\"none\" href=\"data:image/png;base64,{data}\"/>"
+        ));
+    }
+
+    /// What `draw` draws is cut at the area's edges.
+    pub fn clipped(&mut self, area: Area, draw: impl FnOnce(&mut Self)) {
+        let id = self.clips;
+        self.clips += 1;
+        let Area { x, y, width, height } = area;
+        self.push(format_args!(
+            "<clipPath id=\"clip{id}\"><rect x=\"{x:.2}\" y=\"{y:.2}\" width=\"{width:.2}\" height=\"{height:.2}\"/>\
+             </clipPath><g clip-path=\"url(#clip{id})\">"
+        ));
+        draw(self);
+        self.push(format_args!("</g>"));
+    }
+
+    /// The whole document, on white.
+    pub fn document(&self, width: f64, height: f64) -> String {
+        format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width:.0}\" height=\"{height:.0}\" \
+             viewBox=\"0 0 {width:.0} {height:.0}\" font-family=\"{FONT}\" fill=\"#222\">\n\
+             <rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n{}</svg>\n",
+            self.body
+        )
+    }
+
+    fn push(&mut self, element: std::fmt::Arguments<'_>) {
+        // Writing to a String cannot fail.
+        let _ = self.body.write_fmt(element);
+        self.body.push('\n');
+    }
+}
+
+/// Width that a text takes, a little on the safe side for every font asked for.
+pub(super) fn text_width(text: &str, size: f64) -> f64 {
+    0.57 * size * text.chars().count() as f64
+}
+
+/// Base64 with padding (RFC 4648).
+fn base64(bytes: &[u8]) -> String {
+    const ALPHABET: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
+    for chunk in bytes.chunks(3) {
+        let byte = |i: usize| u32::from(chunk.get(i).copied().unwrap_or(0));
+        let bits = byte(0) << 16 | byte(1) << 8 | byte(2);
+        for i in 0..4 {
+            let sextet = (bits >> (18 - 6 * i)) & 63;
+            text.push(if i <= chunk.len() { char::from(ALPHABET[sextet as usize]) } else { '=' });
+        }
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn base64_follows_the_standard_examples() {
+        for (bytes, text) in [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foob", "Zm9vYg==")] {
+            assert_eq!(base64(bytes.as_bytes()), text);
+        }
+    }
+
+    #[test]
+    fn markup_in_text_is_escaped() {
+        let mut svg = Svg::default();
+        svg.text((0.0, 0.0), 10.0, Anchor::Start, "a<b & \"c\"");
+        assert!(svg.document(1.0, 1.0).contains("a&lt;b &amp; &quot;c&quot;"));
+    }
+
+    #[test]
+    fn a_gap_in_the_data_is_a_gap_in_the_line() {
+        let mut svg = Svg::default();
+        svg.path(&[(0.0, 0.0), (1.0, f64::NAN), (2.0, 2.0)], &Stroke::new("red", 1.0));
+        assert!(svg.document(1.0, 1.0).contains("M0.00 0.00M2.00 2.00"));
+    }
+}

@@ -1,7 +1,9 @@
 //! The self-similar solution against worked tables, closed forms and its own invariants.
 
 use barwave::material::{Beyond, Curve, UltimateReason};
-use barwave::wave::similarity::{critical, fan_at_stress, fan_at_velocity, hull, impact_velocities, impact_velocity};
+use barwave::wave::similarity::{
+    Edge, critical, fan_at_stress, fan_at_velocity, hull, impact_velocities, impact_velocity,
+};
 use proptest::prelude::*;
 
 const MPA: f64 = 1e6;
@@ -32,7 +34,7 @@ fn table_c(beyond: Beyond) -> Curve {
 fn concave_table_has_a_front_for_each_segment() {
     let c = table_a(Beyond::Error);
     let speeds = [3535.5339, 833.3333, 500.0, 288.6751];
-    let velocities = [3.535534, 11.035534, 31.035534, 74.336804];
+    let velocities = [3.535_534, 11.035_534, 31.035_534, 74.336_804];
     for (i, (&strain, &velocity)) in c.strain()[1..].iter().zip(&velocities).enumerate() {
         let fan = fan_at_velocity(&c, 8000.0, impact_velocity(&c, 8000.0, strain));
         near(fan.velocity, velocity);
@@ -56,9 +58,9 @@ fn yield_drop_sends_one_front_to_the_tangent_point() {
     near(speeds[1], 300.8819);
     near(speeds[2], 252.3772);
     assert_eq!((edges[1].strain_ahead, edges[1].strain_behind), (0.0015, 0.1));
-    near(impact_velocity(&c, 7850.0, 0.0015), 7.696471);
-    near(impact_velocity(&c, 7850.0, 0.1), 37.333339);
-    near(impact_velocity(&c, 7850.0, 0.2), 62.571063);
+    near(impact_velocity(&c, 7850.0, 0.0015), 7.696_471);
+    near(impact_velocity(&c, 7850.0, 0.1), 37.333_339);
+    near(impact_velocity(&c, 7850.0, 0.2), 62.571_063);
     assert!(critical(&c, 7850.0).is_none());
     // Across the drop the velocity stalls, and the strain jumps to where the stress returns (0.0569).
     let before = fan_at_velocity(&c, 7850.0, 7.6964);
@@ -70,12 +72,12 @@ fn yield_drop_sends_one_front_to_the_tangent_point() {
 #[test]
 fn lock_up_merges_the_fronts_behind_the_precursor_into_a_shock() {
     let c = table_c(Beyond::Error);
-    let fan = fan_at_velocity(&c, 200.0, 124.544469);
+    let fan = fan_at_velocity(&c, 200.0, 124.544_469);
     assert_eq!(fan.edges.len(), 2);
     near(fan.edges[0].speed, 707.1068);
     near(fan.edges[1].speed, 170.2513);
     near(fan.strain, 0.7);
-    let fan = fan_at_velocity(&c, 200.0, 272.212539);
+    let fan = fan_at_velocity(&c, 200.0, 272.212_539);
     near(fan.edges[1].speed, 358.2993);
     near(fan.strain, 0.75);
     assert!(critical(&c, 200.0).is_none());
@@ -127,7 +129,7 @@ fn above_the_ultimate_point_the_fan_stops_there() {
     // A specimen that breaks while its stress rises: the last knot is critical, and says why.
     let c = table_a(Beyond::Rupture);
     let v_c = critical(&c, 8000.0).expect("it broke");
-    near(v_c.velocity, 74.336804);
+    near(v_c.velocity, 74.336_804);
     assert_eq!(v_c.reason, UltimateReason::RuptureStrain);
 }
 
@@ -137,19 +139,19 @@ fn past_the_data_is_not_critical() {
     assert!(fan.beyond_data && !fan.above_critical && fan.strain == 0.2);
     let fan = fan_at_velocity(&table_a(Beyond::Extend), 8000.0, 80.0);
     assert!(!fan.beyond_data && !fan.above_critical);
-    near(fan.strain, 0.2 + (80.0 - 74.336804) / 288.6751);
+    near(fan.strain, 0.2 + (80.0 - 74.336_804) / 288.6751);
     let fan = fan_at_stress(&table_a(Beyond::Error), 8000.0, 340.0 * MPA);
     assert!(fan.beyond_data && fan.stress == 330.0 * MPA);
 }
 
 #[test]
 fn the_state_in_the_fan_is_the_one_behind_the_fronts_that_have_passed() {
-    let fan = fan_at_velocity(&table_a(Beyond::Error), 8000.0, 31.035534);
+    let fan = fan_at_velocity(&table_a(Beyond::Error), 8000.0, 31.035_534);
     assert_eq!(fan.state(4000.0), (0.0, 0.0, 0.0));
     assert_eq!(fan.state(fan.edges[0].speed).0, 0.001);
     let (strain, stress, velocity) = fan.state(600.0);
     assert_eq!((strain, stress), (0.01, 150.0 * MPA));
-    near(velocity, 11.035534);
+    near(velocity, 11.035_534);
     near(fan.state(0.0).0, 0.05);
 }
 
@@ -253,7 +255,7 @@ proptest! {
             prop_assert!((fan.velocity / velocity - 1.0).abs() < 1e-11, "{} {}", fan.velocity, velocity);
             prop_assert!((impact_velocity(&c, RHO, fan.strain) / velocity - 1.0).abs() < 1e-11);
         }
-        let jumps: f64 = fan.edges.iter().map(|e| e.velocity_jump()).sum();
+        let jumps: f64 = fan.edges.iter().map(Edge::velocity_jump).sum();
         prop_assert!((jumps / fan.velocity - 1.0).abs() < 1e-12);
         let momentum: f64 = fan.edges.iter().map(|e| RHO * e.speed * e.velocity_jump()).sum();
         prop_assert!((momentum / fan.stress - 1.0).abs() < 1e-12);

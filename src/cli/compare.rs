@@ -1,5 +1,6 @@
 //! `barwave compare`.
 
+use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use super::critical::SenseArg;
@@ -104,7 +105,8 @@ fn csv(compared: &[Compared]) -> String {
             let name = &m.critical.material;
             let quoted =
                 if name.contains([',', '"']) { format!("\"{}\"", name.replace('"', "\"\"")) } else { name.clone() };
-            text += &format!("{quoted},{},{},{speed},{velocity}\n", p.strain, p.stress_pa);
+            // Writing to a String cannot fail.
+            let _ = writeln!(text, "{quoted},{},{},{speed},{velocity}", p.strain, p.stress_pa);
         }
     }
     text

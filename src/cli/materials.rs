@@ -1,11 +1,239 @@
-//! `barwave materials`.
+//! `barwave materials`: the library and what each curve rests on.
 
+use std::path::Path;
+
+use super::output;
 use crate::error::Result;
+use crate::material::{Beyond, Curve, Material, Sense, library};
+use crate::study::critical::critical;
+
+mod import;
 
 /// Options of `barwave materials`.
 #[derive(Debug, clap::Args)]
-pub(crate) struct Args {}
+pub(crate) struct Args {
+    #[command(subcommand)]
+    action: Option<Action>,
+}
 
-pub(crate) fn run(_args: &Args) -> Result<()> {
-    todo!()
+#[derive(Debug, clap::Subcommand)]
+enum Action {
+    /// List every material that can be named (default).
+    List(ListArgs),
+    /// Show one material: constants, provenance, critical velocity and table.
+    Show(ShowArgs),
+    /// Write a material file around a CSV file of strain and stress, and check it.
+    Import(import::Args),
+    /// Print the folders in which material files are looked up.
+    Path,
+}
+
+#[derive(Debug, clap::Args)]
+struct ListArgs {
+    /// Print a JSON list and nothing else.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Debug, clap::Args)]
+struct ShowArgs {
+    /// Library name or path of a material file.
+    material: String,
+    /// Print one JSON object and nothing else.
+    #[arg(long)]
+    json: bool,
+}
+
+pub(crate) fn run(args: &Args) -> Result<()> {
+    match &args.action {
+        None => list(false),
+        Some(Action::List(list_args)) => list(list_args.json),
+        Some(Action::Show(show_args)) => show(show_args),
+        Some(Action::Import(import_args)) => import::run(import_args),
+        Some(Action::Path) => path(),
+    }
+}
+
+const MPA: f64 = 1e6;
+const GPA: f64 = 1e9;
+
+fn base() -> &'static Path {
+    Path::new("")
+}
+
+/// User materials first, then the built-in ones that they do not hide. A user file that is wrong is named on
+/// stderr and left out: it must not hide the others.
+fn all() -> Vec<Material> {
+    let mut names = library::user_names(base());
+    let built_in: Vec<_> = library::names().filter(|n| !names.iter().any(|user| user == n)).map(String::from).collect();
+    names.extend(built_in);
+    let mut materials = Vec::new();
+    for name in &names {
+        match library::find(name, base()) {
+            Ok(material) => materials.push(material),
+            Err(error) => eprintln!("left out `{name}`: {error}"),
+        }
+    }
+    materials
+}
+
+fn list(json: bool) -> Result<()> {
+    let materials = all();
+    if json {
+        return output::json(&materials.iter().map(summary).collect::<Vec<_>>());
+    }
+    let rows: Vec<_> = materials
+        .iter()
+        .map(|m| {
+            let v_c = critical(m, Sense::Tension).critical_velocity_m_s;
+            vec![
+                m.name.clone(),
+                output::fixed(Some(m.density), 0),
+                output::fixed(Some(m.modulus / GPA), 1),
+                output::fixed(Some(elastic_limit(m) / MPA), 1),
+                output::fixed(v_c, 1),
+                m.provenance.confidence.clone(),
+                m.description.clone(),
+            ]
+        })
+        .collect();
+    let headings = ["name", "rho kg/m^3", "E GPa", "elastic limit MPa", "v_c m/s", "rests on", "description"];
+    // The last two columns are text; the fifth number column ends the right-aligned ones.
+    let rows: Vec<_> = rows.into_iter().map(join_last_two).collect();
+    let headings: Vec<_> = headings[..5].iter().copied().chain(["rests on  description"]).collect();
+    output::text(&output::table(&headings, &rows, 1, true))
+}
+
+/// Two text columns as one, the first padded to its longest word, "handbook".
+fn join_last_two(mut row: Vec<String>) -> Vec<String> {
+    let description = row.pop().unwrap_or_default();
+    let confidence = row.pop().unwrap_or_default();
+    row.push(format!("{confidence:<8}  {description}"));
+    row
+}
+
+fn elastic_limit(material: &Material) -> f64 {
+    material.tension.elastic_limit(material.modulus).1
+}
+
+fn summary(m: &Material) -> serde_json::Value {
+    let c = critical(m, Sense::Tension);
+    serde_json::json!({
+        "name": m.name,
+        "description": m.description,
+        "density_kg_m3": m.density,
+        "modulus_Pa": m.modulus,
+        "elastic_limit_Pa": elastic_limit(m),
+        "critical_velocity_m_s": c.critical_velocity_m_s,
+        "confidence": m.provenance.confidence,
+        "citation": m.provenance.citation,
+        "origin": m.provenance.origin,
+    })
+}
+
+fn show(args: &ShowArgs) -> Result<()> {
+    let material = library::find(&args.material, base())?;
+    if args.json {
+        return output::json(&serde_json::json!({
+            "material": material,
+            "critical": critical(&material, Sense::Tension),
+            "critical_in_compression": critical(&material, Sense::Compression),
+        }));
+    }
+    output::text(&describe(&material))
+}
+
+/// Everything about a material, for people.
+fn describe(m: &Material) -> String {
+    let mut lines = vec![("name", m.name.clone())];
+    let mut add = |name, value: String| {
+        if !value.is_empty() {
+            lines.push((name, value));
+        }
+    };
+    add("description", m.description.clone());
+    add("density", format!("{} kg/m^3", m.density));
+    add("modulus", format!("{:.6} GPa", m.modulus / GPA));
+    add("poisson", m.poisson.map_or_else(String::new, |nu| nu.to_string()));
+    add("c0", format!("{:.2} m/s", m.c0()));
+    add("elastic limit", format!("{:.4} MPa", elastic_limit(m) / MPA));
+    add("law", m.constants.law.clone().unwrap_or_default());
+    if m.table_error > 0.0 {
+        add("table error", format!("{:.3e} Pa at most, between table and law", m.table_error));
+    }
+    add("critical", critical_line(m, Sense::Tension));
+    if m.compression.is_some() {
+        add("in compression", critical_line(m, Sense::Compression));
+    }
+    for (name, value) in constants(m) {
+        add(name, value);
+    }
+    add("citation", m.provenance.citation.clone());
+    add("measured", m.provenance.measured.clone());
+    add("rests on", m.provenance.confidence.clone());
+    add("origin", m.provenance.origin.clone());
+    let lines: Vec<_> = lines.iter().map(|(name, value)| format!("{name:<15} {value}\n")).collect();
+    let mut text = lines.concat();
+    text += &branch("tension", &m.tension);
+    if let Some(compression) = &m.compression {
+        text += &branch("compression", compression);
+    }
+    text
+}
+
+fn critical_line(m: &Material, sense: Sense) -> String {
+    let c = critical(m, sense);
+    match (c.critical_velocity_m_s, c.strain_at_max, c.stress_at_max_pa) {
+        (Some(v), Some(strain), Some(stress)) => {
+            format!("{v:.4} m/s, at strain {strain:.6}, stress {:.4} MPa ({})", stress / MPA, c.reason)
+        }
+        _ => format!("none: {}", c.reason),
+    }
+}
+
+fn constants(m: &Material) -> Vec<(&'static str, String)> {
+    let (rate, heat) = (&m.constants.rate, &m.constants.heat);
+    let optional = |value: Option<f64>, unit: &str| value.map_or_else(String::new, |v| format!("{v}{unit}"));
+    vec![
+        (
+            "rate (J-C)",
+            rate.johnson_cook.map_or_else(String::new, |jc| format!("C = {}, reference {} 1/s", jc.c, jc.reference)),
+        ),
+        ("rate (C-S)", rate.cowper_symonds.map_or_else(String::new, |cs| format!("D = {} 1/s, q = {}", cs.d, cs.q))),
+        ("rate (Malvern)", optional(rate.malvern, " 1/s")),
+        ("specific heat", optional(heat.specific_heat, " J/(kg K)")),
+        ("heat fraction", optional(heat.fraction, "")),
+        ("curve holds at", optional(heat.reference_temperature, " K")),
+        ("melts at", optional(heat.melting_temperature, " K")),
+        ("softening m", optional(heat.exponent, "")),
+    ]
+}
+
+fn branch(name: &str, curve: &Curve) -> String {
+    let beyond = match curve.beyond() {
+        Beyond::Rupture => "breaks at the last row",
+        Beyond::Extend => "the last slope goes on past the last row",
+        Beyond::Error => "nothing is known past the last row",
+    };
+    let rows: Vec<_> = curve
+        .strain()
+        .iter()
+        .zip(curve.stress())
+        .map(|(strain, stress)| vec![format!("{strain:.6e}"), format!("{:.4}", stress / MPA)])
+        .collect();
+    format!("\n{name}: {} rows; {beyond}\n{}", rows.len(), output::table(&["strain", "stress MPa"], &rows, 0, false))
+}
+
+fn path() -> Result<()> {
+    let mut text = String::new();
+    for folder in library::folders(Path::new(".")) {
+        let state = if folder.is_dir() { "" } else { "  (not there)" };
+        text += &[&folder.display().to_string(), state, "\n"].concat();
+    }
+    let variable = library::FOLDER_VARIABLE;
+    if std::env::var_os(variable).is_none_or(|v| v.is_empty()) {
+        text += &["$", variable, "  (not set)\n"].concat();
+    }
+    text += "built-in library\n";
+    output::text(&text)
 }

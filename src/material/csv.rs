@@ -70,7 +70,9 @@ pub(crate) fn read(path: &Path, unit: Option<f64>) -> Result<CsvTable> {
         spans.push(place.span.clone());
     }
     if rows.iter().all(|r| r.0 <= 0.0 && r.1 <= 0.0) {
-        rows.iter_mut().for_each(|r| *r = (r.0.abs(), r.1.abs()));
+        for row in &mut rows {
+            *row = (row.0.abs(), row.1.abs());
+        }
     }
     Ok(CsvTable { document, rows, spans })
 }
@@ -106,7 +108,7 @@ pub(crate) fn factor(unit: &str, dimension: Dimension) -> std::result::Result<f6
         .map_err(|reason| InputError::new(reason).help("write a unit such as MPa, ksi or psi for stress, % for strain"))
 }
 
-/// "stress_MPa", "stress (MPa)", "Stress [MPa]" into ("stress", "MPa").
+/// `stress_MPa`, `stress (MPa)` or `Stress [MPa]` into ("stress", "MPa").
 fn name_and_unit(title: &str) -> (String, String) {
     let cut = title.find(['_', '(', '[', '/', ' ']).unwrap_or(title.len());
     let (name, unit) = title.split_at(cut);

@@ -45,17 +45,18 @@ pub fn resolve(raw: RawMaterial, doc: &Document, key_prefix: &str, base_dir: &Pa
     let main = given.branch(given.sense, modulus, keys)?;
     let compression = compression(&raw, &given, modulus, keys)?;
     let steepest = compression.iter().map(|c| c.curve.steepest()).fold(main.curve.steepest(), f64::max);
+    let constants = constants::resolve(&raw, given.describe(), keys)?;
     Ok(Material {
-        name: raw.name.clone().unwrap_or_else(|| "inline".into()),
-        description: raw.description.clone().unwrap_or_default(),
         density: keys.number(&raw.density, "density", Dimension::Density, Allowed::Positive)?,
         modulus: modulus.unwrap_or(steepest),
         poisson: keys.optional(raw.poisson.as_ref(), "poisson", Dimension::None, Allowed::Within(0.0, 0.5))?,
         table_error: compression.as_ref().map_or(main.error, |c| c.error.max(main.error)),
-        constants: constants::resolve(&raw, given.describe(), keys)?,
+        constants,
         tension: main.curve,
         compression: compression.map(|c| c.curve),
-        provenance: provenance(raw.source.as_ref()),
+        provenance: provenance(raw.source),
+        name: raw.name.unwrap_or_else(|| "inline".into()),
+        description: raw.description.unwrap_or_default(),
     })
 }
 
@@ -89,16 +90,16 @@ fn compression(raw: &RawMaterial, main: &Given<'_>, modulus: Option<f64>, keys: 
     main.branch(Sense::Compression, modulus, keys).map(Some)
 }
 
-fn provenance(source: Option<&RawSource>) -> Provenance {
-    let confidence = source.and_then(|s| s.confidence).map_or("", |c| match c {
+fn provenance(source: Option<RawSource>) -> Provenance {
+    let source = source.unwrap_or_default();
+    let confidence = source.confidence.map_or("", |c| match c {
         Confidence::Measured => "measured",
         Confidence::Fitted => "fitted",
         Confidence::Handbook => "handbook",
     });
-    let text = |get: fn(&RawSource) -> &Option<String>| source.and_then(|s| get(s).clone()).unwrap_or_default();
     Provenance {
-        citation: text(|s| &s.citation),
-        measured: text(|s| &s.measured),
+        citation: source.citation.unwrap_or_default(),
+        measured: source.measured.unwrap_or_default(),
         confidence: confidence.into(),
         origin: "inline".into(),
     }

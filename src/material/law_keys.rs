@@ -119,7 +119,12 @@ fn voce(reader: &Reader<'_>) -> Result<Law> {
         let message = format!("{saturation:e} Pa is not above the yield stress {yield_stress:e} Pa");
         let key = format!("{}.saturation", reader.name);
         let span = reader.curve.saturation.as_ref().map_or(0..0, toml::Spanned::span);
-        return Err(reader.keys.error(span, &key, message).allowed("saturation > yield").into());
+        return Err(reader
+            .keys
+            .error(span, &key, message)
+            .allowed("saturation > yield")
+            .help("give `saturation` the stress that the curve approaches from below")
+            .into());
     }
     Ok(Law::Voce { yield_stress, saturation, strain: reader.strain("strain")? })
 }

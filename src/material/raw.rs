@@ -61,8 +61,8 @@ pub struct RawCurve {
     /// Rows [strain, stress]; magnitudes; strain increasing. Plain stresses are in `unit`.
     #[schemars(with = "Option<Vec<(Quantity, Quantity)>>")]
     pub table: Option<Vec<(Number, Number)>>,
-    /// A file with the columns strain, stress, relative to this one. A header may name the unit: "stress_MPa" or
-    /// "stress (MPa)", "strain (%)".
+    /// A file with the columns strain, stress, relative to this one. A header may name units: `stress_MPa` or
+    /// `stress (MPa)`, `strain (%)`.
     #[schemars(with = "Option<String>")]
     pub csv: Option<Spanned<String>>,
     /// A named law; its constants stand beside it.
@@ -198,7 +198,7 @@ pub struct RawHeat {
 }
 
 /// `[source]`: what the curve rests on.
-#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct RawSource {
     /// The publication.

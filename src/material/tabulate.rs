@@ -192,7 +192,7 @@ pub fn tabulate_law(
         (None, Some(x)) => 1.5 * x.max(start).max(1e-3),
         (None, None) => branch.parameter_at(Tabulate::DEFAULT_END),
     };
-    if !(end > start) || branch.point(end).0 <= branch.point(start).1 / modulus {
+    if end.is_nan() || end <= start || branch.point(end).0 <= branch.point(start).1 / modulus {
         let limit = branch.point(start).1 / modulus;
         return Err(format!("the table would end before the elastic limit, which is at strain {limit:.4e}"));
     }

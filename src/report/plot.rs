@@ -1,6 +1,6 @@
 //! What every picture shares: looks, panels side by side, and writing them as SVG, PNG or HTML.
 //!
-//! SVG and HTML name the font DejaVu Sans with common substitutes; PNG is drawn with DejaVu Sans itself, which is
+//! SVG and HTML name the font `DejaVu Sans` with common substitutes; PNG is drawn with `DejaVu Sans` itself, which is
 //! part of the program, so it looks the same on a machine without fonts.
 
 use std::path::Path;
@@ -183,9 +183,9 @@ pub fn html(title: &str, sections: &[(&str, &str)]) -> String {
     let mut body = String::new();
     for (heading, content) in sections {
         if !heading.is_empty() {
-            body += &format!("<h2>{}</h2>\n", escape(heading));
+            body += &["<h2>", &escape(heading), "</h2>\n"].concat();
         }
-        body += &format!("<section>\n{content}\n</section>\n");
+        body += &["<section>\n", content, "\n</section>\n"].concat();
     }
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
@@ -206,7 +206,7 @@ pub fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
-/// DejaVu Sans, for [`png`]. The plotting library carries the font but hands it out only inside SVG text, as
+/// `DejaVu Sans`, for [`png`]. The plotting library carries the font but hands it out only inside SVG text, as
 /// base64, from where it is read back once.
 fn fonts() -> Arc<usvg::fontdb::Database> {
     static FONTS: OnceLock<Arc<usvg::fontdb::Database>> = OnceLock::new();

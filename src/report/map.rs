@@ -23,8 +23,7 @@ pub(super) fn draw(svg: &mut Svg, panel: Area, view: &View) -> Result<()> {
     let frame = Frame {
         plot: axes::plot_area(panel, 1, BAR_ROOM),
         x: Axis::new(length.label("position x"), 0.0, view.length * length.factor),
-        // A single frame still needs an axis with a length.
-        y: Axis::new(time.label("time"), 0.0, (view.end_time * time.factor).max(f64::MIN_POSITIVE)),
+        y: Axis::new(time.label("time"), 0.0, view.end_time * time.factor),
     };
     let (picture, range) = picture(&frame, view)?;
     svg.image(frame.plot, &picture);

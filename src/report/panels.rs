@@ -159,7 +159,7 @@ fn histories(svg: &mut Svg, panel: Area, view: &View, title: &str, label: String
     }
     let unit = view.time_unit();
     let last = series.iter().flat_map(|s| s.points.last()).fold(view.end_time * unit.factor, |a, p| a.max(p.0));
-    let x = Axis::new(unit.label("time"), 0.0, last.max(f64::MIN_POSITIVE));
+    let x = Axis::new(unit.label("time"), 0.0, last);
     line_panel(svg, panel, title, x, Axis::around(label, with_zero(series)), series);
     true
 }

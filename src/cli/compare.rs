@@ -1,11 +1,111 @@
 //! `barwave compare`.
 
-use crate::error::Result;
+use std::path::{Path, PathBuf};
+
+use super::critical::SenseArg;
+use super::{critical, output};
+use crate::error::{Error, Result};
+use crate::report::{self, plot};
+use crate::study::compare::{Compared, compare};
 
 /// Options of `barwave compare`.
 #[derive(Debug, clap::Args)]
-pub(crate) struct Args {}
+pub(crate) struct Args {
+    /// Library names or paths of material files.
+    #[arg(required = true, value_name = "MATERIAL")]
+    materials: Vec<String>,
+    /// Picture (.svg, .png, .html) or table (.csv) to write.
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Sense of the loading.
+    #[arg(long, value_enum, default_value = "tension")]
+    sense: SenseArg,
+    /// Print a JSON list and nothing else.
+    #[arg(long)]
+    json: bool,
+}
 
-pub(crate) fn run(_args: &Args) -> Result<()> {
-    todo!()
+pub(crate) fn run(args: &Args) -> Result<()> {
+    let is_csv = args.output.as_deref().is_some_and(is_csv);
+    if let Some(path) = args.output.as_deref().filter(|_| !is_csv) {
+        plot::Format::of(path).map_err(|e| match e {
+            Error::Input(e) => Error::Input(e.allowed("names that end in .svg, .png, .html or .csv")),
+            other => other,
+        })?;
+    }
+    let materials = critical::load(&args.materials)?;
+    let compared = compare(&materials, args.sense.into());
+    match args.output.as_deref() {
+        Some(path) if is_csv => plot::write_whole(path, csv(&compared).as_bytes())?,
+        Some(path) => plot::save(path, "Materials side by side", &report::compare::figure(&compared))?,
+        None => {}
+    }
+    if args.json {
+        return output::json(&compared);
+    }
+    let written = args.output.as_ref().map_or_else(String::new, |path| format!("\nwrote {}\n", path.display()));
+    output::text(&format!("{}{written}", table(&compared)))
+}
+
+fn is_csv(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv"))
+}
+
+/// One row a material, with the speeds of the fronts that carry 1 % and 10 % of strain.
+fn table(compared: &[Compared]) -> String {
+    const GPA: f64 = 1e9;
+    let rows: Vec<_> = compared
+        .iter()
+        .map(|m| {
+            let c = &m.critical;
+            vec![
+                c.material.clone(),
+                output::fixed(Some(c.density_kg_m3), 0),
+                output::fixed(Some(m.modulus_pa / GPA), 1),
+                output::fixed(Some(m.elastic_speed_m_s), 0),
+                output::fixed(Some(c.yield_velocity_m_s), 2),
+                output::fixed(speed_at(m, 0.01), 1),
+                output::fixed(speed_at(m, 0.1), 1),
+                output::fixed(c.critical_velocity_m_s, 2),
+                output::fixed(c.strain_at_max, 4),
+                output::fixed(c.stress_at_max_pa.map(|s| s / 1e6), 1),
+                c.reason.clone(),
+            ]
+        })
+        .collect();
+    let headings = [
+        "material",
+        "rho kg/m^3",
+        "E GPa",
+        "c0 m/s",
+        "v_yield m/s",
+        "c(1 %) m/s",
+        "c(10 %) m/s",
+        "v_c m/s",
+        "strain at max",
+        "max MPa",
+        "rests on",
+    ];
+    output::table(&headings, &rows, 1, true)
+}
+
+/// Speed of the front that carries a strain; none past the ultimate point.
+fn speed_at(m: &Compared, strain: f64) -> Option<f64> {
+    m.fronts.iter().find(|front| front.strain_behind >= strain).map(|front| front.speed)
+}
+
+/// One row a knot: material, strain, stress, wave speed, impact velocity; empty where there is none.
+fn csv(compared: &[Compared]) -> String {
+    let mut text = String::from("material,strain,stress_Pa,wave_speed_m_s,impact_velocity_m_s\n");
+    let cell = |value: Option<f64>| value.map_or_else(String::new, |v| v.to_string());
+    for m in compared {
+        for p in &m.curve {
+            let (speed, velocity) = (cell(p.wave_speed_m_s), cell(p.impact_velocity_m_s));
+            let name = &m.critical.material;
+            let quoted =
+                if name.contains([',', '"']) { format!("\"{}\"", name.replace('"', "\"\"")) } else { name.clone() };
+            text += &format!("{quoted},{},{},{speed},{velocity}\n", p.strain, p.stress_pa);
+        }
+    }
+    text
 }

@@ -6,6 +6,7 @@ mod critical;
 mod materials;
 mod message;
 mod new;
+mod output;
 mod plan;
 mod report;
 mod run;

@@ -1,11 +1,184 @@
-//! `barwave run`.
+//! `barwave run`: simulates one scene, shows how far it is, and sums up.
 
-use crate::error::Result;
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+use super::output;
+use crate::error::{Error, InputError, Result};
+use crate::record::{EndSummary, FrontSummary, Summary};
+use crate::run::{self, Progress, Wish};
+use crate::scene::Scene;
+use crate::units::{Dimension, System, format};
 
 /// Options of `barwave run`.
 #[derive(Debug, clap::Args)]
-pub(crate) struct Args {}
+pub(crate) struct Args {
+    /// The scene file.
+    #[arg(value_name = "SCENE.toml")]
+    scene: PathBuf,
+    /// Result file [default: runs/out/<scene name>.h5]
+    #[arg(short, long, value_name = "OUT.h5")]
+    output: Option<PathBuf>,
+    /// Change a key of the scene, e.g. --set solve.cells=2000 --set left.value="-40 m/s"; may be repeated.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    overrides: Vec<String>,
+    /// Print one JSON object on stdout and nothing else.
+    #[arg(long)]
+    json: bool,
+    /// No progress bar and no summary.
+    #[arg(long)]
+    quiet: bool,
+    /// Units of the summary.
+    #[arg(long, value_name = "si|us", default_value = "si")]
+    units: System,
+}
 
-pub(crate) fn run(_args: &Args) -> Result<()> {
-    todo!()
+/// Fronts that the summary lists one by one; a curve of many knots has as many fronts, which the file holds.
+const LISTED_FRONTS: usize = 12;
+
+pub(crate) fn run(args: &Args) -> Result<()> {
+    let scene = Scene::read(&args.scene, &args.overrides)?;
+    let output = match &args.output {
+        Some(path) => path.clone(),
+        None => default_output(&scene.name)?,
+    };
+    check_output(&output)?;
+    let stop = Arc::new(AtomicBool::new(false));
+    let asked = Arc::clone(&stop);
+    // A handler can only be missing where another one is set already; the run then ends as that one says.
+    let _ = ctrlc::set_handler(move || asked.store(true, Ordering::Relaxed));
+    let bar = progress_bar(args.quiet || args.json);
+    let summary = run::run(&scene, Some(&output), &mut |at: Progress| {
+        show_progress(&bar, at);
+        if stop.load(Ordering::Relaxed) { Wish::Stop } else { Wish::GoOn }
+    });
+    bar.finish_and_clear();
+    let summary = match summary {
+        Err(Error::Interrupted) => {
+            eprintln!("interrupted: the frames so far are in {}", output.display());
+            return Err(Error::Interrupted);
+        }
+        other => other?,
+    };
+    if args.json {
+        output::json(&summary)?;
+    } else if !args.quiet {
+        print!("{}", text(&summary, args.units));
+    }
+    Ok(())
+}
+
+/// runs/out is made where it is missing: it is the program's own place.
+fn default_output(name: &str) -> Result<PathBuf> {
+    let folder = Path::new("runs/out");
+    std::fs::create_dir_all(folder).map_err(|e| Error::file(folder, e))?;
+    Ok(folder.join(name).with_extension("h5"))
+}
+
+/// A result file goes into a folder that exists.
+fn check_output(output: &Path) -> Result<()> {
+    let folder = output.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if output.is_dir() {
+        let message = std::format!("the output {} is a folder", output.display());
+        return Err(InputError::new(message).help("give a file name, such as result.h5").into());
+    }
+    if !folder.is_dir() {
+        let message = std::format!("the output's folder {} does not exist", folder.display());
+        return Err(InputError::new(message).help("make it first, or choose another place with -o").into());
+    }
+    Ok(())
+}
+
+/// A bar on stderr where that is a terminal, otherwise a hidden one.
+fn progress_bar(silent: bool) -> ProgressBar {
+    if silent || !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::new(0);
+    let template = "{bar:30} {percent:>3} %  step {human_pos} of {human_len}  {msg}  {eta} left";
+    if let Ok(style) = ProgressStyle::with_template(template) {
+        bar.set_style(style);
+    }
+    bar
+}
+
+fn show_progress(bar: &ProgressBar, at: Progress) {
+    if bar.is_hidden() {
+        return;
+    }
+    bar.set_length(at.steps as u64);
+    bar.set_position(at.step as u64);
+    let rate = (at.step * at.cells) as f64 / bar.elapsed().as_secs_f64().max(1e-9);
+    bar.set_message(std::format!("{:.0} million cell-steps/s", rate / 1e6));
+}
+
+/// The summary for people.
+fn text(s: &Summary, units: System) -> String {
+    let show = |value: f64, dimension| format(value, dimension, units);
+    let mut lines = vec![s.scene.clone()];
+    let mut line = |label: &str, value: String| lines.push(std::format!("  {label:<18}{value}"));
+    line("outcome", s.outcome.clone());
+    line("method", std::format!("{} {}, {} cells, {} steps to {}", s.method, s.scheme, s.cells, s.steps, show(s.end_time_s, Dimension::Time)));
+    line("effects", if s.effects.is_empty() { "none: the run stayed elastic".into() } else { s.effects.join(", ") });
+    for (label, end) in [("left end", &s.left), ("right end", &s.right)] {
+        line(label, end_text(end, units));
+    }
+    if let Some(check) = &s.elastic_check {
+        let (found, expected) = (show(check.stress, Dimension::Stress), show(check.expected, Dimension::Stress));
+        line("elastic check", std::format!("{found} against rho c0 v = {expected}, relative {:.1e}", check.relative));
+    }
+    let critical = s.critical_velocity.map_or_else(
+        || "none within the data of the curve".to_owned(),
+        |v| std::format!("{}{}", show(v, Dimension::Velocity), if s.above_critical { ", exceeded: the bar breaks where it is struck" } else { "" }),
+    );
+    line("critical velocity", critical);
+    line("ledger", std::format!("energy residual {:.1e}, momentum residual {:.1e}", s.ledger.energy_residual, s.ledger.momentum_residual));
+    if let Some(error) = &s.error {
+        line("error", std::format!("{:.2e}, {}, against the {}", error.value, error.measure, error.reference));
+    }
+    line("time", std::format!("{:.3} s, of it stepping {:.3} s ({:.0} million cell-steps/s)", s.wall_s, s.step_wall_s, s.cell_steps_per_s / 1e6));
+    line("result", s.output.clone());
+    lines.extend(front_lines(&s.fronts, units));
+    lines.extend(s.audit.iter().map(|row| std::format!("  note: {}", row.message)));
+    lines.join("\n") + "\n"
+}
+
+fn end_text(end: &EndSummary, units: System) -> String {
+    std::format!(
+        "stress {}, strain {}, velocity {}",
+        format(end.stress, Dimension::Stress, units),
+        format(end.strain, Dimension::None, units),
+        format(end.velocity, Dimension::Velocity, units)
+    )
+}
+
+fn front_lines(fronts: &[FrontSummary], units: System) -> Vec<String> {
+    if fronts.is_empty() {
+        return Vec::new();
+    }
+    let mut lines = vec![std::format!(
+        "  {:<9}{:>13}{:>13}{:>15}{:>15}{:>14}{:>14}",
+        "front", "strain from", "to", "stress to", "speed", "measured", "last seen at"
+    )];
+    let unknown = || "-".to_owned();
+    for front in fronts.iter().take(LISTED_FRONTS) {
+        lines.push(std::format!(
+            "  {:<9}{:>13.6}{:>13.6}{:>15}{:>15}{:>14}{:>14}",
+            front.origin,
+            front.strain_ahead,
+            front.strain_behind,
+            format(front.stress_behind, Dimension::Stress, units),
+            format(front.speed, Dimension::Velocity, units),
+            front.speed_measured.map_or_else(unknown, |v| format(v, Dimension::Velocity, units)),
+            front.position.map_or_else(unknown, |x| format(x, Dimension::Length, units)),
+        ));
+    }
+    if fronts.len() > LISTED_FRONTS {
+        lines.push(std::format!("  ... and {} more, in the result file", fronts.len() - LISTED_FRONTS));
+    }
+    lines
 }

@@ -21,7 +21,26 @@ macro_rules! built_in {
     };
 }
 
-built_in!["copper-annealed", "mild-steel"];
+built_in![
+    "aluminium-1100-o",
+    "aluminium-2024-t3",
+    "aluminium-2024-t3-b",
+    "aluminium-5052-o",
+    "aluminium-6061-o",
+    "aluminium-6061-t6",
+    "aluminium-6061-t6-jc",
+    "aluminium-7075-o",
+    "copper-annealed",
+    "copper-ofhc-epic-jc",
+    "copper-ofhc-jc",
+    "copper-ofhc-taylor-jc",
+    "magnesium-az31b-annealed",
+    "mild-steel",
+    "steel-304-annealed",
+    "steel-304l-jc",
+    "steel-4340-jc",
+    "steel-4340-tempered-315c",
+];
 
 /// Other names for built-in materials.
 const ALIASES: &[(&str, &str)] = &[("steel-low-carbon-annealed", "mild-steel")];

@@ -42,6 +42,7 @@ impl Ledger {
             kinetic: now.kinetic,
             elastic: now.elastic,
             plastic: now.plastic,
+            viscous: now.viscous,
             work_left: left.work(),
             work_right: right.work(),
             momentum: now.momentum,

@@ -1,15 +1,21 @@
 //! What a run leaves behind: fields, gauges, end histories, fronts, ledger, audit, and the file they go to.
 
+mod audit;
+mod frames;
 mod fronts;
 mod ledger;
 pub mod store;
 mod summary;
+mod traces;
 
 use serde::Serialize;
 
+pub use audit::{UnloadingWatch, above_critical, heating, past_data};
+pub use frames::{Frames, read_field};
 pub use fronts::FrontTracker;
 pub use ledger::Ledger;
 pub use summary::{ElasticCheck, EndSummary, ErrorFigure, FrontSummary, LedgerSummary, Summary};
+pub use traces::Traces;
 
 /// A field that can be recorded over x and t.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
@@ -108,6 +114,8 @@ pub struct LedgerRow {
     pub elastic: f64,
     /// Energy dissipated in plastic flow since the start.
     pub plastic: f64,
+    /// Energy taken since the start by the scheme's damping of grid-scale ripples; 0 in an elastic run.
+    pub viscous: f64,
     /// Work done on the bar by the left end since the start.
     pub work_left: f64,
     /// Work done on the bar by the right end since the start.
@@ -194,4 +202,26 @@ pub enum Compression {
     Lzf,
     /// None.
     None,
+}
+
+impl From<&crate::material::Material> for MaterialRecord {
+    fn from(material: &crate::material::Material) -> Self {
+        use crate::material::Sense;
+        let tension = material.branch(Sense::Tension);
+        let (mut strain, mut stress) = (Vec::new(), Vec::new());
+        if let Some(compression) = &material.compression {
+            strain.extend(compression.strain().iter().skip(1).rev().map(|e| -e));
+            stress.extend(compression.stress().iter().skip(1).rev().map(|s| -s));
+        }
+        strain.extend(tension.strain());
+        stress.extend(tension.stress());
+        Self {
+            name: material.name.clone(),
+            strain,
+            stress,
+            density: material.density,
+            modulus: material.modulus,
+            provenance: material.provenance.clone(),
+        }
+    }
 }

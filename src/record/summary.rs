@@ -127,3 +127,20 @@ pub struct ErrorFigure {
     /// Against what.
     pub reference: String,
 }
+
+impl From<&super::FrontRow> for FrontSummary {
+    fn from(row: &super::FrontRow) -> Self {
+        let known = |value: f64| value.is_finite().then_some(value);
+        Self {
+            origin: row.origin.clone(),
+            strain_ahead: row.strain_ahead,
+            strain_behind: row.strain_behind,
+            stress_ahead: row.stress_ahead,
+            stress_behind: row.stress_behind,
+            speed: row.speed,
+            speed_measured: known(row.speed_measured),
+            position: known(row.position),
+            last_seen_s: known(row.last_seen),
+        }
+    }
+}

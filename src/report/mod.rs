@@ -1,5 +1,6 @@
 //! Pictures and pages from result files and studies.
 
+pub mod compare;
 mod axes;
 mod colour;
 mod display;

@@ -7,7 +7,7 @@ use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
 use kuva::backend::svg::SvgBackend;
-use kuva::prelude::{Figure, Layout, Plot, Theme};
+use kuva::prelude::{Figure, Layout, LegendEntry, LegendShape, Plot, Theme};
 use kuva::render::render::{Scene, render_multiple};
 use resvg::{tiny_skia, usvg};
 
@@ -71,19 +71,33 @@ pub struct Panel {
 
 /// Panels row by row with `columns` in a row, lettered (a), (b), ... where there is more than one, as SVG text.
 pub fn figure(panels: Vec<Panel>, columns: usize) -> String {
-    let rows = panels.len().div_ceil(columns.max(1));
-    if panels.len() == 1 {
+    figure_with_legend(panels, columns, Vec::new())
+}
+
+/// As [`figure`], with one legend for all panels below them, where it covers no data.
+pub fn figure_with_legend(panels: Vec<Panel>, columns: usize, legend: Vec<LegendEntry>) -> String {
+    if panels.len() == 1 && legend.is_empty() {
         let lone = panels.into_iter().map(|panel| render_multiple(panel.plots, panel.layout));
         return lone.map(|scene| svg(&scene)).collect();
     }
+    let rows = panels.len().div_ceil(columns.max(1));
     let (plots, layouts): (Vec<_>, Vec<_>) = panels.into_iter().map(|panel| (panel.plots, panel.layout)).unzip();
-    let figure = Figure::new(rows, columns)
+    let mut figure = Figure::new(rows, columns)
         .with_plots(plots)
         .with_layouts(layouts)
         .with_cell_size(PANEL_WIDTH, PANEL_HEIGHT)
         .with_spacing(24.0)
         .with_labels_lowercase();
+    if !legend.is_empty() {
+        figure = figure.with_shared_legend_bottom().with_shared_legend_entries(legend);
+    }
     svg(&figure.render())
+}
+
+/// A legend entry for a line of [`colour`] and [`line_style`] `i`.
+pub fn legend_line(label: &str, i: usize) -> LegendEntry {
+    let dasharray = line_style(i).dasharray();
+    LegendEntry { label: label.into(), color: colour(i).into(), shape: LegendShape::Line, dasharray }
 }
 
 /// SVG text of a scene.

@@ -1,1 +1,4 @@
 //! Studies made of curves and runs.
+
+pub mod compare;
+pub mod critical;

@@ -297,7 +297,18 @@ fn read_trace(group: &Group) -> Hdf<Trace> {
 }
 
 fn read_ledger(group: &Group) -> Hdf<Vec<LedgerRow>> {
-    let names = ["time", "kinetic", "elastic", "plastic", "work_left", "work_right", "momentum", "impulse", "residual"];
+    let names = [
+        "time",
+        "kinetic",
+        "elastic",
+        "plastic",
+        "viscous",
+        "work_left",
+        "work_right",
+        "momentum",
+        "impulse",
+        "residual",
+    ];
     let columns = names.iter().map(|name| column(group, name)).collect::<Hdf<Vec<_>>>()?;
     let rows = columns.iter().map(Vec::len).min().unwrap_or(0);
     let row = |i: usize| LedgerRow {
@@ -305,11 +316,12 @@ fn read_ledger(group: &Group) -> Hdf<Vec<LedgerRow>> {
         kinetic: columns[1][i],
         elastic: columns[2][i],
         plastic: columns[3][i],
-        work_left: columns[4][i],
-        work_right: columns[5][i],
-        momentum: columns[6][i],
-        impulse: columns[7][i],
-        residual: columns[8][i],
+        viscous: columns[4][i],
+        work_left: columns[5][i],
+        work_right: columns[6][i],
+        momentum: columns[7][i],
+        impulse: columns[8][i],
+        residual: columns[9][i],
     };
     Ok((0..rows).map(row).collect())
 }

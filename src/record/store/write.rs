@@ -33,11 +33,12 @@ const TIME: [&str; 3] = ["time", "s", "time"];
 const VELOCITY: [&str; 3] = ["velocity", "m/s", "velocity in +x"];
 
 /// Columns of the ledger: name, long name. Energies but for time, the momenta, and the residual.
-const LEDGER_COLUMNS: [[&str; 2]; 9] = [
+const LEDGER_COLUMNS: [[&str; 2]; 10] = [
     ["time", "time"],
     ["kinetic", "kinetic energy"],
     ["elastic", "recoverable strain energy"],
     ["plastic", "energy dissipated in plastic flow since the start"],
+    ["viscous", "energy taken since the start by the damping of grid-scale ripples"],
     ["work_left", "work done by the left end since the start"],
     ["work_right", "work done by the right end since the start"],
     ["momentum", "momentum of the bar in +x"],
@@ -462,12 +463,13 @@ fn write_figures(file: &File, figures: &Finish) -> Hdf<()> {
     Ok(())
 }
 
-fn ledger_values(row: &LedgerRow) -> [f64; 9] {
+fn ledger_values(row: &LedgerRow) -> [f64; 10] {
     [
         row.time,
         row.kinetic,
         row.elastic,
         row.plastic,
+        row.viscous,
         row.work_left,
         row.work_right,
         row.momentum,

@@ -42,10 +42,16 @@ impl Sampling {
 
     /// One quantity at every place, from its value in a cell, into `out` (one entry a place).
     pub fn read(&self, value: impl Fn(usize) -> f64, out: &mut [f64]) {
-        for (&(cell, weight), out) in self.points.iter().zip(out) {
-            let here = value(cell);
-            *out = if weight == 0.0 { here } else { here + weight * (value(cell + 1) - here) };
+        for (k, out) in out.iter_mut().enumerate() {
+            *out = self.value(k, &value);
         }
+    }
+
+    /// One quantity at place `k`, from its value in a cell.
+    pub fn value(&self, k: usize, value: impl Fn(usize) -> f64) -> f64 {
+        let (cell, weight) = self.points[k];
+        let here = value(cell);
+        if weight == 0.0 { here } else { here + weight * (value(cell + 1) - here) }
     }
 }
 

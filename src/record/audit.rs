@@ -1,0 +1,139 @@
+//! What a run left out: effects that were off, and how large they would have been.
+
+use super::AuditRow;
+use crate::bar::Launch;
+use crate::material::Material;
+use crate::solver::fd::{Leapfrog, Passed, Quantity};
+use crate::units::{Dimension, System, format};
+
+/// Share of its largest strain by which a yielded point must go back before unloading is called neglected: ripples at
+/// a front stay below it.
+const UNLOADING_THRESHOLD: f64 = 0.02;
+
+/// Rise in temperature from which heating is called neglected, K: it then softens common metals by more than 1 %.
+const HEATING_THRESHOLD: f64 = 20.0;
+
+/// Watches whether yielded points unload in a run without unloading.
+#[derive(Debug)]
+pub struct UnloadingWatch {
+    /// Elastic limit strain of every cell.
+    limit: Vec<f64>,
+    largest: Vec<f64>,
+    now: Vec<f64>,
+    /// Cells that went back, and the first of them: (time, cell).
+    unloaded: Vec<bool>,
+    first: Option<(f64, usize)>,
+    worst: f64,
+}
+
+impl UnloadingWatch {
+    /// A watch over a bar; `yield_strain` is each segment's elastic limit.
+    pub fn new(bar: &Leapfrog, yield_strain: &[f64]) -> Self {
+        let cells = bar.grid().cells();
+        let mut limit = Vec::with_capacity(cells);
+        for (part, &strain) in bar.grid().segments.iter().zip(yield_strain) {
+            limit.extend(part.cells.clone().map(|_| strain));
+        }
+        let zeros = vec![0.0; cells];
+        Self { limit, largest: zeros.clone(), now: zeros, unloaded: vec![false; cells], first: None, worst: 0.0 }
+    }
+
+    /// Looks at the bar as it is now.
+    pub fn look(&mut self, bar: &Leapfrog) {
+        if bar.stayed_elastic() {
+            return;
+        }
+        bar.profile(Quantity::Strain, &mut self.now);
+        for cell in 0..self.now.len() {
+            let size = self.now[cell].abs();
+            self.largest[cell] = self.largest[cell].max(size);
+            let drop = 1.0 - size / self.largest[cell];
+            if self.largest[cell] > self.limit[cell] && drop > UNLOADING_THRESHOLD {
+                self.worst = self.worst.max(drop);
+                self.unloaded[cell] = true;
+                self.first.get_or_insert((bar.time(), cell));
+            }
+        }
+    }
+
+    /// The finding, where there is one.
+    pub fn row(&self, x: &[f64]) -> Option<AuditRow> {
+        let (time, cell) = self.first?;
+        let count = self.unloaded.iter().filter(|&&u| u).count();
+        let message = std::format!(
+            "unloading: {count} of {} cells went back by up to {:.0} % of their strain after yielding, first seen at \
+             t = {}, x = {}; the curve was followed back, which returns plastic work. Switch on with \
+             [effects] unloading = \"isotropic\"",
+            self.now.len(),
+            100.0 * self.worst,
+            format(time, Dimension::Time, System::Si),
+            format(x[cell], Dimension::Length, System::Si),
+        );
+        Some(AuditRow { effect: "unloading".into(), estimate: self.worst, threshold: UNLOADING_THRESHOLD, message })
+    }
+}
+
+/// An impact above the critical velocity, seen before the first step.
+pub fn above_critical(launch: &Launch, material: &Material, critical_velocity: f64) -> Option<AuditRow> {
+    launch.fan.above_critical.then(|| {
+        let message = std::format!(
+            "rupture: the bar is driven from the {} beyond what {} can carry away ({} at {}); strain gathers there, \
+             the bar breaks at that place at t = 0, and goes on under the ultimate stress",
+            launch.origin,
+            material.name,
+            format(critical_velocity, Dimension::Velocity, System::Si),
+            format(launch.fan.stress, Dimension::Stress, System::Si),
+        );
+        AuditRow { effect: "rupture".into(), estimate: launch.fan.strain, threshold: launch.fan.strain, message }
+    })
+}
+
+/// A cell that went past the end of its material's data.
+pub fn past_data(passed: &Passed, time: f64, x: f64, material: &Material) -> AuditRow {
+    let end = material.tension.last_strain();
+    let message = std::format!(
+        "rupture: the strain passed the end of the data of {} ({end:.4}) at t = {}, x = {}; the bar went on under the \
+         largest stress of the curve",
+        material.name,
+        format(time, Dimension::Time, System::Si),
+        format(x, Dimension::Length, System::Si),
+    );
+    AuditRow { effect: "rupture".into(), estimate: passed.strain.abs(), threshold: end, message }
+}
+
+/// Adiabatic heating of the most strained cell, where the material states its specific heat.
+pub fn heating(bar: &Leapfrog, segment: usize, material: &Material) -> Option<AuditRow> {
+    let specific_heat = material.constants.heat.specific_heat?;
+    let fraction = material.constants.heat.fraction.unwrap_or(0.9);
+    let part = &bar.grid().segments[segment];
+    let strain = |cell: usize| bar.value(Quantity::AccumulatedPlasticStrain, cell);
+    let cell = part.cells.clone().max_by(|&a, &b| strain(a).total_cmp(&strain(b)))?;
+    let rise = fraction * plastic_work(material, strain(cell)) / (material.density * specific_heat);
+    (rise > HEATING_THRESHOLD).then(|| AuditRow {
+        effect: "heat".into(),
+        estimate: rise,
+        threshold: HEATING_THRESHOLD,
+        message: std::format!(
+            "heat: plastic work would warm {} by up to {rise:.0} K if none flowed away; the curve was taken as cold",
+            material.name
+        ),
+    })
+}
+
+/// Work per volume of plastic straining up to `plastic_strain` along the curve, J/m^3, by the trapezoidal rule.
+fn plastic_work(material: &Material, plastic_strain: f64) -> f64 {
+    let curve = &material.tension;
+    let knots: Vec<(f64, f64)> =
+        curve.strain().iter().zip(curve.stress()).map(|(e, s)| (e - s / material.modulus, *s)).collect();
+    let mut work = 0.0;
+    for pair in knots.windows(2) {
+        let ((p0, s0), (p1, s1)) = (pair[0], pair[1]);
+        if p1 <= p0 || p0 >= plastic_strain {
+            continue;
+        }
+        let end = p1.min(plastic_strain);
+        let s_end = s0 + (s1 - s0) * (end - p0) / (p1 - p0);
+        work += 0.5 * (s0 + s_end) * (end - p0);
+    }
+    work
+}

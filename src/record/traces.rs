@@ -1,0 +1,47 @@
+//! Full-rate histories: gauges and both ends, a row a step.
+
+use super::Trace;
+use crate::solver::fd::{Leapfrog, Quantity, Sampling};
+
+/// Rows that are gathered before they are handed on.
+const BATCH: usize = 4096;
+
+/// Histories being gathered.
+#[derive(Debug)]
+pub struct Traces {
+    places: Sampling,
+    gauges: Vec<Trace>,
+    ends: [Trace; 2],
+}
+
+impl Traces {
+    /// Gauges at the places of `places`, and both ends.
+    pub fn new(places: Sampling) -> Self {
+        let gauges = vec![Trace::default(); places.x().len()];
+        Self { places, gauges, ends: [Trace::default(), Trace::default()] }
+    }
+
+    /// Adds the bar's current state to every history. True where a batch is full.
+    pub fn add(&mut self, bar: &Leapfrog) -> bool {
+        let time = bar.time();
+        for (trace, device) in self.ends.iter_mut().zip([bar.left(), bar.right()]) {
+            trace.time.push(time);
+            trace.stress.push(device.stress());
+            trace.velocity.push(device.velocity());
+        }
+        for (k, trace) in self.gauges.iter_mut().enumerate() {
+            let read = |quantity| self.places.value(k, |cell| bar.value(quantity, cell));
+            trace.time.push(time);
+            trace.stress.push(read(Quantity::Stress));
+            trace.strain.push(read(Quantity::Strain));
+            trace.velocity.push(read(Quantity::Velocity));
+        }
+        self.ends[0].time.len() >= BATCH
+    }
+
+    /// Hands on what was gathered since the last call: gauges in order, then the left and right end.
+    pub fn take(&mut self) -> (Vec<Trace>, [Trace; 2]) {
+        let gauges = self.gauges.iter_mut().map(std::mem::take).collect();
+        (gauges, std::mem::take(&mut self.ends))
+    }
+}

@@ -37,7 +37,7 @@ def test_root_attributes_tell_where_the_file_comes_from(run):
     assert attributes["title"] == "Bilinear bar struck at 20 m/s"
     assert attributes["scene"] == (ROOT / BILINEAR).read_text()
     assert isinstance(json.loads(attributes["scene_resolved"]), dict)
-    assert "unloading" in list(attributes["effects"])
+    assert any(effect.startswith("unloading") for effect in attributes["effects"])
     assert attributes["method"] == "fd"
     assert attributes["outcome"] == "done"
     assert attributes["wall_seconds"] > 0

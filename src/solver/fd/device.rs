@@ -144,7 +144,7 @@ impl Device {
         Motion { velocity: self.after + self.normal * self.gain * (stress - sigma_cell), stress, held: false }
     }
 
-    /// sigma_end = -n Z (v - v_rest) with v the mean over the step: exact at Courant number 1.
+    /// `sigma_end = -n Z (v - v_rest)` with v the mean over the step: exact at Courant number 1.
     fn radiating(&self, sigma_cell: f64) -> Motion {
         let h = 0.5 * self.gain * self.impedance;
         let before = self.after - self.rest_velocity;
@@ -210,6 +210,7 @@ impl Device {
 
     /// Stress at the end at the current time, Pa. In a step in which the end is suddenly made to move it is that of the
     /// end cell, without the impulse that the half cell's mass takes up.
+    #[allow(clippy::misnamed_getters)] // `stress` is the reaction that the balance needs, with that impulse
     pub fn stress(&self) -> f64 {
         self.shown_stress
     }

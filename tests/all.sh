@@ -3,10 +3,10 @@
 # The Python packages go into a folder of their own under target/; nothing is installed elsewhere.
 set -euo pipefail
 cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.."
-target=$(realpath -m -- "${CARGO_TARGET_DIR:-target}")
 python=${PYTHON:-python3}
 
 cargo test --release --locked
+target=$(cd -- "${CARGO_TARGET_DIR:-target}" && pwd)
 
 if "$target/python/bin/python" -m pip --version >/dev/null 2>&1 || "$python" -m venv --clear "$target/python"; then
     python="$target/python/bin/python"

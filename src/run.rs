@@ -188,11 +188,11 @@ impl<'a> Run<'a> {
                 due.into_iter().try_for_each(|frame| writer.frame(frame))?;
             }
         }
-        if last || step % (self.steps / FRONT_SIGHTINGS).max(1) == 0 {
+        if last || step.is_multiple_of((self.steps / FRONT_SIGHTINGS).max(1)) {
             self.tracker.observe(&self.bar);
         }
         if let Some(watch) =
-            self.unloading.as_mut().filter(|_| last || step % (self.steps / UNLOADING_LOOKS).max(1) == 0)
+            self.unloading.as_mut().filter(|_| last || step.is_multiple_of((self.steps / UNLOADING_LOOKS).max(1)))
         {
             watch.look(&self.bar);
         }
@@ -217,7 +217,7 @@ impl<'a> Run<'a> {
 
     /// Past the last knot the material file decides: stop, or note the rupture and go on under the largest stress.
     fn check_end_of_data(&mut self) -> Result<()> {
-        let due = self.bar.step() % STEPS_BETWEEN_DATA_CHECKS == 0 || self.bar.step() == self.steps;
+        let due = self.bar.step().is_multiple_of(STEPS_BETWEEN_DATA_CHECKS) || self.bar.step() == self.steps;
         if self.passed.is_some() || !due || !self.bar.data_can_end() {
             return Ok(());
         }

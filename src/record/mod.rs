@@ -81,7 +81,7 @@ impl Field {
     }
 }
 
-/// One moment of the recorded fields: one row of n_x values for each recorded field, in the layout's order.
+/// One moment of the recorded fields: one row of `n_x` values for each recorded field, in the layout's order.
 #[derive(Debug, Clone)]
 pub struct Frame {
     /// s.

@@ -40,7 +40,7 @@ pub enum Wish {
 const WORK_BETWEEN_CALLS: usize = 4_000_000;
 
 /// Sightings of every front over a run: enough for a speed to four digits and cheap beside the stepping.
-const FRONT_SIGHTINGS: usize = 512;
+const FRONT_SIGHTINGS: usize = 256;
 
 /// Steps between two looks for cells past the end of their data, each a pass over the yielded cells: the time that is
 /// reported for it is late by no more than the time a wave takes across as many cells.

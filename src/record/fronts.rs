@@ -12,6 +12,10 @@ pub struct FrontTracker {
     fronts: Vec<Front>,
 }
 
+/// Cells ahead of a front that are looked at, so that a trough of the ripples behind a steep front is not taken for the
+/// front itself: ripples are two to four cells long.
+const LOOK_AHEAD: usize = 8;
+
 /// One front: the place where the strain passes the middle between ahead and behind.
 #[derive(Debug, Clone)]
 struct Front {
@@ -90,8 +94,12 @@ impl Front {
             let cell = if self.launch.direction > 0.0 { part.cells.start + k } else { part.cells.end - 1 - k };
             sign * bar.value(Quantity::Strain, cell)
         };
-        while self.passed < cells && from_origin(self.passed) >= self.level {
-            self.passed += 1;
+        let mut cell = self.passed;
+        while cell < cells && cell < self.passed + LOOK_AHEAD {
+            if from_origin(cell) >= self.level {
+                self.passed = cell + 1;
+            }
+            cell += 1;
         }
         if self.passed == 0 {
             return;

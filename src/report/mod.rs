@@ -1,8 +1,8 @@
 //! Pictures and pages from result files and studies.
 
-pub mod compare;
 mod axes;
 mod colour;
+pub mod compare;
 mod display;
 mod figure;
 mod map;

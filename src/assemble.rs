@@ -25,7 +25,7 @@ pub fn segment_law(segment: &Segment, effects: &Effects) -> SegmentLaw {
     let compression = Table::new(material.branch(Sense::Compression), material.modulus);
     SegmentLaw {
         yield_stress: tension.yield_stress().min(compression.yield_stress()),
-        end: tension.end().min(compression.end()),
+        end: [tension.end(), compression.end()],
         law: choose_backbone(material, tension, compression, effects),
     }
 }

@@ -42,6 +42,10 @@ const WORK_BETWEEN_CALLS: usize = 4_000_000;
 /// Sightings of every front over a run: enough for a speed to four digits and cheap beside the stepping.
 const FRONT_SIGHTINGS: usize = 512;
 
+/// Steps between two looks for cells past the end of their data, each a pass over the yielded cells: the time that is
+/// reported for it is late by no more than the time a wave takes across as many cells.
+const STEPS_BETWEEN_DATA_CHECKS: usize = 16;
+
 /// Looks at the bar for neglected unloading over a run, each a pass over all cells.
 const UNLOADING_LOOKS: usize = 100;
 
@@ -213,14 +217,16 @@ impl<'a> Run<'a> {
 
     /// Past the last knot the material file decides: stop, or note the rupture and go on under the largest stress.
     fn check_end_of_data(&mut self) -> Result<()> {
-        if self.passed.is_some() {
+        let due = self.bar.step() % STEPS_BETWEEN_DATA_CHECKS == 0 || self.bar.step() == self.steps;
+        if self.passed.is_some() || !due || !self.bar.data_can_end() {
             return Ok(());
         }
         let Some(passed) = self.bar.passed_end_of_data() else { return Ok(()) };
         self.passed = Some((passed, self.bar.time()));
         let material = &self.scene.bar.segments[passed.segment].material;
         let curve = material.branch(Sense::of(passed.strain));
-        if curve.beyond() != Beyond::Error {
+        // Past a largest stress inside the data nothing more is needed of them: the bar carries no more than that.
+        if curve.beyond() != Beyond::Error || curve.ultimate().is_some() {
             return Ok(());
         }
         Err(self.stopped(
@@ -286,7 +292,8 @@ impl<'a> Run<'a> {
     fn ruptured(&self) -> bool {
         let broke = self.passed.as_ref().is_some_and(|(p, _)| {
             let material = &self.scene.bar.segments[p.segment].material;
-            material.branch(Sense::of(p.strain)).beyond() == Beyond::Rupture
+            let curve = material.branch(Sense::of(p.strain));
+            curve.beyond() == Beyond::Rupture || curve.ultimate().is_some()
         });
         broke || self.launches.iter().any(|l| l.fan.above_critical)
     }

@@ -122,7 +122,17 @@ fn text(s: &Summary, units: System) -> String {
     let mut lines = vec![s.scene.clone()];
     let mut line = |label: &str, value: String| lines.push(std::format!("  {label:<18}{value}"));
     line("outcome", s.outcome.clone());
-    line("method", std::format!("{} {}, {} cells, {} steps to {}", s.method, s.scheme, s.cells, s.steps, show(s.end_time_s, Dimension::Time)));
+    line(
+        "method",
+        std::format!(
+            "{} {}, {} cells, {} steps to {}",
+            s.method,
+            s.scheme,
+            s.cells,
+            s.steps,
+            show(s.end_time_s, Dimension::Time)
+        ),
+    );
     line("effects", if s.effects.is_empty() { "none: the run stayed elastic".into() } else { s.effects.join(", ") });
     for (label, end) in [("left end", &s.left), ("right end", &s.right)] {
         line(label, end_text(end, units));
@@ -133,14 +143,35 @@ fn text(s: &Summary, units: System) -> String {
     }
     let critical = s.critical_velocity.map_or_else(
         || "none within the data of the curve".to_owned(),
-        |v| std::format!("{}{}", show(v, Dimension::Velocity), if s.above_critical { ", exceeded: the bar breaks where it is struck" } else { "" }),
+        |v| {
+            std::format!(
+                "{}{}",
+                show(v, Dimension::Velocity),
+                if s.above_critical { ", exceeded: the bar breaks where it is struck" } else { "" }
+            )
+        },
     );
     line("critical velocity", critical);
-    line("ledger", std::format!("energy residual {:.1e}, momentum residual {:.1e}", s.ledger.energy_residual, s.ledger.momentum_residual));
+    line(
+        "ledger",
+        std::format!(
+            "energy residual {:.1e}, momentum residual {:.1e}",
+            s.ledger.energy_residual,
+            s.ledger.momentum_residual
+        ),
+    );
     if let Some(error) = &s.error {
         line("error", std::format!("{:.2e}, {}, against the {}", error.value, error.measure, error.reference));
     }
-    line("time", std::format!("{:.3} s, of it stepping {:.3} s ({:.0} million cell-steps/s)", s.wall_s, s.step_wall_s, s.cell_steps_per_s / 1e6));
+    line(
+        "time",
+        std::format!(
+            "{:.3} s, of it stepping {:.3} s ({:.0} million cell-steps/s)",
+            s.wall_s,
+            s.step_wall_s,
+            s.cell_steps_per_s / 1e6
+        ),
+    );
     line("result", s.output.clone());
     lines.extend(front_lines(&s.fronts, units));
     lines.extend(s.audit.iter().map(|row| std::format!("  note: {}", row.message)));
@@ -156,13 +187,19 @@ fn end_text(end: &EndSummary, units: System) -> String {
     )
 }
 
-fn front_lines(fronts: &[FrontSummary], units: System) -> Vec<String> {
+pub(super) fn front_lines(fronts: &[FrontSummary], units: System) -> Vec<String> {
     if fronts.is_empty() {
         return Vec::new();
     }
     let mut lines = vec![std::format!(
         "  {:<9}{:>13}{:>13}{:>15}{:>15}{:>14}{:>14}",
-        "front", "strain from", "to", "stress to", "speed", "measured", "last seen at"
+        "front",
+        "strain from",
+        "to",
+        "stress to",
+        "speed",
+        "measured",
+        "last seen at"
     )];
     let unknown = || "-".to_owned();
     for front in fronts.iter().take(LISTED_FRONTS) {

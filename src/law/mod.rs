@@ -20,7 +20,7 @@ pub use plastic::{Isotropic, Mixed};
 
 use multiversion::multiversion;
 
-/// Cells that a kernel treats side by side. Sums over cells keep one partial sum a lane, so that their bits do
+/// Cells that sums run over side by side. Sums over cells keep one partial sum a lane, so that their bits do
 /// not depend on how wide the processor's registers are.
 pub const LANES: usize = 8;
 
@@ -33,8 +33,6 @@ pub struct Response<const N: usize> {
     pub state: [f64; N],
     /// E times the plastic strain increment, Pa, signed; exactly 0 in an elastic step.
     pub plastic: f64,
-    /// How far along the loading table the cell has come: E times the equivalent strain, Pa, >= 0.
-    pub reach: f64,
 }
 
 /// A law with `N` state numbers a cell. Pure; `predictor` is `base + E d_eps`.
@@ -48,17 +46,9 @@ pub trait CellLaw<const N: usize>: Send + Sync {
     /// E times the signed plastic strain, Pa.
     fn plastic_strain(&self, state: [f64; N]) -> f64;
 
-    /// E times the accumulated plastic strain, Pa, >= 0.
+    /// E times the accumulated plastic strain, Pa, >= 0. With |sigma| added, it is how far along the loading table the
+    /// cell has come.
     fn accumulated(&self, state: [f64; N]) -> f64;
-}
-
-/// What a row of cells did in one step.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct RowReport {
-    /// Sum of (sigma_before + sigma_after) * E d_eps_plastic, Pa^2: plastic work times 2 E per volume.
-    pub plastic: f64,
-    /// Largest [`Response::reach`] of the row, Pa (for an elastic row: the largest |stress|).
-    pub reach: f64,
 }
 
 /// A law as a solver holds it: whole rows at a time, chosen once a run.
@@ -69,12 +59,17 @@ pub trait RowLaw: Send + Sync {
     /// State numbers a cell.
     fn state_len(&self) -> usize;
 
-    /// One step of the whole row. `flow` is set to 1 in cells that flow plastically in the step, to 0 in others.
-    fn advance(&self, gain: f64, v: &[f64], sigma: &mut [f64], state: &mut [f64], flow: &mut [f64]) -> RowReport;
+    /// One step of the whole row. `work` is set to (sigma_before + sigma_after) * E d_eps_plastic, Pa^2: the plastic
+    /// work of the step times 2 E per volume, and exactly 0 in cells that do not flow.
+    fn advance(&self, gain: f64, v: &[f64], sigma: &mut [f64], state: &mut [f64], work: &mut [f64]);
 
     /// The step in which a row that was elastic so far first yields: `sigma` holds the elastic predictor, `state`
     /// is zero; both are made right.
-    fn first_yield(&self, gain: f64, v: &[f64], sigma: &mut [f64], state: &mut [f64], flow: &mut [f64]) -> RowReport;
+    fn first_yield(&self, gain: f64, v: &[f64], sigma: &mut [f64], state: &mut [f64], work: &mut [f64]);
+
+    /// How far the row has come along the loading tables, as E times the equivalent strain, Pa: the largest of the
+    /// cells now in tension, and of those in compression.
+    fn reach(&self, sigma: &[f64], state: &[f64]) -> [f64; 2];
 
     /// E times the signed plastic strain of cell `i` of a row, Pa.
     fn plastic_strain(&self, state: &[f64], i: usize) -> f64;
@@ -92,12 +87,21 @@ impl<L: CellLaw<N>, const N: usize> RowLaw for Rows<L, N> {
         N
     }
 
-    fn advance(&self, gain: f64, v: &[f64], sigma: &mut [f64], state: &mut [f64], flow: &mut [f64]) -> RowReport {
-        row::<L, N, false>(&self.0, gain, v, sigma, state, flow)
+    fn advance(&self, gain: f64, v: &[f64], sigma: &mut [f64], state: &mut [f64], work: &mut [f64]) {
+        row::<L, N, false>(&self.0, gain, v, sigma, state, work);
     }
 
-    fn first_yield(&self, gain: f64, v: &[f64], sigma: &mut [f64], state: &mut [f64], flow: &mut [f64]) -> RowReport {
-        row::<L, N, true>(&self.0, gain, v, sigma, state, flow)
+    fn first_yield(&self, gain: f64, v: &[f64], sigma: &mut [f64], state: &mut [f64], work: &mut [f64]) {
+        row::<L, N, true>(&self.0, gain, v, sigma, state, work);
+    }
+
+    fn reach(&self, sigma: &[f64], state: &[f64]) -> [f64; 2] {
+        let mut largest = [0.0_f64; 2];
+        for (i, s) in sigma.iter().enumerate() {
+            let side = &mut largest[usize::from(*s < 0.0)];
+            *side = side.max(s.abs() + self.accumulated(state, i));
+        }
+        largest
     }
 
     fn plastic_strain(&self, state: &[f64], i: usize) -> f64 {
@@ -114,7 +118,8 @@ fn cell_state<const N: usize>(state: &[f64], i: usize) -> [f64; N] {
     std::array::from_fn(|k| state[k * cells + i])
 }
 
-/// One step of a row. With `FIRST`, `sigma` holds the predictor of a row that was elastic until now.
+/// One step of a row, cell by cell without any coupling between them, so that the compiler can treat many at once.
+/// With `FIRST`, `sigma` holds the predictor of a row that was elastic until now.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
 fn row<L: CellLaw<N>, const N: usize, const FIRST: bool>(
     law: &L,
@@ -122,63 +127,42 @@ fn row<L: CellLaw<N>, const N: usize, const FIRST: bool>(
     v: &[f64],
     sigma: &mut [f64],
     state: &mut [f64],
-    flow: &mut [f64],
-) -> RowReport {
+    work: &mut [f64],
+) {
     let cells = sigma.len();
-    let whole = cells - cells % LANES;
-    let mut work = [0.0; LANES];
-    let mut reach = [0.0; LANES];
-    let mut columns = split_columns::<N>(state, cells);
-    let mut start = 0;
-    while start < cells {
-        // A short last group runs on copies, so that every cell goes through the same arithmetic.
-        let width = if start < whole { LANES } else { cells - start };
-        let mut s = [0.0; LANES];
-        let mut q = [[0.0; LANES]; N];
-        let mut left = [0.0; LANES];
-        let mut right = [0.0; LANES];
-        let mut flows = [0.0; LANES];
-        copy(&mut s, &sigma[start..], width);
-        copy(&mut left, &v[start..], width);
-        copy(&mut right, &v[start + 1..], width);
-        for (k, column) in columns.iter().enumerate() {
-            copy(&mut q[k], &column[start..], width);
+    let (left, right, work) = (&v[..cells], &v[1..=cells], &mut work[..cells]);
+    let mut rest = &mut state[..N * cells];
+    let columns: [&mut [f64]; N] = std::array::from_fn(|_| {
+        let (column, tail) = std::mem::take(&mut rest).split_at_mut(cells);
+        rest = tail;
+        column
+    });
+    for column in &columns {
+        assert_eq!(column.len(), cells);
+    }
+    for i in 0..cells {
+        let increment = gain * (right[i] - left[i]);
+        let before: [f64; N] = std::array::from_fn(|k| columns[k][i]);
+        let (sigma_before, predictor) =
+            if FIRST { (sigma[i] - increment, sigma[i]) } else { (sigma[i], law.base(sigma[i], before) + increment) };
+        let after = law.respond(predictor, before);
+        work[i] = (sigma_before + after.sigma) * after.plastic;
+        sigma[i] = after.sigma;
+        for k in 0..N {
+            columns[k][i] = after.state[k];
         }
+    }
+}
+
+/// Sum of a row in [`LANES`] partial sums: the same bits whatever the width of the processor's registers.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
+pub fn row_sum(values: &[f64]) -> f64 {
+    let mut sums = [0.0; LANES];
+    let (groups, rest) = values.as_chunks::<LANES>();
+    for group in groups {
         for lane in 0..LANES {
-            let increment = gain * (right[lane] - left[lane]);
-            let before: [f64; N] = std::array::from_fn(|k| q[k][lane]);
-            let (sigma_before, predictor) =
-                if FIRST { (s[lane] - increment, s[lane]) } else { (s[lane], law.base(s[lane], before) + increment) };
-            let after = law.respond(predictor, before);
-            work[lane] += (sigma_before + after.sigma) * after.plastic;
-            reach[lane] = after.reach.max(reach[lane]);
-            s[lane] = after.sigma;
-            flows[lane] = if after.plastic == 0.0 { 0.0 } else { 1.0 };
-            for k in 0..N {
-                q[k][lane] = after.state[k];
-            }
+            sums[lane] += group[lane];
         }
-        sigma[start..start + width].copy_from_slice(&s[..width]);
-        flow[start..start + width].copy_from_slice(&flows[..width]);
-        for (k, column) in columns.iter_mut().enumerate() {
-            column[start..start + width].copy_from_slice(&q[k][..width]);
-        }
-        start += width;
     }
-    RowReport { plastic: work.iter().sum(), reach: reach.iter().fold(0.0, |m, &r| m.max(r)) }
-}
-
-#[inline(always)]
-fn copy(to: &mut [f64; LANES], from: &[f64], width: usize) {
-    if width == LANES {
-        *to = from[..LANES].try_into().unwrap_or([0.0; LANES]);
-    } else {
-        to[..width].copy_from_slice(&from[..width]);
-    }
-}
-
-#[inline(always)]
-fn split_columns<const N: usize>(state: &mut [f64], cells: usize) -> [&mut [f64]; N] {
-    let mut columns = state.chunks_exact_mut(cells);
-    std::array::from_fn(|_| columns.next().unwrap_or_default())
+    sums.iter().sum::<f64>() + rest.iter().sum::<f64>()
 }

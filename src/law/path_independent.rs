@@ -20,7 +20,7 @@ impl<B: Backbone> CellLaw<1> for PathIndependent<B> {
         let reach = predictor.abs();
         let sigma = self.0.stress(reach, predictor).copysign(predictor);
         let inelastic = predictor - sigma;
-        Response { sigma, state: [inelastic], plastic: inelastic - before, reach }
+        Response { sigma, state: [inelastic], plastic: inelastic - before }
     }
 
     #[inline(always)]

@@ -27,7 +27,7 @@ impl<B: Backbone> CellLaw<2> for Isotropic<B> {
         let stress = if size < table { size } else { table };
         let sigma = stress.copysign(predictor);
         let plastic = predictor - sigma;
-        Response { sigma, state: [p + (size - stress), signed + plastic], plastic, reach }
+        Response { sigma, state: [p + (size - stress), signed + plastic], plastic }
     }
 
     #[inline(always)]
@@ -74,7 +74,7 @@ impl<B: Backbone> CellLaw<4> for Mixed<B> {
         let sigma = if yields { on_surface } else { predictor };
         let flow = if yields { trial - table } else { 0.0 };
         let plastic = flow.copysign(relative);
-        Response { sigma, state: [p + flow, signed + plastic, back_new, h_new], plastic, reach }
+        Response { sigma, state: [p + flow, signed + plastic, back_new, h_new], plastic }
     }
 
     #[inline(always)]

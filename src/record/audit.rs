@@ -6,8 +6,11 @@ use crate::material::Material;
 use crate::solver::fd::{Leapfrog, Passed, Quantity};
 use crate::units::{Dimension, System, format};
 
-/// Share of its largest strain by which a yielded point must go back before unloading is called neglected: ripples at
-/// a front stay below it.
+/// Share of its largest strain by which a yielded cell must go back before it counts as unloaded: the ripples of the
+/// scheme stay below it but for a few cells next to a struck end.
+const UNLOADED_BY: f64 = 0.02;
+
+/// Share of the yielded cells that must have unloaded before unloading is called neglected.
 const UNLOADING_THRESHOLD: f64 = 0.02;
 
 /// Rise in temperature from which heating is called neglected, K: it then softens common metals by more than 1 %.
@@ -48,7 +51,7 @@ impl UnloadingWatch {
             let size = self.now[cell].abs();
             self.largest[cell] = self.largest[cell].max(size);
             let drop = 1.0 - size / self.largest[cell];
-            if self.largest[cell] > self.limit[cell] && drop > UNLOADING_THRESHOLD {
+            if self.largest[cell] > self.limit[cell] && drop > UNLOADED_BY {
                 self.worst = self.worst.max(drop);
                 self.unloaded[cell] = true;
                 self.first.get_or_insert((bar.time(), cell));
@@ -60,16 +63,20 @@ impl UnloadingWatch {
     pub fn row(&self, x: &[f64]) -> Option<AuditRow> {
         let (time, cell) = self.first?;
         let count = self.unloaded.iter().filter(|&&u| u).count();
+        let yielded = self.largest.iter().zip(&self.limit).filter(|(l, y)| l > y).count();
+        let share = count as f64 / yielded.max(1) as f64;
+        if share < UNLOADING_THRESHOLD {
+            return None;
+        }
         let message = std::format!(
-            "unloading: {count} of {} cells went back by up to {:.0} % of their strain after yielding, first seen at \
+            "unloading: {count} of {yielded} yielded cells went back by up to {:.0} % of their strain after yielding, first seen at \
              t = {}, x = {}; the curve was followed back, which returns plastic work. Switch on with \
              [effects] unloading = \"isotropic\"",
-            self.now.len(),
             100.0 * self.worst,
             format(time, Dimension::Time, System::Si),
             format(x[cell], Dimension::Length, System::Si),
         );
-        Some(AuditRow { effect: "unloading".into(), estimate: self.worst, threshold: UNLOADING_THRESHOLD, message })
+        Some(AuditRow { effect: "unloading".into(), estimate: share, threshold: UNLOADING_THRESHOLD, message })
     }
 }
 

@@ -21,7 +21,9 @@ pub(super) struct Axis {
 }
 
 impl Axis {
+    /// An axis from `low` to `high`; where that is no length (one frame, nothing but zeros) it is one unit long.
     pub fn new(label: impl Into<String>, low: f64, high: f64) -> Self {
+        let high = if high - low > 1e-290 { high } else { low + 1.0 };
         Self { label: label.into(), low, high }
     }
 
@@ -35,7 +37,13 @@ impl Axis {
             (low, high) = (0.0, 1.0);
         }
         let size = low.abs().max(high.abs());
-        let room = if high - low > 1e-12 * size { 0.05 * (high - low) } else { 0.5 * size.max(1e-300) };
+        let room = if high - low > 1e-12 * size {
+            0.05 * (high - low)
+        } else if size > 1e-280 {
+            0.5 * size
+        } else {
+            1.0
+        };
         Self::new(label, low - room, high + room)
     }
 

@@ -22,7 +22,7 @@ const VIRIDIS: [[u8; 3]; 9] = [
     [253, 231, 37],
 ];
 
-/// Blue, white, red at nine even steps (ColorBrewer RdBu, reversed, with white in the middle).
+/// Blue, white, red at nine even steps (Brewer's `RdBu`, reversed, with white in the middle).
 const BLUE_RED: [[u8; 3]; 9] = [
     [5, 48, 97],
     [33, 102, 172],

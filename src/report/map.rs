@@ -23,8 +23,7 @@ pub(super) fn draw(svg: &mut Svg, panel: Area, view: &View) -> Result<()> {
     let frame = Frame {
         plot: axes::plot_area(panel, 1, BAR_ROOM),
         x: Axis::new(length.label("position x"), 0.0, view.length * length.factor),
-        // A single frame still needs an axis with a length.
-        y: Axis::new(time.label("time"), 0.0, (view.end_time * time.factor).max(f64::MIN_POSITIVE)),
+        y: Axis::new(time.label("time"), 0.0, view.end_time * time.factor),
     };
     let (picture, range) = picture(&frame, view)?;
     svg.image(frame.plot, &picture);
@@ -91,10 +90,14 @@ pub(super) fn nearest(values: &[f64], target: f64) -> usize {
     if after == values.len() || target - values[after - 1] <= values[after] - target { after - 1 } else { after }
 }
 
-/// Lines at the theoretical speeds, from where each front started to where it was last seen. True where one was drawn.
+/// Lines at the theoretical speeds, from where each front started to where it was last seen. Of lines that would end
+/// closer together than this, px, only one is drawn: a smooth curve has dozens of fronts, which would hide the map.
+const APART: f64 = 22.0;
+
+/// Draws the fronts; true where there was one.
 fn draw_fronts(svg: &mut Svg, frame: &Frame, view: &View, fronts: &[FrontRow]) -> bool {
     let (time, length) = (view.time_unit().factor, view.length_unit().factor);
-    let mut drawn = false;
+    let mut last_end: Option<(f64, f64)> = None;
     svg.clipped(frame.plot, |svg| {
         for front in fronts.iter().filter(|f| f.last_seen.is_finite() && f.speed != 0.0) {
             let start = match front.origin.as_str() {
@@ -105,12 +108,15 @@ fn draw_fronts(svg: &mut Svg, frame: &Frame, view: &View, fronts: &[FrontRow]) -
             let end = start + front.speed * front.last_seen;
             let from = frame.place((start * length, 0.0));
             let to = frame.place((end * length, front.last_seen * time));
+            if last_end.is_some_and(|last| (last.0 - to.0).hypot(last.1 - to.1) < APART) {
+                continue;
+            }
+            last_end = Some(to);
             svg.line(from, to, &Stroke::new("white", 2.6));
             svg.line(from, to, &Stroke::new("black", 1.2).dashed("6 3"));
-            drawn = true;
         }
     });
-    drawn
+    last_end.is_some()
 }
 
 fn draw_gauges(svg: &mut Svg, frame: &Frame, view: &View) -> Result<()> {

@@ -33,8 +33,8 @@ pub fn page(file: &ResultFile, svg: &str, units: Units) -> Result<String> {
 /// A table; cells are escaped here.
 fn table(head: &[String], rows: &[Vec<String>]) -> String {
     let line = |cells: &[String], tag: &str| {
-        let cells: String = cells.iter().map(|cell| format!("<{tag}>{}</{tag}>", escape(cell))).collect();
-        format!("<tr>{cells}</tr>\n")
+        let cells: Vec<String> = cells.iter().map(|cell| format!("<{tag}>{}</{tag}>", escape(cell))).collect();
+        format!("<tr>{}</tr>\n", cells.concat())
     };
     let head = if head.is_empty() { String::new() } else { line(head, "th") };
     let body: String = rows.iter().map(|row| line(row, "td")).collect();

@@ -14,7 +14,7 @@ use crate::record::{Field, FrontRow, LedgerRow, Trace};
 /// Profiles in the panel; the last is at the end time.
 const PROFILES: usize = 5;
 /// With more fronts than this, their levels would be a grey band.
-const MOST_LEVELS: usize = 16;
+const MOST_LEVELS: usize = 10;
 
 /// The field against x at several times, with the levels behind the fronts where theory gives them.
 pub(super) fn profiles(svg: &mut Svg, panel: Area, view: &View, letter: char) -> Result<bool> {
@@ -111,8 +111,13 @@ pub(super) fn ledger(svg: &mut Svg, panel: Area, view: &View, letter: char) -> R
         line("elastic", Stroke::new(colour(2), 1.6), |row| row.elastic),
         line("plastic", Stroke::new(colour(1), 1.6), |row| row.plastic),
         line("sum", Stroke::new("#222", 1.6), |row| row.kinetic + row.elastic + row.plastic),
-        line("work of the ends", Stroke::new(colour(5), 2.2).dashed("6 5"), |row| row.work_left + row.work_right),
     ];
+    // What there was at the start and what came in since: the sum has to lie on it.
+    let work = |row: &LedgerRow| row.work_left + row.work_right;
+    let start = rows.first().map_or(0.0, |row| row.kinetic + row.elastic + row.plastic - work(row));
+    let supplied: Vec<f64> = rows.iter().map(|row| start + work(row)).collect();
+    let stroke = Stroke::new(colour(5), 2.2).dashed("6 5");
+    series.push(history(view, "start + work of the ends".into(), &times, &supplied, unit, stroke));
     series.retain(|s| !s.points.is_empty());
     Ok(histories(svg, panel, view, &format!("({letter})  energy"), unit.label("energy"), &series))
 }
@@ -158,8 +163,42 @@ fn histories(svg: &mut Svg, panel: Area, view: &View, title: &str, label: String
         return false;
     }
     let unit = view.time_unit();
-    let last = series.iter().flat_map(|s| s.points.last()).fold(view.end_time * unit.factor, |a, p| a.max(p.0));
-    let x = Axis::new(unit.label("time"), 0.0, last.max(f64::MIN_POSITIVE));
-    line_panel(svg, panel, title, x, Axis::around(label, with_zero(series)), series);
+    let last = series.iter().filter_map(|s| s.points.last()).fold(view.end_time * unit.factor, |a, p| a.max(p.0));
+    let x = Axis::new(unit.label("time"), 0.0, last);
+    let values = series.iter().flat_map(|s| without_spikes(&s.points)).chain([0.0]);
+    line_panel(svg, panel, title, x, Axis::around(label, values), series);
     true
+}
+
+/// Lowest and highest value for the axis. A sudden start can leave a few samples far outside (a first step carries
+/// the whole jump); where leaving out the five most extreme samples halves the range, they run out of the frame.
+fn without_spikes(points: &[(f64, f64)]) -> Vec<f64> {
+    const SPIKE: usize = 5;
+    let mut values: Vec<f64> = points.iter().map(|p| p.1).filter(|v| v.is_finite()).collect();
+    values.sort_by(f64::total_cmp);
+    let (Some(&low), Some(&high)) = (values.first(), values.last()) else {
+        return values;
+    };
+    if values.len() < 40 * SPIKE {
+        return vec![low, high];
+    }
+    let (inner_low, inner_high) = (values[SPIKE], values[values.len() - 1 - SPIKE]);
+    let keep = |outer: f64, inner: f64| if (outer - inner).abs() > 0.5 * (high - low) { inner } else { outer };
+    vec![keep(low, inner_low), keep(high, inner_high)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::without_spikes;
+
+    #[test]
+    fn a_spike_of_a_few_samples_does_not_set_the_axis() {
+        let mut points: Vec<(f64, f64)> = (0..1000).map(|i| (f64::from(i), f64::from(i % 100))).collect();
+        assert_eq!(without_spikes(&points), [0.0, 99.0]);
+        points[3].1 = -5000.0;
+        assert_eq!(without_spikes(&points), [0.0, 99.0]);
+        // A pulse that lasts is no spike.
+        points[10..30].iter_mut().for_each(|p| p.1 = -5000.0);
+        assert_eq!(without_spikes(&points), [-5000.0, 99.0]);
+    }
 }

@@ -24,6 +24,7 @@
 //! bounded channel, compression runs beside the stepping, and a solver that is faster than the disk waits.
 
 mod compound;
+mod create;
 mod read;
 mod scales;
 mod write;

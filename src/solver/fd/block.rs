@@ -6,7 +6,7 @@ use std::ops::Range;
 use multiversion::multiversion;
 
 use super::ripple;
-use crate::law::{RowLaw, RowReport, elastic_row};
+use crate::law::{RowLaw, elastic_row, row_sum};
 
 /// Cells of a full block. Fixed, so that sums over blocks have the same bits whatever the number of threads.
 pub(super) const BLOCK: usize = 512;
@@ -33,17 +33,17 @@ pub(super) struct Block {
     pub v: Vec<f64>,
     /// Law state, empty until the block yields.
     pub state: Vec<f64>,
-    /// 1 in cells that flowed in the latest step, else 0; empty until the block yields.
-    pub flow: Vec<f64>,
-    /// Running sum of [`RowReport::plastic`].
+    /// Plastic work of every cell in the latest step as [`RowLaw::advance`] gives it; empty until the block yields.
+    pub work: Vec<f64>,
+    /// Running sum of `work` over cells and steps.
     pub plastic: f64,
-    /// Largest reach so far.
-    pub reach: f64,
     /// Velocity differences that the ripple damping hands over, one a cell; empty in an elastic run.
     pub handed: Vec<f64>,
     /// Velocities of the nodes next to the block in its own segment, for the damping.
     pub outside: [Option<f64>; 2],
-    /// Running sum of what the damping took from the block's inner nodes, see [`ripple::hand_over`].
+    /// What the damping took from each inner node in the latest step, see [`ripple::hand_over`].
+    pub lost: Vec<f64>,
+    /// Running sum of `lost` over nodes and steps.
     pub damped: f64,
 }
 
@@ -68,10 +68,10 @@ impl Block {
             sigma: vec![0.0; n],
             v: vec![velocity; n + 1],
             state: Vec::new(),
-            flow: Vec::new(),
+            work: Vec::new(),
             plastic: 0.0,
-            reach: 0.0,
             handed: Vec::new(),
+            lost: Vec::new(),
             outside: [None, None],
             damped: 0.0,
         }
@@ -85,10 +85,12 @@ impl Block {
         }
         if self.handed.is_empty() {
             self.handed = vec![0.0; self.sigma.len()];
+            self.lost = vec![0.0; self.sigma.len() - 1];
         }
-        ripple::find(&self.v, &self.flow, self.outside, &mut self.handed);
+        ripple::find(&self.v, &self.work, self.outside, &mut self.handed);
         let inner = self.v.len() - 1;
-        self.damped += ripple::hand_over(velocity_gain, &self.sigma, &self.handed, &mut self.v[1..inner]);
+        ripple::hand_over(velocity_gain, &self.sigma, &self.handed, &mut self.v[1..inner], &mut self.lost);
+        self.damped += row_sum(&self.lost);
     }
 
     /// Velocity difference that the damping hands over in the first and last cell.
@@ -104,9 +106,7 @@ impl Block {
             }
             self.stage = Stage::Elastic;
         }
-        let report = self.advance_stress(law);
-        self.plastic += report.plastic;
-        self.reach = self.reach.max(report.reach);
+        self.advance_stress(law);
         let inner = self.v.len() - 1;
         advance_velocity(law.velocity_gain, &self.sigma, &mut self.v[1..inner]);
     }
@@ -117,18 +117,20 @@ impl Block {
         self.v[0] == self.v[last] && (last < 2 || self.v[0] == self.v[1])
     }
 
-    fn advance_stress(&mut self, law: BlockLaw<'_>) -> RowReport {
-        if self.stage == Stage::Plastic {
-            return law.law.advance(law.stress_gain, &self.v, &mut self.sigma, &mut self.state, &mut self.flow);
+    fn advance_stress(&mut self, law: BlockLaw<'_>) {
+        if self.stage == Stage::Elastic {
+            let peak = elastic_row(law.stress_gain, &self.v, &mut self.sigma);
+            if peak <= law.yield_stress {
+                return;
+            }
+            self.stage = Stage::Plastic;
+            self.state = vec![0.0; law.law.state_len() * self.sigma.len()];
+            self.work = vec![0.0; self.sigma.len()];
+            law.law.first_yield(law.stress_gain, &self.v, &mut self.sigma, &mut self.state, &mut self.work);
+        } else {
+            law.law.advance(law.stress_gain, &self.v, &mut self.sigma, &mut self.state, &mut self.work);
         }
-        let peak = elastic_row(law.stress_gain, &self.v, &mut self.sigma);
-        if peak <= law.yield_stress {
-            return RowReport { plastic: 0.0, reach: peak };
-        }
-        self.stage = Stage::Plastic;
-        self.state = vec![0.0; law.law.state_len() * self.sigma.len()];
-        self.flow = vec![0.0; self.sigma.len()];
-        law.law.first_yield(law.stress_gain, &self.v, &mut self.sigma, &mut self.state, &mut self.flow)
+        self.plastic += row_sum(&self.work);
     }
 
     /// E times the signed plastic strain of local cell `i`, Pa.

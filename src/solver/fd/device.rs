@@ -1,8 +1,9 @@
 //! What happens at an end node of the staggered grid: half a cell's mass between the bar and whatever drives it.
 //!
 //! With outward normal n (-1 left, +1 right) the node obeys `m (v+ - v-)/dt = n A (sigma_end - sigma_cell)`, m being
-//! half a cell's mass. Prescribed histories enter by their exact mean over the step, so that the bar is given
-//! exactly the displacement (velocity ends) or impulse (stress ends) that was asked for.
+//! half a cell's mass. Prescribed velocities enter by their exact mean over a step, so that the end is where it should
+//! be after every step. Prescribed stresses enter by their exact mean over two steps: at Courant number 1 odd and even
+//! steps drive two lattices that know nothing of each other, and so each of them gets the impulse that was asked for.
 
 use super::ripple;
 use crate::bar::EndCondition;
@@ -26,6 +27,10 @@ pub struct Device {
     after: f64,
     /// Stress at the end at the current time, Pa.
     stress: f64,
+    /// The same for the record, see [`Device::stress`].
+    shown_stress: f64,
+    /// Stress in the latest step in which the end was held.
+    held_stress: f64,
     displacement: f64,
     work: f64,
     impulse: f64,
@@ -75,6 +80,8 @@ impl Device {
             before: grid.velocity,
             after: grid.velocity,
             stress: 0.0,
+            shown_stress: 0.0,
+            held_stress: 0.0,
             displacement: 0.0,
             work: 0.0,
             impulse: 0.0,
@@ -89,26 +96,37 @@ impl Device {
     pub fn advance(&mut self, time: f64, sigma_cell: f64) {
         let previous_stress = self.stress;
         let motion = self.respond(time, sigma_cell);
+        let struck = motion.held && (!self.held || self.jumps(time));
+        self.shown_stress = if struck { sigma_cell } else { motion.stress };
+        if motion.held {
+            self.held_stress = motion.stress;
+        }
         (self.before, self.after) = (self.after, motion.velocity);
         (self.stress, self.held) = (motion.stress, motion.held);
         self.account(previous_stress);
         self.displacement += self.dt * self.after;
     }
 
+    /// True where a prescribed velocity jumps within a step of `time`.
+    fn jumps(&self, time: f64) -> bool {
+        let EndCondition::Velocity { history, .. } = &self.condition else { return false };
+        let close = |t: f64| (t - time).abs() <= self.dt;
+        history.time().windows(2).any(|pair| pair[0] == pair[1] && close(pair[0]))
+    }
+
     /// The node's velocity after the step and the end's stress at its middle.
     fn respond(&self, time: f64, sigma_cell: f64) -> Motion {
         match &self.condition {
             EndCondition::Velocity { history, release } => {
-                // Share of the step (half before `time` to half after) in which the end is still held.
-                let held = release.map_or(1.0, |r| (r - time) / self.dt + 0.5);
+                // Share of the two steps around `time` in which the end is still held.
+                let held = release.map_or(1.0, |r| 0.5 * ((r - time) / self.dt + 1.0));
                 if held < 1.0 {
-                    return self.under_stress(held.max(0.0) * self.stress, sigma_cell);
+                    return self.under_stress(held.max(0.0) * self.held_stress, sigma_cell);
                 }
                 self.moving(history.mean(time, time + self.dt), sigma_cell)
             }
             EndCondition::Stress { history } => {
-                let half = 0.5 * self.dt;
-                self.under_stress(history.mean(time - half, time + half), sigma_cell)
+                self.under_stress(history.mean(time - self.dt, time + self.dt), sigma_cell)
             }
             EndCondition::Free => self.under_stress(0.0, sigma_cell),
             EndCondition::Fixed => self.moving(0.0, sigma_cell),
@@ -190,9 +208,10 @@ impl Device {
         0.5 * (self.before + self.after)
     }
 
-    /// Stress at the end at the current time, Pa; at a jump, the mean of both sides.
+    /// Stress at the end at the current time, Pa. In a step in which the end is suddenly made to move it is that of the
+    /// end cell, without the impulse that the half cell's mass takes up.
     pub fn stress(&self) -> f64 {
-        self.stress
+        self.shown_stress
     }
 
     /// Displacement at the current time, m.

@@ -22,8 +22,9 @@ pub struct SegmentLaw {
     pub law: Arc<dyn RowLaw>,
     /// Stress below which the law is elastic in both senses, Pa.
     pub yield_stress: f64,
-    /// Reach (E times equivalent strain, Pa) at which the data end; infinite where they do not.
-    pub end: f64,
+    /// Reach (E times equivalent strain, Pa) at which the data end, in tension and in compression; infinite where they
+    /// do not.
+    pub end: [f64; 2],
 }
 
 /// The node between two blocks: inside a segment, or at a bonded joint.
@@ -393,14 +394,31 @@ impl Leapfrog {
         total
     }
 
-    /// A cell that has come to the end of its material's data, if one has: the farthest gone.
+    /// A cell that has come to the end of its material's data, if one has: the farthest gone of the first block that
+    /// has one. A pass over all yielded cells.
     pub fn passed_end_of_data(&self) -> Option<Passed> {
-        let block = self.blocks.iter().find(|b| b.reach >= self.laws[b.segment].end)?;
-        let law = self.laws[block.segment].law.as_ref();
-        let reach = |i: usize| block.sigma[i].abs() + block.accumulated(law, i);
-        let farthest = (0..block.sigma.len()).max_by(|&a, &b| reach(a).total_cmp(&reach(b)))?;
+        let passed = |block: &&Block| {
+            if block.stage != Stage::Plastic {
+                return false;
+            }
+            let law = &self.laws[block.segment];
+            let reach = law.law.reach(&block.sigma, &block.state);
+            reach[0] >= law.end[0] || reach[1] >= law.end[1]
+        };
+        let block = self.blocks.iter().find(passed)?;
+        let law = &self.laws[block.segment];
+        let beyond = |i: usize| {
+            let end = law.end[usize::from(block.sigma[i] < 0.0)];
+            (block.sigma[i].abs() + block.accumulated(law.law.as_ref(), i)) / end
+        };
+        let farthest = (0..block.sigma.len()).max_by(|&a, &b| beyond(a).total_cmp(&beyond(b)))?;
         let cell = block.cells.start + farthest;
         Some(Passed { cell, segment: block.segment, strain: self.value(Quantity::Strain, cell) })
+    }
+
+    /// True where some material's data end, so that [`Self::passed_end_of_data`] can find a cell.
+    pub fn data_can_end(&self) -> bool {
+        self.laws.iter().any(|l| l.end[0].min(l.end[1]).is_finite())
     }
 
     /// The first cell whose stress is not a finite number.

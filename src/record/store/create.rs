@@ -1,0 +1,268 @@
+//! The start of a file: attributes, axes, empty datasets, materials; everything but what a run computes.
+
+use std::path::Path;
+use std::time::SystemTime;
+
+use hdf5::types::VarLenUnicode;
+use hdf5::{Dataset, DatasetBuilderEmpty, Extent, File, Group, H5Type, Location};
+
+use super::{FORMAT_VERSION, Header, Layout, RUNNING, Side, scales};
+use crate::record::{Compression, MaterialRecord, Precision};
+
+type Hdf<T> = hdf5::Result<T>;
+
+/// Samples in a chunk of the fields. A chunk is a piece of one frame, so that a chunk on the disk never changes: HDF5
+/// moves a compressed chunk that is written again, and a process killed between that and the next flush leaves a
+/// chunk that cannot be decompressed (1 kill in 5 of a writer at full speed, with chunks of 64 frames).
+const CHUNK_COLUMNS: usize = 16_384;
+/// Rows in a chunk of a history. Histories are not compressed, so that a chunk grows in place, for the same reason.
+pub(super) const TRACE_ROWS: usize = 1024;
+/// Rows in a chunk of the frame times and of the ledger.
+const FRAME_ROWS: usize = 256;
+
+/// Columns of a history: name, units, long name.
+pub(super) const GAUGE_COLUMNS: [[&str; 3]; 4] =
+    [TIME, ["stress", "Pa", "engineering stress, tension positive"], ["strain", "1", "engineering strain"], VELOCITY];
+pub(super) const END_COLUMNS: [[&str; 3]; 3] =
+    [TIME, ["stress", "Pa", "engineering stress, tension positive"], VELOCITY];
+const TIME: [&str; 3] = ["time", "s", "time"];
+const VELOCITY: [&str; 3] = ["velocity", "m/s", "velocity in +x"];
+
+/// Columns of the ledger: name, long name. Energies but for time, the momenta, and the residual.
+pub(super) const LEDGER_COLUMNS: [[&str; 2]; 10] = [
+    ["time", "time"],
+    ["kinetic", "kinetic energy"],
+    ["elastic", "recoverable strain energy"],
+    ["plastic", "energy dissipated in plastic flow since the start"],
+    ["viscous", "energy taken since the start by the damping of grid-scale ripples"],
+    ["work_left", "work done by the left end since the start"],
+    ["work_right", "work done by the right end since the start"],
+    ["momentum", "momentum of the bar in +x"],
+    ["impulse", "impulse given by both ends since the start"],
+    ["residual", "energy not accounted for, relative"],
+];
+
+/// Everything but the data, in a file that is then closed.
+pub(super) fn build(path: &Path, header: &Header, layout: &Layout, materials: &[MaterialRecord]) -> Hdf<()> {
+    let file = File::create(path)?;
+    build_root(&file, header, layout)?;
+    build_fields(&file, layout)?;
+    build_histories(&file, layout)?;
+    build_ledger(&file, layout)?;
+    build_materials(&file, materials)?;
+    file.flush()?;
+    file.close()
+}
+
+fn build_root(file: &File, header: &Header, layout: &Layout) -> Hdf<()> {
+    put_text(file, "format", "barwave")?;
+    put(file, "format_version", &FORMAT_VERSION)?;
+    put_text(file, "program_version", env!("CARGO_PKG_VERSION"))?;
+    if let Some(revision) = super::git_revision() {
+        put_text(file, "git_revision", revision)?;
+    }
+    put_text(file, "title", &header.title)?;
+    put_text(file, "created", &timestamp(SystemTime::now()))?;
+    put_text(file, "scene", &header.scene)?;
+    put_text(file, "scene_resolved", &header.scene_resolved)?;
+    put_texts(file, "overrides", &header.overrides)?;
+    put_texts(file, "effects", &header.effects)?;
+    put_text(file, "method", &header.method)?;
+    put_text(file, "scheme", &header.scheme)?;
+    put_text(file, "energy_units", energy_units(layout.area_given))?;
+    if let Some(velocity) = header.critical_velocity {
+        put(file, "critical_velocity", &velocity)?;
+    }
+    put_text(file, "outcome", RUNNING)
+}
+
+fn build_fields(file: &File, layout: &Layout) -> Hdf<()> {
+    let time = file.new_dataset::<f64>().chunk(FRAME_ROWS).shape(Extent::resizable(0)).create("time")?;
+    describe(&time, "s", "time")?;
+    let x = file.new_dataset::<f64>().shape(layout.x.len()).create("x")?;
+    x.write_raw(&layout.x)?;
+    describe(&x, "m", "position along the bar, from the left end, as undeformed")?;
+    for field in &layout.fields {
+        let shape = (Extent::resizable(0), Extent::fixed(layout.x.len()));
+        let builder = match layout.precision {
+            Precision::F64 => file.new_dataset::<f64>().fill_value(f64::NAN),
+            Precision::F32 => file.new_dataset::<f32>().fill_value(f32::NAN),
+        };
+        let dataset = compressed(builder, layout.compression)
+            .chunk((1, layout.x.len().clamp(1, CHUNK_COLUMNS)))
+            .shape(shape)
+            .create(field.name())?;
+        describe(&dataset, field.units(), field.long_name())?;
+    }
+    let names: Vec<&str> = layout.fields.iter().map(|f| f.name()).collect();
+    scales::attach(file, &["time", "x"], &names)
+}
+
+fn build_histories(file: &File, layout: &Layout) -> Hdf<()> {
+    let gauges = file.create_group("gauges")?;
+    for (index, (link, (name, x))) in gauge_links(layout).iter().zip(&layout.gauges).enumerate() {
+        let group = gauges.create_group(link)?;
+        build_columns(&group, &GAUGE_COLUMNS, TRACE_ROWS)?;
+        put(&group, "x", x)?;
+        put_text(&group, "x_units", "m")?;
+        put(&group, "index", &(index as u32))?;
+        put_text(&group, "name", name)?;
+    }
+    let ends = file.create_group("ends")?;
+    for side in [Side::Left, Side::Right] {
+        build_columns(&ends.create_group(side.name())?, &END_COLUMNS, TRACE_ROWS)?;
+    }
+    Ok(())
+}
+
+fn build_ledger(file: &File, layout: &Layout) -> Hdf<()> {
+    let columns = LEDGER_COLUMNS.map(|[name, long_name]| {
+        let units = match (name, layout.area_given) {
+            ("time", _) => "s",
+            ("residual", _) => "1",
+            ("momentum" | "impulse", true) => "N s",
+            ("momentum" | "impulse", false) => "N s/m^2",
+            (_, area_given) => energy_units(area_given),
+        };
+        [name, units, long_name]
+    });
+    build_columns(&file.create_group("ledger")?, &columns, FRAME_ROWS)
+}
+
+fn energy_units(area_given: bool) -> &'static str {
+    if area_given { "J" } else { "J/m^2" }
+}
+
+/// Growing columns of a group; the first is the scale of the others.
+fn build_columns(group: &Group, columns: &[[&str; 3]], rows: usize) -> Hdf<()> {
+    for [name, units, long_name] in columns {
+        let builder = group.new_dataset::<f64>().fill_value(f64::NAN);
+        describe(&builder.chunk(rows).shape(Extent::resizable(0)).create(*name)?, units, long_name)?;
+    }
+    let names: Vec<&str> = columns.iter().map(|c| c[0]).collect();
+    scales::attach(group, &names[..1], &names[1..])
+}
+
+fn build_materials(file: &File, materials: &[MaterialRecord]) -> Hdf<()> {
+    let group = file.create_group("material")?;
+    let names = link_names(materials.iter().map(|m| m.name.as_str()));
+    for (material, name) in materials.iter().zip(&names) {
+        let group = group.create_group(name)?;
+        let strain = group.new_dataset::<f64>().shape(material.strain.len()).create("strain")?;
+        strain.write_raw(&material.strain)?;
+        describe(&strain, "1", "engineering strain")?;
+        let stress = group.new_dataset::<f64>().shape(material.stress.len()).create("stress")?;
+        stress.write_raw(&material.stress)?;
+        describe(&stress, "Pa", "engineering stress, tension positive")?;
+        scales::attach(&group, &["strain"], &["stress"])?;
+        put(&group, "density", &material.density)?;
+        put(&group, "modulus", &material.modulus)?;
+        let provenance = &material.provenance;
+        put_text(&group, "name", &material.name)?;
+        put_text(&group, "citation", &provenance.citation)?;
+        put_text(&group, "measured", &provenance.measured)?;
+        put_text(&group, "confidence", &provenance.confidence)?;
+        put_text(&group, "origin", &provenance.origin)?;
+    }
+    Ok(())
+}
+
+fn compressed(builder: DatasetBuilderEmpty, compression: Compression) -> DatasetBuilderEmpty {
+    match compression {
+        Compression::Deflate => builder.shuffle().deflate(1),
+        Compression::Lzf => builder.shuffle().lzf(),
+        Compression::None => builder,
+    }
+}
+
+fn describe(dataset: &Dataset, units: &str, long_name: &str) -> Hdf<()> {
+    put_text(dataset, "units", units)?;
+    put_text(dataset, "long_name", long_name)
+}
+
+pub(super) fn put<T: H5Type>(location: &Location, name: &str, value: &T) -> Hdf<()> {
+    location.new_attr::<T>().create(name)?.write_scalar(value)
+}
+
+pub(super) fn put_text(location: &Location, name: &str, value: &str) -> Hdf<()> {
+    put(location, name, &text(value)?)
+}
+
+fn put_texts(location: &Location, name: &str, values: &[String]) -> Hdf<()> {
+    let values = values.iter().map(|value| text(value)).collect::<Hdf<Vec<_>>>()?;
+    let attribute = location.new_attr::<VarLenUnicode>().shape(values.len()).create(name)?;
+    if values.is_empty() { Ok(()) } else { attribute.write_raw(&values) }
+}
+
+/// HDF5 text ends at a zero byte, which no text file has; one that does is cut there rather than refused.
+pub(super) fn text(value: &str) -> Hdf<VarLenUnicode> {
+    let until_zero = value.split('\0').next().unwrap_or_default();
+    until_zero.parse().map_err(|e: hdf5::types::StringError| e.to_string().into())
+}
+
+pub(super) fn gauge_links(layout: &Layout) -> Vec<String> {
+    link_names(layout.gauges.iter().map(|(name, _)| name.as_str()))
+}
+
+/// Names fit for groups: no slash, no leading dot, not empty, no two alike.
+fn link_names<'a>(names: impl Iterator<Item = &'a str>) -> Vec<String> {
+    let mut links: Vec<String> = Vec::new();
+    for name in names {
+        let mut base = name.replace(['/', '\0'], "-");
+        if base.is_empty() || base.starts_with('.') {
+            base.insert(0, '_');
+        }
+        let mut link = base.clone();
+        let mut number = 2;
+        while links.contains(&link) {
+            link = format!("{base}-{number}");
+            number += 1;
+        }
+        links.push(link);
+    }
+    links
+}
+
+/// ISO 8601 in UTC, to the second.
+fn timestamp(now: SystemTime) -> String {
+    let seconds = now.duration_since(SystemTime::UNIX_EPOCH).map_or(0, |d| d.as_secs());
+    let (year, month, day) = civil_from_days((seconds / 86_400).cast_signed());
+    let (hour, minute, second) = (seconds / 3600 % 24, seconds / 60 % 60, seconds % 60);
+    format!("{year:04}-{month:02}-{day:02}T{hour:02}:{minute:02}:{second:02}Z")
+}
+
+/// Year, month and day of a number of days since 1970-01-01 (Hinnant's algorithm, proleptic Gregorian calendar:
+/// years run from March, so that the leap day comes last).
+fn civil_from_days(days: i64) -> (i64, i64, i64) {
+    let shifted = days + 719_468;
+    let era = shifted.div_euclid(146_097);
+    let day_of_era = shifted.rem_euclid(146_097);
+    let year_of_era = (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
+    let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
+    let month_from_march = (5 * day_of_year + 2) / 153;
+    let day = day_of_year - (153 * month_from_march + 2) / 5 + 1;
+    let month = if month_from_march < 10 { month_from_march + 3 } else { month_from_march - 9 };
+    (year_of_era + era * 400 + i64::from(month <= 2), month, day)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Duration;
+
+    #[test]
+    fn timestamps_are_civil_utc() {
+        let at = |seconds| timestamp(SystemTime::UNIX_EPOCH + Duration::from_secs(seconds));
+        assert_eq!(at(0), "1970-01-01T00:00:00Z");
+        assert_eq!(at(951_782_399), "2000-02-28T23:59:59Z");
+        assert_eq!(at(951_782_400), "2000-02-29T00:00:00Z");
+        assert_eq!(at(1_709_251_199), "2024-02-29T23:59:59Z");
+        assert_eq!(at(4_107_542_400), "2100-03-01T00:00:00Z");
+    }
+
+    #[test]
+    fn link_names_are_safe_and_differ() {
+        let links = link_names(["a/b", "a-b", "", ".x", "a/b"].into_iter());
+        assert_eq!(links, ["a-b", "a-b-2", "_", "_.x", "a-b-3"]);
+    }
+}

@@ -1,0 +1,242 @@
+"""Result files as h5py and xarray see them."""
+
+import json
+import pathlib
+import re
+import signal
+import subprocess
+import time
+
+import h5py
+import numpy as np
+import pytest
+import xarray
+
+# A reader that has to warn about the file is a defect of the file.
+pytestmark = pytest.mark.filterwarnings("error")
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+BILINEAR = "runs/bilinear-p2.toml"
+COPPER = "runs/copper-below-critical.toml"
+PULSE = "runs/pulse-tension-us.toml"
+LEDGER = {"time", "kinetic", "elastic", "plastic", "work_left", "work_right", "momentum", "impulse", "residual"}
+
+
+def open_xarray(path, group=None):
+    with xarray.open_dataset(path, engine="h5netcdf", group=group) as dataset:
+        return dataset.load()
+
+
+def test_root_attributes_tell_where_the_file_comes_from(run):
+    with h5py.File(run(BILINEAR)) as file:
+        attributes = dict(file.attrs)
+    assert attributes["format"] == "barwave"
+    assert attributes["format_version"] == 1
+    assert re.fullmatch(r"\d+\.\d+\.\d+.*", attributes["program_version"])
+    assert re.fullmatch(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ", attributes["created"])
+    assert attributes["title"] == "Bilinear bar struck at 20 m/s"
+    assert attributes["scene"] == (ROOT / BILINEAR).read_text()
+    assert isinstance(json.loads(attributes["scene_resolved"]), dict)
+    assert any(effect.startswith("unloading") for effect in attributes["effects"])
+    assert attributes["method"] == "fd"
+    assert attributes["outcome"] == "done"
+    assert attributes["wall_seconds"] > 0
+    assert attributes["cell_steps"] > 0
+
+
+def test_critical_velocity_is_there_where_the_curve_has_one(run):
+    with h5py.File(run(COPPER)) as file:
+        assert 30 < file.attrs["critical_velocity"] < 1000
+    # The bilinear curve rises for ever.
+    with h5py.File(run(BILINEAR)) as file:
+        assert "critical_velocity" not in file.attrs
+
+
+def test_fields_have_labelled_axes_in_xarray(run):
+    dataset = open_xarray(run(BILINEAR))
+    for name, units in {"stress": "Pa", "strain": "1", "velocity": "m/s"}.items():
+        field = dataset[name]
+        assert field.dims == ("time", "x")
+        assert field.dtype == np.float64
+        assert field.attrs["units"] == units
+        assert field.attrs["long_name"]
+        assert np.isfinite(field).all()
+    assert dataset.sizes["time"] == 81
+    assert dataset.sizes["x"] == 1000
+    assert dataset.time.attrs["units"] == "s"
+    assert dataset.x.attrs["units"] == "m"
+    assert dataset.time[0] == 0
+    # The last frame is the end time of the scene, exactly as it is written there.
+    assert float(dataset.time[-1]) == pytest.approx(157.98734e-6, rel=1e-12)
+    assert (np.diff(dataset.time) > 0).all()
+    # Labels work: the plateau behind both fronts, 386.554 MPa in compression (six digits are known).
+    plateau = dataset.stress.sel(time=150e-6, x=0.05, method="nearest")
+    assert float(plateau) == pytest.approx(-386.554e6, rel=1e-3)
+
+
+def test_fields_have_labelled_axes_in_h5py(run):
+    with h5py.File(run(BILINEAR)) as file:
+        stress = file["stress"]
+        assert file["time"].is_scale and file["x"].is_scale
+        assert stress.dims[0][0] == file["time"]
+        assert stress.dims[1]["x"] == file["x"]
+        assert stress.maxshape == (None, 1000)
+        assert stress.chunks == (1, 1000)
+        assert stress.compression == "gzip" and stress.compression_opts == 1 and stress.shuffle
+        assert file["time"].maxshape == (None,)
+
+
+def test_only_what_was_asked_for_is_written(run):
+    with h5py.File(run(PULSE)) as file:
+        assert {"stress", "velocity", "plastic_strain"} <= set(file)
+        assert not {"strain", "displacement", "temperature"} & set(file)
+        assert {file[name].dtype for name in ("stress", "velocity", "plastic_strain")} == {np.dtype("float32")}
+        assert file["time"].dtype == file["x"].dtype == np.float64
+        assert file["time"][:] == pytest.approx([0, 1e-4, 2e-4, 3e-4, 4e-4, 5e-4])
+        assert set(file["gauges"]) == {"6 in", "12 in", "50 in"}
+        assert file["gauges/6 in"].attrs["x"] == pytest.approx(6 * 0.0254)
+
+
+def test_gauges_open_as_histories(run):
+    path = run(COPPER)
+    middle = open_xarray(path, "gauges/middle")
+    assert set(middle.data_vars) == {"stress", "strain", "velocity"}
+    assert middle.stress.dims == ("time",)
+    assert middle.stress.attrs["units"] == "Pa"
+    assert middle.attrs["x"] == 0.5
+    assert (np.diff(middle.time) > 0).all()
+    # A full-rate history has more rows than there are frames.
+    assert middle.sizes["time"] > open_xarray(path).sizes["time"]
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_ends_open_as_histories(run, side):
+    end = open_xarray(run(BILINEAR), f"ends/{side}")
+    assert set(end.data_vars) == {"stress", "velocity"}
+    assert end.stress.dims == ("time",)
+    assert end.sizes["time"] > 81
+    assert (np.diff(end.time) >= 0).all()
+
+
+def test_fronts_are_one_table_with_theory_and_measurement(run):
+    with h5py.File(run(BILINEAR)) as file:
+        fronts = file["fronts"][:]
+    wanted = "strain_behind strain_ahead stress_behind stress_ahead speed speed_measured position".split()
+    assert set(wanted) <= set(fronts.dtype.names)
+    assert len(fronts) == 2
+    # c0 = sqrt(E/rho) and sqrt(E_t/rho), from the scene's own numbers: equal to round-off.
+    assert fronts["speed"] == pytest.approx(np.sqrt([200e9 / 7800, 20e9 / 7800]), rel=1e-9)
+    # Measured in a field of 1000 cells: a front is spread over a few of them.
+    assert fronts["speed_measured"] == pytest.approx(fronts["speed"], rel=0.02)
+    assert fronts["stress_behind"][1] == pytest.approx(-386.554e6, rel=1e-5)
+    with h5py.File(run(COPPER)) as file:
+        fronts = file["fronts"][:]
+    assert {"arrival_near", "arrival_middle"} <= set(fronts.dtype.names)
+    # The fastest front passes the nearer gauge first.
+    assert 0 < fronts["arrival_near"][0] < fronts["arrival_middle"][0]
+
+
+def test_ledger_balances(run):
+    ledger = open_xarray(run(BILINEAR), "ledger")
+    assert LEDGER <= set(ledger.variables)
+    assert ledger.kinetic.dims == ("time",)
+    assert ledger.momentum.attrs["units"] in ("N s", "N s/m^2")
+    # The discrete balance holds to round-off; thousands of steps gather some of it.
+    assert float(abs(ledger.residual).max()) < 1e-10
+    assert float(ledger.work_left[-1]) > 0
+
+
+def test_audit_is_a_table_of_columns(run):
+    audit = open_xarray(run(COPPER), "audit")
+    assert {"effect", "estimate", "threshold", "message"} <= set(audit.variables)
+    assert audit.effect.dims == audit.message.dims == audit.estimate.dims
+    with h5py.File(run(COPPER)) as file:
+        assert len(file["audit/message"].asstr()[:]) == audit.sizes[audit.effect.dims[0]] > 0
+
+
+def test_materials_are_kept_as_used(run):
+    with h5py.File(run(COPPER)) as file:
+        (material,) = file["material"].values()
+        assert material["stress"].shape == material["strain"].shape
+        assert material["stress"].dims[0][0] == material["strain"]
+        assert material.attrs["density"] > 0
+        assert material.attrs["citation"]
+
+
+@pytest.mark.parametrize("compression, filter", [("lzf", "lzf"), ("none", None)])
+def test_other_compressions_read_alike(run, compression, filter):
+    path = run(COPPER, "--set", f'record.compression="{compression}"')
+    with h5py.File(path) as file, h5py.File(run(COPPER)) as default:
+        assert file["stress"].compression == filter
+        assert np.array_equal(file["stress"][:], default["stress"][:])
+
+
+def started(program, scene, output):
+    """A run that has its file and has gone on for a second."""
+    process = subprocess.Popen([program, "run", scene, "-o", output, "--quiet"], cwd=ROOT)
+    deadline = time.monotonic() + 60
+    while not output.exists():
+        assert process.poll() is None, "the run ended before its file was there"
+        assert time.monotonic() < deadline
+        time.sleep(0.02)
+    time.sleep(1.0)
+    assert process.poll() is None, "the scene is too short for this test"
+    return process
+
+
+def assert_frames_are_sound(file):
+    frames = file["time"].shape[0]
+    assert 1 < frames < 20001
+    assert (np.diff(file["time"][:]) > 0).all()
+    for name in ("stress", "strain", "velocity"):
+        values = file[name][:]
+        assert values.shape[0] == frames
+        assert np.isfinite(values).all()
+    # The bar is pulled: the frames hold waves, not just zeros.
+    assert file["stress"][frames - 1].max() > 1e6
+
+
+def test_a_killed_run_leaves_its_frames(program, long_scene, tmp_path):
+    output = tmp_path / "killed.h5"
+    process = started(program, long_scene, output)
+    process.kill()
+    process.wait()
+    with h5py.File(output) as file:
+        assert file.attrs["outcome"] == "running"
+        assert file.attrs["scene"] == long_scene.read_text()
+        assert_frames_are_sound(file)
+        assert file["gauges/middle/time"].shape == file["gauges/middle/stress"].shape
+    assert open_xarray(output).stress.dims == ("time", "x")
+
+
+def test_an_interrupted_run_closes_its_file(program, long_scene, tmp_path):
+    output = tmp_path / "interrupted.h5"
+    process = started(program, long_scene, output)
+    process.send_signal(signal.SIGINT)
+    assert process.wait(timeout=60) == 130
+    with h5py.File(output) as file:
+        assert file.attrs["outcome"] == "interrupted"
+        assert file.attrs["wall_seconds"] > 0
+        assert_frames_are_sound(file)
+        assert "ledger" in file and "fronts" in file
+
+
+def test_a_wrong_scene_leaves_an_older_result_alone(program, run, tmp_path):
+    output = tmp_path / "result.h5"
+    before = run(BILINEAR).read_bytes()
+    output.write_bytes(before)
+    wrong = subprocess.run([program, "run", BILINEAR, "-o", output, "--set", "solve.cells=-1"], cwd=ROOT)
+    assert wrong.returncode == 2
+    assert output.read_bytes() == before
+    assert [path.name for path in tmp_path.iterdir()] == ["result.h5"]
+
+
+@pytest.mark.parametrize("kind, start", [("svg", b"<svg"), ("png", b"\x89PNG"), ("html", b"<!DOCTYPE html>")])
+def test_a_report_is_drawn(program, run, tmp_path, kind, start):
+    output = tmp_path / f"figure.{kind}"
+    subprocess.run([program, "report", run(COPPER), "-o", output], check=True)
+    content = output.read_bytes()
+    assert content.startswith(start)
+    # Nothing is fetched from anywhere: the only addresses are names of XML languages.
+    if kind != "png":
+        assert set(re.findall(rb"https?://[^\"' )]+", content)) <= {b"http://www.w3.org/2000/svg"}

@@ -16,6 +16,9 @@ pub struct FrontTracker {
 /// front itself: ripples are two to four cells long.
 const LOOK_AHEAD: usize = 8;
 
+/// Width of a steep front in cells.
+const FRONT_WIDTH: f64 = 4.0;
+
 /// One front: the place where the strain passes the middle between ahead and behind.
 #[derive(Debug, Clone)]
 struct Front {
@@ -43,10 +46,11 @@ struct Window {
 }
 
 impl Window {
-    fn undisturbed(&self, time: f64, distance: f64) -> bool {
+    /// True where a front at this distance cannot have met another wave yet; `margin` is the width of a front.
+    fn undisturbed(&self, time: f64, distance: f64, margin: f64) -> bool {
         let from_far = self.length - self.c0 * (time - self.far).max(0.0);
         let from_near = self.c0 * (time - self.near).max(0.0);
-        distance <= from_far && distance >= from_near
+        distance + margin <= from_far && distance >= from_near
     }
 }
 
@@ -111,7 +115,7 @@ impl Front {
         }
         let within = (behind - self.level) / (behind - ahead);
         let distance = (self.passed as f64 - 0.5 + within) * part.dx;
-        if self.window.undisturbed(bar.time(), distance) {
+        if self.window.undisturbed(bar.time(), distance, FRONT_WIDTH * part.dx) {
             self.track.push((bar.time(), distance));
         } else {
             self.finished = true;

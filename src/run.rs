@@ -131,7 +131,7 @@ impl<'a> Run<'a> {
         let writer = output.map(|path| create_file(scene, path, &frames, critical)).transpose()?;
         let yield_strain = |m: &Material| m.tension.elastic_limit(m.modulus).0;
         let yield_strains: Vec<f64> = scene.bar.segments.iter().map(|s| yield_strain(&s.material)).collect();
-        let tracker = FrontTracker::new(&scene.bar, &launches, [&scene.left, &scene.right]);
+        let tracker = FrontTracker::new(&scene.bar, bar.grid(), &launches, [&scene.left, &scene.right]);
         Ok(Self {
             steps: steps(scene, bar.grid().dt),
             traces: Traces::new(Sampling::at(bar.grid(), places)),

@@ -3,7 +3,7 @@
 
 use super::FrontRow;
 use crate::bar::{Bar, EndCondition, Launch, Origin};
-use crate::solver::fd::{Leapfrog, Quantity};
+use crate::solver::fd::{Grid, Leapfrog, Quantity};
 use crate::wave::similarity::Edge;
 
 /// Follows all fronts that a bar's ends and joints send out at the start.
@@ -25,6 +25,8 @@ struct Front {
     launch: Launch,
     edge: Edge,
     window: Window,
+    /// Width of a steep front on this grid, m.
+    width: f64,
     /// Magnitude of strain that marks the front.
     level: f64,
     /// Cells behind the front, counted from the origin.
@@ -55,8 +57,8 @@ impl Window {
 }
 
 impl FrontTracker {
-    /// A tracker for the fans of a bar.
-    pub fn new(bar: &Bar, launches: &[Launch], ends: [&EndCondition; 2]) -> Self {
+    /// A tracker for the fans of a bar on a grid.
+    pub fn new(bar: &Bar, grid: &Grid, launches: &[Launch], ends: [&EndCondition; 2]) -> Self {
         let mut fronts = Vec::new();
         for launch in launches {
             let window = window(bar, launch, launches, ends);
@@ -66,6 +68,7 @@ impl FrontTracker {
                     launch: launch.clone(),
                     edge: *edge,
                     window,
+                    width: FRONT_WIDTH * grid.segments[launch.segment].dx,
                     level,
                     passed: 0,
                     track: Vec::new(),
@@ -115,17 +118,19 @@ impl Front {
         }
         let within = (behind - self.level) / (behind - ahead);
         let distance = (self.passed as f64 - 0.5 + within) * part.dx;
-        if self.window.undisturbed(bar.time(), distance, FRONT_WIDTH * part.dx) {
+        if self.window.undisturbed(bar.time(), distance, self.width) {
             self.track.push((bar.time(), distance));
         } else {
             self.finished = true;
         }
     }
 
-    /// Speed by a straight line through the later half of the track, m/s.
+    /// Speed by a straight line through the later half of the track, m/s; NaN where the front moved by less than its own
+    /// width there.
     fn speed(&self) -> f64 {
         let late = &self.track[self.track.len() / 2..];
-        if late.len() < 2 {
+        let moved = late.last().map_or(0.0, |end| end.1 - late[0].1);
+        if moved < self.width {
             return f64::NAN;
         }
         let n = late.len() as f64;

@@ -25,7 +25,7 @@ fn error_of(scene: &str, cells: &str, folder: &Path) -> f64 {
 }
 
 /// The cells of the table rows that start with the given text.
-fn rows<'a>(start: &'a str) -> impl Iterator<Item = Vec<&'a str>> + 'a {
+fn rows(start: &str) -> impl Iterator<Item = Vec<&str>> {
     let lines = README.lines().filter(move |line| line.starts_with(start));
     lines.map(|line| line.trim_matches('|').split('|').map(str::trim).collect())
 }

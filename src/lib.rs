@@ -5,8 +5,10 @@
 //! end; velocity is positive in +x; everything inside is SI.
 
 pub mod error;
-pub mod input;
+
 pub mod units;
+
+pub mod input;
 
 pub mod material;
 

@@ -13,7 +13,7 @@ mod elastic;
 mod path_independent;
 mod plastic;
 
-pub use backbone::{Backbone, Envelope, Indexed, Searched, Table, TwoSided};
+pub use backbone::{Backbone, Envelope, Indexed, Line, Searched, Table, TwoSided};
 pub use elastic::elastic_row;
 pub use path_independent::PathIndependent;
 pub use plastic::{Isotropic, Mixed};

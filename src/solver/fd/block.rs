@@ -41,9 +41,7 @@ pub(super) struct Block {
     pub handed: Vec<f64>,
     /// Velocities of the nodes next to the block in its own segment, for the damping.
     pub outside: [Option<f64>; 2],
-    /// What the damping took from each inner node in the latest step, see [`ripple::hand_over`].
-    pub lost: Vec<f64>,
-    /// Running sum of `lost` over nodes and steps.
+    /// Running sum of what the damping took from the block's inner nodes, see [`ripple::hand_over`].
     pub damped: f64,
 }
 
@@ -71,7 +69,6 @@ impl Block {
             work: Vec::new(),
             plastic: 0.0,
             handed: Vec::new(),
-            lost: Vec::new(),
             outside: [None, None],
             damped: 0.0,
         }
@@ -85,12 +82,10 @@ impl Block {
         }
         if self.handed.is_empty() {
             self.handed = vec![0.0; self.sigma.len()];
-            self.lost = vec![0.0; self.sigma.len() - 1];
         }
         ripple::find(&self.v, &self.work, self.outside, &mut self.handed);
         let inner = self.v.len() - 1;
-        ripple::hand_over(velocity_gain, &self.sigma, &self.handed, &mut self.v[1..inner], &mut self.lost);
-        self.damped += row_sum(&self.lost);
+        self.damped += ripple::hand_over(velocity_gain, &self.sigma, &self.handed, &mut self.v[1..inner]);
     }
 
     /// Velocity difference that the damping hands over in the first and last cell.

@@ -11,14 +11,16 @@
 //!
 //! **Overshoot.** A plastic wave has a Courant number below 1, so its front runs ahead of a train of ripples, and
 //! plastic flow keeps their peaks: too much plastic strain, for good. In a cell that is flowing, the part of the
-//! strain rate is damped that stands out above its neighbours' (their mean, or twice the smaller one), so that the
-//! front keeps its steepness but not its peak.
+//! strain rate is damped that stands out above twice the lesser of its neighbours', as it does where the front turns
+//! into its peak and not within it.
 //!
 //! Both are equal and opposite impulses on the cell's two nodes: momentum is kept to the last bit, and the energy
 //! they take is booked as viscous in the ledger. On bilinear bars (plastic wave speed 0.1 to 0.97 c0) the error in
 //! stress falls to about half of the undamped scheme's, at 1000 and at 10000 cells.
 
 use multiversion::multiversion;
+
+use crate::law::LANES;
 
 /// Share of an alternating velocity difference that a step hands over between two nodes. A pure zigzag shrinks by
 /// 1 - 4 x 1/8 = 1/2 a step; 0.06 to 0.25 give the same errors within 5 %.
@@ -34,14 +36,11 @@ fn alternating(left: f64, w: f64, right: f64) -> f64 {
     if left * w < 0.0 && w * right < 0.0 { w } else { 0.0 }
 }
 
-/// The part of `w` above what its neighbours support: the smaller of their mean and twice the lesser; none of it is
-/// supported where they differ in sign.
+/// The part of `w` above what its neighbours support: twice the lesser of them, nothing where a sign differs.
 #[inline(always)]
 fn standing_out(left: f64, w: f64, right: f64) -> f64 {
     let lesser = if left.abs() < right.abs() { left.abs() } else { right.abs() };
-    let mean = 0.5 * (left + right).abs();
-    let limit = if mean < 2.0 * lesser { mean } else { 2.0 * lesser };
-    let supported = if left * w > 0.0 && w * right > 0.0 { limit } else { 0.0 };
+    let supported = if left * w > 0.0 && w * right > 0.0 { 2.0 * lesser } else { 0.0 };
     let above = w.abs() - supported;
     (if above > 0.0 { above } else { 0.0 }).copysign(w)
 }
@@ -103,19 +102,30 @@ fn windows<'a>(v: &'a [f64], handed: &'a mut [f64]) -> Option<(&'a mut [f64], [&
     Some((&mut handed[1..=inner], nodes))
 }
 
-/// Hands the differences over to the nodes inside a block. `gain` is dt/(rho dx). `lost` is set to twice the energy
-/// taken from each node per node mass, (m/s)^2.
+/// Hands the differences over to the nodes inside a block. `gain` is dt/(rho dx). Returns the sum over nodes of twice
+/// the energy taken, per node mass, (m/s)^2.
 ///
 /// With v before and after, and g = gain times the stress difference at the node, a node loses
 /// m (v - v') (v + v' - g)/2 of the energy that the scheme conserves (see the ledger's kinetic energy).
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
-pub(super) fn hand_over(gain: f64, sigma: &[f64], handed: &[f64], v: &mut [f64], lost: &mut [f64]) {
+pub(super) fn hand_over(gain: f64, sigma: &[f64], handed: &[f64], v: &mut [f64]) -> f64 {
     let nodes = v.len();
-    let (left, right, lost) = (&handed[..nodes], &handed[1..=nodes], &mut lost[..nodes]);
+    let (left, right) = (&handed[..nodes], &handed[1..=nodes]);
     let (below, above) = (&sigma[..nodes], &sigma[1..=nodes]);
-    for i in 0..nodes {
-        lost[i] = node(gain * (above[i] - below[i]), right[i] - left[i], &mut v[i]);
+    let mut lost = [0.0; LANES];
+    let whole = nodes - nodes % LANES;
+    for start in (0..whole).step_by(LANES) {
+        let lanes = start..start + LANES;
+        let (l, r, v) = (&left[lanes.clone()], &right[lanes.clone()], &mut v[lanes.clone()]);
+        let (b, a) = (&below[lanes.clone()], &above[lanes]);
+        for lane in 0..LANES {
+            lost[lane] += node(gain * (a[lane] - b[lane]), r[lane] - l[lane], &mut v[lane]);
+        }
     }
+    for i in whole..nodes {
+        lost[0] += node(gain * (above[i] - below[i]), right[i] - left[i], &mut v[i]);
+    }
+    lost.iter().sum()
 }
 
 /// One node: takes on the velocity change and returns (v - v') (v + v' - g).

@@ -1,0 +1,108 @@
+//! Bars without scene files, for the integration tests.
+#![allow(dead_code, reason = "every test file takes what it needs")]
+
+use std::sync::Arc;
+
+use barwave::assemble::segment_law;
+use barwave::bar::{Bar, EndCondition, History, Joint, Segment};
+use barwave::material::{Beyond, Curve, Material};
+use barwave::record::Ledger;
+use barwave::scene::{Effects, Unloading};
+use barwave::solver::fd::{Grid, Leapfrog, Quantity};
+
+/// Pa.
+pub const MODULUS: f64 = 200e9;
+/// kg/m^3.
+pub const DENSITY: f64 = 7800.0;
+/// Pa.
+pub const YIELD: f64 = 200e6;
+
+/// The bilinear steel of the benchmarks: yield at 200 MPa, then a tangent modulus of 20 GPa.
+pub fn bilinear_steel() -> Material {
+    material(&[(0.001, YIELD), (0.021, 600e6)], Beyond::Extend)
+}
+
+/// A material of [`DENSITY`] with one table.
+pub fn material(rows: &[(f64, f64)], beyond: Beyond) -> Material {
+    Material::from_curve("steel", DENSITY, Curve::new(rows, beyond).expect("rows rise"))
+}
+
+/// Hooke's law for ever.
+pub fn elastic_steel() -> Material {
+    material(&[(0.01, 2e9)], Beyond::Extend)
+}
+
+/// 60 knots on 200 MPa (eps/0.001)^0.2 from strain 0.001 to 0.05, evenly spaced in the logarithm of strain.
+pub fn power_law_steel() -> Material {
+    let knot = |k: i32| 0.001 * 50.0_f64.powf(f64::from(k) / 59.0);
+    let rows: Vec<(f64, f64)> = (0..60).map(|k| (knot(k), YIELD * (knot(k) / 0.001).powf(0.2))).collect();
+    material(&rows, Beyond::Extend)
+}
+
+/// A resting segment of 1 m^2, bonded to the next.
+pub fn segment(material: Material, length: f64) -> Segment {
+    Segment { length, area: 1.0, material: Arc::new(material), velocity: 0.0, joint: Joint::Bonded }
+}
+
+/// The end moves with this velocity from t = 0 on.
+pub fn moved(velocity: f64) -> EndCondition {
+    EndCondition::Velocity { history: History::constant(velocity), release: None }
+}
+
+/// The end moves as these rows say.
+pub fn moved_by(rows: &[(f64, f64)]) -> EndCondition {
+    EndCondition::Velocity { history: history(rows), release: None }
+}
+
+/// The end carries the stress of these rows.
+pub fn loaded_by(rows: &[(f64, f64)]) -> EndCondition {
+    EndCondition::Stress { history: history(rows) }
+}
+
+/// A history from rows that are in order.
+pub fn history(rows: &[(f64, f64)]) -> History {
+    History::new(rows).expect("rows are in order")
+}
+
+/// The bar, ready to step.
+pub fn leapfrog(
+    segments: Vec<Segment>,
+    ends: [EndCondition; 2],
+    unloading: Option<Unloading>,
+    cells: usize,
+    cfl: f64,
+) -> Leapfrog {
+    let effects = Effects { unloading };
+    let laws = segments.iter().map(|s| segment_law(s, &effects)).collect();
+    let bar = Bar { segments, area_given: true };
+    let grid = Grid::new(&bar, cells, cfl);
+    Leapfrog::new(&bar, grid, laws, ends)
+}
+
+/// A number of steps.
+pub fn advance(bar: &mut Leapfrog, steps: usize) {
+    for _ in 0..steps {
+        bar.advance();
+    }
+}
+
+/// Steps up to the step nearest to a time.
+pub fn advance_to(bar: &mut Leapfrog, time: f64) {
+    while bar.time() < time - 0.5 * bar.grid().dt {
+        bar.advance();
+    }
+}
+
+/// A quantity in every cell.
+pub fn profile(bar: &Leapfrog, quantity: Quantity) -> Vec<f64> {
+    let mut values = vec![0.0; bar.grid().cells()];
+    bar.profile(quantity, &mut values);
+    values
+}
+
+/// Momentum and energy must be accounted for to 1e-10 of what went through the bar: sums of some 1e6 terms with errors
+/// of 1e-16 each, most of which cancel; a term that is missing anywhere shows as 1e-5 and more.
+pub fn assert_ledger(ledger: &Ledger, what: &str) {
+    assert!(ledger.worst_energy() < 1e-10, "{what}: energy residual {:e}", ledger.worst_energy());
+    assert!(ledger.worst_momentum() < 1e-10, "{what}: momentum residual {:e}", ledger.worst_momentum());
+}

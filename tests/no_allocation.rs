@@ -1,0 +1,103 @@
+//! Stepping allocates nothing, and an effect that is off costs no memory.
+#![allow(unsafe_code, reason = "a global allocator that counts")]
+
+mod common;
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+
+use barwave::bar::EndCondition;
+use barwave::scene::Unloading;
+use barwave::solver::fd::{Leapfrog, Quantity};
+
+/// The system's allocator with a count of calls on each thread, since tests run side by side.
+struct Counting;
+
+thread_local! {
+    static CALLS: Cell<usize> = const { Cell::new(0) };
+}
+
+fn count() {
+    CALLS.with(|calls| calls.set(calls.get() + 1));
+}
+
+// SAFETY: every call is passed on to the system's allocator as it came.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        count();
+        // SAFETY: as the caller promises.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: as the caller promises.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+
+    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
+        count();
+        // SAFETY: as the caller promises.
+        unsafe { System.alloc_zeroed(layout) }
+    }
+
+    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        count();
+        // SAFETY: as the caller promises.
+        unsafe { System.realloc(pointer, layout, size) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// Allocations during some steps.
+fn allocations(bar: &mut Leapfrog, steps: usize) -> usize {
+    let before = CALLS.with(Cell::get);
+    common::advance(bar, steps);
+    CALLS.with(Cell::get) - before
+}
+
+/// 5000 cells, ten blocks, struck at its left end.
+fn struck(velocity: f64, unloading: Option<Unloading>) -> Leapfrog {
+    let ends = [common::moved(velocity), EndCondition::Fixed];
+    common::leapfrog(vec![common::segment(common::bilinear_steel(), 1.0)], ends, unloading, 5000, 1.0)
+}
+
+#[test]
+fn the_counter_counts() {
+    let before = CALLS.with(Cell::get);
+    let boxed = std::hint::black_box(Box::new(1));
+    assert_eq!((*boxed, CALLS.with(Cell::get) - before), (1, 1));
+}
+
+#[test]
+fn an_elastic_run_allocates_nothing_and_carries_no_state() {
+    for unloading in [None, Some(Unloading::Isotropic), Some(Unloading::Kinematic)] {
+        // 2 m/s is 79 MPa, twice that after the reflection: below yield at 200 MPa.
+        let mut bar = struck(2.0, unloading);
+        assert_eq!(allocations(&mut bar, 7000), 0);
+        assert!(bar.stayed_elastic() && bar.value(Quantity::Stress, 4999) < -100e6);
+        assert_eq!(bar.state_bytes(), 0);
+    }
+}
+
+#[test]
+fn a_plastic_run_allocates_nothing_once_every_block_has_yielded() {
+    for (unloading, numbers) in
+        [(None, 1), (Some(Unloading::Isotropic), 2), (Some(Unloading::Kinematic), 4), (Some(Unloading::Mixed(0.3)), 4)]
+    {
+        let mut bar = struck(20.0, unloading);
+        assert!(allocations(&mut bar, 6000) > 0);
+        // State of all cells, and not a number more than the law has.
+        assert_eq!(bar.state_bytes(), 8 * numbers * 5000);
+        assert_eq!(allocations(&mut bar, 2000), 0);
+    }
+}
+
+#[test]
+fn only_yielded_blocks_carry_state() {
+    // 100 steps after the start, waves are within the first block of 512 cells.
+    let mut bar = struck(20.0, Some(Unloading::Isotropic));
+    common::advance(&mut bar, 100);
+    assert_eq!(bar.state_bytes(), 8 * 2 * 512);
+}

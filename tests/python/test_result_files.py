@@ -18,6 +18,7 @@ pytestmark = pytest.mark.filterwarnings("error")
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 BILINEAR = "runs/bilinear-p2.toml"
 COPPER = "runs/copper-below-critical.toml"
+ABOVE = "runs/copper-above-critical.toml"
 PULSE = "runs/pulse-tension-us.toml"
 LEDGER = {"time", "kinetic", "elastic", "plastic", "work_left", "work_right", "momentum", "impulse", "residual"}
 
@@ -147,10 +148,10 @@ def test_ledger_balances(run):
 
 
 def test_audit_is_a_table_of_columns(run):
-    audit = open_xarray(run(COPPER), "audit")
+    audit = open_xarray(run(ABOVE), "audit")
     assert {"effect", "estimate", "threshold", "message"} <= set(audit.variables)
     assert audit.effect.dims == audit.message.dims == audit.estimate.dims
-    with h5py.File(run(COPPER)) as file:
+    with h5py.File(run(ABOVE)) as file:
         assert len(file["audit/message"].asstr()[:]) == audit.sizes[audit.effect.dims[0]] > 0
 
 

@@ -144,7 +144,7 @@ impl Leapfrog {
         for_each(&mut self.blocks, self.parallel, damp);
         for (k, edge) in self.edges.iter_mut().enumerate() {
             let (left, right) = (&self.blocks[k], &self.blocks[k + 1]);
-            let change = right.handed_at_edges().0 - left.handed_at_edges().1;
+            let change = right.handed_at_edges[0] - left.handed_at_edges[1];
             let g = edge.gain_right * right.sigma[0] - edge.gain_left * last(&left.sigma);
             self.damped_at_edges += 0.5 * edge.mass * ripple::node(g, change, &mut edge.after);
             // So that after - before stays what the stresses gave the node, as for the nodes inside a block.
@@ -157,7 +157,7 @@ impl Leapfrog {
     /// The end nodes' part of the damping: half the mass, so twice the velocity change.
     fn damp_ends(&mut self) {
         let (first, last_block) = (&self.blocks[0], &self.blocks[self.blocks.len() - 1]);
-        let (left, right) = (2.0 * first.handed_at_edges().0, -2.0 * last_block.handed_at_edges().1);
+        let (left, right) = (2.0 * first.handed_at_edges[0], -2.0 * last_block.handed_at_edges[1]);
         if left != 0.0 && !self.left.is_held() {
             self.damped_at_edges += self.left.damp(left, first.sigma[0]);
         }

@@ -188,7 +188,7 @@ impl Leapfrog {
         for (k, edge) in self.edges.iter_mut().enumerate() {
             let (left, right) = (&self.blocks[k], &self.blocks[k + 1]);
             let change = right.handed_at_edges().0 - left.handed_at_edges().1;
-            let g = edge.gain_right * right.sigma[0] - edge.gain_left * last(&left.sigma);
+            let g = edge.kick(last(&left.sigma), right.sigma[0]);
             self.damped_at_edges += 0.5 * edge.mass * ripple::node(g, change, &mut edge.after);
             // So that after - before stays what the stresses gave the node, as for the nodes inside a block.
             edge.before += change;
@@ -229,7 +229,7 @@ impl Leapfrog {
             let sigma_left = last(&self.blocks[k].sigma);
             let sigma_right = self.blocks[k + 1].sigma[0];
             edge.before = edge.after;
-            edge.after += edge.gain_right * sigma_right - edge.gain_left * sigma_left;
+            edge.after += edge.kick(sigma_left, sigma_right);
         }
         self.left.advance(time, self.blocks[0].sigma[0]);
         self.right.advance(time, last(&self.blocks[self.blocks.len() - 1].sigma));
@@ -337,13 +337,19 @@ impl Leapfrog {
     fn node_velocity(&self, k: usize, i: usize) -> f64 {
         let block = &self.blocks[k];
         if i == 0 {
-            return if k == 0 { self.left.velocity() } else { self.edges[k - 1].mean() };
+            return if k == 0 { self.left.velocity() } else { self.edge_velocity(k - 1) };
         }
         if i == block.sigma.len() {
-            return if k == self.edges.len() { self.right.velocity() } else { self.edges[k].mean() };
+            return if k == self.edges.len() { self.right.velocity() } else { self.edge_velocity(k) };
         }
         let gain = self.constants[block.segment].velocity_gain;
         block.v[i] - 0.5 * (gain * (block.sigma[i] - block.sigma[i - 1]))
+    }
+
+    /// The same for the node between blocks `k` and `k + 1`.
+    fn edge_velocity(&self, k: usize) -> f64 {
+        let edge = &self.edges[k];
+        edge.after - 0.5 * edge.kick(last(&self.blocks[k].sigma), self.blocks[k + 1].sigma[0])
     }
 
     /// Energies and momentum at the current time. One pass over all cells.
@@ -441,8 +447,14 @@ impl Energies {
 }
 
 impl Edge {
-    fn mean(&self) -> f64 {
-        0.5 * (self.before + self.after)
+    /// Velocity change in a step, m/s, from the stresses on both sides. Inside a segment it has the bits that a node
+    /// inside a block would have, so that results do not depend on where blocks meet.
+    fn kick(&self, sigma_left: f64, sigma_right: f64) -> f64 {
+        if self.gain_left == self.gain_right {
+            self.gain_left * (sigma_right - sigma_left)
+        } else {
+            self.gain_right * sigma_right - self.gain_left * sigma_left
+        }
     }
 }
 

@@ -214,8 +214,10 @@ impl Leapfrog {
     fn node_outside(&self, k: usize, neighbour: usize) -> Option<f64> {
         let block = &self.blocks[k];
         let Some(other) = self.blocks.get(neighbour) else {
+            // A short bar has one block, which has both ends.
+            let at_right = neighbour == k + 1;
             let (end, mirrored) =
-                if k == 0 { (&self.left, block.v[1]) } else { (&self.right, block.v[block.v.len() - 2]) };
+                if at_right { (&self.right, block.v[block.v.len() - 2]) } else { (&self.left, block.v[1]) };
             return (!end.is_held()).then_some(mirrored);
         };
         let inner = if neighbour < k { other.v[other.v.len() - 2] } else { other.v[1] };

@@ -64,8 +64,8 @@ fn p3_bar(cells: usize) -> Leapfrog {
     struck(common::power_law_steel(), 20.0, cells)
 }
 
-/// Power law struck at 20 m/s: stress of the smooth law. With s = 200 MPa (e/e_y)^n the wave speed is
-/// c0 sqrt(n) (e/e_y)^((n-1)/2), whose inverse is the fan; the velocity integral of it gives the largest strain.
+/// Power law struck at 20 m/s: stress of the smooth law. With `s = 200 MPa (e/e_y)^n` the wave speed is
+/// `c0 sqrt(n) (e/e_y)^((n-1)/2)`, whose inverse is the fan; the velocity integral of it gives the largest strain.
 fn p3_exact(xi: f64) -> f64 {
     let n = 0.2_f64;
     let ratio_max = ((20.0 / (c0() * YIELD_STRAIN) - 1.0) * 0.6 / n.sqrt() + 1.0).powf(1.0 / 0.6);

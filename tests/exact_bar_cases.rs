@@ -1,10 +1,10 @@
 //! Exact piecewise-constant solutions of bilinear bars with unloading and reflections, against the leapfrog scheme.
 //!
-//! The cases (tests/data/exact_bar_cases.json) are in units of rho = c0 = E = sigma_y = 1, so that the yield velocity
+//! The cases (`tests/data/exact_bar_cases.json`) are in units of rho = c0 = E = `sigma_y` = 1, so that the yield velocity
 //! is 1 too; they were computed in rational arithmetic by following every wave front.
 //!
 //! Every level of stress and velocity must come out within 2 % of yield, and within 0.5 % on the mean; plastic strain
-//! within 0.03 sigma_y/E. All are looked at in the middle half of their interval: the scheme spreads a front over
+//! within 0.03 of the yield strain. All are looked at in the middle half of their interval: the scheme spreads a front over
 //! some cells, and its place is not what is asked here.
 
 mod common;
@@ -167,7 +167,7 @@ fn histories(bar: &mut Leapfrog, ledger: &mut Ledger, end: f64) -> Histories {
             all.stress[side].push((bar.time(), device.stress()));
             all.velocity[side].push((bar.time(), device.velocity()));
         }
-        if bar.step() % 50 == 0 {
+        if bar.step().is_multiple_of(50) {
             ledger.row(bar);
         }
     }

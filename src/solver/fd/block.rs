@@ -9,7 +9,7 @@ use super::ripple;
 use crate::law::{RowLaw, elastic_row, row_sum};
 
 /// Cells of a full block. Fixed, so that sums over blocks have the same bits whatever the number of threads.
-pub(super) const BLOCK: usize = 576;
+pub(super) const BLOCK: usize = 512;
 
 /// What a block's cells have met so far; decides which kernel they need.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -145,7 +145,7 @@ impl Leapfrog {
         for (k, edge) in self.edges.iter_mut().enumerate() {
             let (left, right) = (&self.blocks[k], &self.blocks[k + 1]);
             let change = right.handed_at_edges[0] - left.handed_at_edges[1];
-            let g = edge.gain_right * right.sigma[0] - edge.gain_left * last(&left.sigma);
+            let g = edge.kick(last(&left.sigma), right.sigma[0]);
             self.damped_at_edges += 0.5 * edge.mass * ripple::node(g, change, &mut edge.after);
             // So that after - before stays what the stresses gave the node, as for the nodes inside a block.
             edge.before += change;
@@ -238,8 +238,14 @@ impl Leapfrog {
 }
 
 impl Edge {
-    pub fn mean(&self) -> f64 {
-        0.5 * (self.before + self.after)
+    /// Velocity change in a step, m/s, from the stresses on both sides. Inside a segment it has the bits that a node
+    /// inside a block would have, so that results do not depend on where blocks meet.
+    pub fn kick(&self, sigma_left: f64, sigma_right: f64) -> f64 {
+        if self.gain_left == self.gain_right {
+            self.gain_left * (sigma_right - sigma_left)
+        } else {
+            self.gain_right * sigma_right - self.gain_left * sigma_left
+        }
     }
 }
 

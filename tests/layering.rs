@@ -43,7 +43,7 @@ fn code_only(text: &str) -> String {
     code
 }
 
-/// What follows a path's root ("crate::" or the last "super::"): one name, or the first names of a braced list.
+/// What follows a path's root (`crate::` or the last `super::`): one name, or the first names of a braced list.
 fn names(after: &str) -> Vec<&str> {
     let word = |text: &'_ str| text.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(text.len());
     let Some(list) = after.strip_prefix('{') else { return vec![&after[..word(after)]] };

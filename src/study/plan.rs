@@ -72,8 +72,8 @@ pub fn plan(scene: &Scene) -> Plan {
     let all = launches(&scene.bar, &scene.left, &scene.right);
     let law = assemble::segment_law(&scene.bar.segments[0], &scene.effects);
     let number = size_of::<f64>();
-    // Stress and velocity; then the law's state, the step's plastic work, and the damping's row.
-    let (elastic, yielded) = (2 * number, (4 + law.law.state_len()) * number);
+    // Stress and velocity; then the law's state and a byte for the damping.
+    let (elastic, yielded) = (2 * number, (2 + law.law.state_len()) * number + 1);
     let samples = scene.record.cells.unwrap_or(cells) * scene.record.times.len() * scene.record.fields.len();
     let quickest = elastic_seconds_per_cell_step() * (cells * steps) as f64;
     Plan {

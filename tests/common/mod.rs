@@ -32,10 +32,15 @@ pub fn elastic_steel() -> Material {
     material(&[(0.01, 2e9)], Beyond::Extend)
 }
 
-/// 60 knots on 200 MPa (eps/0.001)^0.2 from strain 0.001 to 0.05, evenly spaced in the logarithm of strain.
+/// 60 knots on 200 MPa (eps/0.001)^0.2.
 pub fn power_law_steel() -> Material {
-    let knot = |k: i32| 0.001 * 50.0_f64.powf(f64::from(k) / 59.0);
-    let rows: Vec<(f64, f64)> = (0..60).map(|k| (knot(k), YIELD * (knot(k) / 0.001).powf(0.2))).collect();
+    power_law_table(60)
+}
+
+/// Knots on 200 MPa (eps/0.001)^0.2 from strain 0.001 to 0.05, evenly spaced in the logarithm of strain.
+pub fn power_law_table(knots: u32) -> Material {
+    let knot = |k: u32| 0.001 * 50.0_f64.powf(f64::from(k) / f64::from(knots - 1));
+    let rows: Vec<(f64, f64)> = (0..knots).map(|k| (knot(k), YIELD * (knot(k) / 0.001).powf(0.2))).collect();
     material(&rows, Beyond::Extend)
 }
 

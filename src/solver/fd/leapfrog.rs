@@ -144,8 +144,8 @@ impl Leapfrog {
         for_each(&mut self.blocks, self.parallel, damp);
         for (k, edge) in self.edges.iter_mut().enumerate() {
             let (left, right) = (&self.blocks[k], &self.blocks[k + 1]);
-            let change = right.handed_at_edges().0 - left.handed_at_edges().1;
-            let g = edge.gain_right * right.sigma[0] - edge.gain_left * last(&left.sigma);
+            let change = right.handed_at_edges[0] - left.handed_at_edges[1];
+            let g = edge.kick(last(&left.sigma), right.sigma[0]);
             self.damped_at_edges += 0.5 * edge.mass * ripple::node(g, change, &mut edge.after);
             // So that after - before stays what the stresses gave the node, as for the nodes inside a block.
             edge.before += change;
@@ -157,7 +157,7 @@ impl Leapfrog {
     /// The end nodes' part of the damping: half the mass, so twice the velocity change.
     fn damp_ends(&mut self) {
         let (first, last_block) = (&self.blocks[0], &self.blocks[self.blocks.len() - 1]);
-        let (left, right) = (2.0 * first.handed_at_edges().0, -2.0 * last_block.handed_at_edges().1);
+        let (left, right) = (2.0 * first.handed_at_edges[0], -2.0 * last_block.handed_at_edges[1]);
         if left != 0.0 && !self.left.is_held() {
             self.damped_at_edges += self.left.damp(left, first.sigma[0]);
         }
@@ -171,8 +171,10 @@ impl Leapfrog {
     fn node_outside(&self, k: usize, neighbour: usize) -> Option<f64> {
         let block = &self.blocks[k];
         let Some(other) = self.blocks.get(neighbour) else {
+            // A short bar has one block, which has both ends.
+            let at_right = neighbour == k + 1;
             let (end, mirrored) =
-                if k == 0 { (&self.left, block.v[1]) } else { (&self.right, block.v[block.v.len() - 2]) };
+                if at_right { (&self.right, block.v[block.v.len() - 2]) } else { (&self.left, block.v[1]) };
             return (!end.is_held()).then_some(mirrored);
         };
         let inner = if neighbour < k { other.v[other.v.len() - 2] } else { other.v[1] };
@@ -186,7 +188,7 @@ impl Leapfrog {
             let sigma_left = last(&self.blocks[k].sigma);
             let sigma_right = self.blocks[k + 1].sigma[0];
             edge.before = edge.after;
-            edge.after += edge.gain_right * sigma_right - edge.gain_left * sigma_left;
+            edge.after += edge.kick(sigma_left, sigma_right);
         }
         self.left.advance(time, self.blocks[0].sigma[0]);
         self.right.advance(time, last(&self.blocks[self.blocks.len() - 1].sigma));
@@ -236,8 +238,14 @@ impl Leapfrog {
 }
 
 impl Edge {
-    pub fn mean(&self) -> f64 {
-        0.5 * (self.before + self.after)
+    /// Velocity change in a step, m/s, from the stresses on both sides. Inside a segment it has the bits that a node
+    /// inside a block would have, so that results do not depend on where blocks meet.
+    pub fn kick(&self, sigma_left: f64, sigma_right: f64) -> f64 {
+        if self.gain_left == self.gain_right {
+            self.gain_left * (sigma_right - sigma_left)
+        } else {
+            self.gain_right * sigma_right - self.gain_left * sigma_left
+        }
     }
 }
 

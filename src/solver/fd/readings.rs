@@ -1,7 +1,7 @@
 //! What can be read off a bar: fields, energies, cells past their data.
 
 use super::block::{Block, Stage};
-use super::leapfrog::Leapfrog;
+use super::leapfrog::{Leapfrog, last};
 
 /// What can be read in a cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -107,13 +107,19 @@ impl Leapfrog {
     fn node_velocity(&self, k: usize, i: usize) -> f64 {
         let block = &self.blocks[k];
         if i == 0 {
-            return if k == 0 { self.left.velocity() } else { self.edges[k - 1].mean() };
+            return if k == 0 { self.left.velocity() } else { self.edge_velocity(k - 1) };
         }
         if i == block.sigma.len() {
-            return if k == self.edges.len() { self.right.velocity() } else { self.edges[k].mean() };
+            return if k == self.edges.len() { self.right.velocity() } else { self.edge_velocity(k) };
         }
         let gain = self.constants[block.segment].velocity_gain;
         block.v[i] - 0.5 * (gain * (block.sigma[i] - block.sigma[i - 1]))
+    }
+
+    /// The same for the node between blocks `k` and `k + 1`.
+    fn edge_velocity(&self, k: usize) -> f64 {
+        let edge = &self.edges[k];
+        edge.after - 0.5 * edge.kick(last(&self.blocks[k].sigma), self.blocks[k + 1].sigma[0])
     }
 
     /// Energies and momentum at the current time. One pass over all cells.

@@ -45,31 +45,31 @@ fn standing_out(left: f64, w: f64, right: f64) -> f64 {
     (if above > 0.0 { above } else { 0.0 }).copysign(w)
 }
 
-/// Velocity difference to hand over in a cell; `work` is 0 unless the cell flows in this step.
+/// Velocity difference to hand over in a cell; `flow` is 1 where the cell flows in this step, else 0.
 #[inline(always)]
-fn hand(left: f64, w: f64, right: f64, work: f64) -> f64 {
-    let share = if work == 0.0 { 0.0 } else { OVERSHOOT_SHARE };
+fn hand(left: f64, w: f64, right: f64, flow: u8) -> f64 {
+    let share = if flow == 0 { 0.0 } else { OVERSHOOT_SHARE };
     ZIGZAG_SHARE * alternating(left, w, right) + share * standing_out(left, w, right)
 }
 
-/// Velocity differences to hand over, one a cell of a block, into `handed`. `v` are the block's node velocities, `work`
+/// Velocity differences to hand over, one a cell of a block, into `handed`. `v` are the block's node velocities, `flow`
 /// is as in [`hand`] (empty where the block has not yielded); `outside` are the nodes next to the block on both
 /// sides, none where the segment ends there: its last cell is then not damped, since its outer node belongs to a
 /// joint or to an end whose velocity is prescribed.
-pub(super) fn find(v: &[f64], work: &[f64], outside: [Option<f64>; 2], handed: &mut [f64]) {
+pub(super) fn find(v: &[f64], flow: &[u8], outside: [Option<f64>; 2], handed: &mut [f64]) {
     let cells = handed.len();
-    if work.is_empty() {
+    if flow.is_empty() {
         find_inner(v, handed);
     } else {
-        find_inner_flowing(v, work, handed);
+        find_inner_flowing(v, flow, handed);
     }
     let w = |i: usize| v[i + 1] - v[i];
-    let work = |i: usize| work.get(i).copied().unwrap_or(0.0);
+    let flow = |i: usize| flow.get(i).copied().unwrap_or(0);
     let left_of = |i: usize| if i > 0 { Some(w(i - 1)) } else { outside[0].map(|o| v[0] - o) };
     let right_of = |i: usize| if i + 1 < cells { Some(w(i + 1)) } else { outside[1].map(|o| o - v[cells]) };
     for i in [0, cells - 1] {
         handed[i] = match (left_of(i), right_of(i)) {
-            (Some(left), Some(right)) => hand(left, w(i), right, work(i)),
+            (Some(left), Some(right)) => hand(left, w(i), right, flow(i)),
             _ => 0.0,
         };
     }
@@ -86,11 +86,11 @@ fn find_inner(v: &[f64], handed: &mut [f64]) {
 
 /// The same in a block with yielded cells.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
-fn find_inner_flowing(v: &[f64], work: &[f64], handed: &mut [f64]) {
+fn find_inner_flowing(v: &[f64], flow: &[u8], handed: &mut [f64]) {
     let Some((out, [a, b, c, d])) = windows(v, handed) else { return };
-    let work = &work[1..=out.len()];
+    let flow = &flow[1..=out.len()];
     for i in 0..out.len() {
-        out[i] = hand(b[i] - a[i], c[i] - b[i], d[i] - c[i], work[i]);
+        out[i] = hand(b[i] - a[i], c[i] - b[i], d[i] - c[i], flow[i]);
     }
 }
 

@@ -1,0 +1,256 @@
+//! What every kind of end must do.
+
+mod common;
+
+use barwave::bar::{EndCondition, History, Segment};
+use barwave::record::Ledger;
+use barwave::scene::Unloading;
+use barwave::solver::fd::{Leapfrog, Quantity};
+use common::{DENSITY, MODULUS};
+
+/// One of every kind, none of which does anything to a bar at rest.
+fn idle_ends() -> Vec<EndCondition> {
+    vec![
+        common::moved(0.0),
+        EndCondition::Velocity { history: History::constant(0.0), release: Some(3e-5) },
+        common::loaded_by(&[(0.0, 0.0)]),
+        EndCondition::Free,
+        EndCondition::Fixed,
+        EndCondition::Absorbing,
+        EndCondition::Wall { gap: 0.0 },
+        EndCondition::Wall { gap: 1e-5 },
+    ]
+}
+
+/// One of every kind, the driven ones strong enough for the bar to yield (at 5 m/s or 200 MPa).
+fn busy_ends() -> Vec<EndCondition> {
+    let ramp = [(0.0, 0.0), (2e-5, 15.0), (9e-5, 15.0), (9e-5, -12.0), (2e-4, 0.0)];
+    vec![
+        common::moved(12.0),
+        common::moved_by(&ramp),
+        EndCondition::Velocity { history: History::constant(-18.0), release: Some(7.7e-5) },
+        common::loaded_by(&[(0.0, -300e6), (5e-5, -300e6), (5e-5, 100e6), (1.1e-4, 250e6)]),
+        EndCondition::Free,
+        EndCondition::Fixed,
+        EndCondition::Absorbing,
+        EndCondition::Wall { gap: 0.0 },
+        EndCondition::Wall { gap: 2e-4 },
+    ]
+}
+
+fn c0() -> f64 {
+    (MODULUS / DENSITY).sqrt()
+}
+
+fn impedance() -> f64 {
+    DENSITY * c0()
+}
+
+/// 1 m of the bilinear steel, which yields at 200 MPa, with the given initial velocity, in 600 cells.
+fn bar(ends: [EndCondition; 2], velocity: f64, cfl: f64) -> Leapfrog {
+    bar_of(600, ends, velocity, cfl)
+}
+
+fn bar_of(cells: usize, ends: [EndCondition; 2], velocity: f64, cfl: f64) -> Leapfrog {
+    let segment = Segment { velocity, area: 0.7, ..common::segment(common::bilinear_steel(), 1.0) };
+    common::leapfrog(vec![segment], ends, Some(Unloading::Isotropic), cells, cfl)
+}
+
+#[test]
+fn rest_stays_rest() {
+    for left in idle_ends() {
+        for right in idle_ends() {
+            let what = format!("{left:?} {right:?}");
+            let mut bar = bar([left.clone(), right], 0.0, 0.9);
+            common::advance(&mut bar, 1500);
+            for quantity in [Quantity::Stress, Quantity::Velocity, Quantity::Strain] {
+                assert!(common::profile(&bar, quantity).iter().all(|v| *v == 0.0), "{what}");
+            }
+            for end in [bar.left(), bar.right()] {
+                assert_eq!((end.stress(), end.velocity(), end.displacement(), end.work()), (0.0, 0.0, 0.0, 0.0));
+            }
+        }
+    }
+}
+
+#[test]
+fn even_motion_stays_even() {
+    // All ends that let a bar pass that moves at 3 m/s in +x: it moves away from the wall at its left.
+    let ends = || {
+        [common::moved(3.0), EndCondition::Free, EndCondition::Absorbing, common::loaded_by(&[(0.0, 0.0)])].into_iter()
+    };
+    for left in ends().chain([EndCondition::Wall { gap: 0.0 }]) {
+        for right in ends() {
+            let mut bar = bar([left.clone(), right], 3.0, 0.9);
+            common::advance(&mut bar, 1500);
+            assert!(common::profile(&bar, Quantity::Velocity).iter().all(|v| *v == 3.0));
+            assert!(common::profile(&bar, Quantity::Stress).iter().all(|v| *v == 0.0));
+        }
+    }
+}
+
+#[test]
+fn the_ledger_closes_for_every_pair_of_ends() {
+    for (k, left) in busy_ends().into_iter().enumerate() {
+        for (j, right) in busy_ends().into_iter().enumerate() {
+            // The solver steps cells in blocks; 90 cells are one block, which has both ends.
+            for (cells, velocity, cfl) in [(600, 0.0, 1.0), (600, -9.0, 0.83), (90, 7.0, 1.0)] {
+                let mut bar = bar_of(cells, [left.clone(), right.clone()], velocity, cfl);
+                let mut ledger = Ledger::new(&bar);
+                for _ in 0..40 {
+                    common::advance(&mut bar, cells / 12);
+                    ledger.row(&bar);
+                }
+                common::assert_ledger(&ledger, &format!("ends {k} and {j}, {cells} cells, {velocity} m/s, cfl {cfl}"));
+            }
+        }
+    }
+}
+
+/// Round-off of sums over some thousand steps.
+fn assert_close(found: f64, expected: f64, what: &str) {
+    assert!((found - expected).abs() <= 1e-12 * expected.abs(), "{what}: {found:e} is not {expected:e}");
+}
+
+/// Ramps and a jump at times that no time step hits.
+const ROWS: [(f64, f64); 5] = [(1.13e-5, 0.0), (3.71e-5, 4.0), (6.17e-5, 4.0), (6.17e-5, -2.0), (1.017e-4, 0.0)];
+/// Integral of the rows over time.
+const INTEGRAL: f64 = 0.5 * (3.71e-5 - 1.13e-5) * 4.0 + (6.17e-5 - 3.71e-5) * 4.0 - 0.5 * (1.017e-4 - 6.17e-5) * 2.0;
+
+#[test]
+fn a_prescribed_velocity_gives_its_displacement_exactly() {
+    for cfl in [1.0, 0.7] {
+        let mut bar = bar([common::moved_by(&ROWS), common::moved_by(&ROWS)], 0.0, cfl);
+        common::advance_to(&mut bar, 1.2e-4);
+        assert_close(bar.left().displacement(), INTEGRAL, "left");
+        assert_close(bar.right().displacement(), INTEGRAL, "right");
+    }
+}
+
+#[test]
+fn a_prescribed_stress_gives_its_impulse_exactly() {
+    let rows = ROWS.map(|(t, v)| (t, 60e6 * v));
+    for cfl in [1.0, 0.7] {
+        let mut bar = bar([common::loaded_by(&rows), common::loaded_by(&rows)], 0.0, cfl);
+        common::advance_to(&mut bar, 1.2e-4);
+        // On 0.7 m^2; a compression at the left end pushes in +x.
+        assert_close(bar.left().impulse(), -0.7 * 60e6 * INTEGRAL, "left");
+        assert_close(bar.right().impulse(), 0.7 * 60e6 * INTEGRAL, "right");
+    }
+}
+
+#[test]
+fn a_fixed_end_stays() {
+    let mut bar = bar([common::moved(12.0), EndCondition::Fixed], 0.0, 1.0);
+    for _ in 0..1500 {
+        bar.advance();
+        assert_eq!((bar.right().velocity(), bar.right().displacement()), (0.0, 0.0));
+    }
+    assert!(bar.right().stress() < -200e6);
+}
+
+#[test]
+fn an_absorbing_end_leaves_nothing_of_an_elastic_pulse() {
+    let pulse = common::loaded_by(&ROWS.map(|(t, v)| (t, -40e6 * v)));
+    for (ends, at_left) in
+        [([pulse.clone(), EndCondition::Absorbing], false), ([EndCondition::Absorbing, pulse.clone()], true)]
+    {
+        for velocity in [0.0, 3.0] {
+            let mut bar = bar(ends.clone(), velocity, 1.0);
+            common::advance_to(&mut bar, 1.0 / c0() + 5e-5);
+            let passing = if at_left { bar.left().stress() } else { bar.right().stress() };
+            assert!(passing.abs() > 10e6, "{passing:e}");
+            common::advance_to(&mut bar, 1.0 / c0() + 1.1e-4);
+            // 160 MPa went through; a thousand roundings are left.
+            let most = common::profile(&bar, Quantity::Stress).into_iter().fold(0.0, |m: f64, s| m.max(s.abs()));
+            assert!(most < 1e-12 * 160e6, "{most:e}");
+            let moves = |v: &f64| (v - velocity).abs() < 1e-12 * 10.0;
+            assert!(common::profile(&bar, Quantity::Velocity).iter().all(moves));
+        }
+    }
+}
+
+#[test]
+fn a_wall_never_pulls_and_is_never_passed() {
+    for (speed, gap) in [(3.0, 0.0), (3.0, 1.3e-4), (30.0, 0.0), (30.0, 3.3e-4), (0.5, 1e-5)] {
+        for cfl in [1.0, 0.77] {
+            let mut bar = bar([EndCondition::Free, EndCondition::Wall { gap }], speed, cfl);
+            let (mut pushed, mut left_at) = (0.0_f64, f64::NAN);
+            for _ in 0..4000 {
+                let was_pushed = bar.right().stress() < 0.0;
+                bar.advance();
+                let wall = bar.right();
+                assert!(wall.stress() <= 0.0, "{speed} {gap}: pulls with {:e}", wall.stress());
+                assert!(wall.displacement() <= gap + 1e-15, "{speed} {gap}: {:e}", wall.displacement());
+                pushed = pushed.min(wall.stress());
+                if was_pushed && wall.stress() == 0.0 {
+                    left_at = bar.time();
+                }
+            }
+            // The first push is rho c0 v where that is below yield, and more than yield otherwise.
+            let elastic = impedance() * speed;
+            let right = if elastic < 200e6 { (pushed + elastic).abs() < 0.2 * elastic } else { pushed < -200e6 };
+            assert!(right, "{speed} {gap}: {pushed:e}");
+            assert!(left_at.is_finite(), "{speed} {gap}: the bar stays at the wall");
+        }
+    }
+}
+
+#[test]
+fn an_elastic_bar_leaves_a_wall_with_the_velocity_of_impact() {
+    let mut bar = bar([EndCondition::Wall { gap: 0.0 }, EndCondition::Free], -4.0, 1.0);
+    let transit = 1.0 / c0();
+    common::advance_to(&mut bar, 1.9 * transit);
+    assert!((bar.left().stress() + impedance() * 4.0).abs() < 1e-9 * impedance());
+    common::advance_to(&mut bar, 2.1 * transit);
+    assert_eq!(bar.left().stress(), 0.0);
+    common::advance_to(&mut bar, 3.0 * transit);
+    let velocities = common::profile(&bar, Quantity::Velocity);
+    let worst = velocities.iter().fold(0.0_f64, |m, v| m.max((v - 4.0).abs()));
+    // A thousand roundings.
+    assert!(worst < 4e-12, "{worst:e}");
+}
+
+#[test]
+fn a_gap_closes_when_the_bar_has_crossed_it() {
+    for (gap, cfl) in [(1e-4, 1.0), (1.37e-4, 0.9), (5e-4, 0.6)] {
+        let mut bar = bar([EndCondition::Wall { gap }, EndCondition::Free], -4.0, cfl);
+        while bar.left().stress() == 0.0 {
+            assert!(bar.time() < 2.0 * gap / 4.0, "it never closes");
+            bar.advance();
+        }
+        // The wall acts from the step whose motion would pass it; the record shows the stress a step later.
+        let late = (bar.time() - gap / 4.0) / bar.grid().dt;
+        assert!((-1.0..=2.0).contains(&late), "{gap}: late by {late} steps");
+    }
+}
+
+#[test]
+fn a_released_end_is_free() {
+    let release = 8.13e-5;
+    for (velocity, cfl) in [(4.0, 1.0), (20.0, 1.0), (20.0, 0.8)] {
+        let held = EndCondition::Velocity { history: History::constant(velocity), release: Some(release) };
+        let mut bar = bar([held, EndCondition::Absorbing], 0.0, cfl);
+        let dt = bar.grid().dt;
+        common::advance_to(&mut bar, release - 2.0 * dt);
+        assert_eq!(bar.left().velocity(), velocity);
+        assert!(bar.left().stress() < -0.99 * (impedance() * velocity).min(200e6));
+        common::advance_to(&mut bar, release + 2.0 * dt);
+        assert_eq!(bar.left().stress(), 0.0);
+        // Without a stress nothing more is done on the bar.
+        let (work, impulse) = (bar.left().work(), bar.left().impulse());
+        common::advance(&mut bar, 500);
+        assert_eq!((bar.left().stress(), bar.left().work(), bar.left().impulse()), (0.0, work, impulse));
+        assert!(bar.left().velocity() < velocity);
+    }
+}
+
+#[test]
+fn a_released_elastic_bar_got_the_impulse_of_the_time_it_was_held() {
+    let release = 8.13e-5;
+    let held = EndCondition::Velocity { history: History::constant(4.0), release: Some(release) };
+    let mut bar = bar([held, EndCondition::Free], 0.0, 1.0);
+    common::advance_to(&mut bar, 1.5e-4);
+    // rho c0 v A for the time of release, to the last bit but round-off.
+    assert_close(bar.left().impulse(), 0.7 * impedance() * 4.0 * release, "impulse");
+}

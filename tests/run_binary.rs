@@ -1,0 +1,261 @@
+//! Every scene in runs/ through the real binary, and what `barwave run` promises of its output.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+fn runs() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("runs")
+}
+
+fn barwave(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_barwave"))
+        .args(arguments)
+        .current_dir(folder)
+        .env_remove("BARWAVE_MATERIALS")
+        .output()
+        .expect("the binary runs")
+}
+
+/// `barwave run` of a scene of runs/ with `--json`, in a folder of its own.
+fn run(name: &str, arguments: &[&str]) -> Value {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = runs().join(name).display().to_string();
+    let all: Vec<&str> =
+        ["run", &scene, "--json", "-o", "out.h5"].into_iter().chain(arguments.iter().copied()).collect();
+    let output = barwave(folder.path(), &all);
+    assert_eq!(output.status.code(), Some(0), "{name}: {}", String::from_utf8_lossy(&output.stderr));
+    assert!(output.stderr.is_empty(), "{name}: {}", String::from_utf8_lossy(&output.stderr));
+    let file = barwave::record::store::ResultFile::open(&folder.path().join("out.h5"));
+    assert!(file.is_ok(), "{name}: the result file does not open");
+    // One JSON value and nothing else: anything after it is an error here.
+    serde_json::from_slice(&output.stdout).expect("stdout is one JSON value")
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
+}
+
+const KEYS: [&str; 21] = [
+    "scene",
+    "outcome",
+    "method",
+    "scheme",
+    "effects",
+    "cells",
+    "steps",
+    "events",
+    "wall_s",
+    "step_wall_s",
+    "cell_steps_per_s",
+    "end_time_s",
+    "left",
+    "right",
+    "fronts",
+    "critical_velocity_m_s",
+    "above_critical",
+    "elastic_check",
+    "ledger",
+    "error",
+    "audit",
+];
+const FRONT_KEYS: [&str; 7] = [
+    "strain_ahead",
+    "strain_behind",
+    "stress_ahead_Pa",
+    "stress_behind_Pa",
+    "speed_m_s",
+    "speed_measured_m_s",
+    "position_m",
+];
+
+fn assert_keys(value: &Value, keys: &[&str], what: &str) {
+    let object = value.as_object().unwrap_or_else(|| panic!("{what} is no object"));
+    let missing: Vec<&&str> = keys.iter().filter(|key| !object.contains_key(**key)).collect();
+    assert!(missing.is_empty(), "{what}: no {missing:?}");
+}
+
+/// Everything that holds for every scene.
+fn assert_contract(summary: &Value, name: &str) {
+    assert_keys(summary, &KEYS, name);
+    for side in ["left", "right"] {
+        assert_keys(&summary[side], &["stress_Pa", "strain", "velocity_m_s"], side);
+    }
+    for front in summary["fronts"].as_array().expect("a list") {
+        assert_keys(front, &FRONT_KEYS, "front");
+    }
+    assert_eq!(summary["output"], "out.h5", "{name}");
+    assert_eq!((&summary["method"], &summary["scheme"]), (&"fd".into(), &"leapfrog".into()));
+    for key in ["energy_residual", "momentum_residual"] {
+        let residual = number(&summary["ledger"][key]);
+        assert!(residual.abs() < 1e-10, "{name}: {key} {residual:e}");
+    }
+    for key in ["cells", "steps", "step_wall_s", "cell_steps_per_s", "end_time_s"] {
+        assert!(number(&summary[key]) > 0.0, "{name}: {key}");
+    }
+}
+
+/// Fronts that could be followed run at the speed of theory. Returns how many there were.
+///
+/// A front is a few cells wide, and its place is where the strain passes the middle of its jump: over 100 cells and more
+/// that is good for 2 % of its way.
+fn assert_speeds(summary: &Value, cell: f64, origin: f64, name: &str) -> usize {
+    let mut followed = 0;
+    for front in summary["fronts"].as_array().expect("a list") {
+        let (Some(measured), Some(place)) = (front["speed_measured_m_s"].as_f64(), front["position_m"].as_f64()) else {
+            continue;
+        };
+        if (place - origin).abs() < 100.0 * cell {
+            continue;
+        }
+        let speed = number(&front["speed_m_s"]);
+        assert!((measured / speed - 1.0).abs() < 0.02, "{name}: {measured} m/s is not {speed} m/s; {front}");
+        followed += 1;
+    }
+    followed
+}
+
+/// Runs a scene of one fan from an end of the bar: place of the origin, length, and how many fronts can be followed.
+fn check(name: &str, [origin, length]: [f64; 2], least_fronts: usize) -> Value {
+    let summary = run(name, &[]);
+    assert_contract(&summary, name);
+    let cell = length / number(&summary["cells"]);
+    let followed = assert_speeds(&summary, cell, origin, name);
+    println!("{name}: {followed} fronts followed");
+    assert!(followed >= least_fronts, "{name}: {followed} fronts followed");
+    assert_eq!(summary["above_critical"], name == "copper-above-critical.toml", "{name}");
+    summary
+}
+
+#[test]
+fn elastic_check() {
+    let summary = check("elastic-check.toml", [0.0, 1.0], 1);
+    let check = &summary["elastic_check"];
+    assert!(number(&check["relative"]) < 1e-12, "{check}");
+    // As printed in the scene.
+    assert!((number(&check["expected_Pa"]) + 394.968e6).abs() < 500.0, "{check}");
+    assert!(number(&summary["error"]["value"]) < 1e-12);
+    assert_eq!((&summary["outcome"], &summary["effects"]), (&"done".into(), &Value::Array(vec![])));
+}
+
+#[test]
+fn bilinear_p2() {
+    let summary = check("bilinear-p2.toml", [0.0, 1.0], 2);
+    assert!(summary["elastic_check"].is_null());
+    assert_eq!(summary["effects"], serde_json::json!(["plasticity", "unloading: isotropic"]));
+    // The bound of the benchmark at 1000 cells.
+    assert!(number(&summary["error"]["value"]) < 0.0036);
+}
+
+#[test]
+fn power_law_p3() {
+    check("power-law-p3.toml", [0.0, 1.0], 10);
+}
+
+#[test]
+fn copper_below_critical() {
+    let summary = check("copper-below-critical.toml", [0.0, 1.0], 10);
+    assert_eq!(summary["outcome"], "done");
+    assert!((number(&summary["critical_velocity_m_s"]) - 90.0).abs() < 1.0);
+}
+
+#[test]
+fn copper_above_critical() {
+    let summary = check("copper-above-critical.toml", [0.0, 1.0], 10);
+    assert_eq!(summary["outcome"], "rupture");
+    let audit = summary["audit"].as_array().expect("a list");
+    assert!(!audit.is_empty());
+}
+
+#[test]
+fn mild_steel_wall() {
+    let summary = check("mild-steel-wall.toml", [0.2, 0.2], 1);
+    // It has left the wall and flies back, slower than it came.
+    assert_eq!(number(&summary["right"]["stress_Pa"]), 0.0);
+    let velocity = number(&summary["right"]["velocity_m_s"]);
+    assert!(velocity < 0.0 && velocity > -60.0, "{velocity}");
+}
+
+#[test]
+fn pulse_tension_us() {
+    // The velocity rises over 10 us: its fronts have no sharp start.
+    let summary = run("pulse-tension-us.toml", &[]);
+    assert_contract(&summary, "pulse-tension-us.toml");
+    assert_eq!(summary["above_critical"], false);
+    assert_eq!(summary["effects"], serde_json::json!(["plasticity", "unloading: mixed 0.3"]));
+}
+
+#[test]
+fn stepped_bar() {
+    let summary = run("stepped-bar.toml", &[]);
+    assert_contract(&summary, "stepped-bar.toml");
+    assert_eq!((&summary["above_critical"], &summary["effects"]), (&false.into(), &Value::Array(vec![])));
+}
+
+#[test]
+fn no_scene_of_runs_is_left_out() {
+    let source = include_str!("run_binary.rs");
+    for entry in std::fs::read_dir(runs()).expect("runs") {
+        let path = entry.expect("an entry").path();
+        if path.extension().is_some_and(|e| e == "toml") {
+            let name = path.file_name().expect("a name").to_string_lossy().into_owned();
+            assert!(source.contains(&format!("(\"{name}\"")), "runs/{name} is in no test");
+        }
+    }
+}
+
+/// A small scene in a folder of its own.
+fn small_scene() -> (tempfile::TempDir, String) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = "[bar]\nlength = 1\nmaterial = \"mild-steel\"\n[left]\nkind = \"velocity\"\nvalue = -1\n\
+                [right]\nkind = \"free\"\n[solve]\nuntil = \"50 us\"\ncells = 100\n";
+    std::fs::write(folder.path().join("small.toml"), text).expect("written");
+    (folder, "small.toml".into())
+}
+
+#[test]
+fn the_default_output_is_in_runs_out() {
+    let (folder, scene) = small_scene();
+    let output = barwave(folder.path(), &["run", &scene, "--json"]);
+    let summary: Value = serde_json::from_slice(&output.stdout).expect("one JSON value");
+    assert_eq!(summary["output"], "runs/out/small.h5");
+    assert!(folder.path().join("runs/out/small.h5").is_file());
+}
+
+#[test]
+fn set_changes_the_scene() {
+    let (folder, scene) = small_scene();
+    let arguments = ["run", &scene, "--json", "--set", "solve.cells=250", "--set", "left.value=\"2 m/s\""];
+    let summary: Value = serde_json::from_slice(&barwave(folder.path(), &arguments).stdout).expect("one JSON value");
+    assert_eq!(summary["cells"], 250);
+    assert_eq!(number(&summary["left"]["velocity_m_s"]), 2.0);
+}
+
+#[test]
+fn quiet_prints_nothing() {
+    let (folder, scene) = small_scene();
+    let output = barwave(folder.path(), &["run", &scene, "--quiet"]);
+    assert_eq!((output.status.code(), output.stdout.len(), output.stderr.len()), (Some(0), 0, 0));
+    let loud = barwave(folder.path(), &["run", &scene]);
+    assert!(String::from_utf8_lossy(&loud.stdout).contains("ledger"));
+}
+
+/// Exit code 2, nothing on stdout, and a message with the words and a help line.
+fn assert_refused(output: &Output, words: &[&str]) {
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!((output.status.code(), output.stdout.len()), (Some(2), 0), "{message}");
+    assert!(message.contains("help:") && words.iter().all(|word| message.contains(word)), "{message}");
+}
+
+#[test]
+fn wrong_places_are_refused() {
+    let (folder, scene) = small_scene();
+    assert_refused(&barwave(folder.path(), &["run", &scene, "-o", "no/such/a.h5"]), &["no/such", "does not exist"]);
+    assert_refused(&barwave(folder.path(), &["run", &scene, "-o", "."]), &["is a folder"]);
+    assert_refused(&barwave(folder.path(), &["run", "smal.toml"]), &["smal.toml", "no such file"]);
+    let wrong = ["run", &scene, "--set", "solve.cfl=1.5"];
+    assert_refused(&barwave(folder.path(), &wrong), &["solve.cfl", "1.5", "0 < cfl <= 1"]);
+    // Nothing is left behind.
+    assert_eq!(std::fs::read_dir(folder.path()).expect("a folder").count(), 1);
+}

@@ -9,7 +9,7 @@ use crate::error::{Error, Result, RunError};
 use crate::material::{Beyond, Material, Sense};
 use crate::record::store::{Finish, Header, Layout, Side, Writer};
 use crate::record::{
-    self, AuditRow, ElasticCheck, EndSummary, ErrorFigure, Frames, FrontSummary, FrontTracker, Ledger, LedgerSummary,
+    self, AuditRow, ElasticProbe, EndSummary, ErrorFigure, Frames, FrontSummary, FrontTracker, Ledger, LedgerSummary,
     MaterialRecord, Summary, Traces, UnloadingWatch,
 };
 use crate::scene::{Effects, Method, Scene, Unloading};
@@ -40,7 +40,7 @@ pub enum Wish {
 const WORK_BETWEEN_CALLS: usize = 4_000_000;
 
 /// Sightings of every front over a run: enough for a speed to four digits and cheap beside the stepping.
-const FRONT_SIGHTINGS: usize = 512;
+const FRONT_SIGHTINGS: usize = 256;
 
 /// Steps between two looks for cells past the end of their data, each a pass over the yielded cells: the time that is
 /// reported for it is late by no more than the time a wave takes across as many cells.
@@ -109,14 +109,6 @@ struct Run<'a> {
     stepping: f64,
 }
 
-/// Where and when sigma = rho c0 v is checked.
-struct ElasticProbe {
-    step: usize,
-    cell: usize,
-    expected: f64,
-    found: Option<f64>,
-}
-
 impl<'a> Run<'a> {
     fn new(scene: &'a Scene, output: Option<&Path>) -> Result<Self> {
         let bar = assemble::leapfrog(scene);
@@ -131,13 +123,13 @@ impl<'a> Run<'a> {
         let writer = output.map(|path| create_file(scene, path, &frames, critical)).transpose()?;
         let yield_strain = |m: &Material| m.tension.elastic_limit(m.modulus).0;
         let yield_strains: Vec<f64> = scene.bar.segments.iter().map(|s| yield_strain(&s.material)).collect();
-        let tracker = FrontTracker::new(&scene.bar, &launches, [&scene.left, &scene.right]);
+        let tracker = FrontTracker::new(&scene.bar, bar.grid(), &launches, [&scene.left, &scene.right]);
         Ok(Self {
             steps: steps(scene, bar.grid().dt),
             traces: Traces::new(Sampling::at(bar.grid(), places)),
             ledger: Ledger::new(&bar),
             unloading: scene.effects.unloading.is_none().then(|| UnloadingWatch::new(&bar, &yield_strains)),
-            elastic_check: elastic_probe(scene, &bar, &launches),
+            elastic_check: ElasticProbe::new(&scene.bar, &bar, &launches, scene.solve.until),
             output: output.map(|p| p.display().to_string()).unwrap_or_default(),
             passed: None,
             stepping: 0.0,
@@ -188,16 +180,16 @@ impl<'a> Run<'a> {
                 due.into_iter().try_for_each(|frame| writer.frame(frame))?;
             }
         }
-        if last || step % (self.steps / FRONT_SIGHTINGS).max(1) == 0 {
+        if last || step.is_multiple_of((self.steps / FRONT_SIGHTINGS).max(1)) {
             self.tracker.observe(&self.bar);
         }
         if let Some(watch) =
-            self.unloading.as_mut().filter(|_| last || step % (self.steps / UNLOADING_LOOKS).max(1) == 0)
+            self.unloading.as_mut().filter(|_| last || step.is_multiple_of((self.steps / UNLOADING_LOOKS).max(1)))
         {
             watch.look(&self.bar);
         }
-        if let Some(probe) = self.elastic_check.as_mut().filter(|p| p.step == step) {
-            probe.found = Some(self.bar.value(Quantity::Stress, probe.cell));
+        if let Some(probe) = &mut self.elastic_check {
+            probe.look(&self.bar);
         }
         Ok(())
     }
@@ -217,7 +209,7 @@ impl<'a> Run<'a> {
 
     /// Past the last knot the material file decides: stop, or note the rupture and go on under the largest stress.
     fn check_end_of_data(&mut self) -> Result<()> {
-        let due = self.bar.step() % STEPS_BETWEEN_DATA_CHECKS == 0 || self.bar.step() == self.steps;
+        let due = self.bar.step().is_multiple_of(STEPS_BETWEEN_DATA_CHECKS) || self.bar.step() == self.steps;
         if self.passed.is_some() || !due || !self.bar.data_can_end() {
             return Ok(());
         }
@@ -269,7 +261,7 @@ impl<'a> Run<'a> {
         self.write_traces()?;
         let fronts = self.tracker.rows(&self.scene.record.gauges);
         let audit = self.audit();
-        let error = self.error_figure();
+        let error = record::against_similarity(&self.scene.bar, &self.bar, &self.launches);
         let wall = started.elapsed().as_secs_f64();
         let cells = self.bar.grid().cells();
         if let Some(writer) = self.writer.take() {
@@ -311,28 +303,6 @@ impl<'a> Run<'a> {
         }
         rows.extend(segments.iter().enumerate().filter_map(|(k, s)| record::heating(&self.bar, k, &s.material)));
         rows
-    }
-
-    /// Against the self-similar solution, where the scene has one up to the end time.
-    fn error_figure(&self) -> Option<ErrorFigure> {
-        let [launch] = self.launches.as_slice() else { return None };
-        let [segment] = self.scene.bar.segments.as_slice() else { return None };
-        let time = self.bar.time();
-        let alone = launch.sudden && launch.loads_until.is_infinite();
-        if !alone || segment.material.c0() * time > segment.length {
-            return None;
-        }
-        let (mut missed, mut total) = (0.0, 0.0);
-        for (cell, x) in self.bar.grid().centres().into_iter().enumerate() {
-            let exact = launch.sense.sign() * launch.fan.state((x - launch.x).abs() / time).1;
-            missed += (self.bar.value(Quantity::Stress, cell) - exact).abs();
-            total += exact.abs();
-        }
-        (total > 0.0).then(|| ErrorFigure {
-            value: missed / total,
-            measure: "relative L1 of stress over the bar at the end time".into(),
-            reference: "self-similar solution".into(),
-        })
     }
 
     fn summary(
@@ -379,26 +349,6 @@ impl<'a> Run<'a> {
             output: self.output,
         }
     }
-}
-
-impl ElasticProbe {
-    fn check(&self) -> Option<ElasticCheck> {
-        let (stress, expected) = (self.found?, self.expected);
-        Some(ElasticCheck { stress, expected, relative: ((stress - expected) / expected).abs() })
-    }
-}
-
-/// The stress next to the struck end is looked at half-way between its first arrival and the first return of a wave.
-fn elastic_probe(scene: &Scene, bar: &Leapfrog, launches: &[Launch]) -> Option<ElasticProbe> {
-    let launch = launches.iter().find(|l| l.sudden)?;
-    let segment = &scene.bar.segments[launch.segment];
-    let alone = if launches.len() > 1 { 1.0 } else { 2.0 };
-    let quiet = (alone * segment.length / segment.material.c0()).min(launch.loads_until).min(scene.solve.until);
-    let part = &bar.grid().segments[launch.segment];
-    let cell = if launch.direction > 0.0 { part.cells.start } else { part.cells.end - 1 };
-    let expected = launch.sense.sign() * segment.material.impedance() * launch.fan.velocity;
-    let step = (0.5 * quiet / bar.grid().dt).ceil() as usize;
-    Some(ElasticProbe { step, cell, expected, found: None })
 }
 
 fn create_file(scene: &Scene, path: &Path, frames: &Frames, critical: Option<f64>) -> Result<Writer> {

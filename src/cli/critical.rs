@@ -5,6 +5,7 @@ use std::path::Path;
 use super::output;
 use crate::error::Result;
 use crate::material::{Material, Sense, library};
+use crate::study::confirm::{Confirmation, Driven, confirm};
 use crate::study::critical::{CriticalRow, critical};
 
 /// Options of `barwave critical`.
@@ -16,6 +17,9 @@ pub(crate) struct Args {
     /// Sense of the loading.
     #[arg(long, value_enum, default_value = "tension")]
     sense: SenseArg,
+    /// Confirm it: run a bar 5 % below and 5 % above the critical velocity.
+    #[arg(long)]
+    simulate: bool,
     /// Print a JSON list and nothing else.
     #[arg(long)]
     json: bool,
@@ -42,7 +46,36 @@ impl From<SenseArg> for Sense {
 pub(crate) fn run(args: &Args) -> Result<()> {
     let materials = load(&args.materials)?;
     let rows: Vec<_> = materials.iter().map(|m| critical(m, args.sense.into())).collect();
-    if args.json { output::json(&rows) } else { output::text(&table(&rows)) }
+    if !args.simulate {
+        return if args.json { output::json(&rows) } else { output::text(&table(&rows)) };
+    }
+    let simulated: Vec<_> = materials.iter().zip(&rows).map(|(m, row)| confirm(m, row)).collect::<Result<_>>()?;
+    if args.json {
+        let both: Vec<_> = rows.iter().zip(simulated).map(|(row, simulated)| Simulated { row, simulated }).collect();
+        return output::json(&both);
+    }
+    let lines: String = rows.iter().zip(&simulated).map(|(row, s)| sentence(row, s.as_ref())).collect();
+    output::text(&(table(&rows) + "\n" + &lines))
+}
+
+/// A row with what the simulation made of it.
+#[derive(serde::Serialize)]
+struct Simulated<'a> {
+    #[serde(flatten)]
+    row: &'a CriticalRow,
+    simulated: Option<Confirmation>,
+}
+
+fn sentence(row: &CriticalRow, simulated: Option<&Confirmation>) -> String {
+    let Some(s) = simulated else {
+        return format!("{}: nothing to simulate, it has no critical velocity within its data\n", row.material);
+    };
+    let bar = |d: &Driven| {
+        let verdict = if d.breaks { "breaks" } else { "holds" };
+        format!("at {:.2} m/s the bar {verdict} (strain {:.4} at the struck end)", d.velocity_m_s, d.strain_at_end)
+    };
+    let verdict = if s.confirmed { "confirmed" } else { "NOT confirmed" };
+    format!("{}: {verdict}: {}, {}\n", row.material, bar(&s.below), bar(&s.above))
 }
 
 /// Materials by name or path, looked up from the working folder.

@@ -39,7 +39,9 @@ fn render(error: &Error, paint: Paint) -> String {
     match error {
         Error::Input(input) => render_input(input, paint),
         Error::Run(run) => format!("{}: {run}\n{}", paint.red("error"), help_line(&run.help, paint)),
-        other => format!("{}: {other}\n", paint.red("error")),
+        // No error: the command that was interrupted has said what it leaves behind.
+        Error::Interrupted => String::new(),
+        Error::File { .. } => format!("{}: {error}\n", paint.red("error")),
     }
 }
 

@@ -187,7 +187,7 @@ fn end_text(end: &EndSummary, units: System) -> String {
     )
 }
 
-fn front_lines(fronts: &[FrontSummary], units: System) -> Vec<String> {
+pub(super) fn front_lines(fronts: &[FrontSummary], units: System) -> Vec<String> {
     if fronts.is_empty() {
         return Vec::new();
     }

@@ -1,6 +1,6 @@
 //! The loading table in stress units, in the forms in which kernels can read it fast.
 //!
-//! A table is `y = g(z)`, z = E eps >= 0, straight between knots, never falling, with slopes dy/dz = E_k/E in 0..=1.
+//! A table is `y = g(z)`, z = E eps >= 0, straight between knots, never falling, with slopes dy/dz = `E_k/E` in 0..=1.
 //! The first segment has slope exactly 1 up to the elastic limit, so reading it there returns z itself.
 
 use crate::material::{Beyond, Curve};

@@ -59,7 +59,7 @@ pub trait RowLaw: Send + Sync {
     /// State numbers a cell.
     fn state_len(&self) -> usize;
 
-    /// One step of the whole row. `work` is set to (sigma_before + sigma_after) * E d_eps_plastic, Pa^2: the plastic
+    /// One step of the whole row. `work` is set to (`sigma_before` + `sigma_after`) * E `d_eps_plastic`, Pa^2: the plastic
     /// work of the step times 2 E per volume, and exactly 0 in cells that do not flow.
     fn advance(&self, gain: f64, v: &[f64], sigma: &mut [f64], state: &mut [f64], work: &mut [f64]);
 
@@ -132,7 +132,7 @@ fn row<L: CellLaw<N>, const N: usize, const FIRST: bool>(
     let cells = sigma.len();
     let (left, right, work) = (&v[..cells], &v[1..=cells], &mut work[..cells]);
     let mut rest = &mut state[..N * cells];
-    let columns: [&mut [f64]; N] = std::array::from_fn(|_| {
+    let mut columns: [&mut [f64]; N] = std::array::from_fn(|_| {
         let (column, tail) = std::mem::take(&mut rest).split_at_mut(cells);
         rest = tail;
         column
@@ -148,8 +148,8 @@ fn row<L: CellLaw<N>, const N: usize, const FIRST: bool>(
         let after = law.respond(predictor, before);
         work[i] = (sigma_before + after.sigma) * after.plastic;
         sigma[i] = after.sigma;
-        for k in 0..N {
-            columns[k][i] = after.state[k];
+        for (column, value) in columns.iter_mut().zip(after.state) {
+            column[i] = value;
         }
     }
 }

@@ -102,7 +102,8 @@ impl<'a> Given<'a> {
             return Err(error.help("add e.g. modulus = \"200 GPa\"").into());
         };
         tabulate_law(law, modulus, self.measure, sense, self.how)
-            .map_err(|reason| keys.error(span.clone(), &format!("{}.formula", self.name), reason).into())
+            .map_err(|reason| keys.error(span.clone(), &format!("{}.formula", self.name), reason))
+            .map_err(|e| e.help("give `tabulate.to-strain` a larger strain, or check the constants").into())
     }
 
     fn of_rows(&self, rows: &[(f64, f64)], sense: Sense, modulus: Option<f64>, keys: Keys<'_>) -> Result<Tabulated> {

@@ -3,7 +3,7 @@
 
 use super::FrontRow;
 use crate::bar::{Bar, EndCondition, Launch, Origin};
-use crate::solver::fd::{Leapfrog, Quantity};
+use crate::solver::fd::{Grid, Leapfrog, Quantity};
 use crate::wave::similarity::Edge;
 
 /// Follows all fronts that a bar's ends and joints send out at the start.
@@ -12,12 +12,21 @@ pub struct FrontTracker {
     fronts: Vec<Front>,
 }
 
+/// Cells ahead of a front that are looked at, so that a trough of the ripples behind a steep front is not taken for the
+/// front itself: ripples are two to four cells long.
+const LOOK_AHEAD: usize = 8;
+
+/// Width of a steep front in cells.
+const FRONT_WIDTH: f64 = 4.0;
+
 /// One front: the place where the strain passes the middle between ahead and behind.
 #[derive(Debug, Clone)]
 struct Front {
     launch: Launch,
     edge: Edge,
     window: Window,
+    /// Width of a steep front on this grid, m.
+    width: f64,
     /// Magnitude of strain that marks the front.
     level: f64,
     /// Cells behind the front, counted from the origin.
@@ -39,16 +48,17 @@ struct Window {
 }
 
 impl Window {
-    fn undisturbed(&self, time: f64, distance: f64) -> bool {
+    /// True where a front at this distance cannot have met another wave yet; `margin` is the width of a front.
+    fn undisturbed(&self, time: f64, distance: f64, margin: f64) -> bool {
         let from_far = self.length - self.c0 * (time - self.far).max(0.0);
         let from_near = self.c0 * (time - self.near).max(0.0);
-        distance <= from_far && distance >= from_near
+        distance + margin <= from_far && distance >= from_near
     }
 }
 
 impl FrontTracker {
-    /// A tracker for the fans of a bar.
-    pub fn new(bar: &Bar, launches: &[Launch], ends: [&EndCondition; 2]) -> Self {
+    /// A tracker for the fans of a bar on a grid.
+    pub fn new(bar: &Bar, grid: &Grid, launches: &[Launch], ends: [&EndCondition; 2]) -> Self {
         let mut fronts = Vec::new();
         for launch in launches {
             let window = window(bar, launch, launches, ends);
@@ -58,6 +68,7 @@ impl FrontTracker {
                     launch: launch.clone(),
                     edge: *edge,
                     window,
+                    width: FRONT_WIDTH * grid.segments[launch.segment].dx,
                     level,
                     passed: 0,
                     track: Vec::new(),
@@ -90,8 +101,12 @@ impl Front {
             let cell = if self.launch.direction > 0.0 { part.cells.start + k } else { part.cells.end - 1 - k };
             sign * bar.value(Quantity::Strain, cell)
         };
-        while self.passed < cells && from_origin(self.passed) >= self.level {
-            self.passed += 1;
+        let mut cell = self.passed;
+        while cell < cells && cell < self.passed + LOOK_AHEAD {
+            if from_origin(cell) >= self.level {
+                self.passed = cell + 1;
+            }
+            cell += 1;
         }
         if self.passed == 0 {
             return;
@@ -103,17 +118,19 @@ impl Front {
         }
         let within = (behind - self.level) / (behind - ahead);
         let distance = (self.passed as f64 - 0.5 + within) * part.dx;
-        if self.window.undisturbed(bar.time(), distance) {
+        if self.window.undisturbed(bar.time(), distance, self.width) {
             self.track.push((bar.time(), distance));
         } else {
             self.finished = true;
         }
     }
 
-    /// Speed by a straight line through the later half of the track, m/s.
+    /// Speed by a straight line through the later half of the track, m/s; NaN where the front moved by less than its own
+    /// width there.
     fn speed(&self) -> f64 {
         let late = &self.track[self.track.len() / 2..];
-        if late.len() < 2 {
+        let moved = late.last().map_or(0.0, |end| end.1 - late[0].1);
+        if moved < self.width {
             return f64::NAN;
         }
         let n = late.len() as f64;

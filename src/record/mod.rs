@@ -1,6 +1,7 @@
 //! What a run leaves behind: fields, gauges, end histories, fronts, ledger, audit, and the file they go to.
 
 mod audit;
+mod checks;
 mod frames;
 mod fronts;
 mod ledger;
@@ -11,6 +12,7 @@ mod traces;
 use serde::Serialize;
 
 pub use audit::{UnloadingWatch, above_critical, heating, past_data};
+pub use checks::{ElasticProbe, against_similarity};
 pub use frames::{Frames, read_field};
 pub use fronts::FrontTracker;
 pub use ledger::Ledger;
@@ -81,7 +83,7 @@ impl Field {
     }
 }
 
-/// One moment of the recorded fields: one row of n_x values for each recorded field, in the layout's order.
+/// One moment of the recorded fields: one row of `n_x` values for each recorded field, in the layout's order.
 #[derive(Debug, Clone)]
 pub struct Frame {
     /// s.

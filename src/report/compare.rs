@@ -8,17 +8,21 @@ use crate::study::compare::Compared;
 const MPA: f64 = 1e6;
 const PERCENT: f64 = 0.01;
 
-/// Four panels: curves, front speeds, impact velocities (each against strain, the ultimate points marked) and
-/// critical velocities. SVG text.
+/// Curves, front speeds and impact velocities against strain, the ultimate points marked; and critical velocities
+/// where there are several. SVG text.
 pub fn figure(materials: &[Compared]) -> String {
     let mut panels = vec![curves(materials), speeds(materials), velocities(materials)];
     let mut legend: Vec<_> = materials.iter().enumerate().map(|(i, m)| legend_line(&m.critical.material, i)).collect();
-    if materials.iter().any(|m| m.critical.critical_velocity_m_s.is_some()) {
-        panels.push(critical_velocities(materials));
+    let critical = materials.iter().filter(|m| m.critical.critical_velocity_m_s.is_some()).count();
+    if critical > 0 {
         let shape = LegendShape::Marker(MarkerShape::Circle);
         legend.push(LegendEntry { label: "critical".into(), color: "#444444".into(), shape, dasharray: None });
     }
-    figure_with_legend(panels, 2, legend)
+    if critical > 1 {
+        panels.push(critical_velocities(materials));
+    }
+    let columns = if panels.len() == 3 { 3 } else { 2 };
+    figure_with_legend(panels, columns, legend)
 }
 
 fn line(points: Vec<(f64, f64)>, i: usize, style: LineStyle) -> Plot {
@@ -67,7 +71,7 @@ fn speeds(materials: &[Compared]) -> Panel {
 fn velocities(materials: &[Compared]) -> Panel {
     let mut plots = Vec::new();
     for (i, m) in materials.iter().enumerate() {
-        let points = m.curve.iter().filter_map(|p| Some((p.strain / PERCENT, p.impact_velocity_m_s?)));
+        let points = m.loading.iter().map(|p| (p.strain / PERCENT, p.impact_velocity_m_s));
         plots.push(line(points.collect(), i, line_style(i)));
     }
     for (i, m) in materials.iter().enumerate() {

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::critical::{CriticalRow, critical};
-use crate::material::{Material, Sense};
+use crate::material::{Curve, Material, Sense};
 use crate::wave::similarity;
 
 /// One material of a comparison.
@@ -18,6 +18,10 @@ pub struct Compared {
     pub elastic_speed_m_s: f64,
     /// The knots of the curve, from the origin on.
     pub curve: Vec<CurvePoint>,
+    /// Impact velocity against the strain that it leaves behind, up to the ultimate point or the last knot: the knots,
+    /// the places where the stress comes back after a drop, and points between, since the velocity is not straight
+    /// there.
+    pub loading: Vec<LoadingPoint>,
     /// Fronts that load the bar to the ultimate point, or to the last knot where there is none; fastest first.
     pub fronts: Vec<similarity::Edge>,
 }
@@ -37,6 +41,15 @@ pub struct CurvePoint {
     pub wave_speed_m_s: Option<f64>,
 }
 
+/// One impact.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct LoadingPoint {
+    /// Engineering strain behind the last front.
+    pub strain: f64,
+    /// m/s.
+    pub impact_velocity_m_s: f64,
+}
+
 /// Compares materials in one sense of loading.
 pub fn compare(materials: &[Material], sense: Sense) -> Vec<Compared> {
     materials.iter().map(|material| one(material, sense)).collect()
@@ -46,19 +59,59 @@ fn one(material: &Material, sense: Sense) -> Compared {
     let curve = material.branch(sense);
     let end = curve.ultimate().map_or(curve.last_strain(), |u| u.strain);
     let fronts = similarity::hull(curve, material.density, end);
-    let velocities = similarity::impact_velocities(curve, material.density);
-    let velocity_at = |strain: f64| velocities.iter().find(|v| v.0 == strain).map(|v| v.1);
+    let velocity_at = |strain: f64| match strain {
+        0.0 => 0.0,
+        _ => similarity::impact_velocity(curve, material.density, strain),
+    };
     let points = curve.strain().iter().zip(curve.stress()).map(|(&strain, &stress_pa)| CurvePoint {
         strain,
         stress_pa,
-        impact_velocity_m_s: velocity_at(strain).filter(|_| strain <= end),
+        impact_velocity_m_s: (strain <= end).then(|| velocity_at(strain)),
         wave_speed_m_s: fronts.iter().find(|front| front.strain_behind >= strain).map(|front| front.speed),
     });
+    let loading = loading_strains(curve, end).into_iter();
     Compared {
         critical: critical(material, sense),
         modulus_pa: material.modulus,
         elastic_speed_m_s: material.c0(),
         curve: points.collect(),
+        loading: loading.map(|strain| LoadingPoint { strain, impact_velocity_m_s: velocity_at(strain) }).collect(),
         fronts,
+    }
+}
+
+/// Strains up to `end`: the knots of the running maximum and, between them, points at most a hundredth of the
+/// range apart, denser after a knot, where the velocity can start like a square root.
+fn loading_strains(curve: &Curve, end: f64) -> Vec<f64> {
+    let loading = curve.running_maximum();
+    let mut strains = vec![0.0];
+    for pair in loading.strain().windows(2).filter(|pair| pair[1] <= end) {
+        let pieces = ((pair[1] - pair[0]) / (0.01 * end)).ceil().max(1.0);
+        let part = |i: usize| pair[0] + (pair[1] - pair[0]) * (i as f64 / pieces).powi(2);
+        strains.extend((1..pieces as usize).map(part));
+        strains.push(pair[1]);
+    }
+    strains
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::material::Beyond;
+
+    #[test]
+    fn the_velocity_stalls_across_a_yield_drop_and_starts_again_where_the_stress_returns() {
+        let rows = [(0.0015, 310e6), (0.0016, 250e6), (0.02, 250e6), (0.1, 380e6), (0.2, 430e6)];
+        let curve = Curve::new(&rows, Beyond::Error).expect("the table is right");
+        let compared = &compare(&[Material::from_curve("drop", 7850.0, curve)], Sense::Tension)[0];
+        let back = 0.02 + 60.0 / 130.0 * 0.08;
+        let stalled: Vec<_> = compared.loading.iter().filter(|p| p.strain >= 0.0015 && p.strain < back).collect();
+        assert!(stalled.len() > 10);
+        // Yield velocity of this table to seven digits.
+        assert!(stalled.iter().all(|p| (p.impact_velocity_m_s / 7.696_471 - 1.0).abs() < 1e-6));
+        let last = compared.loading[compared.loading.len() - 1];
+        assert_eq!(last.strain, 0.2);
+        assert!((last.impact_velocity_m_s / 62.571_063 - 1.0).abs() < 1e-6);
+        assert!(compared.loading.windows(2).all(|p| p[1].strain > p[0].strain));
     }
 }

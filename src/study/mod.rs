@@ -1,4 +1,6 @@
 //! Studies made of curves and runs.
 
 pub mod compare;
+pub mod confirm;
 pub mod critical;
+pub mod plan;

@@ -1,4 +1,4 @@
-//! HDF5 dimension scales, written attribute by attribute (the library's own helpers are in its high-level part, which
+//! HDF5 dimension scales, written attribute by attribute (the library's own routines are in its high-level part, which
 //! is not linked in). The layout is that of the HDF5 dimension scale specification: `CLASS` and `NAME` on the scale,
 //! `DIMENSION_LIST` on the data, `REFERENCE_LIST` back on the scale.
 #![allow(unsafe_code)]

@@ -33,17 +33,15 @@ pub(super) struct Block {
     pub v: Vec<f64>,
     /// Law state, empty until the block yields.
     pub state: Vec<f64>,
-    /// Plastic work of every cell in the latest step as [`RowLaw::advance`] gives it; empty until the block yields.
-    pub work: Vec<f64>,
-    /// Running sum of `work` over cells and steps.
+    /// 1 in cells that flowed in the latest step, else 0; empty until the block yields.
+    pub flow: Vec<u8>,
+    /// Running sum over cells and steps of the plastic work as [`RowLaw::advance`] gives it.
     pub plastic: f64,
-    /// Velocity differences that the ripple damping hands over, one a cell; empty in an elastic run.
-    pub handed: Vec<f64>,
+    /// Velocity difference that the ripple damping handed over in the first and in the last cell.
+    pub handed_at_edges: [f64; 2],
     /// Velocities of the nodes next to the block in its own segment, for the damping.
     pub outside: [Option<f64>; 2],
-    /// What the damping took from each inner node in the latest step, see [`ripple::hand_over`].
-    pub lost: Vec<f64>,
-    /// Running sum of `lost` over nodes and steps.
+    /// Running sum of what the damping took from the block's inner nodes, see [`ripple::hand_over`].
     pub damped: f64,
 }
 
@@ -68,34 +66,26 @@ impl Block {
             sigma: vec![0.0; n],
             v: vec![velocity; n + 1],
             state: Vec::new(),
-            work: Vec::new(),
+            flow: Vec::new(),
             plastic: 0.0,
-            handed: Vec::new(),
-            lost: Vec::new(),
+            handed_at_edges: [0.0; 2],
             outside: [None, None],
             damped: 0.0,
         }
     }
 
     /// Damps the ripples of the block's inner nodes; `outside` as in [`ripple::find`]. The nodes at its two edges belong
-    /// to the caller, who finds their share in `handed`.
+    /// to the caller, who finds their share in `handed_at_edges`.
     pub fn damp_ripples(&mut self, velocity_gain: f64) {
         if self.stage == Stage::Quiet {
             return;
         }
-        if self.handed.is_empty() {
-            self.handed = vec![0.0; self.sigma.len()];
-            self.lost = vec![0.0; self.sigma.len() - 1];
-        }
-        ripple::find(&self.v, &self.work, self.outside, &mut self.handed);
-        let inner = self.v.len() - 1;
-        ripple::hand_over(velocity_gain, &self.sigma, &self.handed, &mut self.v[1..inner], &mut self.lost);
-        self.damped += row_sum(&self.lost);
-    }
-
-    /// Velocity difference that the damping hands over in the first and last cell.
-    pub fn handed_at_edges(&self) -> (f64, f64) {
-        (self.handed.first().copied().unwrap_or(0.0), self.handed.last().copied().unwrap_or(0.0))
+        let cells = self.sigma.len();
+        let mut handed = [0.0; BLOCK];
+        let handed = &mut handed[..cells];
+        ripple::find(&self.v, &self.flow, self.outside, handed);
+        self.handed_at_edges = [handed[0], handed[cells - 1]];
+        self.damped += ripple::hand_over(velocity_gain, &self.sigma, handed, &mut self.v[1..cells]);
     }
 
     /// Steps the stresses of the block, then the nodes inside it. The nodes at its two edges belong to the caller.
@@ -118,19 +108,26 @@ impl Block {
     }
 
     fn advance_stress(&mut self, law: BlockLaw<'_>) {
+        let cells = self.sigma.len();
+        // Scratch on the stack stays in the first-level cache from block to block.
+        let mut work = [0.0; BLOCK];
+        let work = &mut work[..cells];
         if self.stage == Stage::Elastic {
             let peak = elastic_row(law.stress_gain, &self.v, &mut self.sigma);
             if peak <= law.yield_stress {
                 return;
             }
             self.stage = Stage::Plastic;
-            self.state = vec![0.0; law.law.state_len() * self.sigma.len()];
-            self.work = vec![0.0; self.sigma.len()];
-            law.law.first_yield(law.stress_gain, &self.v, &mut self.sigma, &mut self.state, &mut self.work);
+            self.state = vec![0.0; law.law.state_len() * cells];
+            self.flow = vec![0; cells];
+            law.law.first_yield(law.stress_gain, &self.v, &mut self.sigma, &mut self.state, work);
         } else {
-            law.law.advance(law.stress_gain, &self.v, &mut self.sigma, &mut self.state, &mut self.work);
+            law.law.advance(law.stress_gain, &self.v, &mut self.sigma, &mut self.state, work);
         }
-        self.plastic += row_sum(&self.work);
+        self.plastic += row_sum(work);
+        for (flow, work) in self.flow.iter_mut().zip(work) {
+            *flow = u8::from(*work != 0.0);
+        }
     }
 
     /// E times the signed plastic strain of local cell `i`, Pa.

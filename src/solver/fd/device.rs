@@ -25,10 +25,10 @@ pub struct Device {
     /// Velocity half a step before and after the current time, m/s.
     before: f64,
     after: f64,
-    /// Stress at the end at the current time, Pa.
-    stress: f64,
+    /// Stress at the end at the current time, Pa, with the impulse of a sudden motion.
+    reaction: f64,
     /// The same for the record, see [`Device::stress`].
-    shown_stress: f64,
+    stress: f64,
     /// Stress in the latest step in which the end was held.
     held_stress: f64,
     displacement: f64,
@@ -79,8 +79,8 @@ impl Device {
             rest_velocity: grid.velocity,
             before: grid.velocity,
             after: grid.velocity,
+            reaction: 0.0,
             stress: 0.0,
-            shown_stress: 0.0,
             held_stress: 0.0,
             displacement: 0.0,
             work: 0.0,
@@ -94,15 +94,15 @@ impl Device {
     /// Takes the node from half a step before `time` to half a step after it. `sigma_cell` is the stress at `time`
     /// in the end cell.
     pub fn advance(&mut self, time: f64, sigma_cell: f64) {
-        let previous_stress = self.stress;
+        let previous_stress = self.reaction;
         let motion = self.respond(time, sigma_cell);
         let struck = motion.held && (!self.held || self.jumps(time));
-        self.shown_stress = if struck { sigma_cell } else { motion.stress };
+        self.stress = if struck { sigma_cell } else { motion.stress };
         if motion.held {
             self.held_stress = motion.stress;
         }
         (self.before, self.after) = (self.after, motion.velocity);
-        (self.stress, self.held) = (motion.stress, motion.held);
+        (self.reaction, self.held) = (motion.stress, motion.held);
         self.account(previous_stress);
         self.displacement += self.dt * self.after;
     }
@@ -144,7 +144,7 @@ impl Device {
         Motion { velocity: self.after + self.normal * self.gain * (stress - sigma_cell), stress, held: false }
     }
 
-    /// sigma_end = -n Z (v - v_rest) with v the mean over the step: exact at Courant number 1.
+    /// `sigma_end` = -n Z (v - `v_rest`) with v the mean over the step: exact at Courant number 1.
     fn radiating(&self, sigma_cell: f64) -> Motion {
         let h = 0.5 * self.gain * self.impedance;
         let before = self.after - self.rest_velocity;
@@ -164,12 +164,12 @@ impl Device {
         if self.normal * (free.velocity - limit) > 0.0 {
             return self.moving(limit, sigma_cell);
         }
-        self.under_stress(if self.held { 0.5 * self.stress } else { 0.0 }, sigma_cell)
+        self.under_stress(if self.held { 0.5 * self.reaction } else { 0.0 }, sigma_cell)
     }
 
     /// The ripple damping changes the node's velocity, which no end prescribes just now. Returns the energy taken, J.
     pub(super) fn damp(&mut self, change: f64, sigma_cell: f64) -> f64 {
-        let g = self.normal * self.gain * (self.stress - sigma_cell);
+        let g = self.normal * self.gain * (self.reaction - sigma_cell);
         let half_mass = 0.5 * self.impulse_per_stress / self.gain;
         let taken = half_mass * ripple::node(g, change, &mut self.after);
         self.before += change;
@@ -186,7 +186,7 @@ impl Device {
     /// momentum and energy to round-off. The first half step starts from the initial velocity.
     fn account(&mut self, previous_stress: f64) {
         let half = 0.5 * self.normal * self.impulse_per_stress;
-        let impulse = if self.started { half * (previous_stress + self.stress) } else { half * self.stress };
+        let impulse = if self.started { half * (previous_stress + self.reaction) } else { half * self.reaction };
         self.started = true;
         self.impulse += impulse;
         self.throughput += impulse.abs();
@@ -211,7 +211,7 @@ impl Device {
     /// Stress at the end at the current time, Pa. In a step in which the end is suddenly made to move it is that of the
     /// end cell, without the impulse that the half cell's mass takes up.
     pub fn stress(&self) -> f64 {
-        self.shown_stress
+        self.stress
     }
 
     /// Displacement at the current time, m.

@@ -29,86 +29,43 @@ pub struct SegmentLaw {
 
 /// The node between two blocks: inside a segment, or at a bonded joint.
 #[derive(Debug, Clone, Copy)]
-struct Edge {
-    before: f64,
-    after: f64,
+pub(super) struct Edge {
+    pub before: f64,
+    pub after: f64,
     /// dt A/m of the cells on both sides, m/s per Pa.
-    gain_left: f64,
-    gain_right: f64,
+    pub gain_left: f64,
+    pub gain_right: f64,
     /// Node mass, kg.
-    mass: f64,
+    pub mass: f64,
 }
 
 /// Constants of a segment.
 #[derive(Debug, Clone, Copy)]
-struct Constants {
-    modulus: f64,
-    stress_gain: f64,
-    velocity_gain: f64,
+pub(super) struct Constants {
+    pub modulus: f64,
+    pub stress_gain: f64,
+    pub velocity_gain: f64,
     /// rho A dx, kg.
-    cell_mass: f64,
+    pub cell_mass: f64,
     /// A dx, m^3.
-    cell_volume: f64,
-}
-
-/// What can be read in a cell.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Quantity {
-    /// Engineering stress, Pa, tension positive.
-    Stress,
-    /// Engineering strain.
-    Strain,
-    /// Velocity at the centre at the time of the stresses, m/s, positive in +x: the mean over the cell's two nodes
-    /// and over the half steps before and after.
-    Velocity,
-    /// Signed plastic strain.
-    PlasticStrain,
-    /// Accumulated plastic strain, >= 0.
-    AccumulatedPlasticStrain,
-}
-
-/// A cell that came to the end of its material's data.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Passed {
-    /// Cell.
-    pub cell: usize,
-    /// Its segment.
-    pub segment: usize,
-    /// Its strain.
-    pub strain: f64,
-}
-
-/// Energies and momentum of the bar at the current time, J and N s.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Energies {
-    /// Sum of m v- v+ / 2, v- and v+ being the velocities half a step before and after: the form that the scheme
-    /// conserves.
-    pub kinetic: f64,
-    /// Sum of sigma^2/(2E) dV.
-    pub elastic: f64,
-    /// Plastic work since the start.
-    pub plastic: f64,
-    /// Taken by the ripple damping since the start (0 in an elastic run).
-    pub viscous: f64,
-    /// Momentum, positive in +x.
-    pub momentum: f64,
+    pub cell_volume: f64,
 }
 
 /// A bar being stepped. Between steps: stresses at `time()`, velocities half a step later.
 pub struct Leapfrog {
-    grid: Grid,
-    laws: Vec<SegmentLaw>,
-    constants: Vec<Constants>,
-    blocks: Vec<Block>,
-    edges: Vec<Edge>,
-    left: Device,
-    right: Device,
-    step: usize,
-    parallel: bool,
+    pub(super) grid: Grid,
+    pub(super) laws: Vec<SegmentLaw>,
+    pub(super) constants: Vec<Constants>,
+    pub(super) blocks: Vec<Block>,
+    pub(super) edges: Vec<Edge>,
+    pub(super) left: Device,
+    pub(super) right: Device,
+    pub(super) step: usize,
+    pub(super) parallel: bool,
     /// Some cell has yielded.
-    yielded: bool,
+    pub(super) yielded: bool,
     /// Energy that the ripple damping took from the nodes between blocks, J.
-    damped_at_edges: f64,
+    pub(super) damped_at_edges: f64,
 }
 
 impl Leapfrog {
@@ -187,7 +144,7 @@ impl Leapfrog {
         for_each(&mut self.blocks, self.parallel, damp);
         for (k, edge) in self.edges.iter_mut().enumerate() {
             let (left, right) = (&self.blocks[k], &self.blocks[k + 1]);
-            let change = right.handed_at_edges().0 - left.handed_at_edges().1;
+            let change = right.handed_at_edges[0] - left.handed_at_edges[1];
             let g = edge.kick(last(&left.sigma), right.sigma[0]);
             self.damped_at_edges += 0.5 * edge.mass * ripple::node(g, change, &mut edge.after);
             // So that after - before stays what the stresses gave the node, as for the nodes inside a block.
@@ -200,7 +157,7 @@ impl Leapfrog {
     /// The end nodes' part of the damping: half the mass, so twice the velocity change.
     fn damp_ends(&mut self) {
         let (first, last_block) = (&self.blocks[0], &self.blocks[self.blocks.len() - 1]);
-        let (left, right) = (2.0 * first.handed_at_edges().0, -2.0 * last_block.handed_at_edges().1);
+        let (left, right) = (2.0 * first.handed_at_edges[0], -2.0 * last_block.handed_at_edges[1]);
         if left != 0.0 && !self.left.is_held() {
             self.damped_at_edges += self.left.damp(left, first.sigma[0]);
         }
@@ -278,180 +235,12 @@ impl Leapfrog {
     pub fn stayed_elastic(&self) -> bool {
         self.blocks.iter().all(|b| b.stage != Stage::Plastic)
     }
-
-    /// Mass of the bar, kg.
-    pub fn mass(&self) -> f64 {
-        self.blocks.iter().map(|b| self.constants[b.segment].cell_mass * b.sigma.len() as f64).sum()
-    }
-
-    /// Plastic state in memory, bytes.
-    pub fn state_bytes(&self) -> usize {
-        self.blocks.iter().map(|b| b.state.len() * size_of::<f64>()).sum()
-    }
-
-    /// A quantity in one cell.
-    pub fn value(&self, quantity: Quantity, cell: usize) -> f64 {
-        let k = self.blocks.partition_point(|b| b.cells.end <= cell);
-        self.block_value(quantity, k, cell - self.blocks[k].cells.start)
-    }
-
-    /// A quantity in every cell, into `out` (one entry a cell).
-    pub fn profile(&self, quantity: Quantity, out: &mut [f64]) {
-        for (k, block) in self.blocks.iter().enumerate() {
-            for (i, out) in out[block.cells.clone()].iter_mut().enumerate() {
-                *out = self.block_value(quantity, k, i);
-            }
-        }
-    }
-
-    /// A quantity in local cell `i` of block `k`.
-    fn block_value(&self, quantity: Quantity, k: usize, i: usize) -> f64 {
-        let block = &self.blocks[k];
-        let law = self.laws[block.segment].law.as_ref();
-        let modulus = self.constants[block.segment].modulus;
-        match quantity {
-            Quantity::Stress => block.sigma[i],
-            Quantity::Strain => (block.sigma[i] + block.plastic_strain(law, i)) / modulus,
-            Quantity::PlasticStrain => block.plastic_strain(law, i) / modulus,
-            Quantity::AccumulatedPlasticStrain => block.accumulated(law, i) / modulus,
-            Quantity::Velocity => 0.5 * (self.node_velocity(k, i) + self.node_velocity(k, i + 1)),
-        }
-    }
-
-    /// Displacement of every cell centre, m: the left end's, and the strain summed up to the place.
-    pub fn displacements(&self) -> Vec<f64> {
-        let mut strains = vec![0.0; self.grid.cells()];
-        self.profile(Quantity::Strain, &mut strains);
-        let mut centres = Vec::with_capacity(strains.len());
-        let mut node = self.left.displacement();
-        for part in &self.grid.segments {
-            for &strain in &strains[part.cells.clone()] {
-                let stretch = strain * part.dx;
-                centres.push(node + 0.5 * stretch);
-                node += stretch;
-            }
-        }
-        centres
-    }
-
-    /// Velocity of local node `i` of block `k` at the time of the stresses, m/s: the mean of half a step before and
-    /// half a step after.
-    fn node_velocity(&self, k: usize, i: usize) -> f64 {
-        let block = &self.blocks[k];
-        if i == 0 {
-            return if k == 0 { self.left.velocity() } else { self.edge_velocity(k - 1) };
-        }
-        if i == block.sigma.len() {
-            return if k == self.edges.len() { self.right.velocity() } else { self.edge_velocity(k) };
-        }
-        let gain = self.constants[block.segment].velocity_gain;
-        block.v[i] - 0.5 * (gain * (block.sigma[i] - block.sigma[i - 1]))
-    }
-
-    /// The same for the node between blocks `k` and `k + 1`.
-    fn edge_velocity(&self, k: usize) -> f64 {
-        let edge = &self.edges[k];
-        edge.after - 0.5 * edge.kick(last(&self.blocks[k].sigma), self.blocks[k + 1].sigma[0])
-    }
-
-    /// Energies and momentum at the current time. One pass over all cells.
-    pub fn energies(&self) -> Energies {
-        let mut total = Energies { viscous: self.damped_at_edges, ..Energies::default() };
-        for (k, block) in self.blocks.iter().enumerate() {
-            let c = &self.constants[block.segment];
-            let squares: f64 = block.sigma.iter().map(|s| s * s).sum();
-            total.elastic += 0.5 * c.cell_volume * squares / c.modulus;
-            total.plastic += 0.5 * c.cell_volume * block.plastic / c.modulus;
-            total.viscous += 0.5 * c.cell_mass * block.damped;
-            let inner = block.sigma.len();
-            let (mut product, mut sum) = (0.0, 0.0);
-            for i in 1..inner {
-                let after = block.v[i];
-                let before = after - c.velocity_gain * (block.sigma[i] - block.sigma[i - 1]);
-                product += after * before;
-                sum += after + before;
-            }
-            total.add_nodes(c.cell_mass, product, sum);
-            if let Some(edge) = self.edges.get(k) {
-                total.add_nodes(edge.mass, edge.after * edge.before, edge.after + edge.before);
-            }
-        }
-        for (device, segment) in [(&self.left, 0), (&self.right, self.constants.len() - 1)] {
-            let (before, after) = (device.velocity_before(), device.velocity_after());
-            total.add_nodes(0.5 * self.constants[segment].cell_mass, before * after, before + after);
-        }
-        total
-    }
-
-    /// Kinetic energy and momentum of the nodes with their initial velocities, before anything acts on them.
-    pub fn initial(&self) -> Energies {
-        debug_assert_eq!(self.step, 0);
-        let mut total = Energies::default();
-        for (k, block) in self.blocks.iter().enumerate() {
-            let c = &self.constants[block.segment];
-            let inner = &block.v[1..block.sigma.len()];
-            total.add_nodes(c.cell_mass, inner.iter().map(|v| v * v).sum(), 2.0 * inner.iter().sum::<f64>());
-            if let Some(edge) = self.edges.get(k) {
-                total.add_nodes(edge.mass, edge.before * edge.before, 2.0 * edge.before);
-            }
-        }
-        for (device, segment) in [(&self.left, 0), (&self.right, self.constants.len() - 1)] {
-            let v = device.velocity_before();
-            total.add_nodes(0.5 * self.constants[segment].cell_mass, v * v, 2.0 * v);
-        }
-        total
-    }
-
-    /// A cell that has come to the end of its material's data, if one has: the farthest gone of the first block that
-    /// has one. A pass over all yielded cells.
-    pub fn passed_end_of_data(&self) -> Option<Passed> {
-        let passed = |block: &&Block| {
-            if block.stage != Stage::Plastic {
-                return false;
-            }
-            let law = &self.laws[block.segment];
-            let reach = law.law.reach(&block.sigma, &block.state);
-            reach[0] >= law.end[0] || reach[1] >= law.end[1]
-        };
-        let block = self.blocks.iter().find(passed)?;
-        let law = &self.laws[block.segment];
-        let beyond = |i: usize| {
-            let end = law.end[usize::from(block.sigma[i] < 0.0)];
-            (block.sigma[i].abs() + block.accumulated(law.law.as_ref(), i)) / end
-        };
-        let farthest = (0..block.sigma.len()).max_by(|&a, &b| beyond(a).total_cmp(&beyond(b)))?;
-        let cell = block.cells.start + farthest;
-        Some(Passed { cell, segment: block.segment, strain: self.value(Quantity::Strain, cell) })
-    }
-
-    /// True where some material's data end, so that [`Self::passed_end_of_data`] can find a cell.
-    pub fn data_can_end(&self) -> bool {
-        self.laws.iter().any(|l| l.end[0].min(l.end[1]).is_finite())
-    }
-
-    /// The first cell whose stress is not a finite number.
-    pub fn not_finite(&self) -> Option<usize> {
-        let bad = |b: &Block| b.sigma.iter().position(|s| !s.is_finite()).map(|i| b.cells.start + i);
-        self.blocks.iter().find_map(bad)
-    }
-}
-
-impl Energies {
-    fn add_nodes(&mut self, mass: f64, product: f64, sum: f64) {
-        self.kinetic += 0.5 * mass * product;
-        self.momentum += 0.5 * mass * sum;
-    }
-
-    /// All energy in the bar, dissipated included, J.
-    pub fn total(&self) -> f64 {
-        self.kinetic + self.elastic + self.plastic + self.viscous
-    }
 }
 
 impl Edge {
     /// Velocity change in a step, m/s, from the stresses on both sides. Inside a segment it has the bits that a node
     /// inside a block would have, so that results do not depend on where blocks meet.
-    fn kick(&self, sigma_left: f64, sigma_right: f64) -> f64 {
+    pub fn kick(&self, sigma_left: f64, sigma_right: f64) -> f64 {
         if self.gain_left == self.gain_right {
             self.gain_left * (sigma_right - sigma_left)
         } else {
@@ -468,7 +257,7 @@ fn for_each(blocks: &mut [Block], parallel: bool, act: impl Fn(&mut Block) + Sen
     }
 }
 
-fn last(values: &[f64]) -> f64 {
+pub(super) fn last(values: &[f64]) -> f64 {
     values[values.len() - 1]
 }
 

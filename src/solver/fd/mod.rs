@@ -4,10 +4,12 @@ mod block;
 mod device;
 mod grid;
 mod leapfrog;
+mod readings;
 mod ripple;
 mod sample;
 
 pub use device::Device;
 pub use grid::{Grid, SegmentGrid};
-pub use leapfrog::{Energies, Leapfrog, Passed, Quantity, SegmentLaw};
+pub use leapfrog::{Leapfrog, SegmentLaw};
+pub use readings::{Energies, Passed, Quantity};
 pub use sample::Sampling;

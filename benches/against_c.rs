@@ -1,0 +1,209 @@
+//! barwave's leapfrog beside a plain one in C (`benches/leapfrog.c`, compiled with `cc -O3 -march=native`): stepping
+//! time and error, run in turn so that both meet the same machine. Nothing is asserted: times depend on the machine.
+//!
+//! `cargo bench` runs it. Environment: `CC` names the compiler, `ROUNDS` the number of runs of each (7).
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::Instant;
+
+use barwave::assemble;
+use barwave::run;
+use barwave::scene::Scene;
+use barwave::solver::fd::Quantity;
+
+const MODULUS: f64 = 200e9;
+const DENSITY: f64 = 7800.0;
+const YIELD: f64 = 200e6;
+const TANGENT: f64 = 20e9;
+const EXPONENT: f64 = 0.2;
+const TABLE_END: f64 = 0.05;
+const TABLE_ROWS: usize = 60;
+
+/// One problem, for both programs. The bar is 1 m long and runs to 0.8 of the elastic wave's way through it.
+#[derive(Clone, Copy)]
+enum Problem {
+    Elastic = 1,
+    Bilinear,
+    PowerLaw,
+}
+
+impl Problem {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Elastic => "P1 elastic",
+            Self::Bilinear => "P2 bilinear",
+            Self::PowerLaw => "P3 power law",
+        }
+    }
+
+    fn velocity(self) -> f64 {
+        if matches!(self, Self::Elastic) { 10.0 } else { 20.0 }
+    }
+
+    fn table(self) -> Vec<[f64; 2]> {
+        let yield_strain = YIELD / MODULUS;
+        let mut rows = vec![[0.0, 0.0]];
+        match self {
+            Self::Elastic => rows.push([0.003, 0.003 * MODULUS]),
+            Self::Bilinear => rows.extend([[yield_strain, YIELD], [yield_strain + 0.02, YIELD + 0.02 * TANGENT]]),
+            Self::PowerLaw => rows.extend((0..TABLE_ROWS).map(|k| {
+                let ratio = (TABLE_END / yield_strain).powf(k as f64 / (TABLE_ROWS - 1) as f64);
+                [yield_strain * ratio, YIELD * ratio.powf(EXPONENT)]
+            })),
+        }
+        rows
+    }
+
+    fn scene(self, cells: usize) -> Scene {
+        // No [effects] in the elastic problem: it has no yield stress in C either.
+        let effects = if matches!(self, Self::Elastic) { "" } else { "[effects]\nunloading = \"isotropic\"" };
+        let text = format!(
+            "title = \"{}\"\n[bar]\nlength = 1\n[bar.material]\nname = \"bench\"\ndensity = {DENSITY}\n\
+             modulus = {MODULUS}\nbeyond = \"extend\"\ncurve = {{ table = {:?} }}\n[left]\nkind = \"velocity\"\n\
+             value = {:?}\n[right]\nkind = \"free\"\n{effects}\n[solve]\nuntil = {:?}\ncells = {cells}\n\
+             [record]\nframes = 2\n",
+            self.name(),
+            self.table(),
+            self.velocity(),
+            end_time(),
+        );
+        Scene::parse("bench", &text, Path::new("."), &[]).unwrap_or_else(|error| panic!("{error}"))
+    }
+
+    /// Exact stress at x/t = `speed` in a long bar, compression positive, as in C.
+    fn exact(self, speed: f64) -> f64 {
+        let (c0, c1) = (elastic_speed(), (TANGENT / DENSITY).sqrt());
+        let yield_velocity = YIELD / (DENSITY * c0);
+        match self {
+            _ if speed >= c0 => 0.0,
+            Self::Elastic => DENSITY * c0 * self.velocity(),
+            Self::Bilinear if speed < c1 => YIELD + DENSITY * c1 * (self.velocity() - yield_velocity),
+            Self::Bilinear => YIELD,
+            Self::PowerLaw => {
+                let (n, root) = (EXPONENT, EXPONENT.sqrt());
+                let largest =
+                    ((self.velocity() / yield_velocity - 1.0) * (n + 1.0) / 2.0 / root + 1.0).powf(2.0 / (n + 1.0));
+                let ratio = (speed / (root * c0)).powf(2.0 / (n - 1.0));
+                YIELD * ratio.max(1.0).min(largest).powf(n)
+            }
+        }
+    }
+}
+
+fn elastic_speed() -> f64 {
+    (MODULUS / DENSITY).sqrt()
+}
+
+fn end_time() -> f64 {
+    0.8 / elastic_speed()
+}
+
+/// What one run showed.
+struct Outcome {
+    steps: usize,
+    seconds: f64,
+    error: f64,
+}
+
+fn run_here(problem: Problem, cells: usize) -> Outcome {
+    let scene = problem.scene(cells);
+    let mut bar = assemble::leapfrog(&scene);
+    let steps = run::steps(&scene, bar.grid().dt);
+    let start = Instant::now();
+    for _ in 0..steps {
+        bar.advance();
+    }
+    let seconds = start.elapsed().as_secs_f64();
+    let mut stress = vec![0.0; cells];
+    bar.profile(Quantity::Stress, &mut stress);
+    let (mut difference, mut sum) = (0.0, 0.0);
+    for (x, stress) in bar.grid().centres().into_iter().zip(stress) {
+        let wanted = problem.exact(x / bar.time());
+        difference += (-stress - wanted).abs();
+        sum += wanted.abs();
+    }
+    Outcome { steps, seconds, error: difference / sum }
+}
+
+/// Compiles the C program; none without a C compiler.
+fn compile() -> Option<PathBuf> {
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/leapfrog.c");
+    let program = Path::new(env!("CARGO_TARGET_TMPDIR")).join("leapfrog_c");
+    let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".to_owned());
+    let status =
+        Command::new(&compiler).args(["-O3", "-march=native", "-o"]).arg(&program).arg(source).arg("-lm").status();
+    match status {
+        Ok(status) if status.success() => Some(program),
+        Ok(status) => {
+            println!("{compiler} could not compile benches/leapfrog.c ({status}): nothing to compare with");
+            None
+        }
+        Err(error) => {
+            println!("no C compiler ({compiler}: {error}): nothing to compare with");
+            None
+        }
+    }
+}
+
+fn run_c(program: &Path, problem: Problem, cells: usize) -> Outcome {
+    let output = Command::new(program).args([cells.to_string(), (problem as u8).to_string()]).output();
+    let output = output.unwrap_or_else(|error| panic!("{}: {error}", program.display()));
+    assert!(output.status.success(), "the C program failed");
+    let text = String::from_utf8_lossy(&output.stdout);
+    let mut numbers = text.split_whitespace().map(|word| word.parse::<f64>().expect("a number"));
+    let mut next = || numbers.next().expect("three numbers");
+    Outcome { steps: next() as usize, seconds: next(), error: next() }
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    let middle = values.len() / 2;
+    if values.len() % 2 == 1 { values[middle] } else { 0.5 * (values[middle - 1] + values[middle]) }
+}
+
+fn main() {
+    // `cargo test --benches` only wants to know that this starts.
+    if !std::env::args().any(|argument| argument == "--bench") {
+        return;
+    }
+    let rounds = std::env::var("ROUNDS").ok().and_then(|text| text.parse().ok()).unwrap_or(7).max(1);
+    let Some(program) = compile() else { return };
+    println!("medians of {rounds} runs each, in turn; time of stepping only; error: relative L1 of stress at the end");
+    println!(
+        "{:<14}{:>7}{:>7}{:>12}{:>12}{:>9}{:>13}{:>13}{:>12}{:>12}",
+        "problem", "cells", "steps", "barwave ms", "C ms", "ratio", "barwave ns", "C ns", "error", "C error"
+    );
+    for problem in [Problem::Elastic, Problem::Bilinear, Problem::PowerLaw] {
+        for cells in [1000, 10_000] {
+            compare(&program, problem, cells, rounds);
+        }
+    }
+    println!("ratio: barwave/C; ns: per cell and step");
+}
+
+fn compare(program: &Path, problem: Problem, cells: usize, rounds: usize) {
+    let (mut here, mut c): (Vec<Outcome>, Vec<Outcome>) = (Vec::new(), Vec::new());
+    for _ in 0..rounds {
+        here.push(run_here(problem, cells));
+        c.push(run_c(program, problem, cells));
+    }
+    let (ours, theirs) = (&here[0], &c[0]);
+    assert_eq!(ours.steps, theirs.steps, "both take the same steps");
+    let seconds = |outcomes: &[Outcome]| median(outcomes.iter().map(|o| o.seconds).collect());
+    let (a, b) = (seconds(&here), seconds(&c));
+    let ns = 1e9 / (cells * ours.steps) as f64;
+    println!(
+        "{:<14}{:>7}{:>7}{:>12.3}{:>12.3}{:>9.2}{:>13.3}{:>13.3}{:>12.2e}{:>12.2e}",
+        problem.name(),
+        cells,
+        ours.steps,
+        a * 1e3,
+        b * 1e3,
+        a / b,
+        a * ns,
+        b * ns,
+        ours.error,
+        theirs.error
+    );
+}

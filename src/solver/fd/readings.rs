@@ -1,0 +1,217 @@
+//! What can be read off a bar: fields, energies, cells past their data.
+
+use super::block::{Block, Stage};
+use super::leapfrog::{Leapfrog, last};
+
+/// What can be read in a cell.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Quantity {
+    /// Engineering stress, Pa, tension positive.
+    Stress,
+    /// Engineering strain.
+    Strain,
+    /// Velocity at the centre at the time of the stresses, m/s, positive in +x: the mean over the cell's two nodes
+    /// and over the half steps before and after.
+    Velocity,
+    /// Signed plastic strain.
+    PlasticStrain,
+    /// Accumulated plastic strain, >= 0.
+    AccumulatedPlasticStrain,
+}
+
+/// A cell that came to the end of its material's data.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Passed {
+    /// Cell.
+    pub cell: usize,
+    /// Its segment.
+    pub segment: usize,
+    /// Its strain.
+    pub strain: f64,
+}
+
+/// Energies and momentum of the bar at the current time, J and N s.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Energies {
+    /// Sum of m v- v+ / 2, v- and v+ being the velocities half a step before and after: the form that the scheme
+    /// conserves.
+    pub kinetic: f64,
+    /// Sum of sigma^2/(2E) dV.
+    pub elastic: f64,
+    /// Plastic work since the start.
+    pub plastic: f64,
+    /// Taken by the ripple damping since the start (0 in an elastic run).
+    pub viscous: f64,
+    /// Momentum, positive in +x.
+    pub momentum: f64,
+}
+
+impl Leapfrog {
+    /// Mass of the bar, kg.
+    pub fn mass(&self) -> f64 {
+        self.blocks.iter().map(|b| self.constants[b.segment].cell_mass * b.sigma.len() as f64).sum()
+    }
+
+    /// Plastic state in memory, bytes.
+    pub fn state_bytes(&self) -> usize {
+        self.blocks.iter().map(|b| b.state.len() * size_of::<f64>()).sum()
+    }
+
+    /// A quantity in one cell.
+    pub fn value(&self, quantity: Quantity, cell: usize) -> f64 {
+        let k = self.blocks.partition_point(|b| b.cells.end <= cell);
+        self.block_value(quantity, k, cell - self.blocks[k].cells.start)
+    }
+
+    /// A quantity in every cell, into `out` (one entry a cell).
+    pub fn profile(&self, quantity: Quantity, out: &mut [f64]) {
+        for (k, block) in self.blocks.iter().enumerate() {
+            for (i, out) in out[block.cells.clone()].iter_mut().enumerate() {
+                *out = self.block_value(quantity, k, i);
+            }
+        }
+    }
+
+    /// A quantity in local cell `i` of block `k`.
+    fn block_value(&self, quantity: Quantity, k: usize, i: usize) -> f64 {
+        let block = &self.blocks[k];
+        let law = self.laws[block.segment].law.as_ref();
+        let modulus = self.constants[block.segment].modulus;
+        match quantity {
+            Quantity::Stress => block.sigma[i],
+            Quantity::Strain => (block.sigma[i] + block.plastic_strain(law, i)) / modulus,
+            Quantity::PlasticStrain => block.plastic_strain(law, i) / modulus,
+            Quantity::AccumulatedPlasticStrain => block.accumulated(law, i) / modulus,
+            Quantity::Velocity => 0.5 * (self.node_velocity(k, i) + self.node_velocity(k, i + 1)),
+        }
+    }
+
+    /// Displacement of every cell centre, m: the left end's, and the strain summed up to the place.
+    pub fn displacements(&self) -> Vec<f64> {
+        let mut strains = vec![0.0; self.grid.cells()];
+        self.profile(Quantity::Strain, &mut strains);
+        let mut centres = Vec::with_capacity(strains.len());
+        let mut node = self.left.displacement();
+        for part in &self.grid.segments {
+            for &strain in &strains[part.cells.clone()] {
+                let stretch = strain * part.dx;
+                centres.push(node + 0.5 * stretch);
+                node += stretch;
+            }
+        }
+        centres
+    }
+
+    /// Velocity of local node `i` of block `k` at the time of the stresses, m/s: the mean of half a step before and
+    /// half a step after.
+    fn node_velocity(&self, k: usize, i: usize) -> f64 {
+        let block = &self.blocks[k];
+        if i == 0 {
+            return if k == 0 { self.left.velocity() } else { self.edge_velocity(k - 1) };
+        }
+        if i == block.sigma.len() {
+            return if k == self.edges.len() { self.right.velocity() } else { self.edge_velocity(k) };
+        }
+        let gain = self.constants[block.segment].velocity_gain;
+        block.v[i] - 0.5 * (gain * (block.sigma[i] - block.sigma[i - 1]))
+    }
+
+    /// The same for the node between blocks `k` and `k + 1`.
+    fn edge_velocity(&self, k: usize) -> f64 {
+        let edge = &self.edges[k];
+        edge.after - 0.5 * edge.kick(last(&self.blocks[k].sigma), self.blocks[k + 1].sigma[0])
+    }
+
+    /// Energies and momentum at the current time. One pass over all cells.
+    pub fn energies(&self) -> Energies {
+        let mut total = Energies { viscous: self.damped_at_edges, ..Energies::default() };
+        for (k, block) in self.blocks.iter().enumerate() {
+            let c = &self.constants[block.segment];
+            let squares: f64 = block.sigma.iter().map(|s| s * s).sum();
+            total.elastic += 0.5 * c.cell_volume * squares / c.modulus;
+            total.plastic += 0.5 * c.cell_volume * block.plastic / c.modulus;
+            total.viscous += 0.5 * c.cell_mass * block.damped;
+            let inner = block.sigma.len();
+            let (mut product, mut sum) = (0.0, 0.0);
+            for i in 1..inner {
+                let after = block.v[i];
+                let before = after - c.velocity_gain * (block.sigma[i] - block.sigma[i - 1]);
+                product += after * before;
+                sum += after + before;
+            }
+            total.add_nodes(c.cell_mass, product, sum);
+            if let Some(edge) = self.edges.get(k) {
+                total.add_nodes(edge.mass, edge.after * edge.before, edge.after + edge.before);
+            }
+        }
+        for (device, segment) in [(&self.left, 0), (&self.right, self.constants.len() - 1)] {
+            let (before, after) = (device.velocity_before(), device.velocity_after());
+            total.add_nodes(0.5 * self.constants[segment].cell_mass, before * after, before + after);
+        }
+        total
+    }
+
+    /// Kinetic energy and momentum of the nodes with their initial velocities, before anything acts on them.
+    pub fn initial(&self) -> Energies {
+        debug_assert_eq!(self.step, 0);
+        let mut total = Energies::default();
+        for (k, block) in self.blocks.iter().enumerate() {
+            let c = &self.constants[block.segment];
+            let inner = &block.v[1..block.sigma.len()];
+            total.add_nodes(c.cell_mass, inner.iter().map(|v| v * v).sum(), 2.0 * inner.iter().sum::<f64>());
+            if let Some(edge) = self.edges.get(k) {
+                total.add_nodes(edge.mass, edge.before * edge.before, 2.0 * edge.before);
+            }
+        }
+        for (device, segment) in [(&self.left, 0), (&self.right, self.constants.len() - 1)] {
+            let v = device.velocity_before();
+            total.add_nodes(0.5 * self.constants[segment].cell_mass, v * v, 2.0 * v);
+        }
+        total
+    }
+
+    /// A cell that has come to the end of its material's data, if one has: the farthest gone of the first block that
+    /// has one. A pass over all yielded cells.
+    pub fn passed_end_of_data(&self) -> Option<Passed> {
+        let passed = |block: &&Block| {
+            if block.stage != Stage::Plastic {
+                return false;
+            }
+            let law = &self.laws[block.segment];
+            let reach = law.law.reach(&block.sigma, &block.state);
+            reach[0] >= law.end[0] || reach[1] >= law.end[1]
+        };
+        let block = self.blocks.iter().find(passed)?;
+        let law = &self.laws[block.segment];
+        let beyond = |i: usize| {
+            let end = law.end[usize::from(block.sigma[i] < 0.0)];
+            (block.sigma[i].abs() + block.accumulated(law.law.as_ref(), i)) / end
+        };
+        let farthest = (0..block.sigma.len()).max_by(|&a, &b| beyond(a).total_cmp(&beyond(b)))?;
+        let cell = block.cells.start + farthest;
+        Some(Passed { cell, segment: block.segment, strain: self.value(Quantity::Strain, cell) })
+    }
+
+    /// True where some material's data end, so that [`Self::passed_end_of_data`] can find a cell.
+    pub fn data_can_end(&self) -> bool {
+        self.laws.iter().any(|l| l.end[0].min(l.end[1]).is_finite())
+    }
+
+    /// The first cell whose stress is not a finite number.
+    pub fn not_finite(&self) -> Option<usize> {
+        let bad = |b: &Block| b.sigma.iter().position(|s| !s.is_finite()).map(|i| b.cells.start + i);
+        self.blocks.iter().find_map(bad)
+    }
+}
+
+impl Energies {
+    fn add_nodes(&mut self, mass: f64, product: f64, sum: f64) {
+        self.kinetic += 0.5 * mass * product;
+        self.momentum += 0.5 * mass * sum;
+    }
+
+    /// All energy in the bar, dissipated included, J.
+    pub fn total(&self) -> f64 {
+        self.kinetic + self.elastic + self.plastic + self.viscous
+    }
+}

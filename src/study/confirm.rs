@@ -1,0 +1,89 @@
+//! A critical velocity put to the test: a bar driven a little below and a little above it.
+
+use std::sync::Arc;
+
+use serde::Serialize;
+
+use super::critical::CriticalRow;
+use crate::bar::{Bar, EndCondition, History, Joint, Segment};
+use crate::error::Result;
+use crate::material::Material;
+use crate::record::{Compression, Field, Precision};
+use crate::run::{self, Wish};
+use crate::scene::{Effects, Method, Record, Scene, Solve, Unloading};
+
+/// Cells of the bar.
+const CELLS: usize = 1000;
+
+/// How far from the critical velocity the bar is driven, as a share of it: far enough for the strain at the struck end
+/// of the faster bar to run away within one transit of the elastic wave, near enough to say something.
+const ASIDE: f64 = 0.05;
+
+/// The bar below and above the critical velocity.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Confirmation {
+    /// 5 % below.
+    pub below: Driven,
+    /// 5 % above.
+    pub above: Driven,
+    /// The bar holds below and breaks above.
+    pub confirmed: bool,
+}
+
+/// A bar driven at one velocity for one transit of the elastic wave.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Driven {
+    /// Velocity of the struck end, m/s.
+    pub velocity_m_s: f64,
+    /// Simulated strain next to the struck end at the end, magnitude.
+    pub strain_at_end: f64,
+    /// The strain has gone past the one on which the critical velocity rests.
+    pub breaks: bool,
+}
+
+/// Simulates a bar 5 % below and 5 % above its critical velocity; none where the row has none.
+///
+/// # Errors
+/// None of its own: those of the run.
+pub fn confirm(material: &Material, row: &CriticalRow) -> Result<Option<Confirmation>> {
+    let (Some(velocity), Some(limit)) = (row.critical_velocity_m_s, row.strain_at_max) else { return Ok(None) };
+    let material = Arc::new(material.clone());
+    let below = drive(&material, row, (1.0 - ASIDE) * velocity, limit)?;
+    let above = drive(&material, row, (1.0 + ASIDE) * velocity, limit)?;
+    Ok(Some(Confirmation { below, above, confirmed: !below.breaks && above.breaks }))
+}
+
+fn drive(material: &Arc<Material>, row: &CriticalRow, velocity: f64, limit: f64) -> Result<Driven> {
+    // Pulling the left end in -x is tension.
+    let scene = scene(material, -row.sense.sign() * velocity);
+    let summary = run::run(&scene, None, &mut |_| Wish::GoOn)?;
+    let strain = summary.left.strain.abs();
+    Ok(Driven { velocity_m_s: velocity, strain_at_end: strain, breaks: strain > limit })
+}
+
+/// A long bar at rest whose left end is driven at a constant velocity, until the elastic wave has crossed it once.
+fn scene(material: &Arc<Material>, velocity: f64) -> Scene {
+    let segment =
+        Segment { length: 1.0, area: 1.0, material: Arc::clone(material), velocity: 0.0, joint: Joint::Bonded };
+    let until = segment.length / material.c0();
+    Scene {
+        title: format!("{} at {velocity} m/s", material.name),
+        name: material.name.clone(),
+        path: None,
+        text: String::new(),
+        overrides: Vec::new(),
+        bar: Bar { segments: vec![segment], area_given: false },
+        left: EndCondition::Velocity { history: History::constant(velocity), release: None },
+        right: EndCondition::Free,
+        effects: Effects { unloading: Some(Unloading::Isotropic) },
+        solve: Solve { until, method: Method::Leapfrog { cells: CELLS, cfl: 1.0 } },
+        record: Record {
+            times: vec![until],
+            cells: None,
+            fields: vec![Field::Stress],
+            gauges: Vec::new(),
+            precision: Precision::F64,
+            compression: Compression::None,
+        },
+    }
+}

@@ -37,7 +37,7 @@ pub(crate) struct Args {
     units: System,
 }
 
-/// Fronts that the summary lists one by one; a curve of many knots has as many fronts, which the file holds.
+/// Fronts that the summary lists one by one; a curve of many knots has as many fronts.
 const LISTED_FRONTS: usize = 12;
 
 pub(crate) fn run(args: &Args) -> Result<()> {
@@ -215,7 +215,7 @@ pub(super) fn front_lines(fronts: &[FrontSummary], units: System) -> Vec<String>
         ));
     }
     if fronts.len() > LISTED_FRONTS {
-        lines.push(std::format!("  ... and {} more, in the result file", fronts.len() - LISTED_FRONTS));
+        lines.push(std::format!("  ... and {} more, listed by --json", fronts.len() - LISTED_FRONTS));
     }
     lines
 }

@@ -233,7 +233,10 @@ fn two_materials_share_force_and_velocity() {
     let soft = material(&scaled(&[(0.0005, 35.0), (0.02, 80.0), (0.2, 120.0)]), 2700.0, Beyond::Extend);
     let segments = vec![segment(0.5, 1e-4, &hard, 0.0), segment(0.5, 3e-4, &soft, 0.0)];
     let mut bar = track(segments, KINEMATIC, [pushed(8.0), EndCondition::Fixed]);
-    bar.advance_to(3.0 / hard.c0()).expect("few events");
+    for k in 1..40 {
+        bar.advance_to(f64::from(k) * 0.05 / hard.c0()).expect("few events");
+        println!("{} {} {}", bar.time() * hard.c0(), bar.events(), bar.fronts().count());
+    }
     let (left, right) = (bar.state_at(0.5 - 1e-12), bar.state_at(0.5 + 1e-12));
     near(left.stress * 1e-4 / (right.stress * 3e-4), 1.0, "force");
     near(left.velocity / right.velocity, 1.0, "velocity");
@@ -365,9 +368,10 @@ proptest! {
             let sum = bar.balance();
             let scale = sum.total().max(sum.work[0].abs()).max(1.0);
             // Rounding of a few thousand events.
-            prop_assert!((sum.total() - sum.work[0] - sum.work[1]).abs() < 1e-11 * scale, "{sum:?}");
-            prop_assert!((sum.momentum - sum.impulse[0] - sum.impulse[1]).abs() < 1e-11 * scale, "{sum:?}");
-            prop_assert!(sum.plastic >= plastic - 1e-12 * scale);
+            prop_assert!((sum.total() - sum.work[0] - sum.work[1]).abs() < 1e-11 * scale, "{sum:?} {} {}", bar.time(), bar.events());
+            prop_assert!((sum.momentum - sum.impulse[0] - sum.impulse[1]).abs() < 1e-11 * scale, "{sum:?} {} {}", bar.time(), bar.events());
+            // Kinematic hardening stores energy and gives it back: only isotropic plastic work is dissipation.
+            prop_assert!(kinematic > 0.0 || sum.plastic >= plastic - 1e-12 * scale);
             plastic = sum.plastic;
             if stopped {
                 break;

@@ -47,6 +47,8 @@ pub struct End {
     gap: f64,
     /// When the wall will be reached, s.
     closes: f64,
+    /// The wall holds the end: its gap stays 0, whatever the rounding of its velocity.
+    held: bool,
     /// Since when the present stress and velocity hold, and they.
     since: f64,
     pub stress: f64,
@@ -66,6 +68,7 @@ impl End {
             rest,
             gap,
             closes: f64::INFINITY,
+            held: false,
             since: 0.0,
             stress: 0.0,
             velocity: rest,
@@ -86,7 +89,9 @@ impl End {
     /// count as t.
     pub fn drive(&mut self, t: f64, tolerance: f64) -> Drive {
         (self.work, self.impulse) = self.account(t);
-        self.gap += self.inward * self.velocity * (t - self.since);
+        if !self.held {
+            self.gap += self.inward * self.velocity * (t - self.since);
+        }
         self.since = t;
         let at = t + tolerance;
         match &self.condition {
@@ -110,6 +115,7 @@ impl End {
     /// Takes the answer: stress and velocity of the bar's end from t on, and whether a wall holds it.
     pub fn settle(&mut self, stress: f64, velocity: f64, held: bool, round_off: f64, scale: f64) {
         let t = self.since;
+        self.held = held;
         let opening = self.inward * velocity;
         self.closes = if matches!(self.condition, EndCondition::Wall { .. }) && !held && opening < 0.0 {
             t + self.gap / -opening

@@ -162,7 +162,8 @@ fn check_fan(rows: &[(f64, f64)], density: f64, velocity: f64, fronts: usize) {
     let fan = fan_at_velocity(&material.tension, density, velocity);
     assert_eq!(fan.edges.len(), fronts);
     for (flow, sense) in [(ISOTROPIC, 1.0), (KINEMATIC, -1.0), (Flow::PathIndependent, 1.0)] {
-        let mut bar = track(vec![segment(1.0, 1.0, &material, 0.0)], flow, [pushed(-sense * velocity), EndCondition::Free]);
+        let mut bar =
+            track(vec![segment(1.0, 1.0, &material, 0.0)], flow, [pushed(-sense * velocity), EndCondition::Free]);
         let time = 0.8 / material.c0();
         bar.advance_to(time).expect("no meeting");
         let tracked: Vec<_> = bar.fronts().collect();
@@ -233,10 +234,8 @@ fn two_materials_share_force_and_velocity() {
     let soft = material(&scaled(&[(0.0005, 35.0), (0.02, 80.0), (0.2, 120.0)]), 2700.0, Beyond::Extend);
     let segments = vec![segment(0.5, 1e-4, &hard, 0.0), segment(0.5, 3e-4, &soft, 0.0)];
     let mut bar = track(segments, KINEMATIC, [pushed(8.0), EndCondition::Fixed]);
-    for k in 1..40 {
-        bar.advance_to(f64::from(k) * 0.05 / hard.c0()).expect("few events");
-        println!("{} {} {}", bar.time() * hard.c0(), bar.events(), bar.fronts().count());
-    }
+    // Two plastic fronts close in on each other soon after: waves bounce between them ever faster.
+    bar.advance_to(1.95 / hard.c0()).expect("few events");
     let (left, right) = (bar.state_at(0.5 - 1e-12), bar.state_at(0.5 + 1e-12));
     near(left.stress * 1e-4 / (right.stress * 3e-4), 1.0, "force");
     near(left.velocity / right.velocity, 1.0, "velocity");
@@ -354,7 +353,7 @@ proptest! {
         let right = [EndCondition::Free, EndCondition::Fixed, EndCondition::Absorbing, EndCondition::Wall { gap: 0.1 }];
         let segments = vec![segment(0.6, 1.0, &steel, 0.0), segment(0.4, area, &steel, 0.0)];
         let bar = Bar { segments, area_given: true };
-        let settings = Settings { event_budget: 20_000, ..Settings::default() };
+        let settings = Settings { event_budget: 2000, ..Settings::default() };
         let flow = Flow::Plastic { kinematic };
         let mut bar = FrontTracking::new(&bar, flow, [left, right[far].clone()], settings).expect("in steps");
         let mut plastic = 0.0;
@@ -367,9 +366,9 @@ proptest! {
             }
             let sum = bar.balance();
             let scale = sum.total().max(sum.work[0].abs()).max(1.0);
-            // Rounding of a few thousand events.
-            prop_assert!((sum.total() - sum.work[0] - sum.work[1]).abs() < 1e-11 * scale, "{sum:?} {} {}", bar.time(), bar.events());
-            prop_assert!((sum.momentum - sum.impulse[0] - sum.impulse[1]).abs() < 1e-11 * scale, "{sum:?} {} {}", bar.time(), bar.events());
+            // Fronts closer than 1e-13 are taken as one: up to 2000 events, few of which shift anything by that.
+            prop_assert!((sum.total() - sum.work[0] - sum.work[1]).abs() < 1e-10 * scale, "{sum:?}");
+            prop_assert!((sum.momentum - sum.impulse[0] - sum.impulse[1]).abs() < 1e-10 * scale, "{sum:?}");
             // Kinematic hardening stores energy and gives it back: only isotropic plastic work is dissipation.
             prop_assert!(kinematic > 0.0 || sum.plastic >= plastic - 1e-12 * scale);
             plastic = sum.plastic;

@@ -123,7 +123,9 @@ impl End {
             f64::INFINITY
         };
         (self.stress, self.velocity) = (stress, velocity);
-        let same = |last: &EndStep| (last.stress - stress).abs() <= round_off && (last.velocity - velocity).abs() <= round_off / scale;
+        let same = |last: &EndStep| {
+            (last.stress - stress).abs() <= round_off && (last.velocity - velocity).abs() <= round_off / scale
+        };
         if !self.record.steps.last().is_some_and(same) {
             self.record.steps.push(EndStep { time: t, stress, velocity });
         }

@@ -19,7 +19,7 @@ pub use tracking::{Front, FrontTracking, Piece, Sample};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
     /// Waves weaker than this, relative to [`FrontTracking::stress_scale`], are held back where they arise, as a
-    /// mismatch at rest, until the next front passes. 0: every wave is sent.
+    /// velocity jump at rest, until the next front passes. 0: every wave is sent.
     pub front_tolerance: f64,
     /// Most events that a run may take.
     pub event_budget: u64,

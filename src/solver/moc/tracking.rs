@@ -9,12 +9,12 @@ use super::{Settings, Stopped, Unsupported};
 use crate::bar::{Bar, EndCondition, Joint};
 use crate::law::Table;
 use crate::material::Sense;
-use crate::wave::riemann::{Emitted, Flow, Medium, Point, Side, Workspace, solve};
+use crate::wave::riemann::{Emitted, Flow, Medium, Path, Point, Side, Workspace, solve};
 
 /// Nodes closer than this part of the bar's length are at one point, and times closer than this part of the elastic
 /// transit time are one time. Meetings carry a rounding of about 1e-15 of either; fronts that should meet in one
 /// point miss it by that, and distinct events lie that close together only by chance.
-const SAME_POINT: f64 = 1e-12;
+const SAME_POINT: f64 = 1e-13;
 
 /// Stresses closer than this part of the stress scale are one stress: a hundred times their rounding.
 const SAME_STRESS: f64 = 1e-13;
@@ -394,13 +394,15 @@ impl FrontTracking {
         let right_segment = joint.map_or(left_segment, |id| self.list.get(id).segment);
         let (a, b) = (&self.media[left_segment as usize], &self.media[right_segment as usize]);
         let star = solve(Side::Bar(a, &left), Side::Bar(b, &right), &mut self.work);
-        let tau = |sense: f64, area: f64, cap: f64| (sense * star.force / area).min(cap);
-        let (tau_left, tau_right) = (
-            tau(self.work.left.sense(), a.area, self.work.left.cap()),
-            tau(self.work.right.sense(), b.area, self.work.right.cap()),
-        );
-        let behind_left = self.work.left.emit(tau_left, -1.0, self.hold, &mut self.sent_left);
-        let behind_right = self.work.right.emit(tau_right, 1.0, self.hold, &mut self.sent_right);
+        let force = if self.hold > 0.0 {
+            held_back(star.force, self.hold, [(a, &left), (b, &right)], &mut self.work)
+        } else {
+            star.force
+        };
+        let (path_left, path_right) = (&mut self.work.left, &mut self.work.right);
+        let tau = |path: &Path| (path.sense() * force / path.area()).min(path.cap());
+        let behind_left = path_left.emit(tau(path_left), -1.0, 0.0, &mut self.sent_left);
+        let behind_right = path_right.emit(tau(path_right), 1.0, 0.0, &mut self.sent_right);
         let round_off = a.round_off;
         let apart = star.capped
             || !behind_left.same_history(&behind_right, round_off)
@@ -412,7 +414,9 @@ impl FrontTracking {
                 (kept.right, kept.t) = (behind_right, self.now);
                 id
             }
-            None if apart => self.list.insert(before_new, node(Kind::Contact, x, self.now, 0.0, behind_right, left_segment)),
+            None if apart => {
+                self.list.insert(before_new, node(Kind::Contact, x, self.now, 0.0, behind_right, left_segment))
+            }
             None => before_new,
         };
         let after_new = self.send_right(middle, x, right, right_segment);
@@ -508,7 +512,7 @@ impl FrontTracking {
         path.fill(medium, &bar, sense);
         let tau = sense * stress;
         let short = tau > path.cap() + medium.round_off;
-        (path.emit(tau.min(path.cap()), self.ends[which].inward, self.hold, sent), short)
+        (path.emit(tau.min(path.cap()), self.ends[which].inward, 0.0, sent), short)
     }
 
     /// A driver that moves with `velocity` at `force` (none: at the bar's own force) and gives way by `compliance`.
@@ -553,6 +557,26 @@ impl FrontTracking {
             }));
         }
     }
+}
+
+/// The force nearest to `force` at which one side sends no wave, or none past a knot of its path, if that is less than
+/// `hold` (Pa) away; else `force`. The paths are left in the senses that it asks for.
+///
+/// The stress stays continuous, so momentum is kept exactly; what is held back is a velocity jump, which the next
+/// front that passes takes with it.
+fn held_back(force: f64, hold: f64, [left, right]: [(&Medium, &Point); 2], work: &mut Workspace) -> f64 {
+    let (from_left, from_right) = (work.left.force_behind(force), work.right.force_behind(force));
+    let nearest = if (from_left - force).abs() < (from_right - force).abs() { from_left } else { from_right };
+    if (nearest - force).abs() > hold * left.0.area.min(right.0.area) {
+        return force;
+    }
+    for (path, (medium, point)) in [(&mut work.left, left), (&mut work.right, right)] {
+        let sense = if nearest < medium.area * point.stress { -1.0 } else { 1.0 };
+        if sense != path.sense() {
+            path.fill(medium, point, sense);
+        }
+    }
+    nearest
 }
 
 /// Whether two points have one stress and one velocity, to rounding.

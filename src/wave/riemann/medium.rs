@@ -116,7 +116,14 @@ impl Medium {
     /// From the loading tables in tension and compression (in units of stress, see [`Table`]).
     ///
     /// `round_off` (Pa, >= 0) should lie a little above the rounding of the stresses that will occur.
-    pub fn new([tension, compression]: [&Table; 2], modulus: f64, density: f64, area: f64, flow: Flow, round_off: f64) -> Self {
+    pub fn new(
+        [tension, compression]: [&Table; 2],
+        modulus: f64,
+        density: f64,
+        area: f64,
+        flow: Flow,
+        round_off: f64,
+    ) -> Self {
         let lines = [Lines::new(tension, modulus, density), Lines::new(compression, modulus, density)];
         Self { modulus, density, area, flow, round_off, lines }
     }

@@ -185,7 +185,8 @@ fn between(gap: f64, bottom: f64, top: f64, low: &mut Path, high: &mut Path) -> 
             j -= usize::from(j > 0 && -high.force(j) <= next);
         }
     }
-    let total = |f: f64, low: &mut Path, high: &mut Path| low.velocity(f / low.area()) - high.velocity(-f / high.area());
+    let total =
+        |f: f64, low: &mut Path, high: &mut Path| low.velocity(f / low.area()) - high.velocity(-f / high.area());
     halve(force, top, |f| total(f, low, high) < gap)
 }
 

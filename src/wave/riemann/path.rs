@@ -174,13 +174,18 @@ impl Path {
     }
 
     /// A: forces are stresses times this, m^2.
-    pub(super) fn area(&self) -> f64 {
+    pub fn area(&self) -> f64 {
         self.area
     }
 
     /// sense * force at knot i; infinite past the last.
     pub(super) fn force(&self, i: usize) -> f64 {
         self.knots.get(i).map_or(f64::INFINITY, |k| self.area * k.tau)
+    }
+
+    /// Force, N, at the last knot on the way to `force`: the point's own force where there is none.
+    pub fn force_behind(&self, force: f64) -> f64 {
+        self.sense * self.force(self.edge(self.sense * force))
     }
 
     /// True where the hull is the path itself along edge i.
@@ -273,7 +278,7 @@ impl Path {
         self.build_hull(tau);
         for i in 1..self.hull.len() {
             let (from, to) = (self.hull[i - 1], self.hull[i]);
-            if to.0 - from.0 > hold || (i > 1 && i + 1 < self.hull.len()) {
+            if i + 1 < self.hull.len() || to.0 - from.0 > hold {
                 let compliance = chord_velocity(from, to, self.impedance2) / (to.0 - from.0);
                 behind = self.behind(&behind, from, to, compliance, direction);
                 fronts.push(Emitted { speed: 1.0 / (self.density * compliance), behind });

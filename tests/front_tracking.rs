@@ -3,9 +3,10 @@
 use std::sync::Arc;
 
 use barwave::bar::{Bar, EndCondition, History, Joint, Segment};
+use barwave::law::Table;
 use barwave::material::{Beyond, Curve, Material};
 use barwave::solver::moc::{EndStep, FrontTracking, Settings, Stopped, Unsupported, stepped};
-use barwave::wave::riemann::Flow;
+use barwave::wave::riemann::{Flow, Medium, Point, Side, Workspace, solve};
 use barwave::wave::similarity::fan_at_velocity;
 use proptest::prelude::*;
 use serde::Deserialize;
@@ -54,7 +55,7 @@ fn material(rows: &[(f64, f64)], density: f64, beyond: Beyond) -> Arc<Material> 
     Arc::new(Material::from_curve("test", density, Curve::new(rows, beyond).expect("rows are right")))
 }
 
-/// E = rho = sigma_y = 1, plastic wave speed r.
+/// `E = rho = sigma_y = 1`, plastic wave speed r.
 fn bilinear(r: f64) -> Arc<Material> {
     material(&[(1.0, 1.0), (2.0, 1.0 + r * r)], 1.0, Beyond::Extend)
 }
@@ -321,6 +322,104 @@ fn the_event_budget_stops_a_run_where_it_is() {
     assert!(time > 1.0 && time < 10.0);
 }
 
+fn foam() -> Arc<Material> {
+    material(&scaled(&[(0.01, 1.0), (0.6, 1.2), (0.7, 5.0), (0.75, 20.0)]), 200.0, Beyond::Extend)
+}
+
+#[test]
+fn two_stiffening_bars_meet_like_one_and_a_wall() {
+    // Chords of the hull on both sides, which depend on the answer: by symmetry it is the one-sided fan.
+    let foam = foam();
+    let fan = fan_at_velocity(&foam.tension, 200.0, 150.0);
+    let segments = vec![segment(1.0, 2.0, &foam, 150.0), segment(1.0, 2.0, &foam, -150.0)];
+    let mut bar = track(segments, ISOTROPIC, [EndCondition::Free, EndCondition::Free]);
+    bar.advance_to(0.5 / foam.c0()).expect("no meeting");
+    let middle = bar.state_at(1.0);
+    near(-middle.stress / fan.stress, 1.0, "stress");
+    near(-middle.strain / fan.strain, 1.0, "strain");
+    near(middle.velocity / 150.0, 0.0, "velocity");
+    assert_eq!(bar.fronts().count(), 2 * fan.edges.len());
+}
+
+#[test]
+fn a_stiffening_bar_shares_force_and_velocity_with_another() {
+    let (foam, steel) = (foam(), material(&scaled(&[(0.001, 200.0), (0.1, 600.0)]), 7800.0, Beyond::Extend));
+    for flow in [ISOTROPIC, Flow::PathIndependent] {
+        let segments = vec![segment(1.0, 1e-2, &foam, 120.0), segment(1.0, 1e-4, &steel, 0.0)];
+        let mut bar = track(segments, flow, [EndCondition::Free, EndCondition::Free]);
+        let start = bar.balance();
+        bar.advance_to(0.9 / steel.c0()).expect("no meeting");
+        let (left, right) = (bar.state_at(1.0 - 1e-9), bar.state_at(1.0 + 1e-9));
+        near(left.stress * 1e-2 / (right.stress * 1e-4), 1.0, "force");
+        near(left.velocity / right.velocity, 1.0, "velocity");
+        near(bar.balance().total() / start.total(), 1.0, "energy");
+        near(bar.balance().momentum / start.momentum, 1.0, "momentum");
+    }
+}
+
+/// Relative L1 difference of stress over the bar.
+fn difference(a: &FrontTracking, b: &FrontTracking) -> f64 {
+    let stresses =
+        |t: &FrontTracking| -> Vec<f64> { (0..2000).map(|i| t.state_at(5e-4 * (f64::from(i) + 0.5)).stress).collect() };
+    let (a, b) = (stresses(a), stresses(b));
+    let apart: f64 = a.iter().zip(&b).map(|(a, b)| (a - b).abs()).sum();
+    apart / b.iter().map(|b| b.abs()).sum::<f64>()
+}
+
+#[test]
+fn a_front_tolerance_saves_events_and_keeps_the_account() {
+    let hard = material(&scaled(&[(0.001, 200.0), (0.1, 600.0)]), 7800.0, Beyond::Extend);
+    let soft = material(&scaled(&[(0.0005, 35.0), (0.02, 80.0), (0.2, 120.0)]), 2700.0, Beyond::Extend);
+    let bar = Bar { segments: vec![segment(0.5, 1e-4, &hard, 0.0), segment(0.5, 3e-4, &soft, 0.0)], area_given: true };
+    let run = |front_tolerance| {
+        let settings = Settings { front_tolerance, ..Settings::default() };
+        let ends = [pushed(8.0), EndCondition::Fixed];
+        let mut bar = FrontTracking::new(&bar, KINEMATIC, ends, settings).expect("bonded");
+        bar.advance_to(4.0 / hard.c0()).expect("few events");
+        let sum = bar.balance();
+        near(sum.total() / (sum.work[0] + sum.work[1]), 1.0, "energy");
+        near(sum.momentum / (sum.impulse[0] + sum.impulse[1]), 1.0, "momentum");
+        bar
+    };
+    let [coarse, middle, fine, finest] = [1e-2, 1e-3, 1e-4, 1e-5].map(run);
+    assert!(coarse.events() < middle.events() && middle.events() < fine.events() && fine.events() < finest.events());
+    let error = |bar: &FrontTracking| difference(bar, &finest);
+    // No bound is claimed, and it does not fall in proportion: it falls.
+    assert!(error(&middle) < 0.5 * error(&coarse) && error(&fine) < error(&middle));
+    assert!(error(&coarse) < 4e-2 && error(&middle) < 4e-3);
+}
+
+#[test]
+fn the_riemann_problem_serves_as_a_flux() {
+    let steel = material(&scaled(&[(0.001, 200.0), (0.1, 600.0)]), 7800.0, Beyond::Extend);
+    let table = Table::new(&steel.tension, steel.modulus);
+    let medium = Medium::new([&table, &table], steel.modulus, steel.density, 1.0, ISOTROPIC, 0.0);
+    let mut work = Workspace::default();
+    let (left, right) = (Point { stress: 5e7, ..Point::moving(0.5) }, Point { stress: -2e7, ..Point::moving(1.0) });
+    let elastic = solve(Side::Bar(&medium, &left), Side::Bar(&medium, &right), &mut work);
+    // (sigma_L + sigma_R + rho c0 (v_R - v_L))/2 and (v_L + v_R + (sigma_R - sigma_L)/(rho c0))/2
+    near(elastic.force / (0.5 * (3e7 + steel.impedance() * 0.5)), 1.0, "elastic stress");
+    near(elastic.velocity_left / (0.75 - 3.5e7 / steel.impedance()), 1.0, "elastic velocity");
+    near(elastic.velocity_left / elastic.velocity_right, 1.0, "velocities");
+    // A point that yielded to 400 MPa and is unloaded stays elastic up to there, in compression too.
+    let hardened = Point { accumulated: table_plastic(&table, 4e8), ..Point::default() };
+    for sense in [1.0, -1.0] {
+        let pulled = Side::Straight { force: 0.0, velocity: -20.0 * sense, compliance: 0.0 };
+        let star = solve(pulled, Side::Bar(&medium, &hardened), &mut work);
+        near(
+            star.force / (sense * (4e8 + (20.0 - 4e8 / steel.impedance()) * (steel.density * 400e6 / 0.099).sqrt())),
+            1.0,
+            "stress",
+        );
+    }
+}
+
+/// E times the plastic strain of first loading to a stress on the second line of a table.
+fn table_plastic(table: &Table, stress: f64) -> f64 {
+    let line = table.lines()[1];
+    (stress - line.offset) / line.slope - stress
+}
+
 /// A concave table: falling slopes below 1, in units of E = 1.
 fn concave(slopes: &[f64], widths: &[f64]) -> Arc<Material> {
     let (mut strain, mut stress, mut slope) = (1.0, 1.0, 1.0);
@@ -335,14 +434,17 @@ fn concave(slopes: &[f64], widths: &[f64]) -> Arc<Material> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(500))]
+    #![proptest_config(ProptestConfig::with_cases(1000))]
 
     #[test]
     fn random_tables_and_steps_keep_order_account_and_dissipation(
         slopes in prop::collection::vec(0.2..0.9_f64, 1..5),
         widths in prop::collection::vec(0.2..3.0_f64, 5),
         velocities in prop::collection::vec(-3.0..3.0_f64, 1..5),
-        kinematic in prop::sample::select(vec![0.0, 0.4, 1.0]),
+        flow in prop::sample::select(vec![
+            ISOTROPIC, Flow::Plastic { kinematic: 0.4 }, KINEMATIC, Flow::PathIndependent,
+        ]),
+        front_tolerance in prop::sample::select(vec![0.0, 1e-2]),
         area in 0.3..3.0_f64,
         far in 0..4_usize,
     ) {
@@ -353,8 +455,7 @@ proptest! {
         let right = [EndCondition::Free, EndCondition::Fixed, EndCondition::Absorbing, EndCondition::Wall { gap: 0.1 }];
         let segments = vec![segment(0.6, 1.0, &steel, 0.0), segment(0.4, area, &steel, 0.0)];
         let bar = Bar { segments, area_given: true };
-        let settings = Settings { event_budget: 2000, ..Settings::default() };
-        let flow = Flow::Plastic { kinematic };
+        let settings = Settings { event_budget: 2000, front_tolerance };
         let mut bar = FrontTracking::new(&bar, flow, [left, right[far].clone()], settings).expect("in steps");
         let mut plastic = 0.0;
         for step in 1..=30 {
@@ -370,7 +471,7 @@ proptest! {
             prop_assert!((sum.total() - sum.work[0] - sum.work[1]).abs() < 1e-10 * scale, "{sum:?}");
             prop_assert!((sum.momentum - sum.impulse[0] - sum.impulse[1]).abs() < 1e-10 * scale, "{sum:?}");
             // Kinematic hardening stores energy and gives it back: only isotropic plastic work is dissipation.
-            prop_assert!(kinematic > 0.0 || sum.plastic >= plastic - 1e-12 * scale);
+            prop_assert!(flow != ISOTROPIC || sum.plastic >= plastic - 1e-12 * scale);
             plastic = sum.plastic;
             if stopped {
                 break;

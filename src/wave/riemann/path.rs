@@ -47,7 +47,8 @@ pub struct Path {
     /// Kinematic fraction, and tau from which flow is plastic.
     kinematic: f64,
     plastic_from: f64,
-    path_independent: bool,
+    /// The curve is followed both ways.
+    returns: bool,
     round_off: f64,
     start: Point,
     hull: Vec<(f64, f64)>,
@@ -81,7 +82,7 @@ impl Path {
     }
 
     fn fill_plastic(&mut self, medium: &Medium, kinematic: f64) {
-        self.path_independent = false;
+        self.returns = false;
         self.kinematic = kinematic;
         let lines = medium.lines(self.sense);
         let tau = self.sense * self.start.stress;
@@ -111,7 +112,7 @@ impl Path {
     }
 
     fn fill_path_independent(&mut self, medium: &Medium) {
-        self.path_independent = true;
+        self.returns = true;
         let tau = self.sense * self.start.stress;
         let z = self.sense * (self.start.stress + self.start.plastic);
         let (own, other) = (medium.lines(self.sense), medium.lines(-self.sense));
@@ -291,7 +292,7 @@ impl Path {
     fn behind(&self, ahead: &Point, from: (f64, f64), to: (f64, f64), compliance: f64, direction: f64) -> Point {
         let stress = self.sense * to.0;
         let rise = to.0 - from.0;
-        let elastic = !self.path_independent && to.0 <= self.plastic_from;
+        let elastic = !self.returns && to.0 <= self.plastic_from;
         let flow = if elastic { 0.0 } else { to.1 - from.1 - rise };
         let mut point = Point {
             stress,
@@ -300,7 +301,7 @@ impl Path {
             work: ahead.work + 0.5 * (ahead.stress + stress) * self.sense * flow / self.modulus,
             ..*ahead
         };
-        if !elastic && !self.path_independent {
+        if !elastic && !self.returns {
             point.accumulated += flow;
             point.back += self.sense * self.kinematic * (to.0 - from.0.max(self.plastic_from));
         }

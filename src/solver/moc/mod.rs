@@ -8,12 +8,15 @@
 
 mod end;
 mod list;
+mod read;
+mod resolve;
 mod sums;
 mod tracking;
 
 pub use end::{EndRecord, EndStep, stepped};
+pub use read::{Front, Piece, Sample};
 pub use sums::Balance;
-pub use tracking::{Front, FrontTracking, Piece, Sample};
+pub use tracking::FrontTracking;
 
 /// How a front-tracking run is carried out.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -9,6 +9,7 @@ use crate::law::{
 use crate::material::{Material, Sense};
 use crate::scene::{Effects, Method, Scene, Unloading};
 use crate::solver::fd::{Grid, Leapfrog, SegmentLaw};
+use crate::wave::riemann::Flow;
 
 /// The finite-difference bar of a scene, ready to step.
 pub fn leapfrog(scene: &Scene) -> Leapfrog {
@@ -28,6 +29,16 @@ pub fn segment_law(segment: &Segment, effects: &Effects) -> SegmentLaw {
         end: [tension.end(), compression.end()],
         flat_from: [tension.flat_from(), compression.flat_from()],
         law: choose_backbone(material, tension, compression, effects),
+    }
+}
+
+/// The flow rule of a tracked bar under the scene's effects.
+pub fn flow(effects: &Effects) -> Flow {
+    match effects.unloading {
+        None => Flow::PathIndependent,
+        Some(Unloading::Isotropic) => Flow::Plastic { kinematic: 0.0 },
+        Some(Unloading::Kinematic) => Flow::Plastic { kinematic: 1.0 },
+        Some(Unloading::Mixed(kinematic)) => Flow::Plastic { kinematic },
     }
 }
 

@@ -1,3 +1,4 @@
 //! Solvers. They know laws, bars and ends; never an effect by name, never a file format.
 
 pub mod fd;
+pub mod moc;

@@ -1,0 +1,108 @@
+//! The fronts in order along the bar: a doubly linked list in one vector, whose freed places are used again.
+
+use crate::wave::riemann::Point;
+
+/// No node.
+pub const NONE: u32 = u32::MAX;
+
+/// What a node is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// A front that runs.
+    Front,
+    /// A place at rest where histories (or velocities, or held-back stresses) differ.
+    Contact,
+    /// A joint between two segments.
+    Joint,
+    /// An end of the bar.
+    End,
+}
+
+/// A front or a fixed place, and the constant state between it and the next node.
+#[derive(Debug, Clone, Copy)]
+pub struct Node {
+    pub kind: Kind,
+    /// Where and when it started; speed in +x.
+    pub x: f64,
+    pub t: f64,
+    pub speed: f64,
+    /// State to its right, and the segment of that state (of no meaning at the right end).
+    pub right: Point,
+    pub segment: u32,
+    pub prev: u32,
+    pub next: u32,
+    /// Tells this node from an earlier one in the same place; 0 while the place is free.
+    pub stamp: u64,
+}
+
+impl Node {
+    /// Position at t, m.
+    pub fn at(&self, t: f64) -> f64 {
+        if self.speed == 0.0 { self.x } else { self.x + self.speed * (t - self.t) }
+    }
+}
+
+/// The list.
+#[derive(Debug, Clone, Default)]
+pub struct List {
+    nodes: Vec<Node>,
+    free: Vec<u32>,
+    stamps: u64,
+}
+
+impl List {
+    /// The node in a place.
+    pub fn get(&self, id: u32) -> &Node {
+        &self.nodes[id as usize]
+    }
+
+    /// The node in a place, to change it.
+    pub fn get_mut(&mut self, id: u32) -> &mut Node {
+        &mut self.nodes[id as usize]
+    }
+
+    /// Puts a node behind `after` (`NONE`: at the left end of everything) and returns its place. Links and stamp of
+    /// the given node are ignored.
+    pub fn insert(&mut self, after: u32, mut node: Node) -> u32 {
+        self.stamps += 1;
+        node.stamp = self.stamps;
+        node.prev = after;
+        node.next = if after == NONE { NONE } else { self.get(after).next };
+        let id = self.free.pop().unwrap_or(self.nodes.len() as u32);
+        if id as usize == self.nodes.len() {
+            self.nodes.push(node);
+        } else {
+            self.nodes[id as usize] = node;
+        }
+        if node.prev != NONE {
+            self.get_mut(node.prev).next = id;
+        }
+        if node.next != NONE {
+            self.get_mut(node.next).prev = id;
+        }
+        id
+    }
+
+    /// Takes a node out.
+    pub fn remove(&mut self, id: u32) {
+        let Node { prev, next, .. } = *self.get(id);
+        if prev != NONE {
+            self.get_mut(prev).next = next;
+        }
+        if next != NONE {
+            self.get_mut(next).prev = prev;
+        }
+        self.get_mut(id).stamp = 0;
+        self.free.push(id);
+    }
+
+    /// All nodes from left to right; the first one is the left end, in place 0.
+    pub fn iter(&self) -> impl Iterator<Item = &Node> {
+        let mut id = if self.nodes.is_empty() { NONE } else { 0 };
+        std::iter::from_fn(move || {
+            let node = self.nodes.get(id as usize)?;
+            id = node.next;
+            Some(node)
+        })
+    }
+}

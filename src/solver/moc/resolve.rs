@@ -1,0 +1,266 @@
+//! What leaves the place where fronts meet, inside the bar and at its ends.
+
+use super::FrontTracking;
+use super::end::Drive;
+use super::list::{Kind, Node};
+use super::tracking::node;
+use crate::wave::riemann::{Emitted, Medium, Path, Point, Side, Workspace, solve};
+
+impl FrontTracking {
+    /// Solves the Riemann problem of the nodes `first..=last` that meet at x now, and puts what it sends in their place.
+    pub(super) fn resolve(&mut self, first: u32, last: u32, x: f64) {
+        let fixed = self.clear(first, last);
+        match fixed {
+            Some(id) if id == self.end_nodes[0] => self.resolve_end(0, id, x),
+            Some(id) if id == self.end_nodes[1] => self.resolve_end(1, id, x),
+            Some(id) => {
+                let prev = self.list.get(id).prev;
+                self.resolve_inside(prev, Some(id), self.list.get(id).right, x);
+            }
+            None => {
+                let prev = self.list.get(last).prev;
+                let right = self.list.get(last).right;
+                self.drop_node(last);
+                self.resolve_inside(prev, None, right, x);
+            }
+        }
+    }
+
+    /// Removes the nodes `first..=last` but for an end or joint among them, which takes over the state to the right of
+    /// them all and is returned; without one, the last node stays to be removed by the caller.
+    fn clear(&mut self, first: u32, last: u32) -> Option<u32> {
+        let right = self.list.get(last).right;
+        let mut fixed = None;
+        let mut id = first;
+        loop {
+            let node = *self.list.get(id);
+            let is_fixed = matches!(node.kind, Kind::End | Kind::Joint);
+            if matches!(node.kind, Kind::Contact | Kind::Joint) {
+                self.concentrated += self.stretch_work(&node);
+            }
+            if is_fixed {
+                fixed = Some(id);
+            }
+            if id == last {
+                break;
+            }
+            id = node.next;
+        }
+        let Some(kept) = fixed else {
+            self.remove_until(first, last);
+            return None;
+        };
+        let mut id = first;
+        loop {
+            let next = self.list.get(id).next;
+            if id != kept {
+                self.drop_node(id);
+            }
+            if id == last {
+                break;
+            }
+            id = next;
+        }
+        self.list.get_mut(kept).right = right;
+        Some(kept)
+    }
+
+    /// Removes from `first` to just before `last`.
+    fn remove_until(&mut self, first: u32, last: u32) {
+        let mut id = first;
+        while id != last {
+            let next = self.list.get(id).next;
+            self.drop_node(id);
+            id = next;
+        }
+    }
+
+    fn drop_node(&mut self, id: u32) {
+        self.fronts -= usize::from(self.list.get(id).kind == Kind::Front);
+        self.list.remove(id);
+    }
+
+    /// What a velocity jump at a place at rest has taken since the node was set, J.
+    pub(super) fn stretch_work(&self, node: &Node) -> f64 {
+        let (left, right) = (self.list.get(node.prev), node);
+        let force = |n: &Node| self.media[n.segment as usize].area * n.right.stress;
+        0.5 * (force(left) + force(right)) * (right.right.velocity - left.right.velocity) * (self.now - node.t)
+    }
+
+    /// Between the piece to the right of `prev` and the state `right`, at a joint or anywhere.
+    fn resolve_inside(&mut self, prev: u32, joint: Option<u32>, right: Point, x: f64) {
+        let left = self.list.get(prev).right;
+        let left_segment = self.list.get(prev).segment;
+        let right_segment = joint.map_or(left_segment, |id| self.list.get(id).segment);
+        let (a, b) = (&self.media[left_segment as usize], &self.media[right_segment as usize]);
+        let star = solve(Side::Bar(a, &left), Side::Bar(b, &right), &mut self.work);
+        let force = if self.hold > 0.0 {
+            held_back(star.force, self.hold, [(a, &left), (b, &right)], &mut self.work)
+        } else {
+            star.force
+        };
+        let (path_left, path_right) = (&mut self.work.left, &mut self.work.right);
+        let tau = |path: &Path| (path.sense() * force / path.area()).min(path.cap());
+        let behind_left = path_left.emit(tau(path_left), -1.0, 0.0, &mut self.sent_left);
+        let behind_right = path_right.emit(tau(path_right), 1.0, 0.0, &mut self.sent_right);
+        let round_off = a.round_off;
+        let apart = star.capped
+            || !behind_left.same_history(&behind_right, round_off)
+            || (self.hold > 0.0 && !same_motion(&behind_left, &behind_right, a));
+        let before_new = self.send_left(prev, x, left_segment);
+        let middle = match joint {
+            Some(id) => {
+                let kept = self.list.get_mut(id);
+                (kept.right, kept.t) = (behind_right, self.now);
+                id
+            }
+            None if apart => {
+                self.list.insert(before_new, node(Kind::Contact, x, self.now, 0.0, behind_right, left_segment))
+            }
+            None => before_new,
+        };
+        let after_new = self.send_right(middle, x, right, right_segment);
+        self.schedule(prev);
+        self.schedule(after_new);
+    }
+
+    /// Puts the fronts sent in -x behind `prev`; the last node before x afterwards.
+    fn send_left(&mut self, prev: u32, x: f64, segment: u32) -> u32 {
+        let mut after = prev;
+        for k in 0..self.sent_left.len() {
+            let Emitted { speed, behind } = self.sent_left[k];
+            after = self.list.insert(after, node(Kind::Front, x, self.now, -speed, behind, segment));
+        }
+        self.fronts += self.sent_left.len();
+        after
+    }
+
+    /// Puts the fronts sent in +x behind `after`, with `ahead` before them all; the last of them.
+    fn send_right(&mut self, mut after: u32, x: f64, ahead: Point, segment: u32) -> u32 {
+        for k in (0..self.sent_right.len()).rev() {
+            let state = if k == 0 { ahead } else { self.sent_right[k - 1].behind };
+            after = self.list.insert(after, node(Kind::Front, x, self.now, self.sent_right[k].speed, state, segment));
+        }
+        self.fronts += self.sent_right.len();
+        after
+    }
+
+    fn resolve_end(&mut self, which: usize, id: u32, x: f64) {
+        let prev = self.list.get(id).prev;
+        let (bar, segment) = if which == 0 {
+            (self.list.get(id).right, 0)
+        } else {
+            (self.list.get(prev).right, self.list.get(prev).segment)
+        };
+        let drive = self.ends[which].drive(self.now, self.same_time);
+        let (behind, held, short) = self.answer_end(which, drive, bar, segment);
+        let medium = &self.media[segment as usize];
+        let end = &mut self.ends[which];
+        end.settle(behind.stress, behind.velocity, held, medium.round_off, medium.impedance());
+        if short {
+            end.record.above_critical.get_or_insert(self.now);
+        }
+        if which == 0 {
+            // The fan's innermost state is next to the end, the state ahead to the right of the fastest front.
+            let nearest = self.sent_right.last().map_or(bar, |e| e.behind);
+            self.list.get_mut(id).right = nearest;
+            let last = self.send_right(id, x, bar, segment);
+            self.schedule(last);
+        } else {
+            self.send_left(prev, x, segment);
+            self.schedule(prev);
+        }
+    }
+
+    /// The waves that an end sends into the bar: into the scratch of its side. State behind them, whether a wall holds
+    /// the end, and whether the curve could not carry what was imposed.
+    fn answer_end(&mut self, which: usize, drive: Drive, bar: Point, segment: u32) -> (Point, bool, bool) {
+        match drive {
+            Drive::Stress(stress) => {
+                let (behind, short) = self.answer_stress(which, stress, bar, segment);
+                (behind, false, short)
+            }
+            Drive::Velocity(velocity) => {
+                let (behind, short) = self.answer_driver(which, velocity, 0.0, None, bar, segment);
+                (behind, false, short)
+            }
+            Drive::Elastic(velocity) => {
+                let medium = &self.media[segment as usize];
+                let compliance = 1.0 / (medium.impedance() * medium.area);
+                let (behind, _) = self.answer_driver(which, velocity, compliance, Some(0.0), bar, segment);
+                (behind, false, false)
+            }
+            Drive::Push => {
+                let (free, short) = self.answer_stress(which, 0.0, bar, segment);
+                if self.ends[which].inward * free.velocity >= 0.0 {
+                    return (free, false, short);
+                }
+                let (behind, short) = self.answer_driver(which, 0.0, 0.0, None, bar, segment);
+                (behind, true, short)
+            }
+        }
+    }
+
+    fn answer_stress(&mut self, which: usize, stress: f64, bar: Point, segment: u32) -> (Point, bool) {
+        let medium = &self.media[segment as usize];
+        let sense = if stress < bar.stress { -1.0 } else { 1.0 };
+        let (path, sent) = if which == 0 {
+            (&mut self.work.right, &mut self.sent_right)
+        } else {
+            (&mut self.work.left, &mut self.sent_left)
+        };
+        path.fill(medium, &bar, sense);
+        let tau = sense * stress;
+        let short = tau > path.cap() + medium.round_off;
+        (path.emit(tau.min(path.cap()), self.ends[which].inward, 0.0, sent), short)
+    }
+
+    /// A driver that moves with `velocity` at `force` (none: at the bar's own force) and gives way by `compliance`.
+    fn answer_driver(
+        &mut self,
+        which: usize,
+        velocity: f64,
+        compliance: f64,
+        force: Option<f64>,
+        bar: Point,
+        segment: u32,
+    ) -> (Point, bool) {
+        let medium = &self.media[segment as usize];
+        let force = force.unwrap_or(medium.area * bar.stress);
+        let driver = Side::Straight { force, velocity, compliance };
+        let own = Side::Bar(medium, &bar);
+        let (star, path, sent) = if which == 0 {
+            (solve(driver, own, &mut self.work), &mut self.work.right, &mut self.sent_right)
+        } else {
+            (solve(own, driver, &mut self.work), &mut self.work.left, &mut self.sent_left)
+        };
+        let tau = (path.sense() * star.force / medium.area).min(path.cap());
+        (path.emit(tau, self.ends[which].inward, self.hold, sent), star.capped)
+    }
+}
+
+/// The force nearest to `force` at which one side sends no wave, or none past a knot of its path, if that is less than
+/// `hold` (Pa) away; else `force`. The paths are left in the senses that it asks for.
+///
+/// The stress stays continuous, so momentum is kept exactly; what is held back is a velocity jump, which the next
+/// front that passes takes with it.
+fn held_back(force: f64, hold: f64, [left, right]: [(&Medium, &Point); 2], work: &mut Workspace) -> f64 {
+    let (from_left, from_right) = (work.left.force_behind(force), work.right.force_behind(force));
+    let nearest = if (from_left - force).abs() < (from_right - force).abs() { from_left } else { from_right };
+    if (nearest - force).abs() > hold * left.0.area.min(right.0.area) {
+        return force;
+    }
+    for (path, (medium, point)) in [(&mut work.left, left), (&mut work.right, right)] {
+        let sense = if nearest < medium.area * point.stress { -1.0 } else { 1.0 };
+        if sense != path.sense() {
+            path.fill(medium, point, sense);
+        }
+    }
+    nearest
+}
+
+/// Whether two points have one stress and one velocity, to rounding.
+fn same_motion(a: &Point, b: &Point, medium: &Medium) -> bool {
+    (a.stress - b.stress).abs() <= medium.round_off
+        && (a.velocity - b.velocity).abs() * medium.impedance() <= medium.round_off
+}

@@ -1,0 +1,56 @@
+//! Energies and momentum of a tracked bar: exact sums over its constant pieces.
+
+use super::FrontTracking;
+use super::list::Kind;
+
+/// Account at a moment, J and N s (per m^2 where the bar has no area of its own).
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Balance {
+    /// Sum of rho v^2/2 dV.
+    pub kinetic: f64,
+    /// Sum of sigma^2/(2E) dV.
+    pub elastic: f64,
+    /// Plastic work, and what is lost in shocks along the chords of a stiffening curve.
+    pub plastic: f64,
+    /// Work taken at single points where a level curve keeps the velocities apart.
+    pub concentrated: f64,
+    /// Momentum, positive in +x.
+    pub momentum: f64,
+    /// Work done on the bar through its ends, left and right, by the stress there and the velocity of the bar's own edge.
+    pub work: [f64; 2],
+    /// Impulse given to the bar through its ends, left and right.
+    pub impulse: [f64; 2],
+}
+
+impl Balance {
+    /// All energy in the bar, and all that it took.
+    pub fn total(&self) -> f64 {
+        self.kinetic + self.elastic + self.plastic + self.concentrated
+    }
+}
+
+impl FrontTracking {
+    /// Energies, momentum and what came in through the ends, now.
+    pub fn balance(&self) -> Balance {
+        let mut sum = Balance { concentrated: self.concentrated, ..Balance::default() };
+        for piece in self.pieces() {
+            let medium = self.medium(piece.segment);
+            let volume = medium.area * (piece.to - piece.from);
+            let point = piece.point;
+            sum.kinetic += 0.5 * medium.density * point.velocity * point.velocity * volume;
+            sum.elastic += 0.5 * point.stress * point.stress / medium.modulus * volume;
+            sum.plastic += point.work * volume;
+            sum.momentum += medium.density * point.velocity * volume;
+        }
+        for node in self.list.iter().filter(|n| matches!(n.kind, Kind::Contact | Kind::Joint)) {
+            sum.concentrated += self.stretch_work(node);
+        }
+        for (k, end) in self.ends.iter().enumerate() {
+            let (work, impulse) = end.account(self.time());
+            let area = if k == 0 { self.medium(0).area } else { self.medium(self.segments() - 1).area };
+            sum.work[k] = work * area;
+            sum.impulse[k] = impulse * area;
+        }
+        sum
+    }
+}

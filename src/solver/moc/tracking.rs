@@ -1,0 +1,245 @@
+//! The fronts from one event to the next.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use super::end::End;
+use super::list::{Kind, List, NONE, Node};
+use super::{Settings, Stopped, Unsupported};
+use crate::bar::{Bar, EndCondition, Joint};
+use crate::law::Table;
+use crate::material::Sense;
+use crate::wave::riemann::{Emitted, Flow, Medium, Point, Side, Workspace, solve};
+
+/// Nodes closer than this part of the bar's length are at one point, and times closer than this part of the elastic
+/// transit time are one time. Meetings carry a rounding of about 1e-15 of either; fronts that should meet in one
+/// point miss it by that, and distinct events lie that close together only by chance.
+const SAME_POINT: f64 = 1e-13;
+
+/// Stresses closer than this part of the stress scale are one stress: a hundred times their rounding.
+const SAME_STRESS: f64 = 1e-13;
+
+/// The next meeting of two neighbours; out of date once one of them is gone or they are no longer neighbours.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Meeting {
+    time: f64,
+    left: u32,
+    right: u32,
+    left_stamp: u64,
+    right_stamp: u64,
+}
+
+impl Eq for Meeting {}
+
+impl PartialOrd for Meeting {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Meeting {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        self.time.total_cmp(&other.time).then(self.left_stamp.cmp(&other.left_stamp))
+    }
+}
+
+/// A bar whose fronts are tracked.
+#[derive(Debug, Clone)]
+pub struct FrontTracking {
+    pub(super) media: Vec<Medium>,
+    pub(super) ends: [End; 2],
+    pub(super) end_nodes: [u32; 2],
+    pub(super) list: List,
+    queue: BinaryHeap<Reverse<Meeting>>,
+    pub(super) now: f64,
+    pub(super) events: u64,
+    pub(super) budget: u64,
+    pub(super) same_place: f64,
+    pub(super) same_time: f64,
+    pub(super) stress_scale: f64,
+    pub(super) hold: f64,
+    pub(super) fronts: usize,
+    pub(super) concentrated: f64,
+    pub(super) work: Workspace,
+    pub(super) sent_left: Vec<Emitted>,
+    pub(super) sent_right: Vec<Emitted>,
+}
+
+impl FrontTracking {
+    /// A bar at t = 0 with its ends; every segment flows as `flow` says.
+    ///
+    /// # Errors
+    /// A joint that can open, or a history with a ramp (see [`super::stepped`]).
+    pub fn new(bar: &Bar, flow: Flow, ends: [EndCondition; 2], settings: Settings) -> Result<Self, Unsupported> {
+        let last = bar.segments.len() - 1;
+        if let Some(k) = bar.segments[..last].iter().position(|s| s.joint != Joint::Bonded) {
+            return Err(Unsupported::ContactJoint(k + 1));
+        }
+        let [left, right] = ends;
+        let ends = [End::new(left, 1.0, bar.segments[0].velocity), End::new(right, -1.0, bar.segments[last].velocity)];
+        for (end, name) in ends.iter().zip(["left", "right"]) {
+            if end.has_ramp() {
+                return Err(Unsupported::Ramp(name));
+            }
+        }
+        let mut media: Vec<Medium> = bar.segments.iter().map(|s| medium(s, flow)).collect();
+        let stress_scale = stress_scale(bar, &media, &ends);
+        for medium in &mut media {
+            medium.round_off = SAME_STRESS * stress_scale;
+        }
+        let mut tracking = Self {
+            media,
+            ends,
+            end_nodes: [0, 0],
+            list: List::default(),
+            queue: BinaryHeap::new(),
+            now: 0.0,
+            events: 0,
+            budget: settings.event_budget,
+            same_place: SAME_POINT * bar.length(),
+            same_time: SAME_POINT * bar.transit_time(),
+            stress_scale,
+            hold: settings.front_tolerance * stress_scale,
+            fronts: 0,
+            concentrated: 0.0,
+            work: Workspace::default(),
+            sent_left: Vec::new(),
+            sent_right: Vec::new(),
+        };
+        tracking.lay_out(bar);
+        Ok(tracking)
+    }
+
+    /// Ends and joints in their places, and what they send at t = 0.
+    fn lay_out(&mut self, bar: &Bar) {
+        let (mut x, mut after) = (0.0, NONE);
+        for (k, segment) in bar.segments.iter().enumerate() {
+            let kind = if k == 0 { Kind::End } else { Kind::Joint };
+            after = self.list.insert(after, node(kind, x, 0.0, 0.0, Point::moving(segment.velocity), k as u32));
+            x += segment.length;
+        }
+        let last = bar.segments.len() - 1;
+        let end = node(Kind::End, x, 0.0, 0.0, Point::default(), last as u32);
+        self.end_nodes = [0, self.list.insert(after, end)];
+        // Places were given out in order, so they number the ends and joints from left to right.
+        for id in 0..=self.end_nodes[1] {
+            self.resolve(id, id, self.list.get(id).x);
+        }
+    }
+
+    /// Follows the fronts up to and including `until` (s).
+    ///
+    /// # Errors
+    /// [`Stopped::EventBudget`] with the bar standing at the time reached; [`Stopped::NotANumber`].
+    pub fn advance_to(&mut self, until: f64) -> Result<(), Stopped> {
+        loop {
+            let meeting = self.next_meeting();
+            let own: [f64; 2] = std::array::from_fn(|k| self.ends[k].next_time(self.now + self.same_time));
+            let time = meeting.map_or(f64::INFINITY, |m| m.time).min(own[0]).min(own[1]);
+            if time > until + self.same_time {
+                self.now = self.now.max(until);
+                return Ok(());
+            }
+            if self.events >= self.budget {
+                return Err(Stopped::EventBudget { time: self.now, events: self.events, fronts: self.fronts });
+            }
+            self.events += 1;
+            self.now = self.now.max(time);
+            match meeting {
+                Some(m) if m.time <= time => self.meet(m)?,
+                _ => {
+                    let k = usize::from(own[1] <= time);
+                    self.gather(self.end_nodes[k], self.end_nodes[k], self.list.get(self.end_nodes[k]).x)?;
+                }
+            }
+        }
+    }
+
+    /// The next meeting that still holds, left in the queue.
+    fn next_meeting(&mut self) -> Option<Meeting> {
+        while let Some(&Reverse(m)) = self.queue.peek() {
+            let (left, right) = (self.list.get(m.left), self.list.get(m.right));
+            if left.stamp == m.left_stamp && right.stamp == m.right_stamp && left.next == m.right {
+                return Some(m);
+            }
+            self.queue.pop();
+        }
+        None
+    }
+
+    fn meet(&mut self, m: Meeting) -> Result<(), Stopped> {
+        self.queue.pop();
+        let (left, right) = (self.list.get(m.left), self.list.get(m.right));
+        // What stands still tells the place exactly; else the slower one.
+        let x = if right.speed.abs() < left.speed.abs() { right.at(self.now) } else { left.at(self.now) };
+        self.gather(m.left, m.right, x)
+    }
+
+    /// Takes in all neighbours that are at x too, and resolves what meets there.
+    fn gather(&mut self, mut first: u32, mut last: u32, mut x: f64) -> Result<(), Stopped> {
+        let at = |list: &List, id: u32, x: f64| id != NONE && (list.get(id).at(self.now) - x).abs() <= self.same_place;
+        while at(&self.list, self.list.get(first).prev, x) {
+            first = self.list.get(first).prev;
+        }
+        while at(&self.list, self.list.get(last).next, x) {
+            last = self.list.get(last).next;
+        }
+        let mut id = first;
+        while id != NONE {
+            if self.list.get(id).speed == 0.0 {
+                x = self.list.get(id).x;
+            }
+            id = if id == last { NONE } else { self.list.get(id).next };
+        }
+        if !x.is_finite() {
+            return Err(Stopped::NotANumber { time: self.now, x });
+        }
+        self.resolve(first, last, x);
+        Ok(())
+    }
+
+    /// Enters the meeting of a node with the next one, if they ever meet.
+    pub(super) fn schedule(&mut self, left: u32) {
+        let a = self.list.get(left);
+        if a.next == NONE {
+            return;
+        }
+        let b = self.list.get(a.next);
+        let closing = a.speed - b.speed;
+        if closing > 0.0 {
+            let distance = (b.at(self.now) - a.at(self.now)).max(0.0);
+            self.queue.push(Reverse(Meeting {
+                time: self.now + distance / closing,
+                left,
+                right: a.next,
+                left_stamp: a.stamp,
+                right_stamp: b.stamp,
+            }));
+        }
+    }
+}
+
+pub(super) fn node(kind: Kind, x: f64, t: f64, speed: f64, right: Point, segment: u32) -> Node {
+    Node { kind, x, t, speed, right, segment, prev: NONE, next: NONE, stamp: 0 }
+}
+
+fn medium(segment: &crate::bar::Segment, flow: Flow) -> Medium {
+    let material = &segment.material;
+    let table = |sense| Table::new(material.branch(sense), material.modulus);
+    let (tension, compression) = (table(Sense::Tension), table(Sense::Compression));
+    Medium::new([&tension, &compression], material.modulus, material.density, segment.area, flow, 0.0)
+}
+
+/// See [`FrontTracking::stress_scale`].
+fn stress_scale(bar: &Bar, media: &[Medium], ends: &[End; 2]) -> f64 {
+    let reach = ends.each_ref().map(End::reach);
+    let velocities = || bar.segments.iter().map(|s| s.velocity).chain(reach.iter().flat_map(|r| r.1));
+    let range = velocities().fold(f64::MIN, f64::max) - velocities().fold(f64::MAX, f64::min);
+    let imposed = reach[0].0.max(reach[1].0);
+    let mut work = Workspace::default();
+    let struck = media.iter().map(|medium| {
+        let driver = Side::Straight { force: 0.0, velocity: -range, compliance: 0.0 };
+        (solve(driver, Side::Bar(medium, &Point::default()), &mut work).force / medium.area).abs()
+    });
+    struck.fold(imposed, f64::max)
+}

@@ -1,0 +1,160 @@
+//! What the Riemann problem needs to know of a bar's material and section, and the state of one of its points.
+
+use crate::law::Table;
+
+/// How a point that has yielded behaves when its stress falls back.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Flow {
+    /// sigma = f(eps) both ways.
+    PathIndependent,
+    /// Elastic unloading; this fraction (0 to 1) of the hardening moves the elastic range, the rest widens it.
+    Plastic {
+        /// 0 isotropic, 1 kinematic. With different curves in tension and compression only 0 has a meaning.
+        kinematic: f64,
+    },
+}
+
+/// State of a point of the bar. Strains are times E, so all but velocity and work are in Pa.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Point {
+    /// Stress, Pa, tension positive.
+    pub stress: f64,
+    /// Velocity, m/s.
+    pub velocity: f64,
+    /// E times the accumulated plastic strain, >= 0 (0 in path-independent flow).
+    pub accumulated: f64,
+    /// E times the signed plastic strain; in path-independent flow, `E eps - sigma`.
+    pub plastic: f64,
+    /// Back stress: middle of the elastic range, as far as hardening is kinematic.
+    pub back: f64,
+    /// Energy per volume that is neither kinetic nor elastic (`sigma^2/(2E)`): plastic work and what shocks lose, J/m^3.
+    pub work: f64,
+}
+
+impl Point {
+    /// At rest in the sense of stress and history, moving with `velocity` (m/s).
+    pub fn moving(velocity: f64) -> Self {
+        Self { velocity, ..Self::default() }
+    }
+
+    /// True where two points have the same past: no contact needs to stay between them. Differences up to
+    /// `round_off` (Pa) are no difference.
+    pub fn same_history(&self, other: &Self, round_off: f64) -> bool {
+        let near = |a: f64, b: f64| (a - b).abs() <= round_off.max(1e-13 * a.abs());
+        near(self.accumulated, other.accumulated)
+            && near(self.plastic, other.plastic)
+            && near(self.back, other.back)
+            && (self.work - other.work).abs() <= 1e-11 * self.work.abs()
+    }
+}
+
+/// A loading table with what a path along it needs, one entry a line.
+#[derive(Debug, Clone)]
+pub(super) struct Lines {
+    /// Start of the line, E times strain and stress, Pa.
+    pub z: Vec<f64>,
+    pub y: Vec<f64>,
+    /// z - y at the start: E times the plastic strain of a point that first loads to there.
+    pub p: Vec<f64>,
+    /// dy/dz.
+    pub slope: Vec<f64>,
+    /// 1/(rho c) of the line, m/(s Pa); infinite where it is level.
+    pub compliance: Vec<f64>,
+}
+
+impl Lines {
+    fn new(table: &Table, modulus: f64, density: f64) -> Self {
+        let lines = table.lines();
+        let z: Vec<f64> = lines.iter().map(|l| l.start).collect();
+        let y: Vec<f64> = lines.iter().map(|l| l.offset + l.slope * l.start).collect();
+        let slope: Vec<f64> = lines.iter().map(|l| l.slope).collect();
+        let compliance = slope.iter().map(|s| 1.0 / (density * modulus * s).sqrt()).collect();
+        // Summed, not z - y: an elastic line then adds exactly nothing.
+        let mut p = vec![0.0; z.len()];
+        for k in 1..z.len() {
+            p[k] = p[k - 1] + (1.0 - slope[k - 1]) * (z[k] - z[k - 1]);
+        }
+        Self { z, y, p, slope, compliance }
+    }
+
+    /// Where a point with this accumulated plastic strain meets the table: line, z and y, Pa. On a stretch of
+    /// elastic slope it is the far end.
+    pub fn at_accumulated(&self, p: f64) -> (usize, f64, f64) {
+        let k = self.p.partition_point(|&start| start <= p).max(1) - 1;
+        // Only a last line can be elastic here: its far end is at infinity.
+        if self.slope[k] == 1.0 {
+            return (k, f64::INFINITY, f64::INFINITY);
+        }
+        let beyond = (p - self.p[k]) / (1.0 - self.slope[k]);
+        (k, self.z[k] + beyond, self.y[k] + self.slope[k] * beyond)
+    }
+
+    /// The line on which z >= 0 lies; at a knot the one behind it.
+    pub fn at(&self, z: f64) -> usize {
+        self.z.partition_point(|&start| start <= z).max(1) - 1
+    }
+}
+
+/// Material, section and flow rule of a piece of bar.
+#[derive(Debug, Clone)]
+pub struct Medium {
+    /// E, Pa.
+    pub modulus: f64,
+    /// rho, kg/m^3.
+    pub density: f64,
+    /// A, m^2.
+    pub area: f64,
+    /// What happens when the stress falls back.
+    pub flow: Flow,
+    /// Stress differences below this (Pa) are rounding: no wave is sent for them.
+    pub round_off: f64,
+    /// Tension, compression.
+    pub(super) lines: [Lines; 2],
+}
+
+impl Medium {
+    /// From the loading tables in tension and compression (in units of stress, see [`Table`]).
+    ///
+    /// `round_off` (Pa, >= 0) should lie a little above the rounding of the stresses that will occur.
+    pub fn new(
+        [tension, compression]: [&Table; 2],
+        modulus: f64,
+        density: f64,
+        area: f64,
+        flow: Flow,
+        round_off: f64,
+    ) -> Self {
+        let lines = [Lines::new(tension, modulus, density), Lines::new(compression, modulus, density)];
+        Self { modulus, density, area, flow, round_off, lines }
+    }
+
+    /// Elastic wave speed, m/s.
+    pub fn c0(&self) -> f64 {
+        (self.modulus / self.density).sqrt()
+    }
+
+    /// Elastic impedance per area rho c0, Pa s/m.
+    pub fn impedance(&self) -> f64 {
+        (self.modulus * self.density).sqrt()
+    }
+
+    /// Engineering strain of a point.
+    pub fn strain(&self, point: &Point) -> f64 {
+        (point.stress + point.plastic) / self.modulus
+    }
+
+    /// Signed plastic strain of a point.
+    pub fn plastic_strain(&self, point: &Point) -> f64 {
+        point.plastic / self.modulus
+    }
+
+    /// Speed of a front between two points of this medium, m/s: `rho c^2 = [sigma]/[eps]`.
+    pub fn front_speed(&self, a: &Point, b: &Point) -> f64 {
+        let stress = a.stress - b.stress;
+        (self.modulus / self.density * (stress / (stress + a.plastic - b.plastic))).sqrt()
+    }
+
+    pub(super) fn lines(&self, sense: f64) -> &Lines {
+        &self.lines[usize::from(sense < 0.0)]
+    }
+}

@@ -1,0 +1,315 @@
+//! The stress-strain path that a point takes when its stress starts to rise or to fall, and the waves along it.
+//!
+//! A path is kept in the sense of its stress change: tau = sense * sigma rises along it. It starts at the point's own
+//! state: the elastic line up to the yield stress of that sense, then the table, shifted so that both meet. It is
+//! straight between knots. A wave that raises tau to tau* runs over the upper concave hull of the path up to tau*,
+//! one front an edge, `dv = d tau/(rho c)`, `rho c^2 = d tau/d eps`. Where slopes fall along the path the hull is the path.
+
+use super::medium::{Flow, Lines, Medium, Point};
+
+/// One knot of a path.
+#[derive(Debug, Clone, Copy)]
+struct Knot {
+    /// Pa.
+    tau: f64,
+    /// E times strain, in the sense of the path, Pa; only differences have a meaning.
+    z: f64,
+    /// Velocity change from the start to here, m/s; right up to `straight_to`.
+    velocity: f64,
+    /// d tau/dz of what follows.
+    slope: f64,
+    /// 1/(rho c) of what follows, m/(s Pa).
+    compliance: f64,
+}
+
+/// One front of a wave.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Emitted {
+    /// m/s, > 0.
+    pub speed: f64,
+    /// The state that it leaves behind.
+    pub behind: Point,
+}
+
+/// A path, and room to work; made once and filled again and again, so that nothing is allocated once it is warm.
+#[derive(Debug, Clone, Default)]
+pub struct Path {
+    knots: Vec<Knot>,
+    /// +1 where the stress rises along it, -1 where it falls.
+    sense: f64,
+    area: f64,
+    /// rho E, and E: for fronts along chords.
+    impedance2: f64,
+    modulus: f64,
+    density: f64,
+    /// Index of the last knot up to which the hull is the path itself; none where that is so for ever.
+    straight_to: Option<usize>,
+    /// Kinematic fraction, and tau from which flow is plastic.
+    kinematic: f64,
+    plastic_from: f64,
+    /// The curve is followed both ways.
+    returns: bool,
+    round_off: f64,
+    start: Point,
+    hull: Vec<(f64, f64)>,
+}
+
+impl Path {
+    /// The path of a bar's point.
+    pub fn fill(&mut self, medium: &Medium, point: &Point, sense: f64) {
+        self.knots.clear();
+        self.sense = sense;
+        self.area = medium.area;
+        self.modulus = medium.modulus;
+        self.density = medium.density;
+        self.impedance2 = medium.modulus * medium.density;
+        self.round_off = medium.round_off;
+        self.start = *point;
+        match medium.flow {
+            Flow::Plastic { kinematic } => self.fill_plastic(medium, kinematic),
+            Flow::PathIndependent => self.fill_path_independent(medium),
+        }
+        self.sum_velocities();
+    }
+
+    /// A straight path for ever: an end's driver. `compliance` is 1/(rho c) times 1/A, m/(s N), 0 for a rigid one.
+    pub(super) fn fill_straight(&mut self, force: f64, compliance: f64, sense: f64) {
+        self.knots.clear();
+        self.sense = sense;
+        self.area = 1.0;
+        self.straight_to = None;
+        self.knots.push(Knot { tau: sense * force, z: 0.0, velocity: 0.0, slope: 1.0, compliance });
+    }
+
+    fn fill_plastic(&mut self, medium: &Medium, kinematic: f64) {
+        self.returns = false;
+        self.kinematic = kinematic;
+        let lines = medium.lines(self.sense);
+        let tau = self.sense * self.start.stress;
+        let (mut k, mut z, mut y) = lines.at_accumulated(self.start.accumulated);
+        let virgin = lines.at_accumulated(0.0).2;
+        let elastic = 1.0 / medium.impedance();
+        if y.is_infinite() {
+            self.plastic_from = f64::INFINITY;
+            self.push(tau, 0.0, 1.0, elastic);
+            return;
+        }
+        // A start within rounding of a knot is at the knot.
+        while k + 1 < lines.z.len() && lines.z[k + 1] - z <= self.round_off.max(1e-14 * z) {
+            k += 1;
+            (z, y) = (lines.z[k], lines.y[k]);
+        }
+        let limit = self.sense * self.start.back + y - kinematic * (y - virgin);
+        if limit - tau > self.round_off {
+            self.push(tau, z - (limit - tau), 1.0, elastic);
+            self.plastic_from = limit;
+        } else {
+            self.plastic_from = tau;
+        }
+        let shift = self.plastic_from - y;
+        self.push(self.plastic_from, z, lines.slope[k], lines.compliance[k]);
+        self.follow(lines, k + 1, shift);
+    }
+
+    fn fill_path_independent(&mut self, medium: &Medium) {
+        self.returns = true;
+        let tau = self.sense * self.start.stress;
+        let z = self.sense * (self.start.stress + self.start.plastic);
+        let (own, other) = (medium.lines(self.sense), medium.lines(-self.sense));
+        let step = self.round_off.max(1e-14 * z.abs());
+        if z + step < 0.0 {
+            let k = other.at(-z - step);
+            self.push(tau, z, other.slope[k], other.compliance[k]);
+            for j in (1..=k).rev() {
+                self.push(-other.y[j], -other.z[j], other.slope[j - 1], other.compliance[j - 1]);
+            }
+            self.follow(own, 0, 0.0);
+        } else {
+            let k = own.at(z + step);
+            self.push(tau, z, own.slope[k], own.compliance[k]);
+            self.follow(own, k + 1, 0.0);
+        }
+    }
+
+    /// The table from the start of line `from` on.
+    fn follow(&mut self, lines: &Lines, from: usize, shift: f64) {
+        for j in from..lines.z.len() {
+            self.push(lines.y[j] + shift, lines.z[j], lines.slope[j], lines.compliance[j]);
+        }
+    }
+
+    /// Adds a knot, unless the line only goes on as before.
+    fn push(&mut self, tau: f64, z: f64, slope: f64, compliance: f64) {
+        if self.knots.last().is_none_or(|last| last.slope != slope) {
+            self.knots.push(Knot { tau, z, velocity: 0.0, slope, compliance });
+        }
+    }
+
+    /// Velocities at the knots as far as the hull is the path.
+    fn sum_velocities(&mut self) {
+        self.straight_to = None;
+        let mut velocity = 0.0;
+        for i in 0..self.knots.len() {
+            if i > 0 {
+                let before = self.knots[i - 1];
+                velocity += before.compliance * (self.knots[i].tau - before.tau);
+                self.knots[i].velocity = velocity;
+            }
+            let slope = self.knots[i].slope;
+            if slope == 0.0 || (i > 0 && slope > self.knots[i - 1].slope) {
+                self.straight_to = Some(i);
+                return;
+            }
+        }
+    }
+
+    /// Largest tau that waves can bring about, Pa: infinite, or where the path ends level.
+    pub fn cap(&self) -> f64 {
+        let last = self.knots[self.knots.len() - 1];
+        if last.slope == 0.0 { last.tau } else { f64::INFINITY }
+    }
+
+    /// Sense of the path: +1 or -1.
+    pub fn sense(&self) -> f64 {
+        self.sense
+    }
+
+    /// A: forces are stresses times this, m^2.
+    pub fn area(&self) -> f64 {
+        self.area
+    }
+
+    /// sense * force at knot i; infinite past the last.
+    pub(super) fn force(&self, i: usize) -> f64 {
+        self.knots.get(i).map_or(f64::INFINITY, |k| self.area * k.tau)
+    }
+
+    /// Force, N, at the last knot on the way to `force`: the point's own force where there is none.
+    pub fn force_behind(&self, force: f64) -> f64 {
+        self.sense * self.force(self.edge(self.sense * force))
+    }
+
+    /// True where the hull is the path itself along edge i.
+    pub(super) fn is_straight(&self, i: usize) -> bool {
+        self.straight_to.is_none_or(|end| i < end)
+    }
+
+    /// d velocity / d force along edge i, m/(s N).
+    pub(super) fn softness(&self, i: usize) -> f64 {
+        self.knots[i].compliance / self.area
+    }
+
+    /// The edge on which sense * force lies; at a knot the one that follows.
+    pub(super) fn edge(&self, force: f64) -> usize {
+        self.knots.partition_point(|k| self.area * k.tau <= force).max(1) - 1
+    }
+
+    /// Velocity change, m/s, of the wave that brings `sense * stress` to tau; 0 for tau at or below the start,
+    /// infinite past [`Path::cap`].
+    pub fn velocity(&mut self, tau: f64) -> f64 {
+        let first = self.knots[0];
+        if tau <= first.tau {
+            return 0.0;
+        }
+        if tau > self.cap() {
+            return f64::INFINITY;
+        }
+        let i = self.knots.partition_point(|k| k.tau < tau).max(1) - 1;
+        if self.is_straight(i) {
+            let knot = self.knots[i];
+            return knot.velocity + knot.compliance * (tau - knot.tau);
+        }
+        self.build_hull(tau);
+        let impedance2 = self.impedance2;
+        self.hull.windows(2).map(|w| chord_velocity(w[0], w[1], impedance2)).sum()
+    }
+
+    /// The upper concave hull of the path up to tau, as (tau, z).
+    fn build_hull(&mut self, tau: f64) {
+        self.hull.clear();
+        let inner = self.knots.iter().take_while(|k| k.tau < tau).count();
+        for i in 0..inner {
+            let knot = self.knots[i];
+            self.add_to_hull((knot.tau, knot.z));
+        }
+        let last = self.knots[inner - 1];
+        self.add_to_hull((tau, last.z + (tau - last.tau) / last.slope));
+    }
+
+    fn add_to_hull(&mut self, to: (f64, f64)) {
+        while let [.., a, b] = self.hull[..] {
+            if (b.0 - a.0) * (to.1 - b.1) > (to.0 - b.0) * (b.1 - a.1) {
+                break;
+            }
+            self.hull.pop();
+        }
+        self.hull.push(to);
+    }
+
+    /// Sends the wave that brings `sense * stress` to tau (at most [`Path::cap`]): its fronts into `fronts`, fastest
+    /// first, and returns the state behind them all.
+    ///
+    /// `direction` is +1 for a wave in +x, -1 in -x: `d v = -direction d sigma/(rho c)`. A wave, or the last front of
+    /// one, weaker than `hold` (Pa) is not sent; nor is one within rounding.
+    pub fn emit(&mut self, tau: f64, direction: f64, hold: f64, fronts: &mut Vec<Emitted>) -> Point {
+        fronts.clear();
+        let hold = hold.max(self.round_off);
+        let mut behind = self.start;
+        if tau - self.knots[0].tau <= hold {
+            return behind;
+        }
+        let edge = self.edge(self.area * tau);
+        let straight = self.is_straight(edge) || self.straight_to.is_some_and(|k| tau - self.knots[k].tau <= hold);
+        if straight {
+            let mut i = 0;
+            while i + 1 < self.knots.len() && self.is_straight(i) && self.knots[i + 1].tau - tau <= self.round_off {
+                let (from, to) = (self.knots[i], self.knots[i + 1]);
+                behind = self.behind(&behind, (from.tau, from.z), (to.tau, to.z), from.compliance, direction);
+                fronts.push(Emitted { speed: 1.0 / (self.density * from.compliance), behind });
+                i += 1;
+            }
+            let from = self.knots[i];
+            if tau - from.tau > hold && from.slope > 0.0 {
+                let to = (tau, from.z + (tau - from.tau) / from.slope);
+                behind = self.behind(&behind, (from.tau, from.z), to, from.compliance, direction);
+                fronts.push(Emitted { speed: 1.0 / (self.density * from.compliance), behind });
+            }
+            return behind;
+        }
+        self.build_hull(tau);
+        for i in 1..self.hull.len() {
+            let (from, to) = (self.hull[i - 1], self.hull[i]);
+            if i + 1 < self.hull.len() || to.0 - from.0 > hold {
+                let compliance = chord_velocity(from, to, self.impedance2) / (to.0 - from.0);
+                behind = self.behind(&behind, from, to, compliance, direction);
+                fronts.push(Emitted { speed: 1.0 / (self.density * compliance), behind });
+            }
+        }
+        behind
+    }
+
+    /// The state behind a front along the chord `from`-`to` of the path, with `ahead` before it.
+    fn behind(&self, ahead: &Point, from: (f64, f64), to: (f64, f64), compliance: f64, direction: f64) -> Point {
+        let stress = self.sense * to.0;
+        let rise = to.0 - from.0;
+        let elastic = !self.returns && to.0 <= self.plastic_from;
+        let flow = if elastic { 0.0 } else { to.1 - from.1 - rise };
+        let mut point = Point {
+            stress,
+            velocity: ahead.velocity - direction * self.sense * compliance * rise,
+            plastic: ahead.plastic + self.sense * flow,
+            work: ahead.work + 0.5 * (ahead.stress + stress) * self.sense * flow / self.modulus,
+            ..*ahead
+        };
+        if !elastic && !self.returns {
+            point.accumulated += flow;
+            point.back += self.sense * self.kinematic * (to.0 - from.0.max(self.plastic_from));
+        }
+        point
+    }
+}
+
+/// Velocity change over a front along a chord: `sqrt([tau][eps]/rho)`.
+fn chord_velocity(from: (f64, f64), to: (f64, f64), impedance2: f64) -> f64 {
+    ((to.0 - from.0) * (to.1 - from.1) / impedance2).max(0.0).sqrt()
+}

@@ -27,7 +27,6 @@ pub fn segment_law(segment: &Segment, effects: &Effects) -> SegmentLaw {
     SegmentLaw {
         yield_stress: tension.yield_stress().min(compression.yield_stress()),
         end: [tension.end(), compression.end()],
-        flat_from: [tension.flat_from(), compression.flat_from()],
         law: choose_backbone(material, tension, compression, effects),
     }
 }

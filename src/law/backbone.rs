@@ -82,11 +82,6 @@ impl Table {
         self.end
     }
 
-    /// z from which the table is flat, Pa: no wave carries more than the stress there. Infinite where it goes on rising.
-    pub fn flat_from(&self) -> f64 {
-        self.lines.last().filter(|line| line.slope == 0.0).map_or(f64::INFINITY, |line| line.start)
-    }
-
     /// End of the elastic line, Pa: 0 where the curve leaves it at once, infinite where it never does.
     pub fn yield_stress(&self) -> f64 {
         if self.lines[0].slope < 1.0 { 0.0 } else { self.lines.get(1).map_or(f64::INFINITY, |l| l.start) }

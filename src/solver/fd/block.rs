@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use multiversion::multiversion;
 
-use super::ripple::{self, Outside};
+use super::ripple;
 use crate::law::{RowLaw, elastic_row, row_sum};
 
 /// Cells of a full block. Fixed, so that sums over blocks have the same bits whatever the number of threads.
@@ -39,8 +39,8 @@ pub(super) struct Block {
     pub plastic: f64,
     /// Velocity difference that the ripple damping handed over in the first and in the last cell.
     pub handed_at_edges: [f64; 2],
-    /// What stands left and right of the block, for the damping.
-    pub outside: [Outside; 2],
+    /// Velocities of the nodes next to the block in its own segment, for the damping.
+    pub outside: [Option<f64>; 2],
     /// Running sum of what the damping took from the block's inner nodes, see [`ripple::hand_over`].
     pub damped: f64,
 }
@@ -69,7 +69,7 @@ impl Block {
             flow: Vec::new(),
             plastic: 0.0,
             handed_at_edges: [0.0; 2],
-            outside: [Outside::Undamped; 2],
+            outside: [None, None],
             damped: 0.0,
         }
     }

@@ -39,13 +39,7 @@ pub struct Device {
     started: bool,
     /// The velocity is prescribed just now.
     held: bool,
-    /// Steps left of those after a sudden motion.
-    settling: usize,
 }
-
-/// Steps after a sudden motion in which the first cell settles: bilinear bars with plastic waves of 0.1 to 0.7 c0 take
-/// 8 to 32 of them to come within 0.1 % of their strain.
-const SETTLING: usize = 32;
 
 /// What a step makes of an end.
 struct Motion {
@@ -94,7 +88,6 @@ impl Device {
             throughput: 0.0,
             started: false,
             held: false,
-            settling: 0,
         }
     }
 
@@ -105,7 +98,6 @@ impl Device {
         let motion = self.respond(time, sigma_cell);
         let struck = motion.held && (!self.held || self.jumps(time));
         self.stress = if struck { sigma_cell } else { motion.stress };
-        self.settling = if struck { SETTLING } else { self.settling.saturating_sub(1) };
         if motion.held {
             self.held_stress = motion.stress;
         }
@@ -175,25 +167,11 @@ impl Device {
         self.under_stress(if self.held { 0.5 * self.reaction } else { 0.0 }, sigma_cell)
     }
 
-    /// The ripple damping hands the velocity difference `handed` over between the end node and the next one. Returns the
-    /// energy that it takes from the end node, or, where the end is held, from whatever holds it, J.
-    pub(super) fn damp(&mut self, handed: f64, sigma_cell: f64) -> f64 {
-        if handed == 0.0 {
-            return 0.0;
-        }
-        let half_cell = self.impulse_per_stress / self.gain;
-        // The next node, a whole cell's mass, has got the opposite impulse.
-        let impulse = 2.0 * half_cell * handed * self.normal;
-        if self.held {
-            self.impulse += impulse;
-            self.throughput += impulse.abs();
-            self.work += impulse * self.after;
-            self.stress += self.normal * impulse / self.impulse_per_stress;
-            return impulse * self.after;
-        }
-        let change = -impulse / half_cell;
+    /// The ripple damping changes the node's velocity, which no end prescribes just now. Returns the energy taken, J.
+    pub(super) fn damp(&mut self, change: f64, sigma_cell: f64) -> f64 {
         let g = self.normal * self.gain * (self.reaction - sigma_cell);
-        let taken = 0.5 * half_cell * ripple::node(g, change, &mut self.after);
+        let half_mass = 0.5 * self.impulse_per_stress / self.gain;
+        let taken = half_mass * ripple::node(g, change, &mut self.after);
         self.before += change;
         self.displacement += self.dt * change;
         taken
@@ -202,11 +180,6 @@ impl Device {
     /// True where the end's velocity is prescribed just now, false where it follows from the stress.
     pub(super) fn is_held(&self) -> bool {
         self.held
-    }
-
-    /// True for some steps after the end was suddenly made to move.
-    pub(super) fn is_settling(&self) -> bool {
-        self.settling > 0
     }
 
     /// Impulse and work by the trapezoidal rule in the end stress: the form in which the staggered scheme balances

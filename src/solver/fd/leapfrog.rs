@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::block::{BLOCK, Block, BlockLaw, Stage};
 use super::device::{Device, EndGrid};
 use super::grid::Grid;
-use super::ripple::{self, Outside};
+use super::ripple;
 use crate::bar::{Bar, EndCondition};
 use crate::law::RowLaw;
 
@@ -25,8 +25,6 @@ pub struct SegmentLaw {
     /// Reach (E times equivalent strain, Pa) at which the data end, in tension and in compression; infinite where they
     /// do not.
     pub end: [f64; 2],
-    /// Reach from which the table is flat, in tension and in compression; infinite where it goes on rising.
-    pub flat_from: [f64; 2],
 }
 
 /// The node between two blocks: inside a segment, or at a bonded joint.
@@ -139,7 +137,7 @@ impl Leapfrog {
     /// Takes grid-scale ripples out of the velocities, see [`super::ripple`].
     fn damp_ripples(&mut self) {
         for k in 0..self.blocks.len() {
-            self.blocks[k].outside = [self.outside(k, k.wrapping_sub(1)), self.outside(k, k + 1)];
+            self.blocks[k].outside = [self.node_outside(k, k.wrapping_sub(1)), self.node_outside(k, k + 1)];
         }
         let constants = &self.constants;
         let damp = |block: &mut Block| block.damp_ripples(constants[block.segment].velocity_gain);
@@ -156,41 +154,31 @@ impl Leapfrog {
         self.share_edges();
     }
 
-    /// The end nodes' part of the damping.
+    /// The end nodes' part of the damping: half the mass, so twice the velocity change.
     fn damp_ends(&mut self) {
         let (first, last_block) = (&self.blocks[0], &self.blocks[self.blocks.len() - 1]);
-        let taken = self.left.damp(first.handed_at_edges[0], first.sigma[0])
-            + self.right.damp(last_block.handed_at_edges[1], last(&last_block.sigma));
-        self.damped_at_edges += taken;
+        let (left, right) = (2.0 * first.handed_at_edges[0], -2.0 * last_block.handed_at_edges[1]);
+        if left != 0.0 && !self.left.is_held() {
+            self.damped_at_edges += self.left.damp(left, first.sigma[0]);
+        }
+        if right != 0.0 && !self.right.is_held() {
+            self.damped_at_edges += self.right.damp(right, last(&last_block.sigma));
+        }
     }
 
-    /// What stands next to block `k` on the side of block `neighbour`, which at an end of the bar is none.
-    fn outside(&self, k: usize, neighbour: usize) -> Outside {
+    /// Velocity of the node next to block `k` inside block `neighbour`, where both are of one segment. At an end that
+    /// is not held the bar goes on as in a mirror.
+    fn node_outside(&self, k: usize, neighbour: usize) -> Option<f64> {
         let block = &self.blocks[k];
         let Some(other) = self.blocks.get(neighbour) else {
             // A short bar has one block, which has both ends.
             let at_right = neighbour == k + 1;
             let (end, mirrored) =
                 if at_right { (&self.right, block.v[block.v.len() - 2]) } else { (&self.left, block.v[1]) };
-            return match (end.is_held(), end.is_settling()) {
-                (false, _) => Outside::Node(mirrored),
-                (true, true) if !self.is_flat(block, if at_right { block.sigma.len() - 1 } else { 0 }) => {
-                    Outside::HeldEnd
-                }
-                (true, _) => Outside::Undamped,
-            };
+            return (!end.is_held()).then_some(mirrored);
         };
-        if other.segment != block.segment {
-            return Outside::Undamped;
-        }
-        Outside::Node(if neighbour < k { other.v[other.v.len() - 2] } else { other.v[1] })
-    }
-
-    /// True where a cell has come to the flat end of its table: strain gathers there for a reason.
-    fn is_flat(&self, block: &Block, cell: usize) -> bool {
-        let law = &self.laws[block.segment];
-        let sigma = block.sigma[cell];
-        sigma.abs() + block.accumulated(law.law.as_ref(), cell) >= law.flat_from[usize::from(sigma < 0.0)]
+        let inner = if neighbour < k { other.v[other.v.len() - 2] } else { other.v[1] };
+        (other.segment == block.segment).then_some(inner)
     }
 
     /// The nodes between blocks and at the ends, from the stresses on both sides.

@@ -14,11 +14,7 @@
 //! strain rate is damped that stands out above twice the lesser of its neighbours', as it does where the front turns
 //! into its peak and not within it.
 //!
-//! **Start.** An end that is suddenly made to move puts the whole jump into its first cell, more than a wave would. The
-//! strain rate of that cell is damped as a whole while it flows, for the first steps after the jump; the end takes one
-//! of the two impulses. On the flat end of a curve it is not: strain gathers there for a reason.
-//!
-//! All are equal and opposite impulses on the cell's two nodes: momentum is kept to the last bit, and the energy
+//! Both are equal and opposite impulses on the cell's two nodes: momentum is kept to the last bit, and the energy
 //! they take is booked as viscous in the ledger. On bilinear bars (plastic wave speed 0.1 to 0.97 c0) the error in
 //! stress falls to about half of the undamped scheme's, at 1000 and at 10000 cells.
 
@@ -33,13 +29,8 @@ const ZIGZAG_SHARE: f64 = 0.125;
 /// Share of the velocity difference of a flowing cell that stands out above its neighbours'. At 1000 cells
 /// the error of the bilinear benchmark is 2.0e-3 from 0.05 to 0.12 and grows beyond; that of the power-law benchmark
 /// grows slowly from 3.6e-4 at 0.05 to 4.0e-4 at 0.12; and the excess plastic strain behind a suddenly applied stress
-/// of three times the yield stress falls from 0.7 % to 0.2 % between 0.05 and 0.1, and no further.
+/// of 3 sigma_y falls from 0.7 % to 0.2 % between 0.05 and 0.1, and no further.
 const OVERSHOOT_SHARE: f64 = 0.1;
-
-/// Share of the velocity difference in a flowing cell next to an end whose velocity is prescribed. A sudden start puts
-/// its whole jump into that cell, which then keeps too much plastic strain: 7 to 23 % without this, depending on the
-/// plastic wave speed, and 0 to 4 % with it, with the least excess in the cells behind it between 0.2 and 0.25.
-const HELD_END_SHARE: f64 = 0.2;
 
 /// The velocity difference `w` where it alternates with both neighbours'.
 #[inline(always)]
@@ -63,21 +54,11 @@ fn hand(left: f64, w: f64, right: f64, flow: u8) -> f64 {
     ZIGZAG_SHARE * alternating(left, w, right) + share * standing_out(left, w, right)
 }
 
-/// What stands next to the outermost cell of a block.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Outside {
-    /// Another cell of the segment, whose outer node has this velocity, m/s; at an end that is not held, the mirror
-    /// image of the bar.
-    Node(f64),
-    /// Another segment, or an end whose velocity is prescribed: the outermost cell is not damped.
-    Undamped,
-    /// An end that has just been made to move.
-    HeldEnd,
-}
-
 /// Velocity differences to hand over, one a cell of a block, into `handed`. `v` are the block's node velocities, `flow`
-/// is as in [`hand`] (empty where the block has not yielded), `outside` is what stands left and right of the block.
-pub(super) fn find(v: &[f64], flow: &[u8], outside: [Outside; 2], handed: &mut [f64]) {
+/// is as in [`hand`] (empty where the block has not yielded); `outside` are the nodes next to the block on both
+/// sides, none where the segment ends there: its last cell is then not damped, since its outer node belongs to a
+/// joint or to an end whose velocity is prescribed.
+pub(super) fn find(v: &[f64], flow: &[u8], outside: [Option<f64>; 2], handed: &mut [f64]) {
     let cells = handed.len();
     if flow.is_empty() {
         find_inner(v, handed);
@@ -85,30 +66,15 @@ pub(super) fn find(v: &[f64], flow: &[u8], outside: [Outside; 2], handed: &mut [
         find_inner_flowing(v, flow, handed);
     }
     let w = |i: usize| v[i + 1] - v[i];
+    let flow = |i: usize| flow.get(i).copied().unwrap_or(0);
+    let left_of = |i: usize| if i > 0 { Some(w(i - 1)) } else { outside[0].map(|o| v[0] - o) };
+    let right_of = |i: usize| if i + 1 < cells { Some(w(i + 1)) } else { outside[1].map(|o| o - v[cells]) };
     for i in [0, cells - 1] {
-        let beside = |side: usize, inside: Option<usize>, outer: &dyn Fn(f64) -> f64| match (inside, outside[side]) {
-            (Some(cell), _) => Beside::Cell(w(cell)),
-            (None, Outside::Node(node)) => Beside::Cell(outer(node)),
-            (None, Outside::Undamped) => Beside::Undamped,
-            (None, Outside::HeldEnd) => Beside::HeldEnd,
-        };
-        let left = beside(0, i.checked_sub(1), &|node| v[0] - node);
-        let right = beside(1, (i + 1 < cells).then_some(i + 1), &|node| node - v[cells]);
-        let flows = flow.get(i).copied().unwrap_or(0);
-        handed[i] = match (left, right) {
-            (Beside::Cell(left), Beside::Cell(right)) => hand(left, w(i), right, flows),
-            (Beside::Undamped, _) | (_, Beside::Undamped) => 0.0,
-            _ if flows != 0 => HELD_END_SHARE * w(i),
+        handed[i] = match (left_of(i), right_of(i)) {
+            (Some(left), Some(right)) => hand(left, w(i), right, flow(i)),
             _ => 0.0,
         };
     }
-}
-
-/// What stands next to a cell: a velocity difference, or none.
-enum Beside {
-    Cell(f64),
-    Undamped,
-    HeldEnd,
 }
 
 /// The cells that have both neighbours inside the block, in a block that has not yielded.

@@ -49,7 +49,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     if !args.simulate {
         return if args.json { output::json(&rows) } else { output::text(&table(&rows)) };
     }
-    let simulated: Vec<_> = materials.iter().zip(&rows).map(|(m, row)| confirm(m, row)).collect::<Result<_>>()?;
+    let simulated: Vec<_> = materials.iter().zip(&rows).map(|(m, row)| confirm(m, row)).collect();
     if args.json {
         let both: Vec<_> = rows.iter().zip(simulated).map(|(row, simulated)| Simulated { row, simulated }).collect();
         return output::json(&both);

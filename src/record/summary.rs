@@ -60,7 +60,7 @@ pub struct EndSummary {
     /// Pa.
     #[serde(rename = "stress_Pa")]
     pub stress: f64,
-    /// Engineering strain.
+    /// Engineering strain four cells inside the bar.
     pub strain: f64,
     /// m/s.
     #[serde(rename = "velocity_m_s")]

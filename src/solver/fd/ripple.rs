@@ -29,7 +29,7 @@ const ZIGZAG_SHARE: f64 = 0.125;
 /// Share of the velocity difference of a flowing cell that stands out above its neighbours'. At 1000 cells
 /// the error of the bilinear benchmark is 2.0e-3 from 0.05 to 0.12 and grows beyond; that of the power-law benchmark
 /// grows slowly from 3.6e-4 at 0.05 to 4.0e-4 at 0.12; and the excess plastic strain behind a suddenly applied stress
-/// of 3 sigma_y falls from 0.7 % to 0.2 % between 0.05 and 0.1, and no further.
+/// of three times the yield stress falls from 0.7 % to 0.2 % between 0.05 and 0.1, and no further.
 const OVERSHOOT_SHARE: f64 = 0.1;
 
 /// The velocity difference `w` where it alternates with both neighbours'.

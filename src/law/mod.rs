@@ -154,11 +154,15 @@ fn row<L: CellLaw<N>, const N: usize, const FIRST: bool>(
     }
 }
 
-/// Sum of a row in [`LANES`] partial sums: the same bits whatever the width of the processor's registers.
+/// Sum of the plastic work of a row in [`LANES`] partial sums, with the same bits whatever the width of the processor's
+/// registers; sets `flow` to 1 in cells that flowed, to 0 in others.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
-pub fn row_sum(values: &[f64]) -> f64 {
+pub fn account_work(work: &[f64], flow: &mut [u8]) -> f64 {
+    for (flow, work) in flow.iter_mut().zip(work) {
+        *flow = u8::from(*work != 0.0);
+    }
     let mut sums = [0.0; LANES];
-    let (groups, rest) = values.as_chunks::<LANES>();
+    let (groups, rest) = work.as_chunks::<LANES>();
     for group in groups {
         for lane in 0..LANES {
             sums[lane] += group[lane];

@@ -6,7 +6,7 @@ use std::ops::Range;
 use multiversion::multiversion;
 
 use super::ripple;
-use crate::law::{RowLaw, elastic_row, row_sum};
+use crate::law::{RowLaw, account_work, elastic_row};
 
 /// Cells of a full block. Fixed, so that sums over blocks have the same bits whatever the number of threads.
 pub(super) const BLOCK: usize = 512;
@@ -74,17 +74,21 @@ impl Block {
         }
     }
 
-    /// Damps the ripples of the block's inner nodes; `outside` as in [`ripple::find`]. The nodes at its two edges belong
+    /// Damps the ripples of the block's inner nodes; `rounding` is as in
+    /// [`ripple::find`]. The nodes at its two edges belong
     /// to the caller, who finds their share in `handed_at_edges`.
-    pub fn damp_ripples(&mut self, velocity_gain: f64) {
+    pub fn damp_ripples(&mut self, velocity_gain: f64, rounding: f64) {
         if self.stage == Stage::Quiet {
             return;
         }
         let cells = self.sigma.len();
         let mut handed = [0.0; BLOCK];
         let handed = &mut handed[..cells];
-        ripple::find(&self.v, &self.flow, self.outside, handed);
+        let anything = ripple::find(&self.v, &self.flow, self.outside, rounding, handed);
         self.handed_at_edges = [handed[0], handed[cells - 1]];
+        if !anything {
+            return;
+        }
         self.damped += ripple::hand_over(velocity_gain, &self.sigma, handed, &mut self.v[1..cells]);
     }
 
@@ -124,10 +128,7 @@ impl Block {
         } else {
             law.law.advance(law.stress_gain, &self.v, &mut self.sigma, &mut self.state, work);
         }
-        self.plastic += row_sum(work);
-        for (flow, work) in self.flow.iter_mut().zip(work) {
-            *flow = u8::from(*work != 0.0);
-        }
+        self.plastic += account_work(work, &mut self.flow);
     }
 
     /// E times the signed plastic strain of local cell `i`, Pa.

@@ -49,6 +49,8 @@ pub(super) struct Constants {
     pub cell_mass: f64,
     /// A dx, m^3.
     pub cell_volume: f64,
+    /// Product of neighbouring velocity differences that is rounding, (m/s)^2.
+    pub rounding: f64,
 }
 
 /// A bar being stepped. Between steps: stresses at `time()`, velocities half a step later.
@@ -140,7 +142,10 @@ impl Leapfrog {
             self.blocks[k].outside = [self.node_outside(k, k.wrapping_sub(1)), self.node_outside(k, k + 1)];
         }
         let constants = &self.constants;
-        let damp = |block: &mut Block| block.damp_ripples(constants[block.segment].velocity_gain);
+        let damp = |block: &mut Block| {
+            let c = &constants[block.segment];
+            block.damp_ripples(c.velocity_gain, c.rounding);
+        };
         for_each(&mut self.blocks, self.parallel, damp);
         for (k, edge) in self.edges.iter_mut().enumerate() {
             let (left, right) = (&self.blocks[k], &self.blocks[k + 1]);
@@ -273,6 +278,7 @@ fn constants(bar: &Bar, grid: &Grid) -> Vec<Constants> {
         velocity_gain: grid.dt / (segment.material.density * part.dx),
         cell_mass: segment.material.density * segment.area * part.dx,
         cell_volume: segment.area * part.dx,
+        rounding: (ripple::ROUNDING * segment.material.c0()).powi(2),
     };
     bar.segments.iter().zip(&grid.segments).map(of).collect()
 }

@@ -32,10 +32,14 @@ const ZIGZAG_SHARE: f64 = 0.125;
 /// of three times the yield stress falls from 0.7 % to 0.2 % between 0.05 and 0.1, and no further.
 const OVERSHOOT_SHARE: f64 = 0.1;
 
-/// The velocity difference `w` where it alternates with both neighbours'.
+/// Velocity differences below this part of the elastic wave speed (strain in a step) are rounding and no zigzag. Where
+/// the bar is at rest or moves evenly, blocks then have nothing to damp.
+pub(super) const ROUNDING: f64 = 1e-15;
+
+/// The velocity difference `w` where it alternates with both neighbours', its products with theirs below -`rounding`.
 #[inline(always)]
-fn alternating(left: f64, w: f64, right: f64) -> f64 {
-    if left * w < 0.0 && w * right < 0.0 { w } else { 0.0 }
+fn alternating(left: f64, w: f64, right: f64, rounding: f64) -> f64 {
+    if left * w < -rounding && w * right < -rounding { w } else { 0.0 }
 }
 
 /// The part of `w` above what its neighbours support: twice the lesser of them, nothing where a sign differs.
@@ -49,21 +53,21 @@ fn standing_out(left: f64, w: f64, right: f64) -> f64 {
 
 /// Velocity difference to hand over in a cell; `flow` is 1 where the cell flows in this step, else 0.
 #[inline(always)]
-fn hand(left: f64, w: f64, right: f64, flow: u8) -> f64 {
+fn hand(left: f64, w: f64, right: f64, flow: u8, rounding: f64) -> f64 {
     let share = if flow == 0 { 0.0 } else { OVERSHOOT_SHARE };
-    ZIGZAG_SHARE * alternating(left, w, right) + share * standing_out(left, w, right)
+    ZIGZAG_SHARE * alternating(left, w, right, rounding) + share * standing_out(left, w, right)
 }
 
 /// Velocity differences to hand over, one a cell of a block, into `handed`. `v` are the block's node velocities, `flow`
 /// is as in [`hand`] (empty where the block has not yielded); `outside` are the nodes next to the block on both
 /// sides, none where the segment ends there: its last cell is then not damped, since its outer node belongs to a
-/// joint or to an end whose velocity is prescribed.
-pub(super) fn find(v: &[f64], flow: &[u8], outside: [Option<f64>; 2], handed: &mut [f64]) {
+/// joint or to an end whose velocity is prescribed. Returns whether there is anything to hand over.
+pub(super) fn find(v: &[f64], flow: &[u8], outside: [Option<f64>; 2], rounding: f64, handed: &mut [f64]) -> bool {
     let cells = handed.len();
     if flow.is_empty() {
-        find_inner(v, handed);
+        find_inner(v, rounding, handed);
     } else {
-        find_inner_flowing(v, flow, handed);
+        find_inner_flowing(v, flow, rounding, handed);
     }
     let w = |i: usize| v[i + 1] - v[i];
     let flow = |i: usize| flow.get(i).copied().unwrap_or(0);
@@ -71,28 +75,30 @@ pub(super) fn find(v: &[f64], flow: &[u8], outside: [Option<f64>; 2], handed: &m
     let right_of = |i: usize| if i + 1 < cells { Some(w(i + 1)) } else { outside[1].map(|o| o - v[cells]) };
     for i in [0, cells - 1] {
         handed[i] = match (left_of(i), right_of(i)) {
-            (Some(left), Some(right)) => hand(left, w(i), right, flow(i)),
+            (Some(left), Some(right)) => hand(left, w(i), right, flow(i), rounding),
             _ => 0.0,
         };
     }
+    // Every bit of every number: no early exit, so that it is done many at a time.
+    handed.iter().fold(0, |bits, h| bits | h.to_bits()) != 0
 }
 
 /// The cells that have both neighbours inside the block, in a block that has not yielded.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
-fn find_inner(v: &[f64], handed: &mut [f64]) {
+fn find_inner(v: &[f64], rounding: f64, handed: &mut [f64]) {
     let Some((out, [a, b, c, d])) = windows(v, handed) else { return };
     for i in 0..out.len() {
-        out[i] = ZIGZAG_SHARE * alternating(b[i] - a[i], c[i] - b[i], d[i] - c[i]);
+        out[i] = ZIGZAG_SHARE * alternating(b[i] - a[i], c[i] - b[i], d[i] - c[i], rounding);
     }
 }
 
 /// The same in a block with yielded cells.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
-fn find_inner_flowing(v: &[f64], flow: &[u8], handed: &mut [f64]) {
+fn find_inner_flowing(v: &[f64], flow: &[u8], rounding: f64, handed: &mut [f64]) {
     let Some((out, [a, b, c, d])) = windows(v, handed) else { return };
     let flow = &flow[1..=out.len()];
     for i in 0..out.len() {
-        out[i] = hand(b[i] - a[i], c[i] - b[i], d[i] - c[i], flow[i]);
+        out[i] = hand(b[i] - a[i], c[i] - b[i], d[i] - c[i], flow[i], rounding);
     }
 }
 

@@ -3,8 +3,6 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
-
 /// Every fallible function of the library returns this.
 pub type Result<T> = std::result::Result<T, Error>;
 
@@ -80,20 +78,12 @@ pub struct InputError {
     pub help: String,
     /// Where it stands.
     pub place: Option<Box<Place>>,
-    source_code: Option<Box<NamedSource<String>>>,
 }
 
 impl InputError {
     /// An error with its sentence; the rest is added by the methods below.
     pub fn new(message: impl Into<String>) -> Self {
-        Self {
-            message: message.into(),
-            key: String::new(),
-            allowed: String::new(),
-            help: String::new(),
-            place: None,
-            source_code: None,
-        }
+        Self { message: message.into(), key: String::new(), allowed: String::new(), help: String::new(), place: None }
     }
 
     /// Names the key, dotted as in `solve.cells`.
@@ -120,7 +110,6 @@ impl InputError {
     /// Points at the place in the file.
     #[must_use]
     pub fn at(mut self, place: Place) -> Self {
-        self.source_code = Some(Box::new(NamedSource::new(&place.file, place.text.to_string())));
         self.place = Some(Box::new(place));
         self
     }
@@ -143,21 +132,6 @@ impl std::fmt::Display for InputError {
 }
 
 impl std::error::Error for InputError {}
-
-impl Diagnostic for InputError {
-    fn help<'a>(&'a self) -> Option<Box<dyn std::fmt::Display + 'a>> {
-        (!self.help.is_empty()).then(|| Box::new(&self.help) as Box<dyn std::fmt::Display>)
-    }
-
-    fn source_code(&self) -> Option<&dyn SourceCode> {
-        self.source_code.as_deref().map(|s| s as &dyn SourceCode)
-    }
-
-    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
-        let span = self.place.as_ref()?.span.clone();
-        Some(Box::new(std::iter::once(LabeledSpan::new_with_span(Some("here".into()), span))))
-    }
-}
 
 /// A run that could not go on: why, when and where.
 #[derive(Debug, Clone, thiserror::Error)]

@@ -57,13 +57,11 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         if stop.load(Ordering::Relaxed) { Wish::Stop } else { Wish::GoOn }
     });
     bar.finish_and_clear();
-    let summary = match summary {
-        Err(Error::Interrupted) => {
-            eprintln!("interrupted: the frames so far are in {}", output.display());
-            return Err(Error::Interrupted);
-        }
-        other => other?,
-    };
+    let summary = summary.inspect_err(|error| match error {
+        Error::Interrupted => eprintln!("interrupted: the frames so far are in {}", output.display()),
+        Error::Run(_) => eprintln!("the frames up to the error are in {}", output.display()),
+        Error::Input(_) | Error::File { .. } => {}
+    })?;
     if args.json {
         output::json(&summary)?;
     } else if !args.quiet {

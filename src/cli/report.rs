@@ -2,13 +2,12 @@
 
 use std::path::PathBuf;
 
-use clap::ValueEnum;
-
 use crate::error::{Error, Result};
 use crate::record::Field;
 use crate::record::store::ResultFile;
 use crate::report::plot::{Format, PNG_SCALE, png, write_whole};
 use crate::report::{Units, draw, page};
+use crate::units::System;
 
 /// Options of `barwave report`.
 #[derive(Debug, clap::Args)]
@@ -21,44 +20,10 @@ pub(crate) struct Args {
     output: Option<PathBuf>,
     /// Field to show over x and t. Default: stress, or else the first that was recorded.
     #[arg(long, value_enum)]
-    field: Option<FieldName>,
+    field: Option<Field>,
     /// Units of the report.
-    #[arg(long, value_enum, default_value_t = UnitsName::Si)]
-    units: UnitsName,
-}
-
-/// Fields as options.
-#[derive(Debug, Clone, Copy, ValueEnum)]
-#[value(rename_all = "snake_case")]
-enum FieldName {
-    Stress,
-    Strain,
-    Velocity,
-    Displacement,
-    PlasticStrain,
-    AccumulatedPlasticStrain,
-}
-
-impl From<FieldName> for Field {
-    fn from(name: FieldName) -> Self {
-        match name {
-            FieldName::Stress => Self::Stress,
-            FieldName::Strain => Self::Strain,
-            FieldName::Velocity => Self::Velocity,
-            FieldName::Displacement => Self::Displacement,
-            FieldName::PlasticStrain => Self::PlasticStrain,
-            FieldName::AccumulatedPlasticStrain => Self::AccumulatedPlasticStrain,
-        }
-    }
-}
-
-/// Systems of units as options.
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum UnitsName {
-    /// m, MPa, m/s.
-    Si,
-    /// in, ksi, ft/s.
-    Us,
+    #[arg(long, value_enum, default_value_t = System::Si)]
+    units: System,
 }
 
 pub(crate) fn run(args: &Args) -> Result<()> {
@@ -66,10 +31,10 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let format = Format::of(&output)?;
     let file = ResultFile::open(&args.file)?;
     let units = match args.units {
-        UnitsName::Si => Units::Si,
-        UnitsName::Us => Units::Us,
+        System::Si => Units::Si,
+        System::Us => Units::Us,
     };
-    let svg = draw(&file, args.field.map(Field::from), units)?;
+    let svg = draw(&file, args.field, units)?;
     match format {
         Format::Svg => write_whole(&output, svg.as_bytes()),
         Format::Png => png(&svg, PNG_SCALE)

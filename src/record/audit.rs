@@ -2,7 +2,7 @@
 
 use super::AuditRow;
 use crate::bar::Launch;
-use crate::material::Material;
+use crate::material::{Material, Sense};
 use crate::solver::fd::{Leapfrog, Passed, Quantity};
 use crate::units::{Dimension, System, format};
 
@@ -97,7 +97,7 @@ pub fn above_critical(launch: &Launch, material: &Material, critical_velocity: f
 
 /// A cell that went past the end of its material's data.
 pub fn past_data(passed: &Passed, time: f64, x: f64, material: &Material) -> AuditRow {
-    let end = material.tension.last_strain();
+    let end = material.branch(Sense::of(passed.strain)).last_strain();
     let message = std::format!(
         "rupture: the strain passed the end of the data of {} ({end:.4}) at t = {}, x = {}; the bar went on under the \
          largest stress of the curve",

@@ -20,8 +20,9 @@ pub use summary::{ElasticCheck, EndSummary, ErrorFigure, FrontSummary, LedgerSum
 pub use traces::Traces;
 
 /// A field that can be recorded over x and t.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "snake_case")]
+#[value(rename_all = "snake_case")]
 pub enum Field {
     /// Engineering stress, Pa.
     Stress,

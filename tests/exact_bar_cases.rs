@@ -8,15 +8,15 @@
 //! some cells, and its place is not what is asked here.
 
 mod common;
+#[path = "common/exact.rs"]
+mod exact;
 
-use std::sync::OnceLock;
-
-use barwave::bar::{EndCondition, History, Segment};
+use barwave::bar::Segment;
 use barwave::material::{Beyond, Curve, Material};
 use barwave::record::Ledger;
 use barwave::scene::Unloading;
 use barwave::solver::fd::{Leapfrog, Quantity};
-use serde::Deserialize;
+use exact::{Case, cases, ends, number, numbers};
 
 const CELLS: usize = 2000;
 
@@ -37,54 +37,9 @@ const SPOTS: f64 = 0.02;
 /// come near the far end. The file's own length (60) would leave 2000 cells too few for a pulse of length 1.
 const LONG: f64 = 5.0;
 
-#[derive(Deserialize)]
-struct Cases {
-    wall: Vec<Case>,
-    pulse: Vec<Case>,
-    tension: Vec<Case>,
-    hardening: Vec<Case>,
-}
-
-#[derive(Deserialize)]
-struct Case {
-    name: String,
-    #[serde(rename = "L")]
-    length: String,
-    r: String,
-    #[serde(rename = "V0")]
-    velocity: String,
-    iso: bool,
-    t_final: String,
-    momentum: String,
-    ep_profile: Vec<[String; 3]>,
-    left_history: Vec<[String; 3]>,
-    right_history: Vec<[String; 3]>,
-    state: Vec<[String; 4]>,
-}
-
-impl Case {
-    fn length(&self) -> f64 {
-        number(&self.length).min(LONG)
-    }
-}
-
-/// All cases of the file.
-fn cases() -> &'static [Case] {
-    static CASES: OnceLock<Vec<Case>> = OnceLock::new();
-    CASES.get_or_init(|| {
-        let file: Cases = serde_json::from_str(include_str!("data/exact_bar_cases.json")).expect("valid file");
-        [file.wall, file.pulse, file.tension, file.hardening].into_iter().flatten().collect()
-    })
-}
-
-/// "-9/8" and the like.
-fn number(text: &str) -> f64 {
-    let (n, d) = text.split_once('/').unwrap_or((text, "1"));
-    n.parse::<f64>().expect("numerator") / d.parse::<f64>().expect("denominator")
-}
-
-fn numbers<const N: usize>(row: &[String; N]) -> [f64; N] {
-    std::array::from_fn(|k| number(&row[k]))
+/// Length of the bar that a case is run on.
+fn length(case: &Case) -> f64 {
+    number(&case.length).min(LONG)
 }
 
 fn bilinear(r: f64) -> Material {
@@ -92,28 +47,9 @@ fn bilinear(r: f64) -> Material {
     Material::from_curve("bilinear", 1.0, Curve::new(&rows, Beyond::Extend).expect("rows rise"))
 }
 
-fn ends(case: &Case) -> [EndCondition; 2] {
-    let velocity = |v: f64, release| EndCondition::Velocity { history: History::constant(v), release };
-    let (kind, rest) = case.name.split_once('_').expect("kind_...");
-    let strength = |mark: char| number(&rest[rest.rfind(mark).expect("strength") + 1..]);
-    match kind {
-        "wall" => [EndCondition::Wall { gap: 0.0 }, EndCondition::Free],
-        "stresspulse" => {
-            let s = -strength('S');
-            [common::loaded_by(&[(0.0, s), (1.0, s), (1.0, 0.0)]), EndCondition::Absorbing]
-        }
-        "velpulse" => [velocity(strength('V'), Some(1.0)), EndCondition::Absorbing],
-        "tension" => {
-            let far = if rest.starts_with("fixed") { EndCondition::Fixed } else { EndCondition::Free };
-            [velocity(-strength('V'), None), far]
-        }
-        other => panic!("unknown case {other}"),
-    }
-}
-
 fn bar(case: &Case) -> Leapfrog {
     let velocity = number(&case.velocity);
-    let segment = Segment { velocity, ..common::segment(bilinear(number(&case.r)), case.length()) };
+    let segment = Segment { velocity, ..common::segment(bilinear(number(&case.r)), length(case)) };
     let unloading = if case.iso { Unloading::Isotropic } else { Unloading::Kinematic };
     common::leapfrog(vec![segment], ends(case), Some(unloading), CELLS, 1.0)
 }
@@ -205,7 +141,7 @@ fn check_profiles(case: &Case, bar: &Leapfrog) {
     let level = |what: &str, from: f64, to: f64, expected, values| Level {
         what: format!("{}: final {what}", case.name),
         from,
-        to: to.min(case.length()),
+        to: to.min(length(case)),
         expected,
         values,
     };

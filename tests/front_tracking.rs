@@ -1,5 +1,8 @@
 //! Front tracking against exact rational solutions, self-similar fans, closed forms and its own account.
 
+#[path = "common/exact.rs"]
+mod exact;
+
 use std::sync::Arc;
 
 use barwave::bar::{Bar, EndCondition, History, Joint, Segment};
@@ -8,48 +11,11 @@ use barwave::material::{Beyond, Curve, Material};
 use barwave::solver::moc::{EndStep, FrontTracking, Settings, Stopped, Unsupported, stepped};
 use barwave::wave::riemann::{Flow, Medium, Point, Side, Workspace, solve};
 use barwave::wave::similarity::fan_at_velocity;
+use exact::{Case, cases, ends, number, numbers};
 use proptest::prelude::*;
-use serde::Deserialize;
 
 const ISOTROPIC: Flow = Flow::Plastic { kinematic: 0.0 };
 const KINEMATIC: Flow = Flow::Plastic { kinematic: 1.0 };
-
-#[derive(Deserialize)]
-struct Cases {
-    wall: Vec<Case>,
-    pulse: Vec<Case>,
-    tension: Vec<Case>,
-    hardening: Vec<Case>,
-}
-
-#[derive(Deserialize)]
-struct Case {
-    name: String,
-    #[serde(rename = "L")]
-    length: String,
-    r: String,
-    #[serde(rename = "V0")]
-    velocity: String,
-    iso: bool,
-    t_final: String,
-    momentum: String,
-    kinetic: String,
-    elastic: String,
-    ep_profile: Vec<[String; 3]>,
-    left_history: Vec<[String; 3]>,
-    right_history: Vec<[String; 3]>,
-    state: Vec<[String; 4]>,
-}
-
-/// "-9/8" and the like.
-fn number(text: &str) -> f64 {
-    let (n, d) = text.split_once('/').unwrap_or((text, "1"));
-    n.parse::<f64>().expect("numerator") / d.parse::<f64>().expect("denominator")
-}
-
-fn numbers<const N: usize>(row: &[String; N]) -> [f64; N] {
-    std::array::from_fn(|k| number(&row[k]))
-}
 
 fn material(rows: &[(f64, f64)], density: f64, beyond: Beyond) -> Arc<Material> {
     Arc::new(Material::from_curve("test", density, Curve::new(rows, beyond).expect("rows are right")))
@@ -71,28 +37,6 @@ fn pushed(velocity: f64) -> EndCondition {
 fn track(segments: Vec<Segment>, flow: Flow, ends: [EndCondition; 2]) -> FrontTracking {
     let bar = Bar { segments, area_given: true };
     FrontTracking::new(&bar, flow, ends, Settings::default()).expect("bonded, in steps")
-}
-
-fn ends(case: &Case) -> [EndCondition; 2] {
-    let (kind, rest) = case.name.split_once('_').expect("kind_...");
-    let strength = |mark: char| number(&rest[rest.rfind(mark).expect("strength") + 1..]);
-    match kind {
-        "wall" => [EndCondition::Wall { gap: 0.0 }, EndCondition::Free],
-        "stresspulse" => {
-            let s = -strength('S');
-            let rows = [(0.0, s), (1.0, s), (1.0, 0.0)];
-            [EndCondition::Stress { history: History::new(&rows).expect("in order") }, EndCondition::Absorbing]
-        }
-        "velpulse" => {
-            let history = History::constant(strength('V'));
-            [EndCondition::Velocity { history, release: Some(1.0) }, EndCondition::Absorbing]
-        }
-        "tension" => {
-            let far = if rest.starts_with("fixed") { EndCondition::Fixed } else { EndCondition::Free };
-            [pushed(-strength('V')), far]
-        }
-        other => panic!("unknown case {other}"),
-    }
 }
 
 /// Stresses and velocities of the cases are of order 1, so relative and absolute are one.
@@ -147,8 +91,7 @@ fn check_case(case: &Case) {
 
 #[test]
 fn every_rational_case_is_met_to_rounding() {
-    let cases: Cases = serde_json::from_str(include_str!("data/exact_bar_cases.json")).expect("valid file");
-    for case in cases.wall.iter().chain(&cases.pulse).chain(&cases.tension).chain(&cases.hardening) {
+    for case in cases() {
         check_case(case);
     }
 }

@@ -41,6 +41,7 @@ impl FrontTracking {
             if is_fixed {
                 fixed = Some(id);
             }
+            self.keep_trail(&node);
             if id == last {
                 break;
             }

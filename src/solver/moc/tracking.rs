@@ -5,7 +5,7 @@ use std::collections::BinaryHeap;
 
 use super::end::End;
 use super::list::{Kind, List, NONE, Node};
-use super::{Settings, Stopped, Unsupported};
+use super::{Settings, Stopped, Trail, Unsupported};
 use crate::bar::{Bar, EndCondition, Joint};
 use crate::law::Table;
 use crate::material::Sense;
@@ -60,6 +60,8 @@ pub struct FrontTracking {
     pub(super) hold: f64,
     pub(super) fronts: usize,
     pub(super) concentrated: f64,
+    /// Trails of fronts that ended; none where they are not asked for.
+    pub(super) trails: Option<Vec<Trail>>,
     pub(super) work: Workspace,
     pub(super) sent_left: Vec<Emitted>,
     pub(super) sent_right: Vec<Emitted>,
@@ -102,6 +104,7 @@ impl FrontTracking {
             hold: settings.front_tolerance * stress_scale,
             fronts: 0,
             concentrated: 0.0,
+            trails: settings.trails.then(Vec::new),
             work: Workspace::default(),
             sent_left: Vec::new(),
             sent_right: Vec::new(),

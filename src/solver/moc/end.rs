@@ -131,8 +131,10 @@ impl End {
         }
     }
 
-    /// When the end next does something of its own accord, later than t, s.
-    pub fn next_time(&self, t: f64) -> f64 {
+    /// When the end next does something of its own accord, s: later, by more than `tolerance`, than it was last asked
+    /// what drives it, not than now: something else may be due at the same time and come first.
+    pub fn next_time(&self, tolerance: f64) -> f64 {
+        let t = self.since + tolerance;
         let step = |history: &History| {
             let next = history.time().partition_point(|&row| row <= t);
             history.time().get(next).copied().unwrap_or(f64::INFINITY)

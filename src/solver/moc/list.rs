@@ -51,6 +51,11 @@ pub struct List {
 }
 
 impl List {
+    /// Number of nodes.
+    pub fn len(&self) -> usize {
+        self.nodes.len() - self.free.len()
+    }
+
     /// The node in a place.
     pub fn get(&self, id: u32) -> &Node {
         &self.nodes[id as usize]

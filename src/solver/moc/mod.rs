@@ -11,6 +11,7 @@ mod list;
 mod read;
 mod resolve;
 mod sums;
+mod thin;
 mod tracking;
 mod trail;
 

@@ -4,7 +4,11 @@ use super::FrontTracking;
 use super::end::Drive;
 use super::list::{Kind, Node};
 use super::tracking::node;
-use crate::wave::riemann::{Emitted, Medium, Path, Point, Side, Workspace, solve};
+use crate::wave::riemann::{Emitted, Medium, Path, Point, Side, solve};
+
+/// States that differ by less than this times the rounding are at rest with each other: a wave as weak as that would
+/// run to and fro between two places where histories differ, fed by the rounding that it meets there.
+pub(super) const REST: f64 = 8.0;
 
 impl FrontTracking {
     /// Solves the Riemann problem of the nodes `first..=last` that meet at x now, and puts what it sends in their place.
@@ -76,7 +80,7 @@ impl FrontTracking {
         }
     }
 
-    fn drop_node(&mut self, id: u32) {
+    pub(super) fn drop_node(&mut self, id: u32) {
         self.fronts -= usize::from(self.list.get(id).kind == Kind::Front);
         self.list.remove(id);
     }
@@ -93,21 +97,11 @@ impl FrontTracking {
         let left = self.list.get(prev).right;
         let left_segment = self.list.get(prev).segment;
         let right_segment = joint.map_or(left_segment, |id| self.list.get(id).segment);
-        let (a, b) = (&self.media[left_segment as usize], &self.media[right_segment as usize]);
-        let star = solve(Side::Bar(a, &left), Side::Bar(b, &right), &mut self.work);
-        let force = if self.hold > 0.0 {
-            held_back(star.force, self.hold, [(a, &left), (b, &right)], &mut self.work)
-        } else {
-            star.force
-        };
-        let (path_left, path_right) = (&mut self.work.left, &mut self.work.right);
-        let tau = |path: &Path| (path.sense() * force / path.area()).min(path.cap());
-        let behind_left = path_left.emit(tau(path_left), -1.0, 0.0, &mut self.sent_left);
-        let behind_right = path_right.emit(tau(path_right), 1.0, 0.0, &mut self.sent_right);
-        let round_off = a.round_off;
-        let apart = star.capped
-            || !behind_left.same_history(&behind_right, round_off)
-            || (self.hold > 0.0 && !same_motion(&behind_left, &behind_right, a));
+        let (behind_left, behind_right, capped) = self.answer_inside((left_segment, left), (right_segment, right));
+        let medium = &self.media[left_segment as usize];
+        let apart = capped
+            || !behind_left.same_history(&behind_right, medium.round_off)
+            || !same_motion(&behind_left, &behind_right, medium, 1.0);
         let before_new = self.send_left(prev, x, left_segment);
         let middle = match joint {
             Some(id) => {
@@ -123,6 +117,38 @@ impl FrontTracking {
         let after_new = self.send_right(middle, x, right, right_segment);
         self.schedule(prev);
         self.schedule(after_new);
+    }
+
+    /// The waves that two states in contact send, into the scratch of their sides; the states behind them, and
+    /// whether a level curve keeps their velocities apart.
+    fn answer_inside(
+        &mut self,
+        (left_segment, left): (u32, Point),
+        (right_segment, right): (u32, Point),
+    ) -> (Point, Point, bool) {
+        let (a, b) = (&self.media[left_segment as usize], &self.media[right_segment as usize]);
+        let inside = left_segment == right_segment;
+        if inside && same_motion(&left, &right, a, REST) {
+            self.sent_left.clear();
+            self.sent_right.clear();
+            return (left, right, false);
+        }
+        let star = solve(Side::Bar(a, &left), Side::Bar(b, &right), &mut self.work);
+        let tau = |path: &Path| (path.sense() * star.force / path.area()).min(path.cap());
+        let (path_left, path_right) = (&mut self.work.left, &mut self.work.right);
+        let mut behind_left = path_left.emit(tau(path_left), -1.0, &mut self.sent_left);
+        let mut behind_right = path_right.emit(tau(path_right), 1.0, &mut self.sent_right);
+        // Rounding travels with a front instead of staying behind as a step at rest that the next wave meets.
+        if inside && !star.capped {
+            if let Some(inner) = self.sent_right.last_mut() {
+                (behind_right.stress, behind_right.velocity) = (behind_left.stress, behind_left.velocity);
+                inner.behind = behind_right;
+            } else if let Some(inner) = self.sent_left.last_mut() {
+                (behind_left.stress, behind_left.velocity) = (behind_right.stress, behind_right.velocity);
+                inner.behind = behind_left;
+            }
+        }
+        (behind_left, behind_right, star.capped)
     }
 
     /// Puts the fronts sent in -x behind `prev`; the last node before x afterwards.
@@ -213,7 +239,7 @@ impl FrontTracking {
         path.fill(medium, &bar, sense);
         let tau = sense * stress;
         let short = tau > path.cap() + medium.round_off;
-        (path.emit(tau.min(path.cap()), self.ends[which].inward, 0.0, sent), short)
+        (path.emit(tau.min(path.cap()), self.ends[which].inward, sent), short)
     }
 
     /// A driver that moves with `velocity` at `force` (none: at the bar's own force) and gives way by `compliance`.
@@ -236,32 +262,12 @@ impl FrontTracking {
             (solve(own, driver, &mut self.work), &mut self.work.left, &mut self.sent_left)
         };
         let tau = (path.sense() * star.force / medium.area).min(path.cap());
-        (path.emit(tau, self.ends[which].inward, self.hold, sent), star.capped)
+        (path.emit(tau, self.ends[which].inward, sent), star.capped)
     }
 }
 
-/// The force nearest to `force` at which one side sends no wave, or none past a knot of its path, if that is less than
-/// `hold` (Pa) away; else `force`. The paths are left in the senses that it asks for.
-///
-/// The stress stays continuous, so momentum is kept exactly; what is held back is a velocity jump, which the next
-/// front that passes takes with it.
-fn held_back(force: f64, hold: f64, [left, right]: [(&Medium, &Point); 2], work: &mut Workspace) -> f64 {
-    let (from_left, from_right) = (work.left.force_behind(force), work.right.force_behind(force));
-    let nearest = if (from_left - force).abs() < (from_right - force).abs() { from_left } else { from_right };
-    if (nearest - force).abs() > hold * left.0.area.min(right.0.area) {
-        return force;
-    }
-    for (path, (medium, point)) in [(&mut work.left, left), (&mut work.right, right)] {
-        let sense = if nearest < medium.area * point.stress { -1.0 } else { 1.0 };
-        if sense != path.sense() {
-            path.fill(medium, point, sense);
-        }
-    }
-    nearest
-}
-
-/// Whether two points have one stress and one velocity, to rounding.
-fn same_motion(a: &Point, b: &Point, medium: &Medium) -> bool {
-    (a.stress - b.stress).abs() <= medium.round_off
-        && (a.velocity - b.velocity).abs() * medium.impedance() <= medium.round_off
+/// Whether two points have one stress and one velocity, to `times` the rounding.
+pub(super) fn same_motion(a: &Point, b: &Point, medium: &Medium, times: f64) -> bool {
+    let round_off = times * medium.round_off;
+    (a.stress - b.stress).abs() <= round_off && (a.velocity - b.velocity).abs() * medium.impedance() <= round_off
 }

@@ -5,6 +5,7 @@ use std::collections::BinaryHeap;
 
 use super::end::End;
 use super::list::{Kind, List, NONE, Node};
+use super::thin::Thinning;
 use super::{Settings, Stopped, Trail, Unsupported};
 use crate::bar::{Bar, EndCondition, Joint};
 use crate::law::Table;
@@ -15,6 +16,11 @@ use crate::wave::riemann::{Emitted, Flow, Medium, Point, Side, Workspace, solve}
 /// transit time are one time. Meetings carry a rounding of about 1e-15 of either; fronts that should meet in one
 /// point miss it by that, and distinct events lie that close together only by chance.
 const SAME_POINT: f64 = 1e-13;
+
+/// With a front tolerance: nodes closer than this times the tolerance times the length are at one point. Waves that run
+/// to and fro between two fronts that close in on each other come to an end there; the part of the momentum that
+/// is lost with them is smaller yet.
+const NEAR: f64 = 1e-6;
 
 /// Stresses closer than this part of the stress scale are one stress: a hundred times their rounding.
 const SAME_STRESS: f64 = 1e-13;
@@ -57,9 +63,9 @@ pub struct FrontTracking {
     pub(super) same_place: f64,
     pub(super) same_time: f64,
     pub(super) stress_scale: f64,
-    pub(super) hold: f64,
     pub(super) fronts: usize,
     pub(super) concentrated: f64,
+    pub(super) thinning: Thinning,
     /// Trails of fronts that ended; none where they are not asked for.
     pub(super) trails: Option<Vec<Trail>>,
     pub(super) work: Workspace,
@@ -89,6 +95,7 @@ impl FrontTracking {
         for medium in &mut media {
             medium.round_off = SAME_STRESS * stress_scale;
         }
+        let thinning = Thinning::new(settings.front_tolerance, &media, stress_scale, bar.length());
         let mut tracking = Self {
             media,
             ends,
@@ -98,12 +105,12 @@ impl FrontTracking {
             now: 0.0,
             events: 0,
             budget: settings.event_budget,
-            same_place: SAME_POINT * bar.length(),
+            same_place: (SAME_POINT + NEAR * settings.front_tolerance) * bar.length(),
             same_time: SAME_POINT * bar.transit_time(),
             stress_scale,
-            hold: settings.front_tolerance * stress_scale,
             fronts: 0,
             concentrated: 0.0,
+            thinning,
             trails: settings.trails.then(Vec::new),
             work: Workspace::default(),
             sent_left: Vec::new(),
@@ -136,8 +143,11 @@ impl FrontTracking {
     /// [`Stopped::EventBudget`] with the bar standing at the time reached; [`Stopped::NotANumber`].
     pub fn advance_to(&mut self, until: f64) -> Result<(), Stopped> {
         loop {
+            if self.thinning.is_due(self.list.len(), self.events) {
+                self.thin();
+            }
             let meeting = self.next_meeting();
-            let own: [f64; 2] = std::array::from_fn(|k| self.ends[k].next_time(self.now + self.same_time));
+            let own: [f64; 2] = std::array::from_fn(|k| self.ends[k].next_time(self.same_time));
             let time = meeting.map_or(f64::INFINITY, |m| m.time).min(own[0]).min(own[1]);
             if time > until + self.same_time {
                 self.now = self.now.max(until);

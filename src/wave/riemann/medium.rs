@@ -37,6 +37,19 @@ impl Point {
         Self { velocity, ..Self::default() }
     }
 
+    /// This point and `factor` times another one, in all that is linear in x: the sum of two step functions there.
+    #[must_use]
+    pub fn plus(&self, other: &Self, factor: f64) -> Self {
+        Self {
+            stress: self.stress + factor * other.stress,
+            velocity: self.velocity + factor * other.velocity,
+            accumulated: self.accumulated + factor * other.accumulated,
+            plastic: self.plastic + factor * other.plastic,
+            back: self.back + factor * other.back,
+            work: self.work + factor * other.work,
+        }
+    }
+
     /// True where two points have the same past: no contact needs to stay between them. Differences up to
     /// `round_off` (Pa) are no difference.
     pub fn same_history(&self, other: &Self, round_off: f64) -> bool {
@@ -141,6 +154,25 @@ impl Medium {
     /// Engineering strain of a point.
     pub fn strain(&self, point: &Point) -> f64 {
         (point.stress + point.plastic) / self.modulus
+    }
+
+    /// All energy of a point, J/m^3: kinetic, elastic, and its work.
+    pub fn energy(&self, point: &Point) -> f64 {
+        let kinetic = 0.5 * self.density * point.velocity * point.velocity;
+        kinetic + 0.5 * point.stress * point.stress / self.modulus + point.work
+    }
+
+    /// How far the stress of a point is past its yield stress, Pa; negative inside the elastic range. 0 where the
+    /// curve is all the law.
+    pub fn overstress(&self, point: &Point) -> f64 {
+        let Flow::Plastic { kinematic } = self.flow else { return 0.0 };
+        let over = |sense: f64| {
+            let lines = self.lines(sense);
+            let y = lines.at_accumulated(point.accumulated).2;
+            let range = if kinematic > 0.0 { y - kinematic * (y - lines.at_accumulated(0.0).2) } else { y };
+            sense * (point.stress - point.back) - range
+        };
+        over(if point.stress < point.back { -1.0 } else { 1.0 })
     }
 
     /// Signed plastic strain of a point.

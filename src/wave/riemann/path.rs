@@ -250,16 +250,16 @@ impl Path {
     /// first, and returns the state behind them all.
     ///
     /// `direction` is +1 for a wave in +x, -1 in -x: `d v = -direction d sigma/(rho c)`. A wave, or the last front of
-    /// one, weaker than `hold` (Pa) is not sent; nor is one within rounding.
-    pub fn emit(&mut self, tau: f64, direction: f64, hold: f64, fronts: &mut Vec<Emitted>) -> Point {
+    /// one, within rounding is not sent.
+    pub fn emit(&mut self, tau: f64, direction: f64, fronts: &mut Vec<Emitted>) -> Point {
         fronts.clear();
-        let hold = hold.max(self.round_off);
         let mut behind = self.start;
-        if tau - self.knots[0].tau <= hold {
+        if tau - self.knots[0].tau <= self.round_off {
             return behind;
         }
         let edge = self.edge(self.area * tau);
-        let straight = self.is_straight(edge) || self.straight_to.is_some_and(|k| tau - self.knots[k].tau <= hold);
+        let straight =
+            self.is_straight(edge) || self.straight_to.is_some_and(|k| tau - self.knots[k].tau <= self.round_off);
         if straight {
             let mut i = 0;
             while i + 1 < self.knots.len() && self.is_straight(i) && self.knots[i + 1].tau - tau <= self.round_off {
@@ -269,7 +269,7 @@ impl Path {
                 i += 1;
             }
             let from = self.knots[i];
-            if tau - from.tau > hold && from.slope > 0.0 {
+            if tau - from.tau > self.round_off && from.slope > 0.0 {
                 let to = (tau, from.z + (tau - from.tau) / from.slope);
                 behind = self.behind(&behind, (from.tau, from.z), to, from.compliance, direction);
                 fronts.push(Emitted { speed: 1.0 / (self.density * from.compliance), behind });
@@ -279,7 +279,7 @@ impl Path {
         self.build_hull(tau);
         for i in 1..self.hull.len() {
             let (from, to) = (self.hull[i - 1], self.hull[i]);
-            if i + 1 < self.hull.len() || to.0 - from.0 > hold {
+            if i + 1 < self.hull.len() || to.0 - from.0 > self.round_off {
                 let compliance = chord_velocity(from, to, self.impedance2) / (to.0 - from.0);
                 behind = self.behind(&behind, from, to, compliance, direction);
                 fronts.push(Emitted { speed: 1.0 / (self.density * compliance), behind });

@@ -10,6 +10,7 @@ mod end;
 mod list;
 mod read;
 mod resolve;
+mod sample;
 mod sums;
 mod tracking;
 mod trail;

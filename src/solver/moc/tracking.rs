@@ -21,7 +21,7 @@ const SAME_STRESS: f64 = 1e-13;
 
 /// The next meeting of two neighbours; out of date once one of them is gone or they are no longer neighbours.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Meeting {
+pub(super) struct Meeting {
     time: f64,
     left: u32,
     right: u32,

@@ -59,7 +59,7 @@ struct Run<'a, S> {
 
 /// The elastic check with its step and cell.
 struct Probe {
-    probe: ElasticProbe,
+    check: ElasticProbe,
     step: usize,
     cell: usize,
 }
@@ -82,7 +82,7 @@ impl<'a, S: Stepped> Run<'a, S> {
             unloading: scene.effects.unloading.is_none().then(|| UnloadingWatch::new(limits(scene, &bar))),
             elastic_check: probe.map(|probe| {
                 let (step, cell) = probe.on_grid(bar.grid());
-                Probe { probe, step, cell }
+                Probe { check: probe, step, cell }
             }),
             passed: None,
             book,
@@ -135,8 +135,8 @@ impl<'a, S: Stepped> Run<'a, S> {
         if last || step.is_multiple_of((self.steps / UNLOADING_LOOKS).max(1)) {
             self.watch_unloading();
         }
-        if let Some(Probe { probe, cell, .. }) = self.elastic_check.as_mut().filter(|p| p.step == step) {
-            probe.take(self.bar.value(Quantity::Stress, *cell));
+        if let Some(Probe { check, cell, .. }) = self.elastic_check.as_mut().filter(|p| p.step == step) {
+            check.take(self.bar.value(Quantity::Stress, *cell));
         }
         Ok(())
     }
@@ -199,7 +199,7 @@ impl<'a, S: Stepped> Run<'a, S> {
             fronts: self.tracker.rows(&self.book.scene.record.gauges),
             audit: self.audit(),
             elastic: self.bar.stayed_elastic(),
-            elastic_check: self.elastic_check.as_ref().and_then(|p| p.probe.check()),
+            elastic_check: self.elastic_check.as_ref().and_then(|p| p.check.check()),
             ledger: LedgerSummary {
                 energy_residual: self.ledger.worst_energy(),
                 momentum_residual: self.ledger.worst_momentum(),

@@ -252,19 +252,26 @@ impl<'a> Run<'a> {
     }
 
     fn stopped(&self, why: &Stopped) -> Error {
-        let (time, x, help) = match *why {
-            Stopped::EventBudget { time, .. } => (time, None, self.budget_help()),
-            Stopped::NotANumber { time, x } => {
-                let help = "check the scene for values far outside the material's range; the frames so far are good";
-                (time, Some(x), help.to_owned())
+        match *why {
+            Stopped::EventBudget { time, events, fronts } => {
+                let tolerance = tolerance_for_budget(self.settings.front_tolerance);
+                RunError {
+                    reason: format!("front tracking used all of its {events} events, with {fronts} fronts under way"),
+                    time,
+                    x: None,
+                    help: format!(
+                        "front-tolerance = {tolerance:e} in [solve] should carry it through; or raise event-budget"
+                    ),
+                }
             }
-        };
-        RunError { reason: why.to_string(), time, x, help }.into()
-    }
-
-    fn budget_help(&self) -> String {
-        let tolerance = tolerance_for_budget(self.settings.front_tolerance);
-        format!("front-tolerance = {tolerance:e} in [solve] should carry it through; or raise event-budget")
+            Stopped::NotANumber { time, x } => RunError {
+                reason: "a stress or velocity is not a finite number".into(),
+                time,
+                x: Some(x),
+                help: "check the scene for values far outside the material's range; the frames so far are good".into(),
+            },
+        }
+        .into()
     }
 
     /// Hands what was found to the book, which closes the file, whatever the end was.

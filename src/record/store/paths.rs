@@ -89,7 +89,7 @@ impl PathTable {
         self.table.resize(end)?;
         self.table.write_slice(&self.waiting, s![start..end])?;
         self.numbers.resize(end)?;
-        let numbers: Vec<i64> = (start as i64..end as i64).collect();
+        let numbers: Vec<i64> = (0_i64..).skip(start).take(end - start).collect();
         self.numbers.write_slice(&numbers, s![start..end])?;
         self.waiting.clear();
         self.written = end;

@@ -79,7 +79,10 @@ impl Checker<'_> {
         let Some((name, span)) = foreign else { return Ok(()) };
         let other = if method == RawMethod::Fd { RawMethod::Moc } else { RawMethod::Fd };
         let message = format!("`{name}` means nothing for method = \"{}\"", method.word());
-        let help = format!("take `{name}` out, or use method = \"{}\", which has it", other.word());
+        let other = other.word();
+        let help = format!(
+            "use method = \"{other}\", which has it, or take `{name}` out (on the command line: --set solve.{name}=)"
+        );
         let allowed = format!("until, method, {}", method.keys().join(", "));
         Err(self.error(span, &format!("solve.{name}"), message).allowed(allowed).help(help).into())
     }

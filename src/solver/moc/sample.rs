@@ -30,22 +30,22 @@ impl FrontTracking {
     }
 
     /// Displacement at every place of `x` (m, increasing), m: that of the left end, which is the integral of its exact
-    /// steps, and the strain summed up exactly over the constant pieces, with what velocity jumps at rest have opened
-    /// since they arose. What a wave held back earlier would have opened is left out: with a front tolerance, the
-    /// displacement is as good as the tolerance.
+    /// steps, and the strain summed up exactly over the constant pieces, with what velocity jumps at rest have opened: a
+    /// joint, a point of a level curve, a wave held back.
     pub fn displacements(&self, x: &[f64], out: &mut [f64]) {
-        let mut u = self.end_displacement(0);
-        let mut k = 0;
+        let left = self.end_displacement(0);
+        let (mut stretch, mut k) = (0.0, 0);
         let right = self.list.iter().skip(1);
         for (a, b) in self.list.iter().zip(right) {
             let (from, to) = (a.at(self.now), b.at(self.now));
             let strain = self.medium(a.segment as usize).strain(&a.right);
             while k < x.len() && (x[k] < to || b.kind == Kind::End) {
-                out[k] = u + strain * (x[k] - from);
+                out[k] = left + stretch + strain * (x[k] - from);
                 k += 1;
             }
-            u += strain * (to - from) + self.opening(a, b);
+            stretch += strain * (to - from) + self.opening(b);
         }
+        self.opened.add_up(x, self.bar_length(), out);
     }
 
     /// Displacement of the left (0) or right (1) end since the start, m.
@@ -55,13 +55,26 @@ impl FrontTracking {
         steps.iter().zip(until).map(|(step, until)| step.velocity * (until - step.time)).sum()
     }
 
-    /// By how much the place of `node`, to the right of the piece that starts at `before`, has opened since its states
-    /// hold, m.
-    fn opening(&self, before: &Node, node: &Node) -> f64 {
+    /// By how much the place of a node has opened since its states hold, m.
+    fn opening(&self, node: &Node) -> f64 {
         match node.kind {
-            Kind::Contact | Kind::Joint => (node.right.velocity - before.right.velocity) * (self.now - node.t),
+            Kind::Contact | Kind::Joint => {
+                (node.right.velocity - self.list.get(node.prev).right.velocity) * (self.now - node.t)
+            }
             Kind::Front | Kind::End => 0.0,
         }
+    }
+
+    /// Keeps what the place of a node has opened, before its states change or it goes.
+    pub(super) fn keep_opening(&mut self, node: &Node) {
+        let opening = self.opening(node);
+        if opening != 0.0 {
+            self.opened.add(node.x / self.bar_length(), opening);
+        }
+    }
+
+    fn bar_length(&self) -> f64 {
+        self.list.get(self.end_nodes[1]).x
     }
 
     /// Fronts under way.
@@ -73,5 +86,39 @@ impl FrontTracking {
     /// when it is called again with a larger budget: so a long run can be interrupted.
     pub fn set_event_budget(&mut self, events: u64) {
         self.budget = events;
+    }
+}
+
+/// Parts of the bar for which openings are added up: each opening is small, and there can be millions.
+const PARTS: usize = 4096;
+
+/// What velocity jumps at rest have opened for good, added up over small parts of the bar.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Openings {
+    /// One entry a part, m; empty until there is an opening.
+    parts: Vec<f64>,
+}
+
+impl Openings {
+    fn add(&mut self, share: f64, opening: f64) {
+        self.parts.resize(PARTS, 0.0);
+        self.parts[((share * PARTS as f64) as usize).min(PARTS - 1)] += opening;
+    }
+
+    /// Adds, at every place of `x` (increasing), what has opened to its left.
+    fn add_up(&self, x: &[f64], length: f64, out: &mut [f64]) {
+        if self.parts.is_empty() {
+            return;
+        }
+        let (mut k, mut sum) = (0, 0.0);
+        for (x, out) in x.iter().zip(out) {
+            let place = x / length * PARTS as f64;
+            while k < PARTS && (k + 1) as f64 <= place {
+                sum += self.parts[k];
+                k += 1;
+            }
+            // Within a part, as if it had opened evenly.
+            *out += sum + self.parts.get(k).map_or(0.0, |part| part * (place - k as f64));
+        }
     }
 }

@@ -5,6 +5,7 @@ use std::collections::BinaryHeap;
 
 use super::end::End;
 use super::list::{Kind, List, NONE, Node};
+use super::sample::Openings;
 use super::{Settings, Stopped, Trail, Unsupported};
 use crate::bar::{Bar, EndCondition, Joint};
 use crate::law::Table;
@@ -60,6 +61,7 @@ pub struct FrontTracking {
     pub(super) hold: f64,
     pub(super) fronts: usize,
     pub(super) concentrated: f64,
+    pub(super) opened: Openings,
     /// Trails of fronts that ended; none where they are not asked for.
     pub(super) trails: Option<Vec<Trail>>,
     pub(super) work: Workspace,
@@ -104,6 +106,7 @@ impl FrontTracking {
             hold: settings.front_tolerance * stress_scale,
             fronts: 0,
             concentrated: 0.0,
+            opened: Openings::default(),
             trails: settings.trails.then(Vec::new),
             work: Workspace::default(),
             sent_left: Vec::new(),

@@ -398,7 +398,7 @@ proptest! {
         let right = [EndCondition::Free, EndCondition::Fixed, EndCondition::Absorbing, EndCondition::Wall { gap: 0.1 }];
         let segments = vec![segment(0.6, 1.0, &steel, 0.0), segment(0.4, area, &steel, 0.0)];
         let bar = Bar { segments, area_given: true };
-        let settings = Settings { event_budget: 2000, front_tolerance };
+        let settings = Settings { event_budget: 2000, front_tolerance, ..Settings::default() };
         let mut bar = FrontTracking::new(&bar, flow, [left, right[far].clone()], settings).expect("in steps");
         let mut plastic = 0.0;
         for step in 1..=30 {
@@ -420,5 +420,30 @@ proptest! {
                 break;
             }
         }
+    }
+}
+
+#[test]
+fn trails_are_the_straight_lives_of_all_fronts() {
+    let case = cases().iter().max_by_key(|c| c.left_history.len() + c.right_history.len()).expect("there are cases");
+    let flow = if case.iso { ISOTROPIC } else { KINEMATIC };
+    let segments = vec![segment(number(&case.length), 1.0, &bilinear(number(&case.r)), number(&case.velocity))];
+    let bar = Bar { segments, area_given: true };
+    let settings = Settings { trails: true, ..Settings::default() };
+    let mut bar = FrontTracking::new(&bar, flow, ends(case), settings).expect("bonded, in steps");
+    let mut trails = Vec::new();
+    for part in 1..=3 {
+        bar.advance_to(number(&case.t_final) * f64::from(part) / 3.0).expect("few events");
+        trails.extend(bar.take_trails());
+    }
+    trails.extend(bar.living_trails());
+    assert!(trails.len() > 4);
+    // A gauge read off the trails is the state of the bar: the last front that crossed a place left its state there.
+    for x in [0.1234, 0.4321, 0.8765].map(|share| share * number(&case.length)) {
+        let crossing = |t: &&barwave::solver::moc::Trail| (t.x[0] <= x && x < t.x[1]) || (t.x[1] <= x && x < t.x[0]);
+        let time = |t: &barwave::solver::moc::Trail| t.t[0] + (x - t.x[0]) / (t.x[1] - t.x[0]) * (t.t[1] - t.t[0]);
+        let last = trails.iter().filter(crossing).max_by(|a, b| time(a).total_cmp(&time(b))).expect("a front came by");
+        near(last.behind.stress, bar.state_at(x).stress, "stress left behind");
+        near(last.behind.velocity, bar.state_at(x).velocity, "velocity left behind");
     }
 }

@@ -48,10 +48,8 @@ const WORDS: &[Word] = &[
     word(&["effects", "rupture"], "", "rupture inside the bar", LEAVE_OUT),
     word(&["effects", "damping"], "", "damping", LEAVE_OUT),
     word(&["effects", "lateral-inertia"], "", "lateral inertia", LEAVE_OUT),
-    word(&["solve", "method"], "moc", "the method of characteristics", LEAPFROG),
     word(&["solve", "scheme"], "muscl", "the scheme muscl", LEAPFROG),
     word(&["solve", "tolerance"], "", "the choice of method by tolerance", CELLS),
-    word(&["solve", "front-tolerance"], "", "front tracking", CELLS),
     word(&["solve", "viscosity"], "", "artificial viscosity", "leave it out"),
 ];
 

@@ -10,13 +10,16 @@ mod end;
 mod list;
 mod read;
 mod resolve;
+mod sample;
 mod sums;
 mod tracking;
+mod trail;
 
 pub use end::{EndRecord, EndStep, stepped};
 pub use read::{Front, Piece, Sample};
 pub use sums::Balance;
 pub use tracking::FrontTracking;
+pub use trail::Trail;
 
 /// How a front-tracking run is carried out.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,11 +29,13 @@ pub struct Settings {
     pub front_tolerance: f64,
     /// Most events that a run may take.
     pub event_budget: u64,
+    /// Keep the trails of fronts that end, for [`FrontTracking::take_trails`].
+    pub trails: bool,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { front_tolerance: 0.0, event_budget: 10_000_000 }
+        Self { front_tolerance: 0.0, event_budget: 10_000_000, trails: false }
     }
 }
 

@@ -5,7 +5,8 @@ use std::collections::BinaryHeap;
 
 use super::end::End;
 use super::list::{Kind, List, NONE, Node};
-use super::{Settings, Stopped, Unsupported};
+use super::sample::Openings;
+use super::{Settings, Stopped, Trail, Unsupported};
 use crate::bar::{Bar, EndCondition, Joint};
 use crate::law::Table;
 use crate::material::Sense;
@@ -21,7 +22,7 @@ const SAME_STRESS: f64 = 1e-13;
 
 /// The next meeting of two neighbours; out of date once one of them is gone or they are no longer neighbours.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Meeting {
+pub(super) struct Meeting {
     time: f64,
     left: u32,
     right: u32,
@@ -60,6 +61,9 @@ pub struct FrontTracking {
     pub(super) hold: f64,
     pub(super) fronts: usize,
     pub(super) concentrated: f64,
+    pub(super) opened: Openings,
+    /// Trails of fronts that ended; none where they are not asked for.
+    pub(super) trails: Option<Vec<Trail>>,
     pub(super) work: Workspace,
     pub(super) sent_left: Vec<Emitted>,
     pub(super) sent_right: Vec<Emitted>,
@@ -102,6 +106,8 @@ impl FrontTracking {
             hold: settings.front_tolerance * stress_scale,
             fronts: 0,
             concentrated: 0.0,
+            opened: Openings::default(),
+            trails: settings.trails.then(Vec::new),
             work: Workspace::default(),
             sent_left: Vec::new(),
             sent_right: Vec::new(),

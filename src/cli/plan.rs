@@ -6,7 +6,7 @@ use super::output;
 use super::run::front_lines;
 use crate::error::Result;
 use crate::scene::Scene;
-use crate::study::plan::{Plan, Work, plan};
+use crate::study::plan::{NetWork, Plan, Work, plan};
 use crate::units::{Dimension, System, format};
 
 /// Options of `barwave plan`.
@@ -65,7 +65,9 @@ fn work_lines(work: &Work, units: System) -> Vec<(&'static str, String)> {
             bytes_per_yielded_cell,
             memory_bytes,
             expected_s: [quick, slow],
-        } => vec![
+            net,
+        } => [
+
             ("grid", std::format!("{cells} cells, {steps} steps of {}", time(dt_s))),
             (
                 "memory",
@@ -78,7 +80,10 @@ fn work_lines(work: &Work, units: System) -> Vec<(&'static str, String)> {
                 "expected time",
                 std::format!("{} to {} of stepping on one thread, if every cell is at work", time(quick), time(slow)),
             ),
-        ],
+        ]
+        .into_iter()
+        .chain(net.iter().flat_map(net_lines))
+        .collect(),
         Work::Fronts { front_tolerance, held_back, first_fronts, lines, event_budget, bytes_per_front, longest_s } => {
             vec![
                 ("fronts", std::format!("{first_fronts} after t = 0; the curve has {lines} straight pieces")),
@@ -107,6 +112,24 @@ fn work_lines(work: &Work, units: System) -> Vec<(&'static str, String)> {
             ]
         }
     }
+}
+
+fn net_lines(net: &NetWork) -> Vec<(&'static str, String)> {
+    let mut lines = Vec::new();
+    if net.largest_transit_shift > 1e-9 {
+        let shift = net.largest_transit_shift;
+        lines
+            .push(("transit times", std::format!("changed by up to {shift:.1e}, so that all segments share one step")));
+    }
+    if let Some(k_dt) = net.k_dt {
+        let meaning = if k_dt > 1.0 {
+            "plastic fronts are narrower than the cells and come out as wide as the net makes them; more cells resolve them"
+        } else {
+            "resolved, to second order"
+        };
+        lines.push(("relaxation", std::format!("k dt = {k_dt:.2e}: {meaning}")));
+    }
+    lines
 }
 
 fn bytes(count: usize) -> String {

@@ -141,6 +141,7 @@ fn ledger_table(file: &ResultFile, units: Units) -> Result<String> {
         ("kinetic energy at the end", energy.show(last.kinetic)),
         ("elastic energy at the end", energy.show(last.elastic)),
         ("dissipated in plastic flow", energy.show(last.plastic)),
+        ("taken by overstress or damping", energy.show(last.viscous)),
         ("work of the left end", energy.show(last.work_left)),
         ("work of the right end", energy.show(last.work_right)),
         ("largest energy residual, relative", format!("{residual:.1e}")),

@@ -106,15 +106,21 @@ pub(super) fn ledger(svg: &mut Svg, panel: Area, view: &View, letter: char) -> R
         let values: Vec<f64> = rows.iter().map(value).collect();
         history(view, name.into(), &times, &values, unit, stroke)
     };
+    // Rate-dependent bars spend much in overstress; the damping of ripples takes next to nothing.
+    let viscous = rows.iter().any(|row| row.viscous > 1e-3 * row.plastic);
+    let held = |row: &LedgerRow| row.kinetic + row.elastic + row.plastic + row.viscous;
     let mut series = vec![
         line("kinetic", Stroke::new(colour(0), 1.6), |row| row.kinetic),
         line("elastic", Stroke::new(colour(2), 1.6), |row| row.elastic),
         line("plastic", Stroke::new(colour(1), 1.6), |row| row.plastic),
-        line("sum", Stroke::new("#222", 1.6), |row| row.kinetic + row.elastic + row.plastic),
+        line("sum", Stroke::new("#222", 1.6), held),
     ];
+    if viscous {
+        series.push(line("viscous", Stroke::new(colour(3), 1.6), |row| row.viscous));
+    }
     // What there was at the start and what came in since: the sum has to lie on it.
     let work = |row: &LedgerRow| row.work_left + row.work_right;
-    let start = rows.first().map_or(0.0, |row| row.kinetic + row.elastic + row.plastic - work(row));
+    let start = rows.first().map_or(0.0, |row| held(row) - work(row));
     let supplied: Vec<f64> = rows.iter().map(|row| start + work(row)).collect();
     let stroke = Stroke::new(colour(5), 2.2).dashed("6 5");
     series.push(history(view, "start + work of the ends".into(), &times, &supplied, unit, stroke));

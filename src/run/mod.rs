@@ -16,7 +16,7 @@ use crate::record::{
     AuditRow, ElasticCheck, EndSummary, ErrorFigure, FrontRow, FrontSummary, LedgerSummary, MaterialRecord, Summary,
     Trace, TrackingSummary, above_critical,
 };
-use crate::scene::{Effects, Method, Scene, Unloading};
+use crate::scene::{Effects, Method, Rate, Scene, Unloading};
 use crate::wave::similarity;
 
 /// How far a run is.
@@ -65,6 +65,9 @@ pub fn run(scene: &Scene, output: Option<&Path>, progress: &mut dyn FnMut(Progre
         Method::Leapfrog { cells, cfl } => {
             stepped::run(scene, assemble::leapfrog(scene, cells, cfl), output, started, progress)
         }
+        Method::CharacteristicNet { cells } => {
+            stepped::run(scene, assemble::characteristic_net(scene, cells), output, started, progress)
+        }
         Method::FrontTracking { front_tolerance, event_budget } => {
             tracked::run(scene, front_tolerance, event_budget, output, started, progress)
         }
@@ -83,6 +86,11 @@ pub fn effect_names(effects: &Effects, plasticity: bool) -> Vec<String> {
         Some(Unloading::Mixed(fraction)) => names.push(format!("unloading: mixed {fraction}")),
         None => {}
     }
+    names.extend(effects.rate.map(|rate| match rate {
+        Rate::Malvern { k } => format!("rate: malvern k = {k} 1/s"),
+        Rate::CowperSymonds { d, q } => format!("rate: cowper-symonds D = {d} 1/s, q = {q}"),
+        Rate::JohnsonCook { c, reference } => format!("rate: johnson-cook C = {c}, reference = {reference} 1/s"),
+    }));
     names
 }
 
@@ -156,8 +164,17 @@ impl<'a> Book<'a> {
         self.launches.iter().any(|l| l.fan.above_critical)
     }
 
+    /// The theory says that the bar breaks at once: the critical velocity is one of the static curve, above which a
+    /// rate-dependent bar can carry the strain away for a while.
+    fn breaks_at_once(&self) -> bool {
+        self.above_critical() && self.scene.effects.rate.is_none()
+    }
+
     /// Notes on impacts above the critical velocity.
     fn audit(&self) -> Vec<AuditRow> {
+        if self.scene.effects.rate.is_some() {
+            return Vec::new();
+        }
         let row = |launch: &Launch| {
             let material = &self.scene.bar.segments[launch.segment].material;
             above_critical(launch, material, self.critical.unwrap_or(f64::NAN))
@@ -168,7 +185,7 @@ impl<'a> Book<'a> {
     /// Closes the file, whatever the end was, and sums up.
     fn close(mut self, ended: Result<()>, findings: Findings) -> Result<Summary> {
         let (outcome, reason) = match &ended {
-            Ok(()) if findings.ruptured || self.above_critical() => ("rupture", None),
+            Ok(()) if findings.ruptured || self.breaks_at_once() => ("rupture", None),
             Ok(()) => ("done", None),
             Err(Error::Interrupted) => ("interrupted", None),
             Err(error @ Error::Run(_)) => ("stopped", Some(error.to_string())),

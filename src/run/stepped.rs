@@ -7,8 +7,8 @@ use super::{Book, Findings, Progress, Wish, steps};
 use crate::error::{Error, Result, RunError};
 use crate::material::{Beyond, Material, Sense};
 use crate::record::{
-    self, AuditRow, ElasticProbe, EndState, EndSummary, Frames, FrontTracker, Ledger, LedgerSummary, Stepped, Summary,
-    Traces, UnloadingWatch,
+    self, AuditRow, ElasticProbe, EndState, EndSummary, ErrorFigure, Frames, FrontTracker, Ledger, LedgerSummary,
+    Stepped, Summary, Traces, UnloadingWatch,
 };
 use crate::scene::Scene;
 use crate::solver::fd::{Passed, Quantity, Sampling};
@@ -204,11 +204,17 @@ impl<'a, S: Stepped> Run<'a, S> {
                 energy_residual: self.ledger.worst_energy(),
                 momentum_residual: self.ledger.worst_momentum(),
             },
-            error: record::against_similarity(&self.book.scene.bar, &self.bar, &self.book.launches),
+            error: self.error(),
             ruptured: self.ruptured(),
             paths_complete: false,
         };
         self.book.close(ended, findings)
+    }
+
+    /// The self-similar solution knows no strain rate.
+    fn error(&self) -> Option<ErrorFigure> {
+        let scene = self.book.scene;
+        scene.effects.rate.is_none().then(|| record::against_similarity(&scene.bar, &self.bar, &self.book.launches))?
     }
 
     fn ruptured(&self) -> bool {

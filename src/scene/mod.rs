@@ -48,6 +48,35 @@ pub struct Scene {
 pub struct Effects {
     /// Elastic unloading of yielded points; none: the curve is followed both ways.
     pub unloading: Option<Unloading>,
+    /// Plastic strain takes time; never without unloading.
+    pub rate: Option<Rate>,
+}
+
+/// A law of the strain rate, see [`crate::law::rate`].
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[serde(tag = "model", rename_all = "kebab-case")]
+pub enum Rate {
+    /// Plastic strain rate = k (stress - static)/E.
+    Malvern {
+        /// 1/s, > 0.
+        k: f64,
+    },
+    /// Plastic strain rate = D (stress/static - 1)^q.
+    CowperSymonds {
+        /// 1/s, > 0.
+        #[serde(rename = "D")]
+        d: f64,
+        /// > 0.
+        q: f64,
+    },
+    /// stress = static (1 + C ln(rate/reference)) above the static curve.
+    JohnsonCook {
+        /// > 0.
+        #[serde(rename = "C")]
+        c: f64,
+        /// 1/s, > 0.
+        reference: f64,
+    },
 }
 
 /// How the yield stress moves with plastic flow.
@@ -88,14 +117,25 @@ pub enum Method {
         /// Most events that the run may take, >= 1.
         event_budget: u64,
     },
+    /// The method of characteristics for rate-dependent bars: a net of straight characteristics.
+    CharacteristicNet {
+        /// Cells over the whole bar, >= 2, each crossed by the elastic wave in one step.
+        cells: usize,
+    },
 }
 
 impl Method {
+    /// True where fronts are followed one by one: no cells, but paths.
+    pub fn tracks_fronts(&self) -> bool {
+        matches!(self, Self::FrontTracking { .. })
+    }
+
     /// The words of the scene language for the method and its scheme.
     pub fn names(&self) -> [&'static str; 2] {
         match self {
             Self::Leapfrog { .. } => ["fd", "leapfrog"],
             Self::FrontTracking { .. } => ["moc", "front-tracking"],
+            Self::CharacteristicNet { .. } => ["moc", "characteristic-net"],
         }
     }
 }

@@ -24,7 +24,7 @@ const fn word(path: &'static [&'static str], value: &'static str, what: &'static
 const DRIVEN: &str =
     "drive the end with kind = \"velocity\" or \"stress\" and the history that the striking body would give it";
 const STRUCK_BAR: &str = "describe a bar in [bar] with its [left] and [right] ends";
-const LEAVE_OUT: &str = "leave it out; `unloading` is the effect that can be simulated";
+const LEAVE_OUT: &str = "leave it out; the effects that can be simulated are `unloading` and `rate`";
 const LEAPFROG: &str = "use method = \"fd\" with scheme = \"leapfrog\" (both are the default)";
 const CELLS: &str = "leave it out and set the resolution with `cells`, e.g. cells = 4000";
 
@@ -43,7 +43,6 @@ const WORDS: &[Word] = &[
     word(&["bar", "mode"], "torsion", "torsion", "use mode = \"axial\" (the default)"),
     word(&["bar", "segment", "*", "notch"], "", "a notch", "use a short segment with a smaller area"),
     word(&["effects"], "auto", "the choice of effects by itself", "name them in an [effects] table"),
-    word(&["effects", "rate"], "", "the effect of the strain rate", LEAVE_OUT),
     word(&["effects", "heat"], "", "heating by plastic work", LEAVE_OUT),
     word(&["effects", "rupture"], "", "rupture inside the bar", LEAVE_OUT),
     word(&["effects", "damping"], "", "damping", LEAVE_OUT),

@@ -198,6 +198,49 @@ pub struct RawEffects {
     /// Elastic unloading of yielded points. Default: none, the curve is followed both ways.
     #[schemars(with = "Option<RawUnloading>")]
     pub unloading: Option<Spanned<RawUnloading>>,
+    /// Plastic strain takes time; implies unloading = "isotropic" where no unloading is named. Solved with method = "moc"
+    /// on a characteristic net. Default: none, the curve holds at any rate.
+    #[schemars(with = "Option<RawRate>")]
+    pub rate: Option<Spanned<RawRate>>,
+}
+
+/// A law of the strain rate with its constants: `{ model = "malvern", k = "1e6 1/s" }`,
+/// `{ model = "cowper-symonds", D = "40 1/s", q = 5 }` or `{ model = "johnson-cook", C = 0.014, reference = "1 1/s" }`.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RawRate {
+    /// Which law. Required.
+    #[schemars(with = "RawModel")]
+    pub model: Option<Spanned<RawModel>>,
+    /// Malvern: plastic strain rate = k (stress - static)/E; 1/s, > 0.
+    #[schemars(with = "Option<Quantity>")]
+    pub k: Option<Number>,
+    /// Cowper-Symonds: plastic strain rate = D (stress/static - 1)^q; 1/s, > 0.
+    #[serde(rename = "D")]
+    #[schemars(with = "Option<Quantity>")]
+    pub d: Option<Number>,
+    /// Cowper-Symonds: the exponent, > 0.
+    #[schemars(with = "Option<f64>")]
+    pub q: Option<Number>,
+    /// Johnson-Cook: stress = static (1 + C ln(rate/reference)), > 0.
+    #[serde(rename = "C")]
+    #[schemars(with = "Option<f64>")]
+    pub c: Option<Number>,
+    /// Johnson-Cook: the plastic strain rate at which the curve holds; 1/s, > 0.
+    #[schemars(with = "Option<Quantity>")]
+    pub reference: Option<Number>,
+}
+
+/// The laws of the strain rate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum RawModel {
+    /// Malvern and Sokolovsky: linear in the overstress.
+    Malvern,
+    /// Cowper and Symonds (Perzyna): a power of the overstress.
+    CowperSymonds,
+    /// Johnson and Cook: exponential in the overstress.
+    JohnsonCook,
 }
 
 /// How the yield stress moves with plastic flow.
@@ -220,13 +263,14 @@ pub struct RawSolve {
     /// End time, s, > 0. Required.
     #[schemars(with = "Quantity")]
     pub until: Option<Number>,
-    /// Method. Default: "fd".
+    /// Method. Default: "fd"; "moc" where the effects include `rate`.
     #[schemars(with = "Option<RawMethod>")]
     pub method: Option<Spanned<RawMethod>>,
     /// Scheme of the method "fd". Default: "leapfrog".
     #[schemars(with = "Option<RawScheme>")]
     pub scheme: Option<Spanned<RawScheme>>,
-    /// For the method "fd": cells over the whole bar, a whole number, 2 to 100000000. Default: 1000.
+    /// For the method "fd", and for "moc" with the effect `rate`: cells over the whole bar, a whole number, 2 to
+    /// 100000000. Default: 1000.
     #[schemars(with = "Option<u64>")]
     pub cells: Option<Number>,
     /// For the method "fd": Courant number of the fastest wave, 0 < cfl <= 1. Default: 1.
@@ -277,7 +321,7 @@ pub struct RawRecord {
     #[schemars(with = "Option<Vec<Quantity>>")]
     pub times: Option<Spanned<Vec<Number>>>,
     /// Samples of the fields over x, at the cell centres of an even grid; a whole number, 1 to 100000000.
-    /// Default: the solver's own cells; 1000 for the method "moc", which has none.
+    /// Default: the solver's own cells; 1000 where fronts are tracked, which needs none.
     #[schemars(with = "Option<u64>")]
     pub cells: Option<Number>,
     /// For the method "moc": record the straight pieces of all fronts. Default: true.

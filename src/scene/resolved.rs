@@ -57,7 +57,7 @@ fn rows(history: &History) -> Vec<[f64; 2]> {
 }
 
 fn effects(effects: &Effects) -> Value {
-    json!({ "unloading": effects.unloading })
+    json!({ "unloading": effects.unloading, "rate": effects.rate })
 }
 
 fn solve(solve: &Solve) -> Value {
@@ -65,6 +65,9 @@ fn solve(solve: &Solve) -> Value {
     match solve.method {
         Method::Leapfrog { cells, cfl } => {
             json!({ "until": solve.until, "method": method, "scheme": scheme, "cells": cells, "cfl": cfl })
+        }
+        Method::CharacteristicNet { cells } => {
+            json!({ "until": solve.until, "method": method, "scheme": scheme, "cells": cells })
         }
         Method::FrontTracking { front_tolerance, event_budget } => json!({
             "until": solve.until,

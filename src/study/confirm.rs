@@ -77,7 +77,7 @@ fn scene(material: &Arc<Material>, velocity: f64) -> Scene {
         bar: Bar { segments: vec![segment], area_given: false },
         left: EndCondition::Velocity { history: History::constant(velocity), release: None },
         right: EndCondition::Free,
-        effects: Effects { unloading: Some(Unloading::Isotropic) },
+        effects: Effects { unloading: Some(Unloading::Isotropic), ..Effects::default() },
         solve: Solve { until, method: Method::Leapfrog { cells: CELLS, cfl: 1.0 } },
         record: Record {
             times: vec![until],

@@ -10,9 +10,10 @@ use crate::law::{Table, elastic_row};
 use crate::material::Sense;
 use crate::record::FrontSummary;
 use crate::run;
-use crate::scene::{Method, Scene};
+use crate::scene::{Effects, Method, Rate, Scene};
 use crate::solver::fd::Grid;
 use crate::solver::moc::{FrontTracking, Settings};
+use crate::solver::net::{Lattice, Net};
 
 /// The plan of a scene. Keys are those of `barwave plan --json`.
 #[derive(Debug, Clone, Serialize)]
@@ -21,7 +22,7 @@ pub struct Plan {
     pub scene: String,
     /// "fd" or "moc".
     pub method: String,
-    /// "leapfrog" or "front-tracking".
+    /// "leapfrog", "front-tracking" or "characteristic-net".
     pub scheme: String,
     /// What is simulated, what is not, and why.
     pub effects: Vec<PlannedEffect>,
@@ -59,6 +60,9 @@ pub enum Work {
         memory_bytes: usize,
         /// Stepping time if every cell is at work all the time, s: between an elastic and an all-plastic run.
         expected_s: [f64; 2],
+        /// What only a characteristic net has.
+        #[serde(flatten)]
+        net: Option<NetWork>,
     },
     /// By fronts: how many meet depends on what they make of each other, which only the run finds out.
     Fronts {
@@ -78,6 +82,15 @@ pub enum Work {
         /// Time if the whole budget is used, s.
         longest_s: f64,
     },
+}
+
+/// What a characteristic net says of itself.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct NetWork {
+    /// Largest relative change of a segment's transit time, made so that all segments share one time step.
+    pub largest_transit_shift: f64,
+    /// Malvern's k times the time step: above 1, fronts are as wide as the net makes them. Null for other laws.
+    pub k_dt: Option<f64>,
 }
 
 /// An effect in a plan.
@@ -101,6 +114,7 @@ pub fn plan(scene: &Scene) -> Plan {
     let [method, scheme] = scene.solve.method.names();
     let (work, cells) = match scene.solve.method {
         Method::Leapfrog { cells, cfl } => grid_work(scene, &Grid::new(&scene.bar, cells, cfl)),
+        Method::CharacteristicNet { cells } => net_work(scene, &Lattice::new(&scene.bar, cells)),
         Method::FrontTracking { front_tolerance, event_budget } => {
             (front_work(scene, front_tolerance, event_budget), 0)
         }
@@ -135,6 +149,29 @@ fn grid_work(scene: &Scene, grid: &Grid) -> (Work, usize) {
         bytes_per_yielded_cell: yielded,
         memory_bytes: cells * yielded,
         expected_s: [quickest, PLASTIC_COST * quickest],
+        net: None,
+    };
+    (work, cells)
+}
+
+/// Time of a step of a cell of the net: elastic, and with both of its nodes flowing, as measured on bilinear and 60-knot
+/// curves at 1000 to 4000 cells.
+const NET_SECONDS: [f64; 2] = [1e-9, 25e-9];
+
+/// The work on a characteristic net, and its cells.
+fn net_work(scene: &Scene, lattice: &Lattice) -> (Work, usize) {
+    let (cells, dt) = (lattice.grid.cells(), lattice.grid.dt);
+    let steps = run::steps(scene, dt);
+    let k = if let Some(Rate::Malvern { k }) = scene.effects.rate { Some(k) } else { None };
+    let work = Work::Grid {
+        cells,
+        dt_s: dt,
+        steps,
+        bytes_per_elastic_cell: Net::BYTES_PER_CELL,
+        bytes_per_yielded_cell: Net::BYTES_PER_CELL,
+        memory_bytes: cells * Net::BYTES_PER_CELL,
+        expected_s: NET_SECONDS.map(|one| one * (cells * steps) as f64),
+        net: Some(NetWork { largest_transit_shift: lattice.shift, k_dt: k.map(|k| k * dt) }),
     };
     (work, cells)
 }
@@ -193,13 +230,22 @@ fn effects(scene: &Scene, launches: &[crate::bar::Launch]) -> Vec<PlannedEffect>
         }
     };
     let mut list = vec![PlannedEffect { effect: "plasticity".into(), on: yields && !linear, why: why.into() }];
-    let unloading = run::effect_names(&scene.effects, false).into_iter().next();
+    let named = |effects: Effects| run::effect_names(&effects, false).into_iter().next();
+    let unloading = named(Effects { rate: None, ..scene.effects.clone() });
     list.push(match unloading {
         Some(effect) => PlannedEffect { effect, on: true, why: "the scene asks for it".into() },
         None => PlannedEffect {
             effect: "unloading".into(),
             on: false,
             why: "the scene does not ask for it; the run says so if a yielded point unloads".into(),
+        },
+    });
+    list.push(match named(Effects { unloading: None, ..scene.effects.clone() }) {
+        Some(effect) => PlannedEffect { effect, on: true, why: "the scene asks for it".into() },
+        None => PlannedEffect {
+            effect: "rate".into(),
+            on: false,
+            why: "the scene does not ask for it: the curve holds at any strain rate".into(),
         },
     });
     list

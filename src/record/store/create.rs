@@ -34,7 +34,10 @@ pub(super) const LEDGER_COLUMNS: [[&str; 2]; 11] = [
     ["kinetic", "kinetic energy"],
     ["elastic", "recoverable strain energy"],
     ["plastic", "energy dissipated in plastic flow since the start"],
-    ["viscous", "energy taken since the start by the damping of grid-scale ripples"],
+    [
+        "viscous",
+        "energy taken since the start by the overstress of a rate-dependent bar, or by the damping of grid-scale ripples",
+    ],
     ["concentrated", "energy taken since the start at single points where velocities differ"],
     ["work_left", "work done by the left end since the start"],
     ["work_right", "work done by the right end since the start"],

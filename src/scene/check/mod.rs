@@ -3,6 +3,7 @@
 mod bar;
 mod csv_history;
 mod ends;
+mod rate;
 mod record;
 mod solve;
 
@@ -39,7 +40,7 @@ pub(super) fn check(document: &Document, base: &Path) -> Result<Scene> {
     let effects = checker.effects(&raw.effects, &bar)?;
     let until = "add [solve] with until, the end time, e.g. until = \"200 us\"";
     let raw_solve = checker.required(raw.solve.as_ref(), "solve", until)?;
-    let solve = checker.solve(raw_solve)?;
+    let solve = checker.solve(raw_solve, &raw.effects)?;
     checker.can_solve(raw_solve, &bar, [&left, &right], &solve.method)?;
     let record = checker.record(&raw.record, &bar, &effects, &solve)?;
     let name = Path::new(&document.file).file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
@@ -80,7 +81,11 @@ impl Checker<'_> {
     }
 
     fn effects(&self, raw: &RawEffects, bar: &Bar) -> Result<Effects> {
-        let Some(unloading) = &raw.unloading else { return Ok(Effects::default()) };
+        let rate = raw.rate.as_ref().map(|rate| self.rate(rate)).transpose()?;
+        let Some(unloading) = &raw.unloading else {
+            // A curve that is followed both ways has no plastic strain that could take time.
+            return Ok(Effects { unloading: rate.map(|_| Unloading::Isotropic), rate });
+        };
         let key = "effects.unloading";
         let kind = match unloading.get_ref() {
             RawUnloading::Isotropic => Unloading::Isotropic,
@@ -97,6 +102,6 @@ impl Checker<'_> {
             let help = "use unloading = \"isotropic\", or a material without a compression curve of its own";
             return Err(self.error(unloading.span(), key, message).allowed("\"isotropic\"").help(help).into());
         }
-        Ok(Effects { unloading: Some(kind) })
+        Ok(Effects { unloading: Some(kind), rate })
     }
 }

@@ -24,7 +24,7 @@ const GIB: f64 = 1024.0 * 1024.0 * 1024.0;
 impl Checker<'_> {
     pub(super) fn record(&self, raw: &RawRecord, bar: &Bar, effects: &Effects, solve: &Solve) -> Result<Record> {
         let cells = raw.cells.as_ref().map(|v| self.document.count(v, "record.cells", 1, MOST_CELLS)).transpose()?;
-        let tracked = matches!(solve.method, Method::FrontTracking { .. });
+        let tracked = solve.method.tracks_fronts();
         let record = Record {
             times: self.times(raw, solve.until)?,
             cells: cells.or(tracked.then_some(SAMPLES)),
@@ -49,8 +49,8 @@ impl Checker<'_> {
     fn paths(&self, raw: &RawRecord, tracked: bool) -> Result<bool> {
         match &raw.paths {
             Some(paths) if !tracked => {
-                let message = "`paths` means nothing for method = \"fd\": it has no fronts of its own";
-                let help = "take `paths` out, or use method = \"moc\" in [solve]";
+                let message = "`paths` means nothing for a bar on a grid, which has no fronts of its own";
+                let help = "take `paths` out, or use method = \"moc\" in [solve] without the effect `rate`";
                 Err(self.error(paths.span(), "record.paths", message).help(help).into())
             }
             Some(paths) => Ok(*paths.get_ref()),
@@ -173,7 +173,10 @@ impl Checker<'_> {
 
     /// Refuses fields that no disk is meant to hold.
     fn fits(&self, raw: &RawRecord, record: &Record, solve: &Solve) -> Result<()> {
-        let own = if let Method::Leapfrog { cells, .. } = solve.method { cells } else { SAMPLES };
+        let own = match solve.method {
+            Method::Leapfrog { cells, .. } | Method::CharacteristicNet { cells } => cells,
+            Method::FrontTracking { .. } => SAMPLES,
+        };
         let cells = record.cells.unwrap_or(own);
         let width = match record.precision {
             Precision::F64 => 8.0,

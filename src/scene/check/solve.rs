@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use toml::Spanned;
 
-use super::super::raw::{RawMethod, RawSolve};
+use super::super::raw::{RawEffects, RawMethod, RawSolve};
 use super::super::{Method, Solve};
 use super::{Checker, MOST_CELLS};
 use crate::bar::{Bar, EndCondition};
@@ -30,37 +30,52 @@ impl RawMethod {
         }
     }
 
-    /// The keys, beside `until` and `method`, that this method takes.
-    fn keys(self) -> &'static [&'static str] {
-        match self {
-            Self::Fd => &["scheme", "cells", "cfl"],
-            Self::Moc => &["front-tolerance", "event-budget"],
+    /// The keys, beside `until` and `method`, that this method takes with or without the effect of the strain rate.
+    fn keys(self, rate: bool) -> &'static [&'static str] {
+        match (self, rate) {
+            (Self::Fd, _) => &["scheme", "cells", "cfl"],
+            (Self::Moc, false) => &["front-tolerance", "event-budget"],
+            (Self::Moc, true) => &["cells"],
         }
     }
 }
 
 impl Checker<'_> {
-    pub(super) fn solve(&self, raw: &Spanned<RawSolve>) -> Result<Solve> {
+    pub(super) fn solve(&self, raw: &Spanned<RawSolve>, effects: &RawEffects) -> Result<Solve> {
         let (span, raw) = (raw.span(), raw.get_ref());
         let Some(until) = &raw.until else {
             let help = "add the end time, e.g. until = \"200 us\"; an elastic wave needs length/c0 to cross the bar";
             return Err(self.missing(span, "solve.until", help));
         };
         let until = self.document.number(until, "solve.until", Dimension::Time, Allowed::Positive)?;
-        let method = raw.method.as_ref().map_or(RawMethod::Fd, |m| *m.get_ref());
-        self.only_keys_of(raw, method)?;
-        let method = match method {
-            RawMethod::Fd => self.leapfrog(raw)?,
-            RawMethod::Moc => self.front_tracking(raw)?,
+        let rate = effects.rate.is_some();
+        // Only one method can follow a rate-dependent bar.
+        let default = if rate { RawMethod::Moc } else { RawMethod::Fd };
+        let method = raw.method.as_ref().map_or(default, |m| *m.get_ref());
+        if let (Some(given), RawMethod::Fd, true) = (&raw.method, method, rate) {
+            let message = "the method \"fd\" does not follow the effect of the strain rate";
+            let error = self.error(given.span(), "solve.method", message).allowed("\"moc\"");
+            return Err(error.help("use method = \"moc\", or take `rate` out of [effects]").into());
+        }
+        self.only_keys_of(raw, method, rate)?;
+        let method = match (method, rate) {
+            (RawMethod::Fd, _) => self.leapfrog(raw)?,
+            (RawMethod::Moc, false) => self.front_tracking(raw)?,
+            (RawMethod::Moc, true) => Method::CharacteristicNet { cells: self.cells(raw)? },
         };
         Ok(Solve { until, method })
     }
 
     fn leapfrog(&self, raw: &RawSolve) -> Result<Method> {
-        let cells = raw.cells.as_ref().map(|v| self.document.count(v, "solve.cells", 2, MOST_CELLS)).transpose()?;
+        let cells = self.cells(raw)?;
         let range = Allowed::Above(0.0, 1.0);
         let cfl = self.document.optional(raw.cfl.as_ref(), "solve.cfl", Dimension::None, range)?;
-        Ok(Method::Leapfrog { cells: cells.unwrap_or(CELLS), cfl: cfl.unwrap_or(1.0) })
+        Ok(Method::Leapfrog { cells, cfl: cfl.unwrap_or(1.0) })
+    }
+
+    fn cells(&self, raw: &RawSolve) -> Result<usize> {
+        let given = raw.cells.as_ref().map(|v| self.document.count(v, "solve.cells", 2, MOST_CELLS));
+        Ok(given.transpose()?.unwrap_or(CELLS))
     }
 
     fn front_tracking(&self, raw: &RawSolve) -> Result<Method> {
@@ -74,16 +89,18 @@ impl Checker<'_> {
         })
     }
 
-    fn only_keys_of(&self, raw: &RawSolve, method: RawMethod) -> Result<()> {
-        let foreign = given(raw).into_iter().find(|(name, _)| !method.keys().contains(name));
+    fn only_keys_of(&self, raw: &RawSolve, method: RawMethod, rate: bool) -> Result<()> {
+        let foreign = given(raw).into_iter().find(|(name, _)| !method.keys(rate).contains(name));
         let Some((name, span)) = foreign else { return Ok(()) };
-        let other = if method == RawMethod::Fd { RawMethod::Moc } else { RawMethod::Fd };
-        let message = format!("`{name}` means nothing for method = \"{}\"", method.word());
-        let other = other.word();
-        let help = format!(
-            "use method = \"{other}\", which has it, or take `{name}` out (on the command line: --set solve.{name}=)"
-        );
-        let allowed = format!("until, method, {}", method.keys().join(", "));
+        let (word, out) = (method.word(), format!("take `{name}` out (on the command line: --set solve.{name}=)"));
+        let (message, help) = if rate {
+            (format!("`{name}` means nothing for a rate-dependent bar, which is solved on a characteristic net"), out)
+        } else {
+            let other = if method == RawMethod::Fd { RawMethod::Moc } else { RawMethod::Fd };
+            let help = format!("use method = \"{}\", which has it, or {out}", other.word());
+            (format!("`{name}` means nothing for method = \"{word}\""), help)
+        };
+        let allowed = format!("until, method, {}", method.keys(rate).join(", "));
         Err(self.error(span, &format!("solve.{name}"), message).allowed(allowed).help(help).into())
     }
 

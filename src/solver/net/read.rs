@@ -3,7 +3,7 @@
 use super::end::EndReading;
 use super::part::Part;
 use super::stepping::Net;
-use crate::law::rate::RateLaw;
+use crate::law::rate::History;
 use crate::solver::fd::{Energies, Passed, Quantity};
 
 impl Net {
@@ -154,14 +154,6 @@ impl Net {
         self.parts.iter().all(|p| p.work.overstress == 0.0 && p.work.total == 0.0)
     }
 
-    /// Memory of the plastic state, bytes.
-    pub fn state_bytes(&self) -> usize {
-        let node = size_of::<crate::law::rate::History>() + 2 * size_of::<f64>();
-        self.parts.iter().map(|p| (2 * p.f.len() + 1) * node).sum()
-    }
-
-    /// Law of a segment.
-    pub fn law(&self, segment: usize) -> &RateLaw {
-        &self.parts[segment].law
-    }
+    /// Memory of a cell, bytes: what travels through it, and its two nodes with their limits and histories.
+    pub const BYTES_PER_CELL: usize = 2 * size_of::<f64>() + 2 * (size_of::<History>() + 2 * size_of::<f64>());
 }

@@ -31,19 +31,20 @@ impl FrontTracking {
         self.ends.each_ref().map(|end| end.body_energy(self.now))
     }
 
-    /// Length of the next step of the body at an end, s (0 where there is none): it ends with the arrival of a front.
-    pub(super) fn body_step(&mut self, which: usize, bar: &Point, segment: u32) -> f64 {
+    /// Length of the next step of the body at an end, s, if one begins now: it ends with the arrival of a front.
+    pub(super) fn body_step(&mut self, which: usize, bar: &Point, segment: u32) -> Option<f64> {
         let medium = &self.media[segment as usize];
         let (impedance, reach) = (medium.impedance(), STRETCH * medium.c0());
-        let Some(wish) = self.ends[which].wish(bar, impedance) else { return 0.0 };
+        let wish = self.ends[which].wish(bar, impedance)?;
         let arrival = self.arrival(which, reach * wish);
-        if arrival <= STRETCH * wish { arrival } else { wish }
+        Some(if arrival <= STRETCH * wish { arrival } else { wish })
     }
 
     /// When, from now, the first front gets to an end if nothing comes in its way, s, of those that are nearer to it than
-    /// `reach` (m); infinite without one. Fronts of the strength that is held back elsewhere do not count.
+    /// `reach` (m); infinite without one. Fronts too weak to break a step do not count.
     fn arrival(&self, which: usize, reach: f64) -> f64 {
         let end = self.list.get(self.end_nodes[which]);
+        let weakest = self.ends[which].passing();
         let mut first = f64::INFINITY;
         let mut id = if which == 0 { end.next } else { end.prev };
         while id != NONE {
@@ -53,7 +54,7 @@ impl FrontTracking {
                 break;
             }
             let strength = (node.right.stress - self.list.get(node.prev).right.stress).abs();
-            if node.speed * self.ends[which].inward < 0.0 && distance > self.same_place && strength >= self.hold {
+            if node.speed * self.ends[which].inward < 0.0 && distance > self.same_place && strength > weakest {
                 first = first.min(distance / node.speed.abs());
             }
             id = if which == 0 { node.next } else { node.prev };

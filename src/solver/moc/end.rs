@@ -37,6 +37,8 @@ pub enum Drive {
     Elastic(f64),
     /// Velocity 0, unless that would take tension.
     Push,
+    /// Nothing: the end goes along with what comes.
+    Pass,
     /// A rigid mass with this velocity (m/s) at no force, which gives way by `compliance` (m/(s N)), unless that would
     /// take tension.
     Mass {
@@ -153,7 +155,16 @@ impl End {
         self.since = t;
     }
 
-    /// How long the next step of a body at the end should be, s, if there is one: `bar` is what has come near.
+    /// Waves weaker than this (Pa) do not break the step of a body at the end.
+    pub fn passing(&self) -> f64 {
+        match &self.body {
+            Body::Striker(striker) => striker.pace.passing(),
+            Body::Spring(spring) => spring.pace.passing(),
+            Body::None => 0.0,
+        }
+    }
+
+    /// How long the next step of a body at the end should be, s, if there is to be one: `bar` is what has come near.
     pub fn wish(&mut self, bar: &Point, impedance: f64) -> Option<f64> {
         let change = (bar.stress - self.stress).abs().max((bar.velocity - self.velocity).abs() * impedance);
         match &mut self.body {
@@ -163,14 +174,16 @@ impl End {
         }
     }
 
-    /// What drives the end from now on, where it has been brought; a body is to take a step of `step` (s). Times up to
-    /// `tolerance` later count as now.
-    pub fn drive(&mut self, bar: &Point, step: f64, tolerance: f64) -> Drive {
+    /// What drives the end from now on, where it has been brought; a body is to take a step of `step` (s), none: to go on
+    /// with the present one. Times up to `tolerance` later count as now.
+    pub fn drive(&mut self, bar: &Point, step: Option<f64>, tolerance: f64) -> Drive {
         let at = self.since + tolerance;
-        match &mut self.body {
-            Body::Striker(striker) => return striker.drive(step, bar.stress),
-            Body::Spring(spring) => return spring.drive(step, bar.velocity),
-            Body::None => {}
+        match (&mut self.body, step) {
+            (Body::Striker(striker), _) if !striker.touches() => return Drive::Stress(0.0),
+            (Body::None, _) => {}
+            (_, None) => return Drive::Pass,
+            (Body::Striker(striker), Some(step)) => return striker.drive(step, bar.stress),
+            (Body::Spring(spring), Some(step)) => return spring.drive(step, bar.velocity),
         }
         match &self.condition {
             EndCondition::Velocity { release: Some(release), .. } if *release <= at => Drive::Stress(0.0),
@@ -247,7 +260,8 @@ impl End {
             EndCondition::Stress { history } => (history.extreme().abs(), [self.rest; 2]),
             EndCondition::Fixed | EndCondition::Wall { .. } => (0.0, [0.0; 2]),
             EndCondition::Striker { velocity, .. } => (0.0, [*velocity; 2]),
-            EndCondition::Free | EndCondition::Absorbing | EndCondition::Spring { .. } => (0.0, [self.rest; 2]),
+            EndCondition::Spring { .. } => (0.0, [0.0, self.rest]),
+            EndCondition::Free | EndCondition::Absorbing => (0.0, [self.rest; 2]),
         }
     }
 

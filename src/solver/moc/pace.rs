@@ -16,6 +16,9 @@ const FIRST: f64 = 1e-7;
 /// A wave that changes the stress by more than this many steps' worth is a jump.
 const JUMP: f64 = 8.0;
 
+/// A wave that changes the stress by less than this part of a step's worth does not break a step.
+const PASSING: f64 = 0.1;
+
 /// What the lengths of steps depend on.
 #[derive(Debug, Clone)]
 pub(super) struct Pace {
@@ -52,6 +55,11 @@ impl Pace {
     /// Whether a change of the stress by `change` is a jump, at a stress of `stress` (Pa).
     pub fn is_jump(&self, change: f64, stress: f64) -> bool {
         change > JUMP * self.step * self.level.max(stress.abs())
+    }
+
+    /// Waves weaker than this (Pa) do not break a step: the end goes along with them, and the next step deals with them.
+    pub fn passing(&self) -> f64 {
+        self.hold.max(PASSING * self.step * self.level)
     }
 
     /// Length of the next step, s, while `strength` (Pa) has to relax. Steps after a jump double.

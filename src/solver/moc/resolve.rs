@@ -190,6 +190,11 @@ impl FrontTracking {
                 let (behind, short) = self.answer_driver(which, velocity, 0.0, None, bar, segment);
                 (behind, false, short)
             }
+            Drive::Pass => {
+                self.sent_left.clear();
+                self.sent_right.clear();
+                (bar, true, false)
+            }
             Drive::Mass { velocity, compliance } => {
                 let force = (compliance > 0.0).then_some(0.0);
                 let (behind, short) = self.answer_driver(which, velocity, compliance, force, bar, segment);

@@ -61,9 +61,12 @@ impl Spring {
         }
     }
 
-    /// How long the next step should be, s: the end moves with `velocity` (m/s), and the stress jumped by `change`
-    /// just now (Pa).
+    /// How long the next step should be, s, where one begins: the end moves with `velocity` (m/s), and the stress changed
+    /// by `change` just now (Pa).
     pub fn wish(&mut self, velocity: f64, change: f64) -> Option<f64> {
+        if self.owed != 0.0 && change <= self.pace.passing() {
+            return None;
+        }
         let strength = self.impedance * velocity;
         if self.pace.is_jump(change, strength) {
             self.pace.restart();

@@ -106,9 +106,14 @@ impl Striker {
         }
     }
 
-    /// How long the next step should be, s, where it touches: `stress` acts, and jumped by `change` just now (Pa).
+    /// Whether it touches the bar.
+    pub fn touches(&self) -> bool {
+        self.state.touching
+    }
+
+    /// How long the next step should be, s, where one begins: `stress` acts, and changed by `change` just now (Pa).
     pub fn wish(&mut self, stress: f64, change: f64) -> Option<f64> {
-        if !self.state.touching {
+        if !self.state.touching || (self.owed != 0.0 && change <= self.pace.passing() && stress < 0.0) {
             return None;
         }
         self.jumped = self.pace.is_jump(change, stress);
@@ -134,9 +139,6 @@ impl Striker {
 
     /// What it does to the bar in a step of `step` (s), at a present stress of `stress` (Pa).
     pub fn drive(&mut self, step: f64, stress: f64) -> Drive {
-        if !self.state.touching {
-            return Drive::Stress(0.0);
-        }
         self.planned = step;
         let StrikerState { mass, velocity, .. } = self.state;
         if self.owed == 0.0 {

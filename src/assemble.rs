@@ -7,16 +7,21 @@ use crate::law::{
     Backbone, CellLaw, Envelope, Indexed, Isotropic, Mixed, PathIndependent, RowLaw, Rows, Searched, Table, TwoSided,
 };
 use crate::material::{Material, Sense};
-use crate::scene::{Effects, Method, Scene, Unloading};
+use crate::scene::{Effects, Scene, Unloading};
 use crate::solver::fd::{Grid, Leapfrog, SegmentLaw};
+use crate::solver::moc::{FrontTracking, Settings};
 use crate::wave::riemann::Flow;
 
-/// The finite-difference bar of a scene, ready to step.
-pub fn leapfrog(scene: &Scene) -> Leapfrog {
-    let Method::Leapfrog { cells, cfl } = scene.solve.method;
+/// The finite-difference bar of a scene, ready to step: about `cells` cells, Courant number `cfl`.
+pub fn leapfrog(scene: &Scene, cells: usize, cfl: f64) -> Leapfrog {
     let grid = Grid::new(&scene.bar, cells, cfl);
     let laws = scene.bar.segments.iter().map(|s| segment_law(s, &scene.effects)).collect();
     Leapfrog::new(&scene.bar, grid, laws, [scene.left.clone(), scene.right.clone()])
+}
+
+/// The tracked bar of a scene at t = 0.
+pub fn front_tracking(scene: &Scene, settings: Settings) -> FrontTracking {
+    FrontTracking::new(&scene.bar, flow(&scene.effects), [scene.left.clone(), scene.right.clone()], settings)
 }
 
 /// The law of one segment under the scene's effects.

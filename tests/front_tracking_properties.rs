@@ -99,8 +99,7 @@ fn in_order(bar: &FrontTracking, length: f64) -> TestCaseResult {
 
 fn follow(bar: &Bar, flow: Flow, ends: [EndCondition; 2], front_tolerance: f64) -> TestCaseResult {
     // Ramps and bodies in coarse steps, so that a few hundred events show something.
-    let settings =
-        Settings { front_tolerance, ramp_step: Some(0.1), event_budget: BUDGET, ..Settings::default() };
+    let settings = Settings { front_tolerance, ramp_step: Some(0.1), event_budget: BUDGET, ..Settings::default() };
     let length = bar.length();
     let mut tracked = FrontTracking::new(bar, flow, ends, settings);
     let start = tracked.balance();

@@ -81,6 +81,23 @@ pub enum Method {
         /// Courant number of the fastest wave, 0 < cfl <= 1.
         cfl: f64,
     },
+    /// The method of characteristics: fronts followed one by one, no grid.
+    FrontTracking {
+        /// Waves weaker than this part of the largest stress that the scene's data can reach are held back, 0 <= and < 1.
+        front_tolerance: f64,
+        /// Most events that the run may take, >= 1.
+        event_budget: u64,
+    },
+}
+
+impl Method {
+    /// The words of the scene language for the method and its scheme.
+    pub fn names(&self) -> [&'static str; 2] {
+        match self {
+            Self::Leapfrog { .. } => ["fd", "leapfrog"],
+            Self::FrontTracking { .. } => ["moc", "front-tracking"],
+        }
+    }
 }
 
 /// What is recorded.
@@ -88,8 +105,10 @@ pub enum Method {
 pub struct Record {
     /// Frame times, s, increasing, within 0..=until.
     pub times: Vec<f64>,
-    /// x samples of the fields; none: the solver's own cells.
+    /// x samples of the fields; none: the solver's own cells (always some where it has none).
     pub cells: Option<usize>,
+    /// The straight pieces of all fronts are recorded (front tracking only).
+    pub paths: bool,
     /// Fields, no repeats.
     pub fields: Vec<Field>,
     /// Gauges: name and place, m from the left end, in the scene's order.

@@ -54,7 +54,7 @@ pub fn confirm(material: &Material, row: &CriticalRow) -> Option<Confirmation> {
 fn drive(material: &Arc<Material>, row: &CriticalRow, velocity: f64, limit: f64) -> Driven {
     // Pulling the left end in -x is tension.
     let scene = scene(material, -row.sense.sign() * velocity);
-    let mut bar = assemble::leapfrog(&scene);
+    let mut bar = assemble::leapfrog(&scene, CELLS, 1.0);
     for _ in 0..run::steps(&scene, bar.grid().dt) {
         bar.advance();
     }
@@ -82,6 +82,7 @@ fn scene(material: &Arc<Material>, velocity: f64) -> Scene {
         record: Record {
             times: vec![until],
             cells: None,
+            paths: false,
             fields: vec![Field::Stress],
             gauges: Vec::new(),
             precision: Precision::F64,

@@ -13,6 +13,8 @@ use crate::units::{Dimension, System, format};
 
 /// Default number of frames.
 const FRAMES: usize = 200;
+/// Default number of samples over x for a method without cells.
+const SAMPLES: usize = 1000;
 /// More frames than this are a slip of the pen.
 const MOST_FRAMES: usize = 10_000_000;
 /// Largest result file, before compression, that is not a slip of the pen.
@@ -22,9 +24,11 @@ const GIB: f64 = 1024.0 * 1024.0 * 1024.0;
 impl Checker<'_> {
     pub(super) fn record(&self, raw: &RawRecord, bar: &Bar, effects: &Effects, solve: &Solve) -> Result<Record> {
         let cells = raw.cells.as_ref().map(|v| self.document.count(v, "record.cells", 1, MOST_CELLS)).transpose()?;
+        let tracked = matches!(solve.method, Method::FrontTracking { .. });
         let record = Record {
             times: self.times(raw, solve.until)?,
-            cells,
+            cells: cells.or(tracked.then_some(SAMPLES)),
+            paths: self.paths(raw, tracked)?,
             fields: self.fields(raw, effects)?,
             gauges: self.gauges(raw, bar.length())?,
             precision: match raw.precision {
@@ -39,6 +43,19 @@ impl Checker<'_> {
         };
         self.fits(raw, &record, solve)?;
         Ok(record)
+    }
+
+    /// Whether the fronts' straight pieces are recorded.
+    fn paths(&self, raw: &RawRecord, tracked: bool) -> Result<bool> {
+        match &raw.paths {
+            Some(paths) if !tracked => {
+                let message = "`paths` means nothing for method = \"fd\": it has no fronts of its own";
+                let help = "take `paths` out, or use method = \"moc\" in [solve]";
+                Err(self.error(paths.span(), "record.paths", message).help(help).into())
+            }
+            Some(paths) => Ok(*paths.get_ref()),
+            None => Ok(tracked),
+        }
     }
 
     /// Frame times, from at most one of the three forms.
@@ -156,8 +173,8 @@ impl Checker<'_> {
 
     /// Refuses fields that no disk is meant to hold.
     fn fits(&self, raw: &RawRecord, record: &Record, solve: &Solve) -> Result<()> {
-        let Method::Leapfrog { cells, .. } = solve.method;
-        let cells = record.cells.unwrap_or(cells);
+        let own = if let Method::Leapfrog { cells, .. } = solve.method { cells } else { SAMPLES };
+        let cells = record.cells.unwrap_or(own);
         let width = match record.precision {
             Precision::F64 => 8.0,
             Precision::F32 => 4.0,

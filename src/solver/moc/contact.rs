@@ -5,6 +5,7 @@
 //! which it closes is exact: an event of its own.
 
 use super::FrontTracking;
+use super::list::Node;
 use crate::bar::{Bar, Joint};
 use crate::wave::riemann::{Point, Side, solve};
 
@@ -74,6 +75,11 @@ impl Contact {
         (self.gap + self.rate * (t - self.since)).max(0.0)
     }
 
+    /// Displacement of the right face against the left one since the start, m, at time t.
+    pub fn jump_at(&self, t: f64) -> f64 {
+        self.gap_at(t) - self.start
+    }
+
     /// Brings the gap to t; whether the faces are apart there. Times up to `tolerance` later count as t.
     fn bring_to(&mut self, t: f64, tolerance: f64) -> bool {
         self.gap = if self.closes <= t + tolerance { 0.0 } else { self.gap_at(t) };
@@ -103,10 +109,15 @@ impl FrontTracking {
                 joint: contact.joint,
                 open: contact.open,
                 gap,
-                jump: gap - contact.start,
+                jump: contact.jump_at(self.now),
                 changes: &contact.changes,
             }
         })
+    }
+
+    /// The clock of a joint, if it can open.
+    pub(super) fn contact_at(&self, joint: &Node) -> Option<&Contact> {
+        self.contacts.iter().find(|contact| self.list.get(contact.node).stamp == joint.stamp)
     }
 
     /// Where `id` is a joint whose faces are apart, or part now: sends what two free faces send, and returns true. Else

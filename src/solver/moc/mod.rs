@@ -13,6 +13,7 @@ mod list;
 mod pace;
 mod read;
 mod resolve;
+mod sample;
 mod spring;
 mod striker;
 mod sums;

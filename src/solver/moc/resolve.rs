@@ -40,6 +40,7 @@ impl FrontTracking {
             let is_fixed = matches!(node.kind, Kind::End | Kind::Joint);
             if matches!(node.kind, Kind::Contact | Kind::Joint) {
                 self.concentrated += self.stretch_work(&node);
+                self.keep_opening(&node);
             }
             if is_fixed {
                 fixed = Some(id);

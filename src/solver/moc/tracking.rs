@@ -6,6 +6,7 @@ use std::collections::BinaryHeap;
 use super::contact::Contact;
 use super::end::End;
 use super::list::{Kind, List, NONE, Node};
+use super::sample::Openings;
 use super::{Settings, Stopped, Trail};
 use crate::bar::{Bar, EndCondition};
 use crate::law::Table;
@@ -22,7 +23,7 @@ const SAME_STRESS: f64 = 1e-13;
 
 /// The next meeting of two neighbours; out of date once one of them is gone or they are no longer neighbours.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Meeting {
+pub(super) struct Meeting {
     time: f64,
     left: u32,
     right: u32,
@@ -63,6 +64,7 @@ pub struct FrontTracking {
     pub(super) hold: f64,
     pub(super) fronts: usize,
     pub(super) concentrated: f64,
+    pub(super) opened: Openings,
     /// Trails of fronts that ended; none where they are not asked for.
     pub(super) trails: Option<Vec<Trail>>,
     pub(super) work: Workspace,
@@ -104,6 +106,7 @@ impl FrontTracking {
             hold,
             fronts: 0,
             concentrated: 0.0,
+            opened: Openings::default(),
             trails: settings.trails.then(Vec::new),
             work: Workspace::default(),
             sent_left: Vec::new(),

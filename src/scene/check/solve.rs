@@ -1,0 +1,110 @@
+//! How the scene is solved: the method, the keys that belong to it, and whether it can do what the scene asks for.
+
+use std::ops::Range;
+
+use toml::Spanned;
+
+use super::super::raw::{RawMethod, RawSolve};
+use super::super::{Method, Solve};
+use super::{Checker, MOST_CELLS};
+use crate::bar::{Bar, Joint};
+use crate::error::Result;
+use crate::input::Allowed;
+use crate::units::Dimension;
+
+/// Default number of cells.
+const CELLS: usize = 1000;
+/// Default of the front tolerance.
+const FRONT_TOLERANCE: f64 = 1e-3;
+/// Default number of events, and most that can be asked for: a week at a microsecond each.
+const EVENTS: usize = 10_000_000;
+const MOST_EVENTS: usize = 1_000_000_000_000;
+
+impl RawMethod {
+    fn word(self) -> &'static str {
+        match self {
+            Self::Fd => "fd",
+            Self::Moc => "moc",
+        }
+    }
+
+    /// The keys, beside `until` and `method`, that this method takes.
+    fn keys(self) -> &'static [&'static str] {
+        match self {
+            Self::Fd => &["scheme", "cells", "cfl"],
+            Self::Moc => &["front-tolerance", "event-budget"],
+        }
+    }
+}
+
+impl Checker<'_> {
+    pub(super) fn solve(&self, raw: &Spanned<RawSolve>) -> Result<Solve> {
+        let (span, raw) = (raw.span(), raw.get_ref());
+        let Some(until) = &raw.until else {
+            let help = "add the end time, e.g. until = \"200 us\"; an elastic wave needs length/c0 to cross the bar";
+            return Err(self.missing(span, "solve.until", help));
+        };
+        let until = self.document.number(until, "solve.until", Dimension::Time, Allowed::Positive)?;
+        let method = raw.method.as_ref().map_or(RawMethod::Fd, |m| *m.get_ref());
+        self.only_keys_of(raw, method)?;
+        let method = match method {
+            RawMethod::Fd => self.leapfrog(raw)?,
+            RawMethod::Moc => self.front_tracking(raw)?,
+        };
+        Ok(Solve { until, method })
+    }
+
+    fn leapfrog(&self, raw: &RawSolve) -> Result<Method> {
+        let cells = raw.cells.as_ref().map(|v| self.document.count(v, "solve.cells", 2, MOST_CELLS)).transpose()?;
+        let range = Allowed::Above(0.0, 1.0);
+        let cfl = self.document.optional(raw.cfl.as_ref(), "solve.cfl", Dimension::None, range)?;
+        Ok(Method::Leapfrog { cells: cells.unwrap_or(CELLS), cfl: cfl.unwrap_or(1.0) })
+    }
+
+    fn front_tracking(&self, raw: &RawSolve) -> Result<Method> {
+        let (key, range) = ("solve.front-tolerance", Allowed::Below(0.0, 1.0));
+        let tolerance = self.document.optional(raw.front_tolerance.as_ref(), key, Dimension::None, range)?;
+        let budget = raw.event_budget.as_ref();
+        let budget = budget.map(|v| self.document.count(v, "solve.event-budget", 1, MOST_EVENTS)).transpose()?;
+        Ok(Method::FrontTracking {
+            front_tolerance: tolerance.unwrap_or(FRONT_TOLERANCE),
+            event_budget: budget.unwrap_or(EVENTS) as u64,
+        })
+    }
+
+    fn only_keys_of(&self, raw: &RawSolve, method: RawMethod) -> Result<()> {
+        let foreign = given(raw).into_iter().find(|(name, _)| !method.keys().contains(name));
+        let Some((name, span)) = foreign else { return Ok(()) };
+        let other = if method == RawMethod::Fd { RawMethod::Moc } else { RawMethod::Fd };
+        let message = format!("`{name}` means nothing for method = \"{}\"", method.word());
+        let other = other.word();
+        let help = format!(
+            "use method = \"{other}\", which has it, or take `{name}` out (on the command line: --set solve.{name}=)"
+        );
+        let allowed = format!("until, method, {}", method.keys().join(", "));
+        Err(self.error(span, &format!("solve.{name}"), message).allowed(allowed).help(help).into())
+    }
+
+    /// Refuses a scene that its method cannot follow, with the method that can.
+    pub(super) fn can_solve(&self, raw: &Spanned<RawSolve>, bar: &Bar, method: &Method) -> Result<()> {
+        let inner = &bar.segments[..bar.segments.len() - 1];
+        let opens = inner.iter().position(|s| s.joint != Joint::Bonded);
+        let (Method::Leapfrog { .. }, Some(k)) = (method, opens) else { return Ok(()) };
+        let span = raw.get_ref().method.as_ref().map_or_else(|| raw.span(), Spanned::span);
+        let message = format!("finite differences do not yet follow a joint that can open (joint {})", k + 1);
+        let help = "use method = \"moc\", which can, or joint = \"bonded\"";
+        Err(self.error(span, "solve.method", message).allowed("\"moc\"").help(help).into())
+    }
+}
+
+/// The optional keys that belong to one method, as they were given, with their places.
+fn given(raw: &RawSolve) -> Vec<(&'static str, Range<usize>)> {
+    let all = [
+        ("scheme", raw.scheme.as_ref().map(Spanned::span)),
+        ("cells", raw.cells.as_ref().map(Spanned::span)),
+        ("cfl", raw.cfl.as_ref().map(Spanned::span)),
+        ("front-tolerance", raw.front_tolerance.as_ref().map(Spanned::span)),
+        ("event-budget", raw.event_budget.as_ref().map(Spanned::span)),
+    ];
+    all.into_iter().filter_map(|(name, span)| span.map(|s| (name, s))).collect()
+}

@@ -10,7 +10,7 @@ use crate::law::{
 use crate::material::{Material, Sense};
 use crate::scene::{Effects, Rate, Scene, Unloading};
 use crate::solver::fd::{Grid, Leapfrog, SegmentLaw};
-use crate::solver::moc::{FrontTracking, Settings, Unsupported};
+use crate::solver::moc::{FrontTracking, Settings};
 use crate::solver::net::{Lattice, Net};
 use crate::wave::riemann::Flow;
 
@@ -22,10 +22,7 @@ pub fn leapfrog(scene: &Scene, cells: usize, cfl: f64) -> Leapfrog {
 }
 
 /// The tracked bar of a scene at t = 0.
-///
-/// # Errors
-/// What front tracking cannot follow; a checked scene asks for nothing of the kind.
-pub fn front_tracking(scene: &Scene, settings: Settings) -> Result<FrontTracking, Unsupported> {
+pub fn front_tracking(scene: &Scene, settings: Settings) -> FrontTracking {
     FrontTracking::new(&scene.bar, flow(&scene.effects), [scene.left.clone(), scene.right.clone()], settings)
 }
 

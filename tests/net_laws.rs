@@ -243,6 +243,8 @@ fn ends() -> impl Strategy<Value = EndCondition> {
         Just(EndCondition::Fixed),
         Just(EndCondition::Absorbing),
         (0.0..1e-3_f64).prop_map(|gap| EndCondition::Wall { gap }),
+        (10.0..1e5_f64, -40.0..40.0_f64).prop_map(|(mass, velocity)| EndCondition::Striker { mass, velocity }),
+        (6.0..14.0_f64).prop_map(|e| EndCondition::Spring { stiffness: 10.0_f64.powf(e) }),
     ]
 }
 

@@ -37,7 +37,7 @@ pub(super) fn run(
     started: Instant,
     progress: &mut dyn FnMut(Progress) -> Wish,
 ) -> Result<Summary> {
-    let settings = Settings { front_tolerance, event_budget, trails: true };
+    let settings = Settings { front_tolerance, event_budget, trails: true, ..Settings::default() };
     let mut run = Run::new(scene, settings, output, started)?;
     let ended = run.follow(progress);
     run.finish(ended)
@@ -86,12 +86,7 @@ enum Pause {
 impl<'a> Run<'a> {
     fn new(scene: &'a Scene, settings: Settings, output: Option<&Path>, started: Instant) -> Result<Self> {
         let before = Instant::now();
-        let bar = assemble::front_tracking(scene, settings).map_err(|why| RunError {
-            reason: why.to_string(),
-            time: 0.0,
-            x: None,
-            help: "use method = \"fd\"".into(),
-        })?;
+        let bar = assemble::front_tracking(scene, settings);
         let stepping = before.elapsed().as_secs_f64();
         let x = even_places(scene.bar.length(), scene.record.cells.unwrap_or(UNLOADING_PLACES));
         let mut book = Book::open(scene, output, x.clone(), SAMPLING, started)?;

@@ -7,12 +7,10 @@ use toml::Spanned;
 use super::super::raw::{RawEffects, RawMethod, RawSolve};
 use super::super::{Method, Solve};
 use super::{Checker, MOST_CELLS};
-use crate::bar::{Bar, EndCondition};
+use crate::bar::{Bar, Joint};
 use crate::error::Result;
 use crate::input::Allowed;
-use crate::solver::moc::{FrontTracking, Settings};
 use crate::units::Dimension;
-use crate::wave::riemann::Flow;
 
 /// Default number of cells.
 const CELLS: usize = 1000;
@@ -105,22 +103,25 @@ impl Checker<'_> {
     }
 
     /// Refuses a scene that its method cannot follow, with the method that can.
-    pub(super) fn can_solve(
-        &self,
-        raw: &Spanned<RawSolve>,
-        bar: &Bar,
-        [left, right]: [&EndCondition; 2],
-        method: &Method,
-    ) -> Result<()> {
-        let Method::FrontTracking { .. } = method else { return Ok(()) };
-        // What can be tracked does not depend on the flow rule or the tolerance.
-        let ends = [left.clone(), right.clone()];
-        let Err(why) = FrontTracking::new(bar, Flow::PathIndependent, ends, Settings::default()) else {
-            return Ok(());
+    pub(super) fn can_solve(&self, raw: &Spanned<RawSolve>, bar: &Bar, method: &Method) -> Result<()> {
+        let inner = &bar.segments[..bar.segments.len() - 1];
+        let opens = inner.iter().position(|s| s.joint != Joint::Bonded);
+        let Some(joint) = opens.map(|k| k + 1) else { return Ok(()) };
+        let (message, allowed, help) = match method {
+            Method::FrontTracking { .. } => return Ok(()),
+            Method::Leapfrog { .. } => (
+                format!("finite differences do not yet follow a joint that can open (joint {joint})"),
+                "\"moc\"",
+                "use method = \"moc\", which can, or joint = \"bonded\"",
+            ),
+            Method::CharacteristicNet { .. } => (
+                format!("a rate-dependent bar cannot have a joint that can open (joint {joint})"),
+                "\"moc\" without the effect `rate`",
+                "take `rate` out of [effects], or use joint = \"bonded\"",
+            ),
         };
         let span = raw.get_ref().method.as_ref().map_or_else(|| raw.span(), Spanned::span);
-        let help = "use method = \"fd\", which can";
-        Err(self.error(span, "solve.method", why.to_string()).allowed("\"fd\"").help(help).into())
+        Err(self.error(span, "solve.method", message).allowed(allowed).help(help).into())
     }
 }
 

@@ -1,6 +1,7 @@
 //! Finite differences on a staggered grid.
 
 mod block;
+mod body;
 mod device;
 mod grid;
 mod leapfrog;

@@ -29,6 +29,8 @@ pub(super) struct End {
     throughput: f64,
     /// Stress of the latest step in which the end was held, Pa.
     held_stress: f64,
+    /// What a striker is doing.
+    body: Option<Body>,
     last: EndReading,
 }
 
@@ -44,12 +46,27 @@ pub struct EndReading {
 /// What drives an end over a step.
 #[derive(Clone, Copy)]
 enum Drive {
-    /// Velocity into the bar, m/s.
-    Velocity(f64),
     /// Pa.
     Stress(f64),
-    /// The same bar without end, elastic and at rest.
-    Elastic,
+    /// A velocity into the bar that follows the stress: u = velocity + mobility sigma (m/s, m/(s Pa), mobility >= 0).
+    Motion { velocity: f64, mobility: f64 },
+}
+
+impl Drive {
+    fn velocity(velocity: f64) -> Self {
+        Self::Motion { velocity, mobility: 0.0 }
+    }
+}
+
+/// A rigid body that strikes the end.
+#[derive(Debug, Clone, Copy)]
+struct Body {
+    /// dt A/M, m/s per Pa.
+    gain: f64,
+    /// Velocity into the bar at the whole step, m/s.
+    velocity: f64,
+    /// Distance from the end, m, >= 0.
+    gap: f64,
 }
 
 /// The answer of an end over a step.
@@ -58,16 +75,20 @@ struct Answer {
     stress: f64,
     /// Into the bar.
     velocity: f64,
-    leaving: f64,
     flow: Flow,
     history: History,
-    /// The velocity was prescribed.
+    /// Something else than a given stress drives the end.
     held: bool,
 }
 
 impl End {
     /// `inward` is +1 at the left end and -1 at the right one; `velocity` is that of the bar at the start, in +x.
     pub fn new(condition: EndCondition, inward: f64, part: &Part, velocity: f64, dt: f64) -> Self {
+        let body = if let EndCondition::Striker { mass, velocity } = condition {
+            Some(Body { gain: dt * part.area / mass, velocity: inward * velocity, gap: 0.0 })
+        } else {
+            None
+        };
         Self {
             condition,
             inward,
@@ -80,6 +101,7 @@ impl End {
             impulse: 0.0,
             throughput: 0.0,
             held_stress: 0.0,
+            body,
             last: EndReading { stress: 0.0, velocity },
         }
     }
@@ -96,6 +118,11 @@ impl End {
             let node = self.node(part);
             part.borders.set(&part.law, node, answer.history);
         }
+        if let Some(body) = &mut self.body {
+            let moved = self.dt * (answer.velocity - (body.velocity + 0.5 * body.gain * answer.stress));
+            body.gap = if answer.held { 0.0 } else { (body.gap + moved).max(0.0) };
+            body.velocity += body.gain * answer.stress;
+        }
         let velocity = self.inward * answer.velocity;
         let impulse = -self.inward * self.area * self.dt * answer.stress;
         self.displacement += self.dt * velocity;
@@ -103,7 +130,8 @@ impl End {
         self.impulse += impulse;
         self.throughput += impulse.abs();
         self.last = EndReading { stress: answer.stress, velocity };
-        answer.leaving
+        // From sigma + Z u = W - d and sigma - Z u - d.
+        2.0 * answer.stress - arriving
     }
 
     fn node(&self, part: &Part) -> usize {
@@ -148,44 +176,72 @@ impl End {
                 let held = release.map_or(1.0, |r| ((r - time) / self.dt).clamp(0.0, 1.0));
                 let velocity = self.inward * history.mean(time, until);
                 match held {
-                    1.0 => self.respond(Drive::Velocity(velocity), arriving, part),
+                    1.0 => self.respond(Drive::velocity(velocity), arriving, part),
                     0.0 => self.respond(Drive::Stress(0.0), arriving, part),
                     _ => self.respond(Drive::Stress(held * self.held_stress), arriving, part),
                 }
             }
             EndCondition::Stress { history } => self.respond(Drive::Stress(history.mean(time, until)), arriving, part),
             EndCondition::Free => self.respond(Drive::Stress(0.0), arriving, part),
-            EndCondition::Fixed => self.respond(Drive::Velocity(0.0), arriving, part),
-            EndCondition::Absorbing => self.respond(Drive::Elastic, arriving, part),
+            EndCondition::Fixed => self.respond(Drive::velocity(0.0), arriving, part),
+            EndCondition::Absorbing => {
+                // The same bar without end, elastic.
+                let drive = Drive::Motion { velocity: self.rest, mobility: 1.0 / self.impedance };
+                self.respond(drive, arriving, part)
+            }
             EndCondition::Wall { gap } => {
-                let free = self.respond(Drive::Stress(0.0), arriving, part);
                 // The wall lets the end go no farther outwards than it stands.
                 let limit = (-self.inward * self.displacement - gap) / self.dt;
-                let stopped = free.velocity < limit;
-                if stopped { self.respond(Drive::Velocity(limit), arriving, part) } else { free }
+                self.unless_free(Drive::velocity(limit), arriving, part)
+            }
+            EndCondition::Striker { .. } => {
+                // The body's mean velocity over the step, and what closes the gap; it is slowed down by half the impulse.
+                let (velocity, mobility) =
+                    self.body.map_or((0.0, 0.0), |b| (b.velocity - b.gap / self.dt, 0.5 * b.gain));
+                self.unless_free(Drive::Motion { velocity, mobility }, arriving, part)
+            }
+            EndCondition::Spring { stiffness } => {
+                // sigma A = k (displacement into the bar at mid-step).
+                let per_half_step = 0.5 * self.dt * stiffness / self.area;
+                let velocity = -self.inward * self.displacement / (0.5 * self.dt);
+                self.respond(Drive::Motion { velocity, mobility: 1.0 / per_half_step }, arriving, part)
             }
         }
+    }
+
+    /// What can push but not pull: the end is free where it moves away by itself.
+    fn unless_free(&self, drive: Drive, arriving: f64, part: &Part) -> Answer {
+        let free = self.respond(Drive::Stress(0.0), arriving, part);
+        let Drive::Motion { velocity, .. } = drive else { return free };
+        if free.velocity < velocity { self.respond(drive, arriving, part) } else { free }
     }
 
     fn respond(&self, drive: Drive, arriving: f64, part: &Part) -> Answer {
         let z = self.impedance;
         let (elastic, share) = match drive {
-            Drive::Velocity(u) => (arriving - z * u, INSIDE),
             Drive::Stress(stress) => (stress, 0.0),
-            // The elastic bar outside takes half of what the node relaxes.
-            Drive::Elastic => (0.5 * (arriving - z * self.rest), 0.5 * INSIDE),
+            Drive::Motion { velocity, mobility } => {
+                let yielding = 1.0 + z * mobility;
+                ((arriving - z * velocity) / yielding, INSIDE / yielding)
+            }
         };
         let (flow, history) = part.borders.flow(&part.law, self.node(part), elastic, share, self.dt);
-        let kept = 0.25 * flow.plastic;
         let stress = elastic - 0.5 * share * flow.plastic;
-        let velocity = if let Drive::Velocity(u) = drive { u } else { (arriving - kept - stress) / z };
-        let held = matches!(drive, Drive::Velocity(_));
-        Answer { stress, velocity, leaving: stress - z * velocity - kept, flow, history, held }
+        let (velocity, held) = match drive {
+            Drive::Motion { velocity, mobility } => (velocity + mobility * stress, true),
+            Drive::Stress(_) => ((arriving - 0.25 * flow.plastic - stress) / z, false),
+        };
+        Answer { stress, velocity, flow, history, held }
     }
 
     /// Displacement at the whole step, m.
     pub fn displacement(&self) -> f64 {
         self.displacement
+    }
+
+    /// Velocity of a striker at the whole step, m/s, positive in +x; none where there is none.
+    pub fn striker_velocity(&self) -> Option<f64> {
+        self.body.map(|body| self.inward * body.velocity)
     }
 
     /// Work done on the bar so far, J.

@@ -74,6 +74,11 @@ impl Net {
         ]
     }
 
+    /// Velocity of a striker at the left and at the right end, m/s, positive in +x; none where there is none.
+    pub fn striker_velocities(&self) -> [Option<f64>; 2] {
+        [self.ends[0].striker_velocity(), self.ends[1].striker_velocity()]
+    }
+
     /// Work of the left and the right end so far, J.
     pub fn work(&self) -> [f64; 2] {
         [self.ends[0].work(), self.ends[1].work()]

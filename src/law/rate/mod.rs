@@ -43,6 +43,15 @@ pub struct Flow {
     pub overstress: f64,
 }
 
+/// Steps of one length under one share, with what can be worked out beforehand.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pace {
+    share: f64,
+    time: f64,
+    /// For laws that are linear in the overstress: what flows in a step along each piece, as a part of the overstress.
+    parts: [Vec<f64>; 2],
+}
+
 /// A rate-dependent law over a static curve.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RateLaw {
@@ -66,12 +75,14 @@ impl RateLaw {
 
     /// Stresses between which a cell is elastic, Pa: lower and upper.
     pub fn limits(&self, history: &History) -> [f64; 2] {
-        let reach = |sense: usize| {
+        let reach = |sense: usize| -> f64 {
             let side = self.side(sense);
             let f = side.pieces()[history.piece[sense] as usize].at(history.accumulated);
             if self.kinematic == 0.0 || f == f64::INFINITY { f } else { f - self.kinematic * (f - side.yield_stress()) }
         };
-        [history.back - reach(1), history.back + reach(0)]
+        let up = reach(0);
+        let down = if self.hardening.len() == 1 { up } else { reach(1) };
+        [history.back - down, history.back + up]
     }
 
     /// Static flow stress of first loading at a cell's plastic strain, Pa: 0 tension, 1 compression.
@@ -89,9 +100,41 @@ impl RateLaw {
         self.overstress
     }
 
+    /// Steps of length `time` in which the stress falls by `share` of what flows.
+    pub fn pace(&self, share: f64, time: f64) -> Pace {
+        let part = |piece: &Piece| self.overstress.flow(1.0, piece.stress, share + piece.slope, time);
+        let linear = !self.overstress.needs_static_stress();
+        let parts = [0, 1].map(|sense| {
+            let pieces = self.side(sense).pieces();
+            if linear { pieces.iter().map(part).collect() } else { Vec::new() }
+        });
+        Pace { share, time, parts }
+    }
+
+    /// [`Self::flow`] in a step of a pace made by [`Self::pace`].
+    #[inline]
+    pub fn flow_at(&self, pace: &Pace, excess: f64, sense: usize, history: &mut History) -> Flow {
+        let part = pace.parts[sense].get(history.piece[sense] as usize).copied();
+        self.advance(excess, sense, [pace.share, pace.time], part, history)
+    }
+
     /// Flow within `time` of a cell whose stress is `excess` > 0 beyond an elastic limit (`sense` 0: the upper one, 1: the
     /// lower one) and falls by `share` (>= 0) of what flows. The history is taken to the end of the step.
     pub fn flow(&self, excess: f64, sense: usize, share: f64, time: f64, history: &mut History) -> Flow {
+        self.advance(excess, sense, [share, time], None, history)
+    }
+
+    /// `part` is what flows along the present piece if it goes on to the end of the step, as a part of the overstress,
+    /// where that is known.
+    #[inline]
+    fn advance(
+        &self,
+        excess: f64,
+        sense: usize,
+        [share, time]: [f64; 2],
+        mut part: Option<f64>,
+        history: &mut History,
+    ) -> Flow {
         let side = self.side(sense);
         let pieces = side.pieces();
         let (mut x, mut left, mut p) = (excess, time, history.accumulated);
@@ -103,7 +146,10 @@ impl RateLaw {
             let piece = &pieces[k];
             let room = pieces.get(k + 1).map_or(f64::INFINITY, |next| next.start - p);
             let (f, gain) = (piece.at(p), share + piece.slope);
-            let flow = self.along_piece(x, f, piece.slope, gain, left);
+            let flow = match part.take() {
+                Some(part) => part * x,
+                None => self.along_piece(x, f, piece.slope, gain, left),
+            };
             if flow < room || room == f64::INFINITY {
                 work += flow * (x - 0.5 * gain * flow).max(0.0);
                 p += flow;

@@ -2,7 +2,10 @@
 
 use std::ops::Range;
 
-use crate::law::rate::{Flow, History, RateLaw};
+use multiversion::multiversion;
+
+use crate::bar::Segment;
+use crate::law::rate::{Flow, History, Pace, RateLaw};
 
 /// Share of its plastic flow by which the stress of a node falls inside a segment: what it meets on both sides takes the
 /// other half.
@@ -39,6 +42,8 @@ impl Work {
 #[derive(Debug, Clone)]
 pub(super) struct Part {
     pub law: RateLaw,
+    /// Whole steps of the nodes inside the segment.
+    pace: Pace,
     /// Its cells, counted over the whole bar.
     pub cells: Range<usize>,
     /// m^2.
@@ -94,9 +99,9 @@ impl Nodes {
         }
     }
 
-    /// Lets the nodes from `first` on flow for `time`; `f` and `g` (one entry a node) are what reaches them, and then
+    /// Lets the nodes from `first` on flow for a step; `f` and `g` (one entry a node) are what reaches them, and then
     /// what leaves them.
-    fn relax(&mut self, law: &RateLaw, first: usize, time: f64, f: &mut [f64], g: &mut [f64]) -> Work {
+    fn relax(&mut self, law: &RateLaw, pace: &Pace, first: usize, f: &mut [f64], g: &mut [f64]) -> Work {
         let count = f.len();
         let g = &mut g[..count];
         let (low, high) = (&mut self.low[first..first + count], &mut self.high[first..first + count]);
@@ -109,7 +114,7 @@ impl Nodes {
                 for i in start..end {
                     let stress = 0.5 * (f[i] + g[i]);
                     let Some((sense, excess)) = beyond(stress, low[i], high[i]) else { continue };
-                    let flow = law.flow(excess, sense, INSIDE, time, &mut history[i]);
+                    let flow = law.flow_at(pace, excess, sense, &mut history[i]);
                     [low[i], high[i]] = law.limits(&history[i]);
                     let drop = INSIDE * flow.plastic;
                     f[i] -= drop;
@@ -124,7 +129,7 @@ impl Nodes {
     }
 }
 
-#[inline]
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
 fn any_beyond(f: &[f64], g: &[f64], low: &[f64], high: &[f64]) -> bool {
     let count = f.len();
     let (g, low, high) = (&g[..count], &low[..count], &high[..count]);
@@ -138,7 +143,8 @@ fn any_beyond(f: &[f64], g: &[f64], low: &[f64], high: &[f64]) -> bool {
 }
 
 impl Part {
-    pub fn new(law: RateLaw, cells: Range<usize>, area: f64, impedance: f64, modulus: f64, velocity: f64) -> Self {
+    pub fn new(law: RateLaw, cells: Range<usize>, dt: f64, segment: &Segment) -> Self {
+        let (impedance, velocity) = (segment.material.impedance(), segment.velocity);
         let count = cells.len();
         Self {
             centres: Nodes::new(&law, count),
@@ -146,11 +152,12 @@ impl Part {
             f: vec![-impedance * velocity; count],
             g: vec![impedance * velocity; count],
             work: Work::default(),
+            pace: law.pace(INSIDE, dt),
             law,
             cells,
-            area,
+            area: segment.area,
             impedance,
-            modulus,
+            modulus: segment.material.modulus,
         }
     }
 
@@ -160,16 +167,16 @@ impl Part {
     }
 
     /// The cells flow for a whole step; then f and g are what leaves them.
-    pub fn relax_cells(&mut self, dt: f64) {
-        let work = self.centres.relax(&self.law, 0, dt, &mut self.f, &mut self.g);
+    pub fn relax_cells(&mut self) {
+        let work = self.centres.relax(&self.law, &self.pace, 0, &mut self.f, &mut self.g);
         self.work.add(work);
     }
 
     /// The borders inside the segment flow for a whole step; then f and g go on to the next cells. `entering` are the f
     /// and the g that come in at the segment's left and right border.
-    pub fn pass_borders(&mut self, dt: f64, entering: [f64; 2]) {
+    pub fn pass_borders(&mut self, entering: [f64; 2]) {
         let last = self.f.len() - 1;
-        let work = self.borders.relax(&self.law, 1, dt, &mut self.f[..last], &mut self.g[1..]);
+        let work = self.borders.relax(&self.law, &self.pace, 1, &mut self.f[..last], &mut self.g[1..]);
         self.work.add(work);
         self.f.copy_within(..last, 1);
         self.g.copy_within(1.., 0);

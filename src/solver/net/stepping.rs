@@ -29,11 +29,7 @@ impl Net {
             .iter()
             .zip(&grid.segments)
             .zip(laws)
-            .map(|((segment, part), law)| {
-                let material = &segment.material;
-                let (z, e) = (material.impedance(), material.modulus);
-                Part::new(law, part.cells.clone(), segment.area, z, e, segment.velocity)
-            })
+            .map(|((segment, part), law)| Part::new(law, part.cells.clone(), grid.dt, segment))
             .collect();
         let [left, right] = ends;
         let last = parts.len() - 1;
@@ -47,14 +43,14 @@ impl Net {
 
     /// One step. Allocates nothing.
     pub fn advance(&mut self) {
-        let (time, dt) = (self.time(), self.grid.dt);
+        let time = self.time();
         for part in &mut self.parts {
-            part.relax_cells(dt);
+            part.relax_cells();
         }
         self.meet_at_joints();
         self.meet_at_ends(time);
         for (part, entering) in self.parts.iter_mut().zip(&self.entering) {
-            part.pass_borders(dt, *entering);
+            part.pass_borders(*entering);
         }
         self.step += 1;
     }

@@ -94,7 +94,9 @@ enum Lines {
     /// Theoretical speeds.
     Theory,
     /// The tracked fronts, all of them or the strongest.
-    Tracked { all: bool },
+    Tracked {
+        all: bool,
+    },
 }
 
 /// The fronts themselves where the file has them, otherwise lines at the speeds of theory.

@@ -118,7 +118,9 @@ fn gauges_are_exact_steps() {
                 assert_eq!(seen, [state.stress, state.strain, state.velocity], "{} at t = {t}", gauge.name);
             }
         }
-        gauges.iter().for_each(|g| assert_steps(&g.trace, &g.name));
+        for gauge in &gauges {
+            assert_steps(&gauge.trace, &gauge.name);
+        }
     }
 }
 
@@ -185,7 +187,7 @@ fn paths_are_the_straight_pieces_of_all_fronts() {
     let first = &fronts[0];
     assert_eq!((first.origin.as_str(), first.position), ("left", 0.6));
     // The gauge at a quarter: 0.25 m at c0.
-    assert!((first.arrivals[1] / (0.25 / 5063.696_835_418_334) - 1.0).abs() < 1e-13, "{:?}", first.arrivals);
+    assert!((first.arrivals[1] / (0.25 / 5_063.696_835_418_334) - 1.0).abs() < 1e-13, "{:?}", first.arrivals);
 }
 
 #[test]

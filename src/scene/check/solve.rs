@@ -7,7 +7,6 @@ use toml::Spanned;
 use super::super::raw::{RawMethod, RawSolve};
 use super::super::{Method, Solve};
 use super::{Checker, MOST_CELLS};
-use crate::bar::{Bar, Joint};
 use crate::error::Result;
 use crate::input::Allowed;
 use crate::units::Dimension;
@@ -83,17 +82,6 @@ impl Checker<'_> {
         );
         let allowed = format!("until, method, {}", method.keys().join(", "));
         Err(self.error(span, &format!("solve.{name}"), message).allowed(allowed).help(help).into())
-    }
-
-    /// Refuses a scene that its method cannot follow, with the method that can.
-    pub(super) fn can_solve(&self, raw: &Spanned<RawSolve>, bar: &Bar, method: &Method) -> Result<()> {
-        let inner = &bar.segments[..bar.segments.len() - 1];
-        let opens = inner.iter().position(|s| s.joint != Joint::Bonded);
-        let (Method::Leapfrog { .. }, Some(k)) = (method, opens) else { return Ok(()) };
-        let span = raw.get_ref().method.as_ref().map_or_else(|| raw.span(), Spanned::span);
-        let message = format!("finite differences do not yet follow a joint that can open (joint {})", k + 1);
-        let help = "use method = \"moc\", which can, or joint = \"bonded\"";
-        Err(self.error(span, "solve.method", message).allowed("\"moc\"").help(help).into())
     }
 }
 

@@ -270,13 +270,16 @@ fn struck(m: f64, far: EndCondition, cells: usize) -> Leapfrog {
     bar_of(cells, [EndCondition::Striker { mass: m * MASS, velocity: 1.0 }, far], 0.0, 1.0)
 }
 
+/// A gap that is more than rounding, m: displacements are some 1e-4 m.
+const APART: f64 = 1e-15;
+
 /// Velocity of the striker once it has let go, and when it did, in transits.
 fn after_contact(bar: &mut Leapfrog) -> (f64, f64) {
     let transit = 1.0 / c0();
     while bar.time() < 12.0 * transit {
         bar.advance();
         let (velocity, gap) = bar.left().striker().expect("there");
-        if gap > 0.0 {
+        if gap > APART {
             return (velocity, bar.time() / transit);
         }
     }
@@ -309,8 +312,8 @@ fn a_striker_on_a_fixed_bar_has_the_tabulated_contact() {
     let table = include_str!("data/mass_on_rod_fixed.csv");
     for row in table.lines().filter(|line| line.starts_with(|c: char| c.is_ascii_digit())) {
         let numbers: Vec<f64> = row.split(',').map(|n| n.parse().expect("a number")).collect();
-        let cells = 1000;
-        let mut bar = struck(numbers[0], EndCondition::Fixed, cells);
+        let cells = 1000_u16;
+        let mut bar = struck(numbers[0], EndCondition::Fixed, usize::from(cells));
         let mut largest = [0.0_f64; 2];
         let (velocity, time) = {
             let mut found = None;
@@ -320,18 +323,21 @@ fn a_striker_on_a_fixed_bar_has_the_tabulated_contact() {
                     *most = most.max(-end.stress() / impedance());
                 }
                 let (velocity, gap) = bar.left().striker().expect("there");
-                if gap > 0.0 && found.is_none() {
+                if gap > APART && found.is_none() {
                     found = Some((velocity, bar.time() * c0()));
                 }
             }
             found.expect("it lets go")
         };
-        println!("{row}: {time} {largest:?} {velocity}");
-        // A step is 1e-3 of a transit; at the end of the contact the force goes through zero.
-        assert!((time - numbers[1]).abs() < 5e-3, "{row}: contact {time}");
-        assert!((largest[0] - numbers[2]).abs() < 5e-3 * numbers[2], "{row}: struck end {}", largest[0]);
-        assert!((largest[1] - numbers[3]).abs() < 5e-3 * numbers[3], "{row}: fixed end {}", largest[1]);
-        assert!((velocity - numbers[4]).abs() < 1e-3, "{row}: velocity {velocity}");
+        let step = 1.0 / f64::from(cells);
+        // Seen at the end of a step.
+        assert!((time - numbers[1]).abs() < 2.0 * step, "{row}: contact {time}");
+        // In a step the striker's force falls by 1/(m cells), and a sharp peak is spread over some of them.
+        let near = |found: f64, expected: f64| (found / expected - 1.0).abs() < (0.5 + 3.5 / numbers[0]) * step;
+        assert!(near(largest[0], numbers[2]), "{row}: struck end {}", largest[0]);
+        assert!(near(largest[1], numbers[3]), "{row}: fixed end {}", largest[1]);
+        // Second order: a few steps squared, and the table's last digit.
+        assert!((velocity - numbers[4]).abs() < 1e-5, "{row}: velocity {velocity}");
     }
 }
 
@@ -361,7 +367,7 @@ fn what_a_body_loses_the_bar_gets() {
                 // 21 m/s and a 1200th of the bar, a few times.
                 let allowed = if loses_at_contact { 5.0 * 0.5 * MASS / 1200.0 * 21.0 * 21.0 } else { 1e-11 * scale };
                 assert!(
-                    missing > -1e-11 * scale && missing <= allowed,
+                    missing >= -1e-11 * scale && missing <= allowed,
                     "{end:?} {which} {velocity}: {missing:e} {allowed:e}"
                 );
             }
@@ -399,15 +405,17 @@ fn two_bars(short: f64, gap: f64, velocity: f64, cells: usize, cfl: f64) -> Leap
 
 #[test]
 fn two_elastic_bars_touch_for_two_transits_of_the_shorter() {
-    for (short, gap) in [(0.4, 0.0), (0.25, 1e-4)] {
-        let mut bar = two_bars(short, gap, 1.0, 1000, 1.0);
+    // As many cells as give both bars the same: at Courant number 1 in all of them, elastic waves keep their shape.
+    for (short, gap, cells) in [(0.4, 0.0, 1400), (0.25, 1e-4, 1000)] {
+        let mut bar = two_bars(short, gap, 1.0, cells, 1.0);
         let mut ledger = Ledger::new(&bar);
         let (mut first, mut last) = (f64::NAN, f64::NAN);
         while bar.time() < gap + 1.9 / c0() {
             bar.advance();
             let joint = bar.contacts().next().expect("one");
             assert!(joint.force <= 0.0 && joint.gap >= 0.0);
-            if joint.force < 0.0 {
+            // Faces that touch at rest share the rounding.
+            if joint.force < -1e-6 * 0.7 * impedance() {
                 first = if first.is_nan() { bar.time() } else { first };
                 last = bar.time();
             }
@@ -438,7 +446,6 @@ fn contact_joints_keep_the_ledger_of_plastic_bars() {
         }
         common::assert_ledger(&ledger, &format!("{short} {gap} {velocity}"));
         let lost = bar.energies().concentrated / start;
-        println!("{short} {velocity}: lost {lost:e}");
         // Faces that meet lose the motion of half a cell each, a few times.
         assert!(lost > -1e-3 && lost < 1e-2, "{lost}");
         assert!(velocity > 0.0 || bar.contacts().all(|joint| joint.force == 0.0 && joint.gap > gap));

@@ -325,7 +325,7 @@ const CASES: &[Case] = &[
         "kind = \"striker\"\nmass = 0\nvelocity = -5",
         "mass",
         "right.mass",
-        &["0 kg is out of range", "mass > 0"],
+        &["0 is out of range", "mass > 0"],
     ),
     case(
         "kind = \"free\"",

@@ -47,6 +47,35 @@ fn defaults_are_filled_in() {
 }
 
 #[test]
+fn front_tracking_has_its_own_defaults() {
+    let tracked = scene("method = \"moc\"\n", &[]);
+    assert_eq!(tracked.solve.method, Method::FrontTracking { front_tolerance: 1e-3, event_budget: 10_000_000 });
+    assert_eq!((tracked.record.cells, tracked.record.paths), (Some(1000), true));
+    let solve = &tracked.resolved_json()["solve"];
+    assert_eq!((&solve["method"], &solve["front-tolerance"]), (&"moc".into(), &1e-3.into()));
+    let exact = scene("method = \"moc\"\nfront-tolerance = 0\nevent-budget = 5e3\n[record]\npaths = false\n", &[]);
+    assert_eq!(exact.solve.method, Method::FrontTracking { front_tolerance: 0.0, event_budget: 5000 });
+    assert!(!exact.record.paths);
+    // A scene for the grid has neither.
+    assert!(scene("", &[]).resolved_json()["record"].get("paths").is_none());
+}
+
+#[test]
+fn a_grid_scene_becomes_a_tracked_one_on_the_command_line() {
+    let overrides = ["solve.method=moc", "solve.cells=", "solve.front-tolerance=0.01"];
+    let changed = scene("cells = 4000\n", &overrides);
+    assert_eq!(changed.solve.method, Method::FrontTracking { front_tolerance: 0.01, event_budget: 10_000_000 });
+}
+
+#[test]
+fn what_front_tracking_cannot_follow_is_refused_with_the_method_that_can() {
+    let ramp = base("method = \"moc\"\n").replace("value = \"-30 m/s\"", "history = [[0, 0], [\"1 us\", -30]]");
+    let error = wrong(&ramp, &[]);
+    assert_eq!(error.key, "solve.method");
+    assert!(error.message.contains("ramp") && error.help.contains("method = \"fd\""), "{error}");
+}
+
+#[test]
 fn frames_are_even_and_hold_both_ends() {
     let times = |rest: &str| scene(&format!("[record]\n{rest}"), &[]).record.times;
     let five = times("frames = 5");

@@ -140,7 +140,7 @@ impl View for Leapfrog {
             elastic: now.elastic,
             plastic: now.plastic,
             viscous: now.viscous,
-            concentrated: 0.0,
+            concentrated: now.concentrated,
             momentum: now.momentum,
             work: [left.work(), right.work()],
             impulse: [left.impulse(), right.impulse()],

@@ -28,7 +28,7 @@ impl Checker<'_> {
         let record = Record {
             times: self.times(raw, solve.until)?,
             cells: cells.or(tracked.then_some(SAMPLES)),
-            paths: self.paths(raw, tracked)?,
+            paths: self.paths(raw, &solve.method)?,
             fields: self.fields(raw, effects)?,
             gauges: self.gauges(raw, bar.length())?,
             precision: match raw.precision {
@@ -46,11 +46,16 @@ impl Checker<'_> {
     }
 
     /// Whether the fronts' straight pieces are recorded.
-    fn paths(&self, raw: &RawRecord, tracked: bool) -> Result<bool> {
+    fn paths(&self, raw: &RawRecord, method: &Method) -> Result<bool> {
+        let tracked = method.tracks_fronts();
         match &raw.paths {
             Some(paths) if !tracked => {
-                let message = "`paths` means nothing for a bar on a grid, which has no fronts of its own";
-                let help = "take `paths` out, or use method = \"moc\" in [solve] without the effect `rate`";
+                let (what, other) = match method {
+                    Method::CharacteristicNet { .. } => ("a rate-dependent bar", "leave `rate` out of [effects]"),
+                    _ => ("method = \"fd\"", "use method = \"moc\" in [solve]"),
+                };
+                let message = format!("`paths` means nothing for {what}: it has no fronts of its own");
+                let help = format!("take `paths` out, or {other}");
                 Err(self.error(paths.span(), "record.paths", message).help(help).into())
             }
             Some(paths) => Ok(*paths.get_ref()),

@@ -102,26 +102,15 @@ impl Checker<'_> {
         Err(self.error(span, &format!("solve.{name}"), message).allowed(allowed).help(help).into())
     }
 
-    /// Refuses a scene that its method cannot follow, with the method that can.
+    /// Refuses a scene that its method cannot follow.
     pub(super) fn can_solve(&self, raw: &Spanned<RawSolve>, bar: &Bar, method: &Method) -> Result<()> {
         let inner = &bar.segments[..bar.segments.len() - 1];
         let opens = inner.iter().position(|s| s.joint != Joint::Bonded);
-        let Some(joint) = opens.map(|k| k + 1) else { return Ok(()) };
-        let (message, allowed, help) = match method {
-            Method::FrontTracking { .. } => return Ok(()),
-            Method::Leapfrog { .. } => (
-                format!("finite differences do not yet follow a joint that can open (joint {joint})"),
-                "\"moc\"",
-                "use method = \"moc\", which can, or joint = \"bonded\"",
-            ),
-            Method::CharacteristicNet { .. } => (
-                format!("a rate-dependent bar cannot have a joint that can open (joint {joint})"),
-                "\"moc\" without the effect `rate`",
-                "take `rate` out of [effects], or use joint = \"bonded\"",
-            ),
-        };
+        let (Method::CharacteristicNet { .. }, Some(k)) = (method, opens) else { return Ok(()) };
         let span = raw.get_ref().method.as_ref().map_or_else(|| raw.span(), Spanned::span);
-        Err(self.error(span, "solve.method", message).allowed(allowed).help(help).into())
+        let message = format!("a rate-dependent bar cannot have a joint that can open (joint {})", k + 1);
+        let help = "take `rate` out of [effects], or use joint = \"bonded\"";
+        Err(self.error(span, "solve.method", message).allowed("\"bonded\" joints").help(help).into())
     }
 }
 

@@ -2,6 +2,7 @@
 
 mod block;
 mod body;
+mod contact;
 mod device;
 mod grid;
 mod leapfrog;
@@ -9,6 +10,7 @@ mod readings;
 mod ripple;
 mod sample;
 
+pub use contact::ContactState;
 pub use device::Device;
 pub use grid::{Grid, SegmentGrid};
 pub use leapfrog::{Leapfrog, SegmentLaw};

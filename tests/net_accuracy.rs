@@ -4,7 +4,7 @@ mod common;
 #[path = "common/net.rs"]
 mod net;
 
-use barwave::bar::{Bar, EndCondition, Segment};
+use barwave::bar::{Bar, EndCondition, Joint, Segment};
 use barwave::law::rate::Overstress;
 use barwave::material::{Beyond, Material};
 use barwave::scene::Unloading;
@@ -238,6 +238,39 @@ fn a_spring_reflects_an_elastic_wave_as_theory_says() {
     assert!(fine < 1e-4 && (coarse / fine - 4.0).abs() < 0.2, "{coarse:e} {fine:e}");
 }
 
+#[test]
+fn a_short_elastic_bar_strikes_a_long_one_as_theory_says() {
+    // They touch for 2 L_short/c0; the short bar is then at rest, and the long one has its momentum.
+    let (short, long) = (0.25, 0.75);
+    let part = |length: f64, velocity: f64| Segment {
+        velocity,
+        joint: Joint::Contact { gap: 0.0 },
+        ..segment(common::elastic_steel(), length)
+    };
+    let ends = [EndCondition::Free, EndCondition::Free];
+    let mut bar = net::malvern(vec![part(short, 4.0), part(long, 0.0)], ends, 1e6, 400);
+    let balance = net::Balance::new(&bar);
+    let mean = |bar: &Net, cells: std::ops::Range<usize>| {
+        let count = cells.len() as f64;
+        cells.map(|cell| bar.value(Quantity::Velocity, cell)).sum::<f64>() / count
+    };
+    for (time, short_velocity) in [(0.25, 2.0), (0.499, 0.008), (0.501, 0.0), (1.2, 0.0), (3.7, 0.0)] {
+        net::advance_to(&mut bar, time / c0());
+        let found = mean(&bar, 0..100);
+        // Within one step of the times named, exact up to rounding.
+        assert!((found - short_velocity).abs() < 0.025, "t = {time} L/c0: {found}");
+    }
+    assert!(mean(&bar, 0..100).abs() < 1e-12);
+    assert!((mean(&bar, 100..400) - 4.0 * short / long).abs() < 1e-12);
+    // The velocities change in proportion to the time until 0.5 L/c0, and then no more.
+    let displacements = bar.displacements();
+    let mean = |cells: std::ops::Range<usize>| displacements[cells.clone()].iter().sum::<f64>() / cells.len() as f64;
+    for (cells, expected) in [(0..100, 2.0 * 0.5), (100..400, 4.0 / 3.0 * (0.25 + 3.2))] {
+        assert!((mean(cells) * c0() / expected - 1.0).abs() < 1e-12);
+    }
+    assert!(balance.residuals(&bar).iter().all(|r| *r < 1e-13));
+}
+
 struct Case {
     name: &'static str,
     segments: Vec<Segment>,
@@ -276,6 +309,15 @@ fn cases() -> Vec<Case> {
             segments: vec![segment(bilinear_steel(), 0.6), soft()],
             ends: [pulse(), EndCondition::Free],
             unloading: Unloading::Mixed(0.4),
+        },
+        Case {
+            name: "two bars that part",
+            segments: vec![
+                Segment { joint: Joint::Contact { gap: 0.0 }, velocity: 35.0, ..segment(bilinear_steel(), 0.35) },
+                segment(bilinear_steel(), 0.65),
+            ],
+            ends: [EndCondition::Free, EndCondition::Absorbing],
+            unloading: isotropic,
         },
         Case {
             name: "stress",

@@ -91,26 +91,22 @@ fn above_the_static_critical_velocity_the_rate_carries_the_bar_on() {
     assert_eq!(summary.outcome, "done", "the strain at the end has not reached the end of the data");
 }
 
-fn refused(text: &str) -> String {
-    match Scene::parse("rate", text, Path::new("."), &[]) {
-        Err(error) => error.to_string(),
-        Ok(_) => panic!("it was accepted"),
-    }
+#[test]
+fn fronts_paths_are_refused_where_no_fronts_are_followed() {
+    let text = scene(MALVERN, "", "").text + "[record]\npaths = true";
+    let refused = Scene::parse("rate", &text, Path::new("."), &[]).err().map(|error| error.to_string());
+    assert!(refused.is_some_and(|message| message.contains("means nothing for a rate-dependent bar")));
 }
 
 #[test]
-fn what_the_net_cannot_do_is_refused() {
-    let right = scene(MALVERN, "", "").text;
-    let paths = refused(&(right.clone() + "[record]\npaths = true"));
-    assert!(paths.contains("means nothing for a rate-dependent bar"), "{paths}");
-    let bar = right.find("[bar]").expect("a bar")..right.find("[left]").expect("an end");
-    let material = "{ name = \"steel\", density = 7800, modulus = 2e11, beyond = \"extend\", \
-                    curve = { table = [[0.001, 2e8], [0.02, 6e8]] } }";
-    let piece = format!("length = 1\nmaterial = {material}\n");
-    let joined = format!("[[bar.segment]]\n{piece}joint = \"contact\"\n[[bar.segment]]\n{piece}");
-    let mut text = right;
-    text.replace_range(bar, &joined);
-    let joint = refused(&text);
-    assert!(joint.contains("a joint that can open (joint 1)"), "{joint}");
-    Scene::parse("rate", &text.replace(MALVERN, ""), Path::new("."), &[]).expect("without rate it can be followed");
+fn flow_that_the_net_does_not_resolve_is_noted() {
+    let notes = |k: &str| {
+        let effects = format!("rate = {{ model = \"malvern\", k = \"{k} 1/s\" }}");
+        let summary = run(&scene(&effects, "cells = 100", ""), None, &mut |_| Wish::GoOn).expect("it runs");
+        summary.audit.into_iter().filter(|row| row.effect == "rate").map(|row| row.estimate).collect::<Vec<_>>()
+    };
+    assert!(notes("1e5").is_empty());
+    let dt = 0.01 / (MODULUS / DENSITY).sqrt();
+    assert!(notes("1e7").iter().all(|k_dt| (k_dt / (1e7 * dt) - 1.0).abs() < 1e-12));
+    assert_eq!(notes("1e7").len(), 1);
 }

@@ -123,6 +123,20 @@ pub fn end_of_data(strain: f64, material: &Material) -> (String, &'static str) {
     (reason, "give the material more data, or say what happens there with beyond = \"rupture\" or \"extend\"")
 }
 
+/// Flow by Malvern's law that is quicker than a time step: the net, not the material, then says how wide fronts are.
+pub fn unresolved_flow(k: f64, dt: f64) -> Option<AuditRow> {
+    let k_dt = k * dt;
+    (k_dt > 1.0).then(|| AuditRow {
+        effect: "rate".into(),
+        estimate: k_dt,
+        threshold: 1.0,
+        message: std::format!(
+            "rate: the overstress relaxes within a time step (k dt = {k_dt:.3}), so plastic fronts are as wide as the cells make \
+             them, not the material; give more `cells`, or leave `rate` out for fronts without width"
+        ),
+    })
+}
+
 /// Adiabatic heating of the most strained place of a material, where it states its specific heat; `plastic_strain` is the
 /// accumulated one there.
 pub fn heating(material: &Material, plastic_strain: f64) -> Option<AuditRow> {

@@ -40,7 +40,7 @@ impl View for Net {
             elastic: now.elastic,
             plastic: now.plastic,
             viscous: now.viscous,
-            concentrated: 0.0,
+            concentrated: now.concentrated,
             momentum: now.momentum,
             work: self.work(),
             impulse: self.impulse(),

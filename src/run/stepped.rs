@@ -10,7 +10,7 @@ use crate::record::{
     self, AuditRow, ElasticProbe, EndState, EndSummary, ErrorFigure, Frames, FrontTracker, Ledger, LedgerSummary,
     Stepped, Summary, Traces, UnloadingWatch,
 };
-use crate::scene::Scene;
+use crate::scene::{Rate, Scene};
 use crate::solver::fd::{Passed, Quantity, Sampling};
 
 /// Work between two calls of the progress function, cell-steps: a few milliseconds.
@@ -230,6 +230,9 @@ impl<'a, S: Stepped> Run<'a, S> {
         let x = grid.centres();
         let mut rows: Vec<AuditRow> = self.unloading.as_ref().and_then(|w| w.row(&x, "cells")).into_iter().collect();
         rows.extend(self.book.audit());
+        if let Some(Rate::Malvern { k }) = self.book.scene.effects.rate {
+            rows.extend(record::unresolved_flow(k, grid.dt));
+        }
         if let Some((passed, time)) = &self.passed {
             let material = &segments[passed.segment].material;
             rows.push(record::past_data(passed.strain, *time, x[passed.cell], material));

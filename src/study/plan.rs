@@ -154,15 +154,19 @@ fn grid_work(scene: &Scene, grid: &Grid) -> (Work, usize) {
     (work, cells)
 }
 
-/// Time of a step of a cell of the net: elastic, and with both of its nodes flowing, as measured on bilinear and 60-knot
-/// curves at 1000 to 4000 cells.
-const NET_SECONDS: [f64; 2] = [1e-9, 25e-9];
+/// Time of a step of a cell of the net while it is elastic, and with both of its nodes flowing: by Malvern's law, and by
+/// those with a power or a logarithm. Measured on bilinear and 60-knot curves at 1000 and 10000 cells; it differs by a
+/// factor of two between processors.
+const NET_ELASTIC: f64 = 1e-9;
+const NET_MALVERN: f64 = 20e-9;
+const NET_OTHER: f64 = 180e-9;
 
 /// The work on a characteristic net, and its cells.
 fn net_work(scene: &Scene, lattice: &Lattice) -> (Work, usize) {
     let (cells, dt) = (lattice.grid.cells(), lattice.grid.dt);
     let steps = run::steps(scene, dt);
     let k = if let Some(Rate::Malvern { k }) = scene.effects.rate { Some(k) } else { None };
+    let flowing = if k.is_some() { NET_MALVERN } else { NET_OTHER };
     let work = Work::Grid {
         cells,
         dt_s: dt,
@@ -170,7 +174,7 @@ fn net_work(scene: &Scene, lattice: &Lattice) -> (Work, usize) {
         bytes_per_elastic_cell: Net::BYTES_PER_CELL,
         bytes_per_yielded_cell: Net::BYTES_PER_CELL,
         memory_bytes: cells * Net::BYTES_PER_CELL,
-        expected_s: NET_SECONDS.map(|one| one * (cells * steps) as f64),
+        expected_s: [NET_ELASTIC, flowing].map(|one| one * (cells * steps) as f64),
         net: Some(NetWork { largest_transit_shift: lattice.shift, k_dt: k.map(|k| k * dt) }),
     };
     (work, cells)

@@ -7,7 +7,6 @@ use toml::Spanned;
 use super::super::raw::{RawEffects, RawMethod, RawSolve};
 use super::super::{Method, Solve};
 use super::{Checker, MOST_CELLS};
-use crate::bar::{Bar, Joint};
 use crate::error::Result;
 use crate::input::Allowed;
 use crate::units::Dimension;
@@ -100,17 +99,6 @@ impl Checker<'_> {
         };
         let allowed = format!("until, method, {}", method.keys(rate).join(", "));
         Err(self.error(span, &format!("solve.{name}"), message).allowed(allowed).help(help).into())
-    }
-
-    /// Refuses a scene that its method cannot follow.
-    pub(super) fn can_solve(&self, raw: &Spanned<RawSolve>, bar: &Bar, method: &Method) -> Result<()> {
-        let inner = &bar.segments[..bar.segments.len() - 1];
-        let opens = inner.iter().position(|s| s.joint != Joint::Bonded);
-        let (Method::CharacteristicNet { .. }, Some(k)) = (method, opens) else { return Ok(()) };
-        let span = raw.get_ref().method.as_ref().map_or_else(|| raw.span(), Spanned::span);
-        let message = format!("a rate-dependent bar cannot have a joint that can open (joint {})", k + 1);
-        let help = "take `rate` out of [effects], or use joint = \"bonded\"";
-        Err(self.error(span, "solve.method", message).allowed("\"bonded\" joints").help(help).into())
     }
 }
 

@@ -184,6 +184,11 @@ impl Part {
         self.g[last] = entering[1];
     }
 
+    /// What arrives at the segment's left (side 0: g) or right (side 1: f) border once the cells have flowed.
+    pub fn arriving(&self, side: usize) -> f64 {
+        if side == 0 { self.g[0] } else { self.f[self.f.len() - 1] }
+    }
+
     /// Stress and history of local cell `i` at the whole step, half of its flow done; and the work of that half.
     pub fn cell(&self, i: usize, dt: f64) -> (f64, History, Work) {
         let stress = 0.5 * (self.f[i] + self.g[i]);

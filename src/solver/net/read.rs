@@ -1,6 +1,7 @@
 //! What can be read off a net.
 
 use super::end::EndReading;
+use super::joint::Joint;
 use super::part::Part;
 use super::stepping::Net;
 use crate::law::rate::History;
@@ -49,12 +50,13 @@ impl Net {
         self.profile(Quantity::Strain, &mut strains);
         let mut centres = Vec::with_capacity(strains.len());
         let mut border = self.ends[0].displacement();
-        for part in &self.grid.segments {
+        for (k, part) in self.grid.segments.iter().enumerate() {
             for &strain in &strains[part.cells.clone()] {
                 let stretch = strain * part.dx;
                 centres.push(border + 0.5 * stretch);
                 border += stretch;
             }
+            border += self.joints.get(k).map_or(0.0, Joint::opened);
         }
         centres
     }
@@ -103,7 +105,8 @@ impl Net {
     /// the overstress.
     pub fn energies(&self) -> Energies {
         let dt = self.grid.dt;
-        let mut total = Energies::default();
+        let concentrated = self.joints.iter().map(Joint::lost).sum();
+        let mut total = Energies { concentrated, ..Energies::default() };
         for part in &self.parts {
             let mut work = part.work;
             let (mut squares, mut speeds, mut momentum) = (0.0, 0.0, 0.0);

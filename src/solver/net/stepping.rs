@@ -1,7 +1,7 @@
 //! The step of the net.
 
 use super::end::End;
-use super::joint;
+use super::joint::Joint;
 use super::lattice::Lattice;
 use super::part::Part;
 use crate::bar::{Bar, EndCondition};
@@ -14,6 +14,8 @@ pub struct Net {
     pub(super) grid: Grid,
     pub(super) shift: f64,
     pub(super) parts: Vec<Part>,
+    /// One fewer than segments.
+    pub(super) joints: Vec<Joint>,
     pub(super) ends: [End; 2],
     /// What enters each segment at its left border (f) and at its right one (g) in the step under way.
     entering: Vec<[f64; 2]>,
@@ -21,7 +23,7 @@ pub struct Net {
 }
 
 impl Net {
-    /// A bar at t = 0, unstressed, moving as its segments say. `laws` has one entry a segment. All joints are bonded.
+    /// A bar at t = 0, unstressed, moving as its segments say. `laws` has one entry a segment.
     pub fn new(bar: &Bar, lattice: Lattice, laws: Vec<RateLaw>, ends: [EndCondition; 2]) -> Self {
         let Lattice { grid, shift } = lattice;
         let parts: Vec<Part> = bar
@@ -38,7 +40,8 @@ impl Net {
             End::new(left, 1.0, &parts[0], velocity(0), grid.dt),
             End::new(right, -1.0, &parts[last], velocity(last), grid.dt),
         ];
-        Self { entering: vec![[0.0; 2]; parts.len()], grid, shift, parts, ends, step: 0 }
+        let joints = bar.segments[..last].iter().map(|s| Joint::new(s.joint)).collect();
+        Self { entering: vec![[0.0; 2]; parts.len()], grid, shift, parts, joints, ends, step: 0 }
     }
 
     /// One step. Allocates nothing.
@@ -58,7 +61,7 @@ impl Net {
     fn meet_at_joints(&mut self) {
         for k in 1..self.parts.len() {
             let (before, after) = self.parts.split_at_mut(k);
-            let passed = joint::pass(&mut before[k - 1], &mut after[0], self.grid.dt);
+            let passed = self.joints[k - 1].pass(&mut before[k - 1], &mut after[0], self.grid.dt);
             self.entering[k - 1][1] = passed.to_left;
             self.entering[k][0] = passed.to_right;
         }
@@ -67,10 +70,10 @@ impl Net {
     fn meet_at_ends(&mut self, time: f64) {
         let last = self.parts.len() - 1;
         let [left, right] = &mut self.ends;
-        let arriving = self.parts[0].g[0];
+        let arriving = self.parts[0].arriving(0);
         self.entering[0][0] = left.advance(time, arriving, &mut self.parts[0]);
         let part = &mut self.parts[last];
-        let arriving = part.f[part.f.len() - 1];
+        let arriving = part.arriving(1);
         self.entering[last][1] = right.advance(time, arriving, part);
     }
 

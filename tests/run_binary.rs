@@ -229,6 +229,29 @@ fn copper_let_go() {
     assert_eq!((number(&summary["left"]["stress_Pa"]), number(&summary["right"]["stress_Pa"])), (0.0, 0.0));
 }
 
+#[test]
+fn falling_weight() {
+    let summary = run("falling-weight.toml", &[]);
+    assert_contract(&summary, "falling-weight.toml");
+    // Twice the transit, and it has left: nothing acts on the struck end any more.
+    assert_eq!(number(&summary["left"]["stress_Pa"]), 0.0);
+    assert!(number(&summary["ledger"]["momentum_residual"]) < 1e-10, "{summary}");
+}
+
+#[test]
+fn striker_bar() {
+    for sets in [&[][..], &["--set", "solve.method=fd", "--set", "solve.front-tolerance=", "--set", "solve.cells=1800"]]
+    {
+        let summary = run("striker-bar.toml", sets);
+        assert_contract(&summary, "striker-bar.toml");
+        // The short bar stays where it hit, the long one goes on; there is nothing else that could take momentum.
+        assert_eq!(number(&summary["left"]["stress_Pa"]), 0.0);
+        assert!(number(&summary["left"]["velocity_m_s"]).abs() < 0.02, "{summary}");
+        assert!(number(&summary["ledger"]["momentum_residual"]) < 1e-10, "{summary}");
+        assert!(number(&summary["ledger"]["energy_residual"]) < 1e-10, "{summary}");
+    }
+}
+
 /// As a tracked run of a scene written for the grid.
 fn by_characteristics(name: &str) -> Value {
     let sets = ["--set", "solve.method=moc", "--set", "solve.front-tolerance=0"];

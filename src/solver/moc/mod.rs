@@ -17,6 +17,7 @@ mod trail;
 
 pub use end::{EndRecord, EndStep, stepped};
 pub use read::{Front, Piece, Sample};
+pub use sample::Opening;
 pub use sums::Balance;
 pub use tracking::FrontTracking;
 pub use trail::Trail;

@@ -292,6 +292,45 @@ fn both_methods_tell_the_same_story_above_the_critical_velocity() {
     assert!((edge / -critical - 1.0).abs() < 1e-9, "{edge}");
 }
 
+/// Critical velocity 20.3 m/s: 5.1 m/s up to yield and 15.2 m/s on to the largest stress. The left end pulls at 14 m/s.
+const WEAK: &str = r#"
+[bar]
+length = 1
+material = { name = "weak", density = 7800, modulus = 200e9, beyond = "rupture", curve = { table = [[0.001, 200e6], [0.01, 400e6], [0.02, 400e6]] } }
+[left]
+kind = "velocity"
+value = -14
+[right]
+RIGHT
+[effects]
+unloading = "isotropic"
+[solve]
+until = "700 us"
+SOLVE
+"#;
+
+#[test]
+fn both_methods_tell_the_same_story_where_waves_meet_above_the_critical_velocity() {
+    let folder = tempfile::tempdir().expect("a folder");
+    // Where the waves meet, at a fixed end or half-way, the stress is that of twice 14 m/s.
+    for right in ["kind = \"fixed\"", "kind = \"velocity\"\nvalue = 14"] {
+        let [grid, tracked] = ["cells = 1000", "method = \"moc\""].map(|solve| -> Value {
+            let text = WEAK.replace("RIGHT", right).replace("SOLVE", solve);
+            std::fs::write(folder.path().join("weak.toml"), text).expect("written");
+            let output = barwave(folder.path(), &["run", "weak.toml", "--json"]);
+            serde_json::from_slice(&output.stdout).unwrap_or_else(|e| panic!("{e}: {output:?}"))
+        });
+        for key in ["outcome", "above_critical", "effects", "critical_velocity_m_s"] {
+            assert_eq!(grid[key], tracked[key], "{right}: {key}");
+        }
+        assert_eq!((&tracked["outcome"], &tracked["above_critical"]), (&"rupture".into(), &false.into()), "{right}");
+        for summary in [&grid, &tracked] {
+            let notes = summary["audit"].as_array().expect("a list");
+            assert!(notes.iter().any(|row| row["effect"] == "rupture"), "{right}: {notes:?}");
+        }
+    }
+}
+
 #[test]
 fn an_event_budget_that_runs_out_keeps_the_frames() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -133,11 +133,13 @@ fn fronts_table(file: &ResultFile, units: Units) -> Result<String> {
         cells.extend(front.arrivals.iter().map(|t| time.number(*t)));
         cells
     };
-    let mut html = table(&head, &fronts.iter().map(row).collect::<Vec<_>>());
-    if left_out > 0 {
-        html += &format!("<p>... and {left_out} more, in the table /fronts of the file</p>\n");
-    }
-    Ok(html)
+    let html = table(&head, &fronts.iter().map(row).collect::<Vec<_>>());
+    let rest = if left_out > 0 {
+        format!("<p>... and {left_out} more, in the table /fronts of the file</p>\n")
+    } else {
+        String::new()
+    };
+    Ok(html + &rest)
 }
 
 fn ledger_table(file: &ResultFile, units: Units) -> Result<String> {

@@ -62,6 +62,8 @@ struct Run<'a> {
     /// E times the last strain of each segment's data in tension and in compression, Pa.
     data_ends: Vec<[f64; 2]>,
     passed: Option<Passed>,
+    /// Where strain gathers inside the bar: segment, since when (s), and place (m).
+    gathers: Option<(usize, f64, f64)>,
     elastic: bool,
 }
 
@@ -104,6 +106,7 @@ impl<'a> Run<'a> {
             elastic_check: ElasticProbe::new(&scene.bar, &book.launches, scene.solve.until),
             data_ends: scene.bar.segments.iter().map(|s| assemble::segment_law(s, &scene.effects).end).collect(),
             passed: None,
+            gathers: None,
             elastic: true,
             book,
             bar,
@@ -194,6 +197,22 @@ impl<'a> Run<'a> {
         }
     }
 
+    /// Where the curve can carry no more and the two sides of a place go on moving apart (or together), strain gathers
+    /// there without bound: the bar breaks.
+    fn look_for_gathering_strain(&mut self) {
+        if self.gathers.is_some() {
+            return;
+        }
+        let segments = &self.book.scene.bar.segments;
+        self.gathers = self.bar.openings().find_map(|opening| {
+            let full = opening.sides.iter().find(|(segment, stress)| {
+                let curve = segments[*segment].material.branch(Sense::of(*stress));
+                curve.ultimate().is_some_and(|u| stress.abs() >= AT_THE_END * u.stress)
+            });
+            full.map(|(segment, _)| (*segment, opening.since, opening.x))
+        });
+    }
+
     /// Past the last knot the material file decides: stop, or note the rupture and go on under the largest stress.
     fn stop_past_data(&self) -> Result<()> {
         let Some(passed) = self.passed else { return Ok(()) };
@@ -221,6 +240,7 @@ impl<'a> Run<'a> {
         let ends = self.ends.take(&self.bar);
         self.book.write_traces(gauges, ends)?;
         self.write_ledger()?;
+        self.look_for_gathering_strain();
         if let Some(writer) = &mut self.book.writer {
             let frame = record::read_frame(&self.bar, &self.book.scene.record.fields, &self.x, self.x.len());
             writer.frame(record::Frame { time, ..frame })?;
@@ -271,6 +291,7 @@ impl<'a> Run<'a> {
 
     /// Hands what was found to the book, which closes the file, whatever the end was.
     fn finish(mut self, ended: Result<()>) -> Result<Summary> {
+        self.look_for_gathering_strain();
         let last = self.bar.take_trails();
         let living: Vec<Trail> = self.bar.living_trails().collect();
         self.look_at(&living);
@@ -319,7 +340,7 @@ impl<'a> Run<'a> {
             let curve = material.branch(Sense::of(passed.strain));
             curve.beyond() == Beyond::Rupture || curve.ultimate().is_some()
         });
-        past_data || self.bar.ends().iter().any(|end| end.above_critical.is_some())
+        past_data || self.gathers.is_some() || self.bar.ends().iter().any(|end| end.above_critical.is_some())
     }
 
     fn audit(&self) -> Vec<AuditRow> {
@@ -332,6 +353,9 @@ impl<'a> Run<'a> {
             if let Some(time) = end.above_critical.filter(|&t| t > 0.0 || !self.book.above_critical()) {
                 rows.push(record::broken_end(name, time, &segments[segment].material));
             }
+        }
+        if let Some((segment, time, x)) = self.gathers {
+            rows.push(record::broken_inside(time, x, &segments[segment].material));
         }
         if let Some(Passed { segment, strain, time, x }) = self.passed {
             rows.push(record::past_data(strain, time, x, &segments[segment].material));

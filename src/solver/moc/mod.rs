@@ -23,6 +23,7 @@ mod trail;
 pub use contact::{JointChange, JointState};
 pub use end::{EndRecord, EndStep, stepped};
 pub use read::{Front, Piece, Sample};
+pub use sample::Opening;
 pub use striker::StrikerState;
 pub use sums::Balance;
 pub use tracking::FrontTracking;

@@ -373,8 +373,13 @@ impl<'a> Run<'a> {
     fn end_states(&self) -> [EndSummary; 2] {
         let mut strains = [0.0; 2];
         self.bar.sample(Field::Strain, &[0.0, self.book.scene.bar.length()], &mut strains);
-        let ends = View::ends(&self.bar);
-        std::array::from_fn(|k| EndSummary { stress: ends[k].stress, strain: strains[k], velocity: ends[k].velocity })
+        let (ends, strikers) = (View::ends(&self.bar), self.bar.strikers());
+        std::array::from_fn(|k| EndSummary {
+            stress: ends[k].stress,
+            strain: strains[k],
+            velocity: ends[k].velocity,
+            striker: strikers[k],
+        })
     }
 }
 

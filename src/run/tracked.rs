@@ -14,8 +14,8 @@ use crate::record::{
 use crate::scene::Scene;
 use crate::solver::moc::{FrontTracking, Settings, Stopped, Trail};
 
-/// Events between two calls of the progress function: some ten milliseconds.
-const BURST: u64 = 20_000;
+/// Events between two calls of the progress function: some milliseconds, and about 200 kB of trails.
+const BURST: u64 = 5_000;
 
 /// Looks at the bar for neglected unloading over a run, and places that each looks at.
 const UNLOADING_LOOKS: usize = 100;

@@ -118,15 +118,14 @@ fn a_mass_leaves_a_free_bar_after_two_transits() {
 
 #[test]
 fn the_error_of_a_striker_goes_with_the_square_of_the_step() {
-    let velocity = |step| {
-        let mut bar = struck(1.0, EndCondition::Fixed, with_step(step));
-        bar.advance_to(3.5).expect("enough events");
-        bar.striker(0).expect("there").velocity
+    let missed = |step| {
+        let mut bar = struck(1.0, EndCondition::Free, with_step(step));
+        bar.advance_to(2.5).expect("enough events");
+        bar.striker(0).expect("there").velocity - (-2.0_f64).exp()
     };
-    let [coarse, middle, fine] = [1.6e-2, 8e-3, 4e-3].map(velocity);
-    let order = ((coarse - middle) / (middle - fine)).abs().log2();
-    // A step more or less at the separation moves the error about.
-    assert!((1.5..2.8).contains(&order), "order {order}");
+    let [coarse, fine] = [1e-2, 2.5e-3].map(missed);
+    let order = 0.5 * (coarse / fine).log2();
+    assert!((order - 2.0).abs() < 0.1, "order {order}");
 }
 
 #[test]
@@ -143,7 +142,7 @@ fn strikers_at_both_ends_are_mirrored() {
     // By symmetry, a bar of half the length against a fixed end.
     let mut half = struck(4.0, EndCondition::Fixed, with_step(1e-2));
     half.advance_to(5.0).expect("enough events");
-    near(a.velocity, half.striker(0).expect("there").velocity, 1e-4, "half the bar");
+    near(a.velocity, half.striker(0).expect("there").velocity, 5e-4, "half the bar");
 }
 
 #[test]

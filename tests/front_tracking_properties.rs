@@ -13,10 +13,15 @@ use proptest::test_runner::TestCaseResult;
 /// Events of a case: fronts may multiply without a limit, and then the case is looked at as far as it got.
 const BUDGET: u64 = 400;
 
-/// A curve whose slopes fall: 2 to 10 knots beside the origin, in units of E = 1, of a density of its own.
-fn curve() -> impl Strategy<Value = Arc<Material>> {
+/// A curve whose slopes fall: 2 to 10 knots beside the origin, in units of E = 1, of a density of its own; this share of
+/// them ends level.
+fn curve(level: f64) -> impl Strategy<Value = Arc<Material>> {
     let lines = prop::collection::vec((0.15..0.95_f64, 0.1..3.0_f64), 1..10);
-    (lines, 0.5..2.0_f64, 0.3..3.0_f64).prop_map(|(lines, yields, density)| {
+    let level = prop::bool::weighted(level);
+    (lines, 0.5..2.0_f64, 0.3..3.0_f64, level).prop_map(|(mut lines, yields, density, level)| {
+        if let (true, Some(last)) = (level, lines.last_mut()) {
+            last.0 = 0.0;
+        }
         let (mut strain, mut stress, mut slope) = (yields, yields, 1.0);
         let mut rows = vec![(strain, stress)];
         for (factor, width) in lines {
@@ -69,15 +74,15 @@ fn flow() -> impl Strategy<Value = Flow> {
     ]
 }
 
-fn segment() -> impl Strategy<Value = Segment> {
+fn segment(level: f64) -> impl Strategy<Value = Segment> {
     let velocity = prop_oneof![Just(0.0), -2.0..2.0_f64];
     let joint = prop_oneof![2 => Just(Joint::Bonded), 1 => (0.0..0.2_f64).prop_map(|gap| Joint::Contact { gap })];
-    (curve(), 0.2..1.5_f64, 0.3..3.0_f64, velocity, joint)
+    (curve(level), 0.2..1.5_f64, 0.3..3.0_f64, velocity, joint)
         .prop_map(|(material, length, area, velocity, joint)| Segment { length, area, material, velocity, joint })
 }
 
-fn bar() -> impl Strategy<Value = Bar> {
-    prop::collection::vec(segment(), 1..3).prop_map(|segments| Bar { segments, area_given: true })
+fn bar(level: f64) -> impl Strategy<Value = Bar> {
+    prop::collection::vec(segment(level), 1..3).prop_map(|segments| Bar { segments, area_given: true })
 }
 
 /// Pieces lie side by side from end to end, and every state is a number.
@@ -134,14 +139,14 @@ proptest! {
 
     #[test]
     fn every_bar_keeps_order_account_and_dissipation(
-        bar in bar(), flow in flow(), left in end(), right in end(),
+        bar in bar(0.1), flow in flow(), left in end(), right in end(),
     ) {
         follow(&bar, flow, [left, right], 0.0)?;
     }
 
     #[test]
     fn every_front_tolerance_keeps_order_and_account(
-        bar in bar(), flow in flow(), left in end(), right in end(), exponent in -4.0..-1.0_f64,
+        bar in bar(0.0), flow in flow(), left in end(), right in end(), exponent in -4.0..-1.0_f64,
     ) {
         follow(&bar, flow, [left, right], 10.0_f64.powf(exponent))?;
     }

@@ -185,6 +185,27 @@ fn mild_steel_wall() {
 }
 
 #[test]
+fn mild_steel_precursor() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = runs().join("mild-steel-precursor.toml").display().to_string();
+    let output = barwave(folder.path(), &["run", &scene, "--json", "-o", "a.h5"]);
+    let summary: Value = serde_json::from_slice(&output.stdout).expect("one JSON value");
+    assert_contract(&summary, "a scene with rate");
+    assert_eq!(summary["scheme"], "characteristic-net");
+    // Momentum and energy balance to the rounding of 8e6 cell-steps.
+    assert!(number(&summary["ledger"]["energy_residual"]) < 1e-12, "{summary}");
+    let file = barwave::record::store::ResultFile::open(&folder.path().join("a.h5")).expect("a result file");
+    let (c0, rho_c0): (f64, f64) = ((207e9_f64 / 7850.0).sqrt(), (207e9_f64 * 7850.0).sqrt());
+    let elastic_limit = file.fronts().expect("fronts")[0].stress_behind.abs();
+    for gauge in file.gauges().expect("gauges") {
+        let front = elastic_limit + (rho_c0 * 20.0 - elastic_limit) * (-1e5 * gauge.x / (2.0 * c0)).exp();
+        let peak = gauge.trace.stress.iter().fold(0.0_f64, |m, s| m.max(s.abs()));
+        // The gauge stands between two cells of 0.1 mm, k dt = 2e-3: a step and a cell make some 1e-3 of the overstress.
+        assert!((peak / front - 1.0).abs() < 2e-3, "{}: {peak:e} {front:e}", gauge.name);
+    }
+}
+
+#[test]
 fn pulse_tension_us() {
     // The velocity rises over 10 us: its fronts have no sharp start.
     let summary = run("pulse-tension-us.toml", &[]);
@@ -229,6 +250,38 @@ fn copper_let_go() {
     assert_eq!((number(&summary["left"]["stress_Pa"]), number(&summary["right"]["stress_Pa"])), (0.0, 0.0));
 }
 
+#[test]
+fn falling_weight() {
+    let fd = ["--set", "solve.method=fd", "--set", "solve.cells=1000"];
+    let mut velocities = [0.0; 2];
+    for (velocity, sets) in velocities.iter_mut().zip([&[][..], &fd[..]]) {
+        let summary = run("falling-weight.toml", sets);
+        assert_contract(&summary, "falling-weight.toml");
+        // It has left: nothing acts on the struck end any more, and it flies back.
+        assert_eq!(number(&summary["left"]["stress_Pa"]), 0.0);
+        assert!(number(&summary["ledger"]["momentum_residual"]) < 1e-10, "{summary}");
+        assert!(number(&summary["ledger"]["energy_residual"]) < 1e-10, "{summary}");
+        *velocity = number(&summary["left"]["striker_velocity_m_s"]);
+        assert!(summary["right"].get("striker_velocity_m_s").is_none());
+    }
+    // Both are of second order, in steps of a thousandth or so.
+    assert!(velocities[0] < -3.0 && (velocities[0] / velocities[1] - 1.0).abs() < 1e-4, "{velocities:?}");
+}
+
+#[test]
+fn striker_bar() {
+    for sets in [&[][..], &["--set", "solve.method=fd", "--set", "solve.front-tolerance=", "--set", "solve.cells=1800"]]
+    {
+        let summary = run("striker-bar.toml", sets);
+        assert_contract(&summary, "striker-bar.toml");
+        // The short bar stays where it hit, the long one goes on; there is nothing else that could take momentum.
+        assert_eq!(number(&summary["left"]["stress_Pa"]), 0.0);
+        assert!(number(&summary["left"]["velocity_m_s"]).abs() < 0.02, "{summary}");
+        assert!(number(&summary["ledger"]["momentum_residual"]) < 1e-10, "{summary}");
+        assert!(number(&summary["ledger"]["energy_residual"]) < 1e-10, "{summary}");
+    }
+}
+
 /// As a tracked run of a scene written for the grid.
 fn by_characteristics(name: &str) -> Value {
     let sets = ["--set", "solve.method=moc", "--set", "solve.front-tolerance=0"];
@@ -267,6 +320,45 @@ fn both_methods_tell_the_same_story_above_the_critical_velocity() {
     // Its own edge can follow only as fast as the waves carry strain away: at the critical velocity.
     let (edge, critical) = (number(&tracked["left"]["velocity_m_s"]), number(&tracked["critical_velocity_m_s"]));
     assert!((edge / -critical - 1.0).abs() < 1e-9, "{edge}");
+}
+
+/// Critical velocity 20.3 m/s: 5.1 m/s up to yield and 15.2 m/s on to the largest stress. The left end pulls at 14 m/s.
+const WEAK: &str = r#"
+[bar]
+length = 1
+material = { name = "weak", density = 7800, modulus = 200e9, beyond = "rupture", curve = { table = [[0.001, 200e6], [0.01, 400e6], [0.02, 400e6]] } }
+[left]
+kind = "velocity"
+value = -14
+[right]
+RIGHT
+[effects]
+unloading = "isotropic"
+[solve]
+until = "700 us"
+SOLVE
+"#;
+
+#[test]
+fn both_methods_tell_the_same_story_where_waves_meet_above_the_critical_velocity() {
+    let folder = tempfile::tempdir().expect("a folder");
+    // Where the waves meet, at a fixed end or half-way, the stress is that of twice 14 m/s.
+    for right in ["kind = \"fixed\"", "kind = \"velocity\"\nvalue = 14"] {
+        let [grid, tracked] = ["cells = 1000", "method = \"moc\""].map(|solve| -> Value {
+            let text = WEAK.replace("RIGHT", right).replace("SOLVE", solve);
+            std::fs::write(folder.path().join("weak.toml"), text).expect("written");
+            let output = barwave(folder.path(), &["run", "weak.toml", "--json"]);
+            serde_json::from_slice(&output.stdout).unwrap_or_else(|e| panic!("{e}: {output:?}"))
+        });
+        for key in ["outcome", "above_critical", "effects", "critical_velocity_m_s"] {
+            assert_eq!(grid[key], tracked[key], "{right}: {key}");
+        }
+        assert_eq!((&tracked["outcome"], &tracked["above_critical"]), (&"rupture".into(), &false.into()), "{right}");
+        for summary in [&grid, &tracked] {
+            let notes = summary["audit"].as_array().expect("a list");
+            assert!(notes.iter().any(|row| row["effect"] == "rupture"), "{right}: {notes:?}");
+        }
+    }
 }
 
 #[test]

@@ -124,6 +124,45 @@ fn gauges_are_exact_steps() {
     }
 }
 
+/// Fronts that meet just at a gauge, at the moments of frames: nothing is counted twice, and what lasts no time leaves
+/// no rows.
+#[test]
+fn a_gauge_where_fronts_meet_sees_only_what_lasts() {
+    let text = "[bar]\nlength = 1\nmaterial = { name = \"a\", density = 7800, modulus = 200e9, beyond = \"extend\", \
+                curve = { table = [[0.001, 200e6], [0.021, 600e6]] } }\n[left]\nkind = \"velocity\"\nvalue = 10\n\
+                [right]\nkind = \"velocity\"\nvalue = -10\n[effects]\nunloading = \"isotropic\"\n[solve]\n\
+                until = UNTIL\nmethod = \"moc\"\nfront-tolerance = 0\n[record]\nframes = 9\n\
+                gauges = { start = 0, middle = 0.5, end = 1 }\n";
+    let transit = (7800.0_f64 / 200e9).sqrt();
+    // Four transits, a frame every half: each lies on a meeting, up to rounding.
+    let text = text.replace("UNTIL", &format!("{:e}", 4.0 * transit));
+    let scene = Scene::parse("meeting.toml", &text, Path::new(""), &[]).unwrap_or_else(|e| panic!("{e}"));
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = result(&scene, folder.path());
+    let gauges = file.gauges().expect("gauges");
+    let mut bar = tracked(&scene, 0.0);
+    for k in 0..400 {
+        let t = 4.0 * transit * (f64::from(k) + 0.371) / 400.0;
+        bar.advance_to(t).expect("it goes on");
+        for gauge in &gauges {
+            let row = gauge.trace.time.partition_point(|&row| row <= t) - 1;
+            let state = bar.state_at(gauge.x);
+            let seen = [gauge.trace.stress[row], gauge.trace.strain[row], gauge.trace.velocity[row]];
+            assert_eq!(seen, [state.stress, state.strain, state.velocity], "{} at t = {t}", gauge.name);
+        }
+    }
+    for gauge in &gauges {
+        for k in 2..gauge.trace.time.len() {
+            let times = &gauge.trace.time[k - 2..=k];
+            assert!(times[0] < times[2], "{}: three rows at t = {}", gauge.name, times[0]);
+        }
+    }
+    // By symmetry the middle never moves, and its first step is the elastic waves' meeting.
+    let middle = &gauges[1].trace;
+    assert!(middle.velocity.iter().all(|v| v.abs() < 1e-12), "{:?}", middle.velocity);
+    assert!((middle.time[1] / (0.5 * transit) - 1.0).abs() < 1e-14);
+}
+
 #[test]
 fn displacements_are_the_integral_of_the_velocities_with_and_without_a_tolerance() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -112,6 +112,19 @@ pub fn broken_end(end: &str, time: f64, material: &Material) -> AuditRow {
     AuditRow { effect: "rupture".into(), estimate: strain, threshold: strain, message }
 }
 
+/// A place inside the bar at which the curve can carry no more while its two sides go on apart or together.
+pub fn broken_inside(time: f64, x: f64, material: &Material) -> AuditRow {
+    let strain = material.tension.ultimate().map_or(f64::NAN, |u| u.strain);
+    let message = std::format!(
+        "rupture: from t = {} on, strain gathers at x = {}, where waves met and {} can carry no more; the bar breaks at that \
+         place, and goes on under the ultimate stress",
+        format(time, Dimension::Time, System::Si),
+        format(x, Dimension::Length, System::Si),
+        material.name,
+    );
+    AuditRow { effect: "rupture".into(), estimate: strain, threshold: strain, message }
+}
+
 /// Why a run stops whose strain is past the end of data that are said to be all there is, and what to do.
 pub fn end_of_data(strain: f64, material: &Material) -> (String, &'static str) {
     let reason = std::format!(

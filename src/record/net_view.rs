@@ -28,6 +28,10 @@ impl View for Net {
         self.ends().map(|end| EndState { stress: end.stress, velocity: end.velocity })
     }
 
+    fn strikers(&self) -> [Option<f64>; 2] {
+        self.striker_velocities()
+    }
+
     fn start(&self) -> Start {
         let initial = self.energies();
         Start { kinetic: initial.kinetic, momentum: initial.momentum, mass: self.mass() }

@@ -1,7 +1,7 @@
 //! What the recorders read of a front-tracking bar.
 
 use super::{Account, EndState, Field, Start, Trace, View};
-use crate::solver::moc::{FrontTracking, Piece};
+use crate::solver::moc::{EndStep, FrontTracking, Piece};
 use crate::wave::riemann::{Medium, Point};
 
 impl View for FrontTracking {
@@ -31,6 +31,10 @@ impl View for FrontTracking {
                 velocity: s.velocity,
             })
         })
+    }
+
+    fn strikers(&self) -> [Option<f64>; 2] {
+        [0, 1].map(|which| self.striker(which).map(|striker| striker.velocity))
     }
 
     fn start(&self) -> Start {
@@ -72,6 +76,8 @@ fn mass(bar: &FrontTracking, piece: &Piece<'_>) -> f64 {
 pub struct EndHistories {
     /// Steps handed on so far.
     taken: [usize; 2],
+    /// The last of them.
+    last: [Option<EndStep>; 2],
 }
 
 impl EndHistories {
@@ -88,10 +94,15 @@ impl EndHistories {
             };
             for k in self.taken[side]..steps.len() {
                 let step = steps[k];
-                if let Some(before) = k.checked_sub(1).map(|b| steps[b]) {
+                // What another step follows at once lasts no time.
+                if steps.get(k + 1).is_some_and(|next| next.time == step.time) {
+                    continue;
+                }
+                if let Some(before) = self.last[side] {
                     add(step.time, before.stress, before.velocity);
                 }
                 add(step.time, step.stress, step.velocity);
+                self.last[side] = Some(step);
             }
             self.taken[side] = steps.len();
             trace

@@ -111,20 +111,26 @@ fn arrival(trail: &Trail, x: f64) -> f64 {
 }
 
 /// Makes the rows of `/paths`, up to a limit.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Paths {
-    rows: usize,
+    /// Rows that may still come.
+    room: usize,
     left_out: bool,
+}
+
+impl Default for Paths {
+    fn default() -> Self {
+        Self { room: MOST_PATHS, left_out: false }
+    }
 }
 
 impl Paths {
     /// Rows for trails: those that lasted for a time.
     pub fn rows(&mut self, trails: impl Iterator<Item = Trail>) -> Vec<PathRow> {
-        let room = MOST_PATHS - self.rows;
         let mut lasting = trails.filter(|t| t.t[1] > t.t[0]).map(|t| row(&t));
-        let rows: Vec<PathRow> = lasting.by_ref().take(room).collect();
+        let rows: Vec<PathRow> = lasting.by_ref().take(self.room).collect();
         self.left_out |= lasting.next().is_some();
-        self.rows += rows.len();
+        self.room -= rows.len();
         rows
     }
 
@@ -142,5 +148,40 @@ fn row(trail: &Trail) -> PathRow {
         t1: trail.t[1],
         stress_jump: trail.behind.stress - trail.ahead.stress,
         speed: speed(trail),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::wave::riemann::Point;
+
+    fn trail(from: f64, to: f64) -> Trail {
+        let behind = Point { stress: -1e6, ..Point::default() };
+        Trail { x: [0.0, to - from], t: [from, to], segment: 0, ahead: Point::default(), behind }
+    }
+
+    #[test]
+    fn paths_past_the_limit_are_left_out_and_said_to_be() {
+        let mut paths = Paths { room: 3, left_out: false };
+        // What lasts no time is no path, and takes no room.
+        let rows = paths.rows([trail(0.0, 1.0), trail(1.0, 1.0), trail(1.0, 3.0)].into_iter());
+        assert_eq!(
+            rows.iter().map(|r| (r.t0, r.t1, r.stress_jump, r.speed)).collect::<Vec<_>>(),
+            [(0.0, 1.0, -1e6, 1.0), (1.0, 3.0, -1e6, 1.0)]
+        );
+        assert!(paths.complete());
+        assert_eq!(paths.rows([trail(3.0, 4.0)].into_iter()).len(), 1);
+        assert!(paths.complete());
+        assert_eq!(paths.rows([trail(4.0, 5.0)].into_iter()).len(), 0);
+        assert!(!paths.complete());
+    }
+
+    #[test]
+    fn a_front_arrives_where_it_passes_and_nowhere_else() {
+        let trail = Trail { x: [0.5, 0.25], t: [1.0, 2.0], ..trail(0.0, 1.0) };
+        assert_eq!((arrival(&trail, 0.375), arrival(&trail, 0.25)), (1.5, 2.0));
+        assert!(arrival(&trail, 0.6).is_nan() && arrival(&trail, 0.2).is_nan());
+        assert_eq!(speed(&trail), -0.25);
     }
 }

@@ -18,6 +18,11 @@ pub trait View {
     /// The left and the right end now.
     fn ends(&self) -> [EndState; 2];
 
+    /// Velocity of the striker at the left and the right end, m/s; none where there is none.
+    fn strikers(&self) -> [Option<f64>; 2] {
+        [None; 2]
+    }
+
     /// What the bar started with; asked for once, before the first step.
     fn start(&self) -> Start;
 
@@ -126,6 +131,10 @@ impl View for Leapfrog {
 
     fn ends(&self) -> [EndState; 2] {
         [self.left(), self.right()].map(|d| EndState { stress: d.stress(), velocity: d.velocity() })
+    }
+
+    fn strikers(&self) -> [Option<f64>; 2] {
+        [self.left(), self.right()].map(|device| device.striker().map(|(velocity, _)| velocity))
     }
 
     fn start(&self) -> Start {

@@ -63,8 +63,9 @@ fn facts_table(facts: &Facts) -> String {
     }
     let counts = [
         ("cells", facts.cells),
-        ("steps", facts.steps),
-        ("front collisions", facts.events),
+        // By characteristics a step is an event.
+        ("steps", facts.steps.filter(|_| facts.method != "moc")),
+        ("events", facts.events),
         ("cell steps", facts.cell_steps),
     ];
     for (name, count) in counts.into_iter().filter_map(|(name, count)| Some((name, count.filter(|c| *c > 0)?))) {

@@ -1,6 +1,7 @@
 //! Running a scene: steps its bar, and hands what it sees to the recorders and the result file. Here is what all methods
 //! have in common; how they go on in time is in `stepped` (grids) and `tracked` (fronts).
 
+mod breaks;
 mod stepped;
 mod tracked;
 

@@ -3,10 +3,10 @@
 use std::path::Path;
 use std::time::Instant;
 
+use super::breaks::Breaks;
 use super::{Book, Findings, Progress, Wish};
 use crate::assemble;
 use crate::error::{Error, Result, RunError};
-use crate::material::{Beyond, Sense};
 use crate::record::{
     self, AuditRow, ElasticProbe, EndHistories, EndSummary, ErrorFigure, Field, Ledger, LedgerSummary, Paths,
     StepGauges, Summary, TrackedFronts, TrackingSummary, UnloadingWatch, View,
@@ -14,16 +14,12 @@ use crate::record::{
 use crate::scene::Scene;
 use crate::solver::moc::{FrontTracking, Settings, Stopped, Trail};
 
-/// Events between two calls of the progress function: some ten milliseconds.
-const BURST: u64 = 20_000;
+/// Events between two calls of the progress function: some milliseconds, and about 200 kB of trails.
+const BURST: u64 = 5_000;
 
 /// Looks at the bar for neglected unloading over a run, and places that each looks at.
 const UNLOADING_LOOKS: usize = 100;
 const UNLOADING_PLACES: usize = 1000;
-
-/// A state counts as having reached the end of its material's data from this share of it on: it is held there by a level
-/// line, so all that it lacks is rounding.
-const AT_THE_END: f64 = 1.0 - 1e-12;
 
 /// What a sample of the fields means, for the result file.
 const SAMPLING: &str = "exact at the place; on a front the state behind it, on a joint the state to its right";
@@ -59,19 +55,7 @@ struct Run<'a> {
     /// Where unloading is watched, m.
     watched: Vec<f64>,
     elastic_check: Option<ElasticProbe>,
-    /// E times the last strain of each segment's data in tension and in compression, Pa.
-    data_ends: Vec<[f64; 2]>,
-    passed: Option<Passed>,
-    elastic: bool,
-}
-
-/// A state at the end of its material's data.
-#[derive(Debug, Clone, Copy)]
-struct Passed {
-    segment: usize,
-    strain: f64,
-    time: f64,
-    x: f64,
+    breaks: Breaks,
 }
 
 /// What is done at a time at which the run stands still for a moment.
@@ -102,9 +86,7 @@ impl<'a> Run<'a> {
             ledger: Ledger::new(&bar),
             unloading: scene.effects.unloading.is_none().then(watch),
             elastic_check: ElasticProbe::new(&scene.bar, &book.launches, scene.solve.until),
-            data_ends: scene.bar.segments.iter().map(|s| assemble::segment_law(s, &scene.effects).end).collect(),
-            passed: None,
-            elastic: true,
+            breaks: Breaks::new(scene),
             book,
             bar,
             settings,
@@ -172,38 +154,11 @@ impl<'a> Run<'a> {
     /// Takes in what has happened to the fronts since the last call.
     fn collect(&mut self) -> Result<()> {
         let ended = self.bar.take_trails();
-        self.look_at(&ended);
+        self.breaks.look_at(&self.bar, &ended);
         self.fronts.collect(&ended);
         self.gauges.collect(&self.bar, &ended);
         self.write_paths(ended.into_iter())?;
-        self.stop_past_data()
-    }
-
-    /// Whether anything has yielded, or come to the end of its data.
-    fn look_at(&mut self, trails: &[Trail]) {
-        for trail in trails {
-            let medium = self.bar.medium(trail.segment);
-            let point = &trail.behind;
-            self.elastic &= point.plastic.abs() <= medium.round_off;
-            let end = self.data_ends[trail.segment][usize::from(point.stress < 0.0)];
-            let reach = point.stress.abs() + point.accumulated.max(point.plastic.abs());
-            if self.passed.is_none() && reach >= AT_THE_END * end {
-                let strain = medium.strain(point);
-                self.passed = Some(Passed { segment: trail.segment, strain, time: trail.t[0], x: trail.x[0] });
-            }
-        }
-    }
-
-    /// Past the last knot the material file decides: stop, or note the rupture and go on under the largest stress.
-    fn stop_past_data(&self) -> Result<()> {
-        let Some(passed) = self.passed else { return Ok(()) };
-        let material = &self.book.scene.bar.segments[passed.segment].material;
-        let curve = material.branch(Sense::of(passed.strain));
-        if curve.beyond() != Beyond::Error || curve.ultimate().is_some() {
-            return Ok(());
-        }
-        let (reason, help) = record::end_of_data(passed.strain, material);
-        Err(RunError { reason, time: passed.time, x: Some(passed.x), help: help.to_owned() }.into())
+        self.breaks.stop_past_data(self.book.scene)
     }
 
     fn write_paths(&mut self, trails: impl Iterator<Item = Trail>) -> Result<()> {
@@ -221,6 +176,7 @@ impl<'a> Run<'a> {
         let ends = self.ends.take(&self.bar);
         self.book.write_traces(gauges, ends)?;
         self.write_ledger()?;
+        self.breaks.look_for_gathering_strain(self.book.scene, &self.bar);
         if let Some(writer) = &mut self.book.writer {
             let frame = record::read_frame(&self.bar, &self.book.scene.record.fields, &self.x, self.x.len());
             writer.frame(record::Frame { time, ..frame })?;
@@ -271,16 +227,16 @@ impl<'a> Run<'a> {
 
     /// Hands what was found to the book, which closes the file, whatever the end was.
     fn finish(mut self, ended: Result<()>) -> Result<Summary> {
+        self.breaks.look_for_gathering_strain(self.book.scene, &self.bar);
         let last = self.bar.take_trails();
         let living: Vec<Trail> = self.bar.living_trails().collect();
-        self.look_at(&living);
+        self.breaks.look_at(&self.bar, &living);
         self.gauges.close(&self.bar, &last);
         let gauges = self.gauges.take();
         let ends = self.ends.take(&self.bar);
         self.book.write_traces(gauges, ends)?;
         self.book.write_traces(Vec::new(), EndHistories::last(&self.bar))?;
         self.write_paths(last.into_iter().chain(living))?;
-        let elastic = self.elastic && self.bar.ends().iter().all(|end| end.above_critical.is_none());
         let findings = Findings {
             cells: 0,
             steps: self.bar.events() as usize,
@@ -295,14 +251,14 @@ impl<'a> Run<'a> {
             ends: self.end_states(),
             fronts: self.fronts.rows(&self.bar, &self.book.launches, &self.book.scene.record.gauges),
             audit: self.audit(),
-            elastic,
+            elastic: self.breaks.stayed_elastic(&self.bar),
             elastic_check: self.elastic_check.as_ref().and_then(ElasticProbe::check),
             ledger: LedgerSummary {
                 energy_residual: self.ledger.worst_energy(),
                 momentum_residual: self.ledger.worst_momentum(),
             },
             error: self.error_figure(),
-            ruptured: self.ruptured(),
+            ruptured: self.breaks.ruptured(self.book.scene, &self.bar),
             paths_complete: self.paths.complete(),
         };
         self.book.close(ended, findings)
@@ -313,29 +269,12 @@ impl<'a> Run<'a> {
         record::tracked_against_similarity(&self.book.scene.bar, &self.bar, &self.book.launches)
     }
 
-    fn ruptured(&self) -> bool {
-        let past_data = self.passed.is_some_and(|passed| {
-            let material = &self.book.scene.bar.segments[passed.segment].material;
-            let curve = material.branch(Sense::of(passed.strain));
-            curve.beyond() == Beyond::Rupture || curve.ultimate().is_some()
-        });
-        past_data || self.bar.ends().iter().any(|end| end.above_critical.is_some())
-    }
-
     fn audit(&self) -> Vec<AuditRow> {
         let segments = &self.book.scene.bar.segments;
         let unloading = self.unloading.as_ref().and_then(|w| w.row(&self.watched, "places"));
         let mut rows: Vec<AuditRow> = unloading.into_iter().collect();
         rows.extend(self.book.audit());
-        for (end, (name, segment)) in self.bar.ends().iter().zip([("left", 0), ("right", segments.len() - 1)]) {
-            // At t = 0 the launch has told it already.
-            if let Some(time) = end.above_critical.filter(|&t| t > 0.0 || !self.book.above_critical()) {
-                rows.push(record::broken_end(name, time, &segments[segment].material));
-            }
-        }
-        if let Some(Passed { segment, strain, time, x }) = self.passed {
-            rows.push(record::past_data(strain, time, x, &segments[segment].material));
-        }
+        rows.extend(self.breaks.audit(self.book.scene, &self.bar, self.book.above_critical()));
         let heated = segments.iter().enumerate().filter_map(|(k, segment)| {
             let plastic = self.bar.pieces().filter(|p| p.segment == k);
             let plastic = plastic.map(|p| p.point.accumulated.max(p.point.plastic.abs())).fold(0.0, f64::max);
@@ -349,8 +288,13 @@ impl<'a> Run<'a> {
     fn end_states(&self) -> [EndSummary; 2] {
         let mut strains = [0.0; 2];
         self.bar.sample(Field::Strain, &[0.0, self.book.scene.bar.length()], &mut strains);
-        let ends = View::ends(&self.bar);
-        std::array::from_fn(|k| EndSummary { stress: ends[k].stress, strain: strains[k], velocity: ends[k].velocity })
+        let (ends, strikers) = (View::ends(&self.bar), self.bar.strikers());
+        std::array::from_fn(|k| EndSummary {
+            stress: ends[k].stress,
+            strain: strains[k],
+            velocity: ends[k].velocity,
+            striker: strikers[k],
+        })
     }
 }
 

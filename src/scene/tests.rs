@@ -68,14 +68,6 @@ fn a_grid_scene_becomes_a_tracked_one_on_the_command_line() {
 }
 
 #[test]
-fn what_front_tracking_cannot_follow_is_refused_with_the_method_that_can() {
-    let ramp = base("method = \"moc\"\n").replace("value = \"-30 m/s\"", "history = [[0, 0], [\"1 us\", -30]]");
-    let error = wrong(&ramp, &[]);
-    assert_eq!(error.key, "solve.method");
-    assert!(error.message.contains("ramp") && error.help.contains("method = \"fd\""), "{error}");
-}
-
-#[test]
 fn frames_are_even_and_hold_both_ends() {
     let times = |rest: &str| scene(&format!("[record]\n{rest}"), &[]).record.times;
     let five = times("frames = 5");

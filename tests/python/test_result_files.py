@@ -327,3 +327,40 @@ def test_a_tracked_report_draws_the_paths(program, run, tmp_path):
     subprocess.run([program, "report", run(TRACKED), "-o", output], check=True)
     text = output.read_text()
     assert "fronts, by strength" in text and "front speeds, theory" not in text
+
+
+@pytest.fixture
+def long_tracked_scene(tmp_path):
+    """A scene whose fronts, every one sent, meet for a long time."""
+    path = tmp_path / "long-tracked.toml"
+    text = (ROOT / LET_GO).read_text()
+    text = text.replace("front-tolerance = 0.02", "front-tolerance = 0\nevent-budget = 1e11")
+    path.write_text(text.replace("frames = 201", "frames = 1000"))
+    return path
+
+
+def test_a_killed_tracked_run_opens_without_a_warning(program, long_tracked_scene, tmp_path):
+    output = tmp_path / "killed.h5"
+    process = started(program, long_tracked_scene, output)
+    process.kill()
+    process.wait()
+    with h5py.File(output) as file:
+        assert file.attrs["outcome"] == "running"
+        assert file["paths"].attrs["complete"] == 0
+        assert file["paths"].shape == file["path"].shape
+        assert file["paths"].shape[0] > 0
+        assert_frames_are_sound(file)
+    dataset = open_xarray(output)
+    assert dataset.stress.dims == ("time", "x") and dataset.paths.dims == ("path",)
+
+
+def test_an_interrupted_tracked_run_closes_its_file(program, long_tracked_scene, tmp_path):
+    output = tmp_path / "interrupted.h5"
+    process = started(program, long_tracked_scene, output)
+    process.send_signal(signal.SIGINT)
+    assert process.wait(timeout=60) == 130
+    with h5py.File(output) as file:
+        assert file.attrs["outcome"] == "interrupted"
+        assert file["paths"].attrs["complete"] == 0
+        assert_frames_are_sound(file)
+        assert file["fronts"].shape[0] > 0

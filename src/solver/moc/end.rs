@@ -168,8 +168,8 @@ impl End {
     pub fn wish(&mut self, bar: &Point, impedance: f64) -> Option<f64> {
         let change = (bar.stress - self.stress).abs().max((bar.velocity - self.velocity).abs() * impedance);
         match &mut self.body {
-            Body::Striker(striker) => striker.wish(bar.stress, change),
-            Body::Spring(spring) => spring.wish(bar.velocity, change),
+            Body::Striker(striker) => striker.wish(bar, change),
+            Body::Spring(spring) => spring.wish(bar, change),
             Body::None => None,
         }
     }

@@ -23,6 +23,7 @@ mod trail;
 pub use contact::{JointChange, JointState};
 pub use end::{EndRecord, EndStep, stepped};
 pub use read::{Front, Piece, Sample};
+pub use sample::Opening;
 pub use striker::StrikerState;
 pub use sums::Balance;
 pub use tracking::FrontTracking;
@@ -36,7 +37,7 @@ pub struct Settings {
     pub front_tolerance: f64,
     /// Ramps of an end's history are made into steps of this height, relative to [`FrontTracking::stress_scale`]
     /// (velocities by the elastic impedance); strikers and springs take steps of like effect. The error goes with its
-    /// square. None: the front tolerance, or [`RAMP_STEP`] where that is 0.
+    /// square. None: [`RAMP_STEP`], or four times the front tolerance where that is more.
     pub ramp_step: Option<f64>,
     /// Most events that a run may take.
     pub event_budget: u64,
@@ -47,11 +48,13 @@ pub struct Settings {
 /// Step of ramps where neither it nor a front tolerance is given.
 pub const RAMP_STEP: f64 = 1e-3;
 
+/// A step makes a wave stronger than those that are held back, by this factor: else the whole ramp would be held back.
+const STEP_ABOVE_TOLERANCE: f64 = 4.0;
+
 impl Settings {
     /// The step of ramps that goes with these settings.
     pub fn step(&self) -> f64 {
-        let of_tolerance = if self.front_tolerance > 0.0 { self.front_tolerance } else { RAMP_STEP };
-        self.ramp_step.unwrap_or(of_tolerance)
+        self.ramp_step.unwrap_or(RAMP_STEP.max(STEP_ABOVE_TOLERANCE * self.front_tolerance))
     }
 }
 

@@ -7,7 +7,10 @@
 /// Longest step, in units of T: farther the step's rule would no longer be a good picture of an exponential.
 const LONGEST: f64 = 0.25;
 
-/// Where waves are held back, the rest of a relaxation that is weaker than such a wave may be taken as coarsely as this.
+/// Where waves are held back, the steps must make waves that are not, by this factor: else all of them would be.
+const ABOVE_HOLD: f64 = 4.0;
+
+/// A rest that is too weak for that is relaxed in steps as long as this.
 const COARSEST: f64 = 1.0;
 
 /// First step after a jump, in units of T: the stress right after the jump is off by half of this.
@@ -48,8 +51,7 @@ impl Pace {
 
     /// The next step starts after a jump.
     pub fn restart(&mut self) {
-        // What is held back elsewhere need not be resolved here.
-        self.grown = if self.level > 0.0 { FIRST.max(0.25 * self.hold / self.level) } else { FIRST };
+        self.grown = FIRST;
     }
 
     /// Whether a change of the stress by `change` is a jump, at a stress of `stress` (Pa).
@@ -66,7 +68,8 @@ impl Pace {
     pub fn next(&mut self, strength: f64) -> f64 {
         let strength = strength.abs().max(f64::MIN_POSITIVE);
         let fine = (self.step * (self.level / strength).cbrt()).min(LONGEST);
-        let part = fine.max((self.hold / strength).min(COARSEST)).min(self.grown);
+        let coarse = (ABOVE_HOLD * self.hold / strength).min(COARSEST);
+        let part = fine.min(self.grown).max(coarse);
         self.grown = 2.0 * part;
         part * self.constant
     }

@@ -5,6 +5,19 @@ use super::list::{Kind, Node};
 use super::tracking::Meeting;
 use crate::wave::riemann::Point;
 
+/// A place at rest whose two sides differ in velocity.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Opening {
+    /// m.
+    pub x: f64,
+    /// s.
+    pub since: f64,
+    /// Velocity of the right side less that of the left, m/s: positive where it opens.
+    pub velocity: f64,
+    /// Segment and stress (Pa) of the left and of the right side.
+    pub sides: [(usize, f64); 2],
+}
+
 impl FrontTracking {
     /// Memory of a front under way: its node, and its next meeting in the queue.
     pub const BYTES_PER_FRONT: usize = size_of::<Node>() + size_of::<Meeting>();
@@ -86,6 +99,21 @@ impl FrontTracking {
 
     fn bar_length(&self) -> f64 {
         self.list.get(self.end_nodes[1]).x
+    }
+
+    /// Places at rest inside the bar whose two sides move apart or into each other: points of a level curve where strain
+    /// gathers, and waves held back.
+    pub fn openings(&self) -> impl Iterator<Item = Opening> + '_ {
+        self.list.iter().filter(|n| matches!(n.kind, Kind::Contact | Kind::Joint)).filter_map(|node| {
+            let left = self.list.get(node.prev);
+            let velocity = node.right.velocity - left.right.velocity;
+            (velocity != 0.0).then_some(Opening {
+                x: node.x,
+                since: node.t,
+                velocity,
+                sides: [(left.segment as usize, left.right.stress), (node.segment as usize, node.right.stress)],
+            })
+        })
     }
 
     /// Fronts under way.

@@ -8,6 +8,7 @@
 use super::end::Drive;
 use super::pace::{Pace, first_zero};
 use super::striker::step_length;
+use crate::wave::riemann::Point;
 
 /// The spring and its step.
 #[derive(Debug, Clone)]
@@ -61,13 +62,15 @@ impl Spring {
         }
     }
 
-    /// How long the next step should be, s, where one begins: the end moves with `velocity` (m/s), and the stress changed
-    /// by `change` just now (Pa).
-    pub fn wish(&mut self, velocity: f64, change: f64) -> Option<f64> {
+    /// How long the next step should be, s, where one begins: `bar` is what has come near, the stress changed by `change`
+    /// (Pa) just now.
+    pub fn wish(&mut self, bar: &Point, change: f64) -> Option<f64> {
         if self.owed != 0.0 && change <= self.pace.passing() {
             return None;
         }
-        let strength = self.impedance * velocity;
+        // rho c0 times the velocity that an elastic answer to the spring's force would bring.
+        let own = self.inward * self.stiffness * self.stretch / self.area;
+        let strength = self.impedance * bar.velocity - self.inward * (own - bar.stress);
         if self.pace.is_jump(change, strength) {
             self.pace.restart();
         }

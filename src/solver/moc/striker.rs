@@ -9,6 +9,7 @@
 use super::contact::JointChange;
 use super::end::Drive;
 use super::pace::{Pace, first_zero};
+use crate::wave::riemann::Point;
 
 /// What happens at a striker.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -111,16 +112,18 @@ impl Striker {
         self.state.touching
     }
 
-    /// How long the next step should be, s, where one begins: `stress` acts, and changed by `change` just now (Pa).
-    pub fn wish(&mut self, stress: f64, change: f64) -> Option<f64> {
-        if !self.state.touching || (self.owed != 0.0 && change <= self.pace.passing() && stress < 0.0) {
+    /// How long the next step should be, s, where one begins: `bar` is what has come near, the stress changed by `change`
+    /// (Pa) just now.
+    pub fn wish(&mut self, bar: &Point, change: f64) -> Option<f64> {
+        if !self.state.touching || (self.owed != 0.0 && change <= self.pace.passing() && bar.stress < 0.0) {
             return None;
         }
-        self.jumped = self.pace.is_jump(change, stress);
+        self.jumped = self.pace.is_jump(change, bar.stress);
         if self.jumped {
             self.pace.restart();
         }
-        Some(self.pace.next(stress))
+        // The stress that an elastic answer to the mass's velocity would bring.
+        Some(self.pace.next(bar.stress - self.inward * self.impedance * (self.state.velocity - bar.velocity)))
     }
 
     /// The bar's end would have to be pulled with this stress (Pa): it will be let go.

@@ -188,13 +188,13 @@ fn mild_steel_wall() {
 fn mild_steel_precursor() {
     let folder = tempfile::tempdir().expect("a folder");
     let scene = runs().join("mild-steel-precursor.toml").display().to_string();
-    let output = barwave(folder.path(), &["run", &scene, "--json", "-o", "a.h5"]);
+    let output = barwave(folder.path(), &["run", &scene, "--json", "-o", "out.h5"]);
     let summary: Value = serde_json::from_slice(&output.stdout).expect("one JSON value");
     assert_contract(&summary, "a scene with rate");
     assert_eq!(summary["scheme"], "characteristic-net");
     // Momentum and energy balance to the rounding of 8e6 cell-steps.
     assert!(number(&summary["ledger"]["energy_residual"]) < 1e-12, "{summary}");
-    let file = barwave::record::store::ResultFile::open(&folder.path().join("a.h5")).expect("a result file");
+    let file = barwave::record::store::ResultFile::open(&folder.path().join("out.h5")).expect("a result file");
     let (c0, rho_c0): (f64, f64) = ((207e9_f64 / 7850.0).sqrt(), (207e9_f64 * 7850.0).sqrt());
     let elastic_limit = file.fronts().expect("fronts")[0].stress_behind.abs();
     for gauge in file.gauges().expect("gauges") {

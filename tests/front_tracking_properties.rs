@@ -119,11 +119,13 @@ fn follow(bar: &Bar, flow: Flow, ends: [EndCondition; 2], front_tolerance: f64) 
         let impulse = sum.momentum - start.momentum - sum.impulse[0] - sum.impulse[1];
         // Fronts nearer than 1e-13 of the bar are taken as one; a few hundred events, few of which shift anything.
         prop_assert!(impulse.abs() < 1e-10 * momentum_scale, "momentum {impulse:e} {sum:?}");
+        // With a front tolerance, momentum alone is promised to be exact.
         let energy = sum.total() - start.total() - sum.work[0] - sum.work[1];
-        prop_assert!(energy.abs() < 1e-10 * energy_scale, "energy {energy:e} {sum:?}");
+        let exact = front_tolerance == 0.0;
+        prop_assert!(!exact || energy.abs() < 1e-10 * energy_scale, "energy {energy:e} {sum:?}");
         // Kinematic hardening stores energy and gives it back, the path-independent law all of it: only the plastic work of
         // isotropic hardening is dissipation.
-        if front_tolerance == 0.0 && flow == (Flow::Plastic { kinematic: 0.0 }) {
+        if exact && flow == (Flow::Plastic { kinematic: 0.0 }) {
             prop_assert!(sum.plastic >= dissipated - 1e-11 * energy_scale, "{} < {dissipated}", sum.plastic);
             dissipated = sum.plastic;
         }

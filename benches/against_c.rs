@@ -108,7 +108,7 @@ struct Outcome {
 
 fn run_here(problem: Problem, cells: usize) -> Outcome {
     let scene = problem.scene(cells);
-    let mut bar = assemble::leapfrog(&scene);
+    let mut bar = assemble::leapfrog(&scene, cells, 1.0);
     let steps = run::steps(&scene, bar.grid().dt);
     let start = Instant::now();
     for _ in 0..steps {

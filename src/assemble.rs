@@ -3,20 +3,51 @@
 use std::sync::Arc;
 
 use crate::bar::Segment;
+use crate::law::rate::{Overstress, RateLaw};
 use crate::law::{
     Backbone, CellLaw, Envelope, Indexed, Isotropic, Mixed, PathIndependent, RowLaw, Rows, Searched, Table, TwoSided,
 };
 use crate::material::{Material, Sense};
-use crate::scene::{Effects, Method, Scene, Unloading};
+use crate::scene::{Effects, Rate, Scene, Unloading};
 use crate::solver::fd::{Grid, Leapfrog, SegmentLaw};
+use crate::solver::moc::{FrontTracking, Settings};
+use crate::solver::net::{Lattice, Net};
 use crate::wave::riemann::Flow;
 
-/// The finite-difference bar of a scene, ready to step.
-pub fn leapfrog(scene: &Scene) -> Leapfrog {
-    let Method::Leapfrog { cells, cfl } = scene.solve.method;
+/// The finite-difference bar of a scene, ready to step: about `cells` cells, Courant number `cfl`.
+pub fn leapfrog(scene: &Scene, cells: usize, cfl: f64) -> Leapfrog {
     let grid = Grid::new(&scene.bar, cells, cfl);
     let laws = scene.bar.segments.iter().map(|s| segment_law(s, &scene.effects)).collect();
     Leapfrog::new(&scene.bar, grid, laws, [scene.left.clone(), scene.right.clone()])
+}
+
+/// The tracked bar of a scene at t = 0.
+pub fn front_tracking(scene: &Scene, settings: Settings) -> FrontTracking {
+    FrontTracking::new(&scene.bar, flow(&scene.effects), [scene.left.clone(), scene.right.clone()], settings)
+}
+
+/// The characteristic net of a rate-dependent scene at t = 0, about `cells` cells.
+pub fn characteristic_net(scene: &Scene, cells: usize) -> Net {
+    let laws = scene.bar.segments.iter().map(|s| rate_law(&s.material, &scene.effects)).collect();
+    Net::new(&scene.bar, Lattice::new(&scene.bar, cells), laws, [scene.left.clone(), scene.right.clone()])
+}
+
+/// The rate-dependent law of a material. Without a rate in the effects plastic strain takes no time.
+pub fn rate_law(material: &Material, effects: &Effects) -> RateLaw {
+    let overstress = match effects.rate {
+        None => Overstress::Malvern { k: f64::MAX },
+        Some(Rate::Malvern { k }) => Overstress::Malvern { k },
+        Some(Rate::CowperSymonds { d, q }) => Overstress::CowperSymonds { rate: material.modulus * d, exponent: q },
+        Some(Rate::JohnsonCook { c, reference }) => Overstress::JohnsonCook { c, rate: material.modulus * reference },
+    };
+    let kinematic = match effects.unloading {
+        None | Some(Unloading::Isotropic) => 0.0,
+        Some(Unloading::Kinematic) => 1.0,
+        Some(Unloading::Mixed(fraction)) => fraction,
+    };
+    let table = |sense| Table::new(material.branch(sense), material.modulus);
+    let compression = material.compression.is_some().then(|| table(Sense::Compression));
+    RateLaw::new(overstress, &table(Sense::Tension), compression.as_ref(), kinematic)
 }
 
 /// The law of one segment under the scene's effects.

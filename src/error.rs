@@ -134,15 +134,26 @@ impl std::fmt::Display for InputError {
 impl std::error::Error for InputError {}
 
 /// A run that could not go on: why, when and where.
-#[derive(Debug, Clone, thiserror::Error)]
-#[error("the run stopped at t = {time:.6e} s, x = {x:.6e} m: {reason}")]
+#[derive(Debug, Clone)]
 pub struct RunError {
     /// Why, with the values that tell.
     pub reason: String,
     /// Simulated time, s.
     pub time: f64,
-    /// Place on the bar, m.
-    pub x: f64,
+    /// Place on the bar, m; none where no place is to blame.
+    pub x: Option<f64>,
     /// What to do about it.
     pub help: String,
 }
+
+impl std::fmt::Display for RunError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "the run stopped at t = {:.6e} s", self.time)?;
+        if let Some(x) = self.x {
+            write!(f, ", x = {x:.6e} m")?;
+        }
+        write!(f, ": {}", self.reason)
+    }
+}
+
+impl std::error::Error for RunError {}

@@ -35,6 +35,8 @@ pub enum Allowed {
     Within(f64, f64),
     /// low < value <= high.
     Above(f64, f64),
+    /// low <= value < high.
+    Below(f64, f64),
 }
 
 impl Allowed {
@@ -47,6 +49,7 @@ impl Allowed {
                 Self::NotNegative => value >= 0.0,
                 Self::Within(low, high) => (low..=high).contains(&value),
                 Self::Above(low, high) => value > low && value <= high,
+                Self::Below(low, high) => value >= low && value < high,
             }
     }
 
@@ -62,6 +65,7 @@ impl Allowed {
             Self::NotNegative => format!("{name} >= 0"),
             Self::Within(low, high) => format!("{low} <= {name} <= {high}{unit}"),
             Self::Above(low, high) => format!("{low} < {name} <= {high}{unit}"),
+            Self::Below(low, high) => format!("{low} <= {name} < {high}{unit}"),
         }
     }
 }
@@ -116,7 +120,9 @@ impl Document {
             Allowed::Finite => example,
             Allowed::Positive => format!("give `{name}` a value above zero"),
             Allowed::NotNegative => format!("give `{name}` zero or a value above it"),
-            Allowed::Within(..) | Allowed::Above(..) => format!("give `{name}` a value in the allowed range"),
+            Allowed::Within(..) | Allowed::Above(..) | Allowed::Below(..) => {
+                format!("give `{name}` a value in the allowed range")
+            }
         };
         Err(self.error(value.span(), key, format!("{typed} is out of range")).allowed(range).help(help).into())
     }

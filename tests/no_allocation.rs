@@ -2,6 +2,8 @@
 #![allow(unsafe_code, reason = "a global allocator that counts")]
 
 mod common;
+#[path = "common/net.rs"]
+mod net;
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -92,6 +94,20 @@ fn a_plastic_run_allocates_nothing_once_every_block_has_yielded() {
         assert_eq!(bar.state_bytes(), 8 * numbers * 5000);
         assert_eq!(allocations(&mut bar, 2000), 0);
     }
+}
+
+#[test]
+fn the_characteristic_net_allocates_nothing_from_its_first_step_on() {
+    let thick = || barwave::bar::Segment { area: 2.0, ..common::segment(common::power_law_steel(), 0.5) };
+    let segments = vec![thick(), common::segment(common::bilinear_steel(), 0.5)];
+    let striker = EndCondition::Striker { mass: 1e4, velocity: 30.0 };
+    let mut bar = net::malvern(segments, [striker, EndCondition::Fixed], 1e5, 500);
+    let before = CALLS.with(Cell::get);
+    for _ in 0..1000 {
+        bar.advance();
+    }
+    assert_eq!(CALLS.with(Cell::get) - before, 0);
+    assert!(!bar.stayed_elastic());
 }
 
 #[test]

@@ -34,6 +34,8 @@ fn start(path: &Path, frames: usize, stress: f64) -> Writer {
         precision: Precision::F64,
         compression: Compression::Deflate,
         area_given: false,
+        sampling: String::new(),
+        paths: false,
     };
     let header = Header { title: "Pull & <let go>".into(), scene: "x = \"<&>\"".into(), ..Header::default() };
     let mut writer = Writer::create(path, &header, &layout, &[]).unwrap();

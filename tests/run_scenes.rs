@@ -68,6 +68,25 @@ fn the_power_law_scene_has_its_plateau() {
 }
 
 #[test]
+fn the_tracked_bilinear_scene_is_the_bilinear_scene() {
+    let (grid, tracked) = (scene("bilinear-p2.toml"), scene("bilinear-p2-moc.toml"));
+    assert_eq!(driven(&grid), driven(&tracked));
+    assert_eq!(fan(&grid), fan(&tracked));
+    // "three transits"
+    assert!((tracked.solve.until / tracked.bar.transit_time() - 3.0).abs() < 0.05);
+}
+
+#[test]
+fn the_copper_bar_is_let_go_after_one_transit_and_followed_for_ten() {
+    let scene = scene("copper-let-go.toml");
+    let EndCondition::Velocity { release: Some(release), .. } = &scene.left else { panic!("it is let go") };
+    let transit = scene.bar.transit_time();
+    // As printed to seven digits.
+    assert!((release / transit - 1.0).abs() < 2e-7, "{}", release / transit);
+    assert!((scene.solve.until / transit - 10.0).abs() < 2e-6, "{}", scene.solve.until / transit);
+}
+
+#[test]
 fn the_step_in_area_passes_four_thirds() {
     let scene = scene("stepped-bar.toml");
     let [thick, thin] = scene.bar.segments.as_slice() else { panic!("two segments") };

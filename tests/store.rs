@@ -31,6 +31,8 @@ fn layout() -> Layout {
         precision: Precision::F64,
         compression: Compression::Deflate,
         area_given: true,
+        sampling: String::new(),
+        paths: false,
     }
 }
 

@@ -6,7 +6,7 @@ use super::output;
 use super::run::front_lines;
 use crate::error::Result;
 use crate::scene::Scene;
-use crate::study::plan::{Plan, plan};
+use crate::study::plan::{NetWork, Plan, Work, plan};
 use crate::units::{Dimension, System, format};
 
 /// Options of `barwave plan`.
@@ -32,29 +32,16 @@ pub(crate) fn run(args: &Args) -> Result<()> {
 }
 
 fn text(plan: &Plan, units: System) -> String {
-    let time = |seconds: f64| format(seconds, Dimension::Time, units);
     let mut lines = vec![plan.scene.clone()];
     let mut line = |label: &str, value: String| lines.push(std::format!("  {label:<18}{value}"));
     line("method", std::format!("{} {}", plan.method, plan.scheme));
     for effect in &plan.effects {
         line(if effect.on { "on" } else { "off" }, std::format!("{}: {}", effect.effect, effect.why));
     }
-    line("grid", std::format!("{} cells, {} steps of {}", plan.cells, plan.steps, time(plan.dt_s)));
-    line(
-        "memory",
-        std::format!(
-            "{} bytes a cell while elastic, {} once yielded: at most {}",
-            plan.bytes_per_elastic_cell,
-            plan.bytes_per_yielded_cell,
-            bytes(plan.memory_bytes)
-        ),
-    );
+    for (label, value) in work_lines(&plan.work, units) {
+        line(label, value);
+    }
     line("fields", std::format!("{} before compression", bytes(plan.field_bytes)));
-    let [quick, slow] = plan.expected_s;
-    line(
-        "expected time",
-        std::format!("{} to {} of stepping on one thread, if every cell is at work", time(quick), time(slow)),
-    );
     let critical = plan.critical_velocity.map_or_else(
         || "none within the data of the curve".to_owned(),
         |v| {
@@ -65,6 +52,84 @@ fn text(plan: &Plan, units: System) -> String {
     line("critical velocity", critical);
     lines.extend(front_lines(&plan.fronts, units));
     lines.join("\n") + "\n"
+}
+
+fn work_lines(work: &Work, units: System) -> Vec<(&'static str, String)> {
+    let time = |seconds: f64| format(seconds, Dimension::Time, units);
+    match *work {
+        Work::Grid {
+            cells,
+            dt_s,
+            steps,
+            bytes_per_elastic_cell,
+            bytes_per_yielded_cell,
+            memory_bytes,
+            expected_s: [quick, slow],
+            net,
+        } => [
+
+            ("grid", std::format!("{cells} cells, {steps} steps of {}", time(dt_s))),
+            (
+                "memory",
+                std::format!(
+                    "{bytes_per_elastic_cell} bytes a cell while elastic, {bytes_per_yielded_cell} once yielded: at most {}",
+                    bytes(memory_bytes)
+                ),
+            ),
+            (
+                "expected time",
+                std::format!("{} to {} of stepping on one thread, if every cell is at work", time(quick), time(slow)),
+            ),
+        ]
+        .into_iter()
+        .chain(net.iter().flat_map(net_lines))
+        .collect(),
+        Work::Fronts { front_tolerance, held_back, first_fronts, lines, event_budget, bytes_per_front, longest_s } => {
+            vec![
+                ("fronts", std::format!("{first_fronts} after t = 0; the curve has {lines} straight pieces")),
+                (
+                    "front tolerance",
+                    if front_tolerance == 0.0 {
+                        "0: every wave is sent, however weak; the result is exact for the table".into()
+                    } else {
+                        let stress = format(held_back, Dimension::Stress, units);
+                        std::format!(
+                            "{front_tolerance}: waves below {stress} are held back until the next front passes"
+                        )
+                    },
+                ),
+                (
+                    "events",
+                    std::format!(
+                        "cannot be known beforehand: fronts that meet can make more fronts; the run stops after {event_budget}"
+                    ),
+                ),
+                ("memory", std::format!("{bytes_per_front} bytes a front under way, however long the bar")),
+                (
+                    "expected time",
+                    std::format!("cannot be known either; about {} if all of these events are used", time(longest_s)),
+                ),
+            ]
+        }
+    }
+}
+
+fn net_lines(net: &NetWork) -> Vec<(&'static str, String)> {
+    let mut lines = Vec::new();
+    if net.largest_transit_shift > 1e-9 {
+        let shift = net.largest_transit_shift;
+        lines
+            .push(("transit times", std::format!("changed by up to {shift:.1e}, so that all segments share one step")));
+    }
+    if let Some(k_dt) = net.k_dt {
+        let meaning = if k_dt > 1.0 {
+            "plastic fronts are narrower than the cells and come out as wide as the net makes them; more cells resolve them"
+        } else {
+            "resolved, to second order"
+        };
+        lines.push(("relaxation", std::format!("k dt = {k_dt:.2e}: {meaning}")));
+    }
+    lines
 }
 
 fn bytes(count: usize) -> String {

@@ -37,6 +37,9 @@ pub(crate) struct Args {
     units: System,
 }
 
+/// Length of the progress bar of a run that has no steps.
+const TICKS: u64 = 1000;
+
 /// Fronts that the summary lists one by one; a curve of many knots has as many fronts.
 const LISTED_FRONTS: usize = 12;
 
@@ -97,7 +100,7 @@ fn progress_bar(silent: bool) -> ProgressBar {
         return ProgressBar::hidden();
     }
     let bar = ProgressBar::new(0);
-    let template = "{bar:30} {percent:>3} %  step {human_pos} of {human_len}  {msg}  {eta} left";
+    let template = "{bar:30} {percent:>3} %  {msg}  {eta} left";
     if let Ok(style) = ProgressStyle::with_template(template) {
         bar.set_style(style);
     }
@@ -108,10 +111,21 @@ fn show_progress(bar: &ProgressBar, at: Progress) {
     if bar.is_hidden() {
         return;
     }
-    bar.set_length(at.steps as u64);
-    bar.set_position(at.step as u64);
-    let rate = (at.step * at.cells) as f64 / bar.elapsed().as_secs_f64().max(1e-9);
-    bar.set_message(std::format!("{:.0} million cell-steps/s", rate / 1e6));
+    let seconds = bar.elapsed().as_secs_f64().max(1e-9);
+    match at {
+        Progress::Steps { step, steps, cells } => {
+            bar.set_length(steps as u64);
+            bar.set_position(step as u64);
+            let rate = (step * cells) as f64 / seconds;
+            bar.set_message(std::format!("step {step} of {steps}  {:.0} million cell-steps/s", rate / 1e6));
+        }
+        Progress::Fronts { time, until, events, fronts } => {
+            bar.set_length(TICKS);
+            bar.set_position((TICKS as f64 * time / until) as u64);
+            let time = format(time, Dimension::Time, System::Si);
+            bar.set_message(std::format!("t = {time}  {events} events  {fronts} fronts under way"));
+        }
+    }
 }
 
 /// The summary for people.
@@ -120,20 +134,18 @@ fn text(s: &Summary, units: System) -> String {
     let mut lines = vec![s.scene.clone()];
     let mut line = |label: &str, value: String| lines.push(std::format!("  {label:<18}{value}"));
     line("outcome", s.outcome.clone());
-    line(
-        "method",
-        std::format!(
-            "{} {}, {} cells, {} steps to {}",
-            s.method,
-            s.scheme,
-            s.cells,
-            s.steps,
-            show(s.end_time_s, Dimension::Time)
-        ),
-    );
+    let end = show(s.end_time_s, Dimension::Time);
+    let how = match &s.tracking {
+        None => std::format!("{} cells, {} steps to {end}", s.cells, s.steps),
+        Some(t) => std::format!("{} events to {end}, {} fronts under way", s.events, t.fronts_under_way),
+    };
+    line("method", std::format!("{} {}, {how}", s.method, s.scheme));
     line("effects", if s.effects.is_empty() { "none: the run stayed elastic".into() } else { s.effects.join(", ") });
     for (label, end) in [("left end", &s.left), ("right end", &s.right)] {
         line(label, end_text(end, units));
+        if let Some(velocity) = end.striker {
+            line("striker", std::format!("velocity {}", show(velocity, Dimension::Velocity)));
+        }
     }
     if let Some(check) = &s.elastic_check {
         let (found, expected) = (show(check.stress, Dimension::Stress), show(check.expected, Dimension::Stress));
@@ -161,15 +173,11 @@ fn text(s: &Summary, units: System) -> String {
     if let Some(error) = &s.error {
         line("error", std::format!("{:.2e}, {}, against the {}", error.value, error.measure, error.reference));
     }
-    line(
-        "time",
-        std::format!(
-            "{:.3} s, of it stepping {:.3} s ({:.0} million cell-steps/s)",
-            s.wall_s,
-            s.step_wall_s,
-            s.cell_steps_per_s / 1e6
-        ),
-    );
+    let rate = match &s.tracking {
+        None => std::format!("{:.0} million cell-steps/s", s.cell_steps_per_s / 1e6),
+        Some(t) => std::format!("{:.2} million events/s", t.events_per_s / 1e6),
+    };
+    line("time", std::format!("{:.3} s, of it stepping {:.3} s ({rate})", s.wall_s, s.step_wall_s));
     line("result", s.output.clone());
     lines.extend(front_lines(&s.fronts, units));
     lines.extend(s.audit.iter().map(|row| std::format!("  note: {}", row.message)));

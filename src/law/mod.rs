@@ -12,6 +12,7 @@ mod backbone;
 mod elastic;
 mod path_independent;
 mod plastic;
+pub mod rate;
 
 pub use backbone::{Backbone, Envelope, Indexed, Line, Searched, Table, TwoSided};
 pub use elastic::elastic_row;

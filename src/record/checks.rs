@@ -1,39 +1,63 @@
 //! A run held against theory: sigma = rho c0 v while it is elastic, and the self-similar solution where it has one.
 
-use super::{ElasticCheck, ErrorFigure};
+use super::{ElasticCheck, ErrorFigure, Stepped};
 use crate::bar::{Bar, Launch};
-use crate::solver::fd::{Leapfrog, Quantity};
+use crate::solver::fd::{Grid, Quantity};
+use crate::solver::moc::FrontTracking;
 
 /// Where and when sigma = rho c0 v (9.34) is checked: next to the struck end, half-way between the first arrival of the
 /// wave and the first return of one.
 #[derive(Debug, Clone)]
 pub struct ElasticProbe {
-    step: usize,
-    cell: usize,
+    time: f64,
+    x: f64,
+    segment: usize,
+    direction: f64,
     expected: f64,
     found: Option<f64>,
 }
 
+/// How far inside the segment the probe looks, as a part of the segment's length: next to the origin, but not on it.
+const INSIDE: f64 = 1e-6;
+
 impl ElasticProbe {
     /// A probe for the first suddenly loaded end or joint, where there is one; `until` is the end time, s.
-    pub fn new(bar: &Bar, solver: &Leapfrog, launches: &[Launch], until: f64) -> Option<Self> {
+    pub fn new(bar: &Bar, launches: &[Launch], until: f64) -> Option<Self> {
         let launch = launches.iter().find(|l| l.sudden)?;
         let segment = &bar.segments[launch.segment];
         // Another wave may come from the far side at once, or only as a reflection of this one.
         let transits = if launches.len() > 1 { 1.0 } else { 2.0 };
         let quiet = (transits * segment.length / segment.material.c0()).min(launch.loads_until).min(until);
-        let part = &solver.grid().segments[launch.segment];
-        let cell = if launch.direction > 0.0 { part.cells.start } else { part.cells.end - 1 };
-        let expected = launch.sense.sign() * segment.material.impedance() * launch.fan.velocity;
-        let step = (0.5 * quiet / solver.grid().dt).ceil() as usize;
-        Some(Self { step, cell, expected, found: None })
+        Some(Self {
+            time: 0.5 * quiet,
+            x: launch.x + launch.direction * INSIDE * segment.length,
+            segment: launch.segment,
+            direction: launch.direction,
+            expected: launch.sense.sign() * segment.material.impedance() * launch.fan.velocity,
+            found: None,
+        })
     }
 
-    /// Looks at the bar; only one step counts.
-    pub fn look(&mut self, bar: &Leapfrog) {
-        if bar.step() == self.step {
-            self.found = Some(bar.value(Quantity::Stress, self.cell));
-        }
+    /// When it looks, s.
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// Where it looks, m.
+    pub fn x(&self) -> f64 {
+        self.x
+    }
+
+    /// The step in which it looks on a grid, and the cell.
+    pub fn on_grid(&self, grid: &Grid) -> (usize, usize) {
+        let cells = &grid.segments[self.segment].cells;
+        let cell = if self.direction > 0.0 { cells.start } else { cells.end - 1 };
+        ((self.time / grid.dt).ceil() as usize, cell)
+    }
+
+    /// Takes the stress (Pa) there.
+    pub fn take(&mut self, stress: f64) {
+        self.found = Some(stress);
     }
 
     /// The finding; none where the run ended before.
@@ -45,19 +69,51 @@ impl ElasticProbe {
 
 /// Relative L1 of stress over the bar's cells at the current time against the self-similar solution; none where the
 /// scene has no such solution up to now: more than one fan, a driving value that changes, or a reflection.
-pub fn against_similarity(bar: &Bar, solver: &Leapfrog, launches: &[Launch]) -> Option<ErrorFigure> {
-    let ([launch], [segment]) = (launches, bar.segments.as_slice()) else { return None };
+pub fn against_similarity(bar: &Bar, solver: &impl Stepped, launches: &[Launch]) -> Option<ErrorFigure> {
     let time = solver.time();
-    let alone = launch.sudden && launch.loads_until.is_infinite();
-    if !alone || time == 0.0 || segment.material.c0() * time > segment.length {
-        return None;
-    }
+    let launch = alone(bar, launches, time)?;
     let (mut missed, mut total) = (0.0, 0.0);
     for (cell, x) in solver.grid().centres().into_iter().enumerate() {
-        let exact = launch.sense.sign() * launch.fan.state((x - launch.x).abs() / time).1;
+        let exact = exact_stress(launch, x, time);
         missed += (solver.value(Quantity::Stress, cell) - exact).abs();
         total += exact.abs();
     }
+    figure(missed, total)
+}
+
+/// The same for a tracked bar, integrated exactly between the fronts of both.
+pub fn tracked_against_similarity(bar: &Bar, solver: &FrontTracking, launches: &[Launch]) -> Option<ErrorFigure> {
+    let time = solver.time();
+    let launch = alone(bar, launches, time)?;
+    let place = |speed: f64| launch.x + launch.direction * speed * time;
+    let mut edges: Vec<f64> = launch.fan.edges.iter().map(|e| place(e.speed)).collect();
+    edges.sort_by(f64::total_cmp);
+    let (mut missed, mut total) = (0.0, 0.0);
+    for piece in solver.pieces() {
+        let inner = edges.iter().copied().filter(|&x| piece.from < x && x < piece.to);
+        let mut from = piece.from;
+        for to in inner.chain([piece.to]) {
+            let exact = exact_stress(launch, 0.5 * (from + to), time);
+            missed += (piece.point.stress - exact).abs() * (to - from);
+            total += exact.abs() * (to - from);
+            from = to;
+        }
+    }
+    figure(missed, total)
+}
+
+/// The fan that is the whole solution up to now, where there is one.
+fn alone<'a>(bar: &Bar, launches: &'a [Launch], time: f64) -> Option<&'a Launch> {
+    let ([launch], [segment]) = (launches, bar.segments.as_slice()) else { return None };
+    let alone = launch.sudden && launch.loads_until.is_infinite();
+    (alone && time > 0.0 && segment.material.c0() * time <= segment.length).then_some(launch)
+}
+
+fn exact_stress(launch: &Launch, x: f64, time: f64) -> f64 {
+    launch.sense.sign() * launch.fan.state((x - launch.x).abs() / time).1
+}
+
+fn figure(missed: f64, total: f64) -> Option<ErrorFigure> {
     (total > 0.0).then(|| ErrorFigure {
         value: missed / total,
         measure: "relative L1 of stress over the bar at the end time".into(),

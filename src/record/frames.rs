@@ -1,9 +1,9 @@
 //! Frames at asked times. Output never bends the time step: a frame between two steps is interpolated in time.
 
-use super::{Field, Frame};
-use crate::solver::fd::{Leapfrog, Quantity, Sampling};
+use super::{Field, Frame, Stepped, View};
+use crate::solver::fd::Sampling;
 
-/// Makes the frames of a run, in order of time.
+/// Makes the frames of a bar on a grid, in order of time.
 #[derive(Debug)]
 pub struct Frames {
     times: Vec<f64>,
@@ -30,7 +30,7 @@ impl Frames {
     }
 
     /// The frames that fall due up to the bar's current time; call it after every step, and once at the start.
-    pub fn take(&mut self, bar: &Leapfrog) -> Vec<Frame> {
+    pub fn take(&mut self, bar: &impl Stepped) -> Vec<Frame> {
         let (now, dt) = (bar.time(), bar.grid().dt);
         let mut due = Vec::new();
         let mut current = None;
@@ -48,37 +48,19 @@ impl Frames {
         due
     }
 
-    fn read(&self, bar: &Leapfrog) -> Frame {
-        Frame { time: bar.time(), rows: self.fields.iter().map(|&f| read_field(bar, &self.sampling, f)).collect() }
+    fn read(&self, bar: &impl Stepped) -> Frame {
+        read_frame(bar, &self.fields, &self.sampling, self.sampling.x().len())
     }
 }
 
-/// A field at every sample place at the bar's current time.
-pub fn read_field(bar: &Leapfrog, sampling: &Sampling, field: Field) -> Vec<f64> {
-    let mut row = vec![0.0; sampling.x().len()];
-    let Some(quantity) = quantity(field) else {
-        let centres = bar.displacements();
-        sampling.read(|cell| centres[cell], &mut row);
-        return row;
+/// The bar at its current time: `fields` at `places`, of which there are `count`.
+pub fn read_frame<V: View>(bar: &V, fields: &[Field], places: &V::Places, count: usize) -> Frame {
+    let row = |&field: &Field| {
+        let mut row = vec![0.0; count];
+        bar.sample(field, places, &mut row);
+        row
     };
-    if sampling.is_every_cell() {
-        bar.profile(quantity, &mut row);
-    } else {
-        sampling.read(|cell| bar.value(quantity, cell), &mut row);
-    }
-    row
-}
-
-/// What the solver calls a field; none for the displacement, which is summed up from the strain.
-fn quantity(field: Field) -> Option<Quantity> {
-    match field {
-        Field::Stress => Some(Quantity::Stress),
-        Field::Strain => Some(Quantity::Strain),
-        Field::Velocity => Some(Quantity::Velocity),
-        Field::PlasticStrain => Some(Quantity::PlasticStrain),
-        Field::AccumulatedPlasticStrain => Some(Quantity::AccumulatedPlasticStrain),
-        Field::Displacement => None,
-    }
+    Frame { time: bar.time(), rows: fields.iter().map(row).collect() }
 }
 
 /// `share` of the earlier frame and the rest of the later one.

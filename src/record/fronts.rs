@@ -1,9 +1,9 @@
 //! Following fronts through the simulated field: where each edge of the theoretical fan is, how fast it moves, and
 //! when it reaches the gauges. Nothing here uses the theoretical speed.
 
-use super::FrontRow;
+use super::{FrontRow, Stepped};
 use crate::bar::{Bar, EndCondition, Launch, Origin};
-use crate::solver::fd::{Grid, Leapfrog, Quantity};
+use crate::solver::fd::{Grid, Quantity};
 use crate::wave::similarity::Edge;
 
 /// Follows all fronts that a bar's ends and joints send out at the start.
@@ -80,7 +80,7 @@ impl FrontTracker {
     }
 
     /// Looks where every front is now.
-    pub fn observe(&mut self, bar: &Leapfrog) {
+    pub fn observe(&mut self, bar: &impl Stepped) {
         for front in self.fronts.iter_mut().filter(|f| !f.finished) {
             front.observe(bar);
         }
@@ -93,7 +93,7 @@ impl FrontTracker {
 }
 
 impl Front {
-    fn observe(&mut self, bar: &Leapfrog) {
+    fn observe(&mut self, bar: &impl Stepped) {
         let part = &bar.grid().segments[self.launch.segment];
         let cells = part.cells.len();
         let sign = self.launch.sense.sign();

@@ -1,40 +1,39 @@
 //! The account of momentum and energy that every run keeps.
 
-use super::LedgerRow;
-use crate::solver::fd::{Energies, Leapfrog};
+use super::{Account, LedgerRow, Start, View};
 
 /// Compares what is in the bar with what came in through its ends.
 #[derive(Debug, Clone)]
 pub struct Ledger {
-    initial: Energies,
-    /// Momentum of all nodes as if they moved one way at the start: the scale where opposing parts cancel.
-    initial_momentum: f64,
+    start: Start,
+    /// Momentum that has gone through the bar so far: at first that of all its parts as if they moved one way, the scale
+    /// where opposing parts cancel.
+    momentum_scale: f64,
     worst_energy: f64,
     worst_momentum: f64,
 }
 
 impl Ledger {
     /// Opens the account of a bar at t = 0.
-    pub fn new(bar: &Leapfrog) -> Self {
-        let initial = bar.initial();
+    pub fn new(bar: &impl View) -> Self {
+        let start = bar.start();
         Self {
-            initial,
-            initial_momentum: (2.0 * initial.kinetic * bar.mass()).sqrt(),
+            start,
+            momentum_scale: (2.0 * start.kinetic * start.mass).sqrt(),
             worst_energy: 0.0,
             worst_momentum: 0.0,
         }
     }
 
     /// The account at the current time.
-    pub fn row(&mut self, bar: &Leapfrog) -> LedgerRow {
-        let now = bar.energies();
-        let (left, right) = (bar.left(), bar.right());
-        let put_in = self.initial.kinetic + left.work() + right.work();
-        let energy_scale = self.initial.kinetic.max(left.work().abs()).max(right.work().abs()).max(now.total());
+    pub fn row(&mut self, bar: &impl View) -> LedgerRow {
+        let now: Account = bar.account();
+        let ([left, right], impulse) = (now.work, now.impulse[0] + now.impulse[1]);
+        let put_in = self.start.kinetic + left + right;
+        let energy_scale = self.start.kinetic.max(left.abs()).max(right.abs()).max(now.total());
         let residual = relative(now.total() - put_in, energy_scale);
-        let impulse = left.impulse() + right.impulse();
-        let momentum_scale = self.initial_momentum.max(left.throughput() + right.throughput());
-        let missing = relative(now.momentum - self.initial.momentum - impulse, momentum_scale);
+        self.momentum_scale = self.momentum_scale.max(now.momentum_scale);
+        let missing = relative(now.momentum - self.start.momentum - impulse, self.momentum_scale);
         self.worst_energy = self.worst_energy.max(residual.abs());
         self.worst_momentum = self.worst_momentum.max(missing.abs());
         LedgerRow {
@@ -43,8 +42,9 @@ impl Ledger {
             elastic: now.elastic,
             plastic: now.plastic,
             viscous: now.viscous,
-            work_left: left.work(),
-            work_right: right.work(),
+            concentrated: now.concentrated,
+            work_left: left,
+            work_right: right,
             momentum: now.momentum,
             impulse,
             residual,

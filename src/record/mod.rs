@@ -5,19 +5,30 @@ mod checks;
 mod frames;
 mod fronts;
 mod ledger;
+mod net_view;
+mod step_gauges;
 pub mod store;
 mod summary;
 mod traces;
+mod tracked;
+mod tracked_fronts;
+mod view;
 
 use serde::Serialize;
 
-pub use audit::{UnloadingWatch, above_critical, heating, past_data};
-pub use checks::{ElasticProbe, against_similarity};
-pub use frames::{Frames, read_field};
+pub use audit::{
+    UnloadingWatch, above_critical, broken_end, broken_inside, end_of_data, heating, past_data, unresolved_flow,
+};
+pub use checks::{ElasticProbe, against_similarity, tracked_against_similarity};
+pub use frames::{Frames, read_frame};
 pub use fronts::FrontTracker;
 pub use ledger::Ledger;
-pub use summary::{ElasticCheck, EndSummary, ErrorFigure, FrontSummary, LedgerSummary, Summary};
+pub use step_gauges::StepGauges;
+pub use summary::{ElasticCheck, EndSummary, ErrorFigure, FrontSummary, LedgerSummary, Summary, TrackingSummary};
 pub use traces::Traces;
+pub use tracked::EndHistories;
+pub use tracked_fronts::{INTERIOR, Paths, TrackedFronts};
+pub use view::{Account, EndState, Start, Stepped, View, quantity};
 
 /// A field that can be recorded over x and t.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, clap::ValueEnum)]
@@ -119,6 +130,9 @@ pub struct LedgerRow {
     pub plastic: f64,
     /// Energy taken since the start by the scheme's damping of grid-scale ripples; 0 in an elastic run.
     pub viscous: f64,
+    /// Energy taken since the start at single points where velocities differ: where a level curve lets no strain leave,
+    /// or front tracking holds a weak wave back; 0 on a grid.
+    pub concentrated: f64,
     /// Work done on the bar by the left end since the start.
     pub work_left: f64,
     /// Work done on the bar by the right end since the start.
@@ -135,7 +149,8 @@ pub struct LedgerRow {
 /// One front: an edge of the hull and what the simulation made of it. Signs as in the fields.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FrontRow {
-    /// Where it started: "left", "right" or "joint 1", ...
+    /// Where it started: "left", "right" or "joint 1", ..., for the fronts of theory; [`INTERIOR`] for any other front
+    /// that is under way at the end of a tracked run.
     pub origin: String,
     /// Strain behind the front.
     pub strain_behind: f64,
@@ -147,7 +162,8 @@ pub struct FrontRow {
     pub stress_ahead: f64,
     /// Theory, m/s: sqrt(d sigma/(rho d eps)), positive in +x.
     pub speed: f64,
-    /// Read off the simulated field, m/s, positive in +x; NaN where the front could not be followed.
+    /// Read off the simulated field (by front tracking: off the front itself), m/s, positive in +x; NaN where the front
+    /// could not be followed.
     pub speed_measured: f64,
     /// Place where it was last seen, m from the left end; NaN where it never was.
     pub position: f64,
@@ -155,6 +171,23 @@ pub struct FrontRow {
     pub last_seen: f64,
     /// Arrival time at each gauge in the layout's order, s; NaN where it did not get there.
     pub arrivals: Vec<f64>,
+}
+
+/// A straight piece of a front in x and t, for `/paths`.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct PathRow {
+    /// Where it began, m from the left end.
+    pub x0: f64,
+    /// When, s.
+    pub t0: f64,
+    /// Where it met something, or is at the end of the run, m.
+    pub x1: f64,
+    /// When, s.
+    pub t1: f64,
+    /// Stress behind the front less the stress ahead of it, Pa.
+    pub stress_jump: f64,
+    /// m/s, positive in +x.
+    pub speed: f64,
 }
 
 /// A neglected effect, and how large it would have been.

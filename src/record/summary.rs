@@ -17,18 +17,21 @@ pub struct Summary {
     pub scheme: String,
     /// Effects that were simulated.
     pub effects: Vec<String>,
-    /// Cells.
+    /// Cells; 0 for moc, which has none.
     pub cells: usize,
-    /// Time steps.
+    /// Time steps; for moc, the events.
     pub steps: usize,
-    /// Front collisions (0 for fd).
-    pub events: usize,
+    /// Meetings of fronts, and steps of the ends (0 for fd).
+    pub events: u64,
     /// Whole run, output included, s.
     pub wall_s: f64,
     /// Stepping alone, s.
     pub step_wall_s: f64,
     /// cells * steps / `step_wall_s`.
     pub cell_steps_per_s: f64,
+    /// What only front tracking has; absent for fd.
+    #[serde(flatten)]
+    pub tracking: Option<TrackingSummary>,
     /// Simulated time reached, s.
     pub end_time_s: f64,
     /// Left end at the end time.
@@ -54,17 +57,34 @@ pub struct Summary {
     pub output: String,
 }
 
+/// What front tracking says of itself. The keys stand beside those of [`Summary`].
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct TrackingSummary {
+    /// Waves weaker than this part of `stress_scale` were held back.
+    pub front_tolerance: f64,
+    /// Largest stress that the scene's data can reach.
+    #[serde(rename = "stress_scale_Pa")]
+    pub stress_scale: f64,
+    /// Fronts under way at the end.
+    pub fronts_under_way: usize,
+    /// events / `step_wall_s`.
+    pub events_per_s: f64,
+}
+
 /// The state at an end.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct EndSummary {
     /// Pa.
     #[serde(rename = "stress_Pa")]
     pub stress: f64,
-    /// Engineering strain four cells inside the bar.
+    /// Engineering strain: by fd four cells inside the bar, by moc right at the end.
     pub strain: f64,
     /// m/s.
     #[serde(rename = "velocity_m_s")]
     pub velocity: f64,
+    /// Velocity of the striker there, m/s; left out where there is none.
+    #[serde(rename = "striker_velocity_m_s", skip_serializing_if = "Option::is_none")]
+    pub striker: Option<f64>,
 }
 
 /// A front in the summary.

@@ -1,7 +1,7 @@
-//! Full-rate histories: gauges and both ends, a row a step.
+//! Full-rate histories of a bar on a grid: gauges and both ends, a row a step.
 
-use super::Trace;
-use crate::solver::fd::{Leapfrog, Quantity, Sampling};
+use super::{Stepped, Trace};
+use crate::solver::fd::{Quantity, Sampling};
 
 /// Rows that are gathered before they are handed on.
 const BATCH: usize = 4096;
@@ -22,12 +22,12 @@ impl Traces {
     }
 
     /// Adds the bar's current state to every history. True where a batch is full.
-    pub fn add(&mut self, bar: &Leapfrog) -> bool {
+    pub fn add(&mut self, bar: &impl Stepped) -> bool {
         let time = bar.time();
-        for (trace, device) in self.ends.iter_mut().zip([bar.left(), bar.right()]) {
+        for (trace, end) in self.ends.iter_mut().zip(bar.ends()) {
             trace.time.push(time);
-            trace.stress.push(device.stress());
-            trace.velocity.push(device.velocity());
+            trace.stress.push(end.stress);
+            trace.velocity.push(end.velocity);
         }
         for (k, trace) in self.gauges.iter_mut().enumerate() {
             let read = |quantity| self.places.value(k, |cell| bar.value(quantity, cell));

@@ -108,6 +108,9 @@ fn header(svg: &mut Svg, facts: &Facts) {
     if let Some(cells) = facts.cells.filter(|cells| *cells > 0) {
         parts.push(format!("{cells} cells"));
     }
+    if let Some(events) = facts.events.filter(|events| *events > 0) {
+        parts.push(format!("{events} events"));
+    }
     if !facts.effects.is_empty() {
         parts.push(facts.effects.join(", "));
     }

@@ -8,7 +8,7 @@ use super::display::field_name;
 use super::figure::View;
 use super::svg::{Anchor, Area, Stroke, Svg, text_width};
 use crate::error::{Error, Result};
-use crate::record::FrontRow;
+use crate::record::{FrontRow, PathRow};
 
 /// Pixels of the picture for each unit of the drawing: sharp in print without a large file.
 const FINENESS: f64 = 2.0;
@@ -27,13 +27,10 @@ pub(super) fn draw(svg: &mut Svg, panel: Area, view: &View) -> Result<()> {
     };
     let (picture, range) = picture(&frame, view)?;
     svg.image(frame.plot, &picture);
-    let fronts = view.file.fronts()?;
-    let drawn = draw_fronts(svg, &frame, view, &fronts);
+    let lines = draw_lines(svg, &frame, view)?;
     draw_gauges(svg, &frame, view)?;
     frame.draw(svg, false);
-    if drawn {
-        legend(svg, panel);
-    }
+    legend(svg, panel, lines);
     colour_bar(svg, &frame, &range, &view.field_unit().label(name));
     Ok(())
 }
@@ -90,6 +87,66 @@ pub(super) fn nearest(values: &[f64], target: f64) -> usize {
     if after == values.len() || target - values[after - 1] <= values[after] - target { after - 1 } else { after }
 }
 
+/// What was drawn over the map.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Lines {
+    None,
+    /// Theoretical speeds.
+    Theory,
+    /// The tracked fronts, all of them or the strongest.
+    Tracked {
+        all: bool,
+    },
+}
+
+/// The fronts themselves where the file has them, otherwise lines at the speeds of theory.
+fn draw_lines(svg: &mut Svg, frame: &Frame, view: &View) -> Result<Lines> {
+    let paths = view.file.paths()?;
+    if !paths.is_empty() {
+        return Ok(Lines::Tracked { all: draw_paths(svg, frame, view, &paths) });
+    }
+    let fronts = view.file.fronts()?;
+    Ok(if draw_fronts(svg, frame, view, &fronts) { Lines::Theory } else { Lines::None })
+}
+
+/// Most straight pieces that are drawn: more would hide the map.
+const MOST_PATHS: usize = 4000;
+/// Weights of line, from the strongest jump down, each for jumps this many times weaker than the one before.
+const WEIGHTS: usize = 12;
+const WEAKER: f64 = 1.5;
+/// Pieces shorter than this, px, are not seen.
+const SHORTEST: f64 = 0.4;
+
+/// Draws the strongest and longest of the fronts' straight pieces, thicker and darker the larger the jump in stress; true where all
+/// that could be seen are drawn.
+fn draw_paths(svg: &mut Svg, frame: &Frame, view: &View, paths: &[PathRow]) -> bool {
+    let (time, length) = (view.time_unit().factor, view.length_unit().factor);
+    let ends = |p: &PathRow| [(p.x0, p.t0), (p.x1, p.t1)].map(|(x, t)| frame.place((x * length, t * time)));
+    let size = |[a, b]: [(f64, f64); 2]| (a.0 - b.0).hypot(a.1 - b.1);
+    let mut visible: Vec<(f64, [(f64, f64); 2])> = paths
+        .iter()
+        .map(|p| (p.stress_jump.abs(), ends(p)))
+        .filter(|(jump, ends)| *jump > 0.0 && size(*ends) >= SHORTEST)
+        .collect();
+    let all = visible.len() <= MOST_PATHS;
+    // Of a long weak front more is seen than of a short strong one.
+    visible.sort_by(|a, b| (b.0 * size(b.1)).total_cmp(&(a.0 * size(a.1))));
+    visible.truncate(MOST_PATHS);
+    visible.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let strongest = visible.first().map_or(1.0, |p| p.0);
+    let weight = |jump: f64| ((strongest / jump).ln() / WEAKER.ln()).min(WEIGHTS as f64 - 1.0) as usize;
+    svg.clipped(frame.plot, |svg| {
+        // The weak ones first: the strong ones lie on top.
+        for class in visible.chunk_by(|a, b| weight(a.0) == weight(b.0)).rev() {
+            let strength = 1.0 - weight(class[0].0) as f64 / WEIGHTS as f64;
+            let points: Vec<(f64, f64)> = class.iter().flat_map(|(_, [a, b])| [*a, *b, (f64::NAN, f64::NAN)]).collect();
+            svg.path(&points, &Stroke::new("white", 0.6 + 2.0 * strength).opacity(0.35 * strength));
+            svg.path(&points, &Stroke::new("black", 0.25 + 1.25 * strength).opacity(0.12 + 0.88 * strength));
+        }
+    });
+    all
+}
+
 /// Lines at the theoretical speeds, from where each front started to where it was last seen. Of lines that would end
 /// closer together than this, px, only one is drawn: a smooth curve has dozens of fronts, which would hide the map.
 const APART: f64 = 22.0;
@@ -137,10 +194,15 @@ fn draw_gauges(svg: &mut Svg, frame: &Frame, view: &View) -> Result<()> {
     Ok(())
 }
 
-fn legend(svg: &mut Svg, panel: Area) {
-    let text = "front speeds, theory";
+fn legend(svg: &mut Svg, panel: Area, lines: Lines) {
+    let (text, stroke) = match lines {
+        Lines::None => return,
+        Lines::Theory => ("front speeds, theory", Stroke::new("black", 1.2).dashed("6 3")),
+        Lines::Tracked { all: true } => ("fronts, by strength", Stroke::new("black", 1.4)),
+        Lines::Tracked { all: false } => ("strongest fronts", Stroke::new("black", 1.4)),
+    };
     let (x, y) = (panel.right() - text_width(text, 12.0) - 6.0, panel.y + 12.0);
-    svg.line((x - 32.0, y), (x - 6.0, y), &Stroke::new("black", 1.2).dashed("6 3"));
+    svg.line((x - 32.0, y), (x - 6.0, y), &stroke);
     svg.text((x, y + 4.0), 12.0, Anchor::Start, text);
 }
 

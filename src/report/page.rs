@@ -9,6 +9,9 @@ use crate::record::store::{Facts, ResultFile};
 /// A number without unit.
 const PLAIN: Unit = Unit { factor: 1.0, symbol: "" };
 
+/// Fronts that the page lists; a tracked run can end with thousands.
+const MOST_FRONTS: usize = 100;
+
 /// One HTML page that needs nothing else: the figure `svg`, run facts, fronts, ledger, audit, materials, scene.
 pub fn page(file: &ResultFile, svg: &str, units: Units) -> Result<String> {
     let facts = file.facts();
@@ -60,8 +63,9 @@ fn facts_table(facts: &Facts) -> String {
     }
     let counts = [
         ("cells", facts.cells),
-        ("steps", facts.steps),
-        ("front collisions", facts.events),
+        // By characteristics a step is an event.
+        ("steps", facts.steps.filter(|_| facts.method != "moc")),
+        ("events", facts.events),
         ("cell steps", facts.cell_steps),
     ];
     for (name, count) in counts.into_iter().filter_map(|(name, count)| Some((name, count.filter(|c| *c > 0)?))) {
@@ -85,7 +89,11 @@ fn facts_table(facts: &Facts) -> String {
 }
 
 fn fronts_table(file: &ResultFile, units: Units) -> Result<String> {
-    let fronts = file.fronts()?;
+    let (mut fronts, mut left_out) = (file.fronts()?, 0);
+    if fronts.len() > MOST_FRONTS {
+        left_out = fronts.len() - MOST_FRONTS;
+        fronts.truncate(MOST_FRONTS);
+    }
     let (Some(&end), Some(&last)) = (file.time()?.last(), file.x()?.last()) else {
         return Ok(String::new());
     };
@@ -126,7 +134,13 @@ fn fronts_table(file: &ResultFile, units: Units) -> Result<String> {
         cells.extend(front.arrivals.iter().map(|t| time.number(*t)));
         cells
     };
-    Ok(table(&head, &fronts.iter().map(row).collect::<Vec<_>>()))
+    let html = table(&head, &fronts.iter().map(row).collect::<Vec<_>>());
+    let rest = if left_out > 0 {
+        format!("<p>... and {left_out} more, in the table /fronts of the file</p>\n")
+    } else {
+        String::new()
+    };
+    Ok(html + &rest)
 }
 
 fn ledger_table(file: &ResultFile, units: Units) -> Result<String> {
@@ -141,6 +155,8 @@ fn ledger_table(file: &ResultFile, units: Units) -> Result<String> {
         ("kinetic energy at the end", energy.show(last.kinetic)),
         ("elastic energy at the end", energy.show(last.elastic)),
         ("dissipated in plastic flow", energy.show(last.plastic)),
+        ("taken by overstress or damping", energy.show(last.viscous)),
+        ("taken at single points", energy.show(last.concentrated)),
         ("work of the left end", energy.show(last.work_left)),
         ("work of the right end", energy.show(last.work_right)),
         ("largest energy residual, relative", format!("{residual:.1e}")),

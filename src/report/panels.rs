@@ -9,7 +9,7 @@ use super::plot::colour;
 use super::svg::{Area, Stroke, Svg};
 use crate::error::Result;
 use crate::record::store::{Gauge, Side};
-use crate::record::{Field, FrontRow, LedgerRow, Trace};
+use crate::record::{Field, FrontRow, INTERIOR, LedgerRow, Trace};
 
 /// Profiles in the panel; the last is at the end time.
 const PROFILES: usize = 5;
@@ -19,7 +19,7 @@ const MOST_LEVELS: usize = 10;
 /// The field against x at several times, with the levels behind the fronts where theory gives them.
 pub(super) fn profiles(svg: &mut Svg, panel: Area, view: &View, letter: char) -> Result<bool> {
     let (time, length, unit) = (view.time_unit(), view.length_unit(), view.field_unit());
-    let fronts = view.file.fronts()?;
+    let fronts = of_theory(view)?;
     let mut series = levels(view, &fronts);
     let mut indices: Vec<usize> =
         (1..=PROFILES).map(|i| nearest(&view.time, view.end_time * i as f64 / PROFILES as f64)).collect();
@@ -36,6 +36,13 @@ pub(super) fn profiles(svg: &mut Svg, panel: Area, view: &View, letter: char) ->
     let y = Axis::around(unit.label(name), with_zero(&series));
     line_panel(svg, panel, &format!("({letter})  {name} along the bar"), x, y, &series);
     Ok(true)
+}
+
+/// The fronts that theory knows: the edges of the first fans.
+fn of_theory(view: &View) -> Result<Vec<FrontRow>> {
+    let mut fronts = view.file.fronts()?;
+    fronts.retain(|front| front.origin != INTERIOR);
+    Ok(fronts)
 }
 
 fn levels(view: &View, fronts: &[FrontRow]) -> Vec<Series> {
@@ -106,15 +113,20 @@ pub(super) fn ledger(svg: &mut Svg, panel: Area, view: &View, letter: char) -> R
         let values: Vec<f64> = rows.iter().map(value).collect();
         history(view, name.into(), &times, &values, unit, stroke)
     };
+    // Rate-dependent bars spend much in overstress; the damping of ripples takes next to nothing.
+    let viscous = rows.iter().any(|row| row.viscous > 1e-2 * row.plastic);
     let mut series = vec![
         line("kinetic", Stroke::new(colour(0), 1.6), |row| row.kinetic),
         line("elastic", Stroke::new(colour(2), 1.6), |row| row.elastic),
         line("plastic", Stroke::new(colour(1), 1.6), |row| row.plastic),
-        line("sum", Stroke::new("#222", 1.6), |row| row.kinetic + row.elastic + row.plastic),
+        line("sum", Stroke::new("#222", 1.6), total),
     ];
+    if viscous {
+        series.push(line("viscous", Stroke::new(colour(3), 1.6), |row| row.viscous));
+    }
     // What there was at the start and what came in since: the sum has to lie on it.
     let work = |row: &LedgerRow| row.work_left + row.work_right;
-    let start = rows.first().map_or(0.0, |row| row.kinetic + row.elastic + row.plastic - work(row));
+    let start = rows.first().map_or(0.0, |row| total(row) - work(row));
     let supplied: Vec<f64> = rows.iter().map(|row| start + work(row)).collect();
     let stroke = Stroke::new(colour(5), 2.2).dashed("6 5");
     series.push(history(view, "start + work of the ends".into(), &times, &supplied, unit, stroke));
@@ -122,9 +134,14 @@ pub(super) fn ledger(svg: &mut Svg, panel: Area, view: &View, letter: char) -> R
     Ok(histories(svg, panel, view, &format!("({letter})  energy"), unit.label("energy"), &series))
 }
 
+/// All energy in the bar, dissipated included.
+fn total(row: &LedgerRow) -> f64 {
+    row.kinetic + row.elastic + row.plastic + row.viscous + row.concentrated
+}
+
 /// Speed of every front over the strains that it carries: theory as steps, measurement as rings.
 pub(super) fn speeds(svg: &mut Svg, panel: Area, view: &View, letter: char) -> Result<bool> {
-    let fronts = view.file.fronts()?;
+    let fronts = of_theory(view)?;
     if fronts.is_empty() {
         return Ok(false);
     }
@@ -165,9 +182,16 @@ fn histories(svg: &mut Svg, panel: Area, view: &View, title: &str, label: String
     let unit = view.time_unit();
     let last = series.iter().filter_map(|s| s.points.last()).fold(view.end_time * unit.factor, |a, p| a.max(p.0));
     let x = Axis::new(unit.label("time"), 0.0, last);
-    let values = series.iter().flat_map(|s| without_spikes(&s.points)).chain([0.0]);
+    // Steps of fronts are few rows and no spikes.
+    let exact = view.file.facts().method == "moc";
+    let points = |s: &Series| if exact { all_values(&s.points) } else { without_spikes(&s.points) };
+    let values = series.iter().flat_map(points).chain([0.0]);
     line_panel(svg, panel, title, x, Axis::around(label, values), series);
     true
+}
+
+fn all_values(points: &[(f64, f64)]) -> Vec<f64> {
+    points.iter().map(|p| p.1).collect()
 }
 
 /// Lowest and highest value for the axis. A sudden start can leave a few samples far outside (a first step carries

@@ -29,11 +29,13 @@ pub(super) struct Stroke {
     pub width: f64,
     /// SVG dash pattern; empty for a full line.
     pub dash: &'static str,
+    /// 0 to 1.
+    pub opacity: f64,
 }
 
 impl Stroke {
     pub fn new(colour: impl Into<String>, width: f64) -> Self {
-        Self { colour: colour.into(), width, dash: "" }
+        Self { colour: colour.into(), width, dash: "", opacity: 1.0 }
     }
 
     pub fn dashed(mut self, dash: &'static str) -> Self {
@@ -41,9 +43,16 @@ impl Stroke {
         self
     }
 
+    pub fn opacity(mut self, opacity: f64) -> Self {
+        self.opacity = opacity;
+        self
+    }
+
     fn attributes(&self) -> String {
         let dash = if self.dash.is_empty() { String::new() } else { format!(" stroke-dasharray=\"{}\"", self.dash) };
-        format!("stroke=\"{}\" stroke-width=\"{}\"{dash}", self.colour, self.width)
+        let opacity =
+            if self.opacity < 1.0 { format!(" stroke-opacity=\"{:.3}\"", self.opacity) } else { String::new() };
+        format!("stroke=\"{}\" stroke-width=\"{:.3}\"{dash}{opacity}", self.colour, self.width)
     }
 }
 

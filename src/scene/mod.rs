@@ -48,6 +48,35 @@ pub struct Scene {
 pub struct Effects {
     /// Elastic unloading of yielded points; none: the curve is followed both ways.
     pub unloading: Option<Unloading>,
+    /// Plastic strain takes time; never without unloading.
+    pub rate: Option<Rate>,
+}
+
+/// A law of the strain rate, see [`crate::law::rate`].
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[serde(tag = "model", rename_all = "kebab-case")]
+pub enum Rate {
+    /// Plastic strain rate = k (stress - static)/E.
+    Malvern {
+        /// 1/s, > 0.
+        k: f64,
+    },
+    /// Plastic strain rate = D (stress/static - 1)^q.
+    CowperSymonds {
+        /// 1/s, > 0.
+        #[serde(rename = "D")]
+        d: f64,
+        /// > 0.
+        q: f64,
+    },
+    /// stress = static (1 + C ln(rate/reference)) above the static curve.
+    JohnsonCook {
+        /// > 0.
+        #[serde(rename = "C")]
+        c: f64,
+        /// 1/s, > 0.
+        reference: f64,
+    },
 }
 
 /// How the yield stress moves with plastic flow.
@@ -81,6 +110,34 @@ pub enum Method {
         /// Courant number of the fastest wave, 0 < cfl <= 1.
         cfl: f64,
     },
+    /// The method of characteristics: fronts followed one by one, no grid.
+    FrontTracking {
+        /// Waves weaker than this part of the largest stress that the scene's data can reach are held back, 0 <= and < 1.
+        front_tolerance: f64,
+        /// Most events that the run may take, >= 1.
+        event_budget: u64,
+    },
+    /// The method of characteristics for rate-dependent bars: a net of straight characteristics.
+    CharacteristicNet {
+        /// Cells over the whole bar, >= 2, each crossed by the elastic wave in one step.
+        cells: usize,
+    },
+}
+
+impl Method {
+    /// True where fronts are followed one by one: no cells, but paths.
+    pub fn tracks_fronts(&self) -> bool {
+        matches!(self, Self::FrontTracking { .. })
+    }
+
+    /// The words of the scene language for the method and its scheme.
+    pub fn names(&self) -> [&'static str; 2] {
+        match self {
+            Self::Leapfrog { .. } => ["fd", "leapfrog"],
+            Self::FrontTracking { .. } => ["moc", "front-tracking"],
+            Self::CharacteristicNet { .. } => ["moc", "characteristic-net"],
+        }
+    }
 }
 
 /// What is recorded.
@@ -88,8 +145,10 @@ pub enum Method {
 pub struct Record {
     /// Frame times, s, increasing, within 0..=until.
     pub times: Vec<f64>,
-    /// x samples of the fields; none: the solver's own cells.
+    /// x samples of the fields; none: the solver's own cells (always some where it has none).
     pub cells: Option<usize>,
+    /// The straight pieces of all fronts are recorded (front tracking only).
+    pub paths: bool,
     /// Fields, no repeats.
     pub fields: Vec<Field>,
     /// Gauges: name and place, m from the left end, in the scene's order.

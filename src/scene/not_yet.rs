@@ -23,8 +23,10 @@ const fn word(path: &'static [&'static str], value: &'static str, what: &'static
 
 const DRIVEN: &str =
     "drive the end with kind = \"velocity\" or \"stress\" and the history that the striking body would give it";
+const STRIKER: &str =
+    "give an end kind = \"striker\" with mass and velocity, or lay two segments together with joint = \"contact\"";
 const STRUCK_BAR: &str = "describe a bar in [bar] with its [left] and [right] ends";
-const LEAVE_OUT: &str = "leave it out; `unloading` is the effect that can be simulated";
+const LEAVE_OUT: &str = "leave it out; the effects that can be simulated are `unloading` and `rate`";
 const LEAPFROG: &str = "use method = \"fd\" with scheme = \"leapfrog\" (both are the default)";
 const CELLS: &str = "leave it out and set the resolution with `cells`, e.g. cells = 4000";
 
@@ -33,25 +35,18 @@ const WORDS: &[Word] = &[
     word(&["plate"], "", "the impact on a plate", STRUCK_BAR),
     word(&["beam"], "", "the impact on a beam", STRUCK_BAR),
     word(&["specimen"], "", "the energy method for a specimen", STRUCK_BAR),
-    word(&["striker"], "", "a striking body", DRIVEN),
-    word(&["left", "kind"], "striker", "a striker", DRIVEN),
+    word(&["striker"], "", "a striking body of its own", STRIKER),
     word(&["left", "kind"], "ball", "a ball", DRIVEN),
-    word(&["left", "kind"], "spring", "a spring", "use kind = \"fixed\" or \"free\", the two limits of a spring"),
-    word(&["right", "kind"], "striker", "a striker", DRIVEN),
     word(&["right", "kind"], "ball", "a ball", DRIVEN),
-    word(&["right", "kind"], "spring", "a spring", "use kind = \"fixed\" or \"free\", the two limits of a spring"),
     word(&["bar", "mode"], "torsion", "torsion", "use mode = \"axial\" (the default)"),
     word(&["bar", "segment", "*", "notch"], "", "a notch", "use a short segment with a smaller area"),
     word(&["effects"], "auto", "the choice of effects by itself", "name them in an [effects] table"),
-    word(&["effects", "rate"], "", "the effect of the strain rate", LEAVE_OUT),
     word(&["effects", "heat"], "", "heating by plastic work", LEAVE_OUT),
     word(&["effects", "rupture"], "", "rupture inside the bar", LEAVE_OUT),
     word(&["effects", "damping"], "", "damping", LEAVE_OUT),
     word(&["effects", "lateral-inertia"], "", "lateral inertia", LEAVE_OUT),
-    word(&["solve", "method"], "moc", "the method of characteristics", LEAPFROG),
     word(&["solve", "scheme"], "muscl", "the scheme muscl", LEAPFROG),
     word(&["solve", "tolerance"], "", "the choice of method by tolerance", CELLS),
-    word(&["solve", "front-tolerance"], "", "front tracking", CELLS),
     word(&["solve", "viscosity"], "", "artificial viscosity", "leave it out"),
 ];
 

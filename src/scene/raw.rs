@@ -171,6 +171,15 @@ pub struct RawEnd {
     /// For a wall: its distance from the end at the start, m, >= 0. Default: 0.
     #[schemars(with = "Option<Quantity>")]
     pub gap: Option<Number>,
+    /// For a striker: its mass, kg, > 0. Required there; the bar needs an area.
+    #[schemars(with = "Option<Quantity>")]
+    pub mass: Option<Number>,
+    /// For a striker: its velocity at the start, m/s, positive in +x. Required there.
+    #[schemars(with = "Option<Quantity>")]
+    pub velocity: Option<Number>,
+    /// For a spring: its stiffness, N/m, > 0. Required there; the bar needs an area.
+    #[schemars(with = "Option<Quantity>")]
+    pub stiffness: Option<Number>,
 }
 
 /// The kinds of ends.
@@ -189,6 +198,10 @@ pub enum EndKind {
     Absorbing,
     /// A rigid wall that pushes but does not pull.
     Wall,
+    /// A rigid mass that touches the end at the start, pushes, and flies on where it would have to pull.
+    Striker,
+    /// A linear spring to the ground.
+    Spring,
 }
 
 /// What is simulated beyond the curve itself: only what is named.
@@ -198,6 +211,49 @@ pub struct RawEffects {
     /// Elastic unloading of yielded points. Default: none, the curve is followed both ways.
     #[schemars(with = "Option<RawUnloading>")]
     pub unloading: Option<Spanned<RawUnloading>>,
+    /// Plastic strain takes time; implies unloading = "isotropic" where no unloading is named. Solved with method = "moc"
+    /// on a characteristic net. Default: none, the curve holds at any rate.
+    #[schemars(with = "Option<RawRate>")]
+    pub rate: Option<Spanned<RawRate>>,
+}
+
+/// A law of the strain rate with its constants: `{ model = "malvern", k = "1e6 1/s" }`,
+/// `{ model = "cowper-symonds", D = "40 1/s", q = 5 }` or `{ model = "johnson-cook", C = 0.014, reference = "1 1/s" }`.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RawRate {
+    /// Which law. Required.
+    #[schemars(with = "RawModel")]
+    pub model: Option<Spanned<RawModel>>,
+    /// Malvern: plastic strain rate = k (stress - static)/E; 1/s, > 0.
+    #[schemars(with = "Option<Quantity>")]
+    pub k: Option<Number>,
+    /// Cowper-Symonds: plastic strain rate = D (stress/static - 1)^q; 1/s, > 0.
+    #[serde(rename = "D")]
+    #[schemars(with = "Option<Quantity>")]
+    pub d: Option<Number>,
+    /// Cowper-Symonds: the exponent, > 0.
+    #[schemars(with = "Option<f64>")]
+    pub q: Option<Number>,
+    /// Johnson-Cook: stress = static (1 + C ln(rate/reference)), > 0.
+    #[serde(rename = "C")]
+    #[schemars(with = "Option<f64>")]
+    pub c: Option<Number>,
+    /// Johnson-Cook: the plastic strain rate at which the curve holds; 1/s, > 0.
+    #[schemars(with = "Option<Quantity>")]
+    pub reference: Option<Number>,
+}
+
+/// The laws of the strain rate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum RawModel {
+    /// Malvern and Sokolovsky: linear in the overstress.
+    Malvern,
+    /// Cowper and Symonds (Perzyna): a power of the overstress.
+    CowperSymonds,
+    /// Johnson and Cook: exponential in the overstress.
+    JohnsonCook,
 }
 
 /// How the yield stress moves with plastic flow.
@@ -220,24 +276,39 @@ pub struct RawSolve {
     /// End time, s, > 0. Required.
     #[schemars(with = "Quantity")]
     pub until: Option<Number>,
-    /// Method. Default: "fd".
-    pub method: Option<RawMethod>,
+    /// Method. Default: "fd"; "moc" where the effects include `rate`.
+    #[schemars(with = "Option<RawMethod>")]
+    pub method: Option<Spanned<RawMethod>>,
     /// Scheme of the method "fd". Default: "leapfrog".
-    pub scheme: Option<RawScheme>,
-    /// Cells over the whole bar, a whole number, 2 to 100000000. Default: 1000.
+    #[schemars(with = "Option<RawScheme>")]
+    pub scheme: Option<Spanned<RawScheme>>,
+    /// For the method "fd", and for "moc" with the effect `rate`: cells over the whole bar, a whole number, 2 to
+    /// 100000000. Default: 1000.
     #[schemars(with = "Option<u64>")]
     pub cells: Option<Number>,
-    /// Courant number of the fastest wave, 0 < cfl <= 1. Default: 1.
+    /// For the method "fd": Courant number of the fastest wave, 0 < cfl <= 1. Default: 1.
     #[schemars(with = "Option<f64>")]
     pub cfl: Option<Number>,
+    /// For the method "moc": waves weaker than this part of the largest stress that the scene's data can reach are held
+    /// back until the next front passes, 0 <= front-tolerance < 1; 0 sends every wave. Default: 0.001.
+    #[serde(rename = "front-tolerance")]
+    #[schemars(with = "Option<f64>")]
+    pub front_tolerance: Option<Number>,
+    /// For the method "moc": most meetings of fronts that the run may take, a whole number, 1 to 1000000000000. Default:
+    /// 10000000.
+    #[serde(rename = "event-budget")]
+    #[schemars(with = "Option<u64>")]
+    pub event_budget: Option<Number>,
 }
 
 /// The methods.
-#[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum RawMethod {
     /// Finite differences.
     Fd,
+    /// Characteristics: the fronts themselves are followed.
+    Moc,
 }
 
 /// The schemes of the method "fd".
@@ -263,9 +334,12 @@ pub struct RawRecord {
     #[schemars(with = "Option<Vec<Quantity>>")]
     pub times: Option<Spanned<Vec<Number>>>,
     /// Samples of the fields over x, at the cell centres of an even grid; a whole number, 1 to 100000000.
-    /// Default: the solver's own cells.
+    /// Default: the solver's own cells; 1000 where fronts are tracked, which needs none.
     #[schemars(with = "Option<u64>")]
     pub cells: Option<Number>,
+    /// For the method "moc": record the straight pieces of all fronts. Default: true.
+    #[schemars(with = "Option<bool>")]
+    pub paths: Option<Spanned<bool>>,
     /// Fields: "stress", "strain", "velocity", "displacement"; with unloading also `"plastic_strain"` and
     /// `"accumulated_plastic_strain"`. Default: stress, strain and velocity.
     #[schemars(with = "Option<Vec<String>>")]

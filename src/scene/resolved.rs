@@ -2,12 +2,11 @@
 
 use serde_json::{Map, Value, json};
 
-use super::{Effects, Method, Record, Scene};
+use super::{Effects, Method, Record, Scene, Solve};
 use crate::bar::{EndCondition, History, Joint, Segment};
 use crate::record::{Compression, Precision};
 
 pub(super) fn json(scene: &Scene) -> Value {
-    let Method::Leapfrog { cells, cfl } = scene.solve.method;
     json!({
         "title": scene.title,
         "name": scene.name,
@@ -20,8 +19,8 @@ pub(super) fn json(scene: &Scene) -> Value {
         "left": end(&scene.left),
         "right": end(&scene.right),
         "effects": effects(&scene.effects),
-        "solve": { "until": scene.solve.until, "method": "fd", "scheme": "leapfrog", "cells": cells, "cfl": cfl },
-        "record": record(&scene.record),
+        "solve": solve(&scene.solve),
+        "record": record(&scene.record, &scene.solve.method),
     })
 }
 
@@ -50,6 +49,8 @@ fn end(end: &EndCondition) -> Value {
         EndCondition::Fixed => json!({ "kind": "fixed" }),
         EndCondition::Absorbing => json!({ "kind": "absorbing" }),
         EndCondition::Wall { gap } => json!({ "kind": "wall", "gap": gap }),
+        EndCondition::Striker { mass, velocity } => json!({ "kind": "striker", "mass": mass, "velocity": velocity }),
+        EndCondition::Spring { stiffness } => json!({ "kind": "spring", "stiffness": stiffness }),
     }
 }
 
@@ -58,10 +59,28 @@ fn rows(history: &History) -> Vec<[f64; 2]> {
 }
 
 fn effects(effects: &Effects) -> Value {
-    json!({ "unloading": effects.unloading })
+    json!({ "unloading": effects.unloading, "rate": effects.rate })
 }
 
-fn record(record: &Record) -> Value {
+fn solve(solve: &Solve) -> Value {
+    let [method, scheme] = solve.method.names();
+    match solve.method {
+        Method::Leapfrog { cells, cfl } => {
+            json!({ "until": solve.until, "method": method, "scheme": scheme, "cells": cells, "cfl": cfl })
+        }
+        Method::CharacteristicNet { cells } => {
+            json!({ "until": solve.until, "method": method, "scheme": scheme, "cells": cells })
+        }
+        Method::FrontTracking { front_tolerance, event_budget } => json!({
+            "until": solve.until,
+            "method": method,
+            "front-tolerance": front_tolerance,
+            "event-budget": event_budget,
+        }),
+    }
+}
+
+fn record(record: &Record, method: &Method) -> Value {
     let precision = match record.precision {
         Precision::F64 => "f64",
         Precision::F32 => "f32",
@@ -72,12 +91,16 @@ fn record(record: &Record) -> Value {
         Compression::None => "none",
     };
     let gauges: Map<String, Value> = record.gauges.iter().map(|(name, x)| (name.clone(), json!(x))).collect();
-    json!({
+    let mut value = json!({
         "times": record.times,
         "cells": record.cells,
         "fields": record.fields.iter().map(|f| f.name()).collect::<Vec<_>>(),
         "gauges": gauges,
         "precision": precision,
         "compression": compression,
-    })
+    });
+    if matches!(method, Method::FrontTracking { .. }) {
+        value["paths"] = json!(record.paths);
+    }
+    value
 }

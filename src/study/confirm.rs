@@ -54,7 +54,7 @@ pub fn confirm(material: &Material, row: &CriticalRow) -> Option<Confirmation> {
 fn drive(material: &Arc<Material>, row: &CriticalRow, velocity: f64, limit: f64) -> Driven {
     // Pulling the left end in -x is tension.
     let scene = scene(material, -row.sense.sign() * velocity);
-    let mut bar = assemble::leapfrog(&scene);
+    let mut bar = assemble::leapfrog(&scene, CELLS, 1.0);
     for _ in 0..run::steps(&scene, bar.grid().dt) {
         bar.advance();
     }
@@ -77,11 +77,12 @@ fn scene(material: &Arc<Material>, velocity: f64) -> Scene {
         bar: Bar { segments: vec![segment], area_given: false },
         left: EndCondition::Velocity { history: History::constant(velocity), release: None },
         right: EndCondition::Free,
-        effects: Effects { unloading: Some(Unloading::Isotropic) },
+        effects: Effects { unloading: Some(Unloading::Isotropic), ..Effects::default() },
         solve: Solve { until, method: Method::Leapfrog { cells: CELLS, cfl: 1.0 } },
         record: Record {
             times: vec![until],
             cells: None,
+            paths: false,
             fields: vec![Field::Stress],
             gauges: Vec::new(),
             precision: Precision::F64,

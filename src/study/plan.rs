@@ -5,41 +5,32 @@ use std::time::Instant;
 use serde::Serialize;
 
 use crate::assemble;
-use crate::bar::launches;
-use crate::law::elastic_row;
+use crate::bar::{Segment, launches};
+use crate::law::{Table, elastic_row};
 use crate::material::Sense;
 use crate::record::FrontSummary;
 use crate::run;
-use crate::scene::{Method, Scene};
+use crate::scene::{Effects, Method, Rate, Scene};
 use crate::solver::fd::Grid;
+use crate::solver::moc::{FrontTracking, Settings};
+use crate::solver::net::{Lattice, Net};
 
 /// The plan of a scene. Keys are those of `barwave plan --json`.
 #[derive(Debug, Clone, Serialize)]
 pub struct Plan {
     /// Scene title.
     pub scene: String,
-    /// "fd".
+    /// "fd" or "moc".
     pub method: String,
-    /// "leapfrog".
+    /// "leapfrog", "front-tracking" or "characteristic-net".
     pub scheme: String,
     /// What is simulated, what is not, and why.
     pub effects: Vec<PlannedEffect>,
-    /// Cells of the bar.
-    pub cells: usize,
-    /// Time step, s.
-    pub dt_s: f64,
-    /// Steps to the end time.
-    pub steps: usize,
-    /// Solver memory of a cell while it is elastic.
-    pub bytes_per_elastic_cell: usize,
-    /// Solver memory of a cell after its block has yielded.
-    pub bytes_per_yielded_cell: usize,
-    /// Solver memory if the whole bar yields, bytes.
-    pub memory_bytes: usize,
+    /// What the method takes; its keys stand beside the others.
+    #[serde(flatten)]
+    pub work: Work,
     /// Fields before compression, bytes.
     pub field_bytes: usize,
-    /// Stepping time if every cell is at work all the time, s: between an elastic and an all-plastic run.
-    pub expected_s: [f64; 2],
     /// Fronts that the theory sends out at the start.
     pub fronts: Vec<FrontSummary>,
     /// Of the struck material; null where the data hold none.
@@ -47,6 +38,59 @@ pub struct Plan {
     pub critical_velocity: Option<f64>,
     /// The scene drives the bar beyond it.
     pub above_critical: bool,
+}
+
+/// Size and cost of a run, by method.
+#[derive(Debug, Clone, Serialize)]
+#[serde(untagged)]
+pub enum Work {
+    /// On a grid.
+    Grid {
+        /// Cells of the bar.
+        cells: usize,
+        /// Time step, s.
+        dt_s: f64,
+        /// Steps to the end time.
+        steps: usize,
+        /// Solver memory of a cell while it is elastic.
+        bytes_per_elastic_cell: usize,
+        /// Solver memory of a cell after its block has yielded.
+        bytes_per_yielded_cell: usize,
+        /// Solver memory if the whole bar yields, bytes.
+        memory_bytes: usize,
+        /// Stepping time if every cell is at work all the time, s: between an elastic and an all-plastic run.
+        expected_s: [f64; 2],
+        /// What only a characteristic net has.
+        #[serde(flatten)]
+        net: Option<NetWork>,
+    },
+    /// By fronts: how many meet depends on what they make of each other, which only the run finds out.
+    Fronts {
+        /// Of the largest stress that the scene's data can reach.
+        front_tolerance: f64,
+        /// The same in Pa: weaker waves are held back.
+        #[serde(rename = "held_back_Pa")]
+        held_back: f64,
+        /// Fronts under way after t = 0.
+        first_fronts: usize,
+        /// Straight pieces of the curve with the most of them.
+        lines: usize,
+        /// Meetings that the run may take.
+        event_budget: u64,
+        /// Solver memory of a front under way.
+        bytes_per_front: usize,
+        /// Time if the whole budget is used, s.
+        longest_s: f64,
+    },
+}
+
+/// What a characteristic net says of itself.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct NetWork {
+    /// Largest relative change of a segment's transit time, made so that all segments share one time step.
+    pub largest_transit_shift: f64,
+    /// Malvern's k times the time step: above 1, fronts are as wide as the net makes them. Null for other laws.
+    pub k_dt: Option<f64>,
 }
 
 /// An effect in a plan.
@@ -66,32 +110,93 @@ const PLASTIC_COST: f64 = 6.0;
 
 /// Makes the plan.
 pub fn plan(scene: &Scene) -> Plan {
-    let Method::Leapfrog { cells, cfl } = scene.solve.method;
-    let grid = Grid::new(&scene.bar, cells, cfl);
-    let (cells, steps) = (grid.cells(), run::steps(scene, grid.dt));
     let all = launches(&scene.bar, &scene.left, &scene.right);
+    let [method, scheme] = scene.solve.method.names();
+    let (work, cells) = match scene.solve.method {
+        Method::Leapfrog { cells, cfl } => grid_work(scene, &Grid::new(&scene.bar, cells, cfl)),
+        Method::CharacteristicNet { cells } => net_work(scene, &Lattice::new(&scene.bar, cells)),
+        Method::FrontTracking { front_tolerance, event_budget } => {
+            (front_work(scene, front_tolerance, event_budget), 0)
+        }
+    };
+    let samples = scene.record.cells.unwrap_or(cells) * scene.record.times.len() * scene.record.fields.len();
+    Plan {
+        scene: scene.title.clone(),
+        method: method.into(),
+        scheme: scheme.into(),
+        effects: effects(scene, &all),
+        work,
+        field_bytes: samples * size_of::<f64>(),
+        fronts: all.iter().flat_map(fronts).collect(),
+        critical_velocity: run::critical_velocity(scene, &all),
+        above_critical: all.iter().any(|l| l.fan.above_critical),
+    }
+}
+
+/// The work on a grid, and its cells.
+fn grid_work(scene: &Scene, grid: &Grid) -> (Work, usize) {
+    let (cells, steps) = (grid.cells(), run::steps(scene, grid.dt));
     let law = assemble::segment_law(&scene.bar.segments[0], &scene.effects);
     let number = size_of::<f64>();
     // Stress and velocity; then the law's state and a byte for the damping.
     let (elastic, yielded) = (2 * number, (2 + law.law.state_len()) * number + 1);
-    let samples = scene.record.cells.unwrap_or(cells) * scene.record.times.len() * scene.record.fields.len();
     let quickest = elastic_seconds_per_cell_step() * (cells * steps) as f64;
-    Plan {
-        scene: scene.title.clone(),
-        method: "fd".into(),
-        scheme: "leapfrog".into(),
-        effects: effects(scene, &all),
+    let work = Work::Grid {
         cells,
         dt_s: grid.dt,
         steps,
         bytes_per_elastic_cell: elastic,
         bytes_per_yielded_cell: yielded,
         memory_bytes: cells * yielded,
-        field_bytes: samples * number,
         expected_s: [quickest, PLASTIC_COST * quickest],
-        fronts: all.iter().flat_map(fronts).collect(),
-        critical_velocity: run::critical_velocity(scene, &all),
-        above_critical: all.iter().any(|l| l.fan.above_critical),
+        net: None,
+    };
+    (work, cells)
+}
+
+/// Time of a step of a cell of the net while it is elastic, and with both of its nodes flowing: by Malvern's law, and by
+/// those with a power or a logarithm. Measured on bilinear and 60-knot curves at 1000 and 10000 cells; it differs by a
+/// factor of two between processors.
+const NET_ELASTIC: f64 = 1e-9;
+const NET_MALVERN: f64 = 20e-9;
+const NET_OTHER: f64 = 180e-9;
+
+/// The work on a characteristic net, and its cells.
+fn net_work(scene: &Scene, lattice: &Lattice) -> (Work, usize) {
+    let (cells, dt) = (lattice.grid.cells(), lattice.grid.dt);
+    let steps = run::steps(scene, dt);
+    let k = if let Some(Rate::Malvern { k }) = scene.effects.rate { Some(k) } else { None };
+    let flowing = if k.is_some() { NET_MALVERN } else { NET_OTHER };
+    let work = Work::Grid {
+        cells,
+        dt_s: dt,
+        steps,
+        bytes_per_elastic_cell: Net::BYTES_PER_CELL,
+        bytes_per_yielded_cell: Net::BYTES_PER_CELL,
+        memory_bytes: cells * Net::BYTES_PER_CELL,
+        expected_s: [NET_ELASTIC, flowing].map(|one| one * (cells * steps) as f64),
+        net: Some(NetWork { largest_transit_shift: lattice.shift, k_dt: k.map(|k| k * dt) }),
+    };
+    (work, cells)
+}
+
+/// Time of one event. Measured on curves of 10 to 60 straight pieces; it differs by a factor of two between processors.
+const SECONDS_PER_EVENT: f64 = 1e-6;
+
+fn front_work(scene: &Scene, front_tolerance: f64, event_budget: u64) -> Work {
+    let settings = Settings { front_tolerance, event_budget, ..Settings::default() };
+    // What its start shows is worth a plan of its own.
+    let start = assemble::front_tracking(scene, settings);
+    let table = |s: &Segment, sense| Table::new(s.material.branch(sense), s.material.modulus).lines().len();
+    let lines = |s| table(s, Sense::Tension).max(table(s, Sense::Compression));
+    Work::Fronts {
+        front_tolerance,
+        held_back: front_tolerance * start.stress_scale(),
+        first_fronts: start.front_count(),
+        lines: scene.bar.segments.iter().map(lines).max().unwrap_or(0),
+        event_budget,
+        bytes_per_front: FrontTracking::BYTES_PER_FRONT,
+        longest_s: SECONDS_PER_EVENT * event_budget as f64,
     }
 }
 
@@ -129,13 +234,22 @@ fn effects(scene: &Scene, launches: &[crate::bar::Launch]) -> Vec<PlannedEffect>
         }
     };
     let mut list = vec![PlannedEffect { effect: "plasticity".into(), on: yields && !linear, why: why.into() }];
-    let unloading = run::effect_names(&scene.effects, false).into_iter().next();
+    let named = |effects: Effects| run::effect_names(&effects, false).into_iter().next();
+    let unloading = named(Effects { rate: None, ..scene.effects.clone() });
     list.push(match unloading {
         Some(effect) => PlannedEffect { effect, on: true, why: "the scene asks for it".into() },
         None => PlannedEffect {
             effect: "unloading".into(),
             on: false,
             why: "the scene does not ask for it; the run says so if a yielded point unloads".into(),
+        },
+    });
+    list.push(match named(Effects { unloading: None, ..scene.effects.clone() }) {
+        Some(effect) => PlannedEffect { effect, on: true, why: "the scene asks for it".into() },
+        None => PlannedEffect {
+            effect: "rate".into(),
+            on: false,
+            why: "the scene does not ask for it: the curve holds at any strain rate".into(),
         },
     });
     list

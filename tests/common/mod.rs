@@ -77,7 +77,7 @@ pub fn leapfrog(
     cells: usize,
     cfl: f64,
 ) -> Leapfrog {
-    let effects = Effects { unloading };
+    let effects = Effects { unloading, ..Effects::default() };
     let laws = segments.iter().map(|s| segment_law(s, &effects)).collect();
     let bar = Bar { segments, area_given: true };
     let grid = Grid::new(&bar, cells, cfl);

@@ -241,3 +241,126 @@ def test_a_report_is_drawn(program, run, tmp_path, kind, start):
     # Nothing is fetched from anywhere: the only addresses are names of XML languages.
     if kind != "png":
         assert set(re.findall(rb"https?://[^\"' )]+", content)) <= {b"http://www.w3.org/2000/svg"}
+
+
+TRACKED = "runs/bilinear-p2-moc.toml"
+LET_GO = "runs/copper-let-go.toml"
+
+
+def test_a_tracked_run_opens_in_xarray_with_paths_numbered(run):
+    # Warnings are errors here: every dimension has its scale.
+    dataset = open_xarray(run(TRACKED))
+    assert dataset.stress.dims == ("time", "x")
+    assert dataset.sizes["x"] == 1000
+    assert dataset.paths.dims == ("path",)
+    assert (dataset.path == np.arange(dataset.sizes["path"])).all()
+    assert dataset.fronts.dims == ("front",)
+    # Even cell centres of a bar of 1 m.
+    assert dataset.x.values == pytest.approx((np.arange(1000) + 0.5) / 1000, abs=1e-15)
+    assert "state behind it" in dataset.stress.attrs["sampling"]
+
+
+def test_paths_are_a_table_of_straight_pieces(run):
+    with h5py.File(run(TRACKED)) as file:
+        assert (file.attrs["method"], file.attrs["scheme"]) == ("moc", "front-tracking")
+        assert file.attrs["events"] > 0 and file.attrs["cells"] == 0
+        paths = file["paths"][:]
+        assert file["paths"].attrs["complete"] == 1
+        assert file["paths"].dims[0][0] == file["path"]
+    assert paths.dtype.names == ("x0", "t0", "x1", "t1", "stress_jump", "speed")
+    assert (paths["t1"] > paths["t0"]).all()
+    assert paths["speed"] == pytest.approx((paths["x1"] - paths["x0"]) / (paths["t1"] - paths["t0"]), rel=1e-12)
+    # All fronts of a bilinear bar run at one of two speeds.
+    speeds = np.sqrt([200e9 / 7800, 20e9 / 7800])
+    nearest = speeds[np.argmin(abs(abs(paths["speed"])[:, None] - speeds), axis=1)]
+    assert abs(paths["speed"]) == pytest.approx(nearest, rel=1e-12)
+    # The run's last moment is that of the fronts under way.
+    with h5py.File(run(TRACKED)) as file:
+        fronts = file["fronts"][:]
+    assert fronts["position"][fronts["last_seen"] == 600e-6] == pytest.approx(
+        np.sort(paths["x1"][paths["t1"] == 600e-6]), abs=1e-12
+    )
+
+
+def test_paths_can_be_left_out(run):
+    with h5py.File(run(TRACKED, "--set", "record.paths=false")) as file:
+        assert "paths" not in file and "path" not in file
+    with h5py.File(run(BILINEAR)) as file:
+        assert "paths" not in file
+
+
+def test_tracked_gauges_are_steps_of_two_rows(run):
+    gauge = open_xarray(run(TRACKED), "gauges/quarter")
+    time, stress = gauge.time.values, gauge.stress.values
+    assert (np.diff(time) >= 0).all() and time[0] == 0 and time[-1] == 600e-6
+    changes = np.flatnonzero(np.diff(stress))
+    assert len(changes) > 3 and (time[changes] == time[changes + 1]).all()
+    # The elastic front passes 0.25 m at 0.25 m/c0, the plastic one at its own speed.
+    assert time[changes[0]] == pytest.approx(0.25 / np.sqrt(200e9 / 7800), rel=1e-13)
+    assert time[changes[1]] == pytest.approx(0.25 / np.sqrt(20e9 / 7800), rel=1e-13)
+    assert stress[changes[0] + 1] == pytest.approx(-200e6, rel=1e-13)
+    assert stress[changes[1] + 1] == pytest.approx(-386.554e6, rel=1e-5)
+
+
+def test_both_methods_agree_on_the_fields(run):
+    exact = open_xarray(run(TRACKED, "--set", "solve.until=157.98734e-6", "--set", "record.frames=81"))
+    grid = open_xarray(run(BILINEAR))
+    missed = float(abs(exact.stress - grid.stress.values).isel(time=-1).sum() / abs(exact.stress).isel(time=-1).sum())
+    # What the grid's own summary says of 1000 cells.
+    assert missed < 0.0036
+
+
+def test_a_long_tracked_run_balances(run):
+    path = run(LET_GO)
+    ledger = open_xarray(path, "ledger")
+    assert float(abs(ledger.residual).max()) < 1e-12
+    total = ledger.kinetic + ledger.elastic + ledger.plastic + ledger.concentrated
+    assert float(total[-1]) == pytest.approx(float(ledger.work_left[-1]), rel=1e-12)
+    with h5py.File(path) as file:
+        assert file["paths"].attrs["complete"] == 1
+        for side in ("left", "right"):
+            assert (np.diff(file[f"ends/{side}/time"][:]) >= 0).all()
+
+
+def test_a_tracked_report_draws_the_paths(program, run, tmp_path):
+    output = tmp_path / "tracked.svg"
+    subprocess.run([program, "report", run(TRACKED), "-o", output], check=True)
+    text = output.read_text()
+    assert "fronts, by strength" in text and "front speeds, theory" not in text
+
+
+@pytest.fixture
+def long_tracked_scene(tmp_path):
+    """A scene whose fronts, every one sent, meet for a long time."""
+    path = tmp_path / "long-tracked.toml"
+    text = (ROOT / LET_GO).read_text()
+    text = text.replace("front-tolerance = 0.02", "front-tolerance = 0\nevent-budget = 1e11")
+    path.write_text(text.replace("frames = 201", "frames = 1000"))
+    return path
+
+
+def test_a_killed_tracked_run_opens_without_a_warning(program, long_tracked_scene, tmp_path):
+    output = tmp_path / "killed.h5"
+    process = started(program, long_tracked_scene, output)
+    process.kill()
+    process.wait()
+    with h5py.File(output) as file:
+        assert file.attrs["outcome"] == "running"
+        assert file["paths"].attrs["complete"] == 0
+        assert file["paths"].shape == file["path"].shape
+        assert file["paths"].shape[0] > 0
+        assert_frames_are_sound(file)
+    dataset = open_xarray(output)
+    assert dataset.stress.dims == ("time", "x") and dataset.paths.dims == ("path",)
+
+
+def test_an_interrupted_tracked_run_closes_its_file(program, long_tracked_scene, tmp_path):
+    output = tmp_path / "interrupted.h5"
+    process = started(program, long_tracked_scene, output)
+    process.send_signal(signal.SIGINT)
+    assert process.wait(timeout=60) == 130
+    with h5py.File(output) as file:
+        assert file.attrs["outcome"] == "interrupted"
+        assert file["paths"].attrs["complete"] == 0
+        assert_frames_are_sound(file)
+        assert file["fronts"].shape[0] > 0

@@ -6,7 +6,7 @@ use std::time::SystemTime;
 use hdf5::types::VarLenUnicode;
 use hdf5::{Dataset, DatasetBuilderEmpty, Extent, File, Group, H5Type, Location};
 
-use super::{FORMAT_VERSION, Header, Layout, RUNNING, Side, scales};
+use super::{FORMAT_VERSION, Header, Layout, RUNNING, Side, paths, scales};
 use crate::record::{Compression, MaterialRecord, Precision};
 
 type Hdf<T> = hdf5::Result<T>;
@@ -29,12 +29,16 @@ const TIME: [&str; 3] = ["time", "s", "time"];
 const VELOCITY: [&str; 3] = ["velocity", "m/s", "velocity in +x"];
 
 /// Columns of the ledger: name, long name. Energies but for time, the momenta, and the residual.
-pub(super) const LEDGER_COLUMNS: [[&str; 2]; 10] = [
+pub(super) const LEDGER_COLUMNS: [[&str; 2]; 11] = [
     ["time", "time"],
     ["kinetic", "kinetic energy"],
     ["elastic", "recoverable strain energy"],
     ["plastic", "energy dissipated in plastic flow since the start"],
-    ["viscous", "energy taken since the start by the damping of grid-scale ripples"],
+    [
+        "viscous",
+        "energy taken since the start by the overstress of a rate-dependent bar, or by the damping of grid-scale ripples",
+    ],
+    ["concentrated", "energy taken since the start at single points where velocities differ"],
     ["work_left", "work done by the left end since the start"],
     ["work_right", "work done by the right end since the start"],
     ["momentum", "momentum of the bar in +x"],
@@ -50,6 +54,9 @@ pub(super) fn build(path: &Path, header: &Header, layout: &Layout, materials: &[
     build_histories(&file, layout)?;
     build_ledger(&file, layout)?;
     build_materials(&file, materials)?;
+    if layout.paths {
+        paths::build(&file)?;
+    }
     file.flush()?;
     file.close()
 }
@@ -93,6 +100,9 @@ fn build_fields(file: &File, layout: &Layout) -> Hdf<()> {
             .shape(shape)
             .create(field.name())?;
         describe(&dataset, field.units(), field.long_name())?;
+        if !layout.sampling.is_empty() {
+            put_text(&dataset, "sampling", &layout.sampling)?;
+        }
     }
     let names: Vec<&str> = layout.fields.iter().map(|f| f.name()).collect();
     scales::attach(file, &["time", "x"], &names)

@@ -7,6 +7,10 @@
 //!   (`ds.dims[0]`) and xarray (`open_dataset(path, engine="h5netcdf")`, `group="gauges/middle"`) see labelled axes.
 //! - `/fronts` is one compound dataset, one row a front, with a column `arrival_<gauge>` for each gauge; the scale
 //!   `/front` numbers its rows (without one, xarray warns about an unnamed dimension).
+//! - `/paths`, in files of the method "moc", is a growing compound dataset, one row a straight piece of a front, numbered
+//!   by the scale `/path`; its attribute `complete` is 1 where the run ended and no piece was left out.
+//! - Fields of the method "moc" are exact at their places: a sample on a front has the state behind it, one on a joint
+//!   the state to its right (attribute `sampling`). Histories have two rows for each step, before and after it.
 //! - `/ledger`, `/ends/<side>`, `/gauges/<name>`, `/audit` and `/material/<name>` are groups of one-dimensional columns.
 //! - NaN means "not there": fields that were never reached by the writer, fronts that could not be followed.
 //!
@@ -25,6 +29,7 @@
 
 mod compound;
 mod create;
+mod paths;
 mod read;
 mod scales;
 mod write;
@@ -36,7 +41,9 @@ use std::time::{Duration, Instant};
 
 pub use read::{Facts, Gauge, ResultFile};
 
-use super::{AuditRow, Compression, ErrorFigure, Field, Frame, FrontRow, LedgerRow, MaterialRecord, Precision, Trace};
+use super::{
+    AuditRow, Compression, ErrorFigure, Field, Frame, FrontRow, LedgerRow, MaterialRecord, PathRow, Precision, Trace,
+};
 use crate::error::{Error, Result};
 use write::Sink;
 
@@ -93,6 +100,10 @@ pub struct Layout {
     pub compression: Compression,
     /// Energies are J and momenta N s where true, per m^2 where false.
     pub area_given: bool,
+    /// How the fields were sampled over x, for people; empty: not said.
+    pub sampling: String,
+    /// The file has `/paths`.
+    pub paths: bool,
 }
 
 /// An end of the bar.
@@ -133,6 +144,8 @@ pub struct Finish {
     pub reason: Option<String>,
     /// Error against a reference, where there is one.
     pub error: Option<ErrorFigure>,
+    /// `/paths` has every front up to the end.
+    pub paths_complete: bool,
 }
 
 /// The writing end of a result file.
@@ -153,6 +166,7 @@ enum Message {
     Gauge(usize, Trace),
     End(Side, Trace),
     Ledger(LedgerRow),
+    Paths(Vec<PathRow>),
     Finish(Box<Ending>),
 }
 
@@ -205,6 +219,11 @@ impl Writer {
     /// Adds a row to the ledger.
     pub fn ledger(&mut self, row: LedgerRow) -> Result<()> {
         self.send(Message::Ledger(row))
+    }
+
+    /// Adds straight pieces of fronts; the layout must ask for them.
+    pub fn paths(&mut self, rows: Vec<PathRow>) -> Result<()> {
+        self.send(Message::Paths(rows))
     }
 
     /// Writes what is known only at the end, then the outcome, and closes the file.

@@ -8,10 +8,10 @@ use hdf5::{File, Group, H5Type, Location};
 use ndarray::{Array2, s};
 
 use super::compound::{self, Column, Values};
-use super::{FORMAT_VERSION, RUNNING, Side};
+use super::{FORMAT_VERSION, RUNNING, Side, paths};
 use crate::error::{Error, InputError, Result};
 use crate::material::Provenance;
-use crate::record::{AuditRow, ErrorFigure, Field, FrontRow, LedgerRow, MaterialRecord, Trace};
+use crate::record::{AuditRow, ErrorFigure, Field, FrontRow, LedgerRow, MaterialRecord, PathRow, Trace};
 
 type Hdf<T> = hdf5::Result<T>;
 
@@ -190,6 +190,11 @@ impl ResultFile {
         })
     }
 
+    /// Straight pieces of fronts, in the order in which they ended; empty where the file has none.
+    pub fn paths(&self) -> Result<Vec<PathRow>> {
+        self.run(|file| if file.link_exists("paths") { paths::read(file) } else { Ok(Vec::new()) })
+    }
+
     /// Neglected effects; empty in an unfinished file.
     pub fn audit(&self) -> Result<Vec<AuditRow>> {
         self.run(|file| if file.link_exists("audit") { read_audit(&file.group("audit")?) } else { Ok(Vec::new()) })
@@ -311,12 +316,15 @@ fn read_ledger(group: &Group) -> Hdf<Vec<LedgerRow>> {
     ];
     let columns = names.iter().map(|name| column(group, name)).collect::<Hdf<Vec<_>>>()?;
     let rows = columns.iter().map(Vec::len).min().unwrap_or(0);
+    // A column that older files lack.
+    let concentrated = column(group, "concentrated")?;
     let row = |i: usize| LedgerRow {
         time: columns[0][i],
         kinetic: columns[1][i],
         elastic: columns[2][i],
         plastic: columns[3][i],
         viscous: columns[4][i],
+        concentrated: concentrated.get(i).copied().unwrap_or(0.0),
         work_left: columns[5][i],
         work_right: columns[6][i],
         momentum: columns[7][i],

@@ -7,6 +7,7 @@ use ndarray::{ArrayView2, s};
 
 use super::compound::{self, Column};
 use super::create::{END_COLUMNS, GAUGE_COLUMNS, LEDGER_COLUMNS, TRACE_ROWS, build, gauge_links, put, put_text, text};
+use super::paths::PathTable;
 use super::{Ending, Finish, Header, Layout, Message, Side, scales};
 use crate::error::{Error, Result};
 use crate::record::{AuditRow, Frame, FrontRow, LedgerRow, MaterialRecord, Precision, Trace};
@@ -25,6 +26,7 @@ pub(super) struct Sink {
     gauge_links: Vec<String>,
     ends: [Table; 2],
     ledger: Table,
+    paths: Option<PathTable>,
     /// Something was written since the last flush.
     unflushed: bool,
 }
@@ -84,7 +86,8 @@ impl Sink {
         let end = |side: Side| Table::open(&file.group(&format!("ends/{}", side.name()))?, &END_COLUMNS.map(|c| c[0]));
         let ends = [end(Side::Left)?, end(Side::Right)?];
         let ledger = Table::open(&file.group("ledger")?, &LEDGER_COLUMNS.map(|c| c[0]))?;
-        Ok(Self { path: path.to_owned(), file, frames, gauges, gauge_links, ends, ledger, unflushed: false })
+        let paths = layout.paths.then(|| PathTable::open(&file)).transpose()?;
+        Ok(Self { path: path.to_owned(), file, frames, gauges, gauge_links, ends, ledger, paths, unflushed: false })
     }
 
     /// Takes one message; much is written at once, little waits for the next flush.
@@ -101,6 +104,10 @@ impl Sink {
                 self.ends[side as usize].push([&time, &stress, &velocity].map(Vec::as_slice))
             }
             Message::Ledger(row) => self.ledger.push(ledger_values(&row).each_ref().map(std::slice::from_ref)),
+            Message::Paths(rows) => match &mut self.paths {
+                Some(table) => Ok(table.push(&rows)),
+                None => Err("this file has no table of paths".into()),
+            },
             Message::Finish(ending) => return self.finish(&ending),
         };
         let path = &self.path;
@@ -126,6 +133,9 @@ impl Sink {
         for table in self.gauges.iter_mut().chain(&mut self.ends).chain(std::iter::once(&mut self.ledger)) {
             wrote |= table.write().map_err(|e| disk_error(path, &e))?;
         }
+        if let Some(table) = &mut self.paths {
+            wrote |= table.write().map_err(|e| disk_error(path, &e))?;
+        }
         self.unflushed |= wrote;
         Ok(())
     }
@@ -141,6 +151,9 @@ impl Sink {
         write_fronts(&self.file, &ending.fronts, &self.gauge_links)?;
         write_audit(&self.file, &ending.audit)?;
         write_figures(&self.file, &ending.figures)?;
+        if let Some(table) = &self.paths {
+            table.finish(ending.figures.paths_complete)?;
+        }
         self.file.flush()?;
         self.file.attr("outcome")?.write_scalar(&text(&ending.outcome)?)?;
         self.file.flush()
@@ -307,13 +320,14 @@ fn write_figures(file: &File, figures: &Finish) -> Hdf<()> {
     Ok(())
 }
 
-fn ledger_values(row: &LedgerRow) -> [f64; 10] {
+fn ledger_values(row: &LedgerRow) -> [f64; 11] {
     [
         row.time,
         row.kinetic,
         row.elastic,
         row.plastic,
         row.viscous,
+        row.concentrated,
         row.work_left,
         row.work_right,
         row.momentum,

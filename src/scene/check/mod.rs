@@ -3,22 +3,20 @@
 mod bar;
 mod csv_history;
 mod ends;
+mod rate;
 mod record;
+mod solve;
 
 use std::ops::Range;
 use std::path::Path;
 
-use toml::Spanned;
-
-use super::raw::{RawEffects, RawScene, RawSolve, RawUnloading};
-use super::{Effects, Method, Scene, Solve, Unloading, not_yet};
+use super::raw::{RawEffects, RawScene, RawUnloading};
+use super::{Effects, Scene, Unloading, not_yet};
 use crate::bar::Bar;
 use crate::error::{InputError, Result};
-use crate::input::{Allowed, Document, Number};
+use crate::input::{Allowed, Document};
 use crate::units::Dimension;
 
-/// Default number of cells.
-const CELLS: usize = 1000;
 /// Most cells that a run can be asked for: 10^8 cells are some gigabytes of state.
 const MOST_CELLS: usize = 100_000_000;
 
@@ -37,11 +35,12 @@ pub(super) fn check(document: &Document, base: &Path) -> Result<Scene> {
     let bar = checker.bar(raw_bar)?;
     let ends = "both ends are always stated: add e.g. [left] with kind = \"velocity\" and value = \"30 m/s\", and \
                 [right] with kind = \"free\"";
-    let left = checker.end(checker.required(raw.left.as_ref(), "left", ends)?, "left")?;
-    let right = checker.end(checker.required(raw.right.as_ref(), "right", ends)?, "right")?;
+    let left = checker.end(checker.required(raw.left.as_ref(), "left", ends)?, "left", bar.area_given)?;
+    let right = checker.end(checker.required(raw.right.as_ref(), "right", ends)?, "right", bar.area_given)?;
     let effects = checker.effects(&raw.effects, &bar)?;
     let until = "add [solve] with until, the end time, e.g. until = \"200 us\"";
-    let solve = checker.solve(checker.required(raw.solve.as_ref(), "solve", until)?)?;
+    let raw_solve = checker.required(raw.solve.as_ref(), "solve", until)?;
+    let solve = checker.solve(raw_solve, &raw.effects)?;
     let record = checker.record(&raw.record, &bar, &effects, &solve)?;
     let name = Path::new(&document.file).file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
     Ok(Scene {
@@ -80,26 +79,12 @@ impl Checker<'_> {
         end..end
     }
 
-    fn solve(&self, raw: &Spanned<RawSolve>) -> Result<Solve> {
-        let (span, raw) = (raw.span(), raw.get_ref());
-        let Some(until) = &raw.until else {
-            let help = "add the end time, e.g. until = \"200 us\"; an elastic wave needs length/c0 to cross the bar";
-            return Err(self.missing(span, "solve.until", help));
-        };
-        let until = self.document.number(until, "solve.until", Dimension::Time, Allowed::Positive)?;
-        let cells = self.count(raw.cells.as_ref(), "solve.cells", 2, CELLS)?;
-        let range = Allowed::Above(0.0, 1.0);
-        let cfl = self.document.optional(raw.cfl.as_ref(), "solve.cfl", Dimension::None, range)?;
-        Ok(Solve { until, method: Method::Leapfrog { cells, cfl: cfl.unwrap_or(1.0) } })
-    }
-
-    /// A number of cells, with its default.
-    fn count(&self, value: Option<&Number>, key: &str, low: usize, default: usize) -> Result<usize> {
-        value.map_or(Ok(default), |v| self.document.count(v, key, low, MOST_CELLS))
-    }
-
     fn effects(&self, raw: &RawEffects, bar: &Bar) -> Result<Effects> {
-        let Some(unloading) = &raw.unloading else { return Ok(Effects::default()) };
+        let rate = raw.rate.as_ref().map(|rate| self.rate(rate)).transpose()?;
+        let Some(unloading) = &raw.unloading else {
+            // A curve that is followed both ways has no plastic strain that could take time.
+            return Ok(Effects { unloading: rate.map(|_| Unloading::Isotropic), rate });
+        };
         let key = "effects.unloading";
         let kind = match unloading.get_ref() {
             RawUnloading::Isotropic => Unloading::Isotropic,
@@ -116,6 +101,6 @@ impl Checker<'_> {
             let help = "use unloading = \"isotropic\", or a material without a compression curve of its own";
             return Err(self.error(unloading.span(), key, message).allowed("\"isotropic\"").help(help).into());
         }
-        Ok(Effects { unloading: Some(kind) })
+        Ok(Effects { unloading: Some(kind), rate })
     }
 }

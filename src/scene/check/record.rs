@@ -13,6 +13,8 @@ use crate::units::{Dimension, System, format};
 
 /// Default number of frames.
 const FRAMES: usize = 200;
+/// Default number of samples over x for a method without cells.
+const SAMPLES: usize = 1000;
 /// More frames than this are a slip of the pen.
 const MOST_FRAMES: usize = 10_000_000;
 /// Largest result file, before compression, that is not a slip of the pen.
@@ -22,9 +24,11 @@ const GIB: f64 = 1024.0 * 1024.0 * 1024.0;
 impl Checker<'_> {
     pub(super) fn record(&self, raw: &RawRecord, bar: &Bar, effects: &Effects, solve: &Solve) -> Result<Record> {
         let cells = raw.cells.as_ref().map(|v| self.document.count(v, "record.cells", 1, MOST_CELLS)).transpose()?;
+        let tracked = solve.method.tracks_fronts();
         let record = Record {
             times: self.times(raw, solve.until)?,
-            cells,
+            cells: cells.or(tracked.then_some(SAMPLES)),
+            paths: self.paths(raw, &solve.method)?,
             fields: self.fields(raw, effects)?,
             gauges: self.gauges(raw, bar.length())?,
             precision: match raw.precision {
@@ -39,6 +43,24 @@ impl Checker<'_> {
         };
         self.fits(raw, &record, solve)?;
         Ok(record)
+    }
+
+    /// Whether the fronts' straight pieces are recorded.
+    fn paths(&self, raw: &RawRecord, method: &Method) -> Result<bool> {
+        let tracked = method.tracks_fronts();
+        match &raw.paths {
+            Some(paths) if !tracked => {
+                let (what, other) = match method {
+                    Method::CharacteristicNet { .. } => ("a rate-dependent bar", "leave `rate` out of [effects]"),
+                    _ => ("method = \"fd\"", "use method = \"moc\" in [solve]"),
+                };
+                let message = format!("`paths` means nothing for {what}: it has no fronts of its own");
+                let help = format!("take `paths` out, or {other}");
+                Err(self.error(paths.span(), "record.paths", message).help(help).into())
+            }
+            Some(paths) => Ok(*paths.get_ref()),
+            None => Ok(tracked),
+        }
     }
 
     /// Frame times, from at most one of the three forms.
@@ -156,8 +178,11 @@ impl Checker<'_> {
 
     /// Refuses fields that no disk is meant to hold.
     fn fits(&self, raw: &RawRecord, record: &Record, solve: &Solve) -> Result<()> {
-        let Method::Leapfrog { cells, .. } = solve.method;
-        let cells = record.cells.unwrap_or(cells);
+        let own = match solve.method {
+            Method::Leapfrog { cells, .. } | Method::CharacteristicNet { cells } => cells,
+            Method::FrontTracking { .. } => SAMPLES,
+        };
+        let cells = record.cells.unwrap_or(own);
         let width = match record.precision {
             Precision::F64 => 8.0,
             Precision::F32 => 4.0,

@@ -3,11 +3,13 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
+use super::contact::Contact;
 use super::end::End;
 use super::list::{Kind, List, NONE, Node};
+use super::sample::Openings;
 use super::thin::Thinning;
-use super::{Settings, Stopped, Trail, Unsupported};
-use crate::bar::{Bar, EndCondition, Joint};
+use super::{Settings, Stopped, Trail};
+use crate::bar::{Bar, EndCondition};
 use crate::law::Table;
 use crate::material::Sense;
 use crate::wave::riemann::{Emitted, Flow, Medium, Point, Side, Workspace, solve};
@@ -27,7 +29,7 @@ const SAME_STRESS: f64 = 1e-13;
 
 /// The next meeting of two neighbours; out of date once one of them is gone or they are no longer neighbours.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Meeting {
+pub(super) struct Meeting {
     time: f64,
     left: u32,
     right: u32,
@@ -55,6 +57,8 @@ pub struct FrontTracking {
     pub(super) media: Vec<Medium>,
     pub(super) ends: [End; 2],
     pub(super) end_nodes: [u32; 2],
+    /// Joints that can open.
+    pub(super) contacts: Vec<Contact>,
     pub(super) list: List,
     queue: BinaryHeap<Reverse<Meeting>>,
     pub(super) now: f64,
@@ -66,6 +70,7 @@ pub struct FrontTracking {
     pub(super) fronts: usize,
     pub(super) concentrated: f64,
     pub(super) thinning: Thinning,
+    pub(super) opened: Openings,
     /// Trails of fronts that ended; none where they are not asked for.
     pub(super) trails: Option<Vec<Trail>>,
     pub(super) work: Workspace,
@@ -75,31 +80,27 @@ pub struct FrontTracking {
 
 impl FrontTracking {
     /// A bar at t = 0 with its ends; every segment flows as `flow` says.
-    ///
-    /// # Errors
-    /// A joint that can open, or a history with a ramp (see [`super::stepped`]).
-    pub fn new(bar: &Bar, flow: Flow, ends: [EndCondition; 2], settings: Settings) -> Result<Self, Unsupported> {
+    pub fn new(bar: &Bar, flow: Flow, ends: [EndCondition; 2], settings: Settings) -> Self {
         let last = bar.segments.len() - 1;
-        if let Some(k) = bar.segments[..last].iter().position(|s| s.joint != Joint::Bonded) {
-            return Err(Unsupported::ContactJoint(k + 1));
-        }
-        let [left, right] = ends;
-        let ends = [End::new(left, 1.0, bar.segments[0].velocity), End::new(right, -1.0, bar.segments[last].velocity)];
-        for (end, name) in ends.iter().zip(["left", "right"]) {
-            if end.has_ramp() {
-                return Err(Unsupported::Ramp(name));
-            }
-        }
         let mut media: Vec<Medium> = bar.segments.iter().map(|s| medium(s, flow)).collect();
+        let [left, right] = ends;
+        let mut ends = [
+            End::new(left, 1.0, bar.segments[0].velocity, &media[0]),
+            End::new(right, -1.0, bar.segments[last].velocity, &media[last]),
+        ];
         let stress_scale = stress_scale(bar, &media, &ends);
         for medium in &mut media {
             medium.round_off = SAME_STRESS * stress_scale;
         }
         let thinning = Thinning::new(settings.front_tolerance, &media, stress_scale, bar.length());
+        for (end, medium) in ends.iter_mut().zip([&media[0], &media[last]]) {
+            end.set_steps(settings.step(), stress_scale, medium.impedance());
+        }
         let mut tracking = Self {
             media,
             ends,
             end_nodes: [0, 0],
+            contacts: Contact::all(bar),
             list: List::default(),
             queue: BinaryHeap::new(),
             now: 0.0,
@@ -111,13 +112,14 @@ impl FrontTracking {
             fronts: 0,
             concentrated: 0.0,
             thinning,
+            opened: Openings::default(),
             trails: settings.trails.then(Vec::new),
             work: Workspace::default(),
             sent_left: Vec::new(),
             sent_right: Vec::new(),
         };
         tracking.lay_out(bar);
-        Ok(tracking)
+        tracking
     }
 
     /// Ends and joints in their places, and what they send at t = 0.
@@ -147,8 +149,8 @@ impl FrontTracking {
                 self.thin();
             }
             let meeting = self.next_meeting();
-            let own: [f64; 2] = std::array::from_fn(|k| self.ends[k].next_time(self.same_time));
-            let time = meeting.map_or(f64::INFINITY, |m| m.time).min(own[0]).min(own[1]);
+            let (own, id) = self.next_own();
+            let time = meeting.map_or(f64::INFINITY, |m| m.time).min(own);
             if time > until + self.same_time {
                 self.now = self.now.max(until);
                 return Ok(());
@@ -160,12 +162,21 @@ impl FrontTracking {
             self.now = self.now.max(time);
             match meeting {
                 Some(m) if m.time <= time => self.meet(m)?,
-                _ => {
-                    let k = usize::from(own[1] <= time);
-                    self.gather(self.end_nodes[k], self.end_nodes[k], self.list.get(self.end_nodes[k]).x)?;
-                }
+                _ => self.gather(id, id, self.list.get(id).x)?,
             }
         }
+    }
+
+    /// When an end or a joint next does something of its own accord, s, and its node.
+    fn next_own(&self) -> (f64, u32) {
+        let [left, right] = self.ends.each_ref().map(|end| end.next_time(self.same_time));
+        let mut first = if right < left { (right, self.end_nodes[1]) } else { (left, self.end_nodes[0]) };
+        for contact in &self.contacts {
+            if contact.closes < first.0 {
+                first = (contact.closes, contact.node);
+            }
+        }
+        first
     }
 
     /// The next meeting that still holds, left in the queue.

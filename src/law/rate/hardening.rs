@@ -1,0 +1,109 @@
+//! The static flow stress against plastic strain: the loading table as the rate laws read it.
+
+use crate::law::Table;
+
+/// A straight piece: `f = stress + slope (p - start)` from `start` on, p being E times the plastic strain, Pa.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Piece {
+    /// p from which it holds, Pa.
+    pub start: f64,
+    /// f there, Pa.
+    pub stress: f64,
+    /// df/dp, >= 0.
+    pub slope: f64,
+}
+
+impl Piece {
+    /// The static flow stress, Pa.
+    #[inline]
+    pub fn at(&self, p: f64) -> f64 {
+        self.stress + self.slope * (p - self.start)
+    }
+}
+
+/// The static flow stress of one loading table. Stress never falls with plastic strain; where the table rises as
+/// steeply as the elastic line, it jumps.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Hardening {
+    pieces: Vec<Piece>,
+    /// Elastic limit of first loading, Pa.
+    yield_stress: f64,
+    /// E times the strain at which the data end, Pa.
+    end: f64,
+}
+
+impl Hardening {
+    /// From a loading table. A point of a line `y = A + B z` (z = E eps = y + p) has `f = (A + B p)/(1 - B)`.
+    pub fn new(table: &Table) -> Self {
+        let mut pieces: Vec<Piece> = Vec::new();
+        for line in table.lines().iter().filter(|line| line.slope < 1.0) {
+            let stress = line.offset + line.slope * line.start;
+            let before = pieces.last().map_or(0.0, |piece| piece.start);
+            // Plastic strain starts at zero where the table leaves the elastic line, whatever the rounding there.
+            let start = if pieces.is_empty() { 0.0 } else { (line.start - stress).max(before) };
+            pieces.push(Piece { start, stress, slope: line.slope / (1.0 - line.slope) });
+        }
+        let yield_stress = pieces.first().map_or(f64::INFINITY, |piece| piece.stress);
+        if pieces.is_empty() {
+            pieces.push(Piece { start: 0.0, stress: f64::INFINITY, slope: 0.0 });
+        }
+        Self { pieces, yield_stress, end: table.end() }
+    }
+
+    /// The pieces in order; at least one. Where the table never leaves the elastic line: one of infinite stress.
+    pub fn pieces(&self) -> &[Piece] {
+        &self.pieces
+    }
+
+    /// Elastic limit of first loading, Pa; infinite where there is none.
+    pub fn yield_stress(&self) -> f64 {
+        self.yield_stress
+    }
+
+    /// E times the strain at which the data end, Pa; infinite where they do not.
+    pub fn end(&self) -> f64 {
+        self.end
+    }
+
+    /// Index of the piece at p; `from` is one at or before it.
+    #[inline]
+    pub fn piece_at(&self, p: f64, from: u32) -> u32 {
+        let mut k = from as usize;
+        while k + 1 < self.pieces.len() && self.pieces[k + 1].start <= p {
+            k += 1;
+        }
+        k as u32
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::material::{Beyond, Curve};
+
+    #[test]
+    fn it_is_the_table_against_plastic_strain() {
+        let modulus = 200e9;
+        let rows = [(0.001, 200e6), (0.004, 260e6), (0.01, 300e6), (0.0105, 400e6), (0.05, 420e6)];
+        let table = Table::new(&Curve::new(&rows, Beyond::Rupture).expect("rows rise"), modulus);
+        let hardening = Hardening::new(&table);
+        assert_eq!(hardening.yield_stress(), 200e6);
+        assert!((hardening.end() - 0.05 * modulus).abs() < 1.0);
+        // The fourth row rises with the elastic slope: a jump of 100 MPa at one plastic strain.
+        let jump = &hardening.pieces()[1..3];
+        assert!((jump[0].at(jump[1].start) - 300e6).abs() < 1.0 && (jump[1].stress - 400e6).abs() < 1.0);
+        let on_first_loading =
+            [rows[0], (0.002, 220e6), rows[1], (0.007, 280e6), (0.0303, 410.025_316e6), rows[4], (0.09, 420e6)];
+        for (strain, stress) in on_first_loading {
+            let p = modulus * strain - stress;
+            let piece = &hardening.pieces()[hardening.piece_at(p * (1.0 + 1e-12), 0) as usize];
+            assert!((piece.at(p) - stress).abs() < 1e-6 * stress, "{strain}: {} {stress}", piece.at(p));
+        }
+    }
+
+    #[test]
+    fn a_bar_that_never_yields_has_an_infinite_flow_stress() {
+        let table = Table::new(&Curve::new(&[(0.01, 2e9)], Beyond::Extend).expect("rows rise"), 200e9);
+        assert_eq!(Hardening::new(&table).yield_stress(), f64::INFINITY);
+    }
+}

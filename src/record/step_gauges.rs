@@ -1,0 +1,190 @@
+//! Exact histories at places of a front-tracking bar: steps, made from the trails of the fronts that pass.
+
+use super::Trace;
+use crate::bar::Bar;
+use crate::solver::moc::{FrontTracking, Trail};
+
+/// Places closer than this part of the bar's length are one: fronts that meet in a point miss it by rounding.
+const SAME_PLACE: f64 = 1e-12;
+
+/// Part of the run's time by which crossings are held back from the rows of a moment, so that one at just that moment,
+/// which a front still under way and the same front ended tell apart by rounding, is counted once.
+const HELD_BACK: f64 = 1e-11;
+
+/// Histories at places, two rows a step: the state before and after it, at one time.
+#[derive(Debug)]
+pub struct StepGauges {
+    gauges: Vec<StepGauge>,
+    /// Crossings up to this time are in the rows, s.
+    done: f64,
+    held_back: f64,
+}
+
+/// One place. It sees the state just right of it; at the right end of the bar, just left.
+#[derive(Debug)]
+struct StepGauge {
+    x: f64,
+    /// +1: the state in +x of the place counts, -1: that in -x.
+    side: f64,
+    same_place: f64,
+    state: State,
+    crossings: Vec<Crossing>,
+    started: bool,
+    rows: Trace,
+}
+
+/// Stress (Pa), strain and velocity (m/s).
+type State = [f64; 3];
+
+/// A front that changes what the gauge sees.
+#[derive(Debug, Clone, Copy)]
+struct Crossing {
+    time: f64,
+    /// It moves away from the place into the side that counts, or came to the place from there.
+    leaves: bool,
+    /// Magnitude, m/s.
+    speed: f64,
+    after: State,
+}
+
+impl Crossing {
+    /// Order at one place: by time; at one time what arrives comes first (the fastest last, it lies nearest), then what
+    /// the meeting sends out, the fastest first.
+    fn order(&self, other: &Self) -> std::cmp::Ordering {
+        let rank = |c: &Self| if c.leaves { -c.speed } else { c.speed };
+        self.time.total_cmp(&other.time).then(self.leaves.cmp(&other.leaves)).then(rank(self).total_cmp(&rank(other)))
+    }
+}
+
+impl StepGauges {
+    /// Gauges at `places` (m) of a bar at rest in stress; `until` is the end time, s.
+    pub fn new(bar: &Bar, places: &[f64], until: f64) -> Self {
+        let gauges = places.iter().map(|&x| StepGauge::new(bar, x)).collect();
+        Self { gauges, done: f64::NEG_INFINITY, held_back: HELD_BACK * until }
+    }
+
+    /// Takes in what passed since the last call; `ended` are the trails that ended since then.
+    pub fn collect(&mut self, bar: &FrontTracking, ended: &[Trail]) {
+        self.collect_until(bar, ended, bar.time() - self.held_back);
+    }
+
+    /// Takes in the rest at the end of the run, and closes every history with a row at that time.
+    pub fn close(&mut self, bar: &FrontTracking, ended: &[Trail]) {
+        self.collect_until(bar, ended, f64::INFINITY);
+        for gauge in &mut self.gauges {
+            if gauge.rows.time.last() != Some(&bar.time()) {
+                gauge.push(bar.time());
+            }
+        }
+    }
+
+    fn collect_until(&mut self, bar: &FrontTracking, ended: &[Trail], until: f64) {
+        if self.gauges.is_empty() {
+            return;
+        }
+        for trail in ended.iter().copied().chain(bar.living_trails()) {
+            let medium = bar.medium(trail.segment);
+            for gauge in &mut self.gauges {
+                let new = |c: &Crossing| self.done < c.time && c.time <= until;
+                let point = &trail.behind;
+                let after = || [point.stress, medium.strain(point), point.velocity];
+                gauge.crossings.extend(gauge.crossing(&trail, after).filter(new));
+            }
+        }
+        self.done = until;
+        if until >= 0.0 {
+            self.gauges.iter_mut().for_each(StepGauge::add_rows);
+        }
+    }
+
+    /// Hands on the rows since the last call, gauge by gauge.
+    pub fn take(&mut self) -> Vec<Trace> {
+        self.gauges.iter_mut().map(|gauge| std::mem::take(&mut gauge.rows)).collect()
+    }
+}
+
+impl StepGauge {
+    fn new(bar: &Bar, x: f64) -> Self {
+        let length = bar.length();
+        let same_place = SAME_PLACE * length;
+        let mut end = 0.0;
+        let right_of = |s: &&crate::bar::Segment| {
+            end += s.length;
+            x < end - same_place
+        };
+        let segment = bar.segments.iter().find(right_of).unwrap_or(&bar.segments[bar.segments.len() - 1]);
+        Self {
+            x,
+            side: if x < length - same_place { 1.0 } else { -1.0 },
+            same_place,
+            state: [0.0, 0.0, segment.velocity],
+            crossings: Vec::new(),
+            started: false,
+            rows: Trace::default(),
+        }
+    }
+
+    /// When and how a trail changes what is seen here, if it does. Distances are counted from the place into the side
+    /// that counts: a front that comes from there and reaches the place has passed all of that side, and so has one
+    /// that leaves the place into it.
+    fn crossing(&self, trail: &Trail, after: impl FnOnce() -> State) -> Option<Crossing> {
+        let distance = |x: f64| {
+            let distance = self.side * (x - self.x);
+            if distance.abs() <= self.same_place { 0.0 } else { distance }
+        };
+        let ([from, to], [start, end]) = (trail.x.map(distance), trail.t);
+        let leaves = from < to;
+        let passes = if leaves { from <= 0.0 && 0.0 < to } else { to <= 0.0 && 0.0 < from };
+        let length = trail.x[1] - trail.x[0];
+        passes.then(|| Crossing {
+            // A front that starts or ends here does so at a time that is known exactly.
+            time: match (from == 0.0, to == 0.0) {
+                (true, _) => start,
+                (_, true) => end,
+                _ => start + (self.x - trail.x[0]) / length * (end - start),
+            },
+            leaves,
+            speed: (length / (end - start)).abs(),
+            after: after(),
+        })
+    }
+
+    /// Two rows for each moment at which the state changes; what lasts no time leaves none. What happens at t = 0 is the
+    /// first row alone.
+    fn add_rows(&mut self) {
+        let mut crossings = std::mem::take(&mut self.crossings);
+        crossings.sort_by(Crossing::order);
+        for group in crossings.chunk_by(|a, b| a.time == b.time) {
+            let last = group[group.len() - 1];
+            if last.time <= 0.0 {
+                self.state = last.after;
+                continue;
+            }
+            self.start();
+            if last.after != self.state {
+                self.push(last.time);
+                self.state = last.after;
+                self.push(last.time);
+            }
+        }
+        self.start();
+        crossings.clear();
+        self.crossings = crossings;
+    }
+
+    /// The row at t = 0, once.
+    fn start(&mut self) {
+        if !self.started {
+            self.started = true;
+            self.push(0.0);
+        }
+    }
+
+    fn push(&mut self, time: f64) {
+        let [stress, strain, velocity] = self.state;
+        self.rows.time.push(time);
+        self.rows.stress.push(stress);
+        self.rows.strain.push(strain);
+        self.rows.velocity.push(velocity);
+    }
+}

@@ -1,0 +1,121 @@
+//! What the recorders read of a front-tracking bar.
+
+use super::{Account, EndState, Field, Start, Trace, View};
+use crate::solver::moc::{EndStep, FrontTracking, Piece};
+use crate::wave::riemann::{Medium, Point};
+
+impl View for FrontTracking {
+    /// Increasing, m from the left end.
+    type Places = [f64];
+
+    fn time(&self) -> f64 {
+        self.time()
+    }
+
+    fn sample(&self, field: Field, places: &[f64], out: &mut [f64]) {
+        let value: fn(&Medium, &Point) -> f64 = match field {
+            Field::Stress => |_, p| p.stress,
+            Field::Strain => Medium::strain,
+            Field::Velocity => |_, p| p.velocity,
+            Field::PlasticStrain => Medium::plastic_strain,
+            Field::AccumulatedPlasticStrain => |m, p| p.accumulated / m.modulus,
+            Field::Displacement => return self.displacements(places, out),
+        };
+        self.sweep(places, |k, segment, point| out[k] = value(self.medium(segment), point));
+    }
+
+    fn ends(&self) -> [EndState; 2] {
+        self.ends().map(|record| {
+            record.steps.last().map_or(EndState { stress: 0.0, velocity: 0.0 }, |s| EndState {
+                stress: s.stress,
+                velocity: s.velocity,
+            })
+        })
+    }
+
+    fn strikers(&self) -> [Option<f64>; 2] {
+        [0, 1].map(|which| self.striker(which).map(|striker| striker.velocity))
+    }
+
+    fn start(&self) -> Start {
+        let mut start = Start::default();
+        for piece in self.pieces() {
+            let mass = mass(self, &piece);
+            start.kinetic += 0.5 * mass * piece.point.velocity * piece.point.velocity;
+            start.momentum += mass * piece.point.velocity;
+            start.mass += mass;
+        }
+        start
+    }
+
+    fn account(&self) -> Account {
+        let now = self.balance();
+        let mass: f64 = self.pieces().map(|piece| mass(self, &piece)).sum();
+        Account {
+            kinetic: now.kinetic,
+            elastic: now.elastic,
+            plastic: now.plastic,
+            viscous: 0.0,
+            concentrated: now.concentrated,
+            momentum: now.momentum,
+            work: now.work,
+            impulse: now.impulse,
+            momentum_scale: (2.0 * now.kinetic * mass).sqrt().max(now.impulse[0].abs() + now.impulse[1].abs()),
+        }
+    }
+}
+
+fn mass(bar: &FrontTracking, piece: &Piece<'_>) -> f64 {
+    let medium = bar.medium(piece.segment);
+    medium.density * medium.area * (piece.to - piece.from)
+}
+
+/// The steps of both ends, handed on as they happen: two rows a step, before and after it, so that a straight line
+/// between rows draws the step.
+#[derive(Debug, Default)]
+pub struct EndHistories {
+    /// Steps handed on so far.
+    taken: [usize; 2],
+    /// The last of them.
+    last: [Option<EndStep>; 2],
+}
+
+impl EndHistories {
+    /// The rows since the last call, left and right end.
+    pub fn take(&mut self, bar: &FrontTracking) -> [Trace; 2] {
+        let records = bar.ends();
+        std::array::from_fn(|side| {
+            let steps = &records[side].steps;
+            let mut trace = Trace::default();
+            let mut add = |time: f64, stress: f64, velocity: f64| {
+                trace.time.push(time);
+                trace.stress.push(stress);
+                trace.velocity.push(velocity);
+            };
+            for k in self.taken[side]..steps.len() {
+                let step = steps[k];
+                // What another step follows at once lasts no time.
+                if steps.get(k + 1).is_some_and(|next| next.time == step.time) {
+                    continue;
+                }
+                if let Some(before) = self.last[side] {
+                    add(step.time, before.stress, before.velocity);
+                }
+                add(step.time, step.stress, step.velocity);
+                self.last[side] = Some(step);
+            }
+            self.taken[side] = steps.len();
+            trace
+        })
+    }
+
+    /// The last row of each history, at the end of the run: what held since the last step.
+    pub fn last(bar: &FrontTracking) -> [Trace; 2] {
+        View::ends(bar).map(|end| Trace {
+            time: vec![bar.time()],
+            stress: vec![end.stress],
+            velocity: vec![end.velocity],
+            strain: Vec::new(),
+        })
+    }
+}

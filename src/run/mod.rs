@@ -1,0 +1,284 @@
+//! Running a scene: steps its bar, and hands what it sees to the recorders and the result file. Here is what all methods
+//! have in common; how they go on in time is in `stepped` (grids) and `tracked` (fronts).
+
+mod breaks;
+mod stepped;
+mod tracked;
+
+use std::path::Path;
+use std::time::Instant;
+
+use crate::assemble;
+use crate::bar::{Launch, launches};
+use crate::error::{Error, Result};
+use crate::material::Sense;
+use crate::record::store::{Finish, Header, Layout, Side, Writer};
+use crate::record::{
+    AuditRow, ElasticCheck, EndSummary, ErrorFigure, FrontRow, FrontSummary, LedgerSummary, MaterialRecord, Summary,
+    Trace, TrackingSummary, above_critical,
+};
+use crate::scene::{Effects, Method, Rate, Scene, Unloading};
+use crate::wave::similarity;
+
+/// How far a run is.
+#[derive(Debug, Clone, Copy)]
+pub enum Progress {
+    /// A grid that goes on in steps.
+    Steps {
+        /// Steps taken.
+        step: usize,
+        /// Steps to take.
+        steps: usize,
+        /// Cells of the bar.
+        cells: usize,
+    },
+    /// Fronts that are followed.
+    Fronts {
+        /// Time reached, s.
+        time: f64,
+        /// Time to reach, s.
+        until: f64,
+        /// Events so far.
+        events: u64,
+        /// Fronts under way.
+        fronts: usize,
+    },
+}
+
+/// What the caller wants of a run that is under way.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Wish {
+    /// Go on.
+    GoOn,
+    /// Finish the step, close the file, and return [`Error::Interrupted`].
+    Stop,
+}
+
+/// Simulates a scene and writes its result file, where one is asked for. `progress` is called every few
+/// milliseconds.
+///
+/// # Errors
+/// A [`crate::error::RunError`] where the run cannot go on, [`Error::Interrupted`] where `progress` asked to stop, a file
+/// error where the result cannot be written. In the first two cases the result file holds everything up to then.
+pub fn run(scene: &Scene, output: Option<&Path>, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<Summary> {
+    let started = Instant::now();
+    match scene.solve.method {
+        Method::Leapfrog { cells, cfl } => {
+            stepped::run(scene, assemble::leapfrog(scene, cells, cfl), output, started, progress)
+        }
+        Method::CharacteristicNet { cells } => {
+            stepped::run(scene, assemble::characteristic_net(scene, cells), output, started, progress)
+        }
+        Method::FrontTracking { front_tolerance, event_budget } => {
+            tracked::run(scene, front_tolerance, event_budget, output, started, progress)
+        }
+    }
+}
+
+/// Effects of a scene by name, as they are written to files and summaries.
+pub fn effect_names(effects: &Effects, plasticity: bool) -> Vec<String> {
+    let mut names = Vec::new();
+    if plasticity {
+        names.push("plasticity".to_owned());
+    }
+    match effects.unloading {
+        Some(Unloading::Isotropic) => names.push("unloading: isotropic".to_owned()),
+        Some(Unloading::Kinematic) => names.push("unloading: kinematic".to_owned()),
+        Some(Unloading::Mixed(fraction)) => names.push(format!("unloading: mixed {fraction}")),
+        None => {}
+    }
+    names.extend(effects.rate.map(|rate| match rate {
+        Rate::Malvern { k } => format!("rate: malvern k = {k} 1/s"),
+        Rate::CowperSymonds { d, q } => format!("rate: cowper-symonds D = {d} 1/s, q = {q}"),
+        Rate::JohnsonCook { c, reference } => format!("rate: johnson-cook C = {c}, reference = {reference} 1/s"),
+    }));
+    names
+}
+
+/// The critical velocity that goes with a bar's loading: of the struck material in the sense in which it is struck.
+pub fn critical_velocity(scene: &Scene, launches: &[Launch]) -> Option<f64> {
+    let (segment, sense) = launches.first().map_or((0, Sense::Tension), |l| (l.segment, l.sense));
+    let material = &scene.bar.segments[segment].material;
+    similarity::critical(material.branch(sense), material.density).map(|c| c.velocity)
+}
+
+/// Steps of a run: the first that reaches the end time.
+pub fn steps(scene: &Scene, dt: f64) -> usize {
+    // Rounding in until/dt must not cost a whole extra step.
+    ((scene.solve.until / dt - 1e-9).ceil() as usize).max(1)
+}
+
+/// What every run keeps, whatever its method: the scene with its theory, and the result file.
+struct Book<'a> {
+    scene: &'a Scene,
+    launches: Vec<Launch>,
+    critical: Option<f64>,
+    writer: Option<Writer>,
+    output: String,
+    started: Instant,
+    /// Time spent in the solver, s.
+    stepping: f64,
+}
+
+/// What a method knows of its run when it ends.
+struct Findings {
+    cells: usize,
+    steps: usize,
+    events: u64,
+    /// Of front tracking; `events_per_s` is filled in by the book.
+    tracking: Option<TrackingSummary>,
+    end_time: f64,
+    ends: [EndSummary; 2],
+    fronts: Vec<FrontRow>,
+    audit: Vec<AuditRow>,
+    elastic: bool,
+    elastic_check: Option<ElasticCheck>,
+    ledger: LedgerSummary,
+    error: Option<ErrorFigure>,
+    /// The bar broke after the start.
+    ruptured: bool,
+    paths_complete: bool,
+}
+
+impl<'a> Book<'a> {
+    /// Opens the book, and the result file where one is asked for; `x` are the samples of the fields, m.
+    fn open(scene: &'a Scene, output: Option<&Path>, x: Vec<f64>, sampling: &str, started: Instant) -> Result<Self> {
+        let launches = launches(&scene.bar, &scene.left, &scene.right);
+        let critical = critical_velocity(scene, &launches);
+        let writer = output.map(|path| create_file(scene, path, x, sampling, critical)).transpose()?;
+        let output = output.map(|p| p.display().to_string()).unwrap_or_default();
+        Ok(Self { scene, launches, critical, writer, output, started, stepping: 0.0 })
+    }
+
+    /// Writes what histories have gathered: gauges in order, and both ends.
+    fn write_traces(&mut self, gauges: Vec<Trace>, [left, right]: [Trace; 2]) -> Result<()> {
+        let Some(writer) = &mut self.writer else { return Ok(()) };
+        for (k, trace) in gauges.into_iter().enumerate().filter(|(_, trace)| !trace.time.is_empty()) {
+            writer.gauge(k, trace)?;
+        }
+        writer.end(Side::Left, left)?;
+        writer.end(Side::Right, right)
+    }
+
+    /// The bar is driven above its critical velocity from the start on.
+    fn above_critical(&self) -> bool {
+        self.launches.iter().any(|l| l.fan.above_critical)
+    }
+
+    /// The theory says that the bar breaks at once: the critical velocity is one of the static curve, above which a
+    /// rate-dependent bar can carry the strain away for a while.
+    fn breaks_at_once(&self) -> bool {
+        self.above_critical() && self.scene.effects.rate.is_none()
+    }
+
+    /// Notes on impacts above the critical velocity.
+    fn audit(&self) -> Vec<AuditRow> {
+        if self.scene.effects.rate.is_some() {
+            return Vec::new();
+        }
+        let row = |launch: &Launch| {
+            let material = &self.scene.bar.segments[launch.segment].material;
+            above_critical(launch, material, self.critical.unwrap_or(f64::NAN))
+        };
+        self.launches.iter().filter_map(row).collect()
+    }
+
+    /// Closes the file, whatever the end was, and sums up.
+    fn close(mut self, ended: Result<()>, findings: Findings) -> Result<Summary> {
+        let (outcome, reason) = match &ended {
+            Ok(()) if findings.ruptured || self.breaks_at_once() => ("rupture", None),
+            Ok(()) => ("done", None),
+            Err(Error::Interrupted) => ("interrupted", None),
+            Err(error @ Error::Run(_)) => ("stopped", Some(error.to_string())),
+            // The file itself failed: there is nothing left to write to.
+            Err(_) => return Err(ended.err().unwrap_or(Error::Interrupted)),
+        };
+        if let Some(writer) = self.writer.take() {
+            let figures = Finish {
+                wall_seconds: self.started.elapsed().as_secs_f64(),
+                step_wall_seconds: self.stepping,
+                cells: findings.cells as u64,
+                steps: findings.steps as u64,
+                events: findings.events,
+                cell_steps: (findings.cells * findings.steps) as u64,
+                reason,
+                error: findings.error.clone(),
+                paths_complete: findings.paths_complete && ended.is_ok(),
+            };
+            writer.finish(outcome, &findings.fronts, &findings.audit, figures)?;
+        }
+        ended?;
+        Ok(self.summary(outcome, findings))
+    }
+
+    fn summary(self, outcome: &str, findings: Findings) -> Summary {
+        let [method, scheme] = self.scene.solve.method.names();
+        let [left, right] = findings.ends;
+        Summary {
+            scene: self.scene.title.clone(),
+            outcome: outcome.to_owned(),
+            method: method.into(),
+            scheme: scheme.into(),
+            effects: effect_names(&self.scene.effects, !findings.elastic),
+            cells: findings.cells,
+            steps: findings.steps,
+            events: findings.events,
+            wall_s: self.started.elapsed().as_secs_f64(),
+            step_wall_s: self.stepping,
+            cell_steps_per_s: (findings.cells * findings.steps) as f64 / self.stepping.max(f64::MIN_POSITIVE),
+            tracking: findings.tracking.map(|t| TrackingSummary {
+                events_per_s: findings.events as f64 / self.stepping.max(f64::MIN_POSITIVE),
+                ..t
+            }),
+            end_time_s: findings.end_time,
+            left,
+            right,
+            fronts: findings.fronts.iter().map(FrontSummary::from).collect(),
+            critical_velocity: self.critical,
+            above_critical: self.above_critical(),
+            elastic_check: findings.elastic_check.filter(|_| findings.elastic),
+            ledger: findings.ledger,
+            error: findings.error,
+            audit: findings.audit,
+            output: self.output,
+        }
+    }
+}
+
+fn create_file(scene: &Scene, path: &Path, x: Vec<f64>, sampling: &str, critical: Option<f64>) -> Result<Writer> {
+    let yields = scene.bar.segments.iter().any(|s| s.material.tension.strain().len() > 2);
+    let [method, scheme] = scene.solve.method.names();
+    let header = Header {
+        title: scene.title.clone(),
+        scene: scene.text.clone(),
+        scene_resolved: scene.resolved_json().to_string(),
+        overrides: scene.overrides.clone(),
+        effects: effect_names(&scene.effects, yields),
+        method: method.into(),
+        scheme: scheme.into(),
+        critical_velocity: critical,
+    };
+    let layout = Layout {
+        x,
+        fields: scene.record.fields.clone(),
+        gauges: scene.record.gauges.clone(),
+        precision: scene.record.precision,
+        compression: scene.record.compression,
+        area_given: scene.bar.area_given,
+        sampling: sampling.into(),
+        paths: scene.record.paths,
+    };
+    Writer::create(path, &header, &layout, &material_records(scene))
+}
+
+/// Each different material of the bar once.
+fn material_records(scene: &Scene) -> Vec<MaterialRecord> {
+    let mut records: Vec<MaterialRecord> = Vec::new();
+    for segment in &scene.bar.segments {
+        let record = MaterialRecord::from(segment.material.as_ref());
+        if !records.iter().any(|r| r.name == record.name) {
+            records.push(record);
+        }
+    }
+    records
+}

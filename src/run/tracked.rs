@@ -1,0 +1,326 @@
+//! The time loop of a bar whose fronts are tracked: from one asked time to the next, in bursts of events.
+
+use std::path::Path;
+use std::time::Instant;
+
+use super::breaks::Breaks;
+use super::{Book, Findings, Progress, Wish};
+use crate::assemble;
+use crate::error::{Error, Result, RunError};
+use crate::record::{
+    self, AuditRow, ElasticProbe, EndHistories, EndSummary, ErrorFigure, Field, Ledger, LedgerSummary, Paths,
+    StepGauges, Summary, TrackedFronts, TrackingSummary, UnloadingWatch, View,
+};
+use crate::scene::Scene;
+use crate::solver::moc::{FrontTracking, Settings, Stopped, Trail};
+
+/// Events between two calls of the progress function: some milliseconds, and about 200 kB of trails.
+const BURST: u64 = 5_000;
+
+/// Looks at the bar for neglected unloading over a run, and places that each looks at.
+const UNLOADING_LOOKS: usize = 100;
+const UNLOADING_PLACES: usize = 1000;
+
+/// What a sample of the fields means, for the result file.
+const SAMPLING: &str = "exact at the place; on a front the state behind it, on a joint the state to its right";
+
+/// Runs a scene by front tracking.
+pub(super) fn run(
+    scene: &Scene,
+    front_tolerance: f64,
+    event_budget: u64,
+    output: Option<&Path>,
+    started: Instant,
+    progress: &mut dyn FnMut(Progress) -> Wish,
+) -> Result<Summary> {
+    let settings = Settings { front_tolerance, event_budget, trails: true, ..Settings::default() };
+    let mut run = Run::new(scene, settings, output, started)?;
+    let ended = run.follow(progress);
+    run.finish(ended)
+}
+
+/// A run under way.
+struct Run<'a> {
+    book: Book<'a>,
+    bar: FrontTracking,
+    settings: Settings,
+    /// Samples of the fields, m.
+    x: Vec<f64>,
+    gauges: StepGauges,
+    ends: EndHistories,
+    fronts: TrackedFronts,
+    paths: Paths,
+    ledger: Ledger,
+    unloading: Option<UnloadingWatch>,
+    /// Where unloading is watched, m.
+    watched: Vec<f64>,
+    elastic_check: Option<ElasticProbe>,
+    breaks: Breaks,
+}
+
+/// What is done at a time at which the run stands still for a moment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Pause {
+    Frame,
+    UnloadingLook,
+    ElasticCheck,
+    End,
+}
+
+impl<'a> Run<'a> {
+    fn new(scene: &'a Scene, settings: Settings, output: Option<&Path>, started: Instant) -> Result<Self> {
+        let before = Instant::now();
+        let bar = assemble::front_tracking(scene, settings);
+        let stepping = before.elapsed().as_secs_f64();
+        let x = even_places(scene.bar.length(), scene.record.cells.unwrap_or(UNLOADING_PLACES));
+        let mut book = Book::open(scene, output, x.clone(), SAMPLING, started)?;
+        book.stepping = stepping;
+        let places: Vec<f64> = scene.record.gauges.iter().map(|g| g.1).collect();
+        let watched = even_places(scene.bar.length(), UNLOADING_PLACES);
+        let watch = || UnloadingWatch::new(limits(scene, &watched));
+        Ok(Self {
+            gauges: StepGauges::new(&scene.bar, &places, scene.solve.until),
+            ends: EndHistories::default(),
+            fronts: TrackedFronts::default(),
+            paths: Paths::default(),
+            ledger: Ledger::new(&bar),
+            unloading: scene.effects.unloading.is_none().then(watch),
+            elastic_check: ElasticProbe::new(&scene.bar, &book.launches, scene.solve.until),
+            breaks: Breaks::new(scene),
+            book,
+            bar,
+            settings,
+            x,
+            watched,
+        })
+    }
+
+    /// From pause to pause, until the end, an error, or a wish to stop.
+    fn follow(&mut self, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<()> {
+        for (time, pause) in self.pauses() {
+            self.advance_to(time, progress)?;
+            match pause {
+                Pause::Frame => self.frame(time)?,
+                Pause::UnloadingLook => self.watch_unloading(),
+                Pause::ElasticCheck => self.check_elastic(),
+                Pause::End => self.write_ledger()?,
+            }
+        }
+        Ok(())
+    }
+
+    /// Times at which something is looked at, in order. They do not change what happens between them.
+    fn pauses(&self) -> Vec<(f64, Pause)> {
+        let until = self.book.scene.solve.until;
+        let mut pauses: Vec<(f64, Pause)> =
+            self.book.scene.record.times.iter().map(|&time| (time, Pause::Frame)).collect();
+        if self.unloading.is_some() {
+            let look = |k: usize| (until * k as f64 / UNLOADING_LOOKS as f64, Pause::UnloadingLook);
+            pauses.extend((1..=UNLOADING_LOOKS).map(look));
+        }
+        pauses.extend(self.elastic_check.iter().map(|p| (p.time(), Pause::ElasticCheck)));
+        if self.book.scene.record.times.last() != Some(&until) {
+            pauses.push((until, Pause::End));
+        }
+        pauses.sort_by(|a, b| a.0.total_cmp(&b.0));
+        pauses
+    }
+
+    /// Follows the fronts up to a time, in bursts.
+    fn advance_to(&mut self, time: f64, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<()> {
+        loop {
+            self.bar.set_event_budget((self.bar.events() + BURST).min(self.settings.event_budget));
+            let before = Instant::now();
+            let stopped = self.bar.advance_to(time);
+            self.book.stepping += before.elapsed().as_secs_f64();
+            self.collect()?;
+            let at = Progress::Fronts {
+                time: self.bar.time(),
+                until: self.book.scene.solve.until,
+                events: self.bar.events(),
+                fronts: self.bar.front_count(),
+            };
+            if progress(at) == Wish::Stop {
+                return Err(Error::Interrupted);
+            }
+            match stopped {
+                Ok(()) => return Ok(()),
+                Err(Stopped::EventBudget { events, .. }) if events < self.settings.event_budget => {}
+                Err(why) => return Err(self.stopped(&why)),
+            }
+        }
+    }
+
+    /// Takes in what has happened to the fronts since the last call.
+    fn collect(&mut self) -> Result<()> {
+        let ended = self.bar.take_trails();
+        self.breaks.look_at(&self.bar, &ended);
+        self.fronts.collect(&ended);
+        self.gauges.collect(&self.bar, &ended);
+        self.write_paths(ended.into_iter())?;
+        self.breaks.stop_past_data(self.book.scene)
+    }
+
+    fn write_paths(&mut self, trails: impl Iterator<Item = Trail>) -> Result<()> {
+        match &mut self.book.writer {
+            Some(writer) if self.book.scene.record.paths => {
+                let rows = self.paths.rows(trails);
+                if rows.is_empty() { Ok(()) } else { writer.paths(rows) }
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn frame(&mut self, time: f64) -> Result<()> {
+        let gauges = self.gauges.take();
+        let ends = self.ends.take(&self.bar);
+        self.book.write_traces(gauges, ends)?;
+        self.write_ledger()?;
+        self.breaks.look_for_gathering_strain(self.book.scene, &self.bar);
+        if let Some(writer) = &mut self.book.writer {
+            let frame = record::read_frame(&self.bar, &self.book.scene.record.fields, &self.x, self.x.len());
+            writer.frame(record::Frame { time, ..frame })?;
+        }
+        Ok(())
+    }
+
+    fn write_ledger(&mut self) -> Result<()> {
+        let row = self.ledger.row(&self.bar);
+        self.book.writer.as_mut().map_or(Ok(()), |writer| writer.ledger(row))
+    }
+
+    fn watch_unloading(&mut self) {
+        if let Some(watch) = &mut self.unloading {
+            let (bar, places) = (&self.bar, self.watched.as_slice());
+            watch.look(bar.time(), |strains| bar.sample(Field::Strain, places, strains));
+        }
+    }
+
+    fn check_elastic(&mut self) {
+        if let Some(probe) = &mut self.elastic_check {
+            probe.take(self.bar.state_at(probe.x()).stress);
+        }
+    }
+
+    fn stopped(&self, why: &Stopped) -> Error {
+        match *why {
+            Stopped::EventBudget { time, events, fronts } => {
+                let tolerance = tolerance_for_budget(self.settings.front_tolerance);
+                RunError {
+                    reason: format!("front tracking used all of its {events} events, with {fronts} fronts under way"),
+                    time,
+                    x: None,
+                    help: format!(
+                        "front-tolerance = {tolerance:e} in [solve] should carry it through; or raise event-budget"
+                    ),
+                }
+            }
+            Stopped::NotANumber { time, x } => RunError {
+                reason: "a stress or velocity is not a finite number".into(),
+                time,
+                x: Some(x),
+                help: "check the scene for values far outside the material's range; the frames so far are good".into(),
+            },
+        }
+        .into()
+    }
+
+    /// Hands what was found to the book, which closes the file, whatever the end was.
+    fn finish(mut self, ended: Result<()>) -> Result<Summary> {
+        self.breaks.look_for_gathering_strain(self.book.scene, &self.bar);
+        let last = self.bar.take_trails();
+        let living: Vec<Trail> = self.bar.living_trails().collect();
+        self.breaks.look_at(&self.bar, &living);
+        self.gauges.close(&self.bar, &last);
+        let gauges = self.gauges.take();
+        let ends = self.ends.take(&self.bar);
+        self.book.write_traces(gauges, ends)?;
+        self.book.write_traces(Vec::new(), EndHistories::last(&self.bar))?;
+        self.write_paths(last.into_iter().chain(living))?;
+        let findings = Findings {
+            cells: 0,
+            steps: self.bar.events() as usize,
+            events: self.bar.events(),
+            tracking: Some(TrackingSummary {
+                front_tolerance: self.settings.front_tolerance,
+                stress_scale: self.bar.stress_scale(),
+                fronts_under_way: self.bar.front_count(),
+                events_per_s: 0.0,
+            }),
+            end_time: self.bar.time(),
+            ends: self.end_states(),
+            fronts: self.fronts.rows(&self.bar, &self.book.launches, &self.book.scene.record.gauges),
+            audit: self.audit(),
+            elastic: self.breaks.stayed_elastic(&self.bar),
+            elastic_check: self.elastic_check.as_ref().and_then(ElasticProbe::check),
+            ledger: LedgerSummary {
+                energy_residual: self.ledger.worst_energy(),
+                momentum_residual: self.ledger.worst_momentum(),
+            },
+            error: self.error_figure(),
+            ruptured: self.breaks.ruptured(self.book.scene, &self.bar),
+            paths_complete: self.paths.complete(),
+        };
+        self.book.close(ended, findings)
+    }
+
+    /// How far the stresses may be off.
+    fn error_figure(&self) -> Option<ErrorFigure> {
+        record::tracked_against_similarity(&self.book.scene.bar, &self.bar, &self.book.launches)
+    }
+
+    fn audit(&self) -> Vec<AuditRow> {
+        let segments = &self.book.scene.bar.segments;
+        let unloading = self.unloading.as_ref().and_then(|w| w.row(&self.watched, "places"));
+        let mut rows: Vec<AuditRow> = unloading.into_iter().collect();
+        rows.extend(self.book.audit());
+        rows.extend(self.breaks.audit(self.book.scene, &self.bar, self.book.above_critical()));
+        let heated = segments.iter().enumerate().filter_map(|(k, segment)| {
+            let plastic = self.bar.pieces().filter(|p| p.segment == k);
+            let plastic = plastic.map(|p| p.point.accumulated.max(p.point.plastic.abs())).fold(0.0, f64::max);
+            record::heating(&segment.material, plastic / self.bar.medium(k).modulus)
+        });
+        rows.extend(heated);
+        rows
+    }
+
+    /// Stress and velocity of the ends, and the strain right at them.
+    fn end_states(&self) -> [EndSummary; 2] {
+        let mut strains = [0.0; 2];
+        self.bar.sample(Field::Strain, &[0.0, self.book.scene.bar.length()], &mut strains);
+        let (ends, strikers) = (View::ends(&self.bar), self.bar.strikers());
+        std::array::from_fn(|k| EndSummary {
+            stress: ends[k].stress,
+            strain: strains[k],
+            velocity: ends[k].velocity,
+            striker: strikers[k],
+        })
+    }
+}
+
+/// A front tolerance with which a run is likely to stay within its events.
+fn tolerance_for_budget(present: f64) -> f64 {
+    (10.0 * present).clamp(1e-3, 0.5)
+}
+
+/// Centres of `count` equal parts of the bar, m.
+fn even_places(length: f64, count: usize) -> Vec<f64> {
+    let part = length / count as f64;
+    (0..count).map(|i| (i as f64 + 0.5) * part).collect()
+}
+
+/// Elastic limit strain at each of some increasing places.
+fn limits(scene: &Scene, places: &[f64]) -> Vec<f64> {
+    let segments = &scene.bar.segments;
+    let (mut k, mut end) = (0, segments[0].length);
+    let mut limits = Vec::with_capacity(places.len());
+    for &x in places {
+        while x > end && k + 1 < segments.len() {
+            k += 1;
+            end += segments[k].length;
+        }
+        let material = &segments[k].material;
+        limits.push(material.tension.elastic_limit(material.modulus).0);
+    }
+    limits
+}

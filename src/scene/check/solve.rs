@@ -1,0 +1,115 @@
+//! How the scene is solved: the method, the keys that belong to it, and whether it can do what the scene asks for.
+
+use std::ops::Range;
+
+use toml::Spanned;
+
+use super::super::raw::{RawEffects, RawMethod, RawSolve};
+use super::super::{Method, Solve};
+use super::{Checker, MOST_CELLS};
+use crate::error::Result;
+use crate::input::Allowed;
+use crate::units::Dimension;
+
+/// Default number of cells.
+const CELLS: usize = 1000;
+/// Default of the front tolerance.
+const FRONT_TOLERANCE: f64 = 1e-3;
+/// Default number of events, and most that can be asked for: a week at a microsecond each.
+const EVENTS: usize = 10_000_000;
+const MOST_EVENTS: usize = 1_000_000_000_000;
+
+impl RawMethod {
+    fn word(self) -> &'static str {
+        match self {
+            Self::Fd => "fd",
+            Self::Moc => "moc",
+        }
+    }
+
+    /// The keys, beside `until` and `method`, that this method takes with or without the effect of the strain rate.
+    fn keys(self, rate: bool) -> &'static [&'static str] {
+        match (self, rate) {
+            (Self::Fd, _) => &["scheme", "cells", "cfl"],
+            (Self::Moc, false) => &["front-tolerance", "event-budget"],
+            (Self::Moc, true) => &["cells"],
+        }
+    }
+}
+
+impl Checker<'_> {
+    pub(super) fn solve(&self, raw: &Spanned<RawSolve>, effects: &RawEffects) -> Result<Solve> {
+        let (span, raw) = (raw.span(), raw.get_ref());
+        let Some(until) = &raw.until else {
+            let help = "add the end time, e.g. until = \"200 us\"; an elastic wave needs length/c0 to cross the bar";
+            return Err(self.missing(span, "solve.until", help));
+        };
+        let until = self.document.number(until, "solve.until", Dimension::Time, Allowed::Positive)?;
+        let rate = effects.rate.is_some();
+        // Only one method can follow a rate-dependent bar.
+        let default = if rate { RawMethod::Moc } else { RawMethod::Fd };
+        let method = raw.method.as_ref().map_or(default, |m| *m.get_ref());
+        if let (Some(given), RawMethod::Fd, true) = (&raw.method, method, rate) {
+            let message = "the method \"fd\" does not follow the effect of the strain rate";
+            let error = self.error(given.span(), "solve.method", message).allowed("\"moc\"");
+            return Err(error.help("use method = \"moc\", or take `rate` out of [effects]").into());
+        }
+        self.only_keys_of(raw, method, rate)?;
+        let method = match (method, rate) {
+            (RawMethod::Fd, _) => self.leapfrog(raw)?,
+            (RawMethod::Moc, false) => self.front_tracking(raw)?,
+            (RawMethod::Moc, true) => Method::CharacteristicNet { cells: self.cells(raw)? },
+        };
+        Ok(Solve { until, method })
+    }
+
+    fn leapfrog(&self, raw: &RawSolve) -> Result<Method> {
+        let cells = self.cells(raw)?;
+        let range = Allowed::Above(0.0, 1.0);
+        let cfl = self.document.optional(raw.cfl.as_ref(), "solve.cfl", Dimension::None, range)?;
+        Ok(Method::Leapfrog { cells, cfl: cfl.unwrap_or(1.0) })
+    }
+
+    fn cells(&self, raw: &RawSolve) -> Result<usize> {
+        let given = raw.cells.as_ref().map(|v| self.document.count(v, "solve.cells", 2, MOST_CELLS));
+        Ok(given.transpose()?.unwrap_or(CELLS))
+    }
+
+    fn front_tracking(&self, raw: &RawSolve) -> Result<Method> {
+        let (key, range) = ("solve.front-tolerance", Allowed::Below(0.0, 1.0));
+        let tolerance = self.document.optional(raw.front_tolerance.as_ref(), key, Dimension::None, range)?;
+        let budget = raw.event_budget.as_ref();
+        let budget = budget.map(|v| self.document.count(v, "solve.event-budget", 1, MOST_EVENTS)).transpose()?;
+        Ok(Method::FrontTracking {
+            front_tolerance: tolerance.unwrap_or(FRONT_TOLERANCE),
+            event_budget: budget.unwrap_or(EVENTS) as u64,
+        })
+    }
+
+    fn only_keys_of(&self, raw: &RawSolve, method: RawMethod, rate: bool) -> Result<()> {
+        let foreign = given(raw).into_iter().find(|(name, _)| !method.keys(rate).contains(name));
+        let Some((name, span)) = foreign else { return Ok(()) };
+        let (word, out) = (method.word(), format!("take `{name}` out (on the command line: --set solve.{name}=)"));
+        let (message, help) = if rate {
+            (format!("`{name}` means nothing for a rate-dependent bar, which is solved on a characteristic net"), out)
+        } else {
+            let other = if method == RawMethod::Fd { RawMethod::Moc } else { RawMethod::Fd };
+            let help = format!("use method = \"{}\", which has it, or {out}", other.word());
+            (format!("`{name}` means nothing for method = \"{word}\""), help)
+        };
+        let allowed = format!("until, method, {}", method.keys(rate).join(", "));
+        Err(self.error(span, &format!("solve.{name}"), message).allowed(allowed).help(help).into())
+    }
+}
+
+/// The optional keys that belong to one method, as they were given, with their places.
+fn given(raw: &RawSolve) -> Vec<(&'static str, Range<usize>)> {
+    let all = [
+        ("scheme", raw.scheme.as_ref().map(Spanned::span)),
+        ("cells", raw.cells.as_ref().map(Spanned::span)),
+        ("cfl", raw.cfl.as_ref().map(Spanned::span)),
+        ("front-tolerance", raw.front_tolerance.as_ref().map(Spanned::span)),
+        ("event-budget", raw.event_budget.as_ref().map(Spanned::span)),
+    ];
+    all.into_iter().filter_map(|(name, span)| span.map(|s| (name, s))).collect()
+}

@@ -1,0 +1,163 @@
+//! Reading a tracked bar at many places in one sweep, and letting it go on in bursts.
+
+use super::FrontTracking;
+use super::list::{Kind, Node};
+use super::tracking::Meeting;
+use crate::wave::riemann::Point;
+
+/// A place at rest whose two sides differ in velocity.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Opening {
+    /// m.
+    pub x: f64,
+    /// s.
+    pub since: f64,
+    /// Velocity of the right side less that of the left, m/s: positive where it opens.
+    pub velocity: f64,
+    /// Segment and stress (Pa) of the left and of the right side.
+    pub sides: [(usize, f64); 2],
+}
+
+impl FrontTracking {
+    /// Memory of a front under way: its node, and its next meeting in the queue.
+    pub const BYTES_PER_FRONT: usize = size_of::<Node>() + size_of::<Meeting>();
+
+    /// Hands on the state at every place of `x` (m, increasing, in 0..=length): its index, segment and state. One pass
+    /// over the fronts. On a front: the state behind it; on a contact or joint: the right one.
+    pub fn sweep(&self, x: &[f64], mut visit: impl FnMut(usize, usize, &Point)) {
+        let mut nodes = self.list.iter().peekable();
+        let Some(mut found) = nodes.next() else { return };
+        for (k, &x) in x.iter().enumerate() {
+            while let Some(node) = nodes.next_if(|n| self.is_before(n, x)) {
+                found = node;
+            }
+            visit(k, found.segment as usize, &found.right);
+        }
+    }
+
+    /// Whether the state to the right of a node counts at x.
+    fn is_before(&self, node: &Node, x: f64) -> bool {
+        let place = node.at(self.now);
+        let right_end = node.kind == Kind::End;
+        !right_end && (place < x || (place == x && node.speed <= 0.0))
+    }
+
+    /// Displacement at every place of `x` (m, increasing), m: that of the left end, which is the integral of its exact
+    /// steps, and the strain summed up exactly over the constant pieces, with what velocity jumps at rest have opened: a
+    /// joint, a point of a level curve, a wave held back.
+    pub fn displacements(&self, x: &[f64], out: &mut [f64]) {
+        let left = self.end_displacement(0);
+        let (mut stretch, mut k) = (0.0, 0);
+        let right = self.list.iter().skip(1);
+        for (a, b) in self.list.iter().zip(right) {
+            let (from, to) = (a.at(self.now), b.at(self.now));
+            let strain = self.medium(a.segment as usize).strain(&a.right);
+            while k < x.len() && (x[k] < to || b.kind == Kind::End) {
+                out[k] = left + stretch + strain * (x[k] - from);
+                k += 1;
+            }
+            stretch += strain * (to - from) + self.opening(b) + self.jump_at(b);
+        }
+        self.opened.add_up(x, self.bar_length(), out);
+    }
+
+    /// Displacement of the left (0) or right (1) end since the start, m.
+    pub fn end_displacement(&self, which: usize) -> f64 {
+        let steps = &self.ends()[which].steps;
+        let until = steps.iter().skip(1).map(|s| s.time).chain([self.now]);
+        steps.iter().zip(until).map(|(step, until)| step.velocity * (until - step.time)).sum()
+    }
+
+    /// By how much the place of a node has opened since its states hold, m; a joint that can open keeps an account of its
+    /// own.
+    fn opening(&self, node: &Node) -> f64 {
+        match node.kind {
+            Kind::Joint if self.contact_at(node).is_some() => 0.0,
+            Kind::Contact | Kind::Joint => {
+                (node.right.velocity - self.list.get(node.prev).right.velocity) * (self.now - node.t)
+            }
+            Kind::Front | Kind::End => 0.0,
+        }
+    }
+
+    /// By how much a joint that can open has opened since the start, m; 0 for all other nodes.
+    fn jump_at(&self, node: &Node) -> f64 {
+        if node.kind == Kind::Joint {
+            self.contact_at(node).map_or(0.0, |contact| contact.jump_at(self.now))
+        } else {
+            0.0
+        }
+    }
+
+    /// Keeps what the place of a node has opened, before its states change or it goes.
+    pub(super) fn keep_opening(&mut self, node: &Node) {
+        let opening = self.opening(node);
+        if opening != 0.0 {
+            self.opened.add(node.x / self.bar_length(), opening);
+        }
+    }
+
+    fn bar_length(&self) -> f64 {
+        self.list.get(self.end_nodes[1]).x
+    }
+
+    /// Places at rest inside the bar whose two sides move apart or into each other: points of a level curve where strain
+    /// gathers, and waves held back.
+    pub fn openings(&self) -> impl Iterator<Item = Opening> + '_ {
+        self.list.iter().filter(|n| matches!(n.kind, Kind::Contact | Kind::Joint)).filter_map(|node| {
+            let left = self.list.get(node.prev);
+            let velocity = node.right.velocity - left.right.velocity;
+            (velocity != 0.0).then_some(Opening {
+                x: node.x,
+                since: node.t,
+                velocity,
+                sides: [(left.segment as usize, left.right.stress), (node.segment as usize, node.right.stress)],
+            })
+        })
+    }
+
+    /// Fronts under way.
+    pub fn front_count(&self) -> usize {
+        self.fronts
+    }
+
+    /// Changes the number of events that the run may take in all. [`FrontTracking::advance_to`] stops there, and goes on
+    /// when it is called again with a larger budget: so a long run can be interrupted.
+    pub fn set_event_budget(&mut self, events: u64) {
+        self.budget = events;
+    }
+}
+
+/// Parts of the bar for which openings are added up: each opening is small, and there can be millions.
+const PARTS: usize = 4096;
+
+/// What velocity jumps at rest have opened for good, added up over small parts of the bar.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Openings {
+    /// One entry a part, m; empty until there is an opening.
+    parts: Vec<f64>,
+}
+
+impl Openings {
+    fn add(&mut self, share: f64, opening: f64) {
+        self.parts.resize(PARTS, 0.0);
+        self.parts[((share * PARTS as f64) as usize).min(PARTS - 1)] += opening;
+    }
+
+    /// Adds, at every place of `x` (increasing), what has opened to its left.
+    fn add_up(&self, x: &[f64], length: f64, out: &mut [f64]) {
+        if self.parts.is_empty() {
+            return;
+        }
+        let (mut k, mut sum) = (0, 0.0);
+        for (x, out) in x.iter().zip(out) {
+            let place = x / length * PARTS as f64;
+            while k < PARTS && (k + 1) as f64 <= place {
+                sum += self.parts[k];
+                k += 1;
+            }
+            // Within a part, as if it had opened evenly.
+            *out += sum + self.parts.get(k).map_or(0.0, |part| part * (place - k as f64));
+        }
+    }
+}

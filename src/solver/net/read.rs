@@ -1,0 +1,167 @@
+//! What can be read off a net.
+
+use super::end::EndReading;
+use super::joint::Joint;
+use super::part::Part;
+use super::stepping::Net;
+use crate::law::rate::History;
+use crate::solver::fd::{Energies, Passed, Quantity};
+
+impl Net {
+    /// A quantity in one cell.
+    pub fn value(&self, quantity: Quantity, cell: usize) -> f64 {
+        let k = self.parts.partition_point(|p| p.cells.end <= cell);
+        self.read(quantity, &self.parts[k], cell - self.parts[k].cells.start)
+    }
+
+    /// A quantity in every cell, into `out` (one entry a cell).
+    pub fn profile(&self, quantity: Quantity, out: &mut [f64]) {
+        for part in &self.parts {
+            for (i, out) in out[part.cells.clone()].iter_mut().enumerate() {
+                *out = self.read(quantity, part, i);
+            }
+        }
+    }
+
+    fn read(&self, quantity: Quantity, part: &Part, i: usize) -> f64 {
+        if quantity == Quantity::Velocity {
+            return part.velocity(i);
+        }
+        let (stress, history, _) = part.cell(i, self.grid.dt);
+        match quantity {
+            Quantity::Strain => (stress + history.signed) / part.modulus,
+            Quantity::PlasticStrain => history.signed / part.modulus,
+            Quantity::AccumulatedPlasticStrain => history.accumulated / part.modulus,
+            _ => stress,
+        }
+    }
+
+    /// Static flow stress of a cell, Pa: what it could carry for ever in the sense of its present stress.
+    pub fn static_stress(&self, cell: usize) -> f64 {
+        let k = self.parts.partition_point(|p| p.cells.end <= cell);
+        let part = &self.parts[k];
+        let (stress, history, _) = part.cell(cell - part.cells.start, self.grid.dt);
+        part.law.limits(&history)[usize::from(stress >= 0.0)]
+    }
+
+    /// Displacement of every cell centre, m: the left end's, and the strain summed up to the place.
+    pub fn displacements(&self) -> Vec<f64> {
+        let mut strains = vec![0.0; self.grid.cells()];
+        self.profile(Quantity::Strain, &mut strains);
+        let mut centres = Vec::with_capacity(strains.len());
+        let mut border = self.ends[0].displacement();
+        for (k, part) in self.grid.segments.iter().enumerate() {
+            for &strain in &strains[part.cells.clone()] {
+                let stretch = strain * part.dx;
+                centres.push(border + 0.5 * stretch);
+                border += stretch;
+            }
+            border += self.joints.get(k).map_or(0.0, Joint::opened);
+        }
+        centres
+    }
+
+    /// The left and the right end now.
+    pub fn ends(&self) -> [EndReading; 2] {
+        let (time, dt) = (self.time(), self.grid.dt);
+        let leaving = |part: &Part, i: usize| {
+            let (flow, _) = part.centres.flow(&part.law, i, 0.5 * (part.f[i] + part.g[i]), super::part::INSIDE, dt);
+            super::part::INSIDE * flow.plastic
+        };
+        let (first, last) = (&self.parts[0], &self.parts[self.parts.len() - 1]);
+        let right_cell = last.f.len() - 1;
+        [
+            self.ends[0].reading(time, first.g[0] - leaving(first, 0), first),
+            self.ends[1].reading(time, last.f[right_cell] - leaving(last, right_cell), last),
+        ]
+    }
+
+    /// Velocity of a striker at the left and at the right end, m/s, positive in +x; none where there is none.
+    pub fn striker_velocities(&self) -> [Option<f64>; 2] {
+        [self.ends[0].striker_velocity(), self.ends[1].striker_velocity()]
+    }
+
+    /// Work of the left and the right end so far, J.
+    pub fn work(&self) -> [f64; 2] {
+        [self.ends[0].work(), self.ends[1].work()]
+    }
+
+    /// Impulse of the left and the right end so far, N s, positive in +x.
+    pub fn impulse(&self) -> [f64; 2] {
+        [self.ends[0].impulse(), self.ends[1].impulse()]
+    }
+
+    /// Sum of the sizes of all impulses of both ends so far, N s.
+    pub fn throughput(&self) -> f64 {
+        self.ends[0].throughput() + self.ends[1].throughput()
+    }
+
+    /// Mass of the bar, kg: with every segment's transit time rounded to whole steps.
+    pub fn mass(&self) -> f64 {
+        self.parts.iter().map(|p| p.area * p.impedance * self.grid.dt * p.f.len() as f64).sum()
+    }
+
+    /// Energies and momentum now. `plastic` is the work on the static curve (and of back stresses), `viscous` that of
+    /// the overstress.
+    pub fn energies(&self) -> Energies {
+        let dt = self.grid.dt;
+        let concentrated = self.joints.iter().map(Joint::lost).sum();
+        let mut total = Energies { concentrated, ..Energies::default() };
+        for part in &self.parts {
+            let mut work = part.work;
+            let (mut squares, mut speeds, mut momentum) = (0.0, 0.0, 0.0);
+            for i in 0..part.f.len() {
+                let (stress, _, late) = part.cell(i, dt);
+                let velocity = part.velocity(i);
+                work.add(late);
+                squares += stress * stress;
+                speeds += velocity * velocity;
+                momentum += velocity;
+            }
+            // A cell holds A dx sigma^2/(2E), and dx/E = dt/Z; its mass is A Z dt.
+            let (per_work, mass) = (part.per_work(dt), part.area * part.impedance * dt);
+            total.elastic += per_work * squares;
+            total.kinetic += 0.5 * mass * speeds;
+            total.momentum += mass * momentum;
+            total.plastic += per_work * (work.total - work.overstress);
+            total.viscous += per_work * work.overstress;
+        }
+        total
+    }
+
+    /// A cell whose static state has come to the end of its material's data: the farthest gone of the first segment that
+    /// has one.
+    pub fn passed_end_of_data(&self) -> Option<Passed> {
+        self.parts.iter().enumerate().find_map(|(segment, part)| {
+            let gone = |i: usize| {
+                let history = &part.centres.history[i];
+                let sense = usize::from(part.f[i] + part.g[i] < 0.0);
+                (history.accumulated + part.law.static_stress(history, sense)) / part.law.end()[sense]
+            };
+            let yielded = (0..part.f.len()).filter(|&i| part.centres.history[i].accumulated > 0.0);
+            let farthest = yielded.max_by(|&a, &b| gone(a).total_cmp(&gone(b)))?;
+            let cell = part.cells.start + farthest;
+            let strain = self.value(Quantity::Strain, cell);
+            (gone(farthest) >= 1.0).then_some(Passed { cell, segment, strain })
+        })
+    }
+
+    /// True where some material's data end, so that [`Self::passed_end_of_data`] can find a cell.
+    pub fn data_can_end(&self) -> bool {
+        self.parts.iter().any(|p| p.law.end().into_iter().any(f64::is_finite))
+    }
+
+    /// The first cell whose stress or velocity is not a finite number.
+    pub fn not_finite(&self) -> Option<usize> {
+        let bad = |p: &Part| p.f.iter().zip(&p.g).position(|(f, g)| !(f + g).is_finite()).map(|i| p.cells.start + i);
+        self.parts.iter().find_map(bad)
+    }
+
+    /// True while nothing has flowed.
+    pub fn stayed_elastic(&self) -> bool {
+        self.parts.iter().all(|p| p.work.overstress == 0.0 && p.work.total == 0.0)
+    }
+
+    /// Memory of a cell, bytes: what travels through it, and its two nodes with their limits and histories.
+    pub const BYTES_PER_CELL: usize = 2 * size_of::<f64>() + 2 * (size_of::<History>() + 2 * size_of::<f64>());
+}

@@ -1,0 +1,99 @@
+//! The step of the net.
+
+use super::end::End;
+use super::joint::Joint;
+use super::lattice::Lattice;
+use super::part::Part;
+use crate::bar::{Bar, EndCondition};
+use crate::law::rate::RateLaw;
+use crate::solver::fd::Grid;
+
+/// A bar on a characteristic net, between steps: everything at [`Net::time`].
+#[derive(Debug, Clone)]
+pub struct Net {
+    pub(super) grid: Grid,
+    pub(super) shift: f64,
+    pub(super) parts: Vec<Part>,
+    /// One fewer than segments.
+    pub(super) joints: Vec<Joint>,
+    pub(super) ends: [End; 2],
+    /// What enters each segment at its left border (f) and at its right one (g) in the step under way.
+    entering: Vec<[f64; 2]>,
+    step: usize,
+}
+
+impl Net {
+    /// A bar at t = 0, unstressed, moving as its segments say. `laws` has one entry a segment.
+    pub fn new(bar: &Bar, lattice: Lattice, laws: Vec<RateLaw>, ends: [EndCondition; 2]) -> Self {
+        let Lattice { grid, shift } = lattice;
+        let parts: Vec<Part> = bar
+            .segments
+            .iter()
+            .zip(&grid.segments)
+            .zip(laws)
+            .map(|((segment, part), law)| Part::new(law, part.cells.clone(), grid.dt, segment))
+            .collect();
+        let [left, right] = ends;
+        let last = parts.len() - 1;
+        let velocity = |k: usize| bar.segments[k].velocity;
+        let ends = [
+            End::new(left, 1.0, &parts[0], velocity(0), grid.dt),
+            End::new(right, -1.0, &parts[last], velocity(last), grid.dt),
+        ];
+        let joints = bar.segments[..last].iter().map(|s| Joint::new(s.joint)).collect();
+        Self { entering: vec![[0.0; 2]; parts.len()], grid, shift, parts, joints, ends, step: 0 }
+    }
+
+    /// One step. Allocates nothing.
+    pub fn advance(&mut self) {
+        let time = self.time();
+        for part in &mut self.parts {
+            part.relax_cells();
+        }
+        self.meet_at_joints();
+        self.meet_at_ends(time);
+        for (part, entering) in self.parts.iter_mut().zip(&self.entering) {
+            part.pass_borders(*entering);
+        }
+        self.step += 1;
+    }
+
+    fn meet_at_joints(&mut self) {
+        for k in 1..self.parts.len() {
+            let (before, after) = self.parts.split_at_mut(k);
+            let passed = self.joints[k - 1].pass(&mut before[k - 1], &mut after[0], self.grid.dt);
+            self.entering[k - 1][1] = passed.to_left;
+            self.entering[k][0] = passed.to_right;
+        }
+    }
+
+    fn meet_at_ends(&mut self, time: f64) {
+        let last = self.parts.len() - 1;
+        let [left, right] = &mut self.ends;
+        let arriving = self.parts[0].arriving(0);
+        self.entering[0][0] = left.advance(time, arriving, &mut self.parts[0]);
+        let part = &mut self.parts[last];
+        let arriving = part.arriving(1);
+        self.entering[last][1] = right.advance(time, arriving, part);
+    }
+
+    /// Steps taken.
+    pub fn step(&self) -> usize {
+        self.step
+    }
+
+    /// Time, s.
+    pub fn time(&self) -> f64 {
+        self.step as f64 * self.grid.dt
+    }
+
+    /// Cells and time step.
+    pub fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
+    /// Largest relative change of a segment's transit time that makes it whole steps, see [`Lattice::shift`].
+    pub fn shift(&self) -> f64 {
+        self.shift
+    }
+}

@@ -9,7 +9,7 @@ use crate::law::{
 use crate::material::{Material, Sense};
 use crate::scene::{Effects, Scene, Unloading};
 use crate::solver::fd::{Grid, Leapfrog, SegmentLaw};
-use crate::solver::moc::{FrontTracking, Settings, Unsupported};
+use crate::solver::moc::{FrontTracking, Settings};
 use crate::wave::riemann::Flow;
 
 /// The finite-difference bar of a scene, ready to step: about `cells` cells, Courant number `cfl`.
@@ -20,10 +20,7 @@ pub fn leapfrog(scene: &Scene, cells: usize, cfl: f64) -> Leapfrog {
 }
 
 /// The tracked bar of a scene at t = 0.
-///
-/// # Errors
-/// What front tracking cannot follow; a checked scene asks for nothing of the kind.
-pub fn front_tracking(scene: &Scene, settings: Settings) -> Result<FrontTracking, Unsupported> {
+pub fn front_tracking(scene: &Scene, settings: Settings) -> FrontTracking {
     FrontTracking::new(&scene.bar, flow(&scene.effects), [scene.left.clone(), scene.right.clone()], settings)
 }
 

@@ -229,6 +229,38 @@ fn copper_let_go() {
     assert_eq!((number(&summary["left"]["stress_Pa"]), number(&summary["right"]["stress_Pa"])), (0.0, 0.0));
 }
 
+#[test]
+fn falling_weight() {
+    let fd = ["--set", "solve.method=fd", "--set", "solve.cells=1000"];
+    let mut velocities = [0.0; 2];
+    for (velocity, sets) in velocities.iter_mut().zip([&[][..], &fd[..]]) {
+        let summary = run("falling-weight.toml", sets);
+        assert_contract(&summary, "falling-weight.toml");
+        // It has left: nothing acts on the struck end any more, and it flies back.
+        assert_eq!(number(&summary["left"]["stress_Pa"]), 0.0);
+        assert!(number(&summary["ledger"]["momentum_residual"]) < 1e-10, "{summary}");
+        assert!(number(&summary["ledger"]["energy_residual"]) < 1e-10, "{summary}");
+        *velocity = number(&summary["left"]["striker_velocity_m_s"]);
+        assert!(summary["right"].get("striker_velocity_m_s").is_none());
+    }
+    // Both are of second order, in steps of a thousandth or so.
+    assert!(velocities[0] < -3.0 && (velocities[0] / velocities[1] - 1.0).abs() < 1e-4, "{velocities:?}");
+}
+
+#[test]
+fn striker_bar() {
+    for sets in [&[][..], &["--set", "solve.method=fd", "--set", "solve.front-tolerance=", "--set", "solve.cells=1800"]]
+    {
+        let summary = run("striker-bar.toml", sets);
+        assert_contract(&summary, "striker-bar.toml");
+        // The short bar stays where it hit, the long one goes on; there is nothing else that could take momentum.
+        assert_eq!(number(&summary["left"]["stress_Pa"]), 0.0);
+        assert!(number(&summary["left"]["velocity_m_s"]).abs() < 0.02, "{summary}");
+        assert!(number(&summary["ledger"]["momentum_residual"]) < 1e-10, "{summary}");
+        assert!(number(&summary["ledger"]["energy_residual"]) < 1e-10, "{summary}");
+    }
+}
+
 /// As a tracked run of a scene written for the grid.
 fn by_characteristics(name: &str) -> Value {
     let sets = ["--set", "solve.method=moc", "--set", "solve.front-tolerance=0"];

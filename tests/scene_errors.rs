@@ -285,10 +285,10 @@ const CASES: &[Case] = &[
     // Segments.
     case(
         UNIFORM,
-        "[[bar.segment]]\nlength = 1\nmaterial = \"mild-steel\"\njoint = \"contact\"\n[[bar.segment]]\nlength = 1\nmaterial = \"mild-steel\"\n",
-        "contact",
-        "bar.segment.0.joint",
-        &["a joint that can open", "joint = \"bonded\""],
+        "[[bar.segment]]\nlength = 1\nmaterial = \"mild-steel\"\ngap = \"1 mm\"\n[[bar.segment]]\nlength = 1\nmaterial = \"mild-steel\"\n",
+        "\"1 mm\"",
+        "bar.segment.0.gap",
+        &["a bonded joint has no gap", "joint = \"contact\""],
     ),
     case(
         UNIFORM,
@@ -312,13 +312,42 @@ const CASES: &[Case] = &[
         &["no next one"],
     ),
     case(UNIFORM, "[bar]\nsegment = []\n", "[bar]", "bar.segment", &["the bar has no segment"]),
+    // Bodies at the ends.
+    case(
+        "kind = \"free\"",
+        "kind = \"striker\"\nvelocity = \"-5 m/s\"",
+        "[right]",
+        "right.mass",
+        &["`mass` is missing", "mass = \"200 lb\""],
+    ),
+    case(
+        "kind = \"free\"",
+        "kind = \"striker\"\nmass = 0\nvelocity = -5",
+        "mass",
+        "right.mass",
+        &["0 is out of range", "mass > 0"],
+    ),
+    case(
+        "kind = \"free\"",
+        "kind = \"spring\"\nstiffness = \"10 MPa\"",
+        "stiffness",
+        "right.stiffness",
+        &["a stiffness", "kN/mm"],
+    ),
+    case(
+        "kind = \"free\"",
+        "kind = \"wall\"\nmass = 1",
+        "mass",
+        "right.mass",
+        &["`mass` means nothing for an end of kind \"wall\"", "kind, gap"],
+    ),
     // Words for what this version does not simulate: refused by name, with the way out.
     case(
         "kind = \"free\"",
-        "kind = \"striker\"\nmass = \"200 lb\"",
-        "striker",
+        "kind = \"ball\"\nmass = \"200 lb\"",
+        "ball",
         "right.kind",
-        &["does not simulate a striker", "help: drive the end"],
+        &["does not simulate a ball", "help: drive the end"],
     ),
     // Keys that belong to the other method, and what front tracking cannot follow.
     case(

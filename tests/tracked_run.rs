@@ -50,7 +50,7 @@ fn scene(tolerance: &str) -> Scene {
 
 fn tracked(scene: &Scene, tolerance: f64) -> FrontTracking {
     let settings = Settings { front_tolerance: tolerance, trails: true, ..Settings::default() };
-    assemble::front_tracking(scene, settings).expect("it can be tracked")
+    assemble::front_tracking(scene, settings)
 }
 
 /// The scene's result file.

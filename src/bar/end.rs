@@ -28,4 +28,17 @@ pub enum EndCondition {
         /// Initial distance, m.
         gap: f64,
     },
+    /// A rigid mass that touches the end at the start. It pushes; where it would have to pull it flies on by itself, and
+    /// may strike again.
+    Striker {
+        /// kg, > 0, on the section's whole area.
+        mass: f64,
+        /// Velocity at the start, m/s, positive in +x.
+        velocity: f64,
+    },
+    /// A linear spring to the ground, without force at the start: the bar's end gets the force -k u.
+    Spring {
+        /// k, N/m, > 0, on the section's whole area.
+        stiffness: f64,
+    },
 }

@@ -121,7 +121,15 @@ impl Drive {
             EndCondition::Fixed => Some(steady(-rest)),
             // The bar moves towards a wall at the left when its velocity is negative.
             EndCondition::Wall { gap } if *gap == 0.0 && rest * direction < 0.0 => Some(steady(-rest)),
-            EndCondition::Wall { .. } | EndCondition::Free | EndCondition::Absorbing => None,
+            // Strongest at the first touch: from then on the bar slows it down.
+            EndCondition::Striker { velocity, .. } if (velocity - rest) * direction > 0.0 => {
+                Some(Self { kind: Kind::Velocity(velocity - rest), sudden: false, loads_until: 0.0 })
+            }
+            EndCondition::Wall { .. }
+            | EndCondition::Free
+            | EndCondition::Absorbing
+            | EndCondition::Striker { .. }
+            | EndCondition::Spring { .. } => None,
         }
     }
 }

@@ -143,6 +143,9 @@ fn text(s: &Summary, units: System) -> String {
     line("effects", if s.effects.is_empty() { "none: the run stayed elastic".into() } else { s.effects.join(", ") });
     for (label, end) in [("left end", &s.left), ("right end", &s.right)] {
         line(label, end_text(end, units));
+        if let Some(velocity) = end.striker {
+            line("striker", std::format!("velocity {}", show(velocity, Dimension::Velocity)));
+        }
     }
     if let Some(check) = &s.elastic_check {
         let (found, expected) = (show(check.stress, Dimension::Stress), show(check.expected, Dimension::Stress));

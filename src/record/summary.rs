@@ -82,6 +82,9 @@ pub struct EndSummary {
     /// m/s.
     #[serde(rename = "velocity_m_s")]
     pub velocity: f64,
+    /// Velocity of the striker there, m/s; left out where there is none.
+    #[serde(rename = "striker_velocity_m_s", skip_serializing_if = "Option::is_none")]
+    pub striker: Option<f64>,
 }
 
 /// A front in the summary.

@@ -33,6 +33,10 @@ impl View for FrontTracking {
         })
     }
 
+    fn strikers(&self) -> [Option<f64>; 2] {
+        [0, 1].map(|which| self.striker(which).map(|striker| striker.velocity))
+    }
+
     fn start(&self) -> Start {
         let mut start = Start::default();
         for piece in self.pieces() {

@@ -18,6 +18,11 @@ pub trait View {
     /// The left and the right end now.
     fn ends(&self) -> [EndState; 2];
 
+    /// Velocity of the striker at the left and the right end, m/s; none where there is none.
+    fn strikers(&self) -> [Option<f64>; 2] {
+        [None; 2]
+    }
+
     /// What the bar started with; asked for once, before the first step.
     fn start(&self) -> Start;
 
@@ -128,6 +133,10 @@ impl View for Leapfrog {
         [self.left(), self.right()].map(|d| EndState { stress: d.stress(), velocity: d.velocity() })
     }
 
+    fn strikers(&self) -> [Option<f64>; 2] {
+        [self.left(), self.right()].map(|device| device.striker().map(|(velocity, _)| velocity))
+    }
+
     fn start(&self) -> Start {
         let initial = self.initial();
         Start { kinetic: initial.kinetic, momentum: initial.momentum, mass: self.mass() }
@@ -140,7 +149,7 @@ impl View for Leapfrog {
             elastic: now.elastic,
             plastic: now.plastic,
             viscous: now.viscous,
-            concentrated: 0.0,
+            concentrated: now.concentrated,
             momentum: now.momentum,
             work: [left.work(), right.work()],
             impulse: [left.impulse(), right.impulse()],

@@ -239,13 +239,14 @@ impl<'a, S: Stepped> Run<'a, S> {
     fn ends(&self) -> [EndSummary; 2] {
         let cells = self.bar.grid().cells();
         let inside = CELLS_FROM_END.min((cells - 1) / 2);
-        let end = |end: EndState, cell: usize| EndSummary {
+        let end = |end: EndState, striker: Option<f64>, cell: usize| EndSummary {
             stress: end.stress,
             strain: self.bar.value(Quantity::Strain, cell),
             velocity: end.velocity,
+            striker,
         };
-        let [left, right] = self.bar.ends();
-        [end(left, inside), end(right, cells - 1 - inside)]
+        let ([left, right], [left_striker, right_striker]) = (self.bar.ends(), self.bar.strikers());
+        [end(left, left_striker, inside), end(right, right_striker, cells - 1 - inside)]
     }
 }
 

@@ -33,7 +33,7 @@ pub(super) fn run(
     started: Instant,
     progress: &mut dyn FnMut(Progress) -> Wish,
 ) -> Result<Summary> {
-    let settings = Settings { front_tolerance, event_budget, trails: true };
+    let settings = Settings { front_tolerance, event_budget, trails: true, ..Settings::default() };
     let mut run = Run::new(scene, settings, output, started)?;
     let ended = run.follow(progress);
     run.finish(ended)
@@ -70,12 +70,7 @@ enum Pause {
 impl<'a> Run<'a> {
     fn new(scene: &'a Scene, settings: Settings, output: Option<&Path>, started: Instant) -> Result<Self> {
         let before = Instant::now();
-        let bar = assemble::front_tracking(scene, settings).map_err(|why| RunError {
-            reason: why.to_string(),
-            time: 0.0,
-            x: None,
-            help: "use method = \"fd\"".into(),
-        })?;
+        let bar = assemble::front_tracking(scene, settings);
         let stepping = before.elapsed().as_secs_f64();
         let x = even_places(scene.bar.length(), scene.record.cells.unwrap_or(UNLOADING_PLACES));
         let mut book = Book::open(scene, output, x.clone(), SAMPLING, started)?;
@@ -293,8 +288,13 @@ impl<'a> Run<'a> {
     fn end_states(&self) -> [EndSummary; 2] {
         let mut strains = [0.0; 2];
         self.bar.sample(Field::Strain, &[0.0, self.book.scene.bar.length()], &mut strains);
-        let ends = View::ends(&self.bar);
-        std::array::from_fn(|k| EndSummary { stress: ends[k].stress, strain: strains[k], velocity: ends[k].velocity })
+        let (ends, strikers) = (View::ends(&self.bar), self.bar.strikers());
+        std::array::from_fn(|k| EndSummary {
+            stress: ends[k].stress,
+            strain: strains[k],
+            velocity: ends[k].velocity,
+            striker: strikers[k],
+        })
     }
 }
 

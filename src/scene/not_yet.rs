@@ -23,6 +23,8 @@ const fn word(path: &'static [&'static str], value: &'static str, what: &'static
 
 const DRIVEN: &str =
     "drive the end with kind = \"velocity\" or \"stress\" and the history that the striking body would give it";
+const STRIKER: &str =
+    "give an end kind = \"striker\" with mass and velocity, or lay two segments together with joint = \"contact\"";
 const STRUCK_BAR: &str = "describe a bar in [bar] with its [left] and [right] ends";
 const LEAVE_OUT: &str = "leave it out; `unloading` is the effect that can be simulated";
 const LEAPFROG: &str = "use method = \"fd\" with scheme = \"leapfrog\" (both are the default)";
@@ -33,13 +35,9 @@ const WORDS: &[Word] = &[
     word(&["plate"], "", "the impact on a plate", STRUCK_BAR),
     word(&["beam"], "", "the impact on a beam", STRUCK_BAR),
     word(&["specimen"], "", "the energy method for a specimen", STRUCK_BAR),
-    word(&["striker"], "", "a striking body", DRIVEN),
-    word(&["left", "kind"], "striker", "a striker", DRIVEN),
+    word(&["striker"], "", "a striking body of its own", STRIKER),
     word(&["left", "kind"], "ball", "a ball", DRIVEN),
-    word(&["left", "kind"], "spring", "a spring", "use kind = \"fixed\" or \"free\", the two limits of a spring"),
-    word(&["right", "kind"], "striker", "a striker", DRIVEN),
     word(&["right", "kind"], "ball", "a ball", DRIVEN),
-    word(&["right", "kind"], "spring", "a spring", "use kind = \"fixed\" or \"free\", the two limits of a spring"),
     word(&["bar", "mode"], "torsion", "torsion", "use mode = \"axial\" (the default)"),
     word(&["bar", "segment", "*", "notch"], "", "a notch", "use a short segment with a smaller area"),
     word(&["effects"], "auto", "the choice of effects by itself", "name them in an [effects] table"),

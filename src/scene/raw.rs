@@ -171,6 +171,15 @@ pub struct RawEnd {
     /// For a wall: its distance from the end at the start, m, >= 0. Default: 0.
     #[schemars(with = "Option<Quantity>")]
     pub gap: Option<Number>,
+    /// For a striker: its mass, kg, > 0. Required there; the bar needs an area.
+    #[schemars(with = "Option<Quantity>")]
+    pub mass: Option<Number>,
+    /// For a striker: its velocity at the start, m/s, positive in +x. Required there.
+    #[schemars(with = "Option<Quantity>")]
+    pub velocity: Option<Number>,
+    /// For a spring: its stiffness, N/m, > 0. Required there; the bar needs an area.
+    #[schemars(with = "Option<Quantity>")]
+    pub stiffness: Option<Number>,
 }
 
 /// The kinds of ends.
@@ -189,6 +198,10 @@ pub enum EndKind {
     Absorbing,
     /// A rigid wall that pushes but does not pull.
     Wall,
+    /// A rigid mass that touches the end at the start, pushes, and flies on where it would have to pull.
+    Striker,
+    /// A linear spring to the ground.
+    Spring,
 }
 
 /// What is simulated beyond the curve itself: only what is named.

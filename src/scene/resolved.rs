@@ -49,6 +49,8 @@ fn end(end: &EndCondition) -> Value {
         EndCondition::Fixed => json!({ "kind": "fixed" }),
         EndCondition::Absorbing => json!({ "kind": "absorbing" }),
         EndCondition::Wall { gap } => json!({ "kind": "wall", "gap": gap }),
+        EndCondition::Striker { mass, velocity } => json!({ "kind": "striker", "mass": mass, "velocity": velocity }),
+        EndCondition::Spring { stiffness } => json!({ "kind": "spring", "stiffness": stiffness }),
     }
 }
 

@@ -68,14 +68,6 @@ fn a_grid_scene_becomes_a_tracked_one_on_the_command_line() {
 }
 
 #[test]
-fn what_front_tracking_cannot_follow_is_refused_with_the_method_that_can() {
-    let ramp = base("method = \"moc\"\n").replace("value = \"-30 m/s\"", "history = [[0, 0], [\"1 us\", -30]]");
-    let error = wrong(&ramp, &[]);
-    assert_eq!(error.key, "solve.method");
-    assert!(error.message.contains("ramp") && error.help.contains("method = \"fd\""), "{error}");
-}
-
-#[test]
 fn frames_are_even_and_hold_both_ends() {
     let times = |rest: &str| scene(&format!("[record]\n{rest}"), &[]).record.times;
     let five = times("frames = 5");
@@ -92,6 +84,29 @@ fn frames_are_even_and_hold_both_ends() {
 }
 
 #[test]
+fn bodies_need_the_section_on_which_they_act() {
+    for end in ["striker\"\nmass = 2\nvelocity = -5", "spring\"\nstiffness = 1e7"] {
+        let text = base("").replace("kind = \"free\"", &format!("kind = \"{end}"));
+        let error = wrong(&text, &[]);
+        assert_eq!(error.key, "right.kind");
+        assert!(error.to_string().contains("needs the section"), "{error}");
+    }
+}
+
+#[test]
+fn joints_mean_what_they_say() {
+    let two = |joint: &str| {
+        let segment = format!("[[bar.segment]]\nlength = \"50 cm\"\nmaterial = {STEEL}\n");
+        let text = base("")
+            .replace(&format!("[bar]\nlength = \"1 m\"\nmaterial = {STEEL}\n"), &format!("{segment}{joint}{segment}"));
+        read(&text, &[]).unwrap_or_else(|e| panic!("{e}")).bar.segments[0].joint
+    };
+    assert_eq!(two(""), Joint::Bonded);
+    assert_eq!(two("joint = \"contact\"\n"), Joint::Contact { gap: 0.0 });
+    assert_eq!(two("joint = \"contact\"\ngap = \"0.1 mm\"\n"), Joint::Contact { gap: 1e-4 });
+}
+
+#[test]
 fn times_increase_for_any_step() {
     for i in 1..400 {
         let times = scene(&format!("[record]\nevery = {:e}\n", 1e-6 * f64::from(i) * 0.37), &[]).record.times;
@@ -103,12 +118,17 @@ fn times_increase_for_any_step() {
 #[test]
 fn ends_mean_what_they_say() {
     let end = |text: &str| {
-        let whole = base("").replace("kind = \"free\"", text);
+        let whole = base("").replace("kind = \"free\"", text).replace("[bar]\n", "[bar]\narea = 1\n");
         read(&whole, &[]).unwrap_or_else(|e| panic!("{e}")).right
     };
     assert!(matches!(end("kind = \"wall\""), EndCondition::Wall { gap: 0.0 }));
     assert!(matches!(end("kind = \"wall\"\ngap = \"1 mm\""), EndCondition::Wall { gap } if gap == 1e-3));
     assert!(matches!(end("kind = \"fixed\""), EndCondition::Fixed));
+    let striker = end("kind = \"striker\"\nmass = \"200 lb\"\nvelocity = \"-50 ft/s\"");
+    let EndCondition::Striker { mass, velocity } = striker else { panic!("not a striker") };
+    assert_eq!((mass, velocity), (90.718_474, -15.24));
+    let spring = end("kind = \"spring\"\nstiffness = \"10 kN/mm\"");
+    assert!(matches!(spring, EndCondition::Spring { stiffness: 1e7 }));
     assert!(matches!(end("kind = \"absorbing\""), EndCondition::Absorbing));
     let EndCondition::Velocity { history, release } = end("kind = \"velocity\"\nvalue = 5\nrelease = \"10 us\"") else {
         panic!("not a velocity end");

@@ -143,15 +143,15 @@ fn grid_work(scene: &Scene, grid: &Grid) -> (Work, usize) {
 const SECONDS_PER_EVENT: f64 = 1e-6;
 
 fn front_work(scene: &Scene, front_tolerance: f64, event_budget: u64) -> Work {
-    let settings = Settings { front_tolerance, event_budget, trails: false };
-    // A checked scene can be tracked; what its start shows is worth a plan of its own.
-    let start = assemble::front_tracking(scene, settings).ok();
+    let settings = Settings { front_tolerance, event_budget, ..Settings::default() };
+    // What its start shows is worth a plan of its own.
+    let start = assemble::front_tracking(scene, settings);
     let table = |s: &Segment, sense| Table::new(s.material.branch(sense), s.material.modulus).lines().len();
     let lines = |s| table(s, Sense::Tension).max(table(s, Sense::Compression));
     Work::Fronts {
         front_tolerance,
-        held_back: front_tolerance * start.as_ref().map_or(f64::NAN, FrontTracking::stress_scale),
-        first_fronts: start.as_ref().map_or(0, FrontTracking::front_count),
+        held_back: front_tolerance * start.stress_scale(),
+        first_fronts: start.front_count(),
         lines: scene.bar.segments.iter().map(lines).max().unwrap_or(0),
         event_budget,
         bytes_per_front: FrontTracking::BYTES_PER_FRONT,

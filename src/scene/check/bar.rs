@@ -178,17 +178,7 @@ impl Checker<'_> {
         }
         match kind {
             RawJoint::Bonded => Ok(Joint::Bonded),
-            RawJoint::Contact => {
-                self.refuse_contact(raw, &joint_key)?;
-                Ok(Joint::Contact { gap: gap.unwrap_or(0.0) })
-            }
+            RawJoint::Contact => Ok(Joint::Contact { gap: gap.unwrap_or(0.0) }),
         }
-    }
-
-    /// No solver of this version opens or closes joints inside the bar; the rest of the program is ready for them.
-    fn refuse_contact(&self, raw: &RawSegment, key: &str) -> Result<()> {
-        let span = raw.joint.as_ref().map_or(0..0, Spanned::span);
-        let error = self.error(span, key, "this version does not simulate a joint that can open");
-        Err(error.allowed("\"bonded\"").help("use joint = \"bonded\" (the default)").into())
     }
 }

@@ -20,6 +20,8 @@ impl EndKind {
             Self::Fixed => "fixed",
             Self::Absorbing => "absorbing",
             Self::Wall => "wall",
+            Self::Striker => "striker",
+            Self::Spring => "spring",
         }
     }
 
@@ -29,13 +31,16 @@ impl EndKind {
             Self::Velocity => &["value", "history", "csv", "release"],
             Self::Stress => &["value", "history", "csv"],
             Self::Wall => &["gap"],
+            Self::Striker => &["mass", "velocity"],
+            Self::Spring => &["stiffness"],
             Self::Free | Self::Fixed | Self::Absorbing => &[],
         }
     }
 }
 
 impl Checker<'_> {
-    pub(super) fn end(&self, raw: &Spanned<RawEnd>, key: &str) -> Result<EndCondition> {
+    /// The end under `key`, of a bar that has or has not an area.
+    pub(super) fn end(&self, raw: &Spanned<RawEnd>, key: &str, area_given: bool) -> Result<EndCondition> {
         let (span, raw) = (raw.span(), raw.get_ref());
         let kind = *raw.kind.get_ref();
         self.only_its_keys(raw, kind, key)?;
@@ -58,7 +63,47 @@ impl Checker<'_> {
                 let gap = self.document.optional(raw.gap.as_ref(), &key, Dimension::Length, Allowed::NotNegative)?;
                 EndCondition::Wall { gap: gap.unwrap_or(0.0) }
             }
+            EndKind::Striker => {
+                self.needs_area(raw, kind, key, area_given)?;
+                let mass = (raw.mass.as_ref(), "mass", Dimension::Mass, Allowed::Positive);
+                let velocity = (raw.velocity.as_ref(), "velocity", Dimension::Velocity, Allowed::Finite);
+                EndCondition::Striker {
+                    mass: self.own_number(mass, span.clone(), key)?,
+                    velocity: self.own_number(velocity, span, key)?,
+                }
+            }
+            EndKind::Spring => {
+                self.needs_area(raw, kind, key, area_given)?;
+                let stiffness = (raw.stiffness.as_ref(), "stiffness", Dimension::Stiffness, Allowed::Positive);
+                EndCondition::Spring { stiffness: self.own_number(stiffness, span, key)? }
+            }
         })
+    }
+
+    /// A body acts on the whole section: without an area its mass or stiffness has no meaning.
+    fn needs_area(&self, raw: &RawEnd, kind: EndKind, key: &str, area_given: bool) -> Result<()> {
+        if area_given {
+            return Ok(());
+        }
+        let message =
+            format!("an end of kind \"{}\" needs the section on which it acts, and the bar has none", kind.word());
+        let help = "give [bar] (or every [[bar.segment]]) an area, e.g. area = \"1 cm^2\", or a diameter";
+        Err(self.error(raw.kind.span(), &format!("{key}.kind"), message).help(help).into())
+    }
+
+    /// A number that this kind of end must have.
+    fn own_number(
+        &self,
+        (value, name, dimension, allowed): (Option<&Number>, &str, Dimension, Allowed),
+        span: Range<usize>,
+        key: &str,
+    ) -> Result<f64> {
+        let key = format!("{key}.{name}");
+        let Some(value) = value else {
+            let help = format!("add {}, e.g. {name} = \"{}\"", dimension.describe(), dimension.example());
+            return Err(self.missing(span, &key, &help));
+        };
+        self.document.number(value, &key, dimension, allowed)
     }
 
     fn only_its_keys(&self, raw: &RawEnd, kind: EndKind, key: &str) -> Result<()> {
@@ -143,6 +188,9 @@ fn given(raw: &RawEnd) -> Vec<(&'static str, Range<usize>)> {
         ("csv", raw.csv.as_ref().map(Spanned::span)),
         ("release", raw.release.as_ref().map(Spanned::span)),
         ("gap", raw.gap.as_ref().map(Spanned::span)),
+        ("mass", raw.mass.as_ref().map(Spanned::span)),
+        ("velocity", raw.velocity.as_ref().map(Spanned::span)),
+        ("stiffness", raw.stiffness.as_ref().map(Spanned::span)),
     ];
     all.into_iter().filter_map(|(name, span)| span.map(|s| (name, s))).collect()
 }

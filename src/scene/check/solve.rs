@@ -7,12 +7,9 @@ use toml::Spanned;
 use super::super::raw::{RawMethod, RawSolve};
 use super::super::{Method, Solve};
 use super::{Checker, MOST_CELLS};
-use crate::bar::{Bar, EndCondition};
 use crate::error::Result;
 use crate::input::Allowed;
-use crate::solver::moc::{FrontTracking, Settings};
 use crate::units::Dimension;
-use crate::wave::riemann::Flow;
 
 /// Default number of cells.
 const CELLS: usize = 1000;
@@ -85,25 +82,6 @@ impl Checker<'_> {
         );
         let allowed = format!("until, method, {}", method.keys().join(", "));
         Err(self.error(span, &format!("solve.{name}"), message).allowed(allowed).help(help).into())
-    }
-
-    /// Refuses a scene that its method cannot follow, with the method that can.
-    pub(super) fn can_solve(
-        &self,
-        raw: &Spanned<RawSolve>,
-        bar: &Bar,
-        [left, right]: [&EndCondition; 2],
-        method: &Method,
-    ) -> Result<()> {
-        let Method::FrontTracking { .. } = method else { return Ok(()) };
-        // What can be tracked does not depend on the flow rule or the tolerance.
-        let ends = [left.clone(), right.clone()];
-        let Err(why) = FrontTracking::new(bar, Flow::PathIndependent, ends, Settings::default()) else {
-            return Ok(());
-        };
-        let span = raw.get_ref().method.as_ref().map_or_else(|| raw.span(), Spanned::span);
-        let help = "use method = \"fd\", which can";
-        Err(self.error(span, "solve.method", why.to_string()).allowed("\"fd\"").help(help).into())
     }
 }
 

@@ -5,6 +5,7 @@
 //! be after every step. Prescribed stresses enter by their exact mean over two steps: at Courant number 1 odd and even
 //! steps drive two lattices that know nothing of each other, and so each of them gets the impulse that was asked for.
 
+use super::body::Striker;
 use super::ripple;
 use crate::bar::EndCondition;
 
@@ -39,6 +40,8 @@ pub struct Device {
     started: bool,
     /// The velocity is prescribed just now.
     held: bool,
+    /// The mass that strikes the end, where one does.
+    striker: Option<Striker>,
 }
 
 /// What a step makes of an end.
@@ -69,8 +72,10 @@ pub struct EndGrid {
 impl Device {
     /// The device at an end with outward normal `normal` (-1 left, +1 right).
     pub fn new(condition: EndCondition, normal: f64, grid: EndGrid) -> Self {
+        let striker = Striker::of(&condition);
         Self {
             condition,
+            striker,
             normal,
             gain: 2.0 * grid.dt / (grid.density * grid.dx),
             impulse_per_stress: grid.area * grid.dt,
@@ -103,6 +108,9 @@ impl Device {
         }
         (self.before, self.after) = (self.after, motion.velocity);
         (self.reaction, self.held) = (motion.stress, motion.held);
+        if let Some(striker) = &mut self.striker {
+            striker.advance(-self.normal * self.impulse_per_stress * motion.stress, self.dt);
+        }
         self.account(previous_stress);
         self.displacement += self.dt * self.after;
     }
@@ -132,6 +140,8 @@ impl Device {
             EndCondition::Fixed => self.moving(0.0, sigma_cell),
             EndCondition::Absorbing => self.radiating(sigma_cell),
             EndCondition::Wall { gap } => self.against_wall(*gap, sigma_cell),
+            EndCondition::Striker { .. } => self.against_mass(sigma_cell),
+            EndCondition::Spring { stiffness } => self.on_spring(*stiffness, sigma_cell),
         }
     }
 
@@ -167,6 +177,54 @@ impl Device {
         self.under_stress(if self.held { 0.5 * self.reaction } else { 0.0 }, sigma_cell)
     }
 
+    /// The mass and the node exchange what takes both to one place at the end of the step, unless that is a pull.
+    ///
+    /// Where the mass touches a node that moves otherwise, the two go on together. The impulse that this takes is right to
+    /// second order, what it takes from their energy (half the node's mass times the square of the difference) to first.
+    fn against_mass(&self, sigma_cell: f64) -> Motion {
+        let Some(striker) = &self.striker else { return self.under_stress(0.0, sigma_cell) };
+        let free = self.under_stress(0.0, sigma_cell);
+        let apart = (striker.place - self.displacement) / self.dt + striker.after - free.velocity;
+        let stress = self.normal * apart / (self.gain + self.impulse_per_stress / striker.mass);
+        if stress < 0.0 {
+            let velocity = free.velocity + self.normal * self.gain * stress;
+            return Motion { velocity, stress, held: true };
+        }
+        // As against a wall: it has pushed for the first half of the step in which it lets go.
+        self.under_stress(if self.held { 0.5 * self.reaction } else { 0.0 }, sigma_cell)
+    }
+
+    /// The force is -k times the mean `(u- + 2 u + u+)/4` of the displacements a step before, now and a step after: stable
+    /// for any k, and exact in energy, see [`Device::body_energy`].
+    fn on_spring(&self, stiffness: f64, sigma_cell: f64) -> Motion {
+        let area = self.impulse_per_stress / self.dt;
+        let stress_now = -self.normal * stiffness * self.displacement / area;
+        // What the change of the velocity in this step adds, as a mass would: k dt^2/4 beside m = A dt/gain.
+        let heavier = 1.0 + 0.25 * stiffness * self.dt * self.gain / area;
+        let velocity = self.after + self.normal * self.gain * (stress_now - sigma_cell) / heavier;
+        let stress = sigma_cell + self.normal * (velocity - self.after) / self.gain;
+        Motion { velocity, stress, held: false }
+    }
+
+    /// Energy of the body at the end at the current time, J, in the form that the scheme conserves: `M V- V+/2` for a
+    /// striker, `k u^2/2 + k dt^2 (v- v+ - v0^2)/8` for a spring (v0: at the start), 0 without one.
+    pub fn body_energy(&self) -> f64 {
+        if let Some(striker) = &self.striker {
+            return 0.5 * striker.mass * striker.before * striker.after;
+        }
+        let EndCondition::Spring { stiffness } = self.condition else { return 0.0 };
+        let stretch = self.displacement();
+        let motion = self.before * self.after - self.rest_velocity * self.rest_velocity;
+        0.5 * stiffness * (stretch * stretch + 0.25 * self.dt * self.dt * motion)
+    }
+
+    /// The striker's velocity at the current time, m/s, and its distance from the end half a step later, m; none without
+    /// one.
+    pub fn striker(&self) -> Option<(f64, f64)> {
+        let striker = self.striker.as_ref()?;
+        Some((0.5 * (striker.before + striker.after), self.normal * (striker.place - self.displacement)))
+    }
+
     /// The ripple damping changes the node's velocity, which no end prescribes just now. Returns the energy taken, J.
     pub(super) fn damp(&mut self, change: f64, sigma_cell: f64) -> f64 {
         let g = self.normal * self.gain * (self.reaction - sigma_cell);
@@ -177,9 +235,10 @@ impl Device {
         taken
     }
 
-    /// True where the end's velocity is prescribed just now, false where it follows from the stress.
+    /// True where the end's velocity is prescribed just now, or its place matters to a spring; false where it follows from
+    /// the stress.
     pub(super) fn is_held(&self) -> bool {
-        self.held
+        self.held || matches!(self.condition, EndCondition::Spring { .. })
     }
 
     /// Impulse and work by the trapezoidal rule in the end stress: the form in which the staggered scheme balances

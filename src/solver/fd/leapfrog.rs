@@ -6,6 +6,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::block::{BLOCK, Block, BlockLaw, Stage};
+use super::contact::{Contact, ContactState};
 use super::device::{Device, EndGrid};
 use super::grid::Grid;
 use super::ripple;
@@ -27,7 +28,8 @@ pub struct SegmentLaw {
     pub end: [f64; 2],
 }
 
-/// The node between two blocks: inside a segment, or at a bonded joint.
+/// The node between two blocks: inside a segment, or at a bonded joint. In the place of a joint that can open it is an
+/// empty one, without mass and unmoved, beside a [`Contact`].
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Edge {
     pub before: f64,
@@ -60,6 +62,7 @@ pub struct Leapfrog {
     pub(super) constants: Vec<Constants>,
     pub(super) blocks: Vec<Block>,
     pub(super) edges: Vec<Edge>,
+    pub(super) contacts: Vec<Contact>,
     pub(super) left: Device,
     pub(super) right: Device,
     pub(super) step: usize,
@@ -75,7 +78,8 @@ impl Leapfrog {
     pub fn new(bar: &Bar, grid: Grid, laws: Vec<SegmentLaw>, ends: [EndCondition; 2]) -> Self {
         let constants = constants(bar, &grid);
         let blocks = blocks(bar, &grid);
-        let edges = edges(&blocks, &constants);
+        let mut edges = edges(&blocks, &constants);
+        let contacts = contacts(bar, &blocks, &constants, &mut edges);
         let end_grid = |k: usize| {
             let (segment, part) = (&bar.segments[k], &grid.segments[k]);
             EndGrid {
@@ -97,6 +101,7 @@ impl Leapfrog {
             constants,
             blocks,
             edges,
+            contacts,
             left,
             right,
             step: 0,
@@ -195,6 +200,10 @@ impl Leapfrog {
             edge.before = edge.after;
             edge.after += edge.kick(sigma_left, sigma_right);
         }
+        for contact in &mut self.contacts {
+            let sigma = [last(&self.blocks[contact.edge].sigma), self.blocks[contact.edge + 1].sigma[0]];
+            contact.advance(sigma, self.grid.dt);
+        }
         self.left.advance(time, self.blocks[0].sigma[0]);
         self.right.advance(time, last(&self.blocks[self.blocks.len() - 1].sigma));
         self.share_edges();
@@ -205,6 +214,10 @@ impl Leapfrog {
         for (k, edge) in self.edges.iter().enumerate() {
             set_last(&mut self.blocks[k].v, edge.after);
             self.blocks[k + 1].v[0] = edge.after;
+        }
+        for contact in &self.contacts {
+            set_last(&mut self.blocks[contact.edge].v, contact.left.after);
+            self.blocks[contact.edge + 1].v[0] = contact.right.after;
         }
         let right_end = self.blocks.len() - 1;
         self.blocks[0].v[0] = self.left.velocity_after();
@@ -234,6 +247,11 @@ impl Leapfrog {
     /// The right end.
     pub fn right(&self) -> &Device {
         &self.right
+    }
+
+    /// The joints that can open, from left to right.
+    pub fn contacts(&self) -> impl Iterator<Item = ContactState> {
+        self.contacts.iter().map(|contact| contact.state(self.grid.dt))
     }
 
     /// True while no cell has yielded: only the elastic kernel has run.
@@ -313,4 +331,21 @@ fn edges(blocks: &[Block], constants: &[Constants]) -> Vec<Edge> {
         Edge { before: velocity, after: velocity, gain_left, gain_right, mass }
     };
     blocks.windows(2).map(edge).collect()
+}
+
+/// The joints that can open; their edges become empty.
+fn contacts(bar: &Bar, blocks: &[Block], constants: &[Constants], edges: &mut [Edge]) -> Vec<Contact> {
+    let mut contacts = Vec::new();
+    for (k, pair) in blocks.windows(2).enumerate() {
+        let (left, right) = (pair[0].segment, pair[1].segment);
+        if left == right {
+            continue;
+        }
+        let masses = [constants[left].cell_mass, constants[right].cell_mass];
+        if let Some(contact) = Contact::new(bar, left, k, masses) {
+            edges[k] = Edge { before: 0.0, after: 0.0, gain_left: 0.0, gain_right: 0.0, mass: 0.0 };
+            contacts.push(contact);
+        }
+    }
+    contacts
 }

@@ -1,6 +1,8 @@
 //! Finite differences on a staggered grid.
 
 mod block;
+mod body;
+mod contact;
 mod device;
 mod grid;
 mod leapfrog;
@@ -8,6 +10,7 @@ mod readings;
 mod ripple;
 mod sample;
 
+pub use contact::ContactState;
 pub use device::Device;
 pub use grid::{Grid, SegmentGrid};
 pub use leapfrog::{Leapfrog, SegmentLaw};

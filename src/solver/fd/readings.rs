@@ -42,6 +42,8 @@ pub struct Energies {
     pub plastic: f64,
     /// Taken by the ripple damping since the start (0 in an elastic run).
     pub viscous: f64,
+    /// Lost by the faces of joints that met (0 without joints that can open).
+    pub concentrated: f64,
     /// Momentum, positive in +x.
     pub momentum: f64,
 }
@@ -92,12 +94,14 @@ impl Leapfrog {
         self.profile(Quantity::Strain, &mut strains);
         let mut centres = Vec::with_capacity(strains.len());
         let mut node = self.left.displacement();
-        for part in &self.grid.segments {
+        for (k, part) in self.grid.segments.iter().enumerate() {
             for &strain in &strains[part.cells.clone()] {
                 let stretch = strain * part.dx;
                 centres.push(node + 0.5 * stretch);
                 node += stretch;
             }
+            let joint = self.contacts.iter().find(|contact| contact.segment == k);
+            node += joint.map_or(0.0, |contact| contact.jump(self.grid.dt));
         }
         centres
     }
@@ -107,17 +111,21 @@ impl Leapfrog {
     fn node_velocity(&self, k: usize, i: usize) -> f64 {
         let block = &self.blocks[k];
         if i == 0 {
-            return if k == 0 { self.left.velocity() } else { self.edge_velocity(k - 1) };
+            return if k == 0 { self.left.velocity() } else { self.edge_velocity(k - 1, 1) };
         }
         if i == block.sigma.len() {
-            return if k == self.edges.len() { self.right.velocity() } else { self.edge_velocity(k) };
+            return if k == self.edges.len() { self.right.velocity() } else { self.edge_velocity(k, 0) };
         }
         let gain = self.constants[block.segment].velocity_gain;
         block.v[i] - 0.5 * (gain * (block.sigma[i] - block.sigma[i - 1]))
     }
 
-    /// The same for the node between blocks `k` and `k + 1`.
-    fn edge_velocity(&self, k: usize) -> f64 {
+    /// The same for the node between blocks `k` and `k + 1`; of two faces, the left (0) or the right (1) one.
+    fn edge_velocity(&self, k: usize, side: usize) -> f64 {
+        if let Some(contact) = self.contacts.iter().find(|contact| contact.edge == k) {
+            let face = [contact.left, contact.right][side];
+            return 0.5 * (face.before + face.after);
+        }
         let edge = &self.edges[k];
         edge.after - 0.5 * edge.kick(last(&self.blocks[k].sigma), self.blocks[k + 1].sigma[0])
     }
@@ -144,6 +152,12 @@ impl Leapfrog {
                 total.add_nodes(edge.mass, edge.after * edge.before, edge.after + edge.before);
             }
         }
+        for contact in &self.contacts {
+            total.concentrated += contact.lost;
+            for face in [&contact.left, &contact.right] {
+                total.add_nodes(face.mass, face.after * face.before, face.after + face.before);
+            }
+        }
         for (device, segment) in [(&self.left, 0), (&self.right, self.constants.len() - 1)] {
             let (before, after) = (device.velocity_before(), device.velocity_after());
             total.add_nodes(0.5 * self.constants[segment].cell_mass, before * after, before + after);
@@ -162,6 +176,9 @@ impl Leapfrog {
             if let Some(edge) = self.edges.get(k) {
                 total.add_nodes(edge.mass, edge.before * edge.before, 2.0 * edge.before);
             }
+        }
+        for face in self.contacts.iter().flat_map(|contact| [&contact.left, &contact.right]) {
+            total.add_nodes(face.mass, face.before * face.before, 2.0 * face.before);
         }
         for (device, segment) in [(&self.left, 0), (&self.right, self.constants.len() - 1)] {
             let v = device.velocity_before();
@@ -212,6 +229,6 @@ impl Energies {
 
     /// All energy in the bar, dissipated included, J.
     pub fn total(&self) -> f64 {
-        self.kinetic + self.elastic + self.plastic + self.viscous
+        self.kinetic + self.elastic + self.plastic + self.viscous + self.concentrated
     }
 }

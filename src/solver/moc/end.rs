@@ -1,6 +1,10 @@
 //! The ends of a tracked bar: what drives them, and what they record.
 
+use super::contact::JointChange;
+use super::spring::Spring;
+use super::striker::{Striker, StrikerState};
 use crate::bar::{EndCondition, History};
+use crate::wave::riemann::{Medium, Point};
 
 /// Stress and velocity of the bar's end from `time` on.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,12 +37,38 @@ pub enum Drive {
     Elastic(f64),
     /// Velocity 0, unless that would take tension.
     Push,
+    /// Nothing: the end goes along with what comes.
+    Pass,
+    /// A rigid mass with this velocity (m/s) at no force, which gives way by `compliance` (m/(s N)), unless that would
+    /// take tension.
+    Mass {
+        /// m/s.
+        velocity: f64,
+        /// m/(s N).
+        compliance: f64,
+    },
+    /// A spring with this force (N, tension positive) at rest, which gives way by `compliance` (m/(s N)).
+    Spring {
+        /// N.
+        force: f64,
+        /// m/(s N).
+        compliance: f64,
+    },
+}
+
+/// A body at an end that moves by itself.
+#[derive(Debug, Clone)]
+enum Body {
+    None,
+    Striker(Striker),
+    Spring(Spring),
 }
 
 /// An end with its clock.
 #[derive(Debug, Clone)]
 pub struct End {
     condition: EndCondition,
+    body: Body,
     /// +1 at the left end, -1 at the right: the way into the bar.
     pub inward: f64,
     /// Velocity of the bar there at the start, for the absorbing end.
@@ -60,10 +90,20 @@ pub struct End {
 }
 
 impl End {
-    pub fn new(condition: EndCondition, inward: f64, rest: f64) -> Self {
+    /// At an end of a bar that moves there with `rest` (m/s).
+    pub fn new(condition: EndCondition, inward: f64, rest: f64, medium: &Medium) -> Self {
         let gap = if let EndCondition::Wall { gap } = condition { gap } else { 0.0 };
+        let (area, impedance) = (medium.area, medium.impedance());
+        let body = match condition {
+            EndCondition::Striker { mass, velocity } => {
+                Body::Striker(Striker::new(mass, velocity, inward, area, impedance))
+            }
+            EndCondition::Spring { stiffness } => Body::Spring(Spring::new(stiffness, inward, area, impedance)),
+            _ => Body::None,
+        };
         Self {
             condition,
+            body,
             inward,
             rest,
             gap,
@@ -85,22 +125,76 @@ impl End {
         (self.work + traction * self.velocity * dt, self.impulse + traction * dt)
     }
 
-    /// Brings the account and the gap to t and returns what drives the end from t on. Times up to `tolerance` later
-    /// count as t.
-    pub fn drive(&mut self, t: f64, tolerance: f64) -> Drive {
+    /// Makes the ramps of its history into steps of `step` times `level` (Pa; velocities by the elastic impedance), and
+    /// lets a body at the end take steps of that kind. Waves weaker than `hold` (Pa) are held back elsewhere.
+    pub fn set_steps(&mut self, step: f64, level: f64, hold: f64, impedance: f64) {
+        match &mut self.condition {
+            EndCondition::Velocity { history, .. } => *history = stepped(history, step * level / impedance),
+            EndCondition::Stress { history } => *history = stepped(history, step * level),
+            _ => {}
+        }
+        match &mut self.body {
+            Body::Striker(striker) => striker.pace.set(step, level, hold),
+            Body::Spring(spring) => spring.pace.set(step, level, hold),
+            Body::None => {}
+        }
+    }
+
+    /// Brings the account and the gap to t. Times up to `tolerance` later count as t.
+    pub fn bring_to(&mut self, t: f64, tolerance: f64) {
         (self.work, self.impulse) = self.account(t);
+        let dt = t - self.since;
         if !self.held {
-            self.gap += self.inward * self.velocity * (t - self.since);
+            self.gap += self.inward * self.velocity * dt;
+        }
+        match &mut self.body {
+            Body::Striker(striker) => striker.bring_to(t, dt, self.stress, self.velocity, tolerance),
+            Body::Spring(spring) => spring.bring_to(t, dt, self.stress, self.velocity, tolerance),
+            Body::None => {}
         }
         self.since = t;
-        let at = t + tolerance;
+    }
+
+    /// Waves weaker than this (Pa) do not break the step of a body at the end.
+    pub fn passing(&self) -> f64 {
+        match &self.body {
+            Body::Striker(striker) => striker.pace.passing(),
+            Body::Spring(spring) => spring.pace.passing(),
+            Body::None => 0.0,
+        }
+    }
+
+    /// How long the next step of a body at the end should be, s, if there is to be one: `bar` is what has come near.
+    pub fn wish(&mut self, bar: &Point, impedance: f64) -> Option<f64> {
+        let change = (bar.stress - self.stress).abs().max((bar.velocity - self.velocity).abs() * impedance);
+        match &mut self.body {
+            Body::Striker(striker) => striker.wish(bar, change),
+            Body::Spring(spring) => spring.wish(bar, change),
+            Body::None => None,
+        }
+    }
+
+    /// What drives the end from now on, where it has been brought; a body is to take a step of `step` (s), none: to go on
+    /// with the present one. Times up to `tolerance` later count as now.
+    pub fn drive(&mut self, bar: &Point, step: Option<f64>, tolerance: f64) -> Drive {
+        let at = self.since + tolerance;
+        match (&mut self.body, step) {
+            (Body::Striker(striker), _) if !striker.touches() => return Drive::Stress(0.0),
+            (Body::None, _) => {}
+            (_, None) => return Drive::Pass,
+            (Body::Striker(striker), Some(step)) => return striker.drive(step, bar.stress),
+            (Body::Spring(spring), Some(step)) => return spring.drive(step, bar.velocity),
+        }
         match &self.condition {
             EndCondition::Velocity { release: Some(release), .. } if *release <= at => Drive::Stress(0.0),
             EndCondition::Velocity { history, .. } => Drive::Velocity(history.at(at)),
             EndCondition::Stress { history } => Drive::Stress(history.at(at)),
             EndCondition::Free => Drive::Stress(0.0),
             EndCondition::Fixed => Drive::Velocity(0.0),
-            EndCondition::Absorbing => Drive::Elastic(self.rest),
+            // Striker and spring have answered above.
+            EndCondition::Absorbing | EndCondition::Striker { .. } | EndCondition::Spring { .. } => {
+                Drive::Elastic(self.rest)
+            }
             EndCondition::Wall { .. } => {
                 if self.closes <= at || self.gap <= 0.0 {
                     self.gap = 0.0;
@@ -122,6 +216,11 @@ impl End {
         } else {
             f64::INFINITY
         };
+        match &mut self.body {
+            Body::Striker(striker) => striker.settle(t, stress, velocity, held, round_off),
+            Body::Spring(spring) => spring.settle(t, stress, velocity, round_off),
+            Body::None => {}
+        }
         (self.stress, self.velocity) = (stress, velocity);
         let same = |last: &EndStep| {
             (last.stress - stress).abs() <= round_off && (last.velocity - velocity).abs() <= round_off / scale
@@ -137,12 +236,17 @@ impl End {
             let next = history.time().partition_point(|&row| row <= t);
             history.time().get(next).copied().unwrap_or(f64::INFINITY)
         };
+        match &self.body {
+            Body::Striker(striker) => return striker.next_time(),
+            Body::Spring(spring) => return spring.next_time(),
+            Body::None => {}
+        }
         match &self.condition {
             EndCondition::Velocity { release: Some(release), .. } if *release <= t => f64::INFINITY,
             EndCondition::Velocity { history, release } => step(history).min(release.unwrap_or(f64::INFINITY)),
             EndCondition::Stress { history } => step(history),
             EndCondition::Wall { .. } => self.closes,
-            EndCondition::Free | EndCondition::Fixed | EndCondition::Absorbing => f64::INFINITY,
+            _ => f64::INFINITY,
         }
     }
 
@@ -155,17 +259,45 @@ impl End {
             EndCondition::Velocity { history, .. } => (0.0, range(history)),
             EndCondition::Stress { history } => (history.extreme().abs(), [self.rest; 2]),
             EndCondition::Fixed | EndCondition::Wall { .. } => (0.0, [0.0; 2]),
+            EndCondition::Striker { velocity, .. } => (0.0, [*velocity; 2]),
+            EndCondition::Spring { .. } => (0.0, [0.0, self.rest]),
             EndCondition::Free | EndCondition::Absorbing => (0.0, [self.rest; 2]),
         }
     }
 
-    /// True where its history has a ramp.
-    pub fn has_ramp(&self) -> bool {
-        let (EndCondition::Velocity { history, .. } | EndCondition::Stress { history }) = &self.condition else {
-            return false;
-        };
-        let (t, v) = (history.time(), history.value());
-        t.windows(2).zip(v.windows(2)).any(|(t, v)| t[1] > t[0] && v[1] != v[0])
+    /// Whether a body moves at the end.
+    pub fn has_body(&self) -> bool {
+        !matches!(self.body, Body::None)
+    }
+
+    /// The striker at time t, if there is one.
+    pub fn striker(&self, t: f64) -> Option<StrikerState> {
+        let Body::Striker(striker) = &self.body else { return None };
+        Some(striker.at(t - self.since, self.stress, self.velocity))
+    }
+
+    /// A striker would have to pull with this stress, Pa.
+    pub fn would_pull(&mut self, stress: f64) {
+        if let Body::Striker(striker) = &mut self.body {
+            striker.would_pull(stress);
+        }
+    }
+
+    /// When a striker touched the end and let go of it.
+    pub fn striker_changes(&self) -> &[JointChange] {
+        if let Body::Striker(striker) = &self.body { striker.changes() } else { &[] }
+    }
+
+    /// Energy of the body at the end at time t, J: of motion for a striker, stored for a spring.
+    pub fn body_energy(&self, t: f64) -> f64 {
+        match &self.body {
+            Body::Striker(striker) => {
+                let state = striker.at(t - self.since, self.stress, self.velocity);
+                0.5 * state.mass * state.velocity * state.velocity
+            }
+            Body::Spring(spring) => spring.energy(t - self.since, self.velocity),
+            Body::None => 0.0,
+        }
     }
 }
 

@@ -6,18 +6,25 @@
 //! No grid, no numerical diffusion: exact for the table, to rounding. This is the graphical method of Bohnenblust
 //! with the bookkeeping of Holden and Risebro (Front Tracking for Hyperbolic Conservation Laws).
 
+mod body;
+mod contact;
 mod end;
 mod list;
+mod pace;
 mod read;
 mod resolve;
 mod sample;
+mod spring;
+mod striker;
 mod sums;
 mod tracking;
 mod trail;
 
+pub use contact::{JointChange, JointState};
 pub use end::{EndRecord, EndStep, stepped};
 pub use read::{Front, Piece, Sample};
 pub use sample::Opening;
+pub use striker::StrikerState;
 pub use sums::Balance;
 pub use tracking::FrontTracking;
 pub use trail::Trail;
@@ -28,27 +35,33 @@ pub struct Settings {
     /// Waves weaker than this, relative to [`FrontTracking::stress_scale`], are held back where they arise, as a
     /// velocity jump at rest, until the next front passes. 0: every wave is sent.
     pub front_tolerance: f64,
+    /// Ramps of an end's history are made into steps of this height, relative to [`FrontTracking::stress_scale`]
+    /// (velocities by the elastic impedance); strikers and springs take steps of like effect. The error goes with its
+    /// square. None: [`RAMP_STEP`], or four times the front tolerance where that is more.
+    pub ramp_step: Option<f64>,
     /// Most events that a run may take.
     pub event_budget: u64,
     /// Keep the trails of fronts that end, for [`FrontTracking::take_trails`].
     pub trails: bool,
 }
 
-impl Default for Settings {
-    fn default() -> Self {
-        Self { front_tolerance: 0.0, event_budget: 10_000_000, trails: false }
+/// Step of ramps where neither it nor a front tolerance is given.
+pub const RAMP_STEP: f64 = 1e-3;
+
+/// A step makes a wave stronger than those that are held back, by this factor: else the whole ramp would be held back.
+const STEP_ABOVE_TOLERANCE: f64 = 4.0;
+
+impl Settings {
+    /// The step of ramps that goes with these settings.
+    pub fn step(&self) -> f64 {
+        self.ramp_step.unwrap_or(RAMP_STEP.max(STEP_ABOVE_TOLERANCE * self.front_tolerance))
     }
 }
 
-/// Why a bar cannot be tracked.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum Unsupported {
-    /// A joint that can open.
-    #[error("front tracking does not yet follow a joint that can open (joint {0}, counted from 1)")]
-    ContactJoint(usize),
-    /// A history with a ramp.
-    #[error("front tracking needs histories in steps; the {0} end's history has a ramp")]
-    Ramp(&'static str),
+impl Default for Settings {
+    fn default() -> Self {
+        Self { front_tolerance: 0.0, ramp_step: None, event_budget: 10_000_000, trails: false }
+    }
 }
 
 /// Why a run stopped before its end.

@@ -15,7 +15,10 @@ impl FrontTracking {
             Some(id) if id == self.end_nodes[1] => self.resolve_end(1, id, x),
             Some(id) => {
                 let prev = self.list.get(id).prev;
-                self.resolve_inside(prev, Some(id), self.list.get(id).right, x);
+                let right = self.list.get(id).right;
+                if !self.resolve_apart(prev, id, right, x) {
+                    self.resolve_inside(prev, Some(id), right, x);
+                }
             }
             None => {
                 let prev = self.list.get(last).prev;
@@ -127,7 +130,7 @@ impl FrontTracking {
     }
 
     /// Puts the fronts sent in -x behind `prev`; the last node before x afterwards.
-    fn send_left(&mut self, prev: u32, x: f64, segment: u32) -> u32 {
+    pub(super) fn send_left(&mut self, prev: u32, x: f64, segment: u32) -> u32 {
         let mut after = prev;
         for k in 0..self.sent_left.len() {
             let Emitted { speed, behind } = self.sent_left[k];
@@ -138,7 +141,7 @@ impl FrontTracking {
     }
 
     /// Puts the fronts sent in +x behind `after`, with `ahead` before them all; the last of them.
-    fn send_right(&mut self, mut after: u32, x: f64, ahead: Point, segment: u32) -> u32 {
+    pub(super) fn send_right(&mut self, mut after: u32, x: f64, ahead: Point, segment: u32) -> u32 {
         for k in (0..self.sent_right.len()).rev() {
             let state = if k == 0 { ahead } else { self.sent_right[k - 1].behind };
             after = self.list.insert(after, node(Kind::Front, x, self.now, self.sent_right[k].speed, state, segment));
@@ -154,7 +157,9 @@ impl FrontTracking {
         } else {
             (self.list.get(prev).right, self.list.get(prev).segment)
         };
-        let drive = self.ends[which].drive(self.now, self.same_time);
+        self.ends[which].bring_to(self.now, self.same_time);
+        let step = self.body_step(which, &bar, segment);
+        let drive = self.ends[which].drive(&bar, step, self.same_time);
         let (behind, held, short) = self.answer_end(which, drive, bar, segment);
         let medium = &self.media[segment as usize];
         let end = &mut self.ends[which];
@@ -184,6 +189,25 @@ impl FrontTracking {
             }
             Drive::Velocity(velocity) => {
                 let (behind, short) = self.answer_driver(which, velocity, 0.0, None, bar, segment);
+                (behind, false, short)
+            }
+            Drive::Pass => {
+                self.sent_left.clear();
+                self.sent_right.clear();
+                (bar, true, false)
+            }
+            Drive::Mass { velocity, compliance } => {
+                let force = (compliance > 0.0).then_some(0.0);
+                let (behind, short) = self.answer_driver(which, velocity, compliance, force, bar, segment);
+                if behind.stress > self.media[segment as usize].round_off {
+                    self.ends[which].would_pull(behind.stress);
+                    let (behind, short) = self.answer_stress(which, 0.0, bar, segment);
+                    return (behind, false, short);
+                }
+                (behind, true, short)
+            }
+            Drive::Spring { force, compliance } => {
+                let (behind, short) = self.answer_driver(which, 0.0, compliance, Some(force), bar, segment);
                 (behind, false, short)
             }
             Drive::Elastic(velocity) => {
@@ -237,7 +261,9 @@ impl FrontTracking {
             (solve(own, driver, &mut self.work), &mut self.work.left, &mut self.sent_left)
         };
         let tau = (path.sense() * star.force / medium.area).min(path.cap());
-        (path.emit(tau, self.ends[which].inward, self.hold, sent), star.capped)
+        // A body's steps are small on purpose.
+        let hold = if self.ends[which].has_body() { 0.0 } else { self.hold };
+        (path.emit(tau, self.ends[which].inward, hold, sent), star.capped)
     }
 }
 

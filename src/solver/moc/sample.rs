@@ -56,7 +56,7 @@ impl FrontTracking {
                 out[k] = left + stretch + strain * (x[k] - from);
                 k += 1;
             }
-            stretch += strain * (to - from) + self.opening(b);
+            stretch += strain * (to - from) + self.opening(b) + self.jump_at(b);
         }
         self.opened.add_up(x, self.bar_length(), out);
     }
@@ -68,13 +68,24 @@ impl FrontTracking {
         steps.iter().zip(until).map(|(step, until)| step.velocity * (until - step.time)).sum()
     }
 
-    /// By how much the place of a node has opened since its states hold, m.
+    /// By how much the place of a node has opened since its states hold, m; a joint that can open keeps an account of its
+    /// own.
     fn opening(&self, node: &Node) -> f64 {
         match node.kind {
+            Kind::Joint if self.contact_at(node).is_some() => 0.0,
             Kind::Contact | Kind::Joint => {
                 (node.right.velocity - self.list.get(node.prev).right.velocity) * (self.now - node.t)
             }
             Kind::Front | Kind::End => 0.0,
+        }
+    }
+
+    /// By how much a joint that can open has opened since the start, m; 0 for all other nodes.
+    fn jump_at(&self, node: &Node) -> f64 {
+        if node.kind == Kind::Joint {
+            self.contact_at(node).map_or(0.0, |contact| contact.jump_at(self.now))
+        } else {
+            0.0
         }
     }
 

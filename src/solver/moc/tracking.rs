@@ -3,11 +3,12 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
+use super::contact::Contact;
 use super::end::End;
 use super::list::{Kind, List, NONE, Node};
 use super::sample::Openings;
-use super::{Settings, Stopped, Trail, Unsupported};
-use crate::bar::{Bar, EndCondition, Joint};
+use super::{Settings, Stopped, Trail};
+use crate::bar::{Bar, EndCondition};
 use crate::law::Table;
 use crate::material::Sense;
 use crate::wave::riemann::{Emitted, Flow, Medium, Point, Side, Workspace, solve};
@@ -50,6 +51,8 @@ pub struct FrontTracking {
     pub(super) media: Vec<Medium>,
     pub(super) ends: [End; 2],
     pub(super) end_nodes: [u32; 2],
+    /// Joints that can open.
+    pub(super) contacts: Vec<Contact>,
     pub(super) list: List,
     queue: BinaryHeap<Reverse<Meeting>>,
     pub(super) now: f64,
@@ -71,30 +74,27 @@ pub struct FrontTracking {
 
 impl FrontTracking {
     /// A bar at t = 0 with its ends; every segment flows as `flow` says.
-    ///
-    /// # Errors
-    /// A joint that can open, or a history with a ramp (see [`super::stepped`]).
-    pub fn new(bar: &Bar, flow: Flow, ends: [EndCondition; 2], settings: Settings) -> Result<Self, Unsupported> {
+    pub fn new(bar: &Bar, flow: Flow, ends: [EndCondition; 2], settings: Settings) -> Self {
         let last = bar.segments.len() - 1;
-        if let Some(k) = bar.segments[..last].iter().position(|s| s.joint != Joint::Bonded) {
-            return Err(Unsupported::ContactJoint(k + 1));
-        }
-        let [left, right] = ends;
-        let ends = [End::new(left, 1.0, bar.segments[0].velocity), End::new(right, -1.0, bar.segments[last].velocity)];
-        for (end, name) in ends.iter().zip(["left", "right"]) {
-            if end.has_ramp() {
-                return Err(Unsupported::Ramp(name));
-            }
-        }
         let mut media: Vec<Medium> = bar.segments.iter().map(|s| medium(s, flow)).collect();
+        let [left, right] = ends;
+        let mut ends = [
+            End::new(left, 1.0, bar.segments[0].velocity, &media[0]),
+            End::new(right, -1.0, bar.segments[last].velocity, &media[last]),
+        ];
         let stress_scale = stress_scale(bar, &media, &ends);
         for medium in &mut media {
             medium.round_off = SAME_STRESS * stress_scale;
+        }
+        let hold = settings.front_tolerance * stress_scale;
+        for (end, medium) in ends.iter_mut().zip([&media[0], &media[last]]) {
+            end.set_steps(settings.step(), stress_scale, hold, medium.impedance());
         }
         let mut tracking = Self {
             media,
             ends,
             end_nodes: [0, 0],
+            contacts: Contact::all(bar),
             list: List::default(),
             queue: BinaryHeap::new(),
             now: 0.0,
@@ -103,7 +103,7 @@ impl FrontTracking {
             same_place: SAME_POINT * bar.length(),
             same_time: SAME_POINT * bar.transit_time(),
             stress_scale,
-            hold: settings.front_tolerance * stress_scale,
+            hold,
             fronts: 0,
             concentrated: 0.0,
             opened: Openings::default(),
@@ -113,7 +113,7 @@ impl FrontTracking {
             sent_right: Vec::new(),
         };
         tracking.lay_out(bar);
-        Ok(tracking)
+        tracking
     }
 
     /// Ends and joints in their places, and what they send at t = 0.
@@ -140,8 +140,8 @@ impl FrontTracking {
     pub fn advance_to(&mut self, until: f64) -> Result<(), Stopped> {
         loop {
             let meeting = self.next_meeting();
-            let own: [f64; 2] = std::array::from_fn(|k| self.ends[k].next_time(self.now + self.same_time));
-            let time = meeting.map_or(f64::INFINITY, |m| m.time).min(own[0]).min(own[1]);
+            let (own, id) = self.next_own();
+            let time = meeting.map_or(f64::INFINITY, |m| m.time).min(own);
             if time > until + self.same_time {
                 self.now = self.now.max(until);
                 return Ok(());
@@ -153,12 +153,22 @@ impl FrontTracking {
             self.now = self.now.max(time);
             match meeting {
                 Some(m) if m.time <= time => self.meet(m)?,
-                _ => {
-                    let k = usize::from(own[1] <= time);
-                    self.gather(self.end_nodes[k], self.end_nodes[k], self.list.get(self.end_nodes[k]).x)?;
-                }
+                _ => self.gather(id, id, self.list.get(id).x)?,
             }
         }
+    }
+
+    /// When an end or a joint next does something of its own accord, s, and its node.
+    fn next_own(&self) -> (f64, u32) {
+        let after = self.now + self.same_time;
+        let [left, right] = self.ends.each_ref().map(|end| end.next_time(after));
+        let mut first = if right < left { (right, self.end_nodes[1]) } else { (left, self.end_nodes[0]) };
+        for contact in &self.contacts {
+            if contact.closes < first.0 {
+                first = (contact.closes, contact.node);
+            }
+        }
+        first
     }
 
     /// The next meeting that still holds, left in the queue.

@@ -7,6 +7,9 @@
 
 use super::medium::{Flow, Lines, Medium, Point};
 
+/// Relative rounding of a stress that has been a force: of a product and a quotient.
+const CAP_ROUNDING: f64 = 4.0 * f64::EPSILON;
+
 /// One knot of a path.
 #[derive(Debug, Clone, Copy)]
 struct Knot {
@@ -205,13 +208,16 @@ impl Path {
     }
 
     /// Velocity change, m/s, of the wave that brings `sense * stress` to tau; 0 for tau at or below the start,
-    /// infinite past [`Path::cap`].
+    /// infinite past [`Path::cap`]. A tau past it by rounding is at it: two points on one level line may differ by that.
     pub fn velocity(&mut self, tau: f64) -> f64 {
+        let cap = self.cap();
+        let rounding = self.round_off.max(CAP_ROUNDING * cap.abs());
+        let tau = if tau <= cap + rounding { tau.min(cap) } else { tau };
         let first = self.knots[0];
         if tau <= first.tau {
             return 0.0;
         }
-        if tau > self.cap() {
+        if tau > cap {
             return f64::INFINITY;
         }
         let i = self.knots.partition_point(|k| k.tau < tau).max(1) - 1;

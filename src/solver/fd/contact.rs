@@ -1,0 +1,112 @@
+//! Joints that carry no tension, on the staggered grid: the node at the joint is split in two faces, each with half a
+//! cell's mass.
+//!
+//! A step takes the faces on as free ones. Where the right one would end up to the left of the left one, a push between
+//! them takes both to one place at the end of the step; they never pull each other. Momentum is exchanged exactly. Faces
+//! that meet lose the energy of their relative motion, which is of the first order in the cell size: it is booked.
+
+use crate::bar::{Bar, Joint};
+
+/// One face: half a cell's mass at the end of a segment.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Face {
+    /// Velocity half a step before and after the current time, m/s.
+    pub before: f64,
+    pub after: f64,
+    /// kg.
+    pub mass: f64,
+    /// m^2.
+    pub area: f64,
+}
+
+impl Face {
+    fn advance(&mut self, impulse: f64) {
+        self.before = self.after;
+        self.after += impulse / self.mass;
+    }
+}
+
+/// A joint that can open.
+#[derive(Debug, Clone)]
+pub(super) struct Contact {
+    /// The edge between blocks in whose place it stands, and the segment to its left.
+    pub edge: usize,
+    pub segment: usize,
+    pub left: Face,
+    pub right: Face,
+    start: f64,
+    /// Distance of the faces a step ahead of the current time, m: as far as the velocities take them.
+    gap: f64,
+    /// Force between the faces, N, never tensile.
+    force: f64,
+    /// Lost by faces that met, J.
+    pub lost: f64,
+}
+
+/// A joint that can open, as it is at a moment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ContactState {
+    /// Between segments `joint` and `joint + 1`, counted from 0.
+    pub joint: usize,
+    /// Force between the faces, N, <= 0.
+    pub force: f64,
+    /// Distance of the faces, m, >= 0.
+    pub gap: f64,
+}
+
+impl Contact {
+    /// At the joint behind `segment`, in place of `edge`; its faces have half of these cell masses (kg) and velocities.
+    pub fn new(bar: &Bar, segment: usize, edge: usize, [left_mass, right_mass]: [f64; 2]) -> Option<Self> {
+        let Joint::Contact { gap } = bar.segments[segment].joint else { return None };
+        let face = |k: usize, cell_mass: f64| {
+            let (velocity, area) = (bar.segments[k].velocity, bar.segments[k].area);
+            Face { before: velocity, after: velocity, mass: 0.5 * cell_mass, area }
+        };
+        Some(Self {
+            edge,
+            segment,
+            left: face(segment, left_mass),
+            right: face(segment + 1, right_mass),
+            start: gap,
+            gap,
+            force: 0.0,
+            lost: 0.0,
+        })
+    }
+
+    /// Takes the faces from half a step before the current time to half a step after it; `sigma` are the stresses in
+    /// the cells to their left and right.
+    pub fn advance(&mut self, sigma: [f64; 2], dt: f64) {
+        let [left, right] = [-self.left.area * sigma[0], self.right.area * sigma[1]];
+        let apart = (self.right.after + dt * right / self.right.mass) - (self.left.after + dt * left / self.left.mass);
+        let softness = dt * (1.0 / self.left.mass + 1.0 / self.right.mass);
+        let needed = (self.gap / dt + apart) / softness;
+        // As at a wall: faces that part have pushed for the first half of the step.
+        let force = if needed < 0.0 { needed } else { 0.5 * self.held_force() };
+        let opening = self.right.after - self.left.after;
+        self.lost += 0.5 * dt * (self.force + force) * opening;
+        self.force = force;
+        self.left.advance(dt * (left + force));
+        self.right.advance(dt * (right - force));
+        self.gap = (self.gap + dt * (self.right.after - self.left.after)).max(0.0);
+    }
+
+    /// The force of a step in which the faces were held together, N, else 0.
+    fn held_force(&self) -> f64 {
+        if self.gap == 0.0 { self.force } else { 0.0 }
+    }
+
+    /// Displacement of the right face against the left one at the current time, m.
+    pub fn jump(&self, dt: f64) -> f64 {
+        self.gap_now(dt) - self.start
+    }
+
+    fn gap_now(&self, dt: f64) -> f64 {
+        (self.gap - dt * (self.right.after - self.left.after)).max(0.0)
+    }
+
+    /// As it is at the current time.
+    pub fn state(&self, dt: f64) -> ContactState {
+        ContactState { joint: self.segment, force: self.force, gap: self.gap_now(dt) }
+    }
+}

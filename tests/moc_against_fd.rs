@@ -35,8 +35,7 @@ impl Case {
         let bar = self.bar();
         let until = self.transits * bar.transit_time();
         let effects = Effects { unloading: Some(self.unloading) };
-        let mut tracked = FrontTracking::new(&bar, flow(&effects), self.ends.clone(), Settings::default())
-            .unwrap_or_else(|e| panic!("{}: {e}", self.name));
+        let mut tracked = FrontTracking::new(&bar, flow(&effects), self.ends.clone(), Settings::default());
         let mut grid = common::leapfrog(self.segments.clone(), self.ends.clone(), Some(self.unloading), cells, 1.0);
         let (x, mut exact) = (grid.grid().centres(), Vec::new());
         let (mut missed, mut total) = (0.0, 0.0);

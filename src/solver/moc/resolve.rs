@@ -142,8 +142,9 @@ impl FrontTracking {
         let (path_left, path_right) = (&mut self.work.left, &mut self.work.right);
         let mut behind_left = path_left.emit(tau(path_left), -1.0, &mut self.sent_left);
         let mut behind_right = path_right.emit(tau(path_right), 1.0, &mut self.sent_right);
-        // Rounding travels with a front instead of staying behind as a step at rest that the next wave meets.
-        if inside && !star.capped {
+        // Rounding travels with a front instead of staying behind as a step at rest that the next wave meets. (A step
+        // in velocity stays where a curve is level, or so nearly level that the wave's stress is rounding.)
+        if inside && same_motion(&behind_left, &behind_right, a, REST) {
             if let Some(inner) = self.sent_right.last_mut() {
                 (behind_right.stress, behind_right.velocity) = (behind_left.stress, behind_left.velocity);
                 inner.behind = behind_right;

@@ -54,6 +54,11 @@ impl History {
         self.time[0] == 0.0 && self.value.iter().all(|&v| v == self.value[0])
     }
 
+    /// True where the value changes but not at once.
+    pub fn has_ramp(&self) -> bool {
+        self.time.windows(2).zip(self.value.windows(2)).any(|(t, v)| t[1] > t[0] && v[1] != v[0])
+    }
+
     /// The value just after `t`: at a jump, the value behind it.
     pub fn at(&self, t: f64) -> f64 {
         let next = self.time.partition_point(|&row| row <= t);

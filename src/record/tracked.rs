@@ -55,7 +55,7 @@ impl View for FrontTracking {
             kinetic: now.kinetic,
             elastic: now.elastic,
             plastic: now.plastic,
-            viscous: 0.0,
+            viscous: now.thinned,
             concentrated: now.concentrated,
             momentum: now.momentum,
             work: now.work,

@@ -2,6 +2,7 @@
 //! have in common; how they go on in time is in `stepped` (grids) and `tracked` (fronts).
 
 mod breaks;
+mod companion;
 mod stepped;
 mod tracked;
 

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use super::breaks::Breaks;
-use super::{Book, Findings, Progress, Wish};
+use super::{Book, Findings, Progress, Wish, companion};
 use crate::assemble;
 use crate::error::{Error, Result, RunError};
 use crate::record::{
@@ -205,14 +205,20 @@ impl<'a> Run<'a> {
     fn stopped(&self, why: &Stopped) -> Error {
         match *why {
             Stopped::EventBudget { time, events, fronts } => {
-                let tolerance = tolerance_for_budget(self.settings.front_tolerance);
+                let help = companion::tolerance_that_carries(self.book.scene, self.settings).map_or_else(
+                    || "no front-tolerance up to 0.5 carries it through: raise event-budget in [solve]".to_owned(),
+                    |tolerance| {
+                        format!(
+                            "front-tolerance = {tolerance:.1e} in [solve] carries it through within as many events \
+                             (tried); or raise event-budget"
+                        )
+                    },
+                );
                 RunError {
                     reason: format!("front tracking used all of its {events} events, with {fronts} fronts under way"),
                     time,
                     x: None,
-                    help: format!(
-                        "front-tolerance = {tolerance:e} in [solve] should carry it through; or raise event-budget"
-                    ),
+                    help,
                 }
             }
             Stopped::NotANumber { time, x } => RunError {
@@ -267,6 +273,7 @@ impl<'a> Run<'a> {
     /// How far the stresses may be off.
     fn error_figure(&self) -> Option<ErrorFigure> {
         record::tracked_against_similarity(&self.book.scene.bar, &self.bar, &self.book.launches)
+            .or_else(|| companion::error_figure(self.book.scene, self.settings, &self.bar))
     }
 
     fn audit(&self) -> Vec<AuditRow> {
@@ -296,11 +303,6 @@ impl<'a> Run<'a> {
             striker: strikers[k],
         })
     }
-}
-
-/// A front tolerance with which a run is likely to stay within its events.
-fn tolerance_for_budget(present: f64) -> f64 {
-    (10.0 * present).clamp(1e-3, 0.5)
 }
 
 /// Centres of `count` equal parts of the bar, m.

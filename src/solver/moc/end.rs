@@ -125,6 +125,14 @@ impl End {
         (self.work + traction * self.velocity * dt, self.impulse + traction * dt)
     }
 
+    /// True where its history has a ramp, or a body moves with it.
+    pub fn needs_steps(&self) -> bool {
+        match &self.condition {
+            EndCondition::Velocity { history, .. } | EndCondition::Stress { history } => history.has_ramp(),
+            _ => !matches!(self.body, Body::None),
+        }
+    }
+
     /// Makes the ramps of its history into steps of `step` times `level` (Pa; velocities by the elastic impedance), and
     /// lets a body at the end take steps of that kind.
     pub fn set_steps(&mut self, step: f64, level: f64, impedance: f64) {

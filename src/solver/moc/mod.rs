@@ -7,6 +7,7 @@
 //! with the bookkeeping of Holden and Risebro (Front Tracking for Hyperbolic Conservation Laws).
 
 mod body;
+mod compare;
 mod contact;
 mod end;
 mod list;
@@ -33,12 +34,13 @@ pub use trail::Trail;
 /// How a front-tracking run is carried out.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
-    /// Waves weaker than this, relative to [`FrontTracking::stress_scale`], are held back where they arise, as a
-    /// velocity jump at rest, until the next front passes. 0: every wave is sent.
+    /// How much waves may be thinned out, >= 0: neighbouring waves of one kind become one where that changes the solution
+    /// by less than about the square of this times [`FrontTracking::stress_scale`] times the length. Momentum and
+    /// displacement are kept; the error of the stress is of about this order. 0: every wave is kept.
     pub front_tolerance: f64,
     /// Ramps of an end's history are made into steps of this height, relative to [`FrontTracking::stress_scale`]
     /// (velocities by the elastic impedance); strikers and springs take steps of like effect. The error goes with its
-    /// square. None: [`RAMP_STEP`], or four times the front tolerance where that is more.
+    /// square. None: [`RAMP_STEP`], or the front tolerance where that is more.
     pub ramp_step: Option<f64>,
     /// Most events that a run may take.
     pub event_budget: u64,
@@ -49,13 +51,10 @@ pub struct Settings {
 /// Step of ramps where neither it nor a front tolerance is given.
 pub const RAMP_STEP: f64 = 1e-3;
 
-/// A step makes a wave stronger than those that are held back, by this factor: else the whole ramp would be held back.
-const STEP_ABOVE_TOLERANCE: f64 = 4.0;
-
 impl Settings {
     /// The step of ramps that goes with these settings.
     pub fn step(&self) -> f64 {
-        self.ramp_step.unwrap_or(RAMP_STEP.max(STEP_ABOVE_TOLERANCE * self.front_tolerance))
+        self.ramp_step.unwrap_or(RAMP_STEP.max(self.front_tolerance))
     }
 }
 

@@ -57,11 +57,6 @@ impl FrontTracking {
         self.events
     }
 
-    /// What thinning changed, Pa m, and the energy it took, J.
-    pub fn thinning(&self) -> (f64, f64) {
-        (self.thinning.changed, self.thinning.energy)
-    }
-
     /// The stress to which tolerances are relative, Pa: the largest imposed one, or the one at which the largest
     /// difference of the velocities imposed and initial meets a bar that was never loaded.
     pub fn stress_scale(&self) -> f64 {

@@ -50,6 +50,9 @@ impl FrontTracking {
                 fixed = Some(id);
             }
             self.keep_trail(&node);
+            if node.kind == Kind::Front && self.thinning.is_on() {
+                self.thinning.energy += self.unbooked(&node);
+            }
             if id == last {
                 break;
             }

@@ -14,6 +14,8 @@ pub struct Balance {
     pub plastic: f64,
     /// Work taken at single points where a level curve keeps the velocities apart.
     pub concentrated: f64,
+    /// Energy that the thinning of waves has taken: the spread of what it averages.
+    pub thinned: f64,
     /// Momentum, positive in +x.
     pub momentum: f64,
     /// Work done on the bar through its ends, left and right, by the stress there and the velocity of the bar's own edge.
@@ -25,14 +27,14 @@ pub struct Balance {
 impl Balance {
     /// All energy in the bar, and all that it took.
     pub fn total(&self) -> f64 {
-        self.kinetic + self.elastic + self.plastic + self.concentrated
+        self.kinetic + self.elastic + self.plastic + self.concentrated + self.thinned
     }
 }
 
 impl FrontTracking {
     /// Energies, momentum and what came in through the ends, now.
     pub fn balance(&self) -> Balance {
-        let mut sum = Balance { concentrated: self.concentrated, ..Balance::default() };
+        let mut sum = Balance { concentrated: self.concentrated, thinned: self.thinned_energy(), ..Balance::default() };
         for piece in self.pieces() {
             let medium = self.medium(piece.segment);
             let volume = medium.area * (piece.to - piece.from);

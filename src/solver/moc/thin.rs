@@ -12,7 +12,7 @@
 //! velocity that stay behind at thousands of contacts add up to more than the signal, even if each is tiny.
 
 use super::FrontTracking;
-use super::list::{Kind, NONE};
+use super::list::{Kind, NONE, Node};
 use super::resolve::{REST, same_motion};
 use crate::wave::riemann::{Flow, Medium, Path, Point};
 
@@ -42,8 +42,8 @@ const EVENTS_A_NODE: u64 = 8;
 pub struct Thinning {
     /// Largest integral of |change| of one merge, Pa m; 0: nothing is thinned.
     allowance: f64,
-    /// Sum of all of them, Pa m.
-    pub changed: f64,
+    /// Steps that were made one with another.
+    pub merges: u64,
     /// Energy taken, J.
     pub energy: f64,
     /// For each segment: stress over E times plastic strain where the loading curve reaches the stress scale.
@@ -88,9 +88,14 @@ impl Thinning {
         }
     }
 
+    /// Whether there is a tolerance.
+    pub fn is_on(&self) -> bool {
+        self.allowance > 0.0
+    }
+
     /// Whether so many nodes and events call for a passage.
     pub fn is_due(&self, nodes: usize, events: u64) -> bool {
-        self.allowance > 0.0 && (nodes > self.due_at_nodes || events > self.due_at_events)
+        self.is_on() && (nodes > self.due_at_nodes || events > self.due_at_events)
     }
 }
 
@@ -189,6 +194,7 @@ impl FrontTracking {
             if node.kind == Kind::Front && (room.gone[i] || changed) {
                 // Its trail ends here, and another one goes on.
                 self.keep_trail(&node);
+                self.thinning.energy += self.unbooked(&node);
                 let node = self.list.get_mut(room.ids[i]);
                 (node.x, node.t) = (room.x[i], self.now);
             }
@@ -205,6 +211,28 @@ impl FrontTracking {
                 self.schedule(room.ids[i]);
             }
         }
+    }
+}
+
+impl FrontTracking {
+    /// Energy that a front has taken since its start and that the work behind it does not show, J. The mean of two waves
+    /// has their mean work, but the work of a jump goes with the square of its height.
+    pub(super) fn unbooked(&self, node: &Node) -> f64 {
+        let (left, right) = (self.list.get(node.prev).right, node.right);
+        let (ahead, behind) = if node.speed > 0.0 { (right, left) } else { (left, right) };
+        let medium = &self.media[node.segment as usize];
+        let flow = (behind.plastic - ahead.plastic) / medium.modulus;
+        let taken = 0.5 * (ahead.stress + behind.stress) * flow - (behind.work - ahead.work);
+        taken * medium.area * node.speed.abs() * (self.now - node.t)
+    }
+
+    /// Energy that thinning has taken so far, J.
+    pub(super) fn thinned_energy(&self) -> f64 {
+        if !self.thinning.is_on() {
+            return 0.0;
+        }
+        let fronts = self.list.iter().filter(|n| n.kind == Kind::Front);
+        self.thinning.energy + fronts.map(|n| self.unbooked(n)).sum::<f64>()
     }
 }
 
@@ -259,7 +287,7 @@ impl Thinning {
                 if !room.lift([a, b], &height, medium, change > TRIFLE * self.allowance) {
                     break;
                 }
-                self.changed += change;
+                self.merges += 1;
                 room.new.truncate(room.new.len() - 2);
                 room.new.push(Step { first: a.first, last: b.last, length, height });
                 room.gone[b.first] = true;

@@ -70,6 +70,8 @@ pub struct FrontTracking {
     pub(super) fronts: usize,
     pub(super) concentrated: f64,
     pub(super) thinning: Thinning,
+    /// A ramp was made into steps, or a body moves in steps.
+    pub(super) in_steps: bool,
     pub(super) opened: Openings,
     /// Trails of fronts that ended; none where they are not asked for.
     pub(super) trails: Option<Vec<Trail>>,
@@ -93,6 +95,7 @@ impl FrontTracking {
             medium.round_off = SAME_STRESS * stress_scale;
         }
         let thinning = Thinning::new(settings.front_tolerance, &media, stress_scale, bar.length());
+        let in_steps = ends.iter().any(End::needs_steps);
         for (end, medium) in ends.iter_mut().zip([&media[0], &media[last]]) {
             end.set_steps(settings.step(), stress_scale, medium.impedance());
         }
@@ -112,6 +115,7 @@ impl FrontTracking {
             fronts: 0,
             concentrated: 0.0,
             thinning,
+            in_steps,
             opened: Openings::default(),
             trails: settings.trails.then(Vec::new),
             work: Workspace::default(),

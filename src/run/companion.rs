@@ -22,7 +22,7 @@ const MEASURE: &str = "relative L1 of stress over the bar at the end time";
 /// How far the stresses of a finished run may be off. None where the companion does not get to the end.
 pub(super) fn error_figure(scene: &Scene, settings: Settings, run: &FrontTracking) -> Option<ErrorFigure> {
     if run.is_exact() {
-        let reference = "exact solution for the curve's table: no wave was merged, so it is this one, to rounding";
+        let reference = "exact solution for the curve's table: nothing was merged";
         return Some(ErrorFigure { value: 0.0, measure: MEASURE.into(), reference: reference.into() });
     }
     let coarser = Settings {
@@ -37,10 +37,7 @@ pub(super) fn error_figure(scene: &Scene, settings: Settings, run: &FrontTrackin
     // A companion that merged just what the run did tells nothing; the sum of all merges is too much, but no less.
     let apart = if apart > 0.0 { SAFETY * apart } else { run.merged() };
     let value = if total > 0.0 { apart / total } else { 0.0 };
-    let reference = format!(
-        "estimate: {SAFETY} times the difference from a run with front-tolerance {:.1e}",
-        coarser.front_tolerance
-    );
+    let reference = format!("run with front-tolerance {:.1e}, times {SAFETY}: an estimate", coarser.front_tolerance);
     Some(ErrorFigure { value, measure: MEASURE.into(), reference })
 }
 

@@ -4,14 +4,7 @@
 use crate::assemble;
 use crate::record::ErrorFigure;
 use crate::scene::Scene;
-use crate::solver::moc::{FrontTracking, Settings};
-
-/// The companion's tolerance, over the run's.
-const COARSER: f64 = 3.0;
-
-/// The figure, over the difference of the two runs. If errors fell in proportion to the tolerance the difference would
-/// be twice the error. They fall faster or slower by chance: over ten long bars the figure was 1.4 to 14 times the error.
-const SAFETY: f64 = 3.0;
+use crate::solver::moc::{COARSER, FrontTracking, SAFETY, Settings};
 
 /// Tolerances that are tried when a run used up its events: the first one, and the factor to the next.
 const FIRST_TRIED: f64 = 1e-3;
@@ -33,10 +26,7 @@ pub(super) fn error_figure(scene: &Scene, settings: Settings, run: &FrontTrackin
     };
     let mut companion = assemble::front_tracking(scene, coarser);
     companion.advance_to(run.time()).ok()?;
-    let (apart, total) = run.stress_difference(&companion);
-    // A companion that merged just what the run did tells nothing; the sum of all merges is too much, but no less.
-    let apart = if apart > 0.0 { SAFETY * apart } else { run.merged() };
-    let value = if total > 0.0 { apart / total } else { 0.0 };
+    let value = run.error_figure(&companion);
     let reference = format!("run with front-tolerance {:.1e}, times {SAFETY}: an estimate", coarser.front_tolerance);
     Some(ErrorFigure { value, measure: MEASURE.into(), reference })
 }

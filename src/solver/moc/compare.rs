@@ -2,7 +2,24 @@
 
 use super::FrontTracking;
 
+/// The companion's tolerance, over the run's.
+pub const COARSER: f64 = 3.0;
+
+/// The figure, over the difference of the two runs. If errors fell in proportion to the tolerance the difference would
+/// be twice the error. They fall faster or slower by chance: `docs/front-tolerance.md` has measurements.
+pub const SAFETY: f64 = 3.0;
+
 impl FrontTracking {
+    /// How far the stresses of this run may be off now: an estimate of the integral over x of |error of stress| over that
+    /// of |stress|, >= 0, from a run of the same bar up to the same time with [`COARSER`] times the front tolerance. It is
+    /// [`SAFETY`] times their difference; where both are the same, all that was merged.
+    pub fn error_figure(&self, coarser: &Self) -> f64 {
+        let (apart, total) = self.stress_difference(coarser);
+        // A companion that merged just what the run did tells nothing; the sum of all merges is too much, but no less.
+        let apart = if apart > 0.0 { SAFETY * apart } else { self.merged() };
+        if total > 0.0 { apart / total } else { 0.0 }
+    }
+
     /// Integral over x of |difference of stress| from another run of the same bar, and of this run's |stress|, Pa m: exact
     /// sums over the constant pieces of both.
     pub fn stress_difference(&self, other: &Self) -> (f64, f64) {

@@ -22,6 +22,7 @@ mod thin;
 mod tracking;
 mod trail;
 
+pub use compare::{COARSER, SAFETY};
 pub use contact::{JointChange, JointState};
 pub use end::{EndRecord, EndStep, stepped};
 pub use read::{Front, Piece, Sample};

@@ -135,7 +135,12 @@ impl FrontTracking {
     ) -> (Point, Point, bool) {
         let (a, b) = (&self.media[left_segment as usize], &self.media[right_segment as usize]);
         let inside = left_segment == right_segment;
-        if inside && same_motion(&left, &right, a, REST) {
+        let at_rest = if inside {
+            same_motion(&left, &right, a, REST)
+        } else {
+            self.thinning.is_on() && in_balance(a, &left, b, &right)
+        };
+        if at_rest {
             self.sent_left.clear();
             self.sent_right.clear();
             return (left, right, false);
@@ -268,7 +273,8 @@ impl FrontTracking {
         path.fill(medium, &bar, sense);
         let tau = sense * stress;
         let short = tau > path.cap() + medium.round_off;
-        (path.emit(tau.min(path.cap()), self.ends[which].inward, sent), short)
+        let behind = path.emit(tau.min(path.cap()), self.ends[which].inward, sent);
+        (self.unless_at_rest(which, behind, bar, segment), short)
     }
 
     /// A driver that moves with `velocity` at `force` (none: at the bar's own force) and gives way by `compliance`.
@@ -291,8 +297,26 @@ impl FrontTracking {
             (solve(own, driver, &mut self.work), &mut self.work.left, &mut self.sent_left)
         };
         let tau = (path.sense() * star.force / medium.area).min(path.cap());
-        (path.emit(tau, self.ends[which].inward, sent), star.capped)
+        let behind = path.emit(tau, self.ends[which].inward, sent);
+        (self.unless_at_rest(which, behind, bar, segment), star.capped)
     }
+
+    /// The state behind an end's wave; with a front tolerance, a wave of a few roundings is not sent (see [`REST`]).
+    fn unless_at_rest(&mut self, which: usize, behind: Point, bar: Point, segment: u32) -> Point {
+        if !self.thinning.is_on() || !same_motion(&behind, &bar, &self.media[segment as usize], REST) {
+            return behind;
+        }
+        let sent = if which == 0 { &mut self.sent_right } else { &mut self.sent_left };
+        sent.clear();
+        bar
+    }
+}
+
+/// Whether two faces of a joint have one force and one velocity, to a few roundings (see [`REST`]).
+fn in_balance(a: &Medium, left: &Point, b: &Medium, right: &Point) -> bool {
+    let round_off = REST * a.round_off.min(b.round_off);
+    (a.area * left.stress - b.area * right.stress).abs() <= round_off * a.area.min(b.area)
+        && (left.velocity - right.velocity).abs() * a.impedance().max(b.impedance()) <= round_off
 }
 
 /// Whether two points have one stress and one velocity, to `times` the rounding.

@@ -29,7 +29,7 @@ const TRIFLE: f64 = 0.1;
 /// Speeds closer than this part of the elastic wave speed are one speed.
 const SAME_SPEED: f64 = 1e-9;
 
-/// Below this many nodes nothing is thinned: a passage costs more than the events that it could save.
+/// Below this many nodes thinning waits for events: a passage costs more than the few events that it could save.
 const FEWEST: usize = 64;
 
 /// Thinning is due after a growth by this part, by `LEAST_GROWTH` nodes at the least, and after this many events a node.
@@ -83,7 +83,7 @@ impl Thinning {
             allowance: ALLOWANCE * tolerance * tolerance * stress_scale * length,
             secant: media.iter().map(|m| secant(m, stress_scale)).collect(),
             due_at_nodes: FEWEST,
-            due_at_events: u64::MAX,
+            due_at_events: EVENTS_A_NODE * FEWEST as u64,
             ..Self::default()
         }
     }

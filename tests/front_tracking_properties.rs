@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use barwave::bar::{Bar, EndCondition, History, Joint, Segment};
 use barwave::material::{Beyond, Curve, Material};
-use barwave::solver::moc::{FrontTracking, Settings};
+use barwave::solver::moc::{FrontTracking, Piece, Settings};
 use barwave::wave::riemann::Flow;
 use proptest::prelude::*;
 use proptest::test_runner::TestCaseResult;
@@ -120,10 +120,15 @@ fn follow(bar: &Bar, flow: Flow, ends: [EndCondition; 2], front_tolerance: f64) 
         // Fronts nearer than 1e-13 of the bar are taken as one, with a tolerance 1e-8 of it; a few hundred events, few of
         // which shift anything.
         let exact = front_tolerance == 0.0;
-        let bound = if exact { 1e-10 } else { 1e-5 * front_tolerance };
-        prop_assert!(impulse.abs() < bound * momentum_scale, "momentum {impulse:e} {sum:?}");
+        let bound = if exact { 1e-11 } else { 1e-5 * front_tolerance };
+        prop_assert!(impulse.abs() < 10.0 * bound * momentum_scale, "momentum {impulse:e} {sum:?}");
         let energy = sum.total() - start.total() - sum.work[0] - sum.work[1];
-        prop_assert!(energy.abs() < bound * energy_scale, "energy {energy:e} {sum:?}");
+        // What is lost where nodes are taken as one goes with the density of energy there, which is large where a curve is
+        // all but level.
+        let densest =
+            |piece: Piece| tracked.medium(piece.segment).area * tracked.medium(piece.segment).energy(piece.point);
+        energy_scale = tracked.pieces().map(|piece| length * densest(piece)).fold(energy_scale, f64::max);
+        prop_assert!(energy.abs() < 10.0 * bound * energy_scale, "energy {energy:e} {sum:?}");
         // Kinematic hardening stores energy and gives it back, the path-independent law all of it: only the plastic work of
         // isotropic hardening is dissipation.
         if exact && flow == (Flow::Plastic { kinematic: 0.0 }) {

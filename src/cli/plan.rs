@@ -84,18 +84,16 @@ fn work_lines(work: &Work, units: System) -> Vec<(&'static str, String)> {
         .into_iter()
         .chain(net.iter().flat_map(net_lines))
         .collect(),
-        Work::Fronts { front_tolerance, held_back, first_fronts, lines, event_budget, bytes_per_front, longest_s } => {
+        Work::Fronts { front_tolerance, stress_scale, first_fronts, lines, event_budget, bytes_per_front, longest_s } => {
             vec![
                 ("fronts", std::format!("{first_fronts} after t = 0; the curve has {lines} straight pieces")),
                 (
                     "front tolerance",
                     if front_tolerance == 0.0 {
-                        "0: every wave is sent, however weak; the result is exact for the table".into()
+                        "0: every wave is kept, however weak; the result is exact for the table".into()
                     } else {
-                        let stress = format(held_back, Dimension::Stress, units);
-                        std::format!(
-                            "{front_tolerance}: waves below {stress} are held back until the next front passes"
-                        )
+                        let stress = format(stress_scale, Dimension::Stress, units);
+                        std::format!("{front_tolerance} of {stress}: closer and weaker waves of one kind become one")
                     },
                 ),
                 (

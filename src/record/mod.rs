@@ -128,10 +128,11 @@ pub struct LedgerRow {
     pub elastic: f64,
     /// Energy dissipated in plastic flow since the start.
     pub plastic: f64,
-    /// Energy taken since the start by the scheme's damping of grid-scale ripples; 0 in an elastic run.
+    /// Energy taken since the start by the method itself: the damping of grid-scale ripples, the thinning of fronts; 0 in
+    /// an elastic run.
     pub viscous: f64,
-    /// Energy taken since the start at single points where velocities differ: where a level curve lets no strain leave,
-    /// or front tracking holds a weak wave back; 0 on a grid.
+    /// Energy taken since the start at single points where velocities differ, because a level curve lets no strain leave; on a
+    /// grid by faces that meet.
     pub concentrated: f64,
     /// Work done on the bar by the left end since the start.
     pub work_left: f64,

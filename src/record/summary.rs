@@ -60,7 +60,7 @@ pub struct Summary {
 /// What front tracking says of itself. The keys stand beside those of [`Summary`].
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct TrackingSummary {
-    /// Waves weaker than this part of `stress_scale` were held back.
+    /// How much waves may be thinned out, relative to `stress_scale`.
     pub front_tolerance: f64,
     /// Largest stress that the scene's data can reach.
     #[serde(rename = "stress_scale_Pa")]

@@ -15,7 +15,7 @@ const MEASURE: &str = "relative L1 of stress over the bar at the end time";
 /// How far the stresses of a finished run may be off. None where the companion does not get to the end.
 pub(super) fn error_figure(scene: &Scene, settings: Settings, run: &FrontTracking) -> Option<ErrorFigure> {
     if run.is_exact() {
-        let reference = "exact solution for the curve's table: no wave was merged, so it is this one, to rounding";
+        let reference = "exact solution for the curve's table: nothing was merged";
         return Some(ErrorFigure { value: 0.0, measure: MEASURE.into(), reference: reference.into() });
     }
     let coarser = Settings {
@@ -27,10 +27,7 @@ pub(super) fn error_figure(scene: &Scene, settings: Settings, run: &FrontTrackin
     let mut companion = assemble::front_tracking(scene, coarser);
     companion.advance_to(run.time()).ok()?;
     let value = run.error_figure(&companion);
-    let reference = format!(
-        "estimate: {SAFETY} times the difference from a run with front-tolerance {:.1e}",
-        coarser.front_tolerance
-    );
+    let reference = format!("run with front-tolerance {:.1e}, times {SAFETY}: an estimate", coarser.front_tolerance);
     Some(ErrorFigure { value, measure: MEASURE.into(), reference })
 }
 

@@ -112,7 +112,8 @@ pub enum Method {
     },
     /// The method of characteristics: fronts followed one by one, no grid.
     FrontTracking {
-        /// Waves weaker than this part of the largest stress that the scene's data can reach are held back, 0 <= and < 1.
+        /// How much waves may be thinned out, relative to the largest stress that the scene's data can reach, 0 <= and < 1;
+        /// 0 keeps them all.
         front_tolerance: f64,
         /// Most events that the run may take, >= 1.
         event_budget: u64,

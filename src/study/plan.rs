@@ -68,9 +68,9 @@ pub enum Work {
     Fronts {
         /// Of the largest stress that the scene's data can reach.
         front_tolerance: f64,
-        /// The same in Pa: weaker waves are held back.
-        #[serde(rename = "held_back_Pa")]
-        held_back: f64,
+        /// That stress.
+        #[serde(rename = "stress_scale_Pa")]
+        stress_scale: f64,
         /// Fronts under way after t = 0.
         first_fronts: usize,
         /// Straight pieces of the curve with the most of them.
@@ -191,7 +191,7 @@ fn front_work(scene: &Scene, front_tolerance: f64, event_budget: u64) -> Work {
     let lines = |s| table(s, Sense::Tension).max(table(s, Sense::Compression));
     Work::Fronts {
         front_tolerance,
-        held_back: front_tolerance * start.stress_scale(),
+        stress_scale: start.stress_scale(),
         first_fronts: start.front_count(),
         lines: scene.bar.segments.iter().map(lines).max().unwrap_or(0),
         event_budget,

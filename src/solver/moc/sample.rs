@@ -44,7 +44,7 @@ impl FrontTracking {
 
     /// Displacement at every place of `x` (m, increasing), m: that of the left end, which is the integral of its exact
     /// steps, and the strain summed up exactly over the constant pieces, with what velocity jumps at rest have opened: a
-    /// joint, a point of a level curve, a wave held back.
+    /// joint, a point of a level curve.
     pub fn displacements(&self, x: &[f64], out: &mut [f64]) {
         let left = self.end_displacement(0);
         let (mut stretch, mut k) = (0.0, 0);
@@ -102,7 +102,7 @@ impl FrontTracking {
     }
 
     /// Places at rest inside the bar whose two sides move apart or into each other: points of a level curve where strain
-    /// gathers, and waves held back.
+    /// gathers.
     pub fn openings(&self) -> impl Iterator<Item = Opening> + '_ {
         self.list.iter().filter(|n| matches!(n.kind, Kind::Contact | Kind::Joint)).filter_map(|node| {
             let left = self.list.get(node.prev);

@@ -175,7 +175,7 @@ impl FrontTracking {
             // Speeds that differ by rounding are out of order in x.
             room.kind[first..last].sort_unstable_by_key(|k| k.1);
             while first < last {
-                let next = if across { last } else { first + room.neighbours(&room.kind[first..last]) };
+                let next = if across { last } else { first + neighbours(&room.kind[first..last]) };
                 if next - first > 2 {
                     room.collect(first, next);
                     self.thinning.merge(room, &self.media[segment], segment);
@@ -237,11 +237,6 @@ impl FrontTracking {
 }
 
 impl Room {
-    /// How many of these nodes, from the first on, are neighbours in x.
-    fn neighbours(&self, kind: &[(f64, usize)]) -> usize {
-        1 + kind.windows(2).take_while(|pair| pair[1].1 == pair[0].1 + 1).count()
-    }
-
     /// The steps between the nodes `kind[from..to]`, all of one kind.
     fn collect(&mut self, from: usize, to: usize) {
         self.old.clear();
@@ -304,6 +299,11 @@ impl Thinning {
         let stress = (a.stress - b.stress).abs().max((a.velocity - b.velocity).abs() * medium.impedance());
         stress.max(history * self.secant[segment])
     }
+}
+
+/// How many of these nodes, from the first on, are neighbours in x.
+fn neighbours(kind: &[(f64, usize)]) -> usize {
+    1 + kind.windows(2).take_while(|pair| pair[1].1 == pair[0].1 + 1).count()
 }
 
 /// Stress over E times plastic strain where the loading curve reaches `stress`, at its largest where it never does; 0

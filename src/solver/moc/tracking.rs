@@ -215,10 +215,12 @@ impl FrontTracking {
         }
         let mut id = first;
         while id != NONE {
-            if self.list.get(id).speed == 0.0 {
-                x = self.list.get(id).x;
+            let node = self.list.get(id);
+            if node.speed == 0.0 {
+                x = node.x;
             }
-            id = if id == last { NONE } else { self.list.get(id).next };
+            // An end or a joint stays where it is.
+            id = if id == last || matches!(node.kind, Kind::End | Kind::Joint) { NONE } else { node.next };
         }
         if !x.is_finite() {
             return Err(Stopped::NotANumber { time: self.now, x });

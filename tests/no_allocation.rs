@@ -2,15 +2,19 @@
 #![allow(unsafe_code, reason = "a global allocator that counts")]
 
 mod common;
+#[path = "common/long_bars.rs"]
+mod long_bars;
 #[path = "common/net.rs"]
 mod net;
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
-use barwave::bar::EndCondition;
+use barwave::bar::{Bar, EndCondition, History};
 use barwave::scene::Unloading;
 use barwave::solver::fd::{Leapfrog, Quantity};
+use barwave::solver::moc::{FrontTracking, Settings, Stopped};
+use barwave::wave::riemann::Flow;
 
 /// The system's allocator with a count of calls on each thread, since tests run side by side.
 struct Counting;
@@ -116,4 +120,55 @@ fn only_yielded_blocks_carry_state() {
     let mut bar = struck(20.0, Some(Unloading::Isotropic));
     common::advance(&mut bar, 100);
     assert_eq!(bar.state_bytes(), 8 * 2 * 512);
+}
+
+/// Nodes, free places, meetings, steps of the ends, and what thinning works with are kept in 17 lists, which double when
+/// they are full. Seven doublings of each are a warm run of some hundred fronts that grows to the largest there is here.
+const DOUBLINGS: usize = 17 * 7;
+
+/// Follows a tracked bar to `warm`, and from there to `until` (s) or to the end of its events; few allocations for many
+/// events are asked for.
+#[track_caller]
+fn assert_none_for_an_event(mut bar: FrontTracking, warm: f64, until: f64, name: &str) {
+    bar.advance_to(warm).expect("few events");
+    let (calls, events) = (CALLS.with(Cell::get), bar.events());
+    if let Err(stopped) = bar.advance_to(until) {
+        assert!(matches!(stopped, Stopped::EventBudget { .. }), "{name}: {stopped}");
+    }
+    let (calls, events) = (CALLS.with(Cell::get) - calls, bar.events() - events);
+    println!("{name}: {calls} allocations, {events} events");
+    assert!(calls <= DOUBLINGS && events > 40 * DOUBLINGS as u64, "{name}: {calls} allocations, {events} events");
+}
+
+fn tracked(ends: [EndCondition; 2], front_tolerance: f64) -> (FrontTracking, f64) {
+    let bar = Bar { segments: vec![common::segment(common::power_law_table(6), 1.0)], area_given: true };
+    let settings = Settings { front_tolerance, event_budget: 200_000, ..Settings::default() };
+    let flow = Flow::Plastic { kinematic: 0.0 };
+    (FrontTracking::new(&bar, flow, ends, settings), bar.transit_time())
+}
+
+#[test]
+fn thinned_front_tracking_allocates_nothing_for_an_event() {
+    for case in long_bars::cases().into_iter().take(4) {
+        let settings = Settings { front_tolerance: 1e-2, event_budget: 400_000, ..Settings::default() };
+        let bar = FrontTracking::new(&case.bar, case.flow, case.ends.clone(), settings);
+        assert_none_for_an_event(bar, 0.1 * case.until(), case.until(), case.name);
+    }
+}
+
+#[test]
+fn exact_front_tracking_allocates_nothing_for_an_event() {
+    let pulled = EndCondition::Velocity { history: History::constant(-20.0), release: Some(5e-5) };
+    let (bar, transit) = tracked([pulled, EndCondition::Free], 0.0);
+    assert_none_for_an_event(bar, 2.0 * transit, 1000.0 * transit, "exact");
+}
+
+#[test]
+fn bodies_at_the_ends_allocate_nothing_for_an_event() {
+    let striker = EndCondition::Striker { mass: 4.0 * common::DENSITY, velocity: 20.0 };
+    let (bar, transit) = tracked([striker, EndCondition::Fixed], 1e-3);
+    assert_none_for_an_event(bar, transit, 3.0 * transit, "striker");
+    let spring = EndCondition::Spring { stiffness: common::MODULUS };
+    let (bar, transit) = tracked([spring, common::moved(-20.0)], 1e-3);
+    assert_none_for_an_event(bar, transit, 3.0 * transit, "spring");
 }

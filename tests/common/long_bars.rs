@@ -1,4 +1,5 @@
 //! Ten bars in which waves multiply: fans that meet reflections, unloading, steps in area, other materials.
+#![allow(dead_code, reason = "every test file takes what it needs")]
 
 use std::sync::Arc;
 

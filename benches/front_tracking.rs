@@ -1,0 +1,78 @@
+//! Front tracking: time of stepping, for a run and for an event. Nothing is asserted: times depend on the machine.
+//! `cargo bench --bench front_tracking` runs it.
+
+use std::path::Path;
+use std::time::Instant;
+
+use barwave::assemble;
+use barwave::run;
+use barwave::scene::Scene;
+use barwave::solver::moc::{FrontTracking, Settings};
+
+const RUNS: usize = 7;
+
+/// A steel bar of 1 m whose left end is pulled, with a power law of so many knots above yield.
+fn steel(knots: usize, velocity: f64, release: &str, until: f64) -> Scene {
+    let knot = |k: usize| {
+        let ratio = 50.0_f64.powf(k as f64 / (knots - 1) as f64);
+        [0.001 * ratio, 200e6 * ratio.powf(0.2)]
+    };
+    let table: Vec<[f64; 2]> = (0..knots).map(knot).collect();
+    // The bilinear benchmark has its own second line.
+    let table = if knots == 2 { vec![[0.001, 200e6], [0.05, 1180e6]] } else { table };
+    let text = format!(
+        "[bar]\nlength = 1\n[bar.material]\nname = \"bench\"\ndensity = 7800\nmodulus = 200e9\nbeyond = \"extend\"\n\
+         curve = {{ table = {table:?} }}\n[left]\nkind = \"velocity\"\nvalue = {velocity:?}\n{release}\n[right]\n\
+         kind = \"free\"\n[effects]\nunloading = \"isotropic\"\n[solve]\nuntil = {until:e}\nmethod = \"moc\"\n"
+    );
+    Scene::parse("bench", &text, Path::new("."), &[]).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Shortest time of some runs, s, and the bar of the last.
+fn shortest(scene: &Scene, settings: Settings) -> (f64, FrontTracking) {
+    let run = || {
+        let start = Instant::now();
+        let mut bar = assemble::front_tracking(scene, settings);
+        bar.advance_to(scene.solve.until).unwrap_or_else(|stopped| panic!("{stopped}"));
+        (start.elapsed().as_secs_f64(), bar)
+    };
+    let runs = (0..RUNS).map(|_| run());
+    runs.min_by(|a, b| a.0.total_cmp(&b.0)).expect("there are runs")
+}
+
+fn line(name: &str, scene: &Scene, front_tolerance: f64, trails: bool) -> f64 {
+    let settings = Settings { front_tolerance, event_budget: 100_000_000, trails, ..Settings::default() };
+    let (seconds, bar) = shortest(scene, settings);
+    let an_event = 1e9 * seconds / bar.events().max(1) as f64;
+    println!("{name:<46}{front_tolerance:>10.0e}{:>10}{:>14.1}{an_event:>12.0}", bar.events(), 1e6 * seconds);
+    seconds
+}
+
+fn main() {
+    // `cargo test --benches` only wants to know that this starts.
+    if !std::env::args().any(|argument| argument == "--bench") {
+        return;
+    }
+    println!("shortest of {RUNS} runs");
+    println!("{:<46}{:>10}{:>10}{:>14}{:>12}", "bar", "tolerance", "events", "us", "ns an event");
+    line("P2, bilinear, to 0.8 L/c0", &steel(2, 20.0, "", 1.58e-4), 0.0, false);
+    line("P3, 60 knots, to 0.8 L/c0", &steel(60, 20.0, "", 1.58e-4), 0.0, false);
+    // Ten transits of 197 us; let go after one.
+    let let_go = steel(10, -30.0, "release = 2e-4", 1.97e-3);
+    for tolerance in [1e-2, 3e-3, 1e-3] {
+        line("10 knots, pulled and let go, ten transits", &let_go, tolerance, false);
+    }
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("runs/copper-let-go.toml");
+    let copper = Scene::read(&file, &[]).unwrap_or_else(|error| panic!("{error}"));
+    let plain = line("copper-let-go, ten transits", &copper, 1e-3, false);
+    let trails = line("copper-let-go, with trails kept", &copper, 1e-3, true);
+    let start = Instant::now();
+    run::run(&copper, None, &mut |_| run::Wish::GoOn).unwrap_or_else(|error| panic!("{error}"));
+    let whole = start.elapsed().as_secs_f64();
+    println!(
+        "copper-let-go as `barwave run` without a file, with its companion: {:.0} us; {:.0} % of it stepping, {:.0} % trails",
+        1e6 * whole,
+        100.0 * plain / whole,
+        100.0 * (trails - plain) / whole
+    );
+}

@@ -7,7 +7,7 @@ pub const COARSER: f64 = 3.0;
 
 /// The figure, over the difference of the two runs. If errors fell in proportion to the tolerance the difference would
 /// be twice the error. They fall faster or slower by chance: `docs/front-tolerance.md` has measurements.
-pub const SAFETY: f64 = 3.0;
+pub const SAFETY: f64 = 2.5;
 
 impl FrontTracking {
     /// How far the stresses of this run may be off now: an estimate of the integral over x of |error of stress| over that

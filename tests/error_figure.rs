@@ -1,4 +1,4 @@
-//! The error figure of front tracking, three times the difference from a run with three times the tolerance, against the
+//! The error figure of front tracking, a safety factor times the difference from a run with three times the tolerance, against the
 //! true error: the difference from a run with a hundredth of the tolerance.
 
 #[path = "common/long_bars.rs"]

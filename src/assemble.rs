@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use crate::bar::Segment;
 use crate::law::rate::{Overstress, RateLaw};
+use crate::law::rupture::{Criteria, Criterion};
 use crate::law::{
     Backbone, CellLaw, Envelope, Indexed, Isotropic, Mixed, PathIndependent, RowLaw, Rows, Searched, Table, TwoSided,
 };
@@ -18,12 +19,31 @@ use crate::wave::riemann::Flow;
 pub fn leapfrog(scene: &Scene, cells: usize, cfl: f64) -> Leapfrog {
     let grid = Grid::new(&scene.bar, cells, cfl);
     let laws = scene.bar.segments.iter().map(|s| segment_law(s, &scene.effects)).collect();
-    Leapfrog::new(&scene.bar, grid, laws, [scene.left.clone(), scene.right.clone()])
+    let bar = Leapfrog::new(&scene.bar, grid, laws, [scene.left.clone(), scene.right.clone()]);
+    match criteria(scene) {
+        Some(criteria) => bar.that_breaks(criteria),
+        None => bar,
+    }
+}
+
+/// When the bar of a scene breaks, if it is to.
+pub fn criteria(scene: &Scene) -> Option<Criteria> {
+    let rupture = scene.effects.rupture.as_ref()?;
+    let criterion = |(segment, &notch): (&Segment, &f64)| {
+        let material = &segment.material;
+        let own = || material.branch(Sense::Tension).ultimate().map_or(f64::INFINITY, |u| u.strain);
+        Criterion::new(rupture.cause, rupture.threshold.unwrap_or_else(own), material.modulus, notch)
+    };
+    Some(Criteria {
+        segments: scene.bar.segments.iter().zip(&rupture.notches).map(criterion).collect(),
+        joints: rupture.joint_notches.clone(),
+    })
 }
 
 /// The tracked bar of a scene at t = 0.
 pub fn front_tracking(scene: &Scene, settings: Settings) -> FrontTracking {
-    FrontTracking::new(&scene.bar, flow(&scene.effects), [scene.left.clone(), scene.right.clone()], settings)
+    let ends = [scene.left.clone(), scene.right.clone()];
+    FrontTracking::that_breaks(&scene.bar, flow(&scene.effects), ends, settings, criteria(scene))
 }
 
 /// The characteristic net of a rate-dependent scene at t = 0, about `cells` cells.

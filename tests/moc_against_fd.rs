@@ -34,7 +34,7 @@ impl Case {
     fn difference(&self, cells: usize) -> f64 {
         let bar = self.bar();
         let until = self.transits * bar.transit_time();
-        let effects = Effects { unloading: Some(self.unloading), rate: None };
+        let effects = Effects { unloading: Some(self.unloading), ..Effects::default() };
         let mut tracked = FrontTracking::new(&bar, flow(&effects), self.ends.clone(), Settings::default());
         let mut grid = common::leapfrog(self.segments.clone(), self.ends.clone(), Some(self.unloading), cells, 1.0);
         let (x, mut exact) = (grid.grid().centres(), Vec::new());

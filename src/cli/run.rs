@@ -9,7 +9,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::output;
 use crate::error::{Error, InputError, Result};
-use crate::record::{EndSummary, FrontSummary, Summary};
+use crate::record::{EndSummary, FrontSummary, RuptureSummary, Summary};
 use crate::run::{self, Progress, Wish};
 use crate::scene::Scene;
 use crate::units::{Dimension, System, format};
@@ -162,6 +162,9 @@ fn text(s: &Summary, units: System) -> String {
         },
     );
     line("critical velocity", critical);
+    for r in s.ruptures.iter().flatten() {
+        line("rupture", rupture_text(r, units));
+    }
     line(
         "ledger",
         std::format!(
@@ -182,6 +185,19 @@ fn text(s: &Summary, units: System) -> String {
     lines.extend(front_lines(&s.fronts, units));
     lines.extend(s.audit.iter().map(|row| std::format!("  note: {}", row.message)));
     lines.join("\n") + "\n"
+}
+
+fn rupture_text(r: &RuptureSummary, units: System) -> String {
+    std::format!(
+        "{} ({}) at t = {}, x = {}: stress {}, strain {}, {} absorbed there",
+        r.cause.name(),
+        r.site,
+        format(r.time_s, Dimension::Time, units),
+        format(r.x_m, Dimension::Length, units),
+        format(r.stress, Dimension::Stress, units),
+        format(r.strain, Dimension::None, units),
+        format(r.absorbed, Dimension::EnergyDensity, units)
+    )
 }
 
 fn end_text(end: &EndSummary, units: System) -> String {

@@ -13,6 +13,7 @@ mod elastic;
 mod path_independent;
 mod plastic;
 pub mod rate;
+pub mod rupture;
 
 pub use backbone::{Backbone, Envelope, Indexed, Line, Searched, Table, TwoSided};
 pub use elastic::elastic_row;

@@ -43,6 +43,7 @@ impl Ledger {
             plastic: now.plastic,
             viscous: now.viscous,
             concentrated: now.concentrated,
+            fracture: now.fracture,
             work_left: left,
             work_right: right,
             momentum: now.momentum,

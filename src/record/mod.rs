@@ -24,7 +24,9 @@ pub use frames::{Frames, read_frame};
 pub use fronts::FrontTracker;
 pub use ledger::Ledger;
 pub use step_gauges::StepGauges;
-pub use summary::{ElasticCheck, EndSummary, ErrorFigure, FrontSummary, LedgerSummary, Summary, TrackingSummary};
+pub use summary::{
+    ElasticCheck, EndSummary, ErrorFigure, FrontSummary, LedgerSummary, RuptureSummary, Summary, TrackingSummary,
+};
 pub use traces::Traces;
 pub use tracked::EndHistories;
 pub use tracked_fronts::{INTERIOR, Paths, TrackedFronts};
@@ -134,6 +136,10 @@ pub struct LedgerRow {
     /// Energy taken since the start at single points where velocities differ, because a level curve lets no strain leave; on a
     /// grid by faces that meet.
     pub concentrated: f64,
+    /// Energy taken since the start by ruptures. That a bar parts takes none, since its tension falls at once, and what it
+    /// absorbed before is plastic work: it is what broken faces lose that meet again, on a grid of the first order in the
+    /// cell size; by front tracking 0.
+    pub fracture: f64,
     /// Work done on the bar by the left end since the start.
     pub work_left: f64,
     /// Work done on the bar by the right end since the start.

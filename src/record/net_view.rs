@@ -45,6 +45,7 @@ impl View for Net {
             plastic: now.plastic,
             viscous: now.viscous,
             concentrated: now.concentrated,
+            fracture: 0.0,
             momentum: now.momentum,
             work: self.work(),
             impulse: self.impulse(),

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::AuditRow;
+use crate::law::rupture::{Cause, Rupture};
 
 /// What `barwave run` says of a run. The keys are the contract's.
 #[derive(Debug, Clone, Serialize)]
@@ -51,6 +52,9 @@ pub struct Summary {
     pub ledger: LedgerSummary,
     /// Error against a reference, where there is one.
     pub error: Option<ErrorFigure>,
+    /// Where and when the bar broke; left out where it was not to break.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ruptures: Option<Vec<RuptureSummary>>,
     /// Neglected effects.
     pub audit: Vec<AuditRow>,
     /// Result file.
@@ -85,6 +89,45 @@ pub struct EndSummary {
     /// Velocity of the striker there, m/s; left out where there is none.
     #[serde(rename = "striker_velocity_m_s", skip_serializing_if = "Option::is_none")]
     pub striker: Option<f64>,
+}
+
+/// A rupture in the summary.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RuptureSummary {
+    /// "left end", "right end", "joint 1", ..., "segment 1", ...
+    pub site: String,
+    /// What it broke of.
+    pub cause: Cause,
+    /// When.
+    pub time_s: f64,
+    /// Where in the undeformed bar.
+    pub x_m: f64,
+    /// Stress there as it broke.
+    #[serde(rename = "stress_Pa")]
+    pub stress: f64,
+    /// Nominal strain there.
+    pub strain: f64,
+    /// Energy that had been absorbed there per volume.
+    #[serde(rename = "absorbed_J_m3")]
+    pub absorbed: f64,
+    /// Strain energy and plastic work of the whole bar just then (per m^2 where the scene gives no area).
+    #[serde(rename = "bar_absorbed_J")]
+    pub bar_absorbed: f64,
+}
+
+impl From<&Rupture> for RuptureSummary {
+    fn from(rupture: &Rupture) -> Self {
+        Self {
+            site: rupture.site.to_string(),
+            cause: rupture.cause,
+            time_s: rupture.time,
+            x_m: rupture.x,
+            stress: rupture.stress,
+            strain: rupture.strain,
+            absorbed: rupture.absorbed,
+            bar_absorbed: rupture.bar_absorbed,
+        }
+    }
 }
 
 /// A front in the summary.

@@ -1,6 +1,7 @@
 //! What the recorders read of a front-tracking bar.
 
 use super::{Account, EndState, Field, Start, Trace, View};
+use crate::law::rupture::Rupture;
 use crate::solver::moc::{EndStep, FrontTracking, Piece};
 use crate::wave::riemann::{Medium, Point};
 
@@ -37,6 +38,10 @@ impl View for FrontTracking {
         [0, 1].map(|which| self.striker(which).map(|striker| striker.velocity))
     }
 
+    fn ruptures(&self) -> &[Rupture] {
+        self.ruptures()
+    }
+
     fn start(&self) -> Start {
         let mut start = Start::default();
         for piece in self.pieces() {
@@ -57,6 +62,7 @@ impl View for FrontTracking {
             plastic: now.plastic,
             viscous: now.thinned,
             concentrated: now.concentrated,
+            fracture: 0.0,
             momentum: now.momentum,
             work: now.work,
             impulse: now.impulse,

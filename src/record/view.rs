@@ -2,6 +2,7 @@
 //! equal steps on a grid.
 
 use super::Field;
+use crate::law::rupture::Rupture;
 use crate::solver::fd::{Grid, Leapfrog, Passed, Quantity, Sampling};
 
 /// A simulated bar at its current time.
@@ -21,6 +22,11 @@ pub trait View {
     /// Velocity of the striker at the left and the right end, m/s; none where there is none.
     fn strikers(&self) -> [Option<f64>; 2] {
         [None; 2]
+    }
+
+    /// Where and when the bar broke so far, in order of time.
+    fn ruptures(&self) -> &[Rupture] {
+        &[]
     }
 
     /// What the bar started with; asked for once, before the first step.
@@ -93,6 +99,8 @@ pub struct Account {
     pub viscous: f64,
     /// Taken at single points where velocities differ.
     pub concentrated: f64,
+    /// Taken by ruptures.
+    pub fracture: f64,
     /// Momentum, positive in +x.
     pub momentum: f64,
     /// Work of the left and the right end.
@@ -106,7 +114,7 @@ pub struct Account {
 impl Account {
     /// All energy in the bar, dissipated included.
     pub fn total(&self) -> f64 {
-        self.kinetic + self.elastic + self.plastic + self.viscous + self.concentrated
+        self.kinetic + self.elastic + self.plastic + self.viscous + self.concentrated + self.fracture
     }
 }
 
@@ -137,6 +145,10 @@ impl View for Leapfrog {
         [self.left(), self.right()].map(|device| device.striker().map(|(velocity, _)| velocity))
     }
 
+    fn ruptures(&self) -> &[Rupture] {
+        self.ruptures()
+    }
+
     fn start(&self) -> Start {
         let initial = self.initial();
         Start { kinetic: initial.kinetic, momentum: initial.momentum, mass: self.mass() }
@@ -150,6 +162,7 @@ impl View for Leapfrog {
             plastic: now.plastic,
             viscous: now.viscous,
             concentrated: now.concentrated,
+            fracture: now.fracture,
             momentum: now.momentum,
             work: [left.work(), right.work()],
             impulse: [left.impulse(), right.impulse()],

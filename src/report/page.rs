@@ -157,6 +157,7 @@ fn ledger_table(file: &ResultFile, units: Units) -> Result<String> {
         ("dissipated in plastic flow", energy.show(last.plastic)),
         ("taken by overstress or damping", energy.show(last.viscous)),
         ("taken at single points", energy.show(last.concentrated)),
+        ("taken by ruptures", energy.show(last.fracture)),
         ("work of the left end", energy.show(last.work_left)),
         ("work of the right end", energy.show(last.work_right)),
         ("largest energy residual, relative", format!("{residual:.1e}")),

@@ -136,7 +136,7 @@ pub(super) fn ledger(svg: &mut Svg, panel: Area, view: &View, letter: char) -> R
 
 /// All energy in the bar, dissipated included.
 fn total(row: &LedgerRow) -> f64 {
-    row.kinetic + row.elastic + row.plastic + row.viscous + row.concentrated
+    row.kinetic + row.elastic + row.plastic + row.viscous + row.concentrated + row.fracture
 }
 
 /// Speed of every front over the strains that it carries: theory as steps, measurement as rings.

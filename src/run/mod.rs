@@ -12,11 +12,12 @@ use std::time::Instant;
 use crate::assemble;
 use crate::bar::{Launch, launches};
 use crate::error::{Error, Result};
+use crate::law::rupture::{Cause, Rupture};
 use crate::material::Sense;
 use crate::record::store::{Finish, Header, Layout, Side, Writer};
 use crate::record::{
-    AuditRow, ElasticCheck, EndSummary, ErrorFigure, FrontRow, FrontSummary, LedgerSummary, MaterialRecord, Summary,
-    Trace, TrackingSummary, above_critical,
+    AuditRow, ElasticCheck, EndSummary, ErrorFigure, FrontRow, FrontSummary, LedgerSummary, MaterialRecord,
+    RuptureSummary, Summary, Trace, TrackingSummary, View, above_critical,
 };
 use crate::scene::{Effects, Method, Rate, Scene, Unloading};
 use crate::wave::similarity;
@@ -93,6 +94,11 @@ pub fn effect_names(effects: &Effects, plasticity: bool) -> Vec<String> {
         Rate::CowperSymonds { d, q } => format!("rate: cowper-symonds D = {d} 1/s, q = {q}"),
         Rate::JohnsonCook { c, reference } => format!("rate: johnson-cook C = {c}, reference = {reference} 1/s"),
     }));
+    names.extend(effects.rupture.as_ref().map(|rupture| match (rupture.cause, rupture.threshold) {
+        (Cause::Energy, Some(energy)) => format!("rupture: energy = {energy} J/m^3"),
+        (Cause::Spall, Some(stress)) => format!("rupture: spall = {stress} Pa"),
+        (cause, _) => format!("rupture: {}", cause.name()),
+    }));
     names
 }
 
@@ -138,7 +144,16 @@ struct Findings {
     error: Option<ErrorFigure>,
     /// The bar broke after the start.
     ruptured: bool,
+    /// Where and when, if it was to.
+    ruptures: Option<Vec<Rupture>>,
     paths_complete: bool,
+}
+
+impl Findings {
+    /// The bar was to break, and did.
+    fn parted(&self) -> bool {
+        self.ruptures.as_ref().is_some_and(|ruptures| !ruptures.is_empty())
+    }
 }
 
 impl<'a> Book<'a> {
@@ -172,9 +187,14 @@ impl<'a> Book<'a> {
         self.above_critical() && self.scene.effects.rate.is_none()
     }
 
-    /// Notes on impacts above the critical velocity.
-    fn audit(&self) -> Vec<AuditRow> {
-        if self.scene.effects.rate.is_some() {
+    /// The ruptures of a bar, if it was to break.
+    fn ruptures(&self, bar: &impl View) -> Option<Vec<Rupture>> {
+        self.scene.effects.rupture.as_ref().map(|_| bar.ruptures().to_vec())
+    }
+
+    /// Notes on impacts above the critical velocity, for a bar that did not break (`parted`) where it was to.
+    fn audit(&self, parted: bool) -> Vec<AuditRow> {
+        if self.scene.effects.rate.is_some() || parted {
             return Vec::new();
         }
         let row = |launch: &Launch| {
@@ -187,7 +207,7 @@ impl<'a> Book<'a> {
     /// Closes the file, whatever the end was, and sums up.
     fn close(mut self, ended: Result<()>, findings: Findings) -> Result<Summary> {
         let (outcome, reason) = match &ended {
-            Ok(()) if findings.ruptured || self.breaks_at_once() => ("rupture", None),
+            Ok(()) if findings.ruptured || findings.parted() || self.breaks_at_once() => ("rupture", None),
             Ok(()) => ("done", None),
             Err(Error::Interrupted) => ("interrupted", None),
             Err(error @ Error::Run(_)) => ("stopped", Some(error.to_string())),
@@ -205,6 +225,7 @@ impl<'a> Book<'a> {
                 reason,
                 error: findings.error.clone(),
                 paths_complete: findings.paths_complete && ended.is_ok(),
+                ruptures: findings.ruptures.clone(),
             };
             writer.finish(outcome, &findings.fronts, &findings.audit, figures)?;
         }
@@ -240,6 +261,7 @@ impl<'a> Book<'a> {
             elastic_check: findings.elastic_check.filter(|_| findings.elastic),
             ledger: findings.ledger,
             error: findings.error,
+            ruptures: findings.ruptures.map(|all| all.iter().map(RuptureSummary::from).collect()),
             audit: findings.audit,
             output: self.output,
         }

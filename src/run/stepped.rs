@@ -206,15 +206,17 @@ impl<'a, S: Stepped> Run<'a, S> {
             },
             error: self.error(),
             ruptured: self.ruptured(),
+            ruptures: self.book.ruptures(&self.bar),
             paths_complete: false,
         };
         self.book.close(ended, findings)
     }
 
-    /// The self-similar solution knows no strain rate.
+    /// The self-similar solution knows no strain rate, and of no bar that breaks.
     fn error(&self) -> Option<ErrorFigure> {
         let scene = self.book.scene;
-        scene.effects.rate.is_none().then(|| record::against_similarity(&scene.bar, &self.bar, &self.book.launches))?
+        let known = scene.effects.rate.is_none() && self.bar.ruptures().is_empty();
+        known.then(|| record::against_similarity(&scene.bar, &self.bar, &self.book.launches))?
     }
 
     fn ruptured(&self) -> bool {
@@ -229,11 +231,12 @@ impl<'a, S: Stepped> Run<'a, S> {
         let (grid, segments) = (self.bar.grid(), &self.book.scene.bar.segments);
         let x = grid.centres();
         let mut rows: Vec<AuditRow> = self.unloading.as_ref().and_then(|w| w.row(&x, "cells")).into_iter().collect();
-        rows.extend(self.book.audit());
+        let parted = !self.bar.ruptures().is_empty();
+        rows.extend(self.book.audit(parted));
         if let Some(Rate::Malvern { k }) = self.book.scene.effects.rate {
             rows.extend(record::unresolved_flow(k, grid.dt));
         }
-        if let Some((passed, time)) = &self.passed {
+        if let Some((passed, time)) = self.passed.as_ref().filter(|_| !parted) {
             let material = &segments[passed.segment].material;
             rows.push(record::past_data(passed.strain, *time, x[passed.cell], material));
         }

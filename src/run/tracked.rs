@@ -265,6 +265,7 @@ impl<'a> Run<'a> {
             },
             error: self.error_figure(),
             ruptured: self.breaks.ruptured(self.book.scene, &self.bar),
+            ruptures: self.book.ruptures(&self.bar),
             paths_complete: self.paths.complete(),
         };
         self.book.close(ended, findings)
@@ -272,6 +273,9 @@ impl<'a> Run<'a> {
 
     /// How far the stresses may be off.
     fn error_figure(&self) -> Option<ErrorFigure> {
+        if !self.bar.ruptures().is_empty() {
+            return companion::error_figure(self.book.scene, self.settings, &self.bar);
+        }
         record::tracked_against_similarity(&self.book.scene.bar, &self.bar, &self.book.launches)
             .or_else(|| companion::error_figure(self.book.scene, self.settings, &self.bar))
     }
@@ -280,8 +284,11 @@ impl<'a> Run<'a> {
         let segments = &self.book.scene.bar.segments;
         let unloading = self.unloading.as_ref().and_then(|w| w.row(&self.watched, "places"));
         let mut rows: Vec<AuditRow> = unloading.into_iter().collect();
-        rows.extend(self.book.audit());
-        rows.extend(self.breaks.audit(self.book.scene, &self.bar, self.book.above_critical()));
+        let parted = !self.bar.ruptures().is_empty();
+        rows.extend(self.book.audit(parted));
+        if !parted {
+            rows.extend(self.breaks.audit(self.book.scene, &self.bar, self.book.above_critical()));
+        }
         let heated = segments.iter().enumerate().filter_map(|(k, segment)| {
             let plastic = self.bar.pieces().filter(|p| p.segment == k);
             let plastic = plastic.map(|p| p.point.accumulated.max(p.point.plastic.abs())).fold(0.0, f64::max);

@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 use crate::bar::{Bar, EndCondition};
 use crate::error::Result;
 use crate::input::Document;
+use crate::law::rupture::Cause;
 use crate::record::{Compression, Field, Precision};
 
 use overrides::Overrides;
@@ -50,6 +51,21 @@ pub struct Effects {
     pub unloading: Option<Unloading>,
     /// Plastic strain takes time; never without unloading.
     pub rate: Option<Rate>,
+    /// The bar breaks where it can take no more.
+    pub rupture: Option<Rupture>,
+}
+
+/// When the bar breaks, see [`crate::law::rupture`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rupture {
+    /// What it breaks of.
+    pub cause: Cause,
+    /// Energy per volume (J/m^3) or tensile stress (Pa); for the critical strain none, each material has its own.
+    pub threshold: Option<f64>,
+    /// Notch factor of each segment, >= 1.
+    pub notches: Vec<f64>,
+    /// Notch factor of the joint behind each segment, >= 1, on top of those of the segments.
+    pub joint_notches: Vec<f64>,
 }
 
 /// A law of the strain rate, see [`crate::law::rate`].

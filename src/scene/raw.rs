@@ -99,6 +99,14 @@ pub struct RawSegment {
     /// Initial opening of a contact joint, m, >= 0. Default: 0.
     #[schemars(with = "Option<Quantity>")]
     pub gap: Option<Number>,
+    /// With the effect `rupture`: notch factor all over the segment, >= 1; what breaks it is divided by it. Default: 1.
+    #[schemars(with = "Option<f64>")]
+    pub notch: Option<Number>,
+    /// With the effect `rupture`: the same at the joint to the next segment alone (a notch or a poor weld), on top of
+    /// `notch` on both sides. Default: 1.
+    #[serde(rename = "joint-notch")]
+    #[schemars(with = "Option<f64>")]
+    pub joint_notch: Option<Number>,
 }
 
 /// How two segments meet.
@@ -215,6 +223,24 @@ pub struct RawEffects {
     /// on a characteristic net. Default: none, the curve holds at any rate.
     #[schemars(with = "Option<RawRate>")]
     pub rate: Option<Spanned<RawRate>>,
+    /// The bar breaks, and its pieces go on: "critical-strain", `{ energy = "500 ft*lbf/in^3" }` or
+    /// `{ spall = "2 GPa" }`. Default: none, the bar holds for ever.
+    #[schemars(with = "Option<RawRupture>")]
+    pub rupture: Option<Spanned<RawRupture>>,
+}
+
+/// When the bar breaks. Only tension breaks it.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum RawRupture {
+    /// At the nominal strain at the largest engineering stress of the curve, or at the end of data that end in rupture.
+    CriticalStrain,
+    /// Where this energy has been absorbed per volume (all work of strain), J/m^3, > 0.
+    #[schemars(with = "Quantity")]
+    Energy(Number),
+    /// At this tensile stress, Pa, > 0.
+    #[schemars(with = "Quantity")]
+    Spall(Number),
 }
 
 /// A law of the strain rate with its constants: `{ model = "malvern", k = "1e6 1/s" }`,

@@ -59,7 +59,16 @@ fn rows(history: &History) -> Vec<[f64; 2]> {
 }
 
 fn effects(effects: &Effects) -> Value {
-    json!({ "unloading": effects.unloading, "rate": effects.rate })
+    let mut value = json!({ "unloading": effects.unloading, "rate": effects.rate });
+    if let Some(rupture) = &effects.rupture {
+        value["rupture"] = json!({
+            "cause": rupture.cause,
+            "threshold": rupture.threshold,
+            "notches": rupture.notches,
+            "joint_notches": rupture.joint_notches,
+        });
+    }
+    value
 }
 
 fn solve(solve: &Solve) -> Value {

@@ -235,7 +235,7 @@ fn effects(scene: &Scene, launches: &[crate::bar::Launch]) -> Vec<PlannedEffect>
     };
     let mut list = vec![PlannedEffect { effect: "plasticity".into(), on: yields && !linear, why: why.into() }];
     let named = |effects: Effects| run::effect_names(&effects, false).into_iter().next();
-    let unloading = named(Effects { rate: None, ..scene.effects.clone() });
+    let unloading = named(Effects { rate: None, rupture: None, ..scene.effects.clone() });
     list.push(match unloading {
         Some(effect) => PlannedEffect { effect, on: true, why: "the scene asks for it".into() },
         None => PlannedEffect {
@@ -244,12 +244,20 @@ fn effects(scene: &Scene, launches: &[crate::bar::Launch]) -> Vec<PlannedEffect>
             why: "the scene does not ask for it; the run says so if a yielded point unloads".into(),
         },
     });
-    list.push(match named(Effects { unloading: None, ..scene.effects.clone() }) {
+    list.push(match named(Effects { unloading: None, rupture: None, ..scene.effects.clone() }) {
         Some(effect) => PlannedEffect { effect, on: true, why: "the scene asks for it".into() },
         None => PlannedEffect {
             effect: "rate".into(),
             on: false,
             why: "the scene does not ask for it: the curve holds at any strain rate".into(),
+        },
+    });
+    list.push(match named(Effects { unloading: None, rate: None, ..scene.effects.clone() }) {
+        Some(effect) => PlannedEffect { effect, on: true, why: "the scene asks for it".into() },
+        None => PlannedEffect {
+            effect: "rupture".into(),
+            on: false,
+            why: "the scene does not ask for it: the bar holds for ever".into(),
         },
     });
     list

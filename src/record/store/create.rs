@@ -29,7 +29,7 @@ const TIME: [&str; 3] = ["time", "s", "time"];
 const VELOCITY: [&str; 3] = ["velocity", "m/s", "velocity in +x"];
 
 /// Columns of the ledger: name, long name. Energies but for time, the momenta, and the residual.
-pub(super) const LEDGER_COLUMNS: [[&str; 2]; 11] = [
+pub(super) const LEDGER_COLUMNS: [[&str; 2]; 12] = [
     ["time", "time"],
     ["kinetic", "kinetic energy"],
     ["elastic", "recoverable strain energy"],
@@ -39,6 +39,7 @@ pub(super) const LEDGER_COLUMNS: [[&str; 2]; 11] = [
         "energy taken since the start by the overstress of a rate-dependent bar, or by the damping of grid-scale ripples",
     ],
     ["concentrated", "energy taken since the start at single points where velocities differ"],
+    ["fracture", "energy taken since the start by ruptures"],
     ["work_left", "work done by the left end since the start"],
     ["work_right", "work done by the right end since the start"],
     ["momentum", "momentum of the bar in +x"],

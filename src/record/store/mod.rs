@@ -45,6 +45,7 @@ use super::{
     AuditRow, Compression, ErrorFigure, Field, Frame, FrontRow, LedgerRow, MaterialRecord, PathRow, Precision, Trace,
 };
 use crate::error::{Error, Result};
+use crate::law::rupture::Rupture;
 use write::Sink;
 
 /// Version of the file's layout, in the root attribute `format_version`.
@@ -146,6 +147,8 @@ pub struct Finish {
     pub error: Option<ErrorFigure>,
     /// `/paths` has every front up to the end.
     pub paths_complete: bool,
+    /// Where and when the bar broke; none: it was not to break, and the file has no `/ruptures`.
+    pub ruptures: Option<Vec<Rupture>>,
 }
 
 /// The writing end of a result file.

@@ -316,8 +316,9 @@ fn read_ledger(group: &Group) -> Hdf<Vec<LedgerRow>> {
     ];
     let columns = names.iter().map(|name| column(group, name)).collect::<Hdf<Vec<_>>>()?;
     let rows = columns.iter().map(Vec::len).min().unwrap_or(0);
-    // A column that older files lack.
-    let concentrated = column(group, "concentrated")?;
+    // Columns that older files lack.
+    let older = |name: &str| if group.link_exists(name) { column(group, name) } else { Ok(Vec::new()) };
+    let (concentrated, fracture) = (older("concentrated")?, older("fracture")?);
     let row = |i: usize| LedgerRow {
         time: columns[0][i],
         kinetic: columns[1][i],
@@ -325,6 +326,7 @@ fn read_ledger(group: &Group) -> Hdf<Vec<LedgerRow>> {
         plastic: columns[3][i],
         viscous: columns[4][i],
         concentrated: concentrated.get(i).copied().unwrap_or(0.0),
+        fracture: fracture.get(i).copied().unwrap_or(0.0),
         work_left: columns[5][i],
         work_right: columns[6][i],
         momentum: columns[7][i],

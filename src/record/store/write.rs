@@ -10,6 +10,7 @@ use super::create::{END_COLUMNS, GAUGE_COLUMNS, LEDGER_COLUMNS, TRACE_ROWS, buil
 use super::paths::PathTable;
 use super::{Ending, Finish, Header, Layout, Message, Side, scales};
 use crate::error::{Error, Result};
+use crate::law::rupture::Rupture;
 use crate::record::{AuditRow, Frame, FrontRow, LedgerRow, MaterialRecord, Precision, Trace};
 
 type Hdf<T> = hdf5::Result<T>;
@@ -150,6 +151,9 @@ impl Sink {
     fn write_ending(&mut self, ending: &Ending) -> Hdf<()> {
         write_fronts(&self.file, &ending.fronts, &self.gauge_links)?;
         write_audit(&self.file, &ending.audit)?;
+        if let Some(ruptures) = &ending.figures.ruptures {
+            write_ruptures(&self.file, ruptures)?;
+        }
         write_figures(&self.file, &ending.figures)?;
         if let Some(table) = &self.paths {
             table.finish(ending.figures.paths_complete)?;
@@ -283,6 +287,26 @@ fn write_fronts(file: &File, fronts: &[FrontRow], gauges: &[String]) -> Hdf<()> 
     scales::attach(file, &["front"], &["fronts"])
 }
 
+fn write_ruptures(file: &File, ruptures: &[Rupture]) -> Hdf<()> {
+    let number = |name: &str, value: fn(&Rupture) -> f64| Column::number(name, ruptures.iter().map(value).collect());
+    let columns = [
+        Column::text("site", ruptures.iter().map(|r| r.site.to_string()).collect()),
+        Column::text("cause", ruptures.iter().map(|r| r.cause.name().to_owned()).collect()),
+        number("time", |r| r.time),
+        number("x", |r| r.x),
+        number("stress", |r| r.stress),
+        number("strain", |r| r.strain),
+        number("absorbed", |r| r.absorbed),
+        number("bar_absorbed", |r| r.bar_absorbed),
+    ];
+    let table = compound::write(file, "ruptures", &columns, ruptures.len())?;
+    let meaning = "where the bar broke: time s, x m, stress Pa and strain there, energy absorbed there J/m^3 and by the whole \
+                   bar (energy_units)";
+    put_text(&table, "long_name", meaning)?;
+    scales::numbering(file, "rupture", ruptures.len())?;
+    scales::attach(file, &["rupture"], &["ruptures"])
+}
+
 fn write_audit(file: &File, audit: &[AuditRow]) -> Hdf<()> {
     let group = file.create_group("audit")?;
     scales::numbering(&group, "row", audit.len())?;
@@ -320,7 +344,7 @@ fn write_figures(file: &File, figures: &Finish) -> Hdf<()> {
     Ok(())
 }
 
-fn ledger_values(row: &LedgerRow) -> [f64; 11] {
+fn ledger_values(row: &LedgerRow) -> [f64; 12] {
     [
         row.time,
         row.kinetic,
@@ -328,6 +352,7 @@ fn ledger_values(row: &LedgerRow) -> [f64; 11] {
         row.plastic,
         row.viscous,
         row.concentrated,
+        row.fracture,
         row.work_left,
         row.work_right,
         row.momentum,

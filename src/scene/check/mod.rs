@@ -5,6 +5,7 @@ mod csv_history;
 mod ends;
 mod rate;
 mod record;
+mod rupture;
 mod solve;
 
 use std::ops::Range;
@@ -37,7 +38,10 @@ pub(super) fn check(document: &Document, base: &Path) -> Result<Scene> {
                 [right] with kind = \"free\"";
     let left = checker.end(checker.required(raw.left.as_ref(), "left", ends)?, "left", bar.area_given)?;
     let right = checker.end(checker.required(raw.right.as_ref(), "right", ends)?, "right", bar.area_given)?;
-    let effects = checker.effects(&raw.effects, &bar)?;
+    let effects = Effects {
+        rupture: checker.rupture(&raw.effects, raw_bar.get_ref(), &bar)?,
+        ..checker.effects(&raw.effects, &bar)?
+    };
     let until = "add [solve] with until, the end time, e.g. until = \"200 us\"";
     let raw_solve = checker.required(raw.solve.as_ref(), "solve", until)?;
     let solve = checker.solve(raw_solve, &raw.effects)?;
@@ -83,7 +87,7 @@ impl Checker<'_> {
         let rate = raw.rate.as_ref().map(|rate| self.rate(rate)).transpose()?;
         let Some(unloading) = &raw.unloading else {
             // A curve that is followed both ways has no plastic strain that could take time.
-            return Ok(Effects { unloading: rate.map(|_| Unloading::Isotropic), rate });
+            return Ok(Effects { unloading: rate.map(|_| Unloading::Isotropic), rate, rupture: None });
         };
         let key = "effects.unloading";
         let kind = match unloading.get_ref() {
@@ -101,6 +105,6 @@ impl Checker<'_> {
             let help = "use unloading = \"isotropic\", or a material without a compression curve of its own";
             return Err(self.error(unloading.span(), key, message).allowed("\"isotropic\"").help(help).into());
         }
-        Ok(Effects { unloading: Some(kind), rate })
+        Ok(Effects { unloading: Some(kind), rate, rupture: None })
     }
 }

@@ -54,6 +54,11 @@ impl Checker<'_> {
             let error = self.error(given.span(), "solve.method", message).allowed("\"moc\"");
             return Err(error.help("use method = \"moc\", or take `rate` out of [effects]").into());
         }
+        if let (Some(rupture), RawMethod::Moc, true) = (&effects.rupture, method, rate) {
+            let message = "the characteristic net, which solves rate-dependent bars, does not follow rupture";
+            let error = self.error(rupture.span(), "effects.rupture", message);
+            return Err(error.help("take `rate` out of [effects]: both methods then follow rupture").into());
+        }
         self.only_keys_of(raw, method, rate)?;
         let method = match (method, rate) {
             (RawMethod::Fd, _) => self.leapfrog(raw)?,

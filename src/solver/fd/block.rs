@@ -43,6 +43,10 @@ pub(super) struct Block {
     pub outside: [Option<f64>; 2],
     /// Running sum of what the damping took from the block's inner nodes, see [`ripple::hand_over`].
     pub damped: f64,
+    /// The work of every cell is kept.
+    pub keeps_work: bool,
+    /// 2E times the plastic work of every cell per volume, Pa^2; empty until the block yields, and where it is not kept.
+    pub absorbed: Vec<f64>,
 }
 
 /// What a block must know of its segment to step.
@@ -71,7 +75,42 @@ impl Block {
             handed_at_edges: [0.0; 2],
             outside: [None, None],
             damped: 0.0,
+            keeps_work: false,
+            absorbed: Vec::new(),
         }
+    }
+
+    /// Takes the cells from local cell `at` on (0 < at < cells) away into a block of their own; both keep the node between
+    /// them. Running sums stay here.
+    pub fn split_off(&mut self, at: usize) -> Self {
+        let cells = self.sigma.len();
+        let mut state = Vec::with_capacity(self.state.len());
+        let mut kept = Vec::with_capacity(self.state.len());
+        for column in self.state.chunks_exact(cells) {
+            kept.extend_from_slice(&column[..at]);
+            state.extend_from_slice(&column[at..]);
+        }
+        self.state = kept;
+        let v = self.v[at..].to_vec();
+        self.v.truncate(at + 1);
+        let middle = self.cells.start + at;
+        let right = Self {
+            cells: middle..self.cells.end,
+            segment: self.segment,
+            stage: self.stage,
+            sigma: self.sigma.split_off(at),
+            v,
+            state,
+            flow: if self.flow.is_empty() { Vec::new() } else { self.flow.split_off(at) },
+            plastic: 0.0,
+            handed_at_edges: [0.0; 2],
+            outside: [None, None],
+            damped: 0.0,
+            keeps_work: self.keeps_work,
+            absorbed: if self.absorbed.is_empty() { Vec::new() } else { self.absorbed.split_off(at) },
+        };
+        self.cells.end = middle;
+        right
     }
 
     /// Damps the ripples of the block's inner nodes; `rounding` is as in
@@ -129,6 +168,12 @@ impl Block {
             law.law.advance(law.stress_gain, &self.v, &mut self.sigma, &mut self.state, work);
         }
         self.plastic += account_work(work, &mut self.flow);
+        if self.keeps_work {
+            self.absorbed.resize(cells, 0.0);
+            for (sum, work) in self.absorbed.iter_mut().zip(work) {
+                *sum += *work;
+            }
+        }
     }
 
     /// E times the signed plastic strain of local cell `i`, Pa.

@@ -32,12 +32,16 @@ pub(super) struct Contact {
     /// The edge between blocks in whose place it stands, and the segment to its left.
     pub edge: usize,
     pub segment: usize,
+    /// The cell to its right.
+    pub cell: usize,
+    /// The bar broke here.
+    pub broken: bool,
     pub left: Face,
     pub right: Face,
     start: f64,
     /// Distance of the faces a step ahead of the current time, m: as far as the velocities take them.
     gap: f64,
-    /// Force between the faces, N, never tensile.
+    /// Force between the faces, N, tensile only in the step in which they break.
     force: f64,
     /// Lost by faces that met, J.
     pub lost: f64,
@@ -46,8 +50,10 @@ pub(super) struct Contact {
 /// A joint that can open, as it is at a moment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactState {
-    /// Between segments `joint` and `joint + 1`, counted from 0.
+    /// Behind segment `joint`, counted from 0; inside it where the bar broke there.
     pub joint: usize,
+    /// The cell to its right.
+    pub cell: usize,
     /// Force between the faces, N, <= 0.
     pub force: f64,
     /// Distance of the faces, m, >= 0.
@@ -56,7 +62,7 @@ pub struct ContactState {
 
 impl Contact {
     /// At the joint behind `segment`, in place of `edge`; its faces have half of these cell masses (kg) and velocities.
-    pub fn new(bar: &Bar, segment: usize, edge: usize, [left_mass, right_mass]: [f64; 2]) -> Option<Self> {
+    pub fn new(bar: &Bar, segment: usize, edge: usize, cell: usize, [left_mass, right_mass]: [f64; 2]) -> Option<Self> {
         let Joint::Contact { gap } = bar.segments[segment].joint else { return None };
         let face = |k: usize, cell_mass: f64| {
             let (velocity, area) = (bar.segments[k].velocity, bar.segments[k].area);
@@ -65,6 +71,8 @@ impl Contact {
         Some(Self {
             edge,
             segment,
+            cell,
+            broken: false,
             left: face(segment, left_mass),
             right: face(segment + 1, right_mass),
             start: gap,
@@ -72,6 +80,35 @@ impl Contact {
             force: 0.0,
             lost: 0.0,
         })
+    }
+
+    /// Where the bar breaks: in place of `edge`, with `cell` and its segment's left neighbour beside it. Both faces, with
+    /// these masses (kg) and areas (m^2), have the velocity of the node that was there half a step before the current time.
+    pub fn broken([edge, segment, cell]: [usize; 3], velocity: f64, masses: [f64; 2], areas: [f64; 2]) -> Self {
+        let face = |k: usize| Face { before: velocity, after: velocity, mass: masses[k], area: areas[k] };
+        Self {
+            edge,
+            segment,
+            cell,
+            broken: true,
+            left: face(0),
+            right: face(1),
+            start: 0.0,
+            gap: 0.0,
+            force: 0.0,
+            lost: 0.0,
+        }
+    }
+
+    /// The step in which the bar breaks: the tension holds for its first half. Each face then leaves with the velocity of the
+    /// wave that frees it; without that half every second node would run ahead, and the pieces would ring from cell to cell,
+    /// ever louder.
+    pub fn part(&mut self, sigma: [f64; 2], dt: f64) {
+        let [left, right] = [-self.left.area * sigma[0], self.right.area * sigma[1]];
+        self.force = (0.25 * (right - left)).max(0.0);
+        self.left.advance(dt * (left + self.force));
+        self.right.advance(dt * (right - self.force));
+        self.gap = (dt * (self.right.after - self.left.after)).max(0.0);
     }
 
     /// Takes the faces from half a step before the current time to half a step after it; `sigma` are the stresses in
@@ -93,7 +130,7 @@ impl Contact {
 
     /// The force of a step in which the faces were held together, N, else 0.
     fn held_force(&self) -> f64 {
-        if self.gap == 0.0 { self.force } else { 0.0 }
+        if self.gap == 0.0 { self.force.min(0.0) } else { 0.0 }
     }
 
     /// Displacement of the right face against the left one at the current time, m.
@@ -107,6 +144,6 @@ impl Contact {
 
     /// As it is at the current time.
     pub fn state(&self, dt: f64) -> ContactState {
-        ContactState { joint: self.segment, force: self.force, gap: self.gap_now(dt) }
+        ContactState { joint: self.segment, cell: self.cell, force: self.force, gap: self.gap_now(dt) }
     }
 }

@@ -40,6 +40,8 @@ pub struct Device {
     started: bool,
     /// The velocity is prescribed just now.
     held: bool,
+    /// The bar has just broken off here.
+    breaks: bool,
     /// The mass that strikes the end, where one does.
     striker: Option<Striker>,
 }
@@ -93,6 +95,7 @@ impl Device {
             throughput: 0.0,
             started: false,
             held: false,
+            breaks: false,
         }
     }
 
@@ -101,6 +104,7 @@ impl Device {
     pub fn advance(&mut self, time: f64, sigma_cell: f64) {
         let previous_stress = self.reaction;
         let motion = self.respond(time, sigma_cell);
+        self.breaks = false;
         let struck = motion.held && (!self.held || self.jumps(time));
         self.stress = if struck { sigma_cell } else { motion.stress };
         if motion.held {
@@ -136,6 +140,8 @@ impl Device {
             EndCondition::Stress { history } => {
                 self.under_stress(history.mean(time - self.dt, time + self.dt), sigma_cell)
             }
+            // As where a wall lets go, what pulled has done so for the first half of the step.
+            EndCondition::Free if self.breaks => self.under_stress(0.5 * self.reaction, sigma_cell),
             EndCondition::Free => self.under_stress(0.0, sigma_cell),
             EndCondition::Fixed => self.moving(0.0, sigma_cell),
             EndCondition::Absorbing => self.radiating(sigma_cell),
@@ -223,6 +229,18 @@ impl Device {
     pub fn striker(&self) -> Option<(f64, f64)> {
         let striker = self.striker.as_ref()?;
         Some((0.5 * (striker.before + striker.after), self.normal * (striker.place - self.displacement)))
+    }
+
+    /// True where the end pulls the bar.
+    pub(super) fn pulls(&self) -> bool {
+        self.reaction > 0.0
+    }
+
+    /// The bar breaks off what is at its end, which is free from the next step on.
+    pub(super) fn let_go(&mut self) {
+        self.condition = EndCondition::Free;
+        self.striker = None;
+        self.breaks = true;
     }
 
     /// The ripple damping changes the node's velocity, which no end prescribes just now. Returns the energy taken, J.

@@ -55,6 +55,13 @@ impl Grid {
         self.segments.iter().flat_map(|s| s.cells.clone().map(move |i| centre(s, i))).collect()
     }
 
+    /// Place of a node, m; its number is that of the cell to its right.
+    pub fn node(&self, node: usize) -> f64 {
+        let k = self.segments.partition_point(|s| s.cells.end < node).min(self.segments.len() - 1);
+        let segment = &self.segments[k];
+        segment.x0 + (node - segment.cells.start) as f64 * segment.dx
+    }
+
     /// The segment that holds place `x` (the left one at a joint).
     pub fn segment_at(&self, x: f64) -> usize {
         let after = self.segments.partition_point(|s| s.x0 < x);

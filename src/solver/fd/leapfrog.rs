@@ -10,6 +10,7 @@ use super::contact::{Contact, ContactState};
 use super::device::{Device, EndGrid};
 use super::grid::Grid;
 use super::ripple;
+use super::rupture::Breaking;
 use crate::bar::{Bar, EndCondition};
 use crate::law::RowLaw;
 
@@ -51,6 +52,10 @@ pub(super) struct Constants {
     pub cell_mass: f64,
     /// A dx, m^3.
     pub cell_volume: f64,
+    /// A, m^2.
+    pub area: f64,
+    /// Cells that an elastic wave passes in a step.
+    pub courant: f64,
     /// Product of neighbouring velocity differences that is rounding, (m/s)^2.
     pub rounding: f64,
 }
@@ -71,6 +76,8 @@ pub struct Leapfrog {
     pub(super) yielded: bool,
     /// Energy that the ripple damping took from the nodes between blocks, J.
     pub(super) damped_at_edges: f64,
+    /// Where and when the bar breaks; none where it never does.
+    pub(super) rupture: Option<Box<Breaking>>,
 }
 
 impl Leapfrog {
@@ -108,6 +115,7 @@ impl Leapfrog {
             parallel,
             yielded: false,
             damped_at_edges: 0.0,
+            rupture: None,
         };
         bar.share_edges();
         bar.advance_edges();
@@ -130,6 +138,9 @@ impl Leapfrog {
         };
         for_each(&mut self.blocks, self.parallel, advance);
         self.advance_edges();
+        if self.rupture.is_some() {
+            self.break_where_due();
+        }
         if self.yielded || self.note_yield() {
             self.damp_ripples();
         }
@@ -188,7 +199,8 @@ impl Leapfrog {
             return (!end.is_held()).then_some(mirrored);
         };
         let inner = if neighbour < k { other.v[other.v.len() - 2] } else { other.v[1] };
-        (other.segment == block.segment).then_some(inner)
+        let parted = || self.contacts.iter().any(|contact| contact.edge == k.min(neighbour));
+        (other.segment == block.segment && !parted()).then_some(inner)
     }
 
     /// The nodes between blocks and at the ends, from the stresses on both sides.
@@ -210,7 +222,7 @@ impl Leapfrog {
     }
 
     /// Gives both neighbours of every edge its velocity.
-    fn share_edges(&mut self) {
+    pub(super) fn share_edges(&mut self) {
         for (k, edge) in self.edges.iter().enumerate() {
             set_last(&mut self.blocks[k].v, edge.after);
             self.blocks[k + 1].v[0] = edge.after;
@@ -261,6 +273,9 @@ impl Leapfrog {
 }
 
 impl Edge {
+    /// The node in whose place there is a contact.
+    pub const EMPTY: Self = Self { before: 0.0, after: 0.0, gain_left: 0.0, gain_right: 0.0, mass: 0.0 };
+
     /// Velocity change in a step, m/s, from the stresses on both sides. Inside a segment it has the bits that a node
     /// inside a block would have, so that results do not depend on where blocks meet.
     pub fn kick(&self, sigma_left: f64, sigma_right: f64) -> f64 {
@@ -296,6 +311,8 @@ fn constants(bar: &Bar, grid: &Grid) -> Vec<Constants> {
         velocity_gain: grid.dt / (segment.material.density * part.dx),
         cell_mass: segment.material.density * segment.area * part.dx,
         cell_volume: segment.area * part.dx,
+        area: segment.area,
+        courant: segment.material.c0() * grid.dt / part.dx,
         rounding: (ripple::ROUNDING * segment.material.c0()).powi(2),
     };
     bar.segments.iter().zip(&grid.segments).map(of).collect()
@@ -342,8 +359,8 @@ fn contacts(bar: &Bar, blocks: &[Block], constants: &[Constants], edges: &mut [E
             continue;
         }
         let masses = [constants[left].cell_mass, constants[right].cell_mass];
-        if let Some(contact) = Contact::new(bar, left, k, masses) {
-            edges[k] = Edge { before: 0.0, after: 0.0, gain_left: 0.0, gain_right: 0.0, mass: 0.0 };
+        if let Some(contact) = Contact::new(bar, left, k, pair[1].cells.start, masses) {
+            edges[k] = Edge::EMPTY;
             contacts.push(contact);
         }
     }

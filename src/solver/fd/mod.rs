@@ -8,6 +8,7 @@ mod grid;
 mod leapfrog;
 mod readings;
 mod ripple;
+mod rupture;
 mod sample;
 
 pub use contact::ContactState;

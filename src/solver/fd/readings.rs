@@ -44,6 +44,8 @@ pub struct Energies {
     pub viscous: f64,
     /// Lost by the faces of joints that met (0 without joints that can open).
     pub concentrated: f64,
+    /// Lost by broken faces that met again (0 without ruptures).
+    pub fracture: f64,
     /// Momentum, positive in +x.
     pub momentum: f64,
 }
@@ -56,7 +58,7 @@ impl Leapfrog {
 
     /// Plastic state in memory, bytes.
     pub fn state_bytes(&self) -> usize {
-        self.blocks.iter().map(|b| b.state.len() * size_of::<f64>()).sum()
+        self.blocks.iter().map(|b| (b.state.len() + b.absorbed.len()) * size_of::<f64>()).sum()
     }
 
     /// A quantity in one cell.
@@ -94,14 +96,16 @@ impl Leapfrog {
         self.profile(Quantity::Strain, &mut strains);
         let mut centres = Vec::with_capacity(strains.len());
         let mut node = self.left.displacement();
-        for (k, part) in self.grid.segments.iter().enumerate() {
-            for &strain in &strains[part.cells.clone()] {
+        let mut contacts = self.contacts.iter().peekable();
+        for part in &self.grid.segments {
+            for (cell, &strain) in part.cells.clone().zip(&strains[part.cells.clone()]) {
+                if let Some(contact) = contacts.next_if(|contact| contact.cell == cell) {
+                    node += contact.jump(self.grid.dt);
+                }
                 let stretch = strain * part.dx;
                 centres.push(node + 0.5 * stretch);
                 node += stretch;
             }
-            let joint = self.contacts.iter().find(|contact| contact.segment == k);
-            node += joint.map_or(0.0, |contact| contact.jump(self.grid.dt));
         }
         centres
     }
@@ -153,7 +157,7 @@ impl Leapfrog {
             }
         }
         for contact in &self.contacts {
-            total.concentrated += contact.lost;
+            *(if contact.broken { &mut total.fracture } else { &mut total.concentrated }) += contact.lost;
             for face in [&contact.left, &contact.right] {
                 total.add_nodes(face.mass, face.after * face.before, face.after + face.before);
             }
@@ -229,6 +233,6 @@ impl Energies {
 
     /// All energy in the bar, dissipated included, J.
     pub fn total(&self) -> f64 {
-        self.kinetic + self.elastic + self.plastic + self.viscous + self.concentrated
+        self.kinetic + self.elastic + self.plastic + self.viscous + self.concentrated + self.fracture
     }
 }

@@ -21,7 +21,7 @@ pub struct JointChange {
 /// A joint that can open, at a moment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointState<'a> {
-    /// Between segments `joint` and `joint + 1`, counted from 0.
+    /// Behind segment `joint`, counted from 0; inside it where the bar broke there.
     pub joint: usize,
     /// No force passes: the faces are apart, or touch without pressing.
     pub open: bool,
@@ -69,6 +69,21 @@ impl Contact {
             closes: f64::INFINITY,
             changes: Vec::new(),
         })
+    }
+
+    /// A place where the bar breaks at t.
+    pub fn broken(node: u32, segment: usize, t: f64) -> Self {
+        Self {
+            node,
+            joint: segment,
+            start: 0.0,
+            gap: 0.0,
+            rate: 0.0,
+            since: t,
+            open: false,
+            closes: f64::INFINITY,
+            changes: Vec::new(),
+        }
     }
 
     fn gap_at(&self, t: f64) -> f64 {

@@ -275,6 +275,12 @@ impl End {
         }
     }
 
+    /// The bar breaks off what is at its end, which is free from now on.
+    pub fn let_go(&mut self) {
+        self.condition = EndCondition::Free;
+        self.body = Body::None;
+    }
+
     /// The striker at time t, if there is one.
     pub fn striker(&self, t: f64) -> Option<StrikerState> {
         let Body::Striker(striker) = &self.body else { return None };

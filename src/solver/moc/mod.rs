@@ -14,6 +14,7 @@ mod list;
 mod pace;
 mod read;
 mod resolve;
+mod rupture;
 mod sample;
 mod spring;
 mod striker;

@@ -100,11 +100,17 @@ impl FrontTracking {
     }
 
     /// Between the piece to the right of `prev` and the state `right`, at a joint or anywhere.
-    fn resolve_inside(&mut self, prev: u32, joint: Option<u32>, right: Point, x: f64) {
+    pub(super) fn resolve_inside(&mut self, prev: u32, joint: Option<u32>, right: Point, x: f64) {
         let left = self.list.get(prev).right;
         let left_segment = self.list.get(prev).segment;
         let right_segment = joint.map_or(left_segment, |id| self.list.get(id).segment);
         let (behind_left, behind_right, capped) = self.answer_inside((left_segment, left), (right_segment, right));
+        if self.rupture.is_some() {
+            let sides = [(left_segment, left, behind_left), (right_segment, right, behind_right)];
+            if self.breaks_inside(&sides, capped, joint, x) {
+                return self.part(prev, joint, right, x);
+            }
+        }
         let medium = &self.media[left_segment as usize];
         let apart = capped
             || !behind_left.same_history(&behind_right, medium.round_off)
@@ -195,7 +201,12 @@ impl FrontTracking {
         self.ends[which].bring_to(self.now, self.same_time);
         let step = self.body_step(which, &bar, segment);
         let drive = self.ends[which].drive(&bar, step, self.same_time);
-        let (behind, held, short) = self.answer_end(which, drive, bar, segment);
+        let (mut behind, mut held, mut short) = self.answer_end(which, drive, bar, segment);
+        if self.rupture.is_some() && self.breaks_at_end(which, (segment, bar, behind), short) {
+            self.ends[which].let_go();
+            (behind, short) = self.answer_stress(which, 0.0, bar, segment);
+            held = false;
+        }
         let medium = &self.media[segment as usize];
         let end = &mut self.ends[which];
         end.settle(behind.stress, behind.velocity, held, medium.round_off, medium.impedance());

@@ -6,11 +6,13 @@ use std::collections::BinaryHeap;
 use super::contact::Contact;
 use super::end::End;
 use super::list::{Kind, List, NONE, Node};
+use super::rupture::Breaking;
 use super::sample::Openings;
 use super::thin::Thinning;
 use super::{Settings, Stopped, Trail};
 use crate::bar::{Bar, EndCondition};
 use crate::law::Table;
+use crate::law::rupture::Criteria;
 use crate::material::Sense;
 use crate::wave::riemann::{Emitted, Flow, Medium, Point, Side, Workspace, solve};
 
@@ -79,11 +81,24 @@ pub struct FrontTracking {
     pub(super) work: Workspace,
     pub(super) sent_left: Vec<Emitted>,
     pub(super) sent_right: Vec<Emitted>,
+    /// Where and when the bar breaks; none where it never does.
+    pub(super) rupture: Option<Box<Breaking>>,
 }
 
 impl FrontTracking {
     /// A bar at t = 0 with its ends; every segment flows as `flow` says.
     pub fn new(bar: &Bar, flow: Flow, ends: [EndCondition; 2], settings: Settings) -> Self {
+        Self::that_breaks(bar, flow, ends, settings, None)
+    }
+
+    /// The same of a bar that breaks where it meets one of `criteria`.
+    pub fn that_breaks(
+        bar: &Bar,
+        flow: Flow,
+        ends: [EndCondition; 2],
+        settings: Settings,
+        criteria: Option<Criteria>,
+    ) -> Self {
         let last = bar.segments.len() - 1;
         let mut media: Vec<Medium> = bar.segments.iter().map(|s| medium(s, flow)).collect();
         let [left, right] = ends;
@@ -123,6 +138,7 @@ impl FrontTracking {
             work: Workspace::default(),
             sent_left: Vec::new(),
             sent_right: Vec::new(),
+            rupture: criteria.map(|criteria| Box::new(Breaking::new(criteria))),
         };
         tracking.lay_out(bar);
         tracking

@@ -1,0 +1,330 @@
+//! Rupture on the staggered grid: the node next to a cell that meets the criterion is split into two free faces.
+//!
+//! A bar parts at one of the two nodes of the cell that is first to break: at an end that pulls it or a joint, where it
+//! has one, else towards the neighbour that is nearer to breaking. The tension falls at once, so that parting takes no
+//! energy and changes no momentum; the faces are those of a joint that carries no tension, and can meet again.
+//!
+//! A grid sees tension build up over whole cells, and frees it as late: what has broken a place runs on from it as a pulse
+//! some cells long. Such a pulse would break the bar again wherever it goes, as would those that faces send that meet or
+//! part. So a place that has not yielded breaks only where its neighbours have come to the threshold, too; in a place
+//! that flows no pulse can have done that.
+
+use super::block::{Block, Stage};
+use super::contact::Contact;
+use super::leapfrog::{Edge, Leapfrog, last};
+use crate::law::rupture::{Cause, Criteria, Criterion, Rupture, Site, Strained};
+
+/// The wave that frees a broken place is behind the one that would break the next cell too, where both run with the
+/// elastic speed. No cell breaks that is this near to that wave, measured in cells.
+const BEHIND: f64 = 2.0;
+const AHEAD: f64 = 4.0;
+
+/// Next to a suddenly moved end a cell keeps too much plastic strain, by 12 % in the first of a bilinear bar and 0.5 % in
+/// the third. So many cells at an end that pulls have to go so far beyond a threshold of strain or energy; where strain
+/// gathers without bound they soon do.
+const NEAR_END: usize = 2;
+const OVERSHOOT: f64 = 1.2;
+
+/// No piece has fewer cells than this.
+const SHORTEST: f64 = 4.0;
+
+/// Cells on either side of one that has not yielded that must have come to the threshold with it. What runs on from a
+/// rupture is half as long as what had to be there, and a cell: 4 cells, when 5 are asked for.
+const SUSTAINED: usize = 2;
+
+/// What is known of a bar that can break.
+#[derive(Debug)]
+pub(super) struct Breaking {
+    criteria: Criteria,
+    found: Vec<Rupture>,
+    /// For each rupture: the node's number (that of the cell to its right), and its step.
+    nodes: Vec<(usize, usize)>,
+    ends_gone: [bool; 2],
+}
+
+/// A cell that meets its criterion, and how far beyond it is.
+#[derive(Debug, Clone, Copy)]
+struct Due {
+    block: usize,
+    cell: usize,
+    share: f64,
+}
+
+impl Leapfrog {
+    /// The same bar, which breaks where it meets one of these criteria. For a bar at t = 0.
+    #[must_use]
+    pub fn that_breaks(mut self, criteria: Criteria) -> Self {
+        for block in &mut self.blocks {
+            block.keeps_work = true;
+        }
+        let breaking = Breaking { criteria, found: Vec::new(), nodes: Vec::new(), ends_gone: [false; 2] };
+        self.rupture = Some(Box::new(breaking));
+        self
+    }
+
+    /// The ruptures so far, in order of time.
+    pub fn ruptures(&self) -> &[Rupture] {
+        self.rupture.as_ref().map_or(&[], |breaking| &breaking.found)
+    }
+
+    /// Breaks the bar wherever that is due after this step.
+    pub(super) fn break_where_due(&mut self) {
+        let Some(mut breaking) = self.rupture.take() else { return };
+        while let Some(due) = self.most_overdue(&breaking) {
+            self.break_at(&mut breaking, due);
+        }
+        self.rupture = Some(breaking);
+    }
+
+    /// The cell that is farthest beyond its criterion, if one is.
+    fn most_overdue(&self, breaking: &Breaking) -> Option<Due> {
+        let mut worst: Option<Due> = None;
+        let mut consider = |due: Due| {
+            if worst.is_none_or(|w| due.share > w.share) && self.may_break(breaking, &due) {
+                worst = Some(due);
+            }
+        };
+        for (k, block) in self.blocks.iter().enumerate() {
+            let (criterion, notch) = (&breaking.criteria.segments[block.segment], self.edge_notch(breaking, k));
+            if block.stage == Stage::Quiet || !self.can_break(block, criterion, notch) {
+                continue;
+            }
+            for i in 0..block.sigma.len() {
+                let notch = notch.at(i, block.sigma.len());
+                let share = notch * self.share(k, i, criterion);
+                if Criterion::is_met(share, 1.0) {
+                    consider(Due { block: k, cell: i, share });
+                }
+            }
+        }
+        worst
+    }
+
+    /// A quick look at a whole block.
+    fn can_break(&self, block: &Block, criterion: &Criterion, notch: Notch) -> bool {
+        let ease = notch.largest() * (1.0 + 1e-9);
+        if block.stage == Stage::Elastic {
+            return largest(&block.sigma) * ease >= criterion.elastic_limit();
+        }
+        let law = self.laws[block.segment].law.as_ref();
+        match criterion.least_reach() {
+            Some(reach) => law.reach(&block.sigma, &block.state)[0] * ease >= reach,
+            None if block.absorbed.is_empty() => true,
+            None => {
+                let place = |(&stress, &work): (&f64, &f64)| Strained { stress, plastic: 0.0, work };
+                let shares = block.sigma.iter().zip(&block.absorbed).map(|cell| criterion.share(&place(cell)));
+                shares.fold(0.0, f64::max) * ease >= 1.0
+            }
+        }
+    }
+
+    fn place(&self, k: usize, i: usize) -> Strained {
+        let block = &self.blocks[k];
+        let law = self.laws[block.segment].law.as_ref();
+        Strained {
+            stress: block.sigma[i],
+            plastic: block.plastic_strain(law, i),
+            work: block.absorbed.get(i).copied().unwrap_or(0.0),
+        }
+    }
+
+    fn share(&self, k: usize, i: usize, criterion: &Criterion) -> f64 {
+        criterion.share(&self.place(k, i))
+    }
+
+    /// Notch factors of the joints at both edges of block `k`, 1 where there is none.
+    fn edge_notch(&self, breaking: &Breaking, k: usize) -> Notch {
+        let segment = self.blocks[k].segment;
+        let joints = &breaking.criteria.joints;
+        let at_left = k > 0 && self.blocks[k - 1].segment != segment;
+        let at_right = self.blocks.get(k + 1).is_some_and(|next| next.segment != segment);
+        Notch([if at_left { joints[segment - 1] } else { 1.0 }, if at_right { joints[segment] } else { 1.0 }])
+    }
+
+    /// A cell that has yielded breaks by strain or energy only while it flows, any other where its tension is no mere pulse;
+    /// none breaks next to a wave that is about to free it.
+    fn may_break(&self, breaking: &Breaking, due: &Due) -> bool {
+        let block = &self.blocks[due.block];
+        let law = self.laws[block.segment].law.as_ref();
+        let flows = block.flow.get(due.cell).is_some_and(|&flow| flow != 0);
+        let criterion = &breaking.criteria.segments[block.segment];
+        let fresh = criterion.cause() == Cause::Spall || block.accumulated(law, due.cell) == 0.0;
+        if !(if fresh { self.is_sustained(breaking, due) } else { flows && due.share >= self.overshoot(due) }) {
+            return false;
+        }
+        let node = block.cells.start + due.cell;
+        if self.is_parted(breaking, node) && self.is_parted(breaking, node + 1) {
+            return false;
+        }
+        let place = (block.cells.start + due.cell) as f64 + 0.5;
+        let pace = self.constants[block.segment].courant;
+        breaking.nodes.iter().all(|&(node, step)| {
+            let distance = (place - node as f64).abs();
+            let ahead = distance - pace * (self.step - step) as f64;
+            distance > SHORTEST && !(-BEHIND..=AHEAD).contains(&ahead)
+        })
+    }
+
+    /// What the scheme may have put on top of the strain or work of a cell, as a factor.
+    fn overshoot(&self, due: &Due) -> f64 {
+        let cell = self.blocks[due.block].cells.start + due.cell;
+        let near = cell < NEAR_END && self.left.pulls() || cell + NEAR_END >= self.grid.cells() && self.right.pulls();
+        if near { OVERSHOOT } else { 1.0 }
+    }
+
+    /// Both neighbours of a cell on either side have come to the threshold, too: across nodes that hold together, and at an
+    /// end that pulls as in a mirror.
+    fn is_sustained(&self, breaking: &Breaking, due: &Due) -> bool {
+        let block = &self.blocks[due.block];
+        let criterion = &breaking.criteria.segments[block.segment];
+        let (cell, own) = (block.cells.start + due.cell, self.share(due.block, due.cell, criterion));
+        let holds = |node: usize, beyond: Option<usize>| {
+            let Some(cell) = beyond.filter(|&cell| cell < self.grid.cells()) else { return None };
+            let (k, i) = self.block_of(cell);
+            let met = Criterion::is_met(self.share(k, i, criterion) * due.share / own, 1.0);
+            Some(met && !self.is_parted(breaking, node))
+        };
+        let to_left = (1..=SUSTAINED).map_while(|k| holds((cell + 1).saturating_sub(k), cell.checked_sub(k)));
+        let to_right = (1..=SUSTAINED).map_while(|k| holds(cell + k, Some(cell + k)));
+        let reaches_end = cell < SUSTAINED && self.is_parted(breaking, 0)
+            || cell + SUSTAINED >= self.grid.cells() && self.is_parted(breaking, self.grid.cells());
+        !reaches_end && to_left.chain(to_right).all(|met| met)
+    }
+
+    /// The block of a cell, and the cell's place in it.
+    fn block_of(&self, cell: usize) -> (usize, usize) {
+        let k = self.blocks.partition_point(|b| b.cells.end <= cell);
+        (k, cell - self.blocks[k].cells.start)
+    }
+
+    fn break_at(&mut self, breaking: &mut Breaking, due: Due) {
+        let place = self.place(due.block, due.cell);
+        let segment = self.blocks[due.block].segment;
+        let node = self.node_to_part(breaking, due);
+        let now = self.energies();
+        let criterion = &breaking.criteria.segments[segment];
+        let cells = self.grid.cells();
+        let site = match node {
+            0 => Site::Left,
+            n if n == cells => Site::Right,
+            n => self
+                .grid
+                .segments
+                .iter()
+                .position(|part| part.cells.end == n)
+                .map_or(Site::Inside(segment), Site::Joint),
+        };
+        breaking.found.push(Rupture {
+            time: self.time(),
+            x: self.grid.node(node),
+            site,
+            cause: criterion.cause(),
+            stress: place.stress,
+            strain: criterion.strain(&place),
+            absorbed: criterion.absorbed(&place),
+            bar_absorbed: now.elastic + now.plastic,
+        });
+        breaking.nodes.push((node, self.step));
+        match site {
+            Site::Left => {
+                breaking.ends_gone[0] = true;
+                self.left.let_go();
+            }
+            Site::Right => {
+                breaking.ends_gone[1] = true;
+                self.right.let_go();
+            }
+            _ => self.part(node),
+        }
+    }
+
+    /// The node at which the bar parts: numbers of nodes are those of the cells to their right.
+    fn node_to_part(&self, breaking: &Breaking, due: Due) -> usize {
+        let block = &self.blocks[due.block];
+        let cell = block.cells.start + due.cell;
+        let nodes = [cell, cell + 1];
+        let whole = nodes.map(|node| !self.is_parted(breaking, node));
+        let weak = nodes.map(|node| node == 0 || node == self.grid.cells() || self.is_joint(node));
+        let sides = [0, 1].map(|k| {
+            let neighbour =
+                if k == 0 { cell.checked_sub(1) } else { Some(cell + 1).filter(|&c| c < self.grid.cells()) };
+            let share = neighbour.map_or(0.0, |c| {
+                let (k, i) = self.block_of(c);
+                self.share(k, i, &breaking.criteria.segments[self.blocks[k].segment])
+            });
+            if !whole[k] {
+                -1.0
+            } else if weak[k] {
+                f64::INFINITY
+            } else {
+                share
+            }
+        });
+        nodes[usize::from(sides[1] > sides[0])]
+    }
+
+    fn is_joint(&self, node: usize) -> bool {
+        self.grid.segments.iter().any(|part| part.cells.end == node)
+    }
+
+    /// Nothing holds together there: two faces, or an end that does not pull.
+    fn is_parted(&self, breaking: &Breaking, node: usize) -> bool {
+        if node == 0 {
+            return breaking.ends_gone[0] || !self.left.pulls();
+        }
+        if node == self.grid.cells() {
+            return breaking.ends_gone[1] || !self.right.pulls();
+        }
+        self.contacts.iter().any(|contact| contact.cell == node)
+    }
+
+    /// Splits a node in two faces that start with its velocity half a step before the current time.
+    fn part(&mut self, node: usize) {
+        let mut k = self.blocks.partition_point(|b| b.cells.end < node);
+        let at = node - self.blocks[k].cells.start;
+        let velocity = if at < self.blocks[k].sigma.len() { self.split_block(k, at) } else { self.edges[k].before };
+        k = self.blocks.partition_point(|b| b.cells.end < node);
+        self.edges[k] = Edge::EMPTY;
+        let sides = [self.blocks[k].segment, self.blocks[k + 1].segment].map(|s| self.constants[s]);
+        let masses = sides.map(|c| 0.5 * c.cell_mass);
+        let mut contact = Contact::broken([k, self.blocks[k].segment, node], velocity, masses, sides.map(|c| c.area));
+        contact.part([last(&self.blocks[k].sigma), self.blocks[k + 1].sigma[0]], self.grid.dt);
+        let place = self.contacts.partition_point(|other| other.edge < k);
+        self.contacts.insert(place, contact);
+        self.share_edges();
+    }
+
+    /// Makes two blocks of block `k`, with an edge between them; the velocity of that node half a step before now, m/s.
+    fn split_block(&mut self, k: usize, at: usize) -> f64 {
+        let block = &mut self.blocks[k];
+        let gain = self.constants[block.segment].velocity_gain;
+        let velocity = block.v[at] - gain * (block.sigma[at] - block.sigma[at - 1]);
+        let right = block.split_off(at);
+        self.blocks.insert(k + 1, right);
+        self.edges.insert(k, Edge::EMPTY);
+        for contact in &mut self.contacts {
+            contact.edge += usize::from(contact.edge >= k);
+        }
+        velocity
+    }
+}
+
+/// Notch factors at the left and right edge of a block.
+#[derive(Debug, Clone, Copy)]
+struct Notch([f64; 2]);
+
+impl Notch {
+    fn at(self, i: usize, cells: usize) -> f64 {
+        let left = if i == 0 { self.0[0] } else { 1.0 };
+        let right = if i + 1 == cells { self.0[1] } else { 1.0 };
+        left.max(right)
+    }
+
+    fn largest(self) -> f64 {
+        self.0[0].max(self.0[1])
+    }
+}
+
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |top, &v| if v > top { v } else { top })
+}

@@ -1,0 +1,117 @@
+//! Rupture where fronts meet: a place breaks in the moment in which its state would meet the criterion.
+//!
+//! Every state of a tracked bar first exists at the place whose Riemann problem it answers, so that only those places need
+//! a look. The state that would break the place never comes about: both sides answer as free faces instead, and what they
+//! send runs with, or ahead of, whatever else would have been sent. Parting takes no energy.
+
+use super::FrontTracking;
+use super::contact::Contact;
+use super::list::Kind;
+use super::tracking::node;
+use crate::law::rupture::{Cause, Criteria, Criterion, Rupture, Site, Strained};
+use crate::wave::riemann::{Medium, Path, Point};
+
+/// What is known of a bar that can break.
+#[derive(Debug, Clone)]
+pub(super) struct Breaking {
+    criteria: Criteria,
+    found: Vec<Rupture>,
+}
+
+/// Segment of a side, its state, and the one that would come about.
+type Answer = (u32, Point, Point);
+
+impl Breaking {
+    pub fn new(criteria: Criteria) -> Self {
+        Self { criteria, found: Vec::new() }
+    }
+
+    /// Whether what a side would come to breaks it. Strain that would gather there without bound (`gathers`) does, unless
+    /// only stress counts; else what has yielded and unloaded breaks only as it yields again.
+    fn breaks(&self, &(segment, before, after): &Answer, medium: &Medium, notch: f64, gathers: bool) -> bool {
+        let criterion = &self.criteria.segments[segment as usize];
+        if after.stress <= medium.round_off {
+            return false;
+        }
+        if gathers && criterion.ends_gathering() {
+            return true;
+        }
+        let loads = after.stress - before.stress > medium.round_off;
+        let flows = after.accumulated > before.accumulated || after.accumulated == 0.0;
+        let stress_counts = criterion.cause() == Cause::Spall;
+        loads && (flows || stress_counts) && Criterion::is_met(criterion.share(&strained(medium, &after)), notch)
+    }
+}
+
+fn strained(medium: &Medium, point: &Point) -> Strained {
+    Strained { stress: point.stress, plastic: point.plastic, work: 2.0 * medium.modulus * point.work }
+}
+
+impl FrontTracking {
+    /// The ruptures so far, in order of time.
+    pub fn ruptures(&self) -> &[Rupture] {
+        self.rupture.as_ref().map_or(&[], |breaking| &breaking.found)
+    }
+
+    /// Whether the place x, at a joint or not, breaks instead of coming to these states; if so, it is noted.
+    pub(super) fn breaks_inside(&mut self, sides: &[Answer; 2], capped: bool, joint: Option<u32>, x: f64) -> bool {
+        if joint.is_some_and(|id| self.contacts.iter().any(|contact| contact.node == id)) {
+            return false;
+        }
+        let Some(breaking) = &self.rupture else { return false };
+        let left_segment = sides[0].0 as usize;
+        let notch = if joint.is_some() { breaking.criteria.joints[left_segment] } else { 1.0 };
+        let gathers = capped && sides[1].2.velocity > sides[0].2.velocity;
+        let breaks = |(side, path): &(&Answer, &Path)| {
+            let medium = &self.media[side.0 as usize];
+            // At a joint of unlike sections only one of them may be at its largest stress.
+            let level = gathers && path.sense() > 0.0 && side.2.stress >= path.cap() - medium.round_off;
+            breaking.breaks(side, medium, notch, level)
+        };
+        let paths = [&self.work.left, &self.work.right];
+        let Some((&side, _)) = sides.iter().zip(paths).find(breaks) else { return false };
+        let site = if joint.is_some() { Site::Joint(left_segment) } else { Site::Inside(left_segment) };
+        self.note(&side, site, x);
+        true
+    }
+
+    /// The same of an end (0 left, 1 right); `short`: its curve cannot carry what is imposed.
+    pub(super) fn breaks_at_end(&mut self, which: usize, answer: Answer, short: bool) -> bool {
+        let Some(breaking) = &self.rupture else { return false };
+        if !breaking.breaks(&answer, &self.media[answer.0 as usize], 1.0, short) {
+            return false;
+        }
+        let x = self.list.get(self.end_nodes[which]).x;
+        self.note(&answer, [Site::Left, Site::Right][which], x);
+        true
+    }
+
+    fn note(&mut self, &(segment, _, point): &Answer, site: Site, x: f64) {
+        let now = self.balance();
+        let place = strained(&self.media[segment as usize], &point);
+        let time = self.now;
+        let Some(breaking) = &mut self.rupture else { return };
+        let criterion = &breaking.criteria.segments[segment as usize];
+        breaking.found.push(Rupture {
+            time,
+            x,
+            site,
+            cause: criterion.cause(),
+            stress: point.stress,
+            strain: criterion.strain(&place),
+            absorbed: criterion.absorbed(&place),
+            bar_absorbed: now.elastic + now.plastic,
+        });
+    }
+
+    /// Parts the bar at x, where nothing has been sent yet: from now on there are two faces.
+    pub(super) fn part(&mut self, prev: u32, joint: Option<u32>, right: Point, x: f64) {
+        let segment = self.list.get(prev).segment;
+        let id = joint.unwrap_or_else(|| self.list.insert(prev, node(Kind::Joint, x, self.now, 0.0, right, segment)));
+        self.contacts.push(Contact::broken(id, segment as usize, self.now));
+        if !self.resolve_apart(prev, id, right, x) {
+            // Faces that press each other are as good as bonded; a place that breaks in tension has none.
+            self.resolve_inside(prev, Some(id), right, x);
+        }
+    }
+}

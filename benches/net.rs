@@ -1,4 +1,4 @@
-//! The characteristic net beside leapfrog: nanoseconds of stepping for a cell and a step. Nothing is asserted: times
+//! Rate-dependent bars on the grid and on the characteristic net beside leapfrog without a rate: nanoseconds of stepping for a cell and a step. Nothing is asserted: times
 //! depend on the machine. `cargo bench --bench net` runs it.
 
 use std::path::Path;
@@ -43,7 +43,7 @@ fn main() {
         return;
     }
     println!("ns for a cell and a step; shortest of {RUNS} runs");
-    println!("{:<24}{:>8}{:>12}{:>12}", "bar", "cells", "leapfrog", "net");
+    println!("{:<24}{:>8}{:>12}{:>14}{:>12}", "bar", "cells", "leapfrog", "with rate", "net");
     for (name, velocity, knots, rate) in [
         ("elastic", 4.0, 2, "rate = { model = \"malvern\", k = 1e5 }"),
         ("2 lines, malvern", 20.0, 2, "rate = { model = \"malvern\", k = 1e5 }"),
@@ -59,11 +59,15 @@ fn main() {
                 seconds(steps, || bar.advance())
             });
             let late = scene(velocity, knots, rate, cells);
+            let on_grid = shortest(cells, || {
+                let mut bar = assemble::leapfrog(&late, cells, 1.0);
+                seconds(steps, || bar.advance())
+            });
             let net = shortest(cells, || {
                 let mut bar = assemble::characteristic_net(&late, cells);
                 seconds(steps, || bar.advance())
             });
-            println!("{name:<24}{cells:>8}{leapfrog:>12.3}{net:>12.3}");
+            println!("{name:<24}{cells:>8}{leapfrog:>12.3}{on_grid:>14.3}{net:>12.3}");
         }
     }
 }

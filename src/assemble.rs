@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::bar::Segment;
-use crate::law::rate::{Overstress, RateLaw};
+use crate::law::rate::{Overstress, RateLaw, Timed};
 use crate::law::rupture::{Criteria, Criterion};
 use crate::law::{
     Backbone, CellLaw, Envelope, Indexed, Isotropic, Mixed, PathIndependent, RowLaw, Rows, Searched, Table, TwoSided,
@@ -18,7 +18,7 @@ use crate::wave::riemann::Flow;
 /// The finite-difference bar of a scene, ready to step: about `cells` cells, Courant number `cfl`.
 pub fn leapfrog(scene: &Scene, cells: usize, cfl: f64) -> Leapfrog {
     let grid = Grid::new(&scene.bar, cells, cfl);
-    let laws = scene.bar.segments.iter().map(|s| segment_law(s, &scene.effects)).collect();
+    let laws = scene.bar.segments.iter().map(|s| stepped_law(s, &scene.effects, grid.dt)).collect();
     let bar = Leapfrog::new(&scene.bar, grid, laws, [scene.left.clone(), scene.right.clone()]);
     match criteria(scene) {
         Some(criteria) => bar.that_breaks(criteria),
@@ -70,7 +70,19 @@ pub fn rate_law(material: &Material, effects: &Effects) -> RateLaw {
     RateLaw::new(overstress, &table(Sense::Tension), compression.as_ref(), kinematic)
 }
 
-/// The law of one segment under the scene's effects.
+/// The law of one segment under the scene's effects, in steps of `dt`, s.
+pub fn stepped_law(segment: &Segment, effects: &Effects, dt: f64) -> SegmentLaw {
+    let law = segment_law(segment, effects);
+    if effects.rate.is_none() {
+        return law;
+    }
+    let timed = rate_law(&segment.material, effects);
+    let moves = !matches!(effects.unloading, None | Some(Unloading::Isotropic));
+    let rows: Arc<dyn RowLaw> = if moves { rows(Timed::<6>::new(timed, dt)) } else { rows(Timed::<5>::new(timed, dt)) };
+    SegmentLaw { law: rows, ..law }
+}
+
+/// The law of one segment under the scene's effects but for that of the strain rate.
 pub fn segment_law(segment: &Segment, effects: &Effects) -> SegmentLaw {
     let material = &segment.material;
     let tension = Table::new(material.branch(Sense::Tension), material.modulus);

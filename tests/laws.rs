@@ -2,6 +2,7 @@
 
 mod common;
 
+use barwave::law::rate::{Overstress, RateLaw, Timed};
 use barwave::law::{
     Backbone, CellLaw, Envelope, Indexed, Isotropic, Line, Mixed, PathIndependent, Searched, Table, TwoSided,
 };
@@ -311,4 +312,105 @@ fn equal_neighbouring_slopes_are_one_line() {
     let [elastic, plastic] = table.lines() else { panic!("{:?}", table.lines()) };
     assert_eq!(*elastic, Line { start: 0.0, offset: 0.0, slope: 1.0 });
     assert!((plastic.start - 200e6).abs() < 1e-6 && (plastic.slope - 0.1).abs() < 1e-12);
+}
+
+const RATES: [Overstress; 5] = [
+    Overstress::Malvern { k: 1e6 },
+    Overstress::CowperSymonds { rate: MODULUS * 40.0, exponent: 5.0 },
+    Overstress::CowperSymonds { rate: MODULUS * 40.0, exponent: 1.0 },
+    Overstress::CowperSymonds { rate: MODULUS * 40.0, exponent: 0.5 },
+    Overstress::JohnsonCook { c: 0.014, rate: MODULUS },
+];
+
+/// The contract for steps so long that all overstress goes in each, and a path of steps of any length.
+fn timed_contract<const N: usize>(table: &Table, kinematic: f64) {
+    for overstress in RATES {
+        let law = |time| Timed::<N>::new(RateLaw::new(overstress, table, None, kinematic), time);
+        contract(&law(1e60), table, true);
+        for time in [1e-300, 1e-12, 1e-8, 1e-6, 1e-3, 1.0, 1e60] {
+            zero_at_rest(&law(time));
+            mirrored(&law(time), &law(time), far(table));
+            elastic_before_yield(&law(time), table.yield_stress());
+            never_below_the_static_curve(&law(time), table);
+        }
+        // No time at all: Hooke's law for ever.
+        let (frozen, mut hooke) = (law(0.0), 0.0);
+        let mut point = Point::new(&frozen);
+        for increment in to_and_fro(far(table)) {
+            hooke += increment;
+            point.step(increment);
+            assert_eq!(point.sigma, hooke);
+        }
+    }
+}
+
+/// On first loading the stress lies between the static curve and the elastic line, and what is not stress is plastic strain.
+fn never_below_the_static_curve<const N: usize>(law: &Timed<N>, table: &Table) {
+    let (mut point, searched, reach) = (Point::new(law), Searched(table.clone()), far(table));
+    for _ in 0..500 {
+        point.step(reach / 500.0);
+        let lowest = searched.stress(point.z, 1.0);
+        assert!(point.sigma >= lowest - ROUND_OFF * reach, "{:e}: {:e} {lowest:e}", point.z, point.sigma);
+        assert!(point.sigma <= point.z * (1.0 + ROUND_OFF));
+        assert!((point.sigma + law.plastic_strain(point.state) - point.z).abs() < ROUND_OFF * reach);
+        assert!(law.overstress_work(point.state) >= 0.0);
+    }
+}
+
+#[test]
+fn rate_laws_keep_the_contract() {
+    for table in [bilinear(), three_slopes(), power_law(), s_shaped()] {
+        timed_contract::<5>(&table, 0.0);
+        timed_contract::<6>(&table, 0.3);
+        timed_contract::<6>(&table, 1.0);
+    }
+}
+
+#[test]
+fn quick_flow_is_the_rate_independent_law() {
+    for table in [bilinear(), three_slopes(), power_law()] {
+        let backbone = Searched(table.clone());
+        let timed = Timed::<5>::new(RateLaw::new(RATES[0], &table, None, 0.0), 1e60);
+        quick_as(&timed, &Isotropic(backbone.clone()), far(&table));
+        for kinematic in [0.3, 1.0] {
+            let timed = Timed::<6>::new(RateLaw::new(RATES[0], &table, None, kinematic), 1e60);
+            let mixed = Mixed { backbone: backbone.clone(), yield_stress: table.yield_stress(), kinematic };
+            quick_as(&timed, &mixed, far(&table));
+        }
+    }
+}
+
+fn quick_as<A: CellLaw<N>, B: CellLaw<M>, const N: usize, const M: usize>(timed: &A, law: &B, reach: f64) {
+    let (mut one, mut other) = (Point::new(timed), Point::new(law));
+    for increment in to_and_fro(reach) {
+        let plastic = one.step(increment) - other.step(increment);
+        assert!((one.sigma - other.sigma).abs() < ROUND_OFF * reach && plastic.abs() < ROUND_OFF * reach);
+        assert!(
+            timed.overstress_work(one.state).abs() < ROUND_OFF * reach * reach,
+            "nothing is left to the overstress"
+        );
+    }
+}
+
+/// Cell strained at a constant rate under Malvern's law on a flat curve: the overstress is E rate/k (1 - exp(-k t)), and the
+/// error falls as the square of the step.
+#[test]
+fn a_cell_strained_evenly_follows_its_differential_equation() {
+    let flat = table(&[(0.001, 200e6), (0.1, 200e6)], Beyond::Extend);
+    let (k, rate, until) = (1e6, 1e3, 2e-6);
+    let exact = MODULUS * rate / k * (1.0 - f64::exp(-k * until));
+    let error = |steps: u32| {
+        let time = until / f64::from(steps);
+        let timed = Timed::<5>::new(RateLaw::new(Overstress::Malvern { k }, &flat, None, 0.0), time);
+        let mut point = Point::new(&timed);
+        point.step(200e6);
+        point.go_to(200e6 + MODULUS * rate * until, steps);
+        ((point.sigma - 200e6) / exact - 1.0).abs()
+    };
+    let errors = [20, 40, 80].map(error);
+    for pair in errors.windows(2) {
+        let order = (pair[0] / pair[1]).log2();
+        // The next term is of the fourth order: (k dt)^2/100 of this one.
+        assert!((order - 2.0).abs() < 0.01, "{errors:?}");
+    }
 }

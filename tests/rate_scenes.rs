@@ -110,3 +110,21 @@ fn flow_that_the_net_does_not_resolve_is_noted() {
     assert!(notes("1e7").iter().all(|k_dt| (k_dt / (1e7 * dt) - 1.0).abs() < 1e-12));
     assert_eq!(notes("1e7").len(), 1);
 }
+
+#[test]
+fn a_rate_scene_runs_on_the_grid_where_it_asks_for_that() {
+    let on_grid = scene(MALVERN, "method = \"fd\"\ncells = 1000", "");
+    let summary = run(&on_grid, None, &mut |_| Wish::GoOn).expect("it runs");
+    assert_eq!((summary.method.as_str(), summary.scheme.as_str()), ("fd", "leapfrog"));
+    assert!(summary.effects.iter().any(|e| e.starts_with("rate: malvern")), "{:?}", summary.effects);
+    // 1e6 cell-steps of rounding.
+    assert!(summary.ledger.energy_residual < 1e-12 && summary.ledger.momentum_residual < 1e-12, "{:?}", summary.ledger);
+    let bytes = |effects: &str| {
+        let work = serde_json::to_value(plan(&scene(effects, "method = \"fd\"", ""))).expect("json");
+        work["bytes_per_yielded_cell"].as_u64()
+    };
+    // Stress, velocity and the damping's byte, and 2, 5 or 6 numbers of the law.
+    assert_eq!(bytes("unloading = \"isotropic\""), Some(33));
+    assert_eq!(bytes(MALVERN), Some(57));
+    assert_eq!(bytes(&format!("unloading = \"kinematic\"\n{MALVERN}")), Some(65));
+}

@@ -453,10 +453,10 @@ const CASES: &[Case] = &[
     ),
     case(
         "cells = 1000",
-        "method = \"fd\"\n[effects.rate]\nmodel = \"malvern\"\nk = 1e6",
-        "fd",
-        "solve.method",
-        &["\"fd\" does not follow the effect of the strain rate", "use method = \"moc\""],
+        "method = \"fd\"\nevent-budget = 1000\n[effects.rate]\nmodel = \"malvern\"\nk = 1e6",
+        "1000",
+        "solve.event-budget",
+        &["means nothing for a rate-dependent bar", "until, method, scheme, cells, cfl"],
     ),
     case(
         "cells = 1000",

@@ -51,6 +51,24 @@ pub trait CellLaw<const N: usize>: Send + Sync {
     /// E times the accumulated plastic strain, Pa, >= 0. With |sigma| added, it is how far along the loading table the
     /// cell has come.
     fn accumulated(&self, state: [f64; N]) -> f64;
+
+    /// How far the cell has come along the loading table, as E times the equivalent strain, Pa.
+    fn reach(&self, sigma: f64, state: [f64; N]) -> f64 {
+        sigma.abs() + self.accumulated(state)
+    }
+
+    /// Plastic strain takes time: the two below mean something.
+    const TAKES_TIME: bool = false;
+
+    /// E times the work of the overstress over the static curve since the start, per volume, Pa^2.
+    fn overstress_work(&self, _state: [f64; N]) -> f64 {
+        0.0
+    }
+
+    /// In its latest step the cell came to its static curve, or nearly.
+    fn keeps_up(&self, _state: [f64; N]) -> bool {
+        true
+    }
 }
 
 /// A law as a solver holds it: whole rows at a time, chosen once a run.
@@ -78,6 +96,12 @@ pub trait RowLaw: Send + Sync {
 
     /// E times the accumulated plastic strain of cell `i` of a row, Pa.
     fn accumulated(&self, state: &[f64], i: usize) -> f64;
+
+    /// E times the work of the overstress of all cells of a row since the start, per volume, Pa^2; 0 for laws without.
+    fn overstress_work(&self, state: &[f64]) -> f64;
+
+    /// Clears `flow` in cells that flow by a rate which the steps resolve.
+    fn clear_resolved(&self, state: &[f64], flow: &mut [u8]);
 }
 
 /// Makes a [`RowLaw`] of a [`CellLaw`].
@@ -101,7 +125,7 @@ impl<L: CellLaw<N>, const N: usize> RowLaw for Rows<L, N> {
         let mut largest = [0.0_f64; 2];
         for (i, s) in sigma.iter().enumerate() {
             let side = &mut largest[usize::from(*s < 0.0)];
-            *side = side.max(s.abs() + self.accumulated(state, i));
+            *side = side.max(self.0.reach(*s, cell_state(state, i)));
         }
         largest
     }
@@ -112,6 +136,22 @@ impl<L: CellLaw<N>, const N: usize> RowLaw for Rows<L, N> {
 
     fn accumulated(&self, state: &[f64], i: usize) -> f64 {
         self.0.accumulated(cell_state(state, i))
+    }
+
+    fn overstress_work(&self, state: &[f64]) -> f64 {
+        if !L::TAKES_TIME {
+            return 0.0;
+        }
+        (0..state.len() / N).map(|i| self.0.overstress_work(cell_state(state, i))).sum()
+    }
+
+    fn clear_resolved(&self, state: &[f64], flow: &mut [u8]) {
+        if !L::TAKES_TIME {
+            return;
+        }
+        for (i, flow) in flow.iter_mut().enumerate().filter(|(_, flow)| **flow != 0) {
+            *flow = u8::from(self.0.keeps_up(cell_state(state, i)));
+        }
     }
 }
 

@@ -65,6 +65,13 @@ impl Hardening {
         self.end
     }
 
+    /// Index of the piece at p, found from nothing.
+    #[inline]
+    pub fn find(&self, p: f64) -> u32 {
+        let after = self.pieces.partition_point(|piece| piece.start <= p);
+        after.saturating_sub(1) as u32
+    }
+
     /// Index of the piece at p; `from` is one at or before it.
     #[inline]
     pub fn piece_at(&self, p: f64, from: u32) -> u32 {

@@ -13,9 +13,11 @@
 //! References: V. V. Sokolovsky 1948 (Prikl. Mat. Mekh. 12, 261); L. E. Malvern 1951 (J. Appl. Mech. 18, 203);
 //! N. Cristescu 1967 (Dynamic Plasticity, North-Holland).
 
+mod cell;
 mod hardening;
 mod overstress;
 
+pub use cell::Timed;
 pub use hardening::{Hardening, Piece};
 pub use overstress::Overstress;
 
@@ -71,6 +73,14 @@ impl RateLaw {
     /// Static curve for a sense: 0 tension, 1 compression.
     fn side(&self, sense: usize) -> &Hardening {
         &self.hardening[sense.min(self.hardening.len() - 1)]
+    }
+
+    /// A history from E times the accumulated and the signed plastic strain and the back stress, Pa.
+    #[inline]
+    pub fn history(&self, accumulated: f64, signed: f64, back: f64) -> History {
+        let first = self.side(0).find(accumulated);
+        let second = if self.hardening.len() > 1 { self.side(1).find(accumulated) } else { first };
+        History { accumulated, signed, back, piece: [first, second] }
     }
 
     /// Stresses between which a cell is elastic, Pa: lower and upper.

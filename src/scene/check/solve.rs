@@ -46,14 +46,9 @@ impl Checker<'_> {
         };
         let until = self.document.number(until, "solve.until", Dimension::Time, Allowed::Positive)?;
         let rate = effects.rate.is_some();
-        // Only one method can follow a rate-dependent bar.
+        // A net follows fronts of rate-dependent bars within one cell.
         let default = if rate { RawMethod::Moc } else { RawMethod::Fd };
         let method = raw.method.as_ref().map_or(default, |m| *m.get_ref());
-        if let (Some(given), RawMethod::Fd, true) = (&raw.method, method, rate) {
-            let message = "the method \"fd\" does not follow the effect of the strain rate";
-            let error = self.error(given.span(), "solve.method", message).allowed("\"moc\"");
-            return Err(error.help("use method = \"moc\", or take `rate` out of [effects]").into());
-        }
         if let (Some(rupture), RawMethod::Moc, true) = (&effects.rupture, method, rate) {
             let message = "the characteristic net, which solves rate-dependent bars, does not follow rupture";
             let error = self.error(rupture.span(), "effects.rupture", message);
@@ -95,8 +90,15 @@ impl Checker<'_> {
         let foreign = given(raw).into_iter().find(|(name, _)| !method.keys(rate).contains(name));
         let Some((name, span)) = foreign else { return Ok(()) };
         let (word, out) = (method.word(), format!("take `{name}` out (on the command line: --set solve.{name}=)"));
-        let (message, help) = if rate {
-            (format!("`{name}` means nothing for a rate-dependent bar, which is solved on a characteristic net"), out)
+        let (message, help) = if rate && method == RawMethod::Fd {
+            (format!("`{name}` means nothing for a rate-dependent bar, in which no fronts are tracked"), out)
+        } else if rate {
+            let help = if RawMethod::Fd.keys(rate).contains(&name) {
+                format!("use method = \"fd\", which has it, or {out}")
+            } else {
+                out
+            };
+            (format!("`{name}` means nothing for a rate-dependent bar on a characteristic net, method = \"moc\""), help)
         } else {
             let other = if method == RawMethod::Fd { RawMethod::Moc } else { RawMethod::Fd };
             let help = format!("use method = \"{}\", which has it, or {out}", other.word());

@@ -33,7 +33,7 @@ pub(super) struct Block {
     pub v: Vec<f64>,
     /// Law state, empty until the block yields.
     pub state: Vec<f64>,
-    /// 1 in cells that flowed in the latest step, else 0; empty until the block yields.
+    /// 1 in cells that flowed in the latest step (not where the rate of flow is resolved), else 0; empty until the block yields.
     pub flow: Vec<u8>,
     /// Running sum over cells and steps of the plastic work as [`RowLaw::advance`] gives it.
     pub plastic: f64,
@@ -174,6 +174,7 @@ impl Block {
                 *sum += *work;
             }
         }
+        law.law.clear_resolved(&self.state, &mut self.flow);
     }
 
     /// E times the signed plastic strain of local cell `i`, Pa.

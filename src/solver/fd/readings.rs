@@ -38,9 +38,9 @@ pub struct Energies {
     pub kinetic: f64,
     /// Sum of sigma^2/(2E) dV.
     pub elastic: f64,
-    /// Plastic work since the start.
+    /// Plastic work since the start, without that of the overstress.
     pub plastic: f64,
-    /// Taken by the ripple damping since the start (0 in an elastic run).
+    /// Taken by the ripple damping, and by the overstress of rate-dependent cells, since the start (0 in an elastic run).
     pub viscous: f64,
     /// Lost by the faces of joints that met (0 without joints that can open).
     pub concentrated: f64,
@@ -141,8 +141,9 @@ impl Leapfrog {
             let c = &self.constants[block.segment];
             let squares: f64 = block.sigma.iter().map(|s| s * s).sum();
             total.elastic += 0.5 * c.cell_volume * squares / c.modulus;
-            total.plastic += 0.5 * c.cell_volume * block.plastic / c.modulus;
-            total.viscous += 0.5 * c.cell_mass * block.damped;
+            let over = self.laws[block.segment].law.overstress_work(&block.state) / c.modulus;
+            total.plastic += 0.5 * c.cell_volume * block.plastic / c.modulus - c.cell_volume * over;
+            total.viscous += 0.5 * c.cell_mass * block.damped + c.cell_volume * over;
             let inner = block.sigma.len();
             let (mut product, mut sum) = (0.0, 0.0);
             for i in 1..inner {

@@ -142,8 +142,10 @@ fn grid_work(scene: &Scene, grid: &Grid) -> (Work, usize) {
     let (cells, steps) = (grid.cells(), run::steps(scene, grid.dt));
     let law = assemble::stepped_law(&scene.bar.segments[0], &scene.effects, grid.dt);
     let number = size_of::<f64>();
+    // A bar that can break keeps the work of its cells.
+    let work_kept = usize::from(scene.effects.rupture.is_some()) * number;
     // Stress and velocity; then the law's state and a byte for the damping.
-    let (elastic, yielded) = (2 * number, (2 + law.law.state_len()) * number + 1);
+    let (elastic, yielded) = (2 * number, (2 + law.law.state_len()) * number + 1 + work_kept);
     let (elastic_cell, work) = (elastic_seconds_per_cell_step(), (cells * steps) as f64);
     let flowing = match scene.effects.rate {
         None => PLASTIC_COST * elastic_cell,

@@ -179,7 +179,7 @@ impl Leapfrog {
         let criterion = &breaking.criteria.segments[block.segment];
         let (cell, own) = (block.cells.start + due.cell, self.share(due.block, due.cell, criterion));
         let holds = |node: usize, beyond: Option<usize>| {
-            let Some(cell) = beyond.filter(|&cell| cell < self.grid.cells()) else { return None };
+            let cell = beyond.filter(|&cell| cell < self.grid.cells())?;
             let (k, i) = self.block_of(cell);
             let met = Criterion::is_met(self.share(k, i, criterion) * due.share / own, 1.0);
             Some(met && !self.is_parted(breaking, node))

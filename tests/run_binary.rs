@@ -194,8 +194,17 @@ fn mild_steel_wall() {
 
 #[test]
 fn mild_steel_precursor() {
+    precursor("mild-steel-precursor.toml");
+}
+
+#[test]
+fn mild_steel_precursor_on_the_grid() {
+    precursor("mild-steel-rate-on-the-grid.toml");
+}
+
+fn precursor(name: &str) {
     let folder = tempfile::tempdir().expect("a folder");
-    let scene = runs().join("mild-steel-precursor.toml").display().to_string();
+    let scene = runs().join(name).display().to_string();
     let output = barwave(folder.path(), &["run", &scene, "--json", "-o", "out.h5"]);
     let summary: Value = serde_json::from_slice(&output.stdout).expect("one JSON value");
     assert_contract(&summary, name);

@@ -109,7 +109,7 @@ pub struct PlannedEffect {
 const PLASTIC_COST: f64 = 6.0;
 
 /// Time of a step of a flowing rate-dependent cell on the grid: by Malvern's law, and by those with a power or a logarithm.
-const RATE_MALVERN: f64 = 20e-9;
+const RATE_MALVERN: f64 = 40e-9;
 const RATE_OTHER: f64 = 150e-9;
 
 /// Makes the plan.

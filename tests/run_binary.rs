@@ -184,6 +184,27 @@ fn copper_above_critical() {
 }
 
 #[test]
+fn spall() {
+    let summary = run("spall.toml", &[]);
+    assert_contract(&summary, "spall.toml");
+    assert_eq!(summary["outcome"], "rupture");
+    let [rupture] = &summary["ruptures"].as_array().expect("a list")[..] else { panic!("{}", summary["ruptures"]) };
+    assert_eq!((&rupture["cause"], &rupture["site"]), (&"spall".into(), &"segment 1".into()));
+    // Half the pulse's length off the free end, to a cell.
+    assert!((number(&rupture["x_m"]) - 0.18).abs() < 2.1e-4, "{rupture}");
+}
+
+#[test]
+fn energy_method_breaks() {
+    let summary = run("energy-method-breaks.toml", &[]);
+    assert_contract(&summary, "energy-method-breaks.toml");
+    assert_eq!(summary["outcome"], "rupture");
+    let rupture = &summary["ruptures"][0];
+    assert_eq!(rupture["cause"], "energy");
+    assert!((number(&rupture["absorbed_J_m3"]) / 41.3685e6 - 1.0).abs() < 1e-3, "{rupture}");
+}
+
+#[test]
 fn mild_steel_wall() {
     let summary = check("mild-steel-wall.toml", [0.2, 0.2], 1);
     // It has left the wall and flies back, slower than it came.

@@ -226,6 +226,27 @@ fn off_is_free_and_unreached_changes_no_bit() {
     assert!(off.ruptures().is_empty() && on.ruptures().is_empty());
 }
 
+/// The table is there, one row a rupture, where the effect is on, and not where it is off.
+#[test]
+fn the_file_has_a_table_of_ruptures() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (effects, rows) in
+        [("", None), ("rupture = { spall = 500e6 }", Some(1)), ("rupture = { spall = 2e9 }", Some(0))]
+    {
+        let path = folder.path().join("out.h5");
+        let scene = bar(STEEL, PULSE, FREE, effects, "until = 60e-6\ncells = 400");
+        let summary = barwave::run::run(&scene, Some(&path), &mut |_| barwave::run::Wish::GoOn).expect("it runs");
+        assert_eq!(summary.outcome, if rows == Some(1) { "rupture" } else { "done" });
+        assert_eq!(summary.ruptures.map(|r| r.len()), rows);
+        let file = hdf5::File::open(&path).expect("a file");
+        assert_eq!(file.dataset("ruptures").ok().map(|table| table.shape()[0]), rows);
+        assert_eq!(
+            file.dataset("ledger/fracture").expect("a column").shape(),
+            file.dataset("ledger/time").expect("a column").shape()
+        );
+    }
+}
+
 #[test]
 fn what_is_wrong_is_said() {
     let wrong = |segment: &str, effects: &str, solve: &str| {

@@ -12,6 +12,7 @@
 use super::block::{Block, Stage};
 use super::contact::Contact;
 use super::leapfrog::{Edge, Leapfrog, last};
+use crate::law::LANES;
 use crate::law::rupture::{Cause, Criteria, Criterion, Rupture, Site, Strained};
 
 /// The wave that frees a broken place is behind the one that would break the next cell too, where both run with the
@@ -111,9 +112,9 @@ impl Leapfrog {
             Some(reach) => law.reach(&block.sigma, &block.state)[0] * ease >= reach,
             None if block.absorbed.is_empty() => true,
             None => {
-                let place = |(&stress, &work): (&f64, &f64)| Strained { stress, plastic: 0.0, work };
-                let shares = block.sigma.iter().zip(&block.absorbed).map(|cell| criterion.share(&place(cell)));
-                shares.fold(0.0, f64::max) * ease >= 1.0
+                let (sigma, work) = (&block.sigma[..], &block.absorbed[..block.sigma.len()]);
+                let share = |i: usize| criterion.share(&Strained { stress: sigma[i], plastic: 0.0, work: work[i] });
+                largest_of(sigma.len(), share) * ease >= 1.0
             }
         }
     }
@@ -326,5 +327,19 @@ impl Notch {
 }
 
 fn largest(values: &[f64]) -> f64 {
-    values.iter().fold(0.0, |top, &v| if v > top { v } else { top })
+    largest_of(values.len(), |i| values[i])
+}
+
+/// Largest of some values, 0 at the least, in lanes that the processor can take side by side.
+#[inline(always)]
+fn largest_of(count: usize, value: impl Fn(usize) -> f64) -> f64 {
+    let mut top = [0.0_f64; LANES];
+    let whole = count - count % LANES;
+    for start in (0..whole).step_by(LANES) {
+        for (lane, top) in top.iter_mut().enumerate() {
+            let v = value(start + lane);
+            *top = if v > *top { v } else { *top };
+        }
+    }
+    (whole..count).map(value).chain(top).fold(0.0, f64::max)
 }

@@ -321,23 +321,7 @@ fn striker_bar() {
 }
 
 #[test]
-fn spall() {
-    let summary = run("spall.toml", &[]);
-    assert_contract(&summary, "spall.toml");
-    assert_eq!(summary["outcome"], "rupture");
-    let rupture = &summary["ruptures"][0];
-    // Half the length of the pulse, 4 cm, from the free end at 20 cm, within a cell of 0.2 mm.
-    assert!((number(&rupture["x_m"]) - 0.18).abs() <= 2e-4, "{rupture}");
-    // The piece that flies off has the momentum of its half of the pulse: twice the particle velocity.
-    assert!((number(&summary["right"]["velocity_m_s"]) - 40.0).abs() < 1e-6, "{summary}");
-}
-
-#[test]
-fn energy_method() {
-    let breaks = run("energy-method-breaks.toml", &[]);
-    assert_contract(&breaks, "energy-method-breaks.toml");
-    assert_eq!(breaks["outcome"], "rupture");
-    // 50 lb at 30 ft/s does not break it.
+fn the_energy_method_s_lighter_weight_does_not_break_the_bar() {
     let light = ["--set", "bar.segment.1.area=176.056 in^2", "--set", "bar.segment.1.velocity=30 ft/s"];
     let holds = run("energy-method-breaks.toml", &light);
     assert_eq!(holds["outcome"], "done", "{holds}");

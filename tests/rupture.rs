@@ -263,5 +263,5 @@ fn what_is_wrong_is_said() {
     assert!(wrong("", "rupture = { spall = \"1 m\" }", "").contains("stress"));
     assert!(wrong("", "rupture = { energy = 0 }", "").contains('0'));
     let rate = "rate = { model = \"malvern\", k = 1e6 }\nrupture = { spall = 1e9 }";
-    assert!(wrong("", rate, "").contains("does not follow rupture"));
+    assert!(wrong("", rate, "").contains("depends on the strain rate is not followed"));
 }

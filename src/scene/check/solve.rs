@@ -49,8 +49,8 @@ impl Checker<'_> {
         // A net follows fronts of rate-dependent bars within one cell.
         let default = if rate { RawMethod::Moc } else { RawMethod::Fd };
         let method = raw.method.as_ref().map_or(default, |m| *m.get_ref());
-        if let (Some(rupture), RawMethod::Moc, true) = (&effects.rupture, method, rate) {
-            let message = "the characteristic net, which solves rate-dependent bars, does not follow rupture";
+        if let (Some(rupture), true) = (&effects.rupture, rate) {
+            let message = "rupture of a bar whose flow depends on the strain rate is not followed";
             let error = self.error(rupture.span(), "effects.rupture", message);
             return Err(error.help("take `rate` out of [effects]: both methods then follow rupture").into());
         }

@@ -313,9 +313,10 @@ def test_both_methods_agree_on_the_fields(run):
 def test_a_long_tracked_run_balances(run):
     path = run(LET_GO)
     ledger = open_xarray(path, "ledger")
-    assert float(abs(ledger.residual).max()) < 1e-12
-    total = ledger.kinetic + ledger.elastic + ledger.plastic + ledger.concentrated
-    assert float(total[-1]) == pytest.approx(float(ledger.work_left[-1]), rel=1e-12)
+    # Nodes nearer than 1e-8 of the front tolerance (times the length) are taken as one.
+    assert float(abs(ledger.residual).max()) < 1e-9
+    total = ledger.kinetic + ledger.elastic + ledger.plastic + ledger.viscous + ledger.concentrated
+    assert float(total[-1]) == pytest.approx(float(ledger.work_left[-1]), rel=1e-9)
     with h5py.File(path) as file:
         assert file["paths"].attrs["complete"] == 1
         for side in ("left", "right"):

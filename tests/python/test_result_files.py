@@ -194,7 +194,7 @@ def assert_frames_are_sound(file):
         assert values.shape[0] == frames
         assert np.isfinite(values).all()
     # The bar is pulled: the frames hold waves, not just zeros.
-    assert file["stress"][frames - 1].max() > 1e6
+    assert abs(file["stress"][frames - 1]).max() > 1e5
 
 
 def test_a_killed_run_leaves_its_frames(program, long_scene, tmp_path):

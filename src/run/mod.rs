@@ -12,14 +12,14 @@ use std::time::Instant;
 use crate::assemble;
 use crate::bar::{Launch, launches};
 use crate::error::{Error, Result};
-use crate::law::rupture::{Cause, Rupture};
+use crate::law::rupture::Rupture;
 use crate::material::Sense;
 use crate::record::store::{Finish, Header, Layout, Side, Writer};
 use crate::record::{
     AuditRow, ElasticCheck, EndSummary, ErrorFigure, FrontRow, FrontSummary, LedgerSummary, MaterialRecord,
     RuptureSummary, Summary, Trace, TrackingSummary, View, above_critical,
 };
-use crate::scene::{Effects, Method, Rate, Scene, Unloading};
+use crate::scene::{Effects, Method, Scene};
 use crate::wave::similarity;
 
 /// How far a run is.
@@ -79,27 +79,7 @@ pub fn run(scene: &Scene, output: Option<&Path>, progress: &mut dyn FnMut(Progre
 
 /// Effects of a scene by name, as they are written to files and summaries.
 pub fn effect_names(effects: &Effects, plasticity: bool) -> Vec<String> {
-    let mut names = Vec::new();
-    if plasticity {
-        names.push("plasticity".to_owned());
-    }
-    match effects.unloading {
-        Some(Unloading::Isotropic) => names.push("unloading: isotropic".to_owned()),
-        Some(Unloading::Kinematic) => names.push("unloading: kinematic".to_owned()),
-        Some(Unloading::Mixed(fraction)) => names.push(format!("unloading: mixed {fraction}")),
-        None => {}
-    }
-    names.extend(effects.rate.map(|rate| match rate {
-        Rate::Malvern { k } => format!("rate: malvern k = {k} 1/s"),
-        Rate::CowperSymonds { d, q } => format!("rate: cowper-symonds D = {d} 1/s, q = {q}"),
-        Rate::JohnsonCook { c, reference } => format!("rate: johnson-cook C = {c}, reference = {reference} 1/s"),
-    }));
-    names.extend(effects.rupture.as_ref().map(|rupture| match (rupture.cause, rupture.threshold) {
-        (Cause::Energy, Some(energy)) => format!("rupture: energy = {energy} J/m^3"),
-        (Cause::Spall, Some(stress)) => format!("rupture: spall = {stress} Pa"),
-        (cause, _) => format!("rupture: {}", cause.name()),
-    }));
-    names
+    plasticity.then(|| "plasticity".to_owned()).into_iter().chain(effects.names()).collect()
 }
 
 /// The critical velocity that goes with a bar's loading: of the struck material in the sense in which it is struck.

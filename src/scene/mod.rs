@@ -1,6 +1,7 @@
 //! A scene: what the user typed (`raw`), what it means (`check`), as plain data in SI (here).
 
 mod check;
+mod effects;
 mod not_yet;
 mod overrides;
 mod raw;
@@ -11,9 +12,9 @@ use std::path::{Path, PathBuf};
 use crate::bar::{Bar, EndCondition};
 use crate::error::Result;
 use crate::input::Document;
-use crate::law::rupture::Cause;
 use crate::record::{Compression, Field, Precision};
 
+pub use effects::{Damping, Effects, Heat, Rate, Rupture, Unloading};
 use overrides::Overrides;
 pub use raw::RawScene;
 
@@ -42,69 +43,6 @@ pub struct Scene {
     pub solve: Solve,
     /// What to record.
     pub record: Record,
-}
-
-/// What is simulated beyond path-independent loading.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Effects {
-    /// Elastic unloading of yielded points; none: the curve is followed both ways.
-    pub unloading: Option<Unloading>,
-    /// Plastic strain takes time; never without unloading.
-    pub rate: Option<Rate>,
-    /// The bar breaks where it can take no more.
-    pub rupture: Option<Rupture>,
-}
-
-/// When the bar breaks, see [`crate::law::rupture`].
-#[derive(Debug, Clone, PartialEq)]
-pub struct Rupture {
-    /// What it breaks of.
-    pub cause: Cause,
-    /// Energy per volume (J/m^3) or tensile stress (Pa); for the critical strain none, each material has its own.
-    pub threshold: Option<f64>,
-    /// Notch factor of each segment, >= 1.
-    pub notches: Vec<f64>,
-    /// Notch factor of the joint behind each segment, >= 1, on top of those of the segments.
-    pub joint_notches: Vec<f64>,
-}
-
-/// A law of the strain rate, see [`crate::law::rate`].
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
-#[serde(tag = "model", rename_all = "kebab-case")]
-pub enum Rate {
-    /// Plastic strain rate = k (stress - static)/E.
-    Malvern {
-        /// 1/s, > 0.
-        k: f64,
-    },
-    /// Plastic strain rate = D (stress/static - 1)^q.
-    CowperSymonds {
-        /// 1/s, > 0.
-        #[serde(rename = "D")]
-        d: f64,
-        /// > 0.
-        q: f64,
-    },
-    /// stress = static (1 + C ln(rate/reference)) above the static curve.
-    JohnsonCook {
-        /// > 0.
-        #[serde(rename = "C")]
-        c: f64,
-        /// 1/s, > 0.
-        reference: f64,
-    },
-}
-
-/// How the yield stress moves with plastic flow.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Unloading {
-    /// Tension and compression harden alike.
-    Isotropic,
-    /// The elastic range keeps its size and moves.
-    Kinematic,
-    /// The given fraction (0 to 1) of the hardening is kinematic.
-    Mixed(f64),
 }
 
 /// How the scene is solved.

@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value, json};
 
-use super::{Effects, Method, Record, Scene, Solve};
+use super::{Method, Record, Scene, Solve};
 use crate::bar::{EndCondition, History, Joint, Segment};
 use crate::record::{Compression, Precision};
 
@@ -18,7 +18,7 @@ pub(super) fn json(scene: &Scene) -> Value {
         },
         "left": end(&scene.left),
         "right": end(&scene.right),
-        "effects": effects(&scene.effects),
+        "effects": scene.effects,
         "solve": solve(&scene.solve),
         "record": record(&scene.record, &scene.solve.method),
     })
@@ -56,19 +56,6 @@ fn end(end: &EndCondition) -> Value {
 
 fn rows(history: &History) -> Vec<[f64; 2]> {
     history.time().iter().zip(history.value()).map(|(&t, &v)| [t, v]).collect()
-}
-
-fn effects(effects: &Effects) -> Value {
-    let mut value = json!({ "unloading": effects.unloading, "rate": effects.rate });
-    if let Some(rupture) = &effects.rupture {
-        value["rupture"] = json!({
-            "cause": rupture.cause,
-            "threshold": rupture.threshold,
-            "notches": rupture.notches,
-            "joint_notches": rupture.joint_notches,
-        });
-    }
-    value
 }
 
 fn solve(solve: &Solve) -> Value {

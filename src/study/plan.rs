@@ -246,33 +246,27 @@ fn effects(scene: &Scene, launches: &[crate::bar::Launch]) -> Vec<PlannedEffect>
         }
     };
     let mut list = vec![PlannedEffect { effect: "plasticity".into(), on: yields && !linear, why: why.into() }];
-    let named = |effects: Effects| run::effect_names(&effects, false).into_iter().next();
-    let unloading = named(Effects { rate: None, rupture: None, ..scene.effects.clone() });
-    list.push(match unloading {
+    list.extend(Effects::KEYS.iter().map(|key| match scene.effects.named(key) {
         Some(effect) => PlannedEffect { effect, on: true, why: "the scene asks for it".into() },
         None => PlannedEffect {
-            effect: "unloading".into(),
+            effect: (*key).to_owned(),
             on: false,
-            why: "the scene does not ask for it; the run says so if a yielded point unloads".into(),
+            why: format!("the scene does not ask for it: {}", without(key)),
         },
-    });
-    list.push(match named(Effects { unloading: None, rupture: None, ..scene.effects.clone() }) {
-        Some(effect) => PlannedEffect { effect, on: true, why: "the scene asks for it".into() },
-        None => PlannedEffect {
-            effect: "rate".into(),
-            on: false,
-            why: "the scene does not ask for it: the curve holds at any strain rate".into(),
-        },
-    });
-    list.push(match named(Effects { unloading: None, rate: None, ..scene.effects.clone() }) {
-        Some(effect) => PlannedEffect { effect, on: true, why: "the scene asks for it".into() },
-        None => PlannedEffect {
-            effect: "rupture".into(),
-            on: false,
-            why: "the scene does not ask for it: the bar holds for ever".into(),
-        },
-    });
+    }));
     list
+}
+
+/// What a run assumes without an effect.
+fn without(key: &str) -> &'static str {
+    match key {
+        "unloading" => "the run says so if a yielded point unloads",
+        "rate" => "the curve holds at any strain rate",
+        "heat" => "the bar stays as cold as the curve",
+        "rupture" => "the bar holds for ever",
+        "damping" => "nothing but plastic flow takes energy",
+        _ => "sections stay plane and move along the bar only",
+    }
 }
 
 /// Time of the elastic kernel on this machine: the shortest of some runs over one row in the cache.

@@ -87,7 +87,7 @@ impl Checker<'_> {
         let rate = raw.rate.as_ref().map(|rate| self.rate(rate)).transpose()?;
         let Some(unloading) = &raw.unloading else {
             // A curve that is followed both ways has no plastic strain that could take time.
-            return Ok(Effects { unloading: rate.map(|_| Unloading::Isotropic), rate, rupture: None });
+            return Ok(Effects { unloading: rate.map(|_| Unloading::Isotropic), rate, ..Effects::default() });
         };
         let key = "effects.unloading";
         let kind = match unloading.get_ref() {
@@ -105,6 +105,6 @@ impl Checker<'_> {
             let help = "use unloading = \"isotropic\", or a material without a compression curve of its own";
             return Err(self.error(unloading.span(), key, message).allowed("\"isotropic\"").help(help).into());
         }
-        Ok(Effects { unloading: Some(kind), rate, rupture: None })
+        Ok(Effects { unloading: Some(kind), rate, ..Effects::default() })
     }
 }

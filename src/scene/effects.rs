@@ -1,0 +1,169 @@
+//! What is simulated beyond path-independent loading: only what the scene names.
+
+use serde::Serialize;
+
+use crate::law::rupture::Cause;
+
+/// What is simulated beyond path-independent loading. The default is nothing.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct Effects {
+    /// Elastic unloading of yielded points; none: the curve is followed both ways.
+    pub unloading: Option<Unloading>,
+    /// Plastic strain takes time; never without unloading.
+    pub rate: Option<Rate>,
+    /// Plastic work warms the bar, and warm metal yields earlier; never without unloading.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub heat: Option<Heat>,
+    /// The bar breaks where it can take no more.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rupture: Option<Rupture>,
+    /// Forces that take energy from the motion, or hold the bar in its place along its length.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub damping: Option<Damping>,
+    /// Love's correction: the section's material moves sideways as the bar stretches, and has to be accelerated.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub lateral_inertia: bool,
+}
+
+/// How the yield stress moves with plastic flow.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Unloading {
+    /// Tension and compression harden alike.
+    Isotropic,
+    /// The elastic range keeps its size and moves.
+    Kinematic,
+    /// The given fraction (0 to 1) of the hardening is kinematic.
+    Mixed(f64),
+}
+
+/// A law of the strain rate, see [`crate::law::rate`].
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(tag = "model", rename_all = "kebab-case")]
+pub enum Rate {
+    /// Plastic strain rate = k (stress - static)/E.
+    Malvern {
+        /// 1/s, > 0.
+        k: f64,
+    },
+    /// Plastic strain rate = D (stress/static - 1)^q.
+    CowperSymonds {
+        /// 1/s, > 0.
+        #[serde(rename = "D")]
+        d: f64,
+        /// > 0.
+        q: f64,
+    },
+    /// stress = static (1 + C ln(rate/reference)) above the static curve.
+    JohnsonCook {
+        /// > 0.
+        #[serde(rename = "C")]
+        c: f64,
+        /// 1/s, > 0.
+        reference: f64,
+    },
+}
+
+/// Adiabatic heating; the other constants are the materials' own.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Heat {
+    /// Fraction of the plastic work that turns into heat (Taylor and Quinney), 0 to 1; none: each material's own.
+    pub fraction: Option<f64>,
+}
+
+/// When the bar breaks, see [`crate::law::rupture`].
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Rupture {
+    /// What it breaks of.
+    pub cause: Cause,
+    /// Energy per volume (J/m^3) or tensile stress (Pa); for the critical strain none, each material has its own.
+    pub threshold: Option<f64>,
+    /// Notch factor of each segment, >= 1.
+    pub notches: Vec<f64>,
+    /// Notch factor of the joint behind each segment, >= 1, on top of those of the segments.
+    pub joint_notches: Vec<f64>,
+}
+
+/// Damping and a foundation; each is 0 where it is not asked for.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct Damping {
+    /// Kelvin and Voigt: stress per strain rate, Pa s, >= 0.
+    pub internal: f64,
+    /// Force per length and velocity, N s/m^2, >= 0.
+    pub external: f64,
+    /// Force per length and displacement, N/m^2, >= 0.
+    pub foundation: f64,
+}
+
+impl Effects {
+    /// The keys of the scene language, in the order in which effects are listed.
+    pub const KEYS: [&'static str; 6] = ["unloading", "rate", "heat", "rupture", "damping", "lateral-inertia"];
+
+    /// One effect as it is written to files and summaries, "unloading: isotropic"; none where it is off. `key` is one of
+    /// [`Effects::KEYS`].
+    pub fn named(&self, key: &str) -> Option<String> {
+        match key {
+            "unloading" => self.unloading.map(|u| format!("unloading: {}", u.describe())),
+            "rate" => self.rate.map(|r| format!("rate: {}", r.describe())),
+            "heat" => self.heat.map(|h| match h.fraction {
+                Some(fraction) => format!("heat: fraction {fraction}"),
+                None => "heat".to_owned(),
+            }),
+            "rupture" => self.rupture.as_ref().map(|r| format!("rupture: {}", r.describe())),
+            "damping" => self.damping.map(|d| format!("damping: {}", d.describe())),
+            "lateral-inertia" => self.lateral_inertia.then(|| "lateral-inertia".to_owned()),
+            _ => None,
+        }
+    }
+
+    /// All effects that are on, as [`Effects::named`] has them.
+    pub fn names(&self) -> Vec<String> {
+        Self::KEYS.iter().filter_map(|key| self.named(key)).collect()
+    }
+}
+
+impl Unloading {
+    fn describe(self) -> String {
+        match self {
+            Self::Isotropic => "isotropic".to_owned(),
+            Self::Kinematic => "kinematic".to_owned(),
+            Self::Mixed(fraction) => format!("mixed {fraction}"),
+        }
+    }
+}
+
+impl Rate {
+    fn describe(self) -> String {
+        match self {
+            Self::Malvern { k } => format!("malvern k = {k} 1/s"),
+            Self::CowperSymonds { d, q } => format!("cowper-symonds D = {d} 1/s, q = {q}"),
+            Self::JohnsonCook { c, reference } => format!("johnson-cook C = {c}, reference = {reference} 1/s"),
+        }
+    }
+}
+
+impl Rupture {
+    fn describe(&self) -> String {
+        match (self.cause, self.threshold) {
+            (Cause::Energy, Some(energy)) => format!("energy = {energy} J/m^3"),
+            (Cause::Spall, Some(stress)) => format!("spall = {stress} Pa"),
+            (cause, _) => cause.name().to_owned(),
+        }
+    }
+}
+
+impl Damping {
+    fn describe(self) -> String {
+        let parts = [
+            ("internal", self.internal, "Pa s"),
+            ("external", self.external, "N s/m^2"),
+            ("foundation", self.foundation, "N/m^2"),
+        ];
+        let parts: Vec<String> = parts
+            .iter()
+            .filter(|part| part.1 > 0.0)
+            .map(|(name, value, unit)| format!("{name} = {value} {unit}"))
+            .collect();
+        parts.join(", ")
+    }
+}

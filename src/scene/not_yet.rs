@@ -41,8 +41,6 @@ const WORDS: &[Word] = &[
     word(&["bar", "mode"], "torsion", "torsion", "use mode = \"axial\" (the default)"),
     word(&["effects"], "auto", "the choice of effects by itself", "name them in an [effects] table"),
     word(&["effects", "heat"], "", "heating by plastic work", LEAVE_OUT),
-    word(&["effects", "damping"], "", "damping", LEAVE_OUT),
-    word(&["effects", "lateral-inertia"], "", "lateral inertia", LEAVE_OUT),
     word(&["solve", "scheme"], "muscl", "the scheme muscl", LEAPFROG),
     word(&["solve", "tolerance"], "", "the choice of method by tolerance", CELLS),
     word(&["solve", "viscosity"], "", "artificial viscosity", "leave it out"),

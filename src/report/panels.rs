@@ -124,11 +124,14 @@ pub(super) fn ledger(svg: &mut Svg, panel: Area, view: &View, letter: char) -> R
     if viscous {
         series.push(line("viscous", Stroke::new(colour(3), 1.6), |row| row.viscous));
     }
-    let extra: [(&str, usize, fn(&LedgerRow) -> f64); 2] =
-        [("damping", 4, |row| row.damping), ("foundation", 6, |row| row.foundation)];
-    for (name, hue, value) in extra {
+    let damping = Stroke::new(colour(4), 1.6);
+    let extra: [(&str, Stroke, fn(&LedgerRow) -> f64); 2] = [
+        ("damping", damping.clone(), |row| row.damping),
+        ("foundation", damping.dashed("2 3"), |row| row.foundation),
+    ];
+    for (name, stroke, value) in extra {
         if rows.iter().any(|row| value(row) != 0.0) {
-            series.push(line(name, Stroke::new(colour(hue), 1.6), value));
+            series.push(line(name, stroke, value));
         }
     }
     // What there was at the start and what came in since: the sum has to lie on it.

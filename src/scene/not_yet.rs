@@ -26,7 +26,8 @@ const DRIVEN: &str =
 const STRIKER: &str =
     "give an end kind = \"striker\" with mass and velocity, or lay two segments together with joint = \"contact\"";
 const STRUCK_BAR: &str = "describe a bar in [bar] with its [left] and [right] ends";
-const LEAVE_OUT: &str = "leave it out; the effects that can be simulated are `unloading`, `rate` and `rupture`";
+const LEAVE_OUT: &str = "leave it out; the effects that can be simulated are `unloading`, `rate`, `rupture`, `damping` and \
+                         `lateral-inertia`";
 const LEAPFROG: &str = "use method = \"fd\" with scheme = \"leapfrog\" (both are the default)";
 const CELLS: &str = "leave it out and set the resolution with `cells`, e.g. cells = 4000";
 

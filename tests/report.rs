@@ -42,7 +42,7 @@ fn start(path: &Path, frames: usize, stress: f64) -> Writer {
     for index in 0..frames {
         let time = index as f64 * 1e-5;
         writer.frame(Frame { time, rows: vec![vec![stress; 50]] }).unwrap();
-        let trace = Trace { time: vec![time], stress: vec![stress], strain: vec![0.0], velocity: vec![0.0] };
+        let trace = Trace { time: vec![time], stress: vec![stress], strain: vec![0.0], velocity: vec![0.0], ..Trace::default() };
         writer.gauge(0, trace.clone()).unwrap();
         writer.end(Side::Left, trace).unwrap();
         writer.ledger(LedgerRow { time, kinetic: time, ..LedgerRow::default() }).unwrap();

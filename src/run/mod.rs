@@ -270,6 +270,7 @@ fn create_file(scene: &Scene, path: &Path, x: Vec<f64>, sampling: &str, critical
         area_given: scene.bar.area_given,
         sampling: sampling.into(),
         paths: scene.record.paths,
+        temperature: scene.effects.heat.is_some(),
     };
     Writer::create(path, &header, &layout, &material_records(scene))
 }

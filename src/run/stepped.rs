@@ -77,7 +77,7 @@ impl<'a, S: Stepped> Run<'a, S> {
         let probe = ElasticProbe::new(&scene.bar, &book.launches, scene.solve.until);
         Ok(Self {
             steps: steps(scene, bar.grid().dt),
-            traces: Traces::new(Sampling::at(bar.grid(), places)),
+            traces: Traces::new(Sampling::at(bar.grid(), places), scene.effects.heat.is_some()),
             ledger: Ledger::new(&bar),
             unloading: scene.effects.unloading.is_none().then(|| UnloadingWatch::new(limits(scene, &bar))),
             elastic_check: probe.map(|probe| {

@@ -53,6 +53,10 @@ impl<L: CellLaw<N>, const N: usize> CellLaw<N> for Warming<L> {
         self.law.overstress_work(state)
     }
 
+    fn flows(&self, state: [f64; N]) -> bool {
+        self.law.flows(state)
+    }
+
     fn keeps_up(&self, state: [f64; N]) -> bool {
         self.law.keeps_up(state)
     }

@@ -67,6 +67,11 @@ pub trait CellLaw<const N: usize>: Send + Sync {
         0.0
     }
 
+    /// With [`Self::TAKES_TIME`]: plastic strain is growing.
+    fn flows(&self, _state: [f64; N]) -> bool {
+        false
+    }
+
     /// In its latest step the cell came to its static curve, or nearly.
     fn keeps_up(&self, _state: [f64; N]) -> bool {
         true
@@ -121,6 +126,12 @@ pub trait RowLaw: Send + Sync {
 
     /// Fraction of the plastic work that turns into heat.
     fn heat_fraction(&self) -> f64;
+
+    /// Cell `i` of a row flows by a rate; false for laws without.
+    fn flows(&self, state: &[f64], i: usize) -> bool;
+
+    /// E times the largest strain of a row, Pa; 0 where all is in compression.
+    fn largest_strain(&self, sigma: &[f64], state: &[f64]) -> f64;
 }
 
 /// Makes a [`RowLaw`] of a [`CellLaw`].
@@ -179,6 +190,15 @@ impl<L: CellLaw<N>, const N: usize> RowLaw for Rows<L, N> {
 
     fn heat_fraction(&self) -> f64 {
         self.0.heat_fraction()
+    }
+
+    fn flows(&self, state: &[f64], i: usize) -> bool {
+        L::TAKES_TIME && self.0.flows(cell_state(state, i))
+    }
+
+    fn largest_strain(&self, sigma: &[f64], state: &[f64]) -> f64 {
+        let strain = |(i, sigma): (usize, &f64)| sigma + self.0.plastic_strain(cell_state(state, i));
+        sigma.iter().enumerate().map(strain).fold(0.0, f64::max)
     }
 }
 

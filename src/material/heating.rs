@@ -70,12 +70,8 @@ impl Material {
             ("m", given.exponent),
         ];
         let missing: Vec<&str> = needed.iter().filter(|(_, value)| value.is_none()).map(|(key, _)| *key).collect();
-        let (
-            Some(specific_heat),
-            Some(reference_temperature),
-            Some(melting_temperature),
-            Some(exponent),
-        ) = (given.specific_heat, given.reference_temperature, given.melting_temperature, given.exponent)
+        let (Some(specific_heat), Some(reference_temperature), Some(melting_temperature), Some(exponent)) =
+            (given.specific_heat, given.reference_temperature, given.melting_temperature, given.exponent)
         else {
             return if self.can_flow() { Err(HeatingError::Missing(missing)) } else { Ok(self.clone()) };
         };

@@ -116,7 +116,8 @@ impl<const N: usize> CellLaw<N> for Heated<N> {
         let work = state[4] + 0.5 * (state[3] + overstress) * plastic;
         let Past { history, rise: after } = past;
         let to_warm = after - rise;
-        let all = [history.accumulated, history.signed, to_come.plastic, overstress, work, after, to_warm, history.back];
+        let all =
+            [history.accumulated, history.signed, to_come.plastic, overstress, work, after, to_warm, history.back];
         Response { sigma, state: std::array::from_fn(|k| all[k]), plastic }
     }
 
@@ -139,6 +140,11 @@ impl<const N: usize> CellLaw<N> for Heated<N> {
     #[inline]
     fn overstress_work(&self, state: [f64; N]) -> f64 {
         state[4]
+    }
+
+    #[inline]
+    fn flows(&self, state: [f64; N]) -> bool {
+        state[3] != 0.0
     }
 
     /// As for [`super::Timed`].

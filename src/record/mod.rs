@@ -13,6 +13,7 @@ mod traces;
 mod tracked;
 mod tracked_fronts;
 mod view;
+mod warmth;
 
 use serde::Serialize;
 
@@ -31,6 +32,7 @@ pub use traces::Traces;
 pub use tracked::EndHistories;
 pub use tracked_fronts::{INTERIOR, Paths, TrackedFronts};
 pub use view::{Account, EndState, Start, Stepped, View, quantity};
+pub use warmth::{flowed_both_ways, largest_rise};
 
 /// A field that can be recorded over x and t.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, clap::ValueEnum)]

@@ -207,6 +207,7 @@ impl<'a, S: Stepped> Run<'a, S> {
             error: self.error(),
             ruptured: self.ruptured(),
             ruptures: self.book.ruptures(&self.bar),
+            temperature_rise: self.temperature_rise(),
             paths_complete: false,
         };
         self.book.close(ended, findings)
@@ -217,6 +218,15 @@ impl<'a, S: Stepped> Run<'a, S> {
         let scene = self.book.scene;
         let known = scene.effects.rate.is_none() && self.bar.ruptures().is_empty();
         known.then(|| record::against_similarity(&scene.bar, &self.bar, &self.book.launches))?
+    }
+
+    fn temperature_rise(&self) -> Option<f64> {
+        let segments = self.book.scene.bar.segments.iter().zip(&self.bar.grid().segments);
+        let rises = segments.filter_map(|(segment, part)| {
+            let temperatures = part.cells.clone().map(|cell| self.bar.value(Quantity::Temperature, cell));
+            record::largest_rise(&segment.material, temperatures)
+        });
+        rises.reduce(f64::max)
     }
 
     fn ruptured(&self) -> bool {
@@ -245,6 +255,12 @@ impl<'a, S: Stepped> Run<'a, S> {
             let largest = part.cells.clone().map(strain).fold(0.0, f64::max);
             record::heating(&segment.material, largest)
         }));
+        if self.book.scene.effects.rate.is_none() {
+            rows.extend(segments.iter().zip(&grid.segments).filter_map(|(segment, part)| {
+                let plastic = |cell| (strain(cell), self.bar.value(Quantity::PlasticStrain, cell));
+                record::flowed_both_ways(&segment.material, part.cells.clone().map(plastic))
+            }));
+        }
         rows
     }
 

@@ -14,7 +14,9 @@ use barwave::record::{Field, Ledger, View};
 use barwave::scene::{Effects, Heat, Rate, Scene, Unloading};
 use barwave::solver::fd::{Grid, Leapfrog, Quantity};
 use barwave::solver::moc::{FrontTracking, Settings};
-use common::{DENSITY, MODULUS, YIELD, assert_ledger, bilinear_steel, material, moved, power_law_steel, profile, segment};
+use common::{
+    DENSITY, MODULUS, YIELD, assert_ledger, bilinear_steel, material, moved, power_law_steel, profile, segment,
+};
 use proptest::prelude::*;
 
 const REFERENCE: f64 = 300.0;
@@ -94,7 +96,10 @@ fn perfect_plasticity_softens_exponentially() {
         let level = heating.temperature(Sense::Tension, 0.1) - REFERENCE;
         assert!((level / ((MELTING - REFERENCE) * 0.1 / scale(fraction)) - 1.0).abs() < 1e-12, "{level}");
         assert_eq!(heating.temperature(Sense::Tension, 10.0), MELTING);
-        assert!(curve.ultimate().is_some_and(|u| (u.stress - YIELD).abs() < 1.0), "the maximum is where it starts to flow");
+        assert!(
+            curve.ultimate().is_some_and(|u| (u.stress - YIELD).abs() < 1.0),
+            "the maximum is where it starts to flow"
+        );
     }
 }
 
@@ -153,9 +158,14 @@ fn on_the_adiabatic_curve_a_cell_keeps_nothing_more() {
 }
 
 /// Relative L1 difference of the stresses of two bars over the looks of a run.
-fn difference(cells: usize, material: &Material, reference: &mut dyn FnMut(f64, &[f64]) -> Vec<f64>, e: &Effects) -> f64 {
-    let ends = [pulse(25.0), EndCondition::Fixed];
-    let mut grid = bar(vec![segment(material.clone(), 1.0)], ends, e, cells);
+fn difference(
+    (cells, left): (usize, EndCondition),
+    material: &Material,
+    reference: &mut dyn FnMut(f64, &[f64]) -> Vec<f64>,
+    effects: &Effects,
+) -> f64 {
+    let ends = [left, EndCondition::Fixed];
+    let mut grid = bar(vec![segment(material.clone(), 1.0)], ends, effects, cells);
     let x = grid.grid().centres();
     let (mut missed, mut total) = (0.0, 0.0);
     for look in 1..=20 {
@@ -171,22 +181,27 @@ fn difference(cells: usize, material: &Material, reference: &mut dyn FnMut(f64, 
 
 fn tracked(material: &Material, ends: [EndCondition; 2]) -> FrontTracking {
     let bar = Bar { segments: vec![segment(material.clone(), 1.0)], area_given: true };
-    FrontTracking::new(&bar, flow(&effects(Unloading::Isotropic, None)), ends, Settings::default())
+    let settings = Settings { front_tolerance: 3e-4, ..Settings::default() };
+    FrontTracking::new(&bar, flow(&effects(Unloading::Isotropic, None)), ends, settings)
 }
 
 /// Loading, unloading and reflection from a fixed end: both methods run on the one adiabatic curve.
 #[test]
 fn both_methods_agree_on_a_bar_that_warms() {
-    let warm = heated(power_law_steel(), 1.09, 0.9);
+    let rows = [(0.001, YIELD), (0.004, 260e6), (0.02, 330e6), (0.06, 400e6)];
+    let warm = heated(material(&rows, Beyond::Rupture), 1.09, 0.9);
+    eprintln!("knots {}", warm.tension.strain().len());
+    // Pulled at once, and let go when the elastic wave is half-way through.
+    let left = || EndCondition::Velocity { history: common::history(&[(0.0, -25.0)]), release: Some(0.5 / c0()) };
     let by_cells = |cells: usize| {
-        let mut tracked = tracked(&warm, [pulse(25.0), EndCondition::Fixed]);
+        let mut tracked = tracked(&warm, [left(), EndCondition::Fixed]);
         let mut read = |time: f64, x: &[f64]| {
             tracked.advance_to(time).expect("within the budget");
             let mut stress = vec![0.0; x.len()];
             tracked.sweep(x, |k, _, point| stress[k] = point.stress);
             stress
         };
-        difference(cells, &warm, &mut read, &effects(Unloading::Isotropic, None))
+        difference((cells, left()), &warm, &mut read, &effects(Unloading::Isotropic, None))
     };
     let [coarse, fine] = [400, 1600].map(by_cells);
     eprintln!("curve: fd to moc {coarse:e} {fine:e}");
@@ -204,7 +219,7 @@ fn a_temperature_that_is_a_state_tends_to_that_of_the_curve() {
             common::advance_to(&mut curve, time);
             profile(&curve, Quantity::Stress)
         };
-        difference(cells, &warm, &mut read, &effects(Unloading::Isotropic, STATE))
+        difference((cells, pulse(25.0)), &warm, &mut read, &effects(Unloading::Isotropic, STATE))
     };
     let errors = [100, 200, 400, 800, 1600].map(by_cells);
     eprintln!("state to curve {errors:?}");

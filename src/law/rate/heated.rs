@@ -24,7 +24,8 @@ const MOLTEN: f64 = 1e-9;
 /// A heated cell in steps of one length.
 ///
 /// State: `[E p accumulated, E eps_p signed, E eps_p still to come, signed overstress, work of the overstress times E, rise in
-/// temperature, rise by the static stress still to come]`, and the back stress of the cold curve where `N` is 8. As for
+/// temperature, rise by the static stress still to come, rise at which the elastic limits were last taken]`, and the back
+/// stress of the cold curve where `N` is 9. As for
 /// [`super::Timed`], the half step of flow that follows the stress is in the state already, and what it adds is what is
 /// still to come.
 ///
@@ -39,6 +40,17 @@ pub struct Heated<const N: usize> {
     rise: f64,
 }
 
+/// Where a cell has come to.
+#[derive(Debug, Clone, Copy)]
+struct Past {
+    history: History,
+    /// Rise in temperature so far, K.
+    rise: f64,
+    /// The one that the elastic limits are taken at: theirs stays as it was when the cell last flowed, or cells would creep
+    /// by what rounding and the order of the scheme leave between the two.
+    limit: f64,
+}
+
 /// Half a step of flow.
 #[derive(Debug, Clone, Copy, Default)]
 struct Half {
@@ -50,35 +62,35 @@ struct Half {
 }
 
 impl<const N: usize> Heated<N> {
-    /// The law over the cold tables, in steps of `time`, s. `N` is 7, or 8 for a law with a back stress.
+    /// The law over the cold tables, in steps of `time`, s. `N` is 8, or 9 for a law with a back stress.
     pub fn new(law: RateLaw, heating: &Heating, modulus: f64, time: f64) -> Self {
         let rise = heating.rise_per_work() / modulus;
         Self { law, half: 0.5 * time, heating: heating.clone(), rise }
     }
 
-    /// Half a step of flow at fixed strain from stress `sigma`; `rise` is taken along.
+    /// Half a step of flow at fixed strain from stress `sigma`.
     #[inline]
-    fn flow(&self, sigma: f64, history: &mut History, rise: &mut f64) -> Half {
-        let (before, cold) = (*history, self.law.limits(history));
-        let g = self.softening(*rise);
-        let first = self.flow_at(g, sigma, cold, history);
+    fn flow(&self, sigma: f64, past: &mut Past) -> Half {
+        let (before, cold) = (past.history, self.law.limits(&past.history));
+        let g = self.softening(past.limit);
+        let first = self.flow_at(g, sigma, cold, &mut past.history);
         if first.flow.plastic == 0.0 {
             return first;
         }
         let sense = usize::from(first.overstress < 0.0);
-        let [low, high] = self.law.limits(history).map(|limit| g * limit);
+        let [low, high] = self.law.limits(&past.history).map(|limit| g * limit);
         let stress = sigma - first.flow.plastic;
         let left = if sense == 0 { stress - high } else { low - stress };
         let left = (left / first.overstress.abs()).clamp(0.0, 1.0);
         // In the sense of the flow the elastic limit rises as the curve of first loading does.
         let beside = if sense == 0 { cold[1] } else { -cold[0] } - self.law.static_stress(&before, sense);
         let cold_work = |flow: &Flow| flow.first_loading + flow.plastic.abs() * beside;
-        let guess = *rise + self.rise * (g * cold_work(&first.flow) + left * first.flow.overstress);
-        *history = before;
-        let at = guess + 0.5 * left * (*rise - guess);
-        let second = self.flow_at(self.softening(at), sigma, cold, history);
-        let warmed = self.rise * self.softening(0.5 * (*rise + guess)) * cold_work(&second.flow);
-        *rise += warmed + self.rise * left * second.flow.overstress;
+        let guess = past.rise + self.rise * (g * cold_work(&first.flow) + left * first.flow.overstress);
+        past.history = before;
+        past.limit = guess + 0.5 * left * (past.rise - guess);
+        let second = self.flow_at(self.softening(past.limit), sigma, cold, &mut past.history);
+        let warmed = self.rise * self.softening(0.5 * (past.rise + guess)) * cold_work(&second.flow);
+        past.rise += warmed + self.rise * left * second.flow.overstress;
         Half { warmed, ..second }
     }
 
@@ -112,13 +124,13 @@ impl<const N: usize> CellLaw<N> for Heated<N> {
     }
 
     fn respond(&self, predictor: f64, state: [f64; N]) -> Response<N> {
-        let back = if N > 7 { state[7] } else { 0.0 };
-        let mut history = self.law.history(state[0], state[1], back);
+        let back = if N > 8 { state[8] } else { 0.0 };
         // Of the overstress of the half step before, as much as if it had stayed.
-        let mut rise = state[5] + state[6] + self.rise * state[3] * state[2];
-        let first = self.flow(predictor, &mut history, &mut rise);
+        let rise = state[5] + state[6] + self.rise * state[3] * state[2];
+        let mut past = Past { history: self.law.history(state[0], state[1], back), rise, limit: state[7] };
+        let first = self.flow(predictor, &mut past);
         let sigma = predictor - first.flow.plastic;
-        let second = self.flow(sigma, &mut history, &mut rise);
+        let second = self.flow(sigma, &mut past);
         let mut overstress = second.overstress;
         if overstress == 0.0 && first.flow.plastic != 0.0 {
             overstress = GONE.copysign(first.flow.plastic);
@@ -126,9 +138,9 @@ impl<const N: usize> CellLaw<N> for Heated<N> {
         let plastic = state[2] + first.flow.plastic;
         let over = 0.5 * (state[3] + overstress) * plastic;
         let warm = (state[5] + state[6] + first.warmed + self.rise * over).clamp(0.0, self.heating.range());
-        let History { accumulated, signed, back, .. } = history;
-        let to_come = second.flow.plastic;
-        let all = [accumulated, signed, to_come, overstress, state[4] + over, warm, second.warmed, back];
+        let History { accumulated, signed, back, .. } = past.history;
+        let (to_come, work) = (second.flow.plastic, state[4] + over);
+        let all = [accumulated, signed, to_come, overstress, work, warm, second.warmed, past.limit, back];
         Response { sigma, state: std::array::from_fn(|k| all[k]), plastic }
     }
 

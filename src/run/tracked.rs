@@ -266,6 +266,7 @@ impl<'a> Run<'a> {
             error: self.error_figure(),
             ruptured: self.breaks.ruptured(self.book.scene, &self.bar),
             ruptures: self.book.ruptures(&self.bar),
+            temperature_rise: self.temperature_rise(),
             paths_complete: self.paths.complete(),
         };
         self.book.close(ended, findings)
@@ -278,6 +279,15 @@ impl<'a> Run<'a> {
         }
         record::tracked_against_similarity(&self.book.scene.bar, &self.bar, &self.book.launches)
             .or_else(|| companion::error_figure(self.book.scene, self.settings, &self.bar))
+    }
+
+    fn temperature_rise(&self) -> Option<f64> {
+        let segments = self.book.scene.bar.segments.iter().enumerate();
+        let rises = segments.filter_map(|(k, segment)| {
+            let pieces = self.bar.pieces().filter(|p| p.segment == k);
+            record::largest_rise(&segment.material, pieces.map(|p| self.bar.temperature(k, p.point)))
+        });
+        rises.reduce(f64::max)
     }
 
     fn audit(&self) -> Vec<AuditRow> {
@@ -295,6 +305,12 @@ impl<'a> Run<'a> {
             record::heating(&segment.material, plastic / self.bar.medium(k).modulus)
         });
         rows.extend(heated);
+        rows.extend(segments.iter().enumerate().filter_map(|(k, segment)| {
+            let modulus = self.bar.medium(k).modulus;
+            let pieces = self.bar.pieces().filter(|p| p.segment == k);
+            let plastic = pieces.map(|p| (p.point.accumulated / modulus, p.point.plastic / modulus));
+            record::flowed_both_ways(&segment.material, plastic)
+        }));
         rows
     }
 

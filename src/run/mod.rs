@@ -64,6 +64,8 @@ pub enum Wish {
 /// error where the result cannot be written. In the first two cases the result file holds everything up to then.
 pub fn run(scene: &Scene, output: Option<&Path>, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<Summary> {
     let started = Instant::now();
+    let cut = scene.in_pieces();
+    let scene = cut.as_ref().unwrap_or(scene);
     match scene.solve.method {
         Method::Leapfrog { cells, cfl } => {
             stepped::run(scene, assemble::leapfrog(scene, cells, cfl), output, started, progress)
@@ -169,7 +171,8 @@ impl<'a> Book<'a> {
 
     /// The ruptures of a bar, if it was to break.
     fn ruptures(&self, bar: &impl View) -> Option<Vec<Rupture>> {
-        self.scene.effects.rupture.as_ref().map(|_| bar.ruptures().to_vec())
+        let named = |rupture: &Rupture| Rupture { site: self.scene.asked_site(rupture.site), ..*rupture };
+        self.scene.effects.rupture.as_ref().map(|_| bar.ruptures().iter().map(named).collect())
     }
 
     /// Notes on impacts above the critical velocity, for a bar that did not break (`parted`) where it was to.
@@ -179,9 +182,36 @@ impl<'a> Book<'a> {
         }
         let row = |launch: &Launch| {
             let material = &self.scene.bar.segments[launch.segment].material;
-            above_critical(launch, material, self.critical.unwrap_or(f64::NAN))
+            let launch = Launch { origin: self.scene.asked_origin(launch.origin), ..launch.clone() };
+            above_critical(&launch, material, self.critical.unwrap_or(f64::NAN))
         };
         self.launches.iter().filter_map(row).collect()
+    }
+
+    /// Fronts with the joints of the scene that was asked for as their origins.
+    fn named(&self, mut rows: Vec<FrontRow>) -> Vec<FrontRow> {
+        if self.scene.cut.is_some() {
+            for row in &mut rows {
+                if let Some(launch) = self.launches.iter().find(|launch| launch.origin.to_string() == row.origin) {
+                    row.origin = self.scene.asked_origin(launch.origin).to_string();
+                }
+            }
+        }
+        rows
+    }
+
+    /// Of findings with their segments, the largest of each segment of the scene that was asked for.
+    fn largest(&self, found: impl Iterator<Item = (usize, AuditRow)>) -> Vec<AuditRow> {
+        let mut rows: Vec<(usize, AuditRow)> = Vec::new();
+        for (segment, row) in found {
+            let segment = self.scene.asked_segment(segment);
+            match rows.last_mut().filter(|last| last.0 == segment) {
+                Some(last) if last.1.estimate >= row.estimate => {}
+                Some(last) => last.1 = row,
+                None => rows.push((segment, row)),
+            }
+        }
+        rows.into_iter().map(|(_, row)| row).collect()
     }
 
     /// Closes the file, whatever the end was, and sums up.

@@ -196,7 +196,7 @@ impl<'a, S: Stepped> Run<'a, S> {
             tracking: None,
             end_time: self.bar.time(),
             ends: self.ends(),
-            fronts: self.tracker.rows(&self.book.scene.record.gauges),
+            fronts: self.book.named(self.tracker.rows(&self.book.scene.record.gauges)),
             audit: self.audit(),
             elastic: self.bar.stayed_elastic(),
             elastic_check: self.elastic_check.as_ref().and_then(|p| p.check.check()),
@@ -241,10 +241,11 @@ impl<'a, S: Stepped> Run<'a, S> {
             rows.push(record::past_data(passed.strain, *time, x[passed.cell], material));
         }
         let strain = |cell: usize| self.bar.value(Quantity::AccumulatedPlasticStrain, cell);
-        rows.extend(segments.iter().zip(&grid.segments).filter_map(|(segment, part)| {
+        let heated = segments.iter().zip(&grid.segments).enumerate().filter_map(|(k, (segment, part))| {
             let largest = part.cells.clone().map(strain).fold(0.0, f64::max);
-            record::heating(&segment.material, largest)
-        }));
+            Some((k, record::heating(&segment.material, largest)?))
+        });
+        rows.extend(self.book.largest(heated));
         rows
     }
 

@@ -255,7 +255,11 @@ impl<'a> Run<'a> {
             }),
             end_time: self.bar.time(),
             ends: self.end_states(),
-            fronts: self.fronts.rows(&self.bar, &self.book.launches, &self.book.scene.record.gauges),
+            fronts: self.book.named(self.fronts.rows(
+                &self.bar,
+                &self.book.launches,
+                &self.book.scene.record.gauges,
+            )),
             audit: self.audit(),
             elastic: self.breaks.stayed_elastic(&self.bar),
             elastic_check: self.elastic_check.as_ref().and_then(ElasticProbe::check),
@@ -292,9 +296,9 @@ impl<'a> Run<'a> {
         let heated = segments.iter().enumerate().filter_map(|(k, segment)| {
             let plastic = self.bar.pieces().filter(|p| p.segment == k);
             let plastic = plastic.map(|p| p.point.accumulated.max(p.point.plastic.abs())).fold(0.0, f64::max);
-            record::heating(&segment.material, plastic / self.bar.medium(k).modulus)
+            Some((k, record::heating(&segment.material, plastic / self.bar.medium(k).modulus)?))
         });
-        rows.extend(heated);
+        rows.extend(self.book.largest(heated));
         rows
     }
 

@@ -1,6 +1,7 @@
 //! A scene: what the user typed (`raw`), what it means (`check`), as plain data in SI (here).
 
 mod check;
+mod cut;
 mod effects;
 mod not_yet;
 mod overrides;
@@ -14,6 +15,7 @@ use crate::error::Result;
 use crate::input::Document;
 use crate::record::{Compression, Field, Precision};
 
+pub use cut::{Cut, MOST_PIECES};
 pub use effects::{Damping, Effects, Heat, Rate, Rupture, Unloading};
 use overrides::Overrides;
 pub use raw::RawScene;
@@ -43,6 +45,8 @@ pub struct Scene {
     pub solve: Solve,
     /// What to record.
     pub record: Record,
+    /// Of a scene whose tapered segments were cut into uniform pieces: what was asked for. None as the scene is read.
+    pub cut: Option<Box<Cut>>,
 }
 
 /// How the scene is solved.

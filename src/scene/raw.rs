@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use schemars::JsonSchema;
 use serde::Deserialize;
-use serde::de::value::MapAccessDeserializer;
-use serde::de::{Deserializer, MapAccess, Visitor};
+use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
+use serde::de::{Deserializer, MapAccess, SeqAccess, Visitor};
 use toml::Spanned;
 
 use crate::input::Number;
@@ -47,12 +47,13 @@ pub struct RawBar {
     /// Length, m, > 0. Required for a uniform bar.
     #[schemars(with = "Option<Quantity>")]
     pub length: Option<Number>,
-    /// Cross-section, m^2, > 0; or give `diameter`. Default: none, forces and energies are then per m^2.
-    #[schemars(with = "Option<Quantity>")]
-    pub area: Option<Number>,
-    /// Diameter of a round section, m, > 0; in place of `area`.
-    #[schemars(with = "Option<Quantity>")]
-    pub diameter: Option<Number>,
+    /// Cross-section, m^2, > 0; or give `diameter`. Where it changes along the bar, rows [x, area]: x in m from the left end,
+    /// increasing, from 0 to the length; straight between rows. Default: none, forces and energies are then per m^2.
+    #[schemars(with = "Option<Section>")]
+    pub area: Option<Spanned<Section>>,
+    /// Diameter of a round section, m, > 0; in place of `area`, and as a table likewise (a cone is straight between rows).
+    #[schemars(with = "Option<Section>")]
+    pub diameter: Option<Spanned<Section>>,
     /// Material: a library name, a path to a material file, or an inline table. Required for a uniform bar.
     #[schemars(with = "Option<MaterialChoice>")]
     pub material: Option<Spanned<MaterialChoice>>,
@@ -81,12 +82,13 @@ pub struct RawSegment {
     /// Length, m, > 0. Required.
     #[schemars(with = "Option<Quantity>")]
     pub length: Option<Number>,
-    /// Cross-section, m^2, > 0; or give `diameter`. All segments state one, or none does.
-    #[schemars(with = "Option<Quantity>")]
-    pub area: Option<Number>,
-    /// Diameter of a round section, m, > 0; in place of `area`.
-    #[schemars(with = "Option<Quantity>")]
-    pub diameter: Option<Number>,
+    /// Cross-section, m^2, > 0; or give `diameter`. All segments state one, or none does. Where it changes along the
+    /// segment, rows [x, area]: x in m from the segment's own left end, increasing, from 0 to its length.
+    #[schemars(with = "Option<Section>")]
+    pub area: Option<Spanned<Section>>,
+    /// Diameter of a round section, m, > 0; in place of `area`, and as a table likewise.
+    #[schemars(with = "Option<Section>")]
+    pub diameter: Option<Spanned<Section>>,
     /// Material: a library name, a path to a material file, or an inline table. Required.
     #[schemars(with = "Option<MaterialChoice>")]
     pub material: Option<Spanned<MaterialChoice>>,
@@ -107,6 +109,53 @@ pub struct RawSegment {
     #[serde(rename = "joint-notch")]
     #[schemars(with = "Option<f64>")]
     pub joint_notch: Option<Number>,
+}
+
+/// An area or a diameter: one, or a table of them along the segment.
+#[derive(Debug, JsonSchema)]
+#[schemars(untagged)]
+pub enum Section {
+    /// All along.
+    Uniform(Quantity),
+    /// Rows [x, size].
+    Table(#[schemars(with = "Vec<[Quantity; 2]>")] Vec<Spanned<Vec<Number>>>),
+}
+
+// By hand: an untagged derive loses the places of the numbers inside.
+impl<'de> Deserialize<'de> for Section {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Choice;
+
+        impl<'de> Visitor<'de> for Choice {
+            type Value = Section;
+
+            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.write_str("a number, a text with a unit such as \"1 cm^2\", or rows [x, size] of a taper")
+            }
+
+            fn visit_f64<E>(self, value: f64) -> Result<Section, E> {
+                Ok(Section::Uniform(Quantity::Number(value)))
+            }
+
+            fn visit_i64<E>(self, value: i64) -> Result<Section, E> {
+                Ok(Section::Uniform(Quantity::Number(value as f64)))
+            }
+
+            fn visit_u64<E>(self, value: u64) -> Result<Section, E> {
+                Ok(Section::Uniform(Quantity::Number(value as f64)))
+            }
+
+            fn visit_str<E>(self, value: &str) -> Result<Section, E> {
+                Ok(Section::Uniform(Quantity::Text(value.to_owned())))
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, rows: A) -> Result<Section, A::Error> {
+                Vec::deserialize(SeqAccessDeserializer::new(rows)).map(Section::Table)
+            }
+        }
+
+        deserializer.deserialize_any(Choice)
+    }
 }
 
 /// How two segments meet.

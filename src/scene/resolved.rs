@@ -7,6 +7,7 @@ use crate::bar::{EndCondition, History, Joint, Segment};
 use crate::record::{Compression, Precision};
 
 pub(super) fn json(scene: &Scene) -> Value {
+    let scene = scene.cut.as_ref().map_or(scene, |cut| &cut.asked);
     json!({
         "title": scene.title,
         "name": scene.name,
@@ -29,14 +30,18 @@ fn segment(segment: &Segment) -> Value {
         Joint::Bonded => ("bonded", None),
         Joint::Contact { gap } => ("contact", Some(gap)),
     };
-    json!({
+    let mut value = json!({
         "length": segment.length,
         "area": segment.area,
         "material": *segment.material,
         "velocity": segment.velocity,
         "joint": joint,
         "gap": gap,
-    })
+    });
+    if let Some(taper) = &segment.taper {
+        value["taper"] = json!(**taper);
+    }
+    value
 }
 
 fn end(end: &EndCondition) -> Value {

@@ -1,13 +1,12 @@
 //! The bar: one uniform piece or a list of segments, their sections, materials and joints.
 
 use std::collections::HashMap;
-use std::f64::consts::PI;
 use std::ops::Range;
 use std::sync::Arc;
 
 use toml::Spanned;
 
-use super::super::raw::{MaterialChoice, RawBar, RawJoint, RawSegment};
+use super::super::raw::{MaterialChoice, RawBar, RawJoint, RawSegment, Section};
 use super::Checker;
 use crate::bar::{Bar, Joint, Segment};
 use crate::error::{Error, Place, Result};
@@ -16,10 +15,10 @@ use crate::material::{self, Material};
 use crate::units::Dimension;
 
 /// What a uniform bar and a segment both state.
-struct Piece<'a> {
+pub(super) struct Piece<'a> {
     length: Option<&'a Number>,
-    area: Option<&'a Number>,
-    diameter: Option<&'a Number>,
+    pub(super) area: Option<&'a Spanned<Section>>,
+    pub(super) diameter: Option<&'a Spanned<Section>>,
     material: Option<&'a Spanned<MaterialChoice>>,
     velocity: Option<&'a Number>,
     /// Where a complaint about something missing points.
@@ -51,14 +50,14 @@ impl Checker<'_> {
 
     /// `[bar]` keys that belong into the segments once there are segments.
     fn no_uniform_keys(&self, piece: &Piece<'_>) -> Result<()> {
-        let numbers = [
-            ("length", piece.length),
-            ("area", piece.area),
-            ("diameter", piece.diameter),
-            ("velocity", piece.velocity),
+        let given = [
+            ("length", piece.length.map(Spanned::span)),
+            ("area", piece.area.map(Spanned::span)),
+            ("diameter", piece.diameter.map(Spanned::span)),
+            ("velocity", piece.velocity.map(Spanned::span)),
+            ("material", piece.material.map(Spanned::span)),
         ];
-        let number = numbers.iter().find_map(|(name, value)| value.map(|v| (*name, v.span())));
-        let Some((name, span)) = number.or_else(|| piece.material.map(|m| ("material", m.span()))) else {
+        let Some((name, span)) = given.into_iter().find_map(|(name, span)| span.map(|span| (name, span))) else {
             return Ok(());
         };
         let message = format!("`{name}` of the whole bar stands beside [[bar.segment]]");
@@ -112,29 +111,19 @@ impl Checker<'_> {
             return Err(self.missing(piece.span.clone(), &format!("{key}.material"), &help));
         };
         let length = self.document.number(length, &format!("{key}.length"), Dimension::Length, Allowed::Positive)?;
-        let area = self.area(piece, key)?;
+        let section = self.section(piece, key, length)?;
         let velocity =
             self.document.optional(piece.velocity, &format!("{key}.velocity"), Dimension::Velocity, Allowed::Finite)?;
         let material = self.material(choice, &format!("{key}.material"), named)?;
         let segment = Segment {
             length,
-            area: area.unwrap_or(1.0),
+            area: section.as_ref().map_or(1.0, |section| section.area),
+            taper: section.as_ref().and_then(|section| section.taper.clone()),
             material,
             velocity: velocity.unwrap_or(0.0),
             joint: Joint::Bonded,
         };
-        Ok((segment, area.is_some()))
-    }
-
-    fn area(&self, piece: &Piece<'_>, key: &str) -> Result<Option<f64>> {
-        let (area_key, diameter_key) = (format!("{key}.area"), format!("{key}.diameter"));
-        if let (Some(_), Some(diameter)) = (piece.area, piece.diameter) {
-            let error = self.error(diameter.span(), &diameter_key, "the section has both an area and a diameter");
-            return Err(error.help("keep `area` or `diameter`, not both").into());
-        }
-        let area = self.document.optional(piece.area, &area_key, Dimension::Area, Allowed::Positive)?;
-        let diameter = self.document.optional(piece.diameter, &diameter_key, Dimension::Length, Allowed::Positive)?;
-        Ok(area.or(diameter.map(|d| PI / 4.0 * d * d)))
+        Ok((segment, section.is_some()))
     }
 
     fn material(&self, choice: &Spanned<MaterialChoice>, key: &str, named: &mut Named) -> Result<Arc<Material>> {

@@ -6,6 +6,7 @@ mod ends;
 mod rate;
 mod record;
 mod rupture;
+mod section;
 mod solve;
 
 use std::ops::Range;
@@ -45,6 +46,7 @@ pub(super) fn check(document: &Document, base: &Path) -> Result<Scene> {
     let until = "add [solve] with until, the end time, e.g. until = \"200 us\"";
     let raw_solve = checker.required(raw.solve.as_ref(), "solve", until)?;
     let solve = checker.solve(raw_solve, &raw.effects)?;
+    checker.taper_can_be_solved(raw_bar.get_ref(), &bar, &solve.method)?;
     let record = checker.record(&raw.record, &bar, &effects, &solve)?;
     let name = Path::new(&document.file).file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
     Ok(Scene {
@@ -59,6 +61,7 @@ pub(super) fn check(document: &Document, base: &Path) -> Result<Scene> {
         effects,
         solve,
         record,
+        cut: None,
     })
 }
 

@@ -102,6 +102,46 @@ const CASES: &[Case] = &[
     ),
     case("frames = 101", "precision = \"f16\"", "f16", "record.precision", &["unknown word `f16`", "\"f64\", \"f32\""]),
     case("cells = 1000", "method = \"fdm\"", "fdm", "solve.method", &["unknown word `fdm`", "did you mean `fd`?"]),
+    // Tapers.
+    case(
+        "\"1 cm^2\"",
+        "[[0, \"1 cm^2\"], [\"90 cm\", \"2 cm^2\"]]",
+        "area = ",
+        "bar.area.1",
+        &["the last row stands at x = 900 mm", "x = 1 m, the segment's length", "give a row at both"],
+    ),
+    case(
+        "\"1 cm^2\"",
+        "[[\"1 cm\", \"1 cm^2\"], [\"1 m\", \"2 cm^2\"]]",
+        "area = ",
+        "bar.area.0",
+        &["row 1 does not stand at the segment's left end", "x increasing from 0"],
+    ),
+    case(
+        "\"1 cm^2\"",
+        "[[0, \"1 cm^2\"], [0.6, \"2 cm^2\"], [0.4, \"3 cm^2\"], [1, \"1 cm^2\"]]",
+        "area = ",
+        "bar.area.2",
+        &["row 3 does not lie to the right of the row before it", "use two segments"],
+    ),
+    case(
+        "\"1 cm^2\"",
+        "[[0, \"1 cm^2\"], [1, \"0 cm^2\"]]",
+        "area = ",
+        "bar.area.1.area",
+        &["0 cm^2 is out of range", "area > 0"],
+    ),
+    case("\"1 cm^2\"", "[[1, \"1 cm^2\"]]", "area = ", "bar.area.0", &["row 1 does not stand at"]),
+    case("\"1 cm^2\"", "[]", "area = ", "bar.area.0", &["a taper needs a row at both ends"]),
+    case("\"1 cm^2\"", "[[0, \"1 cm^2\", 3]]", "area = ", "bar.area.0", &["a row has 3 entries", "[x, area]"]),
+    case(
+        "area = \"1 cm^2\"",
+        "diameter = [[0, \"1 cm^2\"], [1, \"2 cm\"]]",
+        "diameter = ",
+        "bar.diameter.0.diameter",
+        &["a length is expected", "diameter > 0"],
+    ),
+    case("\"1 cm^2\"", "true", "true", "bar.area", &["rows [x, size] of a taper"]),
     // Numbers out of their range.
     case(
         "cells = 1000",

@@ -204,6 +204,14 @@ impl<'a> Run<'a> {
 
     fn stopped(&self, why: &Stopped) -> Error {
         match *why {
+            Stopped::EventBudget { time, events, fronts } if self.book.scene.cut.is_some() => RunError {
+                reason: format!("front tracking used all of its {events} events, with {fronts} fronts under way"),
+                time,
+                x: None,
+                help: "every step of a taper's staircase splits every front: use method = \"fd\", which follows the taper \
+                       itself, or a larger front-tolerance, which makes the steps fewer, or raise event-budget"
+                    .into(),
+            },
             Stopped::EventBudget { time, events, fronts } => {
                 let help = companion::tolerance_that_carries(self.book.scene, self.settings).map_or_else(
                     || "no front-tolerance up to 0.5 carries it through: raise event-budget in [solve]".to_owned(),

@@ -27,7 +27,7 @@ pub const MOST_PIECES: usize = 2000;
 /// What a step may reflect on a net; by front tracking, in parts of the front tolerance, and its bounds.
 const ON_A_NET: f64 = 0.01;
 const PER_TOLERANCE: f64 = 10.0;
-const WITH_FRONTS: [f64; 2] = [0.002, 0.02];
+const WITH_FRONTS: [f64; 2] = [0.002, 0.05];
 
 impl Scene {
     /// The same scene with uniform pieces in the place of its tapered segments; none where the method needs no pieces.

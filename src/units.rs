@@ -46,11 +46,19 @@ pub enum Dimension {
     Temperature,
     /// J/(kg K).
     SpecificHeat,
+    /// rad/s.
+    AngularVelocity,
+    /// N m.
+    Torque,
+    /// kg m^2.
+    MomentOfInertia,
+    /// N m/rad.
+    TorsionalStiffness,
 }
 
 impl Dimension {
     /// Every dimension.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 19] = [
         Self::None,
         Self::Length,
         Self::Area,
@@ -66,6 +74,10 @@ impl Dimension {
         Self::Rate,
         Self::Temperature,
         Self::SpecificHeat,
+        Self::AngularVelocity,
+        Self::Torque,
+        Self::MomentOfInertia,
+        Self::TorsionalStiffness,
     ];
 
     /// With its article, for messages: "a length".
@@ -86,6 +98,10 @@ impl Dimension {
             Self::Rate => "a rate",
             Self::Temperature => "a temperature",
             Self::SpecificHeat => "a specific heat",
+            Self::AngularVelocity => "an angular velocity",
+            Self::Torque => "a torque",
+            Self::MomentOfInertia => "a moment of inertia",
+            Self::TorsionalStiffness => "a torsional stiffness",
         }
     }
 
@@ -107,6 +123,10 @@ impl Dimension {
             Self::Rate => "100 1/s",
             Self::Temperature => "20 degC",
             Self::SpecificHeat => "385 J/(kg*K)",
+            Self::AngularVelocity => "100 rad/s",
+            Self::Torque => "50 N*m",
+            Self::MomentOfInertia => "2 kg*m^2",
+            Self::TorsionalStiffness => "300 N*m/rad",
         }
     }
 
@@ -128,10 +148,14 @@ impl Dimension {
             Self::Rate => "1/s",
             Self::Temperature => "K",
             Self::SpecificHeat => "J/(kg*K)",
+            Self::AngularVelocity => "rad/s",
+            Self::Torque => "N*m",
+            Self::MomentOfInertia => "kg*m^2",
+            Self::TorsionalStiffness => "N*m/rad",
         }
     }
 
-    /// Exponents of m, kg, s, K. Stress and energy per volume have the same.
+    /// Exponents of m, kg, s, K. Stress and energy per volume have the same, and so have others; angles are plain numbers.
     const fn exponents(self) -> table::Exponents {
         match self {
             Self::None => [0, 0, 0, 0],
@@ -144,8 +168,9 @@ impl Dimension {
             Self::Mass => [0, 1, 0, 0],
             Self::Force => [1, 1, -2, 0],
             Self::Stiffness => [0, 1, -2, 0],
-            Self::Energy => [2, 1, -2, 0],
-            Self::Rate => [0, 0, -1, 0],
+            Self::Energy | Self::Torque | Self::TorsionalStiffness => [2, 1, -2, 0],
+            Self::Rate | Self::AngularVelocity => [0, 0, -1, 0],
+            Self::MomentOfInertia => [2, 1, 0, 0],
             Self::Temperature => [0, 0, 0, 1],
             Self::SpecificHeat => [2, 0, -2, -1],
         }

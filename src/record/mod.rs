@@ -20,12 +20,12 @@ pub use audit::{
     UnloadingWatch, above_critical, broken_end, broken_inside, end_of_data, heating, past_data, unresolved_flow,
 };
 pub use checks::{ElasticProbe, against_similarity, tracked_against_similarity};
-pub use frames::{Frames, read_frame};
+pub use frames::{Frames, Twisted, read_frame};
 pub use fronts::FrontTracker;
 pub use ledger::Ledger;
 pub use step_gauges::StepGauges;
 pub use summary::{
-    ElasticCheck, EndSummary, ErrorFigure, FrontSummary, LedgerSummary, RuptureSummary, Summary, TrackingSummary,
+    ElasticCheck, EndSummary, ErrorFigure, FrontSummary, LedgerSummary, RuptureSummary, Summary, TorsionSummary, TrackingSummary,
 };
 pub use traces::Traces;
 pub use tracked::EndHistories;
@@ -49,18 +49,37 @@ pub enum Field {
     PlasticStrain,
     /// Accumulated plastic strain, >= 0.
     AccumulatedPlasticStrain,
+    /// In torsion: torque, N m.
+    Torque,
+    /// In torsion: twist per length, rad/m.
+    Twist,
+    /// In torsion: angular velocity, rad/s.
+    AngularVelocity,
 }
 
 impl Field {
     /// Every field, in the order of the contract.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 9] = [
         Self::Stress,
         Self::Strain,
         Self::Velocity,
         Self::Displacement,
         Self::PlasticStrain,
         Self::AccumulatedPlasticStrain,
+        Self::Torque,
+        Self::Twist,
+        Self::AngularVelocity,
     ];
+
+    /// The field of the surface from which one in torsion is computed; any other field itself.
+    pub fn base(self) -> Self {
+        match self {
+            Self::Torque => Self::Stress,
+            Self::Twist => Self::Strain,
+            Self::AngularVelocity => Self::Velocity,
+            field => field,
+        }
+    }
 
     /// Dataset name.
     pub fn name(self) -> &'static str {
@@ -71,6 +90,9 @@ impl Field {
             Self::Displacement => "displacement",
             Self::PlasticStrain => "plastic_strain",
             Self::AccumulatedPlasticStrain => "accumulated_plastic_strain",
+            Self::Torque => "torque",
+            Self::Twist => "twist",
+            Self::AngularVelocity => "angular_velocity",
         }
     }
 
@@ -81,6 +103,9 @@ impl Field {
             Self::Velocity => "m/s",
             Self::Displacement => "m",
             Self::Strain | Self::PlasticStrain | Self::AccumulatedPlasticStrain => "1",
+            Self::Torque => "N m",
+            Self::Twist => "rad/m",
+            Self::AngularVelocity => "rad/s",
         }
     }
 
@@ -93,6 +118,22 @@ impl Field {
             Self::Displacement => "displacement in +x",
             Self::PlasticStrain => "plastic strain",
             Self::AccumulatedPlasticStrain => "accumulated plastic strain",
+            Self::Torque => "torque in the section",
+            Self::Twist => "twist per length",
+            Self::AngularVelocity => "angular velocity",
+        }
+    }
+
+    /// The same for a bar in torsion, whose fields are those of its surface.
+    pub fn long_name_in_torsion(self) -> &'static str {
+        match self {
+            Self::Stress => "nominal shear stress at the surface, torque times radius over J",
+            Self::Strain => "engineering shear strain at the surface",
+            Self::Velocity => "velocity of the surface, angular velocity times radius",
+            Self::Displacement => "displacement of the surface, angle times radius",
+            Self::PlasticStrain => "plastic shear strain at the surface",
+            Self::AccumulatedPlasticStrain => "accumulated plastic shear strain at the surface",
+            field => field.long_name(),
         }
     }
 }

@@ -139,6 +139,15 @@ impl Units {
                 Self::Us => Unit::new(1.0 / INCH, "in"),
             },
             Field::Strain | Field::PlasticStrain | Field::AccumulatedPlasticStrain => Unit::new(1.0, ""),
+            Field::Torque => match self {
+                Self::Si => Unit::new(1.0, "N\u{b7}m"),
+                Self::Us => Unit::new(1.0 / (FOOT * POUND_FORCE), "lbf\u{b7}ft"),
+            },
+            Field::Twist => match self {
+                Self::Si => Unit::new(1.0, "rad/m"),
+                Self::Us => Unit::new(INCH, "rad/in"),
+            },
+            Field::AngularVelocity => Unit::new(1.0, "rad/s"),
         }
     }
 }
@@ -152,6 +161,9 @@ pub(super) fn field_name(field: Field) -> &'static str {
         Field::Displacement => "displacement",
         Field::PlasticStrain => "plastic strain",
         Field::AccumulatedPlasticStrain => "accumulated plastic strain",
+        Field::Torque => "torque",
+        Field::Twist => "twist",
+        Field::AngularVelocity => "angular velocity",
     }
 }
 

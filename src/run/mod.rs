@@ -16,10 +16,10 @@ use crate::law::rupture::Rupture;
 use crate::material::Sense;
 use crate::record::store::{Finish, Header, Layout, Side, Writer};
 use crate::record::{
-    AuditRow, ElasticCheck, EndSummary, ErrorFigure, FrontRow, FrontSummary, LedgerSummary, MaterialRecord,
-    RuptureSummary, Summary, Trace, TrackingSummary, View, above_critical,
+    AuditRow, ElasticCheck, EndSummary, ErrorFigure, FrontRow, FrontSummary, Ledger, LedgerSummary, MaterialRecord,
+    RuptureSummary, Summary, TorsionSummary, Trace, TrackingSummary, Twisted, View, above_critical,
 };
-use crate::scene::{Effects, Method, Scene};
+use crate::scene::{Effects, Method, Scene, Torsion};
 use crate::wave::similarity;
 
 /// How far a run is.
@@ -148,6 +148,11 @@ impl<'a> Book<'a> {
         Ok(Self { scene, launches, critical, writer, output, started, stepping: 0.0 })
     }
 
+    /// The account of a bar at t = 0.
+    fn ledger(&self, bar: &impl View) -> Ledger {
+        Ledger::new(bar).with_arm(self.scene.torsion.as_ref().map_or(1.0, |torsion| torsion.radius))
+    }
+
     /// Writes what histories have gathered: gauges in order, and both ends.
     fn write_traces(&mut self, gauges: Vec<Trace>, [left, right]: [Trace; 2]) -> Result<()> {
         let Some(writer) = &mut self.writer else { return Ok(()) };
@@ -265,6 +270,7 @@ impl<'a> Book<'a> {
             end_time_s: findings.end_time,
             left,
             right,
+            torsion: self.scene.torsion.as_ref().map(|torsion| torsion_summary(torsion, [left, right])),
             fronts: findings.fronts.iter().map(FrontSummary::from).collect(),
             critical_velocity: self.critical,
             above_critical: self.above_critical(),
@@ -276,6 +282,31 @@ impl<'a> Book<'a> {
             output: self.output,
         }
     }
+}
+
+fn torsion_summary(torsion: &Torsion, ends: [EndSummary; 2]) -> TorsionSummary {
+    let radius = torsion.radius;
+    let polar = [torsion.polar[0], torsion.polar[torsion.polar.len() - 1]];
+    TorsionSummary {
+        radius_m: radius,
+        torque: [0, 1].map(|k| ends[k].stress * polar[k] / radius),
+        angular_velocity_rad_s: ends.map(|end| end.velocity / radius),
+    }
+}
+
+/// What makes torques and angles of the fields of a bar in torsion, at these samples (increasing, m).
+fn twisted(scene: &Scene, x: &[f64]) -> Option<Twisted> {
+    let torsion = scene.torsion.as_ref()?;
+    let (mut k, mut end) = (0, scene.bar.segments[0].length);
+    let mut torque_per_stress = Vec::with_capacity(x.len());
+    for &x in x {
+        while x >= end && k + 1 < scene.bar.segments.len() {
+            k += 1;
+            end += scene.bar.segments[k].length;
+        }
+        torque_per_stress.push(torsion.polar[k] / torsion.radius);
+    }
+    Some(Twisted { radius: torsion.radius, torque_per_stress })
 }
 
 fn create_file(scene: &Scene, path: &Path, x: Vec<f64>, sampling: &str, critical: Option<f64>) -> Result<Writer> {
@@ -290,6 +321,7 @@ fn create_file(scene: &Scene, path: &Path, x: Vec<f64>, sampling: &str, critical
         method: method.into(),
         scheme: scheme.into(),
         critical_velocity: critical,
+        torsion: scene.torsion.as_ref().map(|torsion| torsion.radius),
     };
     let layout = Layout {
         x,

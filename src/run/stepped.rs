@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::Instant;
 
-use super::{Book, Findings, Progress, Wish, steps};
+use super::{Book, Findings, Progress, Wish, steps, twisted};
 use crate::error::{Error, Result, RunError};
 use crate::material::{Beyond, Material, Sense};
 use crate::record::{
@@ -70,7 +70,8 @@ impl<'a, S: Stepped> Run<'a, S> {
             Some(count) => Sampling::even(&scene.bar, bar.grid(), count),
             None => Sampling::cells(bar.grid()),
         };
-        let frames = Frames::new(scene.record.times.clone(), scene.record.fields.clone(), sampling);
+        let twisted = twisted(scene, sampling.x());
+        let frames = Frames::new(scene.record.times.clone(), scene.record.fields.clone(), sampling).twisted(twisted);
         let places = scene.record.gauges.iter().map(|g| g.1).collect();
         let book = Book::open(scene, output, frames.x().to_vec(), "", started)?;
         let tracker = FrontTracker::new(&scene.bar, bar.grid(), &book.launches, [&scene.left, &scene.right]);
@@ -78,7 +79,7 @@ impl<'a, S: Stepped> Run<'a, S> {
         Ok(Self {
             steps: steps(scene, bar.grid().dt),
             traces: Traces::new(Sampling::at(bar.grid(), places)),
-            ledger: Ledger::new(&bar),
+            ledger: book.ledger(&bar),
             unloading: scene.effects.unloading.is_none().then(|| UnloadingWatch::new(limits(scene, &bar))),
             elastic_check: probe.map(|probe| {
                 let (step, cell) = probe.on_grid(bar.grid());

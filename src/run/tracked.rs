@@ -4,12 +4,12 @@ use std::path::Path;
 use std::time::Instant;
 
 use super::breaks::Breaks;
-use super::{Book, Findings, Progress, Wish, companion};
+use super::{Book, Findings, Progress, Wish, companion, twisted};
 use crate::assemble;
 use crate::error::{Error, Result, RunError};
 use crate::record::{
     self, AuditRow, ElasticProbe, EndHistories, EndSummary, ErrorFigure, Field, Ledger, LedgerSummary, Paths,
-    StepGauges, Summary, TrackedFronts, TrackingSummary, UnloadingWatch, View,
+    StepGauges, Summary, TrackedFronts, TrackingSummary, Twisted, UnloadingWatch, View,
 };
 use crate::scene::Scene;
 use crate::solver::moc::{FrontTracking, Settings, Stopped, Trail};
@@ -51,6 +51,8 @@ struct Run<'a> {
     fronts: TrackedFronts,
     paths: Paths,
     ledger: Ledger,
+    /// In torsion.
+    twisted: Option<Twisted>,
     unloading: Option<UnloadingWatch>,
     /// Where unloading is watched, m.
     watched: Vec<f64>,
@@ -83,7 +85,8 @@ impl<'a> Run<'a> {
             ends: EndHistories::default(),
             fronts: TrackedFronts::default(),
             paths: Paths::default(),
-            ledger: Ledger::new(&bar),
+            ledger: book.ledger(&bar),
+            twisted: twisted(scene, &x),
             unloading: scene.effects.unloading.is_none().then(watch),
             elastic_check: ElasticProbe::new(&scene.bar, &book.launches, scene.solve.until),
             breaks: Breaks::new(scene),
@@ -178,7 +181,8 @@ impl<'a> Run<'a> {
         self.write_ledger()?;
         self.breaks.look_for_gathering_strain(self.book.scene, &self.bar);
         if let Some(writer) = &mut self.book.writer {
-            let frame = record::read_frame(&self.bar, &self.book.scene.record.fields, &self.x, self.x.len());
+            let (fields, twisted) = (&self.book.scene.record.fields, self.twisted.as_ref());
+            let frame = record::read_frame(&self.bar, fields, &self.x, self.x.len(), twisted);
             writer.frame(record::Frame { time, ..frame })?;
         }
         Ok(())

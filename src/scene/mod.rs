@@ -47,6 +47,18 @@ pub struct Scene {
     pub record: Record,
     /// Of a scene whose tapered segments were cut into uniform pieces: what was asked for. None as the scene is read.
     pub cut: Option<Box<Cut>>,
+    /// Of a bar in torsion: what its surface quantities stand for. None for an axial bar.
+    pub torsion: Option<Torsion>,
+}
+
+/// A bar in torsion, in terms of the surface. Stress is T R/J, T being the torque in the section; strain R dtheta/dx; velocity
+/// R omega; the area of a segment J/R^2; its material's curve that of the section, see [`crate::material::Hollow`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Torsion {
+    /// R, m: the outer radius; of thin tubes the mean one.
+    pub radius: f64,
+    /// J of each segment, m^4.
+    pub polar: Vec<f64>,
 }
 
 /// How the scene is solved.

@@ -38,7 +38,6 @@ const WORDS: &[Word] = &[
     word(&["striker"], "", "a striking body of its own", STRIKER),
     word(&["left", "kind"], "ball", "a ball", DRIVEN),
     word(&["right", "kind"], "ball", "a ball", DRIVEN),
-    word(&["bar", "mode"], "torsion", "torsion", "use mode = \"axial\" (the default)"),
     word(&["effects"], "auto", "the choice of effects by itself", "name them in an [effects] table"),
     word(&["effects", "heat"], "", "heating by plastic work", LEAVE_OUT),
     word(&["effects", "damping"], "", "damping", LEAVE_OUT),

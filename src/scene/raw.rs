@@ -54,25 +54,49 @@ pub struct RawBar {
     /// Diameter of a round section, m, > 0; in place of `area`, and as a table likewise (a cone is straight between rows).
     #[schemars(with = "Option<Section>")]
     pub diameter: Option<Spanned<Section>>,
+    /// In torsion: inner diameter of a tube, m, > 0, below `diameter`, which is then the outer one; stresses and strains are those
+    /// of the outer surface. Default: none, a solid rod.
+    #[serde(rename = "inner-diameter")]
+    #[schemars(with = "Option<Quantity>")]
+    pub inner_diameter: Option<Number>,
+    /// In torsion, in place of `inner-diameter`: wall of a thin tube, m, > 0, at most `diameter`/20; stress and strain are taken as
+    /// even over it, at its mean radius.
+    #[schemars(with = "Option<Quantity>")]
+    pub wall: Option<Number>,
     /// Material: a library name, a path to a material file, or an inline table. Required for a uniform bar.
     #[schemars(with = "Option<MaterialChoice>")]
     pub material: Option<Spanned<MaterialChoice>>,
     /// Initial velocity, m/s, positive in +x, any finite number. Default: 0.
     #[schemars(with = "Option<Quantity>")]
     pub velocity: Option<Number>,
-    /// What kind of wave. Default: "axial".
-    pub mode: Option<Mode>,
+    /// What kind of wave. Default: "axial". In torsion every segment states its `diameter`, velocities are angular ones
+    /// (rad/s), and materials are known in shear (loading = "shear").
+    #[schemars(with = "Option<Mode>")]
+    pub mode: Option<Spanned<Mode>>,
+    /// In torsion: "von-mises" makes shear curves of materials that are known in tension. Default: none, such are refused.
+    #[schemars(with = "Option<RawShear>")]
+    pub shear: Option<Spanned<RawShear>>,
     /// Segments, left to right; in place of the keys above (`mode` excepted).
     #[schemars(with = "Option<Vec<RawSegment>>")]
     pub segment: Option<Vec<Spanned<RawSegment>>>,
 }
 
 /// What kind of wave runs along the bar.
-#[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Mode {
     /// Tension and compression.
     Axial,
+    /// Round rods and tubes that are twisted.
+    Torsion,
+}
+
+/// How a curve in tension becomes one in shear.
+#[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum RawShear {
+    /// By von Mises' rule; needs Poisson's ratio.
+    VonMises,
 }
 
 /// A uniform piece of the bar.
@@ -89,6 +113,15 @@ pub struct RawSegment {
     /// Diameter of a round section, m, > 0; in place of `area`, and as a table likewise.
     #[schemars(with = "Option<Section>")]
     pub diameter: Option<Spanned<Section>>,
+    /// In torsion: inner diameter of a tube, m, > 0, below `diameter`, which is then the outer one; stresses and strains are those
+    /// of the outer surface. Default: none, a solid rod.
+    #[serde(rename = "inner-diameter")]
+    #[schemars(with = "Option<Quantity>")]
+    pub inner_diameter: Option<Number>,
+    /// In torsion, in place of `inner-diameter`: wall of a thin tube, m, > 0, at most `diameter`/20; stress and strain are taken as
+    /// even over it, at its mean radius.
+    #[schemars(with = "Option<Quantity>")]
+    pub wall: Option<Number>,
     /// Material: a library name, a path to a material file, or an inline table. Required.
     #[schemars(with = "Option<MaterialChoice>")]
     pub material: Option<Spanned<MaterialChoice>>,
@@ -211,7 +244,8 @@ pub struct RawEnd {
     /// What the end is. Required.
     #[schemars(with = "EndKind")]
     pub kind: Spanned<EndKind>,
-    /// Velocity (m/s, positive in +x) or stress (Pa, tension positive) that holds from t = 0 on.
+    /// Velocity (m/s, positive in +x) or stress (Pa, tension positive) that holds from t = 0 on; in torsion an angular velocity
+    /// (rad/s), a torque (N m) or a shear stress (Pa).
     #[schemars(with = "Option<Quantity>")]
     pub value: Option<Number>,
     /// Rows [time, velocity or stress]; straight between rows, a repeated time is a jump, the last value holds.
@@ -231,10 +265,13 @@ pub struct RawEnd {
     /// For a striker: its mass, kg, > 0. Required there; the bar needs an area.
     #[schemars(with = "Option<Quantity>")]
     pub mass: Option<Number>,
-    /// For a striker: its velocity at the start, m/s, positive in +x. Required there.
+    /// For a striker: its velocity at the start, m/s (in torsion rad/s), positive in +x. Required there.
     #[schemars(with = "Option<Quantity>")]
     pub velocity: Option<Number>,
-    /// For a spring: its stiffness, N/m, > 0. Required there; the bar needs an area.
+    /// In torsion, for a striker: its moment of inertia, kg m^2, > 0. Required there, in place of `mass`.
+    #[schemars(with = "Option<Quantity>")]
+    pub inertia: Option<Number>,
+    /// For a spring: its stiffness, N/m (in torsion N m/rad), > 0. Required there; the bar needs an area.
     #[schemars(with = "Option<Quantity>")]
     pub stiffness: Option<Number>,
 }
@@ -247,6 +284,8 @@ pub enum EndKind {
     Velocity,
     /// The end carries the stress it is told.
     Stress,
+    /// In torsion: the end carries the torque it is told.
+    Torque,
     /// No stress.
     Free,
     /// No motion.

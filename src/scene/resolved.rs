@@ -8,7 +8,7 @@ use crate::record::{Compression, Precision};
 
 pub(super) fn json(scene: &Scene) -> Value {
     let scene = scene.cut.as_ref().map_or(scene, |cut| &cut.asked);
-    json!({
+    let mut value = json!({
         "title": scene.title,
         "name": scene.name,
         "overrides": scene.overrides,
@@ -22,7 +22,14 @@ pub(super) fn json(scene: &Scene) -> Value {
         "effects": scene.effects,
         "solve": solve(&scene.solve),
         "record": record(&scene.record, &scene.solve.method),
-    })
+    });
+    if let Some(torsion) = &scene.torsion {
+        // Everything else is in terms of the surface.
+        value["bar"]["mode"] = json!("torsion");
+        value["bar"]["radius"] = json!(torsion.radius);
+        value["bar"]["polar_moment"] = json!(torsion.polar);
+    }
+    value
 }
 
 fn segment(segment: &Segment) -> Value {

@@ -89,5 +89,6 @@ fn scene(material: &Arc<Material>, velocity: f64) -> Scene {
             compression: Compression::None,
         },
         cut: None,
+        torsion: None,
     }
 }

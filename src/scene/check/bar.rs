@@ -8,6 +8,7 @@ use toml::Spanned;
 
 use super::super::raw::{MaterialChoice, RawBar, RawJoint, RawSegment, Section};
 use super::Checker;
+use super::torsion::is_torsion;
 use crate::bar::{Bar, Joint, Segment};
 use crate::error::{Error, Place, Result};
 use crate::input::{Allowed, Number};
@@ -21,6 +22,8 @@ pub(super) struct Piece<'a> {
     pub(super) diameter: Option<&'a Spanned<Section>>,
     material: Option<&'a Spanned<MaterialChoice>>,
     velocity: Option<&'a Number>,
+    /// What the velocity is.
+    motion: Dimension,
     /// Where a complaint about something missing points.
     span: Range<usize>,
 }
@@ -31,12 +34,14 @@ type Named = HashMap<String, Arc<Material>>;
 impl Checker<'_> {
     pub(super) fn bar(&self, raw: &Spanned<RawBar>) -> Result<Bar> {
         let (span, raw) = (raw.span(), raw.get_ref());
+        let motion = if is_torsion(raw) { Dimension::AngularVelocity } else { Dimension::Velocity };
         let piece = Piece {
             length: raw.length.as_ref(),
             area: raw.area.as_ref(),
             diameter: raw.diameter.as_ref(),
             material: raw.material.as_ref(),
             velocity: raw.velocity.as_ref(),
+            motion,
             span,
         };
         let mut named = Named::new();
@@ -44,12 +49,12 @@ impl Checker<'_> {
             let (segment, area_given) = self.piece(&piece, "bar", &mut named)?;
             return Ok(Bar { segments: vec![segment], area_given });
         };
-        self.no_uniform_keys(&piece)?;
-        self.segments(list, piece.span, &mut named)
+        self.no_uniform_keys(&piece, raw)?;
+        self.segments(list, piece.span, motion, &mut named)
     }
 
     /// `[bar]` keys that belong into the segments once there are segments.
-    fn no_uniform_keys(&self, piece: &Piece<'_>) -> Result<()> {
+    fn no_uniform_keys(&self, piece: &Piece<'_>, raw: &RawBar) -> Result<()> {
         let given = [
             ("length", piece.length.map(Spanned::span)),
             ("area", piece.area.map(Spanned::span)),
@@ -57,7 +62,9 @@ impl Checker<'_> {
             ("velocity", piece.velocity.map(Spanned::span)),
             ("material", piece.material.map(Spanned::span)),
         ];
-        let Some((name, span)) = given.into_iter().find_map(|(name, span)| span.map(|span| (name, span))) else {
+        let tube = [("inner-diameter", &raw.inner_diameter), ("wall", &raw.wall)];
+        let tube = tube.map(|(name, value)| (name, value.as_ref().map(Spanned::span)));
+        let Some((name, span)) = given.into_iter().chain(tube).find_map(|(name, span)| span.map(|span| (name, span))) else {
             return Ok(());
         };
         let message = format!("`{name}` of the whole bar stands beside [[bar.segment]]");
@@ -65,7 +72,13 @@ impl Checker<'_> {
         Err(self.error(span, &format!("bar.{name}"), message).help(help).into())
     }
 
-    fn segments(&self, list: &[Spanned<RawSegment>], span: Range<usize>, named: &mut Named) -> Result<Bar> {
+    fn segments(
+        &self,
+        list: &[Spanned<RawSegment>],
+        span: Range<usize>,
+        motion: Dimension,
+        named: &mut Named,
+    ) -> Result<Bar> {
         let mut segments = Vec::with_capacity(list.len());
         let mut with_area = Vec::with_capacity(list.len());
         for (i, raw) in list.iter().enumerate() {
@@ -78,6 +91,7 @@ impl Checker<'_> {
                 diameter: raw.diameter.as_ref(),
                 material: raw.material.as_ref(),
                 velocity: raw.velocity.as_ref(),
+                motion,
                 span,
             };
             let (mut segment, area_given) = self.piece(&piece, &key, named)?;
@@ -113,7 +127,7 @@ impl Checker<'_> {
         let length = self.document.number(length, &format!("{key}.length"), Dimension::Length, Allowed::Positive)?;
         let section = self.section(piece, key, length)?;
         let velocity =
-            self.document.optional(piece.velocity, &format!("{key}.velocity"), Dimension::Velocity, Allowed::Finite)?;
+            self.document.optional(piece.velocity, &format!("{key}.velocity"), piece.motion, Allowed::Finite)?;
         let material = self.material(choice, &format!("{key}.material"), named)?;
         let segment = Segment {
             length,

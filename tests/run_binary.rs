@@ -285,6 +285,40 @@ fn tapered_horn() {
 }
 
 #[test]
+fn torsion_tube() {
+    let moc = ["--set", "solve.method=moc", "--set", "solve.cells="];
+    for sets in [&[][..], &moc] {
+        let summary = run("torsion-tube.toml", sets);
+        assert_contract(&summary, "torsion-tube.toml");
+        assert_eq!(summary["effects"], serde_json::json!(["plasticity", "unloading: isotropic"]));
+        let torsion = &summary["torsion"];
+        assert!((number(&torsion["radius_m"]) - 0.012).abs() < 1e-15);
+        // Let go, it carries no torque.
+        assert_eq!(number(&torsion["torque_N_m"][0]), 0.0);
+        let speed = (45e9_f64 / 8900.0).sqrt();
+        assert!((number(&summary["fronts"][0]["speed_m_s"]) / speed - 1.0).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn torsion_rod() {
+    let moc = ["--set", "solve.method=moc", "--set", "solve.cells="];
+    let mut torques = [0.0; 2];
+    for (torque, sets) in torques.iter_mut().zip([&[][..], &moc]) {
+        let folder = tempfile::tempdir().expect("a folder");
+        let summary = run_in(folder.path(), "torsion-rod.toml", sets);
+        assert_contract(&summary, "torsion-rod.toml");
+        *torque = number(&summary["torsion"]["torque_N_m"][0]);
+        let file = barwave::record::store::ResultFile::open(&folder.path().join("out.h5")).expect("a result file");
+        let names: Vec<String> = file.materials().expect("materials").into_iter().map(|m| m.name).collect();
+        assert_eq!(names, ["steel rod", "steel tube 0.600000"]);
+        assert!(file.fields().contains(&barwave::record::Field::Torque));
+    }
+    // The bored part has 87 % of the torque: what comes back from the joint has hardly reached the flywheel.
+    assert!(torques[0] < -300.0 && (torques[0] / torques[1] - 1.0).abs() < 0.01, "{torques:?}");
+}
+
+#[test]
 fn bilinear_p2_moc() {
     let summary = run("bilinear-p2-moc.toml", &[]);
     assert_contract(&summary, "bilinear-p2-moc.toml");

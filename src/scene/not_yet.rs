@@ -37,7 +37,6 @@ const WORDS: &[Word] = &[
     word(&["striker"], "", "a striking body of its own", STRIKER),
     word(&["left", "kind"], "ball", "a ball", DRIVEN),
     word(&["right", "kind"], "ball", "a ball", DRIVEN),
-    word(&["bar", "mode"], "torsion", "torsion", "use mode = \"axial\" (the default)"),
     word(&["effects"], "auto", "the choice of effects by itself", "name them in an [effects] table"),
     word(&["solve", "scheme"], "muscl", "the scheme muscl", LEAPFROG),
     word(&["solve", "tolerance"], "", "the choice of method by tolerance", CELLS),

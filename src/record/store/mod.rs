@@ -84,6 +84,8 @@ pub struct Header {
     pub scheme: String,
     /// m/s; none where the data hold none.
     pub critical_velocity: Option<f64>,
+    /// Of a bar in torsion: the radius whose stress, strain and velocity are recorded, m. Momenta are then N m s.
+    pub torsion: Option<f64>,
 }
 
 /// What the file holds and how.

@@ -12,10 +12,11 @@ use crate::input::{Allowed, Number};
 use crate::units::Dimension;
 
 impl EndKind {
-    fn word(self) -> &'static str {
+    pub(super) fn word(self) -> &'static str {
         match self {
             Self::Velocity => "velocity",
             Self::Stress => "stress",
+            Self::Torque => "torque",
             Self::Free => "free",
             Self::Fixed => "fixed",
             Self::Absorbing => "absorbing",
@@ -29,7 +30,7 @@ impl EndKind {
     fn keys(self) -> &'static [&'static str] {
         match self {
             Self::Velocity => &["value", "history", "csv", "release"],
-            Self::Stress => &["value", "history", "csv"],
+            Self::Stress | Self::Torque => &["value", "history", "csv"],
             Self::Wall => &["gap"],
             Self::Striker => &["mass", "velocity"],
             Self::Spring => &["stiffness"],
@@ -55,6 +56,11 @@ impl Checker<'_> {
                 )?,
             },
             EndKind::Stress => EndCondition::Stress { history: self.history(raw, span, key, Dimension::Stress)? },
+            EndKind::Torque => {
+                let error =
+                    self.error(raw.kind.span(), &format!("{key}.kind"), "a torque acts on a bar in torsion only");
+                return Err(error.help("use kind = \"stress\", or [bar] mode = \"torsion\"").into());
+            }
             EndKind::Free => EndCondition::Free,
             EndKind::Fixed => EndCondition::Fixed,
             EndKind::Absorbing => EndCondition::Absorbing,
@@ -92,7 +98,7 @@ impl Checker<'_> {
     }
 
     /// A number that this kind of end must have.
-    fn own_number(
+    pub(super) fn own_number(
         &self,
         (value, name, dimension, allowed): (Option<&Number>, &str, Dimension, Allowed),
         span: Range<usize>,
@@ -124,7 +130,7 @@ impl Checker<'_> {
     }
 
     /// The history of a driven end, from exactly one of its three forms.
-    fn history(&self, raw: &RawEnd, span: Range<usize>, key: &str, dimension: Dimension) -> Result<History> {
+    pub(super) fn history(&self, raw: &RawEnd, span: Range<usize>, key: &str, dimension: Dimension) -> Result<History> {
         let forms: Vec<_> = given(raw).into_iter().filter(|(name, _)| *name != "release").collect();
         let unit = dimension.example();
         match forms.as_slice() {
@@ -181,7 +187,7 @@ pub(super) const ROWS: &str = "times never decrease, at most two rows with one t
 pub(super) const ROWS_HELP: &str = "list the rows in the order of time; two rows with one time are a jump";
 
 /// The optional keys that were given, with their places.
-fn given(raw: &RawEnd) -> Vec<(&'static str, Range<usize>)> {
+pub(super) fn given(raw: &RawEnd) -> Vec<(&'static str, Range<usize>)> {
     let all = [
         ("value", raw.value.as_ref().map(Spanned::span)),
         ("history", raw.history.as_ref().map(Spanned::span)),
@@ -189,6 +195,7 @@ fn given(raw: &RawEnd) -> Vec<(&'static str, Range<usize>)> {
         ("release", raw.release.as_ref().map(Spanned::span)),
         ("gap", raw.gap.as_ref().map(Spanned::span)),
         ("mass", raw.mass.as_ref().map(Spanned::span)),
+        ("inertia", raw.inertia.as_ref().map(Spanned::span)),
         ("velocity", raw.velocity.as_ref().map(Spanned::span)),
         ("stiffness", raw.stiffness.as_ref().map(Spanned::span)),
     ];

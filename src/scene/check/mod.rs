@@ -8,7 +8,9 @@ mod heat;
 mod rate;
 mod record;
 mod rupture;
+mod section;
 mod solve;
+mod torsion;
 
 use std::ops::Range;
 use std::path::Path;
@@ -35,12 +37,29 @@ pub(super) fn check(document: &Document, base: &Path) -> Result<Scene> {
     let raw: RawScene = document.parse()?;
     let checker = Checker { document, base };
     let raw_bar = checker.required(raw.bar.as_ref(), "bar", "add [bar] with length and material")?;
+    let twisted = torsion::is_torsion(raw_bar.get_ref());
     let mut bar = checker.bar(raw_bar)?;
+    let torsion = if twisted {
+        Some(checker.twist(raw_bar, &mut bar)?)
+    } else {
+        checker.nothing_of_torsion(raw_bar, &bar)?;
+        None
+    };
     let heat = checker.heat(&raw.effects, &mut bar)?;
     let ends = "both ends are always stated: add e.g. [left] with kind = \"velocity\" and value = \"30 m/s\", and \
                 [right] with kind = \"free\"";
-    let left = checker.end(checker.required(raw.left.as_ref(), "left", ends)?, "left", bar.area_given)?;
-    let right = checker.end(checker.required(raw.right.as_ref(), "right", ends)?, "right", bar.area_given)?;
+    let end = |raw, key, segment: usize| {
+        let raw = checker.required(raw, key, ends)?;
+        match &torsion {
+            Some(torsion) => checker.twisted_end(raw, key, torsion, torsion.polar[segment]),
+            None => checker.end(raw, key, bar.area_given),
+        }
+    };
+    let left = end(raw.left.as_ref(), "left", 0)?;
+    let right = end(raw.right.as_ref(), "right", bar.segments.len() - 1)?;
+    if twisted {
+        checker.effects_of_torsion(&raw.effects)?;
+    }
     let effects = Effects {
         heat,
         rupture: checker.rupture(&raw.effects, raw_bar.get_ref(), &bar)?,
@@ -52,7 +71,8 @@ pub(super) fn check(document: &Document, base: &Path) -> Result<Scene> {
     let until = "add [solve] with until, the end time, e.g. until = \"200 us\"";
     let raw_solve = checker.required(raw.solve.as_ref(), "solve", until)?;
     let solve = checker.solve(raw_solve, &raw.effects)?;
-    let record = checker.record(&raw.record, &bar, &effects, &solve)?;
+    checker.taper_can_be_solved(raw_bar.get_ref(), &bar, &solve.method)?;
+    let record = checker.record(&raw.record, &bar, &effects, &solve, twisted)?;
     let name = Path::new(&document.file).file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
     Ok(Scene {
         title: raw.title.unwrap_or_else(|| name.clone()),
@@ -66,6 +86,8 @@ pub(super) fn check(document: &Document, base: &Path) -> Result<Scene> {
         effects,
         solve,
         record,
+        cut: None,
+        torsion,
     })
 }
 

@@ -52,6 +52,11 @@ const fn case(
     Case { from, to, line, key, parts }
 }
 
+/// The same for the right end.
+const fn ball(to: &'static str, line: &'static str, key: &'static str, parts: &'static [&'static str]) -> Case {
+    case("kind = \"free\"", to, line, key, parts)
+}
+
 /// The material's line.
 const MATERIAL: &str = r#"material = { name = "steel", density = "7800 kg/m^3", modulus = "200 GPa", beyond = "extend", curve = { table = [[0.001, "200 MPa"], [0.1, "400 MPa"]] } }"#;
 
@@ -341,14 +346,47 @@ const CASES: &[Case] = &[
         "right.mass",
         &["`mass` means nothing for an end of kind \"wall\"", "kind, gap"],
     ),
-    // Words for what this version does not simulate: refused by name, with the way out.
-    case(
-        "kind = \"free\"",
-        "kind = \"ball\"\nmass = \"200 lb\"",
-        "ball",
-        "right.kind",
-        &["does not simulate a ball", "help: drive the end"],
+    // A ball.
+    ball("kind = \"ball\"\nvelocity = -5", "[right]", "right.radius", &["`radius` is missing", "a length"]),
+    ball("kind = \"ball\"\nvelocity = -5\nradius = 0", "radius", "right.radius", &["0 is out of range", "radius > 0"]),
+    ball(
+        "kind = \"ball\"\nvelocity = -5\nradius = 1\ndiameter = 2",
+        "radius",
+        "right.radius",
+        &["`radius` and `diameter` both say", "keep `radius` or `diameter`"],
     ),
+    ball(
+        "kind = \"ball\"\nvelocity = -5\nradius = 1",
+        "[right]",
+        "right.density",
+        &["`density` is missing", "a density"],
+    ),
+    ball(
+        "kind = \"ball\"\nvelocity = -5\nradius = 1\nmass = 1\ndensity = 7800",
+        "density",
+        "right.density",
+        &["`density` and `mass` both say"],
+    ),
+    ball("kind = \"ball\"\nvelocity = -5\nradius = 1\nmass = 1", "[right]", "right.modulus", &["`modulus` is missing"]),
+    ball(
+        "kind = \"ball\"\nvelocity = -5\nradius = 1\nmass = 1\nmodulus = 1e9\npoisson = 0.7",
+        "poisson",
+        "right.poisson",
+        &["0.7 is out of range", "0 <= poisson <= 0.5"],
+    ),
+    ball(
+        "kind = \"ball\"\nvelocity = -5\nradius = 1\nmass = 1\nmodulus = 1e9\nrigid = true",
+        "modulus",
+        "right.modulus",
+        &["`modulus` and `rigid` both say"],
+    ),
+    ball(
+        "kind = \"ball\"\nvelocity = -5\nradius = 1\nmass = 1\nrigid = true",
+        "[right]",
+        "right.bar-poisson",
+        &["`bar-poisson` is missing", "a plain number"],
+    ),
+    // Words for what this version does not simulate: refused by name, with the way out.
     // Keys that belong to the other method, and what front tracking cannot follow.
     case(
         "cells = 1000",

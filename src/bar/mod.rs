@@ -1,12 +1,14 @@
 //! The bar itself: segments, joints, ends and their histories; plain data, the same for every solver.
 
 mod end;
+mod hertz;
 mod history;
 mod launch;
 
 use std::sync::Arc;
 
 pub use end::EndCondition;
+pub use hertz::Hertz;
 pub use history::History;
 pub use launch::{Launch, Origin, launches};
 

@@ -27,7 +27,7 @@ struct Piece<'a> {
 }
 
 /// Materials by name, so that a name is read once and its segments share it.
-type Named = HashMap<String, Arc<Material>>;
+pub(super) type Named = HashMap<String, Arc<Material>>;
 
 impl Checker<'_> {
     pub(super) fn bar(&self, raw: &Spanned<RawBar>) -> Result<Bar> {
@@ -137,7 +137,12 @@ impl Checker<'_> {
         Ok(area.or(diameter.map(|d| PI / 4.0 * d * d)))
     }
 
-    fn material(&self, choice: &Spanned<MaterialChoice>, key: &str, named: &mut Named) -> Result<Arc<Material>> {
+    pub(super) fn material(
+        &self,
+        choice: &Spanned<MaterialChoice>,
+        key: &str,
+        named: &mut Named,
+    ) -> Result<Arc<Material>> {
         match choice.get_ref() {
             MaterialChoice::Inline(raw) => {
                 material::resolve((**raw).clone(), self.document, key, self.base).map(Arc::new)

@@ -1,5 +1,6 @@
 //! From what the user typed to what it means: units, ranges, defaults, and what must or must not stand together.
 
+mod ball;
 mod bar;
 mod csv_history;
 mod ends;
@@ -36,8 +37,9 @@ pub(super) fn check(document: &Document, base: &Path) -> Result<Scene> {
     let bar = checker.bar(raw_bar)?;
     let ends = "both ends are always stated: add e.g. [left] with kind = \"velocity\" and value = \"30 m/s\", and \
                 [right] with kind = \"free\"";
-    let left = checker.end(checker.required(raw.left.as_ref(), "left", ends)?, "left", bar.area_given)?;
-    let right = checker.end(checker.required(raw.right.as_ref(), "right", ends)?, "right", bar.area_given)?;
+    let left = checker.end(checker.required(raw.left.as_ref(), "left", ends)?, "left", &bar, &bar.segments[0])?;
+    let at_right = &bar.segments[bar.segments.len() - 1];
+    let right = checker.end(checker.required(raw.right.as_ref(), "right", ends)?, "right", &bar, at_right)?;
     let effects = Effects {
         rupture: checker.rupture(&raw.effects, raw_bar.get_ref(), &bar)?,
         ..checker.effects(&raw.effects, &bar)?
@@ -45,6 +47,8 @@ pub(super) fn check(document: &Document, base: &Path) -> Result<Scene> {
     let until = "add [solve] with until, the end time, e.g. until = \"200 us\"";
     let raw_solve = checker.required(raw.solve.as_ref(), "solve", until)?;
     let solve = checker.solve(raw_solve, &raw.effects)?;
+    let raw_ends = [("left", raw.left.as_ref()), ("right", raw.right.as_ref())];
+    checker.follows_balls(raw_ends, &solve.method)?;
     let record = checker.record(&raw.record, &bar, &effects, &solve)?;
     let name = Path::new(&document.file).file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
     Ok(Scene {

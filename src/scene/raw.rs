@@ -330,7 +330,7 @@ pub struct RawSolve {
     /// End time, s, > 0. Required.
     #[schemars(with = "Quantity")]
     pub until: Option<Number>,
-    /// Method. Default: "fd"; "moc" where the effects include `rate`.
+    /// Method. Default: "fd"; "moc" where the effects include `rate` and no rupture.
     #[schemars(with = "Option<RawMethod>")]
     pub method: Option<Spanned<RawMethod>>,
     /// Scheme of the method "fd". Default: "leapfrog".

@@ -307,6 +307,19 @@ fn falling_weight() {
 }
 
 #[test]
+fn split_hopkinson() {
+    for sets in [&[][..], &["--set", "solve.method=moc", "--set", "solve.cells="]] {
+        let summary = run("split-hopkinson.toml", sets);
+        assert_contract(&summary, "split-hopkinson.toml");
+        // The striker is left at rest; the transmission bar is on its way.
+        assert!(number(&summary["left"]["velocity_m_s"]).abs() < 0.01, "{summary}");
+        assert!(number(&summary["right"]["velocity_m_s"]) > 1.0, "{summary}");
+        assert!(number(&summary["ledger"]["momentum_residual"]) < 1e-10, "{summary}");
+        assert!(number(&summary["ledger"]["energy_residual"]) < 1e-9, "{summary}");
+    }
+}
+
+#[test]
 fn ball_on_bar() {
     let summary = run("ball-on-bar.toml", &[]);
     assert_contract(&summary, "ball-on-bar.toml");

@@ -528,12 +528,72 @@ fn the_base_scene_is_right() {
     assert!(output.stderr.is_empty(), "{}", stderr(&output));
 }
 
+/// A right scene of the energy method.
+const SPECIMEN: &str = r#"[specimen]
+length = "10 in"
+diameter = "0.5 in"
+energy = "500 ft*lbf/in^3"
+
+[striker]
+mass = "200 lb"
+velocity = "80 ft/s"
+"#;
+
+const SPECIMEN_CASES: &[Case] = &[
+    case("length = \"10 in\"\n", "", "[specimen]", "specimen.length", &["`length` is missing", "a length"]),
+    case("10 in", "10 lb", "length", "specimen.length", &["a length"]),
+    case("diameter = \"0.5 in\"", "area = 0", "area", "specimen.area", &["0 is out of range", "area > 0"]),
+    case("diameter", "area = 1\ndiameter", "diameter", "specimen.diameter", &["both an area and a diameter"]),
+    case(
+        "energy = \"500 ft*lbf/in^3\"\n",
+        "",
+        "[specimen]",
+        "specimen.energy",
+        &["`energy` is missing", "ft*lbf/in^3"],
+    ),
+    case(
+        "energy =",
+        "material = \"mild-steel\"\nenergy =",
+        "energy",
+        "specimen.energy",
+        &["`energy` and `material` both say", "not both"],
+    ),
+    case("energy =", "notch = 2\nenergy =", "notch", "specimen.notch", &["from its curve alone", "give `material`"]),
+    case(
+        "energy = \"500 ft*lbf/in^3\"",
+        "material = \"mild-steel\"\nnotch = 0.5",
+        "notch",
+        "specimen.notch",
+        &["0.5 is out of range", "1 <= notch"],
+    ),
+    case(
+        "energy = \"500 ft*lbf/in^3\"",
+        "material = { density = 7800, modulus = 2e11, beyond = \"extend\", curve = { table = [[0.001, 2e8], [0.1, 4e8]] } }",
+        "material",
+        "specimen.material",
+        &["never breaks", "beyond = \"rupture\""],
+    ),
+    case("[striker]\nmass = \"200 lb\"\nvelocity = \"80 ft/s\"\n", "", "energy", "striker", &["`striker` is missing"]),
+    case("80 ft/s", "-80 ft/s", "velocity", "striker.velocity", &["out of range", "velocity >= 0"]),
+    case("mass = \"200 lb\"\n", "", "[striker]", "striker.mass", &["`mass` is missing"]),
+    case("[striker]", "[bar]\nlength = 1\n[striker]", "[bar]", "bar", &["specimen", "striker"]),
+];
+
 #[test]
 fn every_wrong_scene_says_what_is_wrong_and_where() {
+    all_wrong(RIGHT, CASES);
+}
+
+#[test]
+fn every_wrong_specimen_does_so_too() {
+    all_wrong(SPECIMEN, SPECIMEN_CASES);
+}
+
+fn all_wrong(right: &str, cases: &[Case]) {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    for (i, case) in CASES.iter().enumerate() {
-        assert_eq!(RIGHT.matches(case.from).count().min(1), 1, "case {i}: `{}` is not in the scene", case.from);
-        let text = RIGHT.replacen(case.from, case.to, 1);
+    for (i, case) in cases.iter().enumerate() {
+        assert_eq!(right.matches(case.from).count().min(1), 1, "case {i}: `{}` is not in the scene", case.from);
+        let text = right.replacen(case.from, case.to, 1);
         let file = folder.path().join(format!("wrong-{i}.toml"));
         std::fs::write(&file, &text).expect("written");
         let output = check(&file);
@@ -617,7 +677,7 @@ fn schema_man_pages_and_completions_are_written() {
         assert_eq!(output.status.code(), Some(0), "{args:?}: {}", stderr(&output));
         String::from_utf8(output.stdout).expect("UTF-8")
     };
-    for kind in ["scene", "material"] {
+    for kind in ["scene", "specimen", "material"] {
         let schema: serde_json::Value = serde_json::from_str(&run(&["schema", kind])).expect("JSON");
         assert!(schema["properties"].is_object(), "{schema}");
         assert_eq!(schema["additionalProperties"], false);

@@ -32,7 +32,6 @@ const WORDS: &[Word] = &[
     word(&["spheres"], "", "the impact of spheres", STRUCK_BAR),
     word(&["plate"], "", "the impact on a plate", STRUCK_BAR),
     word(&["beam"], "", "the impact on a beam", STRUCK_BAR),
-    word(&["specimen"], "", "the energy method for a specimen", STRUCK_BAR),
     word(&["striker"], "", "a striking body of its own", STRIKER),
     word(&["bar", "mode"], "torsion", "torsion", "use mode = \"axial\" (the default)"),
     word(&["effects"], "auto", "the choice of effects by itself", "name them in an [effects] table"),

@@ -50,7 +50,7 @@ pub(super) const LEDGER_COLUMNS: [[&str; 2]; 12] = [
 /// Everything but the data, in a file that is then closed.
 pub(super) fn build(path: &Path, header: &Header, layout: &Layout, materials: &[MaterialRecord]) -> Hdf<()> {
     let file = File::create(path)?;
-    build_root(&file, header, layout)?;
+    build_root(&file, header, layout.area_given)?;
     build_fields(&file, layout)?;
     build_histories(&file, layout)?;
     build_ledger(&file, layout)?;
@@ -62,7 +62,7 @@ pub(super) fn build(path: &Path, header: &Header, layout: &Layout, materials: &[
     file.close()
 }
 
-fn build_root(file: &File, header: &Header, layout: &Layout) -> Hdf<()> {
+pub(super) fn build_root(file: &File, header: &Header, area_given: bool) -> Hdf<()> {
     put_text(file, "format", "barwave")?;
     put(file, "format_version", &FORMAT_VERSION)?;
     put_text(file, "program_version", env!("CARGO_PKG_VERSION"))?;
@@ -77,7 +77,7 @@ fn build_root(file: &File, header: &Header, layout: &Layout) -> Hdf<()> {
     put_texts(file, "effects", &header.effects)?;
     put_text(file, "method", &header.method)?;
     put_text(file, "scheme", &header.scheme)?;
-    put_text(file, "energy_units", energy_units(layout.area_given))?;
+    put_text(file, "energy_units", energy_units(area_given))?;
     if let Some(velocity) = header.critical_velocity {
         put(file, "critical_velocity", &velocity)?;
     }
@@ -154,7 +154,7 @@ fn build_columns(group: &Group, columns: &[[&str; 3]], rows: usize) -> Hdf<()> {
     scales::attach(group, &names[..1], &names[1..])
 }
 
-fn build_materials(file: &File, materials: &[MaterialRecord]) -> Hdf<()> {
+pub(super) fn build_materials(file: &File, materials: &[MaterialRecord]) -> Hdf<()> {
     let group = file.create_group("material")?;
     let names = link_names(materials.iter().map(|m| m.name.as_str()));
     for (material, name) in materials.iter().zip(&names) {
@@ -186,7 +186,7 @@ fn compressed(builder: DatasetBuilderEmpty, compression: Compression) -> Dataset
     }
 }
 
-fn describe(dataset: &Dataset, units: &str, long_name: &str) -> Hdf<()> {
+pub(super) fn describe(dataset: &Dataset, units: &str, long_name: &str) -> Hdf<()> {
     put_text(dataset, "units", units)?;
     put_text(dataset, "long_name", long_name)
 }

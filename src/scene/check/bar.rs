@@ -27,7 +27,7 @@ struct Piece<'a> {
 }
 
 /// Materials by name, so that a name is read once and its segments share it.
-pub(super) type Named = HashMap<String, Arc<Material>>;
+pub(in crate::scene) type Named = HashMap<String, Arc<Material>>;
 
 impl Checker<'_> {
     pub(super) fn bar(&self, raw: &Spanned<RawBar>) -> Result<Bar> {
@@ -137,7 +137,7 @@ impl Checker<'_> {
         Ok(area.or(diameter.map(|d| PI / 4.0 * d * d)))
     }
 
-    pub(super) fn material(
+    pub(in crate::scene) fn material(
         &self,
         choice: &Spanned<MaterialChoice>,
         key: &str,

@@ -99,7 +99,7 @@ impl Checker<'_> {
     }
 
     /// A number that this kind of end must have.
-    pub(super) fn own_number(
+    pub(in crate::scene) fn own_number(
         &self,
         (value, name, dimension, allowed): (Option<&Number>, &str, Dimension, Allowed),
         span: Range<usize>,

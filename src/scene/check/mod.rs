@@ -12,6 +12,9 @@ mod solve;
 use std::ops::Range;
 use std::path::Path;
 
+pub(super) use bar::Named;
+pub(super) use rupture::MOST_NOTCH;
+
 use super::raw::{RawEffects, RawScene, RawUnloading};
 use super::{Effects, Scene, Unloading, not_yet};
 use crate::bar::Bar;
@@ -23,9 +26,9 @@ use crate::units::Dimension;
 const MOST_CELLS: usize = 100_000_000;
 
 /// The file being checked and the folder that its paths are relative to.
-struct Checker<'a> {
-    document: &'a Document,
-    base: &'a Path,
+pub(super) struct Checker<'a> {
+    pub document: &'a Document,
+    pub base: &'a Path,
 }
 
 /// Checks a document; `text` and `overrides` of the scene are the caller's to fill.
@@ -67,12 +70,12 @@ pub(super) fn check(document: &Document, base: &Path) -> Result<Scene> {
 }
 
 impl Checker<'_> {
-    fn error(&self, span: Range<usize>, key: &str, message: impl Into<String>) -> InputError {
+    pub(super) fn error(&self, span: Range<usize>, key: &str, message: impl Into<String>) -> InputError {
         self.document.error(span, key, message)
     }
 
     /// A part that must be there; the help line says what to add.
-    fn required<'a, T>(&self, part: Option<&'a T>, key: &str, help: &str) -> Result<&'a T> {
+    pub(super) fn required<'a, T>(&self, part: Option<&'a T>, key: &str, help: &str) -> Result<&'a T> {
         part.ok_or_else(|| self.missing(self.end_of_text(), key, help))
     }
 

@@ -2,6 +2,7 @@
 
 mod audit;
 mod checks;
+mod energy;
 mod frames;
 mod fronts;
 mod ledger;
@@ -21,6 +22,7 @@ pub use audit::{
     UnloadingWatch, above_critical, broken_end, broken_inside, end_of_data, heating, past_data, unresolved_flow,
 };
 pub use checks::{ElasticProbe, against_similarity, tracked_against_similarity};
+pub use energy::{ENERGY, EnergySummary};
 pub use frames::{Frames, Twisted, read_frame};
 pub use fronts::FrontTracker;
 pub use ledger::Ledger;

@@ -3,8 +3,11 @@
 
 mod breaks;
 mod companion;
+mod specimen;
 mod stepped;
 mod tracked;
+
+pub use specimen::run_specimen;
 
 use std::path::Path;
 use std::time::Instant;

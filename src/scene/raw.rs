@@ -262,12 +262,38 @@ pub struct RawEnd {
     /// For a wall: its distance from the end at the start, m, >= 0. Default: 0.
     #[schemars(with = "Option<Quantity>")]
     pub gap: Option<Number>,
-    /// For a striker: its mass, kg, > 0. Required there; the bar needs an area.
+    /// For a striker or a ball: its mass, kg, > 0; the bar needs an area. Required for a striker; a ball can state its
+    /// density or material instead.
     #[schemars(with = "Option<Quantity>")]
     pub mass: Option<Number>,
-    /// For a striker: its velocity at the start, m/s (in torsion rad/s), positive in +x. Required there.
+    /// For a striker or a ball: its velocity at the start, m/s (in torsion rad/s), positive in +x. Required there.
     #[schemars(with = "Option<Quantity>")]
     pub velocity: Option<Number>,
+    /// For a ball: its radius, m, > 0; or give `diameter`.
+    #[schemars(with = "Option<Quantity>")]
+    pub radius: Option<Number>,
+    /// For a ball: its diameter, m, > 0; in place of `radius`.
+    #[schemars(with = "Option<Quantity>")]
+    pub diameter: Option<Number>,
+    /// For a ball: its density, kg/m^3, > 0; in place of `mass`. Default: its material's.
+    #[schemars(with = "Option<Quantity>")]
+    pub density: Option<Number>,
+    /// For a ball: what it is made of, for its density, modulus and Poisson's ratio. It stays elastic.
+    #[schemars(with = "Option<MaterialChoice>")]
+    pub material: Option<Spanned<MaterialChoice>>,
+    /// For a ball: its elastic modulus, Pa, > 0. Default: its material's.
+    #[schemars(with = "Option<Quantity>")]
+    pub modulus: Option<Number>,
+    /// For a ball: its Poisson's ratio, 0 to 0.5. Default: its material's.
+    #[schemars(with = "Option<Quantity>")]
+    pub poisson: Option<Number>,
+    /// For a ball: it does not give way, in place of `modulus` and `poisson`. Default: false.
+    #[schemars(with = "Option<bool>")]
+    pub rigid: Option<Spanned<bool>>,
+    /// For a ball: Poisson's ratio of the bar, 0 to 0.5. Default: that of the bar's material.
+    #[serde(rename = "bar-poisson")]
+    #[schemars(with = "Option<Quantity>")]
+    pub bar_poisson: Option<Number>,
     /// In torsion, for a striker: its moment of inertia, kg m^2, > 0. Required there, in place of `mass`.
     #[schemars(with = "Option<Quantity>")]
     pub inertia: Option<Number>,
@@ -296,6 +322,8 @@ pub enum EndKind {
     Wall,
     /// A rigid mass that touches the end at the start, pushes, and flies on where it would have to pull.
     Striker,
+    /// An elastic ball that touches the end at the start; Hertz's contact, without a pull.
+    Ball,
     /// A linear spring to the ground.
     Spring,
 }

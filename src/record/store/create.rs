@@ -55,7 +55,7 @@ pub(super) const LEDGER_COLUMNS: [[&str; 2]; 15] = [
 /// Everything but the data, in a file that is then closed.
 pub(super) fn build(path: &Path, header: &Header, layout: &Layout, materials: &[MaterialRecord]) -> Hdf<()> {
     let file = File::create(path)?;
-    build_root(&file, header, layout)?;
+    build_root(&file, header, layout.area_given)?;
     let twisted = header.torsion.is_some();
     build_fields(&file, layout, twisted)?;
     build_histories(&file, layout, twisted)?;
@@ -68,7 +68,7 @@ pub(super) fn build(path: &Path, header: &Header, layout: &Layout, materials: &[
     file.close()
 }
 
-fn build_root(file: &File, header: &Header, layout: &Layout) -> Hdf<()> {
+pub(super) fn build_root(file: &File, header: &Header, area_given: bool) -> Hdf<()> {
     put_text(file, "format", "barwave")?;
     put(file, "format_version", &FORMAT_VERSION)?;
     put_text(file, "program_version", env!("CARGO_PKG_VERSION"))?;
@@ -83,7 +83,7 @@ fn build_root(file: &File, header: &Header, layout: &Layout) -> Hdf<()> {
     put_texts(file, "effects", &header.effects)?;
     put_text(file, "method", &header.method)?;
     put_text(file, "scheme", &header.scheme)?;
-    put_text(file, "energy_units", energy_units(layout.area_given))?;
+    put_text(file, "energy_units", energy_units(area_given))?;
     if let Some(velocity) = header.critical_velocity {
         put(file, "critical_velocity", &velocity)?;
     }
@@ -185,7 +185,7 @@ fn build_columns(group: &Group, columns: &[[&str; 3]], rows: usize) -> Hdf<()> {
     scales::attach(group, &names[..1], &names[1..])
 }
 
-fn build_materials(file: &File, materials: &[MaterialRecord], twisted: bool) -> Hdf<()> {
+pub(super) fn build_materials(file: &File, materials: &[MaterialRecord], twisted: bool) -> Hdf<()> {
     let [[.., strain_name], [.., stress_name]] = [2, 1].map(|k: usize| in_mode(twisted, GAUGE_COLUMNS[k]));
     let group = file.create_group("material")?;
     let names = link_names(materials.iter().map(|m| m.name.as_str()));
@@ -218,7 +218,7 @@ fn compressed(builder: DatasetBuilderEmpty, compression: Compression) -> Dataset
     }
 }
 
-fn describe(dataset: &Dataset, units: &str, long_name: &str) -> Hdf<()> {
+pub(super) fn describe(dataset: &Dataset, units: &str, long_name: &str) -> Hdf<()> {
     put_text(dataset, "units", units)?;
     put_text(dataset, "long_name", long_name)
 }

@@ -1,5 +1,6 @@
 //! From what the user typed to what it means: units, ranges, defaults, and what must or must not stand together.
 
+mod ball;
 mod bar;
 mod csv_history;
 mod damping;
@@ -15,6 +16,9 @@ mod torsion;
 use std::ops::Range;
 use std::path::Path;
 
+pub(super) use bar::Named;
+pub(super) use rupture::MOST_NOTCH;
+
 use super::raw::{RawEffects, RawScene, RawUnloading};
 use super::{Effects, Scene, Unloading, not_yet};
 use crate::bar::Bar;
@@ -26,9 +30,9 @@ use crate::units::Dimension;
 const MOST_CELLS: usize = 100_000_000;
 
 /// The file being checked and the folder that its paths are relative to.
-struct Checker<'a> {
-    document: &'a Document,
-    base: &'a Path,
+pub(super) struct Checker<'a> {
+    pub document: &'a Document,
+    pub base: &'a Path,
 }
 
 /// Checks a document; `text` and `overrides` of the scene are the caller's to fill.
@@ -52,7 +56,7 @@ pub(super) fn check(document: &Document, base: &Path) -> Result<Scene> {
         let raw = checker.required(raw, key, ends)?;
         match &torsion {
             Some(torsion) => checker.twisted_end(raw, key, torsion, torsion.polar[segment]),
-            None => checker.end(raw, key, bar.area_given),
+            None => checker.end(raw, key, &bar, &bar.segments[segment]),
         }
     };
     let left = end(raw.left.as_ref(), "left", 0)?;
@@ -72,6 +76,8 @@ pub(super) fn check(document: &Document, base: &Path) -> Result<Scene> {
     let raw_solve = checker.required(raw.solve.as_ref(), "solve", until)?;
     let solve = checker.solve(raw_solve, &raw.effects)?;
     checker.taper_can_be_solved(raw_bar.get_ref(), &bar, &solve.method)?;
+    let raw_ends = [("left", raw.left.as_ref()), ("right", raw.right.as_ref())];
+    checker.follows_balls(raw_ends, &solve.method)?;
     let record = checker.record(&raw.record, &bar, &effects, &solve, twisted)?;
     let name = Path::new(&document.file).file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
     Ok(Scene {
@@ -92,12 +98,12 @@ pub(super) fn check(document: &Document, base: &Path) -> Result<Scene> {
 }
 
 impl Checker<'_> {
-    fn error(&self, span: Range<usize>, key: &str, message: impl Into<String>) -> InputError {
+    pub(super) fn error(&self, span: Range<usize>, key: &str, message: impl Into<String>) -> InputError {
         self.document.error(span, key, message)
     }
 
     /// A part that must be there; the help line says what to add.
-    fn required<'a, T>(&self, part: Option<&'a T>, key: &str, help: &str) -> Result<&'a T> {
+    pub(super) fn required<'a, T>(&self, part: Option<&'a T>, key: &str, help: &str) -> Result<&'a T> {
         part.ok_or_else(|| self.missing(self.end_of_text(), key, help))
     }
 

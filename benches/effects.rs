@@ -18,14 +18,18 @@ const EFFECTS: &[(&str, &str)] = &[
     ("external damping", "damping = { external = 1e3 }"),
     ("foundation", "damping = { foundation = 1e6 }"),
     ("all of these", "lateral-inertia = true\ndamping = { internal = 2e4, external = 1e3, foundation = 1e6 }"),
+    ("heat", "heat = { fraction = 0.9 }"),
+    ("rate", "rate = { model = \"malvern\", k = 1e7 }"),
+    ("rate and heat", "heat = { fraction = 0.9 }\nrate = { model = \"malvern\", k = 1e7 }"),
 ];
 
 fn scene(velocity: f64, effects: &str) -> Scene {
     let text = format!(
         "[bar]\nlength = 1\narea = 1e-4\n[bar.material]\nname = \"bench\"\ndensity = 7800\nmodulus = 200e9\npoisson = 0.3\n\
-         beyond = \"extend\"\ncurve = {{ table = [[0.001, 200e6], [1, 20179.8e6]] }}\n[left]\nkind = \"velocity\"\n\
+         beyond = \"extend\"\ncurve = {{ table = [[0.001, 200e6], [1, 20179.8e6]] }}\nheat = {{ specific-heat = 480, reference-temperature = 293, \
+         melting-temperature = 1800, m = 1 }}\n[left]\nkind = \"velocity\"\n\
          value = {velocity:?}\n[right]\nkind = \"fixed\"\n[effects]\nunloading = \"isotropic\"\n{effects}\n[solve]\n\
-         until = 1.58e-4\ncells = {CELLS}\n"
+         until = 1.58e-4\nmethod = \"fd\"\ncells = {CELLS}\n"
     );
     Scene::parse("bench", &text, Path::new("."), &[]).unwrap_or_else(|error| panic!("{error}"))
 }

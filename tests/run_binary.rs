@@ -223,6 +223,28 @@ fn love_rod() {
 }
 
 #[test]
+fn copper_heated() {
+    let summary = check("copper-heated.toml", [0.0, 1.0], 10);
+    let effects = summary["effects"].to_string();
+    assert!(effects.contains("unloading: isotropic") && effects.contains("heat: fraction 0.9"), "{effects}");
+    let rise = number(&summary["largest_temperature_rise_K"]);
+    assert!((1.0..10.0).contains(&rise), "{rise}");
+    let audit = summary["audit"].to_string();
+    assert!(!audit.contains("heat"), "{audit}");
+    let cold = run(
+        "copper-heated.toml",
+        &["--set", "effects.heat=", "--set", "effects.unloading=isotropic", "--set", "record.fields="],
+    );
+    assert!(cold.get("largest_temperature_rise_K").is_none());
+    assert!(number(&summary["left"]["stress_Pa"]) < number(&cold["left"]["stress_Pa"]));
+    assert!(number(&summary["left"]["strain"]) > number(&cold["left"]["strain"]));
+    let tracked = by_characteristics("copper-heated.toml");
+    // Next to the end the grid's strain is a fifth cell's; the stress overshoots there.
+    assert!((number(&tracked["largest_temperature_rise_K"]) / rise - 1.0).abs() < 0.2, "{rise}");
+    assert!((number(&tracked["left"]["stress_Pa"]) / number(&summary["left"]["stress_Pa"]) - 1.0).abs() < 1e-3);
+}
+
+#[test]
 fn damped_bar() {
     let summary = run("damped-bar.toml", &[]);
     assert_contract(&summary, "damped-bar.toml");

@@ -479,12 +479,34 @@ const CASES: &[Case] = &[
         "solve.tolerance",
         &["the choice of method by tolerance", "cells = 4000"],
     ),
+    // The effect of heat.
     case(
         "unloading = \"isotropic\"",
         "heat = { fraction = 0.9 }",
         "heat",
         "effects.heat",
-        &["heating by plastic work", "leave it out"],
+        &["`steel` does not state: specific-heat, reference-temperature, melting-temperature, m", "add them to"],
+    ),
+    case(
+        "unloading = \"isotropic\"",
+        "heat = { fraction = 1.5 }",
+        "heat",
+        "effects.heat.fraction",
+        &["1.5 is out of range", "allowed: 0 <= fraction <= 1"],
+    ),
+    case(
+        "unloading = \"isotropic\"",
+        "heat = { fracton = 0.5 }",
+        "fracton",
+        "effects.heat.fracton",
+        &["unknown", "fraction"],
+    ),
+    case(
+        "fields = [\"stress\", \"velocity\"]",
+        "fields = [\"stress\", \"temperature\"]",
+        "temperature",
+        "record.fields.1",
+        &["does not exist where nothing heats the bar", "heat = { fraction = 0.9 }"],
     ),
     // The effect of the strain rate.
     case(

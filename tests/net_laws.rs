@@ -126,7 +126,7 @@ fn unloading_is_elastic() {
 #[test]
 fn mirrored_bars_are_equal_bit_for_bit() {
     let soft_material = common::material(&[(0.001, 90e6), (0.05, 200e6)], Beyond::Extend);
-    let soft = |velocity: f64| Segment { area: 1.5, velocity, ..segment(soft_material.clone(), 0.45), taper: None };
+    let soft = |velocity: f64| Segment { area: 1.5, velocity, ..segment(soft_material.clone(), 0.45) };
     let hard = || segment(bilinear_steel(), 0.55);
     let law = Overstress::Malvern { k: 2e5 };
     let cases = [

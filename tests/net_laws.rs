@@ -28,7 +28,7 @@ fn c0() -> f64 {
 
 /// Two pieces of unlike section, pulled and let go.
 fn stepped_bar(material: &Material) -> Vec<Segment> {
-    vec![Segment { area: 2.0, ..segment(material.clone(), 0.5), taper: None }, segment(material.clone(), 0.5)]
+    vec![Segment { area: 2.0, ..segment(material.clone(), 0.5) }, segment(material.clone(), 0.5)]
 }
 
 fn pulse(velocity: f64) -> EndCondition {
@@ -143,7 +143,7 @@ fn mirrored_bars_are_equal_bit_for_bit() {
         ),
     ];
     for (right, right_in_image, joint) in cases {
-        let joined = |a: Segment, b: Segment| vec![Segment { joint, ..a, taper: None }, b];
+        let joined = |a: Segment, b: Segment| vec![Segment { joint, ..a }, b];
         let mut bar = net::net(joined(hard(), soft(-3.0)), [pulse(30.0), right], law, 0.3, 301);
         let mut image = net::net(joined(soft(3.0), hard()), [right_in_image, pulse(-30.0)], law, 0.3, 301);
         for _ in 0..900 {
@@ -264,7 +264,8 @@ proptest! {
         let first = Arc::new(material_from(rows, DENSITY, YIELD, own_compression));
         let second = Arc::new(material_from(more, density, 0.6 * YIELD, own_compression));
         let part = |material: &Arc<Material>, length, area, velocity| Segment {
-            length, area, material: material.clone(), velocity, joint, taper: None };
+            length, area, material: material.clone(), velocity, joint, taper: None
+        };
         let segments = vec![part(&first, 0.6, 1.0, 0.0), part(&second, 0.4, area, velocity)];
         let mut bar = net::net(segments, [both.0, both.1], law, kinematic, 60);
         let balance = net::Balance::new(&bar);

@@ -673,10 +673,18 @@ fn what_acts_along_the_bar_needs_a_section_and_bonded_joints() {
     let parting = RIGHT.replace(UNIFORM, "").replace("area = \"1 cm^2\"\n", "").replace(MATERIAL, "");
     let parting = parting + &segment.replace("area", "joint = \"contact\"\narea") + &segment;
     for (text, effect, start) in [
-        (&without_area, "damping = { external = 100 }", "error: `effects.damping.external`: `external` is a force per length"),
+        (
+            &without_area,
+            "damping = { external = 100 }",
+            "error: `effects.damping.external`: `external` is a force per length",
+        ),
         (&without_area, "damping = { foundation = 100 }", "error: `effects.damping.foundation`: "),
         (&poisson, "lateral-inertia = true", "error: `effects.lateral-inertia`: lateral inertia depends on the size"),
-        (&parting, "damping = { internal = 100 }", "error: `effects.damping`: `damping` is not followed in a bar with joints"),
+        (
+            &parting,
+            "damping = { internal = 100 }",
+            "error: `effects.damping`: `damping` is not followed in a bar with joints",
+        ),
     ] {
         std::fs::write(&file, text.replace("unloading = \"isotropic\"", effect)).expect("written");
         let output = check(&file);
@@ -685,6 +693,7 @@ fn what_acts_along_the_bar_needs_a_section_and_bonded_joints() {
         assert!(shown.starts_with(start) && shown.contains("\nhelp: "), "{shown}");
     }
     // Without a section internal damping has a meaning, and without a joint that opens the bar is right.
-    std::fs::write(&file, without_area.replace("unloading = \"isotropic\"", "damping = { internal = 100 }")).expect("written");
+    std::fs::write(&file, without_area.replace("unloading = \"isotropic\"", "damping = { internal = 100 }"))
+        .expect("written");
     assert_eq!(check(&file).status.code(), Some(0), "{}", stderr(&check(&file)));
 }

@@ -125,10 +125,8 @@ pub(super) fn ledger(svg: &mut Svg, panel: Area, view: &View, letter: char) -> R
         series.push(line("viscous", Stroke::new(colour(3), 1.6), |row| row.viscous));
     }
     let damping = Stroke::new(colour(4), 1.6);
-    let extra: [(&str, Stroke, fn(&LedgerRow) -> f64); 2] = [
-        ("damping", damping.clone(), |row| row.damping),
-        ("foundation", damping.dashed("2 3"), |row| row.foundation),
-    ];
+    let extra: [(&str, Stroke, fn(&LedgerRow) -> f64); 2] =
+        [("damping", damping.clone(), |row| row.damping), ("foundation", damping.dashed("2 3"), |row| row.foundation)];
     for (name, stroke, value) in extra {
         if rows.iter().any(|row| value(row) != 0.0) {
             series.push(line(name, stroke, value));

@@ -21,13 +21,15 @@ mod weights;
 
 use std::ops::Range;
 
+use multiversion::multiversion;
+
 use super::block::Block;
 use super::device::Device;
 use super::grid::Grid;
 use super::leapfrog::Constants;
 use crate::law::LANES;
 use matrix::Matrix;
-use weights::{NodeWeights, Weights};
+use weights::{CellWeights, NodeWeights, Weights};
 
 /// What acts along the bar; 0 where there is none of a kind.
 #[derive(Debug, Clone, PartialEq)]
@@ -165,12 +167,12 @@ impl Implicit {
             let dt = self.weights.dt;
             self.place.iter_mut().zip(&self.after).for_each(|(u, v)| *u += dt * v);
         }
-        self.impulses(blocks);
-        let right_sides = self.sweep_forward();
-        self.matrix.back(&mut self.change);
+        self.form_right_sides(blocks);
+        let n = self.change.len() - 1;
+        let right_sides = [self.change[0], self.change[n]];
+        self.matrix.solve(&mut self.change);
         let pulls = self.matrix.left_for_ends(right_sides, &self.change);
         self.move_ends(time, pulls, blocks, left, right);
-        let n = self.change.len() - 1;
         let changes = [&*left, &*right].map(|end| end.velocity_after() - end.velocity_before());
         self.matrix.follow_ends(changes, &mut self.change);
         [self.change[0], self.change[n]] = changes;
@@ -182,49 +184,36 @@ impl Implicit {
         self.started = true;
     }
 
-    /// Into `change`: the impulse of every cell on the node to its left, dampers with the velocities before the step.
-    fn impulses(&mut self, blocks: &[Block]) {
+    /// Into `change`: the impulses on the nodes, dampers with the velocities before the step.
+    fn form_right_sides(&mut self, blocks: &[Block]) {
+        let (v, change) = (&self.after[..], &mut self.change[..]);
+        let mut from_left = 0.0;
         for block in blocks {
-            let cells = block.cells.clone();
-            let w = self.weights.cell(cells.start);
-            let out = &mut self.change[cells.clone()];
-            for (out, sigma) in out.iter_mut().zip(&block.sigma) {
-                *out = w.impulse * sigma;
-            }
-            if self.internal {
-                let v = &self.after[cells.start..=cells.end];
-                for (out, v) in out.iter_mut().zip(v.windows(2)) {
-                    *out += w.viscous * (v[1] - v[0]);
-                }
-            }
+            let (from, to) = (block.cells.start, block.cells.end);
+            let w = self.weights.cell(from);
+            let (sigma, v) = (&block.sigma[..], &v[from..=to]);
+            let impulse = |i: usize| w.impulse * sigma[i] + w.viscous * (v[i + 1] - v[i]);
+            change[from] = impulse(0) - from_left;
+            stress_impulses(w, sigma, v, &mut change[from + 1..to]);
+            from_left = impulse(sigma.len() - 1);
         }
-    }
-
-    /// Forms the right sides in `change` and takes them forward; returns those of the ends.
-    fn sweep_forward(&mut self) -> [f64; 2] {
-        let dt = self.weights.dt;
-        let (v, place, change) = (&self.after[..], &self.place[..], &mut self.change[..]);
         let n = change.len() - 1;
-        let held = |w: &NodeWeights, j: usize| {
-            let foundation = if place.is_empty() { 0.0 } else { dt * w.spring * place[j] };
-            w.drag * v[j] + foundation
-        };
-        // The last entry is no cell's impulse: beyond the right end there is nothing.
-        change[n] = 0.0;
-        let (mut before, mut result, mut ends) = (0.0, 0.0, [0.0; 2]);
-        for (w, run) in self.weights.nodes() {
-            for j in run {
-                let right_side = change[j] - before - held(w, j);
-                before = change[j];
-                if j == 0 || j == n {
-                    ends[usize::from(j == n)] = right_side;
-                } else {
-                    result = self.matrix.forward(j, right_side, result);
-                    change[j] = result;
+        change[n] = -from_left;
+        if self.external {
+            for (w, nodes) in self.weights.nodes() {
+                for (change, v) in change[nodes.clone()].iter_mut().zip(&v[nodes]) {
+                    *change -= w.drag * v;
                 }
             }
         }
-        ends
+        if !self.place.is_empty() {
+            for (w, nodes) in self.weights.nodes() {
+                let spring = self.weights.dt * w.spring;
+                for (change, u) in change[nodes.clone()].iter_mut().zip(&self.place[nodes]) {
+                    *change -= spring * u;
+                }
+            }
+        }
     }
 
     /// The ends take their step with the impulses (N s in +x) that all nodes between them leave. Each acts on the other
@@ -417,7 +406,8 @@ impl Implicit {
 
     /// Memory, bytes.
     pub fn bytes(&self) -> usize {
-        (self.after.len() + self.change.len() + self.place.len() + self.shift.len() + self.matrix.len()) * size_of::<f64>()
+        (self.after.len() + self.change.len() + self.place.len() + self.shift.len() + self.matrix.len())
+            * size_of::<f64>()
     }
 }
 
@@ -426,6 +416,17 @@ const MOST_ANSWERS: usize = 100;
 
 fn factored(weights: &Weights) -> Matrix {
     Matrix::new(weights.count(), |j| weights.diagonal(j), |i| weights.between(i))
+}
+
+/// Impulses of the stresses and internal dampers on the nodes inside a block, `v` being those of all its nodes.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
+fn stress_impulses(w: &CellWeights, sigma: &[f64], v: &[f64], out: &mut [f64]) {
+    let nodes = out.len();
+    let (left, right) = (&sigma[..nodes], &sigma[1..=nodes]);
+    let (before, here, after) = (&v[..nodes], &v[1..=nodes], &v[2..nodes + 2]);
+    for i in 0..nodes {
+        out[i] = w.impulse * (right[i] - left[i]) + w.viscous * ((after[i] - here[i]) - (here[i] - before[i]));
+    }
 }
 
 /// Sums over a range, in lanes that the processor can take side by side.

@@ -29,6 +29,8 @@ pub(super) struct Matrix {
     middle_right: f64,
     /// 1 over the pivot of row j. Unused at 0 and n.
     inverse: Vec<f64>,
+    /// Each node stands for itself.
+    diagonal: bool,
     /// Elements between the ends and their neighbours.
     off: [f64; 2],
     /// Diagonal of what is left for the ends, kg.
@@ -92,6 +94,10 @@ impl Matrix {
     pub fn solve(&self, x: &mut [f64]) {
         let (n, middle) = (self.cells, self.middle);
         let (beside, inverse, x) = (&self.beside[..=n], &self.inverse[..=n], &mut x[..=n]);
+        if self.diagonal {
+            x[1..n].iter_mut().zip(&inverse[1..n]).for_each(|(x, inverse)| *x *= inverse);
+            return;
+        }
         let both = middle - 1;
         let (mut left, mut right) = (0.0, 0.0);
         for start in (0..both).step_by(LOOK) {

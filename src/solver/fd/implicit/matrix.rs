@@ -65,7 +65,19 @@ impl Matrix {
         inverse[middle] = 1.0 / (diagonal(middle) - left * beside[middle] - right * middle_right);
         let off = [between(0), between(cells - 1)];
         let follow = [Vec::new(), Vec::new()];
-        let mut matrix = Self { cells, middle, beside, middle_right, inverse, off, own: [0.0; 2], cross: 0.0, follow };
+        let diagonal_alone = (0..cells).all(|i| between(i) == 0.0);
+        let mut matrix = Self {
+            cells,
+            middle,
+            beside,
+            middle_right,
+            inverse,
+            diagonal: diagonal_alone,
+            off,
+            own: [0.0; 2],
+            cross: 0.0,
+            follow,
+        };
         matrix.eliminate_ends([diagonal(0), diagonal(cells)]);
         matrix
     }

@@ -59,6 +59,14 @@ impl Along {
     }
 }
 
+/// There are internal and external dampers; some cells move sideways.
+#[derive(Debug, Clone, Copy)]
+struct Acts {
+    internal: bool,
+    external: bool,
+    lateral: bool,
+}
+
 /// Sums over the nodes that the account needs: of one step's forces, in the two velocities between which they act.
 #[derive(Debug, Clone, Copy, Default)]
 struct Taken {
@@ -82,10 +90,7 @@ pub(super) struct Implicit {
     place: Vec<f64>,
     /// For the ripple damping; empty until the bar yields.
     shift: Vec<f64>,
-    /// There are internal and external dampers; some cells move sideways.
-    internal: bool,
-    external: bool,
-    lateral: bool,
+    acts: Acts,
     latest: Taken,
     /// Energy taken by dampers so far, J, and by the ripple damping.
     damped: f64,
@@ -122,9 +127,11 @@ impl Implicit {
             change: vec![0.0; nodes],
             place: vec![0.0; if along.foundation > 0.0 { nodes } else { 0 }],
             shift: Vec::new(),
-            internal: along.internal > 0.0,
-            external: along.external > 0.0,
-            lateral: along.lateral.iter().any(|&l| l > 0.0),
+            acts: Acts {
+                internal: along.internal > 0.0,
+                external: along.external > 0.0,
+                lateral: along.lateral.iter().any(|&l| l > 0.0),
+            },
             latest: Taken::default(),
             damped: 0.0,
             ripples: 0.0,
@@ -199,7 +206,7 @@ impl Implicit {
         }
         let n = change.len() - 1;
         change[n] = -from_left;
-        if self.external {
+        if self.acts.external {
             for (w, nodes) in self.weights.nodes() {
                 for (change, v) in change[nodes.clone()].iter_mut().zip(&v[nodes]) {
                     *change -= w.drag * v;
@@ -261,7 +268,7 @@ impl Implicit {
     fn taken(&self, shift: impl Fn(usize) -> f64) -> Taken {
         let (v, w) = (&self.after[..], &self.change[..]);
         let mut taken = Taken::default();
-        if self.internal {
+        if self.acts.internal {
             for (weights, cells) in self.weights.cells() {
                 let [before, after] = sums(cells, |i| {
                     let (rate, change) = (v[i + 1] - v[i], w[i + 1] - w[i]);
@@ -272,7 +279,7 @@ impl Implicit {
                 taken.after += after;
             }
         }
-        if self.external {
+        if self.acts.external {
             for (weights, nodes) in self.weights.nodes() {
                 let [before, after, impulse] = sums(nodes, |j| {
                     let impulse = weights.drag * v[j] + weights.drag_mass * w[j];
@@ -316,7 +323,7 @@ impl Implicit {
             let [sum] = sums(nodes, |j| [shift[j] * both(j)]);
             lost += mass * sum;
         }
-        if self.lateral {
+        if self.acts.lateral {
             for (weights, cells) in self.weights.cells() {
                 let [sum] = sums(cells, |i| [(shift[i + 1] - shift[i]) * (both(i + 1) - both(i))]);
                 lost += weights.lateral * sum;
@@ -382,7 +389,7 @@ impl Implicit {
             total.kinetic += 0.5 * weights.mass * product;
             total.momentum += 0.5 * weights.mass * sum;
         }
-        if self.lateral {
+        if self.acts.lateral {
             for (weights, cells) in self.weights.cells() {
                 let [product] = sums(cells, |i| [(after(i + 1) - after(i)) * (before(i + 1) - before(i))]);
                 total.kinetic += 0.5 * weights.lateral * product;

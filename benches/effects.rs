@@ -7,7 +7,7 @@ use std::time::Instant;
 use barwave::assemble;
 use barwave::scene::Scene;
 
-const RUNS: usize = 7;
+const RUNS: usize = 3;
 const CELLS: usize = 10_000;
 
 /// Effects by name, as lines under `[effects]`; the first is none.

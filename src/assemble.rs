@@ -33,7 +33,7 @@ pub fn leapfrog(scene: &Scene, cells: usize, cfl: f64) -> Leapfrog {
 }
 
 /// What acts along the bar beside the stress of its curve, if anything does. A section is taken for a round one: its polar
-/// radius of gyration is that of a disc, r_p^2 = A/(2 pi). Poisson's ratio is the elastic one throughout.
+/// radius of gyration is that of a disc, `r_p^2 = A/(2 pi)`. Poisson's ratio is the elastic one throughout.
 pub fn along(bar: &Bar, effects: &Effects) -> Option<Along> {
     let damping = effects.damping.unwrap_or_default();
     let lateral = |segment: &Segment| {

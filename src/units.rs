@@ -54,11 +54,17 @@ pub enum Dimension {
     MomentOfInertia,
     /// N m/rad.
     TorsionalStiffness,
+    /// Pa s.
+    Viscosity,
+    /// N s/m^2: force per length and velocity.
+    Drag,
+    /// N/m^2: force per length and displacement.
+    Foundation,
 }
 
 impl Dimension {
     /// Every dimension.
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 22] = [
         Self::None,
         Self::Length,
         Self::Area,
@@ -78,6 +84,9 @@ impl Dimension {
         Self::Torque,
         Self::MomentOfInertia,
         Self::TorsionalStiffness,
+        Self::Viscosity,
+        Self::Drag,
+        Self::Foundation,
     ];
 
     /// With its article, for messages: "a length".
@@ -102,6 +111,9 @@ impl Dimension {
             Self::Torque => "a torque",
             Self::MomentOfInertia => "a moment of inertia",
             Self::TorsionalStiffness => "a torsional stiffness",
+            Self::Viscosity => "a viscosity",
+            Self::Drag => "a force per length and velocity",
+            Self::Foundation => "a force per length and displacement",
         }
     }
 
@@ -127,6 +139,9 @@ impl Dimension {
             Self::Torque => "50 N*m",
             Self::MomentOfInertia => "2 kg*m^2",
             Self::TorsionalStiffness => "300 N*m/rad",
+            Self::Viscosity => "20 kPa*s",
+            Self::Drag => "300 N*s/m^2",
+            Self::Foundation => "50 MN/m^2",
         }
     }
 
@@ -152,10 +167,14 @@ impl Dimension {
             Self::Torque => "N*m",
             Self::MomentOfInertia => "kg*m^2",
             Self::TorsionalStiffness => "N*m/rad",
+            Self::Viscosity => "Pa*s",
+            Self::Drag => "N*s/m^2",
+            Self::Foundation => "N/m^2",
         }
     }
 
-    /// Exponents of m, kg, s, K. Stress and energy per volume have the same, and so have others; angles are plain numbers.
+    /// Exponents of m, kg, s, K. Stress, energy per volume and the foundation's force have the same, and so have the
+    /// dampers, and others; angles are plain numbers.
     const fn exponents(self) -> table::Exponents {
         match self {
             Self::None => [0, 0, 0, 0],
@@ -163,7 +182,8 @@ impl Dimension {
             Self::Area => [2, 0, 0, 0],
             Self::Time => [0, 0, 1, 0],
             Self::Velocity => [1, 0, -1, 0],
-            Self::Stress | Self::EnergyDensity => [-1, 1, -2, 0],
+            Self::Stress | Self::EnergyDensity | Self::Foundation => [-1, 1, -2, 0],
+            Self::Viscosity | Self::Drag => [-1, 1, -1, 0],
             Self::Density => [-3, 1, 0, 0],
             Self::Mass => [0, 1, 0, 0],
             Self::Force => [1, 1, -2, 0],

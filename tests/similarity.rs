@@ -220,6 +220,17 @@ fn tables() -> impl Strategy<Value = Curve> {
 
 const RHO: f64 = 5000.0;
 
+/// What the rounding of the last stress and strain does to the velocity jump sqrt(d sigma d eps/rho) of a front: little, but
+/// where the stress hardly rises across it the root makes it much of the jump. On a steep piece of the curve a rounding of
+/// the strain is a larger one of the stress.
+fn rounding_of_jump(edge: &Edge, curve: &Curve) -> f64 {
+    let rise = edge.stress_behind - edge.stress_ahead;
+    let steepest = curve.slopes().fold(0.0, |a: f64, b| a.max(b.abs()));
+    let rounding = 4.0 * f64::EPSILON * (edge.stress_behind + steepest * edge.strain_behind);
+    let jump = |rise: f64| (rise.max(0.0) * (edge.strain_behind - edge.strain_ahead) / RHO).sqrt();
+    jump(rise + rounding) - jump(rise - rounding)
+}
+
 proptest! {
     #[test]
     fn the_hull_is_concave_connected_and_above_the_curve(c in tables(), part in 0.01..1.0_f64) {
@@ -252,8 +263,9 @@ proptest! {
             prop_assert_eq!(fan.above_critical, c.ultimate().is_some());
         } else {
             // The closed-form root and the sum each round a few times; the sum of up to 14 terms.
-            prop_assert!((fan.velocity / velocity - 1.0).abs() < 1e-11, "{} {}", fan.velocity, velocity);
-            prop_assert!((impact_velocity(&c, RHO, fan.strain) / velocity - 1.0).abs() < 1e-11);
+            let allowed = 1e-11 * velocity + fan.edges.iter().map(|edge| rounding_of_jump(edge, &c)).sum::<f64>();
+            prop_assert!((fan.velocity - velocity).abs() < allowed, "{} {}", fan.velocity, velocity);
+            prop_assert!((impact_velocity(&c, RHO, fan.strain) - velocity).abs() < allowed);
         }
         let jumps: f64 = fan.edges.iter().map(Edge::velocity_jump).sum();
         prop_assert!((jumps / fan.velocity - 1.0).abs() < 1e-12);

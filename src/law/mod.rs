@@ -65,6 +65,11 @@ pub trait CellLaw<const N: usize>: Send + Sync {
         0.0
     }
 
+    /// With [`Self::TAKES_TIME`]: plastic strain is growing.
+    fn flows(&self, _state: [f64; N]) -> bool {
+        false
+    }
+
     /// In its latest step the cell came to its static curve, or nearly.
     fn keeps_up(&self, _state: [f64; N]) -> bool {
         true
@@ -102,6 +107,12 @@ pub trait RowLaw: Send + Sync {
 
     /// Clears `flow` in cells that flow by a rate which the steps resolve.
     fn clear_resolved(&self, state: &[f64], flow: &mut [u8]);
+
+    /// Cell `i` of a row flows by a rate; false for laws without.
+    fn flows(&self, state: &[f64], i: usize) -> bool;
+
+    /// E times the largest strain of a row, Pa; 0 where all is in compression.
+    fn largest_strain(&self, sigma: &[f64], state: &[f64]) -> f64;
 }
 
 /// Makes a [`RowLaw`] of a [`CellLaw`].
@@ -152,6 +163,15 @@ impl<L: CellLaw<N>, const N: usize> RowLaw for Rows<L, N> {
         for (i, flow) in flow.iter_mut().enumerate().filter(|(_, flow)| **flow != 0) {
             *flow = u8::from(self.0.keeps_up(cell_state(state, i)));
         }
+    }
+
+    fn flows(&self, state: &[f64], i: usize) -> bool {
+        L::TAKES_TIME && self.0.flows(cell_state(state, i))
+    }
+
+    fn largest_strain(&self, sigma: &[f64], state: &[f64]) -> f64 {
+        let strain = |(i, sigma): (usize, &f64)| sigma + self.0.plastic_strain(cell_state(state, i));
+        sigma.iter().enumerate().map(strain).fold(0.0, f64::max)
     }
 }
 

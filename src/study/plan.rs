@@ -11,7 +11,7 @@ use crate::material::Sense;
 use crate::record::FrontSummary;
 use crate::run;
 use crate::scene::{Effects, Method, Rate, Scene};
-use crate::solver::fd::{Grid, TAPER_BYTES_PER_CELL};
+use crate::solver::fd::{Along, Grid, TAPER_BYTES_PER_CELL};
 use crate::solver::moc::{FrontTracking, Settings};
 use crate::solver::net::{Lattice, Net};
 
@@ -124,6 +124,9 @@ const PLASTIC_COST: f64 = 6.0;
 const RATE_MALVERN: f64 = 40e-9;
 const RATE_OTHER: f64 = 150e-9;
 
+/// Time of a step of a node where something acts along the bar. Measured at 10000 cells.
+const SWEEP: f64 = 8e-9;
+
 /// Makes the plan.
 pub fn plan(scene: &Scene) -> Plan {
     let all = launches(&scene.bar, &scene.left, &scene.right);
@@ -163,6 +166,10 @@ fn grid_work(scene: &Scene, grid: &Grid) -> (Work, usize) {
     let tapered = scene.bar.segments.iter().any(|segment| segment.taper.is_some());
     let sections = if tapered { TAPER_BYTES_PER_CELL } else { 0 };
     let (elastic, yielded) = (2 * number + sections, (2 + law.law.state_len()) * number + 1 + work_kept + sections);
+    let along = assemble::along(&scene.bar, &scene.effects);
+    let [nodes, yielded_nodes] = along.as_ref().map_or([0; 2], Along::bytes_per_cell);
+    let (elastic, yielded) = (elastic + nodes, yielded + yielded_nodes);
+    let sweep = if along.is_some() { SWEEP } else { 0.0 };
     let (elastic_cell, work) = (elastic_seconds_per_cell_step(), (cells * steps) as f64);
     let flowing = match scene.effects.rate {
         None => PLASTIC_COST * elastic_cell,
@@ -177,7 +184,7 @@ fn grid_work(scene: &Scene, grid: &Grid) -> (Work, usize) {
         bytes_per_elastic_cell: elastic,
         bytes_per_yielded_cell: yielded,
         memory_bytes: cells * yielded,
-        expected_s: [quickest, flowing * (cells * steps) as f64],
+        expected_s: [quickest, flowing * work].map(|stepping| stepping + sweep * work),
         net: None,
     };
     (work, cells)

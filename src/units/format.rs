@@ -83,6 +83,9 @@ fn si_scales(dimension: Dimension) -> &'static [Scale] {
         Dimension::Torque => const { &[scale("N*m", 1.0), scale("kN*m", 1e3)] },
         Dimension::MomentOfInertia => const { &[scale("kg*m^2", 1.0)] },
         Dimension::TorsionalStiffness => const { &[scale("N*m/rad", 1.0), scale("kN*m/rad", 1e3)] },
+        Dimension::Viscosity => const { &[scale("Pa*s", 1.0), scale("kPa*s", 1e3), scale("MPa*s", 1e6)] },
+        Dimension::Drag => const { &[scale("N*s/m^2", 1.0), scale("kN*s/m^2", 1e3)] },
+        Dimension::Foundation => const { &[scale("N/m^2", 1.0), scale("kN/m^2", 1e3), scale("MN/m^2", 1e6)] },
     }
 }
 
@@ -106,6 +109,9 @@ fn us_scales(dimension: Dimension) -> &'static [Scale] {
         Dimension::MomentOfInertia => const { &[scale("lb*ft^2", POUND * 144.0 * INCH * INCH)] },
         Dimension::TorsionalStiffness => const { &[scale("lbf*ft/rad", FOOT_POUND)] },
         Dimension::SpecificHeat => const { &[scale("Btu/(lb*K)", 1_055.055_852_62 / POUND)] },
+        Dimension::Viscosity => const { &[scale("psi*s", PSI)] },
+        Dimension::Drag => const { &[scale("lbf*s/in^2", PSI)] },
+        Dimension::Foundation => const { &[scale("lbf/in^2", PSI)] },
     }
 }
 

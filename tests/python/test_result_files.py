@@ -193,8 +193,8 @@ def assert_frames_are_sound(file):
         values = file[name][:]
         assert values.shape[0] == frames
         assert np.isfinite(values).all()
-    # The bar is pulled: the frames hold waves, not just zeros.
-    assert abs(file["stress"][frames - 1]).max() > 1e5
+    # The bar is pulled: the frames hold waves, not just zeros (the last of them may be of a bar at rest).
+    assert abs(file["stress"][:]).max() > 1e5
 
 
 def test_a_killed_run_leaves_its_frames(program, long_scene, tmp_path):

@@ -344,7 +344,7 @@ fn write_figures(file: &File, figures: &Finish) -> Hdf<()> {
     Ok(())
 }
 
-fn ledger_values(row: &LedgerRow) -> [f64; 12] {
+fn ledger_values(row: &LedgerRow) -> [f64; 14] {
     [
         row.time,
         row.kinetic,
@@ -353,6 +353,8 @@ fn ledger_values(row: &LedgerRow) -> [f64; 12] {
         row.viscous,
         row.concentrated,
         row.fracture,
+        row.damping,
+        row.foundation,
         row.work_left,
         row.work_right,
         row.momentum,

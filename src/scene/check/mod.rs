@@ -2,6 +2,7 @@
 
 mod bar;
 mod csv_history;
+mod damping;
 mod ends;
 mod rate;
 mod record;
@@ -59,8 +60,11 @@ pub(super) fn check(document: &Document, base: &Path) -> Result<Scene> {
     }
     let effects = Effects {
         rupture: checker.rupture(&raw.effects, raw_bar.get_ref(), &bar)?,
+        damping: checker.damping(&raw.effects, &bar)?,
+        lateral_inertia: checker.lateral_inertia(&raw.effects, &bar)?,
         ..checker.effects(&raw.effects, &bar)?
     };
+    checker.along_goes(&raw.effects, &bar)?;
     let until = "add [solve] with until, the end time, e.g. until = \"200 us\"";
     let raw_solve = checker.required(raw.solve.as_ref(), "solve", until)?;
     let solve = checker.solve(raw_solve, &raw.effects)?;

@@ -206,9 +206,17 @@ impl Checker<'_> {
 
     /// What acts on a tension or compression alone, or knows lengths, areas or masses, is not there in torsion.
     pub(super) fn effects_of_torsion(&self, raw: &RawEffects) -> Result<()> {
-        let Some(rupture) = &raw.rupture else { return Ok(()) };
-        let error = self.error(rupture.span(), "effects.rupture", "rupture in torsion is not followed");
-        Err(error.help("take it out: a run says when the data of the curve end, or the torque can rise no more").into())
+        if let Some(rupture) = &raw.rupture {
+            let error = self.error(rupture.span(), "effects.rupture", "rupture in torsion is not followed");
+            let help = "take it out: a run says when the data of the curve end, or the torque can rise no more";
+            return Err(error.help(help).into());
+        }
+        if let Some((name, span)) = raw.along() {
+            let message = format!("`{name}` of a bar in torsion is not followed");
+            let error = self.error(span, &format!("effects.{name}"), message);
+            return Err(error.help(format!("take `{name}` out of [effects]; the others go with torsion")).into());
+        }
+        Ok(())
     }
 
     /// The end under `key` of a bar in torsion; `polar` is J of the segment there.

@@ -46,6 +46,12 @@ pub enum Dimension {
     Temperature,
     /// J/(kg K).
     SpecificHeat,
+    /// Pa s.
+    Viscosity,
+    /// N s/m^2: force per length and velocity.
+    Drag,
+    /// N/m^2: force per length and displacement.
+    Foundation,
     /// rad/s.
     AngularVelocity,
     /// N m.
@@ -54,12 +60,6 @@ pub enum Dimension {
     MomentOfInertia,
     /// N m/rad.
     TorsionalStiffness,
-    /// Pa s.
-    Viscosity,
-    /// N s/m^2: force per length and velocity.
-    Drag,
-    /// N/m^2: force per length and displacement.
-    Foundation,
 }
 
 impl Dimension {
@@ -80,13 +80,13 @@ impl Dimension {
         Self::Rate,
         Self::Temperature,
         Self::SpecificHeat,
+        Self::Viscosity,
+        Self::Drag,
+        Self::Foundation,
         Self::AngularVelocity,
         Self::Torque,
         Self::MomentOfInertia,
         Self::TorsionalStiffness,
-        Self::Viscosity,
-        Self::Drag,
-        Self::Foundation,
     ];
 
     /// With its article, for messages: "a length".
@@ -107,13 +107,13 @@ impl Dimension {
             Self::Rate => "a rate",
             Self::Temperature => "a temperature",
             Self::SpecificHeat => "a specific heat",
+            Self::Viscosity => "a viscosity",
+            Self::Drag => "a force per length and velocity",
+            Self::Foundation => "a force per length and displacement",
             Self::AngularVelocity => "an angular velocity",
             Self::Torque => "a torque",
             Self::MomentOfInertia => "a moment of inertia",
             Self::TorsionalStiffness => "a torsional stiffness",
-            Self::Viscosity => "a viscosity",
-            Self::Drag => "a force per length and velocity",
-            Self::Foundation => "a force per length and displacement",
         }
     }
 
@@ -135,13 +135,13 @@ impl Dimension {
             Self::Rate => "100 1/s",
             Self::Temperature => "20 degC",
             Self::SpecificHeat => "385 J/(kg*K)",
+            Self::Viscosity => "20 kPa*s",
+            Self::Drag => "300 N*s/m^2",
+            Self::Foundation => "50 MN/m^2",
             Self::AngularVelocity => "100 rad/s",
             Self::Torque => "50 N*m",
             Self::MomentOfInertia => "2 kg*m^2",
             Self::TorsionalStiffness => "300 N*m/rad",
-            Self::Viscosity => "20 kPa*s",
-            Self::Drag => "300 N*s/m^2",
-            Self::Foundation => "50 MN/m^2",
         }
     }
 
@@ -163,18 +163,18 @@ impl Dimension {
             Self::Rate => "1/s",
             Self::Temperature => "K",
             Self::SpecificHeat => "J/(kg*K)",
+            Self::Viscosity => "Pa*s",
+            Self::Drag => "N*s/m^2",
+            Self::Foundation => "N/m^2",
             Self::AngularVelocity => "rad/s",
             Self::Torque => "N*m",
             Self::MomentOfInertia => "kg*m^2",
             Self::TorsionalStiffness => "N*m/rad",
-            Self::Viscosity => "Pa*s",
-            Self::Drag => "N*s/m^2",
-            Self::Foundation => "N/m^2",
         }
     }
 
-    /// Exponents of m, kg, s, K. Stress, energy per volume and the foundation's force have the same, and so have the
-    /// dampers, and others; angles are plain numbers.
+    /// Exponents of m, kg, s, K. Stress, energy per volume and the foundation's force have the same, and so have the dampers
+    /// and others; angles are plain numbers.
     const fn exponents(self) -> table::Exponents {
         match self {
             Self::None => [0, 0, 0, 0],

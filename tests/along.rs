@@ -246,7 +246,8 @@ fn a_tiny_damping_is_the_plain_plastic_bar() {
 }
 
 fn two_segments(velocity: f64) -> Vec<Segment> {
-    let mut light = common::material(&[(0.002, 140e6), (0.01, 180e6), (0.05, 220e6)], barwave::material::Beyond::Extend);
+    let mut light =
+        common::material(&[(0.002, 140e6), (0.01, 180e6), (0.05, 220e6)], barwave::material::Beyond::Extend);
     light.density = 2700.0;
     let steel = Arc::new(common::bilinear_steel());
     vec![
@@ -280,7 +281,12 @@ fn mirrored(end: EndCondition) -> EndCondition {
 }
 
 fn strengths() -> Vec<Along> {
-    let all = |size: f64| Along { internal: 2e4 * size, external: 2e4 * size, foundation: 1e8 * size, lateral: vec![1e-5 * size] };
+    let all = |size: f64| Along {
+        internal: 2e4 * size,
+        external: 2e4 * size,
+        foundation: 1e8 * size,
+        lateral: vec![1e-5 * size],
+    };
     vec![internal(1e5), external(1e5), foundation(1e9), lateral(3e-5), all(1.0), all(1e3), all(1e9)]
 }
 
@@ -309,7 +315,8 @@ fn the_ledger_closes_with_every_end() {
 /// However strong, damping only takes energy and nothing grows.
 #[test]
 fn huge_coefficients_are_stable() {
-    let strong = [internal(1e7), internal(1e11), internal(1e15), external(1e8), external(1e15), lateral(1.0), lateral(1e6)];
+    let strong =
+        [internal(1e7), internal(1e11), internal(1e15), external(1e8), external(1e15), lateral(1.0), lateral(1e6)];
     for along in strong {
         for cells in [5, 64, 300] {
             let mut bar = bar_of(two_segments(5.0), [EndCondition::Free, EndCondition::Free], &along, cells, 1.0);
@@ -319,7 +326,8 @@ fn huge_coefficients_are_stable() {
             // Nothing but the start's energy is ever in the bar.
             assert!(now.total().is_finite() && now.elastic <= start, "{what}: {} of {start}", now.elastic);
             // The largest impulses are 1e4 and more times those that move a cell, and rounding with them.
-            let rounding = if along.internal.max(along.external) > 1e11 || along.lateral[0] > 1e3 { 1e-2 } else { 1e-9 };
+            let rounding =
+                if along.internal.max(along.external) > 1e11 || along.lateral[0] > 1e3 { 1e-2 } else { 1e-9 };
             let missing = now.total() / start - 1.0;
             assert!(missing.abs() < rounding, "{what}: {missing:e}");
         }

@@ -213,7 +213,8 @@ const STEEL: &str =
     r#"{ name = "s", density = 7800, modulus = 200e9, beyond = "extend", curve = { table = [[0.01, 2e9]] } }"#;
 
 fn scene(bar: &str, left: &str, effects: &str, solve: &str) -> Scene {
-    let text = format!("[bar]\n{bar}\n[left]\n{left}\n[right]\nkind = \"free\"\n[effects]\n{effects}\n[solve]\n{solve}\n");
+    let text =
+        format!("[bar]\n{bar}\n[left]\n{left}\n[right]\nkind = \"free\"\n[effects]\n{effects}\n[solve]\n{solve}\n");
     Scene::parse("taper.toml", &text, Path::new("."), &[]).unwrap_or_else(|e| panic!("{e}\n{text}"))
 }
 
@@ -229,14 +230,21 @@ fn tracked(scene: &Scene) -> FrontTracking {
 fn rectangular(x: f64, t: f64) -> [f64; 2] {
     let (point, slope) = (POINT + x, 1e-3);
     let s = c0() * t - x;
-    let (f, slope) = if s < 0.0 { (0.0, 0.0) } else if s < 0.2 { (slope * s, slope) } else { (0.2 * slope, 0.0) };
+    let (f, slope) = if s < 0.0 {
+        (0.0, 0.0)
+    } else if s < 0.2 {
+        (slope * s, slope)
+    } else {
+        (0.2 * slope, 0.0)
+    };
     [-common::MODULUS * (slope / point + f / (point * point)), c0() * slope / point]
 }
 
 #[test]
 fn the_staircase_of_fronts_converges_to_the_spherical_wave() {
     let velocity = rectangular(0.0, 1e-12)[1];
-    let pulse = format!("kind = \"velocity\"\nhistory = [[0, {velocity}], [{0:e}, {velocity}], [{0:e}, 0]]", 0.2 / c0());
+    let pulse =
+        format!("kind = \"velocity\"\nhistory = [[0, {velocity}], [{0:e}, {velocity}], [{0:e}, 0]]", 0.2 / c0());
     let bar = format!("length = 1\ndiameter = [[0, 0.01], [1, 0.03]]\nmaterial = {STEEL}");
     let solve = format!("until = {:e}\nmethod = \"moc\"\nfront-tolerance = 0", 0.83 / c0());
     let scene = scene(&bar, &pulse, "", &solve);

@@ -13,7 +13,8 @@ use barwave::scene::{Effects, Method, Scene, Unloading};
 use barwave::solver::fd::Sampling;
 use barwave::solver::moc::Settings;
 
-const TABLE: &str = "density = 7800, modulus = 80e9, beyond = \"extend\", curve = { table = [[0.002, 160e6], [0.1, 400e6]] }";
+const TABLE: &str =
+    "density = 7800, modulus = 80e9, beyond = \"extend\", curve = { table = [[0.002, 160e6], [0.1, 400e6]] }";
 
 fn parse(text: &str) -> Scene {
     Scene::parse("torsion.toml", text, Path::new("."), &[]).unwrap_or_else(|e| panic!("{e}\n{text}"))
@@ -119,7 +120,10 @@ fn an_elastic_rod_carries_torque_at_the_shear_wave_s_speed() {
                 let expected = if *x < 0.75 { expected } else { 0.0 };
                 // On the grid the front lies within a cell of its place.
                 if (x - 0.75).abs() > 2e-3 {
-                    assert!((value - expected).abs() < 1e-9 * expected.abs().max(1e-3), "{field:?} {x}: {value} {expected}");
+                    assert!(
+                        (value - expected).abs() < 1e-9 * expected.abs().max(1e-3),
+                        "{field:?} {x}: {value} {expected}"
+                    );
                 }
             }
         }
@@ -135,7 +139,9 @@ fn an_elastic_rod_carries_torque_at_the_shear_wave_s_speed() {
 fn a_flywheel_s_angular_momentum_and_energy_go_into_the_rod() {
     let rest = "[effects]\nunloading = \"isotropic\"\n[solve]\nuntil = 4e-4\ncells = 600\n[record]\nframes = 20\n";
     let left = "kind = \"striker\"\ninertia = \"1e-3 kg*m^2\"\nvelocity = \"3000 rad/s\"";
-    for section in ["diameter = \"20 mm\"", "diameter = \"20 mm\"\ninner-diameter = \"18 mm\"", "diameter = 0.02\nwall = 1e-3"] {
+    for section in
+        ["diameter = \"20 mm\"", "diameter = \"20 mm\"\ninner-diameter = \"18 mm\"", "diameter = 0.02\nwall = 1e-3"]
+    {
         let scene = scene(&tube(section), left, "kind = \"free\"", rest);
         let (summary, file, _folder) = run_to_file(&scene);
         assert!(summary.ledger.energy_residual < 1e-12 && summary.ledger.momentum_residual < 1e-12);
@@ -246,7 +252,13 @@ fn the_pattern_of_stress_that_a_rod_keeps_is_felt_only_past_zero_torque() {
             law.advance(G, &[strain, next], &mut sigma, &mut state, &mut work);
             strain = next;
             let truth = layers.turn_to(next);
-            let part = if i <= 1000 { 0 } else if truth > 0.0 { 1 } else { 2 };
+            let part = if i <= 1000 {
+                0
+            } else if truth > 0.0 {
+                1
+            } else {
+                2
+            };
             worst[part] = worst[part].max((sigma[0] - truth).abs() / TAU);
         }
         worst

@@ -129,6 +129,8 @@ impl Drive {
             | EndCondition::Free
             | EndCondition::Absorbing
             | EndCondition::Striker { .. }
+            // Its force starts from nothing.
+            | EndCondition::Ball { .. }
             | EndCondition::Spring { .. } => None,
         }
     }

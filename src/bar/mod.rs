@@ -1,6 +1,7 @@
 //! The bar itself: segments, joints, ends and their histories; plain data, the same for every solver.
 
 mod end;
+mod hertz;
 mod history;
 mod launch;
 mod taper;
@@ -8,6 +9,7 @@ mod taper;
 use std::sync::Arc;
 
 pub use end::EndCondition;
+pub use hertz::Hertz;
 pub use history::History;
 pub use launch::{Launch, Origin, launches};
 pub use taper::{Profile, Taper};

@@ -91,9 +91,8 @@ impl Taper {
     /// The largest |dA/dx|/A, 1/m.
     pub fn steepest(&self) -> f64 {
         let power = if self.profile == Profile::Area { 1.0 } else { 2.0 };
-        let pair = |(x, size): (&[f64], &[f64])| {
-            power * (size[1] - size[0]).abs() / ((x[1] - x[0]) * size[0].min(size[1]))
-        };
+        let pair =
+            |(x, size): (&[f64], &[f64])| power * (size[1] - size[0]).abs() / ((x[1] - x[0]) * size[0].min(size[1]));
         self.x.windows(2).zip(self.size.windows(2)).map(pair).fold(0.0, f64::max)
     }
 }
@@ -113,7 +112,9 @@ mod tests {
         let volume = PI / 12.0 * 26.0;
         assert!((2.0 * cone.mean(0.0, 2.0) - volume).abs() < 1e-14 * volume);
         assert_eq!(cone.steepest(), 2.0);
-        assert!(!cone.is_uniform() && Taper::new(Profile::Area, &[(0.0, 2.0), (1.0, 2.0)]).expect("right").is_uniform());
+        assert!(
+            !cone.is_uniform() && Taper::new(Profile::Area, &[(0.0, 2.0), (1.0, 2.0)]).expect("right").is_uniform()
+        );
     }
 
     #[test]

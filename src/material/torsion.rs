@@ -96,11 +96,15 @@ impl Material {
     /// # Errors
     /// What is missing.
     pub fn in_shear(&self) -> Result<Self, &'static str> {
-        let nu = self.poisson.ok_or("it states no Poisson's ratio (`poisson`), without which its shear modulus is unknown")?;
+        let nu = self
+            .poisson
+            .ok_or("it states no Poisson's ratio (`poisson`), without which its shear modulus is unknown")?;
         let (root, modulus) = (3.0_f64.sqrt(), self.modulus / (2.0 * (1.0 + nu)));
         let knots = self.tension.strain().iter().zip(self.tension.stress());
         let rows: Vec<(f64, f64)> = knots
-            .map(|(strain, stress)| (root * (strain - stress / self.modulus).max(0.0) + stress / root / modulus, stress / root))
+            .map(|(strain, stress)| {
+                (root * (strain - stress / self.modulus).max(0.0) + stress / root / modulus, stress / root)
+            })
             .collect();
         let tension = Curve::new(&rows, self.tension.beyond()).map_err(|_| "its curve has no counterpart in shear")?;
         Ok(Self {
@@ -143,7 +147,8 @@ mod tests {
     fn a_power_law_rod_follows_the_closed_form() {
         // tau = K g^n all the way: T R/J = 4 K g^n/(3 + n). The table of the law has 2000 rows.
         let (k, n) = (500e6_f64, 0.3_f64);
-        let rows: Vec<(f64, f64)> = (1..=2000).map(|i| (1e-4 * f64::from(i), k * (1e-4 * f64::from(i)).powf(n))).collect();
+        let rows: Vec<(f64, f64)> =
+            (1..=2000).map(|i| (1e-4 * f64::from(i), k * (1e-4 * f64::from(i)).powf(n))).collect();
         let curve = Curve::new(&rows, Beyond::Error).expect("rows rise");
         for g in [0.05_f64, 0.1, 0.2] {
             let exact = 4.0 / (3.0 + n) * k * g.powf(n);

@@ -2,6 +2,7 @@
 
 mod audit;
 mod checks;
+mod energy;
 mod frames;
 mod fronts;
 mod ledger;
@@ -13,6 +14,7 @@ mod traces;
 mod tracked;
 mod tracked_fronts;
 mod view;
+mod warmth;
 
 use serde::Serialize;
 
@@ -20,17 +22,20 @@ pub use audit::{
     UnloadingWatch, above_critical, broken_end, broken_inside, end_of_data, heating, past_data, unresolved_flow,
 };
 pub use checks::{ElasticProbe, against_similarity, tracked_against_similarity};
+pub use energy::{ENERGY, EnergySummary};
 pub use frames::{Frames, Twisted, read_frame};
 pub use fronts::FrontTracker;
 pub use ledger::Ledger;
 pub use step_gauges::StepGauges;
 pub use summary::{
-    ElasticCheck, EndSummary, ErrorFigure, FrontSummary, LedgerSummary, RuptureSummary, Summary, TorsionSummary, TrackingSummary,
+    ElasticCheck, EndSummary, ErrorFigure, FrontSummary, LedgerSummary, RuptureSummary, Summary, TorsionSummary,
+    TrackingSummary,
 };
 pub use traces::Traces;
 pub use tracked::EndHistories;
 pub use tracked_fronts::{INTERIOR, Paths, TrackedFronts};
 pub use view::{Account, EndState, Start, Stepped, View, quantity};
+pub use warmth::{flowed_both_ways, largest_rise};
 
 /// A field that can be recorded over x and t.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, clap::ValueEnum)]
@@ -49,6 +54,8 @@ pub enum Field {
     PlasticStrain,
     /// Accumulated plastic strain, >= 0.
     AccumulatedPlasticStrain,
+    /// Temperature, K.
+    Temperature,
     /// In torsion: torque, N m.
     Torque,
     /// In torsion: twist per length, rad/m.
@@ -59,13 +66,14 @@ pub enum Field {
 
 impl Field {
     /// Every field, in the order of the contract.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Stress,
         Self::Strain,
         Self::Velocity,
         Self::Displacement,
         Self::PlasticStrain,
         Self::AccumulatedPlasticStrain,
+        Self::Temperature,
         Self::Torque,
         Self::Twist,
         Self::AngularVelocity,
@@ -90,6 +98,7 @@ impl Field {
             Self::Displacement => "displacement",
             Self::PlasticStrain => "plastic_strain",
             Self::AccumulatedPlasticStrain => "accumulated_plastic_strain",
+            Self::Temperature => "temperature",
             Self::Torque => "torque",
             Self::Twist => "twist",
             Self::AngularVelocity => "angular_velocity",
@@ -102,6 +111,7 @@ impl Field {
             Self::Stress => "Pa",
             Self::Velocity => "m/s",
             Self::Displacement => "m",
+            Self::Temperature => "K",
             Self::Strain | Self::PlasticStrain | Self::AccumulatedPlasticStrain => "1",
             Self::Torque => "N m",
             Self::Twist => "rad/m",
@@ -118,6 +128,7 @@ impl Field {
             Self::Displacement => "displacement in +x",
             Self::PlasticStrain => "plastic strain",
             Self::AccumulatedPlasticStrain => "accumulated plastic strain",
+            Self::Temperature => "temperature",
             Self::Torque => "torque in the section",
             Self::Twist => "twist per length",
             Self::AngularVelocity => "angular velocity",
@@ -158,6 +169,8 @@ pub struct Trace {
     pub strain: Vec<f64>,
     /// m/s.
     pub velocity: Vec<f64>,
+    /// K; empty without the effect of heat, and for the ends.
+    pub temperature: Vec<f64>,
 }
 
 /// One row of the ledger. Energies in J, momenta in N s (per m^2 where the scene gives no area).
@@ -169,8 +182,11 @@ pub struct LedgerRow {
     pub kinetic: f64,
     /// Recoverable strain energy.
     pub elastic: f64,
-    /// Energy dissipated in plastic flow since the start.
+    /// Energy dissipated in plastic flow since the start; with the effect of heat, what of it did not turn into heat.
     pub plastic: f64,
+    /// Plastic work that turned into heat since the start: `plastic` and `heat` together are all of it (of a rate-dependent
+    /// bar with what of `viscous` the overstress took). 0 without the effect of heat.
+    pub heat: f64,
     /// Energy taken since the start by the method itself: the damping of grid-scale ripples, the thinning of fronts; 0 in
     /// an elastic run.
     pub viscous: f64,

@@ -58,6 +58,9 @@ pub struct Summary {
     /// Where and when the bar broke; left out where it was not to break.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ruptures: Option<Vec<RuptureSummary>>,
+    /// Largest rise in temperature at the end; left out without the effect of heat.
+    #[serde(rename = "largest_temperature_rise_K", skip_serializing_if = "Option::is_none")]
+    pub temperature_rise: Option<f64>,
     /// Neglected effects.
     pub audit: Vec<AuditRow>,
     /// Result file.

@@ -93,8 +93,10 @@ pub struct Account {
     pub kinetic: f64,
     /// Recoverable strain energy.
     pub elastic: f64,
-    /// Plastic work.
+    /// Plastic work that did not turn into heat.
     pub plastic: f64,
+    /// Plastic work that turned into heat.
+    pub heat: f64,
     /// Taken by a scheme's damping of ripples.
     pub viscous: f64,
     /// Taken at single points where velocities differ.
@@ -123,6 +125,7 @@ impl Account {
         self.kinetic
             + self.elastic
             + self.plastic
+            + self.heat
             + self.viscous
             + self.concentrated
             + self.fracture
@@ -174,6 +177,7 @@ impl View for Leapfrog {
             kinetic: now.kinetic,
             elastic: now.elastic,
             plastic: now.plastic,
+            heat: now.heat,
             viscous: now.viscous,
             concentrated: now.concentrated,
             fracture: now.fracture,
@@ -233,6 +237,7 @@ pub fn quantity(field: Field) -> Option<Quantity> {
         Field::Velocity => Some(Quantity::Velocity),
         Field::PlasticStrain => Some(Quantity::PlasticStrain),
         Field::AccumulatedPlasticStrain => Some(Quantity::AccumulatedPlasticStrain),
+        Field::Temperature => Some(Quantity::Temperature),
         Field::Displacement => None,
         _ => Some(Quantity::Stress),
     }

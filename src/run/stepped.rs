@@ -81,7 +81,7 @@ impl<'a, S: Stepped> Run<'a, S> {
         let probe = ElasticProbe::new(&scene.bar, &book.launches, scene.solve.until).filter(|_| plain);
         Ok(Self {
             steps: steps(scene, bar.grid().dt),
-            traces: Traces::new(Sampling::at(bar.grid(), places)),
+            traces: Traces::new(Sampling::at(bar.grid(), places), scene.effects.heat.is_some()),
             ledger: book.ledger(&bar),
             unloading: scene.effects.unloading.is_none().then(|| UnloadingWatch::new(limits(scene, &bar))),
             elastic_check: probe.map(|probe| {
@@ -211,6 +211,7 @@ impl<'a, S: Stepped> Run<'a, S> {
             error: self.error(),
             ruptured: self.ruptured(),
             ruptures: self.book.ruptures(&self.bar),
+            temperature_rise: self.temperature_rise(),
             paths_complete: false,
         };
         self.book.close(ended, findings)
@@ -222,6 +223,15 @@ impl<'a, S: Stepped> Run<'a, S> {
         let plain = scene.effects.rate.is_none() && assemble::along(&scene.bar, &scene.effects).is_none();
         let known = plain && self.bar.ruptures().is_empty();
         known.then(|| record::against_similarity(&scene.bar, &self.bar, &self.book.launches))?
+    }
+
+    fn temperature_rise(&self) -> Option<f64> {
+        let segments = self.book.scene.bar.segments.iter().zip(&self.bar.grid().segments);
+        let rises = segments.filter_map(|(segment, part)| {
+            let temperatures = part.cells.clone().map(|cell| self.bar.value(Quantity::Temperature, cell));
+            record::largest_rise(&segment.material, temperatures)
+        });
+        rises.reduce(f64::max)
     }
 
     fn ruptured(&self) -> bool {
@@ -251,6 +261,12 @@ impl<'a, S: Stepped> Run<'a, S> {
             Some((k, record::heating(&segment.material, largest)?))
         });
         rows.extend(self.book.largest(heated));
+        if self.book.scene.effects.rate.is_none() {
+            rows.extend(segments.iter().zip(&grid.segments).filter_map(|(segment, part)| {
+                let plastic = |cell| (strain(cell), self.bar.value(Quantity::PlasticStrain, cell));
+                record::flowed_both_ways(&segment.material, part.cells.clone().map(plastic))
+            }));
+        }
         rows
     }
 

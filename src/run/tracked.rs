@@ -267,11 +267,7 @@ impl<'a> Run<'a> {
             }),
             end_time: self.bar.time(),
             ends: self.end_states(),
-            fronts: self.book.named(self.fronts.rows(
-                &self.bar,
-                &self.book.launches,
-                &self.book.scene.record.gauges,
-            )),
+            fronts: self.book.named(self.fronts.rows(&self.bar, &self.book.launches, &self.book.scene.record.gauges)),
             audit: self.audit(),
             elastic: self.breaks.stayed_elastic(&self.bar),
             elastic_check: self.elastic_check.as_ref().and_then(ElasticProbe::check),
@@ -282,6 +278,7 @@ impl<'a> Run<'a> {
             error: self.error_figure(),
             ruptured: self.breaks.ruptured(self.book.scene, &self.bar),
             ruptures: self.book.ruptures(&self.bar),
+            temperature_rise: self.temperature_rise(),
             paths_complete: self.paths.complete(),
         };
         self.book.close(ended, findings)
@@ -294,6 +291,15 @@ impl<'a> Run<'a> {
         }
         record::tracked_against_similarity(&self.book.scene.bar, &self.bar, &self.book.launches)
             .or_else(|| companion::error_figure(self.book.scene, self.settings, &self.bar))
+    }
+
+    fn temperature_rise(&self) -> Option<f64> {
+        let segments = self.book.scene.bar.segments.iter().enumerate();
+        let rises = segments.filter_map(|(k, segment)| {
+            let pieces = self.bar.pieces().filter(|p| p.segment == k);
+            record::largest_rise(&segment.material, pieces.map(|p| self.bar.temperature(k, p.point)))
+        });
+        rises.reduce(f64::max)
     }
 
     fn audit(&self) -> Vec<AuditRow> {
@@ -311,6 +317,12 @@ impl<'a> Run<'a> {
             Some((k, record::heating(&segment.material, plastic / self.bar.medium(k).modulus)?))
         });
         rows.extend(self.book.largest(heated));
+        rows.extend(segments.iter().enumerate().filter_map(|(k, segment)| {
+            let modulus = self.bar.medium(k).modulus;
+            let pieces = self.bar.pieces().filter(|p| p.segment == k);
+            let plastic = pieces.map(|p| (p.point.accumulated / modulus, p.point.plastic / modulus));
+            record::flowed_both_ways(&segment.material, plastic)
+        }));
         rows
     }
 

@@ -262,12 +262,38 @@ pub struct RawEnd {
     /// For a wall: its distance from the end at the start, m, >= 0. Default: 0.
     #[schemars(with = "Option<Quantity>")]
     pub gap: Option<Number>,
-    /// For a striker: its mass, kg, > 0. Required there; the bar needs an area.
+    /// For a striker or a ball: its mass, kg, > 0; the bar needs an area. Required for a striker; a ball can state its
+    /// density or material instead.
     #[schemars(with = "Option<Quantity>")]
     pub mass: Option<Number>,
-    /// For a striker: its velocity at the start, m/s (in torsion rad/s), positive in +x. Required there.
+    /// For a striker or a ball: its velocity at the start, m/s (in torsion rad/s), positive in +x. Required there.
     #[schemars(with = "Option<Quantity>")]
     pub velocity: Option<Number>,
+    /// For a ball: its radius, m, > 0; or give `diameter`.
+    #[schemars(with = "Option<Quantity>")]
+    pub radius: Option<Number>,
+    /// For a ball: its diameter, m, > 0; in place of `radius`.
+    #[schemars(with = "Option<Quantity>")]
+    pub diameter: Option<Number>,
+    /// For a ball: its density, kg/m^3, > 0; in place of `mass`. Default: its material's.
+    #[schemars(with = "Option<Quantity>")]
+    pub density: Option<Number>,
+    /// For a ball: what it is made of, for its density, modulus and Poisson's ratio. It stays elastic.
+    #[schemars(with = "Option<MaterialChoice>")]
+    pub material: Option<Spanned<MaterialChoice>>,
+    /// For a ball: its elastic modulus, Pa, > 0. Default: its material's.
+    #[schemars(with = "Option<Quantity>")]
+    pub modulus: Option<Number>,
+    /// For a ball: its Poisson's ratio, 0 to 0.5. Default: its material's.
+    #[schemars(with = "Option<Quantity>")]
+    pub poisson: Option<Number>,
+    /// For a ball: it does not give way, in place of `modulus` and `poisson`. Default: false.
+    #[schemars(with = "Option<bool>")]
+    pub rigid: Option<Spanned<bool>>,
+    /// For a ball: Poisson's ratio of the bar, 0 to 0.5. Default: that of the bar's material.
+    #[serde(rename = "bar-poisson")]
+    #[schemars(with = "Option<Quantity>")]
+    pub bar_poisson: Option<Number>,
     /// In torsion, for a striker: its moment of inertia, kg m^2, > 0. Required there, in place of `mass`.
     #[schemars(with = "Option<Quantity>")]
     pub inertia: Option<Number>,
@@ -296,6 +322,8 @@ pub enum EndKind {
     Wall,
     /// A rigid mass that touches the end at the start, pushes, and flies on where it would have to pull.
     Striker,
+    /// An elastic ball that touches the end at the start; Hertz's contact, without a pull.
+    Ball,
     /// A linear spring to the ground.
     Spring,
 }
@@ -311,6 +339,11 @@ pub struct RawEffects {
     /// on a characteristic net. Default: none, the curve holds at any rate.
     #[schemars(with = "Option<RawRate>")]
     pub rate: Option<Spanned<RawRate>>,
+    /// Plastic work warms the bar, and warm metal yields earlier: `{ fraction = 0.9 }`, or `{}`; implies
+    /// unloading = "isotropic" where no unloading is named. Needs the materials' `[heat]` constants. Default: none, the bar
+    /// stays as cold as its curve.
+    #[schemars(with = "Option<RawHeat>")]
+    pub heat: Option<Spanned<RawHeat>>,
     /// The bar breaks, and its pieces go on: "critical-strain", `{ energy = "500 ft*lbf/in^3" }` or
     /// `{ spall = "2 GPa" }`. Default: none, the bar holds for ever.
     #[schemars(with = "Option<RawRupture>")]
@@ -340,6 +373,15 @@ pub struct RawDamping {
     /// Default: 0.
     #[schemars(with = "Option<Quantity>")]
     pub foundation: Option<Number>,
+}
+
+/// Adiabatic heating by plastic work.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RawHeat {
+    /// Fraction of the plastic work that turns into heat, 0 to 1. Default: the material's own, else 0.9.
+    #[schemars(with = "Option<f64>")]
+    pub fraction: Option<Number>,
 }
 
 /// When the bar breaks. Only tension breaks it.
@@ -415,7 +457,7 @@ pub struct RawSolve {
     /// End time, s, > 0. Required.
     #[schemars(with = "Quantity")]
     pub until: Option<Number>,
-    /// Method. Default: "fd"; "moc" where the effects include `rate` and no rupture.
+    /// Method. Default: "fd"; "moc" where the effects include `rate`, no rupture and no heat.
     #[schemars(with = "Option<RawMethod>")]
     pub method: Option<Spanned<RawMethod>>,
     /// Scheme of the method "fd". Default: "leapfrog".
@@ -480,7 +522,7 @@ pub struct RawRecord {
     #[schemars(with = "Option<bool>")]
     pub paths: Option<Spanned<bool>>,
     /// Fields: "stress", "strain", "velocity", "displacement"; with unloading also `"plastic_strain"` and
-    /// `"accumulated_plastic_strain"`. Default: stress, strain and velocity.
+    /// `"accumulated_plastic_strain"`, with heat `"temperature"`. Default: stress, strain and velocity.
     #[schemars(with = "Option<Vec<String>>")]
     pub fields: Option<Vec<Spanned<String>>>,
     /// Full-rate histories: name = place, m from the left end, within the bar. Default: none.

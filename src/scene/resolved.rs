@@ -62,6 +62,13 @@ fn end(end: &EndCondition) -> Value {
         EndCondition::Absorbing => json!({ "kind": "absorbing" }),
         EndCondition::Wall { gap } => json!({ "kind": "wall", "gap": gap }),
         EndCondition::Striker { mass, velocity } => json!({ "kind": "striker", "mass": mass, "velocity": velocity }),
+        EndCondition::Ball { mass, velocity, contact } => json!({
+            "kind": "ball",
+            "mass": mass,
+            "velocity": velocity,
+            "radius": contact.radius,
+            "contact_modulus": contact.modulus,
+        }),
         EndCondition::Spring { stiffness } => json!({ "kind": "spring", "stiffness": stiffness }),
     }
 }

@@ -165,10 +165,10 @@ fn grid_work(scene: &Scene, grid: &Grid) -> (Work, usize) {
     // Stress and velocity; then the law's state and a byte for the damping.
     let tapered = scene.bar.segments.iter().any(|segment| segment.taper.is_some());
     let sections = if tapered { TAPER_BYTES_PER_CELL } else { 0 };
-    let (elastic, yielded) = (2 * number + sections, (2 + law.law.state_len()) * number + 1 + work_kept + sections);
     let along = assemble::along(&scene.bar, &scene.effects);
     let [nodes, yielded_nodes] = along.as_ref().map_or([0; 2], Along::bytes_per_cell);
-    let (elastic, yielded) = (elastic + nodes, yielded + yielded_nodes);
+    let elastic = 2 * number + sections + nodes;
+    let yielded = (2 + law.law.state_len()) * number + 1 + work_kept + sections + yielded_nodes;
     let sweep = if along.is_some() { SWEEP } else { 0.0 };
     let (elastic_cell, work) = (elastic_seconds_per_cell_step(), (cells * steps) as f64);
     let flowing = match scene.effects.rate {

@@ -79,13 +79,13 @@ fn si_scales(dimension: Dimension) -> &'static [Scale] {
         Dimension::Rate => const { &[scale("1/s", 1.0)] },
         Dimension::Temperature => const { &[scale("K", 1.0)] },
         Dimension::SpecificHeat => const { &[scale("J/(kg*K)", 1.0)] },
+        Dimension::Viscosity => const { &[scale("Pa*s", 1.0), scale("kPa*s", 1e3), scale("MPa*s", 1e6)] },
+        Dimension::Drag => const { &[scale("N*s/m^2", 1.0), scale("kN*s/m^2", 1e3)] },
+        Dimension::Foundation => const { &[scale("N/m^2", 1.0), scale("kN/m^2", 1e3), scale("MN/m^2", 1e6)] },
         Dimension::AngularVelocity => const { &[scale("rad/s", 1.0)] },
         Dimension::Torque => const { &[scale("N*m", 1.0), scale("kN*m", 1e3)] },
         Dimension::MomentOfInertia => const { &[scale("kg*m^2", 1.0)] },
         Dimension::TorsionalStiffness => const { &[scale("N*m/rad", 1.0), scale("kN*m/rad", 1e3)] },
-        Dimension::Viscosity => const { &[scale("Pa*s", 1.0), scale("kPa*s", 1e3), scale("MPa*s", 1e6)] },
-        Dimension::Drag => const { &[scale("N*s/m^2", 1.0), scale("kN*s/m^2", 1e3)] },
-        Dimension::Foundation => const { &[scale("N/m^2", 1.0), scale("kN/m^2", 1e3), scale("MN/m^2", 1e6)] },
     }
 }
 

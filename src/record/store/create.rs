@@ -21,19 +21,22 @@ pub(super) const TRACE_ROWS: usize = 1024;
 const FRAME_ROWS: usize = 256;
 
 /// Columns of a history: name, units, long name.
-pub(super) const GAUGE_COLUMNS: [[&str; 3]; 4] =
+const GAUGE_COLUMNS: [[&str; 3]; 4] =
     [TIME, ["stress", "Pa", "engineering stress, tension positive"], ["strain", "1", "engineering strain"], VELOCITY];
+/// What gauges of a bar that plastic work heats have on top.
+const GAUGE_TEMPERATURE: [&str; 3] = ["temperature", "K", "temperature"];
 pub(super) const END_COLUMNS: [[&str; 3]; 3] =
     [TIME, ["stress", "Pa", "engineering stress, tension positive"], VELOCITY];
 const TIME: [&str; 3] = ["time", "s", "time"];
 const VELOCITY: [&str; 3] = ["velocity", "m/s", "velocity in +x"];
 
 /// Columns of the ledger: name, long name. Energies but for time, the momenta, and the residual.
-pub(super) const LEDGER_COLUMNS: [[&str; 2]; 14] = [
+pub(super) const LEDGER_COLUMNS: [[&str; 2]; 15] = [
     ["time", "time"],
     ["kinetic", "kinetic energy"],
     ["elastic", "recoverable strain energy"],
-    ["plastic", "energy dissipated in plastic flow since the start"],
+    ["plastic", "energy dissipated in plastic flow since the start, without what turned into heat"],
+    ["heat", "plastic work that turned into heat since the start"],
     [
         "viscous",
         "energy taken since the start by the overstress of a rate-dependent bar, or by the damping of grid-scale ripples",
@@ -52,7 +55,7 @@ pub(super) const LEDGER_COLUMNS: [[&str; 2]; 14] = [
 /// Everything but the data, in a file that is then closed.
 pub(super) fn build(path: &Path, header: &Header, layout: &Layout, materials: &[MaterialRecord]) -> Hdf<()> {
     let file = File::create(path)?;
-    build_root(&file, header, layout)?;
+    build_root(&file, header, layout.area_given)?;
     let twisted = header.torsion.is_some();
     build_fields(&file, layout, twisted)?;
     build_histories(&file, layout, twisted)?;
@@ -65,7 +68,7 @@ pub(super) fn build(path: &Path, header: &Header, layout: &Layout, materials: &[
     file.close()
 }
 
-fn build_root(file: &File, header: &Header, layout: &Layout) -> Hdf<()> {
+pub(super) fn build_root(file: &File, header: &Header, area_given: bool) -> Hdf<()> {
     put_text(file, "format", "barwave")?;
     put(file, "format_version", &FORMAT_VERSION)?;
     put_text(file, "program_version", env!("CARGO_PKG_VERSION"))?;
@@ -80,7 +83,7 @@ fn build_root(file: &File, header: &Header, layout: &Layout) -> Hdf<()> {
     put_texts(file, "effects", &header.effects)?;
     put_text(file, "method", &header.method)?;
     put_text(file, "scheme", &header.scheme)?;
-    put_text(file, "energy_units", energy_units(layout.area_given))?;
+    put_text(file, "energy_units", energy_units(area_given))?;
     if let Some(velocity) = header.critical_velocity {
         put(file, "critical_velocity", &velocity)?;
     }
@@ -117,17 +120,24 @@ fn build_fields(file: &File, layout: &Layout, twisted: bool) -> Hdf<()> {
     scales::attach(file, &["time", "x"], &names)
 }
 
+/// Columns of the gauges of this file.
+pub(super) fn gauge_columns(layout: &Layout) -> Vec<[&'static str; 3]> {
+    GAUGE_COLUMNS.into_iter().chain(layout.temperature.then_some(GAUGE_TEMPERATURE)).collect()
+}
+
 /// A column of stress, strain or velocity as it is called in torsion, or as it is.
 fn in_mode(twisted: bool, [name, units, long_name]: [&'static str; 3]) -> [&'static str; 3] {
-    let field = [Field::Stress, Field::Strain, Field::Velocity].into_iter().find(|field| twisted && field.name() == name);
+    let field =
+        [Field::Stress, Field::Strain, Field::Velocity].into_iter().find(|field| twisted && field.name() == name);
     [name, units, field.map_or(long_name, Field::long_name_in_torsion)]
 }
 
 fn build_histories(file: &File, layout: &Layout, twisted: bool) -> Hdf<()> {
     let gauges = file.create_group("gauges")?;
+    let columns: Vec<_> = gauge_columns(layout).into_iter().map(|column| in_mode(twisted, column)).collect();
     for (index, (link, (name, x))) in gauge_links(layout).iter().zip(&layout.gauges).enumerate() {
         let group = gauges.create_group(link)?;
-        build_columns(&group, &GAUGE_COLUMNS.map(|column| in_mode(twisted, column)), TRACE_ROWS)?;
+        build_columns(&group, &columns, TRACE_ROWS)?;
         put(&group, "x", x)?;
         put_text(&group, "x_units", "m")?;
         put(&group, "index", &(index as u32))?;
@@ -175,7 +185,7 @@ fn build_columns(group: &Group, columns: &[[&str; 3]], rows: usize) -> Hdf<()> {
     scales::attach(group, &names[..1], &names[1..])
 }
 
-fn build_materials(file: &File, materials: &[MaterialRecord], twisted: bool) -> Hdf<()> {
+pub(super) fn build_materials(file: &File, materials: &[MaterialRecord], twisted: bool) -> Hdf<()> {
     let [[.., strain_name], [.., stress_name]] = [2, 1].map(|k: usize| in_mode(twisted, GAUGE_COLUMNS[k]));
     let group = file.create_group("material")?;
     let names = link_names(materials.iter().map(|m| m.name.as_str()));
@@ -208,7 +218,7 @@ fn compressed(builder: DatasetBuilderEmpty, compression: Compression) -> Dataset
     }
 }
 
-fn describe(dataset: &Dataset, units: &str, long_name: &str) -> Hdf<()> {
+pub(super) fn describe(dataset: &Dataset, units: &str, long_name: &str) -> Hdf<()> {
     put_text(dataset, "units", units)?;
     put_text(dataset, "long_name", long_name)
 }

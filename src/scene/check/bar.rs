@@ -29,7 +29,7 @@ pub(super) struct Piece<'a> {
 }
 
 /// Materials by name, so that a name is read once and its segments share it.
-type Named = HashMap<String, Arc<Material>>;
+pub(in crate::scene) type Named = HashMap<String, Arc<Material>>;
 
 impl Checker<'_> {
     pub(super) fn bar(&self, raw: &Spanned<RawBar>) -> Result<Bar> {
@@ -64,7 +64,8 @@ impl Checker<'_> {
         ];
         let tube = [("inner-diameter", &raw.inner_diameter), ("wall", &raw.wall)];
         let tube = tube.map(|(name, value)| (name, value.as_ref().map(Spanned::span)));
-        let Some((name, span)) = given.into_iter().chain(tube).find_map(|(name, span)| span.map(|span| (name, span))) else {
+        let Some((name, span)) = given.into_iter().chain(tube).find_map(|(name, span)| span.map(|span| (name, span)))
+        else {
             return Ok(());
         };
         let message = format!("`{name}` of the whole bar stands beside [[bar.segment]]");
@@ -140,7 +141,12 @@ impl Checker<'_> {
         Ok((segment, section.is_some()))
     }
 
-    fn material(&self, choice: &Spanned<MaterialChoice>, key: &str, named: &mut Named) -> Result<Arc<Material>> {
+    pub(in crate::scene) fn material(
+        &self,
+        choice: &Spanned<MaterialChoice>,
+        key: &str,
+        named: &mut Named,
+    ) -> Result<Arc<Material>> {
         match choice.get_ref() {
             MaterialChoice::Inline(raw) => {
                 material::resolve((**raw).clone(), self.document, key, self.base).map(Arc::new)

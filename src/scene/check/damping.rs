@@ -66,7 +66,8 @@ impl Checker<'_> {
         if let Some(segment) = bar.segments.iter().find(|s| s.material.poisson.is_none()) {
             let name = &segment.material.name;
             let message = format!("lateral inertia needs Poisson's ratio, and `{name}` does not state it");
-            let help = "add e.g. poisson = 0.29 to the material (a copy of its file beside the scene, or an inline table)";
+            let help =
+                "add e.g. poisson = 0.29 to the material (a copy of its file beside the scene, or an inline table)";
             return Err(self.error(lateral.span(), key, message).allowed("0 <= poisson <= 0.5").help(help).into());
         }
         Ok(true)
@@ -77,17 +78,20 @@ impl Checker<'_> {
         let Some((name, _)) = effects.along() else { return Ok(()) };
         if let Some(rupture) = &effects.rupture {
             let message = format!("rupture of a bar with `{name}` is not followed");
-            let help = format!("take `rupture` or `{name}` out of [effects]: method = \"fd\" follows each without the other");
+            let help =
+                format!("take `rupture` or `{name}` out of [effects]: method = \"fd\" follows each without the other");
             return Err(self.error(rupture.span(), "effects.rupture", message).help(help).into());
         }
         let (name, span) = effects.along().unwrap_or((name, 0..0));
         if let Some(k) = bar.segments.iter().position(|s| s.taper.is_some()) {
-            let message = format!("`{name}` is not followed in a tapered segment, as segment {} is", k + 1);
-            let help = format!("use uniform segments, or take `{name}` out of [effects]: both methods then follow tapers");
+            let message = format!("`{name}` is not followed in a bar whose section changes along segment {}", k + 1);
+            let help =
+                format!("make it of uniform segments, or take `{name}` out of [effects]: both methods then follow it");
             return Err(self.error(span, &format!("effects.{name}"), message).help(help).into());
         }
         let Some(k) = bar.segments.iter().position(|s| matches!(s.joint, Joint::Contact { .. })) else { return Ok(()) };
-        let message = format!("`{name}` is not followed in a bar with joints that can open, as that behind segment {}", k + 1);
+        let message =
+            format!("`{name}` is not followed in a bar with joints that can open, as that behind segment {}", k + 1);
         let help = format!("bond the joint, or take `{name}` out of [effects]: both methods then follow such joints");
         Err(self.error(span, &format!("effects.{name}"), message).help(help).into())
     }

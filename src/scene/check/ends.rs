@@ -6,7 +6,7 @@ use toml::Spanned;
 
 use super::super::raw::{EndKind, RawEnd};
 use super::Checker;
-use crate::bar::{EndCondition, History};
+use crate::bar::{Bar, EndCondition, History, Segment};
 use crate::error::Result;
 use crate::input::{Allowed, Number};
 use crate::units::Dimension;
@@ -22,6 +22,7 @@ impl EndKind {
             Self::Absorbing => "absorbing",
             Self::Wall => "wall",
             Self::Striker => "striker",
+            Self::Ball => "ball",
             Self::Spring => "spring",
         }
     }
@@ -33,6 +34,7 @@ impl EndKind {
             Self::Stress | Self::Torque => &["value", "history", "csv"],
             Self::Wall => &["gap"],
             Self::Striker => &["mass", "velocity"],
+            Self::Ball => super::ball::KEYS,
             Self::Spring => &["stiffness"],
             Self::Free | Self::Fixed | Self::Absorbing => &[],
         }
@@ -40,8 +42,9 @@ impl EndKind {
 }
 
 impl Checker<'_> {
-    /// The end under `key`, of a bar that has or has not an area.
-    pub(super) fn end(&self, raw: &Spanned<RawEnd>, key: &str, area_given: bool) -> Result<EndCondition> {
+    /// The end under `key` of a bar, at the segment `at`.
+    pub(super) fn end(&self, raw: &Spanned<RawEnd>, key: &str, bar: &Bar, at: &Segment) -> Result<EndCondition> {
+        let area_given = bar.area_given;
         let (span, raw) = (raw.span(), raw.get_ref());
         let kind = *raw.kind.get_ref();
         self.only_its_keys(raw, kind, key)?;
@@ -57,7 +60,8 @@ impl Checker<'_> {
             },
             EndKind::Stress => EndCondition::Stress { history: self.history(raw, span, key, Dimension::Stress)? },
             EndKind::Torque => {
-                let error = self.error(raw.kind.span(), &format!("{key}.kind"), "a torque acts on a bar in torsion only");
+                let error =
+                    self.error(raw.kind.span(), &format!("{key}.kind"), "a torque acts on a bar in torsion only");
                 return Err(error.help("use kind = \"stress\", or [bar] mode = \"torsion\"").into());
             }
             EndKind::Free => EndCondition::Free,
@@ -76,6 +80,10 @@ impl Checker<'_> {
                     mass: self.own_number(mass, span.clone(), key)?,
                     velocity: self.own_number(velocity, span, key)?,
                 }
+            }
+            EndKind::Ball => {
+                self.needs_area(raw, kind, key, area_given)?;
+                self.ball(raw, span, key, &at.material)?
             }
             EndKind::Spring => {
                 self.needs_area(raw, kind, key, area_given)?;
@@ -97,7 +105,7 @@ impl Checker<'_> {
     }
 
     /// A number that this kind of end must have.
-    pub(super) fn own_number(
+    pub(in crate::scene) fn own_number(
         &self,
         (value, name, dimension, allowed): (Option<&Number>, &str, Dimension, Allowed),
         span: Range<usize>,
@@ -196,6 +204,14 @@ pub(super) fn given(raw: &RawEnd) -> Vec<(&'static str, Range<usize>)> {
         ("mass", raw.mass.as_ref().map(Spanned::span)),
         ("inertia", raw.inertia.as_ref().map(Spanned::span)),
         ("velocity", raw.velocity.as_ref().map(Spanned::span)),
+        ("radius", raw.radius.as_ref().map(Spanned::span)),
+        ("diameter", raw.diameter.as_ref().map(Spanned::span)),
+        ("density", raw.density.as_ref().map(Spanned::span)),
+        ("material", raw.material.as_ref().map(Spanned::span)),
+        ("modulus", raw.modulus.as_ref().map(Spanned::span)),
+        ("poisson", raw.poisson.as_ref().map(Spanned::span)),
+        ("rigid", raw.rigid.as_ref().map(Spanned::span)),
+        ("bar-poisson", raw.bar_poisson.as_ref().map(Spanned::span)),
         ("stiffness", raw.stiffness.as_ref().map(Spanned::span)),
     ];
     all.into_iter().filter_map(|(name, span)| span.map(|s| (name, s))).collect()

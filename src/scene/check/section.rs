@@ -59,13 +59,7 @@ impl Checker<'_> {
         Err(error.help("use method = \"fd\", which follows the taper itself, or a less steep one").into())
     }
 
-    fn one_or_table(
-        &self,
-        given: &Spanned<raw::Section>,
-        key: &str,
-        profile: Profile,
-        length: f64,
-    ) -> Result<Section> {
+    fn one_or_table(&self, given: &Spanned<raw::Section>, key: &str, profile: Profile, length: f64) -> Result<Section> {
         let rows = match given.get_ref() {
             raw::Section::Uniform(size) => {
                 let size = Number::new(given.span(), size.clone());

@@ -109,7 +109,8 @@ impl Checker<'_> {
             let segment = &mut bar.segments[k];
             if segment.joint != Joint::Bonded {
                 let help = "bond it, or cut the scene there with an end that says what acts on it";
-                let error = self.error(given.span, &format!("{}.joint", given.key), "a contact joint carries no torque");
+                let error =
+                    self.error(given.span, &format!("{}.joint", given.key), "a contact joint carries no torque");
                 return Err(error.help(help).into());
             }
             let round = self.round(&given)?;
@@ -206,17 +207,19 @@ impl Checker<'_> {
 
     /// What acts on a tension or compression alone, or knows lengths, areas or masses, is not there in torsion.
     pub(super) fn effects_of_torsion(&self, raw: &RawEffects) -> Result<()> {
-        if let Some(rupture) = &raw.rupture {
-            let error = self.error(rupture.span(), "effects.rupture", "rupture in torsion is not followed");
-            let help = "take it out: a run says when the data of the curve end, or the torque can rise no more";
-            return Err(error.help(help).into());
-        }
-        if let Some((name, span)) = raw.along() {
-            let message = format!("`{name}` of a bar in torsion is not followed");
-            let error = self.error(span, &format!("effects.{name}"), message);
-            return Err(error.help(format!("take `{name}` out of [effects]; the others go with torsion")).into());
-        }
-        Ok(())
+        let goes_on = "take it out: a run says when the data of the curve end, or the torque can rise no more";
+        let axial = "take it out, or use mode = \"axial\"";
+        let spans = [
+            ("rupture", raw.rupture.as_ref().map(Spanned::span), goes_on),
+            ("heat", raw.heat.as_ref().map(Spanned::span), axial),
+            ("damping", raw.damping.as_ref().map(Spanned::span), axial),
+            ("lateral-inertia", raw.lateral_inertia.as_ref().map(Spanned::span), axial),
+        ];
+        let Some((name, Some(span), help)) = spans.into_iter().find(|(_, span, _)| span.is_some()) else {
+            return Ok(());
+        };
+        let message = format!("`{name}` in torsion is not followed");
+        Err(self.error(span, &format!("effects.{name}"), message).help(help).into())
     }
 
     /// The end under `key` of a bar in torsion; `polar` is J of the segment there.
@@ -230,9 +233,8 @@ impl Checker<'_> {
         let (span, raw) = (raw.span(), raw.get_ref());
         let (kind, radius) = (*raw.kind.get_ref(), torsion.radius);
         self.only_keys_of_twist(raw, kind, key)?;
-        let number = |value, name, dimension, allowed| {
-            self.own_number((value, name, dimension, allowed), span.clone(), key)
-        };
+        let number =
+            |value, name, dimension, allowed| self.own_number((value, name, dimension, allowed), span.clone(), key);
         Ok(match kind {
             EndKind::Velocity => {
                 let release = raw.release.as_ref();
@@ -251,8 +253,7 @@ impl Checker<'_> {
             EndKind::Fixed => EndCondition::Fixed,
             EndKind::Absorbing => EndCondition::Absorbing,
             EndKind::Striker => {
-                let inertia =
-                    number(raw.inertia.as_ref(), "inertia", Dimension::MomentOfInertia, Allowed::Positive)?;
+                let inertia = number(raw.inertia.as_ref(), "inertia", Dimension::MomentOfInertia, Allowed::Positive)?;
                 let velocity = (raw.velocity.as_ref(), "velocity", Dimension::AngularVelocity, Allowed::Finite);
                 let velocity = number(velocity.0, velocity.1, velocity.2, velocity.3)?;
                 EndCondition::Striker { mass: inertia / (radius * radius), velocity: radius * velocity }
@@ -284,7 +285,8 @@ impl Checker<'_> {
         let Some((name, span)) = given(raw).into_iter().find(|(name, _)| !keys.contains(name)) else { return Ok(()) };
         let message = format!("`{name}` means nothing for an end of kind \"{}\" in torsion", kind.word());
         let allowed = if keys.is_empty() { "kind alone".to_owned() } else { format!("kind, {}", keys.join(", ")) };
-        let help = if name == "mass" { "give the striker's `inertia`, e.g. inertia = \"2 kg*m^2\"" } else { "take it out" };
+        let help =
+            if name == "mass" { "give the striker's `inertia`, e.g. inertia = \"2 kg*m^2\"" } else { "take it out" };
         Err(self.error(span, &format!("{key}.{name}"), message).allowed(allowed).help(help).into())
     }
 }

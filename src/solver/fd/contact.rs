@@ -63,12 +63,7 @@ pub struct ContactState {
 impl Contact {
     /// At the joint behind `segment`, in place of `edge`, with `cell` to its right; `masses` (kg) are half of those of the cells
     /// beside it, `areas` (m^2) their sections.
-    pub fn new(
-        bar: &Bar,
-        [segment, edge, cell]: [usize; 3],
-        masses: [f64; 2],
-        areas: [f64; 2],
-    ) -> Option<Self> {
+    pub fn new(bar: &Bar, [segment, edge, cell]: [usize; 3], masses: [f64; 2], areas: [f64; 2]) -> Option<Self> {
         let Joint::Contact { gap } = bar.segments[segment].joint else { return None };
         let face = |k: usize| {
             let velocity = bar.segments[segment + k].velocity;

@@ -5,6 +5,7 @@
 //! be after every step. Prescribed stresses enter by their exact mean over two steps: at Courant number 1 odd and even
 //! steps drive two lattices that know nothing of each other, and so each of them gets the impulse that was asked for.
 
+use super::ball::Ball;
 use super::body::Striker;
 use super::ripple;
 use crate::bar::EndCondition;
@@ -46,6 +47,8 @@ pub struct Device {
     breaks: bool,
     /// The mass that strikes the end, where one does.
     striker: Option<Striker>,
+    /// The ball, where there is one.
+    ball: Option<Ball>,
 }
 
 /// What a step makes of an end.
@@ -79,9 +82,11 @@ impl Device {
     /// The device at an end with outward normal `normal` (-1 left, +1 right).
     pub fn new(condition: EndCondition, normal: f64, grid: EndGrid) -> Self {
         let striker = Striker::of(&condition);
+        let ball = Ball::of(&condition, grid.velocity, normal, grid.dt);
         Self {
             condition,
             striker,
+            ball,
             normal,
             gain: 2.0 * grid.dt / (grid.density * grid.dx) * (grid.area / grid.cell_area),
             cell_share: grid.cell_area / grid.area,
@@ -125,6 +130,9 @@ impl Device {
         (self.reaction, self.held) = (motion.stress, motion.held);
         if let Some(striker) = &mut self.striker {
             striker.advance(-self.normal * self.impulse_per_stress * motion.stress, self.dt);
+        }
+        if let Some(ball) = &mut self.ball {
+            ball.advance(-self.reaction * self.impulse_per_stress / self.dt, self.after, self.dt);
         }
         self.account(previous_stress);
         self.displacement += self.dt * self.after;
@@ -178,6 +186,7 @@ impl Device {
             EndCondition::Absorbing => self.radiating(sigma_cell),
             EndCondition::Wall { gap } => self.against_wall(*gap, sigma_cell),
             EndCondition::Striker { .. } => self.against_mass(sigma_cell),
+            EndCondition::Ball { .. } => self.against_ball(sigma_cell),
             EndCondition::Spring { stiffness } => self.on_spring(*stiffness, sigma_cell),
         }
     }
@@ -231,6 +240,16 @@ impl Device {
         self.under_stress(if self.held { 0.5 * self.reaction } else { 0.0 }, sigma_cell)
     }
 
+    /// The ball pushes with the mean of its force between the approaches a step before and a step after: stable for any
+    /// stiffness, and exact in energy, see [`Ball`].
+    fn against_ball(&self, sigma_cell: f64) -> Motion {
+        let Some(ball) = &self.ball else { return self.under_stress(0.0, sigma_cell) };
+        let free = self.under_stress(0.0, sigma_cell);
+        let area = self.impulse_per_stress / self.dt;
+        let force = ball.force(free.velocity, self.gain / area, self.dt);
+        self.under_stress(-force / area, sigma_cell)
+    }
+
     /// The force is -k times the mean `(u- + 2 u + u+)/4` of the displacements a step before, now and a step after: stable
     /// for any k, and exact in energy, see [`Device::body_energy`].
     fn on_spring(&self, stiffness: f64, sigma_cell: f64) -> Motion {
@@ -244,10 +263,13 @@ impl Device {
     }
 
     /// Energy of the body at the end at the current time, J, in the form that the scheme conserves: `M V- V+/2` for a
-    /// striker, `k u^2/2 + k dt^2 (v- v+ - v0^2)/8` for a spring (v0: at the start), 0 without one.
+    /// striker, with the contact's for a ball (see [`Ball`]), `k u^2/2 + k dt^2 (v- v+ - v0^2)/8` for a spring (v0: at the start), 0 without one.
     pub fn body_energy(&self) -> f64 {
         if let Some(striker) = &self.striker {
             return 0.5 * striker.mass * striker.before * striker.after;
+        }
+        if let Some(ball) = &self.ball {
+            return ball.energy();
         }
         let EndCondition::Spring { stiffness } = self.condition else { return 0.0 };
         let stretch = self.displacement();
@@ -255,9 +277,12 @@ impl Device {
         0.5 * stiffness * (stretch * stretch + 0.25 * self.dt * self.dt * motion)
     }
 
-    /// The striker's velocity at the current time, m/s, and its distance from the end half a step later, m; none without
-    /// one.
+    /// The striker's or ball's velocity at the current time, m/s, and its distance from the end, m, half a step later;
+    /// for a ball that touches it, less than 0: the approach. None without one.
     pub fn striker(&self) -> Option<(f64, f64)> {
+        if let Some(ball) = &self.ball {
+            return Some((ball.velocity(), -ball.approach));
+        }
         let striker = self.striker.as_ref()?;
         Some((0.5 * (striker.before + striker.after), self.normal * (striker.place - self.displacement)))
     }
@@ -271,6 +296,7 @@ impl Device {
     pub(super) fn let_go(&mut self) {
         self.condition = EndCondition::Free;
         self.striker = None;
+        self.ball = None;
         self.breaks = true;
     }
 
@@ -284,10 +310,10 @@ impl Device {
         taken
     }
 
-    /// True where the end's velocity is prescribed just now, or its place matters to a spring; false where it follows from
-    /// the stress.
+    /// True where the end's velocity is prescribed just now, or its place matters to a spring or a ball; false where it
+    /// follows from the stress.
     pub(super) fn is_held(&self) -> bool {
-        self.held || matches!(self.condition, EndCondition::Spring { .. })
+        self.held || matches!(self.condition, EndCondition::Spring { .. } | EndCondition::Ball { .. })
     }
 
     /// Impulse and work by the trapezoidal rule in the end stress: the form in which the staggered scheme balances

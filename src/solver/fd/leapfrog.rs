@@ -161,12 +161,15 @@ impl Leapfrog {
         let advance_block = if self.implicit.is_some() { Block::advance_stresses } else { Block::advance };
         let advance = |block: &mut Block| {
             let (law, constants) = (&laws[block.segment], &constants[block.segment]);
-            advance_block(block, BlockLaw {
-                law: law.law.as_ref(),
-                stress_gain: constants.stress_gain,
-                velocity_gain: constants.velocity_gain,
-                yield_stress: law.yield_stress,
-            });
+            advance_block(
+                block,
+                BlockLaw {
+                    law: law.law.as_ref(),
+                    stress_gain: constants.stress_gain,
+                    velocity_gain: constants.velocity_gain,
+                    yield_stress: law.yield_stress,
+                },
+            );
         };
         for_each(&mut self.blocks, self.parallel, advance);
         if self.implicit.is_some() {

@@ -18,6 +18,8 @@ pub enum Quantity {
     PlasticStrain,
     /// Accumulated plastic strain, >= 0.
     AccumulatedPlasticStrain,
+    /// Temperature, K; not a number without the effect of heat.
+    Temperature,
 }
 
 /// A cell that came to the end of its material's data.
@@ -39,9 +41,11 @@ pub struct Energies {
     pub kinetic: f64,
     /// Sum of sigma^2/(2E) dV.
     pub elastic: f64,
-    /// Plastic work since the start, without that of the overstress.
+    /// Plastic work since the start that did not turn into heat, without that of the overstress.
     pub plastic: f64,
-    /// Taken by the ripple damping, and by the overstress of rate-dependent cells, since the start (0 in an elastic run).
+    /// Plastic work since the start, that of the overstress with it, that turned into heat.
+    pub heat: f64,
+    /// Taken by the ripple damping, and by the overstress of rate-dependent cells as far as it did not turn into heat, since the start (0 in an elastic run).
     pub viscous: f64,
     /// Lost by the faces of joints that met (0 without joints that can open).
     pub concentrated: f64,
@@ -97,6 +101,7 @@ impl Leapfrog {
             Quantity::Strain => (block.sigma[i] + block.plastic_strain(law, i)) / modulus,
             Quantity::PlasticStrain => block.plastic_strain(law, i) / modulus,
             Quantity::AccumulatedPlasticStrain => block.accumulated(law, i) / modulus,
+            Quantity::Temperature => law.temperature(&block.state, i),
             Quantity::Velocity => 0.5 * (self.node_velocity(k, i) + self.node_velocity(k, i + 1)),
         }
     }
@@ -157,11 +162,8 @@ impl Leapfrog {
         let mut total = Energies { viscous: self.damped_at_edges, ..Energies::default() };
         for (k, block) in self.blocks.iter().enumerate() {
             let c = &self.constants[block.segment];
-            let squares = block.sum_of_squares();
-            total.elastic += 0.5 * c.cell_volume * squares / c.modulus;
-            let over = block.overstress_work(self.laws[block.segment].law.as_ref()) / c.modulus;
-            total.plastic += 0.5 * c.cell_volume * block.plastic / c.modulus - c.cell_volume * over;
-            total.viscous += 0.5 * c.cell_mass * block.damped + c.cell_volume * over;
+            self.add_material(&mut total, block);
+            total.viscous += 0.5 * c.cell_mass * block.damped;
             let (product, sum) = block.inner_nodes(c.velocity_gain);
             total.add_nodes(c.cell_mass, product, sum);
             if let Some(edge) = self.edges.get(k) {
@@ -181,11 +183,16 @@ impl Leapfrog {
         total
     }
 
-    /// Masses of the nodes at the ends, kg.
-    fn end_masses(&self) -> [f64; 2] {
-        let (first, last) = (&self.blocks[0], &self.blocks[self.blocks.len() - 1]);
-        [(first, 0), (last, last.sigma.len() - 1)]
-            .map(|(block, cell)| 0.5 * (self.constants[block.segment].cell_mass * block.area(cell)))
+    /// Strain energy and work of flow of a block.
+    fn add_material(&self, total: &mut Energies, block: &Block) {
+        let (c, law) = (&self.constants[block.segment], self.laws[block.segment].law.as_ref());
+        let over = c.cell_volume * block.overstress_work(law) / c.modulus;
+        let flow = 0.5 * c.cell_volume * block.plastic / c.modulus;
+        let heats = law.heat_fraction();
+        total.elastic += 0.5 * c.cell_volume * block.sum_of_squares() / c.modulus;
+        total.heat += heats * flow;
+        total.plastic += (1.0 - heats) * (flow - over);
+        total.viscous += (1.0 - heats) * over;
     }
 
     /// The same where the nodes keep their own account.
@@ -199,14 +206,16 @@ impl Leapfrog {
             ..Energies::default()
         };
         for block in &self.blocks {
-            let c = &self.constants[block.segment];
-            let squares: f64 = block.sigma.iter().map(|s| s * s).sum();
-            total.elastic += 0.5 * c.cell_volume * squares / c.modulus;
-            let over = self.laws[block.segment].law.overstress_work(&block.state) / c.modulus;
-            total.plastic += 0.5 * c.cell_volume * block.plastic / c.modulus - c.cell_volume * over;
-            total.viscous += c.cell_volume * over;
+            self.add_material(&mut total, block);
         }
         total
+    }
+
+    /// Masses of the nodes at the ends, kg.
+    fn end_masses(&self) -> [f64; 2] {
+        let (first, last) = (&self.blocks[0], &self.blocks[self.blocks.len() - 1]);
+        [(first, 0), (last, last.sigma.len() - 1)]
+            .map(|(block, cell)| 0.5 * (self.constants[block.segment].cell_mass * block.area(cell)))
     }
 
     /// Kinetic energy and momentum of the nodes with their initial velocities, before anything acts on them.
@@ -280,6 +289,7 @@ impl Energies {
         self.kinetic
             + self.elastic
             + self.plastic
+            + self.heat
             + self.viscous
             + self.concentrated
             + self.fracture

@@ -228,7 +228,7 @@ impl Leapfrog {
             stress: place.stress,
             strain: criterion.strain(&place),
             absorbed: criterion.absorbed(&place),
-            bar_absorbed: now.elastic + now.plastic,
+            bar_absorbed: now.elastic + now.plastic + now.heat,
         });
         breaking.nodes.push((node, self.step));
         match site {

@@ -417,7 +417,8 @@ impl Implicit {
 
     /// Memory, bytes.
     pub fn bytes(&self) -> usize {
-        (self.after.len() + self.change.len() + self.place.len() + self.shift.len() + self.matrix.len()) * size_of::<f64>()
+        (self.after.len() + self.change.len() + self.place.len() + self.shift.len() + self.matrix.len())
+            * size_of::<f64>()
     }
 }
 

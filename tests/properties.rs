@@ -76,7 +76,6 @@ fn segments() -> impl Strategy<Value = Vec<Segment>> {
             material: Arc::new(material),
             velocity,
             joint: Joint::Bonded,
-            taper: None,
         };
         parts.into_iter().map(segment).collect()
     })

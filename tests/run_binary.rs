@@ -20,11 +20,11 @@ fn barwave(folder: &Path, arguments: &[&str]) -> Output {
 
 /// `barwave run` of a scene of runs/ with `--json`, in a folder of its own.
 fn run(name: &str, arguments: &[&str]) -> Value {
-    run_in(tempfile::tempdir().expect("a folder").path(), name, arguments)
+    run_in(name, tempfile::tempdir().expect("a folder").path(), arguments)
 }
 
 /// The same in this folder; the result is its `out.h5`.
-fn run_in(folder: &Path, name: &str, arguments: &[&str]) -> Value {
+fn run_in(name: &str, folder: &Path, arguments: &[&str]) -> Value {
     let scene = runs().join(name).display().to_string();
     let all: Vec<&str> =
         ["run", &scene, "--json", "-o", "out.h5"].into_iter().chain(arguments.iter().copied()).collect();
@@ -316,7 +316,7 @@ fn tapered_horn() {
     let mut peaks = [0.0; 2];
     for (peak, sets) in peaks.iter_mut().zip([&[][..], &sets]) {
         let folder = tempfile::tempdir().expect("a folder");
-        let summary = run_in(folder.path(), "tapered-horn.toml", sets);
+        let summary = run_in("tapered-horn.toml", folder.path(), sets);
         assert_contract(&summary, "tapered-horn.toml");
         assert_eq!(summary["effects"], serde_json::json!(["plasticity", "unloading: isotropic"]));
         let file = barwave::record::store::ResultFile::open(&folder.path().join("out.h5")).expect("a result file");
@@ -352,7 +352,7 @@ fn torsion_rod() {
     let mut torques = [0.0; 2];
     for (torque, sets) in torques.iter_mut().zip([&[][..], &moc]) {
         let folder = tempfile::tempdir().expect("a folder");
-        let summary = run_in(folder.path(), "torsion-rod.toml", sets);
+        let summary = run_in("torsion-rod.toml", folder.path(), sets);
         assert_contract(&summary, "torsion-rod.toml");
         *torque = number(&summary["torsion"]["torque_N_m"][0]);
         let file = barwave::record::store::ResultFile::open(&folder.path().join("out.h5")).expect("a result file");

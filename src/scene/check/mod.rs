@@ -50,8 +50,6 @@ pub(super) fn check(document: &Document, base: &Path) -> Result<Scene> {
     let until = "add [solve] with until, the end time, e.g. until = \"200 us\"";
     let raw_solve = checker.required(raw.solve.as_ref(), "solve", until)?;
     let solve = checker.solve(raw_solve, &raw.effects)?;
-    let raw_ends = [("left", raw.left.as_ref()), ("right", raw.right.as_ref())];
-    checker.follows_balls(raw_ends, &solve.method)?;
     let record = checker.record(&raw.record, &bar, &effects, &solve)?;
     let name = Path::new(&document.file).file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
     Ok(Scene {

@@ -107,6 +107,46 @@ const CASES: &[Case] = &[
     ),
     case("frames = 101", "precision = \"f16\"", "f16", "record.precision", &["unknown word `f16`", "\"f64\", \"f32\""]),
     case("cells = 1000", "method = \"fdm\"", "fdm", "solve.method", &["unknown word `fdm`", "did you mean `fd`?"]),
+    // Tapers.
+    case(
+        "\"1 cm^2\"",
+        "[[0, \"1 cm^2\"], [\"90 cm\", \"2 cm^2\"]]",
+        "area = ",
+        "bar.area.1",
+        &["the last row stands at x = 900 mm", "x = 1 m, the segment's length", "give a row at both"],
+    ),
+    case(
+        "\"1 cm^2\"",
+        "[[\"1 cm\", \"1 cm^2\"], [\"1 m\", \"2 cm^2\"]]",
+        "area = ",
+        "bar.area.0",
+        &["row 1 does not stand at the segment's left end", "x increasing from 0"],
+    ),
+    case(
+        "\"1 cm^2\"",
+        "[[0, \"1 cm^2\"], [0.6, \"2 cm^2\"], [0.4, \"3 cm^2\"], [1, \"1 cm^2\"]]",
+        "area = ",
+        "bar.area.2",
+        &["row 3 does not lie to the right of the row before it", "use two segments"],
+    ),
+    case(
+        "\"1 cm^2\"",
+        "[[0, \"1 cm^2\"], [1, \"0 cm^2\"]]",
+        "area = ",
+        "bar.area.1.area",
+        &["0 cm^2 is out of range", "area > 0"],
+    ),
+    case("\"1 cm^2\"", "[[1, \"1 cm^2\"]]", "area = ", "bar.area.0", &["row 1 does not stand at"]),
+    case("\"1 cm^2\"", "[]", "area = ", "bar.area.0", &["a taper needs a row at both ends"]),
+    case("\"1 cm^2\"", "[[0, \"1 cm^2\", 3]]", "area = ", "bar.area.0", &["a row has 3 entries", "[x, area]"]),
+    case(
+        "area = \"1 cm^2\"",
+        "diameter = [[0, \"1 cm^2\"], [1, \"2 cm\"]]",
+        "diameter = ",
+        "bar.diameter.0.diameter",
+        &["a length is expected", "diameter > 0"],
+    ),
+    case("\"1 cm^2\"", "true", "true", "bar.area", &["rows [x, size] of a taper"]),
     // Numbers out of their range.
     case(
         "cells = 1000",
@@ -503,7 +543,144 @@ const CASES: &[Case] = &[
         "solve.front-tolerance",
         &["means nothing for a rate-dependent bar", "allowed: until, method, cells"],
     ),
-    case("area =", "mode = \"torsion\"\narea =", "torsion", "bar.mode", &["torsion", "mode = \"axial\""]),
+    // What acts along the bar.
+    case(
+        "unloading = \"isotropic\"",
+        "damping = {}",
+        "damping",
+        "effects.damping",
+        &["no kind of damping is named", "internal, external, foundation", "external ="],
+    ),
+    case(
+        "unloading = \"isotropic\"",
+        "damping = { internal = \"-1 Pa*s\" }",
+        "-1 Pa*s",
+        "effects.damping.internal",
+        &["is out of range", "internal >= 0"],
+    ),
+    case(
+        "unloading = \"isotropic\"",
+        "damping = { external = \"5 MPa\" }",
+        "5 MPa",
+        "effects.damping.external",
+        &["is a stress", "a force per length and velocity is expected", "N*s/m^2"],
+    ),
+    case(
+        "unloading = \"isotropic\"",
+        "damping = { foundation = \"5 N/m\" }",
+        "5 N/m",
+        "effects.damping.foundation",
+        &["is a stiffness", "N/m^2"],
+    ),
+    case(
+        "unloading = \"isotropic\"",
+        "damping = { inner = 1 }",
+        "inner",
+        "effects.damping.inner",
+        &["unknown key `inner`"],
+    ),
+    case(
+        "unloading = \"isotropic\"",
+        "lateral-inertia = true",
+        "lateral-inertia",
+        "effects.lateral-inertia",
+        &["needs Poisson's ratio, and `steel` does not state it", "0 <= poisson <= 0.5", "poisson = 0.29"],
+    ),
+    case(
+        "unloading = \"isotropic\"",
+        "damping = { internal = 1 }\nrupture = { spall = \"1 GPa\" }",
+        "rupture",
+        "effects.rupture",
+        &["rupture of a bar with `damping` is not followed", "method = \"fd\""],
+    ),
+    case(
+        "unloading = \"isotropic\"\n\n[solve]",
+        "damping = { internal = 1 }\n\n[solve]\nmethod = \"moc\"",
+        "moc",
+        "solve.method",
+        &["method = \"moc\" does not follow `damping`", "allowed: \"fd\"", "use method = \"fd\""],
+    ),
+    // Torsion.
+    case(
+        "area =",
+        "mode = \"torsion\"\narea =",
+        "area = ",
+        "bar.area",
+        &["an area says nothing of torsion", "inner-diameter"],
+    ),
+    case(
+        "area = \"1 cm^2\"",
+        "mode = \"torsion\"\ndiameter = \"2 cm\"",
+        "material = ",
+        "bar.material",
+        &["`steel` is one of tension", "loading = \"shear\"", "von-mises"],
+    ),
+    case(
+        "area = \"1 cm^2\"",
+        "mode = \"torsion\"\ndiameter = \"2 cm\"\nshear = \"von-mises\"",
+        "material = ",
+        "bar.material",
+        &["cannot be converted", "`poisson`"],
+    ),
+    case("area = \"1 cm^2\"", "mode = \"torsion\"", "", "bar.diameter", &["`diameter` is missing", "20 mm"]),
+    case(
+        "area = \"1 cm^2\"",
+        "mode = \"torsion\"\ndiameter = [[0, 0.01], [1, 0.02]]",
+        "diameter = ",
+        "bar.diameter",
+        &["a taper in torsion", "inner-diameter"],
+    ),
+    case(
+        "area = \"1 cm^2\"",
+        "mode = \"torsion\"\ndiameter = \"2 cm\"\nwall = \"2 mm\"",
+        "wall = ",
+        "bar.wall",
+        &["out of range", "0 < wall <= 0.001 m"],
+    ),
+    case(
+        "area = \"1 cm^2\"",
+        "mode = \"torsion\"\ndiameter = \"2 cm\"\nwall = \"1 mm\"\ninner-diameter = \"18 mm\"",
+        "wall = ",
+        "bar.wall",
+        &["both an inner diameter and a wall"],
+    ),
+    case(
+        "area = \"1 cm^2\"",
+        "mode = \"torsion\"\ndiameter = \"2 cm\"\ninner-diameter = \"2 cm\"",
+        "inner-diameter = ",
+        "bar.inner-diameter",
+        &["out of range"],
+    ),
+    case("area = \"1 cm^2\"", "wall = \"1 mm\"", "wall = ", "bar.wall", &["belongs to a bar in torsion"]),
+    case("area = ", "shear = \"von-mises\"\narea = ", "shear = ", "bar.shear", &["means nothing for an axial bar"]),
+    case(
+        "modulus = \"200 GPa\", beyond",
+        "loading = \"shear\", modulus = \"200 GPa\", beyond",
+        "material = ",
+        "bar.material",
+        &["is one of shear", "mode = \"torsion\""],
+    ),
+    case(
+        "modulus = \"200 GPa\", beyond",
+        "loading = \"shear\", sense = \"compression\", modulus = \"200 GPa\", beyond",
+        "material = ",
+        "bar.material.sense",
+        &["alike in both senses"],
+    ),
+    case(
+        "\"stress\", \"velocity\"",
+        "\"stress\", \"torque\"",
+        "fields = ",
+        "record.fields.1",
+        &["`torque` exists in torsion only"],
+    ),
+    case(
+        "kind = \"velocity\"\nvalue = \"-30 m/s\"",
+        "kind = \"torque\"\nvalue = \"5 N*m\"",
+        "torque",
+        "left.kind",
+        &["a bar in torsion only"],
+    ),
     // No TOML at all.
     case("length = \"1 m\"", "length = 1 m", "length", "", &["help: "]),
     case("title = ", "title = \"twice\"\ntitle = ", "title", "title", &["the key stands twice", "keep one of the two"]),
@@ -701,4 +878,40 @@ fn kinematic_hardening_needs_one_curve() {
     assert_eq!(output.status.code(), Some(2), "{shown}");
     assert!(shown.starts_with("error: `effects.unloading`: kinematic hardening needs one curve"), "{shown}");
     assert!(shown.contains("help: use unloading = \"isotropic\""), "{shown}");
+}
+
+/// What acts on the whole section needs one, and a joint that opens has no node that is shared.
+#[test]
+fn what_acts_along_the_bar_needs_a_section_and_bonded_joints() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let file = folder.path().join("wrong.toml");
+    let without_area = RIGHT.replace("area = \"1 cm^2\"\n", "");
+    let poisson = without_area.replace("density =", "poisson = 0.3, density =");
+    let segment = format!("[[bar.segment]]\nlength = 1\narea = 1\n{MATERIAL}\n");
+    let parting = RIGHT.replace(UNIFORM, "").replace("area = \"1 cm^2\"\n", "").replace(MATERIAL, "");
+    let parting = parting + &segment.replace("area", "joint = \"contact\"\narea") + &segment;
+    for (text, effect, start) in [
+        (
+            &without_area,
+            "damping = { external = 100 }",
+            "error: `effects.damping.external`: `external` is a force per length",
+        ),
+        (&without_area, "damping = { foundation = 100 }", "error: `effects.damping.foundation`: "),
+        (&poisson, "lateral-inertia = true", "error: `effects.lateral-inertia`: lateral inertia depends on the size"),
+        (
+            &parting,
+            "damping = { internal = 100 }",
+            "error: `effects.damping`: `damping` is not followed in a bar with joints",
+        ),
+    ] {
+        std::fs::write(&file, text.replace("unloading = \"isotropic\"", effect)).expect("written");
+        let output = check(&file);
+        let shown = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{shown}");
+        assert!(shown.starts_with(start) && shown.contains("\nhelp: "), "{shown}");
+    }
+    // Without a section internal damping has a meaning, and without a joint that opens the bar is right.
+    std::fs::write(&file, without_area.replace("unloading = \"isotropic\"", "damping = { internal = 100 }"))
+        .expect("written");
+    assert_eq!(check(&file).status.code(), Some(0), "{}", stderr(&check(&file)));
 }

@@ -7,7 +7,7 @@ use super::run::front_lines;
 use crate::error::Result;
 use crate::record::EnergySummary;
 use crate::scene::Problem;
-use crate::study::plan::{NetWork, Plan, Work, plan};
+use crate::study::plan::{NetWork, Plan, Staircase, Work, plan};
 use crate::units::{Dimension, System, format};
 
 /// Options of `barwave plan`.
@@ -49,6 +49,15 @@ fn text(plan: &Plan, units: System) -> String {
     }
     for (label, value) in work_lines(&plan.work, units) {
         line(label, value);
+    }
+    if let Some(Staircase { pieces, reflects }) = plan.staircase {
+        line(
+            "staircase",
+            std::format!(
+                "tapers become {pieces} uniform pieces; a step reflects at most {:.2} % of a wave",
+                100.0 * reflects
+            ),
+        );
     }
     line("fields", std::format!("{} before compression", bytes(plan.field_bytes)));
     let critical = plan.critical_velocity.map_or_else(

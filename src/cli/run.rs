@@ -159,6 +159,14 @@ fn text(s: &Summary, units: System) -> String {
     };
     line("method", std::format!("{} {}, {how}", s.method, s.scheme));
     line("effects", if s.effects.is_empty() { "none: the run stayed elastic".into() } else { s.effects.join(", ") });
+    if let Some(torsion) = &s.torsion {
+        let end = |k: usize| {
+            let torque = show(torsion.torque[k], Dimension::Torque);
+            std::format!("{torque} at {}", show(torsion.angular_velocity_rad_s[k], Dimension::AngularVelocity))
+        };
+        let radius = show(torsion.radius_m, Dimension::Length);
+        line("torsion", std::format!("left {}, right {}; in terms of the surface (radius {radius}):", end(0), end(1)));
+    }
     for (label, end) in [("left end", &s.left), ("right end", &s.right)] {
         line(label, end_text(end, units));
         if let Some(velocity) = end.striker {
@@ -180,6 +188,9 @@ fn text(s: &Summary, units: System) -> String {
         },
     );
     line("critical velocity", critical);
+    if let Some(rise) = s.temperature_rise {
+        line("heat", std::format!("the bar warmed by up to {rise:.4} K"));
+    }
     for r in s.ruptures.iter().flatten() {
         line("rupture", rupture_text(r, units));
     }

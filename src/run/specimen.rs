@@ -17,6 +17,7 @@ pub fn run_specimen(scene: &SpecimenScene, output: Option<&Path>) -> Result<Ener
     let mut summary = EnergySummary::new(&scene.title, &scene.blow);
     if let Some(path) = output {
         let header = Header {
+            torsion: None,
             title: scene.title.clone(),
             scene: scene.text.clone(),
             scene_resolved: scene.resolved_json().to_string(),

@@ -1,6 +1,7 @@
 //! A scene: what the user typed (`raw`), what it means (`check`), as plain data in SI (here).
 
 mod check;
+mod cut;
 mod effects;
 mod not_yet;
 mod overrides;
@@ -15,6 +16,7 @@ use crate::error::{InputError, Result};
 use crate::input::Document;
 use crate::record::{Compression, Field, Precision};
 
+pub use cut::{Cut, MOST_PIECES};
 pub use effects::{Damping, Effects, Heat, Rate, Rupture, Unloading};
 use overrides::Overrides;
 pub use raw::RawScene;
@@ -80,6 +82,20 @@ pub struct Scene {
     pub solve: Solve,
     /// What to record.
     pub record: Record,
+    /// Of a scene whose tapered segments were cut into uniform pieces: what was asked for. None as the scene is read.
+    pub cut: Option<Box<Cut>>,
+    /// Of a bar in torsion: what its surface quantities stand for. None for an axial bar.
+    pub torsion: Option<Torsion>,
+}
+
+/// A bar in torsion, in terms of the surface. Stress is T R/J, T being the torque in the section; strain R dtheta/dx; velocity
+/// R omega; the area of a segment J/R^2; its material's curve that of the section, see [`crate::material::Hollow`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Torsion {
+    /// R, m: the outer radius; of thin tubes the mean one.
+    pub radius: f64,
+    /// J of each segment, m^4.
+    pub polar: Vec<f64>,
 }
 
 /// How the scene is solved.

@@ -38,7 +38,7 @@ pub fn write_figures(
     in_place(path, |temporary| -> Hdf<()> {
         let file = File::create(temporary)?;
         build_root(&file, header, true)?;
-        build_materials(&file, materials)?;
+        build_materials(&file, materials, false)?;
         let group = file.create_group(group)?;
         for figure in figures {
             let dataset = group.new_dataset::<f64>().create(figure.name)?;

@@ -86,6 +86,8 @@ pub struct Header {
     pub scheme: String,
     /// m/s; none where the data hold none.
     pub critical_velocity: Option<f64>,
+    /// Of a bar in torsion: the radius whose stress, strain and velocity are recorded, m. Momenta are then N m s.
+    pub torsion: Option<f64>,
 }
 
 /// What the file holds and how.
@@ -107,6 +109,8 @@ pub struct Layout {
     pub sampling: String,
     /// The file has `/paths`.
     pub paths: bool,
+    /// Gauges have a column of the temperature.
+    pub temperature: bool,
 }
 
 /// An end of the bar.

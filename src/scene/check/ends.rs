@@ -12,10 +12,11 @@ use crate::input::{Allowed, Number};
 use crate::units::Dimension;
 
 impl EndKind {
-    fn word(self) -> &'static str {
+    pub(super) fn word(self) -> &'static str {
         match self {
             Self::Velocity => "velocity",
             Self::Stress => "stress",
+            Self::Torque => "torque",
             Self::Free => "free",
             Self::Fixed => "fixed",
             Self::Absorbing => "absorbing",
@@ -30,7 +31,7 @@ impl EndKind {
     fn keys(self) -> &'static [&'static str] {
         match self {
             Self::Velocity => &["value", "history", "csv", "release"],
-            Self::Stress => &["value", "history", "csv"],
+            Self::Stress | Self::Torque => &["value", "history", "csv"],
             Self::Wall => &["gap"],
             Self::Striker => &["mass", "velocity"],
             Self::Ball => super::ball::KEYS,
@@ -58,6 +59,11 @@ impl Checker<'_> {
                 )?,
             },
             EndKind::Stress => EndCondition::Stress { history: self.history(raw, span, key, Dimension::Stress)? },
+            EndKind::Torque => {
+                let error =
+                    self.error(raw.kind.span(), &format!("{key}.kind"), "a torque acts on a bar in torsion only");
+                return Err(error.help("use kind = \"stress\", or [bar] mode = \"torsion\"").into());
+            }
             EndKind::Free => EndCondition::Free,
             EndKind::Fixed => EndCondition::Fixed,
             EndKind::Absorbing => EndCondition::Absorbing,
@@ -131,7 +137,7 @@ impl Checker<'_> {
     }
 
     /// The history of a driven end, from exactly one of its three forms.
-    fn history(&self, raw: &RawEnd, span: Range<usize>, key: &str, dimension: Dimension) -> Result<History> {
+    pub(super) fn history(&self, raw: &RawEnd, span: Range<usize>, key: &str, dimension: Dimension) -> Result<History> {
         let forms: Vec<_> = given(raw).into_iter().filter(|(name, _)| *name != "release").collect();
         let unit = dimension.example();
         match forms.as_slice() {
@@ -188,7 +194,7 @@ pub(super) const ROWS: &str = "times never decrease, at most two rows with one t
 pub(super) const ROWS_HELP: &str = "list the rows in the order of time; two rows with one time are a jump";
 
 /// The optional keys that were given, with their places.
-fn given(raw: &RawEnd) -> Vec<(&'static str, Range<usize>)> {
+pub(super) fn given(raw: &RawEnd) -> Vec<(&'static str, Range<usize>)> {
     let all = [
         ("value", raw.value.as_ref().map(Spanned::span)),
         ("history", raw.history.as_ref().map(Spanned::span)),
@@ -196,6 +202,7 @@ fn given(raw: &RawEnd) -> Vec<(&'static str, Range<usize>)> {
         ("release", raw.release.as_ref().map(Spanned::span)),
         ("gap", raw.gap.as_ref().map(Spanned::span)),
         ("mass", raw.mass.as_ref().map(Spanned::span)),
+        ("inertia", raw.inertia.as_ref().map(Spanned::span)),
         ("velocity", raw.velocity.as_ref().map(Spanned::span)),
         ("radius", raw.radius.as_ref().map(Spanned::span)),
         ("diameter", raw.diameter.as_ref().map(Spanned::span)),

@@ -3,11 +3,15 @@
 mod ball;
 mod bar;
 mod csv_history;
+mod damping;
 mod ends;
+mod heat;
 mod rate;
 mod record;
 mod rupture;
+mod section;
 mod solve;
+mod torsion;
 
 use std::ops::Range;
 use std::path::Path;
@@ -37,20 +41,42 @@ pub(super) fn check(document: &Document, base: &Path) -> Result<Scene> {
     let raw: RawScene = document.parse()?;
     let checker = Checker { document, base };
     let raw_bar = checker.required(raw.bar.as_ref(), "bar", "add [bar] with length and material")?;
-    let bar = checker.bar(raw_bar)?;
+    let twisted = torsion::is_torsion(raw_bar.get_ref());
+    let mut bar = checker.bar(raw_bar)?;
+    let torsion = if twisted {
+        Some(checker.twist(raw_bar, &mut bar)?)
+    } else {
+        checker.nothing_of_torsion(raw_bar, &bar)?;
+        None
+    };
+    let heat = checker.heat(&raw.effects, &mut bar)?;
     let ends = "both ends are always stated: add e.g. [left] with kind = \"velocity\" and value = \"30 m/s\", and \
                 [right] with kind = \"free\"";
-    let left = checker.end(checker.required(raw.left.as_ref(), "left", ends)?, "left", &bar, &bar.segments[0])?;
-    let at_right = &bar.segments[bar.segments.len() - 1];
-    let right = checker.end(checker.required(raw.right.as_ref(), "right", ends)?, "right", &bar, at_right)?;
+    let end = |raw, key, segment: usize| {
+        let raw = checker.required(raw, key, ends)?;
+        match &torsion {
+            Some(torsion) => checker.twisted_end(raw, key, torsion, torsion.polar[segment]),
+            None => checker.end(raw, key, &bar, &bar.segments[segment]),
+        }
+    };
+    let left = end(raw.left.as_ref(), "left", 0)?;
+    let right = end(raw.right.as_ref(), "right", bar.segments.len() - 1)?;
+    if twisted {
+        checker.effects_of_torsion(&raw.effects)?;
+    }
     let effects = Effects {
+        heat,
         rupture: checker.rupture(&raw.effects, raw_bar.get_ref(), &bar)?,
+        damping: checker.damping(&raw.effects, &bar)?,
+        lateral_inertia: checker.lateral_inertia(&raw.effects, &bar)?,
         ..checker.effects(&raw.effects, &bar)?
     };
+    checker.along_goes(&raw.effects, &bar)?;
     let until = "add [solve] with until, the end time, e.g. until = \"200 us\"";
     let raw_solve = checker.required(raw.solve.as_ref(), "solve", until)?;
     let solve = checker.solve(raw_solve, &raw.effects)?;
-    let record = checker.record(&raw.record, &bar, &effects, &solve)?;
+    checker.taper_can_be_solved(raw_bar.get_ref(), &bar, &solve.method)?;
+    let record = checker.record(&raw.record, &bar, &effects, &solve, twisted)?;
     let name = Path::new(&document.file).file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
     Ok(Scene {
         title: raw.title.unwrap_or_else(|| name.clone()),
@@ -64,6 +90,8 @@ pub(super) fn check(document: &Document, base: &Path) -> Result<Scene> {
         effects,
         solve,
         record,
+        cut: None,
+        torsion,
     })
 }
 
@@ -91,8 +119,9 @@ impl Checker<'_> {
     fn effects(&self, raw: &RawEffects, bar: &Bar) -> Result<Effects> {
         let rate = raw.rate.as_ref().map(|rate| self.rate(rate)).transpose()?;
         let Some(unloading) = &raw.unloading else {
-            // A curve that is followed both ways has no plastic strain that could take time.
-            return Ok(Effects { unloading: rate.map(|_| Unloading::Isotropic), rate, ..Effects::default() });
+            // A curve that is followed both ways has no plastic strain that could take time or warm the bar.
+            let implied = rate.is_some() || raw.heat.is_some();
+            return Ok(Effects { unloading: implied.then_some(Unloading::Isotropic), rate, ..Effects::default() });
         };
         let key = "effects.unloading";
         let kind = match unloading.get_ref() {

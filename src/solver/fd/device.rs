@@ -16,8 +16,10 @@ pub struct Device {
     condition: EndCondition,
     /// Outward normal: -1 left, +1 right.
     normal: f64,
-    /// dt A/m = 2 dt/(rho dx), m/s per Pa.
+    /// dt A/m, m/s per Pa: 2 dt/(rho dx) times A over the end cell's area.
     gain: f64,
+    /// Area of the end cell over that of the end: by which the cell's stress counts at the end; 1 but in a taper.
+    cell_share: f64,
     /// A dt: impulse per stress, m^2 s.
     impulse_per_stress: f64,
     dt: f64,
@@ -68,8 +70,10 @@ pub struct EndGrid {
     pub density: f64,
     /// Elastic impedance rho c0, Pa s/m.
     pub impedance: f64,
-    /// m^2.
+    /// Of the end, m^2.
     pub area: f64,
+    /// Of the end cell, m^2.
+    pub cell_area: f64,
     /// Initial velocity, m/s.
     pub velocity: f64,
 }
@@ -84,7 +88,8 @@ impl Device {
             striker,
             ball,
             normal,
-            gain: 2.0 * grid.dt / (grid.density * grid.dx),
+            gain: 2.0 * grid.dt / (grid.density * grid.dx) * (grid.area / grid.cell_area),
+            cell_share: grid.cell_area / grid.area,
             impulse_per_stress: grid.area * grid.dt,
             dt: grid.dt,
             impedance: grid.impedance,
@@ -107,11 +112,17 @@ impl Device {
     /// Takes the node from half a step before `time` to half a step after it. `sigma_cell` is the stress at `time`
     /// in the end cell.
     pub fn advance(&mut self, time: f64, sigma_cell: f64) {
+        self.advance_showing(time, sigma_cell, sigma_cell);
+    }
+
+    /// The same; `shown` is the stress of the end cell for the record.
+    fn advance_showing(&mut self, time: f64, sigma_cell: f64, shown: f64) {
         let previous_stress = self.reaction;
+        let sigma_cell = self.cell_share * sigma_cell;
         let motion = self.respond(time, sigma_cell);
         self.breaks = false;
         let struck = motion.held && (!self.held || self.jumps(time));
-        self.stress = if struck { sigma_cell } else { motion.stress };
+        self.stress = if struck { shown } else { motion.stress };
         if motion.held {
             self.held_stress = motion.stress;
         }
@@ -125,6 +136,26 @@ impl Device {
         }
         self.account(previous_stress);
         self.displacement += self.dt * self.after;
+    }
+
+    /// The end moves this mass, kg, in place of half its cell's.
+    pub(super) fn set_mass(&mut self, mass: f64) {
+        self.gain = self.impulse_per_stress / mass;
+    }
+
+    /// Velocity change of the step around `time` if the bar gives that mass an impulse of `pull`, N s in +x.
+    pub(super) fn answer(&self, time: f64, pull: f64) -> f64 {
+        self.respond(time, self.stress_of(pull)).velocity - self.after
+    }
+
+    /// Takes that step. `sigma_cell` is the stress of the end cell, for the record.
+    pub(super) fn advance_by(&mut self, time: f64, pull: f64, sigma_cell: f64) {
+        self.advance_showing(time, self.stress_of(pull), sigma_cell);
+    }
+
+    /// Stress of a cell that gives the node this impulse in a step.
+    fn stress_of(&self, pull: f64) -> f64 {
+        -self.normal * pull / self.impulse_per_stress
     }
 
     /// True where a prescribed velocity jumps within a step of `time`.
@@ -271,7 +302,7 @@ impl Device {
 
     /// The ripple damping changes the node's velocity, which no end prescribes just now. Returns the energy taken, J.
     pub(super) fn damp(&mut self, change: f64, sigma_cell: f64) -> f64 {
-        let g = self.normal * self.gain * (self.reaction - sigma_cell);
+        let g = self.normal * self.gain * (self.reaction - self.cell_share * sigma_cell);
         let half_mass = 0.5 * self.impulse_per_stress / self.gain;
         let taken = half_mass * ripple::node(g, change, &mut self.after);
         self.before += change;

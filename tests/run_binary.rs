@@ -473,6 +473,11 @@ fn ball_on_bar() {
     let net = number(&run("ball-on-bar.toml", &fast)["left"]["striker_velocity_m_s"]);
     // The rod stays elastic; both are of second order in steps of a hundredth of the contact.
     assert!((net / velocity - 1.0).abs() < 1e-4, "{net} {velocity}");
+    let fronts = ["--set", "solve.method=moc", "--set", "solve.cells="];
+    let tracked = run("ball-on-bar.toml", &fronts);
+    assert_contract(&tracked, "ball-on-bar.toml");
+    let tracked = number(&tracked["left"]["striker_velocity_m_s"]);
+    assert!((tracked / velocity - 1.0).abs() < 1e-4, "{tracked} {velocity}");
 }
 
 #[test]

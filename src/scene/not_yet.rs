@@ -39,7 +39,6 @@ const WORDS: &[Word] = &[
     word(&["left", "kind"], "ball", "a ball", DRIVEN),
     word(&["right", "kind"], "ball", "a ball", DRIVEN),
     word(&["bar", "mode"], "torsion", "torsion", "use mode = \"axial\" (the default)"),
-    word(&["effects"], "auto", "the choice of effects by itself", "name them in an [effects] table"),
     word(&["effects", "heat"], "", "heating by plastic work", LEAVE_OUT),
     word(&["effects", "damping"], "", "damping", LEAVE_OUT),
     word(&["effects", "lateral-inertia"], "", "lateral inertia", LEAVE_OUT),

@@ -7,6 +7,14 @@ use crate::bar::{EndCondition, History, Joint, Segment};
 use crate::record::{Compression, Precision};
 
 pub(super) fn json(scene: &Scene) -> Value {
+    let mut value = plain(scene);
+    if let Some(auto) = &scene.auto {
+        value["auto"] = json!(auto.choices);
+    }
+    value
+}
+
+fn plain(scene: &Scene) -> Value {
     json!({
         "title": scene.title,
         "name": scene.name,
@@ -59,6 +67,12 @@ fn rows(history: &History) -> Vec<[f64; 2]> {
 }
 
 fn solve(solve: &Solve) -> Value {
+    let mut value = method_of(solve);
+    value["audit-tolerance"] = json!(solve.audit_tolerance);
+    value
+}
+
+fn method_of(solve: &Solve) -> Value {
     let [method, scheme] = solve.method.names();
     match solve.method {
         Method::Leapfrog { cells, cfl } => {

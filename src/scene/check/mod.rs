@@ -11,8 +11,8 @@ mod solve;
 use std::ops::Range;
 use std::path::Path;
 
-use super::raw::{RawEffects, RawScene, RawUnloading};
-use super::{Effects, Scene, Unloading, not_yet};
+use super::raw::{EffectsChoice, RawEffects, RawScene, RawUnloading};
+use super::{Auto, Effects, Scene, Unloading, not_yet};
 use crate::bar::Bar;
 use crate::error::{InputError, Result};
 use crate::input::{Allowed, Document};
@@ -38,13 +38,17 @@ pub(super) fn check(document: &Document, base: &Path) -> Result<Scene> {
                 [right] with kind = \"free\"";
     let left = checker.end(checker.required(raw.left.as_ref(), "left", ends)?, "left", bar.area_given)?;
     let right = checker.end(checker.required(raw.right.as_ref(), "right", ends)?, "right", bar.area_given)?;
+    let (auto, raw_effects) = match raw.effects {
+        EffectsChoice::Auto(_) => (Some(Auto::default()), Box::default()),
+        EffectsChoice::Table(effects) => (None, effects),
+    };
     let effects = Effects {
-        rupture: checker.rupture(&raw.effects, raw_bar.get_ref(), &bar)?,
-        ..checker.effects(&raw.effects, &bar)?
+        rupture: checker.rupture(&raw_effects, raw_bar.get_ref(), &bar)?,
+        ..checker.effects(&raw_effects, &bar)?
     };
     let until = "add [solve] with until, the end time, e.g. until = \"200 us\"";
     let raw_solve = checker.required(raw.solve.as_ref(), "solve", until)?;
-    let solve = checker.solve(raw_solve, &raw.effects)?;
+    let solve = checker.solve(raw_solve, &raw_effects)?;
     let record = checker.record(&raw.record, &bar, &effects, &solve)?;
     let name = Path::new(&document.file).file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
     Ok(Scene {
@@ -57,6 +61,8 @@ pub(super) fn check(document: &Document, base: &Path) -> Result<Scene> {
         left,
         right,
         effects,
+        auto,
+        base: base.to_owned(),
         solve,
         record,
     })
@@ -84,7 +90,7 @@ impl Checker<'_> {
     }
 
     fn effects(&self, raw: &RawEffects, bar: &Bar) -> Result<Effects> {
-        let rate = raw.rate.as_ref().map(|rate| self.rate(rate)).transpose()?;
+        let rate = raw.rate.as_ref().map(|rate| self.rate(rate, bar)).transpose()?;
         let Some(unloading) = &raw.unloading else {
             // A curve that is followed both ways has no plastic strain that could take time.
             return Ok(Effects { unloading: rate.map(|_| Unloading::Isotropic), rate, ..Effects::default() });

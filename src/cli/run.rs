@@ -172,6 +172,9 @@ fn text(s: &Summary, units: System) -> String {
         },
     );
     line("critical velocity", critical);
+    if let Some(rise) = s.temperature_rise {
+        line("heat", std::format!("the bar warmed by up to {rise:.4} K"));
+    }
     for r in s.ruptures.iter().flatten() {
         line("rupture", rupture_text(r, units));
     }

@@ -52,6 +52,7 @@ pub fn resolve(raw: RawMaterial, doc: &Document, key_prefix: &str, base_dir: &Pa
         poisson: keys.optional(raw.poisson.as_ref(), "poisson", Dimension::None, Allowed::Within(0.0, 0.5))?,
         table_error: compression.as_ref().map_or(main.error, |c| c.error.max(main.error)),
         constants,
+        heating: None,
         tension: main.curve,
         compression: compression.map(|c| c.curve),
         provenance: provenance(raw.source),

@@ -6,9 +6,11 @@ mod csv;
 mod curve;
 mod file;
 mod formula;
+mod heating;
 mod law_keys;
 pub mod library;
 mod raw;
+mod softening;
 mod tabulate;
 
 use serde::{Deserialize, Serialize};
@@ -18,6 +20,7 @@ pub(crate) use curve::SLOPE_ROUND_OFF;
 pub use curve::{Beyond, Curve, CurveError, Ultimate, UltimateReason};
 pub use file::{read, resolve};
 pub use formula::{Formula, Law};
+pub use heating::{Heating, HeatingError};
 pub use raw::RawMaterial;
 pub use tabulate::{
     Measure, Tabulate, Tabulated, engineering_from_true, tabulate_law, tabulate_true_rows, true_from_engineering,
@@ -70,6 +73,9 @@ pub struct Material {
     pub table_error: f64,
     /// What else the file states: the law behind the table, rate and heat constants.
     pub constants: Constants,
+    /// Set where plastic work heats the material: the curves above are then the adiabatic ones, see [`Material::heated`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub heating: Option<Box<Heating>>,
     /// What the curve rests on.
     pub provenance: Provenance,
 }
@@ -101,6 +107,7 @@ impl Material {
             compression: None,
             table_error: 0.0,
             constants: Constants::default(),
+            heating: None,
             provenance: Provenance::default(),
         }
     }

@@ -41,6 +41,7 @@ impl Ledger {
             kinetic: now.kinetic,
             elastic: now.elastic,
             plastic: now.plastic,
+            heat: now.heat,
             viscous: now.viscous,
             concentrated: now.concentrated,
             fracture: now.fracture,

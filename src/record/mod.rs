@@ -13,6 +13,7 @@ mod traces;
 mod tracked;
 mod tracked_fronts;
 mod view;
+mod warmth;
 
 use serde::Serialize;
 
@@ -32,6 +33,7 @@ pub use traces::Traces;
 pub use tracked::EndHistories;
 pub use tracked_fronts::{INTERIOR, Paths, TrackedFronts};
 pub use view::{Account, EndState, Start, Stepped, View, quantity};
+pub use warmth::{flowed_both_ways, largest_rise};
 
 /// A field that can be recorded over x and t.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, clap::ValueEnum)]
@@ -50,17 +52,20 @@ pub enum Field {
     PlasticStrain,
     /// Accumulated plastic strain, >= 0.
     AccumulatedPlasticStrain,
+    /// Temperature, K.
+    Temperature,
 }
 
 impl Field {
     /// Every field, in the order of the contract.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::Stress,
         Self::Strain,
         Self::Velocity,
         Self::Displacement,
         Self::PlasticStrain,
         Self::AccumulatedPlasticStrain,
+        Self::Temperature,
     ];
 
     /// Dataset name.
@@ -72,6 +77,7 @@ impl Field {
             Self::Displacement => "displacement",
             Self::PlasticStrain => "plastic_strain",
             Self::AccumulatedPlasticStrain => "accumulated_plastic_strain",
+            Self::Temperature => "temperature",
         }
     }
 
@@ -81,6 +87,7 @@ impl Field {
             Self::Stress => "Pa",
             Self::Velocity => "m/s",
             Self::Displacement => "m",
+            Self::Temperature => "K",
             Self::Strain | Self::PlasticStrain | Self::AccumulatedPlasticStrain => "1",
         }
     }
@@ -94,6 +101,7 @@ impl Field {
             Self::Displacement => "displacement in +x",
             Self::PlasticStrain => "plastic strain",
             Self::AccumulatedPlasticStrain => "accumulated plastic strain",
+            Self::Temperature => "temperature",
         }
     }
 }
@@ -118,6 +126,8 @@ pub struct Trace {
     pub strain: Vec<f64>,
     /// m/s.
     pub velocity: Vec<f64>,
+    /// K; empty without the effect of heat, and for the ends.
+    pub temperature: Vec<f64>,
 }
 
 /// One row of the ledger. Energies in J, momenta in N s (per m^2 where the scene gives no area).
@@ -129,8 +139,11 @@ pub struct LedgerRow {
     pub kinetic: f64,
     /// Recoverable strain energy.
     pub elastic: f64,
-    /// Energy dissipated in plastic flow since the start.
+    /// Energy dissipated in plastic flow since the start; with the effect of heat, what of it did not turn into heat.
     pub plastic: f64,
+    /// Plastic work that turned into heat since the start: `plastic` and `heat` together are all of it (of a rate-dependent
+    /// bar with what of `viscous` the overstress took). 0 without the effect of heat.
+    pub heat: f64,
     /// Energy taken since the start by the method itself: the damping of grid-scale ripples, the thinning of fronts; 0 in
     /// an elastic run.
     pub viscous: f64,

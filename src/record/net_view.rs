@@ -43,6 +43,7 @@ impl View for Net {
             kinetic: now.kinetic,
             elastic: now.elastic,
             plastic: now.plastic,
+            heat: 0.0,
             viscous: now.viscous,
             concentrated: now.concentrated,
             fracture: 0.0,

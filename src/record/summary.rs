@@ -58,6 +58,9 @@ pub struct Summary {
     /// What `effects = "auto"` chose, and why; left out where the scene names its effects.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub auto: Option<Vec<AutoChoice>>,
+    /// Largest rise in temperature at the end; left out without the effect of heat.
+    #[serde(rename = "largest_temperature_rise_K", skip_serializing_if = "Option::is_none")]
+    pub temperature_rise: Option<f64>,
     /// Neglected effects.
     pub audit: Vec<AuditRow>,
     /// Result file.

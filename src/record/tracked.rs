@@ -21,6 +21,9 @@ impl View for FrontTracking {
             Field::PlasticStrain => Medium::plastic_strain,
             Field::AccumulatedPlasticStrain => |m, p| p.accumulated / m.modulus,
             Field::Displacement => return self.displacements(places, out),
+            Field::Temperature => {
+                return self.sweep(places, |k, segment, point| out[k] = self.temperature(segment, point));
+            }
         };
         self.sweep(places, |k, segment, point| out[k] = value(self.medium(segment), point));
     }
@@ -60,6 +63,7 @@ impl View for FrontTracking {
             kinetic: now.kinetic,
             elastic: now.elastic,
             plastic: now.plastic,
+            heat: now.heat,
             viscous: now.thinned,
             concentrated: now.concentrated,
             fracture: 0.0,
@@ -121,7 +125,7 @@ impl EndHistories {
             time: vec![bar.time()],
             stress: vec![end.stress],
             velocity: vec![end.velocity],
-            strain: Vec::new(),
+            ..Trace::default()
         })
     }
 }

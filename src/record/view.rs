@@ -93,8 +93,10 @@ pub struct Account {
     pub kinetic: f64,
     /// Recoverable strain energy.
     pub elastic: f64,
-    /// Plastic work.
+    /// Plastic work that did not turn into heat.
     pub plastic: f64,
+    /// Plastic work that turned into heat.
+    pub heat: f64,
     /// Taken by a scheme's damping of ripples.
     pub viscous: f64,
     /// Taken at single points where velocities differ.
@@ -114,7 +116,7 @@ pub struct Account {
 impl Account {
     /// All energy in the bar, dissipated included.
     pub fn total(&self) -> f64 {
-        self.kinetic + self.elastic + self.plastic + self.viscous + self.concentrated + self.fracture
+        self.kinetic + self.elastic + self.plastic + self.heat + self.viscous + self.concentrated + self.fracture
     }
 }
 
@@ -160,6 +162,7 @@ impl View for Leapfrog {
             kinetic: now.kinetic,
             elastic: now.elastic,
             plastic: now.plastic,
+            heat: now.heat,
             viscous: now.viscous,
             concentrated: now.concentrated,
             fracture: now.fracture,
@@ -217,6 +220,7 @@ pub fn quantity(field: Field) -> Option<Quantity> {
         Field::Velocity => Some(Quantity::Velocity),
         Field::PlasticStrain => Some(Quantity::PlasticStrain),
         Field::AccumulatedPlasticStrain => Some(Quantity::AccumulatedPlasticStrain),
+        Field::Temperature => Some(Quantity::Temperature),
         Field::Displacement => None,
     }
 }

@@ -138,6 +138,7 @@ impl Units {
                 Self::Si => Unit::new(1e3, "mm"),
                 Self::Us => Unit::new(1.0 / INCH, "in"),
             },
+            Field::Temperature => Unit::new(1.0, "K"),
             Field::Strain | Field::PlasticStrain | Field::AccumulatedPlasticStrain => Unit::new(1.0, ""),
         }
     }
@@ -152,6 +153,7 @@ pub(super) fn field_name(field: Field) -> &'static str {
         Field::Displacement => "displacement",
         Field::PlasticStrain => "plastic strain",
         Field::AccumulatedPlasticStrain => "accumulated plastic strain",
+        Field::Temperature => "temperature",
     }
 }
 

@@ -155,6 +155,7 @@ fn ledger_table(file: &ResultFile, units: Units) -> Result<String> {
         ("kinetic energy at the end", energy.show(last.kinetic)),
         ("elastic energy at the end", energy.show(last.elastic)),
         ("dissipated in plastic flow", energy.show(last.plastic)),
+        ("turned into heat", energy.show(last.heat)),
         ("taken by overstress or damping", energy.show(last.viscous)),
         ("taken at single points", energy.show(last.concentrated)),
         ("taken by ruptures", energy.show(last.fracture)),

@@ -13,7 +13,7 @@ use crate::scene::Scene;
 const WRITTEN: [(&str, &str); 5] = [
     ("unloading", "\"isotropic\""),
     ("rate", "\"material\""),
-    ("heat", "true"),
+    ("heat", "{}"),
     ("rupture", "\"critical-strain\""),
     ("lateral-inertia", "true"),
 ];

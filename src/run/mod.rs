@@ -167,6 +167,8 @@ struct Findings {
     ruptured: bool,
     /// Where and when, if it was to.
     ruptures: Option<Vec<Rupture>>,
+    /// Largest rise in temperature, K, with the effect of heat.
+    temperature_rise: Option<f64>,
     paths_complete: bool,
 }
 
@@ -277,6 +279,7 @@ impl<'a> Book<'a> {
             error: findings.error,
             ruptures: findings.ruptures.map(|all| all.iter().map(RuptureSummary::from).collect()),
             auto: None,
+            temperature_rise: findings.temperature_rise,
             audit: findings.audit,
             output: self.output,
         }
@@ -305,6 +308,7 @@ fn create_file(scene: &Scene, path: &Path, x: Vec<f64>, sampling: &str, critical
         area_given: scene.bar.area_given,
         sampling: sampling.into(),
         paths: scene.record.paths,
+        temperature: scene.effects.heat.is_some(),
     };
     Writer::create(path, &header, &layout, &material_records(scene))
 }

@@ -77,7 +77,7 @@ impl<'a, S: Stepped> Run<'a, S> {
         let audit = Audit::new(&super::case(scene, Some(bar.grid().cells())));
         Ok(Self {
             steps: steps(scene, bar.grid().dt),
-            traces: Traces::new(Sampling::at(bar.grid(), places)),
+            traces: Traces::new(Sampling::at(bar.grid(), places), scene.effects.heat.is_some()),
             ledger: Ledger::new(&bar),
             watched: Sampling::at(bar.grid(), audit.places().to_vec()),
             audit,
@@ -203,6 +203,7 @@ impl<'a, S: Stepped> Run<'a, S> {
             error: self.error(),
             ruptured: self.ruptured(),
             ruptures: self.book.ruptures(&self.bar),
+            temperature_rise: self.temperature_rise(),
             paths_complete: false,
         };
         self.book.close(ended, findings)
@@ -213,6 +214,15 @@ impl<'a, S: Stepped> Run<'a, S> {
         let scene = self.book.scene;
         let known = scene.effects.rate.is_none() && self.bar.ruptures().is_empty();
         known.then(|| record::against_similarity(&scene.bar, &self.bar, &self.book.launches))?
+    }
+
+    fn temperature_rise(&self) -> Option<f64> {
+        let segments = self.book.scene.bar.segments.iter().zip(&self.bar.grid().segments);
+        let rises = segments.filter_map(|(segment, part)| {
+            let temperatures = part.cells.clone().map(|cell| self.bar.value(Quantity::Temperature, cell));
+            record::largest_rise(&segment.material, temperatures)
+        });
+        rises.reduce(f64::max)
     }
 
     fn ruptured(&self) -> bool {
@@ -234,6 +244,13 @@ impl<'a, S: Stepped> Run<'a, S> {
         let mut rows = self.audit.rows(broken);
         if let Some(Rate::Malvern { k }) = self.book.scene.effects.rate {
             rows.extend(record::unresolved_flow(k, grid.dt));
+        }
+        let strain = |cell: usize| self.bar.value(Quantity::AccumulatedPlasticStrain, cell);
+        if self.book.scene.effects.rate.is_none() {
+            rows.extend(segments.iter().zip(&grid.segments).filter_map(|(segment, part)| {
+                let plastic = |cell| (strain(cell), self.bar.value(Quantity::PlasticStrain, cell));
+                record::flowed_both_ways(&segment.material, part.cells.clone().map(plastic))
+            }));
         }
         rows
     }

@@ -266,6 +266,7 @@ impl<'a> Run<'a> {
             error: self.error_figure(),
             ruptured: self.breaks.ruptured(self.book.scene, &self.bar),
             ruptures: self.book.ruptures(&self.bar),
+            temperature_rise: self.temperature_rise(),
             paths_complete: self.paths.complete(),
         };
         self.book.close(ended, findings)
@@ -280,13 +281,30 @@ impl<'a> Run<'a> {
             .or_else(|| companion::error_figure(self.book.scene, self.settings, &self.bar))
     }
 
+    fn temperature_rise(&self) -> Option<f64> {
+        let segments = self.book.scene.bar.segments.iter().enumerate();
+        let rises = segments.filter_map(|(k, segment)| {
+            let pieces = self.bar.pieces().filter(|p| p.segment == k);
+            record::largest_rise(&segment.material, pieces.map(|p| self.bar.temperature(k, p.point)))
+        });
+        rises.reduce(f64::max)
+    }
+
     fn audit(&self) -> Vec<AuditRow> {
         let parted = !self.bar.ruptures().is_empty();
         let mut broken = self.book.audit(parted);
         if !parted {
             broken.extend(self.breaks.audit(self.book.scene, &self.bar, self.book.above_critical()));
         }
-        self.audit.rows(broken)
+        let segments = &self.book.scene.bar.segments;
+        let mut rows = self.audit.rows(broken);
+        rows.extend(segments.iter().enumerate().filter_map(|(k, segment)| {
+            let modulus = self.bar.medium(k).modulus;
+            let pieces = self.bar.pieces().filter(|p| p.segment == k);
+            let plastic = pieces.map(|p| (p.point.accumulated / modulus, p.point.plastic / modulus));
+            record::flowed_both_ways(&segment.material, plastic)
+        }));
+        rows
     }
 
     /// Stress and velocity of the ends, and the strain right at them.

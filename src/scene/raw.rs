@@ -277,10 +277,24 @@ pub struct RawEffects {
     /// "material": each segment by the constants that its own material states.
     #[schemars(with = "Option<RateChoice>")]
     pub rate: Option<Spanned<RateChoice>>,
+    /// Plastic work warms the bar, and warm metal yields earlier: `{ fraction = 0.9 }`, or `{}`; implies
+    /// unloading = "isotropic" where no unloading is named. Needs the materials' `[heat]` constants. Default: none, the bar
+    /// stays as cold as its curve.
+    #[schemars(with = "Option<RawHeat>")]
+    pub heat: Option<Spanned<RawHeat>>,
     /// The bar breaks, and its pieces go on: "critical-strain", `{ energy = "500 ft*lbf/in^3" }` or
     /// `{ spall = "2 GPa" }`. Default: none, the bar holds for ever.
     #[schemars(with = "Option<RawRupture>")]
     pub rupture: Option<Spanned<RawRupture>>,
+}
+
+/// Adiabatic heating by plastic work.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RawHeat {
+    /// Fraction of the plastic work that turns into heat, 0 to 1. Default: the material's own, else 0.9.
+    #[schemars(with = "Option<f64>")]
+    pub fraction: Option<Number>,
 }
 
 /// When the bar breaks. Only tension breaks it.
@@ -403,7 +417,7 @@ pub struct RawSolve {
     /// End time, s, > 0. Required.
     #[schemars(with = "Quantity")]
     pub until: Option<Number>,
-    /// Method. Default: "fd"; "moc" where the effects include `rate`.
+    /// Method. Default: "fd"; "moc" where the effects include `rate`, no rupture and no heat.
     #[schemars(with = "Option<RawMethod>")]
     pub method: Option<Spanned<RawMethod>>,
     /// Scheme of the method "fd". Default: "leapfrog".
@@ -473,7 +487,7 @@ pub struct RawRecord {
     #[schemars(with = "Option<bool>")]
     pub paths: Option<Spanned<bool>>,
     /// Fields: "stress", "strain", "velocity", "displacement"; with unloading also `"plastic_strain"` and
-    /// `"accumulated_plastic_strain"`. Default: stress, strain and velocity.
+    /// `"accumulated_plastic_strain"`, with heat `"temperature"`. Default: stress, strain and velocity.
     #[schemars(with = "Option<Vec<String>>")]
     pub fields: Option<Vec<Spanned<String>>>,
     /// Full-rate histories: name = place, m from the left end, within the bar. Default: none.

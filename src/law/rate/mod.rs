@@ -15,10 +15,12 @@
 
 mod cell;
 mod hardening;
+mod heated;
 mod overstress;
 
 pub use cell::Timed;
 pub use hardening::{Hardening, Piece};
+pub use heated::Heated;
 pub use overstress::Overstress;
 
 use super::Table;
@@ -189,6 +191,17 @@ impl RateLaw {
             history.back += sign * self.kinematic * (pieces[k].at(p) - f_before);
         }
         Flow { plastic: sign * flow, overstress: work }
+    }
+
+    /// [`Self::flow`] at fixed strain of a cell in which all stresses of the static curve, the overstress that a rate asks for
+    /// among them, are `softening` (> 0) times those of the law; `excess` is that beyond the softened limit.
+    ///
+    /// Stresses divided by the factor follow the law itself, with a share that is as much larger; only Malvern's law, which
+    /// asks for the overstress alone, is as much slower.
+    pub fn flow_softened(&self, excess: f64, sense: usize, softening: f64, time: f64, history: &mut History) -> Flow {
+        let time = if self.overstress.needs_static_stress() { time } else { softening * time };
+        let flow = self.flow(excess / softening, sense, softening.recip(), time, history);
+        Flow { overstress: softening * flow.overstress, ..flow }
     }
 
     /// The history half-way between two that one cell could have come to.

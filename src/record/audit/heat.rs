@@ -121,7 +121,7 @@ impl Heat {
         };
         let message = std::format!(
             "plastic work would warm {} by up to {rise:.1} K if none flowed away (t = {}, x = {}) and take {:.2} % of its flow \
-             stress; the curve was taken as cold. Switch on with [effects] heat = true",
+             stress; the curve was taken as cold. Switch on with [effects] heat = {{}}",
             materials[places.segment[place]].name,
             format(time, Dimension::Time, System::Si),
             format(places.x[place], Dimension::Length, System::Si),

@@ -21,19 +21,22 @@ pub(super) const TRACE_ROWS: usize = 1024;
 const FRAME_ROWS: usize = 256;
 
 /// Columns of a history: name, units, long name.
-pub(super) const GAUGE_COLUMNS: [[&str; 3]; 4] =
+const GAUGE_COLUMNS: [[&str; 3]; 4] =
     [TIME, ["stress", "Pa", "engineering stress, tension positive"], ["strain", "1", "engineering strain"], VELOCITY];
+/// What gauges of a bar that plastic work heats have on top.
+const GAUGE_TEMPERATURE: [&str; 3] = ["temperature", "K", "temperature"];
 pub(super) const END_COLUMNS: [[&str; 3]; 3] =
     [TIME, ["stress", "Pa", "engineering stress, tension positive"], VELOCITY];
 const TIME: [&str; 3] = ["time", "s", "time"];
 const VELOCITY: [&str; 3] = ["velocity", "m/s", "velocity in +x"];
 
 /// Columns of the ledger: name, long name. Energies but for time, the momenta, and the residual.
-pub(super) const LEDGER_COLUMNS: [[&str; 2]; 12] = [
+pub(super) const LEDGER_COLUMNS: [[&str; 2]; 13] = [
     ["time", "time"],
     ["kinetic", "kinetic energy"],
     ["elastic", "recoverable strain energy"],
-    ["plastic", "energy dissipated in plastic flow since the start"],
+    ["plastic", "energy dissipated in plastic flow since the start, without what turned into heat"],
+    ["heat", "plastic work that turned into heat since the start"],
     [
         "viscous",
         "energy taken since the start by the overstress of a rate-dependent bar, or by the damping of grid-scale ripples",
@@ -109,11 +112,16 @@ fn build_fields(file: &File, layout: &Layout) -> Hdf<()> {
     scales::attach(file, &["time", "x"], &names)
 }
 
+/// Columns of the gauges of this file.
+pub(super) fn gauge_columns(layout: &Layout) -> Vec<[&'static str; 3]> {
+    GAUGE_COLUMNS.into_iter().chain(layout.temperature.then_some(GAUGE_TEMPERATURE)).collect()
+}
+
 fn build_histories(file: &File, layout: &Layout) -> Hdf<()> {
     let gauges = file.create_group("gauges")?;
     for (index, (link, (name, x))) in gauge_links(layout).iter().zip(&layout.gauges).enumerate() {
         let group = gauges.create_group(link)?;
-        build_columns(&group, &GAUGE_COLUMNS, TRACE_ROWS)?;
+        build_columns(&group, &gauge_columns(layout), TRACE_ROWS)?;
         put(&group, "x", x)?;
         put_text(&group, "x_units", "m")?;
         put(&group, "index", &(index as u32))?;

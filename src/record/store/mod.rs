@@ -105,6 +105,8 @@ pub struct Layout {
     pub sampling: String,
     /// The file has `/paths`.
     pub paths: bool,
+    /// Gauges have a column of the temperature.
+    pub temperature: bool,
 }
 
 /// An end of the bar.

@@ -6,7 +6,7 @@ use hdf5::{Dataset, File, Group, H5Type};
 use ndarray::{ArrayView2, s};
 
 use super::compound::{self, Column};
-use super::create::{END_COLUMNS, GAUGE_COLUMNS, LEDGER_COLUMNS, TRACE_ROWS, build, gauge_links, put, put_text, text};
+use super::create::{END_COLUMNS, LEDGER_COLUMNS, TRACE_ROWS, build, gauge_columns, gauge_links, put, put_text, text};
 use super::paths::PathTable;
 use super::{Ending, Finish, Header, Layout, Message, Side, scales};
 use crate::error::{Error, Result};
@@ -81,7 +81,7 @@ impl Sink {
         let mut gauges = Vec::with_capacity(layout.gauges.len());
         let gauge_links = gauge_links(layout);
         for name in &gauge_links {
-            let names = GAUGE_COLUMNS.map(|c| c[0]);
+            let names: Vec<&str> = gauge_columns(layout).iter().map(|c| c[0]).collect();
             gauges.push(Table::open(&file.group(&format!("gauges/{name}"))?, &names)?);
         }
         let end = |side: Side| Table::open(&file.group(&format!("ends/{}", side.name()))?, &END_COLUMNS.map(|c| c[0]));
@@ -97,14 +97,15 @@ impl Sink {
             Message::Frame(frame) => self.frames.push(&frame),
             Message::Gauge(index, trace) => match self.gauges.get_mut(index) {
                 Some(table) => {
-                    table.push([&trace.time, &trace.stress, &trace.strain, &trace.velocity].map(Vec::as_slice))
+                    let all = [&trace.time, &trace.stress, &trace.strain, &trace.velocity, &trace.temperature];
+                    table.push(&all.map(Vec::as_slice)[..table.columns.len()])
                 }
                 None => Err(format!("there is no gauge number {index}").into()),
             },
             Message::End(side, Trace { time, stress, velocity, .. }) => {
-                self.ends[side as usize].push([&time, &stress, &velocity].map(Vec::as_slice))
+                self.ends[side as usize].push(&[&time, &stress, &velocity].map(Vec::as_slice))
             }
-            Message::Ledger(row) => self.ledger.push(ledger_values(&row).each_ref().map(std::slice::from_ref)),
+            Message::Ledger(row) => self.ledger.push(&ledger_values(&row).each_ref().map(std::slice::from_ref)),
             Message::Paths(rows) => match &mut self.paths {
                 Some(table) => Ok(table.push(&rows)),
                 None => Err("this file has no table of paths".into()),
@@ -228,7 +229,7 @@ impl Table {
     }
 
     /// Keeps rows, given column by column; true where it is time to write.
-    fn push<const N: usize>(&mut self, columns: [&[f64]; N]) -> Hdf<bool> {
+    fn push(&mut self, columns: &[&[f64]]) -> Hdf<bool> {
         let rows = columns.first().map_or(0, |column| column.len());
         if columns.len() != self.waiting.len() || columns.iter().any(|column| column.len() != rows) {
             return Err("the columns of a history differ in length".into());
@@ -344,12 +345,13 @@ fn write_figures(file: &File, figures: &Finish) -> Hdf<()> {
     Ok(())
 }
 
-fn ledger_values(row: &LedgerRow) -> [f64; 12] {
+fn ledger_values(row: &LedgerRow) -> [f64; 13] {
     [
         row.time,
         row.kinetic,
         row.elastic,
         row.plastic,
+        row.heat,
         row.viscous,
         row.concentrated,
         row.fracture,

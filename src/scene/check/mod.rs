@@ -3,6 +3,7 @@
 mod bar;
 mod csv_history;
 mod ends;
+mod heat;
 mod rate;
 mod record;
 mod rupture;
@@ -33,16 +34,18 @@ pub(super) fn check(document: &Document, base: &Path) -> Result<Scene> {
     let raw: RawScene = document.parse()?;
     let checker = Checker { document, base };
     let raw_bar = checker.required(raw.bar.as_ref(), "bar", "add [bar] with length and material")?;
-    let bar = checker.bar(raw_bar)?;
-    let ends = "both ends are always stated: add e.g. [left] with kind = \"velocity\" and value = \"30 m/s\", and \
-                [right] with kind = \"free\"";
-    let left = checker.end(checker.required(raw.left.as_ref(), "left", ends)?, "left", bar.area_given)?;
-    let right = checker.end(checker.required(raw.right.as_ref(), "right", ends)?, "right", bar.area_given)?;
+    let mut bar = checker.bar(raw_bar)?;
     let (auto, raw_effects) = match raw.effects {
         EffectsChoice::Auto(_) => (Some(Auto::default()), Box::default()),
         EffectsChoice::Table(effects) => (None, effects),
     };
+    let heat = checker.heat(&raw_effects, &mut bar)?;
+    let ends = "both ends are always stated: add e.g. [left] with kind = \"velocity\" and value = \"30 m/s\", and \
+                [right] with kind = \"free\"";
+    let left = checker.end(checker.required(raw.left.as_ref(), "left", ends)?, "left", bar.area_given)?;
+    let right = checker.end(checker.required(raw.right.as_ref(), "right", ends)?, "right", bar.area_given)?;
     let effects = Effects {
+        heat,
         rupture: checker.rupture(&raw_effects, raw_bar.get_ref(), &bar)?,
         ..checker.effects(&raw_effects, &bar)?
     };
@@ -92,8 +95,9 @@ impl Checker<'_> {
     fn effects(&self, raw: &RawEffects, bar: &Bar) -> Result<Effects> {
         let rate = raw.rate.as_ref().map(|rate| self.rate(rate, bar)).transpose()?;
         let Some(unloading) = &raw.unloading else {
-            // A curve that is followed both ways has no plastic strain that could take time.
-            return Ok(Effects { unloading: rate.map(|_| Unloading::Isotropic), rate, ..Effects::default() });
+            // A curve that is followed both ways has no plastic strain that could take time or warm the bar.
+            let implied = rate.is_some() || raw.heat.is_some();
+            return Ok(Effects { unloading: implied.then_some(Unloading::Isotropic), rate, ..Effects::default() });
         };
         let key = "effects.unloading";
         let kind = match unloading.get_ref() {

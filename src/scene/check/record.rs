@@ -148,6 +148,11 @@ impl Checker<'_> {
                 let help = "add [effects] with unloading = \"isotropic\", or take the field out";
                 return Err(self.error(word.span(), &key, message).help(help).into());
             }
+            if field == Field::Temperature && effects.heat.is_none() {
+                let message = "`temperature` does not exist where nothing heats the bar";
+                let help = "add [effects] with heat = { fraction = 0.9 }, or take the field out";
+                return Err(self.error(word.span(), &key, message).help(help).into());
+            }
             fields.push(field);
         }
         Ok(fields)

@@ -17,6 +17,8 @@ pub enum Quantity {
     PlasticStrain,
     /// Accumulated plastic strain, >= 0.
     AccumulatedPlasticStrain,
+    /// Temperature, K; not a number without the effect of heat.
+    Temperature,
 }
 
 /// A cell that came to the end of its material's data.
@@ -38,9 +40,11 @@ pub struct Energies {
     pub kinetic: f64,
     /// Sum of sigma^2/(2E) dV.
     pub elastic: f64,
-    /// Plastic work since the start, without that of the overstress.
+    /// Plastic work since the start that did not turn into heat, without that of the overstress.
     pub plastic: f64,
-    /// Taken by the ripple damping, and by the overstress of rate-dependent cells, since the start (0 in an elastic run).
+    /// Plastic work since the start, that of the overstress with it, that turned into heat.
+    pub heat: f64,
+    /// Taken by the ripple damping, and by the overstress of rate-dependent cells as far as it did not turn into heat, since the start (0 in an elastic run).
     pub viscous: f64,
     /// Lost by the faces of joints that met (0 without joints that can open).
     pub concentrated: f64,
@@ -86,6 +90,7 @@ impl Leapfrog {
             Quantity::Strain => (block.sigma[i] + block.plastic_strain(law, i)) / modulus,
             Quantity::PlasticStrain => block.plastic_strain(law, i) / modulus,
             Quantity::AccumulatedPlasticStrain => block.accumulated(law, i) / modulus,
+            Quantity::Temperature => law.temperature(&block.state, i),
             Quantity::Velocity => 0.5 * (self.node_velocity(k, i) + self.node_velocity(k, i + 1)),
         }
     }
@@ -142,8 +147,11 @@ impl Leapfrog {
             let squares: f64 = block.sigma.iter().map(|s| s * s).sum();
             total.elastic += 0.5 * c.cell_volume * squares / c.modulus;
             let over = self.laws[block.segment].law.overstress_work(&block.state) / c.modulus;
-            total.plastic += 0.5 * c.cell_volume * block.plastic / c.modulus - c.cell_volume * over;
-            total.viscous += 0.5 * c.cell_mass * block.damped + c.cell_volume * over;
+            let heats = self.laws[block.segment].law.heat_fraction();
+            let flow = 0.5 * c.cell_volume * block.plastic / c.modulus;
+            total.heat += heats * flow;
+            total.plastic += (1.0 - heats) * (flow - c.cell_volume * over);
+            total.viscous += 0.5 * c.cell_mass * block.damped + (1.0 - heats) * (c.cell_volume * over);
             let inner = block.sigma.len();
             let (mut product, mut sum) = (0.0, 0.0);
             for i in 1..inner {
@@ -234,6 +242,6 @@ impl Energies {
 
     /// All energy in the bar, dissipated included, J.
     pub fn total(&self) -> f64 {
-        self.kinetic + self.elastic + self.plastic + self.viscous + self.concentrated + self.fracture
+        self.kinetic + self.elastic + self.plastic + self.heat + self.viscous + self.concentrated + self.fracture
     }
 }

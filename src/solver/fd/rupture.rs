@@ -109,7 +109,7 @@ impl Leapfrog {
         }
         let law = self.laws[block.segment].law.as_ref();
         match criterion.least_reach() {
-            Some(reach) => law.reach(&block.sigma, &block.state)[0] * ease >= reach,
+            Some(reach) => law.largest_strain(&block.sigma, &block.state) * ease >= reach,
             None if block.absorbed.is_empty() => true,
             None => {
                 let (sigma, work) = (&block.sigma[..], &block.absorbed[..block.sigma.len()]);
@@ -147,7 +147,8 @@ impl Leapfrog {
     fn may_break(&self, breaking: &Breaking, due: &Due) -> bool {
         let block = &self.blocks[due.block];
         let law = self.laws[block.segment].law.as_ref();
-        let flows = block.flow.get(due.cell).is_some_and(|&flow| flow != 0);
+        let flows = block.flow.get(due.cell).is_some_and(|&flow| flow != 0)
+            || block.stage == Stage::Plastic && law.flows(&block.state, due.cell);
         let criterion = &breaking.criteria.segments[block.segment];
         let fresh = criterion.cause() == Cause::Spall || block.accumulated(law, due.cell) == 0.0;
         if !(if fresh { self.is_sustained(breaking, due) } else { flows && due.share >= self.overshoot(due) }) {
@@ -166,8 +167,12 @@ impl Leapfrog {
         })
     }
 
-    /// What the scheme may have put on top of the strain or work of a cell, as a factor.
+    /// What the scheme may have put on top of the strain or work of a cell, as a factor: nothing where the steps resolve the
+    /// rate of flow.
     fn overshoot(&self, due: &Due) -> f64 {
+        if self.blocks[due.block].flow[due.cell] == 0 {
+            return 1.0;
+        }
         let cell = self.blocks[due.block].cells.start + due.cell;
         let near = cell < NEAR_END && self.left.pulls() || cell + NEAR_END >= self.grid.cells() && self.right.pulls();
         if near { OVERSHOOT } else { 1.0 }
@@ -223,7 +228,7 @@ impl Leapfrog {
             stress: place.stress,
             strain: criterion.strain(&place),
             absorbed: criterion.absorbed(&place),
-            bar_absorbed: now.elastic + now.plastic,
+            bar_absorbed: now.elastic + now.plastic + now.heat,
         });
         breaking.nodes.push((node, self.step));
         match site {

@@ -2,7 +2,8 @@
 //!
 //! Going back along the curve, a stress drop d sigma with the strain drop d eps runs at `c = sqrt(d sigma/(rho d eps))`;
 //! elastic unloading would have carried it at c0, and so c0/c times as far. The stretch that it misses is c0/c - 1 times
-//! the one that has gone back: `(c0/c - 1) d sigma = sqrt(E d eps d sigma) - d sigma` for each length of that.
+//! the one that has gone back: `(c0/c - 1) d sigma = sqrt(E d eps d sigma) - d sigma` for each length of that, but no more
+//! than the stress that the rest of the bar still holds.
 
 use std::sync::Arc;
 
@@ -54,7 +55,7 @@ impl Unloading {
     }
 
     pub fn look(&mut self, now: &Reading, places: &Places, materials: &[Arc<Material>]) {
-        let (mut change, mut start) = (0.0, 0);
+        let (mut change, mut held, mut start) = (0.0, 0.0, 0);
         let count = now.strain.len();
         for k in 0..=count {
             if k < count && self.went_back(k, now) {
@@ -64,9 +65,12 @@ impl Unloading {
                 change += (start..k).map(|k| self.missed(k, now, places, materials)).sum::<f64>();
                 self.note(start..k, now);
             }
+            if k < count {
+                held += places.weight[k] * now.stress[k].abs();
+            }
             start = k + 1;
         }
-        self.change = self.change.max(change);
+        self.change = self.change.max(change.min(held));
     }
 
     /// Takes in the strain of a place, and says whether it has yielded and gone back since.

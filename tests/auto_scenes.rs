@@ -1,0 +1,123 @@
+//! Scenes with a hidden need: `effects = "auto"` finds the effects that each of them calls for.
+//!
+//! What is right is found by force: each scene is simulated with what auto chose, and again with every single effect
+//! turned off or on. The change of the stress, measured as the audit does (the largest L1 over the bar at any time, over
+//! the largest L1 of the stress), must be above the tolerance for every effect that is on and below it for every one that
+//! is off.
+
+use std::path::Path;
+
+use barwave::assemble;
+use barwave::record::{AutoChoice, Stepped};
+use barwave::run::{self, Wish};
+use barwave::scene::Scene;
+use barwave::solver::fd::Quantity;
+
+/// Effects that auto can choose, as they are written.
+const WRITTEN: [(&str, &str); 5] = [
+    ("unloading", "\"isotropic\""),
+    ("rate", "\"material\""),
+    ("heat", "{}"),
+    ("rupture", "\"critical-strain\""),
+    ("lateral-inertia", "true"),
+];
+
+/// Moments at which answers are compared.
+const MOMENTS: usize = 100;
+
+/// Cells of the runs that are compared.
+const CELLS: usize = 400;
+
+fn read(name: &str, overrides: &[String]) -> barwave::error::Result<Scene> {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/auto").join(name).with_extension("toml");
+    Scene::read(&file, overrides)
+}
+
+/// The stress of every cell at every moment, on the grid, with these effects; none where they cannot be simulated.
+fn answer(name: &str, effects: &[&str]) -> Option<Vec<Vec<f64>>> {
+    let written: Vec<String> = WRITTEN
+        .iter()
+        .filter(|(key, _)| effects.contains(key))
+        .map(|(key, value)| format!("{key} = {value}"))
+        .collect();
+    let effects = format!("effects={{ {} }}", written.join(", "));
+    let scene = read(name, &[effects, "solve.method=fd".to_owned(), format!("solve.cells={CELLS}")]).ok()?;
+    let mut bar = assemble::leapfrog(&scene, CELLS, 1.0);
+    let steps = run::steps(&scene, bar.grid().dt);
+    let mut moments = Vec::new();
+    for step in 1..=steps {
+        bar.advance();
+        if step * MOMENTS / steps > (step - 1) * MOMENTS / steps {
+            let mut stress = vec![0.0; bar.grid().cells()];
+            Stepped::profile(&bar, Quantity::Stress, &mut stress);
+            moments.push(stress);
+        }
+    }
+    Some(moments)
+}
+
+fn change(one: &[Vec<f64>], other: &[Vec<f64>]) -> f64 {
+    let largest = |of: &dyn Fn(usize, usize) -> f64| {
+        (0..one.len()).map(|t| (0..one[t].len()).map(|k| of(t, k)).sum::<f64>()).fold(0.0, f64::max)
+    };
+    let size = largest(&|t, k| one[t][k].abs()).max(largest(&|t, k| other[t][k].abs()));
+    largest(&|t, k| (one[t][k] - other[t][k]).abs()) / size
+}
+
+/// Runs a scene with auto, holds its choice against force, and returns it.
+fn check(name: &str, expected: &[&str]) {
+    let scene = read(name, &[]).expect("a scene");
+    let summary = run::run(&scene, None, &mut |_| Wish::GoOn).expect("it runs");
+    let choices: Vec<AutoChoice> = summary.auto.clone().expect("auto");
+    // An effect that comes with another is on, too.
+    let on: Vec<&str> = WRITTEN
+        .iter()
+        .map(|(key, _)| *key)
+        .filter(|key| summary.effects.iter().any(|e| e.split(':').next() == Some(key)))
+        .collect();
+    let tolerance = scene.solve.audit_tolerance;
+    let chosen = answer(name, &on).expect("what auto chose can be simulated");
+    let mut wrong = Vec::new();
+    for (key, _) in WRITTEN {
+        let others: Vec<&str> = on.iter().copied().filter(|k| *k != key).collect();
+        let is_on = on.contains(&key);
+        // Rate and heat need unloading; without it they are other runs.
+        if key == "unloading" && others.iter().any(|k| ["rate", "heat"].contains(k)) {
+            continue;
+        }
+        let with: Vec<&str> = if is_on { others.clone() } else { on.iter().copied().chain([key]).collect() };
+        let Some(other) = answer(name, &with) else { continue };
+        let true_change = change(&chosen, &other);
+        let estimate = choices.iter().find(|c| c.effect == key).map(|c| c.estimate).or_else(|| {
+            summary.audit.iter().find(|row| row.effect == key).map(|row| row.estimate)
+        });
+        println!("| {name} | {key} | {} | {:.4} | {true_change:.4} |", if is_on { "on" } else { "off" }, estimate.unwrap_or(f64::NAN));
+        if is_on != (true_change > tolerance) {
+            wrong.push(format!("{key} is {} and changes {true_change:.4}", if is_on { "on" } else { "off" }));
+        }
+    }
+    assert!(wrong.is_empty(), "{name}: {wrong:?}; {choices:?}");
+    assert_eq!(on, expected, "{name}: {choices:?}");
+}
+
+macro_rules! scenes {
+    ($($test:ident: $name:literal => [$($effect:literal),*];)*) => {
+        $(#[test] fn $test() { check($name, &[$($effect),*]); })*
+    };
+}
+
+scenes! {
+    elastic: "elastic" => [];
+    loaded_once: "loaded-once" => [];
+    released: "released" => ["unloading"];
+    late_reflection: "late-reflection" => ["unloading"];
+    two_materials: "two-materials" => ["unloading"];
+    rate: "rate" => ["unloading", "rate"];
+    rate_too_quick: "rate-too-quick" => [];
+    heat: "heat" => ["unloading", "heat"];
+    heat_too_little: "heat-too-little" => [];
+    rate_and_heat: "rate-and-heat" => ["unloading", "rate", "heat"];
+    rupture: "rupture" => ["unloading", "rupture"];
+    lateral: "lateral" => ["lateral-inertia"];
+    thin: "thin" => [];
+}

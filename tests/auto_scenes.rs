@@ -88,10 +88,16 @@ fn check(name: &str, expected: &[&str]) {
         let with: Vec<&str> = if is_on { others.clone() } else { on.iter().copied().chain([key]).collect() };
         let Some(other) = answer(name, &with) else { continue };
         let true_change = change(&chosen, &other);
-        let estimate = choices.iter().find(|c| c.effect == key).map(|c| c.estimate).or_else(|| {
-            summary.audit.iter().find(|row| row.effect == key).map(|row| row.estimate)
-        });
-        println!("| {name} | {key} | {} | {:.4} | {true_change:.4} |", if is_on { "on" } else { "off" }, estimate.unwrap_or(f64::NAN));
+        let estimate = choices
+            .iter()
+            .find(|c| c.effect == key)
+            .map(|c| c.estimate)
+            .or_else(|| summary.audit.iter().find(|row| row.effect == key).map(|row| row.estimate));
+        println!(
+            "| {name} | {key} | {} | {:.4} | {true_change:.4} |",
+            if is_on { "on" } else { "off" },
+            estimate.unwrap_or(f64::NAN)
+        );
         if is_on != (true_change > tolerance) {
             wrong.push(format!("{key} is {} and changes {true_change:.4}", if is_on { "on" } else { "off" }));
         }

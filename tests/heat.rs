@@ -14,7 +14,9 @@ use barwave::record::{Field, Ledger, View};
 use barwave::scene::{Effects, Heat, Rate, Scene, Unloading};
 use barwave::solver::fd::{Grid, Leapfrog, Quantity};
 use barwave::solver::moc::{FrontTracking, Settings};
-use common::{DENSITY, MODULUS, YIELD, assert_ledger, bilinear_steel, material, moved, power_law_steel, profile, segment};
+use common::{
+    DENSITY, MODULUS, YIELD, assert_ledger, bilinear_steel, material, moved, power_law_steel, profile, segment,
+};
 use proptest::prelude::*;
 
 const REFERENCE: f64 = 300.0;
@@ -94,7 +96,10 @@ fn perfect_plasticity_softens_exponentially() {
         let level = heating.temperature(Sense::Tension, 0.1) - REFERENCE;
         assert!((level / ((MELTING - REFERENCE) * 0.1 / scale(fraction)) - 1.0).abs() < 1e-12, "{level}");
         assert_eq!(heating.temperature(Sense::Tension, 10.0), MELTING);
-        assert!(curve.ultimate().is_some_and(|u| (u.stress - YIELD).abs() < 1.0), "the maximum is where it starts to flow");
+        assert!(
+            curve.ultimate().is_some_and(|u| (u.stress - YIELD).abs() < 1.0),
+            "the maximum is where it starts to flow"
+        );
     }
 }
 
@@ -153,7 +158,12 @@ fn on_the_adiabatic_curve_a_cell_keeps_nothing_more() {
 }
 
 /// Relative L1 difference of the stresses of two bars over the looks of a run.
-fn difference(cells: usize, material: &Material, reference: &mut dyn FnMut(f64, &[f64]) -> Vec<f64>, e: &Effects) -> f64 {
+fn difference(
+    cells: usize,
+    material: &Material,
+    reference: &mut dyn FnMut(f64, &[f64]) -> Vec<f64>,
+    e: &Effects,
+) -> f64 {
     let ends = [pulse(25.0), EndCondition::Fixed];
     let mut grid = bar(vec![segment(material.clone(), 1.0)], ends, e, cells);
     let x = grid.grid().centres();

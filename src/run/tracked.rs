@@ -98,7 +98,7 @@ impl<'a> Run<'a> {
     /// From pause to pause, until the end, an error, or a wish to stop.
     fn follow(&mut self, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<()> {
         for (time, pause) in self.pauses() {
-            self.advance_to(time, progress)?;
+            self.advance_to(time, pause, progress)?;
             match pause {
                 Pause::Frame => self.frame(time)?,
                 Pause::AuditLook => self.look(),
@@ -125,7 +125,7 @@ impl<'a> Run<'a> {
     }
 
     /// Follows the fronts up to a time, in bursts.
-    fn advance_to(&mut self, time: f64, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<()> {
+    fn advance_to(&mut self, time: f64, pause: Pause, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<()> {
         loop {
             self.bar.set_event_budget((self.bar.events() + BURST).min(self.settings.event_budget));
             let before = Instant::now();
@@ -138,7 +138,9 @@ impl<'a> Run<'a> {
                 events: self.bar.events(),
                 fronts: self.bar.front_count(),
             };
-            if progress(at) == Wish::Stop {
+            // A look in between is no news.
+            let news = pause != Pause::AuditLook || stopped.is_err();
+            if news && progress(at) == Wish::Stop {
                 return Err(Error::Interrupted);
             }
             match stopped {

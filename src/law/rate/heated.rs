@@ -3,8 +3,10 @@
 //! For flow whose work is not a function of the plastic strain alone: hardening that is kinematic, or a rate of strain that
 //! counts (also with both at once). Elastic limits, back stress, and the static stress that a law of overstress asks for, are
 //! those of the cold curve times g = 1 - ((T - Tref)/(Tm - Tref))^m. The scheme is that of [`super::Timed`]: half a step of
-//! flow on either side of the strain increment. Each half takes g at the mean of its temperatures, found by flowing once at
-//! the first of them: second order. T is held below melting, where the stress is gone.
+//! flow on either side of the strain increment. Each half takes g at the mean of its temperatures where it leaves the
+//! overstress nearly as it was, at the last of them where it takes all of it away (the stress is then that of the warm static
+//! curve), in proportion between; found by flowing once at the first of them. T is held below melting, where the stress is
+//! gone.
 
 use super::{Flow, History, RateLaw};
 use crate::law::{CellLaw, Response};
@@ -22,8 +24,13 @@ const MOLTEN: f64 = 1e-9;
 /// A heated cell in steps of one length.
 ///
 /// State: `[E p accumulated, E eps_p signed, E eps_p still to come, signed overstress, work of the overstress times E, rise in
-/// temperature, rise still to come]`, and the back stress of the cold curve where `N` is 8. As for [`super::Timed`], the half
-/// step of flow that follows the stress is in the state already, and what it adds is what is still to come.
+/// temperature, rise by the static stress still to come, rise at which the elastic limits were last taken]`, and the back
+/// stress of the cold curve where `N` is 9. As for
+/// [`super::Timed`], the half step of flow that follows the stress is in the state already, and what it adds is what is
+/// still to come.
+///
+/// What warms is the work of the static stress, exact along the flow, and that of the overstress as the energy account has it,
+/// which knows none where a step ends on the static curve.
 #[derive(Debug, Clone)]
 pub struct Heated<const N: usize> {
     law: RateLaw,
@@ -33,12 +40,15 @@ pub struct Heated<const N: usize> {
     rise: f64,
 }
 
-/// The past of a cell.
+/// Where a cell has come to.
 #[derive(Debug, Clone, Copy)]
 struct Past {
     history: History,
-    /// Above the reference temperature, K.
+    /// Rise in temperature so far, K.
     rise: f64,
+    /// The one that the elastic limits are taken at: theirs stays as it was when the cell last flowed, or cells would creep
+    /// by what rounding and the order of the scheme leave between the two.
+    limit: f64,
 }
 
 /// Half a step of flow.
@@ -47,10 +57,12 @@ struct Half {
     flow: Flow,
     /// Signed, before the flow.
     overstress: f64,
+    /// Rise in temperature by the static stress, K.
+    warmed: f64,
 }
 
 impl<const N: usize> Heated<N> {
-    /// The law over the cold tables, in steps of `time`, s. `N` is 7, or 8 for a law with a back stress.
+    /// The law over the cold tables, in steps of `time`, s. `N` is 8, or 9 for a law with a back stress.
     pub fn new(law: RateLaw, heating: &Heating, modulus: f64, time: f64) -> Self {
         let rise = heating.rise_per_work() / modulus;
         Self { law, half: 0.5 * time, heating: heating.clone(), rise }
@@ -59,26 +71,38 @@ impl<const N: usize> Heated<N> {
     /// Half a step of flow at fixed strain from stress `sigma`.
     #[inline]
     fn flow(&self, sigma: f64, past: &mut Past) -> Half {
-        let limits = self.law.limits(&past.history);
-        let before = *past;
-        let half = self.flow_at(self.softening(past.rise), sigma, limits, past);
-        if half.flow.plastic == 0.0 {
-            return half;
+        let (before, cold) = (past.history, self.law.limits(&past.history));
+        let g = self.softening(past.limit);
+        let first = self.flow_at(g, sigma, cold, &mut past.history);
+        if first.flow.plastic == 0.0 {
+            return first;
         }
-        let mean = 0.5 * (before.rise + past.rise);
-        *past = before;
-        self.flow_at(self.softening(mean), sigma, limits, past)
+        let sense = usize::from(first.overstress < 0.0);
+        let [low, high] = self.law.limits(&past.history).map(|limit| g * limit);
+        let stress = sigma - first.flow.plastic;
+        let left = if sense == 0 { stress - high } else { low - stress };
+        let left = (left / first.overstress.abs()).clamp(0.0, 1.0);
+        // In the sense of the flow the elastic limit rises as the curve of first loading does.
+        let beside = if sense == 0 { cold[1] } else { -cold[0] } - self.law.static_stress(&before, sense);
+        let cold_work = |flow: &Flow| flow.first_loading + flow.plastic.abs() * beside;
+        let guess = past.rise + self.rise * (g * cold_work(&first.flow) + left * first.flow.overstress);
+        past.history = before;
+        past.limit = guess + 0.5 * left * (past.rise - guess);
+        let second = self.flow_at(self.softening(past.limit), sigma, cold, &mut past.history);
+        let warmed = self.rise * self.softening(0.5 * (past.rise + guess)) * cold_work(&second.flow);
+        past.rise += warmed + self.rise * left * second.flow.overstress;
+        Half { warmed, ..second }
     }
 
     fn softening(&self, rise: f64) -> f64 {
         self.heating.softening(rise).max(MOLTEN)
     }
 
-    /// The same with stresses `g` times the cold ones.
+    /// The same with stresses `g` times those of the cold limits.
     #[inline]
-    fn flow_at(&self, g: f64, sigma: f64, limits: [f64; 2], past: &mut Past) -> Half {
-        let [low, high] = limits.map(|limit| g * limit);
-        let least = ROUNDING * (sigma.abs() + past.history.back.abs() + (high - low));
+    fn flow_at(&self, g: f64, sigma: f64, cold: [f64; 2], history: &mut History) -> Half {
+        let [low, high] = cold.map(|limit| g * limit);
+        let least = ROUNDING * (sigma.abs() + history.back.abs() + (high - low));
         let (excess, sense) = if sigma - high > least {
             (sigma - high, 0)
         } else if low - sigma > least {
@@ -86,11 +110,8 @@ impl<const N: usize> Heated<N> {
         } else {
             return Half::default();
         };
-        let flow = self.law.flow_softened(excess, sense, g, self.half, &mut past.history);
-        // At fixed strain the stress falls by what flows.
-        let work = flow.plastic * (sigma - 0.5 * flow.plastic);
-        past.rise = (past.rise + self.rise * work).clamp(0.0, self.heating.range());
-        Half { flow, overstress: if sense == 0 { excess } else { -excess } }
+        let flow = self.law.flow_softened(excess, sense, g, self.half, history);
+        Half { flow, overstress: if sense == 0 { excess } else { -excess }, warmed: 0.0 }
     }
 }
 
@@ -103,21 +124,23 @@ impl<const N: usize> CellLaw<N> for Heated<N> {
     }
 
     fn respond(&self, predictor: f64, state: [f64; N]) -> Response<N> {
-        let back = if N > 7 { state[7] } else { 0.0 };
-        let mut past = Past { history: self.law.history(state[0], state[1], back), rise: state[5] };
-        let first = self.flow(predictor, &mut past).flow;
-        let sigma = predictor - first.plastic;
-        let rise = past.rise;
-        let Half { flow: to_come, mut overstress } = self.flow(sigma, &mut past);
-        if overstress == 0.0 && first.plastic != 0.0 {
-            overstress = GONE.copysign(first.plastic);
+        let back = if N > 8 { state[8] } else { 0.0 };
+        // Of the overstress of the half step before, as much as if it had stayed.
+        let rise = state[5] + state[6] + self.rise * state[3] * state[2];
+        let mut past = Past { history: self.law.history(state[0], state[1], back), rise, limit: state[7] };
+        let first = self.flow(predictor, &mut past);
+        let sigma = predictor - first.flow.plastic;
+        let second = self.flow(sigma, &mut past);
+        let mut overstress = second.overstress;
+        if overstress == 0.0 && first.flow.plastic != 0.0 {
+            overstress = GONE.copysign(first.flow.plastic);
         }
-        let plastic = state[2] + first.plastic;
-        let work = state[4] + 0.5 * (state[3] + overstress) * plastic;
-        let Past { history, rise: after } = past;
-        let to_warm = after - rise;
-        let all =
-            [history.accumulated, history.signed, to_come.plastic, overstress, work, after, to_warm, history.back];
+        let plastic = state[2] + first.flow.plastic;
+        let over = 0.5 * (state[3] + overstress) * plastic;
+        let warm = (state[5] + state[6] + first.warmed + self.rise * over).clamp(0.0, self.heating.range());
+        let History { accumulated, signed, back, .. } = past.history;
+        let (to_come, work) = (second.flow.plastic, state[4] + over);
+        let all = [accumulated, signed, to_come, overstress, work, warm, second.warmed, past.limit, back];
         Response { sigma, state: std::array::from_fn(|k| all[k]), plastic }
     }
 
@@ -155,7 +178,7 @@ impl<const N: usize> CellLaw<N> for Heated<N> {
     }
 
     fn temperature(&self, state: [f64; N]) -> f64 {
-        self.heating.reference_temperature + (state[5] - state[6])
+        self.heating.reference_temperature + state[5]
     }
 
     fn heat_fraction(&self) -> f64 {

@@ -1,8 +1,9 @@
 //! The one place where a scene chooses types: which law, in which form, for which segment.
 
+use std::f64::consts::PI;
 use std::sync::Arc;
 
-use crate::bar::Segment;
+use crate::bar::{Bar, Segment};
 use crate::law::rate::{Heated, Overstress, RateLaw, Timed};
 use crate::law::rupture::{Criteria, Criterion};
 use crate::law::{
@@ -11,7 +12,7 @@ use crate::law::{
 };
 use crate::material::{Curve, Material, Sense};
 use crate::scene::{Effects, Rate, Scene, Unloading};
-use crate::solver::fd::{Grid, Leapfrog, SegmentLaw};
+use crate::solver::fd::{Along, Grid, Leapfrog, SegmentLaw};
 use crate::solver::moc::{FrontTracking, Settings};
 use crate::solver::net::{Lattice, Net};
 use crate::wave::riemann::Flow;
@@ -20,11 +21,32 @@ use crate::wave::riemann::Flow;
 pub fn leapfrog(scene: &Scene, cells: usize, cfl: f64) -> Leapfrog {
     let grid = Grid::new(&scene.bar, cells, cfl);
     let laws = scene.bar.segments.iter().map(|s| stepped_law(s, &scene.effects, grid.dt)).collect();
-    let bar = Leapfrog::new(&scene.bar, grid, laws, [scene.left.clone(), scene.right.clone()]);
+    let ends = [scene.left.clone(), scene.right.clone()];
+    let bar = match along(&scene.bar, &scene.effects) {
+        Some(along) => Leapfrog::with_along(&scene.bar, grid, laws, ends, &along),
+        None => Leapfrog::new(&scene.bar, grid, laws, ends),
+    };
     match criteria(scene) {
         Some(criteria) => bar.that_breaks(criteria),
         None => bar,
     }
+}
+
+/// What acts along the bar beside the stress of its curve, if anything does. A section is taken for a round one: its polar
+/// radius of gyration is that of a disc, r_p^2 = A/(2 pi). Poisson's ratio is the elastic one throughout.
+pub fn along(bar: &Bar, effects: &Effects) -> Option<Along> {
+    let damping = effects.damping.unwrap_or_default();
+    let lateral = |segment: &Segment| {
+        let poisson = segment.material.poisson.filter(|_| effects.lateral_inertia).unwrap_or(0.0);
+        poisson * poisson * segment.area / (2.0 * PI)
+    };
+    let along = Along {
+        internal: damping.internal,
+        external: damping.external,
+        foundation: damping.foundation,
+        lateral: bar.segments.iter().map(lateral).collect(),
+    };
+    Some(along).filter(|along| !along.is_nothing())
 }
 
 /// When the bar of a scene breaks, if it is to.

@@ -46,11 +46,17 @@ pub enum Dimension {
     Temperature,
     /// J/(kg K).
     SpecificHeat,
+    /// Pa s.
+    Viscosity,
+    /// N s/m^2: force per length and velocity.
+    Drag,
+    /// N/m^2: force per length and displacement.
+    Foundation,
 }
 
 impl Dimension {
     /// Every dimension.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 18] = [
         Self::None,
         Self::Length,
         Self::Area,
@@ -66,6 +72,9 @@ impl Dimension {
         Self::Rate,
         Self::Temperature,
         Self::SpecificHeat,
+        Self::Viscosity,
+        Self::Drag,
+        Self::Foundation,
     ];
 
     /// With its article, for messages: "a length".
@@ -86,6 +95,9 @@ impl Dimension {
             Self::Rate => "a rate",
             Self::Temperature => "a temperature",
             Self::SpecificHeat => "a specific heat",
+            Self::Viscosity => "a viscosity",
+            Self::Drag => "a force per length and velocity",
+            Self::Foundation => "a force per length and displacement",
         }
     }
 
@@ -107,6 +119,9 @@ impl Dimension {
             Self::Rate => "100 1/s",
             Self::Temperature => "20 degC",
             Self::SpecificHeat => "385 J/(kg*K)",
+            Self::Viscosity => "20 kPa*s",
+            Self::Drag => "300 N*s/m^2",
+            Self::Foundation => "50 MN/m^2",
         }
     }
 
@@ -128,10 +143,13 @@ impl Dimension {
             Self::Rate => "1/s",
             Self::Temperature => "K",
             Self::SpecificHeat => "J/(kg*K)",
+            Self::Viscosity => "Pa*s",
+            Self::Drag => "N*s/m^2",
+            Self::Foundation => "N/m^2",
         }
     }
 
-    /// Exponents of m, kg, s, K. Stress and energy per volume have the same.
+    /// Exponents of m, kg, s, K. Stress, energy per volume and the foundation's force have the same, and so have the dampers.
     const fn exponents(self) -> table::Exponents {
         match self {
             Self::None => [0, 0, 0, 0],
@@ -139,7 +157,8 @@ impl Dimension {
             Self::Area => [2, 0, 0, 0],
             Self::Time => [0, 0, 1, 0],
             Self::Velocity => [1, 0, -1, 0],
-            Self::Stress | Self::EnergyDensity => [-1, 1, -2, 0],
+            Self::Stress | Self::EnergyDensity | Self::Foundation => [-1, 1, -2, 0],
+            Self::Viscosity | Self::Drag => [-1, 1, -1, 0],
             Self::Density => [-3, 1, 0, 0],
             Self::Mass => [0, 1, 0, 0],
             Self::Force => [1, 1, -2, 0],

@@ -205,6 +205,30 @@ fn energy_method_breaks() {
 }
 
 #[test]
+fn love_rod() {
+    let with = run("love-rod.toml", &[]);
+    assert_contract(&with, "love-rod.toml");
+    assert_eq!(with["effects"], serde_json::json!(["lateral-inertia"]));
+    // The elastic check and the self-similar solution know no lateral inertia.
+    assert!(with["elastic_check"].is_null() && with["error"].is_null());
+    let without = run("love-rod.toml", &["--set", "effects.lateral-inertia=false"]);
+    assert_eq!(without["effects"], serde_json::json!([]));
+    // It comes later than by the plain theory: the front is spread over a few diameters.
+    let speed = |summary: &Value| number(&summary["fronts"][0]["speed_measured_m_s"]);
+    assert!(speed(&with) < 0.999 * speed(&without) && speed(&with) > 0.98 * speed(&without), "{}", speed(&with));
+}
+
+#[test]
+fn damped_bar() {
+    let summary = run("damped-bar.toml", &[]);
+    assert_contract(&summary, "damped-bar.toml");
+    let effects = summary["effects"].to_string();
+    assert!(effects.contains("damping: internal = ") && effects.contains("foundation = "), "{effects}");
+    // The weight has bounced off.
+    assert!(number(&summary["left"]["striker_velocity_m_s"]) < 0.0);
+}
+
+#[test]
 fn mild_steel_wall() {
     let summary = check("mild-steel-wall.toml", [0.2, 0.2], 1);
     // It has left the wall and flies back, slower than it came.

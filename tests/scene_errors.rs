@@ -465,6 +465,63 @@ const CASES: &[Case] = &[
         "solve.front-tolerance",
         &["means nothing for a rate-dependent bar", "allowed: until, method, cells"],
     ),
+    // What acts along the bar.
+    case(
+        "unloading = \"isotropic\"",
+        "damping = {}",
+        "damping",
+        "effects.damping",
+        &["no kind of damping is named", "internal, external, foundation", "external ="],
+    ),
+    case(
+        "unloading = \"isotropic\"",
+        "damping = { internal = \"-1 Pa*s\" }",
+        "-1 Pa*s",
+        "effects.damping.internal",
+        &["is out of range", "internal >= 0"],
+    ),
+    case(
+        "unloading = \"isotropic\"",
+        "damping = { external = \"5 MPa\" }",
+        "5 MPa",
+        "effects.damping.external",
+        &["is a stress", "a force per length and velocity is expected", "N*s/m^2"],
+    ),
+    case(
+        "unloading = \"isotropic\"",
+        "damping = { foundation = \"5 N/m\" }",
+        "5 N/m",
+        "effects.damping.foundation",
+        &["is a stiffness", "N/m^2"],
+    ),
+    case(
+        "unloading = \"isotropic\"",
+        "damping = { inner = 1 }",
+        "inner",
+        "effects.damping.inner",
+        &["unknown key `inner`"],
+    ),
+    case(
+        "unloading = \"isotropic\"",
+        "lateral-inertia = true",
+        "lateral-inertia",
+        "effects.lateral-inertia",
+        &["needs Poisson's ratio, and `steel` does not state it", "0 <= poisson <= 0.5", "poisson = 0.29"],
+    ),
+    case(
+        "unloading = \"isotropic\"",
+        "damping = { internal = 1 }\nrupture = { spall = \"1 GPa\" }",
+        "rupture",
+        "effects.rupture",
+        &["rupture of a bar with `damping` is not followed", "method = \"fd\""],
+    ),
+    case(
+        "unloading = \"isotropic\"\n\n[solve]",
+        "damping = { internal = 1 }\n\n[solve]\nmethod = \"moc\"",
+        "moc",
+        "solve.method",
+        &["method = \"moc\" does not follow `damping`", "allowed: \"fd\"", "use method = \"fd\""],
+    ),
     case("area =", "mode = \"torsion\"\narea =", "torsion", "bar.mode", &["torsion", "mode = \"axial\""]),
     // No TOML at all.
     case("length = \"1 m\"", "length = 1 m", "length", "", &["help: "]),
@@ -603,4 +660,40 @@ fn kinematic_hardening_needs_one_curve() {
     assert_eq!(output.status.code(), Some(2), "{shown}");
     assert!(shown.starts_with("error: `effects.unloading`: kinematic hardening needs one curve"), "{shown}");
     assert!(shown.contains("help: use unloading = \"isotropic\""), "{shown}");
+}
+
+/// What acts on the whole section needs one, and a joint that opens has no node that is shared.
+#[test]
+fn what_acts_along_the_bar_needs_a_section_and_bonded_joints() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let file = folder.path().join("wrong.toml");
+    let without_area = RIGHT.replace("area = \"1 cm^2\"\n", "");
+    let poisson = without_area.replace("density =", "poisson = 0.3, density =");
+    let segment = format!("[[bar.segment]]\nlength = 1\narea = 1\n{MATERIAL}\n");
+    let parting = RIGHT.replace(UNIFORM, "").replace("area = \"1 cm^2\"\n", "").replace(MATERIAL, "");
+    let parting = parting + &segment.replace("area", "joint = \"contact\"\narea") + &segment;
+    for (text, effect, start) in [
+        (
+            &without_area,
+            "damping = { external = 100 }",
+            "error: `effects.damping.external`: `external` is a force per length",
+        ),
+        (&without_area, "damping = { foundation = 100 }", "error: `effects.damping.foundation`: "),
+        (&poisson, "lateral-inertia = true", "error: `effects.lateral-inertia`: lateral inertia depends on the size"),
+        (
+            &parting,
+            "damping = { internal = 100 }",
+            "error: `effects.damping`: `damping` is not followed in a bar with joints",
+        ),
+    ] {
+        std::fs::write(&file, text.replace("unloading = \"isotropic\"", effect)).expect("written");
+        let output = check(&file);
+        let shown = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{shown}");
+        assert!(shown.starts_with(start) && shown.contains("\nhelp: "), "{shown}");
+    }
+    // Without a section internal damping has a meaning, and without a joint that opens the bar is right.
+    std::fs::write(&file, without_area.replace("unloading = \"isotropic\"", "damping = { internal = 100 }"))
+        .expect("written");
+    assert_eq!(check(&file).status.code(), Some(0), "{}", stderr(&check(&file)));
 }

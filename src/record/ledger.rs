@@ -28,7 +28,7 @@ impl Ledger {
     /// The account at the current time.
     pub fn row(&mut self, bar: &impl View) -> LedgerRow {
         let now: Account = bar.account();
-        let ([left, right], impulse) = (now.work, now.impulse[0] + now.impulse[1]);
+        let ([left, right], impulse) = (now.work, now.impulse[0] + now.impulse[1] + now.impulse_along);
         let put_in = self.start.kinetic + left + right;
         let energy_scale = self.start.kinetic.max(left.abs()).max(right.abs()).max(now.total());
         let residual = relative(now.total() - put_in, energy_scale);
@@ -45,6 +45,8 @@ impl Ledger {
             viscous: now.viscous,
             concentrated: now.concentrated,
             fracture: now.fracture,
+            damping: now.damping,
+            foundation: now.foundation,
             work_left: left,
             work_right: right,
             momentum: now.momentum,

@@ -154,13 +154,17 @@ pub struct LedgerRow {
     /// absorbed before is plastic work: it is what broken faces lose that meet again, on a grid of the first order in the
     /// cell size; by front tracking 0.
     pub fracture: f64,
+    /// Energy taken since the start by the effect `damping`, internal and external.
+    pub damping: f64,
+    /// Energy stored in the foundation.
+    pub foundation: f64,
     /// Work done on the bar by the left end since the start.
     pub work_left: f64,
     /// Work done on the bar by the right end since the start.
     pub work_right: f64,
     /// Momentum of the bar.
     pub momentum: f64,
-    /// Impulse that both ends have given to the bar since the start.
+    /// Impulse that both ends, external damping and a foundation have given to the bar since the start.
     pub impulse: f64,
     /// Energy that is missing (or too much), over the larger of the initial energy and the work that went
     /// through the ends; dimensionless.

@@ -128,6 +128,14 @@ pub(super) fn ledger(svg: &mut Svg, panel: Area, view: &View, letter: char) -> R
     if viscous {
         series.push(line("viscous", Stroke::new(colour(3), 1.6), |row| row.viscous));
     }
+    let damping = Stroke::new(colour(4), 1.6);
+    let extra: [(&str, Stroke, fn(&LedgerRow) -> f64); 2] =
+        [("damping", damping.clone(), |row| row.damping), ("foundation", damping.dashed("2 3"), |row| row.foundation)];
+    for (name, stroke, value) in extra {
+        if rows.iter().any(|row| value(row) != 0.0) {
+            series.push(line(name, stroke, value));
+        }
+    }
     // What there was at the start and what came in since: the sum has to lie on it.
     let work = |row: &LedgerRow| row.work_left + row.work_right;
     let start = rows.first().map_or(0.0, |row| total(row) - work(row));
@@ -140,7 +148,8 @@ pub(super) fn ledger(svg: &mut Svg, panel: Area, view: &View, letter: char) -> R
 
 /// All energy in the bar, dissipated included.
 fn total(row: &LedgerRow) -> f64 {
-    row.kinetic + row.elastic + row.plastic + row.heat + row.viscous + row.concentrated + row.fracture
+    let taken = row.plastic + row.heat + row.viscous + row.concentrated + row.fracture + row.damping;
+    row.kinetic + row.elastic + row.foundation + taken
 }
 
 /// Speed of every front over the strains that it carries: theory as steps, measurement as rings.

@@ -4,6 +4,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use super::{Book, Findings, Progress, Wish, steps};
+use crate::assemble;
 use crate::error::{Error, Result, RunError};
 use crate::material::{Beyond, Sense};
 use crate::record::{
@@ -73,7 +74,9 @@ impl<'a, S: Stepped> Run<'a, S> {
         let places = scene.record.gauges.iter().map(|g| g.1).collect();
         let book = Book::open(scene, output, frames.x().to_vec(), "", started)?;
         let tracker = FrontTracker::new(&scene.bar, bar.grid(), &book.launches, [&scene.left, &scene.right]);
-        let probe = ElasticProbe::new(&scene.bar, &book.launches, scene.solve.until);
+        // sigma = rho c0 v holds where nothing acts along the bar.
+        let plain = assemble::along(&scene.bar, &scene.effects).is_none();
+        let probe = ElasticProbe::new(&scene.bar, &book.launches, scene.solve.until).filter(|_| plain);
         let audit = Audit::new(&super::case(scene, Some(bar.grid().cells())));
         Ok(Self {
             steps: steps(scene, bar.grid().dt),
@@ -209,10 +212,11 @@ impl<'a, S: Stepped> Run<'a, S> {
         self.book.close(ended, findings)
     }
 
-    /// The self-similar solution knows no strain rate, and of no bar that breaks.
+    /// The self-similar solution knows no strain rate, nothing that acts along the bar, and of no bar that breaks.
     fn error(&self) -> Option<ErrorFigure> {
         let scene = self.book.scene;
-        let known = scene.effects.rate.is_none() && self.bar.ruptures().is_empty();
+        let plain = scene.effects.rate.is_none() && assemble::along(&scene.bar, &scene.effects).is_none();
+        let known = plain && self.bar.ruptures().is_empty();
         known.then(|| record::against_similarity(&scene.bar, &self.bar, &self.book.launches))?
     }
 

@@ -286,6 +286,31 @@ pub struct RawEffects {
     /// `{ spall = "2 GPa" }`. Default: none, the bar holds for ever.
     #[schemars(with = "Option<RawRupture>")]
     pub rupture: Option<Spanned<RawRupture>>,
+    /// Damping and a foundation along the whole bar. For the method "fd". Default: none.
+    #[schemars(with = "Option<RawDamping>")]
+    pub damping: Option<Spanned<RawDamping>>,
+    /// Love's correction: the inertia of the sideways motion of a bar that is strained, by the materials' `poisson` and, for
+    /// a section given by its area alone, that of a round bar. For the method "fd". Default: false.
+    #[serde(rename = "lateral-inertia")]
+    #[schemars(with = "Option<bool>")]
+    pub lateral_inertia: Option<Spanned<bool>>,
+}
+
+/// Forces along the bar, the same in all segments: `{ internal = "20 kPa*s" }`, `{ external = "300 N*s/m^2" }`,
+/// `{ foundation = "50 MN/m^2" }`, or several of them.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RawDamping {
+    /// Kelvin and Voigt: stress per strain rate, Pa s, >= 0. Default: 0.
+    #[schemars(with = "Option<Quantity>")]
+    pub internal: Option<Number>,
+    /// Force against the motion, per length of the bar and velocity, N s/m^2, >= 0; the bar needs an area. Default: 0.
+    #[schemars(with = "Option<Quantity>")]
+    pub external: Option<Number>,
+    /// Force against the displacement, per length of the bar and displacement, N/m^2, >= 0; the bar needs an area.
+    /// Default: 0.
+    #[schemars(with = "Option<Quantity>")]
+    pub foundation: Option<Number>,
 }
 
 /// Adiabatic heating by plastic work.

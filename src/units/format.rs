@@ -79,6 +79,9 @@ fn si_scales(dimension: Dimension) -> &'static [Scale] {
         Dimension::Rate => const { &[scale("1/s", 1.0)] },
         Dimension::Temperature => const { &[scale("K", 1.0)] },
         Dimension::SpecificHeat => const { &[scale("J/(kg*K)", 1.0)] },
+        Dimension::Viscosity => const { &[scale("Pa*s", 1.0), scale("kPa*s", 1e3), scale("MPa*s", 1e6)] },
+        Dimension::Drag => const { &[scale("N*s/m^2", 1.0), scale("kN*s/m^2", 1e3)] },
+        Dimension::Foundation => const { &[scale("N/m^2", 1.0), scale("kN/m^2", 1e3), scale("MN/m^2", 1e6)] },
     }
 }
 
@@ -97,6 +100,9 @@ fn us_scales(dimension: Dimension) -> &'static [Scale] {
         // A temperature may be a difference: kelvin for both.
         Dimension::None | Dimension::Time | Dimension::Rate | Dimension::Temperature => si_scales(dimension),
         Dimension::SpecificHeat => const { &[scale("Btu/(lb*K)", 1_055.055_852_62 / POUND)] },
+        Dimension::Viscosity => const { &[scale("psi*s", PSI)] },
+        Dimension::Drag => const { &[scale("lbf*s/in^2", PSI)] },
+        Dimension::Foundation => const { &[scale("lbf/in^2", PSI)] },
     }
 }
 

@@ -31,7 +31,7 @@ const TIME: [&str; 3] = ["time", "s", "time"];
 const VELOCITY: [&str; 3] = ["velocity", "m/s", "velocity in +x"];
 
 /// Columns of the ledger: name, long name. Energies but for time, the momenta, and the residual.
-pub(super) const LEDGER_COLUMNS: [[&str; 2]; 13] = [
+pub(super) const LEDGER_COLUMNS: [[&str; 2]; 15] = [
     ["time", "time"],
     ["kinetic", "kinetic energy"],
     ["elastic", "recoverable strain energy"],
@@ -43,10 +43,12 @@ pub(super) const LEDGER_COLUMNS: [[&str; 2]; 13] = [
     ],
     ["concentrated", "energy taken since the start at single points where velocities differ"],
     ["fracture", "energy taken since the start by ruptures"],
+    ["damping", "energy taken since the start by internal and external damping"],
+    ["foundation", "energy stored in the elastic foundation"],
     ["work_left", "work done by the left end since the start"],
     ["work_right", "work done by the right end since the start"],
     ["momentum", "momentum of the bar in +x"],
-    ["impulse", "impulse given by both ends since the start"],
+    ["impulse", "impulse given by both ends, external damping and a foundation since the start"],
     ["residual", "energy not accounted for, relative"],
 ];
 

@@ -321,6 +321,7 @@ fn read_ledger(group: &Group) -> Hdf<Vec<LedgerRow>> {
     // Columns that older files lack.
     let older = |name: &str| if group.link_exists(name) { column(group, name) } else { Ok(Vec::new()) };
     let (heat, concentrated, fracture) = (older("heat")?, older("concentrated")?, older("fracture")?);
+    let (damping, foundation) = (older("damping")?, older("foundation")?);
     let row = |i: usize| LedgerRow {
         time: columns[0][i],
         kinetic: columns[1][i],
@@ -330,6 +331,8 @@ fn read_ledger(group: &Group) -> Hdf<Vec<LedgerRow>> {
         viscous: columns[4][i],
         concentrated: concentrated.get(i).copied().unwrap_or(0.0),
         fracture: fracture.get(i).copied().unwrap_or(0.0),
+        damping: damping.get(i).copied().unwrap_or(0.0),
+        foundation: foundation.get(i).copied().unwrap_or(0.0),
         work_left: columns[5][i],
         work_right: columns[6][i],
         momentum: columns[7][i],

@@ -345,7 +345,7 @@ fn write_figures(file: &File, figures: &Finish) -> Hdf<()> {
     Ok(())
 }
 
-fn ledger_values(row: &LedgerRow) -> [f64; 13] {
+fn ledger_values(row: &LedgerRow) -> [f64; 15] {
     [
         row.time,
         row.kinetic,
@@ -355,6 +355,8 @@ fn ledger_values(row: &LedgerRow) -> [f64; 13] {
         row.viscous,
         row.concentrated,
         row.fracture,
+        row.damping,
+        row.foundation,
         row.work_left,
         row.work_right,
         row.momentum,

@@ -2,6 +2,7 @@
 
 mod bar;
 mod csv_history;
+mod damping;
 mod ends;
 mod heat;
 mod rate;
@@ -47,8 +48,11 @@ pub(super) fn check(document: &Document, base: &Path) -> Result<Scene> {
     let effects = Effects {
         heat,
         rupture: checker.rupture(&raw_effects, raw_bar.get_ref(), &bar)?,
+        damping: checker.damping(&raw_effects, &bar)?,
+        lateral_inertia: checker.lateral_inertia(&raw_effects, &bar)?,
         ..checker.effects(&raw_effects, &bar)?
     };
+    checker.along_goes(&raw_effects, &bar)?;
     let until = "add [solve] with until, the end time, e.g. until = \"200 us\"";
     let raw_solve = checker.required(raw.solve.as_ref(), "solve", until)?;
     let solve = checker.solve(raw_solve, &raw_effects)?;

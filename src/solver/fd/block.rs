@@ -144,6 +144,17 @@ impl Block {
         advance_velocity(law.velocity_gain, &self.sigma, &mut self.v[1..inner]);
     }
 
+    /// Steps the stresses of the block alone: its nodes belong to the caller, all of them.
+    pub fn advance_stresses(&mut self, law: BlockLaw<'_>) {
+        if self.stage == Stage::Quiet {
+            if self.v.iter().all(|v| *v == self.v[0]) {
+                return;
+            }
+            self.stage = Stage::Elastic;
+        }
+        self.advance_stress(law);
+    }
+
     /// A quiet block whose edge nodes still move with their neighbours has no strain rate anywhere.
     fn edges_at_rest(&self) -> bool {
         let last = self.v.len() - 1;

@@ -102,11 +102,16 @@ impl Device {
     /// Takes the node from half a step before `time` to half a step after it. `sigma_cell` is the stress at `time`
     /// in the end cell.
     pub fn advance(&mut self, time: f64, sigma_cell: f64) {
+        self.advance_showing(time, sigma_cell, sigma_cell);
+    }
+
+    /// The same; `shown` is the stress of the end cell for the record.
+    fn advance_showing(&mut self, time: f64, sigma_cell: f64, shown: f64) {
         let previous_stress = self.reaction;
         let motion = self.respond(time, sigma_cell);
         self.breaks = false;
         let struck = motion.held && (!self.held || self.jumps(time));
-        self.stress = if struck { sigma_cell } else { motion.stress };
+        self.stress = if struck { shown } else { motion.stress };
         if motion.held {
             self.held_stress = motion.stress;
         }
@@ -117,6 +122,26 @@ impl Device {
         }
         self.account(previous_stress);
         self.displacement += self.dt * self.after;
+    }
+
+    /// The end moves this mass, kg, in place of half its cell's.
+    pub(super) fn set_mass(&mut self, mass: f64) {
+        self.gain = self.impulse_per_stress / mass;
+    }
+
+    /// Velocity change of the step around `time` if the bar gives that mass an impulse of `pull`, N s in +x.
+    pub(super) fn answer(&self, time: f64, pull: f64) -> f64 {
+        self.respond(time, self.stress_of(pull)).velocity - self.after
+    }
+
+    /// Takes that step. `sigma_cell` is the stress of the end cell, for the record.
+    pub(super) fn advance_by(&mut self, time: f64, pull: f64, sigma_cell: f64) {
+        self.advance_showing(time, self.stress_of(pull), sigma_cell);
+    }
+
+    /// Stress of a cell that gives the node this impulse in a step.
+    fn stress_of(&self, pull: f64) -> f64 {
+        -self.normal * pull / self.impulse_per_stress
     }
 
     /// True where a prescribed velocity jumps within a step of `time`.

@@ -9,6 +9,7 @@ use super::block::{BLOCK, Block, BlockLaw, Stage};
 use super::contact::{Contact, ContactState};
 use super::device::{Device, EndGrid};
 use super::grid::Grid;
+use super::implicit::{Along, Implicit};
 use super::ripple;
 use super::rupture::Breaking;
 use crate::bar::{Bar, EndCondition};
@@ -78,11 +79,39 @@ pub struct Leapfrog {
     pub(super) damped_at_edges: f64,
     /// Where and when the bar breaks; none where it never does.
     pub(super) rupture: Option<Box<Breaking>>,
+    /// The nodes, where something acts along the bar.
+    pub(super) implicit: Option<Box<Implicit>>,
 }
 
 impl Leapfrog {
     /// A bar at t = 0, unstressed, moving as its segments say. `laws` has one entry a segment.
     pub fn new(bar: &Bar, grid: Grid, laws: Vec<SegmentLaw>, ends: [EndCondition; 2]) -> Self {
+        let mut bar = Self::before_start(bar, grid, laws, ends);
+        bar.share_edges();
+        bar.advance_edges();
+        bar
+    }
+
+    /// The same with what acts along the bar; without joints that can open. A bar along which nothing acts is the plain one.
+    pub fn with_along(bar: &Bar, grid: Grid, laws: Vec<SegmentLaw>, ends: [EndCondition; 2], along: &Along) -> Self {
+        if along.is_nothing() {
+            return Self::new(bar, grid, laws, ends);
+        }
+        let mut bar = Self::before_start(bar, grid, laws, ends);
+        debug_assert!(bar.contacts.is_empty());
+        bar.share_edges();
+        let mut velocities = vec![0.0; bar.grid.cells() + 1];
+        for block in &bar.blocks {
+            velocities[block.cells.start..=block.cells.end].copy_from_slice(&block.v);
+        }
+        let mut nodes = Implicit::new(along, &bar.grid, &bar.constants, velocities);
+        nodes.start(along, &bar.grid, &bar.constants, &bar.blocks, [&mut bar.left, &mut bar.right]);
+        bar.implicit = Some(Box::new(nodes));
+        bar.share_nodes();
+        bar
+    }
+
+    fn before_start(bar: &Bar, grid: Grid, laws: Vec<SegmentLaw>, ends: [EndCondition; 2]) -> Self {
         let constants = constants(bar, &grid);
         let blocks = blocks(bar, &grid);
         let mut edges = edges(&blocks, &constants);
@@ -102,7 +131,7 @@ impl Leapfrog {
         let left = Device::new(left, -1.0, end_grid(0));
         let right = Device::new(right, 1.0, end_grid(bar.segments.len() - 1));
         let parallel = grid.cells() >= PARALLEL_FROM;
-        let mut bar = Self {
+        Self {
             grid,
             laws,
             constants,
@@ -116,10 +145,8 @@ impl Leapfrog {
             yielded: false,
             damped_at_edges: 0.0,
             rupture: None,
-        };
-        bar.share_edges();
-        bar.advance_edges();
-        bar
+            implicit: None,
+        }
     }
 
     /// One step: stresses from velocities, then velocities from stresses. Allocates nothing, but for the plastic
@@ -127,17 +154,25 @@ impl Leapfrog {
     pub fn advance(&mut self) {
         self.step += 1;
         let (laws, constants) = (&self.laws, &self.constants);
+        let advance_block = if self.implicit.is_some() { Block::advance_stresses } else { Block::advance };
         let advance = |block: &mut Block| {
             let (law, constants) = (&laws[block.segment], &constants[block.segment]);
-            block.advance(BlockLaw {
-                law: law.law.as_ref(),
-                stress_gain: constants.stress_gain,
-                velocity_gain: constants.velocity_gain,
-                yield_stress: law.yield_stress,
-            });
+            advance_block(
+                block,
+                BlockLaw {
+                    law: law.law.as_ref(),
+                    stress_gain: constants.stress_gain,
+                    velocity_gain: constants.velocity_gain,
+                    yield_stress: law.yield_stress,
+                },
+            );
         };
         for_each(&mut self.blocks, self.parallel, advance);
-        self.advance_edges();
+        if self.implicit.is_some() {
+            self.advance_nodes();
+        } else {
+            self.advance_edges();
+        }
         if self.rupture.is_some() {
             self.break_where_due();
         }
@@ -173,6 +208,9 @@ impl Leapfrog {
         }
         self.damp_ends();
         self.share_edges();
+        if let Some(nodes) = &mut self.implicit {
+            nodes.take_ripples(&self.blocks);
+        }
     }
 
     /// The end nodes' part of the damping: half the mass, so twice the velocity change.
@@ -219,6 +257,26 @@ impl Leapfrog {
         self.left.advance(time, self.blocks[0].sigma[0]);
         self.right.advance(time, last(&self.blocks[self.blocks.len() - 1].sigma));
         self.share_edges();
+    }
+
+    /// All nodes at once, where something acts along the bar.
+    fn advance_nodes(&mut self) {
+        let time = self.time();
+        if let Some(nodes) = &mut self.implicit {
+            nodes.advance(time, &self.blocks, [&mut self.left, &mut self.right]);
+        }
+        self.share_nodes();
+    }
+
+    /// Gives blocks and the nodes between them their velocities.
+    fn share_nodes(&mut self) {
+        let Some(nodes) = &self.implicit else { return };
+        for block in &mut self.blocks {
+            nodes.share(block);
+        }
+        for (edge, block) in self.edges.iter_mut().zip(&self.blocks) {
+            [edge.before, edge.after] = nodes.velocities(block.cells.end);
+        }
     }
 
     /// Gives both neighbours of every edge its velocity.

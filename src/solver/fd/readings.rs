@@ -1,6 +1,7 @@
 //! What can be read off a bar: fields, energies, cells past their data.
 
 use super::block::{Block, Stage};
+use super::implicit::NodeSums;
 use super::leapfrog::{Leapfrog, last};
 
 /// What can be read in a cell.
@@ -36,7 +37,7 @@ pub struct Passed {
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Energies {
     /// Sum of m v- v+ / 2, v- and v+ being the velocities half a step before and after: the form that the scheme
-    /// conserves.
+    /// conserves. With lateral inertia that of the sideways motion is in it.
     pub kinetic: f64,
     /// Sum of sigma^2/(2E) dV.
     pub elastic: f64,
@@ -50,6 +51,10 @@ pub struct Energies {
     pub concentrated: f64,
     /// Lost by broken faces that met again (0 without ruptures).
     pub fracture: f64,
+    /// Taken by internal and external damping since the start (0 without them).
+    pub damping: f64,
+    /// Stored in the foundation (0 without one).
+    pub foundation: f64,
     /// Momentum, positive in +x.
     pub momentum: f64,
 }
@@ -60,9 +65,15 @@ impl Leapfrog {
         self.blocks.iter().map(|b| self.constants[b.segment].cell_mass * b.sigma.len() as f64).sum()
     }
 
-    /// Plastic state in memory, bytes.
+    /// Plastic state in memory, and that of the nodes where something acts along the bar, bytes.
     pub fn state_bytes(&self) -> usize {
-        self.blocks.iter().map(|b| (b.state.len() + b.absorbed.len()) * size_of::<f64>()).sum()
+        let blocks: usize = self.blocks.iter().map(|b| (b.state.len() + b.absorbed.len()) * size_of::<f64>()).sum();
+        blocks + self.implicit.as_ref().map_or(0, |nodes| nodes.bytes())
+    }
+
+    /// Impulse (N s in +x) that external damping and a foundation have given to the bar so far, and the sum of its sizes.
+    pub fn impulse_along(&self) -> [f64; 2] {
+        self.implicit.as_ref().map_or([0.0; 2], |nodes| nodes.impulse())
     }
 
     /// A quantity in one cell.
@@ -119,6 +130,10 @@ impl Leapfrog {
     /// half a step after.
     fn node_velocity(&self, k: usize, i: usize) -> f64 {
         let block = &self.blocks[k];
+        if let Some(nodes) = &self.implicit {
+            let [before, after] = nodes.velocities(block.cells.start + i);
+            return 0.5 * (before + after);
+        }
         if i == 0 {
             return if k == 0 { self.left.velocity() } else { self.edge_velocity(k - 1, 1) };
         }
@@ -141,6 +156,9 @@ impl Leapfrog {
 
     /// Energies and momentum at the current time. One pass over all cells.
     pub fn energies(&self) -> Energies {
+        if let Some(nodes) = &self.implicit {
+            return self.energies_with(nodes.sums());
+        }
         let mut total = Energies { viscous: self.damped_at_edges, ..Energies::default() };
         for (k, block) in self.blocks.iter().enumerate() {
             let c = &self.constants[block.segment];
@@ -178,9 +196,34 @@ impl Leapfrog {
         total
     }
 
+    /// The same where the nodes keep their own account.
+    fn energies_with(&self, nodes: NodeSums) -> Energies {
+        let mut total = Energies {
+            kinetic: nodes.kinetic,
+            momentum: nodes.momentum,
+            viscous: nodes.viscous,
+            damping: nodes.damping,
+            foundation: nodes.foundation,
+            ..Energies::default()
+        };
+        for block in &self.blocks {
+            let c = &self.constants[block.segment];
+            let squares: f64 = block.sigma.iter().map(|s| s * s).sum();
+            total.elastic += 0.5 * c.cell_volume * squares / c.modulus;
+            let over = self.laws[block.segment].law.overstress_work(&block.state) / c.modulus;
+            total.plastic += 0.5 * c.cell_volume * block.plastic / c.modulus - c.cell_volume * over;
+            total.viscous += c.cell_volume * over;
+        }
+        total
+    }
+
     /// Kinetic energy and momentum of the nodes with their initial velocities, before anything acts on them.
     pub fn initial(&self) -> Energies {
         debug_assert_eq!(self.step, 0);
+        if let Some(nodes) = &self.implicit {
+            let NodeSums { kinetic, momentum, .. } = nodes.initial();
+            return Energies { kinetic, momentum, ..Energies::default() };
+        }
         let mut total = Energies::default();
         for (k, block) in self.blocks.iter().enumerate() {
             let c = &self.constants[block.segment];
@@ -242,6 +285,14 @@ impl Energies {
 
     /// All energy in the bar, dissipated included, J.
     pub fn total(&self) -> f64 {
-        self.kinetic + self.elastic + self.plastic + self.heat + self.viscous + self.concentrated + self.fracture
+        self.kinetic
+            + self.elastic
+            + self.plastic
+            + self.heat
+            + self.viscous
+            + self.concentrated
+            + self.fracture
+            + self.damping
+            + self.foundation
     }
 }

@@ -77,7 +77,7 @@ const CASES: &[Case] = &[
         "cels = 1000",
         "cels",
         "solve.cels",
-        &["did you mean `cells`?", "until, method, scheme, cells, cfl, front-tolerance, event-budget"],
+        &["did you mean `cells`?", "until, method, scheme, cells, cfl, audit-tolerance, front-tolerance, event-budget"],
     ),
     case(
         "\"free\"",

@@ -110,7 +110,7 @@ impl Checker<'_> {
             let help = format!("use method = \"{}\", which has it, or {out}", other.word());
             (format!("`{name}` means nothing for method = \"{word}\""), help)
         };
-        let allowed = format!("until, method, audit-tolerance, {}", method.keys(rate).join(", "));
+        let allowed = format!("until, method, {}, audit-tolerance", method.keys(rate).join(", "));
         Err(self.error(span, &format!("solve.{name}"), message).allowed(allowed).help(help).into())
     }
 }

@@ -63,14 +63,18 @@ pub fn criteria(scene: &Scene) -> Option<Criteria> {
     })
 }
 
-/// The tracked bar of a scene at t = 0.
+/// The tracked bar of a scene at t = 0; tapered segments as staircases, see [`Scene::in_pieces`].
 pub fn front_tracking(scene: &Scene, settings: Settings) -> FrontTracking {
+    let cut = scene.in_pieces();
+    let scene = cut.as_ref().unwrap_or(scene);
     let ends = [scene.left.clone(), scene.right.clone()];
     FrontTracking::that_breaks(&scene.bar, flow(&scene.effects), ends, settings, criteria(scene))
 }
 
-/// The characteristic net of a rate-dependent scene at t = 0, about `cells` cells.
+/// The characteristic net of a rate-dependent scene at t = 0, about `cells` cells; tapered segments likewise.
 pub fn characteristic_net(scene: &Scene, cells: usize) -> Net {
+    let cut = scene.in_pieces();
+    let scene = cut.as_ref().unwrap_or(scene);
     let laws = scene.bar.segments.iter().map(|s| rate_law(&s.material, &scene.effects)).collect();
     Net::new(&scene.bar, Lattice::new(&scene.bar, cells), laws, [scene.left.clone(), scene.right.clone()])
 }

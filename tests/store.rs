@@ -47,6 +47,7 @@ fn header() -> Header {
         method: "fd".into(),
         scheme: "leapfrog".into(),
         critical_velocity: Some(44.5),
+        torsion: None,
     }
 }
 

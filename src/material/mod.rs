@@ -12,6 +12,7 @@ pub mod library;
 mod raw;
 mod softening;
 mod tabulate;
+mod torsion;
 
 use serde::{Deserialize, Serialize};
 
@@ -25,6 +26,7 @@ pub use raw::RawMaterial;
 pub use tabulate::{
     Measure, Tabulate, Tabulated, engineering_from_true, tabulate_law, tabulate_true_rows, true_from_engineering,
 };
+pub use torsion::{Hollow, TORSION_TOLERANCE};
 
 /// Which way the material is loaded from the virgin state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -51,6 +53,23 @@ impl Sense {
     }
 }
 
+/// What the stresses and strains of a curve are.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Loading {
+    /// Normal stress against elongation; the modulus is Young's.
+    #[default]
+    Axial,
+    /// Shear stress against engineering shear strain; the modulus is the shear modulus.
+    Shear,
+}
+
+impl Loading {
+    fn is_axial(&self) -> bool {
+        *self == Self::Axial
+    }
+}
+
 /// A material as the solvers see it: engineering tables, SI.
 #[derive(Debug, Clone, Serialize)]
 pub struct Material {
@@ -63,6 +82,9 @@ pub struct Material {
     /// Elastic modulus, Pa: slope of every unloading; no slope of the curve exceeds it where it was given,
     /// otherwise it is the steepest slope of the curve.
     pub modulus: f64,
+    /// What the curve and the modulus are of.
+    #[serde(skip_serializing_if = "Loading::is_axial")]
+    pub loading: Loading,
     /// Poisson's ratio where the file gives one.
     pub poisson: Option<f64>,
     /// First loading in tension (and in compression too where `compression` is absent).
@@ -102,6 +124,7 @@ impl Material {
             description: String::new(),
             density,
             modulus: curve.steepest(),
+            loading: Loading::Axial,
             poisson: None,
             tension: curve,
             compression: None,

@@ -2,6 +2,7 @@
 
 mod audit;
 mod checks;
+mod energy;
 mod frames;
 mod fronts;
 mod ledger;
@@ -21,13 +22,14 @@ pub use audit::{
     Audit, Case, LOOKS, Off, above_critical, broken_end, broken_inside, end_of_data, past_data, unresolved_flow,
 };
 pub use checks::{ElasticProbe, against_similarity, tracked_against_similarity};
-pub use frames::{Frames, read_frame};
+pub use energy::{ENERGY, EnergySummary};
+pub use frames::{Frames, Twisted, read_frame};
 pub use fronts::FrontTracker;
 pub use ledger::Ledger;
 pub use step_gauges::StepGauges;
 pub use summary::{
     AutoChoice, ElasticCheck, EndSummary, ErrorFigure, FrontSummary, LedgerSummary, RuptureSummary, Summary,
-    TrackingSummary,
+    TorsionSummary, TrackingSummary,
 };
 pub use traces::Traces;
 pub use tracked::EndHistories;
@@ -54,11 +56,17 @@ pub enum Field {
     AccumulatedPlasticStrain,
     /// Temperature, K.
     Temperature,
+    /// In torsion: torque, N m.
+    Torque,
+    /// In torsion: twist per length, rad/m.
+    Twist,
+    /// In torsion: angular velocity, rad/s.
+    AngularVelocity,
 }
 
 impl Field {
     /// Every field, in the order of the contract.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 10] = [
         Self::Stress,
         Self::Strain,
         Self::Velocity,
@@ -66,7 +74,20 @@ impl Field {
         Self::PlasticStrain,
         Self::AccumulatedPlasticStrain,
         Self::Temperature,
+        Self::Torque,
+        Self::Twist,
+        Self::AngularVelocity,
     ];
+
+    /// The field of the surface from which one in torsion is computed; any other field itself.
+    pub fn base(self) -> Self {
+        match self {
+            Self::Torque => Self::Stress,
+            Self::Twist => Self::Strain,
+            Self::AngularVelocity => Self::Velocity,
+            field => field,
+        }
+    }
 
     /// Dataset name.
     pub fn name(self) -> &'static str {
@@ -78,6 +99,9 @@ impl Field {
             Self::PlasticStrain => "plastic_strain",
             Self::AccumulatedPlasticStrain => "accumulated_plastic_strain",
             Self::Temperature => "temperature",
+            Self::Torque => "torque",
+            Self::Twist => "twist",
+            Self::AngularVelocity => "angular_velocity",
         }
     }
 
@@ -89,6 +113,9 @@ impl Field {
             Self::Displacement => "m",
             Self::Temperature => "K",
             Self::Strain | Self::PlasticStrain | Self::AccumulatedPlasticStrain => "1",
+            Self::Torque => "N m",
+            Self::Twist => "rad/m",
+            Self::AngularVelocity => "rad/s",
         }
     }
 
@@ -102,6 +129,22 @@ impl Field {
             Self::PlasticStrain => "plastic strain",
             Self::AccumulatedPlasticStrain => "accumulated plastic strain",
             Self::Temperature => "temperature",
+            Self::Torque => "torque in the section",
+            Self::Twist => "twist per length",
+            Self::AngularVelocity => "angular velocity",
+        }
+    }
+
+    /// The same for a bar in torsion, whose fields are those of its surface.
+    pub fn long_name_in_torsion(self) -> &'static str {
+        match self {
+            Self::Stress => "nominal shear stress at the surface, torque times radius over J",
+            Self::Strain => "engineering shear strain at the surface",
+            Self::Velocity => "velocity of the surface, angular velocity times radius",
+            Self::Displacement => "displacement of the surface, angle times radius",
+            Self::PlasticStrain => "plastic shear strain at the surface",
+            Self::AccumulatedPlasticStrain => "accumulated plastic shear strain at the surface",
+            field => field.long_name(),
         }
     }
 }

@@ -39,6 +39,9 @@ pub struct Summary {
     pub left: EndSummary,
     /// Right end at the end time.
     pub right: EndSummary,
+    /// What only a bar in torsion has.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub torsion: Option<TorsionSummary>,
     /// Fronts.
     pub fronts: Vec<FrontSummary>,
     /// Of the struck material; null where the data hold none.
@@ -94,6 +97,18 @@ pub struct TrackingSummary {
     pub fronts_under_way: usize,
     /// events / `step_wall_s`.
     pub events_per_s: f64,
+}
+
+/// The ends of a bar in torsion at the end time; stresses, strains and velocities of the summary are those of its surface.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct TorsionSummary {
+    /// The surface's radius (of thin tubes the mean one), m.
+    pub radius_m: f64,
+    /// Torque at the left and the right end, N m.
+    #[serde(rename = "torque_N_m")]
+    pub torque: [f64; 2],
+    /// Their angular velocities, rad/s.
+    pub angular_velocity_rad_s: [f64; 2],
 }
 
 /// The state at an end.

@@ -14,8 +14,7 @@ impl View for FrontTracking {
     }
 
     fn sample(&self, field: Field, places: &[f64], out: &mut [f64]) {
-        let value: fn(&Medium, &Point) -> f64 = match field {
-            Field::Stress => |_, p| p.stress,
+        let value: fn(&Medium, &Point) -> f64 = match field.base() {
             Field::Strain => Medium::strain,
             Field::Velocity => |_, p| p.velocity,
             Field::PlasticStrain => Medium::plastic_strain,
@@ -24,6 +23,7 @@ impl View for FrontTracking {
             Field::Temperature => {
                 return self.sweep(places, |k, segment, point| out[k] = self.temperature(segment, point));
             }
+            _ => |_, p| p.stress,
         };
         self.sweep(places, |k, segment, point| out[k] = value(self.medium(segment), point));
     }

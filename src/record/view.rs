@@ -232,13 +232,13 @@ impl Stepped for Leapfrog {
 
 /// What a grid solver calls a field; none for the displacement, which is summed up from the strain.
 pub fn quantity(field: Field) -> Option<Quantity> {
-    match field {
-        Field::Stress => Some(Quantity::Stress),
+    match field.base() {
         Field::Strain => Some(Quantity::Strain),
         Field::Velocity => Some(Quantity::Velocity),
         Field::PlasticStrain => Some(Quantity::PlasticStrain),
         Field::AccumulatedPlasticStrain => Some(Quantity::AccumulatedPlasticStrain),
         Field::Temperature => Some(Quantity::Temperature),
         Field::Displacement => None,
+        _ => Some(Quantity::Stress),
     }
 }

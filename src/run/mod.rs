@@ -5,8 +5,11 @@ mod auto;
 mod breaks;
 mod companion;
 mod estimate;
+mod specimen;
 mod stepped;
 mod tracked;
+
+pub use specimen::run_specimen;
 
 use std::path::Path;
 use std::time::Instant;
@@ -18,10 +21,11 @@ use crate::law::rupture::Rupture;
 use crate::material::Sense;
 use crate::record::store::{Finish, Header, Layout, Side, Writer};
 use crate::record::{
-    AuditRow, AutoChoice, Case, ElasticCheck, EndSummary, ErrorFigure, FrontRow, FrontSummary, LedgerSummary,
-    MaterialRecord, Off, RuptureSummary, Summary, Trace, TrackingSummary, View, above_critical,
+    AuditRow, AutoChoice, Case, ElasticCheck, EndSummary, ErrorFigure, FrontRow, FrontSummary, Ledger, LedgerSummary,
+    MaterialRecord, Off, RuptureSummary, Summary, TorsionSummary, Trace, TrackingSummary, Twisted, View,
+    above_critical,
 };
-use crate::scene::{Effects, Method, Scene};
+use crate::scene::{Effects, Method, Scene, Torsion};
 use crate::wave::similarity;
 
 pub use auto::choose;
@@ -76,6 +80,8 @@ pub fn run(scene: &Scene, output: Option<&Path>, progress: &mut dyn FnMut(Progre
 /// One run with the effects that the scene has by now.
 fn once(scene: &Scene, output: Option<&Path>, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<Summary> {
     let started = Instant::now();
+    let cut = scene.in_pieces();
+    let scene = cut.as_ref().unwrap_or(scene);
     match scene.solve.method {
         Method::Leapfrog { cells, cfl } => {
             stepped::run(scene, assemble::leapfrog(scene, cells, cfl), output, started, progress)
@@ -95,15 +101,19 @@ fn struck_too_hard(scene: &Scene, launches: &[Launch], parted: bool) -> Vec<Audi
         return Vec::new();
     }
     let critical = critical_velocity(scene, launches).unwrap_or(f64::NAN);
-    let row = |launch: &Launch| above_critical(launch, &scene.bar.segments[launch.segment].material, critical);
+    let row = |launch: &Launch| {
+        let asked = Launch { origin: scene.asked_origin(launch.origin), ..launch.clone() };
+        above_critical(&asked, &scene.bar.segments[launch.segment].material, critical)
+    };
     launches.iter().filter_map(row).collect()
 }
 
 /// What a scene's audit needs to know; `cells` of the grid, where there is one.
 fn case(scene: &Scene, cells: Option<usize>) -> Case<'_> {
     let effects = &scene.effects;
+    let asked = scene.cut.as_ref().map_or(scene, |cut| &cut.asked);
     Case {
-        bar: &scene.bar,
+        bar: &asked.bar,
         ends: [&scene.left, &scene.right],
         until: scene.solve.until,
         tolerance: scene.solve.audit_tolerance,
@@ -112,7 +122,8 @@ fn case(scene: &Scene, cells: Option<usize>) -> Case<'_> {
             rate: effects.rate.is_none(),
             heat: effects.heat.is_none(),
             rupture: effects.rupture.is_none(),
-            lateral_inertia: !effects.lateral_inertia,
+            // Sections that twist do not widen.
+            lateral_inertia: !effects.lateral_inertia && scene.torsion.is_none(),
         },
         cells,
     }
@@ -189,6 +200,11 @@ impl<'a> Book<'a> {
         Ok(Self { scene, launches, critical, writer, output, started, stepping: 0.0 })
     }
 
+    /// The account of a bar at t = 0.
+    fn ledger(&self, bar: &impl View) -> Ledger {
+        Ledger::new(bar).with_arm(self.scene.torsion.as_ref().map_or(1.0, |torsion| torsion.radius))
+    }
+
     /// Writes what histories have gathered: gauges in order, and both ends.
     fn write_traces(&mut self, gauges: Vec<Trace>, [left, right]: [Trace; 2]) -> Result<()> {
         let Some(writer) = &mut self.writer else { return Ok(()) };
@@ -212,12 +228,25 @@ impl<'a> Book<'a> {
 
     /// The ruptures of a bar, if it was to break.
     fn ruptures(&self, bar: &impl View) -> Option<Vec<Rupture>> {
-        self.scene.effects.rupture.as_ref().map(|_| bar.ruptures().to_vec())
+        let named = |rupture: &Rupture| Rupture { site: self.scene.asked_site(rupture.site), ..*rupture };
+        self.scene.effects.rupture.as_ref().map(|_| bar.ruptures().iter().map(named).collect())
     }
 
     /// Notes on impacts above the critical velocity, for a bar that did not break (`parted`) where it was to.
     fn audit(&self, parted: bool) -> Vec<AuditRow> {
         struck_too_hard(self.scene, &self.launches, parted)
+    }
+
+    /// Fronts with the joints of the scene that was asked for as their origins.
+    fn named(&self, mut rows: Vec<FrontRow>) -> Vec<FrontRow> {
+        if self.scene.cut.is_some() {
+            for row in &mut rows {
+                if let Some(launch) = self.launches.iter().find(|launch| launch.origin.to_string() == row.origin) {
+                    row.origin = self.scene.asked_origin(launch.origin).to_string();
+                }
+            }
+        }
+        rows
     }
 
     /// Closes the file, whatever the end was, and sums up.
@@ -271,6 +300,7 @@ impl<'a> Book<'a> {
             end_time_s: findings.end_time,
             left,
             right,
+            torsion: self.scene.torsion.as_ref().map(|torsion| torsion_summary(torsion, [left, right])),
             fronts: findings.fronts.iter().map(FrontSummary::from).collect(),
             critical_velocity: self.critical,
             above_critical: self.above_critical(),
@@ -286,6 +316,31 @@ impl<'a> Book<'a> {
     }
 }
 
+fn torsion_summary(torsion: &Torsion, ends: [EndSummary; 2]) -> TorsionSummary {
+    let radius = torsion.radius;
+    let polar = [torsion.polar[0], torsion.polar[torsion.polar.len() - 1]];
+    TorsionSummary {
+        radius_m: radius,
+        torque: [0, 1].map(|k| ends[k].stress * polar[k] / radius),
+        angular_velocity_rad_s: ends.map(|end| end.velocity / radius),
+    }
+}
+
+/// What makes torques and angles of the fields of a bar in torsion, at these samples (increasing, m).
+fn twisted(scene: &Scene, x: &[f64]) -> Option<Twisted> {
+    let torsion = scene.torsion.as_ref()?;
+    let (mut k, mut end) = (0, scene.bar.segments[0].length);
+    let mut torque_per_stress = Vec::with_capacity(x.len());
+    for &x in x {
+        while x >= end && k + 1 < scene.bar.segments.len() {
+            k += 1;
+            end += scene.bar.segments[k].length;
+        }
+        torque_per_stress.push(torsion.polar[k] / torsion.radius);
+    }
+    Some(Twisted { radius: torsion.radius, torque_per_stress })
+}
+
 fn create_file(scene: &Scene, path: &Path, x: Vec<f64>, sampling: &str, critical: Option<f64>) -> Result<Writer> {
     let yields = scene.bar.segments.iter().any(|s| s.material.tension.strain().len() > 2);
     let [method, scheme] = scene.solve.method.names();
@@ -298,6 +353,7 @@ fn create_file(scene: &Scene, path: &Path, x: Vec<f64>, sampling: &str, critical
         method: method.into(),
         scheme: scheme.into(),
         critical_velocity: critical,
+        torsion: scene.torsion.as_ref().map(|torsion| torsion.radius),
     };
     let layout = Layout {
         x,

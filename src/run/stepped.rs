@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::Instant;
 
-use super::{Book, Findings, Progress, Wish, steps};
+use super::{Book, Findings, Progress, Wish, steps, twisted};
 use crate::assemble;
 use crate::error::{Error, Result, RunError};
 use crate::material::{Beyond, Sense};
@@ -70,7 +70,8 @@ impl<'a, S: Stepped> Run<'a, S> {
             Some(count) => Sampling::even(&scene.bar, bar.grid(), count),
             None => Sampling::cells(bar.grid()),
         };
-        let frames = Frames::new(scene.record.times.clone(), scene.record.fields.clone(), sampling);
+        let twisted = twisted(scene, sampling.x());
+        let frames = Frames::new(scene.record.times.clone(), scene.record.fields.clone(), sampling).twisted(twisted);
         let places = scene.record.gauges.iter().map(|g| g.1).collect();
         let book = Book::open(scene, output, frames.x().to_vec(), "", started)?;
         let tracker = FrontTracker::new(&scene.bar, bar.grid(), &book.launches, [&scene.left, &scene.right]);
@@ -81,7 +82,7 @@ impl<'a, S: Stepped> Run<'a, S> {
         Ok(Self {
             steps: steps(scene, bar.grid().dt),
             traces: Traces::new(Sampling::at(bar.grid(), places), scene.effects.heat.is_some()),
-            ledger: Ledger::new(&bar),
+            ledger: book.ledger(&bar),
             watched: Sampling::at(bar.grid(), audit.places().to_vec()),
             audit,
             elastic_check: probe.map(|probe| {
@@ -195,7 +196,7 @@ impl<'a, S: Stepped> Run<'a, S> {
             tracking: None,
             end_time: self.bar.time(),
             ends: self.ends(),
-            fronts: self.tracker.rows(&self.book.scene.record.gauges),
+            fronts: self.book.named(self.tracker.rows(&self.book.scene.record.gauges)),
             audit: self.audit(),
             elastic: self.bar.stayed_elastic(),
             elastic_check: self.elastic_check.as_ref().and_then(|p| p.check.check()),

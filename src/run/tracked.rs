@@ -4,12 +4,12 @@ use std::path::Path;
 use std::time::Instant;
 
 use super::breaks::Breaks;
-use super::{Book, Findings, Progress, Wish, companion};
+use super::{Book, Findings, Progress, Wish, companion, twisted};
 use crate::assemble;
 use crate::error::{Error, Result, RunError};
 use crate::record::{
     self, Audit, AuditRow, ElasticProbe, EndHistories, EndSummary, ErrorFigure, Field, Ledger, LedgerSummary, Paths,
-    StepGauges, Summary, TrackedFronts, TrackingSummary, View,
+    StepGauges, Summary, TrackedFronts, TrackingSummary, Twisted, View,
 };
 use crate::scene::Scene;
 use crate::solver::moc::{FrontTracking, Piece, Settings, Stopped, Trail};
@@ -50,6 +50,8 @@ struct Run<'a> {
     fronts: TrackedFronts,
     paths: Paths,
     ledger: Ledger,
+    /// In torsion.
+    twisted: Option<Twisted>,
     audit: Audit,
     /// Where the audit looks, m.
     watched: Vec<f64>,
@@ -82,10 +84,11 @@ impl<'a> Run<'a> {
             ends: EndHistories::default(),
             fronts: TrackedFronts::default(),
             paths: Paths::default(),
-            ledger: Ledger::new(&bar),
+            ledger: book.ledger(&bar),
             watched: audit.places().to_vec(),
             audit,
             yielded: false,
+            twisted: twisted(scene, &x),
             elastic_check: ElasticProbe::new(&scene.bar, &book.launches, scene.solve.until),
             breaks: Breaks::new(scene),
             book,
@@ -178,7 +181,8 @@ impl<'a> Run<'a> {
         self.write_ledger()?;
         self.breaks.look_for_gathering_strain(self.book.scene, &self.bar);
         if let Some(writer) = &mut self.book.writer {
-            let frame = record::read_frame(&self.bar, &self.book.scene.record.fields, &self.x, self.x.len());
+            let (fields, twisted) = (&self.book.scene.record.fields, self.twisted.as_ref());
+            let frame = record::read_frame(&self.bar, fields, &self.x, self.x.len(), twisted);
             writer.frame(record::Frame { time, ..frame })?;
         }
         Ok(())
@@ -206,6 +210,14 @@ impl<'a> Run<'a> {
 
     fn stopped(&self, why: &Stopped) -> Error {
         match *why {
+            Stopped::EventBudget { time, events, fronts } if self.book.scene.cut.is_some() => RunError {
+                reason: format!("front tracking used all of its {events} events, with {fronts} fronts under way"),
+                time,
+                x: None,
+                help: "every step of a taper's staircase splits every front: use method = \"fd\", which follows the taper \
+                       itself, or a larger front-tolerance, which makes the steps fewer, or raise event-budget"
+                    .into(),
+            },
             Stopped::EventBudget { time, events, fronts } => {
                 let help = companion::tolerance_that_carries(self.book.scene, self.settings).map_or_else(
                     || "no front-tolerance up to 0.5 carries it through: raise event-budget in [solve]".to_owned(),
@@ -257,7 +269,7 @@ impl<'a> Run<'a> {
             }),
             end_time: self.bar.time(),
             ends: self.end_states(),
-            fronts: self.fronts.rows(&self.bar, &self.book.launches, &self.book.scene.record.gauges),
+            fronts: self.book.named(self.fronts.rows(&self.bar, &self.book.launches, &self.book.scene.record.gauges)),
             audit: self.audit(),
             elastic: self.breaks.stayed_elastic(&self.bar),
             elastic_check: self.elastic_check.as_ref().and_then(ElasticProbe::check),

@@ -53,24 +53,29 @@ struct Table {
     written: usize,
 }
 
+/// Has a file built beside its final place, then moves it there. Missing folders are made.
+pub(super) fn in_place(path: &Path, build: impl Fn(&Path) -> Hdf<()>) -> Result<()> {
+    if path.is_dir() {
+        return Err(Error::file(path, "this is a folder; a result needs a file name"));
+    }
+    if let Some(folder) = path.parent().filter(|f| !f.as_os_str().is_empty()) {
+        std::fs::create_dir_all(folder).map_err(|e| Error::file(folder, e))?;
+    }
+    let temporary = temporary_name(path)?;
+    let built = build(&temporary)
+        .map_err(|e| Error::file(path, e))
+        .and_then(|()| std::fs::rename(&temporary, path).map_err(|e| Error::file(path, e)));
+    if built.is_err() {
+        // It may never have been made; the error that counts is the one that is returned.
+        let _ = std::fs::remove_file(&temporary);
+    }
+    built
+}
+
 impl Sink {
     /// Builds the file beside its final place, then moves it there.
     pub fn create(path: &Path, header: &Header, layout: &Layout, materials: &[MaterialRecord]) -> Result<Self> {
-        if path.is_dir() {
-            return Err(Error::file(path, "this is a folder; a result needs a file name"));
-        }
-        if let Some(folder) = path.parent().filter(|f| !f.as_os_str().is_empty()) {
-            std::fs::create_dir_all(folder).map_err(|e| Error::file(folder, e))?;
-        }
-        let temporary = temporary_name(path)?;
-        let built = build(&temporary, header, layout, materials)
-            .map_err(|e| Error::file(path, e))
-            .and_then(|()| std::fs::rename(&temporary, path).map_err(|e| Error::file(path, e)));
-        if let Err(error) = built {
-            // It may never have been made; the error that counts is the one that is returned.
-            let _ = std::fs::remove_file(&temporary);
-            return Err(error);
-        }
+        in_place(path, |temporary| build(temporary, header, layout, materials))?;
         Self::open(path, layout).map_err(|e| Error::file(path, e))
     }
 

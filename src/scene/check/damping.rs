@@ -82,8 +82,14 @@ impl Checker<'_> {
                 format!("take `rupture` or `{name}` out of [effects]: method = \"fd\" follows each without the other");
             return Err(self.error(rupture.span(), "effects.rupture", message).help(help).into());
         }
-        let Some(k) = bar.segments.iter().position(|s| matches!(s.joint, Joint::Contact { .. })) else { return Ok(()) };
         let (name, span) = effects.along().unwrap_or((name, 0..0));
+        if let Some(k) = bar.segments.iter().position(|s| s.taper.is_some()) {
+            let message = format!("`{name}` is not followed in a bar whose section changes along segment {}", k + 1);
+            let help =
+                format!("make it of uniform segments, or take `{name}` out of [effects]: both methods then follow it");
+            return Err(self.error(span, &format!("effects.{name}"), message).help(help).into());
+        }
+        let Some(k) = bar.segments.iter().position(|s| matches!(s.joint, Joint::Contact { .. })) else { return Ok(()) };
         let message =
             format!("`{name}` is not followed in a bar with joints that can open, as that behind segment {}", k + 1);
         let help = format!("bond the joint, or take `{name}` out of [effects]: both methods then follow such joints");

@@ -12,6 +12,7 @@ use super::grid::Grid;
 use super::implicit::{Along, Implicit};
 use super::ripple;
 use super::rupture::Breaking;
+use super::taper::BlockTaper;
 use crate::bar::{Bar, EndCondition};
 use crate::law::RowLaw;
 
@@ -49,11 +50,11 @@ pub(super) struct Constants {
     pub modulus: f64,
     pub stress_gain: f64,
     pub velocity_gain: f64,
-    /// rho A dx, kg.
+    /// rho A dx, kg; of a tapered segment with its mean area.
     pub cell_mass: f64,
-    /// A dx, m^3.
+    /// A dx, m^3; likewise.
     pub cell_volume: f64,
-    /// A, m^2.
+    /// A, m^2; likewise.
     pub area: f64,
     /// Cells that an elastic wave passes in a step.
     pub courant: f64,
@@ -116,20 +117,23 @@ impl Leapfrog {
         let blocks = blocks(bar, &grid);
         let mut edges = edges(&blocks, &constants);
         let contacts = contacts(bar, &blocks, &constants, &mut edges);
-        let end_grid = |k: usize| {
+        let end_grid = |k: usize, side: usize| {
             let (segment, part) = (&bar.segments[k], &grid.segments[k]);
+            let block = if side == 0 { &blocks[0] } else { &blocks[blocks.len() - 1] };
+            let cell = if side == 0 { 0 } else { block.sigma.len() - 1 };
             EndGrid {
                 dt: grid.dt,
                 dx: part.dx,
                 density: segment.material.density,
                 impedance: segment.material.impedance(),
-                area: segment.area,
+                area: segment.end_areas()[side],
+                cell_area: segment.area * block.area(cell),
                 velocity: segment.velocity,
             }
         };
         let [left, right] = ends;
-        let left = Device::new(left, -1.0, end_grid(0));
-        let right = Device::new(right, 1.0, end_grid(bar.segments.len() - 1));
+        let left = Device::new(left, -1.0, end_grid(0, 0));
+        let right = Device::new(right, 1.0, end_grid(bar.segments.len() - 1, 1));
         let parallel = grid.cells() >= PARALLEL_FROM;
         Self {
             grid,
@@ -200,7 +204,7 @@ impl Leapfrog {
         for_each(&mut self.blocks, self.parallel, damp);
         for (k, edge) in self.edges.iter_mut().enumerate() {
             let (left, right) = (&self.blocks[k], &self.blocks[k + 1]);
-            let change = right.handed_at_edges[0] - left.handed_at_edges[1];
+            let change = edge.handed(left.handed_at_edges[1], right.handed_at_edges[0]);
             let g = edge.kick(last(&left.sigma), right.sigma[0]);
             self.damped_at_edges += 0.5 * edge.mass * ripple::node(g, change, &mut edge.after);
             // So that after - before stays what the stresses gave the node, as for the nodes inside a block.
@@ -334,6 +338,14 @@ impl Edge {
     /// The node in whose place there is a contact.
     pub const EMPTY: Self = Self { before: 0.0, after: 0.0, gain_left: 0.0, gain_right: 0.0, mass: 0.0 };
 
+    /// Velocity change from what the ripple damping hands over in the cells on both sides, each an impulse of its own mass.
+    fn handed(&self, left: f64, right: f64) -> f64 {
+        if self.gain_left == self.gain_right {
+            return right - left;
+        }
+        2.0 * (self.gain_right * right - self.gain_left * left) / (self.gain_left + self.gain_right)
+    }
+
     /// Velocity change in a step, m/s, from the stresses on both sides. Inside a segment it has the bits that a node
     /// inside a block would have, so that results do not depend on where blocks meet.
     pub fn kick(&self, sigma_left: f64, sigma_right: f64) -> f64 {
@@ -381,27 +393,47 @@ fn blocks(bar: &Bar, grid: &Grid) -> Vec<Block> {
     for (k, part) in grid.segments.iter().enumerate() {
         for start in part.cells.clone().step_by(BLOCK) {
             let end = (start + BLOCK).min(part.cells.end);
-            blocks.push(Block::new(start..end, k, bar.segments[k].velocity));
+            let mut block = Block::new(start..end, k, bar.segments[k].velocity);
+            block.taper = BlockTaper::of(&bar.segments[k], part, &block.cells);
+            blocks.push(block);
         }
     }
     blocks
+}
+
+/// Areas of the cells on both sides of the node between two blocks, over the mean of their segments.
+fn relative_areas(pair: &[Block]) -> [f64; 2] {
+    [pair[0].area(pair[0].sigma.len() - 1), pair[1].area(0)]
+}
+
+/// Masses of these cells, kg.
+pub(super) fn cell_masses(pair: &[Block], constants: &[Constants]) -> [f64; 2] {
+    let areas = relative_areas(pair);
+    [0, 1].map(|k| constants[pair[k].segment].cell_mass * areas[k])
+}
+
+/// Sections of these cells, m^2.
+pub(super) fn cell_areas(pair: &[Block], constants: &[Constants]) -> [f64; 2] {
+    let areas = relative_areas(pair);
+    [0, 1].map(|k| constants[pair[k].segment].area * areas[k])
 }
 
 /// The nodes between blocks. At a joint of segments that move differently the node starts with their common momentum.
 fn edges(blocks: &[Block], constants: &[Constants]) -> Vec<Edge> {
     let edge = |pair: &[Block]| {
         let (left, right) = (&constants[pair[0].segment], &constants[pair[1].segment]);
+        let [left_mass, right_mass] = cell_masses(pair, constants);
         let velocity = if pair[0].v[0] == pair[1].v[0] {
             pair[0].v[0]
         } else {
-            (left.cell_mass * pair[0].v[0] + right.cell_mass * pair[1].v[0]) / (left.cell_mass + right.cell_mass)
+            (left_mass * pair[0].v[0] + right_mass * pair[1].v[0]) / (left_mass + right_mass)
         };
-        let mass = 0.5 * (left.cell_mass + right.cell_mass);
-        let (gain_left, gain_right) = if pair[0].segment == pair[1].segment {
+        let mass = 0.5 * (left_mass + right_mass);
+        let (gain_left, gain_right) = if pair[0].segment == pair[1].segment && pair[0].taper.is_none() {
             (left.velocity_gain, left.velocity_gain)
         } else {
             // dt A/m, written with the segment's own gain dt/(rho dx) = dt A/(cell mass).
-            (left.velocity_gain * left.cell_mass / mass, right.velocity_gain * right.cell_mass / mass)
+            (left.velocity_gain * left_mass / mass, right.velocity_gain * right_mass / mass)
         };
         Edge { before: velocity, after: velocity, gain_left, gain_right, mass }
     };
@@ -416,8 +448,9 @@ fn contacts(bar: &Bar, blocks: &[Block], constants: &[Constants], edges: &mut [E
         if left == right {
             continue;
         }
-        let masses = [constants[left].cell_mass, constants[right].cell_mass];
-        if let Some(contact) = Contact::new(bar, left, k, pair[1].cells.start, masses) {
+        let masses = cell_masses(pair, constants).map(|mass| 0.5 * mass);
+        let areas = cell_areas(pair, constants);
+        if let Some(contact) = Contact::new(bar, [left, k, pair[1].cells.start], masses, areas) {
             edges[k] = Edge::EMPTY;
             contacts.push(contact);
         }

@@ -1,5 +1,6 @@
 //! Finite differences on a staggered grid.
 
+mod ball;
 mod block;
 mod body;
 mod contact;
@@ -11,6 +12,7 @@ mod readings;
 mod ripple;
 mod rupture;
 mod sample;
+mod taper;
 
 pub use contact::ContactState;
 pub use device::Device;
@@ -19,3 +21,4 @@ pub use implicit::Along;
 pub use leapfrog::{Leapfrog, SegmentLaw};
 pub use readings::{Energies, Passed, Quantity};
 pub use sample::Sampling;
+pub use taper::BYTES_PER_CELL as TAPER_BYTES_PER_CELL;

@@ -62,7 +62,7 @@ pub struct Energies {
 impl Leapfrog {
     /// Mass of the bar, kg.
     pub fn mass(&self) -> f64 {
-        self.blocks.iter().map(|b| self.constants[b.segment].cell_mass * b.sigma.len() as f64).sum()
+        self.blocks.iter().map(|b| self.constants[b.segment].cell_mass * b.volume()).sum()
     }
 
     /// Plastic state in memory, and that of the nodes where something acts along the bar, bytes.
@@ -141,7 +141,7 @@ impl Leapfrog {
             return if k == self.edges.len() { self.right.velocity() } else { self.edge_velocity(k, 0) };
         }
         let gain = self.constants[block.segment].velocity_gain;
-        block.v[i] - 0.5 * (gain * (block.sigma[i] - block.sigma[i - 1]))
+        block.v[i] - 0.5 * block.kick(gain, i)
     }
 
     /// The same for the node between blocks `k` and `k + 1`; of two faces, the left (0) or the right (1) one.
@@ -162,22 +162,9 @@ impl Leapfrog {
         let mut total = Energies { viscous: self.damped_at_edges, ..Energies::default() };
         for (k, block) in self.blocks.iter().enumerate() {
             let c = &self.constants[block.segment];
-            let squares: f64 = block.sigma.iter().map(|s| s * s).sum();
-            total.elastic += 0.5 * c.cell_volume * squares / c.modulus;
-            let over = self.laws[block.segment].law.overstress_work(&block.state) / c.modulus;
-            let heats = self.laws[block.segment].law.heat_fraction();
-            let flow = 0.5 * c.cell_volume * block.plastic / c.modulus;
-            total.heat += heats * flow;
-            total.plastic += (1.0 - heats) * (flow - c.cell_volume * over);
-            total.viscous += 0.5 * c.cell_mass * block.damped + (1.0 - heats) * (c.cell_volume * over);
-            let inner = block.sigma.len();
-            let (mut product, mut sum) = (0.0, 0.0);
-            for i in 1..inner {
-                let after = block.v[i];
-                let before = after - c.velocity_gain * (block.sigma[i] - block.sigma[i - 1]);
-                product += after * before;
-                sum += after + before;
-            }
+            self.add_material(&mut total, block);
+            total.viscous += 0.5 * c.cell_mass * block.damped;
+            let (product, sum) = block.inner_nodes(c.velocity_gain);
             total.add_nodes(c.cell_mass, product, sum);
             if let Some(edge) = self.edges.get(k) {
                 total.add_nodes(edge.mass, edge.after * edge.before, edge.after + edge.before);
@@ -189,11 +176,23 @@ impl Leapfrog {
                 total.add_nodes(face.mass, face.after * face.before, face.after + face.before);
             }
         }
-        for (device, segment) in [(&self.left, 0), (&self.right, self.constants.len() - 1)] {
+        for (device, mass) in [&self.left, &self.right].into_iter().zip(self.end_masses()) {
             let (before, after) = (device.velocity_before(), device.velocity_after());
-            total.add_nodes(0.5 * self.constants[segment].cell_mass, before * after, before + after);
+            total.add_nodes(mass, before * after, before + after);
         }
         total
+    }
+
+    /// Strain energy and work of flow of a block.
+    fn add_material(&self, total: &mut Energies, block: &Block) {
+        let (c, law) = (&self.constants[block.segment], self.laws[block.segment].law.as_ref());
+        let over = c.cell_volume * block.overstress_work(law) / c.modulus;
+        let flow = 0.5 * c.cell_volume * block.plastic / c.modulus;
+        let heats = law.heat_fraction();
+        total.elastic += 0.5 * c.cell_volume * block.sum_of_squares() / c.modulus;
+        total.heat += heats * flow;
+        total.plastic += (1.0 - heats) * (flow - over);
+        total.viscous += (1.0 - heats) * over;
     }
 
     /// The same where the nodes keep their own account.
@@ -207,14 +206,16 @@ impl Leapfrog {
             ..Energies::default()
         };
         for block in &self.blocks {
-            let c = &self.constants[block.segment];
-            let squares: f64 = block.sigma.iter().map(|s| s * s).sum();
-            total.elastic += 0.5 * c.cell_volume * squares / c.modulus;
-            let over = self.laws[block.segment].law.overstress_work(&block.state) / c.modulus;
-            total.plastic += 0.5 * c.cell_volume * block.plastic / c.modulus - c.cell_volume * over;
-            total.viscous += c.cell_volume * over;
+            self.add_material(&mut total, block);
         }
         total
+    }
+
+    /// Masses of the nodes at the ends, kg.
+    fn end_masses(&self) -> [f64; 2] {
+        let (first, last) = (&self.blocks[0], &self.blocks[self.blocks.len() - 1]);
+        [(first, 0), (last, last.sigma.len() - 1)]
+            .map(|(block, cell)| 0.5 * (self.constants[block.segment].cell_mass * block.area(cell)))
     }
 
     /// Kinetic energy and momentum of the nodes with their initial velocities, before anything acts on them.
@@ -227,8 +228,8 @@ impl Leapfrog {
         let mut total = Energies::default();
         for (k, block) in self.blocks.iter().enumerate() {
             let c = &self.constants[block.segment];
-            let inner = &block.v[1..block.sigma.len()];
-            total.add_nodes(c.cell_mass, inner.iter().map(|v| v * v).sum(), 2.0 * inner.iter().sum::<f64>());
+            let (product, sum) = block.inner_nodes_at_start();
+            total.add_nodes(c.cell_mass, product, sum);
             if let Some(edge) = self.edges.get(k) {
                 total.add_nodes(edge.mass, edge.before * edge.before, 2.0 * edge.before);
             }
@@ -236,9 +237,9 @@ impl Leapfrog {
         for face in self.contacts.iter().flat_map(|contact| [&contact.left, &contact.right]) {
             total.add_nodes(face.mass, face.before * face.before, 2.0 * face.before);
         }
-        for (device, segment) in [(&self.left, 0), (&self.right, self.constants.len() - 1)] {
+        for (device, mass) in [&self.left, &self.right].into_iter().zip(self.end_masses()) {
             let v = device.velocity_before();
-            total.add_nodes(0.5 * self.constants[segment].cell_mass, v * v, 2.0 * v);
+            total.add_nodes(mass, v * v, 2.0 * v);
         }
         total
     }

@@ -180,6 +180,27 @@ fn copper_below_critical() {
 }
 
 #[test]
+fn auto_finds_effects_and_says_why() {
+    let summary = run("copper-auto.toml", &[]);
+    let auto = summary["auto"].as_array().expect("a list");
+    for key in ["unloading", "rate"] {
+        let choice = auto.iter().find(|choice| choice["effect"] == key).unwrap_or_else(|| panic!("{key}: {auto:?}"));
+        assert_eq!(choice["on"], true, "{choice}");
+        assert!(
+            number(&choice["estimate"]) > 0.01 && choice["why"].as_str().is_some_and(|w| w.contains('%')),
+            "{choice}"
+        );
+    }
+    let effects = summary["effects"].to_string();
+    assert!(effects.contains("rate: material") && effects.contains("unloading: isotropic"), "{effects}");
+    // What is left is below the tolerance, or not known.
+    for row in summary["audit"].as_array().expect("a list") {
+        let estimate = row["estimate"].as_f64().unwrap_or(0.0);
+        assert!(estimate < number(&row["threshold"]), "{row}");
+    }
+}
+
+#[test]
 fn copper_above_critical() {
     let summary = check("copper-above-critical.toml", [0.0, 1.0], 10);
     assert_eq!(summary["outcome"], "rupture");

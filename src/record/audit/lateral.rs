@@ -43,6 +43,9 @@ fn finding(case: &Case<'_>) -> (f64, String) {
     if !case.bar.area_given {
         return (f64::NAN, "no estimate: the scene gives no section".to_owned());
     }
+    if case.ends.iter().any(|end| matches!(end, EndCondition::Ball { .. })) {
+        return (f64::NAN, "no estimate: the pulse of a ball is not known beforehand".to_owned());
+    }
     let pulses = pulses(case);
     if pulses.is_empty() {
         return (0.0, "nothing is imposed on the bar".to_owned());

@@ -53,7 +53,7 @@ fn bar_of(segments: Vec<Segment>, ends: [EndCondition; 2], along: &Along, cells:
 }
 
 fn piece(material: &Arc<Material>, length: f64, velocity: f64) -> Segment {
-    Segment { length, area: AREA, material: material.clone(), velocity, joint: Joint::Bonded }
+    Segment { length, area: AREA, material: material.clone(), velocity, joint: Joint::Bonded, taper: None }
 }
 
 /// A bar whose cells start with the velocities of half a wave, `half_waves` of them, between fixed ends (sine) or free ones

@@ -17,8 +17,8 @@ const WORTH_IT: f64 = 1.02;
 
 #[derive(Debug)]
 pub(super) struct Heat {
-    /// By segment; none where the material does not state all that the softening needs.
-    media: Vec<Option<Medium>>,
+    /// By segment, in tension and compression; none where the material does not state all that the softening needs.
+    media: Vec<Option<[Medium; 2]>>,
     /// Plastic strain at which each place's softening was worked out, and the softening.
     softening: Vec<(f64, f64)>,
     /// Largest of all looks, Pa m.
@@ -40,15 +40,15 @@ struct Medium {
 }
 
 impl Medium {
-    fn of(material: &Material) -> Option<Self> {
+    fn of(material: &Material, sense: Sense) -> Option<Self> {
         let heat = &material.constants.heat;
         let range = heat.melting_temperature? - heat.reference_temperature?;
         let capacity = material.density * heat.specific_heat?;
         let mut knots: Vec<[f64; 3]> = vec![[0.0; 3]];
-        let table = Table::new(material.branch(Sense::Tension), material.modulus);
+        let table = Table::new(material.branch(sense), material.modulus);
         let limit = table.yield_stress();
         knots[0][1] = limit;
-        let curve = material.tension.running_maximum();
+        let curve = material.branch(sense).running_maximum();
         for (e, s) in curve.strain().iter().zip(curve.stress()).filter(|(_, s)| **s >= limit) {
             let [p0, s0, w0] = knots[knots.len() - 1];
             let p = e - s / material.modulus;
@@ -78,16 +78,17 @@ impl Medium {
 
 impl Heat {
     pub fn new(materials: &[Arc<Material>], places: usize) -> Self {
-        let media = materials.iter().map(|m| Medium::of(m)).collect();
+        let both = |m: &Arc<Material>| Some([Medium::of(m, Sense::Tension)?, Medium::of(m, Sense::Compression)?]);
+        let media = materials.iter().map(both).collect();
         Self { media, softening: vec![(0.0, 0.0); places], change: 0.0, hottest: None }
     }
 
     pub fn look(&mut self, now: &Reading, places: &Places) {
         let mut change = 0.0;
         for (k, softening) in self.softening.iter_mut().enumerate() {
-            let (Some(medium), plastic) = (&self.media[places.segment[k]], now.plastic[k]) else { continue };
+            let (Some(senses), plastic) = (&self.media[places.segment[k]], now.plastic[k]) else { continue };
             if plastic > WORTH_IT * softening.0 {
-                let (rise, lost) = medium.at(plastic);
+                let (rise, lost) = senses[usize::from(now.strain[k] < 0.0)].at(plastic);
                 *softening = (plastic, lost);
                 if self.hottest.is_none_or(|h| rise > h.0) {
                     self.hottest = Some((rise, lost, now.time, k));

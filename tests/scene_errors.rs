@@ -484,7 +484,7 @@ const CASES: &[Case] = &[
         "heat = { fraction = 0.9 }",
         "heat",
         "effects.heat",
-        &["heating by plastic work", "leave it out"],
+        &["heat needs constants that the material `steel` does not state", "take `heat` out"],
     ),
     // The effect of the strain rate.
     case(

@@ -106,6 +106,52 @@ fn check(name: &str, expected: &[&str]) {
     assert_eq!(on, expected, "{name}: {choices:?}");
 }
 
+/// Choices of a scene under overrides, and the method that it came to.
+fn choices(name: &str, overrides: &[&str]) -> (Vec<AutoChoice>, [String; 2]) {
+    let overrides: Vec<String> = overrides.iter().map(|&o| o.to_owned()).collect();
+    let scene = read(name, &overrides).expect("a scene");
+    let summary = run::run(&scene, None, &mut |_| Wish::GoOn).expect("it runs");
+    (summary.auto.expect("auto"), [summary.method, summary.scheme])
+}
+
+#[test]
+fn of_effects_that_do_not_go_together_the_larger_is_simulated() {
+    // Rupture of a bar with lateral inertia is not followed.
+    let (all, _) = choices("rupture", &["bar.diameter=40 mm", "bar.material.poisson=0.3"]);
+    let of = |effect: &str| all.iter().find(|c| c.effect == effect).unwrap_or_else(|| panic!("{effect}: {all:?}"));
+    let (rupture, lateral) = (of("rupture"), of("lateral-inertia"));
+    assert!(rupture.on && !lateral.on && rupture.estimate > lateral.estimate, "{all:?}");
+    assert!(lateral.why.contains("cannot be simulated here"), "{}", lateral.why);
+}
+
+#[test]
+fn a_method_that_the_scene_names_stays() {
+    let moc = ["solve.method=moc", "solve.cells=", "solve.front-tolerance=0.01"];
+    let (released, method) = choices("released", &moc);
+    assert_eq!((released.len(), method), (1, ["moc".to_owned(), "front-tracking".to_owned()]), "{released:?}");
+    // The net of a rate-dependent bar has no front tolerance.
+    let (rate, method) = choices("rate", &moc);
+    assert!(rate.iter().any(|c| c.effect == "rate" && c.on), "{rate:?}");
+    assert_eq!(method, ["moc", "characteristic-net"]);
+    // Lateral inertia is the grid's alone.
+    let (lateral, method) = choices("lateral", &["solve.method=moc", "solve.cells="]);
+    assert!(lateral.iter().any(|c| c.effect == "lateral-inertia" && !c.on), "{lateral:?}");
+    assert_eq!(method, ["moc", "front-tracking"]);
+}
+
+#[test]
+fn a_scene_with_its_choice_written_out_is_the_same_run() {
+    let scene = read("rate", &[]).expect("a scene");
+    let chosen = run::choose(&scene, &mut |_| {});
+    let written = read("rate", &["effects={ rate = \"material\" }".to_owned()]).expect("a scene");
+    assert_eq!((&chosen.effects, &chosen.solve), (&written.effects, &written.solve));
+    let resolved = chosen.resolved_json();
+    assert_eq!(resolved["effects"], written.resolved_json()["effects"]);
+    assert_eq!(resolved["auto"][0]["effect"], "rate");
+    // A scene that names its effects is left alone.
+    assert!(run::choose(&written, &mut |_| {}).auto.is_none());
+}
+
 macro_rules! scenes {
     ($($test:ident: $name:literal => [$($effect:literal),*];)*) => {
         $(#[test] fn $test() { check($name, &[$($effect),*]); })*

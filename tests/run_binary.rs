@@ -622,7 +622,7 @@ fn no_scene_of_runs_is_left_out() {
         let path = entry.expect("an entry").path();
         if path.extension().is_some_and(|e| e == "toml") {
             let name = path.file_name().expect("a name").to_string_lossy().into_owned();
-            assert!(source.contains(&format!("(\"{name}\"")), "runs/{name} is in no test");
+            assert!(source.contains(&format!("\"{name}\"")), "runs/{name} is in no test");
         }
     }
 }

@@ -486,7 +486,21 @@ const CASES: &[Case] = &[
         "effects.heat",
         &["heat needs constants that the material `steel` does not state", "take `heat` out"],
     ),
+    case(
+        "cells = 1000",
+        "audit-tolerance = 2.5",
+        "2.5",
+        "solve.audit-tolerance",
+        &["out of range", "0 < audit-tolerance < 1"],
+    ),
     // The effect of the strain rate.
+    case(
+        "unloading = \"isotropic\"",
+        "rate = \"material\"",
+        "\"material\"",
+        "effects.rate",
+        &["no material of the bar states a rate", "[rate.johnson-cook]"],
+    ),
     case(
         "unloading = \"isotropic\"",
         "rate = { model = \"malvren\", k = \"1e6 1/s\" }",

@@ -154,6 +154,18 @@ mod tests {
     }
 
     #[test]
+    fn the_overstress_of_a_rate_flows_at_that_rate() {
+        for law in LAWS {
+            // Above Johnson and Cook's reference rates.
+            for rate in [200e9 * 60.0, 200e9 * 1e4] {
+                let back = law.rate(law.overstress(rate, 200e6), 200e6);
+                // A power of 5 and an exponential of 20 multiply rounding.
+                assert!((back / rate - 1.0).abs() < 1e-12, "{law:?}: {back:e} {rate:e}");
+            }
+        }
+    }
+
+    #[test]
     fn the_overstress_never_falls_below_zero() {
         for law in LAWS {
             for x in [1e-200, 1e-3, 1e6, 1e12] {

@@ -33,7 +33,7 @@ pub fn leapfrog(scene: &Scene, cells: usize, cfl: f64) -> Leapfrog {
 }
 
 /// What acts along the bar beside the stress of its curve, if anything does. A section is taken for a round one: its polar
-/// radius of gyration is that of a disc, r_p^2 = A/(2 pi). Poisson's ratio is the elastic one throughout.
+/// radius of gyration is that of a disc, `r_p^2 = A/(2 pi)`. Poisson's ratio is the elastic one throughout.
 pub fn along(bar: &Bar, effects: &Effects) -> Option<Along> {
     let damping = effects.damping.unwrap_or_default();
     let lateral = |segment: &Segment| {
@@ -83,6 +83,7 @@ pub fn characteristic_net(scene: &Scene, cells: usize) -> Net {
 pub fn rate_law(material: &Material, effects: &Effects) -> RateLaw {
     let overstress = match effects.rate {
         None => Overstress::Malvern { k: f64::MAX },
+        Some(Rate::Material) => Overstress::of(material).unwrap_or(Overstress::Malvern { k: f64::MAX }),
         Some(Rate::Malvern { k }) => Overstress::Malvern { k },
         Some(Rate::CowperSymonds { d, q }) => Overstress::CowperSymonds { rate: material.modulus * d, exponent: q },
         Some(Rate::JohnsonCook { c, reference }) => Overstress::JohnsonCook { c, rate: material.modulus * reference },

@@ -82,7 +82,7 @@ const CASES: &[Case] = &[
         "cels = 1000",
         "cels",
         "solve.cels",
-        &["did you mean `cells`?", "until, method, scheme, cells, cfl, front-tolerance, event-budget"],
+        &["did you mean `cells`?", "until, method, scheme, cells, cfl, audit-tolerance, front-tolerance, event-budget"],
     ),
     case(
         "\"free\"",
@@ -479,14 +479,50 @@ const CASES: &[Case] = &[
         "solve.tolerance",
         &["the choice of method by tolerance", "cells = 4000"],
     ),
+    // The effect of heat.
     case(
         "unloading = \"isotropic\"",
         "heat = { fraction = 0.9 }",
         "heat",
         "effects.heat",
-        &["heating by plastic work", "leave it out"],
+        &["`steel` does not state: specific-heat, reference-temperature, melting-temperature, m", "add them to"],
+    ),
+    case(
+        "unloading = \"isotropic\"",
+        "heat = { fraction = 1.5 }",
+        "heat",
+        "effects.heat.fraction",
+        &["1.5 is out of range", "allowed: 0 <= fraction <= 1"],
+    ),
+    case(
+        "unloading = \"isotropic\"",
+        "heat = { fracton = 0.5 }",
+        "fracton",
+        "effects.heat.fracton",
+        &["unknown", "fraction"],
+    ),
+    case(
+        "fields = [\"stress\", \"velocity\"]",
+        "fields = [\"stress\", \"temperature\"]",
+        "temperature",
+        "record.fields.1",
+        &["does not exist where nothing heats the bar", "heat = { fraction = 0.9 }"],
+    ),
+    case(
+        "cells = 1000",
+        "audit-tolerance = 2.5",
+        "2.5",
+        "solve.audit-tolerance",
+        &["out of range", "0 < audit-tolerance < 1"],
     ),
     // The effect of the strain rate.
+    case(
+        "unloading = \"isotropic\"",
+        "rate = \"material\"",
+        "\"material\"",
+        "effects.rate",
+        &["no material of the bar states a rate", "[rate.johnson-cook]"],
+    ),
     case(
         "unloading = \"isotropic\"",
         "rate = { model = \"malvren\", k = \"1e6 1/s\" }",

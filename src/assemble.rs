@@ -83,6 +83,7 @@ pub fn characteristic_net(scene: &Scene, cells: usize) -> Net {
 pub fn rate_law(material: &Material, effects: &Effects) -> RateLaw {
     let overstress = match effects.rate {
         None => Overstress::Malvern { k: f64::MAX },
+        Some(Rate::Material) => Overstress::of(material).unwrap_or(Overstress::Malvern { k: f64::MAX }),
         Some(Rate::Malvern { k }) => Overstress::Malvern { k },
         Some(Rate::CowperSymonds { d, q }) => Overstress::CowperSymonds { rate: material.modulus * d, exponent: q },
         Some(Rate::JohnsonCook { c, reference }) => Overstress::JohnsonCook { c, rate: material.modulus * reference },

@@ -82,7 +82,7 @@ const CASES: &[Case] = &[
         "cels = 1000",
         "cels",
         "solve.cels",
-        &["did you mean `cells`?", "until, method, scheme, cells, cfl, front-tolerance, event-budget"],
+        &["did you mean `cells`?", "until, method, scheme, cells, cfl, audit-tolerance, front-tolerance, event-budget"],
     ),
     case(
         "\"free\"",
@@ -508,7 +508,21 @@ const CASES: &[Case] = &[
         "record.fields.1",
         &["does not exist where nothing heats the bar", "heat = { fraction = 0.9 }"],
     ),
+    case(
+        "cells = 1000",
+        "audit-tolerance = 2.5",
+        "2.5",
+        "solve.audit-tolerance",
+        &["out of range", "0 < audit-tolerance < 1"],
+    ),
     // The effect of the strain rate.
+    case(
+        "unloading = \"isotropic\"",
+        "rate = \"material\"",
+        "\"material\"",
+        "effects.rate",
+        &["no material of the bar states a rate", "[rate.johnson-cook]"],
+    ),
     case(
         "unloading = \"isotropic\"",
         "rate = { model = \"malvren\", k = \"1e6 1/s\" }",

@@ -45,7 +45,8 @@ fn text(plan: &Plan, units: System) -> String {
     let mut line = |label: &str, value: String| lines.push(std::format!("  {label:<18}{value}"));
     line("method", std::format!("{} {}", plan.method, plan.scheme));
     for effect in &plan.effects {
-        line(if effect.on { "on" } else { "off" }, std::format!("{}: {}", effect.effect, effect.why));
+        let size = effect.estimate.map_or_else(String::new, |e| std::format!(" ({:.2} %)", 100.0 * e));
+        line(if effect.on { "on" } else { "off" }, std::format!("{}{size}: {}", effect.effect, effect.why));
     }
     for (label, value) in work_lines(&plan.work, units) {
         line(label, value);

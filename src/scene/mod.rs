@@ -1,5 +1,6 @@
 //! A scene: what the user typed (`raw`), what it means (`check`), as plain data in SI (here).
 
+mod auto;
 mod check;
 mod cut;
 mod effects;
@@ -16,6 +17,7 @@ use crate::error::{InputError, Result};
 use crate::input::Document;
 use crate::record::{Compression, Field, Precision};
 
+pub use auto::Auto;
 pub use cut::{Cut, MOST_PIECES};
 pub use effects::{Damping, Effects, Heat, Rate, Rupture, Unloading};
 use overrides::Overrides;
@@ -78,6 +80,10 @@ pub struct Scene {
     pub right: EndCondition,
     /// Effects beyond the curve itself.
     pub effects: Effects,
+    /// `effects = "auto"`: [`Scene::effects`] is what was chosen so far.
+    pub auto: Option<Auto>,
+    /// The folder that paths in the scene are relative to.
+    pub base: PathBuf,
     /// How to solve.
     pub solve: Solve,
     /// What to record.
@@ -105,6 +111,13 @@ pub struct Solve {
     pub until: f64,
     /// Method and its settings.
     pub method: Method,
+    /// Relative change of the stress from which on an effect that was left out matters, 0 < . < 1.
+    pub audit_tolerance: f64,
+}
+
+impl Solve {
+    /// Default of [`Solve::audit_tolerance`].
+    pub const AUDIT_TOLERANCE: f64 = 0.01;
 }
 
 /// A method with its settings.

@@ -64,7 +64,9 @@ impl Checker<'_> {
             (RawMethod::Moc, false) => self.front_tracking(raw)?,
             (RawMethod::Moc, true) => Method::CharacteristicNet { cells: self.cells(raw)? },
         };
-        Ok(Solve { until, method })
+        let (key, range) = ("solve.audit-tolerance", Allowed::Between(0.0, 1.0));
+        let tolerance = self.document.optional(raw.audit_tolerance.as_ref(), key, Dimension::None, range)?;
+        Ok(Solve { until, method, audit_tolerance: tolerance.unwrap_or(Solve::AUDIT_TOLERANCE) })
     }
 
     fn leapfrog(&self, raw: &RawSolve) -> Result<Method> {
@@ -108,7 +110,7 @@ impl Checker<'_> {
             let help = format!("use method = \"{}\", which has it, or {out}", other.word());
             (format!("`{name}` means nothing for method = \"{word}\""), help)
         };
-        let allowed = format!("until, method, {}", method.keys(rate).join(", "));
+        let allowed = format!("until, method, {}, audit-tolerance", method.keys(rate).join(", "));
         Err(self.error(span, &format!("solve.{name}"), message).allowed(allowed).help(help).into())
     }
 }

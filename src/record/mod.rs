@@ -80,6 +80,7 @@ impl Field {
     ];
 
     /// The field of the surface from which one in torsion is computed; any other field itself.
+    #[must_use]
     pub fn base(self) -> Self {
         match self {
             Self::Torque => Self::Stress,

@@ -134,6 +134,9 @@ const RATE_OTHER: f64 = 150e-9;
 /// Time of a step of a node where something acts along the bar. Measured at 10000 cells.
 const SWEEP: f64 = 8e-9;
 
+/// The same of a cell whose temperature is a state, which is gone through until it stands.
+const HEATED: f64 = 500e-9;
+
 /// Makes the plan, with the effects that `effects = "auto"` would start with.
 pub fn plan(scene: &Scene) -> Plan {
     let scene = &run::choose(scene, &mut |_| {});
@@ -180,7 +183,9 @@ fn grid_work(scene: &Scene, grid: &Grid) -> (Work, usize) {
     let yielded = (2 + law.law.state_len()) * number + 1 + work_kept + sections + yielded_nodes;
     let sweep = if along.is_some() { SWEEP } else { 0.0 };
     let (elastic_cell, work) = (elastic_seconds_per_cell_step(), (cells * steps) as f64);
+    let heated = scene.bar.segments.iter().any(|s| assemble::heat_of_state(&s.material, &scene.effects).is_some());
     let flowing = match scene.effects.rate {
+        _ if heated => HEATED,
         None => PLASTIC_COST * elastic_cell,
         Some(Rate::Malvern { .. }) => RATE_MALVERN,
         Some(_) => RATE_OTHER,

@@ -80,8 +80,6 @@ pub(super) fn check(document: &Document, base: &Path) -> Result<Scene> {
     let raw_solve = checker.required(raw.solve.as_ref(), "solve", until)?;
     let solve = checker.solve(raw_solve, &raw_effects)?;
     checker.taper_can_be_solved(raw_bar.get_ref(), &bar, &solve.method)?;
-    let raw_ends = [("left", raw.left.as_ref()), ("right", raw.right.as_ref())];
-    checker.follows_balls(raw_ends, &solve.method)?;
     let record = checker.record(&raw.record, &bar, &effects, &solve, twisted)?;
     let name = Path::new(&document.file).file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
     Ok(Scene {

@@ -254,8 +254,10 @@ fn an_elastic_bar_between_two_walls_does_not_ring_up() {
     }
     // All of the motion is stored for a moment in a blow, and no more than all.
     assert!(largest > 0.9 * start && largest < 1.02 * start, "{largest} of {start}");
-    let now = bar.energies();
-    assert!(now.kinetic > 0.0 && (now.total() / start - 1.0).abs() < 1e-10, "{now:?}");
+    // A node that comes to rest at a wall loses its motion: of the first order in the cell size, in a hundred blows.
+    let (now, lost) = (bar.energies(), -bar.left().work() - bar.right().work());
+    assert!(now.kinetic > 0.0 && lost > 0.0 && lost < 0.02 * start, "{now:?} {lost}");
+    assert!(((now.total() + lost) / start - 1.0).abs() < 1e-10, "{now:?} {lost}");
 }
 
 #[test]

@@ -248,7 +248,7 @@ fn an_elastic_bar_between_two_walls_does_not_ring_up() {
     let mut largest = 0.0_f64;
     for _ in 0..20_000 {
         bar.advance();
-        if bar.step() % 10 == 0 {
+        if bar.step().is_multiple_of(10) {
             largest = largest.max(bar.energies().elastic);
         }
     }

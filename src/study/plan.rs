@@ -135,7 +135,7 @@ const RATE_OTHER: f64 = 150e-9;
 const SWEEP: f64 = 8e-9;
 
 /// The same of a cell whose temperature is a state, which is gone through until it stands.
-const HEATED: f64 = 500e-9;
+const HEATED: f64 = 200e-9;
 
 /// Makes the plan, with the effects that `effects = "auto"` would start with.
 pub fn plan(scene: &Scene) -> Plan {

@@ -5,6 +5,7 @@ mod checks;
 mod frames;
 mod fronts;
 mod ledger;
+mod muscl_view;
 mod net_view;
 mod step_gauges;
 pub mod store;

@@ -68,6 +68,9 @@ pub fn run(scene: &Scene, output: Option<&Path>, progress: &mut dyn FnMut(Progre
         Method::Leapfrog { cells, cfl } => {
             stepped::run(scene, assemble::leapfrog(scene, cells, cfl), output, started, progress)
         }
+        Method::Muscl { cells, cfl } => {
+            stepped::run(scene, assemble::muscl(scene, cells, cfl), output, started, progress)
+        }
         Method::CharacteristicNet { cells } => {
             stepped::run(scene, assemble::characteristic_net(scene, cells), output, started, progress)
         }

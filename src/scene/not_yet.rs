@@ -27,7 +27,6 @@ const STRIKER: &str =
     "give an end kind = \"striker\" with mass and velocity, or lay two segments together with joint = \"contact\"";
 const STRUCK_BAR: &str = "describe a bar in [bar] with its [left] and [right] ends";
 const LEAVE_OUT: &str = "leave it out; the effects that can be simulated are `unloading`, `rate` and `rupture`";
-const LEAPFROG: &str = "use method = \"fd\" with scheme = \"leapfrog\" (both are the default)";
 const CELLS: &str = "leave it out and set the resolution with `cells`, e.g. cells = 4000";
 
 const WORDS: &[Word] = &[
@@ -43,7 +42,6 @@ const WORDS: &[Word] = &[
     word(&["effects", "heat"], "", "heating by plastic work", LEAVE_OUT),
     word(&["effects", "damping"], "", "damping", LEAVE_OUT),
     word(&["effects", "lateral-inertia"], "", "lateral inertia", LEAVE_OUT),
-    word(&["solve", "scheme"], "muscl", "the scheme muscl", LEAPFROG),
     word(&["solve", "tolerance"], "", "the choice of method by tolerance", CELLS),
     word(&["solve", "viscosity"], "", "artificial viscosity", "leave it out"),
 ];

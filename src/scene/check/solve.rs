@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use toml::Spanned;
 
-use super::super::raw::{RawEffects, RawMethod, RawSolve};
+use super::super::raw::{RawEffects, RawMethod, RawScheme, RawSolve};
 use super::super::{Method, Solve};
 use super::{Checker, MOST_CELLS};
 use crate::error::Result;
@@ -56,18 +56,36 @@ impl Checker<'_> {
         }
         self.only_keys_of(raw, method, rate)?;
         let method = match (method, rate) {
-            (RawMethod::Fd, _) => self.leapfrog(raw)?,
+            (RawMethod::Fd, _) => self.on_a_grid(raw, effects)?,
             (RawMethod::Moc, false) => self.front_tracking(raw)?,
             (RawMethod::Moc, true) => Method::CharacteristicNet { cells: self.cells(raw)? },
         };
         Ok(Solve { until, method })
     }
 
-    fn leapfrog(&self, raw: &RawSolve) -> Result<Method> {
+    fn on_a_grid(&self, raw: &RawSolve, effects: &RawEffects) -> Result<Method> {
         let cells = self.cells(raw)?;
         let range = Allowed::Above(0.0, 1.0);
-        let cfl = self.document.optional(raw.cfl.as_ref(), "solve.cfl", Dimension::None, range)?;
-        Ok(Method::Leapfrog { cells, cfl: cfl.unwrap_or(1.0) })
+        let cfl = self.document.optional(raw.cfl.as_ref(), "solve.cfl", Dimension::None, range)?.unwrap_or(1.0);
+        match &raw.scheme {
+            Some(scheme) if *scheme.get_ref() == RawScheme::Muscl => {
+                self.muscl_can(scheme.span(), effects)?;
+                Ok(Method::Muscl { cells, cfl })
+            }
+            _ => Ok(Method::Leapfrog { cells, cfl }),
+        }
+    }
+
+    /// Refuses effects that the scheme muscl does not have. `span` is that of the scheme's name.
+    fn muscl_can(&self, span: Range<usize>, effects: &RawEffects) -> Result<()> {
+        let asked = [
+            (effects.rate.is_some(), "rate", "\"leapfrog\", or method = \"moc\" (a characteristic net)"),
+            (effects.rupture.is_some(), "rupture", "\"leapfrog\", or method = \"moc\" (front tracking)"),
+        ];
+        let Some((_, effect, instead)) = asked.into_iter().find(|row| row.0) else { return Ok(()) };
+        let message = format!("scheme = \"muscl\" does not simulate the effect `{effect}`");
+        let help = format!("use scheme = {instead}, or take `{effect}` out of [effects]");
+        Err(self.error(span, "solve.scheme", message).allowed("\"leapfrog\"").help(help).into())
     }
 
     fn cells(&self, raw: &RawSolve) -> Result<usize> {

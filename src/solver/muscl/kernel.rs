@@ -29,30 +29,51 @@ impl Elastic {
     }
 }
 
-/// States of a row's cells at their left and right faces, half a step on.
+/// Room to work in. Whatever is read of it in a step has been written in that step.
+#[derive(Clone)]
+pub(super) struct Scratch {
+    carried: Carried,
+    through: Through,
+    ahead: Ahead,
+    increment: [f64; ROW],
+    /// Stresses before or after a step.
+    stress: [f64; ROW],
+    slope: [f64; ROW],
+    lost: [f64; ROW],
+}
+
+impl Scratch {
+    pub const ZERO: Self = Self {
+        carried: Carried { left: [[0.0; ROW]; 2], right: [[0.0; ROW]; 2] },
+        through: Through { stress: [0.0; ROW + 1], velocity: [0.0; ROW + 1] },
+        ahead: Ahead { sigma: [0.0; ROW], state: [0.0; MOST_STATE * ROW], work: [0.0; ROW] },
+        increment: [0.0; ROW],
+        stress: [0.0; ROW],
+        slope: [0.0; ROW],
+        lost: [0.0; ROW],
+    };
+}
+
+/// States of a row's cells at their left and right faces, half a step on: stresses and velocities.
+#[derive(Clone)]
 struct Carried {
     left: [[f64; ROW]; 2],
     right: [[f64; ROW]; 2],
 }
 
-impl Carried {
-    const ZERO: Self = Self { left: [[0.0; ROW]; 2], right: [[0.0; ROW]; 2] };
-}
-
 /// What goes through the faces of a row: stress and velocity; face i is that between cells i - 1 and i.
+#[derive(Clone)]
 struct Through {
     stress: [f64; ROW + 1],
     velocity: [f64; ROW + 1],
 }
 
 impl Through {
-    const ZERO: Self = Self { stress: [0.0; ROW + 1], velocity: [0.0; ROW + 1] };
-
     fn set(&mut self, face: usize, flux: Flux) {
         (self.stress[face], self.velocity[face]) = (flux.stress, flux.velocity);
     }
 
-    /// Puts in what ends and joints let through. Copies beyond them are not strained.
+    /// Puts in what ends and joints let through.
     fn set_outer(&mut self, block: &Block) {
         let last = block.sigma.len() - GHOSTS;
         for (side, face) in [(0, GHOSTS), (1, last)] {
@@ -63,21 +84,29 @@ impl Through {
     }
 }
 
+/// A row half a step on, by the cells' own law.
+#[derive(Clone)]
+struct Ahead {
+    sigma: [f64; ROW],
+    state: [f64; MOST_STATE * ROW],
+    /// Not 0 in cells that flow.
+    work: [f64; ROW],
+}
+
 /// One elastic step of a block; false, and nothing is changed, where a stress comes past the elastic limit.
-pub(super) fn elastic(block: &mut Block, part: &Part) -> bool {
+pub(super) fn elastic(block: &mut Block, part: &Part, scratch: &mut Scratch) -> bool {
     let elastic = Elastic::of(part);
-    let (mut carried, mut through) = (Carried::ZERO, Through::ZERO);
-    let at_faces = carry(elastic, block.carried(), &block.sigma, &block.v, &mut carried);
-    acoustic(elastic, block.sigma.len(), &carried, &mut through);
+    let Scratch { carried, through, stress, lost, .. } = scratch;
+    let at_faces = carry(elastic, block.carried(), &block.sigma, &block.v, carried);
+    acoustic(elastic, block.sigma.len(), carried, through);
     through.set_outer(block);
-    let mut stress = [0.0; ROW];
     let row = block.sigma.len();
-    let peak = strain_elastic(elastic, &block.sigma, &through, &mut stress[..row]);
+    let peak = strain_elastic(elastic, &block.sigma, through, &mut stress[..row]);
     if at_faces > part.limit || peak > part.limit {
         return false;
     }
     let own = GHOSTS..row - GHOSTS;
-    block.lost += push(elastic.kick, &mut block.v, &block.sigma, &stress[..row], &through);
+    block.lost += push(elastic.kick, &mut block.v, &block.sigma, &stress[..row], through, lost);
     block.sigma[own.clone()].copy_from_slice(&stress[own]);
     true
 }
@@ -85,31 +114,37 @@ pub(super) fn elastic(block: &mut Block, part: &Part) -> bool {
 /// States at the faces of an elastic row. Returns the largest stress among them.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
 fn carry(elastic: Elastic, cells: Range<usize>, sigma: &[f64], v: &[f64], carried: &mut Carried) -> f64 {
-    let row = sigma.len();
-    let v = &v[..row];
     let (half_gain, half_kick) = (0.5 * elastic.gain, 0.5 * elastic.kick);
+    let (from, count) = (cells.start, cells.len());
     let Carried { left: [left_s, left_v], right: [right_s, right_v] } = carried;
-    let (left_s, left_v) = (&mut left_s[..row], &mut left_v[..row]);
-    let (right_s, right_v) = (&mut right_s[..row], &mut right_v[..row]);
-    for i in cells.start.max(1)..cells.end.min(row - 1) {
-        let ds = limited(sigma[i] - sigma[i - 1], sigma[i + 1] - sigma[i]);
-        let dv = limited(v[i] - v[i - 1], v[i + 1] - v[i]);
-        let (s, w) = (sigma[i] + half_gain * dv, v[i] + half_kick * ds);
+    let (left_s, left_v) = (&mut left_s[from..from + count], &mut left_v[from..from + count]);
+    let (right_s, right_v) = (&mut right_s[from..from + count], &mut right_v[from..from + count]);
+    let (sigma, v) = (&sigma[from - 1..=from + count], &v[from - 1..=from + count]);
+    for i in 0..count {
+        let ds = limited(sigma[i + 1] - sigma[i], sigma[i + 2] - sigma[i + 1]);
+        let dv = limited(v[i + 1] - v[i], v[i + 2] - v[i + 1]);
+        let (s, w) = (sigma[i + 1] + half_gain * dv, v[i + 1] + half_kick * ds);
         left_s[i] = s - 0.5 * ds;
         right_s[i] = s + 0.5 * ds;
         left_v[i] = w - 0.5 * dv;
         right_v[i] = w + 0.5 * dv;
     }
+    largest(left_s, right_s)
+}
+
+/// The largest magnitude among two rows of one length.
+#[inline(always)]
+fn largest(a: &[f64], b: &[f64]) -> f64 {
     let mut peak = [0.0_f64; LANES];
-    for (left, right) in left_s.as_chunks::<LANES>().0.iter().zip(right_s.as_chunks::<LANES>().0) {
+    let ((groups_a, rest_a), (groups_b, rest_b)) = (a.as_chunks::<LANES>(), b.as_chunks::<LANES>());
+    for (a, b) in groups_a.iter().zip(groups_b) {
         for lane in 0..LANES {
-            let (a, b) = (left[lane].abs(), right[lane].abs());
+            let (a, b) = (a[lane].abs(), b[lane].abs());
             let larger = if a > b { a } else { b };
             peak[lane] = if larger > peak[lane] { larger } else { peak[lane] };
         }
     }
-    let whole = row - row % LANES;
-    let rest = left_s[whole..].iter().chain(&right_s[whole..]).fold(0.0_f64, |m, s| m.max(s.abs()));
+    let rest = rest_a.iter().chain(rest_b).fold(0.0_f64, |m, s| m.max(s.abs()));
     peak.iter().fold(rest, |m, &p| m.max(p))
 }
 
@@ -145,29 +180,25 @@ fn strain_elastic(elastic: Elastic, sigma: &[f64], through: &Through, after: &mu
     for i in 0..cells {
         after[i] = sigma[i] + elastic.gain * (velocity[i + 1] - velocity[i]);
     }
-    let mut peak = [stress[cells].abs(); LANES];
-    let whole = cells - cells % LANES;
-    for start in (0..whole).step_by(LANES) {
-        for lane in 0..LANES {
-            let (a, b) = (after[start + lane].abs(), stress[start + lane].abs());
-            let larger = if a > b { a } else { b };
-            peak[lane] = if larger > peak[lane] { larger } else { peak[lane] };
-        }
-    }
-    let rest = after[whole..].iter().chain(&stress[whole..cells]).fold(0.0_f64, |m, s| m.max(s.abs()));
-    peak.iter().fold(rest, |m, &p| m.max(p))
+    largest(after, &stress[..cells]).max(stress[cells].abs())
 }
 
 /// New velocities of the own cells. Returns what the scheme takes from their energy, W/m^2 times the step's part: the sum of
 /// `(stress - s)(velocity - w)` over right faces less that over left ones, s and w the cell's means over the step.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
-fn push(kick: f64, v: &mut [f64], before: &[f64], after: &[f64], through: &Through) -> f64 {
+fn push(
+    kick: f64,
+    v: &mut [f64],
+    before: &[f64],
+    after: &[f64],
+    through: &Through,
+    lost: &mut [f64; ROW],
+) -> f64 {
     let cells = before.len() - 2 * GHOSTS;
     let v = &mut v[GHOSTS..GHOSTS + cells];
     let (before, after) = (&before[GHOSTS..GHOSTS + cells], &after[GHOSTS..GHOSTS + cells]);
     let velocity = &through.velocity[GHOSTS..=GHOSTS + cells];
     let stress = &through.stress[GHOSTS..=GHOSTS + cells];
-    let mut lost = [0.0; ROW];
     let lost = &mut lost[..cells];
     for i in 0..cells {
         let old = v[i];
@@ -187,127 +218,151 @@ fn push(kick: f64, v: &mut [f64], before: &[f64], after: &[f64], through: &Throu
     sums.iter().sum::<f64>() + rest.iter().sum::<f64>()
 }
 
-/// A row half a step on, by the cells' own law.
-struct Ahead {
-    sigma: [f64; ROW],
-    state: [f64; MOST_STATE * ROW],
-    /// Not 0 in cells that flow.
-    work: [f64; ROW],
-}
-
 /// One step of a block in which some cell may flow.
-pub(super) fn plastic(block: &mut Block, part: &Part) {
+pub(super) fn plastic(block: &mut Block, part: &Part, scratch: &mut Scratch) {
     let row = block.sigma.len();
     let law = part.law.law.as_ref();
-    let mut carried = Carried::ZERO;
-    let mut ahead = Ahead { sigma: [0.0; ROW], state: [0.0; MOST_STATE * ROW], work: [0.0; ROW] };
-    carry_plastic(block, part, &mut carried, &mut ahead);
-    let mut through = Through::ZERO;
-    acoustic(Elastic::of(part), row, &carried, &mut through);
-    correct(block, part, &carried, &ahead, &mut through);
+    if part.path_independent {
+        carry_curve(block, part, scratch);
+    } else {
+        carry_history(block, part, scratch);
+    }
+    acoustic(Elastic::of(part), row, &scratch.carried, &mut scratch.through);
+    if part.path_independent {
+        correct_curve(block, part, scratch);
+    } else {
+        correct_history(block, part, scratch);
+    }
+    let Scratch { through, ahead, increment, stress, lost, .. } = scratch;
     through.set_outer(block);
-    let mut increment = [0.0; ROW];
+    increment[..row].fill(0.0);
     for i in GHOSTS..row - GHOSTS {
         increment[i] = part.gain * (through.velocity[i + 1] - through.velocity[i]);
     }
-    ahead.sigma[..row].copy_from_slice(&block.sigma);
+    stress[..row].copy_from_slice(&block.sigma);
     let work = &mut ahead.work[..row];
     law.strain(&increment[..row], &mut block.sigma, &mut block.state, work);
     block.plastic += work[GHOSTS..row - GHOSTS].iter().sum::<f64>();
-    block.lost += push(part.kick, &mut block.v, &ahead.sigma[..row], &block.sigma, &through);
+    block.lost += push(part.kick, &mut block.v, &stress[..row], &block.sigma, through, lost);
 }
 
-/// States at the faces of a row in which some cells may flow.
-fn carry_plastic(block: &Block, part: &Part, carried: &mut Carried, ahead: &mut Ahead) {
+/// Slopes of stress, half a step's strain, and velocities at the faces.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
+fn carry_motion(elastic: Elastic, sigma: &[f64], v: &[f64], scratch: &mut Scratch) {
+    let row = sigma.len();
+    let v = &v[..row];
+    let Scratch { carried, increment, slope, .. } = scratch;
+    let (left, right) = (&mut carried.left[1][..row], &mut carried.right[1][..row]);
+    let (increment, slope) = (&mut increment[..row], &mut slope[..row]);
+    (increment[0], increment[row - 1]) = (0.0, 0.0);
+    (slope[0], slope[row - 1]) = (0.0, 0.0);
+    for i in 1..row - 1 {
+        let ds = limited(sigma[i] - sigma[i - 1], sigma[i + 1] - sigma[i]);
+        let dv = limited(v[i] - v[i - 1], v[i + 1] - v[i]);
+        let w = v[i] + 0.5 * elastic.kick * ds;
+        (slope[i], increment[i]) = (ds, 0.5 * elastic.gain * dv);
+        left[i] = w - 0.5 * dv;
+        right[i] = w + 0.5 * dv;
+    }
+}
+
+/// States at the faces where the curve is followed both ways: from slopes of strain.
+fn carry_curve(block: &Block, part: &Part, scratch: &mut Scratch) {
+    let row = block.sigma.len();
+    carry_motion(Elastic::of(part), &block.sigma, &block.v, scratch);
+    let Scratch { carried, ahead, increment, stress: reach, .. } = scratch;
+    for i in 0..row {
+        reach[i] = block.sigma[i] + block.state[i];
+    }
+    for i in 1..row - 1 {
+        let slope = limited(reach[i] - reach[i - 1], reach[i + 1] - reach[i]);
+        let middle = reach[i] + increment[i];
+        carried.left[0][i] = middle - 0.5 * slope;
+        carried.right[0][i] = middle + 0.5 * slope;
+    }
+    // Strain, from a state of nothing at all, gives the stress of the curve and what is left of the strain.
+    let (of_left, of_right) = ahead.state[..2 * row].split_at_mut(row);
+    for (at_face, plastic) in [(&mut carried.left[0], of_left), (&mut carried.right[0], of_right)] {
+        increment[..row].copy_from_slice(&at_face[..row]);
+        at_face[..row].fill(0.0);
+        plastic.fill(0.0);
+        part.law.law.strain(&increment[..row], &mut at_face[..row], plastic, &mut ahead.work[..row]);
+    }
+}
+
+/// States at the faces where cells have histories: from slopes of stress, half a step on by the law.
+fn carry_history(block: &Block, part: &Part, scratch: &mut Scratch) {
     let row = block.sigma.len();
     let law = part.law.law.as_ref();
-    let (mut ds, mut dz, mut increment) = ([0.0; ROW], [0.0; ROW], [0.0; ROW]);
-    let Carried { left, right } = carried;
-    let (sigma, v) = (&block.sigma[..row], &block.v[..row]);
-    for i in 1..row - 1 {
-        ds[i] = limited(sigma[i] - sigma[i - 1], sigma[i + 1] - sigma[i]);
-        let dv = limited(v[i] - v[i - 1], v[i + 1] - v[i]);
-        increment[i] = 0.5 * part.gain * dv;
-        let w = v[i] + 0.5 * part.kick * ds[i];
-        left[1][i] = w - 0.5 * dv;
-        right[1][i] = w + 0.5 * dv;
-    }
-    if part.path_independent {
-        let plastic = &block.state[..row];
-        let z = |i: usize| sigma[i] + plastic[i];
-        for i in 1..row - 1 {
-            dz[i] = limited(z(i) - z(i - 1), z(i + 1) - z(i));
-            let middle = z(i) + increment[i];
-            left[0][i] = middle - 0.5 * dz[i];
-            right[0][i] = middle + 0.5 * dz[i];
-        }
-        // Strain, from a state of nothing at all, gives the stress of the curve and what is left of the strain.
-        let [of_left, of_right] = split_two(&mut ahead.state, row);
-        for (reach, plastic) in [(&mut left[0], of_left), (&mut right[0], of_right)] {
-            increment[..row].copy_from_slice(&reach[..row]);
-            reach[..row].fill(0.0);
-            plastic.fill(0.0);
-            law.strain(&increment[..row], &mut reach[..row], plastic, &mut ahead.work[..row]);
-        }
-        return;
-    }
-    ahead.sigma[..row].copy_from_slice(sigma);
-    let numbers = law.state_len() * row;
-    let state = &mut ahead.state[..numbers];
+    carry_motion(Elastic::of(part), &block.sigma, &block.v, scratch);
+    let Scratch { carried, ahead, increment, slope, .. } = scratch;
+    ahead.sigma[..row].copy_from_slice(&block.sigma);
+    let state = &mut ahead.state[..law.state_len() * row];
     state.copy_from_slice(&block.state);
     law.strain(&increment[..row], &mut ahead.sigma[..row], state, &mut ahead.work[..row]);
     for i in 1..row - 1 {
-        left[0][i] = ahead.sigma[i] - 0.5 * ds[i];
-        right[0][i] = ahead.sigma[i] + 0.5 * ds[i];
+        carried.left[0][i] = ahead.sigma[i] - 0.5 * slope[i];
+        carried.right[0][i] = ahead.sigma[i] + 0.5 * slope[i];
     }
 }
 
-fn split_two(state: &mut [f64], row: usize) -> [&mut [f64]; 2] {
-    let (first, second) = state[..2 * row].split_at_mut(row);
-    [first, second]
+/// The faces of a row whose answer is not the acoustic one, where the curve is followed both ways.
+fn correct_curve(block: &mut Block, part: &Part, scratch: &mut Scratch) {
+    let (row, limit) = (block.sigma.len(), part.limit);
+    let Scratch { carried: Carried { left, right }, through, ahead, .. } = scratch;
+    // Where no strain is beyond the limit stress and strain are one.
+    let inside = |near: &Near| near.point.stress.abs() <= limit && near.point.plastic == 0.0;
+    let near = |stress: f64, velocity: f64, plastic: f64| Near {
+        point: Point { stress, velocity, plastic, ..Point::default() },
+        flowing: 0.0,
+    };
+    let cells = block.carried();
+    for face in cells.start + 1..cells.end {
+        let (i, j) = (face - 1, face);
+        let a = near(right[0][i], right[1][i], ahead.state[row + i]);
+        let b = near(left[0][j], left[1][j], ahead.state[j]);
+        if through.stress[face].abs() > limit || !inside(&a) || !inside(&b) {
+            through.set(face, part.faces.solve(&a, &b, &mut block.work));
+        }
+    }
 }
 
-/// The faces of a row whose answer is not the acoustic one.
-fn correct(block: &mut Block, part: &Part, carried: &Carried, ahead: &Ahead, through: &mut Through) {
-    let row = block.sigma.len();
-    let limit = part.limit;
+/// What makes an elastic range that a stress was just within no smaller: rounding.
+const WITHIN: f64 = 1.0 + 1e-14;
+
+/// The same, where cells have histories.
+fn correct_history(block: &mut Block, part: &Part, scratch: &mut Scratch) {
+    let (row, limit) = (block.sigma.len(), part.limit);
+    let isotropic = part.isotropic();
+    let law = part.law.law.as_ref();
+    let Scratch { carried: Carried { left, right }, through, ahead, .. } = scratch;
+    let state = &ahead.state[..law.state_len() * row];
+    // Elastic ranges reach from their middle at least to where the cell is, or to where its face is while it flows.
+    let within = |stress: f64, i: usize, face: f64, back: f64| {
+        let known = if ahead.work[i] == 0.0 { ahead.sigma[i] } else { face } - back;
+        known * (stress - back) >= 0.0 && (stress - back).abs() <= known.abs() * WITHIN
+    };
+    let near = |i: usize, stress: f64, velocity: f64, back: f64| {
+        let point = Point { stress, velocity, accumulated: law.accumulated(state, i), back, ..Point::default() };
+        let sense = if ahead.sigma[i] < back { -1.0 } else { 1.0 };
+        Near { point, flowing: if ahead.work[i] == 0.0 { 0.0 } else { sense } }
+    };
     let cells = block.carried();
     for face in cells.start + 1..cells.end {
         let (i, j) = (face - 1, face);
         let stress = through.stress[face];
-        if part.path_independent {
-            // Where no strain is beyond the limit stress and strain are one.
-            let inside = |s: f64, plastic: f64| s.abs() <= limit && plastic == 0.0;
-            let plastic = [ahead.state[row + i], ahead.state[j]];
-            if stress.abs() <= limit && inside(carried.right[0][i], plastic[0]) && inside(carried.left[0][j], plastic[1]) {
-                continue;
-            }
-            let near = |s: f64, v: f64, plastic: f64| Near {
-                point: Point { stress: s, velocity: v, plastic, ..Point::default() },
-                flowing: 0.0,
-            };
-            let left = near(carried.right[0][i], carried.right[1][i], plastic[0]);
-            let right = near(carried.left[0][j], carried.left[1][j], plastic[1]);
-            through.set(face, part.faces.solve(&left, &right, &mut block.work));
+        if isotropic && stress.abs() <= limit {
             continue;
         }
-        if part.isotropic() && stress.abs() <= limit {
+        let middle = |i: usize| if isotropic { 0.0 } else { law.back_stress(state, i) };
+        let backs = [middle(i), middle(j)];
+        if within(stress, i, right[0][i], backs[0]) && within(stress, j, left[0][j], backs[1]) {
             continue;
         }
-        let left = flowing_near(part, row, ahead, i, carried.right[0][i], carried.right[1][i]);
-        let right = flowing_near(part, row, ahead, j, carried.left[0][j], carried.left[1][j]);
-        through.set(face, part.faces.solve(&left, &right, &mut block.work));
+        let a = near(i, right[0][i], right[1][i], backs[0]);
+        let b = near(j, left[0][j], left[1][j], backs[1]);
+        through.set(face, part.faces.solve(&a, &b, &mut block.work));
     }
-}
-
-/// A cell with a history at one of its faces.
-fn flowing_near(part: &Part, row: usize, ahead: &Ahead, i: usize, stress: f64, velocity: f64) -> Near {
-    let law = part.law.law.as_ref();
-    let state = &ahead.state[..law.state_len() * row];
-    let back = law.back_stress(state, i);
-    let point = Point { stress, velocity, accumulated: law.accumulated(state, i), back, ..Point::default() };
-    let sense = if ahead.sigma[i] < back { -1.0 } else { 1.0 };
-    Near { point, flowing: if ahead.work[i] == 0.0 { 0.0 } else { sense } }
 }
 
 /// The first or the last cell of a block at its outer face, half a step on.

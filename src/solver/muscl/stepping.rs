@@ -5,13 +5,16 @@ use rayon::prelude::*;
 use super::block::{BLOCK, Block, Stage};
 use super::end::End;
 use super::joint::Joint;
-use super::kernel;
+use super::kernel::{self, Scratch};
 use crate::bar::{Bar, EndCondition, Segment};
 use crate::solver::fd::{Grid, SegmentGrid, SegmentLaw};
 use crate::wave::riemann::{Faces, Flow, Medium, Workspace};
 
 /// Bars with fewer cells than this are stepped on one thread: below it, waking a second thread costs more than it saves.
 const PARALLEL_FROM: usize = 16_384;
+
+/// Blocks that share room to work in, and that one thread steps in turn.
+const GROUP: usize = 16;
 
 /// A segment with its law and what its faces need.
 #[derive(Clone)]
@@ -73,6 +76,8 @@ pub struct Muscl {
     pub(super) joints: Vec<Joint>,
     pub(super) step: usize,
     parallel: bool,
+    /// One for every group of blocks.
+    scratch: Vec<Scratch>,
     work: Workspace,
 }
 
@@ -91,7 +96,9 @@ impl Muscl {
         let left = End::new(left, -1.0, &parts[0], bar.segments[0].velocity);
         let right = End::new(right, 1.0, &parts[last], bar.segments[last].velocity);
         let parallel = grid.cells() >= PARALLEL_FROM;
-        Self { grid, parts, blocks, ends: [left, right], joints, step: 0, parallel, work: Workspace::default() }
+        let scratch = vec![Scratch::ZERO; blocks.len().div_ceil(GROUP)];
+        let (ends, work) = ([left, right], Workspace::default());
+        Self { grid, parts, blocks, ends, joints, step: 0, parallel, scratch, work }
     }
 
     /// One step. Allocates nothing, but for the plastic state of a block in the step in which it first yields.
@@ -101,11 +108,13 @@ impl Muscl {
         self.settle_joints();
         self.step += 1;
         let parts = &self.parts;
-        let advance = |block: &mut Block| block.advance(&parts[block.part]);
+        let advance = |(blocks, scratch): (&mut [Block], &mut Scratch)| {
+            blocks.iter_mut().for_each(|block| block.advance(&parts[block.part], scratch));
+        };
         if self.parallel {
-            self.blocks.par_iter_mut().with_min_len(8).for_each(advance);
+            self.blocks.par_chunks_mut(GROUP).zip(&mut self.scratch).for_each(advance);
         } else {
-            self.blocks.iter_mut().for_each(advance);
+            self.blocks.chunks_mut(GROUP).zip(&mut self.scratch).for_each(advance);
         }
     }
 

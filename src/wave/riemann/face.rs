@@ -207,6 +207,10 @@ impl Faces {
             let next = a.next().min(b.next());
             let soft = soft_a + soft_b;
             if soft == f64::INFINITY {
+                // A level end caps the stress; past a level stretch inside the curve the hull goes on.
+                if !self.concave {
+                    return None;
+                }
                 break;
             }
             let step = ((target - (moved_a + moved_b)) / soft).max(0.0);

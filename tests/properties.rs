@@ -155,19 +155,17 @@ fn check(segments: &[Segment], ends: [EndCondition; 2], unloading: Option<Unload
     }
 }
 
-/// The same for the conservative scheme, which besides takes energy from the motion and never gives any.
+/// The same for the conservative scheme, which besides takes energy from the motion and gives none.
 fn check_muscl(segments: &[Segment], ends: [EndCondition; 2], unloading: Option<Unloading>, (cells, cfl): (usize, f64)) {
     let mut bar = muscl::muscl(segments.to_vec(), ends, unloading, cells, cfl);
-    let (mut ledger, mut most) = (Ledger::new(&bar), 0.0_f64);
+    let mut ledger = Ledger::new(&bar);
     for _ in 0..STEPS / 20 {
         (0..20).for_each(|_| bar.advance());
         let row = ledger.row(&bar);
         assert_eq!(bar.not_finite(), None);
         assert!(row.kinetic.is_finite() && row.momentum.is_finite() && row.plastic.is_finite());
-        let energy = row.kinetic + row.elastic + row.plastic.abs() + row.viscous.abs();
-        // A limited second-order scheme may hand a little dissipation from one step to the next.
-        assert!(row.viscous >= most - 1e-3 * energy, "{:e} after {most:e} of {energy:e}", row.viscous);
-        most = most.max(row.viscous);
+        let energy = row.kinetic + row.elastic + row.plastic.abs() + row.viscous.abs() + row.work_left.abs() + row.work_right.abs();
+        assert!(row.viscous >= -1e-6 * energy, "{:e} of {energy:e}", row.viscous);
     }
     common::assert_ledger(&ledger, "random bar");
 }

@@ -367,6 +367,13 @@ const CASES: &[Case] = &[
     ),
     case(
         "cells = 1000",
+        "scheme = \"muscl\"\n[effects]\nrate = { model = \"malvern\", k = 1e6 }\n[solve.x]",
+        "\"muscl\"",
+        "solve.scheme",
+        &["does not simulate the effect `rate`", "\"leapfrog\"", "characteristic net"],
+    ),
+    case(
+        "cells = 1000",
         "front-tolerance = 1e-3",
         "front-tolerance",
         "solve.front-tolerance",

@@ -70,27 +70,29 @@ impl Joint {
     }
 }
 
-/// Both sides together, the right one's face moving with the left one's less `closing` (m/s).
+/// Both sides together; the faces come closer by `closing` (m/s).
 fn meeting(closing: f64, [a, b]: [&Part; 2], [left, right]: &[Near; 2], work: &mut Workspace) -> [Flux; 2] {
+    let half = 0.5 * closing;
     let (soft_a, soft_b) = (1.0 / (a.area * impedance(a)), 1.0 / (b.area * impedance(b)));
-    let apart = right.point.velocity + closing - left.point.velocity;
-    let force = (apart + (soft_a * a.area * left.point.stress + soft_b * b.area * right.point.stress))
-        / (soft_a + soft_b);
+    let apart = (right.point.velocity - left.point.velocity) + closing;
+    let held = soft_a * a.area * left.point.stress + soft_b * b.area * right.point.stress;
+    let force = (apart + held) / (soft_a + soft_b);
     let stresses = [force / a.area, force / b.area];
     let elastic = a.faces.stays_elastic(left, stresses[0]) && b.faces.stays_elastic(right, stresses[1]);
     let (force, from_left, from_right) = if elastic {
-        let from_left = left.point.velocity + soft_a * (force - a.area * left.point.stress);
-        (force, from_left, right.point.velocity + closing - soft_b * (force - b.area * right.point.stress))
+        let from_left = left.point.velocity - half + soft_a * (force - a.area * left.point.stress);
+        (force, from_left, right.point.velocity + half - soft_b * (force - b.area * right.point.stress))
     } else {
-        let (left, mut right) = (a.faces.point(left), b.faces.point(right));
-        right.velocity += closing;
+        let (mut left, mut right) = (a.faces.point(left), b.faces.point(right));
+        left.velocity -= half;
+        right.velocity += half;
         let star = solve(Side::Bar(&a.faces.medium, &left), Side::Bar(&b.faces.medium, &right), work);
         (star.force, star.velocity_left, star.velocity_right)
     };
-    let velocity = 0.5 * (from_left + from_right);
+    let middle = 0.5 * (from_left + from_right);
     [
-        Flux { stress: force / a.area, velocity },
-        Flux { stress: force / b.area, velocity: velocity - closing },
+        Flux { stress: force / a.area, velocity: middle + half },
+        Flux { stress: force / b.area, velocity: middle - half },
     ]
 }
 

@@ -85,6 +85,22 @@ impl Block {
         self.sigma[i] + plastic
     }
 
+    /// How many stiffening knots of its curve a cell has passed, signed by the sense of its stress.
+    pub fn stiffenings(&self, knots: &[Vec<f64>; 2], part: &Part, i: usize) -> i32 {
+        let accumulated = if self.stage == Stage::Plastic { part.law.law.accumulated(&self.state, i) } else { 0.0 };
+        let stress = self.sigma[i];
+        let (side, sign) = if stress < 0.0 { (1, -1) } else { (0, 1) };
+        let reach = stress.abs() + accumulated;
+        sign * knots[side].iter().take_while(|&&knot| knot <= reach).count() as i32
+    }
+
+    /// True where a stiffening knot of the curve lies between a cell and one of its neighbours: inside a shock.
+    pub fn in_shock(&self, part: &Part, i: usize) -> bool {
+        let Some(knots) = &part.stiffens else { return false };
+        let [left, here, right] = [i - 1, i, i + 1].map(|i| self.stiffenings(knots, part, i));
+        left != here || right != here
+    }
+
     /// From now on the block has plastic state.
     pub fn make_plastic(&mut self, part: &Part) {
         if self.stage != Stage::Plastic {

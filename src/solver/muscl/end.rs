@@ -244,7 +244,9 @@ impl End {
         let sense = if stress < point.stress { -1.0 } else { 1.0 };
         let path = &mut work.left;
         path.fill(&part.faces.medium, &part.faces.point(near), sense);
-        let change = path.velocity((sense * stress).min(path.cap()));
+        let carried = (sense * stress).min(path.cap());
+        // The rest accelerates the end as if it were elastic.
+        let change = path.velocity(carried) + (sense * stress - carried) / self.impedance;
         Flux { stress, velocity: point.velocity + self.normal * sense * change }
     }
 

@@ -40,6 +40,8 @@ pub(super) struct Scratch {
     stress: [f64; ROW],
     slope: [f64; ROW],
     lost: [f64; ROW],
+    /// The cell has no slopes.
+    flat: [bool; ROW],
 }
 
 impl Scratch {
@@ -51,6 +53,7 @@ impl Scratch {
         stress: [0.0; ROW],
         slope: [0.0; ROW],
         lost: [0.0; ROW],
+        flat: [false; ROW],
     };
 }
 
@@ -266,16 +269,32 @@ fn carry_motion(elastic: Elastic, sigma: &[f64], v: &[f64], scratch: &mut Scratc
     }
 }
 
+/// Takes the slopes of cells inside shocks of a stiffening curve. With slopes the scheme may hold a shock together that
+/// should split further on, at a wrong speed whatever the resolution; without them its flux, that of the hull, decides.
+fn flatten(block: &Block, part: &Part, scratch: &mut Scratch) {
+    let row = block.sigma.len();
+    scratch.flat[..row].fill(false);
+    if part.stiffens.is_none() {
+        return;
+    }
+    let Scratch { carried, increment, slope, flat, .. } = scratch;
+    for i in (1..row - 1).filter(|&i| block.in_shock(part, i)) {
+        (slope[i], increment[i], flat[i]) = (0.0, 0.0, true);
+        (carried.left[1][i], carried.right[1][i]) = (block.v[i], block.v[i]);
+    }
+}
+
 /// States at the faces where the curve is followed both ways: from slopes of strain.
 fn carry_curve(block: &Block, part: &Part, scratch: &mut Scratch) {
     let row = block.sigma.len();
     carry_motion(Elastic::of(part), &block.sigma, &block.v, scratch);
-    let Scratch { carried, ahead, increment, stress: reach, .. } = scratch;
+    flatten(block, part, scratch);
+    let Scratch { carried, ahead, increment, stress: reach, flat, .. } = scratch;
     for i in 0..row {
         reach[i] = block.sigma[i] + block.state[i];
     }
     for i in 1..row - 1 {
-        let slope = limited(reach[i] - reach[i - 1], reach[i + 1] - reach[i]);
+        let slope = if flat[i] { 0.0 } else { limited(reach[i] - reach[i - 1], reach[i + 1] - reach[i]) };
         let middle = reach[i] + increment[i];
         carried.left[0][i] = middle - 0.5 * slope;
         carried.right[0][i] = middle + 0.5 * slope;
@@ -295,6 +314,7 @@ fn carry_history(block: &Block, part: &Part, scratch: &mut Scratch) {
     let row = block.sigma.len();
     let law = part.law.law.as_ref();
     carry_motion(Elastic::of(part), &block.sigma, &block.v, scratch);
+    flatten(block, part, scratch);
     let Scratch { carried, ahead, increment, slope, .. } = scratch;
     ahead.sigma[..row].copy_from_slice(&block.sigma);
     let state = &mut ahead.state[..law.state_len() * row];
@@ -328,7 +348,7 @@ fn correct_curve(block: &mut Block, part: &Part, scratch: &mut Scratch) {
 }
 
 /// What makes an elastic range that a stress was just within no smaller: rounding.
-const WITHIN: f64 = 1.0 + 1e-14;
+const WITHIN: f64 = 1.0 + 1e-12;
 
 /// The same, where cells have histories.
 fn correct_history(block: &mut Block, part: &Part, scratch: &mut Scratch) {
@@ -351,7 +371,7 @@ fn correct_history(block: &mut Block, part: &Part, scratch: &mut Scratch) {
     for face in cells.start + 1..cells.end {
         let (i, j) = (face - 1, face);
         let stress = through.stress[face];
-        if isotropic && stress.abs() <= limit {
+        if isotropic && stress.abs() <= limit * WITHIN {
             continue;
         }
         let middle = |i: usize| if isotropic { 0.0 } else { law.back_stress(state, i) };
@@ -370,8 +390,10 @@ pub(super) fn near(block: &Block, part: &Part, side: usize) -> Near {
     let i = block.inside(side, 0);
     let (s, v) = (&block.sigma, &block.v);
     let outward = if side == 0 { -0.5 } else { 0.5 };
-    let ds = limited(s[i] - s[i - 1], s[i + 1] - s[i]);
-    let dv = limited(v[i] - v[i - 1], v[i + 1] - v[i]);
+    let shock = block.in_shock(part, i);
+    let slope = |left: f64, right: f64| if shock { 0.0 } else { limited(left, right) };
+    let ds = slope(s[i] - s[i - 1], s[i + 1] - s[i]);
+    let dv = slope(v[i] - v[i - 1], v[i + 1] - v[i]);
     let half_strain = 0.5 * part.gain * dv;
     let velocity = v[i] + 0.5 * part.kick * ds + outward * dv;
     if block.stage != Stage::Plastic {
@@ -383,7 +405,7 @@ pub(super) fn near(block: &Block, part: &Part, side: usize) -> Near {
     let numbers = law.state_len();
     if part.path_independent {
         let z = |i: usize| block.reach(part, i);
-        let dz = limited(z(i) - z(i - 1), z(i + 1) - z(i));
+        let dz = slope(z(i) - z(i - 1), z(i + 1) - z(i));
         stress = [0.0];
         law.strain(&[z(i) + half_strain + outward * dz], &mut stress, &mut state[..numbers], &mut work);
         let point = Point { stress: stress[0], velocity, plastic: state[0], ..Point::default() };

@@ -30,6 +30,8 @@ pub struct Part {
     pub(super) gain: f64,
     /// dt/(rho dx), m/s per Pa.
     pub(super) kick: f64,
+    /// E times the strains at which the curve stiffens, in tension and compression, Pa; none along most curves.
+    pub(super) stiffens: Option<[Vec<f64>; 2]>,
     /// Stress up to which everything is elastic, Pa.
     pub(super) limit: f64,
 }
@@ -45,6 +47,7 @@ impl Part {
             dx: grid.dx,
             gain: segment.material.modulus * dt / grid.dx,
             kick: dt / (segment.material.density * grid.dx),
+            stiffens: Some(faces.stiffenings()).filter(|all| all.iter().any(|knots| !knots.is_empty())),
             limit: law.yield_stress.min(faces.yield_stress()),
             faces,
             law,

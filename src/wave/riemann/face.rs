@@ -272,7 +272,20 @@ impl Faces {
                 return flux;
             }
         }
-        self.general(&left.point, &right.point, work)
+        self.general(&self.on_level(&left.point), &self.on_level(&right.point), work)
+    }
+
+    /// A state within rounding of a level stretch of the curve lies on it.
+    fn on_level(&self, point: &Point) -> Point {
+        let z = point.stress + point.plastic;
+        let sense = if z < 0.0 { -1.0 } else { 1.0 };
+        let lines = self.medium.lines(sense);
+        let line = lines.at(z.abs() + self.medium.round_off.max(1e-14 * z.abs()));
+        if lines.slope[line] > 0.0 {
+            return *point;
+        }
+        let stress = sense * lines.y[line];
+        Point { stress, plastic: z - stress, ..*point }
     }
 
     /// Both states and the answer lie on one line of the curve.
@@ -316,8 +329,16 @@ impl Faces {
     pub fn point(&self, near: &Near) -> Point {
         match self.medium.flow {
             Flow::Plastic { kinematic } => self.placed(near, kinematic),
-            Flow::PathIndependent => near.point,
+            Flow::PathIndependent => self.on_level(&near.point),
         }
+    }
+
+    /// E times the strains at which the curve stiffens, in tension and compression, Pa.
+    pub fn stiffenings(&self) -> [Vec<f64>; 2] {
+        [1.0, -1.0].map(|sense| {
+            let lines = self.medium.lines(sense);
+            (1..lines.z.len()).filter(|&k| lines.slope[k] > lines.slope[k - 1]).map(|k| lines.z[k]).collect()
+        })
     }
 }
 

@@ -52,7 +52,9 @@ fn main() {
         .collect();
     let bilinear = [[0.001, 200e6], [0.021, 600e6]];
     let isotropic = "[effects]\nunloading = \"isotropic\"";
-    println!("ns for a cell and a step (shortest of {RUNS} runs); error: relative L1 of stress against the curve's fan");
+    println!(
+        "ns for a cell and a step (shortest of {RUNS} runs); error: relative L1 of stress against the curve's fan"
+    );
     println!(
         "{:<26}{:>7}{:>12}{:>10}{:>8}{:>14}{:>12}",
         "problem", "cells", "leapfrog ns", "muscl ns", "ratio", "leapfrog err", "muscl err"

@@ -105,7 +105,8 @@ fn a_plastic_run_allocates_nothing_once_every_block_has_yielded() {
 #[test]
 fn muscl_allocates_nothing_once_every_block_has_yielded() {
     for unloading in [None, Some(Unloading::Isotropic), Some(Unloading::Kinematic)] {
-        let segments = || vec![common::segment(common::power_law_steel(), 0.5), common::segment(common::bilinear_steel(), 0.5)];
+        let segments =
+            || vec![common::segment(common::power_law_steel(), 0.5), common::segment(common::bilinear_steel(), 0.5)];
         let run = |velocity: f64, warm: usize, steps: usize| {
             let ends = [common::moved(velocity), EndCondition::Fixed];
             let mut bar = muscl::muscl(segments(), ends, unloading, 1000, 1.0);

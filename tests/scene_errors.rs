@@ -367,7 +367,7 @@ const CASES: &[Case] = &[
     ),
     case(
         "cells = 1000",
-        "scheme = \"muscl\"\n[effects]\nrate = { model = \"malvern\", k = 1e6 }\n[solve.x]",
+        "method = \"fd\"\nscheme = \"muscl\"\n[effects.rate]\nmodel = \"malvern\"\nk = 1e6",
         "\"muscl\"",
         "solve.scheme",
         &["does not simulate the effect `rate`", "\"leapfrog\"", "characteristic net"],

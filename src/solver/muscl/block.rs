@@ -1,4 +1,4 @@
-//! A run of cells that is stepped as one, with copies of two cells on either side.
+//! A run of cells that is stepped as one, with copies of the nearest cells on either side.
 
 use std::ops::Range;
 
@@ -9,8 +9,8 @@ use crate::wave::riemann::{Flux, Workspace};
 /// Most cells of a block: its row and scratch stay in the first-level cache.
 pub(super) const BLOCK: usize = 256;
 
-/// Copies of neighbours' cells on either side.
-pub(super) const GHOSTS: usize = 2;
+/// Copies of neighbours' cells on either side: the nearest has a state at its face, which depends on two more.
+pub(super) const GHOSTS: usize = 3;
 
 /// Cells of the longest row.
 pub(super) const ROW: usize = BLOCK + 2 * GHOSTS;
@@ -80,8 +80,7 @@ impl Block {
 
     /// E times the strain of a cell, Pa.
     pub fn reach(&self, part: &Part, i: usize) -> f64 {
-        let plastic =
-            if self.stage == Stage::Plastic { part.law.law.plastic_strain(&self.state, i) } else { 0.0 };
+        let plastic = if self.stage == Stage::Plastic { part.law.law.plastic_strain(&self.state, i) } else { 0.0 };
         self.sigma[i] + plastic
     }
 
@@ -94,11 +93,12 @@ impl Block {
         sign * knots[side].iter().take_while(|&&knot| knot <= reach).count() as i32
     }
 
-    /// True where a stiffening knot of the curve lies between a cell and one of its neighbours: inside a shock.
+    /// True where a stiffening knot of the curve lies between a cell and one of the two next on either side: inside a shock,
+    /// or next to it.
     pub fn in_shock(&self, part: &Part, i: usize) -> bool {
         let Some(knots) = &part.stiffens else { return false };
-        let [left, here, right] = [i - 1, i, i + 1].map(|i| self.stiffenings(knots, part, i));
-        left != here || right != here
+        let here = self.stiffenings(knots, part, i);
+        [i - 2, i - 1, i + 1, i + 2].into_iter().any(|i| self.stiffenings(knots, part, i) != here)
     }
 
     /// From now on the block has plastic state.
@@ -109,7 +109,7 @@ impl Block {
         }
     }
 
-    /// Copies two cells of a neighbour of the same segment, which lies on `side`.
+    /// Copies the nearest cells of a neighbour of the same segment, which lies on `side`.
     pub fn copy_from(&mut self, side: usize, other: &Self, part: &Part) {
         let numbers = if other.stage == Stage::Plastic { part.law.law.state_len() } else { 0 };
         for depth in 0..GHOSTS {
@@ -129,8 +129,7 @@ impl Block {
 
     /// What the bar seems to go on with beyond an end or a joint: stress, velocity, and E times strain (Pa).
     pub fn go_on(&mut self, side: usize, part: &Part, [stress, velocity, reach]: [f64; 3]) {
-        let (first, beyond) = (self.outside(side, 0), self.outside(side, 1));
-        for to in [first, beyond] {
+        for to in [0, 1, 2].map(|depth| self.outside(side, depth)) {
             (self.sigma[to], self.v[to]) = (stress, velocity);
             if self.stage == Stage::Plastic {
                 let rows = self.sigma.len();

@@ -164,11 +164,9 @@ impl End {
             EndCondition::Stress { history } => ask(Drive::Stress(history.mean(time, time + dt))),
             EndCondition::Free => ask(Drive::Stress(0.0)),
             EndCondition::Fixed => ask(Drive::Velocity(0.0)),
-            EndCondition::Absorbing => ask(Drive::Yielding {
-                velocity: self.rest,
-                force: 0.0,
-                compliance: 1.0 / (self.area * self.impedance),
-            }),
+            EndCondition::Absorbing => {
+                ask(Drive::Yielding { velocity: self.rest, force: 0.0, compliance: 1.0 / (self.area * self.impedance) })
+            }
             EndCondition::Spring { stiffness } => ask(Drive::Yielding {
                 velocity: 0.0,
                 force: -self.normal * stiffness * self.displacement,
@@ -221,8 +219,7 @@ impl End {
     ) -> Flux {
         let (point, n) = (&near.point, self.normal);
         let softness = 1.0 / self.impedance + compliance * self.area;
-        let elastic =
-            (n * (velocity - point.velocity) + point.stress / self.impedance + compliance * force) / softness;
+        let elastic = (n * (velocity - point.velocity) + point.stress / self.impedance + compliance * force) / softness;
         let driven = |stress: f64| velocity - n * compliance * (self.area * stress - force);
         if part.faces.stays_elastic(near, elastic) {
             return Flux { stress: elastic, velocity: driven(elastic) };

@@ -90,10 +90,7 @@ fn meeting(closing: f64, [a, b]: [&Part; 2], [left, right]: &[Near; 2], work: &m
         (star.force, star.velocity_left, star.velocity_right)
     };
     let middle = 0.5 * (from_left + from_right);
-    [
-        Flux { stress: force / a.area, velocity: middle + half },
-        Flux { stress: force / b.area, velocity: middle - half },
-    ]
+    [Flux { stress: force / a.area, velocity: middle + half }, Flux { stress: force / b.area, velocity: middle - half }]
 }
 
 /// A face under no force, with outward normal `normal`.

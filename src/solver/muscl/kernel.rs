@@ -189,14 +189,7 @@ fn strain_elastic(elastic: Elastic, sigma: &[f64], through: &Through, after: &mu
 /// New velocities of the own cells. Returns what the scheme takes from their energy, W/m^2 times the step's part: the sum of
 /// `(stress - s)(velocity - w)` over right faces less that over left ones, s and w the cell's means over the step.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
-fn push(
-    kick: f64,
-    v: &mut [f64],
-    before: &[f64],
-    after: &[f64],
-    through: &Through,
-    lost: &mut [f64; ROW],
-) -> f64 {
+fn push(kick: f64, v: &mut [f64], before: &[f64], after: &[f64], through: &Through, lost: &mut [f64; ROW]) -> f64 {
     let cells = before.len() - 2 * GHOSTS;
     let v = &mut v[GHOSTS..GHOSTS + cells];
     let (before, after) = (&before[GHOSTS..GHOSTS + cells], &after[GHOSTS..GHOSTS + cells]);
@@ -278,7 +271,7 @@ fn flatten(block: &Block, part: &Part, scratch: &mut Scratch) {
         return;
     }
     let Scratch { carried, increment, slope, flat, .. } = scratch;
-    for i in (1..row - 1).filter(|&i| block.in_shock(part, i)) {
+    for i in (2..row - 2).filter(|&i| block.in_shock(part, i)) {
         (slope[i], increment[i], flat[i]) = (0.0, 0.0, true);
         (carried.left[1][i], carried.right[1][i]) = (block.v[i], block.v[i]);
     }

@@ -11,7 +11,7 @@
 //! The states on both sides of a face are those of their cells, carried to the face along limited slopes and half a step
 //! on in time by the cell's own law. Slopes are those of stress and velocity, which are continuous where histories
 //! differ; where the curve is followed both ways, strain stands for stress. A cell that flows lies on its curve at its
-//! faces, too; else its history is the same throughout. The flux is the Riemann problem's answer, with the hull of
+//! faces, too; else its history is the same throughout. Cells inside shocks of a stiffening curve have no slopes. The flux is the Riemann problem's answer, with the hull of
 //! stiffening curves: second order in smooth flow, no new extrema at fronts, and the right shocks.
 //!
 //! Momentum is exact. So is energy: what a cell's faces bring in and its kinetic and internal energy do not take up is

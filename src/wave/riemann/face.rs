@@ -390,7 +390,8 @@ impl<'a> Branch<'a> {
         }
         let (fall, back) = (self.own - stress, self.z - (lines.z[line] + if rise > 0.0 { rise / slope } else { 0.0 }));
         let change = (fall * back / self.impedance2).max(0.0).sqrt();
-        let steepness = if change > 0.0 { 0.5 * (back + fall / slope) / (change * self.impedance2) } else { compliance };
+        let steepness =
+            if change > 0.0 { 0.5 * (back + fall / slope) / (change * self.impedance2) } else { compliance };
         (-change, steepness)
     }
 }

@@ -74,6 +74,7 @@ fn segments() -> impl Strategy<Value = Vec<Segment>> {
         let segment = |(length, area, material, velocity)| Segment {
             length,
             area,
+            taper: None,
             material: Arc::new(material),
             velocity,
             joint: Joint::Bonded,

@@ -11,6 +11,7 @@ mod plan;
 mod report;
 mod run;
 mod shell;
+mod specimen;
 
 use std::process::ExitCode;
 

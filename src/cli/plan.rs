@@ -5,8 +5,9 @@ use std::path::PathBuf;
 use super::output;
 use super::run::front_lines;
 use crate::error::Result;
-use crate::scene::Scene;
-use crate::study::plan::{NetWork, Plan, Work, plan};
+use crate::record::EnergySummary;
+use crate::scene::Problem;
+use crate::study::plan::{NetWork, Plan, Staircase, Work, plan};
 use crate::units::{Dimension, System, format};
 
 /// Options of `barwave plan`.
@@ -27,7 +28,15 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: &Args) -> Result<()> {
-    let plan = plan(&Scene::read(&args.scene, &args.overrides)?);
+    let scene = match Problem::read(&args.scene, &args.overrides)? {
+        Problem::Bar(scene) => scene,
+        Problem::Specimen(scene) => {
+            let summary = EnergySummary::new(&scene.title, &scene.blow);
+            let text = || super::specimen::text(&summary, args.units, false);
+            return if args.json { output::json(&summary) } else { output::text(&text()) };
+        }
+    };
+    let plan = plan(&scene);
     if args.json { output::json(&plan) } else { output::text(&text(&plan, args.units)) }
 }
 
@@ -36,10 +45,20 @@ fn text(plan: &Plan, units: System) -> String {
     let mut line = |label: &str, value: String| lines.push(std::format!("  {label:<18}{value}"));
     line("method", std::format!("{} {}", plan.method, plan.scheme));
     for effect in &plan.effects {
-        line(if effect.on { "on" } else { "off" }, std::format!("{}: {}", effect.effect, effect.why));
+        let size = effect.estimate.map_or_else(String::new, |e| std::format!(" ({:.2} %)", 100.0 * e));
+        line(if effect.on { "on" } else { "off" }, std::format!("{}{size}: {}", effect.effect, effect.why));
     }
     for (label, value) in work_lines(&plan.work, units) {
         line(label, value);
+    }
+    if let Some(Staircase { pieces, reflects }) = plan.staircase {
+        line(
+            "staircase",
+            std::format!(
+                "tapers become {pieces} uniform pieces; a step reflects at most {:.2} % of a wave",
+                100.0 * reflects
+            ),
+        );
     }
     line("fields", std::format!("{} before compression", bytes(plan.field_bytes)));
     let critical = plan.critical_velocity.map_or_else(

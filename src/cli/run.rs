@@ -9,9 +9,9 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::output;
 use crate::error::{Error, InputError, Result};
-use crate::record::{EndSummary, FrontSummary, RuptureSummary, Summary};
+use crate::record::{AuditRow, AutoChoice, EndSummary, FrontSummary, RuptureSummary, Summary};
 use crate::run::{self, Progress, Wish};
-use crate::scene::Scene;
+use crate::scene::{Problem, SpecimenScene};
 use crate::units::{Dimension, System, format};
 
 /// Options of `barwave run`.
@@ -44,19 +44,18 @@ const TICKS: u64 = 1000;
 const LISTED_FRONTS: usize = 12;
 
 pub(crate) fn run(args: &Args) -> Result<()> {
-    let scene = Scene::read(&args.scene, &args.overrides)?;
-    let output = match &args.output {
-        Some(path) => path.clone(),
-        None => default_output(&scene.name)?,
+    let scene = match Problem::read(&args.scene, &args.overrides)? {
+        Problem::Bar(scene) => *scene,
+        Problem::Specimen(scene) => return run_specimen(args, &scene),
     };
-    check_output(&output)?;
+    let output = output_path(args, &scene.name)?;
     let stop = Arc::new(AtomicBool::new(false));
     let asked = Arc::clone(&stop);
     // A handler can only be missing where another one is set already; the run then ends as that one says.
     let _ = ctrlc::set_handler(move || asked.store(true, Ordering::Relaxed));
     let bar = progress_bar(args.quiet || args.json);
     let summary = run::run(&scene, Some(&output), &mut |at: Progress| {
-        show_progress(&bar, at);
+        show_progress(&bar, &at, args.quiet || args.json);
         if stop.load(Ordering::Relaxed) { Wish::Stop } else { Wish::GoOn }
     });
     bar.finish_and_clear();
@@ -71,6 +70,25 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         print!("{}", text(&summary, args.units));
     }
     Ok(())
+}
+
+/// A specimen, by the energy method.
+fn run_specimen(args: &Args, scene: &SpecimenScene) -> Result<()> {
+    let summary = run::run_specimen(scene, Some(&output_path(args, &scene.name)?))?;
+    if args.json {
+        return output::json(&summary);
+    }
+    if args.quiet { Ok(()) } else { output::text(&super::specimen::text(&summary, args.units, true)) }
+}
+
+/// Where the result goes.
+fn output_path(args: &Args, name: &str) -> Result<PathBuf> {
+    let output = match &args.output {
+        Some(path) => path.clone(),
+        None => default_output(name)?,
+    };
+    check_output(&output)?;
+    Ok(output)
 }
 
 /// runs/out is made where it is missing: it is the program's own place.
@@ -107,12 +125,19 @@ fn progress_bar(silent: bool) -> ProgressBar {
     bar
 }
 
-fn show_progress(bar: &ProgressBar, at: Progress) {
+fn show_progress(bar: &ProgressBar, at: &Progress, quiet: bool) {
+    if let Progress::Chosen(choice) = &at {
+        if !quiet {
+            bar.suspend(|| eprintln!("auto: {}", choice_text(choice)));
+        }
+        return;
+    }
     if bar.is_hidden() {
         return;
     }
     let seconds = bar.elapsed().as_secs_f64().max(1e-9);
-    match at {
+    match *at {
+        Progress::Chosen(_) => {}
         Progress::Steps { step, steps, cells } => {
             bar.set_length(steps as u64);
             bar.set_position(step as u64);
@@ -134,6 +159,9 @@ fn text(s: &Summary, units: System) -> String {
     let mut lines = vec![s.scene.clone()];
     let mut line = |label: &str, value: String| lines.push(std::format!("  {label:<18}{value}"));
     line("outcome", s.outcome.clone());
+    for choice in s.auto.iter().flatten() {
+        line("auto", choice_text(choice));
+    }
     let end = show(s.end_time_s, Dimension::Time);
     let how = match &s.tracking {
         None => std::format!("{} cells, {} steps to {end}", s.cells, s.steps),
@@ -141,6 +169,14 @@ fn text(s: &Summary, units: System) -> String {
     };
     line("method", std::format!("{} {}, {how}", s.method, s.scheme));
     line("effects", if s.effects.is_empty() { "none: the run stayed elastic".into() } else { s.effects.join(", ") });
+    if let Some(torsion) = &s.torsion {
+        let end = |k: usize| {
+            let torque = show(torsion.torque[k], Dimension::Torque);
+            std::format!("{torque} at {}", show(torsion.angular_velocity_rad_s[k], Dimension::AngularVelocity))
+        };
+        let radius = show(torsion.radius_m, Dimension::Length);
+        line("torsion", std::format!("left {}, right {}; in terms of the surface (radius {radius}):", end(0), end(1)));
+    }
     for (label, end) in [("left end", &s.left), ("right end", &s.right)] {
         line(label, end_text(end, units));
         if let Some(velocity) = end.striker {
@@ -162,6 +198,9 @@ fn text(s: &Summary, units: System) -> String {
         },
     );
     line("critical velocity", critical);
+    if let Some(rise) = s.temperature_rise {
+        line("heat", std::format!("the bar warmed by up to {rise:.4} K"));
+    }
     for r in s.ruptures.iter().flatten() {
         line("rupture", rupture_text(r, units));
     }
@@ -183,8 +222,31 @@ fn text(s: &Summary, units: System) -> String {
     line("time", std::format!("{:.3} s, of it stepping {:.3} s ({rate})", s.wall_s, s.step_wall_s));
     line("result", s.output.clone());
     lines.extend(front_lines(&s.fronts, units));
-    lines.extend(s.audit.iter().map(|row| std::format!("  note: {}", row.message)));
+    lines.extend(audit_lines(&s.audit));
     lines.join("\n") + "\n"
+}
+
+/// Why an effect is on or off: "heat on: ...".
+pub(super) fn choice_text(choice: &AutoChoice) -> String {
+    std::format!("{} {}: {}", choice.effect, if choice.on { "on" } else { "off" }, choice.why)
+}
+
+/// A line for each neglected effect that matters, and one for all others.
+fn audit_lines(rows: &[AuditRow]) -> Vec<String> {
+    let mut lines: Vec<String> =
+        rows.iter().filter(|row| row.matters()).map(|row| std::format!("  note: {}", row.message)).collect();
+    let size = |row: &AuditRow| {
+        if row.estimate.is_nan() {
+            std::format!("{} unknown", row.effect)
+        } else {
+            std::format!("{} {:.2} %", row.effect, 100.0 * row.estimate)
+        }
+    };
+    let others: Vec<String> = rows.iter().filter(|row| !row.matters()).map(size).collect();
+    if !others.is_empty() {
+        lines.push(std::format!("  {:<18}{}", "left out", others.join(", ")));
+    }
+    lines
 }
 
 fn rupture_text(r: &RuptureSummary, units: System) -> String {

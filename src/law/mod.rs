@@ -10,6 +10,7 @@
 
 mod backbone;
 mod elastic;
+mod heat;
 mod path_independent;
 mod plastic;
 pub mod rate;
@@ -17,6 +18,7 @@ pub mod rupture;
 
 pub use backbone::{Backbone, Envelope, Indexed, Line, Searched, Table, TwoSided};
 pub use elastic::elastic_row;
+pub use heat::Warming;
 pub use path_independent::PathIndependent;
 pub use plastic::{Isotropic, Mixed};
 
@@ -25,6 +27,9 @@ use multiversion::multiversion;
 /// Cells that sums run over side by side. Sums over cells keep one partial sum a lane, so that their bits do
 /// not depend on how wide the processor's registers are.
 pub const LANES: usize = 8;
+
+/// Cells of a row that are looked up in a table together.
+const CHUNK: usize = 64;
 
 /// One step of one cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,6 +49,25 @@ pub trait CellLaw<const N: usize>: Send + Sync {
 
     /// The cell at the end of a step.
     fn respond(&self, predictor: f64, state: [f64; N]) -> Response<N>;
+
+    /// The law reads a table that is read faster for many cells at once: `respond` is then `ask`, `look_up`, `settle`.
+    const ASKS: bool = false;
+
+    /// Where the law reads its table, Pa, >= 0.
+    #[inline(always)]
+    fn ask(&self, _predictor: f64, _state: [f64; N]) -> f64 {
+        0.0
+    }
+
+    /// Reads the table for neighbouring cells: what they [`Self::ask`] and their predictors to the stresses there, Pa.
+    #[inline(always)]
+    fn look_up(&self, _reach: &[f64], _predictor: &[f64], _table: &mut [f64]) {}
+
+    /// [`Self::respond`], given the table's stress where the law asked for it.
+    #[inline(always)]
+    fn settle(&self, predictor: f64, state: [f64; N], _table: f64) -> Response<N> {
+        self.respond(predictor, state)
+    }
 
     /// E times the signed plastic strain, Pa.
     fn plastic_strain(&self, state: [f64; N]) -> f64;
@@ -70,9 +94,24 @@ pub trait CellLaw<const N: usize>: Send + Sync {
         0.0
     }
 
+    /// With [`Self::TAKES_TIME`]: plastic strain is growing.
+    fn flows(&self, _state: [f64; N]) -> bool {
+        false
+    }
+
     /// In its latest step the cell came to its static curve, or nearly.
     fn keeps_up(&self, _state: [f64; N]) -> bool {
         true
+    }
+
+    /// Temperature, K; not a number for laws that know none.
+    fn temperature(&self, _state: [f64; N]) -> f64 {
+        f64::NAN
+    }
+
+    /// Fraction of the plastic work that turns into heat.
+    fn heat_fraction(&self) -> f64 {
+        0.0
     }
 }
 
@@ -113,6 +152,19 @@ pub trait RowLaw: Send + Sync {
 
     /// Clears `flow` in cells that flow by a rate which the steps resolve.
     fn clear_resolved(&self, state: &[f64], flow: &mut [u8]);
+
+    /// Temperature of cell `i` of a row, K (`state` is empty in a row that never yielded); not a number for laws that know
+    /// none.
+    fn temperature(&self, state: &[f64], i: usize) -> f64;
+
+    /// Fraction of the plastic work that turns into heat.
+    fn heat_fraction(&self) -> f64;
+
+    /// Cell `i` of a row flows by a rate; false for laws without.
+    fn flows(&self, state: &[f64], i: usize) -> bool;
+
+    /// E times the largest strain of a row, Pa; 0 where all is in compression.
+    fn largest_strain(&self, sigma: &[f64], state: &[f64]) -> f64;
 }
 
 /// Makes a [`RowLaw`] of a [`CellLaw`].
@@ -172,6 +224,23 @@ impl<L: CellLaw<N>, const N: usize> RowLaw for Rows<L, N> {
             *flow = u8::from(self.0.keeps_up(cell_state(state, i)));
         }
     }
+
+    fn temperature(&self, state: &[f64], i: usize) -> f64 {
+        self.0.temperature(if state.is_empty() { [0.0; N] } else { cell_state(state, i) })
+    }
+
+    fn heat_fraction(&self) -> f64 {
+        self.0.heat_fraction()
+    }
+
+    fn flows(&self, state: &[f64], i: usize) -> bool {
+        L::TAKES_TIME && self.0.flows(cell_state(state, i))
+    }
+
+    fn largest_strain(&self, sigma: &[f64], state: &[f64]) -> f64 {
+        let strain = |(i, sigma): (usize, &f64)| sigma + self.0.plastic_strain(cell_state(state, i));
+        sigma.iter().enumerate().map(strain).fold(0.0, f64::max)
+    }
 }
 
 fn cell_state<const N: usize>(state: &[f64], i: usize) -> [f64; N] {
@@ -200,6 +269,9 @@ fn row<L: CellLaw<N>, const N: usize, const FIRST: bool>(
     });
     for column in &columns {
         assert_eq!(column.len(), cells);
+    }
+    if L::ASKS {
+        return by_chunks::<L, N, FIRST>(law, gain, [left, right], sigma, columns, work);
     }
     for i in 0..cells {
         let increment = gain * (right[i] - left[i]);
@@ -242,6 +314,46 @@ fn strained_row<L: CellLaw<N>, const N: usize>(
         sigma[i] = after.sigma;
         for (column, value) in columns.iter_mut().zip(after.state) {
             column[i] = value;
+        }
+    }
+}
+
+/// The same for laws that read a table for many cells at once.
+#[inline(always)]
+fn by_chunks<L: CellLaw<N>, const N: usize, const FIRST: bool>(
+    law: &L,
+    gain: f64,
+    [left, right]: [&[f64]; 2],
+    sigma: &mut [f64],
+    mut columns: [&mut [f64]; N],
+    work: &mut [f64],
+) {
+    let cells = sigma.len();
+    let (mut predictor, mut reach, mut table) = ([0.0; CHUNK], [0.0; CHUNK], [0.0; CHUNK]);
+    for start in (0..cells).step_by(CHUNK) {
+        let chunk = start..cells.min(start + CHUNK);
+        let n = chunk.len();
+        let (left, right) = (&left[chunk.clone()], &right[chunk.clone()]);
+        let (sigma, work) = (&mut sigma[chunk.clone()], &mut work[chunk.clone()]);
+        let mut columns = columns.each_mut().map(|column| &mut column[chunk.clone()]);
+        let (predictor, reach, table) = (&mut predictor[..n], &mut reach[..n], &mut table[..n]);
+        for i in 0..n {
+            let increment = gain * (right[i] - left[i]);
+            let before: [f64; N] = std::array::from_fn(|k| columns[k][i]);
+            predictor[i] = if FIRST { sigma[i] } else { law.base(sigma[i], before) + increment };
+            reach[i] = law.ask(predictor[i], before);
+            // Holds the stress at the start of the step until the work is known.
+            work[i] = if FIRST { sigma[i] - increment } else { sigma[i] };
+        }
+        law.look_up(reach, predictor, table);
+        for i in 0..n {
+            let before: [f64; N] = std::array::from_fn(|k| columns[k][i]);
+            let after = law.settle(predictor[i], before, table[i]);
+            work[i] = (work[i] + after.sigma) * after.plastic;
+            sigma[i] = after.sigma;
+            for (column, value) in columns.iter_mut().zip(after.state) {
+                column[i] = value;
+            }
         }
     }
 }

@@ -39,6 +39,9 @@ pub struct Summary {
     pub left: EndSummary,
     /// Right end at the end time.
     pub right: EndSummary,
+    /// What only a bar in torsion has.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub torsion: Option<TorsionSummary>,
     /// Fronts.
     pub fronts: Vec<FrontSummary>,
     /// Of the struck material; null where the data hold none.
@@ -55,10 +58,31 @@ pub struct Summary {
     /// Where and when the bar broke; left out where it was not to break.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ruptures: Option<Vec<RuptureSummary>>,
+    /// What `effects = "auto"` chose, and why; left out where the scene names its effects.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub auto: Option<Vec<AutoChoice>>,
+    /// Largest rise in temperature at the end; left out without the effect of heat.
+    #[serde(rename = "largest_temperature_rise_K", skip_serializing_if = "Option::is_none")]
+    pub temperature_rise: Option<f64>,
     /// Neglected effects.
     pub audit: Vec<AuditRow>,
     /// Result file.
     pub output: String,
+}
+
+/// One decision of `effects = "auto"`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct AutoChoice {
+    /// A key of the scene's [effects].
+    pub effect: String,
+    /// Simulated from this round on.
+    pub on: bool,
+    /// Why, with the figures.
+    pub why: String,
+    /// Estimated relative change of the stress that it makes.
+    pub estimate: f64,
+    /// 0: before the first run; otherwise after which run it was found to be missing.
+    pub round: usize,
 }
 
 /// What front tracking says of itself. The keys stand beside those of [`Summary`].
@@ -73,6 +97,18 @@ pub struct TrackingSummary {
     pub fronts_under_way: usize,
     /// events / `step_wall_s`.
     pub events_per_s: f64,
+}
+
+/// The ends of a bar in torsion at the end time; stresses, strains and velocities of the summary are those of its surface.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct TorsionSummary {
+    /// The surface's radius (of thin tubes the mean one), m.
+    pub radius_m: f64,
+    /// Torque at the left and the right end, N m.
+    #[serde(rename = "torque_N_m")]
+    pub torque: [f64; 2],
+    /// Their angular velocities, rad/s.
+    pub angular_velocity_rad_s: [f64; 2],
 }
 
 /// The state at an end.

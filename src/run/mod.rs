@@ -1,10 +1,15 @@
 //! Running a scene: steps its bar, and hands what it sees to the recorders and the result file. Here is what all methods
 //! have in common; how they go on in time is in `stepped` (grids) and `tracked` (fronts).
 
+mod auto;
 mod breaks;
 mod companion;
+mod estimate;
+mod specimen;
 mod stepped;
 mod tracked;
+
+pub use specimen::run_specimen;
 
 use std::path::Path;
 use std::time::Instant;
@@ -16,15 +21,21 @@ use crate::law::rupture::Rupture;
 use crate::material::Sense;
 use crate::record::store::{Finish, Header, Layout, Side, Writer};
 use crate::record::{
-    AuditRow, ElasticCheck, EndSummary, ErrorFigure, FrontRow, FrontSummary, LedgerSummary, MaterialRecord,
-    RuptureSummary, Summary, Trace, TrackingSummary, View, above_critical,
+    AuditRow, AutoChoice, Case, ElasticCheck, EndSummary, ErrorFigure, FrontRow, FrontSummary, Ledger, LedgerSummary,
+    MaterialRecord, Off, RuptureSummary, Summary, TorsionSummary, Trace, TrackingSummary, Twisted, View,
+    above_critical,
 };
-use crate::scene::{Effects, Method, Scene};
+use crate::scene::{Effects, Method, Scene, Torsion};
 use crate::wave::similarity;
 
+pub use auto::choose;
+pub use estimate::estimate;
+
 /// How far a run is.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub enum Progress {
+    /// `effects = "auto"` has decided on an effect.
+    Chosen(Box<AutoChoice>),
     /// A grid that goes on in steps.
     Steps {
         /// Steps taken.
@@ -57,13 +68,20 @@ pub enum Wish {
 }
 
 /// Simulates a scene and writes its result file, where one is asked for. `progress` is called every few
-/// milliseconds.
+/// milliseconds. A scene with `effects = "auto"` is run again where an effect was missed; the last run stays in the file.
 ///
 /// # Errors
 /// A [`crate::error::RunError`] where the run cannot go on, [`Error::Interrupted`] where `progress` asked to stop, a file
 /// error where the result cannot be written. In the first two cases the result file holds everything up to then.
 pub fn run(scene: &Scene, output: Option<&Path>, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<Summary> {
+    if scene.auto.is_some() { auto::run(scene, output, progress) } else { once(scene, output, progress) }
+}
+
+/// One run with the effects that the scene has by now.
+fn once(scene: &Scene, output: Option<&Path>, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<Summary> {
     let started = Instant::now();
+    let cut = scene.in_pieces();
+    let scene = cut.as_ref().unwrap_or(scene);
     match scene.solve.method {
         Method::Leapfrog { cells, cfl } => {
             stepped::run(scene, assemble::leapfrog(scene, cells, cfl), output, started, progress)
@@ -77,6 +95,40 @@ pub fn run(scene: &Scene, output: Option<&Path>, progress: &mut dyn FnMut(Progre
         Method::FrontTracking { front_tolerance, event_budget } => {
             tracked::run(scene, front_tolerance, event_budget, output, started, progress)
         }
+    }
+}
+
+/// Notes on impacts above the critical velocity, for a bar that did not break (`parted`) where it was to.
+fn struck_too_hard(scene: &Scene, launches: &[Launch], parted: bool) -> Vec<AuditRow> {
+    if scene.effects.rate.is_some() || parted {
+        return Vec::new();
+    }
+    let critical = critical_velocity(scene, launches).unwrap_or(f64::NAN);
+    let row = |launch: &Launch| {
+        let asked = Launch { origin: scene.asked_origin(launch.origin), ..launch.clone() };
+        above_critical(&asked, &scene.bar.segments[launch.segment].material, critical)
+    };
+    launches.iter().filter_map(row).collect()
+}
+
+/// What a scene's audit needs to know; `cells` of the grid, where there is one.
+fn case(scene: &Scene, cells: Option<usize>) -> Case<'_> {
+    let effects = &scene.effects;
+    let asked = scene.cut.as_ref().map_or(scene, |cut| &cut.asked);
+    Case {
+        bar: &asked.bar,
+        ends: [&scene.left, &scene.right],
+        until: scene.solve.until,
+        tolerance: scene.solve.audit_tolerance,
+        off: Off {
+            unloading: effects.unloading.is_none(),
+            rate: effects.rate.is_none(),
+            heat: effects.heat.is_none(),
+            rupture: effects.rupture.is_none(),
+            // Sections that twist do not widen.
+            lateral_inertia: !effects.lateral_inertia && scene.torsion.is_none(),
+        },
+        cells,
     }
 }
 
@@ -129,6 +181,8 @@ struct Findings {
     ruptured: bool,
     /// Where and when, if it was to.
     ruptures: Option<Vec<Rupture>>,
+    /// Largest rise in temperature, K, with the effect of heat.
+    temperature_rise: Option<f64>,
     paths_complete: bool,
 }
 
@@ -147,6 +201,11 @@ impl<'a> Book<'a> {
         let writer = output.map(|path| create_file(scene, path, x, sampling, critical)).transpose()?;
         let output = output.map(|p| p.display().to_string()).unwrap_or_default();
         Ok(Self { scene, launches, critical, writer, output, started, stepping: 0.0 })
+    }
+
+    /// The account of a bar at t = 0.
+    fn ledger(&self, bar: &impl View) -> Ledger {
+        Ledger::new(bar).with_arm(self.scene.torsion.as_ref().map_or(1.0, |torsion| torsion.radius))
     }
 
     /// Writes what histories have gathered: gauges in order, and both ends.
@@ -172,19 +231,25 @@ impl<'a> Book<'a> {
 
     /// The ruptures of a bar, if it was to break.
     fn ruptures(&self, bar: &impl View) -> Option<Vec<Rupture>> {
-        self.scene.effects.rupture.as_ref().map(|_| bar.ruptures().to_vec())
+        let named = |rupture: &Rupture| Rupture { site: self.scene.asked_site(rupture.site), ..*rupture };
+        self.scene.effects.rupture.as_ref().map(|_| bar.ruptures().iter().map(named).collect())
     }
 
     /// Notes on impacts above the critical velocity, for a bar that did not break (`parted`) where it was to.
     fn audit(&self, parted: bool) -> Vec<AuditRow> {
-        if self.scene.effects.rate.is_some() || parted {
-            return Vec::new();
+        struck_too_hard(self.scene, &self.launches, parted)
+    }
+
+    /// Fronts with the joints of the scene that was asked for as their origins.
+    fn named(&self, mut rows: Vec<FrontRow>) -> Vec<FrontRow> {
+        if self.scene.cut.is_some() {
+            for row in &mut rows {
+                if let Some(launch) = self.launches.iter().find(|launch| launch.origin.to_string() == row.origin) {
+                    row.origin = self.scene.asked_origin(launch.origin).to_string();
+                }
+            }
         }
-        let row = |launch: &Launch| {
-            let material = &self.scene.bar.segments[launch.segment].material;
-            above_critical(launch, material, self.critical.unwrap_or(f64::NAN))
-        };
-        self.launches.iter().filter_map(row).collect()
+        rows
     }
 
     /// Closes the file, whatever the end was, and sums up.
@@ -238,6 +303,7 @@ impl<'a> Book<'a> {
             end_time_s: findings.end_time,
             left,
             right,
+            torsion: self.scene.torsion.as_ref().map(|torsion| torsion_summary(torsion, [left, right])),
             fronts: findings.fronts.iter().map(FrontSummary::from).collect(),
             critical_velocity: self.critical,
             above_critical: self.above_critical(),
@@ -245,10 +311,37 @@ impl<'a> Book<'a> {
             ledger: findings.ledger,
             error: findings.error,
             ruptures: findings.ruptures.map(|all| all.iter().map(RuptureSummary::from).collect()),
+            auto: None,
+            temperature_rise: findings.temperature_rise,
             audit: findings.audit,
             output: self.output,
         }
     }
+}
+
+fn torsion_summary(torsion: &Torsion, ends: [EndSummary; 2]) -> TorsionSummary {
+    let radius = torsion.radius;
+    let polar = [torsion.polar[0], torsion.polar[torsion.polar.len() - 1]];
+    TorsionSummary {
+        radius_m: radius,
+        torque: [0, 1].map(|k| ends[k].stress * polar[k] / radius),
+        angular_velocity_rad_s: ends.map(|end| end.velocity / radius),
+    }
+}
+
+/// What makes torques and angles of the fields of a bar in torsion, at these samples (increasing, m).
+fn twisted(scene: &Scene, x: &[f64]) -> Option<Twisted> {
+    let torsion = scene.torsion.as_ref()?;
+    let (mut k, mut end) = (0, scene.bar.segments[0].length);
+    let mut torque_per_stress = Vec::with_capacity(x.len());
+    for &x in x {
+        while x >= end && k + 1 < scene.bar.segments.len() {
+            k += 1;
+            end += scene.bar.segments[k].length;
+        }
+        torque_per_stress.push(torsion.polar[k] / torsion.radius);
+    }
+    Some(Twisted { radius: torsion.radius, torque_per_stress })
 }
 
 fn create_file(scene: &Scene, path: &Path, x: Vec<f64>, sampling: &str, critical: Option<f64>) -> Result<Writer> {
@@ -263,6 +356,7 @@ fn create_file(scene: &Scene, path: &Path, x: Vec<f64>, sampling: &str, critical
         method: method.into(),
         scheme: scheme.into(),
         critical_velocity: critical,
+        torsion: scene.torsion.as_ref().map(|torsion| torsion.radius),
     };
     let layout = Layout {
         x,
@@ -273,6 +367,7 @@ fn create_file(scene: &Scene, path: &Path, x: Vec<f64>, sampling: &str, critical
         area_given: scene.bar.area_given,
         sampling: sampling.into(),
         paths: scene.record.paths,
+        temperature: scene.effects.heat.is_some(),
     };
     Writer::create(path, &header, &layout, &material_records(scene))
 }

@@ -62,9 +62,11 @@ pub enum Rate {
         /// 1/s, > 0.
         reference: f64,
     },
+    /// Each segment by the constants of its own material, see [`crate::law::rate::Overstress::of`].
+    Material,
 }
 
-/// Adiabatic heating; the other constants are the materials' own.
+/// Adiabatic heating, see [`crate::material::Heating`]; the other constants are the materials' own.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Heat {
     /// Fraction of the plastic work that turns into heat (Taylor and Quinney), 0 to 1; none: each material's own.
@@ -138,6 +140,7 @@ impl Rate {
             Self::Malvern { k } => format!("malvern k = {k} 1/s"),
             Self::CowperSymonds { d, q } => format!("cowper-symonds D = {d} 1/s, q = {q}"),
             Self::JohnsonCook { c, reference } => format!("johnson-cook C = {c}, reference = {reference} 1/s"),
+            Self::Material => "material".to_owned(),
         }
     }
 }

@@ -8,10 +8,10 @@ use crate::assemble;
 use crate::bar::{Segment, launches};
 use crate::law::{Table, elastic_row};
 use crate::material::Sense;
-use crate::record::FrontSummary;
+use crate::record::{AuditRow, AutoChoice, FrontSummary};
 use crate::run;
 use crate::scene::{Effects, Method, Rate, Scene};
-use crate::solver::fd::Grid;
+use crate::solver::fd::{Along, Grid, TAPER_BYTES_PER_CELL};
 use crate::solver::moc::{FrontTracking, Settings};
 use crate::solver::net::{Lattice, Net};
 
@@ -26,6 +26,9 @@ pub struct Plan {
     pub scheme: String,
     /// What is simulated, what is not, and why.
     pub effects: Vec<PlannedEffect>,
+    /// What `effects = "auto"` chose so far; the audit of the run may add to it. Left out where the scene names its effects.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub auto: Option<Vec<AutoChoice>>,
     /// What the method takes; its keys stand beside the others.
     #[serde(flatten)]
     pub work: Work,
@@ -38,6 +41,18 @@ pub struct Plan {
     pub critical_velocity: Option<f64>,
     /// The scene drives the bar beyond it.
     pub above_critical: bool,
+    /// How tapered segments are cut into uniform pieces, by methods that do so.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub staircase: Option<Staircase>,
+}
+
+/// Tapered segments as uniform pieces.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Staircase {
+    /// Pieces of the whole bar, uniform segments included.
+    pub pieces: usize,
+    /// Largest part of a wave's force that a step between two pieces reflects.
+    pub reflects: f64,
 }
 
 /// Size and cost of a run, by method.
@@ -102,6 +117,10 @@ pub struct PlannedEffect {
     pub on: bool,
     /// Why.
     pub why: String,
+    /// Estimated relative change of the stress that it makes; null where nothing is known, or nothing was asked.
+    pub estimate: Option<f64>,
+    /// Size from which it matters: the audit's tolerance; null beside no estimate.
+    pub threshold: Option<f64>,
 }
 
 /// Time of one step of one yielded cell over that of an elastic cell, all kernels and the ripple damping included.
@@ -112,9 +131,18 @@ const PLASTIC_COST: f64 = 6.0;
 const RATE_MALVERN: f64 = 40e-9;
 const RATE_OTHER: f64 = 150e-9;
 
-/// Makes the plan.
+/// Time of a step of a node where something acts along the bar. Measured at 10000 cells.
+const SWEEP: f64 = 8e-9;
+
+/// The same of a cell whose temperature is a state, which is gone through until it stands.
+const HEATED: f64 = 500e-9;
+
+/// Makes the plan, with the effects that `effects = "auto"` would start with.
 pub fn plan(scene: &Scene) -> Plan {
+    let scene = &run::choose(scene, &mut |_| {});
     let all = launches(&scene.bar, &scene.left, &scene.right);
+    let (asked, cut) = (scene, scene.in_pieces());
+    let scene = cut.as_ref().unwrap_or(scene);
     let [method, scheme] = scene.solve.method.names();
     let (work, cells) = match scene.solve.method {
         Method::Leapfrog { cells, cfl } => grid_work(scene, &Grid::new(&scene.bar, cells, cfl)),
@@ -129,12 +157,14 @@ pub fn plan(scene: &Scene) -> Plan {
         scene: scene.title.clone(),
         method: method.into(),
         scheme: scheme.into(),
-        effects: effects(scene, &all),
+        effects: effects(asked, &all),
+        auto: scene.auto.as_ref().map(|auto| auto.choices.clone()),
         work,
         field_bytes: samples * size_of::<f64>(),
         fronts: all.iter().flat_map(fronts).collect(),
-        critical_velocity: run::critical_velocity(scene, &all),
+        critical_velocity: run::critical_velocity(asked, &all),
         above_critical: all.iter().any(|l| l.fan.above_critical),
+        staircase: scene.cut.as_ref().map(|cut| Staircase { pieces: cut.of.len(), reflects: cut.reflects }),
     }
 }
 
@@ -146,9 +176,17 @@ fn grid_work(scene: &Scene, grid: &Grid) -> (Work, usize) {
     // A bar that can break keeps the work of its cells.
     let work_kept = usize::from(scene.effects.rupture.is_some()) * number;
     // Stress and velocity; then the law's state and a byte for the damping.
-    let (elastic, yielded) = (2 * number, (2 + law.law.state_len()) * number + 1 + work_kept);
+    let tapered = scene.bar.segments.iter().any(|segment| segment.taper.is_some());
+    let sections = if tapered { TAPER_BYTES_PER_CELL } else { 0 };
+    let along = assemble::along(&scene.bar, &scene.effects);
+    let [nodes, yielded_nodes] = along.as_ref().map_or([0; 2], Along::bytes_per_cell);
+    let elastic = 2 * number + sections + nodes;
+    let yielded = (2 + law.law.state_len()) * number + 1 + work_kept + sections + yielded_nodes;
+    let sweep = if along.is_some() { SWEEP } else { 0.0 };
     let (elastic_cell, work) = (elastic_seconds_per_cell_step(), (cells * steps) as f64);
+    let heated = scene.bar.segments.iter().any(|s| assemble::heat_of_state(&s.material, &scene.effects).is_some());
     let flowing = match scene.effects.rate {
+        _ if heated => HEATED,
         None => PLASTIC_COST * elastic_cell,
         Some(Rate::Malvern { .. }) => RATE_MALVERN,
         Some(_) => RATE_OTHER,
@@ -161,7 +199,7 @@ fn grid_work(scene: &Scene, grid: &Grid) -> (Work, usize) {
         bytes_per_elastic_cell: elastic,
         bytes_per_yielded_cell: yielded,
         memory_bytes: cells * yielded,
-        expected_s: [quickest, flowing * (cells * steps) as f64],
+        expected_s: [quickest, flowing * work].map(|stepping| stepping + sweep * work),
         net: None,
     };
     (work, cells)
@@ -270,16 +308,54 @@ fn effects(scene: &Scene, launches: &[crate::bar::Launch]) -> Vec<PlannedEffect>
              step in which a reflection first yields a cell, if one does"
         }
     };
-    let mut list = vec![PlannedEffect { effect: "plasticity".into(), on: yields && !linear, why: why.into() }];
-    list.extend(Effects::KEYS.iter().map(|key| match scene.effects.named(key) {
-        Some(effect) => PlannedEffect { effect, on: true, why: "the scene asks for it".into() },
-        None => PlannedEffect {
-            effect: (*key).to_owned(),
-            on: false,
-            why: format!("the scene does not ask for it: {}", without(key)),
-        },
-    }));
-    list
+    let plasticity = PlannedEffect {
+        effect: "plasticity".into(),
+        on: yields && !linear,
+        why: why.into(),
+        estimate: None,
+        threshold: None,
+    };
+    let rows = run::estimate(scene);
+    let planned = |key: &&str| match scene.effects.named(key) {
+        Some(effect) => on(scene, key, effect),
+        None => off(scene, key, rows.iter().find(|row| row.effect == **key)),
+    };
+    std::iter::once(plasticity).chain(Effects::KEYS.iter().map(planned)).collect()
+}
+
+fn chosen<'a>(scene: &'a Scene, key: &str) -> Option<&'a AutoChoice> {
+    scene.auto.as_ref()?.choices.iter().find(|choice| choice.effect == key)
+}
+
+fn on(scene: &Scene, key: &str, effect: String) -> PlannedEffect {
+    let choice = chosen(scene, key);
+    let why = match (choice, &scene.auto) {
+        (Some(choice), _) => choice.why.clone(),
+        (None, Some(_)) => "another effect needs it".into(),
+        (None, None) => "the scene asks for it".into(),
+    };
+    let estimate = choice.map(|c| c.estimate);
+    PlannedEffect { effect, on: true, why, estimate, threshold: estimate.map(|_| scene.solve.audit_tolerance) }
+}
+
+fn off(scene: &Scene, key: &str, row: Option<&AuditRow>) -> PlannedEffect {
+    let start = match (chosen(scene, key), &scene.auto) {
+        (Some(choice), _) => choice.why.clone(),
+        (None, Some(_)) => "not called for".into(),
+        (None, None) => "the scene does not ask for it".into(),
+    };
+    let finding = row.map_or_else(
+        || without(key).to_owned(),
+        |row| row.message.split_once(": ").map_or(row.message.as_str(), |parts| parts.1).to_owned(),
+    );
+    let estimate = row.map(|row| row.estimate).filter(|e| !e.is_nan());
+    PlannedEffect {
+        effect: key.to_owned(),
+        on: false,
+        why: format!("{start}: {finding}"),
+        estimate,
+        threshold: estimate.and(row.map(|row| row.threshold)),
+    }
 }
 
 /// What a run assumes without an effect.

@@ -90,6 +90,11 @@ impl<const N: usize> CellLaw<N> for Timed<N> {
         state[4]
     }
 
+    #[inline]
+    fn flows(&self, state: [f64; N]) -> bool {
+        state[3] != 0.0
+    }
+
     /// The cell is loaded, and at least half of its overstress goes within half a step: it follows the static curve. A cell
     /// that unloaded within the step has no overstress at its end.
     #[inline]

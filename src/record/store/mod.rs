@@ -29,6 +29,7 @@
 
 mod compound;
 mod create;
+mod figures;
 mod paths;
 mod read;
 mod scales;
@@ -39,6 +40,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+pub use figures::{Figure, write_figures};
 pub use read::{Facts, Gauge, ResultFile};
 
 use super::{
@@ -84,6 +86,8 @@ pub struct Header {
     pub scheme: String,
     /// m/s; none where the data hold none.
     pub critical_velocity: Option<f64>,
+    /// Of a bar in torsion: the radius whose stress, strain and velocity are recorded, m. Momenta are then N m s.
+    pub torsion: Option<f64>,
 }
 
 /// What the file holds and how.
@@ -105,6 +109,8 @@ pub struct Layout {
     pub sampling: String,
     /// The file has `/paths`.
     pub paths: bool,
+    /// Gauges have a column of the temperature.
+    pub temperature: bool,
 }
 
 /// An end of the bar.
@@ -237,8 +243,8 @@ impl Writer {
     }
 
     fn send(&mut self, message: Message) -> Result<()> {
-        match self.sender.as_ref().map(|s| s.send(message)) {
-            Some(Ok(())) => Ok(()),
+        match self.sender.as_ref().map(|s| s.send(message).is_ok()) {
+            Some(true) => Ok(()),
             // The thread is gone, and its result says why.
             _ => self.join().and_then(|()| Err(Error::file(&self.path, "the file is closed already"))),
         }

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use toml::Spanned;
 
-use super::super::raw::{RawEffects, RawMethod, RawScheme, RawSolve};
+use super::super::raw::{RawEffects, RawMethod, RawSolve};
 use super::super::{Method, Solve};
 use super::{Checker, MOST_CELLS};
 use crate::error::Result;
@@ -46,46 +46,34 @@ impl Checker<'_> {
         };
         let until = self.document.number(until, "solve.until", Dimension::Time, Allowed::Positive)?;
         let rate = effects.rate.is_some();
-        // A net follows fronts of rate-dependent bars within one cell.
-        let default = if rate { RawMethod::Moc } else { RawMethod::Fd };
+        // A net follows fronts of rate-dependent bars within one cell, but does not part, has nothing act along the bar, and knows
+        // no temperature.
+        let on_a_net = rate && effects.rupture.is_none() && effects.along().is_none() && effects.heat.is_none();
+        let default = if on_a_net { RawMethod::Moc } else { RawMethod::Fd };
         let method = raw.method.as_ref().map_or(default, |m| *m.get_ref());
-        if let (Some(rupture), true) = (&effects.rupture, rate) {
-            let message = "rupture of a bar whose flow depends on the strain rate is not followed";
+        if let (Some(rupture), RawMethod::Moc, true) = (&effects.rupture, method, rate) {
+            let message = "the characteristic net, which solves rate-dependent bars, does not follow rupture";
             let error = self.error(rupture.span(), "effects.rupture", message);
-            return Err(error.help("take `rate` out of [effects]: both methods then follow rupture").into());
+            return Err(error.help("use method = \"fd\", which does, or take `rate` out of [effects]").into());
         }
+        self.along_is_on_a_grid(effects, raw, method)?;
+        self.heat_can_be_followed(effects, method)?;
         self.only_keys_of(raw, method, rate)?;
         let method = match (method, rate) {
-            (RawMethod::Fd, _) => self.on_a_grid(raw, effects)?,
+            (RawMethod::Fd, _) => self.on_a_grid(raw)?,
             (RawMethod::Moc, false) => self.front_tracking(raw)?,
             (RawMethod::Moc, true) => Method::CharacteristicNet { cells: self.cells(raw)? },
         };
-        Ok(Solve { until, method })
+        let (key, range) = ("solve.audit-tolerance", Allowed::Between(0.0, 1.0));
+        let tolerance = self.document.optional(raw.audit_tolerance.as_ref(), key, Dimension::None, range)?;
+        Ok(Solve { until, method, audit_tolerance: tolerance.unwrap_or(Solve::AUDIT_TOLERANCE) })
     }
 
-    fn on_a_grid(&self, raw: &RawSolve, effects: &RawEffects) -> Result<Method> {
+    fn on_a_grid(&self, raw: &RawSolve) -> Result<Method> {
         let cells = self.cells(raw)?;
         let range = Allowed::Above(0.0, 1.0);
         let cfl = self.document.optional(raw.cfl.as_ref(), "solve.cfl", Dimension::None, range)?.unwrap_or(1.0);
-        match &raw.scheme {
-            Some(scheme) if *scheme.get_ref() == RawScheme::Muscl => {
-                self.muscl_can(scheme.span(), effects)?;
-                Ok(Method::Muscl { cells, cfl })
-            }
-            _ => Ok(Method::Leapfrog { cells, cfl }),
-        }
-    }
-
-    /// Refuses effects that the scheme muscl does not have. `span` is that of the scheme's name.
-    fn muscl_can(&self, span: Range<usize>, effects: &RawEffects) -> Result<()> {
-        let asked = [
-            (effects.rate.is_some(), "rate", "\"leapfrog\", or method = \"moc\" (a characteristic net)"),
-            (effects.rupture.is_some(), "rupture", "\"leapfrog\", or method = \"moc\" (front tracking)"),
-        ];
-        let Some((_, effect, instead)) = asked.into_iter().find(|row| row.0) else { return Ok(()) };
-        let message = format!("scheme = \"muscl\" does not simulate the effect `{effect}`");
-        let help = format!("use scheme = {instead}, or take `{effect}` out of [effects]");
-        Err(self.error(span, "solve.scheme", message).allowed("\"leapfrog\"").help(help).into())
+        Ok(if raw.is_muscl() { Method::Muscl { cells, cfl } } else { Method::Leapfrog { cells, cfl } })
     }
 
     fn cells(&self, raw: &RawSolve) -> Result<usize> {
@@ -122,7 +110,7 @@ impl Checker<'_> {
             let help = format!("use method = \"{}\", which has it, or {out}", other.word());
             (format!("`{name}` means nothing for method = \"{word}\""), help)
         };
-        let allowed = format!("until, method, {}", method.keys(rate).join(", "));
+        let allowed = format!("until, method, {}, audit-tolerance", method.keys(rate).join(", "));
         Err(self.error(span, &format!("solve.{name}"), message).allowed(allowed).help(help).into())
     }
 }

@@ -122,7 +122,10 @@ impl End {
                 let per = -self.normal * stiffness / self.area;
                 Known::Stress(per * self.displacement, per * self.latest.velocity)
             }
-            EndCondition::Free | EndCondition::Wall { .. } | EndCondition::Striker { .. } => Known::Stress(0.0, 0.0),
+            EndCondition::Free
+            | EndCondition::Wall { .. }
+            | EndCondition::Striker { .. }
+            | EndCondition::Ball { .. } => Known::Stress(0.0, 0.0),
             EndCondition::Absorbing => Known::Nothing,
         }
     }
@@ -162,7 +165,7 @@ impl End {
                 Flux { stress: mean(moved.stress, free.stress), velocity: mean(moved.velocity, free.velocity) }
             }
             EndCondition::Stress { history } => ask(Drive::Stress(history.mean(time, time + dt))),
-            EndCondition::Free => ask(Drive::Stress(0.0)),
+            EndCondition::Free | EndCondition::Ball { .. } => ask(Drive::Stress(0.0)),
             EndCondition::Fixed => ask(Drive::Velocity(0.0)),
             EndCondition::Absorbing => {
                 ask(Drive::Yielding { velocity: self.rest, force: 0.0, compliance: 1.0 / (self.area * self.impedance) })

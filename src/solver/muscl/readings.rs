@@ -29,6 +29,7 @@ impl Muscl {
             Quantity::Velocity => block.v[i],
             Quantity::Strain => block.reach(part, i) / part.modulus,
             Quantity::PlasticStrain => (block.reach(part, i) - block.sigma[i]) / part.modulus,
+            Quantity::Temperature => f64::NAN,
             Quantity::AccumulatedPlasticStrain => self.accumulated(block, i) / part.modulus,
         }
     }

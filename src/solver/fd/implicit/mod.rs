@@ -1,0 +1,270 @@
+//! What acts along the bar beside the stress of its curve: damping, a foundation, and Love's lateral inertia.
+//!
+//! With w = v+ - v- the change of the nodes' velocities in a step,
+//!
+//! ```text
+//! M w + B w + (K dt^2/4) w + (dt/2) C w = dt (F - K u) - dt C v- + dt R
+//! ```
+//!
+//! F is the force of the stresses, R that of the ends; M are the nodes' masses, B = rho nu^2 r^2 A/dx in the pattern of
+//! neighbouring nodes (Love: the kinetic energy of the sideways motion is rho nu^2 r^2 (d eps/dt)^2/2 per volume), C the
+//! dampers: internal ones c1 A/dx in the same pattern, external ones c2 dx at each node; K = k dx is the foundation. The
+//! dampers act with the mean velocity of the step, the foundation with the mean (u- + 2 u + u+)/4 of the displacements: of
+//! second order, stable for any constants at any Courant number that the plain scheme takes, and their work is known
+//! exactly. External drag alone slows a node down by its exact exponential.
+//!
+//! The matrix never changes, so it is factored once; a step is one forward and one backward sweep. Everything goes on with
+//! the same stresses as before: laws, blocks and ends know nothing of it.
+
+mod account;
+mod matrix;
+mod weights;
+
+use multiversion::multiversion;
+
+use super::block::Block;
+use super::device::Device;
+use super::grid::Grid;
+use super::leapfrog::Constants;
+use account::Taken;
+use matrix::Matrix;
+use weights::{CellWeights, Weights};
+
+pub(super) use account::NodeSums;
+
+/// What acts along the bar; 0 where there is none of a kind.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Along {
+    /// c1: stress per strain rate (Kelvin, Voigt), Pa s, >= 0.
+    pub internal: f64,
+    /// c2: force per length and velocity, N s/m^2, >= 0.
+    pub external: f64,
+    /// k: force per length and displacement, N/m^2, >= 0.
+    pub foundation: f64,
+    /// Of each segment: square of Poisson's ratio times the section's polar radius of gyration, m^2, >= 0.
+    pub lateral: Vec<f64>,
+}
+
+impl Along {
+    /// Nothing acts along the bar.
+    pub fn is_nothing(&self) -> bool {
+        let mut all = self.lateral.iter().copied().chain([self.internal, self.external, self.foundation]);
+        all.all(|x| x == 0.0)
+    }
+
+    /// Memory that a cell takes for it, before and after the bar has yielded, bytes; more only in the few cells next to the
+    /// ends that follow them.
+    pub fn bytes_per_cell(&self) -> [usize; 2] {
+        let elastic = 4 + usize::from(self.foundation > 0.0);
+        [elastic, elastic + 1].map(|numbers| numbers * size_of::<f64>())
+    }
+}
+
+/// There are internal and external dampers; some cells move sideways.
+#[derive(Debug, Clone, Copy)]
+struct Acts {
+    internal: bool,
+    external: bool,
+    lateral: bool,
+}
+
+/// The nodes of a bar along which something acts.
+#[derive(Debug, Clone)]
+pub(super) struct Implicit {
+    weights: Weights,
+    matrix: Matrix,
+    /// Velocities half a step after the current time, m/s.
+    after: Vec<f64>,
+    /// Their change in the latest step.
+    change: Vec<f64>,
+    /// Displacements at the current time, m; empty without a foundation.
+    place: Vec<f64>,
+    /// For the ripple damping; empty until the bar yields.
+    shift: Vec<f64>,
+    acts: Acts,
+    latest: Taken,
+    /// Energy taken by dampers so far, J, and by the ripple damping.
+    damped: f64,
+    ripples: f64,
+    impulse: f64,
+    throughput: f64,
+    /// K dt^2/4 v^2/2 at the start, J: the foundation's energy is counted from there.
+    spring_start: f64,
+    /// The right end's change in the latest step, where the search for both ends' begins.
+    right_change: f64,
+    started: bool,
+}
+
+impl Implicit {
+    /// The nodes at t = 0, with these velocities, before anything acts on them.
+    pub fn new(along: &Along, grid: &Grid, constants: &[Constants], velocities: Vec<f64>) -> Self {
+        // In the step around t = 0 the dampers act for half of it.
+        let weights = Weights::new(along, grid, constants, 0.5);
+        let nodes = velocities.len();
+        Self {
+            matrix: factored(&weights),
+            weights,
+            after: velocities,
+            change: vec![0.0; nodes],
+            place: vec![0.0; if along.foundation > 0.0 { nodes } else { 0 }],
+            shift: Vec::new(),
+            acts: Acts {
+                internal: along.internal > 0.0,
+                external: along.external > 0.0,
+                lateral: along.lateral.iter().any(|&l| l > 0.0),
+            },
+            latest: Taken::default(),
+            damped: 0.0,
+            ripples: 0.0,
+            impulse: 0.0,
+            throughput: 0.0,
+            spring_start: 0.0,
+            right_change: 0.0,
+            started: false,
+        }
+    }
+
+    /// The first step, around t = 0; all later ones have the whole damping.
+    pub fn start(
+        &mut self,
+        along: &Along,
+        grid: &Grid,
+        constants: &[Constants],
+        blocks: &[Block],
+        [left, right]: [&mut Device; 2],
+    ) {
+        self.spring_start = self.foundation_of_motion(|j| self.after[j]);
+        self.give_masses([&mut *left, &mut *right]);
+        self.advance(0.0, blocks, [&mut *left, &mut *right]);
+        self.weights = Weights::new(along, grid, constants, 1.0);
+        self.matrix = factored(&self.weights);
+        self.give_masses([left, right]);
+    }
+
+    /// Tells the ends what they move.
+    fn give_masses(&self, [left, right]: [&mut Device; 2]) {
+        let [first, last] = self.matrix.end_masses();
+        left.set_mass(first);
+        right.set_mass(last);
+    }
+
+    /// Takes the nodes from half a step before `time` to half a step after it. The ends know what they
+    /// move.
+    pub fn advance(&mut self, time: f64, blocks: &[Block], [left, right]: [&mut Device; 2]) {
+        if self.started {
+            let dt = self.weights.dt;
+            self.place.iter_mut().zip(&self.after).for_each(|(u, v)| *u += dt * v);
+        }
+        self.form_right_sides(blocks);
+        let n = self.change.len() - 1;
+        let right_sides = [self.change[0], self.change[n]];
+        self.matrix.solve(&mut self.change);
+        let pulls = self.matrix.left_for_ends(right_sides, &self.change);
+        self.move_ends(time, pulls, blocks, left, right);
+        let changes = [&*left, &*right].map(|end| end.velocity_after() - end.velocity_before());
+        self.matrix.follow_ends(changes, &mut self.change);
+        [self.change[0], self.change[n]] = changes;
+        self.right_change = changes[1];
+        self.account();
+        self.after.iter_mut().zip(&self.change).for_each(|(v, change)| *v += change);
+        // To the last bit what the ends say of themselves.
+        [self.after[0], self.after[n]] = [left.velocity_after(), right.velocity_after()];
+        self.started = true;
+    }
+
+    /// Into `change`: the impulses on the nodes, dampers with the velocities before the step.
+    fn form_right_sides(&mut self, blocks: &[Block]) {
+        let (v, change) = (&self.after[..], &mut self.change[..]);
+        let mut from_left = 0.0;
+        for block in blocks {
+            let (from, to) = (block.cells.start, block.cells.end);
+            let w = self.weights.cell(from);
+            let (sigma, v) = (&block.sigma[..], &v[from..=to]);
+            let impulse = |i: usize| w.impulse * sigma[i] + w.viscous * (v[i + 1] - v[i]);
+            change[from] = impulse(0) - from_left;
+            stress_impulses(w, sigma, v, &mut change[from + 1..to]);
+            from_left = impulse(sigma.len() - 1);
+        }
+        let n = change.len() - 1;
+        change[n] = -from_left;
+        if self.acts.external {
+            for (w, nodes) in self.weights.nodes() {
+                for (change, v) in change[nodes.clone()].iter_mut().zip(&v[nodes]) {
+                    *change -= w.drag * v;
+                }
+            }
+        }
+        if !self.place.is_empty() {
+            for (w, nodes) in self.weights.nodes() {
+                let spring = self.weights.dt * w.spring;
+                for (change, u) in change[nodes.clone()].iter_mut().zip(&self.place[nodes]) {
+                    *change -= spring * u;
+                }
+            }
+        }
+    }
+
+    /// The ends take their step with the impulses (N s in +x) that all nodes between them leave. Each acts on the other
+    /// through the bar: the changes that fit both are the fixed point of answering each other, a contraction of straight
+    /// pieces, which is extrapolated.
+    fn move_ends(&self, time: f64, pulls: [f64; 2], blocks: &[Block], left: &mut Device, right: &mut Device) {
+        let cross = self.matrix.cross();
+        let mut guess = self.right_change;
+        if cross == 0.0 {
+            guess = 0.0;
+        } else {
+            let answer = |guess: f64| {
+                let change = left.answer(time, pulls[0] - cross * guess);
+                right.answer(time, pulls[1] - cross * change)
+            };
+            for _ in 0..MOST_ANSWERS {
+                let first = answer(guess);
+                if (first - guess).abs() <= 2.0 * f64::EPSILON * first.abs() {
+                    break;
+                }
+                let second = answer(first);
+                let bend = second - 2.0 * first + guess;
+                let ahead = guess - (first - guess) * (first - guess) / bend;
+                guess = if ahead.is_finite() { ahead } else { second };
+            }
+        }
+        let (first, last) = (&blocks[0], &blocks[blocks.len() - 1]);
+        left.advance_by(time, pulls[0] - cross * guess, first.sigma[0]);
+        let change = left.velocity_after() - left.velocity_before();
+        right.advance_by(time, pulls[1] - cross * change, last.sigma[last.sigma.len() - 1]);
+    }
+
+    /// Gives a block its nodes' velocities.
+    pub fn share(&self, block: &mut Block) {
+        block.v.copy_from_slice(&self.after[block.cells.start..=block.cells.end]);
+    }
+
+    /// Velocities of a node half a step before and after the current time, m/s.
+    pub fn velocities(&self, node: usize) -> [f64; 2] {
+        [self.after[node] - self.change[node], self.after[node]]
+    }
+
+    /// Memory, bytes.
+    pub fn bytes(&self) -> usize {
+        (self.after.len() + self.change.len() + self.place.len() + self.shift.len() + self.matrix.len())
+            * size_of::<f64>()
+    }
+}
+
+/// Most answers of the ends to each other in a step. Two give the fixed point where neither goes over to another piece.
+const MOST_ANSWERS: usize = 100;
+
+fn factored(weights: &Weights) -> Matrix {
+    Matrix::new(weights.count(), |j| weights.diagonal(j), |i| weights.between(i))
+}
+
+/// Impulses of the stresses and internal dampers on the nodes inside a block, `v` being those of all its nodes.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
+fn stress_impulses(w: &CellWeights, sigma: &[f64], v: &[f64], out: &mut [f64]) {
+    let nodes = out.len();
+    let (left, right) = (&sigma[..nodes], &sigma[1..=nodes]);
+    let (before, here, after) = (&v[..nodes], &v[1..=nodes], &v[2..nodes + 2]);
+    for i in 0..nodes {
+        out[i] = w.impulse * (right[i] - left[i]) + w.viscous * ((after[i] - here[i]) - (here[i] - before[i]));
+    }
+}

@@ -7,6 +7,7 @@ mod muscl;
 use std::sync::Arc;
 
 use barwave::bar::{EndCondition, History, Joint, Segment};
+use barwave::law::Table;
 use barwave::material::{Beyond, Material, Sense};
 use barwave::record::Ledger;
 use barwave::scene::Unloading;
@@ -163,6 +164,10 @@ fn check_muscl(
     unloading: Option<Unloading>,
     (cells, cfl): (usize, f64),
 ) {
+    // Kinematic hardening along a curve that stiffens is not for this scheme.
+    let concave = |s: &Segment| Table::new(&s.material.tension, s.material.modulus).is_concave();
+    let refused = !matches!(unloading, None | Some(Unloading::Isotropic)) && !segments.iter().all(concave);
+    let unloading = if refused { Some(Unloading::Isotropic) } else { unloading };
     let mut bar = muscl::muscl(segments.to_vec(), ends, unloading, cells, cfl);
     let mut ledger = Ledger::new(&bar);
     for _ in 0..STEPS / 20 {

@@ -3,10 +3,12 @@
 use toml::Spanned;
 
 use super::super::Method;
-use super::super::raw::{RawEffects, RawScheme, RawSolve};
+use super::super::raw::{RawEffects, RawScheme, RawSolve, RawUnloading};
 use super::Checker;
 use crate::bar::{Bar, EndCondition};
 use crate::error::Result;
+use crate::law::Table;
+use crate::material::Sense;
 
 /// Beside leapfrog.
 const NET: &str = ", or method = \"moc\" (a characteristic net)";
@@ -27,12 +29,18 @@ impl Checker<'_> {
         let Method::Muscl { .. } = method else { return Ok(()) };
         let tapered = bar.segments.iter().any(|segment| segment.taper.is_some());
         let ball = ends.into_iter().any(|end| matches!(end, EndCondition::Ball { .. }));
+        let moves = effects.unloading.as_ref().is_some_and(|u| !matches!(u.get_ref(), RawUnloading::Isotropic));
+        let stiffens = bar.segments.iter().any(|segment| {
+            let curve = |sense| Table::new(segment.material.branch(sense), segment.material.modulus);
+            !curve(Sense::Tension).is_concave() || !curve(Sense::Compression).is_concave()
+        });
         let asked = [
             (auto, "effects = \"auto\"", ""),
             (effects.rate.is_some(), "the effect `rate`", NET),
             (effects.heat.is_some(), "the effect `heat`", ""),
             (effects.rupture.is_some(), "the effect `rupture`", FRONTS),
             (effects.along().is_some(), "the effects `damping` and `lateral-inertia`", ""),
+            (moves && stiffens, "kinematic hardening along a curve that stiffens or drops", FRONTS),
             (tapered, "tapered segments", FRONTS),
             (ball, "a ball at an end", FRONTS),
         ];

@@ -372,7 +372,8 @@ impl<'a> Branch<'a> {
     fn new(faces: &'a Faces, sense: f64, own: f64, z: f64) -> Self {
         let (lines, reach) = (faces.medium.lines(sense), &faces.reach[side(sense)]);
         let line = lines.at(z.max(0.0));
-        let rise = own - lines.y[line];
+        // Within rounding a state may lie above a level stretch.
+        let rise = if lines.slope[line] > 0.0 { own - lines.y[line] } else { 0.0 };
         let base = reach[line] + if rise > 0.0 { lines.compliance[line] * rise } else { 0.0 };
         Self { lines, reach, own, z, base, impedance2: faces.medium.modulus * faces.medium.density }
     }

@@ -361,7 +361,9 @@ fn for_each(blocks: &mut [Block], parallel: bool, act: impl Fn(&mut Block, &mut 
         blocks.par_iter_mut().with_min_len(16).for_each_init(scratch, |scratch, block| act(block, scratch));
     } else {
         let mut scratch = scratch();
-        blocks.iter_mut().for_each(|block| act(block, &mut scratch));
+        for block in blocks {
+            act(block, &mut scratch);
+        }
     }
 }
 

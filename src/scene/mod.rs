@@ -130,6 +130,13 @@ pub enum Method {
         /// Courant number of the fastest wave, 0 < cfl <= 1.
         cfl: f64,
     },
+    /// Conservative finite differences with the exact Riemann flux.
+    Muscl {
+        /// Cells over the whole bar, >= 2, shared out so that waves take equal time across each.
+        cells: usize,
+        /// Courant number of the fastest wave, 0 < cfl <= 1.
+        cfl: f64,
+    },
     /// The method of characteristics: fronts followed one by one, no grid.
     FrontTracking {
         /// How much waves may be thinned out, relative to the largest stress that the scene's data can reach, 0 <= and < 1;
@@ -155,6 +162,7 @@ impl Method {
     pub fn names(&self) -> [&'static str; 2] {
         match self {
             Self::Leapfrog { .. } => ["fd", "leapfrog"],
+            Self::Muscl { .. } => ["fd", "muscl"],
             Self::FrontTracking { .. } => ["moc", "front-tracking"],
             Self::CharacteristicNet { .. } => ["moc", "characteristic-net"],
         }

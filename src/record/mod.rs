@@ -19,7 +19,7 @@ use serde::Serialize;
 pub use audit::{
     UnloadingWatch, above_critical, broken_end, broken_inside, end_of_data, heating, past_data, unresolved_flow,
 };
-pub use checks::{ElasticProbe, against_similarity, tracked_against_similarity};
+pub use checks::{ElasticProbe, against_similarity, alone, similar_stress, tracked_against_similarity};
 pub use frames::{Frames, read_frame};
 pub use fronts::FrontTracker;
 pub use ledger::Ledger;

@@ -15,7 +15,7 @@ use crate::error::{Error, InputError, Result};
 use crate::report::{self, plot};
 use crate::run::Wish;
 use crate::scene::Scene;
-use crate::study::cost::{Cost, CostPoint, Growth, Hooks, Reach, Whole, cost};
+use crate::study::cost::{Cost, CostPoint, EffectCost, Growth, Hooks, OrderFit, Reach, Whole, cost};
 use crate::units::{Dimension, Quantity};
 
 /// Options of `barwave cost`.
@@ -197,7 +197,7 @@ fn wait(mut child: Child, started: Instant, most: f64, stop: &AtomicBool) -> Who
 /// One row a point.
 fn csv(points: &[CostPoint]) -> String {
     let mut text = String::from(
-        "method,scheme,cells,front_tolerance,error,gauge_error,step_wall_s,spread,repetitions,whole_wall_s,work,work_unit,\
+        "method,scheme,cells,front_tolerance,error,gauge_error,step_wall_s,shortest_s,spread,repetitions,whole_wall_s,work,work_unit,\
          memory_bytes,pareto,below_reference\n",
     );
     let number = |value: Option<f64>| value.map_or_else(String::new, |v| v.to_string());
@@ -205,7 +205,7 @@ fn csv(points: &[CostPoint]) -> String {
         // Writing to a String cannot fail.
         let _ = writeln!(
             text,
-            "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}",
+            "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}",
             p.method,
             p.scheme,
             p.cells.map_or_else(String::new, |c| c.to_string()),
@@ -213,6 +213,7 @@ fn csv(points: &[CostPoint]) -> String {
             p.error,
             number(p.gauge_error),
             p.step_wall_s,
+            p.shortest_s,
             p.spread,
             p.repetitions,
             number(p.whole_wall_s),
@@ -228,56 +229,58 @@ fn csv(points: &[CostPoint]) -> String {
 
 /// Everything, for people.
 fn text(cost: &Cost, written: Option<&Path>) -> String {
-    let mut text = format!(
-        "{}\n\nerror: {}, against the\n  {} (itself uncertain by {:.1e})\n\n{}",
-        cost.scene,
-        cost.measure,
-        cost.reference,
-        cost.reference_uncertainty,
-        points_table(cost)
+    let head = format!(
+        "{}\n\nerror: {}, against the\n  {} (itself uncertain by {:.1e})\n",
+        cost.scene, cost.measure, cost.reference, cost.reference_uncertainty
     );
-    text += "\n* nothing is both quicker and better   ~ below what the reference is uncertain by\n";
-    for fit in &cost.order_fits {
-        text += &format!(
-            "order of {}: {:.2} in {}, {:.2} in time, over {} points\n",
-            fit.scheme,
-            fit.order,
-            fit.against.replace('_', " "),
-            fit.order_in_time,
-            fit.fitted.len()
-        );
-    }
-    text += &format!("\n{}", cheapest_table(cost));
+    let marks = "* nothing is both quicker and better   ~ below what the reference is uncertain by\n";
+    let mut parts = vec![head, points_table(cost), [marks, &orders(cost)].concat(), cheapest_table(cost)];
     if !cost.effects.is_empty() {
-        text += &format!("\n{}", effects_table(cost));
+        parts.push(effects_table(cost));
     }
     if !cost.growth.is_empty() {
-        text += &format!("\n{}", growth_table(&cost.growth));
+        parts.push(growth_table(&cost.growth));
     }
+    parts.push(notes(cost, written));
+    parts.join("\n")
+}
+
+/// One line a method.
+fn orders(cost: &Cost) -> String {
+    let line = |fit: &OrderFit| {
+        let (scheme, against, points) = (&fit.scheme, fit.against.replace('_', " "), fit.fitted.len());
+        format!(
+            "order of {scheme}: {:.2} in {against}, {:.2} in time, over {points} points\n",
+            fit.order, fit.order_in_time
+        )
+    };
+    cost.order_fits.iter().map(line).collect()
+}
+
+/// What was left out, and under what circumstances all this was measured.
+fn notes(cost: &Cost, written: Option<&Path>) -> String {
+    let mut lines = Vec::new();
     for unable in &cost.unable {
-        let scheme = unable.scheme.as_deref().unwrap_or(&unable.method);
-        text += &format!("not possible: {scheme}: {}\n", unable.why);
+        lines.push(format!("not possible: {}: {}", unable.scheme.as_deref().unwrap_or(&unable.method), unable.why));
     }
     for skipped in &cost.skipped {
         let at = resolution(skipped.cells, skipped.front_tolerance);
-        text += &format!("left out: {}, {at}: {}\n", skipped.scheme, skipped.why);
+        lines.push(format!("left out: {}, {at}: {}", skipped.scheme, skipped.why));
     }
     let load = |value: Option<f64>| value.map_or_else(|| "unknown".into(), |v| format!("{v:.2}"));
-    text += &format!(
-        "times are medians; {:.1} s of {} s used; load of the machine {} before and {} after, {} threads\n",
+    lines.push(format!(
+        "times are medians; {:.1} s of {} s used; load of the machine {} before and {} after, {} threads",
         cost.wall_s,
         cost.budget_s,
         load(cost.load[0]),
         load(cost.load[1]),
         cost.threads
-    );
+    ));
     if cost.interrupted {
-        text += "stopped before its end: this is what there was\n";
+        lines.push("stopped before its end: this is what there was".into());
     }
-    if let Some(path) = written {
-        text += &format!("wrote {}\n", path.display());
-    }
-    text
+    lines.extend(written.map(|path| format!("wrote {}", path.display())));
+    lines.join("\n") + "\n"
 }
 
 fn resolution(cells: Option<usize>, front_tolerance: Option<f64>) -> String {
@@ -300,6 +303,7 @@ fn points_table(cost: &Cost) -> String {
             format!("{:.2e}", p.error),
             p.gauge_error.map_or_else(|| "-".into(), |e| format!("{e:.2e}")),
             milliseconds(Some(p.step_wall_s)),
+            milliseconds(Some(p.shortest_s)),
             format!("{:.0} %", 100.0 * p.spread),
             p.repetitions.to_string(),
             milliseconds(p.whole_wall_s),
@@ -360,7 +364,7 @@ fn cheapest_table(cost: &Cost) -> String {
 }
 
 fn effects_table(cost: &Cost) -> String {
-    let row = |e: &crate::study::cost::EffectCost| {
+    let row = |e: &EffectCost| {
         let why = e.why.clone().unwrap_or_else(|| format!("{}, {} cells", e.scheme, e.cells));
         vec![e.effect.clone(), output::fixed(e.ns_per_cell_step, 3), output::fixed(e.ratio_to_none, 2), why]
     };

@@ -55,6 +55,9 @@ pub fn figure(cost: &Cost) -> String {
         let points: Vec<&CostPoint> = points.iter().map(|p| p.1).collect();
         line(&mut svg, &frame, &points, k);
         taken.extend(points.iter().map(|p| around(frame.place(p), MARK_SIZE + 1.0)));
+        for pair in points.windows(2) {
+            taken.extend(along(frame.place(pair[0]), frame.place(pair[1])));
+        }
     }
     for (_, points) in &schemes {
         let ends = [points.first(), points.last()];
@@ -78,7 +81,7 @@ impl Frame {
         let time = decades(&mut cost.points.iter().filter(known).map(|p| p.step_wall_s), [0.8, 1.2]);
         // The tolerances are always in the picture.
         let errors = cost.points.iter().map(|p| p.error).filter(|e| *e >= SMALLEST);
-        let error = decades(&mut errors.chain([TOLERANCES[0], TOLERANCES[3]]), [0.9, 1.1]);
+        let error = decades(&mut errors.chain([TOLERANCES[0], TOLERANCES[3]]), [0.9, 1.0]);
         Self { time, error, strip: cost.points.iter().any(|p| p.error < SMALLEST) }
     }
 
@@ -218,6 +221,15 @@ fn around((x, y): (f64, f64), size: f64) -> Area {
     Area { x: x - size, y: y - size, width: 2.0 * size, height: 2.0 * size }
 }
 
+/// Small squares along a line, which labels keep off.
+fn along(from: (f64, f64), to: (f64, f64)) -> impl Iterator<Item = Area> {
+    let pieces = ((to.0 - from.0).hypot(to.1 - from.1) / 4.0).ceil().max(1.0);
+    (0..=pieces as usize).map(move |k| {
+        let part = k as f64 / pieces;
+        around((from.0 + part * (to.0 - from.0), from.1 + part * (to.1 - from.1)), 2.0)
+    })
+}
+
 fn overlap(a: &Area, b: &Area) -> bool {
     a.x < b.right() && b.x < a.right() && a.y < b.bottom() && b.y < a.bottom()
 }
@@ -225,8 +237,8 @@ fn overlap(a: &Area, b: &Area) -> bool {
 /// The resolution beside a point, in the first place around it that is free; nothing where none is.
 fn label(svg: &mut Svg, frame: &Frame, point: &CostPoint, taken: &mut Vec<Area>) {
     let text = match point.resolution() {
+        _ if point.exact == Some(true) => "every wave kept".into(),
         Resolution::Cells(cells) => format!("{cells} cells"),
-        Resolution::FrontTolerance(0.0) => "every wave".into(),
         Resolution::FrontTolerance(tolerance) => format!("tolerance {tolerance}"),
     };
     let ((x, y), width) = (frame.place(point), text_width(&text, SMALL));

@@ -88,7 +88,8 @@ fn one(source: &Source<'_>, family: &Family, key: &str, watch: &mut Watch<'_>) -
     let failed = |e: crate::error::Error| Halt::Failed(e.to_string());
     let with = source.at(family.way, Resolution::Cells(CELLS)).map_err(failed)?;
     let mut overrides = source.overrides(family.way, Some(Resolution::Cells(CELLS)));
-    overrides.push(format!("effects.{key}="));
+    // What is recorded plays no part here, and could be something that only this effect makes.
+    overrides.extend(["record={frames=1,fields=[\"stress\"]}".to_owned(), format!("effects.{key}=")]);
     let alone = |why: &str| Halt::Failed(format!("it cannot be left off alone: {why}"));
     let without = source.read(&overrides).map_err(|e| match e {
         crate::error::Error::Input(e) => alone(&e.message),

@@ -20,8 +20,11 @@ const TOLERANCE: f64 = 1e-2;
 /// Parts of the end time, and knots of the curve.
 const TIMES: [f64; 4] = [0.125, 0.25, 0.5, 1.0];
 const KNOTS: [usize; 5] = [4, 8, 16, 32, 64];
-/// Passes of each; the shortest is taken, since growth is of the work and not of the load.
-const PASSES: usize = 3;
+/// Passes of each, at least and at most, and for how long (s); the shortest is taken, since growth is of the work and not of
+/// the load.
+const LEAST_PASSES: usize = 3;
+const MOST_PASSES: usize = 41;
+const PASSES_FOR: f64 = 0.05;
 
 /// Growth of one method with one quantity.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -30,7 +33,7 @@ pub struct Growth {
     pub method: String,
     /// "leapfrog", ...
     pub scheme: String,
-    /// "cells", "front_tolerance", "end_time" or "knots".
+    /// "cells", "`front_tolerance`", "`end_time`" or "knots".
     pub with: &'static str,
     /// What was kept still.
     pub at: String,
@@ -96,11 +99,8 @@ pub(super) fn with_time_and_knots(
     });
     let curves = KNOTS.map(|knots| Some((knots as f64, with_knots(&scene, knots)?)));
     let curves: Vec<(f64, Scene)> = curves.into_iter().flatten().collect();
-    let sets: [(&'static str, &[(f64, Scene)], String); 2] = [
-        ("end_time", &times, still.clone()),
-        ("knots", &curves, format!("{still}; parabolas between the yield point and the last knot")),
-    ];
-    for (with, scenes, still) in sets {
+    let parabolas = format!("{still}; parabolas between the yield point and the last knot");
+    for (with, scenes, still) in [("end_time", times.as_slice(), still), ("knots", &curves, parabolas)] {
         watch.what = format!("growth of {} with {}", family.names[1], with.replace('_', " "));
         let mut runs = Vec::new();
         for (value, scene) in scenes {
@@ -119,8 +119,11 @@ pub(super) fn with_time_and_knots(
 
 fn timed(scene: &Scene, watch: &mut Watch<'_>) -> std::result::Result<(f64, f64), Halt> {
     let (mut shortest, mut bytes) = (f64::INFINITY, 0.0);
-    for _ in 0..PASSES {
+    let (mut passes, mut together) = (0, 0.0);
+    while passes < LEAST_PASSES || (passes < MOST_PASSES && together < PASSES_FOR) {
+        passes += 1;
         let pass = measure::pass(scene, Wanted::TIME, watch)?;
+        together += pass.seconds;
         shortest = shortest.min(pass.seconds);
         bytes = memory(scene, &pass) as f64;
         watch.look()?;

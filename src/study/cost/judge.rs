@@ -23,7 +23,7 @@ pub struct OrderFit {
     pub scheme: String,
     /// Exponent p of error ~ cells^-p, or of error ~ tolerance^p.
     pub order: f64,
-    /// "cells" or "front_tolerance".
+    /// "cells" or "`front_tolerance`".
     pub against: &'static str,
     /// Exponent q of error ~ time^-q over the same points.
     pub order_in_time: f64,

@@ -104,6 +104,7 @@ pub(super) fn pass(scene: &Scene, wanted: Wanted<'_>, watch: &mut Watch<'_>) -> 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Timing {
     pub median: f64,
+    pub shortest: f64,
     pub spread: f64,
     pub repetitions: usize,
 }
@@ -111,7 +112,7 @@ pub(super) struct Timing {
 /// Repeats a run whose first pass took `first`, s.
 pub(super) fn repeated(scene: &Scene, first: f64, watch: &mut Watch<'_>) -> Result<Timing, Halt> {
     if first >= LONG {
-        return Ok(Timing { median: first, spread: 0.0, repetitions: 1 });
+        return Ok(Timing { median: first, shortest: first, spread: 0.0, repetitions: 1 });
     }
     let mut times = Vec::new();
     for _ in 0..repeats(first) {
@@ -142,7 +143,7 @@ pub(super) fn timing(mut times: Vec<f64>) -> Timing {
     };
     let median = at(0.5);
     let spread = if median > 0.0 { (at(0.75) - at(0.25)) / median } else { 0.0 };
-    Timing { median, spread, repetitions: times.len() }
+    Timing { median, shortest: times[0], spread, repetitions: times.len() }
 }
 
 /// A grid, step by step.
@@ -263,7 +264,7 @@ mod tests {
     #[test]
     fn the_median_and_the_quartiles_do_not_mind_one_hiccup() {
         let found = timing(vec![1.0, 2.0, 3.0, 4.0, 1000.0]);
-        assert_eq!(found, Timing { median: 3.0, spread: 2.0 / 3.0, repetitions: 5 });
+        assert_eq!(found, Timing { median: 3.0, shortest: 1.0, spread: 2.0 / 3.0, repetitions: 5 });
         assert_eq!(timing(vec![0.5]).median, 0.5);
     }
 }

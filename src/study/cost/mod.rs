@@ -96,6 +96,8 @@ pub struct CostPoint {
     pub gauge_error: Option<f64>,
     /// Median stepping time, s.
     pub step_wall_s: f64,
+    /// Shortest stepping time, s: what is left where the machine has other work too.
+    pub shortest_s: f64,
     /// Distance of the quartiles of the stepping times over their median; 0 for a single run.
     pub spread: f64,
     /// Runs that were timed.
@@ -194,6 +196,7 @@ impl CostPoint {
             error,
             gauge_error: None,
             step_wall_s,
+            shortest_s: step_wall_s,
             spread: 0.0,
             repetitions: 1,
             whole_wall_s: None,
@@ -429,6 +432,7 @@ impl Runner for Bench<'_> {
             error,
             gauge_error,
             step_wall_s: timing.median,
+            shortest_s: timing.shortest,
             spread: timing.spread,
             repetitions: timing.repetitions,
             whole_wall_s,

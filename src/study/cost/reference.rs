@@ -13,8 +13,13 @@ use crate::solver::moc::{FrontTracking, Settings};
 /// Rounding of an exact solution: sums over some thousand steps of double precision.
 const ROUNDING: f64 = 1e-12;
 
-/// Share of the time that front tracking may take for the attempt to keep every wave.
-const EXACT_SHARE: f64 = 0.4;
+/// Share of the time that front tracking may take where a grid is there too.
+const TRACKING_SHARE: f64 = 0.5;
+/// A reference that is uncertain by more than this is compared with a grid, and the surer of both is taken: where waves
+/// are elastic, or fronts meet by the million, that is the grid.
+const SURE: f64 = 1e-4;
+/// Share of that that it may take for the attempt to keep every wave.
+const EXACT_SHARE: f64 = 0.15;
 /// Tolerances of references that thin waves, and steps of ramps in those that do not.
 const TOLERANCES: [f64; 9] = [1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6];
 /// A finer one is expected to take so many times longer.
@@ -76,15 +81,26 @@ pub(super) fn find(
     if let Some(reference) = similar(scene, ends) {
         return Ok(Ok(reference));
     }
+    let (from, until) = (watch.now(), watch.until);
+    let has_grid = families.iter().any(|f| matches!(f.rungs[0], Resolution::Cells(_)));
     let tracking = families.iter().find(|f| matches!(f.rungs[0], Resolution::FrontTolerance(_)));
+    let mut found = Err(Halt::OutOfTime);
     if let Some(family) = tracking {
         let scene = source.at(family.way, Resolution::FrontTolerance(0.0))?;
-        match tracked(&scene, watch) {
-            Err(Halt::OutOfTime | Halt::Failed(_)) => {}
-            other => return Ok(other),
-        }
+        watch.until = if has_grid { from + TRACKING_SHARE * (until - from) } else { until };
+        found = tracked(&scene, watch);
+        watch.until = until;
     }
-    grid(source, families, ends, watch)
+    if found.as_ref().is_ok_and(|r| r.uncertainty <= SURE) || found.as_ref().is_err_and(|h| *h == Halt::Interrupted) {
+        return Ok(found);
+    }
+    let on_grid = grid(source, families, ends, watch)?;
+    Ok(match (found, on_grid) {
+        (Ok(tracked), Ok(grid)) => Ok(if grid.uncertainty < tracked.uncertainty { grid } else { tracked }),
+        (_, Err(Halt::Interrupted)) => Err(Halt::Interrupted),
+        (Ok(tracked), Err(_)) => Ok(tracked),
+        (Err(_), grid) => grid,
+    })
 }
 
 /// The self-similar solution, where the scene has one up to the last of the end times.

@@ -88,24 +88,21 @@ impl<'a> Source<'a> {
 
     /// What is to be set so that the scene is solved in this way; without a resolution, by the default one.
     pub fn overrides(&self, way: Way, resolution: Option<Resolution>) -> Vec<String> {
-        let mut solve = format!("until={:e},method=\"{}\"", self.scene.solve.until, way.method);
-        if let Some(scheme) = way.scheme {
-            solve += &format!(",scheme=\"{scheme}\"");
-        }
+        let mut solve = vec![format!("until={:e}", self.scene.solve.until), format!("method=\"{}\"", way.method)];
+        solve.extend(way.scheme.map(|scheme| format!("scheme=\"{scheme}\"")));
         match (self.scene.solve.method, way.scheme) {
-            (Method::Leapfrog { cfl, .. }, Some("leapfrog")) if cfl != 1.0 => solve += &format!(",cfl={cfl:e}"),
+            (Method::Leapfrog { cfl, .. }, Some("leapfrog")) if cfl != 1.0 => solve.push(format!("cfl={cfl:e}")),
             _ => {}
         }
-        match resolution {
-            Some(Resolution::Cells(cells)) => solve += &format!(",cells={cells}"),
-            Some(Resolution::FrontTolerance(tolerance)) => solve += &format!(",front-tolerance={tolerance:e}"),
-            None => {}
-        }
+        solve.extend(resolution.map(|resolution| match resolution {
+            Resolution::Cells(cells) => format!("cells={cells}"),
+            Resolution::FrontTolerance(tolerance) => format!("front-tolerance={tolerance:e}"),
+        }));
         let mut all = self.scene.overrides.clone();
         if self.records_paths {
             all.push("record.paths=".into());
         }
-        all.push(format!("solve={{{solve}}}"));
+        all.push(format!("solve={{{}}}", solve.join(",")));
         all
     }
 

@@ -318,6 +318,7 @@ fn points_table(cost: &Cost) -> String {
         "error",
         "at gauges",
         "stepping ms",
+        "shortest",
         "spread",
         "runs",
         "whole ms",

@@ -34,6 +34,10 @@ pub(crate) fn run(args: &Args) -> Result<()> {
 fn text(plan: &Plan, units: System) -> String {
     let mut lines = vec![plan.scene.clone()];
     let mut line = |label: &str, value: String| lines.push(std::format!("  {label:<18}{value}"));
+    if let Some(choice) = &plan.choice {
+        let schemes = choice.schemes.join(", ");
+        line("tolerance", std::format!("{:e}, by one of {schemes}: {}", choice.tolerance, choice.how));
+    }
     line("method", std::format!("{} {}", plan.method, plan.scheme));
     for effect in &plan.effects {
         line(if effect.on { "on" } else { "off" }, std::format!("{}: {}", effect.effect, effect.why));

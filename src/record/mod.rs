@@ -25,7 +25,8 @@ pub use fronts::FrontTracker;
 pub use ledger::Ledger;
 pub use step_gauges::StepGauges;
 pub use summary::{
-    ElasticCheck, EndSummary, ErrorFigure, FrontSummary, LedgerSummary, RuptureSummary, Summary, TrackingSummary,
+    ChoiceSummary, ElasticCheck, EndSummary, ErrorFigure, FrontSummary, LedgerSummary, RuptureSummary, Summary,
+    TrackingSummary, Tried,
 };
 pub use traces::Traces;
 pub use tracked::EndHistories;

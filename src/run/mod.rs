@@ -1,7 +1,9 @@
 //! Running a scene: steps its bar, and hands what it sees to the recorders and the result file. Here is what all methods
 //! have in common; how they go on in time is in `stepped` (grids) and `tracked` (fronts).
 
+mod accuracy;
 mod breaks;
+mod choice;
 mod companion;
 mod stepped;
 mod tracked;
@@ -57,12 +59,17 @@ pub enum Wish {
 }
 
 /// Simulates a scene and writes its result file, where one is asked for. `progress` is called every few
-/// milliseconds.
+/// milliseconds. A scene with a tolerance is run by the method that reaches it cheapest.
 ///
 /// # Errors
 /// A [`crate::error::RunError`] where the run cannot go on, [`Error::Interrupted`] where `progress` asked to stop, a file
 /// error where the result cannot be written. In the first two cases the result file holds everything up to then.
 pub fn run(scene: &Scene, output: Option<&Path>, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<Summary> {
+    if scene.solve.tolerance.is_some() { choice::run(scene, output, progress) } else { once(scene, output, progress) }
+}
+
+/// One run by the scene's method.
+fn once(scene: &Scene, output: Option<&Path>, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<Summary> {
     let started = Instant::now();
     match scene.solve.method {
         Method::Leapfrog { cells, cfl } => {
@@ -241,6 +248,7 @@ impl<'a> Book<'a> {
             elastic_check: findings.elastic_check.filter(|_| findings.elastic),
             ledger: findings.ledger,
             error: findings.error,
+            choice: None,
             ruptures: findings.ruptures.map(|all| all.iter().map(RuptureSummary::from).collect()),
             audit: findings.audit,
             output: self.output,

@@ -28,7 +28,6 @@ const STRIKER: &str =
 const STRUCK_BAR: &str = "describe a bar in [bar] with its [left] and [right] ends";
 const LEAVE_OUT: &str = "leave it out; the effects that can be simulated are `unloading`, `rate` and `rupture`";
 const LEAPFROG: &str = "use method = \"fd\" with scheme = \"leapfrog\" (both are the default)";
-const CELLS: &str = "leave it out and set the resolution with `cells`, e.g. cells = 4000";
 
 const WORDS: &[Word] = &[
     word(&["spheres"], "", "the impact of spheres", STRUCK_BAR),
@@ -44,7 +43,6 @@ const WORDS: &[Word] = &[
     word(&["effects", "damping"], "", "damping", LEAVE_OUT),
     word(&["effects", "lateral-inertia"], "", "lateral inertia", LEAVE_OUT),
     word(&["solve", "scheme"], "muscl", "the scheme muscl", LEAPFROG),
-    word(&["solve", "tolerance"], "", "the choice of method by tolerance", CELLS),
     word(&["solve", "viscosity"], "", "artificial viscosity", "leave it out"),
 ];
 

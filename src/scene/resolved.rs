@@ -59,6 +59,14 @@ fn rows(history: &History) -> Vec<[f64; 2]> {
 }
 
 fn solve(solve: &Solve) -> Value {
+    let mut value = method(solve);
+    if let Some(tolerance) = &solve.tolerance {
+        value["tolerance"] = json!(tolerance.value);
+    }
+    value
+}
+
+fn method(solve: &Solve) -> Value {
     let [method, scheme] = solve.method.names();
     match solve.method {
         Method::Leapfrog { cells, cfl } => {

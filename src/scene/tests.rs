@@ -38,7 +38,15 @@ fn defaults_are_filled_in() {
     let scene = scene("", &[]);
     assert_eq!((scene.title.as_str(), scene.name.as_str()), ("test-bar", "test-bar"));
     assert_eq!(scene.effects, Effects::default());
-    assert_eq!(scene.solve, Solve { until: 200e-6, method: Method::Leapfrog { cells: 1000, cfl: 1.0 } });
+    assert_eq!(
+        scene.solve,
+        Solve {
+            until: 200e-6,
+            method: Method::Leapfrog { cells: 1000, cfl: 1.0 },
+            tolerance: None,
+            estimate_error: false
+        }
+    );
     assert!(!scene.bar.area_given && scene.bar.segments[0].area == 1.0 && scene.bar.segments[0].velocity == 0.0);
     assert_eq!(scene.record.fields, [Field::Stress, Field::Strain, Field::Velocity]);
     assert_eq!((scene.record.precision, scene.record.compression), (Precision::F64, Compression::Deflate));

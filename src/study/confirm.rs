@@ -78,7 +78,12 @@ fn scene(material: &Arc<Material>, velocity: f64) -> Scene {
         left: EndCondition::Velocity { history: History::constant(velocity), release: None },
         right: EndCondition::Free,
         effects: Effects { unloading: Some(Unloading::Isotropic), ..Effects::default() },
-        solve: Solve { until, method: Method::Leapfrog { cells: CELLS, cfl: 1.0 } },
+        solve: Solve {
+            until,
+            method: Method::Leapfrog { cells: CELLS, cfl: 1.0 },
+            tolerance: None,
+            estimate_error: false,
+        },
         record: Record {
             times: vec![until],
             cells: None,

@@ -26,6 +26,8 @@ pub struct Plan {
     pub scheme: String,
     /// What is simulated, what is not, and why.
     pub effects: Vec<PlannedEffect>,
+    /// What a tolerance leaves to the run; null where the scene names its method.
+    pub choice: Option<PlannedChoice>,
     /// What the method takes; its keys stand beside the others.
     #[serde(flatten)]
     pub work: Work,
@@ -93,6 +95,17 @@ pub struct NetWork {
     pub k_dt: Option<f64>,
 }
 
+/// What is left to the run: the method given beside it is only the first of these, at its default resolution.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PlannedChoice {
+    /// What was asked for.
+    pub tolerance: f64,
+    /// Schemes that can do the scene.
+    pub schemes: Vec<String>,
+    /// How one of them is chosen.
+    pub how: String,
+}
+
 /// An effect in a plan.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PlannedEffect {
@@ -129,12 +142,23 @@ pub fn plan(scene: &Scene) -> Plan {
         method: method.into(),
         scheme: scheme.into(),
         effects: effects(scene, &all),
+        choice: choice(scene),
         work,
         field_bytes: samples * size_of::<f64>(),
         fronts: all.iter().flat_map(fronts).collect(),
         critical_velocity: run::critical_velocity(scene, &all),
         above_critical: all.iter().any(|l| l.fan.above_critical),
     }
+}
+
+fn choice(scene: &Scene) -> Option<PlannedChoice> {
+    let tolerance = scene.solve.tolerance.as_ref()?;
+    let schemes: Vec<String> = tolerance.methods.iter().map(|m| m.names()[1].to_owned()).collect();
+    let how = match schemes.as_slice() {
+        [only] => format!("{only} is the only method that can do the scene; its resolution follows from coarse runs"),
+        _ => "coarse runs tell which of them gets there with the least work, and how fine it has to be".into(),
+    };
+    Some(PlannedChoice { tolerance: tolerance.value, schemes, how })
 }
 
 /// The work on a grid, and its cells.

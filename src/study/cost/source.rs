@@ -5,21 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::Unable;
 use crate::error::{Error, InputError, Result};
-use crate::scene::{Method, Scene};
-
-/// The methods and schemes that are tried; a new one is one more row.
-const WAYS: [Way; 3] = [
-    Way { method: "moc", scheme: None },
-    Way { method: "fd", scheme: Some("muscl") },
-    Way { method: "fd", scheme: Some("leapfrog") },
-];
-
-/// A method, and the scheme where there is a choice.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Way {
-    pub method: &'static str,
-    pub scheme: Option<&'static str>,
-}
+use crate::scene::{Method, Scene, Way};
 
 /// How finely a method works.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -67,7 +53,7 @@ impl<'a> Source<'a> {
     /// The ways in which the scene can be solved, and those in which it cannot, with the reason.
     pub fn families(&self) -> (Vec<Family>, Vec<Unable>) {
         let (mut able, mut unable) = (Vec::new(), Vec::new());
-        for way in WAYS {
+        for way in Way::ALL {
             match self.read(&self.overrides(way, None)) {
                 Ok(scene) => {
                     let rungs = if scene.solve.method.tracks_fronts() {

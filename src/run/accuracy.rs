@@ -1,0 +1,178 @@
+//! How far the stresses of a run on a grid may be off: Richardson's extrapolation from runs of the same bar with a half and a
+//! quarter of the cells. Those hold no recorders; they take a third of the run's stepping time.
+
+use super::{Progress, Wish, companion};
+use crate::assemble;
+use crate::record::{ErrorFigure, Stepped};
+use crate::scene::{Method, Scene};
+use crate::solver::fd::{Grid, Quantity, Sampling};
+
+/// The figure, over what the extrapolation says. Orders are seen through the noise of where fronts lie in their cells;
+/// `docs/cost.md` has what was measured.
+pub(super) const SAFETY: f64 = 1.5;
+
+/// Orders that are believed. A plastic front that leapfrog spreads is of order 2/3; higher ones are seen where waves are
+/// smooth or elastic. What looks like more than two, or less than a half, is chance.
+const ORDERS: [f64; 2] = [0.5, 2.0];
+
+/// Steps that a quarter of the cells takes as one: profiles are compared after a multiple of so many.
+const COMMON: usize = 4;
+
+/// Cells below which nothing is halved.
+const LEAST_CELLS: usize = 8;
+
+/// Work between two calls of the progress function, cell-steps.
+const WORK_BETWEEN_CALLS: usize = 4_000_000;
+
+/// Stress over the cells of a bar at one time.
+#[derive(Debug, Clone)]
+pub(super) struct Profile {
+    grid: Grid,
+    stress: Vec<f64>,
+    /// Steps times cells.
+    pub work: u64,
+}
+
+impl Profile {
+    pub fn of(bar: &impl Stepped) -> Self {
+        let mut stress = vec![0.0; bar.grid().cells()];
+        bar.profile(Quantity::Stress, &mut stress);
+        Self { grid: bar.grid().clone(), stress, work: (bar.step() * bar.grid().cells()) as u64 }
+    }
+
+    /// Integrals over x of |difference from a coarser one|, read where that has its cells, and of its |stress|.
+    fn apart(&self, coarser: &Self) -> (f64, f64) {
+        let centres = Sampling::at(&self.grid, coarser.grid.centres());
+        let (mut apart, mut total) = (0.0, 0.0);
+        for part in &coarser.grid.segments {
+            for cell in part.cells.clone() {
+                let fine = centres.value(cell, |k| self.stress[k]);
+                apart += (fine - coarser.stress[cell]).abs() * part.dx;
+                total += fine.abs() * part.dx;
+            }
+        }
+        (apart, total)
+    }
+}
+
+/// The last step up to `steps` at which coarser runs stand at the same time.
+pub(super) fn common_step(steps: usize) -> usize {
+    if steps < COMMON { steps } else { steps - steps % COMMON }
+}
+
+/// An estimate for the finest of three profiles of one time, each of half the cells of the one before.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Estimate {
+    /// Relative L1 of stress, with the safety factor.
+    pub value: f64,
+    /// Order that was used.
+    pub order: f64,
+}
+
+/// Extrapolates. Differences of 0 are no error at all: waves that are exact on every grid.
+pub(super) fn extrapolate(fine: &Profile, half: &Profile, quarter: &Profile) -> Estimate {
+    let (near, total) = fine.apart(half);
+    let far = half.apart(quarter).0;
+    estimate(near, far, total)
+}
+
+fn estimate(near: f64, far: f64, total: f64) -> Estimate {
+    let seen = (far / near).log2();
+    let order = if seen.is_finite() { seen.clamp(ORDERS[0], ORDERS[1]) } else { ORDERS[1] };
+    let value = if near > 0.0 && total > 0.0 { SAFETY * near / (2_f64.powf(order) - 1.0) / total } else { 0.0 };
+    Estimate { value, order }
+}
+
+/// Stress of a bar on a grid after about `time` (s), stepped without recorders; none where the caller asked to stop, or the
+/// method has no grid. This is the one place where companions choose solvers.
+pub(super) fn profile(
+    scene: &Scene,
+    method: Method,
+    time: f64,
+    progress: &mut dyn FnMut(Progress) -> Wish,
+) -> Option<Profile> {
+    match method {
+        Method::Leapfrog { cells, cfl } => stepped(assemble::leapfrog(scene, cells, cfl), time, progress),
+        Method::CharacteristicNet { cells } => stepped(assemble::characteristic_net(scene, cells), time, progress),
+        Method::FrontTracking { .. } => None,
+    }
+}
+
+fn stepped<S: Stepped>(mut bar: S, time: f64, progress: &mut dyn FnMut(Progress) -> Wish) -> Option<Profile> {
+    let cells = bar.grid().cells();
+    let steps = (time / bar.grid().dt).round() as usize;
+    let burst = (WORK_BETWEEN_CALLS / cells).max(1);
+    while bar.step() < steps {
+        for _ in 0..burst.min(steps - bar.step()) {
+            bar.advance();
+        }
+        if progress(Progress::Steps { step: bar.step(), steps, cells }) == Wish::Stop {
+            return None;
+        }
+    }
+    Some(Profile::of(&bar))
+}
+
+/// How far the stresses of a run may be off whose profile at `time` (s) is `fine`. None where there are too few cells, or
+/// the caller asked to stop.
+pub(super) fn error_figure(
+    scene: &Scene,
+    fine: &Profile,
+    time: f64,
+    progress: &mut dyn FnMut(Progress) -> Wish,
+) -> Option<ErrorFigure> {
+    let method = scene.solve.method;
+    let cells = method.cells()?;
+    if cells < LEAST_CELLS {
+        return None;
+    }
+    let half = profile(scene, method.with_cells(cells / 2), time, progress)?;
+    let quarter = profile(scene, method.with_cells(cells / 4), time, progress)?;
+    let found = extrapolate(fine, &half, &quarter);
+    let reference = format!(
+        "runs with {} and {} cells: Richardson's extrapolation with the order {:.2} between them, times {SAFETY}: an \
+         estimate",
+        half.grid.cells(),
+        quarter.grid.cells(),
+        found.order
+    );
+    Some(ErrorFigure { value: found.value, measure: companion::MEASURE.into(), reference })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::solver::fd::SegmentGrid;
+
+    #[test]
+    fn errors_of_a_known_order_are_found_again() {
+        for order in [0.6, 1.0, 1.7] {
+            // Errors 1, 2^p and 4^p of one sign.
+            let step = |k: f64| 2_f64.powf(k * order);
+            let found = estimate(step(1.0) - 1.0, step(2.0) - step(1.0), 10.0);
+            assert!((found.order - order).abs() < 1e-12);
+            assert!((found.value - 0.1 * SAFETY).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn no_difference_is_no_error_and_orders_by_chance_are_not_believed() {
+        assert_eq!(estimate(0.0, 0.0, 1.0).value, 0.0);
+        assert_eq!(estimate(0.0, 1.0, 1.0).value, 0.0);
+        assert_eq!(estimate(1.0, 0.9, 1.0).order, ORDERS[0]);
+        assert_eq!(estimate(1.0, 100.0, 1.0).order, ORDERS[1]);
+    }
+
+    #[test]
+    fn a_front_between_cells_of_both_grids_makes_no_difference() {
+        let profile = |cells: usize| {
+            let segments = vec![SegmentGrid { cells: 0..cells, x0: 0.0, dx: 1.0 / cells as f64 }];
+            let stress = (0..cells).map(|k| if 2 * k < cells { 7.0 } else { 0.0 }).collect();
+            Profile { grid: Grid { segments, dt: 1.0 }, stress, work: 0 }
+        };
+        assert_eq!(profile(40).apart(&profile(20)), (0.0, 3.5));
+        // Its middle cell lies on the front.
+        assert!(profile(40).apart(&profile(5)).0 > 0.0);
+        assert_eq!([3, 4, 11, 800].map(common_step), [3, 4, 8, 800]);
+    }
+}

@@ -1,16 +1,18 @@
 //! The one place where a scene chooses types: which law, in which form, for which segment.
 
+use std::f64::consts::PI;
 use std::sync::Arc;
 
-use crate::bar::Segment;
-use crate::law::rate::{Overstress, RateLaw, Timed};
+use crate::bar::{Bar, Segment};
+use crate::law::rate::{Heated, Overstress, RateLaw, Timed};
 use crate::law::rupture::{Criteria, Criterion};
 use crate::law::{
     Backbone, CellLaw, Envelope, Indexed, Isotropic, Mixed, PathIndependent, RowLaw, Rows, Searched, Table, TwoSided,
+    Warming,
 };
-use crate::material::{Material, Sense};
+use crate::material::{Curve, Material, Sense};
 use crate::scene::{Effects, Rate, Scene, Unloading};
-use crate::solver::fd::{Grid, Leapfrog, SegmentLaw};
+use crate::solver::fd::{Along, Grid, Leapfrog, SegmentLaw};
 use crate::solver::moc::{FrontTracking, Settings};
 use crate::solver::net::{Lattice, Net};
 use crate::wave::riemann::Flow;
@@ -19,11 +21,32 @@ use crate::wave::riemann::Flow;
 pub fn leapfrog(scene: &Scene, cells: usize, cfl: f64) -> Leapfrog {
     let grid = Grid::new(&scene.bar, cells, cfl);
     let laws = scene.bar.segments.iter().map(|s| stepped_law(s, &scene.effects, grid.dt)).collect();
-    let bar = Leapfrog::new(&scene.bar, grid, laws, [scene.left.clone(), scene.right.clone()]);
+    let ends = [scene.left.clone(), scene.right.clone()];
+    let bar = match along(&scene.bar, &scene.effects) {
+        Some(along) => Leapfrog::with_along(&scene.bar, grid, laws, ends, &along),
+        None => Leapfrog::new(&scene.bar, grid, laws, ends),
+    };
     match criteria(scene) {
         Some(criteria) => bar.that_breaks(criteria),
         None => bar,
     }
+}
+
+/// What acts along the bar beside the stress of its curve, if anything does. A section is taken for a round one: its polar
+/// radius of gyration is that of a disc, r_p^2 = A/(2 pi). Poisson's ratio is the elastic one throughout.
+pub fn along(bar: &Bar, effects: &Effects) -> Option<Along> {
+    let damping = effects.damping.unwrap_or_default();
+    let lateral = |segment: &Segment| {
+        let poisson = segment.material.poisson.filter(|_| effects.lateral_inertia).unwrap_or(0.0);
+        poisson * poisson * segment.area / (2.0 * PI)
+    };
+    let along = Along {
+        internal: damping.internal,
+        external: damping.external,
+        foundation: damping.foundation,
+        lateral: bar.segments.iter().map(lateral).collect(),
+    };
+    Some(along).filter(|along| !along.is_nothing())
 }
 
 /// When the bar of a scene breaks, if it is to.
@@ -40,19 +63,23 @@ pub fn criteria(scene: &Scene) -> Option<Criteria> {
     })
 }
 
-/// The tracked bar of a scene at t = 0.
+/// The tracked bar of a scene at t = 0; tapered segments as staircases, see [`Scene::in_pieces`].
 pub fn front_tracking(scene: &Scene, settings: Settings) -> FrontTracking {
+    let cut = scene.in_pieces();
+    let scene = cut.as_ref().unwrap_or(scene);
     let ends = [scene.left.clone(), scene.right.clone()];
     FrontTracking::that_breaks(&scene.bar, flow(&scene.effects), ends, settings, criteria(scene))
 }
 
-/// The characteristic net of a rate-dependent scene at t = 0, about `cells` cells.
+/// The characteristic net of a rate-dependent scene at t = 0, about `cells` cells; tapered segments likewise.
 pub fn characteristic_net(scene: &Scene, cells: usize) -> Net {
+    let cut = scene.in_pieces();
+    let scene = cut.as_ref().unwrap_or(scene);
     let laws = scene.bar.segments.iter().map(|s| rate_law(&s.material, &scene.effects)).collect();
     Net::new(&scene.bar, Lattice::new(&scene.bar, cells), laws, [scene.left.clone(), scene.right.clone()])
 }
 
-/// The rate-dependent law of a material. Without a rate in the effects plastic strain takes no time.
+/// The rate-dependent law of a material at its reference temperature. Without a rate in the effects plastic strain takes no time.
 pub fn rate_law(material: &Material, effects: &Effects) -> RateLaw {
     let overstress = match effects.rate {
         None => Overstress::Malvern { k: f64::MAX },
@@ -65,20 +92,30 @@ pub fn rate_law(material: &Material, effects: &Effects) -> RateLaw {
         Some(Unloading::Kinematic) => 1.0,
         Some(Unloading::Mixed(fraction)) => fraction,
     };
-    let table = |sense| Table::new(material.branch(sense), material.modulus);
-    let compression = material.compression.is_some().then(|| table(Sense::Compression));
-    RateLaw::new(overstress, &table(Sense::Tension), compression.as_ref(), kinematic)
+    // Where the temperature is a state of its own, the curves are the cold ones.
+    let cold = material.heating.as_ref().map(|heating| heating.cold.iter().collect());
+    let curves: Vec<&Curve> =
+        cold.unwrap_or_else(|| [&material.tension].into_iter().chain(&material.compression).collect());
+    let tables: Vec<Table> = curves.iter().map(|curve| Table::new(curve, material.modulus)).collect();
+    RateLaw::new(overstress, &tables[0], tables.get(1), kinematic)
 }
 
 /// The law of one segment under the scene's effects, in steps of `dt`, s.
 pub fn stepped_law(segment: &Segment, effects: &Effects, dt: f64) -> SegmentLaw {
-    let law = segment_law(segment, effects);
-    if effects.rate.is_none() {
+    let (law, material) = (segment_law(segment, effects), &segment.material);
+    let moves = !matches!(effects.unloading, None | Some(Unloading::Isotropic));
+    // Only where hardening is isotropic, and flow takes no time, the temperature is a matter of the curve alone.
+    let heat = material.heating.as_deref().filter(|heating| heating.warms() && (moves || effects.rate.is_some()));
+    if effects.rate.is_none() && heat.is_none() {
         return law;
     }
-    let timed = rate_law(&segment.material, effects);
-    let moves = !matches!(effects.unloading, None | Some(Unloading::Isotropic));
-    let rows: Arc<dyn RowLaw> = if moves { rows(Timed::<6>::new(timed, dt)) } else { rows(Timed::<5>::new(timed, dt)) };
+    let timed = rate_law(material, effects);
+    let rows: Arc<dyn RowLaw> = match (heat, moves) {
+        (Some(heat), true) => rows(Heated::<9>::new(timed, heat, material.modulus, dt)),
+        (Some(heat), false) => rows(Heated::<8>::new(timed, heat, material.modulus, dt)),
+        (None, true) => warming(Timed::<6>::new(timed, dt), material),
+        (None, false) => warming(Timed::<5>::new(timed, dt), material),
+    };
     SegmentLaw { law: rows, ..law }
 }
 
@@ -109,33 +146,49 @@ fn choose_backbone(material: &Material, tension: Table, compression: Table, effe
     let yield_stress = tension.yield_stress();
     if material.compression.is_some() {
         return match (Indexed::new(&tension), Indexed::new(&compression)) {
-            (Some(tension), Some(compression)) => choose_law(TwoSided { tension, compression }, yield_stress, effects),
+            (Some(tension), Some(compression)) => {
+                choose_law(TwoSided { tension, compression }, yield_stress, material, effects)
+            }
             _ => choose_law(
                 TwoSided { tension: Searched(tension), compression: Searched(compression) },
                 yield_stress,
+                material,
                 effects,
             ),
         };
     }
     if let Some(two) = Envelope::<2>::new(&tension) {
-        choose_law(two, yield_stress, effects)
+        choose_law(two, yield_stress, material, effects)
     } else if let Some(four) = Envelope::<4>::new(&tension) {
-        choose_law(four, yield_stress, effects)
+        choose_law(four, yield_stress, material, effects)
     } else if let Some(eight) = Envelope::<8>::new(&tension) {
-        choose_law(eight, yield_stress, effects)
+        choose_law(eight, yield_stress, material, effects)
     } else if let Some(indexed) = Indexed::new(&tension) {
-        choose_law(indexed, yield_stress, effects)
+        choose_law(indexed, yield_stress, material, effects)
     } else {
-        choose_law(Searched(tension), yield_stress, effects)
+        choose_law(Searched(tension), yield_stress, material, effects)
     }
 }
 
-fn choose_law<B: Backbone + 'static>(backbone: B, yield_stress: f64, effects: &Effects) -> Arc<dyn RowLaw> {
+fn choose_law<B: Backbone + 'static>(
+    backbone: B,
+    yield_stress: f64,
+    material: &Material,
+    effects: &Effects,
+) -> Arc<dyn RowLaw> {
     match effects.unloading {
         None => rows(PathIndependent(backbone)),
-        Some(Unloading::Isotropic) => rows(Isotropic(backbone)),
-        Some(Unloading::Kinematic) => rows(Mixed { backbone, yield_stress, kinematic: 1.0 }),
-        Some(Unloading::Mixed(kinematic)) => rows(Mixed { backbone, yield_stress, kinematic }),
+        Some(Unloading::Isotropic) => warming(Isotropic(backbone), material),
+        Some(Unloading::Kinematic) => warming(Mixed { backbone, yield_stress, kinematic: 1.0 }, material),
+        Some(Unloading::Mixed(kinematic)) => warming(Mixed { backbone, yield_stress, kinematic }, material),
+    }
+}
+
+/// The law as it stands, which can tell the temperature where its tables are those of a heated material.
+fn warming<L: CellLaw<N> + 'static, const N: usize>(law: L, material: &Material) -> Arc<dyn RowLaw> {
+    match &material.heating {
+        Some(heating) => rows(Warming::new(law, heating, material.modulus)),
+        None => rows(law),
     }
 }
 

@@ -20,6 +20,8 @@ pub mod bar;
 
 pub mod solver;
 
+pub mod impact;
+
 pub mod record;
 
 pub mod scene;

@@ -46,11 +46,25 @@ pub enum Dimension {
     Temperature,
     /// J/(kg K).
     SpecificHeat,
+    /// Pa s.
+    Viscosity,
+    /// N s/m^2: force per length and velocity.
+    Drag,
+    /// N/m^2: force per length and displacement.
+    Foundation,
+    /// rad/s.
+    AngularVelocity,
+    /// N m.
+    Torque,
+    /// kg m^2.
+    MomentOfInertia,
+    /// N m/rad.
+    TorsionalStiffness,
 }
 
 impl Dimension {
     /// Every dimension.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 22] = [
         Self::None,
         Self::Length,
         Self::Area,
@@ -66,6 +80,13 @@ impl Dimension {
         Self::Rate,
         Self::Temperature,
         Self::SpecificHeat,
+        Self::Viscosity,
+        Self::Drag,
+        Self::Foundation,
+        Self::AngularVelocity,
+        Self::Torque,
+        Self::MomentOfInertia,
+        Self::TorsionalStiffness,
     ];
 
     /// With its article, for messages: "a length".
@@ -86,6 +107,13 @@ impl Dimension {
             Self::Rate => "a rate",
             Self::Temperature => "a temperature",
             Self::SpecificHeat => "a specific heat",
+            Self::Viscosity => "a viscosity",
+            Self::Drag => "a force per length and velocity",
+            Self::Foundation => "a force per length and displacement",
+            Self::AngularVelocity => "an angular velocity",
+            Self::Torque => "a torque",
+            Self::MomentOfInertia => "a moment of inertia",
+            Self::TorsionalStiffness => "a torsional stiffness",
         }
     }
 
@@ -107,6 +135,13 @@ impl Dimension {
             Self::Rate => "100 1/s",
             Self::Temperature => "20 degC",
             Self::SpecificHeat => "385 J/(kg*K)",
+            Self::Viscosity => "20 kPa*s",
+            Self::Drag => "300 N*s/m^2",
+            Self::Foundation => "50 MN/m^2",
+            Self::AngularVelocity => "100 rad/s",
+            Self::Torque => "50 N*m",
+            Self::MomentOfInertia => "2 kg*m^2",
+            Self::TorsionalStiffness => "300 N*m/rad",
         }
     }
 
@@ -128,10 +163,18 @@ impl Dimension {
             Self::Rate => "1/s",
             Self::Temperature => "K",
             Self::SpecificHeat => "J/(kg*K)",
+            Self::Viscosity => "Pa*s",
+            Self::Drag => "N*s/m^2",
+            Self::Foundation => "N/m^2",
+            Self::AngularVelocity => "rad/s",
+            Self::Torque => "N*m",
+            Self::MomentOfInertia => "kg*m^2",
+            Self::TorsionalStiffness => "N*m/rad",
         }
     }
 
-    /// Exponents of m, kg, s, K. Stress and energy per volume have the same.
+    /// Exponents of m, kg, s, K. Stress, energy per volume and the foundation's force have the same, and so have the dampers
+    /// and others; angles are plain numbers.
     const fn exponents(self) -> table::Exponents {
         match self {
             Self::None => [0, 0, 0, 0],
@@ -139,13 +182,15 @@ impl Dimension {
             Self::Area => [2, 0, 0, 0],
             Self::Time => [0, 0, 1, 0],
             Self::Velocity => [1, 0, -1, 0],
-            Self::Stress | Self::EnergyDensity => [-1, 1, -2, 0],
+            Self::Stress | Self::EnergyDensity | Self::Foundation => [-1, 1, -2, 0],
+            Self::Viscosity | Self::Drag => [-1, 1, -1, 0],
             Self::Density => [-3, 1, 0, 0],
             Self::Mass => [0, 1, 0, 0],
             Self::Force => [1, 1, -2, 0],
             Self::Stiffness => [0, 1, -2, 0],
-            Self::Energy => [2, 1, -2, 0],
-            Self::Rate => [0, 0, -1, 0],
+            Self::Energy | Self::Torque | Self::TorsionalStiffness => [2, 1, -2, 0],
+            Self::Rate | Self::AngularVelocity => [0, 0, -1, 0],
+            Self::MomentOfInertia => [2, 1, 0, 0],
             Self::Temperature => [0, 0, 0, 1],
             Self::SpecificHeat => [2, 0, -2, -1],
         }

@@ -2,11 +2,14 @@
 
 mod common;
 
-use barwave::bar::{EndCondition, History, Joint, Segment};
+use barwave::bar::{EndCondition, Hertz, History, Joint, Segment};
 use barwave::record::Ledger;
 use barwave::scene::Unloading;
 use barwave::solver::fd::{Leapfrog, Quantity};
 use common::{DENSITY, MODULUS};
+
+/// A ball of some decimetres on a bar of 0.7 m^2.
+const BALL: Hertz = Hertz { radius: 0.3, modulus: 100e9 };
 
 /// One of every kind, none of which does anything to a bar at rest.
 fn idle_ends() -> Vec<EndCondition> {
@@ -21,6 +24,7 @@ fn idle_ends() -> Vec<EndCondition> {
         EndCondition::Wall { gap: 1e-5 },
         EndCondition::Striker { mass: 2000.0, velocity: 0.0 },
         EndCondition::Spring { stiffness: 1e11 },
+        EndCondition::Ball { mass: 40.0, velocity: 0.0, contact: BALL },
     ]
 }
 
@@ -42,6 +46,8 @@ fn busy_ends() -> Vec<EndCondition> {
         EndCondition::Spring { stiffness: 3e10 },
         // Far stiffer than a cell.
         EndCondition::Spring { stiffness: 1e15 },
+        EndCondition::Ball { mass: 900.0, velocity: 60.0, contact: BALL },
+        EndCondition::Ball { mass: 90.0, velocity: -130.0, contact: Hertz { modulus: 1e16, ..BALL } },
     ]
 }
 
@@ -347,17 +353,24 @@ fn what_a_body_loses_the_bar_gets() {
         (EndCondition::Striker { mass: 3000.0, velocity: 12.0 }, true),
         (EndCondition::Spring { stiffness: 3e10 }, false),
         (EndCondition::Spring { stiffness: 1e14 }, false),
+        (EndCondition::Ball { mass: 3000.0, velocity: 12.0, contact: BALL }, false),
+        (EndCondition::Ball { mass: 3000.0, velocity: 12.0, contact: Hertz { modulus: 1e17, ..BALL } }, false),
     ] {
         for (which, velocity) in [(0, 0.0), (1, 0.0), (0, -9.0), (1, 9.0)] {
             let mut ends = [EndCondition::Fixed, EndCondition::Fixed];
-            ends[which] = if let (EndCondition::Striker { mass, velocity }, 1) = (&end, which) {
-                EndCondition::Striker { mass: *mass, velocity: -velocity }
-            } else {
-                end.clone()
+            ends[which] = match (&end, which) {
+                (EndCondition::Striker { mass, velocity }, 1) => {
+                    EndCondition::Striker { mass: *mass, velocity: -velocity }
+                }
+                (EndCondition::Ball { mass, velocity, contact }, 1) => {
+                    EndCondition::Ball { mass: *mass, velocity: -velocity, contact: *contact }
+                }
+                _ => end.clone(),
             };
             let mut bar = bar(ends, velocity, 0.9);
             let device = |bar: &Leapfrog| if which == 0 { bar.left().clone() } else { bar.right().clone() };
-            let start = 0.5 * 3000.0 * 144.0 * f64::from(u8::from(loses_at_contact));
+            let strikes = !matches!(end, EndCondition::Spring { .. });
+            let start = 0.5 * 3000.0 * 144.0 * f64::from(u8::from(strikes));
             for _ in 0..10 {
                 common::advance(&mut bar, 150);
                 let body = device(&bar);

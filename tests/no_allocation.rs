@@ -10,9 +10,10 @@ mod net;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
+use barwave::assemble::segment_law;
 use barwave::bar::{Bar, EndCondition, History};
-use barwave::scene::Unloading;
-use barwave::solver::fd::{Leapfrog, Quantity};
+use barwave::scene::{Effects, Unloading};
+use barwave::solver::fd::{Along, Grid, Leapfrog, Quantity};
 use barwave::solver::moc::{FrontTracking, Settings, Stopped};
 use barwave::wave::riemann::Flow;
 
@@ -97,6 +98,24 @@ fn a_plastic_run_allocates_nothing_once_every_block_has_yielded() {
         // State of all cells, and not a number more than the law has.
         assert_eq!(bar.state_bytes(), 8 * numbers * 5000);
         assert_eq!(allocations(&mut bar, 2000), 0);
+    }
+}
+
+/// Where something acts along the bar: nothing in a step, and as many bytes a cell as `plan` says.
+#[test]
+fn damping_and_lateral_inertia_allocate_nothing_and_cost_what_is_said() {
+    let along = Along { internal: 1e3, external: 1e3, foundation: 1e6, lateral: vec![1e-8] };
+    let [elastic, yielded] = along.bytes_per_cell();
+    for (velocity, bytes, spare) in [(2.0, elastic, 1000), (20.0, yielded + 16, 1000)] {
+        let bar = Bar { segments: vec![common::segment(common::bilinear_steel(), 1.0)], area_given: true };
+        let effects = Effects { unloading: Some(Unloading::Isotropic), ..Effects::default() };
+        let (grid, laws) = (Grid::new(&bar, 5000, 1.0), vec![segment_law(&bar.segments[0], &effects)]);
+        let mut bar = Leapfrog::with_along(&bar, grid, laws, [common::moved(velocity), EndCondition::Fixed], &along);
+        common::advance(&mut bar, 6000);
+        assert_eq!(allocations(&mut bar, 2000), 0);
+        // A node more than cells, and the few that follow the ends.
+        let all = bar.state_bytes();
+        assert!(all >= bytes * 5000 && all < bytes * 5000 + spare * 8, "{all} for {bytes} a cell");
     }
 }
 

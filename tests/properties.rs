@@ -75,6 +75,7 @@ fn segments() -> impl Strategy<Value = Vec<Segment>> {
             material: Arc::new(material),
             velocity,
             joint: Joint::Bonded,
+            taper: None,
         };
         parts.into_iter().map(segment).collect()
     })

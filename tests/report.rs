@@ -36,13 +36,20 @@ fn start(path: &Path, frames: usize, stress: f64) -> Writer {
         area_given: false,
         sampling: String::new(),
         paths: false,
+        temperature: false,
     };
     let header = Header { title: "Pull & <let go>".into(), scene: "x = \"<&>\"".into(), ..Header::default() };
     let mut writer = Writer::create(path, &header, &layout, &[]).unwrap();
     for index in 0..frames {
         let time = index as f64 * 1e-5;
         writer.frame(Frame { time, rows: vec![vec![stress; 50]] }).unwrap();
-        let trace = Trace { time: vec![time], stress: vec![stress], strain: vec![0.0], velocity: vec![0.0] };
+        let trace = Trace {
+            time: vec![time],
+            stress: vec![stress],
+            strain: vec![0.0],
+            velocity: vec![0.0],
+            ..Trace::default()
+        };
         writer.gauge(0, trace.clone()).unwrap();
         writer.end(Side::Left, trace).unwrap();
         writer.ledger(LedgerRow { time, kinetic: time, ..LedgerRow::default() }).unwrap();

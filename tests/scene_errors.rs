@@ -52,6 +52,11 @@ const fn case(
     Case { from, to, line, key, parts }
 }
 
+/// The same for the right end.
+const fn ball(to: &'static str, line: &'static str, key: &'static str, parts: &'static [&'static str]) -> Case {
+    case("kind = \"free\"", to, line, key, parts)
+}
+
 /// The material's line.
 const MATERIAL: &str = r#"material = { name = "steel", density = "7800 kg/m^3", modulus = "200 GPa", beyond = "extend", curve = { table = [[0.001, "200 MPa"], [0.1, "400 MPa"]] } }"#;
 
@@ -77,7 +82,7 @@ const CASES: &[Case] = &[
         "cels = 1000",
         "cels",
         "solve.cels",
-        &["did you mean `cells`?", "until, method, scheme, cells, cfl, front-tolerance, event-budget"],
+        &["did you mean `cells`?", "until, method, tolerance, scheme, cells, cfl, front-tolerance, event-budget"],
     ),
     case(
         "\"free\"",
@@ -102,6 +107,46 @@ const CASES: &[Case] = &[
     ),
     case("frames = 101", "precision = \"f16\"", "f16", "record.precision", &["unknown word `f16`", "\"f64\", \"f32\""]),
     case("cells = 1000", "method = \"fdm\"", "fdm", "solve.method", &["unknown word `fdm`", "did you mean `fd`?"]),
+    // Tapers.
+    case(
+        "\"1 cm^2\"",
+        "[[0, \"1 cm^2\"], [\"90 cm\", \"2 cm^2\"]]",
+        "area = ",
+        "bar.area.1",
+        &["the last row stands at x = 900 mm", "x = 1 m, the segment's length", "give a row at both"],
+    ),
+    case(
+        "\"1 cm^2\"",
+        "[[\"1 cm\", \"1 cm^2\"], [\"1 m\", \"2 cm^2\"]]",
+        "area = ",
+        "bar.area.0",
+        &["row 1 does not stand at the segment's left end", "x increasing from 0"],
+    ),
+    case(
+        "\"1 cm^2\"",
+        "[[0, \"1 cm^2\"], [0.6, \"2 cm^2\"], [0.4, \"3 cm^2\"], [1, \"1 cm^2\"]]",
+        "area = ",
+        "bar.area.2",
+        &["row 3 does not lie to the right of the row before it", "use two segments"],
+    ),
+    case(
+        "\"1 cm^2\"",
+        "[[0, \"1 cm^2\"], [1, \"0 cm^2\"]]",
+        "area = ",
+        "bar.area.1.area",
+        &["0 cm^2 is out of range", "area > 0"],
+    ),
+    case("\"1 cm^2\"", "[[1, \"1 cm^2\"]]", "area = ", "bar.area.0", &["row 1 does not stand at"]),
+    case("\"1 cm^2\"", "[]", "area = ", "bar.area.0", &["a taper needs a row at both ends"]),
+    case("\"1 cm^2\"", "[[0, \"1 cm^2\", 3]]", "area = ", "bar.area.0", &["a row has 3 entries", "[x, area]"]),
+    case(
+        "area = \"1 cm^2\"",
+        "diameter = [[0, \"1 cm^2\"], [1, \"2 cm\"]]",
+        "diameter = ",
+        "bar.diameter.0.diameter",
+        &["a length is expected", "diameter > 0"],
+    ),
+    case("\"1 cm^2\"", "true", "true", "bar.area", &["rows [x, size] of a taper"]),
     // Numbers out of their range.
     case(
         "cells = 1000",
@@ -341,14 +386,47 @@ const CASES: &[Case] = &[
         "right.mass",
         &["`mass` means nothing for an end of kind \"wall\"", "kind, gap"],
     ),
-    // Words for what this version does not simulate: refused by name, with the way out.
-    case(
-        "kind = \"free\"",
-        "kind = \"ball\"\nmass = \"200 lb\"",
-        "ball",
-        "right.kind",
-        &["does not simulate a ball", "help: drive the end"],
+    // A ball.
+    ball("kind = \"ball\"\nvelocity = -5", "[right]", "right.radius", &["`radius` is missing", "a length"]),
+    ball("kind = \"ball\"\nvelocity = -5\nradius = 0", "radius", "right.radius", &["0 is out of range", "radius > 0"]),
+    ball(
+        "kind = \"ball\"\nvelocity = -5\nradius = 1\ndiameter = 2",
+        "radius",
+        "right.radius",
+        &["`radius` and `diameter` both say", "keep `radius` or `diameter`"],
     ),
+    ball(
+        "kind = \"ball\"\nvelocity = -5\nradius = 1",
+        "[right]",
+        "right.density",
+        &["`density` is missing", "a density"],
+    ),
+    ball(
+        "kind = \"ball\"\nvelocity = -5\nradius = 1\nmass = 1\ndensity = 7800",
+        "density",
+        "right.density",
+        &["`density` and `mass` both say"],
+    ),
+    ball("kind = \"ball\"\nvelocity = -5\nradius = 1\nmass = 1", "[right]", "right.modulus", &["`modulus` is missing"]),
+    ball(
+        "kind = \"ball\"\nvelocity = -5\nradius = 1\nmass = 1\nmodulus = 1e9\npoisson = 0.7",
+        "poisson",
+        "right.poisson",
+        &["0.7 is out of range", "0 <= poisson <= 0.5"],
+    ),
+    ball(
+        "kind = \"ball\"\nvelocity = -5\nradius = 1\nmass = 1\nmodulus = 1e9\nrigid = true",
+        "modulus",
+        "right.modulus",
+        &["`modulus` and `rigid` both say"],
+    ),
+    ball(
+        "kind = \"ball\"\nvelocity = -5\nradius = 1\nmass = 1\nrigid = true",
+        "[right]",
+        "right.bar-poisson",
+        &["`bar-poisson` is missing", "a plain number"],
+    ),
+    // Words for what this version does not simulate: refused by name, with the way out.
     // Keys that belong to the other method, and what front tracking cannot follow.
     case(
         "cells = 1000",
@@ -465,7 +543,144 @@ const CASES: &[Case] = &[
         "solve.front-tolerance",
         &["means nothing for a rate-dependent bar", "allowed: until, method, cells"],
     ),
-    case("area =", "mode = \"torsion\"\narea =", "torsion", "bar.mode", &["torsion", "mode = \"axial\""]),
+    // What acts along the bar.
+    case(
+        "unloading = \"isotropic\"",
+        "damping = {}",
+        "damping",
+        "effects.damping",
+        &["no kind of damping is named", "internal, external, foundation", "external ="],
+    ),
+    case(
+        "unloading = \"isotropic\"",
+        "damping = { internal = \"-1 Pa*s\" }",
+        "-1 Pa*s",
+        "effects.damping.internal",
+        &["is out of range", "internal >= 0"],
+    ),
+    case(
+        "unloading = \"isotropic\"",
+        "damping = { external = \"5 MPa\" }",
+        "5 MPa",
+        "effects.damping.external",
+        &["is a stress", "a force per length and velocity is expected", "N*s/m^2"],
+    ),
+    case(
+        "unloading = \"isotropic\"",
+        "damping = { foundation = \"5 N/m\" }",
+        "5 N/m",
+        "effects.damping.foundation",
+        &["is a stiffness", "N/m^2"],
+    ),
+    case(
+        "unloading = \"isotropic\"",
+        "damping = { inner = 1 }",
+        "inner",
+        "effects.damping.inner",
+        &["unknown key `inner`"],
+    ),
+    case(
+        "unloading = \"isotropic\"",
+        "lateral-inertia = true",
+        "lateral-inertia",
+        "effects.lateral-inertia",
+        &["needs Poisson's ratio, and `steel` does not state it", "0 <= poisson <= 0.5", "poisson = 0.29"],
+    ),
+    case(
+        "unloading = \"isotropic\"",
+        "damping = { internal = 1 }\nrupture = { spall = \"1 GPa\" }",
+        "rupture",
+        "effects.rupture",
+        &["rupture of a bar with `damping` is not followed", "method = \"fd\""],
+    ),
+    case(
+        "unloading = \"isotropic\"\n\n[solve]",
+        "damping = { internal = 1 }\n\n[solve]\nmethod = \"moc\"",
+        "moc",
+        "solve.method",
+        &["method = \"moc\" does not follow `damping`", "allowed: \"fd\"", "use method = \"fd\""],
+    ),
+    // Torsion.
+    case(
+        "area =",
+        "mode = \"torsion\"\narea =",
+        "area = ",
+        "bar.area",
+        &["an area says nothing of torsion", "inner-diameter"],
+    ),
+    case(
+        "area = \"1 cm^2\"",
+        "mode = \"torsion\"\ndiameter = \"2 cm\"",
+        "material = ",
+        "bar.material",
+        &["`steel` is one of tension", "loading = \"shear\"", "von-mises"],
+    ),
+    case(
+        "area = \"1 cm^2\"",
+        "mode = \"torsion\"\ndiameter = \"2 cm\"\nshear = \"von-mises\"",
+        "material = ",
+        "bar.material",
+        &["cannot be converted", "`poisson`"],
+    ),
+    case("area = \"1 cm^2\"", "mode = \"torsion\"", "", "bar.diameter", &["`diameter` is missing", "20 mm"]),
+    case(
+        "area = \"1 cm^2\"",
+        "mode = \"torsion\"\ndiameter = [[0, 0.01], [1, 0.02]]",
+        "diameter = ",
+        "bar.diameter",
+        &["a taper in torsion", "inner-diameter"],
+    ),
+    case(
+        "area = \"1 cm^2\"",
+        "mode = \"torsion\"\ndiameter = \"2 cm\"\nwall = \"2 mm\"",
+        "wall = ",
+        "bar.wall",
+        &["out of range", "0 < wall <= 0.001 m"],
+    ),
+    case(
+        "area = \"1 cm^2\"",
+        "mode = \"torsion\"\ndiameter = \"2 cm\"\nwall = \"1 mm\"\ninner-diameter = \"18 mm\"",
+        "wall = ",
+        "bar.wall",
+        &["both an inner diameter and a wall"],
+    ),
+    case(
+        "area = \"1 cm^2\"",
+        "mode = \"torsion\"\ndiameter = \"2 cm\"\ninner-diameter = \"2 cm\"",
+        "inner-diameter = ",
+        "bar.inner-diameter",
+        &["out of range"],
+    ),
+    case("area = \"1 cm^2\"", "wall = \"1 mm\"", "wall = ", "bar.wall", &["belongs to a bar in torsion"]),
+    case("area = ", "shear = \"von-mises\"\narea = ", "shear = ", "bar.shear", &["means nothing for an axial bar"]),
+    case(
+        "modulus = \"200 GPa\", beyond",
+        "loading = \"shear\", modulus = \"200 GPa\", beyond",
+        "material = ",
+        "bar.material",
+        &["is one of shear", "mode = \"torsion\""],
+    ),
+    case(
+        "modulus = \"200 GPa\", beyond",
+        "loading = \"shear\", sense = \"compression\", modulus = \"200 GPa\", beyond",
+        "material = ",
+        "bar.material.sense",
+        &["alike in both senses"],
+    ),
+    case(
+        "\"stress\", \"velocity\"",
+        "\"stress\", \"torque\"",
+        "fields = ",
+        "record.fields.1",
+        &["`torque` exists in torsion only"],
+    ),
+    case(
+        "kind = \"velocity\"\nvalue = \"-30 m/s\"",
+        "kind = \"torque\"\nvalue = \"5 N*m\"",
+        "torque",
+        "left.kind",
+        &["a bar in torsion only"],
+    ),
     // No TOML at all.
     case("length = \"1 m\"", "length = 1 m", "length", "", &["help: "]),
     case("title = ", "title = \"twice\"\ntitle = ", "title", "title", &["the key stands twice", "keep one of the two"]),
@@ -490,12 +705,72 @@ fn the_base_scene_is_right() {
     assert!(output.stderr.is_empty(), "{}", stderr(&output));
 }
 
+/// A right scene of the energy method.
+const SPECIMEN: &str = r#"[specimen]
+length = "10 in"
+diameter = "0.5 in"
+energy = "500 ft*lbf/in^3"
+
+[striker]
+mass = "200 lb"
+velocity = "80 ft/s"
+"#;
+
+const SPECIMEN_CASES: &[Case] = &[
+    case("length = \"10 in\"\n", "", "[specimen]", "specimen.length", &["`length` is missing", "a length"]),
+    case("10 in", "10 lb", "length", "specimen.length", &["a length"]),
+    case("diameter = \"0.5 in\"", "area = 0", "area", "specimen.area", &["0 is out of range", "area > 0"]),
+    case("diameter", "area = 1\ndiameter", "diameter", "specimen.diameter", &["both an area and a diameter"]),
+    case(
+        "energy = \"500 ft*lbf/in^3\"\n",
+        "",
+        "[specimen]",
+        "specimen.energy",
+        &["`energy` is missing", "ft*lbf/in^3"],
+    ),
+    case(
+        "energy =",
+        "material = \"mild-steel\"\nenergy =",
+        "energy",
+        "specimen.energy",
+        &["`energy` and `material` both say", "not both"],
+    ),
+    case("energy =", "notch = 2\nenergy =", "notch", "specimen.notch", &["from its curve alone", "give `material`"]),
+    case(
+        "energy = \"500 ft*lbf/in^3\"",
+        "material = \"mild-steel\"\nnotch = 0.5",
+        "notch",
+        "specimen.notch",
+        &["0.5 is out of range", "1 <= notch"],
+    ),
+    case(
+        "energy = \"500 ft*lbf/in^3\"",
+        "material = { density = 7800, modulus = 2e11, beyond = \"extend\", curve = { table = [[0.001, 2e8], [0.1, 4e8]] } }",
+        "material",
+        "specimen.material",
+        &["never breaks", "beyond = \"rupture\""],
+    ),
+    case("[striker]\nmass = \"200 lb\"\nvelocity = \"80 ft/s\"\n", "", "energy", "striker", &["`striker` is missing"]),
+    case("80 ft/s", "-80 ft/s", "velocity", "striker.velocity", &["out of range", "velocity >= 0"]),
+    case("mass = \"200 lb\"\n", "", "[striker]", "striker.mass", &["`mass` is missing"]),
+    case("[striker]", "[bar]\nlength = 1\n[striker]", "[bar]", "bar", &["specimen", "striker"]),
+];
+
 #[test]
 fn every_wrong_scene_says_what_is_wrong_and_where() {
+    all_wrong(RIGHT, CASES);
+}
+
+#[test]
+fn every_wrong_specimen_does_so_too() {
+    all_wrong(SPECIMEN, SPECIMEN_CASES);
+}
+
+fn all_wrong(right: &str, cases: &[Case]) {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    for (i, case) in CASES.iter().enumerate() {
-        assert_eq!(RIGHT.matches(case.from).count().min(1), 1, "case {i}: `{}` is not in the scene", case.from);
-        let text = RIGHT.replacen(case.from, case.to, 1);
+    for (i, case) in cases.iter().enumerate() {
+        assert_eq!(right.matches(case.from).count().min(1), 1, "case {i}: `{}` is not in the scene", case.from);
+        let text = right.replacen(case.from, case.to, 1);
         let file = folder.path().join(format!("wrong-{i}.toml"));
         std::fs::write(&file, &text).expect("written");
         let output = check(&file);
@@ -579,7 +854,7 @@ fn schema_man_pages_and_completions_are_written() {
         assert_eq!(output.status.code(), Some(0), "{args:?}: {}", stderr(&output));
         String::from_utf8(output.stdout).expect("UTF-8")
     };
-    for kind in ["scene", "material"] {
+    for kind in ["scene", "specimen", "material"] {
         let schema: serde_json::Value = serde_json::from_str(&run(&["schema", kind])).expect("JSON");
         assert!(schema["properties"].is_object(), "{schema}");
         assert_eq!(schema["additionalProperties"], false);
@@ -603,4 +878,40 @@ fn kinematic_hardening_needs_one_curve() {
     assert_eq!(output.status.code(), Some(2), "{shown}");
     assert!(shown.starts_with("error: `effects.unloading`: kinematic hardening needs one curve"), "{shown}");
     assert!(shown.contains("help: use unloading = \"isotropic\""), "{shown}");
+}
+
+/// What acts on the whole section needs one, and a joint that opens has no node that is shared.
+#[test]
+fn what_acts_along_the_bar_needs_a_section_and_bonded_joints() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let file = folder.path().join("wrong.toml");
+    let without_area = RIGHT.replace("area = \"1 cm^2\"\n", "");
+    let poisson = without_area.replace("density =", "poisson = 0.3, density =");
+    let segment = format!("[[bar.segment]]\nlength = 1\narea = 1\n{MATERIAL}\n");
+    let parting = RIGHT.replace(UNIFORM, "").replace("area = \"1 cm^2\"\n", "").replace(MATERIAL, "");
+    let parting = parting + &segment.replace("area", "joint = \"contact\"\narea") + &segment;
+    for (text, effect, start) in [
+        (
+            &without_area,
+            "damping = { external = 100 }",
+            "error: `effects.damping.external`: `external` is a force per length",
+        ),
+        (&without_area, "damping = { foundation = 100 }", "error: `effects.damping.foundation`: "),
+        (&poisson, "lateral-inertia = true", "error: `effects.lateral-inertia`: lateral inertia depends on the size"),
+        (
+            &parting,
+            "damping = { internal = 100 }",
+            "error: `effects.damping`: `damping` is not followed in a bar with joints",
+        ),
+    ] {
+        std::fs::write(&file, text.replace("unloading = \"isotropic\"", effect)).expect("written");
+        let output = check(&file);
+        let shown = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{shown}");
+        assert!(shown.starts_with(start) && shown.contains("\nhelp: "), "{shown}");
+    }
+    // Without a section internal damping has a meaning, and without a joint that opens the bar is right.
+    std::fs::write(&file, without_area.replace("unloading = \"isotropic\"", "damping = { internal = 100 }"))
+        .expect("written");
+    assert_eq!(check(&file).status.code(), Some(0), "{}", stderr(&check(&file)));
 }

@@ -33,6 +33,7 @@ fn layout() -> Layout {
         area_given: true,
         sampling: String::new(),
         paths: false,
+        temperature: false,
     }
 }
 
@@ -46,6 +47,7 @@ fn header() -> Header {
         method: "fd".into(),
         scheme: "leapfrog".into(),
         critical_velocity: Some(44.5),
+        torsion: None,
     }
 }
 
@@ -81,7 +83,13 @@ fn ledger(index: usize) -> LedgerRow {
 
 fn trace(index: usize) -> Trace {
     let n = index as f64;
-    Trace { time: vec![n * 1e-6], stress: vec![-n], strain: vec![n * 1e-9], velocity: vec![2.0 * n] }
+    Trace {
+        time: vec![n * 1e-6],
+        stress: vec![-n],
+        strain: vec![n * 1e-9],
+        velocity: vec![2.0 * n],
+        ..Trace::default()
+    }
 }
 
 /// Writes `frames` frames with their traces and ledger rows.

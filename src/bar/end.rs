@@ -1,6 +1,6 @@
 //! What holds or drives an end of the bar: a relation between its velocity and its stress.
 
-use super::History;
+use super::{Hertz, History};
 
 /// The condition at one end. Velocities are positive in +x at both ends; stresses are tension positive.
 #[derive(Debug, Clone)]
@@ -35,6 +35,16 @@ pub enum EndCondition {
         mass: f64,
         /// Velocity at the start, m/s, positive in +x.
         velocity: f64,
+    },
+    /// A ball that touches the end at the start. It pushes by Hertz's contact, on the section's whole area; where they part
+    /// it flies on by itself, and may strike again.
+    Ball {
+        /// kg, > 0.
+        mass: f64,
+        /// Velocity at the start, m/s, positive in +x.
+        velocity: f64,
+        /// The contact.
+        contact: Hertz,
     },
     /// A linear spring to the ground, without force at the start: the bar's end gets the force -k u.
     Spring {

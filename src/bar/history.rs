@@ -39,6 +39,12 @@ impl History {
         Ok(Self { time: rows.iter().map(|r| r.0).collect(), value: rows.iter().map(|r| r.1).collect() })
     }
 
+    /// The same with every value times `factor`.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
+        Self { time: self.time.clone(), value: self.value.iter().map(|v| factor * v).collect() }
+    }
+
     /// The rows' times, s.
     pub fn time(&self) -> &[f64] {
         &self.time

@@ -129,6 +129,8 @@ impl Drive {
             | EndCondition::Free
             | EndCondition::Absorbing
             | EndCondition::Striker { .. }
+            // Its force starts from nothing.
+            | EndCondition::Ball { .. }
             | EndCondition::Spring { .. } => None,
         }
     }
@@ -157,20 +159,20 @@ fn from_joint(k: usize, x: f64, left: &Segment, right: &Segment) -> Vec<Launch> 
         return Vec::new();
     }
     let sense = Sense::of(-closing);
-    let fan = |s: &Segment, force: f64| fan_at_stress(s.material.branch(sense), s.material.density, force / s.area);
-    let force = joint_force(closing.abs(), |force| fan(left, force).velocity + fan(right, force).velocity, {
-        let limit = |s: &Segment| s.area * strongest(s.material.branch(sense));
-        limit(left).min(limit(right))
-    });
-    [(k, left, -1.0), (k + 1, right, 1.0)]
+    let ([_, left_area], [right_area, _]) = (left.end_areas(), right.end_areas());
+    let fan = |s: &Segment, stress: f64| fan_at_stress(s.material.branch(sense), s.material.density, stress);
+    let both = |force: f64| fan(left, force / left_area).velocity + fan(right, force / right_area).velocity;
+    let limit = |s: &Segment, area: f64| area * strongest(s.material.branch(sense));
+    let force = joint_force(closing.abs(), both, limit(left, left_area).min(limit(right, right_area)));
+    [(k, left, left_area, -1.0), (k + 1, right, right_area, 1.0)]
         .into_iter()
-        .map(|(segment, at, direction)| Launch {
+        .map(|(segment, at, area, direction)| Launch {
             origin: Origin::Joint(k),
             x,
             segment,
             direction,
             sense,
-            fan: fan(at, force),
+            fan: fan(at, force / area),
             velocity_ahead: at.velocity,
             sudden: true,
             loads_until: f64::INFINITY,

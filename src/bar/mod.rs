@@ -1,14 +1,18 @@
 //! The bar itself: segments, joints, ends and their histories; plain data, the same for every solver.
 
 mod end;
+mod hertz;
 mod history;
 mod launch;
+mod taper;
 
 use std::sync::Arc;
 
 pub use end::EndCondition;
+pub use hertz::Hertz;
 pub use history::History;
 pub use launch::{Launch, Origin, launches};
+pub use taper::{Profile, Taper};
 
 use crate::material::Material;
 
@@ -21,13 +25,15 @@ pub struct Bar {
     pub area_given: bool,
 }
 
-/// A uniform piece of the bar.
+/// A piece of the bar of one material.
 #[derive(Debug, Clone)]
 pub struct Segment {
     /// Length, m, > 0.
     pub length: f64,
-    /// Cross-section, m^2, > 0.
+    /// Cross-section, m^2, > 0; of a tapered segment the mean along it.
     pub area: f64,
+    /// How the cross-section changes along the segment; none where it does not.
+    pub taper: Option<Arc<Taper>>,
     /// What it is made of.
     pub material: Arc<Material>,
     /// Initial velocity, m/s, positive in +x.
@@ -46,6 +52,18 @@ pub enum Joint {
         /// Initial opening, m.
         gap: f64,
     },
+}
+
+impl Segment {
+    /// Cross-sections at its left and right end, m^2.
+    pub fn end_areas(&self) -> [f64; 2] {
+        self.taper.as_ref().map_or([self.area; 2], |taper| [0.0, self.length].map(|x| taper.area(x)))
+    }
+
+    /// Mean cross-section between two places of the segment, m from its left end, from < to; m^2.
+    pub fn mean_area(&self, from: f64, to: f64) -> f64 {
+        self.taper.as_ref().map_or(self.area, |taper| taper.mean(from, to))
+    }
 }
 
 impl Bar {

@@ -8,7 +8,7 @@ use super::message;
 use crate::error::{Error, InputError, Result};
 use crate::input::Document;
 use crate::material;
-use crate::scene::Scene;
+use crate::scene::Problem;
 
 /// Options of `barwave check`.
 #[derive(Debug, clap::Args)]
@@ -25,7 +25,7 @@ enum Kind {
 }
 
 /// Keys that only a scene has at its top level.
-const OF_A_SCENE: [&str; 6] = ["bar", "left", "right", "effects", "solve", "record"];
+const OF_A_SCENE: [&str; 8] = ["specimen", "striker", "bar", "left", "right", "effects", "solve", "record"];
 /// Keys that only a material has at its top level.
 const OF_A_MATERIAL: [&str; 4] = ["density", "curve", "modulus", "source"];
 
@@ -48,7 +48,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
 fn check(file: &Path) -> Result<&'static str> {
     let document = Document::read(file)?;
     match kind(&document)? {
-        Kind::Scene => Scene::read(file, &[]).map(|_| "scene"),
+        Kind::Scene => Problem::read(file, &[]).map(|_| "scene"),
         Kind::Material => material::library::find(&path_text(file), Path::new("")).map(|_| "material"),
     }
 }

@@ -12,6 +12,7 @@ mod plan;
 mod report;
 mod run;
 mod shell;
+mod specimen;
 
 use std::process::ExitCode;
 

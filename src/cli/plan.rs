@@ -5,8 +5,9 @@ use std::path::PathBuf;
 use super::output;
 use super::run::front_lines;
 use crate::error::Result;
-use crate::scene::Scene;
-use crate::study::plan::{NetWork, Plan, Work, plan};
+use crate::record::EnergySummary;
+use crate::scene::Problem;
+use crate::study::plan::{NetWork, Plan, Staircase, Work, plan};
 use crate::units::{Dimension, System, format};
 
 /// Options of `barwave plan`.
@@ -27,7 +28,15 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: &Args) -> Result<()> {
-    let plan = plan(&Scene::read(&args.scene, &args.overrides)?);
+    let scene = match Problem::read(&args.scene, &args.overrides)? {
+        Problem::Bar(scene) => scene,
+        Problem::Specimen(scene) => {
+            let summary = EnergySummary::new(&scene.title, &scene.blow);
+            let text = || super::specimen::text(&summary, args.units, false);
+            return if args.json { output::json(&summary) } else { output::text(&text()) };
+        }
+    };
+    let plan = plan(&scene);
     if args.json { output::json(&plan) } else { output::text(&text(&plan, args.units)) }
 }
 
@@ -44,6 +53,15 @@ fn text(plan: &Plan, units: System) -> String {
     }
     for (label, value) in work_lines(&plan.work, units) {
         line(label, value);
+    }
+    if let Some(Staircase { pieces, reflects }) = plan.staircase {
+        line(
+            "staircase",
+            std::format!(
+                "tapers become {pieces} uniform pieces; a step reflects at most {:.2} % of a wave",
+                100.0 * reflects
+            ),
+        );
     }
     line("fields", std::format!("{} before compression", bytes(plan.field_bytes)));
     let critical = plan.critical_velocity.map_or_else(

@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
-use crate::error::{Error, Result};
-use crate::record::Field;
+use crate::error::{Error, InputError, Result};
 use crate::record::store::ResultFile;
+use crate::record::{ENERGY, Field};
 use crate::report::plot::{Format, PNG_SCALE, png, write_whole};
 use crate::report::{Units, draw, page};
 use crate::units::System;
@@ -30,6 +30,10 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let output = args.output.clone().unwrap_or_else(|| args.file.with_extension("svg"));
     let format = Format::of(&output)?;
     let file = ResultFile::open(&args.file)?;
+    if file.facts().method == ENERGY {
+        let message = format!("{} has nothing to draw: it holds figures of the energy method", args.file.display());
+        return Err(InputError::new(message).help("`barwave run` prints them; they are in its group `energy`").into());
+    }
     let units = match args.units {
         System::Si => Units::Si,
         System::Us => Units::Us,

@@ -11,7 +11,7 @@ use super::output;
 use crate::error::{Error, InputError, Result};
 use crate::record::{ChoiceSummary, EndSummary, FrontSummary, RuptureSummary, Summary};
 use crate::run::{self, Progress, Wish};
-use crate::scene::Scene;
+use crate::scene::{Problem, SpecimenScene};
 use crate::units::{Dimension, System, format};
 
 /// Options of `barwave run`.
@@ -47,13 +47,12 @@ const TICKS: u64 = 1000;
 const LISTED_FRONTS: usize = 12;
 
 pub(crate) fn run(args: &Args) -> Result<()> {
-    let mut scene = Scene::read(&args.scene, &args.overrides)?;
-    scene.solve.estimate_error = args.estimate_error;
-    let output = match &args.output {
-        Some(path) => path.clone(),
-        None => default_output(&scene.name)?,
+    let mut scene = match Problem::read(&args.scene, &args.overrides)? {
+        Problem::Bar(scene) => *scene,
+        Problem::Specimen(scene) => return run_specimen(args, &scene),
     };
-    check_output(&output)?;
+    scene.solve.estimate_error = args.estimate_error;
+    let output = output_path(args, &scene.name)?;
     let stop = Arc::new(AtomicBool::new(false));
     let asked = Arc::clone(&stop);
     // A handler can only be missing where another one is set already; the run then ends as that one says.
@@ -75,6 +74,25 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         print!("{}", text(&summary, args.units));
     }
     Ok(())
+}
+
+/// A specimen, by the energy method.
+fn run_specimen(args: &Args, scene: &SpecimenScene) -> Result<()> {
+    let summary = run::run_specimen(scene, Some(&output_path(args, &scene.name)?))?;
+    if args.json {
+        return output::json(&summary);
+    }
+    if args.quiet { Ok(()) } else { output::text(&super::specimen::text(&summary, args.units, true)) }
+}
+
+/// Where the result goes.
+fn output_path(args: &Args, name: &str) -> Result<PathBuf> {
+    let output = match &args.output {
+        Some(path) => path.clone(),
+        None => default_output(name)?,
+    };
+    check_output(&output)?;
+    Ok(output)
 }
 
 /// runs/out is made where it is missing: it is the program's own place.
@@ -145,6 +163,14 @@ fn text(s: &Summary, units: System) -> String {
     };
     line("method", std::format!("{} {}, {how}", s.method, s.scheme));
     line("effects", if s.effects.is_empty() { "none: the run stayed elastic".into() } else { s.effects.join(", ") });
+    if let Some(torsion) = &s.torsion {
+        let end = |k: usize| {
+            let torque = show(torsion.torque[k], Dimension::Torque);
+            std::format!("{torque} at {}", show(torsion.angular_velocity_rad_s[k], Dimension::AngularVelocity))
+        };
+        let radius = show(torsion.radius_m, Dimension::Length);
+        line("torsion", std::format!("left {}, right {}; in terms of the surface (radius {radius}):", end(0), end(1)));
+    }
     for (label, end) in [("left end", &s.left), ("right end", &s.right)] {
         line(label, end_text(end, units));
         if let Some(velocity) = end.striker {
@@ -166,6 +192,9 @@ fn text(s: &Summary, units: System) -> String {
         },
     );
     line("critical velocity", critical);
+    if let Some(rise) = s.temperature_rise {
+        line("heat", std::format!("the bar warmed by up to {rise:.4} K"));
+    }
     for r in s.ruptures.iter().flatten() {
         line("rupture", rupture_text(r, units));
     }

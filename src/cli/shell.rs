@@ -8,7 +8,7 @@ use clap::{CommandFactory, ValueEnum};
 use super::Cli;
 use crate::error::{Error, Result};
 use crate::material::RawMaterial;
-use crate::scene::RawScene;
+use crate::scene::{RawScene, RawSpecimenScene};
 
 /// Options of `barwave completions`.
 #[derive(Debug, clap::Args)]
@@ -38,6 +38,8 @@ pub(crate) struct SchemaArgs {
 enum Described {
     /// Scene files.
     Scene,
+    /// Scene files of the energy method.
+    Specimen,
     /// Material files.
     Material,
 }
@@ -62,6 +64,7 @@ pub(crate) fn man(args: &ManArgs) -> Result<()> {
 pub(crate) fn schema(args: &SchemaArgs) -> Result<()> {
     let schema = match args.file {
         Described::Scene => schemars::schema_for!(RawScene),
+        Described::Specimen => schemars::schema_for!(RawSpecimenScene),
         Described::Material => schemars::schema_for!(RawMaterial),
     };
     let mut text = format!("{:#}", schema.as_value());

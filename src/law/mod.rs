@@ -10,6 +10,7 @@
 
 mod backbone;
 mod elastic;
+mod heat;
 mod path_independent;
 mod plastic;
 pub mod rate;
@@ -17,6 +18,7 @@ pub mod rupture;
 
 pub use backbone::{Backbone, Envelope, Indexed, Line, Searched, Table, TwoSided};
 pub use elastic::elastic_row;
+pub use heat::Warming;
 pub use path_independent::PathIndependent;
 pub use plastic::{Isotropic, Mixed};
 
@@ -74,6 +76,16 @@ pub trait CellLaw<const N: usize>: Send + Sync {
     fn keeps_up(&self, _state: [f64; N]) -> bool {
         true
     }
+
+    /// Temperature, K; not a number for laws that know none.
+    fn temperature(&self, _state: [f64; N]) -> f64 {
+        f64::NAN
+    }
+
+    /// Fraction of the plastic work that turns into heat.
+    fn heat_fraction(&self) -> f64 {
+        0.0
+    }
 }
 
 /// A law as a solver holds it: whole rows at a time, chosen once a run.
@@ -107,6 +119,13 @@ pub trait RowLaw: Send + Sync {
 
     /// Clears `flow` in cells that flow by a rate which the steps resolve.
     fn clear_resolved(&self, state: &[f64], flow: &mut [u8]);
+
+    /// Temperature of cell `i` of a row, K (`state` is empty in a row that never yielded); not a number for laws that know
+    /// none.
+    fn temperature(&self, state: &[f64], i: usize) -> f64;
+
+    /// Fraction of the plastic work that turns into heat.
+    fn heat_fraction(&self) -> f64;
 
     /// Cell `i` of a row flows by a rate; false for laws without.
     fn flows(&self, state: &[f64], i: usize) -> bool;
@@ -163,6 +182,14 @@ impl<L: CellLaw<N>, const N: usize> RowLaw for Rows<L, N> {
         for (i, flow) in flow.iter_mut().enumerate().filter(|(_, flow)| **flow != 0) {
             *flow = u8::from(self.0.keeps_up(cell_state(state, i)));
         }
+    }
+
+    fn temperature(&self, state: &[f64], i: usize) -> f64 {
+        self.0.temperature(if state.is_empty() { [0.0; N] } else { cell_state(state, i) })
+    }
+
+    fn heat_fraction(&self) -> f64 {
+        self.0.heat_fraction()
     }
 
     fn flows(&self, state: &[f64], i: usize) -> bool {

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::branch::{Branch, Given};
 use super::raw::{Confidence, RawMaterial, RawSource};
-use super::{Material, Measure, Provenance, Sense, constants};
+use super::{Loading, Material, Measure, Provenance, Sense, constants};
 use crate::error::{InputError, Result};
 use crate::input::{Allowed, Document, Number};
 use crate::units::Dimension;
@@ -42,6 +42,10 @@ pub fn resolve(raw: RawMaterial, doc: &Document, key_prefix: &str, base_dir: &Pa
     let keys = Keys { doc, prefix: key_prefix, base_dir };
     let modulus = keys.optional(raw.modulus.as_ref(), "modulus", Dimension::Stress, Allowed::Positive)?;
     let given = Given::read("curve", &raw, &raw.curve, keys)?;
+    let loading = raw.loading.as_ref().map_or(Loading::Axial, |l| *l.get_ref());
+    if loading == Loading::Shear {
+        no_senses_in_shear(&raw, &given, keys)?;
+    }
     let main = given.branch(given.sense, modulus, keys)?;
     let compression = compression(&raw, &given, modulus, keys)?;
     let steepest = compression.iter().map(|c| c.curve.steepest()).fold(main.curve.steepest(), f64::max);
@@ -49,15 +53,34 @@ pub fn resolve(raw: RawMaterial, doc: &Document, key_prefix: &str, base_dir: &Pa
     Ok(Material {
         density: keys.number(&raw.density, "density", Dimension::Density, Allowed::Positive)?,
         modulus: modulus.unwrap_or(steepest),
+        loading,
         poisson: keys.optional(raw.poisson.as_ref(), "poisson", Dimension::None, Allowed::Within(0.0, 0.5))?,
         table_error: compression.as_ref().map_or(main.error, |c| c.error.max(main.error)),
         constants,
+        heating: None,
         tension: main.curve,
         compression: compression.map(|c| c.curve),
         provenance: provenance(raw.source),
         name: raw.name.unwrap_or_else(|| "inline".into()),
         description: raw.description.unwrap_or_default(),
     })
+}
+
+/// Shear is alike in both senses, and its engineering measure is the only one there is.
+fn no_senses_in_shear(raw: &RawMaterial, main: &Given<'_>, keys: Keys<'_>) -> Result<()> {
+    let curve = raw.curve.get_ref();
+    let (key, span, why) = if let Some(compression) = &raw.compression {
+        ("compression", compression.span(), "a shear curve has no compression branch: it is alike in both senses")
+    } else if let Some(symmetry) = &raw.symmetry {
+        ("symmetry", symmetry.span(), "a shear curve is alike in both senses")
+    } else if let Some(sense) = raw.sense.as_ref().or(curve.sense.as_ref()) {
+        ("sense", sense.span(), "a shear curve is alike in both senses")
+    } else if let (Measure::True, Some(measure)) = (main.measure, raw.measure.as_ref().or(curve.measure.as_ref())) {
+        ("measure", measure.span(), "shear is given as engineering shear strain")
+    } else {
+        return Ok(());
+    };
+    Err(keys.error(span, key, why).help(format!("take `{key}` out, or loading = \"shear\"")).into())
 }
 
 /// The compression branch: its own curve, the same true curve converted to compression, or none.

@@ -6,10 +6,13 @@ mod csv;
 mod curve;
 mod file;
 mod formula;
+mod heating;
 mod law_keys;
 pub mod library;
 mod raw;
+mod softening;
 mod tabulate;
+mod torsion;
 
 use serde::{Deserialize, Serialize};
 
@@ -18,10 +21,12 @@ pub(crate) use curve::SLOPE_ROUND_OFF;
 pub use curve::{Beyond, Curve, CurveError, Ultimate, UltimateReason};
 pub use file::{read, resolve};
 pub use formula::{Formula, Law};
+pub use heating::{Heating, HeatingError};
 pub use raw::RawMaterial;
 pub use tabulate::{
     Measure, Tabulate, Tabulated, engineering_from_true, tabulate_law, tabulate_true_rows, true_from_engineering,
 };
+pub use torsion::{Hollow, TORSION_TOLERANCE};
 
 /// Which way the material is loaded from the virgin state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -48,6 +53,23 @@ impl Sense {
     }
 }
 
+/// What the stresses and strains of a curve are.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Loading {
+    /// Normal stress against elongation; the modulus is Young's.
+    #[default]
+    Axial,
+    /// Shear stress against engineering shear strain; the modulus is the shear modulus.
+    Shear,
+}
+
+impl Loading {
+    fn is_axial(&self) -> bool {
+        *self == Self::Axial
+    }
+}
+
 /// A material as the solvers see it: engineering tables, SI.
 #[derive(Debug, Clone, Serialize)]
 pub struct Material {
@@ -60,6 +82,9 @@ pub struct Material {
     /// Elastic modulus, Pa: slope of every unloading; no slope of the curve exceeds it where it was given,
     /// otherwise it is the steepest slope of the curve.
     pub modulus: f64,
+    /// What the curve and the modulus are of.
+    #[serde(skip_serializing_if = "Loading::is_axial")]
+    pub loading: Loading,
     /// Poisson's ratio where the file gives one.
     pub poisson: Option<f64>,
     /// First loading in tension (and in compression too where `compression` is absent).
@@ -70,6 +95,9 @@ pub struct Material {
     pub table_error: f64,
     /// What else the file states: the law behind the table, rate and heat constants.
     pub constants: Constants,
+    /// Set where plastic work heats the material: the curves above are then the adiabatic ones, see [`Material::heated`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub heating: Option<Box<Heating>>,
     /// What the curve rests on.
     pub provenance: Provenance,
 }
@@ -96,11 +124,13 @@ impl Material {
             description: String::new(),
             density,
             modulus: curve.steepest(),
+            loading: Loading::Axial,
             poisson: None,
             tension: curve,
             compression: None,
             table_error: 0.0,
             constants: Constants::default(),
+            heating: None,
             provenance: Provenance::default(),
         }
     }

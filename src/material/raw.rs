@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::{Beyond, Formula, Measure, Sense};
+use super::{Beyond, Formula, Loading, Measure, Sense};
 use crate::input::Number;
 use crate::units::Quantity;
 
@@ -23,6 +23,10 @@ pub struct RawMaterial {
     /// steepest slope. Formulas need it.
     #[schemars(with = "Option<Quantity>")]
     pub modulus: Option<Number>,
+    /// What the curve is of: "axial" (default), or "shear": shear stress against engineering shear strain, and `modulus` is
+    /// the shear modulus; for bars with mode = "torsion".
+    #[schemars(with = "Option<Loading>")]
+    pub loading: Option<Spanned<Loading>>,
     /// Poisson's ratio, 0 to 0.5.
     #[schemars(with = "Option<Quantity>")]
     pub poisson: Option<Number>,

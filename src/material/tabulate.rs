@@ -247,7 +247,7 @@ fn straight_true_piece(from: (f64, f64), to: (f64, f64), sense: Sense, tolerance
 }
 
 /// Straight pieces between the given parameters and as many more as the tolerances ask for.
-fn refine(point: &dyn Fn(f64) -> (f64, f64), breaks: &[f64], tolerance: f64, top: f64) -> Tabulated {
+pub(super) fn refine(point: &dyn Fn(f64) -> (f64, f64), breaks: &[f64], tolerance: f64, top: f64) -> Tabulated {
     let limits = Limits {
         stress: tolerance * top,
         relative: 0.3 * tolerance,

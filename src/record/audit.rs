@@ -153,6 +153,9 @@ pub fn unresolved_flow(k: f64, dt: f64) -> Option<AuditRow> {
 /// Adiabatic heating of the most strained place of a material, where it states its specific heat; `plastic_strain` is the
 /// accumulated one there.
 pub fn heating(material: &Material, plastic_strain: f64) -> Option<AuditRow> {
+    if material.heating.is_some() {
+        return None;
+    }
     let specific_heat = material.constants.heat.specific_heat?;
     let fraction = material.constants.heat.fraction.unwrap_or(0.9);
     let rise = fraction * plastic_work(material, plastic_strain) / (material.density * specific_heat);

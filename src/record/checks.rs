@@ -24,7 +24,7 @@ impl ElasticProbe {
     /// A probe for the first suddenly loaded end or joint, where there is one; `until` is the end time, s.
     pub fn new(bar: &Bar, launches: &[Launch], until: f64) -> Option<Self> {
         let launch = launches.iter().find(|l| l.sudden)?;
-        let segment = &bar.segments[launch.segment];
+        let segment = Some(&bar.segments[launch.segment]).filter(|segment| segment.taper.is_none())?;
         // Another wave may come from the far side at once, or only as a reflection of this one.
         let transits = if launches.len() > 1 { 1.0 } else { 2.0 };
         let quiet = (transits * segment.length / segment.material.c0()).min(launch.loads_until).min(until);
@@ -105,7 +105,7 @@ pub fn tracked_against_similarity(bar: &Bar, solver: &FrontTracking, launches: &
 /// The fan that is the whole solution up to `time` (s), where there is one.
 pub fn alone<'a>(bar: &Bar, launches: &'a [Launch], time: f64) -> Option<&'a Launch> {
     let ([launch], [segment]) = (launches, bar.segments.as_slice()) else { return None };
-    let alone = launch.sudden && launch.loads_until.is_infinite();
+    let alone = launch.sudden && launch.loads_until.is_infinite() && segment.taper.is_none();
     (alone && time > 0.0 && segment.material.c0() * time <= segment.length).then_some(launch)
 }
 

@@ -10,8 +10,18 @@ pub struct Frames {
     next: usize,
     fields: Vec<Field>,
     sampling: Sampling,
+    twisted: Option<Twisted>,
     /// The bar at the step before the current one, kept while a frame lies between the two.
     before: Option<Frame>,
+}
+
+/// What makes torques and angles of the surface quantities of a bar in torsion.
+#[derive(Debug, Clone)]
+pub struct Twisted {
+    /// R, m.
+    pub radius: f64,
+    /// J/R at each sample, m^3.
+    pub torque_per_stress: Vec<f64>,
 }
 
 /// A frame closer to a step than this part of the time step is that step: times written as decimal numbers come no
@@ -21,7 +31,13 @@ const SAME_TIME: f64 = 1e-6;
 impl Frames {
     /// Frames at `times` (increasing, s) of `fields` at the places of `sampling`.
     pub fn new(times: Vec<f64>, fields: Vec<Field>, sampling: Sampling) -> Self {
-        Self { times, next: 0, fields, sampling, before: None }
+        Self { times, next: 0, fields, sampling, twisted: None, before: None }
+    }
+
+    /// The same of a bar in torsion.
+    #[must_use]
+    pub fn twisted(self, twisted: Option<Twisted>) -> Self {
+        Self { twisted, ..self }
     }
 
     /// The sample places, m.
@@ -49,18 +65,37 @@ impl Frames {
     }
 
     fn read(&self, bar: &impl Stepped) -> Frame {
-        read_frame(bar, &self.fields, &self.sampling, self.sampling.x().len())
+        read_frame(bar, &self.fields, &self.sampling, self.sampling.x().len(), self.twisted.as_ref())
     }
 }
 
-/// The bar at its current time: `fields` at `places`, of which there are `count`.
-pub fn read_frame<V: View>(bar: &V, fields: &[Field], places: &V::Places, count: usize) -> Frame {
+/// The bar at its current time: `fields` at `places`, of which there are `count`; `twisted` in torsion.
+pub fn read_frame<V: View>(
+    bar: &V,
+    fields: &[Field],
+    places: &V::Places,
+    count: usize,
+    twisted: Option<&Twisted>,
+) -> Frame {
     let row = |&field: &Field| {
         let mut row = vec![0.0; count];
-        bar.sample(field, places, &mut row);
+        bar.sample(field.base(), places, &mut row);
+        if let Some(twisted) = twisted {
+            twisted.turn(field, &mut row);
+        }
         row
     };
     Frame { time: bar.time(), rows: fields.iter().map(row).collect() }
+}
+
+impl Twisted {
+    fn turn(&self, field: Field, row: &mut [f64]) {
+        match field {
+            Field::Torque => row.iter_mut().zip(&self.torque_per_stress).for_each(|(value, factor)| *value *= factor),
+            Field::Twist | Field::AngularVelocity => row.iter_mut().for_each(|value| *value /= self.radius),
+            _ => {}
+        }
+    }
 }
 
 /// `share` of the earlier frame and the rest of the later one.

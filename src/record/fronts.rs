@@ -72,7 +72,8 @@ impl FrontTracker {
                     level,
                     passed: 0,
                     track: Vec::new(),
-                    finished: false,
+                    // In a taper the jumps change on the way: no level marks them.
+                    finished: bar.segments[launch.segment].taper.is_some(),
                 });
             }
         }

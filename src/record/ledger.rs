@@ -6,6 +6,8 @@ use super::{Account, LedgerRow, Start, View};
 #[derive(Debug, Clone)]
 pub struct Ledger {
     start: Start,
+    /// 1, or in torsion the radius by which momenta become angular ones, m.
+    arm: f64,
     /// Momentum that has gone through the bar so far: at first that of all its parts as if they moved one way, the scale
     /// where opposing parts cancel.
     momentum_scale: f64,
@@ -19,16 +21,23 @@ impl Ledger {
         let start = bar.start();
         Self {
             start,
+            arm: 1.0,
             momentum_scale: (2.0 * start.kinetic * start.mass).sqrt(),
             worst_energy: 0.0,
             worst_momentum: 0.0,
         }
     }
 
+    /// The same of a bar in torsion: momenta are angular ones.
+    #[must_use]
+    pub fn with_arm(self, arm: f64) -> Self {
+        Self { arm, ..self }
+    }
+
     /// The account at the current time.
     pub fn row(&mut self, bar: &impl View) -> LedgerRow {
         let now: Account = bar.account();
-        let ([left, right], impulse) = (now.work, now.impulse[0] + now.impulse[1]);
+        let ([left, right], impulse) = (now.work, now.impulse[0] + now.impulse[1] + now.impulse_along);
         let put_in = self.start.kinetic + left + right;
         let energy_scale = self.start.kinetic.max(left.abs()).max(right.abs()).max(now.total());
         let residual = relative(now.total() - put_in, energy_scale);
@@ -41,13 +50,16 @@ impl Ledger {
             kinetic: now.kinetic,
             elastic: now.elastic,
             plastic: now.plastic,
+            heat: now.heat,
             viscous: now.viscous,
             concentrated: now.concentrated,
             fracture: now.fracture,
+            damping: now.damping,
+            foundation: now.foundation,
             work_left: left,
             work_right: right,
-            momentum: now.momentum,
-            impulse,
+            momentum: self.arm * now.momentum,
+            impulse: self.arm * impulse,
             residual,
         }
     }

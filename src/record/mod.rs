@@ -2,6 +2,7 @@
 
 mod audit;
 mod checks;
+mod energy;
 mod frames;
 mod fronts;
 mod ledger;
@@ -13,6 +14,7 @@ mod traces;
 mod tracked;
 mod tracked_fronts;
 mod view;
+mod warmth;
 
 use serde::Serialize;
 
@@ -20,18 +22,20 @@ pub use audit::{
     UnloadingWatch, above_critical, broken_end, broken_inside, end_of_data, heating, past_data, unresolved_flow,
 };
 pub use checks::{ElasticProbe, against_similarity, alone, similar_stress, tracked_against_similarity};
-pub use frames::{Frames, read_frame};
+pub use energy::{ENERGY, EnergySummary};
+pub use frames::{Frames, Twisted, read_frame};
 pub use fronts::FrontTracker;
 pub use ledger::Ledger;
 pub use step_gauges::StepGauges;
 pub use summary::{
     ChoiceSummary, ElasticCheck, EndSummary, ErrorFigure, FrontSummary, LedgerSummary, RuptureSummary, Summary,
-    TrackingSummary, Tried,
+    TorsionSummary, TrackingSummary, Tried,
 };
 pub use traces::Traces;
 pub use tracked::EndHistories;
 pub use tracked_fronts::{INTERIOR, Paths, TrackedFronts};
 pub use view::{Account, EndState, Start, Stepped, View, quantity};
+pub use warmth::{flowed_both_ways, largest_rise};
 
 /// A field that can be recorded over x and t.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, clap::ValueEnum)]
@@ -50,18 +54,40 @@ pub enum Field {
     PlasticStrain,
     /// Accumulated plastic strain, >= 0.
     AccumulatedPlasticStrain,
+    /// Temperature, K.
+    Temperature,
+    /// In torsion: torque, N m.
+    Torque,
+    /// In torsion: twist per length, rad/m.
+    Twist,
+    /// In torsion: angular velocity, rad/s.
+    AngularVelocity,
 }
 
 impl Field {
     /// Every field, in the order of the contract.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 10] = [
         Self::Stress,
         Self::Strain,
         Self::Velocity,
         Self::Displacement,
         Self::PlasticStrain,
         Self::AccumulatedPlasticStrain,
+        Self::Temperature,
+        Self::Torque,
+        Self::Twist,
+        Self::AngularVelocity,
     ];
+
+    /// The field of the surface from which one in torsion is computed; any other field itself.
+    pub fn base(self) -> Self {
+        match self {
+            Self::Torque => Self::Stress,
+            Self::Twist => Self::Strain,
+            Self::AngularVelocity => Self::Velocity,
+            field => field,
+        }
+    }
 
     /// Dataset name.
     pub fn name(self) -> &'static str {
@@ -72,6 +98,10 @@ impl Field {
             Self::Displacement => "displacement",
             Self::PlasticStrain => "plastic_strain",
             Self::AccumulatedPlasticStrain => "accumulated_plastic_strain",
+            Self::Temperature => "temperature",
+            Self::Torque => "torque",
+            Self::Twist => "twist",
+            Self::AngularVelocity => "angular_velocity",
         }
     }
 
@@ -81,7 +111,11 @@ impl Field {
             Self::Stress => "Pa",
             Self::Velocity => "m/s",
             Self::Displacement => "m",
+            Self::Temperature => "K",
             Self::Strain | Self::PlasticStrain | Self::AccumulatedPlasticStrain => "1",
+            Self::Torque => "N m",
+            Self::Twist => "rad/m",
+            Self::AngularVelocity => "rad/s",
         }
     }
 
@@ -94,6 +128,23 @@ impl Field {
             Self::Displacement => "displacement in +x",
             Self::PlasticStrain => "plastic strain",
             Self::AccumulatedPlasticStrain => "accumulated plastic strain",
+            Self::Temperature => "temperature",
+            Self::Torque => "torque in the section",
+            Self::Twist => "twist per length",
+            Self::AngularVelocity => "angular velocity",
+        }
+    }
+
+    /// The same for a bar in torsion, whose fields are those of its surface.
+    pub fn long_name_in_torsion(self) -> &'static str {
+        match self {
+            Self::Stress => "nominal shear stress at the surface, torque times radius over J",
+            Self::Strain => "engineering shear strain at the surface",
+            Self::Velocity => "velocity of the surface, angular velocity times radius",
+            Self::Displacement => "displacement of the surface, angle times radius",
+            Self::PlasticStrain => "plastic shear strain at the surface",
+            Self::AccumulatedPlasticStrain => "accumulated plastic shear strain at the surface",
+            field => field.long_name(),
         }
     }
 }
@@ -118,6 +169,8 @@ pub struct Trace {
     pub strain: Vec<f64>,
     /// m/s.
     pub velocity: Vec<f64>,
+    /// K; empty without the effect of heat, and for the ends.
+    pub temperature: Vec<f64>,
 }
 
 /// One row of the ledger. Energies in J, momenta in N s (per m^2 where the scene gives no area).
@@ -129,8 +182,11 @@ pub struct LedgerRow {
     pub kinetic: f64,
     /// Recoverable strain energy.
     pub elastic: f64,
-    /// Energy dissipated in plastic flow since the start.
+    /// Energy dissipated in plastic flow since the start; with the effect of heat, what of it did not turn into heat.
     pub plastic: f64,
+    /// Plastic work that turned into heat since the start: `plastic` and `heat` together are all of it (of a rate-dependent
+    /// bar with what of `viscous` the overstress took). 0 without the effect of heat.
+    pub heat: f64,
     /// Energy taken since the start by the method itself: the damping of grid-scale ripples, the thinning of fronts; 0 in
     /// an elastic run.
     pub viscous: f64,
@@ -141,13 +197,17 @@ pub struct LedgerRow {
     /// absorbed before is plastic work: it is what broken faces lose that meet again, on a grid of the first order in the
     /// cell size; by front tracking 0.
     pub fracture: f64,
+    /// Energy taken since the start by the effect `damping`, internal and external.
+    pub damping: f64,
+    /// Energy stored in the foundation.
+    pub foundation: f64,
     /// Work done on the bar by the left end since the start.
     pub work_left: f64,
     /// Work done on the bar by the right end since the start.
     pub work_right: f64,
     /// Momentum of the bar.
     pub momentum: f64,
-    /// Impulse that both ends have given to the bar since the start.
+    /// Impulse that both ends, external damping and a foundation have given to the bar since the start.
     pub impulse: f64,
     /// Energy that is missing (or too much), over the larger of the initial energy and the work that went
     /// through the ends; dimensionless.

@@ -15,6 +15,8 @@ const HELD_BACK: f64 = 1e-11;
 #[derive(Debug)]
 pub struct StepGauges {
     gauges: Vec<StepGauge>,
+    /// The temperature is read too.
+    heat: bool,
     /// Crossings up to this time are in the rows, s.
     done: f64,
     held_back: f64,
@@ -30,11 +32,13 @@ struct StepGauge {
     state: State,
     crossings: Vec<Crossing>,
     started: bool,
+    /// The temperature is read.
+    heat: bool,
     rows: Trace,
 }
 
-/// Stress (Pa), strain and velocity (m/s).
-type State = [f64; 3];
+/// Stress (Pa), strain, velocity (m/s) and temperature (K; not used without the effect of heat).
+type State = [f64; 4];
 
 /// A front that changes what the gauge sees.
 #[derive(Debug, Clone, Copy)]
@@ -59,8 +63,9 @@ impl Crossing {
 impl StepGauges {
     /// Gauges at `places` (m) of a bar at rest in stress; `until` is the end time, s.
     pub fn new(bar: &Bar, places: &[f64], until: f64) -> Self {
-        let gauges = places.iter().map(|&x| StepGauge::new(bar, x)).collect();
-        Self { gauges, done: f64::NEG_INFINITY, held_back: HELD_BACK * until }
+        let heat = bar.segments.iter().any(|s| s.material.heating.is_some());
+        let gauges = places.iter().map(|&x| StepGauge::new(bar, x, heat)).collect();
+        Self { gauges, heat, done: f64::NEG_INFINITY, held_back: HELD_BACK * until }
     }
 
     /// Takes in what passed since the last call; `ended` are the trails that ended since then.
@@ -87,7 +92,8 @@ impl StepGauges {
             for gauge in &mut self.gauges {
                 let new = |c: &Crossing| self.done < c.time && c.time <= until;
                 let point = &trail.behind;
-                let after = || [point.stress, medium.strain(point), point.velocity];
+                let temperature = if self.heat { bar.temperature(trail.segment, point) } else { 0.0 };
+                let after = || [point.stress, medium.strain(point), point.velocity, temperature];
                 gauge.crossings.extend(gauge.crossing(&trail, after).filter(new));
             }
         }
@@ -104,7 +110,7 @@ impl StepGauges {
 }
 
 impl StepGauge {
-    fn new(bar: &Bar, x: f64) -> Self {
+    fn new(bar: &Bar, x: f64, heat: bool) -> Self {
         let length = bar.length();
         let same_place = SAME_PLACE * length;
         let mut end = 0.0;
@@ -113,11 +119,13 @@ impl StepGauge {
             x < end - same_place
         };
         let segment = bar.segments.iter().find(right_of).unwrap_or(&bar.segments[bar.segments.len() - 1]);
+        let cold = segment.material.heating.as_ref().map_or(f64::NAN, |h| h.reference_temperature);
         Self {
             x,
             side: if x < length - same_place { 1.0 } else { -1.0 },
             same_place,
-            state: [0.0, 0.0, segment.velocity],
+            state: [0.0, 0.0, segment.velocity, if heat { cold } else { 0.0 }],
+            heat,
             crossings: Vec::new(),
             started: false,
             rows: Trace::default(),
@@ -161,7 +169,9 @@ impl StepGauge {
                 continue;
             }
             self.start();
-            if last.after != self.state {
+            // Where there is no temperature it is not a number, before and after.
+            let changed = |(after, before): (&f64, &f64)| after != before && !(after.is_nan() && before.is_nan());
+            if last.after.iter().zip(&self.state).any(changed) {
                 self.push(last.time);
                 self.state = last.after;
                 self.push(last.time);
@@ -181,10 +191,13 @@ impl StepGauge {
     }
 
     fn push(&mut self, time: f64) {
-        let [stress, strain, velocity] = self.state;
+        let [stress, strain, velocity, temperature] = self.state;
         self.rows.time.push(time);
         self.rows.stress.push(stress);
         self.rows.strain.push(strain);
         self.rows.velocity.push(velocity);
+        if self.heat {
+            self.rows.temperature.push(temperature);
+        }
     }
 }

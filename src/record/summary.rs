@@ -39,6 +39,9 @@ pub struct Summary {
     pub left: EndSummary,
     /// Right end at the end time.
     pub right: EndSummary,
+    /// What only a bar in torsion has.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub torsion: Option<TorsionSummary>,
     /// Fronts.
     pub fronts: Vec<FrontSummary>,
     /// Of the struck material; null where the data hold none.
@@ -58,6 +61,9 @@ pub struct Summary {
     /// Where and when the bar broke; left out where it was not to break.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ruptures: Option<Vec<RuptureSummary>>,
+    /// Largest rise in temperature at the end; left out without the effect of heat.
+    #[serde(rename = "largest_temperature_rise_K", skip_serializing_if = "Option::is_none")]
+    pub temperature_rise: Option<f64>,
     /// Neglected effects.
     pub audit: Vec<AuditRow>,
     /// Result file.
@@ -106,6 +112,18 @@ pub struct Tried {
     pub estimate: Option<f64>,
     /// Cell-steps or events.
     pub work: u64,
+}
+
+/// The ends of a bar in torsion at the end time; stresses, strains and velocities of the summary are those of its surface.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct TorsionSummary {
+    /// The surface's radius (of thin tubes the mean one), m.
+    pub radius_m: f64,
+    /// Torque at the left and the right end, N m.
+    #[serde(rename = "torque_N_m")]
+    pub torque: [f64; 2],
+    /// Their angular velocities, rad/s.
+    pub angular_velocity_rad_s: [f64; 2],
 }
 
 /// The state at an end.

@@ -12,13 +12,15 @@ pub struct Traces {
     places: Sampling,
     gauges: Vec<Trace>,
     ends: [Trace; 2],
+    /// Gauges read the temperature.
+    heat: bool,
 }
 
 impl Traces {
-    /// Gauges at the places of `places`, and both ends.
-    pub fn new(places: Sampling) -> Self {
+    /// Gauges at the places of `places`, which read the temperature where there is `heat`, and both ends.
+    pub fn new(places: Sampling, heat: bool) -> Self {
         let gauges = vec![Trace::default(); places.x().len()];
-        Self { places, gauges, ends: [Trace::default(), Trace::default()] }
+        Self { places, gauges, ends: [Trace::default(), Trace::default()], heat }
     }
 
     /// Adds the bar's current state to every history. True where a batch is full.
@@ -35,6 +37,9 @@ impl Traces {
             trace.stress.push(read(Quantity::Stress));
             trace.strain.push(read(Quantity::Strain));
             trace.velocity.push(read(Quantity::Velocity));
+            if self.heat {
+                trace.temperature.push(read(Quantity::Temperature));
+            }
         }
         self.ends[0].time.len() >= BATCH
     }

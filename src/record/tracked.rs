@@ -14,13 +14,16 @@ impl View for FrontTracking {
     }
 
     fn sample(&self, field: Field, places: &[f64], out: &mut [f64]) {
-        let value: fn(&Medium, &Point) -> f64 = match field {
-            Field::Stress => |_, p| p.stress,
+        let value: fn(&Medium, &Point) -> f64 = match field.base() {
             Field::Strain => Medium::strain,
             Field::Velocity => |_, p| p.velocity,
             Field::PlasticStrain => Medium::plastic_strain,
             Field::AccumulatedPlasticStrain => |m, p| p.accumulated / m.modulus,
             Field::Displacement => return self.displacements(places, out),
+            Field::Temperature => {
+                return self.sweep(places, |k, segment, point| out[k] = self.temperature(segment, point));
+            }
+            _ => |_, p| p.stress,
         };
         self.sweep(places, |k, segment, point| out[k] = value(self.medium(segment), point));
     }
@@ -60,9 +63,13 @@ impl View for FrontTracking {
             kinetic: now.kinetic,
             elastic: now.elastic,
             plastic: now.plastic,
+            heat: now.heat,
             viscous: now.thinned,
             concentrated: now.concentrated,
             fracture: 0.0,
+            damping: 0.0,
+            foundation: 0.0,
+            impulse_along: 0.0,
             momentum: now.momentum,
             work: now.work,
             impulse: now.impulse,
@@ -121,7 +128,7 @@ impl EndHistories {
             time: vec![bar.time()],
             stress: vec![end.stress],
             velocity: vec![end.velocity],
-            strain: Vec::new(),
+            ..Trace::default()
         })
     }
 }

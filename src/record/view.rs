@@ -93,20 +93,28 @@ pub struct Account {
     pub kinetic: f64,
     /// Recoverable strain energy.
     pub elastic: f64,
-    /// Plastic work.
+    /// Plastic work that did not turn into heat.
     pub plastic: f64,
+    /// Plastic work that turned into heat.
+    pub heat: f64,
     /// Taken by a scheme's damping of ripples.
     pub viscous: f64,
     /// Taken at single points where velocities differ.
     pub concentrated: f64,
     /// Taken by ruptures.
     pub fracture: f64,
+    /// Taken by internal and external damping.
+    pub damping: f64,
+    /// Stored in the foundation.
+    pub foundation: f64,
     /// Momentum, positive in +x.
     pub momentum: f64,
     /// Work of the left and the right end.
     pub work: [f64; 2],
     /// Impulse of the left and the right end, positive in +x.
     pub impulse: [f64; 2],
+    /// Impulse of what acts along the bar, external damping and a foundation.
+    pub impulse_along: f64,
     /// Momentum that has gone through the bar: what a missing one is to be compared with.
     pub momentum_scale: f64,
 }
@@ -114,7 +122,15 @@ pub struct Account {
 impl Account {
     /// All energy in the bar, dissipated included.
     pub fn total(&self) -> f64 {
-        self.kinetic + self.elastic + self.plastic + self.viscous + self.concentrated + self.fracture
+        self.kinetic
+            + self.elastic
+            + self.plastic
+            + self.heat
+            + self.viscous
+            + self.concentrated
+            + self.fracture
+            + self.damping
+            + self.foundation
     }
 }
 
@@ -156,17 +172,22 @@ impl View for Leapfrog {
 
     fn account(&self) -> Account {
         let (now, left, right) = (self.energies(), self.left(), self.right());
+        let [impulse_along, throughput_along] = self.impulse_along();
         Account {
             kinetic: now.kinetic,
             elastic: now.elastic,
             plastic: now.plastic,
+            heat: now.heat,
             viscous: now.viscous,
             concentrated: now.concentrated,
             fracture: now.fracture,
+            damping: now.damping,
+            foundation: now.foundation,
             momentum: now.momentum,
             work: [left.work(), right.work()],
             impulse: [left.impulse(), right.impulse()],
-            momentum_scale: left.throughput() + right.throughput(),
+            impulse_along,
+            momentum_scale: left.throughput() + right.throughput() + throughput_along,
         }
     }
 }
@@ -211,12 +232,13 @@ impl Stepped for Leapfrog {
 
 /// What a grid solver calls a field; none for the displacement, which is summed up from the strain.
 pub fn quantity(field: Field) -> Option<Quantity> {
-    match field {
-        Field::Stress => Some(Quantity::Stress),
+    match field.base() {
         Field::Strain => Some(Quantity::Strain),
         Field::Velocity => Some(Quantity::Velocity),
         Field::PlasticStrain => Some(Quantity::PlasticStrain),
         Field::AccumulatedPlasticStrain => Some(Quantity::AccumulatedPlasticStrain),
+        Field::Temperature => Some(Quantity::Temperature),
         Field::Displacement => None,
+        _ => Some(Quantity::Stress),
     }
 }

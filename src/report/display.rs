@@ -138,7 +138,17 @@ impl Units {
                 Self::Si => Unit::new(1e3, "mm"),
                 Self::Us => Unit::new(1.0 / INCH, "in"),
             },
+            Field::Temperature => Unit::new(1.0, "K"),
             Field::Strain | Field::PlasticStrain | Field::AccumulatedPlasticStrain => Unit::new(1.0, ""),
+            Field::Torque => match self {
+                Self::Si => Unit::new(1.0, "N\u{b7}m"),
+                Self::Us => Unit::new(1.0 / (FOOT * POUND_FORCE), "lbf\u{b7}ft"),
+            },
+            Field::Twist => match self {
+                Self::Si => Unit::new(1.0, "rad/m"),
+                Self::Us => Unit::new(INCH, "rad/in"),
+            },
+            Field::AngularVelocity => Unit::new(1.0, "rad/s"),
         }
     }
 }
@@ -152,6 +162,10 @@ pub(super) fn field_name(field: Field) -> &'static str {
         Field::Displacement => "displacement",
         Field::PlasticStrain => "plastic strain",
         Field::AccumulatedPlasticStrain => "accumulated plastic strain",
+        Field::Temperature => "temperature",
+        Field::Torque => "torque",
+        Field::Twist => "twist",
+        Field::AngularVelocity => "angular velocity",
     }
 }
 

@@ -155,14 +155,17 @@ fn ledger_table(file: &ResultFile, units: Units) -> Result<String> {
         ("kinetic energy at the end", energy.show(last.kinetic)),
         ("elastic energy at the end", energy.show(last.elastic)),
         ("dissipated in plastic flow", energy.show(last.plastic)),
-        ("taken by overstress or damping", energy.show(last.viscous)),
+        ("turned into heat", energy.show(last.heat)),
+        ("taken by overstress or the scheme", energy.show(last.viscous)),
         ("taken at single points", energy.show(last.concentrated)),
         ("taken by ruptures", energy.show(last.fracture)),
+        ("taken by damping", energy.show(last.damping)),
+        ("stored in the foundation", energy.show(last.foundation)),
         ("work of the left end", energy.show(last.work_left)),
         ("work of the right end", energy.show(last.work_right)),
         ("largest energy residual, relative", format!("{residual:.1e}")),
         ("momentum at the end, SI", four_digits(last.momentum)),
-        ("impulse of the ends, SI", four_digits(last.impulse)),
+        ("impulse on the bar, SI", four_digits(last.impulse)),
     ];
     Ok(table(&[], &values.map(|(name, value)| vec![name.to_owned(), value])))
 }

@@ -65,7 +65,7 @@ fn levels(view: &View, fronts: &[FrontRow]) -> Vec<Series> {
 /// Histories at the gauges: the shown field where gauges record it, stress otherwise.
 pub(super) fn gauges(svg: &mut Svg, panel: Area, view: &View, letter: char) -> Result<bool> {
     let field = match view.field {
-        Field::Strain | Field::Velocity => view.field,
+        Field::Strain | Field::Velocity | Field::Temperature => view.field,
         _ => Field::Stress,
     };
     let (length, unit) = (view.length_unit(), view.units.field(field));
@@ -88,6 +88,7 @@ fn column(gauge: &Gauge, field: Field) -> &[f64] {
     match field {
         Field::Strain => &gauge.trace.strain,
         Field::Velocity => &gauge.trace.velocity,
+        Field::Temperature => &gauge.trace.temperature,
         _ => &gauge.trace.stress,
     }
 }
@@ -114,15 +115,26 @@ pub(super) fn ledger(svg: &mut Svg, panel: Area, view: &View, letter: char) -> R
         history(view, name.into(), &times, &values, unit, stroke)
     };
     // Rate-dependent bars spend much in overstress; the damping of ripples takes next to nothing.
-    let viscous = rows.iter().any(|row| row.viscous > 1e-2 * row.plastic);
+    let viscous = rows.iter().any(|row| row.viscous > 1e-2 * (row.plastic + row.heat));
     let mut series = vec![
         line("kinetic", Stroke::new(colour(0), 1.6), |row| row.kinetic),
         line("elastic", Stroke::new(colour(2), 1.6), |row| row.elastic),
         line("plastic", Stroke::new(colour(1), 1.6), |row| row.plastic),
         line("sum", Stroke::new("#222", 1.6), total),
     ];
+    if rows.iter().any(|row| row.heat > 0.0) {
+        series.push(line("heat", Stroke::new(colour(4), 1.6), |row| row.heat));
+    }
     if viscous {
         series.push(line("viscous", Stroke::new(colour(3), 1.6), |row| row.viscous));
+    }
+    let damping = Stroke::new(colour(4), 1.6);
+    let extra: [(&str, Stroke, fn(&LedgerRow) -> f64); 2] =
+        [("damping", damping.clone(), |row| row.damping), ("foundation", damping.dashed("2 3"), |row| row.foundation)];
+    for (name, stroke, value) in extra {
+        if rows.iter().any(|row| value(row) != 0.0) {
+            series.push(line(name, stroke, value));
+        }
     }
     // What there was at the start and what came in since: the sum has to lie on it.
     let work = |row: &LedgerRow| row.work_left + row.work_right;
@@ -136,7 +148,8 @@ pub(super) fn ledger(svg: &mut Svg, panel: Area, view: &View, letter: char) -> R
 
 /// All energy in the bar, dissipated included.
 fn total(row: &LedgerRow) -> f64 {
-    row.kinetic + row.elastic + row.plastic + row.viscous + row.concentrated + row.fracture
+    let taken = row.plastic + row.heat + row.viscous + row.concentrated + row.fracture + row.damping;
+    row.kinetic + row.elastic + row.foundation + taken
 }
 
 /// Speed of every front over the strains that it carries: theory as steps, measurement as rings.

@@ -5,8 +5,11 @@ mod accuracy;
 mod breaks;
 mod choice;
 mod companion;
+mod specimen;
 mod stepped;
 mod tracked;
+
+pub use specimen::run_specimen;
 
 use std::path::Path;
 use std::time::Instant;
@@ -18,10 +21,10 @@ use crate::law::rupture::Rupture;
 use crate::material::Sense;
 use crate::record::store::{Finish, Header, Layout, Side, Writer};
 use crate::record::{
-    AuditRow, ElasticCheck, EndSummary, ErrorFigure, FrontRow, FrontSummary, LedgerSummary, MaterialRecord,
-    RuptureSummary, Summary, Trace, TrackingSummary, View, above_critical,
+    AuditRow, ElasticCheck, EndSummary, ErrorFigure, FrontRow, FrontSummary, Ledger, LedgerSummary, MaterialRecord,
+    RuptureSummary, Summary, TorsionSummary, Trace, TrackingSummary, Twisted, View, above_critical,
 };
-use crate::scene::{Effects, Method, Scene};
+use crate::scene::{Effects, Method, Scene, Torsion};
 use crate::wave::similarity;
 
 /// How far a run is.
@@ -71,6 +74,8 @@ pub fn run(scene: &Scene, output: Option<&Path>, progress: &mut dyn FnMut(Progre
 /// One run by the scene's method.
 fn once(scene: &Scene, output: Option<&Path>, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<Summary> {
     let started = Instant::now();
+    let cut = scene.in_pieces();
+    let scene = cut.as_ref().unwrap_or(scene);
     match scene.solve.method {
         Method::Leapfrog { cells, cfl } => {
             stepped::run(scene, assemble::leapfrog(scene, cells, cfl), output, started, progress)
@@ -133,6 +138,8 @@ struct Findings {
     ruptured: bool,
     /// Where and when, if it was to.
     ruptures: Option<Vec<Rupture>>,
+    /// Largest rise in temperature, K, with the effect of heat.
+    temperature_rise: Option<f64>,
     paths_complete: bool,
 }
 
@@ -151,6 +158,11 @@ impl<'a> Book<'a> {
         let writer = output.map(|path| create_file(scene, path, x, sampling, critical)).transpose()?;
         let output = output.map(|p| p.display().to_string()).unwrap_or_default();
         Ok(Self { scene, launches, critical, writer, output, started, stepping: 0.0 })
+    }
+
+    /// The account of a bar at t = 0.
+    fn ledger(&self, bar: &impl View) -> Ledger {
+        Ledger::new(bar).with_arm(self.scene.torsion.as_ref().map_or(1.0, |torsion| torsion.radius))
     }
 
     /// Writes what histories have gathered: gauges in order, and both ends.
@@ -176,7 +188,8 @@ impl<'a> Book<'a> {
 
     /// The ruptures of a bar, if it was to break.
     fn ruptures(&self, bar: &impl View) -> Option<Vec<Rupture>> {
-        self.scene.effects.rupture.as_ref().map(|_| bar.ruptures().to_vec())
+        let named = |rupture: &Rupture| Rupture { site: self.scene.asked_site(rupture.site), ..*rupture };
+        self.scene.effects.rupture.as_ref().map(|_| bar.ruptures().iter().map(named).collect())
     }
 
     /// Notes on impacts above the critical velocity, for a bar that did not break (`parted`) where it was to.
@@ -186,9 +199,36 @@ impl<'a> Book<'a> {
         }
         let row = |launch: &Launch| {
             let material = &self.scene.bar.segments[launch.segment].material;
-            above_critical(launch, material, self.critical.unwrap_or(f64::NAN))
+            let launch = Launch { origin: self.scene.asked_origin(launch.origin), ..launch.clone() };
+            above_critical(&launch, material, self.critical.unwrap_or(f64::NAN))
         };
         self.launches.iter().filter_map(row).collect()
+    }
+
+    /// Fronts with the joints of the scene that was asked for as their origins.
+    fn named(&self, mut rows: Vec<FrontRow>) -> Vec<FrontRow> {
+        if self.scene.cut.is_some() {
+            for row in &mut rows {
+                if let Some(launch) = self.launches.iter().find(|launch| launch.origin.to_string() == row.origin) {
+                    row.origin = self.scene.asked_origin(launch.origin).to_string();
+                }
+            }
+        }
+        rows
+    }
+
+    /// Of findings with their segments, the largest of each segment of the scene that was asked for.
+    fn largest(&self, found: impl Iterator<Item = (usize, AuditRow)>) -> Vec<AuditRow> {
+        let mut rows: Vec<(usize, AuditRow)> = Vec::new();
+        for (segment, row) in found {
+            let segment = self.scene.asked_segment(segment);
+            match rows.last_mut().filter(|last| last.0 == segment) {
+                Some(last) if last.1.estimate >= row.estimate => {}
+                Some(last) => last.1 = row,
+                None => rows.push((segment, row)),
+            }
+        }
+        rows.into_iter().map(|(_, row)| row).collect()
     }
 
     /// Closes the file, whatever the end was, and sums up.
@@ -242,6 +282,7 @@ impl<'a> Book<'a> {
             end_time_s: findings.end_time,
             left,
             right,
+            torsion: self.scene.torsion.as_ref().map(|torsion| torsion_summary(torsion, [left, right])),
             fronts: findings.fronts.iter().map(FrontSummary::from).collect(),
             critical_velocity: self.critical,
             above_critical: self.above_critical(),
@@ -250,10 +291,36 @@ impl<'a> Book<'a> {
             error: findings.error,
             choice: None,
             ruptures: findings.ruptures.map(|all| all.iter().map(RuptureSummary::from).collect()),
+            temperature_rise: findings.temperature_rise,
             audit: findings.audit,
             output: self.output,
         }
     }
+}
+
+fn torsion_summary(torsion: &Torsion, ends: [EndSummary; 2]) -> TorsionSummary {
+    let radius = torsion.radius;
+    let polar = [torsion.polar[0], torsion.polar[torsion.polar.len() - 1]];
+    TorsionSummary {
+        radius_m: radius,
+        torque: [0, 1].map(|k| ends[k].stress * polar[k] / radius),
+        angular_velocity_rad_s: ends.map(|end| end.velocity / radius),
+    }
+}
+
+/// What makes torques and angles of the fields of a bar in torsion, at these samples (increasing, m).
+fn twisted(scene: &Scene, x: &[f64]) -> Option<Twisted> {
+    let torsion = scene.torsion.as_ref()?;
+    let (mut k, mut end) = (0, scene.bar.segments[0].length);
+    let mut torque_per_stress = Vec::with_capacity(x.len());
+    for &x in x {
+        while x >= end && k + 1 < scene.bar.segments.len() {
+            k += 1;
+            end += scene.bar.segments[k].length;
+        }
+        torque_per_stress.push(torsion.polar[k] / torsion.radius);
+    }
+    Some(Twisted { radius: torsion.radius, torque_per_stress })
 }
 
 fn create_file(scene: &Scene, path: &Path, x: Vec<f64>, sampling: &str, critical: Option<f64>) -> Result<Writer> {
@@ -268,6 +335,7 @@ fn create_file(scene: &Scene, path: &Path, x: Vec<f64>, sampling: &str, critical
         method: method.into(),
         scheme: scheme.into(),
         critical_velocity: critical,
+        torsion: scene.torsion.as_ref().map(|torsion| torsion.radius),
     };
     let layout = Layout {
         x,
@@ -278,6 +346,7 @@ fn create_file(scene: &Scene, path: &Path, x: Vec<f64>, sampling: &str, critical
         area_given: scene.bar.area_given,
         sampling: sampling.into(),
         paths: scene.record.paths,
+        temperature: scene.effects.heat.is_some(),
     };
     Writer::create(path, &header, &layout, &material_records(scene))
 }

@@ -4,7 +4,8 @@ use std::path::Path;
 use std::time::Instant;
 
 use super::accuracy::{self, Profile};
-use super::{Book, Findings, Progress, Wish, steps};
+use super::{Book, Findings, Progress, Wish, steps, twisted};
+use crate::assemble;
 use crate::error::{Error, Result, RunError};
 use crate::material::{Beyond, Material, Sense};
 use crate::record::{
@@ -74,15 +75,18 @@ impl<'a, S: Stepped> Run<'a, S> {
             Some(count) => Sampling::even(&scene.bar, bar.grid(), count),
             None => Sampling::cells(bar.grid()),
         };
-        let frames = Frames::new(scene.record.times.clone(), scene.record.fields.clone(), sampling);
+        let twisted = twisted(scene, sampling.x());
+        let frames = Frames::new(scene.record.times.clone(), scene.record.fields.clone(), sampling).twisted(twisted);
         let places = scene.record.gauges.iter().map(|g| g.1).collect();
         let book = Book::open(scene, output, frames.x().to_vec(), "", started)?;
         let tracker = FrontTracker::new(&scene.bar, bar.grid(), &book.launches, [&scene.left, &scene.right]);
-        let probe = ElasticProbe::new(&scene.bar, &book.launches, scene.solve.until);
+        // sigma = rho c0 v holds where nothing acts along the bar.
+        let plain = assemble::along(&scene.bar, &scene.effects).is_none();
+        let probe = ElasticProbe::new(&scene.bar, &book.launches, scene.solve.until).filter(|_| plain);
         Ok(Self {
             steps: steps(scene, bar.grid().dt),
-            traces: Traces::new(Sampling::at(bar.grid(), places)),
-            ledger: Ledger::new(&bar),
+            traces: Traces::new(Sampling::at(bar.grid(), places), scene.effects.heat.is_some()),
+            ledger: book.ledger(&bar),
             unloading: scene.effects.unloading.is_none().then(|| UnloadingWatch::new(limits(scene, &bar))),
             elastic_check: probe.map(|probe| {
                 let (step, cell) = probe.on_grid(bar.grid());
@@ -204,7 +208,7 @@ impl<'a, S: Stepped> Run<'a, S> {
             tracking: None,
             end_time: self.bar.time(),
             ends: self.ends(),
-            fronts: self.tracker.rows(&self.book.scene.record.gauges),
+            fronts: self.book.named(self.tracker.rows(&self.book.scene.record.gauges)),
             audit: self.audit(),
             elastic: self.bar.stayed_elastic(),
             elastic_check: self.elastic_check.as_ref().and_then(|p| p.check.check()),
@@ -215,20 +219,31 @@ impl<'a, S: Stepped> Run<'a, S> {
             error,
             ruptured: self.ruptured(),
             ruptures: self.book.ruptures(&self.bar),
+            temperature_rise: self.temperature_rise(),
             paths_complete: false,
         };
         self.book.close(ended, findings)
     }
 
-    /// The self-similar solution knows no strain rate, and of no bar that breaks. Where it is not known, and an error was asked
-    /// for, coarser runs tell.
+    /// The self-similar solution knows no strain rate, nothing that acts along the bar, and of no bar that breaks. Where it is
+    /// not known, and an error was asked for, coarser runs tell.
     fn error(&self, progress: &mut dyn FnMut(Progress) -> Wish) -> Option<ErrorFigure> {
         let scene = self.book.scene;
-        let known = scene.effects.rate.is_none() && self.bar.ruptures().is_empty();
+        let plain = scene.effects.rate.is_none() && assemble::along(&scene.bar, &scene.effects).is_none();
+        let known = plain && self.bar.ruptures().is_empty();
         let similar = || record::against_similarity(&scene.bar, &self.bar, &self.book.launches);
         let figure = known.then(similar).flatten();
         let estimate = || self.profile.as_ref().and_then(|(p, t)| accuracy::error_figure(scene, p, *t, progress));
         figure.or_else(estimate)
+    }
+
+    fn temperature_rise(&self) -> Option<f64> {
+        let segments = self.book.scene.bar.segments.iter().zip(&self.bar.grid().segments);
+        let rises = segments.filter_map(|(segment, part)| {
+            let temperatures = part.cells.clone().map(|cell| self.bar.value(Quantity::Temperature, cell));
+            record::largest_rise(&segment.material, temperatures)
+        });
+        rises.reduce(f64::max)
     }
 
     fn ruptured(&self) -> bool {
@@ -253,10 +268,17 @@ impl<'a, S: Stepped> Run<'a, S> {
             rows.push(record::past_data(passed.strain, *time, x[passed.cell], material));
         }
         let strain = |cell: usize| self.bar.value(Quantity::AccumulatedPlasticStrain, cell);
-        rows.extend(segments.iter().zip(&grid.segments).filter_map(|(segment, part)| {
+        let heated = segments.iter().zip(&grid.segments).enumerate().filter_map(|(k, (segment, part))| {
             let largest = part.cells.clone().map(strain).fold(0.0, f64::max);
-            record::heating(&segment.material, largest)
-        }));
+            Some((k, record::heating(&segment.material, largest)?))
+        });
+        rows.extend(self.book.largest(heated));
+        if self.book.scene.effects.rate.is_none() {
+            rows.extend(segments.iter().zip(&grid.segments).filter_map(|(segment, part)| {
+                let plastic = |cell| (strain(cell), self.bar.value(Quantity::PlasticStrain, cell));
+                record::flowed_both_ways(&segment.material, part.cells.clone().map(plastic))
+            }));
+        }
         rows
     }
 

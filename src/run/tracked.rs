@@ -4,12 +4,12 @@ use std::path::Path;
 use std::time::Instant;
 
 use super::breaks::Breaks;
-use super::{Book, Findings, Progress, Wish, companion};
+use super::{Book, Findings, Progress, Wish, companion, twisted};
 use crate::assemble;
 use crate::error::{Error, Result, RunError};
 use crate::record::{
     self, AuditRow, ElasticProbe, EndHistories, EndSummary, ErrorFigure, Field, Ledger, LedgerSummary, Paths,
-    StepGauges, Summary, TrackedFronts, TrackingSummary, UnloadingWatch, View,
+    StepGauges, Summary, TrackedFronts, TrackingSummary, Twisted, UnloadingWatch, View,
 };
 use crate::scene::Scene;
 use crate::solver::moc::{FrontTracking, Settings, Stopped, Trail};
@@ -51,6 +51,8 @@ struct Run<'a> {
     fronts: TrackedFronts,
     paths: Paths,
     ledger: Ledger,
+    /// In torsion.
+    twisted: Option<Twisted>,
     unloading: Option<UnloadingWatch>,
     /// Where unloading is watched, m.
     watched: Vec<f64>,
@@ -83,7 +85,8 @@ impl<'a> Run<'a> {
             ends: EndHistories::default(),
             fronts: TrackedFronts::default(),
             paths: Paths::default(),
-            ledger: Ledger::new(&bar),
+            ledger: book.ledger(&bar),
+            twisted: twisted(scene, &x),
             unloading: scene.effects.unloading.is_none().then(watch),
             elastic_check: ElasticProbe::new(&scene.bar, &book.launches, scene.solve.until),
             breaks: Breaks::new(scene),
@@ -178,7 +181,8 @@ impl<'a> Run<'a> {
         self.write_ledger()?;
         self.breaks.look_for_gathering_strain(self.book.scene, &self.bar);
         if let Some(writer) = &mut self.book.writer {
-            let frame = record::read_frame(&self.bar, &self.book.scene.record.fields, &self.x, self.x.len());
+            let (fields, twisted) = (&self.book.scene.record.fields, self.twisted.as_ref());
+            let frame = record::read_frame(&self.bar, fields, &self.x, self.x.len(), twisted);
             writer.frame(record::Frame { time, ..frame })?;
         }
         Ok(())
@@ -204,6 +208,14 @@ impl<'a> Run<'a> {
 
     fn stopped(&self, why: &Stopped) -> Error {
         match *why {
+            Stopped::EventBudget { time, events, fronts } if self.book.scene.cut.is_some() => RunError {
+                reason: format!("front tracking used all of its {events} events, with {fronts} fronts under way"),
+                time,
+                x: None,
+                help: "every step of a taper's staircase splits every front: use method = \"fd\", which follows the taper \
+                       itself, or a larger front-tolerance, which makes the steps fewer, or raise event-budget"
+                    .into(),
+            },
             Stopped::EventBudget { time, events, fronts } => {
                 let help = companion::tolerance_that_carries(self.book.scene, self.settings).map_or_else(
                     || "no front-tolerance up to 0.5 carries it through: raise event-budget in [solve]".to_owned(),
@@ -255,7 +267,7 @@ impl<'a> Run<'a> {
             }),
             end_time: self.bar.time(),
             ends: self.end_states(),
-            fronts: self.fronts.rows(&self.bar, &self.book.launches, &self.book.scene.record.gauges),
+            fronts: self.book.named(self.fronts.rows(&self.bar, &self.book.launches, &self.book.scene.record.gauges)),
             audit: self.audit(),
             elastic: self.breaks.stayed_elastic(&self.bar),
             elastic_check: self.elastic_check.as_ref().and_then(ElasticProbe::check),
@@ -266,6 +278,7 @@ impl<'a> Run<'a> {
             error: self.error_figure(),
             ruptured: self.breaks.ruptured(self.book.scene, &self.bar),
             ruptures: self.book.ruptures(&self.bar),
+            temperature_rise: self.temperature_rise(),
             paths_complete: self.paths.complete(),
         };
         self.book.close(ended, findings)
@@ -280,6 +293,15 @@ impl<'a> Run<'a> {
             .or_else(|| companion::error_figure(self.book.scene, self.settings, &self.bar))
     }
 
+    fn temperature_rise(&self) -> Option<f64> {
+        let segments = self.book.scene.bar.segments.iter().enumerate();
+        let rises = segments.filter_map(|(k, segment)| {
+            let pieces = self.bar.pieces().filter(|p| p.segment == k);
+            record::largest_rise(&segment.material, pieces.map(|p| self.bar.temperature(k, p.point)))
+        });
+        rises.reduce(f64::max)
+    }
+
     fn audit(&self) -> Vec<AuditRow> {
         let segments = &self.book.scene.bar.segments;
         let unloading = self.unloading.as_ref().and_then(|w| w.row(&self.watched, "places"));
@@ -292,9 +314,15 @@ impl<'a> Run<'a> {
         let heated = segments.iter().enumerate().filter_map(|(k, segment)| {
             let plastic = self.bar.pieces().filter(|p| p.segment == k);
             let plastic = plastic.map(|p| p.point.accumulated.max(p.point.plastic.abs())).fold(0.0, f64::max);
-            record::heating(&segment.material, plastic / self.bar.medium(k).modulus)
+            Some((k, record::heating(&segment.material, plastic / self.bar.medium(k).modulus)?))
         });
-        rows.extend(heated);
+        rows.extend(self.book.largest(heated));
+        rows.extend(segments.iter().enumerate().filter_map(|(k, segment)| {
+            let modulus = self.bar.medium(k).modulus;
+            let pieces = self.bar.pieces().filter(|p| p.segment == k);
+            let plastic = pieces.map(|p| (p.point.accumulated / modulus, p.point.plastic / modulus));
+            record::flowed_both_ways(&segment.material, plastic)
+        }));
         rows
     }
 

@@ -64,7 +64,7 @@ pub enum Rate {
     },
 }
 
-/// Adiabatic heating; the other constants are the materials' own.
+/// Adiabatic heating, see [`crate::material::Heating`]; the other constants are the materials' own.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Heat {
     /// Fraction of the plastic work that turns into heat (Taylor and Quinney), 0 to 1; none: each material's own.

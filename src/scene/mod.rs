@@ -1,22 +1,61 @@
 //! A scene: what the user typed (`raw`), what it means (`check`), as plain data in SI (here).
 
 mod check;
+mod cut;
 mod effects;
 mod not_yet;
 mod overrides;
 mod raw;
 mod resolved;
+mod specimen;
 
 use std::path::{Path, PathBuf};
 
 use crate::bar::{Bar, EndCondition};
-use crate::error::Result;
+use crate::error::{InputError, Result};
 use crate::input::Document;
 use crate::record::{Compression, Field, Precision};
 
+pub use cut::{Cut, MOST_PIECES};
 pub use effects::{Damping, Effects, Heat, Rate, Rupture, Unloading};
 use overrides::Overrides;
 pub use raw::RawScene;
+pub use specimen::{RawSpecimenScene, SpecimenScene};
+
+/// What a scene file asks for.
+#[derive(Debug, Clone)]
+pub enum Problem {
+    /// Waves in a bar.
+    Bar(Box<Scene>),
+    /// Whether a specimen breaks, by the energy method.
+    Specimen(Box<SpecimenScene>),
+}
+
+impl Problem {
+    /// Reads and checks a scene file of any kind, as [`Scene::read`] does one with a bar.
+    ///
+    /// # Errors
+    /// Input errors only: the first thing that is wrong, with its place.
+    pub fn read(path: &Path, overrides: &[String]) -> Result<Self> {
+        let document = Document::read(path)?;
+        if !has_specimen(&document) {
+            return Scene::read(path, overrides).map(|scene| Self::Bar(Box::new(scene)));
+        }
+        let base = path.parent().map_or_else(PathBuf::new, Path::to_owned);
+        let typed = Overrides::new(overrides)?;
+        let edited = typed.apply(&document)?;
+        let mut scene = specimen::check(&edited, &base).map_err(|e| typed.explain(e, &document))?;
+        scene.text = document.text.to_string();
+        scene.overrides = overrides.to_vec();
+        Ok(Self::Specimen(Box::new(scene)))
+    }
+}
+
+/// Text that is no TOML has none: its reader complains better.
+fn has_specimen(document: &Document) -> bool {
+    toml::de::DeTable::parse(&document.text)
+        .is_ok_and(|table| table.get_ref().keys().any(|key| key.get_ref() == "specimen"))
+}
 
 /// A checked scene. Every default is filled in.
 #[derive(Debug, Clone)]
@@ -43,6 +82,20 @@ pub struct Scene {
     pub solve: Solve,
     /// What to record.
     pub record: Record,
+    /// Of a scene whose tapered segments were cut into uniform pieces: what was asked for. None as the scene is read.
+    pub cut: Option<Box<Cut>>,
+    /// Of a bar in torsion: what its surface quantities stand for. None for an axial bar.
+    pub torsion: Option<Torsion>,
+}
+
+/// A bar in torsion, in terms of the surface. Stress is T R/J, T being the torque in the section; strain R dtheta/dx; velocity
+/// R omega; the area of a segment J/R^2; its material's curve that of the section, see [`crate::material::Hollow`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Torsion {
+    /// R, m: the outer radius; of thin tubes the mean one.
+    pub radius: f64,
+    /// J of each segment, m^4.
+    pub polar: Vec<f64>,
 }
 
 /// How the scene is solved.
@@ -197,6 +250,11 @@ impl Scene {
     }
 
     fn from_document(original: &Document, base: &Path, typed: &[String]) -> Result<Self> {
+        if has_specimen(original) {
+            let message = "a [specimen] is no bar: this needs a scene with a bar";
+            let help = "`barwave run`, `plan` and `check` take specimens; others want [bar] with its ends";
+            return Err(InputError::new(message).key("specimen").help(help).into());
+        }
         let overrides = Overrides::new(typed)?;
         let edited = overrides.apply(original)?;
         let mut scene = check::check(&edited, base).map_err(|e| overrides.explain(e, original))?;

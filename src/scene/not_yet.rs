@@ -21,27 +21,17 @@ const fn word(path: &'static [&'static str], value: &'static str, what: &'static
     Word { path, value, what, instead }
 }
 
-const DRIVEN: &str =
-    "drive the end with kind = \"velocity\" or \"stress\" and the history that the striking body would give it";
 const STRIKER: &str =
     "give an end kind = \"striker\" with mass and velocity, or lay two segments together with joint = \"contact\"";
 const STRUCK_BAR: &str = "describe a bar in [bar] with its [left] and [right] ends";
-const LEAVE_OUT: &str = "leave it out; the effects that can be simulated are `unloading`, `rate` and `rupture`";
 const LEAPFROG: &str = "use method = \"fd\" with scheme = \"leapfrog\" (both are the default)";
 
 const WORDS: &[Word] = &[
     word(&["spheres"], "", "the impact of spheres", STRUCK_BAR),
     word(&["plate"], "", "the impact on a plate", STRUCK_BAR),
     word(&["beam"], "", "the impact on a beam", STRUCK_BAR),
-    word(&["specimen"], "", "the energy method for a specimen", STRUCK_BAR),
     word(&["striker"], "", "a striking body of its own", STRIKER),
-    word(&["left", "kind"], "ball", "a ball", DRIVEN),
-    word(&["right", "kind"], "ball", "a ball", DRIVEN),
-    word(&["bar", "mode"], "torsion", "torsion", "use mode = \"axial\" (the default)"),
     word(&["effects"], "auto", "the choice of effects by itself", "name them in an [effects] table"),
-    word(&["effects", "heat"], "", "heating by plastic work", LEAVE_OUT),
-    word(&["effects", "damping"], "", "damping", LEAVE_OUT),
-    word(&["effects", "lateral-inertia"], "", "lateral inertia", LEAVE_OUT),
     word(&["solve", "scheme"], "muscl", "the scheme muscl", LEAPFROG),
     word(&["solve", "viscosity"], "", "artificial viscosity", "leave it out"),
 ];

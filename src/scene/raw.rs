@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use schemars::JsonSchema;
 use serde::Deserialize;
-use serde::de::value::MapAccessDeserializer;
-use serde::de::{Deserializer, MapAccess, Visitor};
+use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
+use serde::de::{Deserializer, MapAccess, SeqAccess, Visitor};
 use toml::Spanned;
 
 use crate::input::Number;
@@ -47,31 +47,56 @@ pub struct RawBar {
     /// Length, m, > 0. Required for a uniform bar.
     #[schemars(with = "Option<Quantity>")]
     pub length: Option<Number>,
-    /// Cross-section, m^2, > 0; or give `diameter`. Default: none, forces and energies are then per m^2.
+    /// Cross-section, m^2, > 0; or give `diameter`. Where it changes along the bar, rows [x, area]: x in m from the left end,
+    /// increasing, from 0 to the length; straight between rows. Default: none, forces and energies are then per m^2.
+    #[schemars(with = "Option<Section>")]
+    pub area: Option<Spanned<Section>>,
+    /// Diameter of a round section, m, > 0; in place of `area`, and as a table likewise (a cone is straight between rows).
+    #[schemars(with = "Option<Section>")]
+    pub diameter: Option<Spanned<Section>>,
+    /// In torsion: inner diameter of a tube, m, > 0, below `diameter`, which is then the outer one; stresses and strains are those
+    /// of the outer surface. Default: none, a solid rod.
+    #[serde(rename = "inner-diameter")]
     #[schemars(with = "Option<Quantity>")]
-    pub area: Option<Number>,
-    /// Diameter of a round section, m, > 0; in place of `area`.
+    pub inner_diameter: Option<Number>,
+    /// In torsion, in place of `inner-diameter`: wall of a thin tube, m, > 0, at most `diameter`/20; stress and strain are taken as
+    /// even over it, at its mean radius.
     #[schemars(with = "Option<Quantity>")]
-    pub diameter: Option<Number>,
+    pub wall: Option<Number>,
     /// Material: a library name, a path to a material file, or an inline table. Required for a uniform bar.
     #[schemars(with = "Option<MaterialChoice>")]
     pub material: Option<Spanned<MaterialChoice>>,
     /// Initial velocity, m/s, positive in +x, any finite number. Default: 0.
     #[schemars(with = "Option<Quantity>")]
     pub velocity: Option<Number>,
-    /// What kind of wave. Default: "axial".
-    pub mode: Option<Mode>,
+    /// What kind of wave. Default: "axial". In torsion every segment states its `diameter`, velocities are angular ones
+    /// (rad/s), and materials are known in shear (loading = "shear").
+    #[schemars(with = "Option<Mode>")]
+    pub mode: Option<Spanned<Mode>>,
+    /// In torsion: "von-mises" makes shear curves of materials that are known in tension. Default: none, such are refused.
+    #[schemars(with = "Option<RawShear>")]
+    pub shear: Option<Spanned<RawShear>>,
     /// Segments, left to right; in place of the keys above (`mode` excepted).
     #[schemars(with = "Option<Vec<RawSegment>>")]
     pub segment: Option<Vec<Spanned<RawSegment>>>,
 }
 
 /// What kind of wave runs along the bar.
-#[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Mode {
     /// Tension and compression.
     Axial,
+    /// Round rods and tubes that are twisted.
+    Torsion,
+}
+
+/// How a curve in tension becomes one in shear.
+#[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum RawShear {
+    /// By von Mises' rule; needs Poisson's ratio.
+    VonMises,
 }
 
 /// A uniform piece of the bar.
@@ -81,12 +106,22 @@ pub struct RawSegment {
     /// Length, m, > 0. Required.
     #[schemars(with = "Option<Quantity>")]
     pub length: Option<Number>,
-    /// Cross-section, m^2, > 0; or give `diameter`. All segments state one, or none does.
+    /// Cross-section, m^2, > 0; or give `diameter`. All segments state one, or none does. Where it changes along the
+    /// segment, rows [x, area]: x in m from the segment's own left end, increasing, from 0 to its length.
+    #[schemars(with = "Option<Section>")]
+    pub area: Option<Spanned<Section>>,
+    /// Diameter of a round section, m, > 0; in place of `area`, and as a table likewise.
+    #[schemars(with = "Option<Section>")]
+    pub diameter: Option<Spanned<Section>>,
+    /// In torsion: inner diameter of a tube, m, > 0, below `diameter`, which is then the outer one; stresses and strains are those
+    /// of the outer surface. Default: none, a solid rod.
+    #[serde(rename = "inner-diameter")]
     #[schemars(with = "Option<Quantity>")]
-    pub area: Option<Number>,
-    /// Diameter of a round section, m, > 0; in place of `area`.
+    pub inner_diameter: Option<Number>,
+    /// In torsion, in place of `inner-diameter`: wall of a thin tube, m, > 0, at most `diameter`/20; stress and strain are taken as
+    /// even over it, at its mean radius.
     #[schemars(with = "Option<Quantity>")]
-    pub diameter: Option<Number>,
+    pub wall: Option<Number>,
     /// Material: a library name, a path to a material file, or an inline table. Required.
     #[schemars(with = "Option<MaterialChoice>")]
     pub material: Option<Spanned<MaterialChoice>>,
@@ -107,6 +142,53 @@ pub struct RawSegment {
     #[serde(rename = "joint-notch")]
     #[schemars(with = "Option<f64>")]
     pub joint_notch: Option<Number>,
+}
+
+/// An area or a diameter: one, or a table of them along the segment.
+#[derive(Debug, JsonSchema)]
+#[schemars(untagged)]
+pub enum Section {
+    /// All along.
+    Uniform(Quantity),
+    /// Rows [x, size].
+    Table(#[schemars(with = "Vec<[Quantity; 2]>")] Vec<Spanned<Vec<Number>>>),
+}
+
+// By hand: an untagged derive loses the places of the numbers inside.
+impl<'de> Deserialize<'de> for Section {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Choice;
+
+        impl<'de> Visitor<'de> for Choice {
+            type Value = Section;
+
+            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.write_str("a number, a text with a unit such as \"1 cm^2\", or rows [x, size] of a taper")
+            }
+
+            fn visit_f64<E>(self, value: f64) -> Result<Section, E> {
+                Ok(Section::Uniform(Quantity::Number(value)))
+            }
+
+            fn visit_i64<E>(self, value: i64) -> Result<Section, E> {
+                Ok(Section::Uniform(Quantity::Number(value as f64)))
+            }
+
+            fn visit_u64<E>(self, value: u64) -> Result<Section, E> {
+                Ok(Section::Uniform(Quantity::Number(value as f64)))
+            }
+
+            fn visit_str<E>(self, value: &str) -> Result<Section, E> {
+                Ok(Section::Uniform(Quantity::Text(value.to_owned())))
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, rows: A) -> Result<Section, A::Error> {
+                Vec::deserialize(SeqAccessDeserializer::new(rows)).map(Section::Table)
+            }
+        }
+
+        deserializer.deserialize_any(Choice)
+    }
 }
 
 /// How two segments meet.
@@ -162,7 +244,8 @@ pub struct RawEnd {
     /// What the end is. Required.
     #[schemars(with = "EndKind")]
     pub kind: Spanned<EndKind>,
-    /// Velocity (m/s, positive in +x) or stress (Pa, tension positive) that holds from t = 0 on.
+    /// Velocity (m/s, positive in +x) or stress (Pa, tension positive) that holds from t = 0 on; in torsion an angular velocity
+    /// (rad/s), a torque (N m) or a shear stress (Pa).
     #[schemars(with = "Option<Quantity>")]
     pub value: Option<Number>,
     /// Rows [time, velocity or stress]; straight between rows, a repeated time is a jump, the last value holds.
@@ -179,13 +262,42 @@ pub struct RawEnd {
     /// For a wall: its distance from the end at the start, m, >= 0. Default: 0.
     #[schemars(with = "Option<Quantity>")]
     pub gap: Option<Number>,
-    /// For a striker: its mass, kg, > 0. Required there; the bar needs an area.
+    /// For a striker or a ball: its mass, kg, > 0; the bar needs an area. Required for a striker; a ball can state its
+    /// density or material instead.
     #[schemars(with = "Option<Quantity>")]
     pub mass: Option<Number>,
-    /// For a striker: its velocity at the start, m/s, positive in +x. Required there.
+    /// For a striker or a ball: its velocity at the start, m/s (in torsion rad/s), positive in +x. Required there.
     #[schemars(with = "Option<Quantity>")]
     pub velocity: Option<Number>,
-    /// For a spring: its stiffness, N/m, > 0. Required there; the bar needs an area.
+    /// For a ball: its radius, m, > 0; or give `diameter`.
+    #[schemars(with = "Option<Quantity>")]
+    pub radius: Option<Number>,
+    /// For a ball: its diameter, m, > 0; in place of `radius`.
+    #[schemars(with = "Option<Quantity>")]
+    pub diameter: Option<Number>,
+    /// For a ball: its density, kg/m^3, > 0; in place of `mass`. Default: its material's.
+    #[schemars(with = "Option<Quantity>")]
+    pub density: Option<Number>,
+    /// For a ball: what it is made of, for its density, modulus and Poisson's ratio. It stays elastic.
+    #[schemars(with = "Option<MaterialChoice>")]
+    pub material: Option<Spanned<MaterialChoice>>,
+    /// For a ball: its elastic modulus, Pa, > 0. Default: its material's.
+    #[schemars(with = "Option<Quantity>")]
+    pub modulus: Option<Number>,
+    /// For a ball: its Poisson's ratio, 0 to 0.5. Default: its material's.
+    #[schemars(with = "Option<Quantity>")]
+    pub poisson: Option<Number>,
+    /// For a ball: it does not give way, in place of `modulus` and `poisson`. Default: false.
+    #[schemars(with = "Option<bool>")]
+    pub rigid: Option<Spanned<bool>>,
+    /// For a ball: Poisson's ratio of the bar, 0 to 0.5. Default: that of the bar's material.
+    #[serde(rename = "bar-poisson")]
+    #[schemars(with = "Option<Quantity>")]
+    pub bar_poisson: Option<Number>,
+    /// In torsion, for a striker: its moment of inertia, kg m^2, > 0. Required there, in place of `mass`.
+    #[schemars(with = "Option<Quantity>")]
+    pub inertia: Option<Number>,
+    /// For a spring: its stiffness, N/m (in torsion N m/rad), > 0. Required there; the bar needs an area.
     #[schemars(with = "Option<Quantity>")]
     pub stiffness: Option<Number>,
 }
@@ -198,6 +310,8 @@ pub enum EndKind {
     Velocity,
     /// The end carries the stress it is told.
     Stress,
+    /// In torsion: the end carries the torque it is told.
+    Torque,
     /// No stress.
     Free,
     /// No motion.
@@ -208,6 +322,8 @@ pub enum EndKind {
     Wall,
     /// A rigid mass that touches the end at the start, pushes, and flies on where it would have to pull.
     Striker,
+    /// An elastic ball that touches the end at the start; Hertz's contact, without a pull.
+    Ball,
     /// A linear spring to the ground.
     Spring,
 }
@@ -223,10 +339,49 @@ pub struct RawEffects {
     /// on a characteristic net. Default: none, the curve holds at any rate.
     #[schemars(with = "Option<RawRate>")]
     pub rate: Option<Spanned<RawRate>>,
+    /// Plastic work warms the bar, and warm metal yields earlier: `{ fraction = 0.9 }`, or `{}`; implies
+    /// unloading = "isotropic" where no unloading is named. Needs the materials' `[heat]` constants. Default: none, the bar
+    /// stays as cold as its curve.
+    #[schemars(with = "Option<RawHeat>")]
+    pub heat: Option<Spanned<RawHeat>>,
     /// The bar breaks, and its pieces go on: "critical-strain", `{ energy = "500 ft*lbf/in^3" }` or
     /// `{ spall = "2 GPa" }`. Default: none, the bar holds for ever.
     #[schemars(with = "Option<RawRupture>")]
     pub rupture: Option<Spanned<RawRupture>>,
+    /// Damping and a foundation along the whole bar. For the method "fd". Default: none.
+    #[schemars(with = "Option<RawDamping>")]
+    pub damping: Option<Spanned<RawDamping>>,
+    /// Love's correction: the inertia of the sideways motion of a bar that is strained, by the materials' `poisson` and, for
+    /// a section given by its area alone, that of a round bar. For the method "fd". Default: false.
+    #[serde(rename = "lateral-inertia")]
+    #[schemars(with = "Option<bool>")]
+    pub lateral_inertia: Option<Spanned<bool>>,
+}
+
+/// Forces along the bar, the same in all segments: `{ internal = "20 kPa*s" }`, `{ external = "300 N*s/m^2" }`,
+/// `{ foundation = "50 MN/m^2" }`, or several of them.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RawDamping {
+    /// Kelvin and Voigt: stress per strain rate, Pa s, >= 0. Default: 0.
+    #[schemars(with = "Option<Quantity>")]
+    pub internal: Option<Number>,
+    /// Force against the motion, per length of the bar and velocity, N s/m^2, >= 0; the bar needs an area. Default: 0.
+    #[schemars(with = "Option<Quantity>")]
+    pub external: Option<Number>,
+    /// Force against the displacement, per length of the bar and displacement, N/m^2, >= 0; the bar needs an area.
+    /// Default: 0.
+    #[schemars(with = "Option<Quantity>")]
+    pub foundation: Option<Number>,
+}
+
+/// Adiabatic heating by plastic work.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RawHeat {
+    /// Fraction of the plastic work that turns into heat, 0 to 1. Default: the material's own, else 0.9.
+    #[schemars(with = "Option<f64>")]
+    pub fraction: Option<Number>,
 }
 
 /// When the bar breaks. Only tension breaks it.
@@ -302,7 +457,7 @@ pub struct RawSolve {
     /// End time, s, > 0. Required.
     #[schemars(with = "Quantity")]
     pub until: Option<Number>,
-    /// Method. Default: "fd"; "moc" where the effects include `rate` and no rupture.
+    /// Method. Default: "fd"; "moc" where the effects include `rate`, no rupture and no heat.
     #[schemars(with = "Option<RawMethod>")]
     pub method: Option<Spanned<RawMethod>>,
     /// In place of a method: the error that the run is to stay below, relative L1 of stress over the bar at the end time,
@@ -371,7 +526,7 @@ pub struct RawRecord {
     #[schemars(with = "Option<bool>")]
     pub paths: Option<Spanned<bool>>,
     /// Fields: "stress", "strain", "velocity", "displacement"; with unloading also `"plastic_strain"` and
-    /// `"accumulated_plastic_strain"`. Default: stress, strain and velocity.
+    /// `"accumulated_plastic_strain"`, with heat `"temperature"`. Default: stress, strain and velocity.
     #[schemars(with = "Option<Vec<String>>")]
     pub fields: Option<Vec<Spanned<String>>>,
     /// Full-rate histories: name = place, m from the left end, within the bar. Default: none.

@@ -7,7 +7,8 @@ use crate::bar::{EndCondition, History, Joint, Segment};
 use crate::record::{Compression, Precision};
 
 pub(super) fn json(scene: &Scene) -> Value {
-    json!({
+    let scene = scene.cut.as_ref().map_or(scene, |cut| &cut.asked);
+    let mut value = json!({
         "title": scene.title,
         "name": scene.name,
         "overrides": scene.overrides,
@@ -21,7 +22,14 @@ pub(super) fn json(scene: &Scene) -> Value {
         "effects": scene.effects,
         "solve": solve(&scene.solve),
         "record": record(&scene.record, &scene.solve.method),
-    })
+    });
+    if let Some(torsion) = &scene.torsion {
+        // Everything else is in terms of the surface.
+        value["bar"]["mode"] = json!("torsion");
+        value["bar"]["radius"] = json!(torsion.radius);
+        value["bar"]["polar_moment"] = json!(torsion.polar);
+    }
+    value
 }
 
 fn segment(segment: &Segment) -> Value {
@@ -29,14 +37,18 @@ fn segment(segment: &Segment) -> Value {
         Joint::Bonded => ("bonded", None),
         Joint::Contact { gap } => ("contact", Some(gap)),
     };
-    json!({
+    let mut value = json!({
         "length": segment.length,
         "area": segment.area,
         "material": *segment.material,
         "velocity": segment.velocity,
         "joint": joint,
         "gap": gap,
-    })
+    });
+    if let Some(taper) = &segment.taper {
+        value["taper"] = json!(**taper);
+    }
+    value
 }
 
 fn end(end: &EndCondition) -> Value {
@@ -50,6 +62,13 @@ fn end(end: &EndCondition) -> Value {
         EndCondition::Absorbing => json!({ "kind": "absorbing" }),
         EndCondition::Wall { gap } => json!({ "kind": "wall", "gap": gap }),
         EndCondition::Striker { mass, velocity } => json!({ "kind": "striker", "mass": mass, "velocity": velocity }),
+        EndCondition::Ball { mass, velocity, contact } => json!({
+            "kind": "ball",
+            "mass": mass,
+            "velocity": velocity,
+            "radius": contact.radius,
+            "contact_modulus": contact.modulus,
+        }),
         EndCondition::Spring { stiffness } => json!({ "kind": "spring", "stiffness": stiffness }),
     }
 }

@@ -93,7 +93,7 @@ fn frames_are_even_and_hold_both_ends() {
 
 #[test]
 fn bodies_need_the_section_on_which_they_act() {
-    for end in ["striker\"\nmass = 2\nvelocity = -5", "spring\"\nstiffness = 1e7"] {
+    for end in ["striker\"\nmass = 2\nvelocity = -5", "spring\"\nstiffness = 1e7", "ball\"\nradius = 1"] {
         let text = base("").replace("kind = \"free\"", &format!("kind = \"{end}"));
         let error = wrong(&text, &[]);
         assert_eq!(error.key, "right.kind");
@@ -135,6 +135,11 @@ fn ends_mean_what_they_say() {
     let striker = end("kind = \"striker\"\nmass = \"200 lb\"\nvelocity = \"-50 ft/s\"");
     let EndCondition::Striker { mass, velocity } = striker else { panic!("not a striker") };
     assert_eq!((mass, velocity), (90.718_474, -15.24));
+    let ball = end("kind = \"ball\"\ndiameter = 2\nvelocity = 3\ndensity = 6\nrigid = true\nbar-poisson = 0.5");
+    let EndCondition::Ball { mass, velocity, contact } = ball else { panic!("not a ball") };
+    assert!((mass / (8.0 * std::f64::consts::PI) - 1.0).abs() < 1e-15);
+    // A rigid ball: E* = E/(1 - nu^2), and the steel here has 200 GPa.
+    assert!(velocity == 3.0 && contact.radius == 1.0 && (contact.modulus * 0.75 / 200e9 - 1.0).abs() < 1e-15);
     let spring = end("kind = \"spring\"\nstiffness = \"10 kN/mm\"");
     assert!(matches!(spring, EndCondition::Spring { stiffness: 1e7 }));
     assert!(matches!(end("kind = \"absorbing\""), EndCondition::Absorbing));

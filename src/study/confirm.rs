@@ -65,8 +65,14 @@ fn drive(material: &Arc<Material>, row: &CriticalRow, velocity: f64, limit: f64)
 
 /// A long bar at rest whose left end is driven at a constant velocity, until the elastic wave has crossed it once.
 fn scene(material: &Arc<Material>, velocity: f64) -> Scene {
-    let segment =
-        Segment { length: 1.0, area: 1.0, material: Arc::clone(material), velocity: 0.0, joint: Joint::Bonded };
+    let segment = Segment {
+        length: 1.0,
+        area: 1.0,
+        taper: None,
+        material: Arc::clone(material),
+        velocity: 0.0,
+        joint: Joint::Bonded,
+    };
     let until = segment.length / material.c0();
     Scene {
         title: format!("{} at {velocity} m/s", material.name),
@@ -93,5 +99,7 @@ fn scene(material: &Arc<Material>, velocity: f64) -> Scene {
             precision: Precision::F64,
             compression: Compression::None,
         },
+        cut: None,
+        torsion: None,
     }
 }

@@ -11,7 +11,7 @@ use crate::material::Sense;
 use crate::record::FrontSummary;
 use crate::run;
 use crate::scene::{Effects, Method, Rate, Scene};
-use crate::solver::fd::Grid;
+use crate::solver::fd::{Along, Grid, TAPER_BYTES_PER_CELL};
 use crate::solver::moc::{FrontTracking, Settings};
 use crate::solver::net::{Lattice, Net};
 
@@ -40,6 +40,18 @@ pub struct Plan {
     pub critical_velocity: Option<f64>,
     /// The scene drives the bar beyond it.
     pub above_critical: bool,
+    /// How tapered segments are cut into uniform pieces, by methods that do so.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub staircase: Option<Staircase>,
+}
+
+/// Tapered segments as uniform pieces.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Staircase {
+    /// Pieces of the whole bar, uniform segments included.
+    pub pieces: usize,
+    /// Largest part of a wave's force that a step between two pieces reflects.
+    pub reflects: f64,
 }
 
 /// Size and cost of a run, by method.
@@ -125,9 +137,14 @@ const PLASTIC_COST: f64 = 6.0;
 const RATE_MALVERN: f64 = 40e-9;
 const RATE_OTHER: f64 = 150e-9;
 
+/// Time of a step of a node where something acts along the bar. Measured at 10000 cells.
+const SWEEP: f64 = 8e-9;
+
 /// Makes the plan.
 pub fn plan(scene: &Scene) -> Plan {
     let all = launches(&scene.bar, &scene.left, &scene.right);
+    let (asked, cut) = (scene, scene.in_pieces());
+    let scene = cut.as_ref().unwrap_or(scene);
     let [method, scheme] = scene.solve.method.names();
     let (work, cells) = match scene.solve.method {
         Method::Leapfrog { cells, cfl } => grid_work(scene, &Grid::new(&scene.bar, cells, cfl)),
@@ -141,13 +158,14 @@ pub fn plan(scene: &Scene) -> Plan {
         scene: scene.title.clone(),
         method: method.into(),
         scheme: scheme.into(),
-        effects: effects(scene, &all),
+        effects: effects(asked, &all),
         choice: choice(scene),
         work,
         field_bytes: samples * size_of::<f64>(),
         fronts: all.iter().flat_map(fronts).collect(),
-        critical_velocity: run::critical_velocity(scene, &all),
+        critical_velocity: run::critical_velocity(asked, &all),
         above_critical: all.iter().any(|l| l.fan.above_critical),
+        staircase: scene.cut.as_ref().map(|cut| Staircase { pieces: cut.of.len(), reflects: cut.reflects }),
     }
 }
 
@@ -169,7 +187,13 @@ fn grid_work(scene: &Scene, grid: &Grid) -> (Work, usize) {
     // A bar that can break keeps the work of its cells.
     let work_kept = usize::from(scene.effects.rupture.is_some()) * number;
     // Stress and velocity; then the law's state and a byte for the damping.
-    let (elastic, yielded) = (2 * number, (2 + law.law.state_len()) * number + 1 + work_kept);
+    let tapered = scene.bar.segments.iter().any(|segment| segment.taper.is_some());
+    let sections = if tapered { TAPER_BYTES_PER_CELL } else { 0 };
+    let along = assemble::along(&scene.bar, &scene.effects);
+    let [nodes, yielded_nodes] = along.as_ref().map_or([0; 2], Along::bytes_per_cell);
+    let elastic = 2 * number + sections + nodes;
+    let yielded = (2 + law.law.state_len()) * number + 1 + work_kept + sections + yielded_nodes;
+    let sweep = if along.is_some() { SWEEP } else { 0.0 };
     let (elastic_cell, work) = (elastic_seconds_per_cell_step(), (cells * steps) as f64);
     let flowing = match scene.effects.rate {
         None => PLASTIC_COST * elastic_cell,
@@ -184,7 +208,7 @@ fn grid_work(scene: &Scene, grid: &Grid) -> (Work, usize) {
         bytes_per_elastic_cell: elastic,
         bytes_per_yielded_cell: yielded,
         memory_bytes: cells * yielded,
-        expected_s: [quickest, flowing * (cells * steps) as f64],
+        expected_s: [quickest, flowing * work].map(|stepping| stepping + sweep * work),
         net: None,
     };
     (work, cells)

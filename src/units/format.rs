@@ -79,6 +79,13 @@ fn si_scales(dimension: Dimension) -> &'static [Scale] {
         Dimension::Rate => const { &[scale("1/s", 1.0)] },
         Dimension::Temperature => const { &[scale("K", 1.0)] },
         Dimension::SpecificHeat => const { &[scale("J/(kg*K)", 1.0)] },
+        Dimension::Viscosity => const { &[scale("Pa*s", 1.0), scale("kPa*s", 1e3), scale("MPa*s", 1e6)] },
+        Dimension::Drag => const { &[scale("N*s/m^2", 1.0), scale("kN*s/m^2", 1e3)] },
+        Dimension::Foundation => const { &[scale("N/m^2", 1.0), scale("kN/m^2", 1e3), scale("MN/m^2", 1e6)] },
+        Dimension::AngularVelocity => const { &[scale("rad/s", 1.0)] },
+        Dimension::Torque => const { &[scale("N*m", 1.0), scale("kN*m", 1e3)] },
+        Dimension::MomentOfInertia => const { &[scale("kg*m^2", 1.0)] },
+        Dimension::TorsionalStiffness => const { &[scale("N*m/rad", 1.0), scale("kN*m/rad", 1e3)] },
     }
 }
 
@@ -95,8 +102,16 @@ fn us_scales(dimension: Dimension) -> &'static [Scale] {
         Dimension::Energy => const { &[scale("ft*lbf", FOOT_POUND)] },
         Dimension::EnergyDensity => const { &[scale("ft*lbf/in^3", FOOT_POUND / (INCH * INCH * INCH))] },
         // A temperature may be a difference: kelvin for both.
-        Dimension::None | Dimension::Time | Dimension::Rate | Dimension::Temperature => si_scales(dimension),
+        Dimension::None | Dimension::Time | Dimension::Rate | Dimension::Temperature | Dimension::AngularVelocity => {
+            si_scales(dimension)
+        }
+        Dimension::Torque => const { &[scale("lbf*ft", FOOT_POUND)] },
+        Dimension::MomentOfInertia => const { &[scale("lb*ft^2", POUND * 144.0 * INCH * INCH)] },
+        Dimension::TorsionalStiffness => const { &[scale("lbf*ft/rad", FOOT_POUND)] },
         Dimension::SpecificHeat => const { &[scale("Btu/(lb*K)", 1_055.055_852_62 / POUND)] },
+        Dimension::Viscosity => const { &[scale("psi*s", PSI)] },
+        Dimension::Drag => const { &[scale("lbf*s/in^2", PSI)] },
+        Dimension::Foundation => const { &[scale("lbf/in^2", PSI)] },
     }
 }
 

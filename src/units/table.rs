@@ -101,6 +101,11 @@ pub(super) const UNITS: &[Unit] = &[
     unit("ips", 254.0, -4, VELOCITY),
     unit("Btu", 105_505_585_262.0, -8, ENERGY),
     unit("BTU", 105_505_585_262.0, -8, ENERGY),
+    // angles, in radians
+    si("rad", 0, ONE),
+    unit("deg", std::f64::consts::PI / 180.0, 0, ONE),
+    unit("rev", 2.0 * std::f64::consts::PI, 0, ONE),
+    unit("rpm", std::f64::consts::PI / 30.0, 0, [0, 0, -1, 0]),
     // plain numbers
     unit("%", 1.0, -2, ONE),
     unit("percent", 1.0, -2, ONE),

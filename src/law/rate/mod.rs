@@ -15,10 +15,12 @@
 
 mod cell;
 mod hardening;
+mod heated;
 mod overstress;
 
 pub use cell::Timed;
 pub use hardening::{Hardening, Piece};
+pub use heated::Heated;
 pub use overstress::Overstress;
 
 use super::Table;
@@ -43,6 +45,8 @@ pub struct Flow {
     pub plastic: f64,
     /// E times the work of the overstress, per volume, Pa^2, >= 0.
     pub overstress: f64,
+    /// E times the work that the static flow stress of first loading would do, per volume, Pa^2, >= 0.
+    pub first_loading: f64,
 }
 
 /// Steps of one length under one share, with what can be worked out beforehand.
@@ -150,7 +154,7 @@ impl RateLaw {
         let (mut x, mut left, mut p) = (excess, time, history.accumulated);
         let mut k = history.piece[sense] as usize;
         let f_before = pieces[k].at(p);
-        let mut work = 0.0;
+        let (mut work, mut on_curve) = (0.0, 0.0);
         // Not a number, or nothing to do: no loop.
         while x > 0.0 && left > 0.0 {
             let piece = &pieces[k];
@@ -162,11 +166,13 @@ impl RateLaw {
             };
             if flow < room || room == f64::INFINITY {
                 work += flow * (x - 0.5 * gain * flow).max(0.0);
+                on_curve += flow * (f + 0.5 * piece.slope * flow);
                 p += flow;
                 break;
             }
             let to = x - gain * room;
             work += room * (x - 0.5 * gain * room).max(0.0);
+            on_curve += room * (f + 0.5 * piece.slope * room);
             if room > 0.0 && to > 0.0 {
                 left -= self.overstress.time([x, to], f + 0.5 * piece.slope * room, gain, room);
             }
@@ -188,7 +194,18 @@ impl RateLaw {
         if self.kinematic > 0.0 {
             history.back += sign * self.kinematic * (pieces[k].at(p) - f_before);
         }
-        Flow { plastic: sign * flow, overstress: work }
+        Flow { plastic: sign * flow, overstress: work, first_loading: on_curve }
+    }
+
+    /// [`Self::flow`] at fixed strain of a cell in which all stresses of the static curve, the overstress that a rate asks for
+    /// among them, are `softening` (> 0) times those of the law; `excess` is that beyond the softened limit.
+    ///
+    /// Stresses divided by the factor follow the law itself, with a share that is as much larger; only Malvern's law, which
+    /// asks for the overstress alone, is as much slower.
+    pub fn flow_softened(&self, excess: f64, sense: usize, softening: f64, time: f64, history: &mut History) -> Flow {
+        let time = if self.overstress.needs_static_stress() { time } else { softening * time };
+        let flow = self.flow(excess / softening, sense, softening.recip(), time, history);
+        Flow { overstress: softening * flow.overstress, ..flow }
     }
 
     /// The history half-way between two that one cell could have come to.

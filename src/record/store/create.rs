@@ -7,7 +7,7 @@ use hdf5::types::VarLenUnicode;
 use hdf5::{Dataset, DatasetBuilderEmpty, Extent, File, Group, H5Type, Location};
 
 use super::{FORMAT_VERSION, Header, Layout, RUNNING, Side, paths, scales};
-use crate::record::{Compression, MaterialRecord, Precision};
+use crate::record::{Compression, Field, MaterialRecord, Precision};
 
 type Hdf<T> = hdf5::Result<T>;
 
@@ -21,40 +21,46 @@ pub(super) const TRACE_ROWS: usize = 1024;
 const FRAME_ROWS: usize = 256;
 
 /// Columns of a history: name, units, long name.
-pub(super) const GAUGE_COLUMNS: [[&str; 3]; 4] =
+const GAUGE_COLUMNS: [[&str; 3]; 4] =
     [TIME, ["stress", "Pa", "engineering stress, tension positive"], ["strain", "1", "engineering strain"], VELOCITY];
+/// What gauges of a bar that plastic work heats have on top.
+const GAUGE_TEMPERATURE: [&str; 3] = ["temperature", "K", "temperature"];
 pub(super) const END_COLUMNS: [[&str; 3]; 3] =
     [TIME, ["stress", "Pa", "engineering stress, tension positive"], VELOCITY];
 const TIME: [&str; 3] = ["time", "s", "time"];
 const VELOCITY: [&str; 3] = ["velocity", "m/s", "velocity in +x"];
 
 /// Columns of the ledger: name, long name. Energies but for time, the momenta, and the residual.
-pub(super) const LEDGER_COLUMNS: [[&str; 2]; 12] = [
+pub(super) const LEDGER_COLUMNS: [[&str; 2]; 15] = [
     ["time", "time"],
     ["kinetic", "kinetic energy"],
     ["elastic", "recoverable strain energy"],
-    ["plastic", "energy dissipated in plastic flow since the start"],
+    ["plastic", "energy dissipated in plastic flow since the start, without what turned into heat"],
+    ["heat", "plastic work that turned into heat since the start"],
     [
         "viscous",
         "energy taken since the start by the overstress of a rate-dependent bar, or by the damping of grid-scale ripples",
     ],
     ["concentrated", "energy taken since the start at single points where velocities differ"],
     ["fracture", "energy taken since the start by ruptures"],
+    ["damping", "energy taken since the start by internal and external damping"],
+    ["foundation", "energy stored in the elastic foundation"],
     ["work_left", "work done by the left end since the start"],
     ["work_right", "work done by the right end since the start"],
     ["momentum", "momentum of the bar in +x"],
-    ["impulse", "impulse given by both ends since the start"],
+    ["impulse", "impulse given by both ends, external damping and a foundation since the start"],
     ["residual", "energy not accounted for, relative"],
 ];
 
 /// Everything but the data, in a file that is then closed.
 pub(super) fn build(path: &Path, header: &Header, layout: &Layout, materials: &[MaterialRecord]) -> Hdf<()> {
     let file = File::create(path)?;
-    build_root(&file, header, layout)?;
-    build_fields(&file, layout)?;
-    build_histories(&file, layout)?;
-    build_ledger(&file, layout)?;
-    build_materials(&file, materials)?;
+    build_root(&file, header, layout.area_given)?;
+    let twisted = header.torsion.is_some();
+    build_fields(&file, layout, twisted)?;
+    build_histories(&file, layout, twisted)?;
+    build_ledger(&file, layout, twisted)?;
+    build_materials(&file, materials, twisted)?;
     if layout.paths {
         paths::build(&file)?;
     }
@@ -62,7 +68,7 @@ pub(super) fn build(path: &Path, header: &Header, layout: &Layout, materials: &[
     file.close()
 }
 
-fn build_root(file: &File, header: &Header, layout: &Layout) -> Hdf<()> {
+pub(super) fn build_root(file: &File, header: &Header, area_given: bool) -> Hdf<()> {
     put_text(file, "format", "barwave")?;
     put(file, "format_version", &FORMAT_VERSION)?;
     put_text(file, "program_version", env!("CARGO_PKG_VERSION"))?;
@@ -77,14 +83,18 @@ fn build_root(file: &File, header: &Header, layout: &Layout) -> Hdf<()> {
     put_texts(file, "effects", &header.effects)?;
     put_text(file, "method", &header.method)?;
     put_text(file, "scheme", &header.scheme)?;
-    put_text(file, "energy_units", energy_units(layout.area_given))?;
+    put_text(file, "energy_units", energy_units(area_given))?;
     if let Some(velocity) = header.critical_velocity {
         put(file, "critical_velocity", &velocity)?;
+    }
+    if let Some(radius) = header.torsion {
+        put_text(file, "mode", "torsion")?;
+        put(file, "radius", &radius)?;
     }
     put_text(file, "outcome", RUNNING)
 }
 
-fn build_fields(file: &File, layout: &Layout) -> Hdf<()> {
+fn build_fields(file: &File, layout: &Layout, twisted: bool) -> Hdf<()> {
     let time = file.new_dataset::<f64>().chunk(FRAME_ROWS).shape(Extent::resizable(0)).create("time")?;
     describe(&time, "s", "time")?;
     let x = file.new_dataset::<f64>().shape(layout.x.len()).create("x")?;
@@ -100,7 +110,8 @@ fn build_fields(file: &File, layout: &Layout) -> Hdf<()> {
             .chunk((1, layout.x.len().clamp(1, CHUNK_COLUMNS)))
             .shape(shape)
             .create(field.name())?;
-        describe(&dataset, field.units(), field.long_name())?;
+        let long_name = if twisted { field.long_name_in_torsion() } else { field.long_name() };
+        describe(&dataset, field.units(), long_name)?;
         if !layout.sampling.is_empty() {
             put_text(&dataset, "sampling", &layout.sampling)?;
         }
@@ -109,11 +120,24 @@ fn build_fields(file: &File, layout: &Layout) -> Hdf<()> {
     scales::attach(file, &["time", "x"], &names)
 }
 
-fn build_histories(file: &File, layout: &Layout) -> Hdf<()> {
+/// Columns of the gauges of this file.
+pub(super) fn gauge_columns(layout: &Layout) -> Vec<[&'static str; 3]> {
+    GAUGE_COLUMNS.into_iter().chain(layout.temperature.then_some(GAUGE_TEMPERATURE)).collect()
+}
+
+/// A column of stress, strain or velocity as it is called in torsion, or as it is.
+fn in_mode(twisted: bool, [name, units, long_name]: [&'static str; 3]) -> [&'static str; 3] {
+    let field =
+        [Field::Stress, Field::Strain, Field::Velocity].into_iter().find(|field| twisted && field.name() == name);
+    [name, units, field.map_or(long_name, Field::long_name_in_torsion)]
+}
+
+fn build_histories(file: &File, layout: &Layout, twisted: bool) -> Hdf<()> {
     let gauges = file.create_group("gauges")?;
+    let columns: Vec<_> = gauge_columns(layout).into_iter().map(|column| in_mode(twisted, column)).collect();
     for (index, (link, (name, x))) in gauge_links(layout).iter().zip(&layout.gauges).enumerate() {
         let group = gauges.create_group(link)?;
-        build_columns(&group, &GAUGE_COLUMNS, TRACE_ROWS)?;
+        build_columns(&group, &columns, TRACE_ROWS)?;
         put(&group, "x", x)?;
         put_text(&group, "x_units", "m")?;
         put(&group, "index", &(index as u32))?;
@@ -121,19 +145,26 @@ fn build_histories(file: &File, layout: &Layout) -> Hdf<()> {
     }
     let ends = file.create_group("ends")?;
     for side in [Side::Left, Side::Right] {
-        build_columns(&ends.create_group(side.name())?, &END_COLUMNS, TRACE_ROWS)?;
+        let columns = END_COLUMNS.map(|column| in_mode(twisted, column));
+        build_columns(&ends.create_group(side.name())?, &columns, TRACE_ROWS)?;
     }
     Ok(())
 }
 
-fn build_ledger(file: &File, layout: &Layout) -> Hdf<()> {
+fn build_ledger(file: &File, layout: &Layout, twisted: bool) -> Hdf<()> {
     let columns = LEDGER_COLUMNS.map(|[name, long_name]| {
         let units = match (name, layout.area_given) {
             ("time", _) => "s",
             ("residual", _) => "1",
+            ("momentum" | "impulse", _) if twisted => "N m s",
             ("momentum" | "impulse", true) => "N s",
             ("momentum" | "impulse", false) => "N s/m^2",
             (_, area_given) => energy_units(area_given),
+        };
+        let long_name = match name {
+            "momentum" if twisted => "angular momentum of the bar",
+            "impulse" if twisted => "angular impulse given by both ends since the start",
+            _ => long_name,
         };
         [name, units, long_name]
     });
@@ -154,17 +185,18 @@ fn build_columns(group: &Group, columns: &[[&str; 3]], rows: usize) -> Hdf<()> {
     scales::attach(group, &names[..1], &names[1..])
 }
 
-fn build_materials(file: &File, materials: &[MaterialRecord]) -> Hdf<()> {
+pub(super) fn build_materials(file: &File, materials: &[MaterialRecord], twisted: bool) -> Hdf<()> {
+    let [[.., strain_name], [.., stress_name]] = [2, 1].map(|k: usize| in_mode(twisted, GAUGE_COLUMNS[k]));
     let group = file.create_group("material")?;
     let names = link_names(materials.iter().map(|m| m.name.as_str()));
     for (material, name) in materials.iter().zip(&names) {
         let group = group.create_group(name)?;
         let strain = group.new_dataset::<f64>().shape(material.strain.len()).create("strain")?;
         strain.write_raw(&material.strain)?;
-        describe(&strain, "1", "engineering strain")?;
+        describe(&strain, "1", strain_name)?;
         let stress = group.new_dataset::<f64>().shape(material.stress.len()).create("stress")?;
         stress.write_raw(&material.stress)?;
-        describe(&stress, "Pa", "engineering stress, tension positive")?;
+        describe(&stress, "Pa", stress_name)?;
         scales::attach(&group, &["strain"], &["stress"])?;
         put(&group, "density", &material.density)?;
         put(&group, "modulus", &material.modulus)?;
@@ -186,7 +218,7 @@ fn compressed(builder: DatasetBuilderEmpty, compression: Compression) -> Dataset
     }
 }
 
-fn describe(dataset: &Dataset, units: &str, long_name: &str) -> Hdf<()> {
+pub(super) fn describe(dataset: &Dataset, units: &str, long_name: &str) -> Hdf<()> {
     put_text(dataset, "units", units)?;
     put_text(dataset, "long_name", long_name)
 }

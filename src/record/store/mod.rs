@@ -29,6 +29,7 @@
 
 mod compound;
 mod create;
+mod figures;
 mod paths;
 mod read;
 mod scales;
@@ -39,6 +40,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+pub use figures::{Figure, write_figures};
 pub use read::{Facts, Gauge, ResultFile};
 
 use super::{
@@ -84,6 +86,8 @@ pub struct Header {
     pub scheme: String,
     /// m/s; none where the data hold none.
     pub critical_velocity: Option<f64>,
+    /// Of a bar in torsion: the radius whose stress, strain and velocity are recorded, m. Momenta are then N m s.
+    pub torsion: Option<f64>,
 }
 
 /// What the file holds and how.
@@ -105,6 +109,8 @@ pub struct Layout {
     pub sampling: String,
     /// The file has `/paths`.
     pub paths: bool,
+    /// Gauges have a column of the temperature.
+    pub temperature: bool,
 }
 
 /// An end of the bar.

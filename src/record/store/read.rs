@@ -292,10 +292,12 @@ fn read_trace(group: &Group) -> Hdf<Trace> {
         stress: column(group, "stress")?,
         strain: column(group, "strain")?,
         velocity: column(group, "velocity")?,
+        temperature: column(group, "temperature")?,
     };
     // Only a file that was cut off in the middle of a flush has columns of different lengths.
     let rows = trace.time.len().min(trace.stress.len()).min(trace.velocity.len());
-    for values in [&mut trace.time, &mut trace.stress, &mut trace.strain, &mut trace.velocity] {
+    let temperature = &mut trace.temperature;
+    for values in [&mut trace.time, &mut trace.stress, &mut trace.strain, &mut trace.velocity, temperature] {
         values.truncate(rows);
     }
     Ok(trace)
@@ -318,15 +320,19 @@ fn read_ledger(group: &Group) -> Hdf<Vec<LedgerRow>> {
     let rows = columns.iter().map(Vec::len).min().unwrap_or(0);
     // Columns that older files lack.
     let older = |name: &str| if group.link_exists(name) { column(group, name) } else { Ok(Vec::new()) };
-    let (concentrated, fracture) = (older("concentrated")?, older("fracture")?);
+    let (heat, concentrated, fracture) = (older("heat")?, older("concentrated")?, older("fracture")?);
+    let (damping, foundation) = (older("damping")?, older("foundation")?);
     let row = |i: usize| LedgerRow {
         time: columns[0][i],
         kinetic: columns[1][i],
         elastic: columns[2][i],
         plastic: columns[3][i],
+        heat: heat.get(i).copied().unwrap_or(0.0),
         viscous: columns[4][i],
         concentrated: concentrated.get(i).copied().unwrap_or(0.0),
         fracture: fracture.get(i).copied().unwrap_or(0.0),
+        damping: damping.get(i).copied().unwrap_or(0.0),
+        foundation: foundation.get(i).copied().unwrap_or(0.0),
         work_left: columns[5][i],
         work_right: columns[6][i],
         momentum: columns[7][i],

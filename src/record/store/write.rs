@@ -6,7 +6,7 @@ use hdf5::{Dataset, File, Group, H5Type};
 use ndarray::{ArrayView2, s};
 
 use super::compound::{self, Column};
-use super::create::{END_COLUMNS, GAUGE_COLUMNS, LEDGER_COLUMNS, TRACE_ROWS, build, gauge_links, put, put_text, text};
+use super::create::{END_COLUMNS, LEDGER_COLUMNS, TRACE_ROWS, build, gauge_columns, gauge_links, put, put_text, text};
 use super::paths::PathTable;
 use super::{Ending, Finish, Header, Layout, Message, Side, scales};
 use crate::error::{Error, Result};
@@ -53,24 +53,29 @@ struct Table {
     written: usize,
 }
 
+/// Has a file built beside its final place, then moves it there. Missing folders are made.
+pub(super) fn in_place(path: &Path, build: impl Fn(&Path) -> Hdf<()>) -> Result<()> {
+    if path.is_dir() {
+        return Err(Error::file(path, "this is a folder; a result needs a file name"));
+    }
+    if let Some(folder) = path.parent().filter(|f| !f.as_os_str().is_empty()) {
+        std::fs::create_dir_all(folder).map_err(|e| Error::file(folder, e))?;
+    }
+    let temporary = temporary_name(path)?;
+    let built = build(&temporary)
+        .map_err(|e| Error::file(path, e))
+        .and_then(|()| std::fs::rename(&temporary, path).map_err(|e| Error::file(path, e)));
+    if built.is_err() {
+        // It may never have been made; the error that counts is the one that is returned.
+        let _ = std::fs::remove_file(&temporary);
+    }
+    built
+}
+
 impl Sink {
     /// Builds the file beside its final place, then moves it there.
     pub fn create(path: &Path, header: &Header, layout: &Layout, materials: &[MaterialRecord]) -> Result<Self> {
-        if path.is_dir() {
-            return Err(Error::file(path, "this is a folder; a result needs a file name"));
-        }
-        if let Some(folder) = path.parent().filter(|f| !f.as_os_str().is_empty()) {
-            std::fs::create_dir_all(folder).map_err(|e| Error::file(folder, e))?;
-        }
-        let temporary = temporary_name(path)?;
-        let built = build(&temporary, header, layout, materials)
-            .map_err(|e| Error::file(path, e))
-            .and_then(|()| std::fs::rename(&temporary, path).map_err(|e| Error::file(path, e)));
-        if let Err(error) = built {
-            // It may never have been made; the error that counts is the one that is returned.
-            let _ = std::fs::remove_file(&temporary);
-            return Err(error);
-        }
+        in_place(path, |temporary| build(temporary, header, layout, materials))?;
         Self::open(path, layout).map_err(|e| Error::file(path, e))
     }
 
@@ -81,7 +86,7 @@ impl Sink {
         let mut gauges = Vec::with_capacity(layout.gauges.len());
         let gauge_links = gauge_links(layout);
         for name in &gauge_links {
-            let names = GAUGE_COLUMNS.map(|c| c[0]);
+            let names: Vec<&str> = gauge_columns(layout).iter().map(|c| c[0]).collect();
             gauges.push(Table::open(&file.group(&format!("gauges/{name}"))?, &names)?);
         }
         let end = |side: Side| Table::open(&file.group(&format!("ends/{}", side.name()))?, &END_COLUMNS.map(|c| c[0]));
@@ -97,14 +102,15 @@ impl Sink {
             Message::Frame(frame) => self.frames.push(&frame),
             Message::Gauge(index, trace) => match self.gauges.get_mut(index) {
                 Some(table) => {
-                    table.push([&trace.time, &trace.stress, &trace.strain, &trace.velocity].map(Vec::as_slice))
+                    let all = [&trace.time, &trace.stress, &trace.strain, &trace.velocity, &trace.temperature];
+                    table.push(&all.map(Vec::as_slice)[..table.columns.len()])
                 }
                 None => Err(format!("there is no gauge number {index}").into()),
             },
             Message::End(side, Trace { time, stress, velocity, .. }) => {
-                self.ends[side as usize].push([&time, &stress, &velocity].map(Vec::as_slice))
+                self.ends[side as usize].push(&[&time, &stress, &velocity].map(Vec::as_slice))
             }
-            Message::Ledger(row) => self.ledger.push(ledger_values(&row).each_ref().map(std::slice::from_ref)),
+            Message::Ledger(row) => self.ledger.push(&ledger_values(&row).each_ref().map(std::slice::from_ref)),
             Message::Paths(rows) => match &mut self.paths {
                 Some(table) => Ok(table.push(&rows)),
                 None => Err("this file has no table of paths".into()),
@@ -228,7 +234,7 @@ impl Table {
     }
 
     /// Keeps rows, given column by column; true where it is time to write.
-    fn push<const N: usize>(&mut self, columns: [&[f64]; N]) -> Hdf<bool> {
+    fn push(&mut self, columns: &[&[f64]]) -> Hdf<bool> {
         let rows = columns.first().map_or(0, |column| column.len());
         if columns.len() != self.waiting.len() || columns.iter().any(|column| column.len() != rows) {
             return Err("the columns of a history differ in length".into());
@@ -344,15 +350,18 @@ fn write_figures(file: &File, figures: &Finish) -> Hdf<()> {
     Ok(())
 }
 
-fn ledger_values(row: &LedgerRow) -> [f64; 12] {
+fn ledger_values(row: &LedgerRow) -> [f64; 15] {
     [
         row.time,
         row.kinetic,
         row.elastic,
         row.plastic,
+        row.heat,
         row.viscous,
         row.concentrated,
         row.fracture,
+        row.damping,
+        row.foundation,
         row.work_left,
         row.work_right,
         row.momentum,

@@ -1,14 +1,14 @@
 //! The bar: one uniform piece or a list of segments, their sections, materials and joints.
 
 use std::collections::HashMap;
-use std::f64::consts::PI;
 use std::ops::Range;
 use std::sync::Arc;
 
 use toml::Spanned;
 
-use super::super::raw::{MaterialChoice, RawBar, RawJoint, RawSegment};
+use super::super::raw::{MaterialChoice, RawBar, RawJoint, RawSegment, Section};
 use super::Checker;
+use super::torsion::is_torsion;
 use crate::bar::{Bar, Joint, Segment};
 use crate::error::{Error, Place, Result};
 use crate::input::{Allowed, Number};
@@ -16,28 +16,32 @@ use crate::material::{self, Material};
 use crate::units::Dimension;
 
 /// What a uniform bar and a segment both state.
-struct Piece<'a> {
+pub(super) struct Piece<'a> {
     length: Option<&'a Number>,
-    area: Option<&'a Number>,
-    diameter: Option<&'a Number>,
+    pub(super) area: Option<&'a Spanned<Section>>,
+    pub(super) diameter: Option<&'a Spanned<Section>>,
     material: Option<&'a Spanned<MaterialChoice>>,
     velocity: Option<&'a Number>,
+    /// What the velocity is.
+    motion: Dimension,
     /// Where a complaint about something missing points.
     span: Range<usize>,
 }
 
 /// Materials by name, so that a name is read once and its segments share it.
-type Named = HashMap<String, Arc<Material>>;
+pub(in crate::scene) type Named = HashMap<String, Arc<Material>>;
 
 impl Checker<'_> {
     pub(super) fn bar(&self, raw: &Spanned<RawBar>) -> Result<Bar> {
         let (span, raw) = (raw.span(), raw.get_ref());
+        let motion = if is_torsion(raw) { Dimension::AngularVelocity } else { Dimension::Velocity };
         let piece = Piece {
             length: raw.length.as_ref(),
             area: raw.area.as_ref(),
             diameter: raw.diameter.as_ref(),
             material: raw.material.as_ref(),
             velocity: raw.velocity.as_ref(),
+            motion,
             span,
         };
         let mut named = Named::new();
@@ -45,20 +49,23 @@ impl Checker<'_> {
             let (segment, area_given) = self.piece(&piece, "bar", &mut named)?;
             return Ok(Bar { segments: vec![segment], area_given });
         };
-        self.no_uniform_keys(&piece)?;
-        self.segments(list, piece.span, &mut named)
+        self.no_uniform_keys(&piece, raw)?;
+        self.segments(list, piece.span, motion, &mut named)
     }
 
     /// `[bar]` keys that belong into the segments once there are segments.
-    fn no_uniform_keys(&self, piece: &Piece<'_>) -> Result<()> {
-        let numbers = [
-            ("length", piece.length),
-            ("area", piece.area),
-            ("diameter", piece.diameter),
-            ("velocity", piece.velocity),
+    fn no_uniform_keys(&self, piece: &Piece<'_>, raw: &RawBar) -> Result<()> {
+        let given = [
+            ("length", piece.length.map(Spanned::span)),
+            ("area", piece.area.map(Spanned::span)),
+            ("diameter", piece.diameter.map(Spanned::span)),
+            ("velocity", piece.velocity.map(Spanned::span)),
+            ("material", piece.material.map(Spanned::span)),
         ];
-        let number = numbers.iter().find_map(|(name, value)| value.map(|v| (*name, v.span())));
-        let Some((name, span)) = number.or_else(|| piece.material.map(|m| ("material", m.span()))) else {
+        let tube = [("inner-diameter", &raw.inner_diameter), ("wall", &raw.wall)];
+        let tube = tube.map(|(name, value)| (name, value.as_ref().map(Spanned::span)));
+        let Some((name, span)) = given.into_iter().chain(tube).find_map(|(name, span)| span.map(|span| (name, span)))
+        else {
             return Ok(());
         };
         let message = format!("`{name}` of the whole bar stands beside [[bar.segment]]");
@@ -66,7 +73,13 @@ impl Checker<'_> {
         Err(self.error(span, &format!("bar.{name}"), message).help(help).into())
     }
 
-    fn segments(&self, list: &[Spanned<RawSegment>], span: Range<usize>, named: &mut Named) -> Result<Bar> {
+    fn segments(
+        &self,
+        list: &[Spanned<RawSegment>],
+        span: Range<usize>,
+        motion: Dimension,
+        named: &mut Named,
+    ) -> Result<Bar> {
         let mut segments = Vec::with_capacity(list.len());
         let mut with_area = Vec::with_capacity(list.len());
         for (i, raw) in list.iter().enumerate() {
@@ -79,6 +92,7 @@ impl Checker<'_> {
                 diameter: raw.diameter.as_ref(),
                 material: raw.material.as_ref(),
                 velocity: raw.velocity.as_ref(),
+                motion,
                 span,
             };
             let (mut segment, area_given) = self.piece(&piece, &key, named)?;
@@ -112,32 +126,27 @@ impl Checker<'_> {
             return Err(self.missing(piece.span.clone(), &format!("{key}.material"), &help));
         };
         let length = self.document.number(length, &format!("{key}.length"), Dimension::Length, Allowed::Positive)?;
-        let area = self.area(piece, key)?;
+        let section = self.section(piece, key, length)?;
         let velocity =
-            self.document.optional(piece.velocity, &format!("{key}.velocity"), Dimension::Velocity, Allowed::Finite)?;
+            self.document.optional(piece.velocity, &format!("{key}.velocity"), piece.motion, Allowed::Finite)?;
         let material = self.material(choice, &format!("{key}.material"), named)?;
         let segment = Segment {
             length,
-            area: area.unwrap_or(1.0),
+            area: section.as_ref().map_or(1.0, |section| section.area),
+            taper: section.as_ref().and_then(|section| section.taper.clone()),
             material,
             velocity: velocity.unwrap_or(0.0),
             joint: Joint::Bonded,
         };
-        Ok((segment, area.is_some()))
+        Ok((segment, section.is_some()))
     }
 
-    fn area(&self, piece: &Piece<'_>, key: &str) -> Result<Option<f64>> {
-        let (area_key, diameter_key) = (format!("{key}.area"), format!("{key}.diameter"));
-        if let (Some(_), Some(diameter)) = (piece.area, piece.diameter) {
-            let error = self.error(diameter.span(), &diameter_key, "the section has both an area and a diameter");
-            return Err(error.help("keep `area` or `diameter`, not both").into());
-        }
-        let area = self.document.optional(piece.area, &area_key, Dimension::Area, Allowed::Positive)?;
-        let diameter = self.document.optional(piece.diameter, &diameter_key, Dimension::Length, Allowed::Positive)?;
-        Ok(area.or(diameter.map(|d| PI / 4.0 * d * d)))
-    }
-
-    fn material(&self, choice: &Spanned<MaterialChoice>, key: &str, named: &mut Named) -> Result<Arc<Material>> {
+    pub(in crate::scene) fn material(
+        &self,
+        choice: &Spanned<MaterialChoice>,
+        key: &str,
+        named: &mut Named,
+    ) -> Result<Arc<Material>> {
         match choice.get_ref() {
             MaterialChoice::Inline(raw) => {
                 material::resolve((**raw).clone(), self.document, key, self.base).map(Arc::new)

@@ -6,21 +6,23 @@ use toml::Spanned;
 
 use super::super::raw::{EndKind, RawEnd};
 use super::Checker;
-use crate::bar::{EndCondition, History};
+use crate::bar::{Bar, EndCondition, History, Segment};
 use crate::error::Result;
 use crate::input::{Allowed, Number};
 use crate::units::Dimension;
 
 impl EndKind {
-    fn word(self) -> &'static str {
+    pub(super) fn word(self) -> &'static str {
         match self {
             Self::Velocity => "velocity",
             Self::Stress => "stress",
+            Self::Torque => "torque",
             Self::Free => "free",
             Self::Fixed => "fixed",
             Self::Absorbing => "absorbing",
             Self::Wall => "wall",
             Self::Striker => "striker",
+            Self::Ball => "ball",
             Self::Spring => "spring",
         }
     }
@@ -29,9 +31,10 @@ impl EndKind {
     fn keys(self) -> &'static [&'static str] {
         match self {
             Self::Velocity => &["value", "history", "csv", "release"],
-            Self::Stress => &["value", "history", "csv"],
+            Self::Stress | Self::Torque => &["value", "history", "csv"],
             Self::Wall => &["gap"],
             Self::Striker => &["mass", "velocity"],
+            Self::Ball => super::ball::KEYS,
             Self::Spring => &["stiffness"],
             Self::Free | Self::Fixed | Self::Absorbing => &[],
         }
@@ -39,8 +42,9 @@ impl EndKind {
 }
 
 impl Checker<'_> {
-    /// The end under `key`, of a bar that has or has not an area.
-    pub(super) fn end(&self, raw: &Spanned<RawEnd>, key: &str, area_given: bool) -> Result<EndCondition> {
+    /// The end under `key` of a bar, at the segment `at`.
+    pub(super) fn end(&self, raw: &Spanned<RawEnd>, key: &str, bar: &Bar, at: &Segment) -> Result<EndCondition> {
+        let area_given = bar.area_given;
         let (span, raw) = (raw.span(), raw.get_ref());
         let kind = *raw.kind.get_ref();
         self.only_its_keys(raw, kind, key)?;
@@ -55,6 +59,11 @@ impl Checker<'_> {
                 )?,
             },
             EndKind::Stress => EndCondition::Stress { history: self.history(raw, span, key, Dimension::Stress)? },
+            EndKind::Torque => {
+                let error =
+                    self.error(raw.kind.span(), &format!("{key}.kind"), "a torque acts on a bar in torsion only");
+                return Err(error.help("use kind = \"stress\", or [bar] mode = \"torsion\"").into());
+            }
             EndKind::Free => EndCondition::Free,
             EndKind::Fixed => EndCondition::Fixed,
             EndKind::Absorbing => EndCondition::Absorbing,
@@ -71,6 +80,10 @@ impl Checker<'_> {
                     mass: self.own_number(mass, span.clone(), key)?,
                     velocity: self.own_number(velocity, span, key)?,
                 }
+            }
+            EndKind::Ball => {
+                self.needs_area(raw, kind, key, area_given)?;
+                self.ball(raw, span, key, &at.material)?
             }
             EndKind::Spring => {
                 self.needs_area(raw, kind, key, area_given)?;
@@ -92,7 +105,7 @@ impl Checker<'_> {
     }
 
     /// A number that this kind of end must have.
-    fn own_number(
+    pub(in crate::scene) fn own_number(
         &self,
         (value, name, dimension, allowed): (Option<&Number>, &str, Dimension, Allowed),
         span: Range<usize>,
@@ -124,7 +137,7 @@ impl Checker<'_> {
     }
 
     /// The history of a driven end, from exactly one of its three forms.
-    fn history(&self, raw: &RawEnd, span: Range<usize>, key: &str, dimension: Dimension) -> Result<History> {
+    pub(super) fn history(&self, raw: &RawEnd, span: Range<usize>, key: &str, dimension: Dimension) -> Result<History> {
         let forms: Vec<_> = given(raw).into_iter().filter(|(name, _)| *name != "release").collect();
         let unit = dimension.example();
         match forms.as_slice() {
@@ -181,7 +194,7 @@ pub(super) const ROWS: &str = "times never decrease, at most two rows with one t
 pub(super) const ROWS_HELP: &str = "list the rows in the order of time; two rows with one time are a jump";
 
 /// The optional keys that were given, with their places.
-fn given(raw: &RawEnd) -> Vec<(&'static str, Range<usize>)> {
+pub(super) fn given(raw: &RawEnd) -> Vec<(&'static str, Range<usize>)> {
     let all = [
         ("value", raw.value.as_ref().map(Spanned::span)),
         ("history", raw.history.as_ref().map(Spanned::span)),
@@ -189,7 +202,16 @@ fn given(raw: &RawEnd) -> Vec<(&'static str, Range<usize>)> {
         ("release", raw.release.as_ref().map(Spanned::span)),
         ("gap", raw.gap.as_ref().map(Spanned::span)),
         ("mass", raw.mass.as_ref().map(Spanned::span)),
+        ("inertia", raw.inertia.as_ref().map(Spanned::span)),
         ("velocity", raw.velocity.as_ref().map(Spanned::span)),
+        ("radius", raw.radius.as_ref().map(Spanned::span)),
+        ("diameter", raw.diameter.as_ref().map(Spanned::span)),
+        ("density", raw.density.as_ref().map(Spanned::span)),
+        ("material", raw.material.as_ref().map(Spanned::span)),
+        ("modulus", raw.modulus.as_ref().map(Spanned::span)),
+        ("poisson", raw.poisson.as_ref().map(Spanned::span)),
+        ("rigid", raw.rigid.as_ref().map(Spanned::span)),
+        ("bar-poisson", raw.bar_poisson.as_ref().map(Spanned::span)),
         ("stiffness", raw.stiffness.as_ref().map(Spanned::span)),
     ];
     all.into_iter().filter_map(|(name, span)| span.map(|s| (name, s))).collect()

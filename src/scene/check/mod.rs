@@ -1,15 +1,23 @@
 //! From what the user typed to what it means: units, ranges, defaults, and what must or must not stand together.
 
+mod ball;
 mod bar;
 mod csv_history;
+mod damping;
 mod ends;
+mod heat;
 mod rate;
 mod record;
 mod rupture;
+mod section;
 mod solve;
+mod torsion;
 
 use std::ops::Range;
 use std::path::Path;
+
+pub(super) use bar::Named;
+pub(super) use rupture::MOST_NOTCH;
 
 use super::raw::{RawEffects, RawScene, RawUnloading};
 use super::{Effects, Scene, Unloading, not_yet};
@@ -22,9 +30,9 @@ use crate::units::Dimension;
 const MOST_CELLS: usize = 100_000_000;
 
 /// The file being checked and the folder that its paths are relative to.
-struct Checker<'a> {
-    document: &'a Document,
-    base: &'a Path,
+pub(super) struct Checker<'a> {
+    pub document: &'a Document,
+    pub base: &'a Path,
 }
 
 /// Checks a document; `text` and `overrides` of the scene are the caller's to fill.
@@ -33,19 +41,44 @@ pub(super) fn check(document: &Document, base: &Path) -> Result<Scene> {
     let raw: RawScene = document.parse()?;
     let checker = Checker { document, base };
     let raw_bar = checker.required(raw.bar.as_ref(), "bar", "add [bar] with length and material")?;
-    let bar = checker.bar(raw_bar)?;
+    let twisted = torsion::is_torsion(raw_bar.get_ref());
+    let mut bar = checker.bar(raw_bar)?;
+    let torsion = if twisted {
+        Some(checker.twist(raw_bar, &mut bar)?)
+    } else {
+        checker.nothing_of_torsion(raw_bar, &bar)?;
+        None
+    };
+    let heat = checker.heat(&raw.effects, &mut bar)?;
     let ends = "both ends are always stated: add e.g. [left] with kind = \"velocity\" and value = \"30 m/s\", and \
                 [right] with kind = \"free\"";
-    let left = checker.end(checker.required(raw.left.as_ref(), "left", ends)?, "left", bar.area_given)?;
-    let right = checker.end(checker.required(raw.right.as_ref(), "right", ends)?, "right", bar.area_given)?;
+    let end = |raw, key, segment: usize| {
+        let raw = checker.required(raw, key, ends)?;
+        match &torsion {
+            Some(torsion) => checker.twisted_end(raw, key, torsion, torsion.polar[segment]),
+            None => checker.end(raw, key, &bar, &bar.segments[segment]),
+        }
+    };
+    let left = end(raw.left.as_ref(), "left", 0)?;
+    let right = end(raw.right.as_ref(), "right", bar.segments.len() - 1)?;
+    if twisted {
+        checker.effects_of_torsion(&raw.effects)?;
+    }
     let effects = Effects {
+        heat,
         rupture: checker.rupture(&raw.effects, raw_bar.get_ref(), &bar)?,
+        damping: checker.damping(&raw.effects, &bar)?,
+        lateral_inertia: checker.lateral_inertia(&raw.effects, &bar)?,
         ..checker.effects(&raw.effects, &bar)?
     };
+    checker.along_goes(&raw.effects, &bar)?;
     let until = "add [solve] with until, the end time, e.g. until = \"200 us\"";
     let raw_solve = checker.required(raw.solve.as_ref(), "solve", until)?;
     let solve = checker.solve(raw_solve, &raw.effects)?;
-    let record = checker.record(&raw.record, &bar, &effects, &solve)?;
+    checker.taper_can_be_solved(raw_bar.get_ref(), &bar, &solve.method)?;
+    let raw_ends = [("left", raw.left.as_ref()), ("right", raw.right.as_ref())];
+    checker.follows_balls(raw_ends, &solve.method)?;
+    let record = checker.record(&raw.record, &bar, &effects, &solve, twisted)?;
     let name = Path::new(&document.file).file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
     Ok(Scene {
         title: raw.title.unwrap_or_else(|| name.clone()),
@@ -59,16 +92,18 @@ pub(super) fn check(document: &Document, base: &Path) -> Result<Scene> {
         effects,
         solve,
         record,
+        cut: None,
+        torsion,
     })
 }
 
 impl Checker<'_> {
-    fn error(&self, span: Range<usize>, key: &str, message: impl Into<String>) -> InputError {
+    pub(super) fn error(&self, span: Range<usize>, key: &str, message: impl Into<String>) -> InputError {
         self.document.error(span, key, message)
     }
 
     /// A part that must be there; the help line says what to add.
-    fn required<'a, T>(&self, part: Option<&'a T>, key: &str, help: &str) -> Result<&'a T> {
+    pub(super) fn required<'a, T>(&self, part: Option<&'a T>, key: &str, help: &str) -> Result<&'a T> {
         part.ok_or_else(|| self.missing(self.end_of_text(), key, help))
     }
 
@@ -86,8 +121,9 @@ impl Checker<'_> {
     fn effects(&self, raw: &RawEffects, bar: &Bar) -> Result<Effects> {
         let rate = raw.rate.as_ref().map(|rate| self.rate(rate)).transpose()?;
         let Some(unloading) = &raw.unloading else {
-            // A curve that is followed both ways has no plastic strain that could take time.
-            return Ok(Effects { unloading: rate.map(|_| Unloading::Isotropic), rate, ..Effects::default() });
+            // A curve that is followed both ways has no plastic strain that could take time or warm the bar.
+            let implied = rate.is_some() || raw.heat.is_some();
+            return Ok(Effects { unloading: implied.then_some(Unloading::Isotropic), rate, ..Effects::default() });
         };
         let key = "effects.unloading";
         let kind = match unloading.get_ref() {

@@ -22,7 +22,14 @@ const MOST_GIB: f64 = 64.0;
 const GIB: f64 = 1024.0 * 1024.0 * 1024.0;
 
 impl Checker<'_> {
-    pub(super) fn record(&self, raw: &RawRecord, bar: &Bar, effects: &Effects, solve: &Solve) -> Result<Record> {
+    pub(super) fn record(
+        &self,
+        raw: &RawRecord,
+        bar: &Bar,
+        effects: &Effects,
+        solve: &Solve,
+        twisted: bool,
+    ) -> Result<Record> {
         let cells = raw.cells.as_ref().map(|v| self.document.count(v, "record.cells", 1, MOST_CELLS)).transpose()?;
         let tracked = solve.method.tracks_fronts();
         let record = Record {
@@ -30,7 +37,7 @@ impl Checker<'_> {
             // Which method a tolerance chooses must not change what is recorded.
             cells: cells.or((tracked || solve.tolerance.is_some()).then_some(SAMPLES)),
             paths: self.paths(raw, &solve.method)?,
-            fields: self.fields(raw, effects)?,
+            fields: self.fields(raw, effects, twisted)?,
             gauges: self.gauges(raw, bar.length())?,
             precision: match raw.precision {
                 Some(RawPrecision::F32) => Precision::F32,
@@ -130,7 +137,7 @@ impl Checker<'_> {
         Ok(times)
     }
 
-    fn fields(&self, raw: &RawRecord, effects: &Effects) -> Result<Vec<Field>> {
+    fn fields(&self, raw: &RawRecord, effects: &Effects, twisted: bool) -> Result<Vec<Field>> {
         let Some(list) = &raw.fields else { return Ok(vec![Field::Stress, Field::Strain, Field::Velocity]) };
         let mut fields = Vec::with_capacity(list.len());
         for (i, word) in list.iter().enumerate() {
@@ -147,6 +154,16 @@ impl Checker<'_> {
             if plastic && effects.unloading.is_none() {
                 let message = format!("`{}` does not exist where the curve is followed both ways", field.name());
                 let help = "add [effects] with unloading = \"isotropic\", or take the field out";
+                return Err(self.error(word.span(), &key, message).help(help).into());
+            }
+            if field == Field::Temperature && effects.heat.is_none() {
+                let message = "`temperature` does not exist where nothing heats the bar";
+                let help = "add [effects] with heat = { fraction = 0.9 }, or take the field out";
+                return Err(self.error(word.span(), &key, message).help(help).into());
+            }
+            if field != field.base() && !twisted {
+                let message = format!("`{}` exists in torsion only", field.name());
+                let help = "take the field out, or say mode = \"torsion\" in [bar]";
                 return Err(self.error(word.span(), &key, message).help(help).into());
             }
             fields.push(field);

@@ -15,7 +15,7 @@ use crate::material::Sense;
 use crate::units::Dimension;
 
 /// Largest notch factor: sharper ones are cracks, which are another matter.
-const MOST_NOTCH: f64 = 1000.0;
+pub(in crate::scene) const MOST_NOTCH: f64 = 1000.0;
 
 impl Checker<'_> {
     pub(super) fn rupture(&self, effects: &RawEffects, raw: &RawBar, bar: &Bar) -> Result<Option<Rupture>> {

@@ -47,14 +47,18 @@ impl Checker<'_> {
         let until = self.document.number(until, "solve.until", Dimension::Time, Allowed::Positive)?;
         let tolerance = self.tolerance(raw)?;
         let rate = effects.rate.is_some();
-        // A net follows fronts of rate-dependent bars within one cell, but does not part.
-        let default = if rate && effects.rupture.is_none() { RawMethod::Moc } else { RawMethod::Fd };
+        // A net follows fronts of rate-dependent bars within one cell, but does not part, has nothing act along the bar, and knows
+        // no temperature.
+        let on_a_net = rate && effects.rupture.is_none() && effects.along().is_none() && effects.heat.is_none();
+        let default = if on_a_net { RawMethod::Moc } else { RawMethod::Fd };
         let method = raw.method.as_ref().map_or(default, |m| *m.get_ref());
         if let (Some(rupture), RawMethod::Moc, true) = (&effects.rupture, method, rate) {
             let message = "the characteristic net, which solves rate-dependent bars, does not follow rupture";
             let error = self.error(rupture.span(), "effects.rupture", message);
             return Err(error.help("use method = \"fd\", which does, or take `rate` out of [effects]").into());
         }
+        self.along_is_on_a_grid(effects, raw, method)?;
+        self.heat_can_be_followed(effects, method)?;
         self.only_keys_of(raw, method, rate)?;
         let method = match (method, rate) {
             (RawMethod::Fd, _) => self.leapfrog(raw)?,

@@ -6,6 +6,7 @@ use std::ops::Range;
 use multiversion::multiversion;
 
 use super::ripple;
+use super::taper::BlockTaper;
 use crate::law::{RowLaw, account_work, elastic_row};
 
 /// Cells of a full block. Fixed, so that sums over blocks have the same bits whatever the number of threads.
@@ -35,7 +36,7 @@ pub(super) struct Block {
     pub state: Vec<f64>,
     /// 1 in cells that flowed in the latest step (not where the rate of flow is resolved), else 0; empty until the block yields.
     pub flow: Vec<u8>,
-    /// Running sum over cells and steps of the plastic work as [`RowLaw::advance`] gives it.
+    /// Running sum over cells and steps of the plastic work as [`RowLaw::advance`] gives it, times the cells' relative areas.
     pub plastic: f64,
     /// Velocity difference that the ripple damping handed over in the first and in the last cell.
     pub handed_at_edges: [f64; 2],
@@ -47,6 +48,8 @@ pub(super) struct Block {
     pub keeps_work: bool,
     /// 2E times the plastic work of every cell per volume, Pa^2; empty until the block yields, and where it is not kept.
     pub absorbed: Vec<f64>,
+    /// Sections of the cells; none in a uniform segment.
+    pub taper: Option<Box<BlockTaper>>,
 }
 
 /// What a block must know of its segment to step.
@@ -77,6 +80,7 @@ impl Block {
             damped: 0.0,
             keeps_work: false,
             absorbed: Vec::new(),
+            taper: None,
         }
     }
 
@@ -108,6 +112,7 @@ impl Block {
             damped: 0.0,
             keeps_work: self.keeps_work,
             absorbed: if self.absorbed.is_empty() { Vec::new() } else { self.absorbed.split_off(at) },
+            taper: self.taper.as_mut().map(|taper| Box::new(taper.split_off(at))),
         };
         self.cells.end = middle;
         right
@@ -128,7 +133,11 @@ impl Block {
         if !anything {
             return;
         }
-        self.damped += ripple::hand_over(velocity_gain, &self.sigma, handed, &mut self.v[1..cells]);
+        let inner = &mut self.v[1..cells];
+        self.damped += match &self.taper {
+            None => ripple::hand_over(velocity_gain, &self.sigma, handed, inner),
+            Some(taper) => taper.hand_over(velocity_gain, &self.sigma, handed, inner),
+        };
     }
 
     /// Steps the stresses of the block, then the nodes inside it. The nodes at its two edges belong to the caller.
@@ -141,7 +150,39 @@ impl Block {
         }
         self.advance_stress(law);
         let inner = self.v.len() - 1;
-        advance_velocity(law.velocity_gain, &self.sigma, &mut self.v[1..inner]);
+        match &self.taper {
+            None => advance_velocity(law.velocity_gain, &self.sigma, &mut self.v[1..inner]),
+            Some(taper) => taper.advance_velocity(law.velocity_gain, &self.sigma, &mut self.v[1..inner]),
+        }
+    }
+
+    /// Velocity change in a step of the node to the left of local cell `i` (0 < i < cells), m/s.
+    pub fn kick(&self, velocity_gain: f64, i: usize) -> f64 {
+        match &self.taper {
+            None => velocity_gain * (self.sigma[i] - self.sigma[i - 1]),
+            Some(taper) => taper.kick(velocity_gain, &self.sigma, i),
+        }
+    }
+
+    /// Area of local cell `i` over the mean of the segment.
+    pub fn area(&self, i: usize) -> f64 {
+        self.taper.as_ref().map_or(1.0, |taper| taper.area[i])
+    }
+
+    /// Volume of the block over that of a mean cell of the segment.
+    pub fn volume(&self) -> f64 {
+        self.taper.as_ref().map_or(self.sigma.len() as f64, |taper| taper.area.iter().sum())
+    }
+
+    /// Steps the stresses of the block alone: its nodes belong to the caller, all of them.
+    pub fn advance_stresses(&mut self, law: BlockLaw<'_>) {
+        if self.stage == Stage::Quiet {
+            if self.v.iter().all(|v| *v == self.v[0]) {
+                return;
+            }
+            self.stage = Stage::Elastic;
+        }
+        self.advance_stress(law);
     }
 
     /// A quiet block whose edge nodes still move with their neighbours has no strain rate anywhere.
@@ -167,13 +208,16 @@ impl Block {
         } else {
             law.law.advance(law.stress_gain, &self.v, &mut self.sigma, &mut self.state, work);
         }
-        self.plastic += account_work(work, &mut self.flow);
         if self.keeps_work {
             self.absorbed.resize(cells, 0.0);
-            for (sum, work) in self.absorbed.iter_mut().zip(work) {
+            for (sum, work) in self.absorbed.iter_mut().zip(&*work) {
                 *sum += *work;
             }
         }
+        if let Some(taper) = &self.taper {
+            work.iter_mut().zip(&taper.area).for_each(|(work, area)| *work *= area);
+        }
+        self.plastic += account_work(work, &mut self.flow);
         law.law.clear_resolved(&self.state, &mut self.flow);
     }
 
@@ -185,6 +229,48 @@ impl Block {
     /// E times the accumulated plastic strain of local cell `i`, Pa.
     pub fn accumulated(&self, law: &dyn RowLaw, i: usize) -> f64 {
         if self.stage == Stage::Plastic { law.accumulated(&self.state, i) } else { 0.0 }
+    }
+}
+
+/// Sums over the block, weighted with the relative areas of cells and the masses of nodes (over that of a mean cell).
+impl Block {
+    /// Of the squared stresses.
+    pub fn sum_of_squares(&self) -> f64 {
+        match &self.taper {
+            None => self.sigma.iter().map(|s| s * s).sum(),
+            Some(taper) => self.sigma.iter().zip(&taper.area).map(|(s, area)| area * (s * s)).sum(),
+        }
+    }
+
+    /// Of the work of the overstress, as [`RowLaw::overstress_work`] gives it.
+    pub fn overstress_work(&self, law: &dyn RowLaw) -> f64 {
+        let Some(taper) = &self.taper else { return law.overstress_work(&self.state) };
+        let cells = self.sigma.len();
+        let own = |i: usize| self.state.iter().skip(i).step_by(cells).copied().collect::<Vec<f64>>();
+        taper.area.iter().enumerate().map(|(i, area)| area * law.overstress_work(&own(i))).sum()
+    }
+
+    /// Over the nodes inside: of the product and of the sum of their velocities half a step before and after the time of
+    /// the stresses.
+    pub fn inner_nodes(&self, velocity_gain: f64) -> (f64, f64) {
+        self.nodes(|i| self.v[i] - self.kick(velocity_gain, i))
+    }
+
+    /// The same before anything acts on them.
+    pub fn inner_nodes_at_start(&self) -> (f64, f64) {
+        self.nodes(|i| self.v[i])
+    }
+
+    #[inline(always)]
+    fn nodes(&self, before: impl Fn(usize) -> f64) -> (f64, f64) {
+        let (mut product, mut sum) = (0.0, 0.0);
+        for i in 1..self.sigma.len() {
+            let (after, before) = (self.v[i], before(i));
+            let mass = self.taper.as_ref().map_or(1.0, |taper| taper.node_mass(i));
+            product += mass * (after * before);
+            sum += mass * (after + before);
+        }
+        (product, sum)
     }
 }
 

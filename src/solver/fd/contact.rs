@@ -15,7 +15,7 @@ pub(super) struct Face {
     pub after: f64,
     /// kg.
     pub mass: f64,
-    /// m^2.
+    /// Of its cell, m^2.
     pub area: f64,
 }
 
@@ -61,20 +61,21 @@ pub struct ContactState {
 }
 
 impl Contact {
-    /// At the joint behind `segment`, in place of `edge`; its faces have half of these cell masses (kg) and velocities.
-    pub fn new(bar: &Bar, segment: usize, edge: usize, cell: usize, [left_mass, right_mass]: [f64; 2]) -> Option<Self> {
+    /// At the joint behind `segment`, in place of `edge`, with `cell` to its right; `masses` (kg) are half of those of the cells
+    /// beside it, `areas` (m^2) their sections.
+    pub fn new(bar: &Bar, [segment, edge, cell]: [usize; 3], masses: [f64; 2], areas: [f64; 2]) -> Option<Self> {
         let Joint::Contact { gap } = bar.segments[segment].joint else { return None };
-        let face = |k: usize, cell_mass: f64| {
-            let (velocity, area) = (bar.segments[k].velocity, bar.segments[k].area);
-            Face { before: velocity, after: velocity, mass: 0.5 * cell_mass, area }
+        let face = |k: usize| {
+            let velocity = bar.segments[segment + k].velocity;
+            Face { before: velocity, after: velocity, mass: masses[k], area: areas[k] }
         };
         Some(Self {
             edge,
             segment,
             cell,
             broken: false,
-            left: face(segment, left_mass),
-            right: face(segment + 1, right_mass),
+            left: face(0),
+            right: face(1),
             start: gap,
             gap,
             force: 0.0,

@@ -5,6 +5,7 @@
 //! be after every step. Prescribed stresses enter by their exact mean over two steps: at Courant number 1 odd and even
 //! steps drive two lattices that know nothing of each other, and so each of them gets the impulse that was asked for.
 
+use super::ball::Ball;
 use super::body::Striker;
 use super::ripple;
 use crate::bar::EndCondition;
@@ -15,8 +16,10 @@ pub struct Device {
     condition: EndCondition,
     /// Outward normal: -1 left, +1 right.
     normal: f64,
-    /// dt A/m = 2 dt/(rho dx), m/s per Pa.
+    /// dt A/m, m/s per Pa: 2 dt/(rho dx) times A over the end cell's area.
     gain: f64,
+    /// Area of the end cell over that of the end: by which the cell's stress counts at the end; 1 but in a taper.
+    cell_share: f64,
     /// A dt: impulse per stress, m^2 s.
     impulse_per_stress: f64,
     dt: f64,
@@ -44,6 +47,8 @@ pub struct Device {
     breaks: bool,
     /// The mass that strikes the end, where one does.
     striker: Option<Striker>,
+    /// The ball, where there is one.
+    ball: Option<Ball>,
 }
 
 /// What a step makes of an end.
@@ -65,8 +70,10 @@ pub struct EndGrid {
     pub density: f64,
     /// Elastic impedance rho c0, Pa s/m.
     pub impedance: f64,
-    /// m^2.
+    /// Of the end, m^2.
     pub area: f64,
+    /// Of the end cell, m^2.
+    pub cell_area: f64,
     /// Initial velocity, m/s.
     pub velocity: f64,
 }
@@ -75,11 +82,14 @@ impl Device {
     /// The device at an end with outward normal `normal` (-1 left, +1 right).
     pub fn new(condition: EndCondition, normal: f64, grid: EndGrid) -> Self {
         let striker = Striker::of(&condition);
+        let ball = Ball::of(&condition, grid.velocity, normal, grid.dt);
         Self {
             condition,
             striker,
+            ball,
             normal,
-            gain: 2.0 * grid.dt / (grid.density * grid.dx),
+            gain: 2.0 * grid.dt / (grid.density * grid.dx) * (grid.area / grid.cell_area),
+            cell_share: grid.cell_area / grid.area,
             impulse_per_stress: grid.area * grid.dt,
             dt: grid.dt,
             impedance: grid.impedance,
@@ -102,11 +112,17 @@ impl Device {
     /// Takes the node from half a step before `time` to half a step after it. `sigma_cell` is the stress at `time`
     /// in the end cell.
     pub fn advance(&mut self, time: f64, sigma_cell: f64) {
+        self.advance_showing(time, sigma_cell, sigma_cell);
+    }
+
+    /// The same; `shown` is the stress of the end cell for the record.
+    fn advance_showing(&mut self, time: f64, sigma_cell: f64, shown: f64) {
         let previous_stress = self.reaction;
+        let sigma_cell = self.cell_share * sigma_cell;
         let motion = self.respond(time, sigma_cell);
         self.breaks = false;
         let struck = motion.held && (!self.held || self.jumps(time));
-        self.stress = if struck { sigma_cell } else { motion.stress };
+        self.stress = if struck { shown } else { motion.stress };
         if motion.held {
             self.held_stress = motion.stress;
         }
@@ -115,8 +131,31 @@ impl Device {
         if let Some(striker) = &mut self.striker {
             striker.advance(-self.normal * self.impulse_per_stress * motion.stress, self.dt);
         }
+        if let Some(ball) = &mut self.ball {
+            ball.advance(-self.reaction * self.impulse_per_stress / self.dt, self.after, self.dt);
+        }
         self.account(previous_stress);
         self.displacement += self.dt * self.after;
+    }
+
+    /// The end moves this mass, kg, in place of half its cell's.
+    pub(super) fn set_mass(&mut self, mass: f64) {
+        self.gain = self.impulse_per_stress / mass;
+    }
+
+    /// Velocity change of the step around `time` if the bar gives that mass an impulse of `pull`, N s in +x.
+    pub(super) fn answer(&self, time: f64, pull: f64) -> f64 {
+        self.respond(time, self.stress_of(pull)).velocity - self.after
+    }
+
+    /// Takes that step. `sigma_cell` is the stress of the end cell, for the record.
+    pub(super) fn advance_by(&mut self, time: f64, pull: f64, sigma_cell: f64) {
+        self.advance_showing(time, self.stress_of(pull), sigma_cell);
+    }
+
+    /// Stress of a cell that gives the node this impulse in a step.
+    fn stress_of(&self, pull: f64) -> f64 {
+        -self.normal * pull / self.impulse_per_stress
     }
 
     /// True where a prescribed velocity jumps within a step of `time`.
@@ -147,6 +186,7 @@ impl Device {
             EndCondition::Absorbing => self.radiating(sigma_cell),
             EndCondition::Wall { gap } => self.against_wall(*gap, sigma_cell),
             EndCondition::Striker { .. } => self.against_mass(sigma_cell),
+            EndCondition::Ball { .. } => self.against_ball(sigma_cell),
             EndCondition::Spring { stiffness } => self.on_spring(*stiffness, sigma_cell),
         }
     }
@@ -200,6 +240,16 @@ impl Device {
         self.under_stress(if self.held { 0.5 * self.reaction } else { 0.0 }, sigma_cell)
     }
 
+    /// The ball pushes with the mean of its force between the approaches a step before and a step after: stable for any
+    /// stiffness, and exact in energy, see [`Ball`].
+    fn against_ball(&self, sigma_cell: f64) -> Motion {
+        let Some(ball) = &self.ball else { return self.under_stress(0.0, sigma_cell) };
+        let free = self.under_stress(0.0, sigma_cell);
+        let area = self.impulse_per_stress / self.dt;
+        let force = ball.force(free.velocity, self.gain / area, self.dt);
+        self.under_stress(-force / area, sigma_cell)
+    }
+
     /// The force is -k times the mean `(u- + 2 u + u+)/4` of the displacements a step before, now and a step after: stable
     /// for any k, and exact in energy, see [`Device::body_energy`].
     fn on_spring(&self, stiffness: f64, sigma_cell: f64) -> Motion {
@@ -213,10 +263,13 @@ impl Device {
     }
 
     /// Energy of the body at the end at the current time, J, in the form that the scheme conserves: `M V- V+/2` for a
-    /// striker, `k u^2/2 + k dt^2 (v- v+ - v0^2)/8` for a spring (v0: at the start), 0 without one.
+    /// striker, with the contact's for a ball (see [`Ball`]), `k u^2/2 + k dt^2 (v- v+ - v0^2)/8` for a spring (v0: at the start), 0 without one.
     pub fn body_energy(&self) -> f64 {
         if let Some(striker) = &self.striker {
             return 0.5 * striker.mass * striker.before * striker.after;
+        }
+        if let Some(ball) = &self.ball {
+            return ball.energy();
         }
         let EndCondition::Spring { stiffness } = self.condition else { return 0.0 };
         let stretch = self.displacement();
@@ -224,9 +277,12 @@ impl Device {
         0.5 * stiffness * (stretch * stretch + 0.25 * self.dt * self.dt * motion)
     }
 
-    /// The striker's velocity at the current time, m/s, and its distance from the end half a step later, m; none without
-    /// one.
+    /// The striker's or ball's velocity at the current time, m/s, and its distance from the end, m, half a step later;
+    /// for a ball that touches it, less than 0: the approach. None without one.
     pub fn striker(&self) -> Option<(f64, f64)> {
+        if let Some(ball) = &self.ball {
+            return Some((ball.velocity(), -ball.approach));
+        }
         let striker = self.striker.as_ref()?;
         Some((0.5 * (striker.before + striker.after), self.normal * (striker.place - self.displacement)))
     }
@@ -240,12 +296,13 @@ impl Device {
     pub(super) fn let_go(&mut self) {
         self.condition = EndCondition::Free;
         self.striker = None;
+        self.ball = None;
         self.breaks = true;
     }
 
     /// The ripple damping changes the node's velocity, which no end prescribes just now. Returns the energy taken, J.
     pub(super) fn damp(&mut self, change: f64, sigma_cell: f64) -> f64 {
-        let g = self.normal * self.gain * (self.reaction - sigma_cell);
+        let g = self.normal * self.gain * (self.reaction - self.cell_share * sigma_cell);
         let half_mass = 0.5 * self.impulse_per_stress / self.gain;
         let taken = half_mass * ripple::node(g, change, &mut self.after);
         self.before += change;
@@ -253,10 +310,10 @@ impl Device {
         taken
     }
 
-    /// True where the end's velocity is prescribed just now, or its place matters to a spring; false where it follows from
-    /// the stress.
+    /// True where the end's velocity is prescribed just now, or its place matters to a spring or a ball; false where it
+    /// follows from the stress.
     pub(super) fn is_held(&self) -> bool {
-        self.held || matches!(self.condition, EndCondition::Spring { .. })
+        self.held || matches!(self.condition, EndCondition::Spring { .. } | EndCondition::Ball { .. })
     }
 
     /// Impulse and work by the trapezoidal rule in the end stress: the form in which the staggered scheme balances

@@ -9,8 +9,10 @@ use super::block::{BLOCK, Block, BlockLaw, Stage};
 use super::contact::{Contact, ContactState};
 use super::device::{Device, EndGrid};
 use super::grid::Grid;
+use super::implicit::{Along, Implicit};
 use super::ripple;
 use super::rupture::Breaking;
+use super::taper::BlockTaper;
 use crate::bar::{Bar, EndCondition};
 use crate::law::RowLaw;
 
@@ -48,11 +50,11 @@ pub(super) struct Constants {
     pub modulus: f64,
     pub stress_gain: f64,
     pub velocity_gain: f64,
-    /// rho A dx, kg.
+    /// rho A dx, kg; of a tapered segment with its mean area.
     pub cell_mass: f64,
-    /// A dx, m^3.
+    /// A dx, m^3; likewise.
     pub cell_volume: f64,
-    /// A, m^2.
+    /// A, m^2; likewise.
     pub area: f64,
     /// Cells that an elastic wave passes in a step.
     pub courant: f64,
@@ -78,31 +80,62 @@ pub struct Leapfrog {
     pub(super) damped_at_edges: f64,
     /// Where and when the bar breaks; none where it never does.
     pub(super) rupture: Option<Box<Breaking>>,
+    /// The nodes, where something acts along the bar.
+    pub(super) implicit: Option<Box<Implicit>>,
 }
 
 impl Leapfrog {
     /// A bar at t = 0, unstressed, moving as its segments say. `laws` has one entry a segment.
     pub fn new(bar: &Bar, grid: Grid, laws: Vec<SegmentLaw>, ends: [EndCondition; 2]) -> Self {
+        let mut bar = Self::before_start(bar, grid, laws, ends);
+        bar.share_edges();
+        bar.advance_edges();
+        bar
+    }
+
+    /// The same with what acts along the bar; without joints that can open. A bar along which nothing acts is the plain one.
+    pub fn with_along(bar: &Bar, grid: Grid, laws: Vec<SegmentLaw>, ends: [EndCondition; 2], along: &Along) -> Self {
+        if along.is_nothing() {
+            return Self::new(bar, grid, laws, ends);
+        }
+        let mut bar = Self::before_start(bar, grid, laws, ends);
+        debug_assert!(bar.contacts.is_empty());
+        bar.share_edges();
+        let mut velocities = vec![0.0; bar.grid.cells() + 1];
+        for block in &bar.blocks {
+            velocities[block.cells.start..=block.cells.end].copy_from_slice(&block.v);
+        }
+        let mut nodes = Implicit::new(along, &bar.grid, &bar.constants, velocities);
+        nodes.start(along, &bar.grid, &bar.constants, &bar.blocks, [&mut bar.left, &mut bar.right]);
+        bar.implicit = Some(Box::new(nodes));
+        bar.share_nodes();
+        bar
+    }
+
+    fn before_start(bar: &Bar, grid: Grid, laws: Vec<SegmentLaw>, ends: [EndCondition; 2]) -> Self {
         let constants = constants(bar, &grid);
         let blocks = blocks(bar, &grid);
         let mut edges = edges(&blocks, &constants);
         let contacts = contacts(bar, &blocks, &constants, &mut edges);
-        let end_grid = |k: usize| {
+        let end_grid = |k: usize, side: usize| {
             let (segment, part) = (&bar.segments[k], &grid.segments[k]);
+            let block = if side == 0 { &blocks[0] } else { &blocks[blocks.len() - 1] };
+            let cell = if side == 0 { 0 } else { block.sigma.len() - 1 };
             EndGrid {
                 dt: grid.dt,
                 dx: part.dx,
                 density: segment.material.density,
                 impedance: segment.material.impedance(),
-                area: segment.area,
+                area: segment.end_areas()[side],
+                cell_area: segment.area * block.area(cell),
                 velocity: segment.velocity,
             }
         };
         let [left, right] = ends;
-        let left = Device::new(left, -1.0, end_grid(0));
-        let right = Device::new(right, 1.0, end_grid(bar.segments.len() - 1));
+        let left = Device::new(left, -1.0, end_grid(0, 0));
+        let right = Device::new(right, 1.0, end_grid(bar.segments.len() - 1, 1));
         let parallel = grid.cells() >= PARALLEL_FROM;
-        let mut bar = Self {
+        Self {
             grid,
             laws,
             constants,
@@ -116,10 +149,8 @@ impl Leapfrog {
             yielded: false,
             damped_at_edges: 0.0,
             rupture: None,
-        };
-        bar.share_edges();
-        bar.advance_edges();
-        bar
+            implicit: None,
+        }
     }
 
     /// One step: stresses from velocities, then velocities from stresses. Allocates nothing, but for the plastic
@@ -127,17 +158,25 @@ impl Leapfrog {
     pub fn advance(&mut self) {
         self.step += 1;
         let (laws, constants) = (&self.laws, &self.constants);
+        let advance_block = if self.implicit.is_some() { Block::advance_stresses } else { Block::advance };
         let advance = |block: &mut Block| {
             let (law, constants) = (&laws[block.segment], &constants[block.segment]);
-            block.advance(BlockLaw {
-                law: law.law.as_ref(),
-                stress_gain: constants.stress_gain,
-                velocity_gain: constants.velocity_gain,
-                yield_stress: law.yield_stress,
-            });
+            advance_block(
+                block,
+                BlockLaw {
+                    law: law.law.as_ref(),
+                    stress_gain: constants.stress_gain,
+                    velocity_gain: constants.velocity_gain,
+                    yield_stress: law.yield_stress,
+                },
+            );
         };
         for_each(&mut self.blocks, self.parallel, advance);
-        self.advance_edges();
+        if self.implicit.is_some() {
+            self.advance_nodes();
+        } else {
+            self.advance_edges();
+        }
         if self.rupture.is_some() {
             self.break_where_due();
         }
@@ -165,7 +204,7 @@ impl Leapfrog {
         for_each(&mut self.blocks, self.parallel, damp);
         for (k, edge) in self.edges.iter_mut().enumerate() {
             let (left, right) = (&self.blocks[k], &self.blocks[k + 1]);
-            let change = right.handed_at_edges[0] - left.handed_at_edges[1];
+            let change = edge.handed(left.handed_at_edges[1], right.handed_at_edges[0]);
             let g = edge.kick(last(&left.sigma), right.sigma[0]);
             self.damped_at_edges += 0.5 * edge.mass * ripple::node(g, change, &mut edge.after);
             // So that after - before stays what the stresses gave the node, as for the nodes inside a block.
@@ -173,6 +212,9 @@ impl Leapfrog {
         }
         self.damp_ends();
         self.share_edges();
+        if let Some(nodes) = &mut self.implicit {
+            nodes.take_ripples(&self.blocks);
+        }
     }
 
     /// The end nodes' part of the damping: half the mass, so twice the velocity change.
@@ -219,6 +261,26 @@ impl Leapfrog {
         self.left.advance(time, self.blocks[0].sigma[0]);
         self.right.advance(time, last(&self.blocks[self.blocks.len() - 1].sigma));
         self.share_edges();
+    }
+
+    /// All nodes at once, where something acts along the bar.
+    fn advance_nodes(&mut self) {
+        let time = self.time();
+        if let Some(nodes) = &mut self.implicit {
+            nodes.advance(time, &self.blocks, [&mut self.left, &mut self.right]);
+        }
+        self.share_nodes();
+    }
+
+    /// Gives blocks and the nodes between them their velocities.
+    fn share_nodes(&mut self) {
+        let Some(nodes) = &self.implicit else { return };
+        for block in &mut self.blocks {
+            nodes.share(block);
+        }
+        for (edge, block) in self.edges.iter_mut().zip(&self.blocks) {
+            [edge.before, edge.after] = nodes.velocities(block.cells.end);
+        }
     }
 
     /// Gives both neighbours of every edge its velocity.
@@ -276,6 +338,14 @@ impl Edge {
     /// The node in whose place there is a contact.
     pub const EMPTY: Self = Self { before: 0.0, after: 0.0, gain_left: 0.0, gain_right: 0.0, mass: 0.0 };
 
+    /// Velocity change from what the ripple damping hands over in the cells on both sides, each an impulse of its own mass.
+    fn handed(&self, left: f64, right: f64) -> f64 {
+        if self.gain_left == self.gain_right {
+            return right - left;
+        }
+        2.0 * (self.gain_right * right - self.gain_left * left) / (self.gain_left + self.gain_right)
+    }
+
     /// Velocity change in a step, m/s, from the stresses on both sides. Inside a segment it has the bits that a node
     /// inside a block would have, so that results do not depend on where blocks meet.
     pub fn kick(&self, sigma_left: f64, sigma_right: f64) -> f64 {
@@ -323,27 +393,47 @@ fn blocks(bar: &Bar, grid: &Grid) -> Vec<Block> {
     for (k, part) in grid.segments.iter().enumerate() {
         for start in part.cells.clone().step_by(BLOCK) {
             let end = (start + BLOCK).min(part.cells.end);
-            blocks.push(Block::new(start..end, k, bar.segments[k].velocity));
+            let mut block = Block::new(start..end, k, bar.segments[k].velocity);
+            block.taper = BlockTaper::of(&bar.segments[k], part, &block.cells);
+            blocks.push(block);
         }
     }
     blocks
+}
+
+/// Areas of the cells on both sides of the node between two blocks, over the mean of their segments.
+fn relative_areas(pair: &[Block]) -> [f64; 2] {
+    [pair[0].area(pair[0].sigma.len() - 1), pair[1].area(0)]
+}
+
+/// Masses of these cells, kg.
+pub(super) fn cell_masses(pair: &[Block], constants: &[Constants]) -> [f64; 2] {
+    let areas = relative_areas(pair);
+    [0, 1].map(|k| constants[pair[k].segment].cell_mass * areas[k])
+}
+
+/// Sections of these cells, m^2.
+pub(super) fn cell_areas(pair: &[Block], constants: &[Constants]) -> [f64; 2] {
+    let areas = relative_areas(pair);
+    [0, 1].map(|k| constants[pair[k].segment].area * areas[k])
 }
 
 /// The nodes between blocks. At a joint of segments that move differently the node starts with their common momentum.
 fn edges(blocks: &[Block], constants: &[Constants]) -> Vec<Edge> {
     let edge = |pair: &[Block]| {
         let (left, right) = (&constants[pair[0].segment], &constants[pair[1].segment]);
+        let [left_mass, right_mass] = cell_masses(pair, constants);
         let velocity = if pair[0].v[0] == pair[1].v[0] {
             pair[0].v[0]
         } else {
-            (left.cell_mass * pair[0].v[0] + right.cell_mass * pair[1].v[0]) / (left.cell_mass + right.cell_mass)
+            (left_mass * pair[0].v[0] + right_mass * pair[1].v[0]) / (left_mass + right_mass)
         };
-        let mass = 0.5 * (left.cell_mass + right.cell_mass);
-        let (gain_left, gain_right) = if pair[0].segment == pair[1].segment {
+        let mass = 0.5 * (left_mass + right_mass);
+        let (gain_left, gain_right) = if pair[0].segment == pair[1].segment && pair[0].taper.is_none() {
             (left.velocity_gain, left.velocity_gain)
         } else {
             // dt A/m, written with the segment's own gain dt/(rho dx) = dt A/(cell mass).
-            (left.velocity_gain * left.cell_mass / mass, right.velocity_gain * right.cell_mass / mass)
+            (left.velocity_gain * left_mass / mass, right.velocity_gain * right_mass / mass)
         };
         Edge { before: velocity, after: velocity, gain_left, gain_right, mass }
     };
@@ -358,8 +448,9 @@ fn contacts(bar: &Bar, blocks: &[Block], constants: &[Constants], edges: &mut [E
         if left == right {
             continue;
         }
-        let masses = [constants[left].cell_mass, constants[right].cell_mass];
-        if let Some(contact) = Contact::new(bar, left, k, pair[1].cells.start, masses) {
+        let masses = cell_masses(pair, constants).map(|mass| 0.5 * mass);
+        let areas = cell_areas(pair, constants);
+        if let Some(contact) = Contact::new(bar, [left, k, pair[1].cells.start], masses, areas) {
             edges[k] = Edge::EMPTY;
             contacts.push(contact);
         }

@@ -1,19 +1,24 @@
 //! Finite differences on a staggered grid.
 
+mod ball;
 mod block;
 mod body;
 mod contact;
 mod device;
 mod grid;
+mod implicit;
 mod leapfrog;
 mod readings;
 mod ripple;
 mod rupture;
 mod sample;
+mod taper;
 
 pub use contact::ContactState;
 pub use device::Device;
 pub use grid::{Grid, SegmentGrid};
+pub use implicit::Along;
 pub use leapfrog::{Leapfrog, SegmentLaw};
 pub use readings::{Energies, Passed, Quantity};
 pub use sample::Sampling;
+pub use taper::BYTES_PER_CELL as TAPER_BYTES_PER_CELL;

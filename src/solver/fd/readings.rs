@@ -1,6 +1,7 @@
 //! What can be read off a bar: fields, energies, cells past their data.
 
 use super::block::{Block, Stage};
+use super::implicit::NodeSums;
 use super::leapfrog::{Leapfrog, last};
 
 /// What can be read in a cell.
@@ -17,6 +18,8 @@ pub enum Quantity {
     PlasticStrain,
     /// Accumulated plastic strain, >= 0.
     AccumulatedPlasticStrain,
+    /// Temperature, K; not a number without the effect of heat.
+    Temperature,
 }
 
 /// A cell that came to the end of its material's data.
@@ -34,18 +37,24 @@ pub struct Passed {
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Energies {
     /// Sum of m v- v+ / 2, v- and v+ being the velocities half a step before and after: the form that the scheme
-    /// conserves.
+    /// conserves. With lateral inertia that of the sideways motion is in it.
     pub kinetic: f64,
     /// Sum of sigma^2/(2E) dV.
     pub elastic: f64,
-    /// Plastic work since the start, without that of the overstress.
+    /// Plastic work since the start that did not turn into heat, without that of the overstress.
     pub plastic: f64,
-    /// Taken by the ripple damping, and by the overstress of rate-dependent cells, since the start (0 in an elastic run).
+    /// Plastic work since the start, that of the overstress with it, that turned into heat.
+    pub heat: f64,
+    /// Taken by the ripple damping, and by the overstress of rate-dependent cells as far as it did not turn into heat, since the start (0 in an elastic run).
     pub viscous: f64,
     /// Lost by the faces of joints that met (0 without joints that can open).
     pub concentrated: f64,
     /// Lost by broken faces that met again (0 without ruptures).
     pub fracture: f64,
+    /// Taken by internal and external damping since the start (0 without them).
+    pub damping: f64,
+    /// Stored in the foundation (0 without one).
+    pub foundation: f64,
     /// Momentum, positive in +x.
     pub momentum: f64,
 }
@@ -53,12 +62,18 @@ pub struct Energies {
 impl Leapfrog {
     /// Mass of the bar, kg.
     pub fn mass(&self) -> f64 {
-        self.blocks.iter().map(|b| self.constants[b.segment].cell_mass * b.sigma.len() as f64).sum()
+        self.blocks.iter().map(|b| self.constants[b.segment].cell_mass * b.volume()).sum()
     }
 
-    /// Plastic state in memory, bytes.
+    /// Plastic state in memory, and that of the nodes where something acts along the bar, bytes.
     pub fn state_bytes(&self) -> usize {
-        self.blocks.iter().map(|b| (b.state.len() + b.absorbed.len()) * size_of::<f64>()).sum()
+        let blocks: usize = self.blocks.iter().map(|b| (b.state.len() + b.absorbed.len()) * size_of::<f64>()).sum();
+        blocks + self.implicit.as_ref().map_or(0, |nodes| nodes.bytes())
+    }
+
+    /// Impulse (N s in +x) that external damping and a foundation have given to the bar so far, and the sum of its sizes.
+    pub fn impulse_along(&self) -> [f64; 2] {
+        self.implicit.as_ref().map_or([0.0; 2], |nodes| nodes.impulse())
     }
 
     /// A quantity in one cell.
@@ -86,6 +101,7 @@ impl Leapfrog {
             Quantity::Strain => (block.sigma[i] + block.plastic_strain(law, i)) / modulus,
             Quantity::PlasticStrain => block.plastic_strain(law, i) / modulus,
             Quantity::AccumulatedPlasticStrain => block.accumulated(law, i) / modulus,
+            Quantity::Temperature => law.temperature(&block.state, i),
             Quantity::Velocity => 0.5 * (self.node_velocity(k, i) + self.node_velocity(k, i + 1)),
         }
     }
@@ -114,6 +130,10 @@ impl Leapfrog {
     /// half a step after.
     fn node_velocity(&self, k: usize, i: usize) -> f64 {
         let block = &self.blocks[k];
+        if let Some(nodes) = &self.implicit {
+            let [before, after] = nodes.velocities(block.cells.start + i);
+            return 0.5 * (before + after);
+        }
         if i == 0 {
             return if k == 0 { self.left.velocity() } else { self.edge_velocity(k - 1, 1) };
         }
@@ -121,7 +141,7 @@ impl Leapfrog {
             return if k == self.edges.len() { self.right.velocity() } else { self.edge_velocity(k, 0) };
         }
         let gain = self.constants[block.segment].velocity_gain;
-        block.v[i] - 0.5 * (gain * (block.sigma[i] - block.sigma[i - 1]))
+        block.v[i] - 0.5 * block.kick(gain, i)
     }
 
     /// The same for the node between blocks `k` and `k + 1`; of two faces, the left (0) or the right (1) one.
@@ -136,22 +156,15 @@ impl Leapfrog {
 
     /// Energies and momentum at the current time. One pass over all cells.
     pub fn energies(&self) -> Energies {
+        if let Some(nodes) = &self.implicit {
+            return self.energies_with(nodes.sums());
+        }
         let mut total = Energies { viscous: self.damped_at_edges, ..Energies::default() };
         for (k, block) in self.blocks.iter().enumerate() {
             let c = &self.constants[block.segment];
-            let squares: f64 = block.sigma.iter().map(|s| s * s).sum();
-            total.elastic += 0.5 * c.cell_volume * squares / c.modulus;
-            let over = self.laws[block.segment].law.overstress_work(&block.state) / c.modulus;
-            total.plastic += 0.5 * c.cell_volume * block.plastic / c.modulus - c.cell_volume * over;
-            total.viscous += 0.5 * c.cell_mass * block.damped + c.cell_volume * over;
-            let inner = block.sigma.len();
-            let (mut product, mut sum) = (0.0, 0.0);
-            for i in 1..inner {
-                let after = block.v[i];
-                let before = after - c.velocity_gain * (block.sigma[i] - block.sigma[i - 1]);
-                product += after * before;
-                sum += after + before;
-            }
+            self.add_material(&mut total, block);
+            total.viscous += 0.5 * c.cell_mass * block.damped;
+            let (product, sum) = block.inner_nodes(c.velocity_gain);
             total.add_nodes(c.cell_mass, product, sum);
             if let Some(edge) = self.edges.get(k) {
                 total.add_nodes(edge.mass, edge.after * edge.before, edge.after + edge.before);
@@ -163,21 +176,60 @@ impl Leapfrog {
                 total.add_nodes(face.mass, face.after * face.before, face.after + face.before);
             }
         }
-        for (device, segment) in [(&self.left, 0), (&self.right, self.constants.len() - 1)] {
+        for (device, mass) in [&self.left, &self.right].into_iter().zip(self.end_masses()) {
             let (before, after) = (device.velocity_before(), device.velocity_after());
-            total.add_nodes(0.5 * self.constants[segment].cell_mass, before * after, before + after);
+            total.add_nodes(mass, before * after, before + after);
         }
         total
+    }
+
+    /// Strain energy and work of flow of a block.
+    fn add_material(&self, total: &mut Energies, block: &Block) {
+        let (c, law) = (&self.constants[block.segment], self.laws[block.segment].law.as_ref());
+        let over = c.cell_volume * block.overstress_work(law) / c.modulus;
+        let flow = 0.5 * c.cell_volume * block.plastic / c.modulus;
+        let heats = law.heat_fraction();
+        total.elastic += 0.5 * c.cell_volume * block.sum_of_squares() / c.modulus;
+        total.heat += heats * flow;
+        total.plastic += (1.0 - heats) * (flow - over);
+        total.viscous += (1.0 - heats) * over;
+    }
+
+    /// The same where the nodes keep their own account.
+    fn energies_with(&self, nodes: NodeSums) -> Energies {
+        let mut total = Energies {
+            kinetic: nodes.kinetic,
+            momentum: nodes.momentum,
+            viscous: nodes.viscous,
+            damping: nodes.damping,
+            foundation: nodes.foundation,
+            ..Energies::default()
+        };
+        for block in &self.blocks {
+            self.add_material(&mut total, block);
+        }
+        total
+    }
+
+    /// Masses of the nodes at the ends, kg.
+    fn end_masses(&self) -> [f64; 2] {
+        let (first, last) = (&self.blocks[0], &self.blocks[self.blocks.len() - 1]);
+        [(first, 0), (last, last.sigma.len() - 1)]
+            .map(|(block, cell)| 0.5 * (self.constants[block.segment].cell_mass * block.area(cell)))
     }
 
     /// Kinetic energy and momentum of the nodes with their initial velocities, before anything acts on them.
     pub fn initial(&self) -> Energies {
         debug_assert_eq!(self.step, 0);
+        if let Some(nodes) = &self.implicit {
+            let NodeSums { kinetic, momentum, .. } = nodes.initial();
+            return Energies { kinetic, momentum, ..Energies::default() };
+        }
         let mut total = Energies::default();
         for (k, block) in self.blocks.iter().enumerate() {
             let c = &self.constants[block.segment];
-            let inner = &block.v[1..block.sigma.len()];
-            total.add_nodes(c.cell_mass, inner.iter().map(|v| v * v).sum(), 2.0 * inner.iter().sum::<f64>());
+            let (product, sum) = block.inner_nodes_at_start();
+            total.add_nodes(c.cell_mass, product, sum);
             if let Some(edge) = self.edges.get(k) {
                 total.add_nodes(edge.mass, edge.before * edge.before, 2.0 * edge.before);
             }
@@ -185,9 +237,9 @@ impl Leapfrog {
         for face in self.contacts.iter().flat_map(|contact| [&contact.left, &contact.right]) {
             total.add_nodes(face.mass, face.before * face.before, 2.0 * face.before);
         }
-        for (device, segment) in [(&self.left, 0), (&self.right, self.constants.len() - 1)] {
+        for (device, mass) in [&self.left, &self.right].into_iter().zip(self.end_masses()) {
             let v = device.velocity_before();
-            total.add_nodes(0.5 * self.constants[segment].cell_mass, v * v, 2.0 * v);
+            total.add_nodes(mass, v * v, 2.0 * v);
         }
         total
     }
@@ -234,6 +286,14 @@ impl Energies {
 
     /// All energy in the bar, dissipated included, J.
     pub fn total(&self) -> f64 {
-        self.kinetic + self.elastic + self.plastic + self.viscous + self.concentrated + self.fracture
+        self.kinetic
+            + self.elastic
+            + self.plastic
+            + self.heat
+            + self.viscous
+            + self.concentrated
+            + self.fracture
+            + self.damping
+            + self.foundation
     }
 }

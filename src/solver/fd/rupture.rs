@@ -11,7 +11,7 @@
 
 use super::block::{Block, Stage};
 use super::contact::Contact;
-use super::leapfrog::{Edge, Leapfrog, last};
+use super::leapfrog::{Edge, Leapfrog, cell_areas, cell_masses, last};
 use crate::law::LANES;
 use crate::law::rupture::{Cause, Criteria, Criterion, Rupture, Site, Strained};
 
@@ -228,7 +228,7 @@ impl Leapfrog {
             stress: place.stress,
             strain: criterion.strain(&place),
             absorbed: criterion.absorbed(&place),
-            bar_absorbed: now.elastic + now.plastic,
+            bar_absorbed: now.elastic + now.plastic + now.heat,
         });
         breaking.nodes.push((node, self.step));
         match site {
@@ -291,9 +291,10 @@ impl Leapfrog {
         let velocity = if at < self.blocks[k].sigma.len() { self.split_block(k, at) } else { self.edges[k].before };
         k = self.blocks.partition_point(|b| b.cells.end < node);
         self.edges[k] = Edge::EMPTY;
-        let sides = [self.blocks[k].segment, self.blocks[k + 1].segment].map(|s| self.constants[s]);
-        let masses = sides.map(|c| 0.5 * c.cell_mass);
-        let mut contact = Contact::broken([k, self.blocks[k].segment, node], velocity, masses, sides.map(|c| c.area));
+        let pair = &self.blocks[k..=k + 1];
+        let masses = cell_masses(pair, &self.constants).map(|mass| 0.5 * mass);
+        let areas = cell_areas(pair, &self.constants);
+        let mut contact = Contact::broken([k, self.blocks[k].segment, node], velocity, masses, areas);
         contact.part([last(&self.blocks[k].sigma), self.blocks[k + 1].sigma[0]], self.grid.dt);
         let place = self.contacts.partition_point(|other| other.edge < k);
         self.contacts.insert(place, contact);
@@ -304,7 +305,7 @@ impl Leapfrog {
     fn split_block(&mut self, k: usize, at: usize) -> f64 {
         let block = &mut self.blocks[k];
         let gain = self.constants[block.segment].velocity_gain;
-        let velocity = block.v[at] - gain * (block.sigma[at] - block.sigma[at - 1]);
+        let velocity = block.v[at] - block.kick(gain, at);
         let right = block.split_off(at);
         self.blocks.insert(k + 1, right);
         self.edges.insert(k, Edge::EMPTY);

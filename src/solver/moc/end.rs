@@ -197,7 +197,7 @@ impl End {
             EndCondition::Velocity { release: Some(release), .. } if *release <= at => Drive::Stress(0.0),
             EndCondition::Velocity { history, .. } => Drive::Velocity(history.at(at)),
             EndCondition::Stress { history } => Drive::Stress(history.at(at)),
-            EndCondition::Free => Drive::Stress(0.0),
+            EndCondition::Free | EndCondition::Ball { .. } => Drive::Stress(0.0),
             EndCondition::Fixed => Drive::Velocity(0.0),
             // Striker and spring have answered above.
             EndCondition::Absorbing | EndCondition::Striker { .. } | EndCondition::Spring { .. } => {
@@ -269,7 +269,7 @@ impl End {
             EndCondition::Velocity { history, .. } => (0.0, range(history)),
             EndCondition::Stress { history } => (history.extreme().abs(), [self.rest; 2]),
             EndCondition::Fixed | EndCondition::Wall { .. } => (0.0, [0.0; 2]),
-            EndCondition::Striker { velocity, .. } => (0.0, [*velocity; 2]),
+            EndCondition::Striker { velocity, .. } | EndCondition::Ball { velocity, .. } => (0.0, [*velocity; 2]),
             EndCondition::Spring { .. } => (0.0, [0.0, self.rest]),
             EndCondition::Free | EndCondition::Absorbing => (0.0, [self.rest; 2]),
         }

@@ -3,6 +3,7 @@
 use super::FrontTracking;
 use super::end::EndRecord;
 use super::list::Kind;
+use crate::material::Heating;
 use crate::wave::riemann::{Medium, Point};
 
 /// A constant piece of the solution.
@@ -71,6 +72,16 @@ impl FrontTracking {
     /// Material and section of a segment.
     pub fn medium(&self, segment: usize) -> &Medium {
         &self.media[segment]
+    }
+
+    /// What heats a segment, if anything does.
+    pub fn heating(&self, segment: usize) -> Option<&Heating> {
+        self.materials[segment].heating.as_deref()
+    }
+
+    /// Temperature of a state, K, from its plastic work; not a number without the effect of heat.
+    pub fn temperature(&self, segment: usize, point: &Point) -> f64 {
+        self.heating(segment).map_or(f64::NAN, |heating| heating.temperature_after(point.work))
     }
 
     /// What happened at the left and the right end.

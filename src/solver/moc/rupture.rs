@@ -100,7 +100,7 @@ impl FrontTracking {
             stress: point.stress,
             strain: criterion.strain(&place),
             absorbed: criterion.absorbed(&place),
-            bar_absorbed: now.elastic + now.plastic,
+            bar_absorbed: now.elastic + now.plastic + now.heat,
         });
     }
 

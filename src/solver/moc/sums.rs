@@ -10,8 +10,10 @@ pub struct Balance {
     pub kinetic: f64,
     /// Sum of sigma^2/(2E) dV.
     pub elastic: f64,
-    /// Plastic work, and what is lost in shocks along the chords of a stiffening curve.
+    /// Plastic work that did not turn into heat, and what is lost in shocks along the chords of a stiffening curve.
     pub plastic: f64,
+    /// What of that turned into heat.
+    pub heat: f64,
     /// Work taken at single points where a level curve keeps the velocities apart.
     pub concentrated: f64,
     /// Energy that the thinning of waves has taken: the spread of what it averages.
@@ -27,7 +29,7 @@ pub struct Balance {
 impl Balance {
     /// All energy in the bar, and all that it took.
     pub fn total(&self) -> f64 {
-        self.kinetic + self.elastic + self.plastic + self.concentrated + self.thinned
+        self.kinetic + self.elastic + self.plastic + self.heat + self.concentrated + self.thinned
     }
 }
 
@@ -41,7 +43,9 @@ impl FrontTracking {
             let point = piece.point;
             sum.kinetic += 0.5 * medium.density * point.velocity * point.velocity * volume;
             sum.elastic += 0.5 * point.stress * point.stress / medium.modulus * volume;
-            sum.plastic += point.work * volume;
+            let heats = self.heating(piece.segment).map_or(0.0, |heating| heating.fraction);
+            sum.plastic += (1.0 - heats) * (point.work * volume);
+            sum.heat += heats * (point.work * volume);
             sum.momentum += medium.density * point.velocity * volume;
         }
         for node in self.list.iter().filter(|n| matches!(n.kind, Kind::Contact | Kind::Joint)) {

@@ -2,6 +2,7 @@
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
+use std::sync::Arc;
 
 use super::contact::Contact;
 use super::end::End;
@@ -13,7 +14,7 @@ use super::{Settings, Stopped, Trail};
 use crate::bar::{Bar, EndCondition};
 use crate::law::Table;
 use crate::law::rupture::Criteria;
-use crate::material::Sense;
+use crate::material::{Material, Sense};
 use crate::wave::riemann::{Emitted, Flow, Medium, Point, Side, Workspace, solve};
 
 /// Nodes closer than this part of the bar's length are at one point, and times closer than this part of the elastic
@@ -57,6 +58,8 @@ impl Ord for Meeting {
 #[derive(Debug, Clone)]
 pub struct FrontTracking {
     pub(super) media: Vec<Medium>,
+    /// What each segment is made of.
+    pub(super) materials: Vec<Arc<Material>>,
     pub(super) ends: [End; 2],
     pub(super) end_nodes: [u32; 2],
     /// Joints that can open.
@@ -117,6 +120,7 @@ impl FrontTracking {
         }
         let mut tracking = Self {
             media,
+            materials: bar.segments.iter().map(|s| Arc::clone(&s.material)).collect(),
             ends,
             end_nodes: [0, 0],
             contacts: Contact::all(bar),

@@ -4,6 +4,7 @@
 //! back `sigma - Z u - d`, where d is a quarter of what the end node flows in the step: half of it before, half after the
 //! moment at which sigma and u hold. Histories enter by their means over the step.
 
+use super::ball::Ball;
 use super::part::{INSIDE, Part, Work};
 use crate::bar::EndCondition;
 use crate::law::rate::{Flow, History};
@@ -31,6 +32,8 @@ pub(super) struct End {
     held_stress: f64,
     /// What a striker is doing.
     body: Option<Body>,
+    /// And what a ball is.
+    ball: Option<Ball>,
     last: EndReading,
 }
 
@@ -89,6 +92,7 @@ impl End {
         } else {
             None
         };
+        let ball = Ball::of(&condition, inward);
         Self {
             condition,
             inward,
@@ -102,6 +106,7 @@ impl End {
             throughput: 0.0,
             held_stress: 0.0,
             body,
+            ball,
             last: EndReading { stress: 0.0, velocity },
         }
     }
@@ -122,6 +127,9 @@ impl End {
             let moved = self.dt * (answer.velocity - (body.velocity + 0.5 * body.gain * answer.stress));
             body.gap = if answer.held { 0.0 } else { (body.gap + moved).max(0.0) };
             body.velocity += body.gain * answer.stress;
+        }
+        if let Some(ball) = &mut self.ball {
+            ball.advance(-answer.stress * self.area, answer.velocity, self.dt);
         }
         let velocity = self.inward * answer.velocity;
         let impulse = -self.inward * self.area * self.dt * answer.stress;
@@ -200,6 +208,7 @@ impl End {
                     self.body.map_or((0.0, 0.0), |b| (b.velocity - b.gap / self.dt, 0.5 * b.gain));
                 self.unless_free(Drive::Motion { velocity, mobility }, arriving, part)
             }
+            EndCondition::Ball { .. } => self.against_ball(arriving, part),
             EndCondition::Spring { stiffness } => {
                 // sigma A = k (displacement into the bar at mid-step).
                 let per_half_step = 0.5 * self.dt * stiffness / self.area;
@@ -207,6 +216,19 @@ impl End {
                 self.respond(Drive::Motion { velocity, mobility: 1.0 / per_half_step }, arriving, part)
             }
         }
+    }
+
+    /// The ball's force as if the end answered elastically is the most it can be: one that flows gives way more.
+    fn against_ball(&self, arriving: f64, part: &Part) -> Answer {
+        let under = |force: f64| self.respond(Drive::Stress(-force / self.area), arriving, part);
+        let Some(ball) = &self.ball else { return under(0.0) };
+        let mobility = 1.0 / (self.area * self.impedance);
+        let elastic = ball.force(arriving / self.impedance, mobility, self.dt);
+        let answer = under(elastic);
+        if answer.flow.plastic == 0.0 {
+            return answer;
+        }
+        under(ball.force_on(elastic, |force| under(force).velocity, self.dt))
     }
 
     /// What can push but not pull: the end is free where it moves away by itself.
@@ -239,9 +261,10 @@ impl End {
         self.displacement
     }
 
-    /// Velocity of a striker at the whole step, m/s, positive in +x; none where there is none.
+    /// Velocity of a striker or a ball at the whole step, m/s, positive in +x; none where there is none.
     pub fn striker_velocity(&self) -> Option<f64> {
-        self.body.map(|body| self.inward * body.velocity)
+        let body = self.body.map(|body| body.velocity);
+        body.or(self.ball.map(|ball| ball.velocity)).map(|velocity| self.inward * velocity)
     }
 
     /// Work done on the bar so far, J.

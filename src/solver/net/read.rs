@@ -32,7 +32,8 @@ impl Net {
             Quantity::Strain => (stress + history.signed) / part.modulus,
             Quantity::PlasticStrain => history.signed / part.modulus,
             Quantity::AccumulatedPlasticStrain => history.accumulated / part.modulus,
-            _ => stress,
+            Quantity::Temperature => f64::NAN,
+            Quantity::Stress | Quantity::Velocity => stress,
         }
     }
 

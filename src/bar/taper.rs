@@ -1,0 +1,130 @@
+//! A section that changes along a segment: a table of areas or of diameters, straight between its rows.
+
+use std::f64::consts::PI;
+
+use serde::Serialize;
+
+/// What the rows of a taper give.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Profile {
+    /// Areas, m^2: the area is straight between rows.
+    Area,
+    /// Diameters of round sections, m: the diameter is straight between rows, a cone.
+    Diameter,
+}
+
+/// The section along a segment; x is measured from the segment's own left end.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Taper {
+    profile: Profile,
+    x: Vec<f64>,
+    size: Vec<f64>,
+}
+
+impl Taper {
+    /// From rows (x in m, size in m^2 or m): at least two, x increasing from 0, sizes > 0, all finite.
+    ///
+    /// # Errors
+    /// The index of the first row that breaks a rule, and which rule.
+    pub fn new(profile: Profile, rows: &[(f64, f64)]) -> Result<Self, (usize, &'static str)> {
+        for (i, &(x, size)) in rows.iter().enumerate() {
+            if !x.is_finite() || !size.is_finite() {
+                return Err((i, "is not finite"));
+            }
+            if size <= 0.0 {
+                return Err((i, "has no section"));
+            }
+            if i == 0 && x != 0.0 {
+                return Err((0, "does not stand at the segment's left end, x = 0"));
+            }
+            if i > 0 && x <= rows[i - 1].0 {
+                return Err((i, "does not lie to the right of the row before it"));
+            }
+        }
+        if rows.len() < 2 {
+            return Err((rows.len().saturating_sub(1), "is alone: a taper needs a row at both ends of the segment"));
+        }
+        Ok(Self { profile, x: rows.iter().map(|r| r.0).collect(), size: rows.iter().map(|r| r.1).collect() })
+    }
+
+    /// Place of the last row, m.
+    pub fn length(&self) -> f64 {
+        self.x[self.x.len() - 1]
+    }
+
+    /// True where all rows give one size.
+    pub fn is_uniform(&self) -> bool {
+        self.size.iter().all(|&size| size == self.size[0])
+    }
+
+    /// Area at a place, m^2; beyond the rows that of the nearest.
+    pub fn area(&self, x: f64) -> f64 {
+        let last = self.x.len() - 1;
+        let k = self.x.partition_point(|&row| row <= x).clamp(1, last) - 1;
+        let part = ((x - self.x[k]) / (self.x[k + 1] - self.x[k])).clamp(0.0, 1.0);
+        self.area_of((1.0 - part) * self.size[k] + part * self.size[k + 1])
+    }
+
+    fn area_of(&self, size: f64) -> f64 {
+        match self.profile {
+            Profile::Area => size,
+            Profile::Diameter => PI / 4.0 * size * size,
+        }
+    }
+
+    /// Mean area over `from..to` (m, from < to), exact: the area is a square at most, for which Simpson's rule is.
+    pub fn mean(&self, from: f64, to: f64) -> f64 {
+        let mut volume = 0.0;
+        let mut add = |a: f64, b: f64| {
+            volume += (b - a) / 6.0 * (self.area(a) + 4.0 * self.area(0.5 * (a + b)) + self.area(b));
+        };
+        let mut left = from;
+        for &row in self.x.iter().filter(|&&row| row > from && row < to) {
+            add(left, row);
+            left = row;
+        }
+        add(left, to);
+        volume / (to - from)
+    }
+
+    /// The largest |dA/dx|/A, 1/m.
+    pub fn steepest(&self) -> f64 {
+        let power = if self.profile == Profile::Area { 1.0 } else { 2.0 };
+        let pair =
+            |(x, size): (&[f64], &[f64])| power * (size[1] - size[0]).abs() / ((x[1] - x[0]) * size[0].min(size[1]));
+        self.x.windows(2).zip(self.size.windows(2)).map(pair).fold(0.0, f64::max)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn means_are_exact_for_cones_and_wedges() {
+        let wedge = Taper::new(Profile::Area, &[(0.0, 1.0), (1.0, 3.0), (2.0, 2.0)]).expect("rows are right");
+        assert_eq!((wedge.area(0.5), wedge.area(1.0), wedge.area(1.5), wedge.area(9.0)), (2.0, 3.0, 2.5, 2.0));
+        assert!((wedge.mean(0.5, 1.5) - 2.625).abs() < 1e-15);
+        assert_eq!(wedge.steepest(), 2.0);
+        // A cone of height 3 from its point, cut at 1: volume pi/12 (27 - 1) for a diameter equal to the height.
+        let cone = Taper::new(Profile::Diameter, &[(0.0, 1.0), (2.0, 3.0)]).expect("rows are right");
+        let volume = PI / 12.0 * 26.0;
+        assert!((2.0 * cone.mean(0.0, 2.0) - volume).abs() < 1e-14 * volume);
+        assert_eq!(cone.steepest(), 2.0);
+        assert!(
+            !cone.is_uniform() && Taper::new(Profile::Area, &[(0.0, 2.0), (1.0, 2.0)]).expect("right").is_uniform()
+        );
+    }
+
+    #[test]
+    fn wrong_rows_are_refused_by_index() {
+        let wrong = |rows: &[(f64, f64)]| Taper::new(Profile::Area, rows).expect_err("wrong").0;
+        assert_eq!(wrong(&[]), 0);
+        assert_eq!(wrong(&[(0.0, 1.0)]), 0);
+        assert_eq!(wrong(&[(0.1, 1.0), (1.0, 1.0)]), 0);
+        assert_eq!(wrong(&[(0.0, 1.0), (0.0, 2.0)]), 1);
+        assert_eq!(wrong(&[(0.0, 1.0), (1.0, 0.0)]), 1);
+        assert_eq!(wrong(&[(0.0, 1.0), (1.0, f64::NAN)]), 1);
+    }
+}

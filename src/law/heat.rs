@@ -1,0 +1,72 @@
+//! Heat in laws that run on the adiabatic curve: it is in their table already, and the temperature can be read off it.
+
+use super::{CellLaw, Response};
+use crate::material::{Heating, Sense};
+
+/// A law over adiabatic tables, with what tells its temperature. Steps as the law itself, and keeps no more state.
+///
+/// The temperature is that of a cell whose flow went one way all the time; where tension and compression share a curve that
+/// is no restriction.
+#[derive(Debug, Clone)]
+pub struct Warming<L> {
+    law: L,
+    heating: Heating,
+    modulus: f64,
+}
+
+impl<L> Warming<L> {
+    /// `law` runs on the adiabatic tables of a material of this modulus, Pa.
+    pub fn new(law: L, heating: &Heating, modulus: f64) -> Self {
+        Self { law, heating: heating.clone(), modulus }
+    }
+}
+
+impl<L: CellLaw<N>, const N: usize> CellLaw<N> for Warming<L> {
+    const TAKES_TIME: bool = L::TAKES_TIME;
+
+    #[inline(always)]
+    fn base(&self, sigma: f64, state: [f64; N]) -> f64 {
+        self.law.base(sigma, state)
+    }
+
+    #[inline(always)]
+    fn respond(&self, predictor: f64, state: [f64; N]) -> Response<N> {
+        self.law.respond(predictor, state)
+    }
+
+    #[inline(always)]
+    fn plastic_strain(&self, state: [f64; N]) -> f64 {
+        self.law.plastic_strain(state)
+    }
+
+    #[inline(always)]
+    fn accumulated(&self, state: [f64; N]) -> f64 {
+        self.law.accumulated(state)
+    }
+
+    #[inline(always)]
+    fn reach(&self, sigma: f64, state: [f64; N]) -> f64 {
+        self.law.reach(sigma, state)
+    }
+
+    fn overstress_work(&self, state: [f64; N]) -> f64 {
+        self.law.overstress_work(state)
+    }
+
+    fn flows(&self, state: [f64; N]) -> bool {
+        self.law.flows(state)
+    }
+
+    fn keeps_up(&self, state: [f64; N]) -> bool {
+        self.law.keeps_up(state)
+    }
+
+    fn temperature(&self, state: [f64; N]) -> f64 {
+        let sense = Sense::of(self.law.plastic_strain(state));
+        self.heating.temperature(sense, self.law.accumulated(state) / self.modulus)
+    }
+
+    fn heat_fraction(&self) -> f64 {
+        self.heating.fraction
+    }
+}

@@ -1,0 +1,187 @@
+//! A cell that its plastic work heats: the temperature is a state, and scales all stresses of the static curve.
+//!
+//! For flow whose work is not a function of the plastic strain alone: hardening that is kinematic, or a rate of strain that
+//! counts (also with both at once). Elastic limits, back stress, and the static stress that a law of overstress asks for, are
+//! those of the cold curve times g = 1 - ((T - Tref)/(Tm - Tref))^m. The scheme is that of [`super::Timed`]: half a step of
+//! flow on either side of the strain increment. Each half takes g at the mean of its temperatures where it leaves the
+//! overstress nearly as it was, at the last of them where it takes all of it away (the stress is then that of the warm static
+//! curve), in proportion between; found by flowing once at the first of them. T is held below melting, where the stress is
+//! gone.
+
+use super::{Flow, History, RateLaw};
+use crate::law::{CellLaw, Response};
+use crate::material::Heating;
+
+/// Overstress below this part of the stresses it is the difference of is rounding and does not flow.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
+
+/// Stands for an overstress that the latest step took away to the last bit.
+const GONE: f64 = f64::MIN_POSITIVE;
+
+/// What is left of the strength of metal that melts: nothing that counts, and no division by zero.
+const MOLTEN: f64 = 1e-9;
+
+/// A heated cell in steps of one length.
+///
+/// State: `[E p accumulated, E eps_p signed, E eps_p still to come, signed overstress, work of the overstress times E, rise in
+/// temperature, rise by the static stress still to come, rise at which the elastic limits were last taken]`, and the back
+/// stress of the cold curve where `N` is 9. As for
+/// [`super::Timed`], the half step of flow that follows the stress is in the state already, and what it adds is what is
+/// still to come.
+///
+/// What warms is the work of the static stress, exact along the flow, and that of the overstress as the energy account has it,
+/// which knows none where a step ends on the static curve.
+#[derive(Debug, Clone)]
+pub struct Heated<const N: usize> {
+    law: RateLaw,
+    half: f64,
+    heating: Heating,
+    /// Rise by E times plastic work, K/Pa^2.
+    rise: f64,
+}
+
+/// Where a cell has come to.
+#[derive(Debug, Clone, Copy)]
+struct Past {
+    history: History,
+    /// Rise in temperature so far, K.
+    rise: f64,
+    /// The one that the elastic limits are taken at: theirs stays as it was when the cell last flowed, or cells would creep
+    /// by what rounding and the order of the scheme leave between the two.
+    limit: f64,
+}
+
+/// Half a step of flow.
+#[derive(Debug, Clone, Copy, Default)]
+struct Half {
+    flow: Flow,
+    /// Signed, before the flow.
+    overstress: f64,
+    /// Rise in temperature by the static stress, K.
+    warmed: f64,
+}
+
+impl<const N: usize> Heated<N> {
+    /// The law over the cold tables, in steps of `time`, s. `N` is 8, or 9 for a law with a back stress.
+    pub fn new(law: RateLaw, heating: &Heating, modulus: f64, time: f64) -> Self {
+        let rise = heating.rise_per_work() / modulus;
+        Self { law, half: 0.5 * time, heating: heating.clone(), rise }
+    }
+
+    /// Half a step of flow at fixed strain from stress `sigma`.
+    #[inline]
+    fn flow(&self, sigma: f64, past: &mut Past) -> Half {
+        let (before, cold) = (past.history, self.law.limits(&past.history));
+        let g = self.softening(past.limit);
+        let first = self.flow_at(g, sigma, cold, &mut past.history);
+        if first.flow.plastic == 0.0 {
+            return first;
+        }
+        let sense = usize::from(first.overstress < 0.0);
+        let [low, high] = self.law.limits(&past.history).map(|limit| g * limit);
+        let stress = sigma - first.flow.plastic;
+        let left = if sense == 0 { stress - high } else { low - stress };
+        let left = (left / first.overstress.abs()).clamp(0.0, 1.0);
+        // In the sense of the flow the elastic limit rises as the curve of first loading does.
+        let beside = if sense == 0 { cold[1] } else { -cold[0] } - self.law.static_stress(&before, sense);
+        let cold_work = |flow: &Flow| flow.first_loading + flow.plastic.abs() * beside;
+        let guess = past.rise + self.rise * (g * cold_work(&first.flow) + left * first.flow.overstress);
+        past.history = before;
+        past.limit = guess + 0.5 * left * (past.rise - guess);
+        let second = self.flow_at(self.softening(past.limit), sigma, cold, &mut past.history);
+        let warmed = self.rise * self.softening(0.5 * (past.rise + guess)) * cold_work(&second.flow);
+        past.rise += warmed + self.rise * left * second.flow.overstress;
+        Half { warmed, ..second }
+    }
+
+    fn softening(&self, rise: f64) -> f64 {
+        self.heating.softening(rise).max(MOLTEN)
+    }
+
+    /// The same with stresses `g` times those of the cold limits.
+    #[inline]
+    fn flow_at(&self, g: f64, sigma: f64, cold: [f64; 2], history: &mut History) -> Half {
+        let [low, high] = cold.map(|limit| g * limit);
+        let least = ROUNDING * (sigma.abs() + history.back.abs() + (high - low));
+        let (excess, sense) = if sigma - high > least {
+            (sigma - high, 0)
+        } else if low - sigma > least {
+            (low - sigma, 1)
+        } else {
+            return Half::default();
+        };
+        let flow = self.law.flow_softened(excess, sense, g, self.half, history);
+        Half { flow, overstress: if sense == 0 { excess } else { -excess }, warmed: 0.0 }
+    }
+}
+
+impl<const N: usize> CellLaw<N> for Heated<N> {
+    const TAKES_TIME: bool = true;
+
+    #[inline]
+    fn base(&self, sigma: f64, state: [f64; N]) -> f64 {
+        sigma - state[2]
+    }
+
+    fn respond(&self, predictor: f64, state: [f64; N]) -> Response<N> {
+        let back = if N > 8 { state[8] } else { 0.0 };
+        // Of the overstress of the half step before, as much as if it had stayed.
+        let rise = state[5] + state[6] + self.rise * state[3] * state[2];
+        let mut past = Past { history: self.law.history(state[0], state[1], back), rise, limit: state[7] };
+        let first = self.flow(predictor, &mut past);
+        let sigma = predictor - first.flow.plastic;
+        let second = self.flow(sigma, &mut past);
+        let mut overstress = second.overstress;
+        if overstress == 0.0 && first.flow.plastic != 0.0 {
+            overstress = GONE.copysign(first.flow.plastic);
+        }
+        let plastic = state[2] + first.flow.plastic;
+        let over = 0.5 * (state[3] + overstress) * plastic;
+        let warm = (state[5] + state[6] + first.warmed + self.rise * over).clamp(0.0, self.heating.range());
+        let History { accumulated, signed, back, .. } = past.history;
+        let (to_come, work) = (second.flow.plastic, state[4] + over);
+        let all = [accumulated, signed, to_come, overstress, work, warm, second.warmed, past.limit, back];
+        Response { sigma, state: std::array::from_fn(|k| all[k]), plastic }
+    }
+
+    #[inline]
+    fn plastic_strain(&self, state: [f64; N]) -> f64 {
+        state[1] - state[2]
+    }
+
+    #[inline]
+    fn accumulated(&self, state: [f64; N]) -> f64 {
+        state[0] - state[2].abs()
+    }
+
+    /// The overstress is no part of the way along the static curve.
+    #[inline]
+    fn reach(&self, sigma: f64, state: [f64; N]) -> f64 {
+        sigma.abs() - state[3].abs() + self.accumulated(state)
+    }
+
+    #[inline]
+    fn overstress_work(&self, state: [f64; N]) -> f64 {
+        state[4]
+    }
+
+    #[inline]
+    fn flows(&self, state: [f64; N]) -> bool {
+        state[3] != 0.0
+    }
+
+    /// As for [`super::Timed`].
+    #[inline]
+    fn keeps_up(&self, state: [f64; N]) -> bool {
+        let left = state[3].abs();
+        left == GONE || (left > 0.0 && state[2].abs() >= 0.5 * left)
+    }
+
+    fn temperature(&self, state: [f64; N]) -> f64 {
+        self.heating.reference_temperature + state[5]
+    }
+
+    fn heat_fraction(&self) -> f64 {
+        self.heating.fraction
+    }
+}

@@ -1,0 +1,266 @@
+//! Adiabatic heating: a material whose plastic work warms it and makes it softer.
+//!
+//! While all its flow goes one way, and hardening is isotropic, the work of a plastic strain p is that of the curve,
+//! whatever happened between, so that the temperature is a function of p: the heated material is one with another curve,
+//! the adiabatic one. Solvers that run on it pay nothing for the heat.
+
+use serde::Serialize;
+
+use super::softening::Warmth;
+use super::tabulate::refine;
+use super::{Beyond, Curve, CurveError, Material, SLOPE_ROUND_OFF, Sense};
+
+/// Fraction of the plastic work that heats where neither scene nor material says (Taylor and Quinney 1934).
+pub const DEFAULT_FRACTION: f64 = 0.9;
+
+/// Distance in stress between the adiabatic table and the cold one softened, over the largest stress of the cold one.
+pub const TOLERANCE: f64 = 1e-4;
+
+/// Least plastic strain at which an extended curve is no longer followed towards melting.
+const FARTHEST: f64 = 1e3;
+
+/// Part of its largest stress from which an extended curve counts as molten.
+const MOLTEN: f64 = 1e-3;
+
+/// Heating by plastic work and what it does to a material.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Heating {
+    /// Fraction of the plastic work that turns into heat, 0 to 1.
+    pub fraction: f64,
+    /// J/(kg K).
+    pub specific_heat: f64,
+    /// Temperature at the start, at which the cold curve holds, K.
+    pub reference_temperature: f64,
+    /// Where the stress is gone, K.
+    pub melting_temperature: f64,
+    /// m of the softening `1 - ((T - reference)/(melting - reference))^m`.
+    pub exponent: f64,
+    /// The curves at the reference temperature: tension, and compression where it has one of its own.
+    pub cold: Vec<Curve>,
+    /// rho c, J/(m^3 K).
+    #[serde(skip)]
+    capacity: f64,
+    /// Plastic work along the adiabatic curves, one for each cold one.
+    #[serde(skip)]
+    work: Vec<WorkTable>,
+}
+
+/// Why a material cannot be heated.
+#[derive(Debug, Clone, PartialEq)]
+pub enum HeatingError {
+    /// Keys of `[heat]` that it does not state.
+    Missing(Vec<&'static str>),
+    /// Its curve cannot be softened.
+    Curve(CurveError),
+}
+
+impl Material {
+    /// This material heated by `fraction` of its plastic work (none: its own, else [`DEFAULT_FRACTION`]): its curves become
+    /// the adiabatic ones, and [`Material::heating`] knows the rest. A material that cannot flow and states no constants
+    /// stays as it is, and so do the curves where the fraction is 0.
+    ///
+    /// # Errors
+    /// A constant of `[heat]` that is missing.
+    pub fn heated(&self, fraction: Option<f64>) -> Result<Self, HeatingError> {
+        let given = &self.constants.heat;
+        let needed = [
+            ("specific-heat", given.specific_heat),
+            ("reference-temperature", given.reference_temperature),
+            ("melting-temperature", given.melting_temperature),
+            ("m", given.exponent),
+        ];
+        let missing: Vec<&str> = needed.iter().filter(|(_, value)| value.is_none()).map(|(key, _)| *key).collect();
+        let (Some(specific_heat), Some(reference_temperature), Some(melting_temperature), Some(exponent)) =
+            (given.specific_heat, given.reference_temperature, given.melting_temperature, given.exponent)
+        else {
+            return if self.can_flow() { Err(HeatingError::Missing(missing)) } else { Ok(self.clone()) };
+        };
+        let mut heating = Heating {
+            fraction: fraction.or(given.fraction).unwrap_or(DEFAULT_FRACTION),
+            specific_heat,
+            reference_temperature,
+            melting_temperature,
+            exponent,
+            cold: std::iter::once(&self.tension).chain(&self.compression).cloned().collect(),
+            capacity: self.density * specific_heat,
+            work: Vec::new(),
+        };
+        let mut material = self.clone();
+        if heating.warms() {
+            let soft = |curve: &Curve| heating.adiabatic(curve, self.modulus).map_err(HeatingError::Curve);
+            material.tension = soft(&self.tension)?;
+            material.compression = self.compression.as_ref().map(soft).transpose()?;
+        }
+        let curves = std::iter::once(&material.tension).chain(&material.compression);
+        heating.work = curves.map(|curve| WorkTable::new(curve, self.modulus)).collect();
+        material.heating = Some(Box::new(heating));
+        Ok(material)
+    }
+
+    /// Some strain of the curves is plastic.
+    fn can_flow(&self) -> bool {
+        let bends = |curve: &Curve| curve.elastic_limit(self.modulus).0 < curve.last_strain();
+        bends(&self.tension) || self.compression.as_ref().is_some_and(bends)
+    }
+}
+
+impl Heating {
+    /// False where no part of the work heats: nothing then differs from the cold material.
+    pub fn warms(&self) -> bool {
+        self.fraction > 0.0
+    }
+
+    /// Temperature after plastic work per volume, J/m^3, since the start: K, no more than where it melts (what comes
+    /// beyond melts it).
+    pub fn temperature_after(&self, work: f64) -> f64 {
+        (self.reference_temperature + self.fraction * work / self.capacity).min(self.melting_temperature)
+    }
+
+    /// Temperature at an accumulated plastic strain >= 0 of a place that flowed in one sense, K.
+    pub fn temperature(&self, sense: Sense, plastic_strain: f64) -> f64 {
+        let which = usize::from(sense == Sense::Compression).min(self.work.len() - 1);
+        self.temperature_after(self.work[which].at(plastic_strain))
+    }
+
+    /// Largest rise above the reference temperature, K: that to melting.
+    pub fn range(&self) -> f64 {
+        self.melting_temperature - self.reference_temperature
+    }
+
+    /// Rise in temperature by plastic work per volume, K m^3/J.
+    pub fn rise_per_work(&self) -> f64 {
+        self.fraction / self.capacity
+    }
+
+    /// Factor of the flow stress at a rise above the reference temperature, K: 1 to 0.
+    pub fn softening(&self, rise: f64) -> f64 {
+        let share = (rise / self.range()).clamp(0.0, 1.0);
+        1.0 - share.powf(self.exponent)
+    }
+
+    /// The adiabatic curve of a cold one: stress f(p) g(T(p)) at the strain p + stress/E. The drop that follows its largest
+    /// stress is part of it. Knots are added so that it is within [`TOLERANCE`].
+    fn adiabatic(&self, cold: &Curve, modulus: f64) -> Result<Curve, CurveError> {
+        let omega = self.rise_per_work() / self.range();
+        let top = cold.stress().iter().copied().fold(0.0, f64::max);
+        let mut warmth = Warmth::cold(self.exponent);
+        let mut rows: Vec<(f64, f64)> = Vec::new();
+        let knots = flow_knots(cold, modulus);
+        for (k, pair) in knots.windows(2).enumerate() {
+            let [(p, f), (p_end, f_end)] = [pair[0], pair[1]];
+            let width = p_end - p;
+            if width == 0.0 {
+                // Along the elastic line nothing flows. Before the first flow the cold knots themselves are kept.
+                let stress = f_end * warmth.strength();
+                let strain = if p == 0.0 { cold.strain()[k + 1] } else { p + stress / modulus };
+                rows.push((strain, stress));
+                continue;
+            }
+            let slope = (f_end - f) / width;
+            let after = |x: f64| warmth.after(omega * x * (f + 0.5 * slope * x));
+            let point = |x: f64| {
+                let stress = (f + slope * x) * after(x).strength();
+                (p + x + stress / modulus, stress)
+            };
+            rows.extend(refine(&point, &[0.0, width], TOLERANCE, top).rows.into_iter().skip(1));
+            warmth = after(width);
+        }
+        self.extend(cold, modulus, (omega, top), (knots[knots.len() - 1], warmth), &mut rows);
+        // With m < 1 the stress drops, right where it first flows, faster than strain can grow there.
+        let mut last = 0.0;
+        rows.retain(|row| {
+            let keep = row.0 > last;
+            last = row.0.max(last);
+            keep
+        });
+        Curve::new(&rows, cold.beyond())
+    }
+
+    /// Goes on along the last slope of an extended curve, to where it melts.
+    fn extend(
+        &self,
+        cold: &Curve,
+        modulus: f64,
+        (omega, top): (f64, f64),
+        ((p, f), warmth): ((f64, f64), Warmth),
+        rows: &mut Vec<(f64, f64)>,
+    ) {
+        let slope = cold.last_slope();
+        if cold.beyond() != Beyond::Extend || slope >= modulus * (1.0 - SLOPE_ROUND_OFF) {
+            return;
+        }
+        let hardening = slope / (1.0 - slope / modulus);
+        let flow = |x: f64| (f + hardening * x).max(0.0);
+        // A falling line ends where it comes to zero.
+        let reach = if hardening < 0.0 { -f / hardening } else { f64::INFINITY };
+        let after = |x: f64| {
+            let x = x.min(reach);
+            warmth.after(omega * x * (f + 0.5 * hardening * x))
+        };
+        let point = |x: f64| {
+            let stress = flow(x) * after(x).strength();
+            (p + x + stress / modulus, stress)
+        };
+        let mut breaks = vec![0.0, 0.01];
+        let last = |breaks: &[f64]| breaks[breaks.len() - 1];
+        while point(last(&breaks)).1 > MOLTEN * top && last(&breaks) < FARTHEST {
+            breaks.push(2.0 * last(&breaks));
+        }
+        rows.extend(refine(&point, &breaks, TOLERANCE, top).rows.into_iter().skip(1));
+        // What is left goes on level.
+        let end = last(&breaks);
+        let (strain, stress) = point(end);
+        rows.push((strain + end, stress));
+    }
+}
+
+/// Knots of a curve as plastic strain and stress, Pa; the plastic strain never falls.
+fn flow_knots(curve: &Curve, modulus: f64) -> Vec<(f64, f64)> {
+    let mut knots = vec![(0.0, 0.0)];
+    let mut p = 0.0;
+    for (e, s) in curve.strain().windows(2).zip(curve.stress().windows(2)) {
+        let (strain, stress) = (e[1] - e[0], s[1] - s[0]);
+        let flow = strain - stress / modulus;
+        p += if flow > 2.0 * SLOPE_ROUND_OFF * strain { flow } else { 0.0 };
+        knots.push((p, s[1]));
+    }
+    knots
+}
+
+/// Plastic work along a curve as the solvers follow it: with its drops filled.
+#[derive(Debug, Clone, Default, PartialEq)]
+struct WorkTable {
+    plastic: Vec<f64>,
+    stress: Vec<f64>,
+    /// J/m^3.
+    work: Vec<f64>,
+    /// d stress/d plastic strain past the last knot, Pa.
+    slope: f64,
+}
+
+impl WorkTable {
+    fn new(curve: &Curve, modulus: f64) -> Self {
+        let filled = curve.running_maximum();
+        let last = filled.last_slope();
+        let extends = filled.beyond() == Beyond::Extend && last < modulus * (1.0 - SLOPE_ROUND_OFF);
+        let slope = if extends { last / (1.0 - last / modulus) } else { 0.0 };
+        let (plastic, stress): (Vec<f64>, Vec<f64>) = flow_knots(&filled, modulus).into_iter().unzip();
+        let mut work = vec![0.0];
+        for (p, s) in plastic.windows(2).zip(stress.windows(2)) {
+            work.push(work[work.len() - 1] + 0.5 * (s[0] + s[1]) * (p[1] - p[0]));
+        }
+        Self { plastic, stress, work, slope }
+    }
+
+    /// Work per volume up to a plastic strain, J/m^3.
+    fn at(&self, plastic: f64) -> f64 {
+        // The last of knots at one plastic strain: the stress that holds beyond them.
+        let k = self.plastic.partition_point(|&p| p <= plastic).max(1) - 1;
+        let slope = match self.plastic.get(k + 1) {
+            Some(next) => (self.stress[k + 1] - self.stress[k]) / (next - self.plastic[k]),
+            None => self.slope,
+        };
+        let flow = plastic - self.plastic[k];
+        self.work[k] + flow * (self.stress[k] + 0.5 * slope * flow)
+    }
+}

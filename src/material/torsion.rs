@@ -1,0 +1,189 @@
+//! From the shear curve of a material to the curve of a round section in torsion.
+//!
+//! Plane sections turn as they are, so the shear strain grows in proportion to the radius: at s R it is s g, where g is that
+//! at the outer radius R. With the torque T and J = pi/2 (R^4 - a^4) for the inner radius a = q R, the *nominal* stress
+//! T R/J, which is the stress at the surface of an elastic section, is
+//! `tau_n(g) = integral over s from q to 1 of tau(s g) s^2, over the integral of s^3`.
+//! In terms of g, tau_n and the velocity of the surface a bar in torsion is a bar in tension with the area J/R^2: torque,
+//! energy and angular momentum follow. The integral is exact for a table that is straight between its rows; the result is
+//! no such table, and is made into one to a tolerance.
+//!
+//! The integral is that of first loading. A rod that has flowed keeps a pattern of stress over the radius when the torque is
+//! taken off, and yields again, gradually, earlier than the nominal curve says, see the README.
+
+use std::sync::Arc;
+
+use super::tabulate::refine;
+use super::{Beyond, Curve, Loading, Material};
+
+/// Largest distance in stress of a nominal curve from the integral, over its largest stress.
+pub const TORSION_TOLERANCE: f64 = 1e-4;
+
+/// How far a curve that goes on for ever is integrated, in parts of its last strain: the core then counts for less than
+/// 1/8^3 of what the nominal slope misses.
+const EXTENDED: f64 = 8.0;
+
+/// A round section: inner over outer radius, 0 <= q < 1.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hollow {
+    /// Inner over outer radius.
+    pub q: f64,
+}
+
+impl Hollow {
+    /// Nominal stress at the surface strain `g`, Pa: exact for the curve.
+    pub fn nominal_stress(self, curve: &Curve, g: f64) -> f64 {
+        let q = self.q;
+        if g <= 0.0 {
+            return 0.0;
+        }
+        let (mut moment, mut from) = (0.0, q);
+        let knots = curve.strain().iter().map(|knot| knot / g).filter(|&s| s > q && s < 1.0);
+        for to in knots.chain([1.0]) {
+            // Between knots tau s^2 is a cubic, for which two points are exact.
+            let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
+            let at = |s: f64| curve.stress_at(s * g) * s * s;
+            let aside = half / 3.0_f64.sqrt();
+            moment += half * (at(middle - aside) + at(middle + aside));
+            from = to;
+        }
+        // The integral of s^3, without the cancellation of thin walls.
+        4.0 * moment / ((1.0 - q) * (1.0 + q) * (1.0 + q * q))
+    }
+
+    /// The curve of the section, for first loading, tabulated to [`TORSION_TOLERANCE`]; and what it is off, Pa.
+    pub fn nominal_curve(self, curve: &Curve, modulus: f64) -> (Curve, f64) {
+        let (limit, yields_at) = curve.elastic_limit(modulus);
+        let straight = curve.strain().len() == 2 && curve.beyond() == Beyond::Extend;
+        if straight || limit == curve.last_strain() {
+            return (curve.clone(), 0.0);
+        }
+        let last = curve.last_strain();
+        let end = if curve.beyond() == Beyond::Extend { EXTENDED * last } else { last };
+        let start = if limit > 0.0 { limit } else { curve.strain()[1] * 1e-3 };
+        let mut breaks = vec![start];
+        breaks.extend(curve.strain().iter().copied().filter(|&knot| knot > start && knot < end));
+        breaks.push(end);
+        let top = self.nominal_stress(curve, end).max(self.nominal_stress(curve, last));
+        let table = refine(&|g| (g, self.nominal_stress(curve, g)), &breaks, TORSION_TOLERANCE, top);
+        let mut rows = table.rows;
+        if limit > 0.0 {
+            // Exactly on the elastic line.
+            rows[0] = (limit, yields_at);
+        }
+        let nominal = Curve::new(&rows, curve.beyond());
+        nominal.map_or_else(|_| (curve.clone(), 0.0), |nominal| (nominal, table.error))
+    }
+}
+
+impl Material {
+    /// This material, known in shear, as a rod (q = 0) or a tube of it behaves in torsion, in terms of the surface.
+    #[must_use]
+    pub fn in_torsion(&self, hollow: Hollow) -> Arc<Self> {
+        let (curve, error) = hollow.nominal_curve(&self.tension, self.modulus);
+        let form = if hollow.q == 0.0 { "rod".to_owned() } else { format!("tube {:.6}", hollow.q) };
+        Arc::new(Self {
+            name: format!("{} {form}", self.name),
+            tension: curve,
+            table_error: self.table_error.max(error),
+            ..self.clone()
+        })
+    }
+
+    /// This material, known in tension, in shear by von Mises' rule: tau = sigma/sqrt(3), plastic shear strain sqrt(3) times
+    /// plastic strain, G = E/(2 (1 + nu)). For strains at which engineering and true stress are one.
+    ///
+    /// # Errors
+    /// What is missing.
+    pub fn in_shear(&self) -> Result<Self, &'static str> {
+        let nu = self
+            .poisson
+            .ok_or("it states no Poisson's ratio (`poisson`), without which its shear modulus is unknown")?;
+        let (root, modulus) = (3.0_f64.sqrt(), self.modulus / (2.0 * (1.0 + nu)));
+        let knots = self.tension.strain().iter().zip(self.tension.stress());
+        let rows: Vec<(f64, f64)> = knots
+            .map(|(strain, stress)| {
+                (root * (strain - stress / self.modulus).max(0.0) + stress / root / modulus, stress / root)
+            })
+            .collect();
+        let tension = Curve::new(&rows, self.tension.beyond()).map_err(|_| "its curve has no counterpart in shear")?;
+        Ok(Self {
+            modulus,
+            loading: Loading::Shear,
+            tension,
+            compression: None,
+            table_error: self.table_error / root,
+            ..self.clone()
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const G: f64 = 80e9;
+
+    fn perfectly_plastic() -> Curve {
+        Curve::new(&[(0.002, 160e6), (0.2, 160e6)], Beyond::Rupture).expect("rows rise")
+    }
+
+    #[test]
+    fn a_perfectly_plastic_rod_follows_the_closed_form() {
+        let (curve, solid) = (perfectly_plastic(), Hollow { q: 0.0 });
+        let (table, _) = solid.nominal_curve(&curve, G);
+        for k in 1..400 {
+            let g = 0.2 * f64::from(k) / 400.0;
+            // T = 4/3 Ty (1 - (gy/g)^3/4).
+            let exact = if g < 0.002 { G * g } else { 4.0 / 3.0 * 160e6 * (1.0 - (0.002 / g).powi(3) / 4.0) };
+            let rounding = 1e-13 * exact;
+            assert!((solid.nominal_stress(&curve, g) - exact).abs() < rounding, "{g}");
+            assert!((table.stress_at(g) - exact).abs() < 1.5 * TORSION_TOLERANCE * 213e6, "{g}");
+        }
+        assert_eq!(table.elastic_limit(G), (0.002, 160e6));
+    }
+
+    #[test]
+    fn a_power_law_rod_follows_the_closed_form() {
+        // tau = K g^n all the way: T R/J = 4 K g^n/(3 + n). The table of the law has 2000 rows.
+        let (k, n) = (500e6_f64, 0.3_f64);
+        let rows: Vec<(f64, f64)> =
+            (1..=2000).map(|i| (1e-4 * f64::from(i), k * (1e-4 * f64::from(i)).powf(n))).collect();
+        let curve = Curve::new(&rows, Beyond::Error).expect("rows rise");
+        for g in [0.05_f64, 0.1, 0.2] {
+            let exact = 4.0 / (3.0 + n) * k * g.powf(n);
+            assert!((Hollow { q: 0.0 }.nominal_stress(&curve, g) / exact - 1.0).abs() < 1e-6, "{g}");
+        }
+    }
+
+    #[test]
+    fn a_thick_tube_tends_to_the_thin_one() {
+        let curve = Curve::new(&[(0.002, 160e6), (0.05, 240e6), (0.2, 300e6)], Beyond::Error).expect("rows rise");
+        let mut before = f64::INFINITY;
+        for wall in [0.1, 0.01, 0.001, 1e-6] {
+            let tube = Hollow { q: 1.0 - wall };
+            // The wall's middle has the strain (1 - wall/2) g and the nominal stress counts at the surface.
+            let middle = 1.0 - 0.5 * wall;
+            let off = (tube.nominal_stress(&curve, 0.1) * middle / curve.stress_at(0.1 * middle) - 1.0).abs();
+            assert!(off < 0.5 * wall, "{wall}: {off:e}");
+            assert!(off < before || off < 1e-9);
+            before = off;
+        }
+    }
+
+    #[test]
+    fn von_mises_keeps_elastic_and_plastic_parts_apart() {
+        let rows = [(0.001, 200e6), (0.011, 400e6)];
+        let curve = Curve::new(&rows, Beyond::Extend).expect("rows rise");
+        let mut steel = Material::from_curve("steel", 7800.0, curve);
+        assert!(steel.in_shear().is_err());
+        steel.poisson = Some(0.25);
+        let shear = steel.in_shear().expect("poisson is known");
+        assert!((shear.modulus - 80e9).abs() < 1.0 && shear.loading == Loading::Shear);
+        let root = 3.0_f64.sqrt();
+        assert!((shear.tension.elastic_limit(shear.modulus).1 - 200e6 / root).abs() < 1.0);
+        // Plastic strain 0.009 at 400 MPa.
+        let expected = root * 0.009 + 400e6 / root / 80e9;
+        assert!((shear.tension.last_strain() - expected).abs() < 1e-15);
+    }
+}

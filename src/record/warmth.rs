@@ -1,0 +1,37 @@
+//! How warm a bar got, and how sure that is.
+
+use super::AuditRow;
+use crate::material::{Material, Sense};
+
+/// Uncertainty of the temperature from which it is worth a note, K: it softens common metals by less than 0.1 %.
+const UNCERTAIN: f64 = 1.0;
+
+/// Part of the plastic strain that must have gone back before a place counts as one that flowed in both senses.
+const BOTH_SENSES: f64 = 1e-6;
+
+/// The largest of some temperatures above the reference temperature, K; none where nothing heats the material.
+pub fn largest_rise(material: &Material, temperatures: impl Iterator<Item = f64>) -> Option<f64> {
+    let reference = material.heating.as_ref()?.reference_temperature;
+    Some(temperatures.map(|t| t - reference).fold(0.0, f64::max))
+}
+
+/// A material with different curves in tension and compression some of whose places flowed in both senses, on its adiabatic
+/// curves: they take the temperature as if all flow had gone one way. Their true temperature lies between those of the
+/// two curves. `places` are accumulated and signed plastic strains.
+pub fn flowed_both_ways(material: &Material, places: impl Iterator<Item = (f64, f64)>) -> Option<AuditRow> {
+    let heating = material.heating.as_ref().filter(|heating| heating.warms())?;
+    material.compression.as_ref()?;
+    let apart = |p: f64| (heating.temperature(Sense::Tension, p) - heating.temperature(Sense::Compression, p)).abs();
+    let both = places.filter(|&(accumulated, signed)| accumulated - signed.abs() > BOTH_SENSES * accumulated);
+    let largest = both.map(|(accumulated, _)| apart(accumulated)).fold(0.0, f64::max);
+    (largest > UNCERTAIN).then(|| AuditRow {
+        effect: "heat".into(),
+        estimate: largest,
+        threshold: UNCERTAIN,
+        message: std::format!(
+            "heat: places of {} flowed in tension and in compression, which have curves of their own; their temperature is \
+             known to {largest:.0} K. One curve for both (`symmetry` left out) or a `rate` with method = \"fd\" follows it exactly",
+            material.name
+        ),
+    })
+}

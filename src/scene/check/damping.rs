@@ -1,0 +1,110 @@
+//! The effects `damping` and `lateral-inertia`: their numbers, what they need of the bar, and what they do not go with.
+
+use std::ops::Range;
+
+use toml::Spanned;
+
+use super::super::Damping;
+use super::super::raw::{RawEffects, RawMethod, RawSolve};
+use super::Checker;
+use crate::bar::{Bar, Joint};
+use crate::error::Result;
+use crate::input::{Allowed, Number};
+use crate::units::Dimension;
+
+impl RawEffects {
+    /// What acts along the bar, with its key and place: the first of the two effects that is on.
+    pub(super) fn along(&self) -> Option<(&'static str, Range<usize>)> {
+        let damping = self.damping.as_ref().map(|damping| ("damping", damping.span()));
+        damping.or_else(|| {
+            let lateral = self.lateral_inertia.as_ref().filter(|lateral| *lateral.get_ref());
+            lateral.map(|lateral| ("lateral-inertia", lateral.span()))
+        })
+    }
+}
+
+impl Checker<'_> {
+    /// The damping of a bar, if there is one; zeros alone are none.
+    pub(super) fn damping(&self, effects: &RawEffects, bar: &Bar) -> Result<Option<Damping>> {
+        let Some(raw) = &effects.damping else { return Ok(None) };
+        let own = |value: &Option<Number>, name: &str, dimension: Dimension| -> Result<f64> {
+            let key = format!("effects.damping.{name}");
+            let given = self.document.optional(value.as_ref(), &key, dimension, Allowed::NotNegative)?;
+            Ok(given.unwrap_or(0.0))
+        };
+        let (span, raw) = (raw.span(), raw.get_ref());
+        if raw.internal.is_none() && raw.external.is_none() && raw.foundation.is_none() {
+            let help = "write e.g. damping = { external = \"300 N*s/m^2\" }, or take `damping` out";
+            let error = self.error(span, "effects.damping", "no kind of damping is named");
+            return Err(error.allowed("internal, external, foundation").help(help).into());
+        }
+        let damping = Damping {
+            internal: own(&raw.internal, "internal", Dimension::Viscosity)?,
+            external: own(&raw.external, "external", Dimension::Drag)?,
+            foundation: own(&raw.foundation, "foundation", Dimension::Foundation)?,
+        };
+        for (name, value) in [("external", &raw.external), ("foundation", &raw.foundation)] {
+            if let (Some(value), false) = (value, bar.area_given) {
+                let message = format!("`{name}` is a force per length on the whole section, and the bar has none");
+                let key = format!("effects.damping.{name}");
+                return Err(self.error(value.span(), &key, message).help(AREA).into());
+            }
+        }
+        Ok(Some(damping).filter(|damping| *damping != Damping::default()))
+    }
+
+    /// Whether the sideways motion has inertia.
+    pub(super) fn lateral_inertia(&self, effects: &RawEffects, bar: &Bar) -> Result<bool> {
+        let Some(lateral) = effects.lateral_inertia.as_ref().filter(|lateral| *lateral.get_ref()) else {
+            return Ok(false);
+        };
+        let key = "effects.lateral-inertia";
+        if !bar.area_given {
+            let message = "lateral inertia depends on the size of the section, and the bar has none";
+            return Err(self.error(lateral.span(), key, message).help(AREA).into());
+        }
+        if let Some(segment) = bar.segments.iter().find(|s| s.material.poisson.is_none()) {
+            let name = &segment.material.name;
+            let message = format!("lateral inertia needs Poisson's ratio, and `{name}` does not state it");
+            let help =
+                "add e.g. poisson = 0.29 to the material (a copy of its file beside the scene, or an inline table)";
+            return Err(self.error(lateral.span(), key, message).allowed("0 <= poisson <= 0.5").help(help).into());
+        }
+        Ok(true)
+    }
+
+    /// What acts along the bar is solved for all nodes at once, on a grid whose nodes stay together.
+    pub(super) fn along_goes(&self, effects: &RawEffects, bar: &Bar) -> Result<()> {
+        let Some((name, _)) = effects.along() else { return Ok(()) };
+        if let Some(rupture) = &effects.rupture {
+            let message = format!("rupture of a bar with `{name}` is not followed");
+            let help =
+                format!("take `rupture` or `{name}` out of [effects]: method = \"fd\" follows each without the other");
+            return Err(self.error(rupture.span(), "effects.rupture", message).help(help).into());
+        }
+        let (name, span) = effects.along().unwrap_or((name, 0..0));
+        if let Some(k) = bar.segments.iter().position(|s| s.taper.is_some()) {
+            let message = format!("`{name}` is not followed in a bar whose section changes along segment {}", k + 1);
+            let help =
+                format!("make it of uniform segments, or take `{name}` out of [effects]: both methods then follow it");
+            return Err(self.error(span, &format!("effects.{name}"), message).help(help).into());
+        }
+        let Some(k) = bar.segments.iter().position(|s| matches!(s.joint, Joint::Contact { .. })) else { return Ok(()) };
+        let message =
+            format!("`{name}` is not followed in a bar with joints that can open, as that behind segment {}", k + 1);
+        let help = format!("bond the joint, or take `{name}` out of [effects]: both methods then follow such joints");
+        Err(self.error(span, &format!("effects.{name}"), message).help(help).into())
+    }
+
+    /// Characteristics are straight only without what acts along the bar.
+    pub(super) fn along_is_on_a_grid(&self, effects: &RawEffects, raw: &RawSolve, method: RawMethod) -> Result<()> {
+        let (Some((name, _)), RawMethod::Moc) = (effects.along(), method) else { return Ok(()) };
+        let span = raw.method.as_ref().map_or(0..0, Spanned::span);
+        let message = format!("method = \"moc\" does not follow `{name}`");
+        let help = format!("use method = \"fd\", which does, or take `{name}` out of [effects]");
+        Err(self.error(span, "solve.method", message).allowed("\"fd\"").help(help).into())
+    }
+}
+
+/// The way out for a bar without a section.
+const AREA: &str = "give [bar] (or every [[bar.segment]]) an area, e.g. area = \"1 cm^2\", or a diameter";

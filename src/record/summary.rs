@@ -91,7 +91,7 @@ pub struct ChoiceSummary {
     pub tolerance: f64,
     /// One sentence.
     pub why: String,
-    /// Pilots, method by method, then the runs; the last one is the result.
+    /// Pilots and runs that missed, method by method, and then the run itself.
     pub tried: Vec<Tried>,
 }
 

@@ -109,9 +109,10 @@ impl Frame {
 
 fn title(svg: &mut Svg, cost: &Cost) {
     svg.bold((PLOT.x, 26.0), LARGE, Anchor::Start, &shortened(&cost.scene, 78));
-    let load = cost.load[1].map_or_else(String::new, |load| format!("; load of the machine {load:.1}"));
-    let under = format!("against the {}{load}", cost.reference);
+    let under = format!("against the {}", cost.reference);
     svg.text((PLOT.x, 44.0), SMALL, Anchor::Start, &shortened(&under, 104));
+    let load = cost.load[1].map_or_else(String::new, |load| format!(", with a load of {load:.1} on the machine"));
+    svg.text((PLOT.x, 60.0), SMALL, Anchor::Start, &format!("medians of 1 to 41 runs{load}"));
 }
 
 fn shortened(text: &str, length: usize) -> String {
@@ -145,7 +146,7 @@ fn grid(svg: &mut Svg, frame: &Frame) {
     }
     if frame.strip {
         svg.line((PLOT.x, frame.bottom()), (PLOT.right(), frame.bottom()), &Stroke::new("#888", 0.8).dashed("2 3"));
-        svg.text((PLOT.x - 8.0, PLOT.bottom() - 0.5 * STRIP + 4.0), SMALL, Anchor::End, "rounding");
+        svg.text((PLOT.x - 8.0, PLOT.bottom() - 0.5 * STRIP + 4.0), SMALL, Anchor::End, "below");
     }
     svg.rect(PLOT, "none", Some(&dark));
     svg.text((PLOT.x + 0.5 * PLOT.width, PLOT.bottom() + 40.0), NORMAL, Anchor::Middle, "stepping time (s)");

@@ -13,7 +13,7 @@ use crate::assemble;
 use crate::bar::launches;
 use crate::error::{Error, Result, RunError};
 use crate::record::{self, ChoiceSummary, Summary, Tried};
-use crate::scene::{Method, Rate, Scene};
+use crate::scene::{Method, Rate, Scene, Solve};
 use crate::solver::moc::{COARSER, FrontTracking, Settings, Stopped};
 
 /// Cells of the first pilot on a grid, with companions of half and a quarter.
@@ -32,10 +32,10 @@ const LEAP_TOLERANCE: f64 = 3.5;
 const MARGIN: f64 = 1.15;
 
 /// Order in the front tolerance that is assumed until two pilots tell, and those that are believed.
-const FRONT_ORDER: f64 = 0.8;
+const FRONT_ORDER: f64 = 1.0;
 const FRONT_ORDERS: [f64; 2] = [0.5, 1.2];
 /// Events grow with this power of one over the tolerance.
-const EVENT_GROWTH: f64 = 1.2;
+const EVENT_GROWTH: f64 = 1.0;
 
 /// Pilots of front tracking with fewer events than this are cheaper than any grid's.
 const FEW_EVENTS: u64 = 300;
@@ -51,7 +51,7 @@ fn nominal(scene: &Scene, method: Method) -> f64 {
     let malvern = matches!(scene.effects.rate, Some(Rate::Malvern { .. }));
     match (method, scene.effects.rate) {
         (Method::FrontTracking { .. }, _) => 0.5e-6,
-        (Method::Leapfrog { .. }, None) => 2e-9,
+        (Method::Leapfrog { .. }, None) => 4e-9,
         (Method::Leapfrog { .. }, Some(_)) => {
             if malvern {
                 40e-9
@@ -138,30 +138,37 @@ fn refined(method: Method, by: f64) -> Method {
 pub(super) fn run(scene: &Scene, output: Option<&Path>, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<Summary> {
     let Some(asked) = &scene.solve.tolerance else { return once(scene, output, progress) };
     let tolerance = asked.value;
-    let mut racers: Vec<Racer> = asked.methods.iter().copied().map(Racer::new).collect();
-    let (winner, finer) = race(scene, tolerance, &mut racers, progress)?;
-    let mut method = racers[winner].finer(finer);
-    let why = why(scene, tolerance, &racers, winner);
-    let mut tried: Vec<Tried> =
-        racers.iter().flat_map(|r| &r.pilots).map(|p| tried_of(p.method, p.estimate, p.work)).collect();
+    let mut racers: Vec<Racer> = methods(scene, &asked.methods).into_iter().map(Racer::new).collect();
     for _ in 0..=MOST_REPEATS {
+        let (winner, finer) = race(scene, tolerance, &mut racers, progress)?;
+        let method = racers[winner].finer(finer);
+        let why = why(scene, tolerance, &racers, winner);
         let mut chosen = scene.clone();
         chosen.solve.method = method;
         chosen.solve.estimate_error = true;
         let summary = once(&chosen, output, progress)?;
         let work = if summary.events > 0 { summary.events } else { (summary.cells * summary.steps) as u64 };
         let estimate = summary.error.as_ref().map(|e| e.value);
-        tried.push(tried_of(method, estimate.unwrap_or(f64::NAN), work));
         // Without an estimate the bar came to an end of its own, such as a rupture that no companion follows.
-        let Some(estimate) = estimate.filter(|e| *e > tolerance) else {
-            let choice = ChoiceSummary { tolerance, why, tried };
-            return Ok(Summary { choice: Some(choice), ..summary });
+        let Some(missed) = estimate.filter(|e| *e > tolerance) else {
+            let mut tried = tried(&racers);
+            tried.push(tried_of(method, estimate.unwrap_or(f64::NAN), work));
+            return Ok(Summary { choice: Some(ChoiceSummary { tolerance, why, tried }), ..summary });
         };
         let order = racers[winner].pilots.last().map_or(1.0, |p| p.order);
-        let by = (MARGIN * (estimate / tolerance).powf(1.0 / order)).clamp(1.3, LEAP_TOLERANCE);
-        method = refined(method, by);
+        racers[winner].pilots.push(Pilot { method, estimate: missed, order, work });
     }
-    Err(not_reached(scene, tolerance, &tried))
+    Err(not_reached(scene, tolerance, &tried(&racers)))
+}
+
+/// Methods whose estimates hold: those that make a staircase of a taper are left out where another one does not need to.
+fn methods(scene: &Scene, asked: &[Method]) -> Vec<Method> {
+    let whole = |method: &Method| {
+        let solve = Solve { method: *method, ..scene.solve.clone() };
+        Scene { solve, ..scene.clone() }.in_pieces().is_none()
+    };
+    let kept: Vec<Method> = asked.iter().copied().filter(whole).collect();
+    if kept.is_empty() { asked.to_vec() } else { kept }
 }
 
 /// Refines the racers until one is near: its index, and how many times finer than its last pilot it has to be.
@@ -176,9 +183,7 @@ fn race(
         let time = |r: &Racer| foretold(r).map_or(0.0, |f| f.1);
         let best = (0..racers.len()).min_by(|&a, &b| time(&racers[a]).total_cmp(&time(&racers[b])));
         let Some(best) = best.filter(|&k| racers[k].out.is_none()) else {
-            let tried: Vec<Tried> =
-                racers.iter().flat_map(|r| &r.pilots).map(|p| tried_of(p.method, p.estimate, p.work)).collect();
-            return Err(not_reached(scene, tolerance, &tried));
+            return Err(not_reached(scene, tolerance, &tried(racers)));
         };
         let tracks = racers[best].method.tracks_fronts();
         let leap = if tracks { LEAP_TOLERANCE } else { LEAP_CELLS };
@@ -294,6 +299,11 @@ fn tracked(
             return Err(Error::Interrupted);
         }
     }
+}
+
+/// What was run so far, method by method.
+fn tried(racers: &[Racer]) -> Vec<Tried> {
+    racers.iter().flat_map(|r| &r.pilots).map(|p| tried_of(p.method, p.estimate, p.work)).collect()
 }
 
 fn tried_of(method: Method, estimate: f64, work: u64) -> Tried {

@@ -88,6 +88,8 @@ impl Wanted<'_> {
 
 /// Runs the scene's bar once. This is the one place in which the study chooses solvers.
 pub(super) fn pass(scene: &Scene, wanted: Wanted<'_>, watch: &mut Watch<'_>) -> Result<Pass, Halt> {
+    let cut = scene.in_pieces();
+    let scene = cut.as_ref().unwrap_or(scene);
     match scene.solve.method {
         Method::Leapfrog { cells, cfl } => stepped(scene, assemble::leapfrog(scene, cells, cfl), wanted, watch),
         Method::CharacteristicNet { cells } => {

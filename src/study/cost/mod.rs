@@ -422,7 +422,8 @@ impl Runner for Bench<'_> {
         let error = error.ok_or_else(|| Halt::Failed(nothing.into()))?;
         let timing = measure::repeated(&scene, pass.seconds, &mut self.watch)?;
         let whole_wall_s = self.whole(&self.source.overrides(way, Some(resolution)))?;
-        let exact = pass.tracked.as_ref().map(|bar| bar.is_exact());
+        let whole = scene.in_pieces().is_none();
+        let exact = pass.tracked.as_ref().map(|bar| whole && bar.is_exact());
         let below_reference = error <= self.reference.uncertainty;
         self.points[family].push(CostPoint {
             method: names[0].into(),

@@ -83,7 +83,8 @@ pub(super) fn find(
     }
     let (from, until) = (watch.now(), watch.until);
     let has_grid = families.iter().any(|f| matches!(f.rungs[0], Resolution::Cells(_)));
-    let tracking = families.iter().find(|f| matches!(f.rungs[0], Resolution::FrontTolerance(_)));
+    // A taper's staircase is no exact bar, however well its waves are kept.
+    let tracking = families.iter().find(|f| matches!(f.rungs[0], Resolution::FrontTolerance(_)) && !tapers(scene));
     let mut found = Err(Halt::OutOfTime);
     if let Some(family) = tracking {
         let scene = source.at(family.way, Resolution::FrontTolerance(0.0))?;
@@ -94,13 +95,18 @@ pub(super) fn find(
     if found.as_ref().is_ok_and(|r| r.uncertainty <= SURE) || found.as_ref().is_err_and(|h| *h == Halt::Interrupted) {
         return Ok(found);
     }
-    let on_grid = grid(source, families, ends, watch)?;
+    let on_grid = grid(scene, source, families, ends, watch)?;
     Ok(match (found, on_grid) {
         (Ok(tracked), Ok(grid)) => Ok(if grid.uncertainty < tracked.uncertainty { grid } else { tracked }),
         (_, Err(Halt::Interrupted)) => Err(Halt::Interrupted),
         (Ok(tracked), Err(_)) => Ok(tracked),
         (Err(_), grid) => grid,
     })
+}
+
+/// The section changes along the bar: methods by characteristics make a staircase of it.
+fn tapers(scene: &Scene) -> bool {
+    scene.bar.segments.iter().any(|segment| segment.taper.is_some())
 }
 
 /// The self-similar solution, where the scene has one up to the last of the end times.
@@ -211,6 +217,7 @@ fn tracked_reference(pass: Pass, uncertainty: f64, name: String) -> Reference {
 
 /// The finest grid that the time allows: the net where there is one, else leapfrog, else what there is.
 fn grid(
+    scene: &Scene,
     source: &Source<'_>,
     families: &[Family],
     ends: &[f64],
@@ -218,8 +225,8 @@ fn grid(
 ) -> Result<std::result::Result<Reference, Halt>> {
     let grids = || families.iter().enumerate().filter(|(_, f)| matches!(f.rungs[0], Resolution::Cells(_)));
     let named = |name: &str| grids().find(|(_, f)| f.names[1] == name);
-    let Some((index, family)) = named("characteristic-net").or_else(|| named("leapfrog")).or_else(|| grids().next())
-    else {
+    let net = named("characteristic-net").filter(|_| !tapers(scene));
+    let Some((index, family)) = net.or_else(|| named("leapfrog")).or_else(|| grids().next()) else {
         return Ok(Err(Halt::OutOfTime));
     };
     let mut runs: Vec<Pass> = Vec::new();

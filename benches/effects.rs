@@ -5,9 +5,11 @@ use std::path::Path;
 use std::time::Instant;
 
 use barwave::assemble;
+use barwave::record::{Audit, Case, LOOKS, Off};
 use barwave::scene::Scene;
+use barwave::solver::fd::Sampling;
 
-const RUNS: usize = 7;
+const RUNS: usize = 3;
 const CELLS: usize = 10_000;
 
 /// Effects by name, as lines under `[effects]`; the first is none.
@@ -18,14 +20,22 @@ const EFFECTS: &[(&str, &str)] = &[
     ("external damping", "damping = { external = 1e3 }"),
     ("foundation", "damping = { foundation = 1e6 }"),
     ("all of these", "lateral-inertia = true\ndamping = { internal = 2e4, external = 1e3, foundation = 1e6 }"),
+    ("heat", "heat = { fraction = 0.9 }"),
+    ("rate", "rate = { model = \"malvern\", k = 1e7 }"),
+    ("rate and heat", "heat = { fraction = 0.9 }\nrate = { model = \"malvern\", k = 1e7 }"),
 ];
 
-fn scene(velocity: f64, effects: &str) -> Scene {
+/// One area, and a table of them.
+const UNIFORM: &str = "1e-4";
+const TAPERED: &str = "[[0, 1e-4], [1, 1.2e-4]]";
+
+fn scene(area: &str, velocity: f64, effects: &str) -> Scene {
     let text = format!(
-        "[bar]\nlength = 1\narea = 1e-4\n[bar.material]\nname = \"bench\"\ndensity = 7800\nmodulus = 200e9\npoisson = 0.3\n\
-         beyond = \"extend\"\ncurve = {{ table = [[0.001, 200e6], [1, 20179.8e6]] }}\n[left]\nkind = \"velocity\"\n\
+        "[bar]\nlength = 1\narea = {area}\n[bar.material]\nname = \"bench\"\ndensity = 7800\nmodulus = 200e9\npoisson = 0.3\n\
+         beyond = \"extend\"\ncurve = {{ table = [[0.001, 200e6], [1, 20179.8e6]] }}\nheat = {{ specific-heat = 480, reference-temperature = 293, \
+         melting-temperature = 1800, m = 1 }}\n[left]\nkind = \"velocity\"\n\
          value = {velocity:?}\n[right]\nkind = \"fixed\"\n[effects]\nunloading = \"isotropic\"\n{effects}\n[solve]\n\
-         until = 1.58e-4\ncells = {CELLS}\n"
+         until = 1.58e-4\nmethod = \"fd\"\ncells = {CELLS}\n"
     );
     Scene::parse("bench", &text, Path::new("."), &[]).unwrap_or_else(|error| panic!("{error}"))
 }
@@ -44,6 +54,34 @@ fn shortest(scene: &Scene) -> f64 {
     (0..RUNS).map(run).fold(f64::INFINITY, f64::min)
 }
 
+/// Time of all looks of the audit at a bar of which all has yielded that will, over the time of stepping it.
+fn share_of_audit(cells: usize, rates: &str) -> f64 {
+    let text = format!(
+        "[bar]\nlength = 1\n[bar.material]\nname = \"bench\"\ndensity = 7800\nmodulus = 200e9\nbeyond = \"extend\"\n{rates}\n\
+         curve = {{ table = [[0.001, 200e6], [1, 20179.8e6]] }}\n[left]\nkind = \"velocity\"\nvalue = -20\n[right]\n\
+         kind = \"fixed\"\n[solve]\nuntil = 3e-4\ncells = {cells}\n"
+    );
+    let scene = Scene::parse("bench", &text, Path::new("."), &[]).unwrap_or_else(|error| panic!("{error}"));
+    let mut bar = assemble::leapfrog(&scene, cells, 1.0);
+    let off = Off { unloading: true, rate: true, heat: true, rupture: true, lateral_inertia: true };
+    let (until, ends) = (scene.solve.until, [&scene.left, &scene.right]);
+    let mut audit = Audit::new(&Case { bar: &scene.bar, ends, until, tolerance: 0.01, off, cells: Some(cells) });
+    let places = Sampling::at(bar.grid(), audit.places().to_vec());
+    let steps = (until / bar.grid().dt) as usize;
+    let (mut stepping, mut looking) = (0.0, 0.0);
+    for step in 1..=steps {
+        let start = Instant::now();
+        bar.advance();
+        stepping += start.elapsed().as_secs_f64();
+        if step.is_multiple_of(steps / LOOKS) {
+            let start = Instant::now();
+            audit.look(&bar, &places);
+            looking += start.elapsed().as_secs_f64();
+        }
+    }
+    looking / stepping
+}
+
 fn main() {
     // `cargo test --benches` only wants to know that this starts.
     if !std::env::args().any(|argument| argument == "--bench") {
@@ -52,7 +90,18 @@ fn main() {
     println!("ns for a cell and a step at {CELLS} cells; shortest of {RUNS} runs");
     println!("{:<20}{:>10}{:>10}", "effect", "elastic", "bilinear");
     for (name, effects) in EFFECTS {
-        let ns = [-4.0, -20.0].map(|velocity| shortest(&scene(velocity, effects)));
+        let ns = [-4.0, -20.0].map(|velocity| shortest(&scene(UNIFORM, velocity, effects)));
         println!("{name:<20}{:>10.2}{:>10.2}", ns[0], ns[1]);
+    }
+    let ns = [-4.0, -20.0].map(|velocity| shortest(&scene(TAPERED, velocity, "")));
+    println!("{:<20}{:>10.2}{:>10.2}", "taper", ns[0], ns[1]);
+    println!("\naudit, % of the time of stepping; shortest of {RUNS} runs");
+    println!("{:<20}{:>10}{:>10}", "the material states", "1000", "10000");
+    let constants = "rate = { johnson-cook = { C = 0.02, reference = 1 } }\nheat = { specific-heat = 460, \
+                     reference-temperature = 293, melting-temperature = 1790, m = 1 }";
+    for (name, stated) in [("nothing", ""), ("rate and heat", constants)] {
+        let share =
+            [1000, 10_000].map(|cells| (0..RUNS).map(|_| share_of_audit(cells, stated)).fold(f64::INFINITY, f64::min));
+        println!("{name:<20}{:>10.2}{:>10.2}", 100.0 * share[0], 100.0 * share[1]);
     }
 }

@@ -10,7 +10,7 @@ use crate::law::{
     Backbone, CellLaw, Envelope, Indexed, Isotropic, Mixed, PathIndependent, RowLaw, Rows, Searched, Table, TwoSided,
     Warming,
 };
-use crate::material::{Curve, Material, Sense};
+use crate::material::{Curve, Heating, Material, Sense};
 use crate::scene::{Effects, Rate, Scene, Unloading};
 use crate::solver::fd::{Along, Grid, Leapfrog, SegmentLaw};
 use crate::solver::moc::{FrontTracking, Settings};
@@ -33,7 +33,7 @@ pub fn leapfrog(scene: &Scene, cells: usize, cfl: f64) -> Leapfrog {
 }
 
 /// What acts along the bar beside the stress of its curve, if anything does. A section is taken for a round one: its polar
-/// radius of gyration is that of a disc, r_p^2 = A/(2 pi). Poisson's ratio is the elastic one throughout.
+/// radius of gyration is that of a disc, `r_p^2 = A/(2 pi)`. Poisson's ratio is the elastic one throughout.
 pub fn along(bar: &Bar, effects: &Effects) -> Option<Along> {
     let damping = effects.damping.unwrap_or_default();
     let lateral = |segment: &Segment| {
@@ -83,6 +83,7 @@ pub fn characteristic_net(scene: &Scene, cells: usize) -> Net {
 pub fn rate_law(material: &Material, effects: &Effects) -> RateLaw {
     let overstress = match effects.rate {
         None => Overstress::Malvern { k: f64::MAX },
+        Some(Rate::Material) => Overstress::of(material).unwrap_or(Overstress::Malvern { k: f64::MAX }),
         Some(Rate::Malvern { k }) => Overstress::Malvern { k },
         Some(Rate::CowperSymonds { d, q }) => Overstress::CowperSymonds { rate: material.modulus * d, exponent: q },
         Some(Rate::JohnsonCook { c, reference }) => Overstress::JohnsonCook { c, rate: material.modulus * reference },
@@ -100,12 +101,22 @@ pub fn rate_law(material: &Material, effects: &Effects) -> RateLaw {
     RateLaw::new(overstress, &tables[0], tables.get(1), kinematic)
 }
 
-/// The law of one segment under the scene's effects, in steps of `dt`, s.
+fn moves(effects: &Effects) -> bool {
+    !matches!(effects.unloading, None | Some(Unloading::Isotropic))
+}
+
+/// What heats a material whose temperature is a state of each cell. Where hardening is isotropic and flow takes no time, the
+/// temperature is a matter of the (adiabatic) curve alone: none.
+pub fn heat_of_state<'a>(material: &'a Material, effects: &Effects) -> Option<&'a Heating> {
+    let heating = material.heating.as_deref()?;
+    (heating.warms() && (moves(effects) || effects.rate.is_some())).then_some(heating)
+}
+
+/// The law of one segment under the scene's effects, in steps of `dt`, s. Heat applies first (to the curve, or to the static
+/// stresses of the cell), then the rate; rupture comes last, in the solver.
 pub fn stepped_law(segment: &Segment, effects: &Effects, dt: f64) -> SegmentLaw {
     let (law, material) = (segment_law(segment, effects), &segment.material);
-    let moves = !matches!(effects.unloading, None | Some(Unloading::Isotropic));
-    // Only where hardening is isotropic, and flow takes no time, the temperature is a matter of the curve alone.
-    let heat = material.heating.as_deref().filter(|heating| heating.warms() && (moves || effects.rate.is_some()));
+    let (moves, heat) = (moves(effects), heat_of_state(material, effects));
     if effects.rate.is_none() && heat.is_none() {
         return law;
     }

@@ -37,6 +37,8 @@ pub enum Allowed {
     Above(f64, f64),
     /// low <= value < high.
     Below(f64, f64),
+    /// low < value < high.
+    Between(f64, f64),
 }
 
 impl Allowed {
@@ -50,6 +52,7 @@ impl Allowed {
                 Self::Within(low, high) => (low..=high).contains(&value),
                 Self::Above(low, high) => value > low && value <= high,
                 Self::Below(low, high) => value >= low && value < high,
+                Self::Between(low, high) => value > low && value < high,
             }
     }
 
@@ -66,6 +69,7 @@ impl Allowed {
             Self::Within(low, high) => format!("{low} <= {name} <= {high}{unit}"),
             Self::Above(low, high) => format!("{low} < {name} <= {high}{unit}"),
             Self::Below(low, high) => format!("{low} <= {name} < {high}{unit}"),
+            Self::Between(low, high) => format!("{low} < {name} < {high}{unit}"),
         }
     }
 }
@@ -120,7 +124,7 @@ impl Document {
             Allowed::Finite => example,
             Allowed::Positive => format!("give `{name}` a value above zero"),
             Allowed::NotNegative => format!("give `{name}` zero or a value above it"),
-            Allowed::Within(..) | Allowed::Above(..) | Allowed::Below(..) => {
+            Allowed::Within(..) | Allowed::Above(..) | Allowed::Between(..) | Allowed::Below(..) => {
                 format!("give `{name}` a value in the allowed range")
             }
         };

@@ -9,7 +9,7 @@ use barwave::assemble::segment_law;
 use barwave::bar::{Bar, EndCondition, Joint, Segment};
 use barwave::material::Material;
 use barwave::record::Ledger;
-use barwave::scene::{Effects, Unloading};
+use barwave::scene::{Effects, Method, Scene, Unloading};
 use barwave::solver::fd::{Along, Grid, Leapfrog, Quantity};
 
 const LENGTH: f64 = 1.0;
@@ -391,4 +391,25 @@ fn short_stiff_bars_move_as_one() {
     let (left, right) = (bar.left().displacement(), bar.right().displacement());
     assert!((left / expected - 1.0).abs() < 1e-3 && (right / expected - 1.0).abs() < 1e-3, "{left} {right} {expected}");
     common::assert_ledger(&ledger, "rigid");
+}
+
+/// A scene with `rate` and damping takes the grid by itself, and its account closes.
+#[test]
+fn rate_laws_go_with_damping_on_the_grid() {
+    let text = "[bar]\nlength = 1\ndiameter = \"30 mm\"\n[bar.material]\nname = \"steel\"\ndensity = 7800\nmodulus = 200e9\n\
+                poisson = 0.3\nbeyond = \"extend\"\ncurve = { table = [[0.001, 200e6], [0.021, 600e6]] }\n[left]\n\
+                kind = \"velocity\"\nvalue = 20\n[right]\nkind = \"free\"\n[effects]\nlateral-inertia = true\n\
+                damping = { internal = \"5 kPa*s\", external = \"50 N*s/m^2\" }\n\
+                rate = { model = \"malvern\", k = \"1e6 1/s\" }\n[solve]\nuntil = \"300 us\"\ncells = 500\n";
+    let scene = Scene::parse("rate", text, std::path::Path::new("."), &[]).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(scene.solve.method, Method::Leapfrog { cells: 500, cfl: 1.0 });
+    let mut bar = barwave::assemble::leapfrog(&scene, 500, 1.0);
+    let mut ledger = Ledger::new(&bar);
+    for _ in 0..1500 {
+        bar.advance();
+        ledger.row(&bar);
+    }
+    common::assert_ledger(&ledger, "rate");
+    let now = bar.energies();
+    assert!(now.viscous > 0.0 && now.damping > 0.0 && now.plastic > 0.0 && !bar.stayed_elastic(), "{now:?}");
 }

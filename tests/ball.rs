@@ -4,10 +4,12 @@ mod common;
 #[path = "common/net.rs"]
 mod net;
 
-use barwave::bar::{EndCondition, Hertz, Segment};
+use barwave::bar::{Bar, EndCondition, Hertz, Segment};
 use barwave::record::Ledger;
 use barwave::scene::Unloading;
 use barwave::solver::fd::Leapfrog;
+use barwave::solver::moc::{FrontTracking, Settings};
+use barwave::wave::riemann::Flow;
 use common::{DENSITY, MODULUS};
 
 /// m^2.
@@ -215,5 +217,78 @@ fn a_rate_dependent_bar_takes_from_the_ball_what_it_gets() {
         if area == AREA {
             assert!(fine < 1e-4 && (coarse / fine).log2() / 2.0 > 1.9, "{coarse:e} {fine:e}");
         }
+    }
+}
+
+/// The tracked bar, whose ball takes steps of `step` of the largest force.
+fn tracked(material: barwave::material::Material, area: f64, ends: [EndCondition; 2], step: f64) -> FrontTracking {
+    let segments = vec![Segment { area, ..common::segment(material, 0.5) }];
+    let settings = Settings { ramp_step: Some(step), front_tolerance: 0.0, ..Settings::default() };
+    let flow = Flow::Plastic { kinematic: 0.0 };
+    FrontTracking::new(&Bar { segments, area_given: true }, flow, ends, settings)
+}
+
+#[test]
+fn a_tracked_bar_gives_the_impact_of_the_equation() {
+    for velocity in [0.5, 10.0] {
+        let exact = alone(velocity, AREA * (DENSITY * MODULUS).sqrt());
+        let missed = |step: f64| {
+            let ends = [ball(velocity), EndCondition::Absorbing];
+            let mut bar = tracked(common::elastic_steel(), AREA, ends, step);
+            bar.advance_to(1.5 * exact.time).expect("few events");
+            let [_, apart] = bar.striker_changes(0) else { panic!("{:?}", bar.striker_changes(0)) };
+            let force = bar.ends()[0].steps.iter().map(|s| -s.stress * AREA).fold(0.0, f64::max);
+            let after = bar.striker(0).expect("there").velocity;
+            let found = Impact { time: apart.time, impulse: MASS * (velocity - after), force, velocity: after };
+            // The largest force is that of a step, and off by up to one part of it.
+            assert!((found.force / exact.force - 1.0).abs() < step, "{velocity} {step}: {}", found.force);
+            self::apart(Impact { force: exact.force, ..found }, exact)
+        };
+        let [coarse, fine] = [4e-3, 1e-3].map(missed);
+        // Contact time, impulse and velocity of rebound; second order in steps that are a square root where the force is largest.
+        assert!(coarse < 4e-4 && fine < 5e-5, "{velocity}: {coarse:e} {fine:e}");
+        assert!((coarse / fine).log2() / 2.0 > 1.4, "{velocity}: {coarse:e} {fine:e}");
+    }
+}
+
+#[test]
+fn a_tracked_ball_strikes_again_and_the_account_closes() {
+    let heavy = |velocity| EndCondition::Ball { mass: 0.5, velocity, contact: contact() };
+    let thin = 9e-6;
+    for (what, material, area, ends, until) in [
+        ("wall", common::elastic_steel(), AREA, [heavy(2.0), EndCondition::Wall { gap: 1e-4 }], 2e-3),
+        ("mirrored", common::elastic_steel(), AREA, [EndCondition::Wall { gap: 1e-4 }, heavy(-2.0)], 2e-3),
+        ("yields", common::bilinear_steel(), thin, [ball(10.0), EndCondition::Free], 4e-4),
+        // Nothing but the bar moves at the start.
+        (
+            "struck from behind",
+            common::elastic_steel(),
+            AREA,
+            [heavy(0.0), common::moved_by(&[(0.0, -2.0), (1e-4, 0.0)])],
+            1e-3,
+        ),
+    ] {
+        let which = usize::from(what == "mirrored");
+        let mut bar = tracked(material, area, ends, 4e-3);
+        let mut ledger = Ledger::new(&bar);
+        let start = bar.body_energy()[which];
+        for k in 1..=50 {
+            bar.advance_to(until * f64::from(k) / 50.0).unwrap_or_else(|e| panic!("{what}: {e:?}"));
+            ledger.row(&bar);
+        }
+        // Rounding of the places of some hundred thousand meetings.
+        let (energy, momentum) = (ledger.worst_energy(), ledger.worst_momentum());
+        assert!(energy < 1e-9 && momentum < 1e-9, "{what}: {energy:e} {momentum:e}");
+        assert!(bar.ends()[which].steps.iter().all(|s| s.stress <= 0.0), "{what}: it pulls");
+        let work = barwave::record::View::account(&bar).work[which];
+        let missing = (start - bar.body_energy()[which] - work).abs();
+        // Second order in the steps.
+        assert!(missing < 2e-3 * start.max(work.abs()), "{what}: {missing:e} of {start:e}");
+        let touched = bar.striker_changes(which).iter().filter(|change| !change.open).count();
+        assert!(
+            touched >= if what == "yields" { 1 } else { 1 + usize::from(what != "struck from behind") },
+            "{what}: {touched}"
+        );
+        assert!(what != "yields" || bar.pieces().any(|piece| piece.point.plastic != 0.0));
     }
 }

@@ -72,10 +72,10 @@ fn segments() -> impl Strategy<Value = Vec<Segment>> {
         let segment = |(length, area, material, velocity)| Segment {
             length,
             area,
+            taper: None,
             material: Arc::new(material),
             velocity,
             joint: Joint::Bonded,
-            taper: None,
         };
         parts.into_iter().map(segment).collect()
     })

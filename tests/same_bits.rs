@@ -136,10 +136,10 @@ fn many_collisions(speed: f64) -> Setup {
     let segment = |k: u32| Segment {
         length: 0.1,
         area: 1.0,
+        taper: None,
         material: Arc::clone(&material),
         velocity: if k.is_multiple_of(2) { speed } else { -0.5 * speed },
         joint: Joint::Bonded,
-        taper: None,
     };
     let mut setup = Setup::new((0..40).map(segment).collect(), [EndCondition::Free, EndCondition::Absorbing]);
     setup.cells = 70_000;

@@ -82,7 +82,7 @@ const CASES: &[Case] = &[
         "cels = 1000",
         "cels",
         "solve.cels",
-        &["did you mean `cells`?", "until, method, tolerance, scheme, cells, cfl, front-tolerance, event-budget"],
+        &["did you mean `cells`?", "until, method, tolerance, scheme, cells, cfl, audit-tolerance, front-tolerance, event-budget"],
     ),
     case(
         "\"free\"",
@@ -479,14 +479,50 @@ const CASES: &[Case] = &[
         "solve.tolerance",
         &["0.7 is out of range", "0 < tolerance <= 0.5"],
     ),
+    // The effect of heat.
     case(
         "unloading = \"isotropic\"",
         "heat = { fraction = 0.9 }",
         "heat",
         "effects.heat",
-        &["heating by plastic work", "leave it out"],
+        &["`steel` does not state: specific-heat, reference-temperature, melting-temperature, m", "add them to"],
+    ),
+    case(
+        "unloading = \"isotropic\"",
+        "heat = { fraction = 1.5 }",
+        "heat",
+        "effects.heat.fraction",
+        &["1.5 is out of range", "allowed: 0 <= fraction <= 1"],
+    ),
+    case(
+        "unloading = \"isotropic\"",
+        "heat = { fracton = 0.5 }",
+        "fracton",
+        "effects.heat.fracton",
+        &["unknown", "fraction"],
+    ),
+    case(
+        "fields = [\"stress\", \"velocity\"]",
+        "fields = [\"stress\", \"temperature\"]",
+        "temperature",
+        "record.fields.1",
+        &["does not exist where nothing heats the bar", "heat = { fraction = 0.9 }"],
+    ),
+    case(
+        "cells = 1000",
+        "audit-tolerance = 2.5",
+        "2.5",
+        "solve.audit-tolerance",
+        &["out of range", "0 < audit-tolerance < 1"],
     ),
     // The effect of the strain rate.
+    case(
+        "unloading = \"isotropic\"",
+        "rate = \"material\"",
+        "\"material\"",
+        "effects.rate",
+        &["no material of the bar states a rate", "[rate.johnson-cook]"],
+    ),
     case(
         "unloading = \"isotropic\"",
         "rate = { model = \"malvren\", k = \"1e6 1/s\" }",
@@ -881,6 +917,53 @@ fn kinematic_hardening_needs_one_curve() {
 }
 
 /// What acts on the whole section needs one, and a joint that opens has no node that is shared.
+#[test]
+fn torsion_and_tapers_refuse_what_they_do_not_go_with() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let file = folder.path().join("wrong.toml");
+    let shear = MATERIAL.replace("modulus =", "loading = \"shear\", modulus =");
+    let twisted = RIGHT
+        .replace(MATERIAL, &shear)
+        .replace("area = \"1 cm^2\"", "mode = \"torsion\"\ndiameter = \"2 cm\"")
+        .replace("\"-30 m/s\"", "\"-3000 rad/s\"");
+    let tapered = RIGHT.replace("\"1 cm^2\"", "[[0, \"1 cm^2\"], [1, \"2 cm^2\"]]");
+    let steep = RIGHT.replace("\"1 cm^2\"", "[[0, \"1 mm^2\"], [1, \"1 m^2\"]]");
+    for (text, from, to, parts) in [
+        (&twisted, "", "", &[][..]),
+        (&tapered, "", "", &[]),
+        (&twisted, "-3000 rad/s", "-30 m/s", &["an angular velocity is expected", "rad/s"]),
+        (&twisted, "\"free\"", "\"wall\"", &["means nothing in torsion", "torque, free"]),
+        (&twisted, "\"free\"", "\"striker\"\nmass = 1", &["`mass` means nothing", "inertia"]),
+        (&twisted, "\"free\"", "\"striker\"", &["`inertia` is missing", "kg*m^2"]),
+        (&twisted, "\"free\"", "\"spring\"\nstiffness = \"3 N/m\"", &["torsional stiffness is expected"]),
+        (&twisted, "\"free\"", "\"torque\"\nvalue = \"3 N\"", &["a torque is expected", "N*m"]),
+        (&twisted, "unloading = \"isotropic\"", "rupture = { spall = 1e9 }", &["rupture in torsion"]),
+        (
+            &twisted,
+            "unloading = \"isotropic\"",
+            "damping = { internal = 1 }",
+            &["`damping` in torsion is not followed"],
+        ),
+        (
+            &tapered,
+            "unloading = \"isotropic\"",
+            "damping = { internal = 1 }",
+            &["whose section changes along segment 1"],
+        ),
+        (&tapered, "cells = 1000", "method = \"moc\"", &[]),
+        (&steep, "cells = 1000", "method = \"moc\"", &["a staircase of this taper", "at most 2000", "method = \"fd\""]),
+    ] {
+        let wrong = if from.is_empty() { text.clone() } else { text.replacen(from, to, 1) };
+        std::fs::write(&file, &wrong).expect("written");
+        let output = check(&file);
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.success(), parts.is_empty(), "{from} -> {to}: {message}");
+        for part in parts {
+            assert!(message.contains(part), "expected `{part}`:\n{message}");
+        }
+    }
+}
+
 #[test]
 fn what_acts_along_the_bar_needs_a_section_and_bonded_joints() {
     let folder = tempfile::tempdir().expect("a temporary folder");

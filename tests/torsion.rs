@@ -75,7 +75,8 @@ fn a_thin_tube_is_the_axial_bar_with_the_same_numbers_to_the_last_bit() {
         let torsion = twisted.torsion.as_ref().expect("torsion");
         assert!((torsion.radius - 0.0125).abs() < 1e-17);
         let v = torsion.radius * 1500.0;
-        let axial = format!("length = 1\nmaterial = {{ name = \"s\", {TABLE} }}");
+        let area = twisted.bar.segments[0].area;
+        let axial = format!("length = 1\narea = {area:e}\nmaterial = {{ name = \"s\", {TABLE} }}");
         let left = format!("kind = \"velocity\"\nhistory = [[0, {v:e}], [4e-4, {v:e}], [4e-4, 0]]");
         let axial = scene(&axial, &left, "kind = \"free\"", &rest);
         let (here, there) = (fields(&twisted), fields(&axial));

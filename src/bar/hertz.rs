@@ -70,7 +70,7 @@ impl Hertz {
     }
 
     /// Derivative of [`Hertz::mean_force`] by `to`, N/m: (force - mean)/(to - from).
-    fn slope(&self, from: f64, to: f64, mean: f64) -> f64 {
+    pub fn slope(&self, from: f64, to: f64, mean: f64) -> f64 {
         let width = to - from;
         if width.abs() < 1e-5 * to.abs() {
             return 0.75 * self.stiffness() * to.max(0.0).sqrt();

@@ -49,7 +49,8 @@ fn text(plan: &Plan, units: System) -> String {
     }
     line("method", std::format!("{} {}", plan.method, plan.scheme));
     for effect in &plan.effects {
-        line(if effect.on { "on" } else { "off" }, std::format!("{}: {}", effect.effect, effect.why));
+        let size = effect.estimate.map_or_else(String::new, |e| std::format!(" ({:.2} %)", 100.0 * e));
+        line(if effect.on { "on" } else { "off" }, std::format!("{}{size}: {}", effect.effect, effect.why));
     }
     for (label, value) in work_lines(&plan.work, units) {
         line(label, value);

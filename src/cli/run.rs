@@ -9,7 +9,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::output;
 use crate::error::{Error, InputError, Result};
-use crate::record::{ChoiceSummary, EndSummary, FrontSummary, RuptureSummary, Summary};
+use crate::record::{AuditRow, AutoChoice, ChoiceSummary, EndSummary, FrontSummary, RuptureSummary, Summary};
 use crate::run::{self, Progress, Wish};
 use crate::scene::{Problem, SpecimenScene};
 use crate::units::{Dimension, System, format};
@@ -59,7 +59,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let _ = ctrlc::set_handler(move || asked.store(true, Ordering::Relaxed));
     let bar = progress_bar(args.quiet || args.json);
     let summary = run::run(&scene, Some(&output), &mut |at: Progress| {
-        show_progress(&bar, at);
+        show_progress(&bar, &at, args.quiet || args.json);
         if stop.load(Ordering::Relaxed) { Wish::Stop } else { Wish::GoOn }
     });
     bar.finish_and_clear();
@@ -129,12 +129,19 @@ fn progress_bar(silent: bool) -> ProgressBar {
     bar
 }
 
-fn show_progress(bar: &ProgressBar, at: Progress) {
+fn show_progress(bar: &ProgressBar, at: &Progress, quiet: bool) {
+    if let Progress::Chosen(choice) = &at {
+        if !quiet {
+            bar.suspend(|| eprintln!("auto: {}", choice_text(choice)));
+        }
+        return;
+    }
     if bar.is_hidden() {
         return;
     }
     let seconds = bar.elapsed().as_secs_f64().max(1e-9);
-    match at {
+    match *at {
+        Progress::Chosen(_) => {}
         Progress::Steps { step, steps, cells } => {
             bar.set_length(steps as u64);
             bar.set_position(step as u64);
@@ -156,6 +163,9 @@ fn text(s: &Summary, units: System) -> String {
     let mut lines = vec![s.scene.clone()];
     let mut line = |label: &str, value: String| lines.push(std::format!("  {label:<18}{value}"));
     line("outcome", s.outcome.clone());
+    for choice in s.auto.iter().flatten() {
+        line("auto", choice_text(choice));
+    }
     let end = show(s.end_time_s, Dimension::Time);
     let how = match &s.tracking {
         None => std::format!("{} cells, {} steps to {end}", s.cells, s.steps),
@@ -210,7 +220,7 @@ fn text(s: &Summary, units: System) -> String {
         line("error", std::format!("{:.2e}, {}, against the {}", error.value, error.measure, error.reference));
     }
     if let Some(choice) = &s.choice {
-        line("chosen", choice_text(choice));
+        line("chosen", tolerance_text(choice));
     }
     let rate = match &s.tracking {
         None => std::format!("{:.0} million cell-steps/s", s.cell_steps_per_s / 1e6),
@@ -219,13 +229,36 @@ fn text(s: &Summary, units: System) -> String {
     line("time", std::format!("{:.3} s, of it stepping {:.3} s ({rate})", s.wall_s, s.step_wall_s));
     line("result", s.output.clone());
     lines.extend(front_lines(&s.fronts, units));
-    lines.extend(s.audit.iter().map(|row| std::format!("  note: {}", row.message)));
+    lines.extend(audit_lines(&s.audit));
     lines.join("\n") + "\n"
 }
 
-fn choice_text(choice: &ChoiceSummary) -> String {
+fn tolerance_text(choice: &ChoiceSummary) -> String {
     let runs = choice.tried.len();
     std::format!("{} ({} runs in all, the coarse ones included)", choice.why, runs)
+}
+
+/// Why an effect is on or off: "heat on: ...".
+pub(super) fn choice_text(choice: &AutoChoice) -> String {
+    std::format!("{} {}: {}", choice.effect, if choice.on { "on" } else { "off" }, choice.why)
+}
+
+/// A line for each neglected effect that matters, and one for all others.
+fn audit_lines(rows: &[AuditRow]) -> Vec<String> {
+    let mut lines: Vec<String> =
+        rows.iter().filter(|row| row.matters()).map(|row| std::format!("  note: {}", row.message)).collect();
+    let size = |row: &AuditRow| {
+        if row.estimate.is_nan() {
+            std::format!("{} unknown", row.effect)
+        } else {
+            std::format!("{} {:.2} %", row.effect, 100.0 * row.estimate)
+        }
+    };
+    let others: Vec<String> = rows.iter().filter(|row| !row.matters()).map(size).collect();
+    if !others.is_empty() {
+        lines.push(std::format!("  {:<18}{}", "left out", others.join(", ")));
+    }
+    lines
 }
 
 fn rupture_text(r: &RuptureSummary, units: System) -> String {

@@ -65,6 +65,7 @@ pub enum Loading {
 }
 
 impl Loading {
+    #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde calls it so")]
     fn is_axial(&self) -> bool {
         *self == Self::Axial
     }

@@ -4,7 +4,7 @@
 //! at the outer radius R. With the torque T and J = pi/2 (R^4 - a^4) for the inner radius a = q R, the *nominal* stress
 //! T R/J, which is the stress at the surface of an elastic section, is
 //! `tau_n(g) = integral over s from q to 1 of tau(s g) s^2, over the integral of s^3`.
-//! In terms of g, tau_n and the velocity of the surface a bar in torsion is a bar in tension with the area J/R^2: torque,
+//! In terms of g, that stress and the velocity of the surface a bar in torsion is a bar in tension with the area J/R^2: torque,
 //! energy and angular momentum follow. The integral is exact for a table that is straight between its rows; the result is
 //! no such table, and is made into one to a tolerance.
 //!

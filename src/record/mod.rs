@@ -19,7 +19,7 @@ mod warmth;
 use serde::Serialize;
 
 pub use audit::{
-    UnloadingWatch, above_critical, broken_end, broken_inside, end_of_data, heating, past_data, unresolved_flow,
+    Audit, Case, LOOKS, Off, above_critical, broken_end, broken_inside, end_of_data, past_data, unresolved_flow,
 };
 pub use checks::{ElasticProbe, against_similarity, alone, similar_stress, tracked_against_similarity};
 pub use energy::{ENERGY, EnergySummary};
@@ -28,7 +28,7 @@ pub use fronts::FrontTracker;
 pub use ledger::Ledger;
 pub use step_gauges::StepGauges;
 pub use summary::{
-    ChoiceSummary, ElasticCheck, EndSummary, ErrorFigure, FrontSummary, LedgerSummary, RuptureSummary, Summary,
+    AutoChoice, ChoiceSummary, ElasticCheck, EndSummary, ErrorFigure, FrontSummary, LedgerSummary, RuptureSummary, Summary,
     TorsionSummary, TrackingSummary, Tried,
 };
 pub use traces::Traces;
@@ -80,6 +80,7 @@ impl Field {
     ];
 
     /// The field of the surface from which one in torsion is computed; any other field itself.
+    #[must_use]
     pub fn base(self) -> Self {
         match self {
             Self::Torque => Self::Stress,
@@ -258,17 +259,24 @@ pub struct PathRow {
     pub speed: f64,
 }
 
-/// A neglected effect, and how large it would have been.
+/// A neglected effect, and how large it would have been; see [`Audit`].
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct AuditRow {
     /// e.g. "unloading".
     pub effect: String,
-    /// Estimated size, in the measure that `message` names.
+    /// Estimated relative change of the stress, or what `message` says; NaN (in JSON null) where nothing is known.
     pub estimate: f64,
-    /// Size from which it matters.
+    /// Size from which it matters: the run's `audit-tolerance`, or what `message` says.
     pub threshold: f64,
     /// One line for people: estimate, place, time, and the key that would switch it on.
     pub message: String,
+}
+
+impl AuditRow {
+    /// The effect would have changed the answer.
+    pub fn matters(&self) -> bool {
+        self.estimate >= self.threshold
+    }
 }
 
 /// A curve as the run used it, for `/material/<name>`.

@@ -61,6 +61,9 @@ pub struct Summary {
     /// Where and when the bar broke; left out where it was not to break.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ruptures: Option<Vec<RuptureSummary>>,
+    /// What `effects = "auto"` chose, and why; left out where the scene names its effects.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub auto: Option<Vec<AutoChoice>>,
     /// Largest rise in temperature at the end; left out without the effect of heat.
     #[serde(rename = "largest_temperature_rise_K", skip_serializing_if = "Option::is_none")]
     pub temperature_rise: Option<f64>,
@@ -68,6 +71,21 @@ pub struct Summary {
     pub audit: Vec<AuditRow>,
     /// Result file.
     pub output: String,
+}
+
+/// One decision of `effects = "auto"`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct AutoChoice {
+    /// A key of the scene's [effects].
+    pub effect: String,
+    /// Simulated from this round on.
+    pub on: bool,
+    /// Why, with the figures.
+    pub why: String,
+    /// Estimated relative change of the stress that it makes.
+    pub estimate: f64,
+    /// 0: before the first run; otherwise after which run it was found to be missing.
+    pub round: usize,
 }
 
 /// What front tracking says of itself. The keys stand beside those of [`Summary`].

@@ -128,13 +128,11 @@ pub(super) fn ledger(svg: &mut Svg, panel: Area, view: &View, letter: char) -> R
     if viscous {
         series.push(line("viscous", Stroke::new(colour(3), 1.6), |row| row.viscous));
     }
-    let damping = Stroke::new(colour(4), 1.6);
-    let extra: [(&str, Stroke, fn(&LedgerRow) -> f64); 2] =
-        [("damping", damping.clone(), |row| row.damping), ("foundation", damping.dashed("2 3"), |row| row.foundation)];
-    for (name, stroke, value) in extra {
-        if rows.iter().any(|row| value(row) != 0.0) {
-            series.push(line(name, stroke, value));
-        }
+    if rows.iter().any(|row| row.damping != 0.0) {
+        series.push(line("damping", Stroke::new(colour(4), 1.6), |row| row.damping));
+    }
+    if rows.iter().any(|row| row.foundation != 0.0) {
+        series.push(line("foundation", Stroke::new(colour(4), 1.6).dashed("2 3"), |row| row.foundation));
     }
     // What there was at the start and what came in since: the sum has to lie on it.
     let work = |row: &LedgerRow| row.work_left + row.work_right;

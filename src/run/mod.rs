@@ -2,9 +2,11 @@
 //! have in common; how they go on in time is in `stepped` (grids) and `tracked` (fronts).
 
 mod accuracy;
+mod auto;
 mod breaks;
 mod choice;
 mod companion;
+mod estimate;
 mod specimen;
 mod stepped;
 mod tracked;
@@ -21,15 +23,21 @@ use crate::law::rupture::Rupture;
 use crate::material::Sense;
 use crate::record::store::{Finish, Header, Layout, Side, Writer};
 use crate::record::{
-    AuditRow, ElasticCheck, EndSummary, ErrorFigure, FrontRow, FrontSummary, Ledger, LedgerSummary, MaterialRecord,
-    RuptureSummary, Summary, TorsionSummary, Trace, TrackingSummary, Twisted, View, above_critical,
+    AuditRow, AutoChoice, Case, ElasticCheck, EndSummary, ErrorFigure, FrontRow, FrontSummary, Ledger, LedgerSummary,
+    MaterialRecord, Off, RuptureSummary, Summary, TorsionSummary, Trace, TrackingSummary, Twisted, View,
+    above_critical,
 };
 use crate::scene::{Effects, Method, Scene, Torsion};
 use crate::wave::similarity;
 
+pub use auto::choose;
+pub use estimate::estimate;
+
 /// How far a run is.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub enum Progress {
+    /// `effects = "auto"` has decided on an effect.
+    Chosen(Box<AutoChoice>),
     /// A grid that goes on in steps.
     Steps {
         /// Steps taken.
@@ -62,12 +70,18 @@ pub enum Wish {
 }
 
 /// Simulates a scene and writes its result file, where one is asked for. `progress` is called every few
-/// milliseconds. A scene with a tolerance is run by the method that reaches it cheapest.
+/// milliseconds. A scene with `effects = "auto"` is run again where an effect was missed; one with a tolerance is run by the
+/// method that reaches it cheapest. The last run stays in the file.
 ///
 /// # Errors
 /// A [`crate::error::RunError`] where the run cannot go on, [`Error::Interrupted`] where `progress` asked to stop, a file
 /// error where the result cannot be written. In the first two cases the result file holds everything up to then.
 pub fn run(scene: &Scene, output: Option<&Path>, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<Summary> {
+    if scene.auto.is_some() { auto::run(scene, output, progress) } else { accurate(scene, output, progress) }
+}
+
+/// A run with the effects that the scene has by now, by its method or to within its tolerance.
+fn accurate(scene: &Scene, output: Option<&Path>, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<Summary> {
     if scene.solve.tolerance.is_some() { choice::run(scene, output, progress) } else { once(scene, output, progress) }
 }
 
@@ -86,6 +100,40 @@ fn once(scene: &Scene, output: Option<&Path>, progress: &mut dyn FnMut(Progress)
         Method::FrontTracking { front_tolerance, event_budget } => {
             tracked::run(scene, front_tolerance, event_budget, output, started, progress)
         }
+    }
+}
+
+/// Notes on impacts above the critical velocity, for a bar that did not break (`parted`) where it was to.
+fn struck_too_hard(scene: &Scene, launches: &[Launch], parted: bool) -> Vec<AuditRow> {
+    if scene.effects.rate.is_some() || parted {
+        return Vec::new();
+    }
+    let critical = critical_velocity(scene, launches).unwrap_or(f64::NAN);
+    let row = |launch: &Launch| {
+        let asked = Launch { origin: scene.asked_origin(launch.origin), ..launch.clone() };
+        above_critical(&asked, &scene.bar.segments[launch.segment].material, critical)
+    };
+    launches.iter().filter_map(row).collect()
+}
+
+/// What a scene's audit needs to know; `cells` of the grid, where there is one.
+fn case(scene: &Scene, cells: Option<usize>) -> Case<'_> {
+    let effects = &scene.effects;
+    let asked = scene.cut.as_ref().map_or(scene, |cut| &cut.asked);
+    Case {
+        bar: &asked.bar,
+        ends: [&scene.left, &scene.right],
+        until: scene.solve.until,
+        tolerance: scene.solve.audit_tolerance,
+        off: Off {
+            unloading: effects.unloading.is_none(),
+            rate: effects.rate.is_none(),
+            heat: effects.heat.is_none(),
+            rupture: effects.rupture.is_none(),
+            // Sections that twist do not widen.
+            lateral_inertia: !effects.lateral_inertia && scene.torsion.is_none(),
+        },
+        cells,
     }
 }
 
@@ -194,15 +242,7 @@ impl<'a> Book<'a> {
 
     /// Notes on impacts above the critical velocity, for a bar that did not break (`parted`) where it was to.
     fn audit(&self, parted: bool) -> Vec<AuditRow> {
-        if self.scene.effects.rate.is_some() || parted {
-            return Vec::new();
-        }
-        let row = |launch: &Launch| {
-            let material = &self.scene.bar.segments[launch.segment].material;
-            let launch = Launch { origin: self.scene.asked_origin(launch.origin), ..launch.clone() };
-            above_critical(&launch, material, self.critical.unwrap_or(f64::NAN))
-        };
-        self.launches.iter().filter_map(row).collect()
+        struck_too_hard(self.scene, &self.launches, parted)
     }
 
     /// Fronts with the joints of the scene that was asked for as their origins.
@@ -215,20 +255,6 @@ impl<'a> Book<'a> {
             }
         }
         rows
-    }
-
-    /// Of findings with their segments, the largest of each segment of the scene that was asked for.
-    fn largest(&self, found: impl Iterator<Item = (usize, AuditRow)>) -> Vec<AuditRow> {
-        let mut rows: Vec<(usize, AuditRow)> = Vec::new();
-        for (segment, row) in found {
-            let segment = self.scene.asked_segment(segment);
-            match rows.last_mut().filter(|last| last.0 == segment) {
-                Some(last) if last.1.estimate >= row.estimate => {}
-                Some(last) => last.1 = row,
-                None => rows.push((segment, row)),
-            }
-        }
-        rows.into_iter().map(|(_, row)| row).collect()
     }
 
     /// Closes the file, whatever the end was, and sums up.
@@ -291,6 +317,7 @@ impl<'a> Book<'a> {
             error: findings.error,
             choice: None,
             ruptures: findings.ruptures.map(|all| all.iter().map(RuptureSummary::from).collect()),
+            auto: None,
             temperature_rise: findings.temperature_rise,
             audit: findings.audit,
             output: self.output,

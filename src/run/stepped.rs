@@ -7,10 +7,10 @@ use super::accuracy::{self, Profile};
 use super::{Book, Findings, Progress, Wish, steps, twisted};
 use crate::assemble;
 use crate::error::{Error, Result, RunError};
-use crate::material::{Beyond, Material, Sense};
+use crate::material::{Beyond, Sense};
 use crate::record::{
-    self, AuditRow, ElasticProbe, EndState, EndSummary, ErrorFigure, Frames, FrontTracker, Ledger, LedgerSummary,
-    Stepped, Summary, Traces, UnloadingWatch,
+    self, Audit, AuditRow, ElasticProbe, EndState, EndSummary, ErrorFigure, Frames, FrontTracker, Ledger,
+    LedgerSummary, Stepped, Summary, Traces,
 };
 use crate::scene::{Rate, Scene};
 use crate::solver::fd::{Passed, Quantity, Sampling};
@@ -28,9 +28,6 @@ const CELLS_FROM_END: usize = 4;
 /// Steps between two looks for cells past the end of their data, each a pass over the yielded cells: the time that is
 /// reported for it is late by no more than the time a wave takes across as many cells.
 const STEPS_BETWEEN_DATA_CHECKS: usize = 16;
-
-/// Looks at the bar for neglected unloading over a run, each a pass over all cells.
-const UNLOADING_LOOKS: usize = 100;
 
 /// Runs a scene on a grid.
 pub(super) fn run<S: Stepped>(
@@ -55,7 +52,9 @@ struct Run<'a, S> {
     traces: Traces,
     ledger: Ledger,
     tracker: FrontTracker,
-    unloading: Option<UnloadingWatch>,
+    audit: Audit,
+    /// Where the audit looks.
+    watched: Sampling,
     passed: Option<(Passed, f64)>,
     elastic_check: Option<Probe>,
     /// For the estimate of the error: near the end, where coarser runs stand at the same time.
@@ -83,11 +82,13 @@ impl<'a, S: Stepped> Run<'a, S> {
         // sigma = rho c0 v holds where nothing acts along the bar.
         let plain = assemble::along(&scene.bar, &scene.effects).is_none();
         let probe = ElasticProbe::new(&scene.bar, &book.launches, scene.solve.until).filter(|_| plain);
+        let audit = Audit::new(&super::case(scene, Some(bar.grid().cells())));
         Ok(Self {
             steps: steps(scene, bar.grid().dt),
             traces: Traces::new(Sampling::at(bar.grid(), places), scene.effects.heat.is_some()),
             ledger: book.ledger(&bar),
-            unloading: scene.effects.unloading.is_none().then(|| UnloadingWatch::new(limits(scene, &bar))),
+            watched: Sampling::at(bar.grid(), audit.places().to_vec()),
+            audit,
             elastic_check: probe.map(|probe| {
                 let (step, cell) = probe.on_grid(bar.grid());
                 Probe { check: probe, step, cell }
@@ -144,19 +145,14 @@ impl<'a, S: Stepped> Run<'a, S> {
         if last || step.is_multiple_of((self.steps / FRONT_SIGHTINGS).max(1)) {
             self.tracker.observe(&self.bar);
         }
-        if last || step.is_multiple_of((self.steps / UNLOADING_LOOKS).max(1)) {
-            self.watch_unloading();
+        let look = last || step.is_multiple_of((self.steps / record::LOOKS).max(1));
+        if look && !self.bar.stayed_elastic() {
+            self.audit.look(&self.bar, &self.watched);
         }
         if let Some(Probe { check, cell, .. }) = self.elastic_check.as_mut().filter(|p| p.step == step) {
             check.take(self.bar.value(Quantity::Stress, *cell));
         }
         Ok(())
-    }
-
-    fn watch_unloading(&mut self) {
-        if let Some(watch) = self.unloading.as_mut().filter(|_| !self.bar.stayed_elastic()) {
-            watch.look(self.bar.time(), |strains| self.bar.profile(Quantity::Strain, strains));
-        }
     }
 
     fn write_traces(&mut self) -> Result<()> {
@@ -256,23 +252,17 @@ impl<'a, S: Stepped> Run<'a, S> {
 
     fn audit(&self) -> Vec<AuditRow> {
         let (grid, segments) = (self.bar.grid(), &self.book.scene.bar.segments);
-        let x = grid.centres();
-        let mut rows: Vec<AuditRow> = self.unloading.as_ref().and_then(|w| w.row(&x, "cells")).into_iter().collect();
         let parted = !self.bar.ruptures().is_empty();
-        rows.extend(self.book.audit(parted));
+        let mut broken = self.book.audit(parted);
+        if let Some((passed, time)) = self.passed.as_ref().filter(|_| !parted) {
+            let material = &segments[passed.segment].material;
+            broken.push(record::past_data(passed.strain, *time, grid.centres()[passed.cell], material));
+        }
+        let mut rows = self.audit.rows(broken);
         if let Some(Rate::Malvern { k }) = self.book.scene.effects.rate {
             rows.extend(record::unresolved_flow(k, grid.dt));
         }
-        if let Some((passed, time)) = self.passed.as_ref().filter(|_| !parted) {
-            let material = &segments[passed.segment].material;
-            rows.push(record::past_data(passed.strain, *time, x[passed.cell], material));
-        }
         let strain = |cell: usize| self.bar.value(Quantity::AccumulatedPlasticStrain, cell);
-        let heated = segments.iter().zip(&grid.segments).enumerate().filter_map(|(k, (segment, part))| {
-            let largest = part.cells.clone().map(strain).fold(0.0, f64::max);
-            Some((k, record::heating(&segment.material, largest)?))
-        });
-        rows.extend(self.book.largest(heated));
         if self.book.scene.effects.rate.is_none() {
             rows.extend(segments.iter().zip(&grid.segments).filter_map(|(segment, part)| {
                 let plastic = |cell| (strain(cell), self.bar.value(Quantity::PlasticStrain, cell));
@@ -294,11 +284,4 @@ impl<'a, S: Stepped> Run<'a, S> {
         let ([left, right], [left_striker, right_striker]) = (self.bar.ends(), self.bar.strikers());
         [end(left, left_striker, inside), end(right, right_striker, cells - 1 - inside)]
     }
-}
-
-/// Elastic limit strain of every cell.
-fn limits(scene: &Scene, bar: &impl Stepped) -> Vec<f64> {
-    let limit = |m: &Material| m.tension.elastic_limit(m.modulus).0;
-    let parts = bar.grid().segments.iter().zip(&scene.bar.segments);
-    parts.flat_map(|(part, segment)| part.cells.clone().map(move |_| limit(&segment.material))).collect()
 }

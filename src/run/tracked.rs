@@ -8,18 +8,17 @@ use super::{Book, Findings, Progress, Wish, companion, twisted};
 use crate::assemble;
 use crate::error::{Error, Result, RunError};
 use crate::record::{
-    self, AuditRow, ElasticProbe, EndHistories, EndSummary, ErrorFigure, Field, Ledger, LedgerSummary, Paths,
-    StepGauges, Summary, TrackedFronts, TrackingSummary, Twisted, UnloadingWatch, View,
+    self, Audit, AuditRow, ElasticProbe, EndHistories, EndSummary, ErrorFigure, Field, Ledger, LedgerSummary, Paths,
+    StepGauges, Summary, TrackedFronts, TrackingSummary, Twisted, View,
 };
 use crate::scene::Scene;
-use crate::solver::moc::{FrontTracking, Settings, Stopped, Trail};
+use crate::solver::moc::{FrontTracking, Piece, Settings, Stopped, Trail};
 
 /// Events between two calls of the progress function: some milliseconds, and about 200 kB of trails.
 const BURST: u64 = 5_000;
 
-/// Looks at the bar for neglected unloading over a run, and places that each looks at.
-const UNLOADING_LOOKS: usize = 100;
-const UNLOADING_PLACES: usize = 1000;
+/// Samples of the fields where the scene does not say.
+const SAMPLES: usize = 1000;
 
 /// What a sample of the fields means, for the result file.
 const SAMPLING: &str = "exact at the place; on a front the state behind it, on a joint the state to its right";
@@ -53,9 +52,10 @@ struct Run<'a> {
     ledger: Ledger,
     /// In torsion.
     twisted: Option<Twisted>,
-    unloading: Option<UnloadingWatch>,
-    /// Where unloading is watched, m.
+    audit: Audit,
+    /// Where the audit looks, m.
     watched: Vec<f64>,
+    yielded: bool,
     elastic_check: Option<ElasticProbe>,
     breaks: Breaks,
 }
@@ -64,7 +64,7 @@ struct Run<'a> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Pause {
     Frame,
-    UnloadingLook,
+    AuditLook,
     ElasticCheck,
     End,
 }
@@ -74,37 +74,37 @@ impl<'a> Run<'a> {
         let before = Instant::now();
         let bar = assemble::front_tracking(scene, settings);
         let stepping = before.elapsed().as_secs_f64();
-        let x = even_places(scene.bar.length(), scene.record.cells.unwrap_or(UNLOADING_PLACES));
+        let x = even_places(scene.bar.length(), scene.record.cells.unwrap_or(SAMPLES));
         let mut book = Book::open(scene, output, x.clone(), SAMPLING, started)?;
         book.stepping = stepping;
         let places: Vec<f64> = scene.record.gauges.iter().map(|g| g.1).collect();
-        let watched = even_places(scene.bar.length(), UNLOADING_PLACES);
-        let watch = || UnloadingWatch::new(limits(scene, &watched));
+        let audit = Audit::new(&super::case(scene, None));
         Ok(Self {
             gauges: StepGauges::new(&scene.bar, &places, scene.solve.until),
             ends: EndHistories::default(),
             fronts: TrackedFronts::default(),
             paths: Paths::default(),
             ledger: book.ledger(&bar),
+            watched: audit.places().to_vec(),
+            audit,
+            yielded: false,
             twisted: twisted(scene, &x),
-            unloading: scene.effects.unloading.is_none().then(watch),
             elastic_check: ElasticProbe::new(&scene.bar, &book.launches, scene.solve.until),
             breaks: Breaks::new(scene),
             book,
             bar,
             settings,
             x,
-            watched,
         })
     }
 
     /// From pause to pause, until the end, an error, or a wish to stop.
     fn follow(&mut self, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<()> {
         for (time, pause) in self.pauses() {
-            self.advance_to(time, progress)?;
+            self.advance_to(time, pause, progress)?;
             match pause {
                 Pause::Frame => self.frame(time)?,
-                Pause::UnloadingLook => self.watch_unloading(),
+                Pause::AuditLook => self.look(),
                 Pause::ElasticCheck => self.check_elastic(),
                 Pause::End => self.write_ledger()?,
             }
@@ -117,10 +117,8 @@ impl<'a> Run<'a> {
         let until = self.book.scene.solve.until;
         let mut pauses: Vec<(f64, Pause)> =
             self.book.scene.record.times.iter().map(|&time| (time, Pause::Frame)).collect();
-        if self.unloading.is_some() {
-            let look = |k: usize| (until * k as f64 / UNLOADING_LOOKS as f64, Pause::UnloadingLook);
-            pauses.extend((1..=UNLOADING_LOOKS).map(look));
-        }
+        let look = |k: usize| (until * k as f64 / record::LOOKS as f64, Pause::AuditLook);
+        pauses.extend((1..=record::LOOKS).map(look));
         pauses.extend(self.elastic_check.iter().map(|p| (p.time(), Pause::ElasticCheck)));
         if self.book.scene.record.times.last() != Some(&until) {
             pauses.push((until, Pause::End));
@@ -130,7 +128,7 @@ impl<'a> Run<'a> {
     }
 
     /// Follows the fronts up to a time, in bursts.
-    fn advance_to(&mut self, time: f64, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<()> {
+    fn advance_to(&mut self, time: f64, pause: Pause, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<()> {
         loop {
             self.bar.set_event_budget((self.bar.events() + BURST).min(self.settings.event_budget));
             let before = Instant::now();
@@ -143,7 +141,9 @@ impl<'a> Run<'a> {
                 events: self.bar.events(),
                 fronts: self.bar.front_count(),
             };
-            if progress(at) == Wish::Stop {
+            // A look in between is no news.
+            let news = pause != Pause::AuditLook || stopped.is_err();
+            if news && progress(at) == Wish::Stop {
                 return Err(Error::Interrupted);
             }
             match stopped {
@@ -193,10 +193,12 @@ impl<'a> Run<'a> {
         self.book.writer.as_mut().map_or(Ok(()), |writer| writer.ledger(row))
     }
 
-    fn watch_unloading(&mut self) {
-        if let Some(watch) = &mut self.unloading {
-            let (bar, places) = (&self.bar, self.watched.as_slice());
-            watch.look(bar.time(), |strains| bar.sample(Field::Strain, places, strains));
+    /// The audit has nothing to see in a bar that is elastic.
+    fn look(&mut self) {
+        let flowed = |p: Piece<'_>| p.point.plastic != 0.0 || p.point.accumulated != 0.0;
+        self.yielded = self.yielded || self.bar.pieces().any(flowed);
+        if self.yielded {
+            self.audit.look(&self.bar, self.watched.as_slice());
         }
     }
 
@@ -303,20 +305,13 @@ impl<'a> Run<'a> {
     }
 
     fn audit(&self) -> Vec<AuditRow> {
-        let segments = &self.book.scene.bar.segments;
-        let unloading = self.unloading.as_ref().and_then(|w| w.row(&self.watched, "places"));
-        let mut rows: Vec<AuditRow> = unloading.into_iter().collect();
         let parted = !self.bar.ruptures().is_empty();
-        rows.extend(self.book.audit(parted));
+        let mut broken = self.book.audit(parted);
         if !parted {
-            rows.extend(self.breaks.audit(self.book.scene, &self.bar, self.book.above_critical()));
+            broken.extend(self.breaks.audit(self.book.scene, &self.bar, self.book.above_critical()));
         }
-        let heated = segments.iter().enumerate().filter_map(|(k, segment)| {
-            let plastic = self.bar.pieces().filter(|p| p.segment == k);
-            let plastic = plastic.map(|p| p.point.accumulated.max(p.point.plastic.abs())).fold(0.0, f64::max);
-            Some((k, record::heating(&segment.material, plastic / self.bar.medium(k).modulus)?))
-        });
-        rows.extend(self.book.largest(heated));
+        let segments = &self.book.scene.bar.segments;
+        let mut rows = self.audit.rows(broken);
         rows.extend(segments.iter().enumerate().filter_map(|(k, segment)| {
             let modulus = self.bar.medium(k).modulus;
             let pieces = self.bar.pieces().filter(|p| p.segment == k);
@@ -344,20 +339,4 @@ impl<'a> Run<'a> {
 fn even_places(length: f64, count: usize) -> Vec<f64> {
     let part = length / count as f64;
     (0..count).map(|i| (i as f64 + 0.5) * part).collect()
-}
-
-/// Elastic limit strain at each of some increasing places.
-fn limits(scene: &Scene, places: &[f64]) -> Vec<f64> {
-    let segments = &scene.bar.segments;
-    let (mut k, mut end) = (0, segments[0].length);
-    let mut limits = Vec::with_capacity(places.len());
-    for &x in places {
-        while x > end && k + 1 < segments.len() {
-            k += 1;
-            end += segments[k].length;
-        }
-        let material = &segments[k].material;
-        limits.push(material.tension.elastic_limit(material.modulus).0);
-    }
-    limits
 }

@@ -62,6 +62,8 @@ pub enum Rate {
         /// 1/s, > 0.
         reference: f64,
     },
+    /// Each segment by the constants of its own material, see [`crate::law::rate::Overstress::of`].
+    Material,
 }
 
 /// Adiabatic heating, see [`crate::material::Heating`]; the other constants are the materials' own.
@@ -138,6 +140,7 @@ impl Rate {
             Self::Malvern { k } => format!("malvern k = {k} 1/s"),
             Self::CowperSymonds { d, q } => format!("cowper-symonds D = {d} 1/s, q = {q}"),
             Self::JohnsonCook { c, reference } => format!("johnson-cook C = {c}, reference = {reference} 1/s"),
+            Self::Material => "material".to_owned(),
         }
     }
 }

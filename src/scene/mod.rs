@@ -1,5 +1,6 @@
 //! A scene: what the user typed (`raw`), what it means (`check`), as plain data in SI (here).
 
+mod auto;
 mod check;
 mod cut;
 mod effects;
@@ -16,6 +17,7 @@ use crate::error::{InputError, Result};
 use crate::input::Document;
 use crate::record::{Compression, Field, Precision};
 
+pub use auto::Auto;
 pub use cut::{Cut, MOST_PIECES};
 pub use effects::{Damping, Effects, Heat, Rate, Rupture, Unloading};
 use overrides::Overrides;
@@ -78,6 +80,10 @@ pub struct Scene {
     pub right: EndCondition,
     /// Effects beyond the curve itself.
     pub effects: Effects,
+    /// `effects = "auto"`: [`Scene::effects`] is what was chosen so far.
+    pub auto: Option<Auto>,
+    /// The folder that paths in the scene are relative to.
+    pub base: PathBuf,
     /// How to solve.
     pub solve: Solve,
     /// What to record.
@@ -109,6 +115,8 @@ pub struct Solve {
     pub tolerance: Option<Tolerance>,
     /// The run is to say how far its stresses may be off, where that is not known without further runs.
     pub estimate_error: bool,
+    /// Relative change of the stress from which on an effect that was left out matters, 0 < . < 1.
+    pub audit_tolerance: f64,
 }
 
 /// An error in place of a method.
@@ -136,6 +144,11 @@ impl Way {
         Self { method: "fd", scheme: Some("muscl") },
         Self { method: "fd", scheme: Some("leapfrog") },
     ];
+}
+
+impl Solve {
+    /// Default of [`Solve::audit_tolerance`].
+    pub const AUDIT_TOLERANCE: f64 = 0.01;
 }
 
 /// A method with its settings.
@@ -258,9 +271,7 @@ impl Scene {
         let overrides = Overrides::new(typed)?;
         let edited = overrides.apply(original)?;
         let mut scene = check::check(&edited, base).map_err(|e| overrides.explain(e, original))?;
-        if let Some(tolerance) = &mut scene.solve.tolerance {
-            tolerance.methods = methods(&edited, base);
-        }
+        find_methods(&mut scene, &edited, base);
         scene.text = original.text.to_string();
         scene.overrides = typed.to_vec();
         Ok(scene)
@@ -273,16 +284,17 @@ impl Scene {
     }
 }
 
-/// The methods that can do a scene that names none: each is put into its text in the place of `tolerance` and checked with
-/// all else.
-fn methods(document: &Document, base: &Path) -> Vec<Method> {
+/// The methods that can do a scene with a tolerance: each is put into its text in the place of that, and checked with all
+/// else.
+fn find_methods(scene: &mut Scene, document: &Document, base: &Path) {
+    let Some(tolerance) = &mut scene.solve.tolerance else { return };
     let with = |way: Way| {
         let mut typed = vec!["solve.tolerance=".to_owned(), format!("solve.method=\"{}\"", way.method)];
         typed.extend(way.scheme.map(|scheme| format!("solve.scheme=\"{scheme}\"")));
         let edited = Overrides::new(&typed).and_then(|overrides| overrides.apply(document)).ok()?;
         check::check(&edited, base).ok().map(|scene| scene.solve.method)
     };
-    Way::ALL.into_iter().filter_map(with).collect()
+    tolerance.methods = Way::ALL.into_iter().filter_map(with).collect();
 }
 
 #[cfg(test)]

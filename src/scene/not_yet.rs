@@ -31,7 +31,6 @@ const WORDS: &[Word] = &[
     word(&["plate"], "", "the impact on a plate", STRUCK_BAR),
     word(&["beam"], "", "the impact on a beam", STRUCK_BAR),
     word(&["striker"], "", "a striking body of its own", STRIKER),
-    word(&["effects"], "auto", "the choice of effects by itself", "name them in an [effects] table"),
     word(&["solve", "scheme"], "muscl", "the scheme muscl", LEAPFROG),
     word(&["solve", "viscosity"], "", "artificial viscosity", "leave it out"),
 ];

@@ -29,9 +29,9 @@ pub struct RawScene {
     /// What holds or drives the right end. Required.
     #[schemars(with = "RawEnd")]
     pub right: Option<Spanned<RawEnd>>,
-    /// What is simulated beyond the curve itself. Default: nothing.
+    /// What is simulated beyond the curve itself, or "auto": the program finds out. Default: nothing.
     #[serde(default)]
-    pub effects: RawEffects,
+    pub effects: EffectsChoice,
     /// How to solve. Required, for `until`.
     #[schemars(with = "RawSolve")]
     pub solve: Option<Spanned<RawSolve>>,
@@ -328,6 +328,59 @@ pub enum EndKind {
     Spring,
 }
 
+/// Which effects are simulated.
+#[derive(Debug, JsonSchema)]
+#[schemars(untagged)]
+pub enum EffectsChoice {
+    /// Those without which the answer would be another one, as the program finds.
+    Auto(AutoWord),
+    /// Those that are named.
+    Table(Box<RawEffects>),
+}
+
+/// The word for it.
+#[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum AutoWord {
+    /// The program finds the effects.
+    Auto,
+}
+
+impl Default for EffectsChoice {
+    fn default() -> Self {
+        Self::Table(Box::default())
+    }
+}
+
+// By hand, as for `MaterialChoice`.
+impl<'de> Deserialize<'de> for EffectsChoice {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Choice;
+
+        impl<'de> Visitor<'de> for Choice {
+            type Value = EffectsChoice;
+
+            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.write_str("\"auto\", or a table of effects such as { unloading = \"isotropic\" }")
+            }
+
+            fn visit_str<E: serde::de::Error>(self, word: &str) -> Result<EffectsChoice, E> {
+                match word {
+                    "auto" => Ok(EffectsChoice::Auto(AutoWord::Auto)),
+                    _ => Err(E::invalid_value(serde::de::Unexpected::Str(word), &self)),
+                }
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<EffectsChoice, A::Error> {
+                let effects = RawEffects::deserialize(MapAccessDeserializer::new(map))?;
+                Ok(EffectsChoice::Table(Box::new(effects)))
+            }
+        }
+
+        deserializer.deserialize_any(Choice)
+    }
+}
+
 /// What is simulated beyond the curve itself: only what is named.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -337,8 +390,9 @@ pub struct RawEffects {
     pub unloading: Option<Spanned<RawUnloading>>,
     /// Plastic strain takes time; implies unloading = "isotropic" where no unloading is named. Solved with method = "moc"
     /// on a characteristic net. Default: none, the curve holds at any rate.
-    #[schemars(with = "Option<RawRate>")]
-    pub rate: Option<Spanned<RawRate>>,
+    /// "material": each segment by the constants that its own material states.
+    #[schemars(with = "Option<RateChoice>")]
+    pub rate: Option<Spanned<RateChoice>>,
     /// Plastic work warms the bar, and warm metal yields earlier: `{ fraction = 0.9 }`, or `{}`; implies
     /// unloading = "isotropic" where no unloading is named. Needs the materials' `[heat]` constants. Default: none, the bar
     /// stays as cold as its curve.
@@ -396,6 +450,53 @@ pub enum RawRupture {
     /// At this tensile stress, Pa, > 0.
     #[schemars(with = "Quantity")]
     Spall(Number),
+}
+
+/// Where the law of the strain rate comes from.
+#[derive(Debug, JsonSchema)]
+#[schemars(untagged)]
+pub enum RateChoice {
+    /// From the materials: Johnson-Cook, Cowper-Symonds or Malvern, the first of them that a material states; a material
+    /// that states none does not feel the rate.
+    Material(MaterialWord),
+    /// From the scene, the same for all segments.
+    Law(RawRate),
+}
+
+/// The word for it.
+#[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum MaterialWord {
+    /// Each segment's own material.
+    Material,
+}
+
+// By hand, as for `MaterialChoice`.
+impl<'de> Deserialize<'de> for RateChoice {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Choice;
+
+        impl<'de> Visitor<'de> for Choice {
+            type Value = RateChoice;
+
+            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.write_str("\"material\", or a table such as { model = \"malvern\", k = \"1e6 1/s\" }")
+            }
+
+            fn visit_str<E: serde::de::Error>(self, word: &str) -> Result<RateChoice, E> {
+                match word {
+                    "material" => Ok(RateChoice::Material(MaterialWord::Material)),
+                    _ => Err(E::invalid_value(serde::de::Unexpected::Str(word), &self)),
+                }
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<RateChoice, A::Error> {
+                Ok(RateChoice::Law(RawRate::deserialize(MapAccessDeserializer::new(map))?))
+            }
+        }
+
+        deserializer.deserialize_any(Choice)
+    }
 }
 
 /// A law of the strain rate with its constants: `{ model = "malvern", k = "1e6 1/s" }`,
@@ -474,6 +575,11 @@ pub struct RawSolve {
     /// For the method "fd": Courant number of the fastest wave, 0 < cfl <= 1. Default: 1.
     #[schemars(with = "Option<f64>")]
     pub cfl: Option<Number>,
+    /// Relative change of the stress from which on the audit says that an effect that was left out matters, and
+    /// `effects = "auto"` turns it on; 0 < audit-tolerance < 1. Default: 0.01.
+    #[serde(rename = "audit-tolerance")]
+    #[schemars(with = "Option<f64>")]
+    pub audit_tolerance: Option<Number>,
     /// For the method "moc": waves weaker than this part of the largest stress that the scene's data can reach are held
     /// back until the next front passes, 0 <= front-tolerance < 1; 0 sends every wave. Default: 0.001.
     #[serde(rename = "front-tolerance")]

@@ -23,6 +23,9 @@ pub(super) fn json(scene: &Scene) -> Value {
         "solve": solve(&scene.solve),
         "record": record(&scene.record, &scene.solve.method),
     });
+    if let Some(auto) = &scene.auto {
+        value["auto"] = json!(auto.choices);
+    }
     if let Some(torsion) = &scene.torsion {
         // Everything else is in terms of the surface.
         value["bar"]["mode"] = json!("torsion");
@@ -78,14 +81,15 @@ fn rows(history: &History) -> Vec<[f64; 2]> {
 }
 
 fn solve(solve: &Solve) -> Value {
-    let mut value = method(solve);
+    let mut value = method_of(solve);
+    value["audit-tolerance"] = json!(solve.audit_tolerance);
     if let Some(tolerance) = &solve.tolerance {
         value["tolerance"] = json!(tolerance.value);
     }
     value
 }
 
-fn method(solve: &Solve) -> Value {
+fn method_of(solve: &Solve) -> Value {
     let [method, scheme] = solve.method.names();
     match solve.method {
         Method::Leapfrog { cells, cfl } => {

@@ -44,7 +44,8 @@ fn defaults_are_filled_in() {
             until: 200e-6,
             method: Method::Leapfrog { cells: 1000, cfl: 1.0 },
             tolerance: None,
-            estimate_error: false
+            estimate_error: false,
+            audit_tolerance: 0.01,
         }
     );
     assert!(!scene.bar.area_given && scene.bar.segments[0].area == 1.0 && scene.bar.segments[0].velocity == 0.0);

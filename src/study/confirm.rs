@@ -84,9 +84,12 @@ fn scene(material: &Arc<Material>, velocity: f64) -> Scene {
         left: EndCondition::Velocity { history: History::constant(velocity), release: None },
         right: EndCondition::Free,
         effects: Effects { unloading: Some(Unloading::Isotropic), ..Effects::default() },
+        auto: None,
+        base: std::path::PathBuf::new(),
         solve: Solve {
             until,
             method: Method::Leapfrog { cells: CELLS, cfl: 1.0 },
+            audit_tolerance: Solve::AUDIT_TOLERANCE,
             tolerance: None,
             estimate_error: false,
         },

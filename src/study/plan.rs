@@ -8,7 +8,7 @@ use crate::assemble;
 use crate::bar::{Segment, launches};
 use crate::law::{Table, elastic_row};
 use crate::material::Sense;
-use crate::record::FrontSummary;
+use crate::record::{AuditRow, AutoChoice, FrontSummary};
 use crate::run;
 use crate::scene::{Effects, Method, Rate, Scene};
 use crate::solver::fd::{Along, Grid, TAPER_BYTES_PER_CELL};
@@ -28,6 +28,9 @@ pub struct Plan {
     pub effects: Vec<PlannedEffect>,
     /// What a tolerance leaves to the run; null where the scene names its method.
     pub choice: Option<PlannedChoice>,
+    /// What `effects = "auto"` chose so far; the audit of the run may add to it. Left out where the scene names its effects.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub auto: Option<Vec<AutoChoice>>,
     /// What the method takes; its keys stand beside the others.
     #[serde(flatten)]
     pub work: Work,
@@ -127,6 +130,10 @@ pub struct PlannedEffect {
     pub on: bool,
     /// Why.
     pub why: String,
+    /// Estimated relative change of the stress that it makes; null where nothing is known, or nothing was asked.
+    pub estimate: Option<f64>,
+    /// Size from which it matters: the audit's tolerance; null beside no estimate.
+    pub threshold: Option<f64>,
 }
 
 /// Time of one step of one yielded cell over that of an elastic cell, all kernels and the ripple damping included.
@@ -140,8 +147,12 @@ const RATE_OTHER: f64 = 150e-9;
 /// Time of a step of a node where something acts along the bar. Measured at 10000 cells.
 const SWEEP: f64 = 8e-9;
 
-/// Makes the plan.
+/// The same of a cell whose temperature is a state, which is gone through until it stands.
+const HEATED: f64 = 500e-9;
+
+/// Makes the plan, with the effects that `effects = "auto"` would start with.
 pub fn plan(scene: &Scene) -> Plan {
+    let scene = &run::choose(scene, &mut |_| {});
     let all = launches(&scene.bar, &scene.left, &scene.right);
     let (asked, cut) = (scene, scene.in_pieces());
     let scene = cut.as_ref().unwrap_or(scene);
@@ -160,6 +171,7 @@ pub fn plan(scene: &Scene) -> Plan {
         scheme: scheme.into(),
         effects: effects(asked, &all),
         choice: choice(scene),
+        auto: scene.auto.as_ref().map(|auto| auto.choices.clone()),
         work,
         field_bytes: samples * size_of::<f64>(),
         fronts: all.iter().flat_map(fronts).collect(),
@@ -195,7 +207,9 @@ fn grid_work(scene: &Scene, grid: &Grid) -> (Work, usize) {
     let yielded = (2 + law.law.state_len()) * number + 1 + work_kept + sections + yielded_nodes;
     let sweep = if along.is_some() { SWEEP } else { 0.0 };
     let (elastic_cell, work) = (elastic_seconds_per_cell_step(), (cells * steps) as f64);
+    let heated = scene.bar.segments.iter().any(|s| assemble::heat_of_state(&s.material, &scene.effects).is_some());
     let flowing = match scene.effects.rate {
+        _ if heated => HEATED,
         None => PLASTIC_COST * elastic_cell,
         Some(Rate::Malvern { .. }) => RATE_MALVERN,
         Some(_) => RATE_OTHER,
@@ -293,16 +307,54 @@ fn effects(scene: &Scene, launches: &[crate::bar::Launch]) -> Vec<PlannedEffect>
              step in which a reflection first yields a cell, if one does"
         }
     };
-    let mut list = vec![PlannedEffect { effect: "plasticity".into(), on: yields && !linear, why: why.into() }];
-    list.extend(Effects::KEYS.iter().map(|key| match scene.effects.named(key) {
-        Some(effect) => PlannedEffect { effect, on: true, why: "the scene asks for it".into() },
-        None => PlannedEffect {
-            effect: (*key).to_owned(),
-            on: false,
-            why: format!("the scene does not ask for it: {}", without(key)),
-        },
-    }));
-    list
+    let plasticity = PlannedEffect {
+        effect: "plasticity".into(),
+        on: yields && !linear,
+        why: why.into(),
+        estimate: None,
+        threshold: None,
+    };
+    let rows = run::estimate(scene);
+    let planned = |key: &&str| match scene.effects.named(key) {
+        Some(effect) => on(scene, key, effect),
+        None => off(scene, key, rows.iter().find(|row| row.effect == **key)),
+    };
+    std::iter::once(plasticity).chain(Effects::KEYS.iter().map(planned)).collect()
+}
+
+fn chosen<'a>(scene: &'a Scene, key: &str) -> Option<&'a AutoChoice> {
+    scene.auto.as_ref()?.choices.iter().find(|choice| choice.effect == key)
+}
+
+fn on(scene: &Scene, key: &str, effect: String) -> PlannedEffect {
+    let choice = chosen(scene, key);
+    let why = match (choice, &scene.auto) {
+        (Some(choice), _) => choice.why.clone(),
+        (None, Some(_)) => "another effect needs it".into(),
+        (None, None) => "the scene asks for it".into(),
+    };
+    let estimate = choice.map(|c| c.estimate);
+    PlannedEffect { effect, on: true, why, estimate, threshold: estimate.map(|_| scene.solve.audit_tolerance) }
+}
+
+fn off(scene: &Scene, key: &str, row: Option<&AuditRow>) -> PlannedEffect {
+    let start = match (chosen(scene, key), &scene.auto) {
+        (Some(choice), _) => choice.why.clone(),
+        (None, Some(_)) => "not called for".into(),
+        (None, None) => "the scene does not ask for it".into(),
+    };
+    let finding = row.map_or_else(
+        || without(key).to_owned(),
+        |row| row.message.split_once(": ").map_or(row.message.as_str(), |parts| parts.1).to_owned(),
+    );
+    let estimate = row.map(|row| row.estimate).filter(|e| !e.is_nan());
+    PlannedEffect {
+        effect: key.to_owned(),
+        on: false,
+        why: format!("{start}: {finding}"),
+        estimate,
+        threshold: estimate.and(row.map(|row| row.threshold)),
+    }
 }
 
 /// What a run assumes without an effect.

@@ -5,7 +5,7 @@
 //! those of the cold curve times g = 1 - ((T - Tref)/(Tm - Tref))^m. The scheme is that of [`super::Timed`]: half a step of
 //! flow on either side of the strain increment. Each half takes g at the mean of its temperatures where it leaves the
 //! overstress nearly as it was, at the last of them where it takes all of it away (the stress is then that of the warm static
-//! curve), in proportion between; found by flowing once at the first of them. T is held below melting, where the stress is
+//! curve), in proportion between; found by going through it again until the temperature stands. T is held below melting, where the stress is
 //! gone.
 
 use super::{Flow, History, RateLaw};
@@ -17,6 +17,13 @@ const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// Stands for an overstress that the latest step took away to the last bit.
 const GONE: f64 = f64::MIN_POSITIVE;
+
+/// Temperatures whose difference is this part of the range to melting are the same.
+const SAME_RISE: f64 = 1e-13;
+
+/// Times that a half step is gone through. Each takes the error of the temperature down by about what the cell warms in the
+/// step, over the range to melting: five or six leave rounding.
+const MOST_PASSES: usize = 8;
 
 /// What is left of the strength of metal that melts: nothing that counts, and no division by zero.
 const MOLTEN: f64 = 1e-9;
@@ -72,26 +79,42 @@ impl<const N: usize> Heated<N> {
     #[inline]
     fn flow(&self, sigma: f64, past: &mut Past) -> Half {
         let (before, cold) = (past.history, self.law.limits(&past.history));
-        let g = self.softening(past.limit);
-        let first = self.flow_at(g, sigma, cold, &mut past.history);
-        if first.flow.plastic == 0.0 {
-            return first;
+        let (mut at, mut end) = (past.limit, past.rise);
+        let mut half = Half::default();
+        for _ in 0..MOST_PASSES {
+            past.history = before;
+            let g = self.softening(at);
+            half = self.flow_at(g, sigma, cold, &mut past.history);
+            if half.flow.plastic == 0.0 {
+                break;
+            }
+            let left = self.left(g, sigma, &half, &past.history);
+            half.warmed = self.rise * self.softening(0.5 * (past.rise + end)) * self.cold_work(&half, cold, &before);
+            end = past.rise + half.warmed + self.rise * left * half.flow.overstress;
+            let last = at;
+            at = end + 0.5 * left * (past.rise - end);
+            if (at - last).abs() <= SAME_RISE * self.heating.range() {
+                break;
+            }
         }
-        let sense = usize::from(first.overstress < 0.0);
-        let [low, high] = self.law.limits(&past.history).map(|limit| g * limit);
-        let stress = sigma - first.flow.plastic;
-        let left = if sense == 0 { stress - high } else { low - stress };
-        let left = (left / first.overstress.abs()).clamp(0.0, 1.0);
-        // In the sense of the flow the elastic limit rises as the curve of first loading does.
-        let beside = if sense == 0 { cold[1] } else { -cold[0] } - self.law.static_stress(&before, sense);
-        let cold_work = |flow: &Flow| flow.first_loading + flow.plastic.abs() * beside;
-        let guess = past.rise + self.rise * (g * cold_work(&first.flow) + left * first.flow.overstress);
-        past.history = before;
-        past.limit = guess + 0.5 * left * (past.rise - guess);
-        let second = self.flow_at(self.softening(past.limit), sigma, cold, &mut past.history);
-        let warmed = self.rise * self.softening(0.5 * (past.rise + guess)) * cold_work(&second.flow);
-        past.rise += warmed + self.rise * left * second.flow.overstress;
-        Half { warmed, ..second }
+        (past.limit, past.rise) = (at, end);
+        half
+    }
+
+    /// Part of its overstress that a cell keeps to the end of a flow.
+    fn left(&self, g: f64, sigma: f64, half: &Half, history: &History) -> f64 {
+        let [low, high] = self.law.limits(history).map(|limit| g * limit);
+        let stress = sigma - half.flow.plastic;
+        let left = if half.overstress > 0.0 { stress - high } else { low - stress };
+        (left / half.overstress.abs()).clamp(0.0, 1.0)
+    }
+
+    /// E times the work of the static stress of a cold cell: in the sense of the flow its elastic limit rises as the curve of
+    /// first loading does.
+    fn cold_work(&self, half: &Half, [low, high]: [f64; 2], before: &History) -> f64 {
+        let sense = usize::from(half.overstress < 0.0);
+        let beside = if sense == 0 { high } else { -low } - self.law.static_stress(before, sense);
+        half.flow.first_loading + half.flow.plastic.abs() * beside
     }
 
     fn softening(&self, rise: f64) -> f64 {

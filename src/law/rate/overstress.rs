@@ -4,6 +4,8 @@
 //! `dp/dt = E` times the plastic strain rate and `gain` a constant >= 0. For each law below this has a closed solution
 //! (where f enters the law, for a fixed f). So a step of any length needs no iteration, and x never falls below zero.
 
+use crate::material::Material;
+
 /// A law of overstress. All of them flow only above the static curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Overstress {
@@ -29,6 +31,19 @@ pub enum Overstress {
     },
 }
 
+impl Overstress {
+    /// The law whose constants a material states: Johnson-Cook's, else Cowper and Symonds', else Malvern's; none where it
+    /// states none.
+    pub fn of(material: &Material) -> Option<Self> {
+        let (stated, modulus) = (&material.constants.rate, material.modulus);
+        let johnson_cook = stated.johnson_cook.filter(|law| law.c > 0.0);
+        let johnson_cook = johnson_cook.map(|law| Self::JohnsonCook { c: law.c, rate: modulus * law.reference });
+        let cowper_symonds =
+            || stated.cowper_symonds.map(|law| Self::CowperSymonds { rate: modulus * law.d, exponent: law.q });
+        johnson_cook.or_else(cowper_symonds).or_else(|| stated.malvern.map(|k| Self::Malvern { k }))
+    }
+}
+
 /// Largest exponent that is taken literally: e^500 times any rate empties any overstress at once.
 const LARGEST_EXPONENT: f64 = 500.0;
 
@@ -39,6 +54,16 @@ impl Overstress {
             Self::Malvern { k } => k * x,
             Self::CowperSymonds { rate, exponent } => rate * (x / f).powf(exponent),
             Self::JohnsonCook { c, rate } => rate * (x / (c * f)).min(LARGEST_EXPONENT).exp(),
+        }
+    }
+
+    /// The overstress at which it flows at `flow_rate`, Pa/s (E times the plastic strain rate, > 0), over the static stress
+    /// f, Pa: the inverse of [`Self::rate`]. 0 below Johnson and Cook's reference rate.
+    pub fn overstress(self, flow_rate: f64, f: f64) -> f64 {
+        match self {
+            Self::Malvern { k } => flow_rate / k,
+            Self::CowperSymonds { rate, exponent } => f * (flow_rate / rate).powf(1.0 / exponent),
+            Self::JohnsonCook { c, rate } => c * f * (flow_rate / rate).ln().max(0.0),
         }
     }
 
@@ -125,6 +150,18 @@ mod tests {
             assert!((x - gain * flow - now).abs() < 1e-7 * x, "{law:?}: {} {now}", x - gain * flow);
             let back = law.time([x, x - gain * flow], f, gain, flow);
             assert!((back - time).abs() < 1e-9 * time, "{law:?}: {back:e} {time:e}");
+        }
+    }
+
+    #[test]
+    fn the_overstress_of_a_rate_flows_at_that_rate() {
+        for law in LAWS {
+            // Above Johnson and Cook's reference rates.
+            for rate in [200e9 * 60.0, 200e9 * 1e4] {
+                let back = law.rate(law.overstress(rate, 200e6), 200e6);
+                // A power of 5 and an exponential of 20 multiply rounding.
+                assert!((back / rate - 1.0).abs() < 1e-12, "{law:?}: {back:e} {rate:e}");
+            }
         }
     }
 

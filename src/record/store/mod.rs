@@ -243,8 +243,8 @@ impl Writer {
     }
 
     fn send(&mut self, message: Message) -> Result<()> {
-        match self.sender.as_ref().map(|s| s.send(message)) {
-            Some(Ok(())) => Ok(()),
+        match self.sender.as_ref().map(|s| s.send(message).is_ok()) {
+            Some(true) => Ok(()),
             // The thread is gone, and its result says why.
             _ => self.join().and_then(|()| Err(Error::file(&self.path, "the file is closed already"))),
         }

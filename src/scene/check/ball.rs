@@ -5,8 +5,7 @@ use std::ops::Range;
 
 use toml::Spanned;
 
-use super::super::Method;
-use super::super::raw::{EndKind, RawEnd};
+use super::super::raw::RawEnd;
 use super::Checker;
 use super::bar::Named;
 use crate::bar::{EndCondition, Hertz};
@@ -97,21 +96,5 @@ impl Checker<'_> {
         let message = format!("`{}` and `{}` both say what the ball is", names[0], names[1]);
         let help = format!("keep `{}` or `{}`, not both", names[0], names[1]);
         Err(self.error(span, &format!("{key}.{}", names[0]), message).help(help).into())
-    }
-
-    /// Refuses a ball where the method cannot follow it.
-    pub(super) fn follows_balls(&self, ends: [(&str, Option<&Spanned<RawEnd>>); 2], method: &Method) -> Result<()> {
-        if !method.tracks_fronts() {
-            return Ok(());
-        }
-        for (name, end) in ends {
-            let kind = end.map(|end| &end.get_ref().kind);
-            if let Some(kind) = kind.filter(|kind| *kind.get_ref() == EndKind::Ball) {
-                let message = "a ball is not followed where fronts are tracked";
-                let error = self.error(kind.span(), &format!("{name}.kind"), message);
-                return Err(error.help("use method = \"fd\" in [solve]").into());
-            }
-        }
-        Ok(())
     }
 }

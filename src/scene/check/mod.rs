@@ -19,8 +19,8 @@ use std::path::Path;
 pub(super) use bar::Named;
 pub(super) use rupture::MOST_NOTCH;
 
-use super::raw::{RawEffects, RawScene, RawUnloading};
-use super::{Effects, Scene, Unloading, not_yet};
+use super::raw::{EffectsChoice, RawEffects, RawScene, RawUnloading};
+use super::{Auto, Effects, Scene, Unloading, not_yet};
 use crate::bar::Bar;
 use crate::error::{InputError, Result};
 use crate::input::{Allowed, Document};
@@ -49,7 +49,11 @@ pub(super) fn check(document: &Document, base: &Path) -> Result<Scene> {
         checker.nothing_of_torsion(raw_bar, &bar)?;
         None
     };
-    let heat = checker.heat(&raw.effects, &mut bar)?;
+    let (auto, raw_effects) = match raw.effects {
+        EffectsChoice::Auto(_) => (Some(Auto::default()), Box::default()),
+        EffectsChoice::Table(effects) => (None, effects),
+    };
+    let heat = checker.heat(&raw_effects, &mut bar)?;
     let ends = "both ends are always stated: add e.g. [left] with kind = \"velocity\" and value = \"30 m/s\", and \
                 [right] with kind = \"free\"";
     let end = |raw, key, segment: usize| {
@@ -62,22 +66,20 @@ pub(super) fn check(document: &Document, base: &Path) -> Result<Scene> {
     let left = end(raw.left.as_ref(), "left", 0)?;
     let right = end(raw.right.as_ref(), "right", bar.segments.len() - 1)?;
     if twisted {
-        checker.effects_of_torsion(&raw.effects)?;
+        checker.effects_of_torsion(&raw_effects)?;
     }
     let effects = Effects {
         heat,
-        rupture: checker.rupture(&raw.effects, raw_bar.get_ref(), &bar)?,
-        damping: checker.damping(&raw.effects, &bar)?,
-        lateral_inertia: checker.lateral_inertia(&raw.effects, &bar)?,
-        ..checker.effects(&raw.effects, &bar)?
+        rupture: checker.rupture(&raw_effects, raw_bar.get_ref(), &bar)?,
+        damping: checker.damping(&raw_effects, &bar)?,
+        lateral_inertia: checker.lateral_inertia(&raw_effects, &bar)?,
+        ..checker.effects(&raw_effects, &bar)?
     };
-    checker.along_goes(&raw.effects, &bar)?;
+    checker.along_goes(&raw_effects, &bar)?;
     let until = "add [solve] with until, the end time, e.g. until = \"200 us\"";
     let raw_solve = checker.required(raw.solve.as_ref(), "solve", until)?;
-    let solve = checker.solve(raw_solve, &raw.effects)?;
+    let solve = checker.solve(raw_solve, &raw_effects)?;
     checker.taper_can_be_solved(raw_bar.get_ref(), &bar, &solve.method)?;
-    let raw_ends = [("left", raw.left.as_ref()), ("right", raw.right.as_ref())];
-    checker.follows_balls(raw_ends, &solve.method)?;
     let record = checker.record(&raw.record, &bar, &effects, &solve, twisted)?;
     let name = Path::new(&document.file).file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
     Ok(Scene {
@@ -90,6 +92,8 @@ pub(super) fn check(document: &Document, base: &Path) -> Result<Scene> {
         left,
         right,
         effects,
+        auto,
+        base: base.to_owned(),
         solve,
         record,
         cut: None,
@@ -119,7 +123,7 @@ impl Checker<'_> {
     }
 
     fn effects(&self, raw: &RawEffects, bar: &Bar) -> Result<Effects> {
-        let rate = raw.rate.as_ref().map(|rate| self.rate(rate)).transpose()?;
+        let rate = raw.rate.as_ref().map(|rate| self.rate(rate, bar)).transpose()?;
         let Some(unloading) = &raw.unloading else {
             // A curve that is followed both ways has no plastic strain that could take time or warm the bar.
             let implied = rate.is_some() || raw.heat.is_some();

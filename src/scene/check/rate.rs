@@ -3,10 +3,12 @@
 use toml::Spanned;
 
 use super::super::Rate;
-use super::super::raw::{RawModel, RawRate};
+use super::super::raw::{RateChoice, RawModel, RawRate};
 use super::Checker;
+use crate::bar::Bar;
 use crate::error::Result;
 use crate::input::{Allowed, Number};
+use crate::law::rate::Overstress;
 use crate::units::Dimension;
 
 impl RawModel {
@@ -34,8 +36,11 @@ impl RawModel {
 }
 
 impl Checker<'_> {
-    pub(super) fn rate(&self, raw: &Spanned<RawRate>) -> Result<Rate> {
-        let raw_rate = raw.get_ref();
+    pub(super) fn rate(&self, raw: &Spanned<RateChoice>, bar: &Bar) -> Result<Rate> {
+        let raw_rate = match raw.get_ref() {
+            RateChoice::Law(law) => law,
+            RateChoice::Material(_) => return self.rate_of_materials(raw, bar),
+        };
         let Some(model) = &raw_rate.model else {
             let help = format!("say which law, e.g. {}", RawModel::Malvern.example());
             return Err(self.missing(raw.span(), "effects.rate.model", &help));
@@ -60,6 +65,21 @@ impl Checker<'_> {
                 reference: need(&raw_rate.reference, "reference", Dimension::Rate)?,
             },
         })
+    }
+
+    /// The materials' own constants; one material at least states some.
+    fn rate_of_materials(&self, raw: &Spanned<RateChoice>, bar: &Bar) -> Result<Rate> {
+        if bar.segments.iter().any(|s| Overstress::of(&s.material).is_some()) {
+            return Ok(Rate::Material);
+        }
+        let name = &bar.segments[0].material.name;
+        let error =
+            self.error(raw.span(), "effects.rate", format!("no material of the bar states a rate: `{name}` has none"));
+        let help = format!(
+            "give the material [rate.johnson-cook], [rate.cowper-symonds] or [rate.malvern], or the scene a law, e.g. {}",
+            RawModel::JohnsonCook.example()
+        );
+        Err(error.help(help).into())
     }
 
     fn only_constants_of(&self, raw: &RawRate, model: RawModel) -> Result<()> {

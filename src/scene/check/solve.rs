@@ -65,7 +65,12 @@ impl Checker<'_> {
             (RawMethod::Moc, false) => self.front_tracking(raw)?,
             (RawMethod::Moc, true) => Method::CharacteristicNet { cells: self.cells(raw)? },
         };
-        Ok(Solve { until, method, tolerance, estimate_error: false })
+        let (key, range) = ("solve.audit-tolerance", Allowed::Between(0.0, 1.0));
+        let audit_tolerance = self.document.optional(raw.audit_tolerance.as_ref(), key, Dimension::None, range)?;
+        // What is left out may change the answer by no more than what is asked of it.
+        let default = tolerance.as_ref().map_or(Solve::AUDIT_TOLERANCE, |t| t.value);
+        let audit_tolerance = audit_tolerance.unwrap_or(default);
+        Ok(Solve { until, method, tolerance, estimate_error: false, audit_tolerance })
     }
 
     /// The tolerance that takes the place of a method, and of all that belongs to one. Its methods are the reader's to find.
@@ -127,7 +132,7 @@ impl Checker<'_> {
             let help = format!("use method = \"{}\", which has it, or {out}", other.word());
             (format!("`{name}` means nothing for method = \"{word}\""), help)
         };
-        let allowed = format!("until, method, {}", method.keys(rate).join(", "));
+        let allowed = format!("until, method, {}, audit-tolerance", method.keys(rate).join(", "));
         Err(self.error(span, &format!("solve.{name}"), message).allowed(allowed).help(help).into())
     }
 }

@@ -1,5 +1,6 @@
 //! The ends of a tracked bar: what drives them, and what they record.
 
+use super::ball::Ball;
 use super::contact::JointChange;
 use super::spring::Spring;
 use super::striker::{Striker, StrikerState};
@@ -61,6 +62,7 @@ pub enum Drive {
 enum Body {
     None,
     Striker(Striker),
+    Ball(Ball),
     Spring(Spring),
 }
 
@@ -97,6 +99,9 @@ impl End {
         let body = match condition {
             EndCondition::Striker { mass, velocity } => {
                 Body::Striker(Striker::new(mass, velocity, inward, area, impedance))
+            }
+            EndCondition::Ball { mass, velocity, contact } => {
+                Body::Ball(Ball::new(contact, (mass, velocity), inward, area, impedance))
             }
             EndCondition::Spring { stiffness } => Body::Spring(Spring::new(stiffness, inward, area, impedance)),
             _ => Body::None,
@@ -143,6 +148,7 @@ impl End {
         }
         match &mut self.body {
             Body::Striker(striker) => striker.pace.set(step, level),
+            Body::Ball(ball) => ball.set(step, level),
             Body::Spring(spring) => spring.pace.set(step, level),
             Body::None => {}
         }
@@ -157,6 +163,7 @@ impl End {
         }
         match &mut self.body {
             Body::Striker(striker) => striker.bring_to(t, dt, self.stress, self.velocity, tolerance),
+            Body::Ball(ball) => ball.bring_to(t, dt, self.stress, self.velocity, tolerance),
             Body::Spring(spring) => spring.bring_to(t, dt, self.stress, self.velocity, tolerance),
             Body::None => {}
         }
@@ -167,6 +174,7 @@ impl End {
     pub fn passing(&self) -> f64 {
         match &self.body {
             Body::Striker(striker) => striker.pace.passing(),
+            Body::Ball(ball) => ball.passing(),
             Body::Spring(spring) => spring.pace.passing(),
             Body::None => 0.0,
         }
@@ -177,6 +185,7 @@ impl End {
         let change = (bar.stress - self.stress).abs().max((bar.velocity - self.velocity).abs() * impedance);
         match &mut self.body {
             Body::Striker(striker) => striker.wish(bar, change),
+            Body::Ball(ball) => ball.wish(self.since, bar, change),
             Body::Spring(spring) => spring.wish(bar, change),
             Body::None => None,
         }
@@ -188,21 +197,24 @@ impl End {
         let at = self.since + tolerance;
         match (&mut self.body, step) {
             (Body::Striker(striker), _) if !striker.touches() => return Drive::Stress(0.0),
+            (Body::Ball(ball), _) if !ball.touches() => return Drive::Stress(0.0),
             (Body::None, _) => {}
             (_, None) => return Drive::Pass,
             (Body::Striker(striker), Some(step)) => return striker.drive(step, bar.stress),
+            (Body::Ball(ball), Some(step)) => return ball.drive(step, bar),
             (Body::Spring(spring), Some(step)) => return spring.drive(step, bar.velocity),
         }
         match &self.condition {
             EndCondition::Velocity { release: Some(release), .. } if *release <= at => Drive::Stress(0.0),
             EndCondition::Velocity { history, .. } => Drive::Velocity(history.at(at)),
             EndCondition::Stress { history } => Drive::Stress(history.at(at)),
-            EndCondition::Free | EndCondition::Ball { .. } => Drive::Stress(0.0),
+            EndCondition::Free => Drive::Stress(0.0),
             EndCondition::Fixed => Drive::Velocity(0.0),
-            // Striker and spring have answered above.
-            EndCondition::Absorbing | EndCondition::Striker { .. } | EndCondition::Spring { .. } => {
-                Drive::Elastic(self.rest)
-            }
+            // Striker, ball and spring have answered above.
+            EndCondition::Absorbing
+            | EndCondition::Striker { .. }
+            | EndCondition::Ball { .. }
+            | EndCondition::Spring { .. } => Drive::Elastic(self.rest),
             EndCondition::Wall { .. } => {
                 if self.closes <= at || self.gap <= 0.0 {
                     self.gap = 0.0;
@@ -226,6 +238,7 @@ impl End {
         };
         match &mut self.body {
             Body::Striker(striker) => striker.settle(t, stress, velocity, held, round_off),
+            Body::Ball(ball) => ball.settle(t, velocity, round_off),
             Body::Spring(spring) => spring.settle(t, stress, velocity, round_off),
             Body::None => {}
         }
@@ -248,6 +261,7 @@ impl End {
         };
         match &self.body {
             Body::Striker(striker) => return striker.next_time(),
+            Body::Ball(ball) => return ball.next_time(),
             Body::Spring(spring) => return spring.next_time(),
             Body::None => {}
         }
@@ -265,13 +279,16 @@ impl End {
         let range = |h: &History| {
             [h.value().iter().fold(0.0, |m: f64, &v| m.min(v)), h.value().iter().fold(0.0, |m: f64, &v| m.max(v))]
         };
+        if let Body::Ball(ball) = &self.body {
+            return (ball.reach(self.rest), [self.rest; 2]);
+        }
         match &self.condition {
             EndCondition::Velocity { history, .. } => (0.0, range(history)),
             EndCondition::Stress { history } => (history.extreme().abs(), [self.rest; 2]),
             EndCondition::Fixed | EndCondition::Wall { .. } => (0.0, [0.0; 2]),
-            EndCondition::Striker { velocity, .. } | EndCondition::Ball { velocity, .. } => (0.0, [*velocity; 2]),
+            EndCondition::Striker { velocity, .. } => (0.0, [*velocity; 2]),
             EndCondition::Spring { .. } => (0.0, [0.0, self.rest]),
-            EndCondition::Free | EndCondition::Absorbing => (0.0, [self.rest; 2]),
+            EndCondition::Free | EndCondition::Absorbing | EndCondition::Ball { .. } => (0.0, [self.rest; 2]),
         }
     }
 
@@ -281,10 +298,14 @@ impl End {
         self.body = Body::None;
     }
 
-    /// The striker at time t, if there is one.
+    /// The striker or ball at time t, if there is one.
     pub fn striker(&self, t: f64) -> Option<StrikerState> {
-        let Body::Striker(striker) = &self.body else { return None };
-        Some(striker.at(t - self.since, self.stress, self.velocity))
+        let dt = t - self.since;
+        match &self.body {
+            Body::Striker(striker) => Some(striker.at(dt, self.stress, self.velocity)),
+            Body::Ball(ball) => Some(ball.at(dt, self.stress, self.velocity)),
+            Body::None | Body::Spring(_) => None,
+        }
     }
 
     /// A striker would have to pull with this stress, Pa.
@@ -294,18 +315,23 @@ impl End {
         }
     }
 
-    /// When a striker touched the end and let go of it.
+    /// When a striker or a ball touched the end and let go of it.
     pub fn striker_changes(&self) -> &[JointChange] {
-        if let Body::Striker(striker) = &self.body { striker.changes() } else { &[] }
+        match &self.body {
+            Body::Striker(striker) => striker.changes(),
+            Body::Ball(ball) => ball.changes(),
+            Body::None | Body::Spring(_) => &[],
+        }
     }
 
-    /// Energy of the body at the end at time t, J: of motion for a striker, stored for a spring.
+    /// Energy of the body at the end at time t, J: of motion for a striker, stored for a spring, both for a ball.
     pub fn body_energy(&self, t: f64) -> f64 {
         match &self.body {
             Body::Striker(striker) => {
                 let state = striker.at(t - self.since, self.stress, self.velocity);
                 0.5 * state.mass * state.velocity * state.velocity
             }
+            Body::Ball(ball) => ball.energy(t - self.since, self.stress, self.velocity),
             Body::Spring(spring) => spring.energy(t - self.since, self.velocity),
             Body::None => 0.0,
         }

@@ -6,6 +6,7 @@
 //! No grid, no numerical diffusion: exact for the table, to rounding. This is the graphical method of Bohnenblust
 //! with the bookkeeping of Holden and Risebro (Front Tracking for Hyperbolic Conservation Laws).
 
+mod ball;
 mod body;
 mod compare;
 mod contact;

@@ -225,6 +225,11 @@ fn parts(resolution: Resolution) -> (Option<usize>, Option<f64>) {
 /// at all; [`Error::Interrupted`] where the user stopped it before there was anything to show.
 pub fn cost(scene: &Scene, hooks: &mut Hooks<'_>) -> Result<Cost> {
     let started = Instant::now();
+    if scene.auto.is_some() {
+        let message = "methods are compared for one set of effects, and effects = \"auto\" leaves that open";
+        let help = "name the effects in an [effects] table; `barwave plan` says which ones it would choose";
+        return Err(InputError::new(message).key("effects").help(help).into());
+    }
     let load = load();
     let source = Source::new(scene);
     let (families, unable) = source.families();

@@ -1,20 +1,36 @@
 //! The symmetric tridiagonal matrix of the node update: factored once, solved in every step.
 //!
 //! The two ends are eliminated last. What is left for them is a matrix of two rows, so that a device sees one effective
-//! mass; it is the effect of one end on the other, through the whole bar, that its off-diagonal holds.
+//! mass; it is the effect of one end on the other, through the whole bar, that its off-diagonal holds. The nodes between
+//! them are eliminated from both sides towards the middle: two chains of operations that a processor runs side by side.
 
 /// Below this part of an end's own change its effect on another node is far below rounding.
 const NEGLIGIBLE: f64 = 1e-20;
 
-/// `A = A^T` over the nodes 0..=n, in the factors `L D L^T` of the nodes between the ends.
+/// Changes below this, in kg m/s or m/s, are none. Otherwise the tail that every wave sends ahead would end in numbers
+/// that processors handle a hundred times slower, and go on for ever as the smallest of them.
+const NOTHING: f64 = 1e-120;
+
+/// Nodes between two looks for such tails.
+const LOOK: usize = 64;
+
+/// `A = A^T` over the nodes 0..=n; the nodes between the ends in the factors `W D W^T`, W with ones on its diagonal, and
+/// beside it left of it up to the middle node, right of it beyond.
 #[derive(Debug, Clone)]
 pub(super) struct Matrix {
     /// Nodes - 1.
     cells: usize,
-    /// Row j of L: its element left of the diagonal. 0 at 0, 1 and n.
-    lower: Vec<f64>,
+    /// The node at which the eliminations from both sides meet.
+    middle: usize,
+    /// Element of W in the row of node j, towards the end from which it is reached; at the middle node that to its left,
+    /// 0 next to the ends, and unused at them.
+    beside: Vec<f64>,
+    /// That of the middle node to its right.
+    middle_right: f64,
     /// 1 over the pivot of row j. Unused at 0 and n.
     inverse: Vec<f64>,
+    /// Each node stands for itself.
+    diagonal: bool,
     /// Elements between the ends and their neighbours.
     off: [f64; 2],
     /// Diagonal of what is left for the ends, kg.
@@ -30,59 +46,105 @@ impl Matrix {
     /// From its diagonal (one entry a node) and the elements between neighbouring nodes (one a cell, at least two cells).
     /// It must be positive definite.
     pub fn new(cells: usize, diagonal: impl Fn(usize) -> f64, between: impl Fn(usize) -> f64) -> Self {
-        let (mut lower, mut inverse) = (vec![0.0; cells + 1], vec![0.0; cells + 1]);
-        inverse[1] = 1.0 / diagonal(1);
-        for j in 2..cells {
-            let element = between(j - 1);
-            lower[j] = element * inverse[j - 1];
-            inverse[j] = 1.0 / (diagonal(j) - element * lower[j]);
+        let middle = cells / 2;
+        let (mut beside, mut inverse) = (vec![0.0; cells + 1], vec![0.0; cells + 1]);
+        for j in 1..middle {
+            let element = if j > 1 { between(j - 1) } else { 0.0 };
+            beside[j] = element * inverse[j - 1];
+            inverse[j] = 1.0 / (diagonal(j) - element * beside[j]);
         }
+        for j in (middle + 1..cells).rev() {
+            let element = if j + 1 < cells { between(j) } else { 0.0 };
+            beside[j] = element * inverse[j + 1];
+            inverse[j] = 1.0 / (diagonal(j) - element * beside[j]);
+        }
+        let left = if middle > 1 { between(middle - 1) } else { 0.0 };
+        let right = if middle + 1 < cells { between(middle) } else { 0.0 };
+        beside[middle] = left * inverse[middle - 1];
+        let middle_right = right * inverse[middle + 1];
+        inverse[middle] = 1.0 / (diagonal(middle) - left * beside[middle] - right * middle_right);
         let off = [between(0), between(cells - 1)];
-        let mut matrix =
-            Self { cells, lower, inverse, off, own: [0.0; 2], cross: 0.0, follow: [Vec::new(), Vec::new()] };
-        let [mut left, mut right] = [matrix.unit(1, off[0]), matrix.unit(cells - 1, off[1])];
-        matrix.own = [diagonal(0) - off[0] * left[1], diagonal(cells) - off[1] * right[cells - 1]];
-        let cross = -off[1] * left[cells - 1];
-        matrix.cross = if cross.abs() < NEGLIGIBLE * matrix.own[0].min(matrix.own[1]) { 0.0 } else { cross };
-        left.truncate(cells);
-        left.remove(0);
-        right.truncate(cells);
-        right.remove(0);
-        right.reverse();
-        matrix.follow = [left, right].map(|mut follow| {
-            let reach = follow.iter().position(|f| f.abs() < NEGLIGIBLE).unwrap_or(follow.len());
-            follow.truncate(reach);
-            follow.shrink_to_fit();
-            follow
-        });
+        let follow = [Vec::new(), Vec::new()];
+        let diagonal_alone = (0..cells).all(|i| between(i) == 0.0);
+        let mut matrix = Self {
+            cells,
+            middle,
+            beside,
+            middle_right,
+            inverse,
+            diagonal: diagonal_alone,
+            off,
+            own: [0.0; 2],
+            cross: 0.0,
+            follow,
+        };
+        matrix.eliminate_ends([diagonal(0), diagonal(cells)]);
         matrix
     }
 
-    /// The solution between the ends for a right side of one value at one node.
-    fn unit(&self, node: usize, value: f64) -> Vec<f64> {
-        let mut x = vec![0.0; self.cells + 1];
-        x[node] = value;
-        for j in node + 1..self.cells {
-            x[j] = -self.lower[j] * x[j - 1];
+    /// What the ends keep of their diagonal, and how the other nodes follow them.
+    fn eliminate_ends(&mut self, diagonal: [f64; 2]) {
+        let (n, off) = (self.cells, self.off);
+        let [mut left, mut right] = [(1, off[0]), (n - 1, off[1])].map(|(node, element)| {
+            let mut x = vec![0.0; n + 1];
+            x[node] = element;
+            self.solve(&mut x);
+            x
+        });
+        self.own = [diagonal[0] - off[0] * left[1], diagonal[1] - off[1] * right[n - 1]];
+        let cross = -off[1] * left[n - 1];
+        self.cross = if cross.abs() < NEGLIGIBLE * self.own[0].min(self.own[1]) { 0.0 } else { cross };
+        right.reverse();
+        self.follow = [&mut left, &mut right].map(|x| {
+            let inner = &x[1..n];
+            let reach = inner.iter().position(|f| f.abs() < NEGLIGIBLE).unwrap_or(inner.len());
+            inner[..reach].to_vec()
+        });
+    }
+
+    /// Solves for the nodes between the ends, both ends at 0; `x` holds the right sides, and then the solution.
+    pub fn solve(&self, x: &mut [f64]) {
+        let (n, middle) = (self.cells, self.middle);
+        let (beside, inverse, x) = (&self.beside[..=n], &self.inverse[..=n], &mut x[..=n]);
+        if self.diagonal {
+            x[1..n].iter_mut().zip(&inverse[1..n]).for_each(|(x, inverse)| *x *= inverse);
+            return;
         }
-        self.back(&mut x);
-        x
-    }
-
-    /// Forward step of node `j` between the ends: from its right side and the neighbour's result.
-    #[inline(always)]
-    pub fn forward(&self, j: usize, right_side: f64, before: f64) -> f64 {
-        right_side - self.lower[j] * before
-    }
-
-    /// The backward steps of all nodes between the ends, both ends at 0.
-    pub fn back(&self, x: &mut [f64]) {
-        let n = self.cells;
-        let (lower, inverse, x) = (&self.lower[1..=n], &self.inverse[1..n], &mut x[1..n]);
-        let mut after = 0.0;
-        for j in (0..x.len()).rev() {
-            after = x[j] * inverse[j] - lower[j + 1] * after;
-            x[j] = after;
+        let both = middle - 1;
+        let (mut left, mut right) = (0.0, 0.0);
+        for start in (0..both).step_by(LOOK) {
+            for k in start..(start + LOOK).min(both) {
+                let (i, j) = (1 + k, n - 1 - k);
+                left = x[i] - beside[i] * left;
+                right = x[j] - beside[j] * right;
+                (x[i], x[j]) = (left, right);
+            }
+            (left, right) = (something(left), something(right));
+        }
+        // With an odd number of cells there is one node more on the right.
+        for j in (middle + 1..n - both).rev() {
+            right = x[j] - beside[j] * right;
+            x[j] = right;
+        }
+        let centre = (x[middle] - beside[middle] * left - self.middle_right * right) * inverse[middle];
+        x[middle] = centre;
+        // Back, outwards: what is beside a node stands in the row of its neighbour.
+        let (mut element_left, mut element_right) = (beside[middle], self.middle_right);
+        (left, right) = (centre, centre);
+        for j in middle + 1..n - both {
+            right = x[j] * inverse[j] - element_right * right;
+            element_right = beside[j];
+            x[j] = right;
+        }
+        for start in (0..both).step_by(LOOK) {
+            for k in start..(start + LOOK).min(both) {
+                let (i, j) = (middle - 1 - k, n - both + k);
+                left = x[i] * inverse[i] - element_left * left;
+                right = x[j] * inverse[j] - element_right * right;
+                (element_left, element_right) = (beside[i], beside[j]);
+                (x[i], x[j]) = (left, right);
+            }
+            (left, right) = (something(left), something(right));
         }
     }
 
@@ -114,8 +176,12 @@ impl Matrix {
 
     /// Numbers in memory.
     pub fn len(&self) -> usize {
-        self.lower.len() + self.inverse.len() + self.follow[0].len() + self.follow[1].len()
+        self.beside.len() + self.inverse.len() + self.follow[0].len() + self.follow[1].len()
     }
+}
+
+fn something(x: f64) -> f64 {
+    if x.abs() < NOTHING { 0.0 } else { x }
 }
 
 #[cfg(test)]
@@ -126,10 +192,7 @@ mod tests {
     fn solve(matrix: &Matrix, right_side: &[f64]) -> Vec<f64> {
         let n = right_side.len() - 1;
         let mut x = right_side.to_vec();
-        for j in 2..n {
-            x[j] = matrix.forward(j, x[j], x[j - 1]);
-        }
-        matrix.back(&mut x);
+        matrix.solve(&mut x);
         let [a, b] = matrix.left_for_ends([right_side[0], right_side[n]], &x);
         let ([p, q], c) = (matrix.end_masses(), matrix.cross());
         let ends = [(q * a - c * b) / (p * q - c * c), (p * b - c * a) / (p * q - c * c)];

@@ -16,18 +16,21 @@
 //! The matrix never changes, so it is factored once; a step is one forward and one backward sweep. Everything goes on with
 //! the same stresses as before: laws, blocks and ends know nothing of it.
 
+mod account;
 mod matrix;
 mod weights;
 
-use std::ops::Range;
+use multiversion::multiversion;
 
 use super::block::Block;
 use super::device::Device;
 use super::grid::Grid;
 use super::leapfrog::Constants;
-use crate::law::LANES;
+use account::Taken;
 use matrix::Matrix;
-use weights::{NodeWeights, Weights};
+use weights::{CellWeights, Weights};
+
+pub(super) use account::NodeSums;
 
 /// What acts along the bar; 0 where there is none of a kind.
 #[derive(Debug, Clone, PartialEq)]
@@ -57,14 +60,12 @@ impl Along {
     }
 }
 
-/// Sums over the nodes that the account needs: of one step's forces, in the two velocities between which they act.
-#[derive(Debug, Clone, Copy, Default)]
-struct Taken {
-    /// dt times the dampers' power, with the velocity before the step and after it, J.
-    before: f64,
-    after: f64,
-    /// Impulse of external damping and the foundation, N s in +x.
-    impulse: f64,
+/// There are internal and external dampers; some cells move sideways.
+#[derive(Debug, Clone, Copy)]
+struct Acts {
+    internal: bool,
+    external: bool,
+    lateral: bool,
 }
 
 /// The nodes of a bar along which something acts.
@@ -80,10 +81,7 @@ pub(super) struct Implicit {
     place: Vec<f64>,
     /// For the ripple damping; empty until the bar yields.
     shift: Vec<f64>,
-    /// There are internal and external dampers; some cells move sideways.
-    internal: bool,
-    external: bool,
-    lateral: bool,
+    acts: Acts,
     latest: Taken,
     /// Energy taken by dampers so far, J, and by the ripple damping.
     damped: f64,
@@ -95,16 +93,6 @@ pub(super) struct Implicit {
     /// The right end's change in the latest step, where the search for both ends' begins.
     right_change: f64,
     started: bool,
-}
-
-/// What the nodes know of energy and momentum, J and N s.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct NodeSums {
-    pub kinetic: f64,
-    pub momentum: f64,
-    pub foundation: f64,
-    pub damping: f64,
-    pub viscous: f64,
 }
 
 impl Implicit {
@@ -120,9 +108,11 @@ impl Implicit {
             change: vec![0.0; nodes],
             place: vec![0.0; if along.foundation > 0.0 { nodes } else { 0 }],
             shift: Vec::new(),
-            internal: along.internal > 0.0,
-            external: along.external > 0.0,
-            lateral: along.lateral.iter().any(|&l| l > 0.0),
+            acts: Acts {
+                internal: along.internal > 0.0,
+                external: along.external > 0.0,
+                lateral: along.lateral.iter().any(|&l| l > 0.0),
+            },
             latest: Taken::default(),
             damped: 0.0,
             ripples: 0.0,
@@ -165,12 +155,12 @@ impl Implicit {
             let dt = self.weights.dt;
             self.place.iter_mut().zip(&self.after).for_each(|(u, v)| *u += dt * v);
         }
-        self.impulses(blocks);
-        let right_sides = self.sweep_forward();
-        self.matrix.back(&mut self.change);
+        self.form_right_sides(blocks);
+        let n = self.change.len() - 1;
+        let right_sides = [self.change[0], self.change[n]];
+        self.matrix.solve(&mut self.change);
         let pulls = self.matrix.left_for_ends(right_sides, &self.change);
         self.move_ends(time, pulls, blocks, left, right);
-        let n = self.change.len() - 1;
         let changes = [&*left, &*right].map(|end| end.velocity_after() - end.velocity_before());
         self.matrix.follow_ends(changes, &mut self.change);
         [self.change[0], self.change[n]] = changes;
@@ -182,49 +172,36 @@ impl Implicit {
         self.started = true;
     }
 
-    /// Into `change`: the impulse of every cell on the node to its left, dampers with the velocities before the step.
-    fn impulses(&mut self, blocks: &[Block]) {
+    /// Into `change`: the impulses on the nodes, dampers with the velocities before the step.
+    fn form_right_sides(&mut self, blocks: &[Block]) {
+        let (v, change) = (&self.after[..], &mut self.change[..]);
+        let mut from_left = 0.0;
         for block in blocks {
-            let cells = block.cells.clone();
-            let w = self.weights.cell(cells.start);
-            let out = &mut self.change[cells.clone()];
-            for (out, sigma) in out.iter_mut().zip(&block.sigma) {
-                *out = w.impulse * sigma;
-            }
-            if self.internal {
-                let v = &self.after[cells.start..=cells.end];
-                for (out, v) in out.iter_mut().zip(v.windows(2)) {
-                    *out += w.viscous * (v[1] - v[0]);
-                }
-            }
+            let (from, to) = (block.cells.start, block.cells.end);
+            let w = self.weights.cell(from);
+            let (sigma, v) = (&block.sigma[..], &v[from..=to]);
+            let impulse = |i: usize| w.impulse * sigma[i] + w.viscous * (v[i + 1] - v[i]);
+            change[from] = impulse(0) - from_left;
+            stress_impulses(w, sigma, v, &mut change[from + 1..to]);
+            from_left = impulse(sigma.len() - 1);
         }
-    }
-
-    /// Forms the right sides in `change` and takes them forward; returns those of the ends.
-    fn sweep_forward(&mut self) -> [f64; 2] {
-        let dt = self.weights.dt;
-        let (v, place, change) = (&self.after[..], &self.place[..], &mut self.change[..]);
         let n = change.len() - 1;
-        let held = |w: &NodeWeights, j: usize| {
-            let foundation = if place.is_empty() { 0.0 } else { dt * w.spring * place[j] };
-            w.drag * v[j] + foundation
-        };
-        // The last entry is no cell's impulse: beyond the right end there is nothing.
-        change[n] = 0.0;
-        let (mut before, mut result, mut ends) = (0.0, 0.0, [0.0; 2]);
-        for (w, run) in self.weights.nodes() {
-            for j in run {
-                let right_side = change[j] - before - held(w, j);
-                before = change[j];
-                if j == 0 || j == n {
-                    ends[usize::from(j == n)] = right_side;
-                } else {
-                    result = self.matrix.forward(j, right_side, result);
-                    change[j] = result;
+        change[n] = -from_left;
+        if self.acts.external {
+            for (w, nodes) in self.weights.nodes() {
+                for (change, v) in change[nodes.clone()].iter_mut().zip(&v[nodes]) {
+                    *change -= w.drag * v;
                 }
             }
         }
-        ends
+        if !self.place.is_empty() {
+            for (w, nodes) in self.weights.nodes() {
+                let spring = self.weights.dt * w.spring;
+                for (change, u) in change[nodes.clone()].iter_mut().zip(&self.place[nodes]) {
+                    *change -= spring * u;
+                }
+            }
+        }
     }
 
     /// The ends take their step with the impulses (N s in +x) that all nodes between them leave. Each acts on the other
@@ -257,95 +234,6 @@ impl Implicit {
         right.advance_by(time, pulls[1] - cross * change, last.sigma[last.sigma.len() - 1]);
     }
 
-    /// Books what the dampers and the foundation did in the step whose changes are known, by the trapezoidal rule in their
-    /// forces: the form in which the staggered scheme balances energy and momentum to round-off.
-    fn account(&mut self) {
-        let now = self.taken(|_| 0.0);
-        self.damped += 0.5 * (self.latest.after + now.before);
-        let impulse = 0.5 * (self.latest.impulse + now.impulse);
-        self.impulse += impulse;
-        self.throughput += impulse.abs();
-        self.latest = now;
-    }
-
-    /// Sums of a step, `after` holding the velocities before it. `shift` is what is added to those after it.
-    fn taken(&self, shift: impl Fn(usize) -> f64) -> Taken {
-        let (v, w) = (&self.after[..], &self.change[..]);
-        let mut taken = Taken::default();
-        if self.internal {
-            for (weights, cells) in self.weights.cells() {
-                let [before, after] = sums(cells, |i| {
-                    let (rate, change) = (v[i + 1] - v[i], w[i + 1] - w[i]);
-                    let impulse = weights.viscous * (rate + 0.5 * change);
-                    [impulse * rate, impulse * (rate + change + (shift(i + 1) - shift(i)))]
-                });
-                taken.before += before;
-                taken.after += after;
-            }
-        }
-        if self.external {
-            for (weights, nodes) in self.weights.nodes() {
-                let [before, after, impulse] = sums(nodes, |j| {
-                    let impulse = weights.drag * v[j] + weights.drag_mass * w[j];
-                    [impulse * v[j], impulse * (v[j] + w[j] + shift(j)), impulse]
-                });
-                taken.before += before;
-                taken.after += after;
-                taken.impulse -= impulse;
-            }
-        }
-        if !self.place.is_empty() {
-            let dt = self.weights.dt;
-            for (weights, nodes) in self.weights.nodes() {
-                let [stretch] = sums(nodes, |j| [self.place[j] + 0.25 * dt * w[j]]);
-                taken.impulse -= dt * weights.spring * stretch;
-            }
-        }
-        taken
-    }
-
-    /// Takes over what the ripple damping made of the nodes after the latest step, and books what it took: the blocks' own
-    /// account knows only the masses of the nodes.
-    pub fn take_ripples(&mut self, blocks: &[Block]) {
-        let changed = |block: &&Block| block.v[..] != self.after[block.cells.start..=block.cells.end];
-        if !blocks.iter().any(|block| changed(&block)) {
-            return;
-        }
-        // What the damping adds to the velocities before and after the step.
-        let mut shift = std::mem::take(&mut self.shift);
-        shift.resize(self.after.len(), 0.0);
-        for block in blocks {
-            let here = block.cells.start..=block.cells.end;
-            for ((shift, v), old) in shift[here.clone()].iter_mut().zip(&block.v).zip(&self.after[here]) {
-                *shift = v - old;
-            }
-        }
-        let both = |j: usize| 2.0 * self.after[j] - self.change[j] + shift[j];
-        let mut lost = 0.0;
-        for (weights, nodes) in self.weights.nodes() {
-            let mass = weights.mass + 0.25 * self.weights.dt * self.weights.dt * weights.spring;
-            let [sum] = sums(nodes, |j| [shift[j] * both(j)]);
-            lost += mass * sum;
-        }
-        if self.lateral {
-            for (weights, cells) in self.weights.cells() {
-                let [sum] = sums(cells, |i| [(shift[i + 1] - shift[i]) * (both(i + 1) - both(i))]);
-                lost += weights.lateral * sum;
-            }
-        }
-        self.ripples -= 0.5 * lost;
-        self.after.iter_mut().zip(&self.change).for_each(|(v, change)| *v -= change);
-        self.latest.after = self.taken(|j| shift[j]).after;
-        for ((v, change), shift) in self.after.iter_mut().zip(&self.change).zip(&shift) {
-            *v = *v + change + shift;
-        }
-        // To the last bit what the blocks step with.
-        for block in blocks {
-            self.after[block.cells.start..=block.cells.end].copy_from_slice(&block.v);
-        }
-        self.shift = shift;
-    }
-
     /// Gives a block its nodes' velocities.
     pub fn share(&self, block: &mut Block) {
         block.v.copy_from_slice(&self.after[block.cells.start..=block.cells.end]);
@@ -354,65 +242,6 @@ impl Implicit {
     /// Velocities of a node half a step before and after the current time, m/s.
     pub fn velocities(&self, node: usize) -> [f64; 2] {
         [self.after[node] - self.change[node], self.after[node]]
-    }
-
-    /// Impulse (N s in +x) that external damping and the foundation gave so far, and the sum of its sizes.
-    pub fn impulse(&self) -> [f64; 2] {
-        [self.impulse, self.throughput]
-    }
-
-    /// Energies and momentum at the current time.
-    pub fn sums(&self) -> NodeSums {
-        let mut total = NodeSums {
-            damping: self.damped,
-            viscous: self.ripples,
-            foundation: self.foundation_of_motion(|j| self.after[j] - self.change[j]) - self.spring_start,
-            ..self.of_motion(|j| self.after[j])
-        };
-        if !self.place.is_empty() {
-            for (weights, nodes) in self.weights.nodes() {
-                let [squares] = sums(nodes, |j| [self.place[j] * self.place[j]]);
-                total.foundation += 0.5 * weights.spring * squares;
-            }
-        }
-        total
-    }
-
-    /// Kinetic energy and momentum before anything acted on the nodes; before the second step.
-    pub fn initial(&self) -> NodeSums {
-        self.of_motion(|j| self.after[j] - self.change[j])
-    }
-
-    /// Kinetic energy v- (M + B) v+/2 and momentum M (v- + v+)/2 of the velocities before the step and these after it.
-    #[inline(always)]
-    fn of_motion(&self, after: impl Fn(usize) -> f64) -> NodeSums {
-        let mut total = NodeSums::default();
-        let before = |j: usize| self.after[j] - self.change[j];
-        for (weights, nodes) in self.weights.nodes() {
-            let [product, sum] = sums(nodes, |j| [after(j) * before(j), after(j) + before(j)]);
-            total.kinetic += 0.5 * weights.mass * product;
-            total.momentum += 0.5 * weights.mass * sum;
-        }
-        if self.lateral {
-            for (weights, cells) in self.weights.cells() {
-                let [product] = sums(cells, |i| [(after(i + 1) - after(i)) * (before(i + 1) - before(i))]);
-                total.kinetic += 0.5 * weights.lateral * product;
-            }
-        }
-        total
-    }
-
-    /// The foundation's share that goes with motion, v- (K dt^2/4) v+/2, J.
-    fn foundation_of_motion(&self, before: impl Fn(usize) -> f64) -> f64 {
-        if self.place.is_empty() {
-            return 0.0;
-        }
-        let dt = self.weights.dt;
-        let of = |(weights, nodes): (&NodeWeights, Range<usize>)| {
-            let [product] = sums(nodes, |j| [self.after[j] * before(j)]);
-            0.125 * dt * dt * weights.spring * product
-        };
-        self.weights.nodes().map(of).sum()
     }
 
     /// Memory, bytes.
@@ -429,23 +258,13 @@ fn factored(weights: &Weights) -> Matrix {
     Matrix::new(weights.count(), |j| weights.diagonal(j), |i| weights.between(i))
 }
 
-/// Sums over a range, in lanes that the processor can take side by side.
-#[inline(always)]
-fn sums<const N: usize>(range: Range<usize>, term: impl Fn(usize) -> [f64; N]) -> [f64; N] {
-    let mut lanes = [[0.0; LANES]; N];
-    let whole = range.start + range.len() - range.len() % LANES;
-    for start in (range.start..whole).step_by(LANES) {
-        for lane in 0..LANES {
-            let terms = term(start + lane);
-            for (sum, term) in lanes.iter_mut().zip(terms) {
-                sum[lane] += term;
-            }
-        }
+/// Impulses of the stresses and internal dampers on the nodes inside a block, `v` being those of all its nodes.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
+fn stress_impulses(w: &CellWeights, sigma: &[f64], v: &[f64], out: &mut [f64]) {
+    let nodes = out.len();
+    let (left, right) = (&sigma[..nodes], &sigma[1..=nodes]);
+    let (before, here, after) = (&v[..nodes], &v[1..=nodes], &v[2..nodes + 2]);
+    for i in 0..nodes {
+        out[i] = w.impulse * (right[i] - left[i]) + w.viscous * ((after[i] - here[i]) - (here[i] - before[i]));
     }
-    for i in whole..range.end {
-        for (sum, term) in lanes.iter_mut().zip(term(i)) {
-            sum[0] += term;
-        }
-    }
-    lanes.map(|lane| lane.iter().sum())
 }

@@ -1,0 +1,149 @@
+//! Lateral inertia (Love): waves of wave number k run at `c0/sqrt(1 + (nu r k)^2)`, with r the polar radius of gyration of
+//! the section. Over a way X a pulse sigma(x) becomes `sigma + (l^3/3) sigma'''` where it is smooth over the length
+//! `l = (3 (nu r)^2 X/2)^(1/3)`; sharper edges come out about l wide. Both are the sum of `l |third difference|/3` over
+//! places l apart, which is what is estimated here, from what the ends and joints impose and X = c0 times the run's time.
+
+use super::{AuditRow, Case};
+use crate::bar::{EndCondition, Joint, Segment};
+use crate::units::{Dimension, System, format};
+
+/// Most places at which a pulse is read.
+const SAMPLES: usize = 4096;
+
+/// A pulse that goes into the bar, and the segment that it goes through.
+struct Pulse<'a> {
+    segment: &'a Segment,
+    /// Stress against time, to any scale that all pulses share.
+    stress: Box<dyn Fn(f64) -> f64 + 'a>,
+}
+
+/// Sizes of what lateral inertia does to pulses.
+#[derive(Debug, Default, Clone, Copy)]
+struct Sizes {
+    /// L1 of the change, Pa m.
+    change: f64,
+    /// L1 of the stress, Pa m.
+    stress: f64,
+    /// Largest width of a front, m, with nu r of its bar.
+    front: (f64, f64),
+}
+
+/// The estimate for a run.
+pub(super) fn row(case: &Case<'_>) -> AuditRow {
+    let (estimate, message) = finding(case);
+    AuditRow {
+        effect: "lateral-inertia".into(),
+        estimate,
+        threshold: case.tolerance,
+        message: std::format!("lateral-inertia: {message}"),
+    }
+}
+
+fn finding(case: &Case<'_>) -> (f64, String) {
+    if !case.bar.area_given {
+        return (f64::NAN, "no estimate: the scene gives no section".to_owned());
+    }
+    if case.ends.iter().any(|end| matches!(end, EndCondition::Ball { .. })) {
+        return (f64::NAN, "no estimate: the pulse of a ball is not known beforehand".to_owned());
+    }
+    let pulses = pulses(case);
+    if pulses.is_empty() {
+        return (0.0, "nothing is imposed on the bar".to_owned());
+    }
+    if let Some(unknown) = pulses.iter().find(|p| p.segment.material.poisson.is_none()) {
+        return (f64::NAN, std::format!("no estimate: {} states no `poisson`", unknown.segment.material.name));
+    }
+    let sizes = pulses.iter().fold(Sizes::default(), |all, pulse| all.and(pulse, case));
+    if sizes.stress <= 0.0 {
+        return (0.0, "nothing is imposed on the bar".to_owned());
+    }
+    let show = |value| format(value, Dimension::Length, System::Si);
+    let message = std::format!(
+        "sections that have to widen would make fronts {} wide by the end (nu times the radius of gyration is {}); sections \
+         were taken as moving along the bar only. Switch on with [effects] lateral-inertia = true",
+        show(sizes.front.0),
+        show(sizes.front.1),
+    );
+    ((sizes.change / sizes.stress).min(1.0), message)
+}
+
+impl Sizes {
+    fn and(self, pulse: &Pulse<'_>, case: &Case<'_>) -> Self {
+        let material = &pulse.segment.material;
+        let (c0, nu) = (material.c0(), material.poisson.unwrap_or(0.0));
+        // A round section: r^2 = A/(2 pi).
+        let a = nu * (pulse.segment.area / (2.0 * std::f64::consts::PI)).sqrt();
+        let width = (1.5 * a * a * c0 * case.until).cbrt();
+        if width <= 0.0 {
+            return self;
+        }
+        let step = (width / c0).max(case.until / SAMPLES as f64);
+        let count = (case.until / step).ceil() as usize + 1;
+        // Quiet before and after, and read at middles, so that edges at the very start count whole.
+        let read = |i: usize| if i < 3 { 0.0 } else { (pulse.stress)((i as f64 - 2.5) * step) };
+        let values: Vec<f64> = (0..count + 3).map(read).collect();
+        let third = |w: &[f64]| (w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).abs();
+        let change = width / 3.0 * values.windows(4).map(third).sum::<f64>();
+        Self {
+            change: self.change + change,
+            stress: self.stress + c0 * step * largest_window(&values, (case.bar.transit_time() / step).ceil() as usize),
+            front: if width > self.front.0 { (width, a) } else { self.front },
+        }
+    }
+}
+
+/// The largest sum of sizes over as many neighbours.
+fn largest_window(values: &[f64], length: usize) -> f64 {
+    let (mut sum, mut largest) = (0.0_f64, 0.0_f64);
+    for (i, value) in values.iter().enumerate() {
+        sum += value.abs();
+        if i >= length {
+            sum -= values[i - length].abs();
+        }
+        largest = largest.max(sum);
+    }
+    largest
+}
+
+fn pulses<'a>(case: &Case<'a>) -> Vec<Pulse<'a>> {
+    let segments = &case.bar.segments;
+    let mut all: Vec<Pulse<'a>> = Vec::new();
+    for (k, segment) in [(0, &segments[0]), (1, &segments[segments.len() - 1])] {
+        if let Some(stress) = imposed(case.ends[k], segment, if k == 0 { 1.0 } else { -1.0 }) {
+            all.push(Pulse { segment, stress });
+        }
+    }
+    for pair in segments.windows(2) {
+        let closing = pair[0].velocity - pair[1].velocity;
+        if closing > 0.0 || (closing < 0.0 && pair[0].joint == Joint::Bonded) {
+            let z = [0, 1].map(|k| pair[k].material.impedance() * pair[k].area);
+            let force = closing.abs() * z[0] * z[1] / (z[0] + z[1]);
+            let step = |segment: &'a Segment| Pulse { segment, stress: Box::new(move |_| force / segment.area) };
+            all.extend([step(&pair[0]), step(&pair[1])]);
+        }
+    }
+    all
+}
+
+/// The elastic stress that an end imposes against time; none where it imposes nothing.
+fn imposed<'a>(end: &'a EndCondition, at: &Segment, inward: f64) -> Option<Box<dyn Fn(f64) -> f64 + 'a>> {
+    let (impedance, rest) = (at.material.impedance(), at.velocity);
+    let constant = |stress: f64, from: f64| -> Option<Box<dyn Fn(f64) -> f64 + 'a>> {
+        (stress != 0.0).then(|| Box::new(move |t: f64| if t < from { 0.0 } else { stress }) as Box<_>)
+    };
+    match end {
+        EndCondition::Velocity { history, release } => {
+            let until = release.unwrap_or(f64::INFINITY);
+            let read = move |t: f64| if t < until { impedance * (history.at(t) - rest) } else { 0.0 };
+            Some(Box::new(read))
+        }
+        EndCondition::Stress { history } => Some(Box::new(move |t| history.at(t))),
+        EndCondition::Fixed => constant(impedance * rest, 0.0),
+        EndCondition::Wall { gap } if rest * inward < 0.0 => constant(impedance * rest, gap / rest.abs()),
+        EndCondition::Striker { mass, velocity } if (velocity - rest) * inward > 0.0 => {
+            let (stress, slowing) = (impedance * (velocity - rest), impedance * at.area / mass);
+            Some(Box::new(move |t| stress * (-slowing * t).exp()))
+        }
+        _ => None,
+    }
+}

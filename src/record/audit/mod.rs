@@ -1,0 +1,200 @@
+//! What a run left out: every effect that was off, and by how much it would have changed the answer.
+//!
+//! The answer is the stress. An estimate is the largest L1 change of the stress over the bar at any time of the run, over
+//! the largest L1 of the stress itself: `max_t int |d sigma| dx / max_t int |sigma| dx`. It comes from the run as it was,
+//! to first order: what the effect would have added there, not what would have followed from it. A change of the answer
+//! into another one (the bar breaks) counts as 1.
+//!
+//! Some hundred places are looked at some sixty times a run, and only once something has yielded: that is cheap beside the
+//! stepping. What each effect makes of a look is in a file of its own.
+
+mod heat;
+mod joints;
+mod lateral;
+mod places;
+mod rate;
+mod rupture;
+mod unloading;
+
+use std::sync::Arc;
+
+use heat::Heat;
+use joints::Joints;
+use places::Places;
+use rate::RateRise;
+pub use rate::unresolved_flow;
+use rupture::TensileStrain;
+pub use rupture::{above_critical, broken_end, broken_inside, end_of_data, past_data};
+use unloading::Unloading;
+
+use super::{AuditRow, Field, View};
+use crate::bar::{Bar, EndCondition};
+use crate::material::Material;
+
+/// Looks at the bar over a run.
+pub const LOOKS: usize = 64;
+
+/// Effects that are off. The others get no row.
+#[derive(Debug, Clone, Copy, Default)]
+#[expect(clippy::struct_excessive_bools, reason = "one a key of the scene language")]
+pub struct Off {
+    /// `unloading`.
+    pub unloading: bool,
+    /// `rate`.
+    pub rate: bool,
+    /// `heat`.
+    pub heat: bool,
+    /// `rupture`.
+    pub rupture: bool,
+    /// `lateral-inertia`.
+    pub lateral_inertia: bool,
+}
+
+/// What the audit needs to know of a run before it starts.
+#[derive(Debug, Clone, Copy)]
+pub struct Case<'a> {
+    /// The bar.
+    pub bar: &'a Bar,
+    /// What holds or drives its ends.
+    pub ends: [&'a EndCondition; 2],
+    /// End time, s.
+    pub until: f64,
+    /// Relative change from which an effect matters.
+    pub tolerance: f64,
+    /// What was not simulated.
+    pub off: Off,
+    /// Cells of the grid; none where there is none.
+    pub cells: Option<usize>,
+}
+
+/// Watches a run for the effects that it leaves out.
+#[derive(Debug)]
+pub struct Audit {
+    off: Off,
+    tolerance: f64,
+    materials: Vec<Arc<Material>>,
+    places: Places,
+    now: Reading,
+    looked: bool,
+    /// Largest int |sigma| dx of all looks, Pa m.
+    peak: f64,
+    unloading: Unloading,
+    heat: Heat,
+    rate: RateRise,
+    tensile: TensileStrain,
+    joints: Joints,
+    lateral: AuditRow,
+}
+
+/// What one look sees at every place.
+#[derive(Debug, Default)]
+struct Reading {
+    /// s.
+    time: f64,
+    /// Since the last look (or the start), s.
+    lapse: f64,
+    stress: Vec<f64>,
+    strain: Vec<f64>,
+    /// Accumulated plastic strain.
+    plastic: Vec<f64>,
+}
+
+impl Audit {
+    /// A watch over a bar that has not moved yet.
+    pub fn new(case: &Case<'_>) -> Self {
+        let materials: Vec<Arc<Material>> = case.bar.segments.iter().map(|s| Arc::clone(&s.material)).collect();
+        let places = Places::new(case.bar);
+        let count = places.x.len();
+        let zeros = vec![0.0; count];
+        Self {
+            off: case.off,
+            tolerance: case.tolerance,
+            now: Reading { stress: zeros.clone(), strain: zeros.clone(), plastic: zeros, ..Reading::default() },
+            looked: false,
+            peak: 0.0,
+            unloading: Unloading::new(&places, &materials, case.cells),
+            heat: Heat::new(&materials, count),
+            rate: RateRise::new(&materials, count),
+            tensile: TensileStrain::default(),
+            joints: Joints::new(case.bar, &places),
+            lateral: lateral::row(case),
+            materials,
+            places,
+        }
+    }
+
+    /// Where it looks, m, increasing.
+    pub fn places(&self) -> &[f64] {
+        &self.places.x
+    }
+
+    /// Looks at a bar in which something has yielded; `at` are [`Audit::places`] as the bar reads them.
+    pub fn look<V: View>(&mut self, bar: &V, at: &V::Places) {
+        let now = &mut self.now;
+        (now.lapse, now.time) = (bar.time() - now.time, bar.time());
+        bar.sample(Field::Stress, at, &mut now.stress);
+        bar.sample(Field::Strain, at, &mut now.strain);
+        if self.off.unloading {
+            // The curve is followed both ways: what is not elastic is all there is.
+            for (k, plastic) in now.plastic.iter_mut().enumerate() {
+                let elastic = now.stress[k] / self.materials[self.places.segment[k]].modulus;
+                *plastic = (now.strain[k] - elastic).abs();
+            }
+        } else if self.off.heat || self.off.rate {
+            bar.sample(Field::AccumulatedPlasticStrain, at, &mut now.plastic);
+        }
+        self.take_in();
+    }
+
+    fn take_in(&mut self) {
+        let (now, places) = (&self.now, &self.places);
+        self.looked = true;
+        self.peak = self.peak.max(now.stress.iter().zip(&places.weight).map(|(s, w)| s.abs() * w).sum());
+        self.joints.look(now);
+        if self.off.unloading {
+            self.unloading.look(now, places, &self.materials);
+        }
+        if self.off.heat {
+            self.heat.look(now, places);
+        }
+        if self.off.rate {
+            self.rate.look(now, places);
+        }
+        if self.off.rupture {
+            self.tensile.look(now, places, &self.materials);
+        }
+    }
+
+    /// One row for each effect that was off; `broken` are the rows that tell of places that broke or would have.
+    pub fn rows(&self, broken: Vec<AuditRow>) -> Vec<AuditRow> {
+        let row = |effect: &str, (estimate, message): (f64, String)| AuditRow {
+            effect: effect.to_owned(),
+            estimate,
+            threshold: self.tolerance,
+            message: std::format!("{effect}: {message}"),
+        };
+        let share = |sum: f64| if sum > 0.0 { (sum / self.peak).min(1.0) } else { 0.0 };
+        let mut rows = Vec::new();
+        if self.off.unloading {
+            rows.push(row("unloading", self.unloading.finding(self.looked, &self.places, share)));
+        }
+        if self.off.rate {
+            rows.push(row("rate", self.rate.finding(self.looked, &self.materials, &self.places, share)));
+        }
+        if self.off.heat {
+            rows.push(row("heat", self.heat.finding(self.looked, &self.materials, &self.places, share)));
+        }
+        if broken.is_empty() && self.off.rupture {
+            rows.push(row("rupture", self.tensile.finding(self.looked, &self.materials, &self.places)));
+        }
+        rows.extend(broken.into_iter().map(|row| AuditRow { threshold: self.tolerance, ..row }));
+        rows.extend(self.joints.row());
+        if self.off.lateral_inertia {
+            rows.push(self.lateral.clone());
+        }
+        rows
+    }
+}
+
+/// Words for a bar of which nothing has flowed.
+const ELASTIC: &str = "nothing yielded";

@@ -1,0 +1,35 @@
+//! Where the audit looks.
+
+use crate::bar::Bar;
+
+/// Places over the whole bar, and the fewest in a segment (fewer where segments are many).
+const PLACES: usize = 128;
+const FEWEST: usize = 8;
+
+/// Places on the bar, evenly spaced in each segment.
+#[derive(Debug)]
+pub(super) struct Places {
+    /// m, increasing.
+    pub x: Vec<f64>,
+    /// Which segment each is in.
+    pub segment: Vec<usize>,
+    /// Length of bar that each stands for, m.
+    pub weight: Vec<f64>,
+}
+
+impl Places {
+    pub fn new(bar: &Bar) -> Self {
+        let mut places = Self { x: Vec::new(), segment: Vec::new(), weight: Vec::new() };
+        let (length, mut x0) = (bar.length(), 0.0);
+        let fewest = (PLACES / bar.segments.len()).clamp(1, FEWEST);
+        for (k, segment) in bar.segments.iter().enumerate() {
+            let count = ((PLACES as f64 * segment.length / length).round() as usize).max(fewest);
+            let part = segment.length / count as f64;
+            places.x.extend((0..count).map(|i| x0 + (i as f64 + 0.5) * part));
+            places.segment.extend(std::iter::repeat_n(k, count));
+            places.weight.extend(std::iter::repeat_n(part, count));
+            x0 += segment.length;
+        }
+        places
+    }
+}

@@ -1,0 +1,121 @@
+//! The strain rate reached, against the constants that the materials state.
+//!
+//! The rate is the plastic strain that a place gains between two looks, over the time between them: 1/64 of the run. A
+//! fan that takes longer to pass has this rate; a front that is a jump has none of its own (on a grid it has the grid's),
+//! and then this is the mean over a time in which a wave crosses a sixty-fourth of its way. What the estimate needs is not
+//! more: by Malvern's law the overstress of a passing front, added up over time, is E d eps_p/k however short it is; by
+//! the others it grows with the logarithm or a small power of the rate. Between looks the overstress of a place relaxes as
+//! the law has it at constant strain, and it is never more than the stress of the same strain without any flow.
+
+use std::sync::Arc;
+
+use super::places::Places;
+use super::{AuditRow, ELASTIC, Reading};
+use crate::law::rate::Overstress;
+use crate::material::Material;
+use crate::units::{Dimension, System, format};
+
+/// Plastic strain that counts as flow, as a part of what the place has gained: less is ripples and rounding.
+const FLOWED: f64 = 1e-3;
+
+#[derive(Debug)]
+pub(super) struct RateRise {
+    /// By segment; none where the material states no rate.
+    media: Vec<Option<(Overstress, f64)>>,
+    places: Vec<Place>,
+    /// Largest of all looks, Pa m.
+    change: f64,
+    /// Highest rate: 1/s, rise of the flow stress, time, place.
+    quickest: Option<(f64, f64, f64, usize)>,
+}
+
+#[derive(Debug, Clone, Copy, Default)]
+struct Place {
+    plastic: f64,
+    /// Pa.
+    overstress: f64,
+    /// Largest static stress so far, Pa.
+    flow: f64,
+}
+
+impl Place {
+    /// Goes on by one look; returns the plastic strain rate, 1/s.
+    fn look(&mut self, (law, modulus): (Overstress, f64), lapse: f64, stress: f64, plastic: f64) -> f64 {
+        self.flow = self.flow.max(stress.abs());
+        let gained = plastic - self.plastic;
+        let rate = if gained > FLOWED * plastic { gained / lapse } else { 0.0 };
+        self.plastic = self.plastic.max(plastic);
+        if self.overstress > 0.0 {
+            self.overstress -= law.flow(self.overstress, self.flow, 1.0, lapse);
+        }
+        if rate > 0.0 {
+            self.overstress = self.overstress.max(law.overstress(modulus * rate, self.flow));
+        }
+        self.overstress = self.overstress.min(modulus * self.plastic);
+        rate
+    }
+}
+
+impl RateRise {
+    pub fn new(materials: &[Arc<Material>], places: usize) -> Self {
+        let media = materials.iter().map(|m| Overstress::of(m).map(|law| (law, m.modulus))).collect();
+        Self { media, places: vec![Place::default(); places], change: 0.0, quickest: None }
+    }
+
+    pub fn look(&mut self, now: &Reading, places: &Places) {
+        let mut change = 0.0;
+        for (k, place) in self.places.iter_mut().enumerate() {
+            let Some(medium) = self.media[places.segment[k]] else { continue };
+            if now.plastic[k] <= 0.0 || now.lapse <= 0.0 {
+                continue;
+            }
+            let rate = place.look(medium, now.lapse, now.stress[k], now.plastic[k]);
+            if self.quickest.is_none_or(|q| rate > q.0) {
+                self.quickest = Some((rate, place.overstress / place.flow, now.time, k));
+            }
+            change += places.weight[k] * place.overstress;
+        }
+        self.change = self.change.max(change);
+    }
+
+    pub fn finding(
+        &self,
+        looked: bool,
+        materials: &[Arc<Material>],
+        places: &Places,
+        share: impl Fn(f64) -> f64,
+    ) -> (f64, String) {
+        if !looked {
+            return (0.0, ELASTIC.to_owned());
+        }
+        if self.media.iter().all(Option::is_none) {
+            return (f64::NAN, std::format!("no estimate: {} states no constants in [rate]", materials[0].name));
+        }
+        let Some((rate, rise, time, place)) = self.quickest.filter(|q| q.0 > 0.0) else {
+            return (0.0, "what yielded states no [rate] constants, or did not flow".to_owned());
+        };
+        let message = std::format!(
+            "{} flows at up to {rate:.0} 1/s, the mean over a sixty-fourth of the run (t = {}, x = {}), where it would carry \
+             {:.1} % more; the curve was taken as that of any rate. Switch on with [effects] rate = \"material\"",
+            materials[places.segment[place]].name,
+            format(time, Dimension::Time, System::Si),
+            format(places.x[place], Dimension::Length, System::Si),
+            100.0 * rise,
+        );
+        (share(self.change), message)
+    }
+}
+
+/// Flow by Malvern's law that is quicker than a time step: the net, not the material, then says how wide fronts are.
+pub fn unresolved_flow(k: f64, dt: f64) -> Option<AuditRow> {
+    let k_dt = k * dt;
+    (k_dt > 1.0).then(|| AuditRow {
+        effect: "rate".into(),
+        estimate: k_dt,
+        threshold: 1.0,
+        message: std::format!(
+            "rate: the overstress relaxes within a time step (k dt = {k_dt:.3}), so plastic fronts are as wide as the cells make \
+             them, not the material; give more `cells`, or leave `rate` out for fronts without width"
+        ),
+    })
+}

@@ -1,0 +1,129 @@
+//! Rupture that a run passed over: strain past what the material takes, impacts above the critical velocity. The answer
+//! is then another one: the estimate is 1.
+
+use std::sync::Arc;
+
+use super::places::Places;
+use super::{AuditRow, ELASTIC, Reading};
+use crate::bar::Launch;
+use crate::material::{Material, Sense};
+use crate::units::{Dimension, System, format};
+
+/// Estimate for a bar that would have broken.
+const ANOTHER_ANSWER: f64 = 1.0;
+
+/// A share of the critical strain from here on counts as all of it: what is missing is rounding.
+const REACHED: f64 = 1.0 - 1e-12;
+
+/// The largest tensile strain against the critical one.
+#[derive(Debug, Default)]
+pub(super) struct TensileStrain {
+    /// Share of the critical strain, strain, time, place.
+    largest: Option<(f64, f64, f64, usize)>,
+}
+
+impl TensileStrain {
+    pub fn look(&mut self, now: &Reading, places: &Places, materials: &[Arc<Material>]) {
+        let critical = |m: &Arc<Material>| m.branch(Sense::Tension).ultimate().map_or(f64::INFINITY, |u| u.strain);
+        let mut k = 0;
+        for (segment, material) in materials.iter().enumerate() {
+            let critical = critical(material);
+            while k < now.strain.len() && places.segment[k] == segment {
+                let share = now.strain[k] / critical;
+                if share > self.largest.map_or(0.0, |l| l.0) {
+                    self.largest = Some((share, now.strain[k], now.time, k));
+                }
+                k += 1;
+            }
+        }
+    }
+
+    pub fn finding(&self, looked: bool, materials: &[Arc<Material>], places: &Places) -> (f64, String) {
+        if !looked {
+            return (0.0, ELASTIC.to_owned());
+        }
+        let Some((share, strain, time, place)) = self.largest else {
+            let known = materials.iter().any(|m| m.branch(Sense::Tension).ultimate().is_some());
+            return if known {
+                (0.0, "nothing was strained in tension".to_owned())
+            } else {
+                (
+                    f64::NAN,
+                    std::format!("no estimate: the curve of {} knows no strain at which it breaks", materials[0].name),
+                )
+            };
+        };
+        let broke = share >= REACHED;
+        let message = std::format!(
+            "the strain in tension came to {strain:.4} (t = {}, x = {}), {:.0} % of that at which {} breaks{}",
+            format(time, Dimension::Time, System::Si),
+            format(places.x[place], Dimension::Length, System::Si),
+            100.0 * share,
+            materials[places.segment[place]].name,
+            if broke { ". Switch on with [effects] rupture = \"critical-strain\"" } else { "" },
+        );
+        (if broke { ANOTHER_ANSWER } else { 0.0 }, message)
+    }
+}
+
+/// An impact above the critical velocity, seen before the first step.
+pub fn above_critical(launch: &Launch, material: &Material, critical_velocity: f64) -> Option<AuditRow> {
+    launch.fan.above_critical.then(|| {
+        let message = std::format!(
+            "rupture: the bar is driven from the {} beyond what {} can carry away ({} at {}); strain gathers there, \
+             the bar breaks at that place at t = 0, and goes on under the ultimate stress",
+            launch.origin,
+            material.name,
+            format(critical_velocity, Dimension::Velocity, System::Si),
+            format(launch.fan.stress, Dimension::Stress, System::Si),
+        );
+        AuditRow { effect: "rupture".into(), estimate: ANOTHER_ANSWER, threshold: ANOTHER_ANSWER, message }
+    })
+}
+
+/// A place whose strain went past the end of its material's data.
+pub fn past_data(strain: f64, time: f64, x: f64, material: &Material) -> AuditRow {
+    let end = material.branch(Sense::of(strain)).last_strain();
+    let message = std::format!(
+        "rupture: the strain passed the end of the data of {} ({end:.4}) at t = {}, x = {}; the bar went on under the \
+         largest stress of the curve",
+        material.name,
+        format(time, Dimension::Time, System::Si),
+        format(x, Dimension::Length, System::Si),
+    );
+    AuditRow { effect: "rupture".into(), estimate: ANOTHER_ANSWER, threshold: ANOTHER_ANSWER, message }
+}
+
+/// An end that was driven beyond what the curve can carry away, at some time after the start.
+pub fn broken_end(end: &str, time: f64, material: &Material) -> AuditRow {
+    let message = std::format!(
+        "rupture: from t = {} the {end} end is driven beyond what {} can carry away; strain gathers there, the bar breaks at \
+         that place, and goes on under the ultimate stress",
+        format(time, Dimension::Time, System::Si),
+        material.name,
+    );
+    AuditRow { effect: "rupture".into(), estimate: ANOTHER_ANSWER, threshold: ANOTHER_ANSWER, message }
+}
+
+/// A place inside the bar at which the curve can carry no more while its two sides go on apart or together.
+pub fn broken_inside(time: f64, x: f64, material: &Material) -> AuditRow {
+    let message = std::format!(
+        "rupture: from t = {} on, strain gathers at x = {}, where waves met and {} can carry no more; the bar breaks at that \
+         place, and goes on under the ultimate stress",
+        format(time, Dimension::Time, System::Si),
+        format(x, Dimension::Length, System::Si),
+        material.name,
+    );
+    AuditRow { effect: "rupture".into(), estimate: ANOTHER_ANSWER, threshold: ANOTHER_ANSWER, message }
+}
+
+/// Why a run stops whose strain is past the end of data that are said to be all there is, and what to do.
+pub fn end_of_data(strain: f64, material: &Material) -> (String, &'static str) {
+    let reason = std::format!(
+        "strain {:.4} is past the end of the data of {} ({:.4})",
+        strain.abs(),
+        material.name,
+        material.branch(Sense::of(strain)).last_strain()
+    );
+    (reason, "give the material more data, or say what happens there with beyond = \"rupture\" or \"extend\"")
+}

@@ -1,0 +1,124 @@
+//! Unloading of yielded places in a run that follows the curve both ways.
+//!
+//! Going back along the curve, a stress drop d sigma with the strain drop d eps runs at `c = sqrt(d sigma/(rho d eps))`;
+//! elastic unloading would have carried it at c0, and so c0/c times as far. The stretch that it misses is c0/c - 1 times
+//! the one that has gone back: `(c0/c - 1) d sigma = sqrt(E d eps d sigma) - d sigma` for each length of that, but no more
+//! than the stress that the rest of the bar still holds.
+
+use std::sync::Arc;
+
+use super::places::Places;
+use super::{ELASTIC, Reading};
+use crate::material::{Material, Sense};
+use crate::units::{Dimension, System, format};
+
+/// Share of its largest strain by which a yielded place must go back before it counts as unloaded: the ripples of the
+/// scheme stay below it but for a few cells next to a struck end.
+const UNLOADED_BY: f64 = 0.02;
+
+/// Cells that must have gone back side by side, for the same reason.
+const CELLS_TOGETHER: usize = 8;
+
+#[derive(Debug)]
+pub(super) struct Unloading {
+    /// Elastic limit strain of each place in tension and in compression.
+    limit: Vec<[f64; 2]>,
+    /// Strain of largest size so far, signed, and the size of the stress there.
+    largest: Vec<(f64, f64)>,
+    unloaded: Vec<bool>,
+    /// Time and place of the first.
+    first: Option<(f64, usize)>,
+    worst: f64,
+    /// Largest of all looks, Pa m.
+    change: f64,
+    /// Places that must have gone back side by side.
+    together: usize,
+}
+
+impl Unloading {
+    pub fn new(places: &Places, materials: &[Arc<Material>], cells: Option<usize>) -> Self {
+        let count = places.x.len();
+        let limit = |k: &usize| {
+            let m = &materials[*k];
+            [Sense::Tension, Sense::Compression].map(|sense| m.branch(sense).elastic_limit(m.modulus).0)
+        };
+        let together = cells.map_or(1, |cells| (CELLS_TOGETHER * count).div_ceil(cells).max(2));
+        Self {
+            limit: places.segment.iter().map(limit).collect(),
+            largest: vec![(0.0, 0.0); count],
+            unloaded: vec![false; count],
+            first: None,
+            worst: 0.0,
+            change: 0.0,
+            together,
+        }
+    }
+
+    pub fn look(&mut self, now: &Reading, places: &Places, materials: &[Arc<Material>]) {
+        let (mut change, mut held, mut start) = (0.0, 0.0, 0);
+        let count = now.strain.len();
+        for k in 0..=count {
+            if k < count && self.went_back(k, now) {
+                continue;
+            }
+            if k - start >= self.together {
+                change += (start..k).map(|k| self.missed(k, now, places, materials)).sum::<f64>();
+                self.note(start..k, now);
+            }
+            if k < count {
+                held += places.weight[k] * now.stress[k].abs();
+            }
+            start = k + 1;
+        }
+        self.change = self.change.max(change.min(held));
+    }
+
+    /// Takes in the strain of a place, and says whether it has yielded and gone back since.
+    fn went_back(&mut self, k: usize, now: &Reading) -> bool {
+        let (strain, stress) = (now.strain[k], now.stress[k]);
+        if strain.abs() > self.largest[k].0.abs() {
+            self.largest[k] = (strain, stress.abs());
+        }
+        let largest = self.largest[k].0;
+        let limit = self.limit[k][usize::from(largest < 0.0)];
+        largest.abs() > limit && 1.0 - strain / largest > UNLOADED_BY
+    }
+
+    fn missed(&self, k: usize, now: &Reading, places: &Places, materials: &[Arc<Material>]) -> f64 {
+        let (largest, peak) = self.largest[k];
+        let back = (largest - now.strain[k]).abs();
+        let drop = (peak - now.stress[k] * largest.signum()).max(0.0);
+        let elastic = materials[places.segment[k]].modulus * back;
+        places.weight[k] * ((elastic * drop).sqrt() - drop).max(0.0)
+    }
+
+    fn note(&mut self, run: std::ops::Range<usize>, now: &Reading) {
+        self.first.get_or_insert((now.time, run.start));
+        for k in run {
+            self.unloaded[k] = true;
+            self.worst = self.worst.max(1.0 - now.strain[k] / self.largest[k].0);
+        }
+    }
+
+    pub fn finding(&self, looked: bool, places: &Places, share: impl Fn(f64) -> f64) -> (f64, String) {
+        let Some((time, place)) = self.first.filter(|_| looked) else {
+            let why = if looked { "no yielded place went back" } else { ELASTIC };
+            return (0.0, why.to_owned());
+        };
+        let lengths = |of: &dyn Fn(usize) -> bool| -> f64 {
+            (0..places.x.len()).filter(|&k| of(k)).map(|k| places.weight[k]).sum()
+        };
+        let yielded = |k: usize| self.largest[k].0.abs() > self.limit[k][usize::from(self.largest[k].0 < 0.0)];
+        let show = |value, dimension| format(value, dimension, System::Si);
+        let message = std::format!(
+            "{} of {} of yielded bar went back by up to {:.0} % of their strain after yielding, first seen at t = {}, x = {}; \
+             the curve was followed back, which returns plastic work. Switch on with [effects] unloading = \"isotropic\"",
+            show(lengths(&|k| self.unloaded[k]), Dimension::Length),
+            show(lengths(&yielded), Dimension::Length),
+            100.0 * self.worst,
+            show(time, Dimension::Time),
+            show(places.x[place], Dimension::Length),
+        );
+        (share(self.change), message)
+    }
+}

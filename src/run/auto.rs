@@ -1,0 +1,155 @@
+//! `effects = "auto"`: effects are turned on that would change the answer by more than the audit's tolerance. Estimates
+//! before the run are the start; where the audit of a run shows that an effect was missed, it is added, and the run
+//! repeated. What was turned on stays on, but for an effect that cannot be simulated together with a larger one.
+
+use std::path::Path;
+
+use super::{Progress, Wish, accurate, estimate};
+use crate::error::{Error, Result};
+use crate::record::{AuditRow, AutoChoice, Summary};
+use crate::scene::Scene;
+
+/// How each effect is written into a scene. Those that need constants take the materials' own.
+const WRITTEN: [(&str, &str); 5] = [
+    ("unloading", "\"isotropic\""),
+    ("rate", "\"material\""),
+    ("heat", "{}"),
+    ("rupture", "\"critical-strain\""),
+    ("lateral-inertia", "true"),
+];
+
+/// Changes of [solve] with which a set of effects is tried, one after the other, where the scene leaves the method open.
+const METHODS: [&[&str]; 2] = [&[], &["solve.method=fd"]];
+
+/// The same where it names one: keys that the method no longer takes.
+const WITHOUT_KEYS: [&[&str]; 4] =
+    [&[], &["solve.front-tolerance="], &["solve.event-budget="], &["solve.front-tolerance=", "solve.event-budget="]];
+
+/// Chooses effects from the estimates before the run; `tell` hears of every choice. A scene that names its effects stays
+/// as it is.
+pub fn choose(scene: &Scene, tell: &mut dyn FnMut(&AutoChoice)) -> Scene {
+    let mut scene = scene.clone();
+    // One effect at least is decided in each round.
+    while scene.auto.is_some() {
+        match decide(&scene, &estimate(&scene), 0, tell) {
+            (next, true) => scene = next,
+            (next, false) => return next,
+        }
+    }
+    scene
+}
+
+/// Runs a scene, again where an effect was missed: at most once more for each effect, since each is decided on once.
+pub(super) fn run(scene: &Scene, output: Option<&Path>, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<Summary> {
+    let mut scene = choose(scene, &mut |choice| {
+        progress(Progress::Chosen(Box::new(choice.clone())));
+    });
+    let mut round = 0;
+    loop {
+        round += 1;
+        let summary = accurate(&scene, output, progress)?;
+        let (next, again) = decide(&scene, &summary.audit, round, &mut |choice| {
+            progress(Progress::Chosen(Box::new(choice.clone())));
+        });
+        scene = next;
+        if !again {
+            let choices = scene.auto.map(|auto| auto.choices);
+            return Ok(Summary { auto: choices, ..summary });
+        }
+    }
+}
+
+/// Decides on the effects that matter and were not decided on; true where the set of effects is another one then.
+fn decide(scene: &Scene, rows: &[AuditRow], round: usize, tell: &mut dyn FnMut(&AutoChoice)) -> (Scene, bool) {
+    let mut wanted: Vec<&AuditRow> = rows.iter().filter(|row| row.matters() && can_be_written(&row.effect)).collect();
+    wanted.sort_by(|a, b| b.estimate.total_cmp(&a.estimate));
+    let (mut scene, mut changed) = (scene.clone(), false);
+    for row in wanted {
+        if choices(&scene).iter().any(|c| c.effect == row.effect) {
+            continue;
+        }
+        let choice = AutoChoice { effect: row.effect.clone(), on: true, why: why(row), estimate: row.estimate, round };
+        let (next, on) = take(&scene, choice);
+        let old = choices(&scene).to_vec();
+        choices(&next).iter().filter(|c| !old.contains(c)).for_each(&mut *tell);
+        (scene, changed) = (next, changed || on);
+    }
+    (scene, changed)
+}
+
+/// The scene with one more effect, if need be in place of a smaller one; else with the reason why not.
+fn take(scene: &Scene, choice: AutoChoice) -> (Scene, bool) {
+    let mut all = choices(scene).to_vec();
+    all.push(choice.clone());
+    let refusal = match with(scene, &all) {
+        Ok(next) => return (next, true),
+        Err(refusal) => refusal.to_string(),
+    };
+    for k in 0..all.len() - 1 {
+        if all[k].on && all[k].estimate < choice.estimate {
+            let mut other = all.clone();
+            other[k].on = false;
+            other[k].why = format!("left out for {}, which is larger: {}", choice.effect, first_line(&refusal));
+            if let Ok(next) = with(scene, &other) {
+                return (next, true);
+            }
+        }
+    }
+    if let Some(last) = all.last_mut() {
+        last.on = false;
+        last.why = format!("{}; but it cannot be simulated here: {}", last.why, first_line(&refusal));
+    }
+    let mut next = scene.clone();
+    if let Some(auto) = &mut next.auto {
+        auto.choices = all;
+    }
+    (next, false)
+}
+
+/// The scene with chosen effects and a method that takes them.
+fn with(scene: &Scene, choices: &[AutoChoice]) -> Result<Scene> {
+    let on = |key: &str| choices.iter().any(|c| c.on && c.effect == key);
+    let written: Vec<String> =
+        WRITTEN.iter().filter(|(key, _)| on(key)).map(|(key, value)| format!("{key} = {value}")).collect();
+    let effects = format!("effects={{ {} }}", written.join(", "));
+    let names_method = scene.with_changes(&["solve.method=".to_owned()]).is_ok();
+    let tries: &[&[&str]] = if names_method { &WITHOUT_KEYS } else { &METHODS };
+    let mut refusal = None;
+    for extra in tries {
+        let changes: Vec<String> =
+            std::iter::once(effects.clone()).chain(extra.iter().map(|&s| s.to_owned())).collect();
+        match scene.with_changes(&changes) {
+            Ok(mut next) => {
+                if let Some(auto) = &mut next.auto {
+                    auto.choices = choices.to_vec();
+                }
+                return Ok(next);
+            }
+            Err(error) => refusal = refusal.or(Some(error)),
+        }
+    }
+    Err(refusal.unwrap_or(Error::Interrupted))
+}
+
+fn choices(scene: &Scene) -> &[AutoChoice] {
+    scene.auto.as_ref().map_or(&[], |auto| &auto.choices)
+}
+
+fn can_be_written(effect: &str) -> bool {
+    WRITTEN.iter().any(|(key, _)| *key == effect)
+}
+
+/// The finding without the advice to switch it on.
+fn why(row: &AuditRow) -> String {
+    let message = row.message.split(". Switch on with").next().unwrap_or_default();
+    let finding = message.split_once(": ").map_or(message, |parts| parts.1);
+    format!(
+        "changes the stress by about {:.2} % (tolerance {:.2} %): {finding}",
+        100.0 * row.estimate,
+        100.0 * row.threshold
+    )
+}
+
+fn first_line(text: &str) -> &str {
+    text.lines().next().unwrap_or_default()
+}

@@ -1,0 +1,44 @@
+//! What a scene's neglected effects would change, before it is run: the audit of a run on a coarse grid. Its first waves,
+//! their reflections, and what the ends do until the end time are then in the estimate; it takes some milliseconds.
+
+use super::{case, steps, struck_too_hard};
+use crate::assemble;
+use crate::bar::launches;
+use crate::record::{self, Audit, AuditRow, LOOKS, Stepped, View};
+use crate::scene::{Method, Scene};
+use crate::solver::fd::Sampling;
+
+/// Cells of the coarse grid; never more than half of the run's own.
+const CELLS: usize = 200;
+
+/// The audit of a scene before it is run, with the effects that it has.
+pub fn estimate(scene: &Scene) -> Vec<AuditRow> {
+    let cells = match scene.solve.method {
+        Method::Leapfrog { cells, .. } | Method::CharacteristicNet { cells } => CELLS.min(cells / 2).max(2),
+        Method::FrontTracking { .. } => CELLS,
+    };
+    let mut bar = assemble::leapfrog(scene, cells, 1.0);
+    let steps = steps(scene, bar.grid().dt);
+    let mut audit = Audit::new(&case(scene, Some(bar.grid().cells())));
+    let watched = Sampling::at(bar.grid(), audit.places().to_vec());
+    let every = (steps / LOOKS).max(1);
+    for step in 1..=steps {
+        bar.advance();
+        let look = step == steps || step.is_multiple_of(every);
+        if look && bar.not_finite().is_some() {
+            break;
+        }
+        if look && !bar.stayed_elastic() {
+            audit.look(&bar, &watched);
+        }
+    }
+    let parted = !View::ruptures(&bar).is_empty();
+    let all = launches(&scene.bar, &scene.left, &scene.right);
+    let mut broken = struck_too_hard(scene, &all, parted);
+    if let Some(passed) = Stepped::passed_end_of_data(&bar).filter(|_| !parted && bar.data_can_end()) {
+        let material = &scene.bar.segments[passed.segment].material;
+        let (time, x) = (Stepped::step(&bar) as f64 * bar.grid().dt, bar.grid().centres()[passed.cell]);
+        broken.push(record::past_data(passed.strain, time, x, material));
+    }
+    audit.rows(broken)
+}

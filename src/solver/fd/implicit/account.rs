@@ -1,0 +1,198 @@
+//! Energy and momentum of the nodes, and what dampers, foundation and ripple damping did to them.
+
+use std::ops::Range;
+
+use super::weights::NodeWeights;
+use super::{Block, Implicit};
+use crate::law::LANES;
+
+/// Sums over the nodes that the account needs: of one step's forces, in the two velocities between which they act.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Taken {
+    /// dt times the dampers' power, with the velocity before the step and after it, J.
+    pub before: f64,
+    pub after: f64,
+    /// Impulse of external damping and the foundation, N s in +x.
+    pub impulse: f64,
+}
+
+/// What the nodes know of energy and momentum, J and N s.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct NodeSums {
+    pub kinetic: f64,
+    pub momentum: f64,
+    pub foundation: f64,
+    pub damping: f64,
+    pub viscous: f64,
+}
+
+impl Implicit {
+    /// Books what the dampers and the foundation did in the step whose changes are known, by the trapezoidal rule in their
+    /// forces: the form in which the staggered scheme balances energy and momentum to round-off.
+    pub(super) fn account(&mut self) {
+        let now = self.taken(|_| 0.0);
+        self.damped += 0.5 * (self.latest.after + now.before);
+        let impulse = 0.5 * (self.latest.impulse + now.impulse);
+        self.impulse += impulse;
+        self.throughput += impulse.abs();
+        self.latest = now;
+    }
+
+    /// Sums of a step, `after` holding the velocities before it. `shift` is what is added to those after it.
+    fn taken(&self, shift: impl Fn(usize) -> f64) -> Taken {
+        let (v, w) = (&self.after[..], &self.change[..]);
+        let mut taken = Taken::default();
+        if self.acts.internal {
+            for (weights, cells) in self.weights.cells() {
+                let [before, after] = sums(cells, |i| {
+                    let (rate, change) = (v[i + 1] - v[i], w[i + 1] - w[i]);
+                    let impulse = weights.viscous * (rate + 0.5 * change);
+                    [impulse * rate, impulse * (rate + change + (shift(i + 1) - shift(i)))]
+                });
+                taken.before += before;
+                taken.after += after;
+            }
+        }
+        if self.acts.external {
+            for (weights, nodes) in self.weights.nodes() {
+                let [before, after, impulse] = sums(nodes, |j| {
+                    let impulse = weights.drag * v[j] + weights.drag_mass * w[j];
+                    [impulse * v[j], impulse * (v[j] + w[j] + shift(j)), impulse]
+                });
+                taken.before += before;
+                taken.after += after;
+                taken.impulse -= impulse;
+            }
+        }
+        if !self.place.is_empty() {
+            let dt = self.weights.dt;
+            for (weights, nodes) in self.weights.nodes() {
+                let [stretch] = sums(nodes, |j| [self.place[j] + 0.25 * dt * w[j]]);
+                taken.impulse -= dt * weights.spring * stretch;
+            }
+        }
+        taken
+    }
+
+    /// Takes over what the ripple damping made of the nodes after the latest step, and books what it took: the blocks' own
+    /// account knows only the masses of the nodes.
+    pub fn take_ripples(&mut self, blocks: &[Block]) {
+        let changed = |block: &&Block| block.v[..] != self.after[block.cells.start..=block.cells.end];
+        if !blocks.iter().any(|block| changed(&block)) {
+            return;
+        }
+        // What the damping adds to the velocities before and after the step.
+        let mut shift = std::mem::take(&mut self.shift);
+        shift.resize(self.after.len(), 0.0);
+        for block in blocks {
+            let here = block.cells.start..=block.cells.end;
+            for ((shift, v), old) in shift[here.clone()].iter_mut().zip(&block.v).zip(&self.after[here]) {
+                *shift = v - old;
+            }
+        }
+        let both = |j: usize| 2.0 * self.after[j] - self.change[j] + shift[j];
+        let mut lost = 0.0;
+        for (weights, nodes) in self.weights.nodes() {
+            let mass = weights.mass + 0.25 * self.weights.dt * self.weights.dt * weights.spring;
+            let [sum] = sums(nodes, |j| [shift[j] * both(j)]);
+            lost += mass * sum;
+        }
+        if self.acts.lateral {
+            for (weights, cells) in self.weights.cells() {
+                let [sum] = sums(cells, |i| [(shift[i + 1] - shift[i]) * (both(i + 1) - both(i))]);
+                lost += weights.lateral * sum;
+            }
+        }
+        self.ripples -= 0.5 * lost;
+        self.after.iter_mut().zip(&self.change).for_each(|(v, change)| *v -= change);
+        self.latest.after = self.taken(|j| shift[j]).after;
+        for ((v, change), shift) in self.after.iter_mut().zip(&self.change).zip(&shift) {
+            *v = *v + change + shift;
+        }
+        // To the last bit what the blocks step with.
+        for block in blocks {
+            self.after[block.cells.start..=block.cells.end].copy_from_slice(&block.v);
+        }
+        self.shift = shift;
+    }
+
+    /// Impulse (N s in +x) that external damping and the foundation gave so far, and the sum of its sizes.
+    pub fn impulse(&self) -> [f64; 2] {
+        [self.impulse, self.throughput]
+    }
+
+    /// Energies and momentum at the current time.
+    pub fn sums(&self) -> NodeSums {
+        let mut total = NodeSums {
+            damping: self.damped,
+            viscous: self.ripples,
+            foundation: self.foundation_of_motion(|j| self.after[j] - self.change[j]) - self.spring_start,
+            ..self.of_motion(|j| self.after[j])
+        };
+        if !self.place.is_empty() {
+            for (weights, nodes) in self.weights.nodes() {
+                let [squares] = sums(nodes, |j| [self.place[j] * self.place[j]]);
+                total.foundation += 0.5 * weights.spring * squares;
+            }
+        }
+        total
+    }
+
+    /// Kinetic energy and momentum before anything acted on the nodes; before the second step.
+    pub fn initial(&self) -> NodeSums {
+        self.of_motion(|j| self.after[j] - self.change[j])
+    }
+
+    /// Kinetic energy v- (M + B) v+/2 and momentum M (v- + v+)/2 of the velocities before the step and these after it.
+    #[inline(always)]
+    fn of_motion(&self, after: impl Fn(usize) -> f64) -> NodeSums {
+        let mut total = NodeSums::default();
+        let before = |j: usize| self.after[j] - self.change[j];
+        for (weights, nodes) in self.weights.nodes() {
+            let [product, sum] = sums(nodes, |j| [after(j) * before(j), after(j) + before(j)]);
+            total.kinetic += 0.5 * weights.mass * product;
+            total.momentum += 0.5 * weights.mass * sum;
+        }
+        if self.acts.lateral {
+            for (weights, cells) in self.weights.cells() {
+                let [product] = sums(cells, |i| [(after(i + 1) - after(i)) * (before(i + 1) - before(i))]);
+                total.kinetic += 0.5 * weights.lateral * product;
+            }
+        }
+        total
+    }
+
+    /// The foundation's share that goes with motion, v- (K dt^2/4) v+/2, J.
+    pub(super) fn foundation_of_motion(&self, before: impl Fn(usize) -> f64) -> f64 {
+        if self.place.is_empty() {
+            return 0.0;
+        }
+        let dt = self.weights.dt;
+        let of = |(weights, nodes): (&NodeWeights, Range<usize>)| {
+            let [product] = sums(nodes, |j| [self.after[j] * before(j)]);
+            0.125 * dt * dt * weights.spring * product
+        };
+        self.weights.nodes().map(of).sum()
+    }
+}
+
+/// Sums over a range, in lanes that the processor can take side by side.
+#[inline(always)]
+fn sums<const N: usize>(range: Range<usize>, term: impl Fn(usize) -> [f64; N]) -> [f64; N] {
+    let mut lanes = [[0.0; LANES]; N];
+    let whole = range.start + range.len() - range.len() % LANES;
+    for start in (range.start..whole).step_by(LANES) {
+        for lane in 0..LANES {
+            let terms = term(start + lane);
+            for (sum, term) in lanes.iter_mut().zip(terms) {
+                sum[lane] += term;
+            }
+        }
+    }
+    for i in whole..range.end {
+        for (sum, term) in lanes.iter_mut().zip(term(i)) {
+            sum[0] += term;
+        }
+    }
+    lanes.map(|lane| lane.iter().sum())
+}

@@ -1,0 +1,175 @@
+//! Scenes with a hidden need: `effects = "auto"` finds the effects that each of them calls for.
+//!
+//! What is right is found by force: each scene is simulated with what auto chose, and again with every single effect
+//! turned off or on. The change of the stress, measured as the audit does (the largest L1 over the bar at any time, over
+//! the largest L1 of the stress), must be above the tolerance for every effect that is on and below it for every one that
+//! is off.
+
+use std::path::Path;
+
+use barwave::assemble;
+use barwave::record::{AutoChoice, Stepped};
+use barwave::run::{self, Wish};
+use barwave::scene::Scene;
+use barwave::solver::fd::Quantity;
+
+/// Effects that auto can choose, as they are written.
+const WRITTEN: [(&str, &str); 5] = [
+    ("unloading", "\"isotropic\""),
+    ("rate", "\"material\""),
+    ("heat", "{}"),
+    ("rupture", "\"critical-strain\""),
+    ("lateral-inertia", "true"),
+];
+
+/// Moments at which answers are compared.
+const MOMENTS: usize = 100;
+
+/// Cells of the runs that are compared.
+const CELLS: usize = 400;
+
+fn read(name: &str, overrides: &[String]) -> barwave::error::Result<Scene> {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/auto").join(name).with_extension("toml");
+    Scene::read(&file, overrides)
+}
+
+/// The stress of every cell at every moment, on the grid, with these effects; none where they cannot be simulated.
+fn answer(name: &str, effects: &[&str]) -> Option<Vec<Vec<f64>>> {
+    let written: Vec<String> = WRITTEN
+        .iter()
+        .filter(|(key, _)| effects.contains(key))
+        .map(|(key, value)| format!("{key} = {value}"))
+        .collect();
+    let effects = format!("effects={{ {} }}", written.join(", "));
+    let scene = read(name, &[effects, "solve.method=fd".to_owned(), format!("solve.cells={CELLS}")]).ok()?;
+    let mut bar = assemble::leapfrog(&scene, CELLS, 1.0);
+    let steps = run::steps(&scene, bar.grid().dt);
+    let mut moments = Vec::new();
+    for step in 1..=steps {
+        bar.advance();
+        if step * MOMENTS / steps > (step - 1) * MOMENTS / steps {
+            let mut stress = vec![0.0; bar.grid().cells()];
+            Stepped::profile(&bar, Quantity::Stress, &mut stress);
+            moments.push(stress);
+        }
+    }
+    Some(moments)
+}
+
+fn change(one: &[Vec<f64>], other: &[Vec<f64>]) -> f64 {
+    let largest = |of: &dyn Fn(usize, usize) -> f64| {
+        (0..one.len()).map(|t| (0..one[t].len()).map(|k| of(t, k)).sum::<f64>()).fold(0.0, f64::max)
+    };
+    let size = largest(&|t, k| one[t][k].abs()).max(largest(&|t, k| other[t][k].abs()));
+    largest(&|t, k| (one[t][k] - other[t][k]).abs()) / size
+}
+
+/// Runs a scene with auto, holds its choice against force, and returns it.
+fn check(name: &str, expected: &[&str]) {
+    let scene = read(name, &[]).expect("a scene");
+    let summary = run::run(&scene, None, &mut |_| Wish::GoOn).expect("it runs");
+    let choices: Vec<AutoChoice> = summary.auto.clone().expect("auto");
+    // An effect that comes with another is on, too.
+    let on: Vec<&str> = WRITTEN
+        .iter()
+        .map(|(key, _)| *key)
+        .filter(|key| summary.effects.iter().any(|e| e.split(':').next() == Some(key)))
+        .collect();
+    let tolerance = scene.solve.audit_tolerance;
+    let chosen = answer(name, &on).expect("what auto chose can be simulated");
+    let mut wrong = Vec::new();
+    for (key, _) in WRITTEN {
+        let others: Vec<&str> = on.iter().copied().filter(|k| *k != key).collect();
+        let is_on = on.contains(&key);
+        // Rate and heat need unloading; without it they are other runs.
+        if key == "unloading" && others.iter().any(|k| ["rate", "heat"].contains(k)) {
+            continue;
+        }
+        let with: Vec<&str> = if is_on { others.clone() } else { on.iter().copied().chain([key]).collect() };
+        let Some(other) = answer(name, &with) else { continue };
+        let true_change = change(&chosen, &other);
+        let estimate = choices
+            .iter()
+            .find(|c| c.effect == key)
+            .map(|c| c.estimate)
+            .or_else(|| summary.audit.iter().find(|row| row.effect == key).map(|row| row.estimate));
+        println!(
+            "| {name} | {key} | {} | {:.4} | {true_change:.4} |",
+            if is_on { "on" } else { "off" },
+            estimate.unwrap_or(f64::NAN)
+        );
+        if is_on != (true_change > tolerance) {
+            wrong.push(format!("{key} is {} and changes {true_change:.4}", if is_on { "on" } else { "off" }));
+        }
+    }
+    assert!(wrong.is_empty(), "{name}: {wrong:?}; {choices:?}");
+    assert_eq!(on, expected, "{name}: {choices:?}");
+}
+
+/// Choices of a scene under overrides, and the method that it came to.
+fn choices(name: &str, overrides: &[&str]) -> (Vec<AutoChoice>, [String; 2]) {
+    let overrides: Vec<String> = overrides.iter().map(|&o| o.to_owned()).collect();
+    let scene = read(name, &overrides).expect("a scene");
+    let summary = run::run(&scene, None, &mut |_| Wish::GoOn).expect("it runs");
+    (summary.auto.expect("auto"), [summary.method, summary.scheme])
+}
+
+#[test]
+fn of_effects_that_do_not_go_together_the_larger_is_simulated() {
+    // Rupture of a bar with lateral inertia is not followed.
+    let (all, _) = choices("rupture", &["bar.diameter=40 mm", "bar.material.poisson=0.3"]);
+    let of = |effect: &str| all.iter().find(|c| c.effect == effect).unwrap_or_else(|| panic!("{effect}: {all:?}"));
+    let (rupture, lateral) = (of("rupture"), of("lateral-inertia"));
+    assert!(rupture.on && !lateral.on && rupture.estimate > lateral.estimate, "{all:?}");
+    assert!(lateral.why.contains("cannot be simulated here"), "{}", lateral.why);
+}
+
+#[test]
+fn a_method_that_the_scene_names_stays() {
+    let moc = ["solve.method=moc", "solve.cells=", "solve.front-tolerance=0.01"];
+    let (released, method) = choices("released", &moc);
+    assert_eq!((released.len(), method), (1, ["moc".to_owned(), "front-tracking".to_owned()]), "{released:?}");
+    // The net of a rate-dependent bar has no front tolerance.
+    let (rate, method) = choices("rate", &moc);
+    assert!(rate.iter().any(|c| c.effect == "rate" && c.on), "{rate:?}");
+    assert_eq!(method, ["moc", "characteristic-net"]);
+    // Lateral inertia is the grid's alone.
+    let (lateral, method) = choices("lateral", &["solve.method=moc", "solve.cells="]);
+    assert!(lateral.iter().any(|c| c.effect == "lateral-inertia" && !c.on), "{lateral:?}");
+    assert_eq!(method, ["moc", "front-tracking"]);
+}
+
+#[test]
+fn a_scene_with_its_choice_written_out_is_the_same_run() {
+    let scene = read("rate", &[]).expect("a scene");
+    let chosen = run::choose(&scene, &mut |_| {});
+    let written = read("rate", &["effects={ rate = \"material\" }".to_owned()]).expect("a scene");
+    assert_eq!((&chosen.effects, &chosen.solve), (&written.effects, &written.solve));
+    let resolved = chosen.resolved_json();
+    assert_eq!(resolved["effects"], written.resolved_json()["effects"]);
+    assert_eq!(resolved["auto"][0]["effect"], "rate");
+    // A scene that names its effects is left alone.
+    assert!(run::choose(&written, &mut |_| {}).auto.is_none());
+}
+
+macro_rules! scenes {
+    ($($test:ident: $name:literal => [$($effect:literal),*];)*) => {
+        $(#[test] fn $test() { check($name, &[$($effect),*]); })*
+    };
+}
+
+scenes! {
+    elastic: "elastic" => [];
+    loaded_once: "loaded-once" => [];
+    released: "released" => ["unloading"];
+    late_reflection: "late-reflection" => ["unloading"];
+    two_materials: "two-materials" => ["unloading"];
+    rate: "rate" => ["unloading", "rate"];
+    rate_too_quick: "rate-too-quick" => [];
+    heat: "heat" => ["unloading", "heat"];
+    heat_too_little: "heat-too-little" => [];
+    rate_and_heat: "rate-and-heat" => ["unloading", "rate", "heat"];
+    rupture: "rupture" => ["unloading", "rupture"];
+    lateral: "lateral" => ["lateral-inertia"];
+    thin: "thin" => [];
+}

@@ -42,7 +42,7 @@ fn shape(s: f64) -> [f64; 2] {
     [HIGH * sin.powi(6), 6.0 * HIGH * k * sin.powi(5) * cos]
 }
 
-/// In a cone x u = f(x - c t) exactly. Here f is smooth: the sixth power of a sine over a width of `LONG`, of s = c t - (x - x0).
+/// Stress and velocity of `u = f(s)/X`, X being the distance from the cone's point.
 fn exact(x: f64, t: f64) -> [f64; 2] {
     let point = POINT + x;
     let [f, slope] = shape(c0() * t - x);

@@ -3,13 +3,25 @@
 //! A table is `y = g(z)`, z = E eps >= 0, straight between knots, never falling, with slopes dy/dz = `E_k/E` in 0..=1.
 //! The first segment has slope exactly 1 up to the elastic limit, so reading it there returns z itself.
 
+use super::CHUNK;
 use crate::material::{Beyond, Curve};
 
 /// A loading curve that a kernel can read. `sign` has the sign of the loading (tension positive); only
 /// [`TwoSided`] looks at it.
 pub trait Backbone: Send + Sync {
+    /// Reading many at once is quicker than one by one.
+    const AT_ONCE: bool = false;
+
     /// g(z), Pa, for z >= 0.
     fn stress(&self, z: f64, sign: f64) -> f64;
+
+    /// [`Self::stress`] of neighbouring cells, into `y`; all of one length.
+    #[inline(always)]
+    fn stresses(&self, z: &[f64], sign: &[f64], y: &mut [f64]) {
+        for ((y, z), sign) in y.iter_mut().zip(z).zip(sign) {
+            *y = self.stress(*z, *sign);
+        }
+    }
 }
 
 /// One line of the table: `y = offset + slope * z` from `start` on.
@@ -135,6 +147,9 @@ const BINS: usize = 4096;
 #[derive(Debug, Clone)]
 pub struct Indexed {
     grid: BinGrid,
+    lines: Vec<Line>,
+    /// Number of the line with which a bin begins.
+    line: Box<[u16; BINS]>,
     knot: Box<[f64; BINS]>,
     offset: Box<[f64; 2 * BINS]>,
     slope: Box<[f64; 2 * BINS]>,
@@ -188,10 +203,18 @@ impl Indexed {
             return None;
         }
         let grid = BinGrid::for_knots(lines)?;
-        let mut index = Self { grid, knot: boxed(f64::INFINITY), offset: boxed(0.0), slope: boxed(0.0) };
+        let mut index = Self {
+            grid,
+            lines: lines.to_vec(),
+            line: boxed(0),
+            knot: boxed(f64::INFINITY),
+            offset: boxed(0.0),
+            slope: boxed(0.0),
+        };
         let mut line = 0;
         for bin in 0..BINS {
             let before = line;
+            index.line[bin] = before as u16;
             if line + 1 < lines.len() && grid.bin(lines[line + 1].start) == bin {
                 line += 1;
                 index.knot[bin] = lines[line].start;
@@ -206,11 +229,55 @@ impl Indexed {
 }
 
 /// A boxed array of one value, made on the heap.
-fn boxed<const N: usize>(value: f64) -> Box<[f64; N]> {
+fn boxed<T: Copy, const N: usize>(value: T) -> Box<[T; N]> {
     vec![value; N].into_boxed_slice().try_into().unwrap_or_else(|_| Box::new([value; N]))
 }
 
+impl Indexed {
+    /// The line that holds at z.
+    #[inline(always)]
+    fn line_at(&self, z: f64) -> usize {
+        let bin = self.grid.bin(z) & (BINS - 1);
+        usize::from(self.line[bin]) + usize::from(z >= self.knot[bin])
+    }
+}
+
+/// Reading all lines between two, one after the other for many cells, costs more than finding each cell's own beyond this
+/// number.
+const LINES_AT_ONCE: usize = 32;
+
 impl Backbone for Indexed {
+    const AT_ONCE: bool = true;
+
+    /// Neighbouring cells mostly lie on few lines: those between the lines of the least and the largest z are gone through in
+    /// order, for all cells side by side.
+    #[inline(always)]
+    fn stresses(&self, z: &[f64], sign: &[f64], y: &mut [f64]) {
+        // Numbers >= 0 compare as their bits do, for which compilers know better loops.
+        let (mut least, mut largest) = (u64::MAX, 0);
+        for z in z {
+            least = least.min(z.to_bits());
+            largest = largest.max(z.to_bits());
+        }
+        let (first, last) = (self.line_at(f64::from_bits(least)), self.line_at(f64::from_bits(largest)));
+        if last > first + LINES_AT_ONCE {
+            for ((y, z), sign) in y.iter_mut().zip(z).zip(sign) {
+                *y = self.stress(*z, *sign);
+            }
+            return;
+        }
+        let line = self.lines[first];
+        for (y, z) in y.iter_mut().zip(z) {
+            *y = line.at(*z);
+        }
+        for line in &self.lines[first + 1..=last] {
+            for (y, z) in y.iter_mut().zip(z) {
+                let own = line.at(*z);
+                *y = if *z >= line.start { own } else { *y };
+            }
+        }
+    }
+
     #[inline(always)]
     fn stress(&self, z: f64, _sign: f64) -> f64 {
         let bin = self.grid.bin(z) & (BINS - 1);
@@ -242,6 +309,19 @@ pub struct TwoSided<B> {
 }
 
 impl<B: Backbone> Backbone for TwoSided<B> {
+    const AT_ONCE: bool = B::AT_ONCE;
+
+    #[inline(always)]
+    fn stresses(&self, z: &[f64], sign: &[f64], y: &mut [f64]) {
+        let mut other = [0.0; CHUNK];
+        let other = &mut other[..z.len()];
+        self.tension.stresses(z, sign, y);
+        self.compression.stresses(z, sign, other);
+        for ((y, other), sign) in y.iter_mut().zip(other).zip(sign) {
+            *y = if *sign < 0.0 { *other } else { *y };
+        }
+    }
+
     #[inline(always)]
     fn stress(&self, z: f64, sign: f64) -> f64 {
         let (tension, compression) = (self.tension.stress(z, sign), self.compression.stress(z, sign));

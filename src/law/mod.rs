@@ -28,6 +28,9 @@ use multiversion::multiversion;
 /// not depend on how wide the processor's registers are.
 pub const LANES: usize = 8;
 
+/// Cells of a row that are looked up in a table together.
+const CHUNK: usize = 64;
+
 /// One step of one cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Response<const N: usize> {
@@ -46,6 +49,25 @@ pub trait CellLaw<const N: usize>: Send + Sync {
 
     /// The cell at the end of a step.
     fn respond(&self, predictor: f64, state: [f64; N]) -> Response<N>;
+
+    /// The law reads a table that is read faster for many cells at once: `respond` is then `ask`, `look_up`, `settle`.
+    const ASKS: bool = false;
+
+    /// Where the law reads its table, Pa, >= 0.
+    #[inline(always)]
+    fn ask(&self, _predictor: f64, _state: [f64; N]) -> f64 {
+        0.0
+    }
+
+    /// Reads the table for neighbouring cells: what they [`Self::ask`] and their predictors to the stresses there, Pa.
+    #[inline(always)]
+    fn look_up(&self, _reach: &[f64], _predictor: &[f64], _table: &mut [f64]) {}
+
+    /// [`Self::respond`], given the table's stress where the law asked for it.
+    #[inline(always)]
+    fn settle(&self, predictor: f64, state: [f64; N], _table: f64) -> Response<N> {
+        self.respond(predictor, state)
+    }
 
     /// E times the signed plastic strain, Pa.
     fn plastic_strain(&self, state: [f64; N]) -> f64;
@@ -229,6 +251,9 @@ fn row<L: CellLaw<N>, const N: usize, const FIRST: bool>(
     for column in &columns {
         assert_eq!(column.len(), cells);
     }
+    if L::ASKS {
+        return by_chunks::<L, N, FIRST>(law, gain, [left, right], sigma, columns, work);
+    }
     for i in 0..cells {
         let increment = gain * (right[i] - left[i]);
         let before: [f64; N] = std::array::from_fn(|k| columns[k][i]);
@@ -239,6 +264,46 @@ fn row<L: CellLaw<N>, const N: usize, const FIRST: bool>(
         sigma[i] = after.sigma;
         for (column, value) in columns.iter_mut().zip(after.state) {
             column[i] = value;
+        }
+    }
+}
+
+/// The same for laws that read a table for many cells at once.
+#[inline(always)]
+fn by_chunks<L: CellLaw<N>, const N: usize, const FIRST: bool>(
+    law: &L,
+    gain: f64,
+    [left, right]: [&[f64]; 2],
+    sigma: &mut [f64],
+    mut columns: [&mut [f64]; N],
+    work: &mut [f64],
+) {
+    let cells = sigma.len();
+    let (mut predictor, mut reach, mut table) = ([0.0; CHUNK], [0.0; CHUNK], [0.0; CHUNK]);
+    for start in (0..cells).step_by(CHUNK) {
+        let chunk = start..cells.min(start + CHUNK);
+        let n = chunk.len();
+        let (left, right) = (&left[chunk.clone()], &right[chunk.clone()]);
+        let (sigma, work) = (&mut sigma[chunk.clone()], &mut work[chunk.clone()]);
+        let mut columns = columns.each_mut().map(|column| &mut column[chunk.clone()]);
+        let (predictor, reach, table) = (&mut predictor[..n], &mut reach[..n], &mut table[..n]);
+        for i in 0..n {
+            let increment = gain * (right[i] - left[i]);
+            let before: [f64; N] = std::array::from_fn(|k| columns[k][i]);
+            predictor[i] = if FIRST { sigma[i] } else { law.base(sigma[i], before) + increment };
+            reach[i] = law.ask(predictor[i], before);
+            // Holds the stress at the start of the step until the work is known.
+            work[i] = if FIRST { sigma[i] - increment } else { sigma[i] };
+        }
+        law.look_up(reach, predictor, table);
+        for i in 0..n {
+            let before: [f64; N] = std::array::from_fn(|k| columns[k][i]);
+            let after = law.settle(predictor[i], before, table[i]);
+            work[i] = (work[i] + after.sigma) * after.plastic;
+            sigma[i] = after.sigma;
+            for (column, value) in columns.iter_mut().zip(after.state) {
+                column[i] = value;
+            }
         }
     }
 }

@@ -15,10 +15,26 @@ impl<B: Backbone> CellLaw<1> for PathIndependent<B> {
         sigma + inelastic
     }
 
+    const ASKS: bool = B::AT_ONCE;
+
     #[inline(always)]
-    fn respond(&self, predictor: f64, [before]: [f64; 1]) -> Response<1> {
-        let reach = predictor.abs();
-        let sigma = self.0.stress(reach, predictor).copysign(predictor);
+    fn ask(&self, predictor: f64, _: [f64; 1]) -> f64 {
+        predictor.abs()
+    }
+
+    #[inline(always)]
+    fn look_up(&self, reach: &[f64], predictor: &[f64], table: &mut [f64]) {
+        self.0.stresses(reach, predictor, table);
+    }
+
+    #[inline(always)]
+    fn respond(&self, predictor: f64, state: [f64; 1]) -> Response<1> {
+        self.settle(predictor, state, self.0.stress(predictor.abs(), predictor))
+    }
+
+    #[inline(always)]
+    fn settle(&self, predictor: f64, [before]: [f64; 1], table: f64) -> Response<1> {
+        let sigma = table.copysign(predictor);
         let inelastic = predictor - sigma;
         Response { sigma, state: [inelastic], plastic: inelastic - before }
     }

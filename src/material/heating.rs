@@ -165,7 +165,7 @@ impl Heating {
             rows.extend(refine(&point, &[0.0, width], TOLERANCE, top).rows.into_iter().skip(1));
             warmth = after(width);
         }
-        self.extend(cold, modulus, (omega, top), (knots[knots.len() - 1], warmth), &mut rows);
+        extend(cold, modulus, (omega, top), (knots[knots.len() - 1], warmth), &mut rows);
         // With m < 1 the stress drops, right where it first flows, faster than strain can grow there.
         let mut last = 0.0;
         rows.retain(|row| {
@@ -175,43 +175,42 @@ impl Heating {
         });
         Curve::new(&rows, cold.beyond())
     }
+}
 
-    /// Goes on along the last slope of an extended curve, to where it melts.
-    fn extend(
-        &self,
-        cold: &Curve,
-        modulus: f64,
-        (omega, top): (f64, f64),
-        ((p, f), warmth): ((f64, f64), Warmth),
-        rows: &mut Vec<(f64, f64)>,
-    ) {
-        let slope = cold.last_slope();
-        if cold.beyond() != Beyond::Extend || slope >= modulus * (1.0 - SLOPE_ROUND_OFF) {
-            return;
-        }
-        let hardening = slope / (1.0 - slope / modulus);
-        let flow = |x: f64| (f + hardening * x).max(0.0);
-        // A falling line ends where it comes to zero.
-        let reach = if hardening < 0.0 { -f / hardening } else { f64::INFINITY };
-        let after = |x: f64| {
-            let x = x.min(reach);
-            warmth.after(omega * x * (f + 0.5 * hardening * x))
-        };
-        let point = |x: f64| {
-            let stress = flow(x) * after(x).strength();
-            (p + x + stress / modulus, stress)
-        };
-        let mut breaks = vec![0.0, 0.01];
-        let last = |breaks: &[f64]| breaks[breaks.len() - 1];
-        while point(last(&breaks)).1 > MOLTEN * top && last(&breaks) < FARTHEST {
-            breaks.push(2.0 * last(&breaks));
-        }
-        rows.extend(refine(&point, &breaks, TOLERANCE, top).rows.into_iter().skip(1));
-        // What is left goes on level.
-        let end = last(&breaks);
-        let (strain, stress) = point(end);
-        rows.push((strain + end, stress));
+/// Goes on along the last slope of an extended curve, to where it melts.
+fn extend(
+    cold: &Curve,
+    modulus: f64,
+    (omega, top): (f64, f64),
+    ((p, f), warmth): ((f64, f64), Warmth),
+    rows: &mut Vec<(f64, f64)>,
+) {
+    let slope = cold.last_slope();
+    if cold.beyond() != Beyond::Extend || slope >= modulus * (1.0 - SLOPE_ROUND_OFF) {
+        return;
     }
+    let hardening = slope / (1.0 - slope / modulus);
+    let flow = |x: f64| (f + hardening * x).max(0.0);
+    // A falling line ends where it comes to zero.
+    let reach = if hardening < 0.0 { -f / hardening } else { f64::INFINITY };
+    let after = |x: f64| {
+        let x = x.min(reach);
+        warmth.after(omega * x * (f + 0.5 * hardening * x))
+    };
+    let point = |x: f64| {
+        let stress = flow(x) * after(x).strength();
+        (p + x + stress / modulus, stress)
+    };
+    let mut breaks = vec![0.0, 0.01];
+    let last = |breaks: &[f64]| breaks[breaks.len() - 1];
+    while point(last(&breaks)).1 > MOLTEN * top && last(&breaks) < FARTHEST {
+        breaks.push(2.0 * last(&breaks));
+    }
+    rows.extend(refine(&point, &breaks, TOLERANCE, top).rows.into_iter().skip(1));
+    // What is left goes on level.
+    let end = last(&breaks);
+    let (strain, stress) = point(end);
+    rows.push((strain + end, stress));
 }
 
 /// Knots of a curve as plastic strain and stress, Pa; the plastic strain never falls.

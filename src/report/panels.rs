@@ -123,7 +123,7 @@ pub(super) fn ledger(svg: &mut Svg, panel: Area, view: &View, letter: char) -> R
         line("sum", Stroke::new("#222", 1.6), total),
     ];
     if rows.iter().any(|row| row.heat > 0.0) {
-        series.push(line("heat", Stroke::new(colour(4), 1.6), |row| row.heat));
+        series.push(line("heat", Stroke::new(colour(1), 1.6).dashed("6 3"), |row| row.heat));
     }
     if viscous {
         series.push(line("viscous", Stroke::new(colour(3), 1.6), |row| row.viscous));

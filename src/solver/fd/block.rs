@@ -12,6 +12,9 @@ use crate::law::{RowLaw, account_work, elastic_row};
 /// Cells of a full block. Fixed, so that sums over blocks have the same bits whatever the number of threads.
 pub(super) const BLOCK: usize = 512;
 
+/// A number for each cell of a block that is being stepped, of no meaning before and after.
+pub(super) type Scratch = [f64; BLOCK];
+
 /// What a block's cells have met so far; decides which kernel they need.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Stage {
@@ -121,13 +124,16 @@ impl Block {
     /// Damps the ripples of the block's inner nodes; `rounding` is as in
     /// [`ripple::find`]. The nodes at its two edges belong
     /// to the caller, who finds their share in `handed_at_edges`.
-    pub fn damp_ripples(&mut self, velocity_gain: f64, rounding: f64) {
+    pub fn damp_ripples(&mut self, velocity_gain: f64, rounding: f64, scratch: &mut Scratch) {
         if self.stage == Stage::Quiet {
             return;
         }
+        if ripple::is_smooth(&self.v, self.outside, rounding) {
+            self.handed_at_edges = [0.0; 2];
+            return;
+        }
         let cells = self.sigma.len();
-        let mut handed = [0.0; BLOCK];
-        let handed = &mut handed[..cells];
+        let handed = &mut scratch[..cells];
         let anything = ripple::find(&self.v, &self.flow, self.outside, rounding, handed);
         self.handed_at_edges = [handed[0], handed[cells - 1]];
         if !anything {
@@ -141,14 +147,16 @@ impl Block {
     }
 
     /// Steps the stresses of the block, then the nodes inside it. The nodes at its two edges belong to the caller.
-    pub fn advance(&mut self, law: BlockLaw<'_>) {
+    ///
+    /// `scratch` stays in the first-level cache from block to block.
+    pub fn advance(&mut self, law: BlockLaw<'_>, scratch: &mut Scratch) {
         if self.stage == Stage::Quiet {
             if self.edges_at_rest() {
                 return;
             }
             self.stage = Stage::Elastic;
         }
-        self.advance_stress(law);
+        self.advance_stress(law, scratch);
         let inner = self.v.len() - 1;
         match &self.taper {
             None => advance_velocity(law.velocity_gain, &self.sigma, &mut self.v[1..inner]),
@@ -175,14 +183,14 @@ impl Block {
     }
 
     /// Steps the stresses of the block alone: its nodes belong to the caller, all of them.
-    pub fn advance_stresses(&mut self, law: BlockLaw<'_>) {
+    pub fn advance_stresses(&mut self, law: BlockLaw<'_>, scratch: &mut Scratch) {
         if self.stage == Stage::Quiet {
             if self.v.iter().all(|v| *v == self.v[0]) {
                 return;
             }
             self.stage = Stage::Elastic;
         }
-        self.advance_stress(law);
+        self.advance_stress(law, scratch);
     }
 
     /// A quiet block whose edge nodes still move with their neighbours has no strain rate anywhere.
@@ -191,11 +199,9 @@ impl Block {
         self.v[0] == self.v[last] && (last < 2 || self.v[0] == self.v[1])
     }
 
-    fn advance_stress(&mut self, law: BlockLaw<'_>) {
+    fn advance_stress(&mut self, law: BlockLaw<'_>, scratch: &mut Scratch) {
         let cells = self.sigma.len();
-        // Scratch on the stack stays in the first-level cache from block to block.
-        let mut work = [0.0; BLOCK];
-        let work = &mut work[..cells];
+        let work = &mut scratch[..cells];
         if self.stage == Stage::Elastic {
             let peak = elastic_row(law.stress_gain, &self.v, &mut self.sigma);
             if peak <= law.yield_stress {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::block::{BLOCK, Block, BlockLaw, Stage};
+use super::block::{BLOCK, Block, BlockLaw, Scratch, Stage};
 use super::contact::{Contact, ContactState};
 use super::device::{Device, EndGrid};
 use super::grid::Grid;
@@ -159,17 +159,15 @@ impl Leapfrog {
         self.step += 1;
         let (laws, constants) = (&self.laws, &self.constants);
         let advance_block = if self.implicit.is_some() { Block::advance_stresses } else { Block::advance };
-        let advance = |block: &mut Block| {
+        let advance = |block: &mut Block, scratch: &mut Scratch| {
             let (law, constants) = (&laws[block.segment], &constants[block.segment]);
-            advance_block(
-                block,
-                BlockLaw {
-                    law: law.law.as_ref(),
-                    stress_gain: constants.stress_gain,
-                    velocity_gain: constants.velocity_gain,
-                    yield_stress: law.yield_stress,
-                },
-            );
+            let law = BlockLaw {
+                law: law.law.as_ref(),
+                stress_gain: constants.stress_gain,
+                velocity_gain: constants.velocity_gain,
+                yield_stress: law.yield_stress,
+            };
+            advance_block(block, law, scratch);
         };
         for_each(&mut self.blocks, self.parallel, advance);
         if self.implicit.is_some() {
@@ -197,9 +195,9 @@ impl Leapfrog {
             self.blocks[k].outside = [self.node_outside(k, k.wrapping_sub(1)), self.node_outside(k, k + 1)];
         }
         let constants = &self.constants;
-        let damp = |block: &mut Block| {
+        let damp = |block: &mut Block, scratch: &mut Scratch| {
             let c = &constants[block.segment];
-            block.damp_ripples(c.velocity_gain, c.rounding);
+            block.damp_ripples(c.velocity_gain, c.rounding, scratch);
         };
         for_each(&mut self.blocks, self.parallel, damp);
         for (k, edge) in self.edges.iter_mut().enumerate() {
@@ -357,11 +355,13 @@ impl Edge {
     }
 }
 
-fn for_each(blocks: &mut [Block], parallel: bool, act: impl Fn(&mut Block) + Send + Sync) {
+fn for_each(blocks: &mut [Block], parallel: bool, act: impl Fn(&mut Block, &mut Scratch) + Send + Sync) {
+    let scratch = || [0.0; BLOCK];
     if parallel {
-        blocks.par_iter_mut().with_min_len(16).for_each(act);
+        blocks.par_iter_mut().with_min_len(16).for_each_init(scratch, |scratch, block| act(block, scratch));
     } else {
-        blocks.iter_mut().for_each(act);
+        let mut scratch = scratch();
+        blocks.iter_mut().for_each(|block| act(block, &mut scratch));
     }
 }
 

@@ -42,20 +42,81 @@ fn alternating(left: f64, w: f64, right: f64, rounding: f64) -> f64 {
     if left * w < -rounding && w * right < -rounding { w } else { 0.0 }
 }
 
-/// The part of `w` above what its neighbours support: twice the lesser of them, nothing where a sign differs.
+/// How much of a velocity difference the lesser of its neighbours' supports.
+const SUPPORT: f64 = 2.0;
+
+/// The part of `w` above what its neighbours support: nothing where a sign differs, and nothing where its square is within
+/// `rounding`.
 #[inline(always)]
-fn standing_out(left: f64, w: f64, right: f64) -> f64 {
+fn standing_out(left: f64, w: f64, right: f64, rounding: f64) -> f64 {
     let lesser = if left.abs() < right.abs() { left.abs() } else { right.abs() };
-    let supported = if left * w > 0.0 && w * right > 0.0 { 2.0 * lesser } else { 0.0 };
+    let supported = if left * w > 0.0 && w * right > 0.0 { SUPPORT * lesser } else { 0.0 };
     let above = w.abs() - supported;
-    (if above > 0.0 { above } else { 0.0 }).copysign(w)
+    (if above > 0.0 && w * w > rounding { above } else { 0.0 }).copysign(w)
+}
+
+/// True where no cell of a row of nodes can have anything to hand over, found from the velocity differences as a whole:
+/// they are all rounding, or of one sign and so alike that each supports its neighbours. `outside` are the nodes next to
+/// the row.
+pub(super) fn is_smooth(v: &[f64], outside: [Option<f64>; 2], rounding: f64) -> bool {
+    let mut range = Range::of(v);
+    let ends = [outside[0].map(|o| v[0] - o), outside[1].map(|o| o - v[v.len() - 1])];
+    for w in ends.into_iter().flatten() {
+        range.add(w);
+    }
+    let [least, largest] = [range.least, range.largest].map(f64::from_bits);
+    largest * largest <= rounding || range.is_of_one_sign() && least > 0.0 && largest <= SUPPORT * least
+}
+
+/// The velocity differences of a row of nodes: what they have in common as bits, for which compilers know better loops than
+/// for numbers. Sizes compare as their bits do; that of NaN is larger than any.
+#[derive(Debug, Clone, Copy)]
+struct Range {
+    any: u64,
+    all: u64,
+    least: u64,
+    largest: u64,
+}
+
+impl Range {
+    const SIZE: u64 = !(1 << 63);
+
+    fn of(v: &[f64]) -> Self {
+        let [any, all, least, largest] = ranges(v);
+        Self { any, all, least, largest }
+    }
+
+    #[inline(always)]
+    fn add(&mut self, w: f64) {
+        let bits = w.to_bits();
+        self.any |= bits;
+        self.all &= bits;
+        self.least = self.least.min(bits & Self::SIZE);
+        self.largest = self.largest.max(bits & Self::SIZE);
+    }
+
+    fn is_of_one_sign(self) -> bool {
+        self.any & !Self::SIZE == 0 || self.all & !Self::SIZE != 0
+    }
+}
+
+/// See [`Range`]: any, all, least, largest.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
+fn ranges(v: &[f64]) -> [u64; 4] {
+    let cells = v.len() - 1;
+    let (left, right) = (&v[..cells], &v[1..=cells]);
+    let mut range = Range { any: 0, all: !0, least: !0, largest: 0 };
+    for i in 0..cells {
+        range.add(right[i] - left[i]);
+    }
+    [range.any, range.all, range.least, range.largest]
 }
 
 /// Velocity difference to hand over in a cell; `flow` is 1 where the cell flows in this step, else 0.
 #[inline(always)]
 fn hand(left: f64, w: f64, right: f64, flow: u8, rounding: f64) -> f64 {
     let share = if flow == 0 { 0.0 } else { OVERSHOOT_SHARE };
-    ZIGZAG_SHARE * alternating(left, w, right, rounding) + share * standing_out(left, w, right)
+    ZIGZAG_SHARE * alternating(left, w, right, rounding) + share * standing_out(left, w, right, rounding)
 }
 
 /// Velocity differences to hand over, one a cell of a block, into `handed`. `v` are the block's node velocities, `flow`

@@ -82,7 +82,10 @@ const CASES: &[Case] = &[
         "cels = 1000",
         "cels",
         "solve.cels",
-        &["did you mean `cells`?", "until, method, tolerance, scheme, cells, cfl, audit-tolerance, front-tolerance, event-budget"],
+        &[
+            "did you mean `cells`?",
+            "until, method, tolerance, scheme, cells, cfl, audit-tolerance, front-tolerance, event-budget",
+        ],
     ),
     case(
         "\"free\"",

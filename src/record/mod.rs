@@ -28,8 +28,8 @@ pub use fronts::FrontTracker;
 pub use ledger::Ledger;
 pub use step_gauges::StepGauges;
 pub use summary::{
-    AutoChoice, ChoiceSummary, ElasticCheck, EndSummary, ErrorFigure, FrontSummary, LedgerSummary, RuptureSummary, Summary,
-    TorsionSummary, TrackingSummary, Tried,
+    AutoChoice, ChoiceSummary, ElasticCheck, EndSummary, ErrorFigure, FrontSummary, LedgerSummary, RuptureSummary,
+    Summary, TorsionSummary, TrackingSummary, Tried,
 };
 pub use traces::Traces;
 pub use tracked::EndHistories;

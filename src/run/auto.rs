@@ -69,7 +69,7 @@ fn decide(scene: &Scene, rows: &[AuditRow], round: usize, tell: &mut dyn FnMut(&
             continue;
         }
         let choice = AutoChoice { effect: row.effect.clone(), on: true, why: why(row), estimate: row.estimate, round };
-        let (next, on) = take(&scene, choice);
+        let (next, on) = take(&scene, &choice);
         let old = choices(&scene).to_vec();
         choices(&next).iter().filter(|c| !old.contains(c)).for_each(&mut *tell);
         (scene, changed) = (next, changed || on);
@@ -78,7 +78,7 @@ fn decide(scene: &Scene, rows: &[AuditRow], round: usize, tell: &mut dyn FnMut(&
 }
 
 /// The scene with one more effect, if need be in place of a smaller one; else with the reason why not.
-fn take(scene: &Scene, choice: AutoChoice) -> (Scene, bool) {
+fn take(scene: &Scene, choice: &AutoChoice) -> (Scene, bool) {
     let mut all = choices(scene).to_vec();
     all.push(choice.clone());
     let refusal = match with(scene, &all) {
@@ -112,7 +112,7 @@ fn with(scene: &Scene, choices: &[AutoChoice]) -> Result<Scene> {
     let written: Vec<String> =
         WRITTEN.iter().filter(|(key, _)| on(key)).map(|(key, value)| format!("{key} = {value}")).collect();
     let effects = format!("effects={{ {} }}", written.join(", "));
-    let names_method = scene.with_changes(&["solve.method=".to_owned()]).is_ok();
+    let names_method = scene.names("solve.method");
     let tries: &[&[&str]] = if names_method { &WITHOUT_KEYS } else { &METHODS };
     let mut refusal = None;
     for extra in tries {

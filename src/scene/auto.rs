@@ -16,6 +16,14 @@ pub struct Auto {
 }
 
 impl Scene {
+    /// The scene's text, with its overrides, has this key.
+    pub(crate) fn names(&self, key: &str) -> bool {
+        let all: Vec<String> = self.overrides.iter().cloned().chain([format!("{key}=")]).collect();
+        let document = Document::new(self.name.as_str(), self.text.as_str());
+        // An empty value takes a key out, and only one that is there.
+        Overrides::new(&all).and_then(|overrides| overrides.apply(&document)).is_ok()
+    }
+
     /// The same scene with keys changed, each `KEY=VALUE` as for [`Scene::read`], on top of its overrides: everything is
     /// checked again, and defaults follow. Text, overrides and choices stay what they were.
     ///

@@ -460,7 +460,7 @@ pub enum RateChoice {
     /// that states none does not feel the rate.
     Material(MaterialWord),
     /// From the scene, the same for all segments.
-    Law(RawRate),
+    Law(Box<RawRate>),
 }
 
 /// The word for it.
@@ -491,7 +491,7 @@ impl<'de> Deserialize<'de> for RateChoice {
             }
 
             fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<RateChoice, A::Error> {
-                Ok(RateChoice::Law(RawRate::deserialize(MapAccessDeserializer::new(map))?))
+                Ok(RateChoice::Law(Box::new(RawRate::deserialize(MapAccessDeserializer::new(map))?)))
             }
         }
 

@@ -3,7 +3,7 @@
 //! The rate is the plastic strain that a place gains between two looks, over the time between them: 1/64 of the run. A
 //! fan that takes longer to pass has this rate; a front that is a jump has none of its own (on a grid it has the grid's),
 //! and then this is the mean over a time in which a wave crosses a sixty-fourth of its way. What the estimate needs is not
-//! more: by Malvern's law the overstress of a passing front, added up over time, is E d eps_p/k however short it is; by
+//! more: by Malvern's law the overstress of a passing front, added up over time, is `E d eps_p/k` however short it is; by
 //! the others it grows with the logarithm or a small power of the rate. Between looks the overstress of a place relaxes as
 //! the law has it at constant strain, and it is never more than the stress of the same strain without any flow.
 

@@ -224,7 +224,7 @@ fn grid_pilot(scene: &Scene, racer: &mut Racer, progress: &mut dyn FnMut(Progres
     }
     let [quarter, half, fine] = [cells / 4, cells / 2, cells].map(|n| racer.profiles.iter().find(|p| p.0 == n));
     if let (Some((_, quarter)), Some((_, half)), Some((_, fine))) = (quarter, half, fine) {
-        let found = accuracy::extrapolate(fine, half, quarter);
+        let found = accuracy::extrapolate(scene, method, [fine, half, quarter]);
         racer.pilots.push(Pilot { method, estimate: found.value, order: found.order, work: fine.work });
     }
     Ok(())

@@ -89,6 +89,7 @@ fn the_summary_says_what_was_chosen_and_the_plan_what_there_is_to_choose() {
     let schemes: Vec<&str> =
         plan["choice"]["schemes"].as_array().expect("a list").iter().filter_map(Value::as_str).collect();
     assert!(schemes.contains(&"front-tracking") && schemes.contains(&"leapfrog"), "{schemes:?}");
+    assert_eq!(plan["scheme"], "front-tracking", "{plan}");
     let summary = json(&barwave(folder.path(), &["run", "scene.toml", "--json", "-o", "out.h5"]));
     let choice = &summary["choice"];
     assert_eq!(choice["tolerance"], 1e-3);

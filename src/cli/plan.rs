@@ -45,7 +45,7 @@ fn text(plan: &Plan, units: System) -> String {
     let mut line = |label: &str, value: String| lines.push(std::format!("  {label:<18}{value}"));
     if let Some(choice) = &plan.choice {
         let schemes = choice.schemes.join(", ");
-        line("tolerance", std::format!("{:e}, by one of {schemes}: {}", choice.tolerance, choice.how));
+        line("tolerance", std::format!("{:e}, of {schemes}: {}", choice.tolerance, choice.how));
     }
     line("method", std::format!("{} {}", plan.method, plan.scheme));
     for effect in &plan.effects {

@@ -161,6 +161,15 @@ pub(super) fn run(scene: &Scene, output: Option<&Path>, progress: &mut dyn FnMut
     Err(not_reached(scene, tolerance, &tried(&racers)))
 }
 
+/// The method and resolution that a run of a scene with a tolerance starts from, and why: the coarse runs are made, but not
+/// the run itself. None where the scene names its method, or no method gets there.
+pub fn foretell(scene: &Scene) -> Option<(Method, String)> {
+    let asked = scene.solve.tolerance.as_ref()?;
+    let mut racers: Vec<Racer> = methods(scene, &asked.methods).into_iter().map(Racer::new).collect();
+    let (winner, finer) = race(scene, asked.value, &mut racers, &mut |_| Wish::GoOn).ok()?;
+    Some((racers[winner].finer(finer), why(scene, asked.value, &racers, winner)))
+}
+
 /// Methods whose estimates hold: those that make a staircase of a taper are left out where another one does not need to.
 fn methods(scene: &Scene, asked: &[Method]) -> Vec<Method> {
     let whole = |method: &Method| {

@@ -31,6 +31,7 @@ use crate::scene::{Effects, Method, Scene, Torsion};
 use crate::wave::similarity;
 
 pub use auto::choose;
+pub use choice::foretell;
 pub use estimate::estimate;
 
 /// How far a run is.

@@ -26,7 +26,7 @@ pub struct Plan {
     pub scheme: String,
     /// What is simulated, what is not, and why.
     pub effects: Vec<PlannedEffect>,
-    /// What a tolerance leaves to the run; null where the scene names its method.
+    /// How a tolerance is met; null where the scene names its method.
     pub choice: Option<PlannedChoice>,
     /// What `effects = "auto"` chose so far; the audit of the run may add to it. Left out where the scene names its effects.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -110,14 +110,14 @@ pub struct NetWork {
     pub k_dt: Option<f64>,
 }
 
-/// What is left to the run: the method given beside it is only the first of these, at its default resolution.
+/// What a tolerance comes to: method and resolution beside it are those from which the run would start.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PlannedChoice {
     /// What was asked for.
     pub tolerance: f64,
     /// Schemes that can do the scene.
     pub schemes: Vec<String>,
-    /// How one of them is chosen.
+    /// Which one is chosen, and why.
     pub how: String,
 }
 
@@ -153,6 +153,8 @@ const HEATED: f64 = 500e-9;
 /// Makes the plan, with the effects that `effects = "auto"` would start with.
 pub fn plan(scene: &Scene) -> Plan {
     let scene = &run::choose(scene, &mut |_| {});
+    let (chosen, choice) = choose(scene).unzip();
+    let scene = chosen.as_ref().unwrap_or(scene);
     let all = launches(&scene.bar, &scene.left, &scene.right);
     let (asked, cut) = (scene, scene.in_pieces());
     let scene = cut.as_ref().unwrap_or(scene);
@@ -170,7 +172,7 @@ pub fn plan(scene: &Scene) -> Plan {
         method: method.into(),
         scheme: scheme.into(),
         effects: effects(asked, &all),
-        choice: choice(scene),
+        choice,
         auto: scene.auto.as_ref().map(|auto| auto.choices.clone()),
         work,
         field_bytes: samples * size_of::<f64>(),
@@ -181,14 +183,19 @@ pub fn plan(scene: &Scene) -> Plan {
     }
 }
 
-fn choice(scene: &Scene) -> Option<PlannedChoice> {
+/// What a tolerance comes to: the scene with the method and resolution that its run would start from.
+fn choose(scene: &Scene) -> Option<(Scene, PlannedChoice)> {
     let tolerance = scene.solve.tolerance.as_ref()?;
     let schemes: Vec<String> = tolerance.methods.iter().map(|m| m.names()[1].to_owned()).collect();
-    let how = match schemes.as_slice() {
-        [only] => format!("{only} is the only method that can do the scene; its resolution follows from coarse runs"),
-        _ => "coarse runs tell which of them gets there with the least work, and how fine it has to be".into(),
+    let mut chosen = scene.clone();
+    let how = match run::foretell(scene) {
+        Some((method, why)) => {
+            chosen.solve.method = method;
+            format!("{why}; the run goes on from there, finer where its own estimate misses")
+        }
+        None => "no method is expected to get there".into(),
     };
-    Some(PlannedChoice { tolerance: tolerance.value, schemes, how })
+    Some((chosen, PlannedChoice { tolerance: tolerance.value, schemes, how }))
 }
 
 /// The work on a grid, and its cells.

@@ -176,7 +176,7 @@ fn all_together_are_of_second_order() {
     assert_second_order("all, free ends", 1.0, false, &along, 1e-3);
 }
 
-/// Phase speed c0/sqrt(1 + nu^2 r_p^2 k^2) of the Love rod, from the period of a standing wave, to 1e-3.
+/// Phase speed `c0/sqrt(1 + nu^2 r_p^2 k^2)` of the Love rod, from the period of a standing wave, to 1e-3.
 #[test]
 fn the_love_rod_has_its_phase_speed() {
     // A round steel bar of 40 mm and 1 m: r_p = 14.1 mm, nu = 0.29.

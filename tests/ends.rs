@@ -238,23 +238,26 @@ fn a_gap_closes_when_the_bar_has_crossed_it() {
     }
 }
 
-/// Every blow leaves a ripple that alternates from node to node and that elastic cells would keep: a hundred of them must not
-/// sum up. The scheme's form of the kinetic energy may hide any amount of it, the strain energy does not.
+/// Every blow may leave a zigzag from node to node, which at Courant number 1 elastic cells keep for nothing (the scheme's form
+/// of the kinetic energy is negative there): a hundred of them sum up to a million times the bar's energy. At the Courant
+/// number that scenes with gaps have, they do not.
 #[test]
 fn an_elastic_bar_between_two_walls_does_not_ring_up() {
-    let mut bar = bar_of(400, [EndCondition::Wall { gap: 1.0e-3 }, EndCondition::Wall { gap: 1.23e-3 }], 3.0, 1.0);
+    let mut bar = bar_of(400, [EndCondition::Wall { gap: 1.0e-3 }, EndCondition::Wall { gap: 1.23e-3 }], 3.0, 0.999);
     let start = bar.energies().kinetic;
     let mut largest = 0.0_f64;
     for _ in 0..20_000 {
         bar.advance();
-        if bar.step() % 10 == 0 {
+        if bar.step().is_multiple_of(10) {
             largest = largest.max(bar.energies().elastic);
         }
     }
     // All of the motion is stored for a moment in a blow, and no more than all.
     assert!(largest > 0.9 * start && largest < 1.02 * start, "{largest} of {start}");
-    let now = bar.energies();
-    assert!(now.viscous.abs() < 0.02 * start && (now.total() / start - 1.0).abs() < 1e-10, "{now:?}");
+    // A node that comes to rest at a wall loses its motion: of the first order in the cell size, in a hundred blows.
+    let (now, lost) = (bar.energies(), -bar.left().work() - bar.right().work());
+    assert!(now.kinetic > 0.0 && lost > 0.0 && lost < 0.02 * start, "{now:?} {lost}");
+    assert!(((now.total() + lost) / start - 1.0).abs() < 1e-10, "{now:?} {lost}");
 }
 
 #[test]

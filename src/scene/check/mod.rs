@@ -21,7 +21,7 @@ pub(super) use rupture::MOST_NOTCH;
 
 use super::raw::{EffectsChoice, RawEffects, RawScene, RawUnloading};
 use super::{Auto, Effects, Scene, Unloading, not_yet};
-use crate::bar::Bar;
+use crate::bar::{Bar, EndCondition, Joint, Segment};
 use crate::error::{InputError, Result};
 use crate::input::{Allowed, Document};
 use crate::units::Dimension;
@@ -78,7 +78,8 @@ pub(super) fn check(document: &Document, base: &Path) -> Result<Scene> {
     checker.along_goes(&raw_effects, &bar)?;
     let until = "add [solve] with until, the end time, e.g. until = \"200 us\"";
     let raw_solve = checker.required(raw.solve.as_ref(), "solve", until)?;
-    let solve = checker.solve(raw_solve, &raw_effects)?;
+    let strikes = strikes_across_a_gap(&bar, [&left, &right]);
+    let solve = checker.solve(raw_solve, &raw_effects, strikes)?;
     checker.taper_can_be_solved(raw_bar.get_ref(), &bar, &solve.method)?;
     let record = checker.record(&raw.record, &bar, &effects, &solve, twisted)?;
     let name = Path::new(&document.file).file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
@@ -99,6 +100,13 @@ pub(super) fn check(document: &Document, base: &Path) -> Result<Scene> {
         cut: None,
         torsion,
     })
+}
+
+/// Parts of the bar, or the bar and a wall, fly at each other across a gap, and may do so again and again.
+fn strikes_across_a_gap(bar: &Bar, ends: [&EndCondition; 2]) -> bool {
+    let wall = |end: &&EndCondition| matches!(end, EndCondition::Wall { gap } if *gap > 0.0);
+    let joint = |segment: &Segment| matches!(segment.joint, Joint::Contact { gap } if gap > 0.0);
+    ends.iter().any(wall) || bar.segments.iter().any(joint)
 }
 
 impl Checker<'_> {

@@ -122,9 +122,9 @@ impl Block {
     }
 
     /// Damps the ripples of the block's inner nodes; `rounding` is as in
-    /// [`ripple::find`], `long` means [`ripple::keep_long`]. The nodes at its two edges belong
+    /// [`ripple::find`]. The nodes at its two edges belong
     /// to the caller, who finds their share in `handed_at_edges`.
-    pub fn damp_ripples(&mut self, velocity_gain: f64, rounding: f64, long: bool, scratch: &mut Scratch) {
+    pub fn damp_ripples(&mut self, velocity_gain: f64, rounding: f64, scratch: &mut Scratch) {
         if self.stage == Stage::Quiet {
             return;
         }
@@ -135,7 +135,6 @@ impl Block {
         let cells = self.sigma.len();
         let handed = &mut scratch[..cells];
         let anything = ripple::find(&self.v, &self.flow, self.outside, rounding, handed);
-        let anything = anything && (!long || ripple::keep_long(handed));
         self.handed_at_edges = [handed[0], handed[cells - 1]];
         if !anything {
             return;

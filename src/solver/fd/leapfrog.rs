@@ -19,9 +19,6 @@ use crate::law::RowLaw;
 /// Bars with fewer cells than this are stepped on one thread: below it, waking a second thread costs more than it saves.
 const PARALLEL_FROM: usize = 65_536;
 
-/// Steps between two looks for the zigzag of an elastic bar that is struck again and again.
-const STEPS_BETWEEN_LOOKS: usize = 16;
-
 /// The law of one segment, as assembled from its material and the effects.
 #[derive(Clone)]
 pub struct SegmentLaw {
@@ -79,9 +76,6 @@ pub struct Leapfrog {
     pub(super) parallel: bool,
     /// Some cell has yielded.
     pub(super) yielded: bool,
-    /// Something can strike the bar, or its parts each other, again and again: each blow leaves a ripple that alternates from
-    /// node to node, of which elastic cells would keep the sum.
-    pub(super) collides: bool,
     /// Energy that the ripple damping took from the nodes between blocks, J.
     pub(super) damped_at_edges: f64,
     /// Where and when the bar breaks; none where it never does.
@@ -137,10 +131,6 @@ impl Leapfrog {
                 velocity: segment.velocity,
             }
         };
-        let strikes = |end: &EndCondition| {
-            matches!(end, EndCondition::Wall { .. } | EndCondition::Striker { .. } | EndCondition::Ball { .. })
-        };
-        let collides = !contacts.is_empty() || ends.iter().any(strikes);
         let [left, right] = ends;
         let left = Device::new(left, -1.0, end_grid(0, 0));
         let right = Device::new(right, 1.0, end_grid(bar.segments.len() - 1, 1));
@@ -157,7 +147,6 @@ impl Leapfrog {
             step: 0,
             parallel,
             yielded: false,
-            collides,
             damped_at_edges: 0.0,
             rupture: None,
             implicit: None,
@@ -190,9 +179,7 @@ impl Leapfrog {
             self.break_where_due();
         }
         if self.yielded || self.note_yield() {
-            self.damp_ripples(false);
-        } else if self.collides && self.step.is_multiple_of(STEPS_BETWEEN_LOOKS) {
-            self.damp_ripples(true);
+            self.damp_ripples();
         }
     }
 
@@ -202,15 +189,15 @@ impl Leapfrog {
         self.yielded
     }
 
-    /// Takes grid-scale ripples out of the velocities, or only `long` ones, see [`super::ripple`].
-    fn damp_ripples(&mut self, long: bool) {
+    /// Takes grid-scale ripples out of the velocities, see [`super::ripple`].
+    fn damp_ripples(&mut self) {
         for k in 0..self.blocks.len() {
             self.blocks[k].outside = [self.node_outside(k, k.wrapping_sub(1)), self.node_outside(k, k + 1)];
         }
         let constants = &self.constants;
         let damp = |block: &mut Block, scratch: &mut Scratch| {
             let c = &constants[block.segment];
-            block.damp_ripples(c.velocity_gain, c.rounding, long, scratch);
+            block.damp_ripples(c.velocity_gain, c.rounding, scratch);
         };
         for_each(&mut self.blocks, self.parallel, damp);
         for (k, edge) in self.edges.iter_mut().enumerate() {
@@ -374,7 +361,9 @@ fn for_each(blocks: &mut [Block], parallel: bool, act: impl Fn(&mut Block, &mut 
         blocks.par_iter_mut().with_min_len(16).for_each_init(scratch, |scratch, block| act(block, scratch));
     } else {
         let mut scratch = scratch();
-        blocks.iter_mut().for_each(|block| act(block, &mut scratch));
+        for block in blocks {
+            act(block, &mut scratch);
+        }
     }
 }
 

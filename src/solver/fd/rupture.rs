@@ -298,7 +298,6 @@ impl Leapfrog {
         contact.part([last(&self.blocks[k].sigma), self.blocks[k + 1].sigma[0]], self.grid.dt);
         let place = self.contacts.partition_point(|other| other.edge < k);
         self.contacts.insert(place, contact);
-        self.collides = true;
         self.share_edges();
     }
 

@@ -406,6 +406,17 @@ fn bilinear_p2_moc() {
 }
 
 #[test]
+fn a_scene_with_a_tolerance_says_how_it_was_solved_and_stays_below() {
+    let summary = run("copper-to-a-tolerance.toml", &[]);
+    assert_contract(&summary, "copper-to-a-tolerance.toml");
+    let choice = &summary["choice"];
+    assert_eq!(choice["tolerance"], 1e-3);
+    let tried = choice["tried"].as_array().expect("a list");
+    assert_eq!(tried[tried.len() - 1]["scheme"], summary["scheme"]);
+    assert!(number(&summary["error"]["value"]) <= 1e-3, "{}", summary["error"]);
+}
+
+#[test]
 fn copper_let_go() {
     let summary = run("copper-let-go.toml", &[]);
     assert_contract(&summary, "copper-let-go.toml");

@@ -82,7 +82,10 @@ const CASES: &[Case] = &[
         "cels = 1000",
         "cels",
         "solve.cels",
-        &["did you mean `cells`?", "until, method, scheme, cells, cfl, audit-tolerance, front-tolerance, event-budget"],
+        &[
+            "did you mean `cells`?",
+            "until, method, tolerance, scheme, cells, cfl, audit-tolerance, front-tolerance, event-budget",
+        ],
     ),
     case(
         "\"free\"",
@@ -488,10 +491,10 @@ const CASES: &[Case] = &[
     case("frames = 101", "paths = true", "paths", "record.paths", &["means nothing for method = \"fd\"", "\"moc\""]),
     case(
         "cells = 1000",
-        "tolerance = 1e-3",
+        "tolerance = 0.7",
         "tolerance",
         "solve.tolerance",
-        &["the choice of method by tolerance", "cells = 4000"],
+        &["0.7 is out of range", "0 < tolerance <= 0.5"],
     ),
     // The effect of heat.
     case(

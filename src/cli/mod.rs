@@ -2,6 +2,7 @@
 
 mod check;
 mod compare;
+mod cost;
 mod critical;
 mod materials;
 mod message;
@@ -42,6 +43,8 @@ enum Command {
     Critical(critical::Args),
     /// Curves, wave speeds and impact velocities of several materials side by side.
     Compare(compare::Args),
+    /// What accuracy costs in time, by every method that can do a scene.
+    Cost(cost::Args),
     /// Draw a result file: x-t diagram, profiles, gauges, fronts, ledger, audit.
     Report(report::Args),
     /// The material library and what each curve rests on.
@@ -79,6 +82,7 @@ fn dispatch(cli: &Cli) -> Result<()> {
         Command::Check(args) => check::run(args),
         Command::Critical(args) => critical::run(args),
         Command::Compare(args) => compare::run(args),
+        Command::Cost(args) => cost::run(args),
         Command::Report(args) => report::run(args),
         Command::Materials(args) => materials::run(args),
         Command::New(args) => new::run(args),

@@ -43,6 +43,10 @@ pub(crate) fn run(args: &Args) -> Result<()> {
 fn text(plan: &Plan, units: System) -> String {
     let mut lines = vec![plan.scene.clone()];
     let mut line = |label: &str, value: String| lines.push(std::format!("  {label:<18}{value}"));
+    if let Some(choice) = &plan.choice {
+        let schemes = choice.schemes.join(", ");
+        line("tolerance", std::format!("{:e}, of {schemes}: {}", choice.tolerance, choice.how));
+    }
     line("method", std::format!("{} {}", plan.method, plan.scheme));
     for effect in &plan.effects {
         let size = effect.estimate.map_or_else(String::new, |e| std::format!(" ({:.2} %)", 100.0 * e));

@@ -9,7 +9,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::output;
 use crate::error::{Error, InputError, Result};
-use crate::record::{AuditRow, AutoChoice, EndSummary, FrontSummary, RuptureSummary, Summary};
+use crate::record::{AuditRow, AutoChoice, ChoiceSummary, EndSummary, FrontSummary, RuptureSummary, Summary};
 use crate::run::{self, Progress, Wish};
 use crate::scene::{Problem, SpecimenScene};
 use crate::units::{Dimension, System, format};
@@ -29,6 +29,9 @@ pub(crate) struct Args {
     /// Print one JSON object on stdout and nothing else.
     #[arg(long)]
     json: bool,
+    /// Say how far the stresses may be off: on a grid by two coarser runs, which take a third of its time again.
+    #[arg(long)]
+    estimate_error: bool,
     /// No progress bar and no summary.
     #[arg(long)]
     quiet: bool,
@@ -44,10 +47,11 @@ const TICKS: u64 = 1000;
 const LISTED_FRONTS: usize = 12;
 
 pub(crate) fn run(args: &Args) -> Result<()> {
-    let scene = match Problem::read(&args.scene, &args.overrides)? {
+    let mut scene = match Problem::read(&args.scene, &args.overrides)? {
         Problem::Bar(scene) => *scene,
         Problem::Specimen(scene) => return run_specimen(args, &scene),
     };
+    scene.solve.estimate_error = args.estimate_error;
     let output = output_path(args, &scene.name)?;
     let stop = Arc::new(AtomicBool::new(false));
     let asked = Arc::clone(&stop);
@@ -215,6 +219,9 @@ fn text(s: &Summary, units: System) -> String {
     if let Some(error) = &s.error {
         line("error", std::format!("{:.2e}, {}, against the {}", error.value, error.measure, error.reference));
     }
+    if let Some(choice) = &s.choice {
+        line("chosen", tolerance_text(choice));
+    }
     let rate = match &s.tracking {
         None => std::format!("{:.0} million cell-steps/s", s.cell_steps_per_s / 1e6),
         Some(t) => std::format!("{:.2} million events/s", t.events_per_s / 1e6),
@@ -224,6 +231,11 @@ fn text(s: &Summary, units: System) -> String {
     lines.extend(front_lines(&s.fronts, units));
     lines.extend(audit_lines(&s.audit));
     lines.join("\n") + "\n"
+}
+
+fn tolerance_text(choice: &ChoiceSummary) -> String {
+    let runs = choice.tried.len();
+    std::format!("{} ({} runs in all, the coarse ones included)", choice.why, runs)
 }
 
 /// Why an effect is on or off: "heat on: ...".

@@ -74,7 +74,7 @@ pub fn against_similarity(bar: &Bar, solver: &impl Stepped, launches: &[Launch])
     let launch = alone(bar, launches, time)?;
     let (mut missed, mut total) = (0.0, 0.0);
     for (cell, x) in solver.grid().centres().into_iter().enumerate() {
-        let exact = exact_stress(launch, x, time);
+        let exact = similar_stress(launch, x, time);
         missed += (solver.value(Quantity::Stress, cell) - exact).abs();
         total += exact.abs();
     }
@@ -93,7 +93,7 @@ pub fn tracked_against_similarity(bar: &Bar, solver: &FrontTracking, launches: &
         let inner = edges.iter().copied().filter(|&x| piece.from < x && x < piece.to);
         let mut from = piece.from;
         for to in inner.chain([piece.to]) {
-            let exact = exact_stress(launch, 0.5 * (from + to), time);
+            let exact = similar_stress(launch, 0.5 * (from + to), time);
             missed += (piece.point.stress - exact).abs() * (to - from);
             total += exact.abs() * (to - from);
             from = to;
@@ -102,14 +102,15 @@ pub fn tracked_against_similarity(bar: &Bar, solver: &FrontTracking, launches: &
     figure(missed, total)
 }
 
-/// The fan that is the whole solution up to now, where there is one.
-fn alone<'a>(bar: &Bar, launches: &'a [Launch], time: f64) -> Option<&'a Launch> {
+/// The fan that is the whole solution up to `time` (s), where there is one.
+pub fn alone<'a>(bar: &Bar, launches: &'a [Launch], time: f64) -> Option<&'a Launch> {
     let ([launch], [segment]) = (launches, bar.segments.as_slice()) else { return None };
     let alone = launch.sudden && launch.loads_until.is_infinite() && segment.taper.is_none();
     (alone && time > 0.0 && segment.material.c0() * time <= segment.length).then_some(launch)
 }
 
-fn exact_stress(launch: &Launch, x: f64, time: f64) -> f64 {
+/// Stress of a fan at a place and time, Pa.
+pub fn similar_stress(launch: &Launch, x: f64, time: f64) -> f64 {
     launch.sense.sign() * launch.fan.state((x - launch.x).abs() / time).1
 }
 

@@ -22,15 +22,15 @@ use serde::Serialize;
 pub use audit::{
     Audit, Case, LOOKS, Off, above_critical, broken_end, broken_inside, end_of_data, past_data, unresolved_flow,
 };
-pub use checks::{ElasticProbe, against_similarity, tracked_against_similarity};
+pub use checks::{ElasticProbe, against_similarity, alone, similar_stress, tracked_against_similarity};
 pub use energy::{ENERGY, EnergySummary};
 pub use frames::{Frames, Twisted, read_frame};
 pub use fronts::FrontTracker;
 pub use ledger::Ledger;
 pub use step_gauges::StepGauges;
 pub use summary::{
-    AutoChoice, ElasticCheck, EndSummary, ErrorFigure, FrontSummary, LedgerSummary, RuptureSummary, Summary,
-    TorsionSummary, TrackingSummary,
+    AutoChoice, ChoiceSummary, ElasticCheck, EndSummary, ErrorFigure, FrontSummary, LedgerSummary, RuptureSummary,
+    Summary, TorsionSummary, TrackingSummary, Tried,
 };
 pub use traces::Traces;
 pub use tracked::EndHistories;

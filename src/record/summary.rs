@@ -55,6 +55,9 @@ pub struct Summary {
     pub ledger: LedgerSummary,
     /// Error against a reference, where there is one.
     pub error: Option<ErrorFigure>,
+    /// Why this method and resolution; left out where the scene names them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub choice: Option<ChoiceSummary>,
     /// Where and when the bar broke; left out where it was not to break.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ruptures: Option<Vec<RuptureSummary>>,
@@ -97,6 +100,36 @@ pub struct TrackingSummary {
     pub fronts_under_way: usize,
     /// events / `step_wall_s`.
     pub events_per_s: f64,
+}
+
+/// How a scene with a tolerance came to its method and resolution.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ChoiceSummary {
+    /// What was asked for.
+    pub tolerance: f64,
+    /// One sentence.
+    pub why: String,
+    /// Pilots and runs that missed, method by method, and then the run itself.
+    pub tried: Vec<Tried>,
+}
+
+/// A pilot, or a run.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Tried {
+    /// "fd" or "moc".
+    pub method: String,
+    /// "leapfrog", ...
+    pub scheme: String,
+    /// Cells of the bar.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cells: Option<usize>,
+    /// Front tolerance.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub front_tolerance: Option<f64>,
+    /// Estimate of its error.
+    pub estimate: Option<f64>,
+    /// Cell-steps or events.
+    pub work: u64,
 }
 
 /// The ends of a bar in torsion at the end time; stresses, strains and velocities of the summary are those of its surface.

@@ -79,7 +79,7 @@ fn tick_label(value: f64, step: f64, power: i32) -> String {
     if zero { text.trim_start_matches('-').into() } else { text.replace('-', "\u{2212}") }
 }
 
-fn superscript(power: i32) -> String {
+pub(super) fn superscript(power: i32) -> String {
     let digits = [
         '\u{2070}', '\u{b9}', '\u{b2}', '\u{b3}', '\u{2074}', '\u{2075}', '\u{2076}', '\u{2077}', '\u{2078}',
         '\u{2079}',

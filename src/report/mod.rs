@@ -3,6 +3,7 @@
 mod axes;
 mod colour;
 pub mod compare;
+pub mod cost;
 mod display;
 mod figure;
 mod map;

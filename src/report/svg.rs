@@ -118,6 +118,13 @@ impl Svg {
         ));
     }
 
+    /// A closed area.
+    pub fn polygon(&mut self, corners: &[(f64, f64)], fill: &str, stroke: &Stroke) {
+        let corners: Vec<String> = corners.iter().map(|(x, y)| format!("{x:.2},{y:.2}")).collect();
+        let (corners, stroke) = (corners.join(" "), stroke.attributes());
+        self.push(format_args!("<polygon points=\"{corners}\" fill=\"{fill}\" {stroke}/>"));
+    }
+
     pub fn text(&mut self, at: (f64, f64), size: f64, anchor: Anchor, text: &str) {
         self.styled_text(at, size, anchor, "", text);
     }

@@ -4,7 +4,7 @@
 
 use std::path::Path;
 
-use super::{Progress, Wish, estimate, once};
+use super::{Progress, Wish, accurate, estimate};
 use crate::error::{Error, Result};
 use crate::record::{AuditRow, AutoChoice, Summary};
 use crate::scene::Scene;
@@ -47,7 +47,7 @@ pub(super) fn run(scene: &Scene, output: Option<&Path>, progress: &mut dyn FnMut
     let mut round = 0;
     loop {
         round += 1;
-        let summary = once(&scene, output, progress)?;
+        let summary = accurate(&scene, output, progress)?;
         let (next, again) = decide(&scene, &summary.audit, round, &mut |choice| {
             progress(Progress::Chosen(Box::new(choice.clone())));
         });

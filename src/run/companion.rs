@@ -10,7 +10,7 @@ use crate::solver::moc::{COARSER, FrontTracking, SAFETY, Settings};
 const FIRST_TRIED: f64 = 1e-3;
 const LARGEST_TRIED: f64 = 0.5;
 
-const MEASURE: &str = "relative L1 of stress over the bar at the end time";
+pub(super) const MEASURE: &str = "relative L1 of stress over the bar at the end time";
 
 /// How far the stresses of a finished run may be off. None where the companion does not get to the end.
 pub(super) fn error_figure(scene: &Scene, settings: Settings, run: &FrontTracking) -> Option<ErrorFigure> {
@@ -18,17 +18,22 @@ pub(super) fn error_figure(scene: &Scene, settings: Settings, run: &FrontTrackin
         let reference = "exact solution for the curve's table: nothing was merged";
         return Some(ErrorFigure { value: 0.0, measure: MEASURE.into(), reference: reference.into() });
     }
-    let coarser = Settings {
-        front_tolerance: COARSER * settings.front_tolerance,
-        ramp_step: Some(COARSER * settings.step()),
-        trails: false,
-        ..settings
-    };
+    let coarser = coarser(settings);
     let mut companion = assemble::front_tracking(scene, coarser);
     companion.advance_to(run.time()).ok()?;
     let value = run.error_figure(&companion);
     let reference = format!("run with front-tolerance {:.1e}, times {SAFETY}: an estimate", coarser.front_tolerance);
     Some(ErrorFigure { value, measure: MEASURE.into(), reference })
+}
+
+/// The settings of a companion.
+pub(super) fn coarser(settings: Settings) -> Settings {
+    Settings {
+        front_tolerance: COARSER * settings.front_tolerance,
+        ramp_step: Some(COARSER * settings.step()),
+        trails: false,
+        ..settings
+    }
 }
 
 /// The smallest of a row of tolerances with which a run was seen to reach its end within its events; none where none of

@@ -1,8 +1,10 @@
 //! Running a scene: steps its bar, and hands what it sees to the recorders and the result file. Here is what all methods
 //! have in common; how they go on in time is in `stepped` (grids) and `tracked` (fronts).
 
+mod accuracy;
 mod auto;
 mod breaks;
+mod choice;
 mod companion;
 mod estimate;
 mod specimen;
@@ -29,6 +31,7 @@ use crate::scene::{Effects, Method, Scene, Torsion};
 use crate::wave::similarity;
 
 pub use auto::choose;
+pub use choice::foretell;
 pub use estimate::estimate;
 
 /// How far a run is.
@@ -68,16 +71,22 @@ pub enum Wish {
 }
 
 /// Simulates a scene and writes its result file, where one is asked for. `progress` is called every few
-/// milliseconds. A scene with `effects = "auto"` is run again where an effect was missed; the last run stays in the file.
+/// milliseconds. A scene with `effects = "auto"` is run again where an effect was missed; one with a tolerance is run by the
+/// method that reaches it cheapest. The last run stays in the file.
 ///
 /// # Errors
 /// A [`crate::error::RunError`] where the run cannot go on, [`Error::Interrupted`] where `progress` asked to stop, a file
 /// error where the result cannot be written. In the first two cases the result file holds everything up to then.
 pub fn run(scene: &Scene, output: Option<&Path>, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<Summary> {
-    if scene.auto.is_some() { auto::run(scene, output, progress) } else { once(scene, output, progress) }
+    if scene.auto.is_some() { auto::run(scene, output, progress) } else { accurate(scene, output, progress) }
 }
 
-/// One run with the effects that the scene has by now.
+/// A run with the effects that the scene has by now, by its method or to within its tolerance.
+fn accurate(scene: &Scene, output: Option<&Path>, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<Summary> {
+    if scene.solve.tolerance.is_some() { choice::run(scene, output, progress) } else { once(scene, output, progress) }
+}
+
+/// One run by the scene's method.
 fn once(scene: &Scene, output: Option<&Path>, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<Summary> {
     let started = Instant::now();
     let cut = scene.in_pieces();
@@ -310,6 +319,7 @@ impl<'a> Book<'a> {
             elastic_check: findings.elastic_check.filter(|_| findings.elastic),
             ledger: findings.ledger,
             error: findings.error,
+            choice: None,
             ruptures: findings.ruptures.map(|all| all.iter().map(RuptureSummary::from).collect()),
             auto: None,
             temperature_rise: findings.temperature_rise,

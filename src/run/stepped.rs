@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::time::Instant;
 
+use super::accuracy::{self, Profile};
 use super::{Book, Findings, Progress, Wish, steps, twisted};
 use crate::assemble;
 use crate::error::{Error, Result, RunError};
@@ -38,7 +39,8 @@ pub(super) fn run<S: Stepped>(
 ) -> Result<Summary> {
     let mut run = Run::new(scene, bar, output, started)?;
     let ended = run.step_to_end(progress);
-    run.finish(ended)
+    let error = if ended.is_ok() { run.error(progress) } else { None };
+    run.finish(ended, error)
 }
 
 /// A run under way.
@@ -55,6 +57,8 @@ struct Run<'a, S> {
     watched: Sampling,
     passed: Option<(Passed, f64)>,
     elastic_check: Option<Probe>,
+    /// For the estimate of the error: near the end, where coarser runs stand at the same time.
+    profile: Option<(Profile, f64)>,
 }
 
 /// The elastic check with its step and cell.
@@ -90,6 +94,7 @@ impl<'a, S: Stepped> Run<'a, S> {
                 Probe { check: probe, step, cell }
             }),
             passed: None,
+            profile: None,
             book,
             bar,
             frames,
@@ -122,6 +127,9 @@ impl<'a, S: Stepped> Run<'a, S> {
     /// Everything that is recorded after a step, and once at the start.
     fn record(&mut self) -> Result<()> {
         let step = self.bar.step();
+        if self.book.scene.solve.estimate_error && step == accuracy::common_step(self.steps) {
+            self.profile = Some((Profile::of(&self.bar), self.bar.time()));
+        }
         if self.traces.add(&self.bar) {
             self.write_traces()?;
         }
@@ -187,7 +195,7 @@ impl<'a, S: Stepped> Run<'a, S> {
     }
 
     /// Hands what was found to the book, which closes the file, whatever the end was.
-    fn finish(mut self, ended: Result<()>) -> Result<Summary> {
+    fn finish(mut self, ended: Result<()>, error: Option<ErrorFigure>) -> Result<Summary> {
         self.write_traces()?;
         let findings = Findings {
             cells: self.bar.grid().cells(),
@@ -204,7 +212,7 @@ impl<'a, S: Stepped> Run<'a, S> {
                 energy_residual: self.ledger.worst_energy(),
                 momentum_residual: self.ledger.worst_momentum(),
             },
-            error: self.error(),
+            error,
             ruptured: self.ruptured(),
             ruptures: self.book.ruptures(&self.bar),
             temperature_rise: self.temperature_rise(),
@@ -213,12 +221,16 @@ impl<'a, S: Stepped> Run<'a, S> {
         self.book.close(ended, findings)
     }
 
-    /// The self-similar solution knows no strain rate, nothing that acts along the bar, and of no bar that breaks.
-    fn error(&self) -> Option<ErrorFigure> {
+    /// The self-similar solution knows no strain rate, nothing that acts along the bar, and of no bar that breaks. Where it is
+    /// not known, and an error was asked for, coarser runs tell.
+    fn error(&self, progress: &mut dyn FnMut(Progress) -> Wish) -> Option<ErrorFigure> {
         let scene = self.book.scene;
         let plain = scene.effects.rate.is_none() && assemble::along(&scene.bar, &scene.effects).is_none();
         let known = plain && self.bar.ruptures().is_empty();
-        known.then(|| record::against_similarity(&scene.bar, &self.bar, &self.book.launches))?
+        let similar = || record::against_similarity(&scene.bar, &self.bar, &self.book.launches);
+        let figure = known.then(similar).flatten();
+        let estimate = || self.profile.as_ref().and_then(|(p, t)| accuracy::error_figure(scene, p, *t, progress));
+        figure.or_else(estimate)
     }
 
     fn temperature_rise(&self) -> Option<f64> {

@@ -33,6 +33,9 @@ impl Scene {
         let all: Vec<String> = self.overrides.iter().chain(changes).cloned().collect();
         let document = Document::new(self.name.as_str(), self.text.as_str());
         let edited = Overrides::new(&all)?.apply(&document)?;
+        let mut checked = check::check(&edited, &self.base)?;
+        super::find_methods(&mut checked, &edited, &self.base);
+        checked.solve.estimate_error = self.solve.estimate_error;
         Ok(Self {
             title: self.title.clone(),
             name: self.name.clone(),
@@ -40,7 +43,7 @@ impl Scene {
             text: self.text.clone(),
             overrides: self.overrides.clone(),
             auto: self.auto.clone(),
-            ..check::check(&edited, &self.base)?
+            ..checked
         })
     }
 }

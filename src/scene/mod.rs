@@ -109,10 +109,41 @@ pub struct Torsion {
 pub struct Solve {
     /// End time, s, > 0.
     pub until: f64,
-    /// Method and its settings.
+    /// Method and its settings; with a tolerance, the first of its methods.
     pub method: Method,
+    /// Error that the run is to stay below, in place of a method.
+    pub tolerance: Option<Tolerance>,
+    /// The run is to say how far its stresses may be off, where that is not known without further runs.
+    pub estimate_error: bool,
     /// Relative change of the stress from which on an effect that was left out matters, 0 < . < 1.
     pub audit_tolerance: f64,
+}
+
+/// An error in place of a method.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tolerance {
+    /// Relative L1 of stress over the bar at the end time, > 0.
+    pub value: f64,
+    /// The methods that can do the scene, with default settings.
+    pub methods: Vec<Method>,
+}
+
+/// A method of the scene language, and the scheme where there is a choice.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Way {
+    /// "moc" or "fd".
+    pub method: &'static str,
+    /// "leapfrog", ...
+    pub scheme: Option<&'static str>,
+}
+
+impl Way {
+    /// All of them.
+    pub const ALL: [Self; 3] = [
+        Self { method: "moc", scheme: None },
+        Self { method: "fd", scheme: Some("muscl") },
+        Self { method: "fd", scheme: Some("leapfrog") },
+    ];
 }
 
 impl Solve {
@@ -156,6 +187,34 @@ impl Method {
     /// True where fronts are followed one by one: no cells, but paths.
     pub fn tracks_fronts(&self) -> bool {
         matches!(self, Self::FrontTracking { .. })
+    }
+
+    /// Cells over the whole bar; none where there are no cells.
+    pub fn cells(&self) -> Option<usize> {
+        match *self {
+            Self::Leapfrog { cells, .. } | Self::Muscl { cells, .. } | Self::CharacteristicNet { cells } => Some(cells),
+            Self::FrontTracking { .. } => None,
+        }
+    }
+
+    /// The method with other cells; as it is where it has none.
+    #[must_use]
+    pub fn with_cells(self, cells: usize) -> Self {
+        match self {
+            Self::Leapfrog { cfl, .. } => Self::Leapfrog { cells, cfl },
+            Self::Muscl { cfl, .. } => Self::Muscl { cells, cfl },
+            Self::CharacteristicNet { .. } => Self::CharacteristicNet { cells },
+            Self::FrontTracking { .. } => self,
+        }
+    }
+
+    /// The method with another front tolerance; as it is where it has none.
+    #[must_use]
+    pub fn with_front_tolerance(self, front_tolerance: f64) -> Self {
+        match self {
+            Self::FrontTracking { event_budget, .. } => Self::FrontTracking { front_tolerance, event_budget },
+            other => other,
+        }
     }
 
     /// The words of the scene language for the method and its scheme.
@@ -221,6 +280,7 @@ impl Scene {
         let overrides = Overrides::new(typed)?;
         let edited = overrides.apply(original)?;
         let mut scene = check::check(&edited, base).map_err(|e| overrides.explain(e, original))?;
+        find_methods(&mut scene, &edited, base);
         scene.text = original.text.to_string();
         scene.overrides = typed.to_vec();
         Ok(scene)
@@ -231,6 +291,19 @@ impl Scene {
     pub fn resolved_json(&self) -> serde_json::Value {
         resolved::json(self)
     }
+}
+
+/// The methods that can do a scene with a tolerance: each is put into its text in the place of that, and checked with all
+/// else.
+fn find_methods(scene: &mut Scene, document: &Document, base: &Path) {
+    let Some(tolerance) = &mut scene.solve.tolerance else { return };
+    let with = |way: Way| {
+        let mut typed = vec!["solve.tolerance=".to_owned(), format!("solve.method=\"{}\"", way.method)];
+        typed.extend(way.scheme.map(|scheme| format!("solve.scheme=\"{scheme}\"")));
+        let edited = Overrides::new(&typed).and_then(|overrides| overrides.apply(document)).ok()?;
+        check::check(&edited, base).ok().map(|scene| scene.solve.method)
+    };
+    tolerance.methods = Way::ALL.into_iter().filter_map(with).collect();
 }
 
 #[cfg(test)]

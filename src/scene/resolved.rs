@@ -83,6 +83,9 @@ fn rows(history: &History) -> Vec<[f64; 2]> {
 fn solve(solve: &Solve) -> Value {
     let mut value = method_of(solve);
     value["audit-tolerance"] = json!(solve.audit_tolerance);
+    if let Some(tolerance) = &solve.tolerance {
+        value["tolerance"] = json!(tolerance.value);
+    }
     value
 }
 

@@ -40,7 +40,13 @@ fn defaults_are_filled_in() {
     assert_eq!(scene.effects, Effects::default());
     assert_eq!(
         scene.solve,
-        Solve { until: 200e-6, method: Method::Leapfrog { cells: 1000, cfl: 1.0 }, audit_tolerance: 0.01 }
+        Solve {
+            until: 200e-6,
+            method: Method::Leapfrog { cells: 1000, cfl: 1.0 },
+            tolerance: None,
+            estimate_error: false,
+            audit_tolerance: 0.01,
+        }
     );
     assert!(!scene.bar.area_given && scene.bar.segments[0].area == 1.0 && scene.bar.segments[0].velocity == 0.0);
     assert_eq!(scene.record.fields, [Field::Stress, Field::Strain, Field::Velocity]);

@@ -90,6 +90,8 @@ fn scene(material: &Arc<Material>, velocity: f64) -> Scene {
             until,
             method: Method::Leapfrog { cells: CELLS, cfl: 1.0 },
             audit_tolerance: Solve::AUDIT_TOLERANCE,
+            tolerance: None,
+            estimate_error: false,
         },
         record: Record {
             times: vec![until],

@@ -2,5 +2,6 @@
 
 pub mod compare;
 pub mod confirm;
+pub mod cost;
 pub mod critical;
 pub mod plan;

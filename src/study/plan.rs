@@ -26,6 +26,8 @@ pub struct Plan {
     pub scheme: String,
     /// What is simulated, what is not, and why.
     pub effects: Vec<PlannedEffect>,
+    /// How a tolerance is met; null where the scene names its method.
+    pub choice: Option<PlannedChoice>,
     /// What `effects = "auto"` chose so far; the audit of the run may add to it. Left out where the scene names its effects.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub auto: Option<Vec<AutoChoice>>,
@@ -108,6 +110,17 @@ pub struct NetWork {
     pub k_dt: Option<f64>,
 }
 
+/// What a tolerance comes to: method and resolution beside it are those from which the run would start.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PlannedChoice {
+    /// What was asked for.
+    pub tolerance: f64,
+    /// Schemes that can do the scene.
+    pub schemes: Vec<String>,
+    /// Which one is chosen, and why.
+    pub how: String,
+}
+
 /// An effect in a plan.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PlannedEffect {
@@ -140,6 +153,8 @@ const HEATED: f64 = 200e-9;
 /// Makes the plan, with the effects that `effects = "auto"` would start with.
 pub fn plan(scene: &Scene) -> Plan {
     let scene = &run::choose(scene, &mut |_| {});
+    let (chosen, choice) = choose(scene).unzip();
+    let scene = chosen.as_ref().unwrap_or(scene);
     let all = launches(&scene.bar, &scene.left, &scene.right);
     let (asked, cut) = (scene, scene.in_pieces());
     let scene = cut.as_ref().unwrap_or(scene);
@@ -158,6 +173,7 @@ pub fn plan(scene: &Scene) -> Plan {
         method: method.into(),
         scheme: scheme.into(),
         effects: effects(asked, &all),
+        choice,
         auto: scene.auto.as_ref().map(|auto| auto.choices.clone()),
         work,
         field_bytes: samples * size_of::<f64>(),
@@ -166,6 +182,21 @@ pub fn plan(scene: &Scene) -> Plan {
         above_critical: all.iter().any(|l| l.fan.above_critical),
         staircase: scene.cut.as_ref().map(|cut| Staircase { pieces: cut.of.len(), reflects: cut.reflects }),
     }
+}
+
+/// What a tolerance comes to: the scene with the method and resolution that its run would start from.
+fn choose(scene: &Scene) -> Option<(Scene, PlannedChoice)> {
+    let tolerance = scene.solve.tolerance.as_ref()?;
+    let schemes: Vec<String> = tolerance.methods.iter().map(|m| m.names()[1].to_owned()).collect();
+    let mut chosen = scene.clone();
+    let how = match run::foretell(scene) {
+        Some((method, why)) => {
+            chosen.solve.method = method;
+            format!("{why}; the run goes on from there, finer where its own estimate misses")
+        }
+        None => "no method is expected to get there".into(),
+    };
+    Some((chosen, PlannedChoice { tolerance: tolerance.value, schemes, how }))
 }
 
 /// The work on a grid, and its cells.

@@ -346,6 +346,10 @@ fn write_figures(file: &File, figures: &Finish) -> Hdf<()> {
         put(file, "error_value", &error.value)?;
         put_text(file, "error_measure", &error.measure)?;
         put_text(file, "error_reference", &error.reference)?;
+        let group = file.create_group("error")?;
+        put(&group, "value", &error.value)?;
+        put_text(&group, "measure", &error.measure)?;
+        put_text(&group, "reference", &error.reference)?;
     }
     Ok(())
 }

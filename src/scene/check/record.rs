@@ -34,7 +34,8 @@ impl Checker<'_> {
         let tracked = solve.method.tracks_fronts();
         let record = Record {
             times: self.times(raw, solve.until)?,
-            cells: cells.or(tracked.then_some(SAMPLES)),
+            // Which method a tolerance chooses must not change what is recorded.
+            cells: cells.or((tracked || solve.tolerance.is_some()).then_some(SAMPLES)),
             paths: self.paths(raw, &solve.method)?,
             fields: self.fields(raw, effects, twisted)?,
             gauges: self.gauges(raw, bar.length())?,

@@ -5,7 +5,7 @@ use std::ops::Range;
 use toml::Spanned;
 
 use super::super::raw::{RawEffects, RawMethod, RawSolve};
-use super::super::{Method, Solve};
+use super::super::{Method, Solve, Tolerance};
 use super::{Checker, MOST_CELLS};
 use crate::error::Result;
 use crate::input::Allowed;
@@ -49,6 +49,7 @@ impl Checker<'_> {
             return Err(self.missing(span, "solve.until", help));
         };
         let until = self.document.number(until, "solve.until", Dimension::Time, Allowed::Positive)?;
+        let tolerance = self.tolerance(raw)?;
         let rate = effects.rate.is_some();
         // A net follows fronts of rate-dependent bars within one cell, but does not part, has nothing act along the bar, and knows
         // no temperature.
@@ -69,8 +70,29 @@ impl Checker<'_> {
             (RawMethod::Moc, true) => Method::CharacteristicNet { cells: self.cells(raw)? },
         };
         let (key, range) = ("solve.audit-tolerance", Allowed::Between(0.0, 1.0));
-        let tolerance = self.document.optional(raw.audit_tolerance.as_ref(), key, Dimension::None, range)?;
-        Ok(Solve { until, method, audit_tolerance: tolerance.unwrap_or(Solve::AUDIT_TOLERANCE) })
+        let audit_tolerance = self.document.optional(raw.audit_tolerance.as_ref(), key, Dimension::None, range)?;
+        // What is left out may change the answer by no more than what is asked of it.
+        let default = tolerance.as_ref().map_or(Solve::AUDIT_TOLERANCE, |t| t.value);
+        let audit_tolerance = audit_tolerance.unwrap_or(default);
+        Ok(Solve { until, method, tolerance, estimate_error: false, audit_tolerance })
+    }
+
+    /// The tolerance that takes the place of a method, and of all that belongs to one. Its methods are the reader's to find.
+    fn tolerance(&self, raw: &RawSolve) -> Result<Option<Tolerance>> {
+        let (key, range) = ("solve.tolerance", Allowed::Above(0.0, 0.5));
+        let Some(value) = self.document.optional(raw.tolerance.as_ref(), key, Dimension::None, range)? else {
+            return Ok(None);
+        };
+        let method = raw.method.as_ref().map(|m| ("method", m.span()));
+        if let Some((name, span)) = method.into_iter().chain(given(raw)).next() {
+            let message =
+                format!("`{name}` and `tolerance` stand together: a tolerance chooses the method and its settings");
+            let help =
+                format!("take one of them out (on the command line: --set solve.{name}= or --set solve.tolerance=)");
+            let error = self.error(span, &format!("solve.{name}"), message).allowed("until and tolerance");
+            return Err(error.help(help).into());
+        }
+        Ok(Some(Tolerance { value, methods: Vec::new() }))
     }
 
     /// `blow_cfl` is leapfrog's default.

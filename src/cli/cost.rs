@@ -1,0 +1,415 @@
+//! `barwave cost`: what accuracy costs in time.
+
+use std::fmt::Write as _;
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+use super::output;
+use crate::error::{Error, InputError, Result};
+use crate::report::{self, plot};
+use crate::run::Wish;
+use crate::scene::Scene;
+use crate::study::cost::{Cost, CostPoint, EffectCost, Growth, Hooks, OrderFit, Reach, Whole, cost};
+use crate::units::{Dimension, Quantity};
+
+/// Options of `barwave cost`.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// The scene file.
+    #[arg(value_name = "SCENE.toml")]
+    scene: PathBuf,
+    /// Table (.csv), picture (.svg, .png, .html) or everything (.json) to write.
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Time for all of it, e.g. 60s or "5 min".
+    #[arg(long, value_name = "TIME", default_value = "60s")]
+    budget: Quantity,
+    /// Change a key of the scene, as for `barwave run`; may be repeated.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    overrides: Vec<String>,
+    /// Print one JSON object on stdout and nothing else.
+    #[arg(long)]
+    json: bool,
+    /// No progress bar and no table.
+    #[arg(long)]
+    quiet: bool,
+}
+
+/// What the output file is.
+enum Kind {
+    Csv,
+    Json,
+    Picture,
+}
+
+/// Looks at a process that is waited for: often at first, so that short runs are timed to a fraction of a millisecond.
+const FIRST_LOOK: Duration = Duration::from_micros(200);
+const LAST_LOOK: Duration = Duration::from_millis(5);
+
+/// Ticks of the progress bar in a second of the budget.
+const TICKS: f64 = 10.0;
+
+/// Milliseconds in a second.
+const MILLI: f64 = 1e3;
+
+pub(crate) fn run(args: &Args) -> Result<()> {
+    let budget = seconds(&args.budget)?;
+    let kind = args.output.as_deref().map(kind).transpose()?;
+    let scene = Scene::read(&args.scene, &args.overrides)?;
+    let stop = Arc::new(AtomicBool::new(false));
+    let asked = Arc::clone(&stop);
+    // A handler can only be missing where another one is set already; the study then ends as that one says.
+    let _ = ctrlc::set_handler(move || asked.store(true, Ordering::Relaxed));
+    let bar = progress_bar(args.quiet || args.json, budget);
+    let scratch = Scratch::new()?;
+    let mut whole = |overrides: &[String], most: f64| scratch.time(&args.scene, overrides, most, &stop);
+    let mut progress = |what: &str, now: f64| {
+        bar.set_position((TICKS * now) as u64);
+        bar.set_message(what.to_owned());
+        if stop.load(Ordering::Relaxed) { Wish::Stop } else { Wish::GoOn }
+    };
+    let found = cost(&scene, &mut Hooks { budget, whole: &mut whole, progress: &mut progress });
+    bar.finish_and_clear();
+    let found = found?;
+    if let (Some(path), Some(kind)) = (args.output.as_deref(), kind) {
+        write(path, &kind, &found)?;
+    }
+    if args.json {
+        output::json(&found)?;
+    } else if !args.quiet {
+        output::text(&text(&found, args.output.as_deref()))?;
+    }
+    if found.interrupted { Err(Error::Interrupted) } else { Ok(()) }
+}
+
+fn seconds(budget: &Quantity) -> Result<f64> {
+    let wrong = |message: String| {
+        let error = InputError::new(message).key("--budget").allowed("a time above 0");
+        Error::from(error.help("e.g. --budget 60s or --budget \"5 min\""))
+    };
+    match budget.si(Dimension::Time) {
+        Ok(seconds) if seconds > 0.0 => Ok(seconds),
+        Ok(seconds) => Err(wrong(format!("a budget of {seconds} s is no time"))),
+        Err(message) => Err(wrong(message)),
+    }
+}
+
+fn kind(path: &Path) -> Result<Kind> {
+    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    match extension.as_str() {
+        "csv" => Ok(Kind::Csv),
+        "json" => Ok(Kind::Json),
+        _ => plot::Format::of(path).map(|_| Kind::Picture).map_err(|e| match e {
+            Error::Input(e) => e.allowed("names that end in .csv, .svg, .png, .html or .json").into(),
+            other => other,
+        }),
+    }
+}
+
+fn write(path: &Path, kind: &Kind, cost: &Cost) -> Result<()> {
+    match kind {
+        Kind::Csv => plot::write_whole(path, csv(&cost.points).as_bytes()),
+        Kind::Json => {
+            let json = serde_json::to_string_pretty(cost).map_err(|e| Error::file(path, e))?;
+            plot::write_whole(path, (json + "\n").as_bytes())
+        }
+        Kind::Picture => plot::save(path, &cost.scene, &report::cost::figure(cost)),
+    }
+}
+
+fn progress_bar(silent: bool, budget: f64) -> ProgressBar {
+    if silent || !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::new((TICKS * budget) as u64);
+    if let Ok(style) = ProgressStyle::with_template("{bar:30} {percent:>3} % of the budget  {msg}") {
+        bar.set_style(style);
+    }
+    bar
+}
+
+/// A folder for result files that nobody asked for; it goes with the value.
+struct Scratch(PathBuf);
+
+impl Scratch {
+    fn new() -> Result<Self> {
+        let folder = std::env::temp_dir().join(format!("barwave-cost-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).map_err(|e| Error::file(&folder, e))?;
+        Ok(Self(folder))
+    }
+
+    /// The time of `barwave run` with these overrides, from the start of its process to its end.
+    fn time(&self, scene: &Path, overrides: &[String], most: f64, stop: &AtomicBool) -> Whole {
+        let Ok(program) = std::env::current_exe() else {
+            return Whole::Failed("the program does not know its own place".into());
+        };
+        let mut command = Command::new(program);
+        command.arg("run").arg(scene).arg("--quiet").arg("-o").arg(self.0.join("whole.h5"));
+        for set in overrides {
+            command.arg("--set").arg(set);
+        }
+        command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+        let started = Instant::now();
+        match command.spawn() {
+            Ok(child) => wait(child, started, most, stop),
+            Err(error) => Whole::Failed(error.to_string()),
+        }
+    }
+}
+
+impl Drop for Scratch {
+    fn drop(&mut self) {
+        // What cannot be removed stays where the system keeps such things.
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+fn wait(mut child: Child, started: Instant, most: f64, stop: &AtomicBool) -> Whole {
+    let mut pause = FIRST_LOOK;
+    loop {
+        let ended = child.try_wait();
+        let elapsed = started.elapsed().as_secs_f64();
+        let end = match ended {
+            Ok(Some(status)) if status.success() => return Whole::Took(elapsed),
+            Ok(Some(status)) => return Whole::Failed(status.to_string()),
+            Err(error) => return Whole::Failed(error.to_string()),
+            Ok(None) if stop.load(Ordering::Relaxed) => Whole::Interrupted,
+            Ok(None) if elapsed > most => Whole::OutOfTime,
+            Ok(None) => {
+                std::thread::sleep(pause);
+                pause = LAST_LOOK.min(pause + pause / 4);
+                continue;
+            }
+        };
+        // It may have ended just now; then there is nothing to stop.
+        let _ = child.kill();
+        let _ = child.wait();
+        return end;
+    }
+}
+
+/// One row a point.
+fn csv(points: &[CostPoint]) -> String {
+    let mut text = String::from(
+        "method,scheme,cells,front_tolerance,error,gauge_error,step_wall_s,shortest_s,spread,repetitions,whole_wall_s,work,work_unit,\
+         memory_bytes,pareto,below_reference\n",
+    );
+    let number = |value: Option<f64>| value.map_or_else(String::new, |v| v.to_string());
+    for p in points {
+        // Writing to a String cannot fail.
+        let _ = writeln!(
+            text,
+            "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}",
+            p.method,
+            p.scheme,
+            p.cells.map_or_else(String::new, |c| c.to_string()),
+            number(p.front_tolerance),
+            p.error,
+            number(p.gauge_error),
+            p.step_wall_s,
+            p.shortest_s,
+            p.spread,
+            p.repetitions,
+            number(p.whole_wall_s),
+            p.work,
+            p.work_unit,
+            p.memory_bytes,
+            p.pareto,
+            p.below_reference
+        );
+    }
+    text
+}
+
+/// Everything, for people.
+fn text(cost: &Cost, written: Option<&Path>) -> String {
+    let head = format!(
+        "{}\n\nerror: {}, against the\n  {} (itself uncertain by {:.1e})\n",
+        cost.scene, cost.measure, cost.reference, cost.reference_uncertainty
+    );
+    let marks = "* nothing is both quicker and better   ~ below what the reference is uncertain by\n";
+    let mut parts = vec![head, points_table(cost), [marks, &orders(cost)].concat(), cheapest_table(cost)];
+    if !cost.effects.is_empty() {
+        parts.push(effects_table(cost));
+    }
+    if !cost.growth.is_empty() {
+        parts.push(growth_table(&cost.growth));
+    }
+    parts.push(notes(cost, written));
+    parts.join("\n")
+}
+
+/// One line a method.
+fn orders(cost: &Cost) -> String {
+    let line = |fit: &OrderFit| {
+        let (scheme, against, points) = (&fit.scheme, fit.against.replace('_', " "), fit.fitted.len());
+        format!(
+            "order of {scheme}: {:.2} in {against}, {:.2} in time, over {points} points\n",
+            fit.order, fit.order_in_time
+        )
+    };
+    cost.order_fits.iter().map(line).collect()
+}
+
+/// What was left out, and under what circumstances all this was measured.
+fn notes(cost: &Cost, written: Option<&Path>) -> String {
+    let mut lines = Vec::new();
+    for unable in &cost.unable {
+        lines.push(format!("not possible: {}: {}", unable.scheme.as_deref().unwrap_or(&unable.method), unable.why));
+    }
+    for skipped in &cost.skipped {
+        let at = resolution(skipped.cells, skipped.front_tolerance);
+        lines.push(format!("left out: {}, {at}: {}", skipped.scheme, skipped.why));
+    }
+    let load = |value: Option<f64>| value.map_or_else(|| "unknown".into(), |v| format!("{v:.2}"));
+    lines.push(format!(
+        "times are medians; {:.1} s of {} s used; load of the machine {} before and {} after, {} threads",
+        cost.wall_s,
+        cost.budget_s,
+        load(cost.load[0]),
+        load(cost.load[1]),
+        cost.threads
+    ));
+    if cost.interrupted {
+        lines.push("stopped before its end: this is what there was".into());
+    }
+    lines.extend(written.map(|path| format!("wrote {}", path.display())));
+    lines.join("\n") + "\n"
+}
+
+fn resolution(cells: Option<usize>, front_tolerance: Option<f64>) -> String {
+    match (cells, front_tolerance) {
+        (Some(cells), _) => format!("{cells} cells"),
+        (None, tolerance) => format!("tolerance {}", tolerance.unwrap_or(0.0)),
+    }
+}
+
+fn milliseconds(seconds: Option<f64>) -> String {
+    seconds.map_or_else(|| "-".into(), |s| format!("{:.3}", MILLI * s))
+}
+
+fn points_table(cost: &Cost) -> String {
+    let row = |p: &CostPoint| {
+        let marks = format!("{}{}", if p.pareto { "*" } else { "" }, if p.below_reference { "~" } else { "" });
+        vec![
+            p.scheme.clone(),
+            resolution(p.cells, p.front_tolerance),
+            format!("{:.2e}", p.error),
+            p.gauge_error.map_or_else(|| "-".into(), |e| format!("{e:.2e}")),
+            milliseconds(Some(p.step_wall_s)),
+            milliseconds(Some(p.shortest_s)),
+            format!("{:.0} %", 100.0 * p.spread),
+            p.repetitions.to_string(),
+            milliseconds(p.whole_wall_s),
+            format!("{} {}", p.work, p.work_unit),
+            bytes(p.memory_bytes as f64),
+            marks,
+        ]
+    };
+    let headings = [
+        "scheme",
+        "resolution",
+        "error",
+        "at gauges",
+        "stepping ms",
+        "shortest",
+        "spread",
+        "runs",
+        "whole ms",
+        "work",
+        "memory",
+        "",
+    ];
+    output::table(&headings, &cost.points.iter().map(row).collect::<Vec<_>>(), 2, true)
+}
+
+fn bytes(count: f64) -> String {
+    match count {
+        c if c < 1e3 => format!("{c:.0} B"),
+        c if c < 1e6 => format!("{:.1} kB", c / 1e3),
+        c => format!("{:.1} MB", c / 1e6),
+    }
+}
+
+/// Every method's way to each tolerance, and the cheapest.
+fn cheapest_table(cost: &Cost) -> String {
+    let schemes: Vec<&str> = cost.schemes().iter().map(|s| s.0).collect();
+    let mut headings = vec!["error of", "cheapest"];
+    headings.extend(&schemes);
+    let how = |r: &Reach| match (r.how, r.step_wall_s) {
+        (_, None) => "not reached".to_owned(),
+        ("interpolated", time) => format!("{} ms", milliseconds(time)),
+        (_, time) => format!("<= {} ms", milliseconds(time)),
+    };
+    let row = |best: &Reach| {
+        let at = |r: &Reach| match (r.cells, r.front_tolerance) {
+            (Some(cells), _) => format!("{cells:.0} cells"),
+            (None, Some(tolerance)) => format!("tolerance {tolerance:.1e}"),
+            (None, None) => String::new(),
+        };
+        let name = best.scheme.as_deref().map_or_else(|| "none".into(), |s| format!("{s}, {}", at(best)));
+        let mut cells = vec![format!("{} %", 100.0 * best.tolerance), name];
+        for scheme in &schemes {
+            let own = cost.reach.iter().find(|r| r.tolerance == best.tolerance && r.scheme.as_deref() == Some(scheme));
+            cells.push(own.map_or_else(String::new, how));
+        }
+        cells
+    };
+    output::table(&headings, &cost.cheapest.iter().map(row).collect::<Vec<_>>(), 2, false)
+}
+
+fn effects_table(cost: &Cost) -> String {
+    let row = |e: &EffectCost| {
+        let why = e.why.clone().unwrap_or_else(|| format!("{}, {} cells", e.scheme, e.cells));
+        vec![e.effect.clone(), output::fixed(e.ns_per_cell_step, 3), output::fixed(e.ratio_to_none, 2), why]
+    };
+    let rows: Vec<_> = cost.effects.iter().map(row).collect();
+    output::table(&["effect", "added ns per cell-step", "ratio to none", "on"], &rows, 1, true)
+}
+
+fn growth_table(growth: &[Growth]) -> String {
+    let row = |g: &Growth| {
+        let (low, high) = (g.values.first().copied(), g.values.last().copied());
+        let range = format!("{:.3e} to {:.3e}", low.unwrap_or(0.0), high.unwrap_or(0.0));
+        vec![
+            g.scheme.clone(),
+            g.with.replace('_', " "),
+            range,
+            output::fixed(g.time_exponent, 2),
+            output::fixed(g.memory_exponent, 2),
+            g.at.clone(),
+        ]
+    };
+    let rows: Vec<_> = growth.iter().map(row).collect();
+    output::table(&["scheme", "growth with", "from", "time exponent", "memory exponent", "at"], &rows, 2, true)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_budget_is_a_time_above_zero() {
+        let budget = |text: &str| seconds(&text.parse().unwrap_or(Quantity::Number(-1.0)));
+        assert_eq!(budget("60s").expect("a time"), 60.0);
+        assert_eq!(budget("2 min").expect("a time"), 120.0);
+        assert_eq!(budget("0.5").expect("a time"), 0.5);
+        for wrong in ["0", "-3 s", "3 m", "long"] {
+            assert_eq!(budget(wrong).expect_err("no time").exit_code(), 2, "{wrong}");
+        }
+    }
+
+    #[test]
+    fn the_file_s_name_says_what_is_written() {
+        assert!(matches!(kind(Path::new("a.csv")), Ok(Kind::Csv)));
+        assert!(matches!(kind(Path::new("a.JSON")), Ok(Kind::Json)));
+        assert!(matches!(kind(Path::new("a.svg")), Ok(Kind::Picture)));
+        assert!(kind(Path::new("a.txt")).is_err());
+    }
+}

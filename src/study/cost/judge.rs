@@ -1,0 +1,270 @@
+//! What the points say together: observed orders, the Pareto front, and the cheapest way to each tolerance.
+
+use serde::Serialize;
+
+use super::{CostPoint, Resolution};
+
+/// Tolerances that are asked after.
+pub const TOLERANCES: [f64; 4] = [1e-1, 1e-2, 1e-3, 1e-4];
+
+/// Points count for an order where their error is at least so many times what the reference is uncertain by.
+const CLEAR: f64 = 3.0;
+/// Local orders that differ by no more than this from the finest one belong to the asymptotic part.
+const ALIKE: f64 = 0.35;
+/// Most points of a fit.
+const MOST_FITTED: usize = 5;
+
+/// An observed order.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct OrderFit {
+    /// "fd" or "moc".
+    pub method: String,
+    /// "leapfrog", ...
+    pub scheme: String,
+    /// Exponent p of error ~ cells^-p, or of error ~ tolerance^p.
+    pub order: f64,
+    /// "cells" or "`front_tolerance`".
+    pub against: &'static str,
+    /// Exponent q of error ~ time^-q over the same points.
+    pub order_in_time: f64,
+    /// Resolutions of the points that were fitted.
+    pub fitted: Vec<f64>,
+    /// How the points were chosen.
+    pub how: String,
+}
+
+/// How a method gets to a tolerance.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Reach {
+    /// The tolerance.
+    pub tolerance: f64,
+    /// "fd" or "moc"; null where nothing reaches it.
+    pub method: Option<String>,
+    /// "leapfrog", ...
+    pub scheme: Option<String>,
+    /// Cells: interpolated, or those of the point.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cells: Option<f64>,
+    /// Front tolerance: interpolated, or that of the point.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub front_tolerance: Option<f64>,
+    /// Stepping time, s.
+    pub step_wall_s: Option<f64>,
+    /// "interpolated" between two points, at the "point" itself where the coarsest one does already, or "not reached".
+    pub how: &'static str,
+    /// The first point of the ladder that meets it: index into the points.
+    pub point: Option<usize>,
+    /// Error of that point.
+    pub error: Option<f64>,
+    /// Whole time of that point, s.
+    pub whole_wall_s: Option<f64>,
+}
+
+/// A measure of fineness that grows: cells, or one over the tolerance.
+fn fineness(point: &CostPoint) -> f64 {
+    match point.resolution() {
+        Resolution::Cells(cells) => cells as f64,
+        Resolution::FrontTolerance(tolerance) => 1.0 / tolerance,
+    }
+}
+
+/// Exponent a of y ~ x^a by least squares on logarithms; none for fewer than two different x.
+pub(super) fn exponent(points: &[(f64, f64)]) -> Option<f64> {
+    let logs: Vec<(f64, f64)> =
+        points.iter().filter(|p| p.0 > 0.0 && p.1 > 0.0).map(|p| (p.0.ln(), p.1.ln())).collect();
+    let count = logs.len() as f64;
+    let mean = logs.iter().fold((0.0, 0.0), |m, p| (m.0 + p.0 / count, m.1 + p.1 / count));
+    let (mut xy, mut xx) = (0.0, 0.0);
+    for (x, y) in &logs {
+        xy += (x - mean.0) * (y - mean.1);
+        xx += (x - mean.0) * (x - mean.0);
+    }
+    (xx > 0.0).then(|| xy / xx)
+}
+
+/// Observed order of one method over the asymptotic part of its points, coarse to fine; none where that is no more than
+/// one point. `uncertainty` is that of the reference.
+pub(super) fn order(points: &[&CostPoint], uncertainty: f64) -> Option<OrderFit> {
+    let first = points.first()?;
+    let clear: Vec<&CostPoint> = points
+        .iter()
+        .copied()
+        .filter(|p| p.error > CLEAR * uncertainty && p.error > 0.0 && fineness(p).is_finite())
+        .collect();
+    let local =
+        |k: usize| exponent(&[(fineness(clear[k]), clear[k].error), (fineness(clear[k + 1]), clear[k + 1].error)]);
+    let last = local(clear.len().checked_sub(2)?)?;
+    let mut from = clear.len() - 2;
+    while from > 0 && clear.len() - from < MOST_FITTED && local(from - 1).is_some_and(|o| (o - last).abs() <= ALIKE) {
+        from -= 1;
+    }
+    let fitted = &clear[from..];
+    let by = |x: &dyn Fn(&CostPoint) -> f64| exponent(&fitted.iter().map(|p| (x(p), p.error)).collect::<Vec<_>>());
+    let (against, value): (_, fn(&CostPoint) -> f64) = match first.resolution() {
+        Resolution::Cells(_) => ("cells", fineness),
+        Resolution::FrontTolerance(_) => ("front_tolerance", |p| 1.0 / fineness(p)),
+    };
+    Some(OrderFit {
+        method: first.method.clone(),
+        scheme: first.scheme.clone(),
+        order: -by(&fineness)?,
+        against,
+        order_in_time: -by(&|p| p.step_wall_s)?,
+        fitted: fitted.iter().map(|p| value(p)).collect(),
+        how: format!(
+            "least squares of logarithms over the {} finest points whose error is more than {CLEAR} times the reference's \
+             uncertainty and whose local orders differ from the finest one by at most {ALIKE}",
+            fitted.len()
+        ),
+    })
+}
+
+/// Which points no other one beats in both stepping time and error. Errors count as no smaller than the reference's
+/// `uncertainty`; of points alike in both the first is taken.
+pub(super) fn pareto(points: &[CostPoint], uncertainty: f64) -> Vec<bool> {
+    let bound = |p: &CostPoint| p.error.max(uncertainty);
+    let beats = |(i, a): (usize, &CostPoint), (j, b): (usize, &CostPoint)| {
+        let no_worse = a.step_wall_s <= b.step_wall_s && bound(a) <= bound(b);
+        let better = a.step_wall_s < b.step_wall_s || bound(a) < bound(b) || i < j;
+        i != j && no_worse && better
+    };
+    let all = || points.iter().enumerate();
+    all().map(|b| !all().any(|a| beats(a, b))).collect()
+}
+
+/// When one method reaches a tolerance. `points` are its own, coarse to fine, with their indices; errors count as no
+/// smaller than the reference's `uncertainty`.
+pub(super) fn reach(points: &[(usize, &CostPoint)], tolerance: f64, uncertainty: f64) -> Reach {
+    let bound = |p: &CostPoint| p.error.max(uncertainty);
+    let names = points.first().map(|(_, p)| (p.method.clone(), p.scheme.clone()));
+    let (method, scheme) = names.unzip();
+    // From here on every finer point holds it: one that meets it by chance does not count.
+    let Some(k) = (0..points.len()).find(|&k| points[k..].iter().all(|(_, p)| bound(p) <= tolerance)) else {
+        return Reach {
+            tolerance,
+            method,
+            scheme,
+            cells: None,
+            front_tolerance: None,
+            step_wall_s: None,
+            how: "not reached",
+            point: None,
+            error: None,
+            whole_wall_s: None,
+        };
+    };
+    let (index, found) = points[k];
+    let before = k.checked_sub(1).map(|k| points[k].1);
+    // Where on the way from the point before, on logarithms; an exact point is taken as it is.
+    let part = before
+        .filter(|_| bound(found) > 0.0 && found.exact != Some(true))
+        .map(|b| ((bound(b) / tolerance).ln() / (bound(b) / bound(found)).ln()).clamp(0.0, 1.0));
+    let at = |value: &dyn Fn(&CostPoint) -> f64| match (part, before) {
+        (Some(part), Some(b)) if value(b) > 0.0 && value(found) > 0.0 => {
+            value(b) * (value(found) / value(b)).powf(part)
+        }
+        _ => value(found),
+    };
+    let fine = 1.0 / at(&|p| 1.0 / fineness(p));
+    let is_cells = matches!(found.resolution(), Resolution::Cells(_));
+    Reach {
+        tolerance,
+        method,
+        scheme,
+        cells: is_cells.then_some(fine),
+        front_tolerance: (!is_cells).then(|| 1.0 / fine),
+        step_wall_s: Some(at(&|p| p.step_wall_s)),
+        how: if part.is_some() { "interpolated" } else { "point" },
+        point: Some(index),
+        error: Some(found.error),
+        whole_wall_s: found.whole_wall_s,
+    }
+}
+
+/// The cheapest of all methods for a tolerance.
+pub(super) fn cheapest(all: &[Reach], tolerance: f64) -> Reach {
+    let reached = all.iter().filter(|r| r.tolerance == tolerance && r.step_wall_s.is_some());
+    let time = |r: &Reach| r.step_wall_s.unwrap_or(f64::INFINITY);
+    let best = reached.min_by(|a, b| time(a).total_cmp(&time(b)));
+    best.cloned().unwrap_or_else(|| Reach { method: None, scheme: None, ..reach(&[], tolerance, 0.0) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn point(cells: usize, error: f64, time: f64) -> CostPoint {
+        CostPoint { scheme: "leapfrog".into(), ..CostPoint::plain("fd", Resolution::Cells(cells), error, time) }
+    }
+
+    /// error = 20 n^-p beyond 400 cells, far larger before.
+    fn ladder(p: f64) -> Vec<CostPoint> {
+        let error = |n: usize| 20.0 * (n as f64).powf(-p) * if n < 400 { 3.0 } else { 1.0 };
+        (0..6).map(|k| 100 << k).map(|n| point(n, error(n), 1e-8 * (n * n) as f64)).collect()
+    }
+
+    #[test]
+    fn the_order_is_that_of_the_asymptotic_part() {
+        let points = ladder(0.66);
+        let all: Vec<_> = points.iter().collect();
+        let fit = order(&all, 0.0).expect("there are points");
+        assert!((fit.order - 0.66).abs() < 1e-12, "{}", fit.order);
+        assert!((fit.order_in_time - 0.33).abs() < 1e-12);
+        assert_eq!(fit.fitted, [400.0, 800.0, 1600.0, 3200.0]);
+    }
+
+    #[test]
+    fn points_near_the_reference_s_own_error_are_left_out_of_the_order() {
+        let mut points = ladder(1.0);
+        // What the reference is off by hides the finest error.
+        points[5].error = 0.0061;
+        let all: Vec<_> = points.iter().collect();
+        let fit = order(&all, 0.004).expect("there are points");
+        assert!((fit.order - 1.0).abs() < 1e-12, "{}", fit.order);
+        assert_eq!(*fit.fitted.last().expect("a point"), 1600.0);
+        assert!(order(&all, 1.0).is_none());
+    }
+
+    #[test]
+    fn the_pareto_front_holds_what_nothing_beats() {
+        let points =
+            [point(1, 0.1, 1.0), point(2, 0.05, 2.0), point(3, 0.2, 1.5), point(4, 0.01, 2.0), point(5, 0.01, 2.0)];
+        assert_eq!(pareto(&points, 0.0), [true, false, false, true, false]);
+        // Where the reference is uncertain by 0.07, going below that is no gain.
+        assert_eq!(pareto(&points, 0.07), [true, true, false, false, false]);
+    }
+
+    #[test]
+    fn a_tolerance_is_reached_between_two_points() {
+        let points = [point(100, 0.1, 1.0), point(200, 0.05, 4.0), point(400, 0.025, 16.0)];
+        let all: Vec<_> = points.iter().enumerate().collect();
+        let found = reach(&all, 0.05 / 2_f64.sqrt(), 0.0);
+        assert_eq!((found.how, found.point), ("interpolated", Some(2)));
+        assert!((found.step_wall_s.expect("reached") - 8.0).abs() < 1e-12);
+        assert!((found.cells.expect("a grid") - 200.0 * 2_f64.sqrt()).abs() < 1e-9);
+        assert_eq!(reach(&all, 0.3, 0.0).how, "point");
+        assert_eq!(reach(&all, 0.3, 0.0).step_wall_s, Some(1.0));
+        assert_eq!(reach(&all, 0.01, 0.0).how, "not reached");
+        // Below the reference's uncertainty nothing is known to be reached.
+        assert_eq!(reach(&all, 0.03, 0.04).how, "not reached");
+    }
+
+    #[test]
+    fn a_point_that_meets_a_tolerance_by_chance_does_not_count() {
+        let points = [point(100, 0.009, 1.0), point(200, 0.05, 4.0), point(400, 0.005, 16.0)];
+        let all: Vec<_> = points.iter().enumerate().collect();
+        assert_eq!(reach(&all, 0.01, 0.0).point, Some(2));
+    }
+
+    #[test]
+    fn the_cheapest_is_the_one_in_the_shortest_time() {
+        let slow = [point(100, 0.1, 1.0), point(200, 0.001, 4.0)];
+        let quick =
+            [CostPoint { exact: Some(true), ..CostPoint::plain("moc", Resolution::FrontTolerance(0.1), 0.0, 0.5) }];
+        let reaches =
+            [reach(&slow.iter().enumerate().collect::<Vec<_>>(), 0.01, 0.0), reach(&[(2, &quick[0])], 0.01, 1e-12)];
+        let best = cheapest(&reaches, 0.01);
+        assert_eq!((best.method.as_deref(), best.point, best.step_wall_s), (Some("moc"), Some(2), Some(0.5)));
+        assert_eq!(cheapest(&reaches, 0.1).method, None);
+    }
+}

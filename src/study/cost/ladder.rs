@@ -1,0 +1,235 @@
+//! Which point is run next, and when to stop: always the one that is expected to take the shortest, as long as it fits
+//! into the time that is left.
+
+use super::Resolution;
+
+/// Error bound from which on a method need not be refined: below the finest tolerance that is asked after.
+const FINE_ENOUGH: f64 = 3e-5;
+
+/// Rungs that every grid gets all the same, so that a line can be drawn and growth be seen.
+const LEAST_CELL_RUNGS: usize = 4;
+
+/// Expected growth of the stepping time from one rung to the next: cells and steps double; for fronts a guess, until two
+/// rungs tell.
+const CELLS_GROWTH: f64 = 4.0;
+const FRONTS_GROWTH: f64 = 3.0;
+/// Fronts can grow faster than any two rungs tell, but guesses above this would stop a ladder for a hiccup of the clock.
+const MOST_GROWTH: f64 = 10.0;
+/// All else grows with the output: with the cells.
+const OTHER_GROWTH: f64 = 2.0;
+
+/// What a point took of the study's time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Spent {
+    /// One run's stepping, s.
+    pub step: f64,
+    /// Runs that were stepped.
+    pub passes: f64,
+    /// All of it, s.
+    pub total: f64,
+}
+
+/// What a finished point says to the ladder.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Ran {
+    pub spent: Spent,
+    /// Error, at least what the reference is uncertain by.
+    pub bound: f64,
+    /// No finer rung gives another result.
+    pub exact: bool,
+    /// The error is below what the reference is uncertain by.
+    pub below_reference: bool,
+}
+
+/// Why a point has no result.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Halt {
+    /// The user asked to stop.
+    Interrupted,
+    /// The time was over while it ran.
+    OutOfTime,
+    /// The run itself could not go on.
+    Failed(String),
+}
+
+/// What runs the points: the real one, or a fake one with a clock of its own.
+pub(super) trait Runner {
+    /// Runs one point of a family.
+    fn run(&mut self, family: usize, resolution: Resolution) -> Result<Ran, Halt>;
+    /// Time of the study, s.
+    fn now(&self) -> f64;
+}
+
+/// A rung that was left out.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Left {
+    pub family: usize,
+    pub resolution: Resolution,
+    /// Expected time, s.
+    pub expected: Option<f64>,
+    pub why: String,
+}
+
+/// One family on its way up.
+struct Ladder<'a> {
+    rungs: &'a [Resolution],
+    ran: Vec<Ran>,
+    done: bool,
+}
+
+/// Expected time of the next rung, all repetitions and the whole run included, s; `passes` tells how many runs are stepped
+/// of one that takes so long.
+fn expected(ran: &[Ran], next: Resolution, passes: &dyn Fn(f64) -> f64) -> f64 {
+    let Some(last) = ran.last().map(|r| r.spent) else { return 0.0 };
+    let seen = ran.len().checked_sub(2).map(|k| last.step / ran[k].spent.step.max(f64::MIN_POSITIVE));
+    let growth = match next {
+        Resolution::Cells(_) => seen.unwrap_or(CELLS_GROWTH).clamp(CELLS_GROWTH, MOST_GROWTH),
+        Resolution::FrontTolerance(_) => seen.unwrap_or(FRONTS_GROWTH).clamp(FRONTS_GROWTH, MOST_GROWTH),
+    };
+    let step = growth * last.step;
+    let other = (last.total - last.passes * last.step).max(0.0);
+    passes(step) * step + OTHER_GROWTH * other
+}
+
+/// Runs the ladders up to time `until`, s. The flag tells that the user stopped it.
+pub(super) fn climb(
+    rungs: &[&[Resolution]],
+    until: f64,
+    passes: &dyn Fn(f64) -> f64,
+    runner: &mut dyn Runner,
+) -> (Vec<Left>, bool) {
+    let mut ladders: Vec<Ladder<'_>> =
+        rungs.iter().map(|rungs| Ladder { rungs, ran: Vec::new(), done: rungs.is_empty() }).collect();
+    let mut left = Vec::new();
+    loop {
+        let next = |l: &Ladder<'_>| expected(&l.ran, l.rungs[l.ran.len()], passes);
+        let open = ladders.iter().enumerate().filter(|(_, l)| !l.done);
+        let Some((family, time)) = open.map(|(k, l)| (k, next(l))).min_by(|a, b| a.1.total_cmp(&b.1)) else {
+            return (left, false);
+        };
+        let ladder = &mut ladders[family];
+        let resolution = ladder.rungs[ladder.ran.len()];
+        let mut leave = |why: String, expected| left.push(Left { family, resolution, expected, why });
+        let remaining = until - runner.now();
+        if time > remaining {
+            let why =
+                format!("it would take about {time:.2} s, and {:.2} s of the budget are left", remaining.max(0.0));
+            leave(why, Some(time));
+            ladder.done = true;
+            continue;
+        }
+        match runner.run(family, resolution) {
+            Ok(ran) => {
+                ladder.ran.push(ran);
+                ladder.done = ladder.ran.len() == ladder.rungs.len() || enough(&ladder.ran, resolution);
+            }
+            Err(Halt::Interrupted) => return (left, true),
+            Err(Halt::OutOfTime) => {
+                leave("the budget was used up while it ran".into(), None);
+                ladder.done = true;
+            }
+            Err(Halt::Failed(why)) => {
+                leave(why, None);
+                ladder.done = true;
+            }
+        }
+    }
+}
+
+/// A finer rung would tell nothing more.
+fn enough(ran: &[Ran], resolution: Resolution) -> bool {
+    let Some(last) = ran.last() else { return false };
+    let seen = match resolution {
+        Resolution::Cells(_) => ran.len() >= LEAST_CELL_RUNGS,
+        Resolution::FrontTolerance(_) => true,
+    };
+    let blind = ran.len() >= 2 && ran[ran.len() - 2..].iter().all(|r| r.below_reference);
+    seen && (last.exact || last.bound <= FINE_ENOUGH || blind)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Cells: time n^2/1e8 s, error 10/n. Fronts: time 1e-3/tolerance s, error as the tolerance.
+    struct Fake {
+        clock: f64,
+        order: Vec<(usize, Resolution)>,
+        stop_after: usize,
+    }
+
+    impl Runner for Fake {
+        fn run(&mut self, family: usize, resolution: Resolution) -> Result<Ran, Halt> {
+            if self.order.len() == self.stop_after {
+                return Err(Halt::Interrupted);
+            }
+            self.order.push((family, resolution));
+            let (step, bound) = match resolution {
+                Resolution::Cells(n) => ((n * n) as f64 / 1e8, 10.0 / n as f64),
+                Resolution::FrontTolerance(t) => (1e-3 / t, t),
+            };
+            self.clock += 2.0 * step;
+            let spent = Spent { step, passes: 2.0, total: 2.0 * step };
+            Ok(Ran { spent, bound, exact: false, below_reference: false })
+        }
+
+        fn now(&self) -> f64 {
+            self.clock
+        }
+    }
+
+    fn cells(count: u32) -> Vec<Resolution> {
+        (0..count).map(|k| Resolution::Cells(1000 << k)).collect()
+    }
+
+    fn tolerances() -> Vec<Resolution> {
+        [0.1, 0.03, 0.01, 0.003, 0.001].map(Resolution::FrontTolerance).into()
+    }
+
+    fn fake() -> Fake {
+        Fake { clock: 0.0, order: Vec::new(), stop_after: usize::MAX }
+    }
+
+    #[test]
+    fn the_cheapest_next_point_comes_first() {
+        let (cells, tolerances) = (cells(3), tolerances());
+        let mut fake = fake();
+        let (left, interrupted) = climb(&[&cells, &tolerances], 1e9, &|_| 2.0, &mut fake);
+        assert!(left.is_empty() && !interrupted);
+        // 0.01 s for 1000 cells, then tolerances of 0.01, 0.033 s before 2000 cells (0.04 s) and so on.
+        let families: Vec<usize> = fake.order.iter().map(|o| o.0).collect();
+        assert_eq!(families, [0, 1, 1, 0, 1, 0, 1, 1]);
+    }
+
+    #[test]
+    fn what_does_not_fit_into_the_budget_is_left_out_and_named() {
+        let cells = cells(10);
+        let mut fake = fake();
+        let (left, _) = climb(&[&cells], 10.0, &|_| 2.0, &mut fake);
+        // 0.02 + 0.08 + 0.32 + 1.28 + 5.12 = 6.82 s; the next one takes 20.48 s.
+        assert_eq!(fake.order.len(), 5);
+        assert!(fake.clock <= 10.0);
+        assert_eq!(left.len(), 1);
+        assert_eq!(left[0].resolution, Resolution::Cells(32_000));
+        assert!((left[0].expected.expect("it was predicted") - 20.48).abs() < 1e-9);
+        assert!(left[0].why.contains("3.18 s of the budget"), "{}", left[0].why);
+    }
+
+    #[test]
+    fn a_ladder_ends_where_it_is_fine_enough_but_a_grid_not_before_four_rungs() {
+        let fine = [Resolution::Cells(500_000), Resolution::Cells(500_001), Resolution::Cells(500_002)];
+        let fine: Vec<_> = fine.into_iter().chain([Resolution::Cells(500_003), Resolution::Cells(500_004)]).collect();
+        let mut fake = fake();
+        climb(&[&fine], f64::INFINITY, &|_| 2.0, &mut fake);
+        assert_eq!(fake.order.len(), LEAST_CELL_RUNGS);
+    }
+
+    #[test]
+    fn stopping_keeps_what_there_is() {
+        let cells = cells(10);
+        let mut fake = Fake { stop_after: 3, ..fake() };
+        let (left, interrupted) = climb(&[&cells], 1e9, &|_| 2.0, &mut fake);
+        assert!(interrupted && left.is_empty());
+        assert_eq!(fake.order.len(), 3);
+    }
+}

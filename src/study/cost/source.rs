@@ -1,0 +1,113 @@
+//! The scene solved in other ways: its own text, read again with another `[solve]`, so that every rule of the scene language
+//! decides what can be done.
+
+use std::path::{Path, PathBuf};
+
+use super::Unable;
+use crate::error::{Error, InputError, Result};
+use crate::scene::{Method, Scene, Way};
+
+/// How finely a method works.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Resolution {
+    /// Cells of the bar, as asked for.
+    Cells(usize),
+    /// Front tolerance.
+    FrontTolerance(f64),
+}
+
+/// One way to solve the scene, with all its resolutions from the coarsest on.
+#[derive(Debug, Clone)]
+pub(super) struct Family {
+    pub way: Way,
+    /// The scene language's words for it.
+    pub names: [&'static str; 2],
+    pub rungs: Vec<Resolution>,
+}
+
+/// Cells of the coarsest grid, and how often they are doubled at most.
+const FIRST_CELLS: usize = 100;
+const DOUBLINGS: u32 = 14;
+
+/// Front tolerances.
+const TOLERANCES: [f64; 10] = [1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 0.0];
+
+/// The scene as it was typed.
+#[derive(Debug)]
+pub(super) struct Source<'a> {
+    scene: &'a Scene,
+    base: PathBuf,
+    /// The scene records what only one method has.
+    records_paths: bool,
+}
+
+impl<'a> Source<'a> {
+    pub fn new(scene: &'a Scene) -> Self {
+        let base = scene.path.as_deref().and_then(Path::parent).map_or_else(PathBuf::new, Path::to_owned);
+        let table: toml::Table = scene.text.parse().unwrap_or_default();
+        let set = |typed: &String| typed.trim_start().starts_with("record.paths");
+        let written = table.get("record").and_then(|r| r.get("paths")).is_some();
+        Self { scene, base, records_paths: written || scene.overrides.iter().any(set) }
+    }
+
+    /// The ways in which the scene can be solved, and those in which it cannot, with the reason.
+    pub fn families(&self) -> (Vec<Family>, Vec<Unable>) {
+        let (mut able, mut unable) = (Vec::new(), Vec::new());
+        for way in Way::ALL {
+            match self.read(&self.overrides(way, None)) {
+                Ok(scene) => {
+                    let rungs = if scene.solve.method.tracks_fronts() {
+                        TOLERANCES.into_iter().map(Resolution::FrontTolerance).collect()
+                    } else {
+                        (0..DOUBLINGS).map(|k| Resolution::Cells(FIRST_CELLS << k)).collect()
+                    };
+                    able.push(Family { way, names: scene.solve.method.names(), rungs });
+                }
+                Err(error) => {
+                    let why = if let Error::Input(e) = &error { e.message.clone() } else { error.to_string() };
+                    unable.push(Unable { method: way.method.into(), scheme: way.scheme.map(str::to_owned), why });
+                }
+            }
+        }
+        (able, unable)
+    }
+
+    /// What is to be set so that the scene is solved in this way; without a resolution, by the default one.
+    pub fn overrides(&self, way: Way, resolution: Option<Resolution>) -> Vec<String> {
+        let mut solve = vec![format!("until={:e}", self.scene.solve.until), format!("method=\"{}\"", way.method)];
+        solve.extend(way.scheme.map(|scheme| format!("scheme=\"{scheme}\"")));
+        match (self.scene.solve.method, way.scheme) {
+            (Method::Leapfrog { cfl, .. }, Some("leapfrog")) | (Method::Muscl { cfl, .. }, Some("muscl"))
+                if cfl != 1.0 =>
+            {
+                solve.push(format!("cfl={cfl:e}"))
+            }
+            _ => {}
+        }
+        solve.extend(resolution.map(|resolution| match resolution {
+            Resolution::Cells(cells) => format!("cells={cells}"),
+            Resolution::FrontTolerance(tolerance) => format!("front-tolerance={tolerance:e}"),
+        }));
+        let mut all = self.scene.overrides.clone();
+        if self.records_paths {
+            all.push("record.paths=".into());
+        }
+        all.push(format!("solve={{{}}}", solve.join(",")));
+        all
+    }
+
+    /// The scene with these overrides.
+    pub fn read(&self, overrides: &[String]) -> Result<Scene> {
+        if self.scene.text.is_empty() {
+            let message = "this scene has no text that could be read again with another method";
+            return Err(InputError::new(message).help("read it from a file or with Scene::parse").into());
+        }
+        let name = self.scene.path.as_ref().map_or_else(|| self.scene.name.clone(), |p| p.display().to_string());
+        Scene::parse(&name, &self.scene.text, &self.base, overrides)
+    }
+
+    /// The scene in this way at this resolution.
+    pub fn at(&self, way: Way, resolution: Resolution) -> Result<Scene> {
+        self.read(&self.overrides(way, Some(resolution)))
+    }
+}

@@ -14,8 +14,9 @@ use crate::material::{Curve, Heating, Material, Sense};
 use crate::scene::{Effects, Rate, Scene, Unloading};
 use crate::solver::fd::{Along, Grid, Leapfrog, SegmentLaw};
 use crate::solver::moc::{FrontTracking, Settings};
+use crate::solver::muscl::Muscl;
 use crate::solver::net::{Lattice, Net};
-use crate::wave::riemann::Flow;
+use crate::wave::riemann::{Flow, Medium};
 
 /// The finite-difference bar of a scene, ready to step: about `cells` cells, Courant number `cfl`.
 pub fn leapfrog(scene: &Scene, cells: usize, cfl: f64) -> Leapfrog {
@@ -30,6 +31,31 @@ pub fn leapfrog(scene: &Scene, cells: usize, cfl: f64) -> Leapfrog {
         Some(criteria) => bar.that_breaks(criteria),
         None => bar,
     }
+}
+
+/// The conservative finite-difference bar of a scene, ready to step: about `cells` cells, Courant number `cfl`.
+pub fn muscl(scene: &Scene, cells: usize, cfl: f64) -> Muscl {
+    let grid = Grid::new(&scene.bar, cells, cfl);
+    let laws = scene.bar.segments.iter().map(|s| segment_law(s, &scene.effects)).collect();
+    let media = scene.bar.segments.iter().map(|s| medium(s, &scene.effects)).collect();
+    Muscl::new(&scene.bar, grid, laws, media, [scene.left.clone(), scene.right.clone()])
+}
+
+/// Stress differences that are rounding where states are summed up over many steps, as a part of the yield stress.
+const ROUND_OFF: f64 = 1e-11;
+
+/// What the Riemann problem must know of a segment on a grid.
+pub fn medium(segment: &Segment, effects: &Effects) -> Medium {
+    let material = &segment.material;
+    let [tension, compression] = [Sense::Tension, Sense::Compression].map(|sense| {
+        let table = Table::new(material.branch(sense), material.modulus);
+        let level = table.yield_stress();
+        (table, level)
+    });
+    let level = tension.1.min(compression.1);
+    let round_off = if level.is_finite() { ROUND_OFF * level } else { 0.0 };
+    let tables = [&tension.0, &compression.0];
+    Medium::new(tables, material.modulus, material.density, segment.area, flow(effects), round_off)
 }
 
 /// What acts along the bar beside the stress of its curve, if anything does. A section is taken for a round one: its polar

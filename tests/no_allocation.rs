@@ -4,6 +4,8 @@
 mod common;
 #[path = "common/long_bars.rs"]
 mod long_bars;
+#[path = "common/muscl.rs"]
+mod muscl;
 #[path = "common/net.rs"]
 mod net;
 
@@ -116,6 +118,25 @@ fn damping_and_lateral_inertia_allocate_nothing_and_cost_what_is_said() {
         // A node more than cells, and the few that follow the ends.
         let all = bar.state_bytes();
         assert!(all >= bytes * 5000 && all < bytes * 5000 + spare * 8, "{all} for {bytes} a cell");
+    }
+}
+
+#[test]
+fn muscl_allocates_nothing_once_every_block_has_yielded() {
+    for unloading in [None, Some(Unloading::Isotropic), Some(Unloading::Kinematic)] {
+        let segments =
+            || vec![common::segment(common::power_law_steel(), 0.5), common::segment(common::bilinear_steel(), 0.5)];
+        let run = |velocity: f64, warm: usize, steps: usize| {
+            let ends = [common::moved(velocity), EndCondition::Fixed];
+            let mut bar = muscl::muscl(segments(), ends, unloading, 1000, 1.0);
+            (0..warm).for_each(|_| bar.advance());
+            let before = CALLS.with(Cell::get);
+            (0..steps).for_each(|_| bar.advance());
+            (CALLS.with(Cell::get) - before, bar.stayed_elastic())
+        };
+        assert_eq!(run(2.0, 0, 1500), (0, true));
+        // The first Riemann problem of a block that is not simple makes room for its paths.
+        assert_eq!(run(20.0, 4000, 2000), (0, false));
     }
 }
 

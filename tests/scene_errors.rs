@@ -448,6 +448,20 @@ const CASES: &[Case] = &[
     ),
     case(
         "cells = 1000",
+        "method = \"fd\"\nscheme = \"muscl\"\n[effects.rate]\nmodel = \"malvern\"\nk = 1e6",
+        "\"muscl\"",
+        "solve.scheme",
+        &["does not simulate the effect `rate`", "\"leapfrog\"", "characteristic net"],
+    ),
+    case(
+        "cells = 1000",
+        "scheme = \"muscl\"\n[effects.damping]\nexternal = 300",
+        "\"muscl\"",
+        "solve.scheme",
+        &["does not simulate the effects `damping` and `lateral-inertia`", "\"leapfrog\""],
+    ),
+    case(
+        "cells = 1000",
         "front-tolerance = 1e-3",
         "front-tolerance",
         "solve.front-tolerance",

@@ -43,6 +43,13 @@ fn fields(scene: &Scene) -> [Vec<f64>; 3] {
             common::advance_to(&mut bar, scene.solve.until);
             of(&bar, &Sampling::cells(bar.grid()), bar.grid().cells())
         }
+        Method::Muscl { cells, cfl } => {
+            let mut bar = assemble::muscl(scene, cells, cfl);
+            while bar.time() < scene.solve.until - 0.5 * bar.grid().dt {
+                bar.advance();
+            }
+            of(&bar, &Sampling::cells(bar.grid()), bar.grid().cells())
+        }
         Method::CharacteristicNet { cells } => {
             let mut bar = assemble::characteristic_net(scene, cells);
             while bar.time() < scene.solve.until {

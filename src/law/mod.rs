@@ -76,6 +76,11 @@ pub trait CellLaw<const N: usize>: Send + Sync {
     /// cell has come.
     fn accumulated(&self, state: [f64; N]) -> f64;
 
+    /// Middle of the elastic range, as far as hardening moves it, Pa.
+    fn back_stress(&self, _state: [f64; N]) -> f64 {
+        0.0
+    }
+
     /// How far the cell has come along the loading table, as E times the equivalent strain, Pa.
     fn reach(&self, sigma: f64, state: [f64; N]) -> f64 {
         sigma.abs() + self.accumulated(state)
@@ -122,6 +127,9 @@ pub trait RowLaw: Send + Sync {
     /// work of the step times 2 E per volume, and exactly 0 in cells that do not flow.
     fn advance(&self, gain: f64, v: &[f64], sigma: &mut [f64], state: &mut [f64], work: &mut [f64]);
 
+    /// As [`RowLaw::advance`], with E times the strain increment of every cell (Pa) given.
+    fn strain(&self, increment: &[f64], sigma: &mut [f64], state: &mut [f64], work: &mut [f64]);
+
     /// The step in which a row that was elastic so far first yields: `sigma` holds the elastic predictor, `state`
     /// is zero; both are made right.
     fn first_yield(&self, gain: f64, v: &[f64], sigma: &mut [f64], state: &mut [f64], work: &mut [f64]);
@@ -135,6 +143,9 @@ pub trait RowLaw: Send + Sync {
 
     /// E times the accumulated plastic strain of cell `i` of a row, Pa.
     fn accumulated(&self, state: &[f64], i: usize) -> f64;
+
+    /// Middle of the elastic range of cell `i` of a row, as far as hardening moves it, Pa.
+    fn back_stress(&self, state: &[f64], i: usize) -> f64;
 
     /// E times the work of the overstress of all cells of a row since the start, per volume, Pa^2; 0 for laws without.
     fn overstress_work(&self, state: &[f64]) -> f64;
@@ -169,6 +180,10 @@ impl<L: CellLaw<N>, const N: usize> RowLaw for Rows<L, N> {
         row::<L, N, false>(&self.0, gain, v, sigma, state, work);
     }
 
+    fn strain(&self, increment: &[f64], sigma: &mut [f64], state: &mut [f64], work: &mut [f64]) {
+        strained_row(&self.0, increment, sigma, state, work);
+    }
+
     fn first_yield(&self, gain: f64, v: &[f64], sigma: &mut [f64], state: &mut [f64], work: &mut [f64]) {
         row::<L, N, true>(&self.0, gain, v, sigma, state, work);
     }
@@ -188,6 +203,10 @@ impl<L: CellLaw<N>, const N: usize> RowLaw for Rows<L, N> {
 
     fn accumulated(&self, state: &[f64], i: usize) -> f64 {
         self.0.accumulated(cell_state(state, i))
+    }
+
+    fn back_stress(&self, state: &[f64], i: usize) -> f64 {
+        self.0.back_stress(cell_state(state, i))
     }
 
     fn overstress_work(&self, state: &[f64]) -> f64 {
@@ -261,6 +280,37 @@ fn row<L: CellLaw<N>, const N: usize, const FIRST: bool>(
             if FIRST { (sigma[i] - increment, sigma[i]) } else { (sigma[i], law.base(sigma[i], before) + increment) };
         let after = law.respond(predictor, before);
         work[i] = (sigma_before + after.sigma) * after.plastic;
+        sigma[i] = after.sigma;
+        for (column, value) in columns.iter_mut().zip(after.state) {
+            column[i] = value;
+        }
+    }
+}
+
+/// One step of a row with given increments.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
+fn strained_row<L: CellLaw<N>, const N: usize>(
+    law: &L,
+    increment: &[f64],
+    sigma: &mut [f64],
+    state: &mut [f64],
+    work: &mut [f64],
+) {
+    let cells = sigma.len();
+    let (increment, work) = (&increment[..cells], &mut work[..cells]);
+    let mut rest = &mut state[..N * cells];
+    let mut columns: [&mut [f64]; N] = std::array::from_fn(|_| {
+        let (column, tail) = std::mem::take(&mut rest).split_at_mut(cells);
+        rest = tail;
+        column
+    });
+    for column in &columns {
+        assert_eq!(column.len(), cells);
+    }
+    for i in 0..cells {
+        let before: [f64; N] = std::array::from_fn(|k| columns[k][i]);
+        let after = law.respond(law.base(sigma[i], before) + increment[i], before);
+        work[i] = (sigma[i] + after.sigma) * after.plastic;
         sigma[i] = after.sigma;
         for (column, value) in columns.iter_mut().zip(after.state) {
             column[i] = value;

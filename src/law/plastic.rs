@@ -113,6 +113,11 @@ impl<B: Backbone> CellLaw<4> for Mixed<B> {
     }
 
     #[inline(always)]
+    fn back_stress(&self, state: [f64; 4]) -> f64 {
+        state[2]
+    }
+
+    #[inline(always)]
     fn accumulated(&self, state: [f64; 4]) -> f64 {
         state[0]
     }

@@ -6,6 +6,7 @@ mod energy;
 mod frames;
 mod fronts;
 mod ledger;
+mod muscl_view;
 mod net_view;
 mod step_gauges;
 pub mod store;

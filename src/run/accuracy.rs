@@ -143,6 +143,7 @@ pub(super) fn profile(
     let scene = cut.as_ref().unwrap_or(scene);
     match method {
         Method::Leapfrog { cells, cfl } => stepped(assemble::leapfrog(scene, cells, cfl), time, progress),
+        Method::Muscl { cells, cfl } => stepped(assemble::muscl(scene, cells, cfl), time, progress),
         Method::CharacteristicNet { cells } => stepped(assemble::characteristic_net(scene, cells), time, progress),
         Method::FrontTracking { .. } => None,
     }

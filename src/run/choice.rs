@@ -51,6 +51,7 @@ fn nominal(scene: &Scene, method: Method) -> f64 {
     let malvern = matches!(scene.effects.rate, Some(Rate::Malvern { .. }));
     match (method, scene.effects.rate) {
         (Method::FrontTracking { .. }, _) => 0.5e-6,
+        (Method::Muscl { .. }, _) => 60e-9,
         (Method::Leapfrog { .. }, None) => 4e-9,
         (Method::Leapfrog { .. }, Some(_)) => {
             if malvern {

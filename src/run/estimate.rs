@@ -14,7 +14,9 @@ const CELLS: usize = 200;
 /// The audit of a scene before it is run, with the effects that it has.
 pub fn estimate(scene: &Scene) -> Vec<AuditRow> {
     let cells = match scene.solve.method {
-        Method::Leapfrog { cells, .. } | Method::CharacteristicNet { cells } => CELLS.min(cells / 2).max(2),
+        Method::Leapfrog { cells, .. } | Method::Muscl { cells, .. } | Method::CharacteristicNet { cells } => {
+            CELLS.min(cells / 2).max(2)
+        }
         Method::FrontTracking { .. } => CELLS,
     };
     let mut bar = assemble::leapfrog(scene, cells, 1.0);

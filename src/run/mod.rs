@@ -95,6 +95,9 @@ fn once(scene: &Scene, output: Option<&Path>, progress: &mut dyn FnMut(Progress)
         Method::Leapfrog { cells, cfl } => {
             stepped::run(scene, assemble::leapfrog(scene, cells, cfl), output, started, progress)
         }
+        Method::Muscl { cells, cfl } => {
+            stepped::run(scene, assemble::muscl(scene, cells, cfl), output, started, progress)
+        }
         Method::CharacteristicNet { cells } => {
             stepped::run(scene, assemble::characteristic_net(scene, cells), output, started, progress)
         }

@@ -91,7 +91,8 @@ impl Scene {
 /// What a step may reflect; none for a method that follows the taper itself.
 fn share(method: &Method) -> Option<f64> {
     match *method {
-        Method::Leapfrog { .. } => None,
+        // The scheme muscl is refused one.
+        Method::Leapfrog { .. } | Method::Muscl { .. } => None,
         Method::CharacteristicNet { .. } => Some(ON_A_NET),
         Method::FrontTracking { front_tolerance, .. } => {
             Some((PER_TOLERANCE * front_tolerance).clamp(WITH_FRONTS[0], WITH_FRONTS[1]))

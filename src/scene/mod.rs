@@ -161,6 +161,13 @@ pub enum Method {
         /// Courant number of the fastest wave, 0 < cfl <= 1.
         cfl: f64,
     },
+    /// Conservative finite differences with the exact Riemann flux.
+    Muscl {
+        /// Cells over the whole bar, >= 2, shared out so that waves take equal time across each.
+        cells: usize,
+        /// Courant number of the fastest wave, 0 < cfl <= 1.
+        cfl: f64,
+    },
     /// The method of characteristics: fronts followed one by one, no grid.
     FrontTracking {
         /// How much waves may be thinned out, relative to the largest stress that the scene's data can reach, 0 <= and < 1;
@@ -185,7 +192,7 @@ impl Method {
     /// Cells over the whole bar; none where there are no cells.
     pub fn cells(&self) -> Option<usize> {
         match *self {
-            Self::Leapfrog { cells, .. } | Self::CharacteristicNet { cells } => Some(cells),
+            Self::Leapfrog { cells, .. } | Self::Muscl { cells, .. } | Self::CharacteristicNet { cells } => Some(cells),
             Self::FrontTracking { .. } => None,
         }
     }
@@ -195,6 +202,7 @@ impl Method {
     pub fn with_cells(self, cells: usize) -> Self {
         match self {
             Self::Leapfrog { cfl, .. } => Self::Leapfrog { cells, cfl },
+            Self::Muscl { cfl, .. } => Self::Muscl { cells, cfl },
             Self::CharacteristicNet { .. } => Self::CharacteristicNet { cells },
             Self::FrontTracking { .. } => self,
         }
@@ -213,6 +221,7 @@ impl Method {
     pub fn names(&self) -> [&'static str; 2] {
         match self {
             Self::Leapfrog { .. } => ["fd", "leapfrog"],
+            Self::Muscl { .. } => ["fd", "muscl"],
             Self::FrontTracking { .. } => ["moc", "front-tracking"],
             Self::CharacteristicNet { .. } => ["moc", "characteristic-net"],
         }

@@ -604,11 +604,13 @@ pub enum RawMethod {
 }
 
 /// The schemes of the method "fd".
-#[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum RawScheme {
     /// Staggered in space and time.
     Leapfrog,
+    /// Conservative: limited slopes in cells, the exact Riemann problem at the faces between them.
+    Muscl,
 }
 
 /// What is recorded. At most one of `frames`, `every` and `times`.

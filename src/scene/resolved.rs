@@ -92,7 +92,7 @@ fn solve(solve: &Solve) -> Value {
 fn method_of(solve: &Solve) -> Value {
     let [method, scheme] = solve.method.names();
     match solve.method {
-        Method::Leapfrog { cells, cfl } => {
+        Method::Leapfrog { cells, cfl } | Method::Muscl { cells, cfl } => {
             json!({ "until": solve.until, "method": method, "scheme": scheme, "cells": cells, "cfl": cfl })
         }
         Method::CharacteristicNet { cells } => {

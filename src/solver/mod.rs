@@ -2,4 +2,5 @@
 
 pub mod fd;
 pub mod moc;
+pub mod muscl;
 pub mod net;

@@ -176,6 +176,15 @@ impl Known {
                 let found: Vec<f64> = (0..x.len()).map(|k| bar.value(Quantity::Stress, k)).collect();
                 self.error_at(scene, bar.time(), &x, &found)
             }
+            Method::Muscl { cells, cfl } => {
+                let mut bar = assemble::muscl(scene, cells, cfl);
+                for _ in 0..run::steps(scene, bar.grid().dt) {
+                    bar.advance();
+                }
+                let x = bar.grid().centres();
+                let found: Vec<f64> = (0..x.len()).map(|k| bar.value(Quantity::Stress, k)).collect();
+                self.error_at(scene, bar.time(), &x, &found)
+            }
             Method::CharacteristicNet { cells } => {
                 let mut bar = assemble::characteristic_net(scene, cells);
                 for _ in 0..run::steps(scene, bar.grid().dt) {

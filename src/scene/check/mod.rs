@@ -6,6 +6,7 @@ mod csv_history;
 mod damping;
 mod ends;
 mod heat;
+mod muscl;
 mod rate;
 mod record;
 mod rupture;
@@ -80,6 +81,7 @@ pub(super) fn check(document: &Document, base: &Path) -> Result<Scene> {
     let raw_solve = checker.required(raw.solve.as_ref(), "solve", until)?;
     let strikes = strikes_across_a_gap(&bar, [&left, &right]);
     let solve = checker.solve(raw_solve, &raw_effects, strikes)?;
+    checker.muscl_can(raw_solve.get_ref(), &solve.method, &raw_effects, auto.is_some(), &bar, [&left, &right])?;
     checker.taper_can_be_solved(raw_bar.get_ref(), &bar, &solve.method)?;
     let record = checker.record(&raw.record, &bar, &effects, &solve, twisted)?;
     let name = Path::new(&document.file).file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());

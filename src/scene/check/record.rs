@@ -197,7 +197,7 @@ impl Checker<'_> {
     /// Refuses fields that no disk is meant to hold.
     fn fits(&self, raw: &RawRecord, record: &Record, solve: &Solve) -> Result<()> {
         let own = match solve.method {
-            Method::Leapfrog { cells, .. } | Method::CharacteristicNet { cells } => cells,
+            Method::Leapfrog { cells, .. } | Method::Muscl { cells, .. } | Method::CharacteristicNet { cells } => cells,
             Method::FrontTracking { .. } => SAMPLES,
         };
         let cells = record.cells.unwrap_or(own);

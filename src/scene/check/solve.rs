@@ -65,7 +65,7 @@ impl Checker<'_> {
         self.heat_can_be_followed(effects, method)?;
         self.only_keys_of(raw, method, rate)?;
         let method = match (method, rate) {
-            (RawMethod::Fd, _) => self.leapfrog(raw, if strikes { BLOW_CFL } else { 1.0 })?,
+            (RawMethod::Fd, _) => self.on_a_grid(raw, if strikes { BLOW_CFL } else { 1.0 })?,
             (RawMethod::Moc, false) => self.front_tracking(raw)?,
             (RawMethod::Moc, true) => Method::CharacteristicNet { cells: self.cells(raw)? },
         };
@@ -95,11 +95,16 @@ impl Checker<'_> {
         Ok(Some(Tolerance { value, methods: Vec::new() }))
     }
 
-    fn leapfrog(&self, raw: &RawSolve, default_cfl: f64) -> Result<Method> {
+    /// `blow_cfl` is leapfrog's default.
+    fn on_a_grid(&self, raw: &RawSolve, blow_cfl: f64) -> Result<Method> {
         let cells = self.cells(raw)?;
         let range = Allowed::Above(0.0, 1.0);
         let cfl = self.document.optional(raw.cfl.as_ref(), "solve.cfl", Dimension::None, range)?;
-        Ok(Method::Leapfrog { cells, cfl: cfl.unwrap_or(default_cfl) })
+        Ok(if raw.is_muscl() {
+            Method::Muscl { cells, cfl: cfl.unwrap_or(1.0) }
+        } else {
+            Method::Leapfrog { cells, cfl: cfl.unwrap_or(blow_cfl) }
+        })
     }
 
     fn cells(&self, raw: &RawSolve) -> Result<usize> {

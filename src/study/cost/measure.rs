@@ -92,6 +92,7 @@ pub(super) fn pass(scene: &Scene, wanted: Wanted<'_>, watch: &mut Watch<'_>) -> 
     let scene = cut.as_ref().unwrap_or(scene);
     match scene.solve.method {
         Method::Leapfrog { cells, cfl } => stepped(scene, assemble::leapfrog(scene, cells, cfl), wanted, watch),
+        Method::Muscl { cells, cfl } => stepped(scene, assemble::muscl(scene, cells, cfl), wanted, watch),
         Method::CharacteristicNet { cells } => {
             stepped(scene, assemble::characteristic_net(scene, cells), wanted, watch)
         }

@@ -79,8 +79,14 @@ impl Lines {
     fn new(table: &Table, modulus: f64, density: f64) -> Self {
         let lines = table.lines();
         let z: Vec<f64> = lines.iter().map(|l| l.start).collect();
-        let y: Vec<f64> = lines.iter().map(|l| l.offset + l.slope * l.start).collect();
+        let mut y: Vec<f64> = lines.iter().map(|l| l.offset + l.slope * l.start).collect();
         let slope: Vec<f64> = lines.iter().map(|l| l.slope).collect();
+        // What follows a level stretch starts on it, to the last bit: no strain is long enough for a rise along it.
+        for k in 1..y.len() {
+            if slope[k - 1] == 0.0 {
+                y[k] = y[k - 1];
+            }
+        }
         let compliance = slope.iter().map(|s| 1.0 / (density * modulus * s).sqrt()).collect();
         // Summed, not z - y: an elastic line then adds exactly nothing.
         let mut p = vec![0.0; z.len()];

@@ -15,9 +15,11 @@
 //! point. Sources: the graphical method of Bohnenblust (von Karman, Bohnenblust and Hyers 1942) and, for the hull,
 //! Holden and Risebro, Front Tracking for Hyperbolic Conservation Laws, chapter 2.
 
+mod face;
 mod medium;
 mod path;
 
+pub use face::{Faces, Flux, Near};
 pub use medium::{Flow, Medium, Point};
 pub use path::{Emitted, Path};
 

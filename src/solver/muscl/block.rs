@@ -1,0 +1,182 @@
+//! A run of cells that is stepped as one, with copies of the nearest cells on either side.
+
+use std::ops::Range;
+
+use super::kernel::{self, Scratch};
+use super::stepping::Part;
+use crate::wave::riemann::{Flux, Workspace};
+
+/// Most cells of a block: its row and scratch stay in the first-level cache.
+pub(super) const BLOCK: usize = 256;
+
+/// Copies of neighbours' cells on either side: the nearest has a state at its face, which depends on two more.
+pub(super) const GHOSTS: usize = 3;
+
+/// Cells of the longest row.
+pub(super) const ROW: usize = BLOCK + 2 * GHOSTS;
+
+/// What a block's cells have met so far; decides which kernel they need.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Stage {
+    /// Nothing has arrived: every stress is 0 and all cells move alike. Nothing is computed.
+    Quiet,
+    /// No cell has yielded: the elastic kernel, and no plastic state in memory.
+    Elastic,
+    /// The law's own kernel.
+    Plastic,
+}
+
+/// Cells, with copies of the neighbours' at both ends of every row.
+#[derive(Debug, Clone)]
+pub(super) struct Block {
+    pub cells: Range<usize>,
+    pub part: usize,
+    pub stage: Stage,
+    pub sigma: Vec<f64>,
+    pub v: Vec<f64>,
+    /// Law state, empty until the block yields.
+    pub state: Vec<f64>,
+    /// What goes through the first and the last face, where that is an end or a joint.
+    pub outer: [Option<Flux>; 2],
+    /// Running sum over cells and steps of the plastic work as the law gives it, Pa^2.
+    pub plastic: f64,
+    /// Running sum over cells and steps of the scheme's dissipation, W/m^2.
+    pub lost: f64,
+    /// For the Riemann problems that are not simple.
+    pub work: Workspace,
+}
+
+impl Block {
+    pub fn new(cells: Range<usize>, part: usize, velocity: f64) -> Self {
+        let row = cells.len() + 2 * GHOSTS;
+        Self {
+            cells,
+            part,
+            stage: Stage::Quiet,
+            sigma: vec![0.0; row],
+            v: vec![velocity; row],
+            state: Vec::new(),
+            outer: [None, None],
+            plastic: 0.0,
+            lost: 0.0,
+            work: Workspace::default(),
+        }
+    }
+
+    /// Place in the rows of the cell that is `depth` cells inside the block from its left (0) or right (1) end.
+    pub fn inside(&self, side: usize, depth: usize) -> usize {
+        if side == 0 { GHOSTS + depth } else { self.sigma.len() - 1 - GHOSTS - depth }
+    }
+
+    /// Place in the rows of the copy that is `depth` cells outside.
+    pub fn outside(&self, side: usize, depth: usize) -> usize {
+        if side == 0 { GHOSTS - 1 - depth } else { self.sigma.len() - GHOSTS + depth }
+    }
+
+    /// One law state number of a cell; 0 where nothing has yielded.
+    pub fn state_at(&self, number: usize, i: usize) -> f64 {
+        if self.state.is_empty() { 0.0 } else { self.state[number * self.sigma.len() + i] }
+    }
+
+    /// E times the strain of a cell, Pa.
+    pub fn reach(&self, part: &Part, i: usize) -> f64 {
+        let plastic = if self.stage == Stage::Plastic { part.law.law.plastic_strain(&self.state, i) } else { 0.0 };
+        self.sigma[i] + plastic
+    }
+
+    /// How many stiffening knots of its curve a cell has passed, signed by the sense of its stress.
+    pub fn stiffenings(&self, knots: &[Vec<f64>; 2], part: &Part, i: usize) -> i32 {
+        let accumulated = if self.stage == Stage::Plastic { part.law.law.accumulated(&self.state, i) } else { 0.0 };
+        let stress = self.sigma[i];
+        let (side, sign) = if stress < 0.0 { (1, -1) } else { (0, 1) };
+        let reach = stress.abs() + accumulated;
+        sign * knots[side].iter().take_while(|&&knot| knot <= reach).count() as i32
+    }
+
+    /// True where a stiffening knot of the curve lies between a cell and one of the two next on either side: inside a shock,
+    /// or next to it.
+    pub fn in_shock(&self, part: &Part, i: usize) -> bool {
+        let Some(knots) = &part.stiffens else { return false };
+        let here = self.stiffenings(knots, part, i);
+        [i - 2, i - 1, i + 1, i + 2].into_iter().any(|i| self.stiffenings(knots, part, i) != here)
+    }
+
+    /// From now on the block has plastic state.
+    pub fn make_plastic(&mut self, part: &Part) {
+        if self.stage != Stage::Plastic {
+            self.stage = Stage::Plastic;
+            self.state = vec![0.0; part.law.law.state_len() * self.sigma.len()];
+        }
+    }
+
+    /// Copies the nearest cells of a neighbour of the same segment, which lies on `side`.
+    pub fn copy_from(&mut self, side: usize, other: &Self, part: &Part) {
+        let numbers = if other.stage == Stage::Plastic { part.law.law.state_len() } else { 0 };
+        for depth in 0..GHOSTS {
+            let (to, from) = (self.outside(side, depth), other.inside(1 - side, depth));
+            (self.sigma[to], self.v[to]) = (other.sigma[from], other.v[from]);
+            if (0..numbers).any(|number| other.state_at(number, from) != 0.0) {
+                self.make_plastic(part);
+            }
+            if self.stage == Stage::Plastic {
+                for number in 0..part.law.law.state_len() {
+                    let at = number * self.sigma.len() + to;
+                    self.state[at] = other.state_at(number, from);
+                }
+            }
+        }
+    }
+
+    /// What the bar seems to go on with beyond an end or a joint: stress, velocity, and E times strain (Pa).
+    pub fn go_on(&mut self, side: usize, part: &Part, [stress, velocity, reach]: [f64; 3]) {
+        for to in [0, 1, 2].map(|depth| self.outside(side, depth)) {
+            (self.sigma[to], self.v[to]) = (stress, velocity);
+            if self.stage == Stage::Plastic {
+                let rows = self.sigma.len();
+                let cell = self.inside(side, 0);
+                for number in 0..part.law.law.state_len() {
+                    self.state[number * rows + to] = self.state[number * rows + cell];
+                }
+                if part.path_independent {
+                    self.state[to] = reach - stress;
+                }
+            }
+        }
+    }
+
+    /// The cells of the row whose states at their faces are asked for: with one copy where the segment goes on.
+    pub fn carried(&self) -> Range<usize> {
+        let last = self.sigma.len() - GHOSTS;
+        GHOSTS - usize::from(self.outer[0].is_none())..last + usize::from(self.outer[1].is_none())
+    }
+
+    /// One step. All outside copies are up to date.
+    pub fn advance(&mut self, part: &Part, scratch: &mut Scratch) {
+        if self.stage == Stage::Quiet {
+            if self.at_rest() {
+                return;
+            }
+            self.stage = Stage::Elastic;
+        }
+        if self.stage == Stage::Elastic {
+            if kernel::elastic(self, part, scratch) {
+                return;
+            }
+            self.make_plastic(part);
+        }
+        kernel::plastic(self, part, scratch);
+    }
+
+    /// Nothing comes in from outside.
+    fn at_rest(&self) -> bool {
+        let velocity = self.v[GHOSTS];
+        let quiet = |side: usize| match self.outer[side] {
+            Some(flux) => flux.stress == 0.0 && flux.velocity == velocity,
+            None => (0..GHOSTS).all(|depth| {
+                let i = self.outside(side, depth);
+                self.sigma[i] == 0.0 && self.v[i] == velocity
+            }),
+        };
+        quiet(0) && quiet(1)
+    }
+}

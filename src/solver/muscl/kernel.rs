@@ -1,0 +1,417 @@
+//! One step of a block, while it is elastic and after.
+
+use std::ops::Range;
+
+use multiversion::multiversion;
+
+use super::block::{Block, GHOSTS, ROW, Stage};
+use super::slope::limited;
+use super::stepping::Part;
+use crate::law::LANES;
+use crate::wave::riemann::{Faces, Flux, Near, Point};
+
+/// Numbers of the law state that a cell can have.
+const MOST_STATE: usize = 4;
+
+/// What the elastic kernel must know of a segment.
+#[derive(Debug, Clone, Copy)]
+struct Elastic {
+    /// E dt/dx and dt/(rho dx).
+    gain: f64,
+    kick: f64,
+    /// rho c0/2 and 1/(2 rho c0).
+    halves: [f64; 2],
+}
+
+impl Elastic {
+    fn of(part: &Part) -> Self {
+        Self { gain: part.gain, kick: part.kick, halves: part.faces.halves() }
+    }
+}
+
+/// Room to work in. Whatever is read of it in a step has been written in that step.
+#[derive(Clone)]
+pub(super) struct Scratch {
+    carried: Carried,
+    through: Through,
+    ahead: Ahead,
+    increment: [f64; ROW],
+    /// Stresses before or after a step.
+    stress: [f64; ROW],
+    slope: [f64; ROW],
+    lost: [f64; ROW],
+    /// The cell has no slopes.
+    flat: [bool; ROW],
+}
+
+impl Scratch {
+    pub const ZERO: Self = Self {
+        carried: Carried { left: [[0.0; ROW]; 2], right: [[0.0; ROW]; 2] },
+        through: Through { stress: [0.0; ROW + 1], velocity: [0.0; ROW + 1] },
+        ahead: Ahead { sigma: [0.0; ROW], state: [0.0; MOST_STATE * ROW], work: [0.0; ROW] },
+        increment: [0.0; ROW],
+        stress: [0.0; ROW],
+        slope: [0.0; ROW],
+        lost: [0.0; ROW],
+        flat: [false; ROW],
+    };
+}
+
+/// States of a row's cells at their left and right faces, half a step on: stresses and velocities.
+#[derive(Clone)]
+struct Carried {
+    left: [[f64; ROW]; 2],
+    right: [[f64; ROW]; 2],
+}
+
+/// What goes through the faces of a row: stress and velocity; face i is that between cells i - 1 and i.
+#[derive(Clone)]
+struct Through {
+    stress: [f64; ROW + 1],
+    velocity: [f64; ROW + 1],
+}
+
+impl Through {
+    fn set(&mut self, face: usize, flux: Flux) {
+        (self.stress[face], self.velocity[face]) = (flux.stress, flux.velocity);
+    }
+
+    /// Puts in what ends and joints let through.
+    fn set_outer(&mut self, block: &Block) {
+        let last = block.sigma.len() - GHOSTS;
+        for (side, face) in [(0, GHOSTS), (1, last)] {
+            if let Some(flux) = block.outer[side] {
+                self.set(face, flux);
+            }
+        }
+    }
+}
+
+/// A row half a step on, by the cells' own law.
+#[derive(Clone)]
+struct Ahead {
+    sigma: [f64; ROW],
+    state: [f64; MOST_STATE * ROW],
+    /// Not 0 in cells that flow.
+    work: [f64; ROW],
+}
+
+/// One elastic step of a block; false, and nothing is changed, where a stress comes past the elastic limit.
+pub(super) fn elastic(block: &mut Block, part: &Part, scratch: &mut Scratch) -> bool {
+    let elastic = Elastic::of(part);
+    let Scratch { carried, through, stress, lost, .. } = scratch;
+    let at_faces = carry(elastic, block.carried(), &block.sigma, &block.v, carried);
+    acoustic(elastic, block.sigma.len(), carried, through);
+    through.set_outer(block);
+    let row = block.sigma.len();
+    let peak = strain_elastic(elastic, &block.sigma, through, &mut stress[..row]);
+    if at_faces > part.limit || peak > part.limit {
+        return false;
+    }
+    let own = GHOSTS..row - GHOSTS;
+    block.lost += push(elastic.kick, &mut block.v, &block.sigma, &stress[..row], through, lost);
+    block.sigma[own.clone()].copy_from_slice(&stress[own]);
+    true
+}
+
+/// States at the faces of an elastic row. Returns the largest stress among them.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
+fn carry(elastic: Elastic, cells: Range<usize>, sigma: &[f64], v: &[f64], carried: &mut Carried) -> f64 {
+    let (half_gain, half_kick) = (0.5 * elastic.gain, 0.5 * elastic.kick);
+    let (from, count) = (cells.start, cells.len());
+    let Carried { left: [left_s, left_v], right: [right_s, right_v] } = carried;
+    let (left_s, left_v) = (&mut left_s[from..from + count], &mut left_v[from..from + count]);
+    let (right_s, right_v) = (&mut right_s[from..from + count], &mut right_v[from..from + count]);
+    let (sigma, v) = (&sigma[from - 1..=from + count], &v[from - 1..=from + count]);
+    for i in 0..count {
+        let ds = limited(sigma[i + 1] - sigma[i], sigma[i + 2] - sigma[i + 1]);
+        let dv = limited(v[i + 1] - v[i], v[i + 2] - v[i + 1]);
+        let (s, w) = (sigma[i + 1] + half_gain * dv, v[i + 1] + half_kick * ds);
+        left_s[i] = s - 0.5 * ds;
+        right_s[i] = s + 0.5 * ds;
+        left_v[i] = w - 0.5 * dv;
+        right_v[i] = w + 0.5 * dv;
+    }
+    largest(left_s, right_s)
+}
+
+/// The largest magnitude among two rows of one length.
+#[inline(always)]
+fn largest(a: &[f64], b: &[f64]) -> f64 {
+    let mut peak = [0.0_f64; LANES];
+    let ((groups_a, rest_a), (groups_b, rest_b)) = (a.as_chunks::<LANES>(), b.as_chunks::<LANES>());
+    for (a, b) in groups_a.iter().zip(groups_b) {
+        for lane in 0..LANES {
+            let (a, b) = (a[lane].abs(), b[lane].abs());
+            let larger = if a > b { a } else { b };
+            peak[lane] = if larger > peak[lane] { larger } else { peak[lane] };
+        }
+    }
+    let rest = rest_a.iter().chain(rest_b).fold(0.0_f64, |m, s| m.max(s.abs()));
+    peak.iter().fold(rest, |m, &p| m.max(p))
+}
+
+/// What goes through the own faces of an elastic row.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
+fn acoustic(elastic: Elastic, row: usize, carried: &Carried, through: &mut Through) {
+    let last = row - GHOSTS;
+    let Carried { left: [left_s, left_v], right: [right_s, right_v] } = carried;
+    let (stress, velocity) = (&mut through.stress[..=last], &mut through.velocity[..=last]);
+    let (left_s, left_v) = (&left_s[..=last], &left_v[..=last]);
+    let (right_s, right_v) = (&right_s[..=last], &right_v[..=last]);
+    let [half_impedance, half_compliance] = elastic.halves;
+    for i in GHOSTS..=last {
+        let flux = Faces::acoustic(
+            half_impedance,
+            half_compliance,
+            Flux { stress: right_s[i - 1], velocity: right_v[i - 1] },
+            Flux { stress: left_s[i], velocity: left_v[i] },
+        );
+        stress[i] = flux.stress;
+        velocity[i] = flux.velocity;
+    }
+}
+
+/// Stresses of the own cells after an elastic step, into `after`. Returns the largest of them and of those at their faces.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
+fn strain_elastic(elastic: Elastic, sigma: &[f64], through: &Through, after: &mut [f64]) -> f64 {
+    let cells = sigma.len() - 2 * GHOSTS;
+    let sigma = &sigma[GHOSTS..GHOSTS + cells];
+    let after = &mut after[GHOSTS..GHOSTS + cells];
+    let velocity = &through.velocity[GHOSTS..=GHOSTS + cells];
+    let stress = &through.stress[GHOSTS..=GHOSTS + cells];
+    for i in 0..cells {
+        after[i] = sigma[i] + elastic.gain * (velocity[i + 1] - velocity[i]);
+    }
+    largest(after, &stress[..cells]).max(stress[cells].abs())
+}
+
+/// New velocities of the own cells. Returns what the scheme takes from their energy, W/m^2 times the step's part: the sum of
+/// `(stress - s)(velocity - w)` over right faces less that over left ones, s and w the cell's means over the step.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
+fn push(kick: f64, v: &mut [f64], before: &[f64], after: &[f64], through: &Through, lost: &mut [f64; ROW]) -> f64 {
+    let cells = before.len() - 2 * GHOSTS;
+    let v = &mut v[GHOSTS..GHOSTS + cells];
+    let (before, after) = (&before[GHOSTS..GHOSTS + cells], &after[GHOSTS..GHOSTS + cells]);
+    let velocity = &through.velocity[GHOSTS..=GHOSTS + cells];
+    let stress = &through.stress[GHOSTS..=GHOSTS + cells];
+    let lost = &mut lost[..cells];
+    for i in 0..cells {
+        let old = v[i];
+        let new = old + kick * (stress[i + 1] - stress[i]);
+        let (s, w) = (0.5 * (before[i] + after[i]), 0.5 * (old + new));
+        let (out, into) = ((stress[i + 1] - s) * (velocity[i + 1] - w), (stress[i] - s) * (velocity[i] - w));
+        lost[i] = out - into;
+        v[i] = new;
+    }
+    let mut sums = [0.0; LANES];
+    let (groups, rest) = lost.as_chunks::<LANES>();
+    for group in groups {
+        for lane in 0..LANES {
+            sums[lane] += group[lane];
+        }
+    }
+    sums.iter().sum::<f64>() + rest.iter().sum::<f64>()
+}
+
+/// One step of a block in which some cell may flow.
+pub(super) fn plastic(block: &mut Block, part: &Part, scratch: &mut Scratch) {
+    let row = block.sigma.len();
+    let law = part.law.law.as_ref();
+    if part.path_independent {
+        carry_curve(block, part, scratch);
+    } else {
+        carry_history(block, part, scratch);
+    }
+    acoustic(Elastic::of(part), row, &scratch.carried, &mut scratch.through);
+    if part.path_independent {
+        correct_curve(block, part, scratch);
+    } else {
+        correct_history(block, part, scratch);
+    }
+    let Scratch { through, ahead, increment, stress, lost, .. } = scratch;
+    through.set_outer(block);
+    increment[..row].fill(0.0);
+    for i in GHOSTS..row - GHOSTS {
+        increment[i] = part.gain * (through.velocity[i + 1] - through.velocity[i]);
+    }
+    stress[..row].copy_from_slice(&block.sigma);
+    let work = &mut ahead.work[..row];
+    law.strain(&increment[..row], &mut block.sigma, &mut block.state, work);
+    block.plastic += work[GHOSTS..row - GHOSTS].iter().sum::<f64>();
+    block.lost += push(part.kick, &mut block.v, &stress[..row], &block.sigma, through, lost);
+}
+
+/// Slopes of stress, half a step's strain, and velocities at the faces.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
+fn carry_motion(elastic: Elastic, sigma: &[f64], v: &[f64], scratch: &mut Scratch) {
+    let row = sigma.len();
+    let v = &v[..row];
+    let Scratch { carried, increment, slope, .. } = scratch;
+    let (left, right) = (&mut carried.left[1][..row], &mut carried.right[1][..row]);
+    let (increment, slope) = (&mut increment[..row], &mut slope[..row]);
+    (increment[0], increment[row - 1]) = (0.0, 0.0);
+    (slope[0], slope[row - 1]) = (0.0, 0.0);
+    for i in 1..row - 1 {
+        let ds = limited(sigma[i] - sigma[i - 1], sigma[i + 1] - sigma[i]);
+        let dv = limited(v[i] - v[i - 1], v[i + 1] - v[i]);
+        let w = v[i] + 0.5 * elastic.kick * ds;
+        (slope[i], increment[i]) = (ds, 0.5 * elastic.gain * dv);
+        left[i] = w - 0.5 * dv;
+        right[i] = w + 0.5 * dv;
+    }
+}
+
+/// Takes the slopes of cells inside shocks of a stiffening curve. With slopes the scheme may hold a shock together that
+/// should split further on, at a wrong speed whatever the resolution; without them its flux, that of the hull, decides.
+fn flatten(block: &Block, part: &Part, scratch: &mut Scratch) {
+    let row = block.sigma.len();
+    scratch.flat[..row].fill(false);
+    if part.stiffens.is_none() {
+        return;
+    }
+    let Scratch { carried, increment, slope, flat, .. } = scratch;
+    for i in (2..row - 2).filter(|&i| block.in_shock(part, i)) {
+        (slope[i], increment[i], flat[i]) = (0.0, 0.0, true);
+        (carried.left[1][i], carried.right[1][i]) = (block.v[i], block.v[i]);
+    }
+}
+
+/// States at the faces where the curve is followed both ways: from slopes of strain.
+fn carry_curve(block: &Block, part: &Part, scratch: &mut Scratch) {
+    let row = block.sigma.len();
+    carry_motion(Elastic::of(part), &block.sigma, &block.v, scratch);
+    flatten(block, part, scratch);
+    let Scratch { carried, ahead, increment, stress: reach, flat, .. } = scratch;
+    for i in 0..row {
+        reach[i] = block.sigma[i] + block.state[i];
+    }
+    for i in 1..row - 1 {
+        let slope = if flat[i] { 0.0 } else { limited(reach[i] - reach[i - 1], reach[i + 1] - reach[i]) };
+        let middle = reach[i] + increment[i];
+        carried.left[0][i] = middle - 0.5 * slope;
+        carried.right[0][i] = middle + 0.5 * slope;
+    }
+    // Strain, from a state of nothing at all, gives the stress of the curve and what is left of the strain.
+    let (of_left, of_right) = ahead.state[..2 * row].split_at_mut(row);
+    for (at_face, plastic) in [(&mut carried.left[0], of_left), (&mut carried.right[0], of_right)] {
+        increment[..row].copy_from_slice(&at_face[..row]);
+        at_face[..row].fill(0.0);
+        plastic.fill(0.0);
+        part.law.law.strain(&increment[..row], &mut at_face[..row], plastic, &mut ahead.work[..row]);
+    }
+}
+
+/// States at the faces where cells have histories: from slopes of stress, half a step on by the law.
+fn carry_history(block: &Block, part: &Part, scratch: &mut Scratch) {
+    let row = block.sigma.len();
+    let law = part.law.law.as_ref();
+    carry_motion(Elastic::of(part), &block.sigma, &block.v, scratch);
+    flatten(block, part, scratch);
+    let Scratch { carried, ahead, increment, slope, .. } = scratch;
+    ahead.sigma[..row].copy_from_slice(&block.sigma);
+    let state = &mut ahead.state[..law.state_len() * row];
+    state.copy_from_slice(&block.state);
+    law.strain(&increment[..row], &mut ahead.sigma[..row], state, &mut ahead.work[..row]);
+    for i in 1..row - 1 {
+        carried.left[0][i] = ahead.sigma[i] - 0.5 * slope[i];
+        carried.right[0][i] = ahead.sigma[i] + 0.5 * slope[i];
+    }
+}
+
+/// The faces of a row whose answer is not the acoustic one, where the curve is followed both ways.
+fn correct_curve(block: &mut Block, part: &Part, scratch: &mut Scratch) {
+    let (row, limit) = (block.sigma.len(), part.limit);
+    let Scratch { carried: Carried { left, right }, through, ahead, .. } = scratch;
+    // Where no strain is beyond the limit stress and strain are one.
+    let inside = |near: &Near| near.point.stress.abs() <= limit && near.point.plastic == 0.0;
+    let near = |stress: f64, velocity: f64, plastic: f64| Near {
+        point: Point { stress, velocity, plastic, ..Point::default() },
+        flowing: 0.0,
+    };
+    let cells = block.carried();
+    for face in cells.start + 1..cells.end {
+        let (i, j) = (face - 1, face);
+        let a = near(right[0][i], right[1][i], ahead.state[row + i]);
+        let b = near(left[0][j], left[1][j], ahead.state[j]);
+        if through.stress[face].abs() > limit || !inside(&a) || !inside(&b) {
+            through.set(face, part.faces.solve(&a, &b, &mut block.work));
+        }
+    }
+}
+
+/// What makes an elastic range that a stress was just within no smaller: rounding.
+const WITHIN: f64 = 1.0 + 1e-12;
+
+/// The same, where cells have histories.
+fn correct_history(block: &mut Block, part: &Part, scratch: &mut Scratch) {
+    let (row, limit) = (block.sigma.len(), part.limit);
+    let isotropic = part.isotropic();
+    let law = part.law.law.as_ref();
+    let Scratch { carried: Carried { left, right }, through, ahead, .. } = scratch;
+    let state = &ahead.state[..law.state_len() * row];
+    // Elastic ranges reach from their middle at least to where the cell is, or to where its face is while it flows.
+    let within = |stress: f64, i: usize, face: f64, back: f64| {
+        let known = if ahead.work[i] == 0.0 { ahead.sigma[i] } else { face } - back;
+        known * (stress - back) >= 0.0 && (stress - back).abs() <= known.abs() * WITHIN
+    };
+    let near = |i: usize, stress: f64, velocity: f64, back: f64| {
+        let point = Point { stress, velocity, accumulated: law.accumulated(state, i), back, ..Point::default() };
+        let sense = if ahead.sigma[i] < back { -1.0 } else { 1.0 };
+        Near { point, flowing: if ahead.work[i] == 0.0 { 0.0 } else { sense } }
+    };
+    let cells = block.carried();
+    for face in cells.start + 1..cells.end {
+        let (i, j) = (face - 1, face);
+        let stress = through.stress[face];
+        if isotropic && stress.abs() <= limit * WITHIN {
+            continue;
+        }
+        let middle = |i: usize| if isotropic { 0.0 } else { law.back_stress(state, i) };
+        let backs = [middle(i), middle(j)];
+        if within(stress, i, right[0][i], backs[0]) && within(stress, j, left[0][j], backs[1]) {
+            continue;
+        }
+        let a = near(i, right[0][i], right[1][i], backs[0]);
+        let b = near(j, left[0][j], left[1][j], backs[1]);
+        through.set(face, part.faces.solve(&a, &b, &mut block.work));
+    }
+}
+
+/// The first or the last cell of a block at its outer face, half a step on.
+pub(super) fn near(block: &Block, part: &Part, side: usize) -> Near {
+    let i = block.inside(side, 0);
+    let (s, v) = (&block.sigma, &block.v);
+    let outward = if side == 0 { -0.5 } else { 0.5 };
+    let shock = block.in_shock(part, i);
+    let slope = |left: f64, right: f64| if shock { 0.0 } else { limited(left, right) };
+    let ds = slope(s[i] - s[i - 1], s[i + 1] - s[i]);
+    let dv = slope(v[i] - v[i - 1], v[i + 1] - v[i]);
+    let half_strain = 0.5 * part.gain * dv;
+    let velocity = v[i] + 0.5 * part.kick * ds + outward * dv;
+    if block.stage != Stage::Plastic {
+        let point = Point { stress: s[i] + half_strain + outward * ds, velocity, ..Point::default() };
+        return Near { point, flowing: 0.0 };
+    }
+    let law = part.law.law.as_ref();
+    let (mut stress, mut work, mut state) = ([s[i]], [0.0], [0.0; MOST_STATE]);
+    let numbers = law.state_len();
+    if part.path_independent {
+        let z = |i: usize| block.reach(part, i);
+        let dz = slope(z(i) - z(i - 1), z(i + 1) - z(i));
+        stress = [0.0];
+        law.strain(&[z(i) + half_strain + outward * dz], &mut stress, &mut state[..numbers], &mut work);
+        let point = Point { stress: stress[0], velocity, plastic: state[0], ..Point::default() };
+        return Near { point, flowing: 0.0 };
+    }
+    for (number, value) in state[..numbers].iter_mut().enumerate() {
+        *value = block.state_at(number, i);
+    }
+    law.strain(&[half_strain], &mut stress, &mut state[..numbers], &mut work);
+    let state = &state[..numbers];
+    let back = law.back_stress(state, 0);
+    let accumulated = law.accumulated(state, 0);
+    let sense = if stress[0] < back { -1.0 } else { 1.0 };
+    let point = Point { stress: stress[0] + outward * ds, velocity, accumulated, back, ..Point::default() };
+    Near { point, flowing: if work[0] == 0.0 { 0.0 } else { sense } }
+}

@@ -1,0 +1,146 @@
+//! What can be read off a bar.
+
+use super::block::{Block, GHOSTS, Stage};
+use super::end::{End, EndReading};
+use super::joint::Joint;
+use super::stepping::Muscl;
+use crate::solver::fd::{Energies, Passed, Quantity};
+
+impl Muscl {
+    /// A quantity in one cell.
+    pub fn value(&self, quantity: Quantity, cell: usize) -> f64 {
+        let block = &self.blocks[self.blocks.partition_point(|b| b.cells.end <= cell)];
+        self.read(quantity, block, GHOSTS + cell - block.cells.start)
+    }
+
+    /// A quantity in every cell, into `out` (one entry a cell).
+    pub fn profile(&self, quantity: Quantity, out: &mut [f64]) {
+        for block in &self.blocks {
+            for (i, out) in out[block.cells.clone()].iter_mut().enumerate() {
+                *out = self.read(quantity, block, GHOSTS + i);
+            }
+        }
+    }
+
+    fn read(&self, quantity: Quantity, block: &Block, i: usize) -> f64 {
+        let part = &self.parts[block.part];
+        match quantity {
+            Quantity::Stress => block.sigma[i],
+            Quantity::Velocity => block.v[i],
+            Quantity::Strain => block.reach(part, i) / part.modulus,
+            Quantity::PlasticStrain => (block.reach(part, i) - block.sigma[i]) / part.modulus,
+            Quantity::Temperature => f64::NAN,
+            Quantity::AccumulatedPlasticStrain => self.accumulated(block, i) / part.modulus,
+        }
+    }
+
+    /// E times the accumulated plastic strain, Pa.
+    fn accumulated(&self, block: &Block, i: usize) -> f64 {
+        let law = &self.parts[block.part].law.law;
+        if block.stage == Stage::Plastic { law.accumulated(&block.state, i) } else { 0.0 }
+    }
+
+    /// Displacement of every cell centre, m: the left end's, and the strain summed up to the place.
+    pub fn displacements(&self) -> Vec<f64> {
+        let mut centres = Vec::with_capacity(self.grid.cells());
+        let mut border = self.ends[0].displacement;
+        for (k, block) in self.blocks.iter().enumerate() {
+            let part = &self.parts[block.part];
+            for i in GHOSTS..block.sigma.len() - GHOSTS {
+                let stretch = block.reach(part, i) / part.modulus * part.dx;
+                centres.push(border + 0.5 * stretch);
+                border += stretch;
+            }
+            border += self.joints.iter().find(|joint| joint.edge == k).map_or(0.0, Joint::jump);
+        }
+        centres
+    }
+
+    /// The left and the right end.
+    pub fn ends(&self) -> [EndReading; 2] {
+        self.ends.each_ref().map(End::reading)
+    }
+
+    /// Velocity of a striker at the left and at the right end, m/s, positive in +x; none where there is none.
+    pub fn striker_velocities(&self) -> [Option<f64>; 2] {
+        self.ends.each_ref().map(End::striker_velocity)
+    }
+
+    /// Energy of the bodies at the left and the right end, J: of motion for a striker, stored for a spring.
+    pub fn body_energies(&self) -> [f64; 2] {
+        self.ends.each_ref().map(End::body_energy)
+    }
+
+    /// Work of the left and the right end so far, J.
+    pub fn work(&self) -> [f64; 2] {
+        self.ends.each_ref().map(|end| end.work)
+    }
+
+    /// Impulse of the left and the right end so far, N s, positive in +x.
+    pub fn impulse(&self) -> [f64; 2] {
+        self.ends.each_ref().map(|end| end.impulse)
+    }
+
+    /// Sum of the sizes of all impulses of both ends so far, N s.
+    pub fn throughput(&self) -> f64 {
+        self.ends.iter().map(|end| end.throughput).sum()
+    }
+
+    /// Mass of the bar, kg.
+    pub fn mass(&self) -> f64 {
+        self.blocks.iter().map(|b| self.parts[b.part].cell_mass() * b.cells.len() as f64).sum()
+    }
+
+    /// Energies and momentum now. `viscous` is the scheme's own dissipation.
+    pub fn energies(&self) -> Energies {
+        let concentrated = self.joints.iter().map(|joint| joint.lost).sum();
+        let mut total = Energies { concentrated, ..Energies::default() };
+        for block in &self.blocks {
+            let part = &self.parts[block.part];
+            let own = GHOSTS..block.sigma.len() - GHOSTS;
+            let (sigma, v) = (&block.sigma[own.clone()], &block.v[own]);
+            let (volume, mass) = (part.cell_volume(), part.cell_mass());
+            total.kinetic += 0.5 * mass * v.iter().map(|v| v * v).sum::<f64>();
+            total.momentum += mass * v.iter().sum::<f64>();
+            total.elastic += 0.5 * volume / part.modulus * sigma.iter().map(|s| s * s).sum::<f64>();
+            total.plastic += 0.5 * volume / part.modulus * block.plastic;
+            total.viscous += part.area * self.grid.dt * block.lost;
+        }
+        total
+    }
+
+    /// A cell that has come to the end of its material's data: the farthest gone of the first block that has one.
+    pub fn passed_end_of_data(&self) -> Option<Passed> {
+        self.blocks.iter().filter(|block| block.stage == Stage::Plastic).find_map(|block| {
+            let end = &self.parts[block.part].law.end;
+            let gone = |i: usize| {
+                let stress = block.sigma[i];
+                (stress.abs() + self.accumulated(block, i)) / end[usize::from(stress < 0.0)]
+            };
+            let own = GHOSTS..block.sigma.len() - GHOSTS;
+            let farthest = own.max_by(|&a, &b| gone(a).total_cmp(&gone(b)))?;
+            let cell = block.cells.start + farthest - GHOSTS;
+            let strain = self.read(Quantity::Strain, block, farthest);
+            (gone(farthest) >= 1.0).then_some(Passed { cell, segment: block.part, strain })
+        })
+    }
+
+    /// True where some material's data end, so that [`Self::passed_end_of_data`] can find a cell.
+    pub fn data_can_end(&self) -> bool {
+        self.parts.iter().any(|part| part.law.end.into_iter().any(f64::is_finite))
+    }
+
+    /// The first cell whose stress or velocity is not a finite number.
+    pub fn not_finite(&self) -> Option<usize> {
+        self.blocks.iter().find_map(|block| {
+            let bad = |i: &usize| !(block.sigma[*i] + block.v[*i]).is_finite();
+            let found = (GHOSTS..block.sigma.len() - GHOSTS).find(bad)?;
+            Some(block.cells.start + found - GHOSTS)
+        })
+    }
+
+    /// Plastic state in memory, bytes.
+    pub fn state_bytes(&self) -> usize {
+        self.blocks.iter().map(|b| b.state.len() * size_of::<f64>()).sum()
+    }
+}

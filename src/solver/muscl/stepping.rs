@@ -1,0 +1,204 @@
+//! The bar and its step.
+
+use rayon::prelude::*;
+
+use super::block::{BLOCK, Block, Stage};
+use super::end::End;
+use super::joint::Joint;
+use super::kernel::{self, Scratch};
+use crate::bar::{Bar, EndCondition, Segment};
+use crate::solver::fd::{Grid, SegmentGrid, SegmentLaw};
+use crate::wave::riemann::{Faces, Flow, Medium, Workspace};
+
+/// Bars with fewer cells than this are stepped on one thread: below it, waking a second thread costs more than it saves.
+const PARALLEL_FROM: usize = 16_384;
+
+/// Blocks that share room to work in, and that one thread steps in turn.
+const GROUP: usize = 16;
+
+/// A segment with its law and what its faces need.
+#[derive(Clone)]
+pub struct Part {
+    pub(super) law: SegmentLaw,
+    pub(super) faces: Faces,
+    pub(super) path_independent: bool,
+    pub(super) modulus: f64,
+    pub(super) density: f64,
+    pub(super) area: f64,
+    pub(super) dx: f64,
+    /// E dt/dx, Pa s/m.
+    pub(super) gain: f64,
+    /// dt/(rho dx), m/s per Pa.
+    pub(super) kick: f64,
+    /// E times the strains at which the curve stiffens, in tension and compression, Pa; none along most curves.
+    pub(super) stiffens: Option<[Vec<f64>; 2]>,
+    /// Stress up to which everything is elastic, Pa.
+    pub(super) limit: f64,
+}
+
+impl Part {
+    fn new(segment: &Segment, grid: &SegmentGrid, dt: f64, law: SegmentLaw, medium: Medium) -> Self {
+        let faces = Faces::new(medium);
+        Self {
+            path_independent: faces.medium.flow == Flow::PathIndependent,
+            modulus: segment.material.modulus,
+            density: segment.material.density,
+            area: segment.area,
+            dx: grid.dx,
+            gain: segment.material.modulus * dt / grid.dx,
+            kick: dt / (segment.material.density * grid.dx),
+            stiffens: Some(faces.stiffenings()).filter(|all| all.iter().any(|knots| !knots.is_empty())),
+            limit: law.yield_stress.min(faces.yield_stress()),
+            faces,
+            law,
+        }
+    }
+
+    /// The elastic range grows evenly, about zero stress: what is within the first limit is elastic for ever.
+    pub(super) fn isotropic(&self) -> bool {
+        self.faces.medium.flow == Flow::Plastic { kinematic: 0.0 }
+    }
+
+    /// rho A dx, kg.
+    pub(super) fn cell_mass(&self) -> f64 {
+        self.density * self.area * self.dx
+    }
+
+    /// A dx, m^3.
+    pub(super) fn cell_volume(&self) -> f64 {
+        self.area * self.dx
+    }
+}
+
+/// A bar being stepped: everything lives at `time()`.
+pub struct Muscl {
+    pub(super) grid: Grid,
+    pub(super) parts: Vec<Part>,
+    pub(super) blocks: Vec<Block>,
+    pub(super) ends: [End; 2],
+    pub(super) joints: Vec<Joint>,
+    pub(super) step: usize,
+    parallel: bool,
+    /// One for every group of blocks.
+    scratch: Vec<Scratch>,
+    work: Workspace,
+}
+
+impl Muscl {
+    /// A bar at t = 0, unstressed, moving as its segments say. `laws` and `media` have one entry a segment, and mean the
+    /// same law, without effects of rate or heat. Tapers are taken by their means, a ball at an end as a free end: neither
+    /// is simulated.
+    pub fn new(bar: &Bar, grid: Grid, laws: Vec<SegmentLaw>, media: Vec<Medium>, ends: [EndCondition; 2]) -> Self {
+        let dt = grid.dt;
+        let segments = bar.segments.iter().zip(&grid.segments).zip(laws.into_iter().zip(media));
+        let parts: Vec<Part> = segments.map(|((s, g), (law, medium))| Part::new(s, g, dt, law, medium)).collect();
+        let blocks = blocks(bar, &grid);
+        let joints = blocks.windows(2).enumerate().filter(|(_, pair)| pair[0].part != pair[1].part);
+        let joints = joints.map(|(k, pair)| Joint::new(bar.segments[pair[0].part].joint, k)).collect();
+        let last = bar.segments.len() - 1;
+        let [left, right] = ends;
+        let left = End::new(left, -1.0, &parts[0], bar.segments[0].velocity);
+        let right = End::new(right, 1.0, &parts[last], bar.segments[last].velocity);
+        let parallel = grid.cells() >= PARALLEL_FROM;
+        let scratch = vec![Scratch::ZERO; blocks.len().div_ceil(GROUP)];
+        let (ends, work) = ([left, right], Workspace::default());
+        Self { grid, parts, blocks, ends, joints, step: 0, parallel, scratch, work }
+    }
+
+    /// One step. Allocates nothing, but for the plastic state of a block in the step in which it first yields.
+    pub fn advance(&mut self) {
+        self.share();
+        self.settle_ends();
+        self.settle_joints();
+        self.step += 1;
+        let parts = &self.parts;
+        let advance = |(blocks, scratch): (&mut [Block], &mut Scratch)| {
+            blocks.iter_mut().for_each(|block| block.advance(&parts[block.part], scratch));
+        };
+        if self.parallel {
+            self.blocks.par_chunks_mut(GROUP).zip(&mut self.scratch).for_each(advance);
+        } else {
+            self.blocks.chunks_mut(GROUP).zip(&mut self.scratch).for_each(advance);
+        }
+    }
+
+    /// Gives every block what lies beyond it.
+    fn share(&mut self) {
+        for k in 1..self.blocks.len() {
+            let (before, after) = self.blocks.split_at_mut(k);
+            let (left, right) = (&mut before[k - 1], &mut after[0]);
+            if left.part == right.part {
+                let part = &self.parts[left.part];
+                left.copy_from(1, right, part);
+                right.copy_from(0, left, part);
+            }
+        }
+        let (time, dt) = (self.time(), self.grid.dt);
+        let last = self.blocks.len() - 1;
+        for (side, k) in [(0, 0), (1, last)] {
+            let block = &mut self.blocks[k];
+            let part = &self.parts[block.part];
+            let beyond = self.ends[side].beyond(time, dt, block, part);
+            block.go_on(side, part, beyond);
+        }
+        for joint in &self.joints {
+            let (before, after) = self.blocks.split_at_mut(joint.edge + 1);
+            joint.share(&mut before[joint.edge], &mut after[0], &self.parts);
+        }
+    }
+
+    fn settle_ends(&mut self) {
+        let (time, dt) = (self.time(), self.grid.dt);
+        let last = self.blocks.len() - 1;
+        for (side, k) in [(0, 0), (1, last)] {
+            let part = &self.parts[self.blocks[k].part];
+            let near = kernel::near(&self.blocks[k], part, side);
+            self.blocks[k].outer[side] = Some(self.ends[side].settle(time, dt, part, &near, &mut self.work));
+        }
+    }
+
+    fn settle_joints(&mut self) {
+        let dt = self.grid.dt;
+        for joint in &mut self.joints {
+            let (left, right) = (&self.blocks[joint.edge], &self.blocks[joint.edge + 1]);
+            let parts = [&self.parts[left.part], &self.parts[right.part]];
+            let near = [kernel::near(left, parts[0], 1), kernel::near(right, parts[1], 0)];
+            let [from_left, from_right] = joint.settle(dt, parts, &near, &mut self.work);
+            self.blocks[joint.edge].outer[1] = Some(from_left);
+            self.blocks[joint.edge + 1].outer[0] = Some(from_right);
+        }
+    }
+
+    /// Steps taken.
+    pub fn step(&self) -> usize {
+        self.step
+    }
+
+    /// s.
+    pub fn time(&self) -> f64 {
+        self.step as f64 * self.grid.dt
+    }
+
+    /// The grid.
+    pub fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
+    /// True while no cell has yielded: only the elastic kernel has run.
+    pub fn stayed_elastic(&self) -> bool {
+        self.blocks.iter().all(|b| b.stage != Stage::Plastic || b.state.iter().all(|&number| number == 0.0))
+    }
+}
+
+/// Every segment in blocks of nearly equal size.
+fn blocks(bar: &Bar, grid: &Grid) -> Vec<Block> {
+    let mut blocks = Vec::new();
+    for (k, part) in grid.segments.iter().enumerate() {
+        let (cells, count) = (part.cells.len(), part.cells.len().div_ceil(BLOCK));
+        for b in 0..count {
+            let (start, end) = (part.cells.start + b * cells / count, part.cells.start + (b + 1) * cells / count);
+            blocks.push(Block::new(start..end, k, bar.segments[k].velocity));
+        }
+    }
+    blocks
+}

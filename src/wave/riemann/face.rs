@@ -1,0 +1,438 @@
+//! The Riemann problem between two cells of one medium, as grid solvers ask it at every face and step: quick where it
+//! is simple, [`solve`] where it is not.
+//!
+//! - Both sides reach the answer elastically: the acoustic one, two impedances of one kind.
+//! - Elastic unloading beside plastic flow, slopes falling along the curve: a walk over the few lines between the states.
+//! - A curve that is followed both ways, slopes falling along it: loading is a fan (a sum over lines), unloading one
+//!   shock (a chord); the stress at which both meet is found by Newton's method inside a bracket.
+//! - Anything else (stiffening curves and their hulls, unloading across zero stress, level curves): [`solve`].
+
+use super::medium::{Flow, Lines, Medium, Point};
+use super::{Side, Workspace, solve};
+
+/// State of a cell's material at one of its faces.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Near {
+    /// Stress and velocity at the face, history of the cell. A curve that is followed both ways has its strain there.
+    pub point: Point,
+    /// The cell flows, in this sense (+1 tension, -1 compression): its stress at the face lies on the curve, too. 0 where
+    /// it does not flow.
+    pub flowing: f64,
+}
+
+/// Stress (Pa) and velocity (m/s) at a face.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Flux {
+    /// Pa, tension positive.
+    pub stress: f64,
+    /// m/s, positive in +x.
+    pub velocity: f64,
+}
+
+/// A medium with what its faces need.
+#[derive(Debug, Clone)]
+pub struct Faces {
+    /// The medium.
+    pub medium: Medium,
+    /// Half of rho c0, and half of its reciprocal.
+    half_impedance: f64,
+    half_compliance: f64,
+    /// Elastic limit of first loading in tension and compression, Pa.
+    virgin: [f64; 2],
+    /// Slopes fall along both curves.
+    concave: bool,
+    /// Velocity change from zero stress to the start of every line, m/s.
+    reach: [Vec<f64>; 2],
+}
+
+/// A side on its way along the curve in one sense: elastic up to its limit, then along the lines.
+struct Way<'a> {
+    lines: &'a Lines,
+    own: f64,
+    limit: f64,
+    line: usize,
+    /// Stress of the path over the curve's at the same place, Pa.
+    shift: f64,
+    elastic: bool,
+}
+
+impl Way<'_> {
+    /// Where the present straight piece ends.
+    fn next(&self) -> f64 {
+        if self.elastic {
+            return self.limit;
+        }
+        self.lines.y.get(self.line + 1).map_or(f64::INFINITY, |y| y + self.shift)
+    }
+
+    fn compliance(&self, elastic: f64) -> f64 {
+        if self.elastic { elastic } else { self.lines.compliance[self.line] }
+    }
+
+    fn pass(&mut self, stress: f64) {
+        if stress >= self.next() {
+            if self.elastic {
+                self.elastic = false;
+            } else {
+                self.line += 1;
+            }
+        }
+    }
+}
+
+impl Faces {
+    /// Of a medium.
+    pub fn new(medium: Medium) -> Self {
+        let impedance = medium.impedance();
+        let virgin = [1.0, -1.0].map(|sense| medium.lines(sense).at_accumulated(0.0).2);
+        let falls = |lines: &Lines| lines.slope.windows(2).all(|pair| pair[1] <= pair[0]);
+        let reach = [1.0, -1.0].map(|sense| {
+            let lines = medium.lines(sense);
+            let mut sums = vec![0.0; lines.y.len()];
+            for k in 1..sums.len() {
+                let rise = lines.y[k] - lines.y[k - 1];
+                sums[k] = sums[k - 1] + if rise > 0.0 { lines.compliance[k - 1] * rise } else { 0.0 };
+            }
+            sums
+        });
+        Self {
+            half_impedance: 0.5 * impedance,
+            half_compliance: 0.5 / impedance,
+            virgin,
+            concave: falls(medium.lines(1.0)) && falls(medium.lines(-1.0)),
+            reach,
+            medium,
+        }
+    }
+
+    /// The smaller elastic limit of first loading, Pa.
+    pub fn yield_stress(&self) -> f64 {
+        self.virgin[0].min(self.virgin[1])
+    }
+
+    /// The answer where both sides stay elastic. Kernels that compute it for themselves use the same form, and so get the
+    /// same bits.
+    #[inline(always)]
+    pub fn acoustic(half_impedance: f64, half_compliance: f64, left: Flux, right: Flux) -> Flux {
+        Flux {
+            stress: 0.5 * (left.stress + right.stress) + half_impedance * (right.velocity - left.velocity),
+            velocity: 0.5 * (left.velocity + right.velocity) + half_compliance * (right.stress - left.stress),
+        }
+    }
+
+    /// Halves of the elastic impedance and compliance, as [`Faces::acoustic`] takes them.
+    pub fn halves(&self) -> [f64; 2] {
+        [self.half_impedance, self.half_compliance]
+    }
+
+    /// Stress and velocity at a face between two states of this medium. Where a level curve caps the stress, the velocity
+    /// is the mean of both sides'.
+    pub fn solve(&self, left: &Near, right: &Near, work: &mut Workspace) -> Flux {
+        match self.medium.flow {
+            Flow::Plastic { kinematic } => self.plastic(kinematic, left, right, work),
+            Flow::PathIndependent => self.path_independent(left, right, work),
+        }
+    }
+
+    fn elastic(&self, left: &Near, right: &Near) -> Flux {
+        Self::acoustic(self.half_impedance, self.half_compliance, left.flux(), right.flux())
+    }
+
+    /// True where the side comes to this stress elastically.
+    pub fn stays_elastic(&self, near: &Near, stress: f64) -> bool {
+        let Flow::Plastic { kinematic } = self.medium.flow else {
+            let z = near.point.stress + near.point.plastic;
+            return z.abs() <= self.virgin[side(z)] && stress.abs() <= self.virgin[side(stress)];
+        };
+        let sense = if stress < near.point.stress { -1.0 } else { 1.0 };
+        sense * stress <= self.way(near, sense, kinematic).limit
+    }
+
+    fn plastic(&self, kinematic: f64, left: &Near, right: &Near, work: &mut Workspace) -> Flux {
+        let elastic = self.elastic(left, right);
+        let sense = if elastic.stress < left.point.back { -1.0 } else { 1.0 };
+        if kinematic == 0.0 && sense * elastic.stress <= self.virgin[side(sense)] {
+            return elastic;
+        }
+        let sense_right = if elastic.stress < right.point.back { -1.0 } else { 1.0 };
+        let (a, b) = (self.way(left, sense, kinematic), self.way(right, sense_right, kinematic));
+        if sense * elastic.stress <= a.limit && sense_right * elastic.stress <= b.limit {
+            return elastic;
+        }
+        let start = a.limit.min(b.limit);
+        let low = |near: &Near, limit: f64| {
+            if kinematic == 0.0 { -self.virgin[side(-sense)] } else { 2.0 * sense * near.point.back - limit }
+        };
+        let reached = start >= low(left, a.limit) && start >= low(right, b.limit);
+        let walks = sense == sense_right && reached && (self.concave || one_line(&a, &b));
+        if walks && let Some(flux) = self.walk(sense, left, right, a, b) {
+            return flux;
+        }
+        let (left, right) = (self.placed(left, kinematic), self.placed(right, kinematic));
+        self.general(&left, &right, work)
+    }
+
+    /// The side's way in a sense.
+    fn way(&self, near: &Near, sense: f64, kinematic: f64) -> Way<'_> {
+        let lines = self.medium.lines(sense);
+        let own = sense * near.point.stress;
+        let (line, _, y) = lines.at_accumulated(near.point.accumulated);
+        let limit = sense * near.point.back + y - kinematic * (y - self.virgin[side(sense)]);
+        if near.flowing != sense && own <= limit || !limit.is_finite() {
+            return Way { lines, own, limit, line, shift: limit - y, elastic: true };
+        }
+        let line = self.line_at(lines, line, y + (own - limit));
+        Way { lines, own, limit: own, line, shift: limit - y, elastic: true }
+    }
+
+    /// The line on which the curve has stress y, coming from `line`; on a level one it stays.
+    fn line_at(&self, lines: &Lines, mut line: usize, y: f64) -> usize {
+        while line > 0 && y < lines.y[line] - self.medium.round_off {
+            line -= 1;
+        }
+        while line + 1 < lines.y.len() && y > lines.y[line + 1] + self.medium.round_off {
+            line += 1;
+        }
+        line
+    }
+
+    /// Both ways run in one sense; none where the answer lies past what a walk over falling slopes finds.
+    fn walk(&self, sense: f64, left: &Near, right: &Near, mut a: Way, mut b: Way) -> Option<Flux> {
+        let elastic = 2.0 * self.half_compliance;
+        let target = sense * (right.point.velocity - left.point.velocity);
+        let mut stress = a.limit.min(b.limit);
+        let (mut moved_a, mut moved_b) = (elastic * (stress - a.own), elastic * (stress - b.own));
+        loop {
+            let (soft_a, soft_b) = (a.compliance(elastic), b.compliance(elastic));
+            let next = a.next().min(b.next());
+            let soft = soft_a + soft_b;
+            if soft == f64::INFINITY {
+                // A level end caps the stress; past a level stretch inside the curve the hull goes on.
+                if !self.concave {
+                    return None;
+                }
+                break;
+            }
+            let step = ((target - (moved_a + moved_b)) / soft).max(0.0);
+            if stress + step <= next {
+                stress += step;
+                moved_a += soft_a * step;
+                moved_b += soft_b * step;
+                break;
+            }
+            if !self.concave && !a.elastic && !b.elastic {
+                return None;
+            }
+            moved_a += soft_a * (next - stress);
+            moved_b += soft_b * (next - stress);
+            stress = next;
+            a.pass(stress);
+            b.pass(stress);
+        }
+        let (from_left, from_right) = (left.point.velocity + sense * moved_a, right.point.velocity - sense * moved_b);
+        Some(Flux { stress: sense * stress, velocity: 0.5 * (from_left + from_right) })
+    }
+
+    /// A flowing side's history moved along the curve to where its stress at the face is.
+    fn placed(&self, near: &Near, kinematic: f64) -> Point {
+        let mut point = near.point;
+        if near.flowing == 0.0 {
+            return point;
+        }
+        let (sense, lines) = (near.flowing, self.medium.lines(near.flowing));
+        let (line, _, y) = lines.at_accumulated(point.accumulated);
+        let limit = sense * point.back + y - kinematic * (y - self.virgin[side(sense)]);
+        if !limit.is_finite() {
+            return point;
+        }
+        let rise = sense * point.stress - limit;
+        let line = self.line_at(lines, line, y + rise);
+        let slope = lines.slope[line];
+        if slope > 0.0 {
+            let along = ((y + rise - lines.y[line]) / slope).max(0.0);
+            point.accumulated = lines.p[line] + (1.0 - slope) * along;
+            point.back += sense * kinematic * rise;
+        }
+        point
+    }
+
+    fn path_independent(&self, left: &Near, right: &Near, work: &mut Workspace) -> Flux {
+        let elastic = self.elastic(left, right);
+        let reach = |near: &Near| near.point.stress + near.point.plastic;
+        let (z_left, z_right) = (reach(left), reach(right));
+        let within = |z: f64| z.abs() <= self.virgin[side(z)];
+        if within(z_left) && within(z_right) && within(elastic.stress) {
+            return elastic;
+        }
+        let sense = if z_left + z_right < 0.0 { -1.0 } else { 1.0 };
+        if sense * z_left >= 0.0 && sense * z_right >= 0.0 {
+            let found = self.on_one_line(sense, left, right, [z_left, z_right]);
+            let found = found.or_else(|| self.fan_and_shock(sense, left, right, [z_left, z_right]));
+            if let Some(flux) = found {
+                return flux;
+            }
+        }
+        self.general(&self.on_level(&left.point), &self.on_level(&right.point), work)
+    }
+
+    /// A state within rounding of a level stretch of the curve lies on it.
+    fn on_level(&self, point: &Point) -> Point {
+        let z = point.stress + point.plastic;
+        let sense = if z < 0.0 { -1.0 } else { 1.0 };
+        let lines = self.medium.lines(sense);
+        let line = lines.at(z.abs() + self.medium.round_off.max(1e-14 * z.abs()));
+        if lines.slope[line] > 0.0 {
+            return *point;
+        }
+        let stress = sense * lines.y[line];
+        Point { stress, plastic: z - stress, ..*point }
+    }
+
+    /// Both states and the answer lie on one line of the curve.
+    fn on_one_line(&self, sense: f64, left: &Near, right: &Near, z: [f64; 2]) -> Option<Flux> {
+        let lines = self.medium.lines(sense);
+        let line = lines.at(sense * z[0]);
+        let compliance = lines.compliance[line];
+        if lines.at(sense * z[1]) != line || compliance.is_infinite() {
+            return None;
+        }
+        let flux = Self::acoustic(0.5 / compliance, 0.5 * compliance, left.flux(), right.flux());
+        let end = lines.y.get(line + 1).copied().unwrap_or(f64::INFINITY);
+        (lines.y[line]..=end).contains(&(sense * flux.stress)).then_some(flux)
+    }
+
+    /// Slopes fall along the curve and neither side crosses zero stress: whoever loads sends a fan, whoever unloads a
+    /// shock. None where the answer lies elsewhere.
+    fn fan_and_shock(&self, sense: f64, left: &Near, right: &Near, z: [f64; 2]) -> Option<Flux> {
+        if !self.concave {
+            return None;
+        }
+        let start = |near: &Near, z: f64| Branch::new(self, sense, sense * near.point.stress, sense * z);
+        let (a, b) = (start(left, z[0]), start(right, z[1]));
+        let target = sense * (right.point.velocity - left.point.velocity);
+        let lines = self.medium.lines(sense);
+        let last = lines.y.len() - 1;
+        let cap = if lines.slope[last] == 0.0 { lines.y[last] } else { f64::INFINITY };
+        let stress = meet(&a, &b, target, cap)?;
+        let (from_left, from_right) =
+            (left.point.velocity + sense * a.change(stress).0, right.point.velocity - sense * b.change(stress).0);
+        Some(Flux { stress: sense * stress, velocity: 0.5 * (from_left + from_right) })
+    }
+
+    fn general(&self, left: &Point, right: &Point, work: &mut Workspace) -> Flux {
+        let star = solve(Side::Bar(&self.medium, left), Side::Bar(&self.medium, right), work);
+        let velocity = 0.5 * (star.velocity_left + star.velocity_right);
+        Flux { stress: star.force / self.medium.area, velocity }
+    }
+
+    /// The point of a side as [`solve`] takes it.
+    pub fn point(&self, near: &Near) -> Point {
+        match self.medium.flow {
+            Flow::Plastic { kinematic } => self.placed(near, kinematic),
+            Flow::PathIndependent => self.on_level(&near.point),
+        }
+    }
+
+    /// E times the strains at which the curve stiffens, in tension and compression, Pa.
+    pub fn stiffenings(&self) -> [Vec<f64>; 2] {
+        [1.0, -1.0].map(|sense| {
+            let lines = self.medium.lines(sense);
+            (1..lines.z.len()).filter(|&k| lines.slope[k] > lines.slope[k - 1]).map(|k| lines.z[k]).collect()
+        })
+    }
+}
+
+impl Near {
+    fn flux(&self) -> Flux {
+        Flux { stress: self.point.stress, velocity: self.point.velocity }
+    }
+}
+
+fn side(sense: f64) -> usize {
+    usize::from(sense < 0.0)
+}
+
+/// Both ways are past their limits at once and on one line.
+fn one_line(a: &Way, b: &Way) -> bool {
+    a.limit == a.own && b.limit == b.own && a.line == b.line && a.shift == b.shift
+}
+
+/// What a state on a curve that is followed both ways sends, in magnitudes of stress.
+struct Branch<'a> {
+    lines: &'a Lines,
+    reach: &'a [f64],
+    own: f64,
+    z: f64,
+    /// Velocity change from zero stress to its own.
+    base: f64,
+    impedance2: f64,
+}
+
+impl<'a> Branch<'a> {
+    fn new(faces: &'a Faces, sense: f64, own: f64, z: f64) -> Self {
+        let (lines, reach) = (faces.medium.lines(sense), &faces.reach[side(sense)]);
+        let line = lines.at(z.max(0.0));
+        // Within rounding a state may lie above a level stretch.
+        let rise = if lines.slope[line] > 0.0 { own - lines.y[line] } else { 0.0 };
+        let base = reach[line] + if rise > 0.0 { lines.compliance[line] * rise } else { 0.0 };
+        Self { lines, reach, own, z, base, impedance2: faces.medium.modulus * faces.medium.density }
+    }
+
+    /// Velocity change on the way to `stress`, and its derivative.
+    fn change(&self, stress: f64) -> (f64, f64) {
+        let lines = self.lines;
+        // At a knot the line below it: the one above may be level.
+        let line = lines.y.partition_point(|&y| y < stress).max(1) - 1;
+        let (compliance, slope) = (lines.compliance[line], lines.slope[line]);
+        let rise = stress - lines.y[line];
+        if stress >= self.own {
+            let along = if rise > 0.0 { compliance * rise } else { 0.0 };
+            return (self.reach[line] + along - self.base, compliance);
+        }
+        let (fall, back) = (self.own - stress, self.z - (lines.z[line] + if rise > 0.0 { rise / slope } else { 0.0 }));
+        let change = (fall * back / self.impedance2).max(0.0).sqrt();
+        let steepness =
+            if change > 0.0 { 0.5 * (back + fall / slope) / (change * self.impedance2) } else { compliance };
+        (-change, steepness)
+    }
+}
+
+/// Steps of Newton's method, with halvings where it leaves its bracket. They double the digits, so few are ever needed.
+const MOST_STEPS: usize = 80;
+
+/// The stress in 0..cap at which both changes add up to `target`; none where there is none.
+fn meet(a: &Branch, b: &Branch, target: f64, cap: f64) -> Option<f64> {
+    let total = |stress: f64| {
+        let ((first, steep_first), (second, steep_second)) = (a.change(stress), b.change(stress));
+        (first + second - target, steep_first + steep_second)
+    };
+    let mut stress = (0.5 * (a.own + b.own)).min(cap);
+    let (mut low, mut high) = (0.0_f64, cap);
+    let resolution = 2.0 * f64::EPSILON * a.own.max(b.own);
+    for _ in 0..MOST_STEPS {
+        let (missed, steepness) = total(stress);
+        if missed == 0.0 {
+            return Some(stress);
+        }
+        if missed > 0.0 {
+            high = stress;
+        } else {
+            low = stress;
+        }
+        let step = -missed / steepness;
+        let mut next = stress + step;
+        if step.abs() <= resolution {
+            return (next >= 0.0 && next <= cap).then_some(next);
+        }
+        // The bracket's ends themselves are tried once each: there the answer may lie elsewhere.
+        if next.partial_cmp(&low) != Some(std::cmp::Ordering::Greater) || next >= high {
+            let (at_zero, at_cap) = (low == 0.0 && step < 0.0, high == cap && step > 0.0);
+            if (at_zero && total(0.0).0 > 0.0) || (at_cap && (cap.is_infinite() || total(cap).0 < 0.0)) {
+                return None;
+            }
+            next = 0.5 * (low + high);
+        }
+        stress = next;
+    }
+    Some(stress)
+}

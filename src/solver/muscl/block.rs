@@ -84,13 +84,13 @@ impl Block {
         self.sigma[i] + plastic
     }
 
-    /// How many stiffening knots of its curve a cell has passed, signed by the sense of its stress.
-    pub fn stiffenings(&self, knots: &[Vec<f64>; 2], part: &Part, i: usize) -> i32 {
+    /// How many stiffening knots of its curve a cell has passed, and whether in compression.
+    fn stiffenings(&self, knots: &[Vec<f64>; 2], part: &Part, i: usize) -> (bool, usize) {
         let accumulated = if self.stage == Stage::Plastic { part.law.law.accumulated(&self.state, i) } else { 0.0 };
         let stress = self.sigma[i];
-        let (side, sign) = if stress < 0.0 { (1, -1) } else { (0, 1) };
         let reach = stress.abs() + accumulated;
-        sign * knots[side].iter().take_while(|&&knot| knot <= reach).count() as i32
+        let passed = knots[usize::from(stress < 0.0)].iter().take_while(|&&knot| knot <= reach).count();
+        (passed > 0 && stress < 0.0, passed)
     }
 
     /// True where a stiffening knot of the curve lies between a cell and one of the two next on either side: inside a shock,

@@ -232,8 +232,9 @@ pub(super) fn plastic(block: &mut Block, part: &Part, scratch: &mut Scratch) {
     let Scratch { through, ahead, increment, stress, lost, .. } = scratch;
     through.set_outer(block);
     increment[..row].fill(0.0);
-    for i in GHOSTS..row - GHOSTS {
-        increment[i] = part.gain * (through.velocity[i + 1] - through.velocity[i]);
+    let faces = through.velocity[GHOSTS..=row - GHOSTS].windows(2);
+    for (increment, face) in increment[GHOSTS..row - GHOSTS].iter_mut().zip(faces) {
+        *increment = part.gain * (face[1] - face[0]);
     }
     stress[..row].copy_from_slice(&block.sigma);
     let work = &mut ahead.work[..row];
@@ -283,8 +284,8 @@ fn carry_curve(block: &Block, part: &Part, scratch: &mut Scratch) {
     carry_motion(Elastic::of(part), &block.sigma, &block.v, scratch);
     flatten(block, part, scratch);
     let Scratch { carried, ahead, increment, stress: reach, flat, .. } = scratch;
-    for i in 0..row {
-        reach[i] = block.sigma[i] + block.state[i];
+    for (reach, (sigma, plastic)) in reach.iter_mut().zip(block.sigma.iter().zip(&block.state)) {
+        *reach = sigma + plastic;
     }
     for i in 1..row - 1 {
         let slope = if flat[i] { 0.0 } else { limited(reach[i] - reach[i - 1], reach[i + 1] - reach[i]) };
@@ -313,9 +314,9 @@ fn carry_history(block: &Block, part: &Part, scratch: &mut Scratch) {
     let state = &mut ahead.state[..law.state_len() * row];
     state.copy_from_slice(&block.state);
     law.strain(&increment[..row], &mut ahead.sigma[..row], state, &mut ahead.work[..row]);
-    for i in 1..row - 1 {
-        carried.left[0][i] = ahead.sigma[i] - 0.5 * slope[i];
-        carried.right[0][i] = ahead.sigma[i] + 0.5 * slope[i];
+    let faces = carried.left[0].iter_mut().zip(&mut carried.right[0]);
+    for ((left, right), (sigma, slope)) in faces.zip(ahead.sigma.iter().zip(slope)).take(row) {
+        (*left, *right) = (sigma - 0.5 * *slope, sigma + 0.5 * *slope);
     }
 }
 

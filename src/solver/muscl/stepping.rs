@@ -113,7 +113,9 @@ impl Muscl {
         self.step += 1;
         let parts = &self.parts;
         let advance = |(blocks, scratch): (&mut [Block], &mut Scratch)| {
-            blocks.iter_mut().for_each(|block| block.advance(&parts[block.part], scratch));
+            for block in blocks {
+                block.advance(&parts[block.part], scratch);
+            }
         };
         if self.parallel {
             self.blocks.par_chunks_mut(GROUP).zip(&mut self.scratch).for_each(advance);

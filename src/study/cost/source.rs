@@ -80,7 +80,7 @@ impl<'a> Source<'a> {
             (Method::Leapfrog { cfl, .. }, Some("leapfrog")) | (Method::Muscl { cfl, .. }, Some("muscl"))
                 if cfl != 1.0 =>
             {
-                solve.push(format!("cfl={cfl:e}"))
+                solve.push(format!("cfl={cfl:e}"));
             }
             _ => {}
         }

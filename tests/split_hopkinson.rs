@@ -5,6 +5,7 @@ mod common;
 
 use std::path::Path;
 
+use barwave::assemble;
 use barwave::bar::{Bar, EndCondition, Joint, Segment};
 use barwave::material::Sense;
 use barwave::record::Trace;
@@ -223,4 +224,28 @@ fn a_short_bar_comes_to_rest_and_is_struck_again() {
     // What the moments of contact are right to, some steps, moves waves that cross each other.
     let velocities = means(&grid);
     assert!((velocities[0] - thrown[0]).abs() < 0.1, "{velocities:?} {thrown:?}");
+}
+
+/// Behind the pulse the incident bar is at rest and without stress, on the grid, too: at Courant number 1 it would ring from cell
+/// to cell, with a fifth of the pulse's stress by then.
+#[test]
+fn the_grid_does_not_ring_behind_the_pulse() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("runs/split-hopkinson.toml");
+    let scene = Scene::read(&path, &[]).expect("a right scene");
+    let Method::Leapfrog { cells, cfl } = scene.solve.method else { panic!("a grid") };
+    assert!(cfl < 1.0);
+    let mut bar = assemble::leapfrog(&scene, cells, cfl);
+    while bar.time() < 360e-6 {
+        bar.advance();
+    }
+    let pulse = 237e6;
+    for (cell, x) in bar.grid().centres().into_iter().enumerate() {
+        let stress = bar.value(Quantity::Stress, cell);
+        if (0.41..1.3).contains(&x) {
+            // Ripples of the sharp ends of the pulse.
+            assert!(stress.abs() < 0.02 * pulse, "{x}: {stress:e}");
+        } else if (1.6..2.0).contains(&x) {
+            assert!((stress / -pulse - 1.0).abs() < 0.02, "{x}: {stress:e}");
+        }
+    }
 }

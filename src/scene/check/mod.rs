@@ -79,8 +79,8 @@ pub(super) fn check(document: &Document, base: &Path) -> Result<Scene> {
     checker.along_goes(&raw_effects, &bar)?;
     let until = "add [solve] with until, the end time, e.g. until = \"200 us\"";
     let raw_solve = checker.required(raw.solve.as_ref(), "solve", until)?;
-    let strikes = strikes_across_a_gap(&bar, [&left, &right]);
-    let solve = checker.solve(raw_solve, &raw_effects, strikes)?;
+    let blows = blows_can_repeat(&bar, [&left, &right]);
+    let solve = checker.solve(raw_solve, &raw_effects, blows)?;
     checker.muscl_can(raw_solve.get_ref(), &solve.method, &raw_effects, auto.is_some(), &bar, [&left, &right])?;
     checker.taper_can_be_solved(raw_bar.get_ref(), &bar, &solve.method)?;
     let record = checker.record(&raw.record, &bar, &effects, &solve, twisted)?;
@@ -104,10 +104,10 @@ pub(super) fn check(document: &Document, base: &Path) -> Result<Scene> {
     })
 }
 
-/// Parts of the bar, or the bar and a wall, fly at each other across a gap, and may do so again and again.
-fn strikes_across_a_gap(bar: &Bar, ends: [&EndCondition; 2]) -> bool {
+/// Parts of the bar can part and meet, or the bar and a wall across a gap, and may do so again and again.
+fn blows_can_repeat(bar: &Bar, ends: [&EndCondition; 2]) -> bool {
     let wall = |end: &&EndCondition| matches!(end, EndCondition::Wall { gap } if *gap > 0.0);
-    let joint = |segment: &Segment| matches!(segment.joint, Joint::Contact { gap } if gap > 0.0);
+    let joint = |segment: &Segment| matches!(segment.joint, Joint::Contact { .. });
     ends.iter().any(wall) || bar.segments.iter().any(joint)
 }
 

@@ -41,8 +41,8 @@ impl RawMethod {
 }
 
 impl Checker<'_> {
-    /// `strikes`: parts fly at each other across a gap.
-    pub(super) fn solve(&self, raw: &Spanned<RawSolve>, effects: &RawEffects, strikes: bool) -> Result<Solve> {
+    /// `blows` can repeat.
+    pub(super) fn solve(&self, raw: &Spanned<RawSolve>, effects: &RawEffects, blows: bool) -> Result<Solve> {
         let (span, raw) = (raw.span(), raw.get_ref());
         let Some(until) = &raw.until else {
             let help = "add the end time, e.g. until = \"200 us\"; an elastic wave needs length/c0 to cross the bar";
@@ -65,7 +65,7 @@ impl Checker<'_> {
         self.heat_can_be_followed(effects, method)?;
         self.only_keys_of(raw, method, rate)?;
         let method = match (method, rate) {
-            (RawMethod::Fd, _) => self.on_a_grid(raw, if strikes { BLOW_CFL } else { 1.0 })?,
+            (RawMethod::Fd, _) => self.on_a_grid(raw, if blows { BLOW_CFL } else { 1.0 })?,
             (RawMethod::Moc, false) => self.front_tracking(raw)?,
             (RawMethod::Moc, true) => Method::CharacteristicNet { cells: self.cells(raw)? },
         };

@@ -572,7 +572,7 @@ pub struct RawSolve {
     /// 100000000. Default: 1000.
     #[schemars(with = "Option<u64>")]
     pub cells: Option<Number>,
-    /// For the method "fd": Courant number of the fastest wave, 0 < cfl <= 1. Default: 1; 0.999 with contact joints or a
+    /// For the method "fd": Courant number of the fastest wave, 0 < cfl <= 1. Default: 1; 0.995 with contact joints or a
     /// wall across a gap, where at 1 the grid can ring.
     #[schemars(with = "Option<f64>")]
     pub cfl: Option<Number>,

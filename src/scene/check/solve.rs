@@ -14,8 +14,8 @@ use crate::units::Dimension;
 /// Default number of cells.
 const CELLS: usize = 1000;
 /// Default Courant number where blows can repeat. At 1 the scheme's two lattices keep a zigzag between them for nothing, and
-/// every further blow may add to it without bound; a thousandth less ties them together, and front widths stay those of 1.
-const BLOW_CFL: f64 = 0.999;
+/// every further blow may add to it without bound; half a hundredth less ties them together, and front widths stay those of 1.
+const BLOW_CFL: f64 = 0.995;
 /// Default of the front tolerance.
 const FRONT_TOLERANCE: f64 = 1e-3;
 /// Default number of events, and most that can be asked for: a week at a microsecond each.

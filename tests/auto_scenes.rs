@@ -125,6 +125,14 @@ fn of_effects_that_do_not_go_together_the_larger_is_simulated() {
 }
 
 #[test]
+fn what_the_estimate_missed_the_audit_of_the_run_adds() {
+    let (all, _) = choices("missed-at-first", &[]);
+    let [unloading] = &all[..] else { panic!("{all:?}") };
+    assert!(unloading.effect == "unloading" && unloading.on && unloading.round == 1, "{unloading:?}");
+    assert!(unloading.estimate > 0.01, "{unloading:?}");
+}
+
+#[test]
 fn a_method_that_the_scene_names_stays() {
     let moc = ["solve.method=moc", "solve.cells=", "solve.front-tolerance=0.01"];
     let (released, method) = choices("released", &moc);

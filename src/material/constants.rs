@@ -63,6 +63,19 @@ pub struct HeatConstants {
     pub exponent: Option<f64>,
 }
 
+impl HeatConstants {
+    /// Keys of `[heat]` that heating and softening need and that are not stated.
+    pub fn missing(&self) -> Vec<&'static str> {
+        let needed = [
+            ("specific-heat", self.specific_heat),
+            ("reference-temperature", self.reference_temperature),
+            ("melting-temperature", self.melting_temperature),
+            ("m", self.exponent),
+        ];
+        needed.iter().filter(|(_, value)| value.is_none()).map(|(key, _)| *key).collect()
+    }
+}
+
 /// Checks the constants of a file.
 pub(super) fn resolve(raw: &RawMaterial, law: Option<String>, keys: Keys<'_>) -> Result<Constants> {
     Ok(Constants {

@@ -63,17 +63,10 @@ impl Material {
     /// A constant of `[heat]` that is missing.
     pub fn heated(&self, fraction: Option<f64>) -> Result<Self, HeatingError> {
         let given = &self.constants.heat;
-        let needed = [
-            ("specific-heat", given.specific_heat),
-            ("reference-temperature", given.reference_temperature),
-            ("melting-temperature", given.melting_temperature),
-            ("m", given.exponent),
-        ];
-        let missing: Vec<&str> = needed.iter().filter(|(_, value)| value.is_none()).map(|(key, _)| *key).collect();
         let (Some(specific_heat), Some(reference_temperature), Some(melting_temperature), Some(exponent)) =
             (given.specific_heat, given.reference_temperature, given.melting_temperature, given.exponent)
         else {
-            return if self.can_flow() { Err(HeatingError::Missing(missing)) } else { Ok(self.clone()) };
+            return if self.can_flow() { Err(HeatingError::Missing(given.missing())) } else { Ok(self.clone()) };
         };
         let mut heating = Heating {
             fraction: fraction.or(given.fraction).unwrap_or(DEFAULT_FRACTION),
@@ -228,7 +221,7 @@ fn flow_knots(curve: &Curve, modulus: f64) -> Vec<(f64, f64)> {
 
 /// Plastic work along a curve as the solvers follow it: with its drops filled.
 #[derive(Debug, Clone, Default, PartialEq)]
-struct WorkTable {
+pub struct WorkTable {
     plastic: Vec<f64>,
     stress: Vec<f64>,
     /// J/m^3.
@@ -238,7 +231,8 @@ struct WorkTable {
 }
 
 impl WorkTable {
-    fn new(curve: &Curve, modulus: f64) -> Self {
+    /// Along a curve with elastic modulus `modulus`, Pa.
+    pub fn new(curve: &Curve, modulus: f64) -> Self {
         let filled = curve.running_maximum();
         let last = filled.last_slope();
         let extends = filled.beyond() == Beyond::Extend && last < modulus * (1.0 - SLOPE_ROUND_OFF);
@@ -251,8 +245,8 @@ impl WorkTable {
         Self { plastic, stress, work, slope }
     }
 
-    /// Work per volume up to a plastic strain, J/m^3.
-    fn at(&self, plastic: f64) -> f64 {
+    /// Work per volume up to a plastic strain >= 0, J/m^3.
+    pub fn at(&self, plastic: f64) -> f64 {
         // The last of knots at one plastic strain: the stress that holds beyond them.
         let k = self.plastic.partition_point(|&p| p <= plastic).max(1) - 1;
         let slope = match self.plastic.get(k + 1) {

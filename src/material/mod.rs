@@ -21,7 +21,7 @@ pub(crate) use curve::SLOPE_ROUND_OFF;
 pub use curve::{Beyond, Curve, CurveError, Ultimate, UltimateReason};
 pub use file::{read, resolve};
 pub use formula::{Formula, Law};
-pub use heating::{Heating, HeatingError};
+pub use heating::{DEFAULT_FRACTION, Heating, HeatingError, WorkTable};
 pub use raw::RawMaterial;
 pub use tabulate::{
     Measure, Tabulate, Tabulated, engineering_from_true, tabulate_law, tabulate_true_rows, true_from_engineering,

@@ -5,9 +5,8 @@ mod checks;
 mod energy;
 mod frames;
 mod fronts;
+mod grid_view;
 mod ledger;
-mod muscl_view;
-mod net_view;
 mod step_gauges;
 pub mod store;
 mod summary;
@@ -35,7 +34,7 @@ pub use summary::{
 pub use traces::Traces;
 pub use tracked::EndHistories;
 pub use tracked_fronts::{INTERIOR, Paths, TrackedFronts};
-pub use view::{Account, EndState, Start, Stepped, View, quantity};
+pub use view::{Account, EndState, Start, Stepped, View};
 pub use warmth::{flowed_both_ways, largest_rise};
 
 /// A field that can be recorded over x and t.

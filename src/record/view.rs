@@ -3,7 +3,7 @@
 
 use super::Field;
 use crate::law::rupture::Rupture;
-use crate::solver::fd::{Grid, Leapfrog, Passed, Quantity, Sampling};
+use crate::solver::fd::{Grid, Passed, Quantity, Sampling};
 
 /// A simulated bar at its current time.
 pub trait View {
@@ -131,114 +131,5 @@ impl Account {
             + self.fracture
             + self.damping
             + self.foundation
-    }
-}
-
-impl View for Leapfrog {
-    type Places = Sampling;
-
-    fn time(&self) -> f64 {
-        self.time()
-    }
-
-    fn sample(&self, field: Field, places: &Sampling, out: &mut [f64]) {
-        let Some(quantity) = quantity(field) else {
-            let centres = self.displacements();
-            return places.read(|cell| centres[cell], out);
-        };
-        if places.is_every_cell() {
-            self.profile(quantity, out);
-        } else {
-            places.read(|cell| self.value(quantity, cell), out);
-        }
-    }
-
-    fn ends(&self) -> [EndState; 2] {
-        [self.left(), self.right()].map(|d| EndState { stress: d.stress(), velocity: d.velocity() })
-    }
-
-    fn strikers(&self) -> [Option<f64>; 2] {
-        [self.left(), self.right()].map(|device| device.striker().map(|(velocity, _)| velocity))
-    }
-
-    fn ruptures(&self) -> &[Rupture] {
-        self.ruptures()
-    }
-
-    fn start(&self) -> Start {
-        let initial = self.initial();
-        Start { kinetic: initial.kinetic, momentum: initial.momentum, mass: self.mass() }
-    }
-
-    fn account(&self) -> Account {
-        let (now, left, right) = (self.energies(), self.left(), self.right());
-        let [impulse_along, throughput_along] = self.impulse_along();
-        Account {
-            kinetic: now.kinetic,
-            elastic: now.elastic,
-            plastic: now.plastic,
-            heat: now.heat,
-            viscous: now.viscous,
-            concentrated: now.concentrated,
-            fracture: now.fracture,
-            damping: now.damping,
-            foundation: now.foundation,
-            momentum: now.momentum,
-            work: [left.work(), right.work()],
-            impulse: [left.impulse(), right.impulse()],
-            impulse_along,
-            momentum_scale: left.throughput() + right.throughput() + throughput_along,
-        }
-    }
-}
-
-impl Stepped for Leapfrog {
-    fn grid(&self) -> &Grid {
-        self.grid()
-    }
-
-    fn step(&self) -> usize {
-        self.step()
-    }
-
-    fn advance(&mut self) {
-        self.advance();
-    }
-
-    fn value(&self, quantity: Quantity, cell: usize) -> f64 {
-        self.value(quantity, cell)
-    }
-
-    fn profile(&self, quantity: Quantity, out: &mut [f64]) {
-        self.profile(quantity, out);
-    }
-
-    fn stayed_elastic(&self) -> bool {
-        self.stayed_elastic()
-    }
-
-    fn data_can_end(&self) -> bool {
-        self.data_can_end()
-    }
-
-    fn passed_end_of_data(&self) -> Option<Passed> {
-        self.passed_end_of_data()
-    }
-
-    fn not_finite(&self) -> Option<usize> {
-        self.not_finite()
-    }
-}
-
-/// What a grid solver calls a field; none for the displacement, which is summed up from the strain.
-pub fn quantity(field: Field) -> Option<Quantity> {
-    match field.base() {
-        Field::Strain => Some(Quantity::Strain),
-        Field::Velocity => Some(Quantity::Velocity),
-        Field::PlasticStrain => Some(Quantity::PlasticStrain),
-        Field::AccumulatedPlasticStrain => Some(Quantity::AccumulatedPlasticStrain),
-        Field::Temperature => Some(Quantity::Temperature),
-        Field::Displacement => None,
-        _ => Some(Quantity::Stress),
     }
 }

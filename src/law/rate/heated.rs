@@ -8,15 +8,10 @@
 //! curve), in proportion between; found by going through it again until the temperature stands. T is held below melting, where the stress is
 //! gone.
 
+use super::split::{GONE, excess, readings_of_split_state, signed};
 use super::{Flow, History, RateLaw};
 use crate::law::{CellLaw, Response};
 use crate::material::Heating;
-
-/// Overstress below this part of the stresses it is the difference of is rounding and does not flow.
-const ROUNDING: f64 = 4.0 * f64::EPSILON;
-
-/// Stands for an overstress that the latest step took away to the last bit.
-const GONE: f64 = f64::MIN_POSITIVE;
 
 /// Temperatures whose difference is this part of the range to melting are the same.
 const SAME_RISE: f64 = 1e-13;
@@ -30,11 +25,8 @@ const MOLTEN: f64 = 1e-9;
 
 /// A heated cell in steps of one length.
 ///
-/// State: `[E p accumulated, E eps_p signed, E eps_p still to come, signed overstress, work of the overstress times E, rise in
-/// temperature, rise by the static stress still to come, rise at which the elastic limits were last taken]`, and the back
-/// stress of the cold curve where `N` is 9. As for
-/// [`super::Timed`], the half step of flow that follows the stress is in the state already, and what it adds is what is
-/// still to come.
+/// State: that of [`super::split`], then `[rise in temperature, rise by the static stress still to come, rise at which the
+/// elastic limits were last taken]`, and the back stress of the cold curve where `N` is 9.
 ///
 /// What warms is the work of the static stress, exact along the flow, and that of the overstress as the energy account has it,
 /// which knows none where a step ends on the static curve.
@@ -124,27 +116,15 @@ impl<const N: usize> Heated<N> {
     /// The same with stresses `g` times those of the cold limits.
     #[inline]
     fn flow_at(&self, g: f64, sigma: f64, cold: [f64; 2], history: &mut History) -> Half {
-        let [low, high] = cold.map(|limit| g * limit);
-        let least = ROUNDING * (sigma.abs() + history.back.abs() + (high - low));
-        let (excess, sense) = if sigma - high > least {
-            (sigma - high, 0)
-        } else if low - sigma > least {
-            (low - sigma, 1)
-        } else {
-            return Half::default();
-        };
-        let flow = self.law.flow_softened(excess, sense, g, self.half, history);
-        Half { flow, overstress: if sense == 0 { excess } else { -excess }, warmed: 0.0 }
+        let limits = cold.map(|limit| g * limit);
+        let Some((size, sense)) = excess(sigma, limits, history.back) else { return Half::default() };
+        let flow = self.law.flow_softened(size, sense, g, self.half, history);
+        Half { flow, overstress: signed((size, sense)), warmed: 0.0 }
     }
 }
 
 impl<const N: usize> CellLaw<N> for Heated<N> {
-    const TAKES_TIME: bool = true;
-
-    #[inline]
-    fn base(&self, sigma: f64, state: [f64; N]) -> f64 {
-        sigma - state[2]
-    }
+    readings_of_split_state!();
 
     fn respond(&self, predictor: f64, state: [f64; N]) -> Response<N> {
         let back = if N > 8 { state[8] } else { 0.0 };
@@ -165,39 +145,6 @@ impl<const N: usize> CellLaw<N> for Heated<N> {
         let (to_come, work) = (second.flow.plastic, state[4] + over);
         let all = [accumulated, signed, to_come, overstress, work, warm, second.warmed, past.limit, back];
         Response { sigma, state: std::array::from_fn(|k| all[k]), plastic }
-    }
-
-    #[inline]
-    fn plastic_strain(&self, state: [f64; N]) -> f64 {
-        state[1] - state[2]
-    }
-
-    #[inline]
-    fn accumulated(&self, state: [f64; N]) -> f64 {
-        state[0] - state[2].abs()
-    }
-
-    /// The overstress is no part of the way along the static curve.
-    #[inline]
-    fn reach(&self, sigma: f64, state: [f64; N]) -> f64 {
-        sigma.abs() - state[3].abs() + self.accumulated(state)
-    }
-
-    #[inline]
-    fn overstress_work(&self, state: [f64; N]) -> f64 {
-        state[4]
-    }
-
-    #[inline]
-    fn flows(&self, state: [f64; N]) -> bool {
-        state[3] != 0.0
-    }
-
-    /// As for [`super::Timed`].
-    #[inline]
-    fn keeps_up(&self, state: [f64; N]) -> bool {
-        let left = state[3].abs();
-        left == GONE || (left > 0.0 && state[2].abs() >= 0.5 * left)
     }
 
     fn temperature(&self, state: [f64; N]) -> f64 {

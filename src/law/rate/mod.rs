@@ -17,6 +17,7 @@ mod cell;
 mod hardening;
 mod heated;
 mod overstress;
+mod split;
 
 pub use cell::Timed;
 pub use hardening::{Hardening, Piece};

@@ -167,25 +167,29 @@ impl Audit {
 
     /// One row for each effect that was off; `broken` are the rows that tell of places that broke or would have.
     pub fn rows(&self, broken: Vec<AuditRow>) -> Vec<AuditRow> {
-        let row = |effect: &str, (estimate, message): (f64, String)| AuditRow {
-            effect: effect.to_owned(),
-            estimate,
-            threshold: self.tolerance,
-            message: std::format!("{effect}: {message}"),
+        let row = |effect: &str, find: &dyn Fn() -> (f64, String)| {
+            let (estimate, message) = if self.looked { find() } else { (0.0, "nothing yielded".to_owned()) };
+            AuditRow {
+                effect: effect.to_owned(),
+                estimate,
+                threshold: self.tolerance,
+                message: std::format!("{effect}: {message}"),
+            }
         };
         let share = |sum: f64| if sum > 0.0 { (sum / self.peak).min(1.0) } else { 0.0 };
+        let (materials, places) = (&self.materials, &self.places);
         let mut rows = Vec::new();
         if self.off.unloading {
-            rows.push(row("unloading", self.unloading.finding(self.looked, &self.places, share)));
+            rows.push(row("unloading", &|| self.unloading.finding(places, share)));
         }
         if self.off.rate {
-            rows.push(row("rate", self.rate.finding(self.looked, &self.materials, &self.places, share)));
+            rows.push(row("rate", &|| self.rate.finding(materials, places, share)));
         }
         if self.off.heat {
-            rows.push(row("heat", self.heat.finding(self.looked, &self.materials, &self.places, share)));
+            rows.push(row("heat", &|| self.heat.finding(materials, places, share)));
         }
         if broken.is_empty() && self.off.rupture {
-            rows.push(row("rupture", self.tensile.finding(self.looked, &self.materials, &self.places)));
+            rows.push(row("rupture", &|| self.tensile.finding(materials, places)));
         }
         rows.extend(broken.into_iter().map(|row| AuditRow { threshold: self.tolerance, ..row }));
         rows.extend(self.joints.row());
@@ -195,6 +199,3 @@ impl Audit {
         rows
     }
 }
-
-/// Words for a bar of which nothing has flowed.
-const ELASTIC: &str = "nothing yielded";

@@ -1,6 +1,7 @@
 //! Where the audit looks.
 
 use crate::bar::Bar;
+use crate::units::{Dimension, System, format};
 
 /// Places over the whole bar, and the fewest in a segment (fewer where segments are many).
 const PLACES: usize = 128;
@@ -31,5 +32,11 @@ impl Places {
             x0 += segment.length;
         }
         places
+    }
+
+    /// A time (s) and a place, for messages.
+    pub fn moment(&self, time: f64, place: usize) -> String {
+        let x = format(self.x[place], Dimension::Length, System::Si);
+        std::format!("t = {}, x = {x}", format(time, Dimension::Time, System::Si))
     }
 }

@@ -10,10 +10,9 @@
 use std::sync::Arc;
 
 use super::places::Places;
-use super::{AuditRow, ELASTIC, Reading};
+use super::{AuditRow, Reading};
 use crate::law::rate::Overstress;
 use crate::material::Material;
-use crate::units::{Dimension, System, format};
 
 /// Plastic strain that counts as flow, as a part of what the place has gained: less is ripples and rounding.
 const FLOWED: f64 = 1e-3;
@@ -78,16 +77,7 @@ impl RateRise {
         self.change = self.change.max(change);
     }
 
-    pub fn finding(
-        &self,
-        looked: bool,
-        materials: &[Arc<Material>],
-        places: &Places,
-        share: impl Fn(f64) -> f64,
-    ) -> (f64, String) {
-        if !looked {
-            return (0.0, ELASTIC.to_owned());
-        }
+    pub fn finding(&self, materials: &[Arc<Material>], places: &Places, share: impl Fn(f64) -> f64) -> (f64, String) {
         if self.media.iter().all(Option::is_none) {
             return (f64::NAN, std::format!("no estimate: {} states no constants in [rate]", materials[0].name));
         }
@@ -95,11 +85,10 @@ impl RateRise {
             return (0.0, "what yielded states no [rate] constants, or did not flow".to_owned());
         };
         let message = std::format!(
-            "{} flows at up to {rate:.0} 1/s, the mean over a sixty-fourth of the run (t = {}, x = {}), where it would carry \
+            "{} flows at up to {rate:.0} 1/s, the mean over a sixty-fourth of the run ({}), where it would carry \
              {:.1} % more; the curve was taken as that of any rate. Switch on with [effects] rate = \"material\"",
             materials[places.segment[place]].name,
-            format(time, Dimension::Time, System::Si),
-            format(places.x[place], Dimension::Length, System::Si),
+            places.moment(time, place),
             100.0 * rise,
         );
         (share(self.change), message)

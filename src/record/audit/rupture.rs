@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use super::places::Places;
-use super::{AuditRow, ELASTIC, Reading};
+use super::{AuditRow, Reading};
 use crate::bar::Launch;
 use crate::material::{Material, Sense};
 use crate::units::{Dimension, System, format};
@@ -38,10 +38,7 @@ impl TensileStrain {
         }
     }
 
-    pub fn finding(&self, looked: bool, materials: &[Arc<Material>], places: &Places) -> (f64, String) {
-        if !looked {
-            return (0.0, ELASTIC.to_owned());
-        }
+    pub fn finding(&self, materials: &[Arc<Material>], places: &Places) -> (f64, String) {
         let Some((share, strain, time, place)) = self.largest else {
             let known = materials.iter().any(|m| m.branch(Sense::Tension).ultimate().is_some());
             return if known {
@@ -55,9 +52,8 @@ impl TensileStrain {
         };
         let broke = share >= REACHED;
         let message = std::format!(
-            "the strain in tension came to {strain:.4} (t = {}, x = {}), {:.0} % of that at which {} breaks{}",
-            format(time, Dimension::Time, System::Si),
-            format(places.x[place], Dimension::Length, System::Si),
+            "the strain in tension came to {strain:.4} ({}), {:.0} % of that at which {} breaks{}",
+            places.moment(time, place),
             100.0 * share,
             materials[places.segment[place]].name,
             if broke { ". Switch on with [effects] rupture = \"critical-strain\"" } else { "" },

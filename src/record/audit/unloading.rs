@@ -7,8 +7,8 @@
 
 use std::sync::Arc;
 
+use super::Reading;
 use super::places::Places;
-use super::{ELASTIC, Reading};
 use crate::material::{Material, Sense};
 use crate::units::{Dimension, System, format};
 
@@ -100,24 +100,22 @@ impl Unloading {
         }
     }
 
-    pub fn finding(&self, looked: bool, places: &Places, share: impl Fn(f64) -> f64) -> (f64, String) {
-        let Some((time, place)) = self.first.filter(|_| looked) else {
-            let why = if looked { "no yielded place went back" } else { ELASTIC };
-            return (0.0, why.to_owned());
+    pub fn finding(&self, places: &Places, share: impl Fn(f64) -> f64) -> (f64, String) {
+        let Some((time, place)) = self.first else {
+            return (0.0, "no yielded place went back".to_owned());
         };
         let lengths = |of: &dyn Fn(usize) -> bool| -> f64 {
             (0..places.x.len()).filter(|&k| of(k)).map(|k| places.weight[k]).sum()
         };
         let yielded = |k: usize| self.largest[k].0.abs() > self.limit[k][usize::from(self.largest[k].0 < 0.0)];
-        let show = |value, dimension| format(value, dimension, System::Si);
+        let show = |length| format(length, Dimension::Length, System::Si);
         let message = std::format!(
-            "{} of {} of yielded bar went back by up to {:.0} % of their strain after yielding, first seen at t = {}, x = {}; \
+            "{} of {} of yielded bar went back by up to {:.0} % of their strain after yielding, first seen at {}; \
              the curve was followed back, which returns plastic work. Switch on with [effects] unloading = \"isotropic\"",
-            show(lengths(&|k| self.unloaded[k]), Dimension::Length),
-            show(lengths(&yielded), Dimension::Length),
+            show(lengths(&|k| self.unloaded[k])),
+            show(lengths(&yielded)),
             100.0 * self.worst,
-            show(time, Dimension::Time),
-            show(places.x[place], Dimension::Length),
+            places.moment(time, place),
         );
         (share(self.change), message)
     }

@@ -1,0 +1,188 @@
+//! Solvers on a grid as the recorders read them. Each has the methods of the traits under the same names.
+
+use super::Field;
+use super::view::{Account, EndState, Start, Stepped, View};
+use crate::law::rupture::Rupture;
+use crate::solver::fd::{Energies, Grid, Leapfrog, Passed, Quantity, Sampling};
+use crate::solver::muscl::Muscl;
+use crate::solver::net::Net;
+
+impl View for Leapfrog {
+    type Places = Sampling;
+
+    fn time(&self) -> f64 {
+        self.time()
+    }
+
+    fn sample(&self, field: Field, places: &Sampling, out: &mut [f64]) {
+        sample(self, || self.displacements(), field, places, out);
+    }
+
+    fn ends(&self) -> [EndState; 2] {
+        [self.left(), self.right()].map(|d| EndState { stress: d.stress(), velocity: d.velocity() })
+    }
+
+    fn strikers(&self) -> [Option<f64>; 2] {
+        [self.left(), self.right()].map(|device| device.striker().map(|(velocity, _)| velocity))
+    }
+
+    fn ruptures(&self) -> &[Rupture] {
+        self.ruptures()
+    }
+
+    fn start(&self) -> Start {
+        let initial = self.initial();
+        Start { kinetic: initial.kinetic, momentum: initial.momentum, mass: self.mass() }
+    }
+
+    fn account(&self) -> Account {
+        let (now, left, right) = (self.energies(), self.left(), self.right());
+        let [impulse_along, throughput_along] = self.impulse_along();
+        Account {
+            work: [left.work(), right.work()],
+            impulse: [left.impulse(), right.impulse()],
+            impulse_along,
+            momentum_scale: left.throughput() + right.throughput() + throughput_along,
+            ..Account::from(now)
+        }
+    }
+}
+
+/// [`View`] of a solver that does not break, and has nothing act along the bar.
+macro_rules! view_of_whole_bar {
+    ($solver:ty) => {
+        impl View for $solver {
+            type Places = Sampling;
+
+            fn time(&self) -> f64 {
+                self.time()
+            }
+
+            fn sample(&self, field: Field, places: &Sampling, out: &mut [f64]) {
+                sample(self, || self.displacements(), field, places, out);
+            }
+
+            fn ends(&self) -> [EndState; 2] {
+                self.ends().map(|end| EndState { stress: end.stress, velocity: end.velocity })
+            }
+
+            fn strikers(&self) -> [Option<f64>; 2] {
+                self.striker_velocities()
+            }
+
+            fn start(&self) -> Start {
+                let initial = self.energies();
+                Start { kinetic: initial.kinetic, momentum: initial.momentum, mass: self.mass() }
+            }
+
+            fn account(&self) -> Account {
+                Account {
+                    work: self.work(),
+                    impulse: self.impulse(),
+                    momentum_scale: self.throughput(),
+                    ..Account::from(self.energies())
+                }
+            }
+        }
+    };
+}
+
+view_of_whole_bar!(Net);
+view_of_whole_bar!(Muscl);
+
+macro_rules! stepped {
+    ($solver:ty) => {
+        impl Stepped for $solver {
+            fn grid(&self) -> &Grid {
+                self.grid()
+            }
+
+            fn step(&self) -> usize {
+                self.step()
+            }
+
+            fn advance(&mut self) {
+                self.advance();
+            }
+
+            fn value(&self, quantity: Quantity, cell: usize) -> f64 {
+                self.value(quantity, cell)
+            }
+
+            fn profile(&self, quantity: Quantity, out: &mut [f64]) {
+                self.profile(quantity, out);
+            }
+
+            fn stayed_elastic(&self) -> bool {
+                self.stayed_elastic()
+            }
+
+            fn data_can_end(&self) -> bool {
+                self.data_can_end()
+            }
+
+            fn passed_end_of_data(&self) -> Option<Passed> {
+                self.passed_end_of_data()
+            }
+
+            fn not_finite(&self) -> Option<usize> {
+                self.not_finite()
+            }
+        }
+    };
+}
+
+stepped!(Leapfrog);
+stepped!(Net);
+stepped!(Muscl);
+
+impl From<Energies> for Account {
+    /// What is in the bar; nothing came in through its ends.
+    fn from(now: Energies) -> Self {
+        Self {
+            kinetic: now.kinetic,
+            elastic: now.elastic,
+            plastic: now.plastic,
+            heat: now.heat,
+            viscous: now.viscous,
+            concentrated: now.concentrated,
+            fracture: now.fracture,
+            damping: now.damping,
+            foundation: now.foundation,
+            momentum: now.momentum,
+            ..Self::default()
+        }
+    }
+}
+
+/// A field at some places of a bar in cells; `displacements` are those of the cells' centres, m.
+fn sample(
+    bar: &impl Stepped,
+    displacements: impl FnOnce() -> Vec<f64>,
+    field: Field,
+    places: &Sampling,
+    out: &mut [f64],
+) {
+    let Some(quantity) = quantity(field) else {
+        let centres = displacements();
+        return places.read(|cell| centres[cell], out);
+    };
+    if places.is_every_cell() {
+        bar.profile(quantity, out);
+    } else {
+        places.read(|cell| bar.value(quantity, cell), out);
+    }
+}
+
+/// What a grid solver calls a field; none for the displacement, which is summed up from the strain.
+fn quantity(field: Field) -> Option<Quantity> {
+    match field.base() {
+        Field::Strain => Some(Quantity::Strain),
+        Field::Velocity => Some(Quantity::Velocity),
+        Field::PlasticStrain => Some(Quantity::PlasticStrain),
+        Field::AccumulatedPlasticStrain => Some(Quantity::AccumulatedPlasticStrain),
+        Field::Temperature => Some(Quantity::Temperature),
+        Field::Displacement => None,
+        _ => Some(Quantity::Stress),
+    }
+}

@@ -8,7 +8,7 @@ use multiversion::multiversion;
 use super::readings::Quantity;
 use super::ripple;
 use super::taper::BlockTaper;
-use crate::law::{LANES, RowLaw, account_work, elastic_row};
+use crate::law::{LANES, RowLaw, elastic_row};
 
 /// Cells of a full block. Fixed, so that sums over blocks have the same bits whatever the number of threads.
 const BLOCK: usize = 128;
@@ -40,8 +40,6 @@ pub(super) fn block_sizes(cells: usize) -> impl Iterator<Item = usize> {
 /// What a block's cells have met so far; decides which kernel they need.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Stage {
-    /// Nothing has arrived: every stress is 0 and all nodes move alike. Nothing is computed.
-    Quiet,
     /// No cell has yielded: the elastic kernel, and no plastic state in memory.
     Elastic,
     /// The law's own kernel.
@@ -54,6 +52,8 @@ pub(super) struct Block {
     pub cells: Range<usize>,
     pub segment: usize,
     pub stage: Stage,
+    /// A step that leaves its edges as they are changes no bit of the block: nothing is computed until they move.
+    at_rest: bool,
     pub sigma: Vec<f64>,
     /// Node velocities, one more than cells.
     pub v: Vec<f64>,
@@ -100,7 +100,8 @@ impl Block {
         Self {
             cells,
             segment,
-            stage: Stage::Quiet,
+            stage: Stage::Elastic,
+            at_rest: true,
             sigma: vec![0.0; n],
             v: vec![velocity; n + 1],
             state: Vec::new(),
@@ -136,6 +137,7 @@ impl Block {
             cells: middle..self.cells.end,
             segment: self.segment,
             stage: self.stage,
+            at_rest: false,
             sigma: self.sigma.split_off(at),
             v,
             state,
@@ -167,7 +169,7 @@ impl Block {
         for from in near.into_iter().flatten() {
             self.damps_from = self.damps_from.min(from.saturating_add(1));
         }
-        self.damps_from <= step && self.stage != Stage::Quiet
+        self.damps_from <= step && !self.at_rest
     }
 
     /// Velocity of the first (side 0) or last (side 1) inner node before the damping of the latest step. Where there is
@@ -213,11 +215,9 @@ impl Block {
     ///
     /// `scratch` stays in the first-level cache from block to block.
     pub fn advance(&mut self, law: BlockLaw<'_>, scratch: &mut Scratch) {
-        if self.stage == Stage::Quiet {
-            if self.edges_at_rest() {
-                return;
-            }
-            self.stage = Stage::Elastic;
+        self.settle(law);
+        if self.at_rest {
+            return;
         }
         self.advance_stress(law, scratch);
         let inner = self.v.len() - 1;
@@ -226,6 +226,28 @@ impl Block {
             Some(taper) => taper.advance_velocity(law.velocity_gain, &self.sigma, &mut self.v[1..inner]),
         }
         self.note_undamped();
+    }
+
+    /// Looks whether the block has come to rest: its nodes move alike, and neither these velocities nor the law change
+    /// anything in another step.
+    fn settle(&mut self, law: BlockLaw<'_>) {
+        if self.at_rest || !self.edges_at_rest() {
+            self.at_rest &= self.edges_at_rest();
+            return;
+        }
+        let v = self.v[0];
+        let moves = |i: usize| v + self.kick(law.velocity_gain, i) != v;
+        let plastic = self.stage == Stage::Plastic;
+        if self.v.iter().any(|other| *other != v)
+            || (1..self.sigma.len()).any(moves)
+            || plastic && !law.law.rests(&self.sigma, &self.state)
+        {
+            return;
+        }
+        self.at_rest = true;
+        self.inner = [v; 2];
+        self.flow.fill(0);
+        self.handed_at_edges = [0.0; 2];
     }
 
     /// Velocity change in a step of the node to the left of local cell `i` (0 < i < cells), m/s.
@@ -248,16 +270,16 @@ impl Block {
 
     /// Steps the stresses of the block alone: its nodes belong to the caller, all of them.
     pub fn advance_stresses(&mut self, law: BlockLaw<'_>, scratch: &mut Scratch) {
-        if self.stage == Stage::Quiet {
+        if self.at_rest {
             if self.v.iter().all(|v| *v == self.v[0]) {
                 return;
             }
-            self.stage = Stage::Elastic;
+            self.at_rest = false;
         }
         self.advance_stress(law, scratch);
     }
 
-    /// A quiet block whose edge nodes still move with their neighbours has no strain rate anywhere.
+    /// The edge nodes move with their neighbours: a block at rest then has no strain rate anywhere.
     fn edges_at_rest(&self) -> bool {
         let last = self.v.len() - 1;
         self.v[0] == self.v[last] && (last < 2 || self.v[0] == self.v[1])
@@ -266,28 +288,29 @@ impl Block {
     fn advance_stress(&mut self, law: BlockLaw<'_>, scratch: &mut Scratch) {
         let cells = self.sigma.len();
         let work = &mut scratch[..cells];
-        if self.stage == Stage::Elastic {
-            let peak = elastic_row(law.stress_gain, &self.v, &mut self.sigma);
+        let (gain, v, sigma) = (law.stress_gain, &self.v, &mut self.sigma);
+        let sum = if self.stage == Stage::Elastic {
+            let peak = elastic_row(gain, v, sigma);
             if peak <= law.yield_stress {
                 return;
             }
             self.stage = Stage::Plastic;
             self.state = vec![0.0; law.law.state_len() * cells];
             self.flow = vec![0; cells];
-            law.law.first_yield(law.stress_gain, &self.v, &mut self.sigma, &mut self.state, work);
+            law.law.first_yield(gain, v, sigma, &mut self.state, work, &mut self.flow)
         } else {
-            law.law.advance(law.stress_gain, &self.v, &mut self.sigma, &mut self.state, work);
-        }
+            law.law.advance(gain, v, sigma, &mut self.state, work, &mut self.flow)
+        };
         if self.keeps_work {
             self.absorbed.resize(cells, 0.0);
             for (sum, work) in self.absorbed.iter_mut().zip(&*work) {
                 *sum += *work;
             }
         }
-        if let Some(taper) = &self.taper {
-            work.iter_mut().zip(&taper.area).for_each(|(work, area)| *work *= area);
-        }
-        self.plastic += account_work(work, &mut self.flow);
+        self.plastic += match &self.taper {
+            None => sum,
+            Some(taper) => work.iter().zip(&taper.area).map(|(work, area)| work * area).sum(),
+        };
         law.law.clear_resolved(&self.state, &mut self.flow);
     }
 

@@ -88,7 +88,7 @@ impl Leapfrog {
         };
         for (k, block) in self.blocks.iter().enumerate() {
             let (criterion, notch) = (&breaking.criteria.segments[block.segment], self.edge_notch(breaking, k));
-            if block.stage == Stage::Quiet || !self.can_break(block, criterion, notch) {
+            if !self.can_break(block, criterion, notch) {
                 continue;
             }
             for i in 0..block.sigma.len() {

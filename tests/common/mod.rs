@@ -86,16 +86,13 @@ pub fn leapfrog(
 
 /// A number of steps.
 pub fn advance(bar: &mut Leapfrog, steps: usize) {
-    for _ in 0..steps {
-        bar.advance();
-    }
+    bar.advance_by(steps);
 }
 
 /// Steps up to the step nearest to a time.
 pub fn advance_to(bar: &mut Leapfrog, time: f64) {
-    while bar.time() < time - 0.5 * bar.grid().dt {
-        bar.advance();
-    }
+    let last = (time / bar.grid().dt).round() as usize;
+    bar.advance_by(last.saturating_sub(bar.step()));
 }
 
 /// A quantity in every cell.

@@ -47,6 +47,7 @@ fn header() -> Header {
         method: "fd".into(),
         scheme: "leapfrog".into(),
         critical_velocity: Some(44.5),
+        notes: vec!["µ: a note".into()],
         torsion: None,
     }
 }
@@ -143,7 +144,7 @@ fn a_finished_file_gives_everything_back() {
     let facts = file.facts();
     assert_eq!((facts.outcome.as_str(), facts.is_unfinished()), ("done", false));
     assert_eq!((&facts.scene, &facts.effects), (&header().scene, &header().effects));
-    assert_eq!(facts.critical_velocity, Some(44.5));
+    assert_eq!((facts.critical_velocity, facts.notes.as_slice()), (Some(44.5), ["µ: a note".to_owned()].as_slice()));
     assert_eq!((facts.wall_seconds, facts.cell_steps), (Some(1.5), Some(12_345)));
     assert_eq!(facts.error.as_ref().unwrap().value, 1e-3);
     assert_eq!(facts.energy_units, "J");

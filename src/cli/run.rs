@@ -229,6 +229,7 @@ fn text(s: &Summary, units: System) -> String {
     line("time", std::format!("{:.3} s, of it stepping {:.3} s ({rate})", s.wall_s, s.step_wall_s));
     line("result", s.output.clone());
     lines.extend(front_lines(&s.fronts, units));
+    lines.extend(note_lines(&s.notes));
     lines.extend(audit_lines(&s.audit));
     lines.join("\n") + "\n"
 }
@@ -241,6 +242,11 @@ fn tolerance_text(choice: &ChoiceSummary) -> String {
 /// Why an effect is on or off: "heat on: ...".
 pub(super) fn choice_text(choice: &AutoChoice) -> String {
     std::format!("{} {}: {}", choice.effect, if choice.on { "on" } else { "off" }, choice.why)
+}
+
+/// Notes on what a scene asks for, below a summary or a plan.
+pub(super) fn note_lines(notes: &[String]) -> impl Iterator<Item = String> {
+    notes.iter().map(|note| std::format!("  note: {note}"))
 }
 
 /// A line for each neglected effect that matters, and one for all others.

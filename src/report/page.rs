@@ -58,6 +58,9 @@ fn facts_table(facts: &Facts) -> String {
     }
     add("method", format!("{} {}", facts.method, facts.scheme));
     add("effects", if facts.effects.is_empty() { "none".into() } else { facts.effects.join(", ") });
+    for note in &facts.notes {
+        add("note", note.clone());
+    }
     if let Some(velocity) = facts.critical_velocity {
         add("critical impact velocity", format!("{} m/s", four_digits(velocity)));
     }

@@ -1,6 +1,6 @@
 //! The Courant number of a grid on which parts of the bar can part and meet.
 
-use super::Scene;
+use super::{Method, Scene};
 use crate::bar::{Bar, EndCondition, Joint, Segment};
 
 /// Default where blows can repeat. At 1 leapfrog's two lattices keep a zigzag between them for nothing, and every further blow
@@ -24,5 +24,21 @@ impl Scene {
     /// Leapfrog's Courant number for this scene where none is asked for, see [`default_courant`].
     pub fn default_courant(&self) -> f64 {
         default_courant(&self.bar, [&self.left, &self.right])
+    }
+
+    /// What a user should know of a scene that is right, but asks for something that does not go well: a sentence each.
+    pub fn notes(&self) -> Vec<String> {
+        self.rings().into_iter().collect()
+    }
+
+    fn rings(&self) -> Option<String> {
+        let Method::Leapfrog { cfl, .. } = self.solve.method else { return None };
+        let most = self.default_courant();
+        (cfl > most).then(|| {
+            format!(
+                "at cfl = {cfl} leapfrog rings from cell to cell behind every blow of parts that meet, more with each; leave \
+                 `cfl` out of [solve], which gives {most}, or take less"
+            )
+        })
     }
 }

@@ -43,6 +43,8 @@ pub struct Plan {
     pub critical_velocity: Option<f64>,
     /// The scene drives the bar beyond it.
     pub above_critical: bool,
+    /// What does not go well in what the scene asks for, a sentence each.
+    pub notes: Vec<String>,
     /// How tapered segments are cut into uniform pieces, by methods that do so.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub staircase: Option<Staircase>,
@@ -180,6 +182,7 @@ pub fn plan(scene: &Scene) -> Plan {
         fronts: all.iter().flat_map(fronts).collect(),
         critical_velocity: run::critical_velocity(asked, &all),
         above_critical: all.iter().any(|l| l.fan.above_critical),
+        notes: scene.notes(),
         staircase: scene.cut.as_ref().map(|cut| Staircase { pieces: cut.of.len(), reflects: cut.reflects }),
     }
 }

@@ -81,6 +81,7 @@ pub(super) fn build_root(file: &File, header: &Header, area_given: bool) -> Hdf<
     put_text(file, "scene_resolved", &header.scene_resolved)?;
     put_texts(file, "overrides", &header.overrides)?;
     put_texts(file, "effects", &header.effects)?;
+    put_texts(file, "notes", &header.notes)?;
     put_text(file, "method", &header.method)?;
     put_text(file, "scheme", &header.scheme)?;
     put_text(file, "energy_units", energy_units(area_given))?;

@@ -86,6 +86,8 @@ pub struct Header {
     pub scheme: String,
     /// m/s; none where the data hold none.
     pub critical_velocity: Option<f64>,
+    /// What does not go well in what the scene asks for, a sentence each.
+    pub notes: Vec<String>,
     /// Of a bar in torsion: the radius whose stress, strain and velocity are recorded, m. Momenta are then N m s.
     pub torsion: Option<f64>,
 }

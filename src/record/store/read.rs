@@ -42,6 +42,8 @@ pub struct Facts {
     pub overrides: Vec<String>,
     /// Effects that were simulated.
     pub effects: Vec<String>,
+    /// What does not go well in what the scene asks for; empty in files of programs that did not say.
+    pub notes: Vec<String>,
     /// "fd" or "moc".
     pub method: String,
     /// "leapfrog", ...
@@ -242,6 +244,7 @@ fn read_facts(file: &File) -> Hdf<Facts> {
         scene_resolved: get_text(file, "scene_resolved")?,
         overrides: get_texts(file, "overrides")?,
         effects: get_texts(file, "effects")?,
+        notes: get_texts(file, "notes").unwrap_or_default(),
         method: get_text(file, "method")?,
         scheme: get_text(file, "scheme")?,
         outcome: get_text(file, "outcome")?,

@@ -252,7 +252,7 @@ pub(super) fn note_lines(notes: &[String]) -> impl Iterator<Item = String> {
 /// A line for each neglected effect that matters, and one for all others.
 fn audit_lines(rows: &[AuditRow]) -> Vec<String> {
     let mut lines: Vec<String> =
-        rows.iter().filter(|row| row.matters()).map(|row| std::format!("  note: {}", row.message)).collect();
+        rows.iter().filter(|row| row.matters()).map(|row| std::format!("  note: {}", row.message())).collect();
     let size = |row: &AuditRow| {
         if row.estimate.is_nan() {
             std::format!("{} unknown", row.effect)
@@ -308,8 +308,9 @@ pub(super) fn front_lines(fronts: &[FrontSummary], units: System) -> Vec<String>
         lines.push(std::format!(
             "  {:<9}{:>13.6}{:>13.6}{:>15}{:>15}{:>14}{:>14}",
             front.origin,
-            front.strain_ahead,
-            front.strain_behind,
+            // A compression wave into a resting bar starts from 0, not from -0.
+            front.strain_ahead + 0.0,
+            front.strain_behind + 0.0,
             format(front.stress_behind, Dimension::Stress, units),
             format(front.speed, Dimension::Velocity, units),
             front.speed_measured.map_or_else(unknown, |v| format(v, Dimension::Velocity, units)),

@@ -181,7 +181,7 @@ fn audit_list(file: &ResultFile) -> Result<String> {
     let items: String = rows
         .iter()
         .map(|row| {
-            let line = format!("<b>{}</b>: {}", escape(&row.effect), escape(&row.message));
+            let line = format!("<b>{}</b>: {}", escape(&row.effect), escape(&row.advice()));
             if row.estimate.abs() >= row.threshold {
                 format!("<li>{line} <em>(matters)</em></li>\n")
             } else {

@@ -375,10 +375,7 @@ fn off(scene: &Scene, key: &str, row: Option<&AuditRow>) -> PlannedEffect {
         (None, Some(_)) => "not called for".into(),
         (None, None) => "the scene does not ask for it".into(),
     };
-    let finding = row.map_or_else(
-        || without(key).to_owned(),
-        |row| row.message.split_once(": ").map_or(row.message.as_str(), |parts| parts.1).to_owned(),
-    );
+    let finding = row.map_or_else(|| without(key).to_owned(), AuditRow::advice);
     let estimate = row.map(|row| row.estimate).filter(|e| !e.is_nan());
     PlannedEffect {
         effect: key.to_owned(),

@@ -21,7 +21,8 @@
 //! a file that opens, with `outcome = "running"` until [`Writer::finish`] writes the true outcome as its last act.
 //! A killed run therefore leaves its frames where the user looks for them: all that were flushed, four times a
 //! second. What is on the disk is never rewritten (a frame's chunks hold nothing but that frame; histories grow
-//! uncompressed), so that a kill between two flushes cannot spoil what the last one wrote.
+//! uncompressed; pieces of fronts are written in whole chunks), so that a kill between two flushes cannot spoil what the
+//! last one wrote.
 //!
 //! # Threads
 //! libhdf5 has one global lock, so one thread writes. [`Writer`] is its sending end: frames and traces go through a
@@ -103,7 +104,7 @@ pub struct Layout {
     pub gauges: Vec<(String, f64)>,
     /// Numbers of the fields (axes, traces and ledger are always 8 bytes).
     pub precision: Precision,
-    /// Compression of the fields.
+    /// Compression of the fields and of `/paths`.
     pub compression: Compression,
     /// Energies are J and momenta N s where true, per m^2 where false.
     pub area_given: bool,

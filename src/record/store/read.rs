@@ -375,11 +375,10 @@ fn read_audit(group: &Group) -> Hdf<Vec<AuditRow>> {
     let (estimates, thresholds) = (column(group, "estimate")?, column(group, "threshold")?);
     let rows = effects.iter().zip(&messages).zip(estimates.iter().zip(&thresholds));
     Ok(rows
-        .map(|((effect, message), (&estimate, &threshold))| AuditRow {
-            effect: effect.to_string(),
-            estimate,
-            threshold,
-            message: message.to_string(),
+        .map(|((effect, message), (&estimate, &threshold))| {
+            let prefix = format!("{effect}: ");
+            let finding = message.strip_prefix(&prefix).unwrap_or(message).to_owned();
+            AuditRow { effect: effect.to_string(), estimate, threshold, finding, remedy: String::new() }
         })
         .collect())
 }

@@ -40,7 +40,7 @@ pub struct RawRecord {
     pub gauges: BTreeMap<String, Number>,
     /// Numbers of the fields in the file. Default: "f64".
     pub precision: Option<RawPrecision>,
-    /// Compression of the fields in the file. Default: "deflate".
+    /// Compression of the fields, and of the pieces of fronts, in the file. Default: "deflate".
     pub compression: Option<RawCompression>,
 }
 

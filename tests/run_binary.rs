@@ -739,6 +739,18 @@ fn wrong_places_are_refused() {
     assert_refused(&barwave(folder.path(), &["run", &scene, "-o", "no/such/a.h5"]), &["no/such", "does not exist"]);
     assert_refused(&barwave(folder.path(), &["run", &scene, "-o", "."]), &["is a folder"]);
     assert_refused(&barwave(folder.path(), &["run", "smal.toml"]), &["smal.toml", "no such file"]);
+    // Above all not in place of the scene.
+    let before = std::fs::read(folder.path().join(&scene)).expect("a scene");
+    assert_refused(&barwave(folder.path(), &["run", &scene, "-o", &scene]), &["is there already", "no result file"]);
+    assert_eq!(std::fs::read(folder.path().join(&scene)).expect("a scene"), before);
+    assert_refused(&barwave(folder.path(), &["report", "."]), &["is a folder"]);
+    for (set, words) in [
+        ("bar.segment.5.length=1", ["bar.segment.5.length", "no item 5: the scene has no such list"]),
+        ("solve.cells.x=5", ["solve.cells.x", "cannot stand inside"]),
+        ("solve=3", ["solve", "integer `3`, expected a table"]),
+    ] {
+        assert_refused(&barwave(folder.path(), &["run", &scene, "--set", set]), &words);
+    }
     let wrong = ["run", &scene, "--set", "solve.cfl=1.5"];
     assert_refused(&barwave(folder.path(), &wrong), &["solve.cfl", "1.5", "0 < cfl <= 1"]);
     // Nothing is left behind.

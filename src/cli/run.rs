@@ -9,6 +9,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::output;
 use crate::error::{Error, InputError, Result};
+use crate::record::store;
 use crate::record::{AuditRow, AutoChoice, ChoiceSummary, EndSummary, FrontSummary, RuptureSummary, Summary};
 use crate::run::{self, Progress, Wish};
 use crate::scene::{Problem, SpecimenScene};
@@ -108,6 +109,10 @@ fn check_output(output: &Path) -> Result<()> {
     if output.is_dir() {
         let message = std::format!("the output {} is a folder", output.display());
         return Err(InputError::new(message).help("give a file name, such as result.h5").into());
+    }
+    if output.is_file() && !store::is_hdf5(output) {
+        let message = std::format!("the output {} is there already, and is no result file", output.display());
+        return Err(InputError::new(message).help("choose another name with -o, or move that file away").into());
     }
     if !folder.is_dir() {
         let message = std::format!("the output's folder {} does not exist", folder.display());

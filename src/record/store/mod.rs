@@ -36,6 +36,7 @@ mod read;
 mod scales;
 mod write;
 
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::thread::JoinHandle;
@@ -66,6 +67,14 @@ const QUEUE_BYTES: usize = 64 << 20;
 /// The commit that this program was built from, where it was built inside its own repository; "+" marks local changes.
 pub fn git_revision() -> Option<&'static str> {
     option_env!("BARWAVE_GIT_REVISION")
+}
+
+/// True of a file that starts as HDF5 files do, or is empty; of one that cannot be read it is not known, and false.
+pub fn is_hdf5(path: &Path) -> bool {
+    const SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
+    let mut start = Vec::new();
+    let read = std::fs::File::open(path).and_then(|file| file.take(SIGNATURE.len() as u64).read_to_end(&mut start));
+    read.is_ok() && (start.is_empty() || start == SIGNATURE)
 }
 
 /// What the root attributes say of a run before its first step.

@@ -96,6 +96,9 @@ impl ResultFile {
     /// # Errors
     /// [`InputError`] where the file is missing, no result file, or of a layout that this program does not know.
     pub fn open(path: &Path) -> Result<Self> {
+        if path.is_dir() {
+            return Err(wrong(path, "this is a folder", "name a result file in it").into());
+        }
         if !path.is_file() {
             return Err(wrong(path, "there is no such file", "name a result file that `barwave run` wrote").into());
         }

@@ -62,6 +62,8 @@ pub(super) fn in_place(path: &Path, build: impl Fn(&Path) -> Hdf<()>) -> Result<
         std::fs::create_dir_all(folder).map_err(|e| Error::file(folder, e))?;
     }
     let temporary = temporary_name(path)?;
+    // The system says more plainly than the HDF5 library why a file cannot be made.
+    std::fs::File::create(&temporary).map_err(|e| Error::file(path, e))?;
     let built = build(&temporary)
         .map_err(|e| Error::file(path, e))
         .and_then(|()| std::fs::rename(&temporary, path).map_err(|e| Error::file(path, e)));

@@ -7,12 +7,15 @@ use toml::Spanned;
 use super::super::raw::{RawEffects, RawMethod, RawSolve};
 use super::super::{Method, Solve, Tolerance};
 use super::{Checker, MOST_CELLS};
+use crate::bar::Bar;
 use crate::error::Result;
 use crate::input::Allowed;
 use crate::units::Dimension;
 
 /// Default number of cells.
 const CELLS: usize = 1000;
+/// Most steps that a run can be asked for: a thousand cells take some ten days for them.
+const MOST_STEPS: f64 = 1e12;
 /// Default of the front tolerance.
 const FRONT_TOLERANCE: f64 = 1e-3;
 /// Default number of events, and most that can be asked for: a week at a microsecond each.
@@ -72,6 +75,22 @@ impl Checker<'_> {
         let default = tolerance.as_ref().map_or(Solve::AUDIT_TOLERANCE, |t| t.value);
         let audit_tolerance = audit_tolerance.unwrap_or(default);
         Ok(Solve { until, method, tolerance, estimate_error: false, audit_tolerance })
+    }
+
+    /// The end time in steps of the fastest wave through a cell; where fronts are followed there are none.
+    pub(super) fn steps_can_be_taken(&self, raw: &RawSolve, solve: &Solve, bar: &Bar) -> Result<()> {
+        let (cells, cfl) = match solve.method {
+            Method::Leapfrog { cells, cfl } | Method::Muscl { cells, cfl } => (cells, cfl),
+            Method::CharacteristicNet { cells } => (cells, 1.0),
+            Method::FrontTracking { .. } => return Ok(()),
+        };
+        let steps = solve.until * cells as f64 / (cfl * bar.transit_time());
+        let Some(until) = raw.until.as_ref().filter(|_| steps > MOST_STEPS) else { return Ok(()) };
+        let message = format!("the run would take {steps:.1e} steps of {cells} cells");
+        let error = self.error(until.span(), "solve.until", message).allowed(format!("at most {MOST_STEPS:e} steps"));
+        Err(error
+            .help("take a shorter time or fewer cells, and see whether length, modulus and density are right")
+            .into())
     }
 
     /// The tolerance that takes the place of a method, and of all that belongs to one. Its methods are the reader's to find.

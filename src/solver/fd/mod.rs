@@ -5,6 +5,7 @@ mod block;
 mod body;
 mod contact;
 mod device;
+mod edge;
 mod grid;
 mod implicit;
 mod leapfrog;
@@ -12,6 +13,7 @@ mod readings;
 mod ripple;
 mod rupture;
 mod sample;
+mod sweep;
 mod taper;
 
 pub use contact::ContactState;

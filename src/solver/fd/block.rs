@@ -6,19 +6,27 @@ use std::ops::Range;
 use multiversion::multiversion;
 
 use super::readings::Quantity;
-use super::ripple;
+use super::ripple::{self, Gaps};
 use super::taper::BlockTaper;
 use crate::law::{LANES, RowLaw, elastic_row};
 
 /// Cells of a full block. Fixed, so that sums over blocks have the same bits whatever the number of threads.
 const BLOCK: usize = 128;
 
-/// A number for each cell of a block that is being stepped, of no meaning before and after.
-pub(super) type Scratch = [f64; 2 * BLOCK];
+/// Cells of the longest block.
+pub(super) const MOST_CELLS: usize = 2 * BLOCK;
 
-/// A fresh one.
-pub(super) fn new_scratch() -> Scratch {
-    [0.0; 2 * BLOCK]
+/// Numbers for each cell of a block that is being stepped, of no meaning before and after.
+#[derive(Debug)]
+pub(super) struct Scratch {
+    work: [f64; MOST_CELLS],
+    gaps: Gaps,
+}
+
+impl Scratch {
+    pub fn new() -> Self {
+        Self { work: [0.0; MOST_CELLS], gaps: Gaps::new() }
+    }
 }
 
 /// What is logged of a watched cell.
@@ -52,8 +60,9 @@ pub(super) struct Block {
     pub cells: Range<usize>,
     pub segment: usize,
     pub stage: Stage,
-    /// A step that leaves its edges as they are changes no bit of the block: nothing is computed until they move.
-    at_rest: bool,
+    /// A step that leaves its edges as they are changes no bit of the block: nothing is computed until they move. Who moves
+    /// them says so here.
+    pub at_rest: bool,
     pub sigma: Vec<f64>,
     /// Node velocities, one more than cells.
     pub v: Vec<f64>,
@@ -164,12 +173,20 @@ impl Block {
         }
     }
 
-    /// True where ripples are damped in a step; `near` are the steps from which on they are in the neighbours.
-    pub fn is_damped(&mut self, step: usize, near: [Option<usize>; 2]) -> bool {
+    /// Takes down where they come from a neighbour; `near` are the steps from which on they are damped there.
+    pub fn note_ripples(&mut self, near: [Option<usize>; 2]) {
         for from in near.into_iter().flatten() {
             self.damps_from = self.damps_from.min(from.saturating_add(1));
         }
-        self.damps_from <= step && !self.at_rest
+    }
+
+    /// Gives the node at the left (0) or right (1) edge its velocity.
+    pub fn set_edge(&mut self, side: usize, velocity: f64) {
+        let node = side * self.sigma.len();
+        if self.v[node] != velocity {
+            self.v[node] = velocity;
+            self.at_rest = false;
+        }
     }
 
     /// Velocity of the first (side 0) or last (side 1) inner node before the damping of the latest step. Where there is
@@ -183,7 +200,7 @@ impl Block {
         self.inner = [self.v[1], self.v[self.sigma.len() - 1]];
     }
 
-    /// Damps the ripples of the block's inner nodes; `rounding` is as in [`ripple::find`], `outside` are the velocities of
+    /// Damps the ripples of the block's inner nodes; `rounding` is as in [`ripple::Gaps`], `outside` are the velocities of
     /// the nodes next to the block in its own segment. The nodes at its two edges belong to the caller, who finds their
     /// share in `handed_at_edges`.
     pub fn damp_ripples(
@@ -193,13 +210,15 @@ impl Block {
         outside: [Option<f64>; 2],
         scratch: &mut Scratch,
     ) {
-        if ripple::is_smooth(&self.v, outside, rounding) {
+        let Scratch { work, gaps } = scratch;
+        gaps.read(&self.v, outside, rounding);
+        if gaps.are_smooth() {
             self.handed_at_edges = [0.0; 2];
             return;
         }
         let cells = self.sigma.len();
-        let handed = &mut scratch[..cells];
-        let anything = ripple::find(&self.v, &self.flow, outside, rounding, handed);
+        let handed = &mut work[..cells];
+        let anything = gaps.find(&self.flow, rounding, handed);
         self.handed_at_edges = [handed[0], handed[cells - 1]];
         if !anything {
             return;
@@ -215,6 +234,9 @@ impl Block {
     ///
     /// `scratch` stays in the first-level cache from block to block.
     pub fn advance(&mut self, law: BlockLaw<'_>, scratch: &mut Scratch) {
+        if self.at_rest {
+            return;
+        }
         self.settle(law);
         if self.at_rest {
             return;
@@ -231,11 +253,10 @@ impl Block {
     /// Looks whether the block has come to rest: its nodes move alike, and neither these velocities nor the law change
     /// anything in another step.
     fn settle(&mut self, law: BlockLaw<'_>) {
-        if self.at_rest || !self.edges_at_rest() {
-            self.at_rest &= self.edges_at_rest();
+        let v = self.v[0];
+        if v != self.v[1] || v != self.v[self.sigma.len()] {
             return;
         }
-        let v = self.v[0];
         let moves = |i: usize| v + self.kick(law.velocity_gain, i) != v;
         let plastic = self.stage == Stage::Plastic;
         if self.v.iter().any(|other| *other != v)
@@ -279,15 +300,9 @@ impl Block {
         self.advance_stress(law, scratch);
     }
 
-    /// The edge nodes move with their neighbours: a block at rest then has no strain rate anywhere.
-    fn edges_at_rest(&self) -> bool {
-        let last = self.v.len() - 1;
-        self.v[0] == self.v[last] && (last < 2 || self.v[0] == self.v[1])
-    }
-
     fn advance_stress(&mut self, law: BlockLaw<'_>, scratch: &mut Scratch) {
         let cells = self.sigma.len();
-        let work = &mut scratch[..cells];
+        let work = &mut scratch.work[..cells];
         let (gain, v, sigma) = (law.stress_gain, &self.v, &mut self.sigma);
         let sum = if self.stage == Stage::Elastic {
             let peak = elastic_row(gain, v, sigma);

@@ -19,11 +19,13 @@ pub(super) struct Edge {
     pub mass: f64,
     /// Energy that the ripple damping took from the node, J.
     pub damped: f64,
+    /// The latest step did not change the velocity, nor would another one with the same stresses.
+    pub still: bool,
 }
 
 impl Edge {
     /// The node in whose place there is a contact.
-    pub const EMPTY: Self = Self { after: 0.0, kick: 0.0, gain_left: 0.0, gain_right: 0.0, mass: 0.0, damped: 0.0 };
+    pub const EMPTY: Self = Self { after: 0.0, kick: 0.0, gain_left: 0.0, gain_right: 0.0, mass: 0.0, damped: 0.0, still: false };
 
     /// The bar parts here: an empty node is left. What the damping took stays booked.
     pub fn part(&mut self) {
@@ -38,7 +40,9 @@ impl Edge {
         } else {
             self.gain_right * sigma_right - self.gain_left * sigma_left
         };
-        self.after += self.kick;
+        let after = self.after + self.kick;
+        self.still = after == self.after;
+        self.after = after;
     }
 
     /// Takes on what the ripple damping hands over in the cells on both sides, each an impulse of its own mass; false where
@@ -50,6 +54,7 @@ impl Edge {
             2.0 * (self.gain_right * right - self.gain_left * left) / (self.gain_left + self.gain_right)
         };
         if change != 0.0 {
+            self.still = false;
             self.damped += 0.5 * self.mass * ripple::node(self.kick, change, &mut self.after);
         }
         change != 0.0

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use super::block::{Block, Stage, block_sizes, new_scratch};
+use super::block::{Block, Stage, Scratch, block_sizes};
 use super::contact::{Contact, ContactState};
 use super::device::{Device, EndGrid};
 use super::edge::{Edge, edges};
@@ -26,6 +26,15 @@ pub struct SegmentLaw {
     /// Reach (E times equivalent strain, Pa) at which the data end, in tension and in compression; infinite where they
     /// do not.
     pub end: [f64; 2],
+}
+
+/// What a bar logged, step by step.
+#[derive(Debug)]
+pub struct Log {
+    /// For each watched cell stress (Pa), strain, velocity (m/s) and temperature (K).
+    pub cells: Vec<Vec<[f64; 4]>>,
+    /// For each end stress (Pa) and velocity (m/s).
+    pub ends: [Vec<[f64; 2]>; 2],
 }
 
 /// Constants of a segment.
@@ -60,6 +69,8 @@ pub struct Leapfrog {
     /// Longest sweep, and most parts of the bar that are swept side by side.
     depth: usize,
     parts: usize,
+    /// Something is logged in every step.
+    watched: bool,
     /// Where and when the bar breaks; none where it never does.
     pub(super) rupture: Option<Box<Breaking>>,
     /// The nodes, where something acts along the bar.
@@ -128,6 +139,7 @@ impl Leapfrog {
             step: 0,
             depth: DEPTH,
             parts: rayon::current_num_threads(),
+            watched: false,
             rupture: None,
             implicit: None,
         }
@@ -141,7 +153,7 @@ impl Leapfrog {
 
     /// So many steps. The bits are those of single ones; many at once are quicker, see [`super::sweep`].
     pub fn advance_by(&mut self, steps: usize) {
-        if self.rupture.is_some() || self.implicit.is_some() {
+        if !self.sweeps() {
             return (0..steps).for_each(|_| self.advance_together());
         }
         let mut to_go = steps;
@@ -156,7 +168,7 @@ impl Leapfrog {
 
     /// A step in which every block waits for all others.
     fn advance_together(&mut self) {
-        let (step, mut scratch) = (self.step + 1, new_scratch());
+        let (step, mut scratch) = (self.step + 1, Scratch::new());
         if self.implicit.is_some() {
             self.whole().advance_stresses(step, &mut scratch);
             self.step = step;
@@ -183,6 +195,7 @@ impl Leapfrog {
                 dt: self.grid.dt,
                 blocks: self.blocks.len(),
                 step: self.step,
+                watched: self.watched,
             },
             first: 0,
             blocks: &mut self.blocks,
@@ -192,9 +205,15 @@ impl Leapfrog {
         }
     }
 
-    /// Logs these cells, and the ends, in every step from now on.
-    pub fn watch(&mut self, cells: impl IntoIterator<Item = usize>) {
-        for cell in cells {
+    /// True where several steps can go in one.
+    pub fn sweeps(&self) -> bool {
+        self.rupture.is_none() && self.implicit.is_none()
+    }
+
+    /// Logs these cells (in increasing order), and the ends, in every step from now on. For a bar that [`Self::sweeps`].
+    pub fn watch(&mut self, cells: &[usize]) {
+        self.watched = true;
+        for &cell in cells {
             let k = self.blocks.partition_point(|b| b.cells.end <= cell);
             let block = &mut self.blocks[k];
             block.watched.push(cell - block.cells.start);
@@ -204,15 +223,14 @@ impl Leapfrog {
         }
     }
 
-    /// What was logged since the last call: for each watched cell, in order of place, a row of stress (Pa), strain, velocity (m/s)
-    /// and temperature (K) a step; and for each end of stress and velocity.
-    pub fn take_log(&mut self) -> (Vec<Vec<[f64; 4]>>, [Vec<[f64; 2]>; 2]) {
+    /// What was logged since the last call.
+    pub fn take_log(&mut self) -> Log {
         let mut cells = Vec::new();
-        for block in &mut self.blocks {
+        for block in self.blocks.iter_mut().filter(|block| !block.watched.is_empty()) {
             let (log, watched) = (std::mem::take(&mut block.log), block.watched.len());
             cells.extend((0..watched).map(|k| log.iter().skip(k).step_by(watched).copied().collect()));
         }
-        (cells, [self.left.take_log(), self.right.take_log()])
+        Log { cells, ends: [self.left.take_log(), self.right.take_log()] }
     }
 
     /// The nodes between blocks and at the ends at t = 0.
@@ -245,16 +263,16 @@ impl Leapfrog {
     /// Gives both neighbours of every edge its velocity.
     pub(super) fn share_edges(&mut self) {
         for (k, edge) in self.edges.iter().enumerate() {
-            set_last(&mut self.blocks[k].v, edge.after);
-            self.blocks[k + 1].v[0] = edge.after;
+            self.blocks[k].set_edge(1, edge.after);
+            self.blocks[k + 1].set_edge(0, edge.after);
         }
         for contact in &self.contacts {
-            set_last(&mut self.blocks[contact.edge].v, contact.left.after);
-            self.blocks[contact.edge + 1].v[0] = contact.right.after;
+            self.blocks[contact.edge].set_edge(1, contact.left.after);
+            self.blocks[contact.edge + 1].set_edge(0, contact.right.after);
         }
         let right_end = self.blocks.len() - 1;
-        self.blocks[0].v[0] = self.left.velocity_after();
-        set_last(&mut self.blocks[right_end].v, self.right.velocity_after());
+        self.blocks[0].set_edge(0, self.left.velocity_after());
+        self.blocks[right_end].set_edge(1, self.right.velocity_after());
     }
 
     /// Steps taken.
@@ -295,11 +313,6 @@ impl Leapfrog {
 
 pub(super) fn last(values: &[f64]) -> f64 {
     values[values.len() - 1]
-}
-
-pub(super) fn set_last(values: &mut [f64], value: f64) {
-    let end = values.len() - 1;
-    values[end] = value;
 }
 
 fn constants(bar: &Bar, grid: &Grid) -> Vec<Constants> {

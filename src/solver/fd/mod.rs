@@ -20,7 +20,7 @@ pub use contact::ContactState;
 pub use device::Device;
 pub use grid::{Grid, SegmentGrid};
 pub use implicit::Along;
-pub use leapfrog::{Leapfrog, SegmentLaw};
+pub use leapfrog::{Leapfrog, Log, SegmentLaw};
 pub use readings::{Energies, Passed, Quantity};
 pub use sample::Sampling;
 pub use taper::BYTES_PER_CELL as TAPER_BYTES_PER_CELL;

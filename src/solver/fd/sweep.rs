@@ -18,11 +18,11 @@
 
 use std::ops::Range;
 
-use super::block::{Block, BlockLaw, Scratch, WATCHED, new_scratch};
+use super::block::{Block, BlockLaw, Scratch, WATCHED};
 use super::contact::Contact;
 use super::device::Device;
 use super::edge::Edge;
-use super::leapfrog::{Constants, SegmentLaw, last, set_last};
+use super::leapfrog::{Constants, SegmentLaw, last};
 use super::readings::reading;
 
 /// Most steps in one go. Twice as many blocks pass through the second-level cache in that time.
@@ -98,6 +98,8 @@ pub(super) struct Common<'a> {
     pub blocks: usize,
     /// Steps taken before this sweep.
     pub step: usize,
+    /// Something is logged.
+    pub watched: bool,
 }
 
 /// Neighbouring blocks, the edges between them and what is at the bar's ends, as far as they have them.
@@ -128,7 +130,7 @@ impl Stretch<'_> {
         let middle = (self.first + at) as i64;
         let [mut left, mut right] = self.split(at);
         rayon::join(|| left.sweep_parts(steps, parts / 2), || right.sweep_parts(steps, parts - parts / 2));
-        let mut scratch = new_scratch();
+        let mut scratch = Scratch::new();
         for s in 0..steps {
             let lag = LAG * s as i64;
             self.act(s, &Acts::between(middle - lag, middle + lag), &mut scratch);
@@ -167,7 +169,7 @@ impl Stretch<'_> {
         let (from, to) = (self.first as i64, (self.first + self.blocks.len()) as i64);
         let at_start = self.ends[0].is_some();
         let at_end = self.ends[1].is_some();
-        let mut scratch = new_scratch();
+        let mut scratch = Scratch::new();
         let mut tile = from;
         while tile - LAG * (steps as i64 - 1) <= to + LAG {
             for s in 0..steps {
@@ -242,35 +244,44 @@ impl Stretch<'_> {
             && let Some(left) = &mut self.ends[0]
         {
             left.advance(time, self.blocks[0].sigma[0]);
-            self.blocks[0].v[0] = left.velocity_after();
+            self.blocks[0].set_edge(0, left.velocity_after());
         }
         for k in self.inner(&edges) {
             let (edge, [left, right]) = (&mut self.edges[k], pair(self.blocks, k));
+            if edge.still && left.at_rest && right.at_rest {
+                continue;
+            }
             edge.advance(last(&left.sigma), right.sigma[0]);
-            set_last(&mut left.v, edge.after);
-            right.v[0] = edge.after;
+            left.set_edge(1, edge.after);
+            right.set_edge(0, edge.after);
         }
         for contact in &mut *self.contacts {
             if edges.contains(&(contact.edge as i64 + 1)) {
                 let [left, right] = pair(self.blocks, contact.edge - self.first);
                 contact.advance([last(&left.sigma), right.sigma[0]], self.common.dt);
-                set_last(&mut left.v, contact.left.after);
-                right.v[0] = contact.right.after;
+                left.set_edge(1, contact.left.after);
+                right.set_edge(0, contact.right.after);
             }
         }
         if edges.end > self.common.blocks as i64
             && let (Some(right), Some(block)) = (&mut self.ends[1], self.blocks.last_mut())
         {
             right.advance(time, last(&block.sigma));
-            set_last(&mut block.v, right.velocity_after());
+            block.set_edge(1, right.velocity_after());
         }
     }
 
     /// Takes grid-scale ripples out of the velocities, see [`super::ripple`].
     fn damp(&mut self, blocks: Range<i64>, step: usize, scratch: &mut Scratch) {
         for k in self.local(blocks) {
-            let near = [k.checked_sub(1), Some(k + 1)].map(|k| self.blocks.get(k?).map(|block| block.damps_from));
-            let outside = if self.blocks[k].is_damped(step, near) { self.nodes_outside(k) } else { continue };
+            if self.blocks[k].damps_from > step {
+                let near = [k.checked_sub(1), Some(k + 1)].map(|k| Some(self.blocks.get(k?)?.damps_from));
+                self.blocks[k].note_ripples(near);
+            }
+            if self.blocks[k].at_rest || self.blocks[k].damps_from > step {
+                continue;
+            }
+            let outside = self.nodes_outside(k);
             let block = &mut self.blocks[k];
             let c = &self.common.constants[block.segment];
             block.damp_ripples(c.velocity_gain, c.rounding, outside, scratch);
@@ -286,8 +297,8 @@ impl Stretch<'_> {
         for k in self.inner(&edges) {
             let (edge, [left, right]) = (&mut self.edges[k], pair(self.blocks, k));
             if edge.damp(left.handed_at_edges[1], right.handed_at_edges[0]) {
-                set_last(&mut left.v, edge.after);
-                right.v[0] = edge.after;
+                left.set_edge(1, edge.after);
+                right.set_edge(0, edge.after);
             }
         }
         if edges.start == 0
@@ -295,19 +306,19 @@ impl Stretch<'_> {
         {
             let block = &mut self.blocks[0];
             end.damp(2.0 * block.handed_at_edges[0], block.sigma[0]);
-            block.v[0] = end.velocity_after();
+            block.set_edge(0, end.velocity_after());
         }
         if edges.end > self.common.blocks as i64
             && let (Some(end), Some(block)) = (&mut self.ends[1], self.blocks.last_mut())
         {
             end.damp(-2.0 * block.handed_at_edges[1], last(&block.sigma));
-            set_last(&mut block.v, end.velocity_after());
+            block.set_edge(1, end.velocity_after());
         }
     }
 
     /// Logs what is watched.
     fn note(&mut self, blocks: Range<i64>) {
-        if blocks.is_empty() {
+        if blocks.is_empty() || !self.common.watched {
             return;
         }
         let (first_block, last_block) = (blocks.start == 0, blocks.end == self.common.blocks as i64);

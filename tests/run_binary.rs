@@ -1,21 +1,16 @@
 //! Every scene in runs/ through the real binary, and what `barwave run` promises of its output.
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+#[path = "common/binary.rs"]
+mod binary;
 
+use std::path::{Path, PathBuf};
+use std::process::Output;
+
+use binary::barwave;
 use serde_json::Value;
 
 fn runs() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("runs")
-}
-
-fn barwave(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_barwave"))
-        .args(arguments)
-        .current_dir(folder)
-        .env_remove("BARWAVE_MATERIALS")
-        .output()
-        .expect("the binary runs")
 }
 
 /// `barwave run` of a scene of runs/ with `--json`, in a folder of its own.
@@ -743,7 +738,7 @@ fn wrong_places_are_refused() {
     let before = std::fs::read(folder.path().join(&scene)).expect("a scene");
     assert_refused(&barwave(folder.path(), &["run", &scene, "-o", &scene]), &["is there already", "no result file"]);
     assert_eq!(std::fs::read(folder.path().join(&scene)).expect("a scene"), before);
-    assert_refused(&barwave(folder.path(), &["report", "."]), &["is a folder"]);
+    assert_refused(&barwave(folder.path(), &["report", ".", "-o", "a.svg"]), &["is a folder"]);
     for (set, words) in [
         ("bar.segment.5.length=1", ["bar.segment.5.length", "no item 5: the scene has no such list"]),
         ("solve.cells.x=5", ["solve.cells.x", "cannot stand inside"]),

@@ -239,7 +239,7 @@ impl Document {
     }
 }
 
-/// The reader's words for types as users know them: "struct RawSolve" is a table. `value` is the text that it read.
+/// The reader's words for types as users know them: `struct RawSolve` is a table. `value` is the text that it read.
 fn plain_types(message: &str, value: &str) -> String {
     let Some((found, expected)) = message.split_once(", expected ") else { return message.to_owned() };
     let found = match found.strip_prefix("invalid type: ") {

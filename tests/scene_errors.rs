@@ -759,13 +759,6 @@ const CASES: &[Case] = &[
     ),
     case("frames = 101", "times = [[0, 1]]", "times", "record.times.0", &["invalid type: list, expected a number"]),
     case(
-        "[record]",
-        "[[record]]",
-        "[[record]]",
-        "record",
-        &["invalid type: list, expected a table", "help: write a table here"],
-    ),
-    case(
         "[[0.001, \"200 MPa\"], [0.1, \"400 MPa\"]]",
         "[]",
         "table = []",

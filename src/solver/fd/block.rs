@@ -128,6 +128,14 @@ impl Block {
         }
     }
 
+    /// Gives every node its velocity at t = 0, m/s, by the node's number in the bar.
+    pub fn start_with(&mut self, velocity: impl Fn(usize) -> f64) {
+        let nodes = self.cells.start..=self.cells.end;
+        self.v.iter_mut().zip(nodes).for_each(|(v, node)| *v = velocity(node));
+        self.note_undamped();
+        self.at_rest = false;
+    }
+
     /// Takes the cells from local cell `at` on (0 < at < cells) away into a block of their own; both keep the node between
     /// them. Running sums stay here.
     pub fn split_off(&mut self, at: usize) -> Self {

@@ -115,6 +115,12 @@ impl Device {
         }
     }
 
+    /// The node's velocity at t = 0, m/s, where nothing holds it.
+    pub(super) fn start_with(&mut self, velocity: f64) {
+        (self.before, self.after) = (velocity, velocity);
+        self.displacement = self.dt * velocity;
+    }
+
     /// Takes the node from half a step before `time` to half a step after it. `sigma_cell` is the stress at `time`
     /// in the end cell.
     pub fn advance(&mut self, time: f64, sigma_cell: f64) {

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use super::block::{Block, Scratch, Stage, block_sizes};
+use super::block::{Block, Stage, Scratch, block_sizes};
 use super::contact::{Contact, ContactState};
 use super::device::{Device, EndGrid};
 use super::edge::{Edge, edges};
@@ -184,6 +184,22 @@ impl Leapfrog {
         if let Some(nodes) = &mut self.implicit {
             nodes.take_ripples(&self.blocks);
         }
+    }
+
+    /// The same bar, each node of which starts with the velocity (m/s) at its place (m). For a bar at t = 0 with free ends, all
+    /// of one piece.
+    #[must_use]
+    pub fn moving(mut self, velocity: impl Fn(f64) -> f64) -> Self {
+        let at = |node: usize| velocity(self.grid.node(node));
+        for block in &mut self.blocks {
+            block.start_with(&at);
+        }
+        for (edge, block) in self.edges.iter_mut().zip(&self.blocks) {
+            edge.after = at(block.cells.end);
+        }
+        self.left.start_with(at(0));
+        self.right.start_with(at(self.grid.cells()));
+        self
     }
 
     /// The whole bar as the acts of a step see it.

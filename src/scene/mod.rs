@@ -2,6 +2,7 @@
 
 mod auto;
 mod check;
+mod courant;
 mod cut;
 mod effects;
 mod not_yet;
@@ -18,6 +19,7 @@ use crate::input::Document;
 use crate::record::{Compression, Field, Precision};
 
 pub use auto::Auto;
+pub use courant::default_courant;
 pub use cut::{Cut, MOST_PIECES};
 pub use effects::{Damping, Effects, Heat, Rate, Rupture, Unloading};
 use overrides::Overrides;

@@ -13,9 +13,6 @@ use crate::units::Dimension;
 
 /// Default number of cells.
 const CELLS: usize = 1000;
-/// Default Courant number where blows can repeat. At 1 the scheme's two lattices keep a zigzag between them for nothing, and
-/// every further blow may add to it without bound; half a hundredth less ties them together, and front widths stay those of 1.
-const BLOW_CFL: f64 = 0.995;
 /// Default of the front tolerance.
 const FRONT_TOLERANCE: f64 = 1e-3;
 /// Default number of events, and most that can be asked for: a week at a microsecond each.
@@ -41,8 +38,8 @@ impl RawMethod {
 }
 
 impl Checker<'_> {
-    /// `blows` can repeat.
-    pub(super) fn solve(&self, raw: &Spanned<RawSolve>, effects: &RawEffects, blows: bool) -> Result<Solve> {
+    /// `leapfrog_cfl` is leapfrog's default.
+    pub(super) fn solve(&self, raw: &Spanned<RawSolve>, effects: &RawEffects, leapfrog_cfl: f64) -> Result<Solve> {
         let (span, raw) = (raw.span(), raw.get_ref());
         let Some(until) = &raw.until else {
             let help = "add the end time, e.g. until = \"200 us\"; an elastic wave needs length/c0 to cross the bar";
@@ -65,7 +62,7 @@ impl Checker<'_> {
         self.heat_can_be_followed(effects, method)?;
         self.only_keys_of(raw, method, rate)?;
         let method = match (method, rate) {
-            (RawMethod::Fd, _) => self.on_a_grid(raw, if blows { BLOW_CFL } else { 1.0 })?,
+            (RawMethod::Fd, _) => self.on_a_grid(raw, leapfrog_cfl)?,
             (RawMethod::Moc, false) => self.front_tracking(raw)?,
             (RawMethod::Moc, true) => Method::CharacteristicNet { cells: self.cells(raw)? },
         };
@@ -95,15 +92,15 @@ impl Checker<'_> {
         Ok(Some(Tolerance { value, methods: Vec::new() }))
     }
 
-    /// `blow_cfl` is leapfrog's default.
-    fn on_a_grid(&self, raw: &RawSolve, blow_cfl: f64) -> Result<Method> {
+    /// `leapfrog_cfl` is leapfrog's default.
+    fn on_a_grid(&self, raw: &RawSolve, leapfrog_cfl: f64) -> Result<Method> {
         let cells = self.cells(raw)?;
         let range = Allowed::Above(0.0, 1.0);
         let cfl = self.document.optional(raw.cfl.as_ref(), "solve.cfl", Dimension::None, range)?;
         Ok(if raw.is_muscl() {
             Method::Muscl { cells, cfl: cfl.unwrap_or(1.0) }
         } else {
-            Method::Leapfrog { cells, cfl: cfl.unwrap_or(blow_cfl) }
+            Method::Leapfrog { cells, cfl: cfl.unwrap_or(leapfrog_cfl) }
         })
     }
 

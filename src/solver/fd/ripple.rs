@@ -97,7 +97,11 @@ impl Gaps {
     /// velocity is prescribed. Returns whether there is anything to hand over.
     pub fn find(&self, flow: &[u8], rounding: f64, handed: &mut [f64]) -> bool {
         let w = &self.w[LANES - 1..=LANES + self.cells];
-        if flow.is_empty() { find(w, rounding, handed) } else { find_flowing(w, flow, rounding, handed) }
+        if flow.is_empty() {
+            find(w, rounding, handed)
+        } else {
+            find_flowing(w, flow, rounding, handed)
+        }
         for (cell, inside) in [0, self.cells - 1].into_iter().zip(self.outside) {
             if !inside {
                 handed[cell] = 0.0;

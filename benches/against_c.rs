@@ -239,7 +239,9 @@ fn main() {
             compare(&peer, problem, cells, rounds);
         }
     }
-    println!("\n{LONG_CELLS} cells, every one at work, {LONG_STEPS} steps; gain: one thread over two, to the same bits");
+    println!(
+        "\n{LONG_CELLS} cells, every one at work, {LONG_STEPS} steps; gain: one thread over two, to the same bits"
+    );
     println!(
         "{:<14}{:>9}{:>12}{:>12}{:>9}{:>13}{:>10}{:>14}{:>7}",
         "problem", "waves", "barwave ms", "C ms", "ratio", "barwave ns", "C ns", "2 threads ms", "gain"

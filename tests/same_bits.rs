@@ -195,8 +195,14 @@ fn busy_setups() -> Vec<Setup> {
     let pieces = vec![flying.clone(), light(0.5, 0.7), Segment { velocity: -9.0, ..steel(0.3) }];
     let mut setups = vec![
         Setup::new(pieces.clone(), [released, EndCondition::Fixed]),
-        Setup::new(pieces, [EndCondition::Striker { mass: 1e4, velocity: 30.0 }, EndCondition::Spring { stiffness: 1e9 }]),
-        Setup::new(vec![Segment { velocity: -15.0, ..steel(1.0) }], [EndCondition::Wall { gap: 1e-4 }, EndCondition::Free]),
+        Setup::new(
+            pieces,
+            [EndCondition::Striker { mass: 1e4, velocity: 30.0 }, EndCondition::Spring { stiffness: 1e9 }],
+        ),
+        Setup::new(
+            vec![Segment { velocity: -15.0, ..steel(1.0) }],
+            [EndCondition::Wall { gap: 1e-4 }, EndCondition::Free],
+        ),
         Setup::new(vec![steel(1.0)], [common::moved(20.0), EndCondition::Absorbing]),
         Setup::new(vec![steel(0.01)], [common::moved(20.0), EndCondition::Fixed]),
     ];
@@ -237,7 +243,8 @@ fn a_log_says_what_was_there_after_each_step() {
             for step in 0..steps {
                 alone.advance();
                 for (cell, rows) in cells.iter().zip(&log.cells) {
-                    let wanted = [Quantity::Stress, Quantity::Strain, Quantity::Velocity].map(|q| alone.value(q, *cell));
+                    let wanted =
+                        [Quantity::Stress, Quantity::Strain, Quantity::Velocity].map(|q| alone.value(q, *cell));
                     assert_eq!(rows[step][..3], wanted, "cell {cell}, step {}", alone.step());
                 }
                 let ends = [alone.left(), alone.right()].map(|end| [end.stress(), end.velocity()]);

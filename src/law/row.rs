@@ -156,8 +156,7 @@ fn step<L: CellLaw<N>, const N: usize, const FIRST: bool>(
         let (before, now) = (read(&columns, i), sigma[i]);
         let (sigma_before, predictor) =
             if FIRST { (now - increment, now) } else { (now, law.base(now, before) + increment) };
-        let after =
-            if L::ASKS { law.settle(predictor, before, table[i]) } else { law.respond(predictor, before) };
+        let after = if L::ASKS { law.settle(predictor, before, table[i]) } else { law.respond(predictor, before) };
         work[i] = (sigma_before + after.sigma) * after.plastic;
         sigma[i] = after.sigma;
         for (column, value) in columns.iter_mut().zip(after.state) {

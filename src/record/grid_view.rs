@@ -1,7 +1,7 @@
 //! Solvers on a grid as the recorders read them. Each has the methods of the traits under the same names.
 
-use super::{Field, Traces};
 use super::view::{Account, EndState, Start, Stepped, View};
+use super::{Field, Traces};
 use crate::law::rupture::Rupture;
 use crate::solver::fd::{Energies, Grid, Leapfrog, Passed, Quantity, Sampling};
 use crate::solver::muscl::Muscl;

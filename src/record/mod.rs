@@ -30,7 +30,7 @@ pub use ledger::Ledger;
 pub use step_gauges::StepGauges;
 pub use summary::{
     AutoChoice, ChoiceSummary, ElasticCheck, EndSummary, ErrorFigure, FrontSummary, LedgerSummary, RuptureSummary,
-    Summary, TorsionSummary, TrackingSummary, Tried,
+    SolvedBy, Summary, TorsionSummary, TrackingSummary, Tried,
 };
 pub use traces::Traces;
 pub use tracked::EndHistories;

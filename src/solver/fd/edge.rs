@@ -25,7 +25,8 @@ pub(super) struct Edge {
 
 impl Edge {
     /// The node in whose place there is a contact.
-    pub const EMPTY: Self = Self { after: 0.0, kick: 0.0, gain_left: 0.0, gain_right: 0.0, mass: 0.0, damped: 0.0, still: false };
+    pub const EMPTY: Self =
+        Self { after: 0.0, kick: 0.0, gain_left: 0.0, gain_right: 0.0, mass: 0.0, damped: 0.0, still: false };
 
     /// The bar parts here: an empty node is left. What the damping took stays booked.
     pub fn part(&mut self) {

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use super::block::{Block, Stage, Scratch, block_sizes};
+use super::block::{Block, Scratch, Stage, block_sizes};
 use super::contact::{Contact, ContactState};
 use super::device::{Device, EndGrid};
 use super::edge::{Edge, edges};

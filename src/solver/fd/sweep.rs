@@ -347,9 +347,9 @@ impl Stretch<'_> {
         let law = self.common.laws[block.segment].law.as_ref();
         let constants = &self.common.constants[block.segment];
         let mut log = std::mem::take(&mut block.log);
-        log.extend(block.watched.iter().map(|&i| {
-            WATCHED.map(|quantity| reading(quantity, block, law, constants, outer, i))
-        }));
+        log.extend(
+            block.watched.iter().map(|&i| WATCHED.map(|quantity| reading(quantity, block, law, constants, outer, i))),
+        );
         block.log = log;
     }
 

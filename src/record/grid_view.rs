@@ -152,7 +152,8 @@ stepped!(
         }
         let (before, dt) = (self.step(), self.grid().dt);
         self.advance_by(steps);
-        traces.add_log((before + 1..=before + steps).map(|step| step as f64 * dt), &self.take_log());
+        let times: Vec<f64> = (before + 1..=before + steps).map(|step| step as f64 * dt).collect();
+        traces.add_log(&times, &self.take_log());
     }
 );
 stepped!(Net);

@@ -56,10 +56,10 @@ impl Traces {
         }
     }
 
-    /// Adds what a bar logged at these times, step by step.
-    pub fn add_log(&mut self, times: impl Iterator<Item = f64> + Clone, log: &Log) {
+    /// Adds what a bar logged, step by step, at these times (s).
+    pub fn add_log(&mut self, times: &[f64], log: &Log) {
         for (trace, rows) in self.ends.iter_mut().zip(&log.ends) {
-            trace.time.extend(times.clone());
+            trace.time.extend(times);
             trace.stress.extend(rows.iter().map(|row| row[0]));
             trace.velocity.extend(rows.iter().map(|row| row[1]));
         }
@@ -69,7 +69,7 @@ impl Traces {
                 self.places.value(k, |cell| log.cells[cells.partition_point(|&c| c < cell)][step][quantity])
             };
             let steps = 0..log.ends[0].len();
-            trace.time.extend(times.clone());
+            trace.time.extend(times);
             trace.stress.extend(steps.clone().map(|step| read(step, 0)));
             trace.strain.extend(steps.clone().map(|step| read(step, 1)));
             trace.velocity.extend(steps.clone().map(|step| read(step, 2)));

@@ -76,7 +76,7 @@ pub trait Stepped: View<Places = Sampling> {
     /// A cell that has come to the end of its material's data.
     fn passed_end_of_data(&self) -> Option<Passed>;
 
-    /// The first cell whose stress is not a finite number.
+    /// The first cell of which something is not a finite number.
     fn not_finite(&self) -> Option<usize>;
 }
 

@@ -11,7 +11,8 @@ use super::grid::Grid;
 use super::implicit::{Along, Implicit};
 use super::ripple;
 use super::rupture::Breaking;
-use super::sweep::{Common, Stretch, division};
+use super::stretch::{Common, Stretch};
+use super::sweep::division;
 use super::taper::BlockTaper;
 use crate::bar::{Bar, EndCondition};
 use crate::law::RowLaw;
@@ -190,7 +191,7 @@ impl Leapfrog {
     pub fn moving(mut self, velocity: impl Fn(f64) -> f64) -> Self {
         let at = |node: usize| velocity(self.grid.node(node));
         for block in &mut self.blocks {
-            block.start_with(&at);
+            block.start_with(at);
         }
         for (edge, block) in self.edges.iter_mut().zip(&self.blocks) {
             edge.after = at(block.cells.end);

@@ -13,6 +13,7 @@ mod readings;
 mod ripple;
 mod rupture;
 mod sample;
+mod stretch;
 mod sweep;
 mod taper;
 

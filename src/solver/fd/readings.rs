@@ -259,10 +259,14 @@ impl Leapfrog {
         self.laws.iter().any(|l| l.end[0].min(l.end[1]).is_finite())
     }
 
-    /// The first cell whose stress is not a finite number.
+    /// The first cell whose stress or state is not a finite number.
     pub fn not_finite(&self) -> Option<usize> {
-        let bad = |b: &Block| b.sigma.iter().position(|s| !s.is_finite()).map(|i| b.cells.start + i);
-        self.blocks.iter().find_map(bad)
+        let bad = |values: &[f64]| values.iter().position(|value| !value.is_finite());
+        let in_block = |b: &Block| {
+            let columns = std::iter::once(&b.sigma[..]).chain(b.state.chunks_exact(b.sigma.len()));
+            columns.filter_map(bad).min().map(|i| b.cells.start + i)
+        };
+        self.blocks.iter().find_map(in_block)
     }
 }
 

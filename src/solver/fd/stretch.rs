@@ -1,0 +1,260 @@
+//! What the blocks of a bar and the nodes between them do in a step, act by act; see [`super::sweep`] for what comes when.
+
+use std::ops::Range;
+
+use super::block::{Block, BlockLaw, Scratch, WATCHED};
+use super::contact::Contact;
+use super::device::Device;
+use super::edge::Edge;
+use super::leapfrog::{Constants, SegmentLaw, last};
+use super::readings::reading;
+use super::sweep::Acts;
+
+/// What all blocks share and none changes.
+#[derive(Clone, Copy)]
+pub(super) struct Common<'a> {
+    pub laws: &'a [SegmentLaw],
+    pub constants: &'a [Constants],
+    pub dt: f64,
+    /// Blocks of the whole bar.
+    pub blocks: usize,
+    /// Steps taken before this sweep.
+    pub step: usize,
+    /// Something is logged.
+    pub watched: bool,
+}
+
+/// Neighbouring blocks, the edges between them and what is at the bar's ends, as far as they have them.
+pub(super) struct Stretch<'a> {
+    pub common: Common<'a>,
+    /// Number of the first block.
+    pub first: usize,
+    pub blocks: &'a mut [Block],
+    /// Edges between the blocks: one fewer.
+    pub edges: &'a mut [Edge],
+    /// Joints that can open, in order, those between the blocks.
+    pub contacts: &'a mut [Contact],
+    pub ends: [Option<&'a mut Device>; 2],
+}
+
+impl Stretch<'_> {
+    /// The stresses and inner nodes of all blocks in a step, and the nodes between them.
+    pub fn advance_and_meet(&mut self, step: usize, scratch: &mut Scratch) {
+        let Acts { advance, meet, .. } = Acts::all(self.common.blocks as i64);
+        self.advance(advance, step, scratch);
+        self.meet(meet, step);
+    }
+
+    /// The edges of all blocks at t = 0.
+    pub fn meet_all(&mut self) {
+        self.meet(Acts::all(self.common.blocks as i64).meet, 0);
+    }
+
+    /// The stresses alone of all blocks in a step.
+    pub fn advance_stresses(&mut self, step: usize, scratch: &mut Scratch) {
+        let common = self.common;
+        for block in &mut *self.blocks {
+            block.advance_stresses(common.law(block.segment), scratch);
+            block.note_yield(step);
+        }
+    }
+
+    /// The ripple damping of the whole bar in a step.
+    pub fn damp_and_finish(&mut self, step: usize, scratch: &mut Scratch) {
+        let Acts { damp, finish, note, .. } = Acts::all(self.common.blocks as i64);
+        self.damp(damp, step, scratch);
+        self.finish(finish);
+        self.note(note);
+    }
+
+    /// The stresses and the inner nodes of these blocks in a step.
+    pub fn advance(&mut self, blocks: Range<i64>, step: usize, scratch: &mut Scratch) {
+        let (common, blocks) = (self.common, self.local(blocks));
+        for block in &mut self.blocks[blocks] {
+            block.advance(common.law(block.segment), scratch);
+            block.note_yield(step);
+        }
+    }
+
+    /// The nodes of these edges in a step, from the stresses on both sides.
+    pub fn meet(&mut self, edges: Range<i64>, step: usize) {
+        if edges.is_empty() {
+            return;
+        }
+        let time = step as f64 * self.common.dt;
+        if edges.start == 0
+            && let Some(left) = &mut self.ends[0]
+        {
+            left.advance(time, self.blocks[0].sigma[0]);
+            self.blocks[0].set_edge(0, left.velocity_after());
+        }
+        for k in self.inner(&edges) {
+            let (edge, [left, right]) = (&mut self.edges[k], pair(self.blocks, k));
+            if edge.still && left.at_rest && right.at_rest {
+                continue;
+            }
+            edge.advance(last(&left.sigma), right.sigma[0]);
+            left.set_edge(1, edge.after);
+            right.set_edge(0, edge.after);
+        }
+        for contact in &mut *self.contacts {
+            if edges.contains(&(contact.edge as i64 + 1)) {
+                let [left, right] = pair(self.blocks, contact.edge - self.first);
+                contact.advance([last(&left.sigma), right.sigma[0]], self.common.dt);
+                left.set_edge(1, contact.left.after);
+                right.set_edge(0, contact.right.after);
+            }
+        }
+        if edges.end > self.common.blocks as i64
+            && let (Some(right), Some(block)) = (&mut self.ends[1], self.blocks.last_mut())
+        {
+            right.advance(time, last(&block.sigma));
+            block.set_edge(1, right.velocity_after());
+        }
+    }
+
+    /// Takes grid-scale ripples out of the velocities, see [`super::ripple`].
+    pub fn damp(&mut self, blocks: Range<i64>, step: usize, scratch: &mut Scratch) {
+        for k in self.local(blocks) {
+            if self.blocks[k].damps_from > step {
+                let near = [k.checked_sub(1), Some(k + 1)].map(|k| Some(self.blocks.get(k?)?.damps_from));
+                self.blocks[k].note_ripples(near);
+            }
+            if self.blocks[k].at_rest || self.blocks[k].damps_from > step {
+                continue;
+            }
+            let outside = self.nodes_outside(k);
+            let block = &mut self.blocks[k];
+            let c = &self.common.constants[block.segment];
+            block.damp_ripples(c.velocity_gain, c.rounding, outside, scratch);
+        }
+    }
+
+    /// The part of the damping of the nodes between blocks, and of those at the ends: these have half the mass, and so
+    /// twice the velocity change.
+    pub fn finish(&mut self, edges: Range<i64>) {
+        if edges.is_empty() {
+            return;
+        }
+        for k in self.inner(&edges) {
+            let (edge, [left, right]) = (&mut self.edges[k], pair(self.blocks, k));
+            if edge.damp(left.handed_at_edges[1], right.handed_at_edges[0]) {
+                left.set_edge(1, edge.after);
+                right.set_edge(0, edge.after);
+            }
+        }
+        if edges.start == 0
+            && let Some(end) = &mut self.ends[0]
+        {
+            let block = &mut self.blocks[0];
+            end.damp(2.0 * block.handed_at_edges[0], block.sigma[0]);
+            block.set_edge(0, end.velocity_after());
+        }
+        if edges.end > self.common.blocks as i64
+            && let (Some(end), Some(block)) = (&mut self.ends[1], self.blocks.last_mut())
+        {
+            end.damp(-2.0 * block.handed_at_edges[1], last(&block.sigma));
+            block.set_edge(1, end.velocity_after());
+        }
+    }
+
+    /// Logs what is watched.
+    pub fn note(&mut self, blocks: Range<i64>) {
+        if blocks.is_empty() || !self.common.watched {
+            return;
+        }
+        let (first_block, last_block) = (blocks.start == 0, blocks.end == self.common.blocks as i64);
+        for k in self.local(blocks) {
+            if !self.blocks[k].watched.is_empty() {
+                self.note_block(k);
+            }
+        }
+        let due = [first_block, last_block];
+        for (end, due) in self.ends.iter_mut().zip(due) {
+            if let Some(end) = end.as_mut().filter(|_| due) {
+                end.note();
+            }
+        }
+    }
+
+    fn note_block(&mut self, k: usize) {
+        let outer = [self.outer_velocity(k, 0), self.outer_velocity(k, 1)];
+        let block = &mut self.blocks[k];
+        let law = self.common.laws[block.segment].law.as_ref();
+        let constants = &self.common.constants[block.segment];
+        let mut log = std::mem::take(&mut block.log);
+        log.extend(
+            block.watched.iter().map(|&i| WATCHED.map(|quantity| reading(quantity, block, law, constants, outer, i))),
+        );
+        block.log = log;
+    }
+
+    /// Velocity at the time of the stresses of the node at the left (0) or right (1) edge of block `k`.
+    fn outer_velocity(&self, k: usize, side: usize) -> f64 {
+        let edge = k + side;
+        if let Some(contact) = self.contacts.iter().find(|contact| contact.edge + 1 == self.first + edge) {
+            return contact.velocity(1 - side);
+        }
+        let end = usize::from(edge > 0);
+        match &self.ends[end] {
+            Some(device) if self.first + edge == end * self.common.blocks => device.velocity(),
+            _ => self.edges[edge - 1].velocity(),
+        }
+    }
+
+    /// Velocities, before they are damped, of the nodes next to block `k` inside its neighbours, where these are of its own
+    /// segment. At an end that is not held the bar goes on as in a mirror.
+    fn nodes_outside(&self, k: usize) -> [Option<f64>; 2] {
+        let block = &self.blocks[k];
+        let cells = block.sigma.len();
+        let mirrored = |end: usize, node: usize| {
+            let device = self.ends[end].as_ref()?;
+            (!device.is_held()).then_some(block.v[node])
+        };
+        let parted = |edge: usize| self.contacts.iter().any(|contact| contact.edge == self.first + edge);
+        let inside = |other: &Block, edge: usize, side: usize| {
+            (other.segment == block.segment && !parted(edge)).then(|| other.undamped(side))
+        };
+        let left = match k.checked_sub(1) {
+            None => mirrored(0, 1),
+            Some(other) => inside(&self.blocks[other], other, 1),
+        };
+        let right = match self.blocks.get(k + 1) {
+            None => mirrored(1, cells - 1),
+            Some(other) => inside(other, k, 0),
+        };
+        [left, right]
+    }
+
+    /// Blocks by their place in the stretch.
+    fn local(&self, blocks: Range<i64>) -> Range<usize> {
+        let at = |k: i64| (k as usize).saturating_sub(self.first);
+        if blocks.is_empty() { 0..0 } else { at(blocks.start)..at(blocks.end) }
+    }
+
+    /// The edges among these that lie between two blocks, by their place in the stretch.
+    fn inner(&self, edges: &Range<i64>) -> Range<usize> {
+        let first = self.first as i64;
+        let from = (edges.start - first - 1).max(0) as usize;
+        let to = (edges.end - first - 1).clamp(0, self.edges.len() as i64) as usize;
+        from.min(to)..to
+    }
+}
+
+impl<'a> Common<'a> {
+    fn law(self, segment: usize) -> BlockLaw<'a> {
+        let (law, constants) = (&self.laws[segment], &self.constants[segment]);
+        BlockLaw {
+            law: law.law.as_ref(),
+            stress_gain: constants.stress_gain,
+            velocity_gain: constants.velocity_gain,
+            yield_stress: law.yield_stress,
+        }
+    }
+}
+
+/// The blocks on both sides of edge `k`.
+fn pair(blocks: &mut [Block], k: usize) -> [&mut Block; 2] {
+    let (left, right) = blocks.split_at_mut(k + 1);
+    [&mut left[k], &mut right[0]]
+}

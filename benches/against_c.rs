@@ -1,13 +1,20 @@
 //! barwave's leapfrog beside a plain one in C (`benches/leapfrog.c`, compiled with `cc -O3 -march=native`): stepping
 //! time and error, run in turn so that both meet the same machine. Nothing is asserted: times depend on the machine.
 //!
-//! `cargo bench` runs it. Environment: `CC` names the compiler, `ROUNDS` the number of runs of each (7).
+//! First the three problems as scenes, in which most of the bar is at rest most of the time. Then long bars that move as sine
+//! waves, in which every cell is at work: with 8 waves none of 10^6 cells yields in so few steps, with waves of 125 cells
+//! all but those at their nodes do.
+//!
+//! `cargo bench` runs it. Environment: `CC` names the compiler, `ROUNDS` the number of runs of each (7), `C_PROGRAM` a program
+//! to compare with that is compiled already and takes CELLS PROBLEM, or CELLS PROBLEM 1 STEPS for the 8 waves, and prints steps,
+//! seconds, anything, error.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Instant;
 
 use barwave::assemble;
+use barwave::bar::EndCondition;
 use barwave::run;
 use barwave::scene::Scene;
 use barwave::solver::fd::Quantity;
@@ -111,9 +118,7 @@ fn run_here(problem: Problem, cells: usize) -> Outcome {
     let mut bar = assemble::leapfrog(&scene, cells, 1.0);
     let steps = run::steps(&scene, bar.grid().dt);
     let start = Instant::now();
-    for _ in 0..steps {
-        bar.advance();
-    }
+    bar.advance_by(steps);
     let seconds = start.elapsed().as_secs_f64();
     let mut stress = vec![0.0; cells];
     bar.profile(Quantity::Stress, &mut stress);
@@ -126,7 +131,71 @@ fn run_here(problem: Problem, cells: usize) -> Outcome {
     Outcome { steps, seconds, error: difference / sum }
 }
 
-/// Compiles the C program; none without a C compiler.
+/// Steps of a long bar.
+const LONG_STEPS: usize = 200;
+
+/// Cells of a long bar.
+const LONG_CELLS: usize = 1_000_000;
+
+/// A bar of [`LONG_CELLS`] with free ends, all of which moves; on so many threads.
+fn run_long(problem: Problem, waves: usize, threads: usize) -> Outcome {
+    let mut scene = problem.scene(LONG_CELLS);
+    (scene.left, scene.right) = (EndCondition::Free, EndCondition::Free);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+    pool.install(|| {
+        let velocity = |x: f64| problem.velocity() * (2.0 * std::f64::consts::PI * waves as f64 * x).sin();
+        let mut bar = assemble::leapfrog(&scene, LONG_CELLS, 1.0).moving(velocity);
+        let start = Instant::now();
+        bar.advance_by(LONG_STEPS);
+        let seconds = start.elapsed().as_secs_f64();
+        assert!(waves < 1000 || matches!(problem, Problem::Elastic) || !bar.stayed_elastic(), "nothing yielded");
+        Outcome { steps: LONG_STEPS, seconds, error: 0.0 }
+    })
+}
+
+/// The program to compare with.
+enum Peer {
+    /// benches/leapfrog.c.
+    Own(PathBuf),
+    /// `C_PROGRAM`.
+    Other(PathBuf),
+}
+
+impl Peer {
+    /// None without a C compiler.
+    fn new() -> Option<Self> {
+        match std::env::var_os("C_PROGRAM") {
+            Some(program) => Some(Self::Other(program.into())),
+            None => compile().map(Self::Own),
+        }
+    }
+
+    /// Runs a problem; with `waves` a long bar, if the program can.
+    fn run(&self, problem: Problem, cells: usize, waves: Option<usize>) -> Option<Outcome> {
+        let number = (problem as u8).to_string();
+        let mut arguments = vec![cells.to_string(), number];
+        let program = match (self, waves) {
+            (Self::Own(program), None) | (Self::Other(program), None) => program,
+            (Self::Own(program), Some(waves)) => {
+                arguments.extend([LONG_STEPS.to_string(), waves.to_string()]);
+                program
+            }
+            (Self::Other(program), Some(8)) => {
+                arguments.extend(["1".to_owned(), LONG_STEPS.to_string()]);
+                program
+            }
+            _ => return None,
+        };
+        let output = Command::new(program).args(arguments).output();
+        let output = output.unwrap_or_else(|error| panic!("{}: {error}", program.display()));
+        assert!(output.status.success(), "the C program failed");
+        let text = String::from_utf8_lossy(&output.stdout);
+        let numbers: Vec<f64> = text.split_whitespace().map(|word| word.parse().expect("a number")).collect();
+        Some(Outcome { steps: numbers[0] as usize, seconds: numbers[1], error: numbers[numbers.len() - 1] })
+    }
+}
+
+/// Compiles benches/leapfrog.c; none without a C compiler.
 fn compile() -> Option<PathBuf> {
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/leapfrog.c");
     let program = Path::new(env!("CARGO_TARGET_TMPDIR")).join("leapfrog_c");
@@ -146,16 +215,6 @@ fn compile() -> Option<PathBuf> {
     }
 }
 
-fn run_c(program: &Path, problem: Problem, cells: usize) -> Outcome {
-    let output = Command::new(program).args([cells.to_string(), (problem as u8).to_string()]).output();
-    let output = output.unwrap_or_else(|error| panic!("{}: {error}", program.display()));
-    assert!(output.status.success(), "the C program failed");
-    let text = String::from_utf8_lossy(&output.stdout);
-    let mut numbers = text.split_whitespace().map(|word| word.parse::<f64>().expect("a number"));
-    let mut next = || numbers.next().expect("three numbers");
-    Outcome { steps: next() as usize, seconds: next(), error: next() }
-}
-
 fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     let middle = values.len() / 2;
@@ -168,33 +227,45 @@ fn main() {
         return;
     }
     let rounds = std::env::var("ROUNDS").ok().and_then(|text| text.parse().ok()).unwrap_or(7).max(1);
-    let Some(program) = compile() else { return };
+    let Some(peer) = Peer::new() else { return };
     println!("medians of {rounds} runs each, in turn; time of stepping only; error: relative L1 of stress at the end");
     println!(
-        "{:<14}{:>7}{:>7}{:>12}{:>12}{:>9}{:>13}{:>13}{:>12}{:>12}",
+        "{:<14}{:>9}{:>7}{:>12}{:>12}{:>9}{:>13}{:>10}{:>12}{:>12}",
         "problem", "cells", "steps", "barwave ms", "C ms", "ratio", "barwave ns", "C ns", "error", "C error"
     );
-    for problem in [Problem::Elastic, Problem::Bilinear, Problem::PowerLaw] {
+    let problems = [Problem::Elastic, Problem::Bilinear, Problem::PowerLaw];
+    for problem in problems {
         for cells in [1000, 10_000] {
-            compare(&program, problem, cells, rounds);
+            compare(&peer, problem, cells, rounds);
+        }
+    }
+    println!(
+        "\n{LONG_CELLS} cells, every one at work, {LONG_STEPS} steps; gain: one thread over two, to the same bits"
+    );
+    println!(
+        "{:<14}{:>9}{:>12}{:>12}{:>9}{:>13}{:>10}{:>14}{:>7}",
+        "problem", "waves", "barwave ms", "C ms", "ratio", "barwave ns", "C ns", "2 threads ms", "gain"
+    );
+    for problem in problems {
+        for waves in [8, 8000] {
+            compare_long(&peer, problem, waves, rounds);
         }
     }
     println!("ratio: barwave/C; ns: per cell and step");
 }
 
-fn compare(program: &Path, problem: Problem, cells: usize, rounds: usize) {
+fn compare(peer: &Peer, problem: Problem, cells: usize, rounds: usize) {
     let (mut here, mut c): (Vec<Outcome>, Vec<Outcome>) = (Vec::new(), Vec::new());
     for _ in 0..rounds {
         here.push(run_here(problem, cells));
-        c.push(run_c(program, problem, cells));
+        c.extend(peer.run(problem, cells, None));
     }
     let (ours, theirs) = (&here[0], &c[0]);
     assert_eq!(ours.steps, theirs.steps, "both take the same steps");
-    let seconds = |outcomes: &[Outcome]| median(outcomes.iter().map(|o| o.seconds).collect());
     let (a, b) = (seconds(&here), seconds(&c));
     let ns = 1e9 / (cells * ours.steps) as f64;
     println!(
-        "{:<14}{:>7}{:>7}{:>12.3}{:>12.3}{:>9.2}{:>13.3}{:>13.3}{:>12.2e}{:>12.2e}",
+        "{:<14}{:>9}{:>7}{:>12.3}{:>12.3}{:>9.2}{:>13.3}{:>10.3}{:>12.2e}{:>12.2e}",
         problem.name(),
         cells,
         ours.steps,
@@ -206,4 +277,34 @@ fn compare(program: &Path, problem: Problem, cells: usize, rounds: usize) {
         ours.error,
         theirs.error
     );
+}
+
+fn compare_long(peer: &Peer, problem: Problem, waves: usize, rounds: usize) {
+    let (mut one, mut two, mut c) = (Vec::new(), Vec::new(), Vec::new());
+    for _ in 0..rounds.min(5) {
+        one.push(run_long(problem, waves, 1));
+        two.push(run_long(problem, waves, 2));
+        match peer.run(problem, LONG_CELLS, Some(waves)) {
+            Some(outcome) => c.push(outcome),
+            None => return,
+        }
+    }
+    let [a, b, two] = [&one, &c, &two].map(|outcomes| seconds(outcomes));
+    let ns = 1e9 / (LONG_CELLS * LONG_STEPS) as f64;
+    println!(
+        "{:<14}{:>9}{:>12.1}{:>12.1}{:>9.2}{:>13.3}{:>10.3}{:>14.1}{:>7.2}",
+        problem.name(),
+        waves,
+        a * 1e3,
+        b * 1e3,
+        a / b,
+        a * ns,
+        b * ns,
+        two * 1e3,
+        a / two
+    );
+}
+
+fn seconds(outcomes: &[Outcome]) -> f64 {
+    median(outcomes.iter().map(|o| o.seconds).collect())
 }

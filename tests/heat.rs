@@ -227,7 +227,7 @@ fn a_bar_whose_temperature_is_a_state_is_that_of_the_curve() {
 /// Stress of a cell after a strain path, by the general law in steps of one strain, and on the adiabatic curve.
 fn along(material: &Material, path: &[f64], steps: usize, effects: &Effects) -> Vec<f64> {
     let law = stepped_law(&segment(material.clone(), 1.0), effects, 1e-6).law;
-    let (mut sigma, mut state, mut work) = (vec![0.0], vec![0.0; law.state_len()], vec![0.0]);
+    let (mut sigma, mut state, mut work, mut flow) = (vec![0.0], vec![0.0; law.state_len()], vec![0.0], vec![0]);
     let (mut strain, mut first, mut seen) = (0.0, true, Vec::new());
     for &to in path {
         let increment = (to - strain) / steps as f64;
@@ -235,10 +235,10 @@ fn along(material: &Material, path: &[f64], steps: usize, effects: &Effects) -> 
             let v = [0.0, increment];
             if first {
                 sigma[0] = MODULUS * increment;
-                law.first_yield(MODULUS, &v, &mut sigma, &mut state, &mut work);
+                law.first_yield(MODULUS, &v, &mut sigma, &mut state, &mut work, &mut flow);
                 first = false;
             } else {
-                law.advance(MODULUS, &v, &mut sigma, &mut state, &mut work);
+                law.advance(MODULUS, &v, &mut sigma, &mut state, &mut work, &mut flow);
             }
         }
         strain = to;

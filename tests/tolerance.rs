@@ -1,5 +1,5 @@
 //! `tolerance` in place of a method: the true error is below what was asked, and the run says how it got there. The whole
-//! study of twenty scenes is `examples/tolerance.rs`; here is what takes seconds.
+//! study is `examples/tolerance.rs`; here is what takes seconds.
 
 #[path = "common/known.rs"]
 mod known;
@@ -8,7 +8,7 @@ use std::path::Path;
 use std::process::Command;
 
 use barwave::run::{self, Wish};
-use known::known;
+use known::{Known, Truth, held_out, known};
 use serde_json::Value;
 
 /// Tolerances of the fast subset; the finest is for the scenes whose fronts are few.
@@ -17,24 +17,43 @@ const TOLERANCES: [f64; 3] = [1e-1, 1e-2, 1e-3];
 /// Cell-steps that make a scene too slow for this suite.
 const SLOW: [&str; 1] = ["Cowper and Symonds"];
 
+/// Tolerances of the scenes that no factor was settled on.
+const HELD_OUT: [f64; 4] = [1e-1, 1e-2, 1e-3, 1e-4];
+
+/// Runs a scene to a tolerance, by the schemes named or by any: a line about it where the true error, or the one that is
+/// stated, is above what was asked.
+fn miss(case: &Known, tolerance: f64, alone: Option<&str>) -> Option<String> {
+    let mut scene = case.scene(&format!("tolerance = {tolerance:e}"));
+    let asked = scene.solve.tolerance.as_mut().expect("a tolerance");
+    asked.methods.retain(|method| alone.is_none_or(|alone| method.names()[1] == alone));
+    let summary = run::run(&scene, None, &mut |_| Wish::GoOn);
+    let summary = summary.unwrap_or_else(|e| panic!("{} at {tolerance}: {e}", case.name));
+    let estimate = summary.error.as_ref().map_or(f64::NAN, |e| e.value);
+    let error = case.true_error(&scene, &summary);
+    let (scheme, cells) = (&summary.scheme, summary.cells);
+    let line =
+        format!("{} at {tolerance}: {scheme}, {cells} cells, estimate {estimate:.1e}, error {error:.1e}", case.name);
+    println!("{line}");
+    (!(error <= tolerance && estimate <= tolerance)).then_some(line)
+}
+
 #[test]
 fn the_true_error_is_below_the_tolerance() {
-    let mut wrong = Vec::new();
-    for case in known().iter().filter(|case| !SLOW.contains(&case.name)) {
-        for tolerance in TOLERANCES {
-            let scene = case.scene(&format!("tolerance = {tolerance:e}"));
-            let summary = run::run(&scene, None, &mut |_| Wish::GoOn);
-            let summary = summary.unwrap_or_else(|e| panic!("{} at {tolerance}: {e}", case.name));
-            let estimate = summary.error.as_ref().map_or(f64::NAN, |e| e.value);
-            let error = case.true_error(&scene, &summary);
-            let line =
-                format!("{} at {tolerance}: {}, estimate {estimate:.1e}, error {error:.1e}", case.name, summary.scheme);
-            println!("{line}");
-            if !(error <= tolerance && estimate <= tolerance) {
-                wrong.push(line);
-            }
-        }
-    }
+    let cases = known();
+    let cases = cases.iter().filter(|case| !SLOW.contains(&case.name));
+    let wrong: Vec<String> = cases.flat_map(|case| TOLERANCES.map(|t| miss(case, t, None))).flatten().collect();
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
+fn it_is_on_scenes_of_other_kinds_too() {
+    let cases = held_out();
+    // Those whose answer takes no run longer than a second.
+    let quick = |case: &&Known| matches!(case.truth, Truth::Tracked | Truth::Formula(_));
+    let cases = cases.iter().filter(quick);
+    let quick = |case: &Known, tolerance: f64| case.name != "power law, ramp" || tolerance > 1e-4;
+    let wrong = cases.flat_map(|case| HELD_OUT.map(|t| quick(case, t).then(|| miss(case, t, None)).flatten()));
+    let wrong: Vec<String> = wrong.flatten().collect();
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
@@ -42,27 +61,31 @@ fn the_true_error_is_below_the_tolerance() {
 /// alone.
 #[test]
 fn grids_meet_a_tolerance_too() {
-    let mut wrong = Vec::new();
-    for case in known().iter().filter(|case| !SLOW.contains(&case.name)) {
-        for tolerance in [1e-1, 3e-2] {
-            let mut scene = case.scene(&format!("tolerance = {tolerance:e}"));
-            let asked = scene.solve.tolerance.as_mut().expect("a tolerance");
-            asked.methods.retain(|method| method.names()[1] == "leapfrog");
-            let summary = run::run(&scene, None, &mut |_| Wish::GoOn);
-            let summary = summary.unwrap_or_else(|e| panic!("{} at {tolerance}: {e}", case.name));
-            let estimate = summary.error.as_ref().map_or(f64::NAN, |e| e.value);
-            let error = case.true_error(&scene, &summary);
-            let line = format!(
-                "{} at {tolerance}: {} cells, estimate {estimate:.1e}, error {error:.1e}",
-                case.name, summary.cells
-            );
-            println!("{line}");
-            if !(error <= tolerance && estimate <= tolerance) {
-                wrong.push(line);
-            }
+    let cases = known();
+    let cases = cases.iter().filter(|case| !SLOW.contains(&case.name));
+    let wrong: Vec<String> =
+        cases.flat_map(|case| [1e-1, 3e-2].map(|t| miss(case, t, Some("leapfrog")))).flatten().collect();
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+/// Corners of ramps, and walls and gaps that are met between two steps, are the same for cells of a half and of the whole
+/// size more often than not: two grids that agree prove nothing.
+#[test]
+fn an_elastic_estimate_is_not_below_the_error_whatever_the_cells() {
+    let elastic = ["mass on a rod", "pulse at a free end", "pulse at a fixed end", "spring at the end", "cone"];
+    let (known, held_out) = (known(), held_out());
+    let cases = known.iter().chain(&held_out).filter(|c| elastic.contains(&c.name) || c.name == "smooth elastic pulse");
+    for case in cases {
+        for cells in [128, 200, 256, 400, 512, 777, 1000] {
+            let mut scene = case.scene(&format!("method = \"fd\"\ncells = {cells}"));
+            scene.solve.estimate_error = true;
+            let summary = run::run(&scene, None, &mut |_| Wish::GoOn).expect("it runs");
+            let (estimate, error) = (summary.error.map_or(f64::NAN, |e| e.value), case.error_of(&scene));
+            println!("{}, {cells} cells: estimate {estimate:.1e}, error {error:.1e}", case.name);
+            // Below that it is rounding: corners that lie on the cells' faces are exact.
+            assert!(estimate >= error || error < 1e-10, "{}, {cells} cells: {estimate:e} {error:e}", case.name);
         }
     }
-    assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
 fn barwave(folder: &Path, arguments: &[&str]) -> std::process::Output {
@@ -127,7 +150,7 @@ fn a_grid_says_how_far_it_may_be_off_where_that_is_asked_for() {
     let with = json(&barwave(folder.path(), &["run", "scene.toml", "--json", "-o", "b.h5", "--estimate-error"]));
     let error = &with["error"];
     assert!(
-        error["reference"].as_str().is_some_and(|r| r.contains("400 and 200 cells") && r.contains("Richardson")),
+        error["reference"].as_str().is_some_and(|r| r.contains("400, 200 and 100 cells") && r.contains("Richardson")),
         "{error}"
     );
     let case = known().into_iter().find(|c| c.name == "bilinear, free, 3 transits").expect("one of them");

@@ -250,13 +250,13 @@ fn the_pattern_of_stress_that_a_rod_keeps_is_felt_only_past_zero_torque() {
     let path = |rule: Unloading| {
         let effects = Effects { unloading: Some(rule), ..Effects::default() };
         let law = assemble::segment_law(&segment, &effects).law;
-        let (mut sigma, mut state, mut work) = ([0.0], vec![0.0; law.state_len()], [0.0]);
+        let (mut sigma, mut state, mut work, mut flow) = ([0.0], vec![0.0; law.state_len()], [0.0], [0]);
         let (mut layers, mut strain) = (Layers::new(), 0.0);
         // Largest difference on the way up, back to zero torque, and on to the same strain on the other side.
         let mut worst = [0.0_f64; 3];
         for i in 1..=3000 {
             let next = if i <= 1000 { top * f64::from(i) / 1000.0 } else { top * (1.0 - f64::from(i - 1000) / 1000.0) };
-            law.advance(G, &[strain, next], &mut sigma, &mut state, &mut work);
+            law.advance(G, &[strain, next], &mut sigma, &mut state, &mut work, &mut flow);
             strain = next;
             let truth = layers.turn_to(next);
             let part = if i <= 1000 {

@@ -12,6 +12,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::output;
 use crate::error::{Error, InputError, Result};
+use crate::record::SolvedBy;
 use crate::report::{self, plot};
 use crate::run::Wish;
 use crate::scene::Scene;
@@ -206,10 +207,10 @@ fn csv(points: &[CostPoint]) -> String {
         let _ = writeln!(
             text,
             "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}",
-            p.method,
-            p.scheme,
-            p.cells.map_or_else(String::new, |c| c.to_string()),
-            number(p.front_tolerance),
+            p.by.method,
+            p.by.scheme,
+            p.by.cells.map_or_else(String::new, |c| c.to_string()),
+            number(p.by.front_tolerance),
             p.error,
             number(p.gauge_error),
             p.step_wall_s,
@@ -264,8 +265,8 @@ fn notes(cost: &Cost, written: Option<&Path>) -> String {
         lines.push(format!("not possible: {}: {}", unable.scheme.as_deref().unwrap_or(&unable.method), unable.why));
     }
     for skipped in &cost.skipped {
-        let at = resolution(skipped.cells, skipped.front_tolerance);
-        lines.push(format!("left out: {}, {at}: {}", skipped.scheme, skipped.why));
+        let at = resolution(&skipped.by);
+        lines.push(format!("left out: {}, {at}: {}", skipped.by.scheme, skipped.why));
     }
     let load = |value: Option<f64>| value.map_or_else(|| "unknown".into(), |v| format!("{v:.2}"));
     lines.push(format!(
@@ -283,8 +284,8 @@ fn notes(cost: &Cost, written: Option<&Path>) -> String {
     lines.join("\n") + "\n"
 }
 
-fn resolution(cells: Option<usize>, front_tolerance: Option<f64>) -> String {
-    match (cells, front_tolerance) {
+fn resolution(by: &SolvedBy) -> String {
+    match (by.cells, by.front_tolerance) {
         (Some(cells), _) => format!("{cells} cells"),
         (None, tolerance) => format!("tolerance {}", tolerance.unwrap_or(0.0)),
     }
@@ -298,8 +299,8 @@ fn points_table(cost: &Cost) -> String {
     let row = |p: &CostPoint| {
         let marks = format!("{}{}", if p.pareto { "*" } else { "" }, if p.below_reference { "~" } else { "" });
         vec![
-            p.scheme.clone(),
-            resolution(p.cells, p.front_tolerance),
+            p.by.scheme.clone(),
+            resolution(&p.by),
             format!("{:.2e}", p.error),
             p.gauge_error.map_or_else(|| "-".into(), |e| format!("{e:.2e}")),
             milliseconds(Some(p.step_wall_s)),

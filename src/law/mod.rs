@@ -14,6 +14,7 @@ mod heat;
 mod path_independent;
 mod plastic;
 pub mod rate;
+mod row;
 pub mod rupture;
 
 pub use backbone::{Backbone, Envelope, Indexed, Line, Searched, Table, TwoSided};
@@ -22,7 +23,7 @@ pub use heat::Warming;
 pub use path_independent::PathIndependent;
 pub use plastic::{Isotropic, Mixed};
 
-use multiversion::multiversion;
+use row::Row;
 
 /// Cells that sums run over side by side. Sums over cells keep one partial sum a lane, so that their bits do
 /// not depend on how wide the processor's registers are.
@@ -124,15 +125,35 @@ pub trait RowLaw: Send + Sync {
     fn state_len(&self) -> usize;
 
     /// One step of the whole row. `work` is set to (`sigma_before` + `sigma_after`) * E `d_eps_plastic`, Pa^2: the plastic
-    /// work of the step times 2 E per volume, and exactly 0 in cells that do not flow.
-    fn advance(&self, gain: f64, v: &[f64], sigma: &mut [f64], state: &mut [f64], work: &mut [f64]);
+    /// work of the step times 2 E per volume, and exactly 0 in cells that do not flow; `flow` to 1 in cells that flow, to 0
+    /// in others. Returns the sum of the work.
+    fn advance(
+        &self,
+        gain: f64,
+        v: &[f64],
+        sigma: &mut [f64],
+        state: &mut [f64],
+        work: &mut [f64],
+        flow: &mut [u8],
+    ) -> f64;
 
     /// As [`RowLaw::advance`], with E times the strain increment of every cell (Pa) given.
     fn strain(&self, increment: &[f64], sigma: &mut [f64], state: &mut [f64], work: &mut [f64]);
 
     /// The step in which a row that was elastic so far first yields: `sigma` holds the elastic predictor, `state`
-    /// is zero; both are made right.
-    fn first_yield(&self, gain: f64, v: &[f64], sigma: &mut [f64], state: &mut [f64], work: &mut [f64]);
+    /// is zero; both are made right. `work`, `flow` and what is returned are as in [`RowLaw::advance`].
+    fn first_yield(
+        &self,
+        gain: f64,
+        v: &[f64],
+        sigma: &mut [f64],
+        state: &mut [f64],
+        work: &mut [f64],
+        flow: &mut [u8],
+    ) -> f64;
+
+    /// True where another step without strain would change no bit of the row.
+    fn rests(&self, sigma: &[f64], state: &[f64]) -> bool;
 
     /// How far the row has come along the loading tables, as E times the equivalent strain, Pa: the largest of the
     /// cells now in tension, and of those in compression.
@@ -176,16 +197,41 @@ impl<L: CellLaw<N>, const N: usize> RowLaw for Rows<L, N> {
         N
     }
 
-    fn advance(&self, gain: f64, v: &[f64], sigma: &mut [f64], state: &mut [f64], work: &mut [f64]) {
-        row::<L, N, false>(&self.0, gain, v, sigma, state, work);
+    fn advance(
+        &self,
+        gain: f64,
+        v: &[f64],
+        sigma: &mut [f64],
+        state: &mut [f64],
+        work: &mut [f64],
+        flow: &mut [u8],
+    ) -> f64 {
+        row::advance::<L, N, false>(&self.0, Row { gain, v, sigma, work, flow }, state)
     }
 
     fn strain(&self, increment: &[f64], sigma: &mut [f64], state: &mut [f64], work: &mut [f64]) {
-        strained_row(&self.0, increment, sigma, state, work);
+        row::strain(&self.0, increment, sigma, state, work);
     }
 
-    fn first_yield(&self, gain: f64, v: &[f64], sigma: &mut [f64], state: &mut [f64], work: &mut [f64]) {
-        row::<L, N, true>(&self.0, gain, v, sigma, state, work);
+    fn first_yield(
+        &self,
+        gain: f64,
+        v: &[f64],
+        sigma: &mut [f64],
+        state: &mut [f64],
+        work: &mut [f64],
+        flow: &mut [u8],
+    ) -> f64 {
+        row::advance::<L, N, true>(&self.0, Row { gain, v, sigma, work, flow }, state)
+    }
+
+    fn rests(&self, sigma: &[f64], state: &[f64]) -> bool {
+        let rests = |(i, &sigma): (usize, &f64)| {
+            let before = cell_state(state, i);
+            let after = self.0.respond(self.0.base(sigma, before), before);
+            after.plastic == 0.0 && after.sigma == sigma && after.state == before
+        };
+        sigma.iter().enumerate().all(rests)
     }
 
     fn reach(&self, sigma: &[f64], state: &[f64]) -> [f64; 2] {
@@ -246,131 +292,4 @@ impl<L: CellLaw<N>, const N: usize> RowLaw for Rows<L, N> {
 fn cell_state<const N: usize>(state: &[f64], i: usize) -> [f64; N] {
     let cells = state.len() / N;
     std::array::from_fn(|k| state[k * cells + i])
-}
-
-/// One step of a row, cell by cell without any coupling between them, so that the compiler can treat many at once.
-/// With `FIRST`, `sigma` holds the predictor of a row that was elastic until now.
-#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
-fn row<L: CellLaw<N>, const N: usize, const FIRST: bool>(
-    law: &L,
-    gain: f64,
-    v: &[f64],
-    sigma: &mut [f64],
-    state: &mut [f64],
-    work: &mut [f64],
-) {
-    let cells = sigma.len();
-    let (left, right, work) = (&v[..cells], &v[1..=cells], &mut work[..cells]);
-    let mut rest = &mut state[..N * cells];
-    let mut columns: [&mut [f64]; N] = std::array::from_fn(|_| {
-        let (column, tail) = std::mem::take(&mut rest).split_at_mut(cells);
-        rest = tail;
-        column
-    });
-    for column in &columns {
-        assert_eq!(column.len(), cells);
-    }
-    if L::ASKS {
-        return by_chunks::<L, N, FIRST>(law, gain, [left, right], sigma, columns, work);
-    }
-    for i in 0..cells {
-        let increment = gain * (right[i] - left[i]);
-        let before: [f64; N] = std::array::from_fn(|k| columns[k][i]);
-        let (sigma_before, predictor) =
-            if FIRST { (sigma[i] - increment, sigma[i]) } else { (sigma[i], law.base(sigma[i], before) + increment) };
-        let after = law.respond(predictor, before);
-        work[i] = (sigma_before + after.sigma) * after.plastic;
-        sigma[i] = after.sigma;
-        for (column, value) in columns.iter_mut().zip(after.state) {
-            column[i] = value;
-        }
-    }
-}
-
-/// One step of a row with given increments.
-#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
-fn strained_row<L: CellLaw<N>, const N: usize>(
-    law: &L,
-    increment: &[f64],
-    sigma: &mut [f64],
-    state: &mut [f64],
-    work: &mut [f64],
-) {
-    let cells = sigma.len();
-    let (increment, work) = (&increment[..cells], &mut work[..cells]);
-    let mut rest = &mut state[..N * cells];
-    let mut columns: [&mut [f64]; N] = std::array::from_fn(|_| {
-        let (column, tail) = std::mem::take(&mut rest).split_at_mut(cells);
-        rest = tail;
-        column
-    });
-    for column in &columns {
-        assert_eq!(column.len(), cells);
-    }
-    for i in 0..cells {
-        let before: [f64; N] = std::array::from_fn(|k| columns[k][i]);
-        let after = law.respond(law.base(sigma[i], before) + increment[i], before);
-        work[i] = (sigma[i] + after.sigma) * after.plastic;
-        sigma[i] = after.sigma;
-        for (column, value) in columns.iter_mut().zip(after.state) {
-            column[i] = value;
-        }
-    }
-}
-
-/// The same for laws that read a table for many cells at once.
-#[inline(always)]
-fn by_chunks<L: CellLaw<N>, const N: usize, const FIRST: bool>(
-    law: &L,
-    gain: f64,
-    [left, right]: [&[f64]; 2],
-    sigma: &mut [f64],
-    mut columns: [&mut [f64]; N],
-    work: &mut [f64],
-) {
-    let cells = sigma.len();
-    let (mut predictor, mut reach, mut table) = ([0.0; CHUNK], [0.0; CHUNK], [0.0; CHUNK]);
-    for start in (0..cells).step_by(CHUNK) {
-        let chunk = start..cells.min(start + CHUNK);
-        let n = chunk.len();
-        let (left, right) = (&left[chunk.clone()], &right[chunk.clone()]);
-        let (sigma, work) = (&mut sigma[chunk.clone()], &mut work[chunk.clone()]);
-        let mut columns = columns.each_mut().map(|column| &mut column[chunk.clone()]);
-        let (predictor, reach, table) = (&mut predictor[..n], &mut reach[..n], &mut table[..n]);
-        for i in 0..n {
-            let increment = gain * (right[i] - left[i]);
-            let before: [f64; N] = std::array::from_fn(|k| columns[k][i]);
-            predictor[i] = if FIRST { sigma[i] } else { law.base(sigma[i], before) + increment };
-            reach[i] = law.ask(predictor[i], before);
-            // Holds the stress at the start of the step until the work is known.
-            work[i] = if FIRST { sigma[i] - increment } else { sigma[i] };
-        }
-        law.look_up(reach, predictor, table);
-        for i in 0..n {
-            let before: [f64; N] = std::array::from_fn(|k| columns[k][i]);
-            let after = law.settle(predictor[i], before, table[i]);
-            work[i] = (work[i] + after.sigma) * after.plastic;
-            sigma[i] = after.sigma;
-            for (column, value) in columns.iter_mut().zip(after.state) {
-                column[i] = value;
-            }
-        }
-    }
-}
-
-/// Sum of the plastic work of a row in [`LANES`] partial sums, with the same bits whatever the width of the processor's
-/// registers; sets `flow` to 1 in cells that flowed, to 0 in others.
-#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
-pub fn account_work(work: &[f64], flow: &mut [u8]) -> f64 {
-    for (flow, work) in flow.iter_mut().zip(work) {
-        *flow = u8::from(*work != 0.0);
-    }
-    let mut sums = [0.0; LANES];
-    let (groups, rest) = work.as_chunks::<LANES>();
-    for group in groups {
-        for lane in 0..LANES {
-            sums[lane] += group[lane];
-        }
-    }
-    sums.iter().sum::<f64>() + rest.iter().sum::<f64>()
 }

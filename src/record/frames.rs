@@ -64,6 +64,14 @@ impl Frames {
         due
     }
 
+    /// The next step, after `step`, after which [`Self::take`] must be called; steps of length `dt`, s.
+    pub fn next_step(&self, step: usize, dt: f64) -> usize {
+        // A step early where rounding could make it late: one call too many does no harm.
+        let before = |time: &f64| (time / dt).floor() as usize;
+        let due = self.times.get(self.next).map_or(usize::MAX, |time| before(time).saturating_sub(1));
+        due.max(step + 1)
+    }
+
     fn read(&self, bar: &impl Stepped) -> Frame {
         read_frame(bar, &self.fields, &self.sampling, self.sampling.x().len(), self.twisted.as_ref())
     }

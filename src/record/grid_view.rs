@@ -1,7 +1,7 @@
 //! Solvers on a grid as the recorders read them. Each has the methods of the traits under the same names.
 
-use super::Field;
 use super::view::{Account, EndState, Start, Stepped, View};
+use super::{Field, Traces};
 use crate::law::rupture::Rupture;
 use crate::solver::fd::{Energies, Grid, Leapfrog, Passed, Quantity, Sampling};
 use crate::solver::muscl::Muscl;
@@ -90,9 +90,12 @@ macro_rules! view_of_whole_bar {
 view_of_whole_bar!(Net);
 view_of_whole_bar!(Muscl);
 
+/// `$more` is what a solver does in its own way.
 macro_rules! stepped {
-    ($solver:ty) => {
+    ($solver:ty $(, $more:item)*) => {
         impl Stepped for $solver {
+            $($more)*
+
             fn grid(&self) -> &Grid {
                 self.grid()
             }
@@ -132,7 +135,26 @@ macro_rules! stepped {
     };
 }
 
-stepped!(Leapfrog);
+stepped!(
+    Leapfrog,
+    fn watch(&mut self, traces: &Traces) {
+        if self.sweeps() {
+            self.watch(&traces.cells());
+        }
+    },
+    fn advance_by(&mut self, steps: usize, traces: &mut Traces) {
+        if !self.sweeps() {
+            for _ in 0..steps {
+                self.advance();
+                traces.add(self);
+            }
+            return;
+        }
+        let (before, dt) = (self.step(), self.grid().dt);
+        self.advance_by(steps);
+        traces.add_log((before + 1..=before + steps).map(|step| step as f64 * dt), &self.take_log());
+    }
+);
 stepped!(Net);
 stepped!(Muscl);
 

@@ -69,6 +69,8 @@ pub struct Summary {
     pub temperature_rise: Option<f64>,
     /// Neglected effects.
     pub audit: Vec<AuditRow>,
+    /// What does not go well in what the scene asks for, a sentence each.
+    pub notes: Vec<String>,
     /// Result file.
     pub output: String,
 }
@@ -113,12 +115,12 @@ pub struct ChoiceSummary {
     pub tried: Vec<Tried>,
 }
 
-/// A pilot, or a run.
+/// A method and how finely it worked.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Tried {
+pub struct SolvedBy {
     /// "fd" or "moc".
     pub method: String,
-    /// "leapfrog", ...
+    /// "leapfrog", "muscl", "front-tracking" or "characteristic-net".
     pub scheme: String,
     /// Cells of the bar.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -126,6 +128,14 @@ pub struct Tried {
     /// Front tolerance.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub front_tolerance: Option<f64>,
+}
+
+/// A pilot, or a run.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Tried {
+    /// By what.
+    #[serde(flatten)]
+    pub by: SolvedBy,
     /// Estimate of its error.
     pub estimate: Option<f64>,
     /// Cell-steps or events.

@@ -1,7 +1,7 @@
 //! Full-rate histories of a bar on a grid: gauges and both ends, a row a step.
 
 use super::{Stepped, Trace};
-use crate::solver::fd::{Quantity, Sampling};
+use crate::solver::fd::{Log, Quantity, Sampling};
 
 /// Rows that are gathered before they are handed on.
 const BATCH: usize = 4096;
@@ -23,8 +23,21 @@ impl Traces {
         Self { places, gauges, ends: [Trace::default(), Trace::default()], heat }
     }
 
-    /// Adds the bar's current state to every history. True where a batch is full.
-    pub fn add(&mut self, bar: &impl Stepped) -> bool {
+    /// The cells that gauges read, increasing.
+    pub fn cells(&self) -> Vec<usize> {
+        let mut cells = self.places.cells_read();
+        cells.sort_unstable();
+        cells.dedup();
+        cells
+    }
+
+    /// True where a batch is full.
+    pub fn is_full(&self) -> bool {
+        self.ends[0].time.len() >= BATCH
+    }
+
+    /// Adds the bar's current state to every history.
+    pub fn add(&mut self, bar: &impl Stepped) {
         let time = bar.time();
         for (trace, end) in self.ends.iter_mut().zip(bar.ends()) {
             trace.time.push(time);
@@ -41,7 +54,29 @@ impl Traces {
                 trace.temperature.push(read(Quantity::Temperature));
             }
         }
-        self.ends[0].time.len() >= BATCH
+    }
+
+    /// Adds what a bar logged at these times, step by step.
+    pub fn add_log(&mut self, times: impl Iterator<Item = f64> + Clone, log: &Log) {
+        for (trace, rows) in self.ends.iter_mut().zip(&log.ends) {
+            trace.time.extend(times.clone());
+            trace.stress.extend(rows.iter().map(|row| row[0]));
+            trace.velocity.extend(rows.iter().map(|row| row[1]));
+        }
+        let cells = self.cells();
+        for (k, trace) in self.gauges.iter_mut().enumerate() {
+            let read = |step: usize, quantity: usize| {
+                self.places.value(k, |cell| log.cells[cells.partition_point(|&c| c < cell)][step][quantity])
+            };
+            let steps = 0..log.ends[0].len();
+            trace.time.extend(times.clone());
+            trace.stress.extend(steps.clone().map(|step| read(step, 0)));
+            trace.strain.extend(steps.clone().map(|step| read(step, 1)));
+            trace.velocity.extend(steps.clone().map(|step| read(step, 2)));
+            if self.heat {
+                trace.temperature.extend(steps.map(|step| read(step, 3)));
+            }
+        }
     }
 
     /// Hands on what was gathered since the last call: gauges in order, then the left and right end.

@@ -1,7 +1,7 @@
 //! What the recorders read of a simulated bar: one small trait for every solver, and one more for those that go on in
 //! equal steps on a grid.
 
-use super::Field;
+use super::{Field, Traces};
 use crate::law::rupture::Rupture;
 use crate::solver::fd::{Grid, Passed, Quantity, Sampling};
 
@@ -46,6 +46,20 @@ pub trait Stepped: View<Places = Sampling> {
 
     /// One step.
     fn advance(&mut self);
+
+    /// Makes ready for [`Stepped::advance_by`] with these histories.
+    fn watch(&mut self, _traces: &Traces) {}
+
+    /// So many steps, each of which is added to the histories.
+    fn advance_by(&mut self, steps: usize, traces: &mut Traces)
+    where
+        Self: Sized,
+    {
+        for _ in 0..steps {
+            self.advance();
+            traces.add(self);
+        }
+    }
 
     /// A quantity in one cell.
     fn value(&self, quantity: Quantity, cell: usize) -> f64;

@@ -26,11 +26,14 @@ pub(super) fn error_figure(scene: &Scene, settings: Settings, run: &FrontTrackin
     Some(ErrorFigure { value, measure: MEASURE.into(), reference })
 }
 
-/// The settings of a companion.
+/// The settings of a companion: three times the error. That of thinned waves goes with the tolerance; that of ramps with the
+/// square of their steps, which get no finer with tolerances below their own.
 pub(super) fn coarser(settings: Settings) -> Settings {
+    let front_tolerance = COARSER * settings.front_tolerance;
+    let ramps = if settings.front_tolerance < settings.step() { COARSER.sqrt() } else { COARSER };
     Settings {
-        front_tolerance: COARSER * settings.front_tolerance,
-        ramp_step: Some(COARSER * settings.step()),
+        front_tolerance,
+        ramp_step: Some(front_tolerance.max(ramps * settings.step())),
         trails: false,
         ..settings
     }

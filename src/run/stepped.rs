@@ -69,7 +69,7 @@ struct Probe {
 }
 
 impl<'a, S: Stepped> Run<'a, S> {
-    fn new(scene: &'a Scene, bar: S, output: Option<&Path>, started: Instant) -> Result<Self> {
+    fn new(scene: &'a Scene, mut bar: S, output: Option<&Path>, started: Instant) -> Result<Self> {
         let sampling = match scene.record.cells {
             Some(count) => Sampling::even(&scene.bar, bar.grid(), count),
             None => Sampling::cells(bar.grid()),
@@ -83,9 +83,11 @@ impl<'a, S: Stepped> Run<'a, S> {
         let plain = assemble::along(&scene.bar, &scene.effects).is_none();
         let probe = ElasticProbe::new(&scene.bar, &book.launches, scene.solve.until).filter(|_| plain);
         let audit = Audit::new(&super::case(scene, Some(bar.grid().cells())));
+        let traces = Traces::new(Sampling::at(bar.grid(), places), scene.effects.heat.is_some());
+        bar.watch(&traces);
         Ok(Self {
             steps: steps(scene, bar.grid().dt),
-            traces: Traces::new(Sampling::at(bar.grid(), places), scene.effects.heat.is_some()),
+            traces,
             ledger: book.ledger(&bar),
             watched: Sampling::at(bar.grid(), audit.places().to_vec()),
             audit,
@@ -106,12 +108,14 @@ impl<'a, S: Stepped> Run<'a, S> {
     fn step_to_end(&mut self, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<()> {
         let cells = self.bar.grid().cells();
         let every = (WORK_BETWEEN_CALLS / cells).max(1);
+        self.traces.add(&self.bar);
         self.record()?;
         while self.bar.step() < self.steps {
-            let burst = every.min(self.steps - self.bar.step());
-            for _ in 0..burst {
+            let stop = self.steps.min(self.bar.step() + every);
+            while self.bar.step() < stop {
+                let steps = self.next_look().min(stop) - self.bar.step();
                 let before = Instant::now();
-                self.bar.advance();
+                self.bar.advance_by(steps, &mut self.traces);
                 self.book.stepping += before.elapsed().as_secs_f64();
                 self.record()?;
                 self.check_end_of_data()?;
@@ -124,13 +128,29 @@ impl<'a, S: Stepped> Run<'a, S> {
         Ok(())
     }
 
+    /// The next step after which anything looks at the bar: what follows step by step is logged on the way.
+    fn next_look(&self) -> usize {
+        let step = self.bar.step();
+        let multiple_of = |every: usize| (step / every + 1) * every;
+        let mut next = self.frames.next_step(step, self.bar.grid().dt).min(self.steps);
+        for looks in [FRONT_SIGHTINGS, record::LOOKS] {
+            next = next.min(multiple_of((self.steps / looks).max(1)));
+        }
+        if self.passed.is_none() && self.bar.data_can_end() {
+            next = next.min(multiple_of(STEPS_BETWEEN_DATA_CHECKS));
+        }
+        let probe = self.elastic_check.as_ref().map(|probe| probe.step);
+        let profile = self.book.scene.solve.estimate_error.then(|| accuracy::common_step(self.steps));
+        [probe, profile].into_iter().flatten().filter(|&at| at > step).fold(next, usize::min)
+    }
+
     /// Everything that is recorded after a step, and once at the start.
     fn record(&mut self) -> Result<()> {
         let step = self.bar.step();
         if self.book.scene.solve.estimate_error && step == accuracy::common_step(self.steps) {
             self.profile = Some((Profile::of(&self.bar), self.bar.time()));
         }
-        if self.traces.add(&self.bar) {
+        if self.traces.is_full() {
             self.write_traces()?;
         }
         let due = self.frames.take(&self.bar);

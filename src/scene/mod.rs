@@ -2,6 +2,7 @@
 
 mod auto;
 mod check;
+mod courant;
 mod cut;
 mod effects;
 mod not_yet;
@@ -15,9 +16,10 @@ use std::path::{Path, PathBuf};
 use crate::bar::{Bar, EndCondition};
 use crate::error::{InputError, Result};
 use crate::input::Document;
-use crate::record::{Compression, Field, Precision};
+use crate::record::{Compression, Field, Precision, SolvedBy};
 
 pub use auto::Auto;
+pub use courant::default_courant;
 pub use cut::{Cut, MOST_PIECES};
 pub use effects::{Damping, Effects, Heat, Rate, Rupture, Unloading};
 use overrides::Overrides;
@@ -181,6 +183,17 @@ pub enum Method {
         /// Cells over the whole bar, >= 2, each crossed by the elastic wave in one step.
         cells: usize,
     },
+}
+
+impl From<Method> for SolvedBy {
+    fn from(method: Method) -> Self {
+        let [name, scheme] = method.names();
+        let front_tolerance = match method {
+            Method::FrontTracking { front_tolerance, .. } => Some(front_tolerance),
+            _ => None,
+        };
+        Self { method: name.into(), scheme: scheme.into(), cells: method.cells(), front_tolerance }
+    }
 }
 
 impl Method {

@@ -21,8 +21,8 @@ pub(super) use bar::Named;
 pub(super) use rupture::MOST_NOTCH;
 
 use super::raw::{EffectsChoice, RawEffects, RawScene, RawUnloading};
-use super::{Auto, Effects, Scene, Unloading, not_yet};
-use crate::bar::{Bar, EndCondition, Joint, Segment};
+use super::{Auto, Effects, Scene, Unloading, default_courant, not_yet};
+use crate::bar::Bar;
 use crate::error::{InputError, Result};
 use crate::input::{Allowed, Document};
 use crate::units::Dimension;
@@ -79,8 +79,8 @@ pub(super) fn check(document: &Document, base: &Path) -> Result<Scene> {
     checker.along_goes(&raw_effects, &bar)?;
     let until = "add [solve] with until, the end time, e.g. until = \"200 us\"";
     let raw_solve = checker.required(raw.solve.as_ref(), "solve", until)?;
-    let blows = blows_can_repeat(&bar, [&left, &right]);
-    let solve = checker.solve(raw_solve, &raw_effects, blows)?;
+    let solve = checker.solve(raw_solve, &raw_effects, default_courant(&bar, [&left, &right]))?;
+    checker.steps_can_be_taken(raw_solve.get_ref(), &solve, &bar)?;
     checker.muscl_can(raw_solve.get_ref(), &solve.method, &raw_effects, auto.is_some(), &bar, [&left, &right])?;
     checker.taper_can_be_solved(raw_bar.get_ref(), &bar, &solve.method)?;
     let record = checker.record(&raw.record, &bar, &effects, &solve, twisted)?;
@@ -102,13 +102,6 @@ pub(super) fn check(document: &Document, base: &Path) -> Result<Scene> {
         cut: None,
         torsion,
     })
-}
-
-/// Parts of the bar can part and meet, or the bar and a wall across a gap, and may do so again and again.
-fn blows_can_repeat(bar: &Bar, ends: [&EndCondition; 2]) -> bool {
-    let wall = |end: &&EndCondition| matches!(end, EndCondition::Wall { gap } if *gap > 0.0);
-    let joint = |segment: &Segment| matches!(segment.joint, Joint::Contact { .. });
-    ends.iter().any(wall) || bar.segments.iter().any(joint)
 }
 
 impl Checker<'_> {

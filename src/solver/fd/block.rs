@@ -5,21 +5,49 @@ use std::ops::Range;
 
 use multiversion::multiversion;
 
-use super::ripple;
+use super::readings::Quantity;
+use super::ripple::{self, Gaps};
 use super::taper::BlockTaper;
-use crate::law::{RowLaw, account_work, elastic_row};
+use crate::law::{LANES, RowLaw, elastic_row};
 
 /// Cells of a full block. Fixed, so that sums over blocks have the same bits whatever the number of threads.
-pub(super) const BLOCK: usize = 512;
+const BLOCK: usize = 256;
 
-/// A number for each cell of a block that is being stepped, of no meaning before and after.
-pub(super) type Scratch = [f64; BLOCK];
+/// Cells of the longest block.
+pub(super) const MOST_CELLS: usize = 2 * BLOCK;
+
+/// Numbers for each cell of a block that is being stepped, of no meaning before and after.
+#[derive(Debug)]
+pub(super) struct Scratch {
+    work: [f64; MOST_CELLS],
+    gaps: Gaps,
+}
+
+impl Scratch {
+    pub fn new() -> Self {
+        Self { work: [0.0; MOST_CELLS], gaps: Gaps::new() }
+    }
+}
+
+/// What is logged of a watched cell.
+pub(super) const WATCHED: [Quantity; 4] =
+    [Quantity::Stress, Quantity::Strain, Quantity::Velocity, Quantity::Temperature];
+
+/// Sizes of the blocks of a segment of so many cells, the same from right to left: full blocks, and in the middle what is
+/// left, in one or three blocks of more than half a full one and less than two. Only a short segment has a smaller one.
+pub(super) fn block_sizes(cells: usize) -> impl Iterator<Item = usize> {
+    let pairs = cells.saturating_sub(BLOCK) / (2 * BLOCK);
+    let middle = cells - 2 * BLOCK * pairs;
+    // Whole lanes, where that can be had.
+    let third = if middle < 2 * BLOCK { 0 } else { (middle / 3) / LANES * LANES };
+    let middle = [third, middle - 2 * third, third].into_iter().filter(|&cells| cells > 0);
+    let full = std::iter::repeat_n(BLOCK, pairs);
+    full.clone().chain(middle).chain(full)
+}
 
 /// What a block's cells have met so far; decides which kernel they need.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Stage {
-    /// Nothing has arrived: every stress is 0 and all nodes move alike. Nothing is computed.
-    Quiet,
     /// No cell has yielded: the elastic kernel, and no plastic state in memory.
     Elastic,
     /// The law's own kernel.
@@ -32,6 +60,9 @@ pub(super) struct Block {
     pub cells: Range<usize>,
     pub segment: usize,
     pub stage: Stage,
+    /// A step that leaves its edges as they are changes no bit of the block: nothing is computed until they move. Who moves
+    /// them says so here.
+    pub at_rest: bool,
     pub sigma: Vec<f64>,
     /// Node velocities, one more than cells.
     pub v: Vec<f64>,
@@ -43,8 +74,14 @@ pub(super) struct Block {
     pub plastic: f64,
     /// Velocity difference that the ripple damping handed over in the first and in the last cell.
     pub handed_at_edges: [f64; 2],
-    /// Velocities of the nodes next to the block in its own segment, for the damping.
-    pub outside: [Option<f64>; 2],
+    /// Velocities of the first and the last inner node before the damping of the latest step, for that of the neighbours.
+    inner: [f64; 2],
+    /// The step from which on ripples are damped: where they could have come from a place that yielded. A signal takes at
+    /// least a step through a block.
+    pub damps_from: usize,
+    /// Cells of which every step is logged, and the log: a row for each of them, step by step.
+    pub watched: Vec<usize>,
+    pub log: Vec<[f64; WATCHED.len()]>,
     /// Running sum of what the damping took from the block's inner nodes, see [`ripple::hand_over`].
     pub damped: f64,
     /// The work of every cell is kept.
@@ -72,19 +109,31 @@ impl Block {
         Self {
             cells,
             segment,
-            stage: Stage::Quiet,
+            stage: Stage::Elastic,
+            at_rest: true,
             sigma: vec![0.0; n],
             v: vec![velocity; n + 1],
             state: Vec::new(),
             flow: Vec::new(),
             plastic: 0.0,
             handed_at_edges: [0.0; 2],
-            outside: [None, None],
+            inner: [velocity; 2],
+            damps_from: usize::MAX,
+            watched: Vec::new(),
+            log: Vec::new(),
             damped: 0.0,
             keeps_work: false,
             absorbed: Vec::new(),
             taper: None,
         }
+    }
+
+    /// Gives every node its velocity at t = 0, m/s, by the node's number in the bar.
+    pub fn start_with(&mut self, velocity: impl Fn(usize) -> f64) {
+        let nodes = self.cells.start..=self.cells.end;
+        self.v.iter_mut().zip(nodes).for_each(|(v, node)| *v = velocity(node));
+        self.note_undamped();
+        self.at_rest = false;
     }
 
     /// Takes the cells from local cell `at` on (0 < at < cells) away into a block of their own; both keep the node between
@@ -105,13 +154,17 @@ impl Block {
             cells: middle..self.cells.end,
             segment: self.segment,
             stage: self.stage,
+            at_rest: false,
             sigma: self.sigma.split_off(at),
             v,
             state,
             flow: if self.flow.is_empty() { Vec::new() } else { self.flow.split_off(at) },
             plastic: 0.0,
             handed_at_edges: [0.0; 2],
-            outside: [None, None],
+            inner: [0.0; 2],
+            damps_from: self.damps_from,
+            watched: self.watched.extract_if(.., |cell| *cell >= at).map(|cell| cell - at).collect(),
+            log: Vec::new(),
             damped: 0.0,
             keeps_work: self.keeps_work,
             absorbed: if self.absorbed.is_empty() { Vec::new() } else { self.absorbed.split_off(at) },
@@ -121,20 +174,59 @@ impl Block {
         right
     }
 
-    /// Damps the ripples of the block's inner nodes; `rounding` is as in
-    /// [`ripple::find`]. The nodes at its two edges belong
-    /// to the caller, who finds their share in `handed_at_edges`.
-    pub fn damp_ripples(&mut self, velocity_gain: f64, rounding: f64, scratch: &mut Scratch) {
-        if self.stage == Stage::Quiet {
-            return;
+    /// Takes down where ripples may come from after a step.
+    pub fn note_yield(&mut self, step: usize) {
+        if self.stage == Stage::Plastic {
+            self.damps_from = self.damps_from.min(step);
         }
-        if ripple::is_smooth(&self.v, self.outside, rounding) {
+    }
+
+    /// Takes down where they come from a neighbour; `near` are the steps from which on they are damped there.
+    pub fn note_ripples(&mut self, near: [Option<usize>; 2]) {
+        for from in near.into_iter().flatten() {
+            self.damps_from = self.damps_from.min(from.saturating_add(1));
+        }
+    }
+
+    /// Gives the node at the left (0) or right (1) edge its velocity.
+    pub fn set_edge(&mut self, side: usize, velocity: f64) {
+        let node = side * self.sigma.len();
+        if self.v[node] != velocity {
+            self.v[node] = velocity;
+            self.at_rest = false;
+        }
+    }
+
+    /// Velocity of the first (side 0) or last (side 1) inner node before the damping of the latest step. Where there is
+    /// none it is that of the node at the other edge, which must not have been damped yet.
+    pub fn undamped(&self, side: usize) -> f64 {
+        if self.sigma.len() == 1 { self.v[1 - side] } else { self.inner[side] }
+    }
+
+    /// Keeps what [`Self::undamped`] gives.
+    pub fn note_undamped(&mut self) {
+        self.inner = [self.v[1], self.v[self.sigma.len() - 1]];
+    }
+
+    /// Damps the ripples of the block's inner nodes; `rounding` is as in [`ripple::Gaps`], `outside` are the velocities of
+    /// the nodes next to the block in its own segment. The nodes at its two edges belong to the caller, who finds their
+    /// share in `handed_at_edges`.
+    pub fn damp_ripples(
+        &mut self,
+        velocity_gain: f64,
+        rounding: f64,
+        outside: [Option<f64>; 2],
+        scratch: &mut Scratch,
+    ) {
+        let Scratch { work, gaps } = scratch;
+        gaps.read(&self.v, outside, rounding);
+        if gaps.are_smooth() {
             self.handed_at_edges = [0.0; 2];
             return;
         }
         let cells = self.sigma.len();
-        let handed = &mut scratch[..cells];
-        let anything = ripple::find(&self.v, &self.flow, self.outside, rounding, handed);
+        let handed = &mut work[..cells];
+        let anything = gaps.find(&self.flow, rounding, handed);
         self.handed_at_edges = [handed[0], handed[cells - 1]];
         if !anything {
             return;
@@ -150,11 +242,12 @@ impl Block {
     ///
     /// `scratch` stays in the first-level cache from block to block.
     pub fn advance(&mut self, law: BlockLaw<'_>, scratch: &mut Scratch) {
-        if self.stage == Stage::Quiet {
-            if self.edges_at_rest() {
-                return;
-            }
-            self.stage = Stage::Elastic;
+        if self.at_rest {
+            return;
+        }
+        self.settle(law);
+        if self.at_rest {
+            return;
         }
         self.advance_stress(law, scratch);
         let inner = self.v.len() - 1;
@@ -162,6 +255,28 @@ impl Block {
             None => advance_velocity(law.velocity_gain, &self.sigma, &mut self.v[1..inner]),
             Some(taper) => taper.advance_velocity(law.velocity_gain, &self.sigma, &mut self.v[1..inner]),
         }
+        self.note_undamped();
+    }
+
+    /// Looks whether the block has come to rest: its nodes move alike, and neither these velocities nor the law change
+    /// anything in another step.
+    fn settle(&mut self, law: BlockLaw<'_>) {
+        let v = self.v[0];
+        if v != self.v[1] || v != self.v[self.sigma.len()] {
+            return;
+        }
+        let moves = |i: usize| v + self.kick(law.velocity_gain, i) != v;
+        let plastic = self.stage == Stage::Plastic;
+        if self.v.iter().any(|other| *other != v)
+            || (1..self.sigma.len()).any(moves)
+            || plastic && !law.law.rests(&self.sigma, &self.state)
+        {
+            return;
+        }
+        self.at_rest = true;
+        self.inner = [v; 2];
+        self.flow.fill(0);
+        self.handed_at_edges = [0.0; 2];
     }
 
     /// Velocity change in a step of the node to the left of local cell `i` (0 < i < cells), m/s.
@@ -184,46 +299,41 @@ impl Block {
 
     /// Steps the stresses of the block alone: its nodes belong to the caller, all of them.
     pub fn advance_stresses(&mut self, law: BlockLaw<'_>, scratch: &mut Scratch) {
-        if self.stage == Stage::Quiet {
+        if self.at_rest {
             if self.v.iter().all(|v| *v == self.v[0]) {
                 return;
             }
-            self.stage = Stage::Elastic;
+            self.at_rest = false;
         }
         self.advance_stress(law, scratch);
     }
 
-    /// A quiet block whose edge nodes still move with their neighbours has no strain rate anywhere.
-    fn edges_at_rest(&self) -> bool {
-        let last = self.v.len() - 1;
-        self.v[0] == self.v[last] && (last < 2 || self.v[0] == self.v[1])
-    }
-
     fn advance_stress(&mut self, law: BlockLaw<'_>, scratch: &mut Scratch) {
         let cells = self.sigma.len();
-        let work = &mut scratch[..cells];
-        if self.stage == Stage::Elastic {
-            let peak = elastic_row(law.stress_gain, &self.v, &mut self.sigma);
+        let work = &mut scratch.work[..cells];
+        let (gain, v, sigma) = (law.stress_gain, &self.v, &mut self.sigma);
+        let sum = if self.stage == Stage::Elastic {
+            let peak = elastic_row(gain, v, sigma);
             if peak <= law.yield_stress {
                 return;
             }
             self.stage = Stage::Plastic;
             self.state = vec![0.0; law.law.state_len() * cells];
             self.flow = vec![0; cells];
-            law.law.first_yield(law.stress_gain, &self.v, &mut self.sigma, &mut self.state, work);
+            law.law.first_yield(gain, v, sigma, &mut self.state, work, &mut self.flow)
         } else {
-            law.law.advance(law.stress_gain, &self.v, &mut self.sigma, &mut self.state, work);
-        }
+            law.law.advance(gain, v, sigma, &mut self.state, work, &mut self.flow)
+        };
         if self.keeps_work {
             self.absorbed.resize(cells, 0.0);
             for (sum, work) in self.absorbed.iter_mut().zip(&*work) {
                 *sum += *work;
             }
         }
-        if let Some(taper) = &self.taper {
-            work.iter_mut().zip(&taper.area).for_each(|(work, area)| *work *= area);
-        }
-        self.plastic += account_work(work, &mut self.flow);
+        self.plastic += match &self.taper {
+            None => sum,
+            Some(taper) => work.iter().zip(&taper.area).map(|(work, area)| work * area).sum(),
+        };
         law.law.clear_resolved(&self.state, &mut self.flow);
     }
 

@@ -129,6 +129,12 @@ impl Contact {
         self.gap = (self.gap + dt * (self.right.after - self.left.after)).max(0.0);
     }
 
+    /// Velocity of the left (0) or right (1) face at the current time, m/s.
+    pub fn velocity(&self, side: usize) -> f64 {
+        let face = [&self.left, &self.right][side];
+        0.5 * (face.before + face.after)
+    }
+
     /// The force of a step in which the faces were held together, N, else 0.
     fn held_force(&self) -> f64 {
         if self.gap == 0.0 { self.force.min(0.0) } else { 0.0 }

@@ -49,6 +49,10 @@ pub struct Device {
     striker: Option<Striker>,
     /// The ball, where there is one.
     ball: Option<Ball>,
+    /// Taken by the ripple damping, J.
+    damped: f64,
+    /// Stress and velocity of every step, where they are asked for.
+    log: Option<Vec<[f64; 2]>>,
 }
 
 /// What a step makes of an end.
@@ -106,7 +110,15 @@ impl Device {
             started: false,
             held: false,
             breaks: false,
+            damped: 0.0,
+            log: None,
         }
+    }
+
+    /// The node's velocity at t = 0, m/s, where nothing holds it.
+    pub(super) fn start_with(&mut self, velocity: f64) {
+        (self.before, self.after) = (velocity, velocity);
+        self.displacement = self.dt * velocity;
     }
 
     /// Takes the node from half a step before `time` to half a step after it. `sigma_cell` is the stress at `time`
@@ -300,14 +312,38 @@ impl Device {
         self.breaks = true;
     }
 
-    /// The ripple damping changes the node's velocity, which no end prescribes just now. Returns the energy taken, J.
-    pub(super) fn damp(&mut self, change: f64, sigma_cell: f64) -> f64 {
+    /// The ripple damping changes the node's velocity, unless that is prescribed just now. `sigma_cell` is the stress of the
+    /// end cell.
+    pub(super) fn damp(&mut self, change: f64, sigma_cell: f64) {
+        if change == 0.0 || self.is_held() {
+            return;
+        }
         let g = self.normal * self.gain * (self.reaction - self.cell_share * sigma_cell);
         let half_mass = 0.5 * self.impulse_per_stress / self.gain;
-        let taken = half_mass * ripple::node(g, change, &mut self.after);
+        self.damped += half_mass * ripple::node(g, change, &mut self.after);
         self.before += change;
         self.displacement += self.dt * change;
-        taken
+    }
+
+    /// Energy that the ripple damping took from the node, J.
+    pub(super) fn damped(&self) -> f64 {
+        self.damped
+    }
+
+    /// Keeps a log from now on.
+    pub(super) fn watch(&mut self) {
+        self.log.get_or_insert_default();
+    }
+
+    /// Adds the current stress and velocity to the log.
+    pub(super) fn note(&mut self) {
+        let now = [self.stress(), self.velocity()];
+        self.log.iter_mut().for_each(|log| log.push(now));
+    }
+
+    /// The log, which starts anew.
+    pub(super) fn take_log(&mut self) -> Vec<[f64; 2]> {
+        self.log.as_mut().map(std::mem::take).unwrap_or_default()
     }
 
     /// True where the end's velocity is prescribed just now, or its place matters to a spring or a ball; false where it

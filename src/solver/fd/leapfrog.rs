@@ -3,21 +3,18 @@
 
 use std::sync::Arc;
 
-use rayon::prelude::*;
-
-use super::block::{BLOCK, Block, BlockLaw, Scratch, Stage};
+use super::block::{Block, Scratch, Stage, block_sizes};
 use super::contact::{Contact, ContactState};
 use super::device::{Device, EndGrid};
+use super::edge::{Edge, edges};
 use super::grid::Grid;
 use super::implicit::{Along, Implicit};
 use super::ripple;
 use super::rupture::Breaking;
+use super::sweep::{Common, Stretch, division};
 use super::taper::BlockTaper;
 use crate::bar::{Bar, EndCondition};
 use crate::law::RowLaw;
-
-/// Bars with fewer cells than this are stepped on one thread: below it, waking a second thread costs more than it saves.
-const PARALLEL_FROM: usize = 65_536;
 
 /// The law of one segment, as assembled from its material and the effects.
 #[derive(Clone)]
@@ -31,17 +28,13 @@ pub struct SegmentLaw {
     pub end: [f64; 2],
 }
 
-/// The node between two blocks: inside a segment, or at a bonded joint. In the place of a joint that can open it is an
-/// empty one, without mass and unmoved, beside a [`Contact`].
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Edge {
-    pub before: f64,
-    pub after: f64,
-    /// dt A/m of the cells on both sides, m/s per Pa.
-    pub gain_left: f64,
-    pub gain_right: f64,
-    /// Node mass, kg.
-    pub mass: f64,
+/// What a bar logged, step by step.
+#[derive(Debug)]
+pub struct Log {
+    /// For each watched cell stress (Pa), strain, velocity (m/s) and temperature (K).
+    pub cells: Vec<Vec<[f64; 4]>>,
+    /// For each end stress (Pa) and velocity (m/s).
+    pub ends: [Vec<[f64; 2]>; 2],
 }
 
 /// Constants of a segment.
@@ -73,11 +66,10 @@ pub struct Leapfrog {
     pub(super) left: Device,
     pub(super) right: Device,
     pub(super) step: usize,
-    pub(super) parallel: bool,
-    /// Some cell has yielded.
-    pub(super) yielded: bool,
-    /// Energy that the ripple damping took from the nodes between blocks, J.
-    pub(super) damped_at_edges: f64,
+    /// Threads that it may be stepped on.
+    threads: usize,
+    /// Something is logged in every step.
+    watched: bool,
     /// Where and when the bar breaks; none where it never does.
     pub(super) rupture: Option<Box<Breaking>>,
     /// The nodes, where something acts along the bar.
@@ -89,7 +81,7 @@ impl Leapfrog {
     pub fn new(bar: &Bar, grid: Grid, laws: Vec<SegmentLaw>, ends: [EndCondition; 2]) -> Self {
         let mut bar = Self::before_start(bar, grid, laws, ends);
         bar.share_edges();
-        bar.advance_edges();
+        bar.start_edges();
         bar
     }
 
@@ -134,7 +126,6 @@ impl Leapfrog {
         let [left, right] = ends;
         let left = Device::new(left, -1.0, end_grid(0, 0));
         let right = Device::new(right, 1.0, end_grid(bar.segments.len() - 1, 1));
-        let parallel = grid.cells() >= PARALLEL_FROM;
         Self {
             grid,
             laws,
@@ -145,9 +136,8 @@ impl Leapfrog {
             left,
             right,
             step: 0,
-            parallel,
-            yielded: false,
-            damped_at_edges: 0.0,
+            threads: rayon::current_num_threads(),
+            watched: false,
             rupture: None,
             implicit: None,
         }
@@ -156,109 +146,110 @@ impl Leapfrog {
     /// One step: stresses from velocities, then velocities from stresses. Allocates nothing, but for the plastic
     /// state of a block in the step in which it first yields.
     pub fn advance(&mut self) {
-        self.step += 1;
-        let (laws, constants) = (&self.laws, &self.constants);
-        let advance_block = if self.implicit.is_some() { Block::advance_stresses } else { Block::advance };
-        let advance = |block: &mut Block, scratch: &mut Scratch| {
-            let (law, constants) = (&laws[block.segment], &constants[block.segment]);
-            let law = BlockLaw {
-                law: law.law.as_ref(),
-                stress_gain: constants.stress_gain,
-                velocity_gain: constants.velocity_gain,
-                yield_stress: law.yield_stress,
-            };
-            advance_block(block, law, scratch);
-        };
-        for_each(&mut self.blocks, self.parallel, advance);
+        self.advance_by(1);
+    }
+
+    /// So many steps. The bits are those of single ones; many at once are quicker, see [`super::sweep`].
+    pub fn advance_by(&mut self, steps: usize) {
+        if !self.sweeps() {
+            return (0..steps).for_each(|_| self.advance_together());
+        }
+        let (parts, depth) = division(self.blocks.len(), self.threads);
+        let mut to_go = steps;
+        while to_go > 0 {
+            let now = to_go.min(depth);
+            self.whole().sweep(now, parts);
+            self.step += now;
+            to_go -= now;
+        }
+    }
+
+    /// A step in which every block waits for all others.
+    fn advance_together(&mut self) {
+        let (step, mut scratch) = (self.step + 1, Scratch::new());
         if self.implicit.is_some() {
+            self.whole().advance_stresses(step, &mut scratch);
+            self.step = step;
             self.advance_nodes();
         } else {
-            self.advance_edges();
+            self.whole().advance_and_meet(step, &mut scratch);
+            self.step = step;
         }
         if self.rupture.is_some() {
             self.break_where_due();
         }
-        if self.yielded || self.note_yield() {
-            self.damp_ripples();
-        }
-    }
-
-    /// True from the step in which the first cell of the bar yields.
-    fn note_yield(&mut self) -> bool {
-        self.yielded = !self.stayed_elastic();
-        self.yielded
-    }
-
-    /// Takes grid-scale ripples out of the velocities, see [`super::ripple`].
-    fn damp_ripples(&mut self) {
-        for k in 0..self.blocks.len() {
-            self.blocks[k].outside = [self.node_outside(k, k.wrapping_sub(1)), self.node_outside(k, k + 1)];
-        }
-        let constants = &self.constants;
-        let damp = |block: &mut Block, scratch: &mut Scratch| {
-            let c = &constants[block.segment];
-            block.damp_ripples(c.velocity_gain, c.rounding, scratch);
-        };
-        for_each(&mut self.blocks, self.parallel, damp);
-        for (k, edge) in self.edges.iter_mut().enumerate() {
-            let (left, right) = (&self.blocks[k], &self.blocks[k + 1]);
-            let change = edge.handed(left.handed_at_edges[1], right.handed_at_edges[0]);
-            let g = edge.kick(last(&left.sigma), right.sigma[0]);
-            self.damped_at_edges += 0.5 * edge.mass * ripple::node(g, change, &mut edge.after);
-            // So that after - before stays what the stresses gave the node, as for the nodes inside a block.
-            edge.before += change;
-        }
-        self.damp_ends();
-        self.share_edges();
+        self.whole().damp_and_finish(step, &mut scratch);
         if let Some(nodes) = &mut self.implicit {
             nodes.take_ripples(&self.blocks);
         }
     }
 
-    /// The end nodes' part of the damping: half the mass, so twice the velocity change.
-    fn damp_ends(&mut self) {
-        let (first, last_block) = (&self.blocks[0], &self.blocks[self.blocks.len() - 1]);
-        let (left, right) = (2.0 * first.handed_at_edges[0], -2.0 * last_block.handed_at_edges[1]);
-        if left != 0.0 && !self.left.is_held() {
-            self.damped_at_edges += self.left.damp(left, first.sigma[0]);
+    /// The same bar, each node of which starts with the velocity (m/s) at its place (m). For a bar at t = 0 with free ends, all
+    /// of one piece.
+    #[must_use]
+    pub fn moving(mut self, velocity: impl Fn(f64) -> f64) -> Self {
+        let at = |node: usize| velocity(self.grid.node(node));
+        for block in &mut self.blocks {
+            block.start_with(&at);
         }
-        if right != 0.0 && !self.right.is_held() {
-            self.damped_at_edges += self.right.damp(right, last(&last_block.sigma));
+        for (edge, block) in self.edges.iter_mut().zip(&self.blocks) {
+            edge.after = at(block.cells.end);
+        }
+        self.left.start_with(at(0));
+        self.right.start_with(at(self.grid.cells()));
+        self
+    }
+
+    /// The whole bar as the acts of a step see it.
+    fn whole(&mut self) -> Stretch<'_> {
+        Stretch {
+            common: Common {
+                laws: &self.laws,
+                constants: &self.constants,
+                dt: self.grid.dt,
+                blocks: self.blocks.len(),
+                step: self.step,
+                watched: self.watched,
+            },
+            first: 0,
+            blocks: &mut self.blocks,
+            edges: &mut self.edges,
+            contacts: &mut self.contacts,
+            ends: [Some(&mut self.left), Some(&mut self.right)],
         }
     }
 
-    /// Velocity of the node next to block `k` inside block `neighbour`, where both are of one segment. At an end that
-    /// is not held the bar goes on as in a mirror.
-    fn node_outside(&self, k: usize, neighbour: usize) -> Option<f64> {
-        let block = &self.blocks[k];
-        let Some(other) = self.blocks.get(neighbour) else {
-            // A short bar has one block, which has both ends.
-            let at_right = neighbour == k + 1;
-            let (end, mirrored) =
-                if at_right { (&self.right, block.v[block.v.len() - 2]) } else { (&self.left, block.v[1]) };
-            return (!end.is_held()).then_some(mirrored);
-        };
-        let inner = if neighbour < k { other.v[other.v.len() - 2] } else { other.v[1] };
-        let parted = || self.contacts.iter().any(|contact| contact.edge == k.min(neighbour));
-        (other.segment == block.segment && !parted()).then_some(inner)
+    /// True where several steps can go in one.
+    pub fn sweeps(&self) -> bool {
+        self.rupture.is_none() && self.implicit.is_none()
     }
 
-    /// The nodes between blocks and at the ends, from the stresses on both sides.
-    fn advance_edges(&mut self) {
-        let time = self.time();
-        for (k, edge) in self.edges.iter_mut().enumerate() {
-            let sigma_left = last(&self.blocks[k].sigma);
-            let sigma_right = self.blocks[k + 1].sigma[0];
-            edge.before = edge.after;
-            edge.after += edge.kick(sigma_left, sigma_right);
+    /// Logs these cells (in increasing order), and the ends, in every step from now on. For a bar that [`Self::sweeps`].
+    pub fn watch(&mut self, cells: &[usize]) {
+        self.watched = true;
+        for &cell in cells {
+            let k = self.blocks.partition_point(|b| b.cells.end <= cell);
+            let block = &mut self.blocks[k];
+            block.watched.push(cell - block.cells.start);
         }
-        for contact in &mut self.contacts {
-            let sigma = [last(&self.blocks[contact.edge].sigma), self.blocks[contact.edge + 1].sigma[0]];
-            contact.advance(sigma, self.grid.dt);
+        for end in [&mut self.left, &mut self.right] {
+            end.watch();
         }
-        self.left.advance(time, self.blocks[0].sigma[0]);
-        self.right.advance(time, last(&self.blocks[self.blocks.len() - 1].sigma));
-        self.share_edges();
+    }
+
+    /// What was logged since the last call.
+    pub fn take_log(&mut self) -> Log {
+        let mut cells = Vec::new();
+        for block in self.blocks.iter_mut().filter(|block| !block.watched.is_empty()) {
+            let (log, watched) = (std::mem::take(&mut block.log), block.watched.len());
+            cells.extend((0..watched).map(|k| log.iter().skip(k).step_by(watched).copied().collect()));
+        }
+        Log { cells, ends: [self.left.take_log(), self.right.take_log()] }
+    }
+
+    /// The nodes between blocks and at the ends at t = 0.
+    fn start_edges(&mut self) {
+        self.whole().meet_all();
     }
 
     /// All nodes at once, where something acts along the bar.
@@ -275,25 +266,27 @@ impl Leapfrog {
         let Some(nodes) = &self.implicit else { return };
         for block in &mut self.blocks {
             nodes.share(block);
+            block.note_undamped();
         }
         for (edge, block) in self.edges.iter_mut().zip(&self.blocks) {
-            [edge.before, edge.after] = nodes.velocities(block.cells.end);
+            let [before, after] = nodes.velocities(block.cells.end);
+            (edge.after, edge.kick) = (after, after - before);
         }
     }
 
     /// Gives both neighbours of every edge its velocity.
     pub(super) fn share_edges(&mut self) {
         for (k, edge) in self.edges.iter().enumerate() {
-            set_last(&mut self.blocks[k].v, edge.after);
-            self.blocks[k + 1].v[0] = edge.after;
+            self.blocks[k].set_edge(1, edge.after);
+            self.blocks[k + 1].set_edge(0, edge.after);
         }
         for contact in &self.contacts {
-            set_last(&mut self.blocks[contact.edge].v, contact.left.after);
-            self.blocks[contact.edge + 1].v[0] = contact.right.after;
+            self.blocks[contact.edge].set_edge(1, contact.left.after);
+            self.blocks[contact.edge + 1].set_edge(0, contact.right.after);
         }
         let right_end = self.blocks.len() - 1;
-        self.blocks[0].v[0] = self.left.velocity_after();
-        set_last(&mut self.blocks[right_end].v, self.right.velocity_after());
+        self.blocks[0].set_edge(0, self.left.velocity_after());
+        self.blocks[right_end].set_edge(1, self.right.velocity_after());
     }
 
     /// Steps taken.
@@ -332,48 +325,8 @@ impl Leapfrog {
     }
 }
 
-impl Edge {
-    /// The node in whose place there is a contact.
-    pub const EMPTY: Self = Self { before: 0.0, after: 0.0, gain_left: 0.0, gain_right: 0.0, mass: 0.0 };
-
-    /// Velocity change from what the ripple damping hands over in the cells on both sides, each an impulse of its own mass.
-    fn handed(&self, left: f64, right: f64) -> f64 {
-        if self.gain_left == self.gain_right {
-            return right - left;
-        }
-        2.0 * (self.gain_right * right - self.gain_left * left) / (self.gain_left + self.gain_right)
-    }
-
-    /// Velocity change in a step, m/s, from the stresses on both sides. Inside a segment it has the bits that a node
-    /// inside a block would have, so that results do not depend on where blocks meet.
-    pub fn kick(&self, sigma_left: f64, sigma_right: f64) -> f64 {
-        if self.gain_left == self.gain_right {
-            self.gain_left * (sigma_right - sigma_left)
-        } else {
-            self.gain_right * sigma_right - self.gain_left * sigma_left
-        }
-    }
-}
-
-fn for_each(blocks: &mut [Block], parallel: bool, act: impl Fn(&mut Block, &mut Scratch) + Send + Sync) {
-    let scratch = || [0.0; BLOCK];
-    if parallel {
-        blocks.par_iter_mut().with_min_len(16).for_each_init(scratch, |scratch, block| act(block, scratch));
-    } else {
-        let mut scratch = scratch();
-        for block in blocks {
-            act(block, &mut scratch);
-        }
-    }
-}
-
 pub(super) fn last(values: &[f64]) -> f64 {
     values[values.len() - 1]
-}
-
-fn set_last(values: &mut [f64], value: f64) {
-    let end = values.len() - 1;
-    values[end] = value;
 }
 
 fn constants(bar: &Bar, grid: &Grid) -> Vec<Constants> {
@@ -393,10 +346,11 @@ fn constants(bar: &Bar, grid: &Grid) -> Vec<Constants> {
 fn blocks(bar: &Bar, grid: &Grid) -> Vec<Block> {
     let mut blocks = Vec::new();
     for (k, part) in grid.segments.iter().enumerate() {
-        for start in part.cells.clone().step_by(BLOCK) {
-            let end = (start + BLOCK).min(part.cells.end);
-            let mut block = Block::new(start..end, k, bar.segments[k].velocity);
+        let mut start = part.cells.start;
+        for cells in block_sizes(part.cells.len()) {
+            let mut block = Block::new(start..start + cells, k, bar.segments[k].velocity);
             block.taper = BlockTaper::of(&bar.segments[k], part, &block.cells);
+            start += cells;
             blocks.push(block);
         }
     }
@@ -418,28 +372,6 @@ pub(super) fn cell_masses(pair: &[Block], constants: &[Constants]) -> [f64; 2] {
 pub(super) fn cell_areas(pair: &[Block], constants: &[Constants]) -> [f64; 2] {
     let areas = relative_areas(pair);
     [0, 1].map(|k| constants[pair[k].segment].area * areas[k])
-}
-
-/// The nodes between blocks. At a joint of segments that move differently the node starts with their common momentum.
-fn edges(blocks: &[Block], constants: &[Constants]) -> Vec<Edge> {
-    let edge = |pair: &[Block]| {
-        let (left, right) = (&constants[pair[0].segment], &constants[pair[1].segment]);
-        let [left_mass, right_mass] = cell_masses(pair, constants);
-        let velocity = if pair[0].v[0] == pair[1].v[0] {
-            pair[0].v[0]
-        } else {
-            (left_mass * pair[0].v[0] + right_mass * pair[1].v[0]) / (left_mass + right_mass)
-        };
-        let mass = 0.5 * (left_mass + right_mass);
-        let (gain_left, gain_right) = if pair[0].segment == pair[1].segment && pair[0].taper.is_none() {
-            (left.velocity_gain, left.velocity_gain)
-        } else {
-            // dt A/m, written with the segment's own gain dt/(rho dx) = dt A/(cell mass).
-            (left.velocity_gain * left_mass / mass, right.velocity_gain * right_mass / mass)
-        };
-        Edge { before: velocity, after: velocity, gain_left, gain_right, mass }
-    };
-    blocks.windows(2).map(edge).collect()
 }
 
 /// The joints that can open; their edges become empty.

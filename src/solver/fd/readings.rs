@@ -2,7 +2,8 @@
 
 use super::block::{Block, Stage};
 use super::implicit::NodeSums;
-use super::leapfrog::{Leapfrog, last};
+use super::leapfrog::{Constants, Leapfrog};
+use crate::law::RowLaw;
 
 /// What can be read in a cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -94,15 +95,16 @@ impl Leapfrog {
     /// A quantity in local cell `i` of block `k`.
     fn block_value(&self, quantity: Quantity, k: usize, i: usize) -> f64 {
         let block = &self.blocks[k];
-        let law = self.laws[block.segment].law.as_ref();
-        let modulus = self.constants[block.segment].modulus;
-        match quantity {
-            Quantity::Stress => block.sigma[i],
-            Quantity::Strain => (block.sigma[i] + block.plastic_strain(law, i)) / modulus,
-            Quantity::PlasticStrain => block.plastic_strain(law, i) / modulus,
-            Quantity::AccumulatedPlasticStrain => block.accumulated(law, i) / modulus,
-            Quantity::Temperature => law.temperature(&block.state, i),
-            Quantity::Velocity => 0.5 * (self.node_velocity(k, i) + self.node_velocity(k, i + 1)),
+        let (law, constants) = (self.laws[block.segment].law.as_ref(), &self.constants[block.segment]);
+        if quantity != Quantity::Velocity {
+            return reading(quantity, block, law, constants, [0.0; 2], i);
+        }
+        match &self.implicit {
+            None => reading(quantity, block, law, constants, [0, 1].map(|side| self.outer_velocity(k, side)), i),
+            Some(nodes) => {
+                let cell = block.cells.start + i;
+                0.5 * (nodes.velocity(cell) + nodes.velocity(cell + 1))
+            }
         }
     }
 
@@ -126,32 +128,17 @@ impl Leapfrog {
         centres
     }
 
-    /// Velocity of local node `i` of block `k` at the time of the stresses, m/s: the mean of half a step before and
-    /// half a step after.
-    fn node_velocity(&self, k: usize, i: usize) -> f64 {
-        let block = &self.blocks[k];
-        if let Some(nodes) = &self.implicit {
-            let [before, after] = nodes.velocities(block.cells.start + i);
-            return 0.5 * (before + after);
+    /// Velocity at the time of the stresses of the node at the left (0) or right (1) edge of block `k`, m/s.
+    fn outer_velocity(&self, k: usize, side: usize) -> f64 {
+        let edge = (k + side).checked_sub(1);
+        match edge {
+            None => self.left.velocity(),
+            Some(edge) if edge == self.edges.len() => self.right.velocity(),
+            Some(edge) => {
+                let contact = self.contacts.iter().find(|contact| contact.edge == edge);
+                contact.map_or_else(|| self.edges[edge].velocity(), |contact| contact.velocity(1 - side))
+            }
         }
-        if i == 0 {
-            return if k == 0 { self.left.velocity() } else { self.edge_velocity(k - 1, 1) };
-        }
-        if i == block.sigma.len() {
-            return if k == self.edges.len() { self.right.velocity() } else { self.edge_velocity(k, 0) };
-        }
-        let gain = self.constants[block.segment].velocity_gain;
-        block.v[i] - 0.5 * block.kick(gain, i)
-    }
-
-    /// The same for the node between blocks `k` and `k + 1`; of two faces, the left (0) or the right (1) one.
-    fn edge_velocity(&self, k: usize, side: usize) -> f64 {
-        if let Some(contact) = self.contacts.iter().find(|contact| contact.edge == k) {
-            let face = [contact.left, contact.right][side];
-            return 0.5 * (face.before + face.after);
-        }
-        let edge = &self.edges[k];
-        edge.after - 0.5 * edge.kick(last(&self.blocks[k].sigma), self.blocks[k + 1].sigma[0])
     }
 
     /// Energies and momentum at the current time. One pass over all cells.
@@ -159,7 +146,7 @@ impl Leapfrog {
         if let Some(nodes) = &self.implicit {
             return self.energies_with(nodes.sums());
         }
-        let mut total = Energies { viscous: self.damped_at_edges, ..Energies::default() };
+        let mut total = Energies { viscous: self.left.damped() + self.right.damped(), ..Energies::default() };
         for (k, block) in self.blocks.iter().enumerate() {
             let c = &self.constants[block.segment];
             self.add_material(&mut total, block);
@@ -167,7 +154,8 @@ impl Leapfrog {
             let (product, sum) = block.inner_nodes(c.velocity_gain);
             total.add_nodes(c.cell_mass, product, sum);
             if let Some(edge) = self.edges.get(k) {
-                total.add_nodes(edge.mass, edge.after * edge.before, edge.after + edge.before);
+                total.viscous += edge.damped;
+                total.add_nodes(edge.mass, edge.after * edge.before(), edge.after + edge.before());
             }
         }
         for contact in &self.contacts {
@@ -231,7 +219,7 @@ impl Leapfrog {
             let (product, sum) = block.inner_nodes_at_start();
             total.add_nodes(c.cell_mass, product, sum);
             if let Some(edge) = self.edges.get(k) {
-                total.add_nodes(edge.mass, edge.before * edge.before, 2.0 * edge.before);
+                total.add_nodes(edge.mass, edge.before() * edge.before(), 2.0 * edge.before());
             }
         }
         for face in self.contacts.iter().flat_map(|contact| [&contact.left, &contact.right]) {
@@ -275,6 +263,32 @@ impl Leapfrog {
     pub fn not_finite(&self) -> Option<usize> {
         let bad = |b: &Block| b.sigma.iter().position(|s| !s.is_finite()).map(|i| b.cells.start + i);
         self.blocks.iter().find_map(bad)
+    }
+}
+
+/// A quantity in local cell `i` of a block; `outer` are the velocities of its two edge nodes at the time of the stresses.
+pub(super) fn reading(
+    quantity: Quantity,
+    block: &Block,
+    law: &dyn RowLaw,
+    constants: &Constants,
+    outer: [f64; 2],
+    i: usize,
+) -> f64 {
+    let modulus = constants.modulus;
+    match quantity {
+        Quantity::Stress => block.sigma[i],
+        Quantity::Strain => (block.sigma[i] + block.plastic_strain(law, i)) / modulus,
+        Quantity::PlasticStrain => block.plastic_strain(law, i) / modulus,
+        Quantity::AccumulatedPlasticStrain => block.accumulated(law, i) / modulus,
+        Quantity::Temperature => law.temperature(&block.state, i),
+        Quantity::Velocity => {
+            let gain = constants.velocity_gain;
+            let inner = |node: usize| block.v[node] - 0.5 * block.kick(gain, node);
+            let left = if i == 0 { outer[0] } else { inner(i) };
+            let right = if i + 1 == block.sigma.len() { outer[1] } else { inner(i + 1) };
+            0.5 * (left + right)
+        }
     }
 }
 

@@ -20,6 +20,7 @@
 
 use multiversion::multiversion;
 
+use super::block::MOST_CELLS;
 use crate::law::LANES;
 
 /// Share of an alternating velocity difference that a step hands over between two nodes. A pure zigzag shrinks by
@@ -55,17 +56,56 @@ fn standing_out(left: f64, w: f64, right: f64, rounding: f64) -> f64 {
     (if above > 0.0 && w * w > rounding { above } else { 0.0 }).copysign(w)
 }
 
-/// True where no cell of a row of nodes can have anything to hand over, found from the velocity differences as a whole:
-/// they are all rounding, or of one sign and so alike that each supports its neighbours. `outside` are the nodes next to
-/// the row.
-pub(super) fn is_smooth(v: &[f64], outside: [Option<f64>; 2], rounding: f64) -> bool {
-    let mut range = Range::of(v);
-    let ends = [outside[0].map(|o| v[0] - o), outside[1].map(|o| o - v[v.len() - 1])];
-    for w in ends.into_iter().flatten() {
-        range.add(w);
+/// Velocity differences of a block's cells, and of the cells next to it on both sides.
+#[derive(Debug)]
+pub(super) struct Gaps {
+    /// Those of the block from [`LANES`] on, so that they lie as the velocities do.
+    w: [f64; MOST_CELLS + 2 * LANES],
+    cells: usize,
+    outside: [bool; 2],
+    smooth: bool,
+}
+
+impl Gaps {
+    /// With room for the longest block.
+    pub fn new() -> Self {
+        Self { w: [0.0; MOST_CELLS + 2 * LANES], cells: 0, outside: [false; 2], smooth: true }
     }
-    let [least, largest] = [range.least, range.largest].map(f64::from_bits);
-    largest * largest <= rounding || range.is_of_one_sign() && least > 0.0 && largest <= SUPPORT * least
+
+    /// Those of a row of nodes. `outside` are the nodes next to the row, none where the segment ends there.
+    pub fn read(&mut self, v: &[f64], outside: [Option<f64>; 2], rounding: f64) {
+        let cells = v.len() - 1;
+        let [any, all, least, largest] = differences(v, &mut self.w[LANES..]);
+        let mut range = Range { any, all, least, largest };
+        let beyond = [outside[0].map(|o| v[0] - o), outside[1].map(|o| o - v[cells])];
+        for w in beyond.into_iter().flatten() {
+            range.add(w);
+        }
+        [self.w[LANES - 1], self.w[LANES + cells]] = beyond.map(Option::unwrap_or_default);
+        self.smooth = range.is_smooth(rounding);
+        (self.cells, self.outside) = (cells, outside.map(|o| o.is_some()));
+    }
+
+    /// True where no cell can have anything to hand over, found from the differences as a whole: they are all rounding, or of
+    /// one sign and so alike that each supports its neighbours.
+    pub fn are_smooth(&self) -> bool {
+        self.smooth
+    }
+
+    /// Velocity differences to hand over, one a cell, into `handed`. `flow` is as in [`hand`] (empty where the block has not
+    /// yielded). Where the segment ends the last cell is not damped: its outer node belongs to a joint, or to an end whose
+    /// velocity is prescribed. Returns whether there is anything to hand over.
+    pub fn find(&self, flow: &[u8], rounding: f64, handed: &mut [f64]) -> bool {
+        let w = &self.w[LANES - 1..=LANES + self.cells];
+        let anything =
+            if flow.is_empty() { find(w, rounding, handed) } else { find_flowing(w, flow, rounding, handed) };
+        for (cell, inside) in [0, self.cells - 1].into_iter().zip(self.outside) {
+            if !inside {
+                handed[cell] = 0.0;
+            }
+        }
+        anything
+    }
 }
 
 /// The velocity differences of a row of nodes: what they have in common as bits, for which compilers know better loops than
@@ -81,11 +121,6 @@ struct Range {
 impl Range {
     const SIZE: u64 = !(1 << 63);
 
-    fn of(v: &[f64]) -> Self {
-        let [any, all, least, largest] = ranges(v);
-        Self { any, all, least, largest }
-    }
-
     #[inline(always)]
     fn add(&mut self, w: f64) {
         let bits = w.to_bits();
@@ -95,19 +130,22 @@ impl Range {
         self.largest = self.largest.max(bits & Self::SIZE);
     }
 
-    fn is_of_one_sign(self) -> bool {
-        self.any & !Self::SIZE == 0 || self.all & !Self::SIZE != 0
+    fn is_smooth(self, rounding: f64) -> bool {
+        let [least, largest] = [self.least, self.largest].map(f64::from_bits);
+        let one_sign = self.any & !Self::SIZE == 0 || self.all & !Self::SIZE != 0;
+        largest * largest <= rounding || one_sign && least > 0.0 && largest <= SUPPORT * least
     }
 }
 
-/// See [`Range`]: any, all, least, largest.
+/// Differences of neighbouring velocities into `w`. Returns their [`Range`]: any, all, least, largest.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
-fn ranges(v: &[f64]) -> [u64; 4] {
+fn differences(v: &[f64], w: &mut [f64]) -> [u64; 4] {
     let cells = v.len() - 1;
-    let (left, right) = (&v[..cells], &v[1..=cells]);
+    let (left, right, w) = (&v[..cells], &v[1..=cells], &mut w[..cells]);
     let mut range = Range { any: 0, all: !0, least: !0, largest: 0 };
     for i in 0..cells {
-        range.add(right[i] - left[i]);
+        w[i] = right[i] - left[i];
+        range.add(w[i]);
     }
     [range.any, range.all, range.least, range.largest]
 }
@@ -119,56 +157,31 @@ fn hand(left: f64, w: f64, right: f64, flow: u8, rounding: f64) -> f64 {
     ZIGZAG_SHARE * alternating(left, w, right, rounding) + share * standing_out(left, w, right, rounding)
 }
 
-/// Velocity differences to hand over, one a cell of a block, into `handed`. `v` are the block's node velocities, `flow`
-/// is as in [`hand`] (empty where the block has not yielded); `outside` are the nodes next to the block on both
-/// sides, none where the segment ends there: its last cell is then not damped, since its outer node belongs to a
-/// joint or to an end whose velocity is prescribed. Returns whether there is anything to hand over.
-pub(super) fn find(v: &[f64], flow: &[u8], outside: [Option<f64>; 2], rounding: f64, handed: &mut [f64]) -> bool {
-    let cells = handed.len();
-    if flow.is_empty() {
-        find_inner(v, rounding, handed);
-    } else {
-        find_inner_flowing(v, flow, rounding, handed);
-    }
-    let w = |i: usize| v[i + 1] - v[i];
-    let flow = |i: usize| flow.get(i).copied().unwrap_or(0);
-    let left_of = |i: usize| if i > 0 { Some(w(i - 1)) } else { outside[0].map(|o| v[0] - o) };
-    let right_of = |i: usize| if i + 1 < cells { Some(w(i + 1)) } else { outside[1].map(|o| o - v[cells]) };
-    for i in [0, cells - 1] {
-        handed[i] = match (left_of(i), right_of(i)) {
-            (Some(left), Some(right)) => hand(left, w(i), right, flow(i), rounding),
-            _ => 0.0,
-        };
-    }
-    // Every bit of every number: no early exit, so that it is done many at a time.
-    handed.iter().fold(0, |bits, h| bits | h.to_bits()) != 0
-}
-
-/// The cells that have both neighbours inside the block, in a block that has not yielded.
+/// What the cells of a block that has not yielded hand over; `w` are their differences and one more on either side. Returns
+/// whether that is anything.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
-fn find_inner(v: &[f64], rounding: f64, handed: &mut [f64]) {
-    let Some((out, [a, b, c, d])) = windows(v, handed) else { return };
-    for i in 0..out.len() {
-        out[i] = ZIGZAG_SHARE * alternating(b[i] - a[i], c[i] - b[i], d[i] - c[i], rounding);
+fn find(w: &[f64], rounding: f64, handed: &mut [f64]) -> bool {
+    let cells = handed.len();
+    let (left, here, right) = (&w[..cells], &w[1..=cells], &w[2..cells + 2]);
+    let mut bits = 0;
+    for i in 0..cells {
+        handed[i] = ZIGZAG_SHARE * alternating(left[i], here[i], right[i], rounding);
+        bits |= handed[i].to_bits();
     }
+    bits & Range::SIZE != 0
 }
 
 /// The same in a block with yielded cells.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
-fn find_inner_flowing(v: &[f64], flow: &[u8], rounding: f64, handed: &mut [f64]) {
-    let Some((out, [a, b, c, d])) = windows(v, handed) else { return };
-    let flow = &flow[1..=out.len()];
-    for i in 0..out.len() {
-        out[i] = hand(b[i] - a[i], c[i] - b[i], d[i] - c[i], flow[i], rounding);
+fn find_flowing(w: &[f64], flow: &[u8], rounding: f64, handed: &mut [f64]) -> bool {
+    let cells = handed.len();
+    let (left, here, right, flow) = (&w[..cells], &w[1..=cells], &w[2..cells + 2], &flow[..cells]);
+    let mut bits = 0;
+    for i in 0..cells {
+        handed[i] = hand(left[i], here[i], right[i], flow[i], rounding);
+        bits |= handed[i].to_bits();
     }
-}
-
-/// The inner cells' outputs and their four nodes, all of one length; none where there is no inner cell.
-#[inline(always)]
-fn windows<'a>(v: &'a [f64], handed: &'a mut [f64]) -> Option<(&'a mut [f64], [&'a [f64]; 4])> {
-    let inner = handed.len().checked_sub(2).filter(|&n| n > 0)?;
-    let nodes = std::array::from_fn(|k| &v[k..k + inner]);
-    Some((&mut handed[1..=inner], nodes))
+    bits & Range::SIZE != 0
 }
 
 /// Hands the differences over to the nodes inside a block. `gain` is dt/(rho dx). Returns the sum over nodes of twice

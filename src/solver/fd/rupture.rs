@@ -11,7 +11,8 @@
 
 use super::block::{Block, Stage};
 use super::contact::Contact;
-use super::leapfrog::{Edge, Leapfrog, cell_areas, cell_masses, last};
+use super::edge::Edge;
+use super::leapfrog::{Leapfrog, cell_areas, cell_masses, last};
 use crate::law::LANES;
 use crate::law::rupture::{Cause, Criteria, Criterion, Rupture, Site, Strained};
 
@@ -87,7 +88,7 @@ impl Leapfrog {
         };
         for (k, block) in self.blocks.iter().enumerate() {
             let (criterion, notch) = (&breaking.criteria.segments[block.segment], self.edge_notch(breaking, k));
-            if block.stage == Stage::Quiet || !self.can_break(block, criterion, notch) {
+            if !self.can_break(block, criterion, notch) {
                 continue;
             }
             for i in 0..block.sigma.len() {
@@ -288,9 +289,9 @@ impl Leapfrog {
     fn part(&mut self, node: usize) {
         let mut k = self.blocks.partition_point(|b| b.cells.end < node);
         let at = node - self.blocks[k].cells.start;
-        let velocity = if at < self.blocks[k].sigma.len() { self.split_block(k, at) } else { self.edges[k].before };
+        let velocity = if at < self.blocks[k].sigma.len() { self.split_block(k, at) } else { self.edges[k].before() };
         k = self.blocks.partition_point(|b| b.cells.end < node);
-        self.edges[k] = Edge::EMPTY;
+        self.edges[k].part();
         let pair = &self.blocks[k..=k + 1];
         let masses = cell_masses(pair, &self.constants).map(|mass| 0.5 * mass);
         let areas = cell_areas(pair, &self.constants);

@@ -40,6 +40,11 @@ impl Sampling {
         &self.x
     }
 
+    /// The cells that are read, place by place.
+    pub fn cells_read(&self) -> Vec<usize> {
+        self.points.iter().flat_map(|&(cell, weight)| cell..=cell + usize::from(weight != 0.0)).collect()
+    }
+
     /// One quantity at every place, from its value in a cell, into `out` (one entry a place).
     pub fn read(&self, value: impl Fn(usize) -> f64, out: &mut [f64]) {
         for (k, out) in out.iter_mut().enumerate() {

@@ -4,11 +4,12 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
+use super::CostPoint;
+use super::bench::memory;
 use super::judge::exponent;
 use super::ladder::Halt;
 use super::measure::{self, Wanted, Watch};
 use super::source::{Family, Resolution, Source};
-use super::{CostPoint, memory};
 use crate::error::Result;
 use crate::material::Curve;
 use crate::scene::Scene;
@@ -69,8 +70,8 @@ fn row(family: &Family, with: &'static str, at: String, runs: &[(f64, f64, f64)]
 pub(super) fn with_resolution(family: &Family, points: &[&CostPoint], until: f64) -> Option<Growth> {
     let kept = &points[points.len() / 2..];
     let (with, value): (_, fn(&CostPoint) -> f64) = match family.rungs[0] {
-        Resolution::Cells(_) => ("cells", |p| p.cells.unwrap_or(0) as f64),
-        Resolution::FrontTolerance(_) => ("front_tolerance", |p| p.front_tolerance.unwrap_or(0.0)),
+        Resolution::Cells(_) => ("cells", |p| p.by.cells.unwrap_or(0) as f64),
+        Resolution::FrontTolerance(_) => ("front_tolerance", |p| p.by.front_tolerance.unwrap_or(0.0)),
     };
     let runs: Vec<_> =
         kept.iter().filter(|p| value(p) > 0.0).map(|p| (value(p), p.step_wall_s, p.memory_bytes as f64)).collect();

@@ -105,8 +105,8 @@ pub(super) fn order(points: &[&CostPoint], uncertainty: f64) -> Option<OrderFit>
         Resolution::FrontTolerance(_) => ("front_tolerance", |p| 1.0 / fineness(p)),
     };
     Some(OrderFit {
-        method: first.method.clone(),
-        scheme: first.scheme.clone(),
+        method: first.by.method.clone(),
+        scheme: first.by.scheme.clone(),
         order: -by(&fineness)?,
         against,
         order_in_time: -by(&|p| p.step_wall_s)?,
@@ -133,10 +133,10 @@ pub(super) fn pareto(points: &[CostPoint], uncertainty: f64) -> Vec<bool> {
 }
 
 /// When one method reaches a tolerance. `points` are its own, coarse to fine, with their indices; errors count as no
-/// smaller than the reference's `uncertainty`.
+/// larger by the reference's `uncertainty`: it may be off to the same side.
 pub(super) fn reach(points: &[(usize, &CostPoint)], tolerance: f64, uncertainty: f64) -> Reach {
-    let bound = |p: &CostPoint| p.error.max(uncertainty);
-    let names = points.first().map(|(_, p)| (p.method.clone(), p.scheme.clone()));
+    let bound = |p: &CostPoint| p.error + uncertainty;
+    let names = points.first().map(|(_, p)| (p.by.method.clone(), p.by.scheme.clone()));
     let (method, scheme) = names.unzip();
     // From here on every finer point holds it: one that meets it by chance does not count.
     let Some(k) = (0..points.len()).find(|&k| points[k..].iter().all(|(_, p)| bound(p) <= tolerance)) else {
@@ -194,7 +194,7 @@ mod tests {
     use super::*;
 
     fn point(cells: usize, error: f64, time: f64) -> CostPoint {
-        CostPoint { scheme: "leapfrog".into(), ..CostPoint::plain("fd", Resolution::Cells(cells), error, time) }
+        CostPoint::plain("fd", Resolution::Cells(cells), error, time)
     }
 
     /// error = 20 n^-p beyond 400 cells, far larger before.
@@ -245,8 +245,10 @@ mod tests {
         assert_eq!(reach(&all, 0.3, 0.0).how, "point");
         assert_eq!(reach(&all, 0.3, 0.0).step_wall_s, Some(1.0));
         assert_eq!(reach(&all, 0.01, 0.0).how, "not reached");
-        // Below the reference's uncertainty nothing is known to be reached.
+        // Neither below the reference's uncertainty nor just above it is anything known to be reached.
         assert_eq!(reach(&all, 0.03, 0.04).how, "not reached");
+        assert_eq!(reach(&all, 0.03, 0.01).how, "not reached");
+        assert_eq!(reach(&all, 0.04, 0.01).how, "interpolated");
     }
 
     #[test]

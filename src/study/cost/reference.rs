@@ -1,37 +1,24 @@
 //! What errors are measured against, and how far that itself can be trusted.
 
 use super::ladder::Halt;
-use super::measure::{self, Pass, Wanted, Watch};
+use super::measure::{self, Pass, Watch};
+use super::rivals::{self, Rival, Run};
 use super::shape::Shape;
 use super::source::{Family, Resolution, Source};
 use crate::bar::{Launch, launches};
 use crate::error::Result;
 use crate::record;
 use crate::scene::{Effects, Scene};
-use crate::solver::moc::{FrontTracking, Settings};
+use crate::solver::moc::FrontTracking;
 
 /// Rounding of an exact solution: sums over some thousand steps of double precision.
-const ROUNDING: f64 = 1e-12;
-
-/// Share of the time that front tracking may take where a grid is there too.
-const TRACKING_SHARE: f64 = 0.5;
-/// A reference that is uncertain by more than this is compared with a grid, and the surer of both is taken: where waves
-/// are elastic, or fronts meet by the million, that is the grid.
-const SURE: f64 = 1e-4;
-/// Share of that that it may take for the attempt to keep every wave.
-const EXACT_SHARE: f64 = 0.15;
-/// Tolerances of references that thin waves, and steps of ramps in those that do not.
-const TOLERANCES: [f64; 9] = [1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6];
-/// A finer one is expected to take so many times longer.
-const GROWTH: f64 = 3.5;
-/// Cells of the first grid that may be a reference.
-const FIRST_CELLS: usize = 400;
+pub(super) const ROUNDING: f64 = 1e-12;
 
 /// The reference.
 pub(super) struct Reference {
     /// In words.
     pub name: String,
-    /// Difference of the two finest references, or rounding; relative L1.
+    /// What the difference of the two finest runs leaves, or rounding; relative L1.
     pub uncertainty: f64,
     /// Where a run of the scheme itself is the reference: the family and its cells.
     pub grid: Option<(usize, usize)>,
@@ -70,7 +57,8 @@ impl Reference {
     }
 }
 
-/// Finds the reference within the watch's time.
+/// Finds the reference within the watch's time: the self-similar solution, front tracking that keeps every wave, or the surer
+/// of the rivals.
 pub(super) fn find(
     scene: &Scene,
     source: &Source<'_>,
@@ -81,27 +69,54 @@ pub(super) fn find(
     if let Some(reference) = similar(scene, ends) {
         return Ok(Ok(reference));
     }
-    let (from, until) = (watch.now(), watch.until);
-    let has_grid = families.iter().any(|f| matches!(f.rungs[0], Resolution::Cells(_)));
+    let mut rivals = Vec::new();
     // A taper's staircase is no exact bar, however well its waves are kept.
     let tracking = families.iter().find(|f| matches!(f.rungs[0], Resolution::FrontTolerance(_)) && !tapers(scene));
-    let mut found = Err(Halt::OutOfTime);
     if let Some(family) = tracking {
         let scene = source.at(family.way, Resolution::FrontTolerance(0.0))?;
-        watch.until = if has_grid { from + TRACKING_SHARE * (until - from) } else { until };
-        found = tracked(&scene, watch);
-        watch.until = until;
+        match rivals::every_wave(&scene, watch) {
+            Ok(Some(pass)) if pass.tracked.as_ref().is_some_and(|bar| bar.is_exact()) => {
+                let name = "front tracking that keeps every wave, exact for the curve's table";
+                return Ok(Ok(tracked_reference(pass, ROUNDING, name.into())));
+            }
+            Ok(kept) => rivals.push(Rival::of_fronts(scene, kept)),
+            Err(halt) => return Ok(Err(halt)),
+        }
     }
-    if found.as_ref().is_ok_and(|r| r.uncertainty <= SURE) || found.as_ref().is_err_and(|h| *h == Halt::Interrupted) {
-        return Ok(found);
+    if let Some((index, family)) = grid_family(scene, families) {
+        rivals.push(Rival::of_grid(index, family));
     }
-    let on_grid = grid(scene, source, families, ends, watch)?;
-    Ok(match (found, on_grid) {
-        (Ok(tracked), Ok(grid)) => Ok(if grid.uncertainty < tracked.uncertainty { grid } else { tracked }),
-        (_, Err(Halt::Interrupted)) => Err(Halt::Interrupted),
-        (Ok(tracked), Err(_)) => Ok(tracked),
-        (Err(_), grid) => grid,
+    if let Some(halt) = rivals::race(&mut rivals, source, ends, watch)? {
+        return Ok(Err(halt));
+    }
+    let known = rivals.into_iter().filter(|r| r.uncertainty().is_some());
+    let best = known.min_by(|a, b| a.uncertainty().unwrap_or(0.0).total_cmp(&b.uncertainty().unwrap_or(0.0)));
+    Ok(best.and_then(of_rival).ok_or(Halt::OutOfTime))
+}
+
+/// The finest run of a rival.
+fn of_rival(mut rival: Rival<'_>) -> Option<Reference> {
+    let uncertainty = rival.uncertainty()?.max(ROUNDING);
+    let Run { fineness, pass } = rival.runs.pop()?;
+    let tolerance = 1.0 / fineness;
+    Some(match rival.kind {
+        rivals::Kind::Fronts { keeps: true, .. } => {
+            let steps = format!("ramps in steps of {tolerance:.0e} of the largest stress");
+            tracked_reference(pass, uncertainty, format!("front tracking that keeps every wave, {steps}"))
+        }
+        rivals::Kind::Fronts { keeps: false, .. } => {
+            tracked_reference(pass, uncertainty, format!("front tracking with front-tolerance {tolerance:.0e}"))
+        }
+        rivals::Kind::Grid { index, family } => grid_reference(pass, uncertainty, index, family.names[1]),
     })
+}
+
+/// The net where there is one, else leapfrog, else what there is.
+fn grid_family<'a>(scene: &Scene, families: &'a [Family]) -> Option<(usize, &'a Family)> {
+    let grids = || families.iter().enumerate().filter(|(_, f)| matches!(f.rungs[0], Resolution::Cells(_)));
+    let named = |name: &str| grids().find(|(_, f)| f.names[1] == name);
+    let net = named("characteristic-net").filter(|_| !tapers(scene));
+    net.or_else(|| named("leapfrog")).or_else(|| grids().next())
 }
 
 /// The section changes along the bar: methods by characteristics make a staircase of it.
@@ -151,62 +166,6 @@ fn similar_history(launch: &Launch, x: f64, until: f64) -> Shape {
     Shape::Steps { edges, values, ends: [0.0, until] }
 }
 
-/// Front tracking: every wave, or as many as the time allows.
-fn tracked(scene: &Scene, watch: &mut Watch<'_>) -> std::result::Result<Reference, Halt> {
-    let (from, until) = (watch.now(), watch.until);
-    let settings = |front_tolerance, ramp_step| Settings {
-        front_tolerance,
-        ramp_step,
-        event_budget: u64::MAX,
-        ..Settings::default()
-    };
-    let run = |settings: Settings, watch: &mut Watch<'_>| {
-        measure::pass(scene, Wanted { gauges: true, snapshots: &[], settings: Some(settings) }, watch)
-    };
-    watch.what = "reference: front tracking, every wave".into();
-    watch.until = from + EXACT_SHARE * (until - from);
-    let every_wave = run(settings(0.0, None), watch);
-    watch.until = until;
-    let all_kept = match every_wave {
-        Ok(pass) if pass.tracked.as_ref().is_some_and(|bar| bar.is_exact()) => {
-            let name = "front tracking that keeps every wave, exact for the curve's table";
-            return Ok(tracked_reference(pass, ROUNDING, name.into()));
-        }
-        Ok(pass) => Some(pass),
-        Err(Halt::OutOfTime | Halt::Failed(_)) => None,
-        Err(halt) => return Err(halt),
-    };
-    let keeps = all_kept.is_some();
-    let mut runs: Vec<(f64, Pass)> = all_kept.into_iter().map(|pass| (1e-3, pass)).collect();
-    for tolerance in TOLERANCES {
-        // Where every wave can be kept, only the steps that ramps are made into get finer.
-        if runs.last().is_some_and(|(coarser, pass)| {
-            *coarser <= tolerance || watch.now() + GROWTH * pass.seconds > until && runs.len() > 1
-        }) {
-            continue;
-        }
-        watch.what = format!("reference: front tracking, tolerance {tolerance:.0e}");
-        let one = settings(if keeps { 0.0 } else { tolerance }, Some(tolerance));
-        match run(one, watch) {
-            Ok(pass) => runs.push((tolerance, pass)),
-            Err(Halt::OutOfTime | Halt::Failed(_)) => break,
-            Err(halt) => return Err(halt),
-        }
-        if runs.len() > 2 {
-            runs.remove(0);
-        }
-    }
-    let Some((tolerance, finest)) = runs.pop() else { return Err(Halt::OutOfTime) };
-    let Some((_, coarser)) = runs.pop() else { return Err(Halt::OutOfTime) };
-    let uncertainty = coarser.shape.distance(&finest.shape).unwrap_or(f64::INFINITY);
-    let name = if keeps {
-        format!("front tracking that keeps every wave, ramps in steps of {tolerance:.0e} of the largest stress")
-    } else {
-        format!("front tracking with front-tolerance {tolerance:.0e}")
-    };
-    Ok(tracked_reference(finest, uncertainty.max(ROUNDING), name))
-}
-
 fn tracked_reference(pass: Pass, uncertainty: f64, name: String) -> Reference {
     let kind = match pass.tracked {
         Some(bar) => Kind::Tracked(bar),
@@ -215,52 +174,15 @@ fn tracked_reference(pass: Pass, uncertainty: f64, name: String) -> Reference {
     Reference { name, uncertainty, grid: None, kind, gauges: pass.gauges }
 }
 
-/// The finest grid that the time allows: the net where there is one, else leapfrog, else what there is.
-fn grid(
-    scene: &Scene,
-    source: &Source<'_>,
-    families: &[Family],
-    ends: &[f64],
-    watch: &mut Watch<'_>,
-) -> Result<std::result::Result<Reference, Halt>> {
-    let grids = || families.iter().enumerate().filter(|(_, f)| matches!(f.rungs[0], Resolution::Cells(_)));
-    let named = |name: &str| grids().find(|(_, f)| f.names[1] == name);
-    let net = named("characteristic-net").filter(|_| !tapers(scene));
-    let Some((index, family)) = net.or_else(|| named("leapfrog")).or_else(|| grids().next()) else {
-        return Ok(Err(Halt::OutOfTime));
-    };
-    let mut runs: Vec<Pass> = Vec::new();
-    let mut cells = FIRST_CELLS;
-    loop {
-        if runs.len() > 1 && runs.last().is_some_and(|r| watch.now() + 4.5 * r.seconds > watch.until) {
-            break;
-        }
-        watch.what = format!("reference: {}, {cells} cells", family.names[1]);
-        let scene = source.at(family.way, Resolution::Cells(cells))?;
-        match measure::pass(&scene, Wanted { gauges: true, snapshots: ends, settings: None }, watch) {
-            Ok(pass) => runs.push(pass),
-            Err(Halt::OutOfTime) if runs.len() > 1 => break,
-            Err(halt) => return Ok(Err(halt)),
-        }
-        if runs.len() > 2 {
-            runs.remove(0);
-        }
-        cells *= 2;
-    }
-    let (Some(finest), Some(coarser)) = (runs.pop(), runs.pop()) else { return Ok(Err(Halt::OutOfTime)) };
-    let mut shapes = finest.snapshots;
-    shapes.push((finest.time, finest.shape));
-    let mut reference = Reference {
-        name: format!(
-            "{} with {} cells, a finer run of the same scheme: errors are estimates",
-            family.names[1], finest.cells
-        ),
-        uncertainty: 0.0,
-        grid: Some((index, finest.cells)),
+fn grid_reference(pass: Pass, uncertainty: f64, index: usize, scheme: &str) -> Reference {
+    let mut shapes = pass.snapshots;
+    shapes.push((pass.time, pass.shape));
+    let cells = pass.cells;
+    Reference {
+        name: format!("{scheme} with {cells} cells, a finer run of the same scheme: errors are estimates"),
+        uncertainty,
+        grid: Some((index, cells)),
         kind: Kind::Grid(shapes),
-        gauges: finest.gauges,
-    };
-    let apart = coarser.shape.distance(&reference.shape(coarser.time));
-    reference.uncertainty = apart.unwrap_or(f64::INFINITY).max(ROUNDING);
-    Ok(Ok(reference))
+        gauges: pass.gauges,
+    }
 }

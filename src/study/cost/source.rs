@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::Unable;
 use crate::error::{Error, InputError, Result};
+use crate::record::SolvedBy;
 use crate::scene::{Method, Scene, Way};
 
 /// How finely a method works.
@@ -14,6 +15,17 @@ pub enum Resolution {
     Cells(usize),
     /// Front tolerance.
     FrontTolerance(f64),
+}
+
+impl Resolution {
+    /// What works so finely by a method and scheme.
+    pub(super) fn solved_by(self, [method, scheme]: [&str; 2]) -> SolvedBy {
+        let (cells, front_tolerance) = match self {
+            Self::Cells(cells) => (Some(cells), None),
+            Self::FrontTolerance(tolerance) => (None, Some(tolerance)),
+        };
+        SolvedBy { method: method.into(), scheme: scheme.into(), cells, front_tolerance }
+    }
 }
 
 /// One way to solve the scene, with all its resolutions from the coarsest on.

@@ -244,6 +244,12 @@ impl Implicit {
         [self.after[node] - self.change[node], self.after[node]]
     }
 
+    /// Velocity of a node at the current time, m/s.
+    pub fn velocity(&self, node: usize) -> f64 {
+        let [before, after] = self.velocities(node);
+        0.5 * (before + after)
+    }
+
     /// Memory, bytes.
     pub fn bytes(&self) -> usize {
         (self.after.len() + self.change.len() + self.place.len() + self.shift.len() + self.matrix.len())

@@ -1,0 +1,200 @@
+//! One step of a whole row of cells, in pieces of fixed length: in these, compilers check no bounds and need no loop for what
+//! is left over.
+
+use multiversion::multiversion;
+
+use super::{CHUNK, CellLaw, LANES};
+
+/// What a row's step reads and writes beside the state, one number a cell.
+pub(super) struct Row<'a> {
+    /// E dt/dx, Pa s/m.
+    pub gain: f64,
+    /// Nodes: one more than cells.
+    pub v: &'a [f64],
+    pub sigma: &'a mut [f64],
+    pub work: &'a mut [f64],
+    pub flow: &'a mut [u8],
+}
+
+/// Neighbouring cells, with the velocities of the nodes to their left and right.
+struct Piece<'a, const N: usize> {
+    left: &'a [f64; CHUNK],
+    right: &'a [f64; CHUNK],
+    sigma: &'a mut [f64; CHUNK],
+    columns: [&'a mut [f64; CHUNK]; N],
+    work: &'a mut [f64; CHUNK],
+    flow: &'a mut [u8; CHUNK],
+}
+
+/// One step of a row, cell by cell without any coupling between them. With `FIRST`, `sigma` holds the predictor of a row that
+/// was elastic until now. Returns the sum of the work, in [`LANES`] partial sums: the same bits whatever the width of
+/// the processor's registers.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
+pub(super) fn advance<L: CellLaw<N>, const N: usize, const FIRST: bool>(
+    law: &L,
+    row: Row<'_>,
+    state: &mut [f64],
+) -> f64 {
+    let mut columns = columns::<N>(state, row.sigma.len());
+    let Row { gain, v, sigma, work, flow } = row;
+    let cells = sigma.len();
+    let mut sums = [0.0; LANES];
+    let mut from = 0;
+    while cells - from >= CHUNK {
+        let piece = Piece {
+            left: cut(v, from),
+            right: cut(v, from + 1),
+            sigma: cut_mut(sigma, from),
+            columns: columns.each_mut().map(|column| cut_mut(column, from)),
+            work: cut_mut(work, from),
+            flow: cut_mut(flow, from),
+        };
+        step::<L, N, FIRST>(law, gain, piece, &mut sums);
+        from += CHUNK;
+    }
+    if from < cells {
+        // What is left over is stepped in a piece of its own, among cells at rest.
+        let mut copy = Copied::<N>::of(from, v, sigma, &columns);
+        step::<L, N, FIRST>(law, gain, copy.piece(), &mut sums);
+        let n = cells - from;
+        sigma[from..].copy_from_slice(&copy.sigma[..n]);
+        work[from..cells].copy_from_slice(&copy.work[..n]);
+        flow[from..cells].copy_from_slice(&copy.flow[..n]);
+        for (column, values) in columns.iter_mut().zip(&copy.columns) {
+            column[from..].copy_from_slice(&values[..n]);
+        }
+    }
+    sums.iter().sum()
+}
+
+/// The state of a row, variable by variable.
+#[inline(always)]
+fn columns<const N: usize>(state: &mut [f64], cells: usize) -> [&mut [f64]; N] {
+    let mut columns = state.chunks_exact_mut(cells);
+    std::array::from_fn(|_| columns.next().unwrap_or_default())
+}
+
+#[inline(always)]
+fn cut(values: &[f64], from: usize) -> &[f64; CHUNK] {
+    values[from..].first_chunk().expect("a piece inside the row")
+}
+
+#[inline(always)]
+fn cut_mut<T>(values: &mut [T], from: usize) -> &mut [T; CHUNK] {
+    values[from..].first_chunk_mut().expect("a piece inside the row")
+}
+
+/// The last cells of a row, fewer than a piece has.
+struct Copied<const N: usize> {
+    left: [f64; CHUNK],
+    right: [f64; CHUNK],
+    sigma: [f64; CHUNK],
+    columns: [[f64; CHUNK]; N],
+    work: [f64; CHUNK],
+    flow: [u8; CHUNK],
+}
+
+impl<const N: usize> Copied<N> {
+    #[inline(always)]
+    fn of(from: usize, v: &[f64], sigma: &[f64], columns: &[&mut [f64]; N]) -> Self {
+        let (cells, zeros) = (sigma.len(), [0.0; CHUNK]);
+        let n = cells - from;
+        let mut copy =
+            Self { left: zeros, right: zeros, sigma: zeros, columns: [zeros; N], work: zeros, flow: [0; CHUNK] };
+        copy.left[..n].copy_from_slice(&v[from..cells]);
+        copy.right[..n].copy_from_slice(&v[from + 1..=cells]);
+        copy.sigma[..n].copy_from_slice(&sigma[from..]);
+        for (values, column) in copy.columns.iter_mut().zip(columns) {
+            values[..n].copy_from_slice(&column[from..]);
+        }
+        copy
+    }
+
+    #[inline(always)]
+    fn piece(&mut self) -> Piece<'_, N> {
+        Piece {
+            left: &self.left,
+            right: &self.right,
+            sigma: &mut self.sigma,
+            columns: self.columns.each_mut(),
+            work: &mut self.work,
+            flow: &mut self.flow,
+        }
+    }
+}
+
+/// The state of cell `i` of a piece.
+#[inline(always)]
+fn read<const N: usize>(columns: &[&mut [f64; CHUNK]; N], i: usize) -> [f64; N] {
+    let mut state = [0.0; N];
+    for (value, column) in state.iter_mut().zip(columns) {
+        *value = column[i];
+    }
+    state
+}
+
+#[inline(always)]
+fn step<L: CellLaw<N>, const N: usize, const FIRST: bool>(
+    law: &L,
+    gain: f64,
+    piece: Piece<'_, N>,
+    sums: &mut [f64; LANES],
+) {
+    let Piece { left, right, sigma, mut columns, work, flow } = piece;
+    let (mut predictor, mut reach, mut table) = ([0.0; CHUNK], [0.0; CHUNK], [0.0; CHUNK]);
+    if L::ASKS {
+        for i in 0..CHUNK {
+            let increment = gain * (right[i] - left[i]);
+            let before = read(&columns, i);
+            predictor[i] = if FIRST { sigma[i] } else { law.base(sigma[i], before) + increment };
+            reach[i] = law.ask(predictor[i], before);
+        }
+        law.look_up(&reach, &predictor, &mut table);
+    }
+    for i in 0..CHUNK {
+        let increment = gain * (right[i] - left[i]);
+        let (before, now) = (read(&columns, i), sigma[i]);
+        let (sigma_before, predictor) =
+            if FIRST { (now - increment, now) } else { (now, law.base(now, before) + increment) };
+        let after = if L::ASKS { law.settle(predictor, before, table[i]) } else { law.respond(predictor, before) };
+        work[i] = (sigma_before + after.sigma) * after.plastic;
+        sigma[i] = after.sigma;
+        for (column, value) in columns.iter_mut().zip(after.state) {
+            column[i] = value;
+        }
+    }
+    for (flow, work) in flow.iter_mut().zip(&*work) {
+        *flow = u8::from(*work != 0.0);
+    }
+    for group in work.as_chunks::<LANES>().0 {
+        for (sum, work) in sums.iter_mut().zip(group) {
+            *sum += work;
+        }
+    }
+}
+
+/// One step of a row with given increments of E times the strain, Pa.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
+pub(super) fn strain<L: CellLaw<N>, const N: usize>(
+    law: &L,
+    increment: &[f64],
+    sigma: &mut [f64],
+    state: &mut [f64],
+    work: &mut [f64],
+) {
+    let cells = sigma.len();
+    let (increment, work) = (&increment[..cells], &mut work[..cells]);
+    let mut columns = columns::<N>(state, cells);
+    for column in &columns {
+        assert_eq!(column.len(), cells);
+    }
+    for i in 0..cells {
+        let before: [f64; N] = std::array::from_fn(|k| columns[k][i]);
+        let after = law.respond(law.base(sigma[i], before) + increment[i], before);
+        work[i] = (sigma[i] + after.sigma) * after.plastic;
+        sigma[i] = after.sigma;
+        for (column, value) in columns.iter_mut().zip(after.state) {
+            column[i] = value;
+        }
+    }
+}

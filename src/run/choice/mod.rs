@@ -1,0 +1,183 @@
+//! `tolerance`: which method solves a scene cheapest to within a given error, and how finely it has to work.
+//!
+//! All methods that can do the scene start from their coarsest resolution and are refined in turn, always the one that is
+//! expected to be done soonest, until one of them is so near to the tolerance that its last step is safe to foretell. Those
+//! pilots hold no recorders. The run itself comes then; where its own estimate misses the tolerance it is refined and
+//! repeated. Costs are counted in work, not in measured time, so that a scene is solved alike on every machine.
+
+mod pilots;
+mod racer;
+
+use std::path::Path;
+
+use self::pilots::{contradiction, front_pilot, grid_pilot};
+use self::racer::{FEW_EVENTS, LEAP_CELLS, LEAP_TOLERANCE, Pilot, Racer};
+use super::{Progress, Wish, once};
+use crate::error::{Error, Result, RunError};
+use crate::record::{ChoiceSummary, Summary, Tried};
+use crate::scene::{Method, Scene, Solve};
+
+/// A pilot that takes less than this part of what the best way is expected to take is made whatever is expected of it.
+const NEXT_TO_NOTHING: f64 = 0.1;
+
+/// Runs that are repeated because they missed.
+const MOST_REPEATS: usize = 24;
+
+/// Runs a scene to within its tolerance.
+pub(super) fn run(scene: &Scene, output: Option<&Path>, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<Summary> {
+    let Some(asked) = &scene.solve.tolerance else { return once(scene, output, progress) };
+    let tolerance = asked.value;
+    let mut racers: Vec<Racer> = methods(scene, &asked.methods).into_iter().map(Racer::new).collect();
+    for _ in 0..=MOST_REPEATS {
+        let (winner, finer) = race(scene, tolerance, &mut racers, progress)?;
+        let method = racers[winner].finer(finer);
+        let why = why(scene, tolerance, &racers, winner);
+        let mut chosen = scene.clone();
+        chosen.solve.method = method;
+        chosen.solve.estimate_error = true;
+        let summary = once(&chosen, output, progress)?;
+        let work = if summary.events > 0 { summary.events } else { (summary.cells * summary.steps) as u64 };
+        let estimate = summary.error.as_ref().map(|e| e.value);
+        let order = racers[winner].pilots.last().map_or(1.0, |p| p.order);
+        // Without an estimate the bar came to an end of its own, such as a rupture that no companion follows.
+        let done = Pilot { method, estimate: estimate.unwrap_or(f64::NAN), order, work };
+        let missed = done.estimate > tolerance;
+        let stands = estimate.is_none() || !missed && confirmed(scene, &mut racers, winner, done, progress)?;
+        if stands {
+            let mut tried = tried(&racers);
+            tried.push(tried_of(method, estimate.unwrap_or(f64::NAN), work));
+            return Ok(Summary { choice: Some(ChoiceSummary { tolerance, why, tried }), ..summary });
+        }
+        racers[winner].pilots.push(done);
+        racers[winner].missed = missed;
+    }
+    Err(not_reached(scene, tolerance, &tried(&racers)))
+}
+
+/// The method and resolution that a run of a scene with a tolerance starts from, and why: the coarse runs are made, but not
+/// the run itself. None where the scene names its method, or no method gets there.
+pub fn foretell(scene: &Scene) -> Option<(Method, String)> {
+    let asked = scene.solve.tolerance.as_ref()?;
+    let mut racers: Vec<Racer> = methods(scene, &asked.methods).into_iter().map(Racer::new).collect();
+    let (winner, finer) = race(scene, asked.value, &mut racers, &mut |_| Wish::GoOn).ok()?;
+    Some((racers[winner].finer(finer), why(scene, asked.value, &racers, winner)))
+}
+
+/// Methods whose estimates hold: those that make a staircase of a taper are left out where another one does not need to.
+fn methods(scene: &Scene, asked: &[Method]) -> Vec<Method> {
+    let whole = |method: &Method| {
+        let solve = Solve { method: *method, ..scene.solve.clone() };
+        Scene { solve, ..scene.clone() }.in_pieces().is_none()
+    };
+    let kept: Vec<Method> = asked.iter().copied().filter(whole).collect();
+    if kept.is_empty() { asked.to_vec() } else { kept }
+}
+
+/// Refines the racers until one is near: its index, and how many times finer than its last pilot it has to be.
+fn race(
+    scene: &Scene,
+    tolerance: f64,
+    racers: &mut [Racer],
+    progress: &mut dyn FnMut(Progress) -> Wish,
+) -> Result<(usize, f64)> {
+    loop {
+        let foretold = |r: &Racer| r.foretold(scene, tolerance);
+        let time = |r: &Racer| foretold(r).map_or(0.0, |f| f.1);
+        let best = racers.iter().enumerate().filter(|(_, r)| r.out.is_none());
+        let best = best.min_by(|a, b| time(a.1).total_cmp(&time(b.1))).map(|best| best.0);
+        let Some(best) = best else {
+            return Err(not_reached(scene, tolerance, &tried(racers)));
+        };
+        // What can be tried for next to nothing is not left to what two pilots say of it.
+        let cheap = |r: &Racer| r.out.is_none() && foretold(r).is_some_and(|f| f.0 > 1.0);
+        let cheap = (0..racers.len())
+            .filter(|&k| k != best && cheap(&racers[k]))
+            .find(|&k| racers[k].next_pilot(scene) < NEXT_TO_NOTHING * time(&racers[best]));
+        let tracks = racers[best].method.tracks_fronts();
+        let leap = if tracks { LEAP_TOLERANCE } else { LEAP_CELLS };
+        let near = foretold(&racers[best]).filter(|f| f.0 <= leap);
+        if let (None, Some((finer, _))) = (cheap, near) {
+            return Ok((best, finer));
+        }
+        let next = cheap.unwrap_or(best);
+        pilot(scene, racers, next, tolerance, progress)?;
+        // Where a handful of events is enough there is nothing to compare.
+        let last = racers[next].pilots.last();
+        if racers[next].method.tracks_fronts() && last.is_some_and(|p| p.estimate <= tolerance && p.work <= FEW_EVENTS)
+        {
+            return Ok((next, 1.0));
+        }
+    }
+}
+
+/// The next pilot of one racer.
+fn pilot(
+    scene: &Scene,
+    racers: &mut [Racer],
+    next: usize,
+    tolerance: f64,
+    progress: &mut dyn FnMut(Progress) -> Wish,
+) -> Result<()> {
+    let others = racers.iter().enumerate().filter(|(k, r)| *k != next && r.out.is_none());
+    let rival = others.filter_map(|(_, r)| r.foretold(scene, tolerance)).map(|f| f.1).fold(f64::INFINITY, f64::min);
+    if racers[next].method.tracks_fronts() {
+        front_pilot(scene, &mut racers[next], rival, progress)
+    } else {
+        grid_pilot(scene, &mut racers[next], progress)
+    }
+}
+
+/// Has front tracking confirm a run on a grid, where it can do so for about the same work; a grid that it contradicts is out.
+fn confirmed(
+    scene: &Scene,
+    racers: &mut [Racer],
+    winner: usize,
+    run: Pilot,
+    progress: &mut dyn FnMut(Progress) -> Wish,
+) -> Result<bool> {
+    let tracking = racers.iter().position(|r| r.method.tracks_fronts()).filter(|&k| k != winner);
+    let yields = racers[winner].profiles.last().is_some_and(|(_, profile)| !profile.elastic);
+    let Some(tracking) = tracking.filter(|_| yields) else { return Ok(true) };
+    let why = contradiction(scene, run, &mut racers[tracking], progress)?;
+    racers[winner].out = why;
+    Ok(racers[winner].out.is_none())
+}
+
+/// What was run so far, method by method.
+fn tried(racers: &[Racer]) -> Vec<Tried> {
+    racers.iter().flat_map(|r| &r.pilots).map(|p| tried_of(p.method, p.estimate, p.work)).collect()
+}
+
+fn tried_of(method: Method, estimate: f64, work: u64) -> Tried {
+    Tried { by: method.into(), estimate: estimate.is_finite().then_some(estimate), work }
+}
+
+/// One sentence.
+fn why(scene: &Scene, tolerance: f64, racers: &[Racer], winner: usize) -> String {
+    let name = |r: &Racer| r.method.names()[1];
+    let others: Vec<String> = racers
+        .iter()
+        .enumerate()
+        .filter(|(k, _)| *k != winner)
+        .map(|(_, r)| match (&r.out, r.foretold(scene, tolerance)) {
+            (Some(why), _) => format!("{} is out: {why}", name(r)),
+            _ if r.dear.is_some() => format!("{} takes more work than that", name(r)),
+            (None, Some((_, time))) => format!("{} would take about {time:.1e} s", name(r)),
+            (None, None) => format!("{} was not needed", name(r)),
+        })
+        .collect();
+    let time = racers[winner].foretold(scene, tolerance).map_or(0.0, |f| f.1);
+    let best =
+        format!("{} is expected to reach {tolerance:e} soonest, in nominally {time:.1e} s", name(&racers[winner]));
+    if others.is_empty() {
+        return format!("{} is the only method that can do the scene", name(&racers[winner]));
+    }
+    format!("{best}; {}", others.join("; "))
+}
+
+fn not_reached(scene: &Scene, tolerance: f64, tried: &[Tried]) -> Error {
+    let best = tried.iter().filter_map(|t| t.estimate).fold(f64::INFINITY, f64::min);
+    let reason = format!("no method reached the tolerance {tolerance:e}: the best estimate was {best:.1e}");
+    let help = "ask for less, or name a method and its resolution in [solve]; `barwave cost` shows what each one gives";
+    RunError { reason, time: scene.solve.until, x: None, help: help.into() }.into()
+}

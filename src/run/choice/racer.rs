@@ -1,0 +1,197 @@
+//! One method on its way to a tolerance: its pilots so far, and what they foretell.
+
+use super::super::accuracy::Profile;
+use crate::scene::{Method, Rate, Scene};
+use crate::solver::moc::COARSER;
+
+/// Cells of the first pilot on a grid, with companions of a half, a quarter and an eighth.
+pub(super) const FIRST_CELLS: usize = 128;
+/// Front tolerance of the first pilot.
+const FIRST_TOLERANCE: f64 = 0.1;
+
+/// Finest that is tried.
+pub(super) const MOST_CELLS: f64 = 5e6;
+pub(super) const LEAST_TOLERANCE: f64 = 1e-8;
+
+/// The run may be finer than its method's last pilot by these factors: estimates that are carried farther miss too often.
+pub(super) const LEAP_CELLS: f64 = 2.5;
+pub(super) const LEAP_TOLERANCE: f64 = 3.5;
+/// It is so much finer than foretold, so that it seldom has to be repeated.
+const MARGIN: f64 = 1.15;
+
+/// After a run that missed the next one is finer by this at least.
+const LEAST_STEP: f64 = 1.5;
+/// Lowest order that two pilots are believed.
+const LOWEST_ORDER: f64 = 0.3;
+
+/// Order in the front tolerance that is assumed until two pilots tell, and those that are believed.
+pub(super) const FRONT_ORDER: f64 = 1.0;
+pub(super) const FRONT_ORDERS: [f64; 2] = [0.5, 1.2];
+/// Events grow with this power of one over the tolerance.
+const EVENT_GROWTH: f64 = 1.0;
+
+/// Pilots of front tracking with fewer events than this are cheaper than any grid's.
+pub(super) const FEW_EVENTS: u64 = 300;
+/// A pilot of front tracking is given up when it costs so many times more than the best grid is expected to.
+pub(super) const PATIENCE: f64 = 2.0;
+
+/// Nominal time of a cell-step or an event, s: what `barwave plan` and the benches say, flowing cells for the most part.
+/// Only the ratios count.
+pub(super) fn nominal(scene: &Scene, method: Method) -> f64 {
+    let malvern = matches!(scene.effects.rate, Some(Rate::Malvern { .. }));
+    match (method, scene.effects.rate) {
+        (Method::FrontTracking { .. }, _) => 0.5e-6,
+        (Method::Muscl { .. }, _) => 60e-9,
+        (Method::Leapfrog { .. }, None) => 4e-9,
+        (Method::Leapfrog { .. }, Some(_)) => {
+            if malvern {
+                40e-9
+            } else {
+                150e-9
+            }
+        }
+        (Method::CharacteristicNet { .. }, _) => {
+            if malvern {
+                20e-9
+            } else {
+                180e-9
+            }
+        }
+    }
+}
+
+/// One method on its way.
+pub(super) struct Racer {
+    pub method: Method,
+    pub pilots: Vec<Pilot>,
+    /// Profiles of grids, by cells.
+    pub profiles: Vec<(usize, Profile)>,
+    /// It cannot go on, and why.
+    pub out: Option<String>,
+    /// Its next pilot was given up after so much work: it is not worth as much, unless the others turn out to cost more.
+    pub dear: Option<u64>,
+    /// Its last pilot was a run that missed.
+    pub missed: bool,
+}
+
+/// A pilot run.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Pilot {
+    pub method: Method,
+    pub estimate: f64,
+    pub order: f64,
+    pub work: u64,
+}
+
+impl Racer {
+    pub fn new(method: Method) -> Self {
+        Self { method, pilots: Vec::new(), profiles: Vec::new(), out: None, dear: None, missed: false }
+    }
+
+    /// What comes after the last pilot.
+    pub fn next(&self) -> Method {
+        match (self.pilots.last().map(|p| p.method), self.method) {
+            (None, Method::FrontTracking { .. }) => self.method.with_front_tolerance(FIRST_TOLERANCE),
+            (None, _) => self.method.with_cells(FIRST_CELLS),
+            (Some(last @ Method::FrontTracking { front_tolerance, .. }), _) => {
+                last.with_front_tolerance(front_tolerance / COARSER)
+            }
+            (Some(last), _) => last.with_cells(2 * last.cells().unwrap_or(FIRST_CELLS)),
+        }
+    }
+
+    /// How many times finer than its last pilot it has to be, and the expected time of that, s; none before the first
+    /// pilot, infinite where it is out or too dear.
+    pub fn foretold(&self, scene: &Scene, tolerance: f64) -> Option<(f64, f64)> {
+        if self.out.is_some() || self.dear.is_some() {
+            return Some((f64::INFINITY, f64::INFINITY));
+        }
+        let last = self.pilots.last()?;
+        let least = if self.missed { LEAST_STEP } else { 1.0 };
+        let finer = if last.estimate <= tolerance {
+            1.0
+        } else {
+            (MARGIN * (last.estimate / tolerance).powf(1.0 / self.order(last))).max(least)
+        };
+        let growth = if last.method.tracks_fronts() { EVENT_GROWTH } else { 2.0 };
+        Some((finer, nominal(scene, last.method) * last.work as f64 * finer.powf(growth)))
+    }
+
+    /// Order by which estimates are carried on from the last pilot: what the last two pilots say, but no more than its own.
+    fn order(&self, last: &Pilot) -> f64 {
+        let Some(before) = self.pilots.len().checked_sub(2).map(|k| self.pilots[k]) else { return last.order };
+        let finer = match (before.method, last.method) {
+            (
+                Method::FrontTracking { front_tolerance: before, .. },
+                Method::FrontTracking { front_tolerance: last, .. },
+            ) => before / last,
+            (before, last) => last.cells().unwrap_or(1) as f64 / before.cells().unwrap_or(1) as f64,
+        };
+        let seen = (before.estimate / last.estimate).ln() / finer.ln();
+        if seen.is_finite() { seen.clamp(LOWEST_ORDER.min(last.order), last.order) } else { last.order }
+    }
+
+    /// Expected time of its next pilot, s.
+    pub fn next_pilot(&self, scene: &Scene) -> f64 {
+        let growth = if self.method.tracks_fronts() { COARSER } else { 4.0 };
+        let last = self.dear.or(self.pilots.last().map(|last| last.work)).unwrap_or(0);
+        growth * nominal(scene, self.method) * last as f64
+    }
+
+    /// The method so many times finer than its last pilot.
+    pub fn finer(&self, by: f64) -> Method {
+        let last = self.pilots.last().map_or(self.method, |p| p.method);
+        refined(last, by)
+    }
+}
+
+/// A method made finer by a factor; cells are a multiple of four, so that companions fit.
+fn refined(method: Method, by: f64) -> Method {
+    match (method, method.cells()) {
+        (Method::FrontTracking { front_tolerance, .. }, _) => method.with_front_tolerance(front_tolerance / by),
+        (_, Some(cells)) => method.with_cells(4 * (cells as f64 * by / 4.0).ceil() as usize),
+        _ => method,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn racer(method: Method, pilots: &[(f64, u64)]) -> Racer {
+        let mut racer = Racer::new(method);
+        for &(estimate, work) in pilots {
+            let method = racer.next();
+            racer.pilots.push(Pilot { method, estimate, order: 1.0, work });
+        }
+        racer
+    }
+
+    #[test]
+    fn pilots_are_refined_step_by_step() {
+        let grid = Method::Leapfrog { cells: 1000, cfl: 1.0 };
+        assert_eq!(racer(grid, &[]).next().cells(), Some(128));
+        assert_eq!(racer(grid, &[(0.1, 1), (0.1, 1)]).next().cells(), Some(512));
+        let fronts = Method::FrontTracking { front_tolerance: 1e-3, event_budget: 9 };
+        let next = racer(fronts, &[(0.1, 1)]).next();
+        assert!(matches!(next, Method::FrontTracking { front_tolerance, event_budget: 9 }
+            if (front_tolerance - 0.1 / 3.0).abs() < 1e-15));
+    }
+
+    #[test]
+    fn estimates_that_hardly_fall_are_carried_on_as_slowly() {
+        let grid = Method::Leapfrog { cells: 1000, cfl: 1.0 };
+        // Of first order twice, then only its root.
+        assert!((racer(grid, &[(0.1, 1), (0.05, 1)]).order(&racer(grid, &[(0.1, 1)]).pilots[0]) - 1.0).abs() < 1e-12);
+        let slow = racer(grid, &[(0.1, 1), (0.1 / 2_f64.sqrt(), 1)]);
+        assert!((slow.order(&slow.pilots[1]) - 0.5).abs() < 1e-12);
+        let stuck = racer(grid, &[(0.1, 1), (0.2, 1)]);
+        assert_eq!(stuck.order(&stuck.pilots[1]), LOWEST_ORDER);
+    }
+
+    #[test]
+    fn cells_are_refined_to_multiples_of_four() {
+        assert_eq!(refined(Method::CharacteristicNet { cells: 128 }, 1.3).cells(), Some(168));
+        assert_eq!(refined(Method::CharacteristicNet { cells: 128 }, 1.0).cells(), Some(128));
+    }
+}

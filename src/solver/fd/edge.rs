@@ -1,0 +1,95 @@
+//! The node between two blocks.
+
+use super::block::Block;
+use super::leapfrog::{Constants, cell_masses};
+use super::ripple;
+
+/// The node between two blocks: inside a segment, or at a bonded joint. In the place of a joint that can open it is an
+/// empty one, without mass and unmoved, beside a [`super::contact::Contact`].
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Edge {
+    /// Velocity half a step after the current time, m/s.
+    pub after: f64,
+    /// Velocity change that the stresses gave it in the latest step, m/s.
+    pub kick: f64,
+    /// dt A/m of the cells on both sides, m/s per Pa.
+    gain_left: f64,
+    gain_right: f64,
+    /// Node mass, kg.
+    pub mass: f64,
+    /// Energy that the ripple damping took from the node, J.
+    pub damped: f64,
+    /// The latest step did not change the velocity, nor would another one with the same stresses.
+    pub still: bool,
+}
+
+impl Edge {
+    /// The node in whose place there is a contact.
+    pub const EMPTY: Self =
+        Self { after: 0.0, kick: 0.0, gain_left: 0.0, gain_right: 0.0, mass: 0.0, damped: 0.0, still: false };
+
+    /// The bar parts here: an empty node is left. What the damping took stays booked.
+    pub fn part(&mut self) {
+        *self = Self { damped: self.damped, ..Self::EMPTY };
+    }
+
+    /// Takes the node a step on, from the stresses on both sides. Inside a segment it has the bits that a node
+    /// inside a block would have, so that results do not depend on where blocks meet.
+    pub fn advance(&mut self, sigma_left: f64, sigma_right: f64) {
+        self.kick = if self.gain_left == self.gain_right {
+            self.gain_left * (sigma_right - sigma_left)
+        } else {
+            self.gain_right * sigma_right - self.gain_left * sigma_left
+        };
+        let after = self.after + self.kick;
+        self.still = after == self.after;
+        self.after = after;
+    }
+
+    /// Takes on what the ripple damping hands over in the cells on both sides, each an impulse of its own mass; false where
+    /// that is nothing.
+    pub fn damp(&mut self, left: f64, right: f64) -> bool {
+        let change = if self.gain_left == self.gain_right {
+            right - left
+        } else {
+            2.0 * (self.gain_right * right - self.gain_left * left) / (self.gain_left + self.gain_right)
+        };
+        if change != 0.0 {
+            self.still = false;
+            self.damped += 0.5 * self.mass * ripple::node(self.kick, change, &mut self.after);
+        }
+        change != 0.0
+    }
+
+    /// Velocity half a step before the current time, m/s: that after it without what the stresses gave in between.
+    pub fn before(&self) -> f64 {
+        self.after - self.kick
+    }
+
+    /// Velocity at the time of the stresses, m/s.
+    pub fn velocity(&self) -> f64 {
+        self.after - 0.5 * self.kick
+    }
+}
+
+/// The nodes between blocks. At a joint of segments that move differently the node starts with their common momentum.
+pub(super) fn edges(blocks: &[Block], constants: &[Constants]) -> Vec<Edge> {
+    let edge = |pair: &[Block]| {
+        let (left, right) = (&constants[pair[0].segment], &constants[pair[1].segment]);
+        let [left_mass, right_mass] = cell_masses(pair, constants);
+        let after = if pair[0].v[0] == pair[1].v[0] {
+            pair[0].v[0]
+        } else {
+            (left_mass * pair[0].v[0] + right_mass * pair[1].v[0]) / (left_mass + right_mass)
+        };
+        let mass = 0.5 * (left_mass + right_mass);
+        let (gain_left, gain_right) = if pair[0].segment == pair[1].segment && pair[0].taper.is_none() {
+            (left.velocity_gain, left.velocity_gain)
+        } else {
+            // dt A/m, written with the segment's own gain dt/(rho dx) = dt A/(cell mass).
+            (left.velocity_gain * left_mass / mass, right.velocity_gain * right_mass / mass)
+        };
+        Edge { after, gain_left, gain_right, mass, ..Edge::EMPTY }
+    };
+    blocks.windows(2).map(edge).collect()
+}

@@ -1,0 +1,102 @@
+//! One point of a ladder: its result, its stepping times, the time of a whole process.
+
+use super::Whole;
+use super::found::CostPoint;
+use super::ladder::{Halt, Ran, Runner, Spent};
+use super::measure::{self, Pass, Wanted, Watch};
+use super::reference::Reference;
+use super::source::{Family, Resolution, Source};
+use crate::scene::Scene;
+use crate::solver::moc::FrontTracking;
+use crate::study::plan::{Work, plan};
+
+/// Runs the points of the ladders.
+pub(super) struct Bench<'a> {
+    pub source: &'a Source<'a>,
+    pub families: &'a [Family],
+    pub reference: &'a Reference,
+    pub whole: &'a mut dyn FnMut(&[String], f64) -> Whole,
+    pub watch: Watch<'a>,
+    pub points: Vec<Vec<CostPoint>>,
+}
+
+/// Whole runs that take less than this are repeated, s.
+const SHORT_WHOLE: f64 = 0.2;
+const WHOLE_REPEATS: usize = 3;
+
+impl Runner for Bench<'_> {
+    fn run(&mut self, family: usize, resolution: Resolution) -> Result<Ran, Halt> {
+        let from = self.watch.now();
+        let Family { way, names, .. } = self.families[family];
+        self.watch.what = match resolution {
+            Resolution::Cells(cells) => format!("{}, {cells} cells", names[1]),
+            Resolution::FrontTolerance(tolerance) => format!("{}, front-tolerance {tolerance}", names[1]),
+        };
+        let scene = self.source.at(way, resolution).map_err(|e| Halt::Failed(e.to_string()))?;
+        let pass = measure::pass(&scene, Wanted::RESULT, &mut self.watch)?;
+        let (error, gauge_error) = self.reference.errors(&pass);
+        let nothing = "no stress is left at the end time, so that no relative error can be measured";
+        let error = error.ok_or_else(|| Halt::Failed(nothing.into()))?;
+        let timing = measure::repeated(&scene, pass.seconds, &mut self.watch)?;
+        let whole_wall_s = self.whole(&self.source.overrides(way, Some(resolution)))?;
+        let whole = scene.in_pieces().is_none();
+        let exact = pass.tracked.as_ref().map(|bar| whole && bar.is_exact());
+        let by = match resolution {
+            Resolution::Cells(_) => Resolution::Cells(pass.cells),
+            tolerance @ Resolution::FrontTolerance(_) => tolerance,
+        };
+        let by = by.solved_by(names);
+        let below_reference = error <= self.reference.uncertainty;
+        self.points[family].push(CostPoint {
+            by,
+            error,
+            gauge_error,
+            step_wall_s: timing.median,
+            shortest_s: timing.shortest,
+            spread: timing.spread,
+            repetitions: timing.repetitions,
+            whole_wall_s,
+            work: pass.work,
+            work_unit: if pass.cells > 0 { "cell-steps" } else { "events" },
+            memory_bytes: memory(&scene, &pass),
+            pareto: false,
+            below_reference,
+            exact,
+        });
+        let passes = measure::passes(pass.seconds);
+        let spent = Spent { step: timing.median, passes, total: self.watch.now() - from };
+        let bound = error.max(self.reference.uncertainty);
+        Ok(Ran { spent, bound, exact: exact == Some(true), below_reference })
+    }
+
+    fn now(&self) -> f64 {
+        self.watch.now()
+    }
+}
+
+impl Bench<'_> {
+    /// Median time of the whole process, s; none where it takes too long or stops.
+    fn whole(&mut self, overrides: &[String]) -> Result<Option<f64>, Halt> {
+        let mut times: Vec<f64> = Vec::new();
+        while times.len() < WHOLE_REPEATS && times.iter().all(|t| *t < SHORT_WHOLE) {
+            self.watch.look()?;
+            match (self.whole)(overrides, self.watch.until - self.watch.now()) {
+                Whole::Took(seconds) => times.push(seconds),
+                Whole::Interrupted => return Err(Halt::Interrupted),
+                Whole::OutOfTime | Whole::Failed(_) => break,
+            }
+        }
+        Ok((!times.is_empty()).then(|| measure::timing(times).median))
+    }
+}
+
+/// Solver memory of a finished run, bytes.
+pub(super) fn memory(scene: &Scene, pass: &Pass) -> u64 {
+    match &pass.tracked {
+        Some(bar) => (bar.pieces().count() * FrontTracking::BYTES_PER_FRONT) as u64,
+        None => match plan(scene).work {
+            Work::Grid { memory_bytes, .. } => memory_bytes as u64,
+            Work::Fronts { .. } => 0,
+        },
+    }
+}

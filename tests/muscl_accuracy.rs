@@ -89,19 +89,21 @@ fn p3(cells: usize, unloading: Option<Unloading>) -> f64 {
     error(&bar, Quantity::Stress, |x| -p3_exact(x / time))
 }
 
+const CELLS: [usize; 4] = [500, 1000, 2000, 4000];
+
 /// With a history and with a curve that is followed both ways.
 #[test]
 fn p2_and_p3_meet_their_bounds_and_converge() {
     for unloading in [ISOTROPIC, None] {
-        let bilinear = [1000, 4000].map(|cells| benchmark(&common::bilinear_steel(), 20.0, cells, unloading));
-        let power_law = [1000, 4000].map(|cells| p3(cells, unloading));
-        let orders = [bilinear, power_law].map(|e| order(e[0], e[1], 4.0));
+        let bilinear = CELLS.map(|cells| benchmark(&common::bilinear_steel(), 20.0, cells, unloading));
+        let power_law = CELLS.map(|cells| p3(cells, unloading));
+        let orders = [bilinear, power_law].map(|errors| errors.windows(2).map(|e| order(e[0], e[1], 2.0)).collect());
+        let orders: [Vec<f64>; 2] = orders;
         println!("{unloading:?}: P2 {bilinear:?} P3 {power_law:?} orders {orders:?}");
-        assert!(bilinear[0] < 3.1e-3, "{bilinear:?}");
-        assert!(power_law[0] < 1.5e-3, "{power_law:?}");
-        // The plastic front of a bilinear bar is a jump carried along linearly, which second order smears over dx^(2/3) in
-        // the end; at these cells its start still counts.
-        assert!(orders[0] > 0.75 && orders[1] > 0.8, "{orders:?}");
+        assert!(bilinear[1] < 1.8e-3, "{bilinear:?}");
+        assert!(power_law[1] < 1.5e-3, "{power_law:?}");
+        // A front within the same few cells at any resolution is of first order; one smeared over dx^(2/3) is not.
+        assert!(orders.iter().flatten().all(|&o| o > 0.8), "{orders:?}");
     }
 }
 
@@ -201,13 +203,13 @@ fn a_smooth_elastic_pulse_converges_with_order_two() {
 
 const FLATTENS: f64 = 0.02;
 
-/// `sigma = E (eps - eps^2/(2 FLATTENS))` as a table of 4000 lines up to three quarters of the way: smooth for any grid here.
+/// `sigma = E (eps - eps^2/(2 FLATTENS))` as a table of 16000 lines up to three quarters of the way: smooth for any grid here.
 fn parabola() -> Arc<Material> {
     let row = |k: u32| {
-        let strain = 0.75 * FLATTENS * f64::from(k) / 4000.0;
+        let strain = 0.75 * FLATTENS * f64::from(k) / 16_000.0;
         (strain, MODULUS * (strain - strain * strain / (2.0 * FLATTENS)))
     };
-    let rows: Vec<(f64, f64)> = (1..=4000).map(row).collect();
+    let rows: Vec<(f64, f64)> = (1..=16_000).map(row).collect();
     Arc::new(common::material(&rows, Beyond::Extend))
 }
 

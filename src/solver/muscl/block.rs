@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use super::front;
 use super::kernel::{self, Scratch};
 use super::stepping::Part;
 use crate::wave::riemann::{Flux, Workspace};
@@ -9,8 +10,8 @@ use crate::wave::riemann::{Flux, Workspace};
 /// Most cells of a block: its row and scratch stay in the first-level cache.
 pub(super) const BLOCK: usize = 256;
 
-/// Copies of neighbours' cells on either side: the nearest has a state at its face, which depends on two more.
-pub(super) const GHOSTS: usize = 3;
+/// Copies of neighbours' cells on either side: the nearest has a state at its face, which depends on three more.
+pub(super) const GHOSTS: usize = 1 + front::NEARBY;
 
 /// Cells of the longest row.
 pub(super) const ROW: usize = BLOCK + 2 * GHOSTS;
@@ -129,7 +130,7 @@ impl Block {
 
     /// What the bar seems to go on with beyond an end or a joint: stress, velocity, and E times strain (Pa).
     pub fn go_on(&mut self, side: usize, part: &Part, [stress, velocity, reach]: [f64; 3]) {
-        for to in [0, 1, 2].map(|depth| self.outside(side, depth)) {
+        for to in std::array::from_fn::<usize, GHOSTS, _>(|depth| self.outside(side, depth)) {
             (self.sigma[to], self.v[to]) = (stress, velocity);
             if self.stage == Stage::Plastic {
                 let rows = self.sigma.len();
@@ -148,6 +149,13 @@ impl Block {
     pub fn carried(&self) -> Range<usize> {
         let last = self.sigma.len() - GHOSTS;
         GHOSTS - usize::from(self.outer[0].is_none())..last + usize::from(self.outer[1].is_none())
+    }
+
+    /// The cells of the row whose surroundings are all cells of the bar.
+    pub fn surrounded(&self) -> Range<usize> {
+        let cells = self.carried();
+        let [left, right] = self.outer.map(|outer| if outer.is_some() { front::NEARBY } else { 0 });
+        cells.start + left..(cells.end - right).max(cells.start + left)
     }
 
     /// One step. All outside copies are up to date.

@@ -5,6 +5,7 @@ use std::ops::Range;
 use multiversion::multiversion;
 
 use super::block::{Block, GHOSTS, ROW, Stage};
+use super::front;
 use super::slope::limited;
 use super::stepping::Part;
 use crate::law::LANES;
@@ -40,8 +41,12 @@ pub(super) struct Scratch {
     stress: [f64; ROW],
     slope: [f64; ROW],
     lost: [f64; ROW],
+    /// What cells gain of stress along the curve in half a step, Pa >= 0.
+    gained: [f64; ROW],
     /// The cell has no slopes.
     flat: [bool; ROW],
+    /// Strain slopes (E times, Pa) of cells inside fronts that are carried along.
+    steep: [Option<f64>; ROW],
 }
 
 impl Scratch {
@@ -53,7 +58,9 @@ impl Scratch {
         stress: [0.0; ROW],
         slope: [0.0; ROW],
         lost: [0.0; ROW],
+        gained: [0.0; ROW],
         flat: [false; ROW],
+        steep: [None; ROW],
     };
 }
 
@@ -278,17 +285,39 @@ fn flatten(block: &Block, part: &Part, scratch: &mut Scratch) {
     }
 }
 
+/// Steeper slopes for cells inside fronts along a line of the curve.
+fn sharpen(block: &Block, part: &Part, scratch: &mut Scratch) {
+    scratch.steep[..block.sigma.len()].fill(None);
+    let Scratch { carried, increment, slope, flat, steep, .. } = scratch;
+    for i in block.surrounded() {
+        let unloads = !part.path_independent && increment[i] * block.sigma[i] < 0.0;
+        if flat[i] || unloads {
+            continue;
+        }
+        let Some(found) = front::slopes(block, part, i) else { continue };
+        let w = block.v[i] + 0.5 * part.kick * found.stress;
+        (slope[i], increment[i], steep[i]) = (found.stress, 0.5 * part.gain * found.velocity, Some(found.reach));
+        (carried.left[1][i], carried.right[1][i]) = (w - 0.5 * found.velocity, w + 0.5 * found.velocity);
+    }
+}
+
 /// States at the faces where the curve is followed both ways: from slopes of strain.
 fn carry_curve(block: &Block, part: &Part, scratch: &mut Scratch) {
     let row = block.sigma.len();
     carry_motion(Elastic::of(part), &block.sigma, &block.v, scratch);
     flatten(block, part, scratch);
-    let Scratch { carried, ahead, increment, stress: reach, flat, .. } = scratch;
+    sharpen(block, part, scratch);
+    let Scratch { carried, ahead, increment, stress: reach, flat, steep, .. } = scratch;
     for (reach, (sigma, plastic)) in reach.iter_mut().zip(block.sigma.iter().zip(&block.state)) {
         *reach = sigma + plastic;
     }
     for i in 1..row - 1 {
-        let slope = if flat[i] { 0.0 } else { limited(reach[i] - reach[i - 1], reach[i + 1] - reach[i]) };
+        let (left, right) = (reach[i] - reach[i - 1], reach[i + 1] - reach[i]);
+        let slope = match (flat[i], steep[i]) {
+            (true, _) => 0.0,
+            (_, Some(slope)) => slope,
+            _ => limited(left, right),
+        };
         let middle = reach[i] + increment[i];
         carried.left[0][i] = middle - 0.5 * slope;
         carried.right[0][i] = middle + 0.5 * slope;
@@ -309,6 +338,7 @@ fn carry_history(block: &Block, part: &Part, scratch: &mut Scratch) {
     let law = part.law.law.as_ref();
     carry_motion(Elastic::of(part), &block.sigma, &block.v, scratch);
     flatten(block, part, scratch);
+    sharpen(block, part, scratch);
     let Scratch { carried, ahead, increment, slope, .. } = scratch;
     ahead.sigma[..row].copy_from_slice(&block.sigma);
     let state = &mut ahead.state[..law.state_len() * row];
@@ -341,6 +371,21 @@ fn correct_curve(block: &mut Block, part: &Part, scratch: &mut Scratch) {
     }
 }
 
+/// What flowing cells gain of stress along the curve in half a step. That is only foreseen: a wave from next door may take
+/// it back, and then as if it had not been, along the curve. Were it taken back elastically, fronts would leave ripples.
+fn gain(block: &Block, part: &Part, cells: Range<usize>, scratch: &mut Scratch) {
+    let law = part.law.law.as_ref();
+    let Scratch { ahead, gained, .. } = scratch;
+    for i in cells {
+        gained[i] = 0.0;
+        if ahead.work[i] != 0.0 {
+            let (accumulated, back) = (law.accumulated(&block.state, i), law.back_stress(&block.state, i));
+            let sense = if ahead.sigma[i] < back { -1.0 } else { 1.0 };
+            gained[i] = (sense * ahead.sigma[i] - part.faces.limit(accumulated, back, sense)).max(0.0);
+        }
+    }
+}
+
 /// What makes an elastic range that a stress was just within no smaller: rounding.
 const WITHIN: f64 = 1.0 + 1e-12;
 
@@ -349,19 +394,23 @@ fn correct_history(block: &mut Block, part: &Part, scratch: &mut Scratch) {
     let (row, limit) = (block.sigma.len(), part.limit);
     let isotropic = part.isotropic();
     let law = part.law.law.as_ref();
-    let Scratch { carried: Carried { left, right }, through, ahead, .. } = scratch;
+    let cells = block.carried();
+    gain(block, part, cells.clone(), scratch);
+    let Scratch { carried: Carried { left, right }, through, ahead, gained, .. } = scratch;
     let state = &ahead.state[..law.state_len() * row];
     // Elastic ranges reach from their middle at least to where the cell is, or to where its face is while it flows.
     let within = |stress: f64, i: usize, face: f64, back: f64| {
         let known = if ahead.work[i] == 0.0 { ahead.sigma[i] } else { face } - back;
-        known * (stress - back) >= 0.0 && (stress - back).abs() <= known.abs() * WITHIN
+        gained[i] == 0.0 && known * (stress - back) >= 0.0 && (stress - back).abs() <= known.abs() * WITHIN
     };
-    let near = |i: usize, stress: f64, velocity: f64, back: f64| {
+    let near = |i: usize, outward: f64, stress: f64, velocity: f64, back: f64| {
         let point = Point { stress, velocity, accumulated: law.accumulated(state, i), back, ..Point::default() };
+        if ahead.work[i] == 0.0 {
+            return Near { point, flowing: 0.0 };
+        }
         let sense = if ahead.sigma[i] < back { -1.0 } else { 1.0 };
-        Near { point, flowing: if ahead.work[i] == 0.0 { 0.0 } else { sense } }
+        part.faces.before(Near { point, flowing: sense }, gained[i], outward)
     };
-    let cells = block.carried();
     for face in cells.start + 1..cells.end {
         let (i, j) = (face - 1, face);
         let stress = through.stress[face];
@@ -373,8 +422,8 @@ fn correct_history(block: &mut Block, part: &Part, scratch: &mut Scratch) {
         if within(stress, i, right[0][i], backs[0]) && within(stress, j, left[0][j], backs[1]) {
             continue;
         }
-        let a = near(i, right[0][i], right[1][i], backs[0]);
-        let b = near(j, left[0][j], left[1][j], backs[1]);
+        let a = near(i, 1.0, right[0][i], right[1][i], backs[0]);
+        let b = near(j, -1.0, left[0][j], left[1][j], backs[1]);
         through.set(face, part.faces.solve(&a, &b, &mut block.work));
     }
 }
@@ -410,9 +459,12 @@ pub(super) fn near(block: &Block, part: &Part, side: usize) -> Near {
     }
     law.strain(&[half_strain], &mut stress, &mut state[..numbers], &mut work);
     let state = &state[..numbers];
-    let back = law.back_stress(state, 0);
-    let accumulated = law.accumulated(state, 0);
-    let sense = if stress[0] < back { -1.0 } else { 1.0 };
+    let (accumulated, back) = (law.accumulated(state, 0), law.back_stress(state, 0));
     let point = Point { stress: stress[0] + outward * ds, velocity, accumulated, back, ..Point::default() };
-    Near { point, flowing: if work[0] == 0.0 { 0.0 } else { sense } }
+    if work[0] == 0.0 {
+        return Near { point, flowing: 0.0 };
+    }
+    let sense = if stress[0] < back { -1.0 } else { 1.0 };
+    let start = part.faces.limit(law.accumulated(&block.state, i), law.back_stress(&block.state, i), sense);
+    part.faces.before(Near { point, flowing: sense }, (sense * stress[0] - start).max(0.0), 2.0 * outward)
 }

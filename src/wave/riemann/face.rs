@@ -29,6 +29,21 @@ pub struct Flux {
     pub velocity: f64,
 }
 
+/// A line of a curve: stress is `offset + slope * z`, z = E times strain.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Straight {
+    /// z at its start and its end (infinite where it has none), Pa.
+    pub start: f64,
+    /// Pa.
+    pub end: f64,
+    /// Pa.
+    pub offset: f64,
+    /// d stress/dz.
+    pub slope: f64,
+    /// 1/(rho c), m/(s Pa); infinite where it is level.
+    pub compliance: f64,
+}
+
 /// A medium with what its faces need.
 #[derive(Debug, Clone)]
 pub struct Faces {
@@ -331,6 +346,50 @@ impl Faces {
             Flow::Plastic { kinematic } => self.placed(near, kinematic),
             Flow::PathIndependent => self.on_level(&near.point),
         }
+    }
+
+    /// The line of the curve for a sense of stress (+1 tension, -1 compression) at z >= 0, in magnitudes.
+    pub fn line(&self, sense: f64, z: f64) -> Straight {
+        let lines = self.medium.lines(sense);
+        let k = lines.at(z);
+        let slope = lines.slope[k];
+        let (start, end) = (lines.z[k], lines.z.get(k + 1).copied().unwrap_or(f64::INFINITY));
+        Straight { start, end, offset: lines.y[k] - slope * lines.z[k], slope, compliance: lines.compliance[k] }
+    }
+
+    /// sense * stress at which a point with this history starts to flow, Pa; infinite where it never does.
+    pub fn limit(&self, accumulated: f64, back: f64, sense: f64) -> f64 {
+        let Flow::Plastic { kinematic } = self.medium.flow else { return f64::INFINITY };
+        let y = self.medium.lines(sense).at_accumulated(accumulated).2;
+        sense * back + y - kinematic * (y - self.virgin[side(sense)])
+    }
+
+    /// A flowing side before it gained `gained` (Pa, >= 0) along the curve, moved along its own wave: the Riemann problem has
+    /// the same answer, but for one that lies below what it started from. `outward` is +1 for the left side, -1 for the right.
+    pub fn before(&self, near: Near, gained: f64, outward: f64) -> Near {
+        let Near { point, flowing: sense } = near;
+        let (_, _, y) = self.medium.lines(sense).at_accumulated(point.accumulated);
+        let top = y + sense * point.stress - self.limit(point.accumulated, point.back, sense);
+        let (from, to) = (self.moved(sense, top - gained), self.moved(sense, top));
+        let change = to.0 - from.0;
+        // A shock is not taken back by halves.
+        if !change.is_finite() || !(self.concave || from.1 == to.1) {
+            return near;
+        }
+        let point = Point {
+            stress: point.stress - sense * gained,
+            velocity: point.velocity - outward * sense * change,
+            ..point
+        };
+        Near { point, flowing: sense }
+    }
+
+    /// Velocity change along the curve from zero stress to y, and the line on which that is.
+    fn moved(&self, sense: f64, y: f64) -> (f64, usize) {
+        let lines = self.medium.lines(sense);
+        let line = lines.y.partition_point(|&start| start < y).max(1) - 1;
+        let rise = y - lines.y[line];
+        (self.reach[side(sense)][line] + if rise > 0.0 { lines.compliance[line] * rise } else { 0.0 }, line)
     }
 
     /// E times the strains at which the curve stiffens, in tension and compression, Pa.

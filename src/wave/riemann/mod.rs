@@ -19,7 +19,7 @@ mod face;
 mod medium;
 mod path;
 
-pub use face::{Faces, Flux, Near};
+pub use face::{Faces, Flux, Near, Straight};
 pub use medium::{Flow, Medium, Point};
 pub use path::{Emitted, Path};
 

@@ -1,0 +1,98 @@
+//! Fronts along straight lines of the curve.
+//!
+//! Along a line all waves have one speed: a front is carried along as it is, and whatever smears it stays. Van Leer's slopes
+//! smear it ever further, over `dx^(2/3)`; steeper ones keep it within a few cells. So cells inside such fronts get those.
+//! Elsewhere they would do harm: they make steps of smooth waves, and keep ripples alive.
+
+use super::block::Block;
+use super::slope::{limited, steep};
+use super::stepping::Part;
+use crate::wave::riemann::Straight;
+
+/// Cells to either side of which the differences are looked at.
+pub(super) const NEARBY: usize = 3;
+
+/// In a front the largest difference between neighbours near a cell is this many times the least. Where a wave is
+/// resolved, they are more alike than that.
+const UNEVEN: f64 = 4.0;
+
+/// Part of a difference that may be off the line.
+const OFF_LINE: f64 = 1e-3;
+
+/// Part of a front that may be waves in the other direction: ripples of either direction stay ripples.
+const OTHER_WAY: f64 = 0.1;
+
+/// Part of the elastic limit below which a difference is no front.
+const FAINT: f64 = 1e-6;
+
+/// Part of a stress by which rounding may take it off its line.
+const ROUNDING: f64 = 1e-9;
+
+/// Slopes of a cell inside a front, as differences.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Slopes {
+    /// Pa.
+    pub stress: f64,
+    /// m/s.
+    pub velocity: f64,
+    /// E times strain, Pa.
+    pub reach: f64,
+}
+
+/// The slopes of a cell inside a front of one direction along one line of the curve, other than the elastic one; none
+/// elsewhere. All cells that [`NEARBY`] reaches must be cells of the bar.
+pub(super) fn slopes(block: &Block, part: &Part, i: usize) -> Option<Slopes> {
+    let sigma = &block.sigma;
+    let (left, right) = (sigma[i] - sigma[i - 1], sigma[i + 1] - sigma[i]);
+    let greater = left.abs().max(right.abs());
+    let rises = left * right > 0.0 && greater > FAINT * part.limit && sigma[i].abs() > part.limit;
+    if !rises || !is_uneven(&sigma[i - NEARBY..=i + NEARBY]) {
+        return None;
+    }
+    along(&line(block, part, i, greater)?, block, i)
+}
+
+fn is_uneven(sigma: &[f64]) -> bool {
+    let differences = sigma.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+    let (least, largest) = differences.fold((f64::INFINITY, 0.0_f64), |(a, b), d| (a.min(d), b.max(d)));
+    largest > UNEVEN * least
+}
+
+/// The line on which a cell and its neighbours lie.
+fn line(block: &Block, part: &Part, i: usize, greater: f64) -> Option<Straight> {
+    let sigma = &block.sigma;
+    let sense = if sigma[i] < 0.0 { -1.0 } else { 1.0 };
+    let reach = |i: usize| sigma[i].abs() + part.law.law.accumulated(&block.state, i);
+    let line = part.faces.line(sense, reach(i));
+    if line.slope >= 1.0 || line.slope == 0.0 {
+        return None;
+    }
+    let off = OFF_LINE * greater + ROUNDING * sigma[i].abs();
+    let (start, end) = (line.start - off / line.slope, line.end + off / line.slope);
+    let lies_on = |i: usize| {
+        let z = reach(i);
+        (start..=end).contains(&z) && (sense * sigma[i] - line.offset - line.slope * z).abs() <= off
+    };
+    [i - 1, i, i + 1].into_iter().all(lies_on).then_some(line)
+}
+
+/// The slopes, if waves of one direction prevail: theirs the steep ones, the others' as everywhere.
+fn along(line: &Straight, block: &Block, i: usize) -> Option<Slopes> {
+    let (sigma, v) = (&block.sigma, &block.v);
+    // Velocity changes by waves in +x and in -x.
+    let waves = |i: usize| {
+        let (rise, change) = (line.compliance * (sigma[i + 1] - sigma[i]), v[i + 1] - v[i]);
+        [0.5 * (change - rise), 0.5 * (change + rise)]
+    };
+    let (a, b) = (waves(i - 1), waves(i));
+    let size = |k: usize| a[k].abs() + b[k].abs();
+    let (ahead, back) = if size(1) <= OTHER_WAY * size(0) {
+        (steep(a[0], b[0]), limited(a[1], b[1]))
+    } else if size(0) <= OTHER_WAY * size(1) {
+        (limited(a[0], b[0]), steep(a[1], b[1]))
+    } else {
+        return None;
+    };
+    let stress = (back - ahead) / line.compliance;
+    Some(Slopes { stress, velocity: ahead + back, reach: stress / line.slope })
+}

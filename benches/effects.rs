@@ -1,16 +1,16 @@
 //! What effects cost a grid: nanoseconds of stepping for a cell and a step, off and on. Nothing is asserted: times depend on
 //! the machine. `cargo bench --bench effects` runs it.
 
-use std::path::Path;
+mod common;
+
 use std::time::Instant;
 
 use barwave::assemble;
 use barwave::record::{Audit, Case, LOOKS, Off};
-use barwave::scene::Scene;
 use barwave::solver::fd::Sampling;
+use common::{CELLS, scene, shortest};
 
 const RUNS: usize = 3;
-const CELLS: usize = 10_000;
 
 /// Effects by name, as lines under `[effects]`; the first is none.
 const EFFECTS: &[(&str, &str)] = &[
@@ -29,39 +29,18 @@ const EFFECTS: &[(&str, &str)] = &[
 const UNIFORM: &str = "1e-4";
 const TAPERED: &str = "[[0, 1e-4], [1, 1.2e-4]]";
 
-fn scene(area: &str, velocity: f64, effects: &str) -> Scene {
-    let text = format!(
-        "[bar]\nlength = 1\narea = {area}\n[bar.material]\nname = \"bench\"\ndensity = 7800\nmodulus = 200e9\npoisson = 0.3\n\
-         beyond = \"extend\"\ncurve = {{ table = [[0.001, 200e6], [1, 20179.8e6]] }}\nheat = {{ specific-heat = 480, reference-temperature = 293, \
-         melting-temperature = 1800, m = 1 }}\n[left]\nkind = \"velocity\"\n\
-         value = {velocity:?}\n[right]\nkind = \"fixed\"\n[effects]\nunloading = \"isotropic\"\n{effects}\n[solve]\n\
-         until = 1.58e-4\nmethod = \"fd\"\ncells = {CELLS}\n"
-    );
-    Scene::parse("bench", &text, Path::new("."), &[]).unwrap_or_else(|error| panic!("{error}"))
-}
+const POISSON_AND_HEAT: &str = "poisson = 0.3\nbeyond = \"extend\"\nheat = { specific-heat = 480, \
+                                reference-temperature = 293, melting-temperature = 1800, m = 1 }";
 
-/// Shortest of some runs over 0.8 of the elastic wave's way through the bar, ns.
-fn shortest(scene: &Scene) -> f64 {
-    let steps = CELLS * 4 / 5;
-    let run = |_| {
-        let mut bar = assemble::leapfrog(scene, CELLS, 1.0);
-        let start = Instant::now();
-        for _ in 0..steps {
-            bar.advance();
-        }
-        start.elapsed().as_secs_f64() * 1e9 / (CELLS * steps) as f64
-    };
-    (0..RUNS).map(run).fold(f64::INFINITY, f64::min)
+fn of_steel(area: &str, velocity: f64, effects: &str) -> f64 {
+    let effects = format!("unloading = \"isotropic\"\n{effects}");
+    shortest(&scene(velocity, &format!("area = {area}"), POISSON_AND_HEAT, &effects), RUNS)
 }
 
 /// Time of all looks of the audit at a bar of which all has yielded that will, over the time of stepping it.
 fn share_of_audit(cells: usize, rates: &str) -> f64 {
-    let text = format!(
-        "[bar]\nlength = 1\n[bar.material]\nname = \"bench\"\ndensity = 7800\nmodulus = 200e9\nbeyond = \"extend\"\n{rates}\n\
-         curve = {{ table = [[0.001, 200e6], [1, 20179.8e6]] }}\n[left]\nkind = \"velocity\"\nvalue = -20\n[right]\n\
-         kind = \"fixed\"\n[solve]\nuntil = 3e-4\ncells = {cells}\n"
-    );
-    let scene = Scene::parse("bench", &text, Path::new("."), &[]).unwrap_or_else(|error| panic!("{error}"));
+    let mut scene = scene(-20.0, "", &format!("beyond = \"extend\"\n{rates}"), "");
+    scene.solve.until = 3e-4;
     let mut bar = assemble::leapfrog(&scene, cells, 1.0);
     let off = Off { unloading: true, rate: true, heat: true, rupture: true, lateral_inertia: true };
     let (until, ends) = (scene.solve.until, [&scene.left, &scene.right]);
@@ -90,10 +69,10 @@ fn main() {
     println!("ns for a cell and a step at {CELLS} cells; shortest of {RUNS} runs");
     println!("{:<20}{:>10}{:>10}", "effect", "elastic", "bilinear");
     for (name, effects) in EFFECTS {
-        let ns = [-4.0, -20.0].map(|velocity| shortest(&scene(UNIFORM, velocity, effects)));
+        let ns = [-4.0, -20.0].map(|velocity| of_steel(UNIFORM, velocity, effects));
         println!("{name:<20}{:>10.2}{:>10.2}", ns[0], ns[1]);
     }
-    let ns = [-4.0, -20.0].map(|velocity| shortest(&scene(TAPERED, velocity, "")));
+    let ns = [-4.0, -20.0].map(|velocity| of_steel(TAPERED, velocity, ""));
     println!("{:<20}{:>10.2}{:>10.2}", "taper", ns[0], ns[1]);
     println!("\naudit, % of the time of stepping; shortest of {RUNS} runs");
     println!("{:<20}{:>10}{:>10}", "the material states", "1000", "10000");

@@ -192,14 +192,14 @@ impl Document {
         if let (true, Some(name)) = (message.starts_with("missing field"), quoted.first()) {
             return self.missing_key(span, &key, name);
         }
-        let tidy = message.trim().replace('\n', "; ");
+        let tidy = plain_types(&message.trim().replace('\n', "; "), self.text.get(span.clone()).unwrap_or_default());
         if message.starts_with("duplicate key") {
             let twice = self.text.get(span.clone()).unwrap_or_default().trim().to_owned();
             return self.error(span, &twice, "the key stands twice").help("keep one of the two");
         }
         let wrong_type = message.starts_with("invalid type") || message.starts_with("invalid value");
-        let help = match (wrong_type, message.split_once("expected ")) {
-            (true, Some((_, expected))) => format!("write {} here", expected.trim()),
+        let help = match (wrong_type, tidy.split_once("expected ")) {
+            (true, Some((_, expected))) => format!("write {expected} here"),
             _ => "texts stand in \"quotes\", tables in [brackets], one `key = value` a line".into(),
         };
         self.error(span, &key, tidy).help(help)
@@ -237,6 +237,24 @@ impl Document {
         let place = if table.is_empty() { "the top level of the file".to_owned() } else { format!("`[{table}]`") };
         self.error(span, &key, format!("`{name}` is missing")).help(format!("add `{name}` to {place}"))
     }
+}
+
+/// The reader's words for types as users know them: `struct RawSolve` is a table. `value` is the text that it read.
+fn plain_types(message: &str, value: &str) -> String {
+    let Some((found, expected)) = message.split_once(", expected ") else { return message.to_owned() };
+    let found = match found.strip_prefix("invalid type: ") {
+        Some("map") if value.starts_with(|c: char| c.is_ascii_digit()) => "invalid type: date or time",
+        Some("map") => "invalid type: table",
+        Some("sequence") => "invalid type: list",
+        _ => found,
+    };
+    let expected = match expected {
+        "map" => "a table",
+        "a sequence" | "sequence" => "a list",
+        name if name.starts_with("struct ") => "a table",
+        other => other,
+    };
+    format!("{found}, expected {expected}")
 }
 
 /// The word of a list that is most like a given one, if one is like it at all.

@@ -274,6 +274,11 @@ impl<'de> Deserialize<'de> for Quantity {
                 Ok(Quantity::Number(value as f64))
             }
 
+            // Whole numbers that 64 bits do not hold.
+            fn visit_i128<E>(self, value: i128) -> Result<Quantity, E> {
+                Ok(Quantity::Number(value as f64))
+            }
+
             fn visit_str<E>(self, text: &str) -> Result<Quantity, E> {
                 Ok(Quantity::Text(text.to_owned()))
             }

@@ -257,22 +257,6 @@ fn two_segments(velocity: f64) -> Vec<Segment> {
     ]
 }
 
-fn every_end() -> Vec<EndCondition> {
-    vec![
-        common::moved(15.0),
-        common::moved_by(&[(0.0, -10.0), (5e-5, -10.0), (5e-5, 3.0)]),
-        EndCondition::Velocity { history: barwave::bar::History::constant(20.0), release: Some(4e-5) },
-        common::loaded_by(&[(0.0, -300e6), (6e-5, -300e6), (6e-5, 100e6)]),
-        EndCondition::Free,
-        EndCondition::Fixed,
-        EndCondition::Absorbing,
-        EndCondition::Wall { gap: 0.0 },
-        EndCondition::Wall { gap: 1e-4 },
-        EndCondition::Striker { mass: 5.0, velocity: 20.0 },
-        EndCondition::Spring { stiffness: 1e9 },
-    ]
-}
-
 fn mirrored(end: EndCondition) -> EndCondition {
     match end {
         EndCondition::Striker { mass, velocity } => EndCondition::Striker { mass, velocity: -velocity },
@@ -293,7 +277,7 @@ fn strengths() -> Vec<Along> {
 /// Energy and momentum balance to rounding with every end, in elastic and plastic bars of two materials and areas.
 #[test]
 fn the_ledger_closes_with_every_end() {
-    let ends = every_end();
+    let ends = common::busy_ends(AREA);
     for (k, along) in strengths().iter().enumerate() {
         for (i, left) in ends.iter().enumerate() {
             let right = mirrored(ends[(i + 3) % ends.len()].clone());

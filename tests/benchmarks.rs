@@ -134,12 +134,7 @@ fn p2_and_p3_converge() {
 
 /// A smooth pulse below yield, sin^4, 0.2 L long, with its exact solution sigma = -rho c0 v(t - x/c0).
 fn smooth_pulse(cells: usize) -> f64 {
-    let duration = 0.2 / c0();
-    let row = |k: u32| {
-        let s = f64::from(k) / 4000.0;
-        (s * duration, 5.0 * (std::f64::consts::PI * s).sin().powi(4))
-    };
-    let history = common::history(&(0..=4000).map(row).collect::<Vec<_>>());
+    let history = common::smooth_pulse(0.2 / c0());
     let pushed = EndCondition::Velocity { history: history.clone(), release: None };
     let segment = common::segment(common::elastic_steel(), 1.0);
     let mut bar = common::leapfrog(vec![segment], [pushed, EndCondition::Free], None, cells, 0.5);

@@ -1,18 +1,12 @@
 //! `barwave critical`, `compare` and `materials` through the real binary.
 
-use std::path::Path;
-use std::process::{Command, Output};
+#[path = "common/binary.rs"]
+mod binary;
 
+use std::process::Output;
+
+use binary::barwave;
 use serde_json::Value;
-
-fn barwave(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_barwave"))
-        .args(arguments)
-        .current_dir(folder)
-        .env_remove("BARWAVE_MATERIALS")
-        .output()
-        .expect("the binary runs")
-}
 
 fn json(output: &Output) -> Value {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));

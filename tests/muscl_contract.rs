@@ -5,7 +5,7 @@ mod common;
 #[path = "common/muscl.rs"]
 mod muscl;
 
-use barwave::bar::{EndCondition, History, Joint, Segment};
+use barwave::bar::{EndCondition, Joint, Segment};
 use barwave::record::View;
 use barwave::scene::Unloading;
 use barwave::solver::fd::Quantity;
@@ -18,28 +18,12 @@ fn c0() -> f64 {
     (MODULUS / DENSITY).sqrt()
 }
 
-/// One of every kind, the driven ones strong enough for the bar to yield (at 5 m/s or 200 MPa).
 fn busy_ends() -> Vec<EndCondition> {
-    let ramp = [(0.0, 0.0), (2e-5, 15.0), (9e-5, 15.0), (9e-5, -12.0), (2e-4, 0.0)];
-    vec![
-        common::moved(12.0),
-        common::moved_by(&ramp),
-        EndCondition::Velocity { history: History::constant(-18.0), release: Some(7.7e-5) },
-        common::loaded_by(&[(0.0, -300e6), (5e-5, -300e6), (5e-5, 100e6), (1.1e-4, 250e6)]),
-        EndCondition::Free,
-        EndCondition::Fixed,
-        EndCondition::Absorbing,
-        EndCondition::Wall { gap: 0.0 },
-        EndCondition::Wall { gap: 2e-4 },
-        EndCondition::Striker { mass: 3000.0, velocity: 14.0 },
-        EndCondition::Striker { mass: 800.0, velocity: -9.0 },
-        EndCondition::Spring { stiffness: 3e10 },
-        EndCondition::Spring { stiffness: 1e15 },
-    ]
+    common::busy_ends(common::BUSY_AREA)
 }
 
 fn bar_of(cells: usize, ends: [EndCondition; 2], velocity: f64, unloading: Option<Unloading>, cfl: f64) -> Muscl {
-    let segment = Segment { velocity, area: 0.7, ..common::segment(common::power_law_steel(), 1.0) };
+    let segment = Segment { velocity, area: common::BUSY_AREA, ..common::segment(common::power_law_steel(), 1.0) };
     muscl::muscl(vec![segment], ends, unloading, cells, cfl)
 }
 

@@ -156,10 +156,10 @@ fn the_characteristic_net_allocates_nothing_from_its_first_step_on() {
 
 #[test]
 fn only_yielded_blocks_carry_state() {
-    // 100 steps after the start, waves are within the first block of 128 cells.
+    // 100 steps after the start, waves are within the first block of 256 cells.
     let mut bar = struck(20.0, Some(Unloading::Isotropic));
     common::advance(&mut bar, 100);
-    assert_eq!(bar.state_bytes(), 8 * 2 * 128);
+    assert_eq!(bar.state_bytes(), 8 * 2 * 256);
 }
 
 /// Nodes, free places, meetings, steps of the ends, and what thinning works with are kept in 17 lists, which double when

@@ -58,8 +58,13 @@ fn start(path: &Path, frames: usize, stress: f64) -> Writer {
 }
 
 fn finished(path: &Path) -> ResultFile {
-    let audit =
-        AuditRow { effect: "heat".into(), estimate: 9.0, threshold: 3.0, message: "it would be 9 K warmer".into() };
+    let audit = AuditRow {
+        effect: "heat".into(),
+        estimate: 9.0,
+        threshold: 3.0,
+        finding: "it would be 9 K warmer".into(),
+        remedy: String::new(),
+    };
     let fronts = [front(5000.0, 1e8), front(500.0, 2e8)];
     start(path, 11, 1e8).finish("done", &fronts, &[audit], Finish::default()).unwrap();
     ResultFile::open(path).unwrap()

@@ -1,21 +1,16 @@
 //! Every scene in runs/ through the real binary, and what `barwave run` promises of its output.
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+#[path = "common/binary.rs"]
+mod binary;
 
+use std::path::{Path, PathBuf};
+use std::process::Output;
+
+use binary::barwave;
 use serde_json::Value;
 
 fn runs() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("runs")
-}
-
-fn barwave(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_barwave"))
-        .args(arguments)
-        .current_dir(folder)
-        .env_remove("BARWAVE_MATERIALS")
-        .output()
-        .expect("the binary runs")
 }
 
 /// `barwave run` of a scene of runs/ with `--json`, in a folder of its own.
@@ -41,7 +36,7 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
 }
 
-const KEYS: [&str; 21] = [
+const KEYS: [&str; 22] = [
     "scene",
     "outcome",
     "method",
@@ -63,6 +58,7 @@ const KEYS: [&str; 21] = [
     "ledger",
     "error",
     "audit",
+    "notes",
 ];
 const FRONT_KEYS: [&str; 7] = [
     "strain_ahead",
@@ -738,8 +734,56 @@ fn wrong_places_are_refused() {
     assert_refused(&barwave(folder.path(), &["run", &scene, "-o", "no/such/a.h5"]), &["no/such", "does not exist"]);
     assert_refused(&barwave(folder.path(), &["run", &scene, "-o", "."]), &["is a folder"]);
     assert_refused(&barwave(folder.path(), &["run", "smal.toml"]), &["smal.toml", "no such file"]);
+    // Above all not in place of the scene.
+    let before = std::fs::read(folder.path().join(&scene)).expect("a scene");
+    assert_refused(&barwave(folder.path(), &["run", &scene, "-o", &scene]), &["is there already", "no result file"]);
+    assert_eq!(std::fs::read(folder.path().join(&scene)).expect("a scene"), before);
+    assert_refused(&barwave(folder.path(), &["report", ".", "-o", "a.svg"]), &["is a folder"]);
+    for (set, words) in [
+        ("bar.segment.5.length=1", ["bar.segment.5.length", "no item 5: the scene has no such list"]),
+        ("solve.cells.x=5", ["solve.cells.x", "cannot stand inside"]),
+        ("solve=3", ["solve", "integer `3`, expected a table"]),
+    ] {
+        assert_refused(&barwave(folder.path(), &["run", &scene, "--set", set]), &words);
+    }
     let wrong = ["run", &scene, "--set", "solve.cfl=1.5"];
     assert_refused(&barwave(folder.path(), &wrong), &["solve.cfl", "1.5", "0 < cfl <= 1"]);
     // Nothing is left behind.
     assert_eq!(std::fs::read_dir(folder.path()).expect("a folder").count(), 1);
+}
+
+/// Grids whose bars strike each other ring at Courant number 1. Every command that reads such a scene says so, and the result
+/// file keeps it.
+#[test]
+fn a_courant_number_at_which_bars_ring_is_noted() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = std::fs::read_to_string(runs().join("split-hopkinson.toml")).expect("a scene");
+    let of_a_wall = "[bar]\nlength = 0.1\nmaterial = { name = \"steel\", density = 7800, modulus = 200e9, beyond = \"extend\", \
+                     curve = { table = [[0.001, 200e6]] } }\nvelocity = 1\n[left]\nkind = \"free\"\n[right]\n\
+                     kind = \"wall\"\ngap = 1e-5\n[solve]\nuntil = 2e-5\n";
+    let shorter = text.replace("until = \"", "cfl = 1\nuntil = 2e-5 # \"");
+    assert_ne!(text, shorter);
+    for (name, text, rings) in [
+        ("bars.toml", shorter.clone(), true),
+        ("default.toml", shorter.replace("cfl = 1\n", ""), false),
+        ("wall.toml", format!("{of_a_wall}cfl = 0.996\n"), true),
+        ("at-the-default.toml", format!("{of_a_wall}cfl = 0.995\n"), false),
+        ("touching.toml", format!("{of_a_wall}cfl = 1\n").replace("gap = 1e-5", "gap = 0"), false),
+        ("muscl.toml", format!("{of_a_wall}scheme = \"muscl\"\ncfl = 1\n"), false),
+    ] {
+        std::fs::write(folder.path().join(name), text).expect("a file");
+        for command in [&["check", name] as &[&str], &["plan", name], &["run", name, "-o", "out.h5"]] {
+            let output = barwave(folder.path(), command);
+            let stdout = String::from_utf8_lossy(&output.stdout);
+            assert_eq!(output.status.code(), Some(0), "{command:?}: {}", String::from_utf8_lossy(&output.stderr));
+            assert_eq!(stdout.contains("  note: at cfl = "), rings, "{command:?}: {stdout}");
+        }
+        for command in [&["plan", name, "--json"] as &[&str], &["run", name, "--json", "-o", "out.h5"]] {
+            let output = barwave(folder.path(), command);
+            let value: Value = serde_json::from_slice(&output.stdout).expect("one JSON value");
+            assert_eq!(value["notes"].as_array().map(Vec::len), Some(usize::from(rings)), "{command:?}: {value}");
+        }
+        let file = barwave::record::store::ResultFile::open(&folder.path().join("out.h5")).expect("a result file");
+        assert_eq!(file.facts().notes.len(), usize::from(rings), "{name}");
+    }
 }

@@ -734,6 +734,37 @@ const CASES: &[Case] = &[
         "left.kind",
         &["a bar in torsion only"],
     ),
+    // Far outside of what can be done, and values of another type.
+    case(
+        "until = \"200 us\"",
+        "until = 1e300",
+        "until = 1e300",
+        "solve.until",
+        &["the run would take 5.1e306 steps of 1000 cells", "at most 1e12 steps", "take a shorter time"],
+    ),
+    case(
+        "density = \"7800 kg/m^3\"",
+        "density = 1e-300",
+        "until",
+        "solve.until",
+        &["the run would take inf steps", "whether length, modulus and density are right"],
+    ),
+    case("frames = 101", "frames = 99999999999999999999", "frames", "record.frames", &["out of range", "1 <= frames"]),
+    case(
+        "until = \"200 us\"",
+        "until = 2020-01-01",
+        "2020",
+        "solve.until",
+        &["date or time, expected a number", "help: write a number"],
+    ),
+    case("frames = 101", "times = [[0, 1]]", "times", "record.times.0", &["invalid type: list, expected a number"]),
+    case(
+        "[[0.001, \"200 MPa\"], [0.1, \"400 MPa\"]]",
+        "[]",
+        "table = []",
+        "bar.material.curve.table",
+        &["at least one row with a strain above 0"],
+    ),
     // No TOML at all.
     case("length = \"1 m\"", "length = 1 m", "length", "", &["help: "]),
     case("title = ", "title = \"twice\"\ntitle = ", "title", "title", &["the key stands twice", "keep one of the two"]),

@@ -8,7 +8,7 @@ use barwave::error::Error;
 use barwave::material::Provenance;
 use barwave::record::store::{Finish, Header, Layout, RUNNING, ResultFile, Side, Writer};
 use barwave::record::{
-    AuditRow, Compression, ErrorFigure, Field, Frame, FrontRow, LedgerRow, MaterialRecord, Precision, Trace,
+    AuditRow, Compression, ErrorFigure, Field, Frame, FrontRow, LedgerRow, MaterialRecord, PathRow, Precision, Trace,
 };
 
 const SPEED: f64 = 5000.0;
@@ -47,6 +47,7 @@ fn header() -> Header {
         method: "fd".into(),
         scheme: "leapfrog".into(),
         critical_velocity: Some(44.5),
+        notes: vec!["µ: a note".into()],
         torsion: None,
     }
 }
@@ -106,7 +107,13 @@ fn start(path: &Path, layout: &Layout, frames: usize) -> Writer {
 }
 
 fn audit() -> AuditRow {
-    AuditRow { effect: "heat".into(), estimate: 3.0, threshold: 10.0, message: "3 K warmer".into() }
+    AuditRow {
+        effect: "heat".into(),
+        estimate: 3.0,
+        threshold: 10.0,
+        finding: "3 K warmer".into(),
+        remedy: "Switch on with [effects] heat = {}".into(),
+    }
 }
 
 fn finish(writer: Writer) {
@@ -143,7 +150,7 @@ fn a_finished_file_gives_everything_back() {
     let facts = file.facts();
     assert_eq!((facts.outcome.as_str(), facts.is_unfinished()), ("done", false));
     assert_eq!((&facts.scene, &facts.effects), (&header().scene, &header().effects));
-    assert_eq!(facts.critical_velocity, Some(44.5));
+    assert_eq!((facts.critical_velocity, facts.notes.as_slice()), (Some(44.5), ["µ: a note".to_owned()].as_slice()));
     assert_eq!((facts.wall_seconds, facts.cell_steps), (Some(1.5), Some(12_345)));
     assert_eq!(facts.error.as_ref().unwrap().value, 1e-3);
     assert_eq!(facts.energy_units, "J");
@@ -155,7 +162,10 @@ fn a_finished_file_gives_everything_back() {
     assert_eq!((left.velocity[3], left.strain.len()), (6.0, 0));
     assert_eq!(file.end(Side::Right).unwrap().time.len(), 0);
     assert_eq!(file.ledger().unwrap(), (0..FRAMES).map(ledger).collect::<Vec<_>>());
-    assert_eq!(file.audit().unwrap(), [audit()]);
+    // The file has the finding and its remedy in one message.
+    let [row] = file.audit().unwrap().try_into().unwrap();
+    assert_eq!(AuditRow { finding: row.finding.clone(), remedy: String::new(), ..audit() }, row);
+    assert_eq!(row.message(), "heat: 3 K warmer. Switch on with [effects] heat = {}");
     assert_eq!(file.materials().unwrap(), [material()]);
 
     let fronts = file.fronts().unwrap();
@@ -197,6 +207,34 @@ fn other_numbers_and_compressions_read_alike() {
         finish(start(&path, &layout, FRAMES));
         // -100e6 and 2 are exact in 4 bytes, so the comparison stays exact.
         assert_frames(&ResultFile::open(&path).unwrap(), &layout, FRAMES);
+    }
+}
+
+fn piece(index: usize) -> PathRow {
+    let n = index as f64;
+    PathRow { x0: n, t0: 0.1 * n, x1: n + 1.0, t1: 0.1 * n + 0.1, stress_jump: -n, speed: 10.0 }
+}
+
+/// More pieces than several chunks hold, handed over in lots that fill none.
+#[test]
+fn pieces_of_fronts_are_kept_whatever_the_compression() {
+    let folder = tempfile::tempdir().unwrap();
+    let pieces: Vec<PathRow> = (0..9900).map(piece).collect();
+    for compression in [Compression::Lzf, Compression::None, Compression::Deflate] {
+        let path = folder.path().join("fronts.h5");
+        let layout = Layout { compression, paths: true, ..layout() };
+        let begin = || {
+            let mut writer = start(&path, &layout, 2);
+            pieces.chunks(700).for_each(|rows| writer.paths(rows.to_vec()).unwrap());
+            writer
+        };
+        finish(begin());
+        assert_eq!(ResultFile::open(&path).unwrap().paths().unwrap(), pieces);
+        // Of a run that never ended a part of a chunk may be missing, where chunks are compressed.
+        drop(begin());
+        let kept = ResultFile::open(&path).unwrap().paths().unwrap();
+        let lost = if compression == Compression::None { 0 } else { pieces.len() % 4096 };
+        assert_eq!(kept, pieces[..pieces.len() - lost]);
     }
 }
 

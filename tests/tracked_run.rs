@@ -5,7 +5,7 @@ mod common;
 use std::path::Path;
 
 use barwave::assemble;
-use barwave::record::store::{ResultFile, Side};
+use barwave::record::store::{Gauge, ResultFile, Side};
 use barwave::record::{Field, Trace};
 use barwave::run::{self, Wish};
 use barwave::scene::Scene;
@@ -97,6 +97,16 @@ fn assert_steps(trace: &Trace, name: &str) {
     }
 }
 
+/// What the gauges say of a time is the state of the bar there, to the bit.
+fn assert_gauges_see(gauges: &[Gauge], bar: &FrontTracking, t: f64) {
+    for gauge in gauges {
+        let row = gauge.trace.time.partition_point(|&row| row <= t) - 1;
+        let state = bar.state_at(gauge.x);
+        let seen = [gauge.trace.stress[row], gauge.trace.strain[row], gauge.trace.velocity[row]];
+        assert_eq!(seen, [state.stress, state.strain, state.velocity], "{} at t = {t}", gauge.name);
+    }
+}
+
 #[test]
 fn gauges_are_exact_steps() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -111,12 +121,7 @@ fn gauges_are_exact_steps() {
         for k in 1..500 {
             let t = UNTIL * (f64::from(k) + 0.123_456) / 500.0;
             bar.advance_to(t).expect("it goes on");
-            for gauge in &gauges {
-                let row = gauge.trace.time.partition_point(|&row| row <= t) - 1;
-                let state = bar.state_at(gauge.x);
-                let seen = [gauge.trace.stress[row], gauge.trace.strain[row], gauge.trace.velocity[row]];
-                assert_eq!(seen, [state.stress, state.strain, state.velocity], "{} at t = {t}", gauge.name);
-            }
+            assert_gauges_see(&gauges, &bar, t);
         }
         for gauge in &gauges {
             assert_steps(&gauge.trace, &gauge.name);
@@ -144,12 +149,7 @@ fn a_gauge_where_fronts_meet_sees_only_what_lasts() {
     for k in 0..400 {
         let t = 4.0 * transit * (f64::from(k) + 0.371) / 400.0;
         bar.advance_to(t).expect("it goes on");
-        for gauge in &gauges {
-            let row = gauge.trace.time.partition_point(|&row| row <= t) - 1;
-            let state = bar.state_at(gauge.x);
-            let seen = [gauge.trace.stress[row], gauge.trace.strain[row], gauge.trace.velocity[row]];
-            assert_eq!(seen, [state.stress, state.strain, state.velocity], "{} at t = {t}", gauge.name);
-        }
+        assert_gauges_see(&gauges, &bar, t);
     }
     for gauge in &gauges {
         for k in 2..gauge.trace.time.len() {

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use toml::de::DeTable;
 
 use super::message;
+use super::run::note_lines;
 use crate::error::{Error, InputError, Result};
 use crate::input::Document;
 use crate::material;
@@ -34,7 +35,10 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let mut last: Option<Error> = None;
     for file in &args.files {
         match check(file) {
-            Ok(what) => println!("{}: ok ({what})", file.display()),
+            Ok((what, notes)) => {
+                println!("{}: ok ({what})", file.display());
+                note_lines(&notes).for_each(|line| println!("{line}"));
+            }
             Err(error) => {
                 if let Some(before) = last.replace(error) {
                     message::show(&before);
@@ -45,11 +49,21 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     last.map_or(Ok(()), Err)
 }
 
-fn check(file: &Path) -> Result<&'static str> {
+/// What the file is, and notes on what it asks for.
+fn check(file: &Path) -> Result<(&'static str, Vec<String>)> {
     let document = Document::read(file)?;
     match kind(&document)? {
-        Kind::Scene => Problem::read(file, &[]).map(|_| "scene"),
-        Kind::Material => material::library::find(&path_text(file), Path::new("")).map(|_| "material"),
+        Kind::Scene => {
+            let notes = match Problem::read(file, &[])? {
+                Problem::Bar(scene) => scene.notes(),
+                Problem::Specimen(_) => Vec::new(),
+            };
+            Ok(("scene", notes))
+        }
+        Kind::Material => {
+            material::library::find(&path_text(file), Path::new(""))?;
+            Ok(("material", Vec::new()))
+        }
     }
 }
 

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::output;
-use super::run::front_lines;
+use super::run::{front_lines, note_lines};
 use crate::error::Result;
 use crate::record::EnergySummary;
 use crate::scene::Problem;
@@ -74,6 +74,7 @@ fn text(plan: &Plan, units: System) -> String {
     );
     line("critical velocity", critical);
     lines.extend(front_lines(&plan.fronts, units));
+    lines.extend(note_lines(&plan.notes));
     lines.join("\n") + "\n"
 }
 

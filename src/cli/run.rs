@@ -9,6 +9,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::output;
 use crate::error::{Error, InputError, Result};
+use crate::record::store;
 use crate::record::{AuditRow, AutoChoice, ChoiceSummary, EndSummary, FrontSummary, RuptureSummary, Summary};
 use crate::run::{self, Progress, Wish};
 use crate::scene::{Problem, SpecimenScene};
@@ -108,6 +109,10 @@ fn check_output(output: &Path) -> Result<()> {
     if output.is_dir() {
         let message = std::format!("the output {} is a folder", output.display());
         return Err(InputError::new(message).help("give a file name, such as result.h5").into());
+    }
+    if output.is_file() && !store::is_hdf5(output) {
+        let message = std::format!("the output {} is there already, and is no result file", output.display());
+        return Err(InputError::new(message).help("choose another name with -o, or move that file away").into());
     }
     if !folder.is_dir() {
         let message = std::format!("the output's folder {} does not exist", folder.display());
@@ -229,6 +234,7 @@ fn text(s: &Summary, units: System) -> String {
     line("time", std::format!("{:.3} s, of it stepping {:.3} s ({rate})", s.wall_s, s.step_wall_s));
     line("result", s.output.clone());
     lines.extend(front_lines(&s.fronts, units));
+    lines.extend(note_lines(&s.notes));
     lines.extend(audit_lines(&s.audit));
     lines.join("\n") + "\n"
 }
@@ -243,10 +249,15 @@ pub(super) fn choice_text(choice: &AutoChoice) -> String {
     std::format!("{} {}: {}", choice.effect, if choice.on { "on" } else { "off" }, choice.why)
 }
 
+/// Notes on what a scene asks for, below a summary or a plan.
+pub(super) fn note_lines(notes: &[String]) -> impl Iterator<Item = String> {
+    notes.iter().map(|note| std::format!("  note: {note}"))
+}
+
 /// A line for each neglected effect that matters, and one for all others.
 fn audit_lines(rows: &[AuditRow]) -> Vec<String> {
     let mut lines: Vec<String> =
-        rows.iter().filter(|row| row.matters()).map(|row| std::format!("  note: {}", row.message)).collect();
+        rows.iter().filter(|row| row.matters()).map(|row| std::format!("  note: {}", row.message())).collect();
     let size = |row: &AuditRow| {
         if row.estimate.is_nan() {
             std::format!("{} unknown", row.effect)
@@ -302,8 +313,9 @@ pub(super) fn front_lines(fronts: &[FrontSummary], units: System) -> Vec<String>
         lines.push(std::format!(
             "  {:<9}{:>13.6}{:>13.6}{:>15}{:>15}{:>14}{:>14}",
             front.origin,
-            front.strain_ahead,
-            front.strain_behind,
+            // A compression wave into a resting bar starts from 0, not from -0.
+            front.strain_ahead + 0.0,
+            front.strain_behind + 0.0,
             format(front.stress_behind, Dimension::Stress, units),
             format(front.speed, Dimension::Velocity, units),
             front.speed_measured.map_or_else(unknown, |v| format(v, Dimension::Velocity, units)),

@@ -152,8 +152,11 @@ impl<'a> Given<'a> {
         match &self.data {
             Data::Law(_, span) => keys.error(span.clone(), &format!("{}.formula", self.name), message),
             Data::Table(_, numbers) => {
-                let span = numbers.get(row).map_or(0..0, |(a, b)| a.span().start..b.span().end);
-                keys.error(span, &format!("{}.table", self.name), message)
+                let key = format!("{}.table", self.name);
+                let of_row = numbers.get(row).map(|(a, b)| a.span().start..b.span().end);
+                // A table without rows has nothing but itself to show.
+                let span = of_row.or_else(|| keys.span_of(&key)).unwrap_or(0..0);
+                keys.error(span, &key, message)
             }
             Data::Csv(file) => file.error(row, &keys.key(&format!("{}.csv", self.name)), message),
         }

@@ -146,6 +146,11 @@ impl Keys<'_> {
         self.doc.error(span, &self.key(key), message)
     }
 
+    /// Where the value of a key stands; none where the text has no such key.
+    pub(super) fn span_of(&self, key: &str) -> Option<Range<usize>> {
+        self.doc.span_of(&self.key(key))
+    }
+
     pub(super) fn number(&self, value: &Number, key: &str, dimension: Dimension, allowed: Allowed) -> Result<f64> {
         self.doc.number(value, &self.key(key), dimension, allowed)
     }
@@ -157,6 +162,6 @@ impl Keys<'_> {
         dimension: Dimension,
         allowed: Allowed,
     ) -> Result<Option<f64>> {
-        value.map(|v| self.number(v, key, dimension, allowed)).transpose()
+        self.doc.optional(value, &self.key(key), dimension, allowed)
     }
 }

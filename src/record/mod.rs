@@ -16,7 +16,8 @@ mod tracked_fronts;
 mod view;
 mod warmth;
 
-use serde::Serialize;
+use serde::ser::SerializeStruct;
+use serde::{Serialize, Serializer};
 
 pub use audit::{
     Audit, Case, LOOKS, Off, above_critical, broken_end, broken_inside, end_of_data, past_data, unresolved_flow,
@@ -260,22 +261,47 @@ pub struct PathRow {
 }
 
 /// A neglected effect, and how large it would have been; see [`Audit`].
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct AuditRow {
     /// e.g. "unloading".
     pub effect: String,
-    /// Estimated relative change of the stress, or what `message` says; NaN (in JSON null) where nothing is known.
+    /// Estimated relative change of the stress, or what `finding` says; NaN (in JSON null) where nothing is known.
     pub estimate: f64,
-    /// Size from which it matters: the run's `audit-tolerance`, or what `message` says.
+    /// Size from which it matters: the run's `audit-tolerance`, or what `finding` says.
     pub threshold: f64,
-    /// One line for people: estimate, place, time, and the key that would switch it on.
-    pub message: String,
+    /// For people: size, place, time.
+    pub finding: String,
+    /// What would bring the effect in, e.g. "Switch on with [effects] heat = {}"; empty where there is nothing to say, and in
+    /// rows read from a file, whose `finding` has it.
+    pub remedy: String,
 }
 
 impl AuditRow {
     /// The effect would have changed the answer.
     pub fn matters(&self) -> bool {
         self.estimate >= self.threshold
+    }
+
+    /// The finding, and what would bring the effect in.
+    pub fn advice(&self) -> String {
+        let stop = if self.remedy.is_empty() { "" } else { ". " };
+        format!("{}{stop}{}", self.finding, self.remedy)
+    }
+
+    /// One line for people: effect, finding, and the key that would switch it on.
+    pub fn message(&self) -> String {
+        format!("{}: {}", self.effect, self.advice())
+    }
+}
+
+impl Serialize for AuditRow {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut row = serializer.serialize_struct("AuditRow", 4)?;
+        row.serialize_field("effect", &self.effect)?;
+        row.serialize_field("estimate", &self.estimate)?;
+        row.serialize_field("threshold", &self.threshold)?;
+        row.serialize_field("message", &self.message())?;
+        row.end()
     }
 }
 

@@ -69,6 +69,8 @@ pub struct Summary {
     pub temperature_rise: Option<f64>,
     /// Neglected effects.
     pub audit: Vec<AuditRow>,
+    /// What does not go well in what the scene asks for, a sentence each.
+    pub notes: Vec<String>,
     /// Result file.
     pub output: String,
 }

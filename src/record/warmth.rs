@@ -28,10 +28,11 @@ pub fn flowed_both_ways(material: &Material, places: impl Iterator<Item = (f64, 
         effect: "heat".into(),
         estimate: largest,
         threshold: UNCERTAIN,
-        message: std::format!(
-            "heat: places of {} flowed in tension and in compression, which have curves of their own; their temperature is \
+        finding: std::format!(
+            "places of {} flowed in tension and in compression, which have curves of their own; their temperature is \
              known to {largest:.0} K. One curve for both (`symmetry` left out) or a `rate` with method = \"fd\" follows it exactly",
             material.name
         ),
+        remedy: String::new(),
     })
 }

@@ -58,6 +58,9 @@ fn facts_table(facts: &Facts) -> String {
     }
     add("method", format!("{} {}", facts.method, facts.scheme));
     add("effects", if facts.effects.is_empty() { "none".into() } else { facts.effects.join(", ") });
+    for note in &facts.notes {
+        add("note", note.clone());
+    }
     if let Some(velocity) = facts.critical_velocity {
         add("critical impact velocity", format!("{} m/s", four_digits(velocity)));
     }
@@ -178,7 +181,7 @@ fn audit_list(file: &ResultFile) -> Result<String> {
     let items: String = rows
         .iter()
         .map(|row| {
-            let line = format!("<b>{}</b>: {}", escape(&row.effect), escape(&row.message));
+            let line = format!("<b>{}</b>: {}", escape(&row.effect), escape(&row.advice()));
             if row.estimate.abs() >= row.threshold {
                 format!("<li>{line} <em>(matters)</em></li>\n")
             } else {

@@ -139,14 +139,12 @@ fn can_be_written(effect: &str) -> bool {
     WRITTEN.iter().any(|(key, _)| *key == effect)
 }
 
-/// The finding without the advice to switch it on.
 fn why(row: &AuditRow) -> String {
-    let message = row.message.split(". Switch on with").next().unwrap_or_default();
-    let finding = message.split_once(": ").map_or(message, |parts| parts.1);
     format!(
-        "changes the stress by about {:.2} % (tolerance {:.2} %): {finding}",
+        "changes the stress by about {:.2} % (tolerance {:.2} %): {}",
         100.0 * row.estimate,
-        100.0 * row.threshold
+        100.0 * row.threshold,
+        row.finding
     )
 }
 

@@ -5,7 +5,7 @@ use super::{case, steps, struck_too_hard};
 use crate::assemble;
 use crate::bar::launches;
 use crate::record::{self, Audit, AuditRow, LOOKS, Stepped, View};
-use crate::scene::{Method, Scene, leapfrog_cfl};
+use crate::scene::{Method, Scene};
 use crate::solver::fd::Sampling;
 
 /// Cells of the coarse grid; never more than half of the run's own.
@@ -19,7 +19,7 @@ pub fn estimate(scene: &Scene) -> Vec<AuditRow> {
         }
         Method::FrontTracking { .. } => CELLS,
     };
-    let mut bar = assemble::leapfrog(scene, cells, leapfrog_cfl(&scene.bar, [&scene.left, &scene.right]));
+    let mut bar = assemble::leapfrog(scene, cells, scene.default_courant());
     let steps = steps(scene, bar.grid().dt);
     let mut audit = Audit::new(&case(scene, Some(bar.grid().cells())));
     let watched = Sampling::at(bar.grid(), audit.places().to_vec());

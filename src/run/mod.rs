@@ -324,6 +324,7 @@ impl<'a> Book<'a> {
             auto: None,
             temperature_rise: findings.temperature_rise,
             audit: findings.audit,
+            notes: self.scene.notes(),
             output: self.output,
         }
     }
@@ -366,6 +367,7 @@ fn create_file(scene: &Scene, path: &Path, x: Vec<f64>, sampling: &str, critical
         method: method.into(),
         scheme: scheme.into(),
         critical_velocity: critical,
+        notes: scene.notes(),
         torsion: scene.torsion.as_ref().map(|torsion| torsion.radius),
     };
     let layout = Layout {

@@ -26,6 +26,7 @@ pub fn run_specimen(scene: &SpecimenScene, output: Option<&Path>) -> Result<Ener
             method: summary.method.clone(),
             scheme: summary.scheme.clone(),
             critical_velocity: None,
+            notes: Vec::new(),
         };
         let materials: Vec<MaterialRecord> = scene.material.iter().map(|m| MaterialRecord::from(m.as_ref())).collect();
         let ending = (summary.outcome.as_str(), started.elapsed().as_secs_f64());

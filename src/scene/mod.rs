@@ -2,6 +2,7 @@
 
 mod auto;
 mod check;
+mod courant;
 mod cut;
 mod effects;
 mod not_yet;
@@ -12,12 +13,13 @@ mod specimen;
 
 use std::path::{Path, PathBuf};
 
-use crate::bar::{Bar, EndCondition, Joint, Segment};
+use crate::bar::{Bar, EndCondition};
 use crate::error::{InputError, Result};
 use crate::input::Document;
 use crate::record::{Compression, Field, Precision, SolvedBy};
 
 pub use auto::Auto;
+pub use courant::default_courant;
 pub use cut::{Cut, MOST_PIECES};
 pub use effects::{Damping, Effects, Heat, Rate, Rupture, Unloading};
 use overrides::Overrides;
@@ -144,19 +146,6 @@ impl Way {
         Self { method: "fd", scheme: Some("muscl") },
         Self { method: "fd", scheme: Some("leapfrog") },
     ];
-}
-
-/// Courant number of leapfrog where blows can repeat. At 1 the scheme's two lattices keep a zigzag between them for nothing,
-/// and every further blow may add to it without bound; half a hundredth less ties them together, and front widths stay
-/// those of 1.
-const BLOW_CFL: f64 = 0.995;
-
-/// Leapfrog's Courant number where none is given: 1, or a little less where parts of the bar can part and meet, or the bar and
-/// a wall across a gap, and may do so again and again.
-pub fn leapfrog_cfl(bar: &Bar, ends: [&EndCondition; 2]) -> f64 {
-    let wall = |end: &&EndCondition| matches!(end, EndCondition::Wall { gap } if *gap > 0.0);
-    let joint = |segment: &Segment| matches!(segment.joint, Joint::Contact { .. });
-    if ends.iter().any(wall) || bar.segments.iter().any(joint) { BLOW_CFL } else { 1.0 }
 }
 
 impl Solve {

@@ -110,8 +110,11 @@ impl Override {
 fn step<'a>(item: &'a mut Item, part: &str) -> std::result::Result<&'a mut Item, String> {
     match item {
         Item::ArrayOfTables(_) | Item::Value(Value::Array(_)) => step_index(item, part),
+        Item::None if part.parse::<usize>().is_ok() => {
+            Err(format!("there is no item {part}: the scene has no such list, and no item can be added to it here"))
+        }
         Item::None | Item::Table(_) | Item::Value(Value::InlineTable(_)) => Ok(&mut item[part]),
-        Item::Value(_) => Err(format!("`{part}` cannot stand inside a {}", item.type_name())),
+        Item::Value(_) => Err(format!("`{part}` cannot stand inside a value of the type {}", item.type_name())),
     }
 }
 

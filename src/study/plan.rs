@@ -43,6 +43,8 @@ pub struct Plan {
     pub critical_velocity: Option<f64>,
     /// The scene drives the bar beyond it.
     pub above_critical: bool,
+    /// What does not go well in what the scene asks for, a sentence each.
+    pub notes: Vec<String>,
     /// How tapered segments are cut into uniform pieces, by methods that do so.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub staircase: Option<Staircase>,
@@ -160,9 +162,15 @@ pub fn plan(scene: &Scene) -> Plan {
     let scene = cut.as_ref().unwrap_or(scene);
     let [method, scheme] = scene.solve.method.names();
     let (work, cells) = match scene.solve.method {
-        Method::Leapfrog { cells, cfl } => grid_work(scene, &Grid::new(&scene.bar, cells, cfl)),
-        Method::Muscl { cells, cfl } => muscl_work(scene, &Grid::new(&scene.bar, cells, cfl)),
-        Method::CharacteristicNet { cells } => net_work(scene, &Lattice::new(&scene.bar, cells)),
+        Method::Leapfrog { cells, cfl } => {
+            let grid = Grid::new(&scene.bar, cells, cfl);
+            grid_work(scene, &grid, &leapfrog_cell(scene, &grid))
+        }
+        Method::Muscl { cells, cfl } => grid_work(scene, &Grid::new(&scene.bar, cells, cfl), &muscl_cell(scene)),
+        Method::CharacteristicNet { cells } => {
+            let lattice = Lattice::new(&scene.bar, cells);
+            grid_work(scene, &lattice.grid, &net_cell(scene, &lattice))
+        }
         Method::FrontTracking { front_tolerance, event_budget } => {
             (front_work(scene, front_tolerance, event_budget), 0)
         }
@@ -180,6 +188,7 @@ pub fn plan(scene: &Scene) -> Plan {
         fronts: all.iter().flat_map(fronts).collect(),
         critical_velocity: run::critical_velocity(asked, &all),
         above_critical: all.iter().any(|l| l.fan.above_critical),
+        notes: scene.notes(),
         staircase: scene.cut.as_ref().map(|cut| Staircase { pieces: cut.of.len(), reflects: cut.reflects }),
     }
 }
@@ -199,9 +208,33 @@ fn choose(scene: &Scene) -> Option<(Scene, PlannedChoice)> {
     Some((chosen, PlannedChoice { tolerance: tolerance.value, schemes, how }))
 }
 
+/// What a cell takes, elastic and once it flows.
+struct Cell {
+    /// Solver memory.
+    bytes: [usize; 2],
+    /// Time of a step, s.
+    seconds: [f64; 2],
+    net: Option<NetWork>,
+}
+
 /// The work on a grid, and its cells.
-fn grid_work(scene: &Scene, grid: &Grid) -> (Work, usize) {
+fn grid_work(scene: &Scene, grid: &Grid, cell: &Cell) -> (Work, usize) {
     let (cells, steps) = (grid.cells(), run::steps(scene, grid.dt));
+    let [elastic, yielded] = cell.bytes;
+    let work = Work::Grid {
+        cells,
+        dt_s: grid.dt,
+        steps,
+        bytes_per_elastic_cell: elastic,
+        bytes_per_yielded_cell: yielded,
+        memory_bytes: cells * yielded,
+        expected_s: cell.seconds.map(|one| one * (cells * steps) as f64),
+        net: cell.net,
+    };
+    (work, cells)
+}
+
+fn leapfrog_cell(scene: &Scene, grid: &Grid) -> Cell {
     let law = assemble::stepped_law(&scene.bar.segments[0], &scene.effects, grid.dt);
     let number = size_of::<f64>();
     // A bar that can break keeps the work of its cells.
@@ -214,7 +247,7 @@ fn grid_work(scene: &Scene, grid: &Grid) -> (Work, usize) {
     let elastic = 2 * number + sections + nodes;
     let yielded = (2 + law.law.state_len()) * number + 1 + work_kept + sections + yielded_nodes;
     let sweep = if along.is_some() { SWEEP } else { 0.0 };
-    let (elastic_cell, work) = (elastic_seconds_per_cell_step(), (cells * steps) as f64);
+    let elastic_cell = elastic_seconds_per_cell_step();
     let heated = scene.bar.segments.iter().any(|s| assemble::heat_of_state(&s.material, &scene.effects).is_some());
     let flowing = match scene.effects.rate {
         _ if heated => HEATED,
@@ -222,18 +255,7 @@ fn grid_work(scene: &Scene, grid: &Grid) -> (Work, usize) {
         Some(Rate::Malvern { .. }) => RATE_MALVERN,
         Some(_) => RATE_OTHER,
     };
-    let quickest = elastic_cell * work;
-    let work = Work::Grid {
-        cells,
-        dt_s: grid.dt,
-        steps,
-        bytes_per_elastic_cell: elastic,
-        bytes_per_yielded_cell: yielded,
-        memory_bytes: cells * yielded,
-        expected_s: [quickest, flowing * work].map(|stepping| stepping + sweep * work),
-        net: None,
-    };
-    (work, cells)
+    Cell { bytes: [elastic, yielded], seconds: [elastic_cell, flowing].map(|one| one + sweep), net: None }
 }
 
 /// Time of a step of a cell by muscl while it is elastic, and where it flows over the knots of a curve. Measured on bilinear
@@ -241,23 +263,10 @@ fn grid_work(scene: &Scene, grid: &Grid) -> (Work, usize) {
 const MUSCL_ELASTIC: f64 = 3e-9;
 const MUSCL_FLOWING: f64 = 60e-9;
 
-/// The work of muscl, and its cells.
-fn muscl_work(scene: &Scene, grid: &Grid) -> (Work, usize) {
-    let (cells, steps) = (grid.cells(), run::steps(scene, grid.dt));
+fn muscl_cell(scene: &Scene) -> Cell {
     let law = assemble::segment_law(&scene.bar.segments[0], &scene.effects);
-    let number = size_of::<f64>();
-    let (elastic, yielded) = (2 * number, (2 + law.law.state_len()) * number);
-    let work = Work::Grid {
-        cells,
-        dt_s: grid.dt,
-        steps,
-        bytes_per_elastic_cell: elastic,
-        bytes_per_yielded_cell: yielded,
-        memory_bytes: cells * yielded,
-        expected_s: [MUSCL_ELASTIC, MUSCL_FLOWING].map(|one| one * (cells * steps) as f64),
-        net: None,
-    };
-    (work, cells)
+    let bytes = [2, 2 + law.law.state_len()].map(|numbers| numbers * size_of::<f64>());
+    Cell { bytes, seconds: [MUSCL_ELASTIC, MUSCL_FLOWING], net: None }
 }
 
 /// Time of a step of a cell of the net while it is elastic, and with both of its nodes flowing: by Malvern's law, and by
@@ -267,23 +276,14 @@ const NET_ELASTIC: f64 = 1e-9;
 const NET_MALVERN: f64 = 20e-9;
 const NET_OTHER: f64 = 180e-9;
 
-/// The work on a characteristic net, and its cells.
-fn net_work(scene: &Scene, lattice: &Lattice) -> (Work, usize) {
-    let (cells, dt) = (lattice.grid.cells(), lattice.grid.dt);
-    let steps = run::steps(scene, dt);
+fn net_cell(scene: &Scene, lattice: &Lattice) -> Cell {
     let k = if let Some(Rate::Malvern { k }) = scene.effects.rate { Some(k) } else { None };
     let flowing = if k.is_some() { NET_MALVERN } else { NET_OTHER };
-    let work = Work::Grid {
-        cells,
-        dt_s: dt,
-        steps,
-        bytes_per_elastic_cell: Net::BYTES_PER_CELL,
-        bytes_per_yielded_cell: Net::BYTES_PER_CELL,
-        memory_bytes: cells * Net::BYTES_PER_CELL,
-        expected_s: [NET_ELASTIC, flowing].map(|one| one * (cells * steps) as f64),
-        net: Some(NetWork { largest_transit_shift: lattice.shift, k_dt: k.map(|k| k * dt) }),
-    };
-    (work, cells)
+    Cell {
+        bytes: [Net::BYTES_PER_CELL; 2],
+        seconds: [NET_ELASTIC, flowing],
+        net: Some(NetWork { largest_transit_shift: lattice.shift, k_dt: k.map(|k| k * lattice.grid.dt) }),
+    }
 }
 
 /// Time of one event. Measured on curves of 10 to 60 straight pieces; it differs by a factor of two between processors.
@@ -375,10 +375,7 @@ fn off(scene: &Scene, key: &str, row: Option<&AuditRow>) -> PlannedEffect {
         (None, Some(_)) => "not called for".into(),
         (None, None) => "the scene does not ask for it".into(),
     };
-    let finding = row.map_or_else(
-        || without(key).to_owned(),
-        |row| row.message.split_once(": ").map_or(row.message.as_str(), |parts| parts.1).to_owned(),
-    );
+    let finding = row.map_or_else(|| without(key).to_owned(), AuditRow::advice);
     let estimate = row.map(|row| row.estimate).filter(|e| !e.is_nan());
     PlannedEffect {
         effect: key.to_owned(),

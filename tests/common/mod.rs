@@ -64,9 +64,43 @@ pub fn loaded_by(rows: &[(f64, f64)]) -> EndCondition {
     EndCondition::Stress { history: history(rows) }
 }
 
+/// Area of the bar that [`busy_ends`] are made for, m^2.
+pub const BUSY_AREA: f64 = 0.7;
+
+/// Ends of every kind but balls, the driven ones strong enough for a bar of this area (m^2) to yield (at 5 m/s or 200 MPa).
+pub fn busy_ends(area: f64) -> Vec<EndCondition> {
+    let ramp = [(0.0, 0.0), (2e-5, 15.0), (9e-5, 15.0), (9e-5, -12.0), (2e-4, 0.0)];
+    let scale = area / BUSY_AREA;
+    vec![
+        moved(12.0),
+        moved_by(&ramp),
+        EndCondition::Velocity { history: History::constant(-18.0), release: Some(7.7e-5) },
+        loaded_by(&[(0.0, -300e6), (5e-5, -300e6), (5e-5, 100e6), (1.1e-4, 250e6)]),
+        EndCondition::Free,
+        EndCondition::Fixed,
+        EndCondition::Absorbing,
+        EndCondition::Wall { gap: 0.0 },
+        EndCondition::Wall { gap: 2e-4 },
+        EndCondition::Striker { mass: 3000.0 * scale, velocity: 14.0 },
+        EndCondition::Striker { mass: 800.0 * scale, velocity: -9.0 },
+        EndCondition::Spring { stiffness: 3e10 * scale },
+        // Far stiffer than a cell.
+        EndCondition::Spring { stiffness: 1e15 * scale },
+    ]
+}
+
 /// A history from rows that are in order.
 pub fn history(rows: &[(f64, f64)]) -> History {
     History::new(rows).expect("rows are in order")
+}
+
+/// A pulse sin^4 of 5 m/s (below the yield of the steels here) that takes this time to pass, s.
+pub fn smooth_pulse(duration: f64) -> History {
+    let row = |k: u32| {
+        let s = f64::from(k) / 4000.0;
+        (s * duration, 5.0 * (std::f64::consts::PI * s).sin().powi(4))
+    };
+    history(&(0..=4000).map(row).collect::<Vec<_>>())
 }
 
 /// The bar, ready to step.
@@ -86,16 +120,13 @@ pub fn leapfrog(
 
 /// A number of steps.
 pub fn advance(bar: &mut Leapfrog, steps: usize) {
-    for _ in 0..steps {
-        bar.advance();
-    }
+    bar.advance_by(steps);
 }
 
 /// Steps up to the step nearest to a time.
 pub fn advance_to(bar: &mut Leapfrog, time: f64) {
-    while bar.time() < time - 0.5 * bar.grid().dt {
-        bar.advance();
-    }
+    let last = (time / bar.grid().dt).round() as usize;
+    bar.advance_by(last.saturating_sub(bar.step()));
 }
 
 /// A quantity in every cell.

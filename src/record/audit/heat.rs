@@ -4,6 +4,7 @@
 use std::sync::Arc;
 
 use super::Reading;
+use super::finding::Finding;
 use super::places::Places;
 use crate::material::{DEFAULT_FRACTION, Material, Sense, WorkTable};
 
@@ -73,25 +74,21 @@ impl Heat {
         self.change = self.change.max(change);
     }
 
-    pub fn finding(&self, materials: &[Arc<Material>], places: &Places, share: impl Fn(f64) -> f64) -> (f64, String) {
+    pub fn finding(&self, materials: &[Arc<Material>], places: &Places, share: impl Fn(f64) -> f64) -> Finding {
         if self.media.iter().all(Option::is_none) {
-            let message = std::format!(
-                "no estimate: {} states no {} in [heat]",
-                materials[0].name,
-                materials[0].constants.heat.missing().join(", ")
-            );
-            return (f64::NAN, message);
+            let missing = materials[0].constants.heat.missing().join(", ");
+            return Finding::unknown(std::format!("{} states no {missing} in [heat]", materials[0].name));
         }
         let Some((rise, lost, time, place)) = self.hottest else {
-            return (0.0, "what yielded states no [heat] constants, or did not flow".to_owned());
+            return Finding::nothing("what yielded states no [heat] constants, or did not flow");
         };
         let message = std::format!(
             "plastic work would warm {} by up to {rise:.1} K if none flowed away ({}) and take {:.2} % of its flow \
-             stress; the curve was taken as cold. Switch on with [effects] heat = {{}}",
+             stress; the curve was taken as cold",
             materials[places.segment[place]].name,
             places.moment(time, place),
             100.0 * lost,
         );
-        (share(self.change), message)
+        Finding::of(share(self.change), message, "heat = {}")
     }
 }

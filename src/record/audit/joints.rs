@@ -57,8 +57,8 @@ impl Joints {
         let used = |j: &Watched| j.tension / j.strength;
         let joint = self.0.iter().filter(|j| j.tension > 0.0).max_by(|a, b| used(a).total_cmp(&used(b)))?;
         let show = |value, dimension| format(value, dimension, System::Si);
-        let message = std::format!(
-            "separation: joint {} at x = {} held {} in tension at t = {}, {:.0} % of what its weaker side carries; a joint that \
+        let finding = std::format!(
+            "joint {} at x = {} held {} in tension at t = {}, {:.0} % of what its weaker side carries; a joint that \
              only touches would have parted (joint = \"contact\")",
             joint.number + 1,
             show(joint.x, Dimension::Length),
@@ -66,6 +66,12 @@ impl Joints {
             show(joint.time, Dimension::Time),
             100.0 * used(joint),
         );
-        Some(AuditRow { effect: "separation".into(), estimate: used(joint), threshold: 1.0, message })
+        Some(AuditRow {
+            effect: "separation".into(),
+            estimate: used(joint),
+            threshold: 1.0,
+            finding,
+            remedy: String::new(),
+        })
     }
 }

@@ -3,6 +3,7 @@
 //! `l = (3 (nu r)^2 X/2)^(1/3)`; sharper edges come out about l wide. Both are the sum of `l |third difference|/3` over
 //! places l apart, which is what is estimated here, from what the ends and joints impose and X = c0 times the run's time.
 
+use super::finding::Finding;
 use super::{AuditRow, Case};
 use crate::bar::{EndCondition, Joint, Segment};
 use crate::units::{Dimension, System, format};
@@ -30,41 +31,35 @@ struct Sizes {
 
 /// The estimate for a run.
 pub(super) fn row(case: &Case<'_>) -> AuditRow {
-    let (estimate, message) = finding(case);
-    AuditRow {
-        effect: "lateral-inertia".into(),
-        estimate,
-        threshold: case.tolerance,
-        message: std::format!("lateral-inertia: {message}"),
-    }
+    finding(case).row("lateral-inertia", case.tolerance)
 }
 
-fn finding(case: &Case<'_>) -> (f64, String) {
+fn finding(case: &Case<'_>) -> Finding {
     if !case.bar.area_given {
-        return (f64::NAN, "no estimate: the scene gives no section".to_owned());
+        return Finding::unknown("the scene gives no section");
     }
     if case.ends.iter().any(|end| matches!(end, EndCondition::Ball { .. })) {
-        return (f64::NAN, "no estimate: the pulse of a ball is not known beforehand".to_owned());
+        return Finding::unknown("the pulse of a ball is not known beforehand");
     }
     let pulses = pulses(case);
     if pulses.is_empty() {
-        return (0.0, "nothing is imposed on the bar".to_owned());
+        return Finding::nothing("nothing is imposed on the bar");
     }
     if let Some(unknown) = pulses.iter().find(|p| p.segment.material.poisson.is_none()) {
-        return (f64::NAN, std::format!("no estimate: {} states no `poisson`", unknown.segment.material.name));
+        return Finding::unknown(std::format!("{} states no `poisson`", unknown.segment.material.name));
     }
     let sizes = pulses.iter().fold(Sizes::default(), |all, pulse| all.and(pulse, case));
     if sizes.stress <= 0.0 {
-        return (0.0, "nothing is imposed on the bar".to_owned());
+        return Finding::nothing("nothing is imposed on the bar");
     }
     let show = |value| format(value, Dimension::Length, System::Si);
     let message = std::format!(
         "sections that have to widen would make fronts {} wide by the end (nu times the radius of gyration is {}); sections \
-         were taken as moving along the bar only. Switch on with [effects] lateral-inertia = true",
+         were taken as moving along the bar only",
         show(sizes.front.0),
         show(sizes.front.1),
     );
-    ((sizes.change / sizes.stress).min(1.0), message)
+    Finding::of((sizes.change / sizes.stress).min(1.0), message, "lateral-inertia = true")
 }
 
 impl Sizes {

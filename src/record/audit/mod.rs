@@ -8,6 +8,7 @@
 //! Some hundred places are looked at some sixty times a run, and only once something has yielded: that is cheap beside the
 //! stepping. What each effect makes of a look is in a file of its own.
 
+mod finding;
 mod heat;
 mod joints;
 mod lateral;
@@ -18,6 +19,7 @@ mod unloading;
 
 use std::sync::Arc;
 
+use finding::Finding;
 use heat::Heat;
 use joints::Joints;
 use places::Places;
@@ -167,14 +169,9 @@ impl Audit {
 
     /// One row for each effect that was off; `broken` are the rows that tell of places that broke or would have.
     pub fn rows(&self, broken: Vec<AuditRow>) -> Vec<AuditRow> {
-        let row = |effect: &str, find: &dyn Fn() -> (f64, String)| {
-            let (estimate, message) = if self.looked { find() } else { (0.0, "nothing yielded".to_owned()) };
-            AuditRow {
-                effect: effect.to_owned(),
-                estimate,
-                threshold: self.tolerance,
-                message: std::format!("{effect}: {message}"),
-            }
+        let row = |effect: &str, find: &dyn Fn() -> Finding| {
+            let finding = if self.looked { find() } else { Finding::nothing("nothing yielded") };
+            finding.row(effect, self.tolerance)
         };
         let share = |sum: f64| if sum > 0.0 { (sum / self.peak).min(1.0) } else { 0.0 };
         let (materials, places) = (&self.materials, &self.places);

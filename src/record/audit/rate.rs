@@ -9,6 +9,7 @@
 
 use std::sync::Arc;
 
+use super::finding::Finding;
 use super::places::Places;
 use super::{AuditRow, Reading};
 use crate::law::rate::Overstress;
@@ -77,21 +78,21 @@ impl RateRise {
         self.change = self.change.max(change);
     }
 
-    pub fn finding(&self, materials: &[Arc<Material>], places: &Places, share: impl Fn(f64) -> f64) -> (f64, String) {
+    pub fn finding(&self, materials: &[Arc<Material>], places: &Places, share: impl Fn(f64) -> f64) -> Finding {
         if self.media.iter().all(Option::is_none) {
-            return (f64::NAN, std::format!("no estimate: {} states no constants in [rate]", materials[0].name));
+            return Finding::unknown(std::format!("{} states no constants in [rate]", materials[0].name));
         }
         let Some((rate, rise, time, place)) = self.quickest.filter(|q| q.0 > 0.0) else {
-            return (0.0, "what yielded states no [rate] constants, or did not flow".to_owned());
+            return Finding::nothing("what yielded states no [rate] constants, or did not flow");
         };
         let message = std::format!(
             "{} flows at up to {rate:.0} 1/s, the mean over a sixty-fourth of the run ({}), where it would carry \
-             {:.1} % more; the curve was taken as that of any rate. Switch on with [effects] rate = \"material\"",
+             {:.1} % more; the curve was taken as that of any rate",
             materials[places.segment[place]].name,
             places.moment(time, place),
             100.0 * rise,
         );
-        (share(self.change), message)
+        Finding::of(share(self.change), message, "rate = \"material\"")
     }
 }
 
@@ -102,9 +103,10 @@ pub fn unresolved_flow(k: f64, dt: f64) -> Option<AuditRow> {
         effect: "rate".into(),
         estimate: k_dt,
         threshold: 1.0,
-        message: std::format!(
-            "rate: the overstress relaxes within a time step (k dt = {k_dt:.3}), so plastic fronts are as wide as the cells make \
+        finding: std::format!(
+            "the overstress relaxes within a time step (k dt = {k_dt:.3}), so plastic fronts are as wide as the cells make \
              them, not the material; give more `cells`, or leave `rate` out for fronts without width"
         ),
+        remedy: String::new(),
     })
 }

@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use super::finding::Finding;
 use super::places::Places;
 use super::{AuditRow, Reading};
 use crate::bar::Launch;
@@ -38,79 +39,88 @@ impl TensileStrain {
         }
     }
 
-    pub fn finding(&self, materials: &[Arc<Material>], places: &Places) -> (f64, String) {
+    pub fn finding(&self, materials: &[Arc<Material>], places: &Places) -> Finding {
         let Some((share, strain, time, place)) = self.largest else {
             let known = materials.iter().any(|m| m.branch(Sense::Tension).ultimate().is_some());
             return if known {
-                (0.0, "nothing was strained in tension".to_owned())
+                Finding::nothing("nothing was strained in tension")
             } else {
-                (
-                    f64::NAN,
-                    std::format!("no estimate: the curve of {} knows no strain at which it breaks", materials[0].name),
-                )
+                Finding::unknown(std::format!("the curve of {} knows no strain at which it breaks", materials[0].name))
             };
         };
-        let broke = share >= REACHED;
         let message = std::format!(
-            "the strain in tension came to {strain:.4} ({}), {:.0} % of that at which {} breaks{}",
+            "the strain in tension came to {strain:.4} ({}), {:.0} % of that at which {} breaks",
             places.moment(time, place),
             100.0 * share,
             materials[places.segment[place]].name,
-            if broke { ". Switch on with [effects] rupture = \"critical-strain\"" } else { "" },
         );
-        (if broke { ANOTHER_ANSWER } else { 0.0 }, message)
+        if share >= REACHED {
+            Finding::of(ANOTHER_ANSWER, message, "rupture = \"critical-strain\"")
+        } else {
+            Finding::nothing(message)
+        }
+    }
+}
+
+fn broken(finding: String) -> AuditRow {
+    AuditRow {
+        effect: "rupture".into(),
+        estimate: ANOTHER_ANSWER,
+        threshold: ANOTHER_ANSWER,
+        finding,
+        remedy: String::new(),
     }
 }
 
 /// An impact above the critical velocity, seen before the first step.
 pub fn above_critical(launch: &Launch, material: &Material, critical_velocity: f64) -> Option<AuditRow> {
     launch.fan.above_critical.then(|| {
-        let message = std::format!(
-            "rupture: the bar is driven from the {} beyond what {} can carry away ({} at {}); strain gathers there, \
+        let finding = std::format!(
+            "the bar is driven from the {} beyond what {} can carry away ({} at {}); strain gathers there, \
              the bar breaks at that place at t = 0, and goes on under the ultimate stress",
             launch.origin,
             material.name,
             format(critical_velocity, Dimension::Velocity, System::Si),
             format(launch.fan.stress, Dimension::Stress, System::Si),
         );
-        AuditRow { effect: "rupture".into(), estimate: ANOTHER_ANSWER, threshold: ANOTHER_ANSWER, message }
+        broken(finding)
     })
 }
 
 /// A place whose strain went past the end of its material's data.
 pub fn past_data(strain: f64, time: f64, x: f64, material: &Material) -> AuditRow {
     let end = material.branch(Sense::of(strain)).last_strain();
-    let message = std::format!(
-        "rupture: the strain passed the end of the data of {} ({end:.4}) at t = {}, x = {}; the bar went on under the \
+    let finding = std::format!(
+        "the strain passed the end of the data of {} ({end:.4}) at t = {}, x = {}; the bar went on under the \
          largest stress of the curve",
         material.name,
         format(time, Dimension::Time, System::Si),
         format(x, Dimension::Length, System::Si),
     );
-    AuditRow { effect: "rupture".into(), estimate: ANOTHER_ANSWER, threshold: ANOTHER_ANSWER, message }
+    broken(finding)
 }
 
 /// An end that was driven beyond what the curve can carry away, at some time after the start.
 pub fn broken_end(end: &str, time: f64, material: &Material) -> AuditRow {
-    let message = std::format!(
-        "rupture: from t = {} the {end} end is driven beyond what {} can carry away; strain gathers there, the bar breaks at \
+    let finding = std::format!(
+        "from t = {} the {end} end is driven beyond what {} can carry away; strain gathers there, the bar breaks at \
          that place, and goes on under the ultimate stress",
         format(time, Dimension::Time, System::Si),
         material.name,
     );
-    AuditRow { effect: "rupture".into(), estimate: ANOTHER_ANSWER, threshold: ANOTHER_ANSWER, message }
+    broken(finding)
 }
 
 /// A place inside the bar at which the curve can carry no more while its two sides go on apart or together.
 pub fn broken_inside(time: f64, x: f64, material: &Material) -> AuditRow {
-    let message = std::format!(
-        "rupture: from t = {} on, strain gathers at x = {}, where waves met and {} can carry no more; the bar breaks at that \
+    let finding = std::format!(
+        "from t = {} on, strain gathers at x = {}, where waves met and {} can carry no more; the bar breaks at that \
          place, and goes on under the ultimate stress",
         format(time, Dimension::Time, System::Si),
         format(x, Dimension::Length, System::Si),
         material.name,
     );
-    AuditRow { effect: "rupture".into(), estimate: ANOTHER_ANSWER, threshold: ANOTHER_ANSWER, message }
+    broken(finding)
 }
 
 /// Why a run stops whose strain is past the end of data that are said to be all there is, and what to do.

@@ -8,6 +8,7 @@
 use std::sync::Arc;
 
 use super::Reading;
+use super::finding::Finding;
 use super::places::Places;
 use crate::material::{Material, Sense};
 use crate::units::{Dimension, System, format};
@@ -100,9 +101,9 @@ impl Unloading {
         }
     }
 
-    pub fn finding(&self, places: &Places, share: impl Fn(f64) -> f64) -> (f64, String) {
+    pub fn finding(&self, places: &Places, share: impl Fn(f64) -> f64) -> Finding {
         let Some((time, place)) = self.first else {
-            return (0.0, "no yielded place went back".to_owned());
+            return Finding::nothing("no yielded place went back");
         };
         let lengths = |of: &dyn Fn(usize) -> bool| -> f64 {
             (0..places.x.len()).filter(|&k| of(k)).map(|k| places.weight[k]).sum()
@@ -111,12 +112,12 @@ impl Unloading {
         let show = |length| format(length, Dimension::Length, System::Si);
         let message = std::format!(
             "{} of {} of yielded bar went back by up to {:.0} % of their strain after yielding, first seen at {}; \
-             the curve was followed back, which returns plastic work. Switch on with [effects] unloading = \"isotropic\"",
+             the curve was followed back, which returns plastic work",
             show(lengths(&|k| self.unloaded[k])),
             show(lengths(&yielded)),
             100.0 * self.worst,
             places.moment(time, place),
         );
-        (share(self.change), message)
+        Finding::of(share(self.change), message, "unloading = \"isotropic\"")
     }
 }

@@ -62,7 +62,7 @@ pub(super) fn build(path: &Path, header: &Header, layout: &Layout, materials: &[
     build_ledger(&file, layout, twisted)?;
     build_materials(&file, materials, twisted)?;
     if layout.paths {
-        paths::build(&file)?;
+        paths::build(&file, layout.compression)?;
     }
     file.flush()?;
     file.close()
@@ -81,6 +81,7 @@ pub(super) fn build_root(file: &File, header: &Header, area_given: bool) -> Hdf<
     put_text(file, "scene_resolved", &header.scene_resolved)?;
     put_texts(file, "overrides", &header.overrides)?;
     put_texts(file, "effects", &header.effects)?;
+    put_texts(file, "notes", &header.notes)?;
     put_text(file, "method", &header.method)?;
     put_text(file, "scheme", &header.scheme)?;
     put_text(file, "energy_units", energy_units(area_given))?;
@@ -106,7 +107,7 @@ fn build_fields(file: &File, layout: &Layout, twisted: bool) -> Hdf<()> {
             Precision::F64 => file.new_dataset::<f64>().fill_value(f64::NAN),
             Precision::F32 => file.new_dataset::<f32>().fill_value(f32::NAN),
         };
-        let dataset = compressed(builder, layout.compression)
+        let dataset = shuffled(builder, layout.compression)
             .chunk((1, layout.x.len().clamp(1, CHUNK_COLUMNS)))
             .shape(shape)
             .create(field.name())?;
@@ -210,10 +211,19 @@ pub(super) fn build_materials(file: &File, materials: &[MaterialRecord], twisted
     Ok(())
 }
 
-fn compressed(builder: DatasetBuilderEmpty, compression: Compression) -> DatasetBuilderEmpty {
+/// Compressed with the bytes of numbers sorted by their weight: for rows of numbers that are close to one another.
+pub(super) fn shuffled(builder: DatasetBuilderEmpty, compression: Compression) -> DatasetBuilderEmpty {
     match compression {
-        Compression::Deflate => builder.shuffle().deflate(1),
-        Compression::Lzf => builder.shuffle().lzf(),
+        Compression::None => builder,
+        _ => compressed(builder.shuffle(), compression),
+    }
+}
+
+/// Compressed as it is: for numbers that come again as they were.
+pub(super) fn compressed(builder: DatasetBuilderEmpty, compression: Compression) -> DatasetBuilderEmpty {
+    match compression {
+        Compression::Deflate => builder.deflate(1),
+        Compression::Lzf => builder.lzf(),
         Compression::None => builder,
     }
 }

@@ -21,7 +21,8 @@
 //! a file that opens, with `outcome = "running"` until [`Writer::finish`] writes the true outcome as its last act.
 //! A killed run therefore leaves its frames where the user looks for them: all that were flushed, four times a
 //! second. What is on the disk is never rewritten (a frame's chunks hold nothing but that frame; histories grow
-//! uncompressed), so that a kill between two flushes cannot spoil what the last one wrote.
+//! uncompressed; pieces of fronts are written in whole chunks), so that a kill between two flushes cannot spoil what the
+//! last one wrote.
 //!
 //! # Threads
 //! libhdf5 has one global lock, so one thread writes. [`Writer`] is its sending end: frames and traces go through a
@@ -35,6 +36,7 @@ mod read;
 mod scales;
 mod write;
 
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::thread::JoinHandle;
@@ -67,6 +69,14 @@ pub fn git_revision() -> Option<&'static str> {
     option_env!("BARWAVE_GIT_REVISION")
 }
 
+/// True of a file that starts as HDF5 files do, or is empty; of one that cannot be read it is not known, and false.
+pub fn is_hdf5(path: &Path) -> bool {
+    const SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
+    let mut start = Vec::new();
+    let read = std::fs::File::open(path).and_then(|file| file.take(SIGNATURE.len() as u64).read_to_end(&mut start));
+    read.is_ok() && (start.is_empty() || start == SIGNATURE)
+}
+
 /// What the root attributes say of a run before its first step.
 #[derive(Debug, Clone, Default)]
 pub struct Header {
@@ -86,6 +96,8 @@ pub struct Header {
     pub scheme: String,
     /// m/s; none where the data hold none.
     pub critical_velocity: Option<f64>,
+    /// What does not go well in what the scene asks for, a sentence each.
+    pub notes: Vec<String>,
     /// Of a bar in torsion: the radius whose stress, strain and velocity are recorded, m. Momenta are then N m s.
     pub torsion: Option<f64>,
 }
@@ -101,7 +113,7 @@ pub struct Layout {
     pub gauges: Vec<(String, f64)>,
     /// Numbers of the fields (axes, traces and ledger are always 8 bytes).
     pub precision: Precision,
-    /// Compression of the fields.
+    /// Compression of the fields and of `/paths`.
     pub compression: Compression,
     /// Energies are J and momenta N s where true, per m^2 where false.
     pub area_given: bool,

@@ -42,6 +42,8 @@ pub struct Facts {
     pub overrides: Vec<String>,
     /// Effects that were simulated.
     pub effects: Vec<String>,
+    /// What does not go well in what the scene asks for; empty in files of programs that did not say.
+    pub notes: Vec<String>,
     /// "fd" or "moc".
     pub method: String,
     /// "leapfrog", ...
@@ -94,6 +96,9 @@ impl ResultFile {
     /// # Errors
     /// [`InputError`] where the file is missing, no result file, or of a layout that this program does not know.
     pub fn open(path: &Path) -> Result<Self> {
+        if path.is_dir() {
+            return Err(wrong(path, "this is a folder", "name a result file in it").into());
+        }
         if !path.is_file() {
             return Err(wrong(path, "there is no such file", "name a result file that `barwave run` wrote").into());
         }
@@ -242,6 +247,7 @@ fn read_facts(file: &File) -> Hdf<Facts> {
         scene_resolved: get_text(file, "scene_resolved")?,
         overrides: get_texts(file, "overrides")?,
         effects: get_texts(file, "effects")?,
+        notes: get_texts(file, "notes").unwrap_or_default(),
         method: get_text(file, "method")?,
         scheme: get_text(file, "scheme")?,
         outcome: get_text(file, "outcome")?,
@@ -372,11 +378,10 @@ fn read_audit(group: &Group) -> Hdf<Vec<AuditRow>> {
     let (estimates, thresholds) = (column(group, "estimate")?, column(group, "threshold")?);
     let rows = effects.iter().zip(&messages).zip(estimates.iter().zip(&thresholds));
     Ok(rows
-        .map(|((effect, message), (&estimate, &threshold))| AuditRow {
-            effect: effect.to_string(),
-            estimate,
-            threshold,
-            message: message.to_string(),
+        .map(|((effect, message), (&estimate, &threshold))| {
+            let prefix = format!("{effect}: ");
+            let finding = message.strip_prefix(&prefix).unwrap_or(message).to_owned();
+            AuditRow { effect: effect.to_string(), estimate, threshold, finding, remedy: String::new() }
         })
         .collect())
 }

@@ -62,6 +62,8 @@ pub(super) fn in_place(path: &Path, build: impl Fn(&Path) -> Hdf<()>) -> Result<
         std::fs::create_dir_all(folder).map_err(|e| Error::file(folder, e))?;
     }
     let temporary = temporary_name(path)?;
+    // The system says more plainly than the HDF5 library why a file cannot be made.
+    std::fs::File::create(&temporary).map_err(|e| Error::file(path, e))?;
     let built = build(&temporary)
         .map_err(|e| Error::file(path, e))
         .and_then(|()| std::fs::rename(&temporary, path).map_err(|e| Error::file(path, e)));
@@ -92,7 +94,7 @@ impl Sink {
         let end = |side: Side| Table::open(&file.group(&format!("ends/{}", side.name()))?, &END_COLUMNS.map(|c| c[0]));
         let ends = [end(Side::Left)?, end(Side::Right)?];
         let ledger = Table::open(&file.group("ledger")?, &LEDGER_COLUMNS.map(|c| c[0]))?;
-        let paths = layout.paths.then(|| PathTable::open(&file)).transpose()?;
+        let paths = layout.paths.then(|| PathTable::open(&file, layout.compression)).transpose()?;
         Ok(Self { path: path.to_owned(), file, frames, gauges, gauge_links, ends, ledger, paths, unflushed: false })
     }
 
@@ -161,7 +163,7 @@ impl Sink {
             write_ruptures(&self.file, ruptures)?;
         }
         write_figures(&self.file, &ending.figures)?;
-        if let Some(table) = &self.paths {
+        if let Some(table) = &mut self.paths {
             table.finish(ending.figures.paths_complete)?;
         }
         self.file.flush()?;
@@ -316,12 +318,12 @@ fn write_ruptures(file: &File, ruptures: &[Rupture]) -> Hdf<()> {
 fn write_audit(file: &File, audit: &[AuditRow]) -> Hdf<()> {
     let group = file.create_group("audit")?;
     scales::numbering(&group, "row", audit.len())?;
-    let texts = |name: &str, value: fn(&AuditRow) -> &str| -> Hdf<()> {
-        let values = audit.iter().map(|row| text(value(row))).collect::<Hdf<Vec<_>>>()?;
+    let texts = |name: &str, value: fn(&AuditRow) -> String| -> Hdf<()> {
+        let values = audit.iter().map(|row| text(&value(row))).collect::<Hdf<Vec<_>>>()?;
         write_column(&group, name, &values)
     };
-    texts("effect", |row| &row.effect)?;
-    texts("message", |row| &row.message)?;
+    texts("effect", |row| row.effect.clone())?;
+    texts("message", AuditRow::message)?;
     write_column(&group, "estimate", &audit.iter().map(|row| row.estimate).collect::<Vec<_>>())?;
     write_column(&group, "threshold", &audit.iter().map(|row| row.threshold).collect::<Vec<_>>())?;
     scales::attach(&group, &["row"], &["effect", "message", "estimate", "threshold"])

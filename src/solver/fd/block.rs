@@ -11,7 +11,7 @@ use super::taper::BlockTaper;
 use crate::law::{LANES, RowLaw, elastic_row};
 
 /// Cells of a full block. Fixed, so that sums over blocks have the same bits whatever the number of threads.
-const BLOCK: usize = 128;
+const BLOCK: usize = 256;
 
 /// Cells of the longest block.
 pub(super) const MOST_CELLS: usize = 2 * BLOCK;

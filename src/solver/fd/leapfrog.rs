@@ -11,7 +11,7 @@ use super::grid::Grid;
 use super::implicit::{Along, Implicit};
 use super::ripple;
 use super::rupture::Breaking;
-use super::sweep::{Common, DEPTH, Stretch};
+use super::sweep::{Common, Stretch, division};
 use super::taper::BlockTaper;
 use crate::bar::{Bar, EndCondition};
 use crate::law::RowLaw;
@@ -66,9 +66,8 @@ pub struct Leapfrog {
     pub(super) left: Device,
     pub(super) right: Device,
     pub(super) step: usize,
-    /// Longest sweep, and most parts of the bar that are swept side by side.
-    depth: usize,
-    parts: usize,
+    /// Threads that it may be stepped on.
+    threads: usize,
     /// Something is logged in every step.
     watched: bool,
     /// Where and when the bar breaks; none where it never does.
@@ -137,8 +136,7 @@ impl Leapfrog {
             left,
             right,
             step: 0,
-            depth: DEPTH,
-            parts: rayon::current_num_threads(),
+            threads: rayon::current_num_threads(),
             watched: false,
             rupture: None,
             implicit: None,
@@ -156,10 +154,10 @@ impl Leapfrog {
         if !self.sweeps() {
             return (0..steps).for_each(|_| self.advance_together());
         }
+        let (parts, depth) = division(self.blocks.len(), self.threads);
         let mut to_go = steps;
         while to_go > 0 {
-            let now = to_go.min(self.depth);
-            let parts = self.parts;
+            let now = to_go.min(depth);
             self.whole().sweep(now, parts);
             self.step += now;
             to_go -= now;

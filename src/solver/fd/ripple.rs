@@ -97,17 +97,14 @@ impl Gaps {
     /// velocity is prescribed. Returns whether there is anything to hand over.
     pub fn find(&self, flow: &[u8], rounding: f64, handed: &mut [f64]) -> bool {
         let w = &self.w[LANES - 1..=LANES + self.cells];
-        if flow.is_empty() {
-            find(w, rounding, handed)
-        } else {
-            find_flowing(w, flow, rounding, handed)
-        }
+        let anything =
+            if flow.is_empty() { find(w, rounding, handed) } else { find_flowing(w, flow, rounding, handed) };
         for (cell, inside) in [0, self.cells - 1].into_iter().zip(self.outside) {
             if !inside {
                 handed[cell] = 0.0;
             }
         }
-        has_any(handed)
+        anything
     }
 }
 
@@ -160,30 +157,31 @@ fn hand(left: f64, w: f64, right: f64, flow: u8, rounding: f64) -> f64 {
     ZIGZAG_SHARE * alternating(left, w, right, rounding) + share * standing_out(left, w, right, rounding)
 }
 
-/// What the cells of a block that has not yielded hand over; `w` are their differences and one more on either side.
+/// What the cells of a block that has not yielded hand over; `w` are their differences and one more on either side. Returns
+/// whether that is anything.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
-fn find(w: &[f64], rounding: f64, handed: &mut [f64]) {
+fn find(w: &[f64], rounding: f64, handed: &mut [f64]) -> bool {
     let cells = handed.len();
     let (left, here, right) = (&w[..cells], &w[1..=cells], &w[2..cells + 2]);
+    let mut bits = 0;
     for i in 0..cells {
         handed[i] = ZIGZAG_SHARE * alternating(left[i], here[i], right[i], rounding);
+        bits |= handed[i].to_bits();
     }
+    bits & Range::SIZE != 0
 }
 
 /// The same in a block with yielded cells.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
-fn find_flowing(w: &[f64], flow: &[u8], rounding: f64, handed: &mut [f64]) {
+fn find_flowing(w: &[f64], flow: &[u8], rounding: f64, handed: &mut [f64]) -> bool {
     let cells = handed.len();
     let (left, here, right, flow) = (&w[..cells], &w[1..=cells], &w[2..cells + 2], &flow[..cells]);
+    let mut bits = 0;
     for i in 0..cells {
         handed[i] = hand(left[i], here[i], right[i], flow[i], rounding);
+        bits |= handed[i].to_bits();
     }
-}
-
-/// True where not all are zero. Every bit of every number: no early exit, so that it is done many at a time.
-#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
-fn has_any(handed: &[f64]) -> bool {
-    handed.iter().fold(0, |bits, h| bits | h.to_bits()) != 0
+    bits & Range::SIZE != 0
 }
 
 /// Hands the differences over to the nodes inside a block. `gain` is dt/(rho dx). Returns the sum over nodes of twice

@@ -26,7 +26,7 @@ use super::leapfrog::{Constants, SegmentLaw, last};
 use super::readings::reading;
 
 /// Most steps in one go. Twice as many blocks pass through the second-level cache in that time.
-pub(super) const DEPTH: usize = 32;
+const DEPTH: usize = 32;
 
 /// Blocks that take a step before those to their left take the next one: as many as the first-level cache holds.
 const TILE: i64 = 8;
@@ -34,9 +34,20 @@ const TILE: i64 = 8;
 /// Blocks that an act of the next step stays behind this one's.
 const LAG: i64 = 2;
 
-/// Fewest blocks for a thread of its own: enough that parts do not shrink to nothing on their way, and that the triangles
-/// between them, which fewer threads fill, are a small share.
-const PART: usize = 16 * DEPTH;
+/// Fewest blocks for a thread of its own: fewer cost less than to wake it.
+const PART: usize = 64;
+
+/// Blocks of a part for every step of a sweep: parts shrink by two blocks a step on either side, and the triangles between
+/// them, which fewer threads fill, are to be a small share.
+const PART_PER_STEP: usize = 16;
+
+/// How many parts of a bar of so many blocks are swept side by side on so many threads, and for how many steps in one go.
+pub(super) fn division(blocks: usize, threads: usize) -> (usize, usize) {
+    match threads.min(blocks / PART) {
+        0 | 1 => (1, DEPTH),
+        parts => (parts, DEPTH.min(blocks / parts / PART_PER_STEP)),
+    }
+}
 
 /// Acts to be done, by numbers of blocks and edges.
 #[derive(Debug, Clone)]
@@ -116,20 +127,15 @@ pub(super) struct Stretch<'a> {
 }
 
 impl Stretch<'_> {
-    /// Takes the whole bar `steps` steps on, on as many threads as `parts` if it is long enough.
+    /// Takes the bar `steps` steps on in so many parts, as [`division`] allows.
     pub fn sweep(&mut self, steps: usize, parts: usize) {
-        let parts = parts.min(self.blocks.len() / PART).max(1);
-        self.sweep_parts(steps, parts);
-    }
-
-    fn sweep_parts(&mut self, steps: usize, parts: usize) {
         if parts == 1 {
             return self.sweep_tiles(steps);
         }
         let at = self.blocks.len() * (parts / 2) / parts;
         let middle = (self.first + at) as i64;
         let [mut left, mut right] = self.split(at);
-        rayon::join(|| left.sweep_parts(steps, parts / 2), || right.sweep_parts(steps, parts - parts / 2));
+        rayon::join(|| left.sweep(steps, parts / 2), || right.sweep(steps, parts - parts / 2));
         let mut scratch = Scratch::new();
         for s in 0..steps {
             let lag = LAG * s as i64;

@@ -1,0 +1,191 @@
+//! `[effects]`.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Deserializer};
+use toml::Spanned;
+
+use super::choice::text_or_table;
+use crate::input::Number;
+use crate::units::Quantity;
+
+/// Which effects are simulated.
+#[derive(Debug, JsonSchema)]
+#[schemars(untagged)]
+pub enum EffectsChoice {
+    /// Those without which the answer would be another one, as the program finds.
+    Auto(AutoWord),
+    /// Those that are named.
+    Table(Box<RawEffects>),
+}
+
+/// The word for it.
+#[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum AutoWord {
+    /// The program finds the effects.
+    Auto,
+}
+
+impl Default for EffectsChoice {
+    fn default() -> Self {
+        Self::Table(Box::default())
+    }
+}
+
+impl<'de> Deserialize<'de> for EffectsChoice {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let expecting = "\"auto\", or a table of effects such as { unloading = \"isotropic\" }";
+        let word = |word: &str| (word == "auto").then_some(Self::Auto(AutoWord::Auto));
+        text_or_table(deserializer, expecting, word, |effects| Self::Table(Box::new(effects)))
+    }
+}
+
+/// What is simulated beyond the curve itself: only what is named.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RawEffects {
+    /// Elastic unloading of yielded points. Default: none, the curve is followed both ways.
+    #[schemars(with = "Option<RawUnloading>")]
+    pub unloading: Option<Spanned<RawUnloading>>,
+    /// Plastic strain takes time; implies unloading = "isotropic" where no unloading is named. Solved with method = "moc"
+    /// on a characteristic net. Default: none, the curve holds at any rate.
+    /// "material": each segment by the constants that its own material states.
+    #[schemars(with = "Option<RateChoice>")]
+    pub rate: Option<Spanned<RateChoice>>,
+    /// Plastic work warms the bar, and warm metal yields earlier: `{ fraction = 0.9 }`, or `{}`; implies
+    /// unloading = "isotropic" where no unloading is named. Needs the materials' `[heat]` constants. Default: none, the bar
+    /// stays as cold as its curve.
+    #[schemars(with = "Option<RawHeat>")]
+    pub heat: Option<Spanned<RawHeat>>,
+    /// The bar breaks, and its pieces go on: "critical-strain", `{ energy = "500 ft*lbf/in^3" }` or
+    /// `{ spall = "2 GPa" }`. Default: none, the bar holds for ever.
+    #[schemars(with = "Option<RawRupture>")]
+    pub rupture: Option<Spanned<RawRupture>>,
+    /// Damping and a foundation along the whole bar. For the method "fd". Default: none.
+    #[schemars(with = "Option<RawDamping>")]
+    pub damping: Option<Spanned<RawDamping>>,
+    /// Love's correction: the inertia of the sideways motion of a bar that is strained, by the materials' `poisson` and, for
+    /// a section given by its area alone, that of a round bar. For the method "fd". Default: false.
+    #[serde(rename = "lateral-inertia")]
+    #[schemars(with = "Option<bool>")]
+    pub lateral_inertia: Option<Spanned<bool>>,
+}
+
+/// Forces along the bar, the same in all segments: `{ internal = "20 kPa*s" }`, `{ external = "300 N*s/m^2" }`,
+/// `{ foundation = "50 MN/m^2" }`, or several of them.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RawDamping {
+    /// Kelvin and Voigt: stress per strain rate, Pa s, >= 0. Default: 0.
+    #[schemars(with = "Option<Quantity>")]
+    pub internal: Option<Number>,
+    /// Force against the motion, per length of the bar and velocity, N s/m^2, >= 0; the bar needs an area. Default: 0.
+    #[schemars(with = "Option<Quantity>")]
+    pub external: Option<Number>,
+    /// Force against the displacement, per length of the bar and displacement, N/m^2, >= 0; the bar needs an area.
+    /// Default: 0.
+    #[schemars(with = "Option<Quantity>")]
+    pub foundation: Option<Number>,
+}
+
+/// Adiabatic heating by plastic work.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RawHeat {
+    /// Fraction of the plastic work that turns into heat, 0 to 1. Default: the material's own, else 0.9.
+    #[schemars(with = "Option<f64>")]
+    pub fraction: Option<Number>,
+}
+
+/// When the bar breaks. Only tension breaks it.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum RawRupture {
+    /// At the nominal strain at the largest engineering stress of the curve, or at the end of data that end in rupture.
+    CriticalStrain,
+    /// Where this energy has been absorbed per volume (all work of strain), J/m^3, > 0.
+    #[schemars(with = "Quantity")]
+    Energy(Number),
+    /// At this tensile stress, Pa, > 0.
+    #[schemars(with = "Quantity")]
+    Spall(Number),
+}
+
+/// Where the law of the strain rate comes from.
+#[derive(Debug, JsonSchema)]
+#[schemars(untagged)]
+pub enum RateChoice {
+    /// From the materials: Johnson-Cook, Cowper-Symonds or Malvern, the first of them that a material states; a material
+    /// that states none does not feel the rate.
+    Material(MaterialWord),
+    /// From the scene, the same for all segments.
+    Law(Box<RawRate>),
+}
+
+/// The word for it.
+#[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum MaterialWord {
+    /// Each segment's own material.
+    Material,
+}
+
+impl<'de> Deserialize<'de> for RateChoice {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let expecting = "\"material\", or a table such as { model = \"malvern\", k = \"1e6 1/s\" }";
+        let word = |word: &str| (word == "material").then_some(Self::Material(MaterialWord::Material));
+        text_or_table(deserializer, expecting, word, |law| Self::Law(Box::new(law)))
+    }
+}
+
+/// A law of the strain rate with its constants: `{ model = "malvern", k = "1e6 1/s" }`,
+/// `{ model = "cowper-symonds", D = "40 1/s", q = 5 }` or `{ model = "johnson-cook", C = 0.014, reference = "1 1/s" }`.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RawRate {
+    /// Which law. Required.
+    #[schemars(with = "RawModel")]
+    pub model: Option<Spanned<RawModel>>,
+    /// Malvern: plastic strain rate = k (stress - static)/E; 1/s, > 0.
+    #[schemars(with = "Option<Quantity>")]
+    pub k: Option<Number>,
+    /// Cowper-Symonds: plastic strain rate = D (stress/static - 1)^q; 1/s, > 0.
+    #[serde(rename = "D")]
+    #[schemars(with = "Option<Quantity>")]
+    pub d: Option<Number>,
+    /// Cowper-Symonds: the exponent, > 0.
+    #[schemars(with = "Option<f64>")]
+    pub q: Option<Number>,
+    /// Johnson-Cook: stress = static (1 + C ln(rate/reference)), > 0.
+    #[serde(rename = "C")]
+    #[schemars(with = "Option<f64>")]
+    pub c: Option<Number>,
+    /// Johnson-Cook: the plastic strain rate at which the curve holds; 1/s, > 0.
+    #[schemars(with = "Option<Quantity>")]
+    pub reference: Option<Number>,
+}
+
+/// The laws of the strain rate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum RawModel {
+    /// Malvern and Sokolovsky: linear in the overstress.
+    Malvern,
+    /// Cowper and Symonds (Perzyna): a power of the overstress.
+    CowperSymonds,
+    /// Johnson and Cook: exponential in the overstress.
+    JohnsonCook,
+}
+
+/// How the yield stress moves with plastic flow.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum RawUnloading {
+    /// Tension and compression harden alike.
+    Isotropic,
+    /// The elastic range keeps its size and moves.
+    Kinematic,
+    /// This fraction of the hardening is kinematic, 0 to 1.
+    #[schemars(with = "Quantity")]
+    Mixed(Number),
+}

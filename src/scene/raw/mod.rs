@@ -1,0 +1,46 @@
+//! What the user typed: the mirror of a scene file. Every key is declared once, here, with unit, range and default.
+
+mod bar;
+mod choice;
+mod effects;
+mod ends;
+mod record;
+mod solve;
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+use toml::Spanned;
+
+pub(super) use bar::{MaterialChoice, Mode, RawBar, RawJoint, RawSegment, Section};
+pub(super) use effects::{EffectsChoice, RateChoice, RawEffects, RawModel, RawRate, RawRupture, RawUnloading};
+pub(super) use ends::{EndKind, RawEnd};
+pub(super) use record::{RawCompression, RawPrecision, RawRecord};
+pub(super) use solve::{RawMethod, RawScheme, RawSolve};
+
+/// A scene: one bar, its two ends, how to solve it and what to record. Numbers are SI; a text is a number with
+/// its unit, such as "10 in". x runs from the left end, velocities are positive in +x, tension is positive.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(title = "barwave scene")]
+pub struct RawScene {
+    /// One line for people. Default: the file's name.
+    pub title: Option<String>,
+    /// The bar: uniform, or a list of segments. Required.
+    #[schemars(with = "RawBar")]
+    pub bar: Option<Spanned<RawBar>>,
+    /// What holds or drives the left end (x = 0). Required.
+    #[schemars(with = "RawEnd")]
+    pub left: Option<Spanned<RawEnd>>,
+    /// What holds or drives the right end. Required.
+    #[schemars(with = "RawEnd")]
+    pub right: Option<Spanned<RawEnd>>,
+    /// What is simulated beyond the curve itself, or "auto": the program finds out. Default: nothing.
+    #[serde(default)]
+    pub effects: EffectsChoice,
+    /// How to solve. Required, for `until`.
+    #[schemars(with = "RawSolve")]
+    pub solve: Option<Spanned<RawSolve>>,
+    /// What to record. Default: 200 frames of stress, strain and velocity.
+    #[serde(default)]
+    pub record: RawRecord,
+}

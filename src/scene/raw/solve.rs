@@ -1,0 +1,70 @@
+//! `[solve]`.
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+use toml::Spanned;
+
+use crate::input::Number;
+use crate::units::Quantity;
+
+/// How the scene is solved.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RawSolve {
+    /// End time, s, > 0. Required.
+    #[schemars(with = "Quantity")]
+    pub until: Option<Number>,
+    /// Method. Default: "fd"; "moc" where the effects include `rate`, no rupture and no heat.
+    #[schemars(with = "Option<RawMethod>")]
+    pub method: Option<Spanned<RawMethod>>,
+    /// In place of a method: the error that the run is to stay below, relative L1 of stress over the bar at the end time,
+    /// 0 < tolerance <= 0.5. The cheapest method and resolution that meet it are chosen.
+    #[schemars(with = "Option<f64>")]
+    pub tolerance: Option<Number>,
+    /// Scheme of the method "fd". Default: "leapfrog".
+    #[schemars(with = "Option<RawScheme>")]
+    pub scheme: Option<Spanned<RawScheme>>,
+    /// For the method "fd", and for "moc" with the effect `rate`: cells over the whole bar, a whole number, 2 to
+    /// 100000000. Default: 1000.
+    #[schemars(with = "Option<u64>")]
+    pub cells: Option<Number>,
+    /// For the method "fd": Courant number of the fastest wave, 0 < cfl <= 1. Default: 1; 0.995 with contact joints or a
+    /// wall across a gap, where at 1 the grid can ring.
+    #[schemars(with = "Option<f64>")]
+    pub cfl: Option<Number>,
+    /// Relative change of the stress from which on the audit says that an effect that was left out matters, and
+    /// `effects = "auto"` turns it on; 0 < audit-tolerance < 1. Default: 0.01.
+    #[serde(rename = "audit-tolerance")]
+    #[schemars(with = "Option<f64>")]
+    pub audit_tolerance: Option<Number>,
+    /// For the method "moc": waves weaker than this part of the largest stress that the scene's data can reach are held
+    /// back until the next front passes, 0 <= front-tolerance < 1; 0 sends every wave. Default: 0.001.
+    #[serde(rename = "front-tolerance")]
+    #[schemars(with = "Option<f64>")]
+    pub front_tolerance: Option<Number>,
+    /// For the method "moc": most meetings of fronts that the run may take, a whole number, 1 to 1000000000000. Default:
+    /// 10000000.
+    #[serde(rename = "event-budget")]
+    #[schemars(with = "Option<u64>")]
+    pub event_budget: Option<Number>,
+}
+
+/// The methods.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum RawMethod {
+    /// Finite differences.
+    Fd,
+    /// Characteristics: the fronts themselves are followed.
+    Moc,
+}
+
+/// The schemes of the method "fd".
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum RawScheme {
+    /// Staggered in space and time.
+    Leapfrog,
+    /// Conservative: limited slopes in cells, the exact Riemann problem at the faces between them.
+    Muscl,
+}

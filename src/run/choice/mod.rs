@@ -88,14 +88,15 @@ fn race(
         let Some(best) = best else {
             return Err(not_reached(scene, tolerance, &tried(racers)));
         };
-        // What can be tried for next to nothing is not left to what two pilots say of it.
-        let cheap = |r: &Racer| r.out.is_none() && foretold(r).is_some_and(|f| f.0 > 1.0);
-        let cheap = (0..racers.len())
-            .filter(|&k| k != best && cheap(&racers[k]))
-            .find(|&k| racers[k].next_pilot(scene) < NEXT_TO_NOTHING * time(&racers[best]));
         let tracks = racers[best].method.tracks_fronts();
         let leap = if tracks { LEAP_TOLERANCE } else { LEAP_CELLS };
         let near = foretold(&racers[best]).filter(|f| f.0 <= leap);
+        // What can be tried for next to nothing is not left to what two pilots say of it, the cheapest first.
+        let misses = |r: &Racer| r.out.is_none() && foretold(r).is_some_and(|f| f.0 > 1.0);
+        let cheap = (0..racers.len()).filter(|&k| (k != best || near.is_none()) && misses(&racers[k]));
+        let cost = |k: usize| racers[k].next_pilot(scene);
+        let cheap = cheap.min_by(|&a, &b| cost(a).total_cmp(&cost(b)));
+        let cheap = cheap.filter(|&k| cost(k) < NEXT_TO_NOTHING * time(&racers[best]));
         if let (None, Some((finer, _))) = (cheap, near) {
             return Ok((best, finer));
         }

@@ -68,10 +68,6 @@ pub(super) fn front_pilot(
         (racer.dear, racer.out) = (limited.then_some(most), (!limited).then(why));
         return Ok(());
     };
-    if racer.pilots.last().is_some_and(|p| p.estimate == estimate && p.work == bar.events()) {
-        racer.out = Some(format!("a front tolerance below {front_tolerance:.1e} changes nothing any more"));
-        return Ok(());
-    }
     let before = racer.pilots.last().map(|p| p.estimate);
     let order = before.map_or(FRONT_ORDER, |before| {
         ((before / estimate).ln() / COARSER.ln()).clamp(FRONT_ORDERS[0], FRONT_ORDERS[1])

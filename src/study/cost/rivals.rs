@@ -204,13 +204,12 @@ pub(super) fn race(
         }
         // Two runs of each come first, those of grids before those of fronts, which may not end.
         let young = |r: &&mut Rival<'_>| !r.out && r.runs.len() < 2;
-        let next = match rivals.iter_mut().rev().find(young) {
-            Some(young) => Some(young),
-            None => {
-                let promise = |r: &Rival<'_>| if r.out { f64::INFINITY } else { r.promise(left) };
-                let next = rivals.iter_mut().min_by(|a, b| promise(a).total_cmp(&promise(b)));
-                next.filter(|r| promise(r) < best)
-            }
+        let next = if let Some(young) = rivals.iter_mut().rev().find(young) {
+            Some(young)
+        } else {
+            let promise = |r: &Rival<'_>| if r.out { f64::INFINITY } else { r.promise(left) };
+            let next = rivals.iter_mut().min_by(|a, b| promise(a).total_cmp(&promise(b)));
+            next.filter(|r| promise(r) < best)
         };
         let Some(next) = next else { return Ok(None) };
         if let Err(halt) = next.run_next(source, ends, watch)? {

@@ -175,7 +175,7 @@ impl Peer {
         let number = (problem as u8).to_string();
         let mut arguments = vec![cells.to_string(), number];
         let program = match (self, waves) {
-            (Self::Own(program), None) | (Self::Other(program), None) => program,
+            (Self::Own(program) | Self::Other(program), None) => program,
             (Self::Own(program), Some(waves)) => {
                 arguments.extend([LONG_STEPS.to_string(), waves.to_string()]);
                 program

@@ -152,11 +152,14 @@ fn step<L: CellLaw<N>, const N: usize, const FIRST: bool>(
         law.look_up(&reach, &predictor, &mut table);
     }
     for i in 0..CHUNK {
-        let increment = gain * (right[i] - left[i]);
         let (before, now) = (read(&columns, i), sigma[i]);
-        let (sigma_before, predictor) =
-            if FIRST { (now - increment, now) } else { (now, law.base(now, before) + increment) };
-        let after = if L::ASKS { law.settle(predictor, before, table[i]) } else { law.respond(predictor, before) };
+        let increment = if L::ASKS && !FIRST { 0.0 } else { gain * (right[i] - left[i]) };
+        let sigma_before = if FIRST { now - increment } else { now };
+        let after = if L::ASKS {
+            law.settle(predictor[i], before, table[i])
+        } else {
+            law.respond(if FIRST { now } else { law.base(now, before) + increment }, before)
+        };
         work[i] = (sigma_before + after.sigma) * after.plastic;
         sigma[i] = after.sigma;
         for (column, value) in columns.iter_mut().zip(after.state) {

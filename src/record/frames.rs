@@ -64,11 +64,14 @@ impl Frames {
         due
     }
 
-    /// The next step, after `step`, after which [`Self::take`] must be called; steps of length `dt`, s.
+    /// The next step, after `step`, after which [`Self::take`] must be called, in steps of length `dt`, s: for a frame on a
+    /// step that one, for a frame between two both.
     pub fn next_step(&self, step: usize, dt: f64) -> usize {
-        // A step early where rounding could make it late: one call too many does no harm.
-        let before = |time: &f64| (time / dt).floor() as usize;
-        let due = self.times.get(self.next).map_or(usize::MAX, |time| before(time).saturating_sub(1));
+        let due = self.times.get(self.next).map_or(usize::MAX, |time| {
+            let steps = time / dt;
+            let on_step = (steps - steps.round()).abs() < 0.5 * SAME_TIME;
+            (if on_step { steps.round() } else { steps.floor() }) as usize
+        });
         due.max(step + 1)
     }
 

@@ -201,3 +201,66 @@ pub(super) fn strain<L: CellLaw<N>, const N: usize>(
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::law::{Backbone, Envelope, Indexed, Isotropic, Mixed, PathIndependent, Searched, Table};
+    use crate::material::{Beyond, Curve};
+
+    const MODULUS: f64 = 200e9;
+
+    fn table(rows: u32) -> Table {
+        let strain = |k: u32| 1e-3 * 50.0_f64.powf(f64::from(k) / f64::from(rows - 1));
+        let rows: Vec<(f64, f64)> = (0..rows).map(|k| (strain(k), 200e6 * (strain(k) / 1e-3).powf(0.2))).collect();
+        Table::new(&Curve::new(&rows, Beyond::Extend).expect("rows rise"), MODULUS)
+    }
+
+    /// Numbers between -1 and 1 that look like chance.
+    fn noise(seed: usize) -> f64 {
+        let bits = (seed as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+        ((bits ^ (bits >> 29)).wrapping_mul(0xBF58_476D_1CE4_E5B9) >> 11) as f64 / 2.0_f64.powi(52) - 1.0
+    }
+
+    /// Steps a row many at a time, in whatever registers this processor has, and cell by cell in plain numbers.
+    fn assert_bits_of_cells<L: CellLaw<N>, const N: usize>(law: &L) {
+        for cells in [1, 7, 8, 63, 64, 65, 200, 256] {
+            let (mut sigma, mut state) = (vec![0.0; cells], vec![0.0; N * cells]);
+            let (mut work, mut flow) = (vec![1.0; cells], vec![7; cells]);
+            let mut flowed = 0;
+            for step in 0..40 {
+                let v: Vec<f64> = (0..=cells).map(|i| 2e-3 * noise(1000 * step + i)).collect();
+                let (sigma_before, state_before) = (sigma.clone(), state.clone());
+                let row = Row { gain: MODULUS, v: &v, sigma: &mut sigma, work: &mut work, flow: &mut flow };
+                let sum = advance::<L, N, false>(law, row, &mut state);
+                let mut sums = [0.0; LANES];
+                for i in 0..cells {
+                    let before = std::array::from_fn(|k| state_before[k * cells + i]);
+                    let predictor = law.base(sigma_before[i], before) + MODULUS * (v[i + 1] - v[i]);
+                    let after = law.respond(predictor, before);
+                    let of_cell = (sigma_before[i] + after.sigma) * after.plastic;
+                    let after_row: [f64; N] = std::array::from_fn(|k| state[k * cells + i]);
+                    assert_eq!((sigma[i], after_row, work[i]), (after.sigma, after.state, of_cell), "cell {i}");
+                    assert_eq!(flow[i], u8::from(of_cell != 0.0));
+                    sums[i % LANES] += of_cell;
+                    flowed += usize::from(flow[i]);
+                }
+                assert_eq!(sum.to_bits(), sums.iter().sum::<f64>().to_bits());
+            }
+            assert!(flowed > 0, "nothing flowed");
+        }
+    }
+
+    fn assert_bits_over<B: Backbone + Clone>(backbone: &B) {
+        assert_bits_of_cells(&PathIndependent(backbone.clone()));
+        assert_bits_of_cells(&Isotropic(backbone.clone()));
+        assert_bits_of_cells(&Mixed { backbone: backbone.clone(), yield_stress: 200e6, kinematic: 0.4 });
+    }
+
+    #[test]
+    fn a_row_has_the_bits_of_its_cells() {
+        assert_bits_over(&Envelope::<4>::new(&table(3)).expect("few lines"));
+        assert_bits_over(&Indexed::new(&table(60)).expect("fits"));
+        assert_bits_over(&Searched(table(60)));
+    }
+}

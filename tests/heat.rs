@@ -7,6 +7,7 @@ use std::path::Path;
 
 use barwave::assemble::{flow, segment_law, stepped_law};
 use barwave::bar::{Bar, EndCondition, Segment};
+use barwave::law::Row;
 use barwave::material::{Beyond, HeatConstants, HeatingError, Material, Sense};
 use barwave::record::Ledger;
 use barwave::scene::{Effects, Heat, Rate, Scene, Unloading};
@@ -235,10 +236,16 @@ fn along(material: &Material, path: &[f64], steps: usize, effects: &Effects) -> 
             let v = [0.0, increment];
             if first {
                 sigma[0] = MODULUS * increment;
-                law.first_yield(MODULUS, &v, &mut sigma, &mut state, &mut work, &mut flow);
+                law.first_yield(
+                    Row { gain: MODULUS, v: &v, sigma: &mut sigma, work: &mut work, flow: &mut flow },
+                    &mut state,
+                );
                 first = false;
             } else {
-                law.advance(MODULUS, &v, &mut sigma, &mut state, &mut work, &mut flow);
+                law.advance(
+                    Row { gain: MODULUS, v: &v, sigma: &mut sigma, work: &mut work, flow: &mut flow },
+                    &mut state,
+                );
             }
         }
         strain = to;

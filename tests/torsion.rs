@@ -5,6 +5,7 @@ mod common;
 use std::path::Path;
 
 use barwave::assemble;
+use barwave::law::Row;
 use barwave::material::{Beyond, Curve, Hollow, Loading, Material};
 use barwave::record::store::ResultFile;
 use barwave::record::{Field, Summary, View};
@@ -256,7 +257,10 @@ fn the_pattern_of_stress_that_a_rod_keeps_is_felt_only_past_zero_torque() {
         let mut worst = [0.0_f64; 3];
         for i in 1..=3000 {
             let next = if i <= 1000 { top * f64::from(i) / 1000.0 } else { top * (1.0 - f64::from(i - 1000) / 1000.0) };
-            law.advance(G, &[strain, next], &mut sigma, &mut state, &mut work, &mut flow);
+            law.advance(
+                Row { gain: G, v: &[strain, next], sigma: &mut sigma, work: &mut work, flow: &mut flow },
+                &mut state,
+            );
             strain = next;
             let truth = layers.turn_to(next);
             let part = if i <= 1000 {

@@ -23,7 +23,7 @@ pub use heat::Warming;
 pub use path_independent::PathIndependent;
 pub use plastic::{Isotropic, Mixed};
 
-use row::Row;
+pub use row::Row;
 
 /// Cells that sums run over side by side. Sums over cells keep one partial sum a lane, so that their bits do
 /// not depend on how wide the processor's registers are.
@@ -118,39 +118,20 @@ pub trait CellLaw<const N: usize>: Send + Sync {
 
 /// A law as a solver holds it: whole rows at a time, chosen once a run.
 ///
-/// `v` has one entry more than the row has cells (the nodes on both sides); `gain` is E dt/dx, Pa s/m. `state`
-/// holds `state_len()` numbers a cell, one state variable after the other.
+/// `state` holds `state_len()` numbers a cell, one state variable after the other.
 pub trait RowLaw: Send + Sync {
     /// State numbers a cell.
     fn state_len(&self) -> usize;
 
-    /// One step of the whole row. `work` is set to (`sigma_before` + `sigma_after`) * E `d_eps_plastic`, Pa^2: the plastic
-    /// work of the step times 2 E per volume, and exactly 0 in cells that do not flow; `flow` to 1 in cells that flow, to 0
-    /// in others. Returns the sum of the work.
-    fn advance(
-        &self,
-        gain: f64,
-        v: &[f64],
-        sigma: &mut [f64],
-        state: &mut [f64],
-        work: &mut [f64],
-        flow: &mut [u8],
-    ) -> f64;
+    /// One step of the whole row. Returns the sum of the work.
+    fn advance(&self, row: Row<'_>, state: &mut [f64]) -> f64;
 
-    /// As [`RowLaw::advance`], with E times the strain increment of every cell (Pa) given.
+    /// As [`RowLaw::advance`], with E times the strain increment of every cell (Pa) given; `work` is as in [`Row`].
     fn strain(&self, increment: &[f64], sigma: &mut [f64], state: &mut [f64], work: &mut [f64]);
 
     /// The step in which a row that was elastic so far first yields: `sigma` holds the elastic predictor, `state`
-    /// is zero; both are made right. `work`, `flow` and what is returned are as in [`RowLaw::advance`].
-    fn first_yield(
-        &self,
-        gain: f64,
-        v: &[f64],
-        sigma: &mut [f64],
-        state: &mut [f64],
-        work: &mut [f64],
-        flow: &mut [u8],
-    ) -> f64;
+    /// is zero; both are made right. Otherwise as [`RowLaw::advance`].
+    fn first_yield(&self, row: Row<'_>, state: &mut [f64]) -> f64;
 
     /// True where another step without strain would change no bit of the row.
     fn rests(&self, sigma: &[f64], state: &[f64]) -> bool;
@@ -197,32 +178,16 @@ impl<L: CellLaw<N>, const N: usize> RowLaw for Rows<L, N> {
         N
     }
 
-    fn advance(
-        &self,
-        gain: f64,
-        v: &[f64],
-        sigma: &mut [f64],
-        state: &mut [f64],
-        work: &mut [f64],
-        flow: &mut [u8],
-    ) -> f64 {
-        row::advance::<L, N, false>(&self.0, Row { gain, v, sigma, work, flow }, state)
+    fn advance(&self, row: Row<'_>, state: &mut [f64]) -> f64 {
+        row::advance::<L, N, false>(&self.0, row, state)
     }
 
     fn strain(&self, increment: &[f64], sigma: &mut [f64], state: &mut [f64], work: &mut [f64]) {
         row::strain(&self.0, increment, sigma, state, work);
     }
 
-    fn first_yield(
-        &self,
-        gain: f64,
-        v: &[f64],
-        sigma: &mut [f64],
-        state: &mut [f64],
-        work: &mut [f64],
-        flow: &mut [u8],
-    ) -> f64 {
-        row::advance::<L, N, true>(&self.0, Row { gain, v, sigma, work, flow }, state)
+    fn first_yield(&self, row: Row<'_>, state: &mut [f64]) -> f64 {
+        row::advance::<L, N, true>(&self.0, row, state)
     }
 
     fn rests(&self, sigma: &[f64], state: &[f64]) -> bool {

@@ -5,14 +5,19 @@ use multiversion::multiversion;
 
 use super::{CHUNK, CellLaw, LANES};
 
-/// What a row's step reads and writes beside the state, one number a cell.
-pub(super) struct Row<'a> {
+/// What a step of a row reads and writes beside the state.
+#[derive(Debug)]
+pub struct Row<'a> {
     /// E dt/dx, Pa s/m.
     pub gain: f64,
-    /// Nodes: one more than cells.
+    /// Velocities of the nodes, m/s: one more than cells.
     pub v: &'a [f64],
+    /// Stresses, Pa.
     pub sigma: &'a mut [f64],
+    /// Set to (`sigma_before` + `sigma_after`) * E `d_eps_plastic`, Pa^2: the plastic work of the step times 2 E per volume,
+    /// and exactly 0 in cells that do not flow.
     pub work: &'a mut [f64],
+    /// Set to 1 in cells that flow, to 0 in others.
     pub flow: &'a mut [u8],
 }
 

@@ -8,7 +8,7 @@ use multiversion::multiversion;
 use super::readings::Quantity;
 use super::ripple::{self, Gaps};
 use super::taper::BlockTaper;
-use crate::law::{LANES, RowLaw, elastic_row};
+use crate::law::{LANES, Row, RowLaw, elastic_row};
 
 /// Cells of a full block. Fixed, so that sums over blocks have the same bits whatever the number of threads.
 const BLOCK: usize = 256;
@@ -320,9 +320,9 @@ impl Block {
             self.stage = Stage::Plastic;
             self.state = vec![0.0; law.law.state_len() * cells];
             self.flow = vec![0; cells];
-            law.law.first_yield(gain, v, sigma, &mut self.state, work, &mut self.flow)
+            law.law.first_yield(Row { gain, v, sigma, work, flow: &mut self.flow }, &mut self.state)
         } else {
-            law.law.advance(gain, v, sigma, &mut self.state, work, &mut self.flow)
+            law.law.advance(Row { gain, v, sigma, work, flow: &mut self.flow }, &mut self.state)
         };
         if self.keeps_work {
             self.absorbed.resize(cells, 0.0);

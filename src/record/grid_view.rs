@@ -137,12 +137,15 @@ macro_rules! stepped {
 
 stepped!(
     Leapfrog,
+    fn advance_by(&mut self, steps: usize) {
+        self.advance_by(steps);
+    },
     fn watch(&mut self, traces: &Traces) {
         if self.sweeps() {
             self.watch(&traces.cells());
         }
     },
-    fn advance_by(&mut self, steps: usize, traces: &mut Traces) {
+    fn advance_logging(&mut self, steps: usize, traces: &mut Traces) {
         if !self.sweeps() {
             for _ in 0..steps {
                 self.advance();

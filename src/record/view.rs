@@ -47,11 +47,16 @@ pub trait Stepped: View<Places = Sampling> {
     /// One step.
     fn advance(&mut self);
 
-    /// Makes ready for [`Stepped::advance_by`] with these histories.
+    /// So many steps.
+    fn advance_by(&mut self, steps: usize) {
+        (0..steps).for_each(|_| self.advance());
+    }
+
+    /// Makes ready for [`Stepped::advance_logging`] with these histories.
     fn watch(&mut self, _traces: &Traces) {}
 
     /// So many steps, each of which is added to the histories.
-    fn advance_by(&mut self, steps: usize, traces: &mut Traces)
+    fn advance_logging(&mut self, steps: usize, traces: &mut Traces)
     where
         Self: Sized,
     {

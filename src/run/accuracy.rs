@@ -209,9 +209,7 @@ fn stepped<S: Stepped>(mut bar: S, time: f64, progress: &mut dyn FnMut(Progress)
     let steps = (time / bar.grid().dt).round() as usize;
     let burst = (WORK_BETWEEN_CALLS / cells).max(1);
     while bar.step() < steps {
-        for _ in 0..burst.min(steps - bar.step()) {
-            bar.advance();
-        }
+        bar.advance_by(burst.min(steps - bar.step()));
         if progress(Progress::Steps { step: bar.step(), steps, cells }) == Wish::Stop {
             return None;
         }

@@ -24,13 +24,12 @@ pub fn estimate(scene: &Scene) -> Vec<AuditRow> {
     let mut audit = Audit::new(&case(scene, Some(bar.grid().cells())));
     let watched = Sampling::at(bar.grid(), audit.places().to_vec());
     let every = (steps / LOOKS).max(1);
-    for step in 1..=steps {
-        bar.advance();
-        let look = step == steps || step.is_multiple_of(every);
-        if look && bar.not_finite().is_some() {
+    while bar.step() < steps {
+        bar.advance_by(every.min(steps - bar.step()));
+        if bar.not_finite().is_some() {
             break;
         }
-        if look && !bar.stayed_elastic() {
+        if !bar.stayed_elastic() {
             audit.look(&bar, &watched);
         }
     }

@@ -115,7 +115,7 @@ impl<'a, S: Stepped> Run<'a, S> {
             while self.bar.step() < stop {
                 let steps = self.next_look().min(stop) - self.bar.step();
                 let before = Instant::now();
-                self.bar.advance_by(steps, &mut self.traces);
+                self.bar.advance_logging(steps, &mut self.traces);
                 self.book.stepping += before.elapsed().as_secs_f64();
                 self.record()?;
                 self.check_end_of_data()?;

@@ -5,7 +5,7 @@ use std::time::Instant;
 use super::ladder::Halt;
 use super::shape::Shape;
 use crate::assemble;
-use crate::record::{StepGauges, Stepped};
+use crate::record::{StepGauges, Stepped, Trace, Traces};
 use crate::run::{self, Wish};
 use crate::scene::{Method, Scene};
 use crate::solver::fd::{Quantity, Sampling};
@@ -155,7 +155,8 @@ fn stepped<S: Stepped>(scene: &Scene, mut bar: S, wanted: Wanted<'_>, watch: &mu
     let centres = bar.grid().centres();
     let places: Vec<f64> = scene.record.gauges.iter().map(|g| g.1).collect();
     let places = Sampling::at(bar.grid(), if wanted.gauges { places } else { Vec::new() });
-    let mut gauges: Vec<Vec<(f64, f64)>> = vec![Vec::new(); places.x().len()];
+    let mut traces = (!places.x().is_empty()).then(|| Traces::new(places, false));
+    traces.iter().for_each(|traces| bar.watch(traces));
     let shape = |bar: &S| {
         let mut stress = vec![0.0; cells];
         bar.profile(Quantity::Stress, &mut stress);
@@ -170,11 +171,9 @@ fn stepped<S: Stepped>(scene: &Scene, mut bar: S, wanted: Wanted<'_>, watch: &mu
         let next = due.iter().copied().chain([end, last]).filter(|&s| s > bar.step()).min().unwrap_or(last);
         let stop = next.min(bar.step() + burst);
         let before = Instant::now();
-        while bar.step() < stop {
-            bar.advance();
-            for (k, rows) in gauges.iter_mut().enumerate() {
-                rows.push((bar.time(), places.value(k, |cell| bar.value(Quantity::Stress, cell))));
-            }
+        match &mut traces {
+            Some(traces) => bar.advance_logging(stop - bar.step(), traces),
+            None => bar.advance_by(stop - bar.step()),
         }
         if bar.step() <= end {
             seconds += before.elapsed().as_secs_f64();
@@ -191,7 +190,8 @@ fn stepped<S: Stepped>(scene: &Scene, mut bar: S, wanted: Wanted<'_>, watch: &mu
         return Err(Halt::Failed("a stress is not a finite number".into()));
     }
     let (time, shape) = result.unwrap_or_else(|| (bar.time(), shape(&bar)));
-    let gauges = gauges.into_iter().map(Shape::Points).collect();
+    let points = |trace: Trace| Shape::Points(trace.time.into_iter().zip(trace.stress).collect());
+    let gauges = traces.map_or_else(Vec::new, |mut traces| traces.take().0.into_iter().map(points).collect());
     Ok(Pass { seconds, time, shape, gauges, snapshots, cells, work: (cells * end) as u64, tracked: None })
 }
 

@@ -1,7 +1,7 @@
 //! Full-rate histories of a bar on a grid: gauges and both ends, a row a step.
 
 use super::{Stepped, Trace};
-use crate::solver::fd::{Log, Quantity, Sampling};
+use crate::solver::fd::{Log, Quantity, Sampling, between};
 
 /// Rows that are gathered before they are handed on.
 const BATCH: usize = 4096;
@@ -65,16 +65,20 @@ impl Traces {
         }
         let cells = self.cells();
         for (k, trace) in self.gauges.iter_mut().enumerate() {
-            let read = |step: usize, quantity: usize| {
-                self.places.value(k, |cell| log.cells[cells.partition_point(|&c| c < cell)][step][quantity])
+            let (cell, weight) = self.places.point(k);
+            let column = cells.partition_point(|&c| c < cell);
+            let (here, there) = (&log.cells[column], log.cells.get(column + 1));
+            let history = |quantity: usize| {
+                let beyond = move |step: usize| there.map_or(f64::NAN, |rows| rows[step][quantity]);
+                let value = move |(step, row): (usize, &[f64; 4])| between(weight, row[quantity], || beyond(step));
+                here.iter().enumerate().map(value)
             };
-            let steps = 0..log.ends[0].len();
             trace.time.extend(times);
-            trace.stress.extend(steps.clone().map(|step| read(step, 0)));
-            trace.strain.extend(steps.clone().map(|step| read(step, 1)));
-            trace.velocity.extend(steps.clone().map(|step| read(step, 2)));
+            trace.stress.extend(history(0));
+            trace.strain.extend(history(1));
+            trace.velocity.extend(history(2));
             if self.heat {
-                trace.temperature.extend(steps.map(|step| read(step, 3)));
+                trace.temperature.extend(history(3));
             }
         }
     }

@@ -23,5 +23,5 @@ pub use grid::{Grid, SegmentGrid};
 pub use implicit::Along;
 pub use leapfrog::{Leapfrog, Log, SegmentLaw};
 pub use readings::{Energies, Passed, Quantity};
-pub use sample::Sampling;
+pub use sample::{Sampling, between};
 pub use taper::BYTES_PER_CELL as TAPER_BYTES_PER_CELL;

@@ -55,9 +55,18 @@ impl Sampling {
     /// One quantity at place `k`, from its value in a cell.
     pub fn value(&self, k: usize, value: impl Fn(usize) -> f64) -> f64 {
         let (cell, weight) = self.points[k];
-        let here = value(cell);
-        if weight == 0.0 { here } else { here + weight * (value(cell + 1) - here) }
+        between(weight, value(cell), || value(cell + 1))
     }
+
+    /// The cell left of place `k`, and the weight of the cell right of that, for [`between`].
+    pub fn point(&self, k: usize) -> (usize, f64) {
+        self.points[k]
+    }
+}
+
+/// The value between two cells; the second one is read only where it has weight.
+pub fn between(weight: f64, here: f64, there: impl FnOnce() -> f64) -> f64 {
+    if weight == 0.0 { here } else { here + weight * (there() - here) }
 }
 
 /// Left cell and weight of its right neighbour for a place; held at the outermost centres of the place's segment.

@@ -147,16 +147,18 @@ impl Stretch<'_> {
         let mut scratch = Scratch::new();
         let mut tile = from;
         while tile - LAG * (steps as i64 - 1) <= to + LAG {
-            for s in 0..steps {
-                let lag = LAG * s as i64;
-                let mut acts = Acts::following(tile - lag, tile - lag + TILE);
+            // The first and the last step in which the tile is on the stretch.
+            let first = (tile - LAG - to).max(0) / LAG;
+            let last = ((tile + TILE + LAG - from) / LAG).min(steps as i64 - 1);
+            for s in first..=last {
+                let mut acts = Acts::following(tile - LAG * s, tile - LAG * s + TILE);
                 if !at_start {
-                    acts = acts.and(&Acts::right_of(from + lag));
+                    acts = acts.and(&Acts::right_of(from + LAG * s));
                 }
                 if !at_end {
-                    acts = acts.and(&Acts::left_of(to - lag));
+                    acts = acts.and(&Acts::left_of(to - LAG * s));
                 }
-                self.act(s, &acts, &mut scratch);
+                self.act(s as usize, &acts, &mut scratch);
             }
             tile += TILE;
         }

@@ -69,8 +69,8 @@ pub struct Leapfrog {
     pub(super) step: usize,
     /// Threads that it may be stepped on.
     threads: usize,
-    /// Something is logged in every step.
-    watched: bool,
+    /// Blocks of which something is logged in every step, if anything is.
+    watched: Option<Vec<usize>>,
     /// Where and when the bar breaks; none where it never does.
     pub(super) rupture: Option<Box<Breaking>>,
     /// The nodes, where something acts along the bar.
@@ -138,7 +138,7 @@ impl Leapfrog {
             right,
             step: 0,
             threads: rayon::current_num_threads(),
-            watched: false,
+            watched: None,
             rupture: None,
             implicit: None,
         }
@@ -210,7 +210,7 @@ impl Leapfrog {
                 dt: self.grid.dt,
                 blocks: self.blocks.len(),
                 step: self.step,
-                watched: self.watched,
+                watched: self.watched.as_deref(),
             },
             first: 0,
             blocks: &mut self.blocks,
@@ -227,12 +227,13 @@ impl Leapfrog {
 
     /// Logs these cells (in increasing order), and the ends, in every step from now on. For a bar that [`Self::sweeps`].
     pub fn watch(&mut self, cells: &[usize]) {
-        self.watched = true;
         for &cell in cells {
             let k = self.blocks.partition_point(|b| b.cells.end <= cell);
             let block = &mut self.blocks[k];
             block.watched.push(cell - block.cells.start);
         }
+        let watched = |k: &usize| !self.blocks[*k].watched.is_empty();
+        self.watched = Some((0..self.blocks.len()).filter(watched).collect());
         for end in [&mut self.left, &mut self.right] {
             end.watch();
         }

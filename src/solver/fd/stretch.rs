@@ -20,8 +20,8 @@ pub(super) struct Common<'a> {
     pub blocks: usize,
     /// Steps taken before this sweep.
     pub step: usize,
-    /// Something is logged.
-    pub watched: bool,
+    /// Blocks of which something is logged in every step, in order; none where nothing is, not even the ends.
+    pub watched: Option<&'a [usize]>,
 }
 
 /// Neighbouring blocks, the edges between them and what is at the bar's ends, as far as they have them.
@@ -160,16 +160,11 @@ impl Stretch<'_> {
 
     /// Logs what is watched.
     pub fn note(&mut self, blocks: Range<i64>) {
-        if blocks.is_empty() || !self.common.watched {
-            return;
+        let Some(watched) = self.common.watched.filter(|_| !blocks.is_empty()) else { return };
+        for &k in watched.iter().filter(|&&k| blocks.contains(&(k as i64))) {
+            self.note_block(k - self.first);
         }
-        let (first_block, last_block) = (blocks.start == 0, blocks.end == self.common.blocks as i64);
-        for k in self.local(blocks) {
-            if !self.blocks[k].watched.is_empty() {
-                self.note_block(k);
-            }
-        }
-        let due = [first_block, last_block];
+        let due = [blocks.start == 0, blocks.end == self.common.blocks as i64];
         for (end, due) in self.ends.iter_mut().zip(due) {
             if let Some(end) = end.as_mut().filter(|_| due) {
                 end.note();

@@ -5,6 +5,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use barwave::assemble;
+use barwave::record::Stepped;
 use barwave::scene::Scene;
 
 const RUNS: usize = 7;
@@ -29,11 +30,9 @@ fn shortest(cells: usize, mut run: impl FnMut() -> f64) -> f64 {
     (0..RUNS).map(|_| run() * 1e9 / (cells as f64 * steps)).fold(f64::INFINITY, f64::min)
 }
 
-fn seconds(steps: usize, mut advance: impl FnMut()) -> f64 {
+fn seconds(mut bar: impl Stepped, steps: usize) -> f64 {
     let start = Instant::now();
-    for _ in 0..steps {
-        advance();
-    }
+    bar.advance_by(steps);
     start.elapsed().as_secs_f64()
 }
 
@@ -54,19 +53,10 @@ fn main() {
         for cells in [1000, 10_000] {
             let steps = cells * 4 / 5;
             let plain = scene(velocity, knots, "", cells);
-            let leapfrog = shortest(cells, || {
-                let mut bar = assemble::leapfrog(&plain, cells, 1.0);
-                seconds(steps, || bar.advance())
-            });
+            let leapfrog = shortest(cells, || seconds(assemble::leapfrog(&plain, cells, 1.0), steps));
             let late = scene(velocity, knots, rate, cells);
-            let on_grid = shortest(cells, || {
-                let mut bar = assemble::leapfrog(&late, cells, 1.0);
-                seconds(steps, || bar.advance())
-            });
-            let net = shortest(cells, || {
-                let mut bar = assemble::characteristic_net(&late, cells);
-                seconds(steps, || bar.advance())
-            });
+            let on_grid = shortest(cells, || seconds(assemble::leapfrog(&late, cells, 1.0), steps));
+            let net = shortest(cells, || seconds(assemble::characteristic_net(&late, cells), steps));
             println!("{name:<24}{cells:>8}{leapfrog:>12.3}{on_grid:>14.3}{net:>12.3}");
         }
     }

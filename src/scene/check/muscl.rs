@@ -37,7 +37,7 @@ impl Checker<'_> {
         let asked = [
             (auto, "effects = \"auto\"", ""),
             (effects.rate.is_some(), "the effect `rate`", NET),
-            (effects.heat.is_some(), "the effect `heat`", ""),
+            (effects.heat.is_some() && moves, "the effect `heat` with kinematic hardening", ""),
             (effects.rupture.is_some(), "the effect `rupture`", FRONTS),
             (effects.along().is_some(), "the effects `damping` and `lateral-inertia`", ""),
             (moves && stiffens, "kinematic hardening along a curve that stiffens or drops", FRONTS),

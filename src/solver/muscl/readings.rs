@@ -29,9 +29,15 @@ impl Muscl {
             Quantity::Velocity => block.v[i],
             Quantity::Strain => block.reach(part, i) / part.modulus,
             Quantity::PlasticStrain => (block.reach(part, i) - block.sigma[i]) / part.modulus,
-            Quantity::Temperature => f64::NAN,
+            Quantity::Temperature => self.temperature(block, i),
             Quantity::AccumulatedPlasticStrain => self.accumulated(block, i) / part.modulus,
         }
+    }
+
+    /// K; not a number without the effect of heat.
+    fn temperature(&self, block: &Block, i: usize) -> f64 {
+        let law = &self.parts[block.part].law.law;
+        law.temperature(if block.stage == Stage::Plastic { &block.state } else { &[] }, i)
     }
 
     /// E times the accumulated plastic strain, Pa.
@@ -103,7 +109,9 @@ impl Muscl {
             total.kinetic += 0.5 * mass * v.iter().map(|v| v * v).sum::<f64>();
             total.momentum += mass * v.iter().sum::<f64>();
             total.elastic += 0.5 * volume / part.modulus * sigma.iter().map(|s| s * s).sum::<f64>();
-            total.plastic += 0.5 * volume / part.modulus * block.plastic;
+            let (flow, heats) = (0.5 * volume / part.modulus * block.plastic, part.law.law.heat_fraction());
+            total.plastic += (1.0 - heats) * flow;
+            total.heat += heats * flow;
             total.viscous += part.area * self.grid.dt * block.lost;
         }
         total

@@ -156,7 +156,9 @@ fn stepped<S: Stepped>(scene: &Scene, mut bar: S, wanted: Wanted<'_>, watch: &mu
     let places: Vec<f64> = scene.record.gauges.iter().map(|g| g.1).collect();
     let places = Sampling::at(bar.grid(), if wanted.gauges { places } else { Vec::new() });
     let mut traces = (!places.x().is_empty()).then(|| Traces::new(places, false));
-    traces.iter().for_each(|traces| bar.watch(traces));
+    if let Some(traces) = &traces {
+        bar.watch(traces);
+    }
     let shape = |bar: &S| {
         let mut stress = vec![0.0; cells];
         bar.profile(Quantity::Stress, &mut stress);

@@ -243,8 +243,10 @@ impl Leapfrog {
     pub fn take_log(&mut self) -> Log {
         let mut cells = Vec::new();
         for block in self.blocks.iter_mut().filter(|block| !block.watched.is_empty()) {
-            let (log, watched) = (std::mem::take(&mut block.log), block.watched.len());
-            cells.extend((0..watched).map(|k| log.iter().skip(k).step_by(watched).copied().collect()));
+            let watched = block.watched.len();
+            cells.extend((0..watched).map(|k| block.log.chunks_exact(watched).map(|row| row[k]).collect()));
+            // Its memory serves the next log.
+            block.log.clear();
         }
         Log { cells, ends: [self.left.take_log(), self.right.take_log()] }
     }

@@ -177,11 +177,11 @@ impl Stretch<'_> {
         let block = &mut self.blocks[k];
         let law = self.common.laws[block.segment].law.as_ref();
         let constants = &self.common.constants[block.segment];
-        let mut log = std::mem::take(&mut block.log);
-        log.extend(
-            block.watched.iter().map(|&i| WATCHED.map(|quantity| reading(quantity, block, law, constants, outer, i))),
-        );
-        block.log = log;
+        for at in 0..block.watched.len() {
+            let i = block.watched[at];
+            let now = WATCHED.map(|quantity| reading(quantity, block, law, constants, outer, i));
+            block.log.push(now);
+        }
     }
 
     /// Velocity at the time of the stresses of the node at the left (0) or right (1) edge of block `k`.

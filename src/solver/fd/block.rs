@@ -82,6 +82,8 @@ pub(super) struct Block {
     /// Cells of which every step is logged, and the log: a row for each of them, step by step.
     pub watched: Vec<usize>,
     pub log: Vec<[f64; WATCHED.len()]>,
+    /// The block was at rest when it was last logged.
+    logged_at_rest: bool,
     /// Running sum of what the damping took from the block's inner nodes, see [`ripple::hand_over`].
     pub damped: f64,
     /// The work of every cell is kept.
@@ -121,6 +123,7 @@ impl Block {
             damps_from: usize::MAX,
             watched: Vec::new(),
             log: Vec::new(),
+            logged_at_rest: false,
             damped: 0.0,
             keeps_work: false,
             absorbed: Vec::new(),
@@ -165,6 +168,7 @@ impl Block {
             damps_from: self.damps_from,
             watched: self.watched.extract_if(.., |cell| *cell >= at).map(|cell| cell - at).collect(),
             log: Vec::new(),
+            logged_at_rest: false,
             damped: 0.0,
             keeps_work: self.keeps_work,
             absorbed: if self.absorbed.is_empty() { Vec::new() } else { self.absorbed.split_off(at) },
@@ -195,6 +199,16 @@ impl Block {
             self.v[node] = velocity;
             self.at_rest = false;
         }
+    }
+
+    /// Logs the latest rows once more, if the block was at rest then and still is; false where it was not.
+    pub fn repeat_log(&mut self) -> bool {
+        let rested = std::mem::replace(&mut self.logged_at_rest, self.at_rest);
+        let from = self.log.len().checked_sub(self.watched.len()).filter(|_| rested && self.at_rest);
+        if let Some(from) = from {
+            self.log.extend_from_within(from..);
+        }
+        from.is_some()
     }
 
     /// Velocity of the first (side 0) or last (side 1) inner node before the damping of the latest step. Where there is

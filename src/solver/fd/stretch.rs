@@ -173,6 +173,9 @@ impl Stretch<'_> {
     }
 
     fn note_block(&mut self, k: usize) {
+        if self.blocks[k].repeat_log() {
+            return;
+        }
         let outer = [self.outer_velocity(k, 0), self.outer_velocity(k, 1)];
         let block = &mut self.blocks[k];
         let law = self.common.laws[block.segment].law.as_ref();

@@ -29,6 +29,23 @@ impl<L: CellLaw<N>, const N: usize> CellLaw<N> for Warming<L> {
         self.law.base(sigma, state)
     }
 
+    const ASKS: bool = L::ASKS;
+
+    #[inline(always)]
+    fn ask(&self, predictor: f64, state: [f64; N]) -> f64 {
+        self.law.ask(predictor, state)
+    }
+
+    #[inline(always)]
+    fn look_up(&self, reach: &[f64], predictor: &[f64], table: &mut [f64]) {
+        self.law.look_up(reach, predictor, table);
+    }
+
+    #[inline(always)]
+    fn settle(&self, predictor: f64, state: [f64; N], table: f64) -> Response<N> {
+        self.law.settle(predictor, state, table)
+    }
+
     #[inline(always)]
     fn respond(&self, predictor: f64, state: [f64; N]) -> Response<N> {
         self.law.respond(predictor, state)

@@ -142,16 +142,12 @@ stepped!(
     },
     fn watch(&mut self, traces: &Traces) {
         if self.sweeps() {
-            self.watch(&traces.cells());
+            self.watch(traces.cells());
         }
     },
     fn advance_logging(&mut self, steps: usize, traces: &mut Traces) {
         if !self.sweeps() {
-            for _ in 0..steps {
-                self.advance();
-                traces.add(self);
-            }
-            return;
+            return traces.follow(self, steps);
         }
         let (before, dt) = (self.step(), self.grid().dt);
         self.advance_by(steps);

@@ -10,6 +10,8 @@ const BATCH: usize = 4096;
 #[derive(Debug)]
 pub struct Traces {
     places: Sampling,
+    /// The cells that gauges read, increasing.
+    cells: Vec<usize>,
     gauges: Vec<Trace>,
     ends: [Trace; 2],
     /// Gauges read the temperature.
@@ -20,15 +22,15 @@ impl Traces {
     /// Gauges at the places of `places`, which read the temperature where there is `heat`, and both ends.
     pub fn new(places: Sampling, heat: bool) -> Self {
         let gauges = vec![Trace::default(); places.x().len()];
-        Self { places, gauges, ends: [Trace::default(), Trace::default()], heat }
+        let mut cells = places.cells_read();
+        cells.sort_unstable();
+        cells.dedup();
+        Self { places, cells, gauges, ends: [Trace::default(), Trace::default()], heat }
     }
 
     /// The cells that gauges read, increasing.
-    pub fn cells(&self) -> Vec<usize> {
-        let mut cells = self.places.cells_read();
-        cells.sort_unstable();
-        cells.dedup();
-        cells
+    pub fn cells(&self) -> &[usize] {
+        &self.cells
     }
 
     /// True where a batch is full.
@@ -56,6 +58,14 @@ impl Traces {
         }
     }
 
+    /// Takes a bar so many steps on, one by one, and adds each.
+    pub fn follow(&mut self, bar: &mut impl Stepped, steps: usize) {
+        for _ in 0..steps {
+            bar.advance();
+            self.add(bar);
+        }
+    }
+
     /// Adds what a bar logged, step by step, at these times (s).
     pub fn add_log(&mut self, times: &[f64], log: &Log) {
         for (trace, rows) in self.ends.iter_mut().zip(&log.ends) {
@@ -63,10 +73,9 @@ impl Traces {
             trace.stress.extend(rows.iter().map(|row| row[0]));
             trace.velocity.extend(rows.iter().map(|row| row[1]));
         }
-        let cells = self.cells();
         for (k, trace) in self.gauges.iter_mut().enumerate() {
             let (cell, weight) = self.places.point(k);
-            let column = cells.partition_point(|&c| c < cell);
+            let column = self.cells.partition_point(|&c| c < cell);
             let (here, there) = (&log.cells[column], log.cells.get(column + 1));
             let history = |quantity: usize| {
                 let beyond = move |step: usize| there.map_or(f64::NAN, |rows| rows[step][quantity]);

@@ -60,10 +60,7 @@ pub trait Stepped: View<Places = Sampling> {
     where
         Self: Sized,
     {
-        for _ in 0..steps {
-            self.advance();
-            traces.add(self);
-        }
+        traces.follow(self, steps);
     }
 
     /// A quantity in one cell.

@@ -82,7 +82,7 @@ impl Leapfrog {
     pub fn new(bar: &Bar, grid: Grid, laws: Vec<SegmentLaw>, ends: [EndCondition; 2]) -> Self {
         let mut bar = Self::before_start(bar, grid, laws, ends);
         bar.share_edges();
-        bar.start_edges();
+        bar.whole().meet_all();
         bar
     }
 
@@ -249,11 +249,6 @@ impl Leapfrog {
             block.log.clear();
         }
         Log { cells, ends: [self.left.take_log(), self.right.take_log()] }
-    }
-
-    /// The nodes between blocks and at the ends at t = 0.
-    fn start_edges(&mut self) {
-        self.whole().meet_all();
     }
 
     /// All nodes at once, where something acts along the bar.

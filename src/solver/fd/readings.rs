@@ -1,6 +1,7 @@
 //! What can be read off a bar: fields, energies, cells past their data.
 
 use super::block::{Block, Stage};
+use super::edge::Nodes;
 use super::implicit::NodeSums;
 use super::leapfrog::{Constants, Leapfrog};
 use crate::law::RowLaw;
@@ -100,12 +101,16 @@ impl Leapfrog {
             return reading(quantity, block, law, constants, [0.0; 2], i);
         }
         match &self.implicit {
-            None => reading(quantity, block, law, constants, [0, 1].map(|side| self.outer_velocity(k, side)), i),
+            None => reading(quantity, block, law, constants, self.nodes().beside(k), i),
             Some(nodes) => {
                 let cell = block.cells.start + i;
                 0.5 * (nodes.velocity(cell) + nodes.velocity(cell + 1))
             }
         }
+    }
+
+    fn nodes(&self) -> Nodes<'_> {
+        Nodes { first: 0, edges: &self.edges, contacts: &self.contacts, ends: [Some(&self.left), Some(&self.right)] }
     }
 
     /// Displacement of every cell centre, m: the left end's, and the strain summed up to the place.
@@ -126,19 +131,6 @@ impl Leapfrog {
             }
         }
         centres
-    }
-
-    /// Velocity at the time of the stresses of the node at the left (0) or right (1) edge of block `k`, m/s.
-    fn outer_velocity(&self, k: usize, side: usize) -> f64 {
-        let edge = (k + side).checked_sub(1);
-        match edge {
-            None => self.left.velocity(),
-            Some(edge) if edge == self.edges.len() => self.right.velocity(),
-            Some(edge) => {
-                let contact = self.contacts.iter().find(|contact| contact.edge == edge);
-                contact.map_or_else(|| self.edges[edge].velocity(), |contact| contact.velocity(1 - side))
-            }
-        }
     }
 
     /// Energies and momentum at the current time. One pass over all cells.

@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::block::{Block, BlockLaw, Scratch, WATCHED};
 use super::contact::Contact;
 use super::device::Device;
-use super::edge::Edge;
+use super::edge::{Edge, Nodes};
 use super::leapfrog::{Constants, SegmentLaw, last};
 use super::readings::reading;
 use super::sweep::Acts;
@@ -176,7 +176,8 @@ impl Stretch<'_> {
         if self.blocks[k].repeat_log() {
             return;
         }
-        let outer = [self.outer_velocity(k, 0), self.outer_velocity(k, 1)];
+        let ends = self.ends.each_ref().map(Option::as_deref);
+        let outer = Nodes { first: self.first, edges: self.edges, contacts: self.contacts, ends }.beside(k);
         let block = &mut self.blocks[k];
         let law = self.common.laws[block.segment].law.as_ref();
         let constants = &self.common.constants[block.segment];
@@ -184,19 +185,6 @@ impl Stretch<'_> {
             let i = block.watched[at];
             let now = WATCHED.map(|quantity| reading(quantity, block, law, constants, outer, i));
             block.log.push(now);
-        }
-    }
-
-    /// Velocity at the time of the stresses of the node at the left (0) or right (1) edge of block `k`.
-    fn outer_velocity(&self, k: usize, side: usize) -> f64 {
-        let edge = k + side;
-        if let Some(contact) = self.contacts.iter().find(|contact| contact.edge + 1 == self.first + edge) {
-            return contact.velocity(1 - side);
-        }
-        let end = usize::from(edge > 0);
-        match &self.ends[end] {
-            Some(device) if self.first + edge == end * self.common.blocks => device.velocity(),
-            _ => self.edges[edge - 1].velocity(),
         }
     }
 

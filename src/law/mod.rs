@@ -8,6 +8,7 @@
 //! A law is pure: it takes the elastic predictor and the state at the start of a step and returns those at its
 //! end. State is exactly what the law needs, [`CellLaw::STATE`] numbers a cell.
 
+mod aligned;
 mod backbone;
 mod elastic;
 mod heat;
@@ -17,6 +18,7 @@ pub mod rate;
 mod row;
 pub mod rupture;
 
+pub use aligned::{Aligned, AlignedRow, aligned_row, split_off};
 pub use backbone::{Backbone, Envelope, Indexed, Line, Searched, Table, TwoSided};
 pub use elastic::elastic_row;
 pub use heat::Warming;

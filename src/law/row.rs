@@ -3,7 +3,7 @@
 
 use multiversion::multiversion;
 
-use super::{CHUNK, CellLaw, LANES};
+use super::{Aligned, CHUNK, CellLaw, LANES};
 
 /// What a step of a row reads and writes beside the state.
 #[derive(Debug)]
@@ -146,7 +146,8 @@ fn step<L: CellLaw<N>, const N: usize, const FIRST: bool>(
     sums: &mut [f64; LANES],
 ) {
     let Piece { left, right, sigma, mut columns, work, flow } = piece;
-    let (mut predictor, mut reach, mut table) = ([0.0; CHUNK], [0.0; CHUNK], [0.0; CHUNK]);
+    let [mut predictor, mut reach, mut table] = [const { Aligned([0.0; CHUNK]) }; 3];
+    let (predictor, reach, table) = (&mut predictor.0, &mut reach.0, &mut table.0);
     if L::ASKS {
         for i in 0..CHUNK {
             let increment = gain * (right[i] - left[i]);
@@ -154,7 +155,7 @@ fn step<L: CellLaw<N>, const N: usize, const FIRST: bool>(
             predictor[i] = if FIRST { sigma[i] } else { law.base(sigma[i], before) + increment };
             reach[i] = law.ask(predictor[i], before);
         }
-        law.look_up(&reach, &predictor, &mut table);
+        law.look_up(reach, predictor, table);
     }
     for i in 0..CHUNK {
         let (before, now) = (read(&columns, i), sigma[i]);

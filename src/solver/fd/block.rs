@@ -8,24 +8,31 @@ use multiversion::multiversion;
 use super::readings::Quantity;
 use super::ripple::{self, Gaps};
 use super::taper::BlockTaper;
-use crate::law::{LANES, Row, RowLaw, elastic_row};
+use crate::law::{Aligned, AlignedRow, LANES, Row, RowLaw, aligned_row, elastic_row, split_off};
 
-/// Cells of a full block. Fixed, so that sums over blocks have the same bits whatever the number of threads.
-const BLOCK: usize = 256;
+/// Cells of a full block of a long segment. What is at work in a step is whole blocks, and each costs some time beside that
+/// of its cells.
+const LONG: usize = 256;
+
+/// Cells of a full block of a segment of fewer than [`MANY`] cells, where a few blocks are much of the bar.
+const SHORT: usize = 128;
+
+/// Cells from which on a segment has blocks of [`LONG`].
+const MANY: usize = 2560;
 
 /// Cells of the longest block.
-pub(super) const MOST_CELLS: usize = 2 * BLOCK;
+pub(super) const MOST_CELLS: usize = 2 * LONG;
 
 /// Numbers for each cell of a block that is being stepped, of no meaning before and after.
 #[derive(Debug)]
 pub(super) struct Scratch {
-    work: [f64; MOST_CELLS],
+    work: Aligned<[f64; MOST_CELLS]>,
     gaps: Gaps,
 }
 
 impl Scratch {
     pub fn new() -> Self {
-        Self { work: [0.0; MOST_CELLS], gaps: Gaps::new() }
+        Self { work: Aligned([0.0; MOST_CELLS]), gaps: Gaps::new() }
     }
 }
 
@@ -34,15 +41,17 @@ pub(super) const WATCHED: [Quantity; 4] =
     [Quantity::Stress, Quantity::Strain, Quantity::Velocity, Quantity::Temperature];
 
 /// Sizes of the blocks of a segment of so many cells, the same from right to left: full blocks, and in the middle what is
-/// left, in one or three blocks of more than half a full one and less than two. Only a short segment has a smaller one.
+/// left, in one or three blocks of more than half a full one and less than two. Only a short segment has a smaller one. The
+/// number of threads has no say in it, so that sums over blocks have the same bits on any.
 pub(super) fn block_sizes(cells: usize) -> impl Iterator<Item = usize> {
-    let pairs = cells.saturating_sub(BLOCK) / (2 * BLOCK);
-    let middle = cells - 2 * BLOCK * pairs;
+    let full = if cells < MANY { SHORT } else { LONG };
+    let pairs = cells.saturating_sub(full) / (2 * full);
+    let middle = cells - 2 * full * pairs;
     // Whole lanes, where that can be had.
-    let third = if middle < 2 * BLOCK { 0 } else { (middle / 3) / LANES * LANES };
+    let third = if middle < 2 * full { 0 } else { (middle / 3) / LANES * LANES };
     let middle = [third, middle - 2 * third, third].into_iter().filter(|&cells| cells > 0);
-    let full = std::iter::repeat_n(BLOCK, pairs);
-    full.clone().chain(middle).chain(full)
+    let outer = std::iter::repeat_n(full, pairs);
+    outer.clone().chain(middle).chain(outer)
 }
 
 /// What a block's cells have met so far; decides which kernel they need.
@@ -63,11 +72,11 @@ pub(super) struct Block {
     /// A step that leaves its edges as they are changes no bit of the block: nothing is computed until they move. Who moves
     /// them says so here.
     pub at_rest: bool,
-    pub sigma: Vec<f64>,
+    pub sigma: AlignedRow,
     /// Node velocities, one more than cells.
-    pub v: Vec<f64>,
+    pub v: AlignedRow,
     /// Law state, empty until the block yields.
-    pub state: Vec<f64>,
+    pub state: AlignedRow,
     /// 1 in cells that flowed in the latest step (not where the rate of flow is resolved), else 0; empty until the block yields.
     pub flow: Vec<u8>,
     /// Running sum over cells and steps of the plastic work as [`RowLaw::advance`] gives it, times the cells' relative areas.
@@ -113,9 +122,9 @@ impl Block {
             segment,
             stage: Stage::Elastic,
             at_rest: true,
-            sigma: vec![0.0; n],
-            v: vec![velocity; n + 1],
-            state: Vec::new(),
+            sigma: aligned_row(n, 0.0),
+            v: aligned_row(n + 1, velocity),
+            state: aligned_row(0, 0.0),
             flow: Vec::new(),
             plastic: 0.0,
             handed_at_edges: [0.0; 2],
@@ -143,22 +152,21 @@ impl Block {
     /// them. Running sums stay here.
     pub fn split_off(&mut self, at: usize) -> Self {
         let cells = self.sigma.len();
-        let mut state = Vec::with_capacity(self.state.len());
-        let mut kept = Vec::with_capacity(self.state.len());
+        let (mut kept, mut state) = (aligned_row(0, 0.0), aligned_row(0, 0.0));
         for column in self.state.chunks_exact(cells) {
             kept.extend_from_slice(&column[..at]);
             state.extend_from_slice(&column[at..]);
         }
         self.state = kept;
-        let v = self.v[at..].to_vec();
-        self.v.truncate(at + 1);
+        let v = split_off(&mut self.v, at);
+        self.v.push(v[0]);
         let middle = self.cells.start + at;
         let right = Self {
             cells: middle..self.cells.end,
             segment: self.segment,
             stage: self.stage,
             at_rest: false,
-            sigma: self.sigma.split_off(at),
+            sigma: split_off(&mut self.sigma, at),
             v,
             state,
             flow: if self.flow.is_empty() { Vec::new() } else { self.flow.split_off(at) },
@@ -239,7 +247,7 @@ impl Block {
             return;
         }
         let cells = self.sigma.len();
-        let handed = &mut work[..cells];
+        let handed = &mut work.0[..cells];
         let anything = gaps.find(&self.flow, rounding, handed);
         self.handed_at_edges = [handed[0], handed[cells - 1]];
         if !anything {
@@ -324,7 +332,7 @@ impl Block {
 
     fn advance_stress(&mut self, law: BlockLaw<'_>, scratch: &mut Scratch) {
         let cells = self.sigma.len();
-        let work = &mut scratch.work[..cells];
+        let work = &mut scratch.work.0[..cells];
         let (gain, v, sigma) = (law.stress_gain, &self.v, &mut self.sigma);
         let sum = if self.stage == Stage::Elastic {
             let peak = elastic_row(gain, v, sigma);
@@ -332,7 +340,7 @@ impl Block {
                 return;
             }
             self.stage = Stage::Plastic;
-            self.state = vec![0.0; law.law.state_len() * cells];
+            self.state = aligned_row(law.law.state_len() * cells, 0.0);
             self.flow = vec![0; cells];
             law.law.first_yield(Row { gain, v, sigma, work, flow: &mut self.flow }, &mut self.state)
         } else {

@@ -52,7 +52,7 @@ pub(super) struct Constants {
     pub area: f64,
     /// Cells that an elastic wave passes in a step.
     pub courant: f64,
-    /// Product of neighbouring velocity differences that is rounding, (m/s)^2.
+    /// Velocity difference of neighbouring nodes that is rounding, m/s.
     pub rounding: f64,
 }
 
@@ -337,7 +337,7 @@ fn constants(bar: &Bar, grid: &Grid) -> Vec<Constants> {
         cell_volume: segment.area * part.dx,
         area: segment.area,
         courant: segment.material.c0() * grid.dt / part.dx,
-        rounding: (ripple::ROUNDING * segment.material.c0()).powi(2),
+        rounding: ripple::ROUNDING * segment.material.c0(),
     };
     bar.segments.iter().zip(&grid.segments).map(of).collect()
 }

@@ -21,7 +21,7 @@
 use multiversion::multiversion;
 
 use super::block::MOST_CELLS;
-use crate::law::LANES;
+use crate::law::{Aligned, LANES};
 
 /// Share of an alternating velocity difference that a step hands over between two nodes. A pure zigzag shrinks by
 /// 1 - 4 x 1/8 = 1/2 a step; 0.06 to 0.25 give the same errors within 5 %.
@@ -33,34 +33,18 @@ const ZIGZAG_SHARE: f64 = 0.125;
 /// of three times the yield stress falls from 0.7 % to 0.2 % between 0.05 and 0.1, and no further.
 const OVERSHOOT_SHARE: f64 = 0.1;
 
-/// Velocity differences below this part of the elastic wave speed (strain in a step) are rounding and no zigzag. Where
+/// Velocity differences below this part of the elastic wave speed (strain in a step) are rounding and no ripple. Where
 /// the bar is at rest or moves evenly, blocks then have nothing to damp.
 pub(super) const ROUNDING: f64 = 1e-15;
 
-/// The velocity difference `w` where it alternates with both neighbours', its products with theirs below -`rounding`.
-#[inline(always)]
-fn alternating(left: f64, w: f64, right: f64, rounding: f64) -> f64 {
-    if left * w < -rounding && w * right < -rounding { w } else { 0.0 }
-}
-
 /// How much of a velocity difference the lesser of its neighbours' supports.
 const SUPPORT: f64 = 2.0;
-
-/// The part of `w` above what its neighbours support: nothing where a sign differs, and nothing where its square is within
-/// `rounding`.
-#[inline(always)]
-fn standing_out(left: f64, w: f64, right: f64, rounding: f64) -> f64 {
-    let lesser = if left.abs() < right.abs() { left.abs() } else { right.abs() };
-    let supported = if left * w > 0.0 && w * right > 0.0 { SUPPORT * lesser } else { 0.0 };
-    let above = w.abs() - supported;
-    (if above > 0.0 && w * w > rounding { above } else { 0.0 }).copysign(w)
-}
 
 /// Velocity differences of a block's cells, and of the cells next to it on both sides.
 #[derive(Debug)]
 pub(super) struct Gaps {
     /// Those of the block from [`LANES`] on, so that they lie as the velocities do.
-    w: [f64; MOST_CELLS + 2 * LANES],
+    w: Aligned<[f64; MOST_CELLS + 2 * LANES]>,
     cells: usize,
     outside: [bool; 2],
     smooth: bool,
@@ -69,19 +53,19 @@ pub(super) struct Gaps {
 impl Gaps {
     /// With room for the longest block.
     pub fn new() -> Self {
-        Self { w: [0.0; MOST_CELLS + 2 * LANES], cells: 0, outside: [false; 2], smooth: true }
+        Self { w: Aligned([0.0; MOST_CELLS + 2 * LANES]), cells: 0, outside: [false; 2], smooth: true }
     }
 
     /// Those of a row of nodes. `outside` are the nodes next to the row, none where the segment ends there.
     pub fn read(&mut self, v: &[f64], outside: [Option<f64>; 2], rounding: f64) {
         let cells = v.len() - 1;
-        let [any, all, least, largest] = differences(v, &mut self.w[LANES..]);
+        let [any, all, least, largest] = differences(v, &mut self.w.0[LANES..]);
         let mut range = Range { any, all, least, largest };
         let beyond = [outside[0].map(|o| v[0] - o), outside[1].map(|o| o - v[cells])];
         for w in beyond.into_iter().flatten() {
             range.add(w);
         }
-        [self.w[LANES - 1], self.w[LANES + cells]] = beyond.map(Option::unwrap_or_default);
+        [self.w.0[LANES - 1], self.w.0[LANES + cells]] = beyond.map(Option::unwrap_or_default);
         self.smooth = range.is_smooth(rounding);
         (self.cells, self.outside) = (cells, outside.map(|o| o.is_some()));
     }
@@ -96,7 +80,7 @@ impl Gaps {
     /// yielded). Where the segment ends the last cell is not damped: its outer node belongs to a joint, or to an end whose
     /// velocity is prescribed. Returns whether there is anything to hand over.
     pub fn find(&self, flow: &[u8], rounding: f64, handed: &mut [f64]) -> bool {
-        let w = &self.w[LANES - 1..=LANES + self.cells];
+        let w = &self.w.0[LANES - 1..=LANES + self.cells];
         let anything =
             if flow.is_empty() { find(w, rounding, handed) } else { find_flowing(w, flow, rounding, handed) };
         for (cell, inside) in [0, self.cells - 1].into_iter().zip(self.outside) {
@@ -133,7 +117,7 @@ impl Range {
     fn is_smooth(self, rounding: f64) -> bool {
         let [least, largest] = [self.least, self.largest].map(f64::from_bits);
         let one_sign = self.any & !Self::SIZE == 0 || self.all & !Self::SIZE != 0;
-        largest * largest <= rounding || one_sign && least > 0.0 && largest <= SUPPORT * least
+        largest <= rounding || one_sign && least > 0.0 && largest <= SUPPORT * least
     }
 }
 
@@ -150,11 +134,29 @@ fn differences(v: &[f64], w: &mut [f64]) -> [u64; 4] {
     [range.any, range.all, range.least, range.largest]
 }
 
-/// Velocity difference to hand over in a cell; `flow` is 1 where the cell flows in this step, else 0.
+/// The lesser of two numbers; the second where that cannot be said. One instruction, other than [`f64::min`].
 #[inline(always)]
-fn hand(left: f64, w: f64, right: f64, flow: u8, rounding: f64) -> f64 {
-    let share = if flow == 0 { 0.0 } else { OVERSHOOT_SHARE };
-    ZIGZAG_SHARE * alternating(left, w, right, rounding) + share * standing_out(left, w, right, rounding)
+fn lesser(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
+/// The larger of two numbers, likewise.
+#[inline(always)]
+fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
+/// Velocity difference to hand over in a cell: what of `w` is zigzag and, where the cell `flows`, overshoot.
+#[inline(always)]
+fn hand(left: f64, w: f64, right: f64, flows: bool, rounding: f64) -> f64 {
+    let (sense, size) = (1.0_f64.copysign(w), w.abs());
+    // Its neighbours' differences, positive where they have its sign.
+    let (left, right) = (sense * left, sense * right);
+    let zigzag = if larger(left, right) * size < -rounding * rounding { ZIGZAG_SHARE * size } else { 0.0 };
+    let supported = SUPPORT * larger(lesser(left, right), 0.0);
+    let above = larger(size - supported, 0.0);
+    let overshoot = if flows && size > rounding { OVERSHOOT_SHARE * above } else { 0.0 };
+    sense * (zigzag + overshoot)
 }
 
 /// What the cells of a block that has not yielded hand over; `w` are their differences and one more on either side. Returns
@@ -165,7 +167,7 @@ fn find(w: &[f64], rounding: f64, handed: &mut [f64]) -> bool {
     let (left, here, right) = (&w[..cells], &w[1..=cells], &w[2..cells + 2]);
     let mut bits = 0;
     for i in 0..cells {
-        handed[i] = ZIGZAG_SHARE * alternating(left[i], here[i], right[i], rounding);
+        handed[i] = hand(left[i], here[i], right[i], false, rounding);
         bits |= handed[i].to_bits();
     }
     bits & Range::SIZE != 0
@@ -178,7 +180,7 @@ fn find_flowing(w: &[f64], flow: &[u8], rounding: f64, handed: &mut [f64]) -> bo
     let (left, here, right, flow) = (&w[..cells], &w[1..=cells], &w[2..cells + 2], &flow[..cells]);
     let mut bits = 0;
     for i in 0..cells {
-        handed[i] = hand(left[i], here[i], right[i], flow[i], rounding);
+        handed[i] = hand(left[i], here[i], right[i], flow[i] != 0, rounding);
         bits |= handed[i].to_bits();
     }
     bits & Range::SIZE != 0

@@ -86,7 +86,7 @@ impl Implicit {
         shift.resize(self.after.len(), 0.0);
         for block in blocks {
             let here = block.cells.start..=block.cells.end;
-            for ((shift, v), old) in shift[here.clone()].iter_mut().zip(&block.v).zip(&self.after[here]) {
+            for ((shift, v), old) in shift[here.clone()].iter_mut().zip(block.v.iter()).zip(&self.after[here]) {
                 *shift = v - old;
             }
         }

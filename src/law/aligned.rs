@@ -1,0 +1,48 @@
+//! Numbers that begin on a line of the cache. A register as wide as a line then reads and writes one line at a time, and
+//! steps take the same time wherever the memory comes from.
+
+use aligned_vec::{AVec, ConstAlign};
+
+/// Bytes of a cache line, and of the widest register.
+const LINE: usize = 64;
+
+/// A row of cells on the heap.
+pub type AlignedRow = AVec<f64, ConstAlign<LINE>>;
+
+/// A row of so many cells, all of one value.
+pub fn aligned_row(cells: usize, value: f64) -> AlignedRow {
+    AlignedRow::from_iter(LINE, std::iter::repeat_n(value, cells))
+}
+
+/// Takes the cells from `at` on away into a row of their own.
+pub fn split_off(row: &mut AlignedRow, at: usize) -> AlignedRow {
+    let taken = AlignedRow::from_slice(LINE, &row[at..]);
+    row.truncate(at);
+    taken
+}
+
+/// A value in place.
+#[derive(Debug)]
+#[repr(align(64))]
+pub struct Aligned<T>(pub T);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn begins_on_a_line<T>(values: &[T]) -> bool {
+        (values.as_ptr() as usize).is_multiple_of(LINE)
+    }
+
+    #[test]
+    fn rows_begin_on_lines_and_keep_their_values() {
+        for cells in [1, 7, 64, 257] {
+            let mut row = aligned_row(cells, 3.0);
+            row.push(4.0);
+            let rest = split_off(&mut row, cells);
+            assert!(begins_on_a_line(&row) && begins_on_a_line(&rest) && begins_on_a_line(&row.clone()));
+            assert_eq!((&row[..], &rest[..]), (&vec![3.0; cells][..], &[4.0][..]));
+            assert!(begins_on_a_line(&Aligned([0_u8; 3]).0));
+        }
+    }
+}

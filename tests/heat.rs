@@ -237,13 +237,13 @@ fn along(material: &Material, path: &[f64], steps: usize, effects: &Effects) -> 
             if first {
                 sigma[0] = MODULUS * increment;
                 law.first_yield(
-                    Row { gain: MODULUS, v: &v, sigma: &mut sigma, work: &mut work, flow: &mut flow },
+                    Row { gain: MODULUS, v: &v, sigma: &mut sigma, work: &mut work, flow: &mut flow, cells: 0..1 },
                     &mut state,
                 );
                 first = false;
             } else {
                 law.advance(
-                    Row { gain: MODULUS, v: &v, sigma: &mut sigma, work: &mut work, flow: &mut flow },
+                    Row { gain: MODULUS, v: &v, sigma: &mut sigma, work: &mut work, flow: &mut flow, cells: 0..1 },
                     &mut state,
                 );
             }

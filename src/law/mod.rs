@@ -18,6 +18,8 @@ pub mod rate;
 mod row;
 pub mod rupture;
 
+use std::ops::Range;
+
 pub use aligned::{Aligned, AlignedRow, aligned_row, split_off};
 pub use backbone::{Backbone, Envelope, Indexed, Line, Searched, Table, TwoSided};
 pub use elastic::elastic_row;
@@ -31,8 +33,8 @@ pub use row::Row;
 /// not depend on how wide the processor's registers are.
 pub const LANES: usize = 8;
 
-/// Cells of a row that are looked up in a table together.
-const CHUNK: usize = 64;
+/// Cells of a row that are stepped together.
+pub const CHUNK: usize = 64;
 
 /// One step of one cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -125,7 +127,7 @@ pub trait RowLaw: Send + Sync {
     /// State numbers a cell.
     fn state_len(&self) -> usize;
 
-    /// One step of the whole row. Returns the sum of the work.
+    /// One step of the row. Returns the sum of the work.
     fn advance(&self, row: Row<'_>, state: &mut [f64]) -> f64;
 
     /// As [`RowLaw::advance`], with E times the strain increment of every cell (Pa) given; `work` is as in [`Row`].
@@ -135,8 +137,8 @@ pub trait RowLaw: Send + Sync {
     /// is zero; both are made right. Otherwise as [`RowLaw::advance`].
     fn first_yield(&self, row: Row<'_>, state: &mut [f64]) -> f64;
 
-    /// True where another step without strain would change no bit of the row.
-    fn rests(&self, sigma: &[f64], state: &[f64]) -> bool;
+    /// True where another step without strain would change no bit of these cells of the row.
+    fn rests(&self, sigma: &[f64], state: &[f64], cells: Range<usize>) -> bool;
 
     /// How far the row has come along the loading tables, as E times the equivalent strain, Pa: the largest of the
     /// cells now in tension, and of those in compression.
@@ -192,13 +194,12 @@ impl<L: CellLaw<N>, const N: usize> RowLaw for Rows<L, N> {
         row::advance::<L, N, true>(&self.0, row, state)
     }
 
-    fn rests(&self, sigma: &[f64], state: &[f64]) -> bool {
-        let rests = |(i, &sigma): (usize, &f64)| {
+    fn rests(&self, sigma: &[f64], state: &[f64], mut cells: Range<usize>) -> bool {
+        cells.all(|i| {
             let before = cell_state(state, i);
-            let after = self.0.respond(self.0.base(sigma, before), before);
-            after.plastic == 0.0 && after.sigma == sigma && after.state == before
-        };
-        sigma.iter().enumerate().all(rests)
+            let after = self.0.respond(self.0.base(sigma[i], before), before);
+            after.plastic == 0.0 && after.sigma == sigma[i] && after.state == before
+        })
     }
 
     fn reach(&self, sigma: &[f64], state: &[f64]) -> [f64; 2] {

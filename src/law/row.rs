@@ -1,6 +1,8 @@
 //! One step of a whole row of cells, in pieces of fixed length: in these, compilers check no bounds and need no loop for what
 //! is left over.
 
+use std::ops::Range;
+
 use multiversion::multiversion;
 
 use super::{Aligned, CHUNK, CellLaw, LANES};
@@ -19,6 +21,8 @@ pub struct Row<'a> {
     pub work: &'a mut [f64],
     /// Set to 1 in cells that flow, to 0 in others.
     pub flow: &'a mut [u8],
+    /// The cells that step. Nothing of the others is read or written but the velocities of the nodes between.
+    pub cells: Range<usize>,
 }
 
 /// Neighbouring cells, with the velocities of the nodes to their left and right.
@@ -41,11 +45,9 @@ pub(super) fn advance<L: CellLaw<N>, const N: usize, const FIRST: bool>(
     state: &mut [f64],
 ) -> f64 {
     let mut columns = columns::<N>(state, row.sigma.len());
-    let Row { gain, v, sigma, work, flow } = row;
-    let cells = sigma.len();
+    let Row { gain, v, sigma, work, flow, cells: Range { start: mut from, end } } = row;
     let mut sums = [0.0; LANES];
-    let mut from = 0;
-    while cells - from >= CHUNK {
+    while end - from >= CHUNK {
         let piece = Piece {
             left: cut(v, from),
             right: cut(v, from + 1),
@@ -57,16 +59,17 @@ pub(super) fn advance<L: CellLaw<N>, const N: usize, const FIRST: bool>(
         step::<L, N, FIRST>(law, gain, piece, &mut sums);
         from += CHUNK;
     }
-    if from < cells {
+    if from < end {
         // What is left over is stepped in a piece of its own, among cells at rest.
-        let mut copy = Copied::<N>::of(from, v, sigma, &columns);
+        let rest = from..end;
+        let mut copy = Copied::<N>::of(rest.clone(), v, sigma, &columns);
         step::<L, N, FIRST>(law, gain, copy.piece(), &mut sums);
-        let n = cells - from;
-        sigma[from..].copy_from_slice(&copy.sigma[..n]);
-        work[from..cells].copy_from_slice(&copy.work[..n]);
-        flow[from..cells].copy_from_slice(&copy.flow[..n]);
+        let n = rest.len();
+        sigma[rest.clone()].copy_from_slice(&copy.sigma[..n]);
+        work[rest.clone()].copy_from_slice(&copy.work[..n]);
+        flow[rest.clone()].copy_from_slice(&copy.flow[..n]);
         for (column, values) in columns.iter_mut().zip(&copy.columns) {
-            column[from..].copy_from_slice(&values[..n]);
+            column[rest.clone()].copy_from_slice(&values[..n]);
         }
     }
     sums.iter().sum()
@@ -89,7 +92,7 @@ fn cut_mut<T>(values: &mut [T], from: usize) -> &mut [T; CHUNK] {
     values[from..].first_chunk_mut().expect("a piece inside the row")
 }
 
-/// The last cells of a row, fewer than a piece has.
+/// The last cells to step, fewer than a piece has.
 struct Copied<const N: usize> {
     left: [f64; CHUNK],
     right: [f64; CHUNK],
@@ -101,16 +104,15 @@ struct Copied<const N: usize> {
 
 impl<const N: usize> Copied<N> {
     #[inline(always)]
-    fn of(from: usize, v: &[f64], sigma: &[f64], columns: &[&mut [f64]; N]) -> Self {
-        let (cells, zeros) = (sigma.len(), [0.0; CHUNK]);
-        let n = cells - from;
+    fn of(cells: Range<usize>, v: &[f64], sigma: &[f64], columns: &[&mut [f64]; N]) -> Self {
+        let (n, zeros) = (cells.len(), [0.0; CHUNK]);
         let mut copy =
             Self { left: zeros, right: zeros, sigma: zeros, columns: [zeros; N], work: zeros, flow: [0; CHUNK] };
-        copy.left[..n].copy_from_slice(&v[from..cells]);
-        copy.right[..n].copy_from_slice(&v[from + 1..=cells]);
-        copy.sigma[..n].copy_from_slice(&sigma[from..]);
+        copy.left[..n].copy_from_slice(&v[cells.clone()]);
+        copy.right[..n].copy_from_slice(&v[cells.start + 1..=cells.end]);
+        copy.sigma[..n].copy_from_slice(&sigma[cells.clone()]);
         for (values, column) in copy.columns.iter_mut().zip(columns) {
-            values[..n].copy_from_slice(&column[from..]);
+            values[..n].copy_from_slice(&column[cells.clone()]);
         }
         copy
     }
@@ -237,7 +239,8 @@ mod tests {
             for step in 0..40 {
                 let v: Vec<f64> = (0..=cells).map(|i| 2e-3 * noise(1000 * step + i)).collect();
                 let (sigma_before, state_before) = (sigma.clone(), state.clone());
-                let row = Row { gain: MODULUS, v: &v, sigma: &mut sigma, work: &mut work, flow: &mut flow };
+                let row =
+                    Row { gain: MODULUS, v: &v, sigma: &mut sigma, work: &mut work, flow: &mut flow, cells: 0..cells };
                 let sum = advance::<L, N, false>(law, row, &mut state);
                 let mut sums = [0.0; LANES];
                 for i in 0..cells {
@@ -254,6 +257,30 @@ mod tests {
                 assert_eq!(sum.to_bits(), sums.iter().sum::<f64>().to_bits());
             }
             assert!(flowed > 0, "nothing flowed");
+        }
+    }
+
+    #[test]
+    fn cells_that_do_not_step_are_left_alone() {
+        let (law, cells) = (Isotropic(Indexed::new(&table(60)).expect("fits")), 200);
+        let v: Vec<f64> = (0..=cells).map(|i| 2e-2 * noise(i)).collect();
+        let start = (vec![0.0; cells], vec![0.0; 2 * cells], vec![1.0; cells], vec![7; cells]);
+        let step = |stepped: Range<usize>| {
+            let (mut sigma, mut state, mut work, mut flow) = start.clone();
+            let row = Row { gain: MODULUS, v: &v, sigma: &mut sigma, work: &mut work, flow: &mut flow, cells: stepped };
+            advance::<_, 2, false>(&law, row, &mut state);
+            (sigma, state, work, flow)
+        };
+        let whole = step(0..cells);
+        for stepped in [64..128, 0..192, 128..200, 64..64] {
+            let part = step(stepped.clone());
+            for i in 0..cells {
+                let expected = if stepped.contains(&i) { &whole } else { &start };
+                let cell = |(sigma, state, work, flow): &(Vec<f64>, Vec<f64>, Vec<f64>, Vec<u8>)| {
+                    (sigma[i], state[i], state[cells + i], work[i], flow[i])
+                };
+                assert_eq!(cell(&part), cell(expected), "cell {i} of {stepped:?}");
+            }
         }
     }
 

@@ -8,20 +8,13 @@ use multiversion::multiversion;
 use super::readings::Quantity;
 use super::ripple::{self, Gaps};
 use super::taper::BlockTaper;
-use crate::law::{Aligned, AlignedRow, LANES, Row, RowLaw, aligned_row, elastic_row, split_off};
+use crate::law::{Aligned, AlignedRow, CHUNK, Row, RowLaw, aligned_row, elastic_row, split_off};
 
-/// Cells of a full block of a long segment. What is at work in a step is whole blocks, and each costs some time beside that
-/// of its cells.
-const LONG: usize = 256;
-
-/// Cells of a full block of a segment of fewer than [`MANY`] cells, where a few blocks are much of the bar.
-const SHORT: usize = 128;
-
-/// Cells from which on a segment has blocks of [`LONG`].
-const MANY: usize = 2560;
+/// Cells of a full block. Fixed, so that sums over blocks have the same bits whatever the number of threads.
+const BLOCK: usize = 256;
 
 /// Cells of the longest block.
-pub(super) const MOST_CELLS: usize = 2 * LONG;
+pub(super) const MOST_CELLS: usize = 2 * BLOCK;
 
 /// Numbers for each cell of a block that is being stepped, of no meaning before and after.
 #[derive(Debug)]
@@ -41,17 +34,15 @@ pub(super) const WATCHED: [Quantity; 4] =
     [Quantity::Stress, Quantity::Strain, Quantity::Velocity, Quantity::Temperature];
 
 /// Sizes of the blocks of a segment of so many cells, the same from right to left: full blocks, and in the middle what is
-/// left, in one or three blocks of more than half a full one and less than two. Only a short segment has a smaller one. The
-/// number of threads has no say in it, so that sums over blocks have the same bits on any.
+/// left, in one or three blocks of more than half a full one and less than two. Only a short segment has a smaller one.
 pub(super) fn block_sizes(cells: usize) -> impl Iterator<Item = usize> {
-    let full = if cells < MANY { SHORT } else { LONG };
-    let pairs = cells.saturating_sub(full) / (2 * full);
-    let middle = cells - 2 * full * pairs;
-    // Whole lanes, where that can be had.
-    let third = if middle < 2 * full { 0 } else { (middle / 3) / LANES * LANES };
+    let pairs = cells.saturating_sub(BLOCK) / (2 * BLOCK);
+    let middle = cells - 2 * BLOCK * pairs;
+    // Whole pieces, where that can be had.
+    let third = if middle < 2 * BLOCK { 0 } else { (middle / 3) / CHUNK * CHUNK };
     let middle = [third, middle - 2 * third, third].into_iter().filter(|&cells| cells > 0);
-    let outer = std::iter::repeat_n(full, pairs);
-    outer.clone().chain(middle).chain(outer)
+    let full = std::iter::repeat_n(BLOCK, pairs);
+    full.clone().chain(middle).chain(full)
 }
 
 /// What a block's cells have met so far; decides which kernel they need.
@@ -63,15 +54,26 @@ pub(super) enum Stage {
     Plastic,
 }
 
-/// Cells with their nodes. Neighbouring blocks hold a copy each of the node between them.
+/// Cells with their nodes. Neighbouring blocks hold a copy each of the node between them. What tells whether there is
+/// anything to do comes first, on one line of the cache.
 #[derive(Debug, Clone)]
+#[repr(C, align(64))]
 pub(super) struct Block {
-    pub cells: Range<usize>,
-    pub segment: usize,
+    /// The cells at work, in whole pieces of [`CHUNK`]. A step that leaves the nodes around the others as they are changes
+    /// no bit of these: nothing is computed there until the nodes move.
+    busy: Range<usize>,
+    /// The step from which on ripples are damped: where they could have come from a place that yielded. A signal takes at
+    /// least a step through a block.
+    pub damps_from: usize,
+    /// Velocity difference that the ripple damping handed over in the first and in the last cell.
+    pub handed_at_edges: [f64; 2],
+    /// Velocities of the first and the last inner node before the damping of the latest step, for that of the neighbours.
+    inner: [f64; 2],
     pub stage: Stage,
-    /// A step that leaves its edges as they are changes no bit of the block: nothing is computed until they move. Who moves
-    /// them says so here.
-    pub at_rest: bool,
+    /// The block was at rest when it was last logged.
+    logged_at_rest: bool,
+    /// The work of every cell is kept.
+    pub keeps_work: bool,
     pub sigma: AlignedRow,
     /// Node velocities, one more than cells.
     pub v: AlignedRow,
@@ -79,24 +81,15 @@ pub(super) struct Block {
     pub state: AlignedRow,
     /// 1 in cells that flowed in the latest step (not where the rate of flow is resolved), else 0; empty until the block yields.
     pub flow: Vec<u8>,
+    pub cells: Range<usize>,
+    pub segment: usize,
     /// Running sum over cells and steps of the plastic work as [`RowLaw::advance`] gives it, times the cells' relative areas.
     pub plastic: f64,
-    /// Velocity difference that the ripple damping handed over in the first and in the last cell.
-    pub handed_at_edges: [f64; 2],
-    /// Velocities of the first and the last inner node before the damping of the latest step, for that of the neighbours.
-    inner: [f64; 2],
-    /// The step from which on ripples are damped: where they could have come from a place that yielded. A signal takes at
-    /// least a step through a block.
-    pub damps_from: usize,
+    /// Running sum of what the damping took from the block's inner nodes, see [`ripple::hand_over`].
+    pub damped: f64,
     /// Cells of which every step is logged, and the log: a row for each of them, step by step.
     pub watched: Vec<usize>,
     pub log: Vec<[f64; WATCHED.len()]>,
-    /// The block was at rest when it was last logged.
-    logged_at_rest: bool,
-    /// Running sum of what the damping took from the block's inner nodes, see [`ripple::hand_over`].
-    pub damped: f64,
-    /// The work of every cell is kept.
-    pub keeps_work: bool,
     /// 2E times the plastic work of every cell per volume, Pa^2; empty until the block yields, and where it is not kept.
     pub absorbed: Vec<f64>,
     /// Sections of the cells; none in a uniform segment.
@@ -121,7 +114,7 @@ impl Block {
             cells,
             segment,
             stage: Stage::Elastic,
-            at_rest: true,
+            busy: 0..0,
             sigma: aligned_row(n, 0.0),
             v: aligned_row(n + 1, velocity),
             state: aligned_row(0, 0.0),
@@ -145,7 +138,22 @@ impl Block {
         let nodes = self.cells.start..=self.cells.end;
         self.v.iter_mut().zip(nodes).for_each(|(v, node)| *v = velocity(node));
         self.note_undamped();
-        self.at_rest = false;
+        self.wake();
+    }
+
+    /// Nothing is computed until a node at the edges moves.
+    pub fn at_rest(&self) -> bool {
+        self.busy.is_empty()
+    }
+
+    /// The cells at the left (0) or right (1) edge are at rest.
+    pub fn rests_at(&self, side: usize) -> bool {
+        self.at_rest() || if side == 0 { self.busy.start > 0 } else { self.busy.end < self.sigma.len() }
+    }
+
+    /// Sets all cells to work.
+    fn wake(&mut self) {
+        self.busy = 0..self.sigma.len();
     }
 
     /// Takes the cells from local cell `at` on (0 < at < cells) away into a block of their own; both keep the node between
@@ -165,7 +173,7 @@ impl Block {
             cells: middle..self.cells.end,
             segment: self.segment,
             stage: self.stage,
-            at_rest: false,
+            busy: 0..cells - at,
             sigma: split_off(&mut self.sigma, at),
             v,
             state,
@@ -183,6 +191,9 @@ impl Block {
             taper: self.taper.as_mut().map(|taper| Box::new(taper.split_off(at))),
         };
         self.cells.end = middle;
+        if !self.at_rest() {
+            self.wake();
+        }
         right
     }
 
@@ -193,26 +204,28 @@ impl Block {
         }
     }
 
-    /// Takes down where they come from a neighbour; `near` are the steps from which on they are damped there.
-    pub fn note_ripples(&mut self, near: [Option<usize>; 2]) {
-        for from in near.into_iter().flatten() {
-            self.damps_from = self.damps_from.min(from.saturating_add(1));
-        }
+    /// Takes down where they come from a neighbour; `near` is the step from which on they are damped there.
+    pub fn note_ripples(&mut self, near: usize) {
+        self.damps_from = self.damps_from.min(near.saturating_add(1));
     }
 
     /// Gives the node at the left (0) or right (1) edge its velocity.
     pub fn set_edge(&mut self, side: usize, velocity: f64) {
-        let node = side * self.sigma.len();
-        if self.v[node] != velocity {
-            self.v[node] = velocity;
-            self.at_rest = false;
+        let cells = self.sigma.len();
+        let node = side * cells;
+        if self.v[node] == velocity {
+            return;
         }
+        self.v[node] = velocity;
+        let piece = if side == 0 { 0..CHUNK.min(cells) } else { (cells - 1) / CHUNK * CHUNK..cells };
+        self.busy = if self.at_rest() { piece } else { self.busy.start.min(piece.start)..self.busy.end.max(piece.end) };
     }
 
     /// Logs the latest rows once more, if the block was at rest then and still is; false where it was not.
     pub fn repeat_log(&mut self) -> bool {
-        let rested = std::mem::replace(&mut self.logged_at_rest, self.at_rest);
-        let from = self.log.len().checked_sub(self.watched.len()).filter(|_| rested && self.at_rest);
+        let rests = self.at_rest();
+        let rested = std::mem::replace(&mut self.logged_at_rest, rests);
+        let from = self.log.len().checked_sub(self.watched.len()).filter(|_| rested && rests);
         if let Some(from) = from {
             self.log.extend_from_within(from..);
         }
@@ -241,22 +254,38 @@ impl Block {
         scratch: &mut Scratch,
     ) {
         let Scratch { work, gaps } = scratch;
-        gaps.read(&self.v, outside, rounding);
+        let (cells, busy, v) = (self.sigma.len(), self.busy.clone(), &mut self.v);
+        let (at_left, at_right) = (busy.start == 0, busy.end == cells);
+        let outside = [
+            if at_left { outside[0] } else { Some(v[busy.start - 1]) },
+            if at_right { outside[1] } else { Some(v[busy.end + 1]) },
+        ];
+        gaps.read(&v[busy.start..=busy.end], outside, rounding);
+        self.handed_at_edges = [0.0; 2];
         if gaps.are_smooth() {
-            self.handed_at_edges = [0.0; 2];
             return;
         }
-        let cells = self.sigma.len();
+        // Cells at rest hand nothing over: they do not flow, and beyond the first one nothing alternates.
         let handed = &mut work.0[..cells];
-        let anything = gaps.find(&self.flow, rounding, handed);
-        self.handed_at_edges = [handed[0], handed[cells - 1]];
+        if !at_left {
+            handed[busy.start - 1] = 0.0;
+        }
+        if !at_right {
+            handed[busy.end] = 0.0;
+        }
+        let flow = self.flow.get(busy.clone()).unwrap_or_default();
+        let anything = gaps.find(flow, rounding, &mut handed[busy.clone()]);
+        self.handed_at_edges = [if at_left { handed[0] } else { 0.0 }, if at_right { handed[cells - 1] } else { 0.0 }];
         if !anything {
             return;
         }
-        let inner = &mut self.v[1..cells];
+        let nodes = inner_nodes(&busy, cells);
         self.damped += match &self.taper {
-            None => ripple::hand_over(velocity_gain, &self.sigma, handed, inner),
-            Some(taper) => taper.hand_over(velocity_gain, &self.sigma, handed, inner),
+            None => {
+                let cells = nodes.start - 1..nodes.end;
+                ripple::hand_over(velocity_gain, &self.sigma[cells.clone()], &handed[cells], &mut v[nodes])
+            }
+            Some(taper) => taper.hand_over(velocity_gain, &self.sigma, handed, v, nodes),
         };
     }
 
@@ -264,41 +293,76 @@ impl Block {
     ///
     /// `scratch` stays in the first-level cache from block to block.
     pub fn advance(&mut self, law: BlockLaw<'_>, scratch: &mut Scratch) {
-        if self.at_rest {
-            return;
-        }
-        self.settle(law);
-        if self.at_rest {
+        self.widen();
+        self.narrow(law);
+        if self.at_rest() {
             return;
         }
         self.advance_stress(law, scratch);
-        let inner = self.v.len() - 1;
+        let nodes = inner_nodes(&self.busy, self.sigma.len());
         match &self.taper {
-            None => advance_velocity(law.velocity_gain, &self.sigma, &mut self.v[1..inner]),
-            Some(taper) => taper.advance_velocity(law.velocity_gain, &self.sigma, &mut self.v[1..inner]),
+            None => {
+                let cells = nodes.start - 1..nodes.end;
+                advance_velocity(law.velocity_gain, &self.sigma[cells], &mut self.v[nodes]);
+            }
+            Some(taper) => taper.advance_velocity(law.velocity_gain, &self.sigma, &mut self.v, nodes),
         }
         self.note_undamped();
     }
 
-    /// Looks whether the block has come to rest: its nodes move alike, and neither these velocities nor the law change
-    /// anything in another step.
-    fn settle(&mut self, law: BlockLaw<'_>) {
-        let v = self.v[0];
-        if v != self.v[1] || v != self.v[self.sigma.len()] {
+    /// Sets the pieces next to those at work to work if the node between has moved: a signal comes no farther in a step.
+    fn widen(&mut self) {
+        let (Range { start, end }, cells) = (self.busy.clone(), self.sigma.len());
+        if self.at_rest() {
             return;
+        }
+        if start > 0 && self.v[start] != self.v[start - 1] {
+            self.busy.start -= CHUNK;
+        }
+        if end < cells && self.v[end] != self.v[end + 1] {
+            self.busy.end = cells.min(end + CHUNK);
+        }
+    }
+
+    /// Lets the outer pieces at work come to rest where they have.
+    fn narrow(&mut self, law: BlockLaw<'_>) {
+        if self.at_rest() {
+            return;
+        }
+        while !self.at_rest() {
+            let Range { start, end } = self.busy;
+            let (after_first, before_last) = (end.min(start + CHUNK), (end - 1) / CHUNK * CHUNK);
+            if self.settles(start..after_first, law) {
+                self.busy.start = after_first;
+            } else if self.settles(before_last..end, law) {
+                self.busy.end = before_last;
+            } else {
+                return;
+            }
+        }
+        self.note_undamped();
+        self.handed_at_edges = [0.0; 2];
+    }
+
+    /// Whether these cells have come to rest: their nodes move alike, and neither these velocities nor the law change anything
+    /// in another step.
+    fn settles(&mut self, cells: Range<usize>, law: BlockLaw<'_>) -> bool {
+        let nodes = &self.v[cells.start..=cells.end];
+        let v = nodes[0];
+        if v != nodes[1] || v != nodes[cells.len()] || nodes.iter().any(|other| *other != v) {
+            return false;
         }
         let moves = |i: usize| v + self.kick(law.velocity_gain, i) != v;
         let plastic = self.stage == Stage::Plastic;
-        if self.v.iter().any(|other| *other != v)
-            || (1..self.sigma.len()).any(moves)
-            || plastic && !law.law.rests(&self.sigma, &self.state)
+        if inner_nodes(&cells, self.sigma.len()).any(moves)
+            || plastic && !law.law.rests(&self.sigma, &self.state, cells.clone())
         {
-            return;
+            return false;
         }
-        self.at_rest = true;
-        self.inner = [v; 2];
-        self.flow.fill(0);
-        self.handed_at_edges = [0.0; 2];
+        if plastic {
+            self.flow[cells].fill(0);
+        }
+        true
     }
 
     /// Velocity change in a step of the node to the left of local cell `i` (0 < i < cells), m/s.
@@ -321,40 +385,51 @@ impl Block {
 
     /// Steps the stresses of the block alone: its nodes belong to the caller, all of them.
     pub fn advance_stresses(&mut self, law: BlockLaw<'_>, scratch: &mut Scratch) {
-        if self.at_rest {
+        if self.at_rest() {
             if self.v.iter().all(|v| *v == self.v[0]) {
                 return;
             }
-            self.at_rest = false;
+            self.wake();
         }
         self.advance_stress(law, scratch);
     }
 
     fn advance_stress(&mut self, law: BlockLaw<'_>, scratch: &mut Scratch) {
         let cells = self.sigma.len();
-        let work = &mut scratch.work.0[..cells];
-        let (gain, v, sigma) = (law.stress_gain, &self.v, &mut self.sigma);
-        let sum = if self.stage == Stage::Elastic {
-            let peak = elastic_row(gain, v, sigma);
+        let first = self.stage == Stage::Elastic;
+        if first {
+            let Range { start, end } = self.busy;
+            let peak = elastic_row(law.stress_gain, &self.v[start..=end], &mut self.sigma[start..end]);
             if peak <= law.yield_stress {
                 return;
             }
             self.stage = Stage::Plastic;
             self.state = aligned_row(law.law.state_len() * cells, 0.0);
             self.flow = vec![0; cells];
-            law.law.first_yield(Row { gain, v, sigma, work, flow: &mut self.flow }, &mut self.state)
-        } else {
-            law.law.advance(Row { gain, v, sigma, work, flow: &mut self.flow }, &mut self.state)
+            self.wake();
+        }
+        let busy = self.busy.clone();
+        let work = &mut scratch.work.0[..cells];
+        let row = Row {
+            gain: law.stress_gain,
+            v: &self.v,
+            sigma: &mut self.sigma,
+            work,
+            flow: &mut self.flow,
+            cells: busy.clone(),
         };
+        let state = &mut self.state;
+        let sum = if first { law.law.first_yield(row, state) } else { law.law.advance(row, state) };
+        let work = &work[busy.clone()];
         if self.keeps_work {
             self.absorbed.resize(cells, 0.0);
-            for (sum, work) in self.absorbed.iter_mut().zip(&*work) {
+            for (sum, work) in self.absorbed[busy.clone()].iter_mut().zip(work) {
                 *sum += *work;
             }
         }
         self.plastic += match &self.taper {
             None => sum,
-            Some(taper) => work.iter().zip(&taper.area).map(|(work, area)| work * area).sum(),
+            Some(taper) => work.iter().zip(&taper.area[busy]).map(|(work, area)| work * area).sum(),
         };
         law.law.clear_resolved(&self.state, &mut self.flow);
     }
@@ -412,7 +487,12 @@ impl Block {
     }
 }
 
-/// `v[i] += gain (sigma[i+1] - sigma[i])` for the nodes inside a block: one node fewer than cells.
+/// The nodes of these cells of a block, without those at its own edges.
+fn inner_nodes(cells: &Range<usize>, all: usize) -> Range<usize> {
+    cells.start.max(1)..all.min(cells.end + 1)
+}
+
+/// `v[i] += gain (sigma[i+1] - sigma[i])` for nodes inside a block: one node fewer than cells.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
 fn advance_velocity(gain: f64, sigma: &[f64], v: &mut [f64]) {
     let nodes = v.len();

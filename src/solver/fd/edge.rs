@@ -50,7 +50,7 @@ impl Edge {
 
     /// Takes on what the ripple damping hands over in the cells on both sides, each an impulse of its own mass; false where
     /// that is nothing.
-    pub fn damp(&mut self, left: f64, right: f64) -> bool {
+    pub fn damp(&mut self, [left, right]: [f64; 2]) -> bool {
         let change = if self.gain_left == self.gain_right {
             right - left
         } else {

@@ -70,7 +70,7 @@ impl Stretch<'_> {
     /// The stresses and the inner nodes of these blocks in a step.
     pub fn advance(&mut self, blocks: Range<i64>, step: usize, scratch: &mut Scratch) {
         let (common, blocks) = (self.common, self.local(blocks));
-        for block in &mut self.blocks[blocks] {
+        for block in self.blocks[blocks].iter_mut().filter(|block| !block.at_rest()) {
             block.advance(common.law(block.segment), scratch);
             block.note_yield(step);
         }
@@ -90,7 +90,7 @@ impl Stretch<'_> {
         }
         for k in self.inner(&edges) {
             let (edge, [left, right]) = (&mut self.edges[k], pair(self.blocks, k));
-            if edge.still && left.at_rest && right.at_rest {
+            if edge.still && left.rests_at(1) && right.rests_at(0) {
                 continue;
             }
             edge.advance(last(&left.sigma), right.sigma[0]);
@@ -117,10 +117,11 @@ impl Stretch<'_> {
     pub fn damp(&mut self, blocks: Range<i64>, step: usize, scratch: &mut Scratch) {
         for k in self.local(blocks) {
             if self.blocks[k].damps_from > step {
-                let near = [k.checked_sub(1), Some(k + 1)].map(|k| Some(self.blocks.get(k?)?.damps_from));
-                self.blocks[k].note_ripples(near);
+                let left = if k > 0 { self.blocks[k - 1].damps_from } else { usize::MAX };
+                let right = self.blocks.get(k + 1).map_or(usize::MAX, |block| block.damps_from);
+                self.blocks[k].note_ripples(left.min(right));
             }
-            if self.blocks[k].at_rest || self.blocks[k].damps_from > step {
+            if self.blocks[k].at_rest() || self.blocks[k].damps_from > step {
                 continue;
             }
             let outside = self.nodes_outside(k);
@@ -138,7 +139,8 @@ impl Stretch<'_> {
         }
         for k in self.inner(&edges) {
             let (edge, [left, right]) = (&mut self.edges[k], pair(self.blocks, k));
-            if edge.damp(left.handed_at_edges[1], right.handed_at_edges[0]) {
+            let handed = [left.handed_at_edges[1], right.handed_at_edges[0]];
+            if handed != [0.0; 2] && edge.damp(handed) {
                 left.set_edge(1, edge.after);
                 right.set_edge(0, edge.after);
             }

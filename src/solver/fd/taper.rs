@@ -59,19 +59,20 @@ impl BlockTaper {
         0.5 * (self.area[i - 1] + self.area[i])
     }
 
-    /// Takes the nodes inside the block a step on.
-    pub fn advance_velocity(&self, gain: f64, sigma: &[f64], v: &mut [f64]) {
-        advance_velocity(gain, &self.skew, sigma, v);
+    /// Takes these nodes inside the block a step on.
+    pub fn advance_velocity(&self, gain: f64, sigma: &[f64], v: &mut [f64], nodes: Range<usize>) {
+        let cells = nodes.start - 1..nodes.end;
+        advance_velocity(gain, &self.skew[cells.start..cells.end - 1], &sigma[cells], &mut v[nodes]);
     }
 
-    /// As [`ripple::hand_over`]: a cell hands over an impulse of its own mass times `handed`. The sum that is returned is
-    /// weighted with the nodes' masses over the mean mass of a cell.
-    pub fn hand_over(&self, gain: f64, sigma: &[f64], handed: &[f64], v: &mut [f64]) -> f64 {
+    /// As [`ripple::hand_over`], to these nodes inside the block: a cell hands over an impulse of its own mass times `handed`.
+    /// The sum that is returned is weighted with the nodes' masses over the mean mass of a cell.
+    pub fn hand_over(&self, gain: f64, sigma: &[f64], handed: &[f64], v: &mut [f64], nodes: Range<usize>) -> f64 {
         let mut lost = 0.0;
-        for (i, v) in v.iter_mut().enumerate() {
-            let (left, right) = (handed[i], handed[i + 1]);
-            let change = (right - left) + self.skew[i] * (right + left);
-            lost += self.node_mass(i + 1) * ripple::node(self.kick(gain, sigma, i + 1), change, v);
+        for i in nodes {
+            let (left, right) = (handed[i - 1], handed[i]);
+            let change = (right - left) + self.skew[i - 1] * (right + left);
+            lost += self.node_mass(i) * ripple::node(self.kick(gain, sigma, i), change, &mut v[i]);
         }
         lost
     }

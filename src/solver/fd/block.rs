@@ -6,6 +6,7 @@ use std::ops::Range;
 use multiversion::multiversion;
 
 use super::readings::Quantity;
+use super::rest::inner_nodes;
 use super::ripple::{self, Gaps};
 use super::taper::BlockTaper;
 use crate::law::{Aligned, AlignedRow, CHUNK, Row, RowLaw, aligned_row, elastic_row, split_off};
@@ -61,7 +62,7 @@ pub(super) enum Stage {
 pub(super) struct Block {
     /// The cells at work, in whole pieces of [`CHUNK`]. A step that leaves the nodes around the others as they are changes
     /// no bit of these: nothing is computed there until the nodes move.
-    busy: Range<usize>,
+    pub busy: Range<usize>,
     /// The step from which on ripples are damped: where they could have come from a place that yielded. A signal takes at
     /// least a step through a block.
     pub damps_from: usize,
@@ -141,21 +142,6 @@ impl Block {
         self.wake();
     }
 
-    /// Nothing is computed until a node at the edges moves.
-    pub fn at_rest(&self) -> bool {
-        self.busy.is_empty()
-    }
-
-    /// The cells at the left (0) or right (1) edge are at rest.
-    pub fn rests_at(&self, side: usize) -> bool {
-        self.at_rest() || if side == 0 { self.busy.start > 0 } else { self.busy.end < self.sigma.len() }
-    }
-
-    /// Sets all cells to work.
-    fn wake(&mut self) {
-        self.busy = 0..self.sigma.len();
-    }
-
     /// Takes the cells from local cell `at` on (0 < at < cells) away into a block of their own; both keep the node between
     /// them. Running sums stay here.
     pub fn split_off(&mut self, at: usize) -> Self {
@@ -207,18 +193,6 @@ impl Block {
     /// Takes down where they come from a neighbour; `near` is the step from which on they are damped there.
     pub fn note_ripples(&mut self, near: usize) {
         self.damps_from = self.damps_from.min(near.saturating_add(1));
-    }
-
-    /// Gives the node at the left (0) or right (1) edge its velocity.
-    pub fn set_edge(&mut self, side: usize, velocity: f64) {
-        let cells = self.sigma.len();
-        let node = side * cells;
-        if self.v[node] == velocity {
-            return;
-        }
-        self.v[node] = velocity;
-        let piece = if side == 0 { 0..CHUNK.min(cells) } else { (cells - 1) / CHUNK * CHUNK..cells };
-        self.busy = if self.at_rest() { piece } else { self.busy.start.min(piece.start)..self.busy.end.max(piece.end) };
     }
 
     /// Logs the latest rows once more, if the block was at rest then and still is; false where it was not.
@@ -289,7 +263,8 @@ impl Block {
         };
     }
 
-    /// Steps the stresses of the block, then the nodes inside it. The nodes at its two edges belong to the caller.
+    /// Steps the stresses of a block that is not at rest, then the nodes inside it. The nodes at its two edges belong to the
+    /// caller.
     ///
     /// `scratch` stays in the first-level cache from block to block.
     pub fn advance(&mut self, law: BlockLaw<'_>, scratch: &mut Scratch) {
@@ -308,61 +283,6 @@ impl Block {
             Some(taper) => taper.advance_velocity(law.velocity_gain, &self.sigma, &mut self.v, nodes),
         }
         self.note_undamped();
-    }
-
-    /// Sets the pieces next to those at work to work if the node between has moved: a signal comes no farther in a step.
-    fn widen(&mut self) {
-        let (Range { start, end }, cells) = (self.busy.clone(), self.sigma.len());
-        if self.at_rest() {
-            return;
-        }
-        if start > 0 && self.v[start] != self.v[start - 1] {
-            self.busy.start -= CHUNK;
-        }
-        if end < cells && self.v[end] != self.v[end + 1] {
-            self.busy.end = cells.min(end + CHUNK);
-        }
-    }
-
-    /// Lets the outer pieces at work come to rest where they have.
-    fn narrow(&mut self, law: BlockLaw<'_>) {
-        if self.at_rest() {
-            return;
-        }
-        while !self.at_rest() {
-            let Range { start, end } = self.busy;
-            let (after_first, before_last) = (end.min(start + CHUNK), (end - 1) / CHUNK * CHUNK);
-            if self.settles(start..after_first, law) {
-                self.busy.start = after_first;
-            } else if self.settles(before_last..end, law) {
-                self.busy.end = before_last;
-            } else {
-                return;
-            }
-        }
-        self.note_undamped();
-        self.handed_at_edges = [0.0; 2];
-    }
-
-    /// Whether these cells have come to rest: their nodes move alike, and neither these velocities nor the law change anything
-    /// in another step.
-    fn settles(&mut self, cells: Range<usize>, law: BlockLaw<'_>) -> bool {
-        let nodes = &self.v[cells.start..=cells.end];
-        let v = nodes[0];
-        if v != nodes[1] || v != nodes[cells.len()] || nodes.iter().any(|other| *other != v) {
-            return false;
-        }
-        let moves = |i: usize| v + self.kick(law.velocity_gain, i) != v;
-        let plastic = self.stage == Stage::Plastic;
-        if inner_nodes(&cells, self.sigma.len()).any(moves)
-            || plastic && !law.law.rests(&self.sigma, &self.state, cells.clone())
-        {
-            return false;
-        }
-        if plastic {
-            self.flow[cells].fill(0);
-        }
-        true
     }
 
     /// Velocity change in a step of the node to the left of local cell `i` (0 < i < cells), m/s.
@@ -485,11 +405,6 @@ impl Block {
         }
         (product, sum)
     }
-}
-
-/// The nodes of these cells of a block, without those at its own edges.
-fn inner_nodes(cells: &Range<usize>, all: usize) -> Range<usize> {
-    cells.start.max(1)..all.min(cells.end + 1)
 }
 
 /// `v[i] += gain (sigma[i+1] - sigma[i])` for nodes inside a block: one node fewer than cells.

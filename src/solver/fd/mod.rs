@@ -10,6 +10,7 @@ mod grid;
 mod implicit;
 mod leapfrog;
 mod readings;
+mod rest;
 mod ripple;
 mod rupture;
 mod sample;

@@ -3,7 +3,7 @@
 use super::view::{Account, EndState, Start, Stepped, View};
 use super::{Field, Traces};
 use crate::law::rupture::Rupture;
-use crate::solver::fd::{Energies, Grid, Leapfrog, Passed, Quantity, Sampling};
+use crate::solver::fd::{Energies, Grid, Leapfrog, Passed, Quantity, Reader, Sampling};
 use crate::solver::muscl::Muscl;
 use crate::solver::net::Net;
 
@@ -137,6 +137,10 @@ macro_rules! stepped {
 
 stepped!(
     Leapfrog,
+    fn read(&self, quantity: Quantity, places: &Sampling, out: &mut [f64]) {
+        let mut reader = Reader::new(self, quantity);
+        places.read(|cell| reader.value(cell), out);
+    },
     fn advance_by(&mut self, steps: usize) {
         self.advance_by(steps);
     },
@@ -151,8 +155,8 @@ stepped!(
         }
         let (before, dt) = (self.step(), self.grid().dt);
         self.advance_by(steps);
-        let times: Vec<f64> = (before + 1..=before + steps).map(|step| step as f64 * dt).collect();
-        traces.add_log(&times, &self.take_log());
+        traces.add_log((before..before + steps).map(|step| (step + 1) as f64 * dt), &self.log());
+        self.clear_log();
     }
 );
 stepped!(Net);
@@ -192,7 +196,7 @@ fn sample(
     if places.is_every_cell() {
         bar.profile(quantity, out);
     } else {
-        places.read(|cell| bar.value(quantity, cell), out);
+        bar.read(quantity, places, out);
     }
 }
 

@@ -21,11 +21,11 @@ pub struct Traces {
 impl Traces {
     /// Gauges at the places of `places`, which read the temperature where there is `heat`, and both ends.
     pub fn new(places: Sampling, heat: bool) -> Self {
-        let gauges = vec![Trace::default(); places.x().len()];
+        let gauges = places.x().iter().map(|_| gauge(heat)).collect();
         let mut cells = places.cells_read();
         cells.sort_unstable();
         cells.dedup();
-        Self { places, cells, gauges, ends: [Trace::default(), Trace::default()], heat }
+        Self { places, cells, gauges, ends: [end(), end()], heat }
     }
 
     /// The cells that gauges read, increasing.
@@ -67,34 +67,51 @@ impl Traces {
     }
 
     /// Adds what a bar logged, step by step, at these times (s).
-    pub fn add_log(&mut self, times: &[f64], log: &Log) {
+    pub fn add_log(&mut self, times: impl ExactSizeIterator<Item = f64> + Clone, log: &Log<'_>) {
         for (trace, rows) in self.ends.iter_mut().zip(&log.ends) {
-            trace.time.extend(times);
+            trace.time.extend(times.clone());
             trace.stress.extend(rows.iter().map(|row| row[0]));
             trace.velocity.extend(rows.iter().map(|row| row[1]));
         }
         for (k, trace) in self.gauges.iter_mut().enumerate() {
             let (cell, weight) = self.places.point(k);
             let column = self.cells.partition_point(|&c| c < cell);
-            let (here, there) = (&log.cells[column], log.cells.get(column + 1));
-            let history = |quantity: usize| {
-                let beyond = move |step: usize| there.map_or(f64::NAN, |rows| rows[step][quantity]);
-                let value = move |(step, row): (usize, &[f64; 4])| between(weight, row[quantity], || beyond(step));
-                here.iter().enumerate().map(value)
-            };
-            trace.time.extend(times);
-            trace.stress.extend(history(0));
-            trace.strain.extend(history(1));
-            trace.velocity.extend(history(2));
-            if self.heat {
-                trace.temperature.extend(history(3));
+            let here = log.cells[column];
+            // Without weight nothing is read beyond.
+            let there = if weight == 0.0 { here } else { log.cells[column + 1] };
+            trace.time.extend(times.clone());
+            for step in 0..times.len() {
+                let (here, there) = (here.after(step), there.after(step));
+                let now: [f64; 4] = std::array::from_fn(|quantity| between(weight, here[quantity], || there[quantity]));
+                trace.stress.push(now[0]);
+                trace.strain.push(now[1]);
+                trace.velocity.push(now[2]);
+                if self.heat {
+                    trace.temperature.push(now[3]);
+                }
             }
         }
     }
 
     /// Hands on what was gathered since the last call: gauges in order, then the left and right end.
     pub fn take(&mut self) -> (Vec<Trace>, [Trace; 2]) {
-        let gauges = self.gauges.iter_mut().map(std::mem::take).collect();
-        (gauges, std::mem::take(&mut self.ends))
+        let heat = self.heat;
+        let gauges = self.gauges.iter_mut().map(|trace| std::mem::replace(trace, gauge(heat))).collect();
+        (gauges, self.ends.each_mut().map(|trace| std::mem::replace(trace, end())))
     }
+}
+
+/// Room for a batch, and for the steps that go in one after it is full.
+fn column() -> Vec<f64> {
+    Vec::with_capacity(BATCH + BATCH / 8)
+}
+
+/// An empty history of an end.
+fn end() -> Trace {
+    Trace { time: column(), stress: column(), velocity: column(), ..Trace::default() }
+}
+
+/// An empty history of a gauge.
+fn gauge(heat: bool) -> Trace {
+    Trace { strain: column(), temperature: if heat { column() } else { Vec::new() }, ..end() }
 }

@@ -66,6 +66,11 @@ pub trait Stepped: View<Places = Sampling> {
     /// A quantity in one cell.
     fn value(&self, quantity: Quantity, cell: usize) -> f64;
 
+    /// A quantity at some places, into `out` (one entry a place).
+    fn read(&self, quantity: Quantity, places: &Sampling, out: &mut [f64]) {
+        places.read(|cell| self.value(quantity, cell), out);
+    }
+
     /// A quantity in every cell, into `out` (one entry a cell).
     fn profile(&self, quantity: Quantity, out: &mut [f64]);
 

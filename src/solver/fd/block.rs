@@ -286,6 +286,7 @@ impl Block {
     }
 
     /// Velocity change in a step of the node to the left of local cell `i` (0 < i < cells), m/s.
+    #[inline]
     pub fn kick(&self, velocity_gain: f64, i: usize) -> f64 {
         match &self.taper {
             None => velocity_gain * (self.sigma[i] - self.sigma[i - 1]),

@@ -341,9 +341,14 @@ impl Device {
         self.log.iter_mut().for_each(|log| log.push(now));
     }
 
-    /// The log, which starts anew.
-    pub(super) fn take_log(&mut self) -> Vec<[f64; 2]> {
-        self.log.as_mut().map(std::mem::take).unwrap_or_default()
+    /// The log; empty where none is kept.
+    pub(super) fn log(&self) -> &[[f64; 2]] {
+        self.log.as_deref().unwrap_or_default()
+    }
+
+    /// Starts the log anew.
+    pub(super) fn clear_log(&mut self) {
+        self.log.iter_mut().for_each(Vec::clear);
     }
 
     /// True where the end's velocity is prescribed just now, or its place matters to a spring or a ball; false where it

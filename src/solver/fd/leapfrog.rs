@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use super::block::{Block, Scratch, Stage, block_sizes};
+use super::block::{Block, Scratch, Stage, WATCHED, block_sizes};
 use super::contact::{Contact, ContactState};
 use super::device::{Device, EndGrid};
 use super::edge::{Edge, edges};
@@ -30,12 +30,27 @@ pub struct SegmentLaw {
 }
 
 /// What a bar logged, step by step.
-#[derive(Debug)]
-pub struct Log {
-    /// For each watched cell stress (Pa), strain, velocity (m/s) and temperature (K).
-    pub cells: Vec<Vec<[f64; 4]>>,
+pub struct Log<'a> {
+    /// The watched cells.
+    pub cells: Vec<LoggedCell<'a>>,
     /// For each end stress (Pa) and velocity (m/s).
-    pub ends: [Vec<[f64; 2]>; 2],
+    pub ends: [&'a [[f64; 2]]; 2],
+}
+
+/// What a bar logged of a cell.
+#[derive(Clone, Copy)]
+pub struct LoggedCell<'a> {
+    /// From the cell's first row on; rows of one step follow each other.
+    rows: &'a [[f64; WATCHED.len()]],
+    cells: usize,
+}
+
+impl LoggedCell<'_> {
+    /// Stress (Pa), strain, velocity (m/s) and temperature (K) after so many of the logged steps and one more.
+    #[inline]
+    pub fn after(&self, steps: usize) -> &[f64; WATCHED.len()] {
+        &self.rows[steps * self.cells]
+    }
 }
 
 /// Constants of a segment.
@@ -239,16 +254,21 @@ impl Leapfrog {
         }
     }
 
-    /// What was logged since the last call.
-    pub fn take_log(&mut self) -> Log {
-        let mut cells = Vec::new();
-        for block in self.blocks.iter_mut().filter(|block| !block.watched.is_empty()) {
-            let watched = block.watched.len();
-            cells.extend((0..watched).map(|k| block.log.chunks_exact(watched).map(|row| row[k]).collect()));
-            // Its memory serves the next log.
-            block.log.clear();
+    /// What was logged since [`Self::clear_log`].
+    pub fn log(&self) -> Log<'_> {
+        let mut logged = Vec::new();
+        for block in &self.blocks {
+            let cells = block.watched.len();
+            logged.extend((0..cells).map(|k| LoggedCell { rows: block.log.get(k..).unwrap_or_default(), cells }));
         }
-        Log { cells, ends: [self.left.take_log(), self.right.take_log()] }
+        Log { cells: logged, ends: [self.left.log(), self.right.log()] }
+    }
+
+    /// Starts the log anew, in the memory of the old one.
+    pub fn clear_log(&mut self) {
+        self.blocks.iter_mut().for_each(|block| block.log.clear());
+        self.left.clear_log();
+        self.right.clear_log();
     }
 
     /// All nodes at once, where something acts along the bar.

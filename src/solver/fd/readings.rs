@@ -1,9 +1,9 @@
 //! What can be read off a bar: fields, energies, cells past their data.
 
 use super::block::{Block, Stage};
-use super::edge::Nodes;
 use super::implicit::NodeSums;
 use super::leapfrog::{Constants, Leapfrog};
+use super::reader::Reader;
 use crate::law::RowLaw;
 
 /// What can be read in a cell.
@@ -80,37 +80,15 @@ impl Leapfrog {
 
     /// A quantity in one cell.
     pub fn value(&self, quantity: Quantity, cell: usize) -> f64 {
-        let k = self.blocks.partition_point(|b| b.cells.end <= cell);
-        self.block_value(quantity, k, cell - self.blocks[k].cells.start)
+        Reader::new(self, quantity).value(cell)
     }
 
     /// A quantity in every cell, into `out` (one entry a cell).
     pub fn profile(&self, quantity: Quantity, out: &mut [f64]) {
-        for (k, block) in self.blocks.iter().enumerate() {
-            for (i, out) in out[block.cells.clone()].iter_mut().enumerate() {
-                *out = self.block_value(quantity, k, i);
-            }
+        let mut reader = Reader::new(self, quantity);
+        for (cell, out) in out.iter_mut().enumerate() {
+            *out = reader.value(cell);
         }
-    }
-
-    /// A quantity in local cell `i` of block `k`.
-    fn block_value(&self, quantity: Quantity, k: usize, i: usize) -> f64 {
-        let block = &self.blocks[k];
-        let (law, constants) = (self.laws[block.segment].law.as_ref(), &self.constants[block.segment]);
-        if quantity != Quantity::Velocity {
-            return reading(quantity, block, law, constants, [0.0; 2], i);
-        }
-        match &self.implicit {
-            None => reading(quantity, block, law, constants, self.nodes().beside(k), i),
-            Some(nodes) => {
-                let cell = block.cells.start + i;
-                0.5 * (nodes.velocity(cell) + nodes.velocity(cell + 1))
-            }
-        }
-    }
-
-    fn nodes(&self) -> Nodes<'_> {
-        Nodes { first: 0, edges: &self.edges, contacts: &self.contacts, ends: [Some(&self.left), Some(&self.right)] }
     }
 
     /// Displacement of every cell centre, m: the left end's, and the strain summed up to the place.
@@ -263,6 +241,7 @@ impl Leapfrog {
 }
 
 /// A quantity in local cell `i` of a block; `outer` are the velocities of its two edge nodes at the time of the stresses.
+#[inline]
 pub(super) fn reading(
     quantity: Quantity,
     block: &Block,

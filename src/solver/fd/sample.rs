@@ -46,14 +46,14 @@ impl Sampling {
     }
 
     /// One quantity at every place, from its value in a cell, into `out` (one entry a place).
-    pub fn read(&self, value: impl Fn(usize) -> f64, out: &mut [f64]) {
+    pub fn read(&self, mut value: impl FnMut(usize) -> f64, out: &mut [f64]) {
         for (k, out) in out.iter_mut().enumerate() {
-            *out = self.value(k, &value);
+            *out = self.value(k, &mut value);
         }
     }
 
     /// One quantity at place `k`, from its value in a cell.
-    pub fn value(&self, k: usize, value: impl Fn(usize) -> f64) -> f64 {
+    pub fn value(&self, k: usize, mut value: impl FnMut(usize) -> f64) -> f64 {
         let (cell, weight) = self.points[k];
         between(weight, value(cell), || value(cell + 1))
     }

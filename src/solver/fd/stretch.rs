@@ -178,8 +178,14 @@ impl Stretch<'_> {
         if self.blocks[k].repeat_log() {
             return;
         }
-        let ends = self.ends.each_ref().map(Option::as_deref);
-        let outer = Nodes { first: self.first, edges: self.edges, contacts: self.contacts, ends }.beside(k);
+        let (block, last) = (&self.blocks[k], self.blocks[k].sigma.len() - 1);
+        let outer = if block.watched.iter().any(|&i| i == 0 || i == last) {
+            let ends = self.ends.each_ref().map(Option::as_deref);
+            Nodes { first: self.first, edges: self.edges, contacts: self.contacts, ends }.beside(k)
+        } else {
+            // Not read.
+            [f64::NAN; 2]
+        };
         let block = &mut self.blocks[k];
         let law = self.common.laws[block.segment].law.as_ref();
         let constants = &self.common.constants[block.segment];

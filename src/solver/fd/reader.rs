@@ -1,0 +1,52 @@
+//! Reading many cells of a bar.
+
+use super::block::Block;
+use super::edge::Nodes;
+use super::leapfrog::{Constants, Leapfrog};
+use super::readings::{Quantity, reading};
+use crate::law::RowLaw;
+
+/// Reads one quantity, cell by cell. What the cells of a block have in common is looked up once for as long as they are read
+/// one after the other, in any order.
+pub struct Reader<'a> {
+    bar: &'a Leapfrog,
+    quantity: Quantity,
+    k: usize,
+    block: &'a Block,
+    law: &'a dyn RowLaw,
+    constants: &'a Constants,
+    outer: [f64; 2],
+}
+
+impl<'a> Reader<'a> {
+    /// Of the bar as it stands.
+    pub fn new(bar: &'a Leapfrog, quantity: Quantity) -> Self {
+        Self::in_block(bar, quantity, 0)
+    }
+
+    fn in_block(bar: &'a Leapfrog, quantity: Quantity, k: usize) -> Self {
+        let block = &bar.blocks[k];
+        let (law, constants) = (bar.laws[block.segment].law.as_ref(), &bar.constants[block.segment]);
+        // Nothing else reads them.
+        let outer = if quantity == Quantity::Velocity { nodes(bar).beside(k) } else { [f64::NAN; 2] };
+        Self { bar, quantity, k, block, law, constants, outer }
+    }
+
+    /// The quantity in this cell of the bar.
+    #[inline]
+    pub fn value(&mut self, cell: usize) -> f64 {
+        if !self.block.cells.contains(&cell) {
+            let next = self.bar.blocks.get(self.k + 1).is_some_and(|block| block.cells.contains(&cell));
+            let k = if next { self.k + 1 } else { self.bar.blocks.partition_point(|b| b.cells.end <= cell) };
+            *self = Self::in_block(self.bar, self.quantity, k);
+        }
+        if let (Quantity::Velocity, Some(nodes)) = (self.quantity, &self.bar.implicit) {
+            return 0.5 * (nodes.velocity(cell) + nodes.velocity(cell + 1));
+        }
+        reading(self.quantity, self.block, self.law, self.constants, self.outer, cell - self.block.cells.start)
+    }
+}
+
+fn nodes(bar: &Leapfrog) -> Nodes<'_> {
+    Nodes { first: 0, edges: &bar.edges, contacts: &bar.contacts, ends: [Some(&bar.left), Some(&bar.right)] }
+}

@@ -155,7 +155,7 @@ stepped!(
         }
         let (before, dt) = (self.step(), self.grid().dt);
         self.advance_by(steps);
-        traces.add_log((before..before + steps).map(|step| (step + 1) as f64 * dt), &self.log());
+        traces.add_log(&(before..before + steps).map(|step| (step + 1) as f64 * dt), &self.log());
         self.clear_log();
     }
 );

@@ -67,7 +67,7 @@ impl Traces {
     }
 
     /// Adds what a bar logged, step by step, at these times (s).
-    pub fn add_log(&mut self, times: impl ExactSizeIterator<Item = f64> + Clone, log: &Log<'_>) {
+    pub fn add_log(&mut self, times: &(impl ExactSizeIterator<Item = f64> + Clone), log: &Log<'_>) {
         for (trace, rows) in self.ends.iter_mut().zip(&log.ends) {
             trace.time.extend(times.clone());
             trace.stress.extend(rows.iter().map(|row| row[0]));

@@ -37,7 +37,7 @@ struct Factors {
 /// Reads a file. `unit` is the unit of the stresses where the header names none.
 ///
 /// # Errors
-/// A missing file, a line without two columns, a value that is not a number, an unknown unit, or a unit given
+/// A missing file, a line with fewer or more than two columns, a value that is not a number, an unknown unit, or a unit given
 /// both in the header and by the caller.
 pub(crate) fn read(path: &Path, unit: Option<f64>) -> Result<CsvTable> {
     let document = Document::read(path)?;
@@ -57,6 +57,11 @@ pub(crate) fn read(path: &Path, unit: Option<f64>) -> Result<CsvTable> {
         let (Some(strain), Some(stress)) = (record.get(0), record.get(1)) else {
             return Err(InputError::new("a line without two columns").at(place).help(COLUMNS).into());
         };
+        // A decimal comma, or a column that nobody would miss until the curve is wrong.
+        if let Some(more) = record.iter().skip(2).find(|text| !text.is_empty()) {
+            let message = format!("a line with more than two columns: `{more}` is neither strain nor stress");
+            return Err(InputError::new(message).at(place).help(COLUMNS).into());
+        }
         if index == 0 && strain.parse::<f64>().is_err() && stress.parse::<f64>().is_err() {
             factors = header(strain, stress, unit).map_err(|e| e.at(place))?;
             continue;
@@ -138,6 +143,7 @@ mod tests {
         };
         near("0.001,200e6\n0.02,300e6\n", None);
         near("0.001,200\n0.02,300\n", Some(1e6));
+        near("0.001,200e6,\n0.02,300e6, ,\n", None);
         near("strain,stress\n0.001,200e6\n0.02,300e6\n", None);
         near("strain,stress_MPa\n0.001,200\n0.02,300\n", None);
         near("# measured at 20 degC\nStrain (%), Stress [MPa]\n0.1,200\n2,300\n", None);
@@ -153,6 +159,8 @@ mod tests {
         };
         refused("strain,stress\n0.001,2x\n", None, "curve.csv:2: stress `2x` is not a number");
         refused("0.001\n", None, "without two columns");
+        refused("0,001,200\n", None, "curve.csv:1: a line with more than two columns: `200`");
+        refused("strain,stress,width\n0.001,200e6,3\n", None, "`width` is neither strain nor stress");
         refused("strain,stress_MPa\n0.001,200\n", Some(1e6), "given twice");
         refused("stress_MPa,strain\n200,0.001\n", None, "wrong order");
         refused("strain,stress_furlong\n0.001,200\n", None, "furlong");

@@ -27,7 +27,7 @@ pub(super) fn error_figure(scene: &Scene, settings: Settings, run: &FrontTrackin
 }
 
 /// The settings of a companion: three times the error. That of thinned waves goes with the tolerance; that of ramps with the
-/// square of their steps, which get no finer with tolerances below their own.
+/// square of their steps, which are larger than tolerances below [`crate::solver::moc::RAMP_STEP`].
 pub(super) fn coarser(settings: Settings) -> Settings {
     let front_tolerance = COARSER * settings.front_tolerance;
     let ramps = if settings.front_tolerance < settings.step() { COARSER.sqrt() } else { COARSER };

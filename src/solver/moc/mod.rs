@@ -43,7 +43,8 @@ pub struct Settings {
     pub front_tolerance: f64,
     /// Ramps of an end's history are made into steps of this height, relative to [`FrontTracking::stress_scale`]
     /// (velocities by the elastic impedance); strikers and springs take steps of like effect. The error goes with its
-    /// square. None: [`RAMP_STEP`], or the front tolerance where that is more.
+    /// square. None: the front tolerance; below [`RAMP_STEP`] the root of their product, so that the error of ramps goes with
+    /// the tolerance; [`RAMP_STEP`] where every wave is kept.
     pub ramp_step: Option<f64>,
     /// Most events that a run may take.
     pub event_budget: u64,
@@ -51,13 +52,15 @@ pub struct Settings {
     pub trails: bool,
 }
 
-/// Step of ramps where neither it nor a front tolerance is given.
+/// Step of ramps where every wave is kept, and with a front tolerance of as much.
 pub const RAMP_STEP: f64 = 1e-3;
 
 impl Settings {
     /// The step of ramps that goes with these settings.
     pub fn step(&self) -> f64 {
-        self.ramp_step.unwrap_or(RAMP_STEP.max(self.front_tolerance))
+        let finer = (RAMP_STEP * self.front_tolerance).sqrt();
+        let step = if self.front_tolerance == 0.0 { RAMP_STEP } else { self.front_tolerance.max(finer) };
+        self.ramp_step.unwrap_or(step)
     }
 }
 

@@ -90,3 +90,88 @@ impl Block {
 pub(super) fn inner_nodes(cells: &Range<usize>, all: usize) -> Range<usize> {
     cells.start.max(1)..all.min(cells.end + 1)
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::bar::{Bar, EndCondition, History, Joint, Segment};
+    use crate::law::{Envelope, Indexed, Isotropic, Mixed, RowLaw, Rows, Table};
+    use crate::material::{Beyond, Curve, Material, Sense};
+    use crate::solver::fd::block::Scratch;
+    use crate::solver::fd::{Grid, Leapfrog, SegmentLaw};
+
+    const YIELD: f64 = 200e6;
+
+    fn material(rows: u32) -> Material {
+        let strain = |k: u32| 1e-3 * 50.0_f64.powf(f64::from(k) / f64::from(rows - 1));
+        let rows: Vec<(f64, f64)> = (0..rows).map(|k| (strain(k), YIELD * (strain(k) / 1e-3).powf(0.2))).collect();
+        Material::from_curve("steel", 7800.0, Curve::new(&rows, Beyond::Extend).expect("rows rise"))
+    }
+
+    /// A bar that is struck, let go, and swings on between a free end and a wall.
+    fn bar(material: Material, law: Arc<dyn RowLaw>) -> Leapfrog {
+        let (material, joint) = (Arc::new(material), Joint::Bonded);
+        let bar = Bar {
+            segments: vec![Segment { length: 1.0, area: 1.0, taper: None, material, velocity: 0.0, joint }],
+            area_given: true,
+        };
+        let law = SegmentLaw { law, yield_stress: YIELD, end: [f64::INFINITY; 2] };
+        let struck = EndCondition::Velocity { history: History::constant(20.0), release: Some(5e-5) };
+        Leapfrog::new(&bar, Grid::new(&bar, 1301, 1.0), vec![law], [struck, EndCondition::Fixed])
+    }
+
+    /// In each step steps the cells that rest beside the others, each block for itself: that must change none of them.
+    fn assert_rest(mut bar: Leapfrog) {
+        let mut scratch = Scratch::new();
+        let (mut resting, mut yielded) = (0, 0);
+        for step in 0..4000 {
+            for block in bar.blocks.iter().filter(|block| !block.at_rest()) {
+                let (law, c) = (&bar.laws[block.segment], &bar.constants[block.segment]);
+                let law = BlockLaw {
+                    law: law.law.as_ref(),
+                    stress_gain: c.stress_gain,
+                    velocity_gain: c.velocity_gain,
+                    yield_stress: law.yield_stress,
+                };
+                let (mut before, cells) = (block.clone(), block.sigma.len());
+                before.widen();
+                let mut after = before.clone();
+                after.wake();
+                after.advance_stresses(law, &mut scratch);
+                for i in (0..cells).filter(|i| !before.busy.contains(i)) {
+                    assert_eq!(before.sigma[i], after.sigma[i], "stress of cell {i}, step {step}");
+                    for (a, b) in before.state.chunks_exact(cells).zip(after.state.chunks_exact(cells)) {
+                        assert_eq!(a[i], b[i], "state of cell {i}, step {step}");
+                    }
+                    assert_eq!(before.flow.get(i).copied().unwrap_or(0), 0, "flow of cell {i}, step {step}");
+                    if i > 0 && !before.busy.contains(&(i - 1)) {
+                        assert_eq!(before.v[i] + after.kick(c.velocity_gain, i), before.v[i], "node {i}, step {step}");
+                    }
+                    resting += 1;
+                    yielded += usize::from(block.stage == Stage::Plastic);
+                }
+            }
+            bar.advance();
+        }
+        assert!(
+            resting > 10_000 && yielded > 10_000,
+            "{resting} cells rested beside others, {yielded} of them yielded"
+        );
+    }
+
+    #[test]
+    fn cells_at_rest_miss_nothing() {
+        let table = |material: &Material| Table::new(material.branch(Sense::Tension), material.modulus);
+        let of = |rows: u32, law: &dyn Fn(&Table) -> Arc<dyn RowLaw>| {
+            let material = material(rows);
+            let law = law(&table(&material));
+            assert_rest(bar(material, law));
+        };
+        let mixed = |backbone: Indexed| Mixed { backbone, yield_stress: YIELD, kinematic: 0.4 };
+        of(2, &|table| Arc::new(Rows(Isotropic(Envelope::<4>::new(table).expect("few lines")))));
+        of(60, &|table| Arc::new(Rows(Isotropic(Indexed::new(table).expect("fits")))));
+        of(60, &|table| Arc::new(Rows(mixed(Indexed::new(table).expect("fits")))));
+    }
+}

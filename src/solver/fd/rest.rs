@@ -97,9 +97,10 @@ mod tests {
 
     use super::*;
     use crate::bar::{Bar, EndCondition, History, Joint, Segment};
-    use crate::law::{Envelope, Indexed, Isotropic, Mixed, RowLaw, Rows, Table};
+    use crate::law::{Envelope, Indexed, Isotropic, Mixed, RowLaw, Rows, Searched, Table};
     use crate::material::{Beyond, Curve, Material, Sense};
     use crate::solver::fd::block::Scratch;
+    use crate::solver::fd::leapfrog::Constants;
     use crate::solver::fd::{Grid, Leapfrog, SegmentLaw};
 
     const YIELD: f64 = 200e6;
@@ -122,19 +123,18 @@ mod tests {
         Leapfrog::new(&bar, Grid::new(&bar, 1301, 1.0), vec![law], [struck, EndCondition::Fixed])
     }
 
+    fn law_of<'a>(law: &'a SegmentLaw, constants: &Constants) -> BlockLaw<'a> {
+        let Constants { stress_gain, velocity_gain, .. } = *constants;
+        BlockLaw { law: law.law.as_ref(), stress_gain, velocity_gain, yield_stress: law.yield_stress }
+    }
+
     /// In each step steps the cells that rest beside the others, each block for itself: that must change none of them.
     fn assert_rest(mut bar: Leapfrog) {
         let mut scratch = Scratch::new();
         let (mut resting, mut yielded) = (0, 0);
         for step in 0..4000 {
             for block in bar.blocks.iter().filter(|block| !block.at_rest()) {
-                let (law, c) = (&bar.laws[block.segment], &bar.constants[block.segment]);
-                let law = BlockLaw {
-                    law: law.law.as_ref(),
-                    stress_gain: c.stress_gain,
-                    velocity_gain: c.velocity_gain,
-                    yield_stress: law.yield_stress,
-                };
+                let law = law_of(&bar.laws[0], &bar.constants[0]);
                 let (mut before, cells) = (block.clone(), block.sigma.len());
                 before.widen();
                 let mut after = before.clone();
@@ -147,7 +147,11 @@ mod tests {
                     }
                     assert_eq!(before.flow.get(i).copied().unwrap_or(0), 0, "flow of cell {i}, step {step}");
                     if i > 0 && !before.busy.contains(&(i - 1)) {
-                        assert_eq!(before.v[i] + after.kick(c.velocity_gain, i), before.v[i], "node {i}, step {step}");
+                        assert_eq!(
+                            before.v[i] + after.kick(law.velocity_gain, i),
+                            before.v[i],
+                            "node {i}, step {step}"
+                        );
                     }
                     resting += 1;
                     yielded += usize::from(block.stage == Stage::Plastic);
@@ -173,5 +177,25 @@ mod tests {
         of(2, &|table| Arc::new(Rows(Isotropic(Envelope::<4>::new(table).expect("few lines")))));
         of(60, &|table| Arc::new(Rows(Isotropic(Indexed::new(table).expect("fits")))));
         of(60, &|table| Arc::new(Rows(mixed(Indexed::new(table).expect("fits")))));
+    }
+
+    #[test]
+    fn nodes_under_uneven_stress_do_not_rest() {
+        let material = material(2);
+        let table = Table::new(material.branch(Sense::Tension), material.modulus);
+        let bar = bar(material, Arc::new(Rows(Isotropic(Searched(table)))));
+        let law = law_of(&bar.laws[0], &bar.constants[0]);
+        let at_work = |stressed: Range<usize>| {
+            let mut block = bar.blocks[1].clone();
+            block.wake();
+            block.sigma[stressed].fill(1e6);
+            block.narrow(law);
+            block.busy
+        };
+        assert!(at_work(0..0).is_empty());
+        assert!(at_work(0..256).is_empty(), "level");
+        assert_eq!(at_work(70..71), 64..128);
+        // The nodes between two pieces are those of both.
+        assert_eq!(at_work(64..128), 0..192);
     }
 }

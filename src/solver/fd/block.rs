@@ -255,10 +255,7 @@ impl Block {
         }
         let nodes = inner_nodes(&busy, cells);
         self.damped += match &self.taper {
-            None => {
-                let cells = nodes.start - 1..nodes.end;
-                ripple::hand_over(velocity_gain, &self.sigma[cells.clone()], &handed[cells], &mut v[nodes])
-            }
+            None => ripple::hand_over(velocity_gain, &self.sigma, handed, v, nodes),
             Some(taper) => taper.hand_over(velocity_gain, &self.sigma, handed, v, nodes),
         };
     }
@@ -276,10 +273,7 @@ impl Block {
         self.advance_stress(law, scratch);
         let nodes = inner_nodes(&self.busy, self.sigma.len());
         match &self.taper {
-            None => {
-                let cells = nodes.start - 1..nodes.end;
-                advance_velocity(law.velocity_gain, &self.sigma[cells], &mut self.v[nodes]);
-            }
+            None => advance_velocity(law.velocity_gain, &self.sigma, &mut self.v, nodes),
             Some(taper) => taper.advance_velocity(law.velocity_gain, &self.sigma, &mut self.v, nodes),
         }
         self.note_undamped();
@@ -408,9 +402,10 @@ impl Block {
     }
 }
 
-/// `v[i] += gain (sigma[i+1] - sigma[i])` for nodes inside a block: one node fewer than cells.
+/// `v[i] += gain (sigma[i] - sigma[i-1])` for these nodes inside a block.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
-fn advance_velocity(gain: f64, sigma: &[f64], v: &mut [f64]) {
+fn advance_velocity(gain: f64, sigma: &[f64], v: &mut [f64], nodes: Range<usize>) {
+    let (sigma, v) = (&sigma[nodes.start - 1..], &mut v[nodes]);
     let nodes = v.len();
     let (left, right) = (&sigma[..nodes], &sigma[1..=nodes]);
     for i in 0..nodes {

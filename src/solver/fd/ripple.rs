@@ -18,6 +18,8 @@
 //! they take is booked as viscous in the ledger. On bilinear bars (plastic wave speed 0.1 to 0.97 c0) the error in
 //! stress falls to about half of the undamped scheme's, at 1000 and at 10000 cells.
 
+use std::ops;
+
 use multiversion::multiversion;
 
 use super::block::MOST_CELLS;
@@ -186,13 +188,14 @@ fn find_flowing(w: &[f64], flow: &[u8], rounding: f64, handed: &mut [f64]) -> bo
     bits & Range::SIZE != 0
 }
 
-/// Hands the differences over to the nodes inside a block. `gain` is dt/(rho dx). Returns the sum over nodes of twice
+/// Hands the differences over to these nodes inside a block. `gain` is dt/(rho dx). Returns the sum over nodes of twice
 /// the energy taken, per node mass, (m/s)^2.
 ///
 /// With v before and after, and g = gain times the stress difference at the node, a node loses
 /// m (v - v') (v + v' - g)/2 of the energy that the scheme conserves (see the ledger's kinetic energy).
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
-pub(super) fn hand_over(gain: f64, sigma: &[f64], handed: &[f64], v: &mut [f64]) -> f64 {
+pub(super) fn hand_over(gain: f64, sigma: &[f64], handed: &[f64], v: &mut [f64], nodes: ops::Range<usize>) -> f64 {
+    let (handed, sigma, v) = (&handed[nodes.start - 1..], &sigma[nodes.start - 1..], &mut v[nodes]);
     let nodes = v.len();
     let (left, right) = (&handed[..nodes], &handed[1..=nodes]);
     let (below, above) = (&sigma[..nodes], &sigma[1..=nodes]);

@@ -61,8 +61,7 @@ impl BlockTaper {
 
     /// Takes these nodes inside the block a step on.
     pub fn advance_velocity(&self, gain: f64, sigma: &[f64], v: &mut [f64], nodes: Range<usize>) {
-        let cells = nodes.start - 1..nodes.end;
-        advance_velocity(gain, &self.skew[cells.start..cells.end - 1], &sigma[cells], &mut v[nodes]);
+        advance_velocity(gain, &self.skew, sigma, v, nodes);
     }
 
     /// As [`ripple::hand_over`], to these nodes inside the block: a cell hands over an impulse of its own mass times `handed`.
@@ -84,7 +83,8 @@ fn kick(gain: f64, skew: f64, left: f64, right: f64) -> f64 {
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
-fn advance_velocity(gain: f64, skew: &[f64], sigma: &[f64], v: &mut [f64]) {
+fn advance_velocity(gain: f64, skew: &[f64], sigma: &[f64], v: &mut [f64], nodes: Range<usize>) {
+    let (skew, sigma, v) = (&skew[nodes.start - 1..], &sigma[nodes.start - 1..], &mut v[nodes]);
     let nodes = v.len();
     let (left, right, skew) = (&sigma[..nodes], &sigma[1..=nodes], &skew[..nodes]);
     for i in 0..nodes {

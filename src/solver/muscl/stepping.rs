@@ -86,8 +86,8 @@ pub struct Muscl {
 
 impl Muscl {
     /// A bar at t = 0, unstressed, moving as its segments say. `laws` and `media` have one entry a segment, and mean the
-    /// same law, without the effect of rate; heat is that of an adiabatic curve. Tapers are taken by their means, a ball at an end as a free end: neither
-    /// is simulated.
+    /// same law, without the effect of rate; heat is that of an adiabatic curve. Tapers are taken by their means, a ball at an
+    /// end as a free end: neither is simulated.
     pub fn new(bar: &Bar, grid: Grid, laws: Vec<SegmentLaw>, media: Vec<Medium>, ends: [EndCondition; 2]) -> Self {
         let dt = grid.dt;
         let segments = bar.segments.iter().zip(&grid.segments).zip(laws.into_iter().zip(media));

@@ -285,6 +285,7 @@ impl Leapfrog {
         let Some(nodes) = &self.implicit else { return };
         for block in &mut self.blocks {
             nodes.share(block);
+            block.wake_if_strained();
             block.note_undamped();
         }
         for (edge, block) in self.edges.iter_mut().zip(&self.blocks) {

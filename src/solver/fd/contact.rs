@@ -2,9 +2,11 @@
 //! cell's mass.
 //!
 //! A step takes the faces on as free ones. Where the right one would end up to the left of the left one, a push between
-//! them takes both to one place at the end of the step; they never pull each other. Momentum is exchanged exactly. Faces
-//! that meet lose the energy of their relative motion, which is of the first order in the cell size: it is booked.
+//! them takes both to one place at the end of the step; they never pull each other, and press and part as an end and a wall do, see
+//! [`super::device`]. Momentum is exchanged exactly. Faces that meet lose the energy of their relative motion, which is of the first
+//! order in the cell size, and get it back where a wave parts them.
 
+use super::device::Impulses;
 use crate::bar::{Bar, Joint};
 
 /// One face: half a cell's mass at the end of a segment.
@@ -43,6 +45,8 @@ pub(super) struct Contact {
     gap: f64,
     /// Force between the faces, N, tensile only in the step in which they break.
     force: f64,
+    /// Their pressure on each other over the steps ahead.
+    impulses: Impulses,
     /// Lost by faces that met, J.
     pub lost: f64,
 }
@@ -79,6 +83,7 @@ impl Contact {
             start: gap,
             gap,
             force: 0.0,
+            impulses: Impulses::default(),
             lost: 0.0,
         })
     }
@@ -97,6 +102,7 @@ impl Contact {
             start: 0.0,
             gap: 0.0,
             force: 0.0,
+            impulses: Impulses::default(),
             lost: 0.0,
         }
     }
@@ -119,8 +125,10 @@ impl Contact {
         let apart = (self.right.after + dt * right / self.right.mass) - (self.left.after + dt * left / self.left.mass);
         let softness = dt * (1.0 / self.left.mass + 1.0 / self.right.mass);
         let needed = (self.gap / dt + apart) / softness;
-        // As at a wall: faces that part have pushed for the first half of the step.
-        let force = if needed < 0.0 { needed } else { 0.5 * self.held_force() };
+        let passed_on = self.impulses.passed_on();
+        let ahead = (-2.0 * needed - passed_on).max(0.0);
+        self.impulses.push(ahead);
+        let force = if ahead > 0.0 { needed } else { -0.5 * passed_on };
         let opening = self.right.after - self.left.after;
         self.lost += 0.5 * dt * (self.force + force) * opening;
         self.force = force;
@@ -133,11 +141,6 @@ impl Contact {
     pub fn velocity(&self, side: usize) -> f64 {
         let face = [&self.left, &self.right][side];
         0.5 * (face.before + face.after)
-    }
-
-    /// The force of a step in which the faces were held together, N, else 0.
-    fn held_force(&self) -> f64 {
-        if self.gap == 0.0 { self.force.min(0.0) } else { 0.0 }
     }
 
     /// Displacement of the right face against the left one at the current time, m.

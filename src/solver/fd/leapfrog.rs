@@ -140,8 +140,8 @@ impl Leapfrog {
             }
         };
         let [left, right] = ends;
-        let left = Device::new(left, -1.0, end_grid(0, 0));
-        let right = Device::new(right, 1.0, end_grid(bar.segments.len() - 1, 1));
+        let left = Device::new(&left, -1.0, end_grid(0, 0));
+        let right = Device::new(&right, 1.0, end_grid(bar.segments.len() - 1, 1));
         Self {
             grid,
             laws,

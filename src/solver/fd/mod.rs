@@ -1,8 +1,6 @@
 //! Finite differences on a staggered grid.
 
-mod ball;
 mod block;
-mod body;
 mod contact;
 mod device;
 mod edge;

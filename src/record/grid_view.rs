@@ -3,7 +3,7 @@
 use super::view::{Account, EndState, Start, Stepped, View};
 use super::{Field, Traces};
 use crate::law::rupture::Rupture;
-use crate::solver::fd::{Energies, Grid, Leapfrog, Passed, Quantity, Reader, Sampling};
+use crate::solver::fd::{Grid, Leapfrog, Passed, Quantity, Reader, Sampling};
 use crate::solver::muscl::Muscl;
 use crate::solver::net::Net;
 
@@ -43,7 +43,7 @@ impl View for Leapfrog {
             impulse: [left.impulse(), right.impulse()],
             impulse_along,
             momentum_scale: left.throughput() + right.throughput() + throughput_along,
-            ..Account::from(now)
+            energies: now,
         }
     }
 }
@@ -80,7 +80,8 @@ macro_rules! view_of_whole_bar {
                     work: self.work(),
                     impulse: self.impulse(),
                     momentum_scale: self.throughput(),
-                    ..Account::from(self.energies())
+                    impulse_along: 0.0,
+                    energies: self.energies(),
                 }
             }
         }
@@ -161,25 +162,6 @@ stepped!(
 );
 stepped!(Net);
 stepped!(Muscl);
-
-impl From<Energies> for Account {
-    /// What is in the bar; nothing came in through its ends.
-    fn from(now: Energies) -> Self {
-        Self {
-            kinetic: now.kinetic,
-            elastic: now.elastic,
-            plastic: now.plastic,
-            heat: now.heat,
-            viscous: now.viscous,
-            concentrated: now.concentrated,
-            fracture: now.fracture,
-            damping: now.damping,
-            foundation: now.foundation,
-            momentum: now.momentum,
-            ..Self::default()
-        }
-    }
-}
 
 /// A field at some places of a bar in cells; `displacements` are those of the cells' centres, m.
 fn sample(

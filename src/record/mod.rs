@@ -19,6 +19,8 @@ mod warmth;
 use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
 
+use crate::solver::Energies;
+
 pub use audit::{
     Audit, Case, LOOKS, Off, above_critical, broken_end, broken_inside, end_of_data, past_data, unresolved_flow,
 };
@@ -180,35 +182,12 @@ pub struct Trace {
 pub struct LedgerRow {
     /// s.
     pub time: f64,
-    /// Kinetic energy.
-    pub kinetic: f64,
-    /// Recoverable strain energy.
-    pub elastic: f64,
-    /// Energy dissipated in plastic flow since the start; with the effect of heat, what of it did not turn into heat.
-    pub plastic: f64,
-    /// Plastic work that turned into heat since the start: `plastic` and `heat` together are all of it (of a rate-dependent
-    /// bar with what of `viscous` the overstress took). 0 without the effect of heat.
-    pub heat: f64,
-    /// Energy taken since the start by the method itself: the damping of grid-scale ripples, the thinning of fronts; 0 in
-    /// an elastic run.
-    pub viscous: f64,
-    /// Energy taken since the start at single points where velocities differ, because a level curve lets no strain leave; on a
-    /// grid by faces that meet.
-    pub concentrated: f64,
-    /// Energy taken since the start by ruptures. That a bar parts takes none, since its tension falls at once, and what it
-    /// absorbed before is plastic work: it is what broken faces lose that meet again, on a grid of the first order in the
-    /// cell size; by front tracking 0.
-    pub fracture: f64,
-    /// Energy taken since the start by the effect `damping`, internal and external.
-    pub damping: f64,
-    /// Energy stored in the foundation.
-    pub foundation: f64,
+    /// Energies and momentum of the bar.
+    pub energies: Energies,
     /// Work done on the bar by the left end since the start.
     pub work_left: f64,
     /// Work done on the bar by the right end since the start.
     pub work_right: f64,
-    /// Momentum of the bar.
-    pub momentum: f64,
     /// Impulse that both ends, external damping and a foundation have given to the bar since the start.
     pub impulse: f64,
     /// Energy that is missing (or too much), over the larger of the initial energy and the work that went

@@ -61,6 +61,10 @@ impl EndModel for Ball {
         true
     }
 
+    fn stores(&self) -> bool {
+        true
+    }
+
     fn boxed(&self) -> Box<dyn EndModel> {
         Box::new(self.clone())
     }

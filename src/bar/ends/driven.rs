@@ -42,7 +42,8 @@ impl EndModel for Velocity {
     }
 
     fn jumps(&self, time: f64, dt: f64) -> bool {
-        self.history.jumps_between(time - dt, time + dt)
+        let released = self.release.is_some_and(|release| (release - time).abs() <= dt);
+        released || self.history.jumps_between(time - dt, time + dt)
     }
 
     fn boxed(&self) -> Box<dyn EndModel> {
@@ -66,6 +67,10 @@ impl Stress {
 impl EndModel for Stress {
     fn relation(&self, step: &Step, _: &Response) -> Relation {
         Relation::force(-self.area * self.history.mean(step.time, step.time + step.dt))
+    }
+
+    fn jumps(&self, time: f64, dt: f64) -> bool {
+        self.history.jumps_between(time - dt, time + dt)
     }
 
     fn boxed(&self) -> Box<dyn EndModel> {

@@ -142,7 +142,12 @@ pub trait EndModel: std::fmt::Debug + Send + Sync {
         0.0
     }
 
-    /// The velocity is prescribed and jumps within a step of `time`.
+    /// The end has an energy of its own, so that its work is what that loses.
+    fn stores(&self) -> bool {
+        false
+    }
+
+    /// What is prescribed jumps, or is released, within `dt` (s) of `time`.
     fn jumps(&self, _time: f64, _dt: f64) -> bool {
         false
     }

@@ -36,6 +36,10 @@ impl EndModel for Spring {
         true
     }
 
+    fn stores(&self) -> bool {
+        true
+    }
+
     fn boxed(&self) -> Box<dyn EndModel> {
         Box::new(self.clone())
     }

@@ -55,6 +55,10 @@ impl EndModel for Striker {
         0.5 * self.mass * self.velocity * self.velocity
     }
 
+    fn stores(&self) -> bool {
+        true
+    }
+
     fn boxed(&self) -> Box<dyn EndModel> {
         Box::new(self.clone())
     }

@@ -379,27 +379,50 @@ impl Block {
         taper.area.iter().enumerate().map(|(i, area)| area * law.overstress_work(&own(i))).sum()
     }
 
-    /// Over the nodes inside: of the product and of the sum of their velocities half a step before and after the time of
-    /// the stresses.
-    pub fn inner_nodes(&self, velocity_gain: f64) -> (f64, f64) {
+    /// Of the motion of the nodes inside.
+    pub fn inner_nodes(&self, velocity_gain: f64) -> NodeMotion {
         self.nodes(|i| self.v[i] - self.kick(velocity_gain, i))
     }
 
     /// The same before anything acts on them.
-    pub fn inner_nodes_at_start(&self) -> (f64, f64) {
+    pub fn inner_nodes_at_start(&self) -> NodeMotion {
         self.nodes(|i| self.v[i])
     }
 
     #[inline(always)]
-    fn nodes(&self, before: impl Fn(usize) -> f64) -> (f64, f64) {
-        let (mut product, mut sum) = (0.0, 0.0);
+    fn nodes(&self, before: impl Fn(usize) -> f64) -> NodeMotion {
+        let mut all = NodeMotion::default();
         for i in 1..self.sigma.len() {
-            let (after, before) = (self.v[i], before(i));
             let mass = self.taper.as_ref().map_or(1.0, |taper| taper.node_mass(i));
-            product += mass * (after * before);
-            sum += mass * (after + before);
+            all.add(mass, NodeMotion::of(before(i), self.v[i]));
         }
-        (product, sum)
+        all
+    }
+}
+
+/// Sums over nodes, of their velocities half a step before and after the time of the stresses.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct NodeMotion {
+    /// Of the products of both.
+    pub products: f64,
+    /// Of their sums, and of the squares of these.
+    pub sums: f64,
+    pub squares: f64,
+}
+
+impl NodeMotion {
+    /// Of one node.
+    #[inline(always)]
+    pub fn of(before: f64, after: f64) -> Self {
+        let sum = before + after;
+        Self { products: after * before, sums: sum, squares: sum * sum }
+    }
+
+    #[inline(always)]
+    fn add(&mut self, mass: f64, node: Self) {
+        self.products += mass * node.products;
+        self.sums += mass * node.sums;
+        self.squares += mass * node.squares;
     }
 }
 

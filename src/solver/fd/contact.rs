@@ -36,12 +36,11 @@ pub(super) struct Contact {
     pub segment: usize,
     /// The cell to its right.
     pub cell: usize,
-    /// The bar broke here.
-    pub broken: bool,
     pub left: Face,
     pub right: Face,
     start: f64,
-    /// Distance of the faces a step ahead of the current time, m: as far as the velocities take them.
+    /// Distance of the faces at the current time and a step ahead of it, m: as far as the velocities take them.
+    gap_now: f64,
     gap: f64,
     /// Force between the faces, N, tensile only in the step in which they break.
     force: f64,
@@ -77,10 +76,10 @@ impl Contact {
             edge,
             segment,
             cell,
-            broken: false,
             left: face(0),
             right: face(1),
             start: gap,
+            gap_now: gap,
             gap,
             force: 0.0,
             impulses: Impulses::default(),
@@ -96,10 +95,10 @@ impl Contact {
             edge,
             segment,
             cell,
-            broken: true,
             left: face(0),
             right: face(1),
             start: 0.0,
+            gap_now: 0.0,
             gap: 0.0,
             force: 0.0,
             impulses: Impulses::default(),
@@ -134,7 +133,8 @@ impl Contact {
         self.force = force;
         self.left.advance(dt * (left + force));
         self.right.advance(dt * (right - force));
-        self.gap = (self.gap + dt * (self.right.after - self.left.after)).max(0.0);
+        self.gap_now = self.gap;
+        self.gap = if ahead > 0.0 { 0.0 } else { (self.gap + dt * (self.right.after - self.left.after)).max(0.0) };
     }
 
     /// Velocity of the left (0) or right (1) face at the current time, m/s.
@@ -144,16 +144,12 @@ impl Contact {
     }
 
     /// Displacement of the right face against the left one at the current time, m.
-    pub fn jump(&self, dt: f64) -> f64 {
-        self.gap_now(dt) - self.start
-    }
-
-    fn gap_now(&self, dt: f64) -> f64 {
-        (self.gap - dt * (self.right.after - self.left.after)).max(0.0)
+    pub fn jump(&self) -> f64 {
+        self.gap_now - self.start
     }
 
     /// As it is at the current time.
-    pub fn state(&self, dt: f64) -> ContactState {
-        ContactState { joint: self.segment, cell: self.cell, force: self.force, gap: self.gap_now(dt) }
+    pub fn state(&self) -> ContactState {
+        ContactState { joint: self.segment, cell: self.cell, force: self.force, gap: self.gap_now }
     }
 }

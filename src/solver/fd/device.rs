@@ -64,7 +64,11 @@ pub struct Device {
     body_energy: f64,
     /// A step ahead of the current time, m, into the bar.
     displacement: f64,
+    /// Work done on the bar up to the current time, and in the step ahead, J.
     work: f64,
+    to_give: f64,
+    /// Work of the forces on the node up to the current time, J.
+    work_on_node: f64,
     impulse: f64,
     /// Sum of |impulse| of the steps, the scale for the momentum residual.
     throughput: f64,
@@ -129,6 +133,8 @@ impl Device {
             body_energy: 0.0,
             displacement: 0.0,
             work: 0.0,
+            to_give: 0.0,
+            work_on_node: 0.0,
             impulse: 0.0,
             throughput: 0.0,
             started: false,
@@ -161,6 +167,8 @@ impl Device {
         let impulse = self.dt * self.impulses.push(ahead);
         (self.body, self.body_energy) = (self.model.body(), self.model.energy(self.displacement));
         self.model.advance(&step, &Push { force: ahead, velocity, impulse }, met);
+        let given = self.body_energy - self.model.energy(self.displacement + self.dt * velocity);
+        self.work += std::mem::replace(&mut self.to_give, if self.model.stores() { given } else { impulse * velocity });
         (self.before, self.after) = (self.after, velocity);
         (self.force, self.held) = (force, held);
         self.account(previous);
@@ -278,7 +286,7 @@ impl Device {
         self.started = true;
         self.impulse += self.face.inward * impulse;
         self.throughput += impulse.abs();
-        self.work += impulse * self.before;
+        self.work_on_node += impulse * self.before;
     }
 
     /// Velocity half a step after the current time, m/s.
@@ -307,9 +315,15 @@ impl Device {
         self.face.inward * (self.displacement - self.dt * self.after)
     }
 
-    /// Work done on the bar so far, J.
+    /// Work done on the bar so far, J: what a body at the end lost, else force times displacement over the steps.
     pub fn work(&self) -> f64 {
         self.work
+    }
+
+    /// What of it is not in the node's motion and the bar, J: forces over the steps act on the node in halves. At a sudden change of the
+    /// velocity by w it is some m w^2, of first order in the cell size, of either sign.
+    pub fn in_transit(&self) -> f64 {
+        self.work - self.work_on_node
     }
 
     /// Impulse given to the bar so far, N s, positive in +x.

@@ -4,7 +4,8 @@ use super::block::{Block, GHOSTS, Stage};
 use super::end::{End, EndReading};
 use super::joint::Joint;
 use super::stepping::Muscl;
-use crate::solver::fd::{Energies, Passed, Quantity};
+use crate::solver::Energies;
+use crate::solver::fd::{Passed, Quantity};
 
 impl Muscl {
     /// A quantity in one cell.
@@ -97,7 +98,7 @@ impl Muscl {
         self.blocks.iter().map(|b| self.parts[b.part].cell_mass() * b.cells.len() as f64).sum()
     }
 
-    /// Energies and momentum now. `viscous` is the scheme's own dissipation.
+    /// Energies and momentum now. `numerical` is the scheme's own dissipation.
     pub fn energies(&self) -> Energies {
         let concentrated = self.joints.iter().map(|joint| joint.lost).sum();
         let mut total = Energies { concentrated, ..Energies::default() };
@@ -112,7 +113,7 @@ impl Muscl {
             let (flow, heats) = (0.5 * volume / part.modulus * block.plastic, part.law.law.heat_fraction());
             total.plastic += (1.0 - heats) * flow;
             total.heat += heats * flow;
-            total.viscous += part.area * self.grid.dt * block.lost;
+            total.numerical += part.area * self.grid.dt * block.lost;
         }
         total
     }

@@ -5,7 +5,8 @@ use super::joint::Joint;
 use super::part::Part;
 use super::stepping::Net;
 use crate::law::rate::History;
-use crate::solver::fd::{Energies, Passed, Quantity};
+use crate::solver::Energies;
+use crate::solver::fd::{Passed, Quantity};
 
 impl Net {
     /// A quantity in one cell.
@@ -102,8 +103,8 @@ impl Net {
         self.parts.iter().map(|p| p.area * p.impedance * self.grid.dt * p.f.len() as f64).sum()
     }
 
-    /// Energies and momentum now. `plastic` is the work on the static curve (and of back stresses), `viscous` that of
-    /// the overstress.
+    /// Energies and momentum now. `plastic` is the work on the static curve (and of back stresses), `viscoplastic` that
+    /// of the overstress.
     pub fn energies(&self) -> Energies {
         let dt = self.grid.dt;
         let concentrated = self.joints.iter().map(Joint::lost).sum();
@@ -125,7 +126,7 @@ impl Net {
             total.kinetic += 0.5 * mass * speeds;
             total.momentum += mass * momentum;
             total.plastic += per_work * (work.total - work.overstress);
-            total.viscous += per_work * work.overstress;
+            total.viscoplastic += per_work * work.overstress;
         }
         total
     }

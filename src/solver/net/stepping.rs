@@ -37,8 +37,8 @@ impl Net {
         let last = parts.len() - 1;
         let velocity = |k: usize| bar.segments[k].velocity;
         let ends = [
-            End::new(left, 1.0, &parts[0], velocity(0), grid.dt),
-            End::new(right, -1.0, &parts[last], velocity(last), grid.dt),
+            End::new(&left, 1.0, &parts[0], velocity(0), grid.dt),
+            End::new(&right, -1.0, &parts[last], velocity(last), grid.dt),
         ];
         let joints = bar.segments[..last].iter().map(|s| Joint::new(s.joint)).collect();
         Self { entering: vec![[0.0; 2]; parts.len()], grid, shift, parts, joints, ends, step: 0 }

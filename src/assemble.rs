@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use crate::bar::{Bar, Segment};
+use crate::bar::{Bar, Segment, launches};
 use crate::law::rate::{Heated, Overstress, RateLaw, Timed};
 use crate::law::rupture::{Criteria, Criterion};
 use crate::law::{
@@ -25,7 +25,12 @@ pub fn leapfrog(scene: &Scene, cells: usize, cfl: f64) -> Leapfrog {
     let ends = [scene.left.clone(), scene.right.clone()];
     let bar = match along(&scene.bar, &scene.effects) {
         Some(along) => Leapfrog::with_along(&scene.bar, grid, laws, ends, &along),
-        None => Leapfrog::new(&scene.bar, grid, laws, ends),
+        None => {
+            let follow_curves = scene.effects.rate.is_none()
+                && scene.bar.segments.iter().all(|s| heat_of_state(&s.material, &scene.effects).is_none());
+            let fans = if follow_curves { launches(&scene.bar, &ends[0], &ends[1]) } else { Vec::new() };
+            Leapfrog::new(&scene.bar, grid, laws, ends).starting_with(&fans)
+        }
     };
     match criteria(scene) {
         Some(criteria) => bar.that_breaks(criteria),

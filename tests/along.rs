@@ -349,8 +349,9 @@ fn drag_slows_a_flying_bar_exactly() {
         let half_a_step_on = bar.time() + 0.5 * bar.grid().dt;
         let expected = 3.0 * (-drag / (common::DENSITY * AREA) * half_a_step_on).exp();
         let velocity = bar.left().velocity_after();
-        // Rounding of 40 steps.
-        assert!((velocity / expected - 1.0).abs() < 1e-12, "{drag}: {velocity} for {expected}");
+        // Rounding of 40 steps; that of the first ones, at 3 m/s, leaves a stress that shows once the bar has all but stopped.
+        let rounding = 1e-12 * expected.max(1e-6);
+        assert!((velocity - expected).abs() < rounding, "{drag}: {velocity} for {expected}");
     }
 }
 

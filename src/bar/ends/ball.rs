@@ -65,6 +65,10 @@ impl EndModel for Ball {
         true
     }
 
+    fn is_nonlinear(&self) -> bool {
+        true
+    }
+
     fn boxed(&self) -> Box<dyn EndModel> {
         Box::new(self.clone())
     }

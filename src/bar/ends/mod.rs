@@ -142,6 +142,11 @@ pub trait EndModel: std::fmt::Debug + Send + Sync {
         0.0
     }
 
+    /// The relation depends on the force that the bar brings, so that it must be found together with a bar that flows: see [`agree`].
+    fn is_nonlinear(&self) -> bool {
+        false
+    }
+
     /// The end has an energy of its own, so that its work is what that loses.
     fn stores(&self) -> bool {
         false
@@ -166,6 +171,29 @@ impl Clone for Box<dyn EndModel> {
         self.boxed()
     }
 }
+
+/// The relation of an end whose own law is not linear (a ball) against a bar that does not answer linearly either: repeated with what the
+/// bar's answer was worth at `impedance`, until it stays. `respond` gives p and u for a relation.
+pub fn agree(
+    model: &dyn EndModel,
+    step: &Step,
+    bar: &Response,
+    mut respond: impl FnMut(&Relation) -> [f64; 2],
+) -> Relation {
+    let mut relation = model.relation(step, bar);
+    for _ in 0..MOST_REPEATS {
+        let [force, velocity] = respond(&relation);
+        let next = model.relation(step, &Response { force: force - bar.impedance * velocity, ..*bar });
+        if next == relation {
+            break;
+        }
+        relation = next;
+    }
+    relation
+}
+
+/// Flow changes the answer by a part of a step's worth: each repeat is closer by that, and some ten reach the last bit.
+const MOST_REPEATS: usize = 40;
 
 /// Weight of a step's end in the mean of a quantity that relaxes exponentially, `1/(1 - exp(-z)) - 1/z` with z the step over the
 /// relaxation time: from 1/2 where the step resolves the relaxation (the midpoint rule) to 1 where it does not. The mean is then exact

@@ -246,6 +246,15 @@ impl Device {
         self.displacement += self.dt * change;
     }
 
+    /// The bar beyond the node gets this impulse from the end in the present step, N s in +x, where `stress` (Pa) is known to act.
+    pub(super) fn add_impulse(&mut self, impulse: f64, stress: f64) {
+        self.impulse += impulse;
+        self.throughput += impulse.abs();
+        self.work += impulse * self.velocity_after();
+        self.work_on_node += impulse * self.velocity_after();
+        self.stress = stress;
+    }
+
     /// Energy that the ripple damping took from the node, J.
     pub(super) fn damped(&self) -> f64 {
         self.damped

@@ -11,6 +11,7 @@ use super::grid::Grid;
 use super::implicit::{Along, Implicit};
 use super::ripple;
 use super::rupture::Breaking;
+use super::start::StartingFan;
 use super::stretch::{Common, Stretch};
 use super::sweep::division;
 use super::taper::BlockTaper;
@@ -90,6 +91,8 @@ pub struct Leapfrog {
     pub(super) rupture: Option<Box<Breaking>>,
     /// The nodes, where something acts along the bar.
     pub(super) implicit: Option<Box<Implicit>>,
+    /// What suddenly moved ends start with.
+    pub(super) fans: Vec<StartingFan>,
 }
 
 impl Leapfrog {
@@ -156,6 +159,7 @@ impl Leapfrog {
             watched: None,
             rupture: None,
             implicit: None,
+            fans: Vec::new(),
         }
     }
 
@@ -171,7 +175,9 @@ impl Leapfrog {
             return (0..steps).for_each(|_| self.advance_together());
         }
         let (parts, depth) = division(self.blocks.len(), self.threads);
-        let mut to_go = steps;
+        let starting = steps.min(self.starts_until().saturating_sub(self.step));
+        (0..starting).for_each(|_| self.advance_together());
+        let mut to_go = steps - starting;
         while to_go > 0 {
             let now = to_go.min(depth);
             self.whole().sweep(now, parts);
@@ -190,6 +196,10 @@ impl Leapfrog {
         } else {
             self.whole().advance_and_meet(step, &mut scratch);
             self.step = step;
+        }
+        if self.step < self.starts_until() {
+            self.impose_fans();
+            return self.whole().note_all();
         }
         if self.rupture.is_some() {
             self.break_where_due();

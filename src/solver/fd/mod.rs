@@ -13,6 +13,7 @@ mod rest;
 mod ripple;
 mod rupture;
 mod sample;
+mod start;
 mod stretch;
 mod sweep;
 mod taper;

@@ -67,6 +67,11 @@ impl Stretch<'_> {
         self.note(note);
     }
 
+    /// Logs what is watched of the whole bar.
+    pub fn note_all(&mut self) {
+        self.note(Acts::all(self.common.blocks as i64).note);
+    }
+
     /// The stresses and the inner nodes of these blocks in a step.
     pub fn advance(&mut self, blocks: Range<i64>, step: usize, scratch: &mut Scratch) {
         let (common, blocks) = (self.common, self.local(blocks));

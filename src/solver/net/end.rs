@@ -114,8 +114,16 @@ impl End {
 
     fn answer(&self, time: f64, arriving: f64, part: &Part) -> Answer {
         let bar = Response { force: -self.face.area * arriving, impedance: self.face.impedance };
-        let relation = self.model.relation(&self.step(time), &bar);
-        let answer = self.respond(&relation, &bar, part);
+        let (model, step) = (self.model.as_ref(), self.step(time));
+        let mut relation = model.relation(&step, &bar);
+        let mut answer = self.respond(&relation, &bar, part);
+        if model.is_nonlinear() && answer.flow.plastic != 0.0 {
+            relation = ends::agree(model, &step, &bar, |relation| {
+                let answer = self.respond(relation, &bar, part);
+                [answer.force, answer.velocity]
+            });
+            answer = self.respond(&relation, &bar, part);
+        }
         if relation.unilateral && answer.force <= 0.0 {
             return Answer { met: false, ..self.respond(&Relation::force(0.0), &bar, part) };
         }

@@ -7,6 +7,7 @@ mod breaks;
 mod choice;
 mod companion;
 mod estimate;
+mod limits;
 mod specimen;
 mod stepped;
 mod tracked;

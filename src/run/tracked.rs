@@ -4,6 +4,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use super::breaks::Breaks;
+use super::limits::AtLimit;
 use super::{Book, Findings, Progress, Wish, companion, twisted};
 use crate::assemble;
 use crate::error::{Error, Result, RunError};
@@ -90,7 +91,7 @@ impl<'a> Run<'a> {
             yielded: false,
             twisted: twisted(scene, &x),
             elastic_check: ElasticProbe::new(&scene.bar, &book.launches, scene.solve.until),
-            breaks: Breaks::new(scene),
+            breaks: Breaks::default(),
             book,
             bar,
             settings,
@@ -160,8 +161,7 @@ impl<'a> Run<'a> {
         self.breaks.look_at(&self.bar, &ended);
         self.fronts.collect(&ended);
         self.gauges.collect(&self.bar, &ended);
-        self.write_paths(ended.into_iter())?;
-        self.breaks.stop_past_data(self.book.scene)
+        self.write_paths(ended.into_iter())
     }
 
     fn write_paths(&mut self, trails: impl Iterator<Item = Trail>) -> Result<()> {
@@ -210,6 +210,7 @@ impl<'a> Run<'a> {
 
     fn stopped(&self, why: &Stopped) -> Error {
         match *why {
+            Stopped::AtLimit(point) => return AtLimit::from(&point).error(self.book.scene),
             Stopped::EventBudget { time, events, fronts } if self.book.scene.cut.is_some() => RunError {
                 reason: format!("front tracking used all of its {events} events, with {fronts} fronts under way"),
                 time,

@@ -26,7 +26,7 @@ use places::Places;
 use rate::RateRise;
 pub use rate::unresolved_flow;
 use rupture::TensileStrain;
-pub use rupture::{above_critical, broken_end, broken_inside, end_of_data, past_data};
+pub use rupture::{above_critical, at_limit, broken_end, broken_inside, past_data};
 use unloading::Unloading;
 
 use super::{AuditRow, Field, View};

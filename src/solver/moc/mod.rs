@@ -11,6 +11,7 @@ mod body;
 mod compare;
 mod contact;
 mod end;
+mod limits;
 mod list;
 mod pace;
 mod read;
@@ -27,6 +28,7 @@ mod trail;
 pub use compare::{COARSER, SAFETY};
 pub use contact::{JointChange, JointState};
 pub use end::{EndRecord, EndStep, stepped};
+pub use limits::PointAtLimit;
 pub use read::{Front, Piece, Sample};
 pub use sample::Opening;
 pub use striker::StrikerState;
@@ -91,4 +93,7 @@ pub enum Stopped {
         /// Place, m.
         x: f64,
     },
+    /// A point at which nothing is known of its material any more.
+    #[error("front tracking came to a limit of what the material knows at t = {:.6e} s, x = {:.6e} m", .0.time, .0.x)]
+    AtLimit(PointAtLimit),
 }

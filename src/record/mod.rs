@@ -20,7 +20,8 @@ use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
 
 pub use audit::{
-    Audit, Case, LOOKS, Off, above_critical, at_limit, broken_end, broken_inside, past_data, unresolved_flow,
+    Audit, Case, LOOKS, Off, above_critical, at_limit, broken_end, broken_inside, past_data, reversed_flow,
+    unresolved_flow,
 };
 pub use checks::{ElasticProbe, against_similarity, alone, similar_stress, tracked_against_similarity};
 pub use energy::{ENERGY, EnergySummary};

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use super::accuracy::{self, Profile};
 use super::limits::AtLimit;
-use super::{Book, Findings, Progress, Wish, steps, twisted};
+use super::{Book, Findings, Progress, Wish, flow_both_ways, steps, twisted};
 use crate::assemble;
 use crate::error::{Error, Result, RunError};
 use crate::record::{
@@ -275,11 +275,9 @@ impl<'a, S: Stepped> Run<'a, S> {
             rows.extend(record::unresolved_flow(k, grid.dt));
         }
         let strain = |cell: usize| self.bar.value(Quantity::AccumulatedPlasticStrain, cell);
-        if self.book.scene.effects.rate.is_none() {
-            rows.extend(segments.iter().zip(&grid.segments).filter_map(|(segment, part)| {
-                let plastic = |cell| (strain(cell), self.bar.value(Quantity::PlasticStrain, cell));
-                record::flowed_both_ways(&segment.material, part.cells.clone().map(plastic))
-            }));
+        for (segment, part) in segments.iter().zip(&grid.segments) {
+            let plastic = |cell| (strain(cell), self.bar.value(Quantity::PlasticStrain, cell));
+            rows.extend(flow_both_ways(self.book.scene, segment, part.cells.clone().map(plastic)));
         }
         rows
     }

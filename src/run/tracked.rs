@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use super::breaks::Breaks;
 use super::limits::AtLimit;
-use super::{Book, Findings, Progress, Wish, companion, twisted};
+use super::{Book, Findings, Progress, Wish, companion, flow_both_ways, twisted};
 use crate::assemble;
 use crate::error::{Error, Result, RunError};
 use crate::record::{
@@ -313,12 +313,12 @@ impl<'a> Run<'a> {
         }
         let segments = &self.book.scene.bar.segments;
         let mut rows = self.audit.rows(broken);
-        rows.extend(segments.iter().enumerate().filter_map(|(k, segment)| {
+        for (k, segment) in segments.iter().enumerate() {
             let modulus = self.bar.medium(k).modulus;
             let pieces = self.bar.pieces().filter(|p| p.segment == k);
             let plastic = pieces.map(|p| (p.point.accumulated / modulus, p.point.plastic / modulus));
-            record::flowed_both_ways(&segment.material, plastic)
-        }));
+            rows.extend(flow_both_ways(self.book.scene, segment, plastic));
+        }
         rows
     }
 

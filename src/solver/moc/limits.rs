@@ -35,9 +35,9 @@ impl Limits {
         Self { ends, passed: Vec::new(), stop: None }
     }
 
-    /// The point that stops the run, if there is one.
-    pub fn check(&self) -> Result<(), Stopped> {
-        self.stop.map_or(Ok(()), |stop| Err(Stopped::AtLimit(stop)))
+    /// The point that stops the run before this time (s), if there is one.
+    pub fn check(&self, until: f64) -> Result<(), Stopped> {
+        self.stop.filter(|stop| stop.time < until).map_or(Ok(()), |stop| Err(Stopped::AtLimit(stop)))
     }
 }
 

@@ -174,7 +174,7 @@ impl FrontTracking {
     /// [`Stopped::EventBudget`] with the bar standing at the time reached; [`Stopped::NotANumber`]; [`Stopped::AtLimit`].
     pub fn advance_to(&mut self, until: f64) -> Result<(), Stopped> {
         loop {
-            self.limits.check()?;
+            self.limits.check(until)?;
             if self.thinning.is_due(self.list.len(), self.events) {
                 self.thin();
             }

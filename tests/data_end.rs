@@ -158,7 +158,7 @@ fn library_materials_reach_the_strain_of_a_taylor_cylinder() {
 #[test]
 fn a_table_to_a_tension_strain_of_2_has_a_compression_table_of_the_same_law() {
     let folder = folder();
-    for (to, ends) in [("0.4", [0.4, 0.4]), ("2", [2.0, 0.95])] {
+    for (to, ends) in [("0.4", [0.4, 0.4]), ("2", [2.0, 0.9])] {
         let text = format!(
             "name = \"m\"\ndensity = 8000\nmodulus = \"124 GPa\"\nmeasure = \"true\"\nsymmetry = \"true\"\n[curve]\n\
              formula = \"johnson-cook\"\nA = \"105.6 MPa\"\nB = \"392.1 MPa\"\nn = 0.2136\ntabulate = {{ to-strain = {to} }}\n"
@@ -169,7 +169,7 @@ fn a_table_to_a_tension_strain_of_2_has_a_compression_table_of_the_same_law() {
         let found = [Sense::Tension, Sense::Compression].map(|sense| material.branch(sense).last_strain());
         assert!((0..2).all(|k| (found[k] - ends[k]).abs() < 1e-9), "{to}: {found:?}");
         let curve = material.branch(Sense::Compression);
-        for (&strain, &stress) in curve.strain().iter().zip(curve.stress()).skip(2) {
+        for (&strain, &stress) in curve.strain().iter().zip(curve.stress()).filter(|knot| *knot.0 > 0.01) {
             let (strain, stress) = true_from_engineering(Sense::Compression, strain, stress);
             let plastic = strain - stress / 124e9;
             let law = 105.6e6 + 392.1e6 * plastic.powf(0.2136);
@@ -205,7 +205,8 @@ fn a_run_stops_in_the_step_that_passes_the_data_and_records_nothing_of_it() {
             assert!(range(&file, Field::Strain).into_iter().all(|e| e.abs() <= 0.02), "{}", solver.0);
             let gauge = file.gauges().expect("gauges").remove(0).trace;
             assert!(
-                gauge.time.iter().all(|&t| t <= time) && gauge.strain.iter().all(|e| e.abs() <= 0.02),
+                // The message gives the time to seven digits.
+                gauge.time.iter().all(|&t| t <= time * (1.0 + 1e-6)) && gauge.strain.iter().all(|e| e.abs() <= 0.02),
                 "{}",
                 solver.0
             );

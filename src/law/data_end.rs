@@ -116,7 +116,7 @@ impl DataEnd {
         if strain <= -self.full {
             return Some(reached(Limit::FullCompression, -strain / self.modulus));
         }
-        if past < -ROUNDING * end {
+        if end.is_infinite() || past < -ROUNDING * end {
             return None;
         }
         let direct = sense.sign() * strain - end >= -REVERSED * end;

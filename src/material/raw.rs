@@ -127,7 +127,7 @@ pub struct RawTabulate {
     #[schemars(with = "Option<Quantity>")]
     pub tolerance: Option<Number>,
     /// Engineering strain at which the table ends; where symmetry = "true" makes the compression table of a tension curve, that
-    /// table ends at 0.95 at the latest (default: half as far again as the largest engineering stress; where there is none 0.5,
+    /// table ends at 0.9 at the latest (default: half as far again as the largest engineering stress; where there is none 0.5,
     /// and 0.777, a true strain of 1.5, in compression of true stress and strain).
     #[schemars(with = "Option<Quantity>")]
     pub to_strain: Option<Number>,

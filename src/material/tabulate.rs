@@ -39,8 +39,9 @@ impl Tabulate {
     /// True strain at which the compression table of a true law ends by default: half as far again as Taylor cylinders and
     /// other compression tests of metals reach, which is about 1.
     pub const DEFAULT_TRUE_END: f64 = 1.5;
-    /// Largest engineering strain of a compression table: 1 leaves no length.
-    pub const MOST_COMPRESSION: f64 = 0.95;
+    /// Largest engineering strain of a compression table: 1 leaves no length, and not far below it the engineering stress rises
+    /// more steeply than the elastic line.
+    pub const MOST_COMPRESSION: f64 = 0.9;
 }
 
 /// An engineering table made from a law or from true stresses.

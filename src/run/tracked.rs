@@ -33,7 +33,8 @@ pub(super) fn run(
     started: Instant,
     progress: &mut dyn FnMut(Progress) -> Wish,
 ) -> Result<Summary> {
-    let settings = Settings { front_tolerance, event_budget, trails: true, ..Settings::default() };
+    let settings =
+        Settings { front_tolerance, event_budget, trails: true, stop_at_limits: true, ..Settings::default() };
     let mut run = Run::new(scene, settings, output, started)?;
     let ended = run.follow(progress);
     run.finish(ended)

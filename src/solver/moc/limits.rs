@@ -26,13 +26,15 @@ pub struct PointAtLimit {
 pub(super) struct Limits {
     ends: Vec<DataEnd>,
     passed: Vec<PointAtLimit>,
+    /// The run ends where nothing is known of a material any more.
+    stops: bool,
     stop: Option<PointAtLimit>,
 }
 
 impl Limits {
-    pub fn new(bar: &Bar) -> Self {
+    pub fn new(bar: &Bar, stops: bool) -> Self {
         let ends = bar.segments.iter().map(|segment| DataEnd::of(&segment.material)).collect();
-        Self { ends, passed: Vec::new(), stop: None }
+        Self { ends, passed: Vec::new(), stops, stop: None }
     }
 
     /// The point that stops the run before this time (s), if there is one.
@@ -69,7 +71,7 @@ impl FrontTracking {
         };
         let found = PointAtLimit { segment, time: self.now, x, reached };
         self.limits.passed.push(found);
-        if reached.limit.stops(&self.materials[segment]) {
+        if self.limits.stops && reached.limit.stops(&self.materials[segment]) {
             self.limits.stop.get_or_insert(found);
         }
     }

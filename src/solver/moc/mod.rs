@@ -52,6 +52,9 @@ pub struct Settings {
     pub event_budget: u64,
     /// Keep the trails of fronts that end, for [`FrontTracking::take_trails`].
     pub trails: bool,
+    /// End with [`Stopped::AtLimit`] where nothing is known of a material any more; else such points are only noted, see
+    /// [`FrontTracking::passed`].
+    pub stop_at_limits: bool,
 }
 
 /// Step of ramps where every wave is kept, and with a front tolerance of as much.
@@ -68,7 +71,7 @@ impl Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { front_tolerance: 0.0, ramp_step: None, event_budget: 10_000_000, trails: false }
+        Self { front_tolerance: 0.0, ramp_step: None, event_budget: 10_000_000, trails: false, stop_at_limits: false }
     }
 }
 

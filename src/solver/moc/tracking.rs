@@ -123,7 +123,7 @@ impl FrontTracking {
         let mut tracking = Self {
             media,
             materials: bar.segments.iter().map(|s| Arc::clone(&s.material)).collect(),
-            limits: Limits::new(bar),
+            limits: Limits::new(bar, settings.stop_at_limits),
             ends,
             end_nodes: [0, 0],
             contacts: Contact::all(bar),

@@ -2,8 +2,9 @@
 
 use super::view::{Account, EndState, Start, Stepped, View};
 use super::{Field, Traces};
+use crate::law::FirstPassed;
 use crate::law::rupture::Rupture;
-use crate::solver::fd::{Grid, Leapfrog, Passed, Quantity, Reader, Sampling};
+use crate::solver::fd::{Grid, Leapfrog, Quantity, Reader, Sampling};
 use crate::solver::muscl::Muscl;
 use crate::solver::net::Net;
 
@@ -121,12 +122,8 @@ macro_rules! stepped {
                 self.stayed_elastic()
             }
 
-            fn data_can_end(&self) -> bool {
-                self.data_can_end()
-            }
-
-            fn passed_end_of_data(&self) -> Option<Passed> {
-                self.passed_end_of_data()
+            fn passed(&self) -> FirstPassed {
+                self.passed()
             }
 
             fn not_finite(&self) -> Option<usize> {

@@ -22,7 +22,8 @@ use serde::{Serialize, Serializer};
 use crate::solver::Energies;
 
 pub use audit::{
-    Audit, Case, LOOKS, Off, above_critical, broken_end, broken_inside, end_of_data, past_data, unresolved_flow,
+    Audit, Case, LOOKS, Off, above_critical, at_limit, broken_end, broken_inside, past_data, reversed_flow,
+    unresolved_flow,
 };
 pub use checks::{ElasticProbe, against_similarity, alone, similar_stress, tracked_against_similarity};
 pub use energy::{ENERGY, EnergySummary};
@@ -175,6 +176,13 @@ pub struct Trace {
     pub velocity: Vec<f64>,
     /// K; empty without the effect of heat, and for the ends.
     pub temperature: Vec<f64>,
+}
+
+impl Trace {
+    /// All columns, the time first.
+    pub fn columns_mut(&mut self) -> [&mut Vec<f64>; 5] {
+        [&mut self.time, &mut self.stress, &mut self.strain, &mut self.velocity, &mut self.temperature]
+    }
 }
 
 /// One row of the ledger. Energies in J, momenta in N s (per m^2 where the scene gives no area).

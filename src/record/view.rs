@@ -2,9 +2,10 @@
 //! equal steps on a grid.
 
 use super::{Field, Traces};
+use crate::law::FirstPassed;
 use crate::law::rupture::Rupture;
 use crate::solver::Energies;
-use crate::solver::fd::{Grid, Passed, Quantity, Sampling};
+use crate::solver::fd::{Grid, Quantity, Sampling};
 
 /// A simulated bar at its current time.
 pub trait View {
@@ -78,11 +79,8 @@ pub trait Stepped: View<Places = Sampling> {
     /// Nothing has yielded so far.
     fn stayed_elastic(&self) -> bool;
 
-    /// Some material's data end, so that [`Stepped::passed_end_of_data`] can find a cell.
-    fn data_can_end(&self) -> bool;
-
-    /// A cell that has come to the end of its material's data.
-    fn passed_end_of_data(&self) -> Option<Passed>;
+    /// The cells that have come to a limit of what their law knows, up to now.
+    fn passed(&self) -> FirstPassed;
 
     /// The first cell of which something is not a finite number.
     fn not_finite(&self) -> Option<usize>;

@@ -5,11 +5,14 @@ use std::ops::Range;
 
 use multiversion::multiversion;
 
+use super::leapfrog::SegmentLaw;
 use super::readings::Quantity;
 use super::rest::{Signals, inner_nodes};
 use super::ripple::{self, Gaps};
 use super::taper::BlockTaper;
-use crate::law::{Aligned, AlignedRow, CHUNK, Row, RowLaw, aligned_row, elastic_row, split_off};
+use crate::law::{
+    Aligned, AlignedRow, CHUNK, FirstPassed, Row, RowLaw, StrainedRow, aligned_row, elastic_row, split_off,
+};
 
 /// Cells of a full block. Fixed, so that sums over blocks have the same bits whatever the number of threads.
 const BLOCK: usize = 256;
@@ -96,6 +99,8 @@ pub(super) struct Block {
     pub log: Vec<[f64; WATCHED.len()]>,
     /// 2E times the plastic work of every cell per volume, Pa^2; empty until the block yields, and where it is not kept.
     pub absorbed: Vec<f64>,
+    /// Cells that came to a limit of what their law knows.
+    pub passed: FirstPassed,
     /// Sections of the cells; none in a uniform segment.
     pub taper: Option<Box<BlockTaper>>,
 }
@@ -135,6 +140,7 @@ impl Block {
             damped: 0.0,
             keeps_work: false,
             absorbed: Vec::new(),
+            passed: FirstPassed::default(),
             taper: None,
         }
     }
@@ -181,6 +187,7 @@ impl Block {
             damped: 0.0,
             keeps_work: self.keeps_work,
             absorbed: if self.absorbed.is_empty() { Vec::new() } else { self.absorbed.split_off(at) },
+            passed: FirstPassed::default(),
             taper: self.taper.as_mut().map(|taper| Box::new(taper.split_off(at))),
         };
         self.cells.end = middle;
@@ -195,6 +202,13 @@ impl Block {
         if self.stage == Stage::Plastic {
             self.damps_from = self.damps_from.min(step);
         }
+    }
+
+    /// Takes down the cells that came to a limit of what their law knows in a step.
+    pub fn note_limits(&mut self, law: &SegmentLaw, step: usize) {
+        let (first, segment) = (self.cells.start, self.segment);
+        let (sigma, state, cells) = (&self.sigma[..], &self.state[..], 0..self.sigma.len());
+        law.note_limits(&StrainedRow { sigma, state, cells, first, segment, step }, &mut self.passed);
     }
 
     /// Takes down where they come from a neighbour; `near` is the step from which on they are damped there.

@@ -16,7 +16,7 @@ use super::stretch::{Common, Stretch};
 use super::sweep::division;
 use super::taper::BlockTaper;
 use crate::bar::{Bar, EndCondition};
-use crate::law::RowLaw;
+use crate::law::{DataEnd, FirstPassed, RowLaw, StrainedRow};
 
 /// The law of one segment, as assembled from its material and the effects.
 #[derive(Clone)]
@@ -25,9 +25,17 @@ pub struct SegmentLaw {
     pub law: Arc<dyn RowLaw>,
     /// Stress below which the law is elastic in both senses, Pa.
     pub yield_stress: f64,
-    /// Reach (E times equivalent strain, Pa) at which the data end, in tension and in compression; infinite where they
-    /// do not.
-    pub end: [f64; 2],
+    /// Where its data end.
+    pub end: DataEnd,
+}
+
+impl SegmentLaw {
+    /// Notes the cells of a row that have come to a limit of what the law knows.
+    pub fn note_limits(&self, row: &StrainedRow<'_>, passed: &mut FirstPassed) {
+        if !row.state.is_empty() || self.end.outruns(self.yield_stress) {
+            self.law.note_limits(&self.end, row, passed);
+        }
+    }
 }
 
 /// What a bar logged, step by step.

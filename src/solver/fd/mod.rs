@@ -24,6 +24,6 @@ pub use grid::{Grid, SegmentGrid};
 pub use implicit::Along;
 pub use leapfrog::{Leapfrog, Log, LoggedCell, SegmentLaw};
 pub use reader::Reader;
-pub use readings::{Passed, Quantity};
+pub use readings::Quantity;
 pub use sample::{Sampling, between};
 pub use taper::BYTES_PER_CELL as TAPER_BYTES_PER_CELL;

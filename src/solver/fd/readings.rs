@@ -1,9 +1,9 @@
 //! What can be read off a bar: fields, energies, cells past their data.
 
-use super::block::{Block, NodeMotion, Stage};
+use super::block::{Block, NodeMotion};
 use super::leapfrog::{Constants, Leapfrog};
 use super::reader::Reader;
-use crate::law::RowLaw;
+use crate::law::{FirstPassed, RowLaw};
 use crate::solver::Energies;
 
 /// What can be read in a cell.
@@ -22,17 +22,6 @@ pub enum Quantity {
     AccumulatedPlasticStrain,
     /// Temperature, K; not a number without the effect of heat.
     Temperature,
-}
-
-/// A cell that came to the end of its material's data.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Passed {
-    /// Cell.
-    pub cell: usize,
-    /// Its segment.
-    pub segment: usize,
-    /// Its strain.
-    pub strain: f64,
 }
 
 impl Leapfrog {
@@ -168,31 +157,11 @@ impl Leapfrog {
         total
     }
 
-    /// A cell that has come to the end of its material's data, if one has: the farthest gone of the first block that
-    /// has one. A pass over all yielded cells.
-    pub fn passed_end_of_data(&self) -> Option<Passed> {
-        let passed = |block: &&Block| {
-            if block.stage != Stage::Plastic {
-                return false;
-            }
-            let law = &self.laws[block.segment];
-            let reach = law.law.reach(&block.sigma, &block.state);
-            reach[0] >= law.end[0] || reach[1] >= law.end[1]
-        };
-        let block = self.blocks.iter().find(passed)?;
-        let law = &self.laws[block.segment];
-        let beyond = |i: usize| {
-            let end = law.end[usize::from(block.sigma[i] < 0.0)];
-            (block.sigma[i].abs() + block.accumulated(law.law.as_ref(), i)) / end
-        };
-        let farthest = (0..block.sigma.len()).max_by(|&a, &b| beyond(a).total_cmp(&beyond(b)))?;
-        let cell = block.cells.start + farthest;
-        Some(Passed { cell, segment: block.segment, strain: self.value(Quantity::Strain, cell) })
-    }
-
-    /// True where some material's data end, so that [`Self::passed_end_of_data`] can find a cell.
-    pub fn data_can_end(&self) -> bool {
-        self.laws.iter().any(|l| l.end[0].min(l.end[1]).is_finite())
+    /// The cells that have come to a limit of what their law knows.
+    pub fn passed(&self) -> FirstPassed {
+        let mut all = FirstPassed::default();
+        self.blocks.iter().for_each(|block| all.merge(&block.passed));
+        all
     }
 
     /// The first cell whose stress or state is not a finite number.

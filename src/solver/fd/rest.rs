@@ -134,7 +134,7 @@ mod tests {
 
     use super::*;
     use crate::bar::{Bar, EndCondition, History, Joint, Segment};
-    use crate::law::{Envelope, Indexed, Isotropic, Mixed, RowLaw, Rows, Searched, Table};
+    use crate::law::{DataEnd, Envelope, Indexed, Isotropic, Mixed, RowLaw, Rows, Searched, Table};
     use crate::material::{Beyond, Curve, Material, Sense};
     use crate::solver::fd::block::Scratch;
     use crate::solver::fd::leapfrog::Constants;
@@ -150,12 +150,12 @@ mod tests {
 
     /// A bar that is struck, let go, and swings on between a free end and a wall.
     fn bar(material: Material, law: Arc<dyn RowLaw>) -> Leapfrog {
-        let (material, joint) = (Arc::new(material), Joint::Bonded);
+        let (end, material, joint) = (DataEnd::of(&material), Arc::new(material), Joint::Bonded);
         let bar = Bar {
             segments: vec![Segment { length: 1.0, area: 1.0, taper: None, material, velocity: 0.0, joint }],
             area_given: true,
         };
-        let law = SegmentLaw { law, yield_stress: YIELD, end: [f64::INFINITY; 2] };
+        let law = SegmentLaw { law, yield_stress: YIELD, end };
         let struck = EndCondition::Velocity { history: History::constant(20.0), release: Some(5e-5) };
         Leapfrog::new(&bar, Grid::new(&bar, 1301, 1.0), vec![law], [struck, EndCondition::Fixed])
     }

@@ -56,6 +56,7 @@ impl Stretch<'_> {
         for block in &mut *self.blocks {
             block.advance_stresses(common.law(block.segment), scratch);
             block.note_yield(step);
+            block.note_limits(&common.laws[block.segment], step);
         }
     }
 
@@ -78,6 +79,7 @@ impl Stretch<'_> {
         for block in self.blocks[blocks].iter_mut().filter(|block| !block.at_rest()) {
             block.advance(common.law(block.segment), scratch);
             block.note_yield(step);
+            block.note_limits(&common.laws[block.segment], step);
         }
     }
 

@@ -253,7 +253,7 @@ mod tests {
         let laws = segments.iter().map(|&(_, _, moves)| SegmentLaw {
             law: law(moves),
             yield_stress: YIELD,
-            end: [f64::INFINITY; 2],
+            end: DataEnd::of(&material),
         });
         let laws = laws.collect();
         let piece = |&(cells, velocity, _): &RandomSegment| Segment {

@@ -13,7 +13,6 @@ use crate::solver::fd::Grid;
 #[derive(Debug, Clone)]
 pub struct Net {
     pub(super) grid: Grid,
-    pub(super) shift: f64,
     pub(super) parts: Vec<Part>,
     /// One fewer than segments.
     pub(super) joints: Vec<Joint>,
@@ -27,7 +26,7 @@ pub struct Net {
 impl Net {
     /// A bar at t = 0, unstressed, moving as its segments say. `laws` has one entry a segment.
     pub fn new(bar: &Bar, lattice: Lattice, laws: Vec<RateLaw>, ends: [EndCondition; 2]) -> Self {
-        let Lattice { grid, shift } = lattice;
+        let Lattice { grid, .. } = lattice;
         let parts: Vec<Part> = bar
             .segments
             .iter()
@@ -46,7 +45,6 @@ impl Net {
         Self {
             entering: vec![[0.0; 2]; parts.len()],
             grid,
-            shift,
             parts,
             joints,
             ends,
@@ -102,10 +100,5 @@ impl Net {
     /// Cells and time step.
     pub fn grid(&self) -> &Grid {
         &self.grid
-    }
-
-    /// Largest relative change of a segment's transit time that makes it whole steps, see [`Lattice::shift`].
-    pub fn shift(&self) -> f64 {
-        self.shift
     }
 }

@@ -69,7 +69,7 @@ impl View for FrontTracking {
             fracture: 0.0,
             damping: 0.0,
             foundation: 0.0,
-            impulse_along: 0.0,
+            impulse_along: now.shifted,
             momentum: now.momentum,
             work: now.work,
             impulse: now.impulse,

@@ -297,9 +297,9 @@ fn field_energies(scene: &Scene, bar: &FrontTracking, samples: u32) -> [f64; 2] 
     sums
 }
 
-/// A sample stands for its cell: next to a front it is off by up to half of it, and in a piece of the staircase the area of its
-/// cell is not the piece's mean. Both fall with the cells. What remains is the spread of plastic strains that were merged: the
-/// ledger has the work of each, the field that of their mean. It falls with the front tolerance.
+/// A sample stands for its cell: next to a front it is off by up to half of it, which falls with the cells. What remains falls
+/// with the front tolerance: in a piece of the staircase the area at a place is not the piece's mean, which evens out over
+/// whole pieces only; and of plastic strains that were merged the ledger has the work of each, the field that of their mean.
 #[test]
 fn the_field_energy_of_a_tracked_taper_is_the_ledger_s_to_the_sampling_error() {
     let missed = [1e-2, 3e-3].map(|front_tolerance| {

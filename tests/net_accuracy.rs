@@ -4,12 +4,12 @@ mod common;
 #[path = "common/net.rs"]
 mod net;
 
-use barwave::bar::{Bar, EndCondition, Joint, Segment};
+use barwave::bar::{Bar, EndCondition, History, Joint, Segment};
 use barwave::law::rate::Overstress;
 use barwave::material::{Beyond, Material};
 use barwave::scene::Unloading;
 use barwave::solver::fd::Quantity;
-use barwave::solver::moc::{FrontTracking, Settings, stepped};
+use barwave::solver::moc::{FrontTracking, Settings};
 use barwave::solver::net::Net;
 use barwave::wave::riemann::Flow;
 use common::{DENSITY, MODULUS, YIELD, bilinear_steel, moved, moved_by, power_law_table, segment};
@@ -20,6 +20,27 @@ fn c0() -> f64 {
 
 fn impedance() -> f64 {
     (MODULUS * DENSITY).sqrt()
+}
+
+/// A history with its ramps made into steps no higher than `increment` (> 0), each in the middle of its part of the ramp, so that the
+/// integral stays the same.
+fn stepped(history: &History, increment: f64) -> History {
+    let (t, v) = (history.time(), history.value());
+    let mut rows = vec![(t[0], v[0])];
+    for k in 1..t.len() {
+        let (duration, rise) = (t[k] - t[k - 1], v[k] - v[k - 1]);
+        let steps = if duration > 0.0 { (rise.abs() / increment).ceil().max(1.0) } else { 1.0 };
+        for step in 0..steps as u32 {
+            let part = |s: f64| s / steps;
+            let middle = t[k - 1] + duration * part(f64::from(step) + 0.5);
+            if rise != 0.0 && duration > 0.0 {
+                rows.push((middle, v[k - 1] + rise * part(f64::from(step))));
+                rows.push((middle, v[k - 1] + rise * part(f64::from(step) + 1.0)));
+            }
+        }
+        rows.push((t[k], v[k]));
+    }
+    History::new(&rows).expect("rows are right")
 }
 
 /// Stress just behind a front that has come to the border between the cells `cell` and `cell + ahead`: from the two

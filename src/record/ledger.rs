@@ -40,7 +40,8 @@ impl Ledger {
         let now: Account = bar.account();
         let ([left, right], impulse) = (now.work, now.impulse[0] + now.impulse[1] + now.impulse_along);
         let put_in = self.start.kinetic + left + right;
-        let energy_scale = self.start.kinetic.max(left.abs()).max(right.abs()).max(now.energies.total());
+        let held: f64 = now.energies.values().iter().map(|energy| energy.abs()).sum();
+        let energy_scale = self.start.kinetic.max(left.abs()).max(right.abs()).max(held);
         let residual = relative(now.energies.total() - put_in, energy_scale);
         self.momentum_scale = self.momentum_scale.max(now.momentum_scale);
         let missing = relative(now.energies.momentum - self.start.momentum - impulse, self.momentum_scale);

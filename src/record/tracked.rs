@@ -71,7 +71,7 @@ impl View for FrontTracking {
                 momentum: now.momentum,
                 ..Energies::default()
             },
-            impulse_along: 0.0,
+            impulse_along: now.shifted,
             work: now.work,
             impulse: now.impulse,
             momentum_scale: (2.0 * now.kinetic * mass).sqrt().max(now.impulse[0].abs() + now.impulse[1].abs()),

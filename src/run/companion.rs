@@ -10,20 +10,51 @@ use crate::solver::moc::{COARSER, FrontTracking, SAFETY, Settings};
 const FIRST_TRIED: f64 = 1e-3;
 const LARGEST_TRIED: f64 = 0.5;
 
+/// What a step of a companion's staircase may reflect at the most.
+const COARSEST: f64 = 0.5;
+
+/// A run is exact as long as rounding of places has moved no larger part of its energy than this.
+const ROUNDING: f64 = 1e-9;
+
 pub(super) const MEASURE: &str = "relative L1 of stress over the bar at the end time";
 
-/// How far the stresses of a finished run may be off. None where the companion does not get to the end.
+/// What the error of a tracked run covers.
+const TRACKED: &str = "larger of the relative L1 errors of stress and of plastic strain over the bar at the end time";
+
+/// How far stresses and plastic strains of a finished run may be off. None where the companion does not get to the end.
 pub(super) fn error_figure(scene: &Scene, settings: Settings, run: &FrontTracking) -> Option<ErrorFigure> {
-    if run.is_exact() {
-        let reference = "exact solution for the curve's table: nothing was merged";
-        return Some(ErrorFigure { value: 0.0, measure: MEASURE.into(), reference: reference.into() });
+    if run.is_exact() && scene.cut.is_none() {
+        return Some(exact(run.unresolved()));
     }
     let coarser = coarser(settings);
-    let mut companion = assemble::front_tracking(scene, coarser);
+    let staircase = coarser_staircase(scene);
+    let mut companion = assemble::front_tracking(staircase.as_ref().unwrap_or(scene), coarser);
     companion.advance_to(run.time()).ok()?;
-    let value = run.error_figure(&companion);
-    let reference = format!("run with front-tolerance {:.1e}, times {SAFETY}: an estimate", coarser.front_tolerance);
-    Some(ErrorFigure { value, measure: MEASURE.into(), reference })
+    let value = run.error_figure(&companion).max(run.unresolved());
+    let pieces = if staircase.is_some() { " and a coarser staircase" } else { "" };
+    let reference = if coarser.front_tolerance > 0.0 {
+        format!("run with front-tolerance {:.1e}{pieces}, times {SAFETY}: an estimate", coarser.front_tolerance)
+    } else {
+        format!("run with ramps in steps of {:.1e}{pieces}, times {SAFETY}: an estimate", coarser.step())
+    };
+    Some(ErrorFigure { value, measure: TRACKED.into(), reference })
+}
+
+/// The scene with its tapers in coarser pieces than the run's: the error of a staircase goes with what its steps reflect. None
+/// without a taper.
+fn coarser_staircase(scene: &Scene) -> Option<Scene> {
+    let cut = scene.cut.as_ref()?;
+    Some(cut.asked.cut_finer_than((COARSER * cut.reflects).min(COARSEST)))
+}
+
+/// Of a run whose fronts were all kept; `unresolved` is what part of its energy rounding moved.
+fn exact(unresolved: f64) -> ErrorFigure {
+    let (value, reference) = if unresolved > ROUNDING {
+        (unresolved, "part of the energy in waves so short that places are rounded: an estimate")
+    } else {
+        (0.0, "exact solution for the curve's table: nothing was merged")
+    };
+    ErrorFigure { value, measure: TRACKED.into(), reference: reference.into() }
 }
 
 /// The settings of a companion: three times the error. That of thinned waves goes with the tolerance; that of ramps with the

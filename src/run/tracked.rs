@@ -18,6 +18,10 @@ use crate::solver::moc::{FrontTracking, Piece, Settings, Stopped, Trail};
 /// Events between two calls of the progress function: some milliseconds, and about 200 kB of trails.
 const BURST: u64 = 5_000;
 
+/// Largest relative residual of energy and momentum with which a run counts as done. Rounding leaves 1e-12 to 1e-9, the more
+/// the more events there were.
+const CLOSED: f64 = 1e-6;
+
 /// Samples of the fields where the scene does not say.
 const SAMPLES: usize = 1000;
 
@@ -249,6 +253,7 @@ impl<'a> Run<'a> {
 
     /// Hands what was found to the book, which closes the file, whatever the end was.
     fn finish(mut self, ended: Result<()>) -> Result<Summary> {
+        let ended = ended.and_then(|()| self.ledger_closes());
         self.breaks.look_for_gathering_strain(self.book.scene, &self.bar);
         let last = self.bar.take_trails();
         let living: Vec<Trail> = self.bar.living_trails().collect();
@@ -286,6 +291,25 @@ impl<'a> Run<'a> {
             paths_complete: self.paths.complete(),
         };
         self.book.close(ended, findings)
+    }
+
+    /// # Errors
+    /// A balance of energy or momentum that is off by more than rounding: a result that must not pass for one.
+    fn ledger_closes(&self) -> Result<()> {
+        let [energy, momentum] = [self.ledger.worst_energy(), self.ledger.worst_momentum()];
+        if energy <= CLOSED && momentum <= CLOSED {
+            return Ok(());
+        }
+        Err(RunError {
+            reason: format!(
+                "the balance of the bar does not close: energy residual {energy:.1e}, momentum residual {momentum:.1e}"
+            ),
+            time: self.bar.time(),
+            x: None,
+            help: "use method = \"fd\" for this scene, and please report it: front tracking keeps both to rounding"
+                .into(),
+        }
+        .into())
     }
 
     /// How far the stresses may be off.

@@ -81,11 +81,6 @@ impl Scene {
             _ => site,
         }
     }
-
-    /// The segment of the scene that was asked for.
-    pub fn asked_segment(&self, segment: usize) -> usize {
-        self.cut.as_ref().map_or(segment, |cut| cut.of[segment])
-    }
 }
 
 /// What a step may reflect; none for a method that follows the taper itself.

@@ -8,7 +8,7 @@ use multiversion::multiversion;
 use super::leapfrog::SegmentLaw;
 use super::readings::Quantity;
 use super::rest::{Signals, inner_nodes};
-use super::ripple::{self, Gaps};
+use super::ripple::{self, Filter, Gaps};
 use super::taper::BlockTaper;
 use crate::law::{
     Aligned, AlignedRow, CHUNK, FirstPassed, Row, RowLaw, StrainedRow, aligned_row, elastic_row, split_off,
@@ -238,13 +238,13 @@ impl Block {
         self.inner = [self.v[1], self.v[self.sigma.len() - 1]];
     }
 
-    /// Damps the ripples of the block's inner nodes; `rounding` is as in [`ripple::Gaps`], `outside` are the velocities of
+    /// Damps the ripples of the block's inner nodes; `outside` are the velocities of
     /// the nodes next to the block in its own segment. The nodes at its two edges belong to the caller, who finds their
     /// share in `handed_at_edges`.
     pub fn damp_ripples(
         &mut self,
         velocity_gain: f64,
-        rounding: f64,
+        filter: Filter,
         outside: [Option<f64>; 2],
         scratch: &mut Scratch,
     ) {
@@ -255,7 +255,7 @@ impl Block {
             if at_left { outside[0] } else { Some(v[busy.start - 1]) },
             if at_right { outside[1] } else { Some(v[busy.end + 1]) },
         ];
-        gaps.read(&v[busy.start..=busy.end], outside, rounding);
+        gaps.read(&v[busy.start..=busy.end], outside, filter.rounding);
         self.handed_at_edges = [0.0; 2];
         if gaps.are_smooth() {
             return;
@@ -269,7 +269,7 @@ impl Block {
             handed[busy.end] = 0.0;
         }
         let flow = self.flow.get(busy.clone()).unwrap_or_default();
-        let anything = gaps.find(flow, rounding, &mut handed[busy.clone()]);
+        let anything = gaps.find(flow, filter, &mut handed[busy.clone()]);
         self.handed_at_edges = [if at_left { handed[0] } else { 0.0 }, if at_right { handed[cells - 1] } else { 0.0 }];
         if !anything {
             return;

@@ -9,7 +9,7 @@ use super::device::{Device, EndGrid};
 use super::edge::{Edge, edges};
 use super::grid::Grid;
 use super::implicit::{Along, Implicit};
-use super::ripple;
+use super::ripple::Filter;
 use super::rupture::Breaking;
 use super::start::StartingFan;
 use super::stretch::{Common, Stretch};
@@ -76,8 +76,7 @@ pub(super) struct Constants {
     pub area: f64,
     /// Cells that an elastic wave passes in a step.
     pub courant: f64,
-    /// Velocity difference of neighbouring nodes that is rounding, m/s.
-    pub rounding: f64,
+    pub filter: Filter,
 }
 
 /// A bar being stepped. Between steps: stresses at `time()`, velocities half a step later.
@@ -376,7 +375,7 @@ fn constants(bar: &Bar, grid: &Grid) -> Vec<Constants> {
         cell_volume: segment.area * part.dx,
         area: segment.area,
         courant: segment.material.c0() * grid.dt / part.dx,
-        rounding: ripple::ROUNDING * segment.material.c0(),
+        filter: Filter::new(segment.material.c0(), segment.material.c0() * grid.dt / part.dx),
     };
     bar.segments.iter().zip(&grid.segments).map(of).collect()
 }

@@ -25,11 +25,12 @@ use multiversion::multiversion;
 use super::block::MOST_CELLS;
 use crate::law::{Aligned, LANES};
 
-/// Share of an alternating velocity difference that a step hands over between two nodes. A pure zigzag shrinks by
-/// 1 - 4 x 1/8 = 1/2 a step; 0.06 to 0.25 give the same errors within 5 %.
+/// Share of an alternating velocity difference that is handed over between two nodes while an elastic wave passes a cell: a step takes
+/// this times the Courant number, so that what the filter takes from a wave does not depend on the time step. At Courant number 1 a
+/// pure zigzag shrinks by 1 - 4 x 1/8 = 1/2 a step; 0.06 to 0.25 give the same errors within 5 %.
 const ZIGZAG_SHARE: f64 = 0.125;
 
-/// Share of the velocity difference of a flowing cell that stands out above its neighbours'. At 1000 cells
+/// Likewise, share of the velocity difference of a flowing cell that stands out above its neighbours'. At 1000 cells
 /// the error of the bilinear benchmark is 2.0e-3 from 0.05 to 0.12 and grows beyond; that of the power-law benchmark
 /// grows slowly from 3.6e-4 at 0.05 to 4.0e-4 at 0.12; and the excess plastic strain behind a suddenly applied stress
 /// of three times the yield stress falls from 0.7 % to 0.2 % between 0.05 and 0.1, and no further.
@@ -37,7 +38,24 @@ const OVERSHOOT_SHARE: f64 = 0.1;
 
 /// Velocity differences below this part of the elastic wave speed (strain in a step) are rounding and no ripple. Where
 /// the bar is at rest or moves evenly, blocks then have nothing to damp.
-pub(super) const ROUNDING: f64 = 1e-15;
+const ROUNDING: f64 = 1e-15;
+
+/// What the filter does in the cells of a segment.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Filter {
+    /// Velocity difference of neighbouring nodes that is rounding, m/s.
+    pub rounding: f64,
+    /// Shares of a step.
+    zigzag: f64,
+    overshoot: f64,
+}
+
+impl Filter {
+    /// Where elastic waves run at `c0` (m/s), with this Courant number.
+    pub fn new(c0: f64, courant: f64) -> Self {
+        Self { rounding: ROUNDING * c0, zigzag: ZIGZAG_SHARE * courant, overshoot: OVERSHOOT_SHARE * courant }
+    }
+}
 
 /// How much of a velocity difference the lesser of its neighbours' supports.
 const SUPPORT: f64 = 2.0;
@@ -81,10 +99,9 @@ impl Gaps {
     /// Velocity differences to hand over, one a cell, into `handed`. `flow` is as in [`hand`] (empty where the block has not
     /// yielded). Where the segment ends the last cell is not damped: its outer node belongs to a joint, or to an end whose
     /// velocity is prescribed. Returns whether there is anything to hand over.
-    pub fn find(&self, flow: &[u8], rounding: f64, handed: &mut [f64]) -> bool {
+    pub fn find(&self, flow: &[u8], filter: Filter, handed: &mut [f64]) -> bool {
         let w = &self.w.0[LANES - 1..=LANES + self.cells];
-        let anything =
-            if flow.is_empty() { find(w, rounding, handed) } else { find_flowing(w, flow, rounding, handed) };
+        let anything = if flow.is_empty() { find(w, filter, handed) } else { find_flowing(w, flow, filter, handed) };
         for (cell, inside) in [0, self.cells - 1].into_iter().zip(self.outside) {
             if !inside {
                 handed[cell] = 0.0;
@@ -150,26 +167,27 @@ fn larger(a: f64, b: f64) -> f64 {
 
 /// Velocity difference to hand over in a cell: what of `w` is zigzag and, where the cell `flows`, overshoot.
 #[inline(always)]
-fn hand(left: f64, w: f64, right: f64, flows: bool, rounding: f64) -> f64 {
+fn hand(left: f64, w: f64, right: f64, flows: bool, filter: Filter) -> f64 {
+    let Filter { rounding, zigzag, overshoot } = filter;
     let (sense, size) = (1.0_f64.copysign(w), w.abs());
     // Its neighbours' differences, positive where they have its sign.
     let (left, right) = (sense * left, sense * right);
-    let zigzag = if larger(left, right) * size < -rounding * rounding { ZIGZAG_SHARE * size } else { 0.0 };
+    let zigzag = if larger(left, right) * size < -rounding * rounding { zigzag * size } else { 0.0 };
     let supported = SUPPORT * larger(lesser(left, right), 0.0);
     let above = larger(size - supported, 0.0);
-    let overshoot = if flows && size > rounding { OVERSHOOT_SHARE * above } else { 0.0 };
+    let overshoot = if flows && size > rounding { overshoot * above } else { 0.0 };
     sense * (zigzag + overshoot)
 }
 
 /// What the cells of a block that has not yielded hand over; `w` are their differences and one more on either side. Returns
 /// whether that is anything.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
-fn find(w: &[f64], rounding: f64, handed: &mut [f64]) -> bool {
+fn find(w: &[f64], filter: Filter, handed: &mut [f64]) -> bool {
     let cells = handed.len();
     let (left, here, right) = (&w[..cells], &w[1..=cells], &w[2..cells + 2]);
     let mut bits = 0;
     for i in 0..cells {
-        handed[i] = hand(left[i], here[i], right[i], false, rounding);
+        handed[i] = hand(left[i], here[i], right[i], false, filter);
         bits |= handed[i].to_bits();
     }
     bits & Range::SIZE != 0
@@ -177,12 +195,12 @@ fn find(w: &[f64], rounding: f64, handed: &mut [f64]) -> bool {
 
 /// The same in a block with yielded cells.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
-fn find_flowing(w: &[f64], flow: &[u8], rounding: f64, handed: &mut [f64]) -> bool {
+fn find_flowing(w: &[f64], flow: &[u8], filter: Filter, handed: &mut [f64]) -> bool {
     let cells = handed.len();
     let (left, here, right, flow) = (&w[..cells], &w[1..=cells], &w[2..cells + 2], &flow[..cells]);
     let mut bits = 0;
     for i in 0..cells {
-        handed[i] = hand(left[i], here[i], right[i], flow[i] != 0, rounding);
+        handed[i] = hand(left[i], here[i], right[i], flow[i] != 0, filter);
         bits |= handed[i].to_bits();
     }
     bits & Range::SIZE != 0

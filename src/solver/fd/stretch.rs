@@ -134,7 +134,7 @@ impl Stretch<'_> {
             let outside = self.nodes_outside(k);
             let block = &mut self.blocks[k];
             let c = &self.common.constants[block.segment];
-            block.damp_ripples(c.velocity_gain, c.rounding, outside, scratch);
+            block.damp_ripples(c.velocity_gain, c.filter, outside, scratch);
         }
     }
 

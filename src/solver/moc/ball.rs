@@ -4,7 +4,8 @@
 //! ball's velocity and the approach follow from both exactly, and the next step starts from the force that belongs to the
 //! approach: momentum is exact, the rest of second order in the step, the energy of ball and contact too (the bar's account
 //! does not need it). A step starts from what an elastic bar would answer, a Riemann problem against a driver that gives
-//! way as the contact does there. Steps are such that the force changes by one part of the largest.
+//! way as the contact does there. Steps are such that the force changes by one part of the largest, and no longer than a part
+//! of the contact time that goes with it, so that the largest force is of second order too.
 
 use super::contact::JointChange;
 use super::end::Drive;
@@ -17,6 +18,10 @@ const PASSING: f64 = 0.1;
 
 /// Shortest step, in parts of the contact time: below, times are rounding.
 const SHORTEST: f64 = 1e-7;
+
+/// Longest step, in parts of the contact time, over the part by which a step changes the force: around its largest value the
+/// force hardly changes, and its mean over a step falls short of it by the square of the step's length.
+const LONGEST: f64 = 1.0;
 
 /// The ball and its step. Velocities here are into the bar.
 #[derive(Debug, Clone)]
@@ -151,7 +156,7 @@ impl Ball {
         let part = self.step * self.peak.min(self.level * self.area);
         let to = self.approach_at((force + part * closing.signum()).max(0.0));
         let wish = (to - self.approach) / closing;
-        Some(wish.clamp(SHORTEST * self.lasts, self.step.sqrt() * self.lasts))
+        Some(wish.clamp(SHORTEST * self.lasts, (LONGEST * self.step).min(1.0) * self.lasts))
     }
 
     /// The approach at a force (N), m.

@@ -1,6 +1,6 @@
 //! How far two tracked bars are apart, and whether one is exact.
 
-use super::FrontTracking;
+use super::{FrontTracking, Piece};
 
 /// The companion's tolerance, over the run's.
 pub const COARSER: f64 = 3.0;
@@ -10,10 +10,19 @@ pub const COARSER: f64 = 3.0;
 pub const SAFETY: f64 = 2.5;
 
 impl FrontTracking {
-    /// How far the stresses of this run may be off now: an estimate of the integral over x of |error of stress| over that
-    /// of |stress|, >= 0, from a run of the same bar up to the same time with [`COARSER`] times the front tolerance. It is
-    /// [`SAFETY`] times their difference; where both are the same, all that was merged.
+    /// How far this run may be off now: the larger of the errors of stress and of plastic strain, each an estimate of the
+    /// integral over x of |error| over that of |value|, >= 0, from a run of the same bar up to the same time with [`COARSER`]
+    /// times the front tolerance. It is [`SAFETY`] times their difference.
+    ///
+    /// Waves that have left the bar take their errors of stress with them; those of plastic strain stay.
     pub fn error_figure(&self, coarser: &Self) -> f64 {
+        let (apart, total) = self.plastic_difference(coarser);
+        let plastic = if total > 0.0 { SAFETY * apart / total } else { 0.0 };
+        self.stress_error(coarser).max(plastic)
+    }
+
+    /// The same of the stress alone; where both runs are the same, all that was merged.
+    fn stress_error(&self, coarser: &Self) -> f64 {
         let (apart, total) = self.stress_difference(coarser);
         // A companion that merged just what the run did tells nothing; the sum of all merges is too much, but no less.
         let apart = if apart > 0.0 { SAFETY * apart } else { self.merged() };
@@ -23,13 +32,23 @@ impl FrontTracking {
     /// Integral over x of |difference of stress| from another run of the same bar, and of this run's |stress|, Pa m: exact
     /// sums over the constant pieces of both.
     pub fn stress_difference(&self, other: &Self) -> (f64, f64) {
+        self.difference(other, |_, piece| piece.point.stress)
+    }
+
+    /// The same of the plastic strain, m.
+    pub fn plastic_difference(&self, other: &Self) -> (f64, f64) {
+        self.difference(other, |bar, piece| bar.medium(piece.segment).plastic_strain(piece.point))
+    }
+
+    fn difference(&self, other: &Self, value: impl Fn(&Self, &Piece<'_>) -> f64) -> (f64, f64) {
         let (mut ours, mut theirs) = (self.pieces().peekable(), other.pieces().peekable());
         let (mut from, mut apart, mut total) = (0.0, 0.0, 0.0);
         while let (Some(a), Some(b)) = (ours.peek(), theirs.peek()) {
             let to = a.to.min(b.to);
             let length = (to - from).max(0.0);
-            apart += (a.point.stress - b.point.stress).abs() * length;
-            total += a.point.stress.abs() * length;
+            let (one, another) = (value(self, a), value(other, b));
+            apart += (one - another).abs() * length;
+            total += one.abs() * length;
             let (a_ends, b_ends) = (a.to <= to, b.to <= to);
             if a_ends {
                 ours.next();

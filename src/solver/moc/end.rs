@@ -2,6 +2,7 @@
 
 use super::ball::Ball;
 use super::contact::JointChange;
+use super::ramp::{SHORTEST, Staircase};
 use super::spring::Spring;
 use super::striker::{Striker, StrikerState};
 use crate::bar::{EndCondition, History};
@@ -70,6 +71,8 @@ enum Body {
 #[derive(Debug, Clone)]
 pub struct End {
     condition: EndCondition,
+    /// What it imposes over time, if it does.
+    imposed: Option<Staircase>,
     body: Body,
     /// +1 at the left end, -1 at the right: the way into the bar.
     pub inward: f64,
@@ -108,6 +111,7 @@ impl End {
         };
         Self {
             condition,
+            imposed: None,
             body,
             inward,
             rest,
@@ -139,13 +143,14 @@ impl End {
     }
 
     /// Makes the ramps of its history into steps of `step` times `level` (Pa; velocities by the elastic impedance), and
-    /// lets a body at the end take steps of that kind.
-    pub fn set_steps(&mut self, step: f64, level: f64, impedance: f64) {
-        match &mut self.condition {
-            EndCondition::Velocity { history, .. } => *history = stepped(history, step * level / impedance),
-            EndCondition::Stress { history } => *history = stepped(history, step * level),
-            _ => {}
-        }
+    /// lets a body at the end take steps of that kind. `transit` is the bar's elastic transit time, s.
+    pub fn set_steps(&mut self, step: f64, level: f64, impedance: f64, transit: f64) {
+        let shortest = SHORTEST * transit;
+        self.imposed = match &self.condition {
+            EndCondition::Velocity { history, .. } => Some(Staircase::new(history, step * level / impedance, shortest)),
+            EndCondition::Stress { history } => Some(Staircase::new(history, step * level, shortest)),
+            _ => None,
+        };
         match &mut self.body {
             Body::Striker(striker) => striker.pace.set(step, level),
             Body::Ball(ball) => ball.set(step, level),
@@ -206,8 +211,8 @@ impl End {
         }
         match &self.condition {
             EndCondition::Velocity { release: Some(release), .. } if *release <= at => Drive::Stress(0.0),
-            EndCondition::Velocity { history, .. } => Drive::Velocity(history.at(at)),
-            EndCondition::Stress { history } => Drive::Stress(history.at(at)),
+            EndCondition::Velocity { history, .. } => Drive::Velocity(self.imposed_at(history, at)),
+            EndCondition::Stress { history } => Drive::Stress(self.imposed_at(history, at)),
             EndCondition::Free => Drive::Stress(0.0),
             EndCondition::Fixed => Drive::Velocity(0.0),
             // Striker, ball and spring have answered above.
@@ -224,6 +229,10 @@ impl End {
                 }
             }
         }
+    }
+
+    fn imposed_at(&self, history: &History, t: f64) -> f64 {
+        self.imposed.as_ref().map_or_else(|| history.at(t), |imposed| imposed.at(t))
     }
 
     /// Takes the answer: stress and velocity of the bar's end from t on, and whether a wall holds it.
@@ -255,10 +264,7 @@ impl End {
     /// what drives it, not than now: something else may be due at the same time and come first.
     pub fn next_time(&self, tolerance: f64) -> f64 {
         let t = self.since + tolerance;
-        let step = |history: &History| {
-            let next = history.time().partition_point(|&row| row <= t);
-            history.time().get(next).copied().unwrap_or(f64::INFINITY)
-        };
+        let step = self.imposed.as_ref().map_or(f64::INFINITY, |imposed| imposed.next_after(t));
         match &self.body {
             Body::Striker(striker) => return striker.next_time(),
             Body::Ball(ball) => return ball.next_time(),
@@ -267,8 +273,8 @@ impl End {
         }
         match &self.condition {
             EndCondition::Velocity { release: Some(release), .. } if *release <= t => f64::INFINITY,
-            EndCondition::Velocity { history, release } => step(history).min(release.unwrap_or(f64::INFINITY)),
-            EndCondition::Stress { history } => step(history),
+            EndCondition::Velocity { release, .. } => step.min(release.unwrap_or(f64::INFINITY)),
+            EndCondition::Stress { .. } => step,
             EndCondition::Wall { .. } => self.closes,
             _ => f64::INFINITY,
         }
@@ -294,7 +300,7 @@ impl End {
 
     /// The bar breaks off what is at its end, which is free from now on.
     pub fn let_go(&mut self) {
-        self.condition = EndCondition::Free;
+        (self.condition, self.imposed) = (EndCondition::Free, None);
         self.body = Body::None;
     }
 
@@ -336,25 +342,4 @@ impl End {
             Body::None => 0.0,
         }
     }
-}
-
-/// A history with its ramps made into steps no higher than `increment` (> 0), each in the middle of its part of the
-/// ramp, so that the integral stays the same.
-pub fn stepped(history: &History, increment: f64) -> History {
-    let (t, v) = (history.time(), history.value());
-    let mut rows = vec![(t[0], v[0])];
-    for k in 1..t.len() {
-        let (duration, rise) = (t[k] - t[k - 1], v[k] - v[k - 1]);
-        let steps = if duration > 0.0 { (rise.abs() / increment).ceil().max(1.0) } else { 1.0 };
-        for step in 0..steps as u32 {
-            let part = |s: f64| s / steps;
-            let middle = t[k - 1] + duration * part(f64::from(step) + 0.5);
-            if rise != 0.0 && duration > 0.0 {
-                rows.push((middle, v[k - 1] + rise * part(f64::from(step))));
-                rows.push((middle, v[k - 1] + rise * part(f64::from(step) + 1.0)));
-            }
-        }
-        rows.push((t[k], v[k]));
-    }
-    History::new(&rows).unwrap_or_else(|_| history.clone())
 }

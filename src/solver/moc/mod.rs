@@ -14,6 +14,8 @@ mod end;
 mod limits;
 mod list;
 mod pace;
+mod place;
+mod ramp;
 mod read;
 mod resolve;
 mod rupture;
@@ -27,7 +29,7 @@ mod trail;
 
 pub use compare::{COARSER, SAFETY};
 pub use contact::{JointChange, JointState};
-pub use end::{EndRecord, EndStep, stepped};
+pub use end::{EndRecord, EndStep};
 pub use limits::PointAtLimit;
 pub use read::{Front, Piece, Sample};
 pub use sample::Opening;
@@ -46,7 +48,8 @@ pub struct Settings {
     /// Ramps of an end's history are made into steps of this height, relative to [`FrontTracking::stress_scale`]
     /// (velocities by the elastic impedance); strikers and springs take steps of like effect. The error goes with its
     /// square. None: the front tolerance; below [`RAMP_STEP`] the root of their product, so that the error of ramps goes with
-    /// the tolerance; [`RAMP_STEP`] where every wave is kept.
+    /// the tolerance; never less than [`FINEST_STEP`], which also goes with a tolerance of 0. No step of a ramp is shorter
+    /// than 1e-6 of the bar's elastic transit time.
     pub ramp_step: Option<f64>,
     /// Most events that a run may take.
     pub event_budget: u64,
@@ -57,15 +60,17 @@ pub struct Settings {
     pub stop_at_limits: bool,
 }
 
-/// Step of ramps where every wave is kept, and with a front tolerance of as much.
+/// The front tolerance below which the step of ramps falls with the root of the tolerance only.
 pub const RAMP_STEP: f64 = 1e-3;
 
+/// The finest step of ramps that goes with any front tolerance: waves cross in numbers that go with its inverse square.
+pub const FINEST_STEP: f64 = 1e-4;
+
 impl Settings {
-    /// The step of ramps that goes with these settings.
+    /// The step of ramps that goes with these settings: never finer for a larger front tolerance.
     pub fn step(&self) -> f64 {
         let finer = (RAMP_STEP * self.front_tolerance).sqrt();
-        let step = if self.front_tolerance == 0.0 { RAMP_STEP } else { self.front_tolerance.max(finer) };
-        self.ramp_step.unwrap_or(step)
+        self.ramp_step.unwrap_or_else(|| self.front_tolerance.max(finer).max(FINEST_STEP))
     }
 }
 

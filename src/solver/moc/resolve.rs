@@ -13,6 +13,7 @@ pub(super) const REST: f64 = 8.0;
 impl FrontTracking {
     /// Solves the Riemann problem of the nodes `first..=last` that meet at x now, and puts what it sends in their place.
     pub(super) fn resolve(&mut self, first: u32, last: u32, x: f64) {
+        self.book_shift(first, last, x);
         let fixed = self.clear(first, last);
         match fixed {
             Some(id) if id == self.end_nodes[0] => self.resolve_end(0, id, x),

@@ -1,7 +1,7 @@
 //! Energies and momentum of a tracked bar: exact sums over its constant pieces.
 
 use super::FrontTracking;
-use super::list::Kind;
+use super::list::{Kind, NONE};
 
 /// Account at a moment, J and N s (per m^2 where the bar has no area of its own).
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -16,10 +16,13 @@ pub struct Balance {
     pub heat: f64,
     /// Work taken at single points where a level curve keeps the velocities apart.
     pub concentrated: f64,
-    /// Energy that the thinning of waves has taken: the spread of what it averages.
+    /// Energy that the scheme has taken: the spread of what the thinning of waves averages, and what rounding of places
+    /// and the bringing of near fronts to one point took.
     pub thinned: f64,
     /// Momentum, positive in +x.
     pub momentum: f64,
+    /// Momentum that rounding of places and the bringing of near fronts to one point gave to the bar.
+    pub shifted: f64,
     /// Work done on the bar through its ends, left and right, by the stress there and the velocity of the bar's own edge.
     pub work: [f64; 2],
     /// Impulse given to the bar through its ends, left and right.
@@ -36,14 +39,18 @@ impl Balance {
 impl FrontTracking {
     /// Energies, momentum and what came in through the ends, now.
     pub fn balance(&self) -> Balance {
-        let mut sum = Balance { concentrated: self.concentrated, thinned: self.thinned_energy(), ..Balance::default() };
-        for piece in self.pieces() {
-            let medium = self.medium(piece.segment);
-            let volume = medium.area * (piece.to - piece.from);
-            let point = piece.point;
+        let mut sum = Balance {
+            concentrated: self.concentrated,
+            thinned: self.thinned_energy() - self.shifted.energy,
+            shifted: self.shifted.momentum,
+            ..Balance::default()
+        };
+        for node in self.list.iter().filter(|node| node.next != NONE) {
+            let (medium, point) = (self.medium(node.segment as usize), &node.right);
+            let volume = medium.area * self.length_after(node);
             sum.kinetic += 0.5 * medium.density * point.velocity * point.velocity * volume;
             sum.elastic += 0.5 * point.stress * point.stress / medium.modulus * volume;
-            let heats = self.heating(piece.segment).map_or(0.0, |heating| heating.fraction);
+            let heats = self.heating(node.segment as usize).map_or(0.0, |heating| heating.fraction);
             sum.plastic += (1.0 - heats) * (point.work * volume);
             sum.heat += heats * (point.work * volume);
             sum.momentum += medium.density * point.velocity * volume;

@@ -104,15 +104,17 @@ impl FrontTracking {
     pub(super) fn thin(&mut self) {
         let mut room = std::mem::take(&mut self.thinning.room);
         self.spread_out(&mut room);
-        let before = self.energy_of(&room);
+        let before = self.content(self.end_nodes[0], self.end_nodes[1]);
         let mut start = 0;
         while start + 1 < room.ids.len() {
             let end = (start + 1..room.ids.len() - 1).find(|&i| room.wave[i].is_none()).unwrap_or(room.ids.len() - 1);
             self.thin_between(&mut room, start, end);
             start = end;
         }
-        self.thinning.energy += before - self.energy_of(&room);
         self.put_back(&room);
+        let after = self.content(self.end_nodes[0], self.end_nodes[1]);
+        self.thinning.energy += before.energy - after.energy;
+        self.shifted.momentum += after.momentum - before.momentum;
         self.thinning.room = room;
         let nodes = self.list.len();
         self.thinning.due_at_nodes = (nodes + (nodes / GROWTH).max(LEAST_GROWTH)).max(FEWEST);
@@ -144,17 +146,6 @@ impl FrontTracking {
         }
         room.gone.clear();
         room.gone.resize(room.ids.len(), false);
-    }
-
-    /// All energy of the pieces, J.
-    fn energy_of(&self, room: &Room) -> f64 {
-        let mut sum = 0.0;
-        for (i, point) in room.pieces.iter().enumerate().take(room.ids.len() - 1) {
-            let medium = &self.media[self.list.get(room.ids[i]).segment as usize];
-            let volume = medium.area * (room.x[i + 1] - room.x[i]).max(0.0);
-            sum += volume * medium.energy(point);
-        }
-        sum
     }
 
     /// The nodes between two borders, kind by kind.

@@ -8,6 +8,7 @@ use super::contact::Contact;
 use super::end::End;
 use super::limits::Limits;
 use super::list::{Kind, List, NONE, Node};
+use super::place::Shifted;
 use super::rupture::Breaking;
 use super::sample::Openings;
 use super::thin::Thinning;
@@ -77,6 +78,7 @@ pub struct FrontTracking {
     pub(super) stress_scale: f64,
     pub(super) fronts: usize,
     pub(super) concentrated: f64,
+    pub(super) shifted: Shifted,
     pub(super) thinning: Thinning,
     /// A ramp was made into steps, or a body moves in steps.
     pub(super) in_steps: bool,
@@ -118,7 +120,7 @@ impl FrontTracking {
         let thinning = Thinning::new(settings.front_tolerance, &media, stress_scale, bar.length());
         let in_steps = ends.iter().any(End::needs_steps);
         for (end, medium) in ends.iter_mut().zip([&media[0], &media[last]]) {
-            end.set_steps(settings.step(), stress_scale, medium.impedance());
+            end.set_steps(settings.step(), stress_scale, medium.impedance(), bar.transit_time());
         }
         let mut tracking = Self {
             media,
@@ -138,6 +140,7 @@ impl FrontTracking {
             stress_scale,
             fronts: 0,
             concentrated: 0.0,
+            shifted: Shifted::default(),
             thinning,
             in_steps,
             opened: Openings::default(),

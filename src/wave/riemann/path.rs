@@ -187,11 +187,6 @@ impl Path {
         self.knots.get(i).map_or(f64::INFINITY, |k| self.area * k.tau)
     }
 
-    /// Force, N, at the last knot on the way to `force`: the point's own force where there is none.
-    pub fn force_behind(&self, force: f64) -> f64 {
-        self.sense * self.force(self.edge(self.sense * force))
-    }
-
     /// True where the hull is the path itself along edge i.
     pub(super) fn is_straight(&self, i: usize) -> bool {
         self.straight_to.is_none_or(|end| i < end)

@@ -79,6 +79,15 @@ impl History {
         v0 + (v1 - v0) * ((t - t0) / (t1 - t0))
     }
 
+    /// Rate of change just after `t`, apart from jumps, 1/s.
+    pub fn rate(&self, t: f64) -> f64 {
+        let next = self.time.partition_point(|&row| row <= t);
+        if next == 0 || next == self.time.len() {
+            return 0.0;
+        }
+        (self.value[next] - self.value[next - 1]) / (self.time[next] - self.time[next - 1])
+    }
+
     /// The mean over `from..to` (s, from < to), exact for straight pieces and jumps.
     ///
     /// A solver that applies means instead of point values carries exactly the impulse or displacement asked for.

@@ -1,6 +1,6 @@
 //! A ball that pushes by Hertz's contact.
 
-use super::{Body, EndModel, Face, Push, Relation, Response, Step};
+use super::{Body, Boundary, EndModel, Face, Push, Relation, Response, Step};
 use crate::bar::Hertz;
 
 /// Over a step the ball pushes with (P(a+) - P(a))/(a+ - a), P being the energy stored in the contact and a, a+ the approaches before
@@ -40,6 +40,14 @@ impl EndModel for Ball {
             of_force: 1.0 + slope * inertia,
             value: force + slope * (self.approach + dt * self.velocity - to),
             unilateral: false,
+        }
+    }
+
+    fn boundary(&self, _: &Step, latest: &Push, _: bool) -> Boundary {
+        let stiffness = self.contact.slope(self.approach, self.approach, 0.0);
+        Boundary::Force {
+            value: self.contact.force(self.approach),
+            rate: 2.0 * stiffness * (self.velocity - latest.velocity),
         }
     }
 

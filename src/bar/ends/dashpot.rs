@@ -1,6 +1,6 @@
 //! A linear dashpot between the face and a support: p = -c (u - u0).
 
-use super::{EndModel, Face, Relation, Response, Step};
+use super::{Boundary, EndModel, Face, Push, Relation, Response, Step};
 
 /// It takes c (u - u0)^2 dt from the bar in a step, never less than nothing. With c = rho c0 A elastic waves leave without reflection (Lysmer and Kuhlemeyer, J. Eng. Mech. Div. ASCE 95,
 /// 1969); c = 0 is a free end, c without bound a fixed one.
@@ -23,6 +23,10 @@ impl EndModel for Dashpot {
     fn relation(&self, _: &Step, _: &Response) -> Relation {
         let of_velocity = self.coefficient;
         Relation { of_velocity, of_force: 1.0, value: of_velocity * self.support, unilateral: false }
+    }
+
+    fn boundary(&self, _: &Step, _: &Push, _: bool) -> Boundary {
+        Boundary::Open
     }
 
     fn boxed(&self) -> Box<dyn EndModel> {

@@ -1,6 +1,6 @@
 //! Ends that are driven by a history, and those without force or motion.
 
-use super::{EndModel, Face, Push, Relation, Response, Step};
+use super::{Boundary, EndModel, Face, Push, Relation, Response, Step};
 use crate::bar::History;
 
 /// The velocity follows a history; from `release` on the face is free.
@@ -33,6 +33,14 @@ impl EndModel for Velocity {
             return Relation::force(share.max(0.0) * self.held_force);
         }
         Relation::velocity(self.inward * self.history.mean(step.time, step.time + step.dt))
+    }
+
+    fn boundary(&self, step: &Step, _: &Push, _: bool) -> Boundary {
+        if self.held_share(step) <= 0.5 {
+            return Boundary::FREE;
+        }
+        let (value, rate) = (self.history.at(step.time), self.history.rate(step.time));
+        Boundary::Velocity { value: self.inward * value, rate: self.inward * rate }
     }
 
     fn advance(&mut self, step: &Step, push: &Push, _: bool) {
@@ -69,6 +77,11 @@ impl EndModel for Stress {
         Relation::force(-self.area * self.history.mean(step.time, step.time + step.dt))
     }
 
+    fn boundary(&self, step: &Step, _: &Push, _: bool) -> Boundary {
+        let (value, rate) = (self.history.at(step.time), self.history.rate(step.time));
+        Boundary::Force { value: -self.area * value, rate: -self.area * rate }
+    }
+
     fn jumps(&self, time: f64, dt: f64) -> bool {
         self.history.jumps_between(time - dt, time + dt)
     }
@@ -87,6 +100,10 @@ impl EndModel for Free {
         Relation::force(0.0)
     }
 
+    fn boundary(&self, _: &Step, _: &Push, _: bool) -> Boundary {
+        Boundary::FREE
+    }
+
     fn boxed(&self) -> Box<dyn EndModel> {
         Box::new(Self)
     }
@@ -99,6 +116,10 @@ pub(super) struct Fixed;
 impl EndModel for Fixed {
     fn relation(&self, _: &Step, _: &Response) -> Relation {
         Relation::velocity(0.0)
+    }
+
+    fn boundary(&self, _: &Step, _: &Push, _: bool) -> Boundary {
+        Boundary::FIXED
     }
 
     fn boxed(&self) -> Box<dyn EndModel> {

@@ -114,6 +114,32 @@ impl Relation {
     }
 }
 
+/// What is known of the face at the beginning of a step, with its rate of change: what the slopes of a second-order scheme fit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Boundary {
+    /// u, m/s, and its rate, m/s^2.
+    Velocity {
+        /// m/s.
+        value: f64,
+        /// m/s^2.
+        rate: f64,
+    },
+    /// p, N, and its rate, N/s.
+    Force {
+        /// N.
+        value: f64,
+        /// N/s.
+        rate: f64,
+    },
+    /// Nothing: waves pass.
+    Open,
+}
+
+impl Boundary {
+    const FREE: Self = Self::Force { value: 0.0, rate: 0.0 };
+    const FIXED: Self = Self::Velocity { value: 0.0, rate: 0.0 };
+}
+
 /// A body at an end that moves by itself.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Body {
@@ -127,6 +153,10 @@ pub struct Body {
 pub trait EndModel: std::fmt::Debug + Send + Sync {
     /// What the end asks over the coming step.
     fn relation(&self, step: &Step, bar: &Response) -> Relation;
+
+    /// What is known of the face at the beginning of the coming step; `latest` is the push of the step before, in which the relation was
+    /// `met`.
+    fn boundary(&self, step: &Step, latest: &Push, met: bool) -> Boundary;
 
     /// Takes the step with what came of it; `held`: the relation was met (false where a unilateral end left the face free).
     fn advance(&mut self, _step: &Step, _push: &Push, _held: bool) {}

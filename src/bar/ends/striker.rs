@@ -1,6 +1,6 @@
 //! A rigid mass that pushes against the face and flies on where it would have to pull.
 
-use super::{Body, EndModel, Face, Push, Relation, Response, Step, relaxation_weight};
+use super::{Body, Boundary, EndModel, Face, Push, Relation, Response, Step, relaxation_weight};
 
 /// In contact the mass moves over a step with `V - theta p dt/M`, and closes what gap there is:
 ///
@@ -36,6 +36,13 @@ impl EndModel for Striker {
             value: of_velocity * (self.velocity - self.gap / step.dt),
             unilateral: true,
         }
+    }
+
+    fn boundary(&self, _: &Step, latest: &Push, met: bool) -> Boundary {
+        if !met || self.mass == 0.0 {
+            return Boundary::FREE;
+        }
+        Boundary::Velocity { value: self.velocity, rate: -latest.force / self.mass }
     }
 
     fn advance(&mut self, step: &Step, push: &Push, held: bool) {

@@ -1,6 +1,6 @@
 //! A rigid wall that pushes and does not pull.
 
-use super::{EndModel, Relation, Response, Step};
+use super::{Boundary, EndModel, Push, Relation, Response, Step};
 
 /// It takes up just the velocity that would carry the face into it.
 #[derive(Debug, Clone)]
@@ -12,6 +12,10 @@ pub(super) struct Wall {
 impl EndModel for Wall {
     fn relation(&self, step: &Step, _: &Response) -> Relation {
         Relation::velocity(-(self.gap + step.displacement) / step.dt).without_pull()
+    }
+
+    fn boundary(&self, _: &Step, _: &Push, met: bool) -> Boundary {
+        if met { Boundary::FIXED } else { Boundary::FREE }
     }
 
     fn boxed(&self) -> Box<dyn EndModel> {

@@ -51,7 +51,7 @@ impl Muscl {
     /// Displacement of every cell centre, m: the left end's, and the strain summed up to the place.
     pub fn displacements(&self) -> Vec<f64> {
         let mut centres = Vec::with_capacity(self.grid.cells());
-        let mut border = self.ends[0].displacement;
+        let mut border = self.ends[0].displacement();
         for (k, block) in self.blocks.iter().enumerate() {
             let part = &self.parts[block.part];
             for i in GHOSTS..block.sigma.len() - GHOSTS {
@@ -97,7 +97,8 @@ impl Muscl {
     /// Energies and momentum now. `numerical` is the scheme's own dissipation.
     pub fn energies(&self) -> Energies {
         let concentrated = self.joints.iter().map(|joint| joint.lost).sum();
-        let mut total = Energies { concentrated, ..Energies::default() };
+        let numerical = self.ends.iter().map(|end| end.work - end.work_on_face).sum();
+        let mut total = Energies { concentrated, numerical, ..Energies::default() };
         for block in &self.blocks {
             let part = &self.parts[block.part];
             let own = GHOSTS..block.sigma.len() - GHOSTS;

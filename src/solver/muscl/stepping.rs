@@ -101,8 +101,8 @@ impl Muscl {
         let joints = joints.map(|(k, pair)| Joint::new(bar.segments[pair[0].part].joint, k)).collect();
         let last = bar.segments.len() - 1;
         let [left, right] = ends;
-        let left = End::new(left, -1.0, &parts[0], bar.segments[0].velocity);
-        let right = End::new(right, 1.0, &parts[last], bar.segments[last].velocity);
+        let left = End::new(&left, 1.0, &parts[0], bar.segments[0].velocity);
+        let right = End::new(&right, -1.0, &parts[last], bar.segments[last].velocity);
         let state_len = parts.iter().map(|part| part.law.law.state_len()).max().unwrap_or(0);
         let parallel = grid.cells() >= PARALLEL_FROM;
         let scratch = vec![Scratch::new(state_len); blocks.len().div_ceil(GROUP)];

@@ -17,8 +17,9 @@ pub(super) struct End {
     dt: f64,
     /// m, into the bar.
     displacement: f64,
-    /// J.
+    /// J, and that of the work done at the face: what a body loses in a step is more, by what its step does not resolve.
     work: f64,
+    work_on_face: f64,
     /// N s, positive in +x.
     impulse: f64,
     /// Sum of |impulse|, N s.
@@ -59,6 +60,7 @@ impl End {
             dt,
             displacement: 0.0,
             work: 0.0,
+            work_on_face: 0.0,
             impulse: 0.0,
             throughput: 0.0,
             last: EndReading { stress: 0.0, velocity },
@@ -77,9 +79,13 @@ impl End {
         }
         let impulse = self.dt * answer.force;
         let push = Push { force: answer.force, velocity: answer.velocity, impulse };
+        let held = self.model.energy(self.displacement);
         self.model.advance(&self.step(time), &push, answer.met);
         self.displacement += self.dt * answer.velocity;
-        self.work += impulse * answer.velocity;
+        let given = held - self.model.energy(self.displacement);
+        let on_face = impulse * answer.velocity;
+        self.work_on_face += on_face;
+        self.work += if self.model.stores() { given } else { on_face };
         self.impulse += self.face.inward * impulse;
         self.throughput += impulse.abs();
         self.last = reading;
@@ -153,6 +159,11 @@ impl End {
     /// Work done on the bar so far, J.
     pub fn work(&self) -> f64 {
         self.work
+    }
+
+    /// What of it did not come to the face, J.
+    pub fn lost(&self) -> f64 {
+        self.work - self.work_on_face
     }
 
     /// Impulse given to the bar so far, N s, positive in +x.

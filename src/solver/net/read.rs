@@ -1,6 +1,6 @@
 //! What can be read off a net.
 
-use super::end::EndReading;
+use super::end::{End, EndReading};
 use super::joint::Joint;
 use super::part::Part;
 use super::stepping::Net;
@@ -109,7 +109,8 @@ impl Net {
     pub fn energies(&self) -> Energies {
         let dt = self.grid.dt;
         let concentrated = self.joints.iter().map(Joint::lost).sum();
-        let mut total = Energies { concentrated, ..Energies::default() };
+        let numerical = self.ends.iter().map(End::lost).sum();
+        let mut total = Energies { concentrated, numerical, ..Energies::default() };
         for part in &self.parts {
             let mut work = part.work;
             let (mut squares, mut speeds, mut momentum) = (0.0, 0.0, 0.0);

@@ -36,6 +36,10 @@ pub enum Dimension {
     Force,
     /// N/m.
     Stiffness,
+    /// N s/m.
+    DampingCoefficient,
+    /// N m s/rad.
+    TorsionalDampingCoefficient,
     /// J.
     Energy,
     /// J/m^3.
@@ -64,7 +68,7 @@ pub enum Dimension {
 
 impl Dimension {
     /// Every dimension.
-    pub const ALL: [Self; 22] = [
+    pub const ALL: [Self; 24] = [
         Self::None,
         Self::Length,
         Self::Area,
@@ -75,6 +79,8 @@ impl Dimension {
         Self::Mass,
         Self::Force,
         Self::Stiffness,
+        Self::DampingCoefficient,
+        Self::TorsionalDampingCoefficient,
         Self::Energy,
         Self::EnergyDensity,
         Self::Rate,
@@ -102,6 +108,8 @@ impl Dimension {
             Self::Mass => "a mass",
             Self::Force => "a force",
             Self::Stiffness => "a stiffness",
+            Self::DampingCoefficient => "a damping coefficient",
+            Self::TorsionalDampingCoefficient => "a torsional damping coefficient",
             Self::Energy => "an energy",
             Self::EnergyDensity => "an energy per volume",
             Self::Rate => "a rate",
@@ -130,6 +138,8 @@ impl Dimension {
             Self::Mass => "200 lb",
             Self::Force => "5 kN",
             Self::Stiffness => "10 kN/mm",
+            Self::DampingCoefficient => "4 kN*s/m",
+            Self::TorsionalDampingCoefficient => "5 N*m*s/rad",
             Self::Energy => "50 J",
             Self::EnergyDensity => "500 ft*lbf/in^3",
             Self::Rate => "100 1/s",
@@ -158,6 +168,8 @@ impl Dimension {
             Self::Mass => "kg",
             Self::Force => "N",
             Self::Stiffness => "N/m",
+            Self::DampingCoefficient => "N*s/m",
+            Self::TorsionalDampingCoefficient => "N*m*s/rad",
             Self::Energy => "J",
             Self::EnergyDensity => "J/m^3",
             Self::Rate => "1/s",
@@ -188,6 +200,8 @@ impl Dimension {
             Self::Mass => [0, 1, 0, 0],
             Self::Force => [1, 1, -2, 0],
             Self::Stiffness => [0, 1, -2, 0],
+            Self::DampingCoefficient => [0, 1, -1, 0],
+            Self::TorsionalDampingCoefficient => [2, 1, -1, 0],
             Self::Energy | Self::Torque | Self::TorsionalStiffness => [2, 1, -2, 0],
             Self::Rate | Self::AngularVelocity => [0, 0, -1, 0],
             Self::MomentOfInertia => [2, 1, 0, 0],

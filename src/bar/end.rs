@@ -23,6 +23,11 @@ pub enum EndCondition {
     Fixed,
     /// Elastic waves leave without reflection: the bar seems to go on for ever, elastic and of the same section.
     Absorbing,
+    /// A linear dashpot to the ground: the bar's end gets the force -c v.
+    Dashpot {
+        /// c, N s/m, >= 0, on the section's whole area.
+        coefficient: f64,
+    },
     /// A rigid wall that can push but not pull; `gap` is the initial distance to it, m, >= 0.
     Wall {
         /// Initial distance, m.

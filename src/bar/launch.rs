@@ -128,6 +128,7 @@ impl Drive {
             EndCondition::Wall { .. }
             | EndCondition::Free
             | EndCondition::Absorbing
+            | EndCondition::Dashpot { .. }
             | EndCondition::Striker { .. }
             // Its force starts from nothing.
             | EndCondition::Ball { .. }

@@ -63,6 +63,7 @@ fn end(end: &EndCondition) -> Value {
         EndCondition::Free => json!({ "kind": "free" }),
         EndCondition::Fixed => json!({ "kind": "fixed" }),
         EndCondition::Absorbing => json!({ "kind": "absorbing" }),
+        EndCondition::Dashpot { coefficient } => json!({ "kind": "dashpot", "coefficient": coefficient }),
         EndCondition::Wall { gap } => json!({ "kind": "wall", "gap": gap }),
         EndCondition::Striker { mass, velocity } => json!({ "kind": "striker", "mass": mass, "velocity": velocity }),
         EndCondition::Ball { mass, velocity, contact } => json!({

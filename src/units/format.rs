@@ -74,6 +74,8 @@ fn si_scales(dimension: Dimension) -> &'static [Scale] {
         Dimension::Mass => const { &[scale("g", 1e-3), scale("kg", 1.0)] },
         Dimension::Force => const { &[scale("N", 1.0), scale("kN", 1e3), scale("MN", 1e6)] },
         Dimension::Stiffness => const { &[scale("N/m", 1.0), scale("kN/m", 1e3), scale("MN/m", 1e6)] },
+        Dimension::DampingCoefficient => const { &[scale("N*s/m", 1.0), scale("kN*s/m", 1e3), scale("MN*s/m", 1e6)] },
+        Dimension::TorsionalDampingCoefficient => const { &[scale("N*m*s/rad", 1.0), scale("kN*m*s/rad", 1e3)] },
         Dimension::Energy => const { &[scale("J", 1.0), scale("kJ", 1e3), scale("MJ", 1e6)] },
         Dimension::EnergyDensity => const { &[scale("J/m^3", 1.0), scale("kJ/m^3", 1e3), scale("MJ/m^3", 1e6)] },
         Dimension::Rate => const { &[scale("1/s", 1.0)] },
@@ -99,6 +101,8 @@ fn us_scales(dimension: Dimension) -> &'static [Scale] {
         Dimension::Mass => const { &[scale("lb", POUND)] },
         Dimension::Force => const { &[scale("lbf", POUND_FORCE), scale("kip", 1e3 * POUND_FORCE)] },
         Dimension::Stiffness => const { &[scale("lbf/in", POUND_FORCE / INCH)] },
+        Dimension::DampingCoefficient => const { &[scale("lbf*s/in", POUND_FORCE / INCH)] },
+        Dimension::TorsionalDampingCoefficient => const { &[scale("lbf*ft*s/rad", FOOT_POUND)] },
         Dimension::Energy => const { &[scale("ft*lbf", FOOT_POUND)] },
         Dimension::EnergyDensity => const { &[scale("ft*lbf/in^3", FOOT_POUND / (INCH * INCH * INCH))] },
         // A temperature may be a difference: kelvin for both.

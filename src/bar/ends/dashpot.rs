@@ -13,6 +13,11 @@ pub(super) struct Dashpot {
 }
 
 impl Dashpot {
+    /// Its other side stands still; `coefficient` in N s/m, >= 0.
+    pub fn to_ground(coefficient: f64) -> Self {
+        Self { coefficient, support: 0.0 }
+    }
+
     /// The bar continues without end, elastic, of the same section and in the same motion.
     pub fn absorbing(face: Face) -> Self {
         Self { coefficient: face.impedance, support: face.velocity }

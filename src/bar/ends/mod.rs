@@ -240,6 +240,7 @@ pub fn model(condition: &EndCondition, face: Face) -> Box<dyn EndModel> {
         EndCondition::Free => Box::new(driven::Free),
         EndCondition::Fixed => Box::new(driven::Fixed),
         EndCondition::Absorbing => Box::new(dashpot::Dashpot::absorbing(face)),
+        EndCondition::Dashpot { coefficient } => Box::new(dashpot::Dashpot::to_ground(coefficient)),
         EndCondition::Wall { gap } => Box::new(wall::Wall { gap }),
         EndCondition::Striker { mass, velocity } => Box::new(striker::Striker::new(mass, velocity, face)),
         EndCondition::Ball { mass, velocity, contact } => Box::new(ball::Ball::new(contact, mass, velocity, face)),

@@ -20,6 +20,7 @@ impl EndKind {
             Self::Free => "free",
             Self::Fixed => "fixed",
             Self::Absorbing => "absorbing",
+            Self::Dashpot => "dashpot",
             Self::Wall => "wall",
             Self::Striker => "striker",
             Self::Ball => "ball",
@@ -32,6 +33,7 @@ impl EndKind {
         match self {
             Self::Velocity => &["value", "history", "csv", "release"],
             Self::Stress | Self::Torque => &["value", "history", "csv"],
+            Self::Dashpot => &["coefficient"],
             Self::Wall => &["gap"],
             Self::Striker => &["mass", "velocity"],
             Self::Ball => super::ball::KEYS,
@@ -67,6 +69,12 @@ impl Checker<'_> {
             EndKind::Free => EndCondition::Free,
             EndKind::Fixed => EndCondition::Fixed,
             EndKind::Absorbing => EndCondition::Absorbing,
+            EndKind::Dashpot => {
+                self.needs_area(raw, kind, key, area_given)?;
+                let coefficient =
+                    (raw.coefficient.as_ref(), "coefficient", Dimension::DampingCoefficient, Allowed::NotNegative);
+                EndCondition::Dashpot { coefficient: self.own_number(coefficient, span, key)? }
+            }
             EndKind::Wall => {
                 let key = format!("{key}.gap");
                 let gap = self.document.optional(raw.gap.as_ref(), &key, Dimension::Length, Allowed::NotNegative)?;
@@ -213,6 +221,7 @@ pub(super) fn given(raw: &RawEnd) -> Vec<(&'static str, Range<usize>)> {
         ("rigid", raw.rigid.as_ref().map(Spanned::span)),
         ("bar-poisson", raw.bar_poisson.as_ref().map(Spanned::span)),
         ("stiffness", raw.stiffness.as_ref().map(Spanned::span)),
+        ("coefficient", raw.coefficient.as_ref().map(Spanned::span)),
     ];
     all.into_iter().filter_map(|(name, span)| span.map(|s| (name, s))).collect()
 }

@@ -267,6 +267,12 @@ impl Checker<'_> {
             EndKind::Free => EndCondition::Free,
             EndKind::Fixed => EndCondition::Fixed,
             EndKind::Absorbing => EndCondition::Absorbing,
+            EndKind::Dashpot => {
+                let coefficient = raw.coefficient.as_ref();
+                let dimension = Dimension::TorsionalDampingCoefficient;
+                let coefficient = number(coefficient, "coefficient", dimension, Allowed::NotNegative)?;
+                EndCondition::Dashpot { coefficient: coefficient / (radius * radius) }
+            }
             EndKind::Striker => {
                 let inertia = number(raw.inertia.as_ref(), "inertia", Dimension::MomentOfInertia, Allowed::Positive)?;
                 let velocity = (raw.velocity.as_ref(), "velocity", Dimension::AngularVelocity, Allowed::Finite);
@@ -281,7 +287,7 @@ impl Checker<'_> {
             kind => {
                 let message = format!("an end of kind \"{}\" means nothing in torsion", kind.word());
                 let error = self.error(raw.kind.span(), &format!("{key}.kind"), message);
-                let allowed = "velocity, stress, torque, free, fixed, absorbing, striker, spring";
+                let allowed = "velocity, stress, torque, free, fixed, absorbing, dashpot, striker, spring";
                 return Err(error.allowed(allowed).help("use kind = \"fixed\" or \"free\", or drive the end").into());
             }
         })

@@ -71,6 +71,10 @@ pub struct RawEnd {
     /// For a spring: its stiffness, N/m (in torsion N m/rad), > 0. Required there; the bar needs an area.
     #[schemars(with = "Option<Quantity>")]
     pub stiffness: Option<Number>,
+    /// For a dashpot: its coefficient c, N s/m (in torsion N m s/rad), >= 0. Required there; the bar needs an area. c = rho c0 A lets
+    /// elastic waves leave without reflection.
+    #[schemars(with = "Option<Quantity>")]
+    pub coefficient: Option<Number>,
 }
 
 /// The kinds of ends.
@@ -89,6 +93,8 @@ pub enum EndKind {
     Fixed,
     /// Elastic waves leave without reflection.
     Absorbing,
+    /// A linear dashpot to the ground.
+    Dashpot,
     /// A rigid wall that pushes but does not pull.
     Wall,
     /// A rigid mass that touches the end at the start, pushes, and flies on where it would have to pull.

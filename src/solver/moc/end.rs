@@ -35,8 +35,13 @@ pub enum Drive {
     Velocity(f64),
     /// Pa.
     Stress(f64),
-    /// A bar without end, of the same section, elastic, unloaded, and moving with this velocity.
-    Elastic(f64),
+    /// A dashpot whose other side moves with this velocity (m/s); a force drives it at `compliance` (m/(s N)).
+    Dashpot {
+        /// m/s.
+        velocity: f64,
+        /// m/(s N).
+        compliance: f64,
+    },
     /// Velocity 0, unless that would take tension.
     Push,
     /// Nothing: the end goes along with what comes.
@@ -76,8 +81,9 @@ pub struct End {
     body: Body,
     /// +1 at the left end, -1 at the right: the way into the bar.
     pub inward: f64,
-    /// Velocity of the bar there at the start, for the absorbing end.
+    /// Velocity of the bar there at the start, m/s, and 1/(rho c0 A), m/(s N), for the absorbing end.
     rest: f64,
+    absorbing: f64,
     /// Distance to the wall, m.
     gap: f64,
     /// When the wall will be reached, s.
@@ -115,6 +121,7 @@ impl End {
             body,
             inward,
             rest,
+            absorbing: 1.0 / (impedance * area),
             gap,
             closes: f64::INFINITY,
             held: false,
@@ -215,11 +222,15 @@ impl End {
             EndCondition::Stress { history } => Drive::Stress(self.imposed_at(history, at)),
             EndCondition::Free => Drive::Stress(0.0),
             EndCondition::Fixed => Drive::Velocity(0.0),
+            EndCondition::Absorbing => Drive::Dashpot { velocity: self.rest, compliance: self.absorbing },
+            EndCondition::Dashpot { coefficient } if *coefficient > 0.0 => {
+                Drive::Dashpot { velocity: 0.0, compliance: 1.0 / coefficient }
+            }
             // Striker, ball and spring have answered above.
-            EndCondition::Absorbing
+            EndCondition::Dashpot { .. }
             | EndCondition::Striker { .. }
             | EndCondition::Ball { .. }
-            | EndCondition::Spring { .. } => Drive::Elastic(self.rest),
+            | EndCondition::Spring { .. } => Drive::Stress(0.0),
             EndCondition::Wall { .. } => {
                 if self.closes <= at || self.gap <= 0.0 {
                     self.gap = 0.0;
@@ -295,6 +306,7 @@ impl End {
             EndCondition::Striker { velocity, .. } => (0.0, [*velocity; 2]),
             EndCondition::Spring { .. } => (0.0, [0.0, self.rest]),
             EndCondition::Free | EndCondition::Absorbing | EndCondition::Ball { .. } => (0.0, [self.rest; 2]),
+            EndCondition::Dashpot { .. } => (0.0, [0.0, self.rest]),
         }
     }
 

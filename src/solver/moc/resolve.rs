@@ -260,9 +260,7 @@ impl FrontTracking {
                 let (behind, short) = self.answer_driver(which, 0.0, compliance, Some(force), bar, segment);
                 (behind, false, short)
             }
-            Drive::Elastic(velocity) => {
-                let medium = &self.media[segment as usize];
-                let compliance = 1.0 / (medium.impedance() * medium.area);
+            Drive::Dashpot { velocity, compliance } => {
                 let (behind, _) = self.answer_driver(which, velocity, compliance, Some(0.0), bar, segment);
                 (behind, false, false)
             }

@@ -126,9 +126,9 @@ impl Contact {
         let needed = (self.gap / dt + apart) / softness;
         let [slow_left, slow_right] = [&self.left, &self.right].map(|face| 1.0 / face.mass);
         let cells = (left * slow_left - right * slow_right) / (slow_left + slow_right);
-        let passed_on = self.impulses.passed_on(cells);
+        let passed_on = self.impulses.passed_on(cells, true);
         let ahead = (-2.0 * needed - passed_on).max(0.0);
-        self.impulses.push(ahead, cells);
+        self.impulses.push(ahead, cells, true);
         let force = if ahead > 0.0 { needed } else { -0.5 * passed_on };
         let opening = self.right.after - self.left.after;
         self.lost += 0.5 * dt * (self.force + force) * opening;

@@ -30,19 +30,19 @@ pub(super) struct Impulses {
 impl Impulses {
     /// f-, the half of which acts in the step in which the cells' force is `cells` (N).
     ///
-    /// What stops a node at once is the elastic answer, above what the cells can carry where they yield: if their force is still
-    /// growing no wave has come back, and it is no more than that.
-    pub fn passed_on(&self, cells: f64) -> f64 {
+    /// What stops a node at once (`held`) is the elastic answer, above what the cells can carry where they yield: if their force is
+    /// still growing no wave has come back, and it is no more than that.
+    pub fn passed_on(&self, cells: f64, held: bool) -> f64 {
         let last = self.forces[0];
-        let grows = cells.abs() >= self.cells.abs() && cells * last > 0.0;
+        let grows = held && cells.abs() >= self.cells.abs() && cells * last > 0.0;
         if grows && cells.abs() < last.abs() { cells } else { last }
     }
 
     /// Takes the force of a step. Where the last three changes alternate in sign, half of the least of them is taken back. Returns what
     /// the step gives to the bar, per time: the mean of the force asked for and the one that is passed on, with what of the step before
     /// was not.
-    pub fn push(&mut self, f: f64, cells: f64) -> f64 {
-        let passed_on = self.passed_on(cells);
+    pub fn push(&mut self, f: f64, cells: f64, held: bool) -> f64 {
+        let passed_on = self.passed_on(cells, held);
         let not_passed_on = self.forces[0] - passed_on;
         let changes = [f - passed_on, passed_on - self.forces[1], self.forces[1] - self.forces[2]];
         let alternate = changes[0] * changes[1] < 0.0 && changes[1] * changes[2] < 0.0;
@@ -175,8 +175,8 @@ impl Device {
         let Motion { force, velocity, met, held } = self.respond(&step, cell);
         let struck = held && (!self.held || self.model.jumps(time, self.dt));
         self.stress = if struck { shown } else { -force / self.face.area };
-        let ahead = 2.0 * force - self.impulses.passed_on(cell);
-        let impulse = self.dt * self.impulses.push(ahead, cell);
+        let ahead = 2.0 * force - self.impulses.passed_on(cell, self.held);
+        let impulse = self.dt * self.impulses.push(ahead, cell, self.held);
         (self.body, self.body_energy) = (self.model.body(), self.model.energy(self.displacement));
         self.model.advance(&step, &Push { force: ahead, velocity, impulse }, met);
         let given = self.body_energy - self.model.energy(self.displacement + self.dt * velocity);
@@ -209,7 +209,7 @@ impl Device {
 
     /// Force and velocity of a step under the force `cell` (N) of the end cell.
     fn respond(&self, step: &Step, cell: f64) -> Motion {
-        let (passed_on, impedance) = (self.impulses.passed_on(cell), 2.0 * self.impedance);
+        let (passed_on, impedance) = (self.impulses.passed_on(cell, self.held), 2.0 * self.impedance);
         let bar = Response { force: 2.0 * cell - passed_on - impedance * self.after, impedance };
         let relation = self.model.relation(step, &bar);
         let [ahead, velocity] = relation.meet(&bar);

@@ -117,11 +117,11 @@ impl End {
         if answer.held {
             self.held_stress = answer.stress;
         }
-        if answer.flow.plastic != 0.0 {
+        if answer.flow.plastic != 0.0 || part.borders.flowed(self.node(part)) {
             let total = 0.5 * answer.stress * answer.flow.plastic;
             part.work.add(Work { total, overstress: 0.5 * answer.flow.overstress });
             let node = self.node(part);
-            part.borders.set(&part.law, node, answer.history);
+            part.borders.set(&part.law, node, answer.flow, answer.history);
         }
         if let Some(body) = &mut self.body {
             let moved = self.dt * (answer.velocity - (body.velocity + 0.5 * body.gain * answer.stress));

@@ -129,16 +129,15 @@ fn mean(side: &Side<'_>, one: (Flow, History), other: (Flow, History)) -> (Flow,
     let flow = Flow {
         plastic: 0.5 * (one.0.plastic + other.0.plastic),
         overstress: 0.5 * (one.0.overstress + other.0.overstress),
-        first_loading: 0.5 * (one.0.first_loading + other.0.first_loading),
     };
     (flow, side.part.law.mean(&one.1, &other.1))
 }
 
 /// Books the flow of one side; the border of a joint is half a node.
 fn account(part: &mut Part, node: usize, force: f64, flow: Flow, history: History) {
-    if flow.plastic != 0.0 {
+    if flow.plastic != 0.0 || part.borders.flowed(node) {
         let work = Work { total: 0.5 * force / part.area * flow.plastic, overstress: 0.5 * flow.overstress };
         part.work.add(work);
-        part.borders.set(&part.law, node, history);
+        part.borders.set(&part.law, node, flow, history);
     }
 }

@@ -5,7 +5,7 @@ use std::ops::Range;
 use multiversion::multiversion;
 
 use crate::bar::Segment;
-use crate::law::rate::{Flow, History, Pace, RateLaw};
+use crate::law::rate::{Flow, History, RateLaw};
 
 /// Share of its plastic flow by which the stress of a node falls inside a segment: what it meets on both sides takes the
 /// other half.
@@ -20,6 +20,10 @@ pub(super) struct Nodes {
     pub low: Vec<f64>,
     pub high: Vec<f64>,
     pub history: Vec<History>,
+    /// E times the plastic strain of the latest step, Pa, signed.
+    flowed: Vec<f64>,
+    /// Groups of nodes of which some flowed in the latest step.
+    active: Vec<bool>,
 }
 
 /// Sums of plastic work.
@@ -42,8 +46,8 @@ impl Work {
 #[derive(Debug, Clone)]
 pub(super) struct Part {
     pub law: RateLaw,
-    /// Whole steps of the nodes inside the segment.
-    pace: Pace,
+    /// s.
+    dt: f64,
     /// Its cells, counted over the whole bar.
     pub cells: Range<usize>,
     /// m^2.
@@ -62,6 +66,11 @@ pub(super) struct Part {
     pub work: Work,
 }
 
+/// The size of a signed flow in a sense; 0 of one in the other sense.
+fn in_sense(flow: f64, sense: usize) -> f64 {
+    if sense == 0 { flow.max(0.0) } else { (-flow).max(0.0) }
+}
+
 /// Stress of a node beyond its elastic limits: (sense, excess).
 #[inline]
 pub(super) fn beyond(stress: f64, low: f64, high: f64) -> Option<(usize, f64)> {
@@ -78,21 +87,43 @@ impl Nodes {
     fn new(law: &RateLaw, count: usize) -> Self {
         let virgin = History::default();
         let [low, high] = law.limits(&virgin);
-        Self { low: vec![low; count], high: vec![high; count], history: vec![virgin; count] }
+        Self {
+            low: vec![low; count],
+            high: vec![high; count],
+            history: vec![virgin; count],
+            flowed: vec![0.0; count],
+            active: vec![false; count.div_ceil(GROUP)],
+        }
     }
 
-    /// What node `i` would flow within `time`, and its history then.
+    /// What node `i` would flow within a step of `time`, and its history then.
     pub fn flow(&self, law: &RateLaw, i: usize, stress: f64, share: f64, time: f64) -> (Flow, History) {
         let mut history = self.history[i];
         let flow = match beyond(stress, self.low[i], self.high[i]) {
-            Some((sense, excess)) => law.flow(excess, sense, share, time, &mut history),
+            Some((sense, excess)) => {
+                law.centred(excess, in_sense(self.flowed[i], sense), sense, [share, time], &mut history)
+            }
             None => Flow::default(),
         };
         (flow, history)
     }
 
-    /// Takes node `i` to a new history.
-    pub fn set(&mut self, law: &RateLaw, i: usize, history: History) {
+    /// Half of what node `i` flows within a step of `time`, with its history then.
+    pub fn half_flow(&self, law: &RateLaw, i: usize, stress: f64, share: f64, time: f64) -> (Flow, History) {
+        let mut history = self.history[i];
+        let (flow, _) = self.flow(law, i, stress, share, time);
+        let Some((_, excess)) = beyond(stress, self.low[i], self.high[i]) else { return (flow, history) };
+        (law.partly(flow, 0.5, excess, share, &mut history), history)
+    }
+
+    /// Node `i` flowed in the latest step.
+    pub fn flowed(&self, i: usize) -> bool {
+        self.flowed[i] != 0.0
+    }
+
+    /// Takes node `i` to the history after a flow.
+    pub fn set(&mut self, law: &RateLaw, i: usize, flow: Flow, history: History) {
+        self.flowed[i] = flow.plastic;
         if history != self.history[i] {
             self.history[i] = history;
             [self.low[i], self.high[i]] = law.limits(&history);
@@ -101,20 +132,29 @@ impl Nodes {
 
     /// Lets the nodes from `first` on flow for a step; `f` and `g` (one entry a node) are what reaches them, and then
     /// what leaves them.
-    fn relax(&mut self, law: &RateLaw, pace: &Pace, first: usize, f: &mut [f64], g: &mut [f64]) -> Work {
+    fn relax(&mut self, law: &RateLaw, time: f64, first: usize, f: &mut [f64], g: &mut [f64]) -> Work {
         let count = f.len();
         let g = &mut g[..count];
         let (low, high) = (&mut self.low[first..first + count], &mut self.high[first..first + count]);
         let history = &mut self.history[first..first + count];
+        let flowed = &mut self.flowed[first..first + count];
         let mut sum = Work::default();
         let mut start = 0;
         while start < count {
             let end = (start + GROUP).min(count);
-            if any_beyond(&f[start..end], &g[start..end], &low[start..end], &high[start..end]) {
+            let active = &mut self.active[start / GROUP];
+            if !any_beyond(&f[start..end], &g[start..end], &low[start..end], &high[start..end]) {
+                if std::mem::take(active) {
+                    flowed[start..end].fill(0.0);
+                }
+            } else {
+                *active = true;
                 for i in start..end {
                     let stress = 0.5 * (f[i] + g[i]);
+                    let before = std::mem::take(&mut flowed[i]);
                     let Some((sense, excess)) = beyond(stress, low[i], high[i]) else { continue };
-                    let flow = law.flow_at(pace, excess, sense, &mut history[i]);
+                    let flow = law.centred(excess, in_sense(before, sense), sense, [INSIDE, time], &mut history[i]);
+                    flowed[i] = flow.plastic;
                     [low[i], high[i]] = law.limits(&history[i]);
                     let drop = INSIDE * flow.plastic;
                     f[i] -= drop;
@@ -152,7 +192,7 @@ impl Part {
             f: vec![-impedance * velocity; count],
             g: vec![impedance * velocity; count],
             work: Work::default(),
-            pace: law.pace(INSIDE, dt),
+            dt,
             law,
             cells,
             area: segment.area,
@@ -168,7 +208,7 @@ impl Part {
 
     /// The cells flow for a whole step; then f and g are what leaves them.
     pub fn relax_cells(&mut self) {
-        let work = self.centres.relax(&self.law, &self.pace, 0, &mut self.f, &mut self.g);
+        let work = self.centres.relax(&self.law, self.dt, 0, &mut self.f, &mut self.g);
         self.work.add(work);
     }
 
@@ -176,7 +216,7 @@ impl Part {
     /// and the g that come in at the segment's left and right border.
     pub fn pass_borders(&mut self, entering: [f64; 2]) {
         let last = self.f.len() - 1;
-        let work = self.borders.relax(&self.law, &self.pace, 1, &mut self.f[..last], &mut self.g[1..]);
+        let work = self.borders.relax(&self.law, self.dt, 1, &mut self.f[..last], &mut self.g[1..]);
         self.work.add(work);
         self.f.copy_within(..last, 1);
         self.g.copy_within(1.., 0);
@@ -192,7 +232,7 @@ impl Part {
     /// Stress and history of local cell `i` at the whole step, half of its flow done; and the work of that half.
     pub fn cell(&self, i: usize, dt: f64) -> (f64, History, Work) {
         let stress = 0.5 * (self.f[i] + self.g[i]);
-        let (flow, history) = self.centres.flow(&self.law, i, stress, INSIDE, 0.5 * dt);
+        let (flow, history) = self.centres.half_flow(&self.law, i, stress, INSIDE, dt);
         let drop = INSIDE * flow.plastic;
         let work = Work { total: (stress - 0.5 * drop) * flow.plastic, overstress: flow.overstress };
         (stress - drop, history, work)

@@ -164,5 +164,5 @@ impl Net {
     }
 
     /// Memory of a cell, bytes: what travels through it, and its two nodes with their limits and histories.
-    pub const BYTES_PER_CELL: usize = 2 * size_of::<f64>() + 2 * (size_of::<History>() + 2 * size_of::<f64>());
+    pub const BYTES_PER_CELL: usize = 2 * size_of::<f64>() + 2 * (size_of::<History>() + 3 * size_of::<f64>());
 }

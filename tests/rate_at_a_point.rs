@@ -199,8 +199,13 @@ fn the_order_is_two_where_steps_resolve_the_relaxation() {
         };
         let errors = [8, 16, 32, 64].map(error);
         eprintln!("{:?}, hardening {:e}, heat {}: {errors:?}", point.law, point.hardening, point.heated);
+        if matches!(point.law, Rate::JohnsonCook { .. }) {
+            // Closed, but for the step in which the flow begins, at once with the reference rate: 1e-4 of the strain rate.
+            assert!(errors.iter().all(|e| *e < 1e-7), "{:?} {}: {errors:?}", point.law, point.heated);
+            continue;
+        }
         let order = (errors[0] / errors[3]).log2() / 3.0;
-        assert!(order > 1.8 || errors[0] < 1e-9, "{:?} {}: {errors:?}", point.law, point.heated);
+        assert!(order > 1.8, "{:?} {}: {errors:?}", point.law, point.heated);
     }
 }
 
@@ -257,7 +262,7 @@ fn plastic_strains(rate: Rate, cells: usize) -> Vec<f64> {
     let law = stepped_law(&bar.segments[0], &effects, grid.dt);
     let ends = [common::moved(25.0), EndCondition::Free];
     let mut bar = Leapfrog::new(&bar, grid, vec![law], ends);
-    common::advance_to(&mut bar, 0.9 / (MODULUS / DENSITY).sqrt());
+    common::advance_to(&mut bar, 0.5 / (MODULUS / DENSITY).sqrt());
     let strains = profile(&bar, Quantity::AccumulatedPlasticStrain);
     strains.chunks(cells / 10).map(|part| part.iter().sum::<f64>() * 10.0 / cells as f64).collect()
 }
@@ -265,14 +270,14 @@ fn plastic_strains(rate: Rate, cells: usize) -> Vec<f64> {
 #[test]
 fn the_plastic_strain_of_an_impact_does_not_depend_on_the_grid() {
     for rate in [LAWS[4], LAWS[1]] {
-        let by = [500, 1000, 2000, 8000].map(|cells| plastic_strains(rate, cells));
+        let by = [500, 1000, 2000, 4000].map(|cells| plastic_strains(rate, cells));
         let total = |part: &[f64]| part.iter().sum::<f64>();
         let off = |k: usize| {
             let gap = by[k].iter().zip(&by[3]).map(|(a, b)| (a - b).abs()).sum::<f64>();
             [gap / total(&by[3]), (total(&by[k]) / total(&by[3]) - 1.0).abs()]
         };
         let errors = [0, 1, 2].map(off);
-        eprintln!("{rate:?}: plastic strain off by {errors:?} with 500, 1000, 2000 cells against 8000");
+        eprintln!("{rate:?}: plastic strain off by {errors:?} with 500, 1000, 2000 cells against 4000");
         assert!(errors[0][0] < 0.05 && errors[2][0] < 0.6 * errors[0][0], "{rate:?}: {errors:?}");
     }
 }

@@ -193,11 +193,9 @@ impl RateLaw {
     }
 
     /// The part `part` (0 to 1) of a flow made by [`Self::centred`] from `history`, which is taken there.
-    pub fn partly(&self, flow: Flow, part: f64, excess: f64, share: f64, history: &mut History) -> Flow {
-        let (start, sense) = (*history, usize::from(flow.plastic < 0.0));
-        let flow = part * flow.plastic.abs();
-        self.advance(flow, sense, history);
-        self.accounted(excess, flow, share, sense, [&start, history])
+    pub fn partly(&self, flow: Flow, part: f64, history: &mut History) -> Flow {
+        self.advance(part * flow.plastic.abs(), usize::from(flow.plastic < 0.0), history);
+        Flow { plastic: part * flow.plastic, overstress: part * flow.overstress }
     }
 
     fn at_middle(&self, excess: f64, share: f64, time: f64, sense: usize, history: &History) -> f64 {

@@ -112,8 +112,7 @@ impl Nodes {
     pub fn half_flow(&self, law: &RateLaw, i: usize, stress: f64, share: f64, time: f64) -> (Flow, History) {
         let mut history = self.history[i];
         let (flow, _) = self.flow(law, i, stress, share, time);
-        let Some((_, excess)) = beyond(stress, self.low[i], self.high[i]) else { return (flow, history) };
-        (law.partly(flow, 0.5, excess, share, &mut history), history)
+        (law.partly(flow, 0.5, &mut history), history)
     }
 
     /// Node `i` flowed in the latest step.

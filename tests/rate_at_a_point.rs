@@ -278,6 +278,7 @@ fn the_plastic_strain_of_an_impact_does_not_depend_on_the_grid() {
         };
         let errors = [0, 1, 2].map(off);
         eprintln!("{rate:?}: plastic strain off by {errors:?} with 500, 1000, 2000 cells against 4000");
-        assert!(errors[0][0] < 0.05 && errors[2][0] < 0.6 * errors[0][0], "{rate:?}: {errors:?}");
+        // A thousandth with 2 mm cells, falling; Cowper and Symonds' law, which hardly flows here, has nothing left to lose.
+        assert!(errors[0][0] < 2e-3 && errors[2][0] < (0.2 * errors[0][0]).max(1e-6), "{rate:?}: {errors:?}");
     }
 }

@@ -7,7 +7,7 @@
 //! ```
 //!
 //! `rise` being what x would grow by within `time` if nothing flowed (Pa, either sign) and `gain` >= 0 what it loses by flow:
-//! E d_eps and `1 + df/dp` in a cell of given strain. [`Overstress::flow`] integrates this over a whole step: by the closed
+//! `E d_eps` and `1 + df/dp` in a cell of given strain. [`Overstress::flow`] integrates this over a whole step: by the closed
 //! solution for Malvern's law (linear in x) and Johnson and Cook's (linear in exp(-x/(C f))), and for Cowper and Symonds' by
 //! that of an exponential (q > 1: with the rate and its derivative at the end of the step) or a chord (q < 1: with the rates
 //! at both ends), second order in the step. Whatever the step, x keeps between its start and the steady overstress, where
@@ -267,10 +267,10 @@ impl Driven {
 
 /// Nodes and weights of the 8-point rule on -1..1, one of each pair.
 const GAUSS: [[f64; 2]; 4] = [
-    [0.183_434_642_495_649_8, 0.362_683_783_378_361_98],
-    [0.525_532_409_916_328_99, 0.313_706_645_877_887_29],
-    [0.796_666_477_413_626_74, 0.222_381_034_453_374_47],
-    [0.960_289_856_497_536_23, 0.101_228_536_290_376_26],
+    [0.183_434_642_495_649_8, 0.362_683_783_378_362],
+    [0.525_532_409_916_329, 0.313_706_645_877_887_3],
+    [0.796_666_477_413_626_7, 0.222_381_034_453_374_48],
+    [0.960_289_856_497_536_3, 0.101_228_536_290_376_26],
 ];
 
 /// `width ln(1 + quick exp(start) (exp(a) - 1)/a)`: drop of x by a rate that grows as exp(x/width) and would take `quick`

@@ -20,9 +20,9 @@ pub(super) fn root(first: f64, [mut low, mut high]: [f64; 2], size: f64, answer:
             return if off.is_finite() { found.clamp(low, high) } else { x };
         }
         if off > 0.0 {
-            low = x
+            low = x;
         } else {
-            high = x
+            high = x;
         }
         if high - low <= SAME * high + noise {
             return high;

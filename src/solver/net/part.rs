@@ -142,11 +142,7 @@ impl Nodes {
         while start < count {
             let end = (start + GROUP).min(count);
             let active = &mut self.active[start / GROUP];
-            if !any_beyond(&f[start..end], &g[start..end], &low[start..end], &high[start..end]) {
-                if std::mem::take(active) {
-                    flowed[start..end].fill(0.0);
-                }
-            } else {
+            if any_beyond(&f[start..end], &g[start..end], &low[start..end], &high[start..end]) {
                 *active = true;
                 for i in start..end {
                     let stress = 0.5 * (f[i] + g[i]);
@@ -161,6 +157,8 @@ impl Nodes {
                     sum.total += (stress - 0.5 * drop) * flow.plastic;
                     sum.overstress += flow.overstress;
                 }
+            } else if std::mem::take(active) {
+                flowed[start..end].fill(0.0);
             }
             start = end;
         }

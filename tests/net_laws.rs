@@ -77,9 +77,7 @@ fn an_elastic_wave_is_exact_through_all_its_reflections() {
 fn no_flow_rate_rings_or_blows_up() {
     let dt = 1.0 / c0() / 400.0;
     // Behind the front nothing but growing compression towards the struck end. On a straight part of the curve the net
-    // keeps to that up to rounding where it resolves the front; at a knot two neighbours turn in different steps, which shows
-    // as 1e-6 at most. From k dt = 10 on the front is narrower than a cell, and no scheme of second order is monotone in one
-    // (Godunov): the relaxation of every step to the static curve that was so has a viscosity set by the step, E dt/4.
+    // keeps to that up to rounding; at a knot two neighbours turn in different steps, which shows as 1e-6 at most.
     for (material, ripple) in [(bilinear_steel(), 1e-12), (power_law_table(30), 2e-6)] {
         for exponent in -6..=12 {
             let k = 10.0_f64.powi(exponent) / dt;
@@ -91,11 +89,10 @@ fn no_flow_rate_rings_or_blows_up() {
             }
             let stress = net::profile(&bar, Quantity::Stress);
             let scale = (MODULUS * DENSITY).sqrt() * 20.0;
-            let ripple = if exponent < 1 { ripple } else { 1e-4 };
             for pair in stress.windows(2) {
                 assert!(pair[0] <= pair[1] + ripple * scale, "k dt = 1e{exponent}: {pair:?}");
             }
-            assert!(stress[0] >= -scale * (1.0 + ripple), "k dt = 1e{exponent}: {}", stress[0]);
+            assert!(stress[0] >= -scale * (1.0 + 1e-12), "k dt = 1e{exponent}: {}", stress[0]);
             assert!(balance.residuals(&bar).iter().all(|r| *r < 1e-12), "k dt = 1e{exponent}");
         }
     }
@@ -279,7 +276,7 @@ proptest! {
             let now = bar.energies();
             // Sums of 1e4 terms with errors of 1e-16 each.
             let round_off = 1e-11 * (now.total() + now.plastic.abs() + bar.work()[0].abs() + bar.work()[1].abs());
-            prop_assert!(now.viscous >= taken.viscous - round_off, "the overstress gives work back");
+            prop_assert!(now.viscoplastic >= taken.viscoplastic - round_off, "the overstress gives work back");
             if kinematic == 0.0 {
                 prop_assert!(now.plastic >= taken.plastic - round_off, "flow gives work back");
             }

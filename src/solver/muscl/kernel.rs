@@ -11,9 +11,6 @@ use super::stepping::Part;
 use crate::law::LANES;
 use crate::wave::riemann::{Faces, Flux, Near, Point};
 
-/// Numbers of the law state that a cell can have.
-const MOST_STATE: usize = 4;
-
 /// What the elastic kernel must know of a segment.
 #[derive(Debug, Clone, Copy)]
 struct Elastic {
@@ -50,18 +47,23 @@ pub(super) struct Scratch {
 }
 
 impl Scratch {
-    pub const ZERO: Self = Self {
-        carried: Carried { left: [[0.0; ROW]; 2], right: [[0.0; ROW]; 2] },
-        through: Through { stress: [0.0; ROW + 1], velocity: [0.0; ROW + 1] },
-        ahead: Ahead { sigma: [0.0; ROW], state: [0.0; MOST_STATE * ROW], work: [0.0; ROW] },
-        increment: [0.0; ROW],
-        stress: [0.0; ROW],
-        slope: [0.0; ROW],
-        lost: [0.0; ROW],
-        gained: [0.0; ROW],
-        flat: [false; ROW],
-        steep: [None; ROW],
-    };
+    /// For laws with at most this many state numbers a cell.
+    pub fn new(state_len: usize) -> Self {
+        // A curve that is followed both ways has its state at both faces of a cell.
+        let state = vec![0.0; state_len.max(2) * ROW];
+        Self {
+            carried: Carried { left: [[0.0; ROW]; 2], right: [[0.0; ROW]; 2] },
+            through: Through { stress: [0.0; ROW + 1], velocity: [0.0; ROW + 1] },
+            ahead: Ahead { sigma: [0.0; ROW], state, work: [0.0; ROW] },
+            increment: [0.0; ROW],
+            stress: [0.0; ROW],
+            slope: [0.0; ROW],
+            lost: [0.0; ROW],
+            gained: [0.0; ROW],
+            flat: [false; ROW],
+            steep: [None; ROW],
+        }
+    }
 }
 
 /// States of a row's cells at their left and right faces, half a step on: stresses and velocities.
@@ -98,7 +100,8 @@ impl Through {
 #[derive(Clone)]
 struct Ahead {
     sigma: [f64; ROW],
-    state: [f64; MOST_STATE * ROW],
+    /// As many numbers a cell as the law of the bar with the most.
+    state: Vec<f64>,
     /// Not 0 in cells that flow.
     work: [f64; ROW],
 }
@@ -236,8 +239,8 @@ pub(super) fn plastic(block: &mut Block, part: &Part, scratch: &mut Scratch) {
     } else {
         correct_history(block, part, scratch);
     }
+    scratch.through.set_outer(block);
     let Scratch { through, ahead, increment, stress, lost, .. } = scratch;
-    through.set_outer(block);
     increment[..row].fill(0.0);
     let faces = through.velocity[GHOSTS..=row - GHOSTS].windows(2);
     for (increment, face) in increment[GHOSTS..row - GHOSTS].iter_mut().zip(faces) {
@@ -428,8 +431,8 @@ fn correct_history(block: &mut Block, part: &Part, scratch: &mut Scratch) {
     }
 }
 
-/// The first or the last cell of a block at its outer face, half a step on.
-pub(super) fn near(block: &Block, part: &Part, side: usize) -> Near {
+/// The first or the last cell of a block at its outer face, half a step on. `state` is room for its law state.
+pub(super) fn near(block: &Block, part: &Part, side: usize, state: &mut Vec<f64>) -> Near {
     let i = block.inside(side, 0);
     let (s, v) = (&block.sigma, &block.v);
     let outward = if side == 0 { -0.5 } else { 0.5 };
@@ -444,21 +447,21 @@ pub(super) fn near(block: &Block, part: &Part, side: usize) -> Near {
         return Near { point, flowing: 0.0 };
     }
     let law = part.law.law.as_ref();
-    let (mut stress, mut work, mut state) = ([s[i]], [0.0], [0.0; MOST_STATE]);
-    let numbers = law.state_len();
+    let (mut stress, mut work) = ([s[i]], [0.0]);
+    state.clear();
+    state.resize(law.state_len(), 0.0);
     if part.path_independent {
         let z = |i: usize| block.reach(part, i);
         let dz = slope(z(i) - z(i - 1), z(i + 1) - z(i));
         stress = [0.0];
-        law.strain(&[z(i) + half_strain + outward * dz], &mut stress, &mut state[..numbers], &mut work);
+        law.strain(&[z(i) + half_strain + outward * dz], &mut stress, state, &mut work);
         let point = Point { stress: stress[0], velocity, plastic: state[0], ..Point::default() };
         return Near { point, flowing: 0.0 };
     }
-    for (number, value) in state[..numbers].iter_mut().enumerate() {
+    for (number, value) in state.iter_mut().enumerate() {
         *value = block.state_at(number, i);
     }
-    law.strain(&[half_strain], &mut stress, &mut state[..numbers], &mut work);
-    let state = &state[..numbers];
+    law.strain(&[half_strain], &mut stress, state, &mut work);
     let (accumulated, back) = (law.accumulated(state, 0), law.back_stress(state, 0));
     let point = Point { stress: stress[0] + outward * ds, velocity, accumulated, back, ..Point::default() };
     if work[0] == 0.0 {

@@ -135,9 +135,9 @@ fn mean(side: &Side<'_>, one: (Flow, History), other: (Flow, History)) -> (Flow,
 
 /// Books the flow of one side; the border of a joint is half a node.
 fn account(part: &mut Part, node: usize, force: f64, flow: Flow, history: History) {
-    if flow.plastic != 0.0 || part.borders.flowed(node) {
+    if flow.plastic != 0.0 {
         let work = Work { total: 0.5 * force / part.area * flow.plastic, overstress: 0.5 * flow.overstress };
         part.work.add(work);
-        part.borders.set(&part.law, node, flow, history);
+        part.borders.set(&part.law, node, history);
     }
 }

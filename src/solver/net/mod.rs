@@ -15,18 +15,13 @@
 //!
 //! What travels are f = sigma - rho c0 v (to the right) and g = sigma + rho c0 v (to the left). A node meets them every dt
 //! and lets its plastic strain grow over that dt, half of it before the moment at which it is read: the rule of the
-//! trapezium along all three characteristics, so second order. The local growth
-//! ([`crate::law::rate::RateLaw::centred`]) is a mean of two:
+//! trapezium along all three characteristics, so second order. The local growth is not taken by that rule but by the
+//! exact solution ([`crate::law::rate::RateLaw::flow`]), so that stiff materials neither limit the step nor ring: for
+//! k dt >> 1 the stress ends on the static curve. Front widths below dx are then those of the net, not of the material.
 //!
-//! - The implicit rule of the midpoint: `flow = dt q(x)` with the overstress x of the moment at which the node is read. A
-//!   steadily straining node thus has the overstress of its rate, however long the step against the relaxation time; but what
-//!   disturbs the flow goes on from step to step with the other sign.
-//! - The relaxation from what arrives, over dt. For k dt >> 1 it ends on the static curve, and its stress at the moment of
-//!   reading is E dt/4 times the plastic strain rate above that: a viscosity set by the step, which is monotone at fronts.
-//!
-//! The second is taken in so far as the step resolves the relaxation (it has the smaller error) or the flow changes from step
-//! to step, by a quarter of the sum of both or more. In smooth waves this change is of the order of the step, and so is of
-//! second order what the viscosity adds. Front widths below dx are those of the net, not of the material.
+//! Limits: a node relaxes without being strained. Where the strain of a step times E/2 is large against the overstress over
+//! which the rate of flow changes by a factor e, it keeps what is left of any overstress after a step, whatever the strain
+//! rate: less than the law says. For Johnson and Cook's law, C f, so it needs cells well below a millimetre from 1e3/s on.
 //!
 //! A jump that starts at an end or a joint at a whole step runs on the lines between the nodes: it stays within one cell,
 //! whatever it meets, and no node ever sits on it.
@@ -34,7 +29,6 @@
 //! f and g of a node are what it radiates, so that the sum of its momentum and energy is known exactly: the stress drop of
 //! a node takes away just the plastic work, and the balance of the whole bar holds to rounding.
 
-mod ball;
 mod end;
 mod joint;
 mod lattice;

@@ -5,7 +5,9 @@ use std::ops::Range;
 use multiversion::multiversion;
 
 use crate::bar::Segment;
-use crate::law::rate::{Flow, History, RateLaw};
+use crate::law::rate::{Flow, History, Pace, RateLaw};
+use crate::law::{DataEnd, Flowing, Reached};
+use crate::material::Sense;
 
 /// Share of its plastic flow by which the stress of a node falls inside a segment: what it meets on both sides takes the
 /// other half.
@@ -20,10 +22,6 @@ pub(super) struct Nodes {
     pub low: Vec<f64>,
     pub high: Vec<f64>,
     pub history: Vec<History>,
-    /// E times the plastic strain of the latest step, Pa, signed.
-    flowed: Vec<f64>,
-    /// Groups of nodes of which some flowed in the latest step.
-    active: Vec<bool>,
 }
 
 /// Sums of plastic work.
@@ -46,8 +44,9 @@ impl Work {
 #[derive(Debug, Clone)]
 pub(super) struct Part {
     pub law: RateLaw,
-    /// s.
-    dt: f64,
+    end: DataEnd,
+    /// Whole steps of the nodes inside the segment.
+    pace: Pace,
     /// Its cells, counted over the whole bar.
     pub cells: Range<usize>,
     /// m^2.
@@ -66,11 +65,6 @@ pub(super) struct Part {
     pub work: Work,
 }
 
-/// The size of a signed flow in a sense; 0 of one in the other sense.
-fn in_sense(flow: f64, sense: usize) -> f64 {
-    if sense == 0 { flow.max(0.0) } else { (-flow).max(0.0) }
-}
-
 /// Stress of a node beyond its elastic limits: (sense, excess).
 #[inline]
 pub(super) fn beyond(stress: f64, low: f64, high: f64) -> Option<(usize, f64)> {
@@ -87,42 +81,21 @@ impl Nodes {
     fn new(law: &RateLaw, count: usize) -> Self {
         let virgin = History::default();
         let [low, high] = law.limits(&virgin);
-        Self {
-            low: vec![low; count],
-            high: vec![high; count],
-            history: vec![virgin; count],
-            flowed: vec![0.0; count],
-            active: vec![false; count.div_ceil(GROUP)],
-        }
+        Self { low: vec![low; count], high: vec![high; count], history: vec![virgin; count] }
     }
 
-    /// What node `i` would flow within a step of `time`, and its history then.
+    /// What node `i` would flow within `time`, and its history then.
     pub fn flow(&self, law: &RateLaw, i: usize, stress: f64, share: f64, time: f64) -> (Flow, History) {
         let mut history = self.history[i];
         let flow = match beyond(stress, self.low[i], self.high[i]) {
-            Some((sense, excess)) => {
-                law.centred(excess, in_sense(self.flowed[i], sense), sense, [share, time], &mut history)
-            }
+            Some((sense, excess)) => law.flow(excess, sense, share, time, &mut history),
             None => Flow::default(),
         };
         (flow, history)
     }
 
-    /// Half of what node `i` flows within a step of `time`, with its history then.
-    pub fn half_flow(&self, law: &RateLaw, i: usize, stress: f64, share: f64, time: f64) -> (Flow, History) {
-        let mut history = self.history[i];
-        let (flow, _) = self.flow(law, i, stress, share, time);
-        (law.partly(flow, 0.5, &mut history), history)
-    }
-
-    /// Node `i` flowed in the latest step.
-    pub fn flowed(&self, i: usize) -> bool {
-        self.flowed[i] != 0.0
-    }
-
-    /// Takes node `i` to the history after a flow.
-    pub fn set(&mut self, law: &RateLaw, i: usize, flow: Flow, history: History) {
-        self.flowed[i] = flow.plastic;
+    /// Takes node `i` to a new history.
+    pub fn set(&mut self, law: &RateLaw, i: usize, history: History) {
         if history != self.history[i] {
             self.history[i] = history;
             [self.low[i], self.high[i]] = law.limits(&history);
@@ -131,25 +104,20 @@ impl Nodes {
 
     /// Lets the nodes from `first` on flow for a step; `f` and `g` (one entry a node) are what reaches them, and then
     /// what leaves them.
-    fn relax(&mut self, law: &RateLaw, time: f64, first: usize, f: &mut [f64], g: &mut [f64]) -> Work {
+    fn relax(&mut self, law: &RateLaw, pace: &Pace, first: usize, f: &mut [f64], g: &mut [f64]) -> Work {
         let count = f.len();
         let g = &mut g[..count];
         let (low, high) = (&mut self.low[first..first + count], &mut self.high[first..first + count]);
         let history = &mut self.history[first..first + count];
-        let flowed = &mut self.flowed[first..first + count];
         let mut sum = Work::default();
         let mut start = 0;
         while start < count {
             let end = (start + GROUP).min(count);
-            let active = &mut self.active[start / GROUP];
             if any_beyond(&f[start..end], &g[start..end], &low[start..end], &high[start..end]) {
-                *active = true;
                 for i in start..end {
                     let stress = 0.5 * (f[i] + g[i]);
-                    let before = std::mem::take(&mut flowed[i]);
                     let Some((sense, excess)) = beyond(stress, low[i], high[i]) else { continue };
-                    let flow = law.centred(excess, in_sense(before, sense), sense, [INSIDE, time], &mut history[i]);
-                    flowed[i] = flow.plastic;
+                    let flow = law.flow_at(pace, excess, sense, &mut history[i]);
                     [low[i], high[i]] = law.limits(&history[i]);
                     let drop = INSIDE * flow.plastic;
                     f[i] -= drop;
@@ -157,8 +125,6 @@ impl Nodes {
                     sum.total += (stress - 0.5 * drop) * flow.plastic;
                     sum.overstress += flow.overstress;
                 }
-            } else if std::mem::take(active) {
-                flowed[start..end].fill(0.0);
             }
             start = end;
         }
@@ -189,7 +155,8 @@ impl Part {
             f: vec![-impedance * velocity; count],
             g: vec![impedance * velocity; count],
             work: Work::default(),
-            dt,
+            pace: law.pace(INSIDE, dt),
+            end: DataEnd::of(&segment.material),
             law,
             cells,
             area: segment.area,
@@ -205,7 +172,7 @@ impl Part {
 
     /// The cells flow for a whole step; then f and g are what leaves them.
     pub fn relax_cells(&mut self) {
-        let work = self.centres.relax(&self.law, self.dt, 0, &mut self.f, &mut self.g);
+        let work = self.centres.relax(&self.law, &self.pace, 0, &mut self.f, &mut self.g);
         self.work.add(work);
     }
 
@@ -213,7 +180,7 @@ impl Part {
     /// and the g that come in at the segment's left and right border.
     pub fn pass_borders(&mut self, entering: [f64; 2]) {
         let last = self.f.len() - 1;
-        let work = self.borders.relax(&self.law, self.dt, 1, &mut self.f[..last], &mut self.g[1..]);
+        let work = self.borders.relax(&self.law, &self.pace, 1, &mut self.f[..last], &mut self.g[1..]);
         self.work.add(work);
         self.f.copy_within(..last, 1);
         self.g.copy_within(1.., 0);
@@ -229,10 +196,24 @@ impl Part {
     /// Stress and history of local cell `i` at the whole step, half of its flow done; and the work of that half.
     pub fn cell(&self, i: usize, dt: f64) -> (f64, History, Work) {
         let stress = 0.5 * (self.f[i] + self.g[i]);
-        let (flow, history) = self.centres.half_flow(&self.law, i, stress, INSIDE, dt);
+        let (flow, history) = self.centres.flow(&self.law, i, stress, INSIDE, 0.5 * dt);
         let drop = INSIDE * flow.plastic;
         let work = Work { total: (stress - 0.5 * drop) * flow.plastic, overstress: flow.overstress };
         (stress - drop, history, work)
+    }
+
+    /// The limit of what its law knows to which local cell `i` has come, if it has.
+    pub fn reached(&self, i: usize, dt: f64) -> Option<Reached> {
+        let nodes = &self.centres;
+        let before = 0.5 * (self.f[i] + self.g[i]);
+        if self.end.is_far(nodes.history[i].accumulated, before) {
+            return None;
+        }
+        let flow = beyond(before, nodes.low[i], nodes.high[i]);
+        let (stress, history, _) = self.cell(i, dt);
+        let sense = flow.map_or_else(|| Sense::of(before), |(sense, _)| [Sense::Tension, Sense::Compression][sense]);
+        let point = Flowing { sense, accumulated: history.accumulated, strain: stress + history.signed };
+        self.end.reached(&point, |_| flow.is_some())
     }
 
     /// Velocity of local cell `i`, m/s.

@@ -5,6 +5,7 @@ use super::joint::Joint;
 use super::lattice::Lattice;
 use super::part::Part;
 use crate::bar::{Bar, EndCondition};
+use crate::law::FirstPassed;
 use crate::law::rate::RateLaw;
 use crate::solver::fd::Grid;
 
@@ -12,20 +13,20 @@ use crate::solver::fd::Grid;
 #[derive(Debug, Clone)]
 pub struct Net {
     pub(super) grid: Grid,
-    pub(super) shift: f64,
     pub(super) parts: Vec<Part>,
     /// One fewer than segments.
     pub(super) joints: Vec<Joint>,
     pub(super) ends: [End; 2],
     /// What enters each segment at its left border (f) and at its right one (g) in the step under way.
     entering: Vec<[f64; 2]>,
-    step: usize,
+    pub(super) step: usize,
+    pub(super) passed: FirstPassed,
 }
 
 impl Net {
     /// A bar at t = 0, unstressed, moving as its segments say. `laws` has one entry a segment.
     pub fn new(bar: &Bar, lattice: Lattice, laws: Vec<RateLaw>, ends: [EndCondition; 2]) -> Self {
-        let Lattice { grid, shift } = lattice;
+        let Lattice { grid, .. } = lattice;
         let parts: Vec<Part> = bar
             .segments
             .iter()
@@ -37,11 +38,19 @@ impl Net {
         let last = parts.len() - 1;
         let velocity = |k: usize| bar.segments[k].velocity;
         let ends = [
-            End::new(left, 1.0, &parts[0], velocity(0), grid.dt),
-            End::new(right, -1.0, &parts[last], velocity(last), grid.dt),
+            End::new(&left, 1.0, &parts[0], velocity(0), grid.dt),
+            End::new(&right, -1.0, &parts[last], velocity(last), grid.dt),
         ];
         let joints = bar.segments[..last].iter().map(|s| Joint::new(s.joint)).collect();
-        Self { entering: vec![[0.0; 2]; parts.len()], grid, shift, parts, joints, ends, step: 0 }
+        Self {
+            entering: vec![[0.0; 2]; parts.len()],
+            grid,
+            parts,
+            joints,
+            ends,
+            step: 0,
+            passed: FirstPassed::default(),
+        }
     }
 
     /// One step. Allocates nothing.
@@ -56,6 +65,7 @@ impl Net {
             part.pass_borders(*entering);
         }
         self.step += 1;
+        self.note_limits();
     }
 
     fn meet_at_joints(&mut self) {
@@ -90,10 +100,5 @@ impl Net {
     /// Cells and time step.
     pub fn grid(&self) -> &Grid {
         &self.grid
-    }
-
-    /// Largest relative change of a segment's transit time that makes it whole steps, see [`Lattice::shift`].
-    pub fn shift(&self) -> f64 {
-        self.shift
     }
 }

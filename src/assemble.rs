@@ -153,8 +153,8 @@ pub fn stepped_law(segment: &Segment, effects: &Effects, dt: f64) -> SegmentLaw 
     }
     let timed = rate_law(material, effects);
     let rows: Arc<dyn RowLaw> = match (heat, moves) {
-        (Some(heat), true) => rows(Heated::<9>::new(timed, heat, material.modulus, dt)),
-        (Some(heat), false) => rows(Heated::<8>::new(timed, heat, material.modulus, dt)),
+        (Some(heat), true) => rows(Heated::<7>::new(timed, heat, material.modulus, dt)),
+        (Some(heat), false) => rows(Heated::<6>::new(timed, heat, material.modulus, dt)),
         (None, true) => warming(Timed::<6>::new(timed, dt), material),
         (None, false) => warming(Timed::<5>::new(timed, dt), material),
     };

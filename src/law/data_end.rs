@@ -231,5 +231,5 @@ fn largest_accumulated<L: CellLaw<N>, const N: usize>(law: &L, row: &StrainedRow
 /// Whether a cell flows in its sense: whether the least strain in that sense makes it.
 pub(super) fn yields<L: CellLaw<N>, const N: usize>(law: &L, sigma: f64, state: [f64; N]) -> bool {
     let nudge = NUDGE * sigma.abs().copysign(law.sense(sigma, state).sign());
-    law.respond(law.base(sigma, state) + nudge, state).plastic != 0.0
+    law.respond(sigma, law.base(sigma, state) + nudge, state).plastic != 0.0
 }

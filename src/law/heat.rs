@@ -47,8 +47,8 @@ impl<L: CellLaw<N>, const N: usize> CellLaw<N> for Warming<L> {
     }
 
     #[inline(always)]
-    fn respond(&self, predictor: f64, state: [f64; N]) -> Response<N> {
-        self.law.respond(predictor, state)
+    fn respond(&self, sigma: f64, predictor: f64, state: [f64; N]) -> Response<N> {
+        self.law.respond(sigma, predictor, state)
     }
 
     #[inline(always)]

@@ -56,8 +56,8 @@ pub trait CellLaw<const N: usize>: Send + Sync + Sized {
     /// What the strain increment is added to: the stress, or the total E eps.
     fn base(&self, sigma: f64, state: [f64; N]) -> f64;
 
-    /// The cell at the end of a step.
-    fn respond(&self, predictor: f64, state: [f64; N]) -> Response<N>;
+    /// The cell at the end of a step that began at stress `sigma`.
+    fn respond(&self, sigma: f64, predictor: f64, state: [f64; N]) -> Response<N>;
 
     /// The law reads a table that is read faster for many cells at once: `respond` is then `ask`, `look_up`, `settle`.
     const ASKS: bool = false;
@@ -72,10 +72,10 @@ pub trait CellLaw<const N: usize>: Send + Sync + Sized {
     #[inline(always)]
     fn look_up(&self, _reach: &[f64], _predictor: &[f64], _table: &mut [f64]) {}
 
-    /// [`Self::respond`], given the table's stress where the law asked for it.
+    /// [`Self::respond`], given the table's stress where the law asked for it; for laws that do.
     #[inline(always)]
     fn settle(&self, predictor: f64, state: [f64; N], _table: f64) -> Response<N> {
-        self.respond(predictor, state)
+        self.respond(predictor, predictor, state)
     }
 
     /// E times the signed plastic strain, Pa.
@@ -204,7 +204,7 @@ impl<L: CellLaw<N>, const N: usize> RowLaw for Rows<L, N> {
     fn rests(&self, sigma: &[f64], state: &[f64], mut cells: Range<usize>) -> bool {
         cells.all(|i| {
             let before = cell_state(state, i);
-            let after = self.0.respond(self.0.base(sigma[i], before), before);
+            let after = self.0.respond(sigma[i], self.0.base(sigma[i], before), before);
             after.plastic == 0.0 && after.sigma == sigma[i] && after.state == before
         })
     }

@@ -28,7 +28,7 @@ impl<B: Backbone> CellLaw<1> for PathIndependent<B> {
     }
 
     #[inline(always)]
-    fn respond(&self, predictor: f64, state: [f64; 1]) -> Response<1> {
+    fn respond(&self, _sigma: f64, predictor: f64, state: [f64; 1]) -> Response<1> {
         self.settle(predictor, state, self.0.stress(predictor.abs(), predictor))
     }
 

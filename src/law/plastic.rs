@@ -32,7 +32,7 @@ impl<B: Backbone> CellLaw<2> for Isotropic<B> {
     }
 
     #[inline(always)]
-    fn respond(&self, predictor: f64, state: [f64; 2]) -> Response<2> {
+    fn respond(&self, _sigma: f64, predictor: f64, state: [f64; 2]) -> Response<2> {
         self.settle(predictor, state, self.0.stress(self.ask(predictor, state), predictor))
     }
 
@@ -89,7 +89,7 @@ impl<B: Backbone> CellLaw<4> for Mixed<B> {
     }
 
     #[inline(always)]
-    fn respond(&self, predictor: f64, state: [f64; 4]) -> Response<4> {
+    fn respond(&self, _sigma: f64, predictor: f64, state: [f64; 4]) -> Response<4> {
         self.settle(predictor, state, self.backbone.stress(self.ask(predictor, state), predictor))
     }
 

@@ -166,7 +166,7 @@ fn step<L: CellLaw<N>, const N: usize, const FIRST: bool>(
         let after = if L::ASKS {
             law.settle(predictor[i], before, table[i])
         } else {
-            law.respond(if FIRST { now } else { law.base(now, before) + increment }, before)
+            law.respond(sigma_before, if FIRST { now } else { law.base(now, before) + increment }, before)
         };
         work[i] = (sigma_before + after.sigma) * after.plastic;
         sigma[i] = after.sigma;
@@ -201,7 +201,7 @@ pub(super) fn strain<L: CellLaw<N>, const N: usize>(
     }
     for i in 0..cells {
         let before: [f64; N] = std::array::from_fn(|k| columns[k][i]);
-        let after = law.respond(law.base(sigma[i], before) + increment[i], before);
+        let after = law.respond(sigma[i], law.base(sigma[i], before) + increment[i], before);
         work[i] = (sigma[i] + after.sigma) * after.plastic;
         sigma[i] = after.sigma;
         for (column, value) in columns.iter_mut().zip(after.state) {
@@ -246,7 +246,7 @@ mod tests {
                 for i in 0..cells {
                     let before = std::array::from_fn(|k| state_before[k * cells + i]);
                     let predictor = law.base(sigma_before[i], before) + MODULUS * (v[i + 1] - v[i]);
-                    let after = law.respond(predictor, before);
+                    let after = law.respond(sigma_before[i], predictor, before);
                     let of_cell = (sigma_before[i] + after.sigma) * after.plastic;
                     let after_row: [f64; N] = std::array::from_fn(|k| state[k * cells + i]);
                     assert_eq!((sigma[i], after_row, work[i]), (after.sigma, after.state, of_cell), "cell {i}");

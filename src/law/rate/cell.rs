@@ -1,55 +1,88 @@
-//! A rate-dependent law on the staggered grid: whole strain increments, with half a step of flow on either side of each.
+//! A rate-dependent law on the staggered grid, where a step gives a cell its strain increment.
 //!
-//! Over a step a cell flows for dt/2 at its stress, takes the strain increment elastically, and flows for dt/2 again, each
-//! time by the closed solution at fixed strain ([`RateLaw::flow`] with share 1). The stress after the second half belongs to
-//! the whole step, so the splitting is symmetric and of second order. No step is too long: flow that is quicker than a step
-//! ends on the static curve, and the step is then that of the rate-independent law.
+//! The strain rate of a step is constant, that of its middle. Up to the elastic limit the cell is elastic; from there on (or
+//! from the start, where it flows already) stress and plastic strain obey, in the sense of the flow,
+//!
+//! ```text
+//!   d sigma/dt = E d_eps/dt - q(x, f(p)),   dp/dt = q,   x = sigma - limit(p)
+//! ```
+//!
+//! until the step ends, or the cell has unloaded to its elastic limit; what is left is elastic, and may yield in the other
+//! sense. [`RateLaw::strained`] solves this: second order in the step; and any step ends between the static curve and the
+//! steady overstress at its own strain rate. So quick flow ends on the static curve as the rate-independent law does, and a
+//! step much longer than the relaxation time has the stress of its strain rate, not one set by its length.
+//!
+//! The work of the overstress in a step is its mean at the ends times the plastic strain: >= 0.
 
-use super::split::{GONE, excess, readings_of_split_state, signed};
-use super::{Flow, History, Pace, RateLaw};
+use super::step::{Flowing, readings_of_state, step};
+use super::{Driven, History, Overstress, Pace, RateLaw};
 use crate::law::{CellLaw, Response};
 
 /// A rate-dependent cell in steps of one length.
 ///
-/// State: that of [`super::split`], and the back stress where `N` is 6: it, too, is that after the half step of flow that
-/// follows the stress.
+/// State: that of [`super::step`], and the back stress where `N` is 6.
 #[derive(Debug, Clone)]
 pub struct Timed<const N: usize> {
     law: RateLaw,
-    half: Pace,
+    pace: Pace,
+    time: f64,
 }
 
 impl<const N: usize> Timed<N> {
     /// The law in steps of `time`, s. `N` is 5, or 6 for a law with a back stress.
     pub fn new(law: RateLaw, time: f64) -> Self {
-        Self { half: law.pace(1.0, 0.5 * time), law }
+        Self { pace: law.pace(1.0, time), law, time }
+    }
+}
+
+/// A cell within a step.
+struct Cell<'a> {
+    law: &'a RateLaw,
+    pace: &'a Pace,
+    time: f64,
+    history: History,
+}
+
+impl Flowing for Cell<'_> {
+    #[inline]
+    fn limits(&self) -> [f64; 2] {
+        self.law.limits(&self.history)
     }
 
-    /// Half a step of flow at fixed strain from stress `sigma`: the flow, and the signed overstress before it.
     #[inline]
-    fn flow(&self, sigma: f64, history: &mut History) -> (Flow, f64) {
-        match excess(sigma, self.law.limits(history), history.back) {
-            Some((size, sense)) => (self.law.flow_at(&self.half, size, sense, history), signed((size, sense))),
-            None => (Flow::default(), 0.0),
+    fn back(&self) -> f64 {
+        self.history.back
+    }
+
+    #[inline]
+    fn flow(&self, driven: Driven, sense: usize) -> f64 {
+        if driven.time == self.time {
+            return self.law.strained_at(self.pace, [driven.excess, driven.rise], sense, &self.history);
         }
+        self.law.strained(driven, 1.0, sense, &self.history)
+    }
+
+    #[inline]
+    fn advance(&mut self, _: Driven, flow: f64, sense: usize) {
+        self.law.advance(flow, sense, &mut self.history);
+    }
+
+    #[inline]
+    fn law(&self, sense: usize) -> (Overstress, f64) {
+        (self.law.overstress(), self.law.static_stress(&self.history, sense))
     }
 }
 
 impl<const N: usize> CellLaw<N> for Timed<N> {
-    readings_of_split_state!();
+    readings_of_state!();
 
-    fn respond(&self, predictor: f64, state: [f64; N]) -> Response<N> {
+    fn respond(&self, sigma: f64, predictor: f64, state: [f64; N]) -> Response<N> {
         let back = if N > 5 { state[5] } else { 0.0 };
-        let mut history = self.law.history(state[0], state[1], back);
-        let (second_half, _) = self.flow(predictor, &mut history);
-        let sigma = predictor - second_half.plastic;
-        let (to_come, mut overstress) = self.flow(sigma, &mut history);
-        if overstress == 0.0 && second_half.plastic != 0.0 {
-            overstress = GONE.copysign(second_half.plastic);
-        }
-        let plastic = state[2] + second_half.plastic;
-        let work = state[4] + 0.5 * (state[3] + overstress) * plastic;
-        let after = [history.accumulated, history.signed, to_come.plastic, overstress, work, history.back];
-        Response { sigma, state: std::array::from_fn(|k| after[k]), plastic }
+        let history = self.law.history(state[0], state[1], back);
+        let mut cell = Cell { law: &self.law, pace: &self.pace, time: self.time, history };
+        let step = step(&mut cell, sigma, predictor, self.time);
+        let History { accumulated, signed, back, .. } = cell.history;
+        let after = [accumulated, signed, step.quickness, step.overstress, state[4] + step.work, back];
+        Response { sigma: predictor - step.plastic, state: std::array::from_fn(|k| after[k]), plastic: step.plastic }
     }
 }

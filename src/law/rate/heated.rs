@@ -2,149 +2,147 @@
 //!
 //! For flow whose work is not a function of the plastic strain alone: hardening that is kinematic, or a rate of strain that
 //! counts (also with both at once). Elastic limits, back stress, and the static stress that a law of overstress asks for, are
-//! those of the cold curve times g = 1 - ((T - Tref)/(Tm - Tref))^m. The scheme is that of [`super::Timed`]: half a step of
-//! flow on either side of the strain increment. Each half takes g at the mean of its temperatures where it leaves the
-//! overstress nearly as it was, at the last of them where it takes all of it away (the stress is then that of the warm static
-//! curve), in proportion between; found by going through it again until the temperature stands. T is held below melting, where the stress is
-//! gone.
+//! those of the cold curve times g = 1 - ((T - Tref)/(Tm - Tref))^m. The step is that of [`super::Timed`]: flow at the step's
+//! own strain rate while the limits go, straight, to those of the plastic strain and the temperature at its end, which are
+//! found with the flow. T is held below melting, where the stress is gone.
+//!
+//! What warms is the work of the static stress, that of the cold curve times the g of the step's mean temperature, and the
+//! work of the overstress as the energy account has it. Second order in the step.
 
-use super::split::{GONE, excess, readings_of_split_state, signed};
-use super::{Flow, History, RateLaw};
+use super::root::root;
+use super::step::{Flowing, readings_of_state, step};
+use super::{Course, Driven, History, Overstress, RateLaw};
 use crate::law::{CellLaw, Response};
 use crate::material::Heating;
 
-/// Temperatures whose difference is this part of the range to melting are the same.
-const SAME_RISE: f64 = 1e-13;
-
-/// Times that a half step is gone through. Each takes the error of the temperature down by about what the cell warms in the
-/// step, over the range to melting: five or six leave rounding.
-const MOST_PASSES: usize = 8;
+/// Times that the temperature at the end of a flow is worked out. Each takes its error down by about what the cell warms in
+/// the step, over the range to melting.
+const PASSES: usize = 4;
 
 /// What is left of the strength of metal that melts: nothing that counts, and no division by zero.
 const MOLTEN: f64 = 1e-9;
 
 /// A heated cell in steps of one length.
 ///
-/// State: that of [`super::split`], then `[rise in temperature, rise by the static stress still to come, rise at which the
-/// elastic limits were last taken]`, and the back stress of the cold curve where `N` is 9.
-///
-/// What warms is the work of the static stress, exact along the flow, and that of the overstress as the energy account has it,
-/// which knows none where a step ends on the static curve.
+/// State: that of [`super::step`], then the rise in temperature, and the back stress of the cold curve where `N` is 7.
 #[derive(Debug, Clone)]
 pub struct Heated<const N: usize> {
     law: RateLaw,
-    half: f64,
+    time: f64,
     heating: Heating,
     /// Rise by E times plastic work, K/Pa^2.
     rise: f64,
 }
 
-/// Where a cell has come to.
-#[derive(Debug, Clone, Copy)]
-struct Past {
-    history: History,
-    /// Rise in temperature so far, K.
-    rise: f64,
-    /// The one that the elastic limits are taken at: theirs stays as it was when the cell last flowed, or cells would creep
-    /// by what rounding and the order of the scheme leave between the two.
-    limit: f64,
-}
-
-/// Half a step of flow.
-#[derive(Debug, Clone, Copy, Default)]
-struct Half {
-    flow: Flow,
-    /// Signed, before the flow.
-    overstress: f64,
-    /// Rise in temperature by the static stress, K.
-    warmed: f64,
-}
-
 impl<const N: usize> Heated<N> {
-    /// The law over the cold tables, in steps of `time`, s. `N` is 8, or 9 for a law with a back stress.
+    /// The law over the cold tables, in steps of `time`, s. `N` is 6, or 7 for a law with a back stress.
     pub fn new(law: RateLaw, heating: &Heating, modulus: f64, time: f64) -> Self {
         let rise = heating.rise_per_work() / modulus;
-        Self { law, half: 0.5 * time, heating: heating.clone(), rise }
-    }
-
-    /// Half a step of flow at fixed strain from stress `sigma`.
-    #[inline]
-    fn flow(&self, sigma: f64, past: &mut Past) -> Half {
-        let (before, cold) = (past.history, self.law.limits(&past.history));
-        let (mut at, mut end) = (past.limit, past.rise);
-        let mut half = Half::default();
-        for _ in 0..MOST_PASSES {
-            past.history = before;
-            let g = self.softening(at);
-            half = self.flow_at(g, sigma, cold, &mut past.history);
-            if half.flow.plastic == 0.0 {
-                break;
-            }
-            let left = self.left(g, sigma, &half, &past.history);
-            half.warmed = self.rise * self.softening(0.5 * (past.rise + end)) * self.cold_work(&half, cold, &before);
-            end = past.rise + half.warmed + self.rise * left * half.flow.overstress;
-            let last = at;
-            at = end + 0.5 * left * (past.rise - end);
-            if (at - last).abs() <= SAME_RISE * self.heating.range() {
-                break;
-            }
-        }
-        (past.limit, past.rise) = (at, end);
-        half
-    }
-
-    /// Part of its overstress that a cell keeps to the end of a flow.
-    fn left(&self, g: f64, sigma: f64, half: &Half, history: &History) -> f64 {
-        let [low, high] = self.law.limits(history).map(|limit| g * limit);
-        let stress = sigma - half.flow.plastic;
-        let left = if half.overstress > 0.0 { stress - high } else { low - stress };
-        (left / half.overstress.abs()).clamp(0.0, 1.0)
-    }
-
-    /// E times the work of the static stress of a cold cell: in the sense of the flow its elastic limit rises as the curve of
-    /// first loading does.
-    fn cold_work(&self, half: &Half, [low, high]: [f64; 2], before: &History) -> f64 {
-        let sense = usize::from(half.overstress < 0.0);
-        let beside = if sense == 0 { high } else { -low } - self.law.static_stress(before, sense);
-        half.flow.first_loading + half.flow.plastic.abs() * beside
+        Self { law, time, heating: heating.clone(), rise }
     }
 
     fn softening(&self, rise: f64) -> f64 {
         self.heating.softening(rise).max(MOLTEN)
     }
+}
 
-    /// The same with stresses `g` times those of the cold limits.
-    #[inline]
-    fn flow_at(&self, g: f64, sigma: f64, cold: [f64; 2], history: &mut History) -> Half {
-        let limits = cold.map(|limit| g * limit);
-        let Some((size, sense)) = excess(sigma, limits, history.back) else { return Half::default() };
-        let flow = self.law.flow_softened(size, sense, g, self.half, history);
-        Half { flow, overstress: signed((size, sense)), warmed: 0.0 }
+/// A cell within a step.
+struct Cell<'a, const N: usize> {
+    heated: &'a Heated<N>,
+    history: History,
+    /// Rise in temperature, K.
+    rise: f64,
+    softening: f64,
+}
+
+/// Where a flow would take a cell.
+struct Warmed {
+    history: History,
+    rise: f64,
+    softening: f64,
+}
+
+impl<const N: usize> Cell<'_, N> {
+    /// The cold elastic limit in a sense, positive away from the other one, Pa.
+    fn cold_limit(&self, history: &History, sense: usize) -> f64 {
+        let [low, high] = self.heated.law.limits(history);
+        if sense == 0 { high } else { -low }
+    }
+
+    fn cold_stress(&self, history: &History, sense: usize) -> f64 {
+        self.heated.law.static_stress(history, sense)
+    }
+
+    /// The cell after a flow.
+    fn warmed(&self, driven: Driven, sense: usize, flow: f64) -> Warmed {
+        let law = &self.heated.law;
+        let mut history = self.history;
+        law.advance(flow, sense, &mut history);
+        let (cold, end) = (self.cold_limit(&self.history, sense), self.cold_limit(&history, sense));
+        // The elastic limit rises as the curve of first loading does.
+        let beside = cold - self.cold_stress(&self.history, sense);
+        let work = law.first_loading(sense, &self.history, &history) + flow * beside;
+        let (mut rise, mut softening) = (self.rise, self.softening);
+        for _ in 0..PASSES {
+            let left = driven.excess + driven.rise - flow - (softening * end - self.softening * cold);
+            let mean = self.heated.softening(0.5 * (self.rise + rise));
+            let warm = mean * work + 0.5 * (driven.excess + left.max(0.0)) * flow;
+            rise = (self.rise + self.heated.rise * warm).clamp(0.0, self.heated.heating.range());
+            softening = self.heated.softening(rise);
+        }
+        Warmed { history, rise, softening }
+    }
+
+    /// What flows if the limits go on to those after a flow.
+    fn answer(&self, driven: Driven, sense: usize, flow: f64) -> f64 {
+        let (law, end) = (&self.heated.law, self.warmed(driven, sense, flow));
+        let limit = |g: f64, history: &History| g * self.cold_limit(history, sense);
+        let stress = |g: f64, history: &History| g * self.cold_stress(history, sense);
+        let course = Course {
+            limit: limit(end.softening, &end.history) - limit(self.softening, &self.history),
+            flow_stress: [stress(self.softening, &self.history), stress(end.softening, &end.history)],
+        };
+        law.answer(driven, 1.0, flow, course)
+    }
+}
+
+impl<const N: usize> Flowing for Cell<'_, N> {
+    fn limits(&self) -> [f64; 2] {
+        self.heated.law.limits(&self.history).map(|limit| self.softening * limit)
+    }
+
+    fn back(&self) -> f64 {
+        self.history.back
+    }
+
+    fn flow(&self, driven: Driven, sense: usize) -> f64 {
+        let most = driven.excess + driven.rise.max(0.0);
+        // A static stress that falls gives a little more than what would stay elastic.
+        let most = most + self.softening * self.cold_limit(&self.history, sense).max(0.0);
+        root(self.answer(driven, sense, 0.0), [0.0, most], most, |flow| self.answer(driven, sense, flow))
+    }
+
+    fn advance(&mut self, driven: Driven, flow: f64, sense: usize) {
+        let Warmed { history, rise, softening } = self.warmed(driven, sense, flow);
+        (self.history, self.rise, self.softening) = (history, rise, softening);
+    }
+
+    fn law(&self, sense: usize) -> (Overstress, f64) {
+        (self.heated.law.overstress(), self.softening * self.cold_stress(&self.history, sense))
     }
 }
 
 impl<const N: usize> CellLaw<N> for Heated<N> {
-    readings_of_split_state!();
+    readings_of_state!();
 
-    fn respond(&self, predictor: f64, state: [f64; N]) -> Response<N> {
-        let back = if N > 8 { state[8] } else { 0.0 };
-        // Of the overstress of the half step before, as much as if it had stayed.
-        let rise = state[5] + state[6] + self.rise * state[3] * state[2];
-        let mut past = Past { history: self.law.history(state[0], state[1], back), rise, limit: state[7] };
-        let first = self.flow(predictor, &mut past);
-        let sigma = predictor - first.flow.plastic;
-        let second = self.flow(sigma, &mut past);
-        let mut overstress = second.overstress;
-        if overstress == 0.0 && first.flow.plastic != 0.0 {
-            overstress = GONE.copysign(first.flow.plastic);
-        }
-        let plastic = state[2] + first.flow.plastic;
-        let over = 0.5 * (state[3] + overstress) * plastic;
-        let warm = (state[5] + state[6] + first.warmed + self.rise * over).clamp(0.0, self.heating.range());
-        let History { accumulated, signed, back, .. } = past.history;
-        let (to_come, work) = (second.flow.plastic, state[4] + over);
-        let all = [accumulated, signed, to_come, overstress, work, warm, second.warmed, past.limit, back];
-        Response { sigma, state: std::array::from_fn(|k| all[k]), plastic }
+    fn respond(&self, sigma: f64, predictor: f64, state: [f64; N]) -> Response<N> {
+        let back = if N > 6 { state[6] } else { 0.0 };
+        let history = self.law.history(state[0], state[1], back);
+        let mut cell = Cell { heated: self, history, rise: state[5], softening: self.softening(state[5]) };
+        let step = step(&mut cell, sigma, predictor, self.time);
+        let History { accumulated, signed, back, .. } = cell.history;
+        let after = [accumulated, signed, step.quickness, step.overstress, state[4] + step.work, cell.rise, back];
+        Response { sigma: predictor - step.plastic, state: std::array::from_fn(|k| after[k]), plastic: step.plastic }
     }
 
     fn temperature(&self, state: [f64; N]) -> f64 {

@@ -6,9 +6,21 @@
 //! on first loading x = |sigma| - f whatever b is. Between the elastic limits nothing flows: unloading is elastic.
 //! The functions q are those of [`Overstress`].
 //!
-//! While a cell flows, its stress falls by a fixed share of its plastic flow (what is around it decides which one), so
-//! that along one piece of the static curve `dx = -(share + df/dp) dp`: [`RateLaw::flow`] goes along these pieces with
-//! the closed solutions. Any step is stable, and the longest ones end on the static curve.
+//! While a cell flows, its stress falls by a fixed share of its plastic flow p (what is around it decides which one: 1 in a
+//! cell of given strain), and what drives it raises its stress at the constant rate of the step:
+//!
+//! ```text
+//!   dx/dt = rise/time - (share + df/dp) q(x, f)
+//! ```
+//!
+//! [`RateLaw::strained`] solves this over a step with the static curve straight from its start to its end ([`Overstress::flow`]
+//! along that line); both ends are on the curve, knots and all. Second order in the step where it resolves the relaxation. A
+//! step that is long against the relaxation time ends at the overstress of its own rate of flow, and without a drive on the
+//! static curve. Any step is stable, and takes work. [`RateLaw::flow`], for what is not driven, goes along the pieces of the
+//! curve.
+//!
+//! Limits: a jump of stress that meets a cell which flows already is taken as a ramp over the step, exact for Malvern's law;
+//! by the others what flows in that step is off by a part that does not fall with the step.
 //!
 //! References: V. V. Sokolovsky 1948 (Prikl. Mat. Mekh. 12, 261); L. E. Malvern 1951 (J. Appl. Mech. 18, 203);
 //! N. Cristescu 1967 (Dynamic Plasticity, North-Holland).
@@ -17,14 +29,21 @@ mod cell;
 mod hardening;
 mod heated;
 mod overstress;
-mod split;
+mod root;
+mod step;
+mod walk;
 
 pub use cell::Timed;
 pub use hardening::{Hardening, Piece};
 pub use heated::Heated;
-pub use overstress::Overstress;
+use overstress::relaxed;
+pub use overstress::{Driven, Overstress};
+use root::root;
 
 use super::Table;
+
+/// A share of the flow that bounds it.
+const LEAST_SHARE: f64 = 1e-12;
 
 /// Plastic history of a cell.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -46,8 +65,6 @@ pub struct Flow {
     pub plastic: f64,
     /// E times the work of the overstress, per volume, Pa^2, >= 0.
     pub overstress: f64,
-    /// E times the work that the static flow stress of first loading would do, per volume, Pa^2, >= 0.
-    pub first_loading: f64,
 }
 
 /// Steps of one length under one share, with what can be worked out beforehand.
@@ -55,8 +72,17 @@ pub struct Flow {
 pub struct Pace {
     share: f64,
     time: f64,
-    /// For laws that are linear in the overstress: what flows in a step along each piece, as a part of the overstress.
-    parts: [Vec<f64>; 2],
+    /// For laws that are linear in the overstress: what flows in a step along each piece.
+    parts: [Vec<[f64; 2]>; 2],
+}
+
+/// How the static curve goes on while a cell flows.
+#[derive(Debug, Clone, Copy)]
+struct Course {
+    /// Rise of the elastic limit, Pa.
+    limit: f64,
+    /// Static flow stress of first loading before and after, Pa.
+    flow_stress: [f64; 2],
 }
 
 /// A rate-dependent law over a static curve.
@@ -112,96 +138,122 @@ impl RateLaw {
 
     /// Steps of length `time` in which the stress falls by `share` of what flows.
     pub fn pace(&self, share: f64, time: f64) -> Pace {
-        let part = |piece: &Piece| self.overstress.flow(1.0, piece.stress, share + piece.slope, time);
-        let linear = !self.overstress.needs_static_stress();
-        let parts = [0, 1].map(|sense| {
-            let pieces = self.side(sense).pieces();
-            if linear { pieces.iter().map(part).collect() } else { Vec::new() }
+        let parts = [0, 1].map(|sense| match self.overstress {
+            Overstress::Malvern { k } => {
+                self.side(sense).pieces().iter().map(|piece| relaxed(k, share + piece.slope, time)).collect()
+            }
+            _ => Vec::new(),
         });
         Pace { share, time, parts }
     }
 
-    /// [`Self::flow`] in a step of a pace made by [`Self::pace`].
+    /// Flow of a cell at the upper (`sense` 0) or lower (1) elastic limit or `driven.excess` beyond it, whose stress goes on
+    /// by `driven.rise` in that sense and falls by `share` (>= 0) of what flows: E times plastic strain, Pa, >= 0.
     #[inline]
-    pub fn flow_at(&self, pace: &Pace, excess: f64, sense: usize, history: &mut History) -> Flow {
+    pub fn strained(&self, driven: Driven, share: f64, sense: usize, history: &History) -> f64 {
+        self.strained_by_part(driven, share, None, sense, history)
+    }
+
+    /// [`Self::strained`] in a whole step of a pace made by [`Self::pace`].
+    #[inline]
+    pub fn strained_at(&self, pace: &Pace, [excess, rise]: [f64; 2], sense: usize, history: &History) -> f64 {
         let part = pace.parts[sense].get(history.piece[sense] as usize).copied();
-        self.advance(excess, sense, [pace.share, pace.time], part, history)
+        self.strained_by_part(Driven { excess, rise, time: pace.time }, pace.share, part, sense, history)
     }
 
-    /// Flow within `time` of a cell whose stress is `excess` > 0 beyond an elastic limit (`sense` 0: the upper one, 1: the
-    /// lower one) and falls by `share` (>= 0) of what flows. The history is taken to the end of the step.
-    pub fn flow(&self, excess: f64, sense: usize, share: f64, time: f64, history: &mut History) -> Flow {
-        self.advance(excess, sense, [share, time], None, history)
-    }
-
-    /// `part` is what flows along the present piece if it goes on to the end of the step, as a part of the overstress,
-    /// where that is known.
     #[inline]
-    fn advance(
+    fn strained_by_part(
         &self,
-        excess: f64,
+        driven: Driven,
+        share: f64,
+        part: Option<[f64; 2]>,
         sense: usize,
-        [share, time]: [f64; 2],
-        mut part: Option<f64>,
-        history: &mut History,
-    ) -> Flow {
-        let side = self.side(sense);
-        let pieces = side.pieces();
-        let (mut x, mut left, mut p) = (excess, time, history.accumulated);
-        let mut k = history.piece[sense] as usize;
-        let f_before = pieces[k].at(p);
-        let (mut work, mut on_curve) = (0.0, 0.0);
-        // Not a number, or nothing to do: no loop.
-        while x > 0.0 && left > 0.0 {
-            let piece = &pieces[k];
-            let room = pieces.get(k + 1).map_or(f64::INFINITY, |next| next.start - p);
-            let (f, gain) = (piece.at(p), share + piece.slope);
-            let flow = match part.take() {
-                Some(part) => part * x,
-                None => self.along_piece(x, f, piece.slope, gain, left),
-            };
-            if flow < room || room == f64::INFINITY {
-                work += flow * (x - 0.5 * gain * flow).max(0.0);
-                on_curve += flow * (f + 0.5 * piece.slope * flow);
-                p += flow;
-                break;
-            }
-            let to = x - gain * room;
-            work += room * (x - 0.5 * gain * room).max(0.0);
-            on_curve += room * (f + 0.5 * piece.slope * room);
-            if room > 0.0 && to > 0.0 {
-                left -= self.overstress.time([x, to], f + 0.5 * piece.slope * room, gain, room);
-            }
-            k += 1;
-            p = pieces[k].start;
-            // Where the table rises as steeply as the elastic line, the static stress jumps here.
-            x = to - (pieces[k].stress - (f + piece.slope * room));
+        history: &History,
+    ) -> f64 {
+        // Not a number, or nothing to do.
+        if !(driven.time > 0.0 && driven.excess + driven.rise.max(0.0) > 0.0) {
+            return 0.0;
         }
+        let pieces = self.side(sense).pieces();
+        let (k, p) = (history.piece[sense] as usize, history.accumulated);
+        let piece = pieces[k];
+        let (f, room) = (piece.at(p), pieces.get(k + 1).map_or(f64::INFINITY, |next| next.start - p));
+        let mut flow = match (self.overstress, part) {
+            (Overstress::Malvern { k }, Some(part)) => driven.linear(k, share + piece.slope, part),
+            _ => self.overstress.flow(driven, share + piece.slope, f),
+        };
+        let size = driven.excess + driven.rise.abs();
+        let most = size / share.max(LEAST_SHARE);
+        if flow >= room {
+            let answer = |flow: f64| {
+                let at = self.side(sense).piece_at(p + flow, k as u32);
+                let end = pieces[at as usize].at(p + flow);
+                self.answer(driven, share, flow, Course { limit: end - f, flow_stress: [f, end] })
+            };
+            flow = root(flow.min(most), [room, most.max(room)], size, answer);
+        } else if piece.slope > 0.0 && self.overstress.needs_static_stress() {
+            let answer = |flow: f64| {
+                let limit = piece.slope * flow;
+                self.answer(driven, share, flow, Course { limit, flow_stress: [f, f + limit] })
+            };
+            flow = root(flow, [0.0, room.min(most)], size, answer);
+        }
+        flow
+    }
+
+    /// What flows if the static curve goes on as it does along a flow of `flow` > 0: it is taken as straight between the
+    /// ends, and a law that asks for the static stress is one of x/f, whose end then is at the end's f.
+    fn answer(&self, driven: Driven, share: f64, flow: f64, course: Course) -> f64 {
+        let Driven { excess, rise, time } = driven;
+        if flow <= 0.0 {
+            return self.overstress.flow(driven, share, course.flow_stress[0]);
+        }
+        let [start, end] = course.flow_stress;
+        let (gain, f) = (share + course.limit / flow, 0.5 * (start + end));
+        if !self.overstress.needs_static_stress() {
+            return self.overstress.flow(driven, gain, f);
+        }
+        // With u = x/f: f du = rise - (gain + u df/dp) dp.
+        let left = (excess + rise - share * flow - course.limit).max(0.0);
+        let mean = 0.5 * (excess / start + left / end);
+        let driven = Driven { excess: excess / start * f, rise, time };
+        self.overstress.flow(driven, gain + mean * (end - start) / flow, f)
+    }
+
+    /// Takes a history on by a flow (>= 0) in a sense.
+    #[inline]
+    fn advance(&self, flow: f64, sense: usize, history: &mut History) {
+        self.arrive(history.accumulated + flow, flow, sense, history);
+    }
+
+    /// Takes a history to the accumulated `p` by a flow in a sense: the two differ by no more than rounding.
+    #[inline]
+    fn arrive(&self, p: f64, flow: f64, sense: usize, history: &mut History) {
+        let before = self.static_stress(history, sense);
         let sign = if sense == 0 { 1.0 } else { -1.0 };
-        let flow = p - history.accumulated;
         history.accumulated = p;
         history.signed += sign * flow;
-        history.piece[sense] = k as u32;
-        if self.hardening.len() > 1 {
-            history.piece[1 - sense] = self.side(1 - sense).piece_at(p, history.piece[1 - sense]);
-        } else {
-            history.piece[1 - sense] = k as u32;
-        }
+        history.piece[sense] = self.side(sense).piece_at(p, history.piece[sense]);
+        history.piece[1 - sense] = match self.hardening.len() {
+            1 => history.piece[sense],
+            _ => self.side(1 - sense).piece_at(p, history.piece[1 - sense]),
+        };
         if self.kinematic > 0.0 {
-            history.back += sign * self.kinematic * (pieces[k].at(p) - f_before);
+            history.back += sign * self.kinematic * (self.static_stress(history, sense) - before);
         }
-        Flow { plastic: sign * flow, overstress: work, first_loading: on_curve }
     }
 
-    /// [`Self::flow`] at fixed strain of a cell in which all stresses of the static curve, the overstress that a rate asks for
-    /// among them, are `softening` (> 0) times those of the law; `excess` is that beyond the softened limit.
-    ///
-    /// Stresses divided by the factor follow the law itself, with a share that is as much larger; only Malvern's law, which
-    /// asks for the overstress alone, is as much slower.
-    pub fn flow_softened(&self, excess: f64, sense: usize, softening: f64, time: f64, history: &mut History) -> Flow {
-        let time = if self.overstress.needs_static_stress() { time } else { softening * time };
-        let flow = self.flow(excess / softening, sense, softening.recip(), time, history);
-        Flow { overstress: softening * flow.overstress, ..flow }
+    /// E times the work that the static flow stress of first loading does between two histories, per volume, Pa^2.
+    fn first_loading(&self, sense: usize, before: &History, after: &History) -> f64 {
+        let pieces = self.side(sense).pieces();
+        let (mut from, mut work) = (before.accumulated, 0.0);
+        for k in before.piece[sense]..=after.piece[sense] {
+            let piece = &pieces[k as usize];
+            let to = pieces.get(k as usize + 1).map_or(f64::INFINITY, |next| next.start).min(after.accumulated);
+            work += (to - from) * piece.at(0.5 * (from + to));
+            from = to;
+        }
+        work
     }
 
     /// The history half-way between two that one cell could have come to.
@@ -217,15 +269,6 @@ impl RateLaw {
             back: 0.5 * (one.back + other.back),
             piece: [piece(0), piece(1)],
         }
-    }
-
-    /// Flow along one piece. Where the law asks for f, it takes that of half the flow: second order, as is the rest.
-    fn along_piece(&self, x: f64, f: f64, slope: f64, gain: f64, time: f64) -> f64 {
-        let flow = self.overstress.flow(x, f, gain, time);
-        if slope > 0.0 && self.overstress.needs_static_stress() {
-            return self.overstress.flow(x, f + 0.5 * slope * flow, gain, time);
-        }
-        flow
     }
 }
 

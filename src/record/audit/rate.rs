@@ -12,7 +12,7 @@ use std::sync::Arc;
 use super::finding::Finding;
 use super::places::Places;
 use super::{AuditRow, Reading};
-use crate::law::rate::Overstress;
+use crate::law::rate::{Driven, Overstress};
 use crate::material::Material;
 
 /// Plastic strain that counts as flow, as a part of what the place has gained: less is ripples and rounding.
@@ -46,7 +46,8 @@ impl Place {
         let rate = if gained > FLOWED * plastic { gained / lapse } else { 0.0 };
         self.plastic = self.plastic.max(plastic);
         if self.overstress > 0.0 {
-            self.overstress -= law.flow(self.overstress, self.flow, 1.0, lapse);
+            let relaxing = Driven { excess: self.overstress, rise: 0.0, time: lapse };
+            self.overstress -= law.flow(relaxing, 1.0, self.flow);
         }
         if rate > 0.0 {
             self.overstress = self.overstress.max(law.overstress(modulus * rate, self.flow));

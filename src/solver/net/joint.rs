@@ -129,7 +129,6 @@ fn mean(side: &Side<'_>, one: (Flow, History), other: (Flow, History)) -> (Flow,
     let flow = Flow {
         plastic: 0.5 * (one.0.plastic + other.0.plastic),
         overstress: 0.5 * (one.0.overstress + other.0.overstress),
-        first_loading: 0.5 * (one.0.first_loading + other.0.first_loading),
     };
     (flow, side.part.law.mean(&one.1, &other.1))
 }

@@ -23,19 +23,22 @@ pub fn leapfrog(scene: &Scene, cells: usize, cfl: f64) -> Leapfrog {
     let grid = Grid::new(&scene.bar, cells, cfl);
     let laws = scene.bar.segments.iter().map(|s| stepped_law(s, &scene.effects, grid.dt)).collect();
     let ends = [scene.left.clone(), scene.right.clone()];
-    let bar = match along(&scene.bar, &scene.effects) {
-        Some(along) => Leapfrog::with_along(&scene.bar, grid, laws, ends, &along),
-        None => {
-            let follow_curves = scene.effects.rate.is_none()
-                && scene.bar.segments.iter().all(|s| heat_of_state(&s.material, &scene.effects).is_none());
-            let fans = if follow_curves { launches(&scene.bar, &ends[0], &ends[1]) } else { Vec::new() };
-            Leapfrog::new(&scene.bar, grid, laws, ends).starting_with(&fans)
-        }
+    let bar = if let Some(along) = along(&scene.bar, &scene.effects) {
+        Leapfrog::with_along(&scene.bar, grid, laws, ends, &along)
+    } else {
+        let fans = if follows_curves(scene) { launches(&scene.bar, &ends[0], &ends[1]) } else { Vec::new() };
+        Leapfrog::new(&scene.bar, grid, laws, ends).starting_with(&fans)
     };
     match criteria(scene) {
         Some(criteria) => bar.that_breaks(criteria),
         None => bar,
     }
+}
+
+/// First loading follows the materials' curves at once: no rate, and no temperature that is a state of its own.
+fn follows_curves(scene: &Scene) -> bool {
+    let warms = |segment: &Segment| heat_of_state(&segment.material, &scene.effects).is_some();
+    scene.effects.rate.is_none() && !scene.bar.segments.iter().any(warms)
 }
 
 /// The conservative finite-difference bar of a scene, ready to step: about `cells` cells, Courant number `cfl`.

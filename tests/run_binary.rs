@@ -752,38 +752,37 @@ fn wrong_places_are_refused() {
     assert_eq!(std::fs::read_dir(folder.path()).expect("a folder").count(), 1);
 }
 
-/// Grids whose bars strike each other ring at Courant number 1. Every command that reads such a scene says so, and the result
+/// A segment of less than a cell brings the step of the whole bar down. Every command that reads such a scene says so, and the result
 /// file keeps it.
 #[test]
-fn a_courant_number_at_which_bars_ring_is_noted() {
+fn a_segment_shorter_than_a_cell_is_noted() {
     let folder = tempfile::tempdir().expect("a folder");
-    let text = std::fs::read_to_string(runs().join("split-hopkinson.toml")).expect("a scene");
-    let of_a_wall = "[bar]\nlength = 0.1\nmaterial = { name = \"steel\", density = 7800, modulus = 200e9, beyond = \"extend\", \
-                     curve = { table = [[0.001, 200e6]] } }\nvelocity = 1\n[left]\nkind = \"free\"\n[right]\n\
-                     kind = \"wall\"\ngap = 1e-5\n[solve]\nuntil = 2e-5\n";
-    let shorter = text.replace("until = \"", "cfl = 1\nuntil = 2e-5 # \"");
-    assert_ne!(text, shorter);
-    for (name, text, rings) in [
-        ("bars.toml", shorter.clone(), true),
-        ("default.toml", shorter.replace("cfl = 1\n", ""), false),
-        ("wall.toml", format!("{of_a_wall}cfl = 0.996\n"), true),
-        ("at-the-default.toml", format!("{of_a_wall}cfl = 0.995\n"), false),
-        ("touching.toml", format!("{of_a_wall}cfl = 1\n").replace("gap = 1e-5", "gap = 0"), false),
-        ("muscl.toml", format!("{of_a_wall}scheme = \"muscl\"\ncfl = 1\n"), false),
+    let scene = |length: &str, solve: &str| {
+        let steel = "material = { name = \"steel\", density = 7800, modulus = 200e9, beyond = \"extend\", curve = { table = [[0.001, 200e6]] } }";
+        format!(
+            "[[bar.segment]]\nlength = 0.1\n{steel}\n[[bar.segment]]\nlength = {length}\n{steel}\n[left]\nkind = \"velocity\"\nvalue = 1\n\
+             [right]\nkind = \"free\"\n[solve]\nuntil = 2e-6\n{solve}\n"
+        )
+    };
+    for (name, text, noted) in [
+        ("short.toml", scene("1e-5", "cells = 100"), true),
+        ("muscl.toml", scene("1e-5", "cells = 100\nscheme = \"muscl\""), true),
+        ("even.toml", scene("0.1", "cells = 100"), false),
+        ("tracked.toml", scene("1e-5", "method = \"moc\""), false),
     ] {
         std::fs::write(folder.path().join(name), text).expect("a file");
         for command in [&["check", name] as &[&str], &["plan", name], &["run", name, "-o", "out.h5"]] {
             let output = barwave(folder.path(), command);
             let stdout = String::from_utf8_lossy(&output.stdout);
             assert_eq!(output.status.code(), Some(0), "{command:?}: {}", String::from_utf8_lossy(&output.stderr));
-            assert_eq!(stdout.contains("  note: at cfl = "), rings, "{command:?}: {stdout}");
+            assert_eq!(stdout.contains("  note: segment 2"), noted, "{command:?}: {stdout}");
         }
         for command in [&["plan", name, "--json"] as &[&str], &["run", name, "--json", "-o", "out.h5"]] {
             let output = barwave(folder.path(), command);
             let value: Value = serde_json::from_slice(&output.stdout).expect("one JSON value");
-            assert_eq!(value["notes"].as_array().map(Vec::len), Some(usize::from(rings)), "{command:?}: {value}");
+            assert_eq!(value["notes"].as_array().map(Vec::len), Some(usize::from(noted)), "{command:?}: {value}");
         }
         let file = barwave::record::store::ResultFile::open(&folder.path().join("out.h5")).expect("a result file");
-        assert_eq!(file.facts().notes.len(), usize::from(rings), "{name}");
+        assert_eq!(file.facts().notes.len(), usize::from(noted), "{name}");
     }
 }

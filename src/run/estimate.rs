@@ -20,7 +20,7 @@ pub fn estimate(scene: &Scene) -> Vec<AuditRow> {
         }
         Method::FrontTracking { .. } => CELLS,
     };
-    let mut bar = assemble::leapfrog(scene, cells, scene.default_courant());
+    let mut bar = assemble::leapfrog(scene, cells, 1.0);
     let steps = steps(scene, bar.grid().dt);
     let mut audit = Audit::new(&case(scene, Some(bar.grid().cells())));
     let watched = Sampling::at(bar.grid(), audit.places().to_vec());

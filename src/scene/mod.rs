@@ -2,10 +2,10 @@
 
 mod auto;
 mod check;
-mod courant;
 mod cut;
 mod effects;
 mod not_yet;
+mod notes;
 mod overrides;
 mod raw;
 mod resolved;
@@ -19,7 +19,6 @@ use crate::input::Document;
 use crate::record::{Compression, Field, Precision, SolvedBy};
 
 pub use auto::Auto;
-pub use courant::default_courant;
 pub use cut::{Cut, MOST_PIECES};
 pub use effects::{Damping, Effects, Heat, Rate, Rupture, Unloading};
 use overrides::Overrides;

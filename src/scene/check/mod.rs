@@ -21,7 +21,7 @@ pub(super) use bar::Named;
 pub(super) use rupture::MOST_NOTCH;
 
 use super::raw::{EffectsChoice, RawEffects, RawScene, RawUnloading};
-use super::{Auto, Effects, Scene, Unloading, default_courant, not_yet};
+use super::{Auto, Effects, Scene, Unloading, not_yet};
 use crate::bar::Bar;
 use crate::error::{InputError, Result};
 use crate::input::{Allowed, Document};
@@ -79,7 +79,7 @@ pub(super) fn check(document: &Document, base: &Path) -> Result<Scene> {
     checker.along_goes(&raw_effects, &bar)?;
     let until = "add [solve] with until, the end time, e.g. until = \"200 us\"";
     let raw_solve = checker.required(raw.solve.as_ref(), "solve", until)?;
-    let solve = checker.solve(raw_solve, &raw_effects, default_courant(&bar, [&left, &right]))?;
+    let solve = checker.solve(raw_solve, &raw_effects)?;
     checker.steps_can_be_taken(raw_solve.get_ref(), &solve, &bar)?;
     checker.muscl_can(raw_solve.get_ref(), &solve.method, &raw_effects, auto.is_some(), &bar, [&left, &right])?;
     checker.taper_can_be_solved(raw_bar.get_ref(), &bar, &solve.method)?;

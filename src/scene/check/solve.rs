@@ -41,8 +41,7 @@ impl RawMethod {
 }
 
 impl Checker<'_> {
-    /// `courant` is leapfrog's default.
-    pub(super) fn solve(&self, raw: &Spanned<RawSolve>, effects: &RawEffects, courant: f64) -> Result<Solve> {
+    pub(super) fn solve(&self, raw: &Spanned<RawSolve>, effects: &RawEffects) -> Result<Solve> {
         let (span, raw) = (raw.span(), raw.get_ref());
         let Some(until) = &raw.until else {
             let help = "add the end time, e.g. until = \"200 us\"; an elastic wave needs length/c0 to cross the bar";
@@ -65,7 +64,7 @@ impl Checker<'_> {
         self.heat_can_be_followed(effects, method)?;
         self.only_keys_of(raw, method, rate)?;
         let method = match (method, rate) {
-            (RawMethod::Fd, _) => self.on_a_grid(raw, courant)?,
+            (RawMethod::Fd, _) => self.on_a_grid(raw)?,
             (RawMethod::Moc, false) => self.front_tracking(raw)?,
             (RawMethod::Moc, true) => Method::CharacteristicNet { cells: self.cells(raw)? },
         };
@@ -111,16 +110,11 @@ impl Checker<'_> {
         Ok(Some(Tolerance { value, methods: Vec::new() }))
     }
 
-    /// `courant` is leapfrog's default.
-    fn on_a_grid(&self, raw: &RawSolve, courant: f64) -> Result<Method> {
+    fn on_a_grid(&self, raw: &RawSolve) -> Result<Method> {
         let cells = self.cells(raw)?;
         let range = Allowed::Above(0.0, 1.0);
-        let cfl = self.document.optional(raw.cfl.as_ref(), "solve.cfl", Dimension::None, range)?;
-        Ok(if raw.is_muscl() {
-            Method::Muscl { cells, cfl: cfl.unwrap_or(1.0) }
-        } else {
-            Method::Leapfrog { cells, cfl: cfl.unwrap_or(courant) }
-        })
+        let cfl = self.document.optional(raw.cfl.as_ref(), "solve.cfl", Dimension::None, range)?.unwrap_or(1.0);
+        Ok(if raw.is_muscl() { Method::Muscl { cells, cfl } } else { Method::Leapfrog { cells, cfl } })
     }
 
     fn cells(&self, raw: &RawSolve) -> Result<usize> {

@@ -28,8 +28,7 @@ pub struct RawSolve {
     /// 100000000. Default: 1000.
     #[schemars(with = "Option<u64>")]
     pub cells: Option<Number>,
-    /// For the method "fd": Courant number of the fastest wave, 0 < cfl <= 1. Default: 1; 0.995 with contact joints or a
-    /// wall across a gap, where at 1 the grid can ring.
+    /// For the method "fd": Courant number of the fastest wave, 0 < cfl <= 1. Default: 1.
     #[schemars(with = "Option<f64>")]
     pub cfl: Option<Number>,
     /// Relative change of the stress from which on the audit says that an effect that was left out matters, and

@@ -353,7 +353,7 @@ impl Leapfrog {
 
     /// The joints that can open, from left to right.
     pub fn contacts(&self) -> impl Iterator<Item = ContactState> {
-        self.contacts.iter().map(|contact| contact.state())
+        self.contacts.iter().map(Contact::state)
     }
 
     /// True while no cell has yielded: only the elastic kernel has run.

@@ -16,6 +16,21 @@ use crate::bar::{Launch, Origin};
 /// 0.9 % too much strain with 6, 0.1 % with 10.
 const CELLS: f64 = 12.0;
 
+/// Cells over which fronts but the first are spread, as the scheme itself spreads them.
+const RAMP: f64 = 4.0;
+
+/// Integral up to `t` (s) of a front of height 1 that passes at 0 and rises evenly over `width` (s).
+fn ramped(t: f64, width: f64) -> f64 {
+    let half = 0.5 * width;
+    if t >= half {
+        t
+    } else if t <= -half {
+        0.0
+    } else {
+        0.5 * (t + half) * (t + half) / width
+    }
+}
+
 /// The fan of an end.
 #[derive(Debug, Clone)]
 pub(super) struct StartingFan {
@@ -28,6 +43,8 @@ pub(super) struct StartingFan {
     velocity_behind: f64,
     /// Stress behind it, Pa, tension positive.
     stress: f64,
+    /// Length over which fronts but the first are ramps, m.
+    ramp: f64,
     /// Steps in which it is imposed.
     steps: usize,
     /// Energy that the end gave for it and the nodes did not get, J.
@@ -37,9 +54,13 @@ pub(super) struct StartingFan {
 impl StartingFan {
     /// Mean velocity over the step from `time` on at `distance` (m) from the end, m/s.
     fn mean_velocity(&self, distance: f64, time: f64, dt: f64) -> f64 {
-        let share = |speed: f64| ((time + dt - distance / speed) / dt).clamp(0.0, 1.0);
-        let jumps = self.fronts.iter().take_while(|[speed, _]| speed * (time + dt) > distance);
-        self.velocity_ahead + jumps.map(|[speed, jump]| jump * share(*speed)).sum::<f64>()
+        let share = |k: usize, speed: f64| {
+            let arrival = distance / speed;
+            let width = if k == 0 { 0.0 } else { (self.ramp / speed).min(2.0 * arrival) };
+            (ramped(time + dt - arrival, width) - ramped(time - arrival, width)) / dt
+        };
+        let jumps = self.fronts.iter().enumerate();
+        self.velocity_ahead + jumps.map(|(k, [speed, jump])| jump * share(k, *speed)).sum::<f64>()
     }
 }
 
@@ -66,7 +87,8 @@ impl Leapfrog {
             return None;
         }
         let (part, dt) = (&self.grid.segments[launch.segment], self.grid.dt);
-        let wanted = (CELLS * part.dx / (slowest.speed * dt)).ceil();
+        let cells: f64 = std::env::var("C").ok().and_then(|s| s.parse().ok()).unwrap_or(CELLS);
+        let wanted = (cells * part.dx / (slowest.speed * dt)).ceil();
         // Other fans may come to meet it from the far side.
         let room = part.dx * part.cells.len() as f64 / if fans > 1 { 2.0 } else { 1.0 };
         let possible = (room / (fan.edges[0].speed * dt)).min(launch.loads_until / dt).floor() - 1.0;
@@ -77,6 +99,7 @@ impl Leapfrog {
             velocity_ahead: launch.velocity_ahead,
             velocity_behind: launch.velocity_ahead + sense * fan.velocity,
             stress: launch.sense.sign() * fan.stress,
+            ramp: std::env::var("S").ok().and_then(|s| s.parse().ok()).unwrap_or(RAMP) * part.dx,
             steps: wanted.min(possible).max(0.0) as usize,
             lost: 0.0,
         })

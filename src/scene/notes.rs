@@ -1,0 +1,40 @@
+//! What a user should know of a scene that is right, but asks for something that does not go well.
+
+use super::{Method, Scene};
+
+/// A grid is noted where its step is below this part of what the other segments could take.
+const SMALL_STEP: f64 = 0.5;
+
+impl Scene {
+    /// A sentence each.
+    pub fn notes(&self) -> Vec<String> {
+        self.short_segment().into_iter().collect()
+    }
+
+    /// A segment too short for a cell of the others' transit time is one cell, and its step holds for the whole bar.
+    fn short_segment(&self) -> Option<String> {
+        let (Method::Leapfrog { cells, cfl } | Method::Muscl { cells, cfl }) = self.solve.method else { return None };
+        let (bar, transit) = (&self.bar, self.bar.transit_time());
+        let cell_transits: Vec<f64> = bar
+            .segments
+            .iter()
+            .map(|segment| {
+                let time = segment.length / segment.material.c0();
+                time / (cells as f64 * time / transit).round().max(1.0)
+            })
+            .collect();
+        let (shortest, step) = cell_transits.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1))?;
+        let longest = cell_transits.iter().copied().fold(0.0, f64::max);
+        let courant = cfl * step / longest;
+        (step / longest < SMALL_STEP).then(|| {
+            format!(
+                "segment {} ({:.3e} m) is shorter than a cell of the others: its step brings the Courant number down to {courant:.2e} \
+                 elsewhere, where fronts are spread and the run takes {:.0} times as many steps; join it to its neighbour, or take \
+                 more cells or method = \"moc\"",
+                shortest + 1,
+                bar.segments[shortest].length,
+                longest / step,
+            )
+        })
+    }
+}

@@ -14,7 +14,7 @@
 use std::sync::Arc;
 
 use super::tabulate::refine;
-use super::{Beyond, Curve, Loading, Material};
+use super::{Beyond, Curve, CurveError, Loading, Material};
 
 /// Largest distance in stress of a nominal curve from the integral, over its largest stress.
 pub const TORSION_TOLERANCE: f64 = 1e-4;
@@ -51,12 +51,15 @@ impl Hollow {
         4.0 * moment / ((1.0 - q) * (1.0 + q) * (1.0 + q * q))
     }
 
-    /// The curve of the section, for first loading, tabulated to [`TORSION_TOLERANCE`]; and what it is off, Pa.
-    pub fn nominal_curve(self, curve: &Curve, modulus: f64) -> (Curve, f64) {
+    /// The curve of the section, for first loading, tabulated to [`TORSION_TOLERANCE`]; and its largest error, Pa.
+    ///
+    /// # Errors
+    /// The table of the integral is not a curve, e.g. where its strains leave the range of floating-point numbers.
+    pub fn nominal_curve(self, curve: &Curve, modulus: f64) -> Result<(Curve, f64), CurveError> {
         let (limit, yields_at) = curve.elastic_limit(modulus);
         let straight = curve.strain().len() == 2 && curve.beyond() == Beyond::Extend;
         if straight || limit == curve.last_strain() {
-            return (curve.clone(), 0.0);
+            return Ok((curve.clone(), 0.0));
         }
         let last = curve.last_strain();
         let end = if curve.beyond() == Beyond::Extend { EXTENDED * last } else { last };
@@ -71,23 +74,24 @@ impl Hollow {
             // Exactly on the elastic line.
             rows[0] = (limit, yields_at);
         }
-        let nominal = Curve::new(&rows, curve.beyond());
-        nominal.map_or_else(|_| (curve.clone(), 0.0), |nominal| (nominal, table.error))
+        Ok((Curve::new(&rows, curve.beyond())?, table.error))
     }
 }
 
 impl Material {
     /// This material, known in shear, as a rod (q = 0) or a tube of it behaves in torsion, in terms of the surface.
-    #[must_use]
-    pub fn in_torsion(&self, hollow: Hollow) -> Arc<Self> {
-        let (curve, error) = hollow.nominal_curve(&self.tension, self.modulus);
+    ///
+    /// # Errors
+    /// As [`Hollow::nominal_curve`].
+    pub fn in_torsion(&self, hollow: Hollow) -> Result<Arc<Self>, CurveError> {
+        let (curve, error) = hollow.nominal_curve(&self.tension, self.modulus)?;
         let form = if hollow.q == 0.0 { "rod".to_owned() } else { format!("tube {:.6}", hollow.q) };
-        Arc::new(Self {
+        Ok(Arc::new(Self {
             name: format!("{} {form}", self.name),
             tension: curve,
             table_error: self.table_error.max(error),
             ..self.clone()
-        })
+        }))
     }
 
     /// This material, known in tension, in shear by von Mises' rule: tau = sigma/sqrt(3), plastic shear strain sqrt(3) times
@@ -131,7 +135,7 @@ mod tests {
     #[test]
     fn a_perfectly_plastic_rod_follows_the_closed_form() {
         let (curve, solid) = (perfectly_plastic(), Hollow { q: 0.0 });
-        let (table, _) = solid.nominal_curve(&curve, G);
+        let (table, _) = solid.nominal_curve(&curve, G).expect("a curve");
         for k in 1..400 {
             let g = 0.2 * f64::from(k) / 400.0;
             // T = 4/3 Ty (1 - (gy/g)^3/4).
@@ -141,6 +145,15 @@ mod tests {
             assert!((table.stress_at(g) - exact).abs() < 1.5 * TORSION_TOLERANCE * 213e6, "{g}");
         }
         assert_eq!(table.elastic_limit(G), (0.002, 160e6));
+    }
+
+    /// Such a rod was simulated with the shear curve of its material, and its table's error reported as 0.
+    #[test]
+    fn a_section_without_a_nominal_curve_is_an_error() {
+        let curve = Curve::new(&[(0.002, 160e6), (1e308, 170e6)], Beyond::Extend).expect("rows rise");
+        assert!(Hollow { q: 0.0 }.nominal_curve(&curve, G).is_err());
+        let rod = Material::from_curve("steel", 7800.0, curve).in_torsion(Hollow { q: 0.0 });
+        assert!(rod.is_err());
     }
 
     #[test]

@@ -202,13 +202,13 @@ fn sample(
 
 /// What a grid solver calls a field; none for the displacement, which is summed up from the strain.
 fn quantity(field: Field) -> Option<Quantity> {
-    match field.base() {
-        Field::Strain => Some(Quantity::Strain),
-        Field::Velocity => Some(Quantity::Velocity),
+    match field {
+        Field::Stress | Field::Torque => Some(Quantity::Stress),
+        Field::Strain | Field::Twist => Some(Quantity::Strain),
+        Field::Velocity | Field::AngularVelocity => Some(Quantity::Velocity),
         Field::PlasticStrain => Some(Quantity::PlasticStrain),
         Field::AccumulatedPlasticStrain => Some(Quantity::AccumulatedPlasticStrain),
         Field::Temperature => Some(Quantity::Temperature),
         Field::Displacement => None,
-        _ => Some(Quantity::Stress),
     }
 }

@@ -14,16 +14,16 @@ impl View for FrontTracking {
     }
 
     fn sample(&self, field: Field, places: &[f64], out: &mut [f64]) {
-        let value: fn(&Medium, &Point) -> f64 = match field.base() {
-            Field::Strain => Medium::strain,
-            Field::Velocity => |_, p| p.velocity,
+        let value: fn(&Medium, &Point) -> f64 = match field {
+            Field::Stress | Field::Torque => |_, p| p.stress,
+            Field::Strain | Field::Twist => Medium::strain,
+            Field::Velocity | Field::AngularVelocity => |_, p| p.velocity,
             Field::PlasticStrain => Medium::plastic_strain,
             Field::AccumulatedPlasticStrain => |m, p| p.accumulated / m.modulus,
             Field::Displacement => return self.displacements(places, out),
             Field::Temperature => {
                 return self.sweep(places, |k, segment, point| out[k] = self.temperature(segment, point));
             }
-            _ => |_, p| p.stress,
         };
         self.sweep(places, |k, segment, point| out[k] = value(self.medium(segment), point));
     }

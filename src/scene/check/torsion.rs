@@ -2,6 +2,7 @@
 //! area J/R^2, see [`crate::material::Hollow`] and [`crate::scene::Torsion`].
 
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::f64::consts::PI;
 use std::ops::Range;
 use std::sync::Arc;
@@ -13,9 +14,9 @@ use super::super::raw::{EndKind, Mode, RawBar, RawEffects, RawEnd, RawSegment, S
 use super::Checker;
 use super::ends::given;
 use crate::bar::{Bar, EndCondition, Joint};
-use crate::error::Result;
+use crate::error::{InputError, Result};
 use crate::input::{Allowed, Number};
-use crate::material::{Hollow, Loading, Material};
+use crate::material::{CurveError, Hollow, Loading, Material};
 use crate::units::Dimension;
 
 /// The wall of a tube in which stress is taken as even, in parts of its diameter: J is then right to 0.3 %.
@@ -100,6 +101,13 @@ impl Checker<'_> {
         Ok(())
     }
 
+    fn no_nominal_curve(&self, given: &Given, shear: &Material, fault: &CurveError) -> InputError {
+        let message = format!("the shear curve of `{}` gives no curve of torque over twist: {fault}", shear.name);
+        let span = given.material.clone().unwrap_or_else(|| given.span.clone());
+        let help = "end its table at strains that can occur, or give a thin-walled section";
+        self.error(span, &format!("{}.material", given.key), message).help(help)
+    }
+
     /// Makes of a bar as it was read one in terms of its surface.
     pub(super) fn twist(&self, raw: &Spanned<RawBar>, bar: &mut Bar) -> Result<Torsion> {
         let mut torsion = Torsion { radius: 0.0, polar: Vec::new() };
@@ -121,7 +129,14 @@ impl Checker<'_> {
             let shear = self.in_shear(raw.get_ref(), &given, &segment.material)?;
             if let Some(hollow) = round.hollow {
                 let key = (Arc::as_ptr(&segment.material) as usize, hollow.q.to_bits());
-                segment.material = shared.entry(key).or_insert_with(|| shear.in_torsion(hollow)).clone();
+                let twisted = match shared.entry(key) {
+                    Entry::Occupied(entry) => entry.into_mut(),
+                    Entry::Vacant(entry) => {
+                        let curve = shear.in_torsion(hollow);
+                        entry.insert(curve.map_err(|fault| self.no_nominal_curve(&given, &shear, &fault))?)
+                    }
+                };
+                segment.material = Arc::clone(twisted);
             } else {
                 segment.material = shear;
             }

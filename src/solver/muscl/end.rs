@@ -259,15 +259,6 @@ impl End {
     pub fn striker_velocity(&self) -> Option<f64> {
         self.striker.as_ref().map(|striker| striker.velocity)
     }
-
-    /// Energy of the body at the end, J: of motion for a striker, stored for a spring, 0 without one.
-    pub fn body_energy(&self) -> f64 {
-        if let Some(striker) = &self.striker {
-            return 0.5 * striker.mass * striker.velocity * striker.velocity;
-        }
-        let EndCondition::Spring { stiffness } = self.condition else { return 0.0 };
-        0.5 * stiffness * self.displacement * self.displacement
-    }
 }
 
 /// Rate of change of a history just after `time`, apart from its jumps.

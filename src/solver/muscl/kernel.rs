@@ -5,14 +5,12 @@ use std::ops::Range;
 use multiversion::multiversion;
 
 use super::block::{Block, GHOSTS, ROW, Stage};
+use super::dissipation;
 use super::front;
 use super::slope::limited;
 use super::stepping::Part;
 use crate::law::LANES;
 use crate::wave::riemann::{Faces, Flux, Near, Point};
-
-/// Numbers of the law state that a cell can have.
-const MOST_STATE: usize = 4;
 
 /// What the elastic kernel must know of a segment.
 #[derive(Debug, Clone, Copy)]
@@ -33,10 +31,11 @@ impl Elastic {
 /// Room to work in. Whatever is read of it in a step has been written in that step.
 #[derive(Clone)]
 pub(super) struct Scratch {
-    carried: Carried,
-    through: Through,
-    ahead: Ahead,
-    increment: [f64; ROW],
+    pub(super) carried: Carried,
+    pub(super) through: Through,
+    pub(super) ahead: Ahead,
+    pub(super) middle: Middle,
+    pub(super) increment: [f64; ROW],
     /// Stresses before or after a step.
     stress: [f64; ROW],
     slope: [f64; ROW],
@@ -50,36 +49,49 @@ pub(super) struct Scratch {
 }
 
 impl Scratch {
-    pub const ZERO: Self = Self {
-        carried: Carried { left: [[0.0; ROW]; 2], right: [[0.0; ROW]; 2] },
-        through: Through { stress: [0.0; ROW + 1], velocity: [0.0; ROW + 1] },
-        ahead: Ahead { sigma: [0.0; ROW], state: [0.0; MOST_STATE * ROW], work: [0.0; ROW] },
-        increment: [0.0; ROW],
-        stress: [0.0; ROW],
-        slope: [0.0; ROW],
-        lost: [0.0; ROW],
-        gained: [0.0; ROW],
-        flat: [false; ROW],
-        steep: [None; ROW],
-    };
+    /// For laws with at most this many state numbers a cell.
+    pub fn new(state_len: usize) -> Self {
+        // A curve that is followed both ways has its state at both faces of a cell.
+        let state = vec![0.0; state_len.max(2) * ROW];
+        Self {
+            carried: Carried { left: [[0.0; ROW]; 2], right: [[0.0; ROW]; 2] },
+            through: Through { stress: [0.0; ROW + 1], velocity: [0.0; ROW + 1] },
+            ahead: Ahead { sigma: [0.0; ROW], state, work: [0.0; ROW] },
+            middle: Middle { stress: [0.0; ROW], velocity: [0.0; ROW] },
+            increment: [0.0; ROW],
+            stress: [0.0; ROW],
+            slope: [0.0; ROW],
+            lost: [0.0; ROW],
+            gained: [0.0; ROW],
+            flat: [false; ROW],
+            steep: [None; ROW],
+        }
+    }
 }
 
 /// States of a row's cells at their left and right faces, half a step on: stresses and velocities.
 #[derive(Clone)]
-struct Carried {
-    left: [[f64; ROW]; 2],
-    right: [[f64; ROW]; 2],
+pub(super) struct Carried {
+    pub left: [[f64; ROW]; 2],
+    pub right: [[f64; ROW]; 2],
+}
+
+/// Means of cells over a step, as the fluxes of second order make them: stresses and velocities.
+#[derive(Clone)]
+pub(super) struct Middle {
+    pub stress: [f64; ROW],
+    pub velocity: [f64; ROW],
 }
 
 /// What goes through the faces of a row: stress and velocity; face i is that between cells i - 1 and i.
 #[derive(Clone)]
-struct Through {
-    stress: [f64; ROW + 1],
-    velocity: [f64; ROW + 1],
+pub(super) struct Through {
+    pub stress: [f64; ROW + 1],
+    pub velocity: [f64; ROW + 1],
 }
 
 impl Through {
-    fn set(&mut self, face: usize, flux: Flux) {
+    pub fn set(&mut self, face: usize, flux: Flux) {
         (self.stress[face], self.velocity[face]) = (flux.stress, flux.velocity);
     }
 
@@ -96,11 +108,12 @@ impl Through {
 
 /// A row half a step on, by the cells' own law.
 #[derive(Clone)]
-struct Ahead {
-    sigma: [f64; ROW],
-    state: [f64; MOST_STATE * ROW],
+pub(super) struct Ahead {
+    pub sigma: [f64; ROW],
+    /// As many numbers a cell as the law of the bar with the most.
+    pub state: Vec<f64>,
     /// Not 0 in cells that flow.
-    work: [f64; ROW],
+    pub work: [f64; ROW],
 }
 
 /// One elastic step of a block; false, and nothing is changed, where a stress comes past the elastic limit.
@@ -158,16 +171,16 @@ fn largest(a: &[f64], b: &[f64]) -> f64 {
     peak.iter().fold(rest, |m, &p| m.max(p))
 }
 
-/// What goes through the own faces of an elastic row.
+/// What goes through the faces of an elastic row: its own, and one beyond on either side.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
 fn acoustic(elastic: Elastic, row: usize, carried: &Carried, through: &mut Through) {
-    let last = row - GHOSTS;
+    let (first, last) = (GHOSTS - 1, row - GHOSTS + 1);
     let Carried { left: [left_s, left_v], right: [right_s, right_v] } = carried;
     let (stress, velocity) = (&mut through.stress[..=last], &mut through.velocity[..=last]);
     let (left_s, left_v) = (&left_s[..=last], &left_v[..=last]);
     let (right_s, right_v) = (&right_s[..=last], &right_v[..=last]);
     let [half_impedance, half_compliance] = elastic.halves;
-    for i in GHOSTS..=last {
+    for i in first..=last {
         let flux = Faces::acoustic(
             half_impedance,
             half_compliance,
@@ -236,8 +249,9 @@ pub(super) fn plastic(block: &mut Block, part: &Part, scratch: &mut Scratch) {
     } else {
         correct_history(block, part, scratch);
     }
+    scratch.through.set_outer(block);
+    dissipation::ensure(block, part, scratch);
     let Scratch { through, ahead, increment, stress, lost, .. } = scratch;
-    through.set_outer(block);
     increment[..row].fill(0.0);
     let faces = through.velocity[GHOSTS..=row - GHOSTS].windows(2);
     for (increment, face) in increment[GHOSTS..row - GHOSTS].iter_mut().zip(faces) {
@@ -428,8 +442,8 @@ fn correct_history(block: &mut Block, part: &Part, scratch: &mut Scratch) {
     }
 }
 
-/// The first or the last cell of a block at its outer face, half a step on.
-pub(super) fn near(block: &Block, part: &Part, side: usize) -> Near {
+/// The first or the last cell of a block at its outer face, half a step on. `state` is room for its law state.
+pub(super) fn near(block: &Block, part: &Part, side: usize, state: &mut Vec<f64>) -> Near {
     let i = block.inside(side, 0);
     let (s, v) = (&block.sigma, &block.v);
     let outward = if side == 0 { -0.5 } else { 0.5 };
@@ -444,21 +458,21 @@ pub(super) fn near(block: &Block, part: &Part, side: usize) -> Near {
         return Near { point, flowing: 0.0 };
     }
     let law = part.law.law.as_ref();
-    let (mut stress, mut work, mut state) = ([s[i]], [0.0], [0.0; MOST_STATE]);
-    let numbers = law.state_len();
+    let (mut stress, mut work) = ([s[i]], [0.0]);
+    state.clear();
+    state.resize(law.state_len(), 0.0);
     if part.path_independent {
         let z = |i: usize| block.reach(part, i);
         let dz = slope(z(i) - z(i - 1), z(i + 1) - z(i));
         stress = [0.0];
-        law.strain(&[z(i) + half_strain + outward * dz], &mut stress, &mut state[..numbers], &mut work);
+        law.strain(&[z(i) + half_strain + outward * dz], &mut stress, state, &mut work);
         let point = Point { stress: stress[0], velocity, plastic: state[0], ..Point::default() };
         return Near { point, flowing: 0.0 };
     }
-    for (number, value) in state[..numbers].iter_mut().enumerate() {
+    for (number, value) in state.iter_mut().enumerate() {
         *value = block.state_at(number, i);
     }
-    law.strain(&[half_strain], &mut stress, &mut state[..numbers], &mut work);
-    let state = &state[..numbers];
+    law.strain(&[half_strain], &mut stress, state, &mut work);
     let (accumulated, back) = (law.accumulated(state, 0), law.back_stress(state, 0));
     let point = Point { stress: stress[0] + outward * ds, velocity, accumulated, back, ..Point::default() };
     if work[0] == 0.0 {

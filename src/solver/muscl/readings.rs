@@ -72,11 +72,6 @@ impl Muscl {
         self.ends.each_ref().map(End::striker_velocity)
     }
 
-    /// Energy of the bodies at the left and the right end, J: of motion for a striker, stored for a spring.
-    pub fn body_energies(&self) -> [f64; 2] {
-        self.ends.each_ref().map(End::body_energy)
-    }
-
     /// Work of the left and the right end so far, J.
     pub fn work(&self) -> [f64; 2] {
         self.ends.each_ref().map(|end| end.work)

@@ -82,6 +82,8 @@ pub struct Muscl {
     /// One for every group of blocks.
     scratch: Vec<Scratch>,
     work: Workspace,
+    /// Room for the law state of a cell at an end or a joint.
+    state: Vec<f64>,
 }
 
 impl Muscl {
@@ -99,10 +101,11 @@ impl Muscl {
         let [left, right] = ends;
         let left = End::new(left, -1.0, &parts[0], bar.segments[0].velocity);
         let right = End::new(right, 1.0, &parts[last], bar.segments[last].velocity);
+        let state_len = parts.iter().map(|part| part.law.law.state_len()).max().unwrap_or(0);
         let parallel = grid.cells() >= PARALLEL_FROM;
-        let scratch = vec![Scratch::ZERO; blocks.len().div_ceil(GROUP)];
-        let (ends, work) = ([left, right], Workspace::default());
-        Self { grid, parts, blocks, ends, joints, step: 0, parallel, scratch, work }
+        let scratch = vec![Scratch::new(state_len); blocks.len().div_ceil(GROUP)];
+        let (ends, work, state) = ([left, right], Workspace::default(), vec![0.0; state_len]);
+        Self { grid, parts, blocks, ends, joints, step: 0, parallel, scratch, work, state }
     }
 
     /// One step. Allocates nothing, but for the plastic state of a block in the step in which it first yields.
@@ -154,7 +157,7 @@ impl Muscl {
         let last = self.blocks.len() - 1;
         for (side, k) in [(0, 0), (1, last)] {
             let part = &self.parts[self.blocks[k].part];
-            let near = kernel::near(&self.blocks[k], part, side);
+            let near = kernel::near(&self.blocks[k], part, side, &mut self.state);
             self.blocks[k].outer[side] = Some(self.ends[side].settle(time, dt, part, &near, &mut self.work));
         }
     }
@@ -164,7 +167,8 @@ impl Muscl {
         for joint in &mut self.joints {
             let (left, right) = (&self.blocks[joint.edge], &self.blocks[joint.edge + 1]);
             let parts = [&self.parts[left.part], &self.parts[right.part]];
-            let near = [kernel::near(left, parts[0], 1), kernel::near(right, parts[1], 0)];
+            let near = [(left, parts[0], 1), (right, parts[1], 0)]
+                .map(|(block, part, side)| kernel::near(block, part, side, &mut self.state));
             let [from_left, from_right] = joint.settle(dt, parts, &near, &mut self.work);
             self.blocks[joint.edge].outer[1] = Some(from_left);
             self.blocks[joint.edge + 1].outer[0] = Some(from_right);

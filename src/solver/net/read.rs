@@ -37,14 +37,6 @@ impl Net {
         }
     }
 
-    /// Static flow stress of a cell, Pa: what it could carry for ever in the sense of its present stress.
-    pub fn static_stress(&self, cell: usize) -> f64 {
-        let k = self.parts.partition_point(|p| p.cells.end <= cell);
-        let part = &self.parts[k];
-        let (stress, history, _) = part.cell(cell - part.cells.start, self.grid.dt);
-        part.law.limits(&history)[usize::from(stress >= 0.0)]
-    }
-
     /// Displacement of every cell centre, m: the left end's, and the strain summed up to the place.
     pub fn displacements(&self) -> Vec<f64> {
         let mut strains = vec![0.0; self.grid.cells()];

@@ -12,7 +12,6 @@ use crate::solver::fd::Grid;
 #[derive(Debug, Clone)]
 pub struct Net {
     pub(super) grid: Grid,
-    pub(super) shift: f64,
     pub(super) parts: Vec<Part>,
     /// One fewer than segments.
     pub(super) joints: Vec<Joint>,
@@ -25,7 +24,7 @@ pub struct Net {
 impl Net {
     /// A bar at t = 0, unstressed, moving as its segments say. `laws` has one entry a segment.
     pub fn new(bar: &Bar, lattice: Lattice, laws: Vec<RateLaw>, ends: [EndCondition; 2]) -> Self {
-        let Lattice { grid, shift } = lattice;
+        let Lattice { grid, .. } = lattice;
         let parts: Vec<Part> = bar
             .segments
             .iter()
@@ -41,7 +40,7 @@ impl Net {
             End::new(right, -1.0, &parts[last], velocity(last), grid.dt),
         ];
         let joints = bar.segments[..last].iter().map(|s| Joint::new(s.joint)).collect();
-        Self { entering: vec![[0.0; 2]; parts.len()], grid, shift, parts, joints, ends, step: 0 }
+        Self { entering: vec![[0.0; 2]; parts.len()], grid, parts, joints, ends, step: 0 }
     }
 
     /// One step. Allocates nothing.
@@ -90,10 +89,5 @@ impl Net {
     /// Cells and time step.
     pub fn grid(&self) -> &Grid {
         &self.grid
-    }
-
-    /// Largest relative change of a segment's transit time that makes it whole steps, see [`Lattice::shift`].
-    pub fn shift(&self) -> f64 {
-        self.shift
     }
 }

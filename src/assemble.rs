@@ -3,12 +3,12 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use crate::bar::{Bar, Segment};
+use crate::bar::{Bar, Segment, launches};
 use crate::law::rate::{Heated, Overstress, RateLaw, Timed};
 use crate::law::rupture::{Criteria, Criterion};
 use crate::law::{
-    Backbone, CellLaw, Envelope, Indexed, Isotropic, Mixed, PathIndependent, RowLaw, Rows, Searched, Table, TwoSided,
-    Warming,
+    Backbone, CellLaw, DataEnd, Envelope, Indexed, Isotropic, Mixed, PathIndependent, RowLaw, Rows, Searched, Table,
+    TwoSided, Warming,
 };
 use crate::material::{Curve, Heating, Material, Sense};
 use crate::scene::{Effects, Rate, Scene, Unloading};
@@ -25,7 +25,12 @@ pub fn leapfrog(scene: &Scene, cells: usize, cfl: f64) -> Leapfrog {
     let ends = [scene.left.clone(), scene.right.clone()];
     let bar = match along(&scene.bar, &scene.effects) {
         Some(along) => Leapfrog::with_along(&scene.bar, grid, laws, ends, &along),
-        None => Leapfrog::new(&scene.bar, grid, laws, ends),
+        None => {
+            let follow_curves = scene.effects.rate.is_none()
+                && scene.bar.segments.iter().all(|s| heat_of_state(&s.material, &scene.effects).is_none());
+            let fans = if follow_curves { launches(&scene.bar, &ends[0], &ends[1]) } else { Vec::new() };
+            Leapfrog::new(&scene.bar, grid, laws, ends).starting_with(&fans)
+        }
     };
     match criteria(scene) {
         Some(criteria) => bar.that_breaks(criteria),
@@ -153,7 +158,15 @@ pub fn stepped_law(segment: &Segment, effects: &Effects, dt: f64) -> SegmentLaw 
         (None, true) => warming(Timed::<6>::new(timed, dt), material),
         (None, false) => warming(Timed::<5>::new(timed, dt), material),
     };
-    SegmentLaw { law: rows, ..law }
+    let end = if heat.is_some() { cold_end(material) } else { law.end };
+    SegmentLaw { law: rows, end, ..law }
+}
+
+/// Where the data end on which a cell runs whose temperature is a state of its own.
+fn cold_end(material: &Material) -> DataEnd {
+    let cold: Vec<&Curve> = material.heating.iter().flat_map(|heating| &heating.cold).collect();
+    let tables: Vec<Table> = cold.iter().map(|curve| Table::new(curve, material.modulus)).collect();
+    DataEnd::new([&tables[0], &tables[tables.len() - 1]], material.modulus, material.loading)
 }
 
 /// The law of one segment under the scene's effects but for that of the strain rate.
@@ -163,7 +176,7 @@ pub fn segment_law(segment: &Segment, effects: &Effects) -> SegmentLaw {
     let compression = Table::new(material.branch(Sense::Compression), material.modulus);
     SegmentLaw {
         yield_stress: tension.yield_stress().min(compression.yield_stress()),
-        end: [tension.end(), compression.end()],
+        end: DataEnd::new([&tension, &compression], material.modulus, material.loading),
         law: choose_backbone(material, tension, compression, effects),
     }
 }

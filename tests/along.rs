@@ -238,7 +238,7 @@ fn a_tiny_damping_is_the_plain_plastic_bar() {
             common::advance(&mut bar, steps);
             let damped = common::profile(&bar, Quantity::Stress);
             let apart = stress.iter().zip(&damped).map(|(a, b)| (a - b).abs()).sum::<f64>() / total;
-            let viscous = bar.energies().viscous / plain.energies().viscous;
+            let viscous = bar.energies().numerical / plain.energies().numerical;
             println!("{steps} steps, {size:e}: {apart:.1e} apart; ripples took {viscous:.4} of the plain bar's");
             assert!(apart < bound, "{steps} steps, {size:e}: {apart:e}");
         }
@@ -349,8 +349,9 @@ fn drag_slows_a_flying_bar_exactly() {
         let half_a_step_on = bar.time() + 0.5 * bar.grid().dt;
         let expected = 3.0 * (-drag / (common::DENSITY * AREA) * half_a_step_on).exp();
         let velocity = bar.left().velocity_after();
-        // Rounding of 40 steps.
-        assert!((velocity / expected - 1.0).abs() < 1e-12, "{drag}: {velocity} for {expected}");
+        // Rounding of 40 steps; that of the first ones, at 3 m/s, leaves a stress that shows once the bar has all but stopped.
+        let rounding = 1e-12 * expected.max(1e-6);
+        assert!((velocity - expected).abs() < rounding, "{drag}: {velocity} for {expected}");
     }
 }
 
@@ -395,5 +396,5 @@ fn rate_laws_go_with_damping_on_the_grid() {
     }
     common::assert_ledger(&ledger, "rate");
     let now = bar.energies();
-    assert!(now.viscous > 0.0 && now.damping > 0.0 && now.plastic > 0.0 && !bar.stayed_elastic(), "{now:?}");
+    assert!(now.viscoplastic > 0.0 && now.damping > 0.0 && now.plastic > 0.0 && !bar.stayed_elastic(), "{now:?}");
 }

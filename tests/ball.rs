@@ -77,8 +77,7 @@ fn on(bar: &mut Leapfrog) -> Impact {
         force = force.max(-bar.left().stress() * AREA);
         let (velocity, gap) = bar.left().striker().expect("there");
         if gap > 0.0 {
-            // The gap is that of a step later.
-            let time = bar.time() + dt * (1.0 - gap / (gap - earlier));
+            let time = bar.time() - dt * gap / (gap - earlier);
             common::advance(bar, 2);
             let velocity = bar.left().striker().map_or(velocity, |s| s.0);
             return Impact { time, impulse: bar.left().impulse(), force, velocity };

@@ -178,7 +178,7 @@ fn check<S: Stepped>(name: &str, build: Build<S>) {
     // Where a bar strikes, momentum over mass and velocity of impact is the coefficient of restitution.
     let strike = number(&case.velocity).abs();
     let scale = if strike > 0.0 { strike * bar_mass } else { 1.0 };
-    let missed = (bar.account().momentum - number(&case.momentum)) / scale;
+    let missed = (bar.account().energies.momentum - number(&case.momentum)) / scale;
     assert!(missed.abs() < MOMENTUM, "{name}: momentum off by {missed:.5}");
 }
 

@@ -88,7 +88,7 @@ fn infinitely_quick_flow_is_the_rate_independent_bar_and_slow_flow_the_elastic_o
         let (one, other) = (quick.energies(), plain.energies());
         assert!(
             (one.plastic / other.plastic - 1.0).abs() < 1e-9
-                && (one.viscous - other.viscous).abs() < 1e-9 * one.plastic
+                && (one.viscoplastic - other.viscoplastic).abs() < 1e-9 * one.plastic
         );
     }
 }
@@ -169,7 +169,10 @@ fn no_rate_blows_up_and_all_work_is_accounted_for() {
                 bar.advance();
                 let row = ledger.row(&bar);
                 // Taken, not given, up to the rounding of the work of 300 cells.
-                assert!(row.viscous >= -1e-12 * row.plastic.abs().max(row.elastic), "{rate:?}");
+                assert!(
+                    row.energies.viscoplastic >= -1e-12 * row.energies.plastic.abs().max(row.energies.elastic),
+                    "{rate:?}"
+                );
             }
             assert_ledger(&ledger, &format!("{rate:?}"));
             assert!(profile(&bar, Quantity::Stress).iter().all(|s| s.abs() < 40.0 * DENSITY * c0() * 2.0));

@@ -9,6 +9,7 @@ use barwave::record::store::{Finish, Header, Layout, ResultFile, Side, Writer};
 use barwave::record::{AuditRow, Compression, Field, Frame, FrontRow, LedgerRow, Precision, Trace};
 use barwave::report::plot::png;
 use barwave::report::{Units, draw, page};
+use barwave::solver::Energies;
 
 fn front(speed: f64, stress_behind: f64) -> FrontRow {
     FrontRow {
@@ -52,7 +53,13 @@ fn start(path: &Path, frames: usize, stress: f64) -> Writer {
         };
         writer.gauge(0, trace.clone()).unwrap();
         writer.end(Side::Left, trace).unwrap();
-        writer.ledger(LedgerRow { time, kinetic: time, ..LedgerRow::default() }).unwrap();
+        writer
+            .ledger(LedgerRow {
+                time,
+                energies: Energies { kinetic: time, ..Energies::default() },
+                ..LedgerRow::default()
+            })
+            .unwrap();
     }
     writer
 }

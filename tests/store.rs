@@ -10,6 +10,7 @@ use barwave::record::store::{Finish, Header, Layout, RUNNING, ResultFile, Side, 
 use barwave::record::{
     AuditRow, Compression, ErrorFigure, Field, Frame, FrontRow, LedgerRow, MaterialRecord, PathRow, Precision, Trace,
 };
+use barwave::solver::Energies;
 
 const SPEED: f64 = 5000.0;
 const CELLS: usize = 300;
@@ -79,7 +80,8 @@ fn front() -> FrontRow {
 }
 
 fn ledger(index: usize) -> LedgerRow {
-    LedgerRow { time: index as f64 * 1e-6, kinetic: index as f64, residual: 1e-15, ..LedgerRow::default() }
+    let energies = Energies { kinetic: index as f64, ..Energies::default() };
+    LedgerRow { time: index as f64 * 1e-6, energies, residual: 1e-15, ..LedgerRow::default() }
 }
 
 fn trace(index: usize) -> Trace {

@@ -161,12 +161,12 @@ fn a_flywheel_s_angular_momentum_and_energy_go_into_the_rod() {
         let lost = [1e-3 * (3000.0 - omega), 0.5e-3 * (3000.0_f64.powi(2) - omega.powi(2))];
         assert!((last.impulse / lost[0] - 1.0).abs() < 3e-3, "{section}: {} {lost:?}", last.impulse);
         assert!((last.work_left / lost[1] - 1.0).abs() < 3e-3, "{section}: {} {lost:?}", last.work_left);
-        assert!((last.momentum - last.impulse).abs() < 1e-12 * last.impulse);
+        assert!((last.energies.momentum - last.impulse).abs() < 1e-12 * last.impulse);
         // rho J L omega: the same counted from the angular velocities.
         let torsion = scene.torsion.as_ref().expect("torsion");
         let velocity = row_of(&file, Field::Velocity, 19);
         let mean = velocity.iter().sum::<f64>() / velocity.len() as f64 / torsion.radius;
-        assert!((7800.0 * torsion.polar[0] * mean / last.momentum - 1.0).abs() < 5e-3, "{section}");
+        assert!((7800.0 * torsion.polar[0] * mean / last.energies.momentum - 1.0).abs() < 5e-3, "{section}");
     }
 }
 

@@ -196,7 +196,7 @@ fn the_impulse_of_the_end_histories_is_the_momentum() {
     let last = ledger.last().expect("a row");
     let impulse = 1e-4 * integral(&right.time, &right.stress) - 2e-4 * integral(&left.time, &left.stress);
     // Some ten steps of 8 N s in all.
-    assert!((impulse - last.momentum).abs() < 1e-13, "{impulse:e} {:e}", last.momentum);
+    assert!((impulse - last.energies.momentum).abs() < 1e-13, "{impulse:e} {:e}", last.energies.momentum);
     assert!(ledger.iter().all(|row| row.residual.abs() < 1e-13));
 }
 

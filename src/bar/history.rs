@@ -88,7 +88,9 @@ impl History {
             return self.value[last];
         }
         let mut integral = 0.0;
-        for k in 0..last {
+        // Rows before the last one at or before `from` add nothing.
+        let first = self.time.partition_point(|&row| row <= from).saturating_sub(1);
+        for k in (first..last).take_while(|&k| self.time[k] < to) {
             let (a, b) = (self.time[k].max(from), self.time[k + 1].min(to));
             if b > a {
                 let slope = (self.value[k + 1] - self.value[k]) / (self.time[k + 1] - self.time[k]);
@@ -101,6 +103,13 @@ impl History {
             integral += self.value[last] * tail;
         }
         integral / (to - from)
+    }
+
+    /// The value jumps at a time from `from` to `to` (s), both included.
+    pub fn jumps_between(&self, from: f64, to: f64) -> bool {
+        let first = self.time.partition_point(|&row| row < from);
+        let rows = self.time[first..].iter().take_while(|&&row| row <= to).count();
+        self.time[first..first + rows].windows(2).any(|pair| pair[0] == pair[1])
     }
 
     /// The value of largest magnitude (the first one, where several are equal).
@@ -122,6 +131,20 @@ mod tests {
         assert_eq!(h.mean(5.0, 9.0), 1.0);
         assert_eq!(h.at(2.0), 1.0);
         assert_eq!(h.at(1.0), 2.0);
+    }
+
+    #[test]
+    fn long_histories_are_searched_not_scanned() {
+        let rows: Vec<(f64, f64)> = (0..200_000).map(|k| (f64::from(k / 2), f64::from(k % 7))).collect();
+        let h = History::new(&rows).expect("rows are right");
+        let whole: f64 = (0..99_999).map(|k| 0.5 * (rows[2 * k + 1].1 + rows[2 * k + 2].1)).sum();
+        assert!((h.mean(0.0, 99_999.0) * 99_999.0 - whole).abs() < 1e-9 * whole);
+        // 10^6 look-ups in 10^5 rows: seconds if each of them read all rows, as this test would show by its time.
+        let looked: usize =
+            (0..1_000_000).filter(|k| h.jumps_between(f64::from(k / 11), f64::from(k / 11) + 0.5)).count();
+        assert_eq!(looked, 1_000_000);
+        assert!(!h.jumps_between(0.25, 0.75));
+        assert_eq!(h.mean(3.0, 3.5), 0.5 * (2.0 * rows[7].1 + 0.5 * (rows[8].1 - rows[7].1)));
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! The bar itself: segments, joints, ends and their histories; plain data, the same for every solver.
 
 mod end;
+pub mod ends;
 mod hertz;
 mod history;
 mod launch;

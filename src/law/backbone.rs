@@ -94,6 +94,17 @@ impl Table {
         self.end
     }
 
+    /// y at z >= 0, Pa.
+    fn at(&self, z: f64) -> f64 {
+        let k = self.lines.partition_point(|l| l.start <= z).max(1) - 1;
+        self.lines[k].at(z)
+    }
+
+    /// E times the plastic strain of a point that first loads to z, Pa; infinite where z is.
+    pub fn plastic_strain(&self, z: f64) -> f64 {
+        if z.is_finite() { z - self.at(z) } else { z }
+    }
+
     /// End of the elastic line, Pa: 0 where the curve leaves it at once, infinite where it never does.
     pub fn yield_stress(&self) -> f64 {
         if self.lines[0].slope < 1.0 { 0.0 } else { self.lines.get(1).map_or(f64::INFINITY, |l| l.start) }
@@ -293,9 +304,7 @@ pub struct Searched(pub Table);
 impl Backbone for Searched {
     #[inline]
     fn stress(&self, z: f64, _sign: f64) -> f64 {
-        let lines = self.0.lines();
-        let k = lines.partition_point(|l| l.start <= z).max(1) - 1;
-        lines[k].at(z)
+        self.0.at(z)
     }
 }
 

@@ -61,9 +61,16 @@ impl<L: CellLaw<N>, const N: usize> CellLaw<N> for Warming<L> {
         self.law.accumulated(state)
     }
 
-    #[inline(always)]
-    fn reach(&self, sigma: f64, state: [f64; N]) -> f64 {
-        self.law.reach(sigma, state)
+    fn sense(&self, sigma: f64, state: [f64; N]) -> Sense {
+        self.law.sense(sigma, state)
+    }
+
+    fn yields(&self, sigma: f64, state: [f64; N]) -> bool {
+        self.law.yields(sigma, state)
+    }
+
+    fn back_stress(&self, state: [f64; N]) -> f64 {
+        self.law.back_stress(state)
     }
 
     fn overstress_work(&self, state: [f64; N]) -> f64 {

@@ -10,6 +10,7 @@
 
 mod aligned;
 mod backbone;
+mod data_end;
 mod elastic;
 mod heat;
 mod path_independent;
@@ -20,8 +21,11 @@ pub mod rupture;
 
 use std::ops::Range;
 
+use crate::material::Sense;
+
 pub use aligned::{Aligned, AlignedRow, aligned_row, split_off};
 pub use backbone::{Backbone, Envelope, Indexed, Line, Searched, Table, TwoSided};
+pub use data_end::{DataEnd, FirstPassed, Flowing, Limit, Passed, Reached, StrainedRow};
 pub use elastic::elastic_row;
 pub use heat::Warming;
 pub use path_independent::PathIndependent;
@@ -48,7 +52,7 @@ pub struct Response<const N: usize> {
 }
 
 /// A law with `N` state numbers a cell. Pure; `predictor` is `base + E d_eps`.
-pub trait CellLaw<const N: usize>: Send + Sync {
+pub trait CellLaw<const N: usize>: Send + Sync + Sized {
     /// What the strain increment is added to: the stress, or the total E eps.
     fn base(&self, sigma: f64, state: [f64; N]) -> f64;
 
@@ -77,8 +81,7 @@ pub trait CellLaw<const N: usize>: Send + Sync {
     /// E times the signed plastic strain, Pa.
     fn plastic_strain(&self, state: [f64; N]) -> f64;
 
-    /// E times the accumulated plastic strain, Pa, >= 0. With |sigma| added, it is how far along the loading table the
-    /// cell has come.
+    /// E times the accumulated plastic strain, Pa, >= 0.
     fn accumulated(&self, state: [f64; N]) -> f64;
 
     /// Middle of the elastic range, as far as hardening moves it, Pa.
@@ -86,9 +89,14 @@ pub trait CellLaw<const N: usize>: Send + Sync {
         0.0
     }
 
-    /// How far the cell has come along the loading table, as E times the equivalent strain, Pa.
-    fn reach(&self, sigma: f64, state: [f64; N]) -> f64 {
-        sigma.abs() + self.accumulated(state)
+    /// The sense in which the cell flows if it flows.
+    fn sense(&self, sigma: f64, state: [f64; N]) -> Sense {
+        Sense::of(sigma - self.back_stress(state))
+    }
+
+    /// The cell flows, it is not elastic.
+    fn yields(&self, sigma: f64, state: [f64; N]) -> bool {
+        data_end::yields(self, sigma, state)
     }
 
     /// Plastic strain takes time: the two below mean something.
@@ -140,9 +148,8 @@ pub trait RowLaw: Send + Sync {
     /// True where another step without strain would change no bit of these cells of the row.
     fn rests(&self, sigma: &[f64], state: &[f64], cells: Range<usize>) -> bool;
 
-    /// How far the row has come along the loading tables, as E times the equivalent strain, Pa: the largest of the
-    /// cells now in tension, and of those in compression.
-    fn reach(&self, sigma: &[f64], state: &[f64]) -> [f64; 2];
+    /// Notes the cells of a row that have come to a limit of what the law knows.
+    fn note_limits(&self, end: &DataEnd, row: &StrainedRow<'_>, passed: &mut FirstPassed);
 
     /// E times the signed plastic strain of cell `i` of a row, Pa.
     fn plastic_strain(&self, state: &[f64], i: usize) -> f64;
@@ -202,13 +209,8 @@ impl<L: CellLaw<N>, const N: usize> RowLaw for Rows<L, N> {
         })
     }
 
-    fn reach(&self, sigma: &[f64], state: &[f64]) -> [f64; 2] {
-        let mut largest = [0.0_f64; 2];
-        for (i, s) in sigma.iter().enumerate() {
-            let side = &mut largest[usize::from(*s < 0.0)];
-            *side = side.max(self.0.reach(*s, cell_state(state, i)));
-        }
-        largest
+    fn note_limits(&self, end: &DataEnd, row: &StrainedRow<'_>, passed: &mut FirstPassed) {
+        data_end::note_limits(&self.0, end, row, passed);
     }
 
     fn plastic_strain(&self, state: &[f64], i: usize) -> f64 {

@@ -44,6 +44,11 @@ impl<B: Backbone> CellLaw<1> for PathIndependent<B> {
         inelastic
     }
 
+    /// Going back along the curve is flow too.
+    fn yields(&self, _sigma: f64, [inelastic]: [f64; 1]) -> bool {
+        inelastic != 0.0
+    }
+
     #[inline(always)]
     fn accumulated(&self, [inelastic]: [f64; 1]) -> f64 {
         inelastic.abs()

@@ -217,7 +217,7 @@ fn tabulate(raw: Option<&RawTabulate>, sense: Sense, name: &str, keys: Keys<'_>)
     let tolerance = raw.and_then(|r| r.tolerance.as_ref());
     let to_strain = raw.and_then(|r| r.to_strain.as_ref());
     let key = |part: &str| format!("{name}.tabulate.{part}");
-    let farthest = if sense == Sense::Compression { 0.95 } else { 10.0 };
+    let farthest = if sense == Sense::Compression { Tabulate::MOST_COMPRESSION } else { 10.0 };
     let range = Allowed::Above(0.0, farthest);
     Ok(Tabulate {
         tolerance: keys

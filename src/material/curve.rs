@@ -158,6 +158,12 @@ impl Curve {
         }
     }
 
+    /// True where a run cannot continue past the last knot: nothing is known there. Past a largest stress inside the data
+    /// nothing more is needed of them: waves carry no more than that.
+    pub fn stops_at_end(&self) -> bool {
+        self.beyond == Beyond::Error && self.ultimate().is_none()
+    }
+
     /// The curve with every drop filled: f(e) = max over e' <= e of the table. This is what waves can carry into
     /// the bar, since a falling stress has no wave speed; with its upper concave hull unchanged.
     ///

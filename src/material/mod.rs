@@ -51,6 +51,19 @@ impl Sense {
             Self::Compression => -1.0,
         }
     }
+
+    /// Place in pairs of tension and compression.
+    pub fn index(self) -> usize {
+        usize::from(self == Self::Compression)
+    }
+
+    /// The adjective's noun: "tension" or "compression".
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Tension => "tension",
+            Self::Compression => "compression",
+        }
+    }
 }
 
 /// What the stresses and strains of a curve are.

@@ -126,8 +126,9 @@ pub struct RawTabulate {
     /// Largest distance in stress over the largest stress, 1e-8 to 0.1 (default 1e-3).
     #[schemars(with = "Option<Quantity>")]
     pub tolerance: Option<Number>,
-    /// Engineering strain at which the table ends (default: half as far again as the largest engineering stress;
-    /// 0.5 where there is none).
+    /// Engineering strain at which the table ends; where symmetry = "true" makes the compression table of a tension curve, that
+    /// table ends at 0.9 at the latest (default: half as far again as the largest engineering stress; where there is none 0.5,
+    /// and 0.777, a true strain of 1.5, in compression of true stress and strain).
     #[schemars(with = "Option<Quantity>")]
     pub to_strain: Option<Number>,
 }

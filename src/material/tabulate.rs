@@ -25,8 +25,9 @@ pub struct Tabulate {
     /// Largest distance in stress between table and law, over the largest stress; the velocity that the table needs
     /// to reach any strain is within the same fraction of the law's.
     pub tolerance: f64,
-    /// Engineering strain at which the table ends; none: half as far again (in true strain) as the largest
-    /// engineering stress, or [`Tabulate::DEFAULT_END`] where there is no such maximum.
+    /// Engineering strain at which the table ends, in compression at most [`Tabulate::MOST_COMPRESSION`]; none: half as far
+    /// again (in true strain) as the largest engineering stress, or where there is no such maximum at
+    /// [`Tabulate::DEFAULT_TRUE_END`] in true compression, else at [`Tabulate::DEFAULT_END`].
     pub to_strain: Option<f64>,
 }
 
@@ -35,6 +36,12 @@ impl Tabulate {
     pub const DEFAULT_TOLERANCE: f64 = 1e-3;
     /// Engineering strain at which the table of a law without a maximum ends by default.
     pub const DEFAULT_END: f64 = 0.5;
+    /// True strain at which the compression table of a true law ends by default: half as far again as Taylor cylinders and
+    /// other compression tests of metals reach, which is about 1.
+    pub const DEFAULT_TRUE_END: f64 = 1.5;
+    /// Largest engineering strain of a compression table: 1 leaves no length, and not far below it the engineering stress rises
+    /// more steeply than the elastic line.
+    pub const MOST_COMPRESSION: f64 = 0.9;
 }
 
 /// An engineering table made from a law or from true stresses.
@@ -142,6 +149,18 @@ impl Branch<'_> {
         Some(bisect(from, FARTHEST, |x| -self.rise(x)))
     }
 
+    /// Engineering strain at which the table ends where neither a strain is asked for nor a stress is the largest.
+    fn default_end(&self) -> f64 {
+        let compressed = self.measure == Measure::True && self.sense == Sense::Compression;
+        if compressed { -(-Tabulate::DEFAULT_TRUE_END).exp_m1() } else { Tabulate::DEFAULT_END }
+    }
+
+    /// Largest stress that tolerances are relative to: in compression the law's own, since the engineering stress of a true law
+    /// grows with the section, without end.
+    fn top(&self, x: f64) -> f64 {
+        self.point(x).1.min(self.law.stress(x))
+    }
+
     /// The parameter at an engineering strain.
     fn parameter_at(&self, strain: f64) -> f64 {
         let mut high = 1.0;
@@ -188,15 +207,16 @@ pub fn tabulate_law(
     let start = branch.elastic_limit(0.0);
     let maximum = branch.maximum(start);
     let end = match (how.to_strain, maximum) {
+        (Some(strain), _) if sense == Sense::Compression => branch.parameter_at(strain.min(Tabulate::MOST_COMPRESSION)),
         (Some(strain), _) => branch.parameter_at(strain),
         (None, Some(x)) => 1.5 * x.max(start).max(1e-3),
-        (None, None) => branch.parameter_at(Tabulate::DEFAULT_END),
+        (None, None) => branch.parameter_at(branch.default_end()),
     };
     if end.is_nan() || end <= start || branch.point(end).0 <= branch.point(start).1 / modulus {
         let limit = branch.point(start).1 / modulus;
         return Err(format!("the table would end before the elastic limit, which is at strain {limit:.4e}"));
     }
-    let top = branch.point(maximum.map_or(end, |x| x.min(end))).1;
+    let top = branch.top(maximum.map_or(end, |x| x.min(end)));
     let start = start.max(branch.elastic_limit(how.tolerance * top));
     let limit = branch.point(start).1;
     let mut breaks = vec![start];

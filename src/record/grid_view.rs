@@ -2,8 +2,9 @@
 
 use super::view::{Account, EndState, Start, Stepped, View};
 use super::{Field, Traces};
+use crate::law::FirstPassed;
 use crate::law::rupture::Rupture;
-use crate::solver::fd::{Energies, Grid, Leapfrog, Passed, Quantity, Reader, Sampling};
+use crate::solver::fd::{Grid, Leapfrog, Quantity, Reader, Sampling};
 use crate::solver::muscl::Muscl;
 use crate::solver::net::Net;
 
@@ -43,7 +44,7 @@ impl View for Leapfrog {
             impulse: [left.impulse(), right.impulse()],
             impulse_along,
             momentum_scale: left.throughput() + right.throughput() + throughput_along,
-            ..Account::from(now)
+            energies: now,
         }
     }
 }
@@ -80,7 +81,8 @@ macro_rules! view_of_whole_bar {
                     work: self.work(),
                     impulse: self.impulse(),
                     momentum_scale: self.throughput(),
-                    ..Account::from(self.energies())
+                    impulse_along: 0.0,
+                    energies: self.energies(),
                 }
             }
         }
@@ -120,12 +122,8 @@ macro_rules! stepped {
                 self.stayed_elastic()
             }
 
-            fn data_can_end(&self) -> bool {
-                self.data_can_end()
-            }
-
-            fn passed_end_of_data(&self) -> Option<Passed> {
-                self.passed_end_of_data()
+            fn passed(&self) -> FirstPassed {
+                self.passed()
             }
 
             fn not_finite(&self) -> Option<usize> {
@@ -161,25 +159,6 @@ stepped!(
 );
 stepped!(Net);
 stepped!(Muscl);
-
-impl From<Energies> for Account {
-    /// What is in the bar; nothing came in through its ends.
-    fn from(now: Energies) -> Self {
-        Self {
-            kinetic: now.kinetic,
-            elastic: now.elastic,
-            plastic: now.plastic,
-            heat: now.heat,
-            viscous: now.viscous,
-            concentrated: now.concentrated,
-            fracture: now.fracture,
-            damping: now.damping,
-            foundation: now.foundation,
-            momentum: now.momentum,
-            ..Self::default()
-        }
-    }
-}
 
 /// A field at some places of a bar in cells; `displacements` are those of the cells' centres, m.
 fn sample(

@@ -1,6 +1,7 @@
 //! The account of momentum and energy that every run keeps.
 
 use super::{Account, LedgerRow, Start, View};
+use crate::solver::Energies;
 
 /// Compares what is in the bar with what came in through its ends.
 #[derive(Debug, Clone)]
@@ -39,26 +40,17 @@ impl Ledger {
         let now: Account = bar.account();
         let ([left, right], impulse) = (now.work, now.impulse[0] + now.impulse[1] + now.impulse_along);
         let put_in = self.start.kinetic + left + right;
-        let energy_scale = self.start.kinetic.max(left.abs()).max(right.abs()).max(now.total());
-        let residual = relative(now.total() - put_in, energy_scale);
+        let energy_scale = self.start.kinetic.max(left.abs()).max(right.abs()).max(now.energies.total());
+        let residual = relative(now.energies.total() - put_in, energy_scale);
         self.momentum_scale = self.momentum_scale.max(now.momentum_scale);
-        let missing = relative(now.momentum - self.start.momentum - impulse, self.momentum_scale);
+        let missing = relative(now.energies.momentum - self.start.momentum - impulse, self.momentum_scale);
         self.worst_energy = self.worst_energy.max(residual.abs());
         self.worst_momentum = self.worst_momentum.max(missing.abs());
         LedgerRow {
             time: bar.time(),
-            kinetic: now.kinetic,
-            elastic: now.elastic,
-            plastic: now.plastic,
-            heat: now.heat,
-            viscous: now.viscous,
-            concentrated: now.concentrated,
-            fracture: now.fracture,
-            damping: now.damping,
-            foundation: now.foundation,
+            energies: Energies { momentum: self.arm * now.energies.momentum, ..now.energies },
             work_left: left,
             work_right: right,
-            momentum: self.arm * now.momentum,
             impulse: self.arm * impulse,
             residual,
         }

@@ -19,8 +19,11 @@ mod warmth;
 use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
 
+use crate::solver::Energies;
+
 pub use audit::{
-    Audit, Case, LOOKS, Off, above_critical, broken_end, broken_inside, end_of_data, past_data, unresolved_flow,
+    Audit, Case, LOOKS, Off, above_critical, at_limit, broken_end, broken_inside, past_data, reversed_flow,
+    unresolved_flow,
 };
 pub use checks::{ElasticProbe, against_similarity, alone, similar_stress, tracked_against_similarity};
 pub use energy::{ENERGY, EnergySummary};
@@ -175,40 +178,24 @@ pub struct Trace {
     pub temperature: Vec<f64>,
 }
 
+impl Trace {
+    /// All columns, the time first.
+    pub fn columns_mut(&mut self) -> [&mut Vec<f64>; 5] {
+        [&mut self.time, &mut self.stress, &mut self.strain, &mut self.velocity, &mut self.temperature]
+    }
+}
+
 /// One row of the ledger. Energies in J, momenta in N s (per m^2 where the scene gives no area).
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct LedgerRow {
     /// s.
     pub time: f64,
-    /// Kinetic energy.
-    pub kinetic: f64,
-    /// Recoverable strain energy.
-    pub elastic: f64,
-    /// Energy dissipated in plastic flow since the start; with the effect of heat, what of it did not turn into heat.
-    pub plastic: f64,
-    /// Plastic work that turned into heat since the start: `plastic` and `heat` together are all of it (of a rate-dependent
-    /// bar with what of `viscous` the overstress took). 0 without the effect of heat.
-    pub heat: f64,
-    /// Energy taken since the start by the method itself: the damping of grid-scale ripples, the thinning of fronts; 0 in
-    /// an elastic run.
-    pub viscous: f64,
-    /// Energy taken since the start at single points where velocities differ, because a level curve lets no strain leave; on a
-    /// grid by faces that meet.
-    pub concentrated: f64,
-    /// Energy taken since the start by ruptures. That a bar parts takes none, since its tension falls at once, and what it
-    /// absorbed before is plastic work: it is what broken faces lose that meet again, on a grid of the first order in the
-    /// cell size; by front tracking 0.
-    pub fracture: f64,
-    /// Energy taken since the start by the effect `damping`, internal and external.
-    pub damping: f64,
-    /// Energy stored in the foundation.
-    pub foundation: f64,
+    /// Energies and momentum of the bar.
+    pub energies: Energies,
     /// Work done on the bar by the left end since the start.
     pub work_left: f64,
     /// Work done on the bar by the right end since the start.
     pub work_right: f64,
-    /// Momentum of the bar.
-    pub momentum: f64,
     /// Impulse that both ends, external damping and a foundation have given to the bar since the start.
     pub impulse: f64,
     /// Energy that is missing (or too much), over the larger of the initial energy and the work that went

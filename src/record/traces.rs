@@ -93,6 +93,16 @@ impl Traces {
         }
     }
 
+    /// Drops the rows from a time on, s, as far as they are not handed on yet.
+    pub fn drop_from(&mut self, time: f64) {
+        for trace in self.gauges.iter_mut().chain(&mut self.ends) {
+            let kept = trace.time.partition_point(|&at| at < time);
+            for column in trace.columns_mut() {
+                column.truncate(kept);
+            }
+        }
+    }
+
     /// Hands on what was gathered since the last call: gauges in order, then the left and right end.
     pub fn take(&mut self) -> (Vec<Trace>, [Trace; 2]) {
         let heat = self.heat;

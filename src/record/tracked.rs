@@ -2,6 +2,7 @@
 
 use super::{Account, EndState, Field, Start, Trace, View};
 use crate::law::rupture::Rupture;
+use crate::solver::Energies;
 use crate::solver::moc::{EndStep, FrontTracking, Piece};
 use crate::wave::riemann::{Medium, Point};
 
@@ -60,17 +61,17 @@ impl View for FrontTracking {
         let now = self.balance();
         let mass: f64 = self.pieces().map(|piece| mass(self, &piece)).sum();
         Account {
-            kinetic: now.kinetic,
-            elastic: now.elastic,
-            plastic: now.plastic,
-            heat: now.heat,
-            viscous: now.thinned,
-            concentrated: now.concentrated,
-            fracture: 0.0,
-            damping: 0.0,
-            foundation: 0.0,
+            energies: Energies {
+                kinetic: now.kinetic,
+                elastic: now.elastic,
+                plastic: now.plastic,
+                heat: now.heat,
+                numerical: now.thinned,
+                concentrated: now.concentrated,
+                momentum: now.momentum,
+                ..Energies::default()
+            },
             impulse_along: 0.0,
-            momentum: now.momentum,
             work: now.work,
             impulse: now.impulse,
             momentum_scale: (2.0 * now.kinetic * mass).sqrt().max(now.impulse[0].abs() + now.impulse[1].abs()),

@@ -2,8 +2,10 @@
 //! equal steps on a grid.
 
 use super::{Field, Traces};
+use crate::law::FirstPassed;
 use crate::law::rupture::Rupture;
-use crate::solver::fd::{Grid, Passed, Quantity, Sampling};
+use crate::solver::Energies;
+use crate::solver::fd::{Grid, Quantity, Sampling};
 
 /// A simulated bar at its current time.
 pub trait View {
@@ -77,11 +79,8 @@ pub trait Stepped: View<Places = Sampling> {
     /// Nothing has yielded so far.
     fn stayed_elastic(&self) -> bool;
 
-    /// Some material's data end, so that [`Stepped::passed_end_of_data`] can find a cell.
-    fn data_can_end(&self) -> bool;
-
-    /// A cell that has come to the end of its material's data.
-    fn passed_end_of_data(&self) -> Option<Passed>;
+    /// The cells that have come to a limit of what their law knows, up to now.
+    fn passed(&self) -> FirstPassed;
 
     /// The first cell of which something is not a finite number.
     fn not_finite(&self) -> Option<usize>;
@@ -110,26 +109,8 @@ pub struct Start {
 /// Energies and momentum of a bar at a moment, and what its ends gave to it since the start.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Account {
-    /// Kinetic energy.
-    pub kinetic: f64,
-    /// Recoverable strain energy.
-    pub elastic: f64,
-    /// Plastic work that did not turn into heat.
-    pub plastic: f64,
-    /// Plastic work that turned into heat.
-    pub heat: f64,
-    /// Taken by a scheme's damping of ripples.
-    pub viscous: f64,
-    /// Taken at single points where velocities differ.
-    pub concentrated: f64,
-    /// Taken by ruptures.
-    pub fracture: f64,
-    /// Taken by internal and external damping.
-    pub damping: f64,
-    /// Stored in the foundation.
-    pub foundation: f64,
-    /// Momentum, positive in +x.
-    pub momentum: f64,
+    /// What is in the bar.
+    pub energies: Energies,
     /// Work of the left and the right end.
     pub work: [f64; 2],
     /// Impulse of the left and the right end, positive in +x.
@@ -138,19 +119,4 @@ pub struct Account {
     pub impulse_along: f64,
     /// Momentum that has gone through the bar: what a missing one is to be compared with.
     pub momentum_scale: f64,
-}
-
-impl Account {
-    /// All energy in the bar, dissipated included.
-    pub fn total(&self) -> f64 {
-        self.kinetic
-            + self.elastic
-            + self.plastic
-            + self.heat
-            + self.viscous
-            + self.concentrated
-            + self.fracture
-            + self.damping
-            + self.foundation
-    }
 }

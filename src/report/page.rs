@@ -5,6 +5,7 @@ use super::plot::{escape, html};
 use crate::error::Result;
 use crate::record::FrontRow;
 use crate::record::store::{Facts, ResultFile};
+use crate::solver::Energies;
 
 /// A number without unit.
 const PLAIN: Unit = Unit { factor: 1.0, symbol: "" };
@@ -154,23 +155,19 @@ fn ledger_table(file: &ResultFile, units: Units) -> Result<String> {
     let stored = &file.facts().energy_units;
     let energy = units.energy(stored);
     let residual = rows.iter().map(|row| row.residual.abs()).fold(0.0, f64::max);
-    let values = [
-        ("kinetic energy at the end", energy.show(last.kinetic)),
-        ("elastic energy at the end", energy.show(last.elastic)),
-        ("dissipated in plastic flow", energy.show(last.plastic)),
-        ("turned into heat", energy.show(last.heat)),
-        ("taken by overstress or the scheme", energy.show(last.viscous)),
-        ("taken at single points", energy.show(last.concentrated)),
-        ("taken by ruptures", energy.show(last.fracture)),
-        ("taken by damping", energy.show(last.damping)),
-        ("stored in the foundation", energy.show(last.foundation)),
+    let mut values: Vec<(&str, String)> = Energies::COLUMNS
+        .iter()
+        .zip(last.energies.values())
+        .map(|([_, long_name], value)| (*long_name, energy.show(value)))
+        .collect();
+    values.extend([
         ("work of the left end", energy.show(last.work_left)),
         ("work of the right end", energy.show(last.work_right)),
         ("largest energy residual, relative", format!("{residual:.1e}")),
-        ("momentum at the end, SI", four_digits(last.momentum)),
+        ("momentum at the end, SI", four_digits(last.energies.momentum)),
         ("impulse on the bar, SI", four_digits(last.impulse)),
-    ];
-    Ok(table(&[], &values.map(|(name, value)| vec![name.to_owned(), value])))
+    ]);
+    Ok(table(&[], &values.into_iter().map(|(name, value)| vec![name.to_owned(), value]).collect::<Vec<_>>()))
 }
 
 fn audit_list(file: &ResultFile) -> Result<String> {

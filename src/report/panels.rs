@@ -114,40 +114,36 @@ pub(super) fn ledger(svg: &mut Svg, panel: Area, view: &View, letter: char) -> R
         let values: Vec<f64> = rows.iter().map(value).collect();
         history(view, name.into(), &times, &values, unit, stroke)
     };
-    // Rate-dependent bars spend much in overstress; the damping of ripples takes next to nothing.
-    let viscous = rows.iter().any(|row| row.viscous > 1e-2 * (row.plastic + row.heat));
     let mut series = vec![
-        line("kinetic", Stroke::new(colour(0), 1.6), |row| row.kinetic),
-        line("elastic", Stroke::new(colour(2), 1.6), |row| row.elastic),
-        line("plastic", Stroke::new(colour(1), 1.6), |row| row.plastic),
-        line("sum", Stroke::new("#222", 1.6), total),
+        line("kinetic", Stroke::new(colour(0), 1.6), |row| row.energies.kinetic),
+        line("elastic", Stroke::new(colour(2), 1.6), |row| row.energies.elastic),
+        line("plastic", Stroke::new(colour(1), 1.6), |row| row.energies.plastic),
+        line("sum", Stroke::new("#222", 1.6), |row| row.energies.total()),
     ];
-    if rows.iter().any(|row| row.heat > 0.0) {
-        series.push(line("heat", Stroke::new(colour(1), 1.6).dashed("6 3"), |row| row.heat));
+    if rows.iter().any(|row| row.energies.heat > 0.0) {
+        series.push(line("heat", Stroke::new(colour(1), 1.6).dashed("6 3"), |row| row.energies.heat));
     }
-    if viscous {
-        series.push(line("viscous", Stroke::new(colour(3), 1.6), |row| row.viscous));
+    // Where overstress takes little it would only be one line more on the axis.
+    if rows.iter().any(|row| row.energies.viscoplastic > 1e-2 * (row.energies.plastic + row.energies.heat)) {
+        series.push(line("viscoplastic", Stroke::new(colour(3), 1.6), |row| row.energies.viscoplastic));
     }
-    if rows.iter().any(|row| row.damping != 0.0) {
-        series.push(line("damping", Stroke::new(colour(4), 1.6), |row| row.damping));
+    if rows.iter().any(|row| row.energies.numerical > 1e-2 * row.energies.total()) {
+        series.push(line("numerical", Stroke::new(colour(3), 1.6).dashed("2 3"), |row| row.energies.numerical));
     }
-    if rows.iter().any(|row| row.foundation != 0.0) {
-        series.push(line("foundation", Stroke::new(colour(4), 1.6).dashed("2 3"), |row| row.foundation));
+    if rows.iter().any(|row| row.energies.damping != 0.0) {
+        series.push(line("damping", Stroke::new(colour(4), 1.6), |row| row.energies.damping));
+    }
+    if rows.iter().any(|row| row.energies.foundation != 0.0) {
+        series.push(line("foundation", Stroke::new(colour(4), 1.6).dashed("2 3"), |row| row.energies.foundation));
     }
     // What there was at the start and what came in since: the sum has to lie on it.
     let work = |row: &LedgerRow| row.work_left + row.work_right;
-    let start = rows.first().map_or(0.0, |row| total(row) - work(row));
+    let start = rows.first().map_or(0.0, |row| row.energies.total() - work(row));
     let supplied: Vec<f64> = rows.iter().map(|row| start + work(row)).collect();
     let stroke = Stroke::new(colour(5), 2.2).dashed("6 5");
     series.push(history(view, "start + work of the ends".into(), &times, &supplied, unit, stroke));
     series.retain(|s| !s.points.is_empty());
     Ok(histories(svg, panel, view, &format!("({letter})  energy"), unit.label("energy"), &series))
-}
-
-/// All energy in the bar, dissipated included.
-fn total(row: &LedgerRow) -> f64 {
-    let taken = row.plastic + row.heat + row.viscous + row.concentrated + row.fracture + row.damping;
-    row.kinetic + row.elastic + row.foundation + taken
 }
 
 /// Speed of every front over the strains that it carries: theory as steps, measurement as rings.

@@ -1,10 +1,11 @@
 //! What a scene's neglected effects would change, before it is run: the audit of a run on a coarse grid. Its first waves,
 //! their reflections, and what the ends do until the end time are then in the estimate; it takes some milliseconds.
 
+use super::limits::AtLimit;
 use super::{case, steps, struck_too_hard};
 use crate::assemble;
 use crate::bar::launches;
-use crate::record::{self, Audit, AuditRow, LOOKS, Stepped, View};
+use crate::record::{Audit, AuditRow, LOOKS, Stepped, View};
 use crate::scene::{Method, Scene};
 use crate::solver::fd::Sampling;
 
@@ -26,7 +27,7 @@ pub fn estimate(scene: &Scene) -> Vec<AuditRow> {
     let every = (steps / LOOKS).max(1);
     while bar.step() < steps {
         bar.advance_by(every.min(steps - bar.step()));
-        if bar.not_finite().is_some() {
+        if bar.not_finite().is_some() || limits(&bar).iter().any(|limit| limit.stops(scene)) {
             break;
         }
         if !bar.stayed_elastic() {
@@ -36,10 +37,14 @@ pub fn estimate(scene: &Scene) -> Vec<AuditRow> {
     let parted = !View::ruptures(&bar).is_empty();
     let all = launches(&scene.bar, &scene.left, &scene.right);
     let mut broken = struck_too_hard(scene, &all, parted);
-    if let Some(passed) = Stepped::passed_end_of_data(&bar).filter(|_| !parted && bar.data_can_end()) {
-        let material = &scene.bar.segments[passed.segment].material;
-        let (time, x) = (Stepped::step(&bar) as f64 * bar.grid().dt, bar.grid().centres()[passed.cell]);
-        broken.push(record::past_data(passed.strain, time, x, material));
+    let limits = limits(&bar);
+    if !parted {
+        broken.extend(limits.iter().filter_map(|limit| limit.broken(scene)));
     }
     audit.rows(broken)
+}
+
+fn limits(bar: &impl Stepped) -> Vec<AtLimit> {
+    let (centres, dt) = (bar.grid().centres(), bar.grid().dt);
+    bar.passed().in_order().map(|passed| AtLimit::on_grid(&passed, &centres, dt)).collect()
 }

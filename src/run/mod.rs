@@ -7,6 +7,7 @@ mod breaks;
 mod choice;
 mod companion;
 mod estimate;
+mod limits;
 mod specimen;
 mod stepped;
 mod tracked;
@@ -17,14 +18,14 @@ use std::path::Path;
 use std::time::Instant;
 
 use crate::assemble;
-use crate::bar::{Launch, launches};
+use crate::bar::{Launch, Segment, launches};
 use crate::error::{Error, Result};
 use crate::law::rupture::Rupture;
 use crate::material::Sense;
 use crate::record::store::{Finish, Header, Layout, Side, Writer};
 use crate::record::{
-    AuditRow, AutoChoice, Case, ElasticCheck, EndSummary, ErrorFigure, FrontRow, FrontSummary, Ledger, LedgerSummary,
-    MaterialRecord, Off, RuptureSummary, Summary, TorsionSummary, Trace, TrackingSummary, Twisted, View,
+    self, AuditRow, AutoChoice, Case, ElasticCheck, EndSummary, ErrorFigure, FrontRow, FrontSummary, Ledger,
+    LedgerSummary, MaterialRecord, Off, RuptureSummary, Summary, TorsionSummary, Trace, TrackingSummary, Twisted, View,
     above_critical,
 };
 use crate::scene::{Effects, Method, Scene, Torsion};
@@ -118,6 +119,14 @@ fn struck_too_hard(scene: &Scene, launches: &[Launch], parted: bool) -> Vec<Audi
         above_critical(&asked, &scene.bar.segments[launch.segment].material, critical)
     };
     launches.iter().filter_map(row).collect()
+}
+
+/// Notes on places of a segment that flowed in both senses; `places` are accumulated and signed plastic strains at the end.
+fn flow_both_ways(scene: &Scene, segment: &Segment, places: impl Iterator<Item = (f64, f64)>) -> Vec<AuditRow> {
+    let (places, material): (Vec<_>, _) = (places.collect(), &segment.material);
+    let warm = record::flowed_both_ways(material, places.iter().copied()).filter(|_| scene.effects.rate.is_none());
+    let reversed = record::reversed_flow(material, places.into_iter(), scene.solve.audit_tolerance);
+    warm.into_iter().chain(reversed).collect()
 }
 
 /// What a scene's audit needs to know; `cells` of the grid, where there is one.

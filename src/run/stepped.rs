@@ -4,16 +4,16 @@ use std::path::Path;
 use std::time::Instant;
 
 use super::accuracy::{self, Profile};
-use super::{Book, Findings, Progress, Wish, steps, twisted};
+use super::limits::AtLimit;
+use super::{Book, Findings, Progress, Wish, flow_both_ways, steps, twisted};
 use crate::assemble;
 use crate::error::{Error, Result, RunError};
-use crate::material::{Beyond, Sense};
 use crate::record::{
     self, Audit, AuditRow, ElasticProbe, EndState, EndSummary, ErrorFigure, Frames, FrontTracker, Ledger,
     LedgerSummary, Stepped, Summary, Traces,
 };
 use crate::scene::{Rate, Scene};
-use crate::solver::fd::{Passed, Quantity, Sampling};
+use crate::solver::fd::{Quantity, Sampling};
 
 /// Work between two calls of the progress function, cell-steps: a few milliseconds.
 const WORK_BETWEEN_CALLS: usize = 4_000_000;
@@ -25,9 +25,9 @@ const FRONT_SIGHTINGS: usize = 256;
 /// too much plastic strain from the start, by 12 % in the first and 0.5 % in the third of a bilinear bar.
 const CELLS_FROM_END: usize = 4;
 
-/// Steps between two looks for cells past the end of their data, each a pass over the yielded cells: the time that is
-/// reported for it is late by no more than the time a wave takes across as many cells.
-const STEPS_BETWEEN_DATA_CHECKS: usize = 16;
+/// Steps after which a run is sure to notice that it has to stop at a limit of what its materials know. The solver notes the
+/// step itself; those that follow are dropped.
+const STEPS_BETWEEN_LIMIT_CHECKS: usize = 32;
 
 /// Runs a scene on a grid.
 pub(super) fn run<S: Stepped>(
@@ -55,7 +55,12 @@ struct Run<'a, S> {
     audit: Audit,
     /// Where the audit looks.
     watched: Sampling,
-    passed: Option<(Passed, f64)>,
+    /// Where the bar came to a limit of what its materials know, in the order of time.
+    limits: Vec<AtLimit>,
+    /// The time of the one that stopped the run, s.
+    stopped_at: Option<f64>,
+    /// Centres of the cells, m.
+    centres: Vec<f64>,
     elastic_check: Option<Probe>,
     /// For the estimate of the error: near the end, where coarser runs stand at the same time.
     profile: Option<(Profile, f64)>,
@@ -95,7 +100,9 @@ impl<'a, S: Stepped> Run<'a, S> {
                 let (step, cell) = probe.on_grid(bar.grid());
                 Probe { check: probe, step, cell }
             }),
-            passed: None,
+            limits: Vec::new(),
+            stopped_at: None,
+            centres: bar.grid().centres(),
             profile: None,
             book,
             bar,
@@ -117,8 +124,8 @@ impl<'a, S: Stepped> Run<'a, S> {
                 let before = Instant::now();
                 self.bar.advance_logging(steps, &mut self.traces);
                 self.book.stepping += before.elapsed().as_secs_f64();
+                self.check_limits()?;
                 self.record()?;
-                self.check_end_of_data()?;
             }
             self.check_finite()?;
             if progress(Progress::Steps { step: self.bar.step(), steps: self.steps, cells }) == Wish::Stop {
@@ -136,8 +143,8 @@ impl<'a, S: Stepped> Run<'a, S> {
         for looks in [FRONT_SIGHTINGS, record::LOOKS] {
             next = next.min(multiple_of((self.steps / looks).max(1)));
         }
-        if self.passed.is_none() && self.bar.data_can_end() {
-            next = next.min(multiple_of(STEPS_BETWEEN_DATA_CHECKS));
+        if !self.bar.stayed_elastic() {
+            next = next.min(multiple_of(STEPS_BETWEEN_LIMIT_CHECKS));
         }
         let probe = self.elastic_check.as_ref().map(|probe| probe.step);
         let profile = self.book.scene.solve.estimate_error.then(|| accuracy::common_step(self.steps));
@@ -180,22 +187,16 @@ impl<'a, S: Stepped> Run<'a, S> {
         self.book.write_traces(gauges, ends)
     }
 
-    /// Past the last knot the material file decides: stop, or note the rupture and go on under the largest stress.
-    fn check_end_of_data(&mut self) -> Result<()> {
-        let due = self.bar.step().is_multiple_of(STEPS_BETWEEN_DATA_CHECKS) || self.bar.step() == self.steps;
-        if self.passed.is_some() || !due || !self.bar.data_can_end() {
-            return Ok(());
-        }
-        let Some(passed) = self.bar.passed_end_of_data() else { return Ok(()) };
-        self.passed = Some((passed, self.bar.time()));
-        let material = &self.book.scene.bar.segments[passed.segment].material;
-        let curve = material.branch(Sense::of(passed.strain));
-        // Past a largest stress inside the data nothing more is needed of them: the bar carries no more than that.
-        if curve.beyond() != Beyond::Error || curve.ultimate().is_some() {
-            return Ok(());
-        }
-        let (reason, help) = record::end_of_data(passed.strain, material);
-        Err(self.stopped(passed.cell, reason, help))
+    /// Stops before anything of a state is recorded of which nothing is known.
+    fn check_limits(&mut self) -> Result<()> {
+        let (scene, dt) = (self.book.scene, self.bar.grid().dt);
+        let due = self.bar.passed();
+        self.limits.clear();
+        self.limits.extend(due.in_order().map(|passed| AtLimit::on_grid(&passed, &self.centres, dt)));
+        let Some(stop) = self.limits.iter().find(|limit| limit.stops(scene)) else { return Ok(()) };
+        self.traces.drop_from(stop.time);
+        self.stopped_at = Some(stop.time);
+        Err(stop.error(scene))
     }
 
     fn check_finite(&self) -> Result<()> {
@@ -210,7 +211,7 @@ impl<'a, S: Stepped> Run<'a, S> {
     }
 
     fn stopped(&self, cell: usize, reason: String, help: &str) -> Error {
-        let x = Some(self.bar.grid().centres()[cell]);
+        let x = Some(self.centres[cell]);
         RunError { reason, time: self.bar.time(), x, help: help.to_owned() }.into()
     }
 
@@ -222,7 +223,7 @@ impl<'a, S: Stepped> Run<'a, S> {
             steps: self.bar.step(),
             events: 0,
             tracking: None,
-            end_time: self.bar.time(),
+            end_time: self.stopped_at.unwrap_or_else(|| self.bar.time()),
             ends: self.ends(),
             fronts: self.book.named(self.tracker.rows(&self.book.scene.record.gauges)),
             audit: self.audit(),
@@ -233,7 +234,7 @@ impl<'a, S: Stepped> Run<'a, S> {
                 momentum_residual: self.ledger.worst_momentum(),
             },
             error,
-            ruptured: self.ruptured(),
+            ruptured: self.limits.iter().any(|limit| limit.broken(self.book.scene).is_some()),
             ruptures: self.book.ruptures(&self.bar),
             temperature_rise: self.temperature_rise(),
             paths_complete: false,
@@ -262,32 +263,21 @@ impl<'a, S: Stepped> Run<'a, S> {
         rises.reduce(f64::max)
     }
 
-    fn ruptured(&self) -> bool {
-        self.passed.as_ref().is_some_and(|(p, _)| {
-            let material = &self.book.scene.bar.segments[p.segment].material;
-            let curve = material.branch(Sense::of(p.strain));
-            curve.beyond() == Beyond::Rupture || curve.ultimate().is_some()
-        })
-    }
-
     fn audit(&self) -> Vec<AuditRow> {
         let (grid, segments) = (self.bar.grid(), &self.book.scene.bar.segments);
         let parted = !self.bar.ruptures().is_empty();
         let mut broken = self.book.audit(parted);
-        if let Some((passed, time)) = self.passed.as_ref().filter(|_| !parted) {
-            let material = &segments[passed.segment].material;
-            broken.push(record::past_data(passed.strain, *time, grid.centres()[passed.cell], material));
+        if !parted {
+            broken.extend(self.limits.iter().filter_map(|limit| limit.broken(self.book.scene)));
         }
         let mut rows = self.audit.rows(broken);
         if let Some(Rate::Malvern { k }) = self.book.scene.effects.rate {
             rows.extend(record::unresolved_flow(k, grid.dt));
         }
         let strain = |cell: usize| self.bar.value(Quantity::AccumulatedPlasticStrain, cell);
-        if self.book.scene.effects.rate.is_none() {
-            rows.extend(segments.iter().zip(&grid.segments).filter_map(|(segment, part)| {
-                let plastic = |cell| (strain(cell), self.bar.value(Quantity::PlasticStrain, cell));
-                record::flowed_both_ways(&segment.material, part.cells.clone().map(plastic))
-            }));
+        for (segment, part) in segments.iter().zip(&grid.segments) {
+            let plastic = |cell| (strain(cell), self.bar.value(Quantity::PlasticStrain, cell));
+            rows.extend(flow_both_ways(self.book.scene, segment, part.cells.clone().map(plastic)));
         }
         rows
     }

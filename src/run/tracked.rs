@@ -4,7 +4,8 @@ use std::path::Path;
 use std::time::Instant;
 
 use super::breaks::Breaks;
-use super::{Book, Findings, Progress, Wish, companion, twisted};
+use super::limits::AtLimit;
+use super::{Book, Findings, Progress, Wish, companion, flow_both_ways, twisted};
 use crate::assemble;
 use crate::error::{Error, Result, RunError};
 use crate::record::{
@@ -32,7 +33,8 @@ pub(super) fn run(
     started: Instant,
     progress: &mut dyn FnMut(Progress) -> Wish,
 ) -> Result<Summary> {
-    let settings = Settings { front_tolerance, event_budget, trails: true, ..Settings::default() };
+    let settings =
+        Settings { front_tolerance, event_budget, trails: true, stop_at_limits: true, ..Settings::default() };
     let mut run = Run::new(scene, settings, output, started)?;
     let ended = run.follow(progress);
     run.finish(ended)
@@ -90,7 +92,7 @@ impl<'a> Run<'a> {
             yielded: false,
             twisted: twisted(scene, &x),
             elastic_check: ElasticProbe::new(&scene.bar, &book.launches, scene.solve.until),
-            breaks: Breaks::new(scene),
+            breaks: Breaks::default(),
             book,
             bar,
             settings,
@@ -160,8 +162,7 @@ impl<'a> Run<'a> {
         self.breaks.look_at(&self.bar, &ended);
         self.fronts.collect(&ended);
         self.gauges.collect(&self.bar, &ended);
-        self.write_paths(ended.into_iter())?;
-        self.breaks.stop_past_data(self.book.scene)
+        self.write_paths(ended.into_iter())
     }
 
     fn write_paths(&mut self, trails: impl Iterator<Item = Trail>) -> Result<()> {
@@ -210,6 +211,7 @@ impl<'a> Run<'a> {
 
     fn stopped(&self, why: &Stopped) -> Error {
         match *why {
+            Stopped::AtLimit(point) => return AtLimit::from(&point).error(self.book.scene),
             Stopped::EventBudget { time, events, fronts } if self.book.scene.cut.is_some() => RunError {
                 reason: format!("front tracking used all of its {events} events, with {fronts} fronts under way"),
                 time,
@@ -312,12 +314,12 @@ impl<'a> Run<'a> {
         }
         let segments = &self.book.scene.bar.segments;
         let mut rows = self.audit.rows(broken);
-        rows.extend(segments.iter().enumerate().filter_map(|(k, segment)| {
+        for (k, segment) in segments.iter().enumerate() {
             let modulus = self.bar.medium(k).modulus;
             let pieces = self.bar.pieces().filter(|p| p.segment == k);
             let plastic = pieces.map(|p| (p.point.accumulated / modulus, p.point.plastic / modulus));
-            record::flowed_both_ways(&segment.material, plastic)
-        }));
+            rows.extend(flow_both_ways(self.book.scene, segment, plastic));
+        }
         rows
     }
 

@@ -315,7 +315,7 @@ def test_a_long_tracked_run_balances(run):
     ledger = open_xarray(path, "ledger")
     # Nodes nearer than 1e-8 of the front tolerance (times the length) are taken as one.
     assert float(abs(ledger.residual).max()) < 1e-9
-    total = ledger.kinetic + ledger.elastic + ledger.plastic + ledger.viscous + ledger.concentrated
+    total = ledger.kinetic + ledger.elastic + ledger.plastic + ledger.viscoplastic + ledger.numerical + ledger.half_step + ledger.concentrated
     assert float(total[-1]) == pytest.approx(float(ledger.work_left[-1]), rel=1e-9)
     with h5py.File(path) as file:
         assert file["paths"].attrs["complete"] == 1

@@ -28,8 +28,6 @@ pub struct Hardening {
     pieces: Vec<Piece>,
     /// Elastic limit of first loading, Pa.
     yield_stress: f64,
-    /// E times the strain at which the data end, Pa.
-    end: f64,
 }
 
 impl Hardening {
@@ -47,7 +45,7 @@ impl Hardening {
         if pieces.is_empty() {
             pieces.push(Piece { start: 0.0, stress: f64::INFINITY, slope: 0.0 });
         }
-        Self { pieces, yield_stress, end: table.end() }
+        Self { pieces, yield_stress }
     }
 
     /// The pieces in order; at least one. Where the table never leaves the elastic line: one of infinite stress.
@@ -58,11 +56,6 @@ impl Hardening {
     /// Elastic limit of first loading, Pa; infinite where there is none.
     pub fn yield_stress(&self) -> f64 {
         self.yield_stress
-    }
-
-    /// E times the strain at which the data end, Pa; infinite where they do not.
-    pub fn end(&self) -> f64 {
-        self.end
     }
 
     /// Index of the piece at p, found from nothing.
@@ -95,7 +88,6 @@ mod tests {
         let table = Table::new(&Curve::new(&rows, Beyond::Rupture).expect("rows rise"), modulus);
         let hardening = Hardening::new(&table);
         assert_eq!(hardening.yield_stress(), 200e6);
-        assert!((hardening.end() - 0.05 * modulus).abs() < 1.0);
         // The fourth row rises with the elastic slope: a jump of 100 MPa at one plastic strain.
         let jump = &hardening.pieces()[1..3];
         assert!((jump[0].at(jump[1].start) - 300e6).abs() < 1.0 && (jump[1].stress - 400e6).abs() < 1.0);

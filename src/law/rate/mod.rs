@@ -105,11 +105,6 @@ impl RateLaw {
         self.side(sense).pieces()[history.piece[sense] as usize].at(history.accumulated)
     }
 
-    /// E times the strain at which the data end, Pa, in tension and compression; infinite where they do not.
-    pub fn end(&self) -> [f64; 2] {
-        [self.side(0).end(), self.side(1).end()]
-    }
-
     /// The law of overstress.
     pub fn overstress(&self) -> Overstress {
         self.overstress

@@ -51,10 +51,13 @@ macro_rules! readings_of_split_state {
             state[0] - state[2].abs()
         }
 
-        /// The overstress is no part of the way along the static curve.
-        #[inline]
-        fn reach(&self, sigma: f64, state: [f64; N]) -> f64 {
-            sigma.abs() - state[3].abs() + self.accumulated(state)
+        /// That of the overstress.
+        fn sense(&self, sigma: f64, state: [f64; N]) -> $crate::material::Sense {
+            $crate::material::Sense::of(if state[3] == 0.0 { sigma } else { state[3] })
+        }
+
+        fn yields(&self, _sigma: f64, state: [f64; N]) -> bool {
+            state[3] != 0.0
         }
 
         #[inline]

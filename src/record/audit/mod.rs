@@ -14,6 +14,7 @@ mod joints;
 mod lateral;
 mod places;
 mod rate;
+mod reversal;
 mod rupture;
 mod unloading;
 
@@ -25,8 +26,9 @@ use joints::Joints;
 use places::Places;
 use rate::RateRise;
 pub use rate::unresolved_flow;
+pub use reversal::reversed_flow;
 use rupture::TensileStrain;
-pub use rupture::{above_critical, broken_end, broken_inside, end_of_data, past_data};
+pub use rupture::{above_critical, at_limit, broken_end, broken_inside, past_data};
 use unloading::Unloading;
 
 use super::{AuditRow, Field, View};

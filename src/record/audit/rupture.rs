@@ -7,6 +7,7 @@ use super::finding::Finding;
 use super::places::Places;
 use super::{AuditRow, Reading};
 use crate::bar::Launch;
+use crate::law::{Limit, Reached};
 use crate::material::{Material, Sense};
 use crate::units::{Dimension, System, format};
 
@@ -87,13 +88,13 @@ pub fn above_critical(launch: &Launch, material: &Material, critical_velocity: f
     })
 }
 
-/// A place whose strain went past the end of its material's data.
-pub fn past_data(strain: f64, time: f64, x: f64, material: &Material) -> AuditRow {
-    let end = material.branch(Sense::of(strain)).last_strain();
+/// A place that broke at the end of its material's data for one sense.
+pub fn past_data(sense: Sense, time: f64, x: f64, material: &Material) -> AuditRow {
     let finding = std::format!(
-        "the strain passed the end of the data of {} ({end:.4}) at t = {}, x = {}; the bar went on under the \
+        "the strain passed the end of the data of {} ({:.4}) at t = {}, x = {}; the bar went on under the \
          largest stress of the curve",
         material.name,
+        material.branch(sense).last_strain(),
         format(time, Dimension::Time, System::Si),
         format(x, Dimension::Length, System::Si),
     );
@@ -123,13 +124,27 @@ pub fn broken_inside(time: f64, x: f64, material: &Material) -> AuditRow {
     broken(finding)
 }
 
-/// Why a run stops whose strain is past the end of data that are said to be all there is, and what to do.
-pub fn end_of_data(strain: f64, material: &Material) -> (String, &'static str) {
-    let reason = std::format!(
-        "strain {:.4} is past the end of the data of {} ({:.4})",
-        strain.abs(),
-        material.name,
-        material.branch(Sense::of(strain)).last_strain()
-    );
-    (reason, "give the material more data, or say what happens there with beyond = \"rupture\" or \"extend\"")
+/// Why a run stops that has reached a limit of what its law knows, and what to do.
+pub fn at_limit(reached: &Reached, material: &Material) -> (String, &'static str) {
+    match reached.limit {
+        Limit::EndOfData(sense) | Limit::EndOfDataReversed(sense) => (
+            std::format!(
+                "strain {:.4} is past the end of the data of {} in {} ({:.4})",
+                reached.equivalent,
+                material.name,
+                sense.name(),
+                material.branch(sense).last_strain()
+            ),
+            "give the material more data (a formula: a larger `to-strain`), or say what happens there with \
+             beyond = \"rupture\" or \"extend\"",
+        ),
+        Limit::FullCompression => (
+            std::format!(
+                "material fully compressed: the engineering strain of {} is {:.4}, and -1 leaves no length",
+                material.name,
+                reached.strain
+            ),
+            "the load is more than the curve can carry at any length: reduce it, or give a compression curve that stiffens",
+        ),
+    }
 }

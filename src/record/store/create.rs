@@ -8,6 +8,7 @@ use hdf5::{Dataset, DatasetBuilderEmpty, Extent, File, Group, H5Type, Location};
 
 use super::{FORMAT_VERSION, Header, Layout, RUNNING, Side, paths, scales};
 use crate::record::{Compression, Field, MaterialRecord, Precision};
+use crate::solver::Energies;
 
 type Hdf<T> = hdf5::Result<T>;
 
@@ -31,26 +32,16 @@ const TIME: [&str; 3] = ["time", "s", "time"];
 const VELOCITY: [&str; 3] = ["velocity", "m/s", "velocity in +x"];
 
 /// Columns of the ledger: name, long name. Energies but for time, the momenta, and the residual.
-pub(super) const LEDGER_COLUMNS: [[&str; 2]; 15] = [
-    ["time", "time"],
-    ["kinetic", "kinetic energy"],
-    ["elastic", "recoverable strain energy"],
-    ["plastic", "energy dissipated in plastic flow since the start, without what turned into heat"],
-    ["heat", "plastic work that turned into heat since the start"],
-    [
-        "viscous",
-        "energy taken since the start by the overstress of a rate-dependent bar, or by the damping of grid-scale ripples",
-    ],
-    ["concentrated", "energy taken since the start at single points where velocities differ"],
-    ["fracture", "energy taken since the start by ruptures"],
-    ["damping", "energy taken since the start by internal and external damping"],
-    ["foundation", "energy stored in the elastic foundation"],
-    ["work_left", "work done by the left end since the start"],
-    ["work_right", "work done by the right end since the start"],
-    ["momentum", "momentum of the bar in +x"],
-    ["impulse", "impulse given by both ends, external damping and a foundation since the start"],
-    ["residual", "energy not accounted for, relative"],
-];
+pub(super) fn ledger_columns() -> impl Iterator<Item = [&'static str; 2]> {
+    let after = [
+        ["work_left", "work done by the left end since the start"],
+        ["work_right", "work done by the right end since the start"],
+        ["momentum", "momentum of the bar in +x"],
+        ["impulse", "impulse given by both ends, external damping and a foundation since the start"],
+        ["residual", "energy not accounted for, relative"],
+    ];
+    [["time", "time"]].into_iter().chain(Energies::COLUMNS.iter().copied()).chain(after)
+}
 
 /// Everything but the data, in a file that is then closed.
 pub(super) fn build(path: &Path, header: &Header, layout: &Layout, materials: &[MaterialRecord]) -> Hdf<()> {
@@ -153,7 +144,7 @@ fn build_histories(file: &File, layout: &Layout, twisted: bool) -> Hdf<()> {
 }
 
 fn build_ledger(file: &File, layout: &Layout, twisted: bool) -> Hdf<()> {
-    let columns = LEDGER_COLUMNS.map(|[name, long_name]| {
+    let columns = ledger_columns().map(|[name, long_name]| {
         let units = match (name, layout.area_given) {
             ("time", _) => "s",
             ("residual", _) => "1",
@@ -169,7 +160,7 @@ fn build_ledger(file: &File, layout: &Layout, twisted: bool) -> Hdf<()> {
         };
         [name, units, long_name]
     });
-    build_columns(&file.create_group("ledger")?, &columns, FRAME_ROWS)
+    build_columns(&file.create_group("ledger")?, &columns.collect::<Vec<_>>(), FRAME_ROWS)
 }
 
 fn energy_units(area_given: bool) -> &'static str {

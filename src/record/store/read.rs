@@ -12,6 +12,7 @@ use super::{FORMAT_VERSION, RUNNING, Side, paths};
 use crate::error::{Error, InputError, Result};
 use crate::material::Provenance;
 use crate::record::{AuditRow, ErrorFigure, Field, FrontRow, LedgerRow, MaterialRecord, PathRow, Trace};
+use crate::solver::Energies;
 
 type Hdf<T> = hdf5::Result<T>;
 
@@ -310,40 +311,29 @@ fn read_trace(group: &Group) -> Hdf<Trace> {
 }
 
 fn read_ledger(group: &Group) -> Hdf<Vec<LedgerRow>> {
-    let names = [
-        "time",
-        "kinetic",
-        "elastic",
-        "plastic",
-        "viscous",
-        "work_left",
-        "work_right",
-        "momentum",
-        "impulse",
-        "residual",
-    ];
-    let columns = names.iter().map(|name| column(group, name)).collect::<Hdf<Vec<_>>>()?;
-    let rows = columns.iter().map(Vec::len).min().unwrap_or(0);
-    // Columns that older files lack.
-    let older = |name: &str| if group.link_exists(name) { column(group, name) } else { Ok(Vec::new()) };
-    let (heat, concentrated, fracture) = (older("heat")?, older("concentrated")?, older("fracture")?);
-    let (damping, foundation) = (older("damping")?, older("foundation")?);
-    let row = |i: usize| LedgerRow {
-        time: columns[0][i],
-        kinetic: columns[1][i],
-        elastic: columns[2][i],
-        plastic: columns[3][i],
-        heat: heat.get(i).copied().unwrap_or(0.0),
-        viscous: columns[4][i],
-        concentrated: concentrated.get(i).copied().unwrap_or(0.0),
-        fracture: fracture.get(i).copied().unwrap_or(0.0),
-        damping: damping.get(i).copied().unwrap_or(0.0),
-        foundation: foundation.get(i).copied().unwrap_or(0.0),
-        work_left: columns[5][i],
-        work_right: columns[6][i],
-        momentum: columns[7][i],
-        impulse: columns[8][i],
-        residual: columns[9][i],
+    let rest = ["time", "work_left", "work_right", "momentum", "impulse", "residual"];
+    let [time, work_left, work_right, momentum, impulse, residual] = rest.map(|name| column(group, name));
+    let (time, work, momentum) = (time?, [work_left?, work_right?], momentum?);
+    let (impulse, residual) = (impulse?, residual?);
+    // Older files lack some energies, and have `viscous` for two of them.
+    let mut energies = Vec::new();
+    for [name, _] in Energies::COLUMNS {
+        let stored = if *name == "numerical" && group.link_exists("viscous") { "viscous" } else { name };
+        energies.push((*name, if group.link_exists(stored) { column(group, stored)? } else { Vec::new() }));
+    }
+    let all = [&time, &work[0], &work[1], &momentum, &impulse, &residual];
+    let rows = all.into_iter().map(Vec::len).min().unwrap_or(0);
+    let row = |i: usize| {
+        let energy =
+            |name: &str| energies.iter().find(|(own, _)| *own == name).and_then(|(_, values)| values.get(i).copied());
+        LedgerRow {
+            time: time[i],
+            energies: Energies { momentum: momentum[i], ..Energies::by_name(energy) },
+            work_left: work[0][i],
+            work_right: work[1][i],
+            impulse: impulse[i],
+            residual: residual[i],
+        }
     };
     Ok((0..rows).map(row).collect())
 }

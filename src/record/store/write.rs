@@ -6,7 +6,7 @@ use hdf5::{Dataset, File, Group, H5Type};
 use ndarray::{ArrayView2, s};
 
 use super::compound::{self, Column};
-use super::create::{END_COLUMNS, LEDGER_COLUMNS, TRACE_ROWS, build, gauge_columns, gauge_links, put, put_text, text};
+use super::create::{END_COLUMNS, TRACE_ROWS, build, gauge_columns, gauge_links, ledger_columns, put, put_text, text};
 use super::paths::PathTable;
 use super::{Ending, Finish, Header, Layout, Message, Side, scales};
 use crate::error::{Error, Result};
@@ -93,7 +93,7 @@ impl Sink {
         }
         let end = |side: Side| Table::open(&file.group(&format!("ends/{}", side.name()))?, &END_COLUMNS.map(|c| c[0]));
         let ends = [end(Side::Left)?, end(Side::Right)?];
-        let ledger = Table::open(&file.group("ledger")?, &LEDGER_COLUMNS.map(|c| c[0]))?;
+        let ledger = Table::open(&file.group("ledger")?, &ledger_columns().map(|c| c[0]).collect::<Vec<_>>())?;
         let paths = layout.paths.then(|| PathTable::open(&file, layout.compression)).transpose()?;
         Ok(Self { path: path.to_owned(), file, frames, gauges, gauge_links, ends, ledger, paths, unflushed: false })
     }
@@ -112,7 +112,10 @@ impl Sink {
             Message::End(side, Trace { time, stress, velocity, .. }) => {
                 self.ends[side as usize].push(&[&time, &stress, &velocity].map(Vec::as_slice))
             }
-            Message::Ledger(row) => self.ledger.push(&ledger_values(&row).each_ref().map(std::slice::from_ref)),
+            Message::Ledger(row) => {
+                let values = ledger_values(&row);
+                self.ledger.push(&values.iter().map(std::slice::from_ref).collect::<Vec<_>>())
+            }
             Message::Paths(rows) => match &mut self.paths {
                 Some(table) => Ok(table.push(&rows)),
                 None => Err("this file has no table of paths".into()),
@@ -356,24 +359,11 @@ fn write_figures(file: &File, figures: &Finish) -> Hdf<()> {
     Ok(())
 }
 
-fn ledger_values(row: &LedgerRow) -> [f64; 15] {
-    [
-        row.time,
-        row.kinetic,
-        row.elastic,
-        row.plastic,
-        row.heat,
-        row.viscous,
-        row.concentrated,
-        row.fracture,
-        row.damping,
-        row.foundation,
-        row.work_left,
-        row.work_right,
-        row.momentum,
-        row.impulse,
-        row.residual,
-    ]
+fn ledger_values(row: &LedgerRow) -> Vec<f64> {
+    let mut values = vec![row.time];
+    values.extend(row.energies.values());
+    values.extend([row.work_left, row.work_right, row.energies.momentum, row.impulse, row.residual]);
+    values
 }
 
 /// `.NAME.<pid>.tmp` beside the final file, so that moving it is one step on the same disk.

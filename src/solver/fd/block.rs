@@ -5,11 +5,14 @@ use std::ops::Range;
 
 use multiversion::multiversion;
 
+use super::leapfrog::SegmentLaw;
 use super::readings::Quantity;
-use super::rest::inner_nodes;
+use super::rest::{Signals, inner_nodes};
 use super::ripple::{self, Gaps};
 use super::taper::BlockTaper;
-use crate::law::{Aligned, AlignedRow, CHUNK, Row, RowLaw, aligned_row, elastic_row, split_off};
+use crate::law::{
+    Aligned, AlignedRow, CHUNK, FirstPassed, Row, RowLaw, StrainedRow, aligned_row, elastic_row, split_off,
+};
 
 /// Cells of a full block. Fixed, so that sums over blocks have the same bits whatever the number of threads.
 const BLOCK: usize = 256;
@@ -71,6 +74,9 @@ pub(super) struct Block {
     /// Velocities of the first and the last inner node before the damping of the latest step, for that of the neighbours.
     inner: [f64; 2],
     pub stage: Stage,
+    /// Every step computes all cells: what leaving some out is compared with.
+    #[cfg(test)]
+    pub always_active: bool,
     /// The block was at rest when it was last logged.
     logged_at_rest: bool,
     /// The work of every cell is kept.
@@ -93,6 +99,8 @@ pub(super) struct Block {
     pub log: Vec<[f64; WATCHED.len()]>,
     /// 2E times the plastic work of every cell per volume, Pa^2; empty until the block yields, and where it is not kept.
     pub absorbed: Vec<f64>,
+    /// Cells that came to a limit of what their law knows.
+    pub passed: FirstPassed,
     /// Sections of the cells; none in a uniform segment.
     pub taper: Option<Box<BlockTaper>>,
 }
@@ -115,6 +123,8 @@ impl Block {
             cells,
             segment,
             stage: Stage::Elastic,
+            #[cfg(test)]
+            always_active: false,
             busy: 0..0,
             sigma: aligned_row(n, 0.0),
             v: aligned_row(n + 1, velocity),
@@ -130,6 +140,7 @@ impl Block {
             damped: 0.0,
             keeps_work: false,
             absorbed: Vec::new(),
+            passed: FirstPassed::default(),
             taper: None,
         }
     }
@@ -159,6 +170,8 @@ impl Block {
             cells: middle..self.cells.end,
             segment: self.segment,
             stage: self.stage,
+            #[cfg(test)]
+            always_active: self.always_active,
             busy: 0..cells - at,
             sigma: split_off(&mut self.sigma, at),
             v,
@@ -174,6 +187,7 @@ impl Block {
             damped: 0.0,
             keeps_work: self.keeps_work,
             absorbed: if self.absorbed.is_empty() { Vec::new() } else { self.absorbed.split_off(at) },
+            passed: FirstPassed::default(),
             taper: self.taper.as_mut().map(|taper| Box::new(taper.split_off(at))),
         };
         self.cells.end = middle;
@@ -188,6 +202,13 @@ impl Block {
         if self.stage == Stage::Plastic {
             self.damps_from = self.damps_from.min(step);
         }
+    }
+
+    /// Takes down the cells that came to a limit of what their law knows in a step.
+    pub fn note_limits(&mut self, law: &SegmentLaw, step: usize) {
+        let (first, segment) = (self.cells.start, self.segment);
+        let (sigma, state, cells) = (&self.sigma[..], &self.state[..], 0..self.sigma.len());
+        law.note_limits(&StrainedRow { sigma, state, cells, first, segment, step }, &mut self.passed);
     }
 
     /// Takes down where they come from a neighbour; `near` is the step from which on they are damped there.
@@ -265,9 +286,7 @@ impl Block {
     ///
     /// `scratch` stays in the first-level cache from block to block.
     pub fn advance(&mut self, law: BlockLaw<'_>, scratch: &mut Scratch) {
-        self.widen();
-        self.narrow(law);
-        if self.at_rest() {
+        if !self.find_active(law, Signals::ThroughCells) {
             return;
         }
         self.advance_stress(law, scratch);
@@ -300,13 +319,9 @@ impl Block {
 
     /// Steps the stresses of the block alone: its nodes belong to the caller, all of them.
     pub fn advance_stresses(&mut self, law: BlockLaw<'_>, scratch: &mut Scratch) {
-        if self.at_rest() {
-            if self.v.iter().all(|v| *v == self.v[0]) {
-                return;
-            }
-            self.wake();
+        if self.find_active(law, Signals::ThroughNodes) {
+            self.advance_stress(law, scratch);
         }
-        self.advance_stress(law, scratch);
     }
 
     fn advance_stress(&mut self, law: BlockLaw<'_>, scratch: &mut Scratch) {
@@ -378,27 +393,50 @@ impl Block {
         taper.area.iter().enumerate().map(|(i, area)| area * law.overstress_work(&own(i))).sum()
     }
 
-    /// Over the nodes inside: of the product and of the sum of their velocities half a step before and after the time of
-    /// the stresses.
-    pub fn inner_nodes(&self, velocity_gain: f64) -> (f64, f64) {
+    /// Of the motion of the nodes inside.
+    pub fn inner_nodes(&self, velocity_gain: f64) -> NodeMotion {
         self.nodes(|i| self.v[i] - self.kick(velocity_gain, i))
     }
 
     /// The same before anything acts on them.
-    pub fn inner_nodes_at_start(&self) -> (f64, f64) {
+    pub fn inner_nodes_at_start(&self) -> NodeMotion {
         self.nodes(|i| self.v[i])
     }
 
     #[inline(always)]
-    fn nodes(&self, before: impl Fn(usize) -> f64) -> (f64, f64) {
-        let (mut product, mut sum) = (0.0, 0.0);
+    fn nodes(&self, before: impl Fn(usize) -> f64) -> NodeMotion {
+        let mut all = NodeMotion::default();
         for i in 1..self.sigma.len() {
-            let (after, before) = (self.v[i], before(i));
             let mass = self.taper.as_ref().map_or(1.0, |taper| taper.node_mass(i));
-            product += mass * (after * before);
-            sum += mass * (after + before);
+            all.add(mass, NodeMotion::of(before(i), self.v[i]));
         }
-        (product, sum)
+        all
+    }
+}
+
+/// Sums over nodes, of their velocities half a step before and after the time of the stresses.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct NodeMotion {
+    /// Of the products of both.
+    pub products: f64,
+    /// Of their sums, and of the squares of these.
+    pub sums: f64,
+    pub squares: f64,
+}
+
+impl NodeMotion {
+    /// Of one node.
+    #[inline(always)]
+    pub fn of(before: f64, after: f64) -> Self {
+        let sum = before + after;
+        Self { products: after * before, sums: sum, squares: sum * sum }
+    }
+
+    #[inline(always)]
+    fn add(&mut self, mass: f64, node: Self) {
+        self.products += mass * node.products;
+        self.sums += mass * node.sums;
+        self.squares += mass * node.squares;
     }
 }
 

@@ -2,9 +2,11 @@
 //! cell's mass.
 //!
 //! A step takes the faces on as free ones. Where the right one would end up to the left of the left one, a push between
-//! them takes both to one place at the end of the step; they never pull each other. Momentum is exchanged exactly. Faces
-//! that meet lose the energy of their relative motion, which is of the first order in the cell size: it is booked.
+//! them takes both to one place at the end of the step; they never pull each other, and press and part as an end and a wall do, see
+//! [`super::device`]. Momentum is exchanged exactly. Faces that meet lose the energy of their relative motion, which is of the first
+//! order in the cell size, and get it back where a wave parts them.
 
+use super::device::Impulses;
 use crate::bar::{Bar, Joint};
 
 /// One face: half a cell's mass at the end of a segment.
@@ -34,15 +36,16 @@ pub(super) struct Contact {
     pub segment: usize,
     /// The cell to its right.
     pub cell: usize,
-    /// The bar broke here.
-    pub broken: bool,
     pub left: Face,
     pub right: Face,
     start: f64,
-    /// Distance of the faces a step ahead of the current time, m: as far as the velocities take them.
+    /// Distance of the faces at the current time and a step ahead of it, m: as far as the velocities take them.
+    gap_now: f64,
     gap: f64,
     /// Force between the faces, N, tensile only in the step in which they break.
     force: f64,
+    /// Their pressure on each other over the steps ahead.
+    impulses: Impulses,
     /// Lost by faces that met, J.
     pub lost: f64,
 }
@@ -73,12 +76,13 @@ impl Contact {
             edge,
             segment,
             cell,
-            broken: false,
             left: face(0),
             right: face(1),
             start: gap,
+            gap_now: gap,
             gap,
             force: 0.0,
+            impulses: Impulses::default(),
             lost: 0.0,
         })
     }
@@ -91,12 +95,13 @@ impl Contact {
             edge,
             segment,
             cell,
-            broken: true,
             left: face(0),
             right: face(1),
             start: 0.0,
+            gap_now: 0.0,
             gap: 0.0,
             force: 0.0,
+            impulses: Impulses::default(),
             lost: 0.0,
         }
     }
@@ -119,14 +124,19 @@ impl Contact {
         let apart = (self.right.after + dt * right / self.right.mass) - (self.left.after + dt * left / self.left.mass);
         let softness = dt * (1.0 / self.left.mass + 1.0 / self.right.mass);
         let needed = (self.gap / dt + apart) / softness;
-        // As at a wall: faces that part have pushed for the first half of the step.
-        let force = if needed < 0.0 { needed } else { 0.5 * self.held_force() };
+        let [slow_left, slow_right] = [&self.left, &self.right].map(|face| 1.0 / face.mass);
+        let cells = (left * slow_left - right * slow_right) / (slow_left + slow_right);
+        let passed_on = self.impulses.passed_on(cells);
+        let ahead = (-2.0 * needed - passed_on).max(0.0);
+        self.impulses.push(ahead, cells);
+        let force = if ahead > 0.0 { needed } else { -0.5 * passed_on };
         let opening = self.right.after - self.left.after;
         self.lost += 0.5 * dt * (self.force + force) * opening;
         self.force = force;
         self.left.advance(dt * (left + force));
         self.right.advance(dt * (right - force));
-        self.gap = (self.gap + dt * (self.right.after - self.left.after)).max(0.0);
+        self.gap_now = self.gap;
+        self.gap = if ahead > 0.0 { 0.0 } else { (self.gap + dt * (self.right.after - self.left.after)).max(0.0) };
     }
 
     /// Velocity of the left (0) or right (1) face at the current time, m/s.
@@ -135,22 +145,13 @@ impl Contact {
         0.5 * (face.before + face.after)
     }
 
-    /// The force of a step in which the faces were held together, N, else 0.
-    fn held_force(&self) -> f64 {
-        if self.gap == 0.0 { self.force.min(0.0) } else { 0.0 }
-    }
-
     /// Displacement of the right face against the left one at the current time, m.
-    pub fn jump(&self, dt: f64) -> f64 {
-        self.gap_now(dt) - self.start
-    }
-
-    fn gap_now(&self, dt: f64) -> f64 {
-        (self.gap - dt * (self.right.after - self.left.after)).max(0.0)
+    pub fn jump(&self) -> f64 {
+        self.gap_now - self.start
     }
 
     /// As it is at the current time.
-    pub fn state(&self, dt: f64) -> ContactState {
-        ContactState { joint: self.segment, cell: self.cell, force: self.force, gap: self.gap_now(dt) }
+    pub fn state(&self) -> ContactState {
+        ContactState { joint: self.segment, cell: self.cell, force: self.force, gap: self.gap_now }
     }
 }

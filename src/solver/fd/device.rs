@@ -1,54 +1,92 @@
-//! What happens at an end node of the staggered grid: half a cell's mass between the bar and whatever drives it.
+//! The node at an end of the staggered grid: half a cell's mass between the bar and what holds or drives its end.
 //!
-//! With outward normal n (-1 left, +1 right) the node obeys `m (v+ - v-)/dt = n A (sigma_end - sigma_cell)`, m being
-//! half a cell's mass. Prescribed velocities enter by their exact mean over a step, so that the end is where it should
-//! be after every step. Prescribed stresses enter by their exact mean over two steps: at Courant number 1 odd and even
-//! steps drive two lattices that know nothing of each other, and so each of them gets the impulse that was asked for.
+//! With u the velocity into the bar and pressures positive the node obeys `m (u+ - u-)/dt = P - p`, m being half a cell's mass, p the
+//! force of the end cell and P that on the end over the step from half a step before now to half a step after. An end asks for the force
+//! f over the step ahead, from now on, in which u+ moves it. Each f acts on the node in halves, P = (f- + f)/2:
+//!
+//! ```text
+//! f = q + Y u+        Y = 2 m/dt        q = 2 p - f- - Y u-
+//! ```
+//!
+//! That is the elastic characteristic, at Courant number 1 exactly: Y is then the impedance, and q what arrives at the end in the
+//! step ahead. It is the bar's side of [`crate::bar::ends`]; walls, masses and springs need to know no more of the grid. (With f in
+//! one piece, odd and even steps would drive two lattices that know nothing of each other, and ring against each other for ever.)
+//!
+//! At smaller Courant numbers f may alternate about its mean without an effect on P; [`Impulses`] takes that out of it.
 
-use super::ball::Ball;
-use super::body::Striker;
 use super::ripple;
 use crate::bar::EndCondition;
+use crate::bar::ends::{self, Body, EndModel, Face, Push, Response, Step};
+
+/// The forces f of the latest steps.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Impulses {
+    /// N, the newest first.
+    forces: [f64; 3],
+    /// Force of the cells beside the node in the step before, N.
+    cells: f64,
+}
+
+impl Impulses {
+    /// f-, the half of which acts in the step in which the cells' force is `cells` (N).
+    ///
+    /// What stops a node at once is the elastic answer, above what the cells can carry where they yield: if their force is still
+    /// growing no wave has come back, and it is no more than that.
+    pub fn passed_on(&self, cells: f64) -> f64 {
+        let last = self.forces[0];
+        let grows = cells.abs() >= self.cells.abs() && cells * last > 0.0;
+        if grows && cells.abs() < last.abs() { cells } else { last }
+    }
+
+    /// Takes the force of a step. Where the last three changes alternate in sign, half of the least of them is taken back. Returns what
+    /// the step gives to the bar, per time: the mean of the force asked for and the one that is passed on, with what of the step before
+    /// was not.
+    pub fn push(&mut self, f: f64, cells: f64) -> f64 {
+        let passed_on = self.passed_on(cells);
+        let not_passed_on = self.forces[0] - passed_on;
+        let changes = [f - passed_on, passed_on - self.forces[1], self.forces[1] - self.forces[2]];
+        let alternate = changes[0] * changes[1] < 0.0 && changes[1] * changes[2] < 0.0;
+        let ringing = if alternate { changes.iter().fold(f64::INFINITY, |least, c| least.min(c.abs())) } else { 0.0 };
+        let kept = f - 0.5 * ringing.copysign(changes[0]);
+        *self = Self { forces: [kept, passed_on, self.forces[1]], cells };
+        0.5 * (f + kept - not_passed_on)
+    }
+}
 
 /// An end of the bar and its node.
 #[derive(Debug, Clone)]
 pub struct Device {
-    condition: EndCondition,
-    /// Outward normal: -1 left, +1 right.
-    normal: f64,
-    /// dt A/m, m/s per Pa: 2 dt/(rho dx) times A over the end cell's area.
-    gain: f64,
-    /// Area of the end cell over that of the end: by which the cell's stress counts at the end; 1 but in a taper.
-    cell_share: f64,
-    /// A dt: impulse per stress, m^2 s.
-    impulse_per_stress: f64,
-    dt: f64,
-    /// rho c0 of the end cell, and the velocity at which nothing is radiated.
+    model: Box<dyn EndModel>,
+    face: Face,
+    /// m/dt, N s/m.
     impedance: f64,
-    rest_velocity: f64,
-    /// Velocity half a step before and after the current time, m/s.
+    /// Section of the end cell, m^2.
+    cell_area: f64,
+    dt: f64,
+    /// Velocity half a step before and after the current time, m/s, into the bar.
     before: f64,
     after: f64,
-    /// Stress at the end at the current time, Pa, with the impulse of a sudden motion.
-    reaction: f64,
-    /// The same for the record, see [`Device::stress`].
+    /// Force on the end at the current time, N, with the impulse of a sudden motion.
+    force: f64,
+    /// The stress for the record, see [`Device::stress`].
     stress: f64,
-    /// Stress in the latest step in which the end was held.
-    held_stress: f64,
+    impulses: Impulses,
+    /// The body at the end and its energy at the current time.
+    body: Option<Body>,
+    body_energy: f64,
+    /// A step ahead of the current time, m, into the bar.
     displacement: f64,
+    /// Work done on the bar up to the current time, and in the step ahead, J.
     work: f64,
+    to_give: f64,
+    /// Work of the forces on the node up to the current time, J.
+    work_on_node: f64,
     impulse: f64,
     /// Sum of |impulse| of the steps, the scale for the momentum residual.
     throughput: f64,
     started: bool,
-    /// The velocity is prescribed just now.
+    /// The velocity follows from what holds the end.
     held: bool,
-    /// The bar has just broken off here.
-    breaks: bool,
-    /// The mass that strikes the end, where one does.
-    striker: Option<Striker>,
-    /// The ball, where there is one.
-    ball: Option<Ball>,
     /// Taken by the ripple damping, J.
     damped: f64,
     /// Stress and velocity of every step, where they are asked for.
@@ -56,10 +94,15 @@ pub struct Device {
 }
 
 /// What a step makes of an end.
+#[derive(Clone, Copy)]
 struct Motion {
+    /// P, N.
+    force: f64,
+    /// u+, m/s.
     velocity: f64,
-    stress: f64,
-    /// The velocity was prescribed, the stress is the reaction.
+    /// The end's relation was met.
+    met: bool,
+    /// Its velocity was prescribed.
     held: bool,
 }
 
@@ -84,32 +127,30 @@ pub struct EndGrid {
 
 impl Device {
     /// The device at an end with outward normal `normal` (-1 left, +1 right).
-    pub fn new(condition: EndCondition, normal: f64, grid: EndGrid) -> Self {
-        let striker = Striker::of(&condition);
-        let ball = Ball::of(&condition, grid.velocity, normal, grid.dt);
+    pub fn new(condition: &EndCondition, normal: f64, grid: EndGrid) -> Self {
+        let velocity = -normal * grid.velocity;
+        let face = Face { inward: -normal, area: grid.area, impedance: grid.impedance * grid.area, velocity };
         Self {
-            condition,
-            striker,
-            ball,
-            normal,
-            gain: 2.0 * grid.dt / (grid.density * grid.dx) * (grid.area / grid.cell_area),
-            cell_share: grid.cell_area / grid.area,
-            impulse_per_stress: grid.area * grid.dt,
+            model: ends::model(condition, face),
+            face,
+            impedance: 0.5 * grid.density * grid.dx * grid.cell_area / grid.dt,
+            cell_area: grid.cell_area,
             dt: grid.dt,
-            impedance: grid.impedance,
-            rest_velocity: grid.velocity,
-            before: grid.velocity,
-            after: grid.velocity,
-            reaction: 0.0,
+            before: velocity,
+            after: velocity,
+            force: 0.0,
             stress: 0.0,
-            held_stress: 0.0,
+            impulses: Impulses::default(),
+            body: None,
+            body_energy: 0.0,
             displacement: 0.0,
             work: 0.0,
+            to_give: 0.0,
+            work_on_node: 0.0,
             impulse: 0.0,
             throughput: 0.0,
             started: false,
             held: false,
-            breaks: false,
             damped: 0.0,
             log: None,
         }
@@ -117,6 +158,7 @@ impl Device {
 
     /// The node's velocity at t = 0, m/s, where nothing holds it.
     pub(super) fn start_with(&mut self, velocity: f64) {
+        let velocity = self.face.inward * velocity;
         (self.before, self.after) = (velocity, velocity);
         self.displacement = self.dt * velocity;
     }
@@ -124,205 +166,105 @@ impl Device {
     /// Takes the node from half a step before `time` to half a step after it. `sigma_cell` is the stress at `time`
     /// in the end cell.
     pub fn advance(&mut self, time: f64, sigma_cell: f64) {
-        self.advance_showing(time, sigma_cell, sigma_cell);
+        self.advance_showing(time, -self.cell_area * sigma_cell, sigma_cell);
     }
 
-    /// The same; `shown` is the stress of the end cell for the record.
-    fn advance_showing(&mut self, time: f64, sigma_cell: f64, shown: f64) {
-        let previous_stress = self.reaction;
-        let sigma_cell = self.cell_share * sigma_cell;
-        let motion = self.respond(time, sigma_cell);
-        self.breaks = false;
-        let struck = motion.held && (!self.held || self.jumps(time));
-        self.stress = if struck { shown } else { motion.stress };
-        if motion.held {
-            self.held_stress = motion.stress;
-        }
-        (self.before, self.after) = (self.after, motion.velocity);
-        (self.reaction, self.held) = (motion.stress, motion.held);
-        if let Some(striker) = &mut self.striker {
-            striker.advance(-self.normal * self.impulse_per_stress * motion.stress, self.dt);
-        }
-        if let Some(ball) = &mut self.ball {
-            ball.advance(-self.reaction * self.impulse_per_stress / self.dt, self.after, self.dt);
-        }
-        self.account(previous_stress);
+    /// The same under the force `cell` (N) of the end cell; `shown` is its stress for the record.
+    fn advance_showing(&mut self, time: f64, cell: f64, shown: f64) {
+        let (step, previous) = (self.step(time), self.force);
+        let Motion { force, velocity, met, held } = self.respond(&step, cell);
+        let struck = held && (!self.held || self.model.jumps(time, self.dt));
+        self.stress = if struck { shown } else { -force / self.face.area };
+        let ahead = 2.0 * force - self.impulses.passed_on(cell);
+        let impulse = self.dt * self.impulses.push(ahead, cell);
+        (self.body, self.body_energy) = (self.model.body(), self.model.energy(self.displacement));
+        self.model.advance(&step, &Push { force: ahead, velocity, impulse }, met);
+        let given = self.body_energy - self.model.energy(self.displacement + self.dt * velocity);
+        self.work += std::mem::replace(&mut self.to_give, if self.model.stores() { given } else { impulse * velocity });
+        (self.before, self.after) = (self.after, velocity);
+        (self.force, self.held) = (force, held);
+        self.account(previous);
         self.displacement += self.dt * self.after;
+    }
+
+    fn step(&self, time: f64) -> Step {
+        Step { time, dt: self.dt, displacement: self.displacement }
     }
 
     /// The end moves this mass, kg, in place of half its cell's.
     pub(super) fn set_mass(&mut self, mass: f64) {
-        self.gain = self.impulse_per_stress / mass;
+        self.impedance = mass / self.dt;
     }
 
     /// Velocity change of the step around `time` if the bar gives that mass an impulse of `pull`, N s in +x.
     pub(super) fn answer(&self, time: f64, pull: f64) -> f64 {
-        self.respond(time, self.stress_of(pull)).velocity - self.after
+        let motion = self.respond(&self.step(time), -self.face.inward * pull / self.dt);
+        self.face.inward * (motion.velocity - self.after)
     }
 
     /// Takes that step. `sigma_cell` is the stress of the end cell, for the record.
     pub(super) fn advance_by(&mut self, time: f64, pull: f64, sigma_cell: f64) {
-        self.advance_showing(time, self.stress_of(pull), sigma_cell);
+        self.advance_showing(time, -self.face.inward * pull / self.dt, sigma_cell);
     }
 
-    /// Stress of a cell that gives the node this impulse in a step.
-    fn stress_of(&self, pull: f64) -> f64 {
-        -self.normal * pull / self.impulse_per_stress
-    }
-
-    /// True where a prescribed velocity jumps within a step of `time`.
-    fn jumps(&self, time: f64) -> bool {
-        let EndCondition::Velocity { history, .. } = &self.condition else { return false };
-        let close = |t: f64| (t - time).abs() <= self.dt;
-        history.time().windows(2).any(|pair| pair[0] == pair[1] && close(pair[0]))
-    }
-
-    /// The node's velocity after the step and the end's stress at its middle.
-    fn respond(&self, time: f64, sigma_cell: f64) -> Motion {
-        match &self.condition {
-            EndCondition::Velocity { history, release } => {
-                // Share of the two steps around `time` in which the end is still held.
-                let held = release.map_or(1.0, |r| 0.5 * ((r - time) / self.dt + 1.0));
-                if held < 1.0 {
-                    return self.under_stress(held.max(0.0) * self.held_stress, sigma_cell);
-                }
-                self.moving(history.mean(time, time + self.dt), sigma_cell)
-            }
-            EndCondition::Stress { history } => {
-                self.under_stress(history.mean(time - self.dt, time + self.dt), sigma_cell)
-            }
-            // As where a wall lets go, what pulled has done so for the first half of the step.
-            EndCondition::Free if self.breaks => self.under_stress(0.5 * self.reaction, sigma_cell),
-            EndCondition::Free => self.under_stress(0.0, sigma_cell),
-            EndCondition::Fixed => self.moving(0.0, sigma_cell),
-            EndCondition::Absorbing => self.radiating(sigma_cell),
-            EndCondition::Wall { gap } => self.against_wall(*gap, sigma_cell),
-            EndCondition::Striker { .. } => self.against_mass(sigma_cell),
-            EndCondition::Ball { .. } => self.against_ball(sigma_cell),
-            EndCondition::Spring { stiffness } => self.on_spring(*stiffness, sigma_cell),
+    /// Force and velocity of a step under the force `cell` (N) of the end cell.
+    fn respond(&self, step: &Step, cell: f64) -> Motion {
+        let (passed_on, impedance) = (self.impulses.passed_on(cell), 2.0 * self.impedance);
+        let bar = Response { force: 2.0 * cell - passed_on - impedance * self.after, impedance };
+        let relation = self.model.relation(step, &bar);
+        let [ahead, velocity] = relation.meet(&bar);
+        let met = !relation.unilateral || ahead > 0.0;
+        if relation.of_velocity == 0.0 || !met {
+            // The force is known; the velocity follows.
+            let force = 0.5 * (passed_on + if met { ahead } else { 0.0 });
+            return Motion { force, velocity: self.after + (force - cell) / self.impedance, met, held: false };
         }
+        let held = relation.unilateral || relation.of_force == 0.0;
+        Motion { force: cell + self.impedance * (velocity - self.after), velocity, met, held }
     }
 
-    fn moving(&self, velocity: f64, sigma_cell: f64) -> Motion {
-        let stress = sigma_cell + self.normal * (velocity - self.after) / self.gain;
-        Motion { velocity, stress, held: true }
-    }
-
-    fn under_stress(&self, stress: f64, sigma_cell: f64) -> Motion {
-        Motion { velocity: self.after + self.normal * self.gain * (stress - sigma_cell), stress, held: false }
-    }
-
-    /// `sigma_end` = -n Z (v - `v_rest`) with v the mean over the step: exact at Courant number 1.
-    fn radiating(&self, sigma_cell: f64) -> Motion {
-        let h = 0.5 * self.gain * self.impedance;
-        let before = self.after - self.rest_velocity;
-        let after = ((1.0 - h) * before - self.normal * self.gain * sigma_cell) / (1.0 + h);
-        let stress = -self.normal * self.impedance * 0.5 * (before + after);
-        Motion { velocity: after + self.rest_velocity, stress, held: false }
-    }
-
-    /// The wall takes up just the velocity that would carry the node into it; it never pulls.
-    ///
-    /// Where it lets go, it has pushed for the first half of the step. That half impulse is what the end needs to
-    /// leave with the velocity of the wave that frees it; without it every second node would lag behind, and the
-    /// bar would ring from cell to cell.
-    fn against_wall(&self, gap: f64, sigma_cell: f64) -> Motion {
-        let free = self.under_stress(0.0, sigma_cell);
-        let limit = self.normal * (gap - self.normal * self.displacement) / self.dt;
-        if self.normal * (free.velocity - limit) > 0.0 {
-            return self.moving(limit, sigma_cell);
-        }
-        self.under_stress(if self.held { 0.5 * self.reaction } else { 0.0 }, sigma_cell)
-    }
-
-    /// The mass and the node exchange what takes both to one place at the end of the step, unless that is a pull.
-    ///
-    /// Where the mass touches a node that moves otherwise, the two go on together. The impulse that this takes is right to
-    /// second order, what it takes from their energy (half the node's mass times the square of the difference) to first.
-    fn against_mass(&self, sigma_cell: f64) -> Motion {
-        let Some(striker) = &self.striker else { return self.under_stress(0.0, sigma_cell) };
-        let free = self.under_stress(0.0, sigma_cell);
-        let apart = (striker.place - self.displacement) / self.dt + striker.after - free.velocity;
-        let stress = self.normal * apart / (self.gain + self.impulse_per_stress / striker.mass);
-        if stress < 0.0 {
-            let velocity = free.velocity + self.normal * self.gain * stress;
-            return Motion { velocity, stress, held: true };
-        }
-        // As against a wall: it has pushed for the first half of the step in which it lets go.
-        self.under_stress(if self.held { 0.5 * self.reaction } else { 0.0 }, sigma_cell)
-    }
-
-    /// The ball pushes with the mean of its force between the approaches a step before and a step after: stable for any
-    /// stiffness, and exact in energy, see [`Ball`].
-    fn against_ball(&self, sigma_cell: f64) -> Motion {
-        let Some(ball) = &self.ball else { return self.under_stress(0.0, sigma_cell) };
-        let free = self.under_stress(0.0, sigma_cell);
-        let area = self.impulse_per_stress / self.dt;
-        let force = ball.force(free.velocity, self.gain / area, self.dt);
-        self.under_stress(-force / area, sigma_cell)
-    }
-
-    /// The force is -k times the mean `(u- + 2 u + u+)/4` of the displacements a step before, now and a step after: stable
-    /// for any k, and exact in energy, see [`Device::body_energy`].
-    fn on_spring(&self, stiffness: f64, sigma_cell: f64) -> Motion {
-        let area = self.impulse_per_stress / self.dt;
-        let stress_now = -self.normal * stiffness * self.displacement / area;
-        // What the change of the velocity in this step adds, as a mass would: k dt^2/4 beside m = A dt/gain.
-        let heavier = 1.0 + 0.25 * stiffness * self.dt * self.gain / area;
-        let velocity = self.after + self.normal * self.gain * (stress_now - sigma_cell) / heavier;
-        let stress = sigma_cell + self.normal * (velocity - self.after) / self.gain;
-        Motion { velocity, stress, held: false }
-    }
-
-    /// Energy of the body at the end at the current time, J, in the form that the scheme conserves: `M V- V+/2` for a
-    /// striker, with the contact's for a ball (see [`Ball`]), `k u^2/2 + k dt^2 (v- v+ - v0^2)/8` for a spring (v0: at the start), 0 without one.
+    /// Energy of the body at the end at the current time, J: of motion for a striker, stored for a spring, both for a ball; 0
+    /// without one.
     pub fn body_energy(&self) -> f64 {
-        if let Some(striker) = &self.striker {
-            return 0.5 * striker.mass * striker.before * striker.after;
-        }
-        if let Some(ball) = &self.ball {
-            return ball.energy();
-        }
-        let EndCondition::Spring { stiffness } = self.condition else { return 0.0 };
-        let stretch = self.displacement();
-        let motion = self.before * self.after - self.rest_velocity * self.rest_velocity;
-        0.5 * stiffness * (stretch * stretch + 0.25 * self.dt * self.dt * motion)
+        self.body_energy
     }
 
-    /// The striker's or ball's velocity at the current time, m/s, and its distance from the end, m, half a step later;
-    /// for a ball that touches it, less than 0: the approach. None without one.
+    /// The striker's or ball's velocity (m/s) and its distance from the end (m; for a ball that touches it, less than 0: the
+    /// approach) at the current time. None without one.
     pub fn striker(&self) -> Option<(f64, f64)> {
-        if let Some(ball) = &self.ball {
-            return Some((ball.velocity(), -ball.approach));
-        }
-        let striker = self.striker.as_ref()?;
-        Some((0.5 * (striker.before + striker.after), self.normal * (striker.place - self.displacement)))
+        self.body.map(|body| (self.face.inward * body.velocity, body.gap))
     }
 
     /// True where the end pulls the bar.
     pub(super) fn pulls(&self) -> bool {
-        self.reaction > 0.0
+        self.force < 0.0
     }
 
     /// The bar breaks off what is at its end, which is free from the next step on.
     pub(super) fn let_go(&mut self) {
-        self.condition = EndCondition::Free;
-        self.striker = None;
-        self.ball = None;
-        self.breaks = true;
+        self.model = ends::model(&EndCondition::Free, self.face);
     }
 
-    /// The ripple damping changes the node's velocity, unless that is prescribed just now. `sigma_cell` is the stress of the
-    /// end cell.
+    /// The ripple damping changes the node's velocity (m/s, in +x), unless that is prescribed just now. `sigma_cell` is the stress
+    /// of the end cell.
     pub(super) fn damp(&mut self, change: f64, sigma_cell: f64) {
         if change == 0.0 || self.is_held() {
             return;
         }
-        let g = self.normal * self.gain * (self.reaction - self.cell_share * sigma_cell);
-        let half_mass = 0.5 * self.impulse_per_stress / self.gain;
-        self.damped += half_mass * ripple::node(g, change, &mut self.after);
+        let change = self.face.inward * change;
+        let kick = (self.force + self.cell_area * sigma_cell) / self.impedance;
+        self.damped += 0.5 * self.impedance * self.dt * ripple::node(kick, change, &mut self.after);
         self.before += change;
         self.displacement += self.dt * change;
+    }
+
+    /// The bar beyond the node gets this impulse from the end in the present step, N s in +x, where `stress` (Pa) is known to act.
+    pub(super) fn add_impulse(&mut self, impulse: f64, stress: f64) {
+        self.impulse += impulse;
+        self.throughput += impulse.abs();
+        self.work += impulse * self.velocity_after();
+        self.work_on_node += impulse * self.velocity_after();
+        self.stress = stress;
     }
 
     /// Energy that the ripple damping took from the node, J.
@@ -351,36 +293,36 @@ impl Device {
         self.log.iter_mut().for_each(Vec::clear);
     }
 
-    /// True where the end's velocity is prescribed just now, or its place matters to a spring or a ball; false where it
-    /// follows from the stress.
+    /// True where the end's velocity is prescribed just now, or its place matters to what is there; false where it follows from
+    /// the stress.
     pub(super) fn is_held(&self) -> bool {
-        self.held || matches!(self.condition, EndCondition::Spring { .. } | EndCondition::Ball { .. })
+        self.held || self.model.follows_place()
     }
 
-    /// Impulse and work by the trapezoidal rule in the end stress: the form in which the staggered scheme balances
+    /// Impulse and work by the trapezoidal rule in the end's force: the form in which the staggered scheme balances
     /// momentum and energy to round-off. The first half step starts from the initial velocity.
-    fn account(&mut self, previous_stress: f64) {
-        let half = 0.5 * self.normal * self.impulse_per_stress;
-        let impulse = if self.started { half * (previous_stress + self.reaction) } else { half * self.reaction };
+    fn account(&mut self, previous: f64) {
+        let half = 0.5 * self.dt;
+        let impulse = if self.started { half * (previous + self.force) } else { half * self.force };
         self.started = true;
-        self.impulse += impulse;
+        self.impulse += self.face.inward * impulse;
         self.throughput += impulse.abs();
-        self.work += impulse * self.before;
+        self.work_on_node += impulse * self.before;
     }
 
     /// Velocity half a step after the current time, m/s.
     pub fn velocity_after(&self) -> f64 {
-        self.after
+        self.face.inward * self.after
     }
 
     /// Velocity half a step before the current time, m/s.
     pub fn velocity_before(&self) -> f64 {
-        self.before
+        self.face.inward * self.before
     }
 
     /// Velocity at the current time, m/s.
     pub fn velocity(&self) -> f64 {
-        0.5 * (self.before + self.after)
+        0.5 * (self.velocity_before() + self.velocity_after())
     }
 
     /// Stress at the end at the current time, Pa. In a step in which the end is suddenly made to move it is that of the
@@ -391,12 +333,18 @@ impl Device {
 
     /// Displacement at the current time, m.
     pub fn displacement(&self) -> f64 {
-        self.displacement - self.dt * self.after
+        self.face.inward * (self.displacement - self.dt * self.after)
     }
 
-    /// Work done on the bar so far, J.
+    /// Work done on the bar so far, J: what a body at the end lost, else force times displacement over the steps.
     pub fn work(&self) -> f64 {
         self.work
+    }
+
+    /// What of it is not in the node's motion and the bar, J: forces over the steps act on the node in halves. At a sudden change of the
+    /// velocity by w it is some m w^2, of first order in the cell size, of either sign.
+    pub fn in_transit(&self) -> f64 {
+        self.work - self.work_on_node
     }
 
     /// Impulse given to the bar so far, N s, positive in +x.

@@ -63,6 +63,12 @@ impl Edge {
         change != 0.0
     }
 
+    /// Changes the velocities before and after the current time by `change` (m/s). Returns the energy that this takes, J.
+    pub fn impose(&mut self, change: f64) -> f64 {
+        self.still = false;
+        -0.5 * self.mass * ripple::node(self.kick, change, &mut self.after)
+    }
+
     /// Velocity half a step before the current time, m/s: that after it without what the stresses gave in between.
     pub fn before(&self) -> f64 {
         self.after - self.kick

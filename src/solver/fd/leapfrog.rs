@@ -11,11 +11,12 @@ use super::grid::Grid;
 use super::implicit::{Along, Implicit};
 use super::ripple;
 use super::rupture::Breaking;
+use super::start::StartingFan;
 use super::stretch::{Common, Stretch};
 use super::sweep::division;
 use super::taper::BlockTaper;
 use crate::bar::{Bar, EndCondition};
-use crate::law::RowLaw;
+use crate::law::{DataEnd, FirstPassed, RowLaw, StrainedRow};
 
 /// The law of one segment, as assembled from its material and the effects.
 #[derive(Clone)]
@@ -24,9 +25,17 @@ pub struct SegmentLaw {
     pub law: Arc<dyn RowLaw>,
     /// Stress below which the law is elastic in both senses, Pa.
     pub yield_stress: f64,
-    /// Reach (E times equivalent strain, Pa) at which the data end, in tension and in compression; infinite where they
-    /// do not.
-    pub end: [f64; 2],
+    /// Where its data end.
+    pub end: DataEnd,
+}
+
+impl SegmentLaw {
+    /// Notes the cells of a row that have come to a limit of what the law knows.
+    pub fn note_limits(&self, row: &StrainedRow<'_>, passed: &mut FirstPassed) {
+        if !row.state.is_empty() || self.end.outruns(self.yield_stress) {
+            self.law.note_limits(&self.end, row, passed);
+        }
+    }
 }
 
 /// What a bar logged, step by step.
@@ -90,6 +99,8 @@ pub struct Leapfrog {
     pub(super) rupture: Option<Box<Breaking>>,
     /// The nodes, where something acts along the bar.
     pub(super) implicit: Option<Box<Implicit>>,
+    /// What suddenly moved ends start with.
+    pub(super) fans: Vec<StartingFan>,
 }
 
 impl Leapfrog {
@@ -140,8 +151,8 @@ impl Leapfrog {
             }
         };
         let [left, right] = ends;
-        let left = Device::new(left, -1.0, end_grid(0, 0));
-        let right = Device::new(right, 1.0, end_grid(bar.segments.len() - 1, 1));
+        let left = Device::new(&left, -1.0, end_grid(0, 0));
+        let right = Device::new(&right, 1.0, end_grid(bar.segments.len() - 1, 1));
         Self {
             grid,
             laws,
@@ -156,6 +167,7 @@ impl Leapfrog {
             watched: None,
             rupture: None,
             implicit: None,
+            fans: Vec::new(),
         }
     }
 
@@ -171,7 +183,9 @@ impl Leapfrog {
             return (0..steps).for_each(|_| self.advance_together());
         }
         let (parts, depth) = division(self.blocks.len(), self.threads);
-        let mut to_go = steps;
+        let starting = steps.min(self.starts_until().saturating_sub(self.step));
+        (0..starting).for_each(|_| self.advance_together());
+        let mut to_go = steps - starting;
         while to_go > 0 {
             let now = to_go.min(depth);
             self.whole().sweep(now, parts);
@@ -190,6 +204,10 @@ impl Leapfrog {
         } else {
             self.whole().advance_and_meet(step, &mut scratch);
             self.step = step;
+        }
+        if self.step < self.starts_until() {
+            self.impose_fans();
+            return self.whole().note_all();
         }
         if self.rupture.is_some() {
             self.break_where_due();
@@ -285,6 +303,7 @@ impl Leapfrog {
         let Some(nodes) = &self.implicit else { return };
         for block in &mut self.blocks {
             nodes.share(block);
+            block.wake_if_strained();
             block.note_undamped();
         }
         for (edge, block) in self.edges.iter_mut().zip(&self.blocks) {
@@ -335,7 +354,7 @@ impl Leapfrog {
 
     /// The joints that can open, from left to right.
     pub fn contacts(&self) -> impl Iterator<Item = ContactState> {
-        self.contacts.iter().map(|contact| contact.state(self.grid.dt))
+        self.contacts.iter().map(|contact| contact.state())
     }
 
     /// True while no cell has yielded: only the elastic kernel has run.

@@ -1,8 +1,6 @@
 //! Finite differences on a staggered grid.
 
-mod ball;
 mod block;
-mod body;
 mod contact;
 mod device;
 mod edge;
@@ -15,6 +13,7 @@ mod rest;
 mod ripple;
 mod rupture;
 mod sample;
+mod start;
 mod stretch;
 mod sweep;
 mod taper;
@@ -25,6 +24,6 @@ pub use grid::{Grid, SegmentGrid};
 pub use implicit::Along;
 pub use leapfrog::{Leapfrog, Log, LoggedCell, SegmentLaw};
 pub use reader::Reader;
-pub use readings::{Energies, Passed, Quantity};
+pub use readings::Quantity;
 pub use sample::{Sampling, between};
 pub use taper::BYTES_PER_CELL as TAPER_BYTES_PER_CELL;

@@ -1,10 +1,10 @@
 //! What can be read off a bar: fields, energies, cells past their data.
 
-use super::block::{Block, Stage};
-use super::implicit::NodeSums;
+use super::block::{Block, NodeMotion};
 use super::leapfrog::{Constants, Leapfrog};
 use super::reader::Reader;
-use crate::law::RowLaw;
+use crate::law::{FirstPassed, RowLaw};
+use crate::solver::Energies;
 
 /// What can be read in a cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -22,43 +22,6 @@ pub enum Quantity {
     AccumulatedPlasticStrain,
     /// Temperature, K; not a number without the effect of heat.
     Temperature,
-}
-
-/// A cell that came to the end of its material's data.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Passed {
-    /// Cell.
-    pub cell: usize,
-    /// Its segment.
-    pub segment: usize,
-    /// Its strain.
-    pub strain: f64,
-}
-
-/// Energies and momentum of the bar at the current time, J and N s.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Energies {
-    /// Sum of m v- v+ / 2, v- and v+ being the velocities half a step before and after: the form that the scheme
-    /// conserves. With lateral inertia that of the sideways motion is in it.
-    pub kinetic: f64,
-    /// Sum of sigma^2/(2E) dV.
-    pub elastic: f64,
-    /// Plastic work since the start that did not turn into heat, without that of the overstress.
-    pub plastic: f64,
-    /// Plastic work since the start, that of the overstress with it, that turned into heat.
-    pub heat: f64,
-    /// Taken by the ripple damping, and by the overstress of rate-dependent cells as far as it did not turn into heat, since the start (0 in an elastic run).
-    pub viscous: f64,
-    /// Lost by the faces of joints that met (0 without joints that can open).
-    pub concentrated: f64,
-    /// Lost by broken faces that met again (0 without ruptures).
-    pub fracture: f64,
-    /// Taken by internal and external damping since the start (0 without them).
-    pub damping: f64,
-    /// Stored in the foundation (0 without one).
-    pub foundation: f64,
-    /// Momentum, positive in +x.
-    pub momentum: f64,
 }
 
 impl Leapfrog {
@@ -101,7 +64,7 @@ impl Leapfrog {
         for part in &self.grid.segments {
             for (cell, &strain) in part.cells.clone().zip(&strains[part.cells.clone()]) {
                 if let Some(contact) = contacts.next_if(|contact| contact.cell == cell) {
-                    node += contact.jump(self.grid.dt);
+                    node += contact.jump();
                 }
                 let stretch = strain * part.dx;
                 centres.push(node + 0.5 * stretch);
@@ -116,27 +79,27 @@ impl Leapfrog {
         if let Some(nodes) = &self.implicit {
             return self.energies_with(nodes.sums());
         }
-        let mut total = Energies { viscous: self.left.damped() + self.right.damped(), ..Energies::default() };
+        let (left, right) = (&self.left, &self.right);
+        let mut total = Energies { numerical: left.damped() + right.damped(), ..Energies::default() };
+        total.half_step += left.in_transit() + right.in_transit() + self.fans.iter().map(|fan| fan.lost).sum::<f64>();
         for (k, block) in self.blocks.iter().enumerate() {
             let c = &self.constants[block.segment];
             self.add_material(&mut total, block);
-            total.viscous += 0.5 * c.cell_mass * block.damped;
-            let (product, sum) = block.inner_nodes(c.velocity_gain);
-            total.add_nodes(c.cell_mass, product, sum);
+            total.numerical += 0.5 * c.cell_mass * block.damped;
+            add_nodes(&mut total, c.cell_mass, block.inner_nodes(c.velocity_gain));
             if let Some(edge) = self.edges.get(k) {
-                total.viscous += edge.damped;
-                total.add_nodes(edge.mass, edge.after * edge.before(), edge.after + edge.before());
+                total.numerical += edge.damped;
+                add_nodes(&mut total, edge.mass, NodeMotion::of(edge.before(), edge.after));
             }
         }
         for contact in &self.contacts {
-            *(if contact.broken { &mut total.fracture } else { &mut total.concentrated }) += contact.lost;
+            total.half_step += contact.lost;
             for face in [&contact.left, &contact.right] {
-                total.add_nodes(face.mass, face.after * face.before, face.after + face.before);
+                add_nodes(&mut total, face.mass, NodeMotion::of(face.before, face.after));
             }
         }
         for (device, mass) in [&self.left, &self.right].into_iter().zip(self.end_masses()) {
-            let (before, after) = (device.velocity_before(), device.velocity_after());
-            total.add_nodes(mass, before * after, before + after);
+            add_nodes(&mut total, mass, NodeMotion::of(device.velocity_before(), device.velocity_after()));
         }
         total
     }
@@ -150,19 +113,13 @@ impl Leapfrog {
         total.elastic += 0.5 * c.cell_volume * block.sum_of_squares() / c.modulus;
         total.heat += heats * flow;
         total.plastic += (1.0 - heats) * (flow - over);
-        total.viscous += (1.0 - heats) * over;
+        total.viscoplastic += (1.0 - heats) * over;
     }
 
     /// The same where the nodes keep their own account.
-    fn energies_with(&self, nodes: NodeSums) -> Energies {
-        let mut total = Energies {
-            kinetic: nodes.kinetic,
-            momentum: nodes.momentum,
-            viscous: nodes.viscous,
-            damping: nodes.damping,
-            foundation: nodes.foundation,
-            ..Energies::default()
-        };
+    fn energies_with(&self, nodes: Energies) -> Energies {
+        let mut total = nodes;
+        total.half_step += self.left.in_transit() + self.right.in_transit();
         for block in &self.blocks {
             self.add_material(&mut total, block);
         }
@@ -180,53 +137,31 @@ impl Leapfrog {
     pub fn initial(&self) -> Energies {
         debug_assert_eq!(self.step, 0);
         if let Some(nodes) = &self.implicit {
-            let NodeSums { kinetic, momentum, .. } = nodes.initial();
-            return Energies { kinetic, momentum, ..Energies::default() };
+            return nodes.initial();
         }
         let mut total = Energies::default();
         for (k, block) in self.blocks.iter().enumerate() {
             let c = &self.constants[block.segment];
-            let (product, sum) = block.inner_nodes_at_start();
-            total.add_nodes(c.cell_mass, product, sum);
+            add_nodes(&mut total, c.cell_mass, block.inner_nodes_at_start());
             if let Some(edge) = self.edges.get(k) {
-                total.add_nodes(edge.mass, edge.before() * edge.before(), 2.0 * edge.before());
+                add_nodes(&mut total, edge.mass, NodeMotion::of(edge.before(), edge.before()));
             }
         }
         for face in self.contacts.iter().flat_map(|contact| [&contact.left, &contact.right]) {
-            total.add_nodes(face.mass, face.before * face.before, 2.0 * face.before);
+            add_nodes(&mut total, face.mass, NodeMotion::of(face.before, face.before));
         }
         for (device, mass) in [&self.left, &self.right].into_iter().zip(self.end_masses()) {
             let v = device.velocity_before();
-            total.add_nodes(mass, v * v, 2.0 * v);
+            add_nodes(&mut total, mass, NodeMotion::of(v, v));
         }
         total
     }
 
-    /// A cell that has come to the end of its material's data, if one has: the farthest gone of the first block that
-    /// has one. A pass over all yielded cells.
-    pub fn passed_end_of_data(&self) -> Option<Passed> {
-        let passed = |block: &&Block| {
-            if block.stage != Stage::Plastic {
-                return false;
-            }
-            let law = &self.laws[block.segment];
-            let reach = law.law.reach(&block.sigma, &block.state);
-            reach[0] >= law.end[0] || reach[1] >= law.end[1]
-        };
-        let block = self.blocks.iter().find(passed)?;
-        let law = &self.laws[block.segment];
-        let beyond = |i: usize| {
-            let end = law.end[usize::from(block.sigma[i] < 0.0)];
-            (block.sigma[i].abs() + block.accumulated(law.law.as_ref(), i)) / end
-        };
-        let farthest = (0..block.sigma.len()).max_by(|&a, &b| beyond(a).total_cmp(&beyond(b)))?;
-        let cell = block.cells.start + farthest;
-        Some(Passed { cell, segment: block.segment, strain: self.value(Quantity::Strain, cell) })
-    }
-
-    /// True where some material's data end, so that [`Self::passed_end_of_data`] can find a cell.
-    pub fn data_can_end(&self) -> bool {
-        self.laws.iter().any(|l| l.end[0].min(l.end[1]).is_finite())
+    /// The cells that have come to a limit of what their law knows.
+    pub fn passed(&self) -> FirstPassed {
+        let mut all = FirstPassed::default();
+        self.blocks.iter().for_each(|block| all.merge(&block.passed));
+        all
     }
 
     /// The first cell whose stress or state is not a finite number.
@@ -267,22 +202,13 @@ pub(super) fn reading(
     }
 }
 
-impl Energies {
-    fn add_nodes(&mut self, mass: f64, product: f64, sum: f64) {
-        self.kinetic += 0.5 * mass * product;
-        self.momentum += 0.5 * mass * sum;
-    }
-
-    /// All energy in the bar, dissipated included, J.
-    pub fn total(&self) -> f64 {
-        self.kinetic
-            + self.elastic
-            + self.plastic
-            + self.heat
-            + self.viscous
-            + self.concentrated
-            + self.fracture
-            + self.damping
-            + self.foundation
-    }
+/// Adds nodes to the balance, by the sums over them of the products and of the squared sums of their velocities half a step before and
+/// after, and of these sums, times `mass` (kg).
+///
+/// The scheme conserves m v- v+/2; that of the mean velocity, m (v- + v+)^2/8, is the kinetic energy, and the rest of either sign.
+fn add_nodes(total: &mut Energies, mass: f64, nodes: NodeMotion) {
+    let kinetic = 0.125 * mass * nodes.squares;
+    total.kinetic += kinetic;
+    total.half_step += 0.5 * mass * nodes.products - kinetic;
+    total.momentum += 0.5 * mass * nodes.sums;
 }

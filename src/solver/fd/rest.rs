@@ -8,6 +8,15 @@ use std::ops::Range;
 use super::block::{Block, BlockLaw, Stage};
 use crate::law::CHUNK;
 
+/// How far a signal travels in a step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Signals {
+    /// By a cell: nodes follow the stresses beside them.
+    ThroughCells,
+    /// Any distance: the nodes of the whole bar are solved for together.
+    ThroughNodes,
+}
+
 impl Block {
     /// Nothing is computed until a node at the edges moves.
     pub fn at_rest(&self) -> bool {
@@ -36,8 +45,34 @@ impl Block {
         self.busy = if self.at_rest() { piece } else { self.busy.start.min(piece.start)..self.busy.end.max(piece.end) };
     }
 
-    /// Sets the pieces next to those at work to work if the node between has moved: a signal comes no farther in a step.
-    pub fn widen(&mut self) {
+    /// Finds the cells that the next step has to compute, by the way in which signals travel; false where there are none. Every
+    /// step of a block's stresses starts with this.
+    pub fn find_active(&mut self, law: BlockLaw<'_>, signals: Signals) -> bool {
+        #[cfg(test)]
+        if self.always_active {
+            self.wake();
+            return true;
+        }
+        match signals {
+            Signals::ThroughCells => self.widen(),
+            Signals::ThroughNodes if self.wake_if_strained() => return true,
+            Signals::ThroughNodes => {}
+        }
+        self.narrow(law);
+        !self.at_rest()
+    }
+
+    /// Sets all cells to work if the nodes differ anywhere; whether they do.
+    pub fn wake_if_strained(&mut self) -> bool {
+        let strained = self.v.iter().any(|v| *v != self.v[0]);
+        if strained {
+            self.wake();
+        }
+        strained
+    }
+
+    /// Activates the pieces next to the active ones if the node between has moved: a signal comes no farther in a step.
+    fn widen(&mut self) {
         let (Range { start, end }, cells) = (self.busy.clone(), self.sigma.len());
         if start > 0 && self.v[start] != self.v[start - 1] {
             self.busy.start -= CHUNK;
@@ -48,7 +83,7 @@ impl Block {
     }
 
     /// Lets the outer pieces at work come to rest where they have.
-    pub fn narrow(&mut self, law: BlockLaw<'_>) {
+    fn narrow(&mut self, law: BlockLaw<'_>) {
         while !self.at_rest() {
             let Range { start, end } = self.busy;
             let (after_first, before_last) = (end.min(start + CHUNK), (end - 1) / CHUNK * CHUNK);
@@ -95,13 +130,15 @@ pub(super) fn inner_nodes(cells: &Range<usize>, all: usize) -> Range<usize> {
 mod tests {
     use std::sync::Arc;
 
+    use proptest::prelude::*;
+
     use super::*;
     use crate::bar::{Bar, EndCondition, History, Joint, Segment};
-    use crate::law::{Envelope, Indexed, Isotropic, Mixed, RowLaw, Rows, Searched, Table};
+    use crate::law::{DataEnd, Envelope, Indexed, Isotropic, Mixed, RowLaw, Rows, Searched, Table};
     use crate::material::{Beyond, Curve, Material, Sense};
     use crate::solver::fd::block::Scratch;
     use crate::solver::fd::leapfrog::Constants;
-    use crate::solver::fd::{Grid, Leapfrog, SegmentLaw};
+    use crate::solver::fd::{Along, Grid, Leapfrog, SegmentLaw};
 
     const YIELD: f64 = 200e6;
 
@@ -113,12 +150,12 @@ mod tests {
 
     /// A bar that is struck, let go, and swings on between a free end and a wall.
     fn bar(material: Material, law: Arc<dyn RowLaw>) -> Leapfrog {
-        let (material, joint) = (Arc::new(material), Joint::Bonded);
+        let (end, material, joint) = (DataEnd::of(&material), Arc::new(material), Joint::Bonded);
         let bar = Bar {
             segments: vec![Segment { length: 1.0, area: 1.0, taper: None, material, velocity: 0.0, joint }],
             area_given: true,
         };
-        let law = SegmentLaw { law, yield_stress: YIELD, end: [f64::INFINITY; 2] };
+        let law = SegmentLaw { law, yield_stress: YIELD, end };
         let struck = EndCondition::Velocity { history: History::constant(20.0), release: Some(5e-5) };
         Leapfrog::new(&bar, Grid::new(&bar, 1301, 1.0), vec![law], [struck, EndCondition::Fixed])
     }
@@ -197,5 +234,76 @@ mod tests {
         assert_eq!(at_work(70..71), 64..128);
         // The nodes between two pieces are those of both.
         assert_eq!(at_work(64..128), 0..192);
+    }
+
+    /// One segment of a random bar: cells, initial velocity, kind of law.
+    type RandomSegment = (usize, f64, bool);
+
+    fn random_bar(segments: &[RandomSegment], ends: [usize; 2], along: [f64; 4]) -> Leapfrog {
+        let material = Arc::new(material(5));
+        let table = Table::new(material.branch(Sense::Tension), material.modulus);
+        let law = |moves: bool| -> Arc<dyn RowLaw> {
+            let backbone = Indexed::new(&table).expect("fits");
+            if moves {
+                Arc::new(Rows(Mixed { backbone, yield_stress: YIELD, kinematic: 0.7 }))
+            } else {
+                Arc::new(Rows(Isotropic(backbone)))
+            }
+        };
+        let laws = segments.iter().map(|&(_, _, moves)| SegmentLaw {
+            law: law(moves),
+            yield_stress: YIELD,
+            end: DataEnd::of(&material),
+        });
+        let laws = laws.collect();
+        let piece = |&(cells, velocity, _): &RandomSegment| Segment {
+            length: 1e-3 * cells as f64,
+            area: 1e-4,
+            taper: None,
+            material: material.clone(),
+            velocity,
+            joint: Joint::Bonded,
+        };
+        let bar = Bar { segments: segments.iter().map(piece).collect(), area_given: true };
+        let end = |kind: usize| match kind {
+            0 => EndCondition::Free,
+            1 => EndCondition::Fixed,
+            2 => EndCondition::Velocity { history: History::constant(9.0), release: Some(2e-5) },
+            3 => EndCondition::Striker { mass: 0.01, velocity: 12.0 },
+            4 => EndCondition::Spring { stiffness: 1e8 },
+            _ => EndCondition::Absorbing,
+        };
+        let [internal, external, foundation, lateral] = along;
+        let along = Along { internal, external, foundation, lateral: vec![lateral; segments.len()] };
+        let cells = segments.iter().map(|segment| segment.0).sum();
+        Leapfrog::with_along(&bar, Grid::new(&bar, cells, 1.0), laws, ends.map(end), &along)
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(48))]
+
+        /// Leaving cells out must change no bit, whatever acts on the bar and however it starts to move.
+        #[test]
+        fn active_cells_are_all_that_matters(
+            segments in prop::collection::vec((1_usize..400, prop::sample::select(vec![0.0, 0.0, -20.0, 5.0]), any::<bool>()), 1..4),
+            ends in [0_usize..6, 0..6],
+            internal in prop::sample::select(vec![0.0, 0.0, 1e-6, 2e4]),
+            external in prop::sample::select(vec![0.0, 0.0, 1e-6, 3e3]),
+            foundation in prop::sample::select(vec![0.0, 0.0, 1e9]),
+            lateral in prop::sample::select(vec![0.0, 0.0, 1e-6]),
+        ) {
+            prop_assume!(segments.iter().map(|segment| segment.0).sum::<usize>() > 2);
+            let mut skipping = random_bar(&segments, ends, [internal, external, foundation, lateral]);
+            let mut whole = random_bar(&segments, ends, [internal, external, foundation, lateral]);
+            whole.blocks.iter_mut().for_each(|block| block.always_active = true);
+            for step in 0..300 {
+                skipping.advance();
+                whole.advance();
+                for (a, b) in skipping.blocks.iter().zip(&whole.blocks) {
+                    prop_assert!(a.sigma[..] == b.sigma[..], "stresses of cells {:?}, step {step}", a.cells);
+                    prop_assert!(a.v[..] == b.v[..], "velocities of cells {:?}, step {step}", a.cells);
+                }
+            }
+        }
     }
 }

@@ -15,7 +15,7 @@
 //! into its peak and not within it.
 //!
 //! Both are equal and opposite impulses on the cell's two nodes: momentum is kept to the last bit, and the energy
-//! they take is booked as viscous in the ledger. On bilinear bars (plastic wave speed 0.1 to 0.97 c0) the error in
+//! they take is booked as `numerical` in the ledger. On bilinear bars (plastic wave speed 0.1 to 0.97 c0) the error in
 //! stress falls to about half of the undamped scheme's, at 1000 and at 10000 cells.
 
 use std::ops;

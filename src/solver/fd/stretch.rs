@@ -56,6 +56,7 @@ impl Stretch<'_> {
         for block in &mut *self.blocks {
             block.advance_stresses(common.law(block.segment), scratch);
             block.note_yield(step);
+            block.note_limits(&common.laws[block.segment], step);
         }
     }
 
@@ -67,12 +68,18 @@ impl Stretch<'_> {
         self.note(note);
     }
 
+    /// Logs what is watched of the whole bar.
+    pub fn note_all(&mut self) {
+        self.note(Acts::all(self.common.blocks as i64).note);
+    }
+
     /// The stresses and the inner nodes of these blocks in a step.
     pub fn advance(&mut self, blocks: Range<i64>, step: usize, scratch: &mut Scratch) {
         let (common, blocks) = (self.common, self.local(blocks));
         for block in self.blocks[blocks].iter_mut().filter(|block| !block.at_rest()) {
             block.advance(common.law(block.segment), scratch);
             block.note_yield(step);
+            block.note_limits(&common.laws[block.segment], step);
         }
     }
 

@@ -11,6 +11,7 @@ mod body;
 mod compare;
 mod contact;
 mod end;
+mod limits;
 mod list;
 mod pace;
 mod read;
@@ -27,6 +28,7 @@ mod trail;
 pub use compare::{COARSER, SAFETY};
 pub use contact::{JointChange, JointState};
 pub use end::{EndRecord, EndStep, stepped};
+pub use limits::PointAtLimit;
 pub use read::{Front, Piece, Sample};
 pub use sample::Opening;
 pub use striker::StrikerState;
@@ -50,6 +52,9 @@ pub struct Settings {
     pub event_budget: u64,
     /// Keep the trails of fronts that end, for [`FrontTracking::take_trails`].
     pub trails: bool,
+    /// End with [`Stopped::AtLimit`] where nothing is known of a material any more; else such points are only noted, see
+    /// [`FrontTracking::passed`].
+    pub stop_at_limits: bool,
 }
 
 /// Step of ramps where every wave is kept, and with a front tolerance of as much.
@@ -66,7 +71,7 @@ impl Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { front_tolerance: 0.0, ramp_step: None, event_budget: 10_000_000, trails: false }
+        Self { front_tolerance: 0.0, ramp_step: None, event_budget: 10_000_000, trails: false, stop_at_limits: false }
     }
 }
 
@@ -91,4 +96,7 @@ pub enum Stopped {
         /// Place, m.
         x: f64,
     },
+    /// A point at which nothing is known of its material any more.
+    #[error("front tracking came to a limit of what the material knows at t = {:.6e} s, x = {:.6e} m", .0.time, .0.x)]
+    AtLimit(PointAtLimit),
 }

@@ -111,6 +111,8 @@ impl FrontTracking {
                 return self.part(prev, joint, right, x);
             }
         }
+        self.note_limit(0, left_segment, [&left, &behind_left], x);
+        self.note_limit(1, right_segment, [&right, &behind_right], x);
         let medium = &self.media[left_segment as usize];
         let apart = capped
             || !behind_left.same_history(&behind_right, medium.round_off)
@@ -207,6 +209,7 @@ impl FrontTracking {
             (behind, short) = self.answer_stress(which, 0.0, bar, segment);
             held = false;
         }
+        self.note_limit(1 - which, segment, [&bar, &behind], x);
         let medium = &self.media[segment as usize];
         let end = &mut self.ends[which];
         end.settle(behind.stress, behind.velocity, held, medium.round_off, medium.impedance());

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use super::contact::Contact;
 use super::end::End;
+use super::limits::Limits;
 use super::list::{Kind, List, NONE, Node};
 use super::rupture::Breaking;
 use super::sample::Openings;
@@ -60,6 +61,7 @@ pub struct FrontTracking {
     pub(super) media: Vec<Medium>,
     /// What each segment is made of.
     pub(super) materials: Vec<Arc<Material>>,
+    pub(super) limits: Limits,
     pub(super) ends: [End; 2],
     pub(super) end_nodes: [u32; 2],
     /// Joints that can open.
@@ -121,6 +123,7 @@ impl FrontTracking {
         let mut tracking = Self {
             media,
             materials: bar.segments.iter().map(|s| Arc::clone(&s.material)).collect(),
+            limits: Limits::new(bar, settings.stop_at_limits),
             ends,
             end_nodes: [0, 0],
             contacts: Contact::all(bar),
@@ -168,9 +171,10 @@ impl FrontTracking {
     /// Follows the fronts up to and including `until` (s).
     ///
     /// # Errors
-    /// [`Stopped::EventBudget`] with the bar standing at the time reached; [`Stopped::NotANumber`].
+    /// [`Stopped::EventBudget`] with the bar standing at the time reached; [`Stopped::NotANumber`]; [`Stopped::AtLimit`].
     pub fn advance_to(&mut self, until: f64) -> Result<(), Stopped> {
         loop {
+            self.limits.check(until)?;
             if self.thinning.is_due(self.list.len(), self.events) {
                 self.thin();
             }

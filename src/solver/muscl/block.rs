@@ -10,9 +10,8 @@ use crate::wave::riemann::{Flux, Workspace};
 /// Most cells of a block: its row and scratch stay in the first-level cache.
 pub(super) const BLOCK: usize = 256;
 
-/// Copies of neighbours' cells on either side: the nearest is stepped for a trial, for which the next has a state at its
-/// face, which depends on three more.
-pub(super) const GHOSTS: usize = 2 + front::NEARBY;
+/// Copies of neighbours' cells on either side: the nearest has a state at its face, which depends on three more.
+pub(super) const GHOSTS: usize = 1 + front::NEARBY;
 
 /// Cells of the longest row.
 pub(super) const ROW: usize = BLOCK + 2 * GHOSTS;
@@ -146,11 +145,10 @@ impl Block {
         }
     }
 
-    /// The cells of the row whose states at their faces are asked for: with two copies where the segment goes on.
+    /// The cells of the row whose states at their faces are asked for: with one copy where the segment goes on.
     pub fn carried(&self) -> Range<usize> {
         let last = self.sigma.len() - GHOSTS;
-        let [left, right] = self.outer.map(|outer| if outer.is_none() { 2 } else { 0 });
-        GHOSTS - left..last + right
+        GHOSTS - usize::from(self.outer[0].is_none())..last + usize::from(self.outer[1].is_none())
     }
 
     /// The cells of the row whose surroundings are all cells of the bar.
@@ -158,11 +156,6 @@ impl Block {
         let cells = self.carried();
         let [left, right] = self.outer.map(|outer| if outer.is_some() { front::NEARBY } else { 0 });
         cells.start + left..(cells.end - right).max(cells.start + left)
-    }
-
-    /// The cell has flowed at some time.
-    pub fn has_flowed(&self, part: &Part, i: usize) -> bool {
-        (0..part.law.law.state_len()).any(|number| self.state_at(number, i) != 0.0)
     }
 
     /// One step. All outside copies are up to date.

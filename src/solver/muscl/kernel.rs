@@ -5,7 +5,6 @@ use std::ops::Range;
 use multiversion::multiversion;
 
 use super::block::{Block, GHOSTS, ROW, Stage};
-use super::dissipation;
 use super::front;
 use super::slope::limited;
 use super::stepping::Part;
@@ -31,11 +30,10 @@ impl Elastic {
 /// Room to work in. Whatever is read of it in a step has been written in that step.
 #[derive(Clone)]
 pub(super) struct Scratch {
-    pub(super) carried: Carried,
-    pub(super) through: Through,
-    pub(super) ahead: Ahead,
-    pub(super) middle: Middle,
-    pub(super) increment: [f64; ROW],
+    carried: Carried,
+    through: Through,
+    ahead: Ahead,
+    increment: [f64; ROW],
     /// Stresses before or after a step.
     stress: [f64; ROW],
     slope: [f64; ROW],
@@ -57,7 +55,6 @@ impl Scratch {
             carried: Carried { left: [[0.0; ROW]; 2], right: [[0.0; ROW]; 2] },
             through: Through { stress: [0.0; ROW + 1], velocity: [0.0; ROW + 1] },
             ahead: Ahead { sigma: [0.0; ROW], state, work: [0.0; ROW] },
-            middle: Middle { stress: [0.0; ROW], velocity: [0.0; ROW] },
             increment: [0.0; ROW],
             stress: [0.0; ROW],
             slope: [0.0; ROW],
@@ -71,27 +68,20 @@ impl Scratch {
 
 /// States of a row's cells at their left and right faces, half a step on: stresses and velocities.
 #[derive(Clone)]
-pub(super) struct Carried {
-    pub left: [[f64; ROW]; 2],
-    pub right: [[f64; ROW]; 2],
-}
-
-/// Means of cells over a step, as the fluxes of second order make them: stresses and velocities.
-#[derive(Clone)]
-pub(super) struct Middle {
-    pub stress: [f64; ROW],
-    pub velocity: [f64; ROW],
+struct Carried {
+    left: [[f64; ROW]; 2],
+    right: [[f64; ROW]; 2],
 }
 
 /// What goes through the faces of a row: stress and velocity; face i is that between cells i - 1 and i.
 #[derive(Clone)]
-pub(super) struct Through {
-    pub stress: [f64; ROW + 1],
-    pub velocity: [f64; ROW + 1],
+struct Through {
+    stress: [f64; ROW + 1],
+    velocity: [f64; ROW + 1],
 }
 
 impl Through {
-    pub fn set(&mut self, face: usize, flux: Flux) {
+    fn set(&mut self, face: usize, flux: Flux) {
         (self.stress[face], self.velocity[face]) = (flux.stress, flux.velocity);
     }
 
@@ -108,12 +98,12 @@ impl Through {
 
 /// A row half a step on, by the cells' own law.
 #[derive(Clone)]
-pub(super) struct Ahead {
-    pub sigma: [f64; ROW],
+struct Ahead {
+    sigma: [f64; ROW],
     /// As many numbers a cell as the law of the bar with the most.
-    pub state: Vec<f64>,
+    state: Vec<f64>,
     /// Not 0 in cells that flow.
-    pub work: [f64; ROW],
+    work: [f64; ROW],
 }
 
 /// One elastic step of a block; false, and nothing is changed, where a stress comes past the elastic limit.
@@ -171,16 +161,16 @@ fn largest(a: &[f64], b: &[f64]) -> f64 {
     peak.iter().fold(rest, |m, &p| m.max(p))
 }
 
-/// What goes through the faces of an elastic row: its own, and one beyond on either side.
+/// What goes through the own faces of an elastic row.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
 fn acoustic(elastic: Elastic, row: usize, carried: &Carried, through: &mut Through) {
-    let (first, last) = (GHOSTS - 1, row - GHOSTS + 1);
+    let last = row - GHOSTS;
     let Carried { left: [left_s, left_v], right: [right_s, right_v] } = carried;
     let (stress, velocity) = (&mut through.stress[..=last], &mut through.velocity[..=last]);
     let (left_s, left_v) = (&left_s[..=last], &left_v[..=last]);
     let (right_s, right_v) = (&right_s[..=last], &right_v[..=last]);
     let [half_impedance, half_compliance] = elastic.halves;
-    for i in first..=last {
+    for i in GHOSTS..=last {
         let flux = Faces::acoustic(
             half_impedance,
             half_compliance,
@@ -250,7 +240,6 @@ pub(super) fn plastic(block: &mut Block, part: &Part, scratch: &mut Scratch) {
         correct_history(block, part, scratch);
     }
     scratch.through.set_outer(block);
-    dissipation::ensure(block, part, scratch);
     let Scratch { through, ahead, increment, stress, lost, .. } = scratch;
     increment[..row].fill(0.0);
     let faces = through.velocity[GHOSTS..=row - GHOSTS].windows(2);

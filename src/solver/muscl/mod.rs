@@ -19,14 +19,12 @@
 //!
 //! Momentum is exact. So is energy: what a cell's faces bring in and its kinetic and internal energy do not take up is
 //! the scheme's own dissipation, `dt/dx [(sigma_R - s)(v_R - w) - (sigma_L - s)(v_L - w)]` with s and w the means of the
-//! cell's stress and velocity before and after the step. It is booked as viscous. In smooth flow
-//! on coarse grids it may be slightly negative: slopes leave errors of second order, of either sign. A face whose
-//! second-order flux returns more energy than states between both cells' can has Godunov's flux, see `dissipation.rs`.
+//! cell's stress and velocity before and after the step. It is booked as `numerical`. In smooth flow
+//! on coarse grids it may be slightly negative: slopes leave errors of second order, of either sign.
 //!
 //! Stable for Courant numbers up to 1, where elastic waves are exact.
 
 mod block;
-mod dissipation;
 mod end;
 mod front;
 mod joint;

@@ -4,7 +4,9 @@ use super::block::{Block, GHOSTS, Stage};
 use super::end::{End, EndReading};
 use super::joint::Joint;
 use super::stepping::Muscl;
-use crate::solver::fd::{Energies, Passed, Quantity};
+use crate::law::{FirstPassed, StrainedRow};
+use crate::solver::Energies;
+use crate::solver::fd::Quantity;
 
 impl Muscl {
     /// A quantity in one cell.
@@ -92,7 +94,7 @@ impl Muscl {
         self.blocks.iter().map(|b| self.parts[b.part].cell_mass() * b.cells.len() as f64).sum()
     }
 
-    /// Energies and momentum now. `viscous` is the scheme's own dissipation.
+    /// Energies and momentum now. `numerical` is the scheme's own dissipation.
     pub fn energies(&self) -> Energies {
         let concentrated = self.joints.iter().map(|joint| joint.lost).sum();
         let mut total = Energies { concentrated, ..Energies::default() };
@@ -107,30 +109,24 @@ impl Muscl {
             let (flow, heats) = (0.5 * volume / part.modulus * block.plastic, part.law.law.heat_fraction());
             total.plastic += (1.0 - heats) * flow;
             total.heat += heats * flow;
-            total.viscous += part.area * self.grid.dt * block.lost;
+            total.numerical += part.area * self.grid.dt * block.lost;
         }
         total
     }
 
-    /// A cell that has come to the end of its material's data: the farthest gone of the first block that has one.
-    pub fn passed_end_of_data(&self) -> Option<Passed> {
-        self.blocks.iter().filter(|block| block.stage == Stage::Plastic).find_map(|block| {
-            let end = &self.parts[block.part].law.end;
-            let gone = |i: usize| {
-                let stress = block.sigma[i];
-                (stress.abs() + self.accumulated(block, i)) / end[usize::from(stress < 0.0)]
-            };
-            let own = GHOSTS..block.sigma.len() - GHOSTS;
-            let farthest = own.max_by(|&a, &b| gone(a).total_cmp(&gone(b)))?;
-            let cell = block.cells.start + farthest - GHOSTS;
-            let strain = self.read(Quantity::Strain, block, farthest);
-            (gone(farthest) >= 1.0).then_some(Passed { cell, segment: block.part, strain })
-        })
+    /// The cells that have come to a limit of what their law knows.
+    pub fn passed(&self) -> FirstPassed {
+        self.passed.clone()
     }
 
-    /// True where some material's data end, so that [`Self::passed_end_of_data`] can find a cell.
-    pub fn data_can_end(&self) -> bool {
-        self.parts.iter().any(|part| part.law.end.into_iter().any(f64::is_finite))
+    /// Notes those of the latest step.
+    pub(super) fn note_limits(&mut self) {
+        for block in self.blocks.iter().filter(|block| block.stage != Stage::Quiet) {
+            let (sigma, state, cells) = (&block.sigma[..], &block.state[..], GHOSTS..block.sigma.len() - GHOSTS);
+            let (first, segment) = (block.cells.start, block.part);
+            let row = StrainedRow { sigma, state, cells, first, segment, step: self.step };
+            self.parts[block.part].law.note_limits(&row, &mut self.passed);
+        }
     }
 
     /// The first cell whose stress or velocity is not a finite number.

@@ -7,6 +7,7 @@ use super::end::End;
 use super::joint::Joint;
 use super::kernel::{self, Scratch};
 use crate::bar::{Bar, EndCondition, Segment};
+use crate::law::FirstPassed;
 use crate::solver::fd::{Grid, SegmentGrid, SegmentLaw};
 use crate::wave::riemann::{Faces, Flow, Medium, Workspace};
 
@@ -78,6 +79,7 @@ pub struct Muscl {
     pub(super) ends: [End; 2],
     pub(super) joints: Vec<Joint>,
     pub(super) step: usize,
+    pub(super) passed: FirstPassed,
     parallel: bool,
     /// One for every group of blocks.
     scratch: Vec<Scratch>,
@@ -104,8 +106,9 @@ impl Muscl {
         let state_len = parts.iter().map(|part| part.law.law.state_len()).max().unwrap_or(0);
         let parallel = grid.cells() >= PARALLEL_FROM;
         let scratch = vec![Scratch::new(state_len); blocks.len().div_ceil(GROUP)];
-        let (ends, work, state) = ([left, right], Workspace::default(), vec![0.0; state_len]);
-        Self { grid, parts, blocks, ends, joints, step: 0, parallel, scratch, work, state }
+        let (ends, work, state, passed) =
+            ([left, right], Workspace::default(), vec![0.0; state_len], FirstPassed::default());
+        Self { grid, parts, blocks, ends, joints, step: 0, passed, parallel, scratch, work, state }
     }
 
     /// One step. Allocates nothing, but for the plastic state of a block in the step in which it first yields.
@@ -125,6 +128,7 @@ impl Muscl {
         } else {
             self.blocks.chunks_mut(GROUP).zip(&mut self.scratch).for_each(advance);
         }
+        self.note_limits();
     }
 
     /// Gives every block what lies beyond it.

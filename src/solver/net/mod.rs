@@ -25,7 +25,6 @@
 //! f and g of a node are what it radiates, so that the sum of its momentum and energy is known exactly: the stress drop of
 //! a node takes away just the plastic work, and the balance of the whole bar holds to rounding.
 
-mod ball;
 mod end;
 mod joint;
 mod lattice;

@@ -6,6 +6,8 @@ use multiversion::multiversion;
 
 use crate::bar::Segment;
 use crate::law::rate::{Flow, History, Pace, RateLaw};
+use crate::law::{DataEnd, Flowing, Reached};
+use crate::material::Sense;
 
 /// Share of its plastic flow by which the stress of a node falls inside a segment: what it meets on both sides takes the
 /// other half.
@@ -42,6 +44,7 @@ impl Work {
 #[derive(Debug, Clone)]
 pub(super) struct Part {
     pub law: RateLaw,
+    end: DataEnd,
     /// Whole steps of the nodes inside the segment.
     pace: Pace,
     /// Its cells, counted over the whole bar.
@@ -153,6 +156,7 @@ impl Part {
             g: vec![impedance * velocity; count],
             work: Work::default(),
             pace: law.pace(INSIDE, dt),
+            end: DataEnd::of(&segment.material),
             law,
             cells,
             area: segment.area,
@@ -196,6 +200,20 @@ impl Part {
         let drop = INSIDE * flow.plastic;
         let work = Work { total: (stress - 0.5 * drop) * flow.plastic, overstress: flow.overstress };
         (stress - drop, history, work)
+    }
+
+    /// The limit of what its law knows to which local cell `i` has come, if it has.
+    pub fn reached(&self, i: usize, dt: f64) -> Option<Reached> {
+        let nodes = &self.centres;
+        let before = 0.5 * (self.f[i] + self.g[i]);
+        if self.end.is_far(nodes.history[i].accumulated, before) {
+            return None;
+        }
+        let flow = beyond(before, nodes.low[i], nodes.high[i]);
+        let (stress, history, _) = self.cell(i, dt);
+        let sense = flow.map_or_else(|| Sense::of(before), |(sense, _)| [Sense::Tension, Sense::Compression][sense]);
+        let point = Flowing { sense, accumulated: history.accumulated, strain: stress + history.signed };
+        self.end.reached(&point, |_| flow.is_some())
     }
 
     /// Velocity of local cell `i`, m/s.

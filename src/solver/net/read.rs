@@ -5,7 +5,9 @@ use super::joint::Joint;
 use super::part::Part;
 use super::stepping::Net;
 use crate::law::rate::History;
-use crate::solver::fd::{Energies, Passed, Quantity};
+use crate::law::{FirstPassed, Passed};
+use crate::solver::Energies;
+use crate::solver::fd::Quantity;
 
 impl Net {
     /// A quantity in one cell.
@@ -35,6 +37,14 @@ impl Net {
             Quantity::Temperature => f64::NAN,
             Quantity::Stress | Quantity::Velocity => stress,
         }
+    }
+
+    /// Static flow stress of a cell, Pa: what it could carry for ever in the sense of its present stress.
+    pub fn static_stress(&self, cell: usize) -> f64 {
+        let k = self.parts.partition_point(|p| p.cells.end <= cell);
+        let part = &self.parts[k];
+        let (stress, history, _) = part.cell(cell - part.cells.start, self.grid.dt);
+        part.law.limits(&history)[usize::from(stress >= 0.0)]
     }
 
     /// Displacement of every cell centre, m: the left end's, and the strain summed up to the place.
@@ -94,8 +104,8 @@ impl Net {
         self.parts.iter().map(|p| p.area * p.impedance * self.grid.dt * p.f.len() as f64).sum()
     }
 
-    /// Energies and momentum now. `plastic` is the work on the static curve (and of back stresses), `viscous` that of
-    /// the overstress.
+    /// Energies and momentum now. `plastic` is the work on the static curve (and of back stresses), `viscoplastic` that
+    /// of the overstress.
     pub fn energies(&self) -> Energies {
         let dt = self.grid.dt;
         let concentrated = self.joints.iter().map(Joint::lost).sum();
@@ -117,31 +127,27 @@ impl Net {
             total.kinetic += 0.5 * mass * speeds;
             total.momentum += mass * momentum;
             total.plastic += per_work * (work.total - work.overstress);
-            total.viscous += per_work * work.overstress;
+            total.viscoplastic += per_work * work.overstress;
         }
         total
     }
 
-    /// A cell whose static state has come to the end of its material's data: the farthest gone of the first segment that
-    /// has one.
-    pub fn passed_end_of_data(&self) -> Option<Passed> {
-        self.parts.iter().enumerate().find_map(|(segment, part)| {
-            let gone = |i: usize| {
-                let history = &part.centres.history[i];
-                let sense = usize::from(part.f[i] + part.g[i] < 0.0);
-                (history.accumulated + part.law.static_stress(history, sense)) / part.law.end()[sense]
-            };
-            let yielded = (0..part.f.len()).filter(|&i| part.centres.history[i].accumulated > 0.0);
-            let farthest = yielded.max_by(|&a, &b| gone(a).total_cmp(&gone(b)))?;
-            let cell = part.cells.start + farthest;
-            let strain = self.value(Quantity::Strain, cell);
-            (gone(farthest) >= 1.0).then_some(Passed { cell, segment, strain })
-        })
+    /// The cells that have come to a limit of what their law knows.
+    pub fn passed(&self) -> FirstPassed {
+        self.passed.clone()
     }
 
-    /// True where some material's data end, so that [`Self::passed_end_of_data`] can find a cell.
-    pub fn data_can_end(&self) -> bool {
-        self.parts.iter().any(|p| p.law.end().into_iter().any(f64::is_finite))
+    /// Notes those of the latest step: the static state of a cell is where its data end.
+    pub(super) fn note_limits(&mut self) {
+        let (dt, step) = (self.grid.dt, self.step);
+        for (segment, part) in self.parts.iter().enumerate() {
+            for i in 0..part.f.len() {
+                let cell = part.cells.start + i;
+                if let Some(reached) = part.reached(i, dt) {
+                    self.passed.note(Passed { cell, segment, step, reached });
+                }
+            }
+        }
     }
 
     /// The first cell whose stress or velocity is not a finite number.

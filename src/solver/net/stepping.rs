@@ -5,6 +5,7 @@ use super::joint::Joint;
 use super::lattice::Lattice;
 use super::part::Part;
 use crate::bar::{Bar, EndCondition};
+use crate::law::FirstPassed;
 use crate::law::rate::RateLaw;
 use crate::solver::fd::Grid;
 
@@ -18,7 +19,8 @@ pub struct Net {
     pub(super) ends: [End; 2],
     /// What enters each segment at its left border (f) and at its right one (g) in the step under way.
     entering: Vec<[f64; 2]>,
-    step: usize,
+    pub(super) step: usize,
+    pub(super) passed: FirstPassed,
 }
 
 impl Net {
@@ -36,11 +38,19 @@ impl Net {
         let last = parts.len() - 1;
         let velocity = |k: usize| bar.segments[k].velocity;
         let ends = [
-            End::new(left, 1.0, &parts[0], velocity(0), grid.dt),
-            End::new(right, -1.0, &parts[last], velocity(last), grid.dt),
+            End::new(&left, 1.0, &parts[0], velocity(0), grid.dt),
+            End::new(&right, -1.0, &parts[last], velocity(last), grid.dt),
         ];
         let joints = bar.segments[..last].iter().map(|s| Joint::new(s.joint)).collect();
-        Self { entering: vec![[0.0; 2]; parts.len()], grid, parts, joints, ends, step: 0 }
+        Self {
+            entering: vec![[0.0; 2]; parts.len()],
+            grid,
+            parts,
+            joints,
+            ends,
+            step: 0,
+            passed: FirstPassed::default(),
+        }
     }
 
     /// One step. Allocates nothing.
@@ -55,6 +65,7 @@ impl Net {
             part.pass_borders(*entering);
         }
         self.step += 1;
+        self.note_limits();
     }
 
     fn meet_at_joints(&mut self) {

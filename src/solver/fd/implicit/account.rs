@@ -5,6 +5,7 @@ use std::ops::Range;
 use super::weights::NodeWeights;
 use super::{Block, Implicit};
 use crate::law::LANES;
+use crate::solver::Energies;
 
 /// Sums over the nodes that the account needs: of one step's forces, in the two velocities between which they act.
 #[derive(Debug, Clone, Copy, Default)]
@@ -16,14 +17,11 @@ pub(super) struct Taken {
     pub impulse: f64,
 }
 
-/// What the nodes know of energy and momentum, J and N s.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct NodeSums {
-    pub kinetic: f64,
-    pub momentum: f64,
-    pub foundation: f64,
-    pub damping: f64,
-    pub viscous: f64,
+impl Taken {
+    /// dt times the dampers' power with the mean velocity, J, >= 0.
+    fn mean(&self) -> f64 {
+        0.5 * (self.before + self.after)
+    }
 }
 
 impl Implicit {
@@ -32,6 +30,7 @@ impl Implicit {
     pub(super) fn account(&mut self) {
         let now = self.taken(|_| 0.0);
         self.damped += 0.5 * (self.latest.after + now.before);
+        self.damped_by_means += 0.5 * (self.latest.mean() + now.mean());
         let impulse = 0.5 * (self.latest.impulse + now.impulse);
         self.impulse += impulse;
         self.throughput += impulse.abs();
@@ -121,14 +120,14 @@ impl Implicit {
         [self.impulse, self.throughput]
     }
 
-    /// Energies and momentum at the current time.
-    pub fn sums(&self) -> NodeSums {
-        let mut total = NodeSums {
-            damping: self.damped,
-            viscous: self.ripples,
-            foundation: self.foundation_of_motion(|j| self.after[j] - self.change[j]) - self.spring_start,
-            ..self.of_motion(|j| self.after[j])
-        };
+    /// Energies and momentum at the current time. What dampers take is counted with the mean velocity of each step; where the balance of
+    /// the staggered scheme has it otherwise, the difference is in `half_step`, as is the foundation's share that goes with motion.
+    pub fn sums(&self) -> Energies {
+        let mut total = self.of_motion(|j| self.after[j]);
+        total.damping = self.damped_by_means;
+        total.numerical = self.ripples;
+        total.half_step += self.damped - self.damped_by_means;
+        total.half_step += self.foundation_of_motion(|j| self.after[j] - self.change[j]) - self.spring_start;
         if !self.place.is_empty() {
             for (weights, nodes) in self.weights.nodes() {
                 let [squares] = sums(nodes, |j| [self.place[j] * self.place[j]]);
@@ -139,24 +138,33 @@ impl Implicit {
     }
 
     /// Kinetic energy and momentum before anything acted on the nodes; before the second step.
-    pub fn initial(&self) -> NodeSums {
+    pub fn initial(&self) -> Energies {
         self.of_motion(|j| self.after[j] - self.change[j])
     }
 
-    /// Kinetic energy v- (M + B) v+/2 and momentum M (v- + v+)/2 of the velocities before the step and these after it.
+    /// Kinetic energy of the mean of the velocities before the step and these after it, what v- (M + B) v+/2 is beside it, and momentum
+    /// M (v- + v+)/2.
     #[inline(always)]
-    fn of_motion(&self, after: impl Fn(usize) -> f64) -> NodeSums {
-        let mut total = NodeSums::default();
+    fn of_motion(&self, after: impl Fn(usize) -> f64) -> Energies {
+        let mut total = Energies::default();
         let before = |j: usize| self.after[j] - self.change[j];
         for (weights, nodes) in self.weights.nodes() {
-            let [product, sum] = sums(nodes, |j| [after(j) * before(j), after(j) + before(j)]);
-            total.kinetic += 0.5 * weights.mass * product;
+            let [product, square, sum] = sums(nodes, |j| {
+                let (after, before) = (after(j), before(j));
+                [after * before, (after + before) * (after + before), after + before]
+            });
+            total.kinetic += 0.125 * weights.mass * square;
+            total.half_step += weights.mass * (0.5 * product - 0.125 * square);
             total.momentum += 0.5 * weights.mass * sum;
         }
         if self.acts.lateral {
             for (weights, cells) in self.weights.cells() {
-                let [product] = sums(cells, |i| [(after(i + 1) - after(i)) * (before(i + 1) - before(i))]);
-                total.kinetic += 0.5 * weights.lateral * product;
+                let [product, square] = sums(cells, |i| {
+                    let (after, before) = (after(i + 1) - after(i), before(i + 1) - before(i));
+                    [after * before, (after + before) * (after + before)]
+                });
+                total.kinetic += 0.125 * weights.lateral * square;
+                total.half_step += weights.lateral * (0.5 * product - 0.125 * square);
             }
         }
         total

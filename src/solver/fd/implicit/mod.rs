@@ -30,8 +30,6 @@ use account::Taken;
 use matrix::Matrix;
 use weights::{CellWeights, Weights};
 
-pub(super) use account::NodeSums;
-
 /// What acts along the bar; 0 where there is none of a kind.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Along {
@@ -83,8 +81,10 @@ pub(super) struct Implicit {
     shift: Vec<f64>,
     acts: Acts,
     latest: Taken,
-    /// Energy taken by dampers so far, J, and by the ripple damping.
+    /// Energy taken by dampers so far, J, as the staggered scheme balances it and with the mean velocity of each step; and by the ripple
+    /// damping.
     damped: f64,
+    damped_by_means: f64,
     ripples: f64,
     impulse: f64,
     throughput: f64,
@@ -115,6 +115,7 @@ impl Implicit {
             },
             latest: Taken::default(),
             damped: 0.0,
+            damped_by_means: 0.0,
             ripples: 0.0,
             impulse: 0.0,
             throughput: 0.0,

@@ -1,0 +1,75 @@
+//! A ball that pushes by Hertz's contact.
+
+use super::{Body, EndModel, Face, Push, Relation, Response, Step};
+use crate::bar::Hertz;
+
+/// Over a step the ball pushes with (P(a+) - P(a))/(a+ - a), P being the energy stored in the contact and a, a+ the approaches before
+/// and after the step (a discrete gradient; W. A. Strauss and L. Vazquez, J. Comput. Phys. 28, 1978): stable for any stiffness, and
+/// what the contact gives is what it stored. Against a bar that answers linearly the force is exact; one that flows meets its
+/// tangent.
+#[derive(Debug, Clone)]
+pub(super) struct Ball {
+    contact: Hertz,
+    /// kg, > 0.
+    mass: f64,
+    /// Into the bar, m/s.
+    velocity: f64,
+    /// m; less than 0 where ball and face are apart.
+    approach: f64,
+}
+
+impl Ball {
+    /// `velocity` (m/s) is in +x.
+    pub fn new(contact: Hertz, mass: f64, velocity: f64, face: Face) -> Self {
+        Self { contact, mass, velocity: face.inward * velocity, approach: 0.0 }
+    }
+}
+
+impl EndModel for Ball {
+    fn relation(&self, step: &Step, bar: &Response) -> Relation {
+        let dt = step.dt;
+        let free = self.approach + dt * (self.velocity + bar.force / bar.impedance);
+        let inertia = 0.5 * dt * dt / self.mass;
+        let compliance = inertia + dt / bar.impedance;
+        let force = self.contact.solve(self.approach, free, compliance);
+        let to = free - compliance * force;
+        let slope = self.contact.slope(self.approach, to, force).max(0.0);
+        // p = force + slope (a+ - to).
+        Relation {
+            of_velocity: slope * dt,
+            of_force: 1.0 + slope * inertia,
+            value: force + slope * (self.approach + dt * self.velocity - to),
+            unilateral: false,
+        }
+    }
+
+    fn advance(&mut self, step: &Step, push: &Push, _: bool) {
+        let change = -push.impulse / self.mass;
+        self.approach += step.dt * (self.velocity + 0.5 * change - push.velocity);
+        self.velocity += change;
+    }
+
+    fn body(&self) -> Option<Body> {
+        Some(Body { velocity: self.velocity, gap: -self.approach })
+    }
+
+    fn energy(&self, _: f64) -> f64 {
+        0.5 * self.mass * self.velocity * self.velocity + self.contact.energy(self.approach)
+    }
+
+    fn follows_place(&self) -> bool {
+        true
+    }
+
+    fn stores(&self) -> bool {
+        true
+    }
+
+    fn is_nonlinear(&self) -> bool {
+        true
+    }
+
+    fn boxed(&self) -> Box<dyn EndModel> {
+        Box::new(self.clone())
+    }
+}

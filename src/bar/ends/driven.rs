@@ -1,0 +1,107 @@
+//! Ends that are driven by a history, and those without force or motion.
+
+use super::{EndModel, Face, Push, Relation, Response, Step};
+use crate::bar::History;
+
+/// The velocity follows a history; from `release` on the face is free.
+///
+/// It enters by its exact mean over the step in which it moves the face, so that the end is where it should be after every
+/// step. In the step of the release the force of the step before acts for the share in which the end is still held.
+#[derive(Debug, Clone)]
+pub(super) struct Velocity {
+    history: History,
+    release: Option<f64>,
+    inward: f64,
+    held_force: f64,
+}
+
+impl Velocity {
+    pub fn new(history: History, release: Option<f64>, face: Face) -> Self {
+        Self { history, release, inward: face.inward, held_force: 0.0 }
+    }
+
+    /// Share of the step in which the end is still held, where it is in the whole of it more than 1.
+    fn held_share(&self, step: &Step) -> f64 {
+        self.release.map_or(1.0, |release| (release - step.time) / step.dt)
+    }
+}
+
+impl EndModel for Velocity {
+    fn relation(&self, step: &Step, _: &Response) -> Relation {
+        let share = self.held_share(step);
+        if share < 1.0 {
+            return Relation::force(share.max(0.0) * self.held_force);
+        }
+        Relation::velocity(self.inward * self.history.mean(step.time, step.time + step.dt))
+    }
+
+    fn advance(&mut self, step: &Step, push: &Push, _: bool) {
+        if self.held_share(step) >= 1.0 {
+            self.held_force = push.force;
+        }
+    }
+
+    fn jumps(&self, time: f64, dt: f64) -> bool {
+        let released = self.release.is_some_and(|release| (release - time).abs() <= dt);
+        released || self.history.jumps_between(time - dt, time + dt)
+    }
+
+    fn boxed(&self) -> Box<dyn EndModel> {
+        Box::new(self.clone())
+    }
+}
+
+/// The stress follows a history.
+#[derive(Debug, Clone)]
+pub(super) struct Stress {
+    history: History,
+    area: f64,
+}
+
+impl Stress {
+    pub fn new(history: History, face: Face) -> Self {
+        Self { history, area: face.area }
+    }
+}
+
+impl EndModel for Stress {
+    fn relation(&self, step: &Step, _: &Response) -> Relation {
+        Relation::force(-self.area * self.history.mean(step.time, step.time + step.dt))
+    }
+
+    fn jumps(&self, time: f64, dt: f64) -> bool {
+        self.history.jumps_between(time - dt, time + dt)
+    }
+
+    fn boxed(&self) -> Box<dyn EndModel> {
+        Box::new(self.clone())
+    }
+}
+
+/// No force.
+#[derive(Debug, Clone)]
+pub(super) struct Free;
+
+impl EndModel for Free {
+    fn relation(&self, _: &Step, _: &Response) -> Relation {
+        Relation::force(0.0)
+    }
+
+    fn boxed(&self) -> Box<dyn EndModel> {
+        Box::new(Self)
+    }
+}
+
+/// No motion.
+#[derive(Debug, Clone)]
+pub(super) struct Fixed;
+
+impl EndModel for Fixed {
+    fn relation(&self, _: &Step, _: &Response) -> Relation {
+        Relation::velocity(0.0)
+    }
+
+    fn boxed(&self) -> Box<dyn EndModel> {
+        Box::new(Self)
+    }
+}

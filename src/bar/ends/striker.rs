@@ -1,0 +1,65 @@
+//! A rigid mass that pushes against the face and flies on where it would have to pull.
+
+use super::{Body, EndModel, Face, Push, Relation, Response, Step, relaxation_weight};
+
+/// In contact the mass moves over a step with `V - theta p dt/M`, and closes what gap there is:
+///
+/// ```text
+/// M/dt u + theta p = M/dt (V - gap/dt)
+/// ```
+///
+/// Against the bar's impedance Y its velocity relaxes with the time M/Y, and theta is the [`relaxation_weight`] for it: second order
+/// where the step resolves the mass. M = 0 is a free end, M without bound a prescribed velocity. Momentum is exchanged exactly.
+#[derive(Debug, Clone)]
+pub(super) struct Striker {
+    /// kg, >= 0.
+    mass: f64,
+    /// Into the bar, m/s.
+    velocity: f64,
+    /// Distance from the face, m.
+    gap: f64,
+}
+
+impl Striker {
+    /// `velocity` (m/s) is in +x.
+    pub fn new(mass: f64, velocity: f64, face: Face) -> Self {
+        Self { mass, velocity: face.inward * velocity, gap: 0.0 }
+    }
+}
+
+impl EndModel for Striker {
+    fn relation(&self, step: &Step, bar: &Response) -> Relation {
+        let of_velocity = self.mass / step.dt;
+        Relation {
+            of_velocity,
+            of_force: relaxation_weight(bar.impedance / of_velocity),
+            value: of_velocity * (self.velocity - self.gap / step.dt),
+            unilateral: true,
+        }
+    }
+
+    fn advance(&mut self, step: &Step, push: &Push, held: bool) {
+        let before = self.velocity;
+        if self.mass > 0.0 {
+            self.velocity -= push.impulse / self.mass;
+        }
+        let moved = step.dt * (push.velocity - 0.5 * (before + self.velocity));
+        self.gap = if held { 0.0 } else { (self.gap + moved).max(0.0) };
+    }
+
+    fn body(&self) -> Option<Body> {
+        Some(Body { velocity: self.velocity, gap: self.gap })
+    }
+
+    fn energy(&self, _: f64) -> f64 {
+        0.5 * self.mass * self.velocity * self.velocity
+    }
+
+    fn stores(&self) -> bool {
+        true
+    }
+
+    fn boxed(&self) -> Box<dyn EndModel> {
+        Box::new(self.clone())
+    }
+}

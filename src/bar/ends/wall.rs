@@ -1,0 +1,20 @@
+//! A rigid wall that pushes and does not pull.
+
+use super::{EndModel, Relation, Response, Step};
+
+/// It takes up just the velocity that would carry the face into it.
+#[derive(Debug, Clone)]
+pub(super) struct Wall {
+    /// Distance at the start, m, >= 0.
+    pub gap: f64,
+}
+
+impl EndModel for Wall {
+    fn relation(&self, step: &Step, _: &Response) -> Relation {
+        Relation::velocity(-(self.gap + step.displacement) / step.dt).without_pull()
+    }
+
+    fn boxed(&self) -> Box<dyn EndModel> {
+        Box::new(self.clone())
+    }
+}

@@ -1,0 +1,235 @@
+//! What a law does not know: strains past the end of its stress-strain data, and a bar of no length.
+//!
+//! A table ends at its last knot, at the plastic strain `p_end = eps_end - sigma_end/E`. A point is past it while it flows in
+//! the sense (tension or compression) of that table with an accumulated plastic strain of `p_end` or more. An elastic point is
+//! past nothing, whatever it was before, and the data of the other sense do not count. This holds for every hardening rule and
+//! every solver, and is decided in [`DataEnd::reached`] alone.
+//!
+//! An axial engineering strain of -1 leaves no length: no table says anything from there on.
+
+use std::ops::Range;
+
+use multiversion::multiversion;
+
+use super::{CellLaw, LANES, Table, cell_state};
+use crate::material::{Loading, Material, Sense};
+
+/// A point held at the end of its data by a level line lacks no more than rounding, as a part of the strain there.
+const ROUNDING: f64 = 1e-12;
+
+/// A point whose own strain lacks no more than this part of the strain at the end of its data came there by that strain.
+const REVERSED: f64 = 1e-6;
+
+/// A strain increment that makes a point flow that is on its yield surface, as a part of its elastic strain.
+const NUDGE: f64 = 1e-9;
+
+/// Where the law of a point ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Limit {
+    /// At the last knot of the table of the sense in which the point flows, by its strain in that sense.
+    EndOfData(Sense),
+    /// At the same knot, by plastic strain that it accumulated in the other sense.
+    EndOfDataReversed(Sense),
+    /// At an engineering strain of -1.
+    FullCompression,
+}
+
+impl Limit {
+    /// True where nothing is known of a bar of this material from there on.
+    pub fn stops(self, material: &Material) -> bool {
+        match self {
+            Self::EndOfData(sense) | Self::EndOfDataReversed(sense) => material.branch(sense).stops_at_end(),
+            Self::FullCompression => true,
+        }
+    }
+}
+
+/// A limit that a point has reached.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reached {
+    /// Which one.
+    pub limit: Limit,
+    /// Engineering strain of the point, signed.
+    pub strain: f64,
+    /// Strain of first loading that gives the point's accumulated plastic strain: where it is along the table, >= 0.
+    pub equivalent: f64,
+}
+
+/// A point that may flow, as the limits see it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Flowing {
+    /// The sense in which it flows if it flows.
+    pub sense: Sense,
+    /// E times the accumulated plastic strain, Pa, >= 0.
+    pub accumulated: f64,
+    /// E times the engineering strain, Pa, signed.
+    pub strain: f64,
+}
+
+/// Where the data of a material end. Strains are times E, Pa.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DataEnd {
+    modulus: f64,
+    /// Of the last knot in tension and in compression; infinite where the curve goes on.
+    strain: [f64; 2],
+    /// Plastic strain there.
+    plastic: [f64; 2],
+    /// Compressive strain that leaves no length; infinite in shear.
+    full: f64,
+    /// Accumulated plastic strain below which a point that has yielded has reached no limit.
+    least: f64,
+}
+
+impl DataEnd {
+    /// Of the material's own curves.
+    pub fn of(material: &Material) -> Self {
+        let table = |sense| Table::new(material.branch(sense), material.modulus);
+        Self::new([&table(Sense::Tension), &table(Sense::Compression)], material.modulus, material.loading)
+    }
+
+    /// Of the tables in tension and compression over a modulus, Pa.
+    pub fn new(tables: [&Table; 2], modulus: f64, loading: Loading) -> Self {
+        let plastic = tables.map(|table| table.plastic_strain(table.end()));
+        let full = if loading == Loading::Axial { modulus } else { f64::INFINITY };
+        // |stress| is at most about that of the table: half of the plastic strain there leaves room for overstress.
+        let crushed = tables.map(|table| 0.5 * table.plastic_strain(full));
+        let least = plastic.into_iter().chain(crushed).fold(f64::INFINITY, f64::min);
+        let strain = tables.map(Table::end);
+        Self { modulus, strain, plastic, full, least: least - ROUNDING * strain[0].min(strain[1]).min(modulus) }
+    }
+
+    /// A quick look at a point with this accumulated plastic strain and stress (times E, and Pa): it has reached no limit.
+    pub fn is_far(&self, accumulated: f64, stress: f64) -> bool {
+        accumulated < self.least && stress > -self.full
+    }
+
+    /// True where a point can be fully compressed before it yields at this stress, Pa.
+    pub fn outruns(&self, yield_stress: f64) -> bool {
+        yield_stress >= self.full
+    }
+
+    /// The limit that a point has reached, if it has. Where it must flow for that, `flows` is asked, with the limit.
+    pub fn reached(&self, point: &Flowing, flows: impl FnOnce(Limit) -> bool) -> Option<Reached> {
+        let Flowing { sense, accumulated, strain } = *point;
+        let (end, past) = (self.strain[sense.index()], accumulated - self.plastic[sense.index()]);
+        let reached = |limit, equivalent| Reached { limit, strain: strain / self.modulus, equivalent };
+        if strain <= -self.full {
+            return Some(reached(Limit::FullCompression, -strain / self.modulus));
+        }
+        if end.is_infinite() || past < -ROUNDING * end {
+            return None;
+        }
+        let direct = sense.sign() * strain - end >= -REVERSED * end;
+        let limit = if direct { Limit::EndOfData(sense) } else { Limit::EndOfDataReversed(sense) };
+        flows(limit).then(|| reached(limit, (end + past) / self.modulus))
+    }
+}
+
+/// A cell of a grid that has reached a limit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Passed {
+    /// The cell.
+    pub cell: usize,
+    /// Its segment.
+    pub segment: usize,
+    /// The step at whose end it was seen.
+    pub step: usize,
+    /// What it has reached.
+    pub reached: Reached,
+}
+
+/// The first cell of each segment to reach each limit; of several in one step the one that is farthest past it.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct FirstPassed(Vec<Passed>);
+
+impl FirstPassed {
+    /// In the order of time.
+    pub fn in_order(mut self) -> impl Iterator<Item = Passed> {
+        self.0.sort_by_key(|passed| passed.step);
+        self.0.into_iter()
+    }
+
+    fn of(&self, segment: usize, limit: Limit) -> Option<usize> {
+        self.0.iter().position(|known| known.segment == segment && known.reached.limit == limit)
+    }
+
+    /// True where a cell that reaches this limit in this step is not the first.
+    fn knows(&self, segment: usize, limit: Limit, step: usize) -> bool {
+        self.of(segment, limit).is_some_and(|k| self.0[k].step < step)
+    }
+
+    /// Takes in a cell.
+    pub fn note(&mut self, new: Passed) {
+        let rank = |passed: &Passed| (std::cmp::Reverse(passed.step), passed.reached.equivalent);
+        match self.of(new.segment, new.reached.limit) {
+            None => self.0.push(new),
+            Some(k) if rank(&new) > rank(&self.0[k]) => self.0[k] = new,
+            Some(_) => {}
+        }
+    }
+
+    /// Takes in what another one knows.
+    pub fn merge(&mut self, other: &Self) {
+        other.0.iter().for_each(|passed| self.note(*passed));
+    }
+}
+
+/// A row of cells after a step, for the look at its limits.
+#[derive(Debug)]
+pub struct StrainedRow<'a> {
+    /// Stresses, Pa.
+    pub sigma: &'a [f64],
+    /// State of the law, one variable after the other; empty while the row is elastic.
+    pub state: &'a [f64],
+    /// The cells of the row that are looked at.
+    pub cells: Range<usize>,
+    /// Number of the first of them in the bar.
+    pub first: usize,
+    /// Their segment.
+    pub segment: usize,
+    /// The step.
+    pub step: usize,
+}
+
+/// Notes the cells of a row that have reached a limit.
+pub(super) fn note_limits<L: CellLaw<N>, const N: usize>(
+    law: &L,
+    end: &DataEnd,
+    row: &StrainedRow<'_>,
+    passed: &mut FirstPassed,
+) {
+    let elastic = row.state.is_empty();
+    if !elastic && largest_accumulated::<L, N>(law, row) < end.least {
+        return;
+    }
+    for i in row.cells.clone() {
+        let (sigma, state) = (row.sigma[i], if elastic { [0.0; N] } else { cell_state(row.state, i) });
+        let (sense, accumulated) = (law.sense(sigma, state), law.accumulated(state));
+        let point = Flowing { sense, accumulated, strain: sigma + law.plastic_strain(state) };
+        let flows = |limit| !passed.knows(row.segment, limit, row.step) && law.yields(sigma, state);
+        if let Some(reached) = end.reached(&point, flows) {
+            let cell = row.first + i - row.cells.start;
+            passed.note(Passed { cell, segment: row.segment, step: row.step, reached });
+        }
+    }
+}
+
+/// The largest accumulated plastic strain of a row, times E, Pa.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
+fn largest_accumulated<L: CellLaw<N>, const N: usize>(law: &L, row: &StrainedRow<'_>) -> f64 {
+    let (cells, count) = (row.sigma.len(), row.cells.len());
+    let columns: [&[f64]; N] = std::array::from_fn(|k| &row.state[k * cells + row.cells.start..][..count]);
+    let mut largest = [0.0_f64; LANES];
+    for i in 0..count {
+        let accumulated = law.accumulated(std::array::from_fn(|k| columns[k][i]));
+        let lane = &mut largest[i % LANES];
+        *lane = if accumulated > *lane { accumulated } else { *lane };
+    }
+    largest.into_iter().fold(0.0, f64::max)
+}
+
+/// Whether a cell flows in its sense: whether the least strain in that sense makes it.
+pub(super) fn yields<L: CellLaw<N>, const N: usize>(law: &L, sigma: f64, state: [f64; N]) -> bool {
+    let nudge = NUDGE * sigma.abs().copysign(law.sense(sigma, state).sign());
+    law.respond(law.base(sigma, state) + nudge, state).plastic != 0.0
+}

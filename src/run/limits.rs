@@ -1,0 +1,55 @@
+//! What a run does where its bar comes to a limit of what the materials know.
+
+use crate::error::{Error, RunError};
+use crate::law::{Limit, Passed, Reached};
+use crate::material::Material;
+use crate::record::{self, AuditRow};
+use crate::scene::Scene;
+use crate::solver::moc::PointAtLimit;
+
+/// A point of the bar at such a limit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct AtLimit {
+    pub segment: usize,
+    /// s.
+    pub time: f64,
+    /// m.
+    pub x: f64,
+    pub reached: Reached,
+}
+
+impl From<&PointAtLimit> for AtLimit {
+    fn from(point: &PointAtLimit) -> Self {
+        let PointAtLimit { segment, time, x, reached } = *point;
+        Self { segment, time, x, reached }
+    }
+}
+
+impl AtLimit {
+    /// On a grid with these cell centres (m) and time step (s).
+    pub fn on_grid(passed: &Passed, centres: &[f64], dt: f64) -> Self {
+        let Passed { cell, segment, step, reached } = *passed;
+        Self { segment, time: step as f64 * dt, x: centres[cell], reached }
+    }
+
+    fn material(self, scene: &Scene) -> &Material {
+        &scene.bar.segments[self.segment].material
+    }
+
+    /// Nothing is known from here on.
+    pub fn stops(self, scene: &Scene) -> bool {
+        self.reached.limit.stops(self.material(scene))
+    }
+
+    /// Why the run stops here.
+    pub fn error(self, scene: &Scene) -> Error {
+        let (reason, help) = record::at_limit(&self.reached, self.material(scene));
+        RunError { reason, time: self.time, x: Some(self.x), help: help.to_owned() }.into()
+    }
+
+    /// The row of the audit, where the point broke: by its own strain, not by what it was strained in the other sense before.
+    pub fn broken(self, scene: &Scene) -> Option<AuditRow> {
+        let Limit::EndOfData(sense) = self.reached.limit else { return None };
+        (!self.stops(scene)).then(|| record::past_data(sense, self.time, self.x, self.material(scene)))
+    }
+}

@@ -1,0 +1,66 @@
+//! The balance of energy that every solver keeps: each entry is declared once, here, for the ledger, result files and reports.
+
+use serde::Serialize;
+
+/// Declares [`Energies`] with its entries: name, a line for its dataset, and what it is.
+macro_rules! energies {
+    ($($(#[doc = $doc:literal])* $name:ident: $long_name:literal,)*) => {
+        /// Energies of a bar at a moment, J (per m^2 where the scene gives no area), and its momentum.
+        ///
+        /// All but `half_step` and, by the Godunov scheme in smooth flow, `numerical` are >= 0 to rounding.
+        #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+        pub struct Energies {
+            $($(#[doc = $doc])* pub $name: f64,)*
+            /// Momentum, N s, positive in +x.
+            pub momentum: f64,
+        }
+
+        impl Energies {
+            /// Name and long name of every energy.
+            pub const COLUMNS: &[[&str; 2]] = &[$([stringify!($name), $long_name],)*];
+
+            /// Every energy, in the order of [`Energies::COLUMNS`], J.
+            pub fn values(&self) -> [f64; Self::COLUMNS.len()] {
+                [$(self.$name,)*]
+            }
+
+            /// Energies by their names; what `of` does not know is 0.
+            pub fn by_name(mut of: impl FnMut(&str) -> Option<f64>) -> Self {
+                Self { $($name: of(stringify!($name)).unwrap_or(0.0),)* momentum: 0.0 }
+            }
+        }
+    };
+}
+
+energies! {
+    /// Kinetic energy of the velocities at this time; with lateral inertia that of the sideways motion is in it.
+    kinetic: "kinetic energy",
+    /// Recoverable strain energy, sigma^2/(2E) per volume.
+    elastic: "recoverable strain energy",
+    /// Plastic work since the start on the quasi-static curve; with the effect of heat, what of it did not turn into heat.
+    plastic: "energy dissipated in plastic flow since the start, without what turned into heat",
+    /// Plastic work that turned into heat since the start, that of the overstress with it; 0 without the effect of heat.
+    heat: "plastic work that turned into heat since the start",
+    /// Plastic work of the overstress of a rate-dependent bar since the start, as far as it did not turn into heat.
+    viscoplastic: "work of the overstress of a rate-dependent bar since the start",
+    /// Taken since the start by the method itself: by the grid filter or the merging of fronts; 0 in an elastic run.
+    numerical: "energy taken since the start by the numerical method",
+    /// What the staggered grid holds between two of its half steps, of either sign and of first order in the cell size: velocities are
+    /// known half a step before and after the stresses, and forces of ends and joints act in halves.
+    half_step: "energy between velocities and stresses half a step apart, of either sign",
+    /// Taken since the start at single points where velocities differ, because a level curve lets no strain leave.
+    concentrated: "energy taken since the start at single points where velocities differ",
+    /// Taken since the start by fractures.
+    fracture: "energy taken since the start by ruptures",
+    /// Taken since the start by internal and external damping.
+    damping: "energy taken since the start by internal and external damping",
+    /// Stored in the elastic foundation.
+    foundation: "energy stored in the elastic foundation",
+}
+
+impl Energies {
+    /// All energy in the bar, dissipated included, J.
+    pub fn total(&self) -> f64 {
+        self.values().iter().sum()
+    }
+}

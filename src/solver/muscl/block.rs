@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::front;
 use super::kernel::{self, Scratch};
 use super::stepping::Part;
-use crate::wave::riemann::{Flux, Point, Workspace};
+use crate::wave::riemann::{Flux, Workspace};
 
 /// Most cells of a block: its row and scratch stay in the first-level cache.
 pub(super) const BLOCK: usize = 256;
@@ -96,28 +96,10 @@ impl Block {
 
     /// True where a stiffening knot of the curve lies between a cell and one of the two next on either side: inside a shock,
     /// or next to it.
-    fn in_shock(&self, part: &Part, i: usize) -> bool {
+    pub fn in_shock(&self, part: &Part, i: usize) -> bool {
         let Some(knots) = &part.stiffens else { return false };
         let here = self.stiffenings(knots, part, i);
         [i - 2, i - 1, i + 1, i + 2].into_iter().any(|i| self.stiffenings(knots, part, i) != here)
-    }
-
-    /// The state of a cell of a block that has yielded.
-    fn point(&self, part: &Part, i: usize) -> Point {
-        let (law, state) = (part.law.law.as_ref(), &self.state);
-        let point = Point { stress: self.sigma[i], velocity: self.v[i], ..Point::default() };
-        if part.path_independent {
-            return Point { plastic: law.plastic_strain(state, i), ..point };
-        }
-        Point { accumulated: law.accumulated(state, i), back: law.back_stress(state, i), ..point }
-    }
-
-    /// True where a cell has no slopes: in a shock, or next to it; in a cell that flows on or towards a level stretch of the
-    /// curve, or next to one.
-    pub fn is_first_order(&self, part: &Part, i: usize) -> bool {
-        let flows = |i: usize| part.faces.flows_to_level(&self.point(part, i));
-        let may_flow = self.stage == Stage::Plastic && part.faces.has_level();
-        may_flow && [i - 1, i, i + 1].into_iter().any(flows) || self.in_shock(part, i)
     }
 
     /// From now on the block has plastic state.

@@ -273,21 +273,16 @@ fn carry_motion(elastic: Elastic, sigma: &[f64], v: &[f64], scratch: &mut Scratc
     }
 }
 
-/// Sets the slopes of some cells to zero.
-///
-/// - Inside shocks of a stiffening curve. With slopes the scheme may hold a shock together that should split further on,
-///   at a wrong speed whatever the resolution; without them its flux, that of the hull, decides.
-/// - In cells that flow on or towards a level stretch of the curve (tangent modulus at most 1e-3 E), and next to them.
-///   Towards such a stretch the wave speed tends to zero, and a small error of a reconstructed stress is a large one of the
-///   velocity that goes with it: the fluxes then return more energy than the cells have.
+/// Takes the slopes of cells inside shocks of a stiffening curve. With slopes the scheme may hold a shock together that
+/// should split further on, at a wrong speed whatever the resolution; without them its flux, that of the hull, decides.
 fn flatten(block: &Block, part: &Part, scratch: &mut Scratch) {
     let row = block.sigma.len();
     scratch.flat[..row].fill(false);
-    if part.stiffens.is_none() && !part.faces.has_level() {
+    if part.stiffens.is_none() {
         return;
     }
     let Scratch { carried, increment, slope, flat, .. } = scratch;
-    for i in (2..row - 2).filter(|&i| block.is_first_order(part, i)) {
+    for i in (2..row - 2).filter(|&i| block.in_shock(part, i)) {
         (slope[i], increment[i], flat[i]) = (0.0, 0.0, true);
         (carried.left[1][i], carried.right[1][i]) = (block.v[i], block.v[i]);
     }
@@ -441,8 +436,8 @@ pub(super) fn near(block: &Block, part: &Part, side: usize, state: &mut Vec<f64>
     let i = block.inside(side, 0);
     let (s, v) = (&block.sigma, &block.v);
     let outward = if side == 0 { -0.5 } else { 0.5 };
-    let flat = block.is_first_order(part, i);
-    let slope = |left: f64, right: f64| if flat { 0.0 } else { limited(left, right) };
+    let shock = block.in_shock(part, i);
+    let slope = |left: f64, right: f64| if shock { 0.0 } else { limited(left, right) };
     let ds = slope(s[i] - s[i - 1], s[i + 1] - s[i]);
     let dv = slope(v[i] - v[i - 1], v[i + 1] - v[i]);
     let half_strain = 0.5 * part.gain * dv;

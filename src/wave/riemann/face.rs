@@ -10,10 +10,6 @@
 use super::medium::{Flow, Lines, Medium, Point};
 use super::{Side, Workspace, solve};
 
-/// Tangent modulus over E up to which a stretch of a curve counts as level: plastic waves run there at most at 3 % of the
-/// elastic speed.
-const LEVEL: f64 = 1e-3;
-
 /// State of a cell's material at one of its faces.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Near {
@@ -62,8 +58,6 @@ pub struct Faces {
     concave: bool,
     /// Velocity change from zero stress to the start of every line, m/s.
     reach: [Vec<f64>; 2],
-    /// E times the strain and the accumulated plastic strain at the end of the last level stretch, Pa; 0 without one.
-    level_end: [[f64; 2]; 2],
 }
 
 /// A side on its way along the curve in one sense: elastic up to its limit, then along the lines.
@@ -122,7 +116,6 @@ impl Faces {
             virgin,
             concave: falls(medium.lines(1.0)) && falls(medium.lines(-1.0)),
             reach,
-            level_end: [1.0, -1.0].map(|sense| level_end(medium.lines(sense))),
             medium,
         }
     }
@@ -371,28 +364,6 @@ impl Faces {
         sense * back + y - kinematic * (y - self.virgin[side(sense)])
     }
 
-    /// The curves have a level stretch.
-    pub fn has_level(&self) -> bool {
-        self.level_end.iter().flatten().any(|&end| end > 0.0)
-    }
-
-    /// True where a state that has yielded lies on its elastic limit (if the material is path-independent, beyond it), and
-    /// on or before a level stretch of the curve.
-    pub fn flows_to_level(&self, point: &Point) -> bool {
-        if self.medium.flow == Flow::PathIndependent {
-            let z = point.stress + point.plastic;
-            let [end, _] = self.level_end[side(z)];
-            return point.plastic != 0.0 && (self.virgin[side(z)]..end).contains(&z.abs());
-        }
-        let sense = if point.stress < point.back { -1.0 } else { 1.0 };
-        let [_, end] = self.level_end[side(sense)];
-        if point.accumulated == 0.0 || point.accumulated >= end {
-            return false;
-        }
-        let rounding = self.medium.round_off.max(1e-12 * point.stress.abs());
-        sense * point.stress >= self.limit(point.accumulated, point.back, sense) - rounding
-    }
-
     /// A flowing side before it gained `gained` (Pa, >= 0) along the curve, moved along its own wave: the Riemann problem has
     /// the same answer, but for one that lies below what it started from. `outward` is +1 for the left side, -1 for the right.
     pub fn before(&self, near: Near, gained: f64, outward: f64) -> Near {
@@ -434,11 +405,6 @@ impl Near {
     fn flux(&self) -> Flux {
         Flux { stress: self.point.stress, velocity: self.point.velocity }
     }
-}
-
-fn level_end(lines: &Lines) -> [f64; 2] {
-    let Some(last) = lines.slope.iter().rposition(|&slope| slope <= LEVEL) else { return [0.0; 2] };
-    if last + 1 < lines.z.len() { [lines.z[last + 1], lines.p[last + 1]] } else { [f64::INFINITY; 2] }
 }
 
 fn side(sense: f64) -> usize {

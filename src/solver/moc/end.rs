@@ -220,14 +220,14 @@ impl End {
             EndCondition::Velocity { release: Some(release), .. } if *release <= at => Drive::Stress(0.0),
             EndCondition::Velocity { history, .. } => Drive::Velocity(self.imposed_at(history, at)),
             EndCondition::Stress { history } => Drive::Stress(self.imposed_at(history, at)),
-            EndCondition::Free => Drive::Stress(0.0),
             EndCondition::Fixed => Drive::Velocity(0.0),
             EndCondition::Absorbing => Drive::Dashpot { velocity: self.rest, compliance: self.absorbing },
             EndCondition::Dashpot { coefficient } if *coefficient > 0.0 => {
                 Drive::Dashpot { velocity: 0.0, compliance: 1.0 / coefficient }
             }
             // Striker, ball and spring have answered above.
-            EndCondition::Dashpot { .. }
+            EndCondition::Free
+            | EndCondition::Dashpot { .. }
             | EndCondition::Striker { .. }
             | EndCondition::Ball { .. }
             | EndCondition::Spring { .. } => Drive::Stress(0.0),
@@ -304,9 +304,8 @@ impl End {
             EndCondition::Stress { history } => (history.extreme().abs(), [self.rest; 2]),
             EndCondition::Fixed | EndCondition::Wall { .. } => (0.0, [0.0; 2]),
             EndCondition::Striker { velocity, .. } => (0.0, [*velocity; 2]),
-            EndCondition::Spring { .. } => (0.0, [0.0, self.rest]),
+            EndCondition::Spring { .. } | EndCondition::Dashpot { .. } => (0.0, [0.0, self.rest]),
             EndCondition::Free | EndCondition::Absorbing | EndCondition::Ball { .. } => (0.0, [self.rest; 2]),
-            EndCondition::Dashpot { .. } => (0.0, [0.0, self.rest]),
         }
     }
 

@@ -98,7 +98,7 @@ impl Muscl {
     pub fn energies(&self) -> Energies {
         let concentrated = self.joints.iter().map(|joint| joint.lost).sum();
         let numerical = self.ends.iter().map(|end| end.work - end.work_on_face).sum();
-        let mut total = Energies { concentrated, numerical, ..Energies::default() };
+        let mut total = Energies { numerical, concentrated, ..Energies::default() };
         for block in &self.blocks {
             let part = &self.parts[block.part];
             let own = GHOSTS..block.sigma.len() - GHOSTS;

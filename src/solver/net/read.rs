@@ -110,7 +110,7 @@ impl Net {
         let dt = self.grid.dt;
         let concentrated = self.joints.iter().map(Joint::lost).sum();
         let numerical = self.ends.iter().map(End::lost).sum();
-        let mut total = Energies { concentrated, numerical, ..Energies::default() };
+        let mut total = Energies { numerical, concentrated, ..Energies::default() };
         for part in &self.parts {
             let mut work = part.work;
             let (mut squares, mut speeds, mut momentum) = (0.0, 0.0, 0.0);

@@ -14,6 +14,7 @@ pub struct Ledger {
     momentum_scale: f64,
     worst_energy: f64,
     worst_momentum: f64,
+    most_given: f64,
 }
 
 impl Ledger {
@@ -26,6 +27,7 @@ impl Ledger {
             momentum_scale: (2.0 * start.kinetic * start.mass).sqrt(),
             worst_energy: 0.0,
             worst_momentum: 0.0,
+            most_given: 0.0,
         }
     }
 
@@ -47,6 +49,7 @@ impl Ledger {
         let missing = relative(now.energies.momentum - self.start.momentum - impulse, self.momentum_scale);
         self.worst_energy = self.worst_energy.max(residual.abs());
         self.worst_momentum = self.worst_momentum.max(missing.abs());
+        self.most_given = self.most_given.max(relative(-now.energies.numerical, energy_scale));
         LedgerRow {
             time: bar.time(),
             energies: Energies { momentum: self.arm * now.energies.momentum, ..now.energies },
@@ -60,6 +63,11 @@ impl Ledger {
     /// Largest relative energy residual so far.
     pub fn worst_energy(&self) -> f64 {
         self.worst_energy
+    }
+
+    /// Most energy that the method itself has given to the bar so far, as a part of all there was; 0 where it only took some.
+    pub fn most_given(&self) -> f64 {
+        self.most_given
     }
 
     /// Largest relative momentum residual so far.

@@ -206,10 +206,6 @@ impl Block {
 
     /// Takes down the cells that came to a limit of what their law knows in a step.
     pub fn note_limits(&mut self, law: &SegmentLaw, step: usize) {
-        if self.stage == Stage::Elastic && law.yield_stress.is_finite() {
-            // Nothing flows, and at less than the yield stress nothing is fully compressed.
-            return;
-        }
         let (first, segment) = (self.cells.start, self.segment);
         let (sigma, state, cells) = (&self.sigma[..], &self.state[..], 0..self.sigma.len());
         law.note_limits(&StrainedRow { sigma, state, cells, first, segment, step }, &mut self.passed);

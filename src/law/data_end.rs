@@ -9,9 +9,7 @@
 
 use std::ops::Range;
 
-use multiversion::multiversion;
-
-use super::{CellLaw, LANES, Table, cell_state};
+use super::{CellLaw, Table, cell_state};
 use crate::material::{Loading, Material, Sense};
 
 /// A point held at the end of its data by a level line lacks no more than rounding, as a part of the strain there.
@@ -89,10 +87,12 @@ impl DataEnd {
 
     /// Of the tables in tension and compression over a modulus, Pa.
     pub fn new(tables: [&Table; 2], modulus: f64, loading: Loading) -> Self {
-        let plastic = tables.map(|table| table.plastic_strain(table.end()));
+        let ends = |table: &&Table| table.end().is_finite();
+        let plastic = tables.map(|table| if ends(&table) { table.plastic_strain(table.end()) } else { f64::INFINITY });
         let full = if loading == Loading::Axial { modulus } else { f64::INFINITY };
-        // |stress| is at most about that of the table: half of the plastic strain there leaves room for overstress.
-        let crushed = tables.map(|table| 0.5 * table.plastic_strain(full));
+        // |stress| is at most about that of the table: half of the plastic strain there leaves room for overstress. A bar that
+        // stays elastic until then has no plastic strain to tell it by, but a stress of -E.
+        let crushed = tables.map(|table| 0.5 * table.plastic_strain(full)).into_iter().filter(|plastic| *plastic > 0.0);
         let least = plastic.into_iter().chain(crushed).fold(f64::INFINITY, f64::min);
         let strain = tables.map(Table::end);
         Self { modulus, strain, plastic, full, least: least - ROUNDING * strain[0].min(strain[1]).min(modulus) }
@@ -101,11 +101,6 @@ impl DataEnd {
     /// A quick look at a point with this accumulated plastic strain and stress (times E, and Pa): it has reached no limit.
     pub fn is_far(&self, accumulated: f64, stress: f64) -> bool {
         accumulated < self.least && stress > -self.full
-    }
-
-    /// True where a point can be fully compressed before it yields at this stress, Pa.
-    pub fn outruns(&self, yield_stress: f64) -> bool {
-        yield_stress >= self.full
     }
 
     /// The limit that a point has reached, if it has. Where it must flow for that, `flows` is asked, with the limit.
@@ -199,12 +194,13 @@ pub(super) fn note_limits<L: CellLaw<N>, const N: usize>(
     passed: &mut FirstPassed,
 ) {
     let elastic = row.state.is_empty();
-    if !elastic && largest_accumulated::<L, N>(law, row) < end.least {
-        return;
-    }
     for i in row.cells.clone() {
         let (sigma, state) = (row.sigma[i], if elastic { [0.0; N] } else { cell_state(row.state, i) });
-        let (sense, accumulated) = (law.sense(sigma, state), law.accumulated(state));
+        let accumulated = law.accumulated(state);
+        if end.is_far(accumulated, sigma) {
+            continue;
+        }
+        let sense = law.sense(sigma, state);
         let point = Flowing { sense, accumulated, strain: sigma + law.plastic_strain(state) };
         let flows = |limit| !passed.knows(row.segment, limit, row.step) && law.yields(sigma, state);
         if let Some(reached) = end.reached(&point, flows) {
@@ -212,20 +208,6 @@ pub(super) fn note_limits<L: CellLaw<N>, const N: usize>(
             passed.note(Passed { cell, segment: row.segment, step: row.step, reached });
         }
     }
-}
-
-/// The largest accumulated plastic strain of a row, times E, Pa.
-#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
-fn largest_accumulated<L: CellLaw<N>, const N: usize>(law: &L, row: &StrainedRow<'_>) -> f64 {
-    let (cells, count) = (row.sigma.len(), row.cells.len());
-    let columns: [&[f64]; N] = std::array::from_fn(|k| &row.state[k * cells + row.cells.start..][..count]);
-    let mut largest = [0.0_f64; LANES];
-    for i in 0..count {
-        let accumulated = law.accumulated(std::array::from_fn(|k| columns[k][i]));
-        let lane = &mut largest[i % LANES];
-        *lane = if accumulated > *lane { accumulated } else { *lane };
-    }
-    largest.into_iter().fold(0.0, f64::max)
 }
 
 /// Whether a cell flows in its sense: whether the least strain in that sense makes it.

@@ -31,7 +31,7 @@ pub use heat::Warming;
 pub use path_independent::PathIndependent;
 pub use plastic::{Isotropic, Mixed};
 
-pub use row::Row;
+pub use row::{Advanced, Row};
 
 /// Cells that sums run over side by side. Sums over cells keep one partial sum a lane, so that their bits do
 /// not depend on how wide the processor's registers are.
@@ -135,15 +135,15 @@ pub trait RowLaw: Send + Sync {
     /// State numbers a cell.
     fn state_len(&self) -> usize;
 
-    /// One step of the row. Returns the sum of the work.
-    fn advance(&self, row: Row<'_>, state: &mut [f64]) -> f64;
+    /// One step of the row.
+    fn advance(&self, row: Row<'_>, state: &mut [f64]) -> Advanced;
 
     /// As [`RowLaw::advance`], with E times the strain increment of every cell (Pa) given; `work` is as in [`Row`].
     fn strain(&self, increment: &[f64], sigma: &mut [f64], state: &mut [f64], work: &mut [f64]);
 
     /// The step in which a row that was elastic so far first yields: `sigma` holds the elastic predictor, `state`
     /// is zero; both are made right. Otherwise as [`RowLaw::advance`].
-    fn first_yield(&self, row: Row<'_>, state: &mut [f64]) -> f64;
+    fn first_yield(&self, row: Row<'_>, state: &mut [f64]) -> Advanced;
 
     /// True where another step without strain would change no bit of these cells of the row.
     fn rests(&self, sigma: &[f64], state: &[f64], cells: Range<usize>) -> bool;
@@ -189,7 +189,7 @@ impl<L: CellLaw<N>, const N: usize> RowLaw for Rows<L, N> {
         N
     }
 
-    fn advance(&self, row: Row<'_>, state: &mut [f64]) -> f64 {
+    fn advance(&self, row: Row<'_>, state: &mut [f64]) -> Advanced {
         row::advance::<L, N, false>(&self.0, row, state)
     }
 
@@ -197,7 +197,7 @@ impl<L: CellLaw<N>, const N: usize> RowLaw for Rows<L, N> {
         row::strain(&self.0, increment, sigma, state, work);
     }
 
-    fn first_yield(&self, row: Row<'_>, state: &mut [f64]) -> f64 {
+    fn first_yield(&self, row: Row<'_>, state: &mut [f64]) -> Advanced {
         row::advance::<L, N, true>(&self.0, row, state)
     }
 

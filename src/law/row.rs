@@ -25,6 +25,15 @@ pub struct Row<'a> {
     pub cells: Range<usize>,
 }
 
+/// What a row did in a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Advanced {
+    /// Sum of [`Row::work`] over the cells that stepped.
+    pub work: f64,
+    /// Largest accumulated plastic strain among them, times E, Pa.
+    pub accumulated: f64,
+}
+
 /// Neighbouring cells, with the velocities of the nodes to their left and right.
 struct Piece<'a, const N: usize> {
     left: &'a [f64; CHUNK],
@@ -36,17 +45,17 @@ struct Piece<'a, const N: usize> {
 }
 
 /// One step of a row, cell by cell without any coupling between them. With `FIRST`, `sigma` holds the predictor of a row that
-/// was elastic until now. Returns the sum of the work, in [`LANES`] partial sums: the same bits whatever the width of
-/// the processor's registers.
+/// was elastic until now. The work is summed in [`LANES`] partial sums: the same bits whatever the width of the processor's
+/// registers.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
 pub(super) fn advance<L: CellLaw<N>, const N: usize, const FIRST: bool>(
     law: &L,
     row: Row<'_>,
     state: &mut [f64],
-) -> f64 {
+) -> Advanced {
     let mut columns = columns::<N>(state, row.sigma.len());
     let Row { gain, v, sigma, work, flow, cells: Range { start: mut from, end } } = row;
-    let mut sums = [0.0; LANES];
+    let mut totals = [[0.0; LANES]; 2];
     while end - from >= CHUNK {
         let piece = Piece {
             left: cut(v, from),
@@ -56,14 +65,14 @@ pub(super) fn advance<L: CellLaw<N>, const N: usize, const FIRST: bool>(
             work: cut_mut(work, from),
             flow: cut_mut(flow, from),
         };
-        step::<L, N, FIRST>(law, gain, piece, &mut sums);
+        step::<L, N, FIRST>(law, gain, piece, &mut totals);
         from += CHUNK;
     }
     if from < end {
         // What is left over is stepped in a piece of its own, among cells at rest.
         let rest = from..end;
         let mut copy = Copied::<N>::of(rest.clone(), v, sigma, &columns);
-        step::<L, N, FIRST>(law, gain, copy.piece(), &mut sums);
+        step::<L, N, FIRST>(law, gain, copy.piece(), &mut totals);
         let n = rest.len();
         sigma[rest.clone()].copy_from_slice(&copy.sigma[..n]);
         work[rest.clone()].copy_from_slice(&copy.work[..n]);
@@ -72,7 +81,8 @@ pub(super) fn advance<L: CellLaw<N>, const N: usize, const FIRST: bool>(
             column[rest.clone()].copy_from_slice(&values[..n]);
         }
     }
-    sums.iter().sum()
+    let [sums, largest] = totals;
+    Advanced { work: sums.iter().sum(), accumulated: largest.into_iter().fold(0.0, f64::max) }
 }
 
 /// The state of a row, variable by variable.
@@ -145,7 +155,7 @@ fn step<L: CellLaw<N>, const N: usize, const FIRST: bool>(
     law: &L,
     gain: f64,
     piece: Piece<'_, N>,
-    sums: &mut [f64; LANES],
+    [sums, largest]: &mut [[f64; LANES]; 2],
 ) {
     let Piece { left, right, sigma, mut columns, work, flow } = piece;
     let [mut predictor, mut reach, mut table] = [const { Aligned([0.0; CHUNK]) }; 3];
@@ -182,6 +192,17 @@ fn step<L: CellLaw<N>, const N: usize, const FIRST: bool>(
             *sum += work;
         }
     }
+    let mut accumulated = [0.0; CHUNK];
+    for (i, accumulated) in accumulated.iter_mut().enumerate() {
+        *accumulated = law.accumulated(read(&columns, i));
+    }
+    let mut lanes = *largest;
+    for group in accumulated.as_chunks::<LANES>().0 {
+        for (largest, accumulated) in lanes.iter_mut().zip(group) {
+            *largest = if *accumulated > *largest { *accumulated } else { *largest };
+        }
+    }
+    *largest = lanes;
 }
 
 /// One step of a row with given increments of E times the strain, Pa.
@@ -241,8 +262,8 @@ mod tests {
                 let (sigma_before, state_before) = (sigma.clone(), state.clone());
                 let row =
                     Row { gain: MODULUS, v: &v, sigma: &mut sigma, work: &mut work, flow: &mut flow, cells: 0..cells };
-                let sum = advance::<L, N, false>(law, row, &mut state);
-                let mut sums = [0.0; LANES];
+                let advanced = advance::<L, N, false>(law, row, &mut state);
+                let (mut sums, mut largest) = ([0.0; LANES], 0.0_f64);
                 for i in 0..cells {
                     let before = std::array::from_fn(|k| state_before[k * cells + i]);
                     let predictor = law.base(sigma_before[i], before) + MODULUS * (v[i + 1] - v[i]);
@@ -252,9 +273,10 @@ mod tests {
                     assert_eq!((sigma[i], after_row, work[i]), (after.sigma, after.state, of_cell), "cell {i}");
                     assert_eq!(flow[i], u8::from(of_cell != 0.0));
                     sums[i % LANES] += of_cell;
+                    largest = largest.max(law.accumulated(after.state));
                     flowed += usize::from(flow[i]);
                 }
-                assert_eq!(sum.to_bits(), sums.iter().sum::<f64>().to_bits());
+                assert_eq!(advanced, Advanced { work: sums.iter().sum(), accumulated: largest });
             }
             assert!(flowed > 0, "nothing flowed");
         }

@@ -5,13 +5,12 @@ use std::ops::Range;
 
 use multiversion::multiversion;
 
-use super::leapfrog::SegmentLaw;
 use super::readings::Quantity;
 use super::rest::{Signals, inner_nodes};
 use super::ripple::{self, Filter, Gaps};
 use super::taper::BlockTaper;
 use crate::law::{
-    Aligned, AlignedRow, CHUNK, FirstPassed, Row, RowLaw, StrainedRow, aligned_row, elastic_row, split_off,
+    Aligned, AlignedRow, CHUNK, DataEnd, FirstPassed, Row, RowLaw, StrainedRow, aligned_row, elastic_row, split_off,
 };
 
 /// Cells of a full block. Fixed, so that sums over blocks have the same bits whatever the number of threads.
@@ -114,6 +113,10 @@ pub(super) struct BlockLaw<'a> {
     /// dt/(rho dx).
     pub velocity_gain: f64,
     pub yield_stress: f64,
+    /// Where the law's data end.
+    pub end: &'a DataEnd,
+    /// The step that is taken.
+    pub step: usize,
 }
 
 impl Block {
@@ -204,11 +207,11 @@ impl Block {
         }
     }
 
-    /// Takes down the cells that came to a limit of what their law knows in a step.
-    pub fn note_limits(&mut self, law: &SegmentLaw, step: usize) {
-        let (first, segment) = (self.cells.start, self.segment);
-        let (sigma, state, cells) = (&self.sigma[..], &self.state[..], 0..self.sigma.len());
-        law.note_limits(&StrainedRow { sigma, state, cells, first, segment, step }, &mut self.passed);
+    /// Takes down the cells at work that came to a limit of what their law knows.
+    fn note_limits(&mut self, law: BlockLaw<'_>) {
+        let (first, segment, cells) = (self.cells.start + self.busy.start, self.segment, self.busy.clone());
+        let row = StrainedRow { sigma: &self.sigma, state: &self.state, cells, first, segment, step: law.step };
+        law.law.note_limits(law.end, &row, &mut self.passed);
     }
 
     /// Takes down where they come from a neighbour; `near` is the step from which on they are damped there.
@@ -331,6 +334,9 @@ impl Block {
             let Range { start, end } = self.busy;
             let peak = elastic_row(law.stress_gain, &self.v[start..=end], &mut self.sigma[start..end]);
             if peak <= law.yield_stress {
+                if !law.end.is_far(0.0, -peak) {
+                    self.note_limits(law);
+                }
                 return;
             }
             self.stage = Stage::Plastic;
@@ -349,7 +355,7 @@ impl Block {
             cells: busy.clone(),
         };
         let state = &mut self.state;
-        let sum = if first { law.law.first_yield(row, state) } else { law.law.advance(row, state) };
+        let advanced = if first { law.law.first_yield(row, state) } else { law.law.advance(row, state) };
         let work = &work[busy.clone()];
         if self.keeps_work {
             self.absorbed.resize(cells, 0.0);
@@ -358,10 +364,13 @@ impl Block {
             }
         }
         self.plastic += match &self.taper {
-            None => sum,
+            None => advanced.work,
             Some(taper) => work.iter().zip(&taper.area[busy]).map(|(work, area)| work * area).sum(),
         };
         law.law.clear_resolved(&self.state, &mut self.flow);
+        if !law.end.is_far(advanced.accumulated, 0.0) {
+            self.note_limits(law);
+        }
     }
 
     /// E times the signed plastic strain of local cell `i`, Pa.

@@ -32,9 +32,7 @@ pub struct SegmentLaw {
 impl SegmentLaw {
     /// Notes the cells of a row that have come to a limit of what the law knows.
     pub fn note_limits(&self, row: &StrainedRow<'_>, passed: &mut FirstPassed) {
-        if !row.state.is_empty() || self.end.outruns(self.yield_stress) {
-            self.law.note_limits(&self.end, row, passed);
-        }
+        self.law.note_limits(&self.end, row, passed);
     }
 }
 

@@ -162,7 +162,14 @@ mod tests {
 
     fn law_of<'a>(law: &'a SegmentLaw, constants: &Constants) -> BlockLaw<'a> {
         let Constants { stress_gain, velocity_gain, .. } = *constants;
-        BlockLaw { law: law.law.as_ref(), stress_gain, velocity_gain, yield_stress: law.yield_stress }
+        BlockLaw {
+            law: law.law.as_ref(),
+            stress_gain,
+            velocity_gain,
+            yield_stress: law.yield_stress,
+            end: &law.end,
+            step: 0,
+        }
     }
 
     /// In each step steps the cells that rest beside the others, each block for itself: that must change none of them.

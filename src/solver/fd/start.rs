@@ -21,6 +21,9 @@ const CELLS: f64 = 24.0;
 /// over keep some 1 % too much strain, as the first ones would without a start.
 const RAMP: f64 = 4.0;
 
+/// Nodes ahead of the first front that are held, too: the ripple damping moves them.
+const AHEAD: usize = 2;
+
 /// Integral up to `t` (s) of a front of height 1 that passes at 0 and rises evenly over `width` (s).
 fn ramped(t: f64, width: f64) -> f64 {
     let half = 0.5 * width;
@@ -33,14 +36,24 @@ fn ramped(t: f64, width: f64) -> f64 {
     }
 }
 
+/// A front of a fan.
+#[derive(Debug, Clone, Copy)]
+struct Front {
+    /// m/s.
+    speed: f64,
+    /// Velocity jump, m/s, in +x.
+    jump: f64,
+    /// Velocity ahead of it, m/s.
+    velocity_ahead: f64,
+}
+
 /// The fan of an end.
 #[derive(Debug, Clone)]
 pub(super) struct StartingFan {
     /// 0: the left end, 1: the right one.
     side: usize,
-    /// Fronts: speed (m/s) and velocity jump (m/s, in +x).
-    fronts: Vec<[f64; 2]>,
-    velocity_ahead: f64,
+    /// The fastest first.
+    fronts: Vec<Front>,
     /// Velocity behind the fan, that of the end, m/s.
     velocity_behind: f64,
     /// Stress behind it, Pa, tension positive.
@@ -56,13 +69,17 @@ pub(super) struct StartingFan {
 impl StartingFan {
     /// Mean velocity over the step from `time` on at `distance` (m) from the end, m/s.
     fn mean_velocity(&self, distance: f64, time: f64, dt: f64) -> f64 {
+        let half_ramp = (0.5 * self.ramp).min(distance);
+        // Fronts that have passed before the step count in full, those that arrive after it not at all.
+        let passed = self.fronts.partition_point(|front| front.speed * time >= distance + half_ramp);
+        let passing = self.fronts[passed..].iter().take_while(|front| front.speed * (time + dt) > distance - half_ramp);
         let share = |k: usize, speed: f64| {
             let arrival = distance / speed;
-            let width = if k == 0 { 0.0 } else { (self.ramp / speed).min(2.0 * arrival) };
+            let width = if k == 0 { 0.0 } else { 2.0 * half_ramp / speed };
             (ramped(time + dt - arrival, width) - ramped(time - arrival, width)) / dt
         };
-        let jumps = self.fronts.iter().enumerate();
-        self.velocity_ahead + jumps.map(|(k, [speed, jump])| jump * share(k, *speed)).sum::<f64>()
+        let ahead = self.fronts.get(passed).map_or(self.velocity_behind, |front| front.velocity_ahead);
+        ahead + passing.enumerate().map(|(k, front)| front.jump * share(passed + k, front.speed)).sum::<f64>()
     }
 }
 
@@ -94,10 +111,16 @@ impl Leapfrog {
         let room = part.dx * part.cells.len() as f64 / if fans > 1 { 2.0 } else { 1.0 };
         let possible = (room / (fan.edges[0].speed * dt)).min(launch.loads_until / dt).floor() - 1.0;
         let sense = -launch.direction * launch.sense.sign();
+        let mut velocity = launch.velocity_ahead;
+        let fronts = fan.edges.iter().map(|edge| {
+            let (velocity_ahead, jump) = (velocity, sense * edge.velocity_jump());
+            velocity += jump;
+            Front { speed: edge.speed, jump, velocity_ahead }
+        });
+        let fronts: Vec<Front> = fronts.collect();
         Some(StartingFan {
             side,
-            fronts: fan.edges.iter().map(|edge| [edge.speed, sense * edge.velocity_jump()]).collect(),
-            velocity_ahead: launch.velocity_ahead,
+            fronts,
             velocity_behind: launch.velocity_ahead + sense * fan.velocity,
             stress: launch.sense.sign() * fan.stress,
             ramp: RAMP * part.dx,
@@ -126,7 +149,7 @@ impl Leapfrog {
     /// Impulse (N s in +x) and energy (J) that the nodes get.
     fn impose(&mut self, fan: &StartingFan) -> [f64; 2] {
         let (time, dt) = (self.time(), self.grid.dt);
-        let reach = fan.fronts[0][0] * (time + dt);
+        let reach = fan.fronts[0].speed * (time + dt);
         let count = self.blocks.len();
         let (mut impulse, mut energy) = (0.0, 0.0);
         for n in 0..count {
@@ -136,12 +159,17 @@ impl Leapfrog {
             let end_node = if fan.side == 0 { part.cells.start } else { part.cells.end };
             let distance = |node: usize| part.dx * node.abs_diff(end_node) as f64;
             let block = &mut self.blocks[k];
-            if distance(block.cells.start).min(distance(block.cells.end)) >= reach {
+            if distance(block.cells.start).min(distance(block.cells.end)) >= reach + AHEAD as f64 * part.dx {
                 break;
             }
             block.wake();
             let (first, cells) = (block.cells.start, block.sigma.len());
-            for i in 1..cells {
+            let nodes_reached = (reach / part.dx).ceil() as usize + AHEAD;
+            let inside = match fan.side {
+                0 => 1..cells.min((end_node + nodes_reached).saturating_sub(first)),
+                _ => (end_node.saturating_sub(nodes_reached) + 1).saturating_sub(first).max(1)..cells,
+            };
+            for i in inside {
                 let change = fan.mean_velocity(distance(first + i), time, dt) - block.v[i];
                 let kick = block.kick(c.velocity_gain, i);
                 impulse += c.cell_mass * change;

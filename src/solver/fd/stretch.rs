@@ -54,9 +54,8 @@ impl Stretch<'_> {
     pub fn advance_stresses(&mut self, step: usize, scratch: &mut Scratch) {
         let common = self.common;
         for block in &mut *self.blocks {
-            block.advance_stresses(common.law(block.segment), scratch);
+            block.advance_stresses(common.law(block.segment, step), scratch);
             block.note_yield(step);
-            block.note_limits(&common.laws[block.segment], step);
         }
     }
 
@@ -77,9 +76,8 @@ impl Stretch<'_> {
     pub fn advance(&mut self, blocks: Range<i64>, step: usize, scratch: &mut Scratch) {
         let (common, blocks) = (self.common, self.local(blocks));
         for block in self.blocks[blocks].iter_mut().filter(|block| !block.at_rest()) {
-            block.advance(common.law(block.segment), scratch);
+            block.advance(common.law(block.segment, step), scratch);
             block.note_yield(step);
-            block.note_limits(&common.laws[block.segment], step);
         }
     }
 
@@ -243,13 +241,16 @@ impl Stretch<'_> {
 }
 
 impl<'a> Common<'a> {
-    fn law(self, segment: usize) -> BlockLaw<'a> {
+    /// Of a segment, in a step.
+    fn law(self, segment: usize, step: usize) -> BlockLaw<'a> {
         let (law, constants) = (&self.laws[segment], &self.constants[segment]);
         BlockLaw {
             law: law.law.as_ref(),
             stress_gain: constants.stress_gain,
             velocity_gain: constants.velocity_gain,
             yield_stress: law.yield_stress,
+            end: &law.end,
+            step,
         }
     }
 }

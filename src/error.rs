@@ -6,7 +6,7 @@ use std::sync::Arc;
 /// Every fallible function of the library returns this.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// The three ways in which a command can end without its result.
+/// The ways in which a command can end without its result.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// The input is wrong; exit code 2.
@@ -23,6 +23,9 @@ pub enum Error {
         /// What the system or the HDF5 library said.
         reason: String,
     },
+    /// Results that do not satisfy what they must; exit code 1.
+    #[error("{0}")]
+    Checks(String),
     /// The user asked to stop (Ctrl-C); exit code 130.
     #[error("interrupted")]
     Interrupted,
@@ -33,7 +36,7 @@ impl Error {
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Input(_) => 2,
-            Self::Run(_) | Self::File { .. } => 1,
+            Self::Run(_) | Self::File { .. } | Self::Checks(_) => 1,
             Self::Interrupted => 130,
         }
     }

@@ -787,10 +787,10 @@ fn a_segment_shorter_than_a_cell_is_noted() {
     }
 }
 
-/// A perfectly plastic rod in torsion, which the Godunov scheme's slopes drive to strains of 158 with energy out of nothing: that is not
-/// a result. (Leapfrog and front tracking follow the rod.)
+/// A perfectly plastic rod in torsion. Stresses at faces beyond those that the curve can carry drove the Godunov scheme to strains
+/// of 158 with energy out of nothing. All of the imposed rotation in one cell is a strain of 0.42.
 #[test]
-fn a_scheme_that_gives_energy_to_the_bar_is_not_done() {
+fn a_perfectly_plastic_rod_in_torsion_keeps_its_energy() {
     let folder = tempfile::tempdir().expect("a folder");
     let scene = |solve: &str| {
         format!(
@@ -800,11 +800,14 @@ fn a_scheme_that_gives_energy_to_the_bar_is_not_done() {
              [effects]\nunloading = \"isotropic\"\n[solve]\nuntil = \"1 ms\"\ncells = 20\n{solve}\n"
         )
     };
-    for (solve, code) in [("scheme = \"muscl\"", 1), ("scheme = \"leapfrog\"", 0)] {
+    for solve in ["scheme = \"muscl\"", "scheme = \"leapfrog\""] {
         std::fs::write(folder.path().join("rod.toml"), scene(solve)).expect("a file");
         let output = barwave(folder.path(), &["run", "--quiet", "rod.toml", "-o", "out.h5"]);
-        let text = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(code), "{solve}: {text}");
-        assert_eq!(text.contains("gave energy to the bar"), code == 1, "{text}");
+        assert_eq!(output.status.code(), Some(0), "{solve}: {}", String::from_utf8_lossy(&output.stderr));
+        let file = barwave::record::store::ResultFile::open(&folder.path().join("out.h5")).expect("a result file");
+        let largest =
+            file.field(barwave::record::Field::Strain, 0..file.time().expect("times").len()).expect("strains");
+        let largest = largest.iter().fold(0.0_f64, |most, strain| most.max(strain.abs()));
+        assert!(largest < 0.42, "{solve}: {largest}");
     }
 }

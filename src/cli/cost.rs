@@ -11,6 +11,7 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::output;
+use super::scratch::Scratch;
 use crate::error::{Error, InputError, Result};
 use crate::record::SolvedBy;
 use crate::report::{self, plot};
@@ -68,8 +69,8 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     // A handler can only be missing where another one is set already; the study then ends as that one says.
     let _ = ctrlc::set_handler(move || asked.store(true, Ordering::Relaxed));
     let bar = progress_bar(args.quiet || args.json, budget);
-    let scratch = Scratch::new()?;
-    let mut whole = |overrides: &[String], most: f64| scratch.time(&args.scene, overrides, most, &stop);
+    let scratch = Scratch::new("cost")?;
+    let mut whole = |overrides: &[String], most: f64| time(&scratch, &args.scene, overrides, most, &stop);
     let mut progress = |what: &str, now: f64| {
         bar.set_position((TICKS * now) as u64);
         bar.set_message(what.to_owned());
@@ -135,39 +136,21 @@ fn progress_bar(silent: bool, budget: f64) -> ProgressBar {
     bar
 }
 
-/// A folder for result files that nobody asked for; it goes with the value.
-struct Scratch(PathBuf);
-
-impl Scratch {
-    fn new() -> Result<Self> {
-        let folder = std::env::temp_dir().join(format!("barwave-cost-{}", std::process::id()));
-        std::fs::create_dir_all(&folder).map_err(|e| Error::file(&folder, e))?;
-        Ok(Self(folder))
+/// The time of `barwave run` with these overrides, from the start of its process to its end.
+fn time(scratch: &Scratch, scene: &Path, overrides: &[String], most: f64, stop: &AtomicBool) -> Whole {
+    let Ok(program) = std::env::current_exe() else {
+        return Whole::Failed("the program does not know its own place".into());
+    };
+    let mut command = Command::new(program);
+    command.arg("run").arg(scene).arg("--quiet").arg("-o").arg(scratch.path().join("whole.h5"));
+    for set in overrides {
+        command.arg("--set").arg(set);
     }
-
-    /// The time of `barwave run` with these overrides, from the start of its process to its end.
-    fn time(&self, scene: &Path, overrides: &[String], most: f64, stop: &AtomicBool) -> Whole {
-        let Ok(program) = std::env::current_exe() else {
-            return Whole::Failed("the program does not know its own place".into());
-        };
-        let mut command = Command::new(program);
-        command.arg("run").arg(scene).arg("--quiet").arg("-o").arg(self.0.join("whole.h5"));
-        for set in overrides {
-            command.arg("--set").arg(set);
-        }
-        command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
-        let started = Instant::now();
-        match command.spawn() {
-            Ok(child) => wait(child, started, most, stop),
-            Err(error) => Whole::Failed(error.to_string()),
-        }
-    }
-}
-
-impl Drop for Scratch {
-    fn drop(&mut self) {
-        // What cannot be removed stays where the system keeps such things.
-        let _ = std::fs::remove_dir_all(&self.0);
+    command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+    let started = Instant::now();
+    match command.spawn() {
+        Ok(child) => wait(child, started, most, stop),
+        Err(error) => Whole::Failed(error.to_string()),
     }
 }
 

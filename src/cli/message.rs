@@ -41,7 +41,7 @@ fn render(error: &Error, paint: Paint) -> String {
         Error::Run(run) => format!("{}: {run}\n{}", paint.red("error"), help_line(&run.help, paint)),
         // No error: the command that was interrupted has said what it leaves behind.
         Error::Interrupted => String::new(),
-        Error::File { .. } => format!("{}: {error}\n", paint.red("error")),
+        Error::File { .. } | Error::Checks(_) => format!("{}: {error}\n", paint.red("error")),
     }
 }
 

@@ -11,8 +11,10 @@ mod output;
 mod plan;
 mod report;
 mod run;
+mod scratch;
 mod shell;
 mod specimen;
+mod stability;
 
 use std::process::ExitCode;
 
@@ -45,6 +47,8 @@ enum Command {
     Compare(compare::Args),
     /// What accuracy costs in time, by every method that can do a scene.
     Cost(cost::Args),
+    /// Run the hard cases by every method and check that each stays stable.
+    Stability(stability::Args),
     /// Draw a result file: x-t diagram, profiles, gauges, fronts, ledger, audit.
     Report(report::Args),
     /// The material library and what each curve rests on.
@@ -83,6 +87,7 @@ fn dispatch(cli: &Cli) -> Result<()> {
         Command::Critical(args) => critical::run(args),
         Command::Compare(args) => compare::run(args),
         Command::Cost(args) => cost::run(args),
+        Command::Stability(args) => stability::run(args),
         Command::Report(args) => report::run(args),
         Command::Materials(args) => materials::run(args),
         Command::New(args) => new::run(args),

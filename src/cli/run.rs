@@ -67,7 +67,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let summary = summary.inspect_err(|error| match error {
         Error::Interrupted => eprintln!("interrupted: the frames so far are in {}", output.display()),
         Error::Run(_) => eprintln!("the frames up to the error are in {}", output.display()),
-        Error::Input(_) | Error::File { .. } => {}
+        Error::Input(_) | Error::File { .. } | Error::Checks(_) => {}
     })?;
     if args.json {
         output::json(&summary)?;

@@ -4,4 +4,5 @@ pub mod compare;
 pub mod confirm;
 pub mod cost;
 pub mod critical;
+pub mod hard_cases;
 pub mod plan;

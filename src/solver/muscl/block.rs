@@ -37,6 +37,8 @@ pub(super) struct Block {
     pub v: Vec<f64>,
     /// Law state, empty until the block yields.
     pub state: Vec<f64>,
+    /// What the scheme's slopes gave to every cell and it has not taken back, W/m^2, <= 0; empty until the block yields.
+    pub owed: Vec<f64>,
     /// What goes through the first and the last face, where that is an end or a joint.
     pub outer: [Option<Flux>; 2],
     /// Running sum over cells and steps of the plastic work as the law gives it, Pa^2.
@@ -57,6 +59,7 @@ impl Block {
             sigma: vec![0.0; row],
             v: vec![velocity; row],
             state: Vec::new(),
+            owed: Vec::new(),
             outer: [None, None],
             plastic: 0.0,
             lost: 0.0,
@@ -96,10 +99,23 @@ impl Block {
 
     /// True where a stiffening knot of the curve lies between a cell and one of the two next on either side: inside a shock,
     /// or next to it.
-    pub fn in_shock(&self, part: &Part, i: usize) -> bool {
+    fn in_shock(&self, part: &Part, i: usize) -> bool {
         let Some(knots) = &part.stiffens else { return false };
         let here = self.stiffenings(knots, part, i);
         [i - 2, i - 1, i + 1, i + 2].into_iter().any(|i| self.stiffenings(knots, part, i) != here)
+    }
+
+    /// True where a cell has no slopes: in a shock, or next to it; where the scheme has given energy, or next to there.
+    pub fn is_first_order(&self, part: &Part, i: usize) -> bool {
+        let owes = |i: usize| self.owed.get(i).is_some_and(|&owed| owed < -part.most_owed);
+        [i - 1, i, i + 1].into_iter().any(owes) || self.in_shock(part, i)
+    }
+
+    /// Takes down what the scheme took from its own cells in a step.
+    pub fn note_owed(&mut self, lost: &[f64]) {
+        for (owed, lost) in self.owed[GHOSTS..].iter_mut().zip(lost) {
+            *owed = (*owed + lost).min(0.0);
+        }
     }
 
     /// From now on the block has plastic state.
@@ -107,6 +123,7 @@ impl Block {
         if self.stage != Stage::Plastic {
             self.stage = Stage::Plastic;
             self.state = vec![0.0; part.law.law.state_len() * self.sigma.len()];
+            self.owed = vec![0.0; self.sigma.len()];
         }
     }
 
@@ -124,6 +141,7 @@ impl Block {
                     let at = number * self.sigma.len() + to;
                     self.state[at] = other.state_at(number, from);
                 }
+                self.owed[to] = other.owed.get(from).copied().unwrap_or(0.0);
             }
         }
     }

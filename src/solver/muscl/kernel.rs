@@ -251,6 +251,9 @@ pub(super) fn plastic(block: &mut Block, part: &Part, scratch: &mut Scratch) {
     law.strain(&increment[..row], &mut block.sigma, &mut block.state, work);
     block.plastic += work[GHOSTS..row - GHOSTS].iter().sum::<f64>();
     block.lost += push(part.kick, &mut block.v, &stress[..row], &block.sigma, through, lost);
+    if part.has_level {
+        block.note_owed(&lost[..row - 2 * GHOSTS]);
+    }
 }
 
 /// Slopes of stress, half a step's strain, and velocities at the faces.
@@ -273,16 +276,20 @@ fn carry_motion(elastic: Elastic, sigma: &[f64], v: &[f64], scratch: &mut Scratc
     }
 }
 
-/// Takes the slopes of cells inside shocks of a stiffening curve. With slopes the scheme may hold a shock together that
-/// should split further on, at a wrong speed whatever the resolution; without them its flux, that of the hull, decides.
+/// Sets the slopes of some cells to zero.
+///
+/// - Inside shocks of a stiffening curve. With slopes the scheme may hold a shock together that should split further on, at
+///   a wrong speed whatever the resolution; without them its flux, that of the hull, decides.
+/// - Where the curve has a level stretch, in cells to which slopes have given energy, and next to them, until the scheme has
+///   taken it back. Without slopes it takes energy in every cell.
 fn flatten(block: &Block, part: &Part, scratch: &mut Scratch) {
     let row = block.sigma.len();
     scratch.flat[..row].fill(false);
-    if part.stiffens.is_none() {
+    if part.stiffens.is_none() && !part.has_level {
         return;
     }
     let Scratch { carried, increment, slope, flat, .. } = scratch;
-    for i in (2..row - 2).filter(|&i| block.in_shock(part, i)) {
+    for i in (2..row - 2).filter(|&i| block.is_first_order(part, i)) {
         (slope[i], increment[i], flat[i]) = (0.0, 0.0, true);
         (carried.left[1][i], carried.right[1][i]) = (block.v[i], block.v[i]);
     }
@@ -351,6 +358,27 @@ fn carry_history(block: &Block, part: &Part, scratch: &mut Scratch) {
     for ((left, right), (sigma, slope)) in faces.zip(ahead.sigma.iter().zip(slope)).take(row) {
         (*left, *right) = (sigma - 0.5 * *slope, sigma + 0.5 * *slope);
     }
+    if !part.has_level {
+        return;
+    }
+    for i in (1..row - 1).filter(|&i| ahead.work[i] != 0.0) {
+        let cap = cap(ahead.sigma[i], &block.sigma, i);
+        for at_face in [&mut carried.left[0][i], &mut carried.right[0][i]] {
+            *at_face = capped(*at_face, cap);
+        }
+    }
+}
+
+/// The largest stress at the faces of flowing cell `i`, in the sense in which it flows: its own, `ahead` by half a step, or a
+/// neighbour's. Towards a level stretch the wave speed tends to zero, and half a step and half a slope together may exceed all
+/// stress that the curve can carry: the velocity that goes with such a stress is a thousand times that of the bar.
+fn cap(ahead: f64, sigma: &[f64], i: usize) -> f64 {
+    let largest = |a: f64, b: f64| if ahead < 0.0 { a.min(b) } else { a.max(b) };
+    sigma[i - 1..=i + 1].iter().copied().fold(ahead, largest)
+}
+
+fn capped(stress: f64, cap: f64) -> f64 {
+    if cap < 0.0 { stress.max(cap) } else { stress.min(cap) }
 }
 
 /// The faces of a row whose answer is not the acoustic one, where the curve is followed both ways.
@@ -436,8 +464,8 @@ pub(super) fn near(block: &Block, part: &Part, side: usize, state: &mut Vec<f64>
     let i = block.inside(side, 0);
     let (s, v) = (&block.sigma, &block.v);
     let outward = if side == 0 { -0.5 } else { 0.5 };
-    let shock = block.in_shock(part, i);
-    let slope = |left: f64, right: f64| if shock { 0.0 } else { limited(left, right) };
+    let flat = block.is_first_order(part, i);
+    let slope = |left: f64, right: f64| if flat { 0.0 } else { limited(left, right) };
     let ds = slope(s[i] - s[i - 1], s[i + 1] - s[i]);
     let dv = slope(v[i] - v[i - 1], v[i + 1] - v[i]);
     let half_strain = 0.5 * part.gain * dv;
@@ -467,6 +495,8 @@ pub(super) fn near(block: &Block, part: &Part, side: usize, state: &mut Vec<f64>
     if work[0] == 0.0 {
         return Near { point, flowing: 0.0 };
     }
+    let cap = if part.has_level { cap(stress[0], s, i) } else { point.stress };
+    let point = Point { stress: capped(point.stress, cap), ..point };
     let sense = if stress[0] < back { -1.0 } else { 1.0 };
     let start = part.faces.limit(law.accumulated(&block.state, i), law.back_stress(&block.state, i), sense);
     part.faces.before(Near { point, flowing: sense }, (sense * stress[0] - start).max(0.0), 2.0 * outward)

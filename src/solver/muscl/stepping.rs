@@ -17,6 +17,9 @@ const PARALLEL_FROM: usize = 16_384;
 /// Blocks that share room to work in, and that one thread steps in turn.
 const GROUP: usize = 16;
 
+/// Energy that slopes may give to a cell, as a part of its elastic energy at yield.
+const MOST_OWED: f64 = 1e-3;
+
 /// A segment with its law and what its faces need.
 #[derive(Clone)]
 pub struct Part {
@@ -35,21 +38,29 @@ pub struct Part {
     pub(super) stiffens: Option<[Vec<f64>; 2]>,
     /// Stress up to which everything is elastic, Pa.
     pub(super) limit: f64,
+    /// The curve has a level or falling stretch.
+    pub(super) has_level: bool,
+    /// Energy that slopes may give to a cell, W/m^2; looked at where the curve has a level stretch.
+    pub(super) most_owed: f64,
 }
 
 impl Part {
     fn new(segment: &Segment, grid: &SegmentGrid, dt: f64, law: SegmentLaw, medium: Medium) -> Self {
         let faces = Faces::new(medium);
+        let limit = law.yield_stress.min(faces.yield_stress());
+        let gain = segment.material.modulus * dt / grid.dx;
         Self {
             path_independent: faces.medium.flow == Flow::PathIndependent,
             modulus: segment.material.modulus,
             density: segment.material.density,
             area: segment.area,
             dx: grid.dx,
-            gain: segment.material.modulus * dt / grid.dx,
+            gain,
             kick: dt / (segment.material.density * grid.dx),
             stiffens: Some(faces.stiffenings()).filter(|all| all.iter().any(|knots| !knots.is_empty())),
-            limit: law.yield_stress.min(faces.yield_stress()),
+            limit,
+            has_level: faces.has_level(),
+            most_owed: MOST_OWED * limit * limit / (2.0 * gain),
             faces,
             law,
         }

@@ -10,6 +10,10 @@
 use super::medium::{Flow, Lines, Medium, Point};
 use super::{Side, Workspace, solve};
 
+/// Tangent modulus over E up to which a stretch of a curve counts as level: plastic waves run there at most at 3 % of the
+/// elastic speed.
+const LEVEL: f64 = 1e-3;
+
 /// State of a cell's material at one of its faces.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Near {
@@ -362,6 +366,11 @@ impl Faces {
         let Flow::Plastic { kinematic } = self.medium.flow else { return f64::INFINITY };
         let y = self.medium.lines(sense).at_accumulated(accumulated).2;
         sense * back + y - kinematic * (y - self.virgin[side(sense)])
+    }
+
+    /// The curves have a level stretch.
+    pub fn has_level(&self) -> bool {
+        [1.0, -1.0].iter().any(|&sense| self.medium.lines(sense).slope.iter().any(|&slope| slope <= LEVEL))
     }
 
     /// A flowing side before it gained `gained` (Pa, >= 0) along the curve, moved along its own wave: the Riemann problem has

@@ -1,0 +1,132 @@
+//! `barwave stability`: the hard cases by every method.
+
+use std::fmt::Write as _;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use super::output;
+use super::scratch::Scratch;
+use crate::error::{Error, InputError, Result};
+use crate::report::plot;
+use crate::run::Wish;
+use crate::study::hard_cases::{CASES, HardCase, Method, Tried, run_case};
+
+/// Options of `barwave stability`.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// Cases, by the start of their names (default: all).
+    #[arg(value_name = "CASE")]
+    cases: Vec<String>,
+    /// Write the table with the explanation of every case as Markdown.
+    #[arg(short, long, value_name = "FILE.md")]
+    output: Option<PathBuf>,
+    /// Print the scene file of the cases and run nothing.
+    #[arg(long)]
+    show: bool,
+    /// Print a JSON list on stdout and nothing else.
+    #[arg(long)]
+    json: bool,
+}
+
+pub(crate) fn run(args: &Args) -> Result<()> {
+    let cases = select(&args.cases)?;
+    if args.show {
+        return cases.iter().try_for_each(|case| output::text(&format!("{}\n", case.text())));
+    }
+    let tried = try_all(&cases, !args.json)?;
+    if let Some(path) = &args.output {
+        plot::write_whole(path, markdown(&cases, &tried).as_bytes())?;
+    }
+    if args.json {
+        output::json(&tried)?;
+    }
+    let failed = tried.iter().filter(|tried| !tried.failed.is_empty()).count();
+    if failed > 0 {
+        return Err(Error::Checks(format!("{failed} of {} runs failed a check", tried.len())));
+    }
+    Ok(())
+}
+
+fn select(names: &[String]) -> Result<Vec<&'static HardCase>> {
+    let known = |name: &String| CASES.iter().any(|case| case.name.starts_with(name.as_str()));
+    if let Some(wrong) = names.iter().find(|name| !known(name)) {
+        let all: Vec<&str> = CASES.iter().map(|case| case.name).collect();
+        let error = InputError::new(format!("there is no hard case `{wrong}`")).key("CASE");
+        return Err(error.help(format!("the cases are: {}", all.join(", "))).into());
+    }
+    let wanted = |case: &&HardCase| names.is_empty() || names.iter().any(|name| case.name.starts_with(name.as_str()));
+    Ok(CASES.iter().filter(wanted).collect())
+}
+
+fn try_all(cases: &[&'static HardCase], shows: bool) -> Result<Vec<Tried>> {
+    let stop = Arc::new(AtomicBool::new(false));
+    let asked = Arc::clone(&stop);
+    // A handler can only be missing where another one is set already; the study then ends as that one says.
+    let _ = ctrlc::set_handler(move || asked.store(true, Ordering::Relaxed));
+    let folder = Scratch::new("stability")?;
+    let mut tried = Vec::new();
+    for case in cases {
+        for method in Method::ALL {
+            let mut progress = |_| if stop.load(Ordering::Relaxed) { Wish::Stop } else { Wish::GoOn };
+            let one = run_case(case, method, folder.path(), &mut progress)?;
+            if shows {
+                output::text(&line(&one))?;
+            }
+            tried.push(one);
+        }
+    }
+    Ok(tried)
+}
+
+/// One run, on one line and a line for every failed check.
+fn line(tried: &Tried) -> String {
+    let mut text = format!("{:<44}{:<17}{}", tried.case, tried.method.name(), outcome(tried));
+    if !tried.reason.is_empty() {
+        let _ = write!(text, ": {}", tried.reason);
+    }
+    for failed in &tried.failed {
+        let _ = write!(text, "\n    failed: {failed}");
+    }
+    text + "\n"
+}
+
+/// Residuals below this are not told apart: what is left is rounding, which depends on the processor.
+const CLOSED: f64 = 1e-9;
+
+/// The outcome with a power of ten above the residual.
+fn outcome(tried: &Tried) -> String {
+    let Some(residual) = tried.energy_residual else { return tried.outcome.clone() };
+    let power = residual.max(CLOSED).log10().ceil();
+    format!("{}, residual < 1e{power}", tried.outcome)
+}
+
+/// The page of the documentation.
+fn markdown(cases: &[&'static HardCase], tried: &[Tried]) -> String {
+    let mut text = String::from(
+        "# Hard cases\n\nWritten by `barwave stability -o docs/hard-cases.md`. Every scene is run by every method that accepts it. Checked are: no \
+         number is missing or infinite; kinetic, elastic and stored energies are not negative, dissipated energies never decrease; the energy residual is at \
+         most 1e-6; the method gives at most 1 % of the energy to the bar; fields stay within the bounds that the scene states. The scenes are in \
+         `tests/hard_cases`.\n\n| case | leapfrog | Godunov | characteristics |\n|---|---|---|---|\n",
+    );
+    let cell = |tried: &Tried| {
+        let failed = if tried.failed.is_empty() { String::new() } else { format!("; **{}**", tried.failed.join("; ")) };
+        format!("{}{failed}", outcome(tried))
+    };
+    let of = |case: &HardCase| tried.iter().filter(|tried| tried.case == case.name).collect::<Vec<_>>();
+    for case in cases {
+        let cells: Vec<String> = of(case).into_iter().map(cell).collect();
+        // Writing to a String cannot fail.
+        let _ = writeln!(text, "| [{0}](#{0}) | {1} |", case.name, cells.join(" | "));
+    }
+    for case in cases {
+        let _ = writeln!(text, "\n## {}\n\n{}", case.name, case.explanation());
+        for bound in case.bounds() {
+            let _ = writeln!(text, "\nBound: {} at most {}.", bound.field, bound.value);
+        }
+        for tried in of(case).into_iter().filter(|tried| !tried.reason.is_empty()) {
+            let _ = writeln!(text, "\n{}: {}: {}.", tried.method.name(), tried.outcome, tried.reason);
+        }
+    }
+    text
+}

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use crate::law::rupture::Cause;
+pub use crate::material::Rate;
 
 /// What is simulated beyond path-independent loading. The default is nothing.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
@@ -35,35 +36,6 @@ pub enum Unloading {
     Kinematic,
     /// The given fraction (0 to 1) of the hardening is kinematic.
     Mixed(f64),
-}
-
-/// A law of the strain rate, see [`crate::law::rate`].
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[serde(tag = "model", rename_all = "kebab-case")]
-pub enum Rate {
-    /// Plastic strain rate = k (stress - static)/E.
-    Malvern {
-        /// 1/s, > 0.
-        k: f64,
-    },
-    /// Plastic strain rate = D (stress/static - 1)^q.
-    CowperSymonds {
-        /// 1/s, > 0.
-        #[serde(rename = "D")]
-        d: f64,
-        /// > 0.
-        q: f64,
-    },
-    /// stress = static (1 + C ln(rate/reference)) above the static curve.
-    JohnsonCook {
-        /// > 0.
-        #[serde(rename = "C")]
-        c: f64,
-        /// 1/s, > 0.
-        reference: f64,
-    },
-    /// Each segment by the constants of its own material, see [`crate::law::rate::Overstress::of`].
-    Material,
 }
 
 /// Adiabatic heating, see [`crate::material::Heating`]; the other constants are the materials' own.
@@ -130,17 +102,6 @@ impl Unloading {
             Self::Isotropic => "isotropic".to_owned(),
             Self::Kinematic => "kinematic".to_owned(),
             Self::Mixed(fraction) => format!("mixed {fraction}"),
-        }
-    }
-}
-
-impl Rate {
-    fn describe(self) -> String {
-        match self {
-            Self::Malvern { k } => format!("malvern k = {k} 1/s"),
-            Self::CowperSymonds { d, q } => format!("cowper-symonds D = {d} 1/s, q = {q}"),
-            Self::JohnsonCook { c, reference } => format!("johnson-cook C = {c}, reference = {reference} 1/s"),
-            Self::Material => "material".to_owned(),
         }
     }
 }

@@ -14,7 +14,7 @@
 //! q = rise/(gain time): a step that is long against the relaxation time ends there.
 
 use super::root::root;
-use crate::material::Material;
+use crate::material::{Material, Rate};
 
 /// A law of overstress. All of them flow only above the static curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,15 +42,17 @@ pub enum Overstress {
 }
 
 impl Overstress {
-    /// The law whose constants a material states: Johnson-Cook's, else Cowper and Symonds', else Malvern's; none where it
-    /// states none.
-    pub fn of(material: &Material) -> Option<Self> {
-        let (stated, modulus) = (&material.constants.rate, material.modulus);
-        let johnson_cook = stated.johnson_cook.filter(|law| law.c > 0.0);
-        let johnson_cook = johnson_cook.map(|law| Self::JohnsonCook { c: law.c, rate: modulus * law.reference });
-        let cowper_symonds =
-            || stated.cowper_symonds.map(|law| Self::CowperSymonds { rate: modulus * law.d, exponent: law.q });
-        johnson_cook.or_else(cowper_symonds).or_else(|| stated.malvern.map(|k| Self::Malvern { k }))
+    /// A law for a material; none where its constants make the stress that of the static curve, or the material is to state
+    /// them and does not.
+    pub fn of(rate: Rate, material: &Material) -> Option<Self> {
+        let modulus = material.modulus;
+        match rate {
+            Rate::Malvern { k } => Some(Self::Malvern { k }),
+            Rate::CowperSymonds { d, q } => Some(Self::CowperSymonds { rate: modulus * d, exponent: q }),
+            Rate::JohnsonCook { c: 0.0, .. } => None,
+            Rate::JohnsonCook { c, reference } => Some(Self::JohnsonCook { c, rate: modulus * reference }),
+            Rate::Material => material.constants.rate.iter().find_map(|&law| Self::of(law, material)),
+        }
     }
 }
 

@@ -6,6 +6,7 @@ use toml::Spanned;
 
 use super::choice::text_or_table;
 use crate::input::Number;
+use crate::material::RawRate;
 use crate::units::Quantity;
 
 /// Which effects are simulated.
@@ -136,45 +137,6 @@ impl<'de> Deserialize<'de> for RateChoice {
         let word = |word: &str| (word == "material").then_some(Self::Material(MaterialWord::Material));
         text_or_table(deserializer, expecting, word, |law| Self::Law(Box::new(law)))
     }
-}
-
-/// A law of the strain rate with its constants: `{ model = "malvern", k = "1e6 1/s" }`,
-/// `{ model = "cowper-symonds", D = "40 1/s", q = 5 }` or `{ model = "johnson-cook", C = 0.014, reference = "1 1/s" }`.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct RawRate {
-    /// Which law. Required.
-    #[schemars(with = "RawModel")]
-    pub model: Option<Spanned<RawModel>>,
-    /// Malvern: plastic strain rate = k (stress - static)/E; 1/s, > 0.
-    #[schemars(with = "Option<Quantity>")]
-    pub k: Option<Number>,
-    /// Cowper-Symonds: plastic strain rate = D (stress/static - 1)^q; 1/s, > 0.
-    #[serde(rename = "D")]
-    #[schemars(with = "Option<Quantity>")]
-    pub d: Option<Number>,
-    /// Cowper-Symonds: the exponent, > 0.
-    #[schemars(with = "Option<f64>")]
-    pub q: Option<Number>,
-    /// Johnson-Cook: stress = static (1 + C ln(rate/reference)), > 0.
-    #[serde(rename = "C")]
-    #[schemars(with = "Option<f64>")]
-    pub c: Option<Number>,
-    /// Johnson-Cook: the plastic strain rate at which the curve holds; 1/s, > 0.
-    #[schemars(with = "Option<Quantity>")]
-    pub reference: Option<Number>,
-}
-
-/// The laws of the strain rate.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum RawModel {
-    /// Malvern and Sokolovsky: linear in the overstress.
-    Malvern,
-    /// Cowper and Symonds (Perzyna): a power of the overstress.
-    CowperSymonds,
-    /// Johnson and Cook: exponential in the overstress.
-    JohnsonCook,
 }
 
 /// How the yield stress moves with plastic flow.

@@ -26,6 +26,7 @@
 //! N. Cristescu 1967 (Dynamic Plasticity, North-Holland).
 
 mod cell;
+mod driven;
 mod hardening;
 mod heated;
 mod overstress;
@@ -34,10 +35,11 @@ mod step;
 mod walk;
 
 pub use cell::Timed;
+pub use driven::Driven;
+use driven::relaxed;
 pub use hardening::{Hardening, Piece};
 pub use heated::Heated;
-use overstress::relaxed;
-pub use overstress::{Driven, Overstress};
+pub use overstress::Overstress;
 use root::root;
 
 use super::Table;

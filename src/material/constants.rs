@@ -50,11 +50,9 @@ impl HeatConstants {
 
 /// Checks the constants of a file.
 pub(super) fn resolve(raw: &RawMaterial, law: Option<String>, keys: Keys<'_>) -> Result<Constants> {
-    Ok(Constants {
-        law,
-        rate: raw.rate.as_ref().map_or_else(|| Ok(Vec::new()), |r| rate::resolve(r, keys))?,
-        heat: raw.heat.as_ref().map_or_else(|| Ok(HeatConstants::default()), |h| heat(h, keys))?,
-    })
+    let heat = raw.heat.as_ref().map_or_else(|| Ok(HeatConstants::default()), |h| heat(h, keys))?;
+    let rate = raw.rate.as_ref().map_or_else(|| Ok(Vec::new()), |r| rate::resolve(r, &heat, keys))?;
+    Ok(Constants { law, rate, heat })
 }
 
 fn heat(raw: &RawHeat, keys: Keys<'_>) -> Result<HeatConstants> {

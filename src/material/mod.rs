@@ -24,7 +24,7 @@ pub use file::{read, resolve};
 pub use formula::{Formula, Law};
 pub use heating::{DEFAULT_FRACTION, Heating, HeatingError, WorkTable};
 pub use rate::Rate;
-pub(crate) use rate::{RateModel, RawRate};
+pub(crate) use rate::{RateModel, RawRate, TEMPERATURE};
 pub use raw::RawMaterial;
 pub use tabulate::{
     Measure, Tabulate, Tabulated, engineering_from_true, tabulate_law, tabulate_true_rows, true_from_engineering,

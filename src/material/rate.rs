@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
 use super::file::Keys;
+use super::{HeatConstants, Material};
 use crate::error::{InputError, Result};
 use crate::input::{Allowed, Document, Number};
 use crate::units::{Dimension, Quantity};
@@ -113,6 +114,18 @@ rate_laws! {
         /// Plastic strain rate at which the curve holds, 1/s, > 0.
         reference: "reference", Rate, Positive, "\"1 1/s\"";
     }
+    /// Zerilli and Armstrong, body-centred cubic metals: stress = static + s(rate, T) - s(reference, T) above the static curve, with
+    /// s = C1 exp(-C3 T + C4 T ln(rate/(1/s))) and T the material's `reference-temperature`, with the effect of heat that of the cell.
+    ZerilliArmstrong, "zerilli-armstrong", zerilli_armstrong {
+        /// C1, Pa, > 0.
+        c1: "C1", Stress, Positive, "\"1 GPa\"";
+        /// C3, 1/K, > 0.
+        c3: "C3", ReciprocalTemperature, Positive, "\"0.007 1/K\"";
+        /// C4, 1/K, > 0.
+        c4: "C4", ReciprocalTemperature, Positive, "\"0.0004 1/K\"";
+        /// Plastic strain rate at which the curve holds, 1/s, > 0.
+        reference: "reference", Rate, Positive, "\"1e-3 1/s\"";
+    }
     /// Cowper and Symonds (Perzyna): plastic strain rate = D (stress/static - 1)^q.
     CowperSymonds, "cowper-symonds", cowper_symonds {
         /// 1/s, > 0.
@@ -150,7 +163,19 @@ pub struct RawRate {
     #[serde(rename = "C")]
     #[schemars(with = "Option<f64>")]
     c: Option<Number>,
-    /// Johnson-Cook: the plastic strain rate at which the curve holds; 1/s, > 0.
+    /// Zerilli-Armstrong: stress of the thermal part, Pa, > 0.
+    #[serde(rename = "C1")]
+    #[schemars(with = "Option<Quantity>")]
+    c1: Option<Number>,
+    /// Zerilli-Armstrong: its fall with temperature, 1/K, > 0.
+    #[serde(rename = "C3")]
+    #[schemars(with = "Option<Quantity>")]
+    c3: Option<Number>,
+    /// Zerilli-Armstrong: its rate sensitivity over the temperature, 1/K, > 0.
+    #[serde(rename = "C4")]
+    #[schemars(with = "Option<Quantity>")]
+    c4: Option<Number>,
+    /// Johnson-Cook, Zerilli-Armstrong: the plastic strain rate at which the curve holds; 1/s, > 0.
     #[schemars(with = "Option<Quantity>")]
     reference: Option<Number>,
 }
@@ -186,19 +211,38 @@ impl RawRate {
 }
 
 /// The laws that a material states.
-pub(super) fn resolve(raw: &RawRates, keys: Keys<'_>) -> Result<Vec<Rate>> {
+pub(super) fn resolve(raw: &RawRates, heat: &HeatConstants, keys: Keys<'_>) -> Result<Vec<Rate>> {
     let law = |(model, raw): (RateModel, &Spanned<RawRate>)| {
         let key = format!("rate.{}", model.name());
         if let Some(word) = &raw.get_ref().model {
             let error = keys.error(word.span(), &format!("{key}.model"), "the name of the table names the law");
             return Err(error.help("take `model` out").into());
         }
-        raw.get_ref().law(model, keys.document(), &keys.key(&key), raw.span())
+        let law = raw.get_ref().law(model, keys.document(), &keys.key(&key), raw.span())?;
+        if law.has_temperature() && heat.reference_temperature.is_none() {
+            let error = keys.error(raw.span(), &key, "needs the temperature at which the curve holds");
+            return Err(error.help(TEMPERATURE).into());
+        }
+        Ok(law)
     };
     raw.stated().map(law).collect()
 }
 
+/// The way out where a law depends on temperature.
+pub(crate) const TEMPERATURE: &str = "add it to the material, e.g. heat = { reference-temperature = \"293 K\" }";
+
 impl Rate {
+    /// The law depends on the temperature.
+    fn has_temperature(self) -> bool {
+        matches!(self, Self::ZerilliArmstrong { .. })
+    }
+
+    /// A material that can flow does not state the temperature on which the law depends.
+    pub(crate) fn lacks_temperature(self, material: &Material) -> bool {
+        let stated = material.constants.heat.reference_temperature.is_some();
+        self.has_temperature() && !stated && material.can_flow()
+    }
+
     /// As it is listed: "malvern k = 1e6 1/s".
     pub fn describe(self) -> String {
         let Some((model, values)) = self.parts() else { return "material".to_owned() };

@@ -97,6 +97,8 @@ dimensions! {
     Rate: "a rate", "100 1/s", "1/s", [0, 0, -1, 0], { "1/s" = 1.0 }, {};
     /// K (a difference, or absolute; "degC" as an absolute temperature).
     Temperature: "a temperature", "20 degC", "K", [0, 0, 0, 1], { "K" = 1.0 }, {};
+    /// 1/K.
+    ReciprocalTemperature: "a reciprocal temperature", "0.007 1/K", "1/K", [0, 0, 0, -1], { "1/K" = 1.0 }, {};
     /// J/(kg K).
     SpecificHeat: "a specific heat", "385 J/(kg*K)", "J/(kg*K)", [2, 0, -2, -1],
         { "J/(kg*K)" = 1.0 }, { "Btu/(lb*K)" = 1_055.055_852_62 / POUND };

@@ -25,17 +25,20 @@ pub struct Driven {
     pub time: f64,
 }
 
-/// Cowper and Symonds' law over one static stress.
+/// dp/dt = `rate` ((`start` + x)/`f`)^`exponent` above the static curve, x = 0.
 #[derive(Clone, Copy)]
 pub(super) struct Power {
     pub rate: f64,
     pub exponent: f64,
     pub f: f64,
+    /// >= 0.
+    pub start: f64,
 }
 
 impl Power {
-    fn at(self, x: f64) -> f64 {
-        self.rate * (x / self.f).powf(self.exponent)
+    /// At y = start + x.
+    fn at(self, y: f64) -> f64 {
+        self.rate * (y / self.f).powf(self.exponent)
     }
 }
 
@@ -71,12 +74,13 @@ impl Driven {
         if to_curve >= 0.0 { flow.min(to_curve) } else { flow.min(self.excess) }
     }
 
-    /// By a power of x, as a drop of x.
+    /// By a power of y = start + x, as a drop of x.
     pub(super) fn power(self, law: Power, gain: f64) -> f64 {
         let Self { excess, rise, time } = self;
-        let decayed = excess - self.free(law, gain);
+        let first = law.start + excess;
+        let decayed = first - self.free(law, gain);
         if rise == 0.0 {
-            return excess - decayed;
+            return (first - decayed).min(excess);
         }
         let most = if rise < 0.0 { self.to_curve(law, gain) } else { excess + rise };
         if excess + rise <= most && rise < 0.0 {
@@ -84,42 +88,47 @@ impl Driven {
         }
         let steady =
             if rise > 0.0 { law.f * (rise / (gain * time * law.rate)).powf(law.exponent.recip()) } else { 0.0 };
-        let bounds = [excess.min(steady), excess.max(steady).min(excess + rise)];
-        let first = if steady > excess { bounds[1] } else { decayed.max(steady).min(bounds[1]) };
-        let start = law.at(excess);
-        let end = root(first, bounds, excess + rise.abs(), |x| {
+        let bounds = [first.min(steady), first.max(steady).min(first + rise)];
+        let guess = if steady > first { bounds[1] } else { decayed.max(steady).min(bounds[1]) };
+        let from = law.at(first);
+        let answer = |y: f64| {
             let drop = if law.exponent > 1.0 {
-                let width = x / law.exponent;
-                exponential_drop(width, gain * law.at(x) * time / width, (excess - x) / width, rise / width)
+                let width = y / law.exponent;
+                exponential_drop(width, gain * law.at(y) * time / width, (first - y) / width, rise / width)
             } else {
-                let slope = if x == excess { law.exponent * start / x } else { (law.at(x) - start) / (x - excess) };
+                let slope = if y == first { law.exponent * from / y } else { (law.at(y) - from) / (y - first) };
                 let z = gain * slope * time;
                 let part = if z.abs() < 1e-9 { 1.0 } else { -(-z).exp_m1() / z };
-                rise - (rise - gain * start * time) * part
+                rise - (rise - gain * from * time) * part
             };
-            excess + rise - drop
-        });
-        (excess + rise - end).clamp(0.0, most)
+            first + rise - drop
+        };
+        let end = root(guess, bounds, first + rise.abs(), answer);
+        // Where that is below the static curve, y < start, the curve is followed: all of it flows.
+        (first + rise - end).clamp(0.0, most)
     }
 
-    /// Drop by a power of x while nothing drives it: x^(1-q) = x0^(1-q) + (q - 1) gain D f^-q t.
+    /// Drop by a power of y while nothing drives it: y^(1-q) = y0^(1-q) + (q - 1) gain D f^-q t.
     fn free(self, law: Power, gain: f64) -> f64 {
-        let power = law.exponent - 1.0;
-        let grown = power * gain * law.rate / law.f * (self.excess / law.f).powf(power) * self.time;
+        let (first, power) = (law.start + self.excess, law.exponent - 1.0);
+        if power == 0.0 {
+            return -first * (-gain * law.rate / law.f * self.time).exp_m1();
+        }
+        let grown = power * gain * law.rate / law.f * (first / law.f).powf(power) * self.time;
         // Below q = 1 the overstress is used up within a finite time.
         if self.excess <= 0.0 || grown.is_nan() || grown <= -1.0 {
             self.excess
         } else {
-            -self.excess * (-grown.ln_1p() / power).exp_m1()
+            -first * (-grown.ln_1p() / power).exp_m1()
         }
     }
 
-    /// Drop by flow, by a power of x, until unloading has come to the static curve: integral of gain q/(gain q + fall) over
+    /// Drop by flow, by a power of y, until unloading has come to the static curve: integral of gain q/(gain q + fall) over
     /// x, by the quadrature of Gauss.
     fn to_curve(self, law: Power, gain: f64) -> f64 {
         let fall = -self.rise / self.time;
         let part = |at: f64| {
-            let q = gain * law.at(self.excess * at);
+            let q = gain * law.at(law.start + self.excess * at);
             if q < f64::MAX { q / (q + fall) } else { 1.0 }
         };
         let pair = |[node, weight]: [f64; 2]| 0.5 * weight * (part(0.5 - 0.5 * node) + part(0.5 + 0.5 * node));

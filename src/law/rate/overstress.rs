@@ -8,9 +8,9 @@
 //!
 //! `rise` being what x would grow by within `time` if nothing flowed (Pa, either sign) and `gain` >= 0 what it loses by flow:
 //! `E d_eps` and `1 + df/dp` in a cell of given strain. [`Overstress::flow`] integrates this over a whole step: by the closed
-//! solution for Malvern's law (linear in x) and Johnson and Cook's (linear in exp(-x/(C f))), and for Cowper and Symonds' by
-//! that of an exponential (q > 1: with the rate and its derivative at the end of the step) or a chord (q < 1: with the rates
-//! at both ends), second order in the step. Whatever the step, x keeps between its start and the steady overstress, where
+//! solution for Malvern's law (linear in x) and Johnson and Cook's (linear in exp(-x/(C f))), and for powers (Cowper and
+//! Symonds; Zerilli and Armstrong) by that of an exponential (q > 1: with the rate and its derivative at the end of the step)
+//! or a chord (q < 1: with the rates at both ends), second order in the step. Whatever the step, x keeps between its start and the steady overstress, where
 //! q = rise/(gain time): a step that is long against the relaxation time ends there.
 
 use super::driven::{Driven, Power, relaxed};
@@ -39,6 +39,20 @@ pub enum Overstress {
         /// E times the reference rate, Pa/s, > 0.
         rate: f64,
     },
+    /// Zerilli and Armstrong, the thermal part of body-centred cubic metals, s(rate, T) = C1 exp(-C3 T + C4 T ln(rate/(1/s))):
+    /// stress = f + s(rate, T) - s(reference, T), no slower than the reference rate above the static curve, whatever f is.
+    /// With X = s(reference, T) and m = C4 T that is `x = X ((rate/reference)^m - 1)`, plastic strain rate =
+    /// reference (1 + x/X)^(1/m). F. J. Zerilli, R. W. Armstrong 1987 (J. Appl. Phys. 61, 1816).
+    ZerilliArmstrong {
+        /// X, Pa, > 0.
+        stress: f64,
+        /// m, > 0.
+        sensitivity: f64,
+        /// E times the reference rate, Pa/s, > 0.
+        rate: f64,
+        /// -d ln X/dT = C3 - C4 ln(reference/(1/s)) and dm/dT = C4, 1/K.
+        thermal: [f64; 2],
+    },
 }
 
 impl Overstress {
@@ -51,10 +65,28 @@ impl Overstress {
             Rate::CowperSymonds { d, q } => Some(Self::CowperSymonds { rate: modulus * d, exponent: q }),
             Rate::JohnsonCook { c: 0.0, .. } => None,
             Rate::JohnsonCook { c, reference } => Some(Self::JohnsonCook { c, rate: modulus * reference }),
+            Rate::ZerilliArmstrong { c1, c3, c4, reference } => {
+                let temperature = material.constants.heat.reference_temperature?;
+                let thermal = [c3 - c4 * reference.ln(), c4];
+                let cold = Self::ZerilliArmstrong { stress: c1, sensitivity: 0.0, rate: modulus * reference, thermal };
+                Some(cold.warmed(temperature))
+            }
             Rate::Material => material.constants.rate.iter().find_map(|&law| Self::of(law, material)),
         }
     }
+
+    /// The law at a temperature higher by `rise`, K.
+    #[must_use]
+    pub fn warmed(self, rise: f64) -> Self {
+        let Self::ZerilliArmstrong { stress, sensitivity, rate, thermal } = self else { return self };
+        let [decay, slope] = thermal;
+        let stress = stress * (-decay * rise).max(LEAST_LOG).exp();
+        Self::ZerilliArmstrong { stress, sensitivity: sensitivity + slope * rise, rate, thermal }
+    }
 }
+
+/// Logarithm of a part of a stress that does not count any more.
+const LEAST_LOG: f64 = -40.0;
 
 /// A flow that takes next to nothing off the overstress keeps its rate.
 const LEAST_GAIN: f64 = 1e-12;
@@ -69,16 +101,22 @@ impl Overstress {
             Self::Malvern { k } => k * x,
             Self::CowperSymonds { rate, exponent } => rate * (x / f).powf(exponent),
             Self::JohnsonCook { c, rate } => rate * (x / (c * f)).min(LARGEST_EXPONENT).exp(),
+            Self::ZerilliArmstrong { stress, sensitivity, rate, .. } => {
+                rate * ((x / stress).ln_1p() / sensitivity).min(LARGEST_EXPONENT).exp()
+            }
         }
     }
 
     /// The overstress at which it flows at `flow_rate`, Pa/s (E times the plastic strain rate, > 0), over the static stress
-    /// f, Pa: the inverse of [`Self::rate`]. 0 below Johnson and Cook's reference rate.
+    /// f, Pa: the inverse of [`Self::rate`]. 0 below a reference rate.
     pub fn overstress(self, flow_rate: f64, f: f64) -> f64 {
         match self {
             Self::Malvern { k } => flow_rate / k,
             Self::CowperSymonds { rate, exponent } => f * (flow_rate / rate).powf(1.0 / exponent),
             Self::JohnsonCook { c, rate } => c * f * (flow_rate / rate).ln().max(0.0),
+            Self::ZerilliArmstrong { stress, sensitivity, rate, .. } => {
+                stress * (sensitivity * (flow_rate / rate).ln()).exp_m1().max(0.0)
+            }
         }
     }
 
@@ -96,11 +134,15 @@ impl Overstress {
             }
             Self::CowperSymonds { rate, exponent } => {
                 let gain = gain.max(LEAST_GAIN);
-                driven.power(Power { rate, exponent, f }, gain) / gain
+                driven.power(Power { rate, exponent, f, start: 0.0 }, gain) / gain
             }
             Self::JohnsonCook { c, rate } => {
                 let gain = gain.max(LEAST_GAIN);
                 driven.exponential(gain * rate, c * f) / gain
+            }
+            Self::ZerilliArmstrong { stress, sensitivity, rate, .. } => {
+                let (gain, exponent) = (gain.max(LEAST_GAIN), sensitivity.recip());
+                driven.power(Power { rate, exponent, f: stress, start: stress }, gain) / gain
             }
         }
     }
@@ -122,6 +164,14 @@ impl Overstress {
                 let width = c * f;
                 ((-to / width).exp() - (-x / width).exp()) * width / (gain * rate)
             }
+            Self::ZerilliArmstrong { stress, sensitivity, rate, .. } => {
+                // The integral of (1 + x/X)^(-1/m).
+                let power = 1.0 - sensitivity.recip();
+                let [from, to] = [x, to].map(|x| (x / stress).ln_1p());
+                let difference =
+                    if power == 0.0 { from - to } else { ((power * from).exp_m1() - (power * to).exp_m1()) / power };
+                difference * stress / (gain * rate)
+            }
         }
     }
 
@@ -136,12 +186,13 @@ impl Overstress {
             Self::Malvern { .. } => x,
             Self::CowperSymonds { exponent, .. } => x / exponent,
             Self::JohnsonCook { c, .. } => c * f,
+            Self::ZerilliArmstrong { stress, sensitivity, .. } => sensitivity * (stress + x),
         }
     }
 
     /// True where the rate depends on f too, which then changes while the cell flows.
     pub fn needs_static_stress(self) -> bool {
-        !matches!(self, Self::Malvern { .. })
+        !matches!(self, Self::Malvern { .. } | Self::ZerilliArmstrong { .. })
     }
 }
 
@@ -149,7 +200,10 @@ impl Overstress {
 mod tests {
     use super::*;
 
-    const LAWS: [Overstress; 6] = [
+    const LAWS: [Overstress; 9] = [
+        zerilli_armstrong(100e6, 0.12),
+        zerilli_armstrong(1e6, 0.4),
+        zerilli_armstrong(50e6, 1.5),
         Overstress::Malvern { k: 1e6 },
         Overstress::CowperSymonds { rate: 200e9 * 40.0, exponent: 5.0 },
         Overstress::CowperSymonds { rate: 200e9 * 40.0, exponent: 1.0 },
@@ -157,6 +211,10 @@ mod tests {
         Overstress::JohnsonCook { c: 0.014, rate: 200e9 },
         Overstress::JohnsonCook { c: 0.3, rate: 200e9 * 50.0 },
     ];
+
+    const fn zerilli_armstrong(stress: f64, sensitivity: f64) -> Overstress {
+        Overstress::ZerilliArmstrong { stress, sensitivity, rate: 200e9, thermal: [5e-3, 4e-4] }
+    }
 
     /// Overstress after a step, by many steps of the midpoint rule; the one that comes down to the static curve is split there.
     fn integrated(law: Overstress, driven: Driven, gain: f64, f: f64) -> f64 {
@@ -178,6 +236,11 @@ mod tests {
         let (third_order, quadrature) = match law {
             Overstress::CowperSymonds { exponent, .. } if exponent > 1.0 => (0.04, closed),
             Overstress::CowperSymonds { exponent, .. } if exponent < 1.0 => (1.2, 4e-4),
+            // That of a power, 1/q^2, of the thermal stress X + x.
+            Overstress::ZerilliArmstrong { sensitivity, stress, .. } if sensitivity < 1.0 => {
+                (sensitivity * sensitivity * (1.0 + stress / 50e6), closed)
+            }
+            Overstress::ZerilliArmstrong { .. } => (1.2, 4e-4),
             _ => return closed,
         };
         match (drive, to_curve) {
@@ -225,8 +288,10 @@ mod tests {
                     let time = 100.0 * law.width(steady, f).max(steady) / rate;
                     let driven = Driven { excess: start, rise: rate * time, time };
                     let end = start + driven.rise - gain * law.flow(driven, gain, f);
-                    // 200 times the overstress goes by: differences of numbers that large.
-                    assert!((end - steady).abs() < 1e-11 * steady, "{law:?} {steady} {start}: {end}");
+                    // 200 times the overstress goes by, and by Zerilli and Armstrong's law it is a difference of thermal stresses:
+                    // differences of numbers that large.
+                    let size = if let Overstress::ZerilliArmstrong { stress, .. } = law { 1e-3 * stress } else { 0.0 };
+                    assert!((end - steady).abs() < 1e-11 * (steady + size), "{law:?} {steady} {start}: {end}");
                 }
             }
         }

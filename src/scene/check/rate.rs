@@ -8,7 +8,7 @@ use super::Checker;
 use crate::bar::Bar;
 use crate::error::Result;
 use crate::law::rate::Overstress;
-use crate::material::RateModel;
+use crate::material::{RateModel, TEMPERATURE};
 
 impl Checker<'_> {
     pub(super) fn rate(&self, raw: &Spanned<RateChoice>, bar: &Bar) -> Result<Rate> {
@@ -21,7 +21,12 @@ impl Checker<'_> {
             return Err(self.missing(raw.span(), "effects.rate.model", &help));
         };
         let model = *model.get_ref();
-        raw_rate.law(model, self.document, "effects.rate", raw.span())
+        let law = raw_rate.law(model, self.document, "effects.rate", raw.span())?;
+        if let Some(segment) = bar.segments.iter().find(|s| law.lacks_temperature(&s.material)) {
+            let message = format!("needs the temperature at which the curve of `{}` holds", segment.material.name);
+            return Err(self.error(raw.span(), "effects.rate", message).help(TEMPERATURE).into());
+        }
+        Ok(law)
     }
 
     /// The materials' own constants; one material at least states some.

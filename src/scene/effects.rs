@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::Damping;
 use crate::law::rupture::Cause;
 pub use crate::material::Rate;
 
@@ -58,17 +59,6 @@ pub struct Rupture {
     pub joint_notches: Vec<f64>,
 }
 
-/// Damping and a foundation; each is 0 where it is not asked for.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
-pub struct Damping {
-    /// Kelvin and Voigt: stress per strain rate, Pa s, >= 0.
-    pub internal: f64,
-    /// Force per length and velocity, N s/m^2, >= 0.
-    pub external: f64,
-    /// Force per length and displacement, N/m^2, >= 0.
-    pub foundation: f64,
-}
-
 impl Effects {
     /// The keys of the scene language, in the order in which effects are listed.
     pub const KEYS: [&'static str; 6] = ["unloading", "rate", "heat", "rupture", "damping", "lateral-inertia"];
@@ -113,21 +103,5 @@ impl Rupture {
             (Cause::Spall, Some(stress)) => format!("spall = {stress} Pa"),
             (cause, _) => cause.name().to_owned(),
         }
-    }
-}
-
-impl Damping {
-    fn describe(self) -> String {
-        let parts = [
-            ("internal", self.internal, "Pa s"),
-            ("external", self.external, "N s/m^2"),
-            ("foundation", self.foundation, "N/m^2"),
-        ];
-        let parts: Vec<String> = parts
-            .iter()
-            .filter(|part| part.1 > 0.0)
-            .map(|(name, value, unit)| format!("{name} = {value} {unit}"))
-            .collect();
-        parts.join(", ")
     }
 }

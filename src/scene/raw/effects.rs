@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer};
 use toml::Spanned;
 
+use super::super::damping::RawDamping;
 use super::choice::text_or_table;
 use crate::input::Number;
 use crate::material::RawRate;
@@ -70,23 +71,6 @@ pub struct RawEffects {
     #[serde(rename = "lateral-inertia")]
     #[schemars(with = "Option<bool>")]
     pub lateral_inertia: Option<Spanned<bool>>,
-}
-
-/// Forces along the bar, the same in all segments: `{ internal = "20 kPa*s" }`, `{ external = "300 N*s/m^2" }`,
-/// `{ foundation = "50 MN/m^2" }`, or several of them.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct RawDamping {
-    /// Kelvin and Voigt: stress per strain rate, Pa s, >= 0. Default: 0.
-    #[schemars(with = "Option<Quantity>")]
-    pub internal: Option<Number>,
-    /// Force against the motion, per length of the bar and velocity, N s/m^2, >= 0; the bar needs an area. Default: 0.
-    #[schemars(with = "Option<Quantity>")]
-    pub external: Option<Number>,
-    /// Force against the displacement, per length of the bar and displacement, N/m^2, >= 0; the bar needs an area.
-    /// Default: 0.
-    #[schemars(with = "Option<Quantity>")]
-    pub foundation: Option<Number>,
 }
 
 /// Adiabatic heating by plastic work.

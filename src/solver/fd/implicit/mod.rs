@@ -31,7 +31,7 @@ use matrix::Matrix;
 use weights::{CellWeights, Weights};
 
 /// What acts along the bar; 0 where there is none of a kind.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Along {
     /// c1: stress per strain rate (Kelvin, Voigt), Pa s, >= 0.
     pub internal: f64,

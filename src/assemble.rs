@@ -78,6 +78,7 @@ pub fn along(bar: &Bar, effects: &Effects) -> Option<Along> {
         internal: damping.internal,
         external: damping.external,
         foundation: damping.foundation,
+        friction: damping.friction,
         lateral: bar.segments.iter().map(lateral).collect(),
     };
     Some(along).filter(|along| !along.is_nothing())

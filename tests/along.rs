@@ -38,6 +38,10 @@ fn foundation(foundation: f64) -> Along {
     Along { foundation, ..nothing() }
 }
 
+fn friction(friction: f64) -> Along {
+    Along { friction, ..nothing() }
+}
+
 fn lateral(square: f64) -> Along {
     Along { lateral: vec![square], ..nothing() }
 }
@@ -272,7 +276,9 @@ fn strengths() -> Vec<Along> {
         foundation: 1e8 * size,
         ..lateral(1e-5 * size)
     };
-    vec![internal(1e5), external(1e5), foundation(1e9), lateral(3e-5), all(1.0), all(1e3), all(1e9)]
+    let rubbing = Along { external: 2e4, foundation: 1e8, ..friction(2e5) };
+    let laws = [internal(1e5), external(1e5), foundation(1e9), lateral(3e-5), friction(2e5), friction(1e7), rubbing];
+    laws.into_iter().chain([1.0, 1e3, 1e9].map(all)).collect()
 }
 
 /// Energy and momentum balance to rounding with every end, in elastic and plastic bars of two materials and areas.

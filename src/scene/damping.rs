@@ -79,4 +79,7 @@ forces! {
     external: Drag, Length;
     /// Force against the displacement, per length of the bar and displacement, N/m^2, >= 0.
     foundation: Foundation, Length;
+    /// Dry (Coulomb) friction: force against the motion, per length of the bar, N/m, >= 0; where the bar rests, up to this force holds
+    /// it. Not together with `internal` or lateral inertia.
+    friction: ForcePerLength, Length;
 }

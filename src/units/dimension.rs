@@ -82,6 +82,9 @@ dimensions! {
     /// N/m.
     Stiffness: "a stiffness", "10 kN/mm", "N/m", [0, 1, -2, 0],
         { "N/m" = 1.0, "kN/m" = 1e3, "MN/m" = 1e6 }, { "lbf/in" = POUND_FORCE / INCH };
+    /// N/m.
+    ForcePerLength: "a force per length", "200 N/m", "N/m", [0, 1, -2, 0],
+        { "N/m" = 1.0, "kN/m" = 1e3, "MN/m" = 1e6 }, { "lbf/in" = POUND_FORCE / INCH };
     /// N s/m.
     DampingCoefficient: "a damping coefficient", "4 kN*s/m", "N*s/m", [0, 1, -1, 0],
         { "N*s/m" = 1.0, "kN*s/m" = 1e3, "MN*s/m" = 1e6 }, { "lbf*s/in" = POUND_FORCE / INCH };

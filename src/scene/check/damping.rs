@@ -39,6 +39,14 @@ impl Checker<'_> {
                 return Err(self.error(value.span(), &key, message).help(AREA).into());
             }
         }
+        let lateral = effects.lateral_inertia.as_ref().is_some_and(|lateral| *lateral.get_ref());
+        let other = if damping.internal > 0.0 { Some("`internal`") } else { lateral.then_some("`lateral-inertia`") };
+        if let (Some(other), true) = (other, damping.friction > 0.0) {
+            let message =
+                format!("friction is not followed together with {other}, which couples the nodes of the grid");
+            let error = self.error(span, "effects.damping", message);
+            return Err(error.help(format!("take `friction` or {other} out")).into());
+        }
         Ok(Some(damping).filter(|damping| *damping != Damping::default()))
     }
 

@@ -11,7 +11,7 @@ use crate::law::{
     TwoSided, Warming,
 };
 use crate::material::{Curve, Heating, Material, Sense};
-use crate::scene::{Effects, Rate, Scene, Unloading};
+use crate::scene::{Effects, Scene, Unloading};
 use crate::solver::fd::{Along, Grid, Leapfrog, SegmentLaw};
 use crate::solver::moc::{FrontTracking, Settings};
 use crate::solver::muscl::Muscl;
@@ -78,6 +78,7 @@ pub fn along(bar: &Bar, effects: &Effects) -> Option<Along> {
         internal: damping.internal,
         external: damping.external,
         foundation: damping.foundation,
+        friction: damping.friction,
         lateral: bar.segments.iter().map(lateral).collect(),
     };
     Some(along).filter(|along| !along.is_nothing())
@@ -115,13 +116,8 @@ pub fn characteristic_net(scene: &Scene, cells: usize) -> Net {
 
 /// The rate-dependent law of a material at its reference temperature. Without a rate in the effects plastic strain takes no time.
 pub fn rate_law(material: &Material, effects: &Effects) -> RateLaw {
-    let overstress = match effects.rate {
-        None => Overstress::Malvern { k: f64::MAX },
-        Some(Rate::Material) => Overstress::of(material).unwrap_or(Overstress::Malvern { k: f64::MAX }),
-        Some(Rate::Malvern { k }) => Overstress::Malvern { k },
-        Some(Rate::CowperSymonds { d, q }) => Overstress::CowperSymonds { rate: material.modulus * d, exponent: q },
-        Some(Rate::JohnsonCook { c, reference }) => Overstress::JohnsonCook { c, rate: material.modulus * reference },
-    };
+    let law = effects.rate.and_then(|rate| Overstress::of(rate, material));
+    let overstress = law.unwrap_or(Overstress::Malvern { k: f64::MAX });
     let kinematic = match effects.unloading {
         None | Some(Unloading::Isotropic) => 0.0,
         Some(Unloading::Kinematic) => 1.0,

@@ -23,7 +23,7 @@ fn c0() -> f64 {
 }
 
 fn nothing() -> Along {
-    Along { internal: 0.0, external: 0.0, foundation: 0.0, lateral: vec![0.0] }
+    Along { lateral: vec![0.0], ..Along::default() }
 }
 
 fn internal(internal: f64) -> Along {
@@ -36,6 +36,10 @@ fn external(external: f64) -> Along {
 
 fn foundation(foundation: f64) -> Along {
     Along { foundation, ..nothing() }
+}
+
+fn friction(friction: f64) -> Along {
+    Along { friction, ..nothing() }
 }
 
 fn lateral(square: f64) -> Along {
@@ -171,7 +175,7 @@ fn lateral_inertia_disperses_to_second_order() {
 
 #[test]
 fn all_together_are_of_second_order() {
-    let along = Along { internal: 5e5, external: 1e5, foundation: 5e9, lateral: vec![(0.2 / PI).powi(2)] };
+    let along = Along { internal: 5e5, external: 1e5, foundation: 5e9, ..lateral((0.2 / PI).powi(2)) };
     assert_second_order("all", 1.0, true, &along, 1e-3);
     assert_second_order("all, free ends", 1.0, false, &along, 1e-3);
 }
@@ -233,7 +237,8 @@ fn a_tiny_damping_is_the_plain_plastic_bar() {
         let total: f64 = stress.iter().map(|s| s.abs()).sum();
         for (size, bound) in [1e-1, 1e-3, 1e-6].into_iter().zip(bounds) {
             let lateral = vec![1e-6 * size];
-            let along = Along { internal: 1e4 * size, external: 1e4 * size, foundation: 1e6 * size, lateral };
+            let along =
+                Along { internal: 1e4 * size, external: 1e4 * size, foundation: 1e6 * size, lateral, ..nothing() };
             let mut bar = bar_of(segments(), ends(), &along, 1000, 1.0);
             common::advance(&mut bar, steps);
             let damped = common::profile(&bar, Quantity::Stress);
@@ -269,9 +274,11 @@ fn strengths() -> Vec<Along> {
         internal: 2e4 * size,
         external: 2e4 * size,
         foundation: 1e8 * size,
-        lateral: vec![1e-5 * size],
+        ..lateral(1e-5 * size)
     };
-    vec![internal(1e5), external(1e5), foundation(1e9), lateral(3e-5), all(1.0), all(1e3), all(1e9)]
+    let rubbing = Along { external: 2e4, foundation: 1e8, ..friction(2e5) };
+    let laws = [internal(1e5), external(1e5), foundation(1e9), lateral(3e-5), friction(2e5), friction(1e7), rubbing];
+    laws.into_iter().chain([1.0, 1e3, 1e9].map(all)).collect()
 }
 
 /// Energy and momentum balance to rounding with every end, in elastic and plastic bars of two materials and areas.

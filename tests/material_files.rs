@@ -4,7 +4,7 @@ use std::path::Path;
 
 use barwave::error::Error;
 use barwave::input::Document;
-use barwave::material::{Beyond, Material, RawMaterial, Sense, library, resolve};
+use barwave::material::{Beyond, Material, Rate, RawMaterial, Sense, library, resolve};
 use barwave::wave::similarity::critical;
 
 fn read(text: &str) -> Result<Material, Error> {
@@ -139,9 +139,9 @@ fn rate_and_heat_constants_are_checked_and_kept() {
          melting-temperature = \"1083 degC\"\nm = 1.09\n"
     ));
     let (rate, heat) = (m.constants.rate, m.constants.heat);
-    assert_eq!(rate.malvern, Some(1e6));
-    assert_eq!(rate.johnson_cook.map(|jc| (jc.c, jc.reference)), Some((0.014, 1.0)));
-    assert_eq!(rate.cowper_symonds.map(|cs| (cs.d, cs.q)), Some((40.0, 5.0)));
+    let [johnson_cook, cowper_symonds] =
+        [Rate::JohnsonCook { c: 0.014, reference: 1.0 }, Rate::CowperSymonds { d: 40.0, q: 5.0 }];
+    assert_eq!(rate, [johnson_cook, cowper_symonds, Rate::Malvern { k: 1e6 }]);
     assert_eq!((heat.specific_heat, heat.fraction, heat.exponent), (Some(385.0), Some(0.9), Some(1.09)));
     assert_eq!(heat.reference_temperature, Some(293.15));
     refused(&format!("{curve}[rate.johnson-cook]\nC = -1\nreference = 1\n"), &["rate.johnson-cook.C"]);

@@ -15,16 +15,26 @@ const YIELD: f64 = 400e6;
 const RISE_TO_MELTING: f64 = 1000.0;
 const SPECIFIC_HEAT: f64 = 100.0;
 
-const LAWS: [Rate; 5] = [
+const LAWS: [Rate; 6] = [
     Rate::Malvern { k: 2e5 },
     Rate::CowperSymonds { d: 40.0, q: 5.0 },
     Rate::CowperSymonds { d: 1e4, q: 2.0 },
     Rate::CowperSymonds { d: 10.0, q: 0.6 },
     Rate::JohnsonCook { c: 0.014, reference: 1.0 },
+    Rate::ZerilliArmstrong { c1: 1e9, c3: 0.007, c4: 4e-4, reference: 1e-3 },
 ];
 
+/// Temperature at the start, K.
+const COLD: f64 = 300.0;
+
+/// Thermal stress of Zerilli and Armstrong, Pa, at a plastic strain rate (1/s) and temperature (K).
+fn thermal_stress(law: Rate, rate: f64, temperature: f64) -> f64 {
+    let Rate::ZerilliArmstrong { c1, c3, c4, .. } = law else { panic!("another law") };
+    c1 * (-c3 * temperature + c4 * temperature * rate.ln()).exp()
+}
+
 /// Plastic strain rate, 1/s, at overstress x over the static stress f: written anew, from the laws' definitions.
-fn plastic_rate(law: Rate, x: f64, f: f64) -> f64 {
+fn plastic_rate(law: Rate, x: f64, f: f64, temperature: f64) -> f64 {
     if x <= 0.0 {
         return 0.0;
     }
@@ -32,6 +42,10 @@ fn plastic_rate(law: Rate, x: f64, f: f64) -> f64 {
         Rate::Malvern { k } => k * x / MODULUS,
         Rate::CowperSymonds { d, q } => d * (x / f).powf(q),
         Rate::JohnsonCook { c, reference } => reference * (x / (c * f)).exp(),
+        Rate::ZerilliArmstrong { c1, c3, c4, reference } => {
+            let stress = thermal_stress(law, reference, temperature) + x;
+            (((stress / c1).ln() + c3 * temperature) / (c4 * temperature)).exp()
+        }
         Rate::Material => panic!("no constants"),
     }
 }
@@ -51,12 +65,13 @@ impl Point {
         let stress = YIELD + self.hardening * strain;
         let rows = [(YIELD / MODULUS, YIELD), (strain + stress / MODULUS, stress)];
         let mut material = material(&rows, Beyond::Extend);
+        material.constants.heat.reference_temperature = Some(COLD);
         if self.heated {
             material.constants.heat = HeatConstants {
                 specific_heat: Some(SPECIFIC_HEAT),
                 fraction: None,
-                reference_temperature: Some(300.0),
-                melting_temperature: Some(300.0 + RISE_TO_MELTING),
+                reference_temperature: Some(COLD),
+                melting_temperature: Some(COLD + RISE_TO_MELTING),
                 exponent: Some(1.0),
             };
             material = material.heated(Some(0.9)).expect("all constants are there");
@@ -91,7 +106,7 @@ impl Point {
         let g = if self.heated { 1.0 - warm } else { 1.0 };
         let f = g * (YIELD + self.hardening * plastic);
         let stress = MODULUS * (strain - plastic);
-        let flow = plastic_rate(self.law, stress - f, f);
+        let flow = plastic_rate(self.law, stress - f, f, COLD + RISE_TO_MELTING * (1.0 - g));
         [flow, 0.9 * stress * flow / (DENSITY * SPECIFIC_HEAT * RISE_TO_MELTING)]
     }
 
@@ -114,6 +129,9 @@ impl Point {
             let width = match self.law {
                 Rate::JohnsonCook { c, .. } => 0.5 * c * YIELD,
                 Rate::CowperSymonds { q, .. } => (x(y) / q).max(1e-4 * YIELD),
+                Rate::ZerilliArmstrong { c4, reference, .. } => {
+                    0.5 * c4 * COLD * (thermal_stress(self.law, reference, COLD) + x(y).max(0.0))
+                }
                 _ => x(y).max(1e-3 * YIELD),
             };
             let h = (0.02 * width / (MODULUS * rate.max(now[0]))).min(time - t).max(1e-14 * time);
@@ -176,6 +194,56 @@ fn johnson_cook_has_its_logarithm_in_millimetre_cells() {
     }
 }
 
+/// Rates over ten decades on a level curve, in steps over five: the closed form, and at and below the reference rate the curve.
+#[test]
+fn zerilli_and_armstrong_have_their_thermal_stress() {
+    let law = LAWS[5];
+    let Rate::ZerilliArmstrong { reference, .. } = law else { panic!("another law") };
+    let point = Point { law, hardening: 0.0, heated: false };
+    let material = point.material();
+    let mut last = 0.0;
+    for exponent in -5..=7 {
+        let rate = 10.0_f64.powi(exponent);
+        let exact = YIELD + (thermal_stress(law, rate, COLD) - thermal_stress(law, reference, COLD)).max(0.0);
+        for steps in [10_usize, 100, 1000, 10_000] {
+            let stress = *point.stresses(&material, rate, 0.05 / (rate * steps as f64), steps).0.last().expect("steps");
+            // At just the reference rate a cell comes to the curve and leaves it in turns.
+            assert!((stress / exact - 1.0).abs() < 1e-8, "{rate:e}/s, {steps} steps: {stress:e} {exact:e}");
+        }
+        assert!(exact > last || rate <= reference, "{rate:e}: {exact:e} {last:e}");
+        last = exact;
+    }
+}
+
+/// Steady flow of a cell that its work heats, on a level curve: the softened curve and the thermal stress of its temperature.
+#[test]
+fn zerilli_and_armstrong_follow_the_temperature() {
+    let law = LAWS[5];
+    let point = Point { law, hardening: 0.0, heated: true };
+    let material = point.material();
+    for (rate, steps) in [(1.0, 2000), (1e3, 2000), (1e6, 2000)] {
+        let dt = 0.5 / (rate * f64::from(steps));
+        let rows = point.stepped(&material, dt);
+        let (mut sigma, mut state, mut work) = (vec![0.0], vec![0.0; rows.state_len()], vec![0.0]);
+        let mut before = 0.0;
+        for _ in 0..steps {
+            before = sigma[0];
+            rows.strain(&[MODULUS * rate * dt], &mut sigma, &mut state, &mut work);
+        }
+        let temperature = rows.temperature(&state, 0);
+        let softening = 1.0 - (temperature - COLD) / RISE_TO_MELTING;
+        // The stress falls as the cell heats: it flows at more than the rate of strain.
+        let flow = rate - (sigma[0] - before) / (MODULUS * dt);
+        let thermal = |rate| thermal_stress(law, rate, temperature);
+        let exact = softening * YIELD + thermal(flow) - thermal(1e-3);
+        assert!(temperature > COLD + 100.0, "{temperature}");
+        // A step heats the cell by a fifth of a kelvin, and flows at the temperature of its middle.
+        assert!((sigma[0] / exact - 1.0).abs() < 1e-4, "{rate:e}/s: {} {exact}", sigma[0]);
+        let cold = softening * YIELD + thermal_stress(law, rate, COLD) - thermal_stress(law, 1e-3, COLD);
+        assert!((sigma[0] / cold - 1.0).abs() > 0.01, "at {temperature} K it is not that of the cold metal");
+    }
+}
+
 /// In steps that resolve the relaxation the error falls as their square.
 #[test]
 fn the_order_is_two_where_steps_resolve_the_relaxation() {
@@ -187,6 +255,7 @@ fn the_order_is_two_where_steps_resolve_the_relaxation() {
         let relaxation = match point.law {
             Rate::Malvern { k } => 1.0 / k,
             Rate::CowperSymonds { d, q } => (rate / d).powf(1.0 / q) * YIELD / (q * MODULUS * rate),
+            Rate::ZerilliArmstrong { c4, .. } => c4 * COLD * thermal_stress(point.law, rate, COLD) / (MODULUS * rate),
             _ => 0.014 * YIELD / (MODULUS * rate),
         };
         let times: Vec<f64> =
@@ -278,7 +347,7 @@ fn plastic_strains(rate: Rate, cells: usize) -> Vec<f64> {
 
 #[test]
 fn the_plastic_strain_of_an_impact_does_not_depend_on_the_grid() {
-    for rate in [LAWS[4], LAWS[1]] {
+    for rate in [LAWS[4], LAWS[1], LAWS[5]] {
         let by = [500, 1000, 2000, 4000].map(|cells| plastic_strains(rate, cells));
         let total = |part: &[f64]| part.iter().sum::<f64>();
         let off = |k: usize| {

@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use barwave::law::rate::Overstress;
+use barwave::record::Field;
 use barwave::record::store::ResultFile;
 use barwave::run::{Wish, run};
 use barwave::scene::{Method, Rate, Scene, Unloading};
@@ -39,6 +41,78 @@ fn rate_chooses_the_characteristic_net_and_brings_elastic_unloading() {
     assert_eq!(other, Some(Rate::CowperSymonds { d: 40.0, q: 5.0 }));
     let other = scene("rate = { model = \"johnson-cook\", C = 0.014, reference = \"1 1/s\" }", "", "").effects.rate;
     assert_eq!(other, Some(Rate::JohnsonCook { c: 0.014, reference: 1.0 }));
+}
+
+const ZERILLI_ARMSTRONG: &str = "rate = { model = \"zerilli-armstrong\", C1 = \"1 GPa\", C3 = \"0.007 1/K\", C4 = \"8e-4 1/K\", reference = \"1e-3 1/s\" }";
+
+/// The same bar with the temperature at which its curve holds.
+fn at_300_kelvin(effects: &str, solve: &str, rest: &str) -> String {
+    let text = scene(MALVERN, solve, rest).text;
+    let material = "beyond = \"extend\"\nheat = { specific-heat = 460, reference-temperature = 300, melting-temperature = 1800, m = 1 }";
+    text.replace("beyond = \"extend\"", material).replace(MALVERN, effects)
+}
+
+/// Through the binary: behind the elastic front the overstress x of a bar at its yield stress falls as `dx/ds = -q(x)/(2 c0)` with the way s.
+#[test]
+fn the_precursor_of_zerilli_and_armstrong_decays() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let (c0, sensitivity) = ((MODULUS / DENSITY).sqrt(), 8e-4 * 300.0);
+    let reference_stress = 1e9 * (-0.007 * 300.0 + sensitivity * 1e-3_f64.ln()).exp();
+    let power = 1.0 - 1.0 / sensitivity;
+    let behind = |s: f64| {
+        let start = (DENSITY * c0 * 20.0 - YIELD + reference_stress) / reference_stress;
+        let fall = power * MODULUS * 1e-3 / reference_stress * s / (2.0 * c0);
+        YIELD + reference_stress * ((start.powf(power) - fall).powf(1.0 / power) - 1.0)
+    };
+    let record = "[record]\ntimes = [\"90 us\"]\nfields = [\"stress\"]";
+    let heated = format!("heat = {{}}\n{ZERILLI_ARMSTRONG}");
+    for (effects, solve, bound) in [
+        (ZERILLI_ARMSTRONG, "method = \"moc\"\ncells = 4000", 1e-3),
+        (ZERILLI_ARMSTRONG, "method = \"fd\"\ncells = 4000", 1e-3),
+        (&heated, "method = \"fd\"\ncells = 4000", 1e-3),
+    ] {
+        let file = folder.path().join("scene.toml");
+        std::fs::write(&file, at_300_kelvin(effects, solve, record)).expect("written");
+        let output = std::process::Command::new(env!("CARGO_BIN_EXE_barwave"))
+            .args(["run", "scene.toml", "-o", "out.h5"])
+            .current_dir(folder.path())
+            .output()
+            .expect("the binary runs");
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let result = ResultFile::open(&folder.path().join("out.h5")).expect("a result file");
+        let frames = result.field(Field::Stress, 0..1).expect("stresses");
+        let stress: Vec<f64> = frames.iter().map(|s| s.abs()).collect();
+        // The cell in which the front is has a mean over time.
+        let front = stress.iter().rposition(|s| *s > 0.9 * behind(90e-6 * c0)).expect("a front") - 2;
+        let exact = behind((front as f64 + 0.5) / 4000.0);
+        println!("{solve}: {} {exact}", stress[front]);
+        assert!((front as f64 / 4000.0 - 90e-6 * c0).abs() < 1e-3, "{front}");
+        assert!((stress[front] / exact - 1.0).abs() < bound, "{solve}: {} {exact}", stress[front]);
+    }
+}
+
+#[test]
+fn a_law_of_temperature_needs_that_of_the_curve() {
+    let text = scene(MALVERN, "", "").text.replace(MALVERN, ZERILLI_ARMSTRONG);
+    let refused = Scene::parse("rate", &text, Path::new("."), &[]).err().map(|error| error.to_string());
+    assert!(
+        refused.is_some_and(|message| message.contains("needs the temperature at which the curve of `steel` holds"))
+    );
+    let stated = ZERILLI_ARMSTRONG.replace("rate = { model = \"zerilli-armstrong\",", "rate.zerilli-armstrong = {");
+    let material = |heat: &str| {
+        let own = format!("beyond = \"extend\"\n{stated}\n{heat}");
+        let text = scene(MALVERN, "", "").text.replace(MALVERN, "rate = \"material\"");
+        Scene::parse("rate", &text.replace("beyond = \"extend\"", &own), Path::new("."), &[])
+    };
+    let refused = material("").err().map(|error| error.to_string());
+    assert!(refused.is_some_and(|message| message.contains("needs the temperature at which the curve holds")));
+    let scene = material("heat = { reference-temperature = 300 }").unwrap_or_else(|error| panic!("{error}"));
+    let steel = &scene.bar.segments[0].material;
+    let law = Rate::ZerilliArmstrong { c1: 1e9, c3: 0.007, c4: 8e-4, reference: 1e-3 };
+    assert_eq!(steel.constants.rate, [law]);
+    assert!(
+        Overstress::of(law, steel).is_some() && Overstress::of(Rate::Material, steel) == Overstress::of(law, steel)
+    );
 }
 
 #[test]

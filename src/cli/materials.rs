@@ -192,21 +192,18 @@ fn critical_line(m: &Material, sense: Sense) -> String {
 }
 
 fn constants(m: &Material) -> Vec<(&'static str, String)> {
-    let (rate, heat) = (&m.constants.rate, &m.constants.heat);
+    let heat = &m.constants.heat;
     let optional = |value: Option<f64>, unit: &str| value.map_or_else(String::new, |v| format!("{v}{unit}"));
-    vec![
-        (
-            "rate (J-C)",
-            rate.johnson_cook.map_or_else(String::new, |jc| format!("C = {}, reference {} 1/s", jc.c, jc.reference)),
-        ),
-        ("rate (C-S)", rate.cowper_symonds.map_or_else(String::new, |cs| format!("D = {} 1/s, q = {}", cs.d, cs.q))),
-        ("rate (Malvern)", optional(rate.malvern, " 1/s")),
-        ("specific heat", optional(heat.specific_heat, " J/(kg K)")),
-        ("heat fraction", optional(heat.fraction, "")),
-        ("curve holds at", optional(heat.reference_temperature, " K")),
-        ("melts at", optional(heat.melting_temperature, " K")),
-        ("softening m", optional(heat.exponent, "")),
-    ]
+    let rates = m.constants.rate.iter().map(|rate| ("rate", rate.describe()));
+    rates
+        .chain([
+            ("specific heat", optional(heat.specific_heat, " J/(kg K)")),
+            ("heat fraction", optional(heat.fraction, "")),
+            ("curve holds at", optional(heat.reference_temperature, " K")),
+            ("melts at", optional(heat.melting_temperature, " K")),
+            ("softening m", optional(heat.exponent, "")),
+        ])
+        .collect()
 }
 
 fn branch(name: &str, curve: &Curve) -> String {

@@ -3,9 +3,10 @@
 use serde::Serialize;
 
 use super::file::Keys;
-use super::raw::{RawHeat, RawMaterial, RawRate};
+use super::rate::{self, Rate};
+use super::raw::{RawHeat, RawMaterial};
 use crate::error::Result;
-use crate::input::Allowed::{NotNegative, Positive, Within};
+use crate::input::Allowed::{Positive, Within};
 use crate::units::Dimension;
 
 /// Constants beside the curve; every one is absent where the file does not give it.
@@ -13,39 +14,10 @@ use crate::units::Dimension;
 pub struct Constants {
     /// The law from which the table was made, with its constants, as one line; none for a measured table.
     pub law: Option<String>,
-    /// Rate dependence.
-    pub rate: RateConstants,
+    /// The laws of the strain rate that it states.
+    pub rate: Vec<Rate>,
     /// Heating and thermal softening.
     pub heat: HeatConstants,
-}
-
-/// Constants of the rate laws.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
-pub struct RateConstants {
-    /// Johnson-Cook: stress times 1 + C ln(rate/reference).
-    pub johnson_cook: Option<JohnsonCookRate>,
-    /// Cowper-Symonds: plastic rate = D (stress/static - 1)^q.
-    pub cowper_symonds: Option<CowperSymonds>,
-    /// Malvern's k, 1/s, > 0: plastic rate = k (stress - static)/E.
-    pub malvern: Option<f64>,
-}
-
-/// Johnson-Cook's rate factor 1 + C ln(rate/reference).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct JohnsonCookRate {
-    /// C, >= 0.
-    pub c: f64,
-    /// Reference plastic strain rate, 1/s, > 0.
-    pub reference: f64,
-}
-
-/// Cowper and Symonds' constants.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct CowperSymonds {
-    /// D, 1/s, > 0.
-    pub d: f64,
-    /// Exponent q, > 0.
-    pub q: f64,
 }
 
 /// Constants for adiabatic heating, and the softening 1 - ((T - reference)/(melting - reference))^exponent.
@@ -78,32 +50,9 @@ impl HeatConstants {
 
 /// Checks the constants of a file.
 pub(super) fn resolve(raw: &RawMaterial, law: Option<String>, keys: Keys<'_>) -> Result<Constants> {
-    Ok(Constants {
-        law,
-        rate: raw.rate.as_ref().map_or_else(|| Ok(RateConstants::default()), |r| rate(r, keys))?,
-        heat: raw.heat.as_ref().map_or_else(|| Ok(HeatConstants::default()), |h| heat(h, keys))?,
-    })
-}
-
-fn rate(raw: &RawRate, keys: Keys<'_>) -> Result<RateConstants> {
-    let johnson_cook = raw.johnson_cook.as_ref().map(|jc| -> Result<_> {
-        Ok(JohnsonCookRate {
-            c: keys.number(&jc.c, "rate.johnson-cook.C", Dimension::None, NotNegative)?,
-            reference: keys.number(&jc.reference, "rate.johnson-cook.reference", Dimension::Rate, Positive)?,
-        })
-    });
-    let cowper_symonds = raw.cowper_symonds.as_ref().map(|cs| -> Result<_> {
-        Ok(CowperSymonds {
-            d: keys.number(&cs.d, "rate.cowper-symonds.D", Dimension::Rate, Positive)?,
-            q: keys.number(&cs.q, "rate.cowper-symonds.q", Dimension::None, Positive)?,
-        })
-    });
-    let malvern = raw.malvern.as_ref().map(|m| keys.number(&m.k, "rate.malvern.k", Dimension::Rate, Positive));
-    Ok(RateConstants {
-        johnson_cook: johnson_cook.transpose()?,
-        cowper_symonds: cowper_symonds.transpose()?,
-        malvern: malvern.transpose()?,
-    })
+    let heat = raw.heat.as_ref().map_or_else(|| Ok(HeatConstants::default()), |h| heat(h, keys))?;
+    let rate = raw.rate.as_ref().map_or_else(|| Ok(Vec::new()), |r| rate::resolve(r, &heat, keys))?;
+    Ok(Constants { law, rate, heat })
 }
 
 fn heat(raw: &RawHeat, keys: Keys<'_>) -> Result<HeatConstants> {

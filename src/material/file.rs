@@ -138,6 +138,10 @@ pub(super) struct Keys<'a> {
 }
 
 impl Keys<'_> {
+    pub(super) fn document(&self) -> &Document {
+        self.doc
+    }
+
     pub(super) fn key(&self, key: &str) -> String {
         if self.prefix.is_empty() { key.to_owned() } else { format!("{}.{key}", self.prefix) }
     }

@@ -91,7 +91,7 @@ impl Material {
     }
 
     /// Some strain of the curves is plastic.
-    fn can_flow(&self) -> bool {
+    pub(crate) fn can_flow(&self) -> bool {
         let bends = |curve: &Curve| curve.elastic_limit(self.modulus).0 < curve.last_strain();
         bends(&self.tension) || self.compression.as_ref().is_some_and(bends)
     }

@@ -9,6 +9,7 @@ mod formula;
 mod heating;
 mod law_keys;
 pub mod library;
+mod rate;
 mod raw;
 mod softening;
 mod tabulate;
@@ -16,12 +17,14 @@ mod torsion;
 
 use serde::{Deserialize, Serialize};
 
-pub use constants::{Constants, CowperSymonds, HeatConstants, JohnsonCookRate, RateConstants};
+pub use constants::{Constants, HeatConstants};
 pub(crate) use curve::SLOPE_ROUND_OFF;
 pub use curve::{Beyond, Curve, CurveError, Ultimate, UltimateReason};
 pub use file::{read, resolve};
 pub use formula::{Formula, Law};
 pub use heating::{DEFAULT_FRACTION, Heating, HeatingError, WorkTable};
+pub use rate::Rate;
+pub(crate) use rate::{RateModel, RawRate, TEMPERATURE};
 pub use raw::RawMaterial;
 pub use tabulate::{
     Measure, Tabulate, Tabulated, engineering_from_true, tabulate_law, tabulate_true_rows, true_from_engineering,

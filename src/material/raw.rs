@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 use toml::Spanned;
 
+use super::rate::RawRates;
 use super::{Beyond, Formula, Loading, Measure, Sense};
 use crate::input::Number;
 use crate::units::Quantity;
@@ -51,7 +52,7 @@ pub struct RawMaterial {
     #[schemars(with = "Option<RawCurve>")]
     pub compression: Option<Spanned<RawCurve>>,
     /// Constants of rate laws.
-    pub rate: Option<RawRate>,
+    pub rate: Option<RawRates>,
     /// Constants for heating and thermal softening.
     pub heat: Option<RawHeat>,
     /// What the curve rests on.
@@ -131,53 +132,6 @@ pub struct RawTabulate {
     /// and 0.777, a true strain of 1.5, in compression of true stress and strain).
     #[schemars(with = "Option<Quantity>")]
     pub to_strain: Option<Number>,
-}
-
-/// `[rate]`: constants of rate laws.
-#[derive(Debug, Clone, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, rename_all = "kebab-case")]
-pub struct RawRate {
-    /// stress times 1 + C ln(rate/reference).
-    pub johnson_cook: Option<RawJohnsonCook>,
-    /// plastic rate = D (stress/static - 1)^q.
-    pub cowper_symonds: Option<RawCowperSymonds>,
-    /// plastic rate = k (stress - static)/E.
-    pub malvern: Option<RawMalvern>,
-}
-
-/// `[rate.johnson-cook]`.
-#[derive(Debug, Clone, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, rename_all = "kebab-case")]
-pub struct RawJohnsonCook {
-    /// C, >= 0.
-    #[serde(rename = "C")]
-    #[schemars(with = "Quantity")]
-    pub c: Number,
-    /// Reference rate, > 0 (1/s).
-    #[schemars(with = "Quantity")]
-    pub reference: Number,
-}
-
-/// `[rate.cowper-symonds]`.
-#[derive(Debug, Clone, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, rename_all = "kebab-case")]
-pub struct RawCowperSymonds {
-    /// D, > 0 (1/s).
-    #[serde(rename = "D")]
-    #[schemars(with = "Quantity")]
-    pub d: Number,
-    /// Exponent q, > 0.
-    #[schemars(with = "Quantity")]
-    pub q: Number,
-}
-
-/// `[rate.malvern]`.
-#[derive(Debug, Clone, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, rename_all = "kebab-case")]
-pub struct RawMalvern {
-    /// k, > 0 (1/s).
-    #[schemars(with = "Quantity")]
-    pub k: Number,
 }
 
 /// `[heat]`: constants for heating and thermal softening.

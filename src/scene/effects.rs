@@ -2,7 +2,9 @@
 
 use serde::Serialize;
 
+use super::Damping;
 use crate::law::rupture::Cause;
+pub use crate::material::Rate;
 
 /// What is simulated beyond path-independent loading. The default is nothing.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
@@ -37,35 +39,6 @@ pub enum Unloading {
     Mixed(f64),
 }
 
-/// A law of the strain rate, see [`crate::law::rate`].
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[serde(tag = "model", rename_all = "kebab-case")]
-pub enum Rate {
-    /// Plastic strain rate = k (stress - static)/E.
-    Malvern {
-        /// 1/s, > 0.
-        k: f64,
-    },
-    /// Plastic strain rate = D (stress/static - 1)^q.
-    CowperSymonds {
-        /// 1/s, > 0.
-        #[serde(rename = "D")]
-        d: f64,
-        /// > 0.
-        q: f64,
-    },
-    /// stress = static (1 + C ln(rate/reference)) above the static curve.
-    JohnsonCook {
-        /// > 0.
-        #[serde(rename = "C")]
-        c: f64,
-        /// 1/s, > 0.
-        reference: f64,
-    },
-    /// Each segment by the constants of its own material, see [`crate::law::rate::Overstress::of`].
-    Material,
-}
-
 /// Adiabatic heating, see [`crate::material::Heating`]; the other constants are the materials' own.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Heat {
@@ -84,17 +57,6 @@ pub struct Rupture {
     pub notches: Vec<f64>,
     /// Notch factor of the joint behind each segment, >= 1, on top of those of the segments.
     pub joint_notches: Vec<f64>,
-}
-
-/// Damping and a foundation; each is 0 where it is not asked for.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
-pub struct Damping {
-    /// Kelvin and Voigt: stress per strain rate, Pa s, >= 0.
-    pub internal: f64,
-    /// Force per length and velocity, N s/m^2, >= 0.
-    pub external: f64,
-    /// Force per length and displacement, N/m^2, >= 0.
-    pub foundation: f64,
 }
 
 impl Effects {
@@ -134,17 +96,6 @@ impl Unloading {
     }
 }
 
-impl Rate {
-    fn describe(self) -> String {
-        match self {
-            Self::Malvern { k } => format!("malvern k = {k} 1/s"),
-            Self::CowperSymonds { d, q } => format!("cowper-symonds D = {d} 1/s, q = {q}"),
-            Self::JohnsonCook { c, reference } => format!("johnson-cook C = {c}, reference = {reference} 1/s"),
-            Self::Material => "material".to_owned(),
-        }
-    }
-}
-
 impl Rupture {
     fn describe(&self) -> String {
         match (self.cause, self.threshold) {
@@ -152,21 +103,5 @@ impl Rupture {
             (Cause::Spall, Some(stress)) => format!("spall = {stress} Pa"),
             (cause, _) => cause.name().to_owned(),
         }
-    }
-}
-
-impl Damping {
-    fn describe(self) -> String {
-        let parts = [
-            ("internal", self.internal, "Pa s"),
-            ("external", self.external, "N s/m^2"),
-            ("foundation", self.foundation, "N/m^2"),
-        ];
-        let parts: Vec<String> = parts
-            .iter()
-            .filter(|part| part.1 > 0.0)
-            .map(|(name, value, unit)| format!("{name} = {value} {unit}"))
-            .collect();
-        parts.join(", ")
     }
 }

@@ -3,6 +3,7 @@
 mod auto;
 mod check;
 mod cut;
+mod damping;
 mod effects;
 mod not_yet;
 mod notes;
@@ -20,7 +21,8 @@ use crate::record::{Compression, Field, Precision, SolvedBy};
 
 pub use auto::Auto;
 pub use cut::{Cut, MOST_PIECES};
-pub use effects::{Damping, Effects, Heat, Rate, Rupture, Unloading};
+pub use damping::Damping;
+pub use effects::{Effects, Heat, Rate, Rupture, Unloading};
 use overrides::Overrides;
 pub use raw::RawScene;
 pub use specimen::{RawSpecimenScene, SpecimenScene};

@@ -52,8 +52,8 @@ energies! {
     concentrated: "energy taken since the start at single points where velocities differ",
     /// Taken since the start by fractures.
     fracture: "energy taken since the start by ruptures",
-    /// Taken since the start by internal and external damping.
-    damping: "energy taken since the start by internal and external damping",
+    /// Taken since the start by internal and external damping and by friction.
+    damping: "energy taken since the start by internal and external damping and by friction",
     /// Stored in the elastic foundation.
     foundation: "energy stored in the elastic foundation",
 }

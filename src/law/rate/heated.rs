@@ -99,6 +99,7 @@ impl<const N: usize> Cell<'_, N> {
         let limit = |g: f64, history: &History| g * self.cold_limit(history, sense);
         let stress = |g: f64, history: &History| g * self.cold_stress(history, sense);
         let course = Course {
+            law: law.overstress().warmed(0.5 * (self.rise + end.rise)),
             limit: limit(end.softening, &end.history) - limit(self.softening, &self.history),
             flow_stress: [stress(self.softening, &self.history), stress(end.softening, &end.history)],
         };
@@ -128,7 +129,7 @@ impl<const N: usize> Flowing for Cell<'_, N> {
     }
 
     fn law(&self, sense: usize) -> (Overstress, f64) {
-        (self.heated.law.overstress(), self.softening * self.cold_stress(&self.history, sense))
+        (self.heated.law.overstress().warmed(self.rise), self.softening * self.cold_stress(&self.history, sense))
     }
 }
 

@@ -26,6 +26,7 @@
 //! N. Cristescu 1967 (Dynamic Plasticity, North-Holland).
 
 mod cell;
+mod driven;
 mod hardening;
 mod heated;
 mod overstress;
@@ -34,10 +35,11 @@ mod step;
 mod walk;
 
 pub use cell::Timed;
+pub use driven::Driven;
+use driven::relaxed;
 pub use hardening::{Hardening, Piece};
 pub use heated::Heated;
-use overstress::relaxed;
-pub use overstress::{Driven, Overstress};
+pub use overstress::Overstress;
 use root::root;
 
 use super::Table;
@@ -76,9 +78,10 @@ pub struct Pace {
     parts: [Vec<[f64; 2]>; 2],
 }
 
-/// How the static curve goes on while a cell flows.
+/// How the static curve goes on while a cell flows, and the law above it.
 #[derive(Debug, Clone, Copy)]
 struct Course {
+    law: Overstress,
     /// Rise of the elastic limit, Pa.
     limit: f64,
     /// Static flow stress of first loading before and after, Pa.
@@ -182,19 +185,20 @@ impl RateLaw {
             (Overstress::Malvern { k }, Some(part)) => driven.linear(k, share + piece.slope, part),
             _ => self.overstress.flow(driven, share + piece.slope, f),
         };
+        let law = self.overstress;
         let size = driven.excess + driven.rise.abs();
         let most = size / share.max(LEAST_SHARE);
         if flow >= room {
             let answer = |flow: f64| {
                 let at = self.side(sense).piece_at(p + flow, k as u32);
                 let end = pieces[at as usize].at(p + flow);
-                self.answer(driven, share, flow, Course { limit: end - f, flow_stress: [f, end] })
+                self.answer(driven, share, flow, Course { law, limit: end - f, flow_stress: [f, end] })
             };
             flow = root(flow.min(most), [room, most.max(room)], size, answer);
         } else if piece.slope > 0.0 && self.overstress.needs_static_stress() {
             let answer = |flow: f64| {
                 let limit = piece.slope * flow;
-                self.answer(driven, share, flow, Course { limit, flow_stress: [f, f + limit] })
+                self.answer(driven, share, flow, Course { law, limit, flow_stress: [f, f + limit] })
             };
             flow = root(flow, [0.0, room.min(most)], size, answer);
         }
@@ -206,18 +210,18 @@ impl RateLaw {
     fn answer(&self, driven: Driven, share: f64, flow: f64, course: Course) -> f64 {
         let Driven { excess, rise, time } = driven;
         if flow <= 0.0 {
-            return self.overstress.flow(driven, share, course.flow_stress[0]);
+            return course.law.flow(driven, share, course.flow_stress[0]);
         }
         let [start, end] = course.flow_stress;
         let (gain, f) = (share + course.limit / flow, 0.5 * (start + end));
-        if !self.overstress.needs_static_stress() {
-            return self.overstress.flow(driven, gain, f);
+        if !course.law.needs_static_stress() {
+            return course.law.flow(driven, gain, f);
         }
         // With u = x/f: f du = rise - (gain + u df/dp) dp.
         let left = (excess + rise - share * flow - course.limit).max(0.0);
         let mean = 0.5 * (excess / start + left / end);
         let driven = Driven { excess: excess / start * f, rise, time };
-        self.overstress.flow(driven, gain + mean * (end - start) / flow, f)
+        course.law.flow(driven, gain + mean * (end - start) / flow, f)
     }
 
     /// Takes a history on by a flow (>= 0) in a sense.

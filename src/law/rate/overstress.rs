@@ -8,13 +8,13 @@
 //!
 //! `rise` being what x would grow by within `time` if nothing flowed (Pa, either sign) and `gain` >= 0 what it loses by flow:
 //! `E d_eps` and `1 + df/dp` in a cell of given strain. [`Overstress::flow`] integrates this over a whole step: by the closed
-//! solution for Malvern's law (linear in x) and Johnson and Cook's (linear in exp(-x/(C f))), and for Cowper and Symonds' by
-//! that of an exponential (q > 1: with the rate and its derivative at the end of the step) or a chord (q < 1: with the rates
-//! at both ends), second order in the step. Whatever the step, x keeps between its start and the steady overstress, where
+//! solution for Malvern's law (linear in x) and Johnson and Cook's (linear in exp(-x/(C f))), and for powers (Cowper and
+//! Symonds; Zerilli and Armstrong) by that of an exponential (q > 1: with the rate and its derivative at the end of the step)
+//! or a chord (q < 1: with the rates at both ends), second order in the step. Whatever the step, x keeps between its start and the steady overstress, where
 //! q = rise/(gain time): a step that is long against the relaxation time ends there.
 
-use super::root::root;
-use crate::material::Material;
+use super::driven::{Driven, Power, relaxed};
+use crate::material::{Material, Rate};
 
 /// A law of overstress. All of them flow only above the static curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,20 +39,57 @@ pub enum Overstress {
         /// E times the reference rate, Pa/s, > 0.
         rate: f64,
     },
+    /// Zerilli and Armstrong, the thermal part of body-centred cubic metals, s(rate, T) = C1 exp(-C3 T + C4 T ln(rate/(1/s))):
+    /// stress = f + s(rate, T) - s(reference, T), no slower than the reference rate above the static curve, whatever f is.
+    /// With X = s(reference, T) and m = C4 T that is `x = X ((rate/reference)^m - 1)`, plastic strain rate =
+    /// reference (1 + x/X)^(1/m). F. J. Zerilli, R. W. Armstrong 1987 (J. Appl. Phys. 61, 1816).
+    ZerilliArmstrong {
+        /// X, Pa, > 0.
+        stress: f64,
+        /// m, > 0.
+        sensitivity: f64,
+        /// E times the reference rate, Pa/s, > 0.
+        rate: f64,
+        /// -d ln X/dT = C3 - C4 ln(reference/(1/s)) and dm/dT = C4, 1/K.
+        thermal: [f64; 2],
+    },
 }
 
 impl Overstress {
-    /// The law whose constants a material states: Johnson-Cook's, else Cowper and Symonds', else Malvern's; none where it
-    /// states none.
-    pub fn of(material: &Material) -> Option<Self> {
-        let (stated, modulus) = (&material.constants.rate, material.modulus);
-        let johnson_cook = stated.johnson_cook.filter(|law| law.c > 0.0);
-        let johnson_cook = johnson_cook.map(|law| Self::JohnsonCook { c: law.c, rate: modulus * law.reference });
-        let cowper_symonds =
-            || stated.cowper_symonds.map(|law| Self::CowperSymonds { rate: modulus * law.d, exponent: law.q });
-        johnson_cook.or_else(cowper_symonds).or_else(|| stated.malvern.map(|k| Self::Malvern { k }))
+    /// A law for a material; none where its constants make the stress that of the static curve, or the material is to state
+    /// them and does not.
+    pub fn of(rate: Rate, material: &Material) -> Option<Self> {
+        let modulus = material.modulus;
+        match rate {
+            Rate::Malvern { k } => Some(Self::Malvern { k }),
+            Rate::CowperSymonds { d, q } => Some(Self::CowperSymonds { rate: modulus * d, exponent: q }),
+            Rate::JohnsonCook { c: 0.0, .. } => None,
+            Rate::JohnsonCook { c, reference } => Some(Self::JohnsonCook { c, rate: modulus * reference }),
+            Rate::ZerilliArmstrong { c1, c3, c4, reference } => {
+                let temperature = material.constants.heat.reference_temperature?;
+                let thermal = [c3 - c4 * reference.ln(), c4];
+                let cold = Self::ZerilliArmstrong { stress: c1, sensitivity: 0.0, rate: modulus * reference, thermal };
+                Some(cold.warmed(temperature))
+            }
+            Rate::Material => material.constants.rate.iter().find_map(|&law| Self::of(law, material)),
+        }
+    }
+
+    /// The law at a temperature higher by `rise`, K.
+    #[must_use]
+    pub fn warmed(self, rise: f64) -> Self {
+        let Self::ZerilliArmstrong { stress, sensitivity, rate, thermal } = self else { return self };
+        let [decay, slope] = thermal;
+        let stress = stress * (-decay * rise).max(LEAST_LOG).exp();
+        Self::ZerilliArmstrong { stress, sensitivity: sensitivity + slope * rise, rate, thermal }
     }
 }
+
+/// Logarithm of a part of a stress that does not count any more.
+const LEAST_LOG: f64 = -40.0;
+
+/// A flow that takes next to nothing off the overstress keeps its rate.
+const LEAST_GAIN: f64 = 1e-12;
 
 /// Largest exponent that is taken literally: e^500 times any rate empties any overstress at once.
 const LARGEST_EXPONENT: f64 = 500.0;
@@ -64,16 +101,22 @@ impl Overstress {
             Self::Malvern { k } => k * x,
             Self::CowperSymonds { rate, exponent } => rate * (x / f).powf(exponent),
             Self::JohnsonCook { c, rate } => rate * (x / (c * f)).min(LARGEST_EXPONENT).exp(),
+            Self::ZerilliArmstrong { stress, sensitivity, rate, .. } => {
+                rate * ((x / stress).ln_1p() / sensitivity).min(LARGEST_EXPONENT).exp()
+            }
         }
     }
 
     /// The overstress at which it flows at `flow_rate`, Pa/s (E times the plastic strain rate, > 0), over the static stress
-    /// f, Pa: the inverse of [`Self::rate`]. 0 below Johnson and Cook's reference rate.
+    /// f, Pa: the inverse of [`Self::rate`]. 0 below a reference rate.
     pub fn overstress(self, flow_rate: f64, f: f64) -> f64 {
         match self {
             Self::Malvern { k } => flow_rate / k,
             Self::CowperSymonds { rate, exponent } => f * (flow_rate / rate).powf(1.0 / exponent),
             Self::JohnsonCook { c, rate } => c * f * (flow_rate / rate).ln().max(0.0),
+            Self::ZerilliArmstrong { stress, sensitivity, rate, .. } => {
+                stress * (sensitivity * (flow_rate / rate).ln()).exp_m1().max(0.0)
+            }
         }
     }
 
@@ -91,11 +134,15 @@ impl Overstress {
             }
             Self::CowperSymonds { rate, exponent } => {
                 let gain = gain.max(LEAST_GAIN);
-                driven.power(Power { rate, exponent, f }, gain) / gain
+                driven.power(Power { rate, exponent, f, start: 0.0 }, gain) / gain
             }
             Self::JohnsonCook { c, rate } => {
                 let gain = gain.max(LEAST_GAIN);
                 driven.exponential(gain * rate, c * f) / gain
+            }
+            Self::ZerilliArmstrong { stress, sensitivity, rate, .. } => {
+                let (gain, exponent) = (gain.max(LEAST_GAIN), sensitivity.recip());
+                driven.power(Power { rate, exponent, f: stress, start: stress }, gain) / gain
             }
         }
     }
@@ -117,6 +164,14 @@ impl Overstress {
                 let width = c * f;
                 ((-to / width).exp() - (-x / width).exp()) * width / (gain * rate)
             }
+            Self::ZerilliArmstrong { stress, sensitivity, rate, .. } => {
+                // The integral of (1 + x/X)^(-1/m).
+                let power = 1.0 - sensitivity.recip();
+                let [from, to] = [x, to].map(|x| (x / stress).ln_1p());
+                let difference =
+                    if power == 0.0 { from - to } else { ((power * from).exp_m1() - (power * to).exp_m1()) / power };
+                difference * stress / (gain * rate)
+            }
         }
     }
 
@@ -131,175 +186,24 @@ impl Overstress {
             Self::Malvern { .. } => x,
             Self::CowperSymonds { exponent, .. } => x / exponent,
             Self::JohnsonCook { c, .. } => c * f,
+            Self::ZerilliArmstrong { stress, sensitivity, .. } => sensitivity * (stress + x),
         }
     }
 
     /// True where the rate depends on f too, which then changes while the cell flows.
     pub fn needs_static_stress(self) -> bool {
-        !matches!(self, Self::Malvern { .. })
+        !matches!(self, Self::Malvern { .. } | Self::ZerilliArmstrong { .. })
     }
 }
-
-/// A flow that takes next to nothing off the overstress keeps its rate.
-const LEAST_GAIN: f64 = 1e-12;
-
-/// For a law that is linear in the overstress: what flows in a step of an overstress, and of one that rises from zero.
-pub(super) fn relaxed(k: f64, gain: f64, time: f64) -> [f64; 2] {
-    let z = k * gain * time;
-    if z < 1e-3 {
-        let start = 1.0 - z * (0.5 - z * (1.0 / 6.0 - z / 24.0));
-        let rise = 0.5 - z * (1.0 / 6.0 - z * (1.0 / 24.0 - z / 120.0));
-        return [k * time * start, k * time * rise];
-    }
-    let used = -(-z).exp_m1();
-    [used / gain, (1.0 - used / z) / gain]
-}
-
-/// An overstress x > 0, or = 0 and rising, with what it would rise by within a time if nothing flowed: Pa, Pa, s.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Driven {
-    /// At the start, Pa, >= 0.
-    pub excess: f64,
-    /// Pa.
-    pub rise: f64,
-    /// s.
-    pub time: f64,
-}
-
-/// Cowper and Symonds' law over one static stress.
-#[derive(Clone, Copy)]
-struct Power {
-    rate: f64,
-    exponent: f64,
-    f: f64,
-}
-
-impl Power {
-    fn at(self, x: f64) -> f64 {
-        self.rate * (x / self.f).powf(self.exponent)
-    }
-}
-
-impl Driven {
-    /// By a law that is linear in x; `parts` as from [`relaxed`].
-    #[inline]
-    pub(super) fn linear(self, k: f64, gain: f64, [start, rise]: [f64; 2]) -> f64 {
-        let flow = self.excess * start + self.rise * rise;
-        // Differences of rounded numbers: in doubt both ways are one.
-        if self.rise >= 0.0 || self.excess + self.rise - gain * flow > 4.0 * f64::EPSILON * (self.excess - self.rise) {
-            return flow;
-        }
-        // It unloads to the static curve within the step.
-        let fall = -self.rise / (self.time * k * gain);
-        let ratio = self.excess / fall;
-        let used = match ratio {
-            slow if slow < 1e-8 => 0.5 * slow * self.excess,
-            quick if quick < f64::MAX => self.excess - fall * quick.ln_1p(),
-            _ => self.excess,
-        };
-        used / gain
-    }
-
-    /// By `gain q = quick exp(x/width)`: exp(-x/width) obeys a linear equation. As a drop of x.
-    fn exponential(self, quick: f64, width: f64) -> f64 {
-        let flow = exponential_drop(width, quick * self.time / width, self.excess / width, self.rise / width);
-        if self.rise > 0.0 {
-            // Below the rate at which it would flow on the static curve, that curve is followed.
-            return flow.min(self.excess + self.rise);
-        }
-        let fall = -self.rise / self.time;
-        let to_curve = self.excess + width * ((quick + fall * (-self.excess / width).exp()) / (quick + fall)).ln();
-        if to_curve >= 0.0 { flow.min(to_curve) } else { flow.min(self.excess) }
-    }
-
-    /// By a power of x, as a drop of x.
-    fn power(self, law: Power, gain: f64) -> f64 {
-        let Self { excess, rise, time } = self;
-        let decayed = excess - self.free(law, gain);
-        if rise == 0.0 {
-            return excess - decayed;
-        }
-        let most = if rise < 0.0 { self.to_curve(law, gain) } else { excess + rise };
-        if excess + rise <= most && rise < 0.0 {
-            return most;
-        }
-        let steady =
-            if rise > 0.0 { law.f * (rise / (gain * time * law.rate)).powf(law.exponent.recip()) } else { 0.0 };
-        let bounds = [excess.min(steady), excess.max(steady).min(excess + rise)];
-        let first = if steady > excess { bounds[1] } else { decayed.max(steady).min(bounds[1]) };
-        let start = law.at(excess);
-        let end = root(first, bounds, excess + rise.abs(), |x| {
-            let drop = if law.exponent > 1.0 {
-                let width = x / law.exponent;
-                exponential_drop(width, gain * law.at(x) * time / width, (excess - x) / width, rise / width)
-            } else {
-                let slope = if x == excess { law.exponent * start / x } else { (law.at(x) - start) / (x - excess) };
-                let z = gain * slope * time;
-                let part = if z.abs() < 1e-9 { 1.0 } else { -(-z).exp_m1() / z };
-                rise - (rise - gain * start * time) * part
-            };
-            excess + rise - drop
-        });
-        (excess + rise - end).clamp(0.0, most)
-    }
-
-    /// Drop by a power of x while nothing drives it: x^(1-q) = x0^(1-q) + (q - 1) gain D f^-q t.
-    fn free(self, law: Power, gain: f64) -> f64 {
-        let power = law.exponent - 1.0;
-        let grown = power * gain * law.rate / law.f * (self.excess / law.f).powf(power) * self.time;
-        // Below q = 1 the overstress is used up within a finite time.
-        if self.excess <= 0.0 || grown.is_nan() || grown <= -1.0 {
-            self.excess
-        } else {
-            -self.excess * (-grown.ln_1p() / power).exp_m1()
-        }
-    }
-
-    /// Drop by flow, by a power of x, until unloading has come to the static curve: integral of gain q/(gain q + fall) over
-    /// x, by the quadrature of Gauss.
-    fn to_curve(self, law: Power, gain: f64) -> f64 {
-        let fall = -self.rise / self.time;
-        let part = |at: f64| {
-            let q = gain * law.at(self.excess * at);
-            if q < f64::MAX { q / (q + fall) } else { 1.0 }
-        };
-        let pair = |[node, weight]: [f64; 2]| 0.5 * weight * (part(0.5 - 0.5 * node) + part(0.5 + 0.5 * node));
-        self.excess * GAUSS.map(pair).iter().sum::<f64>()
-    }
-}
-
-/// Nodes and weights of the 8-point rule on -1..1, one of each pair.
-const GAUSS: [[f64; 2]; 4] = [
-    [0.183_434_642_495_649_8, 0.362_683_783_378_362],
-    [0.525_532_409_916_329, 0.313_706_645_877_887_3],
-    [0.796_666_477_413_626_7, 0.222_381_034_453_374_48],
-    [0.960_289_856_497_536_3, 0.101_228_536_290_376_26],
-];
-
-/// `width ln(1 + quick exp(start) (exp(a) - 1)/a)`: drop of x by a rate that grows as exp(x/width) and would take `quick`
-/// widths in the step at x = 0, from `start` widths on, while x is driven up by `a` widths.
-fn exponential_drop(width: f64, quick: f64, start: f64, a: f64) -> f64 {
-    let (start, a) = (start.min(LARGEST), a.clamp(-LARGEST, LARGEST));
-    if start + a.max(0.0) < 600.0 && start > -600.0 {
-        let mean = if a.abs() < 1e-9 { 1.0 + 0.5 * a } else { a.exp_m1() / a };
-        let grown = quick * start.exp() * mean;
-        if grown < f64::MAX {
-            return width * grown.ln_1p();
-        }
-    }
-    let mean = if a > 0.0 { a + (-(-a).exp_m1() / a).ln() } else { (a.exp_m1() / a.min(-f64::MIN_POSITIVE)).ln() };
-    let log = quick.ln() + start + mean;
-    width * if log > 40.0 { log } else { log.exp().ln_1p() }
-}
-
-/// Stands for a quotient beyond numbers.
-const LARGEST: f64 = 1e300;
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    const LAWS: [Overstress; 6] = [
+    const LAWS: [Overstress; 9] = [
+        zerilli_armstrong(100e6, 0.12),
+        zerilli_armstrong(1e6, 0.4),
+        zerilli_armstrong(50e6, 1.5),
         Overstress::Malvern { k: 1e6 },
         Overstress::CowperSymonds { rate: 200e9 * 40.0, exponent: 5.0 },
         Overstress::CowperSymonds { rate: 200e9 * 40.0, exponent: 1.0 },
@@ -307,6 +211,10 @@ mod tests {
         Overstress::JohnsonCook { c: 0.014, rate: 200e9 },
         Overstress::JohnsonCook { c: 0.3, rate: 200e9 * 50.0 },
     ];
+
+    const fn zerilli_armstrong(stress: f64, sensitivity: f64) -> Overstress {
+        Overstress::ZerilliArmstrong { stress, sensitivity, rate: 200e9, thermal: [5e-3, 4e-4] }
+    }
 
     /// Overstress after a step, by many steps of the midpoint rule; the one that comes down to the static curve is split there.
     fn integrated(law: Overstress, driven: Driven, gain: f64, f: f64) -> f64 {
@@ -328,6 +236,11 @@ mod tests {
         let (third_order, quadrature) = match law {
             Overstress::CowperSymonds { exponent, .. } if exponent > 1.0 => (0.04, closed),
             Overstress::CowperSymonds { exponent, .. } if exponent < 1.0 => (1.2, 4e-4),
+            // That of a power, 1/q^2, of the thermal stress X + x.
+            Overstress::ZerilliArmstrong { sensitivity, stress, .. } if sensitivity < 1.0 => {
+                (sensitivity * sensitivity * (1.0 + stress / 50e6), closed)
+            }
+            Overstress::ZerilliArmstrong { .. } => (1.2, 4e-4),
             _ => return closed,
         };
         match (drive, to_curve) {
@@ -375,8 +288,10 @@ mod tests {
                     let time = 100.0 * law.width(steady, f).max(steady) / rate;
                     let driven = Driven { excess: start, rise: rate * time, time };
                     let end = start + driven.rise - gain * law.flow(driven, gain, f);
-                    // 200 times the overstress goes by: differences of numbers that large.
-                    assert!((end - steady).abs() < 1e-11 * steady, "{law:?} {steady} {start}: {end}");
+                    // 200 times the overstress goes by, and by Zerilli and Armstrong's law it is a difference of thermal stresses:
+                    // differences of numbers that large.
+                    let size = if let Overstress::ZerilliArmstrong { stress, .. } = law { 1e-3 * stress } else { 0.0 };
+                    assert!((end - steady).abs() < 1e-11 * (steady + size), "{law:?} {steady} {start}: {end}");
                 }
             }
         }

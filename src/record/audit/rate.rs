@@ -13,7 +13,7 @@ use super::finding::Finding;
 use super::places::Places;
 use super::{AuditRow, Reading};
 use crate::law::rate::{Driven, Overstress};
-use crate::material::Material;
+use crate::material::{Material, Rate};
 
 /// Plastic strain that counts as flow, as a part of what the place has gained: less is ripples and rounding.
 const FLOWED: f64 = 1e-3;
@@ -59,7 +59,7 @@ impl Place {
 
 impl RateRise {
     pub fn new(materials: &[Arc<Material>], places: usize) -> Self {
-        let media = materials.iter().map(|m| Overstress::of(m).map(|law| (law, m.modulus))).collect();
+        let media = materials.iter().map(|m| Overstress::of(Rate::Material, m).map(|law| (law, m.modulus))).collect();
         Self { media, places: vec![Place::default(); places], change: 0.0, quickest: None }
     }
 

@@ -4,13 +4,11 @@ use std::ops::Range;
 
 use toml::Spanned;
 
-use super::super::Damping;
+use super::super::damping::{Damping, Key, Per};
 use super::super::raw::{RawEffects, RawMethod, RawSolve};
 use super::Checker;
 use crate::bar::{Bar, Joint};
 use crate::error::Result;
-use crate::input::{Allowed, Number};
-use crate::units::Dimension;
 
 impl RawEffects {
     /// What acts along the bar, with its key and place: the first of the two effects that is on.
@@ -27,28 +25,27 @@ impl Checker<'_> {
     /// The damping of a bar, if there is one; zeros alone are none.
     pub(super) fn damping(&self, effects: &RawEffects, bar: &Bar) -> Result<Option<Damping>> {
         let Some(raw) = &effects.damping else { return Ok(None) };
-        let own = |value: &Option<Number>, name: &str, dimension: Dimension| -> Result<f64> {
-            let key = format!("effects.damping.{name}");
-            let given = self.document.optional(value.as_ref(), &key, dimension, Allowed::NotNegative)?;
-            Ok(given.unwrap_or(0.0))
-        };
         let (span, raw) = (raw.span(), raw.get_ref());
-        if raw.internal.is_none() && raw.external.is_none() && raw.foundation.is_none() {
+        let (keys, damping) = (raw.keys(), raw.read(self.document)?);
+        if keys.iter().all(|key| key.value.is_none()) {
             let help = "write e.g. damping = { external = \"300 N*s/m^2\" }, or take `damping` out";
             let error = self.error(span, "effects.damping", "no kind of damping is named");
-            return Err(error.allowed("internal, external, foundation").help(help).into());
+            return Err(error.allowed(Damping::NAMES.join(", ")).help(help).into());
         }
-        let damping = Damping {
-            internal: own(&raw.internal, "internal", Dimension::Viscosity)?,
-            external: own(&raw.external, "external", Dimension::Drag)?,
-            foundation: own(&raw.foundation, "foundation", Dimension::Foundation)?,
-        };
-        for (name, value) in [("external", &raw.external), ("foundation", &raw.foundation)] {
-            if let (Some(value), false) = (value, bar.area_given) {
+        for Key { name, value, per } in &keys {
+            if let (Some(value), Per::Length, false) = (value, per, bar.area_given) {
                 let message = format!("`{name}` is a force per length on the whole section, and the bar has none");
                 let key = format!("effects.damping.{name}");
                 return Err(self.error(value.span(), &key, message).help(AREA).into());
             }
+        }
+        let lateral = effects.lateral_inertia.as_ref().is_some_and(|lateral| *lateral.get_ref());
+        let other = if damping.internal > 0.0 { Some("`internal`") } else { lateral.then_some("`lateral-inertia`") };
+        if let (Some(other), true) = (other, damping.friction > 0.0) {
+            let message =
+                format!("friction is not followed together with {other}, which couples the nodes of the grid");
+            let error = self.error(span, "effects.damping", message);
+            return Err(error.help(format!("take `friction` or {other} out")).into());
         }
         Ok(Some(damping).filter(|damping| *damping != Damping::default()))
     }

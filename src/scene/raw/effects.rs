@@ -4,8 +4,10 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer};
 use toml::Spanned;
 
+use super::super::damping::RawDamping;
 use super::choice::text_or_table;
 use crate::input::Number;
+use crate::material::RawRate;
 use crate::units::Quantity;
 
 /// Which effects are simulated.
@@ -71,23 +73,6 @@ pub struct RawEffects {
     pub lateral_inertia: Option<Spanned<bool>>,
 }
 
-/// Forces along the bar, the same in all segments: `{ internal = "20 kPa*s" }`, `{ external = "300 N*s/m^2" }`,
-/// `{ foundation = "50 MN/m^2" }`, or several of them.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct RawDamping {
-    /// Kelvin and Voigt: stress per strain rate, Pa s, >= 0. Default: 0.
-    #[schemars(with = "Option<Quantity>")]
-    pub internal: Option<Number>,
-    /// Force against the motion, per length of the bar and velocity, N s/m^2, >= 0; the bar needs an area. Default: 0.
-    #[schemars(with = "Option<Quantity>")]
-    pub external: Option<Number>,
-    /// Force against the displacement, per length of the bar and displacement, N/m^2, >= 0; the bar needs an area.
-    /// Default: 0.
-    #[schemars(with = "Option<Quantity>")]
-    pub foundation: Option<Number>,
-}
-
 /// Adiabatic heating by plastic work.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -136,45 +121,6 @@ impl<'de> Deserialize<'de> for RateChoice {
         let word = |word: &str| (word == "material").then_some(Self::Material(MaterialWord::Material));
         text_or_table(deserializer, expecting, word, |law| Self::Law(Box::new(law)))
     }
-}
-
-/// A law of the strain rate with its constants: `{ model = "malvern", k = "1e6 1/s" }`,
-/// `{ model = "cowper-symonds", D = "40 1/s", q = 5 }` or `{ model = "johnson-cook", C = 0.014, reference = "1 1/s" }`.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct RawRate {
-    /// Which law. Required.
-    #[schemars(with = "RawModel")]
-    pub model: Option<Spanned<RawModel>>,
-    /// Malvern: plastic strain rate = k (stress - static)/E; 1/s, > 0.
-    #[schemars(with = "Option<Quantity>")]
-    pub k: Option<Number>,
-    /// Cowper-Symonds: plastic strain rate = D (stress/static - 1)^q; 1/s, > 0.
-    #[serde(rename = "D")]
-    #[schemars(with = "Option<Quantity>")]
-    pub d: Option<Number>,
-    /// Cowper-Symonds: the exponent, > 0.
-    #[schemars(with = "Option<f64>")]
-    pub q: Option<Number>,
-    /// Johnson-Cook: stress = static (1 + C ln(rate/reference)), > 0.
-    #[serde(rename = "C")]
-    #[schemars(with = "Option<f64>")]
-    pub c: Option<Number>,
-    /// Johnson-Cook: the plastic strain rate at which the curve holds; 1/s, > 0.
-    #[schemars(with = "Option<Quantity>")]
-    pub reference: Option<Number>,
-}
-
-/// The laws of the strain rate.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum RawModel {
-    /// Malvern and Sokolovsky: linear in the overstress.
-    Malvern,
-    /// Cowper and Symonds (Perzyna): a power of the overstress.
-    CowperSymonds,
-    /// Johnson and Cook: exponential in the overstress.
-    JohnsonCook,
 }
 
 /// How the yield stress moves with plastic flow.

@@ -12,7 +12,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 pub(super) use bar::{MaterialChoice, Mode, RawBar, RawJoint, RawSegment, Section};
-pub(super) use effects::{EffectsChoice, RateChoice, RawEffects, RawModel, RawRate, RawRupture, RawUnloading};
+pub(super) use effects::{EffectsChoice, RateChoice, RawEffects, RawRupture, RawUnloading};
 pub(super) use ends::{EndKind, RawEnd};
 pub(super) use record::{RawCompression, RawPrecision, RawRecord};
 pub(super) use solve::{RawMethod, RawScheme, RawSolve};

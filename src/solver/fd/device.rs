@@ -223,6 +223,12 @@ impl Device {
         Motion { force: cell + self.impedance * (velocity - self.after), velocity, met, held }
     }
 
+    /// Friction brings the node to rest in the step that was taken: to the last bit.
+    pub(super) fn stop(&mut self) {
+        self.displacement -= self.dt * self.after;
+        self.after = 0.0;
+    }
+
     /// Energy of the body at the end at the current time, J: of motion for a striker, stored for a spring, both for a ball; 0
     /// without one.
     pub fn body_energy(&self) -> f64 {

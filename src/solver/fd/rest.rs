@@ -281,7 +281,8 @@ mod tests {
             _ => EndCondition::Absorbing,
         };
         let [internal, external, foundation, lateral] = along;
-        let along = Along { internal, external, foundation, lateral: vec![lateral; segments.len()] };
+        let lateral = vec![lateral; segments.len()];
+        let along = Along { internal, external, foundation, lateral, ..Along::default() };
         let cells = segments.iter().map(|segment| segment.0).sum();
         Leapfrog::with_along(&bar, Grid::new(&bar, cells, 1.0), laws, ends.map(end), &along)
     }

@@ -13,7 +13,9 @@ pub(super) struct Taken {
     /// dt times the dampers' power, with the velocity before the step and after it, J.
     pub before: f64,
     pub after: f64,
-    /// Impulse of external damping and the foundation, N s in +x.
+    /// The same of friction.
+    pub rubbed: [f64; 2],
+    /// Impulse of external damping, friction and the foundation, N s in +x.
     pub impulse: f64,
 }
 
@@ -29,8 +31,11 @@ impl Implicit {
     /// forces: the form in which the staggered scheme balances energy and momentum to round-off.
     pub(super) fn account(&mut self) {
         let now = self.taken(|_| 0.0);
-        self.damped += 0.5 * (self.latest.after + now.before);
-        self.damped_by_means += 0.5 * (self.latest.mean() + now.mean());
+        // What friction takes with the velocity between two steps. It can be less than 0 only where a motion that starts suddenly is
+        // against the bar's own, or where the grid filter moves nodes; that is then of the half steps.
+        let rubbed = 0.5 * (self.latest.rubbed[1] + now.rubbed[0]);
+        self.damped += 0.5 * (self.latest.after + now.before) + rubbed;
+        self.damped_by_means += 0.5 * (self.latest.mean() + now.mean()) + rubbed.max(0.0);
         let impulse = 0.5 * (self.latest.impulse + now.impulse);
         self.impulse += impulse;
         self.throughput += impulse.abs();
@@ -62,6 +67,14 @@ impl Implicit {
                 taken.after += after;
                 taken.impulse -= impulse;
             }
+        }
+        if !self.rubbing.is_empty() {
+            let [before, after, impulse] = sums(0..v.len(), |j| {
+                let impulse = -self.rubbing[j];
+                [impulse * v[j], impulse * (v[j] + w[j] + shift(j)), impulse]
+            });
+            taken.rubbed = [before, after];
+            taken.impulse -= impulse;
         }
         if !self.place.is_empty() {
             let dt = self.weights.dt;
@@ -104,7 +117,8 @@ impl Implicit {
         }
         self.ripples -= 0.5 * lost;
         self.after.iter_mut().zip(&self.change).for_each(|(v, change)| *v -= change);
-        self.latest.after = self.taken(|j| shift[j]).after;
+        let taken = self.taken(|j| shift[j]);
+        (self.latest.after, self.latest.rubbed[1]) = (taken.after, taken.rubbed[1]);
         for ((v, change), shift) in self.after.iter_mut().zip(&self.change).zip(&shift) {
             *v = *v + change + shift;
         }

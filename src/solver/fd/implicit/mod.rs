@@ -11,12 +11,14 @@
 //! dampers: internal ones c1 A/dx in the same pattern, external ones c2 dx at each node; K = k dx is the foundation. The
 //! dampers act with the mean velocity of the step, the foundation with the mean (u- + 2 u + u+)/4 of the displacements: of
 //! second order, stable for any constants at any Courant number that the plain scheme takes, and their work is known
-//! exactly. External drag alone slows a node down by its exact exponential.
+//! exactly. External drag alone slows a node down by its exact exponential. Dry friction, which goes without B and c1, is added to
+//! what a node does without it, see [`friction`].
 //!
 //! The matrix never changes, so it is factored once; a step is one forward and one backward sweep. Everything goes on with
 //! the same stresses as before: laws, blocks and ends know nothing of it.
 
 mod account;
+mod friction;
 mod matrix;
 mod weights;
 
@@ -31,7 +33,7 @@ use matrix::Matrix;
 use weights::{CellWeights, Weights};
 
 /// What acts along the bar; 0 where there is none of a kind.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Along {
     /// c1: stress per strain rate (Kelvin, Voigt), Pa s, >= 0.
     pub internal: f64,
@@ -39,6 +41,8 @@ pub struct Along {
     pub external: f64,
     /// k: force per length and displacement, N/m^2, >= 0.
     pub foundation: f64,
+    /// f: force per length against the velocity (Coulomb), N/m, >= 0; 0 where `internal` or `lateral` is not.
+    pub friction: f64,
     /// Of each segment: square of Poisson's ratio times the section's polar radius of gyration, m^2, >= 0.
     pub lateral: Vec<f64>,
 }
@@ -46,14 +50,15 @@ pub struct Along {
 impl Along {
     /// Nothing acts along the bar.
     pub fn is_nothing(&self) -> bool {
-        let mut all = self.lateral.iter().copied().chain([self.internal, self.external, self.foundation]);
+        let mut all =
+            self.lateral.iter().copied().chain([self.internal, self.external, self.foundation, self.friction]);
         all.all(|x| x == 0.0)
     }
 
     /// Memory that a cell takes for it, before and after the bar has yielded, bytes; more only in the few cells next to the
     /// ends that follow them.
     pub fn bytes_per_cell(&self) -> [usize; 2] {
-        let elastic = 4 + usize::from(self.foundation > 0.0);
+        let elastic = 4 + usize::from(self.foundation > 0.0) + usize::from(self.friction > 0.0);
         [elastic, elastic + 1].map(|numbers| numbers * size_of::<f64>())
     }
 }
@@ -77,6 +82,8 @@ pub(super) struct Implicit {
     change: Vec<f64>,
     /// Displacements at the current time, m; empty without a foundation.
     place: Vec<f64>,
+    /// Impulses of friction on the nodes in the latest step, N s in +x; empty without it.
+    rubbing: Vec<f64>,
     /// For the ripple damping; empty until the bar yields.
     shift: Vec<f64>,
     acts: Acts,
@@ -107,6 +114,7 @@ impl Implicit {
             after: velocities,
             change: vec![0.0; nodes],
             place: vec![0.0; if along.foundation > 0.0 { nodes } else { 0 }],
+            rubbing: vec![0.0; if along.friction > 0.0 { nodes } else { 0 }],
             shift: Vec::new(),
             acts: Acts {
                 internal: along.internal > 0.0,
@@ -161,7 +169,18 @@ impl Implicit {
         let right_sides = [self.change[0], self.change[n]];
         self.matrix.solve(&mut self.change);
         let pulls = self.matrix.left_for_ends(right_sides, &self.change);
-        self.move_ends(time, pulls, blocks, left, right);
+        if self.rubbing.is_empty() {
+            self.move_ends(time, pulls, blocks, left, right);
+        } else {
+            self.rub_nodes();
+            let [(first, left_rests), (second, right_rests)] = self.rub_ends(time, pulls, [&*left, &*right]);
+            self.move_ends(time, [first, second], blocks, left, right);
+            [(left_rests, &mut *left), (right_rests, &mut *right)].into_iter().for_each(|(rests, end)| {
+                if rests {
+                    end.stop();
+                }
+            });
+        }
         let changes = [&*left, &*right].map(|end| end.velocity_after() - end.velocity_before());
         self.matrix.follow_ends(changes, &mut self.change);
         [self.change[0], self.change[n]] = changes;
@@ -253,8 +272,8 @@ impl Implicit {
 
     /// Memory, bytes.
     pub fn bytes(&self) -> usize {
-        (self.after.len() + self.change.len() + self.place.len() + self.shift.len() + self.matrix.len())
-            * size_of::<f64>()
+        [&self.after, &self.change, &self.place, &self.rubbing, &self.shift].map(Vec::len).iter().sum::<usize>()
+            + self.matrix.len() * size_of::<f64>()
     }
 }
 

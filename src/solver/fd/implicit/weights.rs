@@ -29,6 +29,8 @@ pub(super) struct NodeWeights {
     pub drag_mass: f64,
     /// k times the node's length, N/m.
     pub spring: f64,
+    /// dt f times the node's length: largest impulse of friction, N s.
+    pub friction: f64,
 }
 
 /// All cells and nodes of a bar.
@@ -62,7 +64,8 @@ impl Weights {
             let drag = share * dt * along.external * length;
             let z = drag / mass;
             let drag_mass = if drag > 0.0 { mass * (z / -(-z).exp_m1() - 1.0) } else { 0.0 };
-            NodeWeights { mass, drag, drag_mass, spring: along.foundation * length }
+            let friction = dt * along.friction * length;
+            NodeWeights { mass, drag, drag_mass, spring: along.foundation * length, friction }
         };
         let last = constants.len() - 1;
         let joint = |k: usize| match k {
@@ -114,12 +117,22 @@ impl Weights {
         }
     }
 
+    /// What a node that stands for itself has for a mass in the node update, kg.
+    pub fn mass_of(&self, w: &NodeWeights) -> f64 {
+        w.mass + w.drag_mass + 0.25 * self.dt * self.dt * w.spring
+    }
+
+    /// Largest impulse of friction on a node, N s.
+    pub fn friction(&self, node: usize) -> f64 {
+        self.node(node).friction
+    }
+
     /// Diagonal of the matrix of the node update, kg.
     pub fn diagonal(&self, node: usize) -> f64 {
         let w = self.node(node);
         let left = if node > 0 { -self.between(node - 1) } else { 0.0 };
         let right = if node < self.count() { -self.between(node) } else { 0.0 };
-        w.mass + w.drag_mass + 0.25 * self.dt * self.dt * w.spring + left + right
+        self.mass_of(w) + left + right
     }
 
     /// Element of the matrix between the nodes of a cell, kg.

@@ -1,0 +1,85 @@
+//! The effect `damping`: forces along the bar as a scene states them, each declared once.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::error::Result;
+use crate::input::{Allowed, Document, Number};
+use crate::units::{Dimension, Quantity};
+
+/// What a force acts on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Per {
+    /// The area of the section: a stress.
+    Area,
+    /// The length of the bar, whose section must then be known.
+    Length,
+}
+
+/// A key of `damping`.
+pub(super) struct Key<'a> {
+    pub name: &'static str,
+    pub value: Option<&'a Number>,
+    pub per: Per,
+}
+
+/// Declares the forces. A row: name, dimension of its constant, which is >= 0, and what it acts on.
+macro_rules! forces {
+    ($($(#[doc = $doc:literal])* $name:ident: $dimension:ident, $per:ident;)*) => {
+        /// Forces along the bar; each is 0 where it is not asked for.
+        #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+        pub struct Damping {
+            $($(#[doc = $doc])* pub $name: f64,)*
+        }
+
+        /// Forces along the bar, the same in all segments: `{ internal = "20 kPa*s" }`, `{ external = "300 N*s/m^2" }`,
+        /// `{ foundation = "50 MN/m^2" }`, or several of them. All but internal damping need the bar's area. Default of each: 0.
+        #[derive(Debug, Deserialize, JsonSchema)]
+        #[serde(deny_unknown_fields)]
+        pub struct RawDamping {
+            $($(#[doc = $doc])* #[schemars(with = "Option<Quantity>")] $name: Option<Number>,)*
+        }
+
+        impl Damping {
+            pub(super) const NAMES: &[&str] = &[$(stringify!($name),)*];
+
+            /// As it is listed: "internal = 20000 Pa*s, external = 300 N*s/m^2".
+            pub(super) fn describe(self) -> String {
+                let all = [$((stringify!($name), self.$name, Dimension::$dimension),)*];
+                let on = all.iter().filter(|(_, value, _)| *value > 0.0);
+                let parts: Vec<String> =
+                    on.map(|(name, value, dimension)| format!("{name} = {value} {}", dimension.si_symbol().replace('*', " "))).collect();
+                parts.join(", ")
+            }
+        }
+
+        impl RawDamping {
+            pub(super) fn keys(&self) -> Vec<Key<'_>> {
+                vec![$(Key { name: stringify!($name), value: self.$name.as_ref(), per: Per::$per },)*]
+            }
+
+            /// The constants in SI.
+            pub(super) fn read(&self, document: &Document) -> Result<Damping> {
+                let number = |value: &Option<Number>, name: &str, dimension| {
+                    let key = format!("effects.damping.{name}");
+                    document.optional(value.as_ref(), &key, dimension, Allowed::NotNegative)
+                };
+                Ok(Damping {
+                    $($name: number(&self.$name, stringify!($name), Dimension::$dimension)?.unwrap_or(0.0),)*
+                })
+            }
+        }
+    };
+}
+
+forces! {
+    /// Kelvin and Voigt: stress per strain rate, Pa s, >= 0.
+    internal: Viscosity, Area;
+    /// Force against the motion, per length of the bar and velocity, N s/m^2, >= 0.
+    external: Drag, Length;
+    /// Force against the displacement, per length of the bar and displacement, N/m^2, >= 0.
+    foundation: Foundation, Length;
+    /// Dry (Coulomb) friction: force against the motion, per length of the bar, N/m, >= 0; where the bar rests, up to this force holds
+    /// it. Not together with `internal` or lateral inertia.
+    friction: ForcePerLength, Length;
+}

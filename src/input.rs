@@ -8,6 +8,7 @@ use serde::de::DeserializeOwned;
 use toml::de::{DeTable, DeValue};
 
 use crate::error::{InputError, Place, Result};
+use crate::text_file;
 use crate::units::{Dimension, Quantity};
 
 /// A number in a file, with its place.
@@ -77,20 +78,12 @@ impl Allowed {
 impl Document {
     /// Reads a file; a missing or unreadable one is an input error with a help line.
     pub fn read(path: &Path) -> Result<Self> {
-        let shown = path.display().to_string();
-        let bytes = std::fs::read(path).map_err(|e| {
-            let help = match e.kind() {
-                std::io::ErrorKind::NotFound => "check the spelling and the folder you are in",
-                std::io::ErrorKind::IsADirectory => "name a file in it",
-                _ => "check that the file may be read",
-            };
-            InputError::new(format!("cannot read `{shown}`: {}", plain_reason(&e))).help(help)
-        })?;
-        let text = String::from_utf8(bytes).map_err(|e| {
-            let line = e.as_bytes()[..e.utf8_error().valid_up_to()].split(|&b| b == b'\n').count();
-            InputError::new(format!("`{shown}` is not UTF-8 text (line {line})")).help("save the file as UTF-8")
-        })?;
-        Ok(Self::new(shown, text))
+        Ok(Self::new(path.display().to_string(), text_file::read(path)?))
+    }
+
+    /// Reads a scene: a file, or standard input where the path is `-`.
+    pub fn read_scene(path: &Path) -> Result<Self> {
+        if path == Path::new("-") { Ok(Self::new("stdin", text_file::read_stdin("stdin")?)) } else { Self::read(path) }
     }
 
     /// A document from text in memory.
@@ -197,7 +190,7 @@ impl Document {
             let twice = self.text.get(span.clone()).unwrap_or_default().trim().to_owned();
             return self.error(span, &twice, "the key stands twice").help("keep one of the two");
         }
-        let wrong_type = message.starts_with("invalid type") || message.starts_with("invalid value");
+        let wrong_type = tidy.starts_with("found ");
         let help = match (wrong_type, tidy.split_once("expected ")) {
             (true, Some((_, expected))) => format!("write {expected} here"),
             _ => "texts stand in \"quotes\", tables in [brackets], one `key = value` a line".into(),
@@ -242,19 +235,22 @@ impl Document {
 /// The reader's words for types as users know them: `struct RawSolve` is a table. `value` is the text that it read.
 fn plain_types(message: &str, value: &str) -> String {
     let Some((found, expected)) = message.split_once(", expected ") else { return message.to_owned() };
-    let found = match found.strip_prefix("invalid type: ") {
-        Some("map") if value.starts_with(|c: char| c.is_ascii_digit()) => "invalid type: date or time",
-        Some("map") => "invalid type: table",
-        Some("sequence") => "invalid type: list",
-        _ => found,
-    };
     let expected = match expected {
-        "map" => "a table",
+        "map" | "a map" => "a table",
         "a sequence" | "sequence" => "a list",
         name if name.starts_with("struct ") => "a table",
         other => other,
     };
-    format!("{found}, expected {expected}")
+    let typed = found.strip_prefix("invalid type: ").or_else(|| found.strip_prefix("invalid value: "));
+    let found = match (typed, found.strip_prefix("invalid length ")) {
+        (Some("map"), _) if value.starts_with(|c: char| c.is_ascii_digit()) => "date or time".to_owned(),
+        (Some("map"), _) => "table".to_owned(),
+        (Some("sequence"), _) => "list".to_owned(),
+        (Some(typed), _) => typed.trim_end_matches(" as i128").trim_end_matches(" as u128").to_owned(),
+        (None, Some(length)) => format!("a list of {length}"),
+        (None, None) => return format!("{found}, expected {expected}"),
+    };
+    format!("found {found}, expected {expected}")
 }
 
 /// The word of a list that is most like a given one, if one is like it at all.
@@ -283,15 +279,6 @@ fn number_help(name: &str, dimension: Dimension) -> String {
 
 fn split_first<'a, 'b>(words: &'b [&'a str]) -> (&'a str, &'b [&'a str]) {
     words.split_first().map_or(("", &[]), |(first, rest)| (*first, rest))
-}
-
-fn plain_reason(error: &std::io::Error) -> String {
-    match error.kind() {
-        std::io::ErrorKind::NotFound => "there is no such file".into(),
-        std::io::ErrorKind::IsADirectory => "it is a folder".into(),
-        std::io::ErrorKind::PermissionDenied => "permission denied".into(),
-        _ => error.to_string(),
-    }
 }
 
 fn covers(outer: &Range<usize>, inner: &Range<usize>) -> bool {

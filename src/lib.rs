@@ -8,7 +8,13 @@ pub mod error;
 
 pub mod units;
 
+pub mod text_file;
+
+pub mod destination;
+
 pub mod input;
+
+mod columns;
 
 pub mod material;
 

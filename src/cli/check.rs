@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use toml::de::DeTable;
 
-use super::message;
 use super::run::note_lines;
+use super::{message, output};
 use crate::error::{Error, InputError, Result};
 use crate::input::Document;
 use crate::material;
@@ -36,8 +36,8 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     for file in &args.files {
         match check(file) {
             Ok((what, notes)) => {
-                println!("{}: ok ({what})", file.display());
-                note_lines(&notes).for_each(|line| println!("{line}"));
+                let notes: String = note_lines(&notes).map(|line| line + "\n").collect();
+                output::text(&format!("{}: ok ({what})\n{notes}", file.display()))?;
             }
             Err(error) => {
                 if let Some(before) = last.replace(error) {
@@ -51,26 +51,20 @@ pub(crate) fn run(args: &Args) -> Result<()> {
 
 /// What the file is, and notes on what it asks for.
 fn check(file: &Path) -> Result<(&'static str, Vec<String>)> {
-    let document = Document::read(file)?;
+    let document = Document::read_scene(file)?;
     match kind(&document)? {
         Kind::Scene => {
-            let notes = match Problem::read(file, &[])? {
+            let notes = match Problem::of_document(&document, file, &[])? {
                 Problem::Bar(scene) => scene.notes(),
                 Problem::Specimen(_) => Vec::new(),
             };
             Ok(("scene", notes))
         }
         Kind::Material => {
-            material::library::find(&path_text(file), Path::new(""))?;
+            material::file::of_document(&document, file)?;
             Ok(("material", Vec::new()))
         }
     }
-}
-
-/// A name without a folder would be looked up in the library first.
-fn path_text(file: &Path) -> String {
-    let text = file.display().to_string();
-    if file.components().count() > 1 { text } else { format!("./{text}") }
 }
 
 fn kind(document: &Document) -> Result<Kind> {

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::critical::SenseArg;
 use super::{critical, output};
+use crate::destination;
 use crate::error::{Error, Result};
 use crate::report::{self, plot};
 use crate::study::compare::{Compared, compare};
@@ -33,6 +34,9 @@ pub(crate) fn run(args: &Args) -> Result<()> {
             Error::Input(e) => Error::Input(e.allowed("names that end in .svg, .png, .html or .csv")),
             other => other,
         })?;
+    }
+    if let Some(path) = &args.output {
+        destination::resolve(path)?;
     }
     let materials = critical::load(&args.materials)?;
     let compared = compare(&materials, args.sense.into());

@@ -12,6 +12,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::output;
 use super::scratch::Scratch;
+use crate::destination;
 use crate::error::{Error, InputError, Result};
 use crate::record::SolvedBy;
 use crate::report::{self, plot};
@@ -63,6 +64,13 @@ const MILLI: f64 = 1e3;
 pub(crate) fn run(args: &Args) -> Result<()> {
     let budget = seconds(&args.budget)?;
     let kind = args.output.as_deref().map(kind).transpose()?;
+    if let Some(path) = &args.output {
+        destination::resolve(path)?;
+    }
+    if !args.scene.is_file() && args.scene.exists() || args.scene == Path::new("-") {
+        let message = format!("`{}` can be read only once", args.scene.display());
+        return Err(InputError::new(message).help("`barwave cost` runs the scene many times; name a file").into());
+    }
     let scene = Scene::read(&args.scene, &args.overrides)?;
     let stop = Arc::new(AtomicBool::new(false));
     let asked = Arc::clone(&stop);

@@ -71,7 +71,7 @@ fn all() -> Vec<Material> {
     for name in &names {
         match library::find(name, base()) {
             Ok(material) => materials.push(material),
-            Err(error) => eprintln!("left out `{name}`: {error}"),
+            Err(error) => output::note(&format!("left out `{name}`: {error}\n")),
         }
     }
     materials

@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 use std::io::IsTerminal;
 
+use super::output;
 use crate::error::{Error, InputError, Place};
 
 /// Writes an error to stderr, in colour on a terminal unless `NO_COLOR` is set.
@@ -10,7 +11,7 @@ pub(super) fn show(error: &Error) {
     let no_color = std::env::var_os("NO_COLOR").is_some_and(|v| !v.is_empty());
     let dumb = std::env::var_os("TERM").is_some_and(|v| v == "dumb");
     let paint = Paint(std::io::stderr().is_terminal() && !no_color && !dumb);
-    eprint!("{}", render(error, paint));
+    output::note(&render(error, paint));
 }
 
 /// ANSI colours, or none.
@@ -72,14 +73,29 @@ fn snippet(text: &mut String, place: &Place, paint: Paint) -> usize {
     let (bar, blank) = (paint.blue("|"), " ".repeat(width));
     let _ = writeln!(text, "{}{} {}:{number}:{}", " ".repeat(number.len()), paint.blue("-->"), place.file, column + 1);
     let _ = writeln!(text, "{blank}{bar}");
-    let line = &place.text[start..end];
+    let stop = floor(&place.text, place.span.end.min(end)).max(start);
+    let marked = place.text[start..stop].chars().count().saturating_sub(column).max(1);
+    let (line, column) = clip(&place.text[start..end], column);
     let _ = writeln!(text, "{} {bar} {line}", paint.blue(&number));
     // Tabs stay tabs, so that the mark stands under what it means.
     let lead: String = line.chars().take(column).map(|c| if c == '\t' { '\t' } else { ' ' }).collect();
-    let stop = floor(&place.text, place.span.end.min(end)).max(start);
-    let marked = place.text[start..stop].chars().count().saturating_sub(column).max(1);
+    let marked = marked.min(line.chars().count().saturating_sub(column).max(1));
     let _ = writeln!(text, "{blank}{bar} {lead}{}", paint.red(&"^".repeat(marked)));
     width
+}
+
+/// The part of a very long line around a column, and that column in it.
+fn clip(line: &str, column: usize) -> (String, usize) {
+    const WIDEST: usize = 160;
+    const BEFORE: usize = 60;
+    if line.chars().nth(WIDEST).is_none() {
+        return (line.to_owned(), column);
+    }
+    let first = column.saturating_sub(BEFORE);
+    let part: String = line.chars().skip(first).take(WIDEST).collect();
+    let lead = if first > 0 { "..." } else { "" };
+    let tail = if line.chars().nth(first + WIDEST).is_some() { "..." } else { "" };
+    (format!("{lead}{part}{tail}"), column - first + lead.len())
 }
 
 /// Bytes of the line in which the span starts.

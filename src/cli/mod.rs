@@ -20,13 +20,13 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
-use crate::error::Result;
+use crate::error::{InputError, Result};
 
 /// 1D elastic-plastic waves in bars: plastic wave fronts, critical impact velocity, HDF5 fields.
 #[derive(Debug, Parser)]
 #[command(name = "barwave", version, propagate_version = true)]
 pub(crate) struct Cli {
-    /// Threads to use (default: all; also `RAYON_NUM_THREADS`). Results do not depend on it.
+    /// Threads to use, 1 to 1024 (default: all; also `RAYON_NUM_THREADS`). Results do not depend on it.
     #[arg(long, global = true, value_name = "N")]
     threads: Option<usize>,
     #[command(subcommand)]
@@ -75,10 +75,33 @@ pub fn main() -> ExitCode {
     }
 }
 
+/// Most threads, and the stack that the system sets aside for each, bytes.
+const MOST_THREADS: usize = 1024;
+const STACK: f64 = 2.0 * 1024.0 * 1024.0;
+
+/// Makes the pool; `key` names who asked. 0 is as many as the machine has.
+fn use_threads(key: &str, threads: usize) -> Result<()> {
+    if threads > MOST_THREADS {
+        let gib = threads as f64 * STACK / (1024.0 * 1024.0 * 1024.0);
+        let error =
+            InputError::new(format!("{threads} threads would set aside {gib:.0} GiB of memory for their stacks"));
+        let allowed = format!("1 <= threads <= {MOST_THREADS}");
+        return Err(error
+            .key(key)
+            .allowed(allowed)
+            .help("give as many threads as the machine has cores, or none")
+            .into());
+    }
+    let built = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
+    built.map_err(|e| {
+        InputError::new(format!("cannot start {threads} threads: {e}")).key(key).help("ask for fewer threads").into()
+    })
+}
+
 fn dispatch(cli: &Cli) -> Result<()> {
-    if let Some(threads) = cli.threads {
-        // Fails only where a pool exists already, which then has the size first asked for.
-        let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
+    let variable = || std::env::var("RAYON_NUM_THREADS").ok()?.trim().parse().ok().map(|n| ("RAYON_NUM_THREADS", n));
+    if let Some((key, threads)) = cli.threads.map(|n| ("--threads", n)).or_else(variable) {
+        use_threads(key, threads)?;
     }
     match &cli.command {
         Command::Run(args) => run::run(args),

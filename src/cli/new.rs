@@ -4,6 +4,7 @@ use std::fs::OpenOptions;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
+use super::output;
 use crate::error::{Error, InputError, Result};
 
 /// Options of `barwave new`.
@@ -19,8 +20,7 @@ const TEMPLATE: &str = include_str!("new_scene.toml");
 pub(crate) fn run(args: &Args) -> Result<()> {
     let path = target(&args.name)?;
     write_new(&path, &text(&path))?;
-    println!("wrote {}; try `barwave check {}`", path.display(), path.display());
-    Ok(())
+    output::text(&format!("wrote {0}; try `barwave check {0}`\n", path.display()))
 }
 
 /// NAME.toml for NAME and NAME.toml.

@@ -1,4 +1,4 @@
-//! What commands write to stdout: plain text, aligned tables, JSON.
+//! What commands write to stdout (plain text, aligned tables, JSON) and to stderr.
 
 use std::io::Write;
 use std::path::Path;
@@ -7,10 +7,21 @@ use crate::error::{Error, Result};
 
 /// Writes text to stdout. A reader that has gone away (`barwave ... | head`) is no error.
 pub(crate) fn text(text: &str) -> Result<()> {
-    match std::io::stdout().lock().write_all(text.as_bytes()) {
+    bytes(text.as_bytes())
+}
+
+/// Writes bytes to stdout, as [`text`] does.
+pub(crate) fn bytes(bytes: &[u8]) -> Result<()> {
+    let mut stdout = std::io::stdout().lock();
+    match stdout.write_all(bytes).and_then(|()| stdout.flush()) {
         Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => Err(Error::file(Path::new("stdout"), e)),
         _ => Ok(()),
     }
+}
+
+/// Writes lines to stderr. Where nobody can be told, nobody is: the exit code stays what it is.
+pub(crate) fn note(text: &str) {
+    let _ = std::io::stderr().lock().write_all(text.as_bytes());
 }
 
 /// Writes one JSON value and a line end to stdout.

@@ -13,7 +13,7 @@ use crate::units::{Dimension, System, format};
 /// Options of `barwave plan`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// The scene file.
+    /// The scene file; `-` reads standard input.
     #[arg(value_name = "SCENE.toml")]
     scene: PathBuf,
     /// Change a key of the scene, as for `barwave run`.

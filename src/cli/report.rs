@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use super::output;
+use crate::destination;
 use crate::error::{Error, InputError, Result};
 use crate::record::store::ResultFile;
 use crate::record::{ENERGY, Field};
@@ -27,8 +29,9 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: &Args) -> Result<()> {
-    let output = args.output.clone().unwrap_or_else(|| args.file.with_extension("svg"));
-    let format = Format::of(&output)?;
+    let path = args.output.clone().unwrap_or_else(|| args.file.with_extension("svg"));
+    let format = Format::of(&path)?;
+    destination::resolve(&path)?;
     let file = ResultFile::open(&args.file)?;
     if file.facts().method == ENERGY {
         let message = format!("{} has nothing to draw: it holds figures of the energy method", args.file.display());
@@ -40,15 +43,14 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     };
     let svg = draw(&file, args.field, units)?;
     match format {
-        Format::Svg => write_whole(&output, svg.as_bytes()),
+        Format::Svg => write_whole(&path, svg.as_bytes()),
         Format::Png => png(&svg, PNG_SCALE)
-            .map_err(|reason| Error::file(&output, reason))
-            .and_then(|bytes| write_whole(&output, &bytes)),
-        Format::Html => write_whole(&output, page(&file, &svg, units)?.as_bytes()),
+            .map_err(|reason| Error::file(&path, reason))
+            .and_then(|bytes| write_whole(&path, &bytes)),
+        Format::Html => write_whole(&path, page(&file, &svg, units)?.as_bytes()),
     }?;
     if file.facts().is_unfinished() {
-        eprintln!("note: {} is unfinished; drawn is what it holds so far", args.file.display());
+        output::note(&format!("note: {} is unfinished; drawn is what it holds so far\n", args.file.display()));
     }
-    println!("{}", output.display());
-    Ok(())
+    output::text(&format!("{}\n", path.display()))
 }

@@ -8,8 +8,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::output;
+use crate::destination;
 use crate::error::{Error, InputError, Result};
-use crate::record::store;
+use crate::record::store::{self, Existing};
 use crate::record::{AuditRow, AutoChoice, ChoiceSummary, EndSummary, FrontSummary, RuptureSummary, Summary};
 use crate::run::{self, Progress, Wish};
 use crate::scene::{Problem, SpecimenScene};
@@ -18,12 +19,16 @@ use crate::units::{Dimension, System, format};
 /// Options of `barwave run`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// The scene file.
+    /// The scene file; `-` reads standard input.
     #[arg(value_name = "SCENE.toml")]
     scene: PathBuf,
-    /// Result file [default: runs/out/<scene name>.h5]
+    /// Result file [default: `runs/out/<scene name>.h5`; with --set, `runs/out/<scene name>_KEY=VALUE.h5`]. An earlier result there is
+    /// replaced.
     #[arg(short, long, value_name = "OUT.h5")]
     output: Option<PathBuf>,
+    /// Replace the output file even if barwave did not write it.
+    #[arg(long)]
+    force: bool,
     /// Change a key of the scene, e.g. --set solve.cells=2000 --set left.value="-40 m/s"; may be repeated.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<String>,
@@ -53,28 +58,26 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         Problem::Specimen(scene) => return run_specimen(args, &scene),
     };
     scene.solve.estimate_error = args.estimate_error;
-    let output = output_path(args, &scene.name)?;
+    let path = output_path(args, &scene.name)?;
     let stop = Arc::new(AtomicBool::new(false));
     let asked = Arc::clone(&stop);
     // A handler can only be missing where another one is set already; the run then ends as that one says.
     let _ = ctrlc::set_handler(move || asked.store(true, Ordering::Relaxed));
     let bar = progress_bar(args.quiet || args.json);
-    let summary = run::run(&scene, Some(&output), &mut |at: Progress| {
+    let summary = run::run(&scene, Some(&path), &mut |at: Progress| {
         show_progress(&bar, &at, args.quiet || args.json);
         if stop.load(Ordering::Relaxed) { Wish::Stop } else { Wish::GoOn }
     });
     bar.finish_and_clear();
     let summary = summary.inspect_err(|error| match error {
-        Error::Interrupted => eprintln!("interrupted: the frames so far are in {}", output.display()),
-        Error::Run(_) => eprintln!("the frames up to the error are in {}", output.display()),
+        Error::Interrupted => output::note(&std::format!("interrupted: the frames so far are in {}\n", path.display())),
+        Error::Run(_) => output::note(&std::format!("the frames up to the error are in {}\n", path.display())),
         Error::Input(_) | Error::File { .. } | Error::Checks(_) => {}
     })?;
     if args.json {
-        output::json(&summary)?;
-    } else if !args.quiet {
-        print!("{}", text(&summary, args.units));
+        return output::json(&summary);
     }
-    Ok(())
+    if args.quiet { Ok(()) } else { output::text(&text(&summary, args.units)) }
 }
 
 /// A specimen, by the energy method.
@@ -90,29 +93,60 @@ fn run_specimen(args: &Args, scene: &SpecimenScene) -> Result<()> {
 fn output_path(args: &Args, name: &str) -> Result<PathBuf> {
     let output = match &args.output {
         Some(path) => path.clone(),
-        None => default_output(name)?,
+        None => default_output(name, &args.overrides)?,
     };
-    check_output(&output)?;
+    check_output(&output, args.force)?;
     Ok(output)
 }
 
 /// runs/out is made where it is missing: it is the program's own place.
-fn default_output(name: &str) -> Result<PathBuf> {
+fn default_output(name: &str, overrides: &[String]) -> Result<PathBuf> {
     let folder = Path::new("runs/out");
     std::fs::create_dir_all(folder).map_err(|e| Error::file(folder, e))?;
-    Ok(folder.join(name).with_extension("h5"))
+    Ok(folder.join(default_name(name, overrides)))
 }
 
-/// A result file goes into a folder that exists.
-fn check_output(output: &Path) -> Result<()> {
-    let folder = output.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    if output.is_dir() {
-        let message = std::format!("the output {} is a folder", output.display());
-        return Err(InputError::new(message).help("give a file name, such as result.h5").into());
+/// `a.h5` for the scene a, `a_solve.cells=2000.h5` with an override. Characters that shells or file systems treat apart become `-`; where
+/// there are such, or the name is long, a code of the overrides as typed keeps names of different runs apart.
+fn default_name(name: &str, overrides: &[String]) -> String {
+    const LONGEST: usize = 100;
+    let plain = |c: char| c.is_ascii_alphanumeric() || ".+-=".contains(c);
+    let readable = |set: &String| set.chars().map(|c| if plain(c) { c } else { '-' }).collect::<String>();
+    let mut suffix: String = overrides.iter().map(|set| std::format!("_{}", readable(set))).collect();
+    if suffix.len() > LONGEST || overrides.iter().any(|set| !set.chars().all(plain)) {
+        suffix.truncate(LONGEST);
+        suffix += &std::format!("_{:08x}", code(overrides));
     }
-    if output.is_file() && !store::is_hdf5(output) {
-        let message = std::format!("the output {} is there already, and is no result file", output.display());
-        return Err(InputError::new(message).help("choose another name with -o, or move that file away").into());
+    std::format!("{name}{suffix}.h5")
+}
+
+/// The FNV-1a hash of texts, each ended by a zero byte.
+fn code(texts: &[String]) -> u32 {
+    let bytes = texts.iter().flat_map(|text| text.bytes().chain(std::iter::once(0)));
+    bytes.fold(0x811c_9dc5, |hash: u32, byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193))
+}
+
+/// A result file goes into a folder that exists, in place of nothing but another result.
+fn check_output(output: &Path, force: bool) -> Result<()> {
+    let folder = output.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if output == Path::new("-") {
+        let message = "a result file (HDF5) cannot be written to standard output";
+        return Err(InputError::new(message).key("-o").help("give a file name, such as result.h5").into());
+    }
+    match store::existing(&destination::resolve(output)?) {
+        Existing::InUse => {
+            let message = std::format!("the output {} is being written by another run", output.display());
+            return Err(InputError::new(message)
+                .help("choose another name with -o, or wait until that run has ended")
+                .into());
+        }
+        Existing::Other if !force => {
+            let message = std::format!("the output {} is there already, and is no result file", output.display());
+            return Err(InputError::new(message)
+                .help("choose another name with -o, or replace that file with --force")
+                .into());
+        }
+        Existing::Other | Existing::Nothing | Existing::Result => {}
     }
     if !folder.is_dir() {
         let message = std::format!("the output's folder {} does not exist", folder.display());
@@ -137,7 +171,7 @@ fn progress_bar(silent: bool) -> ProgressBar {
 fn show_progress(bar: &ProgressBar, at: &Progress, quiet: bool) {
     if let Progress::Chosen(choice) = &at {
         if !quiet {
-            bar.suspend(|| eprintln!("auto: {}", choice_text(choice)));
+            bar.suspend(|| output::note(&std::format!("auto: {}\n", choice_text(choice))));
         }
         return;
     }

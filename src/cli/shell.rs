@@ -1,11 +1,10 @@
 //! `barwave completions`, `man` and `schema`: what other tools read about this one.
 
-use std::io::Write;
 use std::path::PathBuf;
 
 use clap::{CommandFactory, ValueEnum};
 
-use super::Cli;
+use super::{Cli, output};
 use crate::error::{Error, Result};
 use crate::material::RawMaterial;
 use crate::scene::{RawScene, RawSpecimenScene};
@@ -47,7 +46,7 @@ enum Described {
 pub(crate) fn completions(args: &CompletionsArgs) -> Result<()> {
     let mut script = Vec::new();
     clap_complete::generate(args.shell, &mut Cli::command(), "barwave", &mut script);
-    to_stdout(&script)
+    output::bytes(&script)
 }
 
 pub(crate) fn man(args: &ManArgs) -> Result<()> {
@@ -55,7 +54,7 @@ pub(crate) fn man(args: &ManArgs) -> Result<()> {
         let mut page = Vec::new();
         let rendered = clap_mangen::Man::new(Cli::command()).render(&mut page);
         rendered.map_err(|e| Error::file("man page".as_ref(), e))?;
-        return to_stdout(&page);
+        return output::bytes(&page);
     };
     std::fs::create_dir_all(folder).map_err(|e| Error::file(folder, e))?;
     clap_mangen::generate_to(Cli::command(), folder).map_err(|e| Error::file(folder, e))
@@ -69,13 +68,5 @@ pub(crate) fn schema(args: &SchemaArgs) -> Result<()> {
     };
     let mut text = format!("{:#}", schema.as_value());
     text.push('\n');
-    to_stdout(text.as_bytes())
-}
-
-/// A reader that closes the pipe early (`| head`) is no error.
-fn to_stdout(bytes: &[u8]) -> Result<()> {
-    match std::io::stdout().lock().write_all(bytes) {
-        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => Err(Error::file("stdout".as_ref(), e)),
-        _ => Ok(()),
-    }
+    output::bytes(text.as_bytes())
 }

@@ -7,6 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::output;
 use super::scratch::Scratch;
+use crate::destination;
 use crate::error::{Error, InputError, Result};
 use crate::report::plot;
 use crate::run::Wish;
@@ -33,6 +34,9 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let cases = select(&args.cases)?;
     if args.show {
         return cases.iter().try_for_each(|case| output::text(&format!("{}\n", case.text())));
+    }
+    if let Some(path) = &args.output {
+        destination::resolve(path)?;
     }
     let tried = try_all(&cases, !args.json)?;
     if let Some(path) = &args.output {

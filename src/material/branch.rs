@@ -6,10 +6,10 @@ use toml::Spanned;
 
 use super::csv::{self, CsvTable};
 use super::file::Keys;
-use super::raw::{RawCurve, RawMaterial, RawTabulate};
+use super::raw::{RawCurve, RawMaterial, RawTabulate, TableRow};
 use super::{Beyond, Curve, CurveError, Law, Measure, Sense, Tabulate, Tabulated, tabulate_law, tabulate_true_rows};
-use crate::error::{InputError, Result};
-use crate::input::{Allowed, Number};
+use crate::error::{Error, InputError, Result};
+use crate::input::Allowed;
 use crate::units::Dimension;
 
 /// A checked branch.
@@ -35,7 +35,7 @@ pub(super) struct Given<'a> {
 #[derive(Debug)]
 enum Data<'a> {
     Law(Law, Range<usize>),
-    Table(Vec<(f64, f64)>, &'a [(Number, Number)]),
+    Table(Vec<(f64, f64)>, &'a [TableRow]),
     Csv(CsvTable),
 }
 
@@ -153,7 +153,7 @@ impl<'a> Given<'a> {
             Data::Law(_, span) => keys.error(span.clone(), &format!("{}.formula", self.name), message),
             Data::Table(_, numbers) => {
                 let key = format!("{}.table", self.name);
-                let of_row = numbers.get(row).map(|(a, b)| a.span().start..b.span().end);
+                let of_row = numbers.get(row).map(|TableRow(a, b)| a.span().start..b.span().end);
                 // A table without rows has nothing but itself to show.
                 let span = of_row.or_else(|| keys.span_of(&key)).unwrap_or(0..0);
                 keys.error(span, &key, message)
@@ -234,9 +234,9 @@ fn stress_unit(curve: &RawCurve, name: &str, keys: Keys<'_>) -> Result<Option<f6
     csv::factor(unit.get_ref(), Dimension::Stress).map(Some).map_err(|e| wrong(e).into())
 }
 
-fn table_rows(table: &[(Number, Number)], curve: &RawCurve, name: &str, keys: Keys<'_>) -> Result<Vec<(f64, f64)>> {
+fn table_rows(table: &[TableRow], curve: &RawCurve, name: &str, keys: Keys<'_>) -> Result<Vec<(f64, f64)>> {
     let unit = stress_unit(curve, name, keys)?.unwrap_or(1.0);
-    let rows = table.iter().enumerate().map(|(row, (strain, stress))| {
+    let rows = table.iter().enumerate().map(|(row, TableRow(strain, stress))| {
         let key = |column: &str| format!("{name}.table.{row}.{column}");
         let strain = keys.number(strain, &key("strain"), Dimension::None, Allowed::Finite)?;
         let si = keys.number(stress, &key("stress"), Dimension::Stress, Allowed::Finite)?;
@@ -248,11 +248,15 @@ fn table_rows(table: &[(Number, Number)], curve: &RawCurve, name: &str, keys: Ke
 
 fn csv_rows(csv: &Spanned<String>, curve: &RawCurve, name: &str, keys: Keys<'_>) -> Result<CsvTable> {
     let unit = stress_unit(curve, name, keys)?;
-    let path = keys.base_dir.join(csv.get_ref());
-    if !path.is_file() {
-        let message = format!("cannot read `{}`: there is no such file", path.display());
-        let error = keys.error(csv.span(), &format!("{name}.csv"), message);
-        return Err(error.help("the path starts at the folder of this file").into());
-    }
-    csv::read(&path, unit)
+    csv::read(&keys.base_dir.join(csv.get_ref()), unit).map_err(|e| match e {
+        Error::Input(e) if e.place.is_none() => {
+            let help = if e.message.contains("no such file") {
+                "the path starts at the folder of this file".into()
+            } else {
+                e.help
+            };
+            keys.error(csv.span(), &format!("{name}.csv"), e.message).allowed(e.allowed).help(help).into()
+        }
+        other => other,
+    })
 }

@@ -1,12 +1,13 @@
-//! Stress-strain tables from CSV files: the columns strain, stress.
+//! Stress-strain tables from files with the columns strain, stress; see [`crate::columns`] for delimiters and decimal marks.
 //!
 //! A header line is allowed and may name units: `strain,stress_MPa`, `strain (%),stress [ksi]`. Without one, strains
-//! are plain and stresses in Pa, unless the caller names their unit. Lines that start with `#` are skipped. Signs
-//! may be those of compression (all values negative or zero): the table holds magnitudes.
+//! are plain and stresses in Pa, unless the caller names their unit. Signs may be those of compression (all values negative or
+//! zero): the table holds magnitudes.
 
 use std::path::Path;
 
-use crate::error::{InputError, Place, Result};
+use crate::columns::{self, Cell, Row};
+use crate::error::{InputError, Result};
 use crate::input::Document;
 use crate::units::{Dimension, Quantity};
 
@@ -41,38 +42,20 @@ struct Factors {
 /// both in the header and by the caller.
 pub(crate) fn read(path: &Path, unit: Option<f64>) -> Result<CsvTable> {
     let document = Document::read(path)?;
-    let mut reader = csv::ReaderBuilder::new()
-        .has_headers(false)
-        .flexible(true)
-        .comment(Some(b'#'))
-        .trim(csv::Trim::All)
-        .from_reader(document.text.as_bytes());
-    let mut factors = Factors { strain: 1.0, stress: unit.unwrap_or(1.0) };
+    let columns = columns::read(&document)?;
+    let factors = match &columns.header {
+        Some(row) => header(&document, row, unit)?,
+        None => Factors { strain: 1.0, stress: unit.unwrap_or(1.0) },
+    };
+    let number = |cell: &Cell, name: &str| {
+        let wrong =
+            |_| document.error(cell.span.clone(), name, format!("`{}` is not a number", cell.text)).help(COLUMNS);
+        cell.text.parse::<f64>().map_err(wrong)
+    };
     let (mut rows, mut spans) = (Vec::new(), Vec::new());
-    for (index, record) in reader.records().enumerate() {
-        let record = record.map_err(|e| InputError::new(format!("{}: {e}", document.file)))?;
-        let start = record.position().map_or(0, |p| p.byte() as usize);
-        let length = document.text.get(start..).map_or(0, |rest| rest.find('\n').unwrap_or(rest.len()));
-        let place = Place { file: document.file.clone(), text: document.text.clone(), span: start..start + length };
-        let (Some(strain), Some(stress)) = (record.get(0), record.get(1)) else {
-            return Err(InputError::new("a line without two columns").at(place).help(COLUMNS).into());
-        };
-        // A decimal comma, or a column that nobody would miss until the curve is wrong.
-        if let Some(more) = record.iter().skip(2).find(|text| !text.is_empty()) {
-            let message = format!("a line with more than two columns: `{more}` is neither strain nor stress");
-            return Err(InputError::new(message).at(place).help(COLUMNS).into());
-        }
-        if index == 0 && strain.parse::<f64>().is_err() && stress.parse::<f64>().is_err() {
-            factors = header(strain, stress, unit).map_err(|e| e.at(place))?;
-            continue;
-        }
-        let number = |text: &str, name: &str| {
-            text.parse::<f64>().map_err(|_| {
-                InputError::new(format!("{name} `{text}` is not a number")).at(place.clone()).help(COLUMNS)
-            })
-        };
+    for Row { cells: [strain, stress], span } in &columns.rows {
         rows.push((number(strain, "strain")? * factors.strain, number(stress, "stress")? * factors.stress));
-        spans.push(place.span.clone());
+        spans.push(span.clone());
     }
     if rows.iter().all(|r| r.0 <= 0.0 && r.1 <= 0.0) {
         for row in &mut rows {
@@ -84,23 +67,27 @@ pub(crate) fn read(path: &Path, unit: Option<f64>) -> Result<CsvTable> {
 
 const COLUMNS: &str = "the columns are strain, stress; the first line may name them and their units: strain,stress_MPa";
 
-fn header(strain: &str, stress: &str, unit: Option<f64>) -> std::result::Result<Factors, InputError> {
+fn header(document: &Document, row: &Row, unit: Option<f64>) -> Result<Factors> {
     let mut factors = Factors { strain: 1.0, stress: unit.unwrap_or(1.0) };
-    let (strain_name, strain_unit) = name_and_unit(strain);
-    let (stress_name, stress_unit) = name_and_unit(stress);
-    let in_order = !strain_name.starts_with("stress") && !stress_name.starts_with("strain");
-    if !in_order {
-        return Err(InputError::new(format!("columns `{strain}`, `{stress}` are in the wrong order")).help(COLUMNS));
+    let [strain, stress] = &row.cells;
+    let (strain_name, strain_unit) = name_and_unit(&strain.text);
+    let (stress_name, stress_unit) = name_and_unit(&stress.text);
+    let wrong = |cell: &Cell, message: String, help: &str| document.error(cell.span.clone(), "", message).help(help);
+    if strain_name.starts_with("stress") || stress_name.starts_with("strain") {
+        let message = format!("columns `{}`, `{}` are in the wrong order", strain.text, stress.text);
+        return Err(wrong(strain, message, COLUMNS).into());
     }
+    let known =
+        |cell: &Cell, unit: &str, dimension| factor(unit, dimension).map_err(|e| wrong(cell, e.message, &e.help));
     if !strain_unit.is_empty() {
-        factors.strain = factor(&strain_unit, Dimension::None)?;
+        factors.strain = known(strain, &strain_unit, Dimension::None)?;
     }
     if !stress_unit.is_empty() {
         if unit.is_some() {
-            return Err(InputError::new(format!("the unit of stress is given twice: `{stress}` and the key `unit`"))
-                .help("remove the key `unit`"));
+            let message = format!("the unit of stress is given twice: `{}` and the key `unit`", stress.text);
+            return Err(wrong(stress, message, "remove the key `unit`").into());
         }
-        factors.stress = factor(&stress_unit, Dimension::Stress)?;
+        factors.stress = known(stress, &stress_unit, Dimension::Stress)?;
     }
     Ok(factors)
 }
@@ -157,10 +144,10 @@ mod tests {
             assert!(error.to_string().contains(words), "{error}");
             assert_eq!(error.exit_code(), 2);
         };
-        refused("strain,stress\n0.001,2x\n", None, "curve.csv:2: stress `2x` is not a number");
-        refused("0.001\n", None, "without two columns");
-        refused("0,001,200\n", None, "curve.csv:1: a line with more than two columns: `200`");
-        refused("strain,stress,width\n0.001,200e6,3\n", None, "`width` is neither strain nor stress");
+        refused("strain,stress\n0.001,2x\n", None, "curve.csv:2: `stress`: `2x` is not a number");
+        refused("0.001\n", None, "this line has 1 column");
+        refused("0,001,200\n", None, "curve.csv:1: this line has 3 columns");
+        refused("strain,stress,width\n0.001,200e6,3\n", None, "this line has 3 columns");
         refused("strain,stress_MPa\n0.001,200\n", Some(1e6), "given twice");
         refused("stress_MPa,strain\n200,0.001\n", None, "wrong order");
         refused("strain,stress_furlong\n0.001,200\n", None, "furlong");

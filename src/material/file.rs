@@ -15,10 +15,17 @@ use crate::units::Dimension;
 /// # Errors
 /// An [`InputError`] with file, line, key, value and what is allowed.
 pub fn read(path: &Path) -> Result<Material> {
-    let document = Document::read(path)?;
+    of_document(&Document::read(path)?, path)
+}
+
+/// The same of a file that has been read.
+///
+/// # Errors
+/// As for [`read`].
+pub fn of_document(document: &Document, path: &Path) -> Result<Material> {
     let base = path.parent().unwrap_or(Path::new(""));
     let stem = path.file_stem().map_or_else(|| "material".to_owned(), |s| s.to_string_lossy().into_owned());
-    parse(&document, &stem, base, &path.display().to_string())
+    parse(document, &stem, base, &path.display().to_string())
 }
 
 /// A material from the text of a file.

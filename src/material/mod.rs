@@ -4,7 +4,7 @@ mod branch;
 mod constants;
 mod csv;
 mod curve;
-mod file;
+pub mod file;
 mod formula;
 mod heating;
 mod law_keys;

@@ -2,6 +2,8 @@
 
 use schemars::JsonSchema;
 use serde::Deserialize;
+use serde::de::value::SeqAccessDeserializer;
+use serde::de::{Deserializer, Error as _, SeqAccess, Visitor};
 use toml::Spanned;
 
 use super::rate::RawRates;
@@ -59,13 +61,42 @@ pub struct RawMaterial {
     pub source: Option<RawSource>,
 }
 
+/// A row [strain, stress] of a curve.
+#[derive(Debug, Clone)]
+pub struct TableRow(pub Number, pub Number);
+
+// By hand: a pair would ignore a third value.
+impl<'de> Deserialize<'de> for TableRow {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Row;
+
+        impl<'de> Visitor<'de> for Row {
+            type Value = TableRow;
+
+            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.write_str("a row [strain, stress]")
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, row: A) -> Result<TableRow, A::Error> {
+                let values = Vec::deserialize(SeqAccessDeserializer::new(row))?;
+                let found = values.len();
+                let pair = <[Number; 2]>::try_from(values).map_err(|_| A::Error::invalid_length(found, &self))?;
+                let [strain, stress] = pair;
+                Ok(TableRow(strain, stress))
+            }
+        }
+
+        deserializer.deserialize_seq(Row)
+    }
+}
+
 /// A curve: exactly one of `table`, `csv` and `formula`.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct RawCurve {
     /// Rows [strain, stress]; magnitudes; strain increasing. Plain stresses are in `unit`.
     #[schemars(with = "Option<Vec<(Quantity, Quantity)>>")]
-    pub table: Option<Vec<(Number, Number)>>,
+    pub table: Option<Vec<TableRow>>,
     /// A file with the columns strain, stress, relative to this one. A header may name units: `stress_MPa` or
     /// `stress (MPa)`, `strain (%)`.
     #[schemars(with = "Option<String>")]

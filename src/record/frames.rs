@@ -1,6 +1,7 @@
 //! Frames at asked times. Output never bends the time step: a frame between two steps is interpolated in time.
 
 use super::{Field, Frame, Stepped, View};
+use crate::error::Result;
 use crate::solver::fd::Sampling;
 
 /// Makes the frames of a bar on a grid, in order of time.
@@ -45,23 +46,31 @@ impl Frames {
         self.sampling.x()
     }
 
-    /// The frames that fall due up to the bar's current time; call it after every step, and once at the start.
-    pub fn take(&mut self, bar: &impl Stepped) -> Vec<Frame> {
+    /// A frame falls due at the bar's current time.
+    pub fn is_due(&self, bar: &impl Stepped) -> bool {
+        self.times.get(self.next).is_some_and(|&t| t <= bar.time() + SAME_TIME * bar.grid().dt)
+    }
+
+    /// Passes on the frames that fall due up to the bar's current time, one at a time: there may be more than memory holds. Call it
+    /// after every step, and once at the start.
+    ///
+    /// # Errors
+    /// Whatever `keep` says.
+    pub fn take(&mut self, bar: &impl Stepped, mut keep: impl FnMut(Frame) -> Result<()>) -> Result<()> {
         let (now, dt) = (bar.time(), bar.grid().dt);
-        let mut due = Vec::new();
         let mut current = None;
-        while let Some(&time) = self.times.get(self.next).filter(|&&t| t <= now + SAME_TIME * dt) {
+        while let Some(&time) = self.times.get(self.next).filter(|_| self.is_due(bar)) {
             let current: &Frame = current.get_or_insert_with(|| self.read(bar));
             let share = (now - time) / dt;
-            due.push(match &self.before {
+            keep(match &self.before {
                 Some(before) if share > SAME_TIME => blend(current, before, share, time),
                 _ => Frame { time, rows: current.rows.clone() },
-            });
+            })?;
             self.next += 1;
         }
         let soon = self.times.get(self.next).is_some_and(|&t| t < now + dt * (1.0 - SAME_TIME));
         self.before = soon.then(|| current.unwrap_or_else(|| self.read(bar)));
-        due
+        Ok(())
     }
 
     /// The next step, after `step`, after which [`Self::take`] must be called, in steps of length `dt`, s: for a frame on a

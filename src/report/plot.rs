@@ -11,6 +11,7 @@ use kuva::prelude::{Figure, Layout, LegendEntry, LegendShape, Plot, Theme};
 use kuva::render::render::{Scene, render_multiple};
 use resvg::{tiny_skia, usvg};
 
+use crate::destination;
 use crate::error::{Error, InputError, Result};
 
 /// Pixels of a PNG for each SVG unit: 2.5 makes a panel of 520 units 1300 pixels wide, 300 dpi over 11 cm.
@@ -151,12 +152,13 @@ pub fn save(path: &Path, title: &str, svg: &str) -> Result<()> {
 /// Writes a file under a temporary name and then renames it: the final name never holds half a file.
 ///
 /// # Errors
-/// The folder is missing or cannot be written to.
+/// The folder is missing or cannot be written to, or what stands there must not be replaced.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
-    let mut name = path.file_name().unwrap_or_default().to_owned();
+    let target = destination::resolve(path)?;
+    let mut name = target.file_name().unwrap_or_default().to_owned();
     name.push(format!(".{}.part", std::process::id()));
-    let temporary = path.with_file_name(name);
-    std::fs::write(&temporary, bytes).and_then(|()| std::fs::rename(&temporary, path)).map_err(|e| {
+    let temporary = target.with_file_name(name);
+    std::fs::write(&temporary, bytes).and_then(|()| std::fs::rename(&temporary, target)).map_err(|e| {
         // Nothing more can be done where even the leftover cannot be removed; the first error is the one to tell.
         let _ = std::fs::remove_file(&temporary);
         Error::file(path, e)

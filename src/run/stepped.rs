@@ -164,15 +164,13 @@ impl<'a, S: Stepped> Run<'a, S> {
         if self.traces.is_full() {
             self.write_traces()?;
         }
-        let due = self.frames.take(&self.bar);
         let last = step == self.steps;
-        if !due.is_empty() || last {
+        let mut writer = self.book.writer.as_mut();
+        if self.frames.is_due(&self.bar) || last {
             let row = self.ledger.row(&self.bar);
-            if let Some(writer) = &mut self.book.writer {
-                writer.ledger(row)?;
-                due.into_iter().try_for_each(|frame| writer.frame(frame))?;
-            }
+            writer.as_mut().map_or(Ok(()), |writer| writer.ledger(row))?;
         }
+        self.frames.take(&self.bar, |frame| writer.as_mut().map_or(Ok(()), |writer| writer.frame(frame)))?;
         if last || step.is_multiple_of((self.steps / FRONT_SIGHTINGS).max(1)) {
             self.tracker.observe(&self.bar);
         }

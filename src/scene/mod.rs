@@ -42,14 +42,21 @@ impl Problem {
     /// # Errors
     /// Input errors only: the first thing that is wrong, with its place.
     pub fn read(path: &Path, overrides: &[String]) -> Result<Self> {
-        let document = Document::read(path)?;
-        if !has_specimen(&document) {
-            return Scene::read(path, overrides).map(|scene| Self::Bar(Box::new(scene)));
+        Self::of_document(&Document::read_scene(path)?, path, overrides)
+    }
+
+    /// The same of a file that has been read.
+    ///
+    /// # Errors
+    /// As for [`Problem::read`].
+    pub fn of_document(document: &Document, path: &Path, overrides: &[String]) -> Result<Self> {
+        if !has_specimen(document) {
+            return Scene::of_file(document, path, overrides).map(|scene| Self::Bar(Box::new(scene)));
         }
         let base = path.parent().map_or_else(PathBuf::new, Path::to_owned);
         let typed = Overrides::new(overrides)?;
-        let edited = typed.apply(&document)?;
-        let mut scene = specimen::check(&edited, &base).map_err(|e| typed.explain(e, &document))?;
+        let edited = typed.apply(document)?;
+        let mut scene = specimen::check(&edited, &base).map_err(|e| typed.explain(e, document))?;
         scene.text = document.text.to_string();
         scene.overrides = overrides.to_vec();
         Ok(Self::Specimen(Box::new(scene)))
@@ -269,9 +276,12 @@ impl Scene {
     /// # Errors
     /// Input errors only: the first thing that is wrong, with its place.
     pub fn read(path: &Path, overrides: &[String]) -> Result<Self> {
-        let document = Document::read(path)?;
+        Self::of_file(&Document::read_scene(path)?, path, overrides)
+    }
+
+    fn of_file(document: &Document, path: &Path, overrides: &[String]) -> Result<Self> {
         let base = path.parent().map_or_else(PathBuf::new, Path::to_owned);
-        let mut scene = Self::from_document(&document, &base, overrides)?;
+        let mut scene = Self::from_document(document, &base, overrides)?;
         scene.path = Some(path.to_owned());
         Ok(scene)
     }

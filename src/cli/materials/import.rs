@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use super::critical_line;
 use crate::cli::critical::SenseArg;
 use crate::cli::output;
+use crate::destination;
 use crate::error::{InputError, Result};
 use crate::input::Document;
 use crate::material::{self, RawMaterial, Sense};
@@ -57,6 +58,7 @@ enum BeyondArg {
 
 pub(super) fn run(args: &Args) -> Result<()> {
     let path = args.output.clone().unwrap_or_else(|| args.csv.with_extension("toml"));
+    destination::resolve(&path)?;
     if path.exists() && !args.force {
         return Err(InputError::new(format!("`{}` exists already", path.display()))
             .key("-o")

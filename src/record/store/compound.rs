@@ -101,6 +101,7 @@ pub(super) fn read(dataset: &Dataset) -> Result<Vec<Column>> {
     let TypeDescriptor::Compound(row) = &descriptor else {
         return Err("not a compound table".into());
     };
+    super::bounded::check(dataset)?;
     let memory = Datatype::from_descriptor(&descriptor)?;
     let rows = dataset.size();
     let mut bytes = vec![0_u8; rows * memory.size()];

@@ -4,8 +4,9 @@ use std::path::Path;
 
 use hdf5::File;
 
+use super::claim::in_place;
 use super::create::{build_materials, build_root, describe, put, text};
-use super::write::in_place;
+
 use super::{Header, MaterialRecord};
 use crate::error::Result;
 
@@ -50,4 +51,5 @@ pub fn write_figures(
         file.attr("outcome")?.write_scalar(&text(outcome)?)?;
         file.close()
     })
+    .map(|_| ())
 }

@@ -28,20 +28,23 @@
 //! libhdf5 has one global lock, so one thread writes. [`Writer`] is its sending end: frames and traces go through a
 //! bounded channel, compression runs beside the stepping, and a solver that is faster than the disk waits.
 
+mod bounded;
+mod claim;
 mod compound;
 mod create;
+mod existing;
 mod figures;
 mod paths;
 mod read;
 mod scales;
 mod write;
 
-use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+pub use existing::{Existing, existing};
 pub use figures::{Figure, write_figures};
 pub use read::{Facts, Gauge, ResultFile};
 
@@ -67,14 +70,6 @@ const QUEUE_BYTES: usize = 64 << 20;
 /// The commit that this program was built from, where it was built inside its own repository; "+" marks local changes.
 pub fn git_revision() -> Option<&'static str> {
     option_env!("BARWAVE_GIT_REVISION")
-}
-
-/// True of a file that starts as HDF5 files do, or is empty; of one that cannot be read it is not known, and false.
-pub fn is_hdf5(path: &Path) -> bool {
-    const SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
-    let mut start = Vec::new();
-    let read = std::fs::File::open(path).and_then(|file| file.take(SIGNATURE.len() as u64).read_to_end(&mut start));
-    read.is_ok() && (start.is_empty() || start == SIGNATURE)
 }
 
 /// What the root attributes say of a run before its first step.
@@ -177,6 +172,8 @@ pub struct Finish {
 pub struct Writer {
     path: PathBuf,
     sender: Option<SyncSender<Message>>,
+    /// Why the thread has ended, where it could not go on.
+    failure: Option<String>,
     thread: Option<JoinHandle<Result<()>>>,
 }
 
@@ -214,7 +211,7 @@ impl Writer {
             .name("result file".into())
             .spawn(move || serve(sink, &receiver))
             .map_err(|e| Error::file(path, e))?;
-        Ok(Self { path: path.to_owned(), sender: Some(sender), thread: Some(thread) })
+        Ok(Self { path: path.to_owned(), sender: Some(sender), failure: None, thread: Some(thread) })
     }
 
     /// Where the file is.
@@ -258,14 +255,23 @@ impl Writer {
         match self.sender.as_ref().map(|s| s.send(message).is_ok()) {
             Some(true) => Ok(()),
             // The thread is gone, and its result says why.
-            _ => self.join().and_then(|()| Err(Error::file(&self.path, "the file is closed already"))),
+            _ => {
+                self.join()?;
+                let closed = || "the file is closed already".to_owned();
+                Err(Error::file(&self.path, self.failure.clone().unwrap_or_else(closed)))
+            }
         }
     }
 
     fn join(&mut self) -> Result<()> {
         drop(self.sender.take());
         match self.thread.take().map(JoinHandle::join) {
-            Some(Ok(result)) => result,
+            Some(Ok(result)) => {
+                if let Err(Error::File { reason, .. }) = &result {
+                    self.failure = Some(reason.clone());
+                }
+                result
+            }
             Some(Err(_)) => Err(Error::file(&self.path, "the writing thread broke off")),
             None => Ok(()),
         }
@@ -284,14 +290,15 @@ fn serve(mut sink: Sink, messages: &Receiver<Message>) -> Result<()> {
     // The first frame is on the disk at once.
     let mut next_flush = Instant::now();
     loop {
-        match messages.recv_timeout(next_flush.saturating_duration_since(Instant::now())) {
-            Ok(Message::Finish(ending)) => return sink.finish(&ending),
-            Ok(message) => sink.take(message)?,
-            Err(RecvTimeoutError::Disconnected) => return sink.flush(),
-            Err(RecvTimeoutError::Timeout) => {}
-        }
-        if Instant::now() >= next_flush {
-            sink.flush()?;
+        let taken = match messages.recv_timeout(next_flush.saturating_duration_since(Instant::now())) {
+            Ok(Message::Finish(ending)) => return sink.finish(&ending).inspect_err(|e| sink.abandon(e)),
+            Ok(message) => sink.take(message),
+            Err(RecvTimeoutError::Disconnected) => return sink.flush().inspect(|()| sink.release()),
+            Err(RecvTimeoutError::Timeout) => Ok(()),
+        };
+        let due = Instant::now() >= next_flush;
+        taken.and_then(|()| if due { sink.flush() } else { Ok(()) }).inspect_err(|e| sink.abandon(e))?;
+        if due {
             next_flush = Instant::now() + FLUSH_EVERY;
         }
     }

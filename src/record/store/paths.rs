@@ -6,7 +6,7 @@ use hdf5::{Dataset, Extent, File};
 use ndarray::s;
 
 use super::create::{compressed, put, put_text, shuffled};
-use super::scales;
+use super::{bounded, scales};
 use crate::record::{Compression, PathRow};
 
 type Hdf<T> = hdf5::Result<T>;
@@ -61,7 +61,7 @@ pub(super) fn build(file: &File, compression: Compression) -> Hdf<()> {
 
 /// All rows of a file.
 pub(super) fn read(file: &File) -> Hdf<Vec<PathRow>> {
-    let rows: Vec<Row> = file.dataset("paths")?.read_raw()?;
+    let rows: Vec<Row> = bounded::column(&file.dataset("paths")?)?;
     Ok(rows.iter().map(PathRow::from).collect())
 }
 
@@ -87,6 +87,11 @@ impl PathTable {
     pub fn push(&mut self, rows: &[PathRow]) -> bool {
         self.waiting.extend(rows.iter().map(Row::from));
         self.waiting.len() >= BLOCK
+    }
+
+    /// Bytes that waiting rows take at most.
+    pub fn bytes(&self) -> usize {
+        (size_of::<Row>() + size_of::<i64>()) * (self.waiting.len() + self.waiting.len() / 8).next_multiple_of(CHUNK)
     }
 
     /// Writes the waiting rows, as far as a run that goes on can.

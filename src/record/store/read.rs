@@ -7,9 +7,11 @@ use hdf5::types::VarLenUnicode;
 use hdf5::{File, Group, H5Type, Location};
 use ndarray::{Array2, s};
 
+use super::bounded;
 use super::compound::{self, Column, Values};
+use super::existing::is_locked;
 use super::{FORMAT_VERSION, RUNNING, Side, paths};
-use crate::error::{Error, InputError, Result};
+use crate::error::{InputError, Result};
 use crate::material::Provenance;
 use crate::record::{AuditRow, ErrorFigure, Field, FrontRow, LedgerRow, MaterialRecord, PathRow, Trace};
 use crate::solver::Energies;
@@ -123,7 +125,7 @@ impl ResultFile {
                 );
             }
         }
-        let facts = read_facts(&file).map_err(|e| Error::file(path, e))?;
+        let facts = read_facts(&file).map_err(|e| damaged(path, &e))?;
         Ok(Self { path: path.to_owned(), file, facts })
     }
 
@@ -140,9 +142,9 @@ impl ResultFile {
     /// Frame times, s; in a file that was cut off, of the frames that every field has.
     pub fn time(&self) -> Result<Vec<f64>> {
         self.run(|file| {
-            let mut time: Vec<f64> = file.dataset("time")?.read_raw()?;
+            let mut time: Vec<f64> = bounded::column(&file.dataset("time")?)?;
             for field in present(file) {
-                time.truncate(file.dataset(field.name())?.shape()[0]);
+                time.truncate(file.dataset(field.name())?.shape().first().copied().unwrap_or(0));
             }
             Ok(time)
         })
@@ -150,7 +152,7 @@ impl ResultFile {
 
     /// Sample positions, m.
     pub fn x(&self) -> Result<Vec<f64>> {
-        self.run(|file| file.dataset("x")?.read_raw())
+        self.run(|file| bounded::column(&file.dataset("x")?))
     }
 
     /// Fields in the file.
@@ -160,7 +162,20 @@ impl ResultFile {
 
     /// Frames `rows` of a field, shape (rows, `n_x`).
     pub fn field(&self, field: Field, rows: Range<usize>) -> Result<Array2<f64>> {
-        self.run(|file| file.dataset(field.name())?.read_slice_2d(s![rows.start..rows.end, ..]))
+        self.run(|file| {
+            let (dataset, columns) = (file.dataset(field.name())?, file.dataset("x")?.size());
+            match dataset.shape()[..] {
+                [n, m] if m == columns && rows.start <= rows.end && rows.end <= n => {}
+                ref shape => {
+                    let (name, end) = (field.name(), rows.end);
+                    return Err(format!(
+                        "`{name}` has the shape {shape:?}, expected {end} frames of {columns} samples"
+                    )
+                    .into());
+                }
+            }
+            dataset.read_slice_2d(s![rows.start..rows.end, ..])
+        })
     }
 
     /// Gauges, in the scene's order.
@@ -215,7 +230,7 @@ impl ResultFile {
     }
 
     fn run<T>(&self, read: impl FnOnce(&File) -> Hdf<T>) -> Result<T> {
-        read(&self.file).map_err(|e| Error::file(&self.path, e))
+        read(&self.file).map_err(|e| damaged(&self.path, &e).into())
     }
 }
 
@@ -223,9 +238,13 @@ fn wrong(path: &Path, message: &str, help: &str) -> InputError {
     InputError::new(format!("{}: {message}", path.display())).help(help)
 }
 
+fn damaged(path: &Path, error: &hdf5::Error) -> InputError {
+    wrong(path, &format!("the result file is damaged: {error}"), "copy it again, or run its scene again")
+}
+
 fn cannot_open(path: &Path, error: &hdf5::Error) -> InputError {
     let said = error.to_string();
-    if said.contains("lock") {
+    if is_locked(error) {
         return wrong(path, "the file is locked by the run that writes it", "wait until the run has ended");
     }
     if said.contains("truncated") {
@@ -290,7 +309,7 @@ fn gauge_groups(file: &File) -> Hdf<Vec<(String, Group)>> {
 }
 
 fn column(group: &Group, name: &str) -> Hdf<Vec<f64>> {
-    if group.link_exists(name) { group.dataset(name)?.read_raw() } else { Ok(Vec::new()) }
+    if group.link_exists(name) { bounded::column(&group.dataset(name)?) } else { Ok(Vec::new()) }
 }
 
 fn read_trace(group: &Group) -> Hdf<Trace> {
@@ -363,7 +382,7 @@ fn fronts_from(columns: &[Column], gauges: &[String]) -> Vec<FrontRow> {
 }
 
 fn read_audit(group: &Group) -> Hdf<Vec<AuditRow>> {
-    let texts = |name: &str| -> Hdf<Vec<VarLenUnicode>> { group.dataset(name)?.read_raw() };
+    let texts = |name: &str| -> Hdf<Vec<VarLenUnicode>> { bounded::column(&group.dataset(name)?) };
     let (effects, messages) = (texts("effect")?, texts("message")?);
     let (estimates, thresholds) = (column(group, "estimate")?, column(group, "threshold")?);
     let rows = effects.iter().zip(&messages).zip(estimates.iter().zip(&thresholds));
@@ -396,7 +415,7 @@ fn get<T: H5Type>(location: &Location, name: &str) -> Hdf<T> {
     location.attr(name)?.read_scalar()
 }
 
-fn get_text(location: &Location, name: &str) -> Hdf<String> {
+pub(super) fn get_text(location: &Location, name: &str) -> Hdf<String> {
     Ok(get::<VarLenUnicode>(location, name)?.to_string())
 }
 
@@ -405,5 +424,6 @@ fn get_texts(location: &Location, name: &str) -> Hdf<Vec<String>> {
     if attribute.size() == 0 {
         return Ok(Vec::new());
     }
+    bounded::attribute_fits(&attribute, location.file()?.size())?;
     Ok(attribute.read_raw::<VarLenUnicode>()?.iter().map(ToString::to_string).collect())
 }

@@ -5,8 +5,10 @@ use std::path::{Path, PathBuf};
 use hdf5::{Dataset, File, Group, H5Type};
 use ndarray::{ArrayView2, s};
 
+use super::claim::{Claim, GONE, in_place};
 use super::compound::{self, Column};
 use super::create::{END_COLUMNS, TRACE_ROWS, build, gauge_columns, gauge_links, ledger_columns, put, put_text, text};
+use super::existing::is_locked;
 use super::paths::PathTable;
 use super::{Ending, Finish, Header, Layout, Message, Side, scales};
 use crate::error::{Error, Result};
@@ -21,6 +23,7 @@ const BLOCK_BYTES: usize = 4 << 20;
 #[derive(Debug)]
 pub(super) struct Sink {
     path: PathBuf,
+    claim: Claim,
     file: File,
     frames: Frames,
     gauges: Vec<Table>,
@@ -53,35 +56,20 @@ struct Table {
     written: usize,
 }
 
-/// Has a file built beside its final place, then moves it there. Missing folders are made.
-pub(super) fn in_place(path: &Path, build: impl Fn(&Path) -> Hdf<()>) -> Result<()> {
-    if path.is_dir() {
-        return Err(Error::file(path, "this is a folder; a result needs a file name"));
-    }
-    if let Some(folder) = path.parent().filter(|f| !f.as_os_str().is_empty()) {
-        std::fs::create_dir_all(folder).map_err(|e| Error::file(folder, e))?;
-    }
-    let temporary = temporary_name(path)?;
-    // The system says more plainly than the HDF5 library why a file cannot be made.
-    std::fs::File::create(&temporary).map_err(|e| Error::file(path, e))?;
-    let built = build(&temporary)
-        .map_err(|e| Error::file(path, e))
-        .and_then(|()| std::fs::rename(&temporary, path).map_err(|e| Error::file(path, e)));
-    if built.is_err() {
-        // It may never have been made; the error that counts is the one that is returned.
-        let _ = std::fs::remove_file(&temporary);
-    }
-    built
-}
-
 impl Sink {
     /// Builds the file beside its final place, then moves it there.
     pub fn create(path: &Path, header: &Header, layout: &Layout, materials: &[MaterialRecord]) -> Result<Self> {
-        in_place(path, |temporary| build(temporary, header, layout, materials))?;
-        Self::open(path, layout).map_err(|e| Error::file(path, e))
+        let claim = in_place(path, |temporary| build(temporary, header, layout, materials))?;
+        let sink = Self::open(path, claim, layout).map_err(|e| {
+            let locked = is_locked(&e).then(|| "another run writes this file".to_owned());
+            let gone = (!path.exists()).then(|| GONE.to_owned());
+            Error::file(path, locked.or(gone).unwrap_or_else(|| e.to_string()))
+        })?;
+        sink.claim.holds()?;
+        Ok(sink)
     }
 
-    fn open(path: &Path, layout: &Layout) -> Hdf<Self> {
+    fn open(path: &Path, claim: Claim, layout: &Layout) -> Hdf<Self> {
         // Chunks are written whole and once, so a cache would only put off their compression until the flush.
         let file = File::with_options().with_fapl(|p| p.chunk_cache(1, 0, 1.0)).open_rw(path)?;
         let frames = Frames::open(&file, layout)?;
@@ -95,7 +83,18 @@ impl Sink {
         let ends = [end(Side::Left)?, end(Side::Right)?];
         let ledger = Table::open(&file.group("ledger")?, &ledger_columns().map(|c| c[0]).collect::<Vec<_>>())?;
         let paths = layout.paths.then(|| PathTable::open(&file, layout.compression)).transpose()?;
-        Ok(Self { path: path.to_owned(), file, frames, gauges, gauge_links, ends, ledger, paths, unflushed: false })
+        Ok(Self {
+            path: path.to_owned(),
+            claim,
+            file,
+            frames,
+            gauges,
+            gauge_links,
+            ends,
+            ledger,
+            paths,
+            unflushed: false,
+        })
     }
 
     /// Takes one message; much is written at once, little waits for the next flush.
@@ -132,6 +131,7 @@ impl Sink {
     /// Writes whatever waits and hands it to the operating system.
     pub fn flush(&mut self) -> Result<()> {
         self.write_waiting()?;
+        self.claim.holds()?;
         if self.unflushed {
             self.file.flush().map_err(|e| disk_error(&self.path, &e))?;
             self.unflushed = false;
@@ -140,6 +140,7 @@ impl Sink {
     }
 
     fn write_waiting(&mut self) -> Result<()> {
+        self.reserve(0)?;
         let path = &self.path;
         let mut wrote = self.frames.write().map_err(|e| disk_error(path, &e))?;
         for table in self.gauges.iter_mut().chain(&mut self.ends).chain(std::iter::once(&mut self.ledger)) {
@@ -155,8 +156,41 @@ impl Sink {
     /// Writes the tables known only at the end, then the outcome as the very last thing.
     pub fn finish(&mut self, ending: &Ending) -> Result<()> {
         self.flush()?;
+        let columns = ending.fronts.len() * (16 + self.gauges.len()) + 32 * ending.audit.len();
+        self.reserve(16 * columns as u64)?;
         let path = self.path.clone();
-        self.write_ending(ending).map_err(|e| Error::file(&path, e))
+        self.write_ending(ending).map_err(|e| disk_error(&path, &e))?;
+        self.release();
+        self.claim.holds()
+    }
+
+    /// Makes room for all that waits, and for `more` bytes.
+    fn reserve(&mut self, more: u64) -> Result<()> {
+        let tables = self.gauges.iter().chain(&self.ends).chain(std::iter::once(&self.ledger));
+        let waiting = self.frames.bytes()
+            + tables.map(Table::bytes).sum::<usize>()
+            + self.paths.as_ref().map_or(0, PathTable::bytes);
+        self.claim.reserve(self.file.size(), waiting as u64 + more).map_err(|e| match e {
+            Error::File { path, reason } => {
+                Error::File { path, reason: reason + "; the frames written before are kept" }
+            }
+            other => other,
+        })
+    }
+
+    /// Gives the disk back what the file does not use.
+    pub fn release(&self) {
+        self.claim.release(self.file.size());
+    }
+
+    /// Says in a file that cannot be gone on with why that is. Its frames are all there.
+    pub fn abandon(&self, error: &Error) {
+        let Error::File { reason, .. } = error else { return };
+        let said = put_text(&self.file, "reason", reason)
+            .and_then(|()| self.file.attr("outcome")?.write_scalar(&text("stopped")?));
+        if said.and_then(|()| self.file.flush()).is_ok() {
+            self.release();
+        }
     }
 
     fn write_ending(&mut self, ending: &Ending) -> Hdf<()> {
@@ -208,6 +242,12 @@ impl Frames {
         Ok(8 * self.times.len() * self.columns * self.blocks.len() >= BLOCK_BYTES)
     }
 
+    /// Bytes that waiting rows take at most.
+    fn bytes(&self) -> usize {
+        // Deflate makes what it cannot compress a little longer; every frame is a chunk with an entry in a tree.
+        self.times.len() * (9 * self.columns + 256) * self.blocks.len()
+    }
+
     /// Writes the waiting rows, fields before times: a file cut off in between has no time without its fields.
     fn write(&mut self) -> Hdf<bool> {
         let rows = self.times.len();
@@ -250,6 +290,12 @@ impl Table {
         Ok(self.waiting[0].len() >= TRACE_ROWS)
     }
 
+    /// Bytes that waiting rows take at most: whole chunks.
+    fn bytes(&self) -> usize {
+        let chunks = if self.waiting[0].is_empty() { 0 } else { 1 + self.waiting[0].len().div_ceil(TRACE_ROWS) };
+        8 * TRACE_ROWS * chunks * self.columns.len()
+    }
+
     /// Writes the waiting rows, time last.
     fn write(&mut self) -> Hdf<bool> {
         let rows = self.waiting[0].len();
@@ -266,7 +312,7 @@ impl Table {
 }
 
 fn disk_error(path: &Path, error: &hdf5::Error) -> Error {
-    Error::file(path, format!("{error}; is the disk full?"))
+    Error::file(path, format!("cannot write the result: {error}; is the disk full?"))
 }
 
 fn append(dataset: &Dataset, start: usize, values: &[f64]) -> Hdf<()> {
@@ -364,13 +410,4 @@ fn ledger_values(row: &LedgerRow) -> Vec<f64> {
     values.extend(row.energies.values());
     values.extend([row.work_left, row.work_right, row.energies.momentum, row.impulse, row.residual]);
     values
-}
-
-/// `.NAME.<pid>.tmp` beside the final file, so that moving it is one step on the same disk.
-fn temporary_name(path: &Path) -> Result<PathBuf> {
-    let name = path.file_name().ok_or_else(|| Error::file(path, "a result needs a file name"))?;
-    let mut temporary = std::ffi::OsString::from(".");
-    temporary.push(name);
-    temporary.push(format!(".{}.tmp", std::process::id()));
-    Ok(path.with_file_name(temporary))
 }

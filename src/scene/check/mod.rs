@@ -23,12 +23,16 @@ pub(super) use rupture::MOST_NOTCH;
 use super::raw::{EffectsChoice, RawEffects, RawScene, RawUnloading};
 use super::{Auto, Effects, Scene, Unloading, not_yet};
 use crate::bar::Bar;
-use crate::error::{InputError, Result};
-use crate::input::{Allowed, Document};
+use crate::error::{Error, InputError, Result};
+use crate::input::{Allowed, Document, Number};
 use crate::units::Dimension;
 
-/// Most cells that a run can be asked for: 10^8 cells are some gigabytes of state.
-const MOST_CELLS: usize = 100_000_000;
+/// Most cells that a run can be asked for: with the frames that wait to be written they take about a gigabyte, and a wave needs as many
+/// steps to pass them.
+const MOST_CELLS: usize = 10_000_000;
+/// Memory of a cell and of a sample over x, with the frames that wait to be written, bytes.
+const BYTES_PER_CELL: f64 = 100.0;
+const GIB: f64 = 1024.0 * 1024.0 * 1024.0;
 
 /// The file being checked and the folder that its paths are relative to.
 pub(super) struct Checker<'a> {
@@ -109,12 +113,24 @@ impl Checker<'_> {
         self.document.error(span, key, message)
     }
 
+    /// A count of cells or samples; for more than can be had the message says what they would take.
+    fn count_of_cells(&self, value: &Number, key: &str, least: usize) -> Result<usize> {
+        let asked = value.get_ref().si(Dimension::None).unwrap_or(0.0);
+        self.document.count(value, key, least, MOST_CELLS).map_err(|e| match e {
+            Error::Input(mut e) if asked > MOST_CELLS as f64 && asked.is_finite() => {
+                e.message += &format!(": it takes about {:.1} GiB of memory", asked * BYTES_PER_CELL / GIB);
+                e.into()
+            }
+            other => other,
+        })
+    }
+
     /// A part that must be there; the help line says what to add.
     pub(super) fn required<'a, T>(&self, part: Option<&'a T>, key: &str, help: &str) -> Result<&'a T> {
         part.ok_or_else(|| self.missing(self.end_of_text(), key, help))
     }
 
-    fn missing(&self, span: Range<usize>, key: &str, help: &str) -> crate::error::Error {
+    fn missing(&self, span: Range<usize>, key: &str, help: &str) -> Error {
         let name = key.rsplit('.').next().unwrap_or(key);
         self.error(span, key, format!("`{name}` is missing")).help(help).into()
     }

@@ -4,9 +4,9 @@ use toml::Spanned;
 
 use super::super::raw::{RawCompression, RawPrecision, RawRecord};
 use super::super::{Effects, Method, Record, Solve};
-use super::{Checker, MOST_CELLS};
+use super::{Checker, GIB};
 use crate::bar::Bar;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::input::{Allowed, Number};
 use crate::record::{Compression, Field, Precision};
 use crate::units::{Dimension, System, format};
@@ -19,7 +19,12 @@ const SAMPLES: usize = 1000;
 const MOST_FRAMES: usize = 10_000_000;
 /// Largest result file, before compression, that is not a slip of the pen.
 const MOST_GIB: f64 = 64.0;
-const GIB: f64 = 1024.0 * 1024.0 * 1024.0;
+/// Most gauges: each is a group of the file, and a column of its table of fronts.
+const MOST_GAUGES: usize = 1000;
+/// Bytes of a row of a gauge: time, stress, strain, velocity, and the temperature.
+const GAUGE_BYTES: f64 = 40.0;
+/// Rows that the file makes room for at once.
+const LEAST_ROWS: f64 = 1024.0;
 
 impl Checker<'_> {
     pub(super) fn record(
@@ -30,7 +35,7 @@ impl Checker<'_> {
         solve: &Solve,
         twisted: bool,
     ) -> Result<Record> {
-        let cells = raw.cells.as_ref().map(|v| self.document.count(v, "record.cells", 1, MOST_CELLS)).transpose()?;
+        let cells = raw.cells.as_ref().map(|v| self.count_of_cells(v, "record.cells", 1)).transpose()?;
         let tracked = solve.method.tracks_fronts();
         let record = Record {
             times: self.times(raw, solve.until)?,
@@ -49,6 +54,7 @@ impl Checker<'_> {
                 Some(RawCompression::Deflate) | None => Compression::Deflate,
             },
         };
+        self.gauges_fit(&record, solve, bar)?;
         self.fits(raw, &record, solve)?;
         Ok(record)
     }
@@ -90,8 +96,22 @@ impl Checker<'_> {
         if let Some(times) = &raw.times {
             return self.times_listed(times, until);
         }
-        let frames = raw.frames.as_ref().map(|v| self.document.count(v, "record.frames", 1, MOST_FRAMES));
+        let frames = raw.frames.as_ref().map(|v| self.frames(v));
         Ok(even_times(frames.transpose()?.unwrap_or(FRAMES), until))
+    }
+
+    /// A number of frames; for more than can be had the message says what they would take at least.
+    fn frames(&self, value: &Number) -> Result<usize> {
+        let asked = value.get_ref().si(Dimension::None).unwrap_or(0.0);
+        self.document.count(value, "record.frames", 1, MOST_FRAMES).map_err(|e| match e {
+            Error::Input(mut e) if asked > MOST_FRAMES as f64 && asked.is_finite() => {
+                let each = 8.0 * SAMPLES as f64;
+                e.message +=
+                    &std::format!(": of {SAMPLES} samples and one field they are {:.0} GiB", asked * each / GIB);
+                e.into()
+            }
+            other => other,
+        })
     }
 
     fn times_every(&self, every: &Number, until: f64) -> Result<Vec<f64>> {
@@ -192,6 +212,31 @@ impl Checker<'_> {
             gauges.push((name.clone(), x));
         }
         Ok(gauges)
+    }
+
+    /// Refuses histories that no disk is meant to hold. How many rows front tracking gives is not known before.
+    fn gauges_fit(&self, record: &Record, solve: &Solve, bar: &Bar) -> Result<()> {
+        let steps = match solve.method {
+            Method::Leapfrog { cells, cfl } | Method::Muscl { cells, cfl } => cells as f64 / cfl,
+            Method::CharacteristicNet { cells } => cells as f64,
+            Method::FrontTracking { .. } => 0.0,
+        } * solve.until
+            / bar.transit_time();
+        let gauges = record.gauges.len();
+        let gib = gauges as f64 * steps.max(LEAST_ROWS) * GAUGE_BYTES / GIB;
+        if gauges <= MOST_GAUGES && gib <= MOST_GIB {
+            return Ok(());
+        }
+        let (key, span) =
+            ("record.gauges", self.document.span_of("record.gauges").unwrap_or_else(|| self.end_of_text()));
+        let size = if steps > 0.0 {
+            std::format!(" with {steps:.0} rows each, at least {gib:.1} GiB in all")
+        } else {
+            String::new()
+        };
+        let error = self.error(span, key, std::format!("there are {gauges} gauges{size}"));
+        let help = "name fewer gauges; fields over x hold the bar at every sample: raise `frames`";
+        Err(error.allowed(std::format!("at most {MOST_GAUGES} gauges and {MOST_GIB} GiB")).help(help).into())
     }
 
     /// Refuses fields that no disk is meant to hold.

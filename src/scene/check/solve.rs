@@ -6,7 +6,7 @@ use toml::Spanned;
 
 use super::super::raw::{RawEffects, RawMethod, RawSolve};
 use super::super::{Method, Solve, Tolerance};
-use super::{Checker, MOST_CELLS};
+use super::Checker;
 use crate::bar::Bar;
 use crate::error::Result;
 use crate::input::Allowed;
@@ -118,7 +118,7 @@ impl Checker<'_> {
     }
 
     fn cells(&self, raw: &RawSolve) -> Result<usize> {
-        let given = raw.cells.as_ref().map(|v| self.document.count(v, "solve.cells", 2, MOST_CELLS));
+        let given = raw.cells.as_ref().map(|v| self.count_of_cells(v, "solve.cells", 2));
         Ok(given.transpose()?.unwrap_or(CELLS))
     }
 

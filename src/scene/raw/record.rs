@@ -23,7 +23,7 @@ pub struct RawRecord {
     /// Times of the frames, s, increasing, from 0 to `solve.until`.
     #[schemars(with = "Option<Vec<Quantity>>")]
     pub times: Option<Spanned<Vec<Number>>>,
-    /// Samples of the fields over x, at the cell centres of an even grid; a whole number, 1 to 100000000.
+    /// Samples of the fields over x, at the cell centres of an even grid; a whole number, 1 to 10000000.
     /// Default: the solver's own cells; 1000 where fronts are tracked, which needs none.
     #[schemars(with = "Option<u64>")]
     pub cells: Option<Number>,

@@ -25,7 +25,7 @@ pub struct RawSolve {
     #[schemars(with = "Option<RawScheme>")]
     pub scheme: Option<Spanned<RawScheme>>,
     /// For the method "fd", and for "moc" with the effect `rate`: cells over the whole bar, a whole number, 2 to
-    /// 100000000. Default: 1000.
+    /// 10000000. Default: 1000.
     #[schemars(with = "Option<u64>")]
     pub cells: Option<Number>,
     /// For the method "fd": Courant number of the fastest wave, 0 < cfl <= 1. Default: 1.

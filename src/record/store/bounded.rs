@@ -1,0 +1,40 @@
+//! Reading datasets of a file that may be damaged: their shapes are held against what the file can hold before anything is allocated.
+
+use hdf5::{Container, Dataset, H5Type};
+
+type Hdf<T> = hdf5::Result<T>;
+
+/// Bytes that any dataset may take in memory.
+const FREE: f64 = 16.0 * 1024.0 * 1024.0;
+/// Most bytes that one byte of a compressed chunk can stand for; deflate reaches 1032.
+const COMPRESSION: f64 = 1100.0;
+
+/// All values of a one-dimensional dataset.
+pub(super) fn column<T: H5Type>(dataset: &Dataset) -> Hdf<Vec<T>> {
+    let shape = dataset.shape();
+    if shape.len() != 1 {
+        return Err(format!("`{}` has {} dimensions, expected 1", dataset.name(), shape.len()).into());
+    }
+    check(dataset)?;
+    dataset.read_raw()
+}
+
+/// # Errors
+/// The dataset says that it has more values than its part of the file can hold.
+pub(super) fn check(dataset: &Dataset) -> Hdf<()> {
+    let values: f64 = dataset.shape().iter().map(|&n| n as f64).product();
+    let stored = dataset.storage_size().min(dataset.file()?.size()) as f64;
+    let compressed = if dataset.filters().is_empty() { 1.0 } else { COMPRESSION };
+    let bytes = values * dataset.dtype()?.size() as f64;
+    if bytes <= compressed * stored + FREE {
+        return Ok(());
+    }
+    let shape = dataset.shape().iter().map(ToString::to_string).collect::<Vec<_>>().join(" x ");
+    Err(format!("`{}` has the shape {shape}, but only {stored} bytes in the file", dataset.name()).into())
+}
+
+/// The values of an attribute, one after another; attributes are not compressed.
+pub(super) fn attribute_fits(attribute: &Container, file_bytes: u64) -> Hdf<()> {
+    let values: f64 = attribute.shape().iter().map(|&n| n as f64).product();
+    if values <= file_bytes as f64 { Ok(()) } else { Err(format!("an attribute has {values:e} values").into()) }
+}

@@ -1,0 +1,45 @@
+//! What stands where a result file is to be written.
+
+use std::io::Read as _;
+use std::path::Path;
+
+use hdf5::File;
+
+use super::read::get_text;
+
+/// What a path holds before a run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Existing {
+    /// Nothing, or an empty file.
+    Nothing,
+    /// A result file, finished or not.
+    Result,
+    /// A file that another process writes.
+    InUse,
+    /// A file that barwave did not write, or can no longer read.
+    Other,
+}
+
+/// Looks at a regular file.
+pub fn existing(path: &Path) -> Existing {
+    const SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
+    if !path.exists() {
+        return Existing::Nothing;
+    }
+    let mut start = Vec::new();
+    let read = std::fs::File::open(path).and_then(|file| file.take(SIGNATURE.len() as u64).read_to_end(&mut start));
+    match (read, start.as_slice()) {
+        (Ok(_), []) => Existing::Nothing,
+        (Ok(_), start) if start == SIGNATURE => match File::open(path) {
+            Ok(file) if get_text(&file, "format").is_ok_and(|format| format == "barwave") => Existing::Result,
+            Err(error) if is_locked(&error) => Existing::InUse,
+            _ => Existing::Other,
+        },
+        _ => Existing::Other,
+    }
+}
+
+/// The library could not open a file because another process has it open for writing.
+pub(super) fn is_locked(error: &hdf5::Error) -> bool {
+    error.to_string().contains("unable to lock file")
+}

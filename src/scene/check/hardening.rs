@@ -1,0 +1,38 @@
+//! The effect `unloading`: how yielded points harden, and the rate that implies it.
+
+use super::super::raw::{RawEffects, RawUnloading};
+use super::super::{Effects, Unloading};
+use super::Checker;
+use crate::bar::Bar;
+use crate::error::Result;
+use crate::input::Allowed;
+use crate::units::Dimension;
+
+impl Checker<'_> {
+    /// Hardening and rate; what else the scene names comes on top.
+    pub(super) fn effects(&self, raw: &RawEffects, bar: &Bar) -> Result<Effects> {
+        let rate = raw.rate.as_ref().map(|rate| self.rate(rate, bar)).transpose()?;
+        let Some(unloading) = &raw.unloading else {
+            // A curve that is followed both ways has no plastic strain that could take time or warm the bar.
+            let implied = rate.is_some() || raw.heat.is_some();
+            return Ok(Effects { unloading: implied.then_some(Unloading::Isotropic), rate, ..Effects::default() });
+        };
+        let key = "effects.unloading";
+        let kind = match unloading.get_ref() {
+            RawUnloading::Isotropic => Unloading::Isotropic,
+            RawUnloading::Kinematic => Unloading::Kinematic,
+            RawUnloading::Mixed(fraction) => {
+                let (key, range) = ("effects.unloading.mixed", Allowed::Within(0.0, 1.0));
+                Unloading::Mixed(self.document.number(fraction, key, Dimension::None, range)?)
+            }
+        };
+        let two_branches = bar.segments.iter().find(|s| s.material.compression.is_some());
+        if let (Some(segment), Unloading::Kinematic | Unloading::Mixed(_)) = (two_branches, kind) {
+            let name = &segment.material.name;
+            let message = format!("kinematic hardening needs one curve for both senses; `{name}` has two");
+            let help = "use unloading = \"isotropic\", or a material without a compression curve of its own";
+            return Err(self.error(unloading.span(), key, message).allowed("\"isotropic\"").help(help).into());
+        }
+        Ok(Effects { unloading: Some(kind), rate, ..Effects::default() })
+    }
+}

@@ -183,8 +183,7 @@ impl Faces {
         if walks && let Some(flux) = self.walk(sense, left, right, a, b) {
             return flux;
         }
-        let (left, right) = (self.placed(left, kinematic), self.placed(right, kinematic));
-        self.general(&left, &right, work)
+        self.general(left, right, work)
     }
 
     /// The side's way in a sense.
@@ -249,7 +248,7 @@ impl Faces {
     }
 
     /// A flowing side's history moved along the curve to where its stress at the face is.
-    fn placed(&self, near: &Near, kinematic: f64) -> Point {
+    fn moved_along(&self, near: &Near, kinematic: f64) -> Point {
         let mut point = near.point;
         if near.flowing == 0.0 {
             return point;
@@ -287,7 +286,7 @@ impl Faces {
                 return flux;
             }
         }
-        self.general(&self.on_level(&left.point), &self.on_level(&right.point), work)
+        self.general(left, right, work)
     }
 
     /// A state within rounding of a level stretch of the curve lies on it.
@@ -334,18 +333,20 @@ impl Faces {
         Some(Flux { stress: sense * stress, velocity: 0.5 * (from_left + from_right) })
     }
 
-    fn general(&self, left: &Point, right: &Point, work: &mut Workspace) -> Flux {
-        let star = solve(Side::Bar(&self.medium, left), Side::Bar(&self.medium, right), work);
+    fn general(&self, left: &Near, right: &Near, work: &mut Workspace) -> Flux {
+        let (left, right) = (self.placed(left), self.placed(right));
+        let star = solve(Side::Face(&self.medium, &left), Side::Face(&self.medium, &right), work);
         let velocity = 0.5 * (star.velocity_left + star.velocity_right);
         Flux { stress: star.force / self.medium.area, velocity }
     }
 
-    /// The point of a side as [`solve`] takes it.
-    pub fn point(&self, near: &Near) -> Point {
-        match self.medium.flow {
-            Flow::Plastic { kinematic } => self.placed(near, kinematic),
+    /// A side as [`solve`] takes it: with the history that belongs to its stress.
+    pub fn placed(&self, near: &Near) -> Near {
+        let point = match self.medium.flow {
+            Flow::Plastic { kinematic } => self.moved_along(near, kinematic),
             Flow::PathIndependent => self.on_level(&near.point),
-        }
+        };
+        Near { point, ..*near }
     }
 
     /// The line of the curve for a sense of stress (+1 tension, -1 compression) at z >= 0, in magnitudes.
@@ -367,7 +368,7 @@ impl Faces {
     /// A flowing side before it gained `gained` (Pa, >= 0) along the curve, moved along its own wave: the Riemann problem has
     /// the same answer, but for one that lies below what it started from. `outward` is +1 for the left side, -1 for the right.
     pub fn before(&self, near: Near, gained: f64, outward: f64) -> Near {
-        let Near { point, flowing: sense } = near;
+        let Near { point, flowing: sense, .. } = near;
         let (_, _, y) = self.medium.lines(sense).at_accumulated(point.accumulated);
         let top = y + sense * point.stress - self.limit(point.accumulated, point.back, sense);
         let (from, to) = (self.moved(sense, top - gained), self.moved(sense, top));
@@ -381,7 +382,7 @@ impl Faces {
             velocity: point.velocity - outward * sense * change,
             ..point
         };
-        Near { point, flowing: sense }
+        Near { point, ..near }
     }
 
     /// Velocity change along the curve from zero stress to y, and the line on which that is.

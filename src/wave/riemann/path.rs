@@ -5,6 +5,7 @@
 //! straight between knots. A wave that raises tau to tau* runs over the upper concave hull of the path up to tau*,
 //! one front an edge, `dv = d tau/(rho c)`, `rho c^2 = d tau/d eps`. Where slopes fall along the path the hull is the path.
 
+use super::face::Near;
 use super::medium::{Flow, Lines, Medium, Point};
 
 /// Relative rounding of a stress that has been a force: of a product and a quotient.
@@ -73,6 +74,11 @@ impl Path {
             Flow::PathIndependent => self.fill_path_independent(medium),
         }
         self.sum_velocities();
+    }
+
+    /// The path of a side of a face.
+    pub fn fill_at_face(&mut self, medium: &Medium, near: &Near, sense: f64) {
+        self.fill(medium, &near.point, sense);
     }
 
     /// A straight path for ever: an end's driver. `compliance` is 1/(rho c) times 1/A, m/(s N), 0 for a rigid one.

@@ -80,6 +80,7 @@ pub(super) fn check(document: &Document, base: &Path) -> Result<Scene> {
     let raw_solve = checker.required(raw.solve.as_ref(), "solve", until)?;
     let solve = checker.solve(raw_solve, &raw_effects)?;
     checker.steps_can_be_taken(raw_solve.get_ref(), &solve, &bar)?;
+    checker.hardening_can_be_tracked(&raw_effects, &solve.method, &bar)?;
     checker.muscl_can(raw_solve.get_ref(), &solve.method, &raw_effects, auto.is_some(), &bar, [&left, &right])?;
     checker.taper_can_be_solved(raw_bar.get_ref(), &bar, &solve.method)?;
     let record = checker.record(&raw.record, &bar, &effects, &solve, twisted)?;

@@ -9,6 +9,7 @@
 
 use super::medium::{Flow, Lines, Medium, Point};
 use super::{Side, Workspace, solve};
+use crate::law::Reversals;
 
 /// State of a cell's material at one of its faces.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -18,6 +19,8 @@ pub struct Near {
     /// The cell flows, in this sense (+1 tension, -1 compression): its stress at the face lies on the curve, too. 0 where
     /// it does not flow.
     pub flowing: f64,
+    /// Of elements in parallel: what the cell remembered at the start of the step.
+    pub reversals: Reversals,
 }
 
 /// Stress (Pa) and velocity (m/s) at a face.
@@ -145,21 +148,25 @@ impl Faces {
     pub fn solve(&self, left: &Near, right: &Near, work: &mut Workspace) -> Flux {
         match self.medium.flow {
             Flow::Plastic { kinematic } => self.plastic(kinematic, left, right, work),
+            Flow::Overlay => self.overlay(left, right, work),
             Flow::PathIndependent => self.path_independent(left, right, work),
         }
     }
 
-    fn elastic(&self, left: &Near, right: &Near) -> Flux {
+    pub(super) fn elastic(&self, left: &Near, right: &Near) -> Flux {
         Self::acoustic(self.half_impedance, self.half_compliance, left.flux(), right.flux())
     }
 
     /// True where the side comes to this stress elastically.
     pub fn stays_elastic(&self, near: &Near, stress: f64) -> bool {
+        let sense = if stress < near.point.stress { -1.0 } else { 1.0 };
+        if self.medium.flow == Flow::Overlay {
+            return sense * stress <= self.overlay_limit(near, sense);
+        }
         let Flow::Plastic { kinematic } = self.medium.flow else {
             let z = near.point.stress + near.point.plastic;
             return z.abs() <= self.virgin[side(z)] && stress.abs() <= self.virgin[side(stress)];
         };
-        let sense = if stress < near.point.stress { -1.0 } else { 1.0 };
         sense * stress <= self.way(near, sense, kinematic).limit
     }
 
@@ -333,7 +340,7 @@ impl Faces {
         Some(Flux { stress: sense * stress, velocity: 0.5 * (from_left + from_right) })
     }
 
-    fn general(&self, left: &Near, right: &Near, work: &mut Workspace) -> Flux {
+    pub(super) fn general(&self, left: &Near, right: &Near, work: &mut Workspace) -> Flux {
         let (left, right) = (self.placed(left), self.placed(right));
         let star = solve(Side::Face(&self.medium, &left), Side::Face(&self.medium, &right), work);
         let velocity = 0.5 * (star.velocity_left + star.velocity_right);
@@ -342,11 +349,11 @@ impl Faces {
 
     /// A side as [`solve`] takes it: with the history that belongs to its stress.
     pub fn placed(&self, near: &Near) -> Near {
-        let point = match self.medium.flow {
-            Flow::Plastic { kinematic } => self.moved_along(near, kinematic),
-            Flow::PathIndependent => self.on_level(&near.point),
-        };
-        Near { point, ..*near }
+        match self.medium.flow {
+            Flow::Plastic { kinematic } => Near { point: self.moved_along(near, kinematic), ..*near },
+            Flow::PathIndependent => Near { point: self.on_level(&near.point), ..*near },
+            Flow::Overlay => Near { reversals: self.reversals(near), ..*near },
+        }
     }
 
     /// The line of the curve for a sense of stress (+1 tension, -1 compression) at z >= 0, in magnitudes.
@@ -360,14 +367,21 @@ impl Faces {
 
     /// sense * stress at which a point with this history starts to flow, Pa; infinite where it never does.
     pub fn limit(&self, accumulated: f64, back: f64, sense: f64) -> f64 {
-        let Flow::Plastic { kinematic } = self.medium.flow else { return f64::INFINITY };
+        let kinematic = match self.medium.flow {
+            Flow::Plastic { kinematic } => kinematic,
+            Flow::PathIndependent => return f64::INFINITY,
+            Flow::Overlay => return sense * back + self.virgin[side(sense)],
+        };
         let y = self.medium.lines(sense).at_accumulated(accumulated).2;
         sense * back + y - kinematic * (y - self.virgin[side(sense)])
     }
 
     /// A flowing side before it gained `gained` (Pa, >= 0) along the curve, moved along its own wave: the Riemann problem has
     /// the same answer, but for one that lies below what it started from. `outward` is +1 for the left side, -1 for the right.
-    pub fn before(&self, near: Near, gained: f64, outward: f64) -> Near {
+    pub fn before(&self, near: Near, gained: f64, outward: f64, work: &mut Workspace) -> Near {
+        if self.medium.flow == Flow::Overlay {
+            return self.overlay_before(near, gained, outward, &mut work.left);
+        }
         let Near { point, flowing: sense, .. } = near;
         let (_, _, y) = self.medium.lines(sense).at_accumulated(point.accumulated);
         let top = y + sense * point.stress - self.limit(point.accumulated, point.back, sense);

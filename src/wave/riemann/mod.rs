@@ -17,6 +17,7 @@
 
 mod face;
 mod medium;
+mod overlay;
 mod path;
 
 pub use face::{Faces, Flux, Near, Straight};

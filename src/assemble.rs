@@ -7,8 +7,8 @@ use crate::bar::{Bar, Segment, launches};
 use crate::law::rate::{Heated, Overstress, RateLaw, Timed};
 use crate::law::rupture::{Criteria, Criterion};
 use crate::law::{
-    Backbone, CellLaw, DataEnd, Envelope, Indexed, Isotropic, Mixed, PathIndependent, RowLaw, Rows, Searched, Table,
-    TwoSided, Warming,
+    Backbone, CellLaw, DataEnd, Envelope, Indexed, Isotropic, Mixed, Overlay, PathIndependent, RowLaw, Rows, Searched,
+    Table, TwoSided, Warming,
 };
 use crate::material::{Curve, Heating, Material, Sense};
 use crate::scene::{Effects, Scene, Unloading};
@@ -62,8 +62,10 @@ pub fn medium(segment: &Segment, effects: &Effects) -> Medium {
     });
     let level = tension.1.min(compression.1);
     let round_off = if level.is_finite() { ROUND_OFF * level } else { 0.0 };
+    let overlays = effects.unloading == Some(Unloading::Kinematic) && tension.0.is_multilinear();
+    let flow = if overlays { Flow::Overlay } else { flow(effects) };
     let tables = [&tension.0, &compression.0];
-    Medium::new(tables, material.modulus, material.density, segment.area, flow(effects), round_off)
+    Medium::new(tables, material.modulus, material.density, segment.area, flow, round_off)
 }
 
 /// What acts along the bar beside the stress of its curve, if anything does. A section is taken for a round one: its polar
@@ -176,11 +178,11 @@ pub fn segment_law(segment: &Segment, effects: &Effects) -> SegmentLaw {
     SegmentLaw {
         yield_stress: tension.yield_stress().min(compression.yield_stress()),
         end: DataEnd::new([&tension, &compression], material.modulus, material.loading),
-        law: choose_backbone(material, tension, compression, effects),
+        law: choose_backbone(material, &tension, compression, effects),
     }
 }
 
-/// The flow rule of a tracked bar under the scene's effects.
+/// The flow rule of a tracked bar under the scene's effects; kinematic hardening is that along one line.
 pub fn flow(effects: &Effects) -> Flow {
     match effects.unloading {
         None => Flow::PathIndependent,
@@ -191,43 +193,40 @@ pub fn flow(effects: &Effects) -> Flow {
 }
 
 /// Picks the fastest form in which the table can be read.
-fn choose_backbone(material: &Material, tension: Table, compression: Table, effects: &Effects) -> Arc<dyn RowLaw> {
-    let yield_stress = tension.yield_stress();
+fn choose_backbone(material: &Material, tension: &Table, compression: Table, effects: &Effects) -> Arc<dyn RowLaw> {
     if material.compression.is_some() {
-        return match (Indexed::new(&tension), Indexed::new(&compression)) {
-            (Some(tension), Some(compression)) => {
-                choose_law(TwoSided { tension, compression }, yield_stress, material, effects)
-            }
-            _ => choose_law(
-                TwoSided { tension: Searched(tension), compression: Searched(compression) },
-                yield_stress,
-                material,
-                effects,
-            ),
+        let indexed = (Indexed::new(tension), Indexed::new(&compression));
+        return if let (Some(first), Some(compression)) = indexed {
+            choose_law(TwoSided { tension: first, compression }, tension, material, effects)
+        } else {
+            let both = TwoSided { tension: Searched(tension.clone()), compression: Searched(compression) };
+            choose_law(both, tension, material, effects)
         };
     }
-    if let Some(two) = Envelope::<2>::new(&tension) {
-        choose_law(two, yield_stress, material, effects)
-    } else if let Some(four) = Envelope::<4>::new(&tension) {
-        choose_law(four, yield_stress, material, effects)
-    } else if let Some(eight) = Envelope::<8>::new(&tension) {
-        choose_law(eight, yield_stress, material, effects)
-    } else if let Some(indexed) = Indexed::new(&tension) {
-        choose_law(indexed, yield_stress, material, effects)
+    if let Some(two) = Envelope::<2>::new(tension) {
+        choose_law(two, tension, material, effects)
+    } else if let Some(four) = Envelope::<4>::new(tension) {
+        choose_law(four, tension, material, effects)
+    } else if let Some(eight) = Envelope::<8>::new(tension) {
+        choose_law(eight, tension, material, effects)
+    } else if let Some(indexed) = Indexed::new(tension) {
+        choose_law(indexed, tension, material, effects)
     } else {
-        choose_law(Searched(tension), yield_stress, material, effects)
+        choose_law(Searched(tension.clone()), tension, material, effects)
     }
 }
 
 fn choose_law<B: Backbone + 'static>(
     backbone: B,
-    yield_stress: f64,
+    table: &Table,
     material: &Material,
     effects: &Effects,
 ) -> Arc<dyn RowLaw> {
+    let yield_stress = table.yield_stress();
     match effects.unloading {
         None => rows(PathIndependent(backbone)),
         Some(Unloading::Isotropic) => warming(Isotropic(backbone), material),
+        Some(Unloading::Kinematic) if table.is_multilinear() => warming(Overlay::new(backbone, table), material),
         Some(Unloading::Kinematic) => warming(Mixed { backbone, yield_stress, kinematic: 1.0 }, material),
         Some(Unloading::Mixed(kinematic)) => warming(Mixed { backbone, yield_stress, kinematic }, material),
     }

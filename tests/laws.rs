@@ -4,7 +4,7 @@ mod common;
 
 use barwave::law::rate::{Overstress, RateLaw, Timed};
 use barwave::law::{
-    Backbone, CellLaw, Envelope, Indexed, Isotropic, Line, Mixed, PathIndependent, Searched, Table, TwoSided,
+    Backbone, CellLaw, Envelope, Indexed, Isotropic, Line, Mixed, Overlay, PathIndependent, Searched, Table, TwoSided,
 };
 use barwave::material::{Beyond, Curve};
 use common::MODULUS;
@@ -224,6 +224,9 @@ fn every_law<B: Backbone + Clone>(backbone: &B, table: &Table) {
     for kinematic in [0.0, 0.3, 1.0] {
         contract(&mixed(kinematic), table, true);
         mixed_flow_dissipates(&mixed(kinematic), far(table));
+    }
+    if table.is_multilinear() {
+        contract(&Overlay::new(backbone.clone(), table), table, true);
     }
     mixed_without_kinematic_part_is_isotropic(backbone, table);
     kinematic_keeps_its_elastic_range(&mixed(1.0), table);

@@ -281,6 +281,6 @@ fn the_pattern_of_stress_that_a_rod_keeps_is_felt_only_past_zero_torque() {
         assert!(worst[0] < 4e-4 && worst[1] < 4e-4, "{worst:?}");
     }
     // Twisted back as far on the other side, as the README says: isotropic hardening yields too late and is then off by 0.28 of
-    // the yield stress at most; kinematic hardening yields when the rod does and then stays 0.66 behind.
-    assert!((isotropic[2] - 0.28).abs() < 0.01 && (kinematic[2] - 0.66).abs() < 0.01, "{isotropic:?} {kinematic:?}");
+    // the yield stress at most; kinematic hardening is right: the layers are elements in parallel.
+    assert!((isotropic[2] - 0.28).abs() < 0.01 && kinematic[2] < 4e-4, "{isotropic:?} {kinematic:?}");
 }

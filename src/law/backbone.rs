@@ -110,6 +110,12 @@ impl Table {
         if self.lines[0].slope < 1.0 { 0.0 } else { self.lines.get(1).map_or(f64::INFINITY, |l| l.start) }
     }
 
+    /// True where hardening runs along more than one line and slopes fall: elastic-perfectly-plastic elements in parallel
+    /// have this curve, and differ from one line of hardening.
+    pub fn is_multilinear(&self) -> bool {
+        self.lines.len() > 2 && self.is_concave()
+    }
+
     /// True where slopes never grow along the table: it is then the lowest of its lines.
     pub fn is_concave(&self) -> bool {
         self.lines.windows(2).all(|w| w[1].slope <= w[0].slope)

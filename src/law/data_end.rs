@@ -196,7 +196,7 @@ pub(super) fn note_limits<L: CellLaw<N>, const N: usize>(
     let elastic = row.state.is_empty();
     for i in row.cells.clone() {
         let (sigma, state) = (row.sigma[i], if elastic { [0.0; N] } else { cell_state(row.state, i) });
-        let accumulated = law.accumulated(state);
+        let accumulated = law.along_table(state);
         if end.is_far(accumulated, sigma) {
             continue;
         }

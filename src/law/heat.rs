@@ -1,6 +1,6 @@
 //! Heat in laws that run on the adiabatic curve: it is in their table already, and the temperature can be read off it.
 
-use super::{CellLaw, Response};
+use super::{CellLaw, Response, Reversals};
 use crate::material::{Heating, Sense};
 
 /// A law over adiabatic tables, with what tells its temperature. Steps as the law itself, and keeps no more state.
@@ -71,6 +71,14 @@ impl<L: CellLaw<N>, const N: usize> CellLaw<N> for Warming<L> {
 
     fn back_stress(&self, state: [f64; N]) -> f64 {
         self.law.back_stress(state)
+    }
+
+    fn along_table(&self, state: [f64; N]) -> f64 {
+        self.law.along_table(state)
+    }
+
+    fn reversals(&self, state: [f64; N]) -> Reversals {
+        self.law.reversals(state)
     }
 
     fn overstress_work(&self, state: [f64; N]) -> f64 {

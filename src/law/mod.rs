@@ -13,9 +13,11 @@ mod backbone;
 mod data_end;
 mod elastic;
 mod heat;
+mod overlay;
 mod path_independent;
 mod plastic;
 pub mod rate;
+mod reversals;
 mod row;
 pub mod rupture;
 
@@ -28,8 +30,10 @@ pub use backbone::{Backbone, Envelope, Indexed, Line, Searched, Table, TwoSided}
 pub use data_end::{DataEnd, FirstPassed, Flowing, Limit, Passed, Reached, StrainedRow};
 pub use elastic::elastic_row;
 pub use heat::Warming;
+pub use overlay::Overlay;
 pub use path_independent::PathIndependent;
 pub use plastic::{Isotropic, Mixed};
+pub use reversals::Reversals;
 
 pub use row::{Advanced, Row};
 
@@ -84,9 +88,19 @@ pub trait CellLaw<const N: usize>: Send + Sync + Sized {
     /// E times the accumulated plastic strain, Pa, >= 0.
     fn accumulated(&self, state: [f64; N]) -> f64;
 
+    /// E times the plastic strain of first loading to where the law reads its table, Pa, >= 0.
+    fn along_table(&self, state: [f64; N]) -> f64 {
+        self.accumulated(state)
+    }
+
     /// Middle of the elastic range, as far as hardening moves it, Pa.
     fn back_stress(&self, _state: [f64; N]) -> f64 {
         0.0
+    }
+
+    /// What the cell remembers of reversals; nothing in most laws.
+    fn reversals(&self, _state: [f64; N]) -> Reversals {
+        Reversals::default()
     }
 
     /// The sense in which the cell flows if it flows.
@@ -160,6 +174,9 @@ pub trait RowLaw: Send + Sync {
     /// Middle of the elastic range of cell `i` of a row, as far as hardening moves it, Pa.
     fn back_stress(&self, state: &[f64], i: usize) -> f64;
 
+    /// What cell `i` of a row remembers of reversals (`state` is empty in a row that never yielded).
+    fn reversals(&self, state: &[f64], i: usize) -> Reversals;
+
     /// E times the work of the overstress of all cells of a row since the start, per volume, Pa^2; 0 for laws without.
     fn overstress_work(&self, state: &[f64]) -> f64;
 
@@ -223,6 +240,10 @@ impl<L: CellLaw<N>, const N: usize> RowLaw for Rows<L, N> {
 
     fn back_stress(&self, state: &[f64], i: usize) -> f64 {
         self.0.back_stress(cell_state(state, i))
+    }
+
+    fn reversals(&self, state: &[f64], i: usize) -> Reversals {
+        self.0.reversals(if state.is_empty() { [0.0; N] } else { cell_state(state, i) })
     }
 
     fn overstress_work(&self, state: &[f64]) -> f64 {

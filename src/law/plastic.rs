@@ -59,7 +59,9 @@ impl<B: Backbone> CellLaw<2> for Isotropic<B> {
 /// Mixed hardening: the fraction `kinematic` (0 to 1) of the hardening moves the elastic range, the rest widens it.
 ///
 /// State: `[E p accumulated, E eps_p signed, back stress a, hardening h]`. With `xi = |tau - a|` the table is read at
-/// `z = xi + kinematic h + E p`. Needs a table that is the same in tension and compression.
+/// `z = xi + kinematic h + E p`. Needs a table that is the same in tension and compression. The tangent follows the accumulated
+/// plastic strain along the table: with several lines of hardening, cycles of constant strain are neither symmetric nor closed,
+/// as they are in [`super::Overlay`].
 #[derive(Debug, Clone)]
 pub struct Mixed<B> {
     /// First loading.

@@ -33,9 +33,10 @@ pub struct Effects {
 pub enum Unloading {
     /// Tension and compression harden alike.
     Isotropic,
-    /// The elastic range keeps its size and moves.
+    /// The elastic range keeps its size and moves: [`crate::law::Overlay`], or [`crate::law::Mixed`] with the fraction 1 along one
+    /// line of hardening, under a rate and under heat.
     Kinematic,
-    /// The given fraction (0 to 1) of the hardening is kinematic.
+    /// The elastic range moves by the given fraction (0 to 1) of the hardening at the accumulated plastic strain.
     Mixed(f64),
 }
 

@@ -5,6 +5,7 @@ mod bar;
 mod csv_history;
 mod damping;
 mod ends;
+mod hardening;
 mod heat;
 mod muscl;
 mod rate;
@@ -20,11 +21,10 @@ use std::path::Path;
 pub(super) use bar::Named;
 pub(super) use rupture::MOST_NOTCH;
 
-use super::raw::{EffectsChoice, RawEffects, RawScene, RawUnloading};
-use super::{Auto, Effects, Scene, Unloading, not_yet};
-use crate::bar::Bar;
+use super::raw::{EffectsChoice, RawScene};
+use super::{Auto, Effects, Scene, not_yet};
 use crate::error::{Error, InputError, Result};
-use crate::input::{Allowed, Document, Number};
+use crate::input::{Document, Number};
 use crate::units::Dimension;
 
 /// Most cells that a run can be asked for: with the frames that wait to be written they take about a gigabyte, and a wave needs as many
@@ -85,6 +85,7 @@ pub(super) fn check(document: &Document, base: &Path) -> Result<Scene> {
     let raw_solve = checker.required(raw.solve.as_ref(), "solve", until)?;
     let solve = checker.solve(raw_solve, &raw_effects)?;
     checker.steps_can_be_taken(raw_solve.get_ref(), &solve, &bar)?;
+    checker.hardening_can_be_tracked(&raw_effects, &solve.method, &bar)?;
     checker.muscl_can(raw_solve.get_ref(), &solve.method, &raw_effects, auto.is_some(), &bar, [&left, &right])?;
     checker.taper_can_be_solved(raw_bar.get_ref(), &bar, &solve.method)?;
     let record = checker.record(&raw.record, &bar, &effects, &solve, twisted)?;
@@ -139,31 +140,5 @@ impl Checker<'_> {
     fn end_of_text(&self) -> Range<usize> {
         let end = self.document.text.trim_end().len();
         end..end
-    }
-
-    fn effects(&self, raw: &RawEffects, bar: &Bar) -> Result<Effects> {
-        let rate = raw.rate.as_ref().map(|rate| self.rate(rate, bar)).transpose()?;
-        let Some(unloading) = &raw.unloading else {
-            // A curve that is followed both ways has no plastic strain that could take time or warm the bar.
-            let implied = rate.is_some() || raw.heat.is_some();
-            return Ok(Effects { unloading: implied.then_some(Unloading::Isotropic), rate, ..Effects::default() });
-        };
-        let key = "effects.unloading";
-        let kind = match unloading.get_ref() {
-            RawUnloading::Isotropic => Unloading::Isotropic,
-            RawUnloading::Kinematic => Unloading::Kinematic,
-            RawUnloading::Mixed(fraction) => {
-                let (key, range) = ("effects.unloading.mixed", Allowed::Within(0.0, 1.0));
-                Unloading::Mixed(self.document.number(fraction, key, Dimension::None, range)?)
-            }
-        };
-        let two_branches = bar.segments.iter().find(|s| s.material.compression.is_some());
-        if let (Some(segment), Unloading::Kinematic | Unloading::Mixed(_)) = (two_branches, kind) {
-            let name = &segment.material.name;
-            let message = format!("kinematic hardening needs one curve for both senses; `{name}` has two");
-            let help = "use unloading = \"isotropic\", or a material without a compression curve of its own";
-            return Err(self.error(unloading.span(), key, message).allowed("\"isotropic\"").help(help).into());
-        }
-        Ok(Effects { unloading: Some(kind), rate, ..Effects::default() })
     }
 }

@@ -129,9 +129,12 @@ impl<'de> Deserialize<'de> for RateChoice {
 pub enum RawUnloading {
     /// Tension and compression harden alike.
     Isotropic,
-    /// The elastic range keeps its size and moves.
+    /// The elastic range keeps its size and moves. Unloading and reverse loading follow the curve doubled in size (Masing's
+    /// rule), and closed loops leave no trace: elastic-perfectly-plastic elements in parallel (Besseling). Needs a curve that never
+    /// stiffens. Under a rate or heat it is `{ mixed = 1 }`.
     Kinematic,
-    /// This fraction of the hardening is kinematic, 0 to 1.
+    /// The elastic range moves by this fraction of the hardening, 0 to 1, and widens by the rest; the hardening is that of the
+    /// curve at the accumulated plastic strain.
     #[schemars(with = "Quantity")]
     Mixed(Number),
 }

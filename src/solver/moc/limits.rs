@@ -58,7 +58,7 @@ impl FrontTracking {
         let medium = &self.media[segment];
         let path = if side == 0 { &self.work.left } else { &self.work.right };
         let (sense, accumulated) = match medium.flow {
-            Flow::Plastic { .. } => (Sense::of(path.sense()), behind.accumulated),
+            Flow::Plastic { .. } | Flow::Overlay => (Sense::of(path.sense()), behind.accumulated),
             Flow::PathIndependent => (Sense::of(medium.strain(behind)), behind.plastic.abs()),
         };
         let point = Flowing { sense, accumulated, strain: behind.stress + behind.plastic };

@@ -129,8 +129,8 @@ impl End {
             return Flux { stress, velocity: face.inward * velocity };
         }
         let (velocity, compliance) = (face.inward * value / of_velocity, of_force / of_velocity);
-        let (driver, placed) = (Side::Straight { force: 0.0, velocity, compliance }, part.faces.point(near));
-        let side = Side::Bar(&part.faces.medium, &placed);
+        let (driver, placed) = (Side::Straight { force: 0.0, velocity, compliance }, part.faces.placed(near));
+        let side = Side::Face(&part.faces.medium, &placed);
         let star = if face.inward > 0.0 { solve(driver, side, work) } else { solve(side, driver, work) };
         let velocity = velocity + face.inward * compliance * star.force;
         Flux { stress: star.force / face.area, velocity }
@@ -146,7 +146,7 @@ impl End {
         }
         let sense = if stress < point.stress { -1.0 } else { 1.0 };
         let path = &mut work.left;
-        path.fill(&part.faces.medium, &part.faces.point(near), sense);
+        path.fill_at_face(&part.faces.medium, &part.faces.placed(near), sense);
         let carried = (sense * stress).min(path.cap());
         // The rest accelerates the end as if it were elastic.
         let change = path.velocity(carried) + (sense * stress - carried) / impedance;

@@ -83,10 +83,10 @@ fn meeting(closing: f64, [a, b]: [&Part; 2], [left, right]: &[Near; 2], work: &m
         let from_left = left.point.velocity - half + soft_a * (force - a.area * left.point.stress);
         (force, from_left, right.point.velocity + half - soft_b * (force - b.area * right.point.stress))
     } else {
-        let (mut left, mut right) = (a.faces.point(left), b.faces.point(right));
-        left.velocity -= half;
-        right.velocity += half;
-        let star = solve(Side::Bar(&a.faces.medium, &left), Side::Bar(&b.faces.medium, &right), work);
+        let (mut left, mut right) = (a.faces.placed(left), b.faces.placed(right));
+        left.point.velocity -= half;
+        right.point.velocity += half;
+        let star = solve(Side::Face(&a.faces.medium, &left), Side::Face(&b.faces.medium, &right), work);
         (star.force, star.velocity_left, star.velocity_right)
     };
     let middle = 0.5 * (from_left + from_right);
@@ -100,7 +100,7 @@ fn free(part: &Part, near: &Near, normal: f64, work: &mut Workspace) -> Flux {
         return Flux { stress: 0.0, velocity: point.velocity - normal * point.stress / impedance(part) };
     }
     let sense = if point.stress > 0.0 { -1.0 } else { 1.0 };
-    work.left.fill(&part.faces.medium, &part.faces.point(near), sense);
+    work.left.fill_at_face(&part.faces.medium, &part.faces.placed(near), sense);
     Flux { stress: 0.0, velocity: point.velocity + normal * sense * work.left.velocity(0.0) }
 }
 

@@ -9,7 +9,7 @@ use super::front;
 use super::slope::limited;
 use super::stepping::Part;
 use crate::law::LANES;
-use crate::wave::riemann::{Faces, Flux, Near, Point};
+use crate::wave::riemann::{Faces, Flux, Near, Point, Workspace};
 
 /// What the elastic kernel must know of a segment.
 #[derive(Debug, Clone, Copy)]
@@ -389,7 +389,7 @@ fn correct_curve(block: &mut Block, part: &Part, scratch: &mut Scratch) {
     let inside = |near: &Near| near.point.stress.abs() <= limit && near.point.plastic == 0.0;
     let near = |stress: f64, velocity: f64, plastic: f64| Near {
         point: Point { stress, velocity, plastic, ..Point::default() },
-        flowing: 0.0,
+        ..Near::default()
     };
     let cells = block.carried();
     for face in cells.start + 1..cells.end {
@@ -434,13 +434,14 @@ fn correct_history(block: &mut Block, part: &Part, scratch: &mut Scratch) {
         let known = if ahead.work[i] == 0.0 { ahead.sigma[i] } else { face } - back;
         gained[i] == 0.0 && known * (stress - back) >= 0.0 && (stress - back).abs() <= known.abs() * WITHIN
     };
-    let near = |i: usize, outward: f64, stress: f64, velocity: f64, back: f64| {
+    let near = |i: usize, outward: f64, stress: f64, velocity: f64, back: f64, work: &mut Workspace| {
         let point = Point { stress, velocity, accumulated: law.accumulated(state, i), back, ..Point::default() };
+        let reversals = law.reversals(&block.state, i);
         if ahead.work[i] == 0.0 {
-            return Near { point, flowing: 0.0 };
+            return Near { point, flowing: 0.0, reversals };
         }
-        let sense = if ahead.sigma[i] < back { -1.0 } else { 1.0 };
-        part.faces.before(Near { point, flowing: sense }, gained[i], outward)
+        let flowing = if ahead.sigma[i] < back { -1.0 } else { 1.0 };
+        part.faces.before(Near { point, flowing, reversals }, gained[i], outward, work)
     };
     for face in cells.start + 1..cells.end {
         let (i, j) = (face - 1, face);
@@ -453,14 +454,14 @@ fn correct_history(block: &mut Block, part: &Part, scratch: &mut Scratch) {
         if within(stress, i, right[0][i], backs[0]) && within(stress, j, left[0][j], backs[1]) {
             continue;
         }
-        let a = near(i, 1.0, right[0][i], right[1][i], backs[0]);
-        let b = near(j, -1.0, left[0][j], left[1][j], backs[1]);
+        let a = near(i, 1.0, right[0][i], right[1][i], backs[0], &mut block.work);
+        let b = near(j, -1.0, left[0][j], left[1][j], backs[1], &mut block.work);
         through.set(face, part.faces.solve(&a, &b, &mut block.work));
     }
 }
 
 /// The first or the last cell of a block at its outer face, half a step on. `state` is room for its law state.
-pub(super) fn near(block: &Block, part: &Part, side: usize, state: &mut Vec<f64>) -> Near {
+pub(super) fn near(block: &Block, part: &Part, side: usize, state: &mut Vec<f64>, work: &mut Workspace) -> Near {
     let i = block.inside(side, 0);
     let (s, v) = (&block.sigma, &block.v);
     let outward = if side == 0 { -0.5 } else { 0.5 };
@@ -472,32 +473,34 @@ pub(super) fn near(block: &Block, part: &Part, side: usize, state: &mut Vec<f64>
     let velocity = v[i] + 0.5 * part.kick * ds + outward * dv;
     if block.stage != Stage::Plastic {
         let point = Point { stress: s[i] + half_strain + outward * ds, velocity, ..Point::default() };
-        return Near { point, flowing: 0.0 };
+        return Near { point, ..Near::default() };
     }
     let law = part.law.law.as_ref();
-    let (mut stress, mut work) = ([s[i]], [0.0]);
+    let (mut stress, mut flow) = ([s[i]], [0.0]);
     state.clear();
     state.resize(law.state_len(), 0.0);
     if part.path_independent {
         let z = |i: usize| block.reach(part, i);
         let dz = slope(z(i) - z(i - 1), z(i + 1) - z(i));
         stress = [0.0];
-        law.strain(&[z(i) + half_strain + outward * dz], &mut stress, state, &mut work);
+        law.strain(&[z(i) + half_strain + outward * dz], &mut stress, state, &mut flow);
         let point = Point { stress: stress[0], velocity, plastic: state[0], ..Point::default() };
-        return Near { point, flowing: 0.0 };
+        return Near { point, ..Near::default() };
     }
     for (number, value) in state.iter_mut().enumerate() {
         *value = block.state_at(number, i);
     }
-    law.strain(&[half_strain], &mut stress, state, &mut work);
+    law.strain(&[half_strain], &mut stress, state, &mut flow);
+    let reversals = law.reversals(&block.state, i);
     let (accumulated, back) = (law.accumulated(state, 0), law.back_stress(state, 0));
     let point = Point { stress: stress[0] + outward * ds, velocity, accumulated, back, ..Point::default() };
-    if work[0] == 0.0 {
-        return Near { point, flowing: 0.0 };
+    if flow[0] == 0.0 {
+        return Near { point, flowing: 0.0, reversals };
     }
     let cap = if part.has_level { cap(stress[0], s, i) } else { point.stress };
     let point = Point { stress: capped(point.stress, cap), ..point };
     let sense = if stress[0] < back { -1.0 } else { 1.0 };
     let start = part.faces.limit(law.accumulated(&block.state, i), law.back_stress(&block.state, i), sense);
-    part.faces.before(Near { point, flowing: sense }, (sense * stress[0] - start).max(0.0), 2.0 * outward)
+    let gained = (sense * stress[0] - start).max(0.0);
+    part.faces.before(Near { point, flowing: sense, reversals }, gained, 2.0 * outward, work)
 }

@@ -172,7 +172,7 @@ impl Muscl {
         let last = self.blocks.len() - 1;
         for (side, k) in [(0, 0), (1, last)] {
             let part = &self.parts[self.blocks[k].part];
-            let near = kernel::near(&self.blocks[k], part, side, &mut self.state);
+            let near = kernel::near(&self.blocks[k], part, side, &mut self.state, &mut self.work);
             self.blocks[k].outer[side] = Some(self.ends[side].settle(time, dt, part, &near, &mut self.work));
         }
     }
@@ -183,7 +183,7 @@ impl Muscl {
             let (left, right) = (&self.blocks[joint.edge], &self.blocks[joint.edge + 1]);
             let parts = [&self.parts[left.part], &self.parts[right.part]];
             let near = [(left, parts[0], 1), (right, parts[1], 0)]
-                .map(|(block, part, side)| kernel::near(block, part, side, &mut self.state));
+                .map(|(block, part, side)| kernel::near(block, part, side, &mut self.state, &mut self.work));
             let [from_left, from_right] = joint.settle(dt, parts, &near, &mut self.work);
             self.blocks[joint.edge].outer[1] = Some(from_left);
             self.blocks[joint.edge + 1].outer[0] = Some(from_right);

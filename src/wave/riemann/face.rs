@@ -9,6 +9,7 @@
 
 use super::medium::{Flow, Lines, Medium, Point};
 use super::{Side, Workspace, solve};
+use crate::law::Reversals;
 
 /// Tangent modulus over E up to which a stretch of a curve counts as level: plastic waves run there at most at 3 % of the
 /// elastic speed.
@@ -22,6 +23,8 @@ pub struct Near {
     /// The cell flows, in this sense (+1 tension, -1 compression): its stress at the face lies on the curve, too. 0 where
     /// it does not flow.
     pub flowing: f64,
+    /// Of elements in parallel: what the cell remembered at the start of the step.
+    pub reversals: Reversals,
 }
 
 /// Stress (Pa) and velocity (m/s) at a face.
@@ -149,21 +152,25 @@ impl Faces {
     pub fn solve(&self, left: &Near, right: &Near, work: &mut Workspace) -> Flux {
         match self.medium.flow {
             Flow::Plastic { kinematic } => self.plastic(kinematic, left, right, work),
+            Flow::Overlay => self.overlay(left, right, work),
             Flow::PathIndependent => self.path_independent(left, right, work),
         }
     }
 
-    fn elastic(&self, left: &Near, right: &Near) -> Flux {
+    pub(super) fn elastic(&self, left: &Near, right: &Near) -> Flux {
         Self::acoustic(self.half_impedance, self.half_compliance, left.flux(), right.flux())
     }
 
     /// True where the side comes to this stress elastically.
     pub fn stays_elastic(&self, near: &Near, stress: f64) -> bool {
+        let sense = if stress < near.point.stress { -1.0 } else { 1.0 };
+        if self.medium.flow == Flow::Overlay {
+            return sense * stress <= self.overlay_limit(near, sense);
+        }
         let Flow::Plastic { kinematic } = self.medium.flow else {
             let z = near.point.stress + near.point.plastic;
             return z.abs() <= self.virgin[side(z)] && stress.abs() <= self.virgin[side(stress)];
         };
-        let sense = if stress < near.point.stress { -1.0 } else { 1.0 };
         sense * stress <= self.way(near, sense, kinematic).limit
     }
 
@@ -187,8 +194,7 @@ impl Faces {
         if walks && let Some(flux) = self.walk(sense, left, right, a, b) {
             return flux;
         }
-        let (left, right) = (self.placed(left, kinematic), self.placed(right, kinematic));
-        self.general(&left, &right, work)
+        self.general(left, right, work)
     }
 
     /// The side's way in a sense.
@@ -253,7 +259,7 @@ impl Faces {
     }
 
     /// A flowing side's history moved along the curve to where its stress at the face is.
-    fn placed(&self, near: &Near, kinematic: f64) -> Point {
+    fn moved_along(&self, near: &Near, kinematic: f64) -> Point {
         let mut point = near.point;
         if near.flowing == 0.0 {
             return point;
@@ -291,7 +297,7 @@ impl Faces {
                 return flux;
             }
         }
-        self.general(&self.on_level(&left.point), &self.on_level(&right.point), work)
+        self.general(left, right, work)
     }
 
     /// A state within rounding of a level stretch of the curve lies on it.
@@ -338,17 +344,19 @@ impl Faces {
         Some(Flux { stress: sense * stress, velocity: 0.5 * (from_left + from_right) })
     }
 
-    fn general(&self, left: &Point, right: &Point, work: &mut Workspace) -> Flux {
-        let star = solve(Side::Bar(&self.medium, left), Side::Bar(&self.medium, right), work);
+    pub(super) fn general(&self, left: &Near, right: &Near, work: &mut Workspace) -> Flux {
+        let (left, right) = (self.placed(left), self.placed(right));
+        let star = solve(Side::Face(&self.medium, &left), Side::Face(&self.medium, &right), work);
         let velocity = 0.5 * (star.velocity_left + star.velocity_right);
         Flux { stress: star.force / self.medium.area, velocity }
     }
 
-    /// The point of a side as [`solve`] takes it.
-    pub fn point(&self, near: &Near) -> Point {
+    /// A side as [`solve`] takes it: with the history that belongs to its stress.
+    pub fn placed(&self, near: &Near) -> Near {
         match self.medium.flow {
-            Flow::Plastic { kinematic } => self.placed(near, kinematic),
-            Flow::PathIndependent => self.on_level(&near.point),
+            Flow::Plastic { kinematic } => Near { point: self.moved_along(near, kinematic), ..*near },
+            Flow::PathIndependent => Near { point: self.on_level(&near.point), ..*near },
+            Flow::Overlay => Near { reversals: self.reversals(near), ..*near },
         }
     }
 
@@ -363,7 +371,11 @@ impl Faces {
 
     /// sense * stress at which a point with this history starts to flow, Pa; infinite where it never does.
     pub fn limit(&self, accumulated: f64, back: f64, sense: f64) -> f64 {
-        let Flow::Plastic { kinematic } = self.medium.flow else { return f64::INFINITY };
+        let kinematic = match self.medium.flow {
+            Flow::Plastic { kinematic } => kinematic,
+            Flow::PathIndependent => return f64::INFINITY,
+            Flow::Overlay => return sense * back + self.virgin[side(sense)],
+        };
         let y = self.medium.lines(sense).at_accumulated(accumulated).2;
         sense * back + y - kinematic * (y - self.virgin[side(sense)])
     }
@@ -375,8 +387,11 @@ impl Faces {
 
     /// A flowing side before it gained `gained` (Pa, >= 0) along the curve, moved along its own wave: the Riemann problem has
     /// the same answer, but for one that lies below what it started from. `outward` is +1 for the left side, -1 for the right.
-    pub fn before(&self, near: Near, gained: f64, outward: f64) -> Near {
-        let Near { point, flowing: sense } = near;
+    pub fn before(&self, near: Near, gained: f64, outward: f64, work: &mut Workspace) -> Near {
+        if self.medium.flow == Flow::Overlay {
+            return self.overlay_before(near, gained, outward, &mut work.left);
+        }
+        let Near { point, flowing: sense, .. } = near;
         let (_, _, y) = self.medium.lines(sense).at_accumulated(point.accumulated);
         let top = y + sense * point.stress - self.limit(point.accumulated, point.back, sense);
         let (from, to) = (self.moved(sense, top - gained), self.moved(sense, top));
@@ -390,7 +405,7 @@ impl Faces {
             velocity: point.velocity - outward * sense * change,
             ..point
         };
-        Near { point, flowing: sense }
+        Near { point, ..near }
     }
 
     /// Velocity change along the curve from zero stress to y, and the line on which that is.

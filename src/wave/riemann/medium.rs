@@ -1,6 +1,6 @@
 //! What the Riemann problem needs to know of a bar's material and section, and the state of one of its points.
 
-use crate::law::Table;
+use crate::law::{Backbone, Table};
 
 /// How a point that has yielded behaves when its stress falls back.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -12,6 +12,9 @@ pub enum Flow {
         /// 0 isotropic, 1 kinematic. With different curves in tension and compression only 0 has a meaning.
         kinematic: f64,
     },
+    /// Elements in parallel, by their open reversals: kinematic hardening along a curve whose slopes fall, the same in
+    /// tension and compression, see [`crate::law::Overlay`].
+    Overlay,
 }
 
 /// State of a point of the bar. Strains are times E, so all but velocity and work are in Pa.
@@ -110,9 +113,22 @@ impl Lines {
         (k, self.z[k] + beyond, self.y[k] + self.slope[k] * beyond)
     }
 
+    /// z >= 0 at which the stress y >= 0 is first reached; the last knot for one above a level end.
+    pub fn z_at(&self, y: f64) -> f64 {
+        let k = self.y.partition_point(|&start| start < y).max(1) - 1;
+        self.z[k] + if self.slope[k] > 0.0 { (y - self.y[k]) / self.slope[k] } else { 0.0 }
+    }
+
     /// The line on which z >= 0 lies; at a knot the one behind it.
     pub fn at(&self, z: f64) -> usize {
         self.z.partition_point(|&start| start <= z).max(1) - 1
+    }
+}
+
+impl Backbone for Lines {
+    fn stress(&self, z: f64, _sign: f64) -> f64 {
+        let k = self.at(z);
+        self.y[k] + self.slope[k] * (z - self.z[k])
     }
 }
 
@@ -173,7 +189,11 @@ impl Medium {
     /// How far the stress of a point is past its yield stress, Pa; negative inside the elastic range. 0 where the
     /// curve is all the law.
     pub fn overstress(&self, point: &Point) -> f64 {
-        let Flow::Plastic { kinematic } = self.flow else { return 0.0 };
+        let kinematic = match self.flow {
+            Flow::PathIndependent => return 0.0,
+            Flow::Plastic { kinematic } => kinematic,
+            Flow::Overlay => 1.0,
+        };
         let over = |sense: f64| {
             let lines = self.lines(sense);
             let y = lines.at_accumulated(point.accumulated).2;

@@ -17,6 +17,7 @@
 
 mod face;
 mod medium;
+mod overlay;
 mod path;
 
 pub use face::{Faces, Flux, Near, Straight};
@@ -28,6 +29,8 @@ pub use path::{Emitted, Path};
 pub enum Side<'a> {
     /// A piece of bar.
     Bar(&'a Medium, &'a Point),
+    /// The same, at a face of a grid: as [`Faces::placed`] has it.
+    Face(&'a Medium, &'a Near),
     /// Something that answers a force F with the velocity change `compliance * (F - force)`: a rigid driver
     /// (compliance 0), or an elastic bar without end.
     Straight {
@@ -44,6 +47,7 @@ impl Side<'_> {
     fn force(&self) -> f64 {
         match *self {
             Self::Bar(medium, point) => medium.area * point.stress,
+            Self::Face(medium, near) => medium.area * near.point.stress,
             Self::Straight { force, .. } => force,
         }
     }
@@ -51,6 +55,7 @@ impl Side<'_> {
     fn velocity(&self) -> f64 {
         match *self {
             Self::Bar(_, point) => point.velocity,
+            Self::Face(_, near) => near.point.velocity,
             Self::Straight { velocity, .. } => velocity,
         }
     }
@@ -58,6 +63,7 @@ impl Side<'_> {
     fn fill(&self, path: &mut Path, sense: f64) {
         match *self {
             Self::Bar(medium, point) => path.fill(medium, point, sense),
+            Self::Face(medium, near) => path.fill_at_face(medium, near, sense),
             Self::Straight { force, compliance, .. } => path.fill_straight(force, compliance, sense),
         }
     }

@@ -5,7 +5,9 @@
 //! straight between knots. A wave that raises tau to tau* runs over the upper concave hull of the path up to tau*,
 //! one front an edge, `dv = d tau/(rho c)`, `rho c^2 = d tau/d eps`. Where slopes fall along the path the hull is the path.
 
+use super::face::Near;
 use super::medium::{Flow, Lines, Medium, Point};
+use crate::law::Reversals;
 
 /// Relative rounding of a stress that has been a force: of a product and a quotient.
 const CAP_ROUNDING: f64 = 4.0 * f64::EPSILON;
@@ -58,8 +60,17 @@ pub struct Path {
 }
 
 impl Path {
-    /// The path of a bar's point.
+    /// The path of a bar's point. In an overlay it is that of a point that has never been reversed.
     pub fn fill(&mut self, medium: &Medium, point: &Point, sense: f64) {
+        self.fill_with(medium, point, &Reversals::default(), sense);
+    }
+
+    /// The path of a side of a face.
+    pub fn fill_at_face(&mut self, medium: &Medium, near: &Near, sense: f64) {
+        self.fill_with(medium, &near.point, &near.reversals, sense);
+    }
+
+    fn fill_with(&mut self, medium: &Medium, point: &Point, reversals: &Reversals, sense: f64) {
         self.knots.clear();
         self.sense = sense;
         self.area = medium.area;
@@ -71,6 +82,7 @@ impl Path {
         match medium.flow {
             Flow::Plastic { kinematic } => self.fill_plastic(medium, kinematic),
             Flow::PathIndependent => self.fill_path_independent(medium),
+            Flow::Overlay => self.fill_overlay(medium, reversals),
         }
         self.sum_velocities();
     }
@@ -143,8 +155,34 @@ impl Path {
 
     /// Adds a knot, unless the line only goes on as before.
     fn push(&mut self, tau: f64, z: f64, slope: f64, compliance: f64) {
-        if self.knots.last().is_none_or(|last| last.slope != slope) {
+        let last = self.knots.last();
+        if last.is_none_or(|last| last.slope != slope) {
+            // A shift may take what follows a level stretch off it, by rounding: no strain is long enough for a rise along it.
+            let tau = last.filter(|last| last.slope == 0.0).map_or(tau, |last| last.tau);
             self.knots.push(Knot { tau, z, velocity: 0.0, slope, compliance });
+        }
+    }
+
+    /// Stress of the point, Pa.
+    pub(super) fn start_stress(&self) -> f64 {
+        self.start.stress
+    }
+
+    /// The elastic line from the start on, where E times the strain is `z` in the sense of the path, Pa.
+    pub(super) fn begin(&mut self, z: f64) {
+        self.returns = false;
+        let compliance = 1.0 / self.impedance2.sqrt();
+        self.knots.push(Knot { tau: self.sense * self.start.stress, z, velocity: 0.0, slope: 1.0, compliance });
+    }
+
+    /// A line from (tau, z) on, which may begin before the start.
+    pub(super) fn go_along(&mut self, tau: f64, z: f64, slope: f64, compliance: f64) {
+        let start = self.knots[0];
+        if tau - start.tau > self.round_off {
+            self.push(tau, z, slope, compliance);
+        } else {
+            self.knots.clear();
+            self.knots.push(Knot { slope, compliance, ..start });
         }
     }
 

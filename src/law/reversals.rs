@@ -1,0 +1,259 @@
+//! Masing's rule: the stress of a point that has been strained to and fro, from the loading curve and its open reversals.
+//!
+//! First loading follows the curve `f(z)`, z = E eps, mirrored for z < 0. Every later branch starts from a reversal at
+//! (`z_r`, `sigma_r`) and follows the curve doubled in size,
+//!
+//! ```text
+//! sigma = sigma_r + 2 f((z - z_r)/2),
+//! ```
+//!
+//! until it comes back to the reversal before. The loop between the two is then closed and forgotten, and the stress goes on
+//! along the branch in which the loop began (Madelung's rules); past the mirror image of the first reversal it is first loading
+//! again. With a curve that is straight between knots and whose slopes fall (`w_k = E_(k-1) - E_k > 0`), this is the stress of
+//! elastic-perfectly-plastic elements in parallel, of moduli `w_k` and the yield strains of the knots (Besseling's overlay).
+//!
+//! Sources: G. Masing, Proc. 2nd Int. Congr. Appl. Mech., Zurich 1926; J. F. Besseling, J. Appl. Mech. 25 (1958) 529;
+//! M. Brokate and J. Sprekels, Hysteresis and Phase Transitions, Springer 1996, chapter 2.
+
+use super::Backbone;
+
+/// Most reversals that a point remembers. Cycles of constant amplitude have 2 at most; a strain that swings to and fro ever less
+/// opens one more with every swing that yields.
+pub const MOST: usize = 8;
+
+/// Numbers of [`Reversals`] as the state of a cell.
+pub(super) const NUMBERS: usize = 3 + MOST;
+
+/// Halvings of an interval that leave nothing of it.
+const HALVINGS: usize = 64;
+
+/// The open reversals of a point. By default it has never yielded.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Reversals {
+    /// E times the strains of the reversals, outermost first, of which `open` count, Pa.
+    strains: [f64; MOST],
+    open: usize,
+    /// Stress at the latest of them, Pa.
+    stress: f64,
+    /// E times the strain at which the point last flowed, Pa.
+    tip: f64,
+}
+
+impl Reversals {
+    /// From the numbers of a cell.
+    pub(super) fn of(numbers: &[f64; NUMBERS]) -> Self {
+        let [open, stress, tip, strains @ ..] = *numbers;
+        Self { strains, open: open as usize, stress, tip }
+    }
+
+    /// As numbers of a cell: all 0 where it has never yielded.
+    pub(super) fn numbers(&self) -> [f64; NUMBERS] {
+        let mut numbers = [0.0; NUMBERS];
+        numbers[..3].copy_from_slice(&[self.open as f64, self.stress, self.tip]);
+        numbers[3..].copy_from_slice(&self.strains);
+        numbers
+    }
+
+    /// The point has never yielded.
+    pub(super) fn is_virgin(&self) -> bool {
+        self.open == 0 && self.tip == 0.0
+    }
+
+    /// Sense in which the point last flowed: +1 tension, -1 compression.
+    pub(crate) fn sense(&self) -> f64 {
+        1.0_f64.copysign(self.tip - self.start())
+    }
+
+    /// E times the strain at which the point last flowed, Pa.
+    pub(crate) fn tip(&self) -> f64 {
+        self.tip
+    }
+
+    /// Where the present branch starts.
+    fn start(&self) -> f64 {
+        if self.open == 0 { 0.0 } else { self.strains[self.open - 1] }
+    }
+
+    /// How much larger than the curve the present branch is.
+    fn size(&self) -> f64 {
+        if self.open == 0 { 1.0 } else { 2.0 }
+    }
+
+    /// Where the present branch, run in `sense`, meets the one that it goes over into.
+    pub(crate) fn end(&self, sense: f64) -> f64 {
+        match self.open {
+            0 => sense * f64::INFINITY,
+            1 => -self.strains[0],
+            open => self.strains[open - 2],
+        }
+    }
+
+    /// The present branch as a function of a curve's z and stress, magnitudes: E times the strain, and the stress, Pa.
+    pub(crate) fn place(&self, sense: f64, z: f64, stress: f64) -> (f64, f64) {
+        (self.start() + sense * self.size() * z, self.stress + sense * self.size() * stress)
+    }
+
+    /// z of the curve at which the present branch is at `strain`, Pa, signed.
+    pub(crate) fn on_curve(&self, strain: f64) -> f64 {
+        (strain - self.start()) / self.size()
+    }
+
+    /// Stress on the present branch, Pa.
+    pub(crate) fn stress_at(&self, curve: &impl Backbone, strain: f64) -> f64 {
+        self.stress + self.size() * mirrored(curve, self.on_curve(strain))
+    }
+
+    /// Stress at the latest reversal, from all of them.
+    fn stress_from_strains(&self, curve: &impl Backbone) -> f64 {
+        let rise = |pair: &[f64]| 2.0 * mirrored(curve, 0.5 * (pair[1] - pair[0]));
+        let open = &self.strains[..self.open];
+        open.first().map_or(0.0, |first| mirrored(curve, *first)) + open.windows(2).map(rise).sum::<f64>()
+    }
+
+    /// Flow to `strain` (E times it, Pa), which must lie outside the elastic range; returns the stress there. `last_knot` is z of
+    /// the curve's last knot: a branch that is as long has forgotten all before it.
+    pub(super) fn flow_to(&mut self, curve: &impl Backbone, last_knot: f64, strain: f64) -> f64 {
+        let sense = 1.0_f64.copysign(strain - self.tip);
+        self.turn(curve, sense);
+        self.close(curve, sense, strain);
+        if self.open >= 2 && sense * self.on_curve(strain) >= last_knot {
+            self.strains[0] = strain - 2.0 * sense * last_knot;
+            self.open = 1;
+            self.stress = self.stress_from_strains(curve);
+            self.close(curve, sense, strain);
+        }
+        self.tip = strain;
+        self.stress_at(curve, strain)
+    }
+
+    /// Run in `sense` from now on: where the point flowed in the other one last, it is reversed there.
+    pub(crate) fn turn(&mut self, curve: &impl Backbone, sense: f64) {
+        if self.is_virgin() || sense == self.sense() {
+            return;
+        }
+        if self.open == MOST {
+            return self.merge(curve);
+        }
+        self.strains[self.open] = self.tip;
+        self.open += 1;
+        self.stress = self.stress_from_strains(curve);
+    }
+
+    /// Closes the loops whose ends lie before `strain`.
+    fn close(&mut self, curve: &impl Backbone, sense: f64, strain: f64) {
+        let open = self.open;
+        while self.open > 0 && sense * (strain - self.end(sense)) > 0.0 {
+            self.open = self.open.saturating_sub(2);
+        }
+        if self.open < open {
+            self.stress = self.stress_from_strains(curve);
+        }
+    }
+
+    /// On to where the present branch ends, run in `sense`, and over into the one that it meets there. False where it has no end.
+    pub(crate) fn pass_end(&mut self, curve: &impl Backbone, sense: f64) -> bool {
+        let end = self.end(sense);
+        if end.is_finite() {
+            self.open = self.open.saturating_sub(2);
+            self.stress = self.stress_from_strains(curve);
+            self.tip = end;
+        }
+        end.is_finite()
+    }
+
+    /// Flow in `sense` to a stress, Pa, or back to it along the present branch. `z_at` is the curve's z at a stress, both >= 0;
+    /// up to `yield_stress` there the branch is elastic, and its reversal never was.
+    pub(crate) fn flow_to_stress(
+        &mut self,
+        curve: &impl Backbone,
+        z_at: impl Fn(f64) -> f64,
+        sense: f64,
+        stress: f64,
+        yield_stress: f64,
+    ) {
+        self.turn(curve, sense);
+        while sense * stress >= sense * self.stress_at(curve, self.end(sense)) && self.pass_end(curve, sense) {}
+        let z = z_at((sense * (stress - self.stress) / self.size()).max(0.0));
+        if z > yield_stress {
+            self.tip = self.start() + sense * self.size() * z;
+        } else if self.open > 0 {
+            self.open -= 1;
+            self.tip = self.strains[self.open];
+            self.stress = self.stress_from_strains(curve);
+        } else {
+            *self = Self::default();
+        }
+    }
+
+    /// A reversal at the tip for which there is no room. Of the four latest, tip included, the middle two are forgotten, and the
+    /// first is moved inwards such that strain and stress at the tip stay what they are: the point is as if it had come there by
+    /// way of this one. The outer loops stay exact; on the way back to them the stress is off. Measured for aluminium with a yield
+    /// stress of 95 MPa in 40 lines: by at most 4.2 MPa after 60 swings from a strain of 1 % on, each smaller than the one before by
+    /// 1 % to 20 %; and by at most 5.8 MPa in 300 histories of 100 random strains up to 1 % (it happened 0.4 times in each).
+    fn merge(&mut self, curve: &impl Backbone) {
+        let stress = self.stress_at(curve, self.tip);
+        let (mut inner, mut outer) = (self.strains[MOST - 1], self.strains[MOST - 3]);
+        let sense = 1.0_f64.copysign(outer - inner);
+        self.strains[MOST - 2] = self.tip;
+        self.open = MOST - 1;
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (inner + outer);
+            self.strains[MOST - 3] = middle;
+            if sense * (self.stress_from_strains(curve) - stress) > 0.0 {
+                inner = middle;
+            } else {
+                outer = middle;
+            }
+        }
+        self.stress = stress;
+        self.strains[MOST - 1] = 0.0;
+    }
+}
+
+/// The curve, odd in z.
+fn mirrored(curve: &impl Backbone, z: f64) -> f64 {
+    curve.stress(z.abs(), 1.0).copysign(z)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::law::{Searched, Table};
+    use crate::material::{Beyond, Curve};
+
+    fn curve() -> Searched {
+        let rows = [(1.0, 1.0), (2.0, 1.6), (4.0, 2.2), (7.0, 2.5)];
+        Searched(Table::new(&Curve::new(&rows, Beyond::Extend).expect("rows rise"), 1.0))
+    }
+
+    /// A point whose strain has swung ever less, at its last turn.
+    fn swung(turns: u32, ratio: f64) -> Reversals {
+        let mut point = Reversals::default();
+        for k in 0..turns {
+            point.flow_to(&curve(), 4.0, 3.0 * (-ratio).powi(k as i32));
+        }
+        point
+    }
+
+    #[test]
+    fn numbers_and_back() {
+        let point = swung(5, 0.9);
+        assert_eq!((point.open, Reversals::of(&point.numbers())), (4, point));
+        assert_eq!(Reversals::default().numbers(), [0.0; NUMBERS]);
+    }
+
+    #[test]
+    fn one_reversal_too_many_keeps_strain_and_stress() {
+        let full = swung(MOST as u32 + 1, 0.95);
+        assert_eq!(full.open, MOST);
+        let mut point = full;
+        let stress = point.stress_at(&curve(), point.tip());
+        point.turn(&curve(), -full.sense());
+        assert_eq!((point.open, point.tip(), point.stress), (MOST - 1, full.tip(), stress));
+        assert!((point.stress_from_strains(&curve()) - stress).abs() < 1e-14);
+        // Loops still lie in each other, and the outer ones are as they were.
+        assert_eq!(point.strains[..MOST - 3], full.strains[..MOST - 3]);
+        let ranges: Vec<f64> = point.strains[..point.open].windows(2).map(|w| (w[1] - w[0]).abs()).collect();
+        assert!(ranges.windows(2).all(|w| w[1] < w[0]), "{ranges:?}");
+    }
+}

@@ -1,0 +1,77 @@
+//! The effect `unloading`: how yielded points harden, and the rate that implies it.
+
+use super::super::raw::{RawEffects, RawUnloading};
+use super::super::{Effects, Method, Unloading};
+use super::Checker;
+use crate::bar::{Bar, Segment};
+use crate::error::Result;
+use crate::input::Allowed;
+use crate::law::Table;
+use crate::units::Dimension;
+
+impl Checker<'_> {
+    /// Hardening and rate; what else the scene names comes on top.
+    pub(super) fn effects(&self, raw: &RawEffects, bar: &Bar) -> Result<Effects> {
+        let rate = raw.rate.as_ref().map(|rate| self.rate(rate, bar)).transpose()?;
+        let Some(unloading) = &raw.unloading else {
+            // A curve that is followed both ways has no plastic strain that could take time or warm the bar.
+            let implied = rate.is_some() || raw.heat.is_some();
+            return Ok(Effects { unloading: implied.then_some(Unloading::Isotropic), rate, ..Effects::default() });
+        };
+        let key = "effects.unloading";
+        let kind = match unloading.get_ref() {
+            RawUnloading::Isotropic => Unloading::Isotropic,
+            RawUnloading::Kinematic => Unloading::Kinematic,
+            RawUnloading::Mixed(fraction) => {
+                let (key, range) = ("effects.unloading.mixed", Allowed::Within(0.0, 1.0));
+                Unloading::Mixed(self.document.number(fraction, key, Dimension::None, range)?)
+            }
+        };
+        let two_branches = bar.segments.iter().find(|s| s.material.compression.is_some());
+        if let (Some(segment), Unloading::Kinematic | Unloading::Mixed(_)) = (two_branches, kind) {
+            let name = &segment.material.name;
+            let message = format!("kinematic hardening needs one curve for both senses; `{name}` has two");
+            let help = "use unloading = \"isotropic\", or a material without a compression curve of its own";
+            return Err(self.error(unloading.span(), key, message).allowed("\"isotropic\"").help(help).into());
+        }
+        if overlays(raw)
+            && let Some(segment) = bar.segments.iter().find(|s| !table(s).is_concave())
+        {
+            let name = &segment.material.name;
+            let message = format!(
+                "kinematic hardening is that of elements in parallel, whose curve never stiffens; that of `{name}` does"
+            );
+            let help = "use unloading = { mixed = 1 }, which moves the elastic range along the curve by the accumulated \
+                        plastic strain, or unloading = \"isotropic\"";
+            let allowed = "\"isotropic\" or { mixed = 0 to 1 }";
+            return Err(self.error(unloading.span(), key, message).allowed(allowed).help(help).into());
+        }
+        Ok(Effects { unloading: Some(kind), rate, ..Effects::default() })
+    }
+
+    /// Front tracking keeps no reversals of the points between its fronts.
+    pub(super) fn hardening_can_be_tracked(&self, raw: &RawEffects, method: &Method, bar: &Bar) -> Result<()> {
+        let (Some(unloading), Method::FrontTracking { .. }, true) = (&raw.unloading, method, overlays(raw)) else {
+            return Ok(());
+        };
+        let Some(segment) = bar.segments.iter().find(|s| table(s).is_multilinear()) else { return Ok(()) };
+        let message = format!(
+            "front tracking follows kinematic hardening along one straight line only; `{}` hardens along several",
+            segment.material.name
+        );
+        let help = "use method = \"fd\", or unloading = { mixed = 1 }, which moves the elastic range along the curve by the \
+                    accumulated plastic strain";
+        let error = self.error(unloading.span(), "effects.unloading", message);
+        Err(error.allowed("\"isotropic\" or { mixed = 0 to 1 }").help(help).into())
+    }
+}
+
+/// Hardening is that of [`crate::law::Overlay`] wherever a curve has several lines of it. With a rate or heat it is not.
+fn overlays(raw: &RawEffects) -> bool {
+    let kinematic = raw.unloading.as_ref().is_some_and(|u| matches!(u.get_ref(), RawUnloading::Kinematic));
+    kinematic && raw.rate.is_none() && raw.heat.is_none()
+}
+
+fn table(segment: &Segment) -> Table {
+    Table::new(&segment.material.tension, segment.material.modulus)
+}

@@ -183,12 +183,14 @@ impl Document {
             return self.unknown_word(span, &key, &quoted);
         }
         if let (true, Some(name)) = (message.starts_with("missing field"), quoted.first()) {
-            return self.missing_key(span, &key, name);
+            // Without a table of its own the place is the whole file, whose first key is not to blame.
+            let table = self.text.get(span.clone()).is_some_and(|text| text.starts_with(['[', '{']));
+            return self.missing_key(span, if table { &key } else { "" }, name);
         }
         let tidy = plain_types(&message.trim().replace('\n', "; "), self.text.get(span.clone()).unwrap_or_default());
         if message.starts_with("duplicate key") {
             let twice = self.text.get(span.clone()).unwrap_or_default().trim().to_owned();
-            return self.error(span, &twice, "the key stands twice").help("keep one of the two");
+            return self.error(span, &twice, "duplicate key").help("keep one of the two");
         }
         let wrong_type = tidy.starts_with("found ");
         let help = match (wrong_type, tidy.split_once("expected ")) {
@@ -234,6 +236,9 @@ impl Document {
 
 /// The reader's words for types as users know them: `struct RawSolve` is a table. `value` is the text that it read.
 fn plain_types(message: &str, value: &str) -> String {
+    if message == "wanted string or table" {
+        return format!("found `{value}`, expected a word or a table");
+    }
     let Some((found, expected)) = message.split_once(", expected ") else { return message.to_owned() };
     let expected = match expected {
         "map" | "a map" => "a table",

@@ -14,7 +14,7 @@ pub mod destination;
 
 pub mod input;
 
-mod columns;
+pub mod columns;
 
 pub mod material;
 

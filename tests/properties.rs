@@ -174,7 +174,7 @@ fn check_muscl(
     let concave = |s: &Segment| Table::new(&s.material.tension, s.material.modulus).is_concave();
     let refused = !matches!(unloading, None | Some(Unloading::Isotropic)) && !segments.iter().all(concave);
     let unloading = if refused { Some(Unloading::Isotropic) } else { unloading };
-    let falls = segments.iter().any(|s| s.material.tension.stress.windows(2).any(|pair| pair[1] < pair[0]));
+    let falls = segments.iter().any(|s| s.material.tension.stress().windows(2).any(|pair| pair[1] < pair[0]));
     let mut bar = muscl::muscl(segments.to_vec(), ends, unloading, cells, cfl);
     let mut ledger = Ledger::new(&bar);
     for _ in 0..STEPS / 20 {

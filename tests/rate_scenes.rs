@@ -9,6 +9,9 @@ use barwave::run::{Wish, run};
 use barwave::scene::{Method, Rate, Scene, Unloading};
 use barwave::study::plan::plan;
 
+/// A process that is started while a result file is open takes its lock along.
+static FILES: std::sync::Mutex<()> = std::sync::Mutex::new(());
+
 const MODULUS: f64 = 200e9;
 const DENSITY: f64 = 7800.0;
 const YIELD: f64 = 200e6;
@@ -73,6 +76,7 @@ fn the_precursor_of_zerilli_and_armstrong_decays() {
     ] {
         let file = folder.path().join("scene.toml");
         std::fs::write(&file, at_300_kelvin(effects, solve, record)).expect("written");
+        let _alone = FILES.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         let output = std::process::Command::new(env!("CARGO_BIN_EXE_barwave"))
             .args(["run", "scene.toml", "-o", "out.h5"])
             .current_dir(folder.path())
@@ -121,6 +125,7 @@ fn a_run_shows_the_decay_of_the_precursor_in_its_fields_and_gauges() {
     let file = folder.path().join("rate.h5");
     let rest = "[record]\nframes = 2\nfields = [\"stress\", \"plastic_strain\"]\ngauges = { middle = 0.49995 }";
     let scene = scene(MALVERN, "cells = 10000", rest);
+    let _alone = FILES.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
     let summary = run(&scene, Some(&file), &mut |_| Wish::GoOn).expect("it runs");
     assert_eq!((summary.method.as_str(), summary.scheme.as_str()), ("moc", "characteristic-net"));
     assert_eq!(summary.outcome, "done");

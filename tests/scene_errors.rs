@@ -767,7 +767,7 @@ const CASES: &[Case] = &[
     ),
     // No TOML at all.
     case("length = \"1 m\"", "length = 1 m", "length", "", &["help: "]),
-    case("title = ", "title = \"twice\"\ntitle = ", "title", "title", &["the key stands twice", "keep one of the two"]),
+    case("title = ", "title = \"twice\"\ntitle = ", "title", "title", &["duplicate key", "keep one of the two"]),
 ];
 
 fn check(file: &Path) -> Output {

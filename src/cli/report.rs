@@ -29,10 +29,10 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: &Args) -> Result<()> {
+    let file = ResultFile::open(&args.file)?;
     let path = args.output.clone().unwrap_or_else(|| args.file.with_extension("svg"));
     let format = Format::of(&path)?;
     destination::resolve(&path)?;
-    let file = ResultFile::open(&args.file)?;
     if file.facts().method == ENERGY {
         let message = format!("{} has nothing to draw: it holds figures of the energy method", args.file.display());
         return Err(InputError::new(message).help("`barwave run` prints them; they are in its group `energy`").into());

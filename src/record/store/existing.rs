@@ -20,17 +20,28 @@ pub enum Existing {
     Other,
 }
 
+/// The first bytes of every HDF5 file.
+const SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
+
+fn start(path: &Path) -> std::io::Result<Vec<u8>> {
+    let mut start = Vec::new();
+    std::fs::File::open(path)?.take(SIGNATURE.len() as u64).read_to_end(&mut start)?;
+    Ok(start)
+}
+
+/// True of a file that starts as HDF5 files do.
+pub(super) fn has_signature(path: &Path) -> bool {
+    start(path).is_ok_and(|start| start == SIGNATURE)
+}
+
 /// Looks at a regular file.
 pub fn existing(path: &Path) -> Existing {
-    const SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
     if !path.exists() {
         return Existing::Nothing;
     }
-    let mut start = Vec::new();
-    let read = std::fs::File::open(path).and_then(|file| file.take(SIGNATURE.len() as u64).read_to_end(&mut start));
-    match (read, start.as_slice()) {
-        (Ok(_), []) => Existing::Nothing,
-        (Ok(_), start) if start == SIGNATURE => match File::open(path) {
+    match start(path) {
+        Ok(start) if start.is_empty() => Existing::Nothing,
+        Ok(start) if start == SIGNATURE => match File::open(path) {
             Ok(file) if get_text(&file, "format").is_ok_and(|format| format == "barwave") => Existing::Result,
             Err(error) if is_locked(&error) => Existing::InUse,
             _ => Existing::Other,

@@ -254,6 +254,9 @@ fn cannot_open(path: &Path, error: &hdf5::Error) -> InputError {
             "copy it again, or run its scene again",
         );
     }
+    if super::existing::has_signature(path) {
+        return wrong(path, "the file is damaged or was cut off", "copy it again, or run its scene again");
+    }
     wrong(path, "this is not an HDF5 file", "name a result file that `barwave run` wrote")
 }
 

@@ -119,7 +119,7 @@ impl Checker<'_> {
         let asked = value.get_ref().si(Dimension::None).unwrap_or(0.0);
         self.document.count(value, key, least, MOST_CELLS).map_err(|e| match e {
             Error::Input(mut e) if asked > MOST_CELLS as f64 && asked.is_finite() => {
-                e.message += &format!(": it takes about {:.1} GiB of memory", asked * BYTES_PER_CELL / GIB);
+                e.message += &format!(": as many take about {:.1} GiB of memory", asked * BYTES_PER_CELL / GIB);
                 e.into()
             }
             other => other,

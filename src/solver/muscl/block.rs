@@ -133,7 +133,9 @@ impl Block {
         for depth in 0..GHOSTS {
             let (to, from) = (self.outside(side, depth), other.inside(1 - side, depth));
             (self.sigma[to], self.v[to]) = (other.sigma[from], other.v[from]);
-            if (0..numbers).any(|number| other.state_at(number, from) != 0.0) {
+            let owed = other.owed.get(from).copied().unwrap_or(0.0);
+            // Both blocks must take the same slopes beside the face between them.
+            if owed < -part.most_owed || (0..numbers).any(|number| other.state_at(number, from) != 0.0) {
                 self.make_plastic(part);
             }
             if self.stage == Stage::Plastic {
@@ -141,7 +143,7 @@ impl Block {
                     let at = number * self.sigma.len() + to;
                     self.state[at] = other.state_at(number, from);
                 }
-                self.owed[to] = other.owed.get(from).copied().unwrap_or(0.0);
+                self.owed[to] = owed;
             }
         }
     }

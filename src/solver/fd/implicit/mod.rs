@@ -272,8 +272,8 @@ impl Implicit {
 
     /// Memory, bytes.
     pub fn bytes(&self) -> usize {
-        [&self.after, &self.change, &self.place, &self.rubbing, &self.shift].map(Vec::len).iter().sum::<usize>()
-            + self.matrix.len() * size_of::<f64>()
+        let nodes = [&self.after, &self.change, &self.place, &self.rubbing, &self.shift].map(Vec::len);
+        (nodes.iter().sum::<usize>() + self.matrix.len()) * size_of::<f64>()
     }
 }
 

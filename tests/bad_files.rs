@@ -136,7 +136,7 @@ fn what_would_take_too_much_is_refused_with_its_size() {
     let folder = tempfile::tempdir().expect("a folder");
     let text = SCENE.replace("MATERIAL", "\"mild-steel\"").replace("DRIVE", "value = -1");
     std::fs::write(folder.path().join("s.toml"), &text).expect("written");
-    let gauges: String = (0..3000).map(|i| format!("g{i} = 0.5\n")).collect();
+    let gauges = (0..3000).map(|i| format!("g{i} = 0.5")).collect::<Vec<_>>().join("\n");
     std::fs::write(folder.path().join("gauges.toml"), text.clone() + "[record.gauges]\n" + &gauges).expect("written");
     let set = |one: &'static str| ["run", "s.toml", "-o", "a.h5", "--set", one];
     assert_refused(

@@ -117,7 +117,7 @@ fn message(folder: &Path, what: &str, arguments: &[&str]) -> String {
     let text = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!((output.status.code(), output.stdout.len()), (Some(2), 0), "{what}: {text}");
     assert_eq!((text.matches("error: ").count(), text.matches("\nhelp: ").count()), (1, 1), "{what}: {text}");
-    let quoted: String = what.lines().map(|line| format!("## {line}\n")).collect();
+    let quoted: String = what.lines().flat_map(|line| ["## ", line, "\n"]).collect();
     format!("{quoted}{text}\n")
 }
 

@@ -1,5 +1,6 @@
 //! `barwave run`: simulates one scene, shows how far it is, and sums up.
 
+use std::fmt::Write as _;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -18,6 +19,7 @@ use crate::units::{Dimension, System, format};
 
 /// Options of `barwave run`.
 #[derive(Debug, clap::Args)]
+#[expect(clippy::struct_excessive_bools, reason = "one a flag")]
 pub(crate) struct Args {
     /// The scene file; `-` reads standard input.
     #[arg(value_name = "SCENE.toml")]
@@ -112,10 +114,11 @@ fn default_name(name: &str, overrides: &[String]) -> String {
     const LONGEST: usize = 100;
     let plain = |c: char| c.is_ascii_alphanumeric() || ".+-=".contains(c);
     let readable = |set: &String| set.chars().map(|c| if plain(c) { c } else { '-' }).collect::<String>();
-    let mut suffix: String = overrides.iter().map(|set| std::format!("_{}", readable(set))).collect();
+    let mut suffix: String = overrides.iter().flat_map(|set| ["_".to_owned(), readable(set)]).collect();
     if suffix.len() > LONGEST || overrides.iter().any(|set| !set.chars().all(plain)) {
         suffix.truncate(LONGEST);
-        suffix += &std::format!("_{:08x}", code(overrides));
+        // Writing to a String cannot fail.
+        let _ = write!(suffix, "_{:08x}", code(overrides));
     }
     std::format!("{name}{suffix}.h5")
 }

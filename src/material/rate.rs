@@ -196,8 +196,8 @@ impl RawRate {
             document.error(span, &format!("{key}.{constant}"), message).help(help)
         };
         let own: Vec<&str> = model.constants().iter().map(|c| c.key).collect();
-        let others = RateModel::ALL.iter().flat_map(|law| law.constants()).filter(|c| !own.contains(&c.key));
-        if let Some((other, value)) = others.filter_map(|c| Some((c, (c.of)(self)?))).next() {
+        let mut others = RateModel::ALL.iter().flat_map(|law| law.constants()).filter(|c| !own.contains(&c.key));
+        if let Some((other, value)) = others.find_map(|c| Some((c, (c.of)(self)?))) {
             let message = format!("is not a constant of model = \"{}\"", model.name());
             return Err(error(value.span(), other.key, message).allowed(own.join(", ")).into());
         }

@@ -103,7 +103,7 @@ impl<const N: usize> Cell<'_, N> {
             limit: limit(end.softening, &end.history) - limit(self.softening, &self.history),
             flow_stress: [stress(self.softening, &self.history), stress(end.softening, &end.history)],
         };
-        law.answer(driven, 1.0, flow, course)
+        course.answer(driven, 1.0, flow)
     }
 }
 

@@ -88,6 +88,27 @@ struct Course {
     flow_stress: [f64; 2],
 }
 
+impl Course {
+    /// What flows if the static curve goes on as it does along a flow of `flow` > 0: it is taken as straight between the
+    /// ends, and a law that asks for the static stress is one of x/f, whose end then is at the end's f.
+    fn answer(&self, driven: Driven, share: f64, flow: f64) -> f64 {
+        let Driven { excess, rise, time } = driven;
+        if flow <= 0.0 {
+            return self.law.flow(driven, share, self.flow_stress[0]);
+        }
+        let [start, end] = self.flow_stress;
+        let (gain, f) = (share + self.limit / flow, 0.5 * (start + end));
+        if !self.law.needs_static_stress() {
+            return self.law.flow(driven, gain, f);
+        }
+        // With u = x/f: f du = rise - (gain + u df/dp) dp.
+        let left = (excess + rise - share * flow - self.limit).max(0.0);
+        let mean = 0.5 * (excess / start + left / end);
+        let driven = Driven { excess: excess / start * f, rise, time };
+        self.law.flow(driven, gain + mean * (end - start) / flow, f)
+    }
+}
+
 /// A rate-dependent law over a static curve.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RateLaw {
@@ -192,36 +213,17 @@ impl RateLaw {
             let answer = |flow: f64| {
                 let at = self.side(sense).piece_at(p + flow, k as u32);
                 let end = pieces[at as usize].at(p + flow);
-                self.answer(driven, share, flow, Course { law, limit: end - f, flow_stress: [f, end] })
+                Course { law, limit: end - f, flow_stress: [f, end] }.answer(driven, share, flow)
             };
             flow = root(flow.min(most), [room, most.max(room)], size, answer);
         } else if piece.slope > 0.0 && self.overstress.needs_static_stress() {
             let answer = |flow: f64| {
                 let limit = piece.slope * flow;
-                self.answer(driven, share, flow, Course { law, limit, flow_stress: [f, f + limit] })
+                Course { law, limit, flow_stress: [f, f + limit] }.answer(driven, share, flow)
             };
             flow = root(flow, [0.0, room.min(most)], size, answer);
         }
         flow
-    }
-
-    /// What flows if the static curve goes on as it does along a flow of `flow` > 0: it is taken as straight between the
-    /// ends, and a law that asks for the static stress is one of x/f, whose end then is at the end's f.
-    fn answer(&self, driven: Driven, share: f64, flow: f64, course: Course) -> f64 {
-        let Driven { excess, rise, time } = driven;
-        if flow <= 0.0 {
-            return course.law.flow(driven, share, course.flow_stress[0]);
-        }
-        let [start, end] = course.flow_stress;
-        let (gain, f) = (share + course.limit / flow, 0.5 * (start + end));
-        if !course.law.needs_static_stress() {
-            return course.law.flow(driven, gain, f);
-        }
-        // With u = x/f: f du = rise - (gain + u df/dp) dp.
-        let left = (excess + rise - share * flow - course.limit).max(0.0);
-        let mean = 0.5 * (excess / start + left / end);
-        let driven = Driven { excess: excess / start * f, rise, time };
-        course.law.flow(driven, gain + mean * (end - start) / flow, f)
     }
 
     /// Takes a history on by a flow (>= 0) in a sense.

@@ -252,15 +252,13 @@ impl Writer {
     }
 
     fn send(&mut self, message: Message) -> Result<()> {
-        match self.sender.as_ref().map(|s| s.send(message).is_ok()) {
-            Some(true) => Ok(()),
-            // The thread is gone, and its result says why.
-            _ => {
-                self.join()?;
-                let closed = || "the file is closed already".to_owned();
-                Err(Error::file(&self.path, self.failure.clone().unwrap_or_else(closed)))
-            }
+        if self.sender.as_ref().is_some_and(|sender| sender.send(message).is_ok()) {
+            return Ok(());
         }
+        // The thread is gone, and its result says why.
+        self.join()?;
+        let closed = || "the file is closed already".to_owned();
+        Err(Error::file(&self.path, self.failure.clone().unwrap_or_else(closed)))
     }
 
     fn join(&mut self) -> Result<()> {

@@ -15,6 +15,7 @@ mod section;
 mod solve;
 mod torsion;
 
+use std::fmt::Write as _;
 use std::ops::Range;
 use std::path::Path;
 
@@ -119,7 +120,8 @@ impl Checker<'_> {
         let asked = value.get_ref().si(Dimension::None).unwrap_or(0.0);
         self.document.count(value, key, least, MOST_CELLS).map_err(|e| match e {
             Error::Input(mut e) if asked > MOST_CELLS as f64 && asked.is_finite() => {
-                e.message += &format!(": as many take about {:.1} GiB of memory", asked * BYTES_PER_CELL / GIB);
+                // Writing to a String cannot fail.
+                let _ = write!(e.message, ": as many take about {:.1} GiB of memory", asked * BYTES_PER_CELL / GIB);
                 e.into()
             }
             other => other,

@@ -1,5 +1,7 @@
 //! What is recorded: frame times, fields, gauges, and whether all of it can be meant.
 
+use std::fmt::Write as _;
+
 use toml::Spanned;
 
 use super::super::raw::{RawCompression, RawPrecision, RawRecord};
@@ -106,8 +108,9 @@ impl Checker<'_> {
         self.document.count(value, "record.frames", 1, MOST_FRAMES).map_err(|e| match e {
             Error::Input(mut e) if asked > MOST_FRAMES as f64 && asked.is_finite() => {
                 let each = 8.0 * SAMPLES as f64;
-                e.message +=
-                    &std::format!(": of {SAMPLES} samples and one field they are {:.0} GiB", asked * each / GIB);
+                // Writing to a String cannot fail.
+                let _ =
+                    write!(e.message, ": of {SAMPLES} samples and one field they are {:.0} GiB", asked * each / GIB);
                 e.into()
             }
             other => other,

@@ -80,7 +80,8 @@ fn exceeded(bound: &Bound, [stress, strain, velocity]: [f64; 3]) -> Option<Strin
         _ => (strain, Dimension::None),
     };
     let most = bound.value.parse::<Quantity>().ok().and_then(|value| value.si(dimension).ok()).unwrap_or(0.0);
-    (!(largest <= most)).then(|| format!("{} reaches {largest:.4e}, more than {}", bound.field, bound.value))
+    (largest.is_nan() || largest > most)
+        .then(|| format!("{} reaches {largest:.4e}, more than {}", bound.field, bound.value))
 }
 
 fn check_ledger(rows: &[LedgerRow]) -> Vec<String> {

@@ -108,9 +108,10 @@ pub fn run_case(
     match run::run(&scene, Some(&output), progress) {
         Ok(summary) => {
             tried.outcome = summary.outcome;
-            tried.energy_residual = Some(summary.ledger.energy_residual);
-            if !(summary.ledger.energy_residual <= checks::MOST_RESIDUAL) {
-                tried.failed.push(format!("the energy residual is {:.1e}", summary.ledger.energy_residual));
+            let residual = summary.ledger.energy_residual;
+            tried.energy_residual = Some(residual);
+            if residual.is_nan() || residual > checks::MOST_RESIDUAL {
+                tried.failed.push(format!("the energy residual is {residual:.1e}"));
             }
         }
         Err(Error::Run(error)) => (tried.outcome, tried.reason) = ("stopped".to_owned(), error.reason),

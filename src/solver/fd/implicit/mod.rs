@@ -175,11 +175,11 @@ impl Implicit {
             self.rub_nodes();
             let [(first, left_rests), (second, right_rests)] = self.rub_ends(time, pulls, [&*left, &*right]);
             self.move_ends(time, [first, second], blocks, left, right);
-            [(left_rests, &mut *left), (right_rests, &mut *right)].into_iter().for_each(|(rests, end)| {
+            for (rests, end) in [(left_rests, &mut *left), (right_rests, &mut *right)] {
                 if rests {
                     end.stop();
                 }
-            });
+            }
         }
         let changes = [&*left, &*right].map(|end| end.velocity_after() - end.velocity_before());
         self.matrix.follow_ends(changes, &mut self.change);

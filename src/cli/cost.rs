@@ -4,14 +4,13 @@ use std::fmt::Write as _;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::output;
 use super::scratch::Scratch;
+use super::{interrupt, output};
 use crate::destination;
 use crate::error::{Error, InputError, Result};
 use crate::record::SolvedBy;
@@ -72,10 +71,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         return Err(InputError::new(message).help("`barwave cost` runs the scene many times; name a file").into());
     }
     let scene = Scene::read(&args.scene, &args.overrides)?;
-    let stop = Arc::new(AtomicBool::new(false));
-    let asked = Arc::clone(&stop);
-    // A handler can only be missing where another one is set already; the study then ends as that one says.
-    let _ = ctrlc::set_handler(move || asked.store(true, Ordering::Relaxed));
+    let stop = interrupt::flag();
     let bar = progress_bar(args.quiet || args.json, budget);
     let scratch = Scratch::new("cost")?;
     let mut whole = |overrides: &[String], most: f64| time(&scratch, &args.scene, overrides, most, &stop);

@@ -4,6 +4,7 @@ mod check;
 mod compare;
 mod cost;
 mod critical;
+mod interrupt;
 mod materials;
 mod message;
 mod new;

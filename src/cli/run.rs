@@ -3,12 +3,11 @@
 use std::fmt::Write as _;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::output;
+use super::{interrupt, output};
 use crate::destination;
 use crate::error::{Error, InputError, Result};
 use crate::record::store::{self, Existing};
@@ -61,10 +60,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     };
     scene.solve.estimate_error = args.estimate_error;
     let path = output_path(args, &scene.name)?;
-    let stop = Arc::new(AtomicBool::new(false));
-    let asked = Arc::clone(&stop);
-    // A handler can only be missing where another one is set already; the run then ends as that one says.
-    let _ = ctrlc::set_handler(move || asked.store(true, Ordering::Relaxed));
+    let stop = interrupt::flag();
     let bar = progress_bar(args.quiet || args.json);
     let summary = run::run(&scene, Some(&path), &mut |at: Progress| {
         show_progress(&bar, &at, args.quiet || args.json);

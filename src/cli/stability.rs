@@ -2,11 +2,10 @@
 
 use std::fmt::Write as _;
 use std::path::PathBuf;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 
-use super::output;
 use super::scratch::Scratch;
+use super::{interrupt, output};
 use crate::destination;
 use crate::error::{Error, InputError, Result};
 use crate::report::plot;
@@ -64,10 +63,7 @@ fn select(names: &[String]) -> Result<Vec<&'static HardCase>> {
 }
 
 fn try_all(cases: &[&'static HardCase], shows: bool) -> Result<Vec<Tried>> {
-    let stop = Arc::new(AtomicBool::new(false));
-    let asked = Arc::clone(&stop);
-    // A handler can only be missing where another one is set already; the study then ends as that one says.
-    let _ = ctrlc::set_handler(move || asked.store(true, Ordering::Relaxed));
+    let stop = interrupt::flag();
     let folder = Scratch::new("stability")?;
     let mut tried = Vec::new();
     for case in cases {

@@ -217,7 +217,6 @@ impl<'a, S: Stepped> Run<'a, S> {
         RunError { reason, time: self.bar.time(), x, help: help.to_owned() }.into()
     }
 
-    /// Hands what was found to the book, which closes the file, whatever the end was.
     /// # Errors
     /// A method that gave the bar more energy than its errors on a coarse grid explain: a result that must not pass for one.
     fn takes_energy(&self) -> Result<()> {
@@ -235,6 +234,7 @@ impl<'a, S: Stepped> Run<'a, S> {
         .into())
     }
 
+    /// Hands what was found to the book, which closes the file, whatever the end was.
     fn finish(mut self, ended: Result<()>, error: Option<ErrorFigure>) -> Result<Summary> {
         let ended = ended.and_then(|()| self.takes_energy());
         self.write_traces()?;

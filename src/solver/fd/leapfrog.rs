@@ -16,7 +16,7 @@ use super::stretch::{Common, Stretch};
 use super::sweep::division;
 use super::taper::BlockTaper;
 use crate::bar::{Bar, EndCondition};
-use crate::law::{DataEnd, FirstPassed, RowLaw, StrainedRow};
+use crate::law::{DataEnd, RowLaw};
 
 /// The law of one segment, as assembled from its material and the effects.
 #[derive(Clone)]
@@ -27,13 +27,6 @@ pub struct SegmentLaw {
     pub yield_stress: f64,
     /// Where its data end.
     pub end: DataEnd,
-}
-
-impl SegmentLaw {
-    /// Notes the cells of a row that have come to a limit of what the law knows.
-    pub fn note_limits(&self, row: &StrainedRow<'_>, passed: &mut FirstPassed) {
-        self.law.note_limits(&self.end, row, passed);
-    }
 }
 
 /// What a bar logged, step by step.

@@ -37,7 +37,8 @@ pub(super) struct Block {
     pub v: Vec<f64>,
     /// Law state, empty until the block yields.
     pub state: Vec<f64>,
-    /// What the scheme's slopes gave to every cell and it has not taken back, W/m^2, <= 0; empty until the block yields.
+    /// What the scheme's slopes gave to every cell and it has not taken back, W/m^2, <= 0; empty until the block yields, and along
+    /// curves without a level stretch.
     pub owed: Vec<f64>,
     /// What goes through the first and the last face, where that is an end or a joint.
     pub outer: [Option<Flux>; 2],
@@ -107,13 +108,17 @@ impl Block {
 
     /// True where a cell has no slopes: in a shock, or next to it; where the scheme has given energy, or next to there.
     pub fn is_first_order(&self, part: &Part, i: usize) -> bool {
-        let owes = |i: usize| self.owed.get(i).is_some_and(|&owed| owed < -part.most_owed);
-        [i - 1, i, i + 1].into_iter().any(owes) || self.in_shock(part, i)
+        [i - 1, i, i + 1].into_iter().any(|i| self.owes(part, i)) || self.in_shock(part, i)
+    }
+
+    /// True where slopes gave a cell more energy than they may.
+    fn owes(&self, part: &Part, i: usize) -> bool {
+        self.owed.get(i).zip(part.most_owed).is_some_and(|(&owed, most)| owed < -most)
     }
 
     /// Takes down what the scheme took from its own cells in a step.
     pub fn note_owed(&mut self, lost: &[f64]) {
-        for (owed, lost) in self.owed[GHOSTS..].iter_mut().zip(lost) {
+        for (owed, lost) in self.owed.iter_mut().skip(GHOSTS).zip(lost) {
             *owed = (*owed + lost).min(0.0);
         }
     }
@@ -123,7 +128,7 @@ impl Block {
         if self.stage != Stage::Plastic {
             self.stage = Stage::Plastic;
             self.state = vec![0.0; part.law.law.state_len() * self.sigma.len()];
-            self.owed = vec![0.0; self.sigma.len()];
+            self.owed = vec![0.0; if part.most_owed.is_some() { self.sigma.len() } else { 0 }];
         }
     }
 
@@ -133,9 +138,8 @@ impl Block {
         for depth in 0..GHOSTS {
             let (to, from) = (self.outside(side, depth), other.inside(1 - side, depth));
             (self.sigma[to], self.v[to]) = (other.sigma[from], other.v[from]);
-            let owed = other.owed.get(from).copied().unwrap_or(0.0);
             // Both blocks must take the same slopes beside the face between them.
-            if owed < -part.most_owed || (0..numbers).any(|number| other.state_at(number, from) != 0.0) {
+            if other.owes(part, from) || (0..numbers).any(|number| other.state_at(number, from) != 0.0) {
                 self.make_plastic(part);
             }
             if self.stage == Stage::Plastic {
@@ -143,7 +147,9 @@ impl Block {
                     let at = number * self.sigma.len() + to;
                     self.state[at] = other.state_at(number, from);
                 }
-                self.owed[to] = owed;
+                if let Some(owed) = self.owed.get_mut(to) {
+                    *owed = other.owed.get(from).copied().unwrap_or(0.0);
+                }
             }
         }
     }

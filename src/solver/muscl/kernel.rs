@@ -251,9 +251,7 @@ pub(super) fn plastic(block: &mut Block, part: &Part, scratch: &mut Scratch) {
     law.strain(&increment[..row], &mut block.sigma, &mut block.state, work);
     block.plastic += work[GHOSTS..row - GHOSTS].iter().sum::<f64>();
     block.lost += push(part.kick, &mut block.v, &stress[..row], &block.sigma, through, lost);
-    if part.has_level {
-        block.note_owed(&lost[..row - 2 * GHOSTS]);
-    }
+    block.note_owed(&lost[..row - 2 * GHOSTS]);
 }
 
 /// Slopes of stress, half a step's strain, and velocities at the faces.
@@ -285,7 +283,7 @@ fn carry_motion(elastic: Elastic, sigma: &[f64], v: &[f64], scratch: &mut Scratc
 fn flatten(block: &Block, part: &Part, scratch: &mut Scratch) {
     let row = block.sigma.len();
     scratch.flat[..row].fill(false);
-    if part.stiffens.is_none() && !part.has_level {
+    if part.stiffens.is_none() && part.most_owed.is_none() {
         return;
     }
     let Scratch { carried, increment, slope, flat, .. } = scratch;
@@ -358,7 +356,7 @@ fn carry_history(block: &Block, part: &Part, scratch: &mut Scratch) {
     for ((left, right), (sigma, slope)) in faces.zip(ahead.sigma.iter().zip(slope)).take(row) {
         (*left, *right) = (sigma - 0.5 * *slope, sigma + 0.5 * *slope);
     }
-    if !part.has_level {
+    if part.most_owed.is_none() {
         return;
     }
     for i in (1..row - 1).filter(|&i| ahead.work[i] != 0.0) {
@@ -493,12 +491,13 @@ pub(super) fn near(block: &Block, part: &Part, side: usize, state: &mut Vec<f64>
     law.strain(&[half_strain], &mut stress, state, &mut flow);
     let reversals = law.reversals(&block.state, i);
     let (accumulated, back) = (law.accumulated(state, 0), law.back_stress(state, 0));
-    let point = Point { stress: stress[0] + outward * ds, velocity, accumulated, back, ..Point::default() };
+    let mut point = Point { stress: stress[0] + outward * ds, velocity, accumulated, back, ..Point::default() };
     if flow[0] == 0.0 {
         return Near { point, flowing: 0.0, reversals };
     }
-    let cap = if part.has_level { cap(stress[0], s, i) } else { point.stress };
-    let point = Point { stress: capped(point.stress, cap), ..point };
+    if part.most_owed.is_some() {
+        point.stress = capped(point.stress, cap(stress[0], s, i));
+    }
     let sense = if stress[0] < back { -1.0 } else { 1.0 };
     let start = part.faces.limit(law.accumulated(&block.state, i), law.back_stress(&block.state, i), sense);
     let gained = (sense * stress[0] - start).max(0.0);

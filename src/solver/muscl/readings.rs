@@ -126,7 +126,8 @@ impl Muscl {
             let (sigma, state, cells) = (&block.sigma[..], &block.state[..], GHOSTS..block.sigma.len() - GHOSTS);
             let (first, segment) = (block.cells.start, block.part);
             let row = StrainedRow { sigma, state, cells, first, segment, step: self.step };
-            self.parts[block.part].law.note_limits(&row, &mut self.passed);
+            let law = &self.parts[block.part].law;
+            law.law.note_limits(&law.end, &row, &mut self.passed);
         }
     }
 

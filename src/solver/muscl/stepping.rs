@@ -38,10 +38,8 @@ pub struct Part {
     pub(super) stiffens: Option<[Vec<f64>; 2]>,
     /// Stress up to which everything is elastic, Pa.
     pub(super) limit: f64,
-    /// The curve has a level or falling stretch.
-    pub(super) has_level: bool,
-    /// Energy that slopes may give to a cell, W/m^2; looked at where the curve has a level stretch.
-    pub(super) most_owed: f64,
+    /// Energy that slopes may give to a cell, W/m^2, where the curve has a level or falling stretch; none along other curves.
+    pub(super) most_owed: Option<f64>,
 }
 
 impl Part {
@@ -59,8 +57,7 @@ impl Part {
             kick: dt / (segment.material.density * grid.dx),
             stiffens: Some(faces.stiffenings()).filter(|all| all.iter().any(|knots| !knots.is_empty())),
             limit,
-            has_level: faces.has_level(),
-            most_owed: MOST_OWED * limit * limit / (2.0 * gain),
+            most_owed: faces.has_level().then(|| MOST_OWED * limit * limit / (2.0 * gain)),
             faces,
             law,
         }

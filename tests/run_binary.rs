@@ -327,6 +327,23 @@ fn stepped_bar() {
     assert_eq!((&summary["above_critical"], &summary["effects"]), (&false.into(), &Value::Array(vec![])));
 }
 
+/// The summary prints the final length; tests/taylor_cylinders.rs compares it with measurements.
+#[test]
+fn taylor_cylinder() {
+    let summary = run("taylor-6061-t6.toml", &[]);
+    assert_contract(&summary, "taylor-6061-t6.toml");
+    let length = |key: &str| summary["lengths"][0][key].as_f64().expect("a length");
+    assert!((length("initial_m") - 23.47e-3).abs() < 1e-15);
+    assert!((0.66..0.70).contains(&(length("unloaded_m") / length("initial_m"))), "{summary}");
+    assert!((length("final_m") / length("unloaded_m") - 1.0).abs() < 0.01, "{summary}");
+    let folder = tempfile::tempdir().expect("a folder");
+    let sets = ["--set", "effects.rate=material", "--set", "effects.lateral-inertia=true", "--set", "solve.method=fd"];
+    let scene = runs().join("taylor-6061-t6.toml").display().to_string();
+    let output = barwave(folder.path(), &[&["run", &scene], &sets[..]].concat());
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(text.contains("final length"), "{text}{}", String::from_utf8_lossy(&output.stderr));
+}
+
 #[test]
 fn tapered_horn() {
     let sets = ["solve.method=moc", "solve.front-tolerance=0.002", "solve.cells=", "solve.until=\"110 us\""];

@@ -11,7 +11,9 @@ use super::{interrupt, output};
 use crate::destination;
 use crate::error::{Error, InputError, Result};
 use crate::record::store::{self, Existing};
-use crate::record::{AuditRow, AutoChoice, ChoiceSummary, EndSummary, FrontSummary, RuptureSummary, Summary};
+use crate::record::{
+    AuditRow, AutoChoice, ChoiceSummary, EndSummary, FrontSummary, LengthSummary, RuptureSummary, Summary,
+};
 use crate::run::{self, Progress, Wish};
 use crate::scene::{Problem, SpecimenScene};
 use crate::units::{Dimension, System, format};
@@ -49,6 +51,9 @@ pub(crate) struct Args {
 
 /// Length of the progress bar of a run that has no steps.
 const TICKS: u64 = 1000;
+
+/// Segments whose plastic strain is smaller on the mean are listed without a length.
+const LEAST_STRAIN: f64 = 1e-6;
 
 /// Fronts that the summary lists one by one; a curve of many knots has as many fronts.
 const LISTED_FRONTS: usize = 12;
@@ -225,6 +230,7 @@ fn text(s: &Summary, units: System) -> String {
             line("striker", std::format!("velocity {}", show(velocity, Dimension::Velocity)));
         }
     }
+    length_lines(s, units).into_iter().for_each(|(label, value)| line(&label, value));
     if let Some(check) = &s.elastic_check {
         let (found, expected) = (show(check.stress, Dimension::Stress), show(check.expected, Dimension::Stress));
         line("elastic check", std::format!("{found} against rho c0 v = {expected}, relative {:.1e}", check.relative));
@@ -270,6 +276,20 @@ fn text(s: &Summary, units: System) -> String {
     lines.extend(note_lines(&s.notes));
     lines.extend(audit_lines(&s.audit));
     lines.join("\n") + "\n"
+}
+
+/// Lengths of segments that flowed, with a label each.
+fn length_lines(s: &Summary, units: System) -> Vec<(String, String)> {
+    let show = |length| format(length, Dimension::Length, units);
+    let text = |length: &LengthSummary| {
+        let [at_end, unloaded] = [length.at_end, length.unloaded].map(show);
+        let share = length.unloaded / length.initial;
+        std::format!("{at_end}, unloaded {unloaded} ({share:.4} of {})", show(length.initial))
+    };
+    let label =
+        |k: usize| if s.lengths.len() == 1 { "final length".into() } else { std::format!("segment {} length", k + 1) };
+    let flowed = |length: &LengthSummary| (length.unloaded - length.initial).abs() > LEAST_STRAIN * length.initial;
+    s.lengths.iter().enumerate().filter(|(_, l)| flowed(l)).map(|(k, l)| (label(k), text(l))).collect()
 }
 
 fn tolerance_text(choice: &ChoiceSummary) -> String {

@@ -7,6 +7,7 @@ mod frames;
 mod fronts;
 mod grid_view;
 mod ledger;
+mod length;
 mod step_gauges;
 pub mod store;
 mod summary;
@@ -30,6 +31,7 @@ pub use energy::{ENERGY, EnergySummary};
 pub use frames::{Frames, Twisted, read_frame};
 pub use fronts::FrontTracker;
 pub use ledger::Ledger;
+pub use length::LengthSummary;
 pub use step_gauges::StepGauges;
 pub use summary::{
     AutoChoice, ChoiceSummary, ElasticCheck, EndSummary, ErrorFigure, FrontSummary, LedgerSummary, RuptureSummary,

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::AuditRow;
+use super::{AuditRow, LengthSummary};
 use crate::law::rupture::{Cause, Rupture};
 
 /// What `barwave run` says of a run. The keys are the contract's.
@@ -39,6 +39,9 @@ pub struct Summary {
     pub left: EndSummary,
     /// Right end at the end time.
     pub right: EndSummary,
+    /// Lengths of the segments, left to right; left out in torsion.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub lengths: Vec<LengthSummary>,
     /// What only a bar in torsion has.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub torsion: Option<TorsionSummary>,

@@ -25,8 +25,8 @@ use crate::material::Sense;
 use crate::record::store::{Finish, Header, Layout, Side, Writer};
 use crate::record::{
     self, AuditRow, AutoChoice, Case, ElasticCheck, EndSummary, ErrorFigure, FrontRow, FrontSummary, Ledger,
-    LedgerSummary, MaterialRecord, Off, RuptureSummary, Summary, TorsionSummary, Trace, TrackingSummary, Twisted, View,
-    above_critical,
+    LedgerSummary, LengthSummary, MaterialRecord, Off, RuptureSummary, Summary, TorsionSummary, Trace, TrackingSummary,
+    Twisted, View, above_critical,
 };
 use crate::scene::{Effects, Method, Scene, Torsion};
 use crate::wave::similarity;
@@ -201,6 +201,8 @@ struct Findings {
     ruptures: Option<Vec<Rupture>>,
     /// Largest rise in temperature, K, with the effect of heat.
     temperature_rise: Option<f64>,
+    /// Elongation of each simulated segment and the plastic part of it, m.
+    stretch: Vec<[f64; 2]>,
     paths_complete: bool,
 }
 
@@ -321,6 +323,7 @@ impl<'a> Book<'a> {
             end_time_s: findings.end_time,
             left,
             right,
+            lengths: lengths(self.scene, &findings.stretch),
             torsion: self.scene.torsion.as_ref().map(|torsion| torsion_summary(torsion, [left, right])),
             fronts: findings.fronts.iter().map(FrontSummary::from).collect(),
             critical_velocity: self.critical,
@@ -337,6 +340,20 @@ impl<'a> Book<'a> {
             output: self.output,
         }
     }
+}
+
+/// Lengths of the segments of the scene that was asked for; none in torsion, where strains are shear strains.
+fn lengths(scene: &Scene, stretch: &[[f64; 2]]) -> Vec<LengthSummary> {
+    if scene.torsion.is_some() {
+        return Vec::new();
+    }
+    let asked = scene.cut.as_ref().map_or(scene, |cut| &cut.asked);
+    let mut lengths: Vec<_> = asked.bar.segments.iter().map(|s| LengthSummary::undeformed(s.length)).collect();
+    for (k, &[elongation, plastic]) in stretch.iter().enumerate() {
+        let segment = scene.cut.as_ref().map_or(k, |cut| cut.of[k]);
+        lengths[segment].stretch(elongation, plastic);
+    }
+    lengths
 }
 
 fn torsion_summary(torsion: &Torsion, ends: [EndSummary; 2]) -> TorsionSummary {

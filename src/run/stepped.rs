@@ -13,7 +13,7 @@ use crate::record::{
     LedgerSummary, Stepped, Summary, Traces,
 };
 use crate::scene::{Rate, Scene};
-use crate::solver::fd::{Quantity, Sampling};
+use crate::solver::fd::{Quantity, Sampling, SegmentGrid};
 
 /// Part of all energy that a method may give to the bar. Second-order schemes give up to a tenth in bars of a few cells whose ends jump to
 /// and fro within some steps.
@@ -257,6 +257,7 @@ impl<'a, S: Stepped> Run<'a, S> {
             ruptured: self.limits.iter().any(|limit| limit.broken(self.book.scene).is_some()),
             ruptures: self.book.ruptures(&self.bar),
             temperature_rise: self.temperature_rise(),
+            stretch: self.stretch(),
             paths_complete: false,
         };
         self.book.close(ended, findings)
@@ -281,6 +282,15 @@ impl<'a, S: Stepped> Run<'a, S> {
             record::largest_rise(&segment.material, temperatures)
         });
         rises.reduce(f64::max)
+    }
+
+    /// Elongation of each segment and the plastic part of it, m.
+    fn stretch(&self) -> Vec<[f64; 2]> {
+        let sum = |quantity, part: &SegmentGrid| {
+            part.dx * part.cells.clone().map(|cell| self.bar.value(quantity, cell)).sum::<f64>()
+        };
+        let segments = self.bar.grid().segments.iter();
+        segments.map(|part| [Quantity::Strain, Quantity::PlasticStrain].map(|quantity| sum(quantity, part))).collect()
     }
 
     fn audit(&self) -> Vec<AuditRow> {

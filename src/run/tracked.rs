@@ -25,6 +25,9 @@ const CLOSED: f64 = 1e-6;
 /// Samples of the fields where the scene does not say.
 const SAMPLES: usize = 1000;
 
+/// Distance from a joint at which its segment is read, in lengths of the bar.
+const BESIDE_JOINT: f64 = 1e-9;
+
 /// What a sample of the fields means, for the result file.
 const SAMPLING: &str = "exact at the place; on a front the state behind it, on a joint the state to its right";
 
@@ -288,6 +291,7 @@ impl<'a> Run<'a> {
             ruptured: self.breaks.ruptured(self.book.scene, &self.bar),
             ruptures: self.book.ruptures(&self.bar),
             temperature_rise: self.temperature_rise(),
+            stretch: self.stretch(),
             paths_complete: self.paths.complete(),
         };
         self.book.close(ended, findings)
@@ -328,6 +332,28 @@ impl<'a> Run<'a> {
             record::largest_rise(&segment.material, pieces.map(|p| self.bar.temperature(k, p.point)))
         });
         rises.reduce(f64::max)
+    }
+
+    /// Elongation of each segment and the plastic part of it, m. Strain that has gathered in a point of a level curve counts; the
+    /// opening of a joint does not.
+    fn stretch(&self) -> Vec<[f64; 2]> {
+        let segments = &self.book.scene.bar.segments;
+        let inside = BESIDE_JOINT * self.book.scene.bar.length();
+        let (mut places, mut end) = (Vec::with_capacity(2 * segments.len()), 0.0);
+        for (k, segment) in segments.iter().enumerate() {
+            let start = end;
+            end += segment.length;
+            places.push(if k == 0 { start } else { start + inside });
+            places.push(if k + 1 == segments.len() { end } else { end - inside });
+        }
+        let mut displacements = vec![0.0; places.len()];
+        self.bar.displacements(&places, &mut displacements);
+        let mut stretch: Vec<_> = displacements.chunks_exact(2).map(|ends| [ends[1] - ends[0]; 2]).collect();
+        for piece in self.bar.pieces() {
+            let elastic = piece.point.stress / self.bar.medium(piece.segment).modulus;
+            stretch[piece.segment][1] -= elastic * (piece.to - piece.from);
+        }
+        stretch
     }
 
     fn audit(&self) -> Vec<AuditRow> {

@@ -1,0 +1,30 @@
+//! Lengths of the segments of a bar at the end of a run.
+
+use serde::Serialize;
+
+/// A segment's length, without the openings of joints and fractures. For a bar against a wall this is what a Taylor test measures.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct LengthSummary {
+    /// Undeformed, m.
+    #[serde(rename = "initial_m")]
+    pub initial: f64,
+    /// At the end time, m.
+    #[serde(rename = "final_m")]
+    pub at_end: f64,
+    /// After elastic unloading of every section from its state at the end time, m: the integral of 1 + plastic strain.
+    #[serde(rename = "unloaded_m")]
+    pub unloaded: f64,
+}
+
+impl LengthSummary {
+    /// An undeformed segment, m.
+    pub fn undeformed(length: f64) -> Self {
+        Self { initial: length, at_end: length, unloaded: length }
+    }
+
+    /// Adds the elongation of a part of the segment and the plastic part of it, m.
+    pub fn stretch(&mut self, elongation: f64, plastic: f64) {
+        self.at_end += elongation;
+        self.unloaded += plastic;
+    }
+}

@@ -150,14 +150,14 @@ fn a_method_that_the_scene_names_stays() {
 #[test]
 fn a_scene_with_its_choice_written_out_is_the_same_run() {
     let scene = read("rate", &[]).expect("a scene");
-    let chosen = run::choose(&scene, &mut |_| {});
+    let chosen = run::choose(&scene, &mut |_| Wish::GoOn).expect("a choice");
     let written = read("rate", &["effects={ rate = \"material\" }".to_owned()]).expect("a scene");
     assert_eq!((&chosen.effects, &chosen.solve), (&written.effects, &written.solve));
     let resolved = chosen.resolved_json();
     assert_eq!(resolved["effects"], written.resolved_json()["effects"]);
     assert_eq!(resolved["auto"][0]["effect"], "rate");
     // A scene that names its effects is left alone.
-    assert!(run::choose(&written, &mut |_| {}).auto.is_none());
+    assert!(run::choose(&written, &mut |_| Wish::GoOn).expect("a choice").auto.is_none());
 }
 
 macro_rules! scenes {

@@ -73,7 +73,10 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     });
     bar.finish_and_clear();
     let summary = summary.inspect_err(|error| match error {
-        Error::Interrupted => output::note(&std::format!("interrupted: the frames so far are in {}\n", path.display())),
+        Error::Interrupted if path.exists() => {
+            output::note(&std::format!("interrupted: the frames so far are in {}\n", path.display()));
+        }
+        Error::Interrupted => output::note("interrupted before the run began\n"),
         Error::Run(_) => output::note(&std::format!("the frames up to the error are in {}\n", path.display())),
         Error::Input(_) | Error::File { .. } | Error::Checks(_) => {}
     })?;

@@ -3,6 +3,7 @@
 
 use super::{Progress, Wish, companion};
 use crate::assemble;
+use crate::error::{Error, Result};
 use crate::record::{ErrorFigure, Field, Stepped, View};
 use crate::scene::{Method, Scene, Solve};
 use crate::solver::fd::{Grid, Quantity, SegmentGrid};
@@ -217,35 +218,34 @@ fn stepped<S: Stepped>(mut bar: S, time: f64, progress: &mut dyn FnMut(Progress)
     Some(Profile::of(&bar))
 }
 
-/// How far the stresses of a run may be off whose profile at `time` (s) is `fine`. None where there are too few cells, or
-/// the caller asked to stop.
+/// How far the stresses of a run may be off whose profile at `time` (s) is `fine`. None where there are too few cells.
+///
+/// # Errors
+/// [`Error::Interrupted`] where the caller asked to stop.
 pub(super) fn error_figure(
     scene: &Scene,
     fine: &Profile,
     time: f64,
     progress: &mut dyn FnMut(Progress) -> Wish,
-) -> Option<ErrorFigure> {
+) -> Result<Option<ErrorFigure>> {
     let method = scene.solve.method;
-    let cells = method.cells()?;
-    if cells < LEAST_CELLS {
-        return None;
-    }
+    let Some(cells) = method.cells().filter(|&cells| cells >= LEAST_CELLS) else { return Ok(None) };
     let parts: &[usize] = if cells < LEAST_TO_CONFIRM { &[2, 4] } else { &[2, 4, 8] };
     let mut coarser = Vec::new();
     for part in parts {
-        coarser.push(profile(scene, method.with_cells(cells / part), time, progress)?);
+        let coarse = profile(scene, method.with_cells(cells / part), time, progress);
+        coarser.push(coarse.ok_or(Error::Interrupted)?);
     }
     let all: Vec<&Profile> = std::iter::once(fine).chain(&coarser).collect();
     let found = extrapolate(scene, method, &all);
     let (how, safety) = if found.seen { ("seen between them", SAFETY) } else { ("of fronts", SAFETY_OF_FRONTS) };
     let cells: Vec<String> = coarser.iter().map(|profile| profile.grid.cells().to_string()).collect();
-    let (last, others) = cells.split_last()?;
     let reference = format!(
-        "runs with {} and {last} cells: Richardson's extrapolation with the order {:.2} {how}, times {safety}: an estimate",
-        others.join(", "),
+        "runs with {} cells: Richardson's extrapolation with the order {:.2} {how}, times {safety}: an estimate",
+        cells.join(", "),
         found.order
     );
-    Some(ErrorFigure { value: found.value, measure: companion::MEASURE.into(), reference })
+    Ok(Some(ErrorFigure { value: found.value, measure: companion::MEASURE.into(), reference }))
 }
 
 #[cfg(test)]

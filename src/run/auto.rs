@@ -25,32 +25,39 @@ const METHODS: [&[&str]; 2] = [&[], &["solve.method=fd"]];
 const WITHOUT_KEYS: [&[&str]; 4] =
     [&[], &["solve.front-tolerance="], &["solve.event-budget="], &["solve.front-tolerance=", "solve.event-budget="]];
 
-/// Chooses effects from the estimates before the run; `tell` hears of every choice. A scene that names its effects stays
-/// as it is.
-pub fn choose(scene: &Scene, tell: &mut dyn FnMut(&AutoChoice)) -> Scene {
+/// Chooses effects from the estimates before the run; `progress` hears of every choice. A scene that names its effects stays as it is.
+///
+/// # Errors
+/// [`Error::Interrupted`] where `progress` asked to stop.
+pub fn choose(scene: &Scene, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<Scene> {
     let mut scene = scene.clone();
     // One effect at least is decided in each round.
     while scene.auto.is_some() {
-        match decide(&scene, &estimate(&scene), 0, tell) {
+        let mut stopped = false;
+        let (rows, _) = estimate(&scene, &mut |at| {
+            let wish = progress(at);
+            stopped |= wish == Wish::Stop;
+            wish
+        });
+        if stopped {
+            return Err(Error::Interrupted);
+        }
+        match decide(&scene, &rows, 0, progress) {
             (next, true) => scene = next,
-            (next, false) => return next,
+            (next, false) => return Ok(next),
         }
     }
-    scene
+    Ok(scene)
 }
 
 /// Runs a scene, again where an effect was missed: at most once more for each effect, since each is decided on once.
 pub(super) fn run(scene: &Scene, output: Option<&Path>, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<Summary> {
-    let mut scene = choose(scene, &mut |choice| {
-        progress(Progress::Chosen(Box::new(choice.clone())));
-    });
+    let mut scene = choose(scene, progress)?;
     let mut round = 0;
     loop {
         round += 1;
         let summary = accurate(&scene, output, progress)?;
-        let (next, again) = decide(&scene, &summary.audit, round, &mut |choice| {
-            progress(Progress::Chosen(Box::new(choice.clone())));
-        });
+        let (next, again) = decide(&scene, &summary.audit, round, progress);
         scene = next;
         if !again {
             let choices = scene.auto.map(|auto| auto.choices);
@@ -60,7 +67,7 @@ pub(super) fn run(scene: &Scene, output: Option<&Path>, progress: &mut dyn FnMut
 }
 
 /// Decides on the effects that matter and were not decided on; true where the set of effects is another one then.
-fn decide(scene: &Scene, rows: &[AuditRow], round: usize, tell: &mut dyn FnMut(&AutoChoice)) -> (Scene, bool) {
+fn decide(scene: &Scene, rows: &[AuditRow], round: usize, progress: &mut dyn FnMut(Progress) -> Wish) -> (Scene, bool) {
     let mut wanted: Vec<&AuditRow> = rows.iter().filter(|row| row.matters() && can_be_written(&row.effect)).collect();
     wanted.sort_by(|a, b| b.estimate.total_cmp(&a.estimate));
     let (mut scene, mut changed) = (scene.clone(), false);
@@ -71,7 +78,9 @@ fn decide(scene: &Scene, rows: &[AuditRow], round: usize, tell: &mut dyn FnMut(&
         let choice = AutoChoice { effect: row.effect.clone(), on: true, why: why(row), estimate: row.estimate, round };
         let (next, on) = take(&scene, &choice);
         let old = choices(&scene).to_vec();
-        choices(&next).iter().filter(|c| !old.contains(c)).for_each(&mut *tell);
+        for choice in choices(&next).iter().filter(|c| !old.contains(c)) {
+            progress(Progress::Chosen(Box::new(choice.clone())));
+        }
         (scene, changed) = (next, changed || on);
     }
     (scene, changed)

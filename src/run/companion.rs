@@ -1,14 +1,16 @@
 //! Companion runs of a tracked bar: one with a coarser tolerance, from which the error figure comes, and the search for a
 //! tolerance that stays within a budget of events.
 
+use super::{Progress, Wish};
 use crate::assemble;
+use crate::error::{Error, Result};
 use crate::record::ErrorFigure;
 use crate::scene::Scene;
-use crate::solver::moc::{COARSER, FrontTracking, SAFETY, Settings};
+use crate::solver::moc::{COARSER, FrontTracking, SAFETY, Settings, Stopped};
 
-/// Tolerances that are tried when a run used up its events: the first one, and the factor to the next.
-const FIRST_TRIED: f64 = 1e-3;
+/// Tolerances that are tried when a run used up its events: the largest, and the smallest.
 const LARGEST_TRIED: f64 = 0.5;
+const SMALLEST_TRIED: f64 = 1e-3;
 
 /// What a step of a companion's staircase may reflect at the most.
 const COARSEST: f64 = 0.5;
@@ -21,15 +23,53 @@ pub(super) const MEASURE: &str = "relative L1 of stress over the bar at the end 
 /// What the error of a tracked run covers.
 const TRACKED: &str = "larger of the relative L1 errors of stress and of plastic strain over the bar at the end time";
 
+/// Events between two calls of the progress function.
+const BURST: u64 = 20_000;
+
+/// A tracked bar at a time, s, followed without recorders; none where it took more than `most` events, or came to an end of its own.
+///
+/// # Errors
+/// [`Error::Interrupted`] where `progress` asked to stop.
+pub(super) fn tracked(
+    scene: &Scene,
+    settings: Settings,
+    most: u64,
+    until: f64,
+    progress: &mut dyn FnMut(Progress) -> Wish,
+) -> Result<Option<FrontTracking>> {
+    let mut bar = assemble::front_tracking(scene, settings);
+    loop {
+        let at = Progress::Fronts { time: bar.time(), until, events: bar.events(), fronts: bar.front_count() };
+        if progress(at) == Wish::Stop {
+            return Err(Error::Interrupted);
+        }
+        bar.set_event_budget((bar.events() + BURST).min(most));
+        match bar.advance_to(until) {
+            Ok(()) => return Ok(Some(bar)),
+            Err(Stopped::EventBudget { events, .. }) if events < most => {}
+            Err(_) => return Ok(None),
+        }
+    }
+}
+
 /// How far stresses and plastic strains of a finished run may be off. None where the companion does not get to the end.
-pub(super) fn error_figure(scene: &Scene, settings: Settings, run: &FrontTracking) -> Option<ErrorFigure> {
+///
+/// # Errors
+/// [`Error::Interrupted`] where `progress` asked to stop.
+pub(super) fn error_figure(
+    scene: &Scene,
+    settings: Settings,
+    run: &FrontTracking,
+    progress: &mut dyn FnMut(Progress) -> Wish,
+) -> Result<Option<ErrorFigure>> {
     if run.is_exact() && scene.cut.is_none() {
-        return Some(exact(run.unresolved()));
+        return Ok(Some(exact(run.unresolved())));
     }
     let coarser = coarser(settings);
     let staircase = coarser_staircase(scene);
-    let mut companion = assemble::front_tracking(staircase.as_ref().unwrap_or(scene), coarser);
-    companion.advance_to(run.time()).ok()?;
+    let staircase_or_scene = staircase.as_ref().unwrap_or(scene);
+    let companion = tracked(staircase_or_scene, coarser, settings.event_budget, run.time(), progress)?;
+    let Some(companion) = companion else { return Ok(None) };
     let value = run.error_figure(&companion).max(run.unresolved());
     let pieces = if staircase.is_some() { " and a coarser staircase" } else { "" };
     let reference = if coarser.front_tolerance > 0.0 {
@@ -37,7 +77,7 @@ pub(super) fn error_figure(scene: &Scene, settings: Settings, run: &FrontTrackin
     } else {
         format!("run with ramps in steps of {:.1e}{pieces}, times {SAFETY}: an estimate", coarser.step())
     };
-    Some(ErrorFigure { value, measure: TRACKED.into(), reference })
+    Ok(Some(ErrorFigure { value, measure: TRACKED.into(), reference }))
 }
 
 /// The scene with its tapers in coarser pieces than the run's: the error of a staircase goes with what its steps reflect. None
@@ -70,16 +110,23 @@ pub(super) fn coarser(settings: Settings) -> Settings {
     }
 }
 
-/// The smallest of a row of tolerances with which a run was seen to reach its end within its events; none where none of
-/// them does.
-pub(super) fn tolerance_that_carries(scene: &Scene, settings: Settings) -> Option<f64> {
-    let mut tolerance = FIRST_TRIED.max(COARSER * settings.front_tolerance);
-    while tolerance <= LARGEST_TRIED {
+/// A front tolerance with which a run was seen to reach its end within its events; none where none of those tried does. They are tried
+/// from the coarsest one on, which is the cheapest, and all of them together take no more events than the run may.
+///
+/// # Errors
+/// [`Error::Interrupted`] where `progress` asked to stop.
+pub(super) fn tolerance_that_carries(
+    scene: &Scene,
+    settings: Settings,
+    progress: &mut dyn FnMut(Progress) -> Wish,
+) -> Result<Option<f64>> {
+    let (mut left, mut tolerance, mut carries) = (settings.event_budget, LARGEST_TRIED, None);
+    while tolerance >= SMALLEST_TRIED.max(COARSER * settings.front_tolerance) {
         let tried = Settings { front_tolerance: tolerance, trails: false, ..settings };
-        if assemble::front_tracking(scene, tried).advance_to(scene.solve.until).is_ok() {
-            return Some(tolerance);
-        }
-        tolerance *= COARSER;
+        let Some(bar) = tracked(scene, tried, left, scene.solve.until, progress)? else { break };
+        carries = Some(tolerance);
+        left = left.saturating_sub(bar.events());
+        tolerance /= COARSER;
     }
-    None
+    Ok(carries)
 }

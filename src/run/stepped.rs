@@ -42,9 +42,8 @@ pub(super) fn run<S: Stepped>(
     progress: &mut dyn FnMut(Progress) -> Wish,
 ) -> Result<Summary> {
     let mut run = Run::new(scene, bar, output, started)?;
-    let ended = run.step_to_end(progress);
-    let error = if ended.is_ok() { run.error(progress) } else { None };
-    run.finish(ended, error)
+    let ended = run.step_to_end(progress).and_then(|()| run.error(progress));
+    run.finish(ended)
 }
 
 /// A run under way.
@@ -235,8 +234,11 @@ impl<'a, S: Stepped> Run<'a, S> {
     }
 
     /// Hands what was found to the book, which closes the file, whatever the end was.
-    fn finish(mut self, ended: Result<()>, error: Option<ErrorFigure>) -> Result<Summary> {
-        let ended = ended.and_then(|()| self.takes_energy());
+    fn finish(mut self, ended: Result<Option<ErrorFigure>>) -> Result<Summary> {
+        let (ended, error) = match ended {
+            Ok(error) => (self.takes_energy(), error),
+            Err(why) => (Err(why), None),
+        };
         self.write_traces()?;
         let findings = Findings {
             cells: self.bar.grid().cells(),
@@ -265,14 +267,19 @@ impl<'a, S: Stepped> Run<'a, S> {
 
     /// The self-similar solution knows no strain rate, nothing that acts along the bar, and of no bar that breaks. Where it is
     /// not known, and an error was asked for, coarser runs tell.
-    fn error(&self, progress: &mut dyn FnMut(Progress) -> Wish) -> Option<ErrorFigure> {
+    ///
+    /// # Errors
+    /// [`Error::Interrupted`] where `progress` asked to stop: the run is complete, but not what was asked for.
+    fn error(&self, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<Option<ErrorFigure>> {
         let scene = self.book.scene;
         let plain = scene.effects.rate.is_none() && assemble::along(&scene.bar, &scene.effects).is_none();
         let known = plain && self.bar.ruptures().is_empty();
         let similar = || record::against_similarity(&scene.bar, &self.bar, &self.book.launches);
         let figure = known.then(similar).flatten();
-        let estimate = || self.profile.as_ref().and_then(|(p, t)| accuracy::error_figure(scene, p, *t, progress));
-        figure.or_else(estimate)
+        match (&figure, &self.profile) {
+            (None, Some((profile, time))) => accuracy::error_figure(scene, profile, *time, progress),
+            _ => Ok(figure),
+        }
     }
 
     fn temperature_rise(&self) -> Option<f64> {

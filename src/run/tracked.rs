@@ -43,7 +43,7 @@ pub(super) fn run(
     let settings =
         Settings { front_tolerance, event_budget, trails: true, stop_at_limits: true, ..Settings::default() };
     let mut run = Run::new(scene, settings, output, started)?;
-    let ended = run.follow(progress);
+    let ended = run.follow(progress).and_then(|()| run.error_figure(progress));
     run.finish(ended)
 }
 
@@ -158,7 +158,7 @@ impl<'a> Run<'a> {
             match stopped {
                 Ok(()) => return Ok(()),
                 Err(Stopped::EventBudget { events, .. }) if events < self.settings.event_budget => {}
-                Err(why) => return Err(self.stopped(&why)),
+                Err(why) => return Err(self.stopped(&why, progress)),
             }
         }
     }
@@ -216,7 +216,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    fn stopped(&self, why: &Stopped) -> Error {
+    fn stopped(&self, why: &Stopped, progress: &mut dyn FnMut(Progress) -> Wish) -> Error {
         match *why {
             Stopped::AtLimit(point) => return AtLimit::from(&point).error(self.book.scene),
             Stopped::EventBudget { time, events, fronts } if self.book.scene.cut.is_some() => RunError {
@@ -228,15 +228,14 @@ impl<'a> Run<'a> {
                     .into(),
             },
             Stopped::EventBudget { time, events, fronts } => {
-                let help = companion::tolerance_that_carries(self.book.scene, self.settings).map_or_else(
-                    || "no front-tolerance up to 0.5 carries it through: raise event-budget in [solve]".to_owned(),
-                    |tolerance| {
-                        format!(
-                            "front-tolerance = {tolerance:.1e} in [solve] carries it through within as many events \
-                             (tried); or raise event-budget"
-                        )
-                    },
-                );
+                let help = match companion::tolerance_that_carries(self.book.scene, self.settings, progress) {
+                    Err(interrupted) => return interrupted,
+                    Ok(None) => "no front-tolerance up to 0.5 carries it through: raise event-budget in [solve]".to_owned(),
+                    Ok(Some(tolerance)) => format!(
+                        "front-tolerance = {tolerance:.1e} in [solve] carries it through within as many events (tried); \
+                         or raise event-budget"
+                    ),
+                };
                 RunError {
                     reason: format!("front tracking used all of its {events} events, with {fronts} fronts under way"),
                     time,
@@ -255,8 +254,11 @@ impl<'a> Run<'a> {
     }
 
     /// Hands what was found to the book, which closes the file, whatever the end was.
-    fn finish(mut self, ended: Result<()>) -> Result<Summary> {
-        let ended = ended.and_then(|()| self.ledger_closes());
+    fn finish(mut self, ended: Result<Option<ErrorFigure>>) -> Result<Summary> {
+        let (ended, error) = match ended {
+            Ok(error) => (self.ledger_closes(), error),
+            Err(why) => (Err(why), None),
+        };
         self.breaks.look_for_gathering_strain(self.book.scene, &self.bar);
         let last = self.bar.take_trails();
         let living: Vec<Trail> = self.bar.living_trails().collect();
@@ -287,7 +289,7 @@ impl<'a> Run<'a> {
                 energy_residual: self.ledger.worst_energy(),
                 momentum_residual: self.ledger.worst_momentum(),
             },
-            error: self.error_figure(),
+            error,
             ruptured: self.breaks.ruptured(self.book.scene, &self.bar),
             ruptures: self.book.ruptures(&self.bar),
             temperature_rise: self.temperature_rise(),
@@ -317,12 +319,12 @@ impl<'a> Run<'a> {
     }
 
     /// How far the stresses may be off.
-    fn error_figure(&self) -> Option<ErrorFigure> {
-        if !self.bar.ruptures().is_empty() {
-            return companion::error_figure(self.book.scene, self.settings, &self.bar);
+    fn error_figure(&self, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<Option<ErrorFigure>> {
+        let similar = || record::tracked_against_similarity(&self.book.scene.bar, &self.bar, &self.book.launches);
+        match self.bar.ruptures().is_empty().then(similar).flatten() {
+            None => companion::error_figure(self.book.scene, self.settings, &self.bar, progress),
+            figure => Ok(figure),
         }
-        record::tracked_against_similarity(&self.book.scene.bar, &self.bar, &self.book.launches)
-            .or_else(|| companion::error_figure(self.book.scene, self.settings, &self.bar))
     }
 
     fn temperature_rise(&self) -> Option<f64> {

@@ -1,15 +1,16 @@
 //! What a run would do and cost, without running it.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use serde::Serialize;
 
 use crate::assemble;
 use crate::bar::{Segment, launches};
+use crate::error::Error;
 use crate::law::{Table, elastic_row};
 use crate::material::Sense;
 use crate::record::{AuditRow, AutoChoice, FrontSummary};
-use crate::run;
+use crate::run::{self, Progress, Wish};
 use crate::scene::{Effects, Method, Rate, Scene};
 use crate::solver::fd::{Along, Grid, TAPER_BYTES_PER_CELL};
 use crate::solver::moc::{FrontTracking, Settings};
@@ -152,10 +153,19 @@ const SWEEP: f64 = 8e-9;
 /// The same of a cell whose temperature is a state, which is gone through until it stands.
 const HEATED: f64 = 200e-9;
 
-/// Makes the plan, with the effects that `effects = "auto"` would start with.
+/// Time that the coarse runs of a plan may take: `tolerance`, `effects = "auto"` and the estimates of neglected effects.
+const LIMIT: Duration = Duration::from_millis(800);
+
+/// Makes the plan, with the effects that `effects = "auto"` would start with. Coarse runs that take longer than about a second are
+/// stopped, and the plan says what it does not know.
 pub fn plan(scene: &Scene) -> Plan {
-    let scene = &run::choose(scene, &mut |_| {});
-    let (chosen, choice) = choose(scene).unzip();
+    let started = Instant::now();
+    let within = &mut |_: Progress| if started.elapsed() < LIMIT { Wish::GoOn } else { Wish::Stop };
+    let undecided = "the coarse runs that choose the effects take longer than a plan may; the run decides";
+    let decided = run::choose(scene, within);
+    let mut notes: Vec<String> = decided.is_err().then(|| undecided.to_owned()).into_iter().collect();
+    let scene = decided.as_ref().unwrap_or(scene);
+    let (chosen, choice) = choose(scene, within).unzip();
     let scene = chosen.as_ref().unwrap_or(scene);
     let all = launches(&scene.bar, &scene.left, &scene.right);
     let (asked, cut) = (scene, scene.in_pieces());
@@ -180,7 +190,7 @@ pub fn plan(scene: &Scene) -> Plan {
         scene: scene.title.clone(),
         method: method.into(),
         scheme: scheme.into(),
-        effects: effects(asked, &all),
+        effects: effects(asked, &all, within, &mut notes),
         choice,
         auto: scene.auto.as_ref().map(|auto| auto.choices.clone()),
         work,
@@ -188,22 +198,25 @@ pub fn plan(scene: &Scene) -> Plan {
         fronts: all.iter().flat_map(fronts).collect(),
         critical_velocity: run::critical_velocity(asked, &all),
         above_critical: all.iter().any(|l| l.fan.above_critical),
-        notes: scene.notes(),
+        notes: scene.notes().into_iter().chain(notes).collect(),
         staircase: scene.cut.as_ref().map(|cut| Staircase { pieces: cut.of.len(), reflects: cut.reflects }),
     }
 }
 
 /// What a tolerance comes to: the scene with the method and resolution that its run would start from.
-fn choose(scene: &Scene) -> Option<(Scene, PlannedChoice)> {
+fn choose(scene: &Scene, within: &mut dyn FnMut(Progress) -> Wish) -> Option<(Scene, PlannedChoice)> {
     let tolerance = scene.solve.tolerance.as_ref()?;
     let schemes: Vec<String> = tolerance.methods.iter().map(|m| m.names()[1].to_owned()).collect();
     let mut chosen = scene.clone();
-    let how = match run::foretell(scene) {
-        Some((method, why)) => {
+    let how = match run::foretell(scene, within) {
+        Ok(Some((method, why))) => {
             chosen.solve.method = method;
             format!("{why}; the run goes on from there, finer where its own estimate misses")
         }
-        None => "no method is expected to get there".into(),
+        Err(Error::Interrupted) => {
+            "the coarse runs that choose the method take longer than a plan may; the run makes them and shows its progress".into()
+        }
+        Ok(None) | Err(_) => "no method is expected to get there".into(),
     };
     Some((chosen, PlannedChoice { tolerance: tolerance.value, schemes, how }))
 }
@@ -323,7 +336,12 @@ fn fronts(launch: &crate::bar::Launch) -> Vec<FrontSummary> {
 }
 
 /// The first waves decide whether a bar yields; reflections may make it yield later, which the run itself finds out.
-fn effects(scene: &Scene, launches: &[crate::bar::Launch]) -> Vec<PlannedEffect> {
+fn effects(
+    scene: &Scene,
+    launches: &[crate::bar::Launch],
+    within: &mut dyn FnMut(Progress) -> Wish,
+    notes: &mut Vec<String>,
+) -> Vec<PlannedEffect> {
     let yields = launches.iter().any(|l| {
         let material = &scene.bar.segments[l.segment].material;
         l.fan.stress > material.branch(l.sense).elastic_limit(material.modulus).1
@@ -346,7 +364,16 @@ fn effects(scene: &Scene, launches: &[crate::bar::Launch]) -> Vec<PlannedEffect>
         estimate: None,
         threshold: None,
     };
-    let rows = run::estimate(scene);
+    let mut stopped = false;
+    let (rows, reached) = run::estimate(scene, &mut |at| {
+        let wish = within(at);
+        stopped |= wish == Wish::Stop;
+        wish
+    });
+    if stopped {
+        let share = 100.0 * reached / scene.solve.until;
+        notes.push(format!("the estimates of neglected effects look at the first {share:.2} % of the run"));
+    }
     let planned = |key: &&str| match scene.effects.named(key) {
         Some(effect) => on(scene, key, effect),
         None => off(scene, key, rows.iter().find(|row| row.effect == **key)),

@@ -55,12 +55,15 @@ pub(super) fn run(scene: &Scene, output: Option<&Path>, progress: &mut dyn FnMut
 }
 
 /// The method and resolution that a run of a scene with a tolerance starts from, and why: the coarse runs are made, but not
-/// the run itself. None where the scene names its method, or no method gets there.
-pub fn foretell(scene: &Scene) -> Option<(Method, String)> {
-    let asked = scene.solve.tolerance.as_ref()?;
+/// the run itself. None where the scene names its method.
+///
+/// # Errors
+/// No method gets there, or [`Error::Interrupted`] where `progress` asked to stop.
+pub fn foretell(scene: &Scene, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<Option<(Method, String)>> {
+    let Some(asked) = &scene.solve.tolerance else { return Ok(None) };
     let mut racers: Vec<Racer> = methods(scene, &asked.methods).into_iter().map(Racer::new).collect();
-    let (winner, finer) = race(scene, asked.value, &mut racers, &mut |_| Wish::GoOn).ok()?;
-    Some((racers[winner].finer(finer), why(scene, asked.value, &racers, winner)))
+    let (winner, finer) = race(scene, asked.value, &mut racers, progress)?;
+    Ok(Some((racers[winner].finer(finer), why(scene, asked.value, &racers, winner))))
 }
 
 /// Methods whose estimates hold: those that make a staircase of a taper are left out where another one does not need to.

@@ -5,12 +5,11 @@ use super::super::{Progress, Wish, companion};
 use super::racer::{
     FEW_EVENTS, FIRST_CELLS, FRONT_ORDER, FRONT_ORDERS, LEAST_TOLERANCE, MOST_CELLS, PATIENCE, Pilot, Racer, nominal,
 };
-use crate::assemble;
 use crate::bar::launches;
 use crate::error::{Error, Result};
 use crate::record;
 use crate::scene::{Method, Scene};
-use crate::solver::moc::{COARSER, FrontTracking, Settings, Stopped};
+use crate::solver::moc::{COARSER, FrontTracking, Settings};
 
 /// Front tracking tells something of a grid where its estimate is no more than this part of that one's.
 const TELLING: f64 = 0.3;
@@ -57,7 +56,7 @@ pub(super) fn front_pilot(
     // What would be worth more to nobody is out; else it may come to that yet.
     let limited = most < event_budget;
     racer.dear = None;
-    let Some(bar) = tracked(scene, settings, most, progress)? else {
+    let Some(bar) = companion::tracked(scene, settings, most, scene.solve.until, progress)? else {
         let why = || format!("fronts meet more than {most} times with a front tolerance of {front_tolerance:.1e}");
         (racer.dear, racer.out) = (limited.then_some(most), (!limited).then(why));
         return Ok(());
@@ -100,7 +99,7 @@ pub(super) fn contradiction(
     };
     let grid = accuracy::profile(scene, run.method, scene.solve.until, progress).ok_or(Error::Interrupted)?;
     let settings = Settings { front_tolerance, event_budget, ..Settings::default() };
-    let fronts = tracked_to(scene, settings, event_budget, grid.time, progress)?;
+    let fronts = companion::tracked(scene, settings, event_budget, grid.time, progress)?;
     let Some(fronts) = fronts else { return Ok(None) };
     let apart = grid.apart_from_fronts(&fronts);
     let against = || {
@@ -129,40 +128,6 @@ fn front_estimate(
     if let Some(figure) = bar.ruptures().is_empty().then(similar).flatten() {
         return Ok(Some(figure.value));
     }
-    let companion = tracked(scene, companion::coarser(settings), most, progress)?;
+    let companion = companion::tracked(scene, companion::coarser(settings), most, scene.solve.until, progress)?;
     Ok(companion.map(|companion| bar.error_figure(&companion)))
-}
-
-/// A tracked bar at the end time; none where it took more than `most` events.
-fn tracked(
-    scene: &Scene,
-    settings: Settings,
-    most: u64,
-    progress: &mut dyn FnMut(Progress) -> Wish,
-) -> Result<Option<FrontTracking>> {
-    tracked_to(scene, settings, most, scene.solve.until, progress)
-}
-
-/// The same at another time, s.
-fn tracked_to(
-    scene: &Scene,
-    settings: Settings,
-    most: u64,
-    until: f64,
-    progress: &mut dyn FnMut(Progress) -> Wish,
-) -> Result<Option<FrontTracking>> {
-    const BURST: u64 = 20_000;
-    let mut bar = assemble::front_tracking(scene, settings);
-    loop {
-        bar.set_event_budget((bar.events() + BURST).min(most));
-        match bar.advance_to(until) {
-            Ok(()) => return Ok(Some(bar)),
-            Err(Stopped::EventBudget { events, .. }) if events < most => {}
-            Err(_) => return Ok(None),
-        }
-        let at = Progress::Fronts { time: bar.time(), until, events: bar.events(), fronts: bar.front_count() };
-        if progress(at) == Wish::Stop {
-            return Err(Error::Interrupted);
-        }
-    }
 }

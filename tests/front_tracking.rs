@@ -27,7 +27,15 @@ fn bilinear(r: f64) -> Arc<Material> {
 }
 
 fn segment(length: f64, area: f64, material: &Arc<Material>, velocity: f64) -> Segment {
-    Segment { length, area, taper: None, material: Arc::clone(material), velocity, joint: Joint::Bonded }
+    Segment {
+        length,
+        area,
+        taper: None,
+        material: Arc::clone(material),
+        velocity,
+        joint: Joint::Bonded,
+        initial: Default::default(),
+    }
 }
 
 fn pushed(velocity: f64) -> EndCondition {

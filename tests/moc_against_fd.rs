@@ -77,7 +77,15 @@ fn steel(length: f64) -> Segment {
 fn light(length: f64) -> Segment {
     let curve = Curve::new(&[(0.004, 280e6), (0.05, 500e6)], Beyond::Extend).expect("rows rise");
     let material = Material::from_curve("light", 2700.0, curve);
-    Segment { length, area: 1.0, taper: None, material: Arc::new(material), velocity: 0.0, joint: Joint::Bonded }
+    Segment {
+        length,
+        area: 1.0,
+        taper: None,
+        material: Arc::new(material),
+        velocity: 0.0,
+        joint: Joint::Bonded,
+        initial: Default::default(),
+    }
 }
 
 fn let_go(velocity: f64, release: f64) -> EndCondition {

@@ -382,6 +382,25 @@ fn torsion_tube() {
 }
 
 #[test]
+fn stored_torque() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let summary = run_in("stored-torque.toml", folder.path(), &[]);
+    assert_contract(&summary, "stored-torque.toml");
+    let file = barwave::record::store::ResultFile::open(&folder.path().join("out.h5")).expect("a result file");
+    let gauges = file.gauges().expect("gauges");
+    let pulse = &gauges.iter().find(|gauge| gauge.name == "pulse").expect("a gauge").trace;
+    // Half the stored stress, from 1 m of way on, for the time that a wave takes to the clamped end and back.
+    let c0 = (27e9_f64 / 2810.0).sqrt();
+    for (&time, &stress) in pulse.time.iter().zip(&pulse.stress) {
+        let [start, end] = [1.0 / c0, 3.0 / c0];
+        let expected = if (start..end).contains(&time) { 30e6 } else { 0.0 };
+        let at_front = (time - start).abs() < 1e-5 || (time - end).abs() < 1e-5;
+        assert!(at_front || (stress - expected).abs() < 1e-3 * 30e6, "{time}: {stress}");
+    }
+    assert!(number(&summary["ledger"]["energy_residual"]) < 1e-12);
+}
+
+#[test]
 fn torsion_rod() {
     let moc = ["--set", "solve.method=moc", "--set", "solve.cells="];
     let mut torques = [0.0; 2];

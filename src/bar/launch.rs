@@ -49,8 +49,11 @@ pub struct Launch {
     pub loads_until: f64,
 }
 
-/// All fans of a bar with its ends, left to right.
+/// All fans of a bar with its ends, left to right; none of a bar with an initial state, in which waves do not start from zero stress.
 pub fn launches(bar: &Bar, left: &EndCondition, right: &EndCondition) -> Vec<Launch> {
+    if bar.has_initial_state() {
+        return Vec::new();
+    }
     let last = bar.segments.len() - 1;
     let mut all = Vec::new();
     all.extend(from_end(left, Origin::Left, 0.0, 0, &bar.segments[0]));

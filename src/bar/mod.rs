@@ -41,6 +41,17 @@ pub struct Segment {
     pub velocity: f64,
     /// How it is joined to the next segment (meaningless on the last).
     pub joint: Joint,
+    /// Stress and plastic strain at t = 0.
+    pub initial: Initial,
+}
+
+/// The state of a segment at t = 0. What held it is taken away then: where forces differ at joints and ends, waves start.
+#[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize)]
+pub struct Initial {
+    /// Pa, tension positive; of a tapered segment the same at every section.
+    pub stress: f64,
+    /// Signed plastic strain (engineering), as left by first loading in one sense.
+    pub plastic_strain: f64,
 }
 
 /// How two segments meet.
@@ -68,6 +79,11 @@ impl Segment {
 }
 
 impl Bar {
+    /// Some segment is stressed or has yielded at t = 0.
+    pub fn has_initial_state(&self) -> bool {
+        self.segments.iter().any(|segment| segment.initial != Initial::default())
+    }
+
     /// Total length, m.
     pub fn length(&self) -> f64 {
         self.segments.iter().map(|s| s.length).sum()

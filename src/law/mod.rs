@@ -85,6 +85,23 @@ pub trait CellLaw<const N: usize>: Send + Sync + Sized {
     /// E times the signed plastic strain, Pa.
     fn plastic_strain(&self, state: [f64; N]) -> f64;
 
+    /// The state after first loading to this signed E times plastic strain (Pa), slowly, and unloading.
+    fn deformed(&self, plastic: f64) -> [f64; N] {
+        let loaded = |size: f64| self.respond(0.0, size.copysign(plastic), [0.0; N]).state;
+        let falls_short = |size: f64| self.plastic_strain(loaded(size)).abs() < plastic.abs();
+        let (mut low, mut high) = (plastic.abs(), 2.0 * plastic.abs());
+        while falls_short(high) && high < f64::MAX {
+            (low, high) = (high, 2.0 * high);
+        }
+        loop {
+            let middle = 0.5 * (low + high);
+            if middle <= low || middle >= high {
+                return loaded(high);
+            }
+            *if falls_short(middle) { &mut low } else { &mut high } = middle;
+        }
+    }
+
     /// E times the accumulated plastic strain, Pa, >= 0.
     fn accumulated(&self, state: [f64; N]) -> f64;
 
@@ -183,6 +200,9 @@ pub trait RowLaw: Send + Sync {
     /// Clears `flow` in cells that flow by a rate which the steps resolve.
     fn clear_resolved(&self, state: &[f64], flow: &mut [u8]);
 
+    /// The state of a cell after first loading to this signed E times plastic strain (Pa), slowly, and unloading.
+    fn deformed(&self, plastic: f64) -> Vec<f64>;
+
     /// Temperature of cell `i` of a row, K (`state` is empty in a row that never yielded); not a number for laws that know
     /// none.
     fn temperature(&self, state: &[f64], i: usize) -> f64;
@@ -251,6 +271,10 @@ impl<L: CellLaw<N>, const N: usize> RowLaw for Rows<L, N> {
             return 0.0;
         }
         (0..state.len() / N).map(|i| self.0.overstress_work(cell_state(state, i))).sum()
+    }
+
+    fn deformed(&self, plastic: f64) -> Vec<f64> {
+        self.0.deformed(plastic).to_vec()
     }
 
     fn clear_resolved(&self, state: &[f64], flow: &mut [u8]) {

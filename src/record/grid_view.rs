@@ -33,7 +33,7 @@ impl View for Leapfrog {
 
     fn start(&self) -> Start {
         let initial = self.initial();
-        Start { kinetic: initial.kinetic, momentum: initial.momentum, mass: self.mass() }
+        Start { energy: initial.total(), momentum: initial.momentum, mass: self.mass() }
     }
 
     fn account(&self) -> Account {
@@ -73,7 +73,7 @@ macro_rules! view_of_whole_bar {
 
             fn start(&self) -> Start {
                 let initial = self.energies();
-                Start { kinetic: initial.kinetic, momentum: initial.momentum, mass: self.mass() }
+                Start { energy: initial.total(), momentum: initial.momentum, mass: self.mass() }
             }
 
             fn account(&self) -> Account {

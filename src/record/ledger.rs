@@ -24,7 +24,7 @@ impl Ledger {
         Self {
             start,
             arm: 1.0,
-            momentum_scale: (2.0 * start.kinetic * start.mass).sqrt(),
+            momentum_scale: (2.0 * start.energy * start.mass).sqrt(),
             worst_energy: 0.0,
             worst_momentum: 0.0,
             most_given: 0.0,
@@ -41,9 +41,9 @@ impl Ledger {
     pub fn row(&mut self, bar: &impl View) -> LedgerRow {
         let now: Account = bar.account();
         let ([left, right], impulse) = (now.work, now.impulse[0] + now.impulse[1] + now.impulse_along);
-        let put_in = self.start.kinetic + left + right;
+        let put_in = self.start.energy + left + right;
         let held: f64 = now.energies.values().iter().map(|energy| energy.abs()).sum();
-        let energy_scale = self.start.kinetic.max(left.abs()).max(right.abs()).max(held);
+        let energy_scale = self.start.energy.max(left.abs()).max(right.abs()).max(held);
         let residual = relative(now.energies.total() - put_in, energy_scale);
         self.momentum_scale = self.momentum_scale.max(now.momentum_scale);
         let missing = relative(now.energies.momentum - self.start.momentum - impulse, self.momentum_scale);

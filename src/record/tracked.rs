@@ -50,7 +50,7 @@ impl View for FrontTracking {
         let mut start = Start::default();
         for piece in self.pieces() {
             let mass = mass(self, &piece);
-            start.kinetic += 0.5 * mass * piece.point.velocity * piece.point.velocity;
+            start.energy += 0.5 * mass * piece.point.velocity * piece.point.velocity;
             start.momentum += mass * piece.point.velocity;
             start.mass += mass;
         }

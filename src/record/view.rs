@@ -95,11 +95,11 @@ pub struct EndState {
     pub velocity: f64,
 }
 
-/// A bar before its first step, with its initial velocities.
+/// A bar before its first step, with its initial velocities and stresses.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Start {
-    /// J (per m^2 where the scene gives no area), like all energies here.
-    pub kinetic: f64,
+    /// Of motion and strain, J (per m^2 where the scene gives no area), like all energies here.
+    pub energy: f64,
     /// N s, positive in +x.
     pub momentum: f64,
     /// kg.

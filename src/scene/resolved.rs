@@ -45,6 +45,7 @@ fn segment(segment: &Segment) -> Value {
         "area": segment.area,
         "material": *segment.material,
         "velocity": segment.velocity,
+        "initial": segment.initial,
         "joint": joint,
         "gap": gap,
     });

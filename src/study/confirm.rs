@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::critical::CriticalRow;
 use crate::assemble;
-use crate::bar::{Bar, EndCondition, History, Joint, Segment};
+use crate::bar::{Bar, EndCondition, History, Initial, Joint, Segment};
 use crate::material::Material;
 use crate::record::{Compression, Field, Precision};
 use crate::run;
@@ -70,6 +70,7 @@ fn scene(material: &Arc<Material>, velocity: f64) -> Scene {
         material: Arc::clone(material),
         velocity: 0.0,
         joint: Joint::Bonded,
+        initial: Initial::default(),
     };
     let until = segment.length / material.c0();
     Scene {

@@ -29,7 +29,15 @@ fn power_law(modulus: f64, density: f64, yield_stress: f64, exponent: f64, knots
 }
 
 fn segment(length: f64, area: f64, material: &Arc<Material>) -> Segment {
-    Segment { length, area, taper: None, material: Arc::clone(material), velocity: 0.0, joint: Joint::Bonded }
+    Segment {
+        length,
+        area,
+        taper: None,
+        material: Arc::clone(material),
+        velocity: 0.0,
+        joint: Joint::Bonded,
+        initial: Default::default(),
+    }
 }
 
 fn bar(segments: Vec<Segment>) -> Bar {

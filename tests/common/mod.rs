@@ -46,7 +46,15 @@ pub fn power_law_table(knots: u32) -> Material {
 
 /// A resting segment of 1 m^2, bonded to the next.
 pub fn segment(material: Material, length: f64) -> Segment {
-    Segment { length, area: 1.0, taper: None, material: Arc::new(material), velocity: 0.0, joint: Joint::Bonded }
+    Segment {
+        length,
+        area: 1.0,
+        taper: None,
+        material: Arc::new(material),
+        velocity: 0.0,
+        joint: Joint::Bonded,
+        initial: Default::default(),
+    }
 }
 
 /// The end moves with this velocity from t = 0 on.

@@ -76,6 +76,13 @@ impl Flowing for Cell<'_> {
 impl<const N: usize> CellLaw<N> for Timed<N> {
     readings_of_state!();
 
+    fn deformed(&self, plastic: f64) -> [f64; N] {
+        let mut history = History::default();
+        self.law.advance(plastic.abs(), usize::from(plastic < 0.0), &mut history);
+        let state = [history.accumulated, history.signed, 0.0, 0.0, 0.0, history.back];
+        std::array::from_fn(|k| state[k])
+    }
+
     fn respond(&self, sigma: f64, predictor: f64, state: [f64; N]) -> Response<N> {
         let back = if N > 5 { state[5] } else { 0.0 };
         let history = self.law.history(state[0], state[1], back);

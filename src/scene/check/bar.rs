@@ -9,7 +9,7 @@ use toml::Spanned;
 use super::super::raw::{MaterialChoice, RawBar, RawJoint, RawSegment, Section};
 use super::Checker;
 use super::torsion::is_torsion;
-use crate::bar::{Bar, Joint, Segment};
+use crate::bar::{Bar, Initial, Joint, Segment};
 use crate::error::{Error, Place, Result};
 use crate::input::{Allowed, Number};
 use crate::material::{self, Material};
@@ -22,6 +22,8 @@ pub(super) struct Piece<'a> {
     pub(super) diameter: Option<&'a Spanned<Section>>,
     material: Option<&'a Spanned<MaterialChoice>>,
     velocity: Option<&'a Number>,
+    /// Initial stress and plastic strain.
+    initial: [Option<&'a Number>; 2],
     /// What the velocity is.
     motion: Dimension,
     /// Where a complaint about something missing points.
@@ -41,6 +43,7 @@ impl Checker<'_> {
             diameter: raw.diameter.as_ref(),
             material: raw.material.as_ref(),
             velocity: raw.velocity.as_ref(),
+            initial: [raw.stress.as_ref(), raw.plastic_strain.as_ref()],
             motion,
             span,
         };
@@ -60,6 +63,8 @@ impl Checker<'_> {
             ("area", piece.area.map(Spanned::span)),
             ("diameter", piece.diameter.map(Spanned::span)),
             ("velocity", piece.velocity.map(Spanned::span)),
+            ("stress", piece.initial[0].map(Spanned::span)),
+            ("plastic-strain", piece.initial[1].map(Spanned::span)),
             ("material", piece.material.map(Spanned::span)),
         ];
         let tube = [("inner-diameter", &raw.inner_diameter), ("wall", &raw.wall)];
@@ -92,6 +97,7 @@ impl Checker<'_> {
                 diameter: raw.diameter.as_ref(),
                 material: raw.material.as_ref(),
                 velocity: raw.velocity.as_ref(),
+                initial: [raw.stress.as_ref(), raw.plastic_strain.as_ref()],
                 motion,
                 span,
             };
@@ -129,6 +135,13 @@ impl Checker<'_> {
         let section = self.section(piece, key, length)?;
         let velocity =
             self.document.optional(piece.velocity, &format!("{key}.velocity"), piece.motion, Allowed::Finite)?;
+        let initial = [("stress", Dimension::Stress), ("plastic-strain", Dimension::None)];
+        let initial = [0, 1].map(|k| {
+            let (name, dimension) = initial[k];
+            self.document.optional(piece.initial[k], &format!("{key}.{name}"), dimension, Allowed::Finite)
+        });
+        let [stress, plastic_strain] = initial;
+        let initial = [stress?, plastic_strain?];
         let material = self.material(choice, &format!("{key}.material"), named)?;
         let segment = Segment {
             length,
@@ -137,6 +150,7 @@ impl Checker<'_> {
             material,
             velocity: velocity.unwrap_or(0.0),
             joint: Joint::Bonded,
+            initial: Initial { stress: initial[0].unwrap_or(0.0), plastic_strain: initial[1].unwrap_or(0.0) },
         };
         Ok((segment, section.is_some()))
     }

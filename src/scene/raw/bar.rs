@@ -40,6 +40,15 @@ pub struct RawBar {
     /// Initial velocity, m/s, positive in +x, any finite number. Default: 0.
     #[schemars(with = "Option<Quantity>")]
     pub velocity: Option<Number>,
+    /// Initial stress, Pa, tension positive, within the elastic range; in torsion the shear stress of the surface. What held the bar is
+    /// taken away at t = 0. By the leapfrog scheme. Default: 0.
+    #[schemars(with = "Option<Quantity>")]
+    pub stress: Option<Number>,
+    /// Initial plastic strain (engineering), positive where the bar was stretched, as left by slow loading in one sense; it hardens.
+    /// By the leapfrog scheme, with the effect `unloading` or `rate`. Default: 0.
+    #[serde(rename = "plastic-strain")]
+    #[schemars(with = "Option<Quantity>")]
+    pub plastic_strain: Option<Number>,
     /// What kind of wave. Default: "axial". In torsion every segment states its `diameter`, velocities are angular ones
     /// (rad/s), and materials are known in shear (loading = "shear").
     #[schemars(with = "Option<Mode>")]
@@ -99,6 +108,15 @@ pub struct RawSegment {
     /// Initial velocity, m/s, positive in +x, any finite number. Default: 0.
     #[schemars(with = "Option<Quantity>")]
     pub velocity: Option<Number>,
+    /// Initial stress, Pa, tension positive, within the elastic range; in torsion the shear stress of the surface. What held the bar is
+    /// taken away at t = 0. By the leapfrog scheme. Default: 0.
+    #[schemars(with = "Option<Quantity>")]
+    pub stress: Option<Number>,
+    /// Initial plastic strain (engineering), positive where the bar was stretched, as left by slow loading in one sense; it hardens.
+    /// By the leapfrog scheme, with the effect `unloading` or `rate`. Default: 0.
+    #[serde(rename = "plastic-strain")]
+    #[schemars(with = "Option<Quantity>")]
+    pub plastic_strain: Option<Number>,
     /// How this segment meets the next. Default: "bonded".
     #[schemars(with = "Option<RawJoint>")]
     pub joint: Option<Spanned<RawJoint>>,

@@ -106,6 +106,12 @@ impl Contact {
         }
     }
 
+    /// The faces have met half of the initial stresses beside them, `half` (Pa): see [`super::device::Device::start_under`].
+    pub(super) fn start_under(&mut self, half: [f64; 2], dt: f64) {
+        self.left.before += dt * self.left.area * half[0] / self.left.mass;
+        self.right.before -= dt * self.right.area * half[1] / self.right.mass;
+    }
+
     /// The step in which the bar breaks: the tension holds for its first half. Each face then leaves with the velocity of the
     /// wave that frees it; without that half every second node would run ahead, and the pieces would ring from cell to cell,
     /// ever louder.

@@ -163,6 +163,12 @@ impl Device {
         self.displacement = self.dt * velocity;
     }
 
+    /// The node has met half of the initial stress of the end cell, `half` (Pa): its velocity half a step before t = 0 becomes that from
+    /// which a whole step of it would have begun.
+    pub(super) fn start_under(&mut self, half: f64) {
+        self.before -= self.cell_area * half / self.impedance;
+    }
+
     /// Takes the node from half a step before `time` to half a step after it. `sigma_cell` is the stress at `time`
     /// in the end cell.
     pub fn advance(&mut self, time: f64, sigma_cell: f64) {

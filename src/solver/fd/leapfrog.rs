@@ -17,6 +17,7 @@ use super::sweep::division;
 use super::taper::BlockTaper;
 use crate::bar::{Bar, EndCondition};
 use crate::law::{DataEnd, RowLaw};
+use crate::solver::Energies;
 
 /// The law of one segment, as assembled from its material and the effects.
 #[derive(Clone)]
@@ -91,14 +92,24 @@ pub struct Leapfrog {
     pub(super) implicit: Option<Box<Implicit>>,
     /// What suddenly moved ends start with.
     pub(super) fans: Vec<StartingFan>,
+    /// Energies at t = 0 of a bar with an initial state.
+    pub(super) initial_energy: Option<Energies>,
 }
 
 impl Leapfrog {
     /// A bar at t = 0, unstressed, moving as its segments say. `laws` has one entry a segment.
     pub fn new(bar: &Bar, grid: Grid, laws: Vec<SegmentLaw>, ends: [EndCondition; 2]) -> Self {
+        let initial: Vec<_> = bar.segments.iter().map(|segment| segment.initial).collect();
+        let stressed = bar.has_initial_state();
         let mut bar = Self::before_start(bar, grid, laws, ends);
+        if stressed {
+            bar.set_initial(&initial);
+        }
         bar.share_edges();
         bar.whole().meet_all();
+        if stressed {
+            bar.complete_initial(&initial);
+        }
         bar
     }
 
@@ -158,6 +169,7 @@ impl Leapfrog {
             rupture: None,
             implicit: None,
             fans: Vec::new(),
+            initial_energy: None,
         }
     }
 

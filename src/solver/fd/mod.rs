@@ -6,6 +6,7 @@ mod device;
 mod edge;
 mod grid;
 mod implicit;
+mod initial;
 mod leapfrog;
 mod reader;
 mod readings;

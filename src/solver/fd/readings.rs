@@ -136,6 +136,10 @@ impl Leapfrog {
     /// Kinetic energy and momentum of the nodes with their initial velocities, before anything acts on them.
     pub fn initial(&self) -> Energies {
         debug_assert_eq!(self.step, 0);
+        if let Some(initial) = self.initial_energy {
+            let momentum = initial.momentum - self.left.impulse() - self.right.impulse();
+            return Energies { momentum, ..initial };
+        }
         if let Some(nodes) = &self.implicit {
             return nodes.initial();
         }

@@ -152,7 +152,15 @@ mod tests {
     fn bar(material: Material, law: Arc<dyn RowLaw>) -> Leapfrog {
         let (end, material, joint) = (DataEnd::of(&material), Arc::new(material), Joint::Bonded);
         let bar = Bar {
-            segments: vec![Segment { length: 1.0, area: 1.0, taper: None, material, velocity: 0.0, joint }],
+            segments: vec![Segment {
+                length: 1.0,
+                area: 1.0,
+                taper: None,
+                material,
+                velocity: 0.0,
+                joint,
+                initial: Default::default(),
+            }],
             area_given: true,
         };
         let law = SegmentLaw { law, yield_stress: YIELD, end };
@@ -270,6 +278,7 @@ mod tests {
             material: material.clone(),
             velocity,
             joint: Joint::Bonded,
+            initial: Default::default(),
         };
         let bar = Bar { segments: segments.iter().map(piece).collect(), area_given: true };
         let end = |kind: usize| match kind {

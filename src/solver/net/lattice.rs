@@ -101,7 +101,15 @@ mod tests {
         let segment = |&(length, density): &(f64, f64)| {
             let curve = Curve::new(&[(0.01, 2e9)], Beyond::Extend).expect("rows rise");
             let material = Arc::new(Material::from_curve("m", density, curve));
-            Segment { length, area: 1.0, taper: None, material, velocity: 0.0, joint: Joint::Bonded }
+            Segment {
+                length,
+                area: 1.0,
+                taper: None,
+                material,
+                velocity: 0.0,
+                joint: Joint::Bonded,
+                initial: Default::default(),
+            }
         };
         Bar { segments: parts.iter().map(segment).collect(), area_given: true }
     }

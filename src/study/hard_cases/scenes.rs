@@ -55,6 +55,7 @@ pub const CASES: &[HardCase] = cases![
     "14-nanowire",
     "15-a-million-steps",
     "16-segments-in-motion",
+    "16-stressed-and-yielded-segments",
     "17-near-melting",
     "18-taper-to-a-point",
     "19-fragments-in-contact",

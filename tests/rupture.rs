@@ -318,3 +318,22 @@ fn with_a_rate_energy_and_spall_break_as_they_should() {
         assert!(now.total().is_finite() && now.fracture >= 0.0);
     }
 }
+
+/// A spall needs five cells at the threshold on a grid; a pulse of four passed without a word.
+#[test]
+fn a_pulse_too_short_for_the_grid_is_reported() {
+    // 4 mm long, which is four cells of 200 and forty of 2000: half of it breaks off.
+    let pulse = "kind = \"stress\"\nhistory = [[0, -800e6], [0.8e-6, -800e6], [0.8e-6, 0]]";
+    let short = |cells: usize| {
+        let solve = format!("until = 60e-6\nmethod = \"fd\"\ncells = {cells}");
+        let scene = bar(STEEL, pulse, FREE, "rupture = { spall = 500e6 }", &solve);
+        let summary = barwave::run::run(&scene, None, &mut |_| barwave::run::Wish::GoOn).expect("a run");
+        let rows: Vec<_> = summary.audit.into_iter().filter(|row| row.effect == "rupture").collect();
+        (summary.ruptures.expect("a row for each").len(), rows)
+    };
+    let (broken, rows) = short(200);
+    assert_eq!(broken, 0);
+    assert!(rows.len() == 1 && rows[0].matters() && rows[0].finding.contains("1.60 times"), "{rows:?}");
+    let (broken, rows) = short(2000);
+    assert!(broken >= 1 && rows.is_empty(), "{broken} {rows:?}");
+}

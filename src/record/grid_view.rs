@@ -4,7 +4,7 @@ use super::view::{Account, EndState, Start, Stepped, View};
 use super::{Field, Traces};
 use crate::law::FirstPassed;
 use crate::law::rupture::Rupture;
-use crate::solver::fd::{Grid, Leapfrog, Quantity, Reader, Sampling};
+use crate::solver::fd::{Grid, Leapfrog, Quantity, Reader, Sampling, Unresolved};
 use crate::solver::muscl::Muscl;
 use crate::solver::net::Net;
 
@@ -138,6 +138,9 @@ stepped!(
     fn read(&self, quantity: Quantity, places: &Sampling, out: &mut [f64]) {
         let mut reader = Reader::new(self, quantity);
         places.read(|cell| reader.value(cell), out);
+    },
+    fn unresolved_tension(&self) -> Option<Unresolved> {
+        self.unresolved_tension()
     },
     fn advance_by(&mut self, steps: usize) {
         self.advance_by(steps);

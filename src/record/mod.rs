@@ -24,7 +24,7 @@ use crate::solver::Energies;
 
 pub use audit::{
     Audit, Case, LOOKS, Off, above_critical, at_limit, broken_end, broken_inside, past_data, reversed_flow,
-    unresolved_flow,
+    short_tension, unresolved_flow,
 };
 pub use checks::{ElasticProbe, against_similarity, alone, similar_stress, tracked_against_similarity};
 pub use energy::{ENERGY, EnergySummary};

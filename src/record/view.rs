@@ -5,7 +5,7 @@ use super::{Field, Traces};
 use crate::law::FirstPassed;
 use crate::law::rupture::Rupture;
 use crate::solver::Energies;
-use crate::solver::fd::{Grid, Quantity, Sampling};
+use crate::solver::fd::{Grid, Quantity, Sampling, Unresolved};
 
 /// A simulated bar at its current time.
 pub trait View {
@@ -81,6 +81,11 @@ pub trait Stepped: View<Places = Sampling> {
 
     /// The cells that have come to a limit of what their law knows, up to now.
     fn passed(&self) -> FirstPassed;
+
+    /// The largest tension that met the criterion of rupture over too few cells to break the bar.
+    fn unresolved_tension(&self) -> Option<Unresolved> {
+        None
+    }
 
     /// The first cell of which something is not a finite number.
     fn not_finite(&self) -> Option<usize>;

@@ -307,6 +307,7 @@ impl<'a, S: Stepped> Run<'a, S> {
         if !parted {
             broken.extend(self.limits.iter().filter_map(|limit| limit.broken(self.book.scene)));
         }
+        broken.extend(self.bar.unresolved_tension().as_ref().map(record::short_tension));
         let mut rows = self.audit.rows(broken);
         if let Some(Rate::Malvern { k }) = self.book.scene.effects.rate {
             rows.extend(record::unresolved_flow(k, grid.dt));

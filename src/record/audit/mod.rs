@@ -28,7 +28,7 @@ use rate::RateRise;
 pub use rate::unresolved_flow;
 pub use reversal::reversed_flow;
 use rupture::TensileStrain;
-pub use rupture::{above_critical, at_limit, broken_end, broken_inside, past_data};
+pub use rupture::{above_critical, at_limit, broken_end, broken_inside, past_data, short_tension};
 use unloading::Unloading;
 
 use super::{AuditRow, Field, View};

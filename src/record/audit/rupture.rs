@@ -9,6 +9,7 @@ use super::{AuditRow, Reading};
 use crate::bar::Launch;
 use crate::law::{Limit, Reached};
 use crate::material::{Material, Sense};
+use crate::solver::fd::{CELLS_TO_BREAK, Unresolved};
 use crate::units::{Dimension, System, format};
 
 /// Estimate for a bar that would have broken.
@@ -122,6 +123,18 @@ pub fn broken_inside(time: f64, x: f64, material: &Material) -> AuditRow {
         material.name,
     );
     broken(finding)
+}
+
+/// A tension that a rupture criterion asks for, over fewer cells than a rupture takes on a grid.
+pub fn short_tension(unresolved: &Unresolved) -> AuditRow {
+    let finding = std::format!(
+        "the rupture criterion was exceeded {:.2} times at x = {} (t = {}) over fewer than {CELLS_TO_BREAK} cells, which the grid cannot tell \
+         from a numerical pulse; the bar did not break there",
+        unresolved.share,
+        format(unresolved.x, Dimension::Length, System::Si),
+        format(unresolved.time, Dimension::Time, System::Si),
+    );
+    AuditRow { remedy: "Use more cells, or method = \"moc\"".into(), ..broken(finding) }
 }
 
 /// Why a run stops that has reached a limit of what its law knows, and what to do.

@@ -26,5 +26,6 @@ pub use implicit::Along;
 pub use leapfrog::{Leapfrog, Log, LoggedCell, SegmentLaw};
 pub use reader::Reader;
 pub use readings::Quantity;
+pub use rupture::{CELLS_TO_BREAK, Unresolved};
 pub use sample::{Sampling, between};
 pub use taper::BYTES_PER_CELL as TAPER_BYTES_PER_CELL;

@@ -34,6 +34,9 @@ const SHORTEST: f64 = 4.0;
 /// rupture is half as long as what had to be there, and a cell: 4 cells, when 5 are asked for.
 const SUSTAINED: usize = 2;
 
+/// Cells that must have come to the threshold together for a bar to break that has not yielded there.
+pub const CELLS_TO_BREAK: usize = 2 * SUSTAINED + 1;
+
 /// What is known of a bar that can break.
 #[derive(Debug)]
 pub(super) struct Breaking {
@@ -42,6 +45,19 @@ pub(super) struct Breaking {
     /// For each rupture: the node's number (that of the cell to its right), and its step.
     nodes: Vec<(usize, usize)>,
     ends_gone: [bool; 2],
+    /// The place that went farthest beyond the threshold, while too few cells did to break it, before anything had broken.
+    unresolved: Option<Unresolved>,
+}
+
+/// A tension beyond the threshold that was shorter than a rupture takes on the grid.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Unresolved {
+    /// s.
+    pub time: f64,
+    /// m.
+    pub x: f64,
+    /// How far beyond the threshold, as a factor.
+    pub share: f64,
 }
 
 /// A cell that meets its criterion, and how far beyond it is.
@@ -59,7 +75,8 @@ impl Leapfrog {
         for block in &mut self.blocks {
             block.keeps_work = true;
         }
-        let breaking = Breaking { criteria, found: Vec::new(), nodes: Vec::new(), ends_gone: [false; 2] };
+        let breaking =
+            Breaking { criteria, found: Vec::new(), nodes: Vec::new(), ends_gone: [false; 2], unresolved: None };
         self.rupture = Some(Box::new(breaking));
         self
     }
@@ -69,33 +86,58 @@ impl Leapfrog {
         self.rupture.as_ref().map_or(&[], |breaking| &breaking.found)
     }
 
+    /// The largest tension beyond the threshold that was too short on this grid to break the bar, unless it broke there; none in a bar
+    /// that broke elsewhere before: pulses that a rupture sends out on a grid are as short.
+    pub fn unresolved_tension(&self) -> Option<Unresolved> {
+        let breaking = self.rupture.as_ref()?;
+        breaking.unresolved.filter(|place| {
+            let dx = |r: &Rupture| self.grid.segments.iter().rfind(|part| part.x0 <= r.x).map_or(0.0, |part| part.dx);
+            breaking.found.iter().all(|r| (r.x - place.x).abs() > CELLS_TO_BREAK as f64 * dx(r))
+        })
+    }
+
     /// Breaks the bar wherever that is due after this step.
     pub(super) fn break_where_due(&mut self) {
         let Some(mut breaking) = self.rupture.take() else { return };
-        while let Some(due) = self.most_overdue(&breaking) {
+        while let Some(due) = self.most_overdue(&mut breaking) {
             self.break_at(&mut breaking, due);
         }
         self.rupture = Some(breaking);
     }
 
+    /// Keeps a cell that meets its criterion and may not break.
+    fn note_unresolved(&self, breaking: &mut Breaking, due: &Due) {
+        let largest = breaking.unresolved.map_or(0.0, |place| place.share);
+        if breaking.found.is_empty() && due.share > largest {
+            let cell = self.blocks[due.block].cells.start + due.cell;
+            let x = 0.5 * (self.grid.node(cell) + self.grid.node(cell + 1));
+            breaking.unresolved = Some(Unresolved { time: self.time(), x, share: due.share });
+        }
+    }
+
     /// The cell that is farthest beyond its criterion, if one is.
-    fn most_overdue(&self, breaking: &Breaking) -> Option<Due> {
+    fn most_overdue(&self, breaking: &mut Breaking) -> Option<Due> {
         let mut worst: Option<Due> = None;
-        let mut consider = |due: Due| {
-            if worst.is_none_or(|w| due.share > w.share) && self.may_break(breaking, &due) {
+        let mut consider = |breaking: &mut Breaking, due: Due| {
+            if worst.is_some_and(|w| due.share <= w.share) {
+                return;
+            }
+            if self.may_break(breaking, &due) {
                 worst = Some(due);
+            } else {
+                self.note_unresolved(breaking, &due);
             }
         };
         for (k, block) in self.blocks.iter().enumerate() {
-            let (criterion, notch) = (&breaking.criteria.segments[block.segment], self.edge_notch(breaking, k));
-            if !self.can_break(block, criterion, notch) {
+            let (criterion, notch) = (breaking.criteria.segments[block.segment], self.edge_notch(breaking, k));
+            if !self.can_break(block, &criterion, notch) {
                 continue;
             }
             for i in 0..block.sigma.len() {
                 let notch = notch.at(i, block.sigma.len());
-                let share = notch * self.share(k, i, criterion);
+                let share = notch * self.share(k, i, &criterion);
                 if Criterion::is_met(share, 1.0) {
-                    consider(Due { block: k, cell: i, share });
+                    consider(breaking, Due { block: k, cell: i, share });
                 }
             }
         }

@@ -75,3 +75,29 @@ fn the_example_scene_is_the_file() {
     let text = |lines: &[&str]| lines.join("\n").replace("\n\n\n", "\n\n").trim().to_owned();
     assert_eq!(text(&shown), text(&wanted));
 }
+
+/// Lines of a run's text that differ from machine to machine, or stand for more.
+fn varies(line: &str) -> bool {
+    ["  time ", "  ledger ", "  (more "].iter().any(|start| line.starts_with(start))
+}
+
+/// Every output of `barwave run` in the README is what the program prints, but for times and rounding.
+#[test]
+fn outputs_are_what_the_program_prints() {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::create_dir(folder.path().join("runs")).expect("a folder");
+    let mut seen = 0;
+    for block in README.split("```console\n").skip(1) {
+        let mut shown = block.split("```").next().unwrap_or_default().lines();
+        let Some(command) = shown.next().and_then(|line| line.strip_prefix("$ barwave run ")) else { continue };
+        std::fs::copy(root().join(command), folder.path().join(command)).expect("the scene");
+        let output =
+            Command::new(env!("CARGO_BIN_EXE_barwave")).current_dir(folder.path()).args(["run", command]).output();
+        let printed = String::from_utf8(output.expect("the program starts").stdout).expect("text");
+        for line in shown.filter(|line| !varies(line)) {
+            assert!(printed.lines().any(|printed| printed == line), "{command}: {line}\nis not in\n{printed}");
+        }
+        seen += 1;
+    }
+    assert!(seen >= 2, "{seen} outputs");
+}

@@ -116,10 +116,11 @@ pub fn characteristic_net(scene: &Scene, cells: usize) -> Net {
     Net::new(&scene.bar, Lattice::new(&scene.bar, cells), laws, [scene.left.clone(), scene.right.clone()])
 }
 
-/// The rate-dependent law of a material at its reference temperature. Without a rate in the effects plastic strain takes no time.
+/// The rate-dependent law of a material at its reference temperature. Without a rate in the effects, or constants of the material (which
+/// [`Scene::notes`] reports), plastic strain takes no time.
 pub fn rate_law(material: &Material, effects: &Effects) -> RateLaw {
     let law = effects.rate.and_then(|rate| Overstress::of(rate, material));
-    let overstress = law.unwrap_or(Overstress::Malvern { k: f64::MAX });
+    let overstress = law.unwrap_or(Overstress::RATE_INDEPENDENT);
     let kinematic = match effects.unloading {
         None | Some(Unloading::Isotropic) => 0.0,
         Some(Unloading::Kinematic) => 1.0,

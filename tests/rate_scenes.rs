@@ -212,3 +212,21 @@ fn a_rate_scene_runs_on_the_grid_where_it_asks_for_that() {
     assert_eq!(bytes(MALVERN), Some(57));
     assert_eq!(bytes(&format!("unloading = \"kinematic\"\n{MALVERN}")), Some(65));
 }
+
+/// A segment whose material states no constants follows the quasi-static curve, which the run says.
+#[test]
+fn segments_without_rate_constants_are_noted() {
+    let segment = |material: &str| format!("[[bar.segment]]\nlength = 0.2\nmaterial = \"{material}\"\n");
+    let text = |second: &str| {
+        format!(
+            "{}{}[left]\nkind = \"velocity\"\nvalue = 5\n[right]\nkind = \"free\"\n[effects]\nrate = \"material\"\n\
+             [solve]\nuntil = 1e-5\n",
+            segment("aluminium-6061-t6-jc"),
+            segment(second)
+        )
+    };
+    let notes = |second: &str| Scene::parse("s.toml", &text(second), Path::new("."), &[]).expect("a scene").notes();
+    assert!(notes("aluminium-6061-t6-jc").is_empty());
+    let noted = notes("copper-annealed");
+    assert!(noted.len() == 1 && noted[0].contains("segment 2 (copper-annealed)"), "{noted:?}");
+}

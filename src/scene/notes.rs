@@ -1,6 +1,7 @@
 //! What a user should know of a scene that is right, but asks for something that does not go well.
 
-use super::{Method, Scene};
+use super::{Method, Rate, Scene};
+use crate::law::rate::Overstress;
 
 /// A grid is noted where its step is below this part of what the other segments could take.
 const SMALL_STEP: f64 = 0.5;
@@ -8,7 +9,21 @@ const SMALL_STEP: f64 = 0.5;
 impl Scene {
     /// A sentence each.
     pub fn notes(&self) -> Vec<String> {
-        self.short_segment().into_iter().collect()
+        self.short_segment().into_iter().chain(self.rate_independent_segments()).collect()
+    }
+
+    /// Beside segments that feel the strain rate, those whose material states no constants for it.
+    fn rate_independent_segments(&self) -> Option<String> {
+        let rate @ Rate::Material = self.effects.rate? else { return None };
+        let segments = self.bar.segments.iter().enumerate();
+        let without = segments.filter(|(_, s)| Overstress::of(rate, &s.material).is_none());
+        let names: Vec<String> = without.map(|(k, s)| format!("segment {} ({})", k + 1, s.material.name)).collect();
+        (!names.is_empty()).then(|| {
+            format!(
+                "no rate constants are stated for {}: plastic flow follows the quasi-static curve there at any strain rate",
+                names.join(", ")
+            )
+        })
     }
 
     /// A segment too short for a cell of the others' transit time is one cell, and its step holds for the whole bar.

@@ -56,6 +56,9 @@ pub enum Overstress {
 }
 
 impl Overstress {
+    /// Malvern's law in its limit of an infinite rate: a step ends on the static curve. The rule for a material without constants.
+    pub const RATE_INDEPENDENT: Self = Self::Malvern { k: f64::MAX };
+
     /// A law for a material; none where its constants make the stress that of the static curve, or the material is to state
     /// them and does not.
     pub fn of(rate: Rate, material: &Material) -> Option<Self> {

@@ -6,22 +6,21 @@
 //! No grid, no numerical diffusion: exact for the table, to rounding. This is the graphical method of Bohnenblust
 //! with the bookkeeping of Holden and Risebro (Front Tracking for Hyperbolic Conservation Laws).
 
-mod ball;
-mod body;
+mod at_end;
 mod compare;
 mod contact;
 mod end;
 mod limits;
 mod list;
-mod pace;
 mod place;
 mod ramp;
 mod read;
 mod resolve;
 mod rupture;
 mod sample;
-mod spring;
-mod striker;
+mod scale;
+mod step_control;
+mod stepping;
 mod sums;
 mod thin;
 mod tracking;
@@ -29,11 +28,10 @@ mod trail;
 
 pub use compare::{COARSER, SAFETY};
 pub use contact::{JointChange, JointState};
-pub use end::{EndRecord, EndStep};
+pub use end::{EndRecord, EndStep, StrikerState};
 pub use limits::PointAtLimit;
 pub use read::{Front, Piece, Sample};
 pub use sample::Opening;
-pub use striker::StrikerState;
 pub use sums::Balance;
 pub use tracking::FrontTracking;
 pub use trail::Trail;

@@ -5,19 +5,20 @@ use std::collections::BinaryHeap;
 use std::sync::Arc;
 
 use super::contact::Contact;
-use super::end::End;
+use super::end::{End, Scales, face};
 use super::limits::Limits;
 use super::list::{Kind, List, NONE, Node};
 use super::place::Shifted;
 use super::rupture::Breaking;
 use super::sample::Openings;
+use super::scale::stress_scale;
 use super::thin::Thinning;
 use super::{Settings, Stopped, Trail};
 use crate::bar::{Bar, EndCondition};
 use crate::law::Table;
 use crate::law::rupture::Criteria;
 use crate::material::{Material, Sense};
-use crate::wave::riemann::{Emitted, Flow, Medium, Point, Side, Workspace, solve};
+use crate::wave::riemann::{Emitted, Flow, Medium, Point, Workspace};
 
 /// Nodes closer than this part of the bar's length are at one point, and times closer than this part of the elastic
 /// transit time are one time. Meetings carry a rounding of about 1e-15 of either; fronts that should meet in one
@@ -108,20 +109,23 @@ impl FrontTracking {
     ) -> Self {
         let last = bar.segments.len() - 1;
         let mut media: Vec<Medium> = bar.segments.iter().map(|s| medium(s, flow)).collect();
-        let [left, right] = ends;
-        let mut ends = [
-            End::new(left, 1.0, bar.segments[0].velocity, &media[0]),
-            End::new(right, -1.0, bar.segments[last].velocity, &media[last]),
-        ];
-        let stress_scale = stress_scale(bar, &media, &ends);
+        let faces =
+            [face(1.0, bar.segments[0].velocity, &media[0]), face(-1.0, bar.segments[last].velocity, &media[last])];
+        let stress_scale = stress_scale(bar, &media, [(&ends[0], &faces[0]), (&ends[1], &faces[1])]);
         for medium in &mut media {
             medium.round_off = SAME_STRESS * stress_scale;
         }
         let thinning = Thinning::new(settings.front_tolerance, &media, stress_scale, bar.length());
+        let transit = bar.transit_time();
+        let scales = Scales {
+            stress: stress_scale,
+            step: settings.step(),
+            transit,
+            same_time: SAME_POINT * transit,
+            same_stress: SAME_STRESS * stress_scale,
+        };
+        let ends = [0, 1].map(|k| End::new(&ends[k], faces[k], scales));
         let in_steps = ends.iter().any(End::needs_steps);
-        for (end, medium) in ends.iter_mut().zip([&media[0], &media[last]]) {
-            end.set_steps(settings.step(), stress_scale, medium.impedance(), bar.transit_time());
-        }
         let mut tracking = Self {
             media,
             materials: bar.segments.iter().map(|s| Arc::clone(&s.material)).collect(),
@@ -136,7 +140,7 @@ impl FrontTracking {
             budget: settings.event_budget,
             same_place: SAME_POINT * bar.length(),
             near: NEAR * settings.front_tolerance * bar.length(),
-            same_time: SAME_POINT * bar.transit_time(),
+            same_time: scales.same_time,
             stress_scale,
             fronts: 0,
             concentrated: 0.0,
@@ -202,7 +206,7 @@ impl FrontTracking {
 
     /// When an end or a joint next does something of its own accord, s, and its node.
     fn next_own(&self) -> (f64, u32) {
-        let [left, right] = self.ends.each_ref().map(|end| end.next_time(self.same_time));
+        let [left, right] = self.ends.each_ref().map(End::next_time);
         let mut first = if right < left { (right, self.end_nodes[1]) } else { (left, self.end_nodes[0]) };
         for contact in &self.contacts {
             if contact.closes < first.0 {
@@ -296,18 +300,4 @@ fn medium(segment: &crate::bar::Segment, flow: Flow) -> Medium {
     let table = |sense| Table::new(material.branch(sense), material.modulus);
     let (tension, compression) = (table(Sense::Tension), table(Sense::Compression));
     Medium::new([&tension, &compression], material.modulus, material.density, segment.area, flow, 0.0)
-}
-
-/// See [`FrontTracking::stress_scale`].
-fn stress_scale(bar: &Bar, media: &[Medium], ends: &[End; 2]) -> f64 {
-    let reach = ends.each_ref().map(End::reach);
-    let velocities = || bar.segments.iter().map(|s| s.velocity).chain(reach.iter().flat_map(|r| r.1));
-    let range = velocities().fold(f64::MIN, f64::max) - velocities().fold(f64::MAX, f64::min);
-    let imposed = reach[0].0.max(reach[1].0);
-    let mut work = Workspace::default();
-    let struck = media.iter().map(|medium| {
-        let driver = Side::Straight { force: 0.0, velocity: -range, compliance: 0.0 };
-        (solve(driver, Side::Bar(medium, &Point::default()), &mut work).force / medium.area).abs()
-    });
-    struck.fold(imposed, f64::max)
 }

@@ -3,12 +3,15 @@
 use super::FrontTracking;
 use super::end::Arrival;
 use super::list::{Kind, NONE};
-use super::resolve::{REST, same_motion};
-use crate::bar::ends::{self, Relation};
+use super::nearness::{REST, same_motion};
+use crate::bar::ends::{Face, Relation, Response};
 use crate::wave::riemann::{Point, Side, solve};
 
 /// A step is stretched by this much, at most, to end with the arrival of a front.
 const STRETCH: f64 = 1.5;
+
+/// Most repeats until a body and a bar that flows agree: each is a step of Newton's method.
+const MOST_REPEATS: usize = 20;
 
 /// What an end sends is in the scratch of its side; this is behind it.
 #[derive(Debug, Clone, Copy)]
@@ -43,7 +46,7 @@ impl FrontTracking {
         }
         if which == 0 {
             // The fan's innermost state is next to the end, the state ahead to the right of the fastest front.
-            let nearest = self.sent_right.last().map_or(bar, |e| e.behind);
+            let nearest = self.scratch.sent_right.last().map_or(bar, |e| e.behind);
             self.list.get_mut(id).right = nearest;
             let last = self.send_right(id, x, bar, segment);
             self.schedule(last);
@@ -57,8 +60,8 @@ impl FrontTracking {
     fn answer_end(&mut self, which: usize, bar: &Point, segment: u32) -> Answer {
         match self.ends[which].arrive(self.now, bar) {
             Arrival::Passes => {
-                self.sent_left.clear();
-                self.sent_right.clear();
+                self.scratch.sent_left.clear();
+                self.scratch.sent_right.clear();
                 let velocity = self.ends[which].face.inward * bar.velocity;
                 return Answer { behind: *bar, velocity, short: false, answers: false };
             }
@@ -108,7 +111,7 @@ impl FrontTracking {
                 break;
             }
             let strength = (node.right.stress - self.list.get(node.prev).right.stress).abs();
-            if node.speed * self.ends[which].face.inward < 0.0 && distance > self.same_place && strength > weakest {
+            if node.speed * self.ends[which].face.inward < 0.0 && distance > self.nearness.place && strength > weakest {
                 first = first.min(distance / node.speed.abs());
             }
             id = if which == 0 { node.next } else { node.prev };
@@ -116,23 +119,41 @@ impl FrontTracking {
         first
     }
 
-    /// The answer to the step that begins. A contact that is not linear, against a bar that flows, is found together with it.
+    /// The answer to the step that begins. What a body asks for goes with the impedance that the bar answers with: where the bar
+    /// flows, both are found together.
     fn answer_step(&mut self, which: usize, bar: &Point, segment: u32) -> Answer {
-        let relation = self.ends[which].relation();
-        let answer = self.answer(which, &relation, bar, segment);
-        let Some((model, step)) = self.ends[which].nonlinear() else { return answer };
-        let (response, area) = (self.ends[which].response(bar), self.ends[which].face.area);
-        let elastic = response.force + response.impedance * answer.velocity;
-        let round_off = REST * self.media[segment as usize].round_off;
-        if (area * answer.behind.stress + elastic).abs() <= round_off * area {
+        let mut answer = self.answer(which, &self.ends[which].relation(), bar, segment);
+        let elastic = self.ends[which].face.impedance;
+        let mut response = self.tangent(which, bar, &answer);
+        if response.impedance == elastic {
             return answer;
         }
-        let relation = ends::agree(model.as_ref(), &step, &response, |relation| {
-            let answer = self.answer(which, relation, bar, segment);
-            [-area * answer.behind.stress, answer.velocity]
-        });
-        self.ends[which].agree_on(relation);
-        self.answer(which, &relation, bar, segment)
+        let Some((model, step)) = self.ends[which].body_step() else { return answer };
+        let round_off = REST * self.media[segment as usize].round_off;
+        for _ in 0..MOST_REPEATS {
+            let before = answer.behind.stress;
+            self.ends[which].agree_on(model.relation(&step, &response));
+            answer = self.answer(which, &self.ends[which].relation(), bar, segment);
+            if (answer.behind.stress - before).abs() <= round_off {
+                break;
+            }
+            response = self.tangent(which, bar, &answer);
+        }
+        answer
+    }
+
+    /// How the bar answers around an answer that is in the scratch: linear from half of the way to it on.
+    fn tangent(&mut self, which: usize, bar: &Point, answer: &Answer) -> Response {
+        let path = if which == 0 { &mut self.scratch.work.right } else { &mut self.scratch.work.left };
+        let Face { area, impedance, .. } = self.ends[which].face;
+        let [from, to] = [bar.stress, answer.behind.stress].map(|stress| path.sense() * stress);
+        let middle = 0.5 * (from + to);
+        let change = path.velocity(to.min(path.cap())) - path.velocity(middle);
+        let tangent = area * (to - middle) / change;
+        // Elastic but for rounding, or hardly any way to go.
+        let elastic = !(tangent > 0.0 && tangent < (1.0 - 1e-6) * impedance);
+        let impedance = if elastic { impedance } else { tangent };
+        Response { force: -area * answer.behind.stress - impedance * answer.velocity, impedance }
     }
 
     /// The Riemann problem against a relation.
@@ -153,15 +174,15 @@ impl FrontTracking {
         let driver = Side::Straight { force, velocity: face.inward * velocity, compliance: b / a };
         let own = Side::Bar(medium, bar);
         let (star, path, sent) = if which == 0 {
-            (solve(driver, own, &mut self.work), &mut self.work.right, &mut self.sent_right)
+            (solve(driver, own, &mut self.scratch.work), &mut self.scratch.work.right, &mut self.scratch.sent_right)
         } else {
-            (solve(own, driver, &mut self.work), &mut self.work.left, &mut self.sent_left)
+            (solve(own, driver, &mut self.scratch.work), &mut self.scratch.work.left, &mut self.scratch.sent_left)
         };
         let tau = (path.sense() * star.force / medium.area).min(path.cap());
         let behind = path.emit(tau, face.inward, sent);
         let behind = self.unless_at_rest(which, behind, bar, segment);
-        // The face runs ahead of a bar that cannot follow.
-        let exact = b == 0.0 || star.capped;
+        // The face runs ahead of a bar that cannot follow; and what is stiff tells its velocity to more digits than the bar.
+        let exact = a > b * face.impedance || star.capped;
         let velocity = if exact { (c + b * face.area * behind.stress) / a } else { face.inward * behind.velocity };
         Answer { behind, velocity, short: star.capped, answers: true }
     }
@@ -170,9 +191,9 @@ impl FrontTracking {
         let medium = &self.media[segment as usize];
         let sense = if stress < bar.stress { -1.0 } else { 1.0 };
         let (path, sent) = if which == 0 {
-            (&mut self.work.right, &mut self.sent_right)
+            (&mut self.scratch.work.right, &mut self.scratch.sent_right)
         } else {
-            (&mut self.work.left, &mut self.sent_left)
+            (&mut self.scratch.work.left, &mut self.scratch.sent_left)
         };
         path.fill(medium, bar, sense);
         let tau = sense * stress;
@@ -185,10 +206,10 @@ impl FrontTracking {
 
     /// The state behind an end's wave; with a front tolerance, a wave of a few roundings is not sent (see [`REST`]).
     fn unless_at_rest(&mut self, which: usize, behind: Point, bar: &Point, segment: u32) -> Point {
-        if !self.thinning.is_on() || !same_motion(&behind, bar, &self.media[segment as usize], REST) {
+        if !self.merging.is_on() || !same_motion(&behind, bar, &self.media[segment as usize], REST) {
             return behind;
         }
-        let sent = if which == 0 { &mut self.sent_right } else { &mut self.sent_left };
+        let sent = if which == 0 { &mut self.scratch.sent_right } else { &mut self.scratch.sent_left };
         sent.clear();
         *bar
     }

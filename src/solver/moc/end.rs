@@ -164,10 +164,10 @@ impl End {
         self.stepping.relation
     }
 
-    /// The model and its step, for a relation that is found together with the bar's answer.
-    pub fn nonlinear(&self) -> Option<(Box<dyn EndModel>, Step)> {
-        let Stepping { model, start, until, .. } = &self.stepping;
-        (self.stepping.met && model.is_nonlinear()).then(|| (model.boxed(), self.stepping.step(until - start)))
+    /// The body in contact and its step, for a relation that is found together with the bar's answer.
+    pub fn body_step(&self) -> Option<(Box<dyn EndModel>, Step)> {
+        let Stepping { model, start, until, met, .. } = &self.stepping;
+        (*met && self.control.is_some()).then(|| (model.boxed(), self.stepping.step(until - start)))
     }
 
     /// Ends the step. How long the next one should be, s, where a body moves with the end, or would have to if it did not part now.

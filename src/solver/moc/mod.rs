@@ -12,6 +12,9 @@ mod contact;
 mod end;
 mod limits;
 mod list;
+mod meeting;
+mod merge_fronts;
+mod nearness;
 mod place;
 mod ramp;
 mod read;
@@ -22,7 +25,6 @@ mod scale;
 mod step_control;
 mod stepping;
 mod sums;
-mod thin;
 mod tracking;
 mod trail;
 
@@ -39,7 +41,7 @@ pub use trail::Trail;
 /// How a front-tracking run is carried out.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
-    /// How much waves may be thinned out, >= 0: neighbouring waves of one kind become one where that changes the solution
+    /// How much waves may be merged, >= 0: neighbouring waves of one kind become one where that changes the solution
     /// by less than about the square of this times [`FrontTracking::stress_scale`] times the length. Momentum and
     /// displacement are kept; the error of the stress is of about this order. 0: every wave is kept.
     pub front_tolerance: f64,

@@ -2,12 +2,8 @@
 
 use super::FrontTracking;
 use super::list::{Kind, Node};
-use super::tracking::node;
-use crate::wave::riemann::{Emitted, Medium, Path, Point, Side, solve};
-
-/// States that differ by less than this times the rounding are at rest with each other: a wave as weak as that would
-/// run to and fro between two places where histories differ, fed by the rounding that it meets there.
-pub(super) const REST: f64 = 8.0;
+use super::nearness::{REST, in_balance, same_motion};
+use crate::wave::riemann::{Emitted, Path, Point, Side, solve};
 
 impl FrontTracking {
     /// Solves the Riemann problem of the nodes `first..=last` that meet at x now, and puts what it sends in their place.
@@ -36,22 +32,12 @@ impl FrontTracking {
     /// Removes the nodes `first..=last` but for an end or joint among them, which takes over the state to the right of
     /// them all and is returned; without one, the last node stays to be removed by the caller.
     fn clear(&mut self, first: u32, last: u32) -> Option<u32> {
-        let right = self.list.get(last).right;
-        let mut fixed = None;
-        let mut id = first;
+        let (right, mut fixed, mut id) = (self.list.get(last).right, None, first);
         loop {
             let node = *self.list.get(id);
-            let is_fixed = matches!(node.kind, Kind::End | Kind::Joint);
-            if matches!(node.kind, Kind::Contact | Kind::Joint) {
-                self.concentrated += self.stretch_work(&node);
-                self.keep_opening(&node);
-            }
-            if is_fixed {
+            self.book_end_of(&node);
+            if matches!(node.kind, Kind::End | Kind::Joint) {
                 fixed = Some(id);
-            }
-            self.keep_trail(&node);
-            if node.kind == Kind::Front && self.thinning.is_on() {
-                self.thinning.energy += self.unbooked(&node);
             }
             if id == last {
                 break;
@@ -62,19 +48,27 @@ impl FrontTracking {
             self.remove_until(first, last);
             return None;
         };
-        let mut id = first;
-        loop {
-            let next = self.list.get(id).next;
-            if id != kept {
-                self.drop_node(id);
-            }
-            if id == last {
-                break;
-            }
-            id = next;
+        self.remove_until(first, kept);
+        while kept != last && self.list.get(kept).next != last {
+            self.drop_node(self.list.get(kept).next);
+        }
+        if kept != last {
+            self.drop_node(last);
         }
         self.list.get_mut(kept).right = right;
         Some(kept)
+    }
+
+    /// Books what a node has taken, opened and drawn since its states hold, before they change or it goes.
+    fn book_end_of(&mut self, node: &Node) {
+        if matches!(node.kind, Kind::Contact | Kind::Joint) {
+            self.booked.concentrated += self.stretch_work(node);
+            self.keep_opening(node);
+        }
+        self.keep_trail(node);
+        if node.kind == Kind::Front && self.merging.is_on() {
+            self.merging.energy += self.unbooked(node);
+        }
     }
 
     /// Removes from `first` to just before `last`.
@@ -125,7 +119,7 @@ impl FrontTracking {
                 id
             }
             None if apart => {
-                self.list.insert(before_new, node(Kind::Contact, x, self.now, 0.0, behind_right, left_segment))
+                self.list.insert(before_new, Node::new(Kind::Contact, x, self.now, 0.0, behind_right, left_segment))
             }
             None => before_new,
         };
@@ -146,25 +140,25 @@ impl FrontTracking {
         let at_rest = if inside {
             same_motion(&left, &right, a, REST)
         } else {
-            self.thinning.is_on() && in_balance(a, &left, b, &right)
+            self.merging.is_on() && in_balance(a, &left, b, &right)
         };
         if at_rest {
-            self.sent_left.clear();
-            self.sent_right.clear();
+            self.scratch.sent_left.clear();
+            self.scratch.sent_right.clear();
             return (left, right, false);
         }
-        let star = solve(Side::Bar(a, &left), Side::Bar(b, &right), &mut self.work);
+        let star = solve(Side::Bar(a, &left), Side::Bar(b, &right), &mut self.scratch.work);
         let tau = |path: &Path| (path.sense() * star.force / path.area()).min(path.cap());
-        let (path_left, path_right) = (&mut self.work.left, &mut self.work.right);
-        let mut behind_left = path_left.emit(tau(path_left), -1.0, &mut self.sent_left);
-        let mut behind_right = path_right.emit(tau(path_right), 1.0, &mut self.sent_right);
+        let (path_left, path_right) = (&mut self.scratch.work.left, &mut self.scratch.work.right);
+        let mut behind_left = path_left.emit(tau(path_left), -1.0, &mut self.scratch.sent_left);
+        let mut behind_right = path_right.emit(tau(path_right), 1.0, &mut self.scratch.sent_right);
         // Rounding travels with a front instead of staying behind as a step at rest that the next wave meets. (A step
         // in velocity stays where a curve is level, or so nearly level that the wave's stress is rounding.)
         if inside && same_motion(&behind_left, &behind_right, a, REST) {
-            if let Some(inner) = self.sent_right.last_mut() {
+            if let Some(inner) = self.scratch.sent_right.last_mut() {
                 (behind_right.stress, behind_right.velocity) = (behind_left.stress, behind_left.velocity);
                 inner.behind = behind_right;
-            } else if let Some(inner) = self.sent_left.last_mut() {
+            } else if let Some(inner) = self.scratch.sent_left.last_mut() {
                 (behind_left.stress, behind_left.velocity) = (behind_right.stress, behind_right.velocity);
                 inner.behind = behind_left;
             }
@@ -175,34 +169,23 @@ impl FrontTracking {
     /// Puts the fronts sent in -x behind `prev`; the last node before x afterwards.
     pub(super) fn send_left(&mut self, prev: u32, x: f64, segment: u32) -> u32 {
         let mut after = prev;
-        for k in 0..self.sent_left.len() {
-            let Emitted { speed, behind } = self.sent_left[k];
-            after = self.list.insert(after, node(Kind::Front, x, self.now, -speed, behind, segment));
+        for k in 0..self.scratch.sent_left.len() {
+            let Emitted { speed, behind } = self.scratch.sent_left[k];
+            after = self.list.insert(after, Node::new(Kind::Front, x, self.now, -speed, behind, segment));
         }
-        self.fronts += self.sent_left.len();
+        self.fronts += self.scratch.sent_left.len();
         after
     }
 
     /// Puts the fronts sent in +x behind `after`, with `ahead` before them all; the last of them.
     pub(super) fn send_right(&mut self, mut after: u32, x: f64, ahead: Point, segment: u32) -> u32 {
-        for k in (0..self.sent_right.len()).rev() {
-            let state = if k == 0 { ahead } else { self.sent_right[k - 1].behind };
-            after = self.list.insert(after, node(Kind::Front, x, self.now, self.sent_right[k].speed, state, segment));
+        for k in (0..self.scratch.sent_right.len()).rev() {
+            let state = if k == 0 { ahead } else { self.scratch.sent_right[k - 1].behind };
+            after = self
+                .list
+                .insert(after, Node::new(Kind::Front, x, self.now, self.scratch.sent_right[k].speed, state, segment));
         }
-        self.fronts += self.sent_right.len();
+        self.fronts += self.scratch.sent_right.len();
         after
     }
-}
-
-/// Whether two faces of a joint have one force and one velocity, to a few roundings (see [`REST`]).
-fn in_balance(a: &Medium, left: &Point, b: &Medium, right: &Point) -> bool {
-    let round_off = REST * a.round_off.min(b.round_off);
-    (a.area * left.stress - b.area * right.stress).abs() <= round_off * a.area.min(b.area)
-        && (left.velocity - right.velocity).abs() * a.impedance().max(b.impedance()) <= round_off
-}
-
-/// Whether two points have one stress and one velocity, to `times` the rounding.
-pub(super) fn same_motion(a: &Point, b: &Point, medium: &Medium, times: f64) -> bool {
-    let round_off = times * medium.round_off;
-    (a.stress - b.stress).abs() <= round_off && (a.velocity - b.velocity).abs() * medium.impedance() <= round_off
 }

@@ -70,11 +70,11 @@ impl StepControl {
 
     /// Length of a step that resolves a relaxation, s.
     pub fn resolving(&self, relaxation: &Relaxation) -> f64 {
-        let part = self.part * (self.level / relaxation.force.max(f64::MIN_POSITIVE)).cbrt();
-        // A longer step is off by no more than what is left to relax, for the time T: as much as all others.
-        if part >= 1.0 {
+        // Where x would be 1 any longer step is off by no more than what is left to relax, for the time T: as much as all others.
+        if relaxation.force <= self.part.powi(3) * self.level {
             return self.longest;
         }
+        let part = self.part * (self.level / relaxation.force).cbrt();
         (part * relaxation.time).clamp(self.shortest, self.longest)
     }
 

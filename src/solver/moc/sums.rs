@@ -40,9 +40,9 @@ impl FrontTracking {
     /// Energies, momentum and what came in through the ends, now.
     pub fn balance(&self) -> Balance {
         let mut sum = Balance {
-            concentrated: self.concentrated,
-            thinned: self.thinned_energy() - self.shifted.energy,
-            shifted: self.shifted.momentum,
+            concentrated: self.booked.concentrated,
+            thinned: self.merged_energy() - self.booked.shifted.energy,
+            shifted: self.booked.shifted.momentum,
             ..Balance::default()
         };
         for node in self.list.iter().filter(|node| node.next != NONE) {

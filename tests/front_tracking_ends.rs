@@ -126,9 +126,9 @@ fn the_ledger_closes_for_every_pair_of_ends() {
                 }
             }
             common::assert_ledger(&ledger, &what);
-            for side in 0..2 {
-                let pulls = |stress: f64| cannot_pull(&ends[side]) && stress > 0.0;
-                assert!(!bar.ends()[side].steps.iter().any(|step| pulls(step.stress)), "{what}: it pulls");
+            for (end, record) in ends.iter().zip(bar.ends()) {
+                let pulls = cannot_pull(end) && record.steps.iter().any(|step| step.stress > 0.0);
+                assert!(!pulls, "{what}: it pulls");
             }
         }
     }

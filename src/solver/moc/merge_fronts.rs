@@ -32,7 +32,7 @@ const SAME_SPEED: f64 = 1e-9;
 /// Below this many nodes merging waits for events: a passage costs more than the few events that it could save.
 const FEWEST: usize = 64;
 
-/// FrontMerging is due after a growth by this part, by `LEAST_GROWTH` nodes at the least, and after this many events a node.
+/// Merging is due after a growth by this part, by `LEAST_GROWTH` nodes at the least, and after this many events a node.
 const GROWTH: usize = 32;
 const LEAST_GROWTH: usize = 8;
 const EVENTS_A_NODE: u64 = 8;

@@ -101,7 +101,8 @@ impl FrontTracking {
             same_time: nearness.time,
             same_stress: SAME_STRESS * stress_scale,
         };
-        let ends = [0, 1].map(|k| End::new(&ends[k], faces[k], scales));
+        let [left, right] = ends;
+        let ends = [(left, faces[0]), (right, faces[1])].map(|(condition, face)| End::new(&condition, face, scales));
         let in_steps = ends.iter().any(End::needs_steps);
         let mut tracking = Self {
             media,

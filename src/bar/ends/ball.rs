@@ -1,6 +1,6 @@
 //! A ball that pushes by Hertz's contact.
 
-use super::{Body, Boundary, EndModel, Face, Push, Relation, Response, Step};
+use super::{Body, Boundary, EndModel, Face, Push, Relation, Relaxation, Response, Step};
 use crate::bar::Hertz;
 
 /// Over a step the ball pushes with (P(a+) - P(a))/(a+ - a), P being the energy stored in the contact and a, a+ the approaches before
@@ -59,6 +59,15 @@ impl EndModel for Ball {
 
     fn body(&self) -> Option<Body> {
         Some(Body { velocity: self.velocity, gap: -self.approach })
+    }
+
+    /// The slower of the contact's half swing on a fixed flat and of the mass's relaxation in a rigid contact.
+    fn relaxation(&self, _: f64, bar: &Response) -> Option<Relaxation> {
+        let closing = self.velocity + bar.force / bar.impedance;
+        let compressed = 2.0 * self.contact.energy(self.approach) / self.mass;
+        let swing = 0.5 * self.contact.contact_time(self.mass, closing.hypot(compressed.sqrt()));
+        let force = self.contact.force(self.approach).max((bar.impedance * closing).abs());
+        Some(Relaxation { time: swing.max(self.mass / bar.impedance), force })
     }
 
     fn energy(&self, _: f64) -> f64 {

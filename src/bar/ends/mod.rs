@@ -149,6 +149,15 @@ pub struct Body {
     pub gap: f64,
 }
 
+/// How the force of a body relaxes, or swings, against a bar that brings a constant one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Relaxation {
+    /// Time constant, s, >= 0.
+    pub time: f64,
+    /// Force that still has to relax, N, >= 0.
+    pub force: f64,
+}
+
 /// An end with its state. Between steps the state belongs to the end of the latest one.
 pub trait EndModel: std::fmt::Debug + Send + Sync {
     /// What the end asks over the coming step.
@@ -163,6 +172,17 @@ pub trait EndModel: std::fmt::Debug + Send + Sync {
 
     /// The body that moves at this end, if there is one.
     fn body(&self) -> Option<Body> {
+        None
+    }
+
+    /// Distance between the face at `displacement` (m, into the bar) and what it can strike, m; less than 0 where a ball is
+    /// compressed. None where nothing can part.
+    fn gap(&self, _displacement: f64) -> Option<f64> {
+        self.body().map(|body| body.gap)
+    }
+
+    /// How a body in contact with the face relaxes; none where nothing moves by itself.
+    fn relaxation(&self, _displacement: f64, _bar: &Response) -> Option<Relaxation> {
         None
     }
 

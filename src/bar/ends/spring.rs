@@ -1,6 +1,6 @@
 //! A linear spring between the face and the ground, without force at the start: p = -k d.
 
-use super::{Boundary, EndModel, Push, Relation, Response, Step, relaxation_weight};
+use super::{Boundary, EndModel, Push, Relation, Relaxation, Response, Step, relaxation_weight};
 
 /// Over a step `p = -k (d + theta dt u)`; against the bar's impedance Y the displacement relaxes with the time Y/k, and theta is the
 /// [`relaxation_weight`] for it: second order where the step resolves the spring, stable for any stiffness, and a rigid one is
@@ -30,6 +30,11 @@ impl EndModel for Spring {
 
     fn boundary(&self, step: &Step, latest: &Push, _: bool) -> Boundary {
         Boundary::Force { value: -self.stiffness * step.displacement, rate: -self.stiffness * latest.velocity }
+    }
+
+    fn relaxation(&self, displacement: f64, bar: &Response) -> Option<Relaxation> {
+        let force = (bar.force + self.stiffness * displacement).abs();
+        Some(Relaxation { time: bar.impedance / self.stiffness, force })
     }
 
     fn energy(&self, displacement: f64) -> f64 {

@@ -1,6 +1,6 @@
 //! A rigid mass that pushes against the face and flies on where it would have to pull.
 
-use super::{Body, Boundary, EndModel, Face, Push, Relation, Response, Step, relaxation_weight};
+use super::{Body, Boundary, EndModel, Face, Push, Relation, Relaxation, Response, Step, relaxation_weight};
 
 /// In contact the mass moves over a step with `V - theta p dt/M`, and closes what gap there is:
 ///
@@ -51,7 +51,15 @@ impl EndModel for Striker {
             self.velocity -= push.impulse / self.mass;
         }
         let moved = step.dt * (push.velocity - 0.5 * (before + self.velocity));
-        self.gap = if held { 0.0 } else { (self.gap + moved).max(0.0) };
+        // A gap that closes at the end of the step is closed but for the rounding of the time.
+        let rounding = 4.0 * f64::EPSILON * (step.time + step.dt) * (push.velocity - self.velocity).abs();
+        let gap = self.gap + moved;
+        self.gap = if held || gap <= rounding { 0.0 } else { gap };
+    }
+
+    fn relaxation(&self, _: f64, bar: &Response) -> Option<Relaxation> {
+        let force = (bar.force + bar.impedance * self.velocity).abs();
+        Some(Relaxation { time: self.mass / bar.impedance, force })
     }
 
     fn body(&self) -> Option<Body> {

@@ -14,6 +14,11 @@ impl EndModel for Wall {
         Relation::velocity(-(self.gap + step.displacement) / step.dt).without_pull()
     }
 
+    fn gap(&self, displacement: f64) -> Option<f64> {
+        // At the wall, rounding may take the face past it.
+        Some((self.gap + displacement).max(0.0))
+    }
+
     fn boundary(&self, _: &Step, _: &Push, met: bool) -> Boundary {
         if met { Boundary::FIXED } else { Boundary::FREE }
     }

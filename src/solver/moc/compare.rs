@@ -64,12 +64,12 @@ impl FrontTracking {
     /// Sum of the integrals over x of |change of stress| of all merges so far, Pa m: more than they can have changed
     /// together, and often much more.
     pub fn merged(&self) -> f64 {
-        self.thinning.changed
+        self.merging.changed
     }
 
     /// True as long as no wave was made one with another and nothing had to be made into steps: exact for the tables,
     /// to rounding.
     pub fn is_exact(&self) -> bool {
-        self.thinning.changed == 0.0 && !self.in_steps
+        self.merging.changed == 0.0 && !self.in_steps
     }
 }

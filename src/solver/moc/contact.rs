@@ -141,7 +141,7 @@ impl FrontTracking {
         let Some(k) = self.contacts.iter().position(|contact| contact.node == id) else { return false };
         let (left, left_segment) = (self.list.get(prev).right, self.list.get(prev).segment);
         let right_segment = self.list.get(id).segment;
-        let apart = self.contacts[k].bring_to(self.now, self.same_time);
+        let apart = self.contacts[k].bring_to(self.now, self.nearness.time);
         let round_off = self.media[left_segment as usize].round_off;
         if !apart && self.presses(&left, left_segment, &right, right_segment) {
             self.contacts[k].settle(None, 0.0);
@@ -163,21 +163,21 @@ impl FrontTracking {
     /// Whether two faces that touch press each other.
     fn presses(&mut self, left: &Point, left_segment: u32, right: &Point, right_segment: u32) -> bool {
         let (a, b) = (&self.media[left_segment as usize], &self.media[right_segment as usize]);
-        let star = solve(Side::Bar(a, left), Side::Bar(b, right), &mut self.work);
+        let star = solve(Side::Bar(a, left), Side::Bar(b, right), &mut self.scratch.work);
         star.force < -a.round_off * a.area.min(b.area)
     }
 
     /// The state behind the waves that a free face at the right of `point` sends into `sent_left`.
     fn free_left(&mut self, point: &Point, segment: u32) -> Point {
         let sense = if point.stress > 0.0 { -1.0 } else { 1.0 };
-        self.work.left.fill(&self.media[segment as usize], point, sense);
-        self.work.left.emit(0.0, -1.0, &mut self.sent_left)
+        self.scratch.work.left.fill(&self.media[segment as usize], point, sense);
+        self.scratch.work.left.emit(0.0, -1.0, &mut self.scratch.sent_left)
     }
 
     /// The same of a free face at the left of `point`, into `sent_right`.
     fn free_right(&mut self, point: &Point, segment: u32) -> Point {
         let sense = if point.stress > 0.0 { -1.0 } else { 1.0 };
-        self.work.right.fill(&self.media[segment as usize], point, sense);
-        self.work.right.emit(0.0, 1.0, &mut self.sent_right)
+        self.scratch.work.right.fill(&self.media[segment as usize], point, sense);
+        self.scratch.work.right.emit(0.0, 1.0, &mut self.scratch.sent_right)
     }
 }

@@ -1,11 +1,12 @@
-//! The ends of a tracked bar: what drives them, and what they record.
+//! The ends of a tracked bar: when their steps begin and end, and what they record. What an end asks of the bar is its model's, see
+//! [`crate::bar::ends`].
 
-use super::ball::Ball;
 use super::contact::JointChange;
-use super::ramp::{SHORTEST, Staircase};
-use super::spring::Spring;
-use super::striker::{Striker, StrikerState};
-use crate::bar::{EndCondition, History};
+use super::ramp::Imposed;
+use super::step_control::StepControl;
+use super::stepping::{Account, Held, Stepping};
+use crate::bar::EndCondition;
+use crate::bar::ends::{self, Body, EndModel, Face, Relation, Response, Step};
 use crate::wave::riemann::{Medium, Point};
 
 /// Stress and velocity of the bar's end from `time` on.
@@ -28,329 +29,323 @@ pub struct EndRecord {
     pub above_critical: Option<f64>,
 }
 
-/// What an end imposes at a moment.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Drive {
-    /// m/s.
-    Velocity(f64),
-    /// Pa.
-    Stress(f64),
-    /// A dashpot whose other side moves with this velocity (m/s); a force drives it at `compliance` (m/(s N)).
-    Dashpot {
-        /// m/s.
-        velocity: f64,
-        /// m/(s N).
-        compliance: f64,
-    },
-    /// Velocity 0, unless that would take tension.
-    Push,
-    /// Nothing: the end goes along with what comes.
-    Pass,
-    /// A rigid mass with this velocity (m/s) at no force, which gives way by `compliance` (m/(s N)), unless that would
-    /// take tension.
-    Mass {
-        /// m/s.
-        velocity: f64,
-        /// m/(s N).
-        compliance: f64,
-    },
-    /// A spring with this force (N, tension positive) at rest, which gives way by `compliance` (m/(s N)).
-    Spring {
-        /// N.
-        force: f64,
-        /// m/(s N).
-        compliance: f64,
-    },
+/// What a wave that arrives, or time, does to the step of an end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Arrival {
+    /// The wave is weak: the end goes along with it.
+    Passes,
+    /// The relation of the step answers it.
+    Within,
+    /// The step is over.
+    Ends,
 }
 
-/// A body at an end that moves by itself.
-#[derive(Debug, Clone)]
-enum Body {
-    None,
-    Striker(Striker),
-    Ball(Ball),
-    Spring(Spring),
+/// A striker or a ball at an end.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StrikerState {
+    /// m/s, positive in +x.
+    pub velocity: f64,
+    /// Distance from the bar's end, m, >= 0.
+    pub gap: f64,
+    /// Whether they touch.
+    pub touching: bool,
+}
+
+/// The scales of a run.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Scales {
+    /// Stress to which steps are relative, Pa.
+    pub stress: f64,
+    /// Part of that by which a step changes the stress.
+    pub step: f64,
+    /// Elastic transit time of the bar, s.
+    pub transit: f64,
+    /// Times and stresses closer than this are one, s and Pa.
+    pub same_time: f64,
+    pub same_stress: f64,
 }
 
 /// An end with its clock.
 #[derive(Debug, Clone)]
-pub struct End {
-    condition: EndCondition,
-    /// What it imposes over time, if it does.
-    imposed: Option<Staircase>,
-    body: Body,
-    /// +1 at the left end, -1 at the right: the way into the bar.
-    pub inward: f64,
-    /// Velocity of the bar there at the start, m/s, and 1/(rho c0 A), m/(s N), for the absorbing end.
-    rest: f64,
-    absorbing: f64,
-    /// Distance to the wall, m.
-    gap: f64,
-    /// When the wall will be reached, s.
-    closes: f64,
-    /// The wall holds the end: its gap stays 0, whatever the rounding of its velocity.
-    held: bool,
-    /// Since when the present stress and velocity hold, and they.
-    since: f64,
-    pub stress: f64,
-    pub velocity: f64,
-    /// Work done on the bar's end and impulse given to it up to `since`, per area.
-    work: f64,
-    impulse: f64,
+pub(super) struct End {
+    pub face: Face,
+    stepping: Stepping,
+    imposed: Option<Imposed>,
+    /// Of a body's steps.
+    control: Option<StepControl>,
+    /// It asks for a velocity or a force, and does not only follow.
+    pub demands: bool,
+    scales: Scales,
+    /// State of the bar's edge since the latest answer.
+    answered: Point,
+    /// The latest wave was a jump.
+    jumped: bool,
+    /// When a body touched the end and parted from it.
+    changes: Vec<JointChange>,
     pub record: EndRecord,
 }
 
+/// The face at an end: `inward` is +1 at the left end and -1 at the right one, `velocity` (m/s) that of the bar there, in +x.
+pub(super) fn face(inward: f64, velocity: f64, medium: &Medium) -> Face {
+    Face { inward, area: medium.area, impedance: medium.area * medium.impedance(), velocity: inward * velocity }
+}
+
 impl End {
-    /// At an end of a bar that moves there with `rest` (m/s).
-    pub fn new(condition: EndCondition, inward: f64, rest: f64, medium: &Medium) -> Self {
-        let gap = if let EndCondition::Wall { gap } = condition { gap } else { 0.0 };
-        let (area, impedance) = (medium.area, medium.impedance());
-        let body = match condition {
-            EndCondition::Striker { mass, velocity } => {
-                Body::Striker(Striker::new(mass, velocity, inward, area, impedance))
-            }
-            EndCondition::Ball { mass, velocity, contact } => {
-                Body::Ball(Ball::new(contact, (mass, velocity), inward, area, impedance))
-            }
-            EndCondition::Spring { stiffness } => Body::Spring(Spring::new(stiffness, inward, area, impedance)),
-            _ => Body::None,
-        };
+    pub fn new(condition: &EndCondition, face: Face, scales: Scales) -> Self {
+        let imposed = Imposed::new(condition, &face, scales.step * scales.stress, scales.transit);
+        let model = ends::model(if imposed.is_some() { &EndCondition::Free } else { condition }, face);
+        let at_rest = Response { force: 0.0, impedance: face.impedance };
+        let moves = model.relaxation(0.0, &at_rest).is_some();
+        let control = moves.then(|| StepControl::new(scales.step, scales.stress * face.area, scales.transit));
         Self {
-            condition,
-            imposed: None,
-            body,
-            inward,
-            rest,
-            absorbing: 1.0 / (impedance * area),
-            gap,
-            closes: f64::INFINITY,
-            held: false,
-            since: 0.0,
-            stress: 0.0,
-            velocity: rest,
-            work: 0.0,
-            impulse: 0.0,
+            face,
+            stepping: Stepping::new(model, face.velocity),
+            imposed,
+            control,
+            demands: !matches!(condition, EndCondition::Absorbing | EndCondition::Dashpot { .. }),
+            scales,
+            answered: Point::moving(face.inward * face.velocity),
+            jumped: false,
+            changes: Vec::new(),
             record: EndRecord::default(),
         }
     }
 
-    /// Work done on the end, J/m^2, and impulse given to it in +x, N s/m^2, up to t.
-    pub fn account(&self, t: f64) -> (f64, f64) {
-        let dt = t - self.since;
-        let traction = -self.inward * self.stress;
-        (self.work + traction * self.velocity * dt, self.impulse + traction * dt)
-    }
-
     /// True where its history has a ramp, or a body moves with it.
     pub fn needs_steps(&self) -> bool {
-        match &self.condition {
-            EndCondition::Velocity { history, .. } | EndCondition::Stress { history } => history.has_ramp(),
-            _ => !matches!(self.body, Body::None),
-        }
+        self.control.is_some() || self.imposed.as_ref().is_some_and(Imposed::needs_steps)
     }
 
-    /// Makes the ramps of its history into steps of `step` times `level` (Pa; velocities by the elastic impedance), and
-    /// lets a body at the end take steps of that kind. `transit` is the bar's elastic transit time, s.
-    pub fn set_steps(&mut self, step: f64, level: f64, impedance: f64, transit: f64) {
-        let shortest = SHORTEST * transit;
-        self.imposed = match &self.condition {
-            EndCondition::Velocity { history, .. } => Some(Staircase::new(history, step * level / impedance, shortest)),
-            EndCondition::Stress { history } => Some(Staircase::new(history, step * level, shortest)),
-            _ => None,
-        };
-        match &mut self.body {
-            Body::Striker(striker) => striker.pace.set(step, level),
-            Body::Ball(ball) => ball.set(step, level),
-            Body::Spring(spring) => spring.pace.set(step, level),
-            Body::None => {}
-        }
+    /// How an elastic bar in the state `bar` would answer.
+    pub fn response(&self, bar: &Point) -> Response {
+        let Face { inward, area, impedance, .. } = self.face;
+        Response { force: -area * bar.stress - impedance * (inward * bar.velocity), impedance }
     }
 
-    /// Brings the account and the gap to t. Times up to `tolerance` later count as t.
-    pub fn bring_to(&mut self, t: f64, tolerance: f64) {
-        (self.work, self.impulse) = self.account(t);
-        let dt = t - self.since;
-        if !self.held {
-            self.gap += self.inward * self.velocity * dt;
-        }
-        match &mut self.body {
-            Body::Striker(striker) => striker.bring_to(t, dt, self.stress, self.velocity, tolerance),
-            Body::Ball(ball) => ball.bring_to(t, dt, self.stress, self.velocity, tolerance),
-            Body::Spring(spring) => spring.bring_to(t, dt, self.stress, self.velocity, tolerance),
-            Body::None => {}
-        }
-        self.since = t;
-    }
-
-    /// Waves weaker than this (Pa) do not break the step of a body at the end.
+    /// Waves that change the stress by less than this (Pa) do not break a step.
     pub fn passing(&self) -> f64 {
-        match &self.body {
-            Body::Striker(striker) => striker.pace.passing(),
-            Body::Ball(ball) => ball.passing(),
-            Body::Spring(spring) => spring.pace.passing(),
-            Body::None => 0.0,
+        self.control.as_ref().map_or(0.0, |control| control.passing() / self.face.area)
+    }
+
+    /// Something is due at the end now (s), where the bar has come to the state `bar`.
+    pub fn arrive(&mut self, now: f64, bar: &Point) -> Arrival {
+        self.stepping.bring_to(now);
+        let Face { area, impedance, .. } = self.face;
+        let [stress, velocity] = [bar.stress - self.answered.stress, bar.velocity - self.answered.velocity];
+        let change = (area * stress).abs().max((impedance * velocity).abs());
+        self.jumped = self.control.as_ref().is_some_and(|control| control.is_jump(change, area * bar.stress));
+        if self.jumped {
+            self.control.iter_mut().for_each(StepControl::restart);
+        }
+        let due = self.stepping.until <= now + self.scales.same_time;
+        if due || self.jumped || !self.stepping.met {
+            return Arrival::Ends;
+        }
+        let Some(control) = &self.control else { return Arrival::Within };
+        if change <= control.passing() && !(self.can_part() && bar.stress >= 0.0) {
+            return Arrival::Passes;
+        }
+        // A step that was meant for what moved slowly is too long for what has come.
+        let planned = self.stepping.until - self.stepping.start;
+        let relaxation = self.stepping.model.relaxation(self.stepping.present_displacement(), &self.response(bar));
+        if relaxation.is_some_and(|relaxation| control.resolving(&relaxation) < 0.5 * planned) {
+            return Arrival::Ends;
+        }
+        Arrival::Within
+    }
+
+    /// Whether a body or a wall is there that cannot pull.
+    pub fn can_part(&self) -> bool {
+        self.stepping.model.gap(0.0).is_some()
+    }
+
+    /// The relation of the present step.
+    pub fn relation(&self) -> Relation {
+        self.stepping.relation
+    }
+
+    /// The body in contact and its step, for a relation that is found together with the bar's answer.
+    pub fn body_step(&self) -> Option<(Box<dyn EndModel>, Step)> {
+        let Stepping { model, start, until, met, .. } = &self.stepping;
+        (*met && self.control.is_some()).then(|| (model.boxed(), self.stepping.step(until - start)))
+    }
+
+    /// Ends the step. How long the next one should be, s, where a body moves with the end, or would have to if it did not part now.
+    pub fn end_step(&mut self, bar: &Point) -> Option<f64> {
+        self.stepping.commit(self.scales.same_time);
+        let now = self.stepping.start;
+        if self.imposed.as_ref().is_some_and(|imposed| imposed.is_over(now + self.scales.same_time)) {
+            self.imposed = None;
+        }
+        let response = self.response(bar);
+        let pushes = self.pushes(&response);
+        let pushed = std::mem::replace(&mut self.stepping.met, pushes);
+        let control = self.control.as_mut()?;
+        if !pushes && !pushed {
+            return None;
+        }
+        if !pushed {
+            control.restart();
+        }
+        let relaxation = self.stepping.model.relaxation(self.stepping.displacement, &response)?;
+        let length = control.next(&relaxation);
+        Some(if self.stepping.model.is_nonlinear() { self.resolving_contact(length, &response) } else { length })
+    }
+
+    /// Whether what is there acts on the face from now on: always, unless it can part.
+    fn pushes(&self, bar: &Response) -> bool {
+        let Some(gap) = self.stepping.model.gap(self.stepping.displacement) else { return true };
+        let closing = self.closing(bar);
+        let reached = gap <= closing * self.scales.same_time;
+        gap < 0.0 || (reached && closing * bar.impedance > self.scales.same_stress * self.face.area)
+    }
+
+    /// Velocity at which a free face and what is there approach each other, m/s.
+    fn closing(&self, bar: &Response) -> f64 {
+        self.stepping.model.body().map_or(0.0, |body| body.velocity) + bar.force / bar.impedance
+    }
+
+    /// Notes where a body touches the end, or parts from it, now; `next` is the step (s) that it would take.
+    fn note_change(&mut self, next: f64, bar: &Response) {
+        let Some(body) = self.stepping.model.body() else { return };
+        let touches = self.stepping.met;
+        if self.changes.last().is_none_or(|last| last.open) == touches {
+            let time = if touches { self.stepping.start } else { self.parting(body.gap, next, bar) };
+            self.changes.push(JointChange { time, open: !touches });
         }
     }
 
-    /// How long the next step of a body at the end should be, s, if there is to be one: `bar` is what has come near.
-    pub fn wish(&mut self, bar: &Point, impedance: f64) -> Option<f64> {
-        let change = (bar.stress - self.stress).abs().max((bar.velocity - self.velocity).abs() * impedance);
-        match &mut self.body {
-            Body::Striker(striker) => striker.wish(bar, change),
-            Body::Ball(ball) => ball.wish(self.since, bar, change),
-            Body::Spring(spring) => spring.wish(bar, change),
-            Body::None => None,
+    /// When the force was zero of a body that is found apart now.
+    ///
+    /// A force that dies away does so in steps, as the waves that arrive are made of steps: a mass is released at the first wave
+    /// behind which it would have to pull. When the force itself was zero is found between the middles of the last step that pushed
+    /// and the first that would pull: second order, like everything else.
+    fn parting(&self, gap: f64, next: f64, bar: &Response) -> f64 {
+        let (now, closing) = (self.stepping.start, self.closing(bar));
+        if self.jumped {
+            return now;
         }
+        if gap > 0.0 {
+            return if closing < 0.0 { now + gap / closing } else { now };
+        }
+        let [pull, _] = self.stepping.model.relation(&self.stepping.step(next), bar).meet(bar);
+        let (before, push) = self.stepping.latest;
+        if push <= 0.0 || pull >= 0.0 {
+            return now;
+        }
+        before + (now + 0.5 * next - before) * (push / (push - pull))
     }
 
-    /// What drives the end from now on, where it has been brought; a body is to take a step of `step` (s), none: to go on
-    /// with the present one. Times up to `tolerance` later count as now.
-    pub fn drive(&mut self, bar: &Point, step: Option<f64>, tolerance: f64) -> Drive {
-        let at = self.since + tolerance;
-        match (&mut self.body, step) {
-            (Body::Striker(striker), _) if !striker.touches() => return Drive::Stress(0.0),
-            (Body::Ball(ball), _) if !ball.touches() => return Drive::Stress(0.0),
-            (Body::None, _) => {}
-            (_, None) => return Drive::Pass,
-            (Body::Striker(striker), Some(step)) => return striker.drive(step, bar.stress),
-            (Body::Ball(ball), Some(step)) => return ball.drive(step, bar),
-            (Body::Spring(spring), Some(step)) => return spring.drive(step, bar.velocity),
-        }
-        match &self.condition {
-            EndCondition::Velocity { release: Some(release), .. } if *release <= at => Drive::Stress(0.0),
-            EndCondition::Velocity { history, .. } => Drive::Velocity(self.imposed_at(history, at)),
-            EndCondition::Stress { history } => Drive::Stress(self.imposed_at(history, at)),
-            EndCondition::Fixed => Drive::Velocity(0.0),
-            EndCondition::Absorbing => Drive::Dashpot { velocity: self.rest, compliance: self.absorbing },
-            EndCondition::Dashpot { coefficient } if *coefficient > 0.0 => {
-                Drive::Dashpot { velocity: 0.0, compliance: 1.0 / coefficient }
+    /// A step of at most `length` (s) in which the force of a contact that is not linear changes by one step's worth.
+    fn resolving_contact(&self, most: f64, bar: &Response) -> f64 {
+        let (Some(control), mut length) = (&self.control, most) else { return most };
+        for _ in 0..3 {
+            let [force, _] = self.stepping.model.relation(&self.stepping.step(length), bar).meet(bar);
+            let change = (force - self.stepping.held.force).abs();
+            if change <= control.largest_change() {
+                break;
             }
-            // Striker, ball and spring have answered above.
-            EndCondition::Free
-            | EndCondition::Dashpot { .. }
-            | EndCondition::Striker { .. }
-            | EndCondition::Ball { .. }
-            | EndCondition::Spring { .. } => Drive::Stress(0.0),
-            EndCondition::Wall { .. } => {
-                if self.closes <= at || self.gap <= 0.0 {
-                    self.gap = 0.0;
-                    Drive::Push
-                } else {
-                    Drive::Stress(0.0)
-                }
+            length = (length * control.largest_change() / change).max(control.shortest()).min(most);
+        }
+        length
+    }
+
+    /// Begins a step, of `length` (s) where a body moves with the end.
+    pub fn begin_step(&mut self, length: Option<f64>, bar: &Point) {
+        let (now, response) = (self.stepping.start, self.response(bar));
+        self.note_change(length.unwrap_or(f64::INFINITY), &response);
+        (self.stepping.relation, self.stepping.until) = match (&self.imposed, self.stepping.met) {
+            (Some(imposed), _) => {
+                let at = now + self.scales.same_time;
+                (imposed.relation(at), imposed.next_after(at))
             }
-        }
-    }
-
-    fn imposed_at(&self, history: &History, t: f64) -> f64 {
-        self.imposed.as_ref().map_or_else(|| history.at(t), |imposed| imposed.at(t))
-    }
-
-    /// Takes the answer: stress and velocity of the bar's end from t on, and whether a wall holds it.
-    pub fn settle(&mut self, stress: f64, velocity: f64, held: bool, round_off: f64, scale: f64) {
-        let t = self.since;
-        self.held = held;
-        let opening = self.inward * velocity;
-        self.closes = if matches!(self.condition, EndCondition::Wall { .. }) && !held && opening < 0.0 {
-            t + self.gap / -opening
-        } else {
-            f64::INFINITY
+            (None, true) => {
+                let dt = length.unwrap_or(f64::INFINITY);
+                (self.stepping.model.relation(&self.stepping.step(dt), &response), now + dt)
+            }
+            (None, false) => (Relation::force(0.0), f64::INFINITY),
         };
-        match &mut self.body {
-            Body::Striker(striker) => striker.settle(t, stress, velocity, held, round_off),
-            Body::Ball(ball) => ball.settle(t, velocity, round_off),
-            Body::Spring(spring) => spring.settle(t, stress, velocity, round_off),
-            Body::None => {}
-        }
-        (self.stress, self.velocity) = (stress, velocity);
-        let same = |last: &EndStep| {
-            (last.stress - stress).abs() <= round_off && (last.velocity - velocity).abs() <= round_off / scale
-        };
-        if !self.record.steps.last().is_some_and(same) {
-            self.record.steps.push(EndStep { time: t, stress, velocity });
-        }
     }
 
-    /// When the end next does something of its own accord, s: later, by more than `tolerance`, than it was last asked
-    /// what drives it, not than now: something else may be due at the same time and come first.
-    pub fn next_time(&self, tolerance: f64) -> f64 {
-        let t = self.since + tolerance;
-        let step = self.imposed.as_ref().map_or(f64::INFINITY, |imposed| imposed.next_after(t));
-        match &self.body {
-            Body::Striker(striker) => return striker.next_time(),
-            Body::Ball(ball) => return ball.next_time(),
-            Body::Spring(spring) => return spring.next_time(),
-            Body::None => {}
-        }
-        match &self.condition {
-            EndCondition::Velocity { release: Some(release), .. } if *release <= t => f64::INFINITY,
-            EndCondition::Velocity { release, .. } => step.min(release.unwrap_or(f64::INFINITY)),
-            EndCondition::Stress { .. } => step,
-            EndCondition::Wall { .. } => self.closes,
-            _ => f64::INFINITY,
-        }
+    /// The relation that the bar's answer has led to.
+    pub fn agree_on(&mut self, relation: Relation) {
+        self.stepping.relation = relation;
     }
 
-    /// Largest stress (Pa) and the range of velocities (m/s) that it imposes.
-    pub fn reach(&self) -> (f64, [f64; 2]) {
-        let range = |h: &History| {
-            [h.value().iter().fold(0.0, |m: f64, &v| m.min(v)), h.value().iter().fold(0.0, |m: f64, &v| m.max(v))]
-        };
-        if let Body::Ball(ball) = &self.body {
-            return (ball.reach(self.rest), [self.rest; 2]);
-        }
-        match &self.condition {
-            EndCondition::Velocity { history, .. } => (0.0, range(history)),
-            EndCondition::Stress { history } => (history.extreme().abs(), [self.rest; 2]),
-            EndCondition::Fixed | EndCondition::Wall { .. } => (0.0, [0.0; 2]),
-            EndCondition::Striker { velocity, .. } => (0.0, [*velocity; 2]),
-            EndCondition::Spring { .. } | EndCondition::Dashpot { .. } => (0.0, [0.0, self.rest]),
-            EndCondition::Free | EndCondition::Absorbing | EndCondition::Ball { .. } => (0.0, [self.rest; 2]),
-        }
+    /// The face parts from what is there.
+    pub fn part(&mut self) {
+        (self.stepping.met, self.stepping.relation) = (false, Relation::force(0.0));
     }
 
     /// The bar breaks off what is at its end, which is free from now on.
-    pub fn let_go(&mut self) {
-        (self.condition, self.imposed) = (EndCondition::Free, None);
-        self.body = Body::None;
+    pub fn release(&mut self) {
+        self.stepping.commit(self.scales.same_time);
+        self.stepping.model = ends::model(&EndCondition::Free, self.face);
+        (self.stepping.relation, self.stepping.until) = (Relation::force(0.0), f64::INFINITY);
+        (self.imposed, self.control) = (None, None);
     }
 
-    /// The striker or ball at time t, if there is one.
+    /// Takes the answer: the state of the bar's edge, and the velocity of the face into the bar, from now on. `answers`: the wave
+    /// that arrived was answered.
+    pub fn settle(&mut self, behind: &Point, velocity: f64, answers: bool) {
+        let Face { inward, area, impedance, .. } = self.face;
+        self.stepping.held = Held { force: -area * behind.stress, velocity, edge: inward * behind.velocity };
+        if answers {
+            self.answered = *behind;
+        }
+        if !self.stepping.met {
+            self.stepping.until = self.closing_time(velocity);
+        }
+        let (round_off, scale) = (self.scales.same_stress, impedance / area);
+        let same = |last: &EndStep| {
+            (last.stress - behind.stress).abs() <= round_off
+                && (last.velocity - behind.velocity).abs() <= round_off / scale
+        };
+        if !self.record.steps.last().is_some_and(same) {
+            let (time, stress, velocity) = (self.stepping.since(), behind.stress, behind.velocity);
+            self.record.steps.push(EndStep { time, stress, velocity });
+        }
+    }
+
+    /// When what is apart from the face touches it, s, while the face moves with `velocity` (m/s, into the bar).
+    fn closing_time(&self, velocity: f64) -> f64 {
+        let model = &self.stepping.model;
+        let Some(gap) = model.gap(self.stepping.displacement) else { return f64::INFINITY };
+        let closing = model.body().map_or(0.0, |body| body.velocity) - velocity;
+        if closing * self.face.impedance <= self.scales.same_stress * self.face.area {
+            return f64::INFINITY;
+        }
+        self.stepping.start + gap.max(0.0) / closing
+    }
+
+    /// When the end next does something of its own accord, s.
+    pub fn next_time(&self) -> f64 {
+        self.stepping.until
+    }
+
+    /// What went through the end up to time t (s).
+    pub fn account(&self, t: f64) -> Account {
+        self.stepping.at(t).account()
+    }
+
+    /// The striker or ball at time t (s), if there is one.
     pub fn striker(&self, t: f64) -> Option<StrikerState> {
-        let dt = t - self.since;
-        match &self.body {
-            Body::Striker(striker) => Some(striker.at(dt, self.stress, self.velocity)),
-            Body::Ball(ball) => Some(ball.at(dt, self.stress, self.velocity)),
-            Body::None | Body::Spring(_) => None,
-        }
+        let touching = self.stepping.met;
+        self.stepping.at(t).model.body().map(|Body { velocity, gap }| StrikerState {
+            velocity: self.face.inward * velocity,
+            gap: gap.max(0.0),
+            touching,
+        })
     }
 
-    /// A striker would have to pull with this stress, Pa.
-    pub fn would_pull(&mut self, stress: f64) {
-        if let Body::Striker(striker) = &mut self.body {
-            striker.would_pull(stress);
-        }
-    }
-
-    /// When a striker or a ball touched the end and let go of it.
+    /// When a striker or a ball touched the end and parted from it.
     pub fn striker_changes(&self) -> &[JointChange] {
-        match &self.body {
-            Body::Striker(striker) => striker.changes(),
-            Body::Ball(ball) => ball.changes(),
-            Body::None | Body::Spring(_) => &[],
-        }
+        &self.changes
     }
 
-    /// Energy of the body at the end at time t, J: of motion for a striker, stored for a spring, both for a ball.
+    /// Energy of the body at the end at time t (s), J: of motion for a striker, stored for a spring, both for a ball.
     pub fn body_energy(&self, t: f64) -> f64 {
-        match &self.body {
-            Body::Striker(striker) => {
-                let state = striker.at(t - self.since, self.stress, self.velocity);
-                0.5 * state.mass * state.velocity * state.velocity
-            }
-            Body::Ball(ball) => ball.energy(t - self.since, self.stress, self.velocity),
-            Body::Spring(spring) => spring.energy(t - self.since, self.velocity),
-            Body::None => 0.0,
-        }
+        let ahead = self.stepping.at(t);
+        ahead.model.energy(ahead.displacement)
     }
 }

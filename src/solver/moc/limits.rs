@@ -56,7 +56,7 @@ impl FrontTracking {
         }
         let segment = segment as usize;
         let medium = &self.media[segment];
-        let path = if side == 0 { &self.work.left } else { &self.work.right };
+        let path = if side == 0 { &self.scratch.work.left } else { &self.scratch.work.right };
         let (sense, accumulated) = match medium.flow {
             Flow::Plastic { .. } | Flow::Overlay => (Sense::of(path.sense()), behind.accumulated),
             Flow::PathIndependent => (Sense::of(medium.strain(behind)), behind.plastic.abs()),

@@ -36,6 +36,11 @@ pub struct Node {
 }
 
 impl Node {
+    /// Not yet in a list.
+    pub fn new(kind: Kind, x: f64, t: f64, speed: f64, right: Point, segment: u32) -> Self {
+        Self { kind, x, t, speed, right, segment, prev: NONE, next: NONE, stamp: 0 }
+    }
+
     /// Position at t, m.
     pub fn at(&self, t: f64) -> f64 {
         if self.speed == 0.0 { self.x } else { self.x + self.speed * (t - self.t) }

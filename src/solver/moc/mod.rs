@@ -6,34 +6,34 @@
 //! No grid, no numerical diffusion: exact for the table, to rounding. This is the graphical method of Bohnenblust
 //! with the bookkeeping of Holden and Risebro (Front Tracking for Hyperbolic Conservation Laws).
 
-mod ball;
-mod body;
+mod at_end;
 mod compare;
 mod contact;
 mod end;
 mod limits;
 mod list;
-mod pace;
+mod meeting;
+mod merge_fronts;
+mod nearness;
 mod place;
 mod ramp;
 mod read;
 mod resolve;
 mod rupture;
 mod sample;
-mod spring;
-mod striker;
+mod scale;
+mod step_control;
+mod stepping;
 mod sums;
-mod thin;
 mod tracking;
 mod trail;
 
 pub use compare::{COARSER, SAFETY};
 pub use contact::{JointChange, JointState};
-pub use end::{EndRecord, EndStep};
+pub use end::{EndRecord, EndStep, StrikerState};
 pub use limits::PointAtLimit;
 pub use read::{Front, Piece, Sample};
 pub use sample::Opening;
-pub use striker::StrikerState;
 pub use sums::Balance;
 pub use tracking::FrontTracking;
 pub use trail::Trail;
@@ -41,7 +41,7 @@ pub use trail::Trail;
 /// How a front-tracking run is carried out.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
-    /// How much waves may be thinned out, >= 0: neighbouring waves of one kind become one where that changes the solution
+    /// How much waves may be merged, >= 0: neighbouring waves of one kind become one where that changes the solution
     /// by less than about the square of this times [`FrontTracking::stress_scale`] times the length. Momentum and
     /// displacement are kept; the error of the stress is of about this order. 0: every wave is kept.
     pub front_tolerance: f64,

@@ -114,28 +114,27 @@ impl FrontTracking {
             let right = self.list.get(last);
             self.add_piece(right, self.list.get(to).place(self.now).from(place), &mut after);
         }
-        self.shifted.add(before, after);
+        self.booked.shifted.add(before, after);
     }
 
     /// What part of the energy that is in the bar was moved because places are rounded and near ones count as one: a measure
     /// of the errors of waves too short to be resolved.
     pub fn unresolved(&self) -> f64 {
         let total = self.content(self.end_nodes[0], self.end_nodes[1]).energy;
-        if total > 0.0 { self.shifted.turnover / total } else { 0.0 }
+        if total > 0.0 { self.booked.shifted.turnover / total } else { 0.0 }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::list::Kind;
-    use super::super::tracking::node;
     use super::*;
     use crate::wave::riemann::Point;
 
     #[test]
     fn places_keep_what_is_rounded_off() {
         // The number next to 1/3 is 2^-54 of itself less; 1024 less 2^-44 is 1024 to sixteen digits.
-        let front = node(Kind::Front, 1.0, 1.0, 1.0 / 3.0, Point::default(), 0);
+        let front = Node::new(Kind::Front, 1.0, 1.0, 1.0 / 3.0, Point::default(), 0);
         let place = front.place(1.0 + 3072.0);
         assert_eq!(front.at(1.0 + 3072.0), 1025.0);
         assert_eq!(place.from(Place::at_rest(1025.0)), -(2.0_f64.powi(-44)));

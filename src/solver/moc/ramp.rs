@@ -1,6 +1,7 @@
 //! What an end imposes: a history whose ramps are steps, each worked out when it is due.
 
-use crate::bar::History;
+use crate::bar::ends::{Face, Relation};
+use crate::bar::{EndCondition, History};
 
 /// Steps of a ramp are no shorter than this part of the elastic transit time: their staircase moves the stress of a wave by
 /// less than this part of the bar's length.
@@ -15,6 +16,52 @@ pub(super) struct Staircase {
     increment: f64,
     /// Shortest step, s; a ramp has one step at the least.
     shortest: f64,
+}
+
+/// A velocity or a stress that an end imposes.
+#[derive(Debug, Clone)]
+pub(super) struct Imposed {
+    staircase: Staircase,
+    /// Relation at a value of 1.
+    unit: Relation,
+    /// From then on the end is free, s.
+    release: f64,
+}
+
+impl Imposed {
+    /// Of an end whose ramps become steps of `stress` (Pa; velocities by the elastic impedance), none shorter than
+    /// [`SHORTEST`] of the elastic transit time `transit` (s). None where nothing is imposed over time.
+    pub fn new(condition: &EndCondition, face: &Face, stress: f64, transit: f64) -> Option<Self> {
+        let (history, unit, release) = match condition {
+            EndCondition::Velocity { history, release } => (history, Relation::velocity(face.inward), *release),
+            EndCondition::Stress { history } => (history, Relation::force(-face.area), None),
+            _ => return None,
+        };
+        let velocity = stress * face.area / face.impedance;
+        let increment = if unit.of_force == 0.0 { velocity } else { stress };
+        let staircase = Staircase::new(history, increment, SHORTEST * transit);
+        Some(Self { staircase, unit, release: release.unwrap_or(f64::INFINITY) })
+    }
+
+    /// True where its history has a ramp.
+    pub fn needs_steps(&self) -> bool {
+        self.staircase.history.has_ramp()
+    }
+
+    /// What it asks from t (s) on.
+    pub fn relation(&self, t: f64) -> Relation {
+        Relation { value: self.unit.value * self.staircase.at(t), ..self.unit }
+    }
+
+    /// Whether the end is free from t (s) on.
+    pub fn is_over(&self, t: f64) -> bool {
+        self.release <= t
+    }
+
+    /// When it next changes after t (s), s.
+    pub fn next_after(&self, t: f64) -> f64 {
+        self.staircase.next_after(t).min(self.release)
+    }
 }
 
 /// A stretch of the history between two rows, and the number of steps that it is made into.

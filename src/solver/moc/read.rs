@@ -1,7 +1,8 @@
 //! What a tracked bar looks like now: its pieces, its fronts, the state at a place.
 
 use super::FrontTracking;
-use super::end::EndRecord;
+use super::contact::JointChange;
+use super::end::{EndRecord, StrikerState};
 use super::list::Kind;
 use crate::material::Heating;
 use crate::wave::riemann::{Medium, Point};
@@ -87,6 +88,25 @@ impl FrontTracking {
     /// What happened at the left and the right end.
     pub fn ends(&self) -> [&EndRecord; 2] {
         [&self.ends[0].record, &self.ends[1].record]
+    }
+
+    /// The striker or ball at an end (0 left, 1 right), if there is one, now.
+    pub fn striker(&self, which: usize) -> Option<StrikerState> {
+        self.ends[which].striker(self.now)
+    }
+
+    /// When the striker or ball at an end (0 left, 1 right) touched the bar and parted from it, in order; empty without one.
+    ///
+    /// A contact that dies away ends where the force, followed through the middles of the last steps, is zero; in the end's
+    /// record the stress is zero from the next arrival of a wave on.
+    pub fn striker_changes(&self, which: usize) -> &[JointChange] {
+        self.ends[which].striker_changes()
+    }
+
+    /// Energy of the bodies at the left and the right end now, J: of motion for a striker, stored for a spring, both for a ball, 0
+    /// else. It is what the body had at the start less the work done on the bar.
+    pub fn body_energy(&self) -> [f64; 2] {
+        self.ends.each_ref().map(|end| end.body_energy(self.now))
     }
 
     /// The constant pieces from left to right, empty ones left out.

@@ -1,14 +1,9 @@
 //! What leaves the place where fronts meet, inside the bar and at its ends.
 
 use super::FrontTracking;
-use super::end::Drive;
 use super::list::{Kind, Node};
-use super::tracking::node;
-use crate::wave::riemann::{Emitted, Medium, Path, Point, Side, solve};
-
-/// States that differ by less than this times the rounding are at rest with each other: a wave as weak as that would
-/// run to and fro between two places where histories differ, fed by the rounding that it meets there.
-pub(super) const REST: f64 = 8.0;
+use super::nearness::{REST, in_balance, same_motion};
+use crate::wave::riemann::{Emitted, Path, Point, Side, solve};
 
 impl FrontTracking {
     /// Solves the Riemann problem of the nodes `first..=last` that meet at x now, and puts what it sends in their place.
@@ -37,22 +32,12 @@ impl FrontTracking {
     /// Removes the nodes `first..=last` but for an end or joint among them, which takes over the state to the right of
     /// them all and is returned; without one, the last node stays to be removed by the caller.
     fn clear(&mut self, first: u32, last: u32) -> Option<u32> {
-        let right = self.list.get(last).right;
-        let mut fixed = None;
-        let mut id = first;
+        let (right, mut fixed, mut id) = (self.list.get(last).right, None, first);
         loop {
             let node = *self.list.get(id);
-            let is_fixed = matches!(node.kind, Kind::End | Kind::Joint);
-            if matches!(node.kind, Kind::Contact | Kind::Joint) {
-                self.concentrated += self.stretch_work(&node);
-                self.keep_opening(&node);
-            }
-            if is_fixed {
+            self.book_end_of(&node);
+            if matches!(node.kind, Kind::End | Kind::Joint) {
                 fixed = Some(id);
-            }
-            self.keep_trail(&node);
-            if node.kind == Kind::Front && self.thinning.is_on() {
-                self.thinning.energy += self.unbooked(&node);
             }
             if id == last {
                 break;
@@ -63,19 +48,27 @@ impl FrontTracking {
             self.remove_until(first, last);
             return None;
         };
-        let mut id = first;
-        loop {
-            let next = self.list.get(id).next;
-            if id != kept {
-                self.drop_node(id);
-            }
-            if id == last {
-                break;
-            }
-            id = next;
+        self.remove_until(first, kept);
+        while kept != last && self.list.get(kept).next != last {
+            self.drop_node(self.list.get(kept).next);
+        }
+        if kept != last {
+            self.drop_node(last);
         }
         self.list.get_mut(kept).right = right;
         Some(kept)
+    }
+
+    /// Books what a node has taken, opened and drawn since its states hold, before they change or it goes.
+    fn book_end_of(&mut self, node: &Node) {
+        if matches!(node.kind, Kind::Contact | Kind::Joint) {
+            self.booked.concentrated += self.stretch_work(node);
+            self.keep_opening(node);
+        }
+        self.keep_trail(node);
+        if node.kind == Kind::Front && self.merging.is_on() {
+            self.merging.energy += self.unbooked(node);
+        }
     }
 
     /// Removes from `first` to just before `last`.
@@ -126,7 +119,7 @@ impl FrontTracking {
                 id
             }
             None if apart => {
-                self.list.insert(before_new, node(Kind::Contact, x, self.now, 0.0, behind_right, left_segment))
+                self.list.insert(before_new, Node::new(Kind::Contact, x, self.now, 0.0, behind_right, left_segment))
             }
             None => before_new,
         };
@@ -147,25 +140,25 @@ impl FrontTracking {
         let at_rest = if inside {
             same_motion(&left, &right, a, REST)
         } else {
-            self.thinning.is_on() && in_balance(a, &left, b, &right)
+            self.merging.is_on() && in_balance(a, &left, b, &right)
         };
         if at_rest {
-            self.sent_left.clear();
-            self.sent_right.clear();
+            self.scratch.sent_left.clear();
+            self.scratch.sent_right.clear();
             return (left, right, false);
         }
-        let star = solve(Side::Bar(a, &left), Side::Bar(b, &right), &mut self.work);
+        let star = solve(Side::Bar(a, &left), Side::Bar(b, &right), &mut self.scratch.work);
         let tau = |path: &Path| (path.sense() * star.force / path.area()).min(path.cap());
-        let (path_left, path_right) = (&mut self.work.left, &mut self.work.right);
-        let mut behind_left = path_left.emit(tau(path_left), -1.0, &mut self.sent_left);
-        let mut behind_right = path_right.emit(tau(path_right), 1.0, &mut self.sent_right);
+        let (path_left, path_right) = (&mut self.scratch.work.left, &mut self.scratch.work.right);
+        let mut behind_left = path_left.emit(tau(path_left), -1.0, &mut self.scratch.sent_left);
+        let mut behind_right = path_right.emit(tau(path_right), 1.0, &mut self.scratch.sent_right);
         // Rounding travels with a front instead of staying behind as a step at rest that the next wave meets. (A step
         // in velocity stays where a curve is level, or so nearly level that the wave's stress is rounding.)
         if inside && same_motion(&behind_left, &behind_right, a, REST) {
-            if let Some(inner) = self.sent_right.last_mut() {
+            if let Some(inner) = self.scratch.sent_right.last_mut() {
                 (behind_right.stress, behind_right.velocity) = (behind_left.stress, behind_left.velocity);
                 inner.behind = behind_right;
-            } else if let Some(inner) = self.sent_left.last_mut() {
+            } else if let Some(inner) = self.scratch.sent_left.last_mut() {
                 (behind_left.stress, behind_left.velocity) = (behind_right.stress, behind_right.velocity);
                 inner.behind = behind_left;
             }
@@ -176,164 +169,23 @@ impl FrontTracking {
     /// Puts the fronts sent in -x behind `prev`; the last node before x afterwards.
     pub(super) fn send_left(&mut self, prev: u32, x: f64, segment: u32) -> u32 {
         let mut after = prev;
-        for k in 0..self.sent_left.len() {
-            let Emitted { speed, behind } = self.sent_left[k];
-            after = self.list.insert(after, node(Kind::Front, x, self.now, -speed, behind, segment));
+        for k in 0..self.scratch.sent_left.len() {
+            let Emitted { speed, behind } = self.scratch.sent_left[k];
+            after = self.list.insert(after, Node::new(Kind::Front, x, self.now, -speed, behind, segment));
         }
-        self.fronts += self.sent_left.len();
+        self.fronts += self.scratch.sent_left.len();
         after
     }
 
     /// Puts the fronts sent in +x behind `after`, with `ahead` before them all; the last of them.
     pub(super) fn send_right(&mut self, mut after: u32, x: f64, ahead: Point, segment: u32) -> u32 {
-        for k in (0..self.sent_right.len()).rev() {
-            let state = if k == 0 { ahead } else { self.sent_right[k - 1].behind };
-            after = self.list.insert(after, node(Kind::Front, x, self.now, self.sent_right[k].speed, state, segment));
+        for k in (0..self.scratch.sent_right.len()).rev() {
+            let state = if k == 0 { ahead } else { self.scratch.sent_right[k - 1].behind };
+            after = self
+                .list
+                .insert(after, Node::new(Kind::Front, x, self.now, self.scratch.sent_right[k].speed, state, segment));
         }
-        self.fronts += self.sent_right.len();
+        self.fronts += self.scratch.sent_right.len();
         after
     }
-
-    fn resolve_end(&mut self, which: usize, id: u32, x: f64) {
-        let prev = self.list.get(id).prev;
-        let (bar, segment) = if which == 0 {
-            (self.list.get(id).right, 0)
-        } else {
-            (self.list.get(prev).right, self.list.get(prev).segment)
-        };
-        self.ends[which].bring_to(self.now, self.same_time);
-        let step = self.body_step(which, &bar, segment);
-        let drive = self.ends[which].drive(&bar, step, self.same_time);
-        let (mut behind, mut held, mut short) = self.answer_end(which, drive, bar, segment);
-        if self.rupture.is_some() && self.breaks_at_end(which, (segment, bar, behind), short) {
-            self.ends[which].let_go();
-            (behind, short) = self.answer_stress(which, 0.0, bar, segment);
-            held = false;
-        }
-        self.note_limit(1 - which, segment, [&bar, &behind], x);
-        let medium = &self.media[segment as usize];
-        let end = &mut self.ends[which];
-        end.settle(behind.stress, behind.velocity, held, medium.round_off, medium.impedance());
-        if short {
-            end.record.above_critical.get_or_insert(self.now);
-        }
-        if which == 0 {
-            // The fan's innermost state is next to the end, the state ahead to the right of the fastest front.
-            let nearest = self.sent_right.last().map_or(bar, |e| e.behind);
-            self.list.get_mut(id).right = nearest;
-            let last = self.send_right(id, x, bar, segment);
-            self.schedule(last);
-        } else {
-            self.send_left(prev, x, segment);
-            self.schedule(prev);
-        }
-    }
-
-    /// The waves that an end sends into the bar: into the scratch of its side. State behind them, whether a wall holds
-    /// the end, and whether the curve could not carry what was imposed.
-    fn answer_end(&mut self, which: usize, drive: Drive, bar: Point, segment: u32) -> (Point, bool, bool) {
-        match drive {
-            Drive::Stress(stress) => {
-                let (behind, short) = self.answer_stress(which, stress, bar, segment);
-                (behind, false, short)
-            }
-            Drive::Velocity(velocity) => {
-                let (behind, short) = self.answer_driver(which, velocity, 0.0, None, bar, segment);
-                (behind, false, short)
-            }
-            Drive::Pass => {
-                self.sent_left.clear();
-                self.sent_right.clear();
-                (bar, true, false)
-            }
-            Drive::Mass { velocity, compliance } => {
-                let force = (compliance > 0.0).then_some(0.0);
-                let (behind, short) = self.answer_driver(which, velocity, compliance, force, bar, segment);
-                if behind.stress > self.media[segment as usize].round_off {
-                    self.ends[which].would_pull(behind.stress);
-                    let (behind, short) = self.answer_stress(which, 0.0, bar, segment);
-                    return (behind, false, short);
-                }
-                (behind, true, short)
-            }
-            Drive::Spring { force, compliance } => {
-                let (behind, short) = self.answer_driver(which, 0.0, compliance, Some(force), bar, segment);
-                (behind, false, short)
-            }
-            Drive::Dashpot { velocity, compliance } => {
-                let (behind, _) = self.answer_driver(which, velocity, compliance, Some(0.0), bar, segment);
-                (behind, false, false)
-            }
-            Drive::Push => {
-                let (free, short) = self.answer_stress(which, 0.0, bar, segment);
-                if self.ends[which].inward * free.velocity >= 0.0 {
-                    return (free, false, short);
-                }
-                let (behind, short) = self.answer_driver(which, 0.0, 0.0, None, bar, segment);
-                (behind, true, short)
-            }
-        }
-    }
-
-    fn answer_stress(&mut self, which: usize, stress: f64, bar: Point, segment: u32) -> (Point, bool) {
-        let medium = &self.media[segment as usize];
-        let sense = if stress < bar.stress { -1.0 } else { 1.0 };
-        let (path, sent) = if which == 0 {
-            (&mut self.work.right, &mut self.sent_right)
-        } else {
-            (&mut self.work.left, &mut self.sent_left)
-        };
-        path.fill(medium, &bar, sense);
-        let tau = sense * stress;
-        let short = tau > path.cap() + medium.round_off;
-        let behind = path.emit(tau.min(path.cap()), self.ends[which].inward, sent);
-        (self.unless_at_rest(which, behind, bar, segment), short)
-    }
-
-    /// A driver that moves with `velocity` at `force` (none: at the bar's own force) and gives way by `compliance`.
-    fn answer_driver(
-        &mut self,
-        which: usize,
-        velocity: f64,
-        compliance: f64,
-        force: Option<f64>,
-        bar: Point,
-        segment: u32,
-    ) -> (Point, bool) {
-        let medium = &self.media[segment as usize];
-        let force = force.unwrap_or(medium.area * bar.stress);
-        let driver = Side::Straight { force, velocity, compliance };
-        let own = Side::Bar(medium, &bar);
-        let (star, path, sent) = if which == 0 {
-            (solve(driver, own, &mut self.work), &mut self.work.right, &mut self.sent_right)
-        } else {
-            (solve(own, driver, &mut self.work), &mut self.work.left, &mut self.sent_left)
-        };
-        let tau = (path.sense() * star.force / medium.area).min(path.cap());
-        let behind = path.emit(tau, self.ends[which].inward, sent);
-        (self.unless_at_rest(which, behind, bar, segment), star.capped)
-    }
-
-    /// The state behind an end's wave; with a front tolerance, a wave of a few roundings is not sent (see [`REST`]).
-    fn unless_at_rest(&mut self, which: usize, behind: Point, bar: Point, segment: u32) -> Point {
-        if !self.thinning.is_on() || !same_motion(&behind, &bar, &self.media[segment as usize], REST) {
-            return behind;
-        }
-        let sent = if which == 0 { &mut self.sent_right } else { &mut self.sent_left };
-        sent.clear();
-        bar
-    }
-}
-
-/// Whether two faces of a joint have one force and one velocity, to a few roundings (see [`REST`]).
-fn in_balance(a: &Medium, left: &Point, b: &Medium, right: &Point) -> bool {
-    let round_off = REST * a.round_off.min(b.round_off);
-    (a.area * left.stress - b.area * right.stress).abs() <= round_off * a.area.min(b.area)
-        && (left.velocity - right.velocity).abs() * a.impedance().max(b.impedance()) <= round_off
-}
-
-/// Whether two points have one stress and one velocity, to `times` the rounding.
-pub(super) fn same_motion(a: &Point, b: &Point, medium: &Medium, times: f64) -> bool {
-    let round_off = times * medium.round_off;
-    (a.stress - b.stress).abs() <= round_off && (a.velocity - b.velocity).abs() * medium.impedance() <= round_off
 }

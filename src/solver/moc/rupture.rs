@@ -6,8 +6,7 @@
 
 use super::FrontTracking;
 use super::contact::Contact;
-use super::list::Kind;
-use super::tracking::node;
+use super::list::{Kind, Node};
 use crate::law::rupture::{Cause, Criteria, Criterion, Rupture, Site, Strained};
 use crate::wave::riemann::{Medium, Path, Point};
 
@@ -68,7 +67,7 @@ impl FrontTracking {
             let level = gathers && path.sense() > 0.0 && side.2.stress >= path.cap() - medium.round_off;
             breaking.breaks(side, medium, notch, level)
         };
-        let paths = [&self.work.left, &self.work.right];
+        let paths = [&self.scratch.work.left, &self.scratch.work.right];
         let Some((&side, _)) = sides.iter().zip(paths).find(breaks) else { return false };
         let site = if joint.is_some() { Site::Joint(left_segment) } else { Site::Inside(left_segment) };
         self.note(&side, site, x);
@@ -107,7 +106,8 @@ impl FrontTracking {
     /// Parts the bar at x, where nothing has been sent yet: from now on there are two faces.
     pub(super) fn part(&mut self, prev: u32, joint: Option<u32>, right: Point, x: f64) {
         let segment = self.list.get(prev).segment;
-        let id = joint.unwrap_or_else(|| self.list.insert(prev, node(Kind::Joint, x, self.now, 0.0, right, segment)));
+        let id =
+            joint.unwrap_or_else(|| self.list.insert(prev, Node::new(Kind::Joint, x, self.now, 0.0, right, segment)));
         self.contacts.push(Contact::broken(id, segment as usize, self.now));
         if !self.resolve_apart(prev, id, right, x) {
             // Faces that press each other are as good as bonded; a place that breaks in tension has none.

@@ -2,7 +2,7 @@
 
 use super::FrontTracking;
 use super::list::{Kind, Node};
-use super::tracking::Meeting;
+use super::meeting::Meeting;
 use crate::wave::riemann::Point;
 
 /// A place at rest whose two sides differ in velocity.
@@ -58,7 +58,7 @@ impl FrontTracking {
             }
             stretch += strain * (to - from) + self.opening(b) + self.jump_at(b);
         }
-        self.opened.add_up(x, self.bar_length(), out);
+        self.booked.opened.add_up(x, self.bar_length(), out);
     }
 
     /// Displacement of the left (0) or right (1) end since the start, m.
@@ -93,7 +93,7 @@ impl FrontTracking {
     pub(super) fn keep_opening(&mut self, node: &Node) {
         let opening = self.opening(node);
         if opening != 0.0 {
-            self.opened.add(node.x / self.bar_length(), opening);
+            self.booked.opened.add(node.x / self.bar_length(), opening);
         }
     }
 

@@ -16,14 +16,14 @@ pub struct Balance {
     pub heat: f64,
     /// Work taken at single points where a level curve keeps the velocities apart.
     pub concentrated: f64,
-    /// Energy that the scheme has taken: the spread of what the thinning of waves averages, and what rounding of places
-    /// and the bringing of near fronts to one point took.
+    /// Energy that the scheme has taken: the spread of what the thinning of waves averages, what the steps of bodies at the ends do
+    /// not resolve, and what rounding of places and the bringing of near fronts to one point took.
     pub thinned: f64,
     /// Momentum, positive in +x.
     pub momentum: f64,
     /// Momentum that rounding of places and the bringing of near fronts to one point gave to the bar.
     pub shifted: f64,
-    /// Work done on the bar through its ends, left and right, by the stress there and the velocity of the bar's own edge.
+    /// Work done on the bar through its ends, left and right: what a body there lost, else that of the stress on the bar's own edge.
     pub work: [f64; 2],
     /// Impulse given to the bar through its ends, left and right.
     pub impulse: [f64; 2],
@@ -40,9 +40,9 @@ impl FrontTracking {
     /// Energies, momentum and what came in through the ends, now.
     pub fn balance(&self) -> Balance {
         let mut sum = Balance {
-            concentrated: self.concentrated,
-            thinned: self.thinned_energy() - self.shifted.energy,
-            shifted: self.shifted.momentum,
+            concentrated: self.booked.concentrated,
+            thinned: self.merged_energy() - self.booked.shifted.energy,
+            shifted: self.booked.shifted.momentum,
             ..Balance::default()
         };
         for node in self.list.iter().filter(|node| node.next != NONE) {
@@ -59,10 +59,10 @@ impl FrontTracking {
             sum.concentrated += self.stretch_work(node);
         }
         for (k, end) in self.ends.iter().enumerate() {
-            let (work, impulse) = end.account(self.time());
-            let area = if k == 0 { self.medium(0).area } else { self.medium(self.segments() - 1).area };
-            sum.work[k] = work * area;
-            sum.impulse[k] = impulse * area;
+            let account = end.account(self.time());
+            sum.work[k] = account.work;
+            sum.thinned += account.work - account.on_edge;
+            sum.impulse[k] = end.face.inward * account.impulse;
         }
         sum
     }

@@ -5,55 +5,38 @@ use std::collections::BinaryHeap;
 use std::sync::Arc;
 
 use super::contact::Contact;
-use super::end::End;
+use super::end::{End, Scales, face};
 use super::limits::Limits;
 use super::list::{Kind, List, NONE, Node};
+use super::meeting::Meeting;
+use super::merge_fronts::FrontMerging;
+use super::nearness::{Nearness, SAME_STRESS};
 use super::place::Shifted;
 use super::rupture::Breaking;
 use super::sample::Openings;
-use super::thin::Thinning;
+use super::scale::stress_scale;
 use super::{Settings, Stopped, Trail};
 use crate::bar::{Bar, EndCondition};
 use crate::law::Table;
 use crate::law::rupture::Criteria;
 use crate::material::{Material, Sense};
-use crate::wave::riemann::{Emitted, Flow, Medium, Point, Side, Workspace, solve};
+use crate::wave::riemann::{Emitted, Flow, Medium, Point, Workspace};
 
-/// Nodes closer than this part of the bar's length are at one point, and times closer than this part of the elastic
-/// transit time are one time. Meetings carry a rounding of about 1e-15 of either; fronts that should meet in one
-/// point miss it by that, and distinct events lie that close together only by chance.
-const SAME_POINT: f64 = 1e-13;
-
-/// With a front tolerance: nodes closer than this times the tolerance times the length are at one point. Waves that run
-/// to and fro between two fronts that close in on each other come to an end there; the part of the momentum that
-/// is lost with them is smaller yet.
-const NEAR: f64 = 1e-8;
-
-/// Stresses closer than this part of the stress scale are one stress: a hundred times their rounding.
-const SAME_STRESS: f64 = 1e-13;
-
-/// The next meeting of two neighbours; out of date once one of them is gone or they are no longer neighbours.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Meeting {
-    time: f64,
-    left: u32,
-    right: u32,
-    left_stamp: u64,
-    right_stamp: u64,
+/// Room for Riemann problems: the paths of both sides, and the waves that they send.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Scratch {
+    pub work: Workspace,
+    pub sent_left: Vec<Emitted>,
+    pub sent_right: Vec<Emitted>,
 }
 
-impl Eq for Meeting {}
-
-impl PartialOrd for Meeting {
-    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Meeting {
-    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        self.time.total_cmp(&other.time).then(self.left_stamp.cmp(&other.left_stamp))
-    }
+/// What nodes that are gone leave in the accounts.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Booked {
+    /// Work taken at single points, J.
+    pub concentrated: f64,
+    pub shifted: Shifted,
+    pub opened: Openings,
 }
 
 /// A bar whose fronts are tracked.
@@ -72,22 +55,16 @@ pub struct FrontTracking {
     pub(super) now: f64,
     pub(super) events: u64,
     pub(super) budget: u64,
-    pub(super) same_place: f64,
-    near: f64,
-    pub(super) same_time: f64,
+    pub(super) nearness: Nearness,
     pub(super) stress_scale: f64,
     pub(super) fronts: usize,
-    pub(super) concentrated: f64,
-    pub(super) shifted: Shifted,
-    pub(super) thinning: Thinning,
+    pub(super) booked: Booked,
+    pub(super) merging: FrontMerging,
     /// A ramp was made into steps, or a body moves in steps.
     pub(super) in_steps: bool,
-    pub(super) opened: Openings,
     /// Trails of fronts that ended; none where they are not asked for.
     pub(super) trails: Option<Vec<Trail>>,
-    pub(super) work: Workspace,
-    pub(super) sent_left: Vec<Emitted>,
-    pub(super) sent_right: Vec<Emitted>,
+    pub(super) scratch: Scratch,
     /// Where and when the bar breaks; none where it never does.
     pub(super) rupture: Option<Box<Breaking>>,
 }
@@ -108,20 +85,25 @@ impl FrontTracking {
     ) -> Self {
         let last = bar.segments.len() - 1;
         let mut media: Vec<Medium> = bar.segments.iter().map(|s| medium(s, flow)).collect();
-        let [left, right] = ends;
-        let mut ends = [
-            End::new(left, 1.0, bar.segments[0].velocity, &media[0]),
-            End::new(right, -1.0, bar.segments[last].velocity, &media[last]),
-        ];
-        let stress_scale = stress_scale(bar, &media, &ends);
+        let faces =
+            [face(1.0, bar.segments[0].velocity, &media[0]), face(-1.0, bar.segments[last].velocity, &media[last])];
+        let stress_scale = stress_scale(bar, &media, [(&ends[0], &faces[0]), (&ends[1], &faces[1])]);
         for medium in &mut media {
             medium.round_off = SAME_STRESS * stress_scale;
         }
-        let thinning = Thinning::new(settings.front_tolerance, &media, stress_scale, bar.length());
+        let merging = FrontMerging::new(settings.front_tolerance, &media, stress_scale, bar.length());
+        let transit = bar.transit_time();
+        let nearness = Nearness::new(bar.length(), transit, settings.front_tolerance);
+        let scales = Scales {
+            stress: stress_scale,
+            step: settings.step(),
+            transit,
+            same_time: nearness.time,
+            same_stress: SAME_STRESS * stress_scale,
+        };
+        let [left, right] = ends;
+        let ends = [(left, faces[0]), (right, faces[1])].map(|(condition, face)| End::new(&condition, face, scales));
         let in_steps = ends.iter().any(End::needs_steps);
-        for (end, medium) in ends.iter_mut().zip([&media[0], &media[last]]) {
-            end.set_steps(settings.step(), stress_scale, medium.impedance(), bar.transit_time());
-        }
         let mut tracking = Self {
             media,
             materials: bar.segments.iter().map(|s| Arc::clone(&s.material)).collect(),
@@ -134,20 +116,14 @@ impl FrontTracking {
             now: 0.0,
             events: 0,
             budget: settings.event_budget,
-            same_place: SAME_POINT * bar.length(),
-            near: NEAR * settings.front_tolerance * bar.length(),
-            same_time: SAME_POINT * bar.transit_time(),
+            nearness,
             stress_scale,
             fronts: 0,
-            concentrated: 0.0,
-            shifted: Shifted::default(),
-            thinning,
+            booked: Booked::default(),
+            merging,
             in_steps,
-            opened: Openings::default(),
             trails: settings.trails.then(Vec::new),
-            work: Workspace::default(),
-            sent_left: Vec::new(),
-            sent_right: Vec::new(),
+            scratch: Scratch::default(),
             rupture: criteria.map(|criteria| Box::new(Breaking::new(criteria))),
         };
         tracking.lay_out(bar);
@@ -159,11 +135,11 @@ impl FrontTracking {
         let (mut x, mut after) = (0.0, NONE);
         for (k, segment) in bar.segments.iter().enumerate() {
             let kind = if k == 0 { Kind::End } else { Kind::Joint };
-            after = self.list.insert(after, node(kind, x, 0.0, 0.0, Point::moving(segment.velocity), k as u32));
+            after = self.list.insert(after, Node::new(kind, x, 0.0, 0.0, Point::moving(segment.velocity), k as u32));
             x += segment.length;
         }
         let last = bar.segments.len() - 1;
-        let end = node(Kind::End, x, 0.0, 0.0, Point::default(), last as u32);
+        let end = Node::new(Kind::End, x, 0.0, 0.0, Point::default(), last as u32);
         self.end_nodes = [0, self.list.insert(after, end)];
         // Places were given out in order, so they number the ends and joints from left to right.
         for id in 0..=self.end_nodes[1] {
@@ -178,13 +154,13 @@ impl FrontTracking {
     pub fn advance_to(&mut self, until: f64) -> Result<(), Stopped> {
         loop {
             self.limits.check(until)?;
-            if self.thinning.is_due(self.list.len(), self.events) {
-                self.thin();
+            if self.merging.is_due(self.list.len(), self.events) {
+                self.merge_fronts();
             }
             let meeting = self.next_meeting();
             let (own, id) = self.next_own();
             let time = meeting.map_or(f64::INFINITY, |m| m.time).min(own);
-            if time > until + self.same_time {
+            if time > until + self.nearness.time {
                 self.now = self.now.max(until);
                 return Ok(());
             }
@@ -202,7 +178,7 @@ impl FrontTracking {
 
     /// When an end or a joint next does something of its own accord, s, and its node.
     fn next_own(&self) -> (f64, u32) {
-        let [left, right] = self.ends.each_ref().map(|end| end.next_time(self.same_time));
+        let [left, right] = self.ends.each_ref().map(End::next_time);
         let mut first = if right < left { (right, self.end_nodes[1]) } else { (left, self.end_nodes[0]) };
         for contact in &self.contacts {
             if contact.closes < first.0 {
@@ -263,7 +239,7 @@ impl FrontTracking {
         }
         let node = self.list.get(id);
         let distance = (node.at(self.now) - x).abs();
-        distance <= self.same_place || (distance <= self.near && towards * node.speed >= 0.0)
+        distance <= self.nearness.place || (distance <= self.nearness.near && towards * node.speed >= 0.0)
     }
 
     /// Enters the meeting of a node with the next one, if they ever meet.
@@ -287,27 +263,9 @@ impl FrontTracking {
     }
 }
 
-pub(super) fn node(kind: Kind, x: f64, t: f64, speed: f64, right: Point, segment: u32) -> Node {
-    Node { kind, x, t, speed, right, segment, prev: NONE, next: NONE, stamp: 0 }
-}
-
 fn medium(segment: &crate::bar::Segment, flow: Flow) -> Medium {
     let material = &segment.material;
     let table = |sense| Table::new(material.branch(sense), material.modulus);
     let (tension, compression) = (table(Sense::Tension), table(Sense::Compression));
     Medium::new([&tension, &compression], material.modulus, material.density, segment.area, flow, 0.0)
-}
-
-/// See [`FrontTracking::stress_scale`].
-fn stress_scale(bar: &Bar, media: &[Medium], ends: &[End; 2]) -> f64 {
-    let reach = ends.each_ref().map(End::reach);
-    let velocities = || bar.segments.iter().map(|s| s.velocity).chain(reach.iter().flat_map(|r| r.1));
-    let range = velocities().fold(f64::MIN, f64::max) - velocities().fold(f64::MAX, f64::min);
-    let imposed = reach[0].0.max(reach[1].0);
-    let mut work = Workspace::default();
-    let struck = media.iter().map(|medium| {
-        let driver = Side::Straight { force: 0.0, velocity: -range, compliance: 0.0 };
-        (solve(driver, Side::Bar(medium, &Point::default()), &mut work).force / medium.area).abs()
-    });
-    struck.fold(imposed, f64::max)
 }

@@ -1,8 +1,8 @@
-//! Thinning out: neighbouring waves of one kind become one where that changes the solution by less than is allowed.
+//! Merging of fronts: neighbouring waves of one kind become one where that changes the solution by less than is allowed.
 //!
 //! Where fans meet reflections, waves multiply without end, ever weaker and closer together. At any moment the
 //! solution is a sum of step functions of x, one for each kind of wave: elastic waves in +x, elastic waves in -x,
-//! plastic waves of one speed, and the histories, which stand still. Each function is thinned by itself: two
+//! plastic waves of one speed, and the histories, which stand still. The steps of each function are merged by themselves: two
 //! neighbouring steps are replaced by their mean over their common length. That keeps momentum, displacement and
 //! plastic work exactly, and leaves pure waves pure. It takes a little energy, the spread of what is averaged, which is
 //! booked. What it changes is measured as it is done: two steps become one only where the integral of |change| over x
@@ -13,7 +13,7 @@
 
 use super::FrontTracking;
 use super::list::{Kind, NONE, Node};
-use super::resolve::{REST, same_motion};
+use super::nearness::{REST, same_motion};
 use crate::wave::riemann::{Flow, Medium, Path, Point};
 
 /// The allowance, over (front tolerance)^2 times stress scale times length. Steps of height delta that are delta apart
@@ -29,18 +29,18 @@ const TRIFLE: f64 = 0.1;
 /// Speeds closer than this part of the elastic wave speed are one speed.
 const SAME_SPEED: f64 = 1e-9;
 
-/// Below this many nodes thinning waits for events: a passage costs more than the few events that it could save.
+/// Below this many nodes merging waits for events: a passage costs more than the few events that it could save.
 const FEWEST: usize = 64;
 
-/// Thinning is due after a growth by this part, by `LEAST_GROWTH` nodes at the least, and after this many events a node.
+/// Merging is due after a growth by this part, by `LEAST_GROWTH` nodes at the least, and after this many events a node.
 const GROWTH: usize = 32;
 const LEAST_GROWTH: usize = 8;
 const EVENTS_A_NODE: u64 = 8;
 
-/// What thinning is allowed, and what it did.
+/// What merging is allowed, and what it did.
 #[derive(Debug, Clone, Default)]
-pub struct Thinning {
-    /// Largest integral of |change| of one merge, Pa m; 0: nothing is thinned.
+pub struct FrontMerging {
+    /// Largest integral of |change| of one merge, Pa m; 0: nothing is merged.
     allowance: f64,
     /// Sum of all of them, Pa m.
     pub changed: f64,
@@ -50,12 +50,12 @@ pub struct Thinning {
     secant: Vec<f64>,
     due_at_nodes: usize,
     due_at_events: u64,
-    room: Room,
+    scratch: Scratch,
 }
 
-/// Room to work, used again and again.
+/// Arrays that are used again and again.
 #[derive(Debug, Clone, Default)]
-struct Room {
+struct Scratch {
     ids: Vec<u32>,
     x: Vec<f64>,
     wave: Vec<Option<f64>>,
@@ -77,7 +77,7 @@ struct Step {
     height: Point,
 }
 
-impl Thinning {
+impl FrontMerging {
     pub fn new(tolerance: f64, media: &[Medium], stress_scale: f64, length: f64) -> Self {
         Self {
             allowance: ALLOWANCE * tolerance * tolerance * stress_scale * length,
@@ -100,40 +100,42 @@ impl Thinning {
 }
 
 impl FrontTracking {
-    /// Thins out all waves once.
-    pub(super) fn thin(&mut self) {
-        let mut room = std::mem::take(&mut self.thinning.room);
-        self.spread_out(&mut room);
+    /// Merges neighbouring waves of every kind once.
+    pub(super) fn merge_fronts(&mut self) {
+        let mut scratch = std::mem::take(&mut self.merging.scratch);
+        self.spread_out(&mut scratch);
         let before = self.content(self.end_nodes[0], self.end_nodes[1]);
         let mut start = 0;
-        while start + 1 < room.ids.len() {
-            let end = (start + 1..room.ids.len() - 1).find(|&i| room.wave[i].is_none()).unwrap_or(room.ids.len() - 1);
-            self.thin_between(&mut room, start, end);
+        while start + 1 < scratch.ids.len() {
+            let end = (start + 1..scratch.ids.len() - 1)
+                .find(|&i| scratch.wave[i].is_none())
+                .unwrap_or(scratch.ids.len() - 1);
+            self.merge_between(&mut scratch, start, end);
             start = end;
         }
-        self.put_back(&room);
+        self.put_back(&scratch);
         let after = self.content(self.end_nodes[0], self.end_nodes[1]);
-        self.thinning.energy += before.energy - after.energy;
-        self.shifted.momentum += after.momentum - before.momentum;
-        self.thinning.room = room;
+        self.merging.energy += before.energy - after.energy;
+        self.booked.shifted.momentum += after.momentum - before.momentum;
+        self.merging.scratch = scratch;
         let nodes = self.list.len();
-        self.thinning.due_at_nodes = (nodes + (nodes / GROWTH).max(LEAST_GROWTH)).max(FEWEST);
-        self.thinning.due_at_events = self.events + EVENTS_A_NODE * nodes.max(FEWEST) as u64;
+        self.merging.due_at_nodes = (nodes + (nodes / GROWTH).max(LEAST_GROWTH)).max(FEWEST);
+        self.merging.due_at_events = self.events + EVENTS_A_NODE * nodes.max(FEWEST) as u64;
     }
 
     /// The list as arrays: nodes, where they are, how fast (none: a border), and the pieces to their right.
-    fn spread_out(&self, room: &mut Room) {
-        room.ids.clear();
-        room.x.clear();
-        room.wave.clear();
-        room.pieces.clear();
+    fn spread_out(&self, scratch: &mut Scratch) {
+        scratch.ids.clear();
+        scratch.x.clear();
+        scratch.wave.clear();
+        scratch.pieces.clear();
         let (mut id, mut left) = (self.end_nodes[0], Point::default());
         while id != NONE {
             let node = self.list.get(id);
-            room.ids.push(id);
-            room.x.push(node.at(self.now));
-            room.pieces.push(node.right);
-            room.wave.push(match node.kind {
+            scratch.ids.push(id);
+            scratch.x.push(node.at(self.now));
+            scratch.pieces.push(node.right);
+            scratch.wave.push(match node.kind {
                 Kind::Front => Some(node.speed),
                 Kind::Contact => {
                     let medium = &self.media[node.segment as usize];
@@ -144,32 +146,32 @@ impl FrontTracking {
             left = node.right;
             id = node.next;
         }
-        room.gone.clear();
-        room.gone.resize(room.ids.len(), false);
+        scratch.gone.clear();
+        scratch.gone.resize(scratch.ids.len(), false);
     }
 
     /// The nodes between two borders, kind by kind.
-    fn thin_between(&mut self, room: &mut Room, start: usize, end: usize) {
-        let segment = self.list.get(room.ids[start]).segment as usize;
+    fn merge_between(&mut self, scratch: &mut Scratch, start: usize, end: usize) {
+        let segment = self.list.get(scratch.ids[start]).segment as usize;
         let medium = &self.media[segment];
         let same = SAME_SPEED * medium.c0();
         // A state off its curve means nothing where the curve is all the law: there only waves that follow each other
         // directly, along one line of the curve, can become one.
         let across = medium.flow != Flow::PathIndependent;
-        room.kind.clear();
-        room.kind.extend((start + 1..end).filter_map(|i| room.wave[i].map(|speed| (speed, i))));
-        room.kind.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        scratch.kind.clear();
+        scratch.kind.extend((start + 1..end).filter_map(|i| scratch.wave[i].map(|speed| (speed, i))));
+        scratch.kind.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let mut first = 0;
-        while first < room.kind.len() {
-            let speed = room.kind[first].0;
-            let last = first + room.kind[first..].partition_point(|k| k.0 - speed <= same);
+        while first < scratch.kind.len() {
+            let speed = scratch.kind[first].0;
+            let last = first + scratch.kind[first..].partition_point(|k| k.0 - speed <= same);
             // Speeds that differ by rounding are out of order in x.
-            room.kind[first..last].sort_unstable_by_key(|k| k.1);
+            scratch.kind[first..last].sort_unstable_by_key(|k| k.1);
             while first < last {
-                let next = if across { last } else { first + neighbours(&room.kind[first..last]) };
+                let next = if across { last } else { first + neighbours(&scratch.kind[first..last]) };
                 if next - first > 2 {
-                    room.collect(first, next);
-                    self.thinning.merge(room, &self.media[segment], segment);
+                    scratch.collect(first, next);
+                    self.merging.merge(scratch, &self.media[segment], segment);
                 }
                 first = next;
             }
@@ -177,29 +179,29 @@ impl FrontTracking {
     }
 
     /// Takes out the nodes that are gone and sets the states and meetings of the others.
-    fn put_back(&mut self, room: &Room) {
-        let last = room.ids.len() - 1;
+    fn put_back(&mut self, scratch: &Scratch) {
+        let last = scratch.ids.len() - 1;
         for i in 1..last {
-            let (left, node) = (self.list.get(room.ids[i - 1]).right, *self.list.get(room.ids[i]));
-            let changed = left != room.pieces[i - 1] || node.right != room.pieces[i];
-            if node.kind == Kind::Front && (room.gone[i] || changed) {
+            let (left, node) = (self.list.get(scratch.ids[i - 1]).right, *self.list.get(scratch.ids[i]));
+            let changed = left != scratch.pieces[i - 1] || node.right != scratch.pieces[i];
+            if node.kind == Kind::Front && (scratch.gone[i] || changed) {
                 // Its trail ends here, and another one goes on.
                 self.keep_trail(&node);
-                self.thinning.energy += self.unbooked(&node);
-                let node = self.list.get_mut(room.ids[i]);
-                (node.x, node.t) = (room.x[i], self.now);
+                self.merging.energy += self.unbooked(&node);
+                let node = self.list.get_mut(scratch.ids[i]);
+                (node.x, node.t) = (scratch.x[i], self.now);
             }
         }
         for i in 0..last {
-            if room.gone[i] {
-                self.drop_node(room.ids[i]);
+            if scratch.gone[i] {
+                self.drop_node(scratch.ids[i]);
             } else {
-                self.list.get_mut(room.ids[i]).right = room.pieces[i];
+                self.list.get_mut(scratch.ids[i]).right = scratch.pieces[i];
             }
         }
         for i in 0..last {
-            if !room.gone[i] && room.gone[i + 1] {
-                self.schedule(room.ids[i]);
+            if !scratch.gone[i] && scratch.gone[i + 1] {
+                self.schedule(scratch.ids[i]);
             }
         }
     }
@@ -217,17 +219,17 @@ impl FrontTracking {
         taken * medium.area * node.speed.abs() * (self.now - node.t)
     }
 
-    /// Energy that thinning has taken so far, J.
-    pub(super) fn thinned_energy(&self) -> f64 {
-        if !self.thinning.is_on() {
+    /// Energy that merging has taken so far, J.
+    pub(super) fn merged_energy(&self) -> f64 {
+        if !self.merging.is_on() {
             return 0.0;
         }
         let fronts = self.list.iter().filter(|n| n.kind == Kind::Front);
-        self.thinning.energy + fronts.map(|n| self.unbooked(n)).sum::<f64>()
+        self.merging.energy + fronts.map(|n| self.unbooked(n)).sum::<f64>()
     }
 }
 
-impl Room {
+impl Scratch {
     /// The steps between the nodes `kind[from..to]`, all of one kind.
     fn collect(&mut self, from: usize, to: usize) {
         self.old.clear();
@@ -258,13 +260,13 @@ impl Room {
     }
 }
 
-impl Thinning {
+impl FrontMerging {
     /// Makes neighbouring steps one as long as that changes no more than allowed; marks the nodes that go.
-    fn merge(&mut self, room: &mut Room, medium: &Medium, segment: usize) {
-        room.new.clear();
-        for k in 0..room.old.len() {
-            room.new.push(room.old[k]);
-            while let [.., a, b] = room.new[..] {
+    fn merge(&mut self, scratch: &mut Scratch, medium: &Medium, segment: usize) {
+        scratch.new.clear();
+        for k in 0..scratch.old.len() {
+            scratch.new.push(scratch.old[k]);
+            while let [.., a, b] = scratch.new[..] {
                 let length = a.length + b.length;
                 let share = if length > 0.0 { b.length / length } else { 0.5 };
                 let change = self.distance(&a.height, &b.height, medium, segment) * 2.0 * a.length * share;
@@ -272,13 +274,13 @@ impl Thinning {
                     break;
                 }
                 let height = a.height.plus(&b.height, share).plus(&a.height, -share);
-                if !room.lift([a, b], &height, medium, change > TRIFLE * self.allowance) {
+                if !scratch.lift([a, b], &height, medium, change > TRIFLE * self.allowance) {
                     break;
                 }
                 self.changed += change;
-                room.new.truncate(room.new.len() - 2);
-                room.new.push(Step { first: a.first, last: b.last, length, height });
-                room.gone[b.first] = true;
+                scratch.new.truncate(scratch.new.len() - 2);
+                scratch.new.push(Step { first: a.first, last: b.last, length, height });
+                scratch.gone[b.first] = true;
             }
         }
     }

@@ -1,0 +1,216 @@
+//! The Riemann problem at an end of the bar: the relation a u + b p = c of the end's step against what the bar answers.
+
+use super::FrontTracking;
+use super::end::Arrival;
+use super::list::{Kind, NONE};
+use super::nearness::{REST, same_motion};
+use crate::bar::ends::{Face, Relation, Response};
+use crate::wave::riemann::{Point, Side, solve};
+
+/// A step is stretched by this much, at most, to end with the arrival of a front.
+const STRETCH: f64 = 1.5;
+
+/// Most repeats until a body and a bar that flows agree: each is a step of Newton's method.
+const MOST_REPEATS: usize = 20;
+
+/// What an end sends is in the scratch of its side; this is behind it.
+#[derive(Debug, Clone, Copy)]
+struct Answer {
+    behind: Point,
+    /// Of the face, m/s, into the bar.
+    velocity: f64,
+    /// The curve could not carry what was asked for.
+    short: bool,
+    /// False where a weak wave went by.
+    answers: bool,
+}
+
+impl FrontTracking {
+    pub(super) fn resolve_end(&mut self, which: usize, id: u32, x: f64) {
+        let prev = self.list.get(id).prev;
+        let (bar, segment) = if which == 0 {
+            (self.list.get(id).right, 0)
+        } else {
+            (self.list.get(prev).right, self.list.get(prev).segment)
+        };
+        let mut answer = self.answer_end(which, &bar, segment);
+        if self.rupture.is_some() && self.breaks_at_end(which, (segment, bar, answer.behind), answer.short) {
+            self.ends[which].release();
+            answer = self.answer_stress(which, 0.0, &bar, segment);
+        }
+        self.note_limit(1 - which, segment, [&bar, &answer.behind], x);
+        let end = &mut self.ends[which];
+        end.settle(&answer.behind, answer.velocity, answer.answers);
+        if answer.short && end.demands {
+            end.record.above_critical.get_or_insert(self.now);
+        }
+        if which == 0 {
+            // The fan's innermost state is next to the end, the state ahead to the right of the fastest front.
+            let nearest = self.scratch.sent_right.last().map_or(bar, |e| e.behind);
+            self.list.get_mut(id).right = nearest;
+            let last = self.send_right(id, x, bar, segment);
+            self.schedule(last);
+        } else {
+            self.send_left(prev, x, segment);
+            self.schedule(prev);
+        }
+    }
+
+    /// The waves that an end sends into the bar.
+    fn answer_end(&mut self, which: usize, bar: &Point, segment: u32) -> Answer {
+        match self.ends[which].arrive(self.now, bar) {
+            Arrival::Passes => {
+                self.scratch.sent_left.clear();
+                self.scratch.sent_right.clear();
+                let velocity = self.ends[which].face.inward * bar.velocity;
+                return Answer { behind: *bar, velocity, short: false, answers: false };
+            }
+            Arrival::Within => {
+                let answer = self.answer(which, &self.ends[which].relation(), bar, segment);
+                if !self.pulls(which, &answer) {
+                    return answer;
+                }
+            }
+            Arrival::Ends => {}
+        }
+        self.begin_step(which, bar, segment);
+        let answer = self.answer_step(which, bar, segment);
+        if self.pulls(which, &answer) {
+            self.ends[which].part();
+            return self.answer_stress(which, 0.0, bar, segment);
+        }
+        answer
+    }
+
+    /// Whether a body or a wall would have to pull.
+    fn pulls(&self, which: usize, answer: &Answer) -> bool {
+        answer.behind.stress > 0.0 && self.ends[which].can_part()
+    }
+
+    /// The end's next step begins; where a body moves with it, it ends with the arrival of a front.
+    fn begin_step(&mut self, which: usize, bar: &Point, segment: u32) {
+        let length = self.ends[which].end_step(bar).map(|wish| {
+            let reach = STRETCH * self.media[segment as usize].c0();
+            let arrival = self.arrival(which, reach * wish);
+            if arrival <= STRETCH * wish { arrival } else { wish }
+        });
+        self.ends[which].begin_step(length, bar);
+    }
+
+    /// When, from now, the first front gets to an end if nothing comes in its way, s, of those that are nearer to it than
+    /// `reach` (m); infinite without one. Fronts too weak to break a step do not count.
+    fn arrival(&self, which: usize, reach: f64) -> f64 {
+        let end = self.list.get(self.end_nodes[which]);
+        let weakest = self.ends[which].passing();
+        let mut first = f64::INFINITY;
+        let mut id = if which == 0 { end.next } else { end.prev };
+        while id != NONE {
+            let node = self.list.get(id);
+            let distance = (node.at(self.now) - end.x).abs();
+            if distance > reach || matches!(node.kind, Kind::End | Kind::Joint) {
+                break;
+            }
+            let strength = (node.right.stress - self.list.get(node.prev).right.stress).abs();
+            if node.speed * self.ends[which].face.inward < 0.0 && distance > self.nearness.place && strength > weakest {
+                first = first.min(distance / node.speed.abs());
+            }
+            id = if which == 0 { node.next } else { node.prev };
+        }
+        first
+    }
+
+    /// The answer to the step that begins. What a body asks for goes with the impedance that the bar answers with: where the bar
+    /// flows, both are found together.
+    fn answer_step(&mut self, which: usize, bar: &Point, segment: u32) -> Answer {
+        let mut answer = self.answer(which, &self.ends[which].relation(), bar, segment);
+        let elastic = self.ends[which].face.impedance;
+        let mut response = self.tangent(which, bar, &answer);
+        if response.impedance == elastic {
+            return answer;
+        }
+        let Some((model, step)) = self.ends[which].body_step() else { return answer };
+        let round_off = REST * self.media[segment as usize].round_off;
+        for _ in 0..MOST_REPEATS {
+            let before = answer.behind.stress;
+            self.ends[which].agree_on(model.relation(&step, &response));
+            answer = self.answer(which, &self.ends[which].relation(), bar, segment);
+            if (answer.behind.stress - before).abs() <= round_off {
+                break;
+            }
+            response = self.tangent(which, bar, &answer);
+        }
+        answer
+    }
+
+    /// How the bar answers around an answer that is in the scratch: linear from half of the way to it on.
+    fn tangent(&mut self, which: usize, bar: &Point, answer: &Answer) -> Response {
+        let path = if which == 0 { &mut self.scratch.work.right } else { &mut self.scratch.work.left };
+        let Face { area, impedance, .. } = self.ends[which].face;
+        let [from, to] = [bar.stress, answer.behind.stress].map(|stress| path.sense() * stress);
+        let middle = 0.5 * (from + to);
+        let change = path.velocity(to.min(path.cap())) - path.velocity(middle);
+        let tangent = area * (to - middle) / change;
+        // Elastic but for rounding, or hardly any way to go.
+        let elastic = !(tangent > 0.0 && tangent < (1.0 - 1e-6) * impedance);
+        let impedance = if elastic { impedance } else { tangent };
+        Response { force: -area * answer.behind.stress - impedance * answer.velocity, impedance }
+    }
+
+    /// The Riemann problem against a relation.
+    fn answer(&mut self, which: usize, relation: &Relation, bar: &Point, segment: u32) -> Answer {
+        let Relation { of_velocity: a, of_force: b, value: c, .. } = *relation;
+        let (face, medium) = (self.ends[which].face, &self.media[segment as usize]);
+        if a == 0.0 {
+            return self.answer_stress(which, -c / b / face.area, bar, segment);
+        }
+        // From the side of the line that loses no digits.
+        let (force, velocity) = if b == 0.0 {
+            (medium.area * bar.stress, c / a)
+        } else if a > b * face.impedance {
+            (0.0, c / a)
+        } else {
+            (-c / b, 0.0)
+        };
+        let driver = Side::Straight { force, velocity: face.inward * velocity, compliance: b / a };
+        let own = Side::Bar(medium, bar);
+        let (star, path, sent) = if which == 0 {
+            (solve(driver, own, &mut self.scratch.work), &mut self.scratch.work.right, &mut self.scratch.sent_right)
+        } else {
+            (solve(own, driver, &mut self.scratch.work), &mut self.scratch.work.left, &mut self.scratch.sent_left)
+        };
+        let tau = (path.sense() * star.force / medium.area).min(path.cap());
+        let behind = path.emit(tau, face.inward, sent);
+        let behind = self.unless_at_rest(which, behind, bar, segment);
+        // The face runs ahead of a bar that cannot follow; and what is stiff tells its velocity to more digits than the bar.
+        let exact = a > b * face.impedance || star.capped;
+        let velocity = if exact { (c + b * face.area * behind.stress) / a } else { face.inward * behind.velocity };
+        Answer { behind, velocity, short: star.capped, answers: true }
+    }
+
+    fn answer_stress(&mut self, which: usize, stress: f64, bar: &Point, segment: u32) -> Answer {
+        let medium = &self.media[segment as usize];
+        let sense = if stress < bar.stress { -1.0 } else { 1.0 };
+        let (path, sent) = if which == 0 {
+            (&mut self.scratch.work.right, &mut self.scratch.sent_right)
+        } else {
+            (&mut self.scratch.work.left, &mut self.scratch.sent_left)
+        };
+        path.fill(medium, bar, sense);
+        let tau = sense * stress;
+        let short = tau > path.cap() + medium.round_off;
+        let inward = self.ends[which].face.inward;
+        let behind = path.emit(tau.min(path.cap()), inward, sent);
+        let behind = self.unless_at_rest(which, behind, bar, segment);
+        Answer { behind, velocity: inward * behind.velocity, short, answers: true }
+    }
+
+    /// The state behind an end's wave; with a front tolerance, a wave of a few roundings is not sent (see [`REST`]).
+    fn unless_at_rest(&mut self, which: usize, behind: Point, bar: &Point, segment: u32) -> Point {
+        if !self.merging.is_on() || !same_motion(&behind, bar, &self.media[segment as usize], REST) {
+            return behind;
+        }
+        let sent = if which == 0 { &mut self.scratch.sent_right } else { &mut self.scratch.sent_left };
+        sent.clear();
+        *bar
+    }
+}

@@ -1,0 +1,25 @@
+//! Meetings of neighbours, in order of time.
+
+/// The next meeting of two neighbours; out of date once one of them is gone or they are no longer neighbours.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Meeting {
+    pub time: f64,
+    pub left: u32,
+    pub right: u32,
+    pub left_stamp: u64,
+    pub right_stamp: u64,
+}
+
+impl Eq for Meeting {}
+
+impl PartialOrd for Meeting {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Meeting {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        self.time.total_cmp(&other.time).then(self.left_stamp.cmp(&other.left_stamp))
+    }
+}

@@ -1,0 +1,37 @@
+//! The stress to which tolerances and steps are relative.
+
+use crate::bar::ends::Face;
+use crate::bar::{Bar, EndCondition, History};
+use crate::wave::riemann::{Medium, Point, Side, Workspace, solve};
+
+/// See [`super::FrontTracking::stress_scale`].
+pub(super) fn stress_scale(bar: &Bar, media: &[Medium], ends: [(&EndCondition, &Face); 2]) -> f64 {
+    let imposed = ends.map(|(condition, face)| imposed(condition, face));
+    let velocities = || bar.segments.iter().map(|s| s.velocity).chain(imposed.iter().flat_map(|i| i.1));
+    let range = velocities().fold(f64::MIN, f64::max) - velocities().fold(f64::MAX, f64::min);
+    let mut work = Workspace::default();
+    let struck = media.iter().map(|medium| {
+        let driver = Side::Straight { force: 0.0, velocity: -range, compliance: 0.0 };
+        (solve(driver, Side::Bar(medium, &Point::default()), &mut work).force / medium.area).abs()
+    });
+    struck.fold(imposed[0].0.max(imposed[1].0), f64::max)
+}
+
+/// Largest stress (Pa) and the range of velocities (m/s, in +x) that an end imposes.
+fn imposed(condition: &EndCondition, face: &Face) -> (f64, [f64; 2]) {
+    let rest = face.inward * face.velocity;
+    let range = |h: &History| h.value().iter().fold([0.0, 0.0], |[low, high]: [f64; 2], &v| [low.min(v), high.max(v)]);
+    match condition {
+        EndCondition::Velocity { history, .. } => (0.0, range(history)),
+        EndCondition::Stress { history } => (history.extreme().abs(), [rest; 2]),
+        EndCondition::Fixed | EndCondition::Wall { .. } => (0.0, [0.0; 2]),
+        EndCondition::Striker { velocity, .. } => (0.0, [*velocity; 2]),
+        EndCondition::Spring { .. } | EndCondition::Dashpot { .. } => (0.0, [0.0, rest]),
+        EndCondition::Free | EndCondition::Absorbing => (0.0, [rest; 2]),
+        EndCondition::Ball { mass, velocity, contact } => {
+            let closing = (face.inward * velocity - face.velocity).max(0.0);
+            let force = contact.force(contact.largest_approach(*mass, closing));
+            (force.min(face.impedance * closing) / face.area, [rest; 2])
+        }
+    }
+}

@@ -1,0 +1,132 @@
+//! The step that an end is in: its model, the relation that holds over the step, and the account of what went through the end.
+//!
+//! Waves that arrive within a step are answered by the same relation a u + b p = c: the means of u and p over the step then meet it
+//! too, which is what the models of [`crate::bar::ends`] ask for.
+
+use crate::bar::ends::{EndModel, Push, Relation, Step};
+
+/// What went through an end.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Account {
+    /// Work done on the bar, J: what a body lost, else that of the force at the face.
+    pub work: f64,
+    /// That of the force at the bar's edge, J: less, by what the steps of a body do not resolve.
+    pub on_edge: f64,
+    /// Impulse given to the bar, N s, into the bar.
+    pub impulse: f64,
+}
+
+/// Force and velocities of an end between two events.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Held {
+    /// N, compression positive.
+    pub force: f64,
+    /// Of the face, m/s, into the bar.
+    pub velocity: f64,
+    /// Of the bar's edge: another one where the bar's curve is level, and strain gathers at the face.
+    pub edge: f64,
+}
+
+/// An end in a step. Velocities and forces as in [`crate::bar::ends`].
+#[derive(Debug, Clone)]
+pub(super) struct Stepping {
+    pub model: Box<dyn EndModel>,
+    pub relation: Relation,
+    /// Of the step, s.
+    pub start: f64,
+    pub until: f64,
+    /// Of the face at the start of the step, m.
+    pub displacement: f64,
+    /// Over the step so far: displacement (m), impulse (N s), work at the bar's edge (J).
+    moved: f64,
+    impulse: f64,
+    on_edge: f64,
+    /// Since when, and what holds.
+    since: f64,
+    pub held: Held,
+    /// The relation is met: no body or wall is apart from the face.
+    pub met: bool,
+    /// Up to the start of the step.
+    account: Account,
+    /// Middle (s) and mean force (N) of the step before.
+    pub latest: (f64, f64),
+}
+
+impl Stepping {
+    /// At an end that moves with `velocity` (m/s).
+    pub fn new(model: Box<dyn EndModel>, velocity: f64) -> Self {
+        Self {
+            model,
+            relation: Relation::force(0.0),
+            start: 0.0,
+            until: 0.0,
+            displacement: 0.0,
+            moved: 0.0,
+            impulse: 0.0,
+            on_edge: 0.0,
+            since: 0.0,
+            held: Held { force: 0.0, velocity, edge: velocity },
+            met: false,
+            account: Account::default(),
+            latest: (0.0, 0.0),
+        }
+    }
+
+    /// Brings the account to t (s).
+    pub fn bring_to(&mut self, t: f64) {
+        let (dt, Held { force, velocity, edge }) = (t - self.since, self.held);
+        self.moved += velocity * dt;
+        self.impulse += force * dt;
+        self.on_edge += force * edge * dt;
+        self.since = t;
+    }
+
+    /// Ends the step where it has been brought: the model takes it. Ends planned up to `tolerance` (s) from then are meant.
+    pub fn commit(&mut self, tolerance: f64) {
+        let elapsed = self.since - self.start;
+        if elapsed > 0.0 {
+            let planned = (self.until - self.since).abs() <= tolerance;
+            let dt = if planned { self.until - self.start } else { elapsed };
+            let step = Step { time: self.start, dt, displacement: self.displacement };
+            let push = Push { force: self.impulse / elapsed, velocity: self.moved / elapsed, impulse: self.impulse };
+            let before = self.model.energy(self.displacement);
+            self.model.advance(&step, &push, self.met);
+            let given = before - self.model.energy(self.displacement + self.moved);
+            self.account.work += if self.model.stores() { given } else { self.on_edge };
+            self.latest = (self.start + 0.5 * elapsed, push.force);
+        }
+        self.account.on_edge += self.on_edge;
+        self.account.impulse += self.impulse;
+        self.displacement += self.moved;
+        (self.moved, self.impulse, self.on_edge) = (0.0, 0.0, 0.0);
+        self.start = self.since;
+    }
+
+    /// The same as if the step ended at t (s).
+    pub fn at(&self, t: f64) -> Self {
+        let mut ahead = self.clone();
+        ahead.bring_to(t);
+        ahead.commit(0.0);
+        ahead
+    }
+
+    /// Up to the start of the step.
+    pub fn account(&self) -> Account {
+        self.account
+    }
+
+    /// The step that starts, with `dt` (s).
+    pub fn step(&self, dt: f64) -> Step {
+        Step { time: self.start, dt, displacement: self.displacement }
+    }
+
+    /// Up to when it has been brought, s.
+    pub fn since(&self) -> f64 {
+        self.since
+    }
+
+    /// Displacement of the face where it has been brought, m.
+    pub fn present_displacement(&self) -> f64 {
+        self.displacement + self.moved
+    }
+}

@@ -13,6 +13,7 @@ mod rest;
 mod ripple;
 mod rupture;
 mod sample;
+mod snapshot;
 mod start;
 mod stretch;
 mod sweep;

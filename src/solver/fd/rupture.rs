@@ -44,6 +44,23 @@ pub(super) struct Breaking {
     ends_gone: [bool; 2],
 }
 
+/// Of [`Breaking`], what changes: ruptures, their nodes and steps, and the ends that are gone.
+pub(super) type Broken = (Vec<Rupture>, Vec<(usize, usize)>, [bool; 2]);
+
+impl Breaking {
+    pub fn state(&self) -> Broken {
+        (self.found.clone(), self.nodes.clone(), self.ends_gone)
+    }
+
+    pub fn restore(&mut self, state: Broken) {
+        (self.found, self.nodes, self.ends_gone) = state;
+    }
+
+    pub fn ends_gone(&self) -> [bool; 2] {
+        self.ends_gone
+    }
+}
+
 /// A cell that meets its criterion, and how far beyond it is.
 #[derive(Debug, Clone, Copy)]
 struct Due {

@@ -18,6 +18,8 @@ pub mod columns;
 
 pub mod material;
 
+pub mod snapshot;
+
 pub mod law;
 
 pub mod wave;

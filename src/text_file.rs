@@ -1,5 +1,6 @@
 //! Text files that a user names, read within bounds of time and memory: regular files and pipes of at most [`MOST_BYTES`].
 
+use std::cell::RefCell;
 use std::fs::{File, Metadata};
 use std::io::Read;
 use std::path::Path;
@@ -12,11 +13,107 @@ pub const MOST_BYTES: u64 = 64 << 20;
 const TOO_LARGE: &str =
     "a scene or material is a text file of some kilobytes; write only every tenth or hundredth row of a long record";
 
+/// The files that a scene names, with their contents: the scene can be read again if they have changed or are gone.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct NamedFiles {
+    /// The scene's folder.
+    pub base: String,
+    /// The folder of the user's materials.
+    pub materials: Option<String>,
+    /// Paths and texts.
+    pub texts: Vec<(String, String)>,
+}
+
+/// Source of the files that a thread reads.
+#[derive(Debug, Default)]
+enum Reading {
+    /// The disk.
+    #[default]
+    Plain,
+    /// The disk; paths and texts are recorded.
+    Recorded(Vec<(String, String)>),
+    /// These files alone.
+    Stored(NamedFiles),
+}
+
+thread_local! {
+    // Materials and histories are read deep inside the checks of a scene; a parameter would go through all of them.
+    static READING: RefCell<Reading> = const { RefCell::new(Reading::Plain) };
+}
+
+/// Restores the previous source when it is dropped.
+struct Scope(Reading);
+
+impl Scope {
+    fn enter(reading: Reading) -> Self {
+        Self(READING.replace(reading))
+    }
+}
+
+impl Drop for Scope {
+    fn drop(&mut self) {
+        READING.replace(std::mem::take(&mut self.0));
+    }
+}
+
+/// What `read` returns, and the files that it read.
+pub fn recorded<T>(read: impl FnOnce() -> T) -> (T, Vec<(String, String)>) {
+    if let Some(stored) = of_store(|files| files.texts.clone()) {
+        return (read(), stored);
+    }
+    let _scope = Scope::enter(Reading::Recorded(Vec::new()));
+    let result = read();
+    let texts = READING.with_borrow_mut(|reading| match reading {
+        Reading::Recorded(texts) => std::mem::take(texts),
+        Reading::Plain | Reading::Stored(_) => Vec::new(),
+    });
+    (result, texts)
+}
+
+/// What `read` returns if only these files exist.
+pub fn stored<T>(files: NamedFiles, read: impl FnOnce() -> T) -> T {
+    let _scope = Scope::enter(Reading::Stored(files));
+    read()
+}
+
+/// Queries the stored files; none if files are read from the disk.
+pub fn of_store<T>(get: impl FnOnce(&NamedFiles) -> T) -> Option<T> {
+    READING.with_borrow(|reading| match reading {
+        Reading::Stored(files) => Some(get(files)),
+        Reading::Plain | Reading::Recorded(_) => None,
+    })
+}
+
+/// True where there is a regular file.
+pub fn is_file(path: &Path) -> bool {
+    let shown = path.display().to_string();
+    of_store(|files| files.texts.iter().any(|(stored, _)| *stored == shown)).unwrap_or_else(|| path.is_file())
+}
+
 /// The text of a file, without a byte-order mark.
 ///
 /// # Errors
 /// What the file is instead of a text of at most [`MOST_BYTES`] in UTF-8.
 pub fn read(path: &Path) -> Result<String, InputError> {
+    let shown = path.display().to_string();
+    let text_of = |files: &NamedFiles| Some(files.texts.iter().find(|(stored, _)| *stored == shown)?.1.clone());
+    let text = match of_store(text_of) {
+        Some(stored) => {
+            stored.ok_or_else(|| cannot_read(&shown, "it was not kept with the scene", "name the scene again"))?
+        }
+        None => from_disk(path)?,
+    };
+    READING.with_borrow_mut(|reading| {
+        if let Reading::Recorded(texts) = reading
+            && texts.iter().all(|(known, _)| *known != shown)
+        {
+            texts.push((shown, text.clone()));
+        }
+    });
+    Ok(text)
+}
+
+fn from_disk(path: &Path) -> Result<String, InputError> {
     let shown = path.display().to_string();
     let failed = |e: std::io::Error| cannot_read(&shown, &plain_reason(&e), help_for(e.kind()));
     let metadata = std::fs::metadata(path).map_err(failed)?;

@@ -57,7 +57,15 @@ fn bar_of(segments: Vec<Segment>, ends: [EndCondition; 2], along: &Along, cells:
 }
 
 fn piece(material: &Arc<Material>, length: f64, velocity: f64) -> Segment {
-    Segment { length, area: AREA, material: material.clone(), velocity, joint: Joint::Bonded, taper: None }
+    Segment {
+        length,
+        area: AREA,
+        material: material.clone(),
+        velocity,
+        joint: Joint::Bonded,
+        taper: None,
+        initial: Default::default(),
+    }
 }
 
 /// A bar whose cells start with the velocities of half a wave, `half_waves` of them, between fixed ends (sine) or free ones

@@ -19,7 +19,15 @@ fn elastic() -> Arc<Material> {
 }
 
 fn segment(length: f64, area: f64, material: &Arc<Material>, velocity: f64) -> Segment {
-    Segment { length, area, taper: None, material: Arc::clone(material), velocity, joint: Joint::Contact { gap: 0.0 } }
+    Segment {
+        length,
+        area,
+        taper: None,
+        material: Arc::clone(material),
+        velocity,
+        joint: Joint::Contact { gap: 0.0 },
+        initial: Default::default(),
+    }
 }
 
 fn with_step(ramp_step: f64) -> Settings {

@@ -14,7 +14,15 @@ const AREA: f64 = 0.5;
 fn bar(ends: [EndCondition; 2], velocity: f64, step: f64) -> FrontTracking {
     let curve = Curve::new(&[(1e6, 1e6)], Beyond::Extend).expect("rows are right");
     let material = Arc::new(Material::from_curve("test", 1.0, curve));
-    let segment = Segment { length: 1.0, area: AREA, taper: None, material, velocity, joint: Joint::Bonded };
+    let segment = Segment {
+        length: 1.0,
+        area: AREA,
+        taper: None,
+        material,
+        velocity,
+        joint: Joint::Bonded,
+        initial: Default::default(),
+    };
     let settings = Settings { ramp_step: Some(step), ..Settings::default() };
     FrontTracking::new(
         &Bar { segments: vec![segment], area_given: true },

@@ -53,7 +53,7 @@ struct Extremes {
 }
 
 fn follow(bar: &mut Muscl, until: f64, what: &str) -> Extremes {
-    let start = bar.start().kinetic;
+    let start = bar.start().energy;
     let mut ledger = Ledger::new(bar);
     let mut met = Extremes { largest_strain: 0.0, least_numerical: 0.0, alternates: false };
     let mut scale = start;

@@ -41,7 +41,7 @@ fn the_ledger_closes_for_every_pair_of_ends() {
             {
                 let what = format!("ends {k} and {j}, {cells} cells, {velocity} m/s, cfl {cfl}");
                 let mut bar = bar_of(cells, [left.clone(), right.clone()], velocity, unloading, cfl);
-                let start = bar.start().kinetic;
+                let start = bar.start().energy;
                 let mut ledger = barwave::record::Ledger::new(&bar);
                 for _ in 0..40 {
                     (0..cells / 12).for_each(|_| bar.advance());

@@ -50,6 +50,7 @@ fn header() -> Header {
         critical_velocity: Some(44.5),
         notes: vec!["µ: a note".into()],
         torsion: None,
+        ..Header::default()
     }
 }
 

@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
+use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
@@ -16,15 +17,15 @@ use crate::record::{
 };
 use crate::run::{self, Progress, Wish};
 use crate::scene::{Problem, SpecimenScene};
-use crate::units::{Dimension, System, format};
+use crate::units::{Dimension, Quantity, System, format};
 
 /// Options of `barwave run`.
 #[derive(Debug, clap::Args)]
 #[expect(clippy::struct_excessive_bools, reason = "one a flag")]
 pub(crate) struct Args {
     /// The scene file; `-` reads standard input.
-    #[arg(value_name = "SCENE.toml")]
-    scene: PathBuf,
+    #[arg(value_name = "SCENE.toml", required_unless_present = "resume")]
+    scene: Option<PathBuf>,
     /// Result file [default: `runs/out/<scene name>.h5`; with --set, `runs/out/<scene name>_KEY=VALUE.h5`]. An earlier result there is
     /// replaced.
     #[arg(short, long, value_name = "OUT.h5")]
@@ -35,6 +36,14 @@ pub(crate) struct Args {
     /// Change a key of the scene, e.g. --set solve.cells=2000 --set left.value="-40 m/s"; may be repeated.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<String>,
+    /// Keep a checkpoint, `OUT.h5.checkpoint`, from which the run can be resumed: each time that this much wall time has passed, such
+    /// as 60s or "5 min", and when the run is interrupted (Ctrl-C, SIGTERM). It is removed when the run ends.
+    #[arg(long, value_name = "INTERVAL")]
+    checkpoint: Option<Quantity>,
+    /// Resume an interrupted or killed run from its checkpoint. The scene is read from the result file; the result has the same bits as
+    /// that of a run without interruption.
+    #[arg(long, value_name = "OUT.h5")]
+    resume: Option<PathBuf>,
     /// Print one JSON object on stdout and nothing else.
     #[arg(long)]
     json: bool,
@@ -59,25 +68,51 @@ const LEAST_STRAIN: f64 = 1e-6;
 const LISTED_FRONTS: usize = 12;
 
 pub(crate) fn run(args: &Args) -> Result<()> {
-    let mut scene = match Problem::read(&args.scene, &args.overrides)? {
+    let every = args.checkpoint.as_ref().map(interval).transpose()?;
+    if let Some(path) = &args.resume {
+        nothing_beside_resume(args)?;
+        return show(args, path, true, |progress| run::resume(path, every, progress));
+    }
+    let file = args.scene.as_deref().unwrap_or(Path::new("-"));
+    let mut scene = match Problem::read(file, &args.overrides)? {
         Problem::Bar(scene) => *scene,
         Problem::Specimen(scene) => return run_specimen(args, &scene),
     };
     scene.solve.estimate_error = args.estimate_error;
     let path = output_path(args, &scene.name)?;
+    show(args, &path, every.is_some(), |progress| match every {
+        Some(every) => run::run_with_checkpoints(&scene, &path, every, progress),
+        None => run::run(&scene, Some(&path), progress),
+    })
+}
+
+/// What a run is told to do while it is under way.
+type OnProgress<'a> = &'a mut dyn FnMut(Progress) -> Wish;
+
+/// Shows how far a run is, and sums up.
+fn show(
+    args: &Args,
+    path: &Path,
+    resumable: bool,
+    simulate: impl FnOnce(OnProgress<'_>) -> Result<Summary>,
+) -> Result<()> {
     let stop = interrupt::flag();
     let bar = progress_bar(args.quiet || args.json);
-    let summary = run::run(&scene, Some(&path), &mut |at: Progress| {
+    let summary = simulate(&mut |at: Progress| {
         show_progress(&bar, &at, args.quiet || args.json);
         if stop.load(Ordering::Relaxed) { Wish::Stop } else { Wish::GoOn }
     });
     bar.finish_and_clear();
+    let shown = path.display();
     let summary = summary.inspect_err(|error| match error {
         Error::Interrupted if path.exists() => {
-            output::note(&std::format!("interrupted: the frames so far are in {}\n", path.display()));
+            output::note(&std::format!("interrupted: the frames so far are in {shown}\n"));
+            if resumable {
+                output::note(&std::format!("resume with: barwave run --resume {}\n", quoted(path)));
+            }
         }
         Error::Interrupted => output::note("interrupted before the run began\n"),
-        Error::Run(_) => output::note(&std::format!("the frames up to the error are in {}\n", path.display())),
+        Error::Run(_) => output::note(&std::format!("the frames up to the error are in {shown}\n")),
         Error::Input(_) | Error::File { .. } | Error::Checks(_) => {}
     })?;
     if args.json {
@@ -86,8 +121,47 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     if args.quiet { Ok(()) } else { output::text(&text(&summary, args.units)) }
 }
 
+/// A path as a shell reads it.
+fn quoted(path: &Path) -> String {
+    let plain = |c: char| c.is_alphanumeric() || "/._-+=,:@".contains(c);
+    let shown = path.display().to_string();
+    if shown.chars().all(plain) { shown } else { std::format!("'{}'", shown.replace('\'', "'\\''")) }
+}
+
+/// A run that is resumed is that of its file.
+fn nothing_beside_resume(args: &Args) -> Result<()> {
+    let given = [
+        (args.scene.is_some(), "a scene"),
+        (args.output.is_some(), "-o"),
+        (!args.overrides.is_empty(), "--set"),
+        (args.estimate_error, "--estimate-error"),
+        (args.force, "--force"),
+    ];
+    let Some((_, what)) = given.into_iter().find(|(given, _)| *given) else { return Ok(()) };
+    let message = std::format!("{what} cannot be given with --resume: the result file says how its run continues");
+    let help = "leave it out, or run the scene from the start without --resume";
+    Err(InputError::new(message).key("--resume").help(help).into())
+}
+
+/// Wall time between two checkpoints.
+fn interval(given: &Quantity) -> Result<Duration> {
+    let wrong = |message: String| {
+        let error = InputError::new(message).key("--checkpoint").allowed("0 s < interval <= 1e9 s");
+        Error::from(error.help("e.g. --checkpoint 60s or --checkpoint \"5 min\""))
+    };
+    match given.si(Dimension::Time) {
+        Ok(seconds) if seconds > 0.0 && seconds <= 1e9 => Ok(Duration::from_secs_f64(seconds)),
+        Ok(seconds) => Err(wrong(std::format!("the interval {seconds} s is out of range"))),
+        Err(reason) => Err(wrong(reason)),
+    }
+}
+
 /// A specimen, by the energy method.
 fn run_specimen(args: &Args, scene: &SpecimenScene) -> Result<()> {
+    if args.checkpoint.is_some() {
+        let message = "a [specimen] has no steps, and keeps no checkpoints";
+        return Err(InputError::new(message).key("--checkpoint").help("leave --checkpoint out").into());
+    }
     let summary = run::run_specimen(scene, Some(&output_path(args, &scene.name)?))?;
     if args.json {
         return output::json(&summary);

@@ -9,6 +9,8 @@
 
 use std::ops::Range;
 
+use serde::{Deserialize, Serialize};
+
 use super::{CellLaw, Table, cell_state};
 use crate::material::{Loading, Material, Sense};
 
@@ -22,7 +24,7 @@ const REVERSED: f64 = 1e-6;
 const NUDGE: f64 = 1e-9;
 
 /// Where the law of a point ends.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Limit {
     /// At the last knot of the table of the sense in which the point flows, by its strain in that sense.
     EndOfData(Sense),
@@ -43,7 +45,7 @@ impl Limit {
 }
 
 /// A limit that a point has reached.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Reached {
     /// Which one.
     pub limit: Limit,
@@ -121,7 +123,7 @@ impl DataEnd {
 }
 
 /// A cell of a grid that has reached a limit.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Passed {
     /// The cell.
     pub cell: usize,
@@ -134,7 +136,7 @@ pub struct Passed {
 }
 
 /// The first cell of each segment to reach each limit; of several in one step the one that is farthest past it.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct FirstPassed(Vec<Passed>);
 
 impl FirstPassed {

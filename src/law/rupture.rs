@@ -7,10 +7,10 @@
 //!
 //! Quantities are in the units of the laws: strains times E, work times 2E, so that nothing is divided in a cell.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// What a place breaks of.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Cause {
     /// Nominal strain.
@@ -125,7 +125,7 @@ pub struct Criteria {
 }
 
 /// Where a bar broke.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Site {
     /// Off what held or drove its left end.
     Left,
@@ -149,7 +149,7 @@ impl std::fmt::Display for Site {
 }
 
 /// A rupture that happened.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Rupture {
     /// s.
     pub time: f64,

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use super::{Material, file};
 use crate::error::{InputError, Result};
 use crate::input::{Document, nearest};
+use crate::text_file;
 
 /// Environment variable that names a folder with material files.
 pub const FOLDER_VARIABLE: &str = "BARWAVE_MATERIALS";
@@ -58,8 +59,13 @@ pub fn built_in_text(name: &str) -> Option<&'static str> {
 
 /// Folders in which material files are looked up, in order.
 pub fn folders(base_dir: &Path) -> Vec<PathBuf> {
-    let user = std::env::var_os(FOLDER_VARIABLE).filter(|v| !v.is_empty()).map(PathBuf::from);
-    std::iter::once(base_dir.join("materials")).chain(user).collect()
+    std::iter::once(base_dir.join("materials")).chain(user_folder()).collect()
+}
+
+/// The user's own folder.
+pub fn user_folder() -> Option<PathBuf> {
+    let named = || std::env::var_os(FOLDER_VARIABLE).filter(|v| !v.is_empty()).map(PathBuf::from);
+    text_file::of_store(|files| files.materials.as_ref().map(PathBuf::from)).unwrap_or_else(named)
 }
 
 /// The material of a name or path; paths and `materials/` start at `base_dir` (the scene's folder).
@@ -71,7 +77,7 @@ pub fn find(name_or_path: &str, base_dir: &Path) -> Result<Material> {
         return file::read(&base_dir.join(name_or_path));
     }
     let files = folders(base_dir).into_iter().map(|folder| folder.join(format!("{name_or_path}.toml")));
-    if let Some(path) = files.into_iter().find(|path| path.is_file()) {
+    if let Some(path) = files.into_iter().find(|path| text_file::is_file(path)) {
         return file::read(&path);
     }
     match built_in_text(name_or_path) {

@@ -2,6 +2,7 @@
 
 use super::{ElasticCheck, ErrorFigure, Stepped};
 use crate::bar::{Bar, Launch};
+use crate::snapshot::{self, Snapshot, pack, unpack};
 use crate::solver::fd::{Grid, Quantity};
 use crate::solver::moc::FrontTracking;
 
@@ -64,6 +65,17 @@ impl ElasticProbe {
     pub fn check(&self) -> Option<ElasticCheck> {
         let (stress, expected) = (self.found?, self.expected);
         Some(ElasticCheck { stress, expected, relative: ((stress - expected) / expected).abs() })
+    }
+}
+
+impl Snapshot for ElasticProbe {
+    fn save(&self) -> snapshot::Result<Vec<u8>> {
+        pack(&self.found)
+    }
+
+    fn restore(&mut self, saved: &[u8]) -> snapshot::Result<()> {
+        self.found = unpack(saved)?;
+        Ok(())
     }
 }
 

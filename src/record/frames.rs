@@ -2,6 +2,7 @@
 
 use super::{Field, Frame, Stepped, View};
 use crate::error::Result;
+use crate::snapshot::{self, Snapshot, pack, unpack};
 use crate::solver::fd::Sampling;
 
 /// Makes the frames of a bar on a grid, in order of time.
@@ -51,15 +52,19 @@ impl Frames {
         self.times.get(self.next).is_some_and(|&t| t <= bar.time() + SAME_TIME * bar.grid().dt)
     }
 
-    /// Passes on the frames that fall due up to the bar's current time, one at a time: there may be more than memory holds. Call it
-    /// after every step, and once at the start.
+    /// Passes on the frames that fall due up to the bar's current time, one at a time, and no more than `most`: there may be more than
+    /// memory holds. Call it after every step, and once at the start, until it returns that no more are due.
     ///
     /// # Errors
     /// Whatever `keep` says.
-    pub fn take(&mut self, bar: &impl Stepped, mut keep: impl FnMut(Frame) -> Result<()>) -> Result<()> {
+    pub fn take(&mut self, bar: &impl Stepped, most: usize, mut keep: impl FnMut(Frame) -> Result<()>) -> Result<bool> {
         let (now, dt) = (bar.time(), bar.grid().dt);
         let mut current = None;
+        let stop = self.next.saturating_add(most);
         while let Some(&time) = self.times.get(self.next).filter(|_| self.is_due(bar)) {
+            if self.next == stop {
+                return Ok(true);
+            }
             let current: &Frame = current.get_or_insert_with(|| self.read(bar));
             let share = (now - time) / dt;
             keep(match &self.before {
@@ -70,7 +75,7 @@ impl Frames {
         }
         let soon = self.times.get(self.next).is_some_and(|&t| t < now + dt * (1.0 - SAME_TIME));
         self.before = soon.then(|| current.unwrap_or_else(|| self.read(bar)));
-        Ok(())
+        Ok(false)
     }
 
     /// The next step, after `step`, after which [`Self::take`] must be called, in steps of length `dt`, s: for a frame on a
@@ -86,6 +91,17 @@ impl Frames {
 
     fn read(&self, bar: &impl Stepped) -> Frame {
         read_frame(bar, &self.fields, &self.sampling, self.sampling.x().len(), self.twisted.as_ref())
+    }
+}
+
+impl Snapshot for Frames {
+    fn save(&self) -> snapshot::Result<Vec<u8>> {
+        pack(&(self.next, &self.before))
+    }
+
+    fn restore(&mut self, saved: &[u8]) -> snapshot::Result<()> {
+        (self.next, self.before) = unpack(saved)?;
+        Ok(())
     }
 }
 

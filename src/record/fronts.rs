@@ -3,6 +3,7 @@
 
 use super::{FrontRow, Stepped};
 use crate::bar::{Bar, EndCondition, Launch, Origin};
+use crate::snapshot::{self, Snapshot, pack, unpack};
 use crate::solver::fd::{Grid, Quantity};
 use crate::wave::similarity::Edge;
 
@@ -90,6 +91,19 @@ impl FrontTracker {
     /// What was found, with arrival times at gauges (name, place in m).
     pub fn rows(&self, gauges: &[(String, f64)]) -> Vec<FrontRow> {
         self.fronts.iter().map(|f| f.row(gauges)).collect()
+    }
+}
+
+impl Snapshot for FrontTracker {
+    fn save(&self) -> snapshot::Result<Vec<u8>> {
+        pack(&self.fronts.iter().map(|front| (front.passed, &front.track, front.finished)).collect::<Vec<_>>())
+    }
+
+    fn restore(&mut self, saved: &[u8]) -> snapshot::Result<()> {
+        for (front, saved) in self.fronts.iter_mut().zip(unpack::<Vec<_>>(saved)?) {
+            (front.passed, front.track, front.finished) = saved;
+        }
+        Ok(())
     }
 }
 

@@ -1,10 +1,13 @@
 //! The account of momentum and energy that every run keeps.
 
+use serde::{Deserialize, Serialize};
+
 use super::{Account, LedgerRow, Start, View};
+use crate::snapshot::{self, Snapshot, pack, unpack};
 use crate::solver::Energies;
 
 /// Compares what is in the bar with what came in through its ends.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Ledger {
     start: Start,
     /// 1, or in torsion the radius by which momenta become angular ones, m.
@@ -73,6 +76,17 @@ impl Ledger {
     /// Largest relative momentum residual so far.
     pub fn worst_momentum(&self) -> f64 {
         self.worst_momentum
+    }
+}
+
+impl Snapshot for Ledger {
+    fn save(&self) -> snapshot::Result<Vec<u8>> {
+        pack(self)
+    }
+
+    fn restore(&mut self, saved: &[u8]) -> snapshot::Result<()> {
+        *self = unpack(saved)?;
+        Ok(())
     }
 }
 

@@ -18,7 +18,7 @@ mod view;
 mod warmth;
 
 use serde::ser::SerializeStruct;
-use serde::{Serialize, Serializer};
+use serde::{Deserialize, Serialize, Serializer};
 
 use crate::solver::Energies;
 
@@ -157,7 +157,7 @@ impl Field {
 }
 
 /// One moment of the recorded fields: one row of `n_x` values for each recorded field, in the layout's order.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Frame {
     /// s.
     pub time: f64,

@@ -1,6 +1,8 @@
 //! What the recorders read of a simulated bar: one small trait for every solver, and one more for those that go on in
 //! equal steps on a grid.
 
+use serde::{Deserialize, Serialize};
+
 use super::{Field, Traces};
 use crate::law::FirstPassed;
 use crate::law::rupture::Rupture;
@@ -101,7 +103,7 @@ pub struct EndState {
 }
 
 /// A bar before its first step, with its initial velocities and stresses.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Start {
     /// Of motion and strain, J (per m^2 where the scene gives no area), like all energies here.
     pub energy: f64,

@@ -1,6 +1,8 @@
 //! How far the stresses of a run on a grid may be off: Richardson's extrapolation from runs of the same bar with a half, a
 //! quarter and an eighth of the cells. Those hold no recorders; they take a third of the run's stepping time.
 
+use serde::{Deserialize, Serialize};
+
 use super::{Progress, Wish, companion};
 use crate::assemble;
 use crate::error::{Error, Result};
@@ -43,7 +45,7 @@ const LEAST_TO_CONFIRM: usize = 32;
 const WORK_BETWEEN_CALLS: usize = 4_000_000;
 
 /// Stress over the cells of a bar at one time.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Profile {
     grid: Grid,
     stress: Vec<f64>,

@@ -8,21 +8,23 @@ mod choice;
 mod companion;
 mod estimate;
 mod limits;
+mod resume;
 mod specimen;
 mod stepped;
 mod tracked;
 
+pub use resume::{resume, run_with_checkpoints};
 pub use specimen::run_specimen;
 
 use std::path::Path;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use crate::assemble;
 use crate::bar::{Launch, Segment, launches};
 use crate::error::{Error, Result};
 use crate::law::rupture::Rupture;
 use crate::material::Sense;
-use crate::record::store::{Finish, Header, Layout, Side, Writer};
+use crate::record::store::{Checkpoint, Finish, Header, Layout, Side, Writer};
 use crate::record::{
     self, AuditRow, AutoChoice, Case, ElasticCheck, EndSummary, ErrorFigure, FrontRow, FrontSummary, Ledger,
     LedgerSummary, LengthSummary, MaterialRecord, Off, RuptureSummary, Summary, TorsionSummary, Trace, TrackingSummary,
@@ -87,23 +89,38 @@ fn accurate(scene: &Scene, output: Option<&Path>, progress: &mut dyn FnMut(Progr
     if scene.solve.tolerance.is_some() { choice::run(scene, output, progress) } else { once(scene, output, progress) }
 }
 
+/// Where a run writes, and what it continues.
+#[derive(Debug, Default)]
+struct Target<'a> {
+    /// The result file; none: nothing is written.
+    path: Option<&'a Path>,
+    /// Wall time between two checkpoints, where there are any.
+    every: Option<Duration>,
+    /// Where the run of that file was.
+    checkpoint: Option<Checkpoint>,
+}
+
 /// One run by the scene's method.
 fn once(scene: &Scene, output: Option<&Path>, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<Summary> {
+    on_target(scene, &Target { path: output, ..Target::default() }, progress)
+}
+
+fn on_target(scene: &Scene, target: &Target<'_>, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<Summary> {
     let started = Instant::now();
     let cut = scene.in_pieces();
     let scene = cut.as_ref().unwrap_or(scene);
     match scene.solve.method {
         Method::Leapfrog { cells, cfl } => {
-            stepped::run(scene, assemble::leapfrog(scene, cells, cfl), output, started, progress)
+            stepped::run(scene, assemble::leapfrog(scene, cells, cfl), target, started, progress)
         }
         Method::Muscl { cells, cfl } => {
-            stepped::run(scene, assemble::muscl(scene, cells, cfl), output, started, progress)
+            stepped::run(scene, assemble::muscl(scene, cells, cfl), target, started, progress)
         }
         Method::CharacteristicNet { cells } => {
-            stepped::run(scene, assemble::characteristic_net(scene, cells), output, started, progress)
+            stepped::run(scene, assemble::characteristic_net(scene, cells), target, started, progress)
         }
         Method::FrontTracking { front_tolerance, event_budget } => {
-            tracked::run(scene, front_tolerance, event_budget, output, started, progress)
+            tracked::run(scene, front_tolerance, event_budget, target.path, started, progress)
         }
     }
 }
@@ -216,9 +233,20 @@ impl Findings {
 impl<'a> Book<'a> {
     /// Opens the book, and the result file where one is asked for; `x` are the samples of the fields, m.
     fn open(scene: &'a Scene, output: Option<&Path>, x: Vec<f64>, sampling: &str, started: Instant) -> Result<Self> {
+        let target = Target { path: output, ..Target::default() };
+        Self::on_target(scene, &target, x, sampling, started)
+    }
+
+    /// The same, in the file that is continued where there is one.
+    fn on_target(scene: &'a Scene, target: &Target<'_>, x: Vec<f64>, sampling: &str, started: Instant) -> Result<Self> {
         let launches = launches(&scene.bar, &scene.left, &scene.right);
         let critical = critical_velocity(scene, &launches);
-        let writer = output.map(|path| create_file(scene, path, x, sampling, critical)).transpose()?;
+        let (output, layout) = (target.path, layout(scene, x, sampling));
+        let writer = output.map(|path| match &target.checkpoint {
+            Some(checkpoint) => Writer::resume(path, &layout, checkpoint),
+            None => create_file(scene, path, &layout, critical),
+        });
+        let writer = writer.transpose()?;
         let output = output.map(|p| p.display().to_string()).unwrap_or_default();
         Ok(Self { scene, launches, critical, writer, output, started, stepping: 0.0 })
     }
@@ -381,7 +409,21 @@ fn twisted(scene: &Scene, x: &[f64]) -> Option<Twisted> {
     Some(Twisted { radius: torsion.radius, torque_per_stress })
 }
 
-fn create_file(scene: &Scene, path: &Path, x: Vec<f64>, sampling: &str, critical: Option<f64>) -> Result<Writer> {
+fn layout(scene: &Scene, x: Vec<f64>, sampling: &str) -> Layout {
+    Layout {
+        x,
+        fields: scene.record.fields.clone(),
+        gauges: scene.record.gauges.clone(),
+        precision: scene.record.precision,
+        compression: scene.record.compression,
+        area_given: scene.bar.area_given,
+        sampling: sampling.into(),
+        paths: scene.record.paths,
+        temperature: scene.effects.heat.is_some(),
+    }
+}
+
+fn create_file(scene: &Scene, path: &Path, layout: &Layout, critical: Option<f64>) -> Result<Writer> {
     let yields = scene.bar.segments.iter().any(|s| s.material.tension.strain().len() > 2);
     let [method, scheme] = scene.solve.method.names();
     let header = Header {
@@ -395,19 +437,9 @@ fn create_file(scene: &Scene, path: &Path, x: Vec<f64>, sampling: &str, critical
         critical_velocity: critical,
         notes: scene.notes(),
         torsion: scene.torsion.as_ref().map(|torsion| torsion.radius),
+        files: scene.files.clone(),
     };
-    let layout = Layout {
-        x,
-        fields: scene.record.fields.clone(),
-        gauges: scene.record.gauges.clone(),
-        precision: scene.record.precision,
-        compression: scene.record.compression,
-        area_given: scene.bar.area_given,
-        sampling: sampling.into(),
-        paths: scene.record.paths,
-        temperature: scene.effects.heat.is_some(),
-    };
-    Writer::create(path, &header, &layout, &material_records(scene))
+    Writer::create(path, &header, layout, &material_records(scene))
 }
 
 /// Each different material of the bar once.

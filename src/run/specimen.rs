@@ -17,16 +17,13 @@ pub fn run_specimen(scene: &SpecimenScene, output: Option<&Path>) -> Result<Ener
     let mut summary = EnergySummary::new(&scene.title, &scene.blow);
     if let Some(path) = output {
         let header = Header {
-            torsion: None,
             title: scene.title.clone(),
             scene: scene.text.clone(),
             scene_resolved: scene.resolved_json().to_string(),
             overrides: scene.overrides.clone(),
-            effects: Vec::new(),
             method: summary.method.clone(),
             scheme: summary.scheme.clone(),
-            critical_velocity: None,
-            notes: Vec::new(),
+            ..Header::default()
         };
         let materials: Vec<MaterialRecord> = scene.material.iter().map(|m| MaterialRecord::from(m.as_ref())).collect();
         let ending = (summary.outcome.as_str(), started.elapsed().as_secs_f64());

@@ -1,11 +1,13 @@
 //! The time loop of a bar on a grid, step by step.
 
-use std::path::Path;
-use std::time::Instant;
+mod checkpoints;
 
+use std::time::{Duration, Instant};
+
+use self::checkpoints::Checkpoints;
 use super::accuracy::{self, Profile};
 use super::limits::AtLimit;
-use super::{Book, Findings, Progress, Wish, flow_both_ways, steps, twisted};
+use super::{Book, Findings, Progress, Target, Wish, flow_both_ways, steps, twisted};
 use crate::assemble;
 use crate::error::{Error, Result, RunError};
 use crate::record::{
@@ -13,6 +15,7 @@ use crate::record::{
     LedgerSummary, Stepped, Summary, Traces,
 };
 use crate::scene::{Rate, Scene};
+use crate::snapshot::Snapshot;
 use crate::solver::fd::{Quantity, Sampling, SegmentGrid};
 
 /// Part of all energy that a method may give to the bar. Second-order schemes give up to a tenth in bars of a few cells whose ends jump to
@@ -21,6 +24,12 @@ const MOST_GIVEN: f64 = 0.2;
 
 /// Work between two calls of the progress function, cell-steps: a few milliseconds.
 const WORK_BETWEEN_CALLS: usize = 4_000_000;
+
+/// Longest wall time between two calls while frames are recorded.
+const BETWEEN_CALLS: Duration = Duration::from_millis(20);
+
+/// Frames recorded between two readings of the clock.
+const FRAMES_AT_ONCE: usize = 32;
 
 /// Sightings of every front over a run: enough for a speed to four digits and cheap beside the stepping.
 const FRONT_SIGHTINGS: usize = 256;
@@ -34,14 +43,17 @@ const CELLS_FROM_END: usize = 4;
 const STEPS_BETWEEN_LIMIT_CHECKS: usize = 32;
 
 /// Runs a scene on a grid.
-pub(super) fn run<S: Stepped>(
+pub(super) fn run<S: Stepped + Snapshot>(
     scene: &Scene,
     bar: S,
-    output: Option<&Path>,
+    target: &Target<'_>,
     started: Instant,
     progress: &mut dyn FnMut(Progress) -> Wish,
 ) -> Result<Summary> {
-    let mut run = Run::new(scene, bar, output, started)?;
+    let mut run = Run::new(scene, bar, target, started)?;
+    if let Some(checkpoint) = &target.checkpoint {
+        run.resume(checkpoint)?;
+    }
     let ended = run.step_to_end(progress).and_then(|()| run.error(progress));
     run.finish(ended)
 }
@@ -67,6 +79,12 @@ struct Run<'a, S> {
     elastic_check: Option<Probe>,
     /// For the estimate of the error: near the end, where coarser runs stand at the same time.
     profile: Option<(Profile, f64)>,
+    /// None if the run writes no checkpoints.
+    checkpoints: Option<Checkpoints>,
+    /// When the progress function was called last.
+    latest_call: Instant,
+    /// The run was resumed from a checkpoint.
+    resumed: bool,
 }
 
 /// The elastic check with its step and cell.
@@ -76,8 +94,8 @@ struct Probe {
     cell: usize,
 }
 
-impl<'a, S: Stepped> Run<'a, S> {
-    fn new(scene: &'a Scene, mut bar: S, output: Option<&Path>, started: Instant) -> Result<Self> {
+impl<'a, S: Stepped + Snapshot> Run<'a, S> {
+    fn new(scene: &'a Scene, mut bar: S, target: &Target<'_>, started: Instant) -> Result<Self> {
         let sampling = match scene.record.cells {
             Some(count) => Sampling::even(&scene.bar, bar.grid(), count),
             None => Sampling::cells(bar.grid()),
@@ -85,7 +103,7 @@ impl<'a, S: Stepped> Run<'a, S> {
         let twisted = twisted(scene, sampling.x());
         let frames = Frames::new(scene.record.times.clone(), scene.record.fields.clone(), sampling).twisted(twisted);
         let places = scene.record.gauges.iter().map(|g| g.1).collect();
-        let book = Book::open(scene, output, frames.x().to_vec(), "", started)?;
+        let book = Book::on_target(scene, target, frames.x().to_vec(), "", started)?;
         let tracker = FrontTracker::new(&scene.bar, bar.grid(), &book.launches, [&scene.left, &scene.right]);
         // sigma = rho c0 v holds where nothing acts along the bar.
         let plain = assemble::along(&scene.bar, &scene.effects).is_none();
@@ -107,6 +125,9 @@ impl<'a, S: Stepped> Run<'a, S> {
             stopped_at: None,
             centres: bar.grid().centres(),
             profile: None,
+            checkpoints: target.every.map(|every| Checkpoints::new(every, scene)),
+            latest_call: Instant::now(),
+            resumed: false,
             book,
             bar,
             frames,
@@ -118,10 +139,19 @@ impl<'a, S: Stepped> Run<'a, S> {
     fn step_to_end(&mut self, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<()> {
         let cells = self.bar.grid().cells();
         let every = (WORK_BETWEEN_CALLS / cells).max(1);
-        self.traces.add(&self.bar);
-        self.record()?;
+        if self.resumed {
+            if self.bar.step().is_multiple_of(every) || self.bar.step() == self.steps {
+                self.check_finite()?;
+            }
+            self.check_limits()?;
+        } else {
+            self.traces.add(&self.bar);
+            self.record()?;
+        }
+        self.take_frames(progress)?;
         while self.bar.step() < self.steps {
-            let stop = self.steps.min(self.bar.step() + every);
+            // Fixed multiples, so that a resumed run performs its checks at the same steps.
+            let stop = self.steps.min((self.bar.step() / every + 1) * every);
             while self.bar.step() < stop {
                 let steps = self.next_look().min(stop) - self.bar.step();
                 let before = Instant::now();
@@ -129,13 +159,27 @@ impl<'a, S: Stepped> Run<'a, S> {
                 self.book.stepping += before.elapsed().as_secs_f64();
                 self.check_limits()?;
                 self.record()?;
+                self.take_frames(progress)?;
             }
             self.check_finite()?;
-            if progress(Progress::Steps { step: self.bar.step(), steps: self.steps, cells }) == Wish::Stop {
-                return Err(Error::Interrupted);
-            }
+            self.pause(progress)?;
         }
         Ok(())
+    }
+
+    /// Records all frames that are due, with pauses: there can be millions of them in one step.
+    fn take_frames(&mut self, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<()> {
+        loop {
+            let mut writer = self.book.writer.as_mut();
+            let keep = |frame| writer.as_mut().map_or(Ok(()), |writer| writer.frame(frame));
+            let more = self.frames.take(&self.bar, FRAMES_AT_ONCE, keep)?;
+            if self.latest_call.elapsed() > BETWEEN_CALLS {
+                self.pause(progress)?;
+            }
+            if !more {
+                return Ok(());
+            }
+        }
     }
 
     /// The next step after which anything looks at the bar: what follows step by step is logged on the way.
@@ -154,7 +198,7 @@ impl<'a, S: Stepped> Run<'a, S> {
         [probe, profile].into_iter().flatten().filter(|&at| at > step).fold(next, usize::min)
     }
 
-    /// Everything that is recorded after a step, and once at the start.
+    /// Everything but frames that is recorded after a step, and once at the start.
     fn record(&mut self) -> Result<()> {
         let step = self.bar.step();
         if self.book.scene.solve.estimate_error && step == accuracy::common_step(self.steps) {
@@ -164,12 +208,10 @@ impl<'a, S: Stepped> Run<'a, S> {
             self.write_traces()?;
         }
         let last = step == self.steps;
-        let mut writer = self.book.writer.as_mut();
         if self.frames.is_due(&self.bar) || last {
             let row = self.ledger.row(&self.bar);
-            writer.as_mut().map_or(Ok(()), |writer| writer.ledger(row))?;
+            self.book.writer.as_mut().map_or(Ok(()), |writer| writer.ledger(row))?;
         }
-        self.frames.take(&self.bar, |frame| writer.as_mut().map_or(Ok(()), |writer| writer.frame(frame)))?;
         if last || step.is_multiple_of((self.steps / FRONT_SIGHTINGS).max(1)) {
             self.tracker.observe(&self.bar);
         }

@@ -40,6 +40,7 @@ impl Scene {
             title: self.title.clone(),
             name: self.name.clone(),
             path: self.path.clone(),
+            files: self.files.clone(),
             text: self.text.clone(),
             overrides: self.overrides.clone(),
             auto: self.auto.clone(),

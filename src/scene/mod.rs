@@ -17,7 +17,9 @@ use std::path::{Path, PathBuf};
 use crate::bar::{Bar, EndCondition};
 use crate::error::{InputError, Result};
 use crate::input::Document;
+use crate::material::library;
 use crate::record::{Compression, Field, Precision, SolvedBy};
+use crate::text_file::{self, NamedFiles};
 
 pub use auto::Auto;
 pub use cut::{Cut, MOST_PIECES};
@@ -94,6 +96,8 @@ pub struct Scene {
     pub auto: Option<Auto>,
     /// The folder that paths in the scene are relative to.
     pub base: PathBuf,
+    /// The materials and histories that were read from files.
+    pub files: NamedFiles,
     /// How to solve.
     pub solve: Solve,
     /// What to record.
@@ -303,7 +307,10 @@ impl Scene {
         }
         let overrides = Overrides::new(typed)?;
         let edited = overrides.apply(original)?;
-        let mut scene = check::check(&edited, base).map_err(|e| overrides.explain(e, original))?;
+        let (checked, texts) = text_file::recorded(|| check::check(&edited, base));
+        let mut scene = checked.map_err(|e| overrides.explain(e, original))?;
+        let materials = library::user_folder().map(|folder| folder.display().to_string());
+        scene.files = NamedFiles { base: base.display().to_string(), materials, texts };
         find_methods(&mut scene, &edited, base);
         scene.text = original.text.to_string();
         scene.overrides = typed.to_vec();

@@ -12,6 +12,7 @@ use crate::record::{Compression, Field, Precision};
 use crate::run;
 use crate::scene::{Effects, Method, Record, Scene, Solve, Unloading};
 use crate::solver::fd::Quantity;
+use crate::text_file::NamedFiles;
 
 /// Cells of the bar.
 const CELLS: usize = 1000;
@@ -85,6 +86,7 @@ fn scene(material: &Arc<Material>, velocity: f64) -> Scene {
         effects: Effects { unloading: Some(Unloading::Isotropic), ..Effects::default() },
         auto: None,
         base: std::path::PathBuf::new(),
+        files: NamedFiles::default(),
         solve: Solve {
             until,
             method: Method::Leapfrog { cells: CELLS, cfl: 1.0 },

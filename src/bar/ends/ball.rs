@@ -86,6 +86,14 @@ impl EndModel for Ball {
         true
     }
 
+    fn state(&self) -> [f64; 2] {
+        [self.velocity, self.approach]
+    }
+
+    fn restore(&mut self, state: [f64; 2]) {
+        [self.velocity, self.approach] = state;
+    }
+
     fn boxed(&self) -> Box<dyn EndModel> {
         Box::new(self.clone())
     }

@@ -54,6 +54,14 @@ impl EndModel for Velocity {
         released || self.history.jumps_between(time - dt, time + dt)
     }
 
+    fn state(&self) -> [f64; 2] {
+        [self.held_force, 0.0]
+    }
+
+    fn restore(&mut self, [held_force, _]: [f64; 2]) {
+        self.held_force = held_force;
+    }
+
     fn boxed(&self) -> Box<dyn EndModel> {
         Box::new(self.clone())
     }

@@ -26,10 +26,12 @@ mod spring;
 mod striker;
 mod wall;
 
+use serde::{Deserialize, Serialize};
+
 use super::EndCondition;
 
 /// What an end is attached to.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub struct Face {
     /// +1 at the left end, -1 at the right: the way into the bar.
     pub inward: f64,
@@ -75,7 +77,7 @@ pub struct Relation {
 }
 
 /// Force (N, compression positive) and velocity (m/s, into the bar) of a face over a step.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Push {
     /// p.
     pub force: f64,
@@ -141,7 +143,7 @@ impl Boundary {
 }
 
 /// A body at an end that moves by itself.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Body {
     /// Velocity into the bar, m/s.
     pub velocity: f64,
@@ -212,6 +214,14 @@ pub trait EndModel: std::fmt::Debug + Send + Sync {
         false
     }
 
+    /// The numbers that change from step to step, for a checkpoint; 0 where there are fewer.
+    fn state(&self) -> [f64; 2] {
+        [0.0; 2]
+    }
+
+    /// Takes over what [`Self::state`] gave.
+    fn restore(&mut self, _state: [f64; 2]) {}
+
     /// A copy with its state.
     fn boxed(&self) -> Box<dyn EndModel>;
 }
@@ -250,6 +260,11 @@ const MOST_REPEATS: usize = 40;
 /// for a constant force from the bar, and no step is too long.
 fn relaxation_weight(z: f64) -> f64 {
     if z < 1e-3 { 0.5 + z / 12.0 } else { -1.0 / (-z).exp_m1() - 1.0 / z }
+}
+
+/// A place holder for a model that is put back, for what is read from a checkpoint.
+pub(crate) fn stateless() -> Box<dyn EndModel> {
+    Box::new(driven::Free)
 }
 
 /// The model of an end.

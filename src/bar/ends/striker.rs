@@ -74,6 +74,14 @@ impl EndModel for Striker {
         true
     }
 
+    fn state(&self) -> [f64; 2] {
+        [self.velocity, self.gap]
+    }
+
+    fn restore(&mut self, state: [f64; 2]) {
+        [self.velocity, self.gap] = state;
+    }
+
     fn boxed(&self) -> Box<dyn EndModel> {
         Box::new(self.clone())
     }

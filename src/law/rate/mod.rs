@@ -41,6 +41,7 @@ pub use hardening::{Hardening, Piece};
 pub use heated::Heated;
 pub use overstress::Overstress;
 use root::root;
+use serde::{Deserialize, Serialize};
 
 use super::Table;
 
@@ -48,7 +49,7 @@ use super::Table;
 const LEAST_SHARE: f64 = 1e-12;
 
 /// Plastic history of a cell.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct History {
     /// E times the accumulated plastic strain, Pa, >= 0.
     pub accumulated: f64,

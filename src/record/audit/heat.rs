@@ -3,6 +3,8 @@
 
 use std::sync::Arc;
 
+use serde::{Deserialize, Serialize};
+
 use super::Reading;
 use super::finding::Finding;
 use super::places::Places;
@@ -11,10 +13,11 @@ use crate::material::{DEFAULT_FRACTION, Material, Sense, WorkTable};
 /// A place's softening is worked out again when its plastic strain has grown by this share.
 const WORTH_IT: f64 = 1.02;
 
-#[derive(Debug)]
+#[derive(Debug, Serialize, Deserialize)]
 pub(super) struct Heat {
     /// By segment, in tension and compression; none where the material does not state all that the softening needs.
-    media: Vec<Option<[Medium; 2]>>,
+    #[serde(skip)]
+    pub(super) media: Vec<Option<[Medium; 2]>>,
     /// Plastic strain at which each place's softening was worked out, and the softening.
     softening: Vec<(f64, f64)>,
     /// Largest of all looks, Pa m.
@@ -25,7 +28,7 @@ pub(super) struct Heat {
 
 /// A material that warms.
 #[derive(Debug)]
-struct Medium {
+pub(super) struct Medium {
     work: WorkTable,
     /// K per J/m^3.
     rise_per_work: f64,

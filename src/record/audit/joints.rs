@@ -1,17 +1,19 @@
 //! Tension at bonded joints: where a joint that only touches would part. For information: its measure is the strength of
 //! the weaker side, and it matters where all of that is used up.
 
+use serde::{Deserialize, Serialize};
+
 use super::places::Places;
 use super::{AuditRow, Reading};
 use crate::bar::{Bar, Joint};
 use crate::material::Sense;
 use crate::units::{Dimension, System, format};
 
-#[derive(Debug)]
+#[derive(Debug, Serialize, Deserialize)]
 pub(super) struct Joints(Vec<Watched>);
 
 /// A bonded joint.
-#[derive(Debug)]
+#[derive(Debug, Serialize, Deserialize)]
 struct Watched {
     /// Counted from 0.
     number: usize,

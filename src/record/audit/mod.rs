@@ -29,11 +29,13 @@ pub use rate::unresolved_flow;
 pub use reversal::reversed_flow;
 use rupture::TensileStrain;
 pub use rupture::{above_critical, at_limit, broken_end, broken_inside, past_data, short_tension};
+use serde::{Deserialize, Serialize};
 use unloading::Unloading;
 
 use super::{AuditRow, Field, View};
 use crate::bar::{Bar, EndCondition};
 use crate::material::Material;
+use crate::snapshot::{self, Snapshot, pack, unpack};
 
 /// Looks at the bar over a run.
 pub const LOOKS: usize = 64;
@@ -91,7 +93,7 @@ pub struct Audit {
 }
 
 /// What one look sees at every place.
-#[derive(Debug, Default)]
+#[derive(Debug, Default, Serialize, Deserialize)]
 struct Reading {
     /// s.
     time: f64,
@@ -196,5 +198,20 @@ impl Audit {
             rows.push(self.lateral.clone());
         }
         rows
+    }
+}
+
+impl Snapshot for Audit {
+    fn save(&self) -> snapshot::Result<Vec<u8>> {
+        let Self { now, looked, peak, unloading, heat, rate, tensile, joints, .. } = self;
+        pack(&(now, looked, peak, unloading, heat, rate, tensile, joints))
+    }
+
+    fn restore(&mut self, saved: &[u8]) -> snapshot::Result<()> {
+        let before = (std::mem::take(&mut self.heat.media), std::mem::take(&mut self.rate.media));
+        (self.now, self.looked, self.peak, self.unloading, self.heat, self.rate, self.tensile, self.joints) =
+            unpack(saved)?;
+        (self.heat.media, self.rate.media) = before;
+        Ok(())
     }
 }

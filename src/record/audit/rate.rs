@@ -9,6 +9,8 @@
 
 use std::sync::Arc;
 
+use serde::{Deserialize, Serialize};
+
 use super::finding::Finding;
 use super::places::Places;
 use super::{AuditRow, Reading};
@@ -18,10 +20,11 @@ use crate::material::{Material, Rate};
 /// Plastic strain that counts as flow, as a part of what the place has gained: less is ripples and rounding.
 const FLOWED: f64 = 1e-3;
 
-#[derive(Debug)]
+#[derive(Debug, Serialize, Deserialize)]
 pub(super) struct RateRise {
     /// By segment; none where the material states no rate.
-    media: Vec<Option<(Overstress, f64)>>,
+    #[serde(skip)]
+    pub(super) media: Vec<Option<(Overstress, f64)>>,
     places: Vec<Place>,
     /// Largest of all looks, Pa m.
     change: f64,
@@ -29,7 +32,7 @@ pub(super) struct RateRise {
     quickest: Option<(f64, f64, f64, usize)>,
 }
 
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
 struct Place {
     plastic: f64,
     /// Pa.

@@ -3,6 +3,8 @@
 
 use std::sync::Arc;
 
+use serde::{Deserialize, Serialize};
+
 use super::finding::Finding;
 use super::places::Places;
 use super::{AuditRow, Reading};
@@ -19,7 +21,7 @@ const ANOTHER_ANSWER: f64 = 1.0;
 const REACHED: f64 = 1.0 - 1e-12;
 
 /// The largest tensile strain against the critical one.
-#[derive(Debug, Default)]
+#[derive(Debug, Default, Serialize, Deserialize)]
 pub(super) struct TensileStrain {
     /// Share of the critical strain, strain, time, place.
     largest: Option<(f64, f64, f64, usize)>,

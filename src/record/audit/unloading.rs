@@ -7,6 +7,8 @@
 
 use std::sync::Arc;
 
+use serde::{Deserialize, Serialize};
+
 use super::Reading;
 use super::finding::Finding;
 use super::places::Places;
@@ -20,7 +22,7 @@ const UNLOADED_BY: f64 = 0.02;
 /// Cells that must have gone back side by side, for the same reason.
 const CELLS_TOGETHER: usize = 8;
 
-#[derive(Debug)]
+#[derive(Debug, Serialize, Deserialize)]
 pub(super) struct Unloading {
     /// Elastic limit strain of each place in tension and in compression.
     limit: Vec<[f64; 2]>,

@@ -6,6 +6,7 @@
 use std::fs::{File, OpenOptions};
 use std::path::{Path, PathBuf};
 
+use super::checkpoint;
 use crate::destination;
 use crate::error::{Error, Result};
 
@@ -30,12 +31,40 @@ pub(super) fn in_place(path: &Path, build: impl Fn(&Path) -> hdf5::Result<()>) -
     let built = room
         .and_then(|()| build(&temporary).map_err(|e| Error::file(path, e)))
         .and_then(|()| Claim::new(&temporary, path).map_err(|e| Error::file(path, e)))
-        .and_then(|claim| std::fs::rename(&temporary, path).map(|()| claim).map_err(|e| Error::file(path, e)));
-    if built.is_err() {
+        .and_then(|claim| {
+            // The checkpoint of an older result never stands beside the new one.
+            checkpoint::remove(path);
+            std::fs::rename(&temporary, path).map(|()| claim).map_err(|e| Error::file(path, e))
+        });
+    if built.is_ok() {
+        super::remove_journal(path);
+        remove_unnamed(path);
+    } else {
         // It may never have been made; the error that counts is the one that is returned.
         let _ = std::fs::remove_file(&temporary);
     }
     built
+}
+
+/// Removes files of runs to this path that were killed before they gave them their final name.
+pub(super) fn remove_unnamed(path: &Path) {
+    let (Some(folder), Some(name)) = (path.parent(), path.file_name()) else { return };
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let start = format!(".{}.", name.to_string_lossy());
+    for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+        let found = entry.file_name().to_string_lossy().into_owned();
+        let process = found.strip_prefix(&start).and_then(|rest| rest.strip_suffix(".tmp"));
+        if process.is_some_and(|id| id.parse::<u32>().is_ok() && has_ended(id)) {
+            // Whoever removes it first is right.
+            let _ = std::fs::remove_file(entry.path());
+        }
+    }
+}
+
+/// No such process runs; false where that cannot be told.
+fn has_ended(process: &str) -> bool {
+    let processes = Path::new("/proc");
+    processes.join("self").exists() && !processes.join(process).exists()
 }
 
 /// `.NAME.<pid>.tmp` beside the final file, so that moving it is one step on the same disk.
@@ -60,6 +89,11 @@ impl Claim {
     pub fn new(temporary: &Path, path: &Path) -> std::io::Result<Self> {
         let file = OpenOptions::new().read(true).write(true).open(temporary)?;
         Ok(Self { path: path.to_owned(), file, reserved: 0 })
+    }
+
+    /// Where the file stands.
+    pub fn path(&self) -> &Path {
+        &self.path
     }
 
     /// # Errors

@@ -9,6 +9,7 @@ use hdf5::{Dataset, DatasetBuilderEmpty, Extent, File, Group, H5Type, Location};
 use super::{FORMAT_VERSION, Header, Layout, RUNNING, Side, paths, scales};
 use crate::record::{Compression, Field, MaterialRecord, Precision};
 use crate::solver::Energies;
+use crate::text_file::NamedFiles;
 
 type Hdf<T> = hdf5::Result<T>;
 
@@ -52,6 +53,7 @@ pub(super) fn build(path: &Path, header: &Header, layout: &Layout, materials: &[
     build_histories(&file, layout, twisted)?;
     build_ledger(&file, layout, twisted)?;
     build_materials(&file, materials, twisted)?;
+    build_scene_files(&file, &header.files)?;
     if layout.paths {
         paths::build(&file, layout.compression)?;
     }
@@ -68,6 +70,7 @@ pub(super) fn build_root(file: &File, header: &Header, area_given: bool) -> Hdf<
     }
     put_text(file, "title", &header.title)?;
     put_text(file, "created", &timestamp(SystemTime::now()))?;
+    put_text(file, "run_id", &run_id(SystemTime::now()))?;
     put_text(file, "scene", &header.scene)?;
     put_text(file, "scene_resolved", &header.scene_resolved)?;
     put_texts(file, "overrides", &header.overrides)?;
@@ -177,6 +180,26 @@ fn build_columns(group: &Group, columns: &[[&str; 3]], rows: usize) -> Hdf<()> {
     scales::attach(group, &names[..1], &names[1..])
 }
 
+/// What a scene names, so that it can be read again from its result alone.
+fn build_scene_files(file: &File, files: &NamedFiles) -> Hdf<()> {
+    if files.texts.is_empty() {
+        return Ok(());
+    }
+    let group = file.create_group("scene_files")?;
+    put_text(&group, "base", &files.base)?;
+    if let Some(folder) = &files.materials {
+        put_text(&group, "materials", folder)?;
+    }
+    scales::numbering(&group, "file", files.texts.len())?;
+    let (paths, texts): (Vec<_>, Vec<_>) =
+        files.texts.iter().map(|(path, content)| (text(path), text(content))).unzip();
+    for (name, values) in [("path", paths), ("text", texts)] {
+        let values = values.into_iter().collect::<Hdf<Vec<_>>>()?;
+        group.new_dataset::<VarLenUnicode>().shape(values.len()).create(name)?.write_raw(&values)?;
+    }
+    scales::attach(&group, &["file"], &["path", "text"])
+}
+
 pub(super) fn build_materials(file: &File, materials: &[MaterialRecord], twisted: bool) -> Hdf<()> {
     let [[.., strain_name], [.., stress_name]] = [2, 1].map(|k: usize| in_mode(twisted, GAUGE_COLUMNS[k]));
     let group = file.create_group("material")?;
@@ -265,6 +288,12 @@ fn link_names<'a>(names: impl Iterator<Item = &'a str>) -> Vec<String> {
         links.push(link);
     }
     links
+}
+
+/// Tells a run from every other one: a checkpoint belongs to the file of just one.
+fn run_id(now: SystemTime) -> String {
+    let nanoseconds = now.duration_since(SystemTime::UNIX_EPOCH).map_or(0, |d| d.as_nanos());
+    format!("{nanoseconds:x}-{:x}", std::process::id())
 }
 
 /// ISO 8601 in UTC, to the second.

@@ -39,6 +39,7 @@ pub fn existing(path: &Path) -> Existing {
     if !path.exists() {
         return Existing::Nothing;
     }
+    super::recover(path);
     match start(path) {
         Ok(start) if start.is_empty() => Existing::Nothing,
         Ok(start) if start == SIGNATURE => match File::open(path) {
@@ -52,5 +53,6 @@ pub fn existing(path: &Path) -> Existing {
 
 /// The library could not open a file because another process has it open for writing.
 pub(super) fn is_locked(error: &hdf5::Error) -> bool {
-    error.to_string().contains("unable to lock file")
+    let said = error.to_string();
+    said.contains("unable to lock file") || said.contains("lock request failed")
 }

@@ -12,6 +12,8 @@
 //! - Fields of the method "moc" are exact at their places: a sample on a front has the state behind it, one on a joint
 //!   the state to its right (attribute `sampling`). Histories have two rows for each step, before and after it.
 //! - `/ledger`, `/ends/<side>`, `/gauges/<name>`, `/audit` and `/material/<name>` are groups of one-dimensional columns.
+//! - `/scene_files`, where the scene names materials or histories in files, has their paths and texts, and as attributes the folders
+//!   that they were looked up in; the root attribute `run_id` tells a run from every other one.
 //! - NaN means "not there": fields that were never reached by the writer, fronts that could not be followed.
 //!
 //! # When is it complete
@@ -20,23 +22,30 @@
 //! fails leaves an older result alone and nothing under the final name, and from then on the final name always holds
 //! a file that opens, with `outcome = "running"` until [`Writer::finish`] writes the true outcome as its last act.
 //! A killed run therefore leaves its frames where the user looks for them: all that were flushed, four times a
-//! second. What is on the disk is never rewritten (a frame's chunks hold nothing but that frame; histories grow
-//! uncompressed; pieces of fronts are written in whole chunks), so that a kill between two flushes cannot spoil what the
-//! last one wrote.
+//! second. Data on the disk are never rewritten (a frame's chunks hold nothing but that frame; histories grow
+//! uncompressed; pieces of fronts are written in whole chunks), and the tables that HDF5 keeps of them change in one step
+//! with each flush (`journal`), so that a kill at any moment leaves what the last flush wrote.
 //!
 //! # Threads
 //! libhdf5 has one global lock, so one thread writes. [`Writer`] is its sending end: frames and traces go through a
 //! bounded channel, compression runs beside the stepping, and a solver that is faster than the disk waits.
 
 mod bounded;
+mod checkpoint;
 mod claim;
 mod compound;
 mod create;
+#[cfg(unix)]
+mod driver;
 mod existing;
 mod figures;
+#[cfg(unix)]
+mod journal;
 mod paths;
 mod read;
 mod scales;
+#[cfg(not(unix))]
+mod unjournaled;
 mod write;
 
 use std::path::{Path, PathBuf};
@@ -44,6 +53,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+pub use checkpoint::{Checkpoint, Rows, checksum, path_of as checkpoint_path, remove as remove_checkpoint};
 pub use existing::{Existing, existing};
 pub use figures::{Figure, write_figures};
 pub use read::{Facts, Gauge, ResultFile};
@@ -53,13 +63,24 @@ use super::{
 };
 use crate::error::{Error, Result};
 use crate::law::rupture::Rupture;
+use crate::text_file::NamedFiles;
 use write::Sink;
+
+#[cfg(unix)]
+use driver::open_rw;
+#[cfg(unix)]
+use journal::{recover, remove as remove_journal};
+#[cfg(not(unix))]
+use unjournaled::{open_rw, recover, remove_journal};
 
 /// Version of the file's layout, in the root attribute `format_version`.
 pub const FORMAT_VERSION: u32 = 1;
 
 /// The value of the root attribute `outcome` until a run ends.
 pub const RUNNING: &str = "running";
+
+/// Its value for a run that was asked to stop.
+pub const INTERRUPTED: &str = "interrupted";
 
 /// Longest time for which a finished frame stays only in memory.
 const FLUSH_EVERY: Duration = Duration::from_millis(250);
@@ -95,6 +116,8 @@ pub struct Header {
     pub notes: Vec<String>,
     /// Of a bar in torsion: the radius whose stress, strain and velocity are recorded, m. Momenta are then N m s.
     pub torsion: Option<f64>,
+    /// Files that the scene names.
+    pub files: NamedFiles,
 }
 
 /// What the file holds and how.
@@ -185,6 +208,7 @@ enum Message {
     End(Side, Trace),
     Ledger(LedgerRow),
     Paths(Vec<PathRow>),
+    Checkpoint(Box<Checkpoint>),
     Finish(Box<Ending>),
 }
 
@@ -204,7 +228,18 @@ impl Writer {
     /// # Errors
     /// [`Error::File`] where the file cannot be made or replaced; an older file is then untouched.
     pub fn create(path: &Path, header: &Header, layout: &Layout, materials: &[MaterialRecord]) -> Result<Self> {
-        let sink = Sink::create(path, header, layout, materials)?;
+        Self::start(Sink::create(path, header, layout, materials)?, path, layout)
+    }
+
+    /// Reopens the file of an interrupted run and removes what was written after the checkpoint.
+    ///
+    /// # Errors
+    /// [`Error::File`] where the file cannot be written, or holds less than the checkpoint says.
+    pub fn resume(path: &Path, layout: &Layout, checkpoint: &Checkpoint) -> Result<Self> {
+        Self::start(Sink::resume(path, layout, checkpoint)?, path, layout)
+    }
+
+    fn start(sink: Sink, path: &Path, layout: &Layout) -> Result<Self> {
         let frame_bytes = 8 * (layout.x.len() * layout.fields.len()).max(1);
         let (sender, receiver) = sync_channel((QUEUE_BYTES / frame_bytes).clamp(2, 256));
         let thread = std::thread::Builder::new()
@@ -242,6 +277,11 @@ impl Writer {
     /// Adds straight pieces of fronts; the layout must ask for them.
     pub fn paths(&mut self, rows: Vec<PathRow>) -> Result<()> {
         self.send(Message::Paths(rows))
+    }
+
+    /// Flushes all that was given so far, and then keeps a checkpoint that stands for it; its rows are filled in.
+    pub fn checkpoint(&mut self, checkpoint: Checkpoint) -> Result<()> {
+        self.send(Message::Checkpoint(Box::new(checkpoint)))
     }
 
     /// Writes what is known only at the end, then the outcome, and closes the file.

@@ -15,6 +15,7 @@ use crate::error::{InputError, Result};
 use crate::material::Provenance;
 use crate::record::{AuditRow, ErrorFigure, Field, FrontRow, LedgerRow, MaterialRecord, PathRow, Trace};
 use crate::solver::Energies;
+use crate::text_file::NamedFiles;
 
 type Hdf<T> = hdf5::Result<T>;
 
@@ -105,6 +106,7 @@ impl ResultFile {
         if !path.is_file() {
             return Err(wrong(path, "there is no such file", "name a result file that `barwave run` wrote").into());
         }
+        super::recover(path);
         let file = File::open(path).map_err(|e| cannot_open(path, &e))?;
         let format: Hdf<String> = get_text(&file, "format");
         if format.ok().as_deref() != Some("barwave") {
@@ -219,6 +221,28 @@ impl ResultFile {
     /// Neglected effects; empty in an unfinished file.
     pub fn audit(&self) -> Result<Vec<AuditRow>> {
         self.run(|file| if file.link_exists("audit") { read_audit(&file.group("audit")?) } else { Ok(Vec::new()) })
+    }
+
+    /// Tells the run that wrote the file from every other one; empty in files of programs that did not say.
+    pub fn run_id(&self) -> String {
+        get_text(&self.file, "run_id").unwrap_or_default()
+    }
+
+    /// The files that the scene names.
+    pub fn scene_files(&self) -> Result<NamedFiles> {
+        self.run(|file| {
+            if !file.link_exists("scene_files") {
+                return Ok(NamedFiles::default());
+            }
+            let group = file.group("scene_files")?;
+            let texts = |name: &str| -> Hdf<Vec<VarLenUnicode>> { bounded::column(&group.dataset(name)?) };
+            let pairs = texts("path")?.into_iter().zip(texts("text")?);
+            Ok(NamedFiles {
+                base: get_text(&group, "base")?,
+                materials: get_text(&group, "materials").ok(),
+                texts: pairs.map(|(path, text)| (path.to_string(), text.to_string())).collect(),
+            })
+        })
     }
 
     /// Curves as the run used them.

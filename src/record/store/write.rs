@@ -5,12 +5,16 @@ use std::path::{Path, PathBuf};
 use hdf5::{Dataset, File, Group, H5Type};
 use ndarray::{ArrayView2, s};
 
-use super::claim::{Claim, GONE, in_place};
+use super::checkpoint::{self, Checkpoint, Rows};
+use super::claim::{Claim, GONE, in_place, remove_unnamed};
 use super::compound::{self, Column};
 use super::create::{END_COLUMNS, TRACE_ROWS, build, gauge_columns, gauge_links, ledger_columns, put, put_text, text};
 use super::existing::is_locked;
+use super::open_rw;
 use super::paths::PathTable;
-use super::{Ending, Finish, Header, Layout, Message, Side, scales};
+use super::read::get_text;
+use super::{Ending, Finish, Header, INTERRUPTED, Layout, Message, RUNNING, Side, scales};
+use crate::destination;
 use crate::error::{Error, Result};
 use crate::law::rupture::Rupture;
 use crate::record::{AuditRow, Frame, FrontRow, LedgerRow, MaterialRecord, Precision, Trace};
@@ -31,6 +35,8 @@ pub(super) struct Sink {
     ends: [Table; 2],
     ledger: Table,
     paths: Option<PathTable>,
+    /// Of the run.
+    run_id: String,
     /// Something was written since the last flush.
     unflushed: bool,
 }
@@ -60,6 +66,21 @@ impl Sink {
     /// Builds the file beside its final place, then moves it there.
     pub fn create(path: &Path, header: &Header, layout: &Layout, materials: &[MaterialRecord]) -> Result<Self> {
         let claim = in_place(path, |temporary| build(temporary, header, layout, materials))?;
+        Self::claimed(path, claim, layout)
+    }
+
+    /// Opens the file of a run and takes it back to a checkpoint.
+    pub fn resume(path: &Path, layout: &Layout, checkpoint: &Checkpoint) -> Result<Self> {
+        let place = destination::resolve(path)?;
+        let claim = Claim::new(&place, &place).map_err(|e| Error::file(path, e))?;
+        let mut sink = Self::claimed(path, claim, layout)?;
+        sink.reserve(0)?;
+        sink.cut(checkpoint).map_err(|e| Error::file(path, format!("the file cannot be resumed: {e}")))?;
+        remove_unnamed(&place);
+        Ok(sink)
+    }
+
+    fn claimed(path: &Path, claim: Claim, layout: &Layout) -> Result<Self> {
         let sink = Self::open(path, claim, layout).map_err(|e| {
             let locked = is_locked(&e).then(|| "another run writes this file".to_owned());
             let gone = (!path.exists()).then(|| GONE.to_owned());
@@ -69,9 +90,41 @@ impl Sink {
         Ok(sink)
     }
 
+    /// Takes out all that was written after a checkpoint: rows, and what a run writes when it ends.
+    fn cut(&mut self, checkpoint: &Checkpoint) -> Hdf<()> {
+        let Rows { frames, gauges, ends, ledger } = &checkpoint.rows;
+        self.frames.cut(*frames)?;
+        for (table, rows) in self.gauges.iter_mut().zip(gauges).chain(self.ends.iter_mut().zip(ends)) {
+            table.cut(*rows)?;
+        }
+        self.ledger.cut(*ledger)?;
+        let [links, attributes] = members(&self.file)?;
+        for link in links.iter().filter(|link| !checkpoint.members[0].contains(link)) {
+            self.file.unlink(link)?;
+        }
+        for attribute in attributes.iter().filter(|attribute| !checkpoint.members[1].contains(attribute)) {
+            self.file.delete_attr(attribute)?;
+        }
+        self.file.attr("outcome")?.write_scalar(&text(RUNNING)?)?;
+        self.file.flush()
+    }
+
+    /// Keeps a checkpoint that stands for all that was taken so far.
+    fn keep(&mut self, mut checkpoint: Checkpoint) -> Result<()> {
+        self.flush()?;
+        checkpoint.rows = Rows {
+            frames: self.frames.written,
+            gauges: self.gauges.iter().map(|table| table.written).collect(),
+            ends: self.ends.each_ref().map(|table| table.written),
+            ledger: self.ledger.written,
+        };
+        checkpoint.run_id.clone_from(&self.run_id);
+        checkpoint.members = members(&self.file).map_err(|e| Error::file(&self.path, e))?;
+        checkpoint.write(self.claim.path())
+    }
+
     fn open(path: &Path, claim: Claim, layout: &Layout) -> Hdf<Self> {
-        // Chunks are written whole and once, so a cache would only put off their compression until the flush.
-        let file = File::with_options().with_fapl(|p| p.chunk_cache(1, 0, 1.0)).open_rw(path)?;
+        let file = open_rw(claim.path())?;
         let frames = Frames::open(&file, layout)?;
         let mut gauges = Vec::with_capacity(layout.gauges.len());
         let gauge_links = gauge_links(layout);
@@ -86,6 +139,7 @@ impl Sink {
         Ok(Self {
             path: path.to_owned(),
             claim,
+            run_id: get_text(&file, "run_id")?,
             file,
             frames,
             gauges,
@@ -119,6 +173,7 @@ impl Sink {
                 Some(table) => Ok(table.push(&rows)),
                 None => Err("this file has no table of paths".into()),
             },
+            Message::Checkpoint(checkpoint) => return self.keep(*checkpoint),
             Message::Finish(ending) => return self.finish(&ending),
         };
         let path = &self.path;
@@ -161,7 +216,11 @@ impl Sink {
         let path = self.path.clone();
         self.write_ending(ending).map_err(|e| disk_error(&path, &e))?;
         self.release();
-        self.claim.holds()
+        self.claim.holds()?;
+        if ending.outcome != INTERRUPTED {
+            checkpoint::remove(self.claim.path());
+        }
+        Ok(())
     }
 
     /// Makes room for all that waits, and for `more` bytes.
@@ -224,6 +283,18 @@ impl Frames {
         })
     }
 
+    /// Keeps the first rows alone.
+    fn cut(&mut self, rows: usize) -> Hdf<()> {
+        for dataset in &self.fields {
+            if is_longer(dataset, rows)? {
+                dataset.resize((rows, self.columns))?;
+            }
+        }
+        cut(&self.time, rows)?;
+        self.written = rows;
+        Ok(())
+    }
+
     /// Keeps a frame; true where it is time to write.
     fn push(&mut self, frame: &Frame) -> Hdf<bool> {
         if frame.rows.len() != self.blocks.len() || frame.rows.iter().any(|row| row.len() != self.columns) {
@@ -278,6 +349,12 @@ impl Table {
         Ok(Self { columns, waiting, written: 0 })
     }
 
+    /// Keeps the first rows alone.
+    fn cut(&mut self, rows: usize) -> Hdf<()> {
+        self.written = rows;
+        self.columns.iter().try_for_each(|dataset| cut(dataset, rows))
+    }
+
     /// Keeps rows, given column by column; true where it is time to write.
     fn push(&mut self, columns: &[&[f64]]) -> Hdf<bool> {
         let rows = columns.first().map_or(0, |column| column.len());
@@ -319,6 +396,23 @@ fn append(dataset: &Dataset, start: usize, values: &[f64]) -> Hdf<()> {
     let end = start + values.len();
     dataset.resize(end)?;
     dataset.write_slice(values, s![start..end])
+}
+
+fn cut(dataset: &Dataset, rows: usize) -> Hdf<()> {
+    if is_longer(dataset, rows)? { dataset.resize(rows) } else { Ok(()) }
+}
+
+fn is_longer(dataset: &Dataset, rows: usize) -> Hdf<bool> {
+    let found = dataset.shape().first().copied().unwrap_or(0);
+    if found < rows {
+        return Err(format!("`{}` has {found} rows, and its checkpoint is of {rows}", dataset.name()).into());
+    }
+    Ok(found > rows)
+}
+
+/// Names of the links and of the attributes of the root.
+fn members(file: &File) -> Hdf<[Vec<String>; 2]> {
+    Ok([file.member_names()?, file.attr_names()?])
 }
 
 fn write_fronts(file: &File, fronts: &[FrontRow], gauges: &[String]) -> Hdf<()> {

@@ -27,6 +27,7 @@ use super::raw::{EffectsChoice, RawScene};
 use super::{Auto, Effects, Scene, not_yet};
 use crate::error::{Error, InputError, Result};
 use crate::input::{Document, Number};
+use crate::text_file::NamedFiles;
 use crate::units::Dimension;
 
 /// Most cells that a run can be asked for: with the frames that wait to be written they take about a gigabyte, and a wave needs as many
@@ -105,6 +106,7 @@ pub(super) fn check(document: &Document, base: &Path) -> Result<Scene> {
         effects,
         auto,
         base: base.to_owned(),
+        files: NamedFiles::default(),
         solve,
         record,
         cut: None,

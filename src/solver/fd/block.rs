@@ -4,6 +4,7 @@
 use std::ops::Range;
 
 use multiversion::multiversion;
+use serde::{Deserialize, Serialize};
 
 use super::readings::Quantity;
 use super::rest::{Signals, inner_nodes};
@@ -49,7 +50,7 @@ pub(super) fn block_sizes(cells: usize) -> impl Iterator<Item = usize> {
 }
 
 /// What a block's cells have met so far; decides which kernel they need.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) enum Stage {
     /// No cell has yielded: the elastic kernel, and no plastic state in memory.
     Elastic,
@@ -59,7 +60,7 @@ pub(super) enum Stage {
 
 /// Cells with their nodes. Neighbouring blocks hold a copy each of the node between them. What tells whether there is
 /// anything to do comes first, on one line of the cache.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 #[repr(C, align(64))]
 pub(super) struct Block {
     /// The cells at work, in whole pieces of [`CHUNK`]. A step that leaves the nodes around the others as they are changes
@@ -75,6 +76,7 @@ pub(super) struct Block {
     pub stage: Stage,
     /// Every step computes all cells: what leaving some out is compared with.
     #[cfg(test)]
+    #[serde(skip)]
     pub always_active: bool,
     /// The block was at rest when it was last logged.
     logged_at_rest: bool,
@@ -95,6 +97,7 @@ pub(super) struct Block {
     pub damped: f64,
     /// Cells of which every step is logged, and the log: a row for each of them, step by step.
     pub watched: Vec<usize>,
+    #[serde(skip)]
     pub log: Vec<[f64; WATCHED.len()]>,
     /// 2E times the plastic work of every cell per volume, Pa^2; empty until the block yields, and where it is not kept.
     pub absorbed: Vec<f64>,

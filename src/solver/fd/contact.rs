@@ -6,11 +6,13 @@
 //! [`super::device`]. Momentum is exchanged exactly. Faces that meet lose the energy of their relative motion, which is of the first
 //! order in the cell size, and get it back where a wave parts them.
 
+use serde::{Deserialize, Serialize};
+
 use super::device::Impulses;
 use crate::bar::{Bar, Joint};
 
 /// One face: half a cell's mass at the end of a segment.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub(super) struct Face {
     /// Velocity half a step before and after the current time, m/s.
     pub before: f64,
@@ -29,7 +31,7 @@ impl Face {
 }
 
 /// A joint that can open.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Contact {
     /// The edge between blocks in whose place it stands, and the segment to its left.
     pub edge: usize,

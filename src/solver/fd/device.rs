@@ -14,12 +14,14 @@
 //!
 //! At smaller Courant numbers f may alternate about its mean without an effect on P; [`Impulses`] takes that out of it.
 
+use serde::{Deserialize, Serialize};
+
 use super::ripple;
 use crate::bar::EndCondition;
 use crate::bar::ends::{self, Body, EndModel, Face, Push, Response, Step};
 
 /// The forces f of the latest steps.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
 pub(super) struct Impulses {
     /// N, the newest first.
     forces: [f64; 3],
@@ -54,8 +56,9 @@ impl Impulses {
 }
 
 /// An end of the bar and its node.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Device {
+    #[serde(skip, default = "ends::stateless")]
     model: Box<dyn EndModel>,
     face: Face,
     /// m/dt, N s/m.
@@ -90,6 +93,7 @@ pub struct Device {
     /// Taken by the ripple damping, J.
     damped: f64,
     /// Stress and velocity of every step, where they are asked for.
+    #[serde(skip)]
     log: Option<Vec<[f64; 2]>>,
 }
 
@@ -154,6 +158,18 @@ impl Device {
             damped: 0.0,
             log: None,
         }
+    }
+
+    /// All that changes from step to step.
+    pub(super) fn state(&self) -> (&Self, [f64; 2]) {
+        (self, self.model.state())
+    }
+
+    /// Takes over what [`Self::state`] gave.
+    pub(super) fn restore(&mut self, (saved, state): (Self, [f64; 2])) {
+        let before = std::mem::replace(self, saved);
+        (self.model, self.log) = (before.model, before.log);
+        self.model.restore(state);
     }
 
     /// The node's velocity at t = 0, m/s, where nothing holds it.

@@ -1,5 +1,7 @@
 //! The nodes between blocks.
 
+use serde::{Deserialize, Serialize};
+
 use super::block::Block;
 use super::contact::Contact;
 use super::device::Device;
@@ -8,7 +10,7 @@ use super::ripple;
 
 /// The node between two blocks: inside a segment, or at a bonded joint. In the place of a joint that can open it is an
 /// empty one, without mass and unmoved, beside a [`super::contact::Contact`].
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub(super) struct Edge {
     /// Velocity half a step after the current time, m/s.
     pub after: f64,

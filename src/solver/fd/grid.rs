@@ -2,10 +2,12 @@
 
 use std::ops::Range;
 
+use serde::{Deserialize, Serialize};
+
 use crate::bar::Bar;
 
 /// One segment's part of the grid.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SegmentGrid {
     /// Its cells, counted over the whole bar.
     pub cells: Range<usize>,
@@ -17,7 +19,7 @@ pub struct SegmentGrid {
 
 /// The grid of a bar. Cells are shared out so that the fastest wave takes as nearly as possible the same time
 /// across each of them, whatever its material.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Grid {
     /// Segments from left to right.
     pub segments: Vec<SegmentGrid>,

@@ -14,6 +14,7 @@ mod rest;
 mod ripple;
 mod rupture;
 mod sample;
+mod snapshot;
 mod start;
 mod stretch;
 mod sweep;

@@ -9,6 +9,8 @@
 //! part. So a place that has not yielded breaks only where its neighbours have come to the threshold, too; in a place
 //! that flows no pulse can have done that.
 
+use serde::{Deserialize, Serialize};
+
 use super::block::{Block, Stage};
 use super::contact::Contact;
 use super::edge::Edge;
@@ -50,7 +52,7 @@ pub(super) struct Breaking {
 }
 
 /// A tension beyond the threshold that was shorter than a rupture takes on the grid.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Unresolved {
     /// s.
     pub time: f64,
@@ -58,6 +60,23 @@ pub struct Unresolved {
     pub x: f64,
     /// How far beyond the threshold, as a factor.
     pub share: f64,
+}
+
+/// Of [`Breaking`], what changes: ruptures, their nodes and steps, and the ends that are gone.
+pub(super) type Broken = (Vec<Rupture>, Vec<(usize, usize)>, [bool; 2], Option<Unresolved>);
+
+impl Breaking {
+    pub fn state(&self) -> Broken {
+        (self.found.clone(), self.nodes.clone(), self.ends_gone, self.unresolved)
+    }
+
+    pub fn restore(&mut self, state: Broken) {
+        (self.found, self.nodes, self.ends_gone, self.unresolved) = state;
+    }
+
+    pub fn ends_gone(&self) -> [bool; 2] {
+        self.ends_gone
+    }
 }
 
 /// A cell that meets its criterion, and how far beyond it is.

@@ -9,6 +9,8 @@
 //! That is an impulse on nodes. Its momentum comes from the end; what it takes from the energy, of first order in the cell size, is
 //! in `half_step`.
 
+use serde::{Deserialize, Serialize};
+
 use super::leapfrog::Leapfrog;
 use super::ripple;
 use crate::bar::{Launch, Origin};
@@ -37,7 +39,7 @@ fn ramped(t: f64, width: f64) -> f64 {
 }
 
 /// A front of a fan.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 struct Front {
     /// m/s.
     speed: f64,
@@ -48,7 +50,7 @@ struct Front {
 }
 
 /// The fan of an end.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct StartingFan {
     /// 0: the left end, 1: the right one.
     side: usize,

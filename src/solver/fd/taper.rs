@@ -9,6 +9,7 @@
 use std::ops::Range;
 
 use multiversion::multiversion;
+use serde::{Deserialize, Serialize};
 
 use super::SegmentGrid;
 use super::ripple;
@@ -18,7 +19,7 @@ use crate::bar::Segment;
 pub const BYTES_PER_CELL: usize = 2 * size_of::<f64>();
 
 /// The sections of a block's cells.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(super) struct BlockTaper {
     /// Area of each cell over the mean of the segment.
     pub area: Vec<f64>,

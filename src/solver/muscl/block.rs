@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use serde::{Deserialize, Serialize};
+
 use super::front;
 use super::kernel::{self, Scratch};
 use super::stepping::Part;
@@ -17,7 +19,7 @@ pub(super) const GHOSTS: usize = 1 + front::NEARBY;
 pub(super) const ROW: usize = BLOCK + 2 * GHOSTS;
 
 /// What a block's cells have met so far; decides which kernel they need.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) enum Stage {
     /// Nothing has arrived: every stress is 0 and all cells move alike. Nothing is computed.
     Quiet,
@@ -28,7 +30,7 @@ pub(super) enum Stage {
 }
 
 /// Cells, with copies of the neighbours' at both ends of every row.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Block {
     pub cells: Range<usize>,
     pub part: usize,
@@ -47,6 +49,7 @@ pub(super) struct Block {
     /// Running sum over cells and steps of the scheme's dissipation, W/m^2.
     pub lost: f64,
     /// For the Riemann problems that are not simple.
+    #[serde(skip)]
     pub work: Workspace,
 }
 

@@ -1,5 +1,7 @@
 //! The ends: Riemann problems against what holds or drives them, see [`crate::bar::ends`].
 
+use serde::{Deserialize, Serialize};
+
 use super::block::Block;
 use super::stepping::Part;
 use crate::bar::EndCondition;
@@ -16,8 +18,9 @@ pub struct EndReading {
 }
 
 /// An end of the bar.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct End {
+    #[serde(skip, default = "ends::stateless")]
     model: Box<dyn EndModel>,
     face: Face,
     /// The end's relation was met in the latest step.
@@ -47,6 +50,17 @@ impl End {
             impulse: 0.0,
             throughput: 0.0,
         }
+    }
+
+    /// All that changes from step to step.
+    pub fn state(&self) -> (&Self, [f64; 2]) {
+        (self, self.model.state())
+    }
+
+    /// Takes over what [`Self::state`] gave.
+    pub fn restore(&mut self, (saved, state): (Self, [f64; 2])) {
+        self.model = std::mem::replace(self, saved).model;
+        self.model.restore(state);
     }
 
     fn step(&self, time: f64, dt: f64) -> Step {

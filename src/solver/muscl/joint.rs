@@ -4,13 +4,15 @@
 //! one, a push between them takes both to one place at the end of the step. What faces that meet lose of their energy is
 //! of the first order in the cell size: it is booked.
 
+use serde::{Deserialize, Serialize};
+
 use super::block::Block;
 use super::stepping::Part;
 use crate::bar;
 use crate::wave::riemann::{Flux, Near, Side, Workspace, solve};
 
 /// A joint.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Joint {
     /// The block to its left.
     pub edge: usize,

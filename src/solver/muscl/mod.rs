@@ -33,6 +33,7 @@ mod joint;
 mod kernel;
 mod readings;
 mod slope;
+mod snapshot;
 mod stepping;
 
 pub use end::EndReading;

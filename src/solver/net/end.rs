@@ -4,14 +4,17 @@
 //! back `sigma - Z u - d`, where d is a quarter of what the end node flows in the step: half of it before, half after the
 //! moment at which sigma and u hold. That is the bar's side of [`crate::bar::ends`], with `q = -A (W - d)` and `Y = A Z`.
 
+use serde::{Deserialize, Serialize};
+
 use super::part::{INSIDE, Part, Work};
 use crate::bar::EndCondition;
 use crate::bar::ends::{self, EndModel, Face, Push, Relation, Response, Step};
 use crate::law::rate::{Flow, History};
 
 /// An end and its account.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct End {
+    #[serde(skip, default = "ends::stateless")]
     model: Box<dyn EndModel>,
     face: Face,
     dt: f64,
@@ -28,7 +31,7 @@ pub(super) struct End {
 }
 
 /// Stress and velocity of an end.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct EndReading {
     /// Pa.
     pub stress: f64,
@@ -95,6 +98,17 @@ impl End {
 
     fn node(&self, part: &Part) -> usize {
         if self.face.inward > 0.0 { 0 } else { part.f.len() }
+    }
+
+    /// All that changes from step to step.
+    pub fn state(&self) -> (&Self, [f64; 2]) {
+        (self, self.model.state())
+    }
+
+    /// Takes over what [`Self::state`] gave.
+    pub fn restore(&mut self, (saved, state): (Self, [f64; 2])) {
+        self.model = std::mem::replace(self, saved).model;
+        self.model.restore(state);
     }
 
     fn step(&self, time: f64) -> Step {

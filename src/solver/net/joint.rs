@@ -4,6 +4,8 @@
 //! `F - Y_l v_l = A_l f - D_l` and `F + Y_r v_r = A_r g - D_r`, D being A/4 of what the border node of a side flows in the
 //! step: half of it before and half after the moment at which F and v hold. What leaves is `2 F/A - f` and `2 F/A - g`.
 
+use serde::{Deserialize, Serialize};
+
 use super::part::{Part, Work};
 use crate::bar::Joint as Kind;
 use crate::law::rate::{Flow, History};
@@ -16,7 +18,7 @@ pub(super) struct Passed {
 }
 
 /// The joint between two neighbouring segments.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Joint {
     /// Of a joint that can open: its distance at the start, and now, m, >= 0.
     contact: Option<[f64; 2]>,

@@ -34,6 +34,7 @@ mod joint;
 mod lattice;
 mod part;
 mod read;
+mod snapshot;
 mod stepping;
 
 pub use end::EndReading;

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use multiversion::multiversion;
+use serde::{Deserialize, Serialize};
 
 use crate::bar::Segment;
 use crate::law::rate::{Flow, History, Pace, RateLaw};
@@ -17,7 +18,7 @@ pub(super) const INSIDE: f64 = 0.5;
 const GROUP: usize = 32;
 
 /// Nodes at fixed places: elastic limits, Pa, and histories.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Nodes {
     pub low: Vec<f64>,
     pub high: Vec<f64>,
@@ -25,7 +26,7 @@ pub(super) struct Nodes {
 }
 
 /// Sums of plastic work.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Work {
     /// All of it.
     pub total: f64,

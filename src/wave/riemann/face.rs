@@ -28,7 +28,7 @@ pub struct Near {
 }
 
 /// Stress (Pa) and velocity (m/s) at a face.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Flux {
     /// Pa, tension positive.
     pub stress: f64,

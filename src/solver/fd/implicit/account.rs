@@ -2,13 +2,15 @@
 
 use std::ops::Range;
 
+use serde::{Deserialize, Serialize};
+
 use super::weights::NodeWeights;
 use super::{Block, Implicit};
 use crate::law::LANES;
 use crate::solver::Energies;
 
 /// Sums over the nodes that the account needs: of one step's forces, in the two velocities between which they act.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
 pub(super) struct Taken {
     /// dt times the dampers' power, with the velocity before the step and after it, J.
     pub before: f64,

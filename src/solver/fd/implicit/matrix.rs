@@ -16,7 +16,7 @@ const LOOK: usize = 64;
 
 /// `A = A^T` over the nodes 0..=n; the nodes between the ends in the factors `W D W^T`, W with ones on its diagonal, and
 /// beside it left of it up to the middle node, right of it beyond.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Matrix {
     /// Nodes - 1.
     cells: usize,

@@ -23,6 +23,7 @@ mod matrix;
 mod weights;
 
 use multiversion::multiversion;
+use serde::{Deserialize, Serialize};
 
 use super::block::Block;
 use super::device::Device;
@@ -64,7 +65,7 @@ impl Along {
 }
 
 /// There are internal and external dampers; some cells move sideways.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 struct Acts {
     internal: bool,
     external: bool,
@@ -72,9 +73,11 @@ struct Acts {
 }
 
 /// The nodes of a bar along which something acts.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Implicit {
+    #[serde(skip)]
     weights: Weights,
+    #[serde(skip)]
     matrix: Matrix,
     /// Velocities half a step after the current time, m/s.
     after: Vec<f64>,
@@ -131,6 +134,12 @@ impl Implicit {
             right_change: 0.0,
             started: false,
         }
+    }
+
+    /// Takes over the state of nodes that were saved, without their weights and matrix, which do not change.
+    pub fn restore(&mut self, saved: Self) {
+        let before = std::mem::replace(self, saved);
+        (self.weights, self.matrix) = (before.weights, before.matrix);
     }
 
     /// The first step, around t = 0; all later ones have the whole damping.

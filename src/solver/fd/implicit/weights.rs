@@ -34,7 +34,7 @@ pub(super) struct NodeWeights {
 }
 
 /// All cells and nodes of a bar.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Weights {
     pub dt: f64,
     parts: Vec<Range<usize>>,

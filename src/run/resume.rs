@@ -1,0 +1,99 @@
+//! Runs with checkpoints, and resuming them from the result file alone.
+
+use std::path::Path;
+use std::time::Duration;
+
+use super::{Progress, Target, Wish, on_target};
+use crate::destination;
+use crate::error::{InputError, Result};
+use crate::record::Summary;
+use crate::record::store::{Checkpoint, Facts, ResultFile, checkpoint_path, checksum, remove_checkpoint};
+use crate::scene::{Method, Scene};
+use crate::text_file;
+
+/// Simulates a scene as [`super::run`] does, and writes a checkpoint beside the result file: each time `every` of wall time has passed, and
+/// when `progress` asks to stop.
+///
+/// # Errors
+/// As for [`super::run`], and an [`InputError`] for a scene that cannot be resumed.
+pub fn run_with_checkpoints(
+    scene: &Scene,
+    output: &Path,
+    every: Duration,
+    progress: &mut dyn FnMut(Progress) -> Wish,
+) -> Result<Summary> {
+    refuse(scene)?;
+    on_target(scene, &Target { path: Some(output), every: Some(every), checkpoint: None }, progress)
+}
+
+/// Resumes the run of a result file from its checkpoint. The result is that of an uninterrupted run, bit for bit. Without `every` the
+/// interval is that of the interrupted run.
+///
+/// # Errors
+/// As for [`super::run`], and an [`InputError`] where the file has no run that can be resumed.
+pub fn resume(output: &Path, every: Option<Duration>, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<Summary> {
+    let (scene, checkpoint) = read(output)?;
+    let every = every.unwrap_or(Duration::from_secs_f64(checkpoint.every));
+    let target = Target { path: Some(output), every: Some(every), checkpoint: Some(checkpoint) };
+    on_target(&scene, &target, progress)
+}
+
+/// Refuses scenes that cannot be resumed.
+fn refuse(scene: &Scene) -> Result<()> {
+    let (what, help) = if scene.auto.is_some() {
+        ("with effects = \"auto\" is several runs", "name the effects; `barwave plan` says which they are")
+    } else if scene.solve.tolerance.is_some() {
+        ("with a tolerance is several runs", "name the method and its cells; `barwave plan` says which they are")
+    } else if matches!(scene.solve.method, Method::FrontTracking { .. }) {
+        (
+            "by front tracking keeps no checkpoints",
+            "such runs are short: leave --checkpoint out, or use method = \"fd\"",
+        )
+    } else {
+        return Ok(());
+    };
+    Err(InputError::new(format!("a scene {what}, and cannot be resumed")).key("--checkpoint").help(help).into())
+}
+
+/// Scene and checkpoint of an unfinished result.
+fn read(output: &Path) -> Result<(Scene, Checkpoint)> {
+    let file = ResultFile::open(output)?;
+    let (facts, place) = (file.facts(), destination::resolve(output)?);
+    if ["done", "rupture", "stopped"].contains(&facts.outcome.as_str()) && facts.steps.is_some() {
+        // A run that is killed as its last act leaves the checkpoint.
+        remove_checkpoint(&place);
+        let message = format!("the run has ended: its outcome is `{}`", facts.outcome);
+        return Err(wrong(output, &message, "there is nothing to resume; `barwave report` draws the result"));
+    }
+    let Some(checkpoint) = Checkpoint::read(&place)? else {
+        let name = checkpoint_path(&place).display().to_string();
+        let message = format!("there is no checkpoint to resume from (`{name}`)");
+        return Err(wrong(output, &message, "run its scene again, with --checkpoint 60s to be able to resume it"));
+    };
+    if checkpoint.run_id != file.run_id() {
+        let message = format!("`{}` is the checkpoint of another run", checkpoint_path(&place).display());
+        return Err(wrong(output, &message, "put back the checkpoint of this result, or run its scene again"));
+    }
+    let mut scene = scene(&file, facts)?;
+    let resolved = scene.resolved_json().to_string();
+    if resolved != facts.scene_resolved || checksum(&resolved) != checkpoint.scene {
+        let message = "this program resolves the scene differently from the one that started the run";
+        return Err(wrong(output, message, "resume with the program that started it, or run its scene again"));
+    }
+    scene.solve.estimate_error = checkpoint.estimate_error;
+    Ok((scene, checkpoint))
+}
+
+/// The scene of a result file, from what is stored in that alone.
+fn scene(file: &ResultFile, facts: &Facts) -> Result<Scene> {
+    let files = file.scene_files()?;
+    let resolved: serde_json::Value = serde_json::from_str(&facts.scene_resolved).unwrap_or_default();
+    // This file is not opened: its stem gives the scene its name.
+    let name = format!("{}.toml", resolved["name"].as_str().unwrap_or("scene"));
+    let base = files.base.clone();
+    text_file::stored(files, || Scene::parse(&name, &facts.scene, Path::new(&base), &facts.overrides))
+}
+
+fn wrong(path: &Path, message: &str, help: &str) -> crate::error::Error {
+    InputError::new(format!("{}: {message}", path.display())).help(help).into()
+}

@@ -7,6 +7,7 @@ mod damping;
 mod ends;
 mod hardening;
 mod heat;
+mod magnitude;
 mod muscl;
 mod rate;
 mod record;
@@ -73,6 +74,8 @@ pub(super) fn check(document: &Document, base: &Path) -> Result<Scene> {
     let right = end(raw.right.as_ref(), "right", bar.segments.len() - 1)?;
     if twisted {
         checker.effects_of_torsion(&raw_effects)?;
+    } else {
+        checker.not_crushed_at_once(&bar, [&left, &right])?;
     }
     let effects = Effects {
         heat,

@@ -155,7 +155,13 @@ fn exponential_drop(width: f64, quick: f64, start: f64, a: f64) -> f64 {
             return width * grown.ln_1p();
         }
     }
-    let mean = if a > 0.0 { a + (-(-a).exp_m1() / a).ln() } else { (a.exp_m1() / a.min(-f64::MIN_POSITIVE)).ln() };
+    let mean = if a.abs() < 1e-9 {
+        0.5 * a
+    } else if a > 0.0 {
+        a + (-(-a).exp_m1() / a).ln()
+    } else {
+        (a.exp_m1() / a).ln()
+    };
     let log = quick.ln() + start + mean;
     width * if log > 40.0 { log } else { log.exp().ln_1p() }
 }

@@ -32,7 +32,7 @@ impl Draw {
     }
 
     fn one_in(&mut self, count: u64) -> bool {
-        self.bits() % count == 0
+        self.bits().is_multiple_of(count)
     }
 
     fn pick<T: Copy>(&mut self, of: &[T]) -> T {

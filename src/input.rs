@@ -111,7 +111,7 @@ impl Document {
             self.error(value.span(), key, reason).allowed(&range).help(number_help(name, dimension))
         })?;
         if allowed.holds(si) {
-            return Ok(si);
+            return self.of_possible_magnitude(value, si, key, dimension, allowed);
         }
         let help = match allowed {
             Allowed::Finite => example,
@@ -122,6 +122,27 @@ impl Document {
             }
         };
         Err(self.error(value.span(), key, format!("{typed} is out of range")).allowed(range).help(help).into())
+    }
+
+    /// Refuses values with which no computation makes sense; those that may be zero may be as small as they like.
+    fn of_possible_magnitude(
+        &self,
+        value: &Number,
+        si: f64,
+        key: &str,
+        dimension: Dimension,
+        allowed: Allowed,
+    ) -> Result<f64> {
+        let range = dimension.magnitudes();
+        let least = if matches!(allowed, Allowed::Positive) { range.least } else { 0.0 };
+        if (least..=range.most).contains(&si.abs()) {
+            return Ok(si);
+        }
+        let (name, unit, what) = (last_part(key), dimension.si_symbol(), dimension.describe());
+        let bounds = if least > 0.0 { format!("{least:e} <= {name} <= ") } else { format!("|{name}| <= ") };
+        let error = self.error(value.span(), key, format!("{} is beyond the range of {what}", value.get_ref()));
+        let help = format!("check the number and its unit: {}", range.reason);
+        Err(error.allowed(format!("{bounds}{:e} {unit}", range.most).trim_end()).help(help).into())
     }
 
     /// Converts and checks a number that may be absent.

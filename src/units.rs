@@ -5,6 +5,7 @@
 
 mod dimension;
 mod format;
+mod magnitude;
 mod parse;
 mod table;
 
@@ -14,6 +15,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 pub use dimension::Dimension;
 pub use format::{Scale, format, scale_for};
+pub use magnitude::Magnitudes;
 
 /// Units for people to read.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::ValueEnum)]

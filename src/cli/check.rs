@@ -61,8 +61,8 @@ fn check(file: &Path) -> Result<(&'static str, Vec<String>)> {
             Ok(("scene", notes))
         }
         Kind::Material => {
-            material::file::of_document(&document, file)?;
-            Ok(("material", Vec::new()))
+            let material = material::file::of_document(&document, file)?;
+            Ok(("material", material.notes()))
         }
     }
 }

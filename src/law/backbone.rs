@@ -4,7 +4,7 @@
 //! The first segment has slope exactly 1 up to the elastic limit, so reading it there returns z itself.
 
 use super::CHUNK;
-use crate::material::{Beyond, Curve};
+use crate::material::{Beyond, Curve, SLOPE_ROUND_OFF};
 
 /// A loading curve that a kernel can read. `sign` has the sign of the loading (tension positive); only
 /// [`TwoSided`] looks at it.
@@ -61,7 +61,7 @@ impl Table {
         let mut lines: Vec<Line> = Vec::with_capacity(curve.strain().len());
         for (k, slope) in curve.slopes().enumerate() {
             let relative = slope / modulus;
-            let slope = if (relative - 1.0).abs() < SAME_SLOPE { 1.0 } else { relative.max(0.0) };
+            let slope = if (relative - 1.0).abs() <= SLOPE_ROUND_OFF { 1.0 } else { relative.max(0.0) };
             if lines.last().is_some_and(|last| (last.slope - slope).abs() <= SAME_SLOPE) {
                 continue;
             }

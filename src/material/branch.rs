@@ -12,6 +12,9 @@ use crate::error::{Error, InputError, Result};
 use crate::input::Allowed;
 use crate::units::Dimension;
 
+/// Units whose numbers are read as Pa by mistake, with their size, Pa.
+const SLIPS: [(f64, &str); 5] = [(1e3, "kPa"), (6.894_757e3, "psi"), (1e6, "MPa"), (6.894_757e6, "ksi"), (1e9, "GPa")];
+
 /// A checked branch.
 #[derive(Debug)]
 pub(super) struct Branch {
@@ -85,6 +88,7 @@ impl<'a> Given<'a> {
         let curve = Curve::new(&table.rows, self.beyond).map_err(|e| self.row_error(&e, keys))?;
         if let Some(modulus) = modulus {
             self.check_slopes(&curve, modulus, keys)?;
+            self.check_unit(&curve, modulus, keys)?;
         }
         Ok(Branch { curve, error: table.error })
     }
@@ -129,6 +133,31 @@ impl<'a> Given<'a> {
         );
         let help = "correct the row, or give the modulus the steepest slope (or leave it out: it is then that)";
         Err(self.at_row(row, message, keys).allowed(format!("slopes <= {modulus:e} Pa")).help(help).into())
+    }
+
+    /// Refuses a table whose first slope differs from the modulus as stresses differ that are read in a wrong unit.
+    fn check_unit(&self, curve: &Curve, modulus: f64, keys: Keys<'_>) -> Result<()> {
+        let ratio = curve.slopes().next().map_or(1.0, |slope| slope / modulus);
+        let Some((_, unit)) = SLIPS.into_iter().find(|(size, _)| (0.4..1.5).contains(&(ratio * size))) else {
+            return Ok(());
+        };
+        if matches!(self.data, Data::Law(..)) {
+            return Ok(());
+        }
+        let message = format!(
+            "the curve starts with {ratio:.2e} of the modulus {modulus:e} Pa: its stresses look like {unit} read as Pa"
+        );
+        let help = format!(
+            "say unit = \"{unit}\" in [{}] (in a CSV file: a header `strain,stress_{unit}`), or write stresses with their unit; check \
+             the modulus, too",
+            self.name
+        );
+        let row = self.row_of_knot(1);
+        Err(self
+            .at_row(row, message, keys)
+            .allowed("a first slope near the modulus, or of more than 0.0015 of it")
+            .help(help)
+            .into())
     }
 
     /// Row as given, from 0, of a knot of the curve (which may have an origin of its own).

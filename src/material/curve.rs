@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::units::Dimension;
+
 /// What happens past the last knot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "lowercase")]
@@ -220,6 +222,10 @@ fn check_row(rows: &[(f64, f64)], row: usize) -> Result<(), CurveError> {
         if value < 0.0 {
             return Err(refuse(row, format!("{name} {value:e} is negative; curves hold magnitudes")));
         }
+    }
+    let range = Dimension::Stress.magnitudes();
+    if stress > range.most || (stress > 0.0 && stress < range.least) || strain > Dimension::None.magnitudes().most {
+        return Err(refuse(row, format!("strain {strain:e} with stress {stress:e} Pa: {}", range.reason)));
     }
     if strain == 0.0 && stress != 0.0 {
         return Err(refuse(row, format!("stress {stress:e} Pa at zero strain; the curve starts at (0, 0)")));

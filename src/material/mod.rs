@@ -9,6 +9,7 @@ mod formula;
 mod heating;
 mod law_keys;
 pub mod library;
+mod plausible;
 mod rate;
 mod raw;
 mod softening;

@@ -81,9 +81,9 @@ pub(super) fn error_figure(
 }
 
 /// The scene with its tapers in coarser pieces than the run's: the error of a staircase goes with what its steps reflect. None
-/// without a taper.
+/// without steps, as of a taper so slight that it is one piece.
 fn coarser_staircase(scene: &Scene) -> Option<Scene> {
-    let cut = scene.cut.as_ref()?;
+    let cut = scene.cut.as_ref().filter(|cut| cut.reflects > 0.0)?;
     Some(cut.asked.cut_finer_than((COARSER * cut.reflects).min(COARSEST)))
 }
 

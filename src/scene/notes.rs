@@ -1,6 +1,9 @@
 //! What a user should know of a scene that is right, but asks for something that does not go well.
 
+use std::sync::Arc;
+
 use super::{Method, Rate, Scene};
+use crate::bar::EndCondition;
 use crate::law::rate::Overstress;
 
 /// A grid is noted where its step is below this part of what the other segments could take.
@@ -9,7 +12,11 @@ const SMALL_STEP: f64 = 0.5;
 impl Scene {
     /// A sentence each.
     pub fn notes(&self) -> Vec<String> {
-        self.short_segment().into_iter().chain(self.rate_independent_segments()).collect()
+        let segments = &self.bar.segments;
+        let seen = |k: usize| segments[..k].iter().any(|s| Arc::ptr_eq(&s.material, &segments[k].material));
+        let materials = (0..segments.len()).filter(|&k| !seen(k)).flat_map(|k| segments[k].material.notes());
+        let bar = self.short_segment().into_iter().chain(self.rate_independent_segments());
+        bar.chain(self.misses()).chain(materials).collect()
     }
 
     /// Beside segments that feel the strain rate, those whose material states no constants for it.
@@ -24,6 +31,27 @@ impl Scene {
                 names.join(", ")
             )
         })
+    }
+
+    /// Strikers and balls that move away from the bar.
+    fn misses(&self) -> Vec<String> {
+        let last = self.bar.segments.len() - 1;
+        let ends = [("left", &self.left, 0, 1.0), ("right", &self.right, last, -1.0)];
+        let note = |(side, end, segment, inward): (&str, &EndCondition, usize, f64)| {
+            let (word, velocity) = match *end {
+                EndCondition::Striker { velocity, .. } => ("striker", velocity),
+                EndCondition::Ball { velocity, .. } => ("ball", velocity),
+                _ => return None,
+            };
+            let own = self.bar.segments[segment].velocity;
+            (inward * (velocity - own) < 0.0).then(|| {
+                format!(
+                    "the {word} at the {side} end moves away from the bar, at {velocity} against {own} m/s: velocities are positive in +x, \
+                     from left to right"
+                )
+            })
+        };
+        ends.into_iter().filter_map(note).collect()
     }
 
     /// A segment too short for a cell of the others' transit time is one cell, and its step holds for the whole bar.

@@ -65,6 +65,10 @@ pub(super) fn parse(text: &str, dimension: Dimension) -> Result<f64, String> {
         return Err(wrong_dimension(trimmed, factor.exponents, dimension));
     }
     let si = factor.apply(value);
+    if dimension == Dimension::AngularVelocity && rest.contains("Hz") {
+        let turning = 2.0 * std::f64::consts::PI * si;
+        return Err(format!("`{trimmed}` is a frequency; as an angular velocity it is {turning:.6} rad/s"));
+    }
     if si.is_finite() { Ok(si) } else { Err(format!("`{trimmed}` is too large")) }
 }
 

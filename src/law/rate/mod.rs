@@ -104,8 +104,10 @@ impl Course {
         }
         // With u = x/f: f du = rise - (gain + u df/dp) dp.
         let left = (excess + rise - share * flow - self.limit).max(0.0);
-        let mean = 0.5 * (excess / start + left / end);
-        let driven = Driven { excess: excess / start * f, rise, time };
+        // A curve that leaves the elastic line at the origin starts at f = 0.
+        let over = |x: f64, f: f64| x / f.max(LEAST_SHARE * end);
+        let mean = 0.5 * (over(excess, start) + over(left, end));
+        let driven = Driven { excess: over(excess, start) * f, rise, time };
         self.law.flow(driven, gain + mean * (end - start) / flow, f)
     }
 }

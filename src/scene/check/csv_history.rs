@@ -33,6 +33,12 @@ impl Checker<'_> {
 
 fn read(document: &Document, dimension: Dimension) -> Result<History> {
     let columns = columns::read(document)?;
+    if let Some(header) = columns.header.as_ref().filter(|row| !is_time(&row.cells[0].text)) {
+        let [first, second] = header.cells.each_ref().map(|cell| &cell.text);
+        let error = document.error(header.span.clone(), "time", format!("the first column is `{first}`, not a time"));
+        let help = format!("name the columns, with their units, e.g. `time [us],{second}`; the first one is the time");
+        return Err(error.allowed("a header that starts with time, or none").help(help).into());
+    }
     let units = columns.header.as_ref().map_or([None, None], |row| row.cells.each_ref().map(|cell| unit(&cell.text)));
     let mut pairs = Vec::with_capacity(columns.rows.len());
     for row in &columns.rows {
@@ -47,6 +53,13 @@ fn read(document: &Document, dimension: Dimension) -> Result<History> {
         let what = if pairs.is_empty() { why.to_owned() } else { format!("this row {why}") };
         document.error(span, "time", what).allowed(ROWS).help(ROWS_HELP).into()
     })
+}
+
+/// A column named `t`, `time`, `Time (us)`, `Zeit`, ..., or in a unit of time.
+fn is_time(header: &str) -> bool {
+    let name = header.split(['[', '(', '_', ' ', '/']).next().unwrap_or_default().to_lowercase();
+    let in_time = unit(header).is_some_and(|unit| Quantity::Text(format!("1 {unit}")).si(Dimension::Time).is_ok());
+    in_time || ["t", "time", "times", "zeit", "temps", "tiempo", "tempo"].contains(&name.as_str())
 }
 
 /// The unit in "time [us]" or "time (us)".

@@ -8,6 +8,7 @@ mod ends;
 mod hardening;
 mod heat;
 mod initial;
+mod magnitude;
 mod muscl;
 mod rate;
 mod record;
@@ -75,6 +76,8 @@ pub(super) fn check(document: &Document, base: &Path) -> Result<Scene> {
     let right = end(raw.right.as_ref(), "right", bar.segments.len() - 1)?;
     if twisted {
         checker.effects_of_torsion(&raw_effects)?;
+    } else {
+        checker.not_crushed_at_once(&bar, [&left, &right])?;
     }
     let effects = Effects {
         heat,

@@ -286,12 +286,13 @@ impl Device {
         self.displacement += self.dt * change;
     }
 
-    /// The bar beyond the node gets this impulse from the end in the present step, N s in +x, where `stress` (Pa) is known to act.
-    pub(super) fn add_impulse(&mut self, impulse: f64, stress: f64) {
+    /// The bar beyond the node gets this impulse (N s in +x) from the end in the present step, where the end is known to move with
+    /// `velocity` (m/s) under `stress` (Pa).
+    pub(super) fn add_impulse(&mut self, impulse: f64, velocity: f64, stress: f64) {
         self.impulse += impulse;
         self.throughput += impulse.abs();
-        self.work += impulse * self.velocity_after();
-        self.work_on_node += impulse * self.velocity_after();
+        self.work += impulse * velocity;
+        self.work_on_node += impulse * velocity;
         self.stress = stress;
     }
 

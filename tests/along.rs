@@ -64,7 +64,7 @@ fn piece(material: &Arc<Material>, length: f64, velocity: f64) -> Segment {
         velocity,
         joint: Joint::Bonded,
         taper: None,
-        initial: Default::default(),
+        initial: barwave::bar::Initial::default(),
     }
 }
 

@@ -33,7 +33,15 @@ fn friction_over(length: f64) -> f64 {
 
 fn piece(length: f64, area: f64, velocity: f64) -> Segment {
     let material = Arc::new(common::elastic_steel());
-    Segment { length, area, material, velocity, joint: Joint::Bonded, taper: None, initial: Default::default() }
+    Segment {
+        length,
+        area,
+        material,
+        velocity,
+        joint: Joint::Bonded,
+        taper: None,
+        initial: barwave::bar::Initial::default(),
+    }
 }
 
 fn bar_of(segments: Vec<Segment>, ends: [EndCondition; 2], friction: f64, cells: usize) -> Leapfrog {

@@ -34,7 +34,7 @@ fn segment(length: f64, area: f64, material: &Arc<Material>, velocity: f64) -> S
         material: Arc::clone(material),
         velocity,
         joint: Joint::Bonded,
-        initial: Default::default(),
+        initial: barwave::bar::Initial::default(),
     }
 }
 

@@ -26,7 +26,7 @@ fn segment(length: f64, area: f64, material: &Arc<Material>, velocity: f64) -> S
         material: Arc::clone(material),
         velocity,
         joint: Joint::Contact { gap: 0.0 },
-        initial: Default::default(),
+        initial: barwave::bar::Initial::default(),
     }
 }
 

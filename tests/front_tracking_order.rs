@@ -21,7 +21,7 @@ fn bar(ends: [EndCondition; 2], velocity: f64, step: f64) -> FrontTracking {
         material,
         velocity,
         joint: Joint::Bonded,
-        initial: Default::default(),
+        initial: barwave::bar::Initial::default(),
     };
     let settings = Settings { ramp_step: Some(step), ..Settings::default() };
     FrontTracking::new(

@@ -24,11 +24,13 @@ fn material(yield_stress: f64, more: &str) -> String {
 
 /// A bar of segments, each of some length with its initial state, between ends.
 fn text(segments: &[(f64, String)], [left, right]: [&str; 2], effects: &str, solve: &str) -> String {
-    let mut text = "[bar]\n".to_owned();
-    for (length, state) in segments {
-        text += &format!("[[bar.segment]]\nlength = {length}\narea = 1e-4\n{state}\n");
-    }
-    text + &format!("[left]\n{left}\n[right]\n{right}\n[effects]\n{effects}\n[solve]\nmethod = \"fd\"\n{solve}\n")
+    let segment =
+        |(length, state): &(f64, String)| format!("[[bar.segment]]\nlength = {length}\narea = 1e-4\n{state}\n");
+    let segments: Vec<String> = segments.iter().map(segment).collect();
+    let segments = segments.concat();
+    format!(
+        "[bar]\n{segments}[left]\n{left}\n[right]\n{right}\n[effects]\n{effects}\n[solve]\nmethod = \"fd\"\n{solve}\n"
+    )
 }
 
 fn parse(text: &str) -> Result<Scene, String> {

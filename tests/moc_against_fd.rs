@@ -84,7 +84,7 @@ fn light(length: f64) -> Segment {
         material: Arc::new(material),
         velocity: 0.0,
         joint: Joint::Bonded,
-        initial: Default::default(),
+        initial: barwave::bar::Initial::default(),
     }
 }
 

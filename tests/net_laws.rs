@@ -264,7 +264,7 @@ proptest! {
         let first = Arc::new(material_from(rows, DENSITY, YIELD, own_compression));
         let second = Arc::new(material_from(more, density, 0.6 * YIELD, own_compression));
         let part = |material: &Arc<Material>, length, area, velocity| Segment {
-            length, area, material: material.clone(), velocity, joint, taper: None, initial: Default::default() };
+            length, area, material: material.clone(), velocity, joint, taper: None, initial: barwave::bar::Initial::default() };
         let segments = vec![part(&first, 0.6, 1.0, 0.0), part(&second, 0.4, area, velocity)];
         let mut bar = net::net(segments, [both.0, both.1], law, kinematic, 60);
         let balance = net::Balance::new(&bar);

@@ -79,7 +79,7 @@ fn segments() -> impl Strategy<Value = Vec<Segment>> {
             material: Arc::new(material),
             velocity,
             joint: Joint::Bonded,
-            initial: Default::default(),
+            initial: barwave::bar::Initial::default(),
         };
         parts.into_iter().map(segment).collect()
     })

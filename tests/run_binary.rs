@@ -327,7 +327,7 @@ fn stepped_bar() {
     assert_eq!((&summary["above_critical"], &summary["effects"]), (&false.into(), &Value::Array(vec![])));
 }
 
-/// The summary prints the final length; tests/taylor_cylinders.rs compares it with measurements.
+/// The summary prints the final length; `tests/taylor_cylinders.rs` compares it with measurements.
 #[test]
 fn taylor_cylinder() {
     let summary = run("taylor-6061-t6.toml", &[]);

@@ -140,7 +140,7 @@ fn many_collisions(speed: f64) -> Setup {
         material: Arc::clone(&material),
         velocity: if k.is_multiple_of(2) { speed } else { -0.5 * speed },
         joint: Joint::Bonded,
-        initial: Default::default(),
+        initial: barwave::bar::Initial::default(),
     };
     let mut setup = Setup::new((0..40).map(segment).collect(), [EndCondition::Free, EndCondition::Absorbing]);
     setup.cells = 70_000;

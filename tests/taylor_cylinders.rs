@@ -62,12 +62,16 @@ fn computed() -> Vec<Vec<f64>> {
 
 fn table(computed: &[Vec<f64>]) -> String {
     let mut text = String::from("| length, mm | speed, m/s | measured |");
-    MODELS.iter().for_each(|(name, _)| write!(text, " {name} |").expect("text"));
+    for (name, _) in MODELS {
+        write!(text, " {name} |").expect("text");
+    }
     text += "\n|---|---|---|";
     text += &"---|".repeat(MODELS.len());
     for ((length, speed, measured), row) in SHOTS.iter().zip(computed) {
         write!(text, "\n| {length} | {speed} | {measured:.3} |").expect("text");
-        row.iter().for_each(|value| write!(text, " {value:.3} |").expect("text"));
+        for value in row {
+            write!(text, " {value:.3} |").expect("text");
+        }
     }
     text
 }

@@ -307,7 +307,9 @@ fn text(s: &Summary, units: System) -> String {
             line("striker", std::format!("velocity {}", show(velocity, Dimension::Velocity)));
         }
     }
-    length_lines(s, units).into_iter().for_each(|(label, value)| line(&label, value));
+    for (label, value) in length_lines(s, units) {
+        line(&label, value);
+    }
     if let Some(check) = &s.elastic_check {
         let (found, expected) = (show(check.stress, Dimension::Stress), show(check.expected, Dimension::Stress));
         line("elastic check", std::format!("{found} against rho c0 v = {expected}, relative {:.1e}", check.relative));

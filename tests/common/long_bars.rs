@@ -36,7 +36,7 @@ fn segment(length: f64, area: f64, material: &Arc<Material>) -> Segment {
         material: Arc::clone(material),
         velocity: 0.0,
         joint: Joint::Bonded,
-        initial: Default::default(),
+        initial: barwave::bar::Initial::default(),
     }
 }
 

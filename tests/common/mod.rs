@@ -53,7 +53,7 @@ pub fn segment(material: Material, length: f64) -> Segment {
         material: Arc::new(material),
         velocity: 0.0,
         joint: Joint::Bonded,
-        initial: Default::default(),
+        initial: barwave::bar::Initial::default(),
     }
 }
 

@@ -110,7 +110,7 @@ impl Checker<'_> {
         }
         let (key, span) = (given.stress.0.as_str(), given.stress.1.clone());
         let (key, span) = span.map_or_else(|| given.any().unwrap_or((key, 0..0)), |span| (key, span));
-        let message = format!("an initial stress of {:.6e} Pa is outside the elastic range", stress);
+        let message = format!("an initial stress of {stress:.6e} Pa is outside the elastic range");
         let allowed = format!("{low:.6e} Pa to {high:.6e} Pa with this plastic strain");
         let help = "state the plastic strain with which the material carries this stress: `plastic-strain`";
         Err(self.error(span, key, message).allowed(allowed).help(help).into())

@@ -159,7 +159,7 @@ mod tests {
                 material,
                 velocity: 0.0,
                 joint,
-                initial: Default::default(),
+                initial: crate::bar::Initial::default(),
             }],
             area_given: true,
         };
@@ -278,7 +278,7 @@ mod tests {
             material: material.clone(),
             velocity,
             joint: Joint::Bonded,
-            initial: Default::default(),
+            initial: crate::bar::Initial::default(),
         };
         let bar = Bar { segments: segments.iter().map(piece).collect(), area_given: true };
         let end = |kind: usize| match kind {

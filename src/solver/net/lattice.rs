@@ -108,7 +108,7 @@ mod tests {
                 material,
                 velocity: 0.0,
                 joint: Joint::Bonded,
-                initial: Default::default(),
+                initial: crate::bar::Initial::default(),
             }
         };
         Bar { segments: parts.iter().map(segment).collect(), area_given: true }

@@ -420,3 +420,24 @@ fn a_piece_of_a_bar_of_three_tapers_keeps_the_joints() {
     assert_eq!(cut.asked_site(barwave::law::rupture::Site::Joint(second + 3)).to_string(), "segment 3");
     assert_eq!(cut.asked_origin(barwave::bar::Origin::Joint(second)).to_string(), "joint 2");
 }
+
+/// The pulse leaves plastic strain in the thin rod alone. Merging of fronts averaged it over the whole rod as soon as that had a few waves to
+/// merge: the imposed stress is below the yield stress, and differences of plastic strain were taken to matter only above it.
+#[test]
+fn merging_keeps_the_plastic_strain_of_a_thin_part() {
+    let runs = Path::new(env!("CARGO_MANIFEST_DIR")).join("runs/tapered-horn.toml");
+    let scene = Scene::read(&runs, &["solve.method=moc".into(), "solve.cells=".into()]).expect("a scene");
+    let Method::FrontTracking { front_tolerance, event_budget } = scene.solve.method else { panic!("fronts") };
+    let mut bar = assemble::front_tracking(&scene, Settings { front_tolerance, event_budget, ..Settings::default() });
+    let places: Vec<f64> = (0..30).map(|k| 0.401 + 1e-3 * f64::from(k)).collect();
+    let mut plastic = [vec![0.0; 30], vec![0.0; 30]];
+    for (time, plastic) in [160e-6, 200e-6].into_iter().zip(&mut plastic) {
+        bar.advance_to(time).expect("within the budget");
+        View::sample(&bar, Field::PlasticStrain, &places, plastic);
+    }
+    // It is -1.1e-3, and nothing flows there after the pulse has gone by.
+    assert!(plastic[0].iter().all(|p| (-1.2e-3..-1e-3).contains(p)), "{:?}", plastic[0]);
+    for (before, after) in plastic[0].iter().zip(&plastic[1]) {
+        assert!((before - after).abs() < 1e-5, "{before} {after}");
+    }
+}

@@ -299,11 +299,11 @@ fn neighbours(kind: &[(f64, usize)]) -> usize {
     1 + kind.windows(2).take_while(|pair| pair[1].1 == pair[0].1 + 1).count()
 }
 
-/// Stress over E times plastic strain where the loading curve reaches `stress`, at its largest where it never does; 0
-/// where it is elastic up to there.
+/// Stress over E times plastic strain where the loading curve reaches `stress`, at its largest where it never does; 1 where it is
+/// elastic up to there: a bar of smaller section can flow all the same, and what has flowed must not be averaged for nothing.
 fn secant(medium: &Medium, stress: f64) -> f64 {
     let (mut path, mut sent) = (Path::default(), Vec::new());
     path.fill(medium, &Point::default(), 1.0);
     let point = path.emit(stress.min(path.cap()), 1.0, &mut sent);
-    if point.plastic > 0.0 { point.stress / point.plastic } else { 0.0 }
+    if point.plastic > 0.0 { point.stress / point.plastic } else { 1.0 }
 }

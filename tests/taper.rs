@@ -435,9 +435,13 @@ fn merging_keeps_the_plastic_strain_of_a_thin_part() {
         bar.advance_to(time).expect("within the budget");
         View::sample(&bar, Field::PlasticStrain, &places, plastic);
     }
-    // It is -1.1e-3, and nothing flows there after the pulse has gone by.
-    assert!(plastic[0].iter().all(|p| (-1.2e-3..-1e-3).contains(p)), "{:?}", plastic[0]);
+    // Plastic strains of the rod by leapfrog with 1000 and 4000 cells, at 5, 13, 21 and 29 mm from the joint.
+    for (place, on_a_grid) in [(4, -1.885e-3), (12, -1.488e-3), (20, -1.077e-3), (28, -0.637e-3)] {
+        // The steps of merged fronts are some per cent of the plastic strain.
+        assert!((plastic[0][place] - on_a_grid).abs() < 4e-5, "{place}: {}", plastic[0][place]);
+    }
+    // Nothing flows there after the pulse has gone by.
     for (before, after) in plastic[0].iter().zip(&plastic[1]) {
-        assert!((before - after).abs() < 1e-5, "{before} {after}");
+        assert!((before - after).abs() < 1e-6, "{before} {after}");
     }
 }

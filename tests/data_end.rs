@@ -248,7 +248,8 @@ fn a_bar_that_is_compressed_to_nothing_stops_the_run() {
     let elastic = r#"{ name = "hard", density = 8000, modulus = "200 GPa", beyond = "extend", curve = { table = [[0.01, "2 GPa"]] } }"#;
     let bar = format!("length = \"100 mm\", area = \"1 cm^2\", material = {elastic}");
     for solver in SOLVERS {
-        let (folder, ends) = (folder(), ["kind = \"velocity\", value = \"5100 m/s\"", "kind = \"free\""]);
+        let (folder, ends) =
+            (folder(), ["kind = \"velocity\", history = [[0, 0], [1e-8, 5100], [5e-6, 5100]]", "kind = \"free\""]);
         let text = stopped(folder.path(), &scene(solver, &bar, ends, "5 us"));
         assert!(text.contains("material fully compressed"), "{}: {text}", solver.0);
     }

@@ -121,18 +121,18 @@ fn compression_is_the_mirror_image_unless_told_otherwise() {
     // The elastic parts have the same slope in both senses.
     assert!(compression.elastic_limit(115e9).0 > 0.0);
     let own =
-        right(&format!("{TABLE}table = [[0.1, 1e6]]\n[compression]\ntable = [[0.1, 3e6]]\nbeyond = \"extend\"\n"));
-    assert_eq!(own.branch(Sense::Compression).stress(), [0.0, 3e6]);
-    assert_eq!(own.branch(Sense::Tension).stress(), [0.0, 1e6]);
+        right(&format!("{TABLE}table = [[0.1, 1e9]]\n[compression]\ntable = [[0.1, 3e9]]\nbeyond = \"extend\"\n"));
+    assert_eq!(own.branch(Sense::Compression).stress(), [0.0, 3e9]);
+    assert_eq!(own.branch(Sense::Tension).stress(), [0.0, 1e9]);
     refused(
-        &format!("sense = \"compression\"\n{TABLE}table = [[0.1, 1e6]]\n[compression]\ntable = [[0.1, 3e6]]\n"),
+        &format!("sense = \"compression\"\n{TABLE}table = [[0.1, 1e9]]\n[compression]\ntable = [[0.1, 3e9]]\n"),
         &["compression", "already"],
     );
 }
 
 #[test]
 fn rate_and_heat_constants_are_checked_and_kept() {
-    let curve = format!("{TABLE}table = [[0.1, 1e6]]\n");
+    let curve = format!("{TABLE}table = [[0.1, 1e9]]\n");
     let m = right(&format!(
         "{curve}[rate]\nmalvern = {{ k = \"1e6 1/s\" }}\n[rate.johnson-cook]\nC = 0.014\nreference = 1\n[rate.cowper-symonds]\n\
          D = \"40 1/s\"\nq = 5\n[heat]\nspecific-heat = 385\nfraction = 0.9\nreference-temperature = \"20 degC\"\n\

@@ -47,13 +47,19 @@ pub struct Checked {
     pub became: Vec<(Method, Became)>,
 }
 
-pub fn check(spec: &Spec) -> Checked {
+/// A scene by every method, without comparisons.
+pub fn alone(spec: &Spec) -> Checked {
     let mut checked = Checked { failures: Vec::new(), became: Vec::new() };
     for method in Method::ALL {
         let (became, failures) = check_by(spec, method);
         checked.became.push((method, became));
         checked.failures.extend(failures.into_iter().map(|failure| (method, failure)));
     }
+    checked
+}
+
+pub fn check(spec: &Spec) -> Checked {
+    let mut checked = alone(spec);
     let done: Vec<(Method, &Figures)> =
         checked.became.iter().filter_map(|(method, became)| Some((*method, became.figures()?))).collect();
     let slow = done.iter().any(|(_, figures)| figures.strain > RESOLVED);

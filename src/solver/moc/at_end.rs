@@ -128,11 +128,11 @@ impl FrontTracking {
         if response.impedance == elastic {
             return answer;
         }
-        let Some((model, step)) = self.ends[which].body_step() else { return answer };
+        let Some(step) = self.ends[which].body_step() else { return answer };
         let round_off = REST * self.media[segment as usize].round_off;
         for _ in 0..MOST_REPEATS {
             let before = answer.behind.stress;
-            self.ends[which].agree_on(model.relation(&step, &response));
+            self.ends[which].agree_with(&step, &response);
             answer = self.answer(which, &self.ends[which].relation(), bar, segment);
             if (answer.behind.stress - before).abs() <= round_off {
                 break;

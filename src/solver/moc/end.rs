@@ -6,7 +6,7 @@ use super::ramp::Imposed;
 use super::step_control::StepControl;
 use super::stepping::{Account, Held, Stepping};
 use crate::bar::EndCondition;
-use crate::bar::ends::{self, Body, EndModel, Face, Relation, Response, Step};
+use crate::bar::ends::{self, Body, Face, Relation, Response, Step};
 use crate::wave::riemann::{Medium, Point};
 
 /// Stress and velocity of the bar's end from `time` on.
@@ -164,10 +164,15 @@ impl End {
         self.stepping.relation
     }
 
-    /// The body in contact and its step, for a relation that is found together with the bar's answer.
-    pub fn body_step(&self) -> Option<(Box<dyn EndModel>, Step)> {
-        let Stepping { model, start, until, met, .. } = &self.stepping;
-        (*met && self.control.is_some()).then(|| (model.boxed(), self.stepping.step(until - start)))
+    /// The step of the body in contact, for a relation that is found together with the bar's answer.
+    pub fn body_step(&self) -> Option<Step> {
+        let Stepping { start, until, met, .. } = &self.stepping;
+        (*met && self.control.is_some()).then(|| self.stepping.step(until - start))
+    }
+
+    /// What the body asks for in that step of a bar that answers in this way.
+    pub fn agree_with(&mut self, step: &Step, response: &Response) {
+        self.stepping.relation = self.stepping.model.relation(step, response);
     }
 
     /// Ends the step. How long the next one should be, s, where a body moves with the end, or would have to if it did not part now.
@@ -265,11 +270,6 @@ impl End {
             }
             (None, false) => (Relation::force(0.0), f64::INFINITY),
         };
-    }
-
-    /// The relation that the bar's answer has led to.
-    pub fn agree_on(&mut self, relation: Relation) {
-        self.stepping.relation = relation;
     }
 
     /// The face parts from what is there.

@@ -242,9 +242,12 @@ pub(super) fn error_figure(
     let found = extrapolate(scene, method, &all);
     let (how, safety) = if found.seen { ("seen between them", SAFETY) } else { ("of fronts", SAFETY_OF_FRONTS) };
     let cells: Vec<String> = coarser.iter().map(|profile| profile.grid.cells().to_string()).collect();
+    let cells = match &cells[..] {
+        [others @ .., last] => format!("{} and {last}", others.join(", ")),
+        [] => String::new(),
+    };
     let reference = format!(
-        "runs with {} cells: Richardson's extrapolation with the order {:.2} {how}, times {safety}: an estimate",
-        cells.join(", "),
+        "runs with {cells} cells: Richardson's extrapolation with the order {:.2} {how}, times {safety}: an estimate",
         found.order
     );
     Ok(Some(ErrorFigure { value: found.value, measure: companion::MEASURE.into(), reference }))

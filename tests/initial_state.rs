@@ -63,6 +63,7 @@ fn a_stressed_half_sends_half_its_stress_both_ways() {
     let free = "kind = \"free\"";
     let text = text(&[(0.5, left), (0.5, right)], ["kind = \"fixed\"", free], "", "until = 5e-5\ncells = 200");
     let mut bar = bar(&scene(&text));
+    assert_eq!([bar.left(), bar.right()].map(barwave::solver::fd::Device::stress), [100e6, 0.0]);
     let mut ledger = Ledger::new(&bar);
     let initial = 0.5 * 1e-4 * (100e6_f64 * 100e6) / (2.0 * E);
     assert!((ledger.row(&bar).energies.elastic / initial - 1.0).abs() < 1e-12);

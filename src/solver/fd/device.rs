@@ -183,6 +183,9 @@ impl Device {
     /// which a whole step of it would have begun.
     pub(super) fn start_under(&mut self, half: f64) {
         self.before -= self.cell_area * half / self.impedance;
+        if self.held {
+            self.stress = 2.0 * half;
+        }
     }
 
     /// Takes the node from half a step before `time` to half a step after it. `sigma_cell` is the stress at `time`

@@ -5,10 +5,8 @@ mod common;
 #[path = "common/muscl.rs"]
 mod muscl;
 
-use std::sync::Arc;
-
 use barwave::assemble::flow;
-use barwave::bar::{Bar, EndCondition, History, Joint, Segment};
+use barwave::bar::{Bar, EndCondition, History, Segment};
 use barwave::material::{Beyond, Curve, Material};
 use barwave::record::Stepped;
 use barwave::scene::{Effects, Unloading};
@@ -76,16 +74,7 @@ fn steel(length: f64) -> Segment {
 /// Aluminium-like: half as stiff, a third as heavy, yield at 280 MPa.
 fn light(length: f64) -> Segment {
     let curve = Curve::new(&[(0.004, 280e6), (0.05, 500e6)], Beyond::Extend).expect("rows rise");
-    let material = Material::from_curve("light", 2700.0, curve);
-    Segment {
-        length,
-        area: 1.0,
-        taper: None,
-        material: Arc::new(material),
-        velocity: 0.0,
-        joint: Joint::Bonded,
-        initial: barwave::bar::Initial::default(),
-    }
+    common::segment(Material::from_curve("light", 2700.0, curve), length)
 }
 
 fn let_go(velocity: f64, release: f64) -> EndCondition {

@@ -28,7 +28,8 @@ const LONG: f64 = 0.3;
 fn study(case: &Known, budget: f64) -> Option<Cost> {
     let scene = case.scene("");
     let mut whole = |_: &[String], _: f64| Whole::Failed("not wanted".into());
-    let mut hooks = Hooks { budget, whole: &mut whole, progress: &mut |_, _| Wish::GoOn };
+    let mut hooks =
+        Hooks { budget, measure: barwave::record::Measure::Field, whole: &mut whole, progress: &mut |_, _| Wish::GoOn };
     (budget > 0.0).then(|| cost(&scene, &mut hooks).ok()).flatten()
 }
 

@@ -34,6 +34,8 @@ pub mod record;
 
 pub mod scene;
 
+pub mod accuracy;
+
 pub mod assemble;
 pub mod run;
 

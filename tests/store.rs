@@ -120,7 +120,7 @@ fn audit() -> AuditRow {
 }
 
 fn finish(writer: Writer) {
-    let error = ErrorFigure { value: 1e-3, measure: "relative L1".into(), reference: "exact".into() };
+    let error = ErrorFigure { value: 1e-3, measure: "relative L1".into(), reference: "exact".into(), table: None };
     let figures = Finish { wall_seconds: 1.5, cell_steps: 12_345, error: Some(error), ..Finish::default() };
     writer.finish("done", &[front()], &[audit()], figures).unwrap();
 }

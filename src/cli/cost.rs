@@ -13,7 +13,7 @@ use super::scratch::Scratch;
 use super::{interrupt, output};
 use crate::destination;
 use crate::error::{Error, InputError, Result};
-use crate::record::SolvedBy;
+use crate::record::{Measure, SolvedBy};
 use crate::report::{self, plot};
 use crate::run::Wish;
 use crate::scene::Scene;
@@ -32,6 +32,9 @@ pub(crate) struct Args {
     /// Time for all of it, e.g. 60s or "5 min".
     #[arg(long, value_name = "TIME", default_value = "60s")]
     budget: Quantity,
+    /// What errors are of: field, field-at-end, ends, gauges, residual-strain or peak-force.
+    #[arg(long, value_name = "NAME", default_value = "field")]
+    measure: String,
     /// Change a key of the scene, as for `barwave run`; may be repeated.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<String>,
@@ -62,6 +65,7 @@ const MILLI: f64 = 1e3;
 
 pub(crate) fn run(args: &Args) -> Result<()> {
     let budget = seconds(&args.budget)?;
+    let measure = measure(&args.measure)?;
     let kind = args.output.as_deref().map(kind).transpose()?;
     if let Some(path) = &args.output {
         destination::resolve(path)?;
@@ -80,7 +84,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         bar.set_message(what.to_owned());
         if stop.load(Ordering::Relaxed) { Wish::Stop } else { Wish::GoOn }
     };
-    let found = cost(&scene, &mut Hooks { budget, whole: &mut whole, progress: &mut progress });
+    let found = cost(&scene, &mut Hooks { budget, measure, whole: &mut whole, progress: &mut progress });
     bar.finish_and_clear();
     let found = found?;
     if let (Some(path), Some(kind)) = (args.output.as_deref(), kind) {
@@ -104,6 +108,14 @@ fn seconds(budget: &Quantity) -> Result<f64> {
         Ok(seconds) => Err(wrong(format!("a budget of {seconds} s is no time"))),
         Err(message) => Err(wrong(message)),
     }
+}
+
+fn measure(name: &str) -> Result<Measure> {
+    Measure::of_key(name).ok_or_else(|| {
+        let names = Measure::ALL.map(|measure| measure.key().replace('_', "-"));
+        let error = InputError::new(format!("there is no measure `{name}`")).key("--measure");
+        error.allowed(names.join(", ")).help("field is the error of stress over the bar and time").into()
+    })
 }
 
 fn kind(path: &Path) -> Result<Kind> {
@@ -185,8 +197,8 @@ fn wait(mut child: Child, started: Instant, most: f64, stop: &AtomicBool) -> Who
 /// One row a point.
 fn csv(points: &[CostPoint]) -> String {
     let mut text = String::from(
-        "method,scheme,cells,front_tolerance,error,gauge_error,step_wall_s,shortest_s,spread,repetitions,whole_wall_s,work,work_unit,\
-         memory_bytes,pareto,below_reference\n",
+        "method,scheme,cells,front_tolerance,error,field,field_at_end,ends,gauges,residual_strain,peak_force,step_wall_s,shortest_s,\
+         spread,repetitions,whole_wall_s,work,work_unit,memory_bytes,pareto,below_reference\n",
     );
     let number = |value: Option<f64>| value.map_or_else(String::new, |v| v.to_string());
     for p in points {
@@ -199,7 +211,7 @@ fn csv(points: &[CostPoint]) -> String {
             p.by.cells.map_or_else(String::new, |c| c.to_string()),
             number(p.by.front_tolerance),
             p.error,
-            number(p.gauge_error),
+            Measure::ALL.map(|measure| number(p.errors[measure])).join(","),
             p.step_wall_s,
             p.shortest_s,
             p.spread,
@@ -289,7 +301,8 @@ fn points_table(cost: &Cost) -> String {
             p.by.scheme.clone(),
             resolution(&p.by),
             format!("{:.2e}", p.error),
-            p.gauge_error.map_or_else(|| "-".into(), |e| format!("{e:.2e}")),
+            p.errors[Measure::Ends].map_or_else(|| "-".into(), |e| format!("{e:.2e}")),
+            p.errors[Measure::PeakForce].map_or_else(|| "-".into(), |e| format!("{e:.2e}")),
             milliseconds(Some(p.step_wall_s)),
             milliseconds(Some(p.shortest_s)),
             format!("{:.0} %", 100.0 * p.spread),
@@ -304,7 +317,8 @@ fn points_table(cost: &Cost) -> String {
         "scheme",
         "resolution",
         "error",
-        "at gauges",
+        "ends",
+        "peak force",
         "stepping ms",
         "shortest",
         "spread",

@@ -341,6 +341,9 @@ fn text(s: &Summary, units: System) -> String {
     );
     if let Some(error) = &s.error {
         line("error", std::format!("{:.2e}, {}, against the {}", error.value, error.measure, error.reference));
+        if let Some(table) = &error.table {
+            line("errors", table.to_string());
+        }
     }
     if let Some(choice) = &s.choice {
         line("chosen", tolerance_text(choice));

@@ -4,7 +4,6 @@ use super::{ElasticCheck, ErrorFigure, Stepped};
 use crate::bar::{Bar, Launch};
 use crate::snapshot::{self, Snapshot, pack, unpack};
 use crate::solver::fd::{Grid, Quantity};
-use crate::solver::moc::FrontTracking;
 
 /// Where and when sigma = rho c0 v (9.34) is checked: next to the struck end, half-way between the first arrival of the
 /// wave and the first return of one.
@@ -93,27 +92,6 @@ pub fn against_similarity(bar: &Bar, solver: &impl Stepped, launches: &[Launch])
     figure(missed, total)
 }
 
-/// The same for a tracked bar, integrated exactly between the fronts of both.
-pub fn tracked_against_similarity(bar: &Bar, solver: &FrontTracking, launches: &[Launch]) -> Option<ErrorFigure> {
-    let time = solver.time();
-    let launch = alone(bar, launches, time)?;
-    let place = |speed: f64| launch.x + launch.direction * speed * time;
-    let mut edges: Vec<f64> = launch.fan.edges.iter().map(|e| place(e.speed)).collect();
-    edges.sort_by(f64::total_cmp);
-    let (mut missed, mut total) = (0.0, 0.0);
-    for piece in solver.pieces() {
-        let inner = edges.iter().copied().filter(|&x| piece.from < x && x < piece.to);
-        let mut from = piece.from;
-        for to in inner.chain([piece.to]) {
-            let exact = similar_stress(launch, 0.5 * (from + to), time);
-            missed += (piece.point.stress - exact).abs() * (to - from);
-            total += exact.abs() * (to - from);
-            from = to;
-        }
-    }
-    figure(missed, total)
-}
-
 /// The fan that is the whole solution up to `time` (s), where there is one.
 pub fn alone<'a>(bar: &Bar, launches: &'a [Launch], time: f64) -> Option<&'a Launch> {
     let ([launch], [segment]) = (launches, bar.segments.as_slice()) else { return None };
@@ -131,5 +109,6 @@ fn figure(missed: f64, total: f64) -> Option<ErrorFigure> {
         value: missed / total,
         measure: "relative L1 of stress over the bar at the end time".into(),
         reference: "self-similar solution".into(),
+        table: None,
     })
 }

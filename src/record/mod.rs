@@ -3,6 +3,7 @@
 mod audit;
 mod checks;
 mod energy;
+mod error_table;
 mod frames;
 mod fronts;
 mod grid_view;
@@ -26,8 +27,9 @@ pub use audit::{
     Audit, Case, LOOKS, Off, above_critical, at_limit, broken_end, broken_inside, past_data, reversed_flow,
     short_tension, unresolved_flow,
 };
-pub use checks::{ElasticProbe, against_similarity, alone, similar_stress, tracked_against_similarity};
+pub use checks::{ElasticProbe, against_similarity, alone, similar_stress};
 pub use energy::{ENERGY, EnergySummary};
+pub use error_table::{ErrorTable, Measure};
 pub use frames::{Frames, Twisted, read_frame};
 pub use fronts::FrontTracker;
 pub use ledger::Ledger;

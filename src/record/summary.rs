@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{AuditRow, LengthSummary};
+use super::{AuditRow, ErrorTable, LengthSummary};
 use crate::law::rupture::{Cause, Rupture};
 
 /// What `barwave run` says of a run. The keys are the contract's.
@@ -58,6 +58,9 @@ pub struct Summary {
     pub ledger: LedgerSummary,
     /// Error against a reference, where there is one.
     pub error: Option<ErrorFigure>,
+    /// Errors one by one; left out where they were not measured or estimated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub errors: Option<ErrorTable>,
     /// Why this method and resolution; left out where the scene names them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub choice: Option<ChoiceSummary>,
@@ -271,6 +274,9 @@ pub struct ErrorFigure {
     pub measure: String,
     /// Against what.
     pub reference: String,
+    /// Errors one by one, where they are known; the figure is the largest of them then.
+    #[serde(skip)]
+    pub table: Option<ErrorTable>,
 }
 
 impl From<&super::FrontRow> for FrontSummary {

@@ -46,7 +46,7 @@ pub fn figure(cost: &Cost) -> String {
     let mut svg = Svg::default();
     let mut taken = Vec::new();
     title(&mut svg, cost);
-    grid(&mut svg, &frame);
+    grid(&mut svg, &frame, cost.measure);
     tolerances(&mut svg, &frame);
     uncertainty(&mut svg, &frame, cost, &mut taken);
     front(&mut svg, &frame, &cost.points);
@@ -122,7 +122,7 @@ fn shortened(text: &str, length: usize) -> String {
 }
 
 /// Decades and their labels.
-fn grid(svg: &mut Svg, frame: &Frame) {
+fn grid(svg: &mut Svg, frame: &Frame, measure: &str) {
     let (pale, fine, dark) = (Stroke::new("#e0e0e0", 0.8), Stroke::new("#f2f2f2", 0.6), Stroke::new("#444", 1.0));
     let power = |exponent: i32| format!("10{}", superscript(exponent));
     for decade in frame.time[0]..=frame.time[1] {
@@ -149,7 +149,7 @@ fn grid(svg: &mut Svg, frame: &Frame) {
     }
     svg.rect(PLOT, "none", Some(&dark));
     svg.text((PLOT.x + 0.5 * PLOT.width, PLOT.bottom() + 40.0), NORMAL, Anchor::Middle, "stepping time (s), median");
-    svg.upright((24.0, 0.5 * (PLOT.y + PLOT.bottom())), NORMAL, "error: relative L1 of stress at the end time");
+    svg.upright((24.0, 0.5 * (PLOT.y + PLOT.bottom())), NORMAL, &format!("error: {measure}"));
 }
 
 /// The tolerances that are asked after, labelled at the right.

@@ -77,6 +77,9 @@ fn facts_table(facts: &Facts) -> String {
     }
     if let Some(error) = &facts.error {
         add("error", format!("{:.2e}: {}, against {}", error.value, error.measure, error.reference));
+        if let Some(table) = &error.table {
+            add("errors", table.to_string());
+        }
     }
     for (name, seconds) in [("wall time", facts.wall_seconds), ("of which stepping", facts.step_wall_seconds)] {
         if let Some(seconds) = seconds {

@@ -1,10 +1,11 @@
 //! Companion runs of a tracked bar: one with a coarser tolerance, from which the error figure comes, and the search for a
 //! tolerance that stays within a budget of events.
 
-use super::{Progress, Wish};
+use super::{Progress, Wish, accuracy};
+use crate::accuracy::{FrontListener, INSTANTS, Response};
 use crate::assemble;
 use crate::error::{Error, Result};
-use crate::record::ErrorFigure;
+use crate::record::{ErrorFigure, ErrorTable, Measure, StepGauges};
 use crate::scene::Scene;
 use crate::solver::moc::{COARSER, FrontTracking, SAFETY, Settings, Stopped};
 
@@ -18,15 +19,16 @@ const COARSEST: f64 = 0.5;
 /// A run is exact as long as rounding of places has moved no larger part of its energy than this.
 const ROUNDING: f64 = 1e-9;
 
-pub(super) const MEASURE: &str = "relative L1 of stress over the bar at the end time";
-
-/// What the error of a tracked run covers.
-const TRACKED: &str = "larger of the relative L1 errors of stress and of plastic strain over the bar at the end time";
-
 /// Events between two calls of the progress function.
 const BURST: u64 = 20_000;
 
-/// A tracked bar at a time, s, followed without recorders; none where it took more than `most` events, or came to an end of its own.
+/// Instants at which the responses of tracked bars are compared, s.
+pub(super) fn instants(until: f64) -> Vec<f64> {
+    (1..=INSTANTS).map(|k| until * k as f64 / INSTANTS as f64).collect()
+}
+
+/// A tracked bar at the last of some instants (s, increasing) and its response there, followed without recorders; none where it took
+/// more than `most` events, or came to an end of its own.
 ///
 /// # Errors
 /// [`Error::Interrupted`] where `progress` asked to stop.
@@ -34,25 +36,45 @@ pub(super) fn tracked(
     scene: &Scene,
     settings: Settings,
     most: u64,
-    until: f64,
+    instants: &[f64],
     progress: &mut dyn FnMut(Progress) -> Wish,
-) -> Result<Option<FrontTracking>> {
-    let mut bar = assemble::front_tracking(scene, settings);
-    loop {
-        let at = Progress::Fronts { time: bar.time(), until, events: bar.events(), fronts: bar.front_count() };
-        if progress(at) == Wish::Stop {
-            return Err(Error::Interrupted);
+) -> Result<Option<(FrontTracking, Response)>> {
+    let places: Vec<f64> = scene.record.gauges.iter().map(|gauge| gauge.1).collect();
+    let trails = !places.is_empty();
+    let mut bar = assemble::front_tracking(scene, Settings { trails, ..settings });
+    let until = instants.last().copied().unwrap_or(0.0);
+    let mut gauges = StepGauges::new(&scene.bar, &places, until);
+    let mut listener = FrontListener::new(&scene.bar, places.len());
+    for &instant in instants {
+        loop {
+            let at = Progress::Fronts { time: bar.time(), until, events: bar.events(), fronts: bar.front_count() };
+            if progress(at) == Wish::Stop {
+                return Err(Error::Interrupted);
+            }
+            bar.set_event_budget((bar.events() + BURST).min(most));
+            let ended = bar.advance_to(instant);
+            if trails {
+                let ended = bar.take_trails();
+                gauges.collect(&bar, &ended);
+                listener.hear(&gauges.take());
+            }
+            match ended {
+                Ok(()) => break,
+                Err(Stopped::EventBudget { events, .. }) if events < most => {}
+                Err(_) => return Ok(None),
+            }
         }
-        bar.set_event_budget((bar.events() + BURST).min(most));
-        match bar.advance_to(until) {
-            Ok(()) => return Ok(Some(bar)),
-            Err(Stopped::EventBudget { events, .. }) if events < most => {}
-            Err(_) => return Ok(None),
-        }
+        listener.look(&bar);
     }
+    if trails {
+        gauges.close(&bar, &[]);
+        listener.hear(&gauges.take());
+    }
+    let response = listener.response(&bar);
+    Ok(Some((bar, response)))
 }
 
-/// How far stresses and plastic strains of a finished run may be off. None where the companion does not get to the end.
+/// How far a finished run may be off that gave `response`. None where the companion does not get to the end.
 ///
 /// # Errors
 /// [`Error::Interrupted`] where `progress` asked to stop.
@@ -60,6 +82,7 @@ pub(super) fn error_figure(
     scene: &Scene,
     settings: Settings,
     run: &FrontTracking,
+    response: &Response,
     progress: &mut dyn FnMut(Progress) -> Wish,
 ) -> Result<Option<ErrorFigure>> {
     if run.is_exact() && scene.cut.is_none() {
@@ -68,16 +91,33 @@ pub(super) fn error_figure(
     let coarser = coarser(settings);
     let staircase = coarser_staircase(scene);
     let staircase_or_scene = staircase.as_ref().unwrap_or(scene);
-    let companion = tracked(staircase_or_scene, coarser, settings.event_budget, run.time(), progress)?;
-    let Some(companion) = companion else { return Ok(None) };
-    let value = run.error_figure(&companion).max(run.unresolved());
+    let instants: Vec<f64> = response.fields.iter().map(|field| field.0).collect();
+    let companion = tracked(staircase_or_scene, coarser, settings.event_budget, &instants, progress)?;
+    let Some((_, companion)) = companion else { return Ok(None) };
+    let table = error_table(run, response, &companion);
     let pieces = if staircase.is_some() { " and a coarser staircase" } else { "" };
     let reference = if coarser.front_tolerance > 0.0 {
         format!("run with front-tolerance {:.1e}{pieces}, times {SAFETY}: an estimate", coarser.front_tolerance)
     } else {
         format!("run with ramps in steps of {:.1e}{pieces}, times {SAFETY}: an estimate", coarser.step())
     };
-    Ok(Some(ErrorFigure { value, measure: TRACKED.into(), reference }))
+    Ok(Some(accuracy::figure(table, reference)))
+}
+
+/// Errors of a run from those of a companion with three times its tolerance, each times [`SAFETY`].
+pub(super) fn error_table(run: &FrontTracking, response: &Response, companion: &Response) -> ErrorTable {
+    let apart = companion.apart(response, response);
+    let merged = || {
+        // A companion that merged just what the run did tells nothing; the sum of all merges is too much, but no less.
+        let total = response.fields.last().map_or(0.0, |(_, field)| field.apart(field).1);
+        if total > 0.0 { run.merged() / total } else { 0.0 }
+    };
+    let stress = [Measure::Field, Measure::FieldAtEnd];
+    ErrorTable::of(|measure| {
+        let apart = apart[measure]?;
+        let error = if apart == 0.0 && stress.contains(&measure) { merged() } else { SAFETY * apart };
+        Some(error.max(run.unresolved()))
+    })
 }
 
 /// The scene with its tapers in coarser pieces than the run's: the error of a staircase goes with what its steps reflect. None
@@ -94,7 +134,7 @@ fn exact(unresolved: f64) -> ErrorFigure {
     } else {
         (0.0, "exact solution for the curve's table: nothing was merged")
     };
-    ErrorFigure { value, measure: TRACKED.into(), reference: reference.into() }
+    accuracy::figure(ErrorTable::of(|_| Some(value)), reference.into())
 }
 
 /// The settings of a companion: three times the error. That of thinned waves goes with the tolerance; that of ramps with the
@@ -123,7 +163,7 @@ pub(super) fn tolerance_that_carries(
     let (mut left, mut tolerance, mut carries) = (settings.event_budget, LARGEST_TRIED, None);
     while tolerance >= SMALLEST_TRIED.max(COARSER * settings.front_tolerance) {
         let tried = Settings { front_tolerance: tolerance, trails: false, ..settings };
-        let Some(bar) = tracked(scene, tried, left, scene.solve.until, progress)? else { break };
+        let Some((bar, _)) = tracked(scene, tried, left, &[scene.solve.until], progress)? else { break };
         carries = Some(tolerance);
         left = left.saturating_sub(bar.events());
         tolerance /= COARSER;

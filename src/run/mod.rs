@@ -356,6 +356,7 @@ impl<'a> Book<'a> {
             fronts: findings.fronts.iter().map(FrontSummary::from).collect(),
             critical_velocity: self.critical,
             above_critical: self.above_critical(),
+            errors: findings.error.as_ref().and_then(|error| error.table),
             elastic_check: findings.elastic_check.filter(|_| findings.elastic),
             ledger: findings.ledger,
             error: findings.error,

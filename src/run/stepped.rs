@@ -5,9 +5,10 @@ mod checkpoints;
 use std::time::{Duration, Instant};
 
 use self::checkpoints::Checkpoints;
-use super::accuracy::{self, Profile};
+use super::accuracy;
 use super::limits::AtLimit;
 use super::{Book, Findings, Progress, Target, Wish, flow_both_ways, steps, twisted};
+use crate::accuracy::GridListener;
 use crate::assemble;
 use crate::error::{Error, Result, RunError};
 use crate::record::{
@@ -77,8 +78,8 @@ struct Run<'a, S> {
     /// Centres of the cells, m.
     centres: Vec<f64>,
     elastic_check: Option<Probe>,
-    /// For the estimate of the error: near the end, where coarser runs stand at the same time.
-    profile: Option<(Profile, f64)>,
+    /// For the estimate of the error, where one was asked for.
+    listener: Option<GridListener>,
     /// None if the run writes no checkpoints.
     checkpoints: Option<Checkpoints>,
     /// When the progress function was called last.
@@ -111,8 +112,13 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
         let audit = Audit::new(&super::case(scene, Some(bar.grid().cells())));
         let traces = Traces::new(Sampling::at(bar.grid(), places), scene.effects.heat.is_some());
         bar.watch(&traces);
+        let steps = steps(scene, bar.grid().dt);
+        let listener = scene.solve.estimate_error.then(|| {
+            let instants = accuracy::common_instants(steps, bar.grid().dt);
+            GridListener::new(&scene.bar, &bar, &instants, scene.record.gauges.len())
+        });
         Ok(Self {
-            steps: steps(scene, bar.grid().dt),
+            steps,
             traces,
             ledger: book.ledger(&bar),
             watched: Sampling::at(bar.grid(), audit.places().to_vec()),
@@ -124,7 +130,7 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
             limits: Vec::new(),
             stopped_at: None,
             centres: bar.grid().centres(),
-            profile: None,
+            listener,
             checkpoints: target.every.map(|every| Checkpoints::new(every, scene)),
             latest_call: Instant::now(),
             resumed: false,
@@ -194,15 +200,15 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
             next = next.min(multiple_of(STEPS_BETWEEN_LIMIT_CHECKS));
         }
         let probe = self.elastic_check.as_ref().map(|probe| probe.step);
-        let profile = self.book.scene.solve.estimate_error.then(|| accuracy::common_step(self.steps));
-        [probe, profile].into_iter().flatten().filter(|&at| at > step).fold(next, usize::min)
+        let instant = self.listener.as_ref().and_then(|listener| listener.next(step));
+        [probe, instant].into_iter().flatten().filter(|&at| at > step).fold(next, usize::min)
     }
 
     /// Everything but frames that is recorded after a step, and once at the start.
     fn record(&mut self) -> Result<()> {
         let step = self.bar.step();
-        if self.book.scene.solve.estimate_error && step == accuracy::common_step(self.steps) {
-            self.profile = Some((Profile::of(&self.bar), self.bar.time()));
+        if let Some(listener) = &mut self.listener {
+            listener.look(&self.bar);
         }
         if self.traces.is_full() {
             self.write_traces()?;
@@ -227,6 +233,9 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
 
     fn write_traces(&mut self) -> Result<()> {
         let (gauges, ends) = self.traces.take();
+        if let Some(listener) = &mut self.listener {
+            listener.hear(&gauges, &ends);
+        }
         self.book.write_traces(gauges, ends)
     }
 
@@ -312,15 +321,20 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
     ///
     /// # Errors
     /// [`Error::Interrupted`] where `progress` asked to stop: the run is complete, but not what was asked for.
-    fn error(&self, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<Option<ErrorFigure>> {
+    fn error(&mut self, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<Option<ErrorFigure>> {
+        self.write_traces()?;
         let scene = self.book.scene;
         let plain = scene.effects.rate.is_none() && assemble::along(&scene.bar, &scene.effects).is_none();
         let known = plain && self.bar.ruptures().is_empty();
-        let similar = || record::against_similarity(&scene.bar, &self.bar, &self.book.launches);
-        let figure = known.then(similar).flatten();
-        match (&figure, &self.profile) {
-            (None, Some((profile, time))) => accuracy::error_figure(scene, profile, *time, progress),
-            _ => Ok(figure),
+        let Some(listener) = &self.listener else {
+            let similar = || record::against_similarity(&scene.bar, &self.bar, &self.book.launches);
+            return Ok(known.then(similar).flatten());
+        };
+        let response = listener.response();
+        let exact = || accuracy::similar(scene, &self.book.launches, &response);
+        match known.then(exact).flatten() {
+            Some(exact) => Ok(Some(accuracy::figure(response.errors(&exact), accuracy::SIMILAR.into()))),
+            None => accuracy::error_figure(scene, &response, self.bar.stayed_elastic(), progress),
         }
     }
 

@@ -5,7 +5,8 @@ use std::time::Instant;
 
 use super::breaks::Breaks;
 use super::limits::AtLimit;
-use super::{Book, Findings, Progress, Wish, companion, flow_both_ways, twisted};
+use super::{Book, Findings, Progress, Wish, accuracy, companion, flow_both_ways, twisted};
+use crate::accuracy::FrontListener;
 use crate::assemble;
 use crate::error::{Error, Result, RunError};
 use crate::record::{
@@ -27,6 +28,9 @@ const SAMPLES: usize = 1000;
 
 /// Distance from a joint at which its segment is read, in lengths of the bar.
 const BESIDE_JOINT: f64 = 1e-9;
+
+/// How the reason of a run starts that used up its events.
+pub(super) const OUT_OF_EVENTS: &str = "front tracking used all of its";
 
 /// What a sample of the fields means, for the result file.
 const SAMPLING: &str = "exact at the place; on a front the state behind it, on a joint the state to its right";
@@ -56,6 +60,8 @@ struct Run<'a> {
     x: Vec<f64>,
     gauges: StepGauges,
     ends: EndHistories,
+    /// For the estimate of the error.
+    listener: FrontListener,
     fronts: TrackedFronts,
     paths: Paths,
     ledger: Ledger,
@@ -75,6 +81,8 @@ enum Pause {
     Frame,
     AuditLook,
     ElasticCheck,
+    /// Of the estimate of the error.
+    Instant,
     End,
 }
 
@@ -91,6 +99,7 @@ impl<'a> Run<'a> {
         Ok(Self {
             gauges: StepGauges::new(&scene.bar, &places, scene.solve.until),
             ends: EndHistories::default(),
+            listener: FrontListener::new(&scene.bar, places.len()),
             fronts: TrackedFronts::default(),
             paths: Paths::default(),
             ledger: book.ledger(&bar),
@@ -115,6 +124,7 @@ impl<'a> Run<'a> {
                 Pause::Frame => self.frame(time)?,
                 Pause::AuditLook => self.look(),
                 Pause::ElasticCheck => self.check_elastic(),
+                Pause::Instant => self.listener.look(&self.bar),
                 Pause::End => self.write_ledger()?,
             }
         }
@@ -128,6 +138,7 @@ impl<'a> Run<'a> {
             self.book.scene.record.times.iter().map(|&time| (time, Pause::Frame)).collect();
         let look = |k: usize| (until * k as f64 / record::LOOKS as f64, Pause::AuditLook);
         pauses.extend((1..=record::LOOKS).map(look));
+        pauses.extend(companion::instants(until).into_iter().map(|time| (time, Pause::Instant)));
         pauses.extend(self.elastic_check.iter().map(|p| (p.time(), Pause::ElasticCheck)));
         if self.book.scene.record.times.last() != Some(&until) {
             pauses.push((until, Pause::End));
@@ -151,7 +162,7 @@ impl<'a> Run<'a> {
                 fronts: self.bar.front_count(),
             };
             // A look in between is no news.
-            let news = pause != Pause::AuditLook || stopped.is_err();
+            let news = !matches!(pause, Pause::AuditLook | Pause::Instant) || stopped.is_err();
             if news && progress(at) == Wish::Stop {
                 return Err(Error::Interrupted);
             }
@@ -183,9 +194,7 @@ impl<'a> Run<'a> {
     }
 
     fn frame(&mut self, time: f64) -> Result<()> {
-        let gauges = self.gauges.take();
-        let ends = self.ends.take(&self.bar);
-        self.book.write_traces(gauges, ends)?;
+        self.write_traces()?;
         self.write_ledger()?;
         self.breaks.look_for_gathering_strain(self.book.scene, &self.bar);
         if let Some(writer) = &mut self.book.writer {
@@ -194,6 +203,13 @@ impl<'a> Run<'a> {
             writer.frame(record::Frame { time, ..frame })?;
         }
         Ok(())
+    }
+
+    fn write_traces(&mut self) -> Result<()> {
+        let gauges = self.gauges.take();
+        self.listener.hear(&gauges);
+        let ends = self.ends.take(&self.bar);
+        self.book.write_traces(gauges, ends)
     }
 
     fn write_ledger(&mut self) -> Result<()> {
@@ -220,7 +236,7 @@ impl<'a> Run<'a> {
         match *why {
             Stopped::AtLimit(point) => return AtLimit::from(&point).error(self.book.scene),
             Stopped::EventBudget { time, events, fronts } if self.book.scene.cut.is_some() => RunError {
-                reason: format!("front tracking used all of its {events} events, with {fronts} fronts under way"),
+                reason: format!("{OUT_OF_EVENTS} {events} events, with {fronts} fronts under way"),
                 time,
                 x: None,
                 help: "every step of a taper's staircase splits every front: use method = \"fd\", which follows the taper \
@@ -228,7 +244,10 @@ impl<'a> Run<'a> {
                     .into(),
             },
             Stopped::EventBudget { time, events, fronts } => {
-                let help = match companion::tolerance_that_carries(self.book.scene, self.settings, progress) {
+                // With a tolerance the caller has other methods to try.
+                let alone = self.book.scene.solve.tolerance.is_none();
+                let carries = || companion::tolerance_that_carries(self.book.scene, self.settings, progress);
+                let help = match alone.then(carries).unwrap_or(Ok(None)) {
                     Err(interrupted) => return interrupted,
                     Ok(None) => "no front-tolerance up to 0.5 carries it through: raise event-budget in [solve]".to_owned(),
                     Ok(Some(tolerance)) => format!(
@@ -237,7 +256,7 @@ impl<'a> Run<'a> {
                     ),
                 };
                 RunError {
-                    reason: format!("front tracking used all of its {events} events, with {fronts} fronts under way"),
+                    reason: format!("{OUT_OF_EVENTS} {events} events, with {fronts} fronts under way"),
                     time,
                     x: None,
                     help,
@@ -264,9 +283,7 @@ impl<'a> Run<'a> {
         let living: Vec<Trail> = self.bar.living_trails().collect();
         self.breaks.look_at(&self.bar, &living);
         self.gauges.close(&self.bar, &last);
-        let gauges = self.gauges.take();
-        let ends = self.ends.take(&self.bar);
-        self.book.write_traces(gauges, ends)?;
+        self.write_traces()?;
         self.book.write_traces(Vec::new(), EndHistories::last(&self.bar))?;
         self.write_paths(last.into_iter().chain(living))?;
         let findings = Findings {
@@ -318,12 +335,14 @@ impl<'a> Run<'a> {
         .into())
     }
 
-    /// How far the stresses may be off.
-    fn error_figure(&self, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<Option<ErrorFigure>> {
-        let similar = || record::tracked_against_similarity(&self.book.scene.bar, &self.bar, &self.book.launches);
+    /// How far the run may be off.
+    fn error_figure(&mut self, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<Option<ErrorFigure>> {
+        self.write_traces()?;
+        let response = self.listener.clone().response(&self.bar);
+        let similar = || accuracy::similar(self.book.scene, &self.book.launches, &response);
         match self.bar.ruptures().is_empty().then(similar).flatten() {
-            None => companion::error_figure(self.book.scene, self.settings, &self.bar, progress),
-            figure => Ok(figure),
+            Some(exact) => Ok(Some(accuracy::figure(response.errors(&exact), accuracy::SIMILAR.into()))),
+            None => companion::error_figure(self.book.scene, self.settings, &self.bar, &response, progress),
         }
     }
 

@@ -13,7 +13,7 @@ use super::existing::is_locked;
 use super::{FORMAT_VERSION, RUNNING, Side, paths};
 use crate::error::{InputError, Result};
 use crate::material::Provenance;
-use crate::record::{AuditRow, ErrorFigure, Field, FrontRow, LedgerRow, MaterialRecord, PathRow, Trace};
+use crate::record::{AuditRow, ErrorFigure, ErrorTable, Field, FrontRow, LedgerRow, MaterialRecord, PathRow, Trace};
 use crate::solver::Energies;
 use crate::text_file::NamedFiles;
 
@@ -312,7 +312,10 @@ fn read_facts(file: &File) -> Hdf<Facts> {
 }
 
 fn read_error(file: &File) -> Hdf<ErrorFigure> {
+    let group = file.group("error").ok();
+    let table = ErrorTable::of(|measure| get(group.as_ref()?, measure.key()).ok());
     Ok(ErrorFigure {
+        table: table.largest().map(|_| table),
         value: get(file, "error_value")?,
         measure: get_text(file, "error_measure")?,
         reference: get_text(file, "error_reference")?,

@@ -17,7 +17,7 @@ use super::{Ending, Finish, Header, INTERRUPTED, Layout, Message, RUNNING, Side,
 use crate::destination;
 use crate::error::{Error, Result};
 use crate::law::rupture::Rupture;
-use crate::record::{AuditRow, Frame, FrontRow, LedgerRow, MaterialRecord, Precision, Trace};
+use crate::record::{AuditRow, ErrorTable, Frame, FrontRow, LedgerRow, MaterialRecord, Precision, Trace};
 
 type Hdf<T> = hdf5::Result<T>;
 
@@ -495,6 +495,9 @@ fn write_figures(file: &File, figures: &Finish) -> Hdf<()> {
         put(&group, "value", &error.value)?;
         put_text(&group, "measure", &error.measure)?;
         put_text(&group, "reference", &error.reference)?;
+        for (measure, value) in error.table.iter().flat_map(ErrorTable::entries) {
+            put(&group, measure.key(), &value)?;
+        }
     }
     Ok(())
 }

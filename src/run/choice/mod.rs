@@ -12,6 +12,7 @@ use std::path::Path;
 
 use self::pilots::{contradiction, front_pilot, grid_pilot};
 use self::racer::{FEW_EVENTS, LEAP_CELLS, LEAP_TOLERANCE, Pilot, Racer};
+use super::tracked::OUT_OF_EVENTS;
 use super::{Progress, Wish, once};
 use crate::error::{Error, Result, RunError};
 use crate::record::{ChoiceSummary, Summary, Tried};
@@ -35,7 +36,13 @@ pub(super) fn run(scene: &Scene, output: Option<&Path>, progress: &mut dyn FnMut
         let mut chosen = scene.clone();
         chosen.solve.method = method;
         chosen.solve.estimate_error = true;
-        let summary = once(&chosen, output, progress)?;
+        let summary = match once(&chosen, output, progress) {
+            Err(Error::Run(error)) if error.reason.starts_with(OUT_OF_EVENTS) => {
+                racers[winner].out = Some(error.reason);
+                continue;
+            }
+            other => other?,
+        };
         let work = if summary.events > 0 { summary.events } else { (summary.cells * summary.steps) as u64 };
         let estimate = summary.error.as_ref().map(|e| e.value);
         let order = racers[winner].pilots.last().map_or(1.0, |p| p.order);
@@ -140,7 +147,7 @@ fn confirmed(
     progress: &mut dyn FnMut(Progress) -> Wish,
 ) -> Result<bool> {
     let tracking = racers.iter().position(|r| r.method.tracks_fronts()).filter(|&k| k != winner);
-    let yields = racers[winner].profiles.last().is_some_and(|(_, profile)| !profile.elastic);
+    let yields = racers[winner].runs.last().is_some_and(|(_, run)| !run.elastic);
     let Some(tracking) = tracking.filter(|_| yields) else { return Ok(true) };
     let why = contradiction(scene, run, &mut racers[tracking], progress)?;
     racers[winner].out = why;

@@ -1,13 +1,13 @@
 //! Pilots: coarse runs without recorders, each with an estimate of its error, and the comparison of two methods.
 
-use super::super::accuracy::{self, Profile};
+use super::super::accuracy::{self, Coarse};
 use super::super::{Progress, Wish, companion};
 use super::racer::{
     FEW_EVENTS, FIRST_CELLS, FRONT_ORDER, FRONT_ORDERS, LEAST_TOLERANCE, MOST_CELLS, PATIENCE, Pilot, Racer, nominal,
 };
+use crate::accuracy::{INSTANTS, Response, evenly, extrapolate};
 use crate::bar::launches;
 use crate::error::{Error, Result};
-use crate::record;
 use crate::scene::{Method, Scene};
 use crate::solver::moc::{COARSER, FrontTracking, Settings};
 
@@ -22,20 +22,28 @@ pub(super) fn grid_pilot(scene: &Scene, racer: &mut Racer, progress: &mut dyn Fn
         racer.out = Some(format!("it would take more than {MOST_CELLS:.0} cells"));
         return Ok(());
     }
-    // All grids of the racer are compared at one time: the last step of the coarsest one before the end.
-    let coarsest = scene.bar.transit_time() / (FIRST_CELLS / 8) as f64;
-    let time = ((scene.solve.until / coarsest).floor().max(1.0) * coarsest).min(scene.solve.until.max(coarsest));
+    let instants = instants(scene);
     for cells in [cells / 8, cells / 4, cells / 2, cells] {
-        if racer.profiles.iter().all(|(known, _)| *known != cells) {
-            let profile = accuracy::profile(scene, method.with_cells(cells), time, progress);
-            racer.profiles.push((cells, profile.ok_or(Error::Interrupted)?));
+        if racer.runs.iter().all(|(known, _)| *known != cells) {
+            let run = accuracy::coarse(scene, method.with_cells(cells), &instants, progress);
+            racer.runs.push((cells, run.ok_or(Error::Interrupted)?));
         }
     }
-    let with = |cells: usize| racer.profiles.iter().find(move |p| p.0 == cells).map(|p| &p.1);
-    let all: Vec<&Profile> = [cells, cells / 2, cells / 4, cells / 8].into_iter().filter_map(with).collect();
-    let (found, work) = (accuracy::extrapolate(scene, method, &all), all.first().map_or(0, |fine| fine.work));
+    let with = |cells: usize| racer.runs.iter().find(move |p| p.0 == cells).map(|p| &p.1);
+    let all: Vec<&Coarse> = [cells, cells / 2, cells / 4, cells / 8].into_iter().filter_map(with).collect();
+    let responses: Vec<&Response> = all.iter().map(|run| &run.response).collect();
+    let (elastic, work) = all.first().map_or((true, 0), |finest| (finest.elastic, finest.work));
+    let (_, found) = extrapolate(accuracy::rules(scene, method, elastic), &responses);
     racer.pilots.push(Pilot { method, estimate: found.value, order: found.hope, work });
     Ok(())
+}
+
+/// Instants at which all grids of a racer are compared: steps of the coarsest one up to the end, s.
+fn instants(scene: &Scene) -> Vec<f64> {
+    let coarsest = scene.bar.transit_time() / (FIRST_CELLS / 8) as f64;
+    let steps = (scene.solve.until / coarsest).floor().max(1.0) as usize;
+    let all: Vec<f64> = (1..=steps).map(|k| k as f64 * coarsest).collect();
+    evenly(&all, 2 * INSTANTS)
 }
 
 /// The next pilot of front tracking, given up where it costs much more than the `rival` (s).
@@ -56,12 +64,13 @@ pub(super) fn front_pilot(
     // What would be worth more to nobody is out; else it may come to that yet.
     let limited = most < event_budget;
     racer.dear = None;
-    let Some(bar) = companion::tracked(scene, settings, most, scene.solve.until, progress)? else {
+    let instants = companion::instants(scene.solve.until);
+    let Some((bar, response)) = companion::tracked(scene, settings, most, &instants, progress)? else {
         let why = || format!("fronts meet more than {most} times with a front tolerance of {front_tolerance:.1e}");
         (racer.dear, racer.out) = (limited.then_some(most), (!limited).then(why));
         return Ok(());
     };
-    let Some(estimate) = front_estimate(scene, settings, &bar, most, progress)? else {
+    let Some(estimate) = front_estimate(scene, settings, (&bar, &response), most, progress)? else {
         let coarser = COARSER * front_tolerance;
         let why = || format!("a run with a front tolerance of {coarser:.1e} meets more fronts still");
         (racer.dear, racer.out) = (limited.then_some(most), (!limited).then(why));
@@ -97,11 +106,13 @@ pub(super) fn contradiction(
     let Some(Pilot { method: Method::FrontTracking { front_tolerance, event_budget }, estimate, .. }) = last else {
         return Ok(None);
     };
-    let grid = accuracy::profile(scene, run.method, scene.solve.until, progress).ok_or(Error::Interrupted)?;
+    let grid = accuracy::coarse(scene, run.method, &instants(scene), progress).ok_or(Error::Interrupted)?.response;
     let settings = Settings { front_tolerance, event_budget, ..Settings::default() };
-    let fronts = companion::tracked(scene, settings, event_budget, grid.time, progress)?;
-    let Some(fronts) = fronts else { return Ok(None) };
-    let apart = grid.apart_from_fronts(&fronts);
+    let times: Vec<f64> = grid.fields.iter().map(|field| field.0).collect();
+    let Some((_, fronts)) = companion::tracked(scene, settings, event_budget, &times, progress)? else {
+        return Ok(None);
+    };
+    let apart = grid.errors(&fronts).largest().map_or(0.0, |largest| largest.1);
     let against = || {
         let cells = run.method.cells().unwrap_or(0);
         format!(
@@ -116,7 +127,7 @@ pub(super) fn contradiction(
 fn front_estimate(
     scene: &Scene,
     settings: Settings,
-    bar: &FrontTracking,
+    (bar, response): (&FrontTracking, &Response),
     most: u64,
     progress: &mut dyn FnMut(Progress) -> Wish,
 ) -> Result<Option<f64>> {
@@ -124,10 +135,14 @@ fn front_estimate(
         return Ok(Some(0.0));
     }
     let all = launches(&scene.bar, &scene.left, &scene.right);
-    let similar = || record::tracked_against_similarity(&scene.bar, bar, &all);
-    if let Some(figure) = bar.ruptures().is_empty().then(similar).flatten() {
-        return Ok(Some(figure.value));
-    }
-    let companion = companion::tracked(scene, companion::coarser(settings), most, scene.solve.until, progress)?;
-    Ok(companion.map(|companion| bar.error_figure(&companion)))
+    let similar = || accuracy::similar(scene, &all, response);
+    let table = if let Some(exact) = bar.ruptures().is_empty().then(similar).flatten() {
+        response.errors(&exact)
+    } else {
+        let instants = companion::instants(scene.solve.until);
+        let coarser = companion::tracked(scene, companion::coarser(settings), most, &instants, progress)?;
+        let Some((_, coarser)) = coarser else { return Ok(None) };
+        companion::error_table(bar, response, &coarser)
+    };
+    Ok(table.largest().map(|largest| largest.1))
 }

@@ -1,6 +1,6 @@
 //! One method on its way to a tolerance: its pilots so far, and what they foretell.
 
-use super::super::accuracy::Profile;
+use super::super::accuracy::Coarse;
 use crate::scene::{Method, Rate, Scene};
 use crate::solver::moc::COARSER;
 
@@ -64,8 +64,8 @@ pub(super) fn nominal(scene: &Scene, method: Method) -> f64 {
 pub(super) struct Racer {
     pub method: Method,
     pub pilots: Vec<Pilot>,
-    /// Profiles of grids, by cells.
-    pub profiles: Vec<(usize, Profile)>,
+    /// Runs on grids, by cells.
+    pub runs: Vec<(usize, Coarse)>,
     /// It cannot go on, and why.
     pub out: Option<String>,
     /// Its next pilot was given up after so much work: it is not worth as much, unless the others turn out to cost more.
@@ -85,7 +85,7 @@ pub(super) struct Pilot {
 
 impl Racer {
     pub fn new(method: Method) -> Self {
-        Self { method, pilots: Vec::new(), profiles: Vec::new(), out: None, dear: None, missed: false }
+        Self { method, pilots: Vec::new(), runs: Vec::new(), out: None, dear: None, missed: false }
     }
 
     /// What comes after the last pilot.

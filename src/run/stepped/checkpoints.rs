@@ -76,7 +76,7 @@ impl<S: Stepped + Snapshot> Snapshot for Run<'_, S> {
             self.tracker.save()?,
             self.audit.save()?,
             probe.unwrap_or_default(),
-            pack(&(&self.profile, self.book.stepping))?,
+            pack(&(&self.listener, self.book.stepping))?,
         ]))
     }
 
@@ -90,7 +90,7 @@ impl<S: Stepped + Snapshot> Snapshot for Run<'_, S> {
         if let Some(own) = &mut self.elastic_check {
             own.check.restore(probe)?;
         }
-        (self.profile, self.book.stepping) = unpack(rest)?;
+        (self.listener, self.book.stepping) = unpack(rest)?;
         Ok(())
     }
 }

@@ -17,8 +17,8 @@ pub struct RawSolve {
     /// Method. Default: "fd"; "moc" where the effects include `rate`, no rupture and no heat.
     #[schemars(with = "Option<RawMethod>")]
     pub method: Option<Spanned<RawMethod>>,
-    /// In place of a method: the error that the run is to stay below, relative L1 of stress over the bar at the end time,
-    /// 0 < tolerance <= 0.5. The cheapest method and resolution that meet it are chosen.
+    /// In place of a method: the error that the run is to stay below, 0 < tolerance <= 0.5: of stress over the bar and time, at the ends
+    /// and gauges, of the residual plastic strain and of the peak force, each relative. The cheapest method and resolution that meet it are chosen.
     #[schemars(with = "Option<f64>")]
     pub tolerance: Option<Number>,
     /// Scheme of the method "fd". Default: "leapfrog".

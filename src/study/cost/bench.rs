@@ -1,11 +1,11 @@
 //! One point of a ladder: its result, its stepping times, the time of a whole process.
 
-use super::Whole;
 use super::found::CostPoint;
 use super::ladder::{Halt, Ran, Runner, Spent};
 use super::measure::{self, Pass, Wanted, Watch};
 use super::reference::Reference;
 use super::source::{Family, Resolution, Source};
+use super::{Instants, Whole};
 use crate::scene::Scene;
 use crate::solver::moc::FrontTracking;
 use crate::study::plan::{Work, plan};
@@ -15,6 +15,7 @@ pub(super) struct Bench<'a> {
     pub source: &'a Source<'a>,
     pub families: &'a [Family],
     pub reference: &'a Reference,
+    pub instants: &'a Instants,
     pub whole: &'a mut dyn FnMut(&[String], f64) -> Whole,
     pub watch: Watch<'a>,
     pub points: Vec<Vec<CostPoint>>,
@@ -33,10 +34,9 @@ impl Runner for Bench<'_> {
             Resolution::FrontTolerance(tolerance) => format!("{}, front-tolerance {tolerance}", names[1]),
         };
         let scene = self.source.at(way, resolution).map_err(|e| Halt::Failed(e.to_string()))?;
-        let pass = measure::pass(&scene, Wanted::RESULT, &mut self.watch)?;
-        let (error, gauge_error) = self.reference.errors(&pass);
-        let nothing = "no stress is left at the end time, so that no relative error can be measured";
-        let error = error.ok_or_else(|| Halt::Failed(nothing.into()))?;
+        let pass = measure::pass(&scene, Wanted::response(&self.instants.common), &mut self.watch)?;
+        let errors = self.reference.errors(&pass);
+        let error = errors[self.instants.measure].ok_or_else(|| Halt::Failed("there is nothing to compare".into()))?;
         let timing = measure::repeated(&scene, pass.seconds, &mut self.watch)?;
         let whole_wall_s = self.whole(&self.source.overrides(way, Some(resolution)))?;
         let whole = scene.in_pieces().is_none();
@@ -50,7 +50,7 @@ impl Runner for Bench<'_> {
         self.points[family].push(CostPoint {
             by,
             error,
-            gauge_error,
+            errors,
             step_wall_s: timing.median,
             shortest_s: timing.shortest,
             spread: timing.spread,

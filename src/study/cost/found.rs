@@ -6,7 +6,7 @@ use super::effects::EffectCost;
 use super::growth::Growth;
 use super::judge::{self, OrderFit, Reach, TOLERANCES};
 use super::source::Resolution;
-use crate::record::SolvedBy;
+use crate::record::{ErrorTable, SolvedBy};
 
 /// The study of a scene. Keys are those of `barwave cost --json`.
 #[derive(Debug, Clone, Serialize)]
@@ -15,7 +15,7 @@ pub struct Cost {
     pub scene: String,
     /// What errors are measured against.
     pub reference: String,
-    /// Relative L1 difference of the two finest references, or rounding where the reference is exact.
+    /// Difference of the two finest references in the same measure, or rounding where the reference is exact.
     pub reference_uncertainty: f64,
     /// What `error` is.
     pub measure: &'static str,
@@ -55,10 +55,10 @@ pub struct CostPoint {
     /// By what.
     #[serde(flatten)]
     pub by: SolvedBy,
-    /// Relative L1 of stress over the bar at the end time.
+    /// Error in the measure of the study.
     pub error: f64,
-    /// Largest relative L1 of stress over time of the gauges; null where there is none.
-    pub gauge_error: Option<f64>,
+    /// Errors in all measures.
+    pub errors: ErrorTable,
     /// Median stepping time, s.
     pub step_wall_s: f64,
     /// Shortest stepping time, s: what is left where the machine has other work too.
@@ -123,7 +123,7 @@ impl CostPoint {
         Self {
             by: resolution.solved_by([method, scheme]),
             error,
-            gauge_error: None,
+            errors: ErrorTable::default(),
             step_wall_s,
             shortest_s: step_wall_s,
             spread: 0.0,

@@ -3,13 +3,14 @@
 use std::time::Instant;
 
 use super::ladder::Halt;
-use super::shape::Shape;
+use crate::accuracy::{FrontListener, GridListener, Response};
 use crate::assemble;
-use crate::record::{StepGauges, Stepped, Trace, Traces};
+use crate::record::{StepGauges, Stepped, Traces};
 use crate::run::{self, Wish};
 use crate::scene::{Method, Scene};
-use crate::solver::fd::{Quantity, Sampling};
+use crate::solver::fd::{Grid, Sampling};
 use crate::solver::moc::{FrontTracking, Settings, Stopped};
+use crate::solver::net::Lattice;
 
 /// Work between two looks at the clock: some milliseconds.
 const CELL_STEPS: usize = 4_000_000;
@@ -52,14 +53,8 @@ impl Watch<'_> {
 pub(super) struct Pass {
     /// Stepping time, s.
     pub seconds: f64,
-    /// End time, s.
-    pub time: f64,
-    /// Stress over the bar at the end time.
-    pub shape: Shape,
-    /// Stress over time at the gauges.
-    pub gauges: Vec<Shape>,
-    /// Stress over the bar at the times asked for, as far as steps come near them, with their own times.
-    pub snapshots: Vec<(f64, Shape)>,
+    /// The response of the bar, with fields at the instants asked for, as far as steps come near them; empty where none were.
+    pub response: Response,
     /// Cells; 0 where there are none.
     pub cells: usize,
     /// Cell-steps or events.
@@ -71,19 +66,31 @@ pub(super) struct Pass {
 /// What is wanted of a run.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Wanted<'a> {
-    /// Gauge histories.
-    pub gauges: bool,
-    /// Shapes at these times too, s, increasing; on grids only.
-    pub snapshots: &'a [f64],
+    /// The response with fields at these instants, s, increasing; none: the stepping time alone.
+    pub instants: &'a [f64],
     /// Settings of front tracking other than those that the scene's method says.
     pub settings: Option<Settings>,
 }
 
-impl Wanted<'_> {
+impl<'a> Wanted<'a> {
     /// The stepping time alone.
-    pub const TIME: Self = Self { gauges: false, snapshots: &[], settings: None };
+    pub const TIME: Self = Self { instants: &[], settings: None };
+
     /// What a point of the study is judged by.
-    pub const RESULT: Self = Self { gauges: true, snapshots: &[], settings: None };
+    pub fn response(instants: &'a [f64]) -> Self {
+        Self { instants, settings: None }
+    }
+}
+
+/// Time step of a scene's grid, s; none without a grid.
+pub(super) fn time_step(scene: &Scene) -> Option<f64> {
+    let cut = scene.in_pieces();
+    let scene = cut.as_ref().unwrap_or(scene);
+    match scene.solve.method {
+        Method::Leapfrog { cells, cfl } | Method::Muscl { cells, cfl } => Some(Grid::new(&scene.bar, cells, cfl).dt),
+        Method::CharacteristicNet { cells } => Some(Lattice::new(&scene.bar, cells).grid.dt),
+        Method::FrontTracking { .. } => None,
+    }
 }
 
 /// Runs the scene's bar once. This is the one place in which the study chooses solvers.
@@ -152,105 +159,86 @@ pub(super) fn timing(mut times: Vec<f64>) -> Timing {
 /// A grid, step by step.
 fn stepped<S: Stepped>(scene: &Scene, mut bar: S, wanted: Wanted<'_>, watch: &mut Watch<'_>) -> Result<Pass, Halt> {
     let (cells, dt) = (bar.grid().cells(), bar.grid().dt);
-    let centres = bar.grid().centres();
     let places: Vec<f64> = scene.record.gauges.iter().map(|g| g.1).collect();
-    let places = Sampling::at(bar.grid(), if wanted.gauges { places } else { Vec::new() });
-    let mut traces = (!places.x().is_empty()).then(|| Traces::new(places, false));
-    if let Some(traces) = &traces {
-        bar.watch(traces);
-    }
-    let shape = |bar: &S| {
-        let mut stress = vec![0.0; cells];
-        bar.profile(Quantity::Stress, &mut stress);
-        Shape::Points(centres.iter().copied().zip(stress).collect())
-    };
-    let (end, mut seconds, mut result) = (run::steps(scene, dt), 0.0, None);
-    let last = wanted.snapshots.last().map_or(end, |&t| end.max((t / dt).round() as usize));
-    let due: Vec<usize> = wanted.snapshots.iter().map(|t| (t / dt).round() as usize).collect();
-    let mut snapshots = Vec::new();
+    let mut listening = (!wanted.instants.is_empty()).then(|| {
+        let listener = GridListener::new(&scene.bar, &bar, wanted.instants, places.len());
+        let mut traces = Traces::new(Sampling::at(bar.grid(), places), false);
+        bar.watch(&traces);
+        traces.add(&bar);
+        (listener, traces)
+    });
+    let (end, mut seconds) = (run::steps(scene, dt), 0.0);
+    let last = listening.as_ref().map_or(end, |(listener, _)| end.max(listener.last()));
     let burst = (CELL_STEPS / cells).max(1);
     while bar.step() < last {
-        let next = due.iter().copied().chain([end, last]).filter(|&s| s > bar.step()).min().unwrap_or(last);
-        let stop = next.min(bar.step() + burst);
+        let due = listening.as_ref().and_then(|(listener, _)| listener.next(bar.step()));
+        let stop =
+            due.into_iter().chain([end, last, bar.step() + burst]).filter(|&s| s > bar.step()).fold(last, usize::min);
         let before = Instant::now();
-        match &mut traces {
-            Some(traces) => bar.advance_logging(stop - bar.step(), traces),
+        match &mut listening {
+            Some((_, traces)) => bar.advance_logging(stop - bar.step(), traces),
             None => bar.advance_by(stop - bar.step()),
         }
         if bar.step() <= end {
             seconds += before.elapsed().as_secs_f64();
         }
-        if bar.step() == end {
-            result = Some((bar.time(), shape(&bar)));
-        }
-        if due.contains(&bar.step()) {
-            snapshots.push((bar.time(), shape(&bar)));
+        if let Some((listener, traces)) = &mut listening {
+            listener.look(&bar);
+            if traces.is_full() || bar.step() == last {
+                let (gauges, ends) = traces.take();
+                listener.hear(&gauges, &ends);
+            }
         }
         watch.look()?;
     }
     if bar.not_finite().is_some() {
         return Err(Halt::Failed("a stress is not a finite number".into()));
     }
-    let (time, shape) = result.unwrap_or_else(|| (bar.time(), shape(&bar)));
-    let points = |trace: Trace| Shape::Points(trace.time.into_iter().zip(trace.stress).collect());
-    let gauges = traces.map_or_else(Vec::new, |mut traces| traces.take().0.into_iter().map(points).collect());
-    Ok(Pass { seconds, time, shape, gauges, snapshots, cells, work: (cells * end) as u64, tracked: None })
+    let response = listening.map_or_else(Response::default, |(listener, _)| listener.response());
+    Ok(Pass { seconds, response, cells, work: (cells * end) as u64, tracked: None })
 }
 
 /// Fronts, burst by burst. That the bar is laid out, with its first Riemann problems, is part of the time.
 fn tracked(scene: &Scene, settings: Settings, wanted: Wanted<'_>, watch: &mut Watch<'_>) -> Result<Pass, Halt> {
-    let places: Vec<f64> = if wanted.gauges { scene.record.gauges.iter().map(|g| g.1).collect() } else { Vec::new() };
+    let listens = !wanted.instants.is_empty();
+    let places: Vec<f64> = scene.record.gauges.iter().filter(|_| listens).map(|g| g.1).collect();
     let trails = !places.is_empty();
-    let until = scene.solve.until;
+    let until = wanted.instants.last().copied().unwrap_or(0.0).max(scene.solve.until);
     let mut gauges = StepGauges::new(&scene.bar, &places, until);
+    let mut listener = FrontListener::new(&scene.bar, places.len());
     let before = Instant::now();
     let mut bar = assemble::front_tracking(scene, Settings { trails, ..settings });
     let mut seconds = before.elapsed().as_secs_f64();
-    loop {
-        bar.set_event_budget((bar.events() + EVENTS).min(settings.event_budget));
-        let before = Instant::now();
-        let ended = bar.advance_to(until);
-        seconds += before.elapsed().as_secs_f64();
-        if trails {
-            let trails = bar.take_trails();
-            gauges.collect(&bar, &trails);
+    let instants = wanted.instants.iter().copied().chain((wanted.instants.last() != Some(&until)).then_some(until));
+    for instant in instants {
+        loop {
+            bar.set_event_budget((bar.events() + EVENTS).min(settings.event_budget));
+            let before = Instant::now();
+            let ended = bar.advance_to(instant);
+            seconds += before.elapsed().as_secs_f64();
+            if trails {
+                let trails = bar.take_trails();
+                gauges.collect(&bar, &trails);
+                listener.hear(&gauges.take());
+            }
+            match ended {
+                Ok(()) => break,
+                Err(Stopped::EventBudget { events, .. }) if events < settings.event_budget => {}
+                Err(why) => return Err(Halt::Failed(why.to_string())),
+            }
+            watch.look()?;
         }
-        match ended {
-            Ok(()) => break,
-            Err(Stopped::EventBudget { events, .. }) if events < settings.event_budget => {}
-            Err(why) => return Err(Halt::Failed(why.to_string())),
+        if listens {
+            listener.look(&bar);
         }
-        watch.look()?;
     }
     if trails {
         gauges.close(&bar, &[]);
+        listener.hear(&gauges.take());
     }
-    let gauges = gauges.take().iter().map(|trace| Shape::from_rows(&trace.time, &trace.stress)).collect();
-    let shape = shape_of(&bar);
     bar.set_event_budget(u64::MAX);
-    let work = bar.events();
-    let tracked = Some(Box::new(bar));
-    Ok(Pass { seconds, time: until, shape, gauges, snapshots: Vec::new(), cells: 0, work, tracked })
-}
-
-/// Stress over a tracked bar now.
-pub(super) fn shape_of(bar: &FrontTracking) -> Shape {
-    let (mut edges, mut values, mut length) = (Vec::new(), Vec::new(), 0.0);
-    for piece in bar.pieces() {
-        if values.last() == Some(&piece.point.stress) {
-            length = piece.to;
-            continue;
-        }
-        if !values.is_empty() {
-            edges.push(piece.from);
-        }
-        values.push(piece.point.stress);
-        length = piece.to;
-    }
-    if values.is_empty() {
-        values.push(0.0);
-    }
-    Shape::Steps { edges, values, ends: [0.0, length] }
+    let (work, response) = (bar.events(), if listens { listener.response(&bar) } else { Response::default() });
+    Ok(Pass { seconds, response, cells: 0, work, tracked: Some(Box::new(bar)) })
 }
 
 #[cfg(test)]

@@ -9,7 +9,6 @@ mod ladder;
 mod measure;
 mod reference;
 mod rivals;
-mod shape;
 mod source;
 
 use std::time::Instant;
@@ -25,18 +24,30 @@ use self::ladder::Halt;
 use self::measure::Watch;
 use self::reference::Reference;
 use self::source::{Family, Source};
-use super::plan::{Work, plan};
+use crate::accuracy::{INSTANTS, evenly};
 use crate::error::{Error, InputError, Result};
+use crate::record::Measure;
 use crate::run::Wish;
-use crate::scene::Scene;
+use crate::scene::{Method, Scene};
 
 /// Parts of the budget by which the stages of the study have to be done; what one leaves goes to the next.
 const REFERENCE_BY: f64 = 0.4;
 const LADDERS_BY: f64 = 0.8;
 const EFFECTS_BY: f64 = 0.9;
 
-/// Rungs of a grid whose end times a reference on a grid keeps: finer ones end within a step of its own.
-const RUNGS_WITH_ENDS: usize = 10;
+/// Rungs of a grid whose own instants a tracked reference keeps: those of finer ones are as good as those asked for.
+const RUNGS_WITH_INSTANTS: usize = 8;
+/// Cells of the grid at whose steps all are compared.
+const COMMON_CELLS: f64 = 100.0;
+
+/// What is compared, and when.
+struct Instants {
+    measure: Measure,
+    /// Instants that are asked for, s, increasing.
+    common: Vec<f64>,
+    /// The steps next to them of every grid, s, increasing.
+    own: Vec<f64>,
+}
 
 /// A whole run from the start of its process to its end.
 #[derive(Debug, Clone, PartialEq)]
@@ -55,14 +66,13 @@ pub enum Whole {
 pub struct Hooks<'a> {
     /// Time for all of it, s, > 0.
     pub budget: f64,
+    /// What the errors are of.
+    pub measure: Measure,
     /// Runs the scene with these overrides in a process of its own, for at most so long (s).
     pub whole: &'a mut dyn FnMut(&[String], f64) -> Whole,
     /// Told what is under way and how much time has gone, s.
     pub progress: &'a mut dyn FnMut(&str, f64) -> Wish,
 }
-
-/// What the errors are.
-const MEASURE: &str = "relative L1 of stress over the bar at the end time";
 
 /// Studies a scene that was read from text.
 ///
@@ -76,6 +86,10 @@ pub fn cost(scene: &Scene, hooks: &mut Hooks<'_>) -> Result<Cost> {
         let help = "name the effects in an [effects] table; `barwave plan` says which ones it would choose";
         return Err(InputError::new(message).key("effects").help(help).into());
     }
+    if hooks.measure == Measure::Gauges && scene.record.gauges.is_empty() {
+        let error = InputError::new("the scene has no gauges").key("--measure");
+        return Err(error.help("name some in [record] gauges, or choose another measure").into());
+    }
     let load = load();
     let source = Source::new(scene);
     let (families, unable) = source.families();
@@ -85,13 +99,14 @@ pub fn cost(scene: &Scene, hooks: &mut Hooks<'_>) -> Result<Cost> {
     let budget = hooks.budget;
     let mut watch =
         Watch { started, until: REFERENCE_BY * budget, what: "reference".into(), progress: &mut *hooks.progress };
-    let ends = end_times(&source, &families)?;
-    let reference = reference::find(scene, &source, &families, &ends, &mut watch)?.map_err(|h| no_reference(&h))?;
+    let instants = instants(scene, &source, &families, hooks.measure)?;
+    let reference = reference::find(scene, &source, &families, &instants, &mut watch)?.map_err(|h| no_reference(&h))?;
     watch.until = LADDERS_BY * budget;
     let mut bench = Bench {
         source: &source,
         families: &families,
         reference: &reference,
+        instants: &instants,
         whole: &mut *hooks.whole,
         watch,
         points: vec![Vec::new(); families.len()],
@@ -123,7 +138,7 @@ pub fn cost(scene: &Scene, hooks: &mut Hooks<'_>) -> Result<Cost> {
         scene: scene.title.clone(),
         reference: reference.name.clone(),
         reference_uncertainty: reference.uncertainty,
-        measure: MEASURE,
+        measure: hooks.measure.describe(),
         points: points.into_iter().flatten().collect(),
         orders: serde_json::Map::new(),
         order_fits: Vec::new(),
@@ -155,21 +170,24 @@ fn below_reference<'a>(reference: &Reference, family: usize, rungs: &'a [Resolut
     &rungs[..rungs.iter().take_while(|r| coarser(r)).count()]
 }
 
-/// End times of the grids: each ends with the first step that reaches the scene's end time, s, increasing.
-fn end_times(source: &Source<'_>, families: &[Family]) -> Result<Vec<f64>> {
-    let mut times = Vec::new();
+/// Instants at which runs are compared: steps of a coarse grid, which finer ones take too or come near to.
+fn instants(scene: &Scene, source: &Source<'_>, families: &[Family], measure: Measure) -> Result<Instants> {
+    let cfl = if let Method::Leapfrog { cfl, .. } | Method::Muscl { cfl, .. } = scene.solve.method { cfl } else { 1.0 };
+    let step = (cfl * scene.bar.transit_time() / COMMON_CELLS).min(scene.solve.until);
+    let steps = (scene.solve.until / step * (1.0 + 1e-9)).floor() as usize;
+    let all: Vec<f64> = (1..=steps).map(|k| k as f64 * step).collect();
+    let common = evenly(&all, 2 * INSTANTS);
+    let mut own = common.clone();
     for family in families {
-        for &resolution in family.rungs.iter().take(RUNGS_WITH_ENDS) {
-            if let Resolution::Cells(_) = resolution
-                && let Work::Grid { dt_s, steps, .. } = plan(&source.at(family.way, resolution)?).work
-            {
-                times.push(dt_s * steps as f64);
+        for &resolution in family.rungs.iter().take(RUNGS_WITH_INSTANTS) {
+            if let Some(dt) = measure::time_step(&source.at(family.way, resolution)?) {
+                own.extend(common.iter().map(|t| (t / dt).round().max(1.0) * dt));
             }
         }
     }
-    times.sort_by(f64::total_cmp);
-    times.dedup();
-    Ok(times)
+    own.sort_by(f64::total_cmp);
+    own.dedup_by(|a, b| (*a - *b).abs() <= 1e-9 * step);
+    Ok(Instants { measure, common, own })
 }
 
 fn no_reference(halt: &Halt) -> Error {

@@ -1,15 +1,15 @@
 //! What errors are measured against, and how far that itself can be trusted.
 
+use super::Instants;
 use super::ladder::Halt;
-use super::measure::{self, Pass, Watch};
+use super::measure::{Pass, Watch};
 use super::rivals::{self, Rival, Run};
-use super::shape::Shape;
 use super::source::{Family, Resolution, Source};
+use crate::accuracy::{Response, similar_response};
 use crate::bar::{Launch, launches};
 use crate::error::Result;
-use crate::record;
+use crate::record::{self, ErrorTable};
 use crate::scene::{Effects, Scene};
-use crate::solver::moc::FrontTracking;
 
 /// Rounding of an exact solution: sums over some thousand steps of double precision.
 pub(super) const ROUNDING: f64 = 1e-12;
@@ -18,42 +18,30 @@ pub(super) const ROUNDING: f64 = 1e-12;
 pub(super) struct Reference {
     /// In words.
     pub name: String,
-    /// What the difference of the two finest runs leaves, or rounding; relative L1.
+    /// What the difference of the two finest runs leaves, or rounding, in the measure of the study.
     pub uncertainty: f64,
     /// Where a run of the scheme itself is the reference: the family and its cells.
     pub grid: Option<(usize, usize)>,
     kind: Kind,
-    gauges: Vec<Shape>,
 }
 
 enum Kind {
-    Similar(Box<Launch>, f64),
-    Tracked(Box<FrontTracking>),
-    Grid(Vec<(f64, Shape)>),
+    Similar(Box<Scene>, Box<Launch>),
+    /// With a field at every instant at which a run may be compared.
+    Run(Box<Response>),
 }
 
 impl Reference {
-    /// Stress over the bar at a time at or just after the end time.
-    pub fn shape(&self, time: f64) -> Shape {
+    /// Errors of a run.
+    pub fn errors(&self, pass: &Pass) -> ErrorTable {
         match &self.kind {
-            Kind::Similar(launch, length) => similar_profile(launch, *length, time),
-            Kind::Tracked(bar) => {
-                let mut bar = bar.clone();
-                // A bar that cannot go on stays where it is, at most one coarse step before that time.
-                let _ = bar.advance_to(time);
-                measure::shape_of(&bar)
+            Kind::Similar(scene, launch) => {
+                let times: Vec<f64> = pass.response.fields.iter().map(|field| field.0).collect();
+                let gauges: Vec<f64> = scene.record.gauges.iter().map(|gauge| gauge.1).collect();
+                pass.response.errors(&similar_response(&scene.bar, launch, &times, &gauges))
             }
-            Kind::Grid(shapes) => {
-                let near = shapes.iter().min_by(|a, b| (a.0 - time).abs().total_cmp(&(b.0 - time).abs()));
-                near.map_or_else(|| Shape::Points(Vec::new()), |found| found.1.clone())
-            }
+            Kind::Run(response) => pass.response.errors(response),
         }
-    }
-
-    /// Relative L1 of stress over the bar of a run, and the largest one over time of its gauges.
-    pub fn errors(&self, pass: &Pass) -> (Option<f64>, Option<f64>) {
-        let gauges = pass.gauges.iter().zip(&self.gauges).filter_map(|(found, exact)| found.distance(exact));
-        (pass.shape.distance(&self.shape(pass.time)), gauges.reduce(f64::max))
     }
 }
 
@@ -63,10 +51,10 @@ pub(super) fn find(
     scene: &Scene,
     source: &Source<'_>,
     families: &[Family],
-    ends: &[f64],
+    instants: &Instants,
     watch: &mut Watch<'_>,
 ) -> Result<std::result::Result<Reference, Halt>> {
-    if let Some(reference) = similar(scene, ends) {
+    if let Some(reference) = similar(scene, instants) {
         return Ok(Ok(reference));
     }
     let mut rivals = Vec::new();
@@ -74,19 +62,19 @@ pub(super) fn find(
     let tracking = families.iter().find(|f| matches!(f.rungs[0], Resolution::FrontTolerance(_)) && !tapers(scene));
     if let Some(family) = tracking {
         let scene = source.at(family.way, Resolution::FrontTolerance(0.0))?;
-        match rivals::every_wave(&scene, watch) {
+        match rivals::every_wave(&scene, instants, watch) {
             Ok(Some(pass)) if pass.tracked.as_ref().is_some_and(|bar| bar.is_exact()) => {
                 let name = "front tracking that keeps every wave, exact for the curve's table";
-                return Ok(Ok(tracked_reference(pass, ROUNDING, name.into())));
+                return Ok(Ok(run_reference(pass, ROUNDING, name.into())));
             }
-            Ok(kept) => rivals.push(Rival::of_fronts(scene, kept)),
+            Ok(kept) => rivals.push(Rival::of_fronts(scene, kept, instants.measure)),
             Err(halt) => return Ok(Err(halt)),
         }
     }
     if let Some((index, family)) = grid_family(scene, families) {
-        rivals.push(Rival::of_grid(index, family));
+        rivals.push(Rival::of_grid(index, family, instants.measure));
     }
-    if let Some(halt) = rivals::race(&mut rivals, source, ends, watch)? {
+    if let Some(halt) = rivals::race(&mut rivals, source, instants, watch)? {
         return Ok(Err(halt));
     }
     let known = rivals.into_iter().filter(|r| r.uncertainty().is_some());
@@ -102,10 +90,10 @@ fn of_rival(mut rival: Rival<'_>) -> Option<Reference> {
     Some(match rival.kind {
         rivals::Kind::Fronts { keeps: true, .. } => {
             let steps = format!("ramps in steps of {tolerance:.0e} of the largest stress");
-            tracked_reference(pass, uncertainty, format!("front tracking that keeps every wave, {steps}"))
+            run_reference(pass, uncertainty, format!("front tracking that keeps every wave, {steps}"))
         }
         rivals::Kind::Fronts { keeps: false, .. } => {
-            tracked_reference(pass, uncertainty, format!("front tracking with front-tolerance {tolerance:.0e}"))
+            run_reference(pass, uncertainty, format!("front tracking with front-tolerance {tolerance:.0e}"))
         }
         rivals::Kind::Grid { index, family } => grid_reference(pass, uncertainty, index, family.names[1]),
     })
@@ -124,9 +112,9 @@ fn tapers(scene: &Scene) -> bool {
     scene.bar.segments.iter().any(|segment| segment.taper.is_some())
 }
 
-/// The self-similar solution, where the scene has one up to the last of the end times.
-fn similar(scene: &Scene, ends: &[f64]) -> Option<Reference> {
-    let last = ends.iter().copied().fold(scene.solve.until, f64::max);
+/// The self-similar solution, where the scene has one up to the last of the instants.
+fn similar(scene: &Scene, instants: &Instants) -> Option<Reference> {
+    let last = instants.own.iter().copied().fold(scene.solve.until, f64::max);
     // It knows unloading, which it does not need, and nothing else.
     let known = Effects { unloading: scene.effects.unloading, ..Effects::default() };
     if scene.effects != known {
@@ -134,55 +122,20 @@ fn similar(scene: &Scene, ends: &[f64]) -> Option<Reference> {
     }
     let all = launches(&scene.bar, &scene.left, &scene.right);
     let launch = record::alone(&scene.bar, &all, last)?;
-    let length = scene.bar.length();
-    let gauges = scene.record.gauges.iter().map(|(_, x)| similar_history(launch, *x, last)).collect();
     Some(Reference {
         name: "self-similar solution, exact for the curve's table".into(),
         uncertainty: ROUNDING,
         grid: None,
-        kind: Kind::Similar(Box::new(launch.clone()), length),
-        gauges,
+        kind: Kind::Similar(Box::new(scene.clone()), Box::new(launch.clone())),
     })
 }
 
-fn similar_profile(launch: &Launch, length: f64, time: f64) -> Shape {
-    let mut edges: Vec<f64> = launch.fan.edges.iter().map(|e| launch.x + launch.direction * e.speed * time).collect();
-    edges.retain(|x| (0.0..length).contains(x));
-    edges.sort_by(f64::total_cmp);
-    let borders = std::iter::once(0.0).chain(edges.iter().copied());
-    let middles = borders.zip(edges.iter().copied().chain([length])).map(|(a, b)| 0.5 * (a + b));
-    let values = middles.map(|x| record::similar_stress(launch, x, time)).collect();
-    Shape::Steps { edges, values, ends: [0.0, length] }
-}
-
-fn similar_history(launch: &Launch, x: f64, until: f64) -> Shape {
-    let distance = (x - launch.x).abs();
-    let passing = launch.fan.edges.iter().filter(|e| e.speed > 0.0 && distance <= e.speed * until);
-    let (mut edges, mut values) = (Vec::new(), vec![0.0]);
-    for edge in passing {
-        edges.push(distance / edge.speed);
-        values.push(launch.sense.sign() * edge.stress_behind);
-    }
-    Shape::Steps { edges, values, ends: [0.0, until] }
-}
-
-fn tracked_reference(pass: Pass, uncertainty: f64, name: String) -> Reference {
-    let kind = match pass.tracked {
-        Some(bar) => Kind::Tracked(bar),
-        None => Kind::Grid(vec![(pass.time, pass.shape)]),
-    };
-    Reference { name, uncertainty, grid: None, kind, gauges: pass.gauges }
+fn run_reference(pass: Pass, uncertainty: f64, name: String) -> Reference {
+    Reference { name, uncertainty, grid: None, kind: Kind::Run(Box::new(pass.response)) }
 }
 
 fn grid_reference(pass: Pass, uncertainty: f64, index: usize, scheme: &str) -> Reference {
-    let mut shapes = pass.snapshots;
-    shapes.push((pass.time, pass.shape));
     let cells = pass.cells;
-    Reference {
-        name: format!("{scheme} with {cells} cells, a finer run of the same scheme: errors are estimates"),
-        uncertainty,
-        grid: Some((index, cells)),
-        kind: Kind::Grid(shapes),
-        gauges: pass.gauges,
-    }
+    let name = format!("{scheme} with {cells} cells, a finer run of the same scheme: errors are estimates");
+    Reference { grid: Some((index, cells)), ..run_reference(pass, uncertainty, name) }
 }

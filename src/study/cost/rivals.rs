@@ -1,10 +1,12 @@
 //! Ways to a reference where none is exact: front tracking and the finest grid, refined in turn. Always the one is refined that
 //! is expected to end surer in the time that is left, so that the time does not go into a way that leads nowhere.
 
+use super::Instants;
 use super::ladder::Halt;
 use super::measure::{self, Pass, Wanted, Watch};
 use super::source::{Family, Resolution, Source};
 use crate::error::Result;
+use crate::record::Measure;
 use crate::scene::Scene;
 use crate::solver::moc::{RAMP_STEP, Settings};
 
@@ -43,33 +45,38 @@ pub(super) struct Run {
 pub(super) struct Rival<'a> {
     pub kind: Kind<'a>,
     pub runs: Vec<Run>,
+    measure: Measure,
     out: bool,
 }
 
 impl<'a> Rival<'a> {
     /// Front tracking of a scene; `kept` is a run that kept every wave, with ramps in their coarsest steps.
-    pub fn of_fronts(scene: Scene, kept: Option<Pass>) -> Self {
+    pub fn of_fronts(scene: Scene, kept: Option<Pass>, measure: Measure) -> Self {
         let keeps = kept.is_some();
         let runs = kept.into_iter().map(|pass| Run { fineness: 1.0 / RAMP_STEP, pass }).collect();
-        Self { kind: Kind::Fronts { scene: Box::new(scene), keeps }, runs, out: false }
+        Self { kind: Kind::Fronts { scene: Box::new(scene), keeps }, runs, measure, out: false }
     }
 
-    pub fn of_grid(index: usize, family: &'a Family) -> Self {
-        Self { kind: Kind::Grid { index, family }, runs: Vec::new(), out: false }
+    pub fn of_grid(index: usize, family: &'a Family, measure: Measure) -> Self {
+        Self { kind: Kind::Grid { index, family }, runs: Vec::new(), measure, out: false }
     }
 
     /// How far the finest run may be off, relative L1: what the last difference leaves, by the order seen in three runs or the
     /// lowest one. None for fewer than two runs.
     pub fn uncertainty(&self) -> Option<f64> {
         let [.., before, last] = &self.runs[..] else { return None };
-        let near = apart(before, last)?;
+        let near = self.apart(before, last)?;
         let ratio = last.fineness / before.fineness;
         Some(near / (ratio.powf(self.order()) - 1.0))
     }
 
+    fn apart(&self, coarser: &Run, finer: &Run) -> Option<f64> {
+        coarser.pass.response.errors(&finer.pass.response)[self.measure]
+    }
+
     fn order(&self) -> f64 {
         let [first, before, last] = &self.runs[..] else { return ORDERS[0] };
-        let (Some(far), Some(near)) = (apart(first, before), apart(before, last)) else { return ORDERS[0] };
+        let (Some(far), Some(near)) = (self.apart(first, before), self.apart(before, last)) else { return ORDERS[0] };
         let seen = (far / near).ln() / (last.fineness / before.fineness).ln();
         if seen.is_nan() { ORDERS[0] } else { seen.clamp(ORDERS[0], ORDERS[1]) }
     }
@@ -114,7 +121,7 @@ impl<'a> Rival<'a> {
     fn run_next(
         &mut self,
         source: &Source<'_>,
-        ends: &[f64],
+        instants: &Instants,
         watch: &mut Watch<'_>,
     ) -> Result<std::result::Result<(), Halt>> {
         let Some(fineness) = self.next() else {
@@ -127,7 +134,7 @@ impl<'a> Rival<'a> {
                 watch.what = format!("reference: front tracking, tolerance {tolerance:.0e}");
                 let until = watch.until;
                 watch.until = watch.now() + RUN_SHARE * (until - watch.now()).max(0.0);
-                let pass = fronts(scene, if *keeps { 0.0 } else { tolerance }, Some(tolerance), watch);
+                let pass = fronts(scene, if *keeps { 0.0 } else { tolerance }, Some(tolerance), instants, watch);
                 watch.until = until;
                 pass
             }
@@ -135,7 +142,7 @@ impl<'a> Rival<'a> {
                 let cells = fineness as usize;
                 watch.what = format!("reference: {}, {cells} cells", family.names[1]);
                 let scene = source.at(family.way, Resolution::Cells(cells))?;
-                measure::pass(&scene, Wanted { gauges: true, snapshots: ends, settings: None }, watch)
+                measure::pass(&scene, Wanted::response(&instants.common), watch)
             }
         };
         Ok(match found {
@@ -155,22 +162,16 @@ impl<'a> Rival<'a> {
     }
 }
 
-fn apart(coarser: &Run, finer: &Run) -> Option<f64> {
-    let near = |shapes: &[(f64, super::shape::Shape)], time: f64| {
-        let nearest = shapes.iter().min_by(|a, b| (a.0 - time).abs().total_cmp(&(b.0 - time).abs()));
-        nearest.map(|found| found.1.clone())
-    };
-    // Grids end within a step of each other: the finer one is read at the coarser one's end.
-    let there = near(&finer.pass.snapshots, coarser.pass.time).unwrap_or_else(|| finer.pass.shape.clone());
-    coarser.pass.shape.distance(&there)
-}
-
 /// A run that keeps every wave, with ramps in their coarsest steps, if the time allows it.
-pub(super) fn every_wave(scene: &Scene, watch: &mut Watch<'_>) -> std::result::Result<Option<Pass>, Halt> {
+pub(super) fn every_wave(
+    scene: &Scene,
+    instants: &Instants,
+    watch: &mut Watch<'_>,
+) -> std::result::Result<Option<Pass>, Halt> {
     watch.what = "reference: front tracking, every wave".into();
     let until = watch.until;
     watch.until = watch.now() + EXACT_SHARE * (until - watch.now());
-    let found = fronts(scene, 0.0, None, watch);
+    let found = fronts(scene, 0.0, None, instants, watch);
     watch.until = until;
     match found {
         Ok(pass) => Ok(Some(pass)),
@@ -183,17 +184,18 @@ fn fronts(
     scene: &Scene,
     front_tolerance: f64,
     ramp_step: Option<f64>,
+    instants: &Instants,
     watch: &mut Watch<'_>,
 ) -> std::result::Result<Pass, Halt> {
     let settings = Settings { front_tolerance, ramp_step, event_budget: u64::MAX, ..Settings::default() };
-    measure::pass(scene, Wanted { gauges: true, snapshots: &[], settings: Some(settings) }, watch)
+    measure::pass(scene, Wanted { instants: &instants.own, settings: Some(settings) }, watch)
 }
 
 /// Refines the rivals in the watch's time; what stopped them, where the user did.
 pub(super) fn race(
     rivals: &mut [Rival<'_>],
     source: &Source<'_>,
-    ends: &[f64],
+    instants: &Instants,
     watch: &mut Watch<'_>,
 ) -> Result<Option<Halt>> {
     loop {
@@ -212,7 +214,7 @@ pub(super) fn race(
             next.filter(|r| promise(r) < best)
         };
         let Some(next) = next else { return Ok(None) };
-        if let Err(halt) = next.run_next(source, ends, watch)? {
+        if let Err(halt) = next.run_next(source, instants, watch)? {
             return Ok(Some(halt));
         }
     }
@@ -220,26 +222,18 @@ pub(super) fn race(
 
 #[cfg(test)]
 mod tests {
-    use super::super::shape::Shape;
     use super::*;
+    use crate::accuracy::{Response, Shape};
 
     fn run(fineness: f64, error: f64, seconds: f64) -> Run {
         let shape = Shape::Points(vec![(0.5, 1.0 + error)]);
-        let pass = Pass {
-            seconds,
-            time: 1.0,
-            shape,
-            gauges: Vec::new(),
-            snapshots: Vec::new(),
-            cells: fineness as usize,
-            work: 1,
-            tracked: None,
-        };
+        let response = Response { fields: vec![(1.0, shape)], length: 1.0, modulus: 1.0, ..Response::default() };
+        let pass = Pass { seconds, response, cells: fineness as usize, work: 1, tracked: None };
         Run { fineness, pass }
     }
 
     fn grid(family: &Family, order: f64, times: [f64; 3]) -> Rival<'_> {
-        let mut rival = Rival::of_grid(0, family);
+        let mut rival = Rival::of_grid(0, family, Measure::Field);
         let cells = [400.0, 800.0, 1600.0];
         rival.runs = cells.iter().zip(times).map(|(n, t)| run(*n, 1e-3 * (n / 400.0_f64).powf(-order), t)).collect();
         rival

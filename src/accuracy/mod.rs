@@ -1,0 +1,13 @@
+//! How far runs are apart: responses of a bar, the errors of one against another, and Richardson's extrapolation.
+
+mod listen;
+mod response;
+mod richardson;
+mod shape;
+mod similar;
+
+pub use listen::{FrontListener, GridListener, instants, stress_of};
+pub use response::{INSTANTS, Response, evenly};
+pub use richardson::{Estimate, Rules, SAFETY, SAFETY_OF_FRONTS, extrapolate};
+pub use shape::{Cells, Shape};
+pub use similar::{similar_profile, similar_response};

@@ -1,0 +1,190 @@
+//! What is compared of two runs: the response of the bar.
+
+use serde::{Deserialize, Serialize};
+
+use super::Shape;
+use crate::record::{ErrorTable, Measure};
+
+/// Part of the bar, or of the time, that a signal counts for at least, as if it had its largest value there.
+const FLOOR: f64 = 0.01;
+
+/// Part of the mean over time that the stress at the end time counts for at least: what is left in a bar that rang down is no measure.
+const OF_MEAN: f64 = 0.1;
+
+/// Instants that are compared at least, where memory allows.
+pub const INSTANTS: usize = 32;
+
+/// The response of a bar up to the last of its instants.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Response {
+    /// Stress over the bar, Pa, at instants (s), increasing.
+    pub fields: Vec<(f64, Shape)>,
+    /// Plastic strain over the bar at the last instant.
+    pub plastic: Option<Shape>,
+    /// Stress at the left and right end over time, Pa.
+    pub ends: Vec<Shape>,
+    /// Stress at the gauges over time, Pa.
+    pub gauges: Vec<Shape>,
+    /// Largest magnitude of the stress at either end, Pa.
+    pub peak: f64,
+    /// Length of the bar, m.
+    pub length: f64,
+    /// Largest Young's modulus, Pa.
+    pub modulus: f64,
+}
+
+/// What differences of stress and strain are related to.
+struct Scale {
+    /// Largest magnitude of stress anywhere, Pa.
+    stress: f64,
+    /// Integral of |stress| over the bar, mean over time, Pa m.
+    field: f64,
+    /// Largest strain, at least.
+    strain: f64,
+    /// s.
+    duration: f64,
+    length: f64,
+}
+
+impl Response {
+    /// The last instant, s.
+    pub fn time(&self) -> f64 {
+        self.fields.last().map_or(0.0, |field| field.0)
+    }
+
+    /// Errors against a reference, which holds a field at (nearly) each instant of this response.
+    pub fn errors(&self, reference: &Self) -> ErrorTable {
+        self.apart(reference, reference)
+    }
+
+    /// Differences from another response, relative to a third one: differences of several pairs are then in the same measure.
+    pub fn apart(&self, other: &Self, relative_to: &Self) -> ErrorTable {
+        let scale = relative_to.scale();
+        let over = |(apart, total): (f64, f64), floor: f64| {
+            let scale = total.max(floor);
+            if apart == 0.0 { 0.0 } else { apart / scale }
+        };
+        let (over_bar, over_time) = (FLOOR * scale.stress * scale.length, FLOOR * scale.stress * scale.duration);
+        ErrorTable::of(|measure| match measure {
+            Measure::Field => {
+                let (apart, instants) = self.fields_apart(other)?;
+                Some(over((apart / instants, scale.field), over_bar))
+            }
+            Measure::FieldAtEnd => {
+                let (time, own) = self.fields.last()?;
+                let (reference, by) = (&other.nearest(*time)?.1, &relative_to.nearest(*time)?.1);
+                let total = by.apart(by).1.max(OF_MEAN * scale.field);
+                Some(over((own.apart(reference).0, total), over_bar))
+            }
+            Measure::Ends => {
+                let apart: f64 = self.ends.iter().zip(&other.ends).map(|(own, other)| own.apart(other).0).sum();
+                let total: f64 = relative_to.ends.iter().map(|end| end.apart(end).1).sum();
+                Some(over((apart, total), over_time))
+            }
+            Measure::Gauges => {
+                let gauges = self.gauges.iter().zip(&other.gauges).zip(&relative_to.gauges);
+                let relative = gauges.map(|((own, other), by)| over((own.apart(other).0, by.apart(by).1), over_time));
+                relative.reduce(f64::max)
+            }
+            Measure::ResidualStrain => {
+                let (own, other, by) = (self.plastic.as_ref()?, other.plastic.as_ref()?, relative_to.plastic.as_ref()?);
+                Some(over((own.apart(other).0, by.apart(by).1), FLOOR * scale.strain * scale.length))
+            }
+            Measure::PeakForce => Some(over(((self.peak - other.peak).abs(), relative_to.peak), FLOOR * scale.stress)),
+        })
+    }
+
+    /// The field nearest in time.
+    fn nearest(&self, time: f64) -> Option<&(f64, Shape)> {
+        self.fields.iter().min_by(|a, b| (a.0 - time).abs().total_cmp(&(b.0 - time).abs()))
+    }
+
+    /// Sum of the differences of all instants that both have, and their number.
+    fn fields_apart(&self, other: &Self) -> Option<(f64, f64)> {
+        let (mut sum, mut count) = (0.0, 0.0);
+        let gap = if self.fields.len() > 1 { 0.5 * self.time() / self.fields.len() as f64 } else { f64::INFINITY };
+        for (time, shape) in &self.fields {
+            let nearest = other.nearest(*time)?;
+            if (nearest.0 - time).abs() < gap {
+                sum += shape.apart(&nearest.1).0;
+                count += 1.0;
+            }
+        }
+        (count > 0.0).then_some((sum, count))
+    }
+
+    fn scale(&self) -> Scale {
+        let field: f64 = self.fields.iter().map(|(_, shape)| shape.apart(shape).1).sum();
+        let peaks = self.fields.iter().map(|(_, shape)| shape).chain(&self.ends).chain(&self.gauges);
+        let stress = peaks.map(Shape::largest).fold(self.peak, f64::max);
+        let plastic = self.plastic.as_ref().map_or(0.0, Shape::largest);
+        Scale {
+            stress,
+            field: field / (self.fields.len() as f64).max(1.0),
+            strain: plastic.max(stress / self.modulus),
+            duration: self.time(),
+            length: self.length,
+        }
+    }
+}
+
+/// So many of the times (increasing), evenly, always with the last one; all of them where there are no more. Those for fewer are among
+/// those for more wherever `most` is halved.
+pub fn evenly(times: &[f64], most: usize) -> Vec<f64> {
+    let mut every = 1;
+    while times.len().div_ceil(every) > most.max(1) {
+        every *= 2;
+    }
+    let mut kept: Vec<f64> = times.iter().rev().step_by(every).copied().collect();
+    kept.reverse();
+    kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn response(front: f64, level: f64) -> Response {
+        let steps = |edge: f64| Shape::Steps { edges: vec![edge], values: vec![level, 0.0], ends: [0.0, 1.0] };
+        Response {
+            fields: vec![(0.5, steps(0.5 * front)), (1.0, steps(front))],
+            plastic: Some(Shape::Steps { edges: vec![], values: vec![0.0], ends: [0.0, 1.0] }),
+            ends: vec![Shape::Steps { edges: vec![], values: vec![level], ends: [0.0, 1.0] }; 2],
+            gauges: vec![],
+            peak: level,
+            length: 1.0,
+            modulus: 1e3,
+        }
+    }
+
+    #[test]
+    fn each_error_is_relative_to_what_the_reference_has() {
+        let errors = response(0.5, 2.0).errors(&response(0.6, 2.0));
+        let near = |measure: Measure, value: f64| (errors[measure].expect("measured") - value).abs() < 1e-12;
+        assert!(near(Measure::Field, 0.075 / 0.45) && near(Measure::FieldAtEnd, 0.1 / 0.6), "{errors:?}");
+        assert!(near(Measure::Ends, 0.0) && near(Measure::PeakForce, 0.0) && near(Measure::ResidualStrain, 0.0));
+        assert_eq!(errors[Measure::Gauges], None);
+        let errors = response(0.6, 2.2).errors(&response(0.6, 2.0));
+        assert!((errors[Measure::PeakForce].expect("measured") - 0.1).abs() < 1e-12, "{errors:?}");
+    }
+
+    #[test]
+    fn a_bar_that_rang_down_is_measured_by_what_was_in_it() {
+        let quiet = |left: f64| {
+            let mut response = response(0.5, 2.0);
+            response.fields.push((1.5, Shape::Steps { edges: vec![], values: vec![left], ends: [0.0, 1.0] }));
+            response
+        };
+        let errors = quiet(1e-9).errors(&quiet(0.0));
+        assert!(errors[Measure::FieldAtEnd].expect("measured") < 1e-8, "{errors:?}");
+    }
+
+    #[test]
+    fn fewer_instants_are_among_more() {
+        let times: Vec<f64> = (1..=100).map(f64::from).collect();
+        let (many, few) = (evenly(&times, 32), evenly(&times, 16));
+        assert_eq!(many.len(), 25);
+        assert!(few.iter().all(|t| many.contains(t)) && few.last() == Some(&100.0));
+        assert_eq!(evenly(&[1.0, 2.0], 32), [1.0, 2.0]);
+    }
+}

@@ -1,0 +1,227 @@
+//! A quantity over the bar at one time, or over time at one place, and how far two of them are apart.
+
+use serde::{Deserialize, Serialize};
+
+use crate::solver::fd::SegmentGrid;
+
+/// A quantity over an abscissa (m or s).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum Shape {
+    /// Constant between edges: as front tracking and the self-similar solution have it.
+    Steps {
+        /// Increasing.
+        edges: Vec<f64>,
+        /// One more than edges; an edge belongs to the piece on its left.
+        values: Vec<f64>,
+        /// Where the first piece begins and the last one ends.
+        ends: [f64; 2],
+    },
+    /// Known at points, increasing; straight between them and level outside.
+    Points(Vec<(f64, f64)>),
+    /// Means over the cells of a bar.
+    Cells(Cells),
+}
+
+/// Means over the cells of a bar.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Cells {
+    /// Segments from left to right.
+    pub segments: Vec<SegmentGrid>,
+    /// One a cell.
+    pub values: Vec<f64>,
+}
+
+/// Cells on both sides of a pair that must be there for its curvature.
+const BESIDE: usize = 2;
+
+impl Shape {
+    /// Steps from the two rows that a history has for each of its steps.
+    pub fn from_rows(time: &[f64], stress: &[f64]) -> Self {
+        let (mut edges, mut values) = (Vec::new(), vec![stress.first().copied().unwrap_or(0.0)]);
+        for k in 1..time.len() {
+            if stress[k] != stress[k - 1] {
+                edges.push(time[k]);
+                values.push(stress[k]);
+            }
+        }
+        let ends = [0.0, time.last().copied().unwrap_or(0.0)];
+        Self::Steps { edges, values, ends }
+    }
+
+    /// Value at a place.
+    pub fn at(&self, x: f64) -> f64 {
+        match self {
+            Self::Steps { edges, values, .. } => values[edges.partition_point(|&edge| edge < x)],
+            Self::Points(points) => between(points, x),
+            Self::Cells(cells) => cells.at(x),
+        }
+    }
+
+    /// Cells on the way to those of a later step: a part of the difference is added. What has no cells stays as it is.
+    #[must_use]
+    pub fn towards(mut self, later: &Self, weight: f64) -> Self {
+        if let (Self::Cells(cells), Self::Cells(later)) = (&mut self, later) {
+            for (value, later) in cells.values.iter_mut().zip(&later.values) {
+                *value += weight * (later - *value);
+            }
+        }
+        self
+    }
+
+    /// Largest magnitude.
+    pub fn largest(&self) -> f64 {
+        let largest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, |most: f64, v| most.max(v.abs()));
+        match self {
+            Self::Steps { values, .. } | Self::Cells(Cells { values, .. }) => largest(&mut values.iter().copied()),
+            Self::Points(points) => largest(&mut points.iter().map(|point| point.1)),
+        }
+    }
+
+    /// Integrals of |difference| and of the reference's magnitude. Points are read where they are and cells at their centres, each for
+    /// the stretch that it stands for; two rows of steps are integrated exactly.
+    pub fn apart(&self, reference: &Self) -> (f64, f64) {
+        let sum = |parts: &mut dyn Iterator<Item = (f64, f64)>| {
+            parts.fold((0.0, 0.0), |(apart, total), (width, x)| {
+                let expected = reference.at(x);
+                (apart + width * (self.at(x) - expected).abs(), total + width * expected.abs())
+            })
+        };
+        match (self, reference) {
+            (Self::Cells(cells), _) | (Self::Steps { .. }, Self::Cells(cells)) => sum(&mut cells.parts()),
+            (Self::Points(points), _) | (_, Self::Points(points)) => {
+                sum(&mut widths(points).into_iter().zip(points).map(|(width, point)| (width, point.0)))
+            }
+            (Self::Steps { edges, ends, .. }, Self::Steps { edges: other, .. }) => {
+                let mut all: Vec<f64> = edges.iter().chain(other).chain(ends).copied().collect();
+                all.retain(|x| (ends[0]..=ends[1]).contains(x));
+                all.sort_by(f64::total_cmp);
+                sum(&mut all.windows(2).map(|pair| (pair[1] - pair[0], 0.5 * (pair[0] + pair[1]))))
+            }
+        }
+    }
+
+    /// Relative L1 distance; none where the reference is nothing but zeros.
+    pub fn distance(&self, reference: &Self) -> Option<f64> {
+        let (apart, total) = self.apart(reference);
+        (total > 0.0).then(|| apart / total)
+    }
+}
+
+impl Cells {
+    /// Size and centre of each cell, m.
+    fn parts(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
+        self.segments.iter().flat_map(|part| {
+            let centre = |cell: usize| part.x0 + ((cell - part.cells.start) as f64 + 0.5) * part.dx;
+            part.cells.clone().map(move |cell| (part.dx, centre(cell)))
+        })
+    }
+
+    /// Value at a place. A straight line between two cells is what the mean of the two is: cells of a half and of the whole size
+    /// agree in that however coarse both are. So the curvature counts, that of kinks too, but not at a front, where it changes
+    /// its sign from cell to cell.
+    fn at(&self, x: f64) -> f64 {
+        let segment = self.segments.partition_point(|part| part.x0 <= x).max(1) - 1;
+        let part = &self.segments[segment];
+        let last = part.cells.len() - 1;
+        let place = ((x - part.x0) / part.dx - 0.5).clamp(0.0, last as f64);
+        // A centre is read as it is, however its place is rounded.
+        let place = if (place - place.round()).abs() < CENTRE { place.round() } else { place };
+        let left = (place.floor() as usize).min(last.saturating_sub(1));
+        let weight = place - left as f64;
+        let value = |k: usize| self.values[part.cells.start + k.min(last)];
+        let (here, next) = (value(left), value(left + 1));
+        let straight = here + weight * (next - here);
+        if weight == 0.0 || left < BESIDE || left + BESIDE + 1 > last {
+            return straight;
+        }
+        let bend = |k: usize| value(k - 1) - 2.0 * value(k) + value(k + 1);
+        let around = [left - 1, left, left + 1, left + 2].map(bend);
+        if around.iter().any(|b| *b > 0.0) && around.iter().any(|b| *b < 0.0) {
+            return straight;
+        }
+        straight - 0.25 * weight * (1.0 - weight) * (around[1] + around[2])
+    }
+}
+
+/// Distance from the centre of a cell that is rounding, in cells.
+const CENTRE: f64 = 1e-6;
+
+fn between(points: &[(f64, f64)], x: f64) -> f64 {
+    let after = points.partition_point(|point| point.0 < x);
+    match (after.checked_sub(1).map(|k| points[k]), points.get(after)) {
+        (Some((x0, y0)), Some(&(x1, y1))) if x1 > x0 => y0 + (y1 - y0) * (x - x0) / (x1 - x0),
+        (_, Some(&(_, y))) | (Some((_, y)), None) => y,
+        (None, None) => 0.0,
+    }
+}
+
+/// The stretch that each point stands for: half-way to its neighbours, and as far out at the ends.
+fn widths(points: &[(f64, f64)]) -> Vec<f64> {
+    let last = points.len().saturating_sub(1);
+    let gap = |k: usize| points[k + 1].0 - points[k].0;
+    let width = |k: usize| match (k, last) {
+        (_, 0) => 1.0,
+        (0, _) => gap(0),
+        (k, last) if k == last => gap(k - 1),
+        (k, _) => 0.5 * (gap(k - 1) + gap(k)),
+    };
+    (0..points.len()).map(width).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn steps(edges: &[f64], values: &[f64]) -> Shape {
+        Shape::Steps { edges: edges.to_vec(), values: values.to_vec(), ends: [0.0, 1.0] }
+    }
+
+    fn cells(values: &[f64]) -> Shape {
+        let count = values.len();
+        let segments = vec![SegmentGrid { cells: 0..count, x0: 0.0, dx: 1.0 / count as f64 }];
+        Shape::Cells(Cells { segments, values: values.to_vec() })
+    }
+
+    #[test]
+    fn steps_are_compared_exactly() {
+        // 2 on the first half against 2 on the first 0.6: 0.1 * 2 apart, over 1.2.
+        let distance = steps(&[0.5], &[2.0, 0.0]).distance(&steps(&[0.6], &[2.0, 0.0]));
+        assert!((distance.expect("not zero") - 0.2 / 1.2).abs() < 1e-15);
+    }
+
+    #[test]
+    fn points_and_cells_are_read_where_they_are() {
+        let points = |values: &[f64]| {
+            Shape::Points(values.iter().enumerate().map(|(i, &v)| (0.125 + 0.25 * i as f64, v)).collect())
+        };
+        // A front on the border of two cells is met exactly.
+        for shape in [points, cells] {
+            assert_eq!(shape(&[3.0, 3.0, 0.0, 0.0]).distance(&steps(&[0.5], &[3.0, 0.0])), Some(0.0));
+            assert_eq!(shape(&[3.0, 3.0, 1.0, 0.0]).distance(&steps(&[0.5], &[3.0, 0.0])), Some(1.0 / 6.0));
+            assert_eq!(shape(&[0.0, 1.0, 2.0, 3.0]).at(0.25), 0.5);
+            assert_eq!(shape(&[0.0, 1.0, 2.0, 3.0]).at(-1.0), 0.0);
+            assert_eq!(shape(&[0.0, 1.0, 2.0, 3.0]).at(9.0), 3.0);
+        }
+    }
+
+    #[test]
+    fn nothing_is_no_measure() {
+        assert_eq!(steps(&[], &[1.0]).distance(&steps(&[], &[0.0])), None);
+    }
+
+    #[test]
+    fn a_history_with_two_rows_a_step_becomes_steps() {
+        let shape = Shape::from_rows(&[0.0, 0.3, 0.3, 0.7, 0.7, 1.0], &[0.0, 0.0, 5.0, 5.0, 2.0, 2.0]);
+        assert_eq!(shape, steps(&[0.3, 0.7], &[0.0, 5.0, 2.0]));
+    }
+
+    #[test]
+    fn a_front_between_cells_of_both_grids_makes_no_difference() {
+        let front =
+            |count: usize| cells(&(0..count).map(|k| if 2 * k < count { 7.0 } else { 0.0 }).collect::<Vec<_>>());
+        let (apart, total) = front(20).apart(&front(40));
+        assert!(apart == 0.0 && (total - 3.5).abs() < 1e-12, "{apart} {total}");
+        // The middle cell of five lies on the front.
+        assert!(front(5).apart(&front(40)).0 > 0.0);
+    }
+}

@@ -1,0 +1,53 @@
+//! The response of a bar through which one fan runs: the self-similar solution.
+
+use super::response::Response;
+use super::shape::Shape;
+use crate::bar::{Bar, Launch};
+
+/// The response up to the last of the instants `times` (s, increasing), with gauges at these places (m). Exact for the curve's table.
+pub fn similar_response(bar: &Bar, launch: &Launch, times: &[f64], gauges: &[f64]) -> Response {
+    let (length, modulus) = (bar.length(), bar.segments[launch.segment].material.modulus);
+    let until = times.last().copied().unwrap_or(0.0);
+    let ends = [0.0, length].map(|x| similar_history(launch, x, until));
+    Response {
+        fields: times.iter().map(|&time| (time, similar_profile(launch, length, time))).collect(),
+        plastic: Some(profile(launch, length, until, |strain, stress| strain - stress / modulus)),
+        peak: ends.iter().map(Shape::largest).fold(0.0, f64::max),
+        ends: ends.into(),
+        gauges: gauges.iter().map(|&x| similar_history(launch, x, until)).collect(),
+        length,
+        modulus,
+    }
+}
+
+/// Stress over the bar at a time.
+pub fn similar_profile(launch: &Launch, length: f64, time: f64) -> Shape {
+    profile(launch, length, time, |_, stress| stress)
+}
+
+/// A function of the magnitudes of strain and stress over the bar.
+fn profile(launch: &Launch, length: f64, time: f64, value: impl Fn(f64, f64) -> f64) -> Shape {
+    let mut edges: Vec<f64> = launch.fan.edges.iter().map(|e| launch.x + launch.direction * e.speed * time).collect();
+    edges.retain(|x| (0.0..length).contains(x));
+    edges.sort_by(f64::total_cmp);
+    let borders = std::iter::once(0.0).chain(edges.iter().copied());
+    let middles = borders.zip(edges.iter().copied().chain([length])).map(|(a, b)| 0.5 * (a + b));
+    let at = |x: f64| {
+        let (strain, stress, _) = launch.fan.state((x - launch.x).abs() / time);
+        launch.sense.sign() * value(strain, stress)
+    };
+    let values = middles.map(at).collect();
+    Shape::Steps { edges, values, ends: [0.0, length] }
+}
+
+/// Stress over time at a place.
+fn similar_history(launch: &Launch, x: f64, until: f64) -> Shape {
+    let distance = (x - launch.x).abs();
+    let passing = launch.fan.edges.iter().filter(|e| e.speed > 0.0 && distance <= e.speed * until);
+    let (mut edges, mut values) = (Vec::new(), vec![0.0]);
+    for edge in passing {
+        edges.push(distance / edge.speed);
+        values.push(launch.sense.sign() * edge.stress_behind);
+    }
+    Shape::Steps { edges, values, ends: [0.0, until] }
+}

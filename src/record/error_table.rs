@@ -1,0 +1,143 @@
+//! The errors of a run: one number for each of the things that are read from it.
+
+use std::fmt;
+use std::ops::{Index, IndexMut};
+
+use serde::ser::SerializeMap;
+use serde::{Serialize, Serializer};
+
+/// What an error is of. Each is the integral of |difference from the reference| over that of |reference|. Where the reference is nearly
+/// zero nearly everywhere, its integral counts as if a hundredth of the bar or of the time had its largest value.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Measure {
+    /// Stress over the bar and over time.
+    Field,
+    /// Stress over the bar at the end time, relative to that or to a tenth of the mean over time, whichever is larger.
+    FieldAtEnd,
+    /// Stress at both ends over time.
+    Ends,
+    /// Stress at a gauge over time: the largest of all gauges.
+    Gauges,
+    /// Plastic strain over the bar at the end time.
+    ResidualStrain,
+    /// Largest magnitude of the stress at either end.
+    PeakForce,
+}
+
+impl Measure {
+    /// All of them.
+    pub const ALL: [Self; 6] =
+        [Self::Field, Self::FieldAtEnd, Self::Ends, Self::Gauges, Self::ResidualStrain, Self::PeakForce];
+
+    /// Its key in summaries, result files and tables.
+    pub fn key(self) -> &'static str {
+        match self {
+            Self::Field => "field",
+            Self::FieldAtEnd => "field_at_end",
+            Self::Ends => "ends",
+            Self::Gauges => "gauges",
+            Self::ResidualStrain => "residual_strain",
+            Self::PeakForce => "peak_force",
+        }
+    }
+
+    /// In words.
+    pub fn describe(self) -> &'static str {
+        match self {
+            Self::Field => "relative L1 of stress over the bar and time",
+            Self::FieldAtEnd => "relative L1 of stress over the bar at the end time",
+            Self::Ends => "relative L1 of the stress at the ends over time",
+            Self::Gauges => "relative L1 of the stress at the worst gauge over time",
+            Self::ResidualStrain => "relative L1 of plastic strain over the bar at the end time",
+            Self::PeakForce => "relative error of the largest stress at an end",
+        }
+    }
+
+    /// The measure of a key; "-" and "_" are alike.
+    pub fn of_key(key: &str) -> Option<Self> {
+        let key = key.replace('-', "_");
+        Self::ALL.into_iter().find(|measure| measure.key() == key)
+    }
+}
+
+/// An error for every measure; none where there is nothing to measure, as without gauges.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct ErrorTable([Option<f64>; 6]);
+
+impl ErrorTable {
+    /// Every entry by a function of its measure.
+    pub fn of(value: impl FnMut(Measure) -> Option<f64>) -> Self {
+        Self(Measure::ALL.map(value))
+    }
+
+    /// The largest entry; none in an empty table.
+    pub fn largest(&self) -> Option<(Measure, f64)> {
+        let known = Measure::ALL.into_iter().filter_map(|measure| Some((measure, self[measure]?)));
+        known.reduce(|a, b| if b.1 > a.1 || b.1.is_nan() { b } else { a })
+    }
+
+    /// The entries that there are.
+    pub fn entries(&self) -> impl Iterator<Item = (Measure, f64)> + '_ {
+        Measure::ALL.into_iter().filter_map(|measure| Some((measure, self[measure]?)))
+    }
+}
+
+impl Index<Measure> for ErrorTable {
+    type Output = Option<f64>;
+
+    fn index(&self, measure: Measure) -> &Option<f64> {
+        &self.0[measure as usize]
+    }
+}
+
+impl IndexMut<Measure> for ErrorTable {
+    fn index_mut(&mut self, measure: Measure) -> &mut Option<f64> {
+        &mut self.0[measure as usize]
+    }
+}
+
+impl fmt::Display for ErrorTable {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (k, (measure, value)) in self.entries().enumerate() {
+            let comma = if k > 0 { ", " } else { "" };
+            write!(f, "{comma}{} {value:.1e}", measure.key().replace('_', " "))?;
+        }
+        Ok(())
+    }
+}
+
+impl Serialize for ErrorTable {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(self.0.len()))?;
+        for measure in Measure::ALL {
+            map.serialize_entry(measure.key(), &self[measure])?;
+        }
+        map.end()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_largest_entry_is_named_and_what_is_not_known_left_out() {
+        let table = ErrorTable::of(|measure| match measure {
+            Measure::Ends => Some(0.2),
+            Measure::Gauges => None,
+            _ => Some(0.1),
+        });
+        assert_eq!(table.largest(), Some((Measure::Ends, 0.2)));
+        assert_eq!(ErrorTable::default().largest(), None);
+        let json = serde_json::to_value(table).expect("a map");
+        assert!(json["gauges"].is_null() && json["peak_force"] == 0.1);
+    }
+
+    #[test]
+    fn every_measure_is_found_by_its_key() {
+        for measure in Measure::ALL {
+            assert_eq!(Measure::of_key(&measure.key().replace('_', "-")), Some(measure));
+        }
+        assert_eq!(Measure::of_key("fields"), None);
+    }
+}

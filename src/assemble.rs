@@ -11,12 +11,34 @@ use crate::law::{
     Table, TwoSided, Warming,
 };
 use crate::material::{Curve, Heating, Material, Sense};
-use crate::scene::{Effects, Scene, Unloading};
+use crate::record::Stepped;
+use crate::scene::{Effects, Method, Scene, Unloading};
+use crate::snapshot::Snapshot;
 use crate::solver::fd::{Along, Grid, Leapfrog, SegmentLaw};
 use crate::solver::moc::{FrontTracking, Settings};
 use crate::solver::muscl::Muscl;
 use crate::solver::net::{Lattice, Net};
 use crate::wave::riemann::{Flow, Medium};
+
+/// What is to be done with a bar on a grid, whatever its solver.
+pub trait OnGrid {
+    /// What comes of it.
+    type Output;
+
+    /// Does it.
+    fn with(self, bar: impl Stepped + Snapshot) -> Self::Output;
+}
+
+/// Builds the bar of a scene's method and hands it on, if that method has a grid: the one place that chooses between solvers. None by front
+/// tracking. Tapers have to be in pieces where the method asks for it, see [`Scene::in_pieces`].
+pub fn on_grid<T: OnGrid>(scene: &Scene, task: T) -> Option<T::Output> {
+    match scene.solve.method {
+        Method::Leapfrog { cells, cfl } => Some(task.with(leapfrog(scene, cells, cfl))),
+        Method::Muscl { cells, cfl } => Some(task.with(muscl(scene, cells, cfl))),
+        Method::CharacteristicNet { cells } => Some(task.with(characteristic_net(scene, cells))),
+        Method::FrontTracking { .. } => None,
+    }
+}
 
 /// The finite-difference bar of a scene, ready to step: about `cells` cells, Courant number `cfl`.
 pub fn leapfrog(scene: &Scene, cells: usize, cfl: f64) -> Leapfrog {

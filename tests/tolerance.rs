@@ -7,6 +7,7 @@ mod known;
 use std::path::Path;
 use std::process::Command;
 
+use barwave::record::Measure;
 use barwave::run::{self, Wish};
 use known::{Known, Truth, held_out, known};
 use serde_json::Value;
@@ -80,6 +81,8 @@ fn an_elastic_estimate_is_not_below_the_error_whatever_the_cells() {
             let mut scene = case.scene(&format!("method = \"fd\"\ncells = {cells}"));
             scene.solve.estimate_error = true;
             let summary = run::run(&scene, None, &mut |_| Wish::GoOn).expect("it runs");
+            let errors = summary.errors.expect("a table");
+            assert!(Measure::ALL.into_iter().all(|m| m == Measure::Gauges || errors[m].is_some()), "{errors:?}");
             let (estimate, error) = (summary.error.map_or(f64::NAN, |e| e.value), case.error_of(&scene));
             println!("{}, {cells} cells: estimate {estimate:.1e}, error {error:.1e}", case.name);
             // Below that it is rounding: corners that lie on the cells' faces are exact.

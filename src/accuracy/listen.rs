@@ -1,12 +1,14 @@
 //! Gathers the response of a bar while it is simulated: on a grid, and by front tracking.
 
+use std::time::Instant;
+
 use serde::{Deserialize, Serialize};
 
 use super::response::{Response, evenly};
 use super::shape::{Cells, Shape};
 use crate::bar::Bar;
-use crate::record::{Stepped, Trace};
-use crate::solver::fd::Quantity;
+use crate::record::{Stepped, Trace, Traces};
+use crate::solver::fd::{Quantity, Sampling};
 use crate::solver::moc::{FrontTracking, Piece};
 
 /// Values that the fields and the histories may hold, each: fewer instants and rows where the bar has more cells and gauges.
@@ -19,7 +21,7 @@ const LEAST_INSTANTS: usize = 4;
 const ROWS: [usize; 2] = [1 << 10, 1 << 16];
 
 /// Instants of a grid of so many cells, from those that were asked for (increasing).
-pub fn instants(asked: &[f64], cells: usize) -> Vec<f64> {
+fn instants(asked: &[f64], cells: usize) -> Vec<f64> {
     evenly(asked, (MOST_VALUES / cells.max(1)).clamp(LEAST_INSTANTS, asked.len().max(LEAST_INSTANTS)))
 }
 
@@ -30,8 +32,8 @@ pub struct GridListener {
     due: Vec<f64>,
     /// s.
     dt: f64,
-    /// The fields after the step before an instant that lies between two steps.
-    before: Option<[Shape; 2]>,
+    /// The step before an instant that lies between two steps, and the fields after it.
+    before: Option<(usize, [Shape; 2])>,
     ends: [History; 2],
     gauges: Vec<History>,
     response: Response,
@@ -80,29 +82,27 @@ impl GridListener {
         }
     }
 
-    /// Reads the fields, if they are due. Between two steps they are interpolated.
+    /// Reads the fields, if they are due: to be called before the first step and after each that [`GridListener::next`] names. Between two
+    /// steps fields are interpolated.
     pub fn look(&mut self, bar: &impl Stepped) {
-        let Some(&instant) = self.due.get(self.response.fields.len()) else { return };
-        let (first, weight) = self.place(instant);
-        let now = || [profile(bar, Quantity::Stress), profile(bar, Quantity::PlasticStrain)];
-        let [stress, plastic] = match (bar.step(), self.before.take()) {
-            (step, _) if step == first && weight > 0.0 => {
-                self.before = Some(now());
-                return;
+        while let Some(&instant) = self.due.get(self.response.fields.len()) {
+            let (first, weight) = self.place(instant);
+            let now = [Quantity::Stress, Quantity::PlasticStrain].map(|quantity| profile(bar, quantity));
+            let [stress, plastic] = match &self.before {
+                _ if bar.step() == first && weight > 0.0 => {
+                    self.before = Some((first, now));
+                    return;
+                }
+                _ if bar.step() == first => now,
+                Some((step, before)) if *step == first && bar.step() == first + 1 => {
+                    [0, 1].map(|k| before[k].clone().towards(&now[k], weight))
+                }
+                _ => return,
+            };
+            self.response.fields.push((instant, stress));
+            if self.response.fields.len() == self.due.len() {
+                self.response.plastic = Some(plastic);
             }
-            (step, _) if step == first => now(),
-            (step, Some([stress, plastic])) if step == first + 1 => {
-                let [later_stress, later_plastic] = now();
-                [stress.towards(&later_stress, weight), plastic.towards(&later_plastic, weight)]
-            }
-            (_, before) => {
-                self.before = before;
-                return;
-            }
-        };
-        self.response.fields.push((instant, stress));
-        if self.response.fields.len() == self.due.len() {
-            self.response.plastic = Some(plastic);
         }
     }
 
@@ -129,6 +129,62 @@ impl GridListener {
             ..self.response.clone()
         }
     }
+}
+
+/// A bar on a grid that is to be stepped for its response alone.
+#[derive(Debug, Clone, Copy)]
+pub struct Course<'a> {
+    /// Instants of the fields, s, increasing; none: nothing is read.
+    pub instants: &'a [f64],
+    /// Places of the gauges, m.
+    pub gauges: &'a [f64],
+    /// Steps to take at least.
+    pub steps: usize,
+    /// Cell-steps between two pauses.
+    pub work: usize,
+}
+
+/// Steps a bar without recorders: its response, and the time spent in the solver, s. `pause` is called now and then, and may end it.
+///
+/// # Errors
+/// What `pause` returns.
+pub fn respond<S: Stepped, E>(
+    scene: &Bar,
+    bar: &mut S,
+    course: Course<'_>,
+    mut pause: impl FnMut(&S, usize) -> Result<(), E>,
+) -> Result<(Response, f64), E> {
+    let mut listening = (!course.instants.is_empty()).then(|| {
+        let listener = GridListener::new(scene, bar, course.instants, course.gauges.len());
+        (listener, Traces::new(Sampling::at(bar.grid(), course.gauges.to_vec()), false))
+    });
+    if let Some((listener, traces)) = &mut listening {
+        bar.watch(traces);
+        traces.add(bar);
+        listener.look(bar);
+    }
+    let steps = listening.as_ref().map_or(course.steps, |(listener, _)| course.steps.max(listener.last()));
+    let burst = (course.work / bar.grid().cells()).max(1);
+    let mut seconds = 0.0;
+    while bar.step() < steps {
+        let due = listening.as_ref().and_then(|(listener, _)| listener.next(bar.step()));
+        let stop = due.unwrap_or(steps).min(bar.step() + burst).min(steps);
+        let before = Instant::now();
+        match &mut listening {
+            Some((_, traces)) => bar.advance_logging(stop - bar.step(), traces),
+            None => bar.advance_by(stop - bar.step()),
+        }
+        seconds += before.elapsed().as_secs_f64();
+        if let Some((listener, traces)) = &mut listening {
+            listener.look(bar);
+            if traces.is_full() || bar.step() == steps {
+                let (gauges, ends) = traces.take();
+                listener.hear(&gauges, &ends);
+            }
+        }
+        pause(bar, steps)?;
+    }
+    Ok((listening.map_or_else(Response::default, |(listener, _)| listener.response()), seconds))
 }
 
 fn empty(bar: &Bar) -> Response {
@@ -229,7 +285,7 @@ impl FrontListener {
 }
 
 /// Stress over a tracked bar now.
-pub fn stress_of(bar: &FrontTracking) -> Shape {
+fn stress_of(bar: &FrontTracking) -> Shape {
     steps(bar, |piece| piece.point.stress)
 }
 

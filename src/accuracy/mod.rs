@@ -6,8 +6,8 @@ mod richardson;
 mod shape;
 mod similar;
 
-pub use listen::{FrontListener, GridListener, instants, stress_of};
+pub use listen::{Course, FrontListener, GridListener, respond};
 pub use response::{INSTANTS, Response, evenly};
 pub use richardson::{Estimate, Rules, SAFETY, SAFETY_OF_FRONTS, extrapolate};
 pub use shape::{Cells, Shape};
-pub use similar::{similar_profile, similar_response};
+pub use similar::similar_response;

@@ -21,7 +21,7 @@ pub fn similar_response(bar: &Bar, launch: &Launch, times: &[f64], gauges: &[f64
 }
 
 /// Stress over the bar at a time.
-pub fn similar_profile(launch: &Launch, length: f64, time: f64) -> Shape {
+fn similar_profile(launch: &Launch, length: f64, time: f64) -> Shape {
     profile(launch, length, time, |_, stress| stress)
 }
 

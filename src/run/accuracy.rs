@@ -3,14 +3,14 @@
 
 use super::{Progress, Wish};
 use crate::accuracy::{
-    GridListener, INSTANTS, Response, Rules, SAFETY, SAFETY_OF_FRONTS, evenly, extrapolate, similar_response,
+    Course, INSTANTS, Response, Rules, SAFETY, SAFETY_OF_FRONTS, evenly, extrapolate, respond, similar_response,
 };
-use crate::assemble;
+use crate::assemble::{self, OnGrid};
 use crate::bar::Launch;
 use crate::error::{Error, Result};
-use crate::record::{self, ErrorFigure, ErrorTable, Stepped, Traces};
+use crate::record::{self, ErrorFigure, ErrorTable, Stepped};
 use crate::scene::{Method, Scene, Solve};
-use crate::solver::fd::Sampling;
+use crate::snapshot::Snapshot;
 
 /// Steps that an eighth of the cells takes as one: runs are compared after multiples of so many.
 const COMMON: usize = 8;
@@ -75,43 +75,30 @@ pub(super) fn coarse(
 ) -> Option<Coarse> {
     let cut = Scene { solve: Solve { method, ..scene.solve.clone() }, ..scene.clone() }.in_pieces();
     let scene = cut.as_ref().unwrap_or(scene);
-    match method {
-        Method::Leapfrog { cells, cfl } => stepped(scene, assemble::leapfrog(scene, cells, cfl), instants, progress),
-        Method::Muscl { cells, cfl } => stepped(scene, assemble::muscl(scene, cells, cfl), instants, progress),
-        Method::CharacteristicNet { cells } => {
-            stepped(scene, assemble::characteristic_net(scene, cells), instants, progress)
-        }
-        Method::FrontTracking { .. } => None,
-    }
+    assemble::on_grid(scene, Task { scene, instants, progress })?
 }
 
-fn stepped<S: Stepped>(
-    scene: &Scene,
-    mut bar: S,
-    instants: &[f64],
-    progress: &mut dyn FnMut(Progress) -> Wish,
-) -> Option<Coarse> {
-    let cells = bar.grid().cells();
-    let places: Vec<f64> = scene.record.gauges.iter().map(|gauge| gauge.1).collect();
-    let mut listener = GridListener::new(&scene.bar, &bar, instants, places.len());
-    let mut traces = Traces::new(Sampling::at(bar.grid(), places), false);
-    bar.watch(&traces);
-    traces.add(&bar);
-    let (steps, burst) = (listener.last(), (WORK_BETWEEN_CALLS / cells).max(1));
-    while bar.step() < steps {
-        let next = listener.next(bar.step()).unwrap_or(steps).min(bar.step() + burst);
-        bar.advance_logging(next - bar.step(), &mut traces);
-        listener.look(&bar);
-        if traces.is_full() || bar.step() == steps {
-            let (gauges, ends) = traces.take();
-            listener.hear(&gauges, &ends);
-        }
-        if progress(Progress::Steps { step: bar.step(), steps, cells }) == Wish::Stop {
-            return None;
-        }
+/// A coarse run.
+struct Task<'a> {
+    scene: &'a Scene,
+    instants: &'a [f64],
+    progress: &'a mut dyn FnMut(Progress) -> Wish,
+}
+
+impl OnGrid for Task<'_> {
+    type Output = Option<Coarse>;
+
+    fn with(self, mut bar: impl Stepped + Snapshot) -> Option<Coarse> {
+        let cells = bar.grid().cells();
+        let gauges: Vec<f64> = self.scene.record.gauges.iter().map(|gauge| gauge.1).collect();
+        let course = Course { instants: self.instants, gauges: &gauges, steps: 0, work: WORK_BETWEEN_CALLS };
+        let found = respond(&self.scene.bar, &mut bar, course, |bar, steps| {
+            let wish = (self.progress)(Progress::Steps { step: bar.step(), steps, cells });
+            if wish == Wish::Stop { Err(()) } else { Ok(()) }
+        });
+        let (response, _) = found.ok()?;
+        Some(Coarse { response, elastic: bar.stayed_elastic(), cells, work: (bar.step() * cells) as u64 })
     }
-    let work = (bar.step() * cells) as u64;
-    Some(Coarse { response: listener.response(), elastic: bar.stayed_elastic(), cells, work })
 }
 
 /// Which orders can be expected of runs by a method, the finest of which stayed elastic or not.

@@ -109,20 +109,11 @@ fn on_target(scene: &Scene, target: &Target<'_>, progress: &mut dyn FnMut(Progre
     let started = Instant::now();
     let cut = scene.in_pieces();
     let scene = cut.as_ref().unwrap_or(scene);
-    match scene.solve.method {
-        Method::Leapfrog { cells, cfl } => {
-            stepped::run(scene, assemble::leapfrog(scene, cells, cfl), target, started, progress)
-        }
-        Method::Muscl { cells, cfl } => {
-            stepped::run(scene, assemble::muscl(scene, cells, cfl), target, started, progress)
-        }
-        Method::CharacteristicNet { cells } => {
-            stepped::run(scene, assemble::characteristic_net(scene, cells), target, started, progress)
-        }
-        Method::FrontTracking { front_tolerance, event_budget } => {
-            tracked::run(scene, front_tolerance, event_budget, target.path, started, progress)
-        }
+    if let Method::FrontTracking { front_tolerance, event_budget } = scene.solve.method {
+        return tracked::run(scene, front_tolerance, event_budget, target.path, started, progress);
     }
+    let task = stepped::Task { scene, target, started, progress };
+    assemble::on_grid(scene, task).unwrap_or(Err(Error::Interrupted))
 }
 
 /// Notes on impacts above the critical velocity, for a bar that did not break (`parted`) where it was to.

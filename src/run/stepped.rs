@@ -9,7 +9,7 @@ use super::accuracy;
 use super::limits::AtLimit;
 use super::{Book, Findings, Progress, Target, Wish, flow_both_ways, steps, twisted};
 use crate::accuracy::GridListener;
-use crate::assemble;
+use crate::assemble::{self, OnGrid};
 use crate::error::{Error, Result, RunError};
 use crate::record::{
     self, Audit, AuditRow, ElasticProbe, EndState, EndSummary, ErrorFigure, Frames, FrontTracker, Ledger,
@@ -43,20 +43,26 @@ const CELLS_FROM_END: usize = 4;
 /// step itself; those that follow are dropped.
 const STEPS_BETWEEN_LIMIT_CHECKS: usize = 32;
 
-/// Runs a scene on a grid.
-pub(super) fn run<S: Stepped + Snapshot>(
-    scene: &Scene,
-    bar: S,
-    target: &Target<'_>,
-    started: Instant,
-    progress: &mut dyn FnMut(Progress) -> Wish,
-) -> Result<Summary> {
-    let mut run = Run::new(scene, bar, target, started)?;
-    if let Some(checkpoint) = &target.checkpoint {
-        run.resume(checkpoint)?;
+/// A scene that is to be run on a grid.
+pub(super) struct Task<'a> {
+    pub scene: &'a Scene,
+    pub target: &'a Target<'a>,
+    pub started: Instant,
+    pub progress: &'a mut dyn FnMut(Progress) -> Wish,
+}
+
+impl OnGrid for Task<'_> {
+    type Output = Result<Summary>;
+
+    fn with(self, bar: impl Stepped + Snapshot) -> Result<Summary> {
+        let Self { scene, target, started, progress } = self;
+        let mut run = Run::new(scene, bar, target, started)?;
+        if let Some(checkpoint) = &target.checkpoint {
+            run.resume(checkpoint)?;
+        }
+        let ended = run.step_to_end(progress).and_then(|()| run.error(progress));
+        run.finish(ended)
     }
-    let ended = run.step_to_end(progress).and_then(|()| run.error(progress));
-    run.finish(ended)
 }
 
 /// A run under way.

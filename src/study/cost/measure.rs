@@ -3,12 +3,13 @@
 use std::time::Instant;
 
 use super::ladder::Halt;
-use crate::accuracy::{FrontListener, GridListener, Response};
-use crate::assemble;
-use crate::record::{StepGauges, Stepped, Traces};
+use crate::accuracy::{Course, FrontListener, Response, respond};
+use crate::assemble::{self, OnGrid};
+use crate::record::{StepGauges, Stepped};
 use crate::run::{self, Wish};
 use crate::scene::{Method, Scene};
-use crate::solver::fd::{Grid, Sampling};
+use crate::snapshot::Snapshot;
+use crate::solver::fd::Grid;
 use crate::solver::moc::{FrontTracking, Settings, Stopped};
 use crate::solver::net::Lattice;
 
@@ -93,21 +94,15 @@ pub(super) fn time_step(scene: &Scene) -> Option<f64> {
     }
 }
 
-/// Runs the scene's bar once. This is the one place in which the study chooses solvers.
+/// Runs the scene's bar once.
 pub(super) fn pass(scene: &Scene, wanted: Wanted<'_>, watch: &mut Watch<'_>) -> Result<Pass, Halt> {
     let cut = scene.in_pieces();
     let scene = cut.as_ref().unwrap_or(scene);
-    match scene.solve.method {
-        Method::Leapfrog { cells, cfl } => stepped(scene, assemble::leapfrog(scene, cells, cfl), wanted, watch),
-        Method::Muscl { cells, cfl } => stepped(scene, assemble::muscl(scene, cells, cfl), wanted, watch),
-        Method::CharacteristicNet { cells } => {
-            stepped(scene, assemble::characteristic_net(scene, cells), wanted, watch)
-        }
-        Method::FrontTracking { front_tolerance, event_budget } => {
-            let own = Settings { front_tolerance, event_budget, ..Settings::default() };
-            tracked(scene, wanted.settings.unwrap_or(own), wanted, watch)
-        }
+    if let Method::FrontTracking { front_tolerance, event_budget } = scene.solve.method {
+        let own = Settings { front_tolerance, event_budget, ..Settings::default() };
+        return tracked(scene, wanted.settings.unwrap_or(own), wanted, watch);
     }
+    assemble::on_grid(scene, Task { scene, wanted, watch }).unwrap_or(Err(Halt::OutOfTime))
 }
 
 /// Stepping times of a scene's bar: the median, and the distance between the quartiles over the median.
@@ -157,45 +152,25 @@ pub(super) fn timing(mut times: Vec<f64>) -> Timing {
 }
 
 /// A grid, step by step.
-fn stepped<S: Stepped>(scene: &Scene, mut bar: S, wanted: Wanted<'_>, watch: &mut Watch<'_>) -> Result<Pass, Halt> {
-    let (cells, dt) = (bar.grid().cells(), bar.grid().dt);
-    let places: Vec<f64> = scene.record.gauges.iter().map(|g| g.1).collect();
-    let mut listening = (!wanted.instants.is_empty()).then(|| {
-        let listener = GridListener::new(&scene.bar, &bar, wanted.instants, places.len());
-        let mut traces = Traces::new(Sampling::at(bar.grid(), places), false);
-        bar.watch(&traces);
-        traces.add(&bar);
-        (listener, traces)
-    });
-    let (end, mut seconds) = (run::steps(scene, dt), 0.0);
-    let last = listening.as_ref().map_or(end, |(listener, _)| end.max(listener.last()));
-    let burst = (CELL_STEPS / cells).max(1);
-    while bar.step() < last {
-        let due = listening.as_ref().and_then(|(listener, _)| listener.next(bar.step()));
-        let stop =
-            due.into_iter().chain([end, last, bar.step() + burst]).filter(|&s| s > bar.step()).fold(last, usize::min);
-        let before = Instant::now();
-        match &mut listening {
-            Some((_, traces)) => bar.advance_logging(stop - bar.step(), traces),
-            None => bar.advance_by(stop - bar.step()),
+struct Task<'a, 'w> {
+    scene: &'a Scene,
+    wanted: Wanted<'a>,
+    watch: &'a mut Watch<'w>,
+}
+
+impl OnGrid for Task<'_, '_> {
+    type Output = Result<Pass, Halt>;
+
+    fn with(self, mut bar: impl Stepped + Snapshot) -> Result<Pass, Halt> {
+        let (cells, steps) = (bar.grid().cells(), run::steps(self.scene, bar.grid().dt));
+        let gauges: Vec<f64> = self.scene.record.gauges.iter().map(|g| g.1).collect();
+        let course = Course { instants: self.wanted.instants, gauges: &gauges, steps, work: CELL_STEPS };
+        let (response, seconds) = respond(&self.scene.bar, &mut bar, course, |_, _| self.watch.look())?;
+        if bar.not_finite().is_some() {
+            return Err(Halt::Failed("a stress is not a finite number".into()));
         }
-        if bar.step() <= end {
-            seconds += before.elapsed().as_secs_f64();
-        }
-        if let Some((listener, traces)) = &mut listening {
-            listener.look(&bar);
-            if traces.is_full() || bar.step() == last {
-                let (gauges, ends) = traces.take();
-                listener.hear(&gauges, &ends);
-            }
-        }
-        watch.look()?;
+        Ok(Pass { seconds, response, cells, work: (cells * bar.step()) as u64, tracked: None })
     }
-    if bar.not_finite().is_some() {
-        return Err(Halt::Failed("a stress is not a finite number".into()));
-    }
-    let response = listening.map_or_else(Response::default, |(listener, _)| listener.response());
-    Ok(Pass { seconds, response, cells, work: (cells * end) as u64, tracked: None })
 }
 
 /// Fronts, burst by burst. That the bar is laid out, with its first Riemann problems, is part of the time.

@@ -73,8 +73,8 @@ pub(super) fn coarse(
     instants: &[f64],
     progress: &mut dyn FnMut(Progress) -> Wish,
 ) -> Option<Coarse> {
-    let cut = Scene { solve: Solve { method, ..scene.solve.clone() }, ..scene.clone() }.in_pieces();
-    let scene = cut.as_ref().unwrap_or(scene);
+    let scene = Scene { solve: Solve { method, ..scene.solve.clone() }, ..scene.clone() };
+    let scene = &scene.in_pieces().unwrap_or(scene);
     assemble::on_grid(scene, Task { scene, instants, progress })?
 }
 

@@ -37,7 +37,7 @@ struct Side<'a> {
 
 impl Side<'_> {
     fn flow(&self, force: f64, dt: f64) -> (Flow, History) {
-        self.part.borders.flow(&self.part.law, self.node, force / self.part.area, self.share, dt)
+        self.part.borders.flow(&self.part.law, self.node, force / self.part.area, self.share, [1.0, dt])
     }
 
     /// The force after a flow.
@@ -109,7 +109,7 @@ fn part_ways(left: &mut Part, right: &mut Part, dt: f64) -> Passed {
     let passed = Passed { to_left: -left.arriving(1), to_right: -right.arriving(0) };
     let last = left.f.len();
     for (part, node) in [(left, last), (right, 0)] {
-        let (flow, history) = part.borders.flow(&part.law, node, 0.0, 0.0, dt);
+        let (flow, history) = part.borders.flow(&part.law, node, 0.0, 0.0, [1.0, dt]);
         account(part, node, 0.0, flow, history);
     }
     passed

@@ -4,6 +4,7 @@ mod end;
 pub mod ends;
 mod hertz;
 mod history;
+pub mod joint;
 mod launch;
 mod taper;
 
@@ -12,6 +13,7 @@ use std::sync::Arc;
 pub use end::EndCondition;
 pub use hertz::Hertz;
 pub use history::History;
+pub use joint::Joint;
 pub use launch::{Launch, Origin, launches};
 pub use taper::{Profile, Taper};
 
@@ -52,18 +54,6 @@ pub struct Initial {
     pub stress: f64,
     /// Signed plastic strain (engineering), as left by first loading in one sense.
     pub plastic_strain: f64,
-}
-
-/// How two segments meet.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Joint {
-    /// Welded: force and velocity are continuous.
-    Bonded,
-    /// Touching, carries no tension; `gap` is the initial opening, m, >= 0.
-    Contact {
-        /// Initial opening, m.
-        gap: f64,
-    },
 }
 
 impl Segment {

@@ -63,6 +63,13 @@ pub struct Response {
     pub impedance: f64,
 }
 
+impl Response {
+    /// u of the face under a force p (N), m/s.
+    pub fn velocity(&self, force: f64) -> f64 {
+        (force - self.force) / self.impedance
+    }
+}
+
 /// What an end asks of the face: a u + b p = c.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Relation {

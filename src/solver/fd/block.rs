@@ -6,19 +6,14 @@ use std::ops::Range;
 use multiversion::multiversion;
 use serde::{Deserialize, Serialize};
 
-use super::readings::Quantity;
-use super::rest::{Signals, inner_nodes};
+use super::quantity::Quantity;
 use super::ripple::{self, Filter, Gaps};
+use super::signals::{Signals, inner_nodes};
+use super::sizes::MOST_CELLS;
 use super::taper::BlockTaper;
 use crate::law::{
-    Aligned, AlignedRow, CHUNK, DataEnd, FirstPassed, Row, RowLaw, StrainedRow, aligned_row, elastic_row, split_off,
+    Aligned, AlignedRow, DataEnd, FirstPassed, Row, RowLaw, StrainedRow, aligned_row, elastic_row, split_off,
 };
-
-/// Cells of a full block. Fixed, so that sums over blocks have the same bits whatever the number of threads.
-const BLOCK: usize = 256;
-
-/// Cells of the longest block.
-pub(super) const MOST_CELLS: usize = 2 * BLOCK;
 
 /// Numbers for each cell of a block that is being stepped, of no meaning before and after.
 #[derive(Debug)]
@@ -36,18 +31,6 @@ impl Scratch {
 /// What is logged of a watched cell.
 pub(super) const WATCHED: [Quantity; 4] =
     [Quantity::Stress, Quantity::Strain, Quantity::Velocity, Quantity::Temperature];
-
-/// Sizes of the blocks of a segment of so many cells, the same from right to left: full blocks, and in the middle what is
-/// left, in one or three blocks of more than half a full one and less than two. Only a short segment has a smaller one.
-pub(super) fn block_sizes(cells: usize) -> impl Iterator<Item = usize> {
-    let pairs = cells.saturating_sub(BLOCK) / (2 * BLOCK);
-    let middle = cells - 2 * BLOCK * pairs;
-    // Whole pieces, where that can be had.
-    let third = if middle < 2 * BLOCK { 0 } else { (middle / 3) / CHUNK * CHUNK };
-    let middle = [third, middle - 2 * third, third].into_iter().filter(|&cells| cells > 0);
-    let full = std::iter::repeat_n(BLOCK, pairs);
-    full.clone().chain(middle).chain(full)
-}
 
 /// What a block's cells have met so far; decides which kernel they need.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -162,13 +145,7 @@ impl Block {
     /// Takes the cells from local cell `at` on (0 < at < cells) away into a block of their own; both keep the node between
     /// them. Running sums stay here.
     pub fn split_off(&mut self, at: usize) -> Self {
-        let cells = self.sigma.len();
-        let (mut kept, mut state) = (aligned_row(0, 0.0), aligned_row(0, 0.0));
-        for column in self.state.chunks_exact(cells) {
-            kept.extend_from_slice(&column[..at]);
-            state.extend_from_slice(&column[at..]);
-        }
-        self.state = kept;
+        let (cells, state) = (self.sigma.len(), self.split_state(at));
         let v = split_off(&mut self.v, at);
         self.v.push(v[0]);
         let middle = self.cells.start + at;
@@ -201,6 +178,16 @@ impl Block {
             self.wake();
         }
         right
+    }
+
+    fn split_state(&mut self, at: usize) -> AlignedRow {
+        let (mut kept, mut state) = (aligned_row(0, 0.0), aligned_row(0, 0.0));
+        for column in self.state.chunks_exact(self.sigma.len()) {
+            kept.extend_from_slice(&column[..at]);
+            state.extend_from_slice(&column[at..]);
+        }
+        self.state = kept;
+        state
     }
 
     /// Takes down where ripples may come from after a step.
@@ -331,23 +318,11 @@ impl Block {
     }
 
     fn advance_stress(&mut self, law: BlockLaw<'_>, scratch: &mut Scratch) {
-        let cells = self.sigma.len();
         let first = self.stage == Stage::Elastic;
-        if first {
-            let Range { start, end } = self.busy;
-            let peak = elastic_row(law.stress_gain, &self.v[start..=end], &mut self.sigma[start..end]);
-            if peak <= law.yield_stress {
-                if !law.end.is_far(0.0, -peak) {
-                    self.note_limits(law);
-                }
-                return;
-            }
-            self.stage = Stage::Plastic;
-            self.state = aligned_row(law.law.state_len() * cells, 0.0);
-            self.flow = vec![0; cells];
-            self.wake();
+        if first && self.stays_elastic(law) {
+            return;
         }
-        let busy = self.busy.clone();
+        let (cells, busy) = (self.sigma.len(), self.busy.clone());
         let work = &mut scratch.work.0[..cells];
         let row = Row {
             gain: law.stress_gain,
@@ -374,6 +349,24 @@ impl Block {
         if !law.end.is_far(advanced.accumulated, 0.0) {
             self.note_limits(law);
         }
+    }
+
+    /// Takes the elastic step; false where the block yields in it, and has plastic state from then on.
+    fn stays_elastic(&mut self, law: BlockLaw<'_>) -> bool {
+        let Range { start, end } = self.busy;
+        let peak = elastic_row(law.stress_gain, &self.v[start..=end], &mut self.sigma[start..end]);
+        if peak <= law.yield_stress {
+            if !law.end.is_far(0.0, -peak) {
+                self.note_limits(law);
+            }
+            return true;
+        }
+        let cells = self.sigma.len();
+        self.stage = Stage::Plastic;
+        self.state = aligned_row(law.law.state_len() * cells, 0.0);
+        self.flow = vec![0; cells];
+        self.wake();
+        false
     }
 
     /// E times the signed plastic strain of local cell `i`, Pa.

@@ -1,59 +1,11 @@
-//! The node at an end of the staggered grid: half a cell's mass between the bar and what holds or drives its end.
-//!
-//! With u the velocity into the bar and pressures positive the node obeys `m (u+ - u-)/dt = P - p`, m being half a cell's mass, p the
-//! force of the end cell and P that on the end over the step from half a step before now to half a step after. An end asks for the force
-//! f over the step ahead, from now on, in which u+ moves it. Each f acts on the node in halves, P = (f- + f)/2:
-//!
-//! ```text
-//! f = q + Y u+        Y = 2 m/dt        q = 2 p - f- - Y u-
-//! ```
-//!
-//! That is the elastic characteristic, at Courant number 1 exactly: Y is then the impedance, and q what arrives at the end in the
-//! step ahead. It is the bar's side of [`crate::bar::ends`]; walls, masses and springs need to know no more of the grid. (With f in
-//! one piece, odd and even steps would drive two lattices that know nothing of each other, and ring against each other for ever.)
-//!
-//! At smaller Courant numbers f may alternate about its mean without an effect on P; [`Impulses`] takes that out of it.
+//! An end of the staggered grid: a [`HalfNode`] between the bar and what holds or drives its end, see [`crate::bar::ends`].
 
 use serde::{Deserialize, Serialize};
 
+use super::half_node::{HalfNode, Impulses};
 use super::ripple;
 use crate::bar::EndCondition;
-use crate::bar::ends::{self, Body, EndModel, Face, Push, Response, Step};
-
-/// The forces f of the latest steps.
-#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
-pub(super) struct Impulses {
-    /// N, the newest first.
-    forces: [f64; 3],
-    /// Force of the cells beside the node in the step before, N.
-    cells: f64,
-}
-
-impl Impulses {
-    /// f-, the half of which acts in the step in which the cells' force is `cells` (N).
-    ///
-    /// What stops a node at once (`held`) is the elastic answer, above what the cells can carry where they yield: if their force is
-    /// still growing no wave has come back, and it is no more than that.
-    pub fn passed_on(&self, cells: f64, held: bool) -> f64 {
-        let last = self.forces[0];
-        let grows = held && cells.abs() >= self.cells.abs() && cells * last > 0.0;
-        if grows && cells.abs() < last.abs() { cells } else { last }
-    }
-
-    /// Takes the force of a step. Where the last three changes alternate in sign, half of the least of them is taken back. Returns what
-    /// the step gives to the bar, per time: the mean of the force asked for and the one that is passed on, with what of the step before
-    /// was not.
-    pub fn push(&mut self, f: f64, cells: f64, held: bool) -> f64 {
-        let passed_on = self.passed_on(cells, held);
-        let not_passed_on = self.forces[0] - passed_on;
-        let changes = [f - passed_on, passed_on - self.forces[1], self.forces[1] - self.forces[2]];
-        let alternate = changes[0] * changes[1] < 0.0 && changes[1] * changes[2] < 0.0;
-        let ringing = if alternate { changes.iter().fold(f64::INFINITY, |least, c| least.min(c.abs())) } else { 0.0 };
-        let kept = f - 0.5 * ringing.copysign(changes[0]);
-        *self = Self { forces: [kept, passed_on, self.forces[1]], cells };
-        0.5 * (f + kept - not_passed_on)
-    }
-}
+use crate::bar::ends::{self, Body, EndModel, Face, Push, Step};
 
 /// An end of the bar and its node.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -61,14 +13,8 @@ pub struct Device {
     #[serde(skip, default = "ends::stateless")]
     model: Box<dyn EndModel>,
     face: Face,
-    /// m/dt, N s/m.
-    impedance: f64,
-    /// Section of the end cell, m^2.
-    cell_area: f64,
+    node: HalfNode,
     dt: f64,
-    /// Velocity half a step before and after the current time, m/s, into the bar.
-    before: f64,
-    after: f64,
     /// Force on the end at the current time, N, with the impulse of a sudden motion.
     force: f64,
     /// The stress for the record, see [`Device::stress`].
@@ -137,11 +83,8 @@ impl Device {
         Self {
             model: ends::model(condition, face),
             face,
-            impedance: 0.5 * grid.density * grid.dx * grid.cell_area / grid.dt,
-            cell_area: grid.cell_area,
+            node: HalfNode::new(velocity, 0.5 * grid.density * grid.dx * grid.cell_area, grid.cell_area, grid.dt),
             dt: grid.dt,
-            before: velocity,
-            after: velocity,
             force: 0.0,
             stress: 0.0,
             impulses: Impulses::default(),
@@ -175,14 +118,13 @@ impl Device {
     /// The node's velocity at t = 0, m/s, where nothing holds it.
     pub(super) fn start_with(&mut self, velocity: f64) {
         let velocity = self.face.inward * velocity;
-        (self.before, self.after) = (velocity, velocity);
+        (self.node.before, self.node.after) = (velocity, velocity);
         self.displacement = self.dt * velocity;
     }
 
-    /// The node has met half of the initial stress of the end cell, `half` (Pa): its velocity half a step before t = 0 becomes that from
-    /// which a whole step of it would have begun.
+    /// See [`HalfNode::start_under`].
     pub(super) fn start_under(&mut self, half: f64) {
-        self.before -= self.cell_area * half / self.impedance;
+        self.node.start_under(half);
         if self.held {
             self.stress = 2.0 * half;
         }
@@ -191,7 +133,7 @@ impl Device {
     /// Takes the node from half a step before `time` to half a step after it. `sigma_cell` is the stress at `time`
     /// in the end cell.
     pub fn advance(&mut self, time: f64, sigma_cell: f64) {
-        self.advance_showing(time, -self.cell_area * sigma_cell, sigma_cell);
+        self.advance_showing(time, -self.node.area * sigma_cell, sigma_cell);
     }
 
     /// The same under the force `cell` (N) of the end cell; `shown` is its stress for the record.
@@ -206,10 +148,10 @@ impl Device {
         self.model.advance(&step, &Push { force: ahead, velocity, impulse }, met);
         let given = self.body_energy - self.model.energy(self.displacement + self.dt * velocity);
         self.work += std::mem::replace(&mut self.to_give, if self.model.stores() { given } else { impulse * velocity });
-        (self.before, self.after) = (self.after, velocity);
+        self.node.move_on(velocity);
         (self.force, self.held) = (force, held);
         self.account(previous);
-        self.displacement += self.dt * self.after;
+        self.displacement += self.dt * self.node.after;
     }
 
     fn step(&self, time: f64) -> Step {
@@ -218,13 +160,13 @@ impl Device {
 
     /// The end moves this mass, kg, in place of half its cell's.
     pub(super) fn set_mass(&mut self, mass: f64) {
-        self.impedance = mass / self.dt;
+        self.node.impedance = mass / self.dt;
     }
 
     /// Velocity change of the step around `time` if the bar gives that mass an impulse of `pull`, N s in +x.
     pub(super) fn answer(&self, time: f64, pull: f64) -> f64 {
         let motion = self.respond(&self.step(time), -self.face.inward * pull / self.dt);
-        self.face.inward * (motion.velocity - self.after)
+        self.face.inward * (motion.velocity - self.node.after)
     }
 
     /// Takes that step. `sigma_cell` is the stress of the end cell, for the record.
@@ -234,24 +176,24 @@ impl Device {
 
     /// Force and velocity of a step under the force `cell` (N) of the end cell.
     fn respond(&self, step: &Step, cell: f64) -> Motion {
-        let (passed_on, impedance) = (self.impulses.passed_on(cell, self.held), 2.0 * self.impedance);
-        let bar = Response { force: 2.0 * cell - passed_on - impedance * self.after, impedance };
+        let passed_on = self.impulses.passed_on(cell, self.held);
+        let bar = self.node.response(cell, passed_on);
         let relation = self.model.relation(step, &bar);
         let [ahead, velocity] = relation.meet(&bar);
         let met = !relation.unilateral || ahead > 0.0;
         if relation.of_velocity == 0.0 || !met {
             // The force is known; the velocity follows.
             let force = 0.5 * (passed_on + if met { ahead } else { 0.0 });
-            return Motion { force, velocity: self.after + (force - cell) / self.impedance, met, held: false };
+            return Motion { force, velocity: self.node.pushed(force, cell), met, held: false };
         }
         let held = relation.unilateral || relation.of_force == 0.0;
-        Motion { force: cell + self.impedance * (velocity - self.after), velocity, met, held }
+        Motion { force: cell + self.node.impedance * (velocity - self.node.after), velocity, met, held }
     }
 
     /// Friction brings the node to rest in the step that was taken: to the last bit.
     pub(super) fn stop(&mut self) {
-        self.displacement -= self.dt * self.after;
-        self.after = 0.0;
+        self.displacement -= self.dt * self.node.after;
+        self.node.after = 0.0;
     }
 
     /// Energy of the body at the end at the current time, J: of motion for a striker, stored for a spring, both for a ball; 0
@@ -283,9 +225,9 @@ impl Device {
             return;
         }
         let change = self.face.inward * change;
-        let kick = (self.force + self.cell_area * sigma_cell) / self.impedance;
-        self.damped += 0.5 * self.impedance * self.dt * ripple::node(kick, change, &mut self.after);
-        self.before += change;
+        let kick = (self.force + self.node.area * sigma_cell) / self.node.impedance;
+        self.damped += 0.5 * self.node.impedance * self.dt * ripple::node(kick, change, &mut self.node.after);
+        self.node.before += change;
         self.displacement += self.dt * change;
     }
 
@@ -339,17 +281,17 @@ impl Device {
         self.started = true;
         self.impulse += self.face.inward * impulse;
         self.throughput += impulse.abs();
-        self.work_on_node += impulse * self.before;
+        self.work_on_node += impulse * self.node.before;
     }
 
     /// Velocity half a step after the current time, m/s.
     pub fn velocity_after(&self) -> f64 {
-        self.face.inward * self.after
+        self.face.inward * self.node.after
     }
 
     /// Velocity half a step before the current time, m/s.
     pub fn velocity_before(&self) -> f64 {
-        self.face.inward * self.before
+        self.face.inward * self.node.before
     }
 
     /// Velocity at the current time, m/s.
@@ -365,7 +307,7 @@ impl Device {
 
     /// Displacement at the current time, m.
     pub fn displacement(&self) -> f64 {
-        self.face.inward * (self.displacement - self.dt * self.after)
+        self.face.inward * (self.displacement - self.dt * self.node.after)
     }
 
     /// Work done on the bar so far, J: what a body at the end lost, else force times displacement over the steps.

@@ -4,9 +4,9 @@ use serde::{Deserialize, Serialize};
 
 use super::block::Block;
 use super::contact::Contact;
-use super::device::Device;
-use super::leapfrog::{Constants, cell_masses};
 use super::ripple;
+use super::segment::Constants;
+use crate::bar::{Bar, joint};
 
 /// The node between two blocks: inside a segment, or at a bonded joint. In the place of a joint that can open it is an
 /// empty one, without mass and unmoved, beside a [`super::contact::Contact`].
@@ -82,35 +82,6 @@ impl Edge {
     }
 }
 
-/// The nodes at the edges of neighbouring blocks, as they can be read.
-#[derive(Clone, Copy)]
-pub(super) struct Nodes<'a> {
-    /// Number of the first block.
-    pub first: usize,
-    /// Those between the blocks.
-    pub edges: &'a [Edge],
-    /// Joints that can open among them.
-    pub contacts: &'a [Contact],
-    /// Those at the bar's ends, where the blocks have them.
-    pub ends: [Option<&'a Device>; 2],
-}
-
-impl Nodes<'_> {
-    /// Velocities at the time of the stresses of the nodes at the left and right edge of block `k`, counted from the first, m/s;
-    /// not a number where the blocks do not have the node.
-    pub fn beside(self, k: usize) -> [f64; 2] {
-        let device = |end: Option<&Device>| end.map_or(f64::NAN, Device::velocity);
-        [0, 1].map(|side| match k + side {
-            0 => device(self.ends[0]),
-            edge if edge > self.edges.len() => device(self.ends[1]),
-            edge => {
-                let contact = self.contacts.iter().find(|contact| contact.edge + 1 == self.first + edge);
-                contact.map_or_else(|| self.edges[edge - 1].velocity(), |contact| contact.velocity(1 - side))
-            }
-        })
-    }
-}
-
 /// The nodes between blocks. At a joint of segments that move differently the node starts with their common momentum.
 pub(super) fn edges(blocks: &[Block], constants: &[Constants]) -> Vec<Edge> {
     let edge = |pair: &[Block]| {
@@ -131,4 +102,50 @@ pub(super) fn edges(blocks: &[Block], constants: &[Constants]) -> Vec<Edge> {
         Edge { after, gain_left, gain_right, mass, ..Edge::EMPTY }
     };
     blocks.windows(2).map(edge).collect()
+}
+
+/// Areas of the cells on both sides of the node between two blocks, over the mean of their segments.
+fn relative_areas(pair: &[Block]) -> [f64; 2] {
+    [pair[0].area(pair[0].sigma.len() - 1), pair[1].area(0)]
+}
+
+/// Masses of these cells, kg.
+fn cell_masses(pair: &[Block], constants: &[Constants]) -> [f64; 2] {
+    let areas = relative_areas(pair);
+    [0, 1].map(|k| constants[pair[k].segment].cell_mass * areas[k])
+}
+
+/// Masses (kg) and sections (m^2) of these cells.
+pub(super) fn masses_and_areas(pair: &[Block], constants: &[Constants]) -> [[f64; 2]; 2] {
+    let areas = relative_areas(pair);
+    [cell_masses(pair, constants), [0, 1].map(|k| constants[pair[k].segment].area * areas[k])]
+}
+
+/// The joints that can open; their edges become empty.
+pub(super) fn contacts(
+    bar: &Bar,
+    dt: f64,
+    blocks: &[Block],
+    constants: &[Constants],
+    edges: &mut [Edge],
+) -> Vec<Contact> {
+    let mut contacts = Vec::new();
+    for (k, pair) in blocks.windows(2).enumerate() {
+        let segments = [pair[0].segment, pair[1].segment];
+        if segments[0] == segments[1] {
+            continue;
+        }
+        if let Some(contact) = joint::Contact::new(bar.segments[segments[0]].joint) {
+            let velocities = segments.map(|segment| bar.segments[segment].velocity);
+            let place = [k, segments[0], pair[1].cells.start];
+            edges[k] = Edge::EMPTY;
+            contacts.push(Contact::new(place, contact, velocities, masses_and_areas(pair, constants), dt));
+        }
+    }
+    contacts
+}
+
+/// Stress beside the right edge of a block.
+pub(super) fn last(values: &[f64]) -> f64 {
+    values[values.len() - 1]
 }

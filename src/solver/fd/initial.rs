@@ -6,7 +6,8 @@
 //! before t = 0 where a whole step of these stresses would have begun.
 
 use super::block::Stage;
-use super::leapfrog::{Leapfrog, last};
+use super::edge::last;
+use super::leapfrog::Leapfrog;
 use crate::bar::Initial;
 use crate::law::aligned_row;
 
@@ -36,10 +37,9 @@ impl Leapfrog {
 
     /// After the nodes met half the initial stresses: the whole of them.
     pub(super) fn complete_initial(&mut self, initial: &[Initial]) {
-        let dt = self.grid.dt;
         for contact in &mut self.contacts {
             let [left, right] = [contact.edge, contact.edge + 1].map(|k| &self.blocks[k].sigma);
-            contact.start_under([last(left), right[0]], dt);
+            contact.start_under([last(left), right[0]]);
         }
         self.left.start_under(self.blocks[0].sigma[0]);
         self.right.start_under(last(&self.blocks[self.blocks.len() - 1].sigma));

@@ -1,34 +1,21 @@
 //! The leapfrog scheme: velocities at nodes and half steps, stresses in cells and whole steps. At Courant number 1
 //! elastic waves are exact.
 
-use std::sync::Arc;
-
-use super::block::{Block, Scratch, Stage, WATCHED, block_sizes};
+use super::block::{Block, Scratch, Stage, WATCHED};
+use super::breaking::Breaking;
 use super::contact::{Contact, ContactState};
 use super::device::{Device, EndGrid};
-use super::edge::{Edge, edges};
+use super::edge::{Edge, contacts, edges};
+use super::fan::StartingFan;
 use super::grid::Grid;
 use super::implicit::{Along, Implicit};
-use super::ripple::Filter;
-use super::rupture::Breaking;
-use super::start::StartingFan;
+use super::segment::{Constants, SegmentLaw};
+use super::sizes::block_sizes;
 use super::stretch::{Common, Stretch};
 use super::sweep::division;
 use super::taper::BlockTaper;
 use crate::bar::{Bar, EndCondition};
-use crate::law::{DataEnd, RowLaw};
 use crate::solver::Energies;
-
-/// The law of one segment, as assembled from its material and the effects.
-#[derive(Clone)]
-pub struct SegmentLaw {
-    /// Stepping law.
-    pub law: Arc<dyn RowLaw>,
-    /// Stress below which the law is elastic in both senses, Pa.
-    pub yield_stress: f64,
-    /// Where its data end.
-    pub end: DataEnd,
-}
 
 /// What a bar logged, step by step.
 pub struct Log<'a> {
@@ -52,23 +39,6 @@ impl LoggedCell<'_> {
     pub fn after(&self, steps: usize) -> &[f64; WATCHED.len()] {
         &self.rows[steps * self.cells]
     }
-}
-
-/// Constants of a segment.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Constants {
-    pub modulus: f64,
-    pub stress_gain: f64,
-    pub velocity_gain: f64,
-    /// rho A dx, kg; of a tapered segment with its mean area.
-    pub cell_mass: f64,
-    /// A dx, m^3; likewise.
-    pub cell_volume: f64,
-    /// A, m^2; likewise.
-    pub area: f64,
-    /// Cells that an elastic wave passes in a step.
-    pub courant: f64,
-    pub filter: Filter,
 }
 
 /// A bar being stepped. Between steps: stresses at `time()`, velocities half a step later.
@@ -133,10 +103,11 @@ impl Leapfrog {
     }
 
     fn before_start(bar: &Bar, grid: Grid, laws: Vec<SegmentLaw>, ends: [EndCondition; 2]) -> Self {
-        let constants = constants(bar, &grid);
+        let segments = bar.segments.iter().zip(&grid.segments);
+        let constants: Vec<_> = segments.map(|(segment, part)| Constants::new(segment, part, grid.dt)).collect();
         let blocks = blocks(bar, &grid);
         let mut edges = edges(&blocks, &constants);
-        let contacts = contacts(bar, &blocks, &constants, &mut edges);
+        let contacts = contacts(bar, grid.dt, &blocks, &constants, &mut edges);
         let end_grid = |k: usize, side: usize| {
             let (segment, part) = (&bar.segments[k], &grid.segments[k]);
             let block = if side == 0 { &blocks[0] } else { &blocks[blocks.len() - 1] };
@@ -321,8 +292,9 @@ impl Leapfrog {
             self.blocks[k + 1].set_edge(0, edge.after);
         }
         for contact in &self.contacts {
-            self.blocks[contact.edge].set_edge(1, contact.left.after);
-            self.blocks[contact.edge + 1].set_edge(0, contact.right.after);
+            let [[_, left], [_, right]] = [0, 1].map(|side| contact.velocities(side));
+            self.blocks[contact.edge].set_edge(1, left);
+            self.blocks[contact.edge + 1].set_edge(0, right);
         }
         let right_end = self.blocks.len() - 1;
         self.blocks[0].set_edge(0, self.left.velocity_after());
@@ -365,24 +337,6 @@ impl Leapfrog {
     }
 }
 
-pub(super) fn last(values: &[f64]) -> f64 {
-    values[values.len() - 1]
-}
-
-fn constants(bar: &Bar, grid: &Grid) -> Vec<Constants> {
-    let of = |(segment, part): (&crate::bar::Segment, &super::SegmentGrid)| Constants {
-        modulus: segment.material.modulus,
-        stress_gain: segment.material.modulus * grid.dt / part.dx,
-        velocity_gain: grid.dt / (segment.material.density * part.dx),
-        cell_mass: segment.material.density * segment.area * part.dx,
-        cell_volume: segment.area * part.dx,
-        area: segment.area,
-        courant: segment.material.c0() * grid.dt / part.dx,
-        filter: Filter::new(segment.material.c0(), segment.material.c0() * grid.dt / part.dx),
-    };
-    bar.segments.iter().zip(&grid.segments).map(of).collect()
-}
-
 fn blocks(bar: &Bar, grid: &Grid) -> Vec<Block> {
     let mut blocks = Vec::new();
     for (k, part) in grid.segments.iter().enumerate() {
@@ -395,39 +349,4 @@ fn blocks(bar: &Bar, grid: &Grid) -> Vec<Block> {
         }
     }
     blocks
-}
-
-/// Areas of the cells on both sides of the node between two blocks, over the mean of their segments.
-fn relative_areas(pair: &[Block]) -> [f64; 2] {
-    [pair[0].area(pair[0].sigma.len() - 1), pair[1].area(0)]
-}
-
-/// Masses of these cells, kg.
-pub(super) fn cell_masses(pair: &[Block], constants: &[Constants]) -> [f64; 2] {
-    let areas = relative_areas(pair);
-    [0, 1].map(|k| constants[pair[k].segment].cell_mass * areas[k])
-}
-
-/// Sections of these cells, m^2.
-pub(super) fn cell_areas(pair: &[Block], constants: &[Constants]) -> [f64; 2] {
-    let areas = relative_areas(pair);
-    [0, 1].map(|k| constants[pair[k].segment].area * areas[k])
-}
-
-/// The joints that can open; their edges become empty.
-fn contacts(bar: &Bar, blocks: &[Block], constants: &[Constants], edges: &mut [Edge]) -> Vec<Contact> {
-    let mut contacts = Vec::new();
-    for (k, pair) in blocks.windows(2).enumerate() {
-        let (left, right) = (pair[0].segment, pair[1].segment);
-        if left == right {
-            continue;
-        }
-        let masses = cell_masses(pair, constants).map(|mass| 0.5 * mass);
-        let areas = cell_areas(pair, constants);
-        if let Some(contact) = Contact::new(bar, [left, k, pair[1].cells.start], masses, areas) {
-            edges[k] = Edge::EMPTY;
-            contacts.push(contact);
-        }
-    }
-    contacts
 }

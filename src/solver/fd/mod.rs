@@ -1,32 +1,43 @@
 //! Finite differences on a staggered grid.
 
 mod block;
+mod breaking;
+mod cell_value;
 mod contact;
 mod device;
 mod edge;
+mod fan;
 mod grid;
+mod half_node;
 mod implicit;
 mod initial;
 mod leapfrog;
+mod nodes;
+mod quantity;
 mod reader;
 mod readings;
 mod rest;
 mod ripple;
 mod rupture;
 mod sample;
+mod segment;
+mod signals;
+mod sizes;
 mod snapshot;
 mod start;
 mod stretch;
 mod sweep;
 mod taper;
 
+pub use breaking::Unresolved;
 pub use contact::ContactState;
 pub use device::Device;
 pub use grid::{Grid, SegmentGrid};
 pub use implicit::Along;
-pub use leapfrog::{Leapfrog, Log, LoggedCell, SegmentLaw};
+pub use leapfrog::{Leapfrog, Log, LoggedCell};
+pub use quantity::Quantity;
 pub use reader::Reader;
-pub use readings::Quantity;
-pub use rupture::{CELLS_TO_BREAK, Unresolved};
+pub use rupture::CELLS_TO_BREAK;
 pub use sample::{Sampling, between};
+pub use segment::SegmentLaw;
 pub use taper::BYTES_PER_CELL as TAPER_BYTES_PER_CELL;

@@ -1,9 +1,11 @@
 //! Reading many cells of a bar.
 
 use super::block::Block;
-use super::edge::Nodes;
-use super::leapfrog::{Constants, Leapfrog};
-use super::readings::{Quantity, reading};
+use super::cell_value::cell_value;
+use super::leapfrog::Leapfrog;
+use super::nodes::Nodes;
+use super::quantity::Quantity;
+use super::segment::Constants;
 use crate::law::RowLaw;
 
 /// Reads one quantity, cell by cell. What the cells of a block have in common is looked up once for as long as they are read
@@ -43,7 +45,7 @@ impl<'a> Reader<'a> {
         if let (Quantity::Velocity, Some(nodes)) = (self.quantity, &self.bar.implicit) {
             return 0.5 * (nodes.velocity(cell) + nodes.velocity(cell + 1));
         }
-        reading(self.quantity, self.block, self.law, self.constants, self.outer, cell - self.block.cells.start)
+        cell_value(self.quantity, self.block, self.law, self.constants, self.outer, cell - self.block.cells.start)
     }
 }
 

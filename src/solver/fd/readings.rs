@@ -1,28 +1,11 @@
 //! What can be read off a bar: fields, energies, cells past their data.
 
 use super::block::{Block, NodeMotion};
-use super::leapfrog::{Constants, Leapfrog};
+use super::leapfrog::Leapfrog;
+use super::quantity::Quantity;
 use super::reader::Reader;
-use crate::law::{FirstPassed, RowLaw};
+use crate::law::FirstPassed;
 use crate::solver::Energies;
-
-/// What can be read in a cell.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Quantity {
-    /// Engineering stress, Pa, tension positive.
-    Stress,
-    /// Engineering strain.
-    Strain,
-    /// Velocity at the centre at the time of the stresses, m/s, positive in +x: the mean over the cell's two nodes
-    /// and over the half steps before and after.
-    Velocity,
-    /// Signed plastic strain.
-    PlasticStrain,
-    /// Accumulated plastic strain, >= 0.
-    AccumulatedPlasticStrain,
-    /// Temperature, K; not a number without the effect of heat.
-    Temperature,
-}
 
 impl Leapfrog {
     /// Mass of the bar, kg.
@@ -93,9 +76,10 @@ impl Leapfrog {
             }
         }
         for contact in &self.contacts {
-            total.half_step += contact.lost;
-            for face in [&contact.left, &contact.right] {
-                add_nodes(&mut total, face.mass, NodeMotion::of(face.before, face.after));
+            total.half_step += contact.lost();
+            for side in [0, 1] {
+                let [before, after] = contact.velocities(side);
+                add_nodes(&mut total, contact.mass(side, self.grid.dt), NodeMotion::of(before, after));
             }
         }
         for (device, mass) in [&self.left, &self.right].into_iter().zip(self.end_masses()) {
@@ -151,8 +135,9 @@ impl Leapfrog {
                 add_nodes(&mut total, edge.mass, NodeMotion::of(edge.before(), edge.before()));
             }
         }
-        for face in self.contacts.iter().flat_map(|contact| [&contact.left, &contact.right]) {
-            add_nodes(&mut total, face.mass, NodeMotion::of(face.before, face.before));
+        for (contact, side) in self.contacts.iter().flat_map(|contact| [(contact, 0), (contact, 1)]) {
+            let [before, _] = contact.velocities(side);
+            add_nodes(&mut total, contact.mass(side, self.grid.dt), NodeMotion::of(before, before));
         }
         for (device, mass) in [&self.left, &self.right].into_iter().zip(self.end_masses()) {
             let v = device.velocity_before();
@@ -176,33 +161,6 @@ impl Leapfrog {
             columns.filter_map(bad).min().map(|i| b.cells.start + i)
         };
         self.blocks.iter().find_map(in_block)
-    }
-}
-
-/// A quantity in local cell `i` of a block; `outer` are the velocities of its two edge nodes at the time of the stresses.
-#[inline]
-pub(super) fn reading(
-    quantity: Quantity,
-    block: &Block,
-    law: &dyn RowLaw,
-    constants: &Constants,
-    outer: [f64; 2],
-    i: usize,
-) -> f64 {
-    let modulus = constants.modulus;
-    match quantity {
-        Quantity::Stress => block.sigma[i],
-        Quantity::Strain => (block.sigma[i] + block.plastic_strain(law, i)) / modulus,
-        Quantity::PlasticStrain => block.plastic_strain(law, i) / modulus,
-        Quantity::AccumulatedPlasticStrain => block.accumulated(law, i) / modulus,
-        Quantity::Temperature => law.temperature(&block.state, i),
-        Quantity::Velocity => {
-            let gain = constants.velocity_gain;
-            let inner = |node: usize| block.v[node] - 0.5 * block.kick(gain, node);
-            let left = if i == 0 { outer[0] } else { inner(i) };
-            let right = if i + 1 == block.sigma.len() { outer[1] } else { inner(i + 1) };
-            0.5 * (left + right)
-        }
     }
 }
 

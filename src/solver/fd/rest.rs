@@ -6,16 +6,8 @@
 use std::ops::Range;
 
 use super::block::{Block, BlockLaw, Stage};
+use super::signals::{Signals, inner_nodes};
 use crate::law::CHUNK;
-
-/// How far a signal travels in a step.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Signals {
-    /// By a cell: nodes follow the stresses beside them.
-    ThroughCells,
-    /// Any distance: the nodes of the whole bar are solved for together.
-    ThroughNodes,
-}
 
 impl Block {
     /// Nothing is computed until a node at the edges moves.
@@ -121,11 +113,6 @@ impl Block {
     }
 }
 
-/// The nodes of these cells of a block, without those at its own edges.
-pub(super) fn inner_nodes(cells: &Range<usize>, all: usize) -> Range<usize> {
-    cells.start.max(1)..all.min(cells.end + 1)
-}
-
 #[cfg(test)]
 mod tests {
     use std::sync::Arc;
@@ -137,7 +124,7 @@ mod tests {
     use crate::law::{DataEnd, Envelope, Indexed, Isotropic, Mixed, RowLaw, Rows, Searched, Table};
     use crate::material::{Beyond, Curve, Material, Sense};
     use crate::solver::fd::block::Scratch;
-    use crate::solver::fd::leapfrog::Constants;
+    use crate::solver::fd::segment::Constants;
     use crate::solver::fd::{Along, Grid, Leapfrog, SegmentLaw};
 
     const YIELD: f64 = 200e6;

@@ -22,7 +22,7 @@ use std::ops;
 
 use multiversion::multiversion;
 
-use super::block::MOST_CELLS;
+use super::sizes::MOST_CELLS;
 use crate::law::{Aligned, LANES};
 
 /// Share of an alternating velocity difference that is handed over between two nodes while an elastic wave passes a cell: a step takes

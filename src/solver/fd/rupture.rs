@@ -9,12 +9,12 @@
 //! part. So a place that has not yielded breaks only where its neighbours have come to the threshold, too; in a place
 //! that flows no pulse can have done that.
 
-use serde::{Deserialize, Serialize};
-
 use super::block::{Block, Stage};
+use super::breaking::{Breaking, Unresolved};
 use super::contact::Contact;
-use super::edge::Edge;
-use super::leapfrog::{Leapfrog, cell_areas, cell_masses, last};
+use super::edge::{Edge, last, masses_and_areas};
+use super::leapfrog::Leapfrog;
+use crate::bar::joint;
 use crate::law::LANES;
 use crate::law::rupture::{Cause, Criteria, Criterion, Rupture, Site, Strained};
 
@@ -39,46 +39,6 @@ const SUSTAINED: usize = 2;
 /// Cells that must have come to the threshold together for a bar to break that has not yielded there.
 pub const CELLS_TO_BREAK: usize = 2 * SUSTAINED + 1;
 
-/// What is known of a bar that can break.
-#[derive(Debug)]
-pub(super) struct Breaking {
-    criteria: Criteria,
-    found: Vec<Rupture>,
-    /// For each rupture: the node's number (that of the cell to its right), and its step.
-    nodes: Vec<(usize, usize)>,
-    ends_gone: [bool; 2],
-    /// The place that went farthest beyond the threshold, while too few cells did to break it, before anything had broken.
-    unresolved: Option<Unresolved>,
-}
-
-/// A tension beyond the threshold that was shorter than a rupture takes on the grid.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Unresolved {
-    /// s.
-    pub time: f64,
-    /// m.
-    pub x: f64,
-    /// How far beyond the threshold, as a factor.
-    pub share: f64,
-}
-
-/// Of [`Breaking`], what changes: ruptures, their nodes and steps, and the ends that are gone.
-pub(super) type Broken = (Vec<Rupture>, Vec<(usize, usize)>, [bool; 2], Option<Unresolved>);
-
-impl Breaking {
-    pub fn state(&self) -> Broken {
-        (self.found.clone(), self.nodes.clone(), self.ends_gone, self.unresolved)
-    }
-
-    pub fn restore(&mut self, state: Broken) {
-        (self.found, self.nodes, self.ends_gone, self.unresolved) = state;
-    }
-
-    pub fn ends_gone(&self) -> [bool; 2] {
-        self.ends_gone
-    }
-}
-
 /// A cell that meets its criterion, and how far beyond it is.
 #[derive(Debug, Clone, Copy)]
 struct Due {
@@ -94,9 +54,7 @@ impl Leapfrog {
         for block in &mut self.blocks {
             block.keeps_work = true;
         }
-        let breaking =
-            Breaking { criteria, found: Vec::new(), nodes: Vec::new(), ends_gone: [false; 2], unresolved: None };
-        self.rupture = Some(Box::new(breaking));
+        self.rupture = Some(Box::new(Breaking::new(criteria)));
         self
     }
 
@@ -354,10 +312,9 @@ impl Leapfrog {
         k = self.blocks.partition_point(|b| b.cells.end < node);
         self.edges[k].part();
         let pair = &self.blocks[k..=k + 1];
-        let masses = cell_masses(pair, &self.constants).map(|mass| 0.5 * mass);
-        let areas = cell_areas(pair, &self.constants);
-        let mut contact = Contact::broken([k, self.blocks[k].segment, node], velocity, masses, areas);
-        contact.part([last(&self.blocks[k].sigma), self.blocks[k + 1].sigma[0]], self.grid.dt);
+        let (place, cells) = ([k, pair[0].segment, node], masses_and_areas(pair, &self.constants));
+        let mut contact = Contact::new(place, joint::Contact::broken(), [velocity; 2], cells, self.grid.dt);
+        contact.part([last(&pair[0].sigma), pair[1].sigma[0]], self.grid.dt);
         let place = self.contacts.partition_point(|other| other.edge < k);
         self.contacts.insert(place, contact);
         self.share_edges();

@@ -9,8 +9,7 @@
 //! That is an impulse on nodes. Its momentum comes from the end; what it takes from the energy, of first order in the cell size, is
 //! in `half_step`.
 
-use serde::{Deserialize, Serialize};
-
+use super::fan::{Front, StartingFan};
 use super::leapfrog::Leapfrog;
 use super::ripple;
 use crate::bar::{Launch, Origin};
@@ -25,69 +24,6 @@ const RAMP: f64 = 4.0;
 
 /// Nodes ahead of the first front that are held, too: the ripple damping moves them.
 const AHEAD: usize = 2;
-
-/// Integral up to `t` (s) of a front of height 1 that passes at 0 and rises evenly over `width` (s).
-fn ramped(t: f64, width: f64) -> f64 {
-    let half = 0.5 * width;
-    if t >= half {
-        t
-    } else if t <= -half {
-        0.0
-    } else {
-        0.5 * (t + half) * (t + half) / width
-    }
-}
-
-/// A front of a fan.
-#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
-struct Front {
-    /// m/s.
-    speed: f64,
-    /// Velocity jump, m/s, in +x.
-    jump: f64,
-    /// Velocity ahead of it, m/s.
-    velocity_ahead: f64,
-}
-
-/// The fan of an end.
-#[derive(Debug, Clone, Serialize, Deserialize)]
-pub(super) struct StartingFan {
-    /// 0: the left end, 1: the right one.
-    side: usize,
-    /// The segment at that end, which the fan does not leave while it is imposed.
-    segment: usize,
-    /// The fastest first.
-    fronts: Vec<Front>,
-    /// Velocity behind the fan, that of the end, m/s.
-    velocity_behind: f64,
-    /// Stress behind it, Pa, tension positive.
-    stress: f64,
-    /// Length over which fronts but the first are ramps, m.
-    ramp: f64,
-    /// Steps in which it is imposed.
-    steps: usize,
-    /// Nodes from the end on that it may set: none that one from the far side sets.
-    nodes: usize,
-    /// Energy that the end gave for it and the nodes did not get, J.
-    pub lost: f64,
-}
-
-impl StartingFan {
-    /// Mean velocity over the step from `time` on at `distance` (m) from the end, m/s.
-    fn mean_velocity(&self, distance: f64, time: f64, dt: f64) -> f64 {
-        let half_ramp = (0.5 * self.ramp).min(distance);
-        // Fronts that have passed before the step count in full, those that arrive after it not at all.
-        let passed = self.fronts.partition_point(|front| front.speed * time >= distance + half_ramp);
-        let passing = self.fronts[passed..].iter().take_while(|front| front.speed * (time + dt) > distance - half_ramp);
-        let share = |k: usize, speed: f64| {
-            let arrival = distance / speed;
-            let width = if k == 0 { 0.0 } else { 2.0 * half_ramp / speed };
-            (ramped(time + dt - arrival, width) - ramped(time - arrival, width)) / dt
-        };
-        let ahead = self.fronts.get(passed).map_or(self.velocity_behind, |front| front.velocity_ahead);
-        ahead + passing.enumerate().map(|(k, front)| front.jump * share(passed + k, front.speed)).sum::<f64>()
-    }
-}
 
 impl Leapfrog {
     /// The same bar, the ends of which start with these fans. For a bar at t = 0 whose laws follow the curves of the fans and take no

@@ -3,12 +3,12 @@
 use std::ops::Range;
 
 use super::block::{Block, BlockLaw, Scratch, WATCHED};
+use super::cell_value::cell_value;
 use super::contact::Contact;
 use super::device::Device;
-use super::edge::{Edge, Nodes};
-use super::leapfrog::{Constants, SegmentLaw, last};
-use super::readings::reading;
-use super::sweep::Acts;
+use super::edge::{Edge, last};
+use super::nodes::Nodes;
+use super::segment::{Constants, SegmentLaw};
 
 /// What all blocks share and none changes.
 #[derive(Clone, Copy)]
@@ -38,18 +38,6 @@ pub(super) struct Stretch<'a> {
 }
 
 impl Stretch<'_> {
-    /// The stresses and inner nodes of all blocks in a step, and the nodes between them.
-    pub fn advance_and_meet(&mut self, step: usize, scratch: &mut Scratch) {
-        let Acts { advance, meet, .. } = Acts::all(self.common.blocks as i64);
-        self.advance(advance, step, scratch);
-        self.meet(meet, step);
-    }
-
-    /// The edges of all blocks at t = 0.
-    pub fn meet_all(&mut self) {
-        self.meet(Acts::all(self.common.blocks as i64).meet, 0);
-    }
-
     /// The stresses alone of all blocks in a step.
     pub fn advance_stresses(&mut self, step: usize, scratch: &mut Scratch) {
         let common = self.common;
@@ -57,19 +45,6 @@ impl Stretch<'_> {
             block.advance_stresses(common.law(block.segment, step), scratch);
             block.note_yield(step);
         }
-    }
-
-    /// The ripple damping of the whole bar in a step.
-    pub fn damp_and_finish(&mut self, step: usize, scratch: &mut Scratch) {
-        let Acts { damp, finish, note, .. } = Acts::all(self.common.blocks as i64);
-        self.damp(damp, step, scratch);
-        self.finish(finish);
-        self.note(note);
-    }
-
-    /// Logs what is watched of the whole bar.
-    pub fn note_all(&mut self) {
-        self.note(Acts::all(self.common.blocks as i64).note);
     }
 
     /// The stresses and the inner nodes of these blocks in a step.
@@ -106,8 +81,8 @@ impl Stretch<'_> {
             if edges.contains(&(contact.edge as i64 + 1)) {
                 let [left, right] = pair(self.blocks, contact.edge - self.first);
                 contact.advance([last(&left.sigma), right.sigma[0]], self.common.dt);
-                left.set_edge(1, contact.left.after);
-                right.set_edge(0, contact.right.after);
+                left.set_edge(1, contact.velocities(0)[1]);
+                right.set_edge(0, contact.velocities(1)[1]);
             }
         }
         if edges.end > self.common.blocks as i64
@@ -196,7 +171,7 @@ impl Stretch<'_> {
         let constants = &self.common.constants[block.segment];
         for at in 0..block.watched.len() {
             let i = block.watched[at];
-            let now = WATCHED.map(|quantity| reading(quantity, block, law, constants, outer, i));
+            let now = WATCHED.map(|quantity| cell_value(quantity, block, law, constants, outer, i));
             block.log.push(now);
         }
     }

@@ -95,6 +95,34 @@ impl Acts {
     }
 }
 
+/// The whole bar, act by act.
+impl Stretch<'_> {
+    /// The stresses and inner nodes of all blocks in a step, and the nodes between them.
+    pub fn advance_and_meet(&mut self, step: usize, scratch: &mut Scratch) {
+        let Acts { advance, meet, .. } = Acts::all(self.common.blocks as i64);
+        self.advance(advance, step, scratch);
+        self.meet(meet, step);
+    }
+
+    /// The edges of all blocks at t = 0.
+    pub fn meet_all(&mut self) {
+        self.meet(Acts::all(self.common.blocks as i64).meet, 0);
+    }
+
+    /// The ripple damping of the whole bar in a step.
+    pub fn damp_and_finish(&mut self, step: usize, scratch: &mut Scratch) {
+        let Acts { damp, finish, note, .. } = Acts::all(self.common.blocks as i64);
+        self.damp(damp, step, scratch);
+        self.finish(finish);
+        self.note(note);
+    }
+
+    /// Logs what is watched of the whole bar.
+    pub fn note_all(&mut self) {
+        self.note(Acts::all(self.common.blocks as i64).note);
+    }
+}
+
 impl Stretch<'_> {
     /// Takes the bar `steps` steps on in so many parts, as [`division`] allows.
     pub fn sweep(&mut self, steps: usize, parts: usize) {

@@ -188,9 +188,18 @@ impl FrontTracking {
     }
 
     fn answer_stress(&mut self, which: usize, stress: f64, bar: &Point, segment: u32) -> Answer {
+        let inward = self.ends[which].face.inward;
+        let (behind, short) = self.emit_under(stress, inward, bar, segment);
+        let behind = self.unless_at_rest(which, behind, bar, segment);
+        Answer { behind, velocity: inward * behind.velocity, short, answers: true }
+    }
+
+    /// The waves that a face under a stress sends `inward` (+1: to the right), into the scratch of that side: the state behind them, and
+    /// whether the curve cannot carry the stress.
+    pub(super) fn emit_under(&mut self, stress: f64, inward: f64, bar: &Point, segment: u32) -> (Point, bool) {
         let medium = &self.media[segment as usize];
         let sense = if stress < bar.stress { -1.0 } else { 1.0 };
-        let (path, sent) = if which == 0 {
+        let (path, sent) = if inward > 0.0 {
             (&mut self.scratch.work.right, &mut self.scratch.sent_right)
         } else {
             (&mut self.scratch.work.left, &mut self.scratch.sent_left)
@@ -198,10 +207,7 @@ impl FrontTracking {
         path.fill(medium, bar, sense);
         let tau = sense * stress;
         let short = tau > path.cap() + medium.round_off;
-        let inward = self.ends[which].face.inward;
-        let behind = path.emit(tau.min(path.cap()), inward, sent);
-        let behind = self.unless_at_rest(which, behind, bar, segment);
-        Answer { behind, velocity: inward * behind.velocity, short, answers: true }
+        (path.emit(tau.min(path.cap()), inward, sent), short)
     }
 
     /// The state behind an end's wave; with a front tolerance, a wave of a few roundings is not sent (see [`REST`]).

@@ -1,12 +1,9 @@
-//! Joints that carry no tension: two faces that touch, part, and meet again.
-//!
-//! While they touch they are one Riemann problem, like a bonded joint. Where its force would be tensile both faces are
-//! free. The gap then changes at the rate of their velocities, which are constant between events, so that the time at
-//! which it closes is exact: an event of its own.
+//! Joints that can open, see [`crate::bar::joint`], between events: velocities are constant then, so that the time at which a gap closes
+//! is exact, an event of its own. Faces that press each other are one Riemann problem, like a bonded joint.
 
 use super::FrontTracking;
 use super::list::Node;
-use crate::bar::{Bar, Joint};
+use crate::bar::{Bar, joint};
 use crate::wave::riemann::{Point, Side, solve};
 
 /// When a joint opened or closed.
@@ -38,12 +35,11 @@ pub struct JointState<'a> {
 pub(super) struct Contact {
     pub node: u32,
     joint: usize,
-    start: f64,
-    gap: f64,
-    /// Velocity at which the gap grows since the last event, m/s; 0 while closed.
-    rate: f64,
+    /// At the latest event, at `since` (s).
+    state: joint::Contact,
     since: f64,
-    open: bool,
+    /// Velocity at which the gap grows since then, m/s; 0 while closed.
+    rate: f64,
     /// When the gap will be closed, s.
     pub closes: f64,
     changes: Vec<JointChange>,
@@ -53,65 +49,47 @@ impl Contact {
     /// Those of a bar; node k + 1 is the joint behind segment k.
     pub fn all(bar: &Bar) -> Vec<Self> {
         let inner = &bar.segments[..bar.segments.len() - 1];
-        inner.iter().enumerate().filter_map(|(k, s)| Self::new(k, s.joint)).collect()
+        let states = inner.iter().enumerate().map(|(k, s)| (k, joint::Contact::new(s.joint)));
+        states.filter_map(|(k, state)| Some(Self::new(k as u32 + 1, k, state?, 0.0))).collect()
     }
 
-    fn new(joint: usize, kind: Joint) -> Option<Self> {
-        let Joint::Contact { gap } = kind else { return None };
-        Some(Self {
-            node: joint as u32 + 1,
-            joint,
-            start: gap,
-            gap,
-            rate: 0.0,
-            since: 0.0,
-            open: gap > 0.0,
-            closes: f64::INFINITY,
-            changes: Vec::new(),
-        })
+    fn new(node: u32, joint: usize, state: joint::Contact, since: f64) -> Self {
+        Self { node, joint, state, since, rate: 0.0, closes: f64::INFINITY, changes: Vec::new() }
     }
 
     /// A place where the bar breaks at t.
     pub fn broken(node: u32, segment: usize, t: f64) -> Self {
-        Self {
-            node,
-            joint: segment,
-            start: 0.0,
-            gap: 0.0,
-            rate: 0.0,
-            since: t,
-            open: false,
-            closes: f64::INFINITY,
-            changes: Vec::new(),
-        }
+        Self::new(node, segment, joint::Contact::broken(), t)
     }
 
-    fn gap_at(&self, t: f64) -> f64 {
-        (self.gap + self.rate * (t - self.since)).max(0.0)
+    fn at(&self, t: f64) -> joint::Contact {
+        let mut state = self.state;
+        state.widen(t - self.since, self.rate);
+        state
     }
 
     /// Displacement of the right face against the left one since the start, m, at time t.
     pub fn jump_at(&self, t: f64) -> f64 {
-        self.gap_at(t) - self.start
+        self.at(t).jump()
     }
 
-    /// Brings the gap to t; whether the faces are apart there. Times up to `tolerance` later count as t.
-    fn bring_to(&mut self, t: f64, tolerance: f64) -> bool {
-        self.gap = if self.closes <= t + tolerance { 0.0 } else { self.gap_at(t) };
+    /// Brings the gap to t. Times up to `tolerance` later count as t.
+    fn bring_to(&mut self, t: f64, tolerance: f64) {
+        self.state = self.at(t);
+        if self.closes <= t + tolerance {
+            self.state.close();
+        }
         self.since = t;
-        self.gap > 0.0
     }
 
-    /// From now on the gap grows at `rate` (m/s; none: the faces press each other). Rates within `round_off` are no
-    /// closing.
-    fn settle(&mut self, rate: Option<f64>, round_off: f64) {
-        let open = rate.is_some();
-        self.rate = rate.unwrap_or(0.0);
-        self.closes = if self.rate < -round_off { self.since + self.gap / -self.rate } else { f64::INFINITY };
+    /// From now on the gap grows at `rate` (m/s; 0 where the faces press each other). Rates within `round_off` are no closing.
+    fn settle(&mut self, rate: f64, round_off: f64) {
+        self.rate = rate;
+        self.closes = if rate < -round_off { self.since + self.state.gap() / -rate } else { f64::INFINITY };
+        let open = self.state.is_open();
         if self.changes.last().is_none_or(|last| last.open != open) {
             self.changes.push(JointChange { time: self.since, open });
         }
-        self.open = open;
     }
 }
 
@@ -119,12 +97,12 @@ impl FrontTracking {
     /// The joints that can open, from left to right, now.
     pub fn contacts(&self) -> impl Iterator<Item = JointState<'_>> {
         self.contacts.iter().map(|contact| {
-            let gap = contact.gap_at(self.now);
+            let state = contact.at(self.now);
             JointState {
                 joint: contact.joint,
-                open: contact.open,
-                gap,
-                jump: contact.jump_at(self.now),
+                open: state.is_open(),
+                gap: state.gap(),
+                jump: state.jump(),
                 changes: &contact.changes,
             }
         })
@@ -141,16 +119,18 @@ impl FrontTracking {
         let Some(k) = self.contacts.iter().position(|contact| contact.node == id) else { return false };
         let (left, left_segment) = (self.list.get(prev).right, self.list.get(prev).segment);
         let right_segment = self.list.get(id).segment;
-        let apart = self.contacts[k].bring_to(self.now, self.nearness.time);
-        let round_off = self.media[left_segment as usize].round_off;
-        if !apart && self.presses(&left, left_segment, &right, right_segment) {
-            self.contacts[k].settle(None, 0.0);
-            return false;
+        self.contacts[k].bring_to(self.now, self.nearness.time);
+        if self.contacts[k].state.gap() == 0.0 {
+            let (force, round_off) = self.force_between((left_segment, &left), (right_segment, &right));
+            if self.contacts[k].state.press(force, round_off) {
+                self.contacts[k].settle(0.0, 0.0);
+                return false;
+            }
         }
-        let behind_left = self.free_left(&left, left_segment);
-        let behind_right = self.free_right(&right, right_segment);
-        let slowest = round_off / self.media[left_segment as usize].impedance();
-        self.contacts[k].settle(Some(behind_right.velocity - behind_left.velocity), slowest);
+        let (behind_left, _) = self.emit_under(0.0, -1.0, &left, left_segment);
+        let (behind_right, _) = self.emit_under(0.0, 1.0, &right, right_segment);
+        let medium = &self.media[left_segment as usize];
+        self.contacts[k].settle(behind_right.velocity - behind_left.velocity, medium.round_off / medium.impedance());
         self.send_left(prev, x, left_segment);
         let node = self.list.get_mut(id);
         (node.right, node.t) = (behind_right, self.now);
@@ -160,24 +140,10 @@ impl FrontTracking {
         true
     }
 
-    /// Whether two faces that touch press each other.
-    fn presses(&mut self, left: &Point, left_segment: u32, right: &Point, right_segment: u32) -> bool {
-        let (a, b) = (&self.media[left_segment as usize], &self.media[right_segment as usize]);
-        let star = solve(Side::Bar(a, left), Side::Bar(b, right), &mut self.scratch.work);
-        star.force < -a.round_off * a.area.min(b.area)
-    }
-
-    /// The state behind the waves that a free face at the right of `point` sends into `sent_left`.
-    fn free_left(&mut self, point: &Point, segment: u32) -> Point {
-        let sense = if point.stress > 0.0 { -1.0 } else { 1.0 };
-        self.scratch.work.left.fill(&self.media[segment as usize], point, sense);
-        self.scratch.work.left.emit(0.0, -1.0, &mut self.scratch.sent_left)
-    }
-
-    /// The same of a free face at the left of `point`, into `sent_right`.
-    fn free_right(&mut self, point: &Point, segment: u32) -> Point {
-        let sense = if point.stress > 0.0 { -1.0 } else { 1.0 };
-        self.scratch.work.right.fill(&self.media[segment as usize], point, sense);
-        self.scratch.work.right.emit(0.0, 1.0, &mut self.scratch.sent_right)
+    /// Force between two faces that are held together, N, compression positive, and how much of it is rounding.
+    fn force_between(&mut self, left: (u32, &Point), right: (u32, &Point)) -> (f64, f64) {
+        let (a, b) = (&self.media[left.0 as usize], &self.media[right.0 as usize]);
+        let star = solve(Side::Bar(a, left.1), Side::Bar(b, right.1), &mut self.scratch.work);
+        (-star.force, a.round_off * a.area.min(b.area))
     }
 }

@@ -4,16 +4,17 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
-use super::front;
-use super::kernel::{self, Scratch};
-use super::stepping::Part;
+use super::part::Part;
 use crate::wave::riemann::{Flux, Workspace};
 
 /// Most cells of a block: its row and scratch stay in the first-level cache.
 pub(super) const BLOCK: usize = 256;
 
-/// Copies of neighbours' cells on either side: the nearest has a state at its face, which depends on three more.
-pub(super) const GHOSTS: usize = 1 + front::NEARBY;
+/// Cells to either side of one that its slopes may depend on, inside a front.
+pub(super) const NEARBY: usize = 3;
+
+/// Copies of neighbours' cells on either side: the nearest has a state at its face, which depends on [`NEARBY`] more.
+pub(super) const GHOSTS: usize = 1 + NEARBY;
 
 /// Cells of the longest row.
 pub(super) const ROW: usize = BLOCK + 2 * GHOSTS;
@@ -183,29 +184,12 @@ impl Block {
     /// The cells of the row whose surroundings are all cells of the bar.
     pub fn surrounded(&self) -> Range<usize> {
         let cells = self.carried();
-        let [left, right] = self.outer.map(|outer| if outer.is_some() { front::NEARBY } else { 0 });
+        let [left, right] = self.outer.map(|outer| if outer.is_some() { NEARBY } else { 0 });
         cells.start + left..(cells.end - right).max(cells.start + left)
     }
 
-    /// One step. All outside copies are up to date.
-    pub fn advance(&mut self, part: &Part, scratch: &mut Scratch) {
-        if self.stage == Stage::Quiet {
-            if self.at_rest() {
-                return;
-            }
-            self.stage = Stage::Elastic;
-        }
-        if self.stage == Stage::Elastic {
-            if kernel::elastic(self, part, scratch) {
-                return;
-            }
-            self.make_plastic(part);
-        }
-        kernel::plastic(self, part, scratch);
-    }
-
     /// Nothing comes in from outside.
-    fn at_rest(&self) -> bool {
+    pub fn at_rest(&self) -> bool {
         let velocity = self.v[GHOSTS];
         let quiet = |side: usize| match self.outer[side] {
             Some(flux) => flux.stress == 0.0 && flux.velocity == velocity,

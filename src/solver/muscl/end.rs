@@ -3,7 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::block::Block;
-use super::stepping::Part;
+use super::face::{response, under};
+use super::part::Part;
 use crate::bar::EndCondition;
 use crate::bar::ends::{self, Boundary, EndModel, Face, Push, Relation, Response, Step};
 use crate::wave::riemann::{Flux, Near, Side, Workspace, solve};
@@ -111,10 +112,8 @@ impl End {
     }
 
     fn respond(&self, step: &Step, part: &Part, near: &Near, work: &mut Workspace) -> (Flux, bool) {
-        let (face, point) = (&self.face, &near.point);
-        let impedance = face.impedance;
-        let force = -face.area * point.stress - impedance * face.inward * point.velocity;
-        let bar = Response { force, impedance };
+        let face = &self.face;
+        let bar = response(part, near, face.inward);
         let mut relation = self.model.relation(step, &bar);
         let mut flux = self.meet(&relation, &bar, part, near, work);
         if self.model.is_nonlinear() {
@@ -125,7 +124,7 @@ impl End {
             flux = self.meet(&relation, &bar, part, near, work);
         }
         if relation.unilateral && flux.stress >= 0.0 {
-            return (self.under(0.0, part, near, work), false);
+            return (under(0.0, face.inward, part, near, work), false);
         }
         (flux, true)
     }
@@ -135,7 +134,7 @@ impl End {
         let Relation { of_velocity, of_force, value, .. } = *relation;
         let face = &self.face;
         if of_velocity == 0.0 {
-            return self.under(-value / of_force / face.area, part, near, work);
+            return under(-value / of_force / face.area, face.inward, part, near, work);
         }
         let [force, velocity] = relation.meet(bar);
         let stress = -force / face.area;
@@ -148,23 +147,6 @@ impl End {
         let star = if face.inward > 0.0 { solve(driver, side, work) } else { solve(side, driver, work) };
         let velocity = velocity + face.inward * compliance * star.force;
         Flux { stress: star.force / face.area, velocity }
-    }
-
-    /// Under a stress. What the curve cannot carry into the bar pulls at its end all the same.
-    fn under(&self, stress: f64, part: &Part, near: &Near, work: &mut Workspace) -> Flux {
-        let (point, normal) = (&near.point, -self.face.inward);
-        let impedance = self.face.impedance / self.face.area;
-        if part.faces.stays_elastic(near, stress) {
-            let velocity = point.velocity + normal * (stress - point.stress) / impedance;
-            return Flux { stress, velocity };
-        }
-        let sense = if stress < point.stress { -1.0 } else { 1.0 };
-        let path = &mut work.left;
-        path.fill_at_face(&part.faces.medium, &part.faces.placed(near), sense);
-        let carried = (sense * stress).min(path.cap());
-        // The rest accelerates the end as if it were elastic.
-        let change = path.velocity(carried) + (sense * stress - carried) / impedance;
-        Flux { stress, velocity: point.velocity + normal * sense * change }
     }
 
     /// Now.

@@ -4,13 +4,10 @@
 //! smear it ever further, over `dx^(2/3)`; steeper ones keep it within a few cells. So cells inside such fronts get those.
 //! Elsewhere they would do harm: they make steps of smooth waves, and keep ripples alive.
 
-use super::block::Block;
+use super::block::{Block, NEARBY};
+use super::part::Part;
 use super::slope::{limited, steep};
-use super::stepping::Part;
 use crate::wave::riemann::Straight;
-
-/// Cells to either side of which the differences are looked at.
-pub(super) const NEARBY: usize = 3;
 
 /// In a front the largest difference between neighbours near a cell is this many times the least. Where a wave is
 /// resolved, they are more alike than that.

@@ -6,8 +6,8 @@ use multiversion::multiversion;
 
 use super::block::{Block, GHOSTS, ROW, Stage};
 use super::front;
-use super::slope::limited;
-use super::stepping::Part;
+use super::part::Part;
+use super::slope::{cap, capped, limited};
 use crate::law::LANES;
 use crate::wave::riemann::{Faces, Flux, Near, Point, Workspace};
 
@@ -106,8 +106,27 @@ struct Ahead {
     work: [f64; ROW],
 }
 
+impl Block {
+    /// One step. All outside copies are up to date.
+    pub fn advance(&mut self, part: &Part, scratch: &mut Scratch) {
+        if self.stage == Stage::Quiet {
+            if self.at_rest() {
+                return;
+            }
+            self.stage = Stage::Elastic;
+        }
+        if self.stage == Stage::Elastic {
+            if elastic(self, part, scratch) {
+                return;
+            }
+            self.make_plastic(part);
+        }
+        plastic(self, part, scratch);
+    }
+}
+
 /// One elastic step of a block; false, and nothing is changed, where a stress comes past the elastic limit.
-pub(super) fn elastic(block: &mut Block, part: &Part, scratch: &mut Scratch) -> bool {
+fn elastic(block: &mut Block, part: &Part, scratch: &mut Scratch) -> bool {
     let elastic = Elastic::of(part);
     let Scratch { carried, through, stress, lost, .. } = scratch;
     let at_faces = carry(elastic, block.carried(), &block.sigma, &block.v, carried);
@@ -225,7 +244,7 @@ fn push(kick: f64, v: &mut [f64], before: &[f64], after: &[f64], through: &Throu
 }
 
 /// One step of a block in which some cell may flow.
-pub(super) fn plastic(block: &mut Block, part: &Part, scratch: &mut Scratch) {
+fn plastic(block: &mut Block, part: &Part, scratch: &mut Scratch) {
     let row = block.sigma.len();
     let law = part.law.law.as_ref();
     if part.path_independent {
@@ -367,18 +386,6 @@ fn carry_history(block: &Block, part: &Part, scratch: &mut Scratch) {
     }
 }
 
-/// The largest stress at the faces of flowing cell `i`, in the sense in which it flows: its own, `ahead` by half a step, or a
-/// neighbour's. Towards a level stretch the wave speed tends to zero, and half a step and half a slope together may exceed all
-/// stress that the curve can carry: the velocity that goes with such a stress is a thousand times that of the bar.
-fn cap(ahead: f64, sigma: &[f64], i: usize) -> f64 {
-    let largest = |a: f64, b: f64| if ahead < 0.0 { a.min(b) } else { a.max(b) };
-    sigma[i - 1..=i + 1].iter().copied().fold(ahead, largest)
-}
-
-fn capped(stress: f64, cap: f64) -> f64 {
-    if cap < 0.0 { stress.max(cap) } else { stress.min(cap) }
-}
-
 /// The faces of a row whose answer is not the acoustic one, where the curve is followed both ways.
 fn correct_curve(block: &mut Block, part: &Part, scratch: &mut Scratch) {
     let (row, limit) = (block.sigma.len(), part.limit);
@@ -456,50 +463,4 @@ fn correct_history(block: &mut Block, part: &Part, scratch: &mut Scratch) {
         let b = near(j, -1.0, left[0][j], left[1][j], backs[1], &mut block.work);
         through.set(face, part.faces.solve(&a, &b, &mut block.work));
     }
-}
-
-/// The first or the last cell of a block at its outer face, half a step on. `state` is room for its law state.
-pub(super) fn near(block: &Block, part: &Part, side: usize, state: &mut Vec<f64>, work: &mut Workspace) -> Near {
-    let i = block.inside(side, 0);
-    let (s, v) = (&block.sigma, &block.v);
-    let outward = if side == 0 { -0.5 } else { 0.5 };
-    let flat = block.is_first_order(part, i);
-    let slope = |left: f64, right: f64| if flat { 0.0 } else { limited(left, right) };
-    let ds = slope(s[i] - s[i - 1], s[i + 1] - s[i]);
-    let dv = slope(v[i] - v[i - 1], v[i + 1] - v[i]);
-    let half_strain = 0.5 * part.gain * dv;
-    let velocity = v[i] + 0.5 * part.kick * ds + outward * dv;
-    if block.stage != Stage::Plastic {
-        let point = Point { stress: s[i] + half_strain + outward * ds, velocity, ..Point::default() };
-        return Near { point, ..Near::default() };
-    }
-    let law = part.law.law.as_ref();
-    let (mut stress, mut flow) = ([s[i]], [0.0]);
-    state.clear();
-    state.resize(law.state_len(), 0.0);
-    if part.path_independent {
-        let z = |i: usize| block.reach(part, i);
-        let dz = slope(z(i) - z(i - 1), z(i + 1) - z(i));
-        stress = [0.0];
-        law.strain(&[z(i) + half_strain + outward * dz], &mut stress, state, &mut flow);
-        let point = Point { stress: stress[0], velocity, plastic: state[0], ..Point::default() };
-        return Near { point, ..Near::default() };
-    }
-    for (number, value) in state.iter_mut().enumerate() {
-        *value = block.state_at(number, i);
-    }
-    law.strain(&[half_strain], &mut stress, state, &mut flow);
-    let reversals = law.reversals(&block.state, i);
-    let (accumulated, back) = (law.accumulated(state, 0), law.back_stress(state, 0));
-    let mut point = Point { stress: stress[0] + outward * ds, velocity, accumulated, back, ..Point::default() };
-    if flow[0] == 0.0 {
-        return Near { point, flowing: 0.0, reversals };
-    }
-    if part.most_owed.is_some() {
-        point.stress = capped(point.stress, cap(stress[0], s, i));
-    }
-    let sense = if stress[0] < back { -1.0 } else { 1.0 };
-    let start = part.faces.limit(law.accumulated(&block.state, i), law.back_stress(&block.state, i), sense);
-    let gained = (sense * stress[0] - start).max(0.0);
-    part.faces.before(Near { point, flowing: sense, reversals }, gained, 2.0 * outward, work)
 }

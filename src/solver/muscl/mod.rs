@@ -28,13 +28,16 @@
 
 mod block;
 mod end;
+mod face;
 mod front;
 mod joint;
 mod kernel;
+mod part;
 mod readings;
 mod slope;
 mod snapshot;
 mod stepping;
 
 pub use end::EndReading;
-pub use stepping::{Muscl, Part};
+pub use part::Part;
+pub use stepping::Muscl;

@@ -96,7 +96,7 @@ impl Muscl {
 
     /// Energies and momentum now. `numerical` is the scheme's own dissipation.
     pub fn energies(&self) -> Energies {
-        let concentrated = self.joints.iter().map(|joint| joint.lost).sum();
+        let concentrated = self.joints.iter().map(Joint::lost).sum();
         let numerical = self.ends.iter().map(|end| end.work - end.work_on_face).sum();
         let mut total = Energies { numerical, concentrated, ..Energies::default() };
         for block in &self.blocks {

@@ -1,4 +1,4 @@
-//! Limited slopes.
+//! Limited slopes, and limited stresses at faces.
 
 /// The slope over a cell, as a difference, from those to its left and right: their harmonic mean, and nothing where they
 /// differ in sign (van Leer 1974). Values at the faces then lie between those of the neighbours.
@@ -27,4 +27,19 @@ pub fn steep(left: f64, right: f64) -> f64 {
     }
     let (lesser, greater) = if left.abs() < right.abs() { (left, right) } else { (right, left) };
     if STEEP * lesser.abs() < greater.abs() { STEEP * lesser } else { greater }
+}
+
+/// The largest stress at the faces of flowing cell `i`, in the sense in which it flows: its own, `ahead` by half a step, or a
+/// neighbour's. Towards a level stretch the wave speed tends to zero, and half a step and half a slope together may exceed all
+/// stress that the curve can carry: the velocity that goes with such a stress is a thousand times that of the bar.
+#[inline]
+pub fn cap(ahead: f64, sigma: &[f64], i: usize) -> f64 {
+    let largest = |a: f64, b: f64| if ahead < 0.0 { a.min(b) } else { a.max(b) };
+    sigma[i - 1..=i + 1].iter().copied().fold(ahead, largest)
+}
+
+/// A stress no larger than that.
+#[inline]
+pub fn capped(stress: f64, cap: f64) -> f64 {
+    if cap < 0.0 { stress.max(cap) } else { stress.min(cap) }
 }

@@ -4,80 +4,20 @@ use rayon::prelude::*;
 
 use super::block::{BLOCK, Block, Stage};
 use super::end::End;
+use super::face;
 use super::joint::Joint;
-use super::kernel::{self, Scratch};
-use crate::bar::{Bar, EndCondition, Segment};
+use super::kernel::Scratch;
+use super::part::Part;
+use crate::bar::{Bar, EndCondition};
 use crate::law::FirstPassed;
-use crate::solver::fd::{Grid, SegmentGrid, SegmentLaw};
-use crate::wave::riemann::{Faces, Flow, Medium, Workspace};
+use crate::solver::fd::{Grid, SegmentLaw};
+use crate::wave::riemann::{Medium, Workspace};
 
 /// Bars with fewer cells than this are stepped on one thread: below it, waking a second thread costs more than it saves.
 const PARALLEL_FROM: usize = 16_384;
 
 /// Blocks that share room to work in, and that one thread steps in turn.
 const GROUP: usize = 16;
-
-/// Energy that slopes may give to a cell, as a part of its elastic energy at yield.
-const MOST_OWED: f64 = 1e-3;
-
-/// A segment with its law and what its faces need.
-#[derive(Clone)]
-pub struct Part {
-    pub(super) law: SegmentLaw,
-    pub(super) faces: Faces,
-    pub(super) path_independent: bool,
-    pub(super) modulus: f64,
-    pub(super) density: f64,
-    pub(super) area: f64,
-    pub(super) dx: f64,
-    /// E dt/dx, Pa s/m.
-    pub(super) gain: f64,
-    /// dt/(rho dx), m/s per Pa.
-    pub(super) kick: f64,
-    /// E times the strains at which the curve stiffens, in tension and compression, Pa; none along most curves.
-    pub(super) stiffens: Option<[Vec<f64>; 2]>,
-    /// Stress up to which everything is elastic, Pa.
-    pub(super) limit: f64,
-    /// Energy that slopes may give to a cell, W/m^2, where the curve has a level or falling stretch; none along other curves.
-    pub(super) most_owed: Option<f64>,
-}
-
-impl Part {
-    fn new(segment: &Segment, grid: &SegmentGrid, dt: f64, law: SegmentLaw, medium: Medium) -> Self {
-        let faces = Faces::new(medium);
-        let limit = law.yield_stress.min(faces.yield_stress());
-        let gain = segment.material.modulus * dt / grid.dx;
-        Self {
-            path_independent: faces.medium.flow == Flow::PathIndependent,
-            modulus: segment.material.modulus,
-            density: segment.material.density,
-            area: segment.area,
-            dx: grid.dx,
-            gain,
-            kick: dt / (segment.material.density * grid.dx),
-            stiffens: Some(faces.stiffenings()).filter(|all| all.iter().any(|knots| !knots.is_empty())),
-            limit,
-            most_owed: faces.has_level().then(|| MOST_OWED * limit * limit / (2.0 * gain)),
-            faces,
-            law,
-        }
-    }
-
-    /// The elastic range grows evenly, about zero stress: what is within the first limit is elastic for ever.
-    pub(super) fn isotropic(&self) -> bool {
-        self.faces.medium.flow == Flow::Plastic { kinematic: 0.0 }
-    }
-
-    /// rho A dx, kg.
-    pub(super) fn cell_mass(&self) -> f64 {
-        self.density * self.area * self.dx
-    }
-
-    /// A dx, m^3.
-    pub(super) fn cell_volume(&self) -> f64 {
-        self.area * self.dx
-    }
-}
 
 /// A bar being stepped: everything lives at `time()`.
 pub struct Muscl {
@@ -169,7 +109,7 @@ impl Muscl {
         let last = self.blocks.len() - 1;
         for (side, k) in [(0, 0), (1, last)] {
             let part = &self.parts[self.blocks[k].part];
-            let near = kernel::near(&self.blocks[k], part, side, &mut self.state, &mut self.work);
+            let near = face::near(&self.blocks[k], part, side, &mut self.state, &mut self.work);
             self.blocks[k].outer[side] = Some(self.ends[side].settle(time, dt, part, &near, &mut self.work));
         }
     }
@@ -180,7 +120,7 @@ impl Muscl {
             let (left, right) = (&self.blocks[joint.edge], &self.blocks[joint.edge + 1]);
             let parts = [&self.parts[left.part], &self.parts[right.part]];
             let near = [(left, parts[0], 1), (right, parts[1], 0)]
-                .map(|(block, part, side)| kernel::near(block, part, side, &mut self.state, &mut self.work));
+                .map(|(block, part, side)| face::near(block, part, side, &mut self.state, &mut self.work));
             let [from_left, from_right] = joint.settle(dt, parts, &near, &mut self.work);
             self.blocks[joint.edge].outer[1] = Some(from_left);
             self.blocks[joint.edge + 1].outer[0] = Some(from_right);

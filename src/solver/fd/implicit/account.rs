@@ -46,46 +46,64 @@ impl Implicit {
 
     /// Sums of a step, `after` holding the velocities before it. `shift` is what is added to those after it.
     fn taken(&self, shift: impl Fn(usize) -> f64) -> Taken {
-        let (v, w) = (&self.after[..], &self.change[..]);
         let mut taken = Taken::default();
         if self.acts.internal {
-            for (weights, cells) in self.weights.cells() {
-                let [before, after] = sums(cells, |i| {
-                    let (rate, change) = (v[i + 1] - v[i], w[i + 1] - w[i]);
-                    let impulse = weights.viscous * (rate + 0.5 * change);
-                    [impulse * rate, impulse * (rate + change + (shift(i + 1) - shift(i)))]
-                });
-                taken.before += before;
-                taken.after += after;
-            }
+            self.take_inside(&shift, &mut taken);
         }
         if self.acts.external {
-            for (weights, nodes) in self.weights.nodes() {
-                let [before, after, impulse] = sums(nodes, |j| {
-                    let impulse = weights.drag * v[j] + weights.drag_mass * w[j];
-                    [impulse * v[j], impulse * (v[j] + w[j] + shift(j)), impulse]
-                });
-                taken.before += before;
-                taken.after += after;
-                taken.impulse -= impulse;
-            }
+            self.take_outside(&shift, &mut taken);
         }
         if !self.rubbing.is_empty() {
-            let [before, after, impulse] = sums(0..v.len(), |j| {
-                let impulse = -self.rubbing[j];
-                [impulse * v[j], impulse * (v[j] + w[j] + shift(j)), impulse]
-            });
+            let [before, after, impulse] = self.at_nodes(0..self.after.len(), &shift, |j| -self.rubbing[j]);
             taken.rubbed = [before, after];
             taken.impulse -= impulse;
         }
         if !self.place.is_empty() {
             let dt = self.weights.dt;
             for (weights, nodes) in self.weights.nodes() {
-                let [stretch] = sums(nodes, |j| [self.place[j] + 0.25 * dt * w[j]]);
+                let [stretch] = sums(nodes, |j| [self.place[j] + 0.25 * dt * self.change[j]]);
                 taken.impulse -= dt * weights.spring * stretch;
             }
         }
         taken
+    }
+
+    /// By the internal dampers.
+    #[inline(always)]
+    fn take_inside(&self, shift: &impl Fn(usize) -> f64, taken: &mut Taken) {
+        let (v, w) = (&self.after[..], &self.change[..]);
+        for (weights, cells) in self.weights.cells() {
+            let [before, after] = sums(cells, |i| {
+                let (rate, change) = (v[i + 1] - v[i], w[i + 1] - w[i]);
+                let impulse = weights.viscous * (rate + 0.5 * change);
+                [impulse * rate, impulse * (rate + change + (shift(i + 1) - shift(i)))]
+            });
+            taken.before += before;
+            taken.after += after;
+        }
+    }
+
+    /// By the external ones.
+    #[inline(always)]
+    fn take_outside(&self, shift: &impl Fn(usize) -> f64, taken: &mut Taken) {
+        let (v, w) = (&self.after[..], &self.change[..]);
+        for (weights, nodes) in self.weights.nodes() {
+            let impulse = |j: usize| weights.drag * v[j] + weights.drag_mass * w[j];
+            let [before, after, impulse] = self.at_nodes(nodes, shift, impulse);
+            taken.before += before;
+            taken.after += after;
+            taken.impulse -= impulse;
+        }
+    }
+
+    /// Sums over nodes of impulses against the motion (N s): times the velocity before and after the step, and alone.
+    #[inline(always)]
+    fn at_nodes(&self, nodes: Range<usize>, shift: &impl Fn(usize) -> f64, impulse: impl Fn(usize) -> f64) -> [f64; 3] {
+        let (v, w) = (&self.after[..], &self.change[..]);
+        sums(nodes, |j| {
+            let impulse = impulse(j);
+            [impulse * v[j], impulse * (v[j] + w[j] + shift(j)), impulse]
+        })
     }
 
     /// Takes over what the ripple damping made of the nodes after the latest step, and books what it took: the blocks' own

@@ -104,12 +104,20 @@ impl Matrix {
 
     /// Solves for the nodes between the ends, both ends at 0; `x` holds the right sides, and then the solution.
     pub fn solve(&self, x: &mut [f64]) {
-        let (n, middle) = (self.cells, self.middle);
-        let (beside, inverse, x) = (&self.beside[..=n], &self.inverse[..=n], &mut x[..=n]);
+        let n = self.cells;
         if self.diagonal {
-            x[1..n].iter_mut().zip(&inverse[1..n]).for_each(|(x, inverse)| *x *= inverse);
+            x[1..n].iter_mut().zip(&self.inverse[1..n]).for_each(|(x, inverse)| *x *= inverse);
             return;
         }
+        self.eliminate(x);
+        self.substitute(x);
+    }
+
+    /// From both ends to the middle node, which is solved for.
+    #[inline(always)]
+    fn eliminate(&self, x: &mut [f64]) {
+        let (n, middle) = (self.cells, self.middle);
+        let (beside, x) = (&self.beside[..=n], &mut x[..=n]);
         let both = middle - 1;
         let (mut left, mut right) = (0.0, 0.0);
         for start in (0..both).step_by(LOOK) {
@@ -126,11 +134,17 @@ impl Matrix {
             right = x[j] - beside[j] * right;
             x[j] = right;
         }
-        let centre = (x[middle] - beside[middle] * left - self.middle_right * right) * inverse[middle];
-        x[middle] = centre;
-        // Back, outwards: what is beside a node stands in the row of its neighbour.
+        x[middle] = (x[middle] - beside[middle] * left - self.middle_right * right) * self.inverse[middle];
+    }
+
+    /// Back, outwards: what is beside a node stands in the row of its neighbour.
+    #[inline(always)]
+    fn substitute(&self, x: &mut [f64]) {
+        let (n, middle) = (self.cells, self.middle);
+        let (beside, inverse, x) = (&self.beside[..=n], &self.inverse[..=n], &mut x[..=n]);
+        let both = middle - 1;
         let (mut element_left, mut element_right) = (beside[middle], self.middle_right);
-        (left, right) = (centre, centre);
+        let (mut left, mut right) = (x[middle], x[middle]);
         for j in middle + 1..n - both {
             right = x[j] * inverse[j] - element_right * right;
             element_right = beside[j];

@@ -28,7 +28,7 @@ use serde::{Deserialize, Serialize};
 use super::block::Block;
 use super::device::Device;
 use super::grid::Grid;
-use super::leapfrog::Constants;
+use super::segment::Constants;
 use account::Taken;
 use matrix::Matrix;
 use weights::{CellWeights, Weights};

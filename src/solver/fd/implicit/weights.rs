@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::Along;
 use crate::solver::fd::Grid;
-use crate::solver::fd::leapfrog::Constants;
+use crate::solver::fd::segment::Constants;
 
 /// A cell, by segment.
 #[derive(Debug, Clone, Copy)]

@@ -1,0 +1,33 @@
+//! The value of a quantity in a cell of a block.
+
+use super::block::Block;
+use super::quantity::Quantity;
+use super::segment::Constants;
+use crate::law::RowLaw;
+
+/// A quantity in local cell `i` of a block; `outer` are the velocities of its two edge nodes at the time of the stresses.
+#[inline]
+pub(super) fn cell_value(
+    quantity: Quantity,
+    block: &Block,
+    law: &dyn RowLaw,
+    constants: &Constants,
+    outer: [f64; 2],
+    i: usize,
+) -> f64 {
+    let modulus = constants.modulus;
+    match quantity {
+        Quantity::Stress => block.sigma[i],
+        Quantity::Strain => (block.sigma[i] + block.plastic_strain(law, i)) / modulus,
+        Quantity::PlasticStrain => block.plastic_strain(law, i) / modulus,
+        Quantity::AccumulatedPlasticStrain => block.accumulated(law, i) / modulus,
+        Quantity::Temperature => law.temperature(&block.state, i),
+        Quantity::Velocity => {
+            let gain = constants.velocity_gain;
+            let inner = |node: usize| block.v[node] - 0.5 * block.kick(gain, node);
+            let left = if i == 0 { outer[0] } else { inner(i) };
+            let right = if i + 1 == block.sigma.len() { outer[1] } else { inner(i + 1) };
+            0.5 * (left + right)
+        }
+    }
+}

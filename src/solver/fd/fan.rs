@@ -1,0 +1,66 @@
+//! The fan of fronts that a suddenly moved end sends, as [`super::start`] imposes it on the nodes.
+
+use serde::{Deserialize, Serialize};
+
+/// Integral up to `t` (s) of a front of height 1 that passes at 0 and rises evenly over `width` (s).
+fn ramped(t: f64, width: f64) -> f64 {
+    let half = 0.5 * width;
+    if t >= half {
+        t
+    } else if t <= -half {
+        0.0
+    } else {
+        0.5 * (t + half) * (t + half) / width
+    }
+}
+
+/// A front of a fan.
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+pub(super) struct Front {
+    /// m/s.
+    pub speed: f64,
+    /// Velocity jump, m/s, in +x.
+    pub jump: f64,
+    /// Velocity ahead of it, m/s.
+    pub velocity_ahead: f64,
+}
+
+/// The fan of an end.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(super) struct StartingFan {
+    /// 0: the left end, 1: the right one.
+    pub side: usize,
+    /// The segment at that end, which the fan does not leave while it is imposed.
+    pub segment: usize,
+    /// The fastest first.
+    pub fronts: Vec<Front>,
+    /// Velocity behind the fan, that of the end, m/s.
+    pub velocity_behind: f64,
+    /// Stress behind it, Pa, tension positive.
+    pub stress: f64,
+    /// Length over which fronts but the first are ramps, m.
+    pub ramp: f64,
+    /// Steps in which it is imposed.
+    pub steps: usize,
+    /// Nodes from the end on that it may set: none that one from the far side sets.
+    pub nodes: usize,
+    /// Energy that the end gave for it and the nodes did not get, J.
+    pub lost: f64,
+}
+
+impl StartingFan {
+    /// Mean velocity over the step from `time` on at `distance` (m) from the end, m/s.
+    pub fn mean_velocity(&self, distance: f64, time: f64, dt: f64) -> f64 {
+        let half_ramp = (0.5 * self.ramp).min(distance);
+        // Fronts that have passed before the step count in full, those that arrive after it not at all.
+        let passed = self.fronts.partition_point(|front| front.speed * time >= distance + half_ramp);
+        let passing = self.fronts[passed..].iter().take_while(|front| front.speed * (time + dt) > distance - half_ramp);
+        let share = |k: usize, speed: f64| {
+            let arrival = distance / speed;
+            let width = if k == 0 { 0.0 } else { 2.0 * half_ramp / speed };
+            (ramped(time + dt - arrival, width) - ramped(time - arrival, width)) / dt
+        };
+        let ahead = self.fronts.get(passed).map_or(self.velocity_behind, |front| front.velocity_ahead);
+        ahead + passing.enumerate().map(|(k, front)| front.jump * share(passed + k, front.speed)).sum::<f64>()
+    }
+}

@@ -1,0 +1,112 @@
+//! The outer faces of blocks, at ends and joints: the state of the bar there, and what goes through under a stress.
+
+use super::block::{Block, Stage};
+use super::part::Part;
+use super::slope::{cap, capped, limited};
+use crate::bar::ends::Response;
+use crate::wave::riemann::{Flux, Near, Point, Workspace};
+
+/// How an elastic bar answers at its face; `inward` is +1 where it is to the right of the face and -1 to its left.
+pub(super) fn response(part: &Part, near: &Near, inward: f64) -> Response {
+    let Point { stress, velocity, .. } = near.point;
+    let impedance = part.area * part.faces.medium.impedance();
+    Response { force: -part.area * stress - impedance * inward * velocity, impedance }
+}
+
+/// A face under a stress. What the curve cannot carry into the bar pulls at its face all the same.
+pub(super) fn under(stress: f64, inward: f64, part: &Part, near: &Near, work: &mut Workspace) -> Flux {
+    let (point, impedance) = (&near.point, part.faces.medium.impedance());
+    if part.faces.stays_elastic(near, stress) {
+        return Flux { stress, velocity: point.velocity - inward * (stress - point.stress) / impedance };
+    }
+    let sense = if stress < point.stress { -1.0 } else { 1.0 };
+    let path = &mut work.left;
+    path.fill_at_face(&part.faces.medium, &part.faces.placed(near), sense);
+    let carried = (sense * stress).min(path.cap());
+    // The rest accelerates the face as if it were elastic.
+    let change = path.velocity(carried) + (sense * stress - carried) / impedance;
+    Flux { stress, velocity: point.velocity - inward * sense * change }
+}
+
+/// Half a step from a cell to its outer face.
+struct ToFace {
+    /// The cell in the rows of its block.
+    i: usize,
+    /// -1/2 at a block's left end, 1/2 at its right one: what of a slope is added.
+    outward: f64,
+    /// No slopes.
+    flat: bool,
+    /// E times the strain of half a step, Pa.
+    half_strain: f64,
+    /// Slope of the stress, as a difference, Pa.
+    rise: f64,
+    /// At the face, m/s.
+    velocity: f64,
+}
+
+impl ToFace {
+    fn new(block: &Block, part: &Part, side: usize) -> Self {
+        let i = block.inside(side, 0);
+        let outward = if side == 0 { -0.5 } else { 0.5 };
+        let flat = block.is_first_order(part, i);
+        let slope = |row: &[f64]| if flat { 0.0 } else { limited(row[i] - row[i - 1], row[i + 1] - row[i]) };
+        let (rise, dv) = (slope(&block.sigma), slope(&block.v));
+        let velocity = block.v[i] + 0.5 * part.kick * rise + outward * dv;
+        Self { i, outward, flat, half_strain: 0.5 * part.gain * dv, rise, velocity }
+    }
+
+    fn elastic(&self, block: &Block) -> Near {
+        let stress = block.sigma[self.i] + self.half_strain + self.outward * self.rise;
+        Near { point: Point { stress, velocity: self.velocity, ..Point::default() }, ..Near::default() }
+    }
+
+    /// Where the curve is followed both ways: from slopes of strain.
+    fn along_curve(&self, block: &Block, part: &Part, state: &mut [f64]) -> Near {
+        let z = |i: usize| block.reach(part, i);
+        let i = self.i;
+        let dz = if self.flat { 0.0 } else { limited(z(i) - z(i - 1), z(i + 1) - z(i)) };
+        let (mut stress, mut flow) = ([0.0], [0.0]);
+        part.law.law.strain(&[z(i) + self.half_strain + self.outward * dz], &mut stress, state, &mut flow);
+        let point = Point { stress: stress[0], velocity: self.velocity, plastic: state[0], ..Point::default() };
+        Near { point, ..Near::default() }
+    }
+
+    /// Where cells have histories: from slopes of stress, half a step on by the law.
+    fn with_history(&self, block: &Block, part: &Part, state: &mut [f64], work: &mut Workspace) -> Near {
+        let (law, i) = (part.law.law.as_ref(), self.i);
+        for (number, value) in state.iter_mut().enumerate() {
+            *value = block.state_at(number, i);
+        }
+        let (mut ahead, mut flow) = ([block.sigma[i]], [0.0]);
+        law.strain(&[self.half_strain], &mut ahead, state, &mut flow);
+        let reversals = law.reversals(&block.state, i);
+        let (accumulated, back) = (law.accumulated(state, 0), law.back_stress(state, 0));
+        let stress = ahead[0] + self.outward * self.rise;
+        let mut point = Point { stress, velocity: self.velocity, accumulated, back, ..Point::default() };
+        if flow[0] == 0.0 {
+            return Near { point, flowing: 0.0, reversals };
+        }
+        if part.most_owed.is_some() {
+            point.stress = capped(stress, cap(ahead[0], &block.sigma, i));
+        }
+        let sense = if ahead[0] < back { -1.0 } else { 1.0 };
+        let start = part.faces.limit(law.accumulated(&block.state, i), law.back_stress(&block.state, i), sense);
+        let gained = (sense * ahead[0] - start).max(0.0);
+        part.faces.before(Near { point, flowing: sense, reversals }, gained, 2.0 * self.outward, work)
+    }
+}
+
+/// The first or the last cell of a block at its outer face, half a step on. `state` is room for its law state.
+pub(super) fn near(block: &Block, part: &Part, side: usize, state: &mut Vec<f64>, work: &mut Workspace) -> Near {
+    let to_face = ToFace::new(block, part, side);
+    if block.stage != Stage::Plastic {
+        return to_face.elastic(block);
+    }
+    state.clear();
+    state.resize(part.law.law.state_len(), 0.0);
+    if part.path_independent {
+        to_face.along_curve(block, part, state)
+    } else {
+        to_face.with_history(block, part, state, work)
+    }
+}

@@ -200,7 +200,14 @@ fn the_order_is_two_where_the_solution_is_smooth() {
             );
             // Two, less what kinks cost in the maximum norm on these grids.
             let least = if norm == 0 { 1.9 } else { 1.75 };
-            assert!(orders.iter().all(|o| *o > least && *o < 2.4), "{name}, {kind}: {orders:?}");
+            if overstress.is_linear() {
+                assert!(orders.iter().all(|o| *o > least && *o < 2.4), "{name}, {kind}: {orders:?}");
+            } else {
+                // Flow at the overstress of the step's own rate has so little error on the coarse net (without it 2.3e-4 and 2.8e-4, mean)
+                // that only the finer ones show the order.
+                let most = [3e-5, 1e-4][norm];
+                assert!(orders[1] > least && orders[1] < 2.4 && coarse[norm] < most, "{name}, {kind}: {orders:?}");
+            }
         }
     }
 }

@@ -264,7 +264,10 @@ impl Part {
         let stress = 0.5 * (self.f[i] + self.g[i]);
         let (flow, history) = self.centres.flow(&self.law, i, stress, INSIDE, [0.5, dt]);
         let drop = INSIDE * flow.plastic;
-        let work = Work { total: (stress - 0.5 * drop) * flow.plastic, overstress: flow.overstress };
+        // The half step's part is never more than the whole, so that the sum never falls.
+        let whole = || self.centres.flow(&self.law, i, stress, INSIDE, [1.0, dt]).0.overstress;
+        let overstress = if flow.overstress > 0.0 { flow.overstress.min(whole()) } else { 0.0 };
+        let work = Work { total: (stress - 0.5 * drop) * flow.plastic, overstress };
         (stress - drop, history, work)
     }
 

@@ -3,32 +3,15 @@
 
 #[path = "common/binary.rs"]
 mod binary;
-
-use std::path::Path;
+#[path = "common/methods.rs"]
+mod methods;
 
 use barwave::record::LedgerRow;
 use barwave::record::Trace;
 use barwave::record::store::{ResultFile, Side};
 use binary::barwave;
+use methods::{AREA, BILINEAR, METHODS, Method, assert_ledger, finished, impedance};
 use serde_json::Value;
-
-/// Name, `[solve]` without the end time, `[effects]`.
-type Method = (&'static str, &'static str, &'static str);
-
-const METHODS: [Method; 4] = [
-    ("leapfrog", "cells = 100", "unloading = \"isotropic\""),
-    ("muscl", "scheme = \"muscl\", cells = 100", "unloading = \"isotropic\""),
-    ("front tracking", "method = \"moc\"", "unloading = \"isotropic\""),
-    ("net", "method = \"moc\", cells = 100", "rate = { model = \"malvern\", k = \"1e9 1/s\" }"),
-];
-
-const BILINEAR: &str = "{ name = \"bilinear\", density = 7800, modulus = 200e9, beyond = \"extend\", curve = { table = [[0.001, 200e6], [0.021, 600e6]] } }";
-const AREA: f64 = 1e-4;
-
-/// rho c0 A, N s/m.
-fn impedance() -> f64 {
-    AREA * (7800.0 * 200e9_f64).sqrt()
-}
 
 struct Run {
     ledger: Vec<LedgerRow>,
@@ -60,34 +43,10 @@ fn run(method: Method, bar: &str, ends: [&str; 2], until: &str) -> Run {
 }
 
 fn run_scene(name: &str, scene: &str) -> Run {
-    let folder = tempfile::tempdir().expect("a folder");
-    std::fs::write(folder.path().join("scene.toml"), scene).expect("a folder to write to");
-    let output = barwave(folder.path(), &["run", "--quiet", "-o", "out.h5", "scene.toml"]);
-    assert_eq!(output.status.code(), Some(0), "{name}: {}\n{scene}", String::from_utf8_lossy(&output.stderr));
-    let file = ResultFile::open(Path::new(&folder.path().join("out.h5"))).expect("a result");
-    let ledger = file.ledger().expect("a ledger");
-    assert_ledger(name, &ledger, scene);
+    let (_folder, file) = finished(name, scene);
+    let ledger = assert_ledger(name, &file, scene);
     let left = file.end(Side::Left).expect("an end");
     Run { ledger, left }
-}
-
-/// The account closes, and no energy is negative.
-fn assert_ledger(name: &str, ledger: &[LedgerRow], scene: &str) {
-    let scale = ledger.iter().map(|row| row.energies.total().abs()).fold(f64::MIN_POSITIVE, f64::max);
-    let mut taken = [0.0; 3];
-    for row in ledger {
-        let e = &row.energies;
-        assert!(row.residual.abs() < 1e-10, "{name}: residual {:e} at {}\n{scene}", row.residual, row.time);
-        for (what, energy) in [("kinetic", e.kinetic), ("elastic", e.elastic), ("foundation", e.foundation)] {
-            assert!(energy >= 0.0, "{name}: {what} {energy:e}\n{scene}");
-        }
-        // Rounding of sums over cells.
-        let rounding = 1e-13 * scale;
-        for (least, energy) in taken.iter_mut().zip([e.damping, e.plastic + e.heat, e.viscoplastic]) {
-            assert!(energy >= *least - rounding, "{name}: dissipation falls from {least:e} to {energy:e}\n{scene}");
-            *least = least.max(energy);
-        }
-    }
 }
 
 fn bar(velocity: f64) -> String {

@@ -90,9 +90,9 @@ impl Contact {
         // Both comparisons say the same but for rounding, which must not invent a force.
         self.open = force <= 0.0 || self.gap + dt * free_rate >= 0.0;
         if self.open {
-            self.widen(dt, free_rate)
+            self.widen(dt, free_rate);
         } else {
-            self.close()
+            self.close();
         }
         !self.open
     }

@@ -8,7 +8,6 @@ use toml::Spanned;
 
 use super::super::raw::{MaterialChoice, RawBar, RawJoint, RawSegment, Section};
 use super::Checker;
-use super::torsion::is_torsion;
 use crate::bar::{Bar, Initial, Joint, Segment};
 use crate::error::{Error, Place, Result};
 use crate::input::{Allowed, Number};
@@ -36,7 +35,7 @@ pub(in crate::scene) type Named = HashMap<String, Arc<Material>>;
 impl Checker<'_> {
     pub(super) fn bar(&self, raw: &Spanned<RawBar>) -> Result<Bar> {
         let (span, raw) = (raw.span(), raw.get_ref());
-        let motion = if is_torsion(raw) { Dimension::AngularVelocity } else { Dimension::Velocity };
+        let motion = if raw.is_torsion() { Dimension::AngularVelocity } else { Dimension::Velocity };
         let piece = Piece {
             length: raw.length.as_ref(),
             area: raw.area.as_ref(),

@@ -4,6 +4,7 @@ mod ball;
 mod bar;
 mod csv_history;
 mod damping;
+mod end_keys;
 mod ends;
 mod hardening;
 mod heat;
@@ -50,7 +51,7 @@ pub(super) fn check(document: &Document, base: &Path) -> Result<Scene> {
     let raw: RawScene = document.parse()?;
     let checker = Checker { document, base };
     let raw_bar = checker.required(raw.bar.as_ref(), "bar", "add [bar] with length and material")?;
-    let twisted = torsion::is_torsion(raw_bar.get_ref());
+    let twisted = raw_bar.get_ref().is_torsion();
     let mut bar = checker.bar(raw_bar)?;
     let torsion = if twisted {
         Some(checker.twist(raw_bar, &mut bar)?)

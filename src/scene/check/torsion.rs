@@ -10,9 +10,9 @@ use std::sync::Arc;
 use toml::Spanned;
 
 use super::super::Torsion;
-use super::super::raw::{EndKind, Mode, RawBar, RawEffects, RawEnd, RawSegment, Section};
+use super::super::raw::{EndKind, RawBar, RawEffects, RawEnd, RawSegment, Section};
 use super::Checker;
-use super::ends::given;
+use super::end_keys::given;
 use crate::bar::{Bar, EndCondition, Joint};
 use crate::error::{InputError, Result};
 use crate::input::{Allowed, Number};
@@ -41,10 +41,6 @@ struct Round {
     radius: f64,
     polar: f64,
     hollow: Option<Hollow>,
-}
-
-pub(super) fn is_torsion(raw: &RawBar) -> bool {
-    raw.mode.as_ref().is_some_and(|mode| *mode.get_ref() == Mode::Torsion)
 }
 
 fn all_given(raw: &Spanned<RawBar>) -> Vec<Given<'_>> {

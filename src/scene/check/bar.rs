@@ -142,14 +142,11 @@ impl Checker<'_> {
         let [stress, plastic_strain] = initial;
         let initial = [stress?, plastic_strain?];
         let material = self.material(choice, &format!("{key}.material"), named)?;
+        let area = section.as_ref().map_or(1.0, |section| section.area);
         let segment = Segment {
-            length,
-            area: section.as_ref().map_or(1.0, |section| section.area),
             taper: section.as_ref().and_then(|section| section.taper.clone()),
-            material,
-            velocity: velocity.unwrap_or(0.0),
-            joint: Joint::Bonded,
             initial: Initial { stress: initial[0].unwrap_or(0.0), plastic_strain: initial[1].unwrap_or(0.0) },
+            ..Segment::new(length, area, material).with_velocity(velocity.unwrap_or(0.0))
         };
         Ok((segment, section.is_some()))
     }

@@ -7,6 +7,7 @@ mod dimension;
 mod format;
 mod magnitude;
 mod parse;
+mod scale;
 mod table;
 
 use std::str::FromStr;
@@ -14,8 +15,9 @@ use std::str::FromStr;
 use serde::{Deserialize, Deserializer, Serialize};
 
 pub use dimension::Dimension;
-pub use format::{Scale, format, scale_for};
+pub use format::{format, scale_for};
 pub use magnitude::Magnitudes;
+pub use scale::Scale;
 
 /// Units for people to read.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::ValueEnum)]

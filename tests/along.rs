@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use barwave::assemble::segment_law;
-use barwave::bar::{Bar, EndCondition, Joint, Segment};
+use barwave::bar::{Bar, EndCondition, Segment};
 use barwave::material::Material;
 use barwave::record::Ledger;
 use barwave::scene::{Effects, Method, Scene, Unloading};
@@ -57,15 +57,7 @@ fn bar_of(segments: Vec<Segment>, ends: [EndCondition; 2], along: &Along, cells:
 }
 
 fn piece(material: &Arc<Material>, length: f64, velocity: f64) -> Segment {
-    Segment {
-        length,
-        area: AREA,
-        material: material.clone(),
-        velocity,
-        joint: Joint::Bonded,
-        taper: None,
-        initial: barwave::bar::Initial::default(),
-    }
+    Segment::new(length, AREA, material.clone()).with_velocity(velocity)
 }
 
 /// A bar whose cells start with the velocities of half a wave, `half_waves` of them, between fixed ends (sine) or free ones

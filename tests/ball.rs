@@ -29,7 +29,7 @@ fn ball(velocity: f64) -> EndCondition {
 
 /// An elastic bar with the ball at its left end.
 fn struck(velocity: f64, far: EndCondition, length: f64, cells: usize, cfl: f64) -> Leapfrog {
-    let segment = Segment { area: AREA, ..common::segment(common::elastic_steel(), length) };
+    let segment = Segment::new(length, AREA, common::elastic_steel());
     common::leapfrog(vec![segment], [ball(velocity), far], None, cells, cfl)
 }
 
@@ -105,7 +105,7 @@ fn a_fixed_end_gives_the_contact_of_hertz() {
             barwave::material::Curve::new(&[(0.01, 1e18)], barwave::material::Beyond::Extend).expect("a line"),
         );
         let length = 1e5 * time / steps * 2.0;
-        let segment = Segment { area: AREA, ..common::segment(heavy, length) };
+        let segment = Segment::new(length, AREA, heavy);
         let mut bar = common::leapfrog(vec![segment], [ball(velocity), EndCondition::Fixed], None, 2, 1.0);
         let found = on(&mut bar);
         let most = hertz.largest_approach(MASS, velocity);
@@ -140,7 +140,7 @@ fn a_long_elastic_bar_gives_the_impact_of_the_equation() {
 fn a_ball_never_pulls_and_strikes_again() {
     // Heavier than the bar, which it throws at a wall and which comes back.
     let heavy = EndCondition::Ball { mass: 0.5, velocity: 2.0, contact: contact() };
-    let segment = Segment { area: AREA, ..common::segment(common::elastic_steel(), 0.2) };
+    let segment = Segment::new(0.2, AREA, common::elastic_steel());
     let wall = EndCondition::Wall { gap: 1e-4 };
     let mut bar = common::leapfrog(vec![segment], [heavy, wall], None, 400, 0.9);
     let mut ledger = Ledger::new(&bar);
@@ -169,7 +169,7 @@ fn a_ball_never_pulls_and_strikes_again() {
 fn a_ball_makes_the_end_of_a_thin_bar_yield() {
     // 5.8 kN on 9 mm^2 would be 640 MPa.
     let run = |material: barwave::material::Material| {
-        let segment = Segment { area: 9e-6, ..common::segment(material, 0.3) };
+        let segment = Segment::new(0.3, 9e-6, material);
         let ends = [ball(10.0), EndCondition::Free];
         let mut bar = common::leapfrog(vec![segment], ends, Some(Unloading::Isotropic), 600, 1.0);
         let mut ledger = Ledger::new(&bar);
@@ -197,7 +197,7 @@ fn a_rate_dependent_bar_takes_from_the_ball_what_it_gets() {
     for (material, velocity, area) in [(common::bilinear_steel(), 10.0, 9e-6), (common::elastic_steel(), 10.0, AREA)] {
         let exact = alone(velocity, area * (DENSITY * MODULUS).sqrt());
         let missed = |cells: usize| {
-            let segment = Segment { area, ..common::segment(material.clone(), 0.5) };
+            let segment = Segment::new(0.5, area, material.clone());
             let mut bar = net::malvern(vec![segment], [ball(velocity), EndCondition::Absorbing], 1e6, cells);
             let balance = net::Balance::new(&bar);
             net::advance_to(&mut bar, 8e-5);
@@ -221,7 +221,7 @@ fn a_rate_dependent_bar_takes_from_the_ball_what_it_gets() {
 
 /// The tracked bar, whose ball takes steps of `step` of the largest force.
 fn tracked(material: barwave::material::Material, area: f64, ends: [EndCondition; 2], step: f64) -> FrontTracking {
-    let segments = vec![Segment { area, ..common::segment(material, 0.5) }];
+    let segments = vec![Segment::new(0.5, area, material)];
     let settings = Settings { ramp_step: Some(step), front_tolerance: 0.0, ..Settings::default() };
     let flow = Flow::Plastic { kinematic: 0.0 };
     FrontTracking::new(&Bar { segments, area_given: true }, flow, ends, settings)

@@ -51,7 +51,7 @@ fn bar(ends: [EndCondition; 2], velocity: f64, cfl: f64) -> Leapfrog {
 }
 
 fn bar_of(cells: usize, ends: [EndCondition; 2], velocity: f64, cfl: f64) -> Leapfrog {
-    let segment = Segment { velocity, area: common::BUSY_AREA, ..common::segment(common::bilinear_steel(), 1.0) };
+    let segment = Segment::new(1.0, common::BUSY_AREA, common::bilinear_steel()).with_velocity(velocity);
     common::leapfrog(vec![segment], ends, Some(Unloading::Isotropic), cells, cfl)
 }
 
@@ -414,13 +414,9 @@ fn a_spring_brings_a_moving_bar_to_rest_exponentially() {
 
 /// Two bars laid together, `gap` apart; the first one flies at the second.
 fn two_bars(short: f64, gap: f64, velocity: f64, cells: usize, cfl: f64) -> Leapfrog {
-    let first = Segment {
-        velocity,
-        area: 0.7,
-        joint: Joint::Contact { gap },
-        ..common::segment(common::bilinear_steel(), short)
-    };
-    let second = Segment { area: 0.7, ..common::segment(common::bilinear_steel(), 1.0) };
+    let first =
+        Segment::new(short, 0.7, common::bilinear_steel()).with_velocity(velocity).with_joint(Joint::Contact { gap });
+    let second = Segment::new(1.0, 0.7, common::bilinear_steel());
     let ends = [EndCondition::Free, EndCondition::Free];
     common::leapfrog(vec![first, second], ends, Some(Unloading::Isotropic), cells, cfl)
 }
@@ -478,7 +474,7 @@ fn contact_joints_keep_the_ledger_of_plastic_bars() {
 fn a_joint_in_tension_opens() {
     // A compression pulse comes back from the far end as tension and parts the piece there: it keeps the pulse.
     let pulse = common::loaded_by(&[(0.0, -50e6), (0.3 / c0(), -50e6), (0.3 / c0(), 0.0)]);
-    let first = Segment { joint: Joint::Contact { gap: 0.0 }, ..common::segment(common::bilinear_steel(), 1.0) };
+    let first = common::segment(common::bilinear_steel(), 1.0).with_joint(Joint::Contact { gap: 0.0 });
     let segments = vec![first, common::segment(common::bilinear_steel(), 0.5)];
     let mut bar = common::leapfrog(segments, [pulse, EndCondition::Free], None, 1500, 1.0);
     common::advance_to(&mut bar, 4.0 / c0());

@@ -51,7 +51,7 @@ fn bilinear(r: f64) -> Material {
 
 fn bar<S>(case: &Case, build: Build<S>) -> S {
     let velocity = number(&case.velocity);
-    let segment = Segment { velocity, ..common::segment(bilinear(number(&case.r)), length(case)) };
+    let segment = common::segment(bilinear(number(&case.r)), length(case)).with_velocity(velocity);
     let unloading = if case.iso { Unloading::Isotropic } else { Unloading::Kinematic };
     build(vec![segment], ends(case), Some(unloading), CELLS, 1.0)
 }

@@ -7,15 +7,13 @@
 
 mod common;
 
-use std::process::Command;
-use std::sync::Arc;
-
 use barwave::assemble::segment_law;
-use barwave::bar::{Bar, EndCondition, Joint, Segment};
+use barwave::bar::{Bar, EndCondition, Segment};
 use barwave::record::Ledger;
 use barwave::scene::{Effects, Unloading};
 use barwave::solver::fd::{Along, Grid, Leapfrog, Quantity};
 use common::{DENSITY, MODULUS, profile};
+use std::process::Command;
 
 /// m^2.
 const AREA: f64 = 1e-3;
@@ -32,16 +30,7 @@ fn friction_over(length: f64) -> f64 {
 }
 
 fn piece(length: f64, area: f64, velocity: f64) -> Segment {
-    let material = Arc::new(common::elastic_steel());
-    Segment {
-        length,
-        area,
-        material,
-        velocity,
-        joint: Joint::Bonded,
-        taper: None,
-        initial: barwave::bar::Initial::default(),
-    }
+    Segment::new(length, area, common::elastic_steel()).with_velocity(velocity)
 }
 
 fn bar_of(segments: Vec<Segment>, ends: [EndCondition; 2], friction: f64, cells: usize) -> Leapfrog {

@@ -5,7 +5,7 @@ mod exact;
 
 use std::sync::Arc;
 
-use barwave::bar::{Bar, EndCondition, History, Joint, Segment};
+use barwave::bar::{Bar, EndCondition, History, Segment};
 use barwave::law::Table;
 use barwave::material::{Beyond, Curve, Material};
 use barwave::solver::moc::{EndStep, FrontTracking, Settings, Stopped};
@@ -24,18 +24,6 @@ fn material(rows: &[(f64, f64)], density: f64, beyond: Beyond) -> Arc<Material> 
 /// `E = rho = sigma_y = 1`, plastic wave speed r.
 fn bilinear(r: f64) -> Arc<Material> {
     material(&[(1.0, 1.0), (2.0, 1.0 + r * r)], 1.0, Beyond::Extend)
-}
-
-fn segment(length: f64, area: f64, material: &Arc<Material>, velocity: f64) -> Segment {
-    Segment {
-        length,
-        area,
-        taper: None,
-        material: Arc::clone(material),
-        velocity,
-        joint: Joint::Bonded,
-        initial: barwave::bar::Initial::default(),
-    }
 }
 
 fn pushed(velocity: f64) -> EndCondition {
@@ -67,7 +55,7 @@ fn check_case(case: &Case) {
     let name = &case.name;
     let length = number(&case.length);
     let flow = if case.iso { ISOTROPIC } else { KINEMATIC };
-    let bar = segment(length, 1.0, &bilinear(number(&case.r)), number(&case.velocity));
+    let bar = Segment::new(length, 1.0, bilinear(number(&case.r))).with_velocity(number(&case.velocity));
     let mut bar = track(vec![bar], flow, ends(case));
     let start = bar.balance();
     bar.advance_to(number(&case.t_final)).expect("few events");
@@ -114,8 +102,11 @@ fn check_fan(rows: &[(f64, f64)], density: f64, velocity: f64, fronts: usize) {
     let fan = fan_at_velocity(&material.tension, density, velocity);
     assert_eq!(fan.edges.len(), fronts);
     for (flow, sense) in [(ISOTROPIC, 1.0), (KINEMATIC, -1.0), (Flow::PathIndependent, 1.0)] {
-        let mut bar =
-            track(vec![segment(1.0, 1.0, &material, 0.0)], flow, [pushed(-sense * velocity), EndCondition::Free]);
+        let mut bar = track(
+            vec![Segment::new(1.0, 1.0, material.clone())],
+            flow,
+            [pushed(-sense * velocity), EndCondition::Free],
+        );
         let time = 0.8 / material.c0();
         bar.advance_to(time).expect("no meeting");
         let tracked: Vec<_> = bar.fronts().collect();
@@ -153,7 +144,7 @@ fn fans_are_self_similar() {
 fn bilinear_benchmark_has_its_plateau_and_fronts() {
     let steel = material(&scaled(&[(0.001, 200.0), (0.011, 400.0)]), 7800.0, Beyond::Extend);
     let ends = [pushed(20.0), EndCondition::Free];
-    let mut bar = track(vec![segment(1.0, 1.0, &steel, 0.0)], ISOTROPIC, ends);
+    let mut bar = track(vec![Segment::new(1.0, 1.0, steel.clone())], ISOTROPIC, ends);
     let time = 0.8 / steel.c0();
     bar.advance_to(time).expect("no meeting");
     // sigma_y + rho c_t (v - sigma_y/(rho c0))
@@ -168,7 +159,7 @@ fn bilinear_benchmark_has_its_plateau_and_fronts() {
 fn an_area_step_transmits_twice_a1_over_a1_plus_a2() {
     let steel = material(&scaled(&[(0.01, 2000.0), (0.02, 2100.0)]), 7800.0, Beyond::Extend);
     for area in [0.25, 1.0, 3.0] {
-        let segments = vec![segment(1.0, 1.0, &steel, 0.0), segment(1.0, area, &steel, 0.0)];
+        let segments = vec![Segment::new(1.0, 1.0, steel.clone()), Segment::new(1.0, area, steel.clone())];
         let mut bar = track(segments, ISOTROPIC, [pushed(1.0), EndCondition::Absorbing]);
         bar.advance_to(1.5 / steel.c0()).expect("one meeting");
         let incoming = -steel.impedance();
@@ -184,7 +175,7 @@ fn an_area_step_transmits_twice_a1_over_a1_plus_a2() {
 fn two_materials_share_force_and_velocity() {
     let hard = material(&scaled(&[(0.001, 200.0), (0.1, 600.0)]), 7800.0, Beyond::Extend);
     let soft = material(&scaled(&[(0.0005, 35.0), (0.02, 80.0), (0.2, 120.0)]), 2700.0, Beyond::Extend);
-    let segments = vec![segment(0.5, 1e-4, &hard, 0.0), segment(0.5, 3e-4, &soft, 0.0)];
+    let segments = vec![Segment::new(0.5, 1e-4, hard.clone()), Segment::new(0.5, 3e-4, soft.clone())];
     let mut bar = track(segments, KINEMATIC, [pushed(8.0), EndCondition::Fixed]);
     // Two plastic fronts close in on each other soon after: waves bounce between them ever faster.
     bar.advance_to(1.95 / hard.c0()).expect("few events");
@@ -201,7 +192,7 @@ fn an_absorbing_end_takes_elastic_waves_whole() {
     let steel = material(&scaled(&[(0.01, 2000.0), (0.02, 2100.0)]), 7800.0, Beyond::Extend);
     let history = History::new(&[(0.0, -1e8), (1e-4, -1e8), (1e-4, 0.0)]).expect("in order");
     let ends = [EndCondition::Stress { history }, EndCondition::Absorbing];
-    let mut bar = track(vec![segment(1.0, 1.0, &steel, 0.0)], ISOTROPIC, ends);
+    let mut bar = track(vec![Segment::new(1.0, 1.0, steel.clone())], ISOTROPIC, ends);
     bar.advance_to(1e-3).expect("few events");
     assert_eq!(bar.fronts().count(), 0);
     assert!(bar.state_at(0.5).stress.abs() < 1e-4 && bar.state_at(0.5).velocity.abs() < 1e-11);
@@ -213,7 +204,7 @@ fn an_absorbing_end_takes_elastic_waves_whole() {
 fn a_wall_is_reached_after_its_gap() {
     let steel = bilinear(0.5);
     let ends = [EndCondition::Wall { gap: 0.25 }, EndCondition::Free];
-    let mut bar = track(vec![segment(1.0, 1.0, &steel, -0.5)], ISOTROPIC, ends);
+    let mut bar = track(vec![Segment::new(1.0, 1.0, steel.clone()).with_velocity(-0.5)], ISOTROPIC, ends);
     bar.advance_to(4.0).expect("few events");
     let steps = &bar.ends()[0].steps;
     // Free flight to 0.5, elastic contact for 2 L/c0, then away with the speed reversed.
@@ -229,13 +220,16 @@ fn a_wall_is_reached_after_its_gap() {
 fn a_level_curve_keeps_the_velocity_jump_at_the_end() {
     // Perfect plasticity: no more than sigma_y gets in, v = sigma_y/(rho c0) behind the front.
     let perfect = material(&[(1.0, 1.0), (2.0, 1.0)], 1.0, Beyond::Extend);
-    let mut bar = track(vec![segment(1.0, 1.0, &perfect, 0.0)], ISOTROPIC, [pushed(3.0), EndCondition::Free]);
+    let mut bar = track(vec![Segment::new(1.0, 1.0, perfect.clone())], ISOTROPIC, [pushed(3.0), EndCondition::Free]);
     bar.advance_to(0.5).expect("no meeting");
     near(bar.state_at(0.25).stress, -1.0, "stress");
     near(bar.state_at(0.25).velocity, 1.0, "velocity");
     assert_eq!(bar.ends()[0].above_critical, Some(0.0));
     // Two such bars struck together: the jump stays at the joint and takes sigma_y times its velocity.
-    let segments = vec![segment(1.0, 1.0, &perfect, 3.0), segment(1.0, 1.0, &perfect, -3.0)];
+    let segments = vec![
+        Segment::new(1.0, 1.0, perfect.clone()).with_velocity(3.0),
+        Segment::new(1.0, 1.0, perfect.clone()).with_velocity(-3.0),
+    ];
     let mut bar = track(segments, ISOTROPIC, [EndCondition::Free, EndCondition::Free]);
     bar.advance_to(0.5).expect("no meeting");
     let sum = bar.balance();
@@ -245,7 +239,7 @@ fn a_level_curve_keeps_the_velocity_jump_at_the_end() {
 
 #[test]
 fn the_event_budget_stops_a_run_where_it_is() {
-    let bar = Bar { segments: vec![segment(1.0, 1.0, &bilinear(0.5), -3.0)], area_given: true };
+    let bar = Bar { segments: vec![Segment::new(1.0, 1.0, bilinear(0.5)).with_velocity(-3.0)], area_given: true };
     let settings = Settings { event_budget: 10, ..Settings::default() };
     let ends = [EndCondition::Wall { gap: 0.0 }, EndCondition::Free];
     let mut bar = FrontTracking::new(&bar, ISOTROPIC, ends, settings);
@@ -264,7 +258,10 @@ fn two_stiffening_bars_meet_like_one_and_a_wall() {
     // Chords of the hull on both sides, which depend on the answer: by symmetry it is the one-sided fan.
     let foam = foam();
     let fan = fan_at_velocity(&foam.tension, 200.0, 150.0);
-    let segments = vec![segment(1.0, 2.0, &foam, 150.0), segment(1.0, 2.0, &foam, -150.0)];
+    let segments = vec![
+        Segment::new(1.0, 2.0, foam.clone()).with_velocity(150.0),
+        Segment::new(1.0, 2.0, foam.clone()).with_velocity(-150.0),
+    ];
     let mut bar = track(segments, ISOTROPIC, [EndCondition::Free, EndCondition::Free]);
     bar.advance_to(0.5 / foam.c0()).expect("no meeting");
     let middle = bar.state_at(1.0);
@@ -278,7 +275,8 @@ fn two_stiffening_bars_meet_like_one_and_a_wall() {
 fn a_stiffening_bar_shares_force_and_velocity_with_another() {
     let (foam, steel) = (foam(), material(&scaled(&[(0.001, 200.0), (0.1, 600.0)]), 7800.0, Beyond::Extend));
     for flow in [ISOTROPIC, Flow::PathIndependent] {
-        let segments = vec![segment(1.0, 1e-2, &foam, 120.0), segment(1.0, 1e-4, &steel, 0.0)];
+        let segments =
+            vec![Segment::new(1.0, 1e-2, foam.clone()).with_velocity(120.0), Segment::new(1.0, 1e-4, steel.clone())];
         let mut bar = track(segments, flow, [EndCondition::Free, EndCondition::Free]);
         let start = bar.balance();
         bar.advance_to(0.9 / steel.c0()).expect("no meeting");
@@ -303,7 +301,10 @@ fn difference(a: &FrontTracking, b: &FrontTracking) -> f64 {
 fn a_front_tolerance_saves_events_and_keeps_the_account() {
     let hard = material(&scaled(&[(0.001, 200.0), (0.1, 600.0)]), 7800.0, Beyond::Extend);
     let soft = material(&scaled(&[(0.0005, 35.0), (0.02, 80.0), (0.2, 120.0)]), 2700.0, Beyond::Extend);
-    let bar = Bar { segments: vec![segment(0.5, 1e-4, &hard, 0.0), segment(0.5, 3e-4, &soft, 0.0)], area_given: true };
+    let bar = Bar {
+        segments: vec![Segment::new(0.5, 1e-4, hard.clone()), Segment::new(0.5, 3e-4, soft.clone())],
+        area_given: true,
+    };
     let run = |front_tolerance| {
         let settings = Settings { front_tolerance, ..Settings::default() };
         let ends = [pushed(8.0), EndCondition::Fixed];
@@ -387,7 +388,7 @@ proptest! {
             .flat_map(|(k, &v)| [(0.37 * k as f64, v), (0.37 * (k + 1) as f64, v)]).collect();
         let left = EndCondition::Velocity { history: History::new(&rows).expect("in order"), release: Some(2.0) };
         let right = [EndCondition::Free, EndCondition::Fixed, EndCondition::Absorbing, EndCondition::Wall { gap: 0.1 }];
-        let segments = vec![segment(0.6, 1.0, &steel, 0.0), segment(0.4, area, &steel, 0.0)];
+        let segments = vec![Segment::new(0.6, 1.0, steel.clone()), Segment::new(0.4, area, steel.clone())];
         let bar = Bar { segments, area_given: true };
         let settings = Settings { event_budget: 2000, front_tolerance, ..Settings::default() };
         let mut bar = FrontTracking::new(&bar, flow, [left, right[far].clone()], settings);
@@ -420,7 +421,8 @@ proptest! {
 fn trails_are_the_straight_lives_of_all_fronts() {
     let case = cases().iter().max_by_key(|c| c.left_history.len() + c.right_history.len()).expect("there are cases");
     let flow = if case.iso { ISOTROPIC } else { KINEMATIC };
-    let segments = vec![segment(number(&case.length), 1.0, &bilinear(number(&case.r)), number(&case.velocity))];
+    let segments =
+        vec![Segment::new(number(&case.length), 1.0, bilinear(number(&case.r))).with_velocity(number(&case.velocity))];
     let bar = Bar { segments, area_given: true };
     let settings = Settings { trails: true, ..Settings::default() };
     let mut bar = FrontTracking::new(&bar, flow, ends(case), settings);

@@ -19,15 +19,7 @@ fn elastic() -> Arc<Material> {
 }
 
 fn segment(length: f64, area: f64, material: &Arc<Material>, velocity: f64) -> Segment {
-    Segment {
-        length,
-        area,
-        taper: None,
-        material: Arc::clone(material),
-        velocity,
-        joint: Joint::Contact { gap: 0.0 },
-        initial: barwave::bar::Initial::default(),
-    }
+    Segment::new(length, area, Arc::clone(material)).with_velocity(velocity).with_joint(Joint::Contact { gap: 0.0 })
 }
 
 fn with_step(ramp_step: f64) -> Settings {
@@ -244,10 +236,8 @@ fn two_elastic_bars_touch_for_two_transits_of_the_shorter() {
 fn a_gap_opens_and_closes_at_exact_times() {
     // Both bars move; the second flies into a wall and comes back: free flight, contact, flight, contact.
     let steel = elastic();
-    let segments = vec![
-        Segment { joint: Joint::Contact { gap: 0.5 }, ..segment(1.0, 1.0, &steel, 0.0) },
-        segment(1.0, 1.0, &steel, 0.25),
-    ];
+    let segments =
+        vec![segment(1.0, 1.0, &steel, 0.0).with_joint(Joint::Contact { gap: 0.5 }), segment(1.0, 1.0, &steel, 0.25)];
     let ends = [EndCondition::Free, EndCondition::Wall { gap: 0.125 }];
     let mut bar = track(segments, ends, Settings::default());
     // The wall is hit at 0.5, let go at 2.5; by then the faces are 0.5 + 0.125 apart, but for what the wave moved: from

@@ -28,7 +28,7 @@ fn bar(ends: [EndCondition; 2], velocity: f64, settings: Settings) -> FrontTrack
 }
 
 fn bar_of(material: Material, ends: [EndCondition; 2], velocity: f64, settings: Settings) -> FrontTracking {
-    let segment = Segment { velocity, area: common::BUSY_AREA, ..common::segment(material, 1.0) };
+    let segment = Segment::new(1.0, common::BUSY_AREA, material).with_velocity(velocity);
     FrontTracking::new(
         &Bar { segments: vec![segment], area_given: true },
         Flow::Plastic { kinematic: 0.0 },

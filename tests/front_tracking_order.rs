@@ -1,8 +1,6 @@
 //! Order of the steps of masses, springs and balls in front tracking: force and impulse of the end's record.
 
-use std::sync::Arc;
-
-use barwave::bar::{Bar, EndCondition, Hertz, Joint, Segment};
+use barwave::bar::{Bar, EndCondition, Hertz, Segment};
 use barwave::material::{Beyond, Curve, Material};
 use barwave::solver::moc::{FrontTracking, Settings};
 use barwave::wave::riemann::Flow;
@@ -13,16 +11,7 @@ const AREA: f64 = 0.5;
 /// A bar with `E = rho = c0 = 1` that does not yield, of area `AREA`, length 1 and velocity `velocity`.
 fn bar(ends: [EndCondition; 2], velocity: f64, step: f64) -> FrontTracking {
     let curve = Curve::new(&[(1e6, 1e6)], Beyond::Extend).expect("rows are right");
-    let material = Arc::new(Material::from_curve("test", 1.0, curve));
-    let segment = Segment {
-        length: 1.0,
-        area: AREA,
-        taper: None,
-        material,
-        velocity,
-        joint: Joint::Bonded,
-        initial: barwave::bar::Initial::default(),
-    };
+    let segment = Segment::new(1.0, AREA, Material::from_curve("test", 1.0, curve)).with_velocity(velocity);
     let settings = Settings { ramp_step: Some(step), ..Settings::default() };
     FrontTracking::new(
         &Bar { segments: vec![segment], area_given: true },

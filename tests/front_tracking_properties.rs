@@ -78,7 +78,7 @@ fn segment(level: f64) -> impl Strategy<Value = Segment> {
     let velocity = prop_oneof![Just(0.0), -2.0..2.0_f64];
     let joint = prop_oneof![2 => Just(Joint::Bonded), 1 => (0.0..0.2_f64).prop_map(|gap| Joint::Contact { gap })];
     (curve(level), 0.2..1.5_f64, 0.3..3.0_f64, velocity, joint).prop_map(|(material, length, area, velocity, joint)| {
-        Segment { length, area, taper: None, material, velocity, joint, initial: barwave::bar::Initial::default() }
+        Segment::new(length, area, material).with_velocity(velocity).with_joint(joint)
     })
 }
 

@@ -7,7 +7,7 @@ mod muscl;
 use std::path::PathBuf;
 use std::process::Command;
 
-use barwave::bar::{EndCondition, Joint, Segment};
+use barwave::bar::{EndCondition, Segment};
 use barwave::law::{Backbone, CellLaw, Indexed, Mixed, Overlay, Searched, Table};
 use barwave::material::{Beyond, Curve, Material};
 use barwave::record::store::ResultFile;
@@ -345,7 +345,7 @@ fn below_yield_it_is_the_elastic_law_to_the_last_bit() {
 
 fn bar(lines: u32) -> Vec<Segment> {
     let material = Material::from_curve("aluminium", 2700.0, aluminium_curve(lines));
-    vec![Segment { joint: Joint::Bonded, ..common::segment(material, 1.0) }]
+    vec![common::segment(material, 1.0)]
 }
 
 /// Pulled, pushed and pulled again.

@@ -163,7 +163,7 @@ fn the_difference_of_muscl_falls_with_the_cells() {
 #[test]
 fn elastic_fronts_are_the_same_in_both_methods() {
     // At a Courant number of one a front goes from cell to cell: nothing spreads, at an area step neither.
-    let elastic = |area, length| Segment { area, ..common::segment(common::elastic_steel(), length) };
+    let elastic = |area, length| Segment::new(length, area, common::elastic_steel());
     let case = Case {
         name: "elastic, a step in area",
         segments: vec![elastic(2.0, 0.5), elastic(1.0, 0.5)],

@@ -47,7 +47,7 @@ fn pushed_at(
     cells: usize,
     time: f64,
 ) -> Muscl {
-    let segment = Segment { material: Arc::clone(material), ..common::segment((**material).clone(), 1.0) };
+    let segment = Segment::new(1.0, 1.0, Arc::clone(material));
     let mut bar =
         muscl::muscl(vec![segment], [common::moved(velocity), EndCondition::Absorbing], unloading, cells, cfl);
     muscl::advance_to(&mut bar, time);
@@ -228,7 +228,7 @@ fn smooth_loading(cells: usize, unloading: Option<Unloading>) -> f64 {
     };
     let rows: Vec<(f64, f64)> =
         (0..=20_000).map(|k| 1.1 / c0() * f64::from(k) / 2e4).map(|t| (t, imposed(t))).collect();
-    let segment = Segment { material, ..common::segment(common::elastic_steel(), 1.0) };
+    let segment = Segment::new(1.0, 1.0, material);
     let ends = [common::moved_by(&rows), EndCondition::Free];
     let mut bar = muscl::muscl(vec![segment], ends, unloading, cells, 1.0);
     muscl::advance_to(&mut bar, 0.9 / c0());

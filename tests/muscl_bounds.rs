@@ -8,7 +8,7 @@ mod muscl;
 use std::path::Path;
 
 use barwave::assemble;
-use barwave::bar::{EndCondition, Segment};
+use barwave::bar::EndCondition;
 use barwave::material::{Beyond, Curve, Hollow, Material};
 use barwave::record::{Ledger, View};
 use barwave::scene::{Method, Scene, Unloading};
@@ -104,7 +104,7 @@ fn check(name: &str, material: &Material, unloadings: &[Option<Unloading>]) {
             for cfl in [1.0, 0.7] {
                 for (scene, ends, velocity) in scenes() {
                     let what = format!("{name}, {scene}, {unloading:?}, {cells} cells, cfl {cfl}");
-                    let segment = Segment { velocity, ..common::segment(material.clone(), 1.0) };
+                    let segment = common::segment(material.clone(), 1.0).with_velocity(velocity);
                     let mut bar = muscl::muscl(vec![segment], ends, unloading, cells, cfl);
                     assert_bounded(&mut bar, UNTIL, &what);
                 }
@@ -189,7 +189,7 @@ fn a_curve_that_falls_to_nothing_gains_energy_at_a_joint() {
     let material = |rows: &[(f64, f64)]| common::material(rows, Beyond::Rupture);
     let (hardens, falls) = (material(&[(0.00025, 50e6), (0.0148, 574e6)]), material(&[(0.00044, 88e6), (0.0174, 0.0)]));
     let segment =
-        |material: Material, length: f64, velocity: f64| Segment { velocity, ..common::segment(material, length) };
+        |material: Material, length: f64, velocity: f64| common::segment(material, length).with_velocity(velocity);
     for cells in [67, 200] {
         let segments = vec![segment(hardens.clone(), 0.2, 29.0), segment(falls.clone(), 1.0, -30.0)];
         let ends = [EndCondition::Free, EndCondition::Wall { gap: 0.0 }];

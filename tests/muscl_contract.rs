@@ -24,7 +24,7 @@ fn busy_ends() -> Vec<EndCondition> {
 }
 
 fn bar_of(cells: usize, ends: [EndCondition; 2], velocity: f64, unloading: Option<Unloading>, cfl: f64) -> Muscl {
-    let segment = Segment { velocity, area: common::BUSY_AREA, ..common::segment(common::power_law_steel(), 1.0) };
+    let segment = Segment::new(1.0, common::BUSY_AREA, common::power_law_steel()).with_velocity(velocity);
     muscl::muscl(vec![segment], ends, unloading, cells, cfl)
 }
 
@@ -96,9 +96,8 @@ fn what_a_body_loses_the_bar_gets() {
 /// Two segments that meet in a joint, and what they look like from behind.
 fn two(joint: Joint, mirror: bool, unloading: Option<Unloading>) -> Muscl {
     let sense = if mirror { -1.0 } else { 1.0 };
-    let struck =
-        Segment { velocity: 20.0 * sense, area: 1.5, joint, ..common::segment(common::power_law_steel(), 0.6) };
-    let other = Segment { joint, ..common::segment(common::bilinear_steel(), 0.4) };
+    let struck = Segment::new(0.6, 1.5, common::power_law_steel()).with_velocity(20.0 * sense).with_joint(joint);
+    let other = common::segment(common::bilinear_steel(), 0.4).with_joint(joint);
     let ramp = [(0.0, 0.0), (5e-5, -11.0 * sense), (2e-4, 9.0 * sense)];
     let (mut segments, mut ends) = (vec![struck, other], [common::moved_by(&ramp), EndCondition::Wall { gap: 1e-4 }]);
     if mirror {

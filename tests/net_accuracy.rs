@@ -308,10 +308,8 @@ fn a_spring_reflects_an_elastic_wave_as_theory_says() {
 fn a_short_elastic_bar_strikes_a_long_one_as_theory_says() {
     // They touch for 2 L_short/c0; the short bar is then at rest, and the long one has its momentum.
     let (short, long) = (0.25, 0.75);
-    let part = |length: f64, velocity: f64| Segment {
-        velocity,
-        joint: Joint::Contact { gap: 0.0 },
-        ..segment(common::elastic_steel(), length)
+    let part = |length: f64, velocity: f64| {
+        segment(common::elastic_steel(), length).with_velocity(velocity).with_joint(Joint::Contact { gap: 0.0 })
     };
     let ends = [EndCondition::Free, EndCondition::Free];
     let mut bar = net::malvern(vec![part(short, 4.0), part(long, 0.0)], ends, 1e6, 400);
@@ -345,13 +343,13 @@ struct Case {
 }
 
 fn cases() -> Vec<Case> {
-    let thick = || Segment { area: 2.0, ..segment(bilinear_steel(), 0.4) };
+    let thick = || Segment::new(0.4, 2.0, bilinear_steel());
     let soft = || {
         let mut material = common::material(&[(0.001, 70e6), (0.05, 300e6)], Beyond::Extend);
         material.density = 2700.0;
         segment(material, 0.4)
     };
-    let flying = |velocity: f64| Segment { velocity, ..segment(bilinear_steel(), 1.0) };
+    let flying = |velocity: f64| segment(bilinear_steel(), 1.0).with_velocity(velocity);
     let pulse = || EndCondition::Velocity { history: common::history(&[(0.0, -25.0)]), release: Some(0.35 / c0()) };
     let one = || vec![segment(bilinear_steel(), 1.0)];
     let (isotropic, kinematic) = (Unloading::Isotropic, Unloading::Kinematic);
@@ -379,7 +377,7 @@ fn cases() -> Vec<Case> {
         Case {
             name: "two bars that part",
             segments: vec![
-                Segment { joint: Joint::Contact { gap: 0.0 }, velocity: 35.0, ..segment(bilinear_steel(), 0.35) },
+                segment(bilinear_steel(), 0.35).with_velocity(35.0).with_joint(Joint::Contact { gap: 0.0 }),
                 segment(bilinear_steel(), 0.65),
             ],
             ends: [EndCondition::Free, EndCondition::Absorbing],

@@ -28,7 +28,7 @@ fn c0() -> f64 {
 
 /// Two pieces of unlike section, pulled and let go.
 fn stepped_bar(material: &Material) -> Vec<Segment> {
-    vec![Segment { area: 2.0, ..segment(material.clone(), 0.5) }, segment(material.clone(), 0.5)]
+    vec![Segment::new(0.5, 2.0, material.clone()), segment(material.clone(), 0.5)]
 }
 
 fn pulse(velocity: f64) -> EndCondition {
@@ -126,7 +126,7 @@ fn unloading_is_elastic() {
 #[test]
 fn mirrored_bars_are_equal_bit_for_bit() {
     let soft_material = common::material(&[(0.001, 90e6), (0.05, 200e6)], Beyond::Extend);
-    let soft = |velocity: f64| Segment { area: 1.5, velocity, ..segment(soft_material.clone(), 0.45) };
+    let soft = |velocity: f64| Segment::new(0.45, 1.5, soft_material.clone()).with_velocity(velocity);
     let hard = || segment(bilinear_steel(), 0.55);
     let law = Overstress::Malvern { k: 2e5 };
     let cases = [
@@ -263,8 +263,9 @@ proptest! {
         let kinematic = if own_compression || kinematic < 0.3 { 0.0 } else { kinematic };
         let first = Arc::new(material_from(rows, DENSITY, YIELD, own_compression));
         let second = Arc::new(material_from(more, density, 0.6 * YIELD, own_compression));
-        let part = |material: &Arc<Material>, length, area, velocity| Segment {
-            length, area, material: material.clone(), velocity, joint, taper: None, initial: barwave::bar::Initial::default() };
+        let part = |material: &Arc<Material>, length, area, velocity| {
+            Segment::new(length, area, material.clone()).with_velocity(velocity).with_joint(joint)
+        };
         let segments = vec![part(&first, 0.6, 1.0, 0.0), part(&second, 0.4, area, velocity)];
         let mut bar = net::net(segments, [both.0, both.1], law, kinematic, 60);
         let balance = net::Balance::new(&bar);

@@ -142,7 +142,7 @@ fn muscl_allocates_nothing_once_every_block_has_yielded() {
 
 #[test]
 fn the_characteristic_net_allocates_nothing_from_its_first_step_on() {
-    let thick = || barwave::bar::Segment { area: 2.0, ..common::segment(common::power_law_steel(), 0.5) };
+    let thick = || barwave::bar::Segment::new(0.5, 2.0, common::power_law_steel());
     let segments = vec![thick(), common::segment(common::bilinear_steel(), 0.5)];
     let striker = EndCondition::Striker { mass: 1e4, velocity: 30.0 };
     let mut bar = net::malvern(segments, [striker, EndCondition::Fixed], 1e5, 500);

@@ -4,9 +4,7 @@ mod common;
 #[path = "common/muscl.rs"]
 mod muscl;
 
-use std::sync::Arc;
-
-use barwave::bar::{EndCondition, History, Joint, Segment};
+use barwave::bar::{EndCondition, History, Segment};
 use barwave::law::Table;
 use barwave::material::{Beyond, Material, Sense};
 use barwave::record::Ledger;
@@ -72,14 +70,8 @@ fn material() -> impl Strategy<Value = Material> {
 fn segments() -> impl Strategy<Value = Vec<Segment>> {
     let one = (0.2..1.0, 0.3..3.0, material(), -40.0..40.0);
     prop::collection::vec(one, 1..4).prop_map(|parts| {
-        let segment = |(length, area, material, velocity)| Segment {
-            length,
-            area,
-            taper: None,
-            material: Arc::new(material),
-            velocity,
-            joint: Joint::Bonded,
-            initial: barwave::bar::Initial::default(),
+        let segment = |(length, area, material, velocity): (f64, f64, Material, f64)| {
+            Segment::new(length, area, material).with_velocity(velocity)
         };
         parts.into_iter().map(segment).collect()
     })

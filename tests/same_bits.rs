@@ -85,7 +85,7 @@ fn light(length: f64, area: f64) -> Segment {
     let rows = [(0.002, 140e6), (0.01, 180e6), (0.05, 220e6)];
     let mut material = common::material(&rows, barwave::material::Beyond::Extend);
     material.density = 2700.0;
-    Segment { area, ..common::segment(material, length) }
+    Segment::new(length, area, material)
 }
 
 #[test]
@@ -133,14 +133,9 @@ fn two_materials_with_a_step_in_area() {
 /// 40 segments of 1750 cells that run into each other, two and two: three blocks and a half each.
 fn many_collisions(speed: f64) -> Setup {
     let material = Arc::new(common::bilinear_steel());
-    let segment = |k: u32| Segment {
-        length: 0.1,
-        area: 1.0,
-        taper: None,
-        material: Arc::clone(&material),
-        velocity: if k.is_multiple_of(2) { speed } else { -0.5 * speed },
-        joint: Joint::Bonded,
-        initial: barwave::bar::Initial::default(),
+    let segment = |k: u32| {
+        let velocity = if k.is_multiple_of(2) { speed } else { -0.5 * speed };
+        Segment::new(0.1, 1.0, Arc::clone(&material)).with_velocity(velocity)
     };
     let mut setup = Setup::new((0..40).map(segment).collect(), [EndCondition::Free, EndCondition::Absorbing]);
     setup.cells = 70_000;

@@ -984,6 +984,7 @@ fn torsion_and_tapers_refuse_what_they_do_not_go_with() {
         (&twisted, "\"free\"", "\"striker\"\nmass = 1", &["`mass` means nothing", "inertia"]),
         (&twisted, "\"free\"", "\"striker\"", &["`inertia` is missing", "kg*m^2"]),
         (&twisted, "\"free\"", "\"spring\"\nstiffness = \"3 N/m\"", &["torsional stiffness is expected"]),
+        (&twisted, "\"free\"", "\"dashpot\"\ncoefficient = 3\ngap = 1", &["`gap` means nothing", "kind, coefficient"]),
         (&twisted, "\"free\"", "\"torque\"\nvalue = \"3 N\"", &["a torque is expected", "N*m"]),
         (&twisted, "unloading = \"isotropic\"", "rupture = { spall = 1e9 }", &["`rupture` in torsion"]),
         (

@@ -102,11 +102,8 @@ fn c0() -> f64 {
 
 /// Elastic bars laid together, with lengths (m), areas (m^2) and velocities (m/s), and their joints.
 fn bars(parts: &[(f64, f64, f64)], joint: Joint) -> Vec<Segment> {
-    let part = |&(length, area, velocity): &(f64, f64, f64)| Segment {
-        area,
-        velocity,
-        joint,
-        ..common::segment(common::elastic_steel(), length)
+    let part = |&(length, area, velocity): &(f64, f64, f64)| {
+        Segment::new(length, area, common::elastic_steel()).with_velocity(velocity).with_joint(joint)
     };
     parts.iter().map(part).collect()
 }

@@ -110,7 +110,7 @@ fn quantities(bar: &Leapfrog) -> Vec<Vec<f64>> {
 #[test]
 fn a_taper_that_changes_nothing_is_the_uniform_bar_to_the_last_bit() {
     let ends = [common::moved_by(&[(0.0, 20.0), (5e-5, 20.0), (5e-5, 0.0)]), EndCondition::Free];
-    let plain = Segment { area: 2.0, ..common::segment(common::bilinear_steel(), 1.0) };
+    let plain = Segment::new(1.0, 2.0, common::bilinear_steel());
     let flat = tapered(plain.clone(), Profile::Area, &[(0.0, 2.0), (0.3, 2.0), (1.0, 2.0)]);
     let [mut uniform, mut level] =
         [plain, flat].map(|s| common::leapfrog(vec![s], ends.clone(), Some(Unloading::Isotropic), 1301, 1.0));
@@ -152,7 +152,7 @@ fn light(length: f64) -> Segment {
 
 /// A wedge and a cone of two materials and with three blocks each, between devices of every kind.
 fn two_tapers(joint: Joint) -> Vec<Segment> {
-    let first = Segment { joint, velocity: 12.0, ..common::segment(common::bilinear_steel(), 0.6) };
+    let first = common::segment(common::bilinear_steel(), 0.6).with_velocity(12.0).with_joint(joint);
     let first = tapered(first, Profile::Area, &[(0.0, 3.0), (0.2, 1.0), (0.6, 2.0)]);
     vec![first, tapered(light(0.5), Profile::Diameter, &[(0.0, 1.2), (0.5, 0.4)])]
 }

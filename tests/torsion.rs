@@ -246,7 +246,7 @@ fn the_pattern_of_stress_that_a_rod_keeps_is_felt_only_past_zero_torque() {
     let mut shear = Material::from_curve("s", 7800.0, curve);
     shear.loading = Loading::Shear;
     let rod = shear.in_torsion(Hollow { q: 0.0 }).expect("a curve");
-    let segment = barwave::bar::Segment { material: rod, ..common::segment(shear, 1.0) };
+    let segment = barwave::bar::Segment::new(1.0, 1.0, rod);
     let top = 5.0 * TAU / G;
     let path = |rule: Unloading| {
         let effects = Effects { unloading: Some(rule), ..Effects::default() };

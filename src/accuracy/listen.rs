@@ -160,7 +160,7 @@ pub fn respond<S: Stepped, E>(
     });
     if let Some((listener, traces)) = &mut listening {
         bar.watch(traces);
-        traces.add(bar);
+        bar.add_to(traces);
         listener.look(bar);
     }
     let steps = listening.as_ref().map_or(course.steps, |(listener, _)| course.steps.max(listener.last()));

@@ -57,6 +57,31 @@ pub struct Initial {
 }
 
 impl Segment {
+    /// A uniform segment of this length (m) and area (m^2), at rest, without stress, bonded to the next.
+    pub fn new(length: f64, area: f64, material: impl Into<Arc<Material>>) -> Self {
+        Self {
+            length,
+            area,
+            taper: None,
+            material: material.into(),
+            velocity: 0.0,
+            joint: Joint::Bonded,
+            initial: Initial::default(),
+        }
+    }
+
+    /// The same segment with an initial velocity, m/s.
+    #[must_use]
+    pub fn with_velocity(self, velocity: f64) -> Self {
+        Self { velocity, ..self }
+    }
+
+    /// The same segment with another joint to the next.
+    #[must_use]
+    pub fn with_joint(self, joint: Joint) -> Self {
+        Self { joint, ..self }
+    }
+
     /// Cross-sections at its left and right end, m^2.
     pub fn end_areas(&self) -> [f64; 2] {
         self.taper.as_ref().map_or([self.area; 2], |taper| [0.0, self.length].map(|x| taper.area(x)))

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use toml::de::DeTable;
 
-use super::run::note_lines;
+use super::summary::note_lines;
 use super::{message, output};
 use crate::error::{Error, InputError, Result};
 use crate::input::Document;

@@ -5,6 +5,7 @@ mod compare;
 mod cost;
 mod critical;
 mod interrupt;
+mod lines;
 mod materials;
 mod message;
 mod new;
@@ -16,6 +17,7 @@ mod scratch;
 mod shell;
 mod specimen;
 mod stability;
+mod summary;
 
 use std::process::ExitCode;
 

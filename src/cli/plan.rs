@@ -2,8 +2,9 @@
 
 use std::path::PathBuf;
 
+use super::lines::Lines;
 use super::output;
-use super::run::{front_lines, note_lines};
+use super::summary::{front_lines, note_lines};
 use crate::error::Result;
 use crate::record::EnergySummary;
 use crate::scene::Problem;
@@ -41,22 +42,21 @@ pub(crate) fn run(args: &Args) -> Result<()> {
 }
 
 fn text(plan: &Plan, units: System) -> String {
-    let mut lines = vec![plan.scene.clone()];
-    let mut line = |label: &str, value: String| lines.push(std::format!("  {label:<18}{value}"));
+    let mut lines = Lines::under(&plan.scene);
     if let Some(choice) = &plan.choice {
         let schemes = choice.schemes.join(", ");
-        line("tolerance", std::format!("{:e}, of {schemes}: {}", choice.tolerance, choice.how));
+        lines.add("tolerance", std::format!("{:e}, of {schemes}: {}", choice.tolerance, choice.how));
     }
-    line("method", std::format!("{} {}", plan.method, plan.scheme));
+    lines.add("method", std::format!("{} {}", plan.method, plan.scheme));
     for effect in &plan.effects {
         let size = effect.estimate.map_or_else(String::new, |e| std::format!(" ({:.2} %)", 100.0 * e));
-        line(if effect.on { "on" } else { "off" }, std::format!("{}{size}: {}", effect.effect, effect.why));
+        lines.add(if effect.on { "on" } else { "off" }, std::format!("{}{size}: {}", effect.effect, effect.why));
     }
     for (label, value) in work_lines(&plan.work, units) {
-        line(label, value);
+        lines.add(label, value);
     }
     if let Some(Staircase { pieces, reflects }) = plan.staircase {
-        line(
+        lines.add(
             "staircase",
             std::format!(
                 "tapers become {pieces} uniform pieces; a step reflects at most {:.2} % of a wave",
@@ -64,7 +64,7 @@ fn text(plan: &Plan, units: System) -> String {
             ),
         );
     }
-    line("fields", std::format!("{} before compression", bytes(plan.field_bytes)));
+    lines.add("fields", std::format!("{} before compression", bytes(plan.field_bytes)));
     let critical = plan.critical_velocity.map_or_else(
         || "none within the data of the curve".to_owned(),
         |v| {
@@ -72,10 +72,10 @@ fn text(plan: &Plan, units: System) -> String {
             std::format!("{}, {verdict}", format(v, Dimension::Velocity, units))
         },
     );
-    line("critical velocity", critical);
+    lines.add("critical velocity", critical);
     lines.extend(front_lines(&plan.fronts, units));
     lines.extend(note_lines(&plan.notes));
-    lines.join("\n") + "\n"
+    lines.text()
 }
 
 fn work_lines(work: &Work, units: System) -> Vec<(&'static str, String)> {
@@ -85,54 +85,50 @@ fn work_lines(work: &Work, units: System) -> Vec<(&'static str, String)> {
             cells,
             dt_s,
             steps,
-            bytes_per_elastic_cell,
-            bytes_per_yielded_cell,
+            bytes_per_elastic_cell: elastic,
+            bytes_per_yielded_cell: yielded,
             memory_bytes,
-            expected_s: [quick, slow],
+            expected_s,
             net,
-        } => [
-
-            ("grid", std::format!("{cells} cells, {steps} steps of {}", time(dt_s))),
-            (
-                "memory",
-                std::format!(
-                    "{bytes_per_elastic_cell} bytes a cell while elastic, {bytes_per_yielded_cell} once yielded: at most {}",
-                    bytes(memory_bytes)
-                ),
-            ),
-            (
-                "expected time",
-                std::format!("{} to {} of stepping on one thread, if every cell is at work", time(quick), time(slow)),
-            ),
-        ]
-        .into_iter()
-        .chain(net.iter().flat_map(net_lines))
-        .collect(),
-        Work::Fronts { front_tolerance, stress_scale, first_fronts, lines, event_budget, bytes_per_front, longest_s } => {
-            vec![
-                ("fronts", std::format!("{first_fronts} after t = 0; the curve has {lines} straight pieces")),
-                (
-                    "front tolerance",
-                    if front_tolerance == 0.0 {
-                        "0: every wave is kept, however weak; the result is exact for the table".into()
-                    } else {
-                        let stress = format(stress_scale, Dimension::Stress, units);
-                        std::format!("{front_tolerance} of {stress}: closer and weaker waves of one kind become one")
-                    },
-                ),
-                (
-                    "events",
-                    std::format!(
-                        "cannot be known beforehand: fronts that meet can make more fronts; the run stops after {event_budget}"
-                    ),
-                ),
-                ("memory", std::format!("{bytes_per_front} bytes a front under way, however long the bar")),
-                (
-                    "expected time",
-                    std::format!("cannot be known either; about {} if all of these events are used", time(longest_s)),
-                ),
-            ]
+        } => {
+            let grid = std::format!("{cells} cells, {steps} steps of {}", time(dt_s));
+            let most = bytes(memory_bytes);
+            let memory = std::format!("{elastic} bytes a cell while elastic, {yielded} once yielded: at most {most}");
+            let [quick, slow] = expected_s.map(time);
+            let expected = std::format!("{quick} to {slow} of stepping on one thread, if every cell is at work");
+            let lines = [("grid", grid), ("memory", memory), ("expected time", expected)];
+            lines.into_iter().chain(net.iter().flat_map(net_lines)).collect()
         }
+        Work::Fronts {
+            front_tolerance,
+            stress_scale,
+            first_fronts,
+            lines,
+            event_budget,
+            bytes_per_front,
+            longest_s,
+        } => {
+            let fronts = std::format!("{first_fronts} after t = 0; the curve has {lines} straight pieces");
+            let events = events_text(event_budget);
+            let memory = std::format!("{bytes_per_front} bytes a front under way, however long the bar");
+            let (longest, stress) = (time(longest_s), format(stress_scale, Dimension::Stress, units));
+            let expected = std::format!("cannot be known either; about {longest} if all of these events are used");
+            let tolerance = ("front tolerance", tolerance_text(front_tolerance, &stress));
+            vec![("fronts", fronts), tolerance, ("events", events), ("memory", memory), ("expected time", expected)]
+        }
+    }
+}
+
+fn events_text(event_budget: u64) -> String {
+    let unknown = "cannot be known beforehand: fronts that meet can make more fronts";
+    std::format!("{unknown}; the run stops after {event_budget}")
+}
+
+fn tolerance_text(front_tolerance: f64, stress: &str) -> String {
+    if front_tolerance == 0.0 {
+        "0: every wave is kept, however weak; the result is exact for the table".into()
+    } else {
+        std::format!("{front_tolerance} of {stress}: closer and weaker waves of one kind become one")
     }
 }
 

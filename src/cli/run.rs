@@ -8,13 +8,12 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
+use super::summary::{choice_text, text};
 use super::{interrupt, output};
 use crate::destination;
 use crate::error::{Error, InputError, Result};
+use crate::record::Summary;
 use crate::record::store::{self, Existing};
-use crate::record::{
-    AuditRow, AutoChoice, ChoiceSummary, EndSummary, FrontSummary, LengthSummary, RuptureSummary, Summary,
-};
 use crate::run::{self, Progress, Wish};
 use crate::scene::{Problem, SpecimenScene};
 use crate::units::{Dimension, Quantity, System, format};
@@ -60,12 +59,6 @@ pub(crate) struct Args {
 
 /// Length of the progress bar of a run that has no steps.
 const TICKS: u64 = 1000;
-
-/// Segments whose plastic strain is smaller on the mean are listed without a length.
-const LEAST_STRAIN: f64 = 1e-6;
-
-/// Fronts that the summary lists one by one; a curve of many knots has as many fronts.
-const LISTED_FRONTS: usize = 12;
 
 pub(crate) fn run(args: &Args) -> Result<()> {
     let every = args.checkpoint.as_ref().map(interval).transpose()?;
@@ -275,190 +268,4 @@ fn show_progress(bar: &ProgressBar, at: &Progress, quiet: bool) {
             bar.set_message(std::format!("t = {time}  {events} events  {fronts} fronts under way"));
         }
     }
-}
-
-/// The summary for people.
-fn text(s: &Summary, units: System) -> String {
-    let show = |value: f64, dimension| format(value, dimension, units);
-    let mut lines = vec![s.scene.clone()];
-    let mut line = |label: &str, value: String| lines.push(std::format!("  {label:<18}{value}"));
-    line("outcome", s.outcome.clone());
-    for choice in s.auto.iter().flatten() {
-        line("auto", choice_text(choice));
-    }
-    let end = show(s.end_time_s, Dimension::Time);
-    let how = match &s.tracking {
-        None => std::format!("{} cells, {} steps to {end}", s.cells, s.steps),
-        Some(t) => std::format!("{} events to {end}, {} fronts under way", s.events, t.fronts_under_way),
-    };
-    line("method", std::format!("{} {}, {how}", s.method, s.scheme));
-    line("effects", if s.effects.is_empty() { "none: the run stayed elastic".into() } else { s.effects.join(", ") });
-    if let Some(torsion) = &s.torsion {
-        let end = |k: usize| {
-            let torque = show(torsion.torque[k], Dimension::Torque);
-            std::format!("{torque} at {}", show(torsion.angular_velocity_rad_s[k], Dimension::AngularVelocity))
-        };
-        let radius = show(torsion.radius_m, Dimension::Length);
-        line("torsion", std::format!("left {}, right {}; in terms of the surface (radius {radius}):", end(0), end(1)));
-    }
-    for (label, end) in [("left end", &s.left), ("right end", &s.right)] {
-        line(label, end_text(end, units));
-        if let Some(velocity) = end.striker {
-            line("striker", std::format!("velocity {}", show(velocity, Dimension::Velocity)));
-        }
-    }
-    for (label, value) in length_lines(s, units) {
-        line(&label, value);
-    }
-    if let Some(check) = &s.elastic_check {
-        let (found, expected) = (show(check.stress, Dimension::Stress), show(check.expected, Dimension::Stress));
-        line("elastic check", std::format!("{found} against rho c0 v = {expected}, relative {:.1e}", check.relative));
-    }
-    let critical = s.critical_velocity.map_or_else(
-        || "none within the data of the curve".to_owned(),
-        |v| {
-            std::format!(
-                "{}{}",
-                show(v, Dimension::Velocity),
-                if s.above_critical { ", exceeded: the bar breaks where it is struck" } else { "" }
-            )
-        },
-    );
-    line("critical velocity", critical);
-    if let Some(rise) = s.temperature_rise {
-        line("heat", std::format!("the bar warmed by up to {rise:.4} K"));
-    }
-    for r in s.ruptures.iter().flatten() {
-        line("rupture", rupture_text(r, units));
-    }
-    line(
-        "ledger",
-        std::format!(
-            "energy residual {:.1e}, momentum residual {:.1e}",
-            s.ledger.energy_residual,
-            s.ledger.momentum_residual
-        ),
-    );
-    if let Some(error) = &s.error {
-        line("error", std::format!("{:.2e}, {}, against the {}", error.value, error.measure, error.reference));
-        if let Some(table) = &error.table {
-            line("errors", table.to_string());
-        }
-    }
-    if let Some(choice) = &s.choice {
-        line("chosen", tolerance_text(choice));
-    }
-    let rate = match &s.tracking {
-        None => std::format!("{:.0} million cell-steps/s", s.cell_steps_per_s / 1e6),
-        Some(t) => std::format!("{:.2} million events/s", t.events_per_s / 1e6),
-    };
-    line("time", std::format!("{:.3} s, of it stepping {:.3} s ({rate})", s.wall_s, s.step_wall_s));
-    line("result", s.output.clone());
-    lines.extend(front_lines(&s.fronts, units));
-    lines.extend(note_lines(&s.notes));
-    lines.extend(audit_lines(&s.audit));
-    lines.join("\n") + "\n"
-}
-
-/// Lengths of segments that flowed, with a label each.
-fn length_lines(s: &Summary, units: System) -> Vec<(String, String)> {
-    let show = |length| format(length, Dimension::Length, units);
-    let text = |length: &LengthSummary| {
-        let [at_end, unloaded] = [length.at_end, length.unloaded].map(show);
-        let share = length.unloaded / length.initial;
-        std::format!("{at_end}, unloaded {unloaded} ({share:.4} of {})", show(length.initial))
-    };
-    let label =
-        |k: usize| if s.lengths.len() == 1 { "final length".into() } else { std::format!("segment {} length", k + 1) };
-    let flowed = |length: &LengthSummary| (length.unloaded - length.initial).abs() > LEAST_STRAIN * length.initial;
-    s.lengths.iter().enumerate().filter(|(_, l)| flowed(l)).map(|(k, l)| (label(k), text(l))).collect()
-}
-
-fn tolerance_text(choice: &ChoiceSummary) -> String {
-    let runs = choice.tried.len();
-    std::format!("{} ({} runs in all, the coarse ones included)", choice.why, runs)
-}
-
-/// Why an effect is on or off: "heat on: ...".
-pub(super) fn choice_text(choice: &AutoChoice) -> String {
-    std::format!("{} {}: {}", choice.effect, if choice.on { "on" } else { "off" }, choice.why)
-}
-
-/// Notes on what a scene asks for, below a summary or a plan.
-pub(super) fn note_lines(notes: &[String]) -> impl Iterator<Item = String> {
-    notes.iter().map(|note| std::format!("  note: {note}"))
-}
-
-/// A line for each neglected effect that matters, and one for all others.
-fn audit_lines(rows: &[AuditRow]) -> Vec<String> {
-    let mut lines: Vec<String> =
-        rows.iter().filter(|row| row.matters()).map(|row| std::format!("  note: {}", row.message())).collect();
-    let size = |row: &AuditRow| {
-        if row.estimate.is_nan() {
-            std::format!("{} unknown", row.effect)
-        } else {
-            std::format!("{} {:.2} %", row.effect, 100.0 * row.estimate)
-        }
-    };
-    let others: Vec<String> = rows.iter().filter(|row| !row.matters()).map(size).collect();
-    if !others.is_empty() {
-        lines.push(std::format!("  {:<18}{}", "left out", others.join(", ")));
-    }
-    lines
-}
-
-fn rupture_text(r: &RuptureSummary, units: System) -> String {
-    std::format!(
-        "{} ({}) at t = {}, x = {}: stress {}, strain {}, {} absorbed there",
-        r.cause.name(),
-        r.site,
-        format(r.time_s, Dimension::Time, units),
-        format(r.x_m, Dimension::Length, units),
-        format(r.stress, Dimension::Stress, units),
-        format(r.strain, Dimension::None, units),
-        format(r.absorbed, Dimension::EnergyDensity, units)
-    )
-}
-
-fn end_text(end: &EndSummary, units: System) -> String {
-    std::format!(
-        "stress {}, strain {}, velocity {}",
-        format(end.stress, Dimension::Stress, units),
-        format(end.strain, Dimension::None, units),
-        format(end.velocity, Dimension::Velocity, units)
-    )
-}
-
-pub(super) fn front_lines(fronts: &[FrontSummary], units: System) -> Vec<String> {
-    if fronts.is_empty() {
-        return Vec::new();
-    }
-    let mut lines = vec![std::format!(
-        "  {:<9}{:>13}{:>13}{:>15}{:>15}{:>14}{:>14}",
-        "front",
-        "strain from",
-        "to",
-        "stress to",
-        "speed",
-        "measured",
-        "last seen at"
-    )];
-    let unknown = || "-".to_owned();
-    for front in fronts.iter().take(LISTED_FRONTS) {
-        lines.push(std::format!(
-            "  {:<9}{:>13.6}{:>13.6}{:>15}{:>15}{:>14}{:>14}",
-            front.origin,
-            // A compression wave into a resting bar starts from 0, not from -0.
-            front.strain_ahead + 0.0,
-            front.strain_behind + 0.0,
-            format(front.stress_behind, Dimension::Stress, units),
-            format(front.speed, Dimension::Velocity, units),
-            front.speed_measured.map_or_else(unknown, |v| format(v, Dimension::Velocity, units)),
-            front.position.map_or_else(unknown, |x| format(x, Dimension::Length, units)),
-        ));
-    }
-    if fronts.len() > LISTED_FRONTS {
-        lines.push(std::format!("  ... and {} more, listed by --json", fronts.len() - LISTED_FRONTS));
-    }
-    lines
 }

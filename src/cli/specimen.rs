@@ -1,23 +1,23 @@
 //! What `barwave run` and `barwave plan` say of a `[specimen]` scene.
 
+use super::lines::Lines;
 use crate::record::EnergySummary;
 use crate::units::{Dimension, System, format};
 
 /// The summary for people; without `outcome`, what can be said before.
 pub(super) fn text(s: &EnergySummary, units: System, outcome: bool) -> String {
     let show = |value: f64, dimension| format(value, dimension, units);
-    let mut lines = vec![s.scene.clone()];
-    let mut line = |label: &str, value: String| lines.push(std::format!("  {label:<18}{value}"));
-    line("method", std::format!("{} {}: no waves, no steps", s.method, s.scheme));
-    line("striker", std::format!("{} of motion", show(s.available, Dimension::Energy)));
+    let mut lines = Lines::under(&s.scene);
+    lines.add("method", std::format!("{} {}: no waves, no steps", s.method, s.scheme));
+    lines.add("striker", std::format!("{} of motion", show(s.available, Dimension::Energy)));
     let per_volume = show(s.capacity_per_volume, Dimension::EnergyDensity);
-    line("specimen", std::format!("absorbs {} ({per_volume})", show(s.capacity, Dimension::Energy)));
-    line("threshold", std::format!("breaks from {} on", show(s.threshold_velocity, Dimension::Velocity)));
+    lines.add("specimen", std::format!("absorbs {} ({per_volume})", show(s.capacity, Dimension::Energy)));
+    lines.add("threshold", std::format!("breaks from {} on", show(s.threshold_velocity, Dimension::Velocity)));
     if !outcome {
-        return lines.join("\n") + "\n";
+        return lines.text();
     }
     let velocity = show(s.residual_velocity, Dimension::Velocity);
-    line(
+    lines.add(
         "outcome",
         if s.breaks {
             std::format!("{}: the striker goes on with {velocity}", s.outcome)
@@ -26,8 +26,8 @@ pub(super) fn text(s: &EnergySummary, units: System, outcome: bool) -> String {
         },
     );
     if let Some(strain) = s.strain {
-        line("strain", show(strain, Dimension::None));
+        lines.add("strain", show(strain, Dimension::None));
     }
-    line("result", s.output.clone());
-    lines.join("\n") + "\n"
+    lines.add("result", &s.output);
+    lines.text()
 }

@@ -5,7 +5,7 @@ use std::ops::Range;
 use toml::Spanned;
 
 use super::csv::{self, CsvTable};
-use super::file::Keys;
+use super::keys::Keys;
 use super::raw::{RawCurve, RawMaterial, RawTabulate, TableRow};
 use super::{Beyond, Curve, CurveError, Law, Measure, Sense, Tabulate, Tabulated, tabulate_law, tabulate_true_rows};
 use crate::error::{Error, InputError, Result};

@@ -1,13 +1,13 @@
 //! What a material file means: from the serde mirror to a checked [`Material`].
 
-use std::ops::Range;
 use std::path::Path;
 
 use super::branch::{Branch, Given};
+use super::keys::Keys;
 use super::raw::{Confidence, RawMaterial, RawSource};
 use super::{Loading, Material, Measure, Provenance, Sense, constants};
-use crate::error::{InputError, Result};
-use crate::input::{Allowed, Document, Number};
+use crate::error::Result;
+use crate::input::{Allowed, Document};
 use crate::units::Dimension;
 
 /// Reads one material file. A file without a name is named by its stem.
@@ -132,47 +132,5 @@ fn provenance(source: Option<RawSource>) -> Provenance {
         measured: source.measured.unwrap_or_default(),
         confidence: confidence.into(),
         origin: "inline".into(),
-    }
-}
-
-/// A document with the place of a material in it.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Keys<'a> {
-    doc: &'a Document,
-    prefix: &'a str,
-    /// Where CSV files are looked up.
-    pub(super) base_dir: &'a Path,
-}
-
-impl Keys<'_> {
-    pub(super) fn document(&self) -> &Document {
-        self.doc
-    }
-
-    pub(super) fn key(&self, key: &str) -> String {
-        if self.prefix.is_empty() { key.to_owned() } else { format!("{}.{key}", self.prefix) }
-    }
-
-    pub(super) fn error(&self, span: Range<usize>, key: &str, message: impl Into<String>) -> InputError {
-        self.doc.error(span, &self.key(key), message)
-    }
-
-    /// Where the value of a key stands; none where the text has no such key.
-    pub(super) fn span_of(&self, key: &str) -> Option<Range<usize>> {
-        self.doc.span_of(&self.key(key))
-    }
-
-    pub(super) fn number(&self, value: &Number, key: &str, dimension: Dimension, allowed: Allowed) -> Result<f64> {
-        self.doc.number(value, &self.key(key), dimension, allowed)
-    }
-
-    pub(super) fn optional(
-        &self,
-        value: Option<&Number>,
-        key: &str,
-        dimension: Dimension,
-        allowed: Allowed,
-    ) -> Result<Option<f64>> {
-        self.doc.optional(value, &self.key(key), dimension, allowed)
     }
 }

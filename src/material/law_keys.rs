@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::file::Keys;
+use super::keys::Keys;
 use super::raw::RawCurve;
 use super::{Formula, Law};
 use crate::error::Result;

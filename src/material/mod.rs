@@ -6,7 +6,9 @@ mod csv;
 mod curve;
 pub mod file;
 mod formula;
+mod heat_constants;
 mod heating;
+mod keys;
 mod law_keys;
 pub mod library;
 mod plausible;
@@ -18,11 +20,12 @@ mod torsion;
 
 use serde::{Deserialize, Serialize};
 
-pub use constants::{Constants, HeatConstants};
+pub use constants::Constants;
 pub(crate) use curve::SLOPE_ROUND_OFF;
 pub use curve::{Beyond, Curve, CurveError, Ultimate, UltimateReason};
 pub use file::{read, resolve};
 pub use formula::{Formula, Law};
+pub use heat_constants::HeatConstants;
 pub use heating::{DEFAULT_FRACTION, Heating, HeatingError, WorkTable};
 pub use rate::Rate;
 pub(crate) use rate::{RateModel, RawRate, TEMPERATURE};

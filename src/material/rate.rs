@@ -7,7 +7,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
-use super::file::Keys;
+use super::keys::Keys;
 use super::{HeatConstants, Material};
 use crate::error::{InputError, Result};
 use crate::input::{Allowed, Document, Number};

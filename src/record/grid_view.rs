@@ -1,6 +1,7 @@
 //! Solvers on a grid as the recorders read them. Each has the methods of the traits under the same names.
 
-use super::view::{Account, EndState, Start, Stepped, View};
+use super::stepped::{Stepped, log_stepwise};
+use super::view::{Account, EndState, Start, View};
 use super::{Field, Traces};
 use crate::law::FirstPassed;
 use crate::law::rupture::Rupture;
@@ -152,7 +153,7 @@ stepped!(
     },
     fn advance_logging(&mut self, steps: usize, traces: &mut Traces) {
         if !self.sweeps() {
-            return traces.follow(self, steps);
+            return log_stepwise(self, steps, traces);
         }
         let (before, dt) = (self.step(), self.grid().dt);
         self.advance_by(steps);

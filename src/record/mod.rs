@@ -10,6 +10,7 @@ mod grid_view;
 mod ledger;
 mod length;
 mod step_gauges;
+mod stepped;
 pub mod store;
 mod summary;
 mod traces;
@@ -35,6 +36,7 @@ pub use fronts::FrontTracker;
 pub use ledger::Ledger;
 pub use length::LengthSummary;
 pub use step_gauges::StepGauges;
+pub use stepped::Stepped;
 pub use summary::{
     AutoChoice, ChoiceSummary, ElasticCheck, EndSummary, ErrorFigure, FrontSummary, LedgerSummary, RuptureSummary,
     SolvedBy, Summary, TorsionSummary, TrackingSummary, Tried,
@@ -42,7 +44,7 @@ pub use summary::{
 pub use traces::Traces;
 pub use tracked::EndHistories;
 pub use tracked_fronts::{INTERIOR, Paths, TrackedFronts};
-pub use view::{Account, EndState, Start, Stepped, View};
+pub use view::{Account, EndState, Start, View};
 pub use warmth::{flowed_both_ways, largest_rise};
 
 /// A field that can be recorded over x and t.

@@ -1,6 +1,6 @@
 //! Full-rate histories of a bar on a grid: gauges and both ends, a row a step.
 
-use super::{Stepped, Trace};
+use super::{EndState, Trace};
 use crate::solver::fd::{Log, Quantity, Sampling, between};
 
 /// Rows that are gathered before they are handed on.
@@ -38,16 +38,15 @@ impl Traces {
         self.ends[0].time.len() >= BATCH
     }
 
-    /// Adds the bar's current state to every history.
-    pub fn add(&mut self, bar: &impl Stepped) {
-        let time = bar.time();
-        for (trace, end) in self.ends.iter_mut().zip(bar.ends()) {
+    /// Adds the state of a bar at a time (s) to every history; `value` is that of a quantity in a cell.
+    pub fn add(&mut self, time: f64, ends: [EndState; 2], value: impl Fn(Quantity, usize) -> f64) {
+        for (trace, end) in self.ends.iter_mut().zip(ends) {
             trace.time.push(time);
             trace.stress.push(end.stress);
             trace.velocity.push(end.velocity);
         }
         for (k, trace) in self.gauges.iter_mut().enumerate() {
-            let read = |quantity| self.places.value(k, |cell| bar.value(quantity, cell));
+            let read = |quantity| self.places.value(k, |cell| value(quantity, cell));
             trace.time.push(time);
             trace.stress.push(read(Quantity::Stress));
             trace.strain.push(read(Quantity::Strain));
@@ -55,14 +54,6 @@ impl Traces {
             if self.heat {
                 trace.temperature.push(read(Quantity::Temperature));
             }
-        }
-    }
-
-    /// Takes a bar so many steps on, one by one, and adds each.
-    pub fn follow(&mut self, bar: &mut impl Stepped, steps: usize) {
-        for _ in 0..steps {
-            bar.advance();
-            self.add(bar);
         }
     }
 

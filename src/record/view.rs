@@ -1,13 +1,10 @@
-//! What the recorders read of a simulated bar: one small trait for every solver, and one more for those that go on in
-//! equal steps on a grid.
+//! What the recorders read of a simulated bar, whatever the solver.
 
 use serde::{Deserialize, Serialize};
 
-use super::{Field, Traces};
-use crate::law::FirstPassed;
+use super::Field;
 use crate::law::rupture::Rupture;
 use crate::solver::Energies;
-use crate::solver::fd::{Grid, Quantity, Sampling, Unresolved};
 
 /// A simulated bar at its current time.
 pub trait View {
@@ -38,59 +35,6 @@ pub trait View {
 
     /// What is in the bar and what came in through its ends, now.
     fn account(&self) -> Account;
-}
-
-/// A bar on a grid that goes on in steps of one length.
-pub trait Stepped: View<Places = Sampling> {
-    /// The grid.
-    fn grid(&self) -> &Grid;
-
-    /// Steps so far.
-    fn step(&self) -> usize;
-
-    /// One step.
-    fn advance(&mut self);
-
-    /// So many steps.
-    fn advance_by(&mut self, steps: usize) {
-        (0..steps).for_each(|_| self.advance());
-    }
-
-    /// Makes ready for [`Stepped::advance_logging`] with these histories.
-    fn watch(&mut self, _traces: &Traces) {}
-
-    /// So many steps, each of which is added to the histories.
-    fn advance_logging(&mut self, steps: usize, traces: &mut Traces)
-    where
-        Self: Sized,
-    {
-        traces.follow(self, steps);
-    }
-
-    /// A quantity in one cell.
-    fn value(&self, quantity: Quantity, cell: usize) -> f64;
-
-    /// A quantity at some places, into `out` (one entry a place).
-    fn read(&self, quantity: Quantity, places: &Sampling, out: &mut [f64]) {
-        places.read(|cell| self.value(quantity, cell), out);
-    }
-
-    /// A quantity in every cell, into `out` (one entry a cell).
-    fn profile(&self, quantity: Quantity, out: &mut [f64]);
-
-    /// Nothing has yielded so far.
-    fn stayed_elastic(&self) -> bool;
-
-    /// The cells that have come to a limit of what their law knows, up to now.
-    fn passed(&self) -> FirstPassed;
-
-    /// The largest tension that met the criterion of rupture over too few cells to break the bar.
-    fn unresolved_tension(&self) -> Option<Unresolved> {
-        None
-    }
-
-    /// The first cell of which something is not a finite number.
-    fn not_finite(&self) -> Option<usize>;
 }
 
 /// Stress and velocity of an end.

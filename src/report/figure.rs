@@ -1,7 +1,8 @@
 //! The figure of a result file: x-t map, profiles, histories, ledger, wave speeds, as one SVG.
 
-use super::display::{Unit, Units};
+use super::display::Units;
 use super::svg::{Anchor, Area, Svg};
+use super::view::View;
 use super::{map, panels};
 use crate::error::{InputError, Result};
 use crate::record::Field;
@@ -14,33 +15,6 @@ const HEADER: f64 = 64.0;
 /// Heights of the first row of panels and of those below.
 const TALL: f64 = 430.0;
 const LOW: f64 = 300.0;
-
-/// What every panel needs to know of the run.
-pub(super) struct View<'a> {
-    pub file: &'a ResultFile,
-    pub field: Field,
-    pub units: Units,
-    pub time: Vec<f64>,
-    pub x: Vec<f64>,
-    /// Of the bar, m.
-    pub length: f64,
-    /// s.
-    pub end_time: f64,
-}
-
-impl View<'_> {
-    pub fn time_unit(&self) -> Unit {
-        Units::time(self.end_time)
-    }
-
-    pub fn length_unit(&self) -> Unit {
-        self.units.length(self.length)
-    }
-
-    pub fn field_unit(&self) -> Unit {
-        self.units.field(self.field)
-    }
-}
 
 /// Draws a result file as one SVG: what is in the file is drawn, what is not leaves no hole.
 ///

@@ -5,8 +5,8 @@ use resvg::tiny_skia::{Pixmap, PremultipliedColorU8};
 use super::axes::{self, Axis, Frame};
 use super::colour::{Range, hex};
 use super::display::field_name;
-use super::figure::View;
 use super::svg::{Anchor, Area, Stroke, Svg, text_width};
+use super::view::{View, nearest};
 use crate::error::{Error, Result};
 use crate::record::{FrontRow, PathRow};
 
@@ -76,15 +76,6 @@ fn read_lines(view: &View, frames: &[usize], samples: &[usize]) -> Result<Vec<Ve
 fn extremes(lines: &[Vec<f64>]) -> (f64, f64) {
     let finite = lines.iter().flatten().filter(|v| v.is_finite());
     finite.fold((0.0, 0.0), |(low, high): (f64, f64), &v| (low.min(v), high.max(v)))
-}
-
-/// Index of the value nearest to `target` in an increasing list that is not empty.
-pub(super) fn nearest(values: &[f64], target: f64) -> usize {
-    let after = values.partition_point(|v| *v < target);
-    if after == 0 {
-        return 0;
-    }
-    if after == values.len() || target - values[after - 1] <= values[after] - target { after - 1 } else { after }
 }
 
 /// What was drawn over the map.

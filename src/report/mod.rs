@@ -11,6 +11,7 @@ mod page;
 mod panels;
 pub mod plot;
 mod svg;
+mod view;
 
 pub use display::Units;
 pub use figure::draw;

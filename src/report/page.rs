@@ -45,8 +45,25 @@ fn table(head: &[String], rows: &[Vec<String>]) -> String {
     format!("<table>\n{head}{body}</table>\n")
 }
 
+/// Names and values of facts.
+type Rows = Vec<Vec<String>>;
+
 fn facts_table(facts: &Facts) -> String {
-    let mut rows: Vec<Vec<String>> = Vec::new();
+    let mut rows = method_rows(facts);
+    rows.extend(cost_rows(facts));
+    let mut add = |name: &str, value: String| rows.push(vec![name.into(), value]);
+    if !facts.overrides.is_empty() {
+        add("overrides", facts.overrides.join("; "));
+    }
+    let commit = facts.git_revision.as_ref().map_or_else(String::new, |r| format!(", commit {r}"));
+    add("program", format!("barwave {}{commit}", facts.program_version));
+    add("started", facts.created.clone());
+    table(&[], &rows)
+}
+
+/// What was simulated, by what method, and how it ended.
+fn method_rows(facts: &Facts) -> Rows {
+    let mut rows = Rows::new();
     let mut add = |name: &str, value: String| rows.push(vec![name.into(), value]);
     let outcome = if facts.is_unfinished() {
         "unfinished: the run still goes on, or was killed".into()
@@ -65,6 +82,13 @@ fn facts_table(facts: &Facts) -> String {
     if let Some(velocity) = facts.critical_velocity {
         add("critical impact velocity", format!("{} m/s", four_digits(velocity)));
     }
+    rows
+}
+
+/// How large the run was, how long it took, and its error.
+fn cost_rows(facts: &Facts) -> Rows {
+    let mut rows = Rows::new();
+    let mut add = |name: &str, value: String| rows.push(vec![name.into(), value]);
     let counts = [
         ("cells", facts.cells),
         // By characteristics a step is an event.
@@ -86,30 +110,37 @@ fn facts_table(facts: &Facts) -> String {
             add(name, format!("{} s", four_digits(seconds)));
         }
     }
-    if !facts.overrides.is_empty() {
-        add("overrides", facts.overrides.join("; "));
-    }
-    let commit = facts.git_revision.as_ref().map_or_else(String::new, |r| format!(", commit {r}"));
-    add("program", format!("barwave {}{commit}", facts.program_version));
-    add("started", facts.created.clone());
-    table(&[], &rows)
+    rows
 }
 
 fn fronts_table(file: &ResultFile, units: Units) -> Result<String> {
-    let (mut fronts, mut left_out) = (file.fronts()?, 0);
-    if fronts.len() > MOST_FRONTS {
-        left_out = fronts.len() - MOST_FRONTS;
-        fronts.truncate(MOST_FRONTS);
-    }
+    let fronts = file.fronts()?;
     let (Some(&end), Some(&last)) = (file.time()?.last(), file.x()?.last()) else {
         return Ok(String::new());
     };
     if fronts.is_empty() {
         return Ok(String::new());
     }
-    let (stress, speed, length, time) = (units.stress(), units.velocity(), units.length(last), Units::time(end));
-    let gauges: Vec<String> = file.gauges()?.into_iter().map(|gauge| gauge.name).collect();
-    let mut head = vec![
+    let (length, time) = (units.length(last), Units::time(end));
+    let gauges = file.gauges()?;
+    let arrivals = gauges.iter().map(|gauge| time.label(&format!("reached {}", gauge.name)));
+    let head: Vec<String> = front_head(units, length).into_iter().chain(arrivals).collect();
+    let row = |front: &FrontRow| {
+        let arrivals = front.arrivals.iter().map(|t| time.number(*t));
+        front_cells(front, units, length).into_iter().chain(arrivals).collect()
+    };
+    let rows: Vec<Vec<String>> = fronts.iter().take(MOST_FRONTS).map(row).collect();
+    let html = table(&head, &rows);
+    let left_out = fronts.len() - rows.len();
+    if left_out == 0 {
+        return Ok(html);
+    }
+    Ok(format!("{html}<p>... and {left_out} more, in the table /fronts of the file</p>\n"))
+}
+
+fn front_head(units: Units, length: Unit) -> [String; 9] {
+    let (stress, speed) = (units.stress(), units.velocity());
+    [
         "from".into(),
         "strain ahead".into(),
         "strain behind".into(),
@@ -119,35 +150,25 @@ fn fronts_table(file: &ResultFile, units: Units) -> Result<String> {
         speed.label("speed, measured"),
         "difference (%)".into(),
         length.label("last seen at"),
-    ];
-    head.extend(gauges.iter().map(|name| time.label(&format!("reached {name}"))));
-    let row = |front: &FrontRow| {
-        let difference = 100.0 * (front.speed_measured / front.speed - 1.0);
-        let mut cells = vec![
-            front.origin.clone(),
-            PLAIN.number(front.strain_ahead),
-            PLAIN.number(front.strain_behind),
-            stress.number(front.stress_ahead),
-            stress.number(front.stress_behind),
-            speed.number(front.speed),
-            speed.number(front.speed_measured),
-            if difference.is_finite() {
-                format!("{difference:+.2}").replace('-', "\u{2212}")
-            } else {
-                "\u{2013}".into()
-            },
-            length.number(front.position),
-        ];
-        cells.extend(front.arrivals.iter().map(|t| time.number(*t)));
-        cells
-    };
-    let html = table(&head, &fronts.iter().map(row).collect::<Vec<_>>());
-    let rest = if left_out > 0 {
-        format!("<p>... and {left_out} more, in the table /fronts of the file</p>\n")
-    } else {
-        String::new()
-    };
-    Ok(html + &rest)
+    ]
+}
+
+/// The cells below [`front_head`].
+fn front_cells(front: &FrontRow, units: Units, length: Unit) -> [String; 9] {
+    let (stress, speed) = (units.stress(), units.velocity());
+    let difference = 100.0 * (front.speed_measured / front.speed - 1.0);
+    let signed = || format!("{difference:+.2}").replace('-', "\u{2212}");
+    [
+        front.origin.clone(),
+        PLAIN.number(front.strain_ahead),
+        PLAIN.number(front.strain_behind),
+        stress.number(front.stress_ahead),
+        stress.number(front.stress_behind),
+        speed.number(front.speed),
+        speed.number(front.speed_measured),
+        if difference.is_finite() { signed() } else { "\u{2013}".into() },
+        length.number(front.position),
+    ]
 }
 
 fn ledger_table(file: &ResultFile, units: Units) -> Result<String> {

@@ -3,10 +3,9 @@
 use super::axes::{Axis, Series, line_panel};
 use super::colour::{ColourMap, hex};
 use super::display::{Unit, field_name};
-use super::figure::View;
-use super::map::nearest;
 use super::plot::colour;
 use super::svg::{Area, Stroke, Svg};
+use super::view::{View, nearest};
 use crate::error::Result;
 use crate::record::store::{Gauge, Side};
 use crate::record::{Field, FrontRow, INTERIOR, LedgerRow, Trace};

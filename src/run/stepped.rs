@@ -157,7 +157,7 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
             }
             self.check_limits()?;
         } else {
-            self.traces.add(&self.bar);
+            self.bar.add_to(&mut self.traces);
             self.record()?;
         }
         self.take_frames(progress)?;

@@ -1,6 +1,7 @@
 //! A scene: what the user typed (`raw`), what it means (`check`), as plain data in SI (here).
 
 mod auto;
+mod changes;
 mod check;
 mod cut;
 mod damping;

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::critical::CriticalRow;
 use crate::assemble;
-use crate::bar::{Bar, EndCondition, History, Initial, Joint, Segment};
+use crate::bar::{Bar, EndCondition, History, Segment};
 use crate::material::Material;
 use crate::record::{Compression, Field, Precision};
 use crate::run;
@@ -64,15 +64,7 @@ fn drive(material: &Arc<Material>, row: &CriticalRow, velocity: f64, limit: f64)
 
 /// A long bar at rest whose left end is driven at a constant velocity, until the elastic wave has crossed it once.
 fn scene(material: &Arc<Material>, velocity: f64) -> Scene {
-    let segment = Segment {
-        length: 1.0,
-        area: 1.0,
-        taper: None,
-        material: Arc::clone(material),
-        velocity: 0.0,
-        joint: Joint::Bonded,
-        initial: Initial::default(),
-    };
+    let segment = Segment::new(1.0, 1.0, Arc::clone(material));
     let until = segment.length / material.c0();
     Scene {
         title: format!("{} at {velocity} m/s", material.name),

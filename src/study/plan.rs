@@ -171,20 +171,7 @@ pub fn plan(scene: &Scene) -> Plan {
     let (asked, cut) = (scene, scene.in_pieces());
     let scene = cut.as_ref().unwrap_or(scene);
     let [method, scheme] = scene.solve.method.names();
-    let (work, cells) = match scene.solve.method {
-        Method::Leapfrog { cells, cfl } => {
-            let grid = Grid::new(&scene.bar, cells, cfl);
-            grid_work(scene, &grid, &leapfrog_cell(scene, &grid))
-        }
-        Method::Muscl { cells, cfl } => grid_work(scene, &Grid::new(&scene.bar, cells, cfl), &muscl_cell(scene)),
-        Method::CharacteristicNet { cells } => {
-            let lattice = Lattice::new(&scene.bar, cells);
-            grid_work(scene, &lattice.grid, &net_cell(scene, &lattice))
-        }
-        Method::FrontTracking { front_tolerance, event_budget } => {
-            (front_work(scene, front_tolerance, event_budget), 0)
-        }
-    };
+    let (work, cells) = work(scene);
     let samples = scene.record.cells.unwrap_or(cells) * scene.record.times.len() * scene.record.fields.len();
     Plan {
         scene: scene.title.clone(),
@@ -219,6 +206,24 @@ fn choose(scene: &Scene, within: &mut dyn FnMut(Progress) -> Wish) -> Option<(Sc
         Ok(None) | Err(_) => "no method is expected to get there".into(),
     };
     Some((chosen, PlannedChoice { tolerance: tolerance.value, schemes, how }))
+}
+
+/// The work by the scene's method, and its cells.
+fn work(scene: &Scene) -> (Work, usize) {
+    match scene.solve.method {
+        Method::Leapfrog { cells, cfl } => {
+            let grid = Grid::new(&scene.bar, cells, cfl);
+            grid_work(scene, &grid, &leapfrog_cell(scene, &grid))
+        }
+        Method::Muscl { cells, cfl } => grid_work(scene, &Grid::new(&scene.bar, cells, cfl), &muscl_cell(scene)),
+        Method::CharacteristicNet { cells } => {
+            let lattice = Lattice::new(&scene.bar, cells);
+            grid_work(scene, &lattice.grid, &net_cell(scene, &lattice))
+        }
+        Method::FrontTracking { front_tolerance, event_budget } => {
+            (front_work(scene, front_tolerance, event_budget), 0)
+        }
+    }
 }
 
 /// What a cell takes, elastic and once it flows.
@@ -335,13 +340,31 @@ fn fronts(launch: &crate::bar::Launch) -> Vec<FrontSummary> {
     launch.fan.edges.iter().map(front).collect()
 }
 
-/// The first waves decide whether a bar yields; reflections may make it yield later, which the run itself finds out.
 fn effects(
     scene: &Scene,
     launches: &[crate::bar::Launch],
     within: &mut dyn FnMut(Progress) -> Wish,
     notes: &mut Vec<String>,
 ) -> Vec<PlannedEffect> {
+    let mut stopped = false;
+    let (rows, reached) = run::estimate(scene, &mut |at| {
+        let wish = within(at);
+        stopped |= wish == Wish::Stop;
+        wish
+    });
+    if stopped {
+        let share = 100.0 * reached / scene.solve.until;
+        notes.push(format!("the estimates of neglected effects look at the first {share:.2} % of the run"));
+    }
+    let planned = |key: &&str| match scene.effects.named(key) {
+        Some(effect) => on(scene, key, effect),
+        None => off(scene, key, rows.iter().find(|row| row.effect == **key)),
+    };
+    std::iter::once(plasticity(scene, launches)).chain(Effects::KEYS.iter().map(planned)).collect()
+}
+
+/// The first waves decide whether a bar yields; reflections may make it yield later, which the run itself finds out.
+fn plasticity(scene: &Scene, launches: &[crate::bar::Launch]) -> PlannedEffect {
     let yields = launches.iter().any(|l| {
         let material = &scene.bar.segments[l.segment].material;
         l.fan.stress > material.branch(l.sense).elastic_limit(material.modulus).1
@@ -357,28 +380,8 @@ fn effects(
              step in which a reflection first yields a cell, if one does"
         }
     };
-    let plasticity = PlannedEffect {
-        effect: "plasticity".into(),
-        on: yields && !linear,
-        why: why.into(),
-        estimate: None,
-        threshold: None,
-    };
-    let mut stopped = false;
-    let (rows, reached) = run::estimate(scene, &mut |at| {
-        let wish = within(at);
-        stopped |= wish == Wish::Stop;
-        wish
-    });
-    if stopped {
-        let share = 100.0 * reached / scene.solve.until;
-        notes.push(format!("the estimates of neglected effects look at the first {share:.2} % of the run"));
-    }
-    let planned = |key: &&str| match scene.effects.named(key) {
-        Some(effect) => on(scene, key, effect),
-        None => off(scene, key, rows.iter().find(|row| row.effect == **key)),
-    };
-    std::iter::once(plasticity).chain(Effects::KEYS.iter().map(planned)).collect()
+    let (effect, on) = ("plasticity".into(), yields && !linear);
+    PlannedEffect { effect, on, why: why.into(), estimate: None, threshold: None }
 }
 
 fn chosen<'a>(scene: &'a Scene, key: &str) -> Option<&'a AutoChoice> {

@@ -1,6 +1,6 @@
 //! Every dimension, declared once: what messages call it, its SI unit, and the units in which it is shown.
 
-use super::format::{FOOT_POUND, INCH, POUND, POUND_FORCE, PSI, Scale};
+use super::scale::{FOOT_POUND, INCH, POUND, POUND_FORCE, PSI, Scale};
 use super::table::Exponents;
 
 /// Declares [`Dimension`]. A row: name, with its article for messages, a right spelling, the symbol of the SI unit, exponents of m, kg, s,

@@ -1,21 +1,6 @@
 //! Numbers for people: SI in, text with a fitting unit out.
 
-use super::{Dimension, System};
-
-/// A unit to show numbers in.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Scale {
-    /// e.g. "MPa"; empty for plain numbers.
-    pub symbol: &'static str,
-    /// SI value of one such unit.
-    pub si: f64,
-}
-
-pub(super) const INCH: f64 = 0.0254;
-pub(super) const POUND: f64 = 0.453_592_37;
-pub(super) const POUND_FORCE: f64 = POUND * 9.806_65;
-pub(super) const FOOT_POUND: f64 = 12.0 * INCH * POUND_FORCE;
-pub(super) const PSI: f64 = POUND_FORCE / (INCH * INCH);
+use super::{Dimension, Scale, System};
 
 /// The unit in which a value of this magnitude reads best: the largest that leaves at least one before the
 /// point, or the smallest there is; zero takes the unit nearest to the SI one. For an axis, give the largest
@@ -59,6 +44,7 @@ fn significant(value: f64) -> String {
 
 #[cfg(test)]
 mod tests {
+    use super::super::scale::PSI;
     use super::*;
 
     #[test]

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use barwave::bar::{Bar, EndCondition, History, Joint, Segment};
+use barwave::bar::{Bar, EndCondition, History, Segment};
 use barwave::material::{Beyond, Curve, Material};
 use barwave::solver::moc::{FrontTracking, Settings, Stopped};
 use barwave::wave::riemann::Flow;
@@ -29,15 +29,7 @@ fn power_law(modulus: f64, density: f64, yield_stress: f64, exponent: f64, knots
 }
 
 fn segment(length: f64, area: f64, material: &Arc<Material>) -> Segment {
-    Segment {
-        length,
-        area,
-        taper: None,
-        material: Arc::clone(material),
-        velocity: 0.0,
-        joint: Joint::Bonded,
-        initial: barwave::bar::Initial::default(),
-    }
+    Segment::new(length, area, Arc::clone(material))
 }
 
 fn bar(segments: Vec<Segment>) -> Bar {

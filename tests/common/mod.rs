@@ -1,10 +1,8 @@
 //! Bars without scene files, for the integration tests.
 #![allow(dead_code, reason = "every test file takes what it needs")]
 
-use std::sync::Arc;
-
 use barwave::assemble::segment_law;
-use barwave::bar::{Bar, EndCondition, History, Joint, Segment};
+use barwave::bar::{Bar, EndCondition, History, Segment};
 use barwave::material::{Beyond, Curve, Material};
 use barwave::record::Ledger;
 use barwave::scene::{Effects, Unloading};
@@ -46,15 +44,7 @@ pub fn power_law_table(knots: u32) -> Material {
 
 /// A resting segment of 1 m^2, bonded to the next.
 pub fn segment(material: Material, length: f64) -> Segment {
-    Segment {
-        length,
-        area: 1.0,
-        taper: None,
-        material: Arc::new(material),
-        velocity: 0.0,
-        joint: Joint::Bonded,
-        initial: barwave::bar::Initial::default(),
-    }
+    Segment::new(length, 1.0, material)
 }
 
 /// The end moves with this velocity from t = 0 on.

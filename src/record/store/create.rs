@@ -4,10 +4,12 @@ use std::path::Path;
 use std::time::SystemTime;
 
 use hdf5::types::VarLenUnicode;
-use hdf5::{Dataset, DatasetBuilderEmpty, Extent, File, Group, H5Type, Location};
+use hdf5::{Dataset, Extent, File, Group};
 
+use super::attributes::{put, put_text, put_texts, text};
+use super::filters::shuffled;
 use super::{FORMAT_VERSION, Header, Layout, RUNNING, Side, paths, scales};
-use crate::record::{Compression, Field, MaterialRecord, Precision};
+use crate::record::{Field, MaterialRecord, Precision};
 use crate::solver::Energies;
 use crate::text_file::NamedFiles;
 
@@ -225,46 +227,9 @@ pub(super) fn build_materials(file: &File, materials: &[MaterialRecord], twisted
     Ok(())
 }
 
-/// Compressed with the bytes of numbers sorted by their weight: for rows of numbers that are close to one another.
-pub(super) fn shuffled(builder: DatasetBuilderEmpty, compression: Compression) -> DatasetBuilderEmpty {
-    match compression {
-        Compression::None => builder,
-        _ => compressed(builder.shuffle(), compression),
-    }
-}
-
-/// Compressed as it is: for numbers that come again as they were.
-pub(super) fn compressed(builder: DatasetBuilderEmpty, compression: Compression) -> DatasetBuilderEmpty {
-    match compression {
-        Compression::Deflate => builder.deflate(1),
-        Compression::Lzf => builder.lzf(),
-        Compression::None => builder,
-    }
-}
-
 pub(super) fn describe(dataset: &Dataset, units: &str, long_name: &str) -> Hdf<()> {
     put_text(dataset, "units", units)?;
     put_text(dataset, "long_name", long_name)
-}
-
-pub(super) fn put<T: H5Type>(location: &Location, name: &str, value: &T) -> Hdf<()> {
-    location.new_attr::<T>().create(name)?.write_scalar(value)
-}
-
-pub(super) fn put_text(location: &Location, name: &str, value: &str) -> Hdf<()> {
-    put(location, name, &text(value)?)
-}
-
-fn put_texts(location: &Location, name: &str, values: &[String]) -> Hdf<()> {
-    let values = values.iter().map(|value| text(value)).collect::<Hdf<Vec<_>>>()?;
-    let attribute = location.new_attr::<VarLenUnicode>().shape(values.len()).create(name)?;
-    if values.is_empty() { Ok(()) } else { attribute.write_raw(&values) }
-}
-
-/// HDF5 text ends at a zero byte, which no text file has; one that does is cut there rather than refused.
-pub(super) fn text(value: &str) -> Hdf<VarLenUnicode> {
-    let until_zero = value.split('\0').next().unwrap_or_default();
-    until_zero.parse().map_err(|e: hdf5::types::StringError| e.to_string().into())
 }
 
 pub(super) fn gauge_links(layout: &Layout) -> Vec<String> {

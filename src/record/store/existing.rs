@@ -5,7 +5,7 @@ use std::path::Path;
 
 use hdf5::File;
 
-use super::read::get_text;
+use super::attributes::get_text;
 
 /// What a path holds before a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

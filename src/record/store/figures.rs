@@ -4,8 +4,9 @@ use std::path::Path;
 
 use hdf5::File;
 
+use super::attributes::{put, text};
 use super::claim::in_place;
-use super::create::{build_materials, build_root, describe, put, text};
+use super::create::{build_materials, build_root, describe};
 
 use super::{Header, MaterialRecord};
 use crate::error::Result;

@@ -30,6 +30,7 @@
 //! libhdf5 has one global lock, so one thread writes. [`Writer`] is its sending end: frames and traces go through a
 //! bounded channel, compression runs beside the stepping, and a solver that is faster than the disk waits.
 
+mod attributes;
 mod bounded;
 mod checkpoint;
 mod claim;
@@ -39,6 +40,7 @@ mod create;
 mod driver;
 mod existing;
 mod figures;
+mod filters;
 #[cfg(unix)]
 mod journal;
 mod paths;

@@ -5,7 +5,8 @@
 use hdf5::{Dataset, Extent, File};
 use ndarray::s;
 
-use super::create::{compressed, put, put_text, shuffled};
+use super::attributes::{put, put_text};
+use super::filters::{compressed, shuffled};
 use super::{bounded, scales};
 use crate::record::{Compression, PathRow};
 

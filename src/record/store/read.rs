@@ -4,9 +4,10 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use hdf5::types::VarLenUnicode;
-use hdf5::{File, Group, H5Type, Location};
+use hdf5::{File, Group};
 use ndarray::{Array2, s};
 
+use super::attributes::{get, get_text, get_texts};
 use super::bounded;
 use super::compound::{self, Column, Values};
 use super::existing::is_locked;
@@ -439,21 +440,4 @@ fn read_material(group: &Group) -> Hdf<MaterialRecord> {
             origin: get_text(group, "origin")?,
         },
     })
-}
-
-fn get<T: H5Type>(location: &Location, name: &str) -> Hdf<T> {
-    location.attr(name)?.read_scalar()
-}
-
-pub(super) fn get_text(location: &Location, name: &str) -> Hdf<String> {
-    Ok(get::<VarLenUnicode>(location, name)?.to_string())
-}
-
-fn get_texts(location: &Location, name: &str) -> Hdf<Vec<String>> {
-    let attribute = location.attr(name)?;
-    if attribute.size() == 0 {
-        return Ok(Vec::new());
-    }
-    bounded::attribute_fits(&attribute, location.file()?.size())?;
-    Ok(attribute.read_raw::<VarLenUnicode>()?.iter().map(ToString::to_string).collect())
 }

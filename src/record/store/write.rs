@@ -5,14 +5,14 @@ use std::path::{Path, PathBuf};
 use hdf5::{Dataset, File, Group, H5Type};
 use ndarray::{ArrayView2, s};
 
+use super::attributes::{get_text, put, put_text, text};
 use super::checkpoint::{self, Checkpoint, Rows};
 use super::claim::{Claim, GONE, in_place, remove_unnamed};
 use super::compound::{self, Column};
-use super::create::{END_COLUMNS, TRACE_ROWS, build, gauge_columns, gauge_links, ledger_columns, put, put_text, text};
+use super::create::{END_COLUMNS, TRACE_ROWS, build, gauge_columns, gauge_links, ledger_columns};
 use super::existing::is_locked;
 use super::open_rw;
 use super::paths::PathTable;
-use super::read::get_text;
 use super::{Ending, Finish, Header, INTERRUPTED, Layout, Message, RUNNING, Side, scales};
 use crate::destination;
 use crate::error::{Error, Result};

@@ -14,10 +14,6 @@ use crate::input::{Allowed, Number};
 use crate::material::Material;
 use crate::units::Dimension;
 
-/// The keys, beside `kind`, that a ball takes.
-pub(super) const KEYS: &[&str] =
-    &["radius", "diameter", "velocity", "mass", "density", "material", "modulus", "poisson", "rigid", "bar-poisson"];
-
 /// A key with what was given for it, its dimension and its range.
 type Wanted<'a> = (Option<&'a Number>, &'a str, Dimension, Allowed);
 

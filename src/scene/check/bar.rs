@@ -8,7 +8,6 @@ use toml::Spanned;
 
 use super::super::raw::{MaterialChoice, RawBar, RawJoint, RawSegment, Section};
 use super::Checker;
-use super::torsion::is_torsion;
 use crate::bar::{Bar, Initial, Joint, Segment};
 use crate::error::{Error, Place, Result};
 use crate::input::{Allowed, Number};
@@ -36,7 +35,7 @@ pub(in crate::scene) type Named = HashMap<String, Arc<Material>>;
 impl Checker<'_> {
     pub(super) fn bar(&self, raw: &Spanned<RawBar>) -> Result<Bar> {
         let (span, raw) = (raw.span(), raw.get_ref());
-        let motion = if is_torsion(raw) { Dimension::AngularVelocity } else { Dimension::Velocity };
+        let motion = if raw.is_torsion() { Dimension::AngularVelocity } else { Dimension::Velocity };
         let piece = Piece {
             length: raw.length.as_ref(),
             area: raw.area.as_ref(),
@@ -143,14 +142,11 @@ impl Checker<'_> {
         let [stress, plastic_strain] = initial;
         let initial = [stress?, plastic_strain?];
         let material = self.material(choice, &format!("{key}.material"), named)?;
+        let area = section.as_ref().map_or(1.0, |section| section.area);
         let segment = Segment {
-            length,
-            area: section.as_ref().map_or(1.0, |section| section.area),
             taper: section.as_ref().and_then(|section| section.taper.clone()),
-            material,
-            velocity: velocity.unwrap_or(0.0),
-            joint: Joint::Bonded,
             initial: Initial { stress: initial[0].unwrap_or(0.0), plastic_strain: initial[1].unwrap_or(0.0) },
+            ..Segment::new(length, area, material).with_velocity(velocity.unwrap_or(0.0))
         };
         Ok((segment, section.is_some()))
     }

@@ -1,4 +1,4 @@
-//! The two ends: which keys belong to which kind, and the histories that drive them.
+//! The two ends: what each kind states, and the histories that drive them.
 
 use std::ops::Range;
 
@@ -6,99 +6,66 @@ use toml::Spanned;
 
 use super::super::raw::{EndKind, RawEnd};
 use super::Checker;
+use super::end_keys::given;
 use crate::bar::{Bar, EndCondition, History, Segment};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::input::{Allowed, Number};
 use crate::units::Dimension;
-
-impl EndKind {
-    pub(super) fn word(self) -> &'static str {
-        match self {
-            Self::Velocity => "velocity",
-            Self::Stress => "stress",
-            Self::Torque => "torque",
-            Self::Free => "free",
-            Self::Fixed => "fixed",
-            Self::Absorbing => "absorbing",
-            Self::Dashpot => "dashpot",
-            Self::Wall => "wall",
-            Self::Striker => "striker",
-            Self::Ball => "ball",
-            Self::Spring => "spring",
-        }
-    }
-
-    /// The keys, beside `kind`, that this kind takes.
-    fn keys(self) -> &'static [&'static str] {
-        match self {
-            Self::Velocity => &["value", "history", "csv", "release"],
-            Self::Stress | Self::Torque => &["value", "history", "csv"],
-            Self::Dashpot => &["coefficient"],
-            Self::Wall => &["gap"],
-            Self::Striker => &["mass", "velocity"],
-            Self::Ball => super::ball::KEYS,
-            Self::Spring => &["stiffness"],
-            Self::Free | Self::Fixed | Self::Absorbing => &[],
-        }
-    }
-}
 
 impl Checker<'_> {
     /// The end under `key` of a bar, at the segment `at`.
     pub(super) fn end(&self, raw: &Spanned<RawEnd>, key: &str, bar: &Bar, at: &Segment) -> Result<EndCondition> {
-        let area_given = bar.area_given;
         let (span, raw) = (raw.span(), raw.get_ref());
         let kind = *raw.kind.get_ref();
         self.only_its_keys(raw, kind, key)?;
+        if matches!(kind, EndKind::Dashpot | EndKind::Striker | EndKind::Ball | EndKind::Spring) {
+            self.needs_area(raw, kind, key, bar.area_given)?;
+        }
+        let number =
+            |value, name, dimension, allowed| self.own_number((value, name, dimension, allowed), span.clone(), key);
         Ok(match kind {
             EndKind::Velocity => EndCondition::Velocity {
                 history: self.history(raw, span, key, Dimension::Velocity)?,
-                release: self.document.optional(
-                    raw.release.as_ref(),
-                    &format!("{key}.release"),
-                    Dimension::Time,
-                    Allowed::Positive,
-                )?,
+                release: self.release(raw, key)?,
             },
             EndKind::Stress => EndCondition::Stress { history: self.history(raw, span, key, Dimension::Stress)? },
-            EndKind::Torque => {
-                let error =
-                    self.error(raw.kind.span(), &format!("{key}.kind"), "a torque acts on a bar in torsion only");
-                return Err(error.help("use kind = \"stress\", or [bar] mode = \"torsion\"").into());
-            }
+            EndKind::Torque => return Err(self.only_in_torsion(raw, key)),
             EndKind::Free => EndCondition::Free,
             EndKind::Fixed => EndCondition::Fixed,
             EndKind::Absorbing => EndCondition::Absorbing,
             EndKind::Dashpot => {
-                self.needs_area(raw, kind, key, area_given)?;
-                let coefficient =
-                    (raw.coefficient.as_ref(), "coefficient", Dimension::DampingCoefficient, Allowed::NotNegative);
-                EndCondition::Dashpot { coefficient: self.own_number(coefficient, span, key)? }
+                let (value, dimension) = (raw.coefficient.as_ref(), Dimension::DampingCoefficient);
+                EndCondition::Dashpot { coefficient: number(value, "coefficient", dimension, Allowed::NotNegative)? }
             }
-            EndKind::Wall => {
-                let key = format!("{key}.gap");
-                let gap = self.document.optional(raw.gap.as_ref(), &key, Dimension::Length, Allowed::NotNegative)?;
-                EndCondition::Wall { gap: gap.unwrap_or(0.0) }
-            }
-            EndKind::Striker => {
-                self.needs_area(raw, kind, key, area_given)?;
-                let mass = (raw.mass.as_ref(), "mass", Dimension::Mass, Allowed::Positive);
-                let velocity = (raw.velocity.as_ref(), "velocity", Dimension::Velocity, Allowed::Finite);
-                EndCondition::Striker {
-                    mass: self.own_number(mass, span.clone(), key)?,
-                    velocity: self.own_number(velocity, span, key)?,
-                }
-            }
-            EndKind::Ball => {
-                self.needs_area(raw, kind, key, area_given)?;
-                self.ball(raw, span, key, &at.material)?
-            }
+            EndKind::Wall => EndCondition::Wall { gap: self.gap(raw, key)? },
+            EndKind::Striker => EndCondition::Striker {
+                mass: number(raw.mass.as_ref(), "mass", Dimension::Mass, Allowed::Positive)?,
+                velocity: number(raw.velocity.as_ref(), "velocity", Dimension::Velocity, Allowed::Finite)?,
+            },
+            EndKind::Ball => self.ball(raw, span, key, &at.material)?,
             EndKind::Spring => {
-                self.needs_area(raw, kind, key, area_given)?;
-                let stiffness = (raw.stiffness.as_ref(), "stiffness", Dimension::Stiffness, Allowed::Positive);
-                EndCondition::Spring { stiffness: self.own_number(stiffness, span, key)? }
+                let stiffness = raw.stiffness.as_ref();
+                let stiffness = number(stiffness, "stiffness", Dimension::Stiffness, Allowed::Positive)?;
+                EndCondition::Spring { stiffness }
             }
         })
+    }
+
+    fn only_in_torsion(&self, raw: &RawEnd, key: &str) -> Error {
+        let message = "a torque acts on a bar in torsion only";
+        let error = self.error(raw.kind.span(), &format!("{key}.kind"), message);
+        error.help("use kind = \"stress\", or [bar] mode = \"torsion\"").into()
+    }
+
+    /// The distance of a wall, m.
+    fn gap(&self, raw: &RawEnd, key: &str) -> Result<f64> {
+        let (gap, key) = (raw.gap.as_ref(), format!("{key}.gap"));
+        Ok(self.document.optional(gap, &key, Dimension::Length, Allowed::NotNegative)?.unwrap_or(0.0))
+    }
+
+    /// The time from which a driven end is free, s.
+    pub(super) fn release(&self, raw: &RawEnd, key: &str) -> Result<Option<f64>> {
+        self.document.optional(raw.release.as_ref(), &format!("{key}.release"), Dimension::Time, Allowed::Positive)
     }
 
     /// A body acts on the whole section: without an area its mass or stiffness has no meaning.
@@ -200,28 +167,3 @@ impl Checker<'_> {
 pub(super) const ROWS: &str = "times never decrease, at most two rows with one time";
 /// And how to write them.
 pub(super) const ROWS_HELP: &str = "list the rows in the order of time; two rows with one time are a jump";
-
-/// The optional keys that were given, with their places.
-pub(super) fn given(raw: &RawEnd) -> Vec<(&'static str, Range<usize>)> {
-    let all = [
-        ("value", raw.value.as_ref().map(Spanned::span)),
-        ("history", raw.history.as_ref().map(Spanned::span)),
-        ("csv", raw.csv.as_ref().map(Spanned::span)),
-        ("release", raw.release.as_ref().map(Spanned::span)),
-        ("gap", raw.gap.as_ref().map(Spanned::span)),
-        ("mass", raw.mass.as_ref().map(Spanned::span)),
-        ("inertia", raw.inertia.as_ref().map(Spanned::span)),
-        ("velocity", raw.velocity.as_ref().map(Spanned::span)),
-        ("radius", raw.radius.as_ref().map(Spanned::span)),
-        ("diameter", raw.diameter.as_ref().map(Spanned::span)),
-        ("density", raw.density.as_ref().map(Spanned::span)),
-        ("material", raw.material.as_ref().map(Spanned::span)),
-        ("modulus", raw.modulus.as_ref().map(Spanned::span)),
-        ("poisson", raw.poisson.as_ref().map(Spanned::span)),
-        ("rigid", raw.rigid.as_ref().map(Spanned::span)),
-        ("bar-poisson", raw.bar_poisson.as_ref().map(Spanned::span)),
-        ("stiffness", raw.stiffness.as_ref().map(Spanned::span)),
-        ("coefficient", raw.coefficient.as_ref().map(Spanned::span)),
-    ];
-    all.into_iter().filter_map(|(name, span)| span.map(|s| (name, s))).collect()
-}

@@ -4,6 +4,7 @@ mod ball;
 mod bar;
 mod csv_history;
 mod damping;
+mod end_keys;
 mod ends;
 mod hardening;
 mod heat;
@@ -21,11 +22,14 @@ use std::fmt::Write as _;
 use std::ops::Range;
 use std::path::Path;
 
+use toml::Spanned;
+
 pub(super) use bar::Named;
 pub(super) use rupture::MOST_NOTCH;
 
-use super::raw::{EffectsChoice, RawScene};
-use super::{Auto, Effects, Scene, not_yet};
+use super::raw::{EffectsChoice, RawBar, RawEffects, RawEnd, RawScene};
+use super::{Auto, Effects, Heat, Scene, Torsion, not_yet};
+use crate::bar::{Bar, EndCondition};
 use crate::error::{Error, InputError, Result};
 use crate::input::{Document, Number};
 use crate::text_file::NamedFiles;
@@ -38,6 +42,11 @@ const MOST_CELLS: usize = 10_000_000;
 const BYTES_PER_CELL: f64 = 100.0;
 const GIB: f64 = 1024.0 * 1024.0 * 1024.0;
 
+/// What to add where a required table is missing.
+const ENDS: &str = "both ends are always stated: add e.g. [left] with kind = \"velocity\" and value = \"30 m/s\", and \
+                    [right] with kind = \"free\"";
+const UNTIL: &str = "add [solve] with until, the end time, e.g. until = \"200 us\"";
+
 /// The file being checked and the folder that its paths are relative to.
 pub(super) struct Checker<'a> {
     pub document: &'a Document,
@@ -47,77 +56,108 @@ pub(super) struct Checker<'a> {
 /// Checks a document; `text` and `overrides` of the scene are the caller's to fill.
 pub(super) fn check(document: &Document, base: &Path) -> Result<Scene> {
     not_yet::refuse(document)?;
-    let raw: RawScene = document.parse()?;
-    let checker = Checker { document, base };
-    let raw_bar = checker.required(raw.bar.as_ref(), "bar", "add [bar] with length and material")?;
-    let twisted = torsion::is_torsion(raw_bar.get_ref());
-    let mut bar = checker.bar(raw_bar)?;
-    let torsion = if twisted {
-        Some(checker.twist(raw_bar, &mut bar)?)
-    } else {
-        checker.nothing_of_torsion(raw_bar, &bar)?;
-        None
-    };
-    let (auto, raw_effects) = match raw.effects {
+    Checker { document, base }.scene(document.parse()?)
+}
+
+fn auto_or_table(choice: EffectsChoice) -> (Option<Auto>, Box<RawEffects>) {
+    match choice {
         EffectsChoice::Auto(_) => (Some(Auto::default()), Box::default()),
         EffectsChoice::Table(effects) => (None, effects),
-    };
-    let heat = checker.heat(&raw_effects, &mut bar)?;
-    let ends = "both ends are always stated: add e.g. [left] with kind = \"velocity\" and value = \"30 m/s\", and \
-                [right] with kind = \"free\"";
-    let end = |raw, key, segment: usize| {
-        let raw = checker.required(raw, key, ends)?;
-        match &torsion {
-            Some(torsion) => checker.twisted_end(raw, key, torsion, torsion.polar[segment]),
-            None => checker.end(raw, key, &bar, &bar.segments[segment]),
-        }
-    };
-    let left = end(raw.left.as_ref(), "left", 0)?;
-    let right = end(raw.right.as_ref(), "right", bar.segments.len() - 1)?;
-    if twisted {
-        checker.effects_of_torsion(&raw_effects)?;
-    } else {
-        checker.not_crushed_at_once(&bar, [&left, &right])?;
     }
-    let effects = Effects {
-        heat,
-        rupture: checker.rupture(&raw_effects, raw_bar.get_ref(), &bar)?,
-        damping: checker.damping(&raw_effects, &bar)?,
-        lateral_inertia: checker.lateral_inertia(&raw_effects, &bar)?,
-        ..checker.effects(&raw_effects, &bar)?
-    };
-    checker.along_goes(&raw_effects, &bar)?;
-    let until = "add [solve] with until, the end time, e.g. until = \"200 us\"";
-    let raw_solve = checker.required(raw.solve.as_ref(), "solve", until)?;
-    let solve = checker.solve(raw_solve, &raw_effects, raw_bar.get_ref().has_initial_state())?;
-    checker.steps_can_be_taken(raw_solve.get_ref(), &solve, &bar)?;
-    checker.hardening_can_be_tracked(&raw_effects, &solve.method, &bar)?;
-    checker.muscl_can(raw_solve.get_ref(), &solve.method, &raw_effects, auto.is_some(), &bar, [&left, &right])?;
-    checker.initial_states(raw_bar.get_ref(), &raw_effects, &effects, &solve.method, &bar)?;
-    checker.taper_can_be_solved(raw_bar.get_ref(), &bar, &solve.method)?;
-    let record = checker.record(&raw.record, &bar, &effects, &solve, twisted)?;
-    let name = Path::new(&document.file).file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
-    Ok(Scene {
-        title: raw.title.unwrap_or_else(|| name.clone()),
-        name,
-        path: None,
-        text: String::new(),
-        overrides: Vec::new(),
-        bar,
-        left,
-        right,
-        effects,
-        auto,
-        base: base.to_owned(),
-        files: NamedFiles::default(),
-        solve,
-        record,
-        cut: None,
-        torsion,
-    })
 }
 
 impl Checker<'_> {
+    fn scene(&self, raw: RawScene) -> Result<Scene> {
+        let raw_bar = self.required(raw.bar.as_ref(), "bar", "add [bar] with length and material")?;
+        let (mut bar, torsion) = self.any_bar(raw_bar)?;
+        let (auto, raw_effects) = auto_or_table(raw.effects);
+        let heat = self.heat(&raw_effects, &mut bar)?;
+        let ends = self.ends([raw.left.as_ref(), raw.right.as_ref()], &bar, torsion.as_ref())?;
+        if torsion.is_some() {
+            self.effects_of_torsion(&raw_effects)?;
+        }
+        let raw_bar = raw_bar.get_ref();
+        let effects = self.all_effects(&raw_effects, raw_bar, heat, &bar)?;
+        let raw_solve = self.required(raw.solve.as_ref(), "solve", UNTIL)?;
+        let solve = self.solve(raw_solve, &raw_effects, raw_bar.has_initial_state())?;
+        let (raw_solve, method) = (raw_solve.get_ref(), &solve.method);
+        self.steps_can_be_taken(raw_solve, &solve, &bar)?;
+        self.hardening_can_be_tracked(&raw_effects, method, &bar)?;
+        self.muscl_can(raw_solve, method, &raw_effects, auto.is_some(), &bar, ends.each_ref())?;
+        self.initial_states(raw_bar, &raw_effects, &effects, method, &bar)?;
+        self.taper_can_be_solved(raw_bar, &bar, method)?;
+        let record = self.record(&raw.record, &bar, &effects, &solve, torsion.is_some())?;
+        let [left, right] = ends;
+        Ok(Scene {
+            title: raw.title.unwrap_or_else(|| self.name()),
+            name: self.name(),
+            path: None,
+            text: String::new(),
+            overrides: Vec::new(),
+            bar,
+            left,
+            right,
+            effects,
+            auto,
+            base: self.base.to_owned(),
+            files: NamedFiles::default(),
+            solve,
+            record,
+            cut: None,
+            torsion,
+        })
+    }
+
+    /// The file's stem.
+    fn name(&self) -> String {
+        Path::new(&self.document.file).file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned())
+    }
+
+    /// The bar, in torsion in terms of its surface.
+    fn any_bar(&self, raw: &Spanned<RawBar>) -> Result<(Bar, Option<Torsion>)> {
+        let mut bar = self.bar(raw)?;
+        if raw.get_ref().is_torsion() {
+            let torsion = self.twist(raw, &mut bar)?;
+            return Ok((bar, Some(torsion)));
+        }
+        self.nothing_of_torsion(raw, &bar)?;
+        Ok((bar, None))
+    }
+
+    /// The left and the right end.
+    fn ends(
+        &self,
+        raw: [Option<&Spanned<RawEnd>>; 2],
+        bar: &Bar,
+        torsion: Option<&Torsion>,
+    ) -> Result<[EndCondition; 2]> {
+        let end = |raw, key, segment: usize| {
+            let raw = self.required(raw, key, ENDS)?;
+            match torsion {
+                Some(torsion) => self.twisted_end(raw, key, [torsion.radius, torsion.polar[segment]]),
+                None => self.end(raw, key, bar, &bar.segments[segment]),
+            }
+        };
+        let [left, right] = raw;
+        let ends = [end(left, "left", 0)?, end(right, "right", bar.segments.len() - 1)?];
+        if torsion.is_none() {
+            self.not_crushed_at_once(bar, ends.each_ref())?;
+        }
+        Ok(ends)
+    }
+
+    fn all_effects(&self, raw: &RawEffects, raw_bar: &RawBar, heat: Option<Heat>, bar: &Bar) -> Result<Effects> {
+        let effects = Effects {
+            heat,
+            rupture: self.rupture(raw, raw_bar, bar)?,
+            damping: self.damping(raw, bar)?,
+            lateral_inertia: self.lateral_inertia(raw, bar)?,
+            ..self.effects(raw, bar)?
+        };
+        self.along_goes(raw, bar)?;
+        Ok(effects)
+    }
+
     pub(super) fn error(&self, span: Range<usize>, key: &str, message: impl Into<String>) -> InputError {
         self.document.error(span, key, message)
     }

@@ -10,11 +10,11 @@ use std::sync::Arc;
 use toml::Spanned;
 
 use super::super::Torsion;
-use super::super::raw::{EndKind, Mode, RawBar, RawEffects, RawEnd, RawSegment, Section};
+use super::super::raw::{EndKind, RawBar, RawEffects, RawEnd, RawSegment, Section};
 use super::Checker;
-use super::ends::given;
+use super::end_keys::given;
 use crate::bar::{Bar, EndCondition, Joint};
-use crate::error::{InputError, Result};
+use crate::error::{Error, InputError, Result};
 use crate::input::{Allowed, Number};
 use crate::material::{CurveError, Hollow, Loading, Material};
 use crate::units::Dimension;
@@ -41,10 +41,6 @@ struct Round {
     radius: f64,
     polar: f64,
     hollow: Option<Hollow>,
-}
-
-pub(super) fn is_torsion(raw: &RawBar) -> bool {
-    raw.mode.as_ref().is_some_and(|mode| *mode.get_ref() == Mode::Torsion)
 }
 
 fn all_given(raw: &Spanned<RawBar>) -> Vec<Given<'_>> {
@@ -237,71 +233,62 @@ impl Checker<'_> {
         Err(self.error(span, &format!("effects.{name}"), message).help(help).into())
     }
 
-    /// The end under `key` of a bar in torsion; `polar` is J of the segment there.
+    /// The end under `key` of a bar in torsion of this radius; `polar` is J of the segment there.
     pub(super) fn twisted_end(
         &self,
         raw: &Spanned<RawEnd>,
         key: &str,
-        torsion: &Torsion,
-        polar: f64,
+        [radius, polar]: [f64; 2],
     ) -> Result<EndCondition> {
         let (span, raw) = (raw.span(), raw.get_ref());
-        let (kind, radius) = (*raw.kind.get_ref(), torsion.radius);
+        let kind = *raw.kind.get_ref();
         self.only_keys_of_twist(raw, kind, key)?;
+        let history = |dimension| self.history(raw, span.clone(), key, dimension);
         let number =
             |value, name, dimension, allowed| self.own_number((value, name, dimension, allowed), span.clone(), key);
         Ok(match kind {
-            EndKind::Velocity => {
-                let release = raw.release.as_ref();
-                let release_key = format!("{key}.release");
-                EndCondition::Velocity {
-                    history: self.history(raw, span, key, Dimension::AngularVelocity)?.scaled(radius),
-                    release: self.document.optional(release, &release_key, Dimension::Time, Allowed::Positive)?,
-                }
-            }
-            EndKind::Stress => EndCondition::Stress { history: self.history(raw, span, key, Dimension::Stress)? },
-            EndKind::Torque => {
-                let history = self.history(raw, span, key, Dimension::Torque)?;
-                EndCondition::Stress { history: history.scaled(radius / polar) }
-            }
+            EndKind::Velocity => EndCondition::Velocity {
+                history: history(Dimension::AngularVelocity)?.scaled(radius),
+                release: self.release(raw, key)?,
+            },
+            EndKind::Stress => EndCondition::Stress { history: history(Dimension::Stress)? },
+            EndKind::Torque => EndCondition::Stress { history: history(Dimension::Torque)?.scaled(radius / polar) },
             EndKind::Free => EndCondition::Free,
             EndKind::Fixed => EndCondition::Fixed,
             EndKind::Absorbing => EndCondition::Absorbing,
             EndKind::Dashpot => {
-                let coefficient = raw.coefficient.as_ref();
-                let dimension = Dimension::TorsionalDampingCoefficient;
-                let coefficient = number(coefficient, "coefficient", dimension, Allowed::NotNegative)?;
+                let (value, dimension) = (raw.coefficient.as_ref(), Dimension::TorsionalDampingCoefficient);
+                let coefficient = number(value, "coefficient", dimension, Allowed::NotNegative)?;
                 EndCondition::Dashpot { coefficient: coefficient / (radius * radius) }
             }
             EndKind::Striker => {
-                let inertia = number(raw.inertia.as_ref(), "inertia", Dimension::MomentOfInertia, Allowed::Positive)?;
-                let velocity = (raw.velocity.as_ref(), "velocity", Dimension::AngularVelocity, Allowed::Finite);
-                let velocity = number(velocity.0, velocity.1, velocity.2, velocity.3)?;
+                let (inertia, velocity) = (raw.inertia.as_ref(), raw.velocity.as_ref());
+                let inertia = number(inertia, "inertia", Dimension::MomentOfInertia, Allowed::Positive)?;
+                let velocity = number(velocity, "velocity", Dimension::AngularVelocity, Allowed::Finite)?;
                 EndCondition::Striker { mass: inertia / (radius * radius), velocity: radius * velocity }
             }
             EndKind::Spring => {
-                let stiffness = raw.stiffness.as_ref();
-                let stiffness = number(stiffness, "stiffness", Dimension::TorsionalStiffness, Allowed::Positive)?;
+                let (value, dimension) = (raw.stiffness.as_ref(), Dimension::TorsionalStiffness);
+                let stiffness = number(value, "stiffness", dimension, Allowed::Positive)?;
                 EndCondition::Spring { stiffness: stiffness / (radius * radius) }
             }
-            kind => {
-                let message = format!("an end of kind \"{}\" means nothing in torsion", kind.word());
-                let error = self.error(raw.kind.span(), &format!("{key}.kind"), message);
-                let allowed = "velocity, stress, torque, free, fixed, absorbing, dashpot, striker, spring";
-                return Err(error.allowed(allowed).help("use kind = \"fixed\" or \"free\", or drive the end").into());
-            }
+            EndKind::Wall | EndKind::Ball => return Err(self.not_in_torsion(raw, key)),
         })
     }
 
+    fn not_in_torsion(&self, raw: &RawEnd, key: &str) -> Error {
+        let message = format!("an end of kind \"{}\" means nothing in torsion", raw.kind.get_ref().word());
+        let error = self.error(raw.kind.span(), &format!("{key}.kind"), message);
+        let allowed = "velocity, stress, torque, free, fixed, absorbing, dashpot, striker, spring";
+        error.allowed(allowed).help("use kind = \"fixed\" or \"free\", or drive the end").into()
+    }
+
     fn only_keys_of_twist(&self, raw: &RawEnd, kind: EndKind, key: &str) -> Result<()> {
-        let keys: &[&str] = match kind {
-            EndKind::Velocity => &["value", "history", "csv", "release"],
-            EndKind::Stress | EndKind::Torque => &["value", "history", "csv"],
+        let keys = match kind {
             EndKind::Striker => &["inertia", "velocity"],
-            EndKind::Spring => &["stiffness"],
-            EndKind::Free | EndKind::Fixed | EndKind::Absorbing => &[],
             // Refused by name.
-            _ => return Ok(()),
+            EndKind::Wall | EndKind::Ball => return Ok(()),
+            kind => kind.keys(),
         };
         let Some((name, span)) = given(raw).into_iter().find(|(name, _)| !keys.contains(name)) else { return Ok(()) };
         let message = format!("`{name}` means nothing for an end of kind \"{}\" in torsion", kind.word());

@@ -61,6 +61,13 @@ pub struct RawBar {
     pub segment: Option<Vec<Spanned<RawSegment>>>,
 }
 
+impl RawBar {
+    /// The bar is twisted.
+    pub(in crate::scene) fn is_torsion(&self) -> bool {
+        self.mode.as_ref().is_some_and(|mode| *mode.get_ref() == Mode::Torsion)
+    }
+}
+
 /// What kind of wave runs along the bar.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]

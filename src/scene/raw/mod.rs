@@ -11,7 +11,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 use toml::Spanned;
 
-pub(super) use bar::{MaterialChoice, Mode, RawBar, RawJoint, RawSegment, Section};
+pub(super) use bar::{MaterialChoice, RawBar, RawJoint, RawSegment, Section};
 pub(super) use effects::{EffectsChoice, RateChoice, RawEffects, RawRupture, RawUnloading};
 pub(super) use ends::{EndKind, RawEnd};
 pub(super) use record::{RawCompression, RawPrecision, RawRecord};

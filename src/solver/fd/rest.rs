@@ -120,7 +120,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::bar::{Bar, EndCondition, History, Joint, Segment};
+    use crate::bar::{Bar, EndCondition, History, Segment};
     use crate::law::{DataEnd, Envelope, Indexed, Isotropic, Mixed, RowLaw, Rows, Searched, Table};
     use crate::material::{Beyond, Curve, Material, Sense};
     use crate::solver::fd::block::Scratch;
@@ -137,19 +137,8 @@ mod tests {
 
     /// A bar that is struck, let go, and swings on between a free end and a wall.
     fn bar(material: Material, law: Arc<dyn RowLaw>) -> Leapfrog {
-        let (end, material, joint) = (DataEnd::of(&material), Arc::new(material), Joint::Bonded);
-        let bar = Bar {
-            segments: vec![Segment {
-                length: 1.0,
-                area: 1.0,
-                taper: None,
-                material,
-                velocity: 0.0,
-                joint,
-                initial: crate::bar::Initial::default(),
-            }],
-            area_given: true,
-        };
+        let end = DataEnd::of(&material);
+        let bar = Bar { segments: vec![Segment::new(1.0, 1.0, material)], area_given: true };
         let law = SegmentLaw { law, yield_stress: YIELD, end };
         let struck = EndCondition::Velocity { history: History::constant(20.0), release: Some(5e-5) };
         Leapfrog::new(&bar, Grid::new(&bar, 1301, 1.0), vec![law], [struck, EndCondition::Fixed])
@@ -258,14 +247,8 @@ mod tests {
             end: DataEnd::of(&material),
         });
         let laws = laws.collect();
-        let piece = |&(cells, velocity, _): &RandomSegment| Segment {
-            length: 1e-3 * cells as f64,
-            area: 1e-4,
-            taper: None,
-            material: material.clone(),
-            velocity,
-            joint: Joint::Bonded,
-            initial: crate::bar::Initial::default(),
+        let piece = |&(cells, velocity, _): &RandomSegment| {
+            Segment::new(1e-3 * cells as f64, 1e-4, material.clone()).with_velocity(velocity)
         };
         let bar = Bar { segments: segments.iter().map(piece).collect(), area_given: true };
         let end = |kind: usize| match kind {

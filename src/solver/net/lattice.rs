@@ -91,25 +91,14 @@ fn tuned(transits: &[f64], dt: f64) -> Trial {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
     use super::*;
-    use crate::bar::{Joint, Segment};
+    use crate::bar::Segment;
     use crate::material::{Beyond, Curve, Material};
 
     fn bar(parts: &[(f64, f64)]) -> Bar {
         let segment = |&(length, density): &(f64, f64)| {
             let curve = Curve::new(&[(0.01, 2e9)], Beyond::Extend).expect("rows rise");
-            let material = Arc::new(Material::from_curve("m", density, curve));
-            Segment {
-                length,
-                area: 1.0,
-                taper: None,
-                material,
-                velocity: 0.0,
-                joint: Joint::Bonded,
-                initial: crate::bar::Initial::default(),
-            }
+            Segment::new(length, 1.0, Material::from_curve("m", density, curve))
         };
         Bar { segments: parts.iter().map(segment).collect(), area_given: true }
     }

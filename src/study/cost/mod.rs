@@ -8,16 +8,18 @@ mod judge;
 mod ladder;
 mod measure;
 mod reference;
+mod results;
 mod rivals;
 mod source;
 
 use std::time::Instant;
 
 pub use effects::EffectCost;
-pub use found::{Cost, CostPoint, Skipped, Unable};
+pub use found::{CostPoint, Skipped};
 pub use growth::Growth;
 pub use judge::{OrderFit, Reach, TOLERANCES};
-pub use source::Resolution;
+pub use results::Cost;
+pub use source::{Resolution, Unable};
 
 use self::bench::Bench;
 use self::ladder::Halt;

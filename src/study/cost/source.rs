@@ -3,10 +3,22 @@
 
 use std::path::{Path, PathBuf};
 
-use super::Unable;
+use serde::Serialize;
+
 use crate::error::{Error, InputError, Result};
 use crate::record::SolvedBy;
 use crate::scene::{Method, Scene, Way};
+
+/// A method that cannot do the scene.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Unable {
+    /// "fd" or "moc".
+    pub method: String,
+    /// The scheme, where the method has several.
+    pub scheme: Option<String>,
+    /// Why.
+    pub why: String,
+}
 
 /// How finely a method works.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -4,8 +4,10 @@
 //! - Kinetic, elastic and stored energies are not negative; dissipated ones never decrease.
 //! - The method has not given energy to the bar.
 //! - Fields stay within the bounds that the scene states.
+//! - The total variation of stress and velocity stays below that of the data, see [`super::variation`].
 
 use super::scenes::Bound;
+use super::variation;
 use crate::error::Result;
 use crate::record::store::{ResultFile, Side};
 use crate::record::{Field, LedgerRow};
@@ -26,6 +28,8 @@ pub(super) struct Found {
     /// Pa.
     pub largest_stress: f64,
     pub largest_strain: f64,
+    /// m/s.
+    pub largest_velocity: f64,
     pub failed: Vec<String>,
 }
 
@@ -60,8 +64,18 @@ pub(super) fn check(file: &ResultFile, bounds: &[Bound]) -> Result<Found> {
     }
     failed.extend(bounds.iter().filter_map(|bound| exceeded(bound, largest)));
     failed.extend(check_ledger(&file.ledger()?));
-    let [largest_stress, largest_strain, _] = largest;
-    Ok(Found { largest_stress, largest_strain, failed })
+    let [largest_stress, largest_strain, largest_velocity] = largest;
+    Ok(Found { largest_stress, largest_strain, largest_velocity, failed })
+}
+
+/// The total variations of stress and velocity over those that the data impose; the larger one.
+pub(super) fn variation(file: &ResultFile, imposed: [f64; 2]) -> Result<f64> {
+    let frames = file.time()?.len();
+    let mut most = 0.0_f64;
+    for (field, imposed) in [Field::Stress, Field::Velocity].into_iter().zip(imposed) {
+        most = most.max(variation::largest(&file.field(field, 0..frames)?) / imposed);
+    }
+    Ok(most)
 }
 
 /// The largest magnitude; says so where a number is none.

@@ -3,7 +3,9 @@
 //! Of every run the fields, the ends and the ledger are read back from its result file and checked, see [`checks`].
 
 mod checks;
+mod convergence;
 mod scenes;
+mod variation;
 
 use std::path::Path;
 
@@ -12,6 +14,7 @@ use serde::Serialize;
 pub use scenes::{Bound, CASES, HardCase};
 
 use crate::error::{Error, Result};
+use crate::record::Summary;
 use crate::record::store::ResultFile;
 use crate::run::{self, Progress, Wish};
 use crate::scene::Scene;
@@ -73,30 +76,77 @@ pub struct Tried {
     pub largest_stress: Option<f64>,
     /// Largest strain of all frames.
     pub largest_strain: Option<f64>,
+    /// Largest total variation of stress or velocity along the bar, over the jump that the data impose; none where no bound is known.
+    pub variation: Option<f64>,
+    /// Mean differences in stress at the end time between runs on N and 2N, and 2N and 4N cells (or with front tolerances t, t/2, t/4),
+    /// over the largest stress; 0: rounding.
+    pub differences: Option<[f64; 2]>,
+    /// Checks that do not hold for a reason that the case states, a sentence each.
+    pub stated: Vec<String>,
     /// Checks that failed, a sentence each.
     pub failed: Vec<String>,
 }
 
-/// Runs a case by a method; its result file is written to `folder` and removed again.
+impl Tried {
+    /// Before the scene has been read.
+    fn refused(case: &HardCase, method: Method) -> Self {
+        Self {
+            case: case.name,
+            method,
+            outcome: "refused".to_owned(),
+            reason: String::new(),
+            energy_residual: None,
+            largest_stress: None,
+            largest_strain: None,
+            variation: None,
+            differences: None,
+            stated: Vec::new(),
+            failed: Vec::new(),
+        }
+    }
+
+    /// Takes in how a run ended.
+    fn ended(&mut self, ended: Result<Summary>) -> Result<()> {
+        match ended {
+            Ok(summary) => {
+                self.outcome = summary.outcome;
+                let residual = summary.ledger.energy_residual;
+                self.energy_residual = Some(residual);
+                if residual.is_nan() || residual > checks::MOST_RESIDUAL {
+                    self.failed.push(format!("the energy residual is {residual:.1e}"));
+                }
+                Ok(())
+            }
+            Err(Error::Run(error)) => {
+                (self.outcome, self.reason) = ("stopped".to_owned(), error.reason);
+                Ok(())
+            }
+            Err(error) => Err(error),
+        }
+    }
+
+    /// A check that does not hold fails, unless the case states why it cannot; one that does hold in spite of that fails too.
+    fn judge(&mut self, fault: Option<String>, stated: Option<&'static str>) {
+        match (fault, stated) {
+            (Some(fault), Some(reason)) => self.stated.push(format!("{fault}; {reason}")),
+            (Some(fault), None) => self.failed.push(fault),
+            (None, Some(reason)) => self.failed.push(format!("the check holds, although the case states: {reason}")),
+            (None, None) => {}
+        }
+    }
+}
+
+/// Runs a case by a method, and again on other grids for its convergence; result files are written to `folder` and removed again.
 ///
 /// # Errors
-/// [`Error::Interrupted`] where `progress` asked to stop, a file error where the result cannot be written or read.
+/// [`Error::Interrupted`] where `progress` asked to stop, a file error where a result cannot be written or read.
 pub fn run_case(
     case: &HardCase,
     method: Method,
     folder: &Path,
     progress: &mut dyn FnMut(Progress) -> Wish,
 ) -> Result<Tried> {
-    let mut tried = Tried {
-        case: case.name,
-        method,
-        outcome: "refused".to_owned(),
-        reason: String::new(),
-        energy_residual: None,
-        largest_stress: None,
-        largest_strain: None,
-        failed: Vec::new(),
-    };
+    let mut tried = Tried::refused(case, method);
     let text = case.text();
     let overrides = method.overrides(text.contains("rate ="));
     let scene = match Scene::parse(case.name, &text, folder, &overrides) {
@@ -105,24 +155,37 @@ pub fn run_case(
         Err(error) => return Err(error),
     };
     let output = folder.join(format!("{}.h5", case.name));
-    match run::run(&scene, Some(&output), progress) {
-        Ok(summary) => {
-            tried.outcome = summary.outcome;
-            let residual = summary.ledger.energy_residual;
-            tried.energy_residual = Some(residual);
-            if residual.is_nan() || residual > checks::MOST_RESIDUAL {
-                tried.failed.push(format!("the energy residual is {residual:.1e}"));
-            }
-        }
-        Err(Error::Run(error)) => (tried.outcome, tried.reason) = ("stopped".to_owned(), error.reason),
-        Err(error) => return Err(error),
-    }
-    if let Ok(file) = ResultFile::open(&output) {
-        let found = checks::check(&file, &case.bounds())?;
-        (tried.largest_stress, tried.largest_strain) = (Some(found.largest_stress), Some(found.largest_strain));
-        tried.failed.extend(found.failed);
-    }
+    tried.ended(run::run(&scene, Some(&output), progress))?;
+    let Ok(file) = ResultFile::open(&output) else { return Ok(tried) };
+    let scale = check(&mut tried, case, &scene, &file)?;
+    drop(file);
     // What cannot be removed goes with its folder.
     let _ = std::fs::remove_file(&output);
+    if tried.outcome != "stopped" {
+        let convergence = convergence::study(case, &scene, &overrides, scale, folder, progress)?;
+        tried.differences = convergence.differences();
+        tried.judge(convergence.fault(), case.why_no_convergence(method));
+    }
     Ok(tried)
+}
+
+/// Checks a result file; returns the largest stress that the bar has or can get from its motion, Pa.
+fn check(tried: &mut Tried, case: &HardCase, scene: &Scene, file: &ResultFile) -> Result<f64> {
+    let found = checks::check(file, &case.bounds())?;
+    (tried.largest_stress, tried.largest_strain) = (Some(found.largest_stress), Some(found.largest_strain));
+    tried.failed.extend(found.failed);
+    // Leapfrog is not monotone: it rings behind fronts.
+    let imposed = variation::imposed(scene).filter(|_| tried.method != Method::Leapfrog && tried.outcome != "stopped");
+    if let Some(imposed) = imposed {
+        let variation = checks::variation(file, imposed)?;
+        tried.variation = Some(variation);
+        let stated = case.growth_of_variation(tried.method);
+        let exceeds = |most: f64| variation.is_nan() || variation > most;
+        let fault = || format!("the total variation reaches {variation:.3} times what the data impose");
+        // Beyond what is stated no reason counts.
+        let reason = stated.filter(|(most, _)| !exceeds(*most)).map(|(_, reason)| reason);
+        tried.judge(exceeds(variation::MOST_VARIATION).then(fault), reason);
+    }
+    let impedance = scene.bar.segments.iter().map(|s| s.material.impedance()).fold(0.0, f64::max);
+    Ok(found.largest_stress.max(impedance * found.largest_velocity))
 }

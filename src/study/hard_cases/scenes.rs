@@ -2,6 +2,8 @@
 
 use std::borrow::Cow;
 
+use super::Method;
+
 /// Rows of the table that stands for `"NOISY_TABLE"`.
 const NOISY_ROWS: u32 = 10_000;
 
@@ -86,7 +88,8 @@ impl HardCase {
 
     /// What is hard about it: one paragraph.
     pub fn explanation(&self) -> String {
-        let lines: Vec<&str> = self.comments().filter(|line| !line.starts_with(BOUND)).collect();
+        let states = |line: &&str| [BOUND, COARSEST, VARIATION, CONVERGENCE].iter().any(|word| line.starts_with(word));
+        let lines: Vec<&str> = self.comments().filter(|line| !states(line)).collect();
         lines.join(" ")
     }
 
@@ -99,12 +102,40 @@ impl HardCase {
         self.comments().filter_map(bound).collect()
     }
 
+    /// Cells of the coarsest grid on which its convergence shows, where it states them.
+    pub(super) fn coarsest(&self) -> Option<usize> {
+        self.comments().find_map(|line| line.strip_prefix(COARSEST)?.trim().parse().ok())
+    }
+
+    /// How far the total variation grows by a method and why, where the case states that it does: `at most 1.1: ...`.
+    pub(super) fn growth_of_variation(&self, method: Method) -> Option<(f64, &'static str)> {
+        let (most, reason) = self.stated(VARIATION, method)?.strip_prefix("at most ")?.split_once(": ")?;
+        Some((most.parse().ok()?, reason))
+    }
+
+    /// Why the results by a method do not converge, where the case states that they do not.
+    pub(super) fn why_no_convergence(&self, method: Method) -> Option<&'static str> {
+        self.stated(CONVERGENCE, method)
+    }
+
+    /// What the line `# <what>, <method>: ...` states.
+    fn stated(&self, what: &str, method: Method) -> Option<&'static str> {
+        self.comments().find_map(|line| {
+            let (of, reason) = line.strip_prefix(what)?.strip_prefix(", ")?.split_once(": ")?;
+            (of == method.name()).then_some(reason)
+        })
+    }
+
     fn comments(&self) -> impl Iterator<Item = &'static str> {
         self.source.lines().map_while(|line| line.strip_prefix('#')).map(str::trim)
     }
 }
 
+/// What a comment line can state.
 const BOUND: &str = "Bound:";
+const COARSEST: &str = "Cells of the coarsest grid:";
+const VARIATION: &str = "Growing variation";
+const CONVERGENCE: &str = "No convergence";
 
 /// A power law with noise that is the same in every run: it changes slopes by up to 0.8 E.
 fn noisy_table() -> String {

@@ -1,0 +1,25 @@
+//! Text for people: a heading, and below it a line for each fact with its label.
+
+use std::fmt::Display;
+
+/// The lines so far.
+pub(super) struct Lines(Vec<String>);
+
+impl Lines {
+    pub(super) fn under(heading: &str) -> Self {
+        Self(vec![heading.to_owned()])
+    }
+
+    pub(super) fn add(&mut self, label: &str, value: impl Display) {
+        self.0.push(format!("  {label:<18}{value}"));
+    }
+
+    /// Lines with a layout of their own.
+    pub(super) fn extend(&mut self, lines: impl IntoIterator<Item = String>) {
+        self.0.extend(lines);
+    }
+
+    pub(super) fn text(self) -> String {
+        self.0.join("\n") + "\n"
+    }
+}

@@ -1,0 +1,220 @@
+//! The summary of a run, for people.
+
+use super::lines::Lines;
+use crate::record::{
+    AuditRow, AutoChoice, ChoiceSummary, EndSummary, FrontSummary, LengthSummary, RuptureSummary, Summary,
+    TorsionSummary,
+};
+use crate::units::{Dimension, System, format};
+
+/// Segments whose plastic strain is smaller on the mean are listed without a length.
+const LEAST_STRAIN: f64 = 1e-6;
+
+/// Fronts that the summary lists one by one; a curve of many knots has as many fronts.
+const LISTED_FRONTS: usize = 12;
+
+/// The whole summary.
+pub(super) fn text(s: &Summary, units: System) -> String {
+    let mut lines = Lines::under(&s.scene);
+    add_method(&mut lines, s, units);
+    add_ends(&mut lines, s, units);
+    add_limits(&mut lines, s, units);
+    add_accuracy(&mut lines, s);
+    lines.add("time", time_text(s));
+    lines.add("result", &s.output);
+    lines.extend(front_lines(&s.fronts, units));
+    lines.extend(note_lines(&s.notes));
+    lines.extend(audit_lines(&s.audit));
+    lines.text()
+}
+
+/// What was simulated, and how.
+fn add_method(lines: &mut Lines, s: &Summary, units: System) {
+    lines.add("outcome", &s.outcome);
+    for choice in s.auto.iter().flatten() {
+        lines.add("auto", choice_text(choice));
+    }
+    let end = format(s.end_time_s, Dimension::Time, units);
+    let how = match &s.tracking {
+        None => std::format!("{} cells, {} steps to {end}", s.cells, s.steps),
+        Some(t) => std::format!("{} events to {end}, {} fronts under way", s.events, t.fronts_under_way),
+    };
+    lines.add("method", std::format!("{} {}, {how}", s.method, s.scheme));
+    lines.add(
+        "effects",
+        if s.effects.is_empty() { "none: the run stayed elastic".into() } else { s.effects.join(", ") },
+    );
+}
+
+/// The state of the ends, and what became of the bar's length.
+fn add_ends(lines: &mut Lines, s: &Summary, units: System) {
+    if let Some(torsion) = &s.torsion {
+        lines.add("torsion", torsion_text(torsion, units));
+    }
+    for (label, end) in [("left end", &s.left), ("right end", &s.right)] {
+        lines.add(label, end_text(end, units));
+        if let Some(velocity) = end.striker {
+            lines.add("striker", std::format!("velocity {}", format(velocity, Dimension::Velocity, units)));
+        }
+    }
+    for (label, value) in length_lines(s, units) {
+        lines.add(&label, value);
+    }
+}
+
+/// What theory says of the first waves, and what the bar came to: heat and rupture.
+fn add_limits(lines: &mut Lines, s: &Summary, units: System) {
+    if let Some(check) = &s.elastic_check {
+        let [found, expected] = [check.stress, check.expected].map(|stress| format(stress, Dimension::Stress, units));
+        let relative = check.relative;
+        lines.add("elastic check", std::format!("{found} against rho c0 v = {expected}, relative {relative:.1e}"));
+    }
+    let exceeded = if s.above_critical { ", exceeded: the bar breaks where it is struck" } else { "" };
+    let critical = s.critical_velocity.map_or_else(
+        || "none within the data of the curve".to_owned(),
+        |velocity| std::format!("{}{exceeded}", format(velocity, Dimension::Velocity, units)),
+    );
+    lines.add("critical velocity", critical);
+    if let Some(rise) = s.temperature_rise {
+        lines.add("heat", std::format!("the bar warmed by up to {rise:.4} K"));
+    }
+    for rupture in s.ruptures.iter().flatten() {
+        lines.add("rupture", rupture_text(rupture, units));
+    }
+}
+
+/// How far the result can be trusted.
+fn add_accuracy(lines: &mut Lines, s: &Summary) {
+    let (energy, momentum) = (s.ledger.energy_residual, s.ledger.momentum_residual);
+    lines.add("ledger", std::format!("energy residual {energy:.1e}, momentum residual {momentum:.1e}"));
+    if let Some(error) = &s.error {
+        lines.add("error", std::format!("{:.2e}, {}, against the {}", error.value, error.measure, error.reference));
+        if let Some(table) = &error.table {
+            lines.add("errors", table.to_string());
+        }
+    }
+    if let Some(choice) = &s.choice {
+        lines.add("chosen", tolerance_text(choice));
+    }
+}
+
+fn time_text(s: &Summary) -> String {
+    let rate = match &s.tracking {
+        None => std::format!("{:.0} million cell-steps/s", s.cell_steps_per_s / 1e6),
+        Some(t) => std::format!("{:.2} million events/s", t.events_per_s / 1e6),
+    };
+    std::format!("{:.3} s, of it stepping {:.3} s ({rate})", s.wall_s, s.step_wall_s)
+}
+
+fn torsion_text(torsion: &TorsionSummary, units: System) -> String {
+    let [left, right] = [0, 1].map(|k| {
+        let torque = format(torsion.torque[k], Dimension::Torque, units);
+        let velocity = format(torsion.angular_velocity_rad_s[k], Dimension::AngularVelocity, units);
+        std::format!("{torque} at {velocity}")
+    });
+    let radius = format(torsion.radius_m, Dimension::Length, units);
+    std::format!("left {left}, right {right}; in terms of the surface (radius {radius}):")
+}
+
+/// Lengths of segments that flowed, with a label each.
+fn length_lines(s: &Summary, units: System) -> Vec<(String, String)> {
+    let show = |length| format(length, Dimension::Length, units);
+    let text = |length: &LengthSummary| {
+        let [at_end, unloaded] = [length.at_end, length.unloaded].map(show);
+        let share = length.unloaded / length.initial;
+        std::format!("{at_end}, unloaded {unloaded} ({share:.4} of {})", show(length.initial))
+    };
+    let label =
+        |k: usize| if s.lengths.len() == 1 { "final length".into() } else { std::format!("segment {} length", k + 1) };
+    let flowed = |length: &LengthSummary| (length.unloaded - length.initial).abs() > LEAST_STRAIN * length.initial;
+    s.lengths.iter().enumerate().filter(|(_, l)| flowed(l)).map(|(k, l)| (label(k), text(l))).collect()
+}
+
+fn tolerance_text(choice: &ChoiceSummary) -> String {
+    let runs = choice.tried.len();
+    std::format!("{} ({} runs in all, the coarse ones included)", choice.why, runs)
+}
+
+/// Why an effect is on or off: "heat on: ...".
+pub(super) fn choice_text(choice: &AutoChoice) -> String {
+    std::format!("{} {}: {}", choice.effect, if choice.on { "on" } else { "off" }, choice.why)
+}
+
+/// Notes on what a scene asks for, below a summary or a plan.
+pub(super) fn note_lines(notes: &[String]) -> impl Iterator<Item = String> {
+    notes.iter().map(|note| std::format!("  note: {note}"))
+}
+
+/// A line for each neglected effect that matters, and one for all others.
+fn audit_lines(rows: &[AuditRow]) -> Vec<String> {
+    let mut lines: Vec<String> =
+        rows.iter().filter(|row| row.matters()).map(|row| std::format!("  note: {}", row.message())).collect();
+    let size = |row: &AuditRow| {
+        if row.estimate.is_nan() {
+            std::format!("{} unknown", row.effect)
+        } else {
+            std::format!("{} {:.2} %", row.effect, 100.0 * row.estimate)
+        }
+    };
+    let others: Vec<String> = rows.iter().filter(|row| !row.matters()).map(size).collect();
+    if !others.is_empty() {
+        lines.push(std::format!("  {:<18}{}", "left out", others.join(", ")));
+    }
+    lines
+}
+
+fn rupture_text(r: &RuptureSummary, units: System) -> String {
+    std::format!(
+        "{} ({}) at t = {}, x = {}: stress {}, strain {}, {} absorbed there",
+        r.cause.name(),
+        r.site,
+        format(r.time_s, Dimension::Time, units),
+        format(r.x_m, Dimension::Length, units),
+        format(r.stress, Dimension::Stress, units),
+        format(r.strain, Dimension::None, units),
+        format(r.absorbed, Dimension::EnergyDensity, units)
+    )
+}
+
+fn end_text(end: &EndSummary, units: System) -> String {
+    std::format!(
+        "stress {}, strain {}, velocity {}",
+        format(end.stress, Dimension::Stress, units),
+        format(end.strain, Dimension::None, units),
+        format(end.velocity, Dimension::Velocity, units)
+    )
+}
+
+pub(super) fn front_lines(fronts: &[FrontSummary], units: System) -> Vec<String> {
+    if fronts.is_empty() {
+        return Vec::new();
+    }
+    let mut lines = vec![std::format!(
+        "  {:<9}{:>13}{:>13}{:>15}{:>15}{:>14}{:>14}",
+        "front",
+        "strain from",
+        "to",
+        "stress to",
+        "speed",
+        "measured",
+        "last seen at"
+    )];
+    let unknown = || "-".to_owned();
+    for front in fronts.iter().take(LISTED_FRONTS) {
+        lines.push(std::format!(
+            "  {:<9}{:>13.6}{:>13.6}{:>15}{:>15}{:>14}{:>14}",
+            front.origin,
+            // A compression wave into a resting bar starts from 0, not from -0.
+            front.strain_ahead + 0.0,
+            front.strain_behind + 0.0,
+            format(front.stress_behind, Dimension::Stress, units),
+            format(front.speed, Dimension::Velocity, units),
+            front.speed_measured.map_or_else(unknown, |v| format(v, Dimension::Velocity, units)),
+            front.position.map_or_else(unknown, |x| format(x, Dimension::Length, units)),
+        ));
+    }
+    if fronts.len() > LISTED_FRONTS {
+        lines.push(std::format!("  ... and {} more, listed by --json", fronts.len() - LISTED_FRONTS));
+    }
+    lines
+}

@@ -1,0 +1,50 @@
+//! The keys of a material inside a document: their full names, numbers, and errors that point at them.
+
+use std::ops::Range;
+use std::path::Path;
+
+use crate::error::{InputError, Result};
+use crate::input::{Allowed, Document, Number};
+use crate::units::Dimension;
+
+/// A document with the place of a material in it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Keys<'a> {
+    pub(super) doc: &'a Document,
+    pub(super) prefix: &'a str,
+    /// Where CSV files are looked up.
+    pub(super) base_dir: &'a Path,
+}
+
+impl Keys<'_> {
+    pub(super) fn document(&self) -> &Document {
+        self.doc
+    }
+
+    pub(super) fn key(&self, key: &str) -> String {
+        if self.prefix.is_empty() { key.to_owned() } else { format!("{}.{key}", self.prefix) }
+    }
+
+    pub(super) fn error(&self, span: Range<usize>, key: &str, message: impl Into<String>) -> InputError {
+        self.doc.error(span, &self.key(key), message)
+    }
+
+    /// Where the value of a key stands; none where the text has no such key.
+    pub(super) fn span_of(&self, key: &str) -> Option<Range<usize>> {
+        self.doc.span_of(&self.key(key))
+    }
+
+    pub(super) fn number(&self, value: &Number, key: &str, dimension: Dimension, allowed: Allowed) -> Result<f64> {
+        self.doc.number(value, &self.key(key), dimension, allowed)
+    }
+
+    pub(super) fn optional(
+        &self,
+        value: Option<&Number>,
+        key: &str,
+        dimension: Dimension,
+        allowed: Allowed,
+    ) -> Result<Option<f64>> {
+        self.doc.optional(value, &self.key(key), dimension, allowed)
+    }
+}

@@ -1,0 +1,45 @@
+//! Attributes of groups and datasets: numbers and texts.
+
+use hdf5::types::VarLenUnicode;
+use hdf5::{H5Type, Location};
+
+use super::bounded;
+
+type Hdf<T> = hdf5::Result<T>;
+
+pub(super) fn put<T: H5Type>(location: &Location, name: &str, value: &T) -> Hdf<()> {
+    location.new_attr::<T>().create(name)?.write_scalar(value)
+}
+
+pub(super) fn put_text(location: &Location, name: &str, value: &str) -> Hdf<()> {
+    put(location, name, &text(value)?)
+}
+
+pub(super) fn put_texts(location: &Location, name: &str, values: &[String]) -> Hdf<()> {
+    let values = values.iter().map(|value| text(value)).collect::<Hdf<Vec<_>>>()?;
+    let attribute = location.new_attr::<VarLenUnicode>().shape(values.len()).create(name)?;
+    if values.is_empty() { Ok(()) } else { attribute.write_raw(&values) }
+}
+
+/// HDF5 text ends at a zero byte, which no text file has; one that does is cut there rather than refused.
+pub(super) fn text(value: &str) -> Hdf<VarLenUnicode> {
+    let until_zero = value.split('\0').next().unwrap_or_default();
+    until_zero.parse().map_err(|e: hdf5::types::StringError| e.to_string().into())
+}
+
+pub(super) fn get<T: H5Type>(location: &Location, name: &str) -> Hdf<T> {
+    location.attr(name)?.read_scalar()
+}
+
+pub(super) fn get_text(location: &Location, name: &str) -> Hdf<String> {
+    Ok(get::<VarLenUnicode>(location, name)?.to_string())
+}
+
+pub(super) fn get_texts(location: &Location, name: &str) -> Hdf<Vec<String>> {
+    let attribute = location.attr(name)?;
+    if attribute.size() == 0 {
+        return Ok(Vec::new());
+    }
+    bounded::attribute_fits(&attribute, location.file()?.size())?;
+    Ok(attribute.read_raw::<VarLenUnicode>()?.iter().map(ToString::to_string).collect())
+}

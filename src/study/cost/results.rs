@@ -1,0 +1,83 @@
+//! Results of a study: its points, what was left out, and what follows from them.
+
+use serde::Serialize;
+
+use super::effects::EffectCost;
+use super::found::{CostPoint, Skipped};
+use super::growth::Growth;
+use super::judge::{self, OrderFit, Reach, TOLERANCES};
+use super::source::Unable;
+
+/// The study of a scene. Keys are those of `barwave cost --json`.
+#[derive(Debug, Clone, Serialize)]
+pub struct Cost {
+    /// Scene title.
+    pub scene: String,
+    /// What errors are measured against.
+    pub reference: String,
+    /// Difference of the two finest references in the same measure, or rounding where the reference is exact.
+    pub reference_uncertainty: f64,
+    /// What `error` is.
+    pub measure: &'static str,
+    /// One a method and resolution, method by method, coarse to fine.
+    pub points: Vec<CostPoint>,
+    /// Observed order of each scheme, null where there is none.
+    pub orders: serde_json::Map<String, serde_json::Value>,
+    /// How these were found.
+    pub order_fits: Vec<OrderFit>,
+    /// The cheapest way to each tolerance.
+    pub cheapest: Vec<Reach>,
+    /// Every method's way to each tolerance.
+    pub reach: Vec<Reach>,
+    /// What each effect adds.
+    pub effects: Vec<EffectCost>,
+    /// How time and memory grow.
+    pub growth: Vec<Growth>,
+    /// What was left out, and why.
+    pub skipped: Vec<Skipped>,
+    /// Methods that cannot do the scene, and why.
+    pub unable: Vec<Unable>,
+    /// Time that the study was given, s.
+    pub budget_s: f64,
+    /// Time that it took, s.
+    pub wall_s: f64,
+    /// Load of the machine (processes that want to run, mean of a minute) before and after; null where unknown.
+    pub load: [Option<f64>; 2],
+    /// Threads that a long bar may take.
+    pub threads: usize,
+    /// The user stopped it.
+    pub interrupted: bool,
+}
+
+impl Cost {
+    /// Schemes in the order of the points, each with its points and their indices.
+    pub fn schemes(&self) -> Vec<(&str, Vec<(usize, &CostPoint)>)> {
+        let mut schemes: Vec<(&str, Vec<(usize, &CostPoint)>)> = Vec::new();
+        for (k, point) in self.points.iter().enumerate() {
+            match schemes.iter_mut().find(|s| s.0 == point.by.scheme) {
+                Some(scheme) => scheme.1.push((k, point)),
+                None => schemes.push((&point.by.scheme, vec![(k, point)])),
+            }
+        }
+        schemes
+    }
+
+    /// What follows from the points.
+    pub(super) fn judge(&mut self) {
+        let uncertainty = self.reference_uncertainty;
+        let pareto = judge::pareto(&self.points, uncertainty);
+        for (point, pareto) in self.points.iter_mut().zip(pareto) {
+            point.pareto = pareto;
+        }
+        let (mut orders, mut fits, mut reaches) = (serde_json::Map::new(), Vec::new(), Vec::new());
+        for (scheme, points) in self.schemes() {
+            let alone: Vec<&CostPoint> = points.iter().map(|p| p.1).collect();
+            let fit = judge::order(&alone, uncertainty);
+            orders.insert(scheme.into(), fit.as_ref().map(|f| f.order).into());
+            fits.extend(fit);
+            reaches.extend(TOLERANCES.map(|tolerance| judge::reach(&points, tolerance, uncertainty)));
+        }
+        self.cheapest = TOLERANCES.map(|tolerance| judge::cheapest(&reaches, tolerance)).into();
+        (self.orders, self.order_fits, self.reach) = (orders, fits, reaches);
+    }
+}

@@ -172,7 +172,7 @@ impl Block {
         let v = split_off(&mut self.v, at);
         self.v.push(v[0]);
         let middle = self.cells.start + at;
-        let right = Self {
+        let mut right = Self {
             cells: middle..self.cells.end,
             segment: self.segment,
             stage: self.stage,
@@ -200,6 +200,8 @@ impl Block {
         if !self.at_rest() {
             self.wake();
         }
+        self.note_undamped();
+        right.note_undamped();
         right
     }
 
@@ -215,11 +217,6 @@ impl Block {
         let (first, segment, cells) = (self.cells.start + self.busy.start, self.segment, self.busy.clone());
         let row = StrainedRow { sigma: &self.sigma, state: &self.state, cells, first, segment, step: law.step };
         law.law.note_limits(law.end, &row, &mut self.passed);
-    }
-
-    /// Takes down where they come from a neighbour; `near` is the step from which on they are damped there.
-    pub fn note_ripples(&mut self, near: usize) {
-        self.damps_from = self.damps_from.min(near.saturating_add(1));
     }
 
     /// Logs the latest rows once more, if the block was at rest then and still is; false where it was not.
@@ -460,5 +457,20 @@ fn advance_velocity(gain: f64, sigma: &[f64], v: &mut [f64], nodes: Range<usize>
     let (left, right) = (&sigma[..nodes], &sigma[1..=nodes]);
     for i in 0..nodes {
         v[i] += gain * (right[i] - left[i]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The neighbour beyond reads the last inner node of the part that is split off; it read 0.
+    #[test]
+    fn both_parts_of_a_split_block_show_their_inner_nodes() {
+        let mut left = Block::new(0..300, 0, 0.0);
+        left.start_with(|node| node as f64);
+        let right = left.split_off(100);
+        assert_eq!([0, 1].map(|side| left.undamped(side)), [1.0, 99.0]);
+        assert_eq!([0, 1].map(|side| right.undamped(side)), [101.0, 299.0]);
     }
 }

@@ -24,12 +24,14 @@ pub(super) const MOST_CELLS: usize = 2 * BLOCK;
 #[derive(Debug)]
 pub(super) struct Scratch {
     work: Aligned<[f64; MOST_CELLS]>,
+    turned: Aligned<[f64; MOST_CELLS]>,
     gaps: Gaps,
 }
 
 impl Scratch {
     pub fn new() -> Self {
-        Self { work: Aligned([0.0; MOST_CELLS]), gaps: Gaps::new() }
+        let cells = [0.0; MOST_CELLS];
+        Self { work: Aligned(cells), turned: Aligned(cells), gaps: Gaps::new() }
     }
 }
 
@@ -93,6 +95,8 @@ pub(super) struct Block {
     pub segment: usize,
     /// Running sum over cells and steps of the plastic work as [`RowLaw::advance`] gives it, times the cells' relative areas.
     pub plastic: f64,
+    /// Likewise of [`Row::turned`].
+    pub turned: f64,
     /// Running sum of what the damping took from the block's inner nodes, see [`ripple::hand_over`].
     pub damped: f64,
     /// Cells of which every step is logged, and the log: a row for each of them, step by step.
@@ -137,6 +141,7 @@ impl Block {
             state: aligned_row(0, 0.0),
             flow: Vec::new(),
             plastic: 0.0,
+            turned: 0.0,
             handed_at_edges: [0.0; 2],
             inner: [velocity; 2],
             damps_from: usize::MAX,
@@ -184,6 +189,7 @@ impl Block {
             state,
             flow: if self.flow.is_empty() { Vec::new() } else { self.flow.split_off(at) },
             plastic: 0.0,
+            turned: 0.0,
             handed_at_edges: [0.0; 2],
             inner: [0.0; 2],
             damps_from: self.damps_from,
@@ -251,7 +257,7 @@ impl Block {
         outside: [Option<f64>; 2],
         scratch: &mut Scratch,
     ) {
-        let Scratch { work, gaps } = scratch;
+        let Scratch { work, gaps, .. } = scratch;
         let (cells, busy, v) = (self.sigma.len(), self.busy.clone(), &mut self.v);
         let (at_left, at_right) = (busy.start == 0, busy.end == cells);
         let outside = [
@@ -345,28 +351,31 @@ impl Block {
             self.wake();
         }
         let busy = self.busy.clone();
-        let work = &mut scratch.work.0[..cells];
+        let [work, turned] = [&mut scratch.work, &mut scratch.turned].map(|of| &mut of.0[..cells]);
         let row = Row {
             gain: law.stress_gain,
             v: &self.v,
             sigma: &mut self.sigma,
             work,
+            turned,
             flow: &mut self.flow,
             cells: busy.clone(),
         };
         let state = &mut self.state;
         let advanced = if first { law.law.first_yield(row, state) } else { law.law.advance(row, state) };
-        let work = &work[busy.clone()];
+        let (work, turned) = (&work[busy.clone()], &turned[busy.clone()]);
         if self.keeps_work {
             self.absorbed.resize(cells, 0.0);
             for (sum, work) in self.absorbed[busy.clone()].iter_mut().zip(work) {
                 *sum += *work;
             }
         }
-        self.plastic += match &self.taper {
-            None => advanced.work,
-            Some(taper) => work.iter().zip(&taper.area[busy]).map(|(work, area)| work * area).sum(),
+        let [plastic, turned] = match &self.taper {
+            None => [advanced.work, advanced.turned],
+            Some(taper) => [work, turned].map(|of| of.iter().zip(&taper.area[busy.clone()]).map(|(w, a)| w * a).sum()),
         };
+        self.plastic += plastic;
+        self.turned += turned;
         law.law.clear_resolved(&self.state, &mut self.flow);
         if !law.end.is_far(advanced.accumulated, 0.0) {
             self.note_limits(law);

@@ -35,7 +35,7 @@ pub use path_independent::PathIndependent;
 pub use plastic::{Isotropic, Mixed};
 pub use reversals::Reversals;
 
-pub use row::{Advanced, Row};
+pub use row::{Advanced, Row, flows};
 
 /// Cells that sums run over side by side. Sums over cells keep one partial sum a lane, so that their bits do
 /// not depend on how wide the processor's registers are.

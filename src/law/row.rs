@@ -21,7 +21,7 @@ pub struct Row<'a> {
     pub work: &'a mut [f64],
     /// Set to what of it the mean stress of the step does not do: (`sigma_onset` - `sigma_before`) * E `d_eps_plastic`, Pa^2.
     pub turned: &'a mut [f64],
-    /// Set to 1 in cells that flow, to 0 in others.
+    /// Set to 1 in cells that flow by more than rounding, to 0 in others.
     pub flow: &'a mut [u8],
     /// The cells that step. Nothing of the others is read or written but the velocities of the nodes between.
     pub cells: Range<usize>,
@@ -206,8 +206,8 @@ fn step<L: CellLaw<N>, const N: usize, const FIRST: bool>(
             column[i] = value;
         }
     }
-    for (flow, work) in flow.iter_mut().zip(&*work) {
-        *flow = u8::from(*work != 0.0);
+    for ((flow, work), sigma) in flow.iter_mut().zip(&*work).zip(&*sigma) {
+        *flow = u8::from(flows(*work, *sigma));
     }
     add(works, work);
     add(turns, turned);
@@ -222,6 +222,16 @@ fn step<L: CellLaw<N>, const N: usize, const FIRST: bool>(
         }
     }
     *largest = lanes;
+}
+
+/// Plastic strain of a step that is rounding, relative to the elastic strain: that of a cell which comes to its yield stress and no
+/// farther is of the order of 1e-16.
+const ROUNDING: f64 = 1e-12;
+
+/// Whether a cell with this [`Row::work`] and stress (Pa) flowed by more than rounding.
+#[inline(always)]
+pub fn flows(work: f64, sigma: f64) -> bool {
+    work.abs() > ROUNDING * sigma * sigma
 }
 
 /// Adds up numbers of cells, lane by lane.
@@ -308,7 +318,7 @@ mod tests {
                     let of_cell = (onset + after.sigma) * after.plastic;
                     let after_row: [f64; N] = std::array::from_fn(|k| state[k * cells + i]);
                     assert_eq!((sigma[i], after_row, work[i]), (after.sigma, after.state, of_cell), "cell {i}");
-                    assert_eq!(flow[i], u8::from(of_cell != 0.0));
+                    assert_eq!(flow[i], u8::from(flows(of_cell, sigma[i])));
                     sums[i % LANES] += of_cell;
                     turns[i % LANES] += (onset - sigma_before[i]) * after.plastic;
                     largest = largest.max(law.accumulated(after.state));

@@ -8,7 +8,7 @@ use super::block::{Block, GHOSTS, ROW, Stage};
 use super::front;
 use super::slope::limited;
 use super::stepping::Part;
-use crate::law::LANES;
+use crate::law::{LANES, flows};
 use crate::wave::riemann::{Faces, Flux, Near, Point, Workspace};
 
 /// What the elastic kernel must know of a segment.
@@ -352,6 +352,10 @@ fn carry_history(block: &Block, part: &Part, scratch: &mut Scratch) {
     let state = &mut ahead.state[..law.state_len() * row];
     state.copy_from_slice(&block.state);
     law.strain(&increment[..row], &mut ahead.sigma[..row], state, &mut ahead.work[..row]);
+    // A cell that comes to its yield stress and no farther does not flow, whatever rounding says.
+    for (work, &sigma) in ahead.work[..row].iter_mut().zip(&ahead.sigma[..row]) {
+        *work = if flows(*work, sigma) { *work } else { 0.0 };
+    }
     let faces = carried.left[0].iter_mut().zip(&mut carried.right[0]);
     for ((left, right), (sigma, slope)) in faces.zip(ahead.sigma.iter().zip(slope)).take(row) {
         (*left, *right) = (sigma - 0.5 * *slope, sigma + 0.5 * *slope);
@@ -492,7 +496,7 @@ pub(super) fn near(block: &Block, part: &Part, side: usize, state: &mut Vec<f64>
     let reversals = law.reversals(&block.state, i);
     let (accumulated, back) = (law.accumulated(state, 0), law.back_stress(state, 0));
     let mut point = Point { stress: stress[0] + outward * ds, velocity, accumulated, back, ..Point::default() };
-    if flow[0] == 0.0 {
+    if !flows(flow[0], stress[0]) {
         return Near { point, flowing: 0.0, reversals };
     }
     if part.most_owed.is_some() {

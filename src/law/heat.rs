@@ -29,6 +29,11 @@ impl<L: CellLaw<N>, const N: usize> CellLaw<N> for Warming<L> {
         self.law.base(sigma, state)
     }
 
+    #[inline(always)]
+    fn onset(&self, sigma: f64, state: [f64; N], after: &Response<N>) -> f64 {
+        self.law.onset(sigma, state, after)
+    }
+
     const ASKS: bool = L::ASKS;
 
     #[inline(always)]

@@ -35,7 +35,7 @@ pub use path_independent::PathIndependent;
 pub use plastic::{Isotropic, Mixed};
 pub use reversals::Reversals;
 
-pub use row::{Advanced, Row};
+pub use row::{Advanced, Row, flows};
 
 /// Cells that sums run over side by side. Sums over cells keep one partial sum a lane, so that their bits do
 /// not depend on how wide the processor's registers are.
@@ -55,6 +55,16 @@ pub struct Response<const N: usize> {
     pub plastic: f64,
 }
 
+impl<const N: usize> Response<N> {
+    /// Stress at which the flow of a step sets in that began at stress `sigma`, Pa; the mean of this and of the stress at the end of the
+    /// step does the plastic work. A cell that comes from the other side of its elastic range flows at the stress of the end: the mean
+    /// stress of the step may be of the other sign.
+    #[inline(always)]
+    pub fn onset(&self, sigma: f64, back_stress: f64) -> f64 {
+        if (sigma - back_stress) * self.plastic < 0.0 { self.sigma } else { sigma }
+    }
+}
+
 /// A law with `N` state numbers a cell. Pure; `predictor` is `base + E d_eps`.
 pub trait CellLaw<const N: usize>: Send + Sync + Sized {
     /// What the strain increment is added to: the stress, or the total E eps.
@@ -62,6 +72,12 @@ pub trait CellLaw<const N: usize>: Send + Sync + Sized {
 
     /// The cell at the end of a step that began at stress `sigma`.
     fn respond(&self, sigma: f64, predictor: f64, state: [f64; N]) -> Response<N>;
+
+    /// Stress at which the flow of a step sets in, Pa, see [`Response::onset`].
+    #[inline(always)]
+    fn onset(&self, sigma: f64, state: [f64; N], after: &Response<N>) -> f64 {
+        after.onset(sigma, self.back_stress(state))
+    }
 
     /// The law reads a table that is read faster for many cells at once: `respond` is then `ask`, `look_up`, `settle`.
     const ASKS: bool = false;

@@ -15,6 +15,12 @@ impl<B: Backbone> CellLaw<1> for PathIndependent<B> {
         sigma + inelastic
     }
 
+    /// What is stored along the curve comes back.
+    #[inline(always)]
+    fn onset(&self, sigma: f64, _: [f64; 1], _: &Response<1>) -> f64 {
+        sigma
+    }
+
     const ASKS: bool = B::AT_ONCE;
 
     #[inline(always)]

@@ -16,10 +16,12 @@ pub struct Row<'a> {
     pub v: &'a [f64],
     /// Stresses, Pa.
     pub sigma: &'a mut [f64],
-    /// Set to (`sigma_before` + `sigma_after`) * E `d_eps_plastic`, Pa^2: the plastic work of the step times 2 E per volume,
-    /// and exactly 0 in cells that do not flow.
+    /// Set to (`sigma_onset` + `sigma_after`) * E `d_eps_plastic`, Pa^2: the plastic work of the step times 2 E per volume,
+    /// and exactly 0 in cells that do not flow. See [`CellLaw::onset`].
     pub work: &'a mut [f64],
-    /// Set to 1 in cells that flow, to 0 in others.
+    /// Set to what of it the mean stress of the step does not do: (`sigma_onset` - `sigma_before`) * E `d_eps_plastic`, Pa^2.
+    pub turned: &'a mut [f64],
+    /// Set to 1 in cells that flow by more than rounding, to 0 in others.
     pub flow: &'a mut [u8],
     /// The cells that step. Nothing of the others is read or written but the velocities of the nodes between.
     pub cells: Range<usize>,
@@ -30,6 +32,8 @@ pub struct Row<'a> {
 pub struct Advanced {
     /// Sum of [`Row::work`] over the cells that stepped.
     pub work: f64,
+    /// Sum of [`Row::turned`] over them.
+    pub turned: f64,
     /// Largest accumulated plastic strain among them, times E, Pa.
     pub accumulated: f64,
 }
@@ -41,6 +45,7 @@ struct Piece<'a, const N: usize> {
     sigma: &'a mut [f64; CHUNK],
     columns: [&'a mut [f64; CHUNK]; N],
     work: &'a mut [f64; CHUNK],
+    turned: &'a mut [f64; CHUNK],
     flow: &'a mut [u8; CHUNK],
 }
 
@@ -54,8 +59,8 @@ pub(super) fn advance<L: CellLaw<N>, const N: usize, const FIRST: bool>(
     state: &mut [f64],
 ) -> Advanced {
     let mut columns = columns::<N>(state, row.sigma.len());
-    let Row { gain, v, sigma, work, flow, cells: Range { start: mut from, end } } = row;
-    let mut totals = [[0.0; LANES]; 2];
+    let Row { gain, v, sigma, work, turned, flow, cells: Range { start: mut from, end } } = row;
+    let mut totals = [[0.0; LANES]; 3];
     while end - from >= CHUNK {
         let piece = Piece {
             left: cut(v, from),
@@ -63,6 +68,7 @@ pub(super) fn advance<L: CellLaw<N>, const N: usize, const FIRST: bool>(
             sigma: cut_mut(sigma, from),
             columns: columns.each_mut().map(|column| cut_mut(column, from)),
             work: cut_mut(work, from),
+            turned: cut_mut(turned, from),
             flow: cut_mut(flow, from),
         };
         step::<L, N, FIRST>(law, gain, piece, &mut totals);
@@ -76,13 +82,18 @@ pub(super) fn advance<L: CellLaw<N>, const N: usize, const FIRST: bool>(
         let n = rest.len();
         sigma[rest.clone()].copy_from_slice(&copy.sigma[..n]);
         work[rest.clone()].copy_from_slice(&copy.work[..n]);
+        turned[rest.clone()].copy_from_slice(&copy.turned[..n]);
         flow[rest.clone()].copy_from_slice(&copy.flow[..n]);
         for (column, values) in columns.iter_mut().zip(&copy.columns) {
             column[rest.clone()].copy_from_slice(&values[..n]);
         }
     }
-    let [sums, largest] = totals;
-    Advanced { work: sums.iter().sum(), accumulated: largest.into_iter().fold(0.0, f64::max) }
+    let [work, turned, largest] = totals;
+    Advanced {
+        work: work.iter().sum(),
+        turned: turned.iter().sum(),
+        accumulated: largest.into_iter().fold(0.0, f64::max),
+    }
 }
 
 /// The state of a row, variable by variable.
@@ -109,6 +120,7 @@ struct Copied<const N: usize> {
     sigma: [f64; CHUNK],
     columns: [[f64; CHUNK]; N],
     work: [f64; CHUNK],
+    turned: [f64; CHUNK],
     flow: [u8; CHUNK],
 }
 
@@ -116,8 +128,15 @@ impl<const N: usize> Copied<N> {
     #[inline(always)]
     fn of(cells: Range<usize>, v: &[f64], sigma: &[f64], columns: &[&mut [f64]; N]) -> Self {
         let (n, zeros) = (cells.len(), [0.0; CHUNK]);
-        let mut copy =
-            Self { left: zeros, right: zeros, sigma: zeros, columns: [zeros; N], work: zeros, flow: [0; CHUNK] };
+        let mut copy = Self {
+            left: zeros,
+            right: zeros,
+            sigma: zeros,
+            columns: [zeros; N],
+            work: zeros,
+            turned: zeros,
+            flow: [0; CHUNK],
+        };
         copy.left[..n].copy_from_slice(&v[cells.clone()]);
         copy.right[..n].copy_from_slice(&v[cells.start + 1..=cells.end]);
         copy.sigma[..n].copy_from_slice(&sigma[cells.clone()]);
@@ -135,6 +154,7 @@ impl<const N: usize> Copied<N> {
             sigma: &mut self.sigma,
             columns: self.columns.each_mut(),
             work: &mut self.work,
+            turned: &mut self.turned,
             flow: &mut self.flow,
         }
     }
@@ -155,9 +175,9 @@ fn step<L: CellLaw<N>, const N: usize, const FIRST: bool>(
     law: &L,
     gain: f64,
     piece: Piece<'_, N>,
-    [sums, largest]: &mut [[f64; LANES]; 2],
+    [works, turns, largest]: &mut [[f64; LANES]; 3],
 ) {
-    let Piece { left, right, sigma, mut columns, work, flow } = piece;
+    let Piece { left, right, sigma, mut columns, work, turned, flow } = piece;
     let [mut predictor, mut reach, mut table] = [const { Aligned([0.0; CHUNK]) }; 3];
     let (predictor, reach, table) = (&mut predictor.0, &mut reach.0, &mut table.0);
     if L::ASKS {
@@ -178,20 +198,19 @@ fn step<L: CellLaw<N>, const N: usize, const FIRST: bool>(
         } else {
             law.respond(sigma_before, if FIRST { now } else { law.base(now, before) + increment }, before)
         };
-        work[i] = (sigma_before + after.sigma) * after.plastic;
+        let onset = law.onset(sigma_before, before, &after);
+        work[i] = (onset + after.sigma) * after.plastic;
+        turned[i] = (onset - sigma_before) * after.plastic;
         sigma[i] = after.sigma;
         for (column, value) in columns.iter_mut().zip(after.state) {
             column[i] = value;
         }
     }
-    for (flow, work) in flow.iter_mut().zip(&*work) {
-        *flow = u8::from(*work != 0.0);
+    for ((flow, work), sigma) in flow.iter_mut().zip(&*work).zip(&*sigma) {
+        *flow = u8::from(flows(*work, *sigma));
     }
-    for group in work.as_chunks::<LANES>().0 {
-        for (sum, work) in sums.iter_mut().zip(group) {
-            *sum += work;
-        }
-    }
+    add(works, work);
+    add(turns, turned);
     let mut accumulated = [0.0; CHUNK];
     for (i, accumulated) in accumulated.iter_mut().enumerate() {
         *accumulated = law.accumulated(read(&columns, i));
@@ -205,7 +224,27 @@ fn step<L: CellLaw<N>, const N: usize, const FIRST: bool>(
     *largest = lanes;
 }
 
-/// One step of a row with given increments of E times the strain, Pa.
+/// Plastic strain of a step that is rounding, relative to the elastic strain: that of a cell which comes to its yield stress and no
+/// farther is of the order of 1e-16.
+const ROUNDING: f64 = 1e-12;
+
+/// Whether a cell with this [`Row::work`] and stress (Pa) flowed by more than rounding.
+#[inline(always)]
+pub fn flows(work: f64, sigma: f64) -> bool {
+    work.abs() > ROUNDING * sigma * sigma
+}
+
+/// Adds up numbers of cells, lane by lane.
+#[inline(always)]
+fn add(sums: &mut [f64; LANES], values: &[f64; CHUNK]) {
+    for group in values.as_chunks::<LANES>().0 {
+        for (sum, value) in sums.iter_mut().zip(group) {
+            *sum += value;
+        }
+    }
+}
+
+/// One step of a row with given increments of E times the strain, Pa. `work` is of the mean stress of the step.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
 pub(super) fn strain<L: CellLaw<N>, const N: usize>(
     law: &L,
@@ -255,28 +294,40 @@ mod tests {
     fn assert_bits_of_cells<L: CellLaw<N>, const N: usize>(law: &L) {
         for cells in [1, 7, 8, 63, 64, 65, 200, 256] {
             let (mut sigma, mut state) = (vec![0.0; cells], vec![0.0; N * cells]);
-            let (mut work, mut flow) = (vec![1.0; cells], vec![7; cells]);
+            let (mut work, mut turned, mut flow) = (vec![1.0; cells], vec![1.0; cells], vec![7; cells]);
             let mut flowed = 0;
             for step in 0..40 {
                 let v: Vec<f64> = (0..=cells).map(|i| 2e-3 * noise(1000 * step + i)).collect();
                 let (sigma_before, state_before) = (sigma.clone(), state.clone());
-                let row =
-                    Row { gain: MODULUS, v: &v, sigma: &mut sigma, work: &mut work, flow: &mut flow, cells: 0..cells };
+                let row = Row {
+                    gain: MODULUS,
+                    v: &v,
+                    sigma: &mut sigma,
+                    work: &mut work,
+                    turned: &mut turned,
+                    flow: &mut flow,
+                    cells: 0..cells,
+                };
                 let advanced = advance::<L, N, false>(law, row, &mut state);
-                let (mut sums, mut largest) = ([0.0; LANES], 0.0_f64);
+                let (mut sums, mut turns, mut largest) = ([0.0; LANES], [0.0; LANES], 0.0_f64);
                 for i in 0..cells {
                     let before = std::array::from_fn(|k| state_before[k * cells + i]);
                     let predictor = law.base(sigma_before[i], before) + MODULUS * (v[i + 1] - v[i]);
                     let after = law.respond(sigma_before[i], predictor, before);
-                    let of_cell = (sigma_before[i] + after.sigma) * after.plastic;
+                    let onset = law.onset(sigma_before[i], before, &after);
+                    let of_cell = (onset + after.sigma) * after.plastic;
                     let after_row: [f64; N] = std::array::from_fn(|k| state[k * cells + i]);
                     assert_eq!((sigma[i], after_row, work[i]), (after.sigma, after.state, of_cell), "cell {i}");
-                    assert_eq!(flow[i], u8::from(of_cell != 0.0));
+                    assert_eq!(flow[i], u8::from(flows(of_cell, sigma[i])));
                     sums[i % LANES] += of_cell;
+                    turns[i % LANES] += (onset - sigma_before[i]) * after.plastic;
                     largest = largest.max(law.accumulated(after.state));
                     flowed += usize::from(flow[i]);
                 }
-                assert_eq!(advanced, Advanced { work: sums.iter().sum(), accumulated: largest });
+                assert_eq!(
+                    advanced,
+                    Advanced { work: sums.iter().sum(), turned: turns.iter().sum(), accumulated: largest }
+                );
             }
             assert!(flowed > 0, "nothing flowed");
         }
@@ -289,7 +340,16 @@ mod tests {
         let start = (vec![0.0; cells], vec![0.0; 2 * cells], vec![1.0; cells], vec![7; cells]);
         let step = |stepped: Range<usize>| {
             let (mut sigma, mut state, mut work, mut flow) = start.clone();
-            let row = Row { gain: MODULUS, v: &v, sigma: &mut sigma, work: &mut work, flow: &mut flow, cells: stepped };
+            let turned = &mut work.clone();
+            let row = Row {
+                gain: MODULUS,
+                v: &v,
+                sigma: &mut sigma,
+                work: &mut work,
+                turned,
+                flow: &mut flow,
+                cells: stepped,
+            };
             advance::<_, 2, false>(&law, row, &mut state);
             (sigma, state, work, flow)
         };

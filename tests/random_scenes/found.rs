@@ -1,14 +1,16 @@
-//! What random scenes found: cured, or known to be missed and then exempt above.
+//! What random scenes found: defects that are cured, and rules that explain what looks like one.
 
 use std::path::Path;
 
 use barwave::assemble;
 use barwave::record::{Field, View};
 use barwave::run::{Wish, run};
-use barwave::scene::{Method, Scene};
+use barwave::scene::Scene;
+use barwave::solver::Energies;
 use barwave::solver::fd::Sampling;
 
 use super::checks::figures_of;
+use super::spec::{Keys, Method, Spec, Value};
 use super::watch::follow;
 
 const STEEL: &str =
@@ -78,7 +80,9 @@ fn the_fan_of_an_end_stays_in_its_segment() {
     let whole = part.replace("[[bar.segment]]", "[bar]").replace("0.5", "1");
     let profile = |bar: &str| {
         let scene = scene(&text(bar, left, "unloading = \"isotropic\"", solve));
-        let Method::Leapfrog { cells, cfl } = scene.solve.method else { panic!("{:?}", scene.solve.method) };
+        let barwave::scene::Method::Leapfrog { cells, cfl } = scene.solve.method else {
+            panic!("{:?}", scene.solve.method)
+        };
         let mut bar = assemble::leapfrog(&scene, cells, cfl);
         while View::time(&bar) < scene.solve.until {
             bar.advance_by(1);
@@ -102,35 +106,131 @@ fn a_taper_of_one_piece_is_tracked() {
     assert!(summary.left.stress < -2e8, "{}", summary.left.stress);
 }
 
-/// The known miss: a run is not quite the mirror image of that of the mirrored bar, by some 1e-4 of the largest stress.
-#[test]
-fn a_run_by_leapfrog_is_not_quite_mirrored() {
-    let horn = |area: &str, velocity: f64| {
-        format!(
-            "[[bar.segment]]\nlength = 0.768\narea = {area}\nvelocity = {velocity}\nmaterial = {{ density = 2300, modulus = \"200 GPa\", \
-             beyond = \"rupture\", measure = \"true\", symmetry = \"true\", curve = {{ formula = \"voce\", yield = \"970 MPa\", saturation = \
-             \"2910 MPa\", strain = 0.0755 }} }}\n"
-        )
-    };
-    let rod = "[[bar.segment]]\nlength = 0.496\ndiameter = \"30.8 mm\"\nmaterial = { density = 1420, modulus = \"70 GPa\", beyond = \"error\", \
-               curve = { table = [[8.22e-4, 5.754e7], [2.11254e-3, 7.154235e7], [1.246974e-2, 1.672428e8], [2.186273e-2, 1.765496e8]] } }\n";
-    let ends = ["kind = \"fixed\"", "kind = \"stress\"\nvalue = 124000000"];
-    let run = |bar: String, [left, right]: [&str; 2]| {
-        let solve = "[solve]\nuntil = 3.36e-5\ncells = 38\ncfl = 0.674\n[record]\nframes = 2\n";
-        figures_of(&format!(
-            "{bar}[left]\n{left}\n[right]\n{right}\n[effects]\nrupture = {{ energy = 17200 }}\n{solve}"
-        ))
-        .expect("it runs")
-    };
-    let bar = run(horn("[[0, 0.0016], [0.768, 0.00214]]", 6.74) + rod, ends);
-    let mirrored = run(rod.to_owned() + &horn("[[0, 0.00214], [0.768, 0.0016]]", -6.74), [ends[1], ends[0]]);
-    let differs = bar.mirrored().differs(&mirrored);
-    assert!(differs.stress > 1e-5, "cured: {differs:?}");
+fn keys(of: &[(&'static str, Value)]) -> Keys {
+    of.to_vec()
 }
 
-/// The known miss: heat is a fraction of all plastic work, that which a back stress gives back included, so that reverse flow cools the bar.
+fn same(text: &str) -> Value {
+    Value::Same(text.to_owned())
+}
+
+/// A scene of leapfrog with these segments and ends.
+fn spec(segments: Vec<Keys>, ends: [Keys; 2], effects: &[(&'static str, Value)], solve: (f64, usize, f64)) -> Spec {
+    let (until, cells, cfl) = solve;
+    let joints = vec![Keys::new(); segments.len() - 1];
+    Spec {
+        bar: Keys::new(),
+        segments,
+        joints,
+        ends,
+        effects: Some(keys(effects)),
+        until,
+        cells,
+        cfl,
+        front_tolerance: 1e-3,
+    }
+}
+
+fn assert_mirrored(spec: &Spec) {
+    let figures = |spec: &Spec| figures_of(&spec.text(Method::Leapfrog, 1)).expect("it runs");
+    let differs = figures(spec).mirrored().differs(&figures(&spec.mirrored()));
+    assert!(differs.largest() < 1e-9, "{differs:?}");
+}
+
+/// While the fan of an end was imposed no ripples spread; in the step after it they went through all blocks at once, but only to the right.
 #[test]
-fn reverse_flow_under_a_back_stress_cools() {
+fn the_grid_filter_starts_alike_in_the_mirrored_bar() {
+    let horn = keys(&[
+        ("length", Value::number(0.768)),
+        ("area", Value::Taper(vec![(0.0, 0.0016), (0.768, 0.00214)], 0.768)),
+        ("velocity", Value::Signed(6.74, "m/s")),
+        (
+            "material",
+            same(
+                "{ density = 2300, modulus = \"200 GPa\", beyond = \"rupture\", measure = \"true\", symmetry = \"true\", curve = { formula = \"voce\", yield = \"970 MPa\", saturation = \"2910 MPa\", strain = 0.0755 } }",
+            ),
+        ),
+    ]);
+    let rod = keys(&[
+        ("length", Value::number(0.496)),
+        ("diameter", Value::unit(30.8, "mm")),
+        (
+            "material",
+            same(
+                "{ density = 1420, modulus = \"70 GPa\", beyond = \"error\", curve = { table = [[8.22e-4, 5.754e7], [2.11254e-3, 7.154235e7], [1.246974e-2, 1.672428e8], [2.186273e-2, 1.765496e8]] } }",
+            ),
+        ),
+    ]);
+    let ends =
+        [keys(&[("kind", same("\"fixed\""))]), keys(&[("kind", same("\"stress\"")), ("value", Value::number(1.24e8))])];
+    assert_mirrored(&spec(vec![horn, rod], ends, &[("rupture", same("{ energy = 17200 }"))], (3.36e-5, 38, 0.674)));
+}
+
+/// Of cells at one stress, as along a level part of a curve, the leftmost broke.
+#[test]
+fn a_bar_under_level_tension_breaks_alike_in_the_mirrored_bar() {
+    let horn = keys(&[
+        ("length", Value::number(0.104)),
+        ("area", Value::Taper(vec![(0.0, 0.000107), (0.052, 0.000185), (0.104, 0.000109)], 0.104)),
+        (
+            "material",
+            same(
+                "{ density = 5670, modulus = \"120 GPa\", curve = { table = [[5.87e-4, 7.0439999e7], [1.2e-3, 7.0439999e7]] } }",
+            ),
+        ),
+        ("velocity", Value::Signed(-15.5, "m/s")),
+    ]);
+    let rod = keys(&[
+        ("length", Value::number(0.327)),
+        ("area", Value::Taper(vec![(0.0, 0.000537), (0.327, 0.000811)], 0.327)),
+        (
+            "material",
+            same("{ density = 2250, modulus = \"200 GPa\", curve = { table = [[1.61e-3, 3.22e8], [1.5e-2, 1.6e9]] } }"),
+        ),
+        ("velocity", Value::Signed(13.9, "m/s")),
+    ]);
+    let ends = [keys(&[("kind", same("\"free\""))]), keys(&[("kind", same("\"fixed\""))])];
+    let effects = [("unloading", same("\"isotropic\"")), ("rupture", same("{ spall = \"26.1 MPa\" }"))];
+    assert_mirrored(&spec(vec![horn, rod], ends, &effects, (1e-5, 90, 0.631)));
+}
+
+/// Cells that came to their yield stress and flowed by rounding were filtered as flowing ones, others not.
+#[test]
+fn rounding_of_the_yield_stress_is_no_flow() {
+    let horn = keys(&[
+        ("length", Value::number(0.0541)),
+        ("area", Value::Taper(vec![(0.0, 0.000369), (2.705e-2, 0.000565), (5.41e-2, 0.000364)], 0.0541)),
+        (
+            "material",
+            same(
+                "{ density = 5220, modulus = \"70 GPa\", beyond = \"extend\", curve = { table = [[4.57e-3, 3.198999999997e8], [1.2796e-2, 3.198999999997e8]] } }",
+            ),
+        ),
+    ]);
+    let rod = keys(&[
+        ("length", Value::number(0.114)),
+        ("diameter", Value::unit(18.3, "mm")),
+        (
+            "material",
+            same(
+                "{ density = 2350, modulus = \"70 GPa\", beyond = \"error\", curve = { table = [[9.69e-4, 6.782999999993e7]] } }",
+            ),
+        ),
+    ]);
+    let rows = vec![(0.0, -32.8), (1.55e-6, 22.2), (2.97e-6, -9.78), (4.19e-5, -9.78), (4.19e-5, 32.1)];
+    let left = keys(&[
+        ("kind", same("\"velocity\"")),
+        ("history", Value::SignedRows(rows)),
+        ("release", Value::number(4.12e-5)),
+    ]);
+    let right = keys(&[("kind", same("\"wall\"")), ("gap", Value::unit(0.00986, "mm"))]);
+    let isotropic = [("unloading", same("\"isotropic\""))];
+    assert_mirrored(&spec(vec![horn, rod], [left, right], &isotropic, (8.5e-5, 47, 1.0)));
+}
+
+/// The rule of heat: a fraction of all plastic work, that included which a back stress gives back in reverse flow. It then decreases.
+#[test]
+fn heat_is_a_fraction_of_all_plastic_work() {
     let text = r#"
 [[bar.segment]]
 length = 0.0629
@@ -164,16 +264,19 @@ method = "fd"
 cells = 80
 "#;
     let scene = scene(text);
-    let Method::Leapfrog { cells, cfl } = scene.solve.method else { panic!("{:?}", scene.solve.method) };
+    let barwave::scene::Method::Leapfrog { cells, cfl } = scene.solve.method else {
+        panic!("{:?}", scene.solve.method)
+    };
     let mut bar = assemble::leapfrog(&scene, cells, cfl);
     let (mut most, mut fall) = (0.0_f64, 0.0_f64);
     while View::time(&bar) < scene.solve.until {
         bar.advance_by(1);
-        let heat = bar.account().energies.heat;
+        let Energies { heat, plastic, .. } = bar.account().energies;
+        assert!((heat - 0.5 * (heat + plastic)).abs() <= 1e-12 * heat, "{heat:e} and {plastic:e} J");
         most = most.max(heat);
         fall = fall.max(most - heat);
     }
-    assert!(fall > 1e-3 * most, "cured: heat falls by {fall:e} of {most:e} J");
+    assert!(fall > 1e-3 * most, "no reverse flow under a back stress: heat falls by {fall:e} of {most:e} J");
 }
 
 /// Where the elastic stress of an impact is more than 600 C f above the static curve, nothing flowed on the characteristic net by the law of
@@ -193,9 +296,9 @@ fn a_net_flows_by_the_law_of_johnson_and_cook_at_any_overstress() {
     }
 }
 
-/// The known miss: the plastic work of a bar on a staggered grid decreases by some 1e-4 of all energy.
+/// A cell that went from compression to flow in tension within a step did plastic work under the mean stress of the step, a negative one.
 #[test]
-fn some_plastic_work_comes_back() {
+fn a_cell_that_turns_within_a_step_does_no_negative_plastic_work() {
     let text = r#"
 [[bar.segment]]
 length = 0.0329
@@ -219,7 +322,9 @@ until = 2.39e-5
 cells = 47
 "#;
     let scene = scene(text);
-    let Method::Leapfrog { cells, cfl } = scene.solve.method else { panic!("{:?}", scene.solve.method) };
+    let barwave::scene::Method::Leapfrog { cells, cfl } = scene.solve.method else {
+        panic!("{:?}", scene.solve.method)
+    };
     let mut bar = assemble::leapfrog(&scene, cells, cfl);
     let (mut most, mut fall, mut energy) = (0.0_f64, 0.0_f64, 0.0_f64);
     while View::time(&bar) < scene.solve.until {
@@ -229,5 +334,37 @@ cells = 47
         most = most.max(energies.plastic);
         fall = fall.max(most - energies.plastic);
     }
-    assert!(fall > 1e-6 * energy, "cured: plastic work falls by {fall:e} of {energy:e} J");
+    assert!(fall <= 1e-12 * energy, "plastic work falls by {fall:e} of {energy:e} J");
+}
+
+/// The rule that exempts work and impulse of ends above critical: a level curve lets no strain leave an end that is driven beyond it. The
+/// end cell of a grid has inertia and moves ever faster, the smaller it is; front tracking knows no such cell. The bars agree.
+#[test]
+fn what_goes_into_a_place_where_strain_gathers_depends_on_the_cells() {
+    let level = "{ density = 7940, modulus = 7e10, curve = { table = [[3.24e-4, 2.268e7], [0.1, 2.268e7]] } }";
+    let by = |solve: &str| {
+        let left = "kind = \"stress\"\nhistory = [[0, 0], [5.83e-4, -114e6]]";
+        let bar = bar(level).replace("0.19", "0.835");
+        figures_of(&text(&bar, left, "unloading = \"isotropic\"", &format!("until = 2.2e-4\n{solve}")))
+            .expect("it runs")
+    };
+    let tracked = by("method = \"moc\"");
+    for cells in [60, 240] {
+        let differs = by(&format!("cells = {cells}")).differs(&tracked);
+        assert!(differs.stress < 0.01 && differs.velocity < 0.05, "{cells} cells: {differs:?}");
+        assert!(differs.work > 0.2, "{cells} cells: {differs:?}");
+    }
+}
+
+/// The face of a spring went along with the bar's edge, at 36 m/s, where the bar pressed it with all that its level curve carries: the
+/// spring took in 5 times the energy of the bar.
+#[test]
+fn a_bar_at_its_largest_stress_does_not_push_a_spring_along() {
+    let level = "{ density = 1890, modulus = 3e9, curve = { table = [[4.24e-4, 1.272e6], [1e-2, 1.272e6]] } }";
+    let bar = format!("{}velocity = -36.2\n", bar(level).replace("0.19", "0.0301").replace("1e-4", "9.73e-4"));
+    let solve = "until = 6.46e-5\nmethod = \"moc\"\nfront-tolerance = 1e-2";
+    let text = text(&bar, "kind = \"spring\"\nstiffness = 88400000", "unloading = \"isotropic\"", solve);
+    let mut failures = Vec::new();
+    follow(&scene(&text), 6.46e-5, &mut failures);
+    assert!(failures.is_empty(), "{:?}", failures[0]);
 }

@@ -83,6 +83,10 @@ impl<const N: usize> CellLaw<N> for Timed<N> {
         std::array::from_fn(|k| state[k])
     }
 
+    fn onset(&self, sigma: f64, state: [f64; N], after: &Response<N>) -> f64 {
+        after.onset(sigma, if N > 5 { state[5] } else { 0.0 })
+    }
+
     fn respond(&self, sigma: f64, predictor: f64, state: [f64; N]) -> Response<N> {
         let back = if N > 5 { state[5] } else { 0.0 };
         let history = self.law.history(state[0], state[1], back);

@@ -8,6 +8,11 @@
 //!
 //! What warms is the work of the static stress, that of the cold curve times the g of the step's mean temperature, and the
 //! work of the overstress as the energy account has it. Second order in the step.
+//!
+//! The heat is the fraction beta of all plastic work, beta sigma d eps_p (Taylor and Quinney, Proc. R. Soc. A 143, 1934), of either
+//! sign. In reverse flow while the back stress is larger than the elastic limit sigma d eps_p < 0: stored work comes back, and the cell
+//! cools by the fraction beta of it, as it warmed when the work was stored. A law that splits stored from dissipated work otherwise
+//! (Rosakis et al., J. Mech. Phys. Solids 48, 2000) would need a measured beta that depends on the path.
 
 use super::root::root;
 use super::step::{Flowing, readings_of_state, step};
@@ -135,6 +140,10 @@ impl<const N: usize> Flowing for Cell<'_, N> {
 
 impl<const N: usize> CellLaw<N> for Heated<N> {
     readings_of_state!();
+
+    fn onset(&self, sigma: f64, state: [f64; N], after: &Response<N>) -> f64 {
+        after.onset(sigma, if N > 6 { self.softening(state[5]) * state[6] } else { 0.0 })
+    }
 
     fn respond(&self, sigma: f64, predictor: f64, state: [f64; N]) -> Response<N> {
         let back = if N > 6 { state[6] } else { 0.0 };

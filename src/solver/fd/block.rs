@@ -19,12 +19,14 @@ use crate::law::{
 #[derive(Debug)]
 pub(super) struct Scratch {
     work: Aligned<[f64; MOST_CELLS]>,
+    turned: Aligned<[f64; MOST_CELLS]>,
     gaps: Gaps,
 }
 
 impl Scratch {
     pub fn new() -> Self {
-        Self { work: Aligned([0.0; MOST_CELLS]), gaps: Gaps::new() }
+        let cells = [0.0; MOST_CELLS];
+        Self { work: Aligned(cells), turned: Aligned(cells), gaps: Gaps::new() }
     }
 }
 
@@ -76,6 +78,8 @@ pub(super) struct Block {
     pub segment: usize,
     /// Running sum over cells and steps of the plastic work as [`RowLaw::advance`] gives it, times the cells' relative areas.
     pub plastic: f64,
+    /// Likewise of [`Row::turned`].
+    pub turned: f64,
     /// Running sum of what the damping took from the block's inner nodes, see [`ripple::hand_over`].
     pub damped: f64,
     /// Cells of which every step is logged, and the log: a row for each of them, step by step.
@@ -120,6 +124,7 @@ impl Block {
             state: aligned_row(0, 0.0),
             flow: Vec::new(),
             plastic: 0.0,
+            turned: 0.0,
             handed_at_edges: [0.0; 2],
             inner: [velocity; 2],
             damps_from: usize::MAX,
@@ -149,7 +154,7 @@ impl Block {
         let v = split_off(&mut self.v, at);
         self.v.push(v[0]);
         let middle = self.cells.start + at;
-        let right = Self {
+        let mut right = Self {
             cells: middle..self.cells.end,
             segment: self.segment,
             stage: self.stage,
@@ -161,6 +166,7 @@ impl Block {
             state,
             flow: if self.flow.is_empty() { Vec::new() } else { self.flow.split_off(at) },
             plastic: 0.0,
+            turned: 0.0,
             handed_at_edges: [0.0; 2],
             inner: [0.0; 2],
             damps_from: self.damps_from,
@@ -177,6 +183,8 @@ impl Block {
         if !self.at_rest() {
             self.wake();
         }
+        self.note_undamped();
+        right.note_undamped();
         right
     }
 
@@ -202,11 +210,6 @@ impl Block {
         let (first, segment, cells) = (self.cells.start + self.busy.start, self.segment, self.busy.clone());
         let row = StrainedRow { sigma: &self.sigma, state: &self.state, cells, first, segment, step: law.step };
         law.law.note_limits(law.end, &row, &mut self.passed);
-    }
-
-    /// Takes down where they come from a neighbour; `near` is the step from which on they are damped there.
-    pub fn note_ripples(&mut self, near: usize) {
-        self.damps_from = self.damps_from.min(near.saturating_add(1));
     }
 
     /// Logs the latest rows once more, if the block was at rest then and still is; false where it was not.
@@ -241,7 +244,7 @@ impl Block {
         outside: [Option<f64>; 2],
         scratch: &mut Scratch,
     ) {
-        let Scratch { work, gaps } = scratch;
+        let Scratch { work, gaps, .. } = scratch;
         let (cells, busy, v) = (self.sigma.len(), self.busy.clone(), &mut self.v);
         let (at_left, at_right) = (busy.start == 0, busy.end == cells);
         let outside = [
@@ -323,28 +326,31 @@ impl Block {
             return;
         }
         let (cells, busy) = (self.sigma.len(), self.busy.clone());
-        let work = &mut scratch.work.0[..cells];
+        let [work, turned] = [&mut scratch.work, &mut scratch.turned].map(|of| &mut of.0[..cells]);
         let row = Row {
             gain: law.stress_gain,
             v: &self.v,
             sigma: &mut self.sigma,
             work,
+            turned,
             flow: &mut self.flow,
             cells: busy.clone(),
         };
         let state = &mut self.state;
         let advanced = if first { law.law.first_yield(row, state) } else { law.law.advance(row, state) };
-        let work = &work[busy.clone()];
+        let (work, turned) = (&work[busy.clone()], &turned[busy.clone()]);
         if self.keeps_work {
             self.absorbed.resize(cells, 0.0);
             for (sum, work) in self.absorbed[busy.clone()].iter_mut().zip(work) {
                 *sum += *work;
             }
         }
-        self.plastic += match &self.taper {
-            None => advanced.work,
-            Some(taper) => work.iter().zip(&taper.area[busy]).map(|(work, area)| work * area).sum(),
+        let [plastic, turned] = match &self.taper {
+            None => [advanced.work, advanced.turned],
+            Some(taper) => [work, turned].map(|of| of.iter().zip(&taper.area[busy.clone()]).map(|(w, a)| w * a).sum()),
         };
+        self.plastic += plastic;
+        self.turned += turned;
         law.law.clear_resolved(&self.state, &mut self.flow);
         if !law.end.is_far(advanced.accumulated, 0.0) {
             self.note_limits(law);
@@ -453,5 +459,20 @@ fn advance_velocity(gain: f64, sigma: &[f64], v: &mut [f64], nodes: Range<usize>
     let (left, right) = (&sigma[..nodes], &sigma[1..=nodes]);
     for i in 0..nodes {
         v[i] += gain * (right[i] - left[i]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The neighbour beyond reads the last inner node of the part that is split off; it read 0.
+    #[test]
+    fn both_parts_of_a_split_block_show_their_inner_nodes() {
+        let mut left = Block::new(0..300, 0, 0.0);
+        left.start_with(|node| node as f64);
+        let right = left.split_off(100);
+        assert_eq!([0, 1].map(|side| left.undamped(side)), [1.0, 99.0]);
+        assert_eq!([0, 1].map(|side| right.undamped(side)), [101.0, 299.0]);
     }
 }

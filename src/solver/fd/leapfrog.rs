@@ -180,6 +180,7 @@ impl Leapfrog {
         }
         if self.step < self.starts_until() {
             self.impose_fans();
+            self.whole().spread_ripples(step);
             return self.whole().note_all();
         }
         if self.rupture.is_some() {

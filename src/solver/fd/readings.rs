@@ -94,6 +94,7 @@ impl Leapfrog {
         let over = c.cell_volume * block.overstress_work(law) / c.modulus;
         let flow = 0.5 * c.cell_volume * block.plastic / c.modulus;
         let heats = law.heat_fraction();
+        total.half_step -= 0.5 * c.cell_volume * block.turned / c.modulus;
         total.elastic += 0.5 * c.cell_volume * block.sum_of_squares() / c.modulus;
         total.heat += heats * flow;
         total.plastic += (1.0 - heats) * (flow - over);

@@ -172,7 +172,7 @@ fn hand(left: f64, w: f64, right: f64, flows: bool, filter: Filter) -> f64 {
     let (sense, size) = (1.0_f64.copysign(w), w.abs());
     // Its neighbours' differences, positive where they have its sign.
     let (left, right) = (sense * left, sense * right);
-    let zigzag = if larger(left, right) * size < -rounding * rounding { zigzag * size } else { 0.0 };
+    let zigzag = if larger(left, right) < -rounding { zigzag * size } else { 0.0 };
     let supported = SUPPORT * larger(lesser(left, right), 0.0);
     let above = larger(size - supported, 0.0);
     let overshoot = if flows && size > rounding { overshoot * above } else { 0.0 };

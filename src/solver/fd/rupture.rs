@@ -39,6 +39,9 @@ const SUSTAINED: usize = 2;
 /// Cells that must have come to the threshold together for a bar to break that has not yielded there.
 pub const CELLS_TO_BREAK: usize = 2 * SUSTAINED + 1;
 
+/// Relative difference of stresses and strains that is rounding.
+const EQUAL: f64 = 1e-9;
+
 /// A cell that meets its criterion, and how far beyond it is.
 #[derive(Debug, Clone, Copy)]
 struct Due {
@@ -96,7 +99,7 @@ impl Leapfrog {
     fn most_overdue(&self, breaking: &mut Breaking) -> Option<Due> {
         let mut worst: Option<Due> = None;
         let mut consider = |breaking: &mut Breaking, due: Due| {
-            if worst.is_some_and(|w| due.share <= w.share) {
+            if worst.is_some_and(|worst| !self.breaks_before(&due, &worst)) {
                 return;
             }
             if self.may_break(breaking, &due) {
@@ -119,6 +122,21 @@ impl Leapfrog {
             }
         }
         worst
+    }
+
+    /// Of two cells that are due the one farther beyond its criterion breaks first; of equal ones, as on a level part of the curve, the
+    /// one that has flowed more, else the one nearer to the middle of the bar: never the one that comes first in memory, since the
+    /// mirrored bar breaks at the mirrored place.
+    fn breaks_before(&self, a: &Due, b: &Due) -> bool {
+        let flowed = |due: &Due| {
+            let block = &self.blocks[due.block];
+            block.accumulated(self.laws[block.segment].law.as_ref(), due.cell) / self.constants[block.segment].modulus
+        };
+        let off_centre =
+            |due: &Due| (2 * (self.blocks[due.block].cells.start + due.cell) + 1).abs_diff(self.grid.cells());
+        larger(a.share, b.share)
+            .or_else(|| larger(flowed(a), flowed(b)))
+            .unwrap_or_else(|| off_centre(a) < off_centre(b))
     }
 
     /// A quick look at a whole block.
@@ -286,7 +304,8 @@ impl Leapfrog {
                 share
             }
         });
-        nodes[usize::from(sides[1] > sides[0])]
+        let off_centre = nodes.map(|node| (2 * node).abs_diff(self.grid.cells()));
+        nodes[usize::from(larger(sides[1], sides[0]).unwrap_or(off_centre[1] < off_centre[0]))]
     }
 
     fn is_joint(&self, node: usize) -> bool {
@@ -333,6 +352,13 @@ impl Leapfrog {
         }
         velocity
     }
+}
+
+/// Whether `a` is the larger one; none where both are equal to rounding.
+fn larger(a: f64, b: f64) -> Option<bool> {
+    let rounding = (EQUAL * a.abs().max(b.abs())).min(f64::MAX);
+    let equal = a == b || (a - b).abs() <= rounding;
+    (!equal).then_some(a > b)
 }
 
 /// Notch factors at the left and right edge of a block.

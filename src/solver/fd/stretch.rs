@@ -96,11 +96,7 @@ impl Stretch<'_> {
     /// Takes grid-scale ripples out of the velocities, see [`super::ripple`].
     pub fn damp(&mut self, blocks: Range<i64>, step: usize, scratch: &mut Scratch) {
         for k in self.local(blocks) {
-            if self.blocks[k].damps_from > step {
-                let left = if k > 0 { self.blocks[k - 1].damps_from } else { usize::MAX };
-                let right = self.blocks.get(k + 1).map_or(usize::MAX, |block| block.damps_from);
-                self.blocks[k].note_ripples(left.min(right));
-            }
+            self.note_ripples(k, step);
             if self.blocks[k].at_rest() || self.blocks[k].damps_from > step {
                 continue;
             }
@@ -108,6 +104,20 @@ impl Stretch<'_> {
             let block = &mut self.blocks[k];
             let c = &self.common.constants[block.segment];
             block.damp_ripples(c.velocity_gain, c.filter, outside, scratch);
+        }
+    }
+
+    /// Ripples spread by a block in a step, also in a step in which none are damped.
+    pub fn spread_ripples(&mut self, step: usize) {
+        (0..self.blocks.len()).for_each(|k| self.note_ripples(k, step));
+    }
+
+    /// Block `k` is damped from the next step on if a neighbour is from this step on, so that blocks can be visited in any order.
+    fn note_ripples(&mut self, k: usize, step: usize) {
+        let damped =
+            |k: Option<usize>| k.and_then(|k| self.blocks.get(k)).is_some_and(|block| block.damps_from <= step);
+        if self.blocks[k].damps_from > step && (damped(k.checked_sub(1)) || damped(Some(k + 1))) {
+            self.blocks[k].damps_from = step + 1;
         }
     }
 

@@ -178,13 +178,15 @@ impl FrontTracking {
         } else {
             (solve(own, driver, &mut self.scratch.work), &mut self.scratch.work.left, &mut self.scratch.sent_left)
         };
-        let tau = (path.sense() * star.force / medium.area).min(path.cap());
-        let behind = path.emit(tau, face.inward, sent);
+        let asked = path.sense() * star.force / medium.area;
+        // A bar that is at the largest stress of its curve already is short of what lies between that and the end's force.
+        let capped = star.capped || asked > path.cap();
+        let behind = path.emit(asked.min(path.cap()), face.inward, sent);
         let behind = self.unless_at_rest(which, behind, bar, segment);
         // The face runs ahead of a bar that cannot follow; and what is stiff tells its velocity to more digits than the bar.
-        let exact = a > b * face.impedance || star.capped;
+        let exact = a > b * face.impedance || capped;
         let velocity = if exact { (c + b * face.area * behind.stress) / a } else { face.inward * behind.velocity };
-        Answer { behind, velocity, short: star.capped, answers: true }
+        Answer { behind, velocity, short: capped, answers: true }
     }
 
     fn answer_stress(&mut self, which: usize, stress: f64, bar: &Point, segment: u32) -> Answer {

@@ -4,6 +4,7 @@ use super::block::{Block, Stage};
 use super::part::Part;
 use super::slope::{cap, capped, limited};
 use crate::bar::ends::Response;
+use crate::law::flows;
 use crate::wave::riemann::{Flux, Near, Point, Workspace};
 
 /// How an elastic bar answers at its face; `inward` is +1 where it is to the right of the face and -1 to its left.
@@ -83,7 +84,7 @@ impl ToFace {
         let (accumulated, back) = (law.accumulated(state, 0), law.back_stress(state, 0));
         let stress = ahead[0] + self.outward * self.rise;
         let mut point = Point { stress, velocity: self.velocity, accumulated, back, ..Point::default() };
-        if flow[0] == 0.0 {
+        if !flows(flow[0], ahead[0]) {
             return Near { point, flowing: 0.0, reversals };
         }
         if part.most_owed.is_some() {

@@ -8,7 +8,7 @@ use super::block::{Block, GHOSTS, ROW, Stage};
 use super::front;
 use super::part::Part;
 use super::slope::{cap, capped, limited};
-use crate::law::LANES;
+use crate::law::{LANES, flows};
 use crate::wave::riemann::{Faces, Flux, Near, Point, Workspace};
 
 /// What the elastic kernel must know of a segment.
@@ -371,6 +371,10 @@ fn carry_history(block: &Block, part: &Part, scratch: &mut Scratch) {
     let state = &mut ahead.state[..law.state_len() * row];
     state.copy_from_slice(&block.state);
     law.strain(&increment[..row], &mut ahead.sigma[..row], state, &mut ahead.work[..row]);
+    // A cell that comes to its yield stress and no farther does not flow, whatever rounding says.
+    for (work, &sigma) in ahead.work[..row].iter_mut().zip(&ahead.sigma[..row]) {
+        *work = if flows(*work, sigma) { *work } else { 0.0 };
+    }
     let faces = carried.left[0].iter_mut().zip(&mut carried.right[0]);
     for ((left, right), (sigma, slope)) in faces.zip(ahead.sigma.iter().zip(slope)).take(row) {
         (*left, *right) = (sigma - 0.5 * *slope, sigma + 0.5 * *slope);

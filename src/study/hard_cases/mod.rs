@@ -126,9 +126,9 @@ impl Tried {
     }
 
     /// A check that does not hold fails, unless the case states why it cannot; one that does hold in spite of that fails too.
-    fn judge(&mut self, fault: Option<String>, stated: Option<&'static str>) {
+    fn judge(&mut self, fault: Option<String>, stated: Option<String>) {
         match (fault, stated) {
-            (Some(fault), Some(reason)) => self.stated.push(format!("{fault}; {reason}")),
+            (Some(_), Some(reason)) => self.stated.push(reason),
             (Some(fault), None) => self.failed.push(fault),
             (None, Some(reason)) => self.failed.push(format!("the check holds, although the case states: {reason}")),
             (None, None) => {}
@@ -164,7 +164,8 @@ pub fn run_case(
     if tried.outcome != "stopped" {
         let convergence = convergence::study(case, &scene, &overrides, scale, folder, progress)?;
         tried.differences = convergence.differences();
-        tried.judge(convergence.fault(), case.why_no_convergence(method));
+        let stated = case.why_no_convergence(method).map(|reason| format!("no convergence: {reason}"));
+        tried.judge(convergence.fault(), stated);
     }
     Ok(tried)
 }
@@ -183,7 +184,9 @@ fn check(tried: &mut Tried, case: &HardCase, scene: &Scene, file: &ResultFile) -
         let exceeds = |most: f64| variation.is_nan() || variation > most;
         let fault = || format!("the total variation reaches {variation:.3} times what the data impose");
         // Beyond what is stated no reason counts.
-        let reason = stated.filter(|(most, _)| !exceeds(*most)).map(|(_, reason)| reason);
+        let reason = stated.filter(|(most, _)| !exceeds(*most)).map(|(most, reason)| {
+            format!("the total variation grows to at most {most} times what the data impose: {reason}")
+        });
         tried.judge(exceeds(variation::MOST_VARIATION).then(fault), reason);
     }
     let impedance = scene.bar.segments.iter().map(|s| s.material.impedance()).fold(0.0, f64::max);

@@ -8,8 +8,8 @@ macro_rules! energies {
         /// Energies of a bar at a moment, J (per m^2 where the scene gives no area), and its momentum.
         ///
         /// All but `half_step` are >= 0 to rounding, with these exceptions: `numerical` may be negative by the Godunov scheme in smooth
-        /// flow, by leapfrog by up to the energy of a cell of the bar (4 % of all energy with 20 cells was seen), and by front tracking within a few front tolerances;
-        /// `plastic` where the curve is followed both ways, and where a back stress gives back what it stored.
+        /// flow, by leapfrog by up to the energy of a cell of the bar (4 % of all energy with 20 cells was seen), and by front tracking
+        /// within a few front tolerances; `plastic` where the curve is followed both ways, and where a back stress gives back what it stored.
         #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
         pub struct Energies {
             $($(#[doc = $doc])* pub $name: f64,)*

@@ -228,7 +228,7 @@ fn a_bar_whose_temperature_is_a_state_is_that_of_the_curve() {
 /// Stress of a cell after a strain path, by the general law in steps of one strain, and on the adiabatic curve.
 fn along(material: &Material, path: &[f64], steps: usize, effects: &Effects) -> Vec<f64> {
     let law = stepped_law(&segment(material.clone(), 1.0), effects, 1e-6).law;
-    let (mut sigma, mut state, mut work, mut flow) = (vec![0.0], vec![0.0; law.state_len()], vec![0.0], vec![0]);
+    let (mut sigma, mut state) = (vec![0.0], vec![0.0; law.state_len()]);
     let (mut strain, mut first, mut seen) = (0.0, true, Vec::new());
     for &to in path {
         let increment = (to - strain) / steps as f64;
@@ -236,17 +236,15 @@ fn along(material: &Material, path: &[f64], steps: usize, effects: &Effects) -> 
             let v = [0.0, increment];
             if first {
                 sigma[0] = MODULUS * increment;
-                law.first_yield(
-                    Row { gain: MODULUS, v: &v, sigma: &mut sigma, work: &mut work, flow: &mut flow, cells: 0..1 },
-                    &mut state,
-                );
-                first = false;
-            } else {
-                law.advance(
-                    Row { gain: MODULUS, v: &v, sigma: &mut sigma, work: &mut work, flow: &mut flow, cells: 0..1 },
-                    &mut state,
-                );
             }
+            let (work, turned, flow) = (&mut [0.0], &mut [0.0], &mut [0]);
+            let row = Row { gain: MODULUS, v: &v, sigma: &mut sigma, work, turned, flow, cells: 0..1 };
+            if first {
+                law.first_yield(row, &mut state)
+            } else {
+                law.advance(row, &mut state)
+            };
+            first = false;
         }
         strain = to;
         seen.extend([sigma[0] / YIELD, law.temperature(&state, 0) / REFERENCE]);

@@ -16,7 +16,7 @@ use crate::error::{Error, InputError, Result};
 use crate::snapshot::{pack, unpack};
 
 /// Version of the file's layout and of every state in it.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// How the first line starts.
 const START: &str = "barwave checkpoint ";

@@ -171,7 +171,7 @@ fn the_grid_filter_starts_alike_in_the_mirrored_bar() {
 fn a_bar_under_level_tension_breaks_alike_in_the_mirrored_bar() {
     let horn = keys(&[
         ("length", Value::number(0.104)),
-        ("area", Value::Taper(vec![(0.0, 0.000107), (0.052, 0.000185), (0.104, 0.000109)], 0.104)),
+        ("area", Value::Taper(vec![(0.0, 1.07e-4), (0.052, 1.85e-4), (0.104, 1.09e-4)], 0.104)),
         (
             "material",
             same(
@@ -182,7 +182,7 @@ fn a_bar_under_level_tension_breaks_alike_in_the_mirrored_bar() {
     ]);
     let rod = keys(&[
         ("length", Value::number(0.327)),
-        ("area", Value::Taper(vec![(0.0, 0.000537), (0.327, 0.000811)], 0.327)),
+        ("area", Value::Taper(vec![(0.0, 537e-6), (0.327, 811e-6)], 0.327)),
         (
             "material",
             same("{ density = 2250, modulus = \"200 GPa\", curve = { table = [[1.61e-3, 3.22e8], [1.5e-2, 1.6e9]] } }"),
@@ -199,7 +199,7 @@ fn a_bar_under_level_tension_breaks_alike_in_the_mirrored_bar() {
 fn rounding_of_the_yield_stress_is_no_flow() {
     let horn = keys(&[
         ("length", Value::number(0.0541)),
-        ("area", Value::Taper(vec![(0.0, 0.000369), (2.705e-2, 0.000565), (5.41e-2, 0.000364)], 0.0541)),
+        ("area", Value::Taper(vec![(0.0, 369e-6), (2.705e-2, 565e-6), (5.41e-2, 364e-6)], 0.0541)),
         (
             "material",
             same(
@@ -223,7 +223,7 @@ fn rounding_of_the_yield_stress_is_no_flow() {
         ("history", Value::SignedRows(rows)),
         ("release", Value::number(4.12e-5)),
     ]);
-    let right = keys(&[("kind", same("\"wall\"")), ("gap", Value::unit(0.00986, "mm"))]);
+    let right = keys(&[("kind", same("\"wall\"")), ("gap", Value::unit(9.86e-3, "mm"))]);
     let isotropic = [("unloading", same("\"isotropic\""))];
     assert_mirrored(&spec(vec![horn, rod], [left, right], &isotropic, (8.5e-5, 47, 1.0)));
 }

@@ -9,8 +9,8 @@
 //! What warms is the work of the static stress, that of the cold curve times the g of the step's mean temperature, and the
 //! work of the overstress as the energy account has it. Second order in the step.
 //!
-//! The heat is the fraction beta of all plastic work, beta sigma d eps_p (Taylor and Quinney, Proc. R. Soc. A 143, 1934), of either
-//! sign. In reverse flow while the back stress is larger than the elastic limit sigma d eps_p < 0: stored work comes back, and the cell
+//! The heat is the fraction beta of all plastic work, beta sigma d `eps_p` (Taylor and Quinney, Proc. R. Soc. A 143, 1934), of either
+//! sign. In reverse flow while the back stress is larger than the elastic limit sigma d `eps_p` < 0: stored work comes back, and the cell
 //! cools by the fraction beta of it, as it warmed when the work was stored. A law that splits stored from dissipated work otherwise
 //! (Rosakis et al., J. Mech. Phys. Solids 48, 2000) would need a measured beta that depends on the path.
 

@@ -32,6 +32,7 @@ DRAWN = "pulse-tension-us"
 def study(name, budget):
     """Runs one study; what it says goes to a file, that of DRAWN to the figure too."""
     command = [str(ROOT / "target" / "release" / "barwave"), "cost", f"runs/{name}.toml", "--json", "--budget", budget]
+    command += ["--measure", "field-at-end"]
     if name == DRAWN:
         command += ["-o", "docs/cost.svg"]
     print(f"{name} ...", file=sys.stderr)

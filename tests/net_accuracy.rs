@@ -131,44 +131,6 @@ fn errors(run: impl Fn(usize) -> Vec<f64>, cells: &[usize]) -> Vec<[f64; 2]> {
     coarser.iter().map(error).collect()
 }
 
-/// A bar of 20 mm in cells of 1 mm, drawn out to a strain of about 1 at a constant rate: every cell carries the stress of its own rate of
-/// flow, although a step strains it by up to 200 times what changes the rate by a factor e.
-#[test]
-fn millimetre_cells_have_the_overstress_of_their_own_rate() {
-    let steel = || common::material(&[(YIELD / MODULUS, YIELD), (1.0, 1.01 * YIELD)], Beyond::Extend);
-    let johnson_cook = Overstress::JohnsonCook { c: 0.014, rate: MODULUS };
-    let cowper_symonds = Overstress::CowperSymonds { rate: 40.0 * MODULUS, exponent: 5.0 };
-    for law in [johnson_cook, cowper_symonds] {
-        for rate in [1e2, 1e3, 1e4] {
-            let pull = |sign: f64| {
-                let (full, peak) = (0.3 / rate, sign * 0.01 * rate);
-                let smooth = |k: i32| {
-                    let u = f64::from(k) / 200.0;
-                    (full * u, peak * u * u * u * (10.0 - 15.0 * u + 6.0 * u * u))
-                };
-                moved_by(&(0..=200).map(smooth).collect::<Vec<_>>())
-            };
-            let mut bar = net::net(vec![segment(steel(), 0.02)], [pull(-1.0), pull(1.0)], law, 0.0, 20);
-            net::advance_to(&mut bar, 1.0 / rate);
-            let accumulated = |bar: &Net| net::profile(bar, Quantity::AccumulatedPlasticStrain);
-            let before = accumulated(&bar);
-            bar.advance();
-            let now = net::profile(&bar, Quantity::Stress);
-            bar.advance();
-            let after = accumulated(&bar);
-            let mut worst = 0.0_f64;
-            for (cell, stress) in now.iter().enumerate() {
-                let flow = (after[cell] - before[cell]) / (2.0 * bar.grid().dt);
-                let f = YIELD * (1.0 + 0.01 * 0.5 * (before[cell] + after[cell]));
-                let exact = f + law.overstress(MODULUS * flow, f);
-                worst = worst.max((stress / exact - 1.0).abs());
-            }
-            println!("{law:?} at {rate}/s: {worst:.1e}");
-            assert!(worst < 2e-3, "{law:?} at {rate}/s: {worst:e}");
-        }
-    }
-}
-
 #[test]
 fn the_order_is_two_where_the_solution_is_smooth() {
     // No elastic limit: smooth everywhere. The others have a kink where the wave first yields, and at every knot.
@@ -200,14 +162,7 @@ fn the_order_is_two_where_the_solution_is_smooth() {
             );
             // Two, less what kinks cost in the maximum norm on these grids.
             let least = if norm == 0 { 1.9 } else { 1.75 };
-            if overstress.is_linear() {
-                assert!(orders.iter().all(|o| *o > least && *o < 2.4), "{name}, {kind}: {orders:?}");
-            } else {
-                // Flow at the overstress of the step's own rate has so little error on the coarse net (without it 2.3e-4 and 2.8e-4, mean)
-                // that only the finer ones show the order.
-                let most = [3e-5, 1e-4][norm];
-                assert!(orders[1] > least && orders[1] < 2.4 && coarse[norm] < most, "{name}, {kind}: {orders:?}");
-            }
+            assert!(orders.iter().all(|o| *o > least && *o < 2.4), "{name}, {kind}: {orders:?}");
         }
     }
 }

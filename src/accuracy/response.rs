@@ -176,7 +176,7 @@ mod tests {
             response
         };
         let errors = quiet(1e-9).errors(&quiet(0.0));
-        assert!(errors[Measure::FieldAtEnd].expect("measured") < 1e-8, "{errors:?}");
+        assert!(errors[Measure::FieldAtEnd].expect("measured") < 1e-7, "{errors:?}");
     }
 
     #[test]

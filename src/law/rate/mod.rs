@@ -79,13 +79,6 @@ pub struct Pace {
     parts: [Vec<[f64; 2]>; 2],
 }
 
-impl Pace {
-    /// Length of the step, s.
-    pub fn time(&self) -> f64 {
-        self.time
-    }
-}
-
 /// How the static curve goes on while a cell flows, and the law above it.
 #[derive(Debug, Clone, Copy)]
 struct Course {
@@ -234,30 +227,6 @@ impl RateLaw {
             flow = root(flow, [0.0, room.min(most)], size, answer);
         }
         flow
-    }
-
-    /// Flow within a part of a step of `time`, counted from its start, of a cell whose stress would rise steadily by `rise` (Pa, signed) in
-    /// the whole step and is `excess` > 0 beyond an elastic limit in its middle, but for the flow, by `share` of which it falls. Of a rise only
-    /// as much counts as leaves the cell beyond its limit throughout.
-    ///
-    /// The work of the overstress is that of the whole stress, s - `share` p/2 on the mean of a flow p, less that of the elastic limit.
-    pub fn flow_driven(
-        &self,
-        [excess, rise]: [f64; 2],
-        sense: usize,
-        share: f64,
-        [part, time]: [f64; 2],
-        history: &mut History,
-    ) -> Flow {
-        let sign = if sense == 0 { 1.0 } else { -1.0 };
-        let rise = (sign * rise).clamp(-2.0 * excess, 2.0 * excess);
-        let limit = |history: &History| sign * self.limits(history)[1 - sense];
-        let driven = Driven { excess: excess - 0.5 * rise, rise: part * rise, time: part * time };
-        let flow = self.strained(driven, share, sense, history);
-        let before = limit(history);
-        self.advance(flow, sense, history);
-        let above = excess - 0.5 * (share * flow + limit(history) - before);
-        Flow { plastic: sign * flow, overstress: above.max(0.0) * flow }
     }
 
     /// Takes a history on by a flow (>= 0) in a sense.

@@ -188,8 +188,8 @@ mod tests {
             assert!(message(&bytes[..length]).contains("damaged"), "{length} bytes");
         }
         assert!(message(&[&bytes[..], b" "].concat()).contains("damaged"));
-        let later = String::from_utf8_lossy(&bytes[..bytes.len().min(19)]) + "2\n";
-        assert!(message(&[later.as_bytes(), &bytes[21..]].concat()).contains("version 2"));
+        let later = String::from_utf8_lossy(&bytes[..bytes.len().min(19)]) + "99\n";
+        assert!(message(&[later.as_bytes(), &bytes[21..]].concat()).contains("version 99"));
         remove(&output);
         assert_eq!(std::fs::read_dir(folder.path()).expect("a folder").count(), 0);
     }

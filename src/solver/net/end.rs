@@ -48,8 +48,6 @@ struct Answer {
     velocity: f64,
     flow: Flow,
     history: History,
-    /// Stress that reaches the end node, and by how much it falls as that flows, Pa.
-    reached: [f64; 2],
     /// The end's relation was met.
     met: bool,
 }
@@ -82,8 +80,6 @@ impl End {
             let node = self.node(part);
             part.borders.set(&part.law, node, answer.history);
         }
-        let (node, [stress, drop]) = (self.node(part), answer.reached);
-        part.borders.note(node, stress, drop);
         let impulse = self.dt * answer.force;
         let push = Push { force: answer.force, velocity: answer.velocity, impulse };
         let held = self.model.energy(self.displacement);
@@ -158,10 +154,10 @@ impl End {
         let [elastic, _] = relation.meet(bar);
         let share = INSIDE * relation.of_velocity / (relation.of_velocity + relation.of_force * bar.impedance);
         let stress = -elastic / self.face.area;
-        let (flow, history) = part.borders.flow(&part.law, self.node(part), stress, share, [1.0, self.dt]);
+        let (flow, history) = part.borders.flow(&part.law, self.node(part), stress, share, self.dt);
         let flowed = Response { force: bar.force + self.face.area * (0.25 * flow.plastic), ..*bar };
         let [force, velocity] = relation.meet(&flowed);
-        Answer { force, velocity, flow, history, reached: [stress, share * flow.plastic], met: true }
+        Answer { force, velocity, flow, history, met: true }
     }
 
     /// Displacement at the whole step, m, positive in +x.

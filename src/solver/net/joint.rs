@@ -37,7 +37,7 @@ struct Side<'a> {
 
 impl Side<'_> {
     fn flow(&self, force: f64, dt: f64) -> (Flow, History) {
-        self.part.borders.flow(&self.part.law, self.node, -force / self.part.area, self.share, [1.0, dt])
+        self.part.borders.flow(&self.part.law, self.node, -force / self.part.area, self.share, dt)
     }
 
     /// The force after a flow.

@@ -23,46 +23,6 @@ pub(super) struct Nodes {
     pub low: Vec<f64>,
     pub high: Vec<f64>,
     pub history: Vec<History>,
-    drive: Drive,
-}
-
-/// What strains nodes from step to step, where the law asks for it: a step that is long against the relaxation time then has the overstress of
-/// its own strain rate, not one set by its length.
-///
-/// With s_n the stress that reaches a node in step n and d_n what it falls by as the node flows, s_n - (s_{n-1} - d_{n-1}) is what would be
-/// added to it if it did not flow. As far as two steps in a row agree on that, the stress rises steadily through the step, in whose middle
-/// it is s_n; what is more than that is a jump, which is there from the beginning.
-#[derive(Debug, Clone, Default, Serialize, Deserialize)]
-struct Drive {
-    /// s - d of the latest step, Pa; empty where the law does not ask for it.
-    left: Vec<f64>,
-    /// What was added then, Pa.
-    added: Vec<f64>,
-}
-
-impl Drive {
-    fn new(law: &RateLaw, count: usize) -> Self {
-        // A law that is linear in the overstress flows on the mean of a step at the mean overstress.
-        let count = if law.overstress().is_linear() { 0 } else { count };
-        Self { left: vec![0.0; count], added: vec![0.0; count] }
-    }
-
-    /// Steady rise within a step of node `i` that `stress` reaches.
-    #[inline]
-    fn rise(&self, i: usize, stress: f64) -> f64 {
-        let (Some(left), Some(&before)) = (self.left.get(i), self.added.get(i)) else { return 0.0 };
-        let now = stress - left;
-        if now * before > 0.0 { now.signum() * now.abs().min(before.abs()) } else { 0.0 }
-    }
-
-    /// Takes node `i` on, which `stress` reached and that fell by `drop`.
-    #[inline]
-    fn note(&mut self, i: usize, stress: f64, drop: f64) {
-        if let (Some(left), Some(added)) = (self.left.get_mut(i), self.added.get_mut(i)) {
-            *added = stress - *left;
-            *left = stress - drop;
-        }
-    }
 }
 
 /// Sums of plastic work.
@@ -122,30 +82,17 @@ impl Nodes {
     fn new(law: &RateLaw, count: usize) -> Self {
         let virgin = History::default();
         let [low, high] = law.limits(&virgin);
-        Self {
-            low: vec![low; count],
-            high: vec![high; count],
-            history: vec![virgin; count],
-            drive: Drive::new(law, count),
-        }
+        Self { low: vec![low; count], high: vec![high; count], history: vec![virgin; count] }
     }
 
-    /// What node `i` would flow within a part of a step of `time`, counted from its start, and its history then.
-    pub fn flow(&self, law: &RateLaw, i: usize, stress: f64, share: f64, [part, time]: [f64; 2]) -> (Flow, History) {
+    /// What node `i` would flow within `time`, and its history then.
+    pub fn flow(&self, law: &RateLaw, i: usize, stress: f64, share: f64, time: f64) -> (Flow, History) {
         let mut history = self.history[i];
         let flow = match beyond(stress, self.low[i], self.high[i]) {
-            Some((sense, excess)) => match self.drive.rise(i, stress) {
-                0.0 => law.flow(excess, sense, share, part * time, &mut history),
-                rise => law.flow_driven([excess, rise], sense, share, [part, time], &mut history),
-            },
+            Some((sense, excess)) => law.flow(excess, sense, share, time, &mut history),
             None => Flow::default(),
         };
         (flow, history)
-    }
-
-    /// Notes what reached node `i` and what it fell by.
-    pub fn note(&mut self, i: usize, stress: f64, drop: f64) {
-        self.drive.note(i, stress, drop);
     }
 
     /// Takes node `i` to a new history.
@@ -162,8 +109,7 @@ impl Nodes {
         let count = f.len();
         let g = &mut g[..count];
         let (low, high) = (&mut self.low[first..first + count], &mut self.high[first..first + count]);
-        let (history, drive) = (&mut self.history[first..first + count], &mut self.drive);
-        let driven = !drive.left.is_empty();
+        let history = &mut self.history[first..first + count];
         let mut sum = Work::default();
         let mut start = 0;
         while start < count {
@@ -171,25 +117,14 @@ impl Nodes {
             if any_beyond(&f[start..end], &g[start..end], &low[start..end], &high[start..end]) {
                 for i in start..end {
                     let stress = 0.5 * (f[i] + g[i]);
-                    let Some((sense, excess)) = beyond(stress, low[i], high[i]) else {
-                        drive.note(first + i, stress, 0.0);
-                        continue;
-                    };
-                    let flow = match drive.rise(first + i, stress) {
-                        0.0 => law.flow_at(pace, excess, sense, &mut history[i]),
-                        rise => law.flow_driven([excess, rise], sense, INSIDE, [1.0, pace.time()], &mut history[i]),
-                    };
+                    let Some((sense, excess)) = beyond(stress, low[i], high[i]) else { continue };
+                    let flow = law.flow_at(pace, excess, sense, &mut history[i]);
                     [low[i], high[i]] = law.limits(&history[i]);
                     let drop = INSIDE * flow.plastic;
-                    drive.note(first + i, stress, drop);
                     f[i] -= drop;
                     g[i] -= drop;
                     sum.total += (stress - 0.5 * drop) * flow.plastic;
                     sum.overstress += flow.overstress;
-                }
-            } else if driven {
-                for i in start..end {
-                    drive.note(first + i, 0.5 * (f[i] + g[i]), 0.0);
                 }
             }
             start = end;
@@ -262,12 +197,9 @@ impl Part {
     /// Stress and history of local cell `i` at the whole step, half of its flow done; and the work of that half.
     pub fn cell(&self, i: usize, dt: f64) -> (f64, History, Work) {
         let stress = 0.5 * (self.f[i] + self.g[i]);
-        let (flow, history) = self.centres.flow(&self.law, i, stress, INSIDE, [0.5, dt]);
+        let (flow, history) = self.centres.flow(&self.law, i, stress, INSIDE, 0.5 * dt);
         let drop = INSIDE * flow.plastic;
-        // The half step's part is never more than the whole, so that the sum never falls.
-        let whole = || self.centres.flow(&self.law, i, stress, INSIDE, [1.0, dt]).0.overstress;
-        let overstress = if flow.overstress > 0.0 { flow.overstress.min(whole()) } else { 0.0 };
-        let work = Work { total: (stress - 0.5 * drop) * flow.plastic, overstress };
+        let work = Work { total: (stress - 0.5 * drop) * flow.plastic, overstress: flow.overstress };
         (stress - drop, history, work)
     }
 

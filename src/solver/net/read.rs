@@ -68,8 +68,7 @@ impl Net {
     pub fn ends(&self) -> [EndReading; 2] {
         let (time, dt) = (self.time(), self.grid.dt);
         let leaving = |part: &Part, i: usize| {
-            let (flow, _) =
-                part.centres.flow(&part.law, i, 0.5 * (part.f[i] + part.g[i]), super::part::INSIDE, [1.0, dt]);
+            let (flow, _) = part.centres.flow(&part.law, i, 0.5 * (part.f[i] + part.g[i]), super::part::INSIDE, dt);
             super::part::INSIDE * flow.plastic
         };
         let (first, last) = (&self.parts[0], &self.parts[self.parts.len() - 1]);
@@ -163,6 +162,6 @@ impl Net {
         self.parts.iter().all(|p| p.work.overstress == 0.0 && p.work.total == 0.0)
     }
 
-    /// Memory of a cell, bytes: what travels through it, and its two nodes with their limits, histories and what drives them.
-    pub const BYTES_PER_CELL: usize = 2 * size_of::<f64>() + 2 * (size_of::<History>() + 4 * size_of::<f64>());
+    /// Memory of a cell, bytes: what travels through it, and its two nodes with their limits and histories.
+    pub const BYTES_PER_CELL: usize = 2 * size_of::<f64>() + 2 * (size_of::<History>() + 2 * size_of::<f64>());
 }

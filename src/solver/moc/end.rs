@@ -1,7 +1,7 @@
 //! The ends of a tracked bar: when their steps begin and end, and what they record. What an end asks of the bar is its model's, see
 //! [`crate::bar::ends`].
 
-use super::contact::JointChange;
+use super::joint_clock::JointChange;
 use super::ramp::Imposed;
 use super::step_control::StepControl;
 use super::stepping::{Account, Held, Stepping};

@@ -2,46 +2,11 @@
 //!
 //! Every state of the bar first exists behind the waves of a Riemann problem, so that only those states need a look.
 
-use super::{FrontTracking, Stopped};
-use crate::bar::Bar;
-use crate::law::{DataEnd, Flowing, Limit, Reached};
+use super::FrontTracking;
+use super::known_limits::PointAtLimit;
+use crate::law::{Flowing, Limit};
 use crate::material::Sense;
 use crate::wave::riemann::{Flow, Medium, Path, Point};
-
-/// A point of the bar at such a limit.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PointAtLimit {
-    /// Index of its segment.
-    pub segment: usize,
-    /// s.
-    pub time: f64,
-    /// m.
-    pub x: f64,
-    /// What it has reached.
-    pub reached: Reached,
-}
-
-/// The limits of every segment, and the first point to reach each kind.
-#[derive(Debug, Clone)]
-pub(super) struct Limits {
-    ends: Vec<DataEnd>,
-    passed: Vec<PointAtLimit>,
-    /// The run ends where nothing is known of a material any more.
-    stops: bool,
-    stop: Option<PointAtLimit>,
-}
-
-impl Limits {
-    pub fn new(bar: &Bar, stops: bool) -> Self {
-        let ends = bar.segments.iter().map(|segment| DataEnd::of(&segment.material)).collect();
-        Self { ends, passed: Vec::new(), stops, stop: None }
-    }
-
-    /// The point that stops the run before this time (s), if there is one.
-    pub fn check(&self, until: f64) -> Result<(), Stopped> {
-        self.stop.filter(|stop| stop.time < until).map_or(Ok(()), |stop| Err(Stopped::AtLimit(stop)))
-    }
-}
 
 impl FrontTracking {
     /// The first points that reached each limit, in the order of time.

@@ -7,14 +7,19 @@
 //! with the bookkeeping of Holden and Risebro (Front Tracking for Hyperbolic Conservation Laws).
 
 mod at_end;
+mod breaking;
 mod compare;
 mod contact;
 mod end;
+mod joint_clock;
+mod known_limits;
 mod limits;
 mod list;
 mod meeting;
 mod merge_fronts;
+mod merging;
 mod nearness;
+mod openings;
 mod place;
 mod ramp;
 mod read;
@@ -22,6 +27,7 @@ mod resolve;
 mod rupture;
 mod sample;
 mod scale;
+mod shift;
 mod step_control;
 mod stepping;
 mod sums;
@@ -29,11 +35,11 @@ mod tracking;
 mod trail;
 
 pub use compare::{COARSER, SAFETY};
-pub use contact::{JointChange, JointState};
 pub use end::{EndRecord, EndStep, StrikerState};
-pub use limits::PointAtLimit;
+pub use joint_clock::{JointChange, JointState};
+pub use known_limits::PointAtLimit;
+pub use openings::Opening;
 pub use read::{Front, Piece, Sample};
-pub use sample::Opening;
 pub use sums::Balance;
 pub use tracking::FrontTracking;
 pub use trail::Trail;

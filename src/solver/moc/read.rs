@@ -1,8 +1,8 @@
 //! What a tracked bar looks like now: its pieces, its fronts, the state at a place.
 
 use super::FrontTracking;
-use super::contact::JointChange;
 use super::end::{EndRecord, StrikerState};
+use super::joint_clock::JointChange;
 use super::list::Kind;
 use crate::material::Heating;
 use crate::wave::riemann::{Medium, Point};

@@ -3,20 +3,8 @@
 use super::FrontTracking;
 use super::list::{Kind, Node};
 use super::meeting::Meeting;
+use super::openings::Opening;
 use crate::wave::riemann::Point;
-
-/// A place at rest whose two sides differ in velocity.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Opening {
-    /// m.
-    pub x: f64,
-    /// s.
-    pub since: f64,
-    /// Velocity of the right side less that of the left, m/s: positive where it opens.
-    pub velocity: f64,
-    /// Segment and stress (Pa) of the left and of the right side.
-    pub sides: [(usize, f64); 2],
-}
 
 impl FrontTracking {
     /// Memory of a front under way: its node, and its next meeting in the queue.
@@ -125,39 +113,5 @@ impl FrontTracking {
     /// when it is called again with a larger budget: so a long run can be interrupted.
     pub fn set_event_budget(&mut self, events: u64) {
         self.budget = events;
-    }
-}
-
-/// Parts of the bar for which openings are added up: each opening is small, and there can be millions.
-const PARTS: usize = 4096;
-
-/// What velocity jumps at rest have opened for good, added up over small parts of the bar.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Openings {
-    /// One entry a part, m; empty until there is an opening.
-    parts: Vec<f64>,
-}
-
-impl Openings {
-    fn add(&mut self, share: f64, opening: f64) {
-        self.parts.resize(PARTS, 0.0);
-        self.parts[((share * PARTS as f64) as usize).min(PARTS - 1)] += opening;
-    }
-
-    /// Adds, at every place of `x` (increasing), what has opened to its left.
-    fn add_up(&self, x: &[f64], length: f64, out: &mut [f64]) {
-        if self.parts.is_empty() {
-            return;
-        }
-        let (mut k, mut sum) = (0, 0.0);
-        for (x, out) in x.iter().zip(out) {
-            let place = x / length * PARTS as f64;
-            while k < PARTS && (k + 1) as f64 <= place {
-                sum += self.parts[k];
-                k += 1;
-            }
-            // Within a part, as if it had opened evenly.
-            *out += sum + self.parts.get(k).map_or(0.0, |part| part * (place - k as f64));
-        }
     }
 }

@@ -1,0 +1,40 @@
+//! The limits of what is known of the materials, and the first points of the bar that came to them.
+
+use super::Stopped;
+use crate::bar::Bar;
+use crate::law::{DataEnd, Reached};
+
+/// A point of the bar at such a limit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PointAtLimit {
+    /// Index of its segment.
+    pub segment: usize,
+    /// s.
+    pub time: f64,
+    /// m.
+    pub x: f64,
+    /// What it has reached.
+    pub reached: Reached,
+}
+
+/// The limits of every segment, and the first point to reach each kind.
+#[derive(Debug, Clone)]
+pub(super) struct Limits {
+    pub ends: Vec<DataEnd>,
+    pub passed: Vec<PointAtLimit>,
+    /// The run ends where nothing is known of a material any more.
+    pub stops: bool,
+    pub stop: Option<PointAtLimit>,
+}
+
+impl Limits {
+    pub fn new(bar: &Bar, stops: bool) -> Self {
+        let ends = bar.segments.iter().map(|segment| DataEnd::of(&segment.material)).collect();
+        Self { ends, passed: Vec::new(), stops, stop: None }
+    }
+
+    /// The point that stops the run before this time (s), if there is one.
+    pub fn check(&self, until: f64) -> Result<(), Stopped> {
+        self.stop.filter(|stop| stop.time < until).map_or(Ok(()), |stop| Err(Stopped::AtLimit(stop)))
+    }
+}

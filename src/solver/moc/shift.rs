@@ -1,0 +1,57 @@
+//! What bringing nodes to one point does to energy and momentum.
+
+use super::FrontTracking;
+use super::list::{NONE, Node};
+use super::place::{Content, Place};
+
+impl FrontTracking {
+    /// Length of the piece to the right of a node now, m; below zero where rounding let its borders pass each other.
+    pub(super) fn length_after(&self, node: &Node) -> f64 {
+        self.list.get(node.next).place(self.now).from(node.place(self.now))
+    }
+
+    fn add_piece(&self, node: &Node, length: f64, sum: &mut Content) {
+        let medium = &self.media[node.segment as usize];
+        let volume = medium.area * length;
+        sum.energy += volume * medium.energy(&node.right);
+        sum.momentum += volume * medium.density * node.right.velocity;
+    }
+
+    /// What is between two nodes now.
+    pub(super) fn content(&self, first: u32, last: u32) -> Content {
+        let (mut sum, mut id) = (Content::default(), first);
+        while id != last {
+            let node = self.list.get(id);
+            self.add_piece(node, self.length_after(node), &mut sum);
+            id = node.next;
+        }
+        sum
+    }
+
+    /// The neighbours of the nodes `first..=last`; an end is its own.
+    fn around(&self, first: u32, last: u32) -> (u32, u32) {
+        let (prev, next) = (self.list.get(first).prev, self.list.get(last).next);
+        (if prev == NONE { first } else { prev }, if next == NONE { last } else { next })
+    }
+
+    /// Books what it changes that the nodes `first..=last` are all brought to x.
+    pub(super) fn book_shift(&mut self, first: u32, last: u32, x: f64) {
+        let (from, to) = self.around(first, last);
+        let before = self.content(from, to);
+        let (place, mut after) = (Place::at_rest(x), Content::default());
+        let left = self.list.get(from);
+        self.add_piece(left, place.from(left.place(self.now)), &mut after);
+        if to != last {
+            let right = self.list.get(last);
+            self.add_piece(right, self.list.get(to).place(self.now).from(place), &mut after);
+        }
+        self.booked.shifted.add(before, after);
+    }
+
+    /// What part of the energy that is in the bar was moved because places are rounded and near ones count as one: a measure
+    /// of the errors of waves too short to be resolved.
+    pub fn unresolved(&self) -> f64 {
+        let total = self.content(self.end_nodes[0], self.end_nodes[1]).energy;
+        if total > 0.0 { self.booked.shifted.turnover / total } else { 0.0 }
+    }
+}

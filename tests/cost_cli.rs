@@ -109,6 +109,35 @@ fn wrong_input_is_refused_before_anything_runs() {
     assert!(refused(&["--budget", "5 m"]).contains("--budget"));
     assert!(refused(&["-o", "figure.pdf"]).contains(".csv, .svg, .png, .html or .json"));
     assert!(refused(&["--set", "solve.method=magic"]).contains("method"));
+    assert!(refused(&["--measure", "strain"]).contains("residual-strain, peak-force"));
+    assert!(refused(&["--measure", "gauges", "--set", "record.gauges={}"]).contains("the scene has no gauges"));
+}
+
+/// The pulse has left the bar by the end time: no relative error of the stress there can be measured, but over bar and time it can.
+#[test]
+fn methods_are_compared_in_a_bar_without_stress_at_the_end() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let pulse = [
+        "left.release=20us",
+        "right={kind=\"absorbing\"}",
+        "solve.until=500us",
+        "solve.method=\"fd\"",
+        "solve.cells=100",
+    ];
+    for measure in ["field", "peak-force"] {
+        let mut arguments = vec!["--json", "--budget", "6s", "--measure", measure];
+        arguments.extend(pulse.iter().flat_map(|set| ["--set", set]));
+        let found = json(&cost(folder.path(), "bilinear-p2.toml", &arguments));
+        let points = list(&found, "points");
+        for scheme in ["leapfrog", "muscl", "front-tracking"] {
+            let own: Vec<&Value> = points.iter().filter(|point| point["scheme"] == scheme).collect();
+            assert!(!own.is_empty(), "{scheme} by {measure}: {}", found["skipped"]);
+            for point in own {
+                assert_eq!(point["error"], point["errors"][measure.replace('-', "_")], "{point}");
+                assert!(number(point, "error") < 1.0, "{point}");
+            }
+        }
+    }
 }
 
 #[cfg(unix)]

@@ -129,6 +129,29 @@ fn the_summary_says_what_was_chosen_and_the_plan_what_there_is_to_choose() {
     assert_eq!(Some(error.value), summary["error"]["value"].as_f64());
 }
 
+/// The stress at the end time was right to less than the tolerance with a tenth of the cells, and the peak force 3e-3 off.
+#[test]
+fn the_peak_force_of_a_striker_is_within_the_tolerance() {
+    let case = held_out().into_iter().find(|case| case.name == "mass on a rod").expect("one of them");
+    // rho c0 v of the struck end.
+    let exact = (200e9_f64 * 7800.0).sqrt() * 5.0;
+    for tolerance in [1e-2, 2e-3] {
+        let scene = case.scene(&format!("tolerance = {tolerance:e}"));
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("out.h5");
+        let summary = run::run(&scene, Some(&path), &mut |_| Wish::GoOn).unwrap_or_else(|e| panic!("{e}"));
+        let errors = summary.errors.expect("a table");
+        assert!(errors.entries().all(|(_, error)| error <= tolerance), "{errors}");
+        let file = hdf5::File::open(&path).expect("it opens");
+        let stress = file.dataset("ends/left/stress").and_then(|stress| stress.read_raw::<f64>()).expect("a record");
+        let peak = stress.iter().fold(0.0_f64, |most, s| most.max(s.abs()));
+        assert!((peak / exact - 1.0).abs() < tolerance, "{}: {peak} {exact}", summary.scheme);
+        let stored: f64 =
+            file.group("error").and_then(|group| group.attr("peak_force")?.read_scalar()).expect("stored");
+        assert_eq!(Some(stored), errors[Measure::PeakForce]);
+    }
+}
+
 #[test]
 fn a_tolerance_stands_alone() {
     for (solve, key) in [

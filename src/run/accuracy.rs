@@ -26,9 +26,6 @@ const WORK_BETWEEN_CALLS: usize = 4_000_000;
 /// The reference of bars through which one fan runs.
 pub(super) const SIMILAR: &str = "self-similar solution";
 
-/// What the errors of a table are.
-const MEASURE: &str = "largest of the relative errors";
-
 /// What a run on a grid gave, without recorders.
 #[derive(Debug)]
 pub(super) struct Coarse {
@@ -53,7 +50,7 @@ pub(super) fn common_instants(steps: usize, dt: f64) -> Vec<f64> {
 pub(super) fn figure(table: ErrorTable, reference: String) -> ErrorFigure {
     let largest = table.largest();
     let measure =
-        largest.map_or_else(|| MEASURE.to_owned(), |(measure, _)| format!("{MEASURE}: {}", measure.describe()));
+        largest.map_or_else(String::new, |(measure, _)| format!("{}, the largest of all", measure.describe()));
     ErrorFigure { value: largest.map_or(0.0, |largest| largest.1), measure, reference, table: Some(table) }
 }
 

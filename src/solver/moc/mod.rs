@@ -33,6 +33,7 @@ mod stepping;
 mod sums;
 mod tracking;
 mod trail;
+mod trails;
 
 pub use compare::{COARSER, SAFETY};
 pub use end::{EndRecord, EndStep, StrikerState};

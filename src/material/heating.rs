@@ -9,6 +9,7 @@ use serde::Serialize;
 use super::softening::Warmth;
 use super::tabulate::refine;
 use super::{Beyond, Curve, CurveError, Material, SLOPE_ROUND_OFF, Sense};
+use crate::units::Dimension;
 
 /// Fraction of the plastic work that heats where neither scene nor material says (Taylor and Quinney 1934).
 pub const DEFAULT_FRACTION: f64 = 0.9;
@@ -166,6 +167,9 @@ impl Heating {
             last = row.0.max(last);
             keep
         });
+        // Next to melting, less than any measurable stress is none.
+        let least = Dimension::Stress.magnitudes().least;
+        rows.iter_mut().filter(|row| row.1 < least).for_each(|row| row.1 = 0.0);
         Curve::new(&rows, cold.beyond())
     }
 }

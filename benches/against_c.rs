@@ -15,7 +15,6 @@ use std::time::Instant;
 
 use barwave::assemble;
 use barwave::bar::EndCondition;
-use barwave::run;
 use barwave::scene::Scene;
 use barwave::solver::fd::Quantity;
 
@@ -116,7 +115,7 @@ struct Outcome {
 fn run_here(problem: Problem, cells: usize) -> Outcome {
     let scene = problem.scene(cells);
     let mut bar = assemble::leapfrog(&scene, cells, 1.0);
-    let steps = run::steps(&scene, bar.grid().dt);
+    let steps = bar.grid().steps_to(scene.solve.until);
     let start = Instant::now();
     bar.advance_by(steps);
     let seconds = start.elapsed().as_secs_f64();

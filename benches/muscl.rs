@@ -8,7 +8,6 @@ use std::time::Instant;
 use barwave::assemble;
 use barwave::bar::launches;
 use barwave::record::{Stepped, against_similarity};
-use barwave::run;
 use barwave::scene::Scene;
 
 const RUNS: usize = 7;
@@ -28,7 +27,7 @@ fn measure<S: Stepped>(scene: &Scene, build: impl Fn() -> S) -> (f64, f64) {
     let mut error = f64::NAN;
     for _ in 0..RUNS {
         let mut bar = build();
-        let steps = run::steps(scene, bar.grid().dt);
+        let steps = bar.grid().steps_to(scene.solve.until);
         let start = Instant::now();
         bar.advance_by(steps);
         let work = (bar.grid().cells() * steps) as f64;

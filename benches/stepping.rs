@@ -5,10 +5,10 @@
 
 use std::path::Path;
 
+use barwave::assemble;
 use barwave::record::Stepped;
 use barwave::scene::Scene;
 use barwave::solver::moc::Settings;
-use barwave::{assemble, run};
 use criterion::{BatchSize, Bencher, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 
 const CELLS: [usize; 2] = [1000, 4000];
@@ -32,7 +32,7 @@ fn problem(criterion: &mut Criterion, name: &str) {
     let mut group = criterion.benchmark_group(name);
     group.sample_size(20);
     for cells in CELLS {
-        let steps = run::steps(&scene, assemble::leapfrog(&scene, cells, 1.0).grid().dt);
+        let steps = assemble::leapfrog(&scene, cells, 1.0).grid().steps_to(scene.solve.until);
         group.throughput(Throughput::Elements((cells * steps) as u64));
         group.bench_with_input(BenchmarkId::new("leapfrog", cells), &cells, |bencher, &cells| {
             grid(bencher, steps, || assemble::leapfrog(&scene, cells, 1.0));

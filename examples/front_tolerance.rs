@@ -11,7 +11,7 @@ mod long_bars;
 use std::time::{Duration, Instant};
 
 use barwave::solver::moc::{COARSER, FrontTracking, Settings};
-use long_bars::{Case, cases, difference};
+use long_bars::{Case, cases, difference, figure};
 use rayon::prelude::*;
 
 const TOLERANCES: [f64; 3] = [1e-1, 3e-2, 1e-2];
@@ -23,13 +23,12 @@ const REPEATS: usize = 3;
 
 /// A run up to its end; none where it takes too many events or too long.
 fn finer(case: &Case, tolerance: f64, deadline: Instant) -> Option<FrontTracking> {
-    let settings = Settings { front_tolerance: tolerance, event_budget: BURST, ..Settings::default() };
+    let settings = Settings { front_tolerance: tolerance, event_budget: MOST_EVENTS, ..Settings::default() };
     let mut run = FrontTracking::new(&case.bar, case.flow, case.ends.clone(), settings);
-    while run.advance_to(case.until()).is_err() {
-        if run.events() >= MOST_EVENTS || Instant::now() > deadline {
+    while !run.advance_for(case.until(), BURST).ok()? {
+        if Instant::now() > deadline {
             return None;
         }
-        run.set_event_budget(run.events() + BURST);
     }
     Some(run)
 }
@@ -57,7 +56,7 @@ fn lines(case: &Case, runs: &[(f64, FrontTracking, f64)], deadline: Instant) -> 
         reached = truth.is_some();
         let error = truth.map_or_else(String::new, |truth| format!("{:.3e}", difference(run, &truth)));
         let (companion, ended) = case.run(COARSER * tolerance, MOST_EVENTS);
-        let figure = ended.map_or_else(|_| String::new(), |()| format!("{:.3e}", run.error_figure(&companion)));
+        let figure = ended.map_or_else(|_| String::new(), |()| format!("{:.3e}", figure(case, run, &companion)));
         let balance = run.balance();
         let taken = balance.thinned / balance.total();
         let (events, fronts) = (run.events(), run.front_count());

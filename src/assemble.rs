@@ -20,23 +20,28 @@ use crate::solver::muscl::Muscl;
 use crate::solver::net::{Lattice, Net};
 use crate::wave::riemann::{Flow, Medium};
 
-/// What is to be done with a bar on a grid, whatever its solver.
-pub trait OnGrid {
+/// What is to be done with the bar of a scene, whatever its solver.
+pub trait Task {
     /// What comes of it.
     type Output;
 
-    /// Does it.
-    fn with(self, bar: impl Stepped + Snapshot) -> Self::Output;
+    /// Does it with a bar on a grid.
+    fn on_grid(self, bar: impl Stepped + Snapshot) -> Self::Output;
+
+    /// Does it by front tracking, with the scene's settings.
+    fn by_fronts(self, settings: Settings) -> Self::Output;
 }
 
-/// Builds the bar of a scene's method and hands it on, if that method has a grid: the one place that chooses between solvers. None by front
-/// tracking. Tapers have to be in pieces where the method asks for it, see [`Scene::in_pieces`].
-pub fn on_grid<T: OnGrid>(scene: &Scene, task: T) -> Option<T::Output> {
+/// Hands the bar of a scene's method to a task: the one place that chooses between solvers. Tapers have to be in pieces where the method asks
+/// for it, see [`Scene::in_pieces`].
+pub fn solve<T: Task>(scene: &Scene, task: T) -> T::Output {
     match scene.solve.method {
-        Method::Leapfrog { cells, cfl } => Some(task.with(leapfrog(scene, cells, cfl))),
-        Method::Muscl { cells, cfl } => Some(task.with(muscl(scene, cells, cfl))),
-        Method::CharacteristicNet { cells } => Some(task.with(characteristic_net(scene, cells))),
-        Method::FrontTracking { .. } => None,
+        Method::Leapfrog { cells, cfl } => task.on_grid(leapfrog(scene, cells, cfl)),
+        Method::Muscl { cells, cfl } => task.on_grid(muscl(scene, cells, cfl)),
+        Method::CharacteristicNet { cells } => task.on_grid(characteristic_net(scene, cells)),
+        Method::FrontTracking { front_tolerance, event_budget } => {
+            task.by_fronts(Settings { front_tolerance, event_budget, ..Settings::default() })
+        }
     }
 }
 

@@ -8,6 +8,8 @@ pub mod error;
 
 pub mod units;
 
+mod root;
+
 pub mod text_file;
 
 pub mod destination;
@@ -31,6 +33,8 @@ pub mod solver;
 pub mod impact;
 
 pub mod record;
+
+pub mod simulate;
 
 pub mod scene;
 

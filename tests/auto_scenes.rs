@@ -43,7 +43,7 @@ fn answer(name: &str, effects: &[&str]) -> Option<Vec<Vec<f64>>> {
     let effects = format!("effects={{ {} }}", written.join(", "));
     let scene = read(name, &[effects, "solve.method=fd".to_owned(), format!("solve.cells={CELLS}")]).ok()?;
     let mut bar = assemble::leapfrog(&scene, CELLS, 1.0);
-    let steps = run::steps(&scene, bar.grid().dt);
+    let steps = bar.grid().steps_to(scene.solve.until);
     let mut moments = Vec::new();
     for step in 1..=steps {
         bar.advance();

@@ -10,7 +10,7 @@ use std::process::Command;
 use barwave::solver::moc::COARSER;
 use serde_json::Value;
 
-use long_bars::{Case, cases, difference};
+use long_bars::{Case, cases, difference, figure};
 
 /// Most that the figure may be, over the true error.
 const LOOSEST: f64 = 30.0;
@@ -38,7 +38,7 @@ fn measure(case: &Case, tolerance: f64) -> (f64, f64) {
     let [run, companion, truth] = [tolerance, COARSER * tolerance, 0.01 * tolerance].map(run);
     let (apart, total) = truth.plastic_difference(&run);
     let plastic = if total > 0.0 { apart / total } else { 0.0 };
-    (difference(&run, &truth).max(plastic), run.error_figure(&companion))
+    (difference(&run, &truth).max(plastic), figure(case, &run, &companion))
 }
 
 #[test]

@@ -237,8 +237,8 @@ fn along(material: &Material, path: &[f64], steps: usize, effects: &Effects) -> 
             if first {
                 sigma[0] = MODULUS * increment;
             }
-            let (work, turned, flow) = (&mut [0.0], &mut [0.0], &mut [0]);
-            let row = Row { gain: MODULUS, v: &v, sigma: &mut sigma, work, turned, flow, cells: 0..1 };
+            let (work, flow) = (&mut [0.0], &mut [0]);
+            let row = Row { gain: MODULUS, v: &v, sigma: &mut sigma, work, turned: None, flow, cells: 0..1 };
             if first {
                 law.first_yield(row, &mut state)
             } else {

@@ -16,7 +16,9 @@ const CIRCLES_ALLOWED: [&str; 0] = [];
 
 /// Top-level modules in the order of lib.rs.
 fn layers(lib: &str) -> Vec<String> {
-    let name = |line: &str| line.strip_prefix("pub mod ")?.strip_suffix(';').map(str::to_owned);
+    let name = |line: &str| {
+        line.strip_prefix("pub ").unwrap_or(line).strip_prefix("mod ")?.strip_suffix(';').map(str::to_owned)
+    };
     lib.lines().filter_map(|line| name(line.trim())).collect()
 }
 

@@ -257,9 +257,9 @@ fn the_pattern_of_stress_that_a_rod_keeps_is_felt_only_past_zero_torque() {
         let mut worst = [0.0_f64; 3];
         for i in 1..=3000 {
             let next = if i <= 1000 { top * f64::from(i) / 1000.0 } else { top * (1.0 - f64::from(i - 1000) / 1000.0) };
-            let (v, turned) = (&[strain, next], &mut [0.0]);
+            let v = &[strain, next];
             law.advance(
-                Row { gain: G, v, sigma: &mut sigma, work: &mut work, turned, flow: &mut flow, cells: 0..1 },
+                Row { gain: G, v, sigma: &mut sigma, work: &mut work, turned: None, flow: &mut flow, cells: 0..1 },
                 &mut state,
             );
             strain = next;

@@ -1,14 +1,12 @@
 //! Gathers the response of a bar while it is simulated: on a grid, and by front tracking.
 
-use std::time::Instant;
-
 use serde::{Deserialize, Serialize};
 
 use super::response::{Response, evenly};
 use super::shape::{Cells, Shape};
 use crate::bar::Bar;
-use crate::record::{Stepped, Trace, Traces};
-use crate::solver::fd::{Quantity, Sampling};
+use crate::record::{EndHistories, Stepped, Trace};
+use crate::solver::fd::Quantity;
 use crate::solver::moc::{FrontTracking, Piece};
 
 /// Values that the fields and the histories may hold, each: fewer instants and rows where the bar has more cells and gauges.
@@ -87,17 +85,18 @@ impl GridListener {
     pub fn look(&mut self, bar: &impl Stepped) {
         while let Some(&instant) = self.due.get(self.response.fields.len()) {
             let (first, weight) = self.place(instant);
+            let before = self.before.as_ref().filter(|(step, _)| *step == first && bar.step() == first + 1);
+            if before.is_none() && bar.step() != first {
+                return;
+            }
             let now = [Quantity::Stress, Quantity::PlasticStrain].map(|quantity| profile(bar, quantity));
-            let [stress, plastic] = match &self.before {
-                _ if bar.step() == first && weight > 0.0 => {
+            let [stress, plastic] = match before {
+                Some((_, before)) => [0, 1].map(|k| before[k].clone().towards(&now[k], weight)),
+                None if weight > 0.0 => {
                     self.before = Some((first, now));
                     return;
                 }
-                _ if bar.step() == first => now,
-                Some((step, before)) if *step == first && bar.step() == first + 1 => {
-                    [0, 1].map(|k| before[k].clone().towards(&now[k], weight))
-                }
-                _ => return,
+                None => now,
             };
             self.response.fields.push((instant, stress));
             if self.response.fields.len() == self.due.len() {
@@ -129,62 +128,6 @@ impl GridListener {
             ..self.response.clone()
         }
     }
-}
-
-/// A bar on a grid that is to be stepped for its response alone.
-#[derive(Debug, Clone, Copy)]
-pub struct Course<'a> {
-    /// Instants of the fields, s, increasing; none: nothing is read.
-    pub instants: &'a [f64],
-    /// Places of the gauges, m.
-    pub gauges: &'a [f64],
-    /// Steps to take at least.
-    pub steps: usize,
-    /// Cell-steps between two pauses.
-    pub work: usize,
-}
-
-/// Steps a bar without recorders: its response, and the time spent in the solver, s. `pause` is called now and then, and may end it.
-///
-/// # Errors
-/// What `pause` returns.
-pub fn respond<S: Stepped, E>(
-    scene: &Bar,
-    bar: &mut S,
-    course: Course<'_>,
-    mut pause: impl FnMut(&S, usize) -> Result<(), E>,
-) -> Result<(Response, f64), E> {
-    let mut listening = (!course.instants.is_empty()).then(|| {
-        let listener = GridListener::new(scene, bar, course.instants, course.gauges.len());
-        (listener, Traces::new(Sampling::at(bar.grid(), course.gauges.to_vec()), false))
-    });
-    if let Some((listener, traces)) = &mut listening {
-        bar.watch(traces);
-        bar.add_to(traces);
-        listener.look(bar);
-    }
-    let steps = listening.as_ref().map_or(course.steps, |(listener, _)| course.steps.max(listener.last()));
-    let burst = (course.work / bar.grid().cells()).max(1);
-    let mut seconds = 0.0;
-    while bar.step() < steps {
-        let due = listening.as_ref().and_then(|(listener, _)| listener.next(bar.step()));
-        let stop = due.unwrap_or(steps).min(bar.step() + burst).min(steps);
-        let before = Instant::now();
-        match &mut listening {
-            Some((_, traces)) => bar.advance_logging(stop - bar.step(), traces),
-            None => bar.advance_by(stop - bar.step()),
-        }
-        seconds += before.elapsed().as_secs_f64();
-        if let Some((listener, traces)) = &mut listening {
-            listener.look(bar);
-            if traces.is_full() || bar.step() == steps {
-                let (gauges, ends) = traces.take();
-                listener.hear(&gauges, &ends);
-            }
-        }
-        pause(bar, steps)?;
-    }
-    Ok((listening.map_or_else(Response::default, |(listener, _)| listener.response()), seconds))
 }
 
 fn empty(bar: &Bar) -> Response {
@@ -259,25 +202,12 @@ impl FrontListener {
 
     /// What was gathered up to the bar's time.
     pub fn response(mut self, bar: &FrontTracking) -> Response {
-        let now = bar.time();
         self.response.plastic = Some(steps(bar, |piece| bar.medium(piece.segment).plastic_strain(piece.point)));
         self.response.gauges = self.gauges.iter().map(|(time, stress)| Shape::from_rows(time, stress)).collect();
-        for record in bar.ends() {
-            let (mut edges, mut values) = (Vec::new(), Vec::new());
-            for (k, step) in record.steps.iter().enumerate() {
-                // What another step follows at once lasts no time.
-                if record.steps.get(k + 1).is_some_and(|next| next.time == step.time) {
-                    continue;
-                }
-                if !values.is_empty() {
-                    edges.push(step.time);
-                }
-                values.push(step.stress);
-            }
-            if values.is_empty() {
-                values.push(0.0);
-            }
-            self.response.ends.push(Shape::Steps { edges, values, ends: [0.0, now] });
+        for (mut rows, last) in EndHistories::default().take(bar).into_iter().zip(EndHistories::last(bar)) {
+            rows.time.extend(last.time);
+            rows.stress.extend(last.stress);
+            self.response.ends.push(Shape::from_rows(&rows.time, &rows.stress));
         }
         self.response.peak = self.response.ends.iter().map(Shape::largest).fold(0.0, f64::max);
         self.response

@@ -1,12 +1,16 @@
 //! How far runs are apart: responses of a bar, the errors of one against another, and Richardson's extrapolation.
 
+mod front_errors;
 mod listen;
+mod respond;
 mod response;
 mod richardson;
 mod shape;
 mod similar;
 
-pub use listen::{Course, FrontListener, GridListener, respond};
+pub use front_errors::front_errors;
+pub use listen::{FrontListener, GridListener};
+pub use respond::{Course, Ended, Respond, respond};
 pub use response::{INSTANTS, Response, evenly};
 pub use richardson::{Estimate, Rules, SAFETY, SAFETY_OF_FRONTS, extrapolate};
 pub use shape::{Cells, Shape};

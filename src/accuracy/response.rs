@@ -52,6 +52,11 @@ impl Response {
         self.fields.last().map_or(0.0, |field| field.0)
     }
 
+    /// The instants of its fields, s, increasing.
+    pub fn instants(&self) -> Vec<f64> {
+        self.fields.iter().map(|field| field.0).collect()
+    }
+
     /// Errors against a reference, which holds a field at (nearly) each instant of this response.
     pub fn errors(&self, reference: &Self) -> ErrorTable {
         self.apart(reference, reference)

@@ -3,6 +3,7 @@
 
 use super::{Bar, EndCondition, Segment};
 use crate::material::{Curve, Sense};
+use crate::root::bisect;
 use crate::wave::similarity::{Fan, fan_at_stress, fan_at_velocity};
 
 /// Where a fan starts.
@@ -194,22 +195,12 @@ fn strongest(curve: &Curve) -> f64 {
 
 /// The force in 0..=limit at which `velocity(force)`, never falling, reaches `target`; to the last bit by bisection.
 fn joint_force(target: f64, velocity: impl Fn(f64) -> f64, limit: f64) -> f64 {
-    let (mut low, mut high) = (0.0, if limit.is_finite() { limit } else { 1.0 });
+    let (low, mut high) = (0.0, if limit.is_finite() { limit } else { 1.0 });
     while limit.is_infinite() && velocity(high) < target {
         high *= 2.0;
     }
     if velocity(high) <= target {
         return high;
     }
-    loop {
-        let middle = 0.5 * (low + high);
-        if middle <= low || middle >= high {
-            return high;
-        }
-        if velocity(middle) < target {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
+    bisect([low, high], 0.0, |force| velocity(force) < target)
 }

@@ -24,6 +24,7 @@ pub mod rupture;
 use std::ops::Range;
 
 use crate::material::Sense;
+use crate::root::bisect;
 
 pub use aligned::{Aligned, AlignedRow, aligned_row, split_off};
 pub use backbone::{Backbone, Envelope, Indexed, Line, Searched, Table, TwoSided};
@@ -56,12 +57,12 @@ pub struct Response<const N: usize> {
 }
 
 impl<const N: usize> Response<N> {
-    /// Stress at which the flow of a step sets in that began at stress `sigma`, Pa; the mean of this and of the stress at the end of the
-    /// step does the plastic work. A cell that comes from the other side of its elastic range flows at the stress of the end: the mean
-    /// stress of the step may be of the other sign.
+    /// Effective stress at the start of the step, which began at stress `sigma`, times `plastic`, Pa^2. It is negative where the cell
+    /// comes from the other side of its elastic range: such a cell flows at the stress of the end of the step, since the mean stress of
+    /// the step may be of the other sign. All others flow at the mean stress.
     #[inline(always)]
     pub fn onset(&self, sigma: f64, back_stress: f64) -> f64 {
-        if (sigma - back_stress) * self.plastic < 0.0 { self.sigma } else { sigma }
+        (sigma - back_stress) * self.plastic
     }
 }
 
@@ -73,7 +74,7 @@ pub trait CellLaw<const N: usize>: Send + Sync + Sized {
     /// The cell at the end of a step that began at stress `sigma`.
     fn respond(&self, sigma: f64, predictor: f64, state: [f64; N]) -> Response<N>;
 
-    /// Stress at which the flow of a step sets in, Pa, see [`Response::onset`].
+    /// Negative where a cell comes from the other side of its elastic range in a step, see [`Response::onset`].
     #[inline(always)]
     fn onset(&self, sigma: f64, state: [f64; N], after: &Response<N>) -> f64 {
         after.onset(sigma, self.back_stress(state))
@@ -109,13 +110,7 @@ pub trait CellLaw<const N: usize>: Send + Sync + Sized {
         while falls_short(high) && high < f64::MAX {
             (low, high) = (high, 2.0 * high);
         }
-        loop {
-            let middle = 0.5 * (low + high);
-            if middle <= low || middle >= high {
-                return loaded(high);
-            }
-            *if falls_short(middle) { &mut low } else { &mut high } = middle;
-        }
+        loaded(bisect([low, high], 0.0, falls_short))
     }
 
     /// E times the accumulated plastic strain, Pa, >= 0.

@@ -17,8 +17,8 @@ impl<B: Backbone> CellLaw<1> for PathIndependent<B> {
 
     /// What is stored along the curve comes back.
     #[inline(always)]
-    fn onset(&self, sigma: f64, _: [f64; 1], _: &Response<1>) -> f64 {
-        sigma
+    fn onset(&self, _: f64, _: [f64; 1], _: &Response<1>) -> f64 {
+        0.0
     }
 
     const ASKS: bool = B::AT_ONCE;

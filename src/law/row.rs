@@ -20,7 +20,8 @@ pub struct Row<'a> {
     /// and exactly 0 in cells that do not flow. See [`CellLaw::onset`].
     pub work: &'a mut [f64],
     /// Set to what of it the mean stress of the step does not do: (`sigma_onset` - `sigma_before`) * E `d_eps_plastic`, Pa^2.
-    pub turned: &'a mut [f64],
+    /// Only where it is asked for cell by cell; its sum is there anyway.
+    pub turned: Option<&'a mut [f64]>,
     /// Set to 1 in cells that flow by more than rounding, to 0 in others.
     pub flow: &'a mut [u8],
     /// The cells that step. Nothing of the others is read or written but the velocities of the nodes between.
@@ -45,7 +46,7 @@ struct Piece<'a, const N: usize> {
     sigma: &'a mut [f64; CHUNK],
     columns: [&'a mut [f64; CHUNK]; N],
     work: &'a mut [f64; CHUNK],
-    turned: &'a mut [f64; CHUNK],
+    turned: Option<&'a mut [f64; CHUNK]>,
     flow: &'a mut [u8; CHUNK],
 }
 
@@ -59,7 +60,7 @@ pub(super) fn advance<L: CellLaw<N>, const N: usize, const FIRST: bool>(
     state: &mut [f64],
 ) -> Advanced {
     let mut columns = columns::<N>(state, row.sigma.len());
-    let Row { gain, v, sigma, work, turned, flow, cells: Range { start: mut from, end } } = row;
+    let Row { gain, v, sigma, work, mut turned, flow, cells: Range { start: mut from, end } } = row;
     let mut totals = [[0.0; LANES]; 3];
     while end - from >= CHUNK {
         let piece = Piece {
@@ -68,7 +69,7 @@ pub(super) fn advance<L: CellLaw<N>, const N: usize, const FIRST: bool>(
             sigma: cut_mut(sigma, from),
             columns: columns.each_mut().map(|column| cut_mut(column, from)),
             work: cut_mut(work, from),
-            turned: cut_mut(turned, from),
+            turned: turned.as_deref_mut().map(|turned| cut_mut(turned, from)),
             flow: cut_mut(flow, from),
         };
         step::<L, N, FIRST>(law, gain, piece, &mut totals);
@@ -82,7 +83,9 @@ pub(super) fn advance<L: CellLaw<N>, const N: usize, const FIRST: bool>(
         let n = rest.len();
         sigma[rest.clone()].copy_from_slice(&copy.sigma[..n]);
         work[rest.clone()].copy_from_slice(&copy.work[..n]);
-        turned[rest.clone()].copy_from_slice(&copy.turned[..n]);
+        if let Some(turned) = turned {
+            turned[rest.clone()].copy_from_slice(&copy.turned[..n]);
+        }
         flow[rest.clone()].copy_from_slice(&copy.flow[..n]);
         for (column, values) in columns.iter_mut().zip(&copy.columns) {
             column[rest.clone()].copy_from_slice(&values[..n]);
@@ -154,7 +157,7 @@ impl<const N: usize> Copied<N> {
             sigma: &mut self.sigma,
             columns: self.columns.each_mut(),
             work: &mut self.work,
-            turned: &mut self.turned,
+            turned: Some(&mut self.turned),
             flow: &mut self.flow,
         }
     }
@@ -177,7 +180,7 @@ fn step<L: CellLaw<N>, const N: usize, const FIRST: bool>(
     piece: Piece<'_, N>,
     [works, turns, largest]: &mut [[f64; LANES]; 3],
 ) {
-    let Piece { left, right, sigma, mut columns, work, turned, flow } = piece;
+    let Piece { left, right, sigma, mut columns, work, turned: asked, flow } = piece;
     let [mut predictor, mut reach, mut table] = [const { Aligned([0.0; CHUNK]) }; 3];
     let (predictor, reach, table) = (&mut predictor.0, &mut reach.0, &mut table.0);
     if L::ASKS {
@@ -189,6 +192,8 @@ fn step<L: CellLaw<N>, const N: usize, const FIRST: bool>(
         }
         law.look_up(reach, predictor, table);
     }
+    let (mut plastic, mut any_turns) = (Aligned([0.0; CHUNK]), false);
+    let plastic = &mut plastic.0;
     for i in 0..CHUNK {
         let (before, now) = (read(&columns, i), sigma[i]);
         let increment = if L::ASKS && !FIRST { 0.0 } else { gain * (right[i] - left[i]) };
@@ -198,19 +203,26 @@ fn step<L: CellLaw<N>, const N: usize, const FIRST: bool>(
         } else {
             law.respond(sigma_before, if FIRST { now } else { law.base(now, before) + increment }, before)
         };
-        let onset = law.onset(sigma_before, before, &after);
-        work[i] = (onset + after.sigma) * after.plastic;
-        turned[i] = (onset - sigma_before) * after.plastic;
+        let turns = law.onset(sigma_before, before, &after) < 0.0;
+        plastic[i] = if turns { after.plastic } else { 0.0 };
+        any_turns |= turns;
+        work[i] = (sigma_before + after.sigma) * after.plastic;
         sigma[i] = after.sigma;
         for (column, value) in columns.iter_mut().zip(after.state) {
             column[i] = value;
         }
     }
+    if any_turns {
+        let turned = turn(sigma, plastic, work);
+        add(turns, &turned);
+        asked.into_iter().for_each(|asked| *asked = turned);
+    } else if let Some(asked) = asked {
+        asked.fill(0.0);
+    }
     for ((flow, work), sigma) in flow.iter_mut().zip(&*work).zip(&*sigma) {
         *flow = u8::from(flows(*work, *sigma));
     }
     add(works, work);
-    add(turns, turned);
     let mut accumulated = [0.0; CHUNK];
     for (i, accumulated) in accumulated.iter_mut().enumerate() {
         *accumulated = law.accumulated(read(&columns, i));
@@ -222,6 +234,19 @@ fn step<L: CellLaw<N>, const N: usize, const FIRST: bool>(
         }
     }
     *largest = lanes;
+}
+
+/// Corrects the work of cells that come from the other side of their elastic range: they are few. Takes stresses at the end and E times
+/// the plastic strain increments of these cells, Pa, 0 in others; returns what was added.
+#[cold]
+fn turn(sigma: &[f64; CHUNK], plastic: &[f64; CHUNK], work: &mut [f64; CHUNK]) -> [f64; CHUNK] {
+    let mut added = [0.0; CHUNK];
+    for i in (0..CHUNK).filter(|&i| plastic[i] != 0.0) {
+        let at_end = 2.0 * sigma[i] * plastic[i];
+        added[i] = at_end - work[i];
+        work[i] = at_end;
+    }
+    added
 }
 
 /// Plastic strain of a step that is rounding, relative to the elastic strain: that of a cell which comes to its yield stress and no
@@ -304,7 +329,7 @@ mod tests {
                     v: &v,
                     sigma: &mut sigma,
                     work: &mut work,
-                    turned: &mut turned,
+                    turned: Some(&mut turned),
                     flow: &mut flow,
                     cells: 0..cells,
                 };
@@ -314,13 +339,14 @@ mod tests {
                     let before = std::array::from_fn(|k| state_before[k * cells + i]);
                     let predictor = law.base(sigma_before[i], before) + MODULUS * (v[i + 1] - v[i]);
                     let after = law.respond(sigma_before[i], predictor, before);
-                    let onset = law.onset(sigma_before[i], before, &after);
+                    let comes_over = law.onset(sigma_before[i], before, &after) < 0.0;
+                    let onset = if comes_over { after.sigma } else { sigma_before[i] };
                     let of_cell = (onset + after.sigma) * after.plastic;
                     let after_row: [f64; N] = std::array::from_fn(|k| state[k * cells + i]);
                     assert_eq!((sigma[i], after_row, work[i]), (after.sigma, after.state, of_cell), "cell {i}");
                     assert_eq!(flow[i], u8::from(flows(of_cell, sigma[i])));
                     sums[i % LANES] += of_cell;
-                    turns[i % LANES] += (onset - sigma_before[i]) * after.plastic;
+                    turns[i % LANES] += of_cell - (sigma_before[i] + after.sigma) * after.plastic;
                     largest = largest.max(law.accumulated(after.state));
                     flowed += usize::from(flow[i]);
                 }
@@ -340,13 +366,12 @@ mod tests {
         let start = (vec![0.0; cells], vec![0.0; 2 * cells], vec![1.0; cells], vec![7; cells]);
         let step = |stepped: Range<usize>| {
             let (mut sigma, mut state, mut work, mut flow) = start.clone();
-            let turned = &mut work.clone();
             let row = Row {
                 gain: MODULUS,
                 v: &v,
                 sigma: &mut sigma,
                 work: &mut work,
-                turned,
+                turned: None,
                 flow: &mut flow,
                 cells: stepped,
             };

@@ -7,6 +7,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Law, SLOPE_ROUND_OFF, Sense};
+use crate::root::bisect;
 
 /// Which strain and stress a curve is given in.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -120,7 +121,7 @@ impl Branch<'_> {
                     let (strain, stress) = self.point(x);
                     self.modulus * strain - stress
                 };
-                bisect(1e-15_f64.ln(), 1.0_f64.ln(), |ln| off_line(ln.exp())).exp()
+                bisect([1e-15_f64.ln(), 1.0_f64.ln()], 0.0, |ln| off_line(ln.exp()) < 0.0).exp()
             }
             Law::RambergOsgood { .. } => 0.5 * allowance / self.modulus,
             _ => 0.0,
@@ -146,7 +147,7 @@ impl Branch<'_> {
         if self.rise(from.max(f64::MIN_POSITIVE)) <= 0.0 {
             return Some(from);
         }
-        Some(bisect(from, FARTHEST, |x| -self.rise(x)))
+        Some(bisect([from, FARTHEST], 0.0, |x| self.rise(x) > 0.0))
     }
 
     /// Engineering strain at which the table ends where neither a strain is asked for nor a stress is the largest.
@@ -167,28 +168,13 @@ impl Branch<'_> {
         while self.point(high).0 < strain && high < 1e3 {
             high *= 2.0;
         }
-        bisect(0.0, high, |x| self.point(x).0 - strain)
+        bisect([0.0, high], 0.0, |x| self.point(x).0 < strain)
     }
 }
 
 /// Elastic engineering strain where the true stress is q E: e (1 +- e) = q.
 fn elastic_engineering_strain(sense: Sense, q: f64) -> f64 {
     2.0 * q / (1.0 + (1.0 + 4.0 * sense.sign() * q).max(0.0).sqrt())
-}
-
-/// Root of an increasing function, to round-off.
-fn bisect(mut low: f64, mut high: f64, f: impl Fn(f64) -> f64) -> f64 {
-    loop {
-        let middle = 0.5 * (low + high);
-        if middle <= low || middle >= high {
-            return middle;
-        }
-        if f(middle) < 0.0 {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
 }
 
 /// Tabulates a law. The table starts with the elastic limit (its origin row is left out) and has knots exactly at

@@ -1,7 +1,7 @@
 //! The errors of a run: one number for each of the things that are read from it.
 
 use std::fmt;
-use std::ops::{Index, IndexMut};
+use std::ops::Index;
 
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
@@ -87,12 +87,6 @@ impl Index<Measure> for ErrorTable {
 
     fn index(&self, measure: Measure) -> &Option<f64> {
         &self.0[measure as usize]
-    }
-}
-
-impl IndexMut<Measure> for ErrorTable {
-    fn index_mut(&mut self, measure: Measure) -> &mut Option<f64> {
-        &mut self.0[measure as usize]
     }
 }
 

@@ -5,12 +5,13 @@ use super::{Progress, Wish};
 use crate::accuracy::{
     Course, INSTANTS, Response, Rules, SAFETY, SAFETY_OF_FRONTS, evenly, extrapolate, respond, similar_response,
 };
-use crate::assemble::{self, OnGrid};
+use crate::assemble;
 use crate::bar::Launch;
 use crate::error::{Error, Result};
 use crate::record::{self, ErrorFigure, ErrorTable, Stepped};
 use crate::scene::{Method, Scene, Solve};
 use crate::snapshot::Snapshot;
+use crate::solver::moc::Settings;
 
 /// Steps that an eighth of the cells takes as one: runs are compared after multiples of so many.
 const COMMON: usize = 8;
@@ -21,7 +22,7 @@ const LEAST_CELLS: usize = 8;
 const LEAST_TO_CONFIRM: usize = 32;
 
 /// Work between two calls of the progress function, cell-steps.
-const WORK_BETWEEN_CALLS: usize = 4_000_000;
+const WORK_BETWEEN_CALLS: u64 = 4_000_000;
 
 /// The reference of bars through which one fan runs.
 pub(super) const SIMILAR: &str = "self-similar solution";
@@ -57,9 +58,7 @@ pub(super) fn figure(table: ErrorTable, reference: String) -> ErrorFigure {
 /// The response by the self-similar solution at the instants of another one, where the scene has such a solution up to the last of them.
 pub(super) fn similar(scene: &Scene, launches: &[Launch], like: &Response) -> Option<Response> {
     let launch = record::alone(&scene.bar, launches, like.time())?;
-    let times: Vec<f64> = like.fields.iter().map(|field| field.0).collect();
-    let gauges: Vec<f64> = scene.record.gauges.iter().map(|gauge| gauge.1).collect();
-    Some(similar_response(&scene.bar, launch, &times, &gauges))
+    Some(similar_response(&scene.bar, launch, &like.instants(), &scene.record.gauge_places()))
 }
 
 /// A bar on a grid, run without recorders; the fields are read near `instants` (s, increasing). None where the caller asked to stop, or
@@ -72,7 +71,7 @@ pub(super) fn coarse(
 ) -> Option<Coarse> {
     let scene = Scene { solve: Solve { method, ..scene.solve.clone() }, ..scene.clone() };
     let scene = &scene.in_pieces().unwrap_or(scene);
-    assemble::on_grid(scene, Task { scene, instants, progress })?
+    assemble::solve(scene, Task { scene, instants, progress })
 }
 
 /// A coarse run.
@@ -82,19 +81,23 @@ struct Task<'a> {
     progress: &'a mut dyn FnMut(Progress) -> Wish,
 }
 
-impl OnGrid for Task<'_> {
+impl assemble::Task for Task<'_> {
     type Output = Option<Coarse>;
 
-    fn with(self, mut bar: impl Stepped + Snapshot) -> Option<Coarse> {
+    fn on_grid(self, mut bar: impl Stepped + Snapshot) -> Option<Coarse> {
         let cells = bar.grid().cells();
-        let gauges: Vec<f64> = self.scene.record.gauges.iter().map(|gauge| gauge.1).collect();
-        let course = Course { instants: self.instants, gauges: &gauges, steps: 0, work: WORK_BETWEEN_CALLS };
+        let gauges = self.scene.record.gauge_places();
+        let course = Course { instants: self.instants, gauges: &gauges, until: 0.0, work: WORK_BETWEEN_CALLS };
         let found = respond(&self.scene.bar, &mut bar, course, |bar, steps| {
             let wish = (self.progress)(Progress::Steps { step: bar.step(), steps, cells });
             if wish == Wish::Stop { Err(()) } else { Ok(()) }
         });
         let (response, _) = found.ok()?;
         Some(Coarse { response, elastic: bar.stayed_elastic(), cells, work: (bar.step() * cells) as u64 })
+    }
+
+    fn by_fronts(self, _: Settings) -> Option<Coarse> {
+        None
     }
 }
 
@@ -120,7 +123,7 @@ pub(super) fn error_figure(
     let method = scene.solve.method;
     let Some(cells) = method.cells().filter(|&cells| cells >= LEAST_CELLS) else { return Ok(None) };
     let parts: &[usize] = if cells < LEAST_TO_CONFIRM { &[2, 4] } else { &[2, 4, 8] };
-    let instants: Vec<f64> = fine.fields.iter().map(|field| field.0).collect();
+    let instants = fine.instants();
     let mut coarser = Vec::new();
     for part in parts {
         let run = coarse(scene, method.with_cells(cells / part), &instants, progress);

@@ -2,12 +2,12 @@
 //! tolerance that stays within a budget of events.
 
 use super::{Progress, Wish, accuracy};
-use crate::accuracy::{FrontListener, INSTANTS, Response};
+use crate::accuracy::{Course, Ended, INSTANTS, Response, front_errors, respond};
 use crate::assemble;
 use crate::error::{Error, Result};
-use crate::record::{ErrorFigure, ErrorTable, Measure, StepGauges};
+use crate::record::{ErrorFigure, ErrorTable};
 use crate::scene::Scene;
-use crate::solver::moc::{COARSER, FrontTracking, SAFETY, Settings, Stopped};
+use crate::solver::moc::{COARSER, FrontTracking, SAFETY, Settings};
 
 /// Tolerances that are tried when a run used up its events: the largest, and the smallest.
 const LARGEST_TRIED: f64 = 0.5;
@@ -27,51 +27,29 @@ pub(super) fn instants(until: f64) -> Vec<f64> {
     (1..=INSTANTS).map(|k| until * k as f64 / INSTANTS as f64).collect()
 }
 
-/// A tracked bar at the last of some instants (s, increasing) and its response there, followed without recorders; none where it took
-/// more than `most` events, or came to an end of its own.
+/// A tracked bar at the last of some instants (s, increasing) and its response there, followed without recorders; none where it used up
+/// its events, or came to an end of its own.
 ///
 /// # Errors
 /// [`Error::Interrupted`] where `progress` asked to stop.
 pub(super) fn tracked(
     scene: &Scene,
     settings: Settings,
-    most: u64,
     instants: &[f64],
     progress: &mut dyn FnMut(Progress) -> Wish,
 ) -> Result<Option<(FrontTracking, Response)>> {
-    let places: Vec<f64> = scene.record.gauges.iter().map(|gauge| gauge.1).collect();
-    let trails = !places.is_empty();
-    let mut bar = assemble::front_tracking(scene, Settings { trails, ..settings });
-    let until = instants.last().copied().unwrap_or(0.0);
-    let mut gauges = StepGauges::new(&scene.bar, &places, until);
-    let mut listener = FrontListener::new(&scene.bar, places.len());
-    for &instant in instants {
-        loop {
-            let at = Progress::Fronts { time: bar.time(), until, events: bar.events(), fronts: bar.front_count() };
-            if progress(at) == Wish::Stop {
-                return Err(Error::Interrupted);
-            }
-            bar.set_event_budget((bar.events() + BURST).min(most));
-            let ended = bar.advance_to(instant);
-            if trails {
-                let ended = bar.take_trails();
-                gauges.collect(&bar, &ended);
-                listener.hear(&gauges.take());
-            }
-            match ended {
-                Ok(()) => break,
-                Err(Stopped::EventBudget { events, .. }) if events < most => {}
-                Err(_) => return Ok(None),
-            }
-        }
-        listener.look(&bar);
+    let gauges = scene.record.gauge_places();
+    let mut bar = assemble::front_tracking(scene, Settings { trails: !gauges.is_empty(), ..settings });
+    let course = Course { instants, gauges: &gauges, until: 0.0, work: BURST };
+    let found = respond(&scene.bar, &mut bar, course, |bar, until| {
+        let at = Progress::Fronts { time: bar.time(), until, events: bar.events(), fronts: bar.front_count() };
+        if progress(at) == Wish::Stop { Err(Error::Interrupted) } else { Ok(()) }
+    });
+    match found {
+        Ok((response, _)) => Ok(Some((bar, response))),
+        Err(Ended::Stopped(_)) => Ok(None),
+        Err(Ended::Asked(interrupted)) => Err(interrupted),
     }
-    if trails {
-        gauges.close(&bar, &[]);
-        listener.hear(&gauges.take());
-    }
-    let response = listener.response(&bar);
-    Ok(Some((bar, response)))
 }
 
 /// How far a finished run may be off that gave `response`. None where the companion does not get to the end.
@@ -91,10 +69,10 @@ pub(super) fn error_figure(
     let coarser = coarser(settings);
     let staircase = coarser_staircase(scene);
     let staircase_or_scene = staircase.as_ref().unwrap_or(scene);
-    let instants: Vec<f64> = response.fields.iter().map(|field| field.0).collect();
-    let companion = tracked(staircase_or_scene, coarser, settings.event_budget, &instants, progress)?;
+    let instants = response.instants();
+    let companion = tracked(staircase_or_scene, coarser, &instants, progress)?;
     let Some((_, companion)) = companion else { return Ok(None) };
-    let table = error_table(run, response, &companion);
+    let table = front_errors(run, response, &companion);
     let pieces = if staircase.is_some() { " and a coarser staircase" } else { "" };
     let reference = if coarser.front_tolerance > 0.0 {
         format!("run with front-tolerance {:.1e}{pieces}, times {SAFETY}: an estimate", coarser.front_tolerance)
@@ -102,22 +80,6 @@ pub(super) fn error_figure(
         format!("run with ramps in steps of {:.1e}{pieces}, times {SAFETY}: an estimate", coarser.step())
     };
     Ok(Some(accuracy::figure(table, reference)))
-}
-
-/// Errors of a run from those of a companion with three times its tolerance, each times [`SAFETY`].
-pub(super) fn error_table(run: &FrontTracking, response: &Response, companion: &Response) -> ErrorTable {
-    let apart = companion.apart(response, response);
-    let merged = || {
-        // A companion that merged just what the run did tells nothing; the sum of all merges is too much, but no less.
-        let total = response.fields.last().map_or(0.0, |(_, field)| field.apart(field).1);
-        if total > 0.0 { run.merged() / total } else { 0.0 }
-    };
-    let stress = [Measure::Field, Measure::FieldAtEnd];
-    ErrorTable::of(|measure| {
-        let apart = apart[measure]?;
-        let error = if apart == 0.0 && stress.contains(&measure) { merged() } else { SAFETY * apart };
-        Some(error.max(run.unresolved()))
-    })
 }
 
 /// The scene with its tapers in coarser pieces than the run's: the error of a staircase goes with what its steps reflect. None
@@ -162,8 +124,8 @@ pub(super) fn tolerance_that_carries(
 ) -> Result<Option<f64>> {
     let (mut left, mut tolerance, mut carries) = (settings.event_budget, LARGEST_TRIED, None);
     while tolerance >= SMALLEST_TRIED.max(COARSER * settings.front_tolerance) {
-        let tried = Settings { front_tolerance: tolerance, trails: false, ..settings };
-        let Some((bar, _)) = tracked(scene, tried, left, &[scene.solve.until], progress)? else { break };
+        let tried = Settings { front_tolerance: tolerance, event_budget: left, ..settings };
+        let Some((bar, _)) = tracked(scene, tried, &[scene.solve.until], progress)? else { break };
         carries = Some(tolerance);
         left = left.saturating_sub(bar.events());
         tolerance /= COARSER;

@@ -2,18 +2,19 @@
 //! their reflections, and what the ends do until the end time are then in the estimate; it takes some milliseconds.
 
 use super::limits::AtLimit;
-use super::{Progress, Wish, case, steps, struck_too_hard};
+use super::{Progress, Wish, case, struck_too_hard};
 use crate::assemble;
 use crate::bar::launches;
-use crate::record::{Audit, AuditRow, LOOKS, Stepped, View};
+use crate::record::{Audit, AuditRow, LOOKS, Stepped, Traces, View};
 use crate::scene::{Method, Scene};
-use crate::solver::fd::Sampling;
+use crate::simulate::{Simulation, Stretch, simulate};
+use crate::solver::fd::{Leapfrog, Sampling};
 
 /// Cells of the coarse grid; never more than half of the run's own.
 const CELLS: usize = 200;
 
 /// Work between two calls of the progress function, cell-steps.
-const WORK_BETWEEN_CALLS: usize = 1_000_000;
+const WORK_BETWEEN_CALLS: u64 = 1_000_000;
 
 /// The audit of a scene before it is run, with the effects that it has, and the time up to which it looked at the scene, s: less than
 /// the end time where the bar comes to the end of its data, or `progress` asked to stop.
@@ -24,32 +25,63 @@ pub fn estimate(scene: &Scene, progress: &mut dyn FnMut(Progress) -> Wish) -> (V
         }
         Method::FrontTracking { .. } => CELLS,
     };
-    let mut bar = assemble::leapfrog(scene, cells, 1.0);
-    let steps = steps(scene, bar.grid().dt);
-    let mut audit = Audit::new(&case(scene, Some(bar.grid().cells())));
+    let bar = assemble::leapfrog(scene, cells, 1.0);
+    let steps = bar.grid().steps_to(scene.solve.until);
+    let audit = Audit::new(&case(scene, Some(bar.grid().cells())));
     let watched = Sampling::at(bar.grid(), audit.places().to_vec());
-    let cells = bar.grid().cells();
-    let every = (steps / LOOKS).clamp(1, (WORK_BETWEEN_CALLS / cells).max(1));
-    while bar.step() < steps {
-        bar.advance_by(every.min(steps - bar.step()));
-        if bar.not_finite().is_some() || limits(&bar).iter().any(|limit| limit.stops(scene)) {
-            break;
-        }
-        if !bar.stayed_elastic() {
-            audit.look(&bar, &watched);
-        }
-        if progress(Progress::Steps { step: bar.step(), steps, cells }) == Wish::Stop {
-            break;
-        }
-    }
+    let mut run = Estimate { scene, bar, steps, audit, watched, progress };
+    // What ends it early leaves an audit up to then.
+    let _: Result<(), Early> = simulate(&mut run, WORK_BETWEEN_CALLS);
+    let (audit, bar) = (run.audit, run.bar);
     let parted = !View::ruptures(&bar).is_empty();
     let all = launches(&scene.bar, &scene.left, &scene.right);
     let mut broken = struck_too_hard(scene, &all, parted);
-    let limits = limits(&bar);
     if !parted {
-        broken.extend(limits.iter().filter_map(|limit| limit.broken(scene)));
+        broken.extend(limits(&bar).iter().filter_map(|limit| limit.broken(scene)));
     }
     (audit.rows(broken), bar.time())
+}
+
+/// The coarse run under way.
+struct Estimate<'a> {
+    scene: &'a Scene,
+    bar: Leapfrog,
+    steps: usize,
+    audit: Audit,
+    /// Where the audit looks.
+    watched: Sampling,
+    progress: &'a mut dyn FnMut(Progress) -> Wish,
+}
+
+/// The estimate ended before the end time.
+struct Early;
+
+impl Simulation for Estimate<'_> {
+    type Solver = Leapfrog;
+    type Error = Early;
+
+    fn next(&self) -> Option<usize> {
+        let every = (self.steps / LOOKS).max(1);
+        (self.bar.step() < self.steps).then(|| (self.bar.step() + every).min(self.steps))
+    }
+
+    fn bar(&mut self) -> (&mut Leapfrog, Option<&mut Traces>) {
+        (&mut self.bar, None)
+    }
+
+    fn look(&mut self, _: Stretch) -> Result<(), Early> {
+        if self.bar.not_finite().is_some() || limits(&self.bar).iter().any(|limit| limit.stops(self.scene)) {
+            return Err(Early);
+        }
+        if !self.bar.stayed_elastic() {
+            self.audit.look(&self.bar, &self.watched);
+        }
+        let (step, steps, cells) = (self.bar.step(), self.steps, self.bar.grid().cells());
+        match (self.progress)(Progress::Steps { step, steps, cells }) {
+            Wish::Stop => Err(Early),
+            Wish::GoOn => Ok(()),
+        }
+    }
 }
 
 fn limits(bar: &impl Stepped) -> Vec<AtLimit> {

@@ -27,10 +27,12 @@ use crate::material::Sense;
 use crate::record::store::{Checkpoint, Finish, Header, Layout, Side, Writer};
 use crate::record::{
     self, AuditRow, AutoChoice, Case, ElasticCheck, EndSummary, ErrorFigure, FrontRow, FrontSummary, Ledger,
-    LedgerSummary, LengthSummary, MaterialRecord, Off, RuptureSummary, Summary, TorsionSummary, Trace, TrackingSummary,
-    Twisted, View, above_critical,
+    LedgerSummary, LengthSummary, MaterialRecord, Off, RuptureSummary, Stepped, Summary, TorsionSummary, Trace,
+    TrackingSummary, Twisted, View, above_critical,
 };
-use crate::scene::{Effects, Method, Scene, Torsion};
+use crate::scene::{Effects, Scene, Torsion};
+use crate::snapshot::Snapshot;
+use crate::solver::moc::Settings;
 use crate::wave::similarity;
 
 pub use auto::choose;
@@ -109,11 +111,27 @@ fn on_target(scene: &Scene, target: &Target<'_>, progress: &mut dyn FnMut(Progre
     let started = Instant::now();
     let cut = scene.in_pieces();
     let scene = cut.as_ref().unwrap_or(scene);
-    if let Method::FrontTracking { front_tolerance, event_budget } = scene.solve.method {
-        return tracked::run(scene, front_tolerance, event_budget, target.path, started, progress);
+    assemble::solve(scene, Task { scene, target, started, progress })
+}
+
+/// A scene that is to be run by its method.
+struct Task<'a> {
+    scene: &'a Scene,
+    target: &'a Target<'a>,
+    started: Instant,
+    progress: &'a mut dyn FnMut(Progress) -> Wish,
+}
+
+impl assemble::Task for Task<'_> {
+    type Output = Result<Summary>;
+
+    fn on_grid(self, bar: impl Stepped + Snapshot) -> Result<Summary> {
+        stepped::run(self, bar)
     }
-    let task = stepped::Task { scene, target, started, progress };
-    assemble::on_grid(scene, task).unwrap_or(Err(Error::Interrupted))
+
+    fn by_fronts(self, settings: Settings) -> Result<Summary> {
+        tracked::run(self, settings)
+    }
 }
 
 /// Notes on impacts above the critical velocity, for a bar that did not break (`parted`) where it was to.
@@ -170,12 +188,6 @@ pub fn critical_velocity(scene: &Scene, launches: &[Launch]) -> Option<f64> {
     similarity::critical(material.branch(sense), material.density).map(|c| c.velocity)
 }
 
-/// Steps of a run: the first that reaches the end time.
-pub fn steps(scene: &Scene, dt: f64) -> usize {
-    // Rounding in until/dt must not cost a whole extra step.
-    ((scene.solve.until / dt - 1e-9).ceil() as usize).max(1)
-}
-
 /// What every run keeps, whatever its method: the scene with its theory, and the result file.
 struct Book<'a> {
     scene: &'a Scene,
@@ -222,14 +234,8 @@ impl Findings {
 }
 
 impl<'a> Book<'a> {
-    /// Opens the book, and the result file where one is asked for; `x` are the samples of the fields, m.
-    fn open(scene: &'a Scene, output: Option<&Path>, x: Vec<f64>, sampling: &str, started: Instant) -> Result<Self> {
-        let target = Target { path: output, ..Target::default() };
-        Self::on_target(scene, &target, x, sampling, started)
-    }
-
-    /// The same, in the file that is continued where there is one.
-    fn on_target(scene: &'a Scene, target: &Target<'_>, x: Vec<f64>, sampling: &str, started: Instant) -> Result<Self> {
+    /// Opens the book, and the result file where one is asked for, or the one that is continued; `x` are the samples of the fields, m.
+    fn open(scene: &'a Scene, target: &Target<'_>, x: Vec<f64>, sampling: &str, started: Instant) -> Result<Self> {
         let launches = launches(&scene.bar, &scene.left, &scene.right);
         let critical = critical_velocity(scene, &launches);
         let (output, layout) = (target.path, layout(scene, x, sampling));

@@ -7,15 +7,16 @@ use std::time::{Duration, Instant};
 use self::checkpoints::Checkpoints;
 use super::accuracy;
 use super::limits::AtLimit;
-use super::{Book, Findings, Progress, Target, Wish, flow_both_ways, steps, twisted};
+use super::{Book, Findings, Progress, Task, Wish, flow_both_ways, twisted};
 use crate::accuracy::GridListener;
-use crate::assemble::{self, OnGrid};
+use crate::assemble;
 use crate::error::{Error, Result, RunError};
 use crate::record::{
     self, Audit, AuditRow, ElasticProbe, EndState, EndSummary, ErrorFigure, Frames, FrontTracker, Ledger,
     LedgerSummary, Stepped, Summary, Traces,
 };
-use crate::scene::{Rate, Scene};
+use crate::scene::Rate;
+use crate::simulate::{Simulation, Stretch, simulate};
 use crate::snapshot::Snapshot;
 use crate::solver::fd::{Quantity, Sampling, SegmentGrid};
 
@@ -43,31 +44,24 @@ const CELLS_FROM_END: usize = 4;
 /// step itself; those that follow are dropped.
 const STEPS_BETWEEN_LIMIT_CHECKS: usize = 32;
 
-/// A scene that is to be run on a grid.
-pub(super) struct Task<'a> {
-    pub scene: &'a Scene,
-    pub target: &'a Target<'a>,
-    pub started: Instant,
-    pub progress: &'a mut dyn FnMut(Progress) -> Wish,
-}
+/// Work of a stretch that ends at the next look alone.
+const UP_TO_THE_LOOK: u64 = u64::MAX;
 
-impl OnGrid for Task<'_> {
-    type Output = Result<Summary>;
-
-    fn with(self, bar: impl Stepped + Snapshot) -> Result<Summary> {
-        let Self { scene, target, started, progress } = self;
-        let mut run = Run::new(scene, bar, target, started)?;
-        if let Some(checkpoint) = &target.checkpoint {
-            run.resume(checkpoint)?;
-        }
-        let ended = run.step_to_end(progress).and_then(|()| run.error(progress));
-        run.finish(ended)
+/// Runs a scene on the grid of `bar`.
+pub(super) fn run(task: Task<'_>, bar: impl Stepped + Snapshot) -> Result<Summary> {
+    let checkpoint = task.target.checkpoint.as_ref();
+    let mut run = Run::new(task, bar)?;
+    if let Some(checkpoint) = checkpoint {
+        run.resume(checkpoint)?;
     }
+    let ended = run.start().and_then(|()| simulate(&mut run, UP_TO_THE_LOOK)).and_then(|()| run.error());
+    run.finish(ended)
 }
 
 /// A run under way.
 struct Run<'a, S> {
     book: Book<'a>,
+    progress: &'a mut dyn FnMut(Progress) -> Wish,
     bar: S,
     steps: usize,
     frames: Frames,
@@ -101,16 +95,42 @@ struct Probe {
     cell: usize,
 }
 
+impl<S: Stepped + Snapshot> Simulation for Run<'_, S> {
+    type Solver = S;
+    type Error = Error;
+
+    fn next(&self) -> Option<usize> {
+        (self.bar.step() < self.steps).then(|| self.next_look())
+    }
+
+    fn bar(&mut self) -> (&mut S, Option<&mut Traces>) {
+        (&mut self.bar, Some(&mut self.traces))
+    }
+
+    fn look(&mut self, stretch: Stretch) -> Result<()> {
+        self.book.stepping += stretch.seconds;
+        self.check_limits()?;
+        self.record()?;
+        self.take_frames()?;
+        if self.bar.step().is_multiple_of(self.between_pauses()) || self.bar.step() == self.steps {
+            self.check_finite()?;
+            self.pause()?;
+        }
+        Ok(())
+    }
+}
+
 impl<'a, S: Stepped + Snapshot> Run<'a, S> {
-    fn new(scene: &'a Scene, mut bar: S, target: &Target<'_>, started: Instant) -> Result<Self> {
+    fn new(task: Task<'a>, mut bar: S) -> Result<Self> {
+        let Task { scene, target, started, progress } = task;
         let sampling = match scene.record.cells {
             Some(count) => Sampling::even(&scene.bar, bar.grid(), count),
             None => Sampling::cells(bar.grid()),
         };
         let twisted = twisted(scene, sampling.x());
         let frames = Frames::new(scene.record.times.clone(), scene.record.fields.clone(), sampling).twisted(twisted);
-        let places = scene.record.gauges.iter().map(|g| g.1).collect();
-        let book = Book::on_target(scene, target, frames.x().to_vec(), "", started)?;
+        let places = scene.record.gauge_places();
+        let book = Book::open(scene, target, frames.x().to_vec(), "", started)?;
         let tracker = FrontTracker::new(&scene.bar, bar.grid(), &book.launches, [&scene.left, &scene.right]);
         // sigma = rho c0 v holds where nothing acts along the bar.
         let plain = assemble::along(&scene.bar, &scene.effects).is_none();
@@ -118,12 +138,13 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
         let audit = Audit::new(&super::case(scene, Some(bar.grid().cells())));
         let traces = Traces::new(Sampling::at(bar.grid(), places), scene.effects.heat.is_some());
         bar.watch(&traces);
-        let steps = steps(scene, bar.grid().dt);
+        let steps = bar.grid().steps_to(scene.solve.until);
         let listener = scene.solve.estimate_error.then(|| {
             let instants = accuracy::common_instants(steps, bar.grid().dt);
             GridListener::new(&scene.bar, &bar, &instants, scene.record.gauges.len())
         });
         Ok(Self {
+            progress,
             steps,
             traces,
             ledger: book.ledger(&bar),
@@ -147,12 +168,10 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
         })
     }
 
-    /// All steps, until the end, an error, or a wish to stop.
-    fn step_to_end(&mut self, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<()> {
-        let cells = self.bar.grid().cells();
-        let every = (WORK_BETWEEN_CALLS / cells).max(1);
+    /// What is done before the first step.
+    fn start(&mut self) -> Result<()> {
         if self.resumed {
-            if self.bar.step().is_multiple_of(every) || self.bar.step() == self.steps {
+            if self.bar.step().is_multiple_of(self.between_pauses()) || self.bar.step() == self.steps {
                 self.check_finite()?;
             }
             self.check_limits()?;
@@ -160,33 +179,22 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
             self.bar.add_to(&mut self.traces);
             self.record()?;
         }
-        self.take_frames(progress)?;
-        while self.bar.step() < self.steps {
-            // Fixed multiples, so that a resumed run performs its checks at the same steps.
-            let stop = self.steps.min((self.bar.step() / every + 1) * every);
-            while self.bar.step() < stop {
-                let steps = self.next_look().min(stop) - self.bar.step();
-                let before = Instant::now();
-                self.bar.advance_logging(steps, &mut self.traces);
-                self.book.stepping += before.elapsed().as_secs_f64();
-                self.check_limits()?;
-                self.record()?;
-                self.take_frames(progress)?;
-            }
-            self.check_finite()?;
-            self.pause(progress)?;
-        }
-        Ok(())
+        self.take_frames()
+    }
+
+    /// Steps between two pauses: fixed multiples, so that a resumed run performs its checks at the same steps.
+    fn between_pauses(&self) -> usize {
+        (WORK_BETWEEN_CALLS / self.bar.grid().cells()).max(1)
     }
 
     /// Records all frames that are due, with pauses: there can be millions of them in one step.
-    fn take_frames(&mut self, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<()> {
+    fn take_frames(&mut self) -> Result<()> {
         loop {
             let mut writer = self.book.writer.as_mut();
             let keep = |frame| writer.as_mut().map_or(Ok(()), |writer| writer.frame(frame));
             let more = self.frames.take(&self.bar, FRAMES_AT_ONCE, keep)?;
             if self.latest_call.elapsed() > BETWEEN_CALLS {
-                self.pause(progress)?;
+                self.pause()?;
             }
             if !more {
                 return Ok(());
@@ -205,6 +213,7 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
         if !self.bar.stayed_elastic() {
             next = next.min(multiple_of(STEPS_BETWEEN_LIMIT_CHECKS));
         }
+        next = next.min(multiple_of(self.between_pauses()));
         let probe = self.elastic_check.as_ref().map(|probe| probe.step);
         let instant = self.listener.as_ref().and_then(|listener| listener.next(step));
         [probe, instant].into_iter().flatten().filter(|&at| at > step).fold(next, usize::min)
@@ -327,7 +336,7 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
     ///
     /// # Errors
     /// [`Error::Interrupted`] where `progress` asked to stop: the run is complete, but not what was asked for.
-    fn error(&mut self, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<Option<ErrorFigure>> {
+    fn error(&mut self) -> Result<Option<ErrorFigure>> {
         self.write_traces()?;
         let scene = self.book.scene;
         let plain = scene.effects.rate.is_none() && assemble::along(&scene.bar, &scene.effects).is_none();
@@ -340,7 +349,7 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
         let exact = || accuracy::similar(scene, &self.book.launches, &response);
         match known.then(exact).flatten() {
             Some(exact) => Ok(Some(accuracy::figure(response.errors(&exact), accuracy::SIMILAR.into()))),
-            None => accuracy::error_figure(scene, &response, self.bar.stayed_elastic(), progress),
+            None => accuracy::error_figure(scene, &response, self.bar.stayed_elastic(), self.progress),
         }
     }
 

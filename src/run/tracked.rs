@@ -1,11 +1,10 @@
 //! The time loop of a bar whose fronts are tracked: from one asked time to the next, in bursts of events.
 
-use std::path::Path;
 use std::time::Instant;
 
 use super::breaks::Breaks;
 use super::limits::AtLimit;
-use super::{Book, Findings, Progress, Wish, accuracy, companion, flow_both_ways, twisted};
+use super::{Book, Findings, Progress, Task, Wish, accuracy, companion, flow_both_ways, twisted};
 use crate::accuracy::FrontListener;
 use crate::assemble;
 use crate::error::{Error, Result, RunError};
@@ -14,6 +13,7 @@ use crate::record::{
     StepGauges, Summary, TrackedFronts, TrackingSummary, Twisted, View,
 };
 use crate::scene::Scene;
+use crate::simulate::{Simulation, Stretch, simulate};
 use crate::solver::moc::{FrontTracking, Piece, Settings, Stopped, Trail};
 
 /// Events between two calls of the progress function: some milliseconds, and about 200 kB of trails.
@@ -36,26 +36,22 @@ pub(super) const OUT_OF_EVENTS: &str = "front tracking used all of its";
 const SAMPLING: &str = "exact at the place; on a front the state behind it, on a joint the state to its right";
 
 /// Runs a scene by front tracking.
-pub(super) fn run(
-    scene: &Scene,
-    front_tolerance: f64,
-    event_budget: u64,
-    output: Option<&Path>,
-    started: Instant,
-    progress: &mut dyn FnMut(Progress) -> Wish,
-) -> Result<Summary> {
-    let settings =
-        Settings { front_tolerance, event_budget, trails: true, stop_at_limits: true, ..Settings::default() };
-    let mut run = Run::new(scene, settings, output, started)?;
-    let ended = run.follow(progress).and_then(|()| run.error_figure(progress));
+pub(super) fn run(task: Task<'_>, settings: Settings) -> Result<Summary> {
+    let mut run = Run::new(task, Settings { trails: true, stop_at_limits: true, ..settings })?;
+    let ended = simulate(&mut run, BURST).and_then(|()| run.error_figure());
     run.finish(ended)
 }
 
 /// A run under way.
 struct Run<'a> {
     book: Book<'a>,
+    progress: &'a mut dyn FnMut(Progress) -> Wish,
     bar: FrontTracking,
+    /// Trails of fronts that ended since the last look.
+    ended: Vec<Trail>,
     settings: Settings,
+    /// Times at which something is looked at, s, the next one last. They do not change what happens between them.
+    pauses: Vec<(f64, Pause)>,
     /// Samples of the fields, m.
     x: Vec<f64>,
     gauges: StepGauges,
@@ -86,17 +82,52 @@ enum Pause {
     End,
 }
 
+impl Simulation for Run<'_> {
+    type Solver = FrontTracking;
+    type Error = Error;
+
+    fn next(&self) -> Option<f64> {
+        self.pauses.last().map(|pause| pause.0)
+    }
+
+    fn bar(&mut self) -> (&mut FrontTracking, Option<&mut Vec<Trail>>) {
+        (&mut self.bar, Some(&mut self.ended))
+    }
+
+    fn look(&mut self, stretch: Stretch) -> Result<()> {
+        self.book.stepping += stretch.seconds;
+        self.collect()?;
+        let pause = self.pauses.last().map_or(Pause::End, |pause| pause.1);
+        // A look in between is no news.
+        let news = !matches!(pause, Pause::AuditLook | Pause::Instant) || stretch.arrived != Ok(true);
+        let at = self.at();
+        if news && (self.progress)(at) == Wish::Stop {
+            return Err(Error::Interrupted);
+        }
+        match stretch.arrived {
+            Ok(true) => self.arrive(),
+            Ok(false) => Ok(()),
+            Err(why) => Err(self.stopped(&why)),
+        }
+    }
+}
+
 impl<'a> Run<'a> {
-    fn new(scene: &'a Scene, settings: Settings, output: Option<&Path>, started: Instant) -> Result<Self> {
+    fn new(task: Task<'a>, settings: Settings) -> Result<Self> {
+        let Task { scene, target, started, progress } = task;
         let before = Instant::now();
         let bar = assemble::front_tracking(scene, settings);
         let stepping = before.elapsed().as_secs_f64();
         let x = even_places(scene.bar.length(), scene.record.cells.unwrap_or(SAMPLES));
-        let mut book = Book::open(scene, output, x.clone(), SAMPLING, started)?;
+        let mut book = Book::open(scene, target, x.clone(), SAMPLING, started)?;
         book.stepping = stepping;
-        let places: Vec<f64> = scene.record.gauges.iter().map(|g| g.1).collect();
+        let places = scene.record.gauge_places();
         let audit = Audit::new(&super::case(scene, None));
+        let elastic_check = ElasticProbe::new(&scene.bar, &book.launches, scene.solve.until);
         Ok(Self {
+            progress,
+            ended: Vec::new(),
+            pauses: pauses(scene, elastic_check.as_ref()),
             gauges: StepGauges::new(&scene.bar, &places, scene.solve.until),
             ends: EndHistories::default(),
             listener: FrontListener::new(&scene.bar, places.len()),
@@ -107,7 +138,7 @@ impl<'a> Run<'a> {
             audit,
             yielded: false,
             twisted: twisted(scene, &x),
-            elastic_check: ElasticProbe::new(&scene.bar, &book.launches, scene.solve.until),
+            elastic_check,
             breaks: Breaks::default(),
             book,
             bar,
@@ -116,67 +147,31 @@ impl<'a> Run<'a> {
         })
     }
 
-    /// From pause to pause, until the end, an error, or a wish to stop.
-    fn follow(&mut self, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<()> {
-        for (time, pause) in self.pauses() {
-            self.advance_to(time, pause, progress)?;
-            match pause {
-                Pause::Frame => self.frame(time)?,
-                Pause::AuditLook => self.look(),
-                Pause::ElasticCheck => self.check_elastic(),
-                Pause::Instant => self.listener.look(&self.bar),
-                Pause::End => self.write_ledger()?,
-            }
+    fn at(&self) -> Progress {
+        Progress::Fronts {
+            time: self.bar.time(),
+            until: self.book.scene.solve.until,
+            events: self.bar.events(),
+            fronts: self.bar.front_count(),
+        }
+    }
+
+    /// Does what is to be done at the time of the next pause.
+    fn arrive(&mut self) -> Result<()> {
+        match self.pauses.pop() {
+            Some((time, Pause::Frame)) => self.frame(time)?,
+            Some((_, Pause::AuditLook)) => self.look_for_yield(),
+            Some((_, Pause::ElasticCheck)) => self.check_elastic(),
+            Some((_, Pause::Instant)) => self.listener.look(&self.bar),
+            Some((_, Pause::End)) => self.write_ledger()?,
+            None => {}
         }
         Ok(())
     }
 
-    /// Times at which something is looked at, in order. They do not change what happens between them.
-    fn pauses(&self) -> Vec<(f64, Pause)> {
-        let until = self.book.scene.solve.until;
-        let mut pauses: Vec<(f64, Pause)> =
-            self.book.scene.record.times.iter().map(|&time| (time, Pause::Frame)).collect();
-        let look = |k: usize| (until * k as f64 / record::LOOKS as f64, Pause::AuditLook);
-        pauses.extend((1..=record::LOOKS).map(look));
-        pauses.extend(companion::instants(until).into_iter().map(|time| (time, Pause::Instant)));
-        pauses.extend(self.elastic_check.iter().map(|p| (p.time(), Pause::ElasticCheck)));
-        if self.book.scene.record.times.last() != Some(&until) {
-            pauses.push((until, Pause::End));
-        }
-        pauses.sort_by(|a, b| a.0.total_cmp(&b.0));
-        pauses
-    }
-
-    /// Follows the fronts up to a time, in bursts.
-    fn advance_to(&mut self, time: f64, pause: Pause, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<()> {
-        loop {
-            self.bar.set_event_budget((self.bar.events() + BURST).min(self.settings.event_budget));
-            let before = Instant::now();
-            let stopped = self.bar.advance_to(time);
-            self.book.stepping += before.elapsed().as_secs_f64();
-            self.collect()?;
-            let at = Progress::Fronts {
-                time: self.bar.time(),
-                until: self.book.scene.solve.until,
-                events: self.bar.events(),
-                fronts: self.bar.front_count(),
-            };
-            // A look in between is no news.
-            let news = !matches!(pause, Pause::AuditLook | Pause::Instant) || stopped.is_err();
-            if news && progress(at) == Wish::Stop {
-                return Err(Error::Interrupted);
-            }
-            match stopped {
-                Ok(()) => return Ok(()),
-                Err(Stopped::EventBudget { events, .. }) if events < self.settings.event_budget => {}
-                Err(why) => return Err(self.stopped(&why, progress)),
-            }
-        }
-    }
-
     /// Takes in what has happened to the fronts since the last call.
     fn collect(&mut self) -> Result<()> {
-        let ended = self.bar.take_trails();
+        let ended = std::mem::take(&mut self.ended);
         self.breaks.look_at(&self.bar, &ended);
         self.fronts.collect(&ended);
         self.gauges.collect(&self.bar, &ended);
@@ -218,7 +213,7 @@ impl<'a> Run<'a> {
     }
 
     /// The audit has nothing to see in a bar that is elastic.
-    fn look(&mut self) {
+    fn look_for_yield(&mut self) {
         let flowed = |p: Piece<'_>| p.point.plastic != 0.0 || p.point.accumulated != 0.0;
         self.yielded = self.yielded || self.bar.pieces().any(flowed);
         if self.yielded {
@@ -232,7 +227,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    fn stopped(&self, why: &Stopped, progress: &mut dyn FnMut(Progress) -> Wish) -> Error {
+    fn stopped(&mut self, why: &Stopped) -> Error {
         match *why {
             Stopped::AtLimit(point) => return AtLimit::from(&point).error(self.book.scene),
             Stopped::EventBudget { time, events, fronts } if self.book.scene.cut.is_some() => RunError {
@@ -246,7 +241,7 @@ impl<'a> Run<'a> {
             Stopped::EventBudget { time, events, fronts } => {
                 // With a tolerance the caller has other methods to try.
                 let alone = self.book.scene.solve.tolerance.is_none();
-                let carries = || companion::tolerance_that_carries(self.book.scene, self.settings, progress);
+                let carries = || companion::tolerance_that_carries(self.book.scene, self.settings, self.progress);
                 let help = match alone.then(carries).unwrap_or(Ok(None)) {
                     Err(interrupted) => return interrupted,
                     Ok(None) => "no front-tolerance up to 0.5 carries it through: raise event-budget in [solve]".to_owned(),
@@ -336,13 +331,13 @@ impl<'a> Run<'a> {
     }
 
     /// How far the run may be off.
-    fn error_figure(&mut self, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<Option<ErrorFigure>> {
+    fn error_figure(&mut self) -> Result<Option<ErrorFigure>> {
         self.write_traces()?;
         let response = self.listener.clone().response(&self.bar);
         let similar = || accuracy::similar(self.book.scene, &self.book.launches, &response);
         match self.bar.ruptures().is_empty().then(similar).flatten() {
             Some(exact) => Ok(Some(accuracy::figure(response.errors(&exact), accuracy::SIMILAR.into()))),
-            None => companion::error_figure(self.book.scene, self.settings, &self.bar, &response, progress),
+            None => companion::error_figure(self.book.scene, self.settings, &self.bar, &response, self.progress),
         }
     }
 
@@ -406,6 +401,22 @@ impl<'a> Run<'a> {
             striker: strikers[k],
         })
     }
+}
+
+/// Times at which something is looked at, s, the last one first.
+fn pauses(scene: &Scene, elastic_check: Option<&ElasticProbe>) -> Vec<(f64, Pause)> {
+    let until = scene.solve.until;
+    let mut pauses: Vec<(f64, Pause)> = scene.record.times.iter().map(|&time| (time, Pause::Frame)).collect();
+    let look = |k: usize| (until * k as f64 / record::LOOKS as f64, Pause::AuditLook);
+    pauses.extend((1..=record::LOOKS).map(look));
+    pauses.extend(companion::instants(until).into_iter().map(|time| (time, Pause::Instant)));
+    pauses.extend(elastic_check.map(|probe| (probe.time(), Pause::ElasticCheck)));
+    if scene.record.times.last() != Some(&until) {
+        pauses.push((until, Pause::End));
+    }
+    pauses.sort_by(|a, b| a.0.total_cmp(&b.0));
+    pauses.reverse();
+    pauses
 }
 
 /// Centres of `count` equal parts of the bar, m.

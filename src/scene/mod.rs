@@ -273,6 +273,13 @@ pub struct Record {
     pub compression: Compression,
 }
 
+impl Record {
+    /// Places of the gauges, m from the left end.
+    pub fn gauge_places(&self) -> Vec<f64> {
+        self.gauges.iter().map(|gauge| gauge.1).collect()
+    }
+}
+
 impl Scene {
     /// Reads and checks a scene file. `overrides` are `KEY=VALUE` texts, applied in order before anything is
     /// checked: a dotted key ("bar.segment.0.length"), and a value that is TOML or else text ("-40 m/s"); an empty

@@ -9,7 +9,6 @@ use crate::assemble;
 use crate::bar::{Bar, EndCondition, History, Segment};
 use crate::material::Material;
 use crate::record::{Compression, Field, Precision};
-use crate::run;
 use crate::scene::{Effects, Method, Record, Scene, Solve, Unloading};
 use crate::solver::fd::Quantity;
 use crate::text_file::NamedFiles;
@@ -56,7 +55,7 @@ fn drive(material: &Arc<Material>, row: &CriticalRow, velocity: f64, limit: f64)
     // Pulling the left end in -x is tension.
     let scene = scene(material, -row.sense.sign() * velocity);
     let mut bar = assemble::leapfrog(&scene, CELLS, 1.0);
-    bar.advance_by(run::steps(&scene, bar.grid().dt));
+    bar.advance_by(bar.grid().steps_to(scene.solve.until));
     // Strain that the waves cannot carry away stays in the first cells.
     let strain = (0..4).map(|cell| bar.value(Quantity::Strain, cell).abs()).fold(0.0, f64::max);
     Driven { velocity_m_s: velocity, strain_at_end: strain, breaks: strain > limit }

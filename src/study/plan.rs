@@ -237,7 +237,7 @@ struct Cell {
 
 /// The work on a grid, and its cells.
 fn grid_work(scene: &Scene, grid: &Grid, cell: &Cell) -> (Work, usize) {
-    let (cells, steps) = (grid.cells(), run::steps(scene, grid.dt));
+    let (cells, steps) = (grid.cells(), grid.steps_to(scene.solve.until));
     let [elastic, yielded] = cell.bytes;
     let work = Work::Grid {
         cells,

@@ -11,7 +11,6 @@ use std::path::Path;
 use barwave::assemble;
 use barwave::bar::EndCondition;
 use barwave::record::{Stepped, Summary, View};
-use barwave::run;
 use barwave::scene::{Method, Scene};
 use barwave::solver::fd::{Quantity, Sampling};
 use barwave::solver::moc::{FrontTracking, Settings};
@@ -188,7 +187,7 @@ impl Known {
     }
 
     fn error_on_grid(&self, scene: &Scene, mut bar: impl Stepped) -> f64 {
-        for _ in 0..run::steps(scene, bar.grid().dt) {
+        for _ in 0..bar.grid().steps_to(scene.solve.until) {
             bar.advance();
         }
         let x = bar.grid().centres();

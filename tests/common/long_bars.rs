@@ -3,8 +3,10 @@
 
 use std::sync::Arc;
 
+use barwave::accuracy::{FrontListener, front_errors};
 use barwave::bar::{Bar, EndCondition, History, Segment};
 use barwave::material::{Beyond, Curve, Material};
+use barwave::record::Measure;
 use barwave::solver::moc::{FrontTracking, Settings, Stopped};
 use barwave::wave::riemann::Flow;
 
@@ -87,6 +89,19 @@ impl Case {
         let ended = run.advance_to(self.until());
         (run, ended)
     }
+}
+
+/// How far a run may be off at its end, in stress or in plastic strain, by a companion.
+pub fn figure(case: &Case, run: &FrontTracking, companion: &FrontTracking) -> f64 {
+    let response = |run: &FrontTracking| {
+        let mut listener = FrontListener::new(&case.bar, 0);
+        listener.look(run);
+        listener.response(run)
+    };
+    let errors = front_errors(run, &response(run), &response(companion));
+    let [stress, plastic] =
+        [Measure::FieldAtEnd, Measure::ResidualStrain].map(|measure| errors[measure].unwrap_or(0.0));
+    stress.max(plastic)
 }
 
 /// Relative L1 difference of stress of a run from a better one.

@@ -1,6 +1,6 @@
 //! The fall of an overstress over a step by a law that is linear in it, a power of it, or exponential.
 
-use super::root::root;
+use crate::root::{Tolerance, fixed_point};
 
 /// For a law that is linear in the overstress: what flows in a step of an overstress, and of one that rises from zero.
 pub(super) fn relaxed(k: f64, gain: f64, time: f64) -> [f64; 2] {
@@ -103,7 +103,7 @@ impl Driven {
             };
             first + rise - drop
         };
-        let end = root(guess, bounds, first + rise.abs(), answer);
+        let end = fixed_point(guess, bounds, Tolerance::of_differences(first + rise.abs()), answer);
         // Where that is below the static curve, y < start, the curve is followed: all of it flows.
         (first + rise - end).clamp(0.0, most)
     }

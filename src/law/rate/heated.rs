@@ -14,11 +14,11 @@
 //! cools by the fraction beta of it, as it warmed when the work was stored. A law that splits stored from dissipated work otherwise
 //! (Rosakis et al., J. Mech. Phys. Solids 48, 2000) would need a measured beta that depends on the path.
 
-use super::root::root;
 use super::step::{Flowing, readings_of_state, step};
 use super::{Course, Driven, History, Overstress, RateLaw};
 use crate::law::{CellLaw, Response};
 use crate::material::Heating;
+use crate::root::{Tolerance, fixed_point};
 
 /// Times that the temperature at the end of a flow is worked out. Each takes its error down by about what the cell warms in
 /// the step, over the range to melting.
@@ -125,7 +125,8 @@ impl<const N: usize> Flowing for Cell<'_, N> {
         let most = driven.excess + driven.rise.max(0.0);
         // A static stress that falls gives a little more than what would stay elastic.
         let most = most + self.softening * self.cold_limit(&self.history, sense).max(0.0);
-        root(self.answer(driven, sense, 0.0), [0.0, most], most, |flow| self.answer(driven, sense, flow))
+        let tolerance = Tolerance::of_differences(most);
+        fixed_point(self.answer(driven, sense, 0.0), [0.0, most], tolerance, |flow| self.answer(driven, sense, flow))
     }
 
     fn advance(&mut self, driven: Driven, flow: f64, sense: usize) {

@@ -30,7 +30,6 @@ mod driven;
 mod hardening;
 mod heated;
 mod overstress;
-mod root;
 mod step;
 mod walk;
 
@@ -40,10 +39,10 @@ use driven::relaxed;
 pub use hardening::{Hardening, Piece};
 pub use heated::Heated;
 pub use overstress::Overstress;
-use root::root;
 use serde::{Deserialize, Serialize};
 
 use super::Table;
+use crate::root::{Tolerance, fixed_point};
 
 /// A share of the flow that bounds it.
 const LEAST_SHARE: f64 = 1e-12;
@@ -158,6 +157,15 @@ impl RateLaw {
         self.side(sense).pieces()[history.piece[sense] as usize].at(history.accumulated)
     }
 
+    /// Stress that a cell can carry at most in a sense (0 tension, 1 compression), Pa: infinite unless it does not depend on the rate
+    /// and its static curve ends level.
+    pub fn largest_stress(&self, sense: usize) -> f64 {
+        match self.side(sense).pieces() {
+            [.., last] if last.slope == 0.0 && self.overstress == Overstress::RATE_INDEPENDENT => last.stress,
+            _ => f64::INFINITY,
+        }
+    }
+
     /// The law of overstress.
     pub fn overstress(&self) -> Overstress {
         self.overstress
@@ -212,19 +220,20 @@ impl RateLaw {
         let law = self.overstress;
         let size = driven.excess + driven.rise.abs();
         let most = size / share.max(LEAST_SHARE);
+        let tolerance = Tolerance::of_differences(size);
         if flow >= room {
             let answer = |flow: f64| {
                 let at = self.side(sense).piece_at(p + flow, k as u32);
                 let end = pieces[at as usize].at(p + flow);
                 Course { law, limit: end - f, flow_stress: [f, end] }.answer(driven, share, flow)
             };
-            flow = root(flow.min(most), [room, most.max(room)], size, answer);
+            flow = fixed_point(flow.min(most), [room, most.max(room)], tolerance, answer);
         } else if piece.slope > 0.0 && self.overstress.needs_static_stress() {
             let answer = |flow: f64| {
                 let limit = piece.slope * flow;
                 Course { law, limit, flow_stress: [f, f + limit] }.answer(driven, share, flow)
             };
-            flow = root(flow, [0.0, room.min(most)], size, answer);
+            flow = fixed_point(flow, [0.0, room.min(most)], tolerance, answer);
         }
         flow
     }

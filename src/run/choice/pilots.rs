@@ -5,7 +5,7 @@ use super::super::{Progress, Wish, companion};
 use super::racer::{
     FEW_EVENTS, FIRST_CELLS, FRONT_ORDER, FRONT_ORDERS, LEAST_TOLERANCE, MOST_CELLS, PATIENCE, Pilot, Racer, nominal,
 };
-use crate::accuracy::{INSTANTS, Response, evenly, extrapolate};
+use crate::accuracy::{INSTANTS, Response, evenly, extrapolate, front_errors};
 use crate::bar::launches;
 use crate::error::{Error, Result};
 use crate::scene::{Method, Scene};
@@ -60,17 +60,17 @@ pub(super) fn front_pilot(
         return Ok(());
     }
     let most = (PATIENCE * rival / nominal(scene, method)).max(4.0 * FEW_EVENTS as f64).min(event_budget as f64) as u64;
-    let settings = Settings { front_tolerance, event_budget, ..Settings::default() };
+    let settings = Settings { front_tolerance, event_budget: most, ..Settings::default() };
     // What would be worth more to nobody is out; else it may come to that yet.
     let limited = most < event_budget;
     racer.dear = None;
     let instants = companion::instants(scene.solve.until);
-    let Some((bar, response)) = companion::tracked(scene, settings, most, &instants, progress)? else {
+    let Some((bar, response)) = companion::tracked(scene, settings, &instants, progress)? else {
         let why = || format!("fronts meet more than {most} times with a front tolerance of {front_tolerance:.1e}");
         (racer.dear, racer.out) = (limited.then_some(most), (!limited).then(why));
         return Ok(());
     };
-    let Some(estimate) = front_estimate(scene, settings, (&bar, &response), most, progress)? else {
+    let Some(estimate) = front_estimate(scene, settings, (&bar, &response), progress)? else {
         let coarser = COARSER * front_tolerance;
         let why = || format!("a run with a front tolerance of {coarser:.1e} meets more fronts still");
         (racer.dear, racer.out) = (limited.then_some(most), (!limited).then(why));
@@ -108,8 +108,7 @@ pub(super) fn contradiction(
     };
     let grid = accuracy::coarse(scene, run.method, &instants(scene), progress).ok_or(Error::Interrupted)?.response;
     let settings = Settings { front_tolerance, event_budget, ..Settings::default() };
-    let times: Vec<f64> = grid.fields.iter().map(|field| field.0).collect();
-    let Some((_, fronts)) = companion::tracked(scene, settings, event_budget, &times, progress)? else {
+    let Some((_, fronts)) = companion::tracked(scene, settings, &grid.instants(), progress)? else {
         return Ok(None);
     };
     let apart = grid.errors(&fronts).largest().map_or(0.0, |largest| largest.1);
@@ -128,7 +127,6 @@ fn front_estimate(
     scene: &Scene,
     settings: Settings,
     (bar, response): (&FrontTracking, &Response),
-    most: u64,
     progress: &mut dyn FnMut(Progress) -> Wish,
 ) -> Result<Option<f64>> {
     if bar.is_exact() {
@@ -140,9 +138,9 @@ fn front_estimate(
         response.errors(&exact)
     } else {
         let instants = companion::instants(scene.solve.until);
-        let coarser = companion::tracked(scene, companion::coarser(settings), most, &instants, progress)?;
+        let coarser = companion::tracked(scene, companion::coarser(settings), &instants, progress)?;
         let Some((_, coarser)) = coarser else { return Ok(None) };
-        companion::error_table(bar, response, &coarser)
+        front_errors(bar, response, &coarser)
     };
     Ok(table.largest().map(|largest| largest.1))
 }

@@ -29,9 +29,9 @@ impl Checkpoints {
 impl<S: Stepped + Snapshot> Run<'_, S> {
     /// Reports progress; writes a checkpoint if one is due or the run is asked to stop. Everything of the current step has been recorded
     /// except for frames.
-    pub(super) fn pause(&mut self, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<()> {
+    pub(super) fn pause(&mut self) -> Result<()> {
         let (step, steps, cells) = (self.bar.step(), self.steps, self.bar.grid().cells());
-        let stops = progress(Progress::Steps { step, steps, cells }) == Wish::Stop;
+        let stops = (self.progress)(Progress::Steps { step, steps, cells }) == Wish::Stop;
         if self.checkpoints.as_ref().is_some_and(|kept| stops || kept.latest.elapsed() >= kept.every) {
             self.keep_checkpoint()?;
         }

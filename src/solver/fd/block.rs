@@ -332,7 +332,8 @@ impl Block {
             v: &self.v,
             sigma: &mut self.sigma,
             work,
-            turned,
+            // Each cell's own is weighted with its area; in a bar of one area the sum says all.
+            turned: self.taper.is_some().then_some(&mut *turned),
             flow: &mut self.flow,
             cells: busy.clone(),
         };

@@ -46,6 +46,12 @@ impl Grid {
         Self { segments, dt }
     }
 
+    /// Steps up to a time, s: to the first that reaches it, one at least.
+    pub fn steps_to(&self, until: f64) -> usize {
+        // Rounding in until/dt must not cost a whole extra step.
+        ((until / self.dt - 1e-9).ceil() as usize).max(1)
+    }
+
     /// Cells of the whole bar.
     pub fn cells(&self) -> usize {
         self.segments.last().map_or(0, |s| s.cells.end)

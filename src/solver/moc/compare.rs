@@ -10,25 +10,6 @@ pub const COARSER: f64 = 3.0;
 pub const SAFETY: f64 = 2.5;
 
 impl FrontTracking {
-    /// How far this run may be off now: the larger of the errors of stress and of plastic strain, each an estimate of the
-    /// integral over x of |error| over that of |value|, >= 0, from a run of the same bar up to the same time with [`COARSER`]
-    /// times the front tolerance. It is [`SAFETY`] times their difference.
-    ///
-    /// Waves that have left the bar take their errors of stress with them; those of plastic strain stay.
-    pub fn error_figure(&self, coarser: &Self) -> f64 {
-        let (apart, total) = self.plastic_difference(coarser);
-        let plastic = if total > 0.0 { SAFETY * apart / total } else { 0.0 };
-        self.stress_error(coarser).max(plastic)
-    }
-
-    /// The same of the stress alone; where both runs are the same, all that was merged.
-    fn stress_error(&self, coarser: &Self) -> f64 {
-        let (apart, total) = self.stress_difference(coarser);
-        // A companion that merged just what the run did tells nothing; the sum of all merges is too much, but no less.
-        let apart = if apart > 0.0 { SAFETY * apart } else { self.merged() };
-        if total > 0.0 { apart / total } else { 0.0 }
-    }
-
     /// Integral over x of |difference of stress| from another run of the same bar, and of this run's |stress|, Pa m: exact
     /// sums over the constant pieces of both.
     pub fn stress_difference(&self, other: &Self) -> (f64, f64) {

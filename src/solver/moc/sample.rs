@@ -1,9 +1,9 @@
 //! Reading a tracked bar at many places in one sweep, and letting it go on in bursts.
 
-use super::FrontTracking;
 use super::list::{Kind, Node};
 use super::meeting::Meeting;
 use super::openings::Opening;
+use super::{FrontTracking, Stopped};
 use crate::wave::riemann::Point;
 
 impl FrontTracking {
@@ -109,9 +109,19 @@ impl FrontTracking {
         self.fronts
     }
 
-    /// Changes the number of events that the run may take in all. [`FrontTracking::advance_to`] stops there, and goes on
-    /// when it is called again with a larger budget: so a long run can be interrupted.
-    pub fn set_event_budget(&mut self, events: u64) {
-        self.budget = events;
+    /// Follows the fronts up to and including `until` (s), as [`FrontTracking::advance_to`] does, but for no more than so many events
+    /// now. True where it got there.
+    ///
+    /// # Errors
+    /// Those of [`FrontTracking::advance_to`]; its event budget is that of all calls together.
+    pub fn advance_for(&mut self, until: f64, events: u64) -> Result<bool, Stopped> {
+        let budget = self.budget;
+        self.budget = budget.min(self.events.saturating_add(events));
+        let ended = self.advance_to(until);
+        self.budget = budget;
+        match ended {
+            Err(Stopped::EventBudget { events, .. }) if events < budget => Ok(false),
+            ended => ended.map(|()| true),
+        }
     }
 }

@@ -7,7 +7,7 @@ use super::face::{response, under};
 use super::part::Part;
 use crate::bar;
 use crate::bar::joint::{Contact, force_at};
-use crate::wave::riemann::{Flux, Near, Side, Workspace, solve};
+use crate::wave::riemann::{Flux, Near, Side, Star, Workspace, solve};
 
 /// A joint.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -73,18 +73,32 @@ fn meeting(rate: f64, [a, b]: [&Part; 2], [left, right]: &[Near; 2], work: &mut 
     let force = force_at(rate, &bars);
     let elastic = a.faces.stays_elastic(left, -force / a.area) && b.faces.stays_elastic(right, -force / b.area);
     // As if both moved towards each other by half the rate more, so that they are bonded.
-    let (force, from_left, from_right) = if elastic {
-        (force, half - bars[0].velocity(force), bars[1].velocity(force) - half)
+    let (force, velocity) = if elastic {
+        let (from_left, from_right) = (half - bars[0].velocity(force), bars[1].velocity(force) - half);
+        (force, 0.5 * (from_left + from_right))
     } else {
         let (mut left, mut right) = (a.faces.placed(left), b.faces.placed(right));
         left.point.velocity += half;
         right.point.velocity -= half;
         let star = solve(Side::Face(&a.faces.medium, &left), Side::Face(&b.faces.medium, &right), work);
-        (-star.force, star.velocity_left, star.velocity_right)
+        (-star.force, together(&star, work))
     };
-    let middle = 0.5 * (from_left + from_right);
     [
-        Flux { stress: -force / a.area, velocity: middle - half },
-        Flux { stress: -force / b.area, velocity: middle + half },
+        Flux { stress: -force / a.area, velocity: velocity - half },
+        Flux { stress: -force / b.area, velocity: velocity + half },
     ]
+}
+
+/// Velocity of the joint. Where a level curve caps the force, the side that could carry more moves with the joint, and the jump of
+/// velocity strains the other.
+fn together(star: &Star, work: &Workspace) -> f64 {
+    let (left, right) = (star.velocity_left, star.velocity_right);
+    let carries = [&work.left, &work.right].map(|path| path.cap() * path.area());
+    if star.capped && carries[0] > carries[1] {
+        left
+    } else if star.capped && carries[1] > carries[0] {
+        right
+    } else {
+        0.5 * (left + right)
+    }
 }

@@ -154,6 +154,9 @@ impl End {
         let [elastic, _] = relation.meet(bar);
         let share = INSIDE * relation.of_velocity / (relation.of_velocity + relation.of_force * bar.impedance);
         let stress = -elastic / self.face.area;
+        // What the curve cannot carry pulls at the face all the same, and accelerates it as if it were elastic.
+        let too_much = stress.abs() > part.law.largest_stress(usize::from(stress < 0.0));
+        let share = if too_much { INSIDE } else { share };
         let (flow, history) = part.borders.flow(&part.law, self.node(part), stress, share, self.dt);
         let flowed = Response { force: bar.force + self.face.area * (0.25 * flow.plastic), ..*bar };
         let [force, velocity] = relation.meet(&flowed);

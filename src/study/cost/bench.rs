@@ -40,7 +40,7 @@ impl Runner for Bench<'_> {
         let timing = measure::repeated(&scene, pass.seconds, &mut self.watch)?;
         let whole_wall_s = self.whole(&self.source.overrides(way, Some(resolution)))?;
         let whole = scene.in_pieces().is_none();
-        let exact = pass.tracked.as_ref().map(|bar| whole && bar.is_exact());
+        let exact = pass.tracked.map(|bar| whole && bar.exact);
         let by = match resolution {
             Resolution::Cells(_) => Resolution::Cells(pass.cells),
             tolerance @ Resolution::FrontTolerance(_) => tolerance,
@@ -93,7 +93,7 @@ impl Bench<'_> {
 /// Solver memory of a finished run, bytes.
 pub(super) fn memory(scene: &Scene, pass: &Pass) -> u64 {
     match &pass.tracked {
-        Some(bar) => (bar.pieces().count() * FrontTracking::BYTES_PER_FRONT) as u64,
+        Some(bar) => (bar.pieces * FrontTracking::BYTES_PER_FRONT) as u64,
         None => match plan(scene).work {
             Work::Grid { memory_bytes, .. } => memory_bytes as u64,
             Work::Fronts { .. } => 0,

@@ -3,18 +3,18 @@
 use std::time::Instant;
 
 use super::ladder::Halt;
-use crate::accuracy::{Course, FrontListener, Response, respond};
-use crate::assemble::{self, OnGrid};
-use crate::record::{StepGauges, Stepped};
-use crate::run::{self, Wish};
+use crate::accuracy::{Course, Ended, Respond, Response, respond};
+use crate::assemble;
+use crate::record::Stepped;
+use crate::run::Wish;
 use crate::scene::{Method, Scene};
 use crate::snapshot::Snapshot;
 use crate::solver::fd::Grid;
-use crate::solver::moc::{FrontTracking, Settings, Stopped};
+use crate::solver::moc::Settings;
 use crate::solver::net::Lattice;
 
 /// Work between two looks at the clock: some milliseconds.
-const CELL_STEPS: usize = 4_000_000;
+const CELL_STEPS: u64 = 4_000_000;
 const EVENTS: u64 = 5_000;
 
 /// A run that takes longer than this is timed once, s; shorter ones are repeated for about `REPEAT_FOR`.
@@ -60,8 +60,17 @@ pub(super) struct Pass {
     pub cells: usize,
     /// Cell-steps or events.
     pub work: u64,
-    /// The bar at the end, where fronts are tracked.
-    pub tracked: Option<Box<FrontTracking>>,
+    /// Where fronts are tracked.
+    pub tracked: Option<Tracked>,
+}
+
+/// What a run by front tracking left.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Tracked {
+    /// See [`crate::solver::moc::FrontTracking::is_exact`].
+    pub exact: bool,
+    /// Constant pieces of the bar at the end.
+    pub pieces: usize,
 }
 
 /// What is wanted of a run.
@@ -98,11 +107,7 @@ pub(super) fn time_step(scene: &Scene) -> Option<f64> {
 pub(super) fn pass(scene: &Scene, wanted: Wanted<'_>, watch: &mut Watch<'_>) -> Result<Pass, Halt> {
     let cut = scene.in_pieces();
     let scene = cut.as_ref().unwrap_or(scene);
-    if let Method::FrontTracking { front_tolerance, event_budget } = scene.solve.method {
-        let own = Settings { front_tolerance, event_budget, ..Settings::default() };
-        return tracked(scene, wanted.settings.unwrap_or(own), wanted, watch);
-    }
-    assemble::on_grid(scene, Task { scene, wanted, watch }).unwrap_or(Err(Halt::OutOfTime))
+    assemble::solve(scene, Task { scene, wanted, watch })
 }
 
 /// Stepping times of a scene's bar: the median, and the distance between the quartiles over the median.
@@ -151,69 +156,49 @@ pub(super) fn timing(mut times: Vec<f64>) -> Timing {
     Timing { median, shortest: times[0], spread, repetitions: times.len() }
 }
 
-/// A grid, step by step.
+/// A bar that is run once.
 struct Task<'a, 'w> {
     scene: &'a Scene,
     wanted: Wanted<'a>,
     watch: &'a mut Watch<'w>,
 }
 
-impl OnGrid for Task<'_, '_> {
+impl assemble::Task for Task<'_, '_> {
     type Output = Result<Pass, Halt>;
 
-    fn with(self, mut bar: impl Stepped + Snapshot) -> Result<Pass, Halt> {
-        let (cells, steps) = (bar.grid().cells(), run::steps(self.scene, bar.grid().dt));
-        let gauges: Vec<f64> = self.scene.record.gauges.iter().map(|g| g.1).collect();
-        let course = Course { instants: self.wanted.instants, gauges: &gauges, steps, work: CELL_STEPS };
-        let (response, seconds) = respond(&self.scene.bar, &mut bar, course, |_, _| self.watch.look())?;
+    fn on_grid(self, mut bar: impl Stepped + Snapshot) -> Result<Pass, Halt> {
+        let (response, seconds) = self.respond(&mut bar, CELL_STEPS)?;
         if bar.not_finite().is_some() {
             return Err(Halt::Failed("a stress is not a finite number".into()));
         }
+        let cells = bar.grid().cells();
         Ok(Pass { seconds, response, cells, work: (cells * bar.step()) as u64, tracked: None })
+    }
+
+    /// That the bar is laid out, with its first Riemann problems, is part of the time.
+    fn by_fronts(self, settings: Settings) -> Result<Pass, Halt> {
+        let listens = !self.wanted.instants.is_empty() && !self.scene.record.gauges.is_empty();
+        let settings = Settings { trails: listens, ..self.wanted.settings.unwrap_or(settings) };
+        let before = Instant::now();
+        let mut bar = assemble::front_tracking(self.scene, settings);
+        let laid_out = before.elapsed().as_secs_f64();
+        let (response, seconds) = self.respond(&mut bar, EVENTS)?;
+        let tracked = Tracked { exact: bar.is_exact(), pieces: bar.pieces().count() };
+        Ok(Pass { seconds: laid_out + seconds, response, cells: 0, work: bar.events(), tracked: Some(tracked) })
     }
 }
 
-/// Fronts, burst by burst. That the bar is laid out, with its first Riemann problems, is part of the time.
-fn tracked(scene: &Scene, settings: Settings, wanted: Wanted<'_>, watch: &mut Watch<'_>) -> Result<Pass, Halt> {
-    let listens = !wanted.instants.is_empty();
-    let places: Vec<f64> = scene.record.gauges.iter().filter(|_| listens).map(|g| g.1).collect();
-    let trails = !places.is_empty();
-    let until = wanted.instants.last().copied().unwrap_or(0.0).max(scene.solve.until);
-    let mut gauges = StepGauges::new(&scene.bar, &places, until);
-    let mut listener = FrontListener::new(&scene.bar, places.len());
-    let before = Instant::now();
-    let mut bar = assemble::front_tracking(scene, Settings { trails, ..settings });
-    let mut seconds = before.elapsed().as_secs_f64();
-    let instants = wanted.instants.iter().copied().chain((wanted.instants.last() != Some(&until)).then_some(until));
-    for instant in instants {
-        loop {
-            bar.set_event_budget((bar.events() + EVENTS).min(settings.event_budget));
-            let before = Instant::now();
-            let ended = bar.advance_to(instant);
-            seconds += before.elapsed().as_secs_f64();
-            if trails {
-                let trails = bar.take_trails();
-                gauges.collect(&bar, &trails);
-                listener.hear(&gauges.take());
-            }
-            match ended {
-                Ok(()) => break,
-                Err(Stopped::EventBudget { events, .. }) if events < settings.event_budget => {}
-                Err(why) => return Err(Halt::Failed(why.to_string())),
-            }
-            watch.look()?;
-        }
-        if listens {
-            listener.look(&bar);
-        }
+impl Task<'_, '_> {
+    /// The response of a bar, and the time spent in the solver, s.
+    fn respond<S: Respond>(self, bar: &mut S, work: u64) -> Result<(Response, f64), Halt> {
+        let Self { scene, wanted, watch } = self;
+        let gauges = scene.record.gauge_places();
+        let course = Course { instants: wanted.instants, gauges: &gauges, until: scene.solve.until, work };
+        respond(&scene.bar, bar, course, |_, _| watch.look()).map_err(|ended| match ended {
+            Ended::Stopped(why) => Halt::Failed(why.to_string()),
+            Ended::Asked(halt) => halt,
+        })
     }
-    if trails {
-        gauges.close(&bar, &[]);
-        listener.hear(&gauges.take());
-    }
-    bar.set_event_budget(u64::MAX);
-    let (work, response) = (bar.events(), if listens { listener.response(&bar) } else { Response::default() });
-    Ok(Pass { seconds, response, cells: 0, work, tracked: Some(Box::new(bar)) })
 }
 
 #[cfg(test)]

@@ -36,8 +36,7 @@ impl Reference {
     pub fn errors(&self, pass: &Pass) -> ErrorTable {
         match &self.kind {
             Kind::Similar(scene, launch) => {
-                let times: Vec<f64> = pass.response.fields.iter().map(|field| field.0).collect();
-                let gauges: Vec<f64> = scene.record.gauges.iter().map(|gauge| gauge.1).collect();
+                let (times, gauges) = (pass.response.instants(), scene.record.gauge_places());
                 pass.response.errors(&similar_response(&scene.bar, launch, &times, &gauges))
             }
             Kind::Run(response) => pass.response.errors(response),
@@ -63,7 +62,7 @@ pub(super) fn find(
     if let Some(family) = tracking {
         let scene = source.at(family.way, Resolution::FrontTolerance(0.0))?;
         match rivals::every_wave(&scene, instants, watch) {
-            Ok(Some(pass)) if pass.tracked.as_ref().is_some_and(|bar| bar.is_exact()) => {
+            Ok(Some(pass)) if pass.tracked.is_some_and(|bar| bar.exact) => {
                 let name = "front tracking that keeps every wave, exact for the curve's table";
                 return Ok(Ok(run_reference(pass, ROUNDING, name.into())));
             }

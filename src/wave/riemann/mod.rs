@@ -24,6 +24,8 @@ pub use face::{Faces, Flux, Near, Straight};
 pub use medium::{Flow, Medium, Point};
 pub use path::{Emitted, Path};
 
+use crate::root::bisect;
+
 /// One side of a Riemann problem.
 #[derive(Debug, Clone, Copy)]
 pub enum Side<'a> {
@@ -172,7 +174,7 @@ fn halve_beyond(target: f64, low: f64, a: &mut Path, b: &mut Path) -> (f64, bool
         }
         low + step
     };
-    (halve(low, high, |force| total(force) < target), false)
+    (force_between(low, high, |force| total(force) < target), false)
 }
 
 /// The answer lies between both forces: the low path rises to it, the high path falls to it.
@@ -195,22 +197,10 @@ fn between(gap: f64, bottom: f64, top: f64, low: &mut Path, high: &mut Path) -> 
     }
     let total =
         |f: f64, low: &mut Path, high: &mut Path| low.velocity(f / low.area()) - high.velocity(-f / high.area());
-    halve(force, top, |f| total(f, low, high) < gap)
+    force_between(force, top, |f| total(f, low, high) < gap)
 }
 
-/// The place in `low..high` where `below` turns from true to false, to the last bit that matters.
-fn halve(mut low: f64, mut high: f64, mut below: impl FnMut(f64) -> bool) -> f64 {
-    let resolution = 0.5 * f64::EPSILON * low.abs().max(high.abs());
-    while high - low > resolution {
-        let middle = 0.5 * (low + high);
-        if middle <= low || middle >= high {
-            break;
-        }
-        if below(middle) {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    high
+/// The force in `low..high` at which `below` turns from true to false, to the last bit that matters.
+fn force_between(low: f64, high: f64, below: impl FnMut(f64) -> bool) -> f64 {
+    bisect([low, high], 0.5 * f64::EPSILON * low.abs().max(high.abs()), below)
 }

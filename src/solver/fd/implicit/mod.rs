@@ -29,6 +29,7 @@ use super::block::Block;
 use super::device::Device;
 use super::grid::Grid;
 use super::segment::Constants;
+use crate::root::{Tolerance, fixed_point};
 use account::Taken;
 use matrix::Matrix;
 use weights::{CellWeights, Weights};
@@ -234,33 +235,27 @@ impl Implicit {
     }
 
     /// The ends take their step with the impulses (N s in +x) that all nodes between them leave. Each acts on the other
-    /// through the bar: the changes that fit both are the fixed point of answering each other, a contraction of straight
-    /// pieces, which is extrapolated.
+    /// through the bar: the changes that fit both are the fixed point of answering each other.
     fn move_ends(&self, time: f64, pulls: [f64; 2], blocks: &[Block], left: &mut Device, right: &mut Device) {
         let cross = self.matrix.cross();
-        let mut guess = self.right_change;
-        if cross == 0.0 {
-            guess = 0.0;
-        } else {
-            let answer = |guess: f64| {
-                let change = left.answer(time, pulls[0] - cross * guess);
-                right.answer(time, pulls[1] - cross * change)
-            };
-            for _ in 0..MOST_ANSWERS {
-                let first = answer(guess);
-                if (first - guess).abs() <= 2.0 * f64::EPSILON * first.abs() {
-                    break;
-                }
-                let second = answer(first);
-                let bend = second - 2.0 * first + guess;
-                let ahead = guess - (first - guess) * (first - guess) / bend;
-                guess = if ahead.is_finite() { ahead } else { second };
-            }
-        }
+        let change = if cross == 0.0 { 0.0 } else { self.right_end_change(time, pulls, left, right) };
         let (first, last) = (&blocks[0], &blocks[blocks.len() - 1]);
-        left.advance_by(time, pulls[0] - cross * guess, first.sigma[0]);
+        left.advance_by(time, pulls[0] - cross * change, first.sigma[0]);
         let change = left.velocity_after() - left.velocity_before();
         right.advance_by(time, pulls[1] - cross * change, last.sigma[last.sigma.len() - 1]);
+    }
+
+    /// Change of the right end's velocity that the left end's answer to it brings about. An end that is given an impulse moves by at most
+    /// what it alone would: the answer is a contraction, which bounds the root.
+    fn right_end_change(&self, time: f64, pulls: [f64; 2], left: &Device, right: &Device) -> f64 {
+        let (cross, [first, last]) = (self.matrix.cross(), self.matrix.end_masses());
+        let answer = |guess: f64| {
+            let change = left.answer(time, pulls[0] - cross * guess);
+            right.answer(time, pulls[1] - cross * change)
+        };
+        let guess = self.right_change;
+        let reach = 2.0 * (answer(guess) - guess).abs() / (1.0 - cross * cross / (first * last));
+        fixed_point(guess, [guess - reach, guess + reach], TO_ROUNDING, answer)
     }
 
     /// Gives a block its nodes' velocities.
@@ -286,8 +281,8 @@ impl Implicit {
     }
 }
 
-/// Most answers of the ends to each other in a step. Two give the fixed point where neither goes over to another piece.
-const MOST_ANSWERS: usize = 100;
+/// Of the changes of the ends' velocities.
+const TO_ROUNDING: Tolerance = Tolerance { relative: 2.0 * f64::EPSILON, absolute: 0.0 };
 
 fn factored(weights: &Weights) -> Matrix {
     Matrix::new(weights.count(), |j| weights.diagonal(j), |i| weights.between(i))

@@ -1,0 +1,207 @@
+//! Simulates a bar for its response alone, without recorders.
+
+use super::listen::{FrontListener, GridListener};
+use super::response::Response;
+use crate::bar::Bar;
+use crate::record::{StepGauges, Stepped, Traces};
+use crate::simulate::{Simulation, Solver, Stretch, simulate};
+use crate::solver::fd::Sampling;
+use crate::solver::moc::{FrontTracking, Stopped, Trail};
+
+/// What is asked of a bar.
+#[derive(Debug, Clone, Copy)]
+pub struct Course<'a> {
+    /// Instants of the fields, s, increasing; none: nothing is read.
+    pub instants: &'a [f64],
+    /// Places of the gauges, m.
+    pub gauges: &'a [f64],
+    /// Time up to which the bar is simulated at least, s.
+    pub until: f64,
+    /// Work between two pauses: cell-steps, or events.
+    pub work: u64,
+}
+
+/// Why a bar was not simulated up to its end.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Ended<E> {
+    /// It could not go on.
+    Stopped(Stopped),
+    /// The caller asked for it.
+    Asked(E),
+}
+
+/// A bar whose response can be gathered.
+pub trait Respond: Solver + Sized {
+    /// What gathers it.
+    type Listener: Listen<Self>;
+}
+
+impl<S: Stepped> Respond for S {
+    type Listener = OnGrid;
+}
+
+impl Respond for FrontTracking {
+    type Listener = OfFronts;
+}
+
+/// Gathers the response of a bar at the places and instants of a [`Course`].
+pub trait Listen<S: Solver>: Sized {
+    /// For a bar before its start, with what is to be kept of its way.
+    fn start(scene: &Bar, bar: &mut S, course: Course<'_>) -> (Self, Option<S::Log>);
+
+    /// Where the bar is to be looked at next; none at the end.
+    fn next(&self, bar: &S) -> Option<S::Mark>;
+
+    /// The end.
+    fn last(&self) -> S::Mark;
+
+    /// Takes in what happened since the last call; the bar may have arrived at the mark.
+    fn look(&mut self, bar: &S, log: Option<&mut S::Log>, arrived: bool);
+
+    /// What was gathered.
+    fn response(self, bar: &S) -> Response;
+}
+
+/// Simulates a bar: its response, and the time spent in the solver, s. `pause` is called now and then with the bar and its last mark, and
+/// may end it.
+///
+/// # Errors
+/// [`Ended`].
+pub fn respond<S: Respond, E>(
+    scene: &Bar,
+    bar: &mut S,
+    course: Course<'_>,
+    pause: impl FnMut(&S, S::Mark) -> Result<(), E>,
+) -> Result<(Response, f64), Ended<E>> {
+    let (listener, log) = S::Listener::start(scene, bar, course);
+    let mut responding = Responding { bar, log, listener, pause, seconds: 0.0 };
+    simulate(&mut responding, course.work)?;
+    Ok((responding.listener.response(responding.bar), responding.seconds))
+}
+
+struct Responding<'a, S: Respond, P> {
+    bar: &'a mut S,
+    log: Option<S::Log>,
+    listener: S::Listener,
+    pause: P,
+    /// Time spent in the solver.
+    seconds: f64,
+}
+
+impl<S: Respond, E, P: FnMut(&S, S::Mark) -> Result<(), E>> Simulation for Responding<'_, S, P> {
+    type Solver = S;
+    type Error = Ended<E>;
+
+    fn next(&self) -> Option<S::Mark> {
+        self.listener.next(self.bar)
+    }
+
+    fn bar(&mut self) -> (&mut S, Option<&mut S::Log>) {
+        (self.bar, self.log.as_mut())
+    }
+
+    fn look(&mut self, stretch: Stretch) -> Result<(), Ended<E>> {
+        self.seconds += stretch.seconds;
+        self.listener.look(self.bar, self.log.as_mut(), stretch.arrived == Ok(true));
+        stretch.arrived.map_err(Ended::Stopped)?;
+        (self.pause)(self.bar, self.listener.last()).map_err(Ended::Asked)
+    }
+}
+
+/// On a grid.
+#[derive(Debug)]
+pub struct OnGrid {
+    /// None where nothing is read.
+    listener: Option<GridListener>,
+    steps: usize,
+}
+
+impl<S: Stepped> Listen<S> for OnGrid {
+    fn start(scene: &Bar, bar: &mut S, course: Course<'_>) -> (Self, Option<Traces>) {
+        let steps = bar.grid().steps_to(course.until);
+        if course.instants.is_empty() {
+            return (Self { listener: None, steps }, None);
+        }
+        let mut traces = Traces::new(Sampling::at(bar.grid(), course.gauges.to_vec()), false);
+        let mut listener = GridListener::new(scene, bar, course.instants, course.gauges.len());
+        bar.watch(&traces);
+        bar.add_to(&mut traces);
+        listener.look(bar);
+        let steps = steps.max(listener.last());
+        (Self { listener: Some(listener), steps }, Some(traces))
+    }
+
+    fn next(&self, bar: &S) -> Option<usize> {
+        let due = || self.listener.as_ref().and_then(|listener| listener.next(bar.step()));
+        (bar.step() < self.steps).then(|| due().unwrap_or(self.steps).min(self.steps))
+    }
+
+    fn last(&self) -> usize {
+        self.steps
+    }
+
+    fn look(&mut self, bar: &S, log: Option<&mut Traces>, _: bool) {
+        let (Some(listener), Some(traces)) = (&mut self.listener, log) else { return };
+        listener.look(bar);
+        if traces.is_full() || bar.step() == self.steps {
+            let (gauges, ends) = traces.take();
+            listener.hear(&gauges, &ends);
+        }
+    }
+
+    fn response(self, _: &S) -> Response {
+        self.listener.map_or_else(Response::default, |listener| listener.response())
+    }
+}
+
+/// By front tracking; gauges need its trails, see [`crate::solver::moc::Settings::trails`].
+#[derive(Debug)]
+pub struct OfFronts {
+    /// None where nothing is read.
+    listener: Option<FrontListener>,
+    gauges: StepGauges,
+    /// Instants of fields to come, s, the next one last; the end time without a field is first.
+    due: Vec<f64>,
+    until: f64,
+}
+
+impl Listen<FrontTracking> for OfFronts {
+    fn start(scene: &Bar, _: &mut FrontTracking, course: Course<'_>) -> (Self, Option<Vec<Trail>>) {
+        let until = course.instants.last().copied().unwrap_or(0.0).max(course.until);
+        let mut due: Vec<f64> = course.instants.iter().rev().copied().collect();
+        if due.first() != Some(&until) {
+            due.insert(0, until);
+        }
+        let listener = (!course.instants.is_empty()).then(|| FrontListener::new(scene, course.gauges.len()));
+        let trails = (listener.is_some() && !course.gauges.is_empty()).then(Vec::new);
+        (Self { listener, gauges: StepGauges::new(scene, course.gauges, until), due, until }, trails)
+    }
+
+    fn next(&self, _: &FrontTracking) -> Option<f64> {
+        self.due.last().copied()
+    }
+
+    fn last(&self) -> f64 {
+        self.until
+    }
+
+    fn look(&mut self, bar: &FrontTracking, log: Option<&mut Vec<Trail>>, arrived: bool) {
+        let passed = if arrived { self.due.pop() } else { None };
+        let Some(listener) = &mut self.listener else { return };
+        if let Some(trails) = log {
+            self.gauges.collect(bar, trails);
+            trails.clear();
+            listener.hear(&self.gauges.take());
+        }
+        if passed.is_some() {
+            listener.look(bar);
+        }
+    }
+
+    fn response(mut self, bar: &FrontTracking) -> Response {
+        let Some(mut listener) = self.listener else { return Response::default() };
+        self.gauges.close(bar, &[]);
+        listener.hear(&self.gauges.take());
+        listener.response(bar)
+    }
+}

@@ -1,0 +1,93 @@
+//! The time loop: takes a bar on from one look at it to the next, whatever its solver.
+
+use std::time::Instant;
+
+use crate::record::{Stepped, Traces, View};
+use crate::solver::moc::{FrontTracking, Stopped, Trail};
+
+/// A bar that goes on in time: on a grid from step to step, by front tracking from event to event.
+pub trait Solver: View {
+    /// A point in time as the solver counts it: steps, or s.
+    type Mark: Copy;
+
+    /// What can be kept of the way from one look to the next: histories in steps, or trails of fronts.
+    type Log;
+
+    /// Goes on to a mark, or as far as so much work takes it: cell-steps, or events. True where it is there.
+    ///
+    /// # Errors
+    /// [`Stopped`] where the bar cannot go on.
+    fn go_on(&mut self, to: Self::Mark, work: u64, log: Option<&mut Self::Log>) -> Result<bool, Stopped>;
+}
+
+impl<S: Stepped> Solver for S {
+    type Mark = usize;
+    type Log = Traces;
+
+    fn go_on(&mut self, to: usize, work: u64, log: Option<&mut Traces>) -> Result<bool, Stopped> {
+        let most = (work / self.grid().cells() as u64).max(1);
+        let steps = (to.saturating_sub(self.step()) as u64).min(most) as usize;
+        match log {
+            Some(traces) => self.advance_logging(steps, traces),
+            None => self.advance_by(steps),
+        }
+        Ok(self.step() >= to)
+    }
+}
+
+impl Solver for FrontTracking {
+    type Mark = f64;
+    type Log = Vec<Trail>;
+
+    fn go_on(&mut self, to: f64, work: u64, log: Option<&mut Vec<Trail>>) -> Result<bool, Stopped> {
+        let arrived = self.advance_for(to, work);
+        if let Some(trails) = log {
+            trails.append(&mut self.take_trails());
+        }
+        arrived
+    }
+}
+
+/// A bar with what follows it while it is simulated.
+pub trait Simulation {
+    /// The bar's solver.
+    type Solver: Solver;
+
+    /// What ends a simulation early.
+    type Error;
+
+    /// Where it looks at the bar next; none at the end.
+    fn next(&self) -> Option<<Self::Solver as Solver>::Mark>;
+
+    /// The bar and what is kept of its way.
+    fn bar(&mut self) -> (&mut Self::Solver, Option<&mut <Self::Solver as Solver>::Log>);
+
+    /// Looks at the bar after a stretch of its way.
+    ///
+    /// # Errors
+    /// What ends the simulation here.
+    fn look(&mut self, stretch: Stretch) -> Result<(), Self::Error>;
+}
+
+/// A stretch of a bar's way.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stretch {
+    /// Time that the solver took, s.
+    pub seconds: f64,
+    /// Whether the bar is at the mark, or why it cannot go on.
+    pub arrived: Result<bool, Stopped>,
+}
+
+/// Simulates a bar up to its end, with a look after every stretch of at most so much work (cell-steps, or events).
+///
+/// # Errors
+/// Those of [`Simulation::look`].
+pub fn simulate<S: Simulation>(simulation: &mut S, work: u64) -> Result<(), S::Error> {
+    while let Some(mark) = simulation.next() {
+        let (bar, log) = simulation.bar();
+        let before = Instant::now();
+        let arrived = bar.go_on(mark, work, log);
+        simulation.look(Stretch { seconds: before.elapsed().as_secs_f64(), arrived })?;
+    }
+    Ok(())
+}

@@ -182,20 +182,27 @@ fn a_level_stretch_inside_a_curve_stays_bounded() {
     check("level in the middle", &level_in_the_middle(), &[None, ISOTROPIC]);
 }
 
-/// The known miss: where the curve falls from its yield point to nothing, and that part of the bar meets another one at a joint, the scheme
-/// gives the bar up to 30 % of all energy, at any resolution. (`barwave run` ends such a run with an error.)
+/// A side that carries more than the level curve beside it can was compressed on instead of unloading: the bar gained up to 30 % of all
+/// energy, at any resolution.
 #[test]
-fn a_curve_that_falls_to_nothing_gains_energy_at_a_joint() {
+fn a_joint_beside_a_curve_that_falls_to_nothing_gives_no_energy() {
     let material = |rows: &[(f64, f64)]| common::material(rows, Beyond::Rupture);
     let (hardens, falls) = (material(&[(0.00025, 50e6), (0.0148, 574e6)]), material(&[(0.00044, 88e6), (0.0174, 0.0)]));
-    let segment =
-        |material: Material, length: f64, velocity: f64| common::segment(material, length).with_velocity(velocity);
-    for cells in [67, 200] {
-        let segments = vec![segment(hardens.clone(), 0.2, 29.0), segment(falls.clone(), 1.0, -30.0)];
-        let ends = [EndCondition::Free, EndCondition::Wall { gap: 0.0 }];
-        let mut bar = muscl::muscl(segments, ends, ISOTROPIC, cells, 1.0);
-        let met = follow(&mut bar, UNTIL, "falls to nothing");
-        println!("{cells} cells: {}", met.least_numerical);
-        assert!(met.least_numerical < -0.05, "cured: {}", met.least_numerical);
+    let segment = |material: &Material, length: f64| common::segment(material.clone(), length);
+    for (cells, sense) in [(67, 1.0), (200, 1.0), (67, -1.0), (200, -1.0)] {
+        for mirrored in [false, true] {
+            let mut segments = vec![
+                segment(&hardens, 0.2).with_velocity(29.0 * sense),
+                segment(&falls, 1.0).with_velocity(-30.0 * sense),
+            ];
+            let mut ends = [EndCondition::Free, EndCondition::Wall { gap: 0.0 }];
+            if mirrored {
+                segments.reverse();
+                ends.reverse();
+            }
+            let mut bar = muscl::muscl(segments, ends, ISOTROPIC, cells, 1.0);
+            let met = follow(&mut bar, UNTIL, "falls to nothing");
+            assert!(met.least_numerical > -1e-12, "{cells} {sense} {mirrored}: {}", met.least_numerical);
+        }
     }
 }

@@ -121,7 +121,10 @@ fn between_or_beyond(gap: f64, low: Side, high: Side, path_low: &mut Path, path_
             low.fill(path_low, 1.0);
             let rise = path_low.velocity(top / path_low.area());
             if gap < rise {
-                return (between(gap, bottom, top, path_low, path_high), false);
+                let force = between(gap, bottom, top, path_low, path_high);
+                let rounding = 2.0 * f64::EPSILON * bottom.abs().max(top.abs());
+                let capped = path_low.is_at_cap(force, rounding) || path_high.is_at_cap(-force, rounding);
+                return (force, capped);
             }
             high.fill(path_high, 1.0);
         } else {

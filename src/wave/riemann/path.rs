@@ -210,6 +210,11 @@ impl Path {
         if last.slope == 0.0 { last.tau } else { f64::INFINITY }
     }
 
+    /// A force in the sense of the path, N, is all that waves can bring about, but for rounding.
+    pub(super) fn is_at_cap(&self, force: f64, rounding: f64) -> bool {
+        force + rounding >= self.cap() * self.area
+    }
+
     /// Sense of the path: +1 or -1.
     pub fn sense(&self) -> f64 {
         self.sense

@@ -1,6 +1,7 @@
 //! Front tracking: time of stepping, for a run and for an event. Nothing is asserted: times depend on the machine.
 //! `cargo bench --bench front_tracking` runs it.
 
+use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::Instant;
 
@@ -67,7 +68,7 @@ fn main() {
     let plain = line("copper-let-go, ten transits", &copper, 1e-3, false);
     let trails = line("copper-let-go, with trails kept", &copper, 1e-3, true);
     let start = Instant::now();
-    run::run(&copper, None, &mut |_| run::Wish::GoOn).unwrap_or_else(|error| panic!("{error}"));
+    run::run(&copper, None, &mut |_| ControlFlow::Continue(())).unwrap_or_else(|error| panic!("{error}"));
     let whole = start.elapsed().as_secs_f64();
     println!(
         "copper-let-go as `barwave run` without a file, with its companion: {:.0} us; {:.0} % of it stepping, {:.0} % trails",

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use barwave::assemble;
-use barwave::bar::launches;
+use barwave::bar::initial_fans;
 use barwave::record::{Stepped, against_similarity};
 use barwave::scene::Scene;
 
@@ -32,8 +32,8 @@ fn measure<S: Stepped>(scene: &Scene, build: impl Fn() -> S) -> (f64, f64) {
         bar.advance_by(steps);
         let work = (bar.grid().cells() * steps) as f64;
         shortest = shortest.min(start.elapsed().as_secs_f64() * 1e9 / work);
-        let launches = launches(&scene.bar, &scene.left, &scene.right);
-        error = against_similarity(&scene.bar, &bar, &launches).map_or(f64::NAN, |figure| figure.value);
+        let initial_fans = initial_fans(&scene.bar, &scene.left, &scene.right);
+        error = against_similarity(&scene.bar, &bar, &initial_fans).map_or(f64::NAN, |figure| figure.value);
     }
     (shortest, error)
 }

@@ -9,10 +9,11 @@
 #[path = "../tests/common/known.rs"]
 mod known;
 
+use std::ops::ControlFlow;
 use std::time::Instant;
 
 use barwave::record::Summary;
-use barwave::run::{self, Wish};
+use barwave::run::{self};
 use barwave::study::cost::{Cost, Hooks, Reach, Whole, cost};
 use known::{Known, held_out, known};
 
@@ -28,8 +29,12 @@ const LONG: f64 = 0.3;
 fn study(case: &Known, budget: f64) -> Option<Cost> {
     let scene = case.scene("");
     let mut whole = |_: &[String], _: f64| Whole::Failed("not wanted".into());
-    let mut hooks =
-        Hooks { budget, measure: barwave::record::Measure::Field, whole: &mut whole, progress: &mut |_, _| Wish::GoOn };
+    let mut hooks = Hooks {
+        budget,
+        measure: barwave::record::Measure::Field,
+        whole: &mut whole,
+        progress: &mut |_, _| ControlFlow::Continue(()),
+    };
     (budget > 0.0).then(|| cost(&scene, &mut hooks).ok()).flatten()
 }
 
@@ -42,7 +47,7 @@ fn stepping(case: &Known, summary: &Summary) -> f64 {
         (None, tolerance) => format!("method = \"moc\"\nfront-tolerance = {:e}", tolerance.unwrap_or(0.0)),
     };
     let scene = case.scene(&solve);
-    let time = |_| run::run(&scene, None, &mut |_| Wish::GoOn).map_or(f64::NAN, |s| s.step_wall_s);
+    let time = |_| run::run(&scene, None, &mut |_| ControlFlow::Continue(())).map_or(f64::NAN, |s| s.step_wall_s);
     let first = time(0);
     // A run that takes long is not disturbed by what goes on for a moment.
     if first > LONG { first } else { (1..REPEATS).map(time).fold(first, f64::min) }
@@ -59,7 +64,7 @@ fn row(set: &str, case: &Known, uncertainty: f64, study: Option<&Cost>, alone: O
     }
     let head = format!("{set},\"{}\",{},{tolerance:e}", case.name, alone.unwrap_or("any"));
     let started = Instant::now();
-    let summary = match run::run(&scene, None, &mut |_| Wish::GoOn) {
+    let summary = match run::run(&scene, None, &mut |_| ControlFlow::Continue(())) {
         Ok(summary) => summary,
         Err(error) => {
             println!("{head},\"{}\",,,,,,,,,,,,", error.to_string().replace('"', "'").replace('\n', " "));

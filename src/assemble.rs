@@ -3,18 +3,18 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use crate::bar::{Bar, Segment, launches};
+use crate::bar::{Bar, Segment, initial_fans};
 use crate::law::rate::{Heated, Overstress, RateLaw, Timed};
 use crate::law::rupture::{Criteria, Criterion};
 use crate::law::{
     Backbone, CellLaw, DataEnd, Envelope, Indexed, Isotropic, Mixed, Overlay, PathIndependent, RowLaw, Rows, Searched,
-    Table, TwoSided, Warming,
+    Table, TwoSided, WithTemperature,
 };
 use crate::material::{Curve, Heating, Material, Sense};
 use crate::record::Stepped;
 use crate::scene::{Effects, Method, Scene, Unloading};
 use crate::snapshot::Snapshot;
-use crate::solver::fd::{Along, Grid, Leapfrog, SegmentLaw};
+use crate::solver::fd::{DistributedForces, Grid, Leapfrog, SegmentLaw};
 use crate::solver::moc::{FrontTracking, Settings};
 use crate::solver::muscl::Muscl;
 use crate::solver::net::{Lattice, Net};
@@ -53,7 +53,7 @@ pub fn leapfrog(scene: &Scene, cells: usize, cfl: f64) -> Leapfrog {
     let bar = if let Some(along) = along(&scene.bar, &scene.effects) {
         Leapfrog::with_along(&scene.bar, grid, laws, ends, &along)
     } else {
-        let fans = if follows_curves(scene) { launches(&scene.bar, &ends[0], &ends[1]) } else { Vec::new() };
+        let fans = if follows_curves(scene) { initial_fans(&scene.bar, &ends[0], &ends[1]) } else { Vec::new() };
         Leapfrog::new(&scene.bar, grid, laws, ends).starting_with(&fans)
     };
     match criteria(scene) {
@@ -97,13 +97,13 @@ pub fn medium(segment: &Segment, effects: &Effects) -> Medium {
 
 /// What acts along the bar beside the stress of its curve, if anything does. A section is taken for a round one: its polar
 /// radius of gyration is that of a disc, `r_p^2 = A/(2 pi)`. Poisson's ratio is the elastic one throughout.
-pub fn along(bar: &Bar, effects: &Effects) -> Option<Along> {
+pub fn along(bar: &Bar, effects: &Effects) -> Option<DistributedForces> {
     let damping = effects.damping.unwrap_or_default();
     let lateral = |segment: &Segment| {
         let poisson = segment.material.poisson.filter(|_| effects.lateral_inertia).unwrap_or(0.0);
         poisson * poisson * segment.area / (2.0 * PI)
     };
-    let along = Along {
+    let along = DistributedForces {
         internal: damping.internal,
         external: damping.external,
         foundation: damping.foundation,
@@ -263,7 +263,7 @@ fn choose_law<B: Backbone + 'static>(
 /// The law as it stands, which can tell the temperature where its tables are those of a heated material.
 fn warming<L: CellLaw<N> + 'static, const N: usize>(law: L, material: &Material) -> Arc<dyn RowLaw> {
     match &material.heating {
-        Some(heating) => rows(Warming::new(law, heating, material.modulus)),
+        Some(heating) => rows(WithTemperature::new(law, heating, material.modulus)),
         None => rows(law),
     }
 }

@@ -10,7 +10,7 @@ use barwave::bar::{Bar, EndCondition, Segment};
 use barwave::material::Material;
 use barwave::record::Ledger;
 use barwave::scene::{Effects, Method, Scene, Unloading};
-use barwave::solver::fd::{Along, Grid, Leapfrog, Quantity};
+use barwave::solver::fd::{DistributedForces, Grid, Leapfrog, Quantity};
 
 const LENGTH: f64 = 1.0;
 /// m^2.
@@ -22,38 +22,44 @@ fn c0() -> f64 {
     (common::MODULUS / common::DENSITY).sqrt()
 }
 
-fn nothing() -> Along {
-    Along { lateral: vec![0.0], ..Along::default() }
+fn nothing() -> DistributedForces {
+    DistributedForces { lateral: vec![0.0], ..DistributedForces::default() }
 }
 
-fn internal(internal: f64) -> Along {
-    Along { internal, ..nothing() }
+fn internal(internal: f64) -> DistributedForces {
+    DistributedForces { internal, ..nothing() }
 }
 
-fn external(external: f64) -> Along {
-    Along { external, ..nothing() }
+fn external(external: f64) -> DistributedForces {
+    DistributedForces { external, ..nothing() }
 }
 
-fn foundation(foundation: f64) -> Along {
-    Along { foundation, ..nothing() }
+fn foundation(foundation: f64) -> DistributedForces {
+    DistributedForces { foundation, ..nothing() }
 }
 
-fn friction(friction: f64) -> Along {
-    Along { friction, ..nothing() }
+fn friction(friction: f64) -> DistributedForces {
+    DistributedForces { friction, ..nothing() }
 }
 
-fn lateral(square: f64) -> Along {
-    Along { lateral: vec![square], ..nothing() }
+fn lateral(square: f64) -> DistributedForces {
+    DistributedForces { lateral: vec![square], ..nothing() }
 }
 
-fn bar_of(segments: Vec<Segment>, ends: [EndCondition; 2], along: &Along, cells: usize, cfl: f64) -> Leapfrog {
+fn bar_of(
+    segments: Vec<Segment>,
+    ends: [EndCondition; 2],
+    along: &DistributedForces,
+    cells: usize,
+    cfl: f64,
+) -> Leapfrog {
     let effects = Effects { unloading: Some(Unloading::Isotropic), ..Effects::default() };
     let laws = segments.iter().map(|s| segment_law(s, &effects)).collect();
     let count = segments.len();
     let lateral = along.lateral.iter().copied().cycle().take(count).collect();
     let bar = Bar { segments, area_given: true };
     let grid = Grid::new(&bar, cells, cfl);
-    Leapfrog::with_along(&bar, grid, laws, ends, &Along { lateral, ..along.clone() })
+    Leapfrog::with_along(&bar, grid, laws, ends, &DistributedForces { lateral, ..along.clone() })
 }
 
 fn piece(material: &Arc<Material>, length: f64, velocity: f64) -> Segment {
@@ -62,7 +68,7 @@ fn piece(material: &Arc<Material>, length: f64, velocity: f64) -> Segment {
 
 /// A bar whose cells start with the velocities of half a wave, `half_waves` of them, between fixed ends (sine) or free ones
 /// (cosine): every cell is a segment of its own.
-fn standing(half_waves: f64, fixed: bool, cells: usize, cfl: f64, along: &Along) -> Leapfrog {
+fn standing(half_waves: f64, fixed: bool, cells: usize, cfl: f64, along: &DistributedForces) -> Leapfrog {
     let material = Arc::new(common::elastic_steel());
     let dx = LENGTH / cells as f64;
     let k = half_waves * PI / LENGTH;
@@ -98,7 +104,7 @@ struct Mode {
 }
 
 impl Mode {
-    fn of(half_waves: f64, along: &Along) -> Self {
+    fn of(half_waves: f64, along: &DistributedForces) -> Self {
         let k = half_waves * PI / LENGTH;
         Self {
             mass: common::DENSITY * (1.0 + along.lateral[0] * k * k),
@@ -115,7 +121,7 @@ impl Mode {
 }
 
 /// Largest error of the stress amplitude over `periods` elastic periods, over E k SPEED/omega.
-fn mode_error(half_waves: f64, fixed: bool, cells: usize, cfl: f64, along: &Along) -> f64 {
+fn mode_error(half_waves: f64, fixed: bool, cells: usize, cfl: f64, along: &DistributedForces) -> f64 {
     let mut bar = standing(half_waves, fixed, cells, cfl, along);
     let mode = Mode::of(half_waves, along);
     let k = half_waves * PI / LENGTH;
@@ -130,7 +136,7 @@ fn mode_error(half_waves: f64, fixed: bool, cells: usize, cfl: f64, along: &Alon
 }
 
 /// Errors with 20, 40 and 80 cells must fall at least as fast as cells^-1.9, and end below `bound`.
-fn assert_second_order(what: &str, half_waves: f64, fixed: bool, along: &Along, bound: f64) {
+fn assert_second_order(what: &str, half_waves: f64, fixed: bool, along: &DistributedForces, bound: f64) {
     for cfl in [1.0, 0.6] {
         let errors = [20, 40, 80].map(|cells| mode_error(half_waves, fixed, cells, cfl, along));
         println!("{what}, cfl {cfl}: {errors:?}");
@@ -175,7 +181,7 @@ fn lateral_inertia_disperses_to_second_order() {
 
 #[test]
 fn all_together_are_of_second_order() {
-    let along = Along { internal: 5e5, external: 1e5, foundation: 5e9, ..lateral((0.2 / PI).powi(2)) };
+    let along = DistributedForces { internal: 5e5, external: 1e5, foundation: 5e9, ..lateral((0.2 / PI).powi(2)) };
     assert_second_order("all", 1.0, true, &along, 1e-3);
     assert_second_order("all, free ends", 1.0, false, &along, 1e-3);
 }
@@ -237,8 +243,13 @@ fn a_tiny_damping_is_the_plain_plastic_bar() {
         let total: f64 = stress.iter().map(|s| s.abs()).sum();
         for (size, bound) in [1e-1, 1e-3, 1e-6].into_iter().zip(bounds) {
             let lateral = vec![1e-6 * size];
-            let along =
-                Along { internal: 1e4 * size, external: 1e4 * size, foundation: 1e6 * size, lateral, ..nothing() };
+            let along = DistributedForces {
+                internal: 1e4 * size,
+                external: 1e4 * size,
+                foundation: 1e6 * size,
+                lateral,
+                ..nothing()
+            };
             let mut bar = bar_of(segments(), ends(), &along, 1000, 1.0);
             common::advance(&mut bar, steps);
             let damped = common::profile(&bar, Quantity::Stress);
@@ -269,14 +280,14 @@ fn mirrored(end: EndCondition) -> EndCondition {
     }
 }
 
-fn strengths() -> Vec<Along> {
-    let all = |size: f64| Along {
+fn strengths() -> Vec<DistributedForces> {
+    let all = |size: f64| DistributedForces {
         internal: 2e4 * size,
         external: 2e4 * size,
         foundation: 1e8 * size,
         ..lateral(1e-5 * size)
     };
-    let rubbing = Along { external: 2e4, foundation: 1e8, ..friction(2e5) };
+    let rubbing = DistributedForces { external: 2e4, foundation: 1e8, ..friction(2e5) };
     let laws = [internal(1e5), external(1e5), foundation(1e9), lateral(3e-5), friction(2e5), friction(1e7), rubbing];
     laws.into_iter().chain([1.0, 1e3, 1e9].map(all)).collect()
 }
@@ -369,7 +380,7 @@ fn short_stiff_bars_move_as_one() {
     let segments = vec![piece(&material, 0.01, 0.0)];
     let ends = [common::loaded_by(&[(0.0, -1e6)]), EndCondition::Spring { stiffness: 1e7 }];
     // Love's inertia and internal damping so strong that nothing is strained.
-    let along = Along { internal: 1e8, ..lateral(0.01) };
+    let along = DistributedForces { internal: 1e8, ..lateral(0.01) };
     let mut bar = bar_of(segments, ends, &along, 2, 1.0);
     let mut ledger = Ledger::new(&bar);
     let mass = bar.mass();

@@ -5,11 +5,12 @@
 //! the largest L1 of the stress), must be above the tolerance for every effect that is on and below it for every one that
 //! is off.
 
+use std::ops::ControlFlow;
 use std::path::Path;
 
 use barwave::assemble;
 use barwave::record::{AutoChoice, Stepped};
-use barwave::run::{self, Wish};
+use barwave::run::{self};
 use barwave::scene::Scene;
 use barwave::solver::fd::Quantity;
 
@@ -67,7 +68,7 @@ fn change(one: &[Vec<f64>], other: &[Vec<f64>]) -> f64 {
 /// Runs a scene with auto, holds its choice against force, and returns it.
 fn check(name: &str, expected: &[&str]) {
     let scene = read(name, &[]).expect("a scene");
-    let summary = run::run(&scene, None, &mut |_| Wish::GoOn).expect("it runs");
+    let summary = run::run(&scene, None, &mut |_| ControlFlow::Continue(())).expect("it runs");
     let choices: Vec<AutoChoice> = summary.auto.clone().expect("auto");
     // An effect that comes with another is on, too.
     let on: Vec<&str> = WRITTEN
@@ -110,7 +111,7 @@ fn check(name: &str, expected: &[&str]) {
 fn choices(name: &str, overrides: &[&str]) -> (Vec<AutoChoice>, [String; 2]) {
     let overrides: Vec<String> = overrides.iter().map(|&o| o.to_owned()).collect();
     let scene = read(name, &overrides).expect("a scene");
-    let summary = run::run(&scene, None, &mut |_| Wish::GoOn).expect("it runs");
+    let summary = run::run(&scene, None, &mut |_| ControlFlow::Continue(())).expect("it runs");
     (summary.auto.expect("auto"), [summary.method, summary.scheme])
 }
 
@@ -150,14 +151,14 @@ fn a_method_that_the_scene_names_stays() {
 #[test]
 fn a_scene_with_its_choice_written_out_is_the_same_run() {
     let scene = read("rate", &[]).expect("a scene");
-    let chosen = run::choose(&scene, &mut |_| Wish::GoOn).expect("a choice");
+    let chosen = run::choose(&scene, &mut |_| ControlFlow::Continue(())).expect("a choice");
     let written = read("rate", &["effects={ rate = \"material\" }".to_owned()]).expect("a scene");
     assert_eq!((&chosen.effects, &chosen.solve), (&written.effects, &written.solve));
     let resolved = chosen.resolved_json();
     assert_eq!(resolved["effects"], written.resolved_json()["effects"]);
     assert_eq!(resolved["auto"][0]["effect"], "rate");
     // A scene that names its effects is left alone.
-    assert!(run::choose(&written, &mut |_| Wish::GoOn).expect("a choice").auto.is_none());
+    assert!(run::choose(&written, &mut |_| ControlFlow::Continue(())).expect("a choice").auto.is_none());
 }
 
 macro_rules! scenes {

@@ -1,8 +1,9 @@
 //! Front tracking at the limit of what places, times and tolerances resolve.
 
+use std::ops::ControlFlow;
 use std::path::Path;
 
-use barwave::run::{self, Wish};
+use barwave::run::{self};
 use barwave::scene::Scene;
 use barwave::solver::moc::{FINEST_STEP, Settings};
 
@@ -41,7 +42,8 @@ fn a_velocity_spike_of_any_length_leaves_the_ledger_closed() {
             format!("[[0, 20], [1e-4, 20], [{}, 40], [{}, 20]]", 1e-4 + half, 1e-4 + length),
         ];
         for (k, shape) in shapes.iter().enumerate() {
-            let summary = run::run(&scene(shape, 1e-3), None, &mut |_| Wish::GoOn).unwrap_or_else(|e| panic!("{e}"));
+            let summary = run::run(&scene(shape, 1e-3), None, &mut |_| ControlFlow::Continue(()))
+                .unwrap_or_else(|e| panic!("{e}"));
             let ledger = &summary.ledger;
             println!("{length:e} s, shape {k}: {ledger:?}, {:?}", summary.error);
             assert_eq!(summary.outcome, "done");

@@ -2,9 +2,10 @@
 
 use barwave::assemble;
 use barwave::record::Ledger;
-use barwave::run::{self, Wish};
+use barwave::run::{self};
 use barwave::scene::Scene;
 use barwave::solver::fd::{Leapfrog, Quantity};
+use std::ops::ControlFlow;
 
 const E: f64 = 200e9;
 const YIELD: f64 = 200e6;
@@ -63,7 +64,7 @@ fn a_stressed_half_sends_half_its_stress_both_ways() {
     let free = "kind = \"free\"";
     let text = text(&[(0.5, left), (0.5, right)], ["kind = \"fixed\"", free], "", "until = 5e-5\ncells = 200");
     let mut bar = bar(&scene(&text));
-    assert_eq!([bar.left(), bar.right()].map(barwave::solver::fd::Device::stress), [100e6, 0.0]);
+    assert_eq!([bar.left(), bar.right()].map(barwave::solver::fd::EndNode::stress), [100e6, 0.0]);
     let mut ledger = Ledger::new(&bar);
     let initial = 0.5 * 1e-4 * (100e6_f64 * 100e6) / (2.0 * E);
     assert!((ledger.row(&bar).energies.elastic / initial - 1.0).abs() < 1e-12);
@@ -175,7 +176,8 @@ fn the_balance_closes_at_every_end_and_joint() {
             let effects = "unloading = \"isotropic\"";
             let solve = "until = 5e-4\ncells = 50\ncfl = 0.9";
             let text = text(&[(0.3, first), (0.5, second)], [left, "kind = \"free\""], effects, solve);
-            let summary = run::run(&scene(&text), None, &mut |_| Wish::GoOn).unwrap_or_else(|e| panic!("{e}\n{text}"));
+            let summary = run::run(&scene(&text), None, &mut |_| ControlFlow::Continue(()))
+                .unwrap_or_else(|e| panic!("{e}\n{text}"));
             let ledger = summary.ledger;
             assert!(ledger.energy_residual < 1e-11 && ledger.momentum_residual < 1e-11, "{left} {joint}: {ledger:?}");
         }

@@ -2,9 +2,10 @@
 
 use barwave::error::Error;
 use barwave::record::store::ResultFile;
-use barwave::run::{self, Progress, Wish};
+use barwave::run::{self, Progress};
 use barwave::scene::Scene;
 use barwave::study::plan::{Plan, plan};
+use std::ops::ControlFlow;
 
 /// A copper bar pulled at one end for a while.
 fn scene(solve: &str) -> Scene {
@@ -19,7 +20,9 @@ fn scene(solve: &str) -> Scene {
 fn stopped(scene: &Scene, mut due: impl FnMut(&Progress) -> bool) -> (Error, String) {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("out.h5");
-    let ended = run::run(scene, Some(&path), &mut |at| if due(&at) { Wish::Stop } else { Wish::GoOn });
+    let ended = run::run(scene, Some(&path), &mut |at| {
+        if due(&at) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    });
     let file = ResultFile::open(&path).expect("a result file");
     (ended.map(|_| ()).expect_err("interrupted"), file.facts().outcome.clone())
 }
@@ -56,7 +59,7 @@ fn a_spent_event_budget_is_followed_by_no_more_than_another_one() {
             all += if events >= last { events - last } else { events };
             (last, calls) = (events, calls + 1);
         }
-        Wish::GoOn
+        ControlFlow::Continue(())
     });
     let error = ended.map(|_| ()).expect_err("the budget is spent").to_string();
     assert!(error.contains("all of its 5000 events"), "{error}");
@@ -64,10 +67,10 @@ fn a_spent_event_budget_is_followed_by_no_more_than_another_one() {
     // The search can be interrupted as well.
     let mut spent = false;
     let ended = run::run(&scene, None, &mut |at| {
-        let Progress::Fronts { events, .. } = at else { return Wish::GoOn };
+        let Progress::Fronts { events, .. } = at else { return ControlFlow::Continue(()) };
         let stop = spent && events < 5000;
         spent |= events >= 5000;
-        if stop { Wish::Stop } else { Wish::GoOn }
+        if stop { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
     assert!(matches!(ended, Err(Error::Interrupted)));
 }

@@ -9,7 +9,7 @@ use std::path::Path;
 
 use barwave::assemble;
 use barwave::bar::EndCondition;
-use barwave::material::{Beyond, Curve, Hollow, Material};
+use barwave::material::{Beyond, Curve, Material, TubeSection};
 use barwave::record::{Ledger, View};
 use barwave::scene::{Method, Scene, Unloading};
 use barwave::solver::fd::Quantity;
@@ -40,7 +40,7 @@ fn level_in_the_middle() -> Material {
 fn twisted(q: f64) -> Material {
     let curve = Curve::new(&[(0.002, 160e6), (0.5, 160e6)], Beyond::Extend).expect("rows rise");
     let shear = Material::from_curve("steel", common::DENSITY, curve);
-    (*shear.in_torsion(Hollow { q }).expect("a curve")).clone()
+    (*shear.in_torsion(TubeSection { q }).expect("a curve")).clone()
 }
 
 /// Extremes over a run; energies relative to the largest energy of the bar so far.

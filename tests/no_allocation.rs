@@ -15,7 +15,7 @@ use std::cell::Cell;
 use barwave::assemble::segment_law;
 use barwave::bar::{Bar, EndCondition, History};
 use barwave::scene::{Effects, Unloading};
-use barwave::solver::fd::{Along, Grid, Leapfrog, Quantity};
+use barwave::solver::fd::{DistributedForces, Grid, Leapfrog, Quantity};
 use barwave::solver::moc::{FrontTracking, Settings, Stopped};
 use barwave::wave::riemann::Flow;
 
@@ -106,7 +106,13 @@ fn a_plastic_run_allocates_nothing_once_every_block_has_yielded() {
 /// Where something acts along the bar: nothing in a step, and as many bytes a cell as `plan` says.
 #[test]
 fn damping_and_lateral_inertia_allocate_nothing_and_cost_what_is_said() {
-    let along = Along { internal: 1e3, external: 1e3, foundation: 1e6, lateral: vec![1e-8], ..Along::default() };
+    let along = DistributedForces {
+        internal: 1e3,
+        external: 1e3,
+        foundation: 1e6,
+        lateral: vec![1e-8],
+        ..DistributedForces::default()
+    };
     let [elastic, yielded] = along.bytes_per_cell();
     for (velocity, bytes, spare) in [(2.0, elastic, 1000), (20.0, yielded + 16, 1000)] {
         let bar = Bar { segments: vec![common::segment(common::bilinear_steel(), 1.0)], area_given: true };

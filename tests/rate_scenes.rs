@@ -1,11 +1,12 @@
 //! Rate-dependent scenes as users write them: from the text of a scene to its summary and result file.
 
+use std::ops::ControlFlow;
 use std::path::Path;
 
 use barwave::law::rate::Overstress;
 use barwave::record::Field;
 use barwave::record::store::ResultFile;
-use barwave::run::{Wish, run};
+use barwave::run::run;
 use barwave::scene::{Method, Rate, Scene, Unloading};
 use barwave::study::plan::plan;
 
@@ -126,7 +127,7 @@ fn a_run_shows_the_decay_of_the_precursor_in_its_fields_and_gauges() {
     let rest = "[record]\nframes = 2\nfields = [\"stress\", \"plastic_strain\"]\ngauges = { middle = 0.49995 }";
     let scene = scene(MALVERN, "cells = 10000", rest);
     let _alone = FILES.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-    let summary = run(&scene, Some(&file), &mut |_| Wish::GoOn).expect("it runs");
+    let summary = run(&scene, Some(&file), &mut |_| ControlFlow::Continue(())).expect("it runs");
     assert_eq!((summary.method.as_str(), summary.scheme.as_str()), ("moc", "characteristic-net"));
     assert_eq!(summary.outcome, "done");
     assert!(summary.effects.iter().any(|e| e.starts_with("rate: malvern")), "{:?}", summary.effects);
@@ -170,7 +171,7 @@ fn above_the_static_critical_velocity_the_rate_carries_the_bar_on() {
     text = text.replace("[0.021, 600e6]", "[0.05, 250e6]").replace("\"extend\"", "\"rupture\"");
     text = text.replace("value = 20", "value = 60").replace("\"150 us\"", "\"20 us\"");
     let scene = Scene::parse("rate", &text, Path::new("."), &[]).unwrap_or_else(|error| panic!("{error}"));
-    let summary = run(&scene, None, &mut |_| Wish::GoOn).expect("it runs");
+    let summary = run(&scene, None, &mut |_| ControlFlow::Continue(())).expect("it runs");
     assert!(summary.above_critical, "of the static curve");
     assert_eq!(summary.outcome, "done", "the strain at the end has not reached the end of the data");
 }
@@ -186,7 +187,8 @@ fn fronts_paths_are_refused_where_no_fronts_are_followed() {
 fn flow_that_the_net_does_not_resolve_is_noted() {
     let notes = |k: &str| {
         let effects = format!("rate = {{ model = \"malvern\", k = \"{k} 1/s\" }}");
-        let summary = run(&scene(&effects, "cells = 100", ""), None, &mut |_| Wish::GoOn).expect("it runs");
+        let summary =
+            run(&scene(&effects, "cells = 100", ""), None, &mut |_| ControlFlow::Continue(())).expect("it runs");
         summary.audit.into_iter().filter(|row| row.effect == "rate").map(|row| row.estimate).collect::<Vec<_>>()
     };
     assert!(notes("1e5").is_empty());
@@ -198,7 +200,7 @@ fn flow_that_the_net_does_not_resolve_is_noted() {
 #[test]
 fn a_rate_scene_runs_on_the_grid_where_it_asks_for_that() {
     let on_grid = scene(MALVERN, "method = \"fd\"\ncells = 1000", "");
-    let summary = run(&on_grid, None, &mut |_| Wish::GoOn).expect("it runs");
+    let summary = run(&on_grid, None, &mut |_| ControlFlow::Continue(())).expect("it runs");
     assert_eq!((summary.method.as_str(), summary.scheme.as_str()), ("fd", "leapfrog"));
     assert!(summary.effects.iter().any(|e| e.starts_with("rate: malvern")), "{:?}", summary.effects);
     // 1e6 cell-steps of rounding.

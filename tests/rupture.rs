@@ -1,5 +1,6 @@
 //! The effect `rupture`: where and when bars break, against theory and method against method.
 
+use std::ops::ControlFlow;
 use std::path::Path;
 
 use barwave::assemble;
@@ -237,7 +238,7 @@ fn the_file_has_a_table_of_ruptures() {
     {
         let path = folder.path().join("out.h5");
         let scene = bar(STEEL, PULSE, FREE, effects, "until = 60e-6\ncells = 400");
-        let summary = barwave::run::run(&scene, Some(&path), &mut |_| barwave::run::Wish::GoOn).expect("it runs");
+        let summary = barwave::run::run(&scene, Some(&path), &mut |_| ControlFlow::Continue(())).expect("it runs");
         assert_eq!(summary.outcome, if rows == Some(1) { "rupture" } else { "done" });
         assert_eq!(summary.ruptures.map(|r| r.len()), rows);
         let file = hdf5::File::open(&path).expect("a file");
@@ -327,7 +328,7 @@ fn a_pulse_too_short_for_the_grid_is_reported() {
     let short = |cells: usize| {
         let solve = format!("until = 60e-6\nmethod = \"fd\"\ncells = {cells}");
         let scene = bar(STEEL, pulse, FREE, "rupture = { spall = 500e6 }", &solve);
-        let summary = barwave::run::run(&scene, None, &mut |_| barwave::run::Wish::GoOn).expect("a run");
+        let summary = barwave::run::run(&scene, None, &mut |_| ControlFlow::Continue(())).expect("a run");
         let rows: Vec<_> = summary.audit.into_iter().filter(|row| row.effect == "rupture").collect();
         (summary.ruptures.expect("a row for each").len(), rows)
     };

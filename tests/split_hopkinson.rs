@@ -3,6 +3,7 @@
 
 mod common;
 
+use std::ops::ControlFlow;
 use std::path::Path;
 
 use barwave::assemble;
@@ -10,7 +11,7 @@ use barwave::bar::{Bar, EndCondition, Joint, Segment};
 use barwave::material::Sense;
 use barwave::record::Trace;
 use barwave::record::store::ResultFile;
-use barwave::run::{Wish, run};
+use barwave::run::run;
 use barwave::scene::{Method, Scene};
 use barwave::solver::fd::{Leapfrog, Quantity};
 use barwave::solver::moc::{FrontTracking, Settings};
@@ -71,7 +72,7 @@ fn the_pulses_of_a_split_hopkinson_set_give_back_the_specimen_s_curve() {
     for sets in [vec![], vec!["solve.method=moc".to_owned(), "solve.cells=".to_owned()]] {
         let scene = Scene::read(&path, &sets).unwrap_or_else(|e| panic!("{e}"));
         let out = folder.path().join("set.h5");
-        let summary = run(&scene, Some(&out), &mut |_| Wish::GoOn).unwrap_or_else(|e| panic!("{e}"));
+        let summary = run(&scene, Some(&out), &mut |_| ControlFlow::Continue(())).unwrap_or_else(|e| panic!("{e}"));
         let tracked = matches!(scene.solve.method, Method::FrontTracking { .. });
         // Thinned fronts take some energy, which is shown; momentum is exact.
         assert!(summary.ledger.energy_residual < 1e-9 && summary.ledger.momentum_residual < 1e-10, "{tracked}");

@@ -2,6 +2,7 @@
 
 mod common;
 
+use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -326,7 +327,7 @@ fn the_field_energy_of_a_tracked_taper_is_the_ledger_s_to_the_sampling_error() {
 #[test]
 fn the_error_of_a_tracked_taper_covers_its_plastic_strain() {
     let scene = plastic_horn(1e-2);
-    let summary = barwave::run::run(&scene, None, &mut |_| barwave::run::Wish::GoOn).expect("it runs");
+    let summary = barwave::run::run(&scene, None, &mut |_| ControlFlow::Continue(())).expect("it runs");
     let figure = summary.error.expect("an error").value;
     let (bar, better) = (tracked(&scene), tracked(&plastic_horn(2e-3)));
     let off = |(apart, total): (f64, f64)| apart / total;
@@ -387,7 +388,7 @@ fn a_growing_front_breaks_the_taper_by_both_methods_and_the_site_is_the_user_s_s
     let folder = tempfile::tempdir().expect("a folder");
     let by = ["cells = 1000", "method = \"moc\"\nfront-tolerance = 0.01"].map(|solve| {
         let out = folder.path().join("out.h5");
-        let summary = barwave::run::run(&with(solve), Some(&out), &mut |_| barwave::run::Wish::GoOn).expect("it runs");
+        let summary = barwave::run::run(&with(solve), Some(&out), &mut |_| ControlFlow::Continue(())).expect("it runs");
         let rupture = summary.ruptures.expect("an effect")[0].clone();
         assert_eq!(rupture.site, "segment 1");
         (serde_json::to_value(rupture).expect("json"), summary.ledger)

@@ -1,9 +1,10 @@
 //! Final lengths of Taylor cylinders against measurements, and the page of the documentation that shows them.
 
 use std::fmt::Write as _;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
-use barwave::run::{self, Wish};
+use barwave::run::{self};
 use barwave::scene::Scene;
 use kuva::prelude::*;
 use rayon::prelude::*;
@@ -50,7 +51,7 @@ fn final_length((length, speed, _): (f64, f64, f64), changes: &[&str]) -> f64 {
     overrides.push(format!("solve.until={}", 150e-6 * (length / 23.47).round()));
     overrides.extend(changes.iter().map(|&change| change.to_owned()));
     let scene = Scene::read(&root().join("runs/taylor-6061-t6.toml"), &overrides).expect("a scene");
-    let summary = run::run(&scene, None, &mut |_| Wish::GoOn).expect("a run");
+    let summary = run::run(&scene, None, &mut |_| ControlFlow::Continue(())).expect("a run");
     summary.lengths[0].unloaded / summary.lengths[0].initial
 }
 

@@ -4,11 +4,12 @@
 #[path = "common/known.rs"]
 mod known;
 
+use std::ops::ControlFlow;
 use std::path::Path;
 use std::process::Command;
 
 use barwave::record::Measure;
-use barwave::run::{self, Wish};
+use barwave::run::{self};
 use known::{Known, Truth, held_out, known};
 use serde_json::Value;
 
@@ -27,7 +28,7 @@ fn miss(case: &Known, tolerance: f64, alone: Option<&str>) -> Option<String> {
     let mut scene = case.scene(&format!("tolerance = {tolerance:e}"));
     let asked = scene.solve.tolerance.as_mut().expect("a tolerance");
     asked.methods.retain(|method| alone.is_none_or(|alone| method.names()[1] == alone));
-    let summary = run::run(&scene, None, &mut |_| Wish::GoOn);
+    let summary = run::run(&scene, None, &mut |_| ControlFlow::Continue(()));
     let summary = summary.unwrap_or_else(|e| panic!("{} at {tolerance}: {e}", case.name));
     let estimate = summary.error.as_ref().map_or(f64::NAN, |e| e.value);
     let error = case.true_error(&scene, &summary);
@@ -80,7 +81,7 @@ fn an_elastic_estimate_is_not_below_the_error_whatever_the_cells() {
         for cells in [128, 200, 256, 400, 512, 777, 1000] {
             let mut scene = case.scene(&format!("method = \"fd\"\ncells = {cells}"));
             scene.solve.estimate_error = true;
-            let summary = run::run(&scene, None, &mut |_| Wish::GoOn).expect("it runs");
+            let summary = run::run(&scene, None, &mut |_| ControlFlow::Continue(())).expect("it runs");
             let errors = summary.errors.expect("a table");
             assert!(Measure::ALL.into_iter().all(|m| m == Measure::Gauges || errors[m].is_some()), "{errors:?}");
             let (estimate, error) = (summary.error.map_or(f64::NAN, |e| e.value), case.error_of(&scene));
@@ -139,7 +140,8 @@ fn the_peak_force_of_a_striker_is_within_the_tolerance() {
         let scene = case.scene(&format!("tolerance = {tolerance:e}"));
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("out.h5");
-        let summary = run::run(&scene, Some(&path), &mut |_| Wish::GoOn).unwrap_or_else(|e| panic!("{e}"));
+        let summary =
+            run::run(&scene, Some(&path), &mut |_| ControlFlow::Continue(())).unwrap_or_else(|e| panic!("{e}"));
         let errors = summary.errors.expect("a table");
         assert!(errors.entries().all(|(_, error)| error <= tolerance), "{errors}");
         let file = hdf5::File::open(&path).expect("it opens");

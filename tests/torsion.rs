@@ -2,14 +2,15 @@
 
 mod common;
 
+use std::ops::ControlFlow;
 use std::path::Path;
 
 use barwave::assemble;
 use barwave::law::Row;
-use barwave::material::{Beyond, Curve, Hollow, Loading, Material};
+use barwave::material::{Beyond, Curve, Loading, Material, TubeSection};
 use barwave::record::store::ResultFile;
 use barwave::record::{Field, Summary, View};
-use barwave::run::{Wish, run};
+use barwave::run::run;
 use barwave::scene::{Effects, Method, Scene, Unloading};
 use barwave::solver::fd::Sampling;
 use barwave::solver::moc::Settings;
@@ -98,7 +99,7 @@ fn a_thin_tube_is_the_axial_bar_with_the_same_numbers_to_the_last_bit() {
 fn run_to_file(scene: &Scene) -> (Summary, ResultFile, tempfile::TempDir) {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("out.h5");
-    let summary = run(scene, Some(&path), &mut |_| Wish::GoOn).expect("it runs");
+    let summary = run(scene, Some(&path), &mut |_| ControlFlow::Continue(())).expect("it runs");
     let file = ResultFile::open(&path).expect("a result file");
     (summary, file, folder)
 }
@@ -245,7 +246,7 @@ fn the_pattern_of_stress_that_a_rod_keeps_is_felt_only_past_zero_torque() {
     let curve = Curve::new(&[(TAU / G, TAU), (0.5, TAU)], Beyond::Extend).expect("rows rise");
     let mut shear = Material::from_curve("s", 7800.0, curve);
     shear.loading = Loading::Shear;
-    let rod = shear.in_torsion(Hollow { q: 0.0 }).expect("a curve");
+    let rod = shear.in_torsion(TubeSection { q: 0.0 }).expect("a curve");
     let segment = barwave::bar::Segment::new(1.0, 1.0, rod);
     let top = 5.0 * TAU / G;
     let path = |rule: Unloading| {

@@ -2,12 +2,13 @@
 
 mod common;
 
+use std::ops::ControlFlow;
 use std::path::Path;
 
 use barwave::assemble;
 use barwave::record::store::{Gauge, ResultFile, Side};
 use barwave::record::{Field, Trace};
-use barwave::run::{self, Wish};
+use barwave::run::{self};
 use barwave::scene::Scene;
 use barwave::solver::moc::{FrontTracking, Settings};
 
@@ -56,7 +57,7 @@ fn tracked(scene: &Scene, tolerance: f64) -> FrontTracking {
 /// The scene's result file.
 fn result(scene: &Scene, folder: &Path) -> ResultFile {
     let path = folder.join("out.h5");
-    run::run(scene, Some(&path), &mut |_| Wish::GoOn).unwrap_or_else(|e| panic!("{e}"));
+    run::run(scene, Some(&path), &mut |_| ControlFlow::Continue(())).unwrap_or_else(|e| panic!("{e}"));
     ResultFile::open(&path).unwrap_or_else(|e| panic!("{e}"))
 }
 
@@ -236,7 +237,7 @@ fn a_run_that_is_interrupted_keeps_what_it_has() {
     let mut calls = 0;
     let stopped = run::run(&scene, Some(&path), &mut |_| {
         calls += 1;
-        if calls > 20 { Wish::Stop } else { Wish::GoOn }
+        if calls > 20 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
     assert_eq!(stopped.expect_err("it was stopped").exit_code(), 130);
     let file = ResultFile::open(&path).expect("a result file");

@@ -4,8 +4,8 @@ mod end;
 pub mod ends;
 mod hertz;
 mod history;
+mod initial_fan;
 pub mod joint;
-mod launch;
 mod taper;
 
 use std::sync::Arc;
@@ -13,8 +13,8 @@ use std::sync::Arc;
 pub use end::EndCondition;
 pub use hertz::Hertz;
 pub use history::History;
+pub use initial_fan::{InitialFan, Origin, initial_fans};
 pub use joint::Joint;
-pub use launch::{Launch, Origin, launches};
 pub use taper::{Profile, Taper};
 
 use crate::material::Material;

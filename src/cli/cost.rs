@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 use std::io::IsTerminal;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -15,7 +16,6 @@ use crate::destination;
 use crate::error::{Error, InputError, Result};
 use crate::record::{Measure, SolvedBy};
 use crate::report::{self, plot};
-use crate::run::Wish;
 use crate::scene::Scene;
 use crate::study::cost::{Cost, CostPoint, EffectCost, Growth, Hooks, OrderFit, Reach, Whole, cost};
 use crate::units::{Dimension, Quantity};
@@ -82,7 +82,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let mut progress = |what: &str, now: f64| {
         bar.set_position((TICKS * now) as u64);
         bar.set_message(what.to_owned());
-        if stop.load(Ordering::Relaxed) { Wish::Stop } else { Wish::GoOn }
+        if stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
     let found = cost(&scene, &mut Hooks { budget, measure, whole: &mut whole, progress: &mut progress });
     bar.finish_and_clear();

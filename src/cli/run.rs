@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 use std::io::IsTerminal;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use std::time::Duration;
@@ -14,7 +15,7 @@ use crate::destination;
 use crate::error::{Error, InputError, Result};
 use crate::record::Summary;
 use crate::record::store::{self, Existing};
-use crate::run::{self, Progress, Wish};
+use crate::run::{self, Progress};
 use crate::scene::{Problem, SpecimenScene};
 use crate::units::{Dimension, Quantity, System, format};
 
@@ -80,7 +81,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
 }
 
 /// What a run is told to do while it is under way.
-type OnProgress<'a> = &'a mut dyn FnMut(Progress) -> Wish;
+type OnProgress<'a> = &'a mut dyn FnMut(Progress) -> ControlFlow<()>;
 
 /// Shows how far a run is, and sums up.
 fn show(
@@ -93,7 +94,7 @@ fn show(
     let bar = progress_bar(args.quiet || args.json);
     let summary = simulate(&mut |at: Progress| {
         show_progress(&bar, &at, args.quiet || args.json);
-        if stop.load(Ordering::Relaxed) { Wish::Stop } else { Wish::GoOn }
+        if stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
     bar.finish_and_clear();
     let shown = path.display();

@@ -1,6 +1,7 @@
 //! `barwave stability`: the hard cases by every method.
 
 use std::fmt::Write as _;
+use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 
@@ -9,7 +10,6 @@ use super::{interrupt, output};
 use crate::destination;
 use crate::error::{Error, InputError, Result};
 use crate::report::plot;
-use crate::run::Wish;
 use crate::study::hard_cases::{CASES, HardCase, Method, Tried, run_case};
 
 /// Options of `barwave stability`.
@@ -68,7 +68,8 @@ fn try_all(cases: &[&'static HardCase], shows: bool) -> Result<Vec<Tried>> {
     let mut tried = Vec::new();
     for case in cases {
         for method in Method::ALL {
-            let mut progress = |_| if stop.load(Ordering::Relaxed) { Wish::Stop } else { Wish::GoOn };
+            let mut progress =
+                |_| if stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
             let one = run_case(case, method, folder.path(), &mut progress)?;
             if shows {
                 output::text(&line(&one))?;

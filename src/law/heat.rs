@@ -8,20 +8,20 @@ use crate::material::{Heating, Sense};
 /// The temperature is that of a cell whose flow went one way all the time; where tension and compression share a curve that
 /// is no restriction.
 #[derive(Debug, Clone)]
-pub struct Warming<L> {
+pub struct WithTemperature<L> {
     law: L,
     heating: Heating,
     modulus: f64,
 }
 
-impl<L> Warming<L> {
+impl<L> WithTemperature<L> {
     /// `law` runs on the adiabatic tables of a material of this modulus, Pa.
     pub fn new(law: L, heating: &Heating, modulus: f64) -> Self {
         Self { law, heating: heating.clone(), modulus }
     }
 }
 
-impl<L: CellLaw<N>, const N: usize> CellLaw<N> for Warming<L> {
+impl<L: CellLaw<N>, const N: usize> CellLaw<N> for WithTemperature<L> {
     const TAKES_TIME: bool = L::TAKES_TIME;
 
     #[inline(always)]

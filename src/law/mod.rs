@@ -30,7 +30,7 @@ pub use aligned::{Aligned, AlignedRow, aligned_row, split_off};
 pub use backbone::{Backbone, Envelope, Indexed, Line, Searched, Table, TwoSided};
 pub use data_end::{DataEnd, FirstPassed, Flowing, Limit, Passed, Reached, StrainedRow};
 pub use elastic::elastic_row;
-pub use heat::Warming;
+pub use heat::WithTemperature;
 pub use overlay::Overlay;
 pub use path_independent::PathIndependent;
 pub use plastic::{Isotropic, Mixed};

@@ -6,7 +6,7 @@
 
 use serde::Serialize;
 
-use super::softening::Warmth;
+use super::softening::AdiabaticState;
 use super::tabulate::refine;
 use super::{Beyond, Curve, CurveError, Material, SLOPE_ROUND_OFF, Sense};
 use crate::units::Dimension;
@@ -137,7 +137,7 @@ impl Heating {
     fn adiabatic(&self, cold: &Curve, modulus: f64) -> Result<Curve, CurveError> {
         let omega = self.rise_per_work() / self.range();
         let top = cold.stress().iter().copied().fold(0.0, f64::max);
-        let mut warmth = Warmth::cold(self.exponent);
+        let mut warmth = AdiabaticState::cold(self.exponent);
         let mut rows: Vec<(f64, f64)> = Vec::new();
         let knots = flow_knots(cold, modulus);
         for (k, pair) in knots.windows(2).enumerate() {
@@ -179,7 +179,7 @@ fn extend(
     cold: &Curve,
     modulus: f64,
     (omega, top): (f64, f64),
-    ((p, f), warmth): ((f64, f64), Warmth),
+    ((p, f), warmth): ((f64, f64), AdiabaticState),
     rows: &mut Vec<(f64, f64)>,
 ) {
     let slope = cold.last_slope();

@@ -33,7 +33,7 @@ pub use raw::RawMaterial;
 pub use tabulate::{
     Measure, Tabulate, Tabulated, engineering_from_true, tabulate_law, tabulate_true_rows, true_from_engineering,
 };
-pub use torsion::{Hollow, TORSION_TOLERANCE};
+pub use torsion::{TORSION_TOLERANCE, TubeSection};
 
 /// Which way the material is loaded from the virgin state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]

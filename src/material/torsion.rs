@@ -25,12 +25,12 @@ const EXTENDED: f64 = 8.0;
 
 /// A round section: inner over outer radius, 0 <= q < 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Hollow {
+pub struct TubeSection {
     /// Inner over outer radius.
     pub q: f64,
 }
 
-impl Hollow {
+impl TubeSection {
     /// Nominal stress at the surface strain `g`, Pa: exact for the curve.
     pub fn nominal_stress(self, curve: &Curve, g: f64) -> f64 {
         let q = self.q;
@@ -82,8 +82,8 @@ impl Material {
     /// This material, known in shear, as a rod (q = 0) or a tube of it behaves in torsion, in terms of the surface.
     ///
     /// # Errors
-    /// As [`Hollow::nominal_curve`].
-    pub fn in_torsion(&self, hollow: Hollow) -> Result<Arc<Self>, CurveError> {
+    /// As [`TubeSection::nominal_curve`].
+    pub fn in_torsion(&self, hollow: TubeSection) -> Result<Arc<Self>, CurveError> {
         let (curve, error) = hollow.nominal_curve(&self.tension, self.modulus)?;
         let form = if hollow.q == 0.0 { "rod".to_owned() } else { format!("tube {:.6}", hollow.q) };
         Ok(Arc::new(Self {
@@ -134,7 +134,7 @@ mod tests {
 
     #[test]
     fn a_perfectly_plastic_rod_follows_the_closed_form() {
-        let (curve, solid) = (perfectly_plastic(), Hollow { q: 0.0 });
+        let (curve, solid) = (perfectly_plastic(), TubeSection { q: 0.0 });
         let (table, _) = solid.nominal_curve(&curve, G).expect("a curve");
         for k in 1..400 {
             let g = 0.2 * f64::from(k) / 400.0;
@@ -151,8 +151,8 @@ mod tests {
     #[test]
     fn a_section_without_a_nominal_curve_is_an_error() {
         let curve = Curve::new(&[(0.002, 160e6), (1e12, 170e6)], Beyond::Extend).expect("rows rise");
-        assert!(Hollow { q: 0.0 }.nominal_curve(&curve, G).is_err());
-        let rod = Material::from_curve("steel", 7800.0, curve).in_torsion(Hollow { q: 0.0 });
+        assert!(TubeSection { q: 0.0 }.nominal_curve(&curve, G).is_err());
+        let rod = Material::from_curve("steel", 7800.0, curve).in_torsion(TubeSection { q: 0.0 });
         assert!(rod.is_err());
     }
 
@@ -165,7 +165,7 @@ mod tests {
         let curve = Curve::new(&rows, Beyond::Error).expect("rows rise");
         for g in [0.05_f64, 0.1, 0.2] {
             let exact = 4.0 / (3.0 + n) * k * g.powf(n);
-            assert!((Hollow { q: 0.0 }.nominal_stress(&curve, g) / exact - 1.0).abs() < 1e-6, "{g}");
+            assert!((TubeSection { q: 0.0 }.nominal_stress(&curve, g) / exact - 1.0).abs() < 1e-6, "{g}");
         }
     }
 
@@ -174,7 +174,7 @@ mod tests {
         let curve = Curve::new(&[(0.002, 160e6), (0.05, 240e6), (0.2, 300e6)], Beyond::Error).expect("rows rise");
         let mut before = f64::INFINITY;
         for wall in [0.1, 0.01, 0.001, 1e-6] {
-            let tube = Hollow { q: 1.0 - wall };
+            let tube = TubeSection { q: 1.0 - wall };
             // The wall's middle has the strain (1 - wall/2) g and the nominal stress counts at the surface.
             let middle = 1.0 - 0.5 * wall;
             let off = (tube.nominal_stress(&curve, 0.1) * middle / curve.stress_at(0.1 * middle) - 1.0).abs();

@@ -1,7 +1,7 @@
 //! A run held against theory: sigma = rho c0 v while it is elastic, and the self-similar solution where it has one.
 
 use super::{ElasticCheck, ErrorFigure, Stepped};
-use crate::bar::{Bar, Launch};
+use crate::bar::{Bar, InitialFan};
 use crate::snapshot::{self, Snapshot, pack, unpack};
 use crate::solver::fd::{Grid, Quantity};
 
@@ -22,18 +22,18 @@ const INSIDE: f64 = 1e-6;
 
 impl ElasticProbe {
     /// A probe for the first suddenly loaded end or joint, where there is one; `until` is the end time, s.
-    pub fn new(bar: &Bar, launches: &[Launch], until: f64) -> Option<Self> {
-        let launch = launches.iter().find(|l| l.sudden)?;
-        let segment = Some(&bar.segments[launch.segment]).filter(|segment| segment.taper.is_none())?;
+    pub fn new(bar: &Bar, initial_fans: &[InitialFan], until: f64) -> Option<Self> {
+        let initial_fan = initial_fans.iter().find(|l| l.sudden)?;
+        let segment = Some(&bar.segments[initial_fan.segment]).filter(|segment| segment.taper.is_none())?;
         // Another wave may come from the far side at once, or only as a reflection of this one.
-        let transits = if launches.len() > 1 { 1.0 } else { 2.0 };
-        let quiet = (transits * segment.length / segment.material.c0()).min(launch.loads_until).min(until);
+        let transits = if initial_fans.len() > 1 { 1.0 } else { 2.0 };
+        let quiet = (transits * segment.length / segment.material.c0()).min(initial_fan.loads_until).min(until);
         Some(Self {
             time: 0.5 * quiet,
-            x: launch.x + launch.direction * INSIDE * segment.length,
-            segment: launch.segment,
-            direction: launch.direction,
-            expected: launch.sense.sign() * segment.material.impedance() * launch.fan.velocity,
+            x: initial_fan.x + initial_fan.direction * INSIDE * segment.length,
+            segment: initial_fan.segment,
+            direction: initial_fan.direction,
+            expected: initial_fan.sense.sign() * segment.material.impedance() * initial_fan.fan.velocity,
             found: None,
         })
     }
@@ -80,12 +80,12 @@ impl Snapshot for ElasticProbe {
 
 /// Relative L1 of stress over the bar's cells at the current time against the self-similar solution; none where the
 /// scene has no such solution up to now: more than one fan, a driving value that changes, or a reflection.
-pub fn against_similarity(bar: &Bar, solver: &impl Stepped, launches: &[Launch]) -> Option<ErrorFigure> {
+pub fn against_similarity(bar: &Bar, solver: &impl Stepped, initial_fans: &[InitialFan]) -> Option<ErrorFigure> {
     let time = solver.time();
-    let launch = alone(bar, launches, time)?;
+    let initial_fan = alone(bar, initial_fans, time)?;
     let (mut missed, mut total) = (0.0, 0.0);
     for (cell, x) in solver.grid().centres().into_iter().enumerate() {
-        let exact = similar_stress(launch, x, time);
+        let exact = similar_stress(initial_fan, x, time);
         missed += (solver.value(Quantity::Stress, cell) - exact).abs();
         total += exact.abs();
     }
@@ -93,15 +93,15 @@ pub fn against_similarity(bar: &Bar, solver: &impl Stepped, launches: &[Launch])
 }
 
 /// The fan that is the whole solution up to `time` (s), where there is one.
-pub fn alone<'a>(bar: &Bar, launches: &'a [Launch], time: f64) -> Option<&'a Launch> {
-    let ([launch], [segment]) = (launches, bar.segments.as_slice()) else { return None };
-    let alone = launch.sudden && launch.loads_until.is_infinite() && segment.taper.is_none();
-    (alone && time > 0.0 && segment.material.c0() * time <= segment.length).then_some(launch)
+pub fn alone<'a>(bar: &Bar, initial_fans: &'a [InitialFan], time: f64) -> Option<&'a InitialFan> {
+    let ([initial_fan], [segment]) = (initial_fans, bar.segments.as_slice()) else { return None };
+    let alone = initial_fan.sudden && initial_fan.loads_until.is_infinite() && segment.taper.is_none();
+    (alone && time > 0.0 && segment.material.c0() * time <= segment.length).then_some(initial_fan)
 }
 
 /// Stress of a fan at a place and time, Pa.
-pub fn similar_stress(launch: &Launch, x: f64, time: f64) -> f64 {
-    launch.sense.sign() * launch.fan.state((x - launch.x).abs() / time).1
+pub fn similar_stress(initial_fan: &InitialFan, x: f64, time: f64) -> f64 {
+    initial_fan.sense.sign() * initial_fan.fan.state((x - initial_fan.x).abs() / time).1
 }
 
 fn figure(missed: f64, total: f64) -> Option<ErrorFigure> {

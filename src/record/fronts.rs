@@ -2,7 +2,7 @@
 //! when it reaches the gauges. Nothing here uses the theoretical speed.
 
 use super::{FrontRow, Stepped};
-use crate::bar::{Bar, EndCondition, Launch, Origin};
+use crate::bar::{Bar, EndCondition, InitialFan, Origin};
 use crate::snapshot::{self, Snapshot, pack, unpack};
 use crate::solver::fd::{Grid, Quantity};
 use crate::wave::similarity::Edge;
@@ -23,7 +23,7 @@ const FRONT_WIDTH: f64 = 4.0;
 /// One front: the place where the strain passes the middle between ahead and behind.
 #[derive(Debug, Clone)]
 struct Front {
-    launch: Launch,
+    initial_fan: InitialFan,
     edge: Edge,
     window: Window,
     /// Width of a steep front on this grid, m.
@@ -59,22 +59,22 @@ impl Window {
 
 impl FrontTracker {
     /// A tracker for the fans of a bar on a grid.
-    pub fn new(bar: &Bar, grid: &Grid, launches: &[Launch], ends: [&EndCondition; 2]) -> Self {
+    pub fn new(bar: &Bar, grid: &Grid, initial_fans: &[InitialFan], ends: [&EndCondition; 2]) -> Self {
         let mut fronts = Vec::new();
-        for launch in launches {
-            let window = window(bar, launch, launches, ends);
-            for edge in &launch.fan.edges {
+        for initial_fan in initial_fans {
+            let window = window(bar, initial_fan, initial_fans, ends);
+            for edge in &initial_fan.fan.edges {
                 let level = 0.5 * (edge.strain_ahead + edge.strain_behind);
                 fronts.push(Front {
-                    launch: launch.clone(),
+                    initial_fan: initial_fan.clone(),
                     edge: *edge,
                     window,
-                    width: FRONT_WIDTH * grid.segments[launch.segment].dx,
+                    width: FRONT_WIDTH * grid.segments[initial_fan.segment].dx,
                     level,
                     passed: 0,
                     track: Vec::new(),
                     // In a taper the jumps change on the way: no level marks them.
-                    finished: bar.segments[launch.segment].taper.is_some(),
+                    finished: bar.segments[initial_fan.segment].taper.is_some(),
                 });
             }
         }
@@ -109,11 +109,11 @@ impl Snapshot for FrontTracker {
 
 impl Front {
     fn observe(&mut self, bar: &impl Stepped) {
-        let part = &bar.grid().segments[self.launch.segment];
+        let part = &bar.grid().segments[self.initial_fan.segment];
         let cells = part.cells.len();
-        let sign = self.launch.sense.sign();
+        let sign = self.initial_fan.sense.sign();
         let from_origin = |k: usize| {
-            let cell = if self.launch.direction > 0.0 { part.cells.start + k } else { part.cells.end - 1 - k };
+            let cell = if self.initial_fan.direction > 0.0 { part.cells.start + k } else { part.cells.end - 1 - k };
             sign * bar.value(Quantity::Strain, cell)
         };
         let mut cell = self.passed;
@@ -167,21 +167,21 @@ impl Front {
     }
 
     fn row(&self, gauges: &[(String, f64)]) -> FrontRow {
-        let (sign, direction) = (self.launch.sense.sign(), self.launch.direction);
+        let (sign, direction) = (self.initial_fan.sense.sign(), self.initial_fan.direction);
         let (last_seen, distance) = self.track.last().copied().unwrap_or((f64::NAN, f64::NAN));
         let arrivals = gauges.iter().map(|(_, x)| {
-            let distance = direction * (x - self.launch.x);
+            let distance = direction * (x - self.initial_fan.x);
             if (0.0..=self.window.length).contains(&distance) { self.arrival(distance) } else { f64::NAN }
         });
         FrontRow {
-            origin: self.launch.origin.to_string(),
+            origin: self.initial_fan.origin.to_string(),
             strain_behind: sign * self.edge.strain_behind,
             strain_ahead: sign * self.edge.strain_ahead,
             stress_behind: sign * self.edge.stress_behind,
             stress_ahead: sign * self.edge.stress_ahead,
             speed: direction * self.edge.speed,
             speed_measured: direction * self.speed(),
-            position: self.launch.x + direction * distance,
+            position: self.initial_fan.x + direction * distance,
             last_seen,
             arrivals: arrivals.collect(),
         }
@@ -189,23 +189,23 @@ impl Front {
 }
 
 /// Elastic waves are the fastest, so they bound when anything else can interfere.
-fn window(bar: &Bar, launch: &Launch, launches: &[Launch], ends: [&EndCondition; 2]) -> Window {
-    let segment = &bar.segments[launch.segment];
+fn window(bar: &Bar, initial_fan: &InitialFan, initial_fans: &[InitialFan], ends: [&EndCondition; 2]) -> Window {
+    let segment = &bar.segments[initial_fan.segment];
     let last = bar.segments.len() - 1;
-    let far_x = launch.x + launch.direction * segment.length;
+    let far_x = initial_fan.x + initial_fan.direction * segment.length;
     let others = |x: f64| {
-        let foreign = launches.iter().filter(|l| l.origin != launch.origin);
+        let foreign = initial_fans.iter().filter(|l| l.origin != initial_fan.origin);
         foreign.map(|l| transit(bar, x, l.x)).fold(f64::INFINITY, f64::min)
     };
-    let at_bar_end = if launch.direction > 0.0 { launch.segment == last } else { launch.segment == 0 };
-    let far_end = ends[usize::from(launch.direction > 0.0)];
+    let at_bar_end = if initial_fan.direction > 0.0 { initial_fan.segment == last } else { initial_fan.segment == 0 };
+    let far_end = ends[usize::from(initial_fan.direction > 0.0)];
     let reflects = !(at_bar_end && matches!(far_end, EndCondition::Absorbing));
-    let reflection = if reflects { transit(bar, launch.x, far_x) } else { f64::INFINITY };
-    let near = match launch.origin {
-        Origin::Left | Origin::Right => launch.loads_until,
+    let reflection = if reflects { transit(bar, initial_fan.x, far_x) } else { f64::INFINITY };
+    let near = match initial_fan.origin {
+        Origin::Left | Origin::Right => initial_fan.loads_until,
         Origin::Joint(k) => {
-            let neighbour = &bar.segments[if launch.direction > 0.0 { k } else { k + 1 }];
-            launch.loads_until.min(2.0 * neighbour.length / neighbour.material.c0()).min(others(launch.x))
+            let neighbour = &bar.segments[if initial_fan.direction > 0.0 { k } else { k + 1 }];
+            initial_fan.loads_until.min(2.0 * neighbour.length / neighbour.material.c0()).min(others(initial_fan.x))
         }
     };
     Window { length: segment.length, c0: segment.material.c0(), far: reflection.min(others(far_x)), near }

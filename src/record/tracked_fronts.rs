@@ -2,7 +2,7 @@
 //! Everything here is read off the fronts themselves, so places, times and speeds are exact.
 
 use super::{FrontRow, PathRow};
-use crate::bar::Launch;
+use crate::bar::InitialFan;
 use crate::solver::moc::{FrontTracking, Trail};
 use crate::wave::similarity::Edge;
 
@@ -30,18 +30,18 @@ impl TrackedFronts {
     }
 
     /// The table, with arrival times at gauges (name, place in m) of each front's straight life.
-    pub fn rows(&self, bar: &FrontTracking, launches: &[Launch], gauges: &[(String, f64)]) -> Vec<FrontRow> {
+    pub fn rows(&self, bar: &FrontTracking, initial_fans: &[InitialFan], gauges: &[(String, f64)]) -> Vec<FrontRow> {
         let living: Vec<Trail> = bar.living_trails().collect();
         let all: Vec<Trail> = self.first.iter().chain(&living).copied().collect();
         let mut taken = vec![false; all.len()];
         let mut rows = Vec::new();
-        for launch in launches {
-            for edge in &launch.fan.edges {
-                let found = all.iter().zip(&taken).position(|(t, taken)| !taken && is_edge(bar, launch, edge, t));
+        for initial_fan in initial_fans {
+            for edge in &initial_fan.fan.edges {
+                let found = all.iter().zip(&taken).position(|(t, taken)| !taken && is_edge(bar, initial_fan, edge, t));
                 if let Some(k) = found {
                     taken[k] = true;
                 }
-                rows.push(edge_row(launch, edge, found.map(|k| &all[k]), gauges));
+                rows.push(edge_row(initial_fan, edge, found.map(|k| &all[k]), gauges));
             }
         }
         let rest = living.iter().zip(&taken[self.first.len()..]).filter(|(_, taken)| !**taken);
@@ -51,26 +51,26 @@ impl TrackedFronts {
 }
 
 /// Whether a trail is this edge of this fan.
-fn is_edge(bar: &FrontTracking, launch: &Launch, edge: &Edge, trail: &Trail) -> bool {
-    let sign = launch.sense.sign();
+fn is_edge(bar: &FrontTracking, initial_fan: &InitialFan, edge: &Edge, trail: &Trail) -> bool {
+    let sign = initial_fan.sense.sign();
     let same = |found: f64, theory: f64| (found - sign * theory).abs() <= SAME_LEVEL * bar.stress_scale();
     trail.t[0] == 0.0
-        && trail.segment == launch.segment
-        && (trail.x[1] - trail.x[0]) * launch.direction > 0.0
-        && (trail.x[0] - launch.x).abs() <= SAME_LEVEL * launch.x.abs()
+        && trail.segment == initial_fan.segment
+        && (trail.x[1] - trail.x[0]) * initial_fan.direction > 0.0
+        && (trail.x[0] - initial_fan.x).abs() <= SAME_LEVEL * initial_fan.x.abs()
         && same(trail.ahead.stress, edge.stress_ahead)
         && same(trail.behind.stress, edge.stress_behind)
 }
 
-fn edge_row(launch: &Launch, edge: &Edge, trail: Option<&Trail>, gauges: &[(String, f64)]) -> FrontRow {
-    let sign = launch.sense.sign();
+fn edge_row(initial_fan: &InitialFan, edge: &Edge, trail: Option<&Trail>, gauges: &[(String, f64)]) -> FrontRow {
+    let sign = initial_fan.sense.sign();
     FrontRow {
-        origin: launch.origin.to_string(),
+        origin: initial_fan.origin.to_string(),
         strain_behind: sign * edge.strain_behind,
         strain_ahead: sign * edge.strain_ahead,
         stress_behind: sign * edge.stress_behind,
         stress_ahead: sign * edge.stress_ahead,
-        speed: launch.direction * edge.speed,
+        speed: initial_fan.direction * edge.speed,
         speed_measured: trail.map_or(f64::NAN, speed),
         position: trail.map_or(f64::NAN, |t| t.x[1]),
         last_seen: trail.map_or(f64::NAN, |t| t.t[1]),

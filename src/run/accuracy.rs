@@ -1,17 +1,18 @@
 //! How far a run on a grid may be off: from runs of the same bar with a half, a quarter and an eighth of the cells. They take a third
 //! of the run's stepping time.
 
-use super::{Progress, Wish};
+use super::Progress;
 use crate::accuracy::{
     Course, INSTANTS, Response, Rules, SAFETY, SAFETY_OF_FRONTS, evenly, extrapolate, respond, similar_response,
 };
 use crate::assemble;
-use crate::bar::Launch;
+use crate::bar::InitialFan;
 use crate::error::{Error, Result};
 use crate::record::{self, ErrorFigure, ErrorTable, Stepped};
 use crate::scene::{Method, Scene, Solve};
 use crate::snapshot::Snapshot;
 use crate::solver::moc::Settings;
+use std::ops::ControlFlow;
 
 /// Steps that an eighth of the cells takes as one: runs are compared after multiples of so many.
 const COMMON: usize = 8;
@@ -56,9 +57,9 @@ pub(super) fn figure(table: ErrorTable, reference: String) -> ErrorFigure {
 }
 
 /// The response by the self-similar solution at the instants of another one, where the scene has such a solution up to the last of them.
-pub(super) fn similar(scene: &Scene, launches: &[Launch], like: &Response) -> Option<Response> {
-    let launch = record::alone(&scene.bar, launches, like.time())?;
-    Some(similar_response(&scene.bar, launch, &like.instants(), &scene.record.gauge_places()))
+pub(super) fn similar(scene: &Scene, initial_fans: &[InitialFan], like: &Response) -> Option<Response> {
+    let initial_fan = record::alone(&scene.bar, initial_fans, like.time())?;
+    Some(similar_response(&scene.bar, initial_fan, &like.instants(), &scene.record.gauge_places()))
 }
 
 /// A bar on a grid, run without recorders; the fields are read near `instants` (s, increasing). None where the caller asked to stop, or
@@ -67,7 +68,7 @@ pub(super) fn coarse(
     scene: &Scene,
     method: Method,
     instants: &[f64],
-    progress: &mut dyn FnMut(Progress) -> Wish,
+    progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Option<Coarse> {
     let scene = Scene { solve: Solve { method, ..scene.solve.clone() }, ..scene.clone() };
     let scene = &scene.in_pieces().unwrap_or(scene);
@@ -78,7 +79,7 @@ pub(super) fn coarse(
 struct Task<'a> {
     scene: &'a Scene,
     instants: &'a [f64],
-    progress: &'a mut dyn FnMut(Progress) -> Wish,
+    progress: &'a mut dyn FnMut(Progress) -> ControlFlow<()>,
 }
 
 impl assemble::Task for Task<'_> {
@@ -89,8 +90,8 @@ impl assemble::Task for Task<'_> {
         let gauges = self.scene.record.gauge_places();
         let course = Course { instants: self.instants, gauges: &gauges, until: 0.0, work: WORK_BETWEEN_CALLS };
         let found = respond(&self.scene.bar, &mut bar, course, |bar, steps| {
-            let wish = (self.progress)(Progress::Steps { step: bar.step(), steps, cells });
-            if wish == Wish::Stop { Err(()) } else { Ok(()) }
+            let flow = (self.progress)(Progress::Steps { step: bar.step(), steps, cells });
+            if flow.is_break() { Err(()) } else { Ok(()) }
         });
         let (response, _) = found.ok()?;
         Some(Coarse { response, elastic: bar.stayed_elastic(), cells, work: (bar.step() * cells) as u64 })
@@ -118,7 +119,7 @@ pub(super) fn error_figure(
     scene: &Scene,
     fine: &Response,
     elastic: bool,
-    progress: &mut dyn FnMut(Progress) -> Wish,
+    progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Option<ErrorFigure>> {
     let method = scene.solve.method;
     let Some(cells) = method.cells().filter(|&cells| cells >= LEAST_CELLS) else { return Ok(None) };

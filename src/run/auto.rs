@@ -2,9 +2,10 @@
 //! before the run are the start; where the audit of a run shows that an effect was missed, it is added, and the run
 //! repeated. What was turned on stays on, but for an effect that cannot be simulated together with a larger one.
 
+use std::ops::ControlFlow;
 use std::path::Path;
 
-use super::{Progress, Wish, accurate, estimate};
+use super::{Progress, accurate, estimate};
 use crate::error::{Error, Result};
 use crate::record::{AuditRow, AutoChoice, Summary};
 use crate::scene::Scene;
@@ -29,20 +30,20 @@ const WITHOUT_KEYS: [&[&str]; 4] =
 ///
 /// # Errors
 /// [`Error::Interrupted`] where `progress` asked to stop.
-pub fn choose(scene: &Scene, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<Scene> {
+pub fn choose(scene: &Scene, progress: &mut dyn FnMut(Progress) -> ControlFlow<()>) -> Result<Scene> {
     let mut scene = scene.clone();
     // One effect at least is decided in each round.
     while scene.auto.is_some() {
         let mut stopped = false;
         let (rows, _) = estimate(&scene, &mut |at| {
-            let wish = progress(at);
-            stopped |= wish == Wish::Stop;
-            wish
+            let flow = progress(at);
+            stopped |= flow.is_break();
+            flow
         });
         if stopped {
             return Err(Error::Interrupted);
         }
-        match decide(&scene, &rows, 0, progress) {
+        match decide(&scene, &rows, 0, progress)? {
             (next, true) => scene = next,
             (next, false) => return Ok(next),
         }
@@ -51,13 +52,17 @@ pub fn choose(scene: &Scene, progress: &mut dyn FnMut(Progress) -> Wish) -> Resu
 }
 
 /// Runs a scene, again where an effect was missed: at most once more for each effect, since each is decided on once.
-pub(super) fn run(scene: &Scene, output: Option<&Path>, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<Summary> {
+pub(super) fn run(
+    scene: &Scene,
+    output: Option<&Path>,
+    progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+) -> Result<Summary> {
     let mut scene = choose(scene, progress)?;
     let mut round = 0;
     loop {
         round += 1;
         let summary = accurate(&scene, output, progress)?;
-        let (next, again) = decide(&scene, &summary.audit, round, progress);
+        let (next, again) = decide(&scene, &summary.audit, round, progress)?;
         scene = next;
         if !again {
             let choices = scene.auto.map(|auto| auto.choices);
@@ -67,7 +72,12 @@ pub(super) fn run(scene: &Scene, output: Option<&Path>, progress: &mut dyn FnMut
 }
 
 /// Decides on the effects that matter and were not decided on; true where the set of effects is another one then.
-fn decide(scene: &Scene, rows: &[AuditRow], round: usize, progress: &mut dyn FnMut(Progress) -> Wish) -> (Scene, bool) {
+fn decide(
+    scene: &Scene,
+    rows: &[AuditRow],
+    round: usize,
+    progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+) -> Result<(Scene, bool)> {
     let mut wanted: Vec<&AuditRow> = rows.iter().filter(|row| row.matters() && can_be_written(&row.effect)).collect();
     wanted.sort_by(|a, b| b.estimate.total_cmp(&a.estimate));
     let (mut scene, mut changed) = (scene.clone(), false);
@@ -79,11 +89,13 @@ fn decide(scene: &Scene, rows: &[AuditRow], round: usize, progress: &mut dyn FnM
         let (next, on) = take(&scene, &choice);
         let old = choices(&scene).to_vec();
         for choice in choices(&next).iter().filter(|c| !old.contains(c)) {
-            progress(Progress::Chosen(Box::new(choice.clone())));
+            if progress(Progress::Chosen(Box::new(choice.clone()))).is_break() {
+                return Err(Error::Interrupted);
+            }
         }
         (scene, changed) = (next, changed || on);
     }
-    (scene, changed)
+    Ok((scene, changed))
 }
 
 /// The scene with one more effect, if need be in place of a smaller one; else with the reason why not.

@@ -1,13 +1,14 @@
 //! Companion runs of a tracked bar: one with a coarser tolerance, from which the error figure comes, and the search for a
 //! tolerance that stays within a budget of events.
 
-use super::{Progress, Wish, accuracy};
+use super::{Progress, accuracy};
 use crate::accuracy::{Course, Ended, INSTANTS, Response, front_errors, respond};
 use crate::assemble;
 use crate::error::{Error, Result};
 use crate::record::{ErrorFigure, ErrorTable};
 use crate::scene::Scene;
 use crate::solver::moc::{COARSER, FrontTracking, SAFETY, Settings};
+use std::ops::ControlFlow;
 
 /// Tolerances that are tried when a run used up its events: the largest, and the smallest.
 const LARGEST_TRIED: f64 = 0.5;
@@ -36,14 +37,14 @@ pub(super) fn tracked(
     scene: &Scene,
     settings: Settings,
     instants: &[f64],
-    progress: &mut dyn FnMut(Progress) -> Wish,
+    progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Option<(FrontTracking, Response)>> {
     let gauges = scene.record.gauge_places();
     let mut bar = assemble::front_tracking(scene, Settings { trails: !gauges.is_empty(), ..settings });
     let course = Course { instants, gauges: &gauges, until: 0.0, work: BURST };
     let found = respond(&scene.bar, &mut bar, course, |bar, until| {
         let at = Progress::Fronts { time: bar.time(), until, events: bar.events(), fronts: bar.front_count() };
-        if progress(at) == Wish::Stop { Err(Error::Interrupted) } else { Ok(()) }
+        if progress(at).is_break() { Err(Error::Interrupted) } else { Ok(()) }
     });
     match found {
         Ok((response, _)) => Ok(Some((bar, response))),
@@ -61,7 +62,7 @@ pub(super) fn error_figure(
     settings: Settings,
     run: &FrontTracking,
     response: &Response,
-    progress: &mut dyn FnMut(Progress) -> Wish,
+    progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Option<ErrorFigure>> {
     if run.is_exact() && scene.cut.is_none() {
         return Ok(Some(exact(run.unresolved())));
@@ -120,7 +121,7 @@ pub(super) fn coarser(settings: Settings) -> Settings {
 pub(super) fn tolerance_that_carries(
     scene: &Scene,
     settings: Settings,
-    progress: &mut dyn FnMut(Progress) -> Wish,
+    progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Option<f64>> {
     let (mut left, mut tolerance, mut carries) = (settings.event_budget, LARGEST_TRIED, None);
     while tolerance >= SMALLEST_TRIED.max(COARSER * settings.front_tolerance) {

@@ -2,13 +2,14 @@
 //! their reflections, and what the ends do until the end time are then in the estimate; it takes some milliseconds.
 
 use super::limits::AtLimit;
-use super::{Progress, Wish, case, struck_too_hard};
+use super::{Progress, case, struck_too_hard};
 use crate::assemble;
-use crate::bar::launches;
+use crate::bar::initial_fans;
 use crate::record::{Audit, AuditRow, LOOKS, Stepped, Traces, View};
 use crate::scene::{Method, Scene};
 use crate::simulate::{Simulation, Stretch, simulate};
 use crate::solver::fd::{Leapfrog, Sampling};
+use std::ops::ControlFlow;
 
 /// Cells of the coarse grid; never more than half of the run's own.
 const CELLS: usize = 200;
@@ -18,7 +19,7 @@ const WORK_BETWEEN_CALLS: u64 = 1_000_000;
 
 /// The audit of a scene before it is run, with the effects that it has, and the time up to which it looked at the scene, s: less than
 /// the end time where the bar comes to the end of its data, or `progress` asked to stop.
-pub fn estimate(scene: &Scene, progress: &mut dyn FnMut(Progress) -> Wish) -> (Vec<AuditRow>, f64) {
+pub fn estimate(scene: &Scene, progress: &mut dyn FnMut(Progress) -> ControlFlow<()>) -> (Vec<AuditRow>, f64) {
     let cells = match scene.solve.method {
         Method::Leapfrog { cells, .. } | Method::Muscl { cells, .. } | Method::CharacteristicNet { cells } => {
             CELLS.min(cells / 2).max(2)
@@ -34,7 +35,7 @@ pub fn estimate(scene: &Scene, progress: &mut dyn FnMut(Progress) -> Wish) -> (V
     let _: Result<(), Early> = simulate(&mut run, WORK_BETWEEN_CALLS);
     let (audit, bar) = (run.audit, run.bar);
     let parted = !View::ruptures(&bar).is_empty();
-    let all = launches(&scene.bar, &scene.left, &scene.right);
+    let all = initial_fans(&scene.bar, &scene.left, &scene.right);
     let mut broken = struck_too_hard(scene, &all, parted);
     if !parted {
         broken.extend(limits(&bar).iter().filter_map(|limit| limit.broken(scene)));
@@ -50,7 +51,7 @@ struct Estimate<'a> {
     audit: Audit,
     /// Where the audit looks.
     watched: Sampling,
-    progress: &'a mut dyn FnMut(Progress) -> Wish,
+    progress: &'a mut dyn FnMut(Progress) -> ControlFlow<()>,
 }
 
 /// The estimate ended before the end time.
@@ -78,8 +79,8 @@ impl Simulation for Estimate<'_> {
         }
         let (step, steps, cells) = (self.bar.step(), self.steps, self.bar.grid().cells());
         match (self.progress)(Progress::Steps { step, steps, cells }) {
-            Wish::Stop => Err(Early),
-            Wish::GoOn => Ok(()),
+            ControlFlow::Break(()) => Err(Early),
+            ControlFlow::Continue(()) => Ok(()),
         }
     }
 }

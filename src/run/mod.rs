@@ -15,12 +15,13 @@ mod tracked;
 
 pub use resume::{resume, run_with_checkpoints};
 pub use specimen::run_specimen;
+use std::ops::ControlFlow;
 
 use std::path::Path;
 use std::time::{Duration, Instant};
 
 use crate::assemble;
-use crate::bar::{Launch, Segment, launches};
+use crate::bar::{InitialFan, Segment, initial_fans};
 use crate::error::{Error, Result};
 use crate::law::rupture::Rupture;
 use crate::material::Sense;
@@ -36,7 +37,7 @@ use crate::solver::moc::Settings;
 use crate::wave::similarity;
 
 pub use auto::choose;
-pub use choice::foretell;
+pub use choice::predict;
 pub use estimate::estimate;
 
 /// How far a run is.
@@ -82,12 +83,20 @@ pub enum Wish {
 /// # Errors
 /// A [`crate::error::RunError`] where the run cannot go on, [`Error::Interrupted`] where `progress` asked to stop, a file
 /// error where the result cannot be written. In the first two cases the result file holds everything up to then.
-pub fn run(scene: &Scene, output: Option<&Path>, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<Summary> {
+pub fn run(
+    scene: &Scene,
+    output: Option<&Path>,
+    progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+) -> Result<Summary> {
     if scene.auto.is_some() { auto::run(scene, output, progress) } else { accurate(scene, output, progress) }
 }
 
 /// A run with the effects that the scene has by now, by its method or to within its tolerance.
-fn accurate(scene: &Scene, output: Option<&Path>, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<Summary> {
+fn accurate(
+    scene: &Scene,
+    output: Option<&Path>,
+    progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+) -> Result<Summary> {
     if scene.solve.tolerance.is_some() { choice::run(scene, output, progress) } else { once(scene, output, progress) }
 }
 
@@ -103,11 +112,19 @@ struct Target<'a> {
 }
 
 /// One run by the scene's method.
-fn once(scene: &Scene, output: Option<&Path>, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<Summary> {
+fn once(
+    scene: &Scene,
+    output: Option<&Path>,
+    progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+) -> Result<Summary> {
     on_target(scene, &Target { path: output, ..Target::default() }, progress)
 }
 
-fn on_target(scene: &Scene, target: &Target<'_>, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<Summary> {
+fn on_target(
+    scene: &Scene,
+    target: &Target<'_>,
+    progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+) -> Result<Summary> {
     let started = Instant::now();
     let cut = scene.in_pieces();
     let scene = cut.as_ref().unwrap_or(scene);
@@ -119,7 +136,7 @@ struct Task<'a> {
     scene: &'a Scene,
     target: &'a Target<'a>,
     started: Instant,
-    progress: &'a mut dyn FnMut(Progress) -> Wish,
+    progress: &'a mut dyn FnMut(Progress) -> ControlFlow<()>,
 }
 
 impl assemble::Task for Task<'_> {
@@ -135,16 +152,16 @@ impl assemble::Task for Task<'_> {
 }
 
 /// Notes on impacts above the critical velocity, for a bar that did not break (`parted`) where it was to.
-fn struck_too_hard(scene: &Scene, launches: &[Launch], parted: bool) -> Vec<AuditRow> {
+fn struck_too_hard(scene: &Scene, initial_fans: &[InitialFan], parted: bool) -> Vec<AuditRow> {
     if scene.effects.rate.is_some() || parted {
         return Vec::new();
     }
-    let critical = critical_velocity(scene, launches).unwrap_or(f64::NAN);
-    let row = |launch: &Launch| {
-        let asked = Launch { origin: scene.asked_origin(launch.origin), ..launch.clone() };
-        above_critical(&asked, &scene.bar.segments[launch.segment].material, critical)
+    let critical = critical_velocity(scene, initial_fans).unwrap_or(f64::NAN);
+    let row = |initial_fan: &InitialFan| {
+        let asked = InitialFan { origin: scene.asked_origin(initial_fan.origin), ..initial_fan.clone() };
+        above_critical(&asked, &scene.bar.segments[initial_fan.segment].material, critical)
     };
-    launches.iter().filter_map(row).collect()
+    initial_fans.iter().filter_map(row).collect()
 }
 
 /// Notes on places of a segment that flowed in both senses; `places` are accumulated and signed plastic strains at the end.
@@ -182,16 +199,16 @@ pub fn effect_names(effects: &Effects, plasticity: bool) -> Vec<String> {
 }
 
 /// The critical velocity that goes with a bar's loading: of the struck material in the sense in which it is struck.
-pub fn critical_velocity(scene: &Scene, launches: &[Launch]) -> Option<f64> {
-    let (segment, sense) = launches.first().map_or((0, Sense::Tension), |l| (l.segment, l.sense));
+pub fn critical_velocity(scene: &Scene, initial_fans: &[InitialFan]) -> Option<f64> {
+    let (segment, sense) = initial_fans.first().map_or((0, Sense::Tension), |l| (l.segment, l.sense));
     let material = &scene.bar.segments[segment].material;
     similarity::critical(material.branch(sense), material.density).map(|c| c.velocity)
 }
 
 /// What every run keeps, whatever its method: the scene with its theory, and the result file.
-struct Book<'a> {
+struct RunRecorder<'a> {
     scene: &'a Scene,
-    launches: Vec<Launch>,
+    initial_fans: Vec<InitialFan>,
     critical: Option<f64>,
     writer: Option<Writer>,
     output: String,
@@ -201,11 +218,11 @@ struct Book<'a> {
 }
 
 /// What a method knows of its run when it ends.
-struct Findings {
+struct RunResults {
     cells: usize,
     steps: usize,
     events: u64,
-    /// Of front tracking; `events_per_s` is filled in by the book.
+    /// Of front tracking; `events_per_s` is filled in by the recorder.
     tracking: Option<TrackingSummary>,
     end_time: f64,
     ends: [EndSummary; 2],
@@ -226,18 +243,18 @@ struct Findings {
     paths_complete: bool,
 }
 
-impl Findings {
+impl RunResults {
     /// The bar was to break, and did.
     fn parted(&self) -> bool {
         self.ruptures.as_ref().is_some_and(|ruptures| !ruptures.is_empty())
     }
 }
 
-impl<'a> Book<'a> {
-    /// Opens the book, and the result file where one is asked for, or the one that is continued; `x` are the samples of the fields, m.
+impl<'a> RunRecorder<'a> {
+    /// Opens the recorder, and the result file where one is asked for, or the one that is continued; `x` are the samples of the fields, m.
     fn open(scene: &'a Scene, target: &Target<'_>, x: Vec<f64>, sampling: &str, started: Instant) -> Result<Self> {
-        let launches = launches(&scene.bar, &scene.left, &scene.right);
-        let critical = critical_velocity(scene, &launches);
+        let initial_fans = initial_fans(&scene.bar, &scene.left, &scene.right);
+        let critical = critical_velocity(scene, &initial_fans);
         let (output, layout) = (target.path, layout(scene, x, sampling));
         let writer = output.map(|path| match &target.checkpoint {
             Some(checkpoint) => Writer::resume(path, &layout, checkpoint),
@@ -245,7 +262,7 @@ impl<'a> Book<'a> {
         });
         let writer = writer.transpose()?;
         let output = output.map(|p| p.display().to_string()).unwrap_or_default();
-        Ok(Self { scene, launches, critical, writer, output, started, stepping: 0.0 })
+        Ok(Self { scene, initial_fans, critical, writer, output, started, stepping: 0.0 })
     }
 
     /// The account of a bar at t = 0.
@@ -265,7 +282,7 @@ impl<'a> Book<'a> {
 
     /// The bar is driven above its critical velocity from the start on.
     fn above_critical(&self) -> bool {
-        self.launches.iter().any(|l| l.fan.above_critical)
+        self.initial_fans.iter().any(|l| l.fan.above_critical)
     }
 
     /// The theory says that the bar breaks at once: the critical velocity is one of the static curve, above which a
@@ -282,15 +299,17 @@ impl<'a> Book<'a> {
 
     /// Notes on impacts above the critical velocity, for a bar that did not break (`parted`) where it was to.
     fn audit(&self, parted: bool) -> Vec<AuditRow> {
-        struck_too_hard(self.scene, &self.launches, parted)
+        struck_too_hard(self.scene, &self.initial_fans, parted)
     }
 
     /// Fronts with the joints of the scene that was asked for as their origins.
     fn named(&self, mut rows: Vec<FrontRow>) -> Vec<FrontRow> {
         if self.scene.cut.is_some() {
             for row in &mut rows {
-                if let Some(launch) = self.launches.iter().find(|launch| launch.origin.to_string() == row.origin) {
-                    row.origin = self.scene.asked_origin(launch.origin).to_string();
+                if let Some(initial_fan) =
+                    self.initial_fans.iter().find(|initial_fan| initial_fan.origin.to_string() == row.origin)
+                {
+                    row.origin = self.scene.asked_origin(initial_fan.origin).to_string();
                 }
             }
         }
@@ -298,9 +317,9 @@ impl<'a> Book<'a> {
     }
 
     /// Closes the file, whatever the end was, and sums up.
-    fn close(mut self, ended: Result<()>, findings: Findings) -> Result<Summary> {
+    fn close(mut self, ended: Result<()>, results: RunResults) -> Result<Summary> {
         let (outcome, reason) = match &ended {
-            Ok(()) if findings.ruptured || findings.parted() || self.breaks_at_once() => ("rupture", None),
+            Ok(()) if results.ruptured || results.parted() || self.breaks_at_once() => ("rupture", None),
             Ok(()) => ("done", None),
             Err(Error::Interrupted) => ("interrupted", None),
             Err(error @ Error::Run(_)) => ("stopped", Some(error.to_string())),
@@ -311,57 +330,57 @@ impl<'a> Book<'a> {
             let figures = Finish {
                 wall_seconds: self.started.elapsed().as_secs_f64(),
                 step_wall_seconds: self.stepping,
-                cells: findings.cells as u64,
-                steps: findings.steps as u64,
-                events: findings.events,
-                cell_steps: (findings.cells * findings.steps) as u64,
+                cells: results.cells as u64,
+                steps: results.steps as u64,
+                events: results.events,
+                cell_steps: (results.cells * results.steps) as u64,
                 reason,
-                error: findings.error.clone(),
-                paths_complete: findings.paths_complete && ended.is_ok(),
-                ruptures: findings.ruptures.clone(),
+                error: results.error.clone(),
+                paths_complete: results.paths_complete && ended.is_ok(),
+                ruptures: results.ruptures.clone(),
             };
-            writer.finish(outcome, &findings.fronts, &findings.audit, figures)?;
+            writer.finish(outcome, &results.fronts, &results.audit, figures)?;
         }
         ended?;
-        Ok(self.summary(outcome, findings))
+        Ok(self.summary(outcome, results))
     }
 
-    fn summary(self, outcome: &str, findings: Findings) -> Summary {
+    fn summary(self, outcome: &str, results: RunResults) -> Summary {
         let [method, scheme] = self.scene.solve.method.names();
-        let [left, right] = findings.ends;
+        let [left, right] = results.ends;
         Summary {
             scene: self.scene.title.clone(),
             outcome: outcome.to_owned(),
             method: method.into(),
             scheme: scheme.into(),
-            effects: effect_names(&self.scene.effects, !findings.elastic),
-            cells: findings.cells,
-            steps: findings.steps,
-            events: findings.events,
+            effects: effect_names(&self.scene.effects, !results.elastic),
+            cells: results.cells,
+            steps: results.steps,
+            events: results.events,
             wall_s: self.started.elapsed().as_secs_f64(),
             step_wall_s: self.stepping,
-            cell_steps_per_s: (findings.cells * findings.steps) as f64 / self.stepping.max(f64::MIN_POSITIVE),
-            tracking: findings.tracking.map(|t| TrackingSummary {
-                events_per_s: findings.events as f64 / self.stepping.max(f64::MIN_POSITIVE),
+            cell_steps_per_s: (results.cells * results.steps) as f64 / self.stepping.max(f64::MIN_POSITIVE),
+            tracking: results.tracking.map(|t| TrackingSummary {
+                events_per_s: results.events as f64 / self.stepping.max(f64::MIN_POSITIVE),
                 ..t
             }),
-            end_time_s: findings.end_time,
+            end_time_s: results.end_time,
             left,
             right,
-            lengths: lengths(self.scene, &findings.stretch),
+            lengths: lengths(self.scene, &results.stretch),
             torsion: self.scene.torsion.as_ref().map(|torsion| torsion_summary(torsion, [left, right])),
-            fronts: findings.fronts.iter().map(FrontSummary::from).collect(),
+            fronts: results.fronts.iter().map(FrontSummary::from).collect(),
             critical_velocity: self.critical,
             above_critical: self.above_critical(),
-            errors: findings.error.as_ref().and_then(|error| error.table),
-            elastic_check: findings.elastic_check.filter(|_| findings.elastic),
-            ledger: findings.ledger,
-            error: findings.error,
+            errors: results.error.as_ref().and_then(|error| error.table),
+            elastic_check: results.elastic_check.filter(|_| results.elastic),
+            ledger: results.ledger,
+            error: results.error,
             choice: None,
-            ruptures: findings.ruptures.map(|all| all.iter().map(RuptureSummary::from).collect()),
+            ruptures: results.ruptures.map(|all| all.iter().map(RuptureSummary::from).collect()),
             auto: None,
-            temperature_rise: findings.temperature_rise,
-            audit: findings.audit,
+            temperature_rise: results.temperature_rise,
+            audit: results.audit,
             notes: self.scene.notes(),
             output: self.output,
         }

@@ -1,9 +1,10 @@
 //! Runs with checkpoints, and resuming them from the result file alone.
 
+use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::Duration;
 
-use super::{Progress, Target, Wish, on_target};
+use super::{Progress, Target, on_target};
 use crate::destination;
 use crate::error::{InputError, Result};
 use crate::record::Summary;
@@ -20,7 +21,7 @@ pub fn run_with_checkpoints(
     scene: &Scene,
     output: &Path,
     every: Duration,
-    progress: &mut dyn FnMut(Progress) -> Wish,
+    progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Summary> {
     refuse(scene)?;
     on_target(scene, &Target { path: Some(output), every: Some(every), checkpoint: None }, progress)
@@ -31,7 +32,11 @@ pub fn run_with_checkpoints(
 ///
 /// # Errors
 /// As for [`super::run`], and an [`InputError`] where the file has no run that can be resumed.
-pub fn resume(output: &Path, every: Option<Duration>, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<Summary> {
+pub fn resume(
+    output: &Path,
+    every: Option<Duration>,
+    progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+) -> Result<Summary> {
     let (scene, checkpoint) = read(output)?;
     let every = every.unwrap_or(Duration::from_secs_f64(checkpoint.every));
     let target = Target { path: Some(output), every: Some(every), checkpoint: Some(checkpoint) };

@@ -2,12 +2,13 @@
 
 mod checkpoints;
 
+use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
 use self::checkpoints::Checkpoints;
 use super::accuracy;
 use super::limits::AtLimit;
-use super::{Book, Findings, Progress, Task, Wish, flow_both_ways, twisted};
+use super::{Progress, RunRecorder, RunResults, Task, flow_both_ways, twisted};
 use crate::accuracy::GridListener;
 use crate::assemble;
 use crate::error::{Error, Result, RunError};
@@ -60,8 +61,8 @@ pub(super) fn run(task: Task<'_>, bar: impl Stepped + Snapshot) -> Result<Summar
 
 /// A run under way.
 struct Run<'a, S> {
-    book: Book<'a>,
-    progress: &'a mut dyn FnMut(Progress) -> Wish,
+    recorder: RunRecorder<'a>,
+    progress: &'a mut dyn FnMut(Progress) -> ControlFlow<()>,
     bar: S,
     steps: usize,
     frames: Frames,
@@ -108,7 +109,7 @@ impl<S: Stepped + Snapshot> Simulation for Run<'_, S> {
     }
 
     fn look(&mut self, stretch: Stretch) -> Result<()> {
-        self.book.stepping += stretch.seconds;
+        self.recorder.stepping += stretch.seconds;
         self.check_limits()?;
         self.record()?;
         self.take_frames()?;
@@ -130,11 +131,11 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
         let twisted = twisted(scene, sampling.x());
         let frames = Frames::new(scene.record.times.clone(), scene.record.fields.clone(), sampling).twisted(twisted);
         let places = scene.record.gauge_places();
-        let book = Book::open(scene, target, frames.x().to_vec(), "", started)?;
-        let tracker = FrontTracker::new(&scene.bar, bar.grid(), &book.launches, [&scene.left, &scene.right]);
+        let recorder = RunRecorder::open(scene, target, frames.x().to_vec(), "", started)?;
+        let tracker = FrontTracker::new(&scene.bar, bar.grid(), &recorder.initial_fans, [&scene.left, &scene.right]);
         // sigma = rho c0 v holds where nothing acts along the bar.
         let plain = assemble::along(&scene.bar, &scene.effects).is_none();
-        let probe = ElasticProbe::new(&scene.bar, &book.launches, scene.solve.until).filter(|_| plain);
+        let probe = ElasticProbe::new(&scene.bar, &recorder.initial_fans, scene.solve.until).filter(|_| plain);
         let audit = Audit::new(&super::case(scene, Some(bar.grid().cells())));
         let traces = Traces::new(Sampling::at(bar.grid(), places), scene.effects.heat.is_some());
         bar.watch(&traces);
@@ -147,7 +148,7 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
             progress,
             steps,
             traces,
-            ledger: book.ledger(&bar),
+            ledger: recorder.ledger(&bar),
             watched: Sampling::at(bar.grid(), audit.places().to_vec()),
             audit,
             elastic_check: probe.map(|probe| {
@@ -161,7 +162,7 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
             checkpoints: target.every.map(|every| Checkpoints::new(every, scene)),
             latest_call: Instant::now(),
             resumed: false,
-            book,
+            recorder,
             bar,
             frames,
             tracker,
@@ -190,7 +191,7 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
     /// Records all frames that are due, with pauses: there can be millions of them in one step.
     fn take_frames(&mut self) -> Result<()> {
         loop {
-            let mut writer = self.book.writer.as_mut();
+            let mut writer = self.recorder.writer.as_mut();
             let keep = |frame| writer.as_mut().map_or(Ok(()), |writer| writer.frame(frame));
             let more = self.frames.take(&self.bar, FRAMES_AT_ONCE, keep)?;
             if self.latest_call.elapsed() > BETWEEN_CALLS {
@@ -231,7 +232,7 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
         let last = step == self.steps;
         if self.frames.is_due(&self.bar) || last {
             let row = self.ledger.row(&self.bar);
-            self.book.writer.as_mut().map_or(Ok(()), |writer| writer.ledger(row))?;
+            self.recorder.writer.as_mut().map_or(Ok(()), |writer| writer.ledger(row))?;
         }
         if last || step.is_multiple_of((self.steps / FRONT_SIGHTINGS).max(1)) {
             self.tracker.observe(&self.bar);
@@ -251,12 +252,12 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
         if let Some(listener) = &mut self.listener {
             listener.hear(&gauges, &ends);
         }
-        self.book.write_traces(gauges, ends)
+        self.recorder.write_traces(gauges, ends)
     }
 
     /// Stops before anything of a state is recorded of which nothing is known.
     fn check_limits(&mut self) -> Result<()> {
-        let (scene, dt) = (self.book.scene, self.bar.grid().dt);
+        let (scene, dt) = (self.recorder.scene, self.bar.grid().dt);
         let due = self.bar.passed();
         self.limits.clear();
         self.limits.extend(due.in_order().map(|passed| AtLimit::on_grid(&passed, &self.centres, dt)));
@@ -299,21 +300,21 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
         .into())
     }
 
-    /// Hands what was found to the book, which closes the file, whatever the end was.
+    /// Hands what was found to the recorder, which closes the file, whatever the end was.
     fn finish(mut self, ended: Result<Option<ErrorFigure>>) -> Result<Summary> {
         let (ended, error) = match ended {
             Ok(error) => (self.takes_energy(), error),
             Err(why) => (Err(why), None),
         };
         self.write_traces()?;
-        let findings = Findings {
+        let results = RunResults {
             cells: self.bar.grid().cells(),
             steps: self.bar.step(),
             events: 0,
             tracking: None,
             end_time: self.stopped_at.unwrap_or_else(|| self.bar.time()),
             ends: self.ends(),
-            fronts: self.book.named(self.tracker.rows(&self.book.scene.record.gauges)),
+            fronts: self.recorder.named(self.tracker.rows(&self.recorder.scene.record.gauges)),
             audit: self.audit(),
             elastic: self.bar.stayed_elastic(),
             elastic_check: self.elastic_check.as_ref().and_then(|p| p.check.check()),
@@ -322,13 +323,13 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
                 momentum_residual: self.ledger.worst_momentum(),
             },
             error,
-            ruptured: self.limits.iter().any(|limit| limit.broken(self.book.scene).is_some()),
-            ruptures: self.book.ruptures(&self.bar),
+            ruptured: self.limits.iter().any(|limit| limit.broken(self.recorder.scene).is_some()),
+            ruptures: self.recorder.ruptures(&self.bar),
             temperature_rise: self.temperature_rise(),
             stretch: self.stretch(),
             paths_complete: false,
         };
-        self.book.close(ended, findings)
+        self.recorder.close(ended, results)
     }
 
     /// The self-similar solution knows no strain rate, nothing that acts along the bar, and of no bar that breaks. Where it is
@@ -338,15 +339,15 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
     /// [`Error::Interrupted`] where `progress` asked to stop: the run is complete, but not what was asked for.
     fn error(&mut self) -> Result<Option<ErrorFigure>> {
         self.write_traces()?;
-        let scene = self.book.scene;
+        let scene = self.recorder.scene;
         let plain = scene.effects.rate.is_none() && assemble::along(&scene.bar, &scene.effects).is_none();
         let known = plain && self.bar.ruptures().is_empty();
         let Some(listener) = &self.listener else {
-            let similar = || record::against_similarity(&scene.bar, &self.bar, &self.book.launches);
+            let similar = || record::against_similarity(&scene.bar, &self.bar, &self.recorder.initial_fans);
             return Ok(known.then(similar).flatten());
         };
         let response = listener.response();
-        let exact = || accuracy::similar(scene, &self.book.launches, &response);
+        let exact = || accuracy::similar(scene, &self.recorder.initial_fans, &response);
         match known.then(exact).flatten() {
             Some(exact) => Ok(Some(accuracy::figure(response.errors(&exact), accuracy::SIMILAR.into()))),
             None => accuracy::error_figure(scene, &response, self.bar.stayed_elastic(), self.progress),
@@ -354,7 +355,7 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
     }
 
     fn temperature_rise(&self) -> Option<f64> {
-        let segments = self.book.scene.bar.segments.iter().zip(&self.bar.grid().segments);
+        let segments = self.recorder.scene.bar.segments.iter().zip(&self.bar.grid().segments);
         let rises = segments.filter_map(|(segment, part)| {
             let temperatures = part.cells.clone().map(|cell| self.bar.value(Quantity::Temperature, cell));
             record::largest_rise(&segment.material, temperatures)
@@ -372,21 +373,21 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
     }
 
     fn audit(&self) -> Vec<AuditRow> {
-        let (grid, segments) = (self.bar.grid(), &self.book.scene.bar.segments);
+        let (grid, segments) = (self.bar.grid(), &self.recorder.scene.bar.segments);
         let parted = !self.bar.ruptures().is_empty();
-        let mut broken = self.book.audit(parted);
+        let mut broken = self.recorder.audit(parted);
         if !parted {
-            broken.extend(self.limits.iter().filter_map(|limit| limit.broken(self.book.scene)));
+            broken.extend(self.limits.iter().filter_map(|limit| limit.broken(self.recorder.scene)));
         }
         broken.extend(self.bar.unresolved_tension().as_ref().map(record::short_tension));
         let mut rows = self.audit.rows(broken);
-        if let Some(Rate::Malvern { k }) = self.book.scene.effects.rate {
+        if let Some(Rate::Malvern { k }) = self.recorder.scene.effects.rate {
             rows.extend(record::unresolved_flow(k, grid.dt));
         }
         let strain = |cell: usize| self.bar.value(Quantity::AccumulatedPlasticStrain, cell);
         for (segment, part) in segments.iter().zip(&grid.segments) {
             let plastic = |cell| (strain(cell), self.bar.value(Quantity::PlasticStrain, cell));
-            rows.extend(flow_both_ways(self.book.scene, segment, part.cells.clone().map(plastic)));
+            rows.extend(flow_both_ways(self.recorder.scene, segment, part.cells.clone().map(plastic)));
         }
         rows
     }

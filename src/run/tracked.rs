@@ -1,10 +1,11 @@
 //! The time loop of a bar whose fronts are tracked: from one asked time to the next, in bursts of events.
 
+use std::ops::ControlFlow;
 use std::time::Instant;
 
 use super::breaks::Breaks;
 use super::limits::AtLimit;
-use super::{Book, Findings, Progress, Task, Wish, accuracy, companion, flow_both_ways, twisted};
+use super::{Progress, RunRecorder, RunResults, Task, accuracy, companion, flow_both_ways, twisted};
 use crate::accuracy::FrontListener;
 use crate::assemble;
 use crate::error::{Error, Result, RunError};
@@ -44,8 +45,8 @@ pub(super) fn run(task: Task<'_>, settings: Settings) -> Result<Summary> {
 
 /// A run under way.
 struct Run<'a> {
-    book: Book<'a>,
-    progress: &'a mut dyn FnMut(Progress) -> Wish,
+    recorder: RunRecorder<'a>,
+    progress: &'a mut dyn FnMut(Progress) -> ControlFlow<()>,
     bar: FrontTracking,
     /// Trails of fronts that ended since the last look.
     ended: Vec<Trail>,
@@ -95,13 +96,13 @@ impl Simulation for Run<'_> {
     }
 
     fn look(&mut self, stretch: Stretch) -> Result<()> {
-        self.book.stepping += stretch.seconds;
+        self.recorder.stepping += stretch.seconds;
         self.collect()?;
         let pause = self.pauses.last().map_or(Pause::End, |pause| pause.1);
         // A look in between is no news.
         let news = !matches!(pause, Pause::AuditLook | Pause::Instant) || stretch.arrived != Ok(true);
         let at = self.at();
-        if news && (self.progress)(at) == Wish::Stop {
+        if news && (self.progress)(at).is_break() {
             return Err(Error::Interrupted);
         }
         match stretch.arrived {
@@ -119,11 +120,11 @@ impl<'a> Run<'a> {
         let bar = assemble::front_tracking(scene, settings);
         let stepping = before.elapsed().as_secs_f64();
         let x = even_places(scene.bar.length(), scene.record.cells.unwrap_or(SAMPLES));
-        let mut book = Book::open(scene, target, x.clone(), SAMPLING, started)?;
-        book.stepping = stepping;
+        let mut recorder = RunRecorder::open(scene, target, x.clone(), SAMPLING, started)?;
+        recorder.stepping = stepping;
         let places = scene.record.gauge_places();
         let audit = Audit::new(&super::case(scene, None));
-        let elastic_check = ElasticProbe::new(&scene.bar, &book.launches, scene.solve.until);
+        let elastic_check = ElasticProbe::new(&scene.bar, &recorder.initial_fans, scene.solve.until);
         Ok(Self {
             progress,
             ended: Vec::new(),
@@ -133,14 +134,14 @@ impl<'a> Run<'a> {
             listener: FrontListener::new(&scene.bar, places.len()),
             fronts: TrackedFronts::default(),
             paths: Paths::default(),
-            ledger: book.ledger(&bar),
+            ledger: recorder.ledger(&bar),
             watched: audit.places().to_vec(),
             audit,
             yielded: false,
             twisted: twisted(scene, &x),
             elastic_check,
             breaks: Breaks::default(),
-            book,
+            recorder,
             bar,
             settings,
             x,
@@ -150,7 +151,7 @@ impl<'a> Run<'a> {
     fn at(&self) -> Progress {
         Progress::Fronts {
             time: self.bar.time(),
-            until: self.book.scene.solve.until,
+            until: self.recorder.scene.solve.until,
             events: self.bar.events(),
             fronts: self.bar.front_count(),
         }
@@ -179,8 +180,8 @@ impl<'a> Run<'a> {
     }
 
     fn write_paths(&mut self, trails: impl Iterator<Item = Trail>) -> Result<()> {
-        match &mut self.book.writer {
-            Some(writer) if self.book.scene.record.paths => {
+        match &mut self.recorder.writer {
+            Some(writer) if self.recorder.scene.record.paths => {
                 let rows = self.paths.rows(trails);
                 if rows.is_empty() { Ok(()) } else { writer.paths(rows) }
             }
@@ -191,9 +192,9 @@ impl<'a> Run<'a> {
     fn frame(&mut self, time: f64) -> Result<()> {
         self.write_traces()?;
         self.write_ledger()?;
-        self.breaks.look_for_gathering_strain(self.book.scene, &self.bar);
-        if let Some(writer) = &mut self.book.writer {
-            let (fields, twisted) = (&self.book.scene.record.fields, self.twisted.as_ref());
+        self.breaks.look_for_gathering_strain(self.recorder.scene, &self.bar);
+        if let Some(writer) = &mut self.recorder.writer {
+            let (fields, twisted) = (&self.recorder.scene.record.fields, self.twisted.as_ref());
             let frame = record::read_frame(&self.bar, fields, &self.x, self.x.len(), twisted);
             writer.frame(record::Frame { time, ..frame })?;
         }
@@ -204,12 +205,12 @@ impl<'a> Run<'a> {
         let gauges = self.gauges.take();
         self.listener.hear(&gauges);
         let ends = self.ends.take(&self.bar);
-        self.book.write_traces(gauges, ends)
+        self.recorder.write_traces(gauges, ends)
     }
 
     fn write_ledger(&mut self) -> Result<()> {
         let row = self.ledger.row(&self.bar);
-        self.book.writer.as_mut().map_or(Ok(()), |writer| writer.ledger(row))
+        self.recorder.writer.as_mut().map_or(Ok(()), |writer| writer.ledger(row))
     }
 
     /// The audit has nothing to see in a bar that is elastic.
@@ -229,8 +230,8 @@ impl<'a> Run<'a> {
 
     fn stopped(&mut self, why: &Stopped) -> Error {
         match *why {
-            Stopped::AtLimit(point) => return AtLimit::from(&point).error(self.book.scene),
-            Stopped::EventBudget { time, events, fronts } if self.book.scene.cut.is_some() => RunError {
+            Stopped::AtLimit(point) => return AtLimit::from(&point).error(self.recorder.scene),
+            Stopped::EventBudget { time, events, fronts } if self.recorder.scene.cut.is_some() => RunError {
                 reason: format!("{OUT_OF_EVENTS} {events} events, with {fronts} fronts under way"),
                 time,
                 x: None,
@@ -240,8 +241,8 @@ impl<'a> Run<'a> {
             },
             Stopped::EventBudget { time, events, fronts } => {
                 // With a tolerance the caller has other methods to try.
-                let alone = self.book.scene.solve.tolerance.is_none();
-                let carries = || companion::tolerance_that_carries(self.book.scene, self.settings, self.progress);
+                let alone = self.recorder.scene.solve.tolerance.is_none();
+                let carries = || companion::tolerance_that_carries(self.recorder.scene, self.settings, self.progress);
                 let help = match alone.then(carries).unwrap_or(Ok(None)) {
                     Err(interrupted) => return interrupted,
                     Ok(None) => "no front-tolerance up to 0.5 carries it through: raise event-budget in [solve]".to_owned(),
@@ -267,21 +268,21 @@ impl<'a> Run<'a> {
         .into()
     }
 
-    /// Hands what was found to the book, which closes the file, whatever the end was.
+    /// Hands what was found to the recorder, which closes the file, whatever the end was.
     fn finish(mut self, ended: Result<Option<ErrorFigure>>) -> Result<Summary> {
         let (ended, error) = match ended {
             Ok(error) => (self.ledger_closes(), error),
             Err(why) => (Err(why), None),
         };
-        self.breaks.look_for_gathering_strain(self.book.scene, &self.bar);
+        self.breaks.look_for_gathering_strain(self.recorder.scene, &self.bar);
         let last = self.bar.take_trails();
         let living: Vec<Trail> = self.bar.living_trails().collect();
         self.breaks.look_at(&self.bar, &living);
         self.gauges.close(&self.bar, &last);
         self.write_traces()?;
-        self.book.write_traces(Vec::new(), EndHistories::last(&self.bar))?;
+        self.recorder.write_traces(Vec::new(), EndHistories::last(&self.bar))?;
         self.write_paths(last.into_iter().chain(living))?;
-        let findings = Findings {
+        let results = RunResults {
             cells: 0,
             steps: self.bar.events() as usize,
             events: self.bar.events(),
@@ -293,7 +294,11 @@ impl<'a> Run<'a> {
             }),
             end_time: self.bar.time(),
             ends: self.end_states(),
-            fronts: self.book.named(self.fronts.rows(&self.bar, &self.book.launches, &self.book.scene.record.gauges)),
+            fronts: self.recorder.named(self.fronts.rows(
+                &self.bar,
+                &self.recorder.initial_fans,
+                &self.recorder.scene.record.gauges,
+            )),
             audit: self.audit(),
             elastic: self.breaks.stayed_elastic(&self.bar),
             elastic_check: self.elastic_check.as_ref().and_then(ElasticProbe::check),
@@ -302,13 +307,13 @@ impl<'a> Run<'a> {
                 momentum_residual: self.ledger.worst_momentum(),
             },
             error,
-            ruptured: self.breaks.ruptured(self.book.scene, &self.bar),
-            ruptures: self.book.ruptures(&self.bar),
+            ruptured: self.breaks.ruptured(self.recorder.scene, &self.bar),
+            ruptures: self.recorder.ruptures(&self.bar),
             temperature_rise: self.temperature_rise(),
             stretch: self.stretch(),
             paths_complete: self.paths.complete(),
         };
-        self.book.close(ended, findings)
+        self.recorder.close(ended, results)
     }
 
     /// # Errors
@@ -334,15 +339,15 @@ impl<'a> Run<'a> {
     fn error_figure(&mut self) -> Result<Option<ErrorFigure>> {
         self.write_traces()?;
         let response = self.listener.clone().response(&self.bar);
-        let similar = || accuracy::similar(self.book.scene, &self.book.launches, &response);
+        let similar = || accuracy::similar(self.recorder.scene, &self.recorder.initial_fans, &response);
         match self.bar.ruptures().is_empty().then(similar).flatten() {
             Some(exact) => Ok(Some(accuracy::figure(response.errors(&exact), accuracy::SIMILAR.into()))),
-            None => companion::error_figure(self.book.scene, self.settings, &self.bar, &response, self.progress),
+            None => companion::error_figure(self.recorder.scene, self.settings, &self.bar, &response, self.progress),
         }
     }
 
     fn temperature_rise(&self) -> Option<f64> {
-        let segments = self.book.scene.bar.segments.iter().enumerate();
+        let segments = self.recorder.scene.bar.segments.iter().enumerate();
         let rises = segments.filter_map(|(k, segment)| {
             let pieces = self.bar.pieces().filter(|p| p.segment == k);
             record::largest_rise(&segment.material, pieces.map(|p| self.bar.temperature(k, p.point)))
@@ -353,8 +358,8 @@ impl<'a> Run<'a> {
     /// Elongation of each segment and the plastic part of it, m. Strain that has gathered in a point of a level curve counts; the
     /// opening of a joint does not.
     fn stretch(&self) -> Vec<[f64; 2]> {
-        let segments = &self.book.scene.bar.segments;
-        let inside = BESIDE_JOINT * self.book.scene.bar.length();
+        let segments = &self.recorder.scene.bar.segments;
+        let inside = BESIDE_JOINT * self.recorder.scene.bar.length();
         let (mut places, mut end) = (Vec::with_capacity(2 * segments.len()), 0.0);
         for (k, segment) in segments.iter().enumerate() {
             let start = end;
@@ -374,17 +379,17 @@ impl<'a> Run<'a> {
 
     fn audit(&self) -> Vec<AuditRow> {
         let parted = !self.bar.ruptures().is_empty();
-        let mut broken = self.book.audit(parted);
+        let mut broken = self.recorder.audit(parted);
         if !parted {
-            broken.extend(self.breaks.audit(self.book.scene, &self.bar, self.book.above_critical()));
+            broken.extend(self.breaks.audit(self.recorder.scene, &self.bar, self.recorder.above_critical()));
         }
-        let segments = &self.book.scene.bar.segments;
+        let segments = &self.recorder.scene.bar.segments;
         let mut rows = self.audit.rows(broken);
         for (k, segment) in segments.iter().enumerate() {
             let modulus = self.bar.medium(k).modulus;
             let pieces = self.bar.pieces().filter(|p| p.segment == k);
             let plastic = pieces.map(|p| (p.point.accumulated / modulus, p.point.plastic / modulus));
-            rows.extend(flow_both_ways(self.book.scene, segment, plastic));
+            rows.extend(flow_both_ways(self.recorder.scene, segment, plastic));
         }
         rows
     }
@@ -392,7 +397,7 @@ impl<'a> Run<'a> {
     /// Stress and velocity of the ends, and the strain right at them.
     fn end_states(&self) -> [EndSummary; 2] {
         let mut strains = [0.0; 2];
-        self.bar.sample(Field::Strain, &[0.0, self.book.scene.bar.length()], &mut strains);
+        self.bar.sample(Field::Strain, &[0.0, self.recorder.scene.bar.length()], &mut strains);
         let (ends, strikers) = (View::ends(&self.bar), self.bar.strikers());
         std::array::from_fn(|k| EndSummary {
             stress: ends[k].stress,

@@ -110,7 +110,7 @@ pub struct Scene {
 }
 
 /// A bar in torsion, in terms of the surface. Stress is T R/J, T being the torque in the section; strain R dtheta/dx; velocity
-/// R omega; the area of a segment J/R^2; its material's curve that of the section, see [`crate::material::Hollow`].
+/// R omega; the area of a segment J/R^2; its material's curve that of the section, see [`crate::material::TubeSection`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Torsion {
     /// R, m: the outer radius; of thin tubes the mean one.

@@ -1,18 +1,19 @@
 //! What a run would do and cost, without running it.
 
+use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
 use serde::Serialize;
 
 use crate::assemble;
-use crate::bar::{Segment, launches};
+use crate::bar::{Segment, initial_fans};
 use crate::error::Error;
 use crate::law::{Table, elastic_row};
 use crate::material::Sense;
 use crate::record::{AuditRow, AutoChoice, FrontSummary};
-use crate::run::{self, Progress, Wish};
+use crate::run::{self, Progress};
 use crate::scene::{Effects, Method, Rate, Scene};
-use crate::solver::fd::{Along, Grid, TAPER_BYTES_PER_CELL};
+use crate::solver::fd::{DistributedForces, Grid, TAPER_BYTES_PER_CELL};
 use crate::solver::moc::{FrontTracking, Settings};
 use crate::solver::net::{Lattice, Net};
 
@@ -160,14 +161,15 @@ const LIMIT: Duration = Duration::from_millis(800);
 /// stopped, and the plan says what it does not know.
 pub fn plan(scene: &Scene) -> Plan {
     let started = Instant::now();
-    let within = &mut |_: Progress| if started.elapsed() < LIMIT { Wish::GoOn } else { Wish::Stop };
+    let within =
+        &mut |_: Progress| if started.elapsed() < LIMIT { ControlFlow::Continue(()) } else { ControlFlow::Break(()) };
     let undecided = "the coarse runs that choose the effects take longer than a plan may; the run decides";
     let decided = run::choose(scene, within);
     let mut notes: Vec<String> = decided.is_err().then(|| undecided.to_owned()).into_iter().collect();
     let scene = decided.as_ref().unwrap_or(scene);
     let (chosen, choice) = choose(scene, within).unzip();
     let scene = chosen.as_ref().unwrap_or(scene);
-    let all = launches(&scene.bar, &scene.left, &scene.right);
+    let all = initial_fans(&scene.bar, &scene.left, &scene.right);
     let (asked, cut) = (scene, scene.in_pieces());
     let scene = cut.as_ref().unwrap_or(scene);
     let [method, scheme] = scene.solve.method.names();
@@ -191,11 +193,11 @@ pub fn plan(scene: &Scene) -> Plan {
 }
 
 /// What a tolerance comes to: the scene with the method and resolution that its run would start from.
-fn choose(scene: &Scene, within: &mut dyn FnMut(Progress) -> Wish) -> Option<(Scene, PlannedChoice)> {
+fn choose(scene: &Scene, within: &mut dyn FnMut(Progress) -> ControlFlow<()>) -> Option<(Scene, PlannedChoice)> {
     let tolerance = scene.solve.tolerance.as_ref()?;
     let schemes: Vec<String> = tolerance.methods.iter().map(|m| m.names()[1].to_owned()).collect();
     let mut chosen = scene.clone();
-    let how = match run::foretell(scene, within) {
+    let how = match run::predict(scene, within) {
         Ok(Some((method, why))) => {
             chosen.solve.method = method;
             format!("{why}; the run goes on from there, finer where its own estimate misses")
@@ -261,7 +263,7 @@ fn leapfrog_cell(scene: &Scene, grid: &Grid) -> Cell {
     let tapered = scene.bar.segments.iter().any(|segment| segment.taper.is_some());
     let sections = if tapered { TAPER_BYTES_PER_CELL } else { 0 };
     let along = assemble::along(&scene.bar, &scene.effects);
-    let [nodes, yielded_nodes] = along.as_ref().map_or([0; 2], Along::bytes_per_cell);
+    let [nodes, yielded_nodes] = along.as_ref().map_or([0; 2], DistributedForces::bytes_per_cell);
     let elastic = 2 * number + sections + nodes;
     let yielded = (2 + law.law.state_len()) * number + 1 + work_kept + sections + yielded_nodes;
     let sweep = if along.is_some() { SWEEP } else { 0.0 };
@@ -324,33 +326,33 @@ fn front_work(scene: &Scene, front_tolerance: f64, event_budget: u64) -> Work {
     }
 }
 
-fn fronts(launch: &crate::bar::Launch) -> Vec<FrontSummary> {
-    let sign = launch.sense.sign();
+fn fronts(initial_fan: &crate::bar::InitialFan) -> Vec<FrontSummary> {
+    let sign = initial_fan.sense.sign();
     let front = |e: &crate::wave::similarity::Edge| FrontSummary {
-        origin: launch.origin.to_string(),
+        origin: initial_fan.origin.to_string(),
         strain_ahead: sign * e.strain_ahead,
         strain_behind: sign * e.strain_behind,
         stress_ahead: sign * e.stress_ahead,
         stress_behind: sign * e.stress_behind,
-        speed: launch.direction * e.speed,
+        speed: initial_fan.direction * e.speed,
         speed_measured: None,
         position: None,
         last_seen_s: None,
     };
-    launch.fan.edges.iter().map(front).collect()
+    initial_fan.fan.edges.iter().map(front).collect()
 }
 
 fn effects(
     scene: &Scene,
-    launches: &[crate::bar::Launch],
-    within: &mut dyn FnMut(Progress) -> Wish,
+    initial_fans: &[crate::bar::InitialFan],
+    within: &mut dyn FnMut(Progress) -> ControlFlow<()>,
     notes: &mut Vec<String>,
 ) -> Vec<PlannedEffect> {
     let mut stopped = false;
     let (rows, reached) = run::estimate(scene, &mut |at| {
-        let wish = within(at);
-        stopped |= wish == Wish::Stop;
-        wish
+        let flow = within(at);
+        stopped |= flow.is_break();
+        flow
     });
     if stopped {
         let share = 100.0 * reached / scene.solve.until;
@@ -360,12 +362,12 @@ fn effects(
         Some(effect) => on(scene, key, effect),
         None => off(scene, key, rows.iter().find(|row| row.effect == **key)),
     };
-    std::iter::once(plasticity(scene, launches)).chain(Effects::KEYS.iter().map(planned)).collect()
+    std::iter::once(plasticity(scene, initial_fans)).chain(Effects::KEYS.iter().map(planned)).collect()
 }
 
 /// The first waves decide whether a bar yields; reflections may make it yield later, which the run itself finds out.
-fn plasticity(scene: &Scene, launches: &[crate::bar::Launch]) -> PlannedEffect {
-    let yields = launches.iter().any(|l| {
+fn plasticity(scene: &Scene, initial_fans: &[crate::bar::InitialFan]) -> PlannedEffect {
+    let yields = initial_fans.iter().any(|l| {
         let material = &scene.bar.segments[l.segment].material;
         l.fan.stress > material.branch(l.sense).elastic_limit(material.modulus).1
     });

@@ -1,12 +1,13 @@
 //! What must hold for any scene.
 
 use std::any::Any;
+use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 use barwave::error::{Error, RunError};
 use barwave::record::Summary;
-use barwave::run::{Wish, run};
+use barwave::run::run;
 use barwave::scene::Scene;
 
 use super::spec::{Method, Spec};
@@ -142,7 +143,7 @@ fn by_method(spec: &Spec, method: Method, failures: &mut Vec<Failure>) -> Became
             return Became::Refused;
         }
     };
-    let above_critical = match run(&scene, None, &mut |_| Wish::GoOn) {
+    let above_critical = match run(&scene, None, &mut |_| ControlFlow::Continue(())) {
         Ok(summary) => {
             summary_is_finite(&summary, failures);
             summary.above_critical

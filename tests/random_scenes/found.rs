@@ -1,10 +1,11 @@
 //! What random scenes found: defects that are cured, and rules that explain what looks like one.
 
+use std::ops::ControlFlow;
 use std::path::Path;
 
 use barwave::assemble;
 use barwave::record::{Field, View};
-use barwave::run::{Wish, run};
+use barwave::run::run;
 use barwave::scene::Scene;
 use barwave::solver::Energies;
 use barwave::solver::fd::Sampling;
@@ -39,7 +40,7 @@ fn a_curve_that_bends_at_the_origin_flows_by_the_law_of_cowper_and_symonds() {
         let effects = "rate = { model = \"cowper-symonds\", D = 5730, q = 1.39 }";
         let solve = format!("until = 15e-5\nmethod = \"{method}\"\ncells = 200");
         let text = text(&bar(material), "kind = \"velocity\"\nvalue = 3", effects, &solve);
-        run(&scene(&text), None, &mut |_| Wish::GoOn).unwrap_or_else(|e| panic!("{e}")).left.stress
+        run(&scene(&text), None, &mut |_| ControlFlow::Continue(())).unwrap_or_else(|e| panic!("{e}")).left.stress
     };
     let [grid, net] = [by("fd"), by("moc")];
     assert!((grid / net - 1.0).abs() < 0.01, "{grid:e} {net:e}");
@@ -50,7 +51,7 @@ fn a_curve_that_bends_at_the_origin_flows_by_the_law_of_cowper_and_symonds() {
 fn a_first_slope_within_rounding_of_the_modulus_is_elastic() {
     let text =
         text(&bar(&STEEL.replace("2e8]", "1.9999999999e8]")), "kind = \"velocity\"\nvalue = 1", "", "until = 9e-5");
-    let summary = run(&scene(&text), None, &mut |_| Wish::GoOn).unwrap_or_else(|e| panic!("{e}"));
+    let summary = run(&scene(&text), None, &mut |_| ControlFlow::Continue(())).unwrap_or_else(|e| panic!("{e}"));
     assert!(summary.effects.is_empty(), "{:?}", summary.effects);
 }
 
@@ -102,7 +103,7 @@ fn a_taper_of_one_piece_is_tracked() {
     let bar = bar(STEEL).replace("1e-4", "[[0, 7.1e-5], [0.19, 6.98e-5]]");
     let solve = "until = 5e-5\nmethod = \"moc\"\nfront-tolerance = 1e-3";
     let text = text(&bar, "kind = \"velocity\"\nvalue = 10", "unloading = \"isotropic\"", solve);
-    let summary = run(&scene(&text), None, &mut |_| Wish::GoOn).unwrap_or_else(|e| panic!("{e}"));
+    let summary = run(&scene(&text), None, &mut |_| ControlFlow::Continue(())).unwrap_or_else(|e| panic!("{e}"));
     assert!(summary.left.stress < -2e8, "{}", summary.left.stress);
 }
 
@@ -288,7 +289,7 @@ fn a_net_flows_by_the_law_of_johnson_and_cook_at_any_overstress() {
         let solve = format!("until = 4e-6\nmethod = \"{method}\"\ncells = 400");
         let left = format!("kind = \"velocity\"\nvalue = {velocity}");
         let text = text(&bar(STEEL).replace("0.19", "0.0289"), &left, effects, &solve);
-        run(&scene(&text), None, &mut |_| Wish::GoOn).unwrap_or_else(|e| panic!("{e}")).left.stress
+        run(&scene(&text), None, &mut |_| ControlFlow::Continue(())).unwrap_or_else(|e| panic!("{e}")).left.stress
     };
     for velocity in [7.0, 30.0] {
         let [grid, net] = [by("fd", velocity), by("moc", velocity)];

@@ -15,7 +15,7 @@
 //! The work of the overstress in a step is its mean at the ends times the plastic strain: >= 0.
 
 use super::step::{Flowing, readings_of_state, step};
-use super::{Driven, History, Overstress, Pace, RateLaw};
+use super::{Driven, History, Overstress, RateLaw, RelaxationStep};
 use crate::law::{CellLaw, Response};
 
 /// A rate-dependent cell in steps of one length.
@@ -24,21 +24,21 @@ use crate::law::{CellLaw, Response};
 #[derive(Debug, Clone)]
 pub struct Timed<const N: usize> {
     law: RateLaw,
-    pace: Pace,
+    relaxation_step: RelaxationStep,
     time: f64,
 }
 
 impl<const N: usize> Timed<N> {
     /// The law in steps of `time`, s. `N` is 5, or 6 for a law with a back stress.
     pub fn new(law: RateLaw, time: f64) -> Self {
-        Self { pace: law.pace(1.0, time), law, time }
+        Self { relaxation_step: law.relaxation_step(1.0, time), law, time }
     }
 }
 
 /// A cell within a step.
 struct Cell<'a> {
     law: &'a RateLaw,
-    pace: &'a Pace,
+    relaxation_step: &'a RelaxationStep,
     time: f64,
     history: History,
 }
@@ -57,7 +57,7 @@ impl Flowing for Cell<'_> {
     #[inline]
     fn flow(&self, driven: Driven, sense: usize) -> f64 {
         if driven.time == self.time {
-            return self.law.strained_at(self.pace, [driven.excess, driven.rise], sense, &self.history);
+            return self.law.strained_at(self.relaxation_step, [driven.excess, driven.rise], sense, &self.history);
         }
         self.law.strained(driven, 1.0, sense, &self.history)
     }
@@ -90,7 +90,7 @@ impl<const N: usize> CellLaw<N> for Timed<N> {
     fn respond(&self, sigma: f64, predictor: f64, state: [f64; N]) -> Response<N> {
         let back = if N > 5 { state[5] } else { 0.0 };
         let history = self.law.history(state[0], state[1], back);
-        let mut cell = Cell { law: &self.law, pace: &self.pace, time: self.time, history };
+        let mut cell = Cell { law: &self.law, relaxation_step: &self.relaxation_step, time: self.time, history };
         let step = step(&mut cell, sigma, predictor, self.time);
         let History { accumulated, signed, back, .. } = cell.history;
         let after = [accumulated, signed, step.quickness, step.overstress, state[4] + step.work, back];

@@ -71,7 +71,7 @@ pub struct Flow {
 
 /// Steps of one length under one share, with what can be worked out beforehand.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Pace {
+pub struct RelaxationStep {
     share: f64,
     time: f64,
     /// For laws that are linear in the overstress: what flows in a step along each piece.
@@ -172,14 +172,14 @@ impl RateLaw {
     }
 
     /// Steps of length `time` in which the stress falls by `share` of what flows.
-    pub fn pace(&self, share: f64, time: f64) -> Pace {
+    pub fn relaxation_step(&self, share: f64, time: f64) -> RelaxationStep {
         let parts = [0, 1].map(|sense| match self.overstress {
             Overstress::Malvern { k } => {
                 self.side(sense).pieces().iter().map(|piece| relaxed(k, share + piece.slope, time)).collect()
             }
             _ => Vec::new(),
         });
-        Pace { share, time, parts }
+        RelaxationStep { share, time, parts }
     }
 
     /// Flow of a cell at the upper (`sense` 0) or lower (1) elastic limit or `driven.excess` beyond it, whose stress goes on
@@ -189,11 +189,23 @@ impl RateLaw {
         self.strained_by_part(driven, share, None, sense, history)
     }
 
-    /// [`Self::strained`] in a whole step of a pace made by [`Self::pace`].
+    /// [`Self::strained`] in a whole step of a relaxation_step made by [`Self::relaxation_step`].
     #[inline]
-    pub fn strained_at(&self, pace: &Pace, [excess, rise]: [f64; 2], sense: usize, history: &History) -> f64 {
-        let part = pace.parts[sense].get(history.piece[sense] as usize).copied();
-        self.strained_by_part(Driven { excess, rise, time: pace.time }, pace.share, part, sense, history)
+    pub fn strained_at(
+        &self,
+        relaxation_step: &RelaxationStep,
+        [excess, rise]: [f64; 2],
+        sense: usize,
+        history: &History,
+    ) -> f64 {
+        let part = relaxation_step.parts[sense].get(history.piece[sense] as usize).copied();
+        self.strained_by_part(
+            Driven { excess, rise, time: relaxation_step.time },
+            relaxation_step.share,
+            part,
+            sense,
+            history,
+        )
     }
 
     #[inline]

@@ -3,7 +3,7 @@
 //! Along one piece of the static curve `dx = -(share + df/dp) dp`: [`RateLaw::flow`] goes along these pieces with the closed
 //! solutions. Any step is stable, and the longest ones end on the static curve.
 
-use super::{Driven, Flow, History, Pace, Piece, RateLaw};
+use super::{Driven, Flow, History, Piece, RateLaw, RelaxationStep};
 
 /// An overstress, Pa, with the time left to it, s, that falls by `share` of what flows.
 #[derive(Clone, Copy)]
@@ -20,11 +20,11 @@ impl RateLaw {
         self.walk(Falling { excess, time, share }, None, sense, history)
     }
 
-    /// [`Self::flow`] in a step of a pace made by [`Self::pace`].
+    /// [`Self::flow`] in a step of a relaxation_step made by [`Self::relaxation_step`].
     #[inline]
-    pub fn flow_at(&self, pace: &Pace, excess: f64, sense: usize, history: &mut History) -> Flow {
-        let part = pace.parts[sense].get(history.piece[sense] as usize).map(|[start, _]| *start);
-        self.walk(Falling { excess, time: pace.time, share: pace.share }, part, sense, history)
+    pub fn flow_at(&self, relaxation_step: &RelaxationStep, excess: f64, sense: usize, history: &mut History) -> Flow {
+        let part = relaxation_step.parts[sense].get(history.piece[sense] as usize).map(|[start, _]| *start);
+        self.walk(Falling { excess, time: relaxation_step.time, share: relaxation_step.share }, part, sense, history)
     }
 
     /// `part` is what flows along the present piece if it goes on to the end of the step, as a part of the overstress,

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::finding::Finding;
 use super::places::Places;
 use super::{AuditRow, Reading};
-use crate::bar::Launch;
+use crate::bar::InitialFan;
 use crate::law::{Limit, Reached};
 use crate::material::{Material, Sense};
 use crate::solver::fd::{CELLS_TO_BREAK, Unresolved};
@@ -77,15 +77,15 @@ fn broken(finding: String) -> AuditRow {
 }
 
 /// An impact above the critical velocity, seen before the first step.
-pub fn above_critical(launch: &Launch, material: &Material, critical_velocity: f64) -> Option<AuditRow> {
-    launch.fan.above_critical.then(|| {
+pub fn above_critical(initial_fan: &InitialFan, material: &Material, critical_velocity: f64) -> Option<AuditRow> {
+    initial_fan.fan.above_critical.then(|| {
         let finding = std::format!(
             "the bar is driven from the {} beyond what {} can carry away ({} at {}); strain gathers there, \
              the bar breaks at that place at t = 0, and goes on under the ultimate stress",
-            launch.origin,
+            initial_fan.origin,
             material.name,
             format(critical_velocity, Dimension::Velocity, System::Si),
-            format(launch.fan.stress, Dimension::Stress, System::Si),
+            format(initial_fan.fan.stress, Dimension::Stress, System::Si),
         );
         broken(finding)
     })

@@ -1,19 +1,20 @@
 //! `tolerance`: which method solves a scene cheapest to within a given error, and how finely it has to work.
 //!
 //! All methods that can do the scene start from their coarsest resolution and are refined in turn, always the one that is
-//! expected to be done soonest, until one of them is so near to the tolerance that its last step is safe to foretell. Those
+//! expected to be done soonest, until one of them is so near to the tolerance that its last step is safe to predict. Those
 //! pilots hold no recorders. The run itself comes then; where its own estimate misses the tolerance it is refined and
 //! repeated. Costs are counted in work, not in measured time, so that a scene is solved alike on every machine.
 
+mod candidate;
 mod pilots;
-mod racer;
 
+use std::ops::ControlFlow;
 use std::path::Path;
 
+use self::candidate::{Candidate, FEW_EVENTS, LEAP_CELLS, LEAP_TOLERANCE, Pilot};
 use self::pilots::{contradiction, front_pilot, grid_pilot};
-use self::racer::{FEW_EVENTS, LEAP_CELLS, LEAP_TOLERANCE, Pilot, Racer};
 use super::tracked::OUT_OF_EVENTS;
-use super::{Progress, Wish, once};
+use super::{Progress, once};
 use crate::error::{Error, Result, RunError};
 use crate::record::{ChoiceSummary, Summary, Tried};
 use crate::scene::{Method, Scene, Solve};
@@ -25,40 +26,44 @@ const NEXT_TO_NOTHING: f64 = 0.1;
 const MOST_REPEATS: usize = 24;
 
 /// Runs a scene to within its tolerance.
-pub(super) fn run(scene: &Scene, output: Option<&Path>, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<Summary> {
+pub(super) fn run(
+    scene: &Scene,
+    output: Option<&Path>,
+    progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+) -> Result<Summary> {
     let Some(asked) = &scene.solve.tolerance else { return once(scene, output, progress) };
     let tolerance = asked.value;
-    let mut racers: Vec<Racer> = methods(scene, &asked.methods).into_iter().map(Racer::new).collect();
+    let mut candidates: Vec<Candidate> = methods(scene, &asked.methods).into_iter().map(Candidate::new).collect();
     for _ in 0..=MOST_REPEATS {
-        let (winner, finer) = race(scene, tolerance, &mut racers, progress)?;
-        let method = racers[winner].finer(finer);
-        let why = why(scene, tolerance, &racers, winner);
+        let (winner, finer) = race(scene, tolerance, &mut candidates, progress)?;
+        let method = candidates[winner].finer(finer);
+        let why = why(scene, tolerance, &candidates, winner);
         let mut chosen = scene.clone();
         chosen.solve.method = method;
         chosen.solve.estimate_error = true;
         let summary = match once(&chosen, output, progress) {
             Err(Error::Run(error)) if error.reason.starts_with(OUT_OF_EVENTS) => {
-                racers[winner].out = Some(error.reason);
+                candidates[winner].out = Some(error.reason);
                 continue;
             }
             other => other?,
         };
         let work = if summary.events > 0 { summary.events } else { (summary.cells * summary.steps) as u64 };
         let estimate = summary.error.as_ref().map(|e| e.value);
-        let order = racers[winner].pilots.last().map_or(1.0, |p| p.order);
+        let order = candidates[winner].pilots.last().map_or(1.0, |p| p.order);
         // Without an estimate the bar came to an end of its own, such as a rupture that no companion follows.
         let done = Pilot { method, estimate: estimate.unwrap_or(f64::NAN), order, work };
         let missed = done.estimate > tolerance;
-        let stands = estimate.is_none() || !missed && confirmed(scene, &mut racers, winner, done, progress)?;
+        let stands = estimate.is_none() || !missed && confirmed(scene, &mut candidates, winner, done, progress)?;
         if stands {
-            let mut tried = tried(&racers);
+            let mut tried = tried(&candidates);
             tried.push(tried_of(method, estimate.unwrap_or(f64::NAN), work));
             return Ok(Summary { choice: Some(ChoiceSummary { tolerance, why, tried }), ..summary });
         }
-        racers[winner].pilots.push(done);
-        racers[winner].missed = missed;
+        candidates[winner].pilots.push(done);
+        candidates[winner].missed = missed;
     }
-    Err(not_reached(scene, tolerance, &tried(&racers)))
+    Err(not_reached(scene, tolerance, &tried(&candidates)))
 }
 
 /// The method and resolution that a run of a scene with a tolerance starts from, and why: the coarse runs are made, but not
@@ -66,11 +71,14 @@ pub(super) fn run(scene: &Scene, output: Option<&Path>, progress: &mut dyn FnMut
 ///
 /// # Errors
 /// No method gets there, or [`Error::Interrupted`] where `progress` asked to stop.
-pub fn foretell(scene: &Scene, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<Option<(Method, String)>> {
+pub fn predict(
+    scene: &Scene,
+    progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+) -> Result<Option<(Method, String)>> {
     let Some(asked) = &scene.solve.tolerance else { return Ok(None) };
-    let mut racers: Vec<Racer> = methods(scene, &asked.methods).into_iter().map(Racer::new).collect();
-    let (winner, finer) = race(scene, asked.value, &mut racers, progress)?;
-    Ok(Some((racers[winner].finer(finer), why(scene, asked.value, &racers, winner))))
+    let mut candidates: Vec<Candidate> = methods(scene, &asked.methods).into_iter().map(Candidate::new).collect();
+    let (winner, finer) = race(scene, asked.value, &mut candidates, progress)?;
+    Ok(Some((candidates[winner].finer(finer), why(scene, asked.value, &candidates, winner))))
 }
 
 /// Methods whose estimates hold: those that make a staircase of a taper are left out where another one does not need to.
@@ -83,80 +91,81 @@ fn methods(scene: &Scene, asked: &[Method]) -> Vec<Method> {
     if kept.is_empty() { asked.to_vec() } else { kept }
 }
 
-/// Refines the racers until one is near: its index, and how many times finer than its last pilot it has to be.
+/// Refines the candidates until one is near: its index, and how many times finer than its last pilot it has to be.
 fn race(
     scene: &Scene,
     tolerance: f64,
-    racers: &mut [Racer],
-    progress: &mut dyn FnMut(Progress) -> Wish,
+    candidates: &mut [Candidate],
+    progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<(usize, f64)> {
     loop {
-        let foretold = |r: &Racer| r.foretold(scene, tolerance);
-        let time = |r: &Racer| foretold(r).map_or(0.0, |f| f.1);
-        let best = racers.iter().enumerate().filter(|(_, r)| r.out.is_none());
+        let predicted = |r: &Candidate| r.predicted(scene, tolerance);
+        let time = |r: &Candidate| predicted(r).map_or(0.0, |f| f.1);
+        let best = candidates.iter().enumerate().filter(|(_, r)| r.out.is_none());
         let best = best.min_by(|a, b| time(a.1).total_cmp(&time(b.1))).map(|best| best.0);
         let Some(best) = best else {
-            return Err(not_reached(scene, tolerance, &tried(racers)));
+            return Err(not_reached(scene, tolerance, &tried(candidates)));
         };
-        let tracks = racers[best].method.tracks_fronts();
+        let tracks = candidates[best].method.tracks_fronts();
         let leap = if tracks { LEAP_TOLERANCE } else { LEAP_CELLS };
-        let near = foretold(&racers[best]).filter(|f| f.0 <= leap);
+        let near = predicted(&candidates[best]).filter(|f| f.0 <= leap);
         // What can be tried for next to nothing is not left to what two pilots say of it, the cheapest first.
-        let misses = |r: &Racer| r.out.is_none() && foretold(r).is_some_and(|f| f.0 > 1.0);
-        let cheap = (0..racers.len()).filter(|&k| (k != best || near.is_none()) && misses(&racers[k]));
-        let cost = |k: usize| racers[k].next_pilot(scene);
+        let misses = |r: &Candidate| r.out.is_none() && predicted(r).is_some_and(|f| f.0 > 1.0);
+        let cheap = (0..candidates.len()).filter(|&k| (k != best || near.is_none()) && misses(&candidates[k]));
+        let cost = |k: usize| candidates[k].next_pilot(scene);
         let cheap = cheap.min_by(|&a, &b| cost(a).total_cmp(&cost(b)));
-        let cheap = cheap.filter(|&k| cost(k) < NEXT_TO_NOTHING * time(&racers[best]));
+        let cheap = cheap.filter(|&k| cost(k) < NEXT_TO_NOTHING * time(&candidates[best]));
         if let (None, Some((finer, _))) = (cheap, near) {
             return Ok((best, finer));
         }
         let next = cheap.unwrap_or(best);
-        pilot(scene, racers, next, tolerance, progress)?;
+        pilot(scene, candidates, next, tolerance, progress)?;
         // Where a handful of events is enough there is nothing to compare.
-        let last = racers[next].pilots.last();
-        if racers[next].method.tracks_fronts() && last.is_some_and(|p| p.estimate <= tolerance && p.work <= FEW_EVENTS)
+        let last = candidates[next].pilots.last();
+        if candidates[next].method.tracks_fronts()
+            && last.is_some_and(|p| p.estimate <= tolerance && p.work <= FEW_EVENTS)
         {
             return Ok((next, 1.0));
         }
     }
 }
 
-/// The next pilot of one racer.
+/// The next pilot of one candidate.
 fn pilot(
     scene: &Scene,
-    racers: &mut [Racer],
+    candidates: &mut [Candidate],
     next: usize,
     tolerance: f64,
-    progress: &mut dyn FnMut(Progress) -> Wish,
+    progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<()> {
-    let others = racers.iter().enumerate().filter(|(k, r)| *k != next && r.out.is_none());
-    let rival = others.filter_map(|(_, r)| r.foretold(scene, tolerance)).map(|f| f.1).fold(f64::INFINITY, f64::min);
-    if racers[next].method.tracks_fronts() {
-        front_pilot(scene, &mut racers[next], rival, progress)
+    let others = candidates.iter().enumerate().filter(|(k, r)| *k != next && r.out.is_none());
+    let rival = others.filter_map(|(_, r)| r.predicted(scene, tolerance)).map(|f| f.1).fold(f64::INFINITY, f64::min);
+    if candidates[next].method.tracks_fronts() {
+        front_pilot(scene, &mut candidates[next], rival, progress)
     } else {
-        grid_pilot(scene, &mut racers[next], progress)
+        grid_pilot(scene, &mut candidates[next], progress)
     }
 }
 
 /// Has front tracking confirm a run on a grid, where it can do so for about the same work; a grid that it contradicts is out.
 fn confirmed(
     scene: &Scene,
-    racers: &mut [Racer],
+    candidates: &mut [Candidate],
     winner: usize,
     run: Pilot,
-    progress: &mut dyn FnMut(Progress) -> Wish,
+    progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<bool> {
-    let tracking = racers.iter().position(|r| r.method.tracks_fronts()).filter(|&k| k != winner);
-    let yields = racers[winner].runs.last().is_some_and(|(_, run)| !run.elastic);
+    let tracking = candidates.iter().position(|r| r.method.tracks_fronts()).filter(|&k| k != winner);
+    let yields = candidates[winner].runs.last().is_some_and(|(_, run)| !run.elastic);
     let Some(tracking) = tracking.filter(|_| yields) else { return Ok(true) };
-    let why = contradiction(scene, run, &mut racers[tracking], progress)?;
-    racers[winner].out = why;
-    Ok(racers[winner].out.is_none())
+    let why = contradiction(scene, run, &mut candidates[tracking], progress)?;
+    candidates[winner].out = why;
+    Ok(candidates[winner].out.is_none())
 }
 
 /// What was run so far, method by method.
-fn tried(racers: &[Racer]) -> Vec<Tried> {
-    racers.iter().flat_map(|r| &r.pilots).map(|p| tried_of(p.method, p.estimate, p.work)).collect()
+fn tried(candidates: &[Candidate]) -> Vec<Tried> {
+    candidates.iter().flat_map(|r| &r.pilots).map(|p| tried_of(p.method, p.estimate, p.work)).collect()
 }
 
 fn tried_of(method: Method, estimate: f64, work: u64) -> Tried {
@@ -164,24 +173,24 @@ fn tried_of(method: Method, estimate: f64, work: u64) -> Tried {
 }
 
 /// One sentence.
-fn why(scene: &Scene, tolerance: f64, racers: &[Racer], winner: usize) -> String {
-    let name = |r: &Racer| r.method.names()[1];
-    let others: Vec<String> = racers
+fn why(scene: &Scene, tolerance: f64, candidates: &[Candidate], winner: usize) -> String {
+    let name = |r: &Candidate| r.method.names()[1];
+    let others: Vec<String> = candidates
         .iter()
         .enumerate()
         .filter(|(k, _)| *k != winner)
-        .map(|(_, r)| match (&r.out, r.foretold(scene, tolerance)) {
+        .map(|(_, r)| match (&r.out, r.predicted(scene, tolerance)) {
             (Some(why), _) => format!("{} is out: {why}", name(r)),
-            _ if r.dear.is_some() => format!("{} takes more work than that", name(r)),
+            _ if r.too_expensive.is_some() => format!("{} takes more work than that", name(r)),
             (None, Some((_, time))) => format!("{} would take about {time:.1e} s", name(r)),
             (None, None) => format!("{} was not needed", name(r)),
         })
         .collect();
-    let time = racers[winner].foretold(scene, tolerance).map_or(0.0, |f| f.1);
+    let time = candidates[winner].predicted(scene, tolerance).map_or(0.0, |f| f.1);
     let best =
-        format!("{} is expected to reach {tolerance:e} soonest, in nominally {time:.1e} s", name(&racers[winner]));
+        format!("{} is expected to reach {tolerance:e} soonest, in nominally {time:.1e} s", name(&candidates[winner]));
     if others.is_empty() {
-        return format!("{} is the only method that can do the scene", name(&racers[winner]));
+        return format!("{} is the only method that can do the scene", name(&candidates[winner]));
     }
     format!("{best}; {}", others.join("; "))
 }

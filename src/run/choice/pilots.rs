@@ -1,44 +1,50 @@
 //! Pilots: coarse runs without recorders, each with an estimate of its error, and the comparison of two methods.
 
 use super::super::accuracy::{self, Coarse};
-use super::super::{Progress, Wish, companion};
-use super::racer::{
-    FEW_EVENTS, FIRST_CELLS, FRONT_ORDER, FRONT_ORDERS, LEAST_TOLERANCE, MOST_CELLS, PATIENCE, Pilot, Racer, nominal,
+use super::super::{Progress, companion};
+use super::candidate::{
+    Candidate, FEW_EVENTS, FIRST_CELLS, FRONT_ORDER, FRONT_ORDERS, LEAST_TOLERANCE, MOST_CELLS, PATIENCE, Pilot,
+    nominal,
 };
 use crate::accuracy::{INSTANTS, Response, evenly, extrapolate, front_errors};
-use crate::bar::launches;
+use crate::bar::initial_fans;
 use crate::error::{Error, Result};
 use crate::scene::{Method, Scene};
 use crate::solver::moc::{COARSER, FrontTracking, Settings};
+use std::ops::ControlFlow;
 
 /// Front tracking tells something of a grid where its estimate is no more than this part of that one's.
 const TELLING: f64 = 0.3;
 
 /// The next pilot of a grid: profiles of the cells, half and a quarter of them, those before from earlier pilots.
-pub(super) fn grid_pilot(scene: &Scene, racer: &mut Racer, progress: &mut dyn FnMut(Progress) -> Wish) -> Result<()> {
-    let method = racer.next();
+pub(super) fn grid_pilot(
+    scene: &Scene,
+    candidate: &mut Candidate,
+    progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+) -> Result<()> {
+    let method = candidate.next();
     let cells = method.cells().unwrap_or(FIRST_CELLS);
     if cells as f64 > MOST_CELLS {
-        racer.out = Some(format!("it would take more than {MOST_CELLS:.0} cells"));
+        candidate.out = Some(format!("it would take more than {MOST_CELLS:.0} cells"));
         return Ok(());
     }
     let instants = instants(scene);
     for cells in [cells / 8, cells / 4, cells / 2, cells] {
-        if racer.runs.iter().all(|(known, _)| *known != cells) {
+        if candidate.runs.iter().all(|(known, _)| *known != cells) {
             let run = accuracy::coarse(scene, method.with_cells(cells), &instants, progress);
-            racer.runs.push((cells, run.ok_or(Error::Interrupted)?));
+            candidate.runs.push((cells, run.ok_or(Error::Interrupted)?));
         }
     }
-    let with = |cells: usize| racer.runs.iter().find(move |p| p.0 == cells).map(|p| &p.1);
+    let with = |cells: usize| candidate.runs.iter().find(move |p| p.0 == cells).map(|p| &p.1);
     let all: Vec<&Coarse> = [cells, cells / 2, cells / 4, cells / 8].into_iter().filter_map(with).collect();
     let responses: Vec<&Response> = all.iter().map(|run| &run.response).collect();
     let (elastic, work) = all.first().map_or((true, 0), |finest| (finest.elastic, finest.work));
     let (_, found) = extrapolate(accuracy::rules(scene, method, elastic), &responses);
-    racer.pilots.push(Pilot { method, estimate: found.value, order: found.hope, work });
+    candidate.pilots.push(Pilot { method, estimate: found.value, order: found.hope, work });
     Ok(())
 }
 
-/// Instants at which all grids of a racer are compared: steps of the coarsest one up to the end, s.
+/// Instants at which all grids of a candidate are compared: steps of the coarsest one up to the end, s.
 fn instants(scene: &Scene) -> Vec<f64> {
     let coarsest = scene.bar.transit_time() / (FIRST_CELLS / 8) as f64;
     let steps = (scene.solve.until / coarsest).floor().max(1.0) as usize;
@@ -49,38 +55,38 @@ fn instants(scene: &Scene) -> Vec<f64> {
 /// The next pilot of front tracking, given up where it costs much more than the `rival` (s).
 pub(super) fn front_pilot(
     scene: &Scene,
-    racer: &mut Racer,
+    candidate: &mut Candidate,
     rival: f64,
-    progress: &mut dyn FnMut(Progress) -> Wish,
+    progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<()> {
-    let method = racer.next();
+    let method = candidate.next();
     let Method::FrontTracking { front_tolerance, event_budget } = method else { return Ok(()) };
     if front_tolerance < LEAST_TOLERANCE {
-        racer.out = Some(format!("it would take a front tolerance below {LEAST_TOLERANCE:e}"));
+        candidate.out = Some(format!("it would take a front tolerance below {LEAST_TOLERANCE:e}"));
         return Ok(());
     }
     let most = (PATIENCE * rival / nominal(scene, method)).max(4.0 * FEW_EVENTS as f64).min(event_budget as f64) as u64;
     let settings = Settings { front_tolerance, event_budget: most, ..Settings::default() };
     // What would be worth more to nobody is out; else it may come to that yet.
     let limited = most < event_budget;
-    racer.dear = None;
+    candidate.too_expensive = None;
     let instants = companion::instants(scene.solve.until);
     let Some((bar, response)) = companion::tracked(scene, settings, &instants, progress)? else {
         let why = || format!("fronts meet more than {most} times with a front tolerance of {front_tolerance:.1e}");
-        (racer.dear, racer.out) = (limited.then_some(most), (!limited).then(why));
+        (candidate.too_expensive, candidate.out) = (limited.then_some(most), (!limited).then(why));
         return Ok(());
     };
     let Some(estimate) = front_estimate(scene, settings, (&bar, &response), progress)? else {
         let coarser = COARSER * front_tolerance;
         let why = || format!("a run with a front tolerance of {coarser:.1e} meets more fronts still");
-        (racer.dear, racer.out) = (limited.then_some(most), (!limited).then(why));
+        (candidate.too_expensive, candidate.out) = (limited.then_some(most), (!limited).then(why));
         return Ok(());
     };
-    let before = racer.pilots.last().map(|p| p.estimate);
+    let before = candidate.pilots.last().map(|p| p.estimate);
     let order = before.map_or(FRONT_ORDER, |before| {
         ((before / estimate).ln() / COARSER.ln()).clamp(FRONT_ORDERS[0], FRONT_ORDERS[1])
     });
-    racer.pilots.push(Pilot { method, estimate, order, work: bar.events() });
+    candidate.pilots.push(Pilot { method, estimate, order, work: bar.events() });
     Ok(())
 }
 
@@ -91,8 +97,8 @@ pub(super) fn front_pilot(
 pub(super) fn contradiction(
     scene: &Scene,
     run: Pilot,
-    tracking: &mut Racer,
-    progress: &mut dyn FnMut(Progress) -> Wish,
+    tracking: &mut Candidate,
+    progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Option<String>> {
     let time = nominal(scene, run.method) * run.work as f64;
     let tells = |p: &Pilot| p.estimate <= TELLING * run.estimate;
@@ -127,12 +133,12 @@ fn front_estimate(
     scene: &Scene,
     settings: Settings,
     (bar, response): (&FrontTracking, &Response),
-    progress: &mut dyn FnMut(Progress) -> Wish,
+    progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Option<f64>> {
     if bar.is_exact() {
         return Ok(Some(0.0));
     }
-    let all = launches(&scene.bar, &scene.left, &scene.right);
+    let all = initial_fans(&scene.bar, &scene.left, &scene.right);
     let similar = || accuracy::similar(scene, &all, response);
     let table = if let Some(exact) = bar.ruptures().is_empty().then(similar).flatten() {
         response.errors(&exact)

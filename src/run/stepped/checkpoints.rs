@@ -7,7 +7,7 @@ use super::Run;
 use crate::error::{Error, Result};
 use crate::record::Stepped;
 use crate::record::store::{Checkpoint, checksum};
-use crate::run::{Progress, Wish};
+use crate::run::Progress;
 use crate::scene::Scene;
 use crate::snapshot::{self, Snapshot, join, pack, split, unpack};
 
@@ -31,7 +31,7 @@ impl<S: Stepped + Snapshot> Run<'_, S> {
     /// except for frames.
     pub(super) fn pause(&mut self) -> Result<()> {
         let (step, steps, cells) = (self.bar.step(), self.steps, self.bar.grid().cells());
-        let stops = (self.progress)(Progress::Steps { step, steps, cells }) == Wish::Stop;
+        let stops = (self.progress)(Progress::Steps { step, steps, cells }).is_break();
         if self.checkpoints.as_ref().is_some_and(|kept| stops || kept.latest.elapsed() >= kept.every) {
             self.keep_checkpoint()?;
         }
@@ -42,14 +42,14 @@ impl<S: Stepped + Snapshot> Run<'_, S> {
     /// Histories go to the writer first, so that the checkpoint need not hold them.
     fn keep_checkpoint(&mut self) -> Result<()> {
         self.write_traces()?;
-        let state = self.save().map_err(|e| Error::file(Path::new(&self.book.output), e))?;
-        let (Some(kept), Some(writer)) = (&mut self.checkpoints, &mut self.book.writer) else { return Ok(()) };
+        let state = self.save().map_err(|e| Error::file(Path::new(&self.recorder.output), e))?;
+        let (Some(kept), Some(writer)) = (&mut self.checkpoints, &mut self.recorder.writer) else { return Ok(()) };
         kept.latest = Instant::now();
         writer.checkpoint(Checkpoint {
             scene: kept.checksum,
-            estimate_error: self.book.scene.solve.estimate_error,
+            estimate_error: self.recorder.scene.solve.estimate_error,
             every: kept.every.as_secs_f64(),
-            wall_seconds: self.book.started.elapsed().as_secs_f64(),
+            wall_seconds: self.recorder.started.elapsed().as_secs_f64(),
             state,
             ..Checkpoint::default()
         })
@@ -57,9 +57,9 @@ impl<S: Stepped + Snapshot> Run<'_, S> {
 
     /// Continues from a checkpoint.
     pub(super) fn resume(&mut self, checkpoint: &Checkpoint) -> Result<()> {
-        self.restore(&checkpoint.state).map_err(|e| Error::file(Path::new(&self.book.output), e))?;
+        self.restore(&checkpoint.state).map_err(|e| Error::file(Path::new(&self.recorder.output), e))?;
         let before = Duration::from_secs_f64(checkpoint.wall_seconds);
-        self.book.started = self.book.started.checked_sub(before).unwrap_or(self.book.started);
+        self.recorder.started = self.recorder.started.checked_sub(before).unwrap_or(self.recorder.started);
         self.resumed = true;
         Ok(())
     }
@@ -76,7 +76,7 @@ impl<S: Stepped + Snapshot> Snapshot for Run<'_, S> {
             self.tracker.save()?,
             self.audit.save()?,
             probe.unwrap_or_default(),
-            pack(&(&self.listener, self.book.stepping))?,
+            pack(&(&self.listener, self.recorder.stepping))?,
         ]))
     }
 
@@ -90,7 +90,7 @@ impl<S: Stepped + Snapshot> Snapshot for Run<'_, S> {
         if let Some(own) = &mut self.elastic_check {
             own.check.restore(probe)?;
         }
-        (self.listener, self.book.stepping) = unpack(rest)?;
+        (self.listener, self.recorder.stepping) = unpack(rest)?;
         Ok(())
     }
 }

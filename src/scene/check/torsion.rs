@@ -1,5 +1,5 @@
 //! Bars in torsion: what they may state, and what a scene then means in terms of the surface: a bar in tension with the
-//! area J/R^2, see [`crate::material::Hollow`] and [`crate::scene::Torsion`].
+//! area J/R^2, see [`crate::material::TubeSection`] and [`crate::scene::Torsion`].
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -16,7 +16,7 @@ use super::end_keys::given;
 use crate::bar::{Bar, EndCondition, Joint};
 use crate::error::{Error, InputError, Result};
 use crate::input::{Allowed, Number};
-use crate::material::{CurveError, Hollow, Loading, Material};
+use crate::material::{CurveError, Loading, Material, TubeSection};
 use crate::units::Dimension;
 
 /// The wall of a tube in which stress is taken as even, in parts of its diameter: J is then right to 0.3 %.
@@ -40,7 +40,7 @@ struct Given<'a> {
 struct Round {
     radius: f64,
     polar: f64,
-    hollow: Option<Hollow>,
+    hollow: Option<TubeSection>,
 }
 
 fn all_given(raw: &Spanned<RawBar>) -> Vec<Given<'_>> {
@@ -187,7 +187,7 @@ impl Checker<'_> {
                 let inner = self.document.optional(inner, &inner_key, Dimension::Length, range)?.unwrap_or(0.0);
                 let q = inner / outer;
                 let polar = PI / 32.0 * outer.powi(4) * (1.0 - q) * (1.0 + q) * (1.0 + q * q);
-                Ok(Round { radius: 0.5 * outer, polar, hollow: Some(Hollow { q }) })
+                Ok(Round { radius: 0.5 * outer, polar, hollow: Some(TubeSection { q }) })
             }
         }
     }

@@ -50,7 +50,7 @@ pub(super) enum Stage {
 pub(super) struct Block {
     /// The cells at work, in whole pieces of [`CHUNK`]. A step that leaves the nodes around the others as they are changes
     /// no bit of these: nothing is computed there until the nodes move.
-    pub busy: Range<usize>,
+    pub active: Range<usize>,
     /// The step from which on ripples are damped: where they could have come from a place that yielded. A signal takes at
     /// least a step through a block.
     pub damps_from: usize,
@@ -118,7 +118,7 @@ impl Block {
             stage: Stage::Elastic,
             #[cfg(test)]
             always_active: false,
-            busy: 0..0,
+            active: 0..0,
             sigma: aligned_row(n, 0.0),
             v: aligned_row(n + 1, velocity),
             state: aligned_row(0, 0.0),
@@ -160,7 +160,7 @@ impl Block {
             stage: self.stage,
             #[cfg(test)]
             always_active: self.always_active,
-            busy: 0..cells - at,
+            active: 0..cells - at,
             sigma: split_off(&mut self.sigma, at),
             v,
             state,
@@ -207,7 +207,7 @@ impl Block {
 
     /// Takes down the cells at work that came to a limit of what their law knows.
     fn note_limits(&mut self, law: BlockLaw<'_>) {
-        let (first, segment, cells) = (self.cells.start + self.busy.start, self.segment, self.busy.clone());
+        let (first, segment, cells) = (self.cells.start + self.active.start, self.segment, self.active.clone());
         let row = StrainedRow { sigma: &self.sigma, state: &self.state, cells, first, segment, step: law.step };
         law.law.note_limits(law.end, &row, &mut self.passed);
     }
@@ -245,13 +245,13 @@ impl Block {
         scratch: &mut Scratch,
     ) {
         let Scratch { work, gaps, .. } = scratch;
-        let (cells, busy, v) = (self.sigma.len(), self.busy.clone(), &mut self.v);
-        let (at_left, at_right) = (busy.start == 0, busy.end == cells);
+        let (cells, active, v) = (self.sigma.len(), self.active.clone(), &mut self.v);
+        let (at_left, at_right) = (active.start == 0, active.end == cells);
         let outside = [
-            if at_left { outside[0] } else { Some(v[busy.start - 1]) },
-            if at_right { outside[1] } else { Some(v[busy.end + 1]) },
+            if at_left { outside[0] } else { Some(v[active.start - 1]) },
+            if at_right { outside[1] } else { Some(v[active.end + 1]) },
         ];
-        gaps.read(&v[busy.start..=busy.end], outside, filter.rounding);
+        gaps.read(&v[active.start..=active.end], outside, filter.rounding);
         self.handed_at_edges = [0.0; 2];
         if gaps.are_smooth() {
             return;
@@ -259,18 +259,18 @@ impl Block {
         // Cells at rest hand nothing over: they do not flow, and beyond the first one nothing alternates.
         let handed = &mut work.0[..cells];
         if !at_left {
-            handed[busy.start - 1] = 0.0;
+            handed[active.start - 1] = 0.0;
         }
         if !at_right {
-            handed[busy.end] = 0.0;
+            handed[active.end] = 0.0;
         }
-        let flow = self.flow.get(busy.clone()).unwrap_or_default();
-        let anything = gaps.find(flow, filter, &mut handed[busy.clone()]);
+        let flow = self.flow.get(active.clone()).unwrap_or_default();
+        let anything = gaps.find(flow, filter, &mut handed[active.clone()]);
         self.handed_at_edges = [if at_left { handed[0] } else { 0.0 }, if at_right { handed[cells - 1] } else { 0.0 }];
         if !anything {
             return;
         }
-        let nodes = inner_nodes(&busy, cells);
+        let nodes = inner_nodes(&active, cells);
         self.damped += match &self.taper {
             None => ripple::hand_over(velocity_gain, &self.sigma, handed, v, nodes),
             Some(taper) => taper.hand_over(velocity_gain, &self.sigma, handed, v, nodes),
@@ -286,7 +286,7 @@ impl Block {
             return;
         }
         self.advance_stress(law, scratch);
-        let nodes = inner_nodes(&self.busy, self.sigma.len());
+        let nodes = inner_nodes(&self.active, self.sigma.len());
         match &self.taper {
             None => advance_velocity(law.velocity_gain, &self.sigma, &mut self.v, nodes),
             Some(taper) => taper.advance_velocity(law.velocity_gain, &self.sigma, &mut self.v, nodes),
@@ -296,10 +296,10 @@ impl Block {
 
     /// Velocity change in a step of the node to the left of local cell `i` (0 < i < cells), m/s.
     #[inline]
-    pub fn kick(&self, velocity_gain: f64, i: usize) -> f64 {
+    pub fn velocity_increment(&self, velocity_gain: f64, i: usize) -> f64 {
         match &self.taper {
             None => velocity_gain * (self.sigma[i] - self.sigma[i - 1]),
-            Some(taper) => taper.kick(velocity_gain, &self.sigma, i),
+            Some(taper) => taper.velocity_increment(velocity_gain, &self.sigma, i),
         }
     }
 
@@ -325,7 +325,7 @@ impl Block {
         if first && self.stays_elastic(law) {
             return;
         }
-        let (cells, busy) = (self.sigma.len(), self.busy.clone());
+        let (cells, active) = (self.sigma.len(), self.active.clone());
         let [work, turned] = [&mut scratch.work, &mut scratch.turned].map(|of| &mut of.0[..cells]);
         let row = Row {
             gain: law.stress_gain,
@@ -335,20 +335,22 @@ impl Block {
             // Each cell's own is weighted with its area; in a bar of one area the sum says all.
             turned: self.taper.is_some().then_some(&mut *turned),
             flow: &mut self.flow,
-            cells: busy.clone(),
+            cells: active.clone(),
         };
         let state = &mut self.state;
         let advanced = if first { law.law.first_yield(row, state) } else { law.law.advance(row, state) };
-        let (work, turned) = (&work[busy.clone()], &turned[busy.clone()]);
+        let (work, turned) = (&work[active.clone()], &turned[active.clone()]);
         if self.keeps_work {
             self.absorbed.resize(cells, 0.0);
-            for (sum, work) in self.absorbed[busy.clone()].iter_mut().zip(work) {
+            for (sum, work) in self.absorbed[active.clone()].iter_mut().zip(work) {
                 *sum += *work;
             }
         }
         let [plastic, turned] = match &self.taper {
             None => [advanced.work, advanced.turned],
-            Some(taper) => [work, turned].map(|of| of.iter().zip(&taper.area[busy.clone()]).map(|(w, a)| w * a).sum()),
+            Some(taper) => {
+                [work, turned].map(|of| of.iter().zip(&taper.area[active.clone()]).map(|(w, a)| w * a).sum())
+            }
         };
         self.plastic += plastic;
         self.turned += turned;
@@ -360,7 +362,7 @@ impl Block {
 
     /// Takes the elastic step; false where the block yields in it, and has plastic state from then on.
     fn stays_elastic(&mut self, law: BlockLaw<'_>) -> bool {
-        let Range { start, end } = self.busy;
+        let Range { start, end } = self.active;
         let peak = elastic_row(law.stress_gain, &self.v[start..=end], &mut self.sigma[start..end]);
         if peak <= law.yield_stress {
             if !law.end.is_far(0.0, -peak) {
@@ -407,7 +409,7 @@ impl Block {
 
     /// Of the motion of the nodes inside.
     pub fn inner_nodes(&self, velocity_gain: f64) -> NodeMotion {
-        self.nodes(|i| self.v[i] - self.kick(velocity_gain, i))
+        self.nodes(|i| self.v[i] - self.velocity_increment(velocity_gain, i))
     }
 
     /// The same before anything acts on them.

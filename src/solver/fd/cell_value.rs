@@ -24,7 +24,7 @@ pub(super) fn cell_value(
         Quantity::Temperature => law.temperature(&block.state, i),
         Quantity::Velocity => {
             let gain = constants.velocity_gain;
-            let inner = |node: usize| block.v[node] - 0.5 * block.kick(gain, node);
+            let inner = |node: usize| block.v[node] - 0.5 * block.velocity_increment(gain, node);
             let left = if i == 0 { outer[0] } else { inner(i) };
             let right = if i + 1 == block.sigma.len() { outer[1] } else { inner(i + 1) };
             0.5 * (left + right)

@@ -15,7 +15,7 @@ pub(super) struct Edge {
     /// Velocity half a step after the current time, m/s.
     pub after: f64,
     /// Velocity change that the stresses gave it in the latest step, m/s.
-    pub kick: f64,
+    pub velocity_increment: f64,
     /// dt A/m of the cells on both sides, m/s per Pa.
     gain_left: f64,
     gain_right: f64,
@@ -29,8 +29,15 @@ pub(super) struct Edge {
 
 impl Edge {
     /// The node in whose place there is a contact.
-    pub const EMPTY: Self =
-        Self { after: 0.0, kick: 0.0, gain_left: 0.0, gain_right: 0.0, mass: 0.0, damped: 0.0, still: false };
+    pub const EMPTY: Self = Self {
+        after: 0.0,
+        velocity_increment: 0.0,
+        gain_left: 0.0,
+        gain_right: 0.0,
+        mass: 0.0,
+        damped: 0.0,
+        still: false,
+    };
 
     /// The bar parts here: an empty node is left. What the damping took stays booked.
     pub fn part(&mut self) {
@@ -40,12 +47,12 @@ impl Edge {
     /// Takes the node a step on, from the stresses on both sides. Inside a segment it has the bits that a node
     /// inside a block would have, so that results do not depend on where blocks meet.
     pub fn advance(&mut self, sigma_left: f64, sigma_right: f64) {
-        self.kick = if self.gain_left == self.gain_right {
+        self.velocity_increment = if self.gain_left == self.gain_right {
             self.gain_left * (sigma_right - sigma_left)
         } else {
             self.gain_right * sigma_right - self.gain_left * sigma_left
         };
-        let after = self.after + self.kick;
+        let after = self.after + self.velocity_increment;
         self.still = after == self.after;
         self.after = after;
     }
@@ -60,7 +67,7 @@ impl Edge {
         };
         if change != 0.0 {
             self.still = false;
-            self.damped += 0.5 * self.mass * ripple::node(self.kick, change, &mut self.after);
+            self.damped += 0.5 * self.mass * ripple::node(self.velocity_increment, change, &mut self.after);
         }
         change != 0.0
     }
@@ -68,17 +75,17 @@ impl Edge {
     /// Changes the velocities before and after the current time by `change` (m/s). Returns the energy that this takes, J.
     pub fn impose(&mut self, change: f64) -> f64 {
         self.still = false;
-        -0.5 * self.mass * ripple::node(self.kick, change, &mut self.after)
+        -0.5 * self.mass * ripple::node(self.velocity_increment, change, &mut self.after)
     }
 
     /// Velocity half a step before the current time, m/s: that after it without what the stresses gave in between.
     pub fn before(&self) -> f64 {
-        self.after - self.kick
+        self.after - self.velocity_increment
     }
 
     /// Velocity at the time of the stresses, m/s.
     pub fn velocity(&self) -> f64 {
-        self.after - 0.5 * self.kick
+        self.after - 0.5 * self.velocity_increment
     }
 }
 

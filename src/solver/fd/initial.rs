@@ -28,7 +28,7 @@ impl Leapfrog {
                 block.flow = vec![0; cells];
             }
             for node in 1..block.sigma.len() {
-                block.v[node] += block.kick(constants.velocity_gain, node);
+                block.v[node] += block.velocity_increment(constants.velocity_gain, node);
             }
             block.note_undamped();
             block.wake();
@@ -43,7 +43,7 @@ impl Leapfrog {
         }
         self.left.start_under(self.blocks[0].sigma[0]);
         self.right.start_under(last(&self.blocks[self.blocks.len() - 1].sigma));
-        self.edges.iter_mut().for_each(|edge| edge.kick *= 2.0);
+        self.edges.iter_mut().for_each(|edge| edge.velocity_increment *= 2.0);
         for block in &mut self.blocks {
             let stress = initial[block.segment].stress;
             block.sigma.iter_mut().for_each(|sigma| *sigma = stress);

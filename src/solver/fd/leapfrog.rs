@@ -4,11 +4,11 @@
 use super::block::{Block, Scratch, Stage, WATCHED};
 use super::breaking::Breaking;
 use super::contact::{Contact, ContactState};
-use super::device::{Device, EndGrid};
 use super::edge::{Edge, contacts, edges};
+use super::end_node::{EndGrid, EndNode};
 use super::fan::StartingFan;
 use super::grid::Grid;
-use super::implicit::{Along, Implicit};
+use super::implicit::{DistributedForces, Implicit};
 use super::segment::{Constants, SegmentLaw};
 use super::sizes::block_sizes;
 use super::stretch::{Common, Stretch};
@@ -49,8 +49,8 @@ pub struct Leapfrog {
     pub(super) blocks: Vec<Block>,
     pub(super) edges: Vec<Edge>,
     pub(super) contacts: Vec<Contact>,
-    pub(super) left: Device,
-    pub(super) right: Device,
+    pub(super) left: EndNode,
+    pub(super) right: EndNode,
     pub(super) step: usize,
     /// Threads that it may be stepped on.
     threads: usize,
@@ -84,7 +84,13 @@ impl Leapfrog {
     }
 
     /// The same with what acts along the bar; without joints that can open. A bar along which nothing acts is the plain one.
-    pub fn with_along(bar: &Bar, grid: Grid, laws: Vec<SegmentLaw>, ends: [EndCondition; 2], along: &Along) -> Self {
+    pub fn with_along(
+        bar: &Bar,
+        grid: Grid,
+        laws: Vec<SegmentLaw>,
+        ends: [EndCondition; 2],
+        along: &DistributedForces,
+    ) -> Self {
         if along.is_nothing() {
             return Self::new(bar, grid, laws, ends);
         }
@@ -123,8 +129,8 @@ impl Leapfrog {
             }
         };
         let [left, right] = ends;
-        let left = Device::new(&left, -1.0, end_grid(0, 0));
-        let right = Device::new(&right, 1.0, end_grid(bar.segments.len() - 1, 1));
+        let left = EndNode::new(&left, -1.0, end_grid(0, 0));
+        let right = EndNode::new(&right, 1.0, end_grid(bar.segments.len() - 1, 1));
         Self {
             grid,
             laws,
@@ -282,7 +288,7 @@ impl Leapfrog {
         }
         for (edge, block) in self.edges.iter_mut().zip(&self.blocks) {
             let [before, after] = nodes.velocities(block.cells.end);
-            (edge.after, edge.kick) = (after, after - before);
+            (edge.after, edge.velocity_increment) = (after, after - before);
         }
     }
 
@@ -318,12 +324,12 @@ impl Leapfrog {
     }
 
     /// The left end.
-    pub fn left(&self) -> &Device {
+    pub fn left(&self) -> &EndNode {
         &self.left
     }
 
     /// The right end.
-    pub fn right(&self) -> &Device {
+    pub fn right(&self) -> &EndNode {
         &self.right
     }
 

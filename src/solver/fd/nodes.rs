@@ -1,8 +1,8 @@
 //! The nodes between blocks and at the ends of the bar, as they can be read.
 
 use super::contact::Contact;
-use super::device::Device;
 use super::edge::Edge;
+use super::end_node::EndNode;
 
 /// The nodes at the edges of neighbouring blocks, as they can be read.
 #[derive(Clone, Copy)]
@@ -14,17 +14,17 @@ pub(super) struct Nodes<'a> {
     /// Joints that can open among them.
     pub contacts: &'a [Contact],
     /// Those at the bar's ends, where the blocks have them.
-    pub ends: [Option<&'a Device>; 2],
+    pub ends: [Option<&'a EndNode>; 2],
 }
 
 impl Nodes<'_> {
     /// Velocities at the time of the stresses of the nodes at the left and right edge of block `k`, counted from the first, m/s;
     /// not a number where the blocks do not have the node.
     pub fn beside(self, k: usize) -> [f64; 2] {
-        let device = |end: Option<&Device>| end.map_or(f64::NAN, Device::velocity);
+        let end_node = |end: Option<&EndNode>| end.map_or(f64::NAN, EndNode::velocity);
         [0, 1].map(|side| match k + side {
-            0 => device(self.ends[0]),
-            edge if edge > self.edges.len() => device(self.ends[1]),
+            0 => end_node(self.ends[0]),
+            edge if edge > self.edges.len() => end_node(self.ends[1]),
             edge => {
                 let contact = self.contacts.iter().find(|contact| contact.edge + 1 == self.first + edge);
                 contact.map_or_else(|| self.edges[edge - 1].velocity(), |contact| contact.velocity(1 - side))

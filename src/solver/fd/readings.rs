@@ -82,8 +82,8 @@ impl Leapfrog {
                 add_nodes(&mut total, contact.mass(side, self.grid.dt), NodeMotion::of(before, after));
             }
         }
-        for (device, mass) in [&self.left, &self.right].into_iter().zip(self.end_masses()) {
-            add_nodes(&mut total, mass, NodeMotion::of(device.velocity_before(), device.velocity_after()));
+        for (end_node, mass) in [&self.left, &self.right].into_iter().zip(self.end_masses()) {
+            add_nodes(&mut total, mass, NodeMotion::of(end_node.velocity_before(), end_node.velocity_after()));
         }
         total
     }
@@ -140,8 +140,8 @@ impl Leapfrog {
             let [before, _] = contact.velocities(side);
             add_nodes(&mut total, contact.mass(side, self.grid.dt), NodeMotion::of(before, before));
         }
-        for (device, mass) in [&self.left, &self.right].into_iter().zip(self.end_masses()) {
-            let v = device.velocity_before();
+        for (end_node, mass) in [&self.left, &self.right].into_iter().zip(self.end_masses()) {
+            let v = end_node.velocity_before();
             add_nodes(&mut total, mass, NodeMotion::of(v, v));
         }
         total

@@ -12,17 +12,17 @@ use crate::law::CHUNK;
 impl Block {
     /// Nothing is computed until a node at the edges moves.
     pub fn at_rest(&self) -> bool {
-        self.busy.is_empty()
+        self.active.is_empty()
     }
 
     /// The cells at the left (0) or right (1) edge are at rest.
     pub fn rests_at(&self, side: usize) -> bool {
-        self.at_rest() || if side == 0 { self.busy.start > 0 } else { self.busy.end < self.sigma.len() }
+        self.at_rest() || if side == 0 { self.active.start > 0 } else { self.active.end < self.sigma.len() }
     }
 
     /// Sets all cells to work.
     pub fn wake(&mut self) {
-        self.busy = 0..self.sigma.len();
+        self.active = 0..self.sigma.len();
     }
 
     /// Gives the node at the left (0) or right (1) edge its velocity.
@@ -34,7 +34,8 @@ impl Block {
         }
         self.v[node] = velocity;
         let piece = if side == 0 { 0..CHUNK.min(cells) } else { (cells - 1) / CHUNK * CHUNK..cells };
-        self.busy = if self.at_rest() { piece } else { self.busy.start.min(piece.start)..self.busy.end.max(piece.end) };
+        self.active =
+            if self.at_rest() { piece } else { self.active.start.min(piece.start)..self.active.end.max(piece.end) };
     }
 
     /// Finds the cells that the next step has to compute, by the way in which signals travel; false where there are none. Every
@@ -65,24 +66,24 @@ impl Block {
 
     /// Activates the pieces next to the active ones if the node between has moved: a signal comes no farther in a step.
     fn widen(&mut self) {
-        let (Range { start, end }, cells) = (self.busy.clone(), self.sigma.len());
+        let (Range { start, end }, cells) = (self.active.clone(), self.sigma.len());
         if start > 0 && self.v[start] != self.v[start - 1] {
-            self.busy.start -= CHUNK;
+            self.active.start -= CHUNK;
         }
         if end < cells && self.v[end] != self.v[end + 1] {
-            self.busy.end = cells.min(end + CHUNK);
+            self.active.end = cells.min(end + CHUNK);
         }
     }
 
     /// Lets the outer pieces at work come to rest where they have.
     fn narrow(&mut self, law: BlockLaw<'_>) {
         while !self.at_rest() {
-            let Range { start, end } = self.busy;
+            let Range { start, end } = self.active;
             let (after_first, before_last) = (end.min(start + CHUNK), (end - 1) / CHUNK * CHUNK);
             if self.settles(start..after_first, law) {
-                self.busy.start = after_first;
+                self.active.start = after_first;
             } else if self.settles(before_last..end, law) {
-                self.busy.end = before_last;
+                self.active.end = before_last;
             } else {
                 return;
             }
@@ -99,7 +100,7 @@ impl Block {
         if v != nodes[1] || v != nodes[cells.len()] || nodes.iter().any(|other| *other != v) {
             return false;
         }
-        let moves = |i: usize| v + self.kick(law.velocity_gain, i) != v;
+        let moves = |i: usize| v + self.velocity_increment(law.velocity_gain, i) != v;
         let plastic = self.stage == Stage::Plastic;
         if inner_nodes(&cells, self.sigma.len()).any(moves)
             || plastic && !law.law.rests(&self.sigma, &self.state, cells.clone())
@@ -125,7 +126,7 @@ mod tests {
     use crate::material::{Beyond, Curve, Material, Sense};
     use crate::solver::fd::block::Scratch;
     use crate::solver::fd::segment::Constants;
-    use crate::solver::fd::{Along, Grid, Leapfrog, SegmentLaw};
+    use crate::solver::fd::{DistributedForces, Grid, Leapfrog, SegmentLaw};
 
     const YIELD: f64 = 200e6;
 
@@ -168,15 +169,15 @@ mod tests {
                 let mut after = before.clone();
                 after.wake();
                 after.advance_stresses(law, &mut scratch);
-                for i in (0..cells).filter(|i| !before.busy.contains(i)) {
+                for i in (0..cells).filter(|i| !before.active.contains(i)) {
                     assert_eq!(before.sigma[i], after.sigma[i], "stress of cell {i}, step {step}");
                     for (a, b) in before.state.chunks_exact(cells).zip(after.state.chunks_exact(cells)) {
                         assert_eq!(a[i], b[i], "state of cell {i}, step {step}");
                     }
                     assert_eq!(before.flow.get(i).copied().unwrap_or(0), 0, "flow of cell {i}, step {step}");
-                    if i > 0 && !before.busy.contains(&(i - 1)) {
+                    if i > 0 && !before.active.contains(&(i - 1)) {
                         assert_eq!(
-                            before.v[i] + after.kick(law.velocity_gain, i),
+                            before.v[i] + after.velocity_increment(law.velocity_gain, i),
                             before.v[i],
                             "node {i}, step {step}"
                         );
@@ -218,7 +219,7 @@ mod tests {
             block.wake();
             block.sigma[stressed].fill(1e6);
             block.narrow(law);
-            block.busy
+            block.active
         };
         assert!(at_work(0..0).is_empty());
         assert!(at_work(0..256).is_empty(), "level");
@@ -261,7 +262,7 @@ mod tests {
         };
         let [internal, external, foundation, lateral] = along;
         let lateral = vec![lateral; segments.len()];
-        let along = Along { internal, external, foundation, lateral, ..Along::default() };
+        let along = DistributedForces { internal, external, foundation, lateral, ..DistributedForces::default() };
         let cells = segments.iter().map(|segment| segment.0).sum();
         Leapfrog::with_along(&bar, Grid::new(&bar, cells, 1.0), laws, ends.map(end), &along)
     }

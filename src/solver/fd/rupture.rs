@@ -343,7 +343,7 @@ impl Leapfrog {
     fn split_block(&mut self, k: usize, at: usize) -> f64 {
         let block = &mut self.blocks[k];
         let gain = self.constants[block.segment].velocity_gain;
-        let velocity = block.v[at] - block.kick(gain, at);
+        let velocity = block.v[at] - block.velocity_increment(gain, at);
         let right = block.split_off(at);
         self.blocks.insert(k + 1, right);
         self.edges.insert(k, Edge::EMPTY);

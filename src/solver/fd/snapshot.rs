@@ -1,13 +1,13 @@
 //! The state of a bar on the staggered grid, for a checkpoint.
 
-use super::device::Device;
+use super::end_node::EndNode;
 use super::leapfrog::Leapfrog;
 use crate::snapshot::{Result, Snapshot, pack, unpack};
 
 impl Snapshot for Leapfrog {
     fn save(&self) -> Result<Vec<u8>> {
         let broken = self.rupture.as_ref().map(|breaking| breaking.state());
-        let ends = [&self.left, &self.right].map(Device::state);
+        let ends = [&self.left, &self.right].map(EndNode::state);
         pack(&(self.step, &self.blocks, &self.edges, &self.contacts, ends, &self.fans, broken, &self.implicit))
     }
 

@@ -12,7 +12,7 @@
 use super::fan::{Front, StartingFan};
 use super::leapfrog::Leapfrog;
 use super::ripple;
-use crate::bar::{Launch, Origin};
+use crate::bar::{InitialFan, Origin};
 
 /// Cells that the slowest front travels before the scheme takes over, where the bar has room. Copper on a wall at 60 m/s, 200 cells: the
 /// first cell has 0.9 % too much strain with 6, 0.4 % with 24; the error of all benchmarks is least near 24.
@@ -29,31 +29,31 @@ impl Leapfrog {
     /// The same bar, the ends of which start with these fans. For a bar at t = 0 whose laws follow the curves of the fans and take no
     /// time; fans of joints, weaker ones that leave the bar elastic, and those above critical are passed over.
     #[must_use]
-    pub fn starting_with(mut self, launches: &[Launch]) -> Self {
+    pub fn starting_with(mut self, initial_fans: &[InitialFan]) -> Self {
         let sides = [Origin::Left, Origin::Right];
-        let fans = launches.iter().filter_map(|launch| {
-            let side = sides.iter().position(|side| *side == launch.origin)?;
-            self.starting_fan(launch, side, launches.len())
+        let fans = initial_fans.iter().filter_map(|initial_fan| {
+            let side = sides.iter().position(|side| *side == initial_fan.origin)?;
+            self.starting_fan(initial_fan, side, initial_fans.len())
         });
         self.fans = fans.collect();
         self
     }
 
-    fn starting_fan(&self, launch: &Launch, side: usize, fans: usize) -> Option<StartingFan> {
-        let fan = &launch.fan;
-        let known = launch.sudden && !fan.above_critical && !fan.beyond_data;
+    fn starting_fan(&self, initial_fan: &InitialFan, side: usize, fans: usize) -> Option<StartingFan> {
+        let fan = &initial_fan.fan;
+        let known = initial_fan.sudden && !fan.above_critical && !fan.beyond_data;
         let slowest = fan.edges.last().filter(|edge| known && fan.edges.len() > 1 && edge.speed > 0.0)?;
         let block = if side == 0 { &self.blocks[0] } else { &self.blocks[self.blocks.len() - 1] };
         if block.taper.is_some() {
             return None;
         }
-        let (part, dt) = (&self.grid.segments[launch.segment], self.grid.dt);
+        let (part, dt) = (&self.grid.segments[initial_fan.segment], self.grid.dt);
         let wanted = (CELLS * part.dx / (slowest.speed * dt)).ceil();
         // Other fans may come to meet it from the far side.
         let room = part.dx * part.cells.len() as f64 / if fans > 1 { 2.0 } else { 1.0 };
-        let possible = (room / (fan.edges[0].speed * dt)).min(launch.loads_until / dt).floor() - 1.0;
-        let sense = -launch.direction * launch.sense.sign();
-        let mut velocity = launch.velocity_ahead;
+        let possible = (room / (fan.edges[0].speed * dt)).min(initial_fan.loads_until / dt).floor() - 1.0;
+        let sense = -initial_fan.direction * initial_fan.sense.sign();
+        let mut velocity = initial_fan.velocity_ahead;
         let fronts = fan.edges.iter().map(|edge| {
             let (velocity_ahead, jump) = (velocity, sense * edge.velocity_jump());
             velocity += jump;
@@ -62,10 +62,10 @@ impl Leapfrog {
         let fronts: Vec<Front> = fronts.collect();
         Some(StartingFan {
             side,
-            segment: launch.segment,
+            segment: initial_fan.segment,
             fronts,
-            velocity_behind: launch.velocity_ahead + sense * fan.velocity,
-            stress: launch.sense.sign() * fan.stress,
+            velocity_behind: initial_fan.velocity_ahead + sense * fan.velocity,
+            stress: initial_fan.sense.sign() * fan.stress,
             ramp: RAMP * part.dx,
             steps: wanted.min(possible).max(0.0) as usize,
             nodes: if fans > 1 { (part.cells.len() - 1) / 2 } else { part.cells.len() },
@@ -116,9 +116,9 @@ impl Leapfrog {
             };
             for i in inside {
                 let change = fan.mean_velocity(distance(first + i), time, dt) - block.v[i];
-                let kick = block.kick(c.velocity_gain, i);
+                let velocity_increment = block.velocity_increment(c.velocity_gain, i);
                 impulse += c.cell_mass * change;
-                energy -= 0.5 * c.cell_mass * ripple::node(kick, change, &mut block.v[i]);
+                energy -= 0.5 * c.cell_mass * ripple::node(velocity_increment, change, &mut block.v[i]);
             }
             block.note_undamped();
             // The edge beyond it, where that is inside the segment.

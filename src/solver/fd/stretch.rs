@@ -5,8 +5,8 @@ use std::ops::Range;
 use super::block::{Block, BlockLaw, Scratch, WATCHED};
 use super::cell_value::cell_value;
 use super::contact::Contact;
-use super::device::Device;
 use super::edge::{Edge, last};
+use super::end_node::EndNode;
 use super::nodes::Nodes;
 use super::segment::{Constants, SegmentLaw};
 
@@ -34,7 +34,7 @@ pub(super) struct Stretch<'a> {
     pub edges: &'a mut [Edge],
     /// Joints that can open, in order, those between the blocks.
     pub contacts: &'a mut [Contact],
-    pub ends: [Option<&'a mut Device>; 2],
+    pub ends: [Option<&'a mut EndNode>; 2],
 }
 
 impl Stretch<'_> {
@@ -192,8 +192,8 @@ impl Stretch<'_> {
         let block = &self.blocks[k];
         let cells = block.sigma.len();
         let mirrored = |end: usize, node: usize| {
-            let device = self.ends[end].as_ref()?;
-            (!device.is_held()).then_some(block.v[node])
+            let end_node = self.ends[end].as_ref()?;
+            (!end_node.is_held()).then_some(block.v[node])
         };
         let parted = |edge: usize| self.contacts.iter().any(|contact| contact.edge == self.first + edge);
         let inside = |other: &Block, edge: usize, side: usize| {

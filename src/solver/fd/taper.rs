@@ -51,8 +51,8 @@ impl BlockTaper {
     }
 
     /// Velocity change of the node to the left of cell `i` (0 < i < cells) in a step.
-    pub fn kick(&self, gain: f64, sigma: &[f64], i: usize) -> f64 {
-        kick(gain, self.skew[i - 1], sigma[i - 1], sigma[i])
+    pub fn velocity_increment(&self, gain: f64, sigma: &[f64], i: usize) -> f64 {
+        velocity_increment(gain, self.skew[i - 1], sigma[i - 1], sigma[i])
     }
 
     /// Mass of the node to the left of cell `i` (0 < i < cells) over the mean mass of a cell of the segment.
@@ -72,14 +72,14 @@ impl BlockTaper {
         for i in nodes {
             let (left, right) = (handed[i - 1], handed[i]);
             let change = (right - left) + self.skew[i - 1] * (right + left);
-            lost += self.node_mass(i) * ripple::node(self.kick(gain, sigma, i), change, &mut v[i]);
+            lost += self.node_mass(i) * ripple::node(self.velocity_increment(gain, sigma, i), change, &mut v[i]);
         }
         lost
     }
 }
 
 #[inline(always)]
-fn kick(gain: f64, skew: f64, left: f64, right: f64) -> f64 {
+fn velocity_increment(gain: f64, skew: f64, left: f64, right: f64) -> f64 {
     gain * ((right - left) + skew * (right + left))
 }
 
@@ -89,6 +89,6 @@ fn advance_velocity(gain: f64, skew: &[f64], sigma: &[f64], v: &mut [f64], nodes
     let nodes = v.len();
     let (left, right, skew) = (&sigma[..nodes], &sigma[1..=nodes], &skew[..nodes]);
     for i in 0..nodes {
-        v[i] += kick(gain, skew[i], left[i], right[i]);
+        v[i] += velocity_increment(gain, skew[i], left[i], right[i]);
     }
 }

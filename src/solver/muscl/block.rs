@@ -42,7 +42,7 @@ pub(super) struct Block {
     pub state: Vec<f64>,
     /// What the scheme's slopes gave to every cell and it has not taken back, W/m^2, <= 0; empty until the block yields, and along
     /// curves without a level stretch.
-    pub owed: Vec<f64>,
+    pub energy_defect: Vec<f64>,
     /// What goes through the first and the last face, where that is an end or a joint.
     pub outer: [Option<Flux>; 2],
     /// Running sum over cells and steps of the plastic work as the law gives it, Pa^2.
@@ -64,7 +64,7 @@ impl Block {
             sigma: vec![0.0; row],
             v: vec![velocity; row],
             state: Vec::new(),
-            owed: Vec::new(),
+            energy_defect: Vec::new(),
             outer: [None, None],
             plastic: 0.0,
             lost: 0.0,
@@ -117,13 +117,16 @@ impl Block {
 
     /// True where slopes gave a cell more energy than they may.
     fn owes(&self, part: &Part, i: usize) -> bool {
-        self.owed.get(i).zip(part.most_owed).is_some_and(|(&owed, most)| owed < -most)
+        self.energy_defect
+            .get(i)
+            .zip(part.most_energy_defect)
+            .is_some_and(|(&energy_defect, most)| energy_defect < -most)
     }
 
     /// Takes down what the scheme took from its own cells in a step.
     pub fn note_owed(&mut self, lost: &[f64]) {
-        for (owed, lost) in self.owed.iter_mut().skip(GHOSTS).zip(lost) {
-            *owed = (*owed + lost).min(0.0);
+        for (energy_defect, lost) in self.energy_defect.iter_mut().skip(GHOSTS).zip(lost) {
+            *energy_defect = (*energy_defect + lost).min(0.0);
         }
     }
 
@@ -132,7 +135,7 @@ impl Block {
         if self.stage != Stage::Plastic {
             self.stage = Stage::Plastic;
             self.state = vec![0.0; part.law.law.state_len() * self.sigma.len()];
-            self.owed = vec![0.0; if part.most_owed.is_some() { self.sigma.len() } else { 0 }];
+            self.energy_defect = vec![0.0; if part.most_energy_defect.is_some() { self.sigma.len() } else { 0 }];
         }
     }
 
@@ -151,15 +154,15 @@ impl Block {
                     let at = number * self.sigma.len() + to;
                     self.state[at] = other.state_at(number, from);
                 }
-                if let Some(owed) = self.owed.get_mut(to) {
-                    *owed = other.owed.get(from).copied().unwrap_or(0.0);
+                if let Some(energy_defect) = self.energy_defect.get_mut(to) {
+                    *energy_defect = other.energy_defect.get(from).copied().unwrap_or(0.0);
                 }
             }
         }
     }
 
     /// What the bar seems to go on with beyond an end or a joint: stress, velocity, and E times strain (Pa).
-    pub fn go_on(&mut self, side: usize, part: &Part, [stress, velocity, reach]: [f64; 3]) {
+    pub fn fill_ghost_cells(&mut self, side: usize, part: &Part, [stress, velocity, reach]: [f64; 3]) {
         for to in std::array::from_fn::<usize, GHOSTS, _>(|depth| self.outside(side, depth)) {
             (self.sigma[to], self.v[to]) = (stress, velocity);
             if self.stage == Stage::Plastic {

@@ -7,7 +7,7 @@ use super::face::{response, under};
 use super::part::Part;
 use crate::bar::EndCondition;
 use crate::bar::ends::{self, Boundary, EndModel, Face, Push, Relation, Response, Step};
-use crate::wave::riemann::{Flux, Near, Side, Workspace, solve};
+use crate::wave::riemann::{FaceState, Flux, Side, Workspace, solve};
 
 /// Stress and velocity of an end.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -93,7 +93,7 @@ impl End {
     }
 
     /// What goes through the end in the step from `time` on, with the account of it.
-    pub fn settle(&mut self, time: f64, dt: f64, part: &Part, near: &Near, work: &mut Workspace) -> Flux {
+    pub fn settle(&mut self, time: f64, dt: f64, part: &Part, near: &FaceState, work: &mut Workspace) -> Flux {
         let step = self.step(time, dt);
         let (flux, met) = self.respond(&step, part, near, work);
         let (force, velocity) = (-self.face.area * flux.stress, self.face.inward * flux.velocity);
@@ -111,7 +111,7 @@ impl End {
         flux
     }
 
-    fn respond(&self, step: &Step, part: &Part, near: &Near, work: &mut Workspace) -> (Flux, bool) {
+    fn respond(&self, step: &Step, part: &Part, near: &FaceState, work: &mut Workspace) -> (Flux, bool) {
         let face = &self.face;
         let bar = response(part, near, face.inward);
         let mut relation = self.model.relation(step, &bar);
@@ -130,7 +130,7 @@ impl End {
     }
 
     /// The Riemann problem against a relation.
-    fn meet(&self, relation: &Relation, bar: &Response, part: &Part, near: &Near, work: &mut Workspace) -> Flux {
+    fn meet(&self, relation: &Relation, bar: &Response, part: &Part, near: &FaceState, work: &mut Workspace) -> Flux {
         let Relation { of_velocity, of_force, value, .. } = *relation;
         let face = &self.face;
         if of_velocity == 0.0 {

@@ -5,17 +5,17 @@ use super::part::Part;
 use super::slope::{cap, capped, limited};
 use crate::bar::ends::Response;
 use crate::law::flows;
-use crate::wave::riemann::{Flux, Near, Point, Workspace};
+use crate::wave::riemann::{FaceState, Flux, Point, Workspace};
 
 /// How an elastic bar answers at its face; `inward` is +1 where it is to the right of the face and -1 to its left.
-pub(super) fn response(part: &Part, near: &Near, inward: f64) -> Response {
+pub(super) fn response(part: &Part, near: &FaceState, inward: f64) -> Response {
     let Point { stress, velocity, .. } = near.point;
     let impedance = part.area * part.faces.medium.impedance();
     Response { force: -part.area * stress - impedance * inward * velocity, impedance }
 }
 
 /// A face under a stress. What the curve cannot carry into the bar pulls at its face all the same.
-pub(super) fn under(stress: f64, inward: f64, part: &Part, near: &Near, work: &mut Workspace) -> Flux {
+pub(super) fn under(stress: f64, inward: f64, part: &Part, near: &FaceState, work: &mut Workspace) -> Flux {
     let (point, impedance) = (&near.point, part.faces.medium.impedance());
     if part.faces.stays_elastic(near, stress) {
         return Flux { stress, velocity: point.velocity - inward * (stress - point.stress) / impedance };
@@ -52,28 +52,28 @@ impl ToFace {
         let flat = block.is_first_order(part, i);
         let slope = |row: &[f64]| if flat { 0.0 } else { limited(row[i] - row[i - 1], row[i + 1] - row[i]) };
         let (rise, dv) = (slope(&block.sigma), slope(&block.v));
-        let velocity = block.v[i] + 0.5 * part.kick * rise + outward * dv;
+        let velocity = block.v[i] + 0.5 * part.velocity_gain * rise + outward * dv;
         Self { i, outward, flat, half_strain: 0.5 * part.gain * dv, rise, velocity }
     }
 
-    fn elastic(&self, block: &Block) -> Near {
+    fn elastic(&self, block: &Block) -> FaceState {
         let stress = block.sigma[self.i] + self.half_strain + self.outward * self.rise;
-        Near { point: Point { stress, velocity: self.velocity, ..Point::default() }, ..Near::default() }
+        FaceState { point: Point { stress, velocity: self.velocity, ..Point::default() }, ..FaceState::default() }
     }
 
     /// Where the curve is followed both ways: from slopes of strain.
-    fn along_curve(&self, block: &Block, part: &Part, state: &mut [f64]) -> Near {
+    fn along_curve(&self, block: &Block, part: &Part, state: &mut [f64]) -> FaceState {
         let z = |i: usize| block.reach(part, i);
         let i = self.i;
         let dz = if self.flat { 0.0 } else { limited(z(i) - z(i - 1), z(i + 1) - z(i)) };
         let (mut stress, mut flow) = ([0.0], [0.0]);
         part.law.law.strain(&[z(i) + self.half_strain + self.outward * dz], &mut stress, state, &mut flow);
         let point = Point { stress: stress[0], velocity: self.velocity, plastic: state[0], ..Point::default() };
-        Near { point, ..Near::default() }
+        FaceState { point, ..FaceState::default() }
     }
 
     /// Where cells have histories: from slopes of stress, half a step on by the law.
-    fn with_history(&self, block: &Block, part: &Part, state: &mut [f64], work: &mut Workspace) -> Near {
+    fn with_history(&self, block: &Block, part: &Part, state: &mut [f64], work: &mut Workspace) -> FaceState {
         let (law, i) = (part.law.law.as_ref(), self.i);
         for (number, value) in state.iter_mut().enumerate() {
             *value = block.state_at(number, i);
@@ -85,20 +85,20 @@ impl ToFace {
         let stress = ahead[0] + self.outward * self.rise;
         let mut point = Point { stress, velocity: self.velocity, accumulated, back, ..Point::default() };
         if !flows(flow[0], ahead[0]) {
-            return Near { point, flowing: 0.0, reversals };
+            return FaceState { point, flowing: 0.0, reversals };
         }
-        if part.most_owed.is_some() {
+        if part.most_energy_defect.is_some() {
             point.stress = capped(stress, cap(ahead[0], &block.sigma, i));
         }
         let sense = if ahead[0] < back { -1.0 } else { 1.0 };
         let start = part.faces.limit(law.accumulated(&block.state, i), law.back_stress(&block.state, i), sense);
         let gained = (sense * ahead[0] - start).max(0.0);
-        part.faces.before(Near { point, flowing: sense, reversals }, gained, 2.0 * self.outward, work)
+        part.faces.before(FaceState { point, flowing: sense, reversals }, gained, 2.0 * self.outward, work)
     }
 }
 
 /// The first or the last cell of a block at its outer face, half a step on. `state` is room for its law state.
-pub(super) fn near(block: &Block, part: &Part, side: usize, state: &mut Vec<f64>, work: &mut Workspace) -> Near {
+pub(super) fn near(block: &Block, part: &Part, side: usize, state: &mut Vec<f64>, work: &mut Workspace) -> FaceState {
     let to_face = ToFace::new(block, part, side);
     if block.stage != Stage::Plastic {
         return to_face.elastic(block);

@@ -7,7 +7,7 @@ use super::face::{response, under};
 use super::part::Part;
 use crate::bar;
 use crate::bar::joint::{Contact, force_at};
-use crate::wave::riemann::{Flux, Near, Side, Star, Workspace, solve};
+use crate::wave::riemann::{FaceState, Flux, Side, Star, Workspace, solve};
 
 /// A joint.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -40,20 +40,20 @@ impl Joint {
         let (i, j) = (left.inside(1, 0), right.inside(0, 0));
         let (s, v) = ([left.sigma[i], right.sigma[j]], [left.v[i], right.v[j]]);
         if self.contact.is_some_and(|contact| contact.is_open()) {
-            left.go_on(1, a, [-s[0], v[0], -left.reach(a, i)]);
-            right.go_on(0, b, [-s[1], v[1], -right.reach(b, j)]);
+            left.fill_ghost_cells(1, a, [-s[0], v[0], -left.reach(a, i)]);
+            right.fill_ghost_cells(0, b, [-s[1], v[1], -right.reach(b, j)]);
             return;
         }
         let pull = 2.0 * (b.area * s[1] - a.area * s[0]) / (a.cell_mass() + b.cell_mass());
         let soft = |part: &Part| part.dx / (part.modulus * part.area);
         let loading = 2.0 * (v[1] - v[0]) / (soft(a) + soft(b));
         let (rise_a, rise_b) = (pull * a.cell_mass() / a.area, pull * b.cell_mass() / b.area);
-        left.go_on(1, a, [s[0] + rise_a, v[0] + loading * soft(a), left.reach(a, i) + rise_a]);
-        right.go_on(0, b, [s[1] - rise_b, v[1] - loading * soft(b), right.reach(b, j) - rise_b]);
+        left.fill_ghost_cells(1, a, [s[0] + rise_a, v[0] + loading * soft(a), left.reach(a, i) + rise_a]);
+        right.fill_ghost_cells(0, b, [s[1] - rise_b, v[1] - loading * soft(b), right.reach(b, j) - rise_b]);
     }
 
     /// What goes through its left and its right face in a step.
-    pub fn settle(&mut self, dt: f64, parts: [&Part; 2], near: &[Near; 2], work: &mut Workspace) -> [Flux; 2] {
+    pub fn settle(&mut self, dt: f64, parts: [&Part; 2], near: &[FaceState; 2], work: &mut Workspace) -> [Flux; 2] {
         let Some(contact) = &mut self.contact else { return meeting(0.0, parts, near, work) };
         let free = [under(0.0, -1.0, parts[0], &near[0], work), under(0.0, 1.0, parts[1], &near[1], work)];
         let closed = meeting(contact.closing_rate(dt), parts, near, work);
@@ -67,7 +67,7 @@ impl Joint {
 }
 
 /// Both sides together, while their gap grows at `rate` (m/s).
-fn meeting(rate: f64, [a, b]: [&Part; 2], [left, right]: &[Near; 2], work: &mut Workspace) -> [Flux; 2] {
+fn meeting(rate: f64, [a, b]: [&Part; 2], [left, right]: &[FaceState; 2], work: &mut Workspace) -> [Flux; 2] {
     let half = 0.5 * rate;
     let bars = [response(a, left, -1.0), response(b, right, 1.0)];
     let force = force_at(rate, &bars);

@@ -9,21 +9,21 @@ use super::front;
 use super::part::Part;
 use super::slope::{cap, capped, limited};
 use crate::law::{LANES, flows};
-use crate::wave::riemann::{Faces, Flux, Near, Point, Workspace};
+use crate::wave::riemann::{FaceState, Faces, Flux, Point, Workspace};
 
 /// What the elastic kernel must know of a segment.
 #[derive(Debug, Clone, Copy)]
 struct Elastic {
     /// E dt/dx and dt/(rho dx).
     gain: f64,
-    kick: f64,
+    velocity_gain: f64,
     /// rho c0/2 and 1/(2 rho c0).
     halves: [f64; 2],
 }
 
 impl Elastic {
     fn of(part: &Part) -> Self {
-        Self { gain: part.gain, kick: part.kick, halves: part.faces.halves() }
+        Self { gain: part.gain, velocity_gain: part.velocity_gain, halves: part.faces.halves() }
     }
 }
 
@@ -138,7 +138,7 @@ fn elastic(block: &mut Block, part: &Part, scratch: &mut Scratch) -> bool {
         return false;
     }
     let own = GHOSTS..row - GHOSTS;
-    block.lost += push(elastic.kick, &mut block.v, &block.sigma, &stress[..row], through, lost);
+    block.lost += push(elastic.velocity_gain, &mut block.v, &block.sigma, &stress[..row], through, lost);
     block.sigma[own.clone()].copy_from_slice(&stress[own]);
     true
 }
@@ -146,7 +146,7 @@ fn elastic(block: &mut Block, part: &Part, scratch: &mut Scratch) -> bool {
 /// States at the faces of an elastic row. Returns the largest stress among them.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
 fn carry(elastic: Elastic, cells: Range<usize>, sigma: &[f64], v: &[f64], carried: &mut Carried) -> f64 {
-    let (half_gain, half_kick) = (0.5 * elastic.gain, 0.5 * elastic.kick);
+    let (half_gain, half_kick) = (0.5 * elastic.gain, 0.5 * elastic.velocity_gain);
     let (from, count) = (cells.start, cells.len());
     let Carried { left: [left_s, left_v], right: [right_s, right_v] } = carried;
     let (left_s, left_v) = (&mut left_s[from..from + count], &mut left_v[from..from + count]);
@@ -218,7 +218,14 @@ fn strain_elastic(elastic: Elastic, sigma: &[f64], through: &Through, after: &mu
 /// New velocities of the own cells. Returns what the scheme takes from their energy, W/m^2 times the step's part: the sum of
 /// `(stress - s)(velocity - w)` over right faces less that over left ones, s and w the cell's means over the step.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
-fn push(kick: f64, v: &mut [f64], before: &[f64], after: &[f64], through: &Through, lost: &mut [f64; ROW]) -> f64 {
+fn push(
+    velocity_gain: f64,
+    v: &mut [f64],
+    before: &[f64],
+    after: &[f64],
+    through: &Through,
+    lost: &mut [f64; ROW],
+) -> f64 {
     let cells = before.len() - 2 * GHOSTS;
     let v = &mut v[GHOSTS..GHOSTS + cells];
     let (before, after) = (&before[GHOSTS..GHOSTS + cells], &after[GHOSTS..GHOSTS + cells]);
@@ -227,7 +234,7 @@ fn push(kick: f64, v: &mut [f64], before: &[f64], after: &[f64], through: &Throu
     let lost = &mut lost[..cells];
     for i in 0..cells {
         let old = v[i];
-        let new = old + kick * (stress[i + 1] - stress[i]);
+        let new = old + velocity_gain * (stress[i + 1] - stress[i]);
         let (s, w) = (0.5 * (before[i] + after[i]), 0.5 * (old + new));
         let (out, into) = ((stress[i + 1] - s) * (velocity[i + 1] - w), (stress[i] - s) * (velocity[i] - w));
         lost[i] = out - into;
@@ -269,7 +276,7 @@ fn plastic(block: &mut Block, part: &Part, scratch: &mut Scratch) {
     let work = &mut ahead.work[..row];
     law.strain(&increment[..row], &mut block.sigma, &mut block.state, work);
     block.plastic += work[GHOSTS..row - GHOSTS].iter().sum::<f64>();
-    block.lost += push(part.kick, &mut block.v, &stress[..row], &block.sigma, through, lost);
+    block.lost += push(part.velocity_gain, &mut block.v, &stress[..row], &block.sigma, through, lost);
     block.note_owed(&lost[..row - 2 * GHOSTS]);
 }
 
@@ -286,7 +293,7 @@ fn carry_motion(elastic: Elastic, sigma: &[f64], v: &[f64], scratch: &mut Scratc
     for i in 1..row - 1 {
         let ds = limited(sigma[i] - sigma[i - 1], sigma[i + 1] - sigma[i]);
         let dv = limited(v[i] - v[i - 1], v[i + 1] - v[i]);
-        let w = v[i] + 0.5 * elastic.kick * ds;
+        let w = v[i] + 0.5 * elastic.velocity_gain * ds;
         (slope[i], increment[i]) = (ds, 0.5 * elastic.gain * dv);
         left[i] = w - 0.5 * dv;
         right[i] = w + 0.5 * dv;
@@ -302,7 +309,7 @@ fn carry_motion(elastic: Elastic, sigma: &[f64], v: &[f64], scratch: &mut Scratc
 fn flatten(block: &Block, part: &Part, scratch: &mut Scratch) {
     let row = block.sigma.len();
     scratch.flat[..row].fill(false);
-    if part.stiffens.is_none() && part.most_owed.is_none() {
+    if part.stiffens.is_none() && part.most_energy_defect.is_none() {
         return;
     }
     let Scratch { carried, increment, slope, flat, .. } = scratch;
@@ -322,7 +329,7 @@ fn sharpen(block: &Block, part: &Part, scratch: &mut Scratch) {
             continue;
         }
         let Some(found) = front::slopes(block, part, i) else { continue };
-        let w = block.v[i] + 0.5 * part.kick * found.stress;
+        let w = block.v[i] + 0.5 * part.velocity_gain * found.stress;
         (slope[i], increment[i], steep[i]) = (found.stress, 0.5 * part.gain * found.velocity, Some(found.reach));
         (carried.left[1][i], carried.right[1][i]) = (w - 0.5 * found.velocity, w + 0.5 * found.velocity);
     }
@@ -379,7 +386,7 @@ fn carry_history(block: &Block, part: &Part, scratch: &mut Scratch) {
     for ((left, right), (sigma, slope)) in faces.zip(ahead.sigma.iter().zip(slope)).take(row) {
         (*left, *right) = (sigma - 0.5 * *slope, sigma + 0.5 * *slope);
     }
-    if part.most_owed.is_none() {
+    if part.most_energy_defect.is_none() {
         return;
     }
     for i in (1..row - 1).filter(|&i| ahead.work[i] != 0.0) {
@@ -395,10 +402,10 @@ fn correct_curve(block: &mut Block, part: &Part, scratch: &mut Scratch) {
     let (row, limit) = (block.sigma.len(), part.limit);
     let Scratch { carried: Carried { left, right }, through, ahead, .. } = scratch;
     // Where no strain is beyond the limit stress and strain are one.
-    let inside = |near: &Near| near.point.stress.abs() <= limit && near.point.plastic == 0.0;
-    let near = |stress: f64, velocity: f64, plastic: f64| Near {
+    let inside = |near: &FaceState| near.point.stress.abs() <= limit && near.point.plastic == 0.0;
+    let near = |stress: f64, velocity: f64, plastic: f64| FaceState {
         point: Point { stress, velocity, plastic, ..Point::default() },
-        ..Near::default()
+        ..FaceState::default()
     };
     let cells = block.carried();
     for face in cells.start + 1..cells.end {
@@ -447,10 +454,10 @@ fn correct_history(block: &mut Block, part: &Part, scratch: &mut Scratch) {
         let point = Point { stress, velocity, accumulated: law.accumulated(state, i), back, ..Point::default() };
         let reversals = law.reversals(&block.state, i);
         if ahead.work[i] == 0.0 {
-            return Near { point, flowing: 0.0, reversals };
+            return FaceState { point, flowing: 0.0, reversals };
         }
         let flowing = if ahead.sigma[i] < back { -1.0 } else { 1.0 };
-        part.faces.before(Near { point, flowing, reversals }, gained[i], outward, work)
+        part.faces.before(FaceState { point, flowing, reversals }, gained[i], outward, work)
     };
     for face in cells.start + 1..cells.end {
         let (i, j) = (face - 1, face);

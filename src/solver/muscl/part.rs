@@ -5,7 +5,7 @@ use crate::solver::fd::{SegmentGrid, SegmentLaw};
 use crate::wave::riemann::{Faces, Flow, Medium};
 
 /// Energy that slopes may give to a cell, as a part of its elastic energy at yield.
-const MOST_OWED: f64 = 1e-3;
+const MOST_ENERGY_DEFECT: f64 = 1e-3;
 
 /// A segment with its law and what its faces need.
 #[derive(Clone)]
@@ -20,13 +20,13 @@ pub struct Part {
     /// E dt/dx, Pa s/m.
     pub(super) gain: f64,
     /// dt/(rho dx), m/s per Pa.
-    pub(super) kick: f64,
+    pub(super) velocity_gain: f64,
     /// E times the strains at which the curve stiffens, in tension and compression, Pa; none along most curves.
     pub(super) stiffens: Option<[Vec<f64>; 2]>,
     /// Stress up to which everything is elastic, Pa.
     pub(super) limit: f64,
     /// Energy that slopes may give to a cell, W/m^2, where the curve has a level or falling stretch; none along other curves.
-    pub(super) most_owed: Option<f64>,
+    pub(super) most_energy_defect: Option<f64>,
 }
 
 impl Part {
@@ -41,10 +41,10 @@ impl Part {
             area: segment.area,
             dx: grid.dx,
             gain,
-            kick: dt / (segment.material.density * grid.dx),
+            velocity_gain: dt / (segment.material.density * grid.dx),
             stiffens: Some(faces.stiffenings()).filter(|all| all.iter().any(|knots| !knots.is_empty())),
             limit,
-            most_owed: faces.has_level().then(|| MOST_OWED * limit * limit / (2.0 * gain)),
+            most_energy_defect: faces.has_level().then(|| MOST_ENERGY_DEFECT * limit * limit / (2.0 * gain)),
             faces,
             law,
         }

@@ -96,7 +96,7 @@ impl Muscl {
             let block = &mut self.blocks[k];
             let part = &self.parts[block.part];
             let beyond = self.ends[side].beyond(time, dt, block, part);
-            block.go_on(side, part, beyond);
+            block.fill_ghost_cells(side, part, beyond);
         }
         for joint in &self.joints {
             let (before, after) = self.blocks.split_at_mut(joint.edge + 1);

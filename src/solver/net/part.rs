@@ -6,7 +6,7 @@ use multiversion::multiversion;
 use serde::{Deserialize, Serialize};
 
 use crate::bar::Segment;
-use crate::law::rate::{Flow, History, Pace, RateLaw};
+use crate::law::rate::{Flow, History, RateLaw, RelaxationStep};
 use crate::law::{DataEnd, Flowing, Reached};
 use crate::material::Sense;
 
@@ -47,7 +47,7 @@ pub(super) struct Part {
     pub law: RateLaw,
     end: DataEnd,
     /// Whole steps of the nodes inside the segment.
-    pace: Pace,
+    relaxation_step: RelaxationStep,
     /// Its cells, counted over the whole bar.
     pub cells: Range<usize>,
     /// m^2.
@@ -105,7 +105,14 @@ impl Nodes {
 
     /// Lets the nodes from `first` on flow for a step; `f` and `g` (one entry a node) are what reaches them, and then
     /// what leaves them.
-    fn relax(&mut self, law: &RateLaw, pace: &Pace, first: usize, f: &mut [f64], g: &mut [f64]) -> Work {
+    fn relax(
+        &mut self,
+        law: &RateLaw,
+        relaxation_step: &RelaxationStep,
+        first: usize,
+        f: &mut [f64],
+        g: &mut [f64],
+    ) -> Work {
         let count = f.len();
         let g = &mut g[..count];
         let (low, high) = (&mut self.low[first..first + count], &mut self.high[first..first + count]);
@@ -118,7 +125,7 @@ impl Nodes {
                 for i in start..end {
                     let stress = 0.5 * (f[i] + g[i]);
                     let Some((sense, excess)) = beyond(stress, low[i], high[i]) else { continue };
-                    let flow = law.flow_at(pace, excess, sense, &mut history[i]);
+                    let flow = law.flow_at(relaxation_step, excess, sense, &mut history[i]);
                     [low[i], high[i]] = law.limits(&history[i]);
                     let drop = INSIDE * flow.plastic;
                     f[i] -= drop;
@@ -156,7 +163,7 @@ impl Part {
             f: vec![-impedance * velocity; count],
             g: vec![impedance * velocity; count],
             work: Work::default(),
-            pace: law.pace(INSIDE, dt),
+            relaxation_step: law.relaxation_step(INSIDE, dt),
             end: DataEnd::of(&segment.material),
             law,
             cells,
@@ -173,7 +180,7 @@ impl Part {
 
     /// The cells flow for a whole step; then f and g are what leaves them.
     pub fn relax_cells(&mut self) {
-        let work = self.centres.relax(&self.law, &self.pace, 0, &mut self.f, &mut self.g);
+        let work = self.centres.relax(&self.law, &self.relaxation_step, 0, &mut self.f, &mut self.g);
         self.work.add(work);
     }
 
@@ -181,7 +188,7 @@ impl Part {
     /// and the g that come in at the segment's left and right border.
     pub fn pass_borders(&mut self, entering: [f64; 2]) {
         let last = self.f.len() - 1;
-        let work = self.borders.relax(&self.law, &self.pace, 1, &mut self.f[..last], &mut self.g[1..]);
+        let work = self.borders.relax(&self.law, &self.relaxation_step, 1, &mut self.f[..last], &mut self.g[1..]);
         self.work.add(work);
         self.f.copy_within(..last, 1);
         self.g.copy_within(1.., 0);

@@ -1,12 +1,12 @@
 //! One way to solve the scene, run without any recording: what it gives, and how long its steps take.
 
+use std::ops::ControlFlow;
 use std::time::Instant;
 
 use super::ladder::Halt;
 use crate::accuracy::{Course, Ended, Respond, Response, respond};
 use crate::assemble;
 use crate::record::Stepped;
-use crate::run::Wish;
 use crate::scene::{Method, Scene};
 use crate::snapshot::Snapshot;
 use crate::solver::fd::Grid;
@@ -30,7 +30,7 @@ pub(super) struct Watch<'a> {
     /// What is under way, for the progress line.
     pub what: String,
     /// Told what is under way and how much time has gone, s.
-    pub progress: &'a mut dyn FnMut(&str, f64) -> Wish,
+    pub progress: &'a mut dyn FnMut(&str, f64) -> ControlFlow<()>,
 }
 
 impl Watch<'_> {
@@ -42,7 +42,7 @@ impl Watch<'_> {
     /// Shows progress; an error where the run under way has to end.
     pub fn look(&mut self) -> Result<(), Halt> {
         let now = self.now();
-        if (self.progress)(&self.what, now) == Wish::Stop {
+        if (self.progress)(&self.what, now).is_break() {
             return Err(Halt::Interrupted);
         }
         if now > self.until { Err(Halt::OutOfTime) } else { Ok(()) }

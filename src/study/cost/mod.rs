@@ -12,6 +12,7 @@ mod results;
 mod rivals;
 mod source;
 
+use std::ops::ControlFlow;
 use std::time::Instant;
 
 pub use effects::EffectCost;
@@ -29,7 +30,6 @@ use self::source::{Family, Source};
 use crate::accuracy::{INSTANTS, evenly};
 use crate::error::{Error, InputError, Result};
 use crate::record::Measure;
-use crate::run::Wish;
 use crate::scene::{Method, Scene};
 
 /// Parts of the budget by which the stages of the study have to be done; what one leaves goes to the next.
@@ -73,7 +73,7 @@ pub struct Hooks<'a> {
     /// Runs the scene with these overrides in a process of its own, for at most so long (s).
     pub whole: &'a mut dyn FnMut(&[String], f64) -> Whole,
     /// Told what is under way and how much time has gone, s.
-    pub progress: &'a mut dyn FnMut(&str, f64) -> Wish,
+    pub progress: &'a mut dyn FnMut(&str, f64) -> ControlFlow<()>,
 }
 
 /// Studies a scene that was read from text.

@@ -6,7 +6,7 @@ use super::measure::{Pass, Watch};
 use super::rivals::{self, Rival, Run};
 use super::source::{Family, Resolution, Source};
 use crate::accuracy::{Response, similar_response};
-use crate::bar::{Launch, launches};
+use crate::bar::{InitialFan, initial_fans};
 use crate::error::Result;
 use crate::record::{self, ErrorTable};
 use crate::scene::{Effects, Scene};
@@ -26,7 +26,7 @@ pub(super) struct Reference {
 }
 
 enum Kind {
-    Similar(Box<Scene>, Box<Launch>),
+    Similar(Box<Scene>, Box<InitialFan>),
     /// With a field at every instant at which a run may be compared.
     Run(Box<Response>),
 }
@@ -35,9 +35,9 @@ impl Reference {
     /// Errors of a run.
     pub fn errors(&self, pass: &Pass) -> ErrorTable {
         match &self.kind {
-            Kind::Similar(scene, launch) => {
+            Kind::Similar(scene, initial_fan) => {
                 let (times, gauges) = (pass.response.instants(), scene.record.gauge_places());
-                pass.response.errors(&similar_response(&scene.bar, launch, &times, &gauges))
+                pass.response.errors(&similar_response(&scene.bar, initial_fan, &times, &gauges))
             }
             Kind::Run(response) => pass.response.errors(response),
         }
@@ -119,13 +119,13 @@ fn similar(scene: &Scene, instants: &Instants) -> Option<Reference> {
     if scene.effects != known {
         return None;
     }
-    let all = launches(&scene.bar, &scene.left, &scene.right);
-    let launch = record::alone(&scene.bar, &all, last)?;
+    let all = initial_fans(&scene.bar, &scene.left, &scene.right);
+    let initial_fan = record::alone(&scene.bar, &all, last)?;
     Some(Reference {
         name: "self-similar solution, exact for the curve's table".into(),
         uncertainty: ROUNDING,
         grid: None,
-        kind: Kind::Similar(Box::new(scene.clone()), Box::new(launch.clone())),
+        kind: Kind::Similar(Box::new(scene.clone()), Box::new(initial_fan.clone())),
     })
 }
 

@@ -1,12 +1,13 @@
 //! Whether the results of a case come together: three runs, on N, 2N and 4N cells, or with the front tolerances t, t/2 and t/4.
 
+use std::ops::ControlFlow;
 use std::path::Path;
 
 use super::HardCase;
 use crate::error::{Error, Result};
 use crate::record::Field;
 use crate::record::store::ResultFile;
-use crate::run::{self, Progress, Wish};
+use crate::run::{self, Progress};
 use crate::scene::{Method, Scene};
 
 /// Samples over the bar at which runs are compared.
@@ -68,7 +69,7 @@ pub(super) fn study(
     overrides: &[String],
     scale: f64,
     folder: &Path,
-    progress: &mut dyn FnMut(Progress) -> Wish,
+    progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Outcome> {
     let mut stresses: Vec<Vec<f64>> = Vec::new();
     for level in levels(case, &scene.solve.method) {
@@ -88,7 +89,7 @@ fn last_stress(
     case: &HardCase,
     overrides: &[String],
     folder: &Path,
-    progress: &mut dyn FnMut(Progress) -> Wish,
+    progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Vec<f64>> {
     let scene = Scene::parse(case.name, &case.text(), folder, overrides)?;
     let output = folder.join(format!("{}-level.h5", case.name));

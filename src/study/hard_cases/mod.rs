@@ -7,6 +7,7 @@ mod convergence;
 mod scenes;
 mod variation;
 
+use std::ops::ControlFlow;
 use std::path::Path;
 
 use serde::Serialize;
@@ -16,7 +17,7 @@ pub use scenes::{Bound, CASES, HardCase};
 use crate::error::{Error, Result};
 use crate::record::Summary;
 use crate::record::store::ResultFile;
-use crate::run::{self, Progress, Wish};
+use crate::run::{self, Progress};
 use crate::scene::Scene;
 
 /// Meetings of fronts after which front tracking gives up on a case.
@@ -144,7 +145,7 @@ pub fn run_case(
     case: &HardCase,
     method: Method,
     folder: &Path,
-    progress: &mut dyn FnMut(Progress) -> Wish,
+    progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Tried> {
     let mut tried = Tried::refused(case, method);
     let text = case.text();

@@ -10,7 +10,7 @@
 
 use ndarray::Array2;
 
-use crate::bar::{Bar, EndCondition, launches};
+use crate::bar::{Bar, EndCondition, initial_fans};
 use crate::scene::Scene;
 
 /// Largest sum over the imposed jump: a scheme of second order for a system is monotone but for terms of higher order.
@@ -25,7 +25,7 @@ pub(super) fn imposed(scene: &Scene) -> Option<[f64; 2]> {
         return None;
     }
     let ((driven, EndCondition::Free) | (EndCondition::Free, driven)) = (left, right) else { return None };
-    let fans = launches(bar, left, right);
+    let fans = initial_fans(bar, left, right);
     let fan = &fans.first()?.fan;
     Some([fan.stress, jump(driven, bar).unwrap_or(fan.velocity)]).filter(|_| is_steady(driven))
 }

@@ -17,7 +17,7 @@ const LEVEL: f64 = 1e-3;
 
 /// State of a cell's material at one of its faces.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Near {
+pub struct FaceState {
     /// Stress and velocity at the face, history of the cell. A curve that is followed both ways has its strain there.
     pub point: Point,
     /// The cell flows, in this sense (+1 tension, -1 compression): its stress at the face lies on the curve, too. 0 where
@@ -149,7 +149,7 @@ impl Faces {
 
     /// Stress and velocity at a face between two states of this medium. Where a level curve caps the stress, the velocity
     /// is the mean of both sides'.
-    pub fn solve(&self, left: &Near, right: &Near, work: &mut Workspace) -> Flux {
+    pub fn solve(&self, left: &FaceState, right: &FaceState, work: &mut Workspace) -> Flux {
         match self.medium.flow {
             Flow::Plastic { kinematic } => self.plastic(kinematic, left, right, work),
             Flow::Overlay => self.overlay(left, right, work),
@@ -157,12 +157,12 @@ impl Faces {
         }
     }
 
-    pub(super) fn elastic(&self, left: &Near, right: &Near) -> Flux {
+    pub(super) fn elastic(&self, left: &FaceState, right: &FaceState) -> Flux {
         Self::acoustic(self.half_impedance, self.half_compliance, left.flux(), right.flux())
     }
 
     /// True where the side comes to this stress elastically.
-    pub fn stays_elastic(&self, near: &Near, stress: f64) -> bool {
+    pub fn stays_elastic(&self, near: &FaceState, stress: f64) -> bool {
         let sense = if stress < near.point.stress { -1.0 } else { 1.0 };
         if self.medium.flow == Flow::Overlay {
             return sense * stress <= self.overlay_limit(near, sense);
@@ -174,7 +174,7 @@ impl Faces {
         sense * stress <= self.way(near, sense, kinematic).limit
     }
 
-    fn plastic(&self, kinematic: f64, left: &Near, right: &Near, work: &mut Workspace) -> Flux {
+    fn plastic(&self, kinematic: f64, left: &FaceState, right: &FaceState, work: &mut Workspace) -> Flux {
         let elastic = self.elastic(left, right);
         let sense = if elastic.stress < left.point.back { -1.0 } else { 1.0 };
         if kinematic == 0.0 && sense * elastic.stress <= self.virgin[side(sense)] {
@@ -186,7 +186,7 @@ impl Faces {
             return elastic;
         }
         let start = a.limit.min(b.limit);
-        let low = |near: &Near, limit: f64| {
+        let low = |near: &FaceState, limit: f64| {
             if kinematic == 0.0 { -self.virgin[side(-sense)] } else { 2.0 * sense * near.point.back - limit }
         };
         let reached = start >= low(left, a.limit) && start >= low(right, b.limit);
@@ -198,7 +198,7 @@ impl Faces {
     }
 
     /// The side's way in a sense.
-    fn way(&self, near: &Near, sense: f64, kinematic: f64) -> Way<'_> {
+    fn way(&self, near: &FaceState, sense: f64, kinematic: f64) -> Way<'_> {
         let lines = self.medium.lines(sense);
         let own = sense * near.point.stress;
         let (line, _, y) = lines.at_accumulated(near.point.accumulated);
@@ -222,7 +222,7 @@ impl Faces {
     }
 
     /// Both ways run in one sense; none where the answer lies past what a walk over falling slopes finds.
-    fn walk(&self, sense: f64, left: &Near, right: &Near, mut a: Way, mut b: Way) -> Option<Flux> {
+    fn walk(&self, sense: f64, left: &FaceState, right: &FaceState, mut a: Way, mut b: Way) -> Option<Flux> {
         let elastic = 2.0 * self.half_compliance;
         let target = sense * (right.point.velocity - left.point.velocity);
         let mut stress = a.limit.min(b.limit);
@@ -259,7 +259,7 @@ impl Faces {
     }
 
     /// A flowing side's history moved along the curve to where its stress at the face is.
-    fn moved_along(&self, near: &Near, kinematic: f64) -> Point {
+    fn moved_along(&self, near: &FaceState, kinematic: f64) -> Point {
         let mut point = near.point;
         if near.flowing == 0.0 {
             return point;
@@ -281,9 +281,9 @@ impl Faces {
         point
     }
 
-    fn path_independent(&self, left: &Near, right: &Near, work: &mut Workspace) -> Flux {
+    fn path_independent(&self, left: &FaceState, right: &FaceState, work: &mut Workspace) -> Flux {
         let elastic = self.elastic(left, right);
-        let reach = |near: &Near| near.point.stress + near.point.plastic;
+        let reach = |near: &FaceState| near.point.stress + near.point.plastic;
         let (z_left, z_right) = (reach(left), reach(right));
         let within = |z: f64| z.abs() <= self.virgin[side(z)];
         if within(z_left) && within(z_right) && within(elastic.stress) {
@@ -314,7 +314,7 @@ impl Faces {
     }
 
     /// Both states and the answer lie on one line of the curve.
-    fn on_one_line(&self, sense: f64, left: &Near, right: &Near, z: [f64; 2]) -> Option<Flux> {
+    fn on_one_line(&self, sense: f64, left: &FaceState, right: &FaceState, z: [f64; 2]) -> Option<Flux> {
         let lines = self.medium.lines(sense);
         let line = lines.at(sense * z[0]);
         let compliance = lines.compliance[line];
@@ -328,11 +328,11 @@ impl Faces {
 
     /// Slopes fall along the curve and neither side crosses zero stress: whoever loads sends a fan, whoever unloads a
     /// shock. None where the answer lies elsewhere.
-    fn fan_and_shock(&self, sense: f64, left: &Near, right: &Near, z: [f64; 2]) -> Option<Flux> {
+    fn fan_and_shock(&self, sense: f64, left: &FaceState, right: &FaceState, z: [f64; 2]) -> Option<Flux> {
         if !self.concave {
             return None;
         }
-        let start = |near: &Near, z: f64| Branch::new(self, sense, sense * near.point.stress, sense * z);
+        let start = |near: &FaceState, z: f64| Branch::new(self, sense, sense * near.point.stress, sense * z);
         let (a, b) = (start(left, z[0]), start(right, z[1]));
         let target = sense * (right.point.velocity - left.point.velocity);
         let lines = self.medium.lines(sense);
@@ -344,7 +344,7 @@ impl Faces {
         Some(Flux { stress: sense * stress, velocity: 0.5 * (from_left + from_right) })
     }
 
-    pub(super) fn general(&self, left: &Near, right: &Near, work: &mut Workspace) -> Flux {
+    pub(super) fn general(&self, left: &FaceState, right: &FaceState, work: &mut Workspace) -> Flux {
         let (left, right) = (self.placed(left), self.placed(right));
         let star = solve(Side::Face(&self.medium, &left), Side::Face(&self.medium, &right), work);
         let velocity = 0.5 * (star.velocity_left + star.velocity_right);
@@ -352,11 +352,11 @@ impl Faces {
     }
 
     /// A side as [`solve`] takes it: with the history that belongs to its stress.
-    pub fn placed(&self, near: &Near) -> Near {
+    pub fn placed(&self, near: &FaceState) -> FaceState {
         match self.medium.flow {
-            Flow::Plastic { kinematic } => Near { point: self.moved_along(near, kinematic), ..*near },
-            Flow::PathIndependent => Near { point: self.on_level(&near.point), ..*near },
-            Flow::Overlay => Near { reversals: self.reversals(near), ..*near },
+            Flow::Plastic { kinematic } => FaceState { point: self.moved_along(near, kinematic), ..*near },
+            Flow::PathIndependent => FaceState { point: self.on_level(&near.point), ..*near },
+            Flow::Overlay => FaceState { reversals: self.reversals(near), ..*near },
         }
     }
 
@@ -387,11 +387,11 @@ impl Faces {
 
     /// A flowing side before it gained `gained` (Pa, >= 0) along the curve, moved along its own wave: the Riemann problem has
     /// the same answer, but for one that lies below what it started from. `outward` is +1 for the left side, -1 for the right.
-    pub fn before(&self, near: Near, gained: f64, outward: f64, work: &mut Workspace) -> Near {
+    pub fn before(&self, near: FaceState, gained: f64, outward: f64, work: &mut Workspace) -> FaceState {
         if self.medium.flow == Flow::Overlay {
             return self.overlay_before(near, gained, outward, &mut work.left);
         }
-        let Near { point, flowing: sense, .. } = near;
+        let FaceState { point, flowing: sense, .. } = near;
         let (_, _, y) = self.medium.lines(sense).at_accumulated(point.accumulated);
         let top = y + sense * point.stress - self.limit(point.accumulated, point.back, sense);
         let (from, to) = (self.moved(sense, top - gained), self.moved(sense, top));
@@ -405,7 +405,7 @@ impl Faces {
             velocity: point.velocity - outward * sense * change,
             ..point
         };
-        Near { point, ..near }
+        FaceState { point, ..near }
     }
 
     /// Velocity change along the curve from zero stress to y, and the line on which that is.
@@ -425,7 +425,7 @@ impl Faces {
     }
 }
 
-impl Near {
+impl FaceState {
     fn flux(&self) -> Flux {
         Flux { stress: self.point.stress, velocity: self.point.velocity }
     }

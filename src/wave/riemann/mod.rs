@@ -20,7 +20,7 @@ mod medium;
 mod overlay;
 mod path;
 
-pub use face::{Faces, Flux, Near, Straight};
+pub use face::{FaceState, Faces, Flux, Straight};
 pub use medium::{Flow, Medium, Point};
 pub use path::{Emitted, Path};
 
@@ -32,7 +32,7 @@ pub enum Side<'a> {
     /// A piece of bar.
     Bar(&'a Medium, &'a Point),
     /// The same, at a face of a grid: as [`Faces::placed`] has it.
-    Face(&'a Medium, &'a Near),
+    Face(&'a Medium, &'a FaceState),
     /// Something that answers a force F with the velocity change `compliance * (F - force)`: a rigid driver
     /// (compliance 0), or an elastic bar without end.
     Straight {
@@ -146,11 +146,11 @@ fn beyond(target: f64, a: &mut Path, b: &mut Path) -> (f64, bool) {
     let (mut i, mut j) = (a.edge(force), b.edge(force));
     let mut sum = a.velocity(force / a.area()) + b.velocity(force / b.area());
     while a.is_straight(i) && b.is_straight(j) {
-        let softness = a.softness(i) + b.softness(j);
+        let compliance = a.compliance(i) + b.compliance(j);
         let next = a.force(i + 1).min(b.force(j + 1));
-        let there = sum + softness * (next - force);
+        let there = sum + compliance * (next - force);
         if there >= target || next == f64::INFINITY {
-            return (force + (target - sum).max(0.0) / softness, false);
+            return (force + (target - sum).max(0.0) / compliance, false);
         }
         (force, sum) = (next, there);
         i += usize::from(a.force(i + 1) <= next);
@@ -187,11 +187,11 @@ fn between(gap: f64, bottom: f64, top: f64, low: &mut Path, high: &mut Path) -> 
     let mut sum = -high.velocity(-force / high.area());
     if high.is_straight(j) {
         while low.is_straight(i) {
-            let softness = low.softness(i) + high.softness(j);
+            let compliance = low.compliance(i) + high.compliance(j);
             let next = low.force(i + 1).min(-high.force(j));
-            let there = sum + softness * (next - force);
+            let there = sum + compliance * (next - force);
             if there >= gap || next >= top {
-                return (force + (gap - sum).max(0.0) / softness).min(top);
+                return (force + (gap - sum).max(0.0) / compliance).min(top);
             }
             (force, sum) = (next, there);
             i += usize::from(low.force(i + 1) <= next);

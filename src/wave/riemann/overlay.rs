@@ -1,7 +1,7 @@
 //! Paths and faces of elements in parallel, see [`crate::law::Reversals`]: their branches are the curve doubled in size.
 
 use super::Workspace;
-use super::face::{Faces, Flux, Near};
+use super::face::{FaceState, Faces, Flux};
 use super::medium::{Medium, Point};
 use super::path::Path;
 use crate::law::Reversals;
@@ -36,7 +36,7 @@ impl Path {
 
 impl Faces {
     /// sense * stress up to which a side stays elastic, Pa.
-    pub(super) fn overlay_limit(&self, near: &Near, sense: f64) -> f64 {
+    pub(super) fn overlay_limit(&self, near: &FaceState, sense: f64) -> f64 {
         let (own, range) = (sense * near.point.stress, self.yield_stress());
         if near.flowing == sense {
             own
@@ -47,7 +47,7 @@ impl Faces {
         }
     }
 
-    pub(super) fn overlay(&self, left: &Near, right: &Near, work: &mut Workspace) -> Flux {
+    pub(super) fn overlay(&self, left: &FaceState, right: &FaceState, work: &mut Workspace) -> Flux {
         let elastic = self.elastic(left, right);
         if self.stays_elastic(left, elastic.stress) && self.stays_elastic(right, elastic.stress) {
             return elastic;
@@ -56,7 +56,7 @@ impl Faces {
     }
 
     /// The reversals of a side once it has come to its stress.
-    pub(super) fn reversals(&self, near: &Near) -> Reversals {
+    pub(super) fn reversals(&self, near: &FaceState) -> Reversals {
         let (mut reversals, stress, range) = (near.reversals, near.point.stress, self.yield_stress());
         let outside = stress - near.point.back;
         let sense = if near.flowing == 0.0 { 1.0_f64.copysign(outside) } else { near.flowing };
@@ -68,15 +68,15 @@ impl Faces {
     }
 
     /// As [`Faces::before`].
-    pub(super) fn overlay_before(&self, near: Near, gained: f64, outward: f64, path: &mut Path) -> Near {
+    pub(super) fn overlay_before(&self, near: FaceState, gained: f64, outward: f64, path: &mut Path) -> FaceState {
         let (sense, stress) = (near.flowing, near.point.stress);
-        let start = Near { point: Point { stress: stress - sense * gained, ..near.point }, ..near };
+        let start = FaceState { point: Point { stress: stress - sense * gained, ..near.point }, ..near };
         path.fill_at_face(&self.medium, &self.placed(&start), sense);
         let change = path.velocity(sense * stress);
         if !change.is_finite() {
             return near;
         }
         let velocity = near.point.velocity - outward * sense * change;
-        Near { point: Point { velocity, ..start.point }, ..near }
+        FaceState { point: Point { velocity, ..start.point }, ..near }
     }
 }

@@ -5,7 +5,7 @@
 //! straight between knots. A wave that raises tau to tau* runs over the upper concave hull of the path up to tau*,
 //! one front an edge, `dv = d tau/(rho c)`, `rho c^2 = d tau/d eps`. Where slopes fall along the path the hull is the path.
 
-use super::face::Near;
+use super::face::FaceState;
 use super::medium::{Flow, Lines, Medium, Point};
 use crate::law::Reversals;
 
@@ -66,7 +66,7 @@ impl Path {
     }
 
     /// The path of a side of a face.
-    pub fn fill_at_face(&mut self, medium: &Medium, near: &Near, sense: f64) {
+    pub fn fill_at_face(&mut self, medium: &Medium, near: &FaceState, sense: f64) {
         self.fill_with(medium, &near.point, &near.reversals, sense);
     }
 
@@ -236,7 +236,7 @@ impl Path {
     }
 
     /// d velocity / d force along edge i, m/(s N).
-    pub(super) fn softness(&self, i: usize) -> f64 {
+    pub(super) fn compliance(&self, i: usize) -> f64 {
         self.knots[i].compliance / self.area
     }
 

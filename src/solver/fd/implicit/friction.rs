@@ -16,7 +16,7 @@
 //! Limits: friction at rest is as large as in motion; nothing is resolved that lasts less than a step or needs less than the friction of
 //! a cell. C.-A. de Coulomb 1785 (Théorie des machines simples).
 
-use super::{Device, Implicit};
+use super::{EndNode, Implicit};
 
 /// Most tries to bring an end to rest; one is enough where what holds the end is linear.
 const MOST_TRIES: usize = 100;
@@ -47,7 +47,7 @@ impl Implicit {
 
     /// Friction on the end nodes, in a step in which the bar gives them the impulses `pulls` (N s in +x): these impulses with it, and
     /// whether an end comes to rest.
-    pub(super) fn rub_ends(&mut self, time: f64, pulls: [f64; 2], ends: [&Device; 2]) -> [(f64, bool); 2] {
+    pub(super) fn rub_ends(&mut self, time: f64, pulls: [f64; 2], ends: [&EndNode; 2]) -> [(f64, bool); 2] {
         let last = self.change.len() - 1;
         [(0, 0), (1, last)].map(|(side, node)| {
             let end = ends[side];

@@ -26,7 +26,7 @@ use multiversion::multiversion;
 use serde::{Deserialize, Serialize};
 
 use super::block::Block;
-use super::device::Device;
+use super::end_node::EndNode;
 use super::grid::Grid;
 use super::segment::Constants;
 use crate::root::{Tolerance, fixed_point};
@@ -36,7 +36,7 @@ use weights::{CellWeights, Weights};
 
 /// What acts along the bar; 0 where there is none of a kind.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Along {
+pub struct DistributedForces {
     /// c1: stress per strain rate (Kelvin, Voigt), Pa s, >= 0.
     pub internal: f64,
     /// c2: force per length and velocity, N s/m^2, >= 0.
@@ -49,7 +49,7 @@ pub struct Along {
     pub lateral: Vec<f64>,
 }
 
-impl Along {
+impl DistributedForces {
     /// Nothing acts along the bar.
     pub fn is_nothing(&self) -> bool {
         let mut all =
@@ -108,7 +108,7 @@ pub(super) struct Implicit {
 
 impl Implicit {
     /// The nodes at t = 0, with these velocities, before anything acts on them.
-    pub fn new(along: &Along, grid: &Grid, constants: &[Constants], velocities: Vec<f64>) -> Self {
+    pub fn new(along: &DistributedForces, grid: &Grid, constants: &[Constants], velocities: Vec<f64>) -> Self {
         // In the step around t = 0 the dampers act for half of it.
         let weights = Weights::new(along, grid, constants, 0.5);
         let nodes = velocities.len();
@@ -146,11 +146,11 @@ impl Implicit {
     /// The first step, around t = 0; all later ones have the whole damping.
     pub fn start(
         &mut self,
-        along: &Along,
+        along: &DistributedForces,
         grid: &Grid,
         constants: &[Constants],
         blocks: &[Block],
-        [left, right]: [&mut Device; 2],
+        [left, right]: [&mut EndNode; 2],
     ) {
         self.spring_start = self.foundation_of_motion(|j| self.after[j]);
         self.give_masses([&mut *left, &mut *right]);
@@ -161,7 +161,7 @@ impl Implicit {
     }
 
     /// Tells the ends what they move.
-    fn give_masses(&self, [left, right]: [&mut Device; 2]) {
+    fn give_masses(&self, [left, right]: [&mut EndNode; 2]) {
         let [first, last] = self.matrix.end_masses();
         left.set_mass(first);
         right.set_mass(last);
@@ -169,7 +169,7 @@ impl Implicit {
 
     /// Takes the nodes from half a step before `time` to half a step after it. The ends know what they
     /// move.
-    pub fn advance(&mut self, time: f64, blocks: &[Block], [left, right]: [&mut Device; 2]) {
+    pub fn advance(&mut self, time: f64, blocks: &[Block], [left, right]: [&mut EndNode; 2]) {
         if self.started {
             let dt = self.weights.dt;
             self.place.iter_mut().zip(&self.after).for_each(|(u, v)| *u += dt * v);
@@ -236,7 +236,7 @@ impl Implicit {
 
     /// The ends take their step with the impulses (N s in +x) that all nodes between them leave. Each acts on the other
     /// through the bar: the changes that fit both are the fixed point of answering each other.
-    fn move_ends(&self, time: f64, pulls: [f64; 2], blocks: &[Block], left: &mut Device, right: &mut Device) {
+    fn move_ends(&self, time: f64, pulls: [f64; 2], blocks: &[Block], left: &mut EndNode, right: &mut EndNode) {
         let cross = self.matrix.cross();
         let change = if cross == 0.0 { 0.0 } else { self.right_end_change(time, pulls, left, right) };
         let (first, last) = (&blocks[0], &blocks[blocks.len() - 1]);
@@ -247,7 +247,7 @@ impl Implicit {
 
     /// Change of the right end's velocity that the left end's answer to it brings about. An end that is given an impulse moves by at most
     /// what it alone would: the answer is a contraction, which bounds the root.
-    fn right_end_change(&self, time: f64, pulls: [f64; 2], left: &Device, right: &Device) -> f64 {
+    fn right_end_change(&self, time: f64, pulls: [f64; 2], left: &EndNode, right: &EndNode) -> f64 {
         let (cross, [first, last]) = (self.matrix.cross(), self.matrix.end_masses());
         let answer = |guess: f64| {
             let change = left.answer(time, pulls[0] - cross * guess);

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::Along;
+use super::DistributedForces;
 use crate::solver::fd::Grid;
 use crate::solver::fd::segment::Constants;
 
@@ -48,7 +48,7 @@ pub(super) struct Weights {
 
 impl Weights {
     /// `share` of the dampers' forces acts in the step: 1/2 in the one around t = 0, before which there are none.
-    pub fn new(along: &Along, grid: &Grid, constants: &[Constants], share: f64) -> Self {
+    pub fn new(along: &DistributedForces, grid: &Grid, constants: &[Constants], share: f64) -> Self {
         let dt = grid.dt;
         let cell = |k: usize| {
             let (c, dx) = (&constants[k], grid.segments[k].dx);

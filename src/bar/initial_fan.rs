@@ -29,7 +29,7 @@ impl std::fmt::Display for Origin {
 
 /// One fan of fronts into one segment.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Launch {
+pub struct InitialFan {
     /// Where it starts.
     pub origin: Origin,
     /// Place of the origin, m.
@@ -51,7 +51,7 @@ pub struct Launch {
 }
 
 /// All fans of a bar with its ends, left to right; none of a bar with an initial state, in which waves do not start from zero stress.
-pub fn launches(bar: &Bar, left: &EndCondition, right: &EndCondition) -> Vec<Launch> {
+pub fn initial_fans(bar: &Bar, left: &EndCondition, right: &EndCondition) -> Vec<InitialFan> {
     if bar.has_initial_state() {
         return Vec::new();
     }
@@ -67,7 +67,7 @@ pub fn launches(bar: &Bar, left: &EndCondition, right: &EndCondition) -> Vec<Lau
     all
 }
 
-fn from_end(end: &EndCondition, origin: Origin, x: f64, segment: usize, at: &Segment) -> Option<Launch> {
+fn from_end(end: &EndCondition, origin: Origin, x: f64, segment: usize, at: &Segment) -> Option<InitialFan> {
     let direction = if origin == Origin::Left { 1.0 } else { -1.0 };
     let density = at.material.density;
     let drive = Drive::of(end, direction, at.velocity)?;
@@ -82,7 +82,7 @@ fn from_end(end: &EndCondition, origin: Origin, x: f64, segment: usize, at: &Seg
             (sense, fan_at_stress(at.material.branch(sense), density, stress.abs()))
         }
     };
-    (!fan.edges.is_empty() || fan.above_critical).then_some(Launch {
+    (!fan.edges.is_empty() || fan.above_critical).then_some(InitialFan {
         origin,
         x,
         segment,
@@ -157,7 +157,7 @@ fn peak(history: &super::History, rest: f64) -> (f64, f64) {
 }
 
 /// Two segments that start with different velocities: the force at which both fans agree on the joint's velocity.
-fn from_joint(k: usize, x: f64, left: &Segment, right: &Segment) -> Vec<Launch> {
+fn from_joint(k: usize, x: f64, left: &Segment, right: &Segment) -> Vec<InitialFan> {
     let closing = left.velocity - right.velocity;
     let carries = closing > 0.0 || left.joint == super::Joint::Bonded;
     if closing == 0.0 || !carries || matches!(left.joint, super::Joint::Contact { gap } if gap > 0.0) {
@@ -171,7 +171,7 @@ fn from_joint(k: usize, x: f64, left: &Segment, right: &Segment) -> Vec<Launch> 
     let force = joint_force(closing.abs(), both, limit(left, left_area).min(limit(right, right_area)));
     [(k, left, left_area, -1.0), (k + 1, right, right_area, 1.0)]
         .into_iter()
-        .map(|(segment, at, area, direction)| Launch {
+        .map(|(segment, at, area, direction)| InitialFan {
             origin: Origin::Joint(k),
             x,
             segment,

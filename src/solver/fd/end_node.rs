@@ -9,7 +9,7 @@ use crate::bar::ends::{self, Body, EndModel, Face, Push, Step};
 
 /// An end of the bar and its node.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct Device {
+pub struct EndNode {
     #[serde(skip, default = "ends::stateless")]
     model: Box<dyn EndModel>,
     face: Face,
@@ -17,7 +17,7 @@ pub struct Device {
     dt: f64,
     /// Force on the end at the current time, N, with the impulse of a sudden motion.
     force: f64,
-    /// The stress for the record, see [`Device::stress`].
+    /// The stress for the record, see [`EndNode::stress`].
     stress: f64,
     impulses: Impulses,
     /// The body at the end and its energy at the current time.
@@ -75,7 +75,7 @@ pub struct EndGrid {
     pub velocity: f64,
 }
 
-impl Device {
+impl EndNode {
     /// The device at an end with outward normal `normal` (-1 left, +1 right).
     pub fn new(condition: &EndCondition, normal: f64, grid: EndGrid) -> Self {
         let velocity = -normal * grid.velocity;
@@ -225,8 +225,9 @@ impl Device {
             return;
         }
         let change = self.face.inward * change;
-        let kick = (self.force + self.node.area * sigma_cell) / self.node.impedance;
-        self.damped += 0.5 * self.node.impedance * self.dt * ripple::node(kick, change, &mut self.node.after);
+        let velocity_increment = (self.force + self.node.area * sigma_cell) / self.node.impedance;
+        self.damped +=
+            0.5 * self.node.impedance * self.dt * ripple::node(velocity_increment, change, &mut self.node.after);
         self.node.before += change;
         self.displacement += self.dt * change;
     }

@@ -1,4 +1,4 @@
-//! One method on its way to a tolerance: its pilots so far, and what they foretell.
+//! One method on its way to a tolerance: its pilots so far, and what they predict.
 
 use super::super::accuracy::Coarse;
 use crate::scene::{Method, Rate, Scene};
@@ -16,7 +16,7 @@ pub(super) const LEAST_TOLERANCE: f64 = 1e-8;
 /// The run may be finer than its method's last pilot by these factors: estimates that are carried farther miss too often.
 pub(super) const LEAP_CELLS: f64 = 2.5;
 pub(super) const LEAP_TOLERANCE: f64 = 3.5;
-/// It is so much finer than foretold, so that it seldom has to be repeated.
+/// It is so much finer than predicted, so that it seldom has to be repeated.
 const MARGIN: f64 = 1.15;
 
 /// After a run that missed the next one is finer by this at least.
@@ -61,7 +61,7 @@ pub(super) fn nominal(scene: &Scene, method: Method) -> f64 {
 }
 
 /// One method on its way.
-pub(super) struct Racer {
+pub(super) struct Candidate {
     pub method: Method,
     pub pilots: Vec<Pilot>,
     /// Runs on grids, by cells.
@@ -69,7 +69,7 @@ pub(super) struct Racer {
     /// It cannot go on, and why.
     pub out: Option<String>,
     /// Its next pilot was given up after so much work: it is not worth as much, unless the others turn out to cost more.
-    pub dear: Option<u64>,
+    pub too_expensive: Option<u64>,
     /// Its last pilot was a run that missed.
     pub missed: bool,
 }
@@ -83,9 +83,9 @@ pub(super) struct Pilot {
     pub work: u64,
 }
 
-impl Racer {
+impl Candidate {
     pub fn new(method: Method) -> Self {
-        Self { method, pilots: Vec::new(), runs: Vec::new(), out: None, dear: None, missed: false }
+        Self { method, pilots: Vec::new(), runs: Vec::new(), out: None, too_expensive: None, missed: false }
     }
 
     /// What comes after the last pilot.
@@ -101,9 +101,9 @@ impl Racer {
     }
 
     /// How many times finer than its last pilot it has to be, and the expected time of that, s; none before the first
-    /// pilot, infinite where it is out or too dear.
-    pub fn foretold(&self, scene: &Scene, tolerance: f64) -> Option<(f64, f64)> {
-        if self.out.is_some() || self.dear.is_some() {
+    /// pilot, infinite where it is out or too too_expensive.
+    pub fn predicted(&self, scene: &Scene, tolerance: f64) -> Option<(f64, f64)> {
+        if self.out.is_some() || self.too_expensive.is_some() {
             return Some((f64::INFINITY, f64::INFINITY));
         }
         let last = self.pilots.last()?;
@@ -134,7 +134,7 @@ impl Racer {
     /// Expected time of its next pilot, s.
     pub fn next_pilot(&self, scene: &Scene) -> f64 {
         let growth = if self.method.tracks_fronts() { COARSER } else { 4.0 };
-        let last = self.dear.or(self.pilots.last().map(|last| last.work)).unwrap_or(0);
+        let last = self.too_expensive.or(self.pilots.last().map(|last| last.work)).unwrap_or(0);
         growth * nominal(scene, self.method) * last as f64
     }
 
@@ -158,22 +158,22 @@ fn refined(method: Method, by: f64) -> Method {
 mod tests {
     use super::*;
 
-    fn racer(method: Method, pilots: &[(f64, u64)]) -> Racer {
-        let mut racer = Racer::new(method);
+    fn candidate(method: Method, pilots: &[(f64, u64)]) -> Candidate {
+        let mut candidate = Candidate::new(method);
         for &(estimate, work) in pilots {
-            let method = racer.next();
-            racer.pilots.push(Pilot { method, estimate, order: 1.0, work });
+            let method = candidate.next();
+            candidate.pilots.push(Pilot { method, estimate, order: 1.0, work });
         }
-        racer
+        candidate
     }
 
     #[test]
     fn pilots_are_refined_step_by_step() {
         let grid = Method::Leapfrog { cells: 1000, cfl: 1.0 };
-        assert_eq!(racer(grid, &[]).next().cells(), Some(128));
-        assert_eq!(racer(grid, &[(0.1, 1), (0.1, 1)]).next().cells(), Some(512));
+        assert_eq!(candidate(grid, &[]).next().cells(), Some(128));
+        assert_eq!(candidate(grid, &[(0.1, 1), (0.1, 1)]).next().cells(), Some(512));
         let fronts = Method::FrontTracking { front_tolerance: 1e-3, event_budget: 9 };
-        let next = racer(fronts, &[(0.1, 1)]).next();
+        let next = candidate(fronts, &[(0.1, 1)]).next();
         assert!(matches!(next, Method::FrontTracking { front_tolerance, event_budget: 9 }
             if (front_tolerance - 0.1 / 3.0).abs() < 1e-15));
     }
@@ -182,10 +182,13 @@ mod tests {
     fn estimates_that_hardly_fall_are_carried_on_as_slowly() {
         let grid = Method::Leapfrog { cells: 1000, cfl: 1.0 };
         // Of first order twice, then only its root.
-        assert!((racer(grid, &[(0.1, 1), (0.05, 1)]).order(&racer(grid, &[(0.1, 1)]).pilots[0]) - 1.0).abs() < 1e-12);
-        let slow = racer(grid, &[(0.1, 1), (0.1 / 2_f64.sqrt(), 1)]);
+        assert!(
+            (candidate(grid, &[(0.1, 1), (0.05, 1)]).order(&candidate(grid, &[(0.1, 1)]).pilots[0]) - 1.0).abs()
+                < 1e-12
+        );
+        let slow = candidate(grid, &[(0.1, 1), (0.1 / 2_f64.sqrt(), 1)]);
         assert!((slow.order(&slow.pilots[1]) - 0.5).abs() < 1e-12);
-        let stuck = racer(grid, &[(0.1, 1), (0.2, 1)]);
+        let stuck = candidate(grid, &[(0.1, 1), (0.2, 1)]);
         assert_eq!(stuck.order(&stuck.pilots[1]), LOWEST_ORDER);
     }
 

@@ -17,14 +17,14 @@ pub trait Solver: View {
     ///
     /// # Errors
     /// [`Stopped`] where the bar cannot go on.
-    fn advance_to(&mut self, to: Self::Mark, work: u64, log: Option<&mut Self::Log>) -> Result<bool, Stopped>;
+    fn advance_toward(&mut self, to: Self::Mark, work: u64, log: Option<&mut Self::Log>) -> Result<bool, Stopped>;
 }
 
 impl<S: Stepped> Solver for S {
     type Mark = usize;
     type Log = Traces;
 
-    fn advance_to(&mut self, to: usize, work: u64, log: Option<&mut Traces>) -> Result<bool, Stopped> {
+    fn advance_toward(&mut self, to: usize, work: u64, log: Option<&mut Traces>) -> Result<bool, Stopped> {
         let most = (work / self.grid().cells() as u64).max(1);
         let steps = (to.saturating_sub(self.step()) as u64).min(most) as usize;
         match log {
@@ -39,7 +39,7 @@ impl Solver for FrontTracking {
     type Mark = f64;
     type Log = Vec<Trail>;
 
-    fn advance_to(&mut self, to: f64, work: u64, log: Option<&mut Vec<Trail>>) -> Result<bool, Stopped> {
+    fn advance_toward(&mut self, to: f64, work: u64, log: Option<&mut Vec<Trail>>) -> Result<bool, Stopped> {
         let arrived = self.advance_for(to, work);
         if let Some(trails) = log {
             trails.append(&mut self.take_trails());
@@ -86,7 +86,7 @@ pub fn simulate<S: Simulation>(simulation: &mut S, work: u64) -> Result<(), S::E
     while let Some(mark) = simulation.next() {
         let (bar, log) = simulation.bar();
         let before = Instant::now();
-        let arrived = bar.advance_to(mark, work, log);
+        let arrived = bar.advance_toward(mark, work, log);
         simulation.look(Stretch { seconds: before.elapsed().as_secs_f64(), arrived })?;
     }
     Ok(())

@@ -68,7 +68,11 @@ fn text(plan: &Plan, units: System) -> String {
     let critical = plan.critical_velocity.map_or_else(
         || "none within the data of the curve".to_owned(),
         |v| {
-            let verdict = if plan.above_critical { "exceeded" } else { "not reached" };
+            let verdict = match (plan.above_critical, plan.initial_state) {
+                (true, _) => "exceeded",
+                (false, true) => "of a bar without initial stress and plastic strain",
+                (false, false) => "not reached",
+            };
             std::format!("{}, {verdict}", format(v, Dimension::Velocity, units))
         },
     );

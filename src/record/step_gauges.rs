@@ -1,7 +1,7 @@
 //! Exact histories at places of a front-tracking bar: steps, made from the trails of the fronts that pass.
 
 use super::Trace;
-use crate::bar::Bar;
+use crate::bar::{Bar, Initial};
 use crate::solver::moc::{FrontTracking, Trail};
 
 /// Places closer than this part of the bar's length are one: fronts that meet in a point miss it by rounding.
@@ -61,7 +61,7 @@ impl Crossing {
 }
 
 impl StepGauges {
-    /// Gauges at `places` (m) of a bar at rest in stress; `until` is the end time, s.
+    /// Gauges at `places` (m) of a bar at t = 0; `until` is the end time, s.
     pub fn new(bar: &Bar, places: &[f64], until: f64) -> Self {
         let heat = bar.segments.iter().any(|s| s.material.heating.is_some());
         let gauges = places.iter().map(|&x| StepGauge::new(bar, x, heat)).collect();
@@ -119,12 +119,14 @@ impl StepGauge {
             x < end - same_place
         };
         let segment = bar.segments.iter().find(right_of).unwrap_or(&bar.segments[bar.segments.len() - 1]);
+        let Initial { stress, plastic_strain } = segment.initial;
+        let strain = stress / segment.material.modulus + plastic_strain;
         let cold = segment.material.heating.as_ref().map_or(f64::NAN, |h| h.reference_temperature);
         Self {
             x,
             side: if x < length - same_place { 1.0 } else { -1.0 },
             same_place,
-            state: [0.0, 0.0, segment.velocity, if heat { cold } else { 0.0 }],
+            state: [stress, strain, segment.velocity, if heat { cold } else { 0.0 }],
             heat,
             crossings: Vec::new(),
             started: false,

@@ -49,8 +49,9 @@ impl View for FrontTracking {
     fn start(&self) -> Start {
         let mut start = Start::default();
         for piece in self.pieces() {
-            let mass = mass(self, &piece);
-            start.energy += 0.5 * mass * piece.point.velocity * piece.point.velocity;
+            let (mass, medium) = (mass(self, &piece), self.medium(piece.segment));
+            let stored = 0.5 * piece.point.stress * piece.point.stress / (medium.modulus * medium.density);
+            start.energy += 0.5 * mass * piece.point.velocity * piece.point.velocity + mass * stored;
             start.momentum += mass * piece.point.velocity;
             start.mass += mass;
         }

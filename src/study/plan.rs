@@ -43,8 +43,10 @@ pub struct Plan {
     /// Of the struck material; null where the data hold none.
     #[serde(rename = "critical_velocity_m_s")]
     pub critical_velocity: Option<f64>,
-    /// The scene drives the bar beyond it.
+    /// The scene drives the bar beyond it; not foreseen with an initial state.
     pub above_critical: bool,
+    /// The bar is stressed or has yielded at t = 0: its first waves are not foreseen.
+    pub initial_state: bool,
     /// What does not go well in what the scene asks for, a sentence each.
     pub notes: Vec<String>,
     /// How tapered segments are cut into uniform pieces, by methods that do so.
@@ -187,6 +189,7 @@ pub fn plan(scene: &Scene) -> Plan {
         fronts: all.iter().flat_map(fronts).collect(),
         critical_velocity: run::critical_velocity(asked, &all),
         above_critical: all.iter().any(|l| l.fan.above_critical),
+        initial_state: scene.bar.has_initial_state(),
         notes: scene.notes().into_iter().chain(notes).collect(),
         staircase: scene.cut.as_ref().map(|cut| Staircase { pieces: cut.of.len(), reflects: cut.reflects }),
     }
@@ -374,15 +377,21 @@ fn plasticity(scene: &Scene, initial_fans: &[crate::bar::InitialFan]) -> Planned
     let linear = scene.bar.segments.iter().all(|s| {
         [Sense::Tension, Sense::Compression].iter().all(|&sense| s.material.branch(sense).strain().len() == 2)
     });
+    let worked = scene.bar.segments.iter().any(|segment| segment.initial.plastic_strain != 0.0);
     let why = match (linear, yields) {
         (true, _) => "the curves are straight lines",
+        _ if worked => "the bar has yielded before the start",
+        _ if scene.bar.has_initial_state() => {
+            "the first waves of a bar with an initial stress are not foreseen: the law takes over in the step in which a cell \
+             first yields, if one does"
+        }
         (_, true) => "the first waves carry more than the elastic limit",
         (_, false) => {
             "the first waves stay below the elastic limit: the elastic kernel runs, and the law takes over in the \
              step in which a reflection first yields a cell, if one does"
         }
     };
-    let (effect, on) = ("plasticity".into(), yields && !linear);
+    let (effect, on) = ("plasticity".into(), (yields || worked) && !linear);
     PlannedEffect { effect, on, why: why.into(), estimate: None, threshold: None }
 }
 

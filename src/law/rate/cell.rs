@@ -77,8 +77,7 @@ impl<const N: usize> CellLaw<N> for Timed<N> {
     readings_of_state!();
 
     fn deformed(&self, plastic: f64) -> [f64; N] {
-        let mut history = History::default();
-        self.law.advance(plastic.abs(), usize::from(plastic < 0.0), &mut history);
+        let history = self.law.deformed(plastic);
         let state = [history.accumulated, history.signed, 0.0, 0.0, 0.0, history.back];
         std::array::from_fn(|k| state[k])
     }

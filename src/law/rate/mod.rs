@@ -140,6 +140,13 @@ impl RateLaw {
         History { accumulated, signed, back, piece: [first, second] }
     }
 
+    /// The history after first loading to this signed E times plastic strain (Pa), slowly, and unloading.
+    pub fn deformed(&self, plastic: f64) -> History {
+        let mut history = History::default();
+        self.advance(plastic.abs(), usize::from(plastic < 0.0), &mut history);
+        history
+    }
+
     /// Stresses between which a cell is elastic, Pa: lower and upper.
     pub fn limits(&self, history: &History) -> [f64; 2] {
         let reach = |sense: usize| -> f64 {

@@ -47,9 +47,10 @@ impl Medium {
         Some(Self { work, rise_per_work, range, exponent: heat.exponent? })
     }
 
-    /// K, and the share of the flow stress that is lost.
-    fn at(&self, plastic: f64) -> (f64, f64) {
-        let rise = (self.rise_per_work * self.work.at(plastic)).min(self.range);
+    /// K, and the share of the flow stress that is lost, of a place that started with one plastic strain and gained another.
+    fn at(&self, start: f64, gained: f64) -> (f64, f64) {
+        let work = self.work.at(start + gained) - self.work.at(start);
+        let rise = (self.rise_per_work * work).min(self.range);
         (rise, (rise / self.range).powf(self.exponent))
     }
 }
@@ -66,7 +67,7 @@ impl Heat {
         for (k, softening) in self.softening.iter_mut().enumerate() {
             let (Some(senses), plastic) = (&self.media[places.segment[k]], now.plastic[k]) else { continue };
             if plastic > WORTH_IT * softening.0 {
-                let (rise, lost) = senses[usize::from(now.strain[k] < 0.0)].at(plastic);
+                let (rise, lost) = senses[usize::from(now.strain[k] < 0.0)].at(places.at_start[k], plastic);
                 *softening = (plastic, lost);
                 if self.hottest.is_none_or(|h| rise > h.0) {
                     self.hottest = Some((rise, lost, now.time, k));

@@ -41,6 +41,9 @@ fn finding(case: &Case<'_>) -> Finding {
     if case.ends.iter().any(|end| matches!(end, EndCondition::Ball { .. })) {
         return Finding::unknown("the pulse of a ball is not known beforehand");
     }
+    if case.bar.segments.iter().any(|segment| segment.initial.stress != 0.0) {
+        return Finding::unknown("the waves that an initial stress sends are not known beforehand");
+    }
     let pulses = pulses(case);
     if pulses.is_empty() {
         return Finding::nothing("nothing is imposed on the bar");

@@ -101,7 +101,7 @@ struct Reading {
     lapse: f64,
     stress: Vec<f64>,
     strain: Vec<f64>,
-    /// Accumulated plastic strain.
+    /// Accumulated plastic strain since the start.
     plastic: Vec<f64>,
 }
 
@@ -148,6 +148,7 @@ impl Audit {
             }
         } else if self.off.heat || self.off.rate {
             bar.sample(Field::AccumulatedPlasticStrain, at, &mut now.plastic);
+            now.plastic.iter_mut().zip(&self.places.at_start).for_each(|(plastic, start)| *plastic -= start);
         }
         self.take_in();
     }

@@ -8,7 +8,7 @@ const PLACES: usize = 128;
 const FEWEST: usize = 8;
 
 /// Places on the bar, evenly spaced in each segment.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Places {
     /// m, increasing.
     pub x: Vec<f64>,
@@ -16,11 +16,13 @@ pub(super) struct Places {
     pub segment: Vec<usize>,
     /// Length of bar that each stands for, m.
     pub weight: Vec<f64>,
+    /// Accumulated plastic strain at t = 0.
+    pub at_start: Vec<f64>,
 }
 
 impl Places {
     pub fn new(bar: &Bar) -> Self {
-        let mut places = Self { x: Vec::new(), segment: Vec::new(), weight: Vec::new() };
+        let mut places = Self::default();
         let (length, mut x0) = (bar.length(), 0.0);
         let fewest = (PLACES / bar.segments.len()).clamp(1, FEWEST);
         for (k, segment) in bar.segments.iter().enumerate() {
@@ -29,6 +31,7 @@ impl Places {
             places.x.extend((0..count).map(|i| x0 + (i as f64 + 0.5) * part));
             places.segment.extend(std::iter::repeat_n(k, count));
             places.weight.extend(std::iter::repeat_n(part, count));
+            places.at_start.extend(std::iter::repeat_n(segment.initial.plastic_strain.abs(), count));
             x0 += segment.length;
         }
         places

@@ -1,11 +1,11 @@
-//! Initial stresses and plastic strains: what a segment can start with, and which methods take it.
+//! Initial stresses and plastic strains: what a segment can start with.
 
 use std::ops::Range;
 
 use toml::Spanned;
 
 use super::super::raw::{RawBar, RawEffects};
-use super::super::{Effects, Method, Unloading};
+use super::super::{Effects, Unloading};
 use super::Checker;
 use crate::bar::{Bar, Segment};
 use crate::error::Result;
@@ -42,31 +42,17 @@ fn all_given(raw: &RawBar) -> Vec<Given> {
     list.iter().enumerate().map(of).collect()
 }
 
-impl RawBar {
-    /// Some segment states an initial stress or plastic strain.
-    pub(in crate::scene) fn has_initial_state(&self) -> bool {
-        all_given(self).iter().any(|given| given.any().is_some())
-    }
-}
-
 impl Checker<'_> {
-    /// Initial states that the materials can have, under effects and by a method that take them.
+    /// Initial states that the materials can have, under effects that allow them.
     pub(super) fn initial_states(
         &self,
         raw: &RawBar,
         raw_effects: &RawEffects,
         effects: &Effects,
-        method: &Method,
         bar: &Bar,
     ) -> Result<()> {
         for (given, segment) in all_given(raw).iter().zip(&bar.segments) {
             let Some((key, span)) = given.any() else { continue };
-            if !matches!(method, Method::Leapfrog { .. }) {
-                let [_, scheme] = method.names();
-                let message = format!("the scheme {scheme} does not simulate initial stresses and plastic strains");
-                let help = "use method = \"fd\" with scheme = \"leapfrog\", which does";
-                return Err(self.error(span, key, message).help(help).into());
-            }
             if raw_effects.along().is_some() {
                 let message = "initial stresses and plastic strains do not go with `damping` and `lateral-inertia`";
                 return Err(self.error(span, key, message).help("take one of them out").into());

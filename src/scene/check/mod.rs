@@ -79,12 +79,12 @@ impl Checker<'_> {
         let raw_bar = raw_bar.get_ref();
         let effects = self.all_effects(&raw_effects, raw_bar, heat, &bar)?;
         let raw_solve = self.required(raw.solve.as_ref(), "solve", UNTIL)?;
-        let solve = self.solve(raw_solve, &raw_effects, raw_bar.has_initial_state())?;
+        let solve = self.solve(raw_solve, &raw_effects)?;
         let (raw_solve, method) = (raw_solve.get_ref(), &solve.method);
         self.steps_can_be_taken(raw_solve, &solve, &bar)?;
         self.hardening_can_be_tracked(&raw_effects, method, &bar)?;
         self.muscl_can(raw_solve, method, &raw_effects, auto.is_some(), &bar, ends.each_ref())?;
-        self.initial_states(raw_bar, &raw_effects, &effects, method, &bar)?;
+        self.initial_states(raw_bar, &raw_effects, &effects, &bar)?;
         self.taper_can_be_solved(raw_bar, &bar, method)?;
         let record = self.record(&raw.record, &bar, &effects, &solve, torsion.is_some())?;
         let [left, right] = ends;

@@ -41,7 +41,7 @@ impl RawMethod {
 }
 
 impl Checker<'_> {
-    pub(super) fn solve(&self, raw: &Spanned<RawSolve>, effects: &RawEffects, initial: bool) -> Result<Solve> {
+    pub(super) fn solve(&self, raw: &Spanned<RawSolve>, effects: &RawEffects) -> Result<Solve> {
         let (span, raw) = (raw.span(), raw.get_ref());
         let Some(until) = &raw.until else {
             let help = "add the end time, e.g. until = \"200 us\"; an elastic wave needs length/c0 to cross the bar";
@@ -50,10 +50,9 @@ impl Checker<'_> {
         let until = self.document.number(until, "solve.until", Dimension::Time, Allowed::Positive)?;
         let tolerance = self.tolerance(raw)?;
         let rate = effects.rate.is_some();
-        // A net follows fronts of rate-dependent bars within one cell, but does not part, has nothing act along the bar, starts from
-        // rest, and knows no temperature.
-        let on_a_net =
-            rate && !initial && effects.rupture.is_none() && effects.along().is_none() && effects.heat.is_none();
+        // A net follows fronts of rate-dependent bars within one cell, but does not part, has nothing act along the bar, and knows no
+        // temperature.
+        let on_a_net = rate && effects.rupture.is_none() && effects.along().is_none() && effects.heat.is_none();
         let default = if on_a_net { RawMethod::Moc } else { RawMethod::Fd };
         let method = raw.method.as_ref().map_or(default, |m| *m.get_ref());
         if let (Some(rupture), RawMethod::Moc, true) = (&effects.rupture, method, rate) {

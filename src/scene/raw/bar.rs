@@ -41,11 +41,11 @@ pub struct RawBar {
     #[schemars(with = "Option<Quantity>")]
     pub velocity: Option<Number>,
     /// Initial stress, Pa, tension positive, within the elastic range; in torsion the shear stress of the surface. What held the bar is
-    /// taken away at t = 0. By the leapfrog scheme. Default: 0.
+    /// taken away at t = 0. By every method, without `damping` and `lateral-inertia`. Default: 0.
     #[schemars(with = "Option<Quantity>")]
     pub stress: Option<Number>,
     /// Initial plastic strain (engineering), positive where the bar was stretched, as left by slow loading in one sense; it hardens.
-    /// By the leapfrog scheme, with the effect `unloading` or `rate`. Default: 0.
+    /// By every method, with the effect `unloading` or `rate`, without `heat`. Default: 0.
     #[serde(rename = "plastic-strain")]
     #[schemars(with = "Option<Quantity>")]
     pub plastic_strain: Option<Number>,
@@ -116,11 +116,11 @@ pub struct RawSegment {
     #[schemars(with = "Option<Quantity>")]
     pub velocity: Option<Number>,
     /// Initial stress, Pa, tension positive, within the elastic range; in torsion the shear stress of the surface. What held the bar is
-    /// taken away at t = 0. By the leapfrog scheme. Default: 0.
+    /// taken away at t = 0. By every method, without `damping` and `lateral-inertia`. Default: 0.
     #[schemars(with = "Option<Quantity>")]
     pub stress: Option<Number>,
     /// Initial plastic strain (engineering), positive where the bar was stretched, as left by slow loading in one sense; it hardens.
-    /// By the leapfrog scheme, with the effect `unloading` or `rate`. Default: 0.
+    /// By every method, with the effect `unloading` or `rate`, without `heat`. Default: 0.
     #[serde(rename = "plastic-strain")]
     #[schemars(with = "Option<Quantity>")]
     pub plastic_strain: Option<Number>,

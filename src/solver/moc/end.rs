@@ -91,7 +91,8 @@ pub(super) fn face(inward: f64, velocity: f64, medium: &Medium) -> Face {
 }
 
 impl End {
-    pub fn new(condition: &EndCondition, face: Face, scales: Scales) -> Self {
+    /// At a bar whose edge is in the state `start` at t = 0.
+    pub fn new(condition: &EndCondition, face: Face, start: Point, scales: Scales) -> Self {
         let imposed = Imposed::new(condition, &face, scales.step * scales.stress, scales.transit);
         let model = ends::model(if imposed.is_some() { &EndCondition::Free } else { condition }, face);
         let at_rest = Response { force: 0.0, impedance: face.impedance };
@@ -104,7 +105,7 @@ impl End {
             control,
             demands: !matches!(condition, EndCondition::Absorbing | EndCondition::Dashpot { .. }),
             scales,
-            answered: Point::moving(face.inward * face.velocity),
+            answered: start,
             jumped: false,
             changes: Vec::new(),
             record: EndRecord::default(),

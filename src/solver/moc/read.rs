@@ -59,8 +59,8 @@ impl FrontTracking {
         self.events
     }
 
-    /// The stress to which tolerances are relative, Pa: the largest imposed one, or the one at which the largest
-    /// difference of the velocities imposed and initial meets a bar that was never loaded.
+    /// The stress to which tolerances are relative, Pa: the largest imposed or initial one, or the one at which the largest
+    /// difference of the velocities imposed and initial meets the unstressed bar.
     pub fn stress_scale(&self) -> f64 {
         self.stress_scale
     }

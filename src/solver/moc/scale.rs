@@ -1,18 +1,20 @@
 //! The stress to which tolerances and steps are relative.
 
 use crate::bar::ends::Face;
-use crate::bar::{Bar, EndCondition, History};
+use crate::bar::{EndCondition, History};
 use crate::wave::riemann::{Medium, Point, Side, Workspace, solve};
 
 /// See [`super::FrontTracking::stress_scale`].
-pub(super) fn stress_scale(bar: &Bar, media: &[Medium], ends: [(&EndCondition, &Face); 2]) -> f64 {
+pub(super) fn stress_scale(starts: &[Point], media: &[Medium], ends: [(&EndCondition, &Face); 2]) -> f64 {
     let imposed = ends.map(|(condition, face)| imposed(condition, face));
-    let velocities = || bar.segments.iter().map(|s| s.velocity).chain(imposed.iter().flat_map(|i| i.1));
+    let velocities = || starts.iter().map(|start| start.velocity).chain(imposed.iter().flat_map(|i| i.1));
     let range = velocities().fold(f64::MIN, f64::max) - velocities().fold(f64::MAX, f64::min);
     let mut work = Workspace::default();
-    let struck = media.iter().map(|medium| {
+    let struck = media.iter().zip(starts).map(|(medium, start)| {
         let driver = Side::Straight { force: 0.0, velocity: -range, compliance: 0.0 };
-        (solve(driver, Side::Bar(medium, &Point::default()), &mut work).force / medium.area).abs()
+        let unstressed = Point { stress: 0.0, velocity: 0.0, ..*start };
+        let stress = solve(driver, Side::Bar(medium, &unstressed), &mut work).force / medium.area;
+        stress.abs().max(start.stress.abs())
     });
     struck.fold(imposed[0].0.max(imposed[1].0), f64::max)
 }

@@ -16,7 +16,7 @@ use super::openings::Openings;
 use super::place::Shifted;
 use super::scale::stress_scale;
 use super::{Settings, Stopped, Trail};
-use crate::bar::{Bar, EndCondition};
+use crate::bar::{Bar, EndCondition, Initial, Segment};
 use crate::law::Table;
 use crate::law::rupture::Criteria;
 use crate::material::{Material, Sense};
@@ -85,9 +85,10 @@ impl FrontTracking {
     ) -> Self {
         let last = bar.segments.len() - 1;
         let mut media: Vec<Medium> = bar.segments.iter().map(|s| medium(s, flow)).collect();
-        let faces =
-            [face(1.0, bar.segments[0].velocity, &media[0]), face(-1.0, bar.segments[last].velocity, &media[last])];
-        let stress_scale = stress_scale(bar, &media, [(&ends[0], &faces[0]), (&ends[1], &faces[1])]);
+        let starts: Vec<Point> = bar.segments.iter().zip(&media).map(|(s, medium)| start(s, medium)).collect();
+        let outer = [starts[0], starts[last]];
+        let faces = [face(1.0, outer[0].velocity, &media[0]), face(-1.0, outer[1].velocity, &media[last])];
+        let stress_scale = stress_scale(&starts, &media, [(&ends[0], &faces[0]), (&ends[1], &faces[1])]);
         for medium in &mut media {
             medium.round_off = SAME_STRESS * stress_scale;
         }
@@ -102,7 +103,8 @@ impl FrontTracking {
             same_stress: SAME_STRESS * stress_scale,
         };
         let [left, right] = ends;
-        let ends = [(left, faces[0]), (right, faces[1])].map(|(condition, face)| End::new(&condition, face, scales));
+        let ends = [(left, faces[0], outer[0]), (right, faces[1], outer[1])];
+        let ends = ends.map(|(condition, face, start)| End::new(&condition, face, start, scales));
         let in_steps = ends.iter().any(End::needs_steps);
         let mut tracking = Self {
             media,
@@ -126,16 +128,16 @@ impl FrontTracking {
             scratch: Scratch::default(),
             rupture: criteria.map(|criteria| Box::new(Breaking::new(criteria))),
         };
-        tracking.lay_out(bar);
+        tracking.lay_out(bar, &starts);
         tracking
     }
 
     /// Ends and joints in their places, and what they send at t = 0.
-    fn lay_out(&mut self, bar: &Bar) {
+    fn lay_out(&mut self, bar: &Bar, starts: &[Point]) {
         let (mut x, mut after) = (0.0, NONE);
-        for (k, segment) in bar.segments.iter().enumerate() {
+        for (k, (segment, &start)) in bar.segments.iter().zip(starts).enumerate() {
             let kind = if k == 0 { Kind::End } else { Kind::Joint };
-            after = self.list.insert(after, Node::new(kind, x, 0.0, 0.0, Point::moving(segment.velocity), k as u32));
+            after = self.list.insert(after, Node::new(kind, x, 0.0, 0.0, start, k as u32));
             x += segment.length;
         }
         let last = bar.segments.len() - 1;
@@ -263,9 +265,15 @@ impl FrontTracking {
     }
 }
 
-fn medium(segment: &crate::bar::Segment, flow: Flow) -> Medium {
+fn medium(segment: &Segment, flow: Flow) -> Medium {
     let material = &segment.material;
     let table = |sense| Table::new(material.branch(sense), material.modulus);
     let (tension, compression) = (table(Sense::Tension), table(Sense::Compression));
     Medium::new([&tension, &compression], material.modulus, material.density, segment.area, flow, 0.0)
+}
+
+/// The state of a segment at t = 0.
+fn start(segment: &Segment, medium: &Medium) -> Point {
+    let Initial { stress, plastic_strain } = segment.initial;
+    Point { stress, velocity: segment.velocity, ..medium.deformed(medium.modulus * plastic_strain) }
 }

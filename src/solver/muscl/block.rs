@@ -5,6 +5,7 @@ use std::ops::Range;
 use serde::{Deserialize, Serialize};
 
 use super::part::Part;
+use crate::bar::Initial;
 use crate::wave::riemann::{Flux, Workspace};
 
 /// Most cells of a block: its row and scratch stay in the first-level cache.
@@ -69,6 +70,20 @@ impl Block {
             plastic: 0.0,
             lost: 0.0,
             work: Workspace::default(),
+        }
+    }
+
+    /// The state at t = 0 of the block's segment.
+    pub fn set_initial(&mut self, initial: &Initial, part: &Part) {
+        if initial.stress != 0.0 {
+            self.stage = Stage::Elastic;
+            self.sigma.fill(initial.stress);
+        }
+        if initial.plastic_strain != 0.0 {
+            self.make_plastic(part);
+            let state = part.law.law.deformed(part.modulus * initial.plastic_strain);
+            let columns = self.state.chunks_exact_mut(self.sigma.len());
+            columns.zip(state).for_each(|(column, number)| column.fill(number));
         }
     }
 

@@ -92,6 +92,13 @@ impl End {
         [beyond, moving, reach + ratio * (beyond - stress)]
     }
 
+    /// What the end does first, for the reading at t = 0 of a bar that is stressed then.
+    pub fn start(&mut self, dt: f64, part: &Part, near: &FaceState, work: &mut Workspace) {
+        let (flux, _) = self.respond(&self.step(0.0, dt), part, near, work);
+        let (force, velocity) = (-self.face.area * flux.stress, self.face.inward * flux.velocity);
+        self.latest = Push { force, velocity, impulse: 0.0 };
+    }
+
     /// What goes through the end in the step from `time` on, with the account of it.
     pub fn settle(&mut self, time: f64, dt: f64, part: &Part, near: &FaceState, work: &mut Workspace) -> Flux {
         let step = self.step(time, dt);

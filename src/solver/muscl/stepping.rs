@@ -37,14 +37,14 @@ pub struct Muscl {
 }
 
 impl Muscl {
-    /// A bar at t = 0, unstressed, moving as its segments say. `laws` and `media` have one entry a segment, and mean the
+    /// A bar at t = 0 in the state of its segments. `laws` and `media` have one entry a segment, and mean the
     /// same law, without the effect of rate; heat is that of an adiabatic curve. Tapers are taken by their means, a ball at an
     /// end as a free end: neither is simulated.
     pub fn new(bar: &Bar, grid: Grid, laws: Vec<SegmentLaw>, media: Vec<Medium>, ends: [EndCondition; 2]) -> Self {
         let dt = grid.dt;
         let segments = bar.segments.iter().zip(&grid.segments).zip(laws.into_iter().zip(media));
         let parts: Vec<Part> = segments.map(|((s, g), (law, medium))| Part::new(s, g, dt, law, medium)).collect();
-        let blocks = blocks(bar, &grid);
+        let blocks = blocks(bar, &grid, &parts);
         let joints = blocks.windows(2).enumerate().filter(|(_, pair)| pair[0].part != pair[1].part);
         let joints = joints.map(|(k, pair)| Joint::new(bar.segments[pair[0].part].joint, k)).collect();
         let last = bar.segments.len() - 1;
@@ -56,7 +56,21 @@ impl Muscl {
         let scratch = vec![Scratch::new(state_len); blocks.len().div_ceil(GROUP)];
         let (ends, work, state, passed) =
             ([left, right], Workspace::default(), vec![0.0; state_len], FirstPassed::default());
-        Self { grid, parts, blocks, ends, joints, step: 0, passed, parallel, scratch, work, state }
+        let mut muscl = Self { grid, parts, blocks, ends, joints, step: 0, passed, parallel, scratch, work, state };
+        if bar.has_initial_state() {
+            muscl.start_ends();
+        }
+        muscl
+    }
+
+    fn start_ends(&mut self) {
+        self.share();
+        let last = self.blocks.len() - 1;
+        for (side, k) in [(0, 0), (1, last)] {
+            let part = &self.parts[self.blocks[k].part];
+            let near = face::near(&self.blocks[k], part, side, &mut self.state, &mut self.work);
+            self.ends[side].start(self.grid.dt, part, &near, &mut self.work);
+        }
     }
 
     /// One step. Allocates nothing, but for the plastic state of a block in the step in which it first yields.
@@ -149,13 +163,15 @@ impl Muscl {
 }
 
 /// Every segment in blocks of nearly equal size.
-fn blocks(bar: &Bar, grid: &Grid) -> Vec<Block> {
+fn blocks(bar: &Bar, grid: &Grid, parts: &[Part]) -> Vec<Block> {
     let mut blocks = Vec::new();
-    for (k, part) in grid.segments.iter().enumerate() {
-        let (cells, count) = (part.cells.len(), part.cells.len().div_ceil(BLOCK));
+    for (k, (of, segment)) in grid.segments.iter().zip(&bar.segments).enumerate() {
+        let (cells, count) = (of.cells.len(), of.cells.len().div_ceil(BLOCK));
         for b in 0..count {
-            let (start, end) = (part.cells.start + b * cells / count, part.cells.start + (b + 1) * cells / count);
-            blocks.push(Block::new(start..end, k, bar.segments[k].velocity));
+            let (start, end) = (of.cells.start + b * cells / count, of.cells.start + (b + 1) * cells / count);
+            let mut block = Block::new(start..end, k, segment.velocity);
+            block.set_initial(&segment.initial, &parts[k]);
+            blocks.push(block);
         }
     }
     blocks

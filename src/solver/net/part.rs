@@ -5,7 +5,7 @@ use std::ops::Range;
 use multiversion::multiversion;
 use serde::{Deserialize, Serialize};
 
-use crate::bar::Segment;
+use crate::bar::{Initial, Segment};
 use crate::law::rate::{Flow, History, RateLaw, RelaxationStep};
 use crate::law::{DataEnd, Flowing, Reached};
 use crate::material::Sense;
@@ -79,10 +79,9 @@ pub(super) fn beyond(stress: f64, low: f64, high: f64) -> Option<(usize, f64)> {
 }
 
 impl Nodes {
-    fn new(law: &RateLaw, count: usize) -> Self {
-        let virgin = History::default();
-        let [low, high] = law.limits(&virgin);
-        Self { low: vec![low; count], high: vec![high; count], history: vec![virgin; count] }
+    fn new(law: &RateLaw, count: usize, history: History) -> Self {
+        let [low, high] = law.limits(&history);
+        Self { low: vec![low; count], high: vec![high; count], history: vec![history; count] }
     }
 
     /// What node `i` would flow within `time`, and its history then.
@@ -155,13 +154,14 @@ fn any_beyond(f: &[f64], g: &[f64], low: &[f64], high: &[f64]) -> bool {
 
 impl Part {
     pub fn new(law: RateLaw, cells: Range<usize>, dt: f64, segment: &Segment) -> Self {
-        let (impedance, velocity) = (segment.material.impedance(), segment.velocity);
-        let count = cells.len();
+        let (impedance, modulus) = (segment.material.impedance(), segment.material.modulus);
+        let (count, Initial { stress, plastic_strain }) = (cells.len(), segment.initial);
+        let history = law.deformed(modulus * plastic_strain);
         Self {
-            centres: Nodes::new(&law, count),
-            borders: Nodes::new(&law, count + 1),
-            f: vec![-impedance * velocity; count],
-            g: vec![impedance * velocity; count],
+            centres: Nodes::new(&law, count, history),
+            borders: Nodes::new(&law, count + 1, history),
+            f: vec![stress - impedance * segment.velocity; count],
+            g: vec![stress + impedance * segment.velocity; count],
             work: Work::default(),
             relaxation_step: law.relaxation_step(INSIDE, dt),
             end: DataEnd::of(&segment.material),
@@ -169,7 +169,7 @@ impl Part {
             cells,
             area: segment.area,
             impedance,
-            modulus: segment.material.modulus,
+            modulus,
         }
     }
 

@@ -24,7 +24,7 @@ pub struct Net {
 }
 
 impl Net {
-    /// A bar at t = 0, unstressed, moving as its segments say. `laws` has one entry a segment.
+    /// A bar at t = 0 in the state of its segments. `laws` has one entry a segment.
     pub fn new(bar: &Bar, lattice: Lattice, laws: Vec<RateLaw>, ends: [EndCondition; 2]) -> Self {
         let Lattice { grid, .. } = lattice;
         let parts: Vec<Part> = bar

@@ -113,6 +113,12 @@ impl Lines {
         (k, self.z[k] + beyond, self.y[k] + self.slope[k] * beyond)
     }
 
+    /// Flow stress at this accumulated plastic strain less that of first loading, Pa; 0 along a curve that never leaves the elastic line.
+    fn hardening_at(&self, p: f64) -> f64 {
+        let rise = self.at_accumulated(p).2 - self.at_accumulated(0.0).2;
+        if rise.is_finite() { rise } else { 0.0 }
+    }
+
     /// z >= 0 at which the stress y >= 0 is first reached; the last knot for one above a level end.
     pub fn z_at(&self, y: f64) -> f64 {
         let k = self.y.partition_point(|&start| start < y).max(1) - 1;
@@ -206,6 +212,15 @@ impl Medium {
     /// Signed plastic strain of a point.
     pub fn plastic_strain(&self, point: &Point) -> f64 {
         point.plastic / self.modulus
+    }
+
+    /// A point at rest and without stress after first loading to this signed E times plastic strain (Pa), slowly, and unloading; of an
+    /// overlay, and where the curve is followed both ways, one that has never been loaded.
+    pub fn deformed(&self, plastic: f64) -> Point {
+        let Flow::Plastic { kinematic } = self.flow else { return Point::default() };
+        let (sense, accumulated) = (1.0_f64.copysign(plastic), plastic.abs());
+        let back = if kinematic == 0.0 { 0.0 } else { sense * kinematic * self.lines(sense).hardening_at(accumulated) };
+        Point { accumulated, plastic, back, ..Point::default() }
     }
 
     /// Speed of a front between two points of this medium, m/s: `rho c^2 = [sigma]/[eps]`.

@@ -1,5 +1,5 @@
 //! What must hold for any scene that a user can write: drawn at random over the whole scene language, from another seed in every run.
-//! `BARWAVE_RANDOM_SEED` repeats a run, `BARWAVE_RANDOM_SCENES` sets how many scenes there are.
+//! `BARWAVE_RANDOM_SEED` repeats a run, `BARWAVE_RANDOM_SCENES` sets how many scenes there are, and `BARWAVE_RANDOM_SCENE` repeats one scene.
 #![allow(
     clippy::format_push_string,
     clippy::struct_excessive_bools,
@@ -13,22 +13,24 @@ mod checks;
 mod draw;
 #[path = "random_scenes/found.rs"]
 mod found;
+#[path = "random_scenes/rules.rs"]
+mod rules;
 #[path = "random_scenes/spec.rs"]
 mod spec;
 #[path = "random_scenes/watch.rs"]
 mod watch;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-use checks::{Became, Checked, Failure, alone, check, check_by};
+use checks::{Checked, Failure, check, check_by};
 use draw::Draw;
 use spec::{Method, Spec};
 
-/// Scenes of the ordinary and of the long test.
-const SCENES: usize = 1000;
+/// Scenes of the ordinary test, some 15 s on two processors, and of the long one.
+const SCENES: usize = 400;
 const MANY: usize = 100_000;
 /// Failing scenes that are simplified and shown.
 const SHOWN: usize = 2;
@@ -53,12 +55,6 @@ struct Found {
     failure: Failure,
 }
 
-/// The first words of a reason, the same whatever its figures.
-fn without_figures(reason: &str) -> String {
-    let words = reason.split_whitespace().filter(|word| !word.contains(|c: char| c.is_ascii_digit()));
-    words.take(8).collect::<Vec<_>>().join(" ")
-}
-
 #[derive(Default)]
 struct Tally {
     became: BTreeMap<String, usize>,
@@ -69,25 +65,27 @@ struct Tally {
 impl Tally {
     fn add(&mut self, seed: u64, spec: Spec, checked: Checked) {
         for (method, became) in checked.became {
-            let word = match became {
-                Became::Refused => "refused".to_owned(),
-                Became::Stopped(reason) => format!("stopped: {}", without_figures(&reason)),
-                Became::Done(_) => "done".to_owned(),
-            };
-            *self.became.entry(format!("{method:?} {word}")).or_default() += 1;
+            *self.became.entry(format!("{method:?} {}", became.word())).or_default() += 1;
         }
-        let mut before: Option<(Method, &str)> = None;
+        let mut seen = BTreeSet::new();
         for (method, failure) in checked.failures {
             // A scene counts once for what it does wrong at every look.
-            if before.replace((method, failure.class)) == Some((method, failure.class)) {
-                continue;
-            }
-            let count = self.failed.entry(format!("{method:?}: {}", failure.class)).or_default();
-            *count += 1;
-            if *count <= SHOWN {
+            let class = format!("{method:?}: {}", failure.class);
+            if seen.insert(class.clone()) {
+                *self.failed.entry(class).or_default() += 1;
                 self.found.push(Found { seed, spec: spec.clone(), method, failure });
             }
         }
+    }
+
+    /// Some of each class.
+    fn shown(&self) -> impl Iterator<Item = &Found> {
+        let mut shown = BTreeMap::new();
+        self.found.iter().filter(move |found| {
+            let count = shown.entry((format!("{:?}", found.method), found.failure.class)).or_insert(0);
+            *count += 1;
+            *count <= SHOWN
+        })
     }
 }
 
@@ -142,7 +140,10 @@ fn assert_holds(scenes: usize) {
     for (what, count) in tally.became.iter().chain(&tally.failed) {
         println!("{count:6} {what}");
     }
-    for found in &tally.found {
+    for Found { seed, method, failure, .. } in &tally.found {
+        println!("BARWAVE_RANDOM_SCENE={seed} {method:?}: {}: {}", failure.class, failure.detail);
+    }
+    for found in tally.shown() {
         // What methods disagree on is soon lost on fewer cells and in less time.
         let whole = found.failure.class == "methods disagree";
         let (spec, Failure { class, detail }) =
@@ -153,46 +154,26 @@ fn assert_holds(scenes: usize) {
     assert!(tally.failed.is_empty(), "BARWAVE_RANDOM_SEED={seed}: {:?}", tally.failed);
 }
 
-/// What holds for every scene that was ever drawn; the other classes have open cases, see the tests below.
-const CLOSED: [&str; 13] = [
-    "panic",
-    "refused without help",
-    "refused by another error",
-    "stopped by another error",
-    "stopped without help",
-    "stopped: not finite",
-    "stopped: balance does not close",
-    "summary not finite",
-    "not finite",
-    "energy residual",
-    "momentum residual",
-    "dissipated energy decreases",
-    "stress above the curve",
-];
-
-/// Scenes of the ordinary suite.
-const FEW: usize = 300;
-
 /// Every scene is refused with a help line, or runs to its end or to an error that names its cause, by every method, without a panic or
-/// a number that is none, and with closed balances of energy and momentum.
+/// a number that is none, with closed balances of energy and momentum; its mirror image has the mirrored answer, and methods agree.
 #[test]
-fn some_scenes_are_refused_with_help_or_keep_their_balances() {
-    let seed = seed();
-    let scenes = from_environment("BARWAVE_RANDOM_SCENES").map_or(FEW, |count| count as usize);
-    let tally = examine(seed, scenes, &alone);
-    println!("BARWAVE_RANDOM_SEED={seed}: {:?}", tally.became);
-    let failed: Vec<&Found> = tally.found.iter().filter(|found| CLOSED.contains(&found.failure.class)).collect();
-    for found in &failed {
-        println!("--- {}: {}\n{}", found.failure.class, found.failure.detail, found.spec.text(found.method, 1));
-    }
-    assert!(failed.is_empty(), "BARWAVE_RANDOM_SEED={seed}: {} failures", failed.len());
-}
-
-/// The same with all comparisons.
-#[test]
-#[ignore = "about one scene in 1000 still fails, see docs/fuzzing.md"]
 fn any_scene_is_refused_with_help_or_keeps_its_account() {
     assert_holds(from_environment("BARWAVE_RANDOM_SCENES").map_or(SCENES, |count| count as usize));
+}
+
+/// The scene that a failure names as drawn by a seed: its files, what becomes of it, and what does not hold.
+#[test]
+#[ignore = "repeats the scene drawn by BARWAVE_RANDOM_SCENE"]
+fn one_scene() {
+    let spec = draw::scene(from_environment("BARWAVE_RANDOM_SCENE").expect("BARWAVE_RANDOM_SCENE is set"));
+    for method in Method::ALL {
+        println!("--- {method:?}\n{}", spec.text(method, 1));
+    }
+    let checked = check(&spec);
+    for (method, became) in &checked.became {
+        println!("{method:?} {}", became.word());
+    }
+    assert!(checked.failures.is_empty(), "{:#?}", checked.failures);
 }
 
 #[test]

@@ -34,6 +34,11 @@ impl<L: CellLaw<N>, const N: usize> CellLaw<N> for WithTemperature<L> {
         self.law.onset(sigma, state, after)
     }
 
+    #[inline(always)]
+    fn turned_work(&self, state: [f64; N], after: &Response<N>) -> f64 {
+        self.law.turned_work(state, after)
+    }
+
     const ASKS: bool = L::ASKS;
 
     #[inline(always)]

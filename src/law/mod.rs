@@ -74,10 +74,17 @@ pub trait CellLaw<const N: usize>: Send + Sync + Sized {
     /// The cell at the end of a step that began at stress `sigma`.
     fn respond(&self, sigma: f64, predictor: f64, state: [f64; N]) -> Response<N>;
 
-    /// Negative where a cell comes from the other side of its elastic range in a step, see [`Response::onset`].
+    /// Negative where the plastic work of a step is not that of its mean stress, but [`Self::turned_work`]: where the cell comes from the
+    /// other side of its elastic range, see [`Response::onset`], or flows in both senses.
     #[inline(always)]
     fn onset(&self, sigma: f64, state: [f64; N], after: &Response<N>) -> f64 {
         after.onset(sigma, self.back_stress(state))
+    }
+
+    /// The plastic work of such a step times 2 E per volume, Pa^2.
+    #[inline(always)]
+    fn turned_work(&self, _state: [f64; N], after: &Response<N>) -> f64 {
+        2.0 * after.sigma * after.plastic
     }
 
     /// The law reads a table that is read faster for many cells at once: `respond` is then `ask`, `look_up`, `settle`.
@@ -209,7 +216,7 @@ pub trait RowLaw: Send + Sync {
     fn overstress_work(&self, state: &[f64]) -> f64;
 
     /// Clears `flow` in cells that flow by a rate which the steps resolve.
-    fn clear_resolved(&self, state: &[f64], flow: &mut [u8]);
+    fn clear_resolved(&self, state: &[f64], flow: &mut [i8]);
 
     /// The state of a cell after first loading to this signed E times plastic strain (Pa), slowly, and unloading.
     fn deformed(&self, plastic: f64) -> Vec<f64>;
@@ -288,12 +295,12 @@ impl<L: CellLaw<N>, const N: usize> RowLaw for Rows<L, N> {
         self.0.deformed(plastic).to_vec()
     }
 
-    fn clear_resolved(&self, state: &[f64], flow: &mut [u8]) {
+    fn clear_resolved(&self, state: &[f64], flow: &mut [i8]) {
         if !L::TAKES_TIME {
             return;
         }
         for (i, flow) in flow.iter_mut().enumerate().filter(|(_, flow)| **flow != 0) {
-            *flow = u8::from(self.0.keeps_up(cell_state(state, i)));
+            *flow *= i8::from(self.0.keeps_up(cell_state(state, i)));
         }
     }
 

@@ -61,7 +61,8 @@ impl<B: Backbone> CellLaw<2> for Isotropic<B> {
 /// State: `[E p accumulated, E eps_p signed, back stress a, hardening h]`. With `xi = |tau - a|` the table is read at
 /// `z = xi + kinematic h + E p`. Needs a table that is the same in tension and compression. The tangent follows the accumulated
 /// plastic strain along the table: with several lines of hardening, cycles of constant strain are neither symmetric nor closed,
-/// as they are in [`super::Overlay`].
+/// as they are in [`super::Overlay`]. Where `kinematic` > 0.5 and a line is less steep than one before it, reverse flow may give back
+/// more work than was stored.
 #[derive(Debug, Clone)]
 pub struct Mixed<B> {
     /// First loading.

@@ -22,8 +22,8 @@ pub struct Row<'a> {
     /// Set to what of it the mean stress of the step does not do: (`sigma_onset` - `sigma_before`) * E `d_eps_plastic`, Pa^2.
     /// Only where it is asked for cell by cell; its sum is there anyway.
     pub turned: Option<&'a mut [f64]>,
-    /// Set to 1 in cells that flow by more than rounding, to 0 in others.
-    pub flow: &'a mut [u8],
+    /// Set to the sense of the flow (1 or -1) in cells that flow by more than rounding, to 0 in others.
+    pub flow: &'a mut [i8],
     /// The cells that step. Nothing of the others is read or written but the velocities of the nodes between.
     pub cells: Range<usize>,
 }
@@ -47,7 +47,7 @@ struct Piece<'a, const N: usize> {
     columns: [&'a mut [f64; CHUNK]; N],
     work: &'a mut [f64; CHUNK],
     turned: Option<&'a mut [f64; CHUNK]>,
-    flow: &'a mut [u8; CHUNK],
+    flow: &'a mut [i8; CHUNK],
 }
 
 /// One step of a row, cell by cell without any coupling between them. With `FIRST`, `sigma` holds the predictor of a row that
@@ -124,7 +124,7 @@ struct Copied<const N: usize> {
     columns: [[f64; CHUNK]; N],
     work: [f64; CHUNK],
     turned: [f64; CHUNK],
-    flow: [u8; CHUNK],
+    flow: [i8; CHUNK],
 }
 
 impl<const N: usize> Copied<N> {
@@ -192,8 +192,8 @@ fn step<L: CellLaw<N>, const N: usize, const FIRST: bool>(
         }
         law.look_up(reach, predictor, table);
     }
-    let (mut plastic, mut any_turns) = (Aligned([0.0; CHUNK]), false);
-    let plastic = &mut plastic.0;
+    let (mut turned_work, mut any_turns) = (Aligned([0.0; CHUNK]), false);
+    let turned_work = &mut turned_work.0;
     for i in 0..CHUNK {
         let (before, now) = (read(&columns, i), sigma[i]);
         let increment = if L::ASKS && !FIRST { 0.0 } else { gain * (right[i] - left[i]) };
@@ -204,23 +204,25 @@ fn step<L: CellLaw<N>, const N: usize, const FIRST: bool>(
             law.respond(sigma_before, if FIRST { now } else { law.base(now, before) + increment }, before)
         };
         let turns = law.onset(sigma_before, before, &after) < 0.0;
-        plastic[i] = if turns { after.plastic } else { 0.0 };
         any_turns |= turns;
         work[i] = (sigma_before + after.sigma) * after.plastic;
+        turned_work[i] = if turns { law.turned_work(before, &after) } else { work[i] };
         sigma[i] = after.sigma;
         for (column, value) in columns.iter_mut().zip(after.state) {
             column[i] = value;
         }
     }
     if any_turns {
-        let turned = turn(sigma, plastic, work);
+        let turned = turn(turned_work, work);
         add(turns, &turned);
-        asked.into_iter().for_each(|asked| *asked = turned);
+        if let Some(asked) = asked {
+            *asked = turned;
+        }
     } else if let Some(asked) = asked {
         asked.fill(0.0);
     }
     for ((flow, work), sigma) in flow.iter_mut().zip(&*work).zip(&*sigma) {
-        *flow = u8::from(flows(*work, *sigma));
+        *flow = sense_of_flow(*work, *sigma);
     }
     add(works, work);
     let mut accumulated = [0.0; CHUNK];
@@ -236,15 +238,13 @@ fn step<L: CellLaw<N>, const N: usize, const FIRST: bool>(
     *largest = lanes;
 }
 
-/// Corrects the work of cells that come from the other side of their elastic range: they are few. Takes stresses at the end and E times
-/// the plastic strain increments of these cells, Pa, 0 in others; returns what was added.
+/// Corrects the work of cells that do not flow under the mean stress of the step: they are few. Returns what was added.
 #[cold]
-fn turn(sigma: &[f64; CHUNK], plastic: &[f64; CHUNK], work: &mut [f64; CHUNK]) -> [f64; CHUNK] {
+fn turn(turned_work: &[f64; CHUNK], work: &mut [f64; CHUNK]) -> [f64; CHUNK] {
     let mut added = [0.0; CHUNK];
-    for i in (0..CHUNK).filter(|&i| plastic[i] != 0.0) {
-        let at_end = 2.0 * sigma[i] * plastic[i];
-        added[i] = at_end - work[i];
-        work[i] = at_end;
+    for i in 0..CHUNK {
+        added[i] = turned_work[i] - work[i];
+        work[i] = turned_work[i];
     }
     added
 }
@@ -259,6 +259,13 @@ pub fn flows(work: f64, sigma: f64) -> bool {
     work.abs() > ROUNDING * sigma * sigma
 }
 
+/// 1 or -1 where a cell with this [`Row::work`] and stress (Pa) flowed by more than rounding, else 0.
+#[inline(always)]
+fn sense_of_flow(work: f64, sigma: f64) -> i8 {
+    let sense = if (work > 0.0) == (sigma > 0.0) { 1 } else { -1 };
+    if flows(work, sigma) { sense } else { 0 }
+}
+
 /// Adds up numbers of cells, lane by lane.
 #[inline(always)]
 fn add(sums: &mut [f64; LANES], values: &[f64; CHUNK]) {
@@ -269,7 +276,7 @@ fn add(sums: &mut [f64; LANES], values: &[f64; CHUNK]) {
     }
 }
 
-/// One step of a row with given increments of E times the strain, Pa. `work` is of the mean stress of the step.
+/// One step of a row with given increments of E times the strain, Pa; `work` is as in [`Row`].
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
 pub(super) fn strain<L: CellLaw<N>, const N: usize>(
     law: &L,
@@ -287,7 +294,8 @@ pub(super) fn strain<L: CellLaw<N>, const N: usize>(
     for i in 0..cells {
         let before: [f64; N] = std::array::from_fn(|k| columns[k][i]);
         let after = law.respond(sigma[i], law.base(sigma[i], before) + increment[i], before);
-        work[i] = (sigma[i] + after.sigma) * after.plastic;
+        let turns = law.onset(sigma[i], before, &after) < 0.0;
+        work[i] = if turns { law.turned_work(before, &after) } else { (sigma[i] + after.sigma) * after.plastic };
         sigma[i] = after.sigma;
         for (column, value) in columns.iter_mut().zip(after.state) {
             column[i] = value;
@@ -334,25 +342,25 @@ mod tests {
                     cells: 0..cells,
                 };
                 let advanced = advance::<L, N, false>(law, row, &mut state);
-                let (mut sums, mut turns, mut largest) = ([0.0; LANES], [0.0; LANES], 0.0_f64);
+                let (mut sums, mut turned, mut largest) = ([0.0; LANES], [0.0; LANES], 0.0_f64);
                 for i in 0..cells {
                     let before = std::array::from_fn(|k| state_before[k * cells + i]);
                     let predictor = law.base(sigma_before[i], before) + MODULUS * (v[i + 1] - v[i]);
                     let after = law.respond(sigma_before[i], predictor, before);
-                    let comes_over = law.onset(sigma_before[i], before, &after) < 0.0;
-                    let onset = if comes_over { after.sigma } else { sigma_before[i] };
-                    let of_cell = (onset + after.sigma) * after.plastic;
+                    let turns = law.onset(sigma_before[i], before, &after) < 0.0;
+                    let of_mean = (sigma_before[i] + after.sigma) * after.plastic;
+                    let of_cell = if turns { law.turned_work(before, &after) } else { of_mean };
                     let after_row: [f64; N] = std::array::from_fn(|k| state[k * cells + i]);
                     assert_eq!((sigma[i], after_row, work[i]), (after.sigma, after.state, of_cell), "cell {i}");
-                    assert_eq!(flow[i], u8::from(flows(of_cell, sigma[i])));
+                    assert_eq!(flow[i], sense_of_flow(of_cell, sigma[i]));
                     sums[i % LANES] += of_cell;
-                    turns[i % LANES] += of_cell - (sigma_before[i] + after.sigma) * after.plastic;
+                    turned[i % LANES] += of_cell - of_mean;
                     largest = largest.max(law.accumulated(after.state));
-                    flowed += usize::from(flow[i]);
+                    flowed += usize::from(flow[i] != 0);
                 }
                 assert_eq!(
                     advanced,
-                    Advanced { work: sums.iter().sum(), turned: turns.iter().sum(), accumulated: largest }
+                    Advanced { work: sums.iter().sum(), turned: turned.iter().sum(), accumulated: largest }
                 );
             }
             assert!(flowed > 0, "nothing flowed");
@@ -383,7 +391,7 @@ mod tests {
             let part = step(stepped.clone());
             for i in 0..cells {
                 let expected = if stepped.contains(&i) { &whole } else { &start };
-                let cell = |(sigma, state, work, flow): &(Vec<f64>, Vec<f64>, Vec<f64>, Vec<u8>)| {
+                let cell = |(sigma, state, work, flow): &(Vec<f64>, Vec<f64>, Vec<f64>, Vec<i8>)| {
                     (sigma[i], state[i], state[cells + i], work[i], flow[i])
                 };
                 assert_eq!(cell(&part), cell(expected), "cell {i} of {stepped:?}");

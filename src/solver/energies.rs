@@ -9,7 +9,8 @@ macro_rules! energies {
         ///
         /// All but `half_step` are >= 0 to rounding, with these exceptions: `numerical` may be negative by the Godunov scheme in smooth
         /// flow, by leapfrog by up to the energy of a cell of the bar (4 % of all energy with 20 cells was seen), and by front tracking
-        /// within a few front tolerances; `plastic` where the curve is followed both ways, and where a back stress gives back what it stored.
+        /// within a few front tolerances; `plastic` where the curve is followed both ways, and where a back stress gives back what it
+        /// stored (with `mixed` hardening along a curve of several lines it may give back more).
         #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
         pub struct Energies {
             $($(#[doc = $doc])* pub $name: f64,)*
@@ -50,7 +51,7 @@ energies! {
     numerical: "energy taken since the start by the numerical method",
     /// What the staggered grid holds between two of its half steps, of either sign and of first order in the cell size: velocities are
     /// known half a step before and after the stresses, forces of ends and joints act in halves, and a cell that goes from one side of its
-    /// elastic range to flow on the other within a step flows under another stress than the mean of the step.
+    /// elastic range to flow on the other within a step, or flows on both, flows under another stress than the mean of the step.
     half_step: "energy between velocities and stresses half a step apart, of either sign",
     /// Taken since the start at single points where velocities differ, because a level curve lets no strain leave.
     concentrated: "energy taken since the start at single points where velocities differ",

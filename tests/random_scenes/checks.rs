@@ -11,7 +11,7 @@ use barwave::run::run;
 use barwave::scene::Scene;
 
 use super::spec::{Method, Spec};
-use super::watch::{Figures, Scaled, follow};
+use super::watch::{FILTER_GIVES, Figures, Scaled, follow};
 
 /// Something that does not hold.
 #[derive(Debug, Clone)]
@@ -33,7 +33,21 @@ pub enum Became {
     Done(Box<Figures>),
 }
 
+/// The first words of a reason, the same whatever its figures.
+fn without_figures(reason: &str) -> String {
+    let words = reason.split_whitespace().filter(|word| !word.contains(|c: char| c.is_ascii_digit()));
+    words.take(8).collect::<Vec<_>>().join(" ")
+}
+
 impl Became {
+    pub fn word(&self) -> String {
+        match self {
+            Self::Refused => "refused".to_owned(),
+            Self::Stopped(reason) => format!("stopped: {}", without_figures(reason)),
+            Self::Done(_) => "done".to_owned(),
+        }
+    }
+
     fn figures(&self) -> Option<&Figures> {
         match self {
             Self::Done(figures) => Some(figures),
@@ -48,19 +62,13 @@ pub struct Checked {
     pub became: Vec<(Method, Became)>,
 }
 
-/// A scene by every method, without comparisons.
-pub fn alone(spec: &Spec) -> Checked {
+pub fn check(spec: &Spec) -> Checked {
     let mut checked = Checked { failures: Vec::new(), became: Vec::new() };
     for method in Method::ALL {
         let (became, failures) = check_by(spec, method);
         checked.became.push((method, became));
         checked.failures.extend(failures.into_iter().map(|failure| (method, failure)));
     }
-    checked
-}
-
-pub fn check(spec: &Spec) -> Checked {
-    let mut checked = alone(spec);
     let done: Vec<(Method, &Figures)> =
         checked.became.iter().filter_map(|(method, became)| Some((*method, became.figures()?))).collect();
     let slow = done.iter().any(|(_, figures)| figures.strain > RESOLVED);
@@ -73,8 +81,11 @@ pub fn check(spec: &Spec) -> Checked {
     checked
 }
 
-/// Two methods agree where they differ by less than this, relative, on the scene's own cells, and on twice and four times as many.
-const AGREE: [f64; 3] = [0.04, 0.07, 0.15];
+/// Two methods agree where they differ by less than this, relative, on the scene's own cells, and on 2, 4 and 8 times as many.
+const AGREE: [f64; 4] = [0.04, 0.07, 0.15, 0.15];
+/// Along a curve that is followed both ways what falls back is a shock. Leapfrog has no viscosity for it: it rings behind a shock instead of
+/// losing energy there. Below this part of all energy, taken by the method, that shows in no mean.
+const SHOCKS: f64 = 0.1;
 /// Strain above which plastic waves are so slow that some ten cells do not resolve them.
 const RESOLVED: f64 = 0.1;
 /// Stresses of bars in uniform motion are rounding, Pa.
@@ -85,14 +96,14 @@ const FALLS: f64 = 0.85;
 /// Runs by two methods have to come together as cells become smaller.
 fn methods_disagree(spec: &Spec, pair: &[(Method, &Figures)]) -> Option<Failure> {
     let [a, b] = [pair[0].1, pair[1].1];
-    if a.is_unstressed() && b.is_unstressed() {
+    if a.is_unstressed() && b.is_unstressed() || are_different_problems(pair) {
         return None;
     }
     // The place where strain gathers has no size, so that what an end gives to it goes with the cells: see
     // `what_goes_into_a_place_where_strain_gathers_depends_on_the_cells`.
     let size = |differences: &Differences| differences.size(a.gathers || b.gathers);
     let mut differences = vec![a.differs(b)];
-    for (k, by) in [1, 2, 4].into_iter().enumerate() {
+    for (k, by) in [1, 2, 4, 8].into_iter().enumerate() {
         if by > 1 {
             let finer = |method| figures_of(&spec.text(method, by));
             differences.push(finer(pair[0].0)?.differs(&finer(pair[1].0)?));
@@ -105,12 +116,32 @@ fn methods_disagree(spec: &Spec, pair: &[(Method, &Figures)]) -> Option<Failure>
     Some(Failure::new("methods disagree", format!("{:?}: {differences:.3?}", pair[1].0)))
 }
 
+/// Curves that are followed both ways, where methods mean different things: see `leapfrog_keeps_what_unloading_shocks_lose` and
+/// `what_gathers_at_a_place_comes_back_on_a_grid_alone`.
+fn are_different_problems(pair: &[(Method, &Figures)]) -> bool {
+    let any = |wanted: Method| pair.iter().any(|(method, _)| *method == wanted);
+    let (a, b) = (pair[0].1, pair[1].1);
+    let shocks = any(Method::Leapfrog) && a.taken.max(b.taken) > SHOCKS;
+    a.returns && (shocks || (any(Method::Moc) && (a.gathers || b.gathers)))
+}
+
 /// A run without checks; none where it stops.
 pub fn figures_of(text: &str) -> Option<Figures> {
     let scene = Scene::parse("finer.toml", text, Path::new("."), &[]).ok()?;
     let mut failures = Vec::new();
     let figures = follow(&scene, scene.solve.until, &mut failures);
     (figures.ended && failures.is_empty()).then_some(figures)
+}
+
+/// What the grid filter gives is an error of the grid: of a bar that moves in a few of its cells only it may be more than the energy of a
+/// mean cell, but it goes to zero as cells become smaller.
+fn vanishes_on_finer_cells(spec: &Spec, given: f64) -> bool {
+    [2, 4].into_iter().enumerate().all(|(k, by)| {
+        let scene = Scene::parse("finer.toml", &spec.text(Method::Leapfrog, by), Path::new("."), &[]);
+        scene.is_ok_and(|scene| {
+            follow(&scene, scene.solve.until, &mut Vec::new()).given < FALLS.powi(k as i32 + 1) * given
+        })
+    })
 }
 
 /// A scene by one method. A panic is a failure like others.
@@ -161,6 +192,9 @@ fn by_method(spec: &Spec, method: Method, failures: &mut Vec<Failure>) -> Became
         return Became::Refused;
     }
     let mut figures = follow(&scene, scene.solve.until, failures);
+    if failures.iter().any(|failure| failure.class == FILTER_GIVES) && vanishes_on_finer_cells(spec, figures.given) {
+        failures.retain(|failure| failure.class != FILTER_GIVES);
+    }
     figures.gathers |= above_critical;
     mirror_agrees(spec, method, &figures, failures);
     Became::Done(Box::new(figures))
@@ -223,9 +257,18 @@ fn mirror_agrees(spec: &Spec, method: Method, figures: &Figures, failures: &mut 
         Method::Moc => MIRRORED.max(MIRRORED_FRONTS * spec.front_tolerance),
         Method::Leapfrog | Method::Muscl => MIRRORED,
     };
-    if differs.size(method == Method::Moc && figures.gathers) > allowed {
+    if differs.size(method == Method::Moc && figures.gathers) > allowed && !is_tie(spec, method) {
         failures.push(Failure::new("mirror differs", format!("{differs:?}")));
     }
+}
+
+/// At Courant number 1 a bar comes back to a wall exactly at the end of a step: rounding decides whether it touches in this one or in the
+/// next. With other steps it does not.
+fn is_tie(spec: &Spec, method: Method) -> bool {
+    let other = Spec { cfl: 0.97 * spec.cfl, ..spec.clone() };
+    let figures = [&other, &other.mirrored()].map(|spec| figures_of(&spec.text(method, 1)));
+    let [Some(figures), Some(mirrored)] = figures else { return false };
+    method != Method::Moc && figures.mirrored().differs(&mirrored).largest() <= MIRRORED
 }
 
 /// Differences of two runs: means over the bar of stress and velocity, and those of the ends.

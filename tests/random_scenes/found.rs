@@ -1,4 +1,4 @@
-//! What random scenes found: defects that are cured, and rules that explain what looks like one.
+//! What random scenes found: defects that are cured.
 
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -7,7 +7,6 @@ use barwave::assemble;
 use barwave::record::{Field, View};
 use barwave::run::run;
 use barwave::scene::Scene;
-use barwave::solver::Energies;
 use barwave::solver::fd::Sampling;
 
 use super::checks::figures_of;
@@ -17,18 +16,18 @@ use super::watch::follow;
 const STEEL: &str =
     "{ density = 7800, modulus = 2e11, beyond = \"extend\", curve = { table = [[0.001, 2e8], [0.1, 4e8]] } }";
 
-fn bar(material: &str) -> String {
+pub fn bar(material: &str) -> String {
     format!("[bar]\nlength = 0.19\narea = 1e-4\nmaterial = {material}\n")
 }
 
 /// A bar with its right end free.
-fn text(bar: &str, left: &str, effects: &str, solve: &str) -> String {
+pub fn text(bar: &str, left: &str, effects: &str, solve: &str) -> String {
     format!(
         "{bar}[left]\n{left}\n[right]\nkind = \"free\"\n[effects]\n{effects}\n[solve]\n{solve}\n[record]\nframes = 2\n"
     )
 }
 
-fn scene(text: &str) -> Scene {
+pub fn scene(text: &str) -> Scene {
     Scene::parse("found.toml", text, Path::new("."), &[]).unwrap_or_else(|e| panic!("{e}\n{text}"))
 }
 
@@ -229,57 +228,6 @@ fn rounding_of_the_yield_stress_is_no_flow() {
     assert_mirrored(&spec(vec![horn, rod], [left, right], &isotropic, (8.5e-5, 47, 1.0)));
 }
 
-/// The rule of heat: a fraction of all plastic work, that included which a back stress gives back in reverse flow. It then decreases.
-#[test]
-fn heat_is_a_fraction_of_all_plastic_work() {
-    let text = r#"
-[[bar.segment]]
-length = 0.0629
-velocity = "16.6 m/s"
-[bar.segment.material]
-density = 6190
-modulus = "200 GPa"
-beyond = "rupture"
-heat = { specific-heat = 648, reference-temperature = 293, melting-temperature = 1140, m = 0.745 }
-curve = { table = [[2.78e-3, 5.56e8], [6.4774e-3, 5.56e8]] }
-[[bar.segment]]
-length = 0.07
-[bar.segment.material]
-density = 4130
-modulus = "70 GPa"
-beyond = "extend"
-heat = { specific-heat = 393, reference-temperature = 293, melting-temperature = 920, m = 1.09 }
-curve = { table = [[7.59e-4, 5.313e7], [1.16127e-2, 2.64343e8]] }
-[left]
-kind = "stress"
-value = 321000000
-[right]
-kind = "velocity"
-value = -14.3
-[effects]
-unloading = { mixed = 0.868 }
-heat = { fraction = 0.5 }
-[solve]
-until = 4.44e-5
-method = "fd"
-cells = 80
-"#;
-    let scene = scene(text);
-    let barwave::scene::Method::Leapfrog { cells, cfl } = scene.solve.method else {
-        panic!("{:?}", scene.solve.method)
-    };
-    let mut bar = assemble::leapfrog(&scene, cells, cfl);
-    let (mut most, mut fall) = (0.0_f64, 0.0_f64);
-    while View::time(&bar) < scene.solve.until {
-        bar.advance_by(1);
-        let Energies { heat, plastic, .. } = bar.account().energies;
-        assert!((heat - 0.5 * (heat + plastic)).abs() <= 1e-12 * heat, "{heat:e} and {plastic:e} J");
-        most = most.max(heat);
-        fall = fall.max(most - heat);
-    }
-    assert!(fall > 1e-3 * most, "no reverse flow under a back stress: heat falls by {fall:e} of {most:e} J");
-}
-
 /// Where the elastic stress of an impact is more than 600 C f above the static curve, nothing flowed on the characteristic net by the law of
 /// Johnson and Cook: the bar stayed elastic.
 #[test]
@@ -338,25 +286,6 @@ cells = 47
     assert!(fall <= 1e-12 * energy, "plastic work falls by {fall:e} of {energy:e} J");
 }
 
-/// The rule that exempts work and impulse of ends above critical: a level curve lets no strain leave an end that is driven beyond it. The
-/// end cell of a grid has inertia and moves ever faster, the smaller it is; front tracking knows no such cell. The bars agree.
-#[test]
-fn what_goes_into_a_place_where_strain_gathers_depends_on_the_cells() {
-    let level = "{ density = 7940, modulus = 7e10, curve = { table = [[3.24e-4, 2.268e7], [0.1, 2.268e7]] } }";
-    let by = |solve: &str| {
-        let left = "kind = \"stress\"\nhistory = [[0, 0], [5.83e-4, -114e6]]";
-        let bar = bar(level).replace("0.19", "0.835");
-        figures_of(&text(&bar, left, "unloading = \"isotropic\"", &format!("until = 2.2e-4\n{solve}")))
-            .expect("it runs")
-    };
-    let tracked = by("method = \"moc\"");
-    for cells in [60, 240] {
-        let differs = by(&format!("cells = {cells}")).differs(&tracked);
-        assert!(differs.stress < 0.01 && differs.velocity < 0.05, "{cells} cells: {differs:?}");
-        assert!(differs.work > 0.2, "{cells} cells: {differs:?}");
-    }
-}
-
 /// The face of a spring went along with the bar's edge, at 36 m/s, where the bar pressed it with all that its level curve carries: the
 /// spring took in 5 times the energy of the bar.
 #[test]
@@ -367,5 +296,122 @@ fn a_bar_at_its_largest_stress_does_not_push_a_spring_along() {
     let text = text(&bar, "kind = \"spring\"\nstiffness = 88400000", "unloading = \"isotropic\"", solve);
     let mut failures = Vec::new();
     follow(&scene(&text), 6.46e-5, &mut failures);
+    assert!(failures.is_empty(), "{:?}", failures[0]);
+}
+
+/// Merging averaged unloading waves that ran through the loading waves ahead of them: each mean held more energy than what it replaced, 8 % of
+/// all energy by the end, and the work of the end was 6 % too small.
+#[test]
+fn merging_of_fronts_gives_no_energy() {
+    let bar = bar("\"copper-ofhc-jc\"").replace("0.19", "0.132").replace("1e-4", "18e-6");
+    let right = "kind = \"velocity\"\nhistory = [[0, 0], [3.2e-6, 18], [6.4e-6, 18], [9.6e-6, 0]]";
+    let account = |tolerance: f64| {
+        let solve = format!("until = 1.2e-5\nmethod = \"moc\"\nfront-tolerance = {tolerance:e}");
+        let text = text(&bar, "kind = \"free\"", "unloading = \"isotropic\"", &solve);
+        let scene = scene(&text.replace("[right]\nkind = \"free\"", &format!("[right]\n{right}")));
+        let mut failures = Vec::new();
+        let figures = follow(&scene, scene.solve.until, &mut failures);
+        assert!(failures.is_empty(), "{:?}", failures[0]);
+        (figures.taken, figures.work.values[1])
+    };
+    let [(taken, work), (_, fine)] = [1e-2, 3e-4].map(account);
+    assert!(taken >= 0.0, "merging gave {taken} of all energy");
+    assert!((work / fine - 1.0).abs() < 0.01, "{work:e} and {fine:e} J");
+}
+
+/// Where a bar breaks, a cell flows in both senses in one step: its plastic work was that of the mean stress and of what was left of the
+/// two flows, less than that of their overstresses. The work under the static curve decreased, to below zero.
+#[test]
+fn flow_in_both_senses_within_a_step_does_the_work_of_both() {
+    let text = r#"
+[[bar.segment]]
+length = 0.0118
+area = [[0, 0.000597], [5.9e-3, 0.000621], [1.18e-2, 0.000806]]
+material = { density = 6670, modulus = "200 GPa", beyond = "extend", measure = "true", symmetry = "true", curve = { formula = "ludwik", yield = "220 MPa", K = "440 MPa", n = 0.406 } }
+velocity = "10.5 m/s"
+[[bar.segment]]
+length = 0.00369
+area = "389 mm^2"
+material = { density = 2120, modulus = "200 GPa", beyond = "rupture", curve = { table = [[8.24e-4, 1.647999999998e8]] } }
+joint = "contact"
+gap = "0.462 mm"
+[[bar.segment]]
+length = 0.0184
+diameter = "39.5 mm"
+material = "aluminium-1100-o"
+velocity = "-27.1 m/s"
+[left]
+kind = "free"
+[right]
+kind = "wall"
+gap = "0.0164 mm"
+[effects]
+rate = { model = "cowper-symonds", D = 41.3, q = 3.24 }
+rupture = { spall = "47.8 MPa" }
+[solve]
+until = 2.43e-5
+method = "fd"
+cells = 60
+cfl = 1
+[record]
+frames = 2
+"#;
+    let scene = scene(text);
+    let mut failures = Vec::new();
+    follow(&scene, scene.solve.until, &mut failures);
+    assert!(failures.is_empty(), "{:?}", failures[0]);
+}
+
+/// In a pulse as short as a cell, flow turned within a step, and the filter took from a velocity difference that a step before had been larger
+/// and of the other sign: it gave 1.2 % of all energy.
+#[test]
+fn the_grid_filter_takes_nothing_from_a_cell_that_has_turned() {
+    let horn = "[bar]\nlength = 1.4\narea = [[0, 0.000266], [0.7, 0.000151], [1.4, 0.000436]]\nmaterial = { density = 2450, modulus = 3e9, beyond = \"rupture\", curve = { table = [[9.82e-4, 2.945999999997e6], [1.2275e-2, 1.314357899999e7], [1.765636e-2, 2.069900843998e7]] } }\n";
+    let left = "kind = \"stress\"\nhistory = [[0, -488e6], [1.33e-5, 21.8e6], [1.98e-5, 21.8e6], [1.98e-5, 330e6], [2.92e-5, 330e6], [2.92e-5, 218e6]]";
+    let text = text(horn, left, "unloading = \"isotropic\"", "until = 3e-5\ncells = 60\ncfl = 0.932");
+    let scene = scene(&text);
+    let given = follow(&scene, scene.solve.until, &mut Vec::new()).given;
+    assert!(given < 0.01, "{given} of all energy");
+}
+
+/// By the Godunov scheme, too, a cell that came from the other side of its elastic range did plastic work under the mean stress of the step, a
+/// negative one.
+#[test]
+fn a_cell_of_the_conservative_scheme_that_turns_within_a_step_does_no_negative_plastic_work() {
+    let text = r#"
+[[bar.segment]]
+length = 0.0112
+area = "3990 mm^2"
+material = { density = 6020, modulus = "3 GPa", beyond = "extend", curve = { formula = "hollomon", K = "25.7 MPa", n = 0.206 }, compression = { formula = "ramberg-osgood", yield = "6.42 MPa", n = 20 } }
+[[bar.segment]]
+length = 0.00294
+area = "2480 mm^2"
+material = { density = 3430, modulus = "200 GPa", beyond = "extend", curve = { table = [[2.89e-3, 5.779999999994e8], [1.0115e-2, 5.779999999994e8]] } }
+velocity = "-12.2 m/s"
+[[bar.segment]]
+length = 0.00654
+area = "3110 mm^2"
+material = { density = 8740, modulus = "70 GPa", beyond = "extend", curve = { table = [[3.56e-3, 2.491999999998e8]] } }
+velocity = "34.8 m/s"
+[left]
+kind = "striker"
+mass = 0.0243
+velocity = -33.1
+[right]
+kind = "fixed"
+[effects]
+unloading = "isotropic"
+[solve]
+until = 9.5e-6
+method = "fd"
+scheme = "muscl"
+cells = 47
+cfl = 0.95
+[record]
+frames = 2
+"#;
+    let scene = scene(text);
+    let mut failures = Vec::new();
+    follow(&scene, scene.solve.until, &mut failures);
     assert!(failures.is_empty(), "{:?}", failures[0]);
 }

@@ -33,6 +33,20 @@ impl<const N: usize> Timed<N> {
     pub fn new(law: RateLaw, time: f64) -> Self {
         Self { relaxation_step: law.relaxation_step(1.0, time), law, time }
     }
+
+    /// Middle of the elastic range, Pa.
+    fn middle(_: &Self, state: [f64; N]) -> f64 {
+        if N > 5 { state[5] } else { 0.0 }
+    }
+
+    fn history(&self, state: [f64; N]) -> History {
+        self.law.history(state[0], state[1], Self::middle(self, state))
+    }
+
+    /// Stresses between which a cell is elastic, Pa.
+    fn limits(&self, state: [f64; N]) -> [f64; 2] {
+        self.law.limits(&self.history(state))
+    }
 }
 
 /// A cell within a step.
@@ -82,14 +96,13 @@ impl<const N: usize> CellLaw<N> for Timed<N> {
         std::array::from_fn(|k| state[k])
     }
 
-    fn onset(&self, sigma: f64, state: [f64; N], after: &Response<N>) -> f64 {
-        after.onset(sigma, if N > 5 { state[5] } else { 0.0 })
-    }
-
     fn respond(&self, sigma: f64, predictor: f64, state: [f64; N]) -> Response<N> {
-        let back = if N > 5 { state[5] } else { 0.0 };
-        let history = self.law.history(state[0], state[1], back);
-        let mut cell = Cell { law: &self.law, relaxation_step: &self.relaxation_step, time: self.time, history };
+        let mut cell = Cell {
+            law: &self.law,
+            relaxation_step: &self.relaxation_step,
+            time: self.time,
+            history: self.history(state),
+        };
         let step = step(&mut cell, sigma, predictor, self.time);
         let History { accumulated, signed, back, .. } = cell.history;
         let after = [accumulated, signed, step.quickness, step.overstress, state[4] + step.work, back];

@@ -49,6 +49,20 @@ impl<const N: usize> Heated<N> {
     fn softening(&self, rise: f64) -> f64 {
         self.heating.softening(rise).max(MOLTEN)
     }
+
+    /// Middle of the elastic range, Pa.
+    fn middle(law: &Self, state: [f64; N]) -> f64 {
+        if N > 6 { law.softening(state[5]) * state[6] } else { 0.0 }
+    }
+
+    fn history(&self, state: [f64; N]) -> History {
+        self.law.history(state[0], state[1], if N > 6 { state[6] } else { 0.0 })
+    }
+
+    /// Stresses between which a cell is elastic, Pa.
+    fn limits(&self, state: [f64; N]) -> [f64; 2] {
+        self.law.limits(&self.history(state)).map(|limit| self.softening(state[5]) * limit)
+    }
 }
 
 /// A cell within a step.
@@ -142,13 +156,8 @@ impl<const N: usize> Flowing for Cell<'_, N> {
 impl<const N: usize> CellLaw<N> for Heated<N> {
     readings_of_state!();
 
-    fn onset(&self, sigma: f64, state: [f64; N], after: &Response<N>) -> f64 {
-        after.onset(sigma, if N > 6 { self.softening(state[5]) * state[6] } else { 0.0 })
-    }
-
     fn respond(&self, sigma: f64, predictor: f64, state: [f64; N]) -> Response<N> {
-        let back = if N > 6 { state[6] } else { 0.0 };
-        let history = self.law.history(state[0], state[1], back);
+        let history = self.history(state);
         let mut cell = Cell { heated: self, history, rise: state[5], softening: self.softening(state[5]) };
         let step = step(&mut cell, sigma, predictor, self.time);
         let History { accumulated, signed, back, .. } = cell.history;

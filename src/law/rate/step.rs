@@ -136,6 +136,18 @@ fn excess(sigma: f64, cell: &impl Flowing) -> Option<(f64, usize)> {
     }
 }
 
+/// Flow in both senses in a step, from E times the accumulated plastic strain before and after it and the signed one of the step, Pa.
+pub(super) fn both_ways([before, after]: [f64; 2], plastic: f64) -> [f64; 2] {
+    let all = after - before;
+    [0.5 * (all + plastic), 0.5 * (all - plastic)]
+}
+
+/// Whether a cell flows in both senses in a step: from an overstress in one to beyond the elastic limit of the other.
+pub(super) fn is_both_ways(accumulated: [f64; 2], plastic: f64) -> bool {
+    let [up, down] = both_ways(accumulated, plastic);
+    up.min(down) > ROUNDING * accumulated[1]
+}
+
 /// What [`crate::law::CellLaw`] reads off the state.
 macro_rules! readings_of_state {
     () => {
@@ -144,6 +156,25 @@ macro_rules! readings_of_state {
         #[inline]
         fn base(&self, sigma: f64, _: [f64; N]) -> f64 {
             sigma
+        }
+
+        fn onset(&self, sigma: f64, state: [f64; N], after: &Response<N>) -> f64 {
+            if $crate::law::rate::step::is_both_ways([state[0], after.state[0]], after.plastic) {
+                return -1.0;
+            }
+            after.onset(sigma, Self::middle(self, state))
+        }
+
+        /// Where a cell flows in both senses: the work of each flow under its elastic limit at the end of the step, and that of the
+        /// overstress.
+        fn turned_work(&self, state: [f64; N], after: &Response<N>) -> f64 {
+            let accumulated = [state[0], after.state[0]];
+            if !$crate::law::rate::step::is_both_ways(accumulated, after.plastic) {
+                return 2.0 * after.sigma * after.plastic;
+            }
+            let [up, down] = $crate::law::rate::step::both_ways(accumulated, after.plastic);
+            let [low, high] = self.limits(after.state);
+            2.0 * (up * high - down * low + after.state[4] - state[4])
         }
 
         #[inline]

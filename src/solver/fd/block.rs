@@ -72,8 +72,9 @@ pub(super) struct Block {
     pub v: AlignedRow,
     /// Law state, empty until the block yields.
     pub state: AlignedRow,
-    /// 1 in cells that flowed in the latest step (not where the rate of flow is resolved), else 0; empty until the block yields.
-    pub flow: Vec<u8>,
+    /// Sense of the flow (1 or -1) of cells that flowed in the latest step (not where the rate of flow is resolved), else 0; empty until the
+    /// block yields.
+    pub flow: Vec<i8>,
     pub cells: Range<usize>,
     pub segment: usize,
     /// Running sum over cells and steps of the plastic work as [`RowLaw::advance`] gives it, times the cells' relative areas.

@@ -10,9 +10,9 @@
 //! left as it is.
 //!
 //! **Overshoot.** A plastic wave has a Courant number below 1, so its front runs ahead of a train of ripples, and
-//! plastic flow keeps their peaks: too much plastic strain, for good. In a cell that is flowing, the part of the
-//! strain rate is damped that stands out above twice the lesser of its neighbours', as it does where the front turns
-//! into its peak and not within it.
+//! plastic flow keeps their peaks: too much plastic strain, for good. In a cell that flows, and is still strained in
+//! the sense of its flow, the part of the strain rate is damped that stands out above twice the lesser of its neighbours', as
+//! it does where the front turns into its peak and not within it.
 //!
 //! Both are equal and opposite impulses on the cell's two nodes: momentum is kept to the last bit, and the energy
 //! they take is booked as `numerical` in the ledger. On bilinear bars (plastic wave speed 0.1 to 0.97 c0) the error in
@@ -96,10 +96,10 @@ impl Gaps {
         self.smooth
     }
 
-    /// Velocity differences to hand over, one a cell, into `handed`. `flow` is as in [`hand`] (empty where the block has not
-    /// yielded). Where the segment ends the last cell is not damped: its outer node belongs to a joint, or to an end whose
+    /// Velocity differences to hand over, one a cell, into `handed`. `flow` is the sense of the flow of each cell (empty where the block has
+    /// not yielded). Where the segment ends the last cell is not damped: its outer node belongs to a joint, or to an end whose
     /// velocity is prescribed. Returns whether there is anything to hand over.
-    pub fn find(&self, flow: &[u8], filter: Filter, handed: &mut [f64]) -> bool {
+    pub fn find(&self, flow: &[i8], filter: Filter, handed: &mut [f64]) -> bool {
         let w = &self.w.0[LANES - 1..=LANES + self.cells];
         let anything = if flow.is_empty() { find(w, filter, handed) } else { find_flowing(w, flow, filter, handed) };
         for (cell, inside) in [0, self.cells - 1].into_iter().zip(self.outside) {
@@ -165,9 +165,11 @@ fn larger(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
 
-/// Velocity difference to hand over in a cell: what of `w` is zigzag and, where the cell `flows`, overshoot.
+/// Velocity difference to hand over in a cell: what of `w` is zigzag and, where the cell is strained on in the sense of its `flow`, overshoot.
+/// (Not where it has turned since: kinetic energy is that of the mean of this difference and the one a step before, which was larger and of
+/// the other sign. To take some of this one would then give energy.)
 #[inline(always)]
-fn hand(left: f64, w: f64, right: f64, flows: bool, filter: Filter) -> f64 {
+fn hand([left, w, right]: [f64; 3], flow: f64, filter: Filter) -> f64 {
     let Filter { rounding, zigzag, overshoot } = filter;
     let (sense, size) = (1.0_f64.copysign(w), w.abs());
     // Its neighbours' differences, positive where they have its sign.
@@ -175,7 +177,7 @@ fn hand(left: f64, w: f64, right: f64, flows: bool, filter: Filter) -> f64 {
     let zigzag = if larger(left, right) < -rounding { zigzag * size } else { 0.0 };
     let supported = SUPPORT * larger(lesser(left, right), 0.0);
     let above = larger(size - supported, 0.0);
-    let overshoot = if flows && size > rounding { overshoot * above } else { 0.0 };
+    let overshoot = if flow * w > rounding { overshoot * above } else { 0.0 };
     sense * (zigzag + overshoot)
 }
 
@@ -187,7 +189,7 @@ fn find(w: &[f64], filter: Filter, handed: &mut [f64]) -> bool {
     let (left, here, right) = (&w[..cells], &w[1..=cells], &w[2..cells + 2]);
     let mut bits = 0;
     for i in 0..cells {
-        handed[i] = hand(left[i], here[i], right[i], false, filter);
+        handed[i] = hand([left[i], here[i], right[i]], 0.0, filter);
         bits |= handed[i].to_bits();
     }
     bits & Range::SIZE != 0
@@ -195,12 +197,12 @@ fn find(w: &[f64], filter: Filter, handed: &mut [f64]) -> bool {
 
 /// The same in a block with yielded cells.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
-fn find_flowing(w: &[f64], flow: &[u8], filter: Filter, handed: &mut [f64]) -> bool {
+fn find_flowing(w: &[f64], flow: &[i8], filter: Filter, handed: &mut [f64]) -> bool {
     let cells = handed.len();
     let (left, here, right, flow) = (&w[..cells], &w[1..=cells], &w[2..cells + 2], &flow[..cells]);
     let mut bits = 0;
     for i in 0..cells {
-        handed[i] = hand(left[i], here[i], right[i], flow[i] != 0, filter);
+        handed[i] = hand([left[i], here[i], right[i]], f64::from(flow[i]), filter);
         bits |= handed[i].to_bits();
     }
     bits & Range::SIZE != 0

@@ -5,7 +5,8 @@
 //! plastic waves of one speed, and the histories, which stand still. The steps of each function are merged by themselves: two
 //! neighbouring steps are replaced by their mean over their common length. That keeps momentum, displacement and
 //! plastic work exactly, and leaves pure waves pure. It takes a little energy, the spread of what is averaged, which is
-//! booked. What it changes is measured as it is done: two steps become one only where the integral of |change| over x
+//! booked. Where waves of two kinds cancel each other (an unloading wave within the loading waves that it overtakes), a mean of one kind
+//! can hold more energy than what it replaces: such merges are done only as far as others have taken that energy before. What it changes is measured as it is done: two steps become one only where the integral of |change| over x
 //! stays below the allowance. Nothing is ever averaged across an end or a joint, nor next to one.
 //!
 //! To hold weak waves back where they arise, until the next front comes by, is not good enough: measured, the steps in
@@ -26,6 +27,7 @@ impl FrontTracking {
         let mut scratch = std::mem::take(&mut self.merging.scratch);
         self.spread_out(&mut scratch);
         let before = self.content(self.end_nodes[0], self.end_nodes[1]);
+        self.merging.credit = self.merging.energy.max(0.0);
         let mut start = 0;
         while start + 1 < scratch.ids.len() {
             let end = (start + 1..scratch.ids.len() - 1)

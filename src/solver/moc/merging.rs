@@ -30,6 +30,9 @@ pub(super) struct FrontMerging {
     pub changed: f64,
     /// Energy taken, J.
     pub energy: f64,
+    /// Energy that the present passage may give, J: what merging has taken so far. Where waves of another kind run through those that
+    /// are merged, and the two cancel each other, a mean holds more energy than what it replaces.
+    pub credit: f64,
     /// For each segment: stress over E times plastic strain where the loading curve reaches the stress scale.
     secant: Vec<f64>,
     due_at_nodes: usize,
@@ -101,22 +104,30 @@ impl Scratch {
         }
     }
 
-    /// Lifts the pieces of two steps to one height; where `strict`, not if that takes one of them past its yield stress.
-    fn lift(&mut self, steps: [Step; 2], height: &Point, medium: &Medium, strict: bool) -> bool {
+    /// Lifts the pieces of two steps to one height and returns the energy that this takes, J. Not if that takes less than `least`, nor,
+    /// where `strict`, if it takes one of them past its yield stress.
+    fn lift(&mut self, steps: [Step; 2], height: &Point, medium: &Medium, strict: bool, least: f64) -> Option<f64> {
         self.lifted.clear();
+        let mut taken = 0.0;
         for step in steps {
-            for piece in &self.pieces[step.first..step.last] {
+            for i in step.first..step.last {
+                let piece = &self.pieces[i];
                 let mut lifted = piece.plus(height, 1.0).plus(&step.height, -1.0);
                 // Rounding must not take back flow that never was.
                 lifted.accumulated = lifted.accumulated.max(0.0);
                 if strict && medium.overstress(&lifted) > (medium.round_off * REST).max(medium.overstress(piece)) {
-                    return false;
+                    return None;
                 }
+                let volume = medium.area * (self.x[i + 1] - self.x[i]).max(0.0);
+                taken += volume * (medium.energy(piece) - medium.energy(&lifted));
                 self.lifted.push(lifted);
             }
         }
+        if taken < least {
+            return None;
+        }
         self.pieces[steps[0].first..steps[1].last].copy_from_slice(&self.lifted);
-        true
+        Some(taken)
     }
 }
 
@@ -134,9 +145,9 @@ impl FrontMerging {
                     break;
                 }
                 let height = a.height.plus(&b.height, share).plus(&a.height, -share);
-                if !scratch.lift([a, b], &height, medium, change > TRIFLE * self.allowance) {
-                    break;
-                }
+                let strict = change > TRIFLE * self.allowance;
+                let Some(taken) = scratch.lift([a, b], &height, medium, strict, -self.credit) else { break };
+                self.credit += taken;
                 self.changed += change;
                 scratch.new.truncate(scratch.new.len() - 2);
                 scratch.new.push(Step { first: a.first, last: b.last, length, height });

@@ -138,16 +138,14 @@ fn the_order_is_two_where_the_solution_is_smooth() {
     solid.modulus = MODULUS;
     let malvern = Overstress::Malvern { k: 2e4 };
     let power = Overstress::CowperSymonds { rate: MODULUS * 500.0, exponent: 2.0 };
-    let johnson_cook = Overstress::JohnsonCook { c: 0.1, rate: MODULUS };
-    // Errors with 100 cells, L1 and maximum, from which they fall with the square of the number of cells at least.
     let cases = [
-        ("standard linear solid", solid, malvern, [1.7e-5, 4.5e-5]),
-        ("bilinear", bilinear_steel(), malvern, [2.5e-5, 9e-5]),
-        ("200 knots", power_law_table(200), malvern, [2.7e-5, 9e-5]),
-        ("bilinear, Cowper-Symonds", bilinear_steel(), power, [6e-5, 1.2e-4]),
-        ("bilinear, Johnson-Cook", bilinear_steel(), johnson_cook, [3.5e-5, 1.3e-4]),
+        ("standard linear solid", solid, malvern),
+        ("bilinear", bilinear_steel(), malvern),
+        ("200 knots", power_law_table(200), malvern),
+        ("bilinear, Cowper-Symonds", bilinear_steel(), power),
+        ("bilinear, Johnson-Cook", bilinear_steel(), Overstress::JohnsonCook { c: 0.1, rate: MODULUS }),
     ];
-    for (name, material, overstress, bounds) in cases {
+    for (name, material, overstress) in cases {
         let run = |cells: usize| {
             let ends = [smooth_start(20.0, 0.5 / c0()), EndCondition::Fixed];
             let mut bar = net::net(vec![segment(material.clone(), 1.0)], ends, overstress, 0.0, cells);
@@ -162,13 +160,9 @@ fn the_order_is_two_where_the_solution_is_smooth() {
                 "{name}, {kind}: {:.2e} {:.2e} {:.2e}, orders {orders:.2?}",
                 coarse[norm], middle[norm], fine[norm]
             );
-            for (error, refined) in [(coarse, 1.0_f64), (middle, 3.0), (fine, 9.0)] {
-                assert!(error[norm] < bounds[norm] / refined.powi(2), "{name}, {kind}: {error:?} {refined}");
-            }
-            // Where a steady rise begins and ends is a matter of whole steps: orders of single refinements vary.
-            if name == "standard linear solid" {
-                assert!(orders.iter().all(|o| *o > 1.9 && *o < 2.4), "{name}, {kind}: {orders:?}");
-            }
+            // Two, less what kinks cost in the maximum norm on these grids.
+            let least = if norm == 0 { 1.9 } else { 1.75 };
+            assert!(orders.iter().all(|o| *o > least && *o < 2.4), "{name}, {kind}: {orders:?}");
         }
     }
 }
@@ -382,39 +376,5 @@ fn all_ends_and_joints_agree_with_leapfrog_where_flow_is_infinitely_quick() {
         println!("{}: {coarse:.2e} with 300 cells, {fine:.2e} with 2400", case.name);
         // Eight times the cells: a factor 2.8 at half order, fronts of strain being jumps; and 6 % at most.
         assert!(fine < 0.45 * coarse && fine < 0.06, "{}: {coarse:e} {fine:e}", case.name);
-    }
-}
-
-/// A bar of millimetre cells that is strained evenly, from both ends: mean overstress over the static stress, and the same by the law of
-/// Johnson and Cook (C = 0.014) at the rate of strain imposed. Read at its cells, and off the force at an end. In `parts` segments that
-/// start with the velocities of their places; of one segment, at rest, the ends are set in motion gradually.
-fn overstress_of_steady_strain(rate: f64, parts: usize) -> ([f64; 2], f64) {
-    let (c, length, cells) = (0.014, 0.02, 20);
-    let mut material = common::material(&[(YIELD / MODULUS, YIELD), (1.0, 2.0 * YIELD)], Beyond::Extend);
-    material.modulus = MODULUS;
-    let at_rest = parts == 1;
-    let rise =
-        if at_rest { vec![(0.0, 0.0), (0.01 / rate, 0.5 * rate * length)] } else { vec![(0.0, 0.5 * rate * length)] };
-    let pulled = |sign: f64| {
-        let rows: Vec<_> = rise.iter().map(|&(t, v)| (t, sign * v)).collect();
-        EndCondition::Velocity { history: History::new(&rows).expect("in order"), release: None }
-    };
-    let own = |k: usize| ((k as f64 + 0.5) / parts as f64 - 0.5) * rate * length;
-    let part = |k: usize| segment(material.clone(), length / parts as f64).with_velocity(own(k));
-    let law = Overstress::JohnsonCook { c, rate: MODULUS };
-    let mut bar = net::net((0..parts).map(part).collect(), [pulled(-1.0), pulled(1.0)], law, 0.0, cells);
-    net::advance_to(&mut bar, 0.1 / rate);
-    let over_static = |stress: f64, cell: usize| stress / bar.static_stress(cell) - 1.0;
-    let all: f64 = (0..cells).map(|i| over_static(bar.value(Quantity::Stress, i), i)).sum();
-    ([all / cells as f64, over_static(bar.ends()[0].stress, 0)], c * rate.ln())
-}
-
-/// In steps that strain by many times C f/E, the overstress was 0.090 and 0.092 for 0.097 and 0.129.
-#[test]
-fn the_overstress_is_that_of_the_rate_in_millimetre_cells() {
-    for (rate, parts, bound) in [(1e2, 1, 0.01), (1e3, 1, 0.01), (1e3, 20, 0.01), (1e4, 20, 0.03)] {
-        let (found, exact) = overstress_of_steady_strain(rate, parts);
-        println!("{rate:e}/s: {found:.4?} for {exact:.4}");
-        assert!(found.iter().all(|x| (x / exact - 1.0).abs() < bound), "{rate:e}/s: {found:?} for {exact}");
     }
 }

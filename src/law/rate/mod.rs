@@ -259,7 +259,7 @@ impl RateLaw {
 
     /// Takes a history on by a flow (>= 0) in a sense.
     #[inline]
-    pub fn advance(&self, flow: f64, sense: usize, history: &mut History) {
+    fn advance(&self, flow: f64, sense: usize, history: &mut History) {
         self.arrive(history.accumulated + flow, flow, sense, history);
     }
 

@@ -193,11 +193,6 @@ impl Overstress {
         }
     }
 
-    /// The rate is proportional to the overstress.
-    pub fn is_linear(self) -> bool {
-        matches!(self, Self::Malvern { .. })
-    }
-
     /// True where the rate depends on f too, which then changes while the cell flows.
     pub fn needs_static_stress(self) -> bool {
         !matches!(self, Self::Malvern { .. } | Self::ZerilliArmstrong { .. })

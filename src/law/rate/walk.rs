@@ -27,14 +27,6 @@ impl RateLaw {
         self.walk(Falling { excess, time: relaxation_step.time, share: relaxation_step.share }, part, sense, history)
     }
 
-    /// Flow of a cell that is driven through a step, whose stress falls by `share` of what flows: E times plastic strain, Pa, >= 0. The
-    /// history is taken to the end of the step.
-    pub fn driven_flow(&self, driven: Driven, share: f64, sense: usize, history: &mut History) -> f64 {
-        let flow = self.strained(driven, share, sense, history);
-        self.advance(flow, sense, history);
-        flow
-    }
-
     /// `part` is what flows along the present piece if it goes on to the end of the step, as a part of the overstress,
     /// where that is known.
     #[inline]

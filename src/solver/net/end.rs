@@ -6,10 +6,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::nodes::{INSIDE, NodeStep, Work};
-use super::part::Part;
+use super::part::{INSIDE, Part, Work};
 use crate::bar::EndCondition;
 use crate::bar::ends::{self, EndModel, Face, Push, Relation, Response, Step};
+use crate::law::rate::{Flow, History};
 
 /// An end and its account.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -46,9 +46,8 @@ struct Answer {
     force: f64,
     /// Into the bar, m/s.
     velocity: f64,
-    step: NodeStep,
-    /// Stress after the flow, Pa.
-    left: f64,
+    flow: Flow,
+    history: History,
     /// The end's relation was met.
     met: bool,
 }
@@ -75,12 +74,11 @@ impl End {
     pub fn advance(&mut self, time: f64, arriving: f64, part: &mut Part) -> f64 {
         let answer = self.answer(time, arriving, part);
         let reading = self.reading_of(&answer);
-        let flow = answer.step.flow;
-        if flow.plastic != 0.0 {
-            let total = 0.5 * reading.stress * flow.plastic;
-            part.work.add(Work { total, overstress: 0.5 * flow.overstress });
+        if answer.flow.plastic != 0.0 {
+            let total = 0.5 * reading.stress * answer.flow.plastic;
+            part.work.add(Work { total, overstress: 0.5 * answer.flow.overstress });
             let node = self.node(part);
-            part.borders.set(&part.law, node, &answer.step, answer.left);
+            part.borders.set(&part.law, node, answer.history);
         }
         let impulse = self.dt * answer.force;
         let push = Push { force: answer.force, velocity: answer.velocity, impulse };
@@ -139,7 +137,7 @@ impl End {
         let (model, step) = (self.model.as_ref(), self.step(time));
         let mut relation = model.relation(&step, &bar);
         let mut answer = self.respond(&relation, &bar, part);
-        if model.is_nonlinear() && answer.step.flow.plastic != 0.0 {
+        if model.is_nonlinear() && answer.flow.plastic != 0.0 {
             relation = ends::agree(model, &step, &bar, |relation| {
                 let answer = self.respond(relation, &bar, part);
                 [answer.force, answer.velocity]
@@ -159,11 +157,10 @@ impl End {
         // What the curve cannot carry pulls at the face all the same, and accelerates it as if it were elastic.
         let too_much = stress.abs() > part.law.largest_stress(usize::from(stress < 0.0));
         let share = if too_much { INSIDE } else { share };
-        let step = part.borders.flow(&part.law, self.node(part), part.meeting(stress, share));
-        let plastic = step.flow.plastic;
-        let flowed = Response { force: bar.force + self.face.area * (0.25 * plastic), ..*bar };
+        let (flow, history) = part.borders.flow(&part.law, self.node(part), stress, share, self.dt);
+        let flowed = Response { force: bar.force + self.face.area * (0.25 * flow.plastic), ..*bar };
         let [force, velocity] = relation.meet(&flowed);
-        Answer { force, velocity, step, left: stress - share * plastic, met: true }
+        Answer { force, velocity, flow, history, met: true }
     }
 
     /// Displacement at the whole step, m, positive in +x.

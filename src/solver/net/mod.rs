@@ -19,9 +19,9 @@
 //! exact solution ([`crate::law::rate::RateLaw::flow`]), so that stiff materials neither limit the step nor ring: for
 //! k dt >> 1 the stress ends on the static curve. Front widths below dx are then those of the net, not of the material.
 //!
-//! A bar that is strained steadily has the overstress of its strain rate in steps of any length (`nodes`). Limits: behind a front, or
-//! where the strain rate changes within a step or two, a step that strains by much more than the overstress over which the rate of flow
-//! changes by a factor e (C f in Johnson and Cook's law) is of first order.
+//! Limits: a node relaxes without being strained. Where the strain of a step times E/2 is large against the overstress over
+//! which the rate of flow changes by a factor e, it keeps what is left of any overstress after a step, whatever the strain
+//! rate: less than the law says. For Johnson and Cook's law, C f, so it needs cells well below a millimetre from 1e3/s on.
 //!
 //! A jump that starts at an end or a joint at a whole step runs on the lines between the nodes: it stays within one cell,
 //! whatever it meets, and no node ever sits on it.
@@ -32,7 +32,6 @@
 mod end;
 mod joint;
 mod lattice;
-mod nodes;
 mod part;
 mod read;
 mod snapshot;

@@ -2,9 +2,9 @@
 
 use super::end::{End, EndReading};
 use super::joint::Joint;
-use super::nodes::{INSIDE, Nodes};
 use super::part::Part;
 use super::stepping::Net;
+use crate::law::rate::History;
 use crate::law::{FirstPassed, Passed};
 use crate::solver::Energies;
 use crate::solver::fd::Quantity;
@@ -29,7 +29,7 @@ impl Net {
         if quantity == Quantity::Velocity {
             return part.velocity(i);
         }
-        let (stress, history, _) = part.cell(i);
+        let (stress, history, _) = part.cell(i, self.grid.dt);
         match quantity {
             Quantity::Strain => (stress + history.signed) / part.modulus,
             Quantity::PlasticStrain => history.signed / part.modulus,
@@ -43,7 +43,7 @@ impl Net {
     pub fn static_stress(&self, cell: usize) -> f64 {
         let k = self.parts.partition_point(|p| p.cells.end <= cell);
         let part = &self.parts[k];
-        let (stress, history, _) = part.cell(cell - part.cells.start);
+        let (stress, history, _) = part.cell(cell - part.cells.start, self.grid.dt);
         part.law.limits(&history)[usize::from(stress >= 0.0)]
     }
 
@@ -66,10 +66,10 @@ impl Net {
 
     /// The left and the right end now.
     pub fn ends(&self) -> [EndReading; 2] {
-        let time = self.time();
+        let (time, dt) = (self.time(), self.grid.dt);
         let leaving = |part: &Part, i: usize| {
-            let meeting = part.meeting(0.5 * (part.f[i] + part.g[i]), INSIDE);
-            INSIDE * part.centres.flow(&part.law, i, meeting).flow.plastic
+            let (flow, _) = part.centres.flow(&part.law, i, 0.5 * (part.f[i] + part.g[i]), super::part::INSIDE, dt);
+            super::part::INSIDE * flow.plastic
         };
         let (first, last) = (&self.parts[0], &self.parts[self.parts.len() - 1]);
         let right_cell = last.f.len() - 1;
@@ -115,7 +115,7 @@ impl Net {
             let mut work = part.work;
             let (mut squares, mut speeds, mut momentum) = (0.0, 0.0, 0.0);
             for i in 0..part.f.len() {
-                let (stress, _, late) = part.cell(i);
+                let (stress, _, late) = part.cell(i, dt);
                 let velocity = part.velocity(i);
                 work.add(late);
                 squares += stress * stress;
@@ -123,7 +123,7 @@ impl Net {
                 momentum += velocity;
             }
             // A cell holds A dx sigma^2/(2E), and dx/E = dt/Z; its mass is A Z dt.
-            let (per_work, mass) = (part.per_work(), part.area * part.impedance * dt);
+            let (per_work, mass) = (part.per_work(dt), part.area * part.impedance * dt);
             total.elastic += per_work * squares;
             total.kinetic += 0.5 * mass * speeds;
             total.momentum += mass * momentum;
@@ -140,11 +140,11 @@ impl Net {
 
     /// Notes those of the latest step: the static state of a cell is where its data end.
     pub(super) fn note_limits(&mut self) {
-        let step = self.step;
+        let (dt, step) = (self.grid.dt, self.step);
         for (segment, part) in self.parts.iter().enumerate() {
             for i in 0..part.f.len() {
                 let cell = part.cells.start + i;
-                if let Some(reached) = part.reached(i) {
+                if let Some(reached) = part.reached(i, dt) {
                     self.passed.note(Passed { cell, segment, step, reached });
                 }
             }
@@ -163,5 +163,5 @@ impl Net {
     }
 
     /// Memory of a cell, bytes: what travels through it, and its two nodes with their limits and histories.
-    pub const BYTES_PER_CELL: usize = 2 * size_of::<f64>() + 2 * Nodes::BYTES;
+    pub const BYTES_PER_CELL: usize = 2 * size_of::<f64>() + 2 * (size_of::<History>() + 2 * size_of::<f64>());
 }

@@ -14,10 +14,8 @@ impl Snapshot for Net {
     fn restore(&mut self, saved: &[u8]) -> Result<()> {
         let (parts, [left, right]): (Vec<_>, [_; 2]);
         (self.step, parts, [left, right], self.joints, self.passed) = unpack(saved)?;
-        let steps = self.step as u32;
-        for (Part { f, g, centres, borders, work, step, .. }, saved) in self.parts.iter_mut().zip(parts) {
+        for (Part { f, g, centres, borders, work, .. }, saved) in self.parts.iter_mut().zip(parts) {
             (*f, *g, *centres, *borders, *work) = saved;
-            *step = steps + 1;
         }
         self.ends[0].restore(left);
         self.ends[1].restore(right);

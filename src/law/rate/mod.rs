@@ -196,7 +196,7 @@ impl RateLaw {
         self.strained_by_part(driven, share, None, sense, history)
     }
 
-    /// [`Self::strained`] in a whole step of a relaxation_step made by [`Self::relaxation_step`].
+    /// [`Self::strained`] in a whole step made by [`Self::relaxation_step`].
     #[inline]
     pub fn strained_at(
         &self,

@@ -20,7 +20,7 @@ impl RateLaw {
         self.walk(Falling { excess, time, share }, None, sense, history)
     }
 
-    /// [`Self::flow`] in a step of a relaxation_step made by [`Self::relaxation_step`].
+    /// [`Self::flow`] in a step made by [`Self::relaxation_step`].
     #[inline]
     pub fn flow_at(&self, relaxation_step: &RelaxationStep, excess: f64, sense: usize, history: &mut History) -> Flow {
         let part = relaxation_step.parts[sense].get(history.piece[sense] as usize).map(|[start, _]| *start);

@@ -101,7 +101,7 @@ impl Candidate {
     }
 
     /// How many times finer than its last pilot it has to be, and the expected time of that, s; none before the first
-    /// pilot, infinite where it is out or too too_expensive.
+    /// pilot, infinite where it is out or too expensive.
     pub fn predicted(&self, scene: &Scene, tolerance: f64) -> Option<(f64, f64)> {
         if self.out.is_some() || self.too_expensive.is_some() {
             return Some((f64::INFINITY, f64::INFINITY));

@@ -12,7 +12,7 @@ use barwave::law::{Backbone, CellLaw, Indexed, Mixed, Overlay, Searched, Table};
 use barwave::material::{Beyond, Curve, Material};
 use barwave::record::store::ResultFile;
 use barwave::record::{Field, Ledger};
-use barwave::scene::Unloading;
+use barwave::scene::{Scene, Unloading};
 use barwave::solver::fd::Quantity;
 use barwave::wave::riemann::{Flow, Medium, Path, Point as Riemann};
 use proptest::prelude::*;
@@ -472,4 +472,23 @@ fn a_level_stretch_ends_where_it_began_wherever_the_elastic_range_is() {
             }
         }
     }
+}
+
+/// The law of `mixed` gives back along a flat line what it stored along a steep one; a user is told.
+#[test]
+fn hardening_that_may_return_more_work_than_was_done_is_noted() {
+    let notes = |table: &str, effects: &str| {
+        let text = format!(
+            "[bar]\nlength = 1\narea = 1e-4\nmaterial = {{ name = \"m\", density = 7800, modulus = 2e11, beyond = \"extend\", \
+             curve = {{ table = {table} }} }}\n[left]\nkind = \"velocity\"\nvalue = 5\n[right]\nkind = \"free\"\n\
+             [effects]\n{effects}\n[solve]\nuntil = 1e-4\nmethod = \"fd\"\n"
+        );
+        let scene = Scene::parse("notes.toml", &text, std::path::Path::new("."), &[]).unwrap_or_else(|e| panic!("{e}"));
+        scene.notes().iter().any(|note| note.contains("return more work"))
+    };
+    let (several, one) = ("[[0.001, 2e8], [0.01, 3e8], [0.1, 4e8]]", "[[0.001, 2e8], [0.1, 4e8]]");
+    assert!(notes(several, "unloading = { mixed = 0.7 }"));
+    assert!(!notes(several, "unloading = { mixed = 0.5 }"));
+    assert!(!notes(several, "unloading = \"kinematic\""));
+    assert!(!notes(one, "unloading = { mixed = 1 }"));
 }

@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
-use super::{Method, Rate, Scene};
-use crate::bar::EndCondition;
+use super::{Method, Rate, Scene, Unloading};
+use crate::bar::{EndCondition, Segment};
+use crate::law::Table;
 use crate::law::rate::Overstress;
 
 /// A grid is noted where its step is below this part of what the other segments could take.
@@ -16,6 +17,7 @@ impl Scene {
         let seen = |k: usize| segments[..k].iter().any(|s| Arc::ptr_eq(&s.material, &segments[k].material));
         let materials = (0..segments.len()).filter(|&k| !seen(k)).flat_map(|k| segments[k].material.notes());
         let bar = self.short_segment().into_iter().chain(self.rate_independent_segments());
+        let bar = bar.chain(self.hardening_that_gives_back());
         bar.chain(self.misses()).chain(materials).collect()
     }
 
@@ -31,6 +33,23 @@ impl Scene {
                 names.join(", ")
             )
         })
+    }
+
+    /// Curves of several lines whose back stress follows the accumulated plastic strain, for more than half of their hardening.
+    fn hardening_that_gives_back(&self) -> Option<String> {
+        let overlaid = self.effects.rate.is_none() && self.effects.heat.is_none();
+        match self.effects.unloading? {
+            Unloading::Mixed(fraction) if fraction > 0.5 => (),
+            Unloading::Kinematic if !overlaid => (),
+            _ => return None,
+        }
+        let several = |s: &&Segment| Table::new(&s.material.tension, s.material.modulus).is_multilinear();
+        let segment = self.bar.segments.iter().find(several)?;
+        Some(format!(
+            "{} hardens along several lines, and its back stress follows the accumulated plastic strain: reverse flow may return more \
+             work than was done before; use unloading = \"kinematic\" without rate and heat, or {{ mixed = 0.5 }} or less",
+            segment.material.name
+        ))
     }
 
     /// Strikers and balls that move away from the bar.

@@ -6,7 +6,8 @@
 //! neighbouring steps are replaced by their mean over their common length. That keeps momentum, displacement and
 //! plastic work exactly, and leaves pure waves pure. It takes a little energy, the spread of what is averaged, which is
 //! booked. Where waves of two kinds cancel each other (an unloading wave within the loading waves that it overtakes), a mean of one kind
-//! can hold more energy than what it replaces: such merges are done only as far as others have taken that energy before. What it changes is measured as it is done: two steps become one only where the integral of |change| over x
+//! can hold more energy than what it replaces: over a run such merges may give no more than the front tolerance's part of the energy, and what
+//! others have taken. What a merge changes is measured as it is done: two steps become one only where the integral of |change| over x
 //! stays below the allowance. Nothing is ever averaged across an end or a joint, nor next to one.
 //!
 //! To hold weak waves back where they arise, until the next front comes by, is not good enough: measured, the steps in
@@ -27,7 +28,7 @@ impl FrontTracking {
         let mut scratch = std::mem::take(&mut self.merging.scratch);
         self.spread_out(&mut scratch);
         let before = self.content(self.end_nodes[0], self.end_nodes[1]);
-        self.merging.credit = self.merging.energy.max(0.0);
+        self.merging.start(before.energy);
         let mut start = 0;
         while start + 1 < scratch.ids.len() {
             let end = (start + 1..scratch.ids.len() - 1)

@@ -30,9 +30,12 @@ pub(super) struct FrontMerging {
     pub changed: f64,
     /// Energy taken, J.
     pub energy: f64,
-    /// Energy that the present passage may give, J: what merging has taken so far. Where waves of another kind run through those that
-    /// are merged, and the two cancel each other, a mean holds more energy than what it replaces.
-    pub credit: f64,
+    /// Energy that the present passage may give, J. Where waves of another kind run through those that are merged, and the two cancel
+    /// each other, a mean holds more energy than what it replaces.
+    credit: f64,
+    /// The largest energy that the bar has held, J.
+    largest: f64,
+    tolerance: f64,
     /// For each segment: stress over E times plastic strain where the loading curve reaches the stress scale.
     secant: Vec<f64>,
     due_at_nodes: usize,
@@ -68,6 +71,7 @@ impl FrontMerging {
     pub fn new(tolerance: f64, media: &[Medium], stress_scale: f64, length: f64) -> Self {
         Self {
             allowance: ALLOWANCE * tolerance * tolerance * stress_scale * length,
+            tolerance,
             secant: media.iter().map(|m| secant(m, stress_scale)).collect(),
             due_at_nodes: FEWEST,
             due_at_events: EVENTS_A_NODE * FEWEST as u64,
@@ -78,6 +82,13 @@ impl FrontMerging {
     /// Whether there is a tolerance.
     pub fn is_on(&self) -> bool {
         self.allowance > 0.0
+    }
+
+    /// Starts a passage through a bar of so much energy: it may give what earlier ones have taken, and the front tolerance's part of the
+    /// largest energy.
+    pub fn start(&mut self, energy: f64) {
+        self.largest = self.largest.max(energy);
+        self.credit = (self.energy + self.tolerance * self.largest).max(0.0);
     }
 
     /// Notes a passage that left so many nodes, after so many events.

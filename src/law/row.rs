@@ -192,7 +192,8 @@ fn step<L: CellLaw<N>, const N: usize, const FIRST: bool>(
         }
         law.look_up(reach, predictor, table);
     }
-    let (mut turned_work, mut any_turns) = (Aligned([0.0; CHUNK]), false);
+    // As wide as the numbers of the cells, which are compared: no instructions to narrow them.
+    let (mut turned_work, mut any_turns) = (Aligned([0.0; CHUNK]), 0_u64);
     let turned_work = &mut turned_work.0;
     for i in 0..CHUNK {
         let (before, now) = (read(&columns, i), sigma[i]);
@@ -204,7 +205,7 @@ fn step<L: CellLaw<N>, const N: usize, const FIRST: bool>(
             law.respond(sigma_before, if FIRST { now } else { law.base(now, before) + increment }, before)
         };
         let turns = law.onset(sigma_before, before, &after) < 0.0;
-        any_turns |= turns;
+        any_turns |= u64::from(turns);
         work[i] = (sigma_before + after.sigma) * after.plastic;
         turned_work[i] = if turns { law.turned_work(before, &after) } else { work[i] };
         sigma[i] = after.sigma;
@@ -212,7 +213,7 @@ fn step<L: CellLaw<N>, const N: usize, const FIRST: bool>(
             column[i] = value;
         }
     }
-    if any_turns {
+    if any_turns != 0 {
         let turned = turn(turned_work, work);
         add(turns, &turned);
         if let Some(asked) = asked {
@@ -221,9 +222,11 @@ fn step<L: CellLaw<N>, const N: usize, const FIRST: bool>(
     } else if let Some(asked) = asked {
         asked.fill(0.0);
     }
-    for ((flow, work), sigma) in flow.iter_mut().zip(&*work).zip(&*sigma) {
-        *flow = sense_of_flow(*work, *sigma);
+    let mut senses = [0; CHUNK];
+    for i in 0..CHUNK {
+        senses[i] = sense_of_flow(work[i], sigma[i]);
     }
+    *flow = senses.map(|sense| sense as i8);
     add(works, work);
     let mut accumulated = [0.0; CHUNK];
     for (i, accumulated) in accumulated.iter_mut().enumerate() {
@@ -261,9 +264,9 @@ pub fn flows(work: f64, sigma: f64) -> bool {
 
 /// 1 or -1 where a cell with this [`Row::work`] and stress (Pa) flowed by more than rounding, else 0.
 #[inline(always)]
-fn sense_of_flow(work: f64, sigma: f64) -> i8 {
-    let sense = if (work > 0.0) == (sigma > 0.0) { 1 } else { -1 };
-    if flows(work, sigma) { sense } else { 0 }
+fn sense_of_flow(work: f64, sigma: f64) -> i64 {
+    let unlike = (work.to_bits() ^ sigma.to_bits()) as i64 >> 63;
+    if flows(work, sigma) { unlike | 1 } else { 0 }
 }
 
 /// Adds up numbers of cells, lane by lane.
@@ -352,7 +355,7 @@ mod tests {
                     let of_cell = if turns { law.turned_work(before, &after) } else { of_mean };
                     let after_row: [f64; N] = std::array::from_fn(|k| state[k * cells + i]);
                     assert_eq!((sigma[i], after_row, work[i]), (after.sigma, after.state, of_cell), "cell {i}");
-                    assert_eq!(flow[i], sense_of_flow(of_cell, sigma[i]));
+                    assert_eq!(i64::from(flow[i]), sense_of_flow(of_cell, sigma[i]));
                     sums[i % LANES] += of_cell;
                     turned[i % LANES] += of_cell - of_mean;
                     largest = largest.max(law.accumulated(after.state));

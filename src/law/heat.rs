@@ -39,21 +39,21 @@ impl<L: CellLaw<N>, const N: usize> CellLaw<N> for WithTemperature<L> {
         self.law.turned_work(state, after)
     }
 
-    const ASKS: bool = L::ASKS;
+    const READS_TABLE: bool = L::READS_TABLE;
 
     #[inline(always)]
-    fn ask(&self, predictor: f64, state: [f64; N]) -> f64 {
-        self.law.ask(predictor, state)
+    fn table_abscissa(&self, predictor: f64, state: [f64; N]) -> f64 {
+        self.law.table_abscissa(predictor, state)
     }
 
     #[inline(always)]
-    fn look_up(&self, reach: &[f64], predictor: &[f64], table: &mut [f64]) {
-        self.law.look_up(reach, predictor, table);
+    fn interpolate(&self, reach: &[f64], predictor: &[f64], table: &mut [f64]) {
+        self.law.interpolate(reach, predictor, table);
     }
 
     #[inline(always)]
-    fn settle(&self, predictor: f64, state: [f64; N], table: f64) -> Response<N> {
-        self.law.settle(predictor, state, table)
+    fn return_map(&self, predictor: f64, state: [f64; N], table: f64) -> Response<N> {
+        self.law.return_map(predictor, state, table)
     }
 
     #[inline(always)]

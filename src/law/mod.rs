@@ -87,22 +87,22 @@ pub trait CellLaw<const N: usize>: Send + Sync + Sized {
         2.0 * after.sigma * after.plastic
     }
 
-    /// The law reads a table that is read faster for many cells at once: `respond` is then `ask`, `look_up`, `settle`.
-    const ASKS: bool = false;
+    /// The law reads a table that is read faster for many cells at once: `respond` is then `table_abscissa`, `interpolate`, `return_map`.
+    const READS_TABLE: bool = false;
 
     /// Where the law reads its table, Pa, >= 0.
     #[inline(always)]
-    fn ask(&self, _predictor: f64, _state: [f64; N]) -> f64 {
+    fn table_abscissa(&self, _predictor: f64, _state: [f64; N]) -> f64 {
         0.0
     }
 
-    /// Reads the table for neighbouring cells: what they [`Self::ask`] and their predictors to the stresses there, Pa.
+    /// Reads the table for neighbouring cells: what they [`Self::table_abscissa`] and their predictors to the stresses there, Pa.
     #[inline(always)]
-    fn look_up(&self, _reach: &[f64], _predictor: &[f64], _table: &mut [f64]) {}
+    fn interpolate(&self, _reach: &[f64], _predictor: &[f64], _table: &mut [f64]) {}
 
     /// [`Self::respond`], given the table's stress where the law asked for it; for laws that do.
     #[inline(always)]
-    fn settle(&self, predictor: f64, state: [f64; N], _table: f64) -> Response<N> {
+    fn return_map(&self, predictor: f64, state: [f64; N], _table: f64) -> Response<N> {
         self.respond(predictor, predictor, state)
     }
 

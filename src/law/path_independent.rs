@@ -21,25 +21,25 @@ impl<B: Backbone> CellLaw<1> for PathIndependent<B> {
         0.0
     }
 
-    const ASKS: bool = B::AT_ONCE;
+    const READS_TABLE: bool = B::AT_ONCE;
 
     #[inline(always)]
-    fn ask(&self, predictor: f64, _: [f64; 1]) -> f64 {
+    fn table_abscissa(&self, predictor: f64, _: [f64; 1]) -> f64 {
         predictor.abs()
     }
 
     #[inline(always)]
-    fn look_up(&self, reach: &[f64], predictor: &[f64], table: &mut [f64]) {
+    fn interpolate(&self, reach: &[f64], predictor: &[f64], table: &mut [f64]) {
         self.0.stresses(reach, predictor, table);
     }
 
     #[inline(always)]
     fn respond(&self, _sigma: f64, predictor: f64, state: [f64; 1]) -> Response<1> {
-        self.settle(predictor, state, self.0.stress(predictor.abs(), predictor))
+        self.return_map(predictor, state, self.0.stress(predictor.abs(), predictor))
     }
 
     #[inline(always)]
-    fn settle(&self, predictor: f64, [before]: [f64; 1], table: f64) -> Response<1> {
+    fn return_map(&self, predictor: f64, [before]: [f64; 1], table: f64) -> Response<1> {
         let sigma = table.copysign(predictor);
         let inelastic = predictor - sigma;
         Response { sigma, state: [inelastic], plastic: inelastic - before }

@@ -19,25 +19,25 @@ impl<B: Backbone> CellLaw<2> for Isotropic<B> {
         sigma
     }
 
-    const ASKS: bool = B::AT_ONCE;
+    const READS_TABLE: bool = B::AT_ONCE;
 
     #[inline(always)]
-    fn ask(&self, predictor: f64, [p, _]: [f64; 2]) -> f64 {
+    fn table_abscissa(&self, predictor: f64, [p, _]: [f64; 2]) -> f64 {
         predictor.abs() + p
     }
 
     #[inline(always)]
-    fn look_up(&self, reach: &[f64], predictor: &[f64], table: &mut [f64]) {
-        self.0.stresses(reach, predictor, table);
+    fn interpolate(&self, abscissa: &[f64], predictor: &[f64], table: &mut [f64]) {
+        self.0.stresses(abscissa, predictor, table);
     }
 
     #[inline(always)]
     fn respond(&self, _sigma: f64, predictor: f64, state: [f64; 2]) -> Response<2> {
-        self.settle(predictor, state, self.0.stress(self.ask(predictor, state), predictor))
+        self.return_map(predictor, state, self.0.stress(self.table_abscissa(predictor, state), predictor))
     }
 
     #[inline(always)]
-    fn settle(&self, predictor: f64, [p, signed]: [f64; 2], table: f64) -> Response<2> {
+    fn return_map(&self, predictor: f64, [p, signed]: [f64; 2], table: f64) -> Response<2> {
         let size = predictor.abs();
         let stress = if size < table { size } else { table };
         let sigma = stress.copysign(predictor);
@@ -79,25 +79,25 @@ impl<B: Backbone> CellLaw<4> for Mixed<B> {
         sigma
     }
 
-    const ASKS: bool = B::AT_ONCE;
+    const READS_TABLE: bool = B::AT_ONCE;
 
     #[inline(always)]
-    fn ask(&self, predictor: f64, [p, _, back, h]: [f64; 4]) -> f64 {
+    fn table_abscissa(&self, predictor: f64, [p, _, back, h]: [f64; 4]) -> f64 {
         (predictor - back).abs() + self.kinematic * h + p
     }
 
     #[inline(always)]
-    fn look_up(&self, reach: &[f64], predictor: &[f64], table: &mut [f64]) {
-        self.backbone.stresses(reach, predictor, table);
+    fn interpolate(&self, abscissa: &[f64], predictor: &[f64], table: &mut [f64]) {
+        self.backbone.stresses(abscissa, predictor, table);
     }
 
     #[inline(always)]
     fn respond(&self, _sigma: f64, predictor: f64, state: [f64; 4]) -> Response<4> {
-        self.settle(predictor, state, self.backbone.stress(self.ask(predictor, state), predictor))
+        self.return_map(predictor, state, self.backbone.stress(self.table_abscissa(predictor, state), predictor))
     }
 
     #[inline(always)]
-    fn settle(&self, predictor: f64, [p, signed, back, h]: [f64; 4], table: f64) -> Response<4> {
+    fn return_map(&self, predictor: f64, [p, signed, back, h]: [f64; 4], table: f64) -> Response<4> {
         let relative = predictor - back;
         let trial = relative.abs() + self.kinematic * h;
         let yields = trial > table;

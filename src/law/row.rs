@@ -181,26 +181,26 @@ fn step<L: CellLaw<N>, const N: usize, const FIRST: bool>(
     [works, turns, largest]: &mut [[f64; LANES]; 3],
 ) {
     let Piece { left, right, sigma, mut columns, work, turned: asked, flow } = piece;
-    let [mut predictor, mut reach, mut table] = [const { Aligned([0.0; CHUNK]) }; 3];
-    let (predictor, reach, table) = (&mut predictor.0, &mut reach.0, &mut table.0);
-    if L::ASKS {
+    let [mut predictor, mut abscissa, mut table] = [const { Aligned([0.0; CHUNK]) }; 3];
+    let (predictor, abscissa, table) = (&mut predictor.0, &mut abscissa.0, &mut table.0);
+    if L::READS_TABLE {
         for i in 0..CHUNK {
             let increment = gain * (right[i] - left[i]);
             let before = read(&columns, i);
             predictor[i] = if FIRST { sigma[i] } else { law.base(sigma[i], before) + increment };
-            reach[i] = law.ask(predictor[i], before);
+            abscissa[i] = law.table_abscissa(predictor[i], before);
         }
-        law.look_up(reach, predictor, table);
+        law.interpolate(abscissa, predictor, table);
     }
     // As wide as the numbers of the cells, which are compared: no instructions to narrow them.
     let (mut turned_work, mut any_turns) = (Aligned([0.0; CHUNK]), 0_u64);
     let turned_work = &mut turned_work.0;
     for i in 0..CHUNK {
         let (before, now) = (read(&columns, i), sigma[i]);
-        let increment = if L::ASKS && !FIRST { 0.0 } else { gain * (right[i] - left[i]) };
+        let increment = if L::READS_TABLE && !FIRST { 0.0 } else { gain * (right[i] - left[i]) };
         let sigma_before = if FIRST { now - increment } else { now };
-        let after = if L::ASKS {
-            law.settle(predictor[i], before, table[i])
+        let after = if L::READS_TABLE {
+            law.return_map(predictor[i], before, table[i])
         } else {
             law.respond(sigma_before, if FIRST { now } else { law.base(now, before) + increment }, before)
         };

@@ -142,7 +142,7 @@ pub struct PlannedEffect {
     pub threshold: Option<f64>,
 }
 
-/// Time of one step of one yielded cell over that of an elastic cell, all kernels and the ripple damping included.
+/// Time of one step of one yielded cell over that of an elastic cell, all kernels and the grid filter included.
 /// Measured on bilinear and 60-knot curves at 10000 cells; it differs by a factor of two between processors.
 const PLASTIC_COST: f64 = 6.0;
 

@@ -6,8 +6,8 @@ use std::ops::Range;
 use multiversion::multiversion;
 use serde::{Deserialize, Serialize};
 
+use super::grid_filter::{self, Filter, Gaps};
 use super::quantity::Quantity;
-use super::ripple::{self, Filter, Gaps};
 use super::signals::{Signals, inner_nodes};
 use super::sizes::MOST_CELLS;
 use super::taper::BlockTaper;
@@ -51,11 +51,11 @@ pub(super) struct Block {
     /// The cells at work, in whole pieces of [`CHUNK`]. A step that leaves the nodes around the others as they are changes
     /// no bit of these: nothing is computed there until the nodes move.
     pub active: Range<usize>,
-    /// The step from which on ripples are damped: where they could have come from a place that yielded. A signal takes at
+    /// The step from which on the grid filter acts: oscillations could have come from a place that yielded. A signal takes at
     /// least a step through a block.
     pub damps_from: usize,
-    /// Velocity difference that the ripple damping handed over in the first and in the last cell.
-    pub handed_at_edges: [f64; 2],
+    /// Impulses of the grid filter (as velocity differences) in the first and in the last cell.
+    pub impulses_at_edges: [f64; 2],
     /// Velocities of the first and the last inner node before the damping of the latest step, for that of the neighbours.
     inner: [f64; 2],
     pub stage: Stage,
@@ -81,7 +81,7 @@ pub(super) struct Block {
     pub plastic: f64,
     /// Likewise of [`Row::turned`].
     pub turned: f64,
-    /// Running sum of what the damping took from the block's inner nodes, see [`ripple::hand_over`].
+    /// Running sum of what the damping took from the block's inner nodes, see [`grid_filter::apply_impulses`].
     pub damped: f64,
     /// Cells of which every step is logged, and the log: a row for each of them, step by step.
     pub watched: Vec<usize>,
@@ -126,7 +126,7 @@ impl Block {
             flow: Vec::new(),
             plastic: 0.0,
             turned: 0.0,
-            handed_at_edges: [0.0; 2],
+            impulses_at_edges: [0.0; 2],
             inner: [velocity; 2],
             damps_from: usize::MAX,
             watched: Vec::new(),
@@ -168,7 +168,7 @@ impl Block {
             flow: if self.flow.is_empty() { Vec::new() } else { self.flow.split_off(at) },
             plastic: 0.0,
             turned: 0.0,
-            handed_at_edges: [0.0; 2],
+            impulses_at_edges: [0.0; 2],
             inner: [0.0; 2],
             damps_from: self.damps_from,
             watched: self.watched.extract_if(.., |cell| *cell >= at).map(|cell| cell - at).collect(),
@@ -237,8 +237,8 @@ impl Block {
 
     /// Damps the ripples of the block's inner nodes; `outside` are the velocities of
     /// the nodes next to the block in its own segment. The nodes at its two edges belong to the caller, who finds their
-    /// share in `handed_at_edges`.
-    pub fn damp_ripples(
+    /// share in `impulses_at_edges`.
+    pub fn apply_grid_filter(
         &mut self,
         velocity_gain: f64,
         filter: Filter,
@@ -253,28 +253,29 @@ impl Block {
             if at_right { outside[1] } else { Some(v[active.end + 1]) },
         ];
         gaps.read(&v[active.start..=active.end], outside, filter.rounding);
-        self.handed_at_edges = [0.0; 2];
+        self.impulses_at_edges = [0.0; 2];
         if gaps.are_smooth() {
             return;
         }
         // Cells at rest hand nothing over: they do not flow, and beyond the first one nothing alternates.
-        let handed = &mut work.0[..cells];
+        let impulses = &mut work.0[..cells];
         if !at_left {
-            handed[active.start - 1] = 0.0;
+            impulses[active.start - 1] = 0.0;
         }
         if !at_right {
-            handed[active.end] = 0.0;
+            impulses[active.end] = 0.0;
         }
         let flow = self.flow.get(active.clone()).unwrap_or_default();
-        let anything = gaps.find(flow, filter, &mut handed[active.clone()]);
-        self.handed_at_edges = [if at_left { handed[0] } else { 0.0 }, if at_right { handed[cells - 1] } else { 0.0 }];
+        let anything = gaps.find(flow, filter, &mut impulses[active.clone()]);
+        self.impulses_at_edges =
+            [if at_left { impulses[0] } else { 0.0 }, if at_right { impulses[cells - 1] } else { 0.0 }];
         if !anything {
             return;
         }
         let nodes = inner_nodes(&active, cells);
         self.damped += match &self.taper {
-            None => ripple::hand_over(velocity_gain, &self.sigma, handed, v, nodes),
-            Some(taper) => taper.hand_over(velocity_gain, &self.sigma, handed, v, nodes),
+            None => grid_filter::apply_impulses(velocity_gain, &self.sigma, impulses, v, nodes),
+            Some(taper) => taper.apply_impulses(velocity_gain, &self.sigma, impulses, v, nodes),
         };
     }
 

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::block::Block;
 use super::contact::Contact;
-use super::ripple;
+use super::grid_filter;
 use super::segment::Constants;
 use crate::bar::{Bar, joint};
 
@@ -21,7 +21,7 @@ pub(super) struct Edge {
     gain_right: f64,
     /// Node mass, kg.
     pub mass: f64,
-    /// Energy that the ripple damping took from the node, J.
+    /// Energy that the grid filter took from the node, J.
     pub damped: f64,
     /// The latest step did not change the velocity, nor would another one with the same stresses.
     pub still: bool,
@@ -57,7 +57,7 @@ impl Edge {
         self.after = after;
     }
 
-    /// Takes on what the ripple damping hands over in the cells on both sides, each an impulse of its own mass; false where
+    /// Takes on what the grid filter hands over in the cells on both sides, each an impulse of its own mass; false where
     /// that is nothing.
     pub fn damp(&mut self, [left, right]: [f64; 2]) -> bool {
         let change = if self.gain_left == self.gain_right {
@@ -67,7 +67,7 @@ impl Edge {
         };
         if change != 0.0 {
             self.still = false;
-            self.damped += 0.5 * self.mass * ripple::node(self.velocity_increment, change, &mut self.after);
+            self.damped += 0.5 * self.mass * grid_filter::node(self.velocity_increment, change, &mut self.after);
         }
         change != 0.0
     }
@@ -75,7 +75,7 @@ impl Edge {
     /// Changes the velocities before and after the current time by `change` (m/s). Returns the energy that this takes, J.
     pub fn impose(&mut self, change: f64) -> f64 {
         self.still = false;
-        -0.5 * self.mass * ripple::node(self.velocity_increment, change, &mut self.after)
+        -0.5 * self.mass * grid_filter::node(self.velocity_increment, change, &mut self.after)
     }
 
     /// Velocity half a step before the current time, m/s: that after it without what the stresses gave in between.

@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::grid_filter;
 use super::half_node::{HalfNode, Impulses};
-use super::ripple;
 use crate::bar::EndCondition;
 use crate::bar::ends::{self, Body, EndModel, Face, Push, Step};
 
@@ -36,7 +36,7 @@ pub struct EndNode {
     started: bool,
     /// The velocity follows from what holds the end.
     held: bool,
-    /// Taken by the ripple damping, J.
+    /// Taken by the grid filter, J.
     damped: f64,
     /// Stress and velocity of every step, where they are asked for.
     #[serde(skip)]
@@ -218,7 +218,7 @@ impl EndNode {
         self.model = ends::model(&EndCondition::Free, self.face);
     }
 
-    /// The ripple damping changes the node's velocity (m/s, in +x), unless that is prescribed just now. `sigma_cell` is the stress
+    /// The grid filter changes the node's velocity (m/s, in +x), unless that is prescribed just now. `sigma_cell` is the stress
     /// of the end cell.
     pub(super) fn damp(&mut self, change: f64, sigma_cell: f64) {
         if change == 0.0 || self.is_held() {
@@ -227,7 +227,7 @@ impl EndNode {
         let change = self.face.inward * change;
         let velocity_increment = (self.force + self.node.area * sigma_cell) / self.node.impedance;
         self.damped +=
-            0.5 * self.node.impedance * self.dt * ripple::node(velocity_increment, change, &mut self.node.after);
+            0.5 * self.node.impedance * self.dt * grid_filter::node(velocity_increment, change, &mut self.node.after);
         self.node.before += change;
         self.displacement += self.dt * change;
     }
@@ -242,7 +242,7 @@ impl EndNode {
         self.stress = stress;
     }
 
-    /// Energy that the ripple damping took from the node, J.
+    /// Energy that the grid filter took from the node, J.
     pub(super) fn damped(&self) -> f64 {
         self.damped
     }

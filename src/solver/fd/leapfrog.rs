@@ -186,7 +186,7 @@ impl Leapfrog {
         }
         if self.step < self.starts_until() {
             self.impose_fans();
-            self.whole().spread_ripples(step);
+            self.whole().note_filter_reach(step);
             return self.whole().note_all();
         }
         if self.rupture.is_some() {
@@ -194,7 +194,7 @@ impl Leapfrog {
         }
         self.whole().damp_and_finish(step, &mut scratch);
         if let Some(nodes) = &mut self.implicit {
-            nodes.take_ripples(&self.blocks);
+            nodes.take_filtered(&self.blocks);
         }
     }
 

@@ -89,7 +89,7 @@ impl Block {
             }
         }
         self.note_undamped();
-        self.handed_at_edges = [0.0; 2];
+        self.impulses_at_edges = [0.0; 2];
     }
 
     /// Whether these cells have come to rest: their nodes move alike, and neither these velocities nor the law change anything

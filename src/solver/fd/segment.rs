@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::SegmentGrid;
-use super::ripple::Filter;
+use super::grid_filter::Filter;
 use crate::bar::Segment;
 use crate::law::{DataEnd, RowLaw};
 

@@ -10,8 +10,8 @@
 //! in `half_step`.
 
 use super::fan::{Front, StartingFan};
+use super::grid_filter;
 use super::leapfrog::Leapfrog;
-use super::ripple;
 use crate::bar::{InitialFan, Origin};
 
 /// Cells that the slowest front travels before the scheme takes over, where the bar has room. Copper on a wall at 60 m/s, 200 cells: the
@@ -22,7 +22,7 @@ const CELLS: f64 = 24.0;
 /// over keep some 1 % too much strain, as the first ones would without a start.
 const RAMP: f64 = 4.0;
 
-/// Nodes ahead of the first front that are held, too: the ripple damping moves them.
+/// Nodes ahead of the first front that are held, too: the grid filter moves them.
 const AHEAD: usize = 2;
 
 impl Leapfrog {
@@ -118,7 +118,7 @@ impl Leapfrog {
                 let change = fan.mean_velocity(distance(first + i), time, dt) - block.v[i];
                 let velocity_increment = block.velocity_increment(c.velocity_gain, i);
                 impulse += c.cell_mass * change;
-                energy -= 0.5 * c.cell_mass * ripple::node(velocity_increment, change, &mut block.v[i]);
+                energy -= 0.5 * c.cell_mass * grid_filter::node(velocity_increment, change, &mut block.v[i]);
             }
             block.note_undamped();
             // The edge beyond it, where that is inside the segment.

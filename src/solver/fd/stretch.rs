@@ -93,27 +93,27 @@ impl Stretch<'_> {
         }
     }
 
-    /// Takes grid-scale ripples out of the velocities, see [`super::ripple`].
+    /// Damps grid-scale oscillations of the velocities, see [`super::grid_filter`].
     pub fn damp(&mut self, blocks: Range<i64>, step: usize, scratch: &mut Scratch) {
         for k in self.local(blocks) {
-            self.note_ripples(k, step);
+            self.note_reach_of_filter(k, step);
             if self.blocks[k].at_rest() || self.blocks[k].damps_from > step {
                 continue;
             }
             let outside = self.nodes_outside(k);
             let block = &mut self.blocks[k];
             let c = &self.common.constants[block.segment];
-            block.damp_ripples(c.velocity_gain, c.filter, outside, scratch);
+            block.apply_grid_filter(c.velocity_gain, c.filter, outside, scratch);
         }
     }
 
     /// Ripples spread by a block in a step, also in a step in which none are damped.
-    pub fn spread_ripples(&mut self, step: usize) {
-        (0..self.blocks.len()).for_each(|k| self.note_ripples(k, step));
+    pub fn note_filter_reach(&mut self, step: usize) {
+        (0..self.blocks.len()).for_each(|k| self.note_reach_of_filter(k, step));
     }
 
     /// Block `k` is damped from the next step on if a neighbour is from this step on, so that blocks can be visited in any order.
-    fn note_ripples(&mut self, k: usize, step: usize) {
+    fn note_reach_of_filter(&mut self, k: usize, step: usize) {
         let damped =
             |k: Option<usize>| k.and_then(|k| self.blocks.get(k)).is_some_and(|block| block.damps_from <= step);
         if self.blocks[k].damps_from > step && (damped(k.checked_sub(1)) || damped(Some(k + 1))) {
@@ -129,8 +129,8 @@ impl Stretch<'_> {
         }
         for k in self.inner(&edges) {
             let (edge, [left, right]) = (&mut self.edges[k], pair(self.blocks, k));
-            let handed = [left.handed_at_edges[1], right.handed_at_edges[0]];
-            if handed != [0.0; 2] && edge.damp(handed) {
+            let impulses = [left.impulses_at_edges[1], right.impulses_at_edges[0]];
+            if impulses != [0.0; 2] && edge.damp(impulses) {
                 left.set_edge(1, edge.after);
                 right.set_edge(0, edge.after);
             }
@@ -139,13 +139,13 @@ impl Stretch<'_> {
             && let Some(end) = &mut self.ends[0]
         {
             let block = &mut self.blocks[0];
-            end.damp(2.0 * block.handed_at_edges[0], block.sigma[0]);
+            end.damp(2.0 * block.impulses_at_edges[0], block.sigma[0]);
             block.set_edge(0, end.velocity_after());
         }
         if edges.end > self.common.blocks as i64
             && let (Some(end), Some(block)) = (&mut self.ends[1], self.blocks.last_mut())
         {
-            end.damp(-2.0 * block.handed_at_edges[1], last(&block.sigma));
+            end.damp(-2.0 * block.impulses_at_edges[1], last(&block.sigma));
             block.set_edge(1, end.velocity_after());
         }
     }

@@ -109,7 +109,7 @@ impl Stretch<'_> {
         self.meet(Acts::all(self.common.blocks as i64).meet, 0);
     }
 
-    /// The ripple damping of the whole bar in a step.
+    /// The grid filter of the whole bar in a step.
     pub fn damp_and_finish(&mut self, step: usize, scratch: &mut Scratch) {
         let Acts { damp, finish, note, .. } = Acts::all(self.common.blocks as i64);
         self.damp(damp, step, scratch);

@@ -12,7 +12,7 @@ use multiversion::multiversion;
 use serde::{Deserialize, Serialize};
 
 use super::SegmentGrid;
-use super::ripple;
+use super::grid_filter;
 use crate::bar::Segment;
 
 /// Bytes that a cell of a tapered segment takes more than one of a uniform one.
@@ -65,14 +65,21 @@ impl BlockTaper {
         advance_velocity(gain, &self.skew, sigma, v, nodes);
     }
 
-    /// As [`ripple::hand_over`], to these nodes inside the block: a cell hands over an impulse of its own mass times `handed`.
+    /// As [`grid_filter::apply_impulses`], to these nodes inside the block: the impulse of a cell is its mass times `impulses`.
     /// The sum that is returned is weighted with the nodes' masses over the mean mass of a cell.
-    pub fn hand_over(&self, gain: f64, sigma: &[f64], handed: &[f64], v: &mut [f64], nodes: Range<usize>) -> f64 {
+    pub fn apply_impulses(
+        &self,
+        gain: f64,
+        sigma: &[f64],
+        impulses: &[f64],
+        v: &mut [f64],
+        nodes: Range<usize>,
+    ) -> f64 {
         let mut lost = 0.0;
         for i in nodes {
-            let (left, right) = (handed[i - 1], handed[i]);
+            let (left, right) = (impulses[i - 1], impulses[i]);
             let change = (right - left) + self.skew[i - 1] * (right + left);
-            lost += self.node_mass(i) * ripple::node(self.velocity_increment(gain, sigma, i), change, &mut v[i]);
+            lost += self.node_mass(i) * grid_filter::node(self.velocity_increment(gain, sigma, i), change, &mut v[i]);
         }
         lost
     }

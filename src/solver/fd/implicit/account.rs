@@ -1,4 +1,4 @@
-//! Energy and momentum of the nodes, and what dampers, foundation and ripple damping did to them.
+//! Energy and momentum of the nodes, and what dampers, foundation and grid filter did to them.
 
 use std::ops::Range;
 
@@ -106,9 +106,9 @@ impl Implicit {
         })
     }
 
-    /// Takes over what the ripple damping made of the nodes after the latest step, and books what it took: the blocks' own
+    /// Takes over what the grid filter made of the nodes after the latest step, and books what it took: the blocks' own
     /// account knows only the masses of the nodes.
-    pub fn take_ripples(&mut self, blocks: &[Block]) {
+    pub fn take_filtered(&mut self, blocks: &[Block]) {
         let changed = |block: &&Block| block.v[..] != self.after[block.cells.start..=block.cells.end];
         if !blocks.iter().any(|block| changed(&block)) {
             return;
@@ -135,7 +135,7 @@ impl Implicit {
                 lost += weights.lateral * sum;
             }
         }
-        self.ripples -= 0.5 * lost;
+        self.filtered -= 0.5 * lost;
         self.after.iter_mut().zip(&self.change).for_each(|(v, change)| *v -= change);
         let taken = self.taken(|j| shift[j]);
         (self.latest.after, self.latest.rubbed[1]) = (taken.after, taken.rubbed[1]);
@@ -159,7 +159,7 @@ impl Implicit {
     pub fn sums(&self) -> Energies {
         let mut total = self.of_motion(|j| self.after[j]);
         total.damping = self.damped_by_means;
-        total.numerical = self.ripples;
+        total.numerical = self.filtered;
         total.half_step += self.damped - self.damped_by_means;
         total.half_step += self.foundation_of_motion(|j| self.after[j] - self.change[j]) - self.spring_start;
         if !self.place.is_empty() {

@@ -88,7 +88,7 @@ pub(super) struct Implicit {
     place: Vec<f64>,
     /// Impulses of friction on the nodes in the latest step, N s in +x; empty without it.
     rubbing: Vec<f64>,
-    /// For the ripple damping; empty until the bar yields.
+    /// For the grid filter; empty until the bar yields.
     shift: Vec<f64>,
     acts: Acts,
     latest: Taken,
@@ -96,7 +96,7 @@ pub(super) struct Implicit {
     /// damping.
     damped: f64,
     damped_by_means: f64,
-    ripples: f64,
+    filtered: f64,
     impulse: f64,
     throughput: f64,
     /// K dt^2/4 v^2/2 at the start, J: the foundation's energy is counted from there.
@@ -128,7 +128,7 @@ impl Implicit {
             latest: Taken::default(),
             damped: 0.0,
             damped_by_means: 0.0,
-            ripples: 0.0,
+            filtered: 0.0,
             impulse: 0.0,
             throughput: 0.0,
             spring_start: 0.0,

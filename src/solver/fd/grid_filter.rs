@@ -1,22 +1,20 @@
-//! Damping of the ripples that the leapfrog scheme makes at the scale of its cells, where the bar yields.
+//! Filter for the oscillations that the leapfrog scheme makes at the scale of its cells where the bar yields.
 //!
-//! Two kinds arise, neither in a run that stays elastic, and such a run never gets here.
+//! There are two kinds. Neither arises in an elastic run, which never calls this filter.
 //!
-//! **Zigzag.** At Courant number 1 the scheme solves the wave equation on two interleaved lattices (odd and even
-//! i + n) that know nothing of each other. Elastic waves are exact on both. But where a sharp unloading front crosses
-//! a plastic one, the two lattices stop flowing half a step apart, and the offset between them stays for ever as a
-//! stress that alternates from cell to cell, of the order of the yield stress. The strain rate of a cell is damped
-//! where it alternates in sign with those of both neighbours; an elastic front, however sharp, is monotone and is
-//! left as it is.
+//! **Odd-even mode.** At Courant number 1 the scheme solves the wave equation on two interleaved lattices (odd and even
+//! i + n). Elastic waves are exact on both. Where a sharp unloading front crosses a plastic one, the two lattices stop
+//! flowing half a step apart, and the offset remains as a stress that alternates from cell to cell, of the order of the
+//! yield stress. The filter damps the strain rate of a cell where it alternates in sign with those of both neighbours. An
+//! elastic front is monotone, however sharp, and is not changed.
 //!
-//! **Overshoot.** A plastic wave has a Courant number below 1, so its front runs ahead of a train of ripples, and
-//! plastic flow keeps their peaks: too much plastic strain, for good. In a cell that flows, and is still strained in
-//! the sense of its flow, the part of the strain rate is damped that stands out above twice the lesser of its neighbours', as
-//! it does where the front turns into its peak and not within it.
+//! **Overshoot.** A plastic wave has a Courant number below 1: a dispersive wave train follows its front, and plastic flow
+//! keeps the peaks as excess plastic strain. In a cell that flows and is strained further in the same sense, the filter
+//! damps the part of the strain rate above twice the smaller of its neighbours', which is not zero only at such peaks.
 //!
-//! Both are equal and opposite impulses on the cell's two nodes: momentum is kept to the last bit, and the energy
-//! they take is booked as `numerical` in the ledger. On bilinear bars (plastic wave speed 0.1 to 0.97 c0) the error in
-//! stress falls to about half of the undamped scheme's, at 1000 and at 10000 cells.
+//! Both are equal and opposite impulses on the two nodes of the cell: momentum is conserved to the last bit, and the energy
+//! taken is booked as `numerical` in the ledger. On bilinear bars (plastic wave speed 0.1 to 0.97 c0) the error in
+//! stress falls to about half of the unfiltered scheme's, at 1000 and at 10000 cells.
 
 use std::ops;
 
@@ -25,19 +23,19 @@ use multiversion::multiversion;
 use super::sizes::MOST_CELLS;
 use crate::law::{Aligned, LANES};
 
-/// Share of an alternating velocity difference that is handed over between two nodes while an elastic wave passes a cell: a step takes
-/// this times the Courant number, so that what the filter takes from a wave does not depend on the time step. At Courant number 1 a
-/// pure zigzag shrinks by 1 - 4 x 1/8 = 1/2 a step; 0.06 to 0.25 give the same errors within 5 %.
+/// Fraction of an alternating velocity difference that is redistributed between two nodes while an elastic wave passes a cell. A step
+/// redistributes this times the Courant number, so that the damping of a wave does not depend on the time step. At Courant number 1 a
+/// pure odd-even mode shrinks by 1 - 4 x 1/8 = 1/2 a step; 0.06 to 0.25 give the same errors within 5 %.
 const ZIGZAG_SHARE: f64 = 0.125;
 
-/// Likewise, share of the velocity difference of a flowing cell that stands out above its neighbours'. At 1000 cells
+/// Likewise, fraction of the velocity difference of a flowing cell above that which its neighbours support. At 1000 cells
 /// the error of the bilinear benchmark is 2.0e-3 from 0.05 to 0.12 and grows beyond; that of the power-law benchmark
 /// grows slowly from 3.6e-4 at 0.05 to 4.0e-4 at 0.12; and the excess plastic strain behind a suddenly applied stress
 /// of three times the yield stress falls from 0.7 % to 0.2 % between 0.05 and 0.1, and no further.
 const OVERSHOOT_SHARE: f64 = 0.1;
 
-/// Velocity differences below this part of the elastic wave speed (strain in a step) are rounding and no ripple. Where
-/// the bar is at rest or moves evenly, blocks then have nothing to damp.
+/// Velocity differences below this part of the elastic wave speed (strain in a step) are rounding. Where
+/// the bar is at rest or moves uniformly, blocks then have nothing to damp.
 const ROUNDING: f64 = 1e-15;
 
 /// What the filter does in the cells of a segment.
@@ -90,21 +88,22 @@ impl Gaps {
         (self.cells, self.outside) = (cells, outside.map(|o| o.is_some()));
     }
 
-    /// True where no cell can have anything to hand over, found from the differences as a whole: they are all rounding, or of
+    /// True where no cell can have an impulse, found from the differences as a whole: they are all rounding, or of
     /// one sign and so alike that each supports its neighbours.
     pub fn are_smooth(&self) -> bool {
         self.smooth
     }
 
-    /// Velocity differences to hand over, one a cell, into `handed`. `flow` is the sense of the flow of each cell (empty where the block has
+    /// Impulses as velocity differences, one a cell, into `impulses`. `flow` is the sense of the flow of each cell (empty where the block has
     /// not yielded). Where the segment ends the last cell is not damped: its outer node belongs to a joint, or to an end whose
-    /// velocity is prescribed. Returns whether there is anything to hand over.
-    pub fn find(&self, flow: &[i8], filter: Filter, handed: &mut [f64]) -> bool {
+    /// velocity is prescribed. Returns whether any is not zero.
+    pub fn find(&self, flow: &[i8], filter: Filter, impulses: &mut [f64]) -> bool {
         let w = &self.w.0[LANES - 1..=LANES + self.cells];
-        let anything = if flow.is_empty() { find(w, filter, handed) } else { find_flowing(w, flow, filter, handed) };
+        let anything =
+            if flow.is_empty() { find(w, filter, impulses) } else { find_flowing(w, flow, filter, impulses) };
         for (cell, inside) in [0, self.cells - 1].into_iter().zip(self.outside) {
             if !inside {
-                handed[cell] = 0.0;
+                impulses[cell] = 0.0;
             }
         }
         anything
@@ -165,11 +164,12 @@ fn larger(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
 
-/// Velocity difference to hand over in a cell: what of `w` is zigzag and, where the cell is strained on in the sense of its `flow`, overshoot.
+/// Impulse of a cell as a velocity difference: the odd-even part of `w` and, where the cell is strained further in the sense of its `flow`, the
+/// overshoot.
 /// (Not where it has turned since: kinetic energy is that of the mean of this difference and the one a step before, which was larger and of
 /// the other sign. To take some of this one would then give energy.)
 #[inline(always)]
-fn hand([left, w, right]: [f64; 3], flow: f64, filter: Filter) -> f64 {
+fn impulse([left, w, right]: [f64; 3], flow: f64, filter: Filter) -> f64 {
     let Filter { rounding, zigzag, overshoot } = filter;
     let (sense, size) = (1.0_f64.copysign(w), w.abs());
     // Its neighbours' differences, positive where they have its sign.
@@ -184,40 +184,46 @@ fn hand([left, w, right]: [f64; 3], flow: f64, filter: Filter) -> f64 {
 /// What the cells of a block that has not yielded hand over; `w` are their differences and one more on either side. Returns
 /// whether that is anything.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
-fn find(w: &[f64], filter: Filter, handed: &mut [f64]) -> bool {
-    let cells = handed.len();
+fn find(w: &[f64], filter: Filter, impulses: &mut [f64]) -> bool {
+    let cells = impulses.len();
     let (left, here, right) = (&w[..cells], &w[1..=cells], &w[2..cells + 2]);
     let mut bits = 0;
     for i in 0..cells {
-        handed[i] = hand([left[i], here[i], right[i]], 0.0, filter);
-        bits |= handed[i].to_bits();
+        impulses[i] = impulse([left[i], here[i], right[i]], 0.0, filter);
+        bits |= impulses[i].to_bits();
     }
     bits & Range::SIZE != 0
 }
 
 /// The same in a block with yielded cells.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
-fn find_flowing(w: &[f64], flow: &[i8], filter: Filter, handed: &mut [f64]) -> bool {
-    let cells = handed.len();
+fn find_flowing(w: &[f64], flow: &[i8], filter: Filter, impulses: &mut [f64]) -> bool {
+    let cells = impulses.len();
     let (left, here, right, flow) = (&w[..cells], &w[1..=cells], &w[2..cells + 2], &flow[..cells]);
     let mut bits = 0;
     for i in 0..cells {
-        handed[i] = hand([left[i], here[i], right[i]], f64::from(flow[i]), filter);
-        bits |= handed[i].to_bits();
+        impulses[i] = impulse([left[i], here[i], right[i]], f64::from(flow[i]), filter);
+        bits |= impulses[i].to_bits();
     }
     bits & Range::SIZE != 0
 }
 
-/// Hands the differences over to these nodes inside a block. `gain` is dt/(rho dx). Returns the sum over nodes of twice
+/// Applies the impulses to these nodes inside a block. `gain` is dt/(rho dx). Returns the sum over nodes of twice
 /// the energy taken, per node mass, (m/s)^2.
 ///
 /// With v before and after, and g = gain times the stress difference at the node, a node loses
 /// m (v - v') (v + v' - g)/2 of the energy that the scheme conserves (see the ledger's kinetic energy).
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
-pub(super) fn hand_over(gain: f64, sigma: &[f64], handed: &[f64], v: &mut [f64], nodes: ops::Range<usize>) -> f64 {
-    let (handed, sigma, v) = (&handed[nodes.start - 1..], &sigma[nodes.start - 1..], &mut v[nodes]);
+pub(super) fn apply_impulses(
+    gain: f64,
+    sigma: &[f64],
+    impulses: &[f64],
+    v: &mut [f64],
+    nodes: ops::Range<usize>,
+) -> f64 {
+    let (impulses, sigma, v) = (&impulses[nodes.start - 1..], &sigma[nodes.start - 1..], &mut v[nodes]);
     let nodes = v.len();
-    let (left, right) = (&handed[..nodes], &handed[1..=nodes]);
+    let (left, right) = (&impulses[..nodes], &impulses[1..=nodes]);
     let (below, above) = (&sigma[..nodes], &sigma[1..=nodes]);
     let mut lost = [0.0; LANES];
     let whole = nodes - nodes % LANES;

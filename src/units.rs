@@ -54,6 +54,31 @@ impl Quantity {
     }
 }
 
+impl Quantity {
+    /// The value in SI, with its dimension, whatever that is. A plain number is taken as one without a unit.
+    ///
+    /// # Errors
+    /// As for [`Quantity::si`].
+    pub fn in_si(&self) -> Result<(f64, Dimension), String> {
+        let found = Dimension::ALL.iter().find_map(|&dimension| Some((self.si(dimension).ok()?, dimension)));
+        match self {
+            Self::Number(_) => Ok((self.si(Dimension::None)?, Dimension::None)),
+            Self::Text(_) => found.map_or_else(|| self.si(Dimension::None).map(|si| (si, Dimension::None)), Ok),
+        }
+    }
+
+    /// The number as typed and its unit, which is empty for a plain number.
+    ///
+    /// # Errors
+    /// A text that does not start with a number.
+    pub fn number_and_unit(&self) -> Result<(f64, &str), String> {
+        match self {
+            Self::Number(value) => Ok((*value, "")),
+            Self::Text(text) => parse::split_number(text.trim()).map(|(number, unit)| (number, unit.trim())),
+        }
+    }
+}
+
 impl std::fmt::Display for Quantity {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {

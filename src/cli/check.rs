@@ -10,11 +10,12 @@ use crate::error::{Error, InputError, Result};
 use crate::input::Document;
 use crate::material;
 use crate::scene::Problem;
+use crate::study::sweep::Sweep;
 
 /// Options of `barwave check`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// Scene and material files; which is which is seen from their content.
+    /// Scene, material and sweep files; which is which is seen from their content.
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
 }
@@ -23,6 +24,7 @@ pub(crate) struct Args {
 enum Kind {
     Scene,
     Material,
+    Sweep,
 }
 
 /// Keys that only a scene has at its top level.
@@ -60,6 +62,11 @@ fn check(file: &Path) -> Result<(&'static str, Vec<String>)> {
             };
             Ok(("scene", notes))
         }
+        Kind::Sweep => {
+            let sweep = Sweep::of_document(&document, file)?;
+            sweep.problem(0)?;
+            Ok(("sweep", Vec::new()))
+        }
         Kind::Material => {
             let material = material::file::of_document(&document, file)?;
             Ok(("material", material.notes()))
@@ -73,6 +80,9 @@ fn kind(document: &Document) -> Result<Kind> {
         document.parse::<toml::Table>()?;
         return Ok(Kind::Scene);
     };
+    if table.get_ref().keys().any(|key| key.get_ref() == "sweep") {
+        return Ok(Kind::Sweep);
+    }
     let has = |keys: &[&str]| table.get_ref().keys().any(|key| keys.contains(&key.get_ref().as_ref()));
     match (has(&OF_A_SCENE), has(&OF_A_MATERIAL)) {
         (true, _) => Ok(Kind::Scene),

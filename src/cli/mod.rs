@@ -7,6 +7,7 @@ mod critical;
 mod interrupt;
 mod lines;
 mod materials;
+mod merge;
 mod message;
 mod new;
 mod output;
@@ -18,6 +19,7 @@ mod shell;
 mod specimen;
 mod stability;
 mod summary;
+mod sweep;
 
 use std::process::ExitCode;
 
@@ -52,6 +54,10 @@ enum Command {
     Cost(cost::Args),
     /// Run the hard cases by every method and check that each stays stable.
     Stability(stability::Args),
+    /// Run a scene many times along axes of its keys, into one table.
+    Sweep(sweep::Args),
+    /// Join the shards of a sweep into one table.
+    Merge(merge::Args),
     /// Draw a result file: x-t diagram, profiles, gauges, fronts, ledger, audit.
     Report(report::Args),
     /// The material library and what each curve rests on.
@@ -114,6 +120,8 @@ fn dispatch(cli: &Cli) -> Result<()> {
         Command::Compare(args) => compare::run(args),
         Command::Cost(args) => cost::run(args),
         Command::Stability(args) => stability::run(args),
+        Command::Sweep(args) => sweep::run(args),
+        Command::Merge(args) => merge::run(args),
         Command::Report(args) => report::run(args),
         Command::Materials(args) => materials::run(args),
         Command::New(args) => new::run(args),

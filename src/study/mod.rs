@@ -6,3 +6,4 @@ pub mod cost;
 pub mod critical;
 pub mod hard_cases;
 pub mod plan;
+pub mod sweep;

@@ -91,7 +91,7 @@ fn temperature(value: f64, symbol: &str, text: &str, dimension: Dimension) -> Re
 }
 
 /// Splits "10in" into 10 and "in".
-fn split_number(text: &str) -> Result<(f64, &str), String> {
+pub(super) fn split_number(text: &str) -> Result<(f64, &str), String> {
     let sign = text.chars().next().filter(|c| matches!(c, '+' | '-' | '\u{2212}'));
     let unsigned = &text[sign.map_or(0, char::len_utf8)..];
     let end = number_end(unsigned);

@@ -46,6 +46,7 @@ mod journal;
 mod paths;
 mod read;
 mod scales;
+mod sweep;
 #[cfg(not(unix))]
 mod unjournaled;
 mod write;
@@ -59,6 +60,7 @@ pub use checkpoint::{Checkpoint, Rows, checksum, path_of as checkpoint_path, rem
 pub use existing::{Existing, existing};
 pub use figures::{Figure, write_figures};
 pub use read::{Facts, Gauge, ResultFile};
+pub use sweep::{SweepColumn, SweepFile, Values, write_sweep};
 
 use super::{
     AuditRow, Compression, ErrorFigure, Field, Frame, FrontRow, LedgerRow, MaterialRecord, PathRow, Precision, Trace,

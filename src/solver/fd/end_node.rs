@@ -36,6 +36,8 @@ pub struct EndNode {
     started: bool,
     /// The velocity follows from what holds the end.
     held: bool,
+    /// It was suddenly made to move in the latest step.
+    struck: bool,
     /// Taken by the grid filter, J.
     damped: f64,
     /// Stress and velocity of every step, where they are asked for.
@@ -98,6 +100,7 @@ impl EndNode {
             throughput: 0.0,
             started: false,
             held: false,
+            struck: false,
             damped: 0.0,
             log: None,
         }
@@ -140,8 +143,8 @@ impl EndNode {
     fn advance_showing(&mut self, time: f64, cell: f64, shown: f64) {
         let (step, previous) = (self.step(time), self.force);
         let Motion { force, velocity, met, held } = self.respond(&step, cell);
-        let struck = held && (!self.held || self.model.jumps(time, self.dt));
-        self.stress = if struck { shown } else { -force / self.face.area };
+        self.struck = held && (!self.held || self.model.jumps(time, self.dt));
+        self.stress = if self.struck { shown } else { -force / self.face.area };
         let ahead = 2.0 * force - self.impulses.passed_on(cell, self.held);
         let impulse = self.dt * self.impulses.push(ahead, cell, self.held);
         (self.body, self.body_energy) = (self.model.body(), self.model.energy(self.displacement));
@@ -295,13 +298,14 @@ impl EndNode {
         self.face.inward * self.node.before
     }
 
-    /// Velocity at the current time, m/s.
+    /// Velocity at the current time, m/s. Where the end is suddenly made to move it is that before the jump.
     pub fn velocity(&self) -> f64 {
-        0.5 * (self.velocity_before() + self.velocity_after())
+        let before = self.velocity_before();
+        if self.struck { before } else { 0.5 * (before + self.velocity_after()) }
     }
 
-    /// Stress at the end at the current time, Pa. In a step in which the end is suddenly made to move it is that of the
-    /// end cell, without the impulse that the half cell's mass takes up.
+    /// Stress at the end at the current time, Pa. Where the end is suddenly made to move it is that of the end cell, before the
+    /// jump, without the impulse that the half cell's mass takes up.
     pub fn stress(&self) -> f64 {
         self.stress
     }

@@ -1,0 +1,31 @@
+//! `barwave merge`: joins the shards of a sweep.
+
+use std::path::PathBuf;
+
+use super::output;
+use crate::destination;
+use crate::error::Result;
+use crate::study::sweep::merge;
+
+/// Options of `barwave merge`.
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  barwave merge speeds -o speeds.h5\n  barwave merge node1/speeds node2/speeds -o speeds.h5"
+)]
+pub(crate) struct Args {
+    /// Folders of sweeps, or folders with `shard-I-of-N` folders inside.
+    #[arg(required = true, value_name = "DIR")]
+    folders: Vec<PathBuf>,
+    /// HDF5 file to write; the table goes beside it, as .csv.
+    #[arg(short, long, value_name = "OUT.h5")]
+    output: PathBuf,
+    /// Write the table even if cases are missing.
+    #[arg(long)]
+    partial: bool,
+}
+
+pub(crate) fn run(args: &Args) -> Result<()> {
+    let output = destination::resolve(&args.output)?;
+    let rows = merge(&args.folders, &output, args.partial)?;
+    output::text(&format!("{rows} rows in {} and {}\n", output.display(), output.with_extension("csv").display()))
+}

@@ -1,0 +1,105 @@
+//! `barwave sweep`: runs a scene along axes of its keys.
+
+use std::fmt::Write as _;
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+use super::{interrupt, output};
+use crate::error::{Error, InputError, Result};
+use crate::study::sweep::{self, Finished, Row, Shard, Sweep};
+
+/// Options of `barwave sweep`.
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  barwave sweep speeds.toml -o speeds\n  barwave sweep speeds.toml -o speeds --resume\n  \
+                        barwave sweep speeds.toml -o speeds --shard 2/4    # then: barwave merge speeds -o speeds.h5"
+)]
+pub(crate) struct Args {
+    /// The sweep file: a scene, and the keys of it that vary.
+    #[arg(value_name = "SWEEP.toml")]
+    sweep: PathBuf,
+    /// Folder of the results [default: `runs/out/<sweep name>`]; it is made where it is missing.
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// Run part I of N of the cases, into the folder `shard-I-of-N` inside DIR [default: what a job array of Slurm or MPI says, else
+    /// all cases].
+    #[arg(long, value_name = "I/N")]
+    shard: Option<Shard>,
+    /// Continue a sweep that was stopped or killed: run only the cases that have no row yet.
+    #[arg(long)]
+    resume: bool,
+    /// Print every row as a line of JSON as its case ends, and nothing else.
+    #[arg(long)]
+    json: bool,
+    /// No progress bar and no summary.
+    #[arg(long)]
+    quiet: bool,
+}
+
+pub(crate) fn run(args: &Args) -> Result<()> {
+    let sweep = Sweep::read(&args.sweep)?;
+    let silent = args.quiet || args.json;
+    let shard = args.shard.unwrap_or_else(|| shard_of_environment(silent));
+    let folder = args.output.clone().unwrap_or_else(|| Path::new("runs/out").join(&sweep.name));
+    if folder == Path::new("-") {
+        let help = "give a folder, such as -o speeds";
+        return Err(InputError::new("the results of a sweep cannot be written to standard output")
+            .key("-o")
+            .help(help)
+            .into());
+    }
+    let folder = shard.folder().map_or(folder.clone(), |inside| folder.join(inside));
+    let cases = (0..sweep.plan.cases()).filter(|case| shard.has(*case)).count();
+    let bar = progress_bar(cases as u64, silent);
+    let on_row = |row: &Row| {
+        bar.inc(1);
+        if args.json {
+            // A reader that has gone away does not end the sweep: the rows are in the folder.
+            let _ = serde_json::to_string(row).map(|line| output::text(&format!("{line}\n")));
+        }
+    };
+    let finished = sweep::run(&sweep, &folder, shard, args.resume, &on_row, &interrupt::flag());
+    bar.finish_and_clear();
+    let finished = finished.inspect_err(|error| {
+        if matches!(error, Error::Interrupted) {
+            output::note(&format!(
+                "interrupted: the rows so far are in {}; continue with --resume\n",
+                folder.display()
+            ));
+        }
+    })?;
+    if silent { Ok(()) } else { output::text(&summary(&finished, &folder, bar.elapsed().as_secs_f64())) }
+}
+
+fn shard_of_environment(silent: bool) -> Shard {
+    let Some((shard, variable)) = Shard::of_environment(|name| std::env::var(name).ok()) else { return Shard::WHOLE };
+    if !silent {
+        output::note(&format!("shard {} of {}, from {variable}\n", shard.index, shard.count));
+    }
+    shard
+}
+
+fn progress_bar(cases: u64, silent: bool) -> ProgressBar {
+    if silent || !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::new(cases);
+    if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos} of {len} cases  {per_sec}  {eta} left") {
+        bar.set_style(style);
+    }
+    bar
+}
+
+fn summary(finished: &Finished, folder: &Path, seconds: f64) -> String {
+    let all: usize = finished.statuses.values().sum();
+    let statuses: Vec<String> = finished.statuses.iter().map(|(name, count)| format!("{count} {name}")).collect();
+    let mut text = format!("{all} cases: {}\n", statuses.join(", "));
+    let rate = finished.run as f64 / seconds.max(1e-9);
+    // Writing to a String cannot fail.
+    let _ = writeln!(text, "  time    {seconds:.3} s for {} of them ({rate:.0} cases/s)", finished.run);
+    let _ = writeln!(text, "  table   {}", folder.join("table.csv").display());
+    let _ = writeln!(text, "  HDF5    {}", folder.join("sweep.h5").display());
+    text
+}

@@ -1,0 +1,310 @@
+//! An axis of a sweep: a key of the scene and the values that it takes.
+//!
+//! Values are written into the scene as a user would write them, in the unit of the sweep file: steps of "0.1 mm" are decimal numbers of
+//! millimetres, not sums of rounded metres.
+
+use rand::{RngExt, SeedableRng};
+use rand_xorshift::XorShiftRng;
+use serde::{Deserialize, Serialize};
+use toml::Value;
+
+use crate::units::{Dimension, Quantity};
+
+/// Most values of an axis.
+pub(super) const MOST_VALUES: usize = 1_000_000;
+
+/// Decimal digits to which computed values are rounded: more than any input has, less than rounding errors reach.
+const DIGITS: usize = 14;
+
+/// Part of a step by which rounding may miss the end of a range.
+const SLACK: f64 = 1e-9;
+
+/// One value of an axis.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Level {
+    /// As it is written into the scene, in TOML.
+    pub typed: String,
+    /// In SI; none of what is no number, such as the name of a material.
+    pub si: Option<f64>,
+}
+
+/// A key of the scene and its values.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Axis {
+    /// Dotted, as for `--set`: `left.value`.
+    pub key: String,
+    /// SI unit of the values; empty for plain numbers and texts.
+    pub unit: String,
+    /// In the order of the file.
+    pub levels: Vec<Level>,
+}
+
+/// What a table of an axis may hold.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct RawRange {
+    from: Option<Quantity>,
+    to: Option<Quantity>,
+    count: Option<usize>,
+    step: Option<Quantity>,
+    scale: Option<Scale>,
+    uniform: Option<[Quantity; 2]>,
+    normal: Option<[Quantity; 2]>,
+    samples: Option<usize>,
+    seed: Option<u64>,
+}
+
+#[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Scale {
+    #[default]
+    Linear,
+    Log,
+}
+
+/// Numbers in one unit.
+struct InUnit {
+    numbers: Vec<f64>,
+    /// As typed; empty for SI.
+    unit: String,
+    dimension: Dimension,
+}
+
+type Read<T> = Result<T, String>;
+
+impl Axis {
+    /// An axis from its value in the sweep file.
+    ///
+    /// # Errors
+    /// A sentence that says what is wrong.
+    pub(super) fn read(key: &str, value: &Value) -> Read<Self> {
+        let (levels, dimension) = match value {
+            Value::Array(items) if items.is_empty() => return Err("the list is empty".into()),
+            Value::Array(items) => listed(items),
+            Value::Table(_) => {
+                let range: RawRange = value.clone().try_into().map_err(|e: toml::de::Error| e.message().to_owned())?;
+                range.levels()?
+            }
+            _ => return Err("an axis is a list of values, or a table such as { from = 1, to = 2, count = 11 }".into()),
+        };
+        Ok(Self { key: key.to_owned(), unit: dimension.si_symbol().to_owned(), levels })
+    }
+}
+
+/// The values of a list, each a number, a number with its unit, or a text.
+fn listed(items: &[Value]) -> (Vec<Level>, Dimension) {
+    let quantity = |item: &Value| match item {
+        Value::Float(number) => Some(Quantity::Number(*number)),
+        Value::Integer(number) => Some(Quantity::Number(*number as f64)),
+        Value::String(text) => Some(Quantity::Text(text.clone())),
+        _ => None,
+    };
+    let measured: Vec<_> = items.iter().map(|item| quantity(item).and_then(|q| q.in_si().ok())).collect();
+    let dimension = measured.iter().flatten().map(|(_, dimension)| *dimension).find(|d| *d != Dimension::None);
+    let dimension = dimension.unwrap_or(Dimension::None);
+    let all = measured.iter().all(Option::is_some);
+    let level = |(item, si): (&Value, &Option<(f64, Dimension)>)| Level {
+        typed: item.to_string(),
+        si: si.filter(|_| all).map(|(si, _)| si),
+    };
+    (items.iter().zip(&measured).map(level).collect(), if all { dimension } else { Dimension::None })
+}
+
+impl RawRange {
+    fn levels(&self) -> Read<(Vec<Level>, Dimension)> {
+        match (&self.uniform, &self.normal) {
+            (Some(bounds), None) => self.sampled(bounds, |[low, high], rng| low + (high - low) * rng.random::<f64>()),
+            (None, Some(moments)) => {
+                self.sampled(moments, |[mean, deviation], rng| mean + deviation * standard_normal(rng))
+            }
+            (Some(_), Some(_)) => Err("`uniform` and `normal` exclude each other".into()),
+            (None, None) => self.range(),
+        }
+    }
+
+    fn range(&self) -> Read<(Vec<Level>, Dimension)> {
+        let (Some(from), Some(to)) = (&self.from, &self.to) else {
+            return Err(
+                "give `from` and `to`, or `uniform = [lowest, highest]`, or `normal = [mean, standard deviation]`"
+                    .into(),
+            );
+        };
+        if self.samples.is_some() || self.seed.is_some() {
+            return Err("`samples` and `seed` belong to `uniform` and `normal`; a range has `count` or `step`".into());
+        }
+        let all: Vec<&Quantity> = [from, to].into_iter().chain(&self.step).collect();
+        let InUnit { numbers, unit, dimension } = in_one_unit(&all)?;
+        let [from, to] = [numbers[0], numbers[1]];
+        let values: Vec<f64> = match (self.count, numbers.get(2), self.scale.unwrap_or_default()) {
+            (Some(_), Some(_), _) => return Err("`count` and `step` exclude each other".into()),
+            (None, Some(_), Scale::Log) => {
+                return Err("a range with scale = \"log\" has a `count`, not a `step`".into());
+            }
+            (None, None, _) => return Err("give `count`, the number of values, or `step`".into()),
+            (Some(count), None, scale) => {
+                (0..counted(count)?).map(|i| between([from, to], i, count, scale)).collect::<Read<_>>()?
+            }
+            (None, Some(step), Scale::Linear) => stepped([from, to], *step)?,
+        };
+        levels(&values, &unit, dimension)
+    }
+
+    fn sampled(
+        &self,
+        given: &[Quantity; 2],
+        draw: impl Fn([f64; 2], &mut XorShiftRng) -> f64,
+    ) -> Read<(Vec<Level>, Dimension)> {
+        if self.from.is_some()
+            || self.to.is_some()
+            || self.count.is_some()
+            || self.step.is_some()
+            || self.scale.is_some()
+        {
+            return Err("random samples have `samples` and `seed`, no other keys".into());
+        }
+        let samples = counted(self.samples.ok_or("give `samples`, the number of random values")?)?;
+        let InUnit { numbers, unit, dimension } = in_one_unit(&given.iter().collect::<Vec<_>>())?;
+        let mut rng = XorShiftRng::seed_from_u64(self.seed.unwrap_or(1));
+        let values: Vec<f64> = (0..samples).map(|_| draw([numbers[0], numbers[1]], &mut rng)).collect();
+        levels(&values, &unit, dimension)
+    }
+}
+
+fn counted(count: usize) -> Read<usize> {
+    if (1..=MOST_VALUES).contains(&count) {
+        Ok(count)
+    } else {
+        Err(format!("{count} values are out of range (allowed: 1 to {MOST_VALUES})"))
+    }
+}
+
+/// Value `i` of `count` from one bound to the other.
+fn between([from, to]: [f64; 2], i: usize, count: usize, scale: Scale) -> Read<f64> {
+    let share = if count > 1 { i as f64 / (count - 1) as f64 } else { 0.0 };
+    if scale == Scale::Linear {
+        return Ok(rounded(from + (to - from) * share));
+    }
+    if from * to <= 0.0 {
+        return Err("a range with scale = \"log\" needs bounds of one sign, neither of them zero".into());
+    }
+    Ok(rounded(from * (to / from).powf(share)))
+}
+
+/// Values from one bound in steps towards the other, which is one of them where a whole number of steps leads there.
+fn stepped([from, to]: [f64; 2], step: f64) -> Read<Vec<f64>> {
+    let steps = ((to - from) / step).abs();
+    if !steps.is_finite() {
+        return Err("`step` must not be zero".into());
+    }
+    let count = counted((steps + SLACK).floor() as usize + 1)?;
+    let step = step.abs().copysign(to - from);
+    Ok((0..count).map(|i| rounded(from + i as f64 * step)).collect())
+}
+
+/// Without the last digits, which are rounding.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.DIGITS$e}").parse().unwrap_or(value)
+}
+
+/// By the method of Box and Muller.
+fn standard_normal(rng: &mut XorShiftRng) -> f64 {
+    let (radius, angle) = (1.0 - rng.random::<f64>(), rng.random::<f64>());
+    (-2.0 * radius.ln()).sqrt() * (2.0 * std::f64::consts::PI * angle).cos()
+}
+
+/// Quantities of one dimension as numbers in the unit that they share, else in SI.
+fn in_one_unit(quantities: &[&Quantity]) -> Read<InUnit> {
+    let si = quantities.iter().map(|q| q.in_si()).collect::<Read<Vec<_>>>()?;
+    let dimension = si[0].1;
+    if let Some((quantity, _)) = quantities.iter().zip(&si).find(|(_, si)| si.1 != dimension) {
+        return Err(format!("`{}` and `{quantity}` are of different dimensions", quantities[0]));
+    }
+    let parts: Vec<(f64, &str)> = quantities.iter().map(|q| q.number_and_unit()).collect::<Read<_>>()?;
+    let unit = parts[0].1;
+    if parts.iter().all(|part| part.1 == unit) {
+        return Ok(InUnit { numbers: parts.iter().map(|part| part.0).collect(), unit: unit.to_owned(), dimension });
+    }
+    Ok(InUnit { numbers: si.iter().map(|si| si.0).collect(), unit: String::new(), dimension })
+}
+
+fn levels(values: &[f64], unit: &str, dimension: Dimension) -> Read<(Vec<Level>, Dimension)> {
+    let level = |&value: &f64| {
+        if unit.is_empty() {
+            return Ok(Level { typed: format!("{value:?}"), si: Some(value) });
+        }
+        let text = format!("{value} {unit}");
+        Ok(Level { si: Some(Quantity::Text(text.clone()).si(dimension)?), typed: format!("\"{text}\"") })
+    };
+    Ok((values.iter().map(level).collect::<Read<_>>()?, dimension))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn axis(text: &str) -> Read<Axis> {
+        let table: toml::Table = format!("a = {text}").parse().expect("TOML");
+        Axis::read("left.value", &table["a"])
+    }
+
+    fn typed(text: &str) -> Vec<String> {
+        axis(text).expect("an axis").levels.into_iter().map(|level| level.typed).collect()
+    }
+
+    #[test]
+    fn ranges_are_decimal() {
+        assert_eq!(typed("{ from = 0, to = 0.3, step = 0.1 }"), ["0.0", "0.1", "0.2", "0.3"]);
+        assert_eq!(
+            typed("{ from = \"-5 m/s\", to = \"-15 m/s\", count = 3 }"),
+            ["\"-5 m/s\"", "\"-10 m/s\"", "\"-15 m/s\""]
+        );
+        assert_eq!(typed("{ from = 1, to = 100, count = 3, scale = \"log\" }"), ["1.0", "10.0", "100.0"]);
+        // A step in another unit: all in SI.
+        assert_eq!(typed("{ from = \"1 m\", to = \"2 m\", step = \"50 cm\" }"), ["1.0", "1.5", "2.0"]);
+        let speeds = axis("{ from = \"10 ft/s\", to = \"20 ft/s\", count = 2 }").expect("an axis");
+        assert_eq!((speeds.unit.as_str(), speeds.levels[0].si), ("m/s", Some(3.048)));
+    }
+
+    #[test]
+    fn lists_are_numbers_or_texts() {
+        let names = axis("[\"copper-annealed\", \"mild-steel\"]").expect("an axis");
+        assert_eq!((names.levels[0].typed.as_str(), names.levels[0].si), ("\"copper-annealed\"", None));
+        let lengths = axis("[\"10 cm\", 0.2]").expect("an axis");
+        assert_eq!((lengths.unit.as_str(), lengths.levels[1].si), ("m", Some(0.2)));
+    }
+
+    #[test]
+    fn samples_follow_their_seed_and_distribution() {
+        let sample = |seed: u64| {
+            axis(&format!("{{ normal = [\"1 m\", \"1 cm\"], samples = 4000, seed = {seed} }}")).expect("an axis")
+        };
+        assert_eq!(sample(3), sample(3));
+        assert_ne!(sample(3), sample(4));
+        let values: Vec<f64> = sample(5).levels.iter().filter_map(|level| level.si).collect();
+        let mean = values.iter().sum::<f64>() / 4000.0;
+        let variance = values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / 3999.0;
+        // Four standard errors.
+        assert!((mean - 1.0).abs() < 6.4e-4 && (variance.sqrt() / 0.01 - 1.0).abs() < 0.045, "{mean} {variance}");
+        let uniform = axis("{ uniform = [2, 3], samples = 100 }").expect("an axis");
+        assert!(uniform.levels.iter().all(|level| (2.0..3.0).contains(&level.si.expect("a number"))));
+    }
+
+    #[test]
+    fn wrong_axes_are_explained() {
+        for (text, words) in [
+            ("[]", "empty"),
+            ("3", "an axis is a list"),
+            ("{ from = 1 }", "give `from` and `to`"),
+            ("{ from = 1, to = 2 }", "give `count`"),
+            ("{ from = 1, to = 2, step = 0 }", "must not be zero"),
+            ("{ from = -1, to = 2, count = 3, scale = \"log\" }", "one sign"),
+            ("{ from = \"1 m\", to = \"2 s\", count = 3 }", "different dimensions"),
+            ("{ from = 1, to = 2, cuont = 3 }", "unknown field `cuont`"),
+            ("{ from = 0, to = 1, step = 1e-9 }", "out of range"),
+            ("{ uniform = [0, 1] }", "give `samples`"),
+        ] {
+            let error = axis(text).expect_err(text);
+            assert!(error.contains(words), "{text}: {error}");
+        }
+    }
+}

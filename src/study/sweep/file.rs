@@ -1,0 +1,165 @@
+//! The sweep file.
+
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use super::axis::{Axis, MOST_VALUES};
+use super::plan::{Combine, Plan};
+use crate::error::{Error, InputError, Result};
+use crate::input::Document;
+use crate::record::store::checksum;
+use crate::scene::Problem;
+
+/// Most cases of a sweep.
+const MOST_CASES: usize = 10 * MOST_VALUES;
+
+/// A sweep as read: its cases, and the scene that they change.
+#[derive(Debug, Clone)]
+pub struct Sweep {
+    /// The file's stem: names the default output.
+    pub name: String,
+    /// The cases.
+    pub plan: Plan,
+    /// The scene's text.
+    pub(super) document: Document,
+    /// Its file: what paths in it are relative to.
+    pub(super) scene: PathBuf,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawFile {
+    sweep: RawSweep,
+    axes: toml::Table,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawSweep {
+    scene: Spanned<PathBuf>,
+    #[serde(default)]
+    combine: Combine,
+    #[serde(default)]
+    metrics: Vec<String>,
+    #[serde(default)]
+    fields: Vec<String>,
+}
+
+impl Sweep {
+    /// Reads and checks a sweep file and its scene with the values of the first case.
+    ///
+    /// # Errors
+    /// Input errors only: the first thing that is wrong, with its place.
+    pub fn read(path: &Path) -> Result<Self> {
+        Self::of_document(&Document::read(path)?, path)
+    }
+
+    /// The same of a file that has been read.
+    ///
+    /// # Errors
+    /// As for [`Sweep::read`].
+    pub fn of_document(file: &Document, path: &Path) -> Result<Self> {
+        let raw: RawFile = file.parse()?;
+        let scene = path.parent().unwrap_or(Path::new("")).join(raw.sweep.scene.get_ref());
+        let document = Document::read(&scene).map_err(|e| beside(e, file, &raw.sweep.scene))?;
+        let plan = Plan {
+            program: program(),
+            title: title(&document, &scene),
+            scene: checksum(&document.text),
+            axes: axes(file, &raw.axes)?,
+            combine: raw.sweep.combine,
+            metrics: raw.sweep.metrics,
+            fields: raw.sweep.fields,
+        };
+        check_counts(file, &plan)?;
+        let name = path.file_stem().map_or_else(|| "sweep".into(), |stem| stem.to_string_lossy().into_owned());
+        Ok(Self { name, plan, document, scene })
+    }
+
+    /// The scene of a case.
+    ///
+    /// # Errors
+    /// Input errors: what is wrong with the scene with these values.
+    pub fn problem(&self, case: usize) -> Result<Problem> {
+        Problem::of_document(&self.document, &self.scene, &self.plan.overrides(case))
+    }
+}
+
+/// Results of other versions may differ.
+fn program() -> String {
+    format!("barwave {}", env!("CARGO_PKG_VERSION"))
+}
+
+fn title(scene: &Document, path: &Path) -> String {
+    let stem = || path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
+    let table: Option<toml::Table> = scene.text.parse().ok();
+    let given = table.and_then(|table| table.get("title").and_then(|title| title.as_str().map(str::to_owned)));
+    given.or_else(stem).unwrap_or_default()
+}
+
+/// An error of the scene file, shown where the sweep names it.
+fn beside(error: Error, file: &Document, scene: &Spanned<PathBuf>) -> Error {
+    match error {
+        Error::Input(error) => {
+            let help = "the path is relative to the sweep file";
+            let message = format!("cannot read the scene: {}", error.message);
+            file.error(scene.span(), "sweep.scene", message).help(help).into()
+        }
+        other => other,
+    }
+}
+
+/// The axes in the order of the file.
+fn axes(file: &Document, values: &toml::Table) -> Result<Vec<Axis>> {
+    let Ok(table) = DeTable::parse(&file.text) else { return Ok(Vec::new()) };
+    let Some(DeValue::Table(typed)) = table.get_ref().get("axes").map(Spanned::get_ref) else { return Ok(Vec::new()) };
+    let mut places: Vec<_> =
+        typed.iter().map(|(key, value)| (key.span(), value.span(), key.get_ref().as_ref())).collect();
+    places.sort_by_key(|place| place.0.start);
+    let axis = |(_, span, key): (_, std::ops::Range<usize>, &str)| {
+        let wrong = |message| {
+            let help = "e.g. \"left.value\" = { from = \"-5 m/s\", to = \"-50 m/s\", count = 10 }, or a list of values";
+            Error::from(file.error(span.clone(), &format!("axes.{key}"), message).help(help))
+        };
+        let value = values.get(key).ok_or_else(|| wrong("missing".to_owned()))?;
+        // left.value = [...] without quotes is a table in a table.
+        if let Some((inner, _)) =
+            value.as_table().and_then(|table| table.iter().find(|(_, value)| value.is_table() || value.is_array()))
+            && !["uniform", "normal"].contains(&inner.as_str())
+        {
+            return Err(wrong(format!("the key of an axis stands in quotes: \"{key}.{inner}\" = ...")));
+        }
+        Axis::read(key, value).map_err(wrong)
+    };
+    places.into_iter().map(axis).collect()
+}
+
+fn check_counts(file: &Document, plan: &Plan) -> Result<()> {
+    let wrong = |key: &str, message: String, help: &str| -> Result<()> {
+        Err(file.error(file.span_of(key).unwrap_or(0..0), key, message).help(help).into())
+    };
+    if plan.axes.is_empty() {
+        return wrong("axes", "there are no axes".into(), "give one at least, such as \"left.value\" = [-10, -20]");
+    }
+    let lengths: Vec<usize> = plan.axes.iter().map(|axis| axis.levels.len()).collect();
+    if plan.combine == Combine::Zip
+        && let Some(k) = lengths.iter().position(|&length| length != lengths[0])
+    {
+        let message = format!(
+            "axes that are combined by \"zip\" need equal numbers of values: {} has {}, {} has {}",
+            plan.axes[0].key, lengths[0], plan.axes[k].key, lengths[k]
+        );
+        return wrong("sweep.combine", message, "give them as many values, or use combine = \"product\"");
+    }
+    match plan.count() {
+        Some(cases) if cases <= MOST_CASES => Ok(()),
+        _ => {
+            let error =
+                InputError::new("the sweep has too many cases").key("axes").allowed(format!("cases <= {MOST_CASES}"));
+            Err(error.help("use fewer values, or random samples combined by \"zip\"").into())
+        }
+    }
+}

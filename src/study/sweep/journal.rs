@@ -1,0 +1,133 @@
+//! The folder of a sweep: `sweep.json` with its plan, and `rows.jsonl`, to which every case adds its row as it ends.
+//!
+//! A killed sweep leaves all rows that were written; the last line may be cut and is dropped then.
+
+use std::fs::{File, OpenOptions};
+use std::io::{Read, Seek, Write};
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::metrics::Row;
+use super::plan::Plan;
+use super::shard::Shard;
+use crate::error::{Error, InputError, Result};
+
+/// Names in the folder.
+const PLAN: &str = "sweep.json";
+const ROWS: &str = "rows.jsonl";
+
+/// What `sweep.json` holds.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+struct Begun {
+    plan: Plan,
+    shard: [usize; 2],
+}
+
+/// The rows of a sweep, open for more.
+#[derive(Debug)]
+pub(super) struct Journal {
+    rows: File,
+    path: PathBuf,
+}
+
+impl Journal {
+    /// Starts in a folder, which is made where it is missing.
+    ///
+    /// # Errors
+    /// An [`InputError`] where the folder holds a sweep already, or is no place for one; a file error.
+    pub fn begin(folder: &Path, plan: &Plan, shard: Shard) -> Result<Self> {
+        std::fs::create_dir_all(folder).map_err(|e| Error::file(folder, e))?;
+        if folder.join(ROWS).exists() {
+            let message = format!("the folder {} holds a sweep already", folder.display());
+            let help = "continue it with --resume, or choose another folder with -o";
+            return Err(InputError::new(message).help(help).into());
+        }
+        let path = folder.join(PLAN);
+        let begun = Begun { plan: plan.clone(), shard: [shard.index, shard.count] };
+        let json = serde_json::to_string_pretty(&begun).map_err(|e| Error::file(&path, e))?;
+        std::fs::write(&path, json + "\n").map_err(|e| Error::file(&path, e))?;
+        Self::open(folder)
+    }
+
+    /// Continues in a folder: the rows that it holds.
+    ///
+    /// # Errors
+    /// An [`InputError`] where the folder holds no sweep, or another one.
+    pub fn resume(folder: &Path, plan: &Plan, shard: Shard) -> Result<(Self, Vec<Row>)> {
+        let (begun, of) = Self::plan(folder)?;
+        if begun != *plan || of != shard {
+            let message = format!("the folder {} holds another sweep", folder.display());
+            let help = "resume with the files and the shard that it was started with, or choose another folder with -o";
+            return Err(InputError::new(message).key("--resume").help(help).into());
+        }
+        let mut journal = Self::open(folder)?;
+        let rows = journal.complete_rows()?;
+        Ok((journal, rows))
+    }
+
+    fn open(folder: &Path) -> Result<Self> {
+        let path = folder.join(ROWS);
+        let opened = OpenOptions::new().create(true).read(true).append(true).open(&path);
+        let rows = opened.map_err(|e| Error::file(&path, e))?;
+        if rows.try_lock().is_err() {
+            let message = format!("another sweep is writing to {}", folder.display());
+            return Err(InputError::new(message)
+                .help("wait until it has ended, or choose another folder with -o")
+                .into());
+        }
+        Ok(Self { rows, path })
+    }
+
+    /// The plan and the shard of a folder.
+    pub fn plan(folder: &Path) -> Result<(Plan, Shard)> {
+        let path = folder.join(PLAN);
+        let wrong = |what: &str| {
+            let help = "give a folder that `barwave sweep` wrote";
+            InputError::new(format!("{} {what}", folder.display())).help(help)
+        };
+        let text =
+            std::fs::read_to_string(&path).map_err(|_| wrong("holds no sweep (there is no sweep.json in it)"))?;
+        let begun: Begun =
+            serde_json::from_str(&text).map_err(|e| wrong(&format!("holds a damaged sweep.json: {e}")))?;
+        let [index, count] = begun.shard;
+        Ok((begun.plan, Shard { index, count }))
+    }
+
+    /// The rows of a folder.
+    pub fn rows(folder: &Path) -> Result<Vec<Row>> {
+        let path = folder.join(ROWS);
+        let text = std::fs::read_to_string(&path).map_err(|e| Error::file(&path, e))?;
+        rows(&text, &path).map(|read| read.0)
+    }
+
+    /// The rows so far; what is left of a line that was cut is dropped from the file.
+    fn complete_rows(&mut self) -> Result<Vec<Row>> {
+        let file = |e| Error::file(&self.path, e);
+        let mut text = String::new();
+        self.rows.rewind().map_err(file)?;
+        self.rows.read_to_string(&mut text).map_err(file)?;
+        let (rows, whole) = rows(&text, &self.path)?;
+        self.rows.set_len(whole as u64).map_err(file)?;
+        Ok(rows)
+    }
+
+    /// Adds a row, in one write.
+    pub fn add(&mut self, row: &Row) -> Result<()> {
+        let line = serde_json::to_string(row).map_err(|e| Error::file(&self.path, e))? + "\n";
+        self.rows.write_all(line.as_bytes()).map_err(|e| Error::file(&self.path, e))
+    }
+}
+
+/// All rows of complete lines, and the bytes of these.
+fn rows(text: &str, path: &Path) -> Result<(Vec<Row>, usize)> {
+    let whole = text.rfind('\n').map_or(0, |end| end + 1);
+    let row = |(k, line): (usize, &str)| {
+        serde_json::from_str(line).map_err(|e| {
+            let message = format!("{}:{}: a damaged row: {e}", path.display(), k + 1);
+            Error::from(InputError::new(message).help("delete that line and resume the sweep: its case is run again"))
+        })
+    };
+    let rows = text[..whole].lines().enumerate().map(row).collect::<Result<_>>()?;
+    Ok((rows, whole))
+}

@@ -1,0 +1,120 @@
+//! The row of a case: how it ended, and the scalars of its summary by their dotted names.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use crate::error::{Error, Result};
+
+/// Keys of the summary that say nothing of the physics: they differ from machine to machine, or are the same in every case.
+const LEFT_OUT: [&str; 7] = ["scene", "output", "outcome", "wall_s", "step_wall_s", "cell_steps_per_s", "events_per_s"];
+
+/// How a case ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Status {
+    /// The end time was reached.
+    Done,
+    /// The bar broke.
+    Rupture,
+    /// The run could not go on.
+    Stopped,
+    /// The scene is wrong with these values.
+    Refused,
+}
+
+impl Status {
+    /// As in the table.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Done => "done",
+            Self::Rupture => "rupture",
+            Self::Stopped => "stopped",
+            Self::Refused => "refused",
+        }
+    }
+}
+
+/// What a case gave.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Row {
+    /// Counted from 0.
+    pub case: usize,
+    /// How it ended.
+    pub status: Status,
+    /// Why it was stopped or refused; empty otherwise.
+    pub reason: String,
+    /// Scalars of the summary: numbers (none where there is no value), texts, true or false.
+    pub metrics: BTreeMap<String, Value>,
+}
+
+impl Row {
+    /// The row of a case from its summary, or from the error that ended it.
+    ///
+    /// # Errors
+    /// Those that do not belong to the case: an interruption, or a file that cannot be written.
+    pub(super) fn new(case: usize, ended: Result<Value>, asked: &[String]) -> Result<Self> {
+        let failed = |status, reason: String| Ok(Self { case, status, reason, metrics: BTreeMap::new() });
+        match ended {
+            Ok(summary) => {
+                let ruptured = summary["outcome"] == "rupture";
+                let status = if ruptured { Status::Rupture } else { Status::Done };
+                Ok(Self { case, status, reason: String::new(), metrics: metrics(&summary, asked) })
+            }
+            Err(Error::Input(error)) => failed(Status::Refused, error.to_string()),
+            Err(error @ (Error::Run(_) | Error::Checks(_))) => failed(Status::Stopped, error.to_string()),
+            Err(error @ (Error::File { .. } | Error::Interrupted)) => Err(error),
+        }
+    }
+}
+
+/// The scalars of a summary: those asked for (also inside lists, counted from 0), or all that are in no list.
+fn metrics(summary: &Value, asked: &[String]) -> BTreeMap<String, Value> {
+    if !asked.is_empty() {
+        let found = |name: &String| (name.clone(), scalar(summary, name).unwrap_or(Value::Null));
+        return asked.iter().map(found).collect();
+    }
+    let mut all = BTreeMap::new();
+    collect(summary, "", &mut all);
+    all
+}
+
+fn scalar(summary: &Value, name: &str) -> Option<Value> {
+    let value = name.split('.').try_fold(summary, |value, part| match value {
+        Value::Array(items) => items.get(part.parse::<usize>().ok()?),
+        _ => value.get(part),
+    })?;
+    (!value.is_object() && !value.is_array()).then(|| value.clone())
+}
+
+fn collect(value: &Value, prefix: &str, all: &mut BTreeMap<String, Value>) {
+    let Value::Object(entries) = value else { return };
+    for (key, value) in entries.iter().filter(|(key, _)| !LEFT_OUT.contains(&key.as_str())) {
+        let name = if prefix.is_empty() { key.clone() } else { format!("{prefix}.{key}") };
+        match value {
+            Value::Object(_) => collect(value, &name, all),
+            Value::Array(_) => {}
+            _ => {
+                all.insert(name, value.clone());
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scalars_are_found_by_dotted_names() {
+        let summary = serde_json::json!({ "outcome": "done", "wall_s": 3.0, "left": { "stress_Pa": 5.0 }, "fronts": [{ "speed_m_s": 7.0 }] });
+        let all = metrics(&summary, &[]);
+        assert_eq!(all.keys().collect::<Vec<_>>(), ["left.stress_Pa"]);
+        let asked = metrics(&summary, &["fronts.0.speed_m_s".into(), "right.stress_Pa".into(), "left".into()]);
+        assert_eq!(
+            (&asked["fronts.0.speed_m_s"], &asked["right.stress_Pa"], &asked["left"]),
+            (&7.0.into(), &Value::Null, &Value::Null)
+        );
+    }
+}

@@ -1,0 +1,112 @@
+//! Which cases a sweep has, and what each of them changes in the scene.
+
+use serde::{Deserialize, Serialize};
+
+use super::axis::{Axis, Level};
+
+/// How axes are combined.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Combine {
+    /// Every value of each axis with every one of the others; the last axis varies fastest.
+    #[default]
+    Product,
+    /// The first values of all axes, the second ones, and so on.
+    Zip,
+}
+
+/// The cases of a sweep. Two runs of one sweep file have the same plan, on any machine.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Plan {
+    /// Version of the program and of the table.
+    pub program: String,
+    /// For people: that of the scene.
+    pub title: String,
+    /// Checksum of the scene's text.
+    pub scene: u32,
+    /// In the order of the file.
+    pub axes: Vec<Axis>,
+    /// How they are combined.
+    pub combine: Combine,
+    /// Figures that are asked for; empty: every scalar of the summary.
+    pub metrics: Vec<String>,
+    /// Fields that are kept of every case; without any no result files are written.
+    pub fields: Vec<String>,
+}
+
+impl Plan {
+    /// Number of cases; none where they are more than a computer can count.
+    pub(super) fn count(&self) -> Option<usize> {
+        let lengths = self.axes.iter().map(|axis| axis.levels.len());
+        match self.combine {
+            Combine::Product => lengths.into_iter().try_fold(1_usize, usize::checked_mul),
+            Combine::Zip => lengths.max(),
+        }
+    }
+
+    /// Number of cases.
+    pub fn cases(&self) -> usize {
+        self.count().unwrap_or(0)
+    }
+
+    /// The values of a case, one an axis.
+    pub fn levels(&self, case: usize) -> Vec<&Level> {
+        if self.combine == Combine::Zip {
+            return self.axes.iter().map(|axis| &axis.levels[case]).collect();
+        }
+        let mut rest = case;
+        let mut levels: Vec<&Level> = self
+            .axes
+            .iter()
+            .rev()
+            .map(|axis| {
+                let level = &axis.levels[rest % axis.levels.len()];
+                rest /= axis.levels.len();
+                level
+            })
+            .collect();
+        levels.reverse();
+        levels
+    }
+
+    /// What a case changes in the scene, as for `--set`.
+    pub fn overrides(&self, case: usize) -> Vec<String> {
+        let axes = self.axes.iter().zip(self.levels(case));
+        let mut all: Vec<String> = axes.map(|(axis, level)| format!("{}={}", axis.key, level.typed)).collect();
+        if !self.fields.is_empty() {
+            let names: Vec<String> = self.fields.iter().map(|name| format!("\"{name}\"")).collect();
+            all.push(format!("record.fields=[{}]", names.join(", ")));
+        }
+        all
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn plan(combine: Combine) -> Plan {
+        let axis = |key: &str, values: &[f64]| Axis {
+            key: key.into(),
+            unit: String::new(),
+            levels: values.iter().map(|v| Level { typed: v.to_string(), si: Some(*v) }).collect(),
+        };
+        Plan {
+            program: String::new(),
+            title: String::new(),
+            scene: 0,
+            axes: vec![axis("a", &[1.0, 2.0]), axis("b.c", &[3.0, 4.0])],
+            combine,
+            metrics: Vec::new(),
+            fields: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn the_last_axis_varies_fastest() {
+        let overrides =
+            |combine| (0..plan(combine).cases()).map(|k| plan(combine).overrides(k).join(" ")).collect::<Vec<_>>();
+        assert_eq!(overrides(Combine::Product), ["a=1 b.c=3", "a=1 b.c=4", "a=2 b.c=3", "a=2 b.c=4"]);
+        assert_eq!(overrides(Combine::Zip), ["a=1 b.c=3", "a=2 b.c=4"]);
+    }
+}

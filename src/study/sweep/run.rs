@@ -1,0 +1,134 @@
+//! Runs the cases of a sweep on all threads.
+
+use std::collections::BTreeMap;
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+use serde_json::Value;
+
+use super::file::Sweep;
+use super::journal::Journal;
+use super::metrics::{Row, Status};
+use super::shard::Shard;
+use super::table::{write_csv, write_hdf5};
+use crate::error::{Error, InputError, Result};
+use crate::run;
+use crate::scene::Problem;
+
+/// What a sweep gave.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Finished {
+    /// Cases by how they ended, those of earlier runs included.
+    pub statuses: BTreeMap<&'static str, usize>,
+    /// Cases that were run now.
+    pub run: usize,
+}
+
+/// Where rows go as cases end, and whether to stop.
+struct Under<'a> {
+    journal: Mutex<Journal>,
+    rows: Mutex<Vec<Row>>,
+    failed: Mutex<Option<Error>>,
+    on_row: &'a (dyn Fn(&Row) + Sync),
+    stop: &'a AtomicBool,
+}
+
+/// Runs the cases of a shard that have no row in the folder yet, and writes `table.csv` and `sweep.h5` there. Rows are kept as cases end:
+/// a sweep that is stopped or killed loses only the cases under way. `on_row` gets every new row. Cases are run by all threads of the
+/// pool; the table does not depend on how many there are.
+///
+/// # Errors
+/// [`Error::Interrupted`] once `stop` is set (the tables then hold the rows so far), input errors, and files that cannot be written.
+pub fn run(
+    sweep: &Sweep,
+    folder: &Path,
+    shard: Shard,
+    resume: bool,
+    on_row: &(dyn Fn(&Row) + Sync),
+    stop: &AtomicBool,
+) -> Result<Finished> {
+    let plan = &sweep.plan;
+    let (journal, before) = if resume && folder.join("rows.jsonl").exists() {
+        Journal::resume(folder, plan, shard)?
+    } else {
+        (Journal::begin(folder, plan, shard)?, Vec::new())
+    };
+    let known: std::collections::BTreeSet<usize> = before.iter().map(|row| row.case).collect();
+    let cases: Vec<usize> = (0..plan.cases()).filter(|case| shard.has(*case) && !known.contains(case)).collect();
+    let under =
+        Under { journal: Mutex::new(journal), rows: Mutex::new(before), failed: Mutex::new(None), on_row, stop };
+    run_all(sweep, folder, &cases, &under);
+    let mut rows = under.rows.into_inner().unwrap_or_default();
+    rows.sort_by_key(|row| row.case);
+    write_csv(&folder.join("table.csv"), plan, &rows)?;
+    write_hdf5(&folder.join("sweep.h5"), plan, &rows)?;
+    if let Some(error) = under.failed.into_inner().unwrap_or_default() {
+        return Err(error);
+    }
+    let statuses = count_statuses(&rows)?;
+    Ok(Finished { statuses, run: cases.len() })
+}
+
+/// Cases by how they ended; an error where none was accepted.
+fn count_statuses(rows: &[Row]) -> Result<BTreeMap<&'static str, usize>> {
+    let mut statuses = BTreeMap::new();
+    for row in rows {
+        *statuses.entry(row.status.name()).or_default() += 1;
+    }
+    match rows.first() {
+        Some(first) if statuses.keys().eq([&Status::Refused.name()]) => {
+            let message = format!("every case is refused; the first one: {}", first.reason);
+            let help = "check the keys of the axes and their values with `barwave run SCENE --set KEY=VALUE`";
+            Err(InputError::new(message).help(help).into())
+        }
+        _ => Ok(statuses),
+    }
+}
+
+/// As many cases at a time as there are threads, the first ones first.
+fn run_all(sweep: &Sweep, folder: &Path, cases: &[usize], under: &Under<'_>) {
+    let next = AtomicUsize::new(0);
+    let work = || {
+        while let Some(&case) = cases.get(next.fetch_add(1, Ordering::Relaxed)) {
+            if let Err(error) = run_one(sweep, folder, case, under) {
+                under.stop.store(true, Ordering::Relaxed);
+                if let Ok(mut failed) = under.failed.lock() {
+                    failed.get_or_insert(error);
+                }
+                return;
+            }
+        }
+    };
+    rayon::scope(|scope| (0..rayon::current_num_threads()).for_each(|_| scope.spawn(|_| work())));
+}
+
+fn run_one(sweep: &Sweep, folder: &Path, case: usize, under: &Under<'_>) -> Result<()> {
+    if under.stop.load(Ordering::Relaxed) {
+        return Err(Error::Interrupted);
+    }
+    let row = Row::new(case, simulate(sweep, folder, case, under.stop), &sweep.plan.metrics)?;
+    if let Ok(mut journal) = under.journal.lock() {
+        journal.add(&row)?;
+    }
+    (under.on_row)(&row);
+    if let Ok(mut rows) = under.rows.lock() {
+        rows.push(row);
+    }
+    Ok(())
+}
+
+/// The summary of a case.
+fn simulate(sweep: &Sweep, folder: &Path, case: usize, stop: &AtomicBool) -> Result<Value> {
+    let output = (!sweep.plan.fields.is_empty()).then(|| folder.join(format!("case-{case:06}.h5")));
+    let json = |e: serde_json::Error| Error::file(folder, e);
+    match sweep.problem(case)? {
+        Problem::Bar(scene) => {
+            let mut progress =
+                |_| if stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+            serde_json::to_value(run::run(&scene, output.as_deref(), &mut progress)?).map_err(json)
+        }
+        Problem::Specimen(scene) => serde_json::to_value(run::run_specimen(&scene, output.as_deref())?).map_err(json),
+    }
+}

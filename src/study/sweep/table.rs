@@ -1,0 +1,132 @@
+//! The table of a sweep, as CSV and as HDF5.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use serde_json::Value;
+
+use super::metrics::Row;
+use super::plan::{Combine, Plan};
+use crate::error::{Error, Result};
+use crate::record::store::{SweepColumn, SweepFile, Values, write_sweep};
+
+/// Columns of every table beside axes and metrics.
+const CASE: &str = "case";
+const STATUS: &str = "status";
+const REASON: &str = "reason";
+
+/// Names of the metrics of all rows, in alphabetical order, or in that of the plan.
+fn names(plan: &Plan, rows: &[Row]) -> Vec<String> {
+    if !plan.metrics.is_empty() {
+        return plan.metrics.clone();
+    }
+    let all: BTreeSet<&String> = rows.iter().flat_map(|row| row.metrics.keys()).collect();
+    all.into_iter().cloned().collect()
+}
+
+/// Writes the rows (by case) as CSV: names first, then a comment with the SI units of the axes.
+///
+/// # Errors
+/// A file error.
+pub(super) fn write_csv(path: &Path, plan: &Plan, rows: &[Row]) -> Result<()> {
+    let failed = |e: csv::Error| Error::file(path, e);
+    let names = names(plan, rows);
+    let temporary = path.with_extension("csv.tmp");
+    let mut csv = csv::WriterBuilder::new().flexible(true).from_path(&temporary).map_err(failed)?;
+    let axes = plan.axes.iter().map(|axis| axis.key.as_str());
+    let header = std::iter::once(CASE).chain(axes).chain([STATUS, REASON]);
+    csv.write_record(header.chain(names.iter().map(String::as_str))).map_err(failed)?;
+    let units =
+        plan.axes.iter().filter(|axis| !axis.unit.is_empty()).map(|axis| format!("{} in {}", axis.key, axis.unit));
+    let units: Vec<String> = units.collect();
+    if !units.is_empty() {
+        csv.write_record([format!("# {}", units.join("; "))]).map_err(failed)?;
+    }
+    for row in rows {
+        let levels = plan.levels(row.case);
+        let values = levels.iter().map(|level| level.si.map_or_else(|| plain(&level.typed), |si| format!("{si:?}")));
+        let metrics = names.iter().map(|name| row.metrics.get(name).map_or_else(String::new, shown));
+        let cells = std::iter::once(row.case.to_string()).chain(values);
+        let cells = cells.chain([row.status.name().to_owned(), row.reason.clone()]).chain(metrics);
+        csv.write_record(cells).map_err(failed)?;
+    }
+    csv.flush().map_err(|e| Error::file(path, e))?;
+    std::fs::rename(&temporary, path).map_err(|e| Error::file(path, e))
+}
+
+/// A text without the quotes of TOML.
+fn plain(typed: &str) -> String {
+    typed.trim_matches(['"', '\'']).to_owned()
+}
+
+fn shown(value: &Value) -> String {
+    match value {
+        Value::Null => String::new(),
+        Value::String(text) => text.clone(),
+        Value::Number(number) => {
+            number.as_f64().filter(|_| number.is_f64()).map_or_else(|| number.to_string(), |f| format!("{f:?}"))
+        }
+        other => other.to_string(),
+    }
+}
+
+/// Writes the rows as HDF5: over the axes where their product is complete, otherwise over the cases.
+///
+/// # Errors
+/// A file error.
+pub(super) fn write_hdf5(path: &Path, plan: &Plan, rows: &[Row]) -> Result<()> {
+    let gridded = plan.combine == Combine::Product && rows.len() == plan.cases();
+    let axis = |k: usize| {
+        let axis = &plan.axes[k];
+        let levels = if gridded {
+            axis.levels.iter().collect()
+        } else {
+            rows.iter().map(|row| plan.levels(row.case)[k]).collect::<Vec<_>>()
+        };
+        let numbers: Option<Vec<f64>> = levels.iter().map(|level| level.si).collect();
+        let texts = || levels.iter().map(|level| plain(&level.typed)).collect();
+        column(&axis.key, &axis.unit, numbers.map_or_else(|| Values::Texts(texts()), Values::Numbers))
+    };
+    let axes: Vec<SweepColumn> = (0..plan.axes.len()).map(axis).collect();
+    let cases = column(CASE, "", Values::Numbers(rows.iter().map(|row| row.case as f64).collect()));
+    let status = column(STATUS, "", Values::Texts(rows.iter().map(|row| row.status.name().to_owned()).collect()));
+    let reason = column(REASON, "", Values::Texts(rows.iter().map(|row| row.reason.clone()).collect()));
+    let metrics = names(plan, rows).into_iter().map(|name| {
+        let values = rows.iter().map(|row| row.metrics.get(&name).unwrap_or(&Value::Null));
+        column(&name, unit_of(&name), values_of(values.collect()))
+    });
+    let metrics: Vec<SweepColumn> = metrics.collect();
+    let (scales, mut columns) = if gridded { (axes, vec![cases]) } else { (vec![cases], axes) };
+    columns.extend([status, reason]);
+    columns.extend(metrics);
+    let plan_json = serde_json::to_string(plan).map_err(|e| Error::file(path, e))?;
+    write_sweep(path, &SweepFile { title: plan.title.clone(), plan: plan_json, scales, columns })
+}
+
+fn column(name: &str, units: &str, values: Values) -> SweepColumn {
+    SweepColumn { name: name.to_owned(), units: units.to_owned(), values }
+}
+
+/// Numbers (not a number where there is no value), or texts where one of them is a text.
+fn values_of(values: Vec<&Value>) -> Values {
+    if values.iter().any(|value| value.is_string()) {
+        return Values::Texts(values.into_iter().map(shown).collect());
+    }
+    let number = |value: &Value| value.as_f64().or_else(|| value.as_bool().map(f64::from)).unwrap_or(f64::NAN);
+    Values::Numbers(values.into_iter().map(number).collect())
+}
+
+/// The unit that the name of a figure ends with.
+fn unit_of(name: &str) -> &'static str {
+    const UNITS: [(&str, &str); 8] = [
+        ("_Pa", "Pa"),
+        ("_m_s", "m/s"),
+        ("_N_s", "N s"),
+        ("_J", "J"),
+        ("_N", "N"),
+        ("_K", "K"),
+        ("_m", "m"),
+        ("_s", "s"),
+    ];
+    UNITS.iter().find(|(end, _)| name.ends_with(end)).map_or("", |(_, unit)| unit)
+}

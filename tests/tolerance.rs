@@ -19,6 +19,10 @@ const TOLERANCES: [f64; 3] = [1e-1, 1e-2, 1e-3];
 /// Cell-steps that make a scene too slow for this suite.
 const SLOW: [&str; 1] = ["Cowper and Symonds"];
 
+/// Held-out scenes that take a minute at the finest tolerance, most of it for estimates: the grids are exact to 1e-9 and better there, but
+/// corners that lie off the cells' faces in the coarser grids of an estimate make it a first-order one. `examples/tolerance.rs` has them.
+const LONG_AT_1E4: [&str; 3] = ["power law, ramp", "mass on a rod", "pulse at a fixed end"];
+
 /// Tolerances of the scenes that no factor was settled on.
 const HELD_OUT: [f64; 4] = [1e-1, 1e-2, 1e-3, 1e-4];
 
@@ -53,7 +57,7 @@ fn it_is_on_scenes_of_other_kinds_too() {
     // Those whose answer takes no run longer than a second.
     let quick = |case: &&Known| matches!(case.truth, Truth::Tracked | Truth::Formula(_));
     let cases = cases.iter().filter(quick);
-    let quick = |case: &Known, tolerance: f64| case.name != "power law, ramp" || tolerance > 1e-4;
+    let quick = |case: &Known, tolerance: f64| tolerance > 1e-4 || !LONG_AT_1E4.contains(&case.name);
     let wrong = cases.flat_map(|case| HELD_OUT.map(|t| quick(case, t).then(|| miss(case, t, None)).flatten()));
     let wrong: Vec<String> = wrong.flatten().collect();
     assert!(wrong.is_empty(), "{wrong:#?}");

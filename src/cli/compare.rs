@@ -16,7 +16,7 @@ pub(crate) struct Args {
     /// Library names or paths of material files.
     #[arg(required = true, value_name = "MATERIAL")]
     materials: Vec<String>,
-    /// Picture (.svg, .png, .html) or table (.csv) to write.
+    /// Output file: figure (.svg, .png, .html) or table (.csv).
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Sense of the loading.
@@ -89,7 +89,7 @@ fn table(compared: &[Compared]) -> String {
         "v_c m/s",
         "strain at max",
         "max MPa",
-        "rests on",
+        "criterion",
     ];
     output::table(&headings, &rows, 1, true)
 }

@@ -1,4 +1,4 @@
-//! `barwave cost`: what accuracy costs in time.
+//! `barwave cost`: error against computing time.
 
 use std::fmt::Write as _;
 use std::io::IsTerminal;
@@ -26,13 +26,13 @@ pub(crate) struct Args {
     /// The scene file.
     #[arg(value_name = "SCENE.toml")]
     scene: PathBuf,
-    /// Table (.csv), picture (.svg, .png, .html) or everything (.json) to write.
+    /// Output file: table (.csv), figure (.svg, .png, .html) or complete data (.json).
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Time for all of it, e.g. 60s or "5 min".
+    /// Wall-clock time for the whole study, e.g. 60s or "5 min".
     #[arg(long, value_name = "TIME", default_value = "60s")]
     budget: Quantity,
-    /// What errors are of: field, field-at-end, ends, gauges, residual-strain or peak-force.
+    /// Error measure: field, field-at-end, ends, gauges, residual-strain or peak-force.
     #[arg(long, value_name = "NAME", default_value = "field")]
     measure: String,
     /// Change a key of the scene, as for `barwave run`; may be repeated.
@@ -230,10 +230,10 @@ fn csv(points: &[CostPoint]) -> String {
 /// Everything, for people.
 fn text(cost: &Cost, written: Option<&Path>) -> String {
     let head = format!(
-        "{}\n\nerror: {}, against the\n  {} (itself uncertain by {:.1e})\n",
+        "{}\n\nerror: {}, against the\n  {} (uncertainty {:.1e})\n",
         cost.scene, cost.measure, cost.reference, cost.reference_uncertainty
     );
-    let marks = "* nothing is both quicker and better   ~ below what the reference is uncertain by\n";
+    let marks = "* no other point is both faster and more accurate   ~ below the uncertainty of the reference\n";
     let mut parts = vec![head, points_table(cost), [marks, &orders(cost)].concat(), cheapest_table(cost)];
     if !cost.effects.is_empty() {
         parts.push(effects_table(cost));
@@ -265,7 +265,7 @@ fn notes(cost: &Cost, written: Option<&Path>) -> String {
     }
     for skipped in &cost.skipped {
         let at = resolution(&skipped.by);
-        lines.push(format!("left out: {}, {at}: {}", skipped.by.scheme, skipped.why));
+        lines.push(format!("skipped: {}, {at}: {}", skipped.by.scheme, skipped.why));
     }
     let load = |value: Option<f64>| value.map_or_else(|| "unknown".into(), |v| format!("{v:.2}"));
     lines.push(format!(
@@ -277,7 +277,7 @@ fn notes(cost: &Cost, written: Option<&Path>) -> String {
         cost.threads
     ));
     if cost.interrupted {
-        lines.push("stopped before its end: this is what there was".into());
+        lines.push("interrupted: the results so far".into());
     }
     lines.extend(written.map(|path| format!("wrote {}", path.display())));
     lines.join("\n") + "\n"

@@ -17,7 +17,7 @@ pub(crate) struct Args {
     /// Sense of the loading.
     #[arg(long, value_enum, default_value = "tension")]
     sense: SenseArg,
-    /// Confirm it: run a bar 5 % below and 5 % above the critical velocity.
+    /// Confirm the value: simulate a bar 5 % below and 5 % above the critical velocity.
     #[arg(long)]
     simulate: bool,
     /// Print a JSON list and nothing else.
@@ -28,9 +28,9 @@ pub(crate) struct Args {
 /// A sense of loading on the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub(crate) enum SenseArg {
-    /// Pulled.
+    /// The bar is pulled.
     Tension,
-    /// Pushed.
+    /// The bar is compressed.
     Compression,
 }
 
@@ -68,7 +68,7 @@ struct Simulated<'a> {
 
 fn sentence(row: &CriticalRow, simulated: Option<&Confirmation>) -> String {
     let Some(s) = simulated else {
-        return format!("{}: nothing to simulate, it has no critical velocity within its data\n", row.material);
+        return format!("{}: not simulated, no critical velocity within the data\n", row.material);
     };
     let bar = |d: &Driven| {
         let verdict = if d.breaks { "breaks" } else { "holds" };
@@ -98,6 +98,6 @@ pub(super) fn table(rows: &[CriticalRow]) -> String {
         ]
     };
     let headings =
-        ["material", "v_c m/s", "v_yield m/s", "strain at max", "stress at max MPa", "density kg/m^3", "rests on"];
+        ["material", "v_c m/s", "v_yield m/s", "strain at max", "stress at max MPa", "density kg/m^3", "criterion"];
     output::table(&headings, &rows.iter().map(cells).collect::<Vec<_>>(), 1, true)
 }

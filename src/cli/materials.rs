@@ -1,4 +1,4 @@
-//! `barwave materials`: the library and what each curve rests on.
+//! `barwave materials`: the library and the source of each curve.
 
 use std::path::Path;
 
@@ -22,7 +22,7 @@ enum Action {
     List(ListArgs),
     /// Show one material: constants, provenance, critical velocity and table.
     Show(ShowArgs),
-    /// Write a material file around a CSV file of strain and stress, and check it.
+    /// Write a material file for a CSV file of strain and stress, and check it.
     Import(import::Args),
     /// Print the folders in which material files are looked up.
     Path,
@@ -62,7 +62,7 @@ fn base() -> &'static Path {
 }
 
 /// User materials first, then the built-in ones that they do not hide. A user file that is wrong is named on
-/// stderr and left out: it must not hide the others.
+/// stderr and skipped: it must not hide the others.
 fn all() -> Vec<Material> {
     let mut names = library::user_names(base());
     let built_in: Vec<_> = library::names().filter(|n| !names.iter().any(|user| user == n)).map(String::from).collect();
@@ -71,7 +71,7 @@ fn all() -> Vec<Material> {
     for name in &names {
         match library::find(name, base()) {
             Ok(material) => materials.push(material),
-            Err(error) => output::note(&format!("left out `{name}`: {error}\n")),
+            Err(error) => output::note(&format!("skipped `{name}`: {error}\n")),
         }
     }
     materials
@@ -97,18 +97,18 @@ fn list(json: bool) -> Result<()> {
             ]
         })
         .collect();
-    let headings = ["name", "rho kg/m^3", "E GPa", "elastic limit MPa", "v_c m/s", "rests on", "description"];
+    let headings = ["name", "rho kg/m^3", "E GPa", "elastic limit MPa", "v_c m/s", "confidence", "description"];
     // The last two columns are text; the fifth number column ends the right-aligned ones.
     let rows: Vec<_> = rows.into_iter().map(join_last_two).collect();
-    let headings: Vec<_> = headings[..5].iter().copied().chain(["rests on  description"]).collect();
+    let headings: Vec<_> = headings[..5].iter().copied().chain(["confidence  description"]).collect();
     output::text(&output::table(&headings, &rows, 1, true))
 }
 
-/// Two text columns as one, the first padded to its longest word, "handbook".
+/// Two text columns as one, the first padded to its heading, "confidence".
 fn join_last_two(mut row: Vec<String>) -> Vec<String> {
     let description = row.pop().unwrap_or_default();
     let confidence = row.pop().unwrap_or_default();
-    row.push(format!("{confidence:<8}  {description}"));
+    row.push(format!("{confidence:<10}  {description}"));
     row
 }
 
@@ -170,7 +170,7 @@ fn describe(m: &Material) -> String {
     }
     add("citation", m.provenance.citation.clone());
     add("measured", m.provenance.measured.clone());
-    add("rests on", m.provenance.confidence.clone());
+    add("confidence", m.provenance.confidence.clone());
     add("origin", m.provenance.origin.clone());
     let lines: Vec<_> = lines.iter().map(|(name, value)| format!("{name:<15} {value}\n")).collect();
     let mut text = lines.concat();
@@ -199,8 +199,8 @@ fn constants(m: &Material) -> Vec<(&'static str, String)> {
         .chain([
             ("specific heat", optional(heat.specific_heat, " J/(kg K)")),
             ("heat fraction", optional(heat.fraction, "")),
-            ("curve holds at", optional(heat.reference_temperature, " K")),
-            ("melts at", optional(heat.melting_temperature, " K")),
+            ("reference temp", optional(heat.reference_temperature, " K")),
+            ("melting temp", optional(heat.melting_temperature, " K")),
             ("softening m", optional(heat.exponent, "")),
         ])
         .collect()
@@ -208,9 +208,9 @@ fn constants(m: &Material) -> Vec<(&'static str, String)> {
 
 fn branch(name: &str, curve: &Curve) -> String {
     let beyond = match curve.beyond() {
-        Beyond::Rupture => "breaks at the last row",
-        Beyond::Extend => "the last slope goes on past the last row",
-        Beyond::Error => "nothing is known past the last row",
+        Beyond::Rupture => "fractures at the last row",
+        Beyond::Extend => "extrapolated with the last slope",
+        Beyond::Error => "no data past the last row",
     };
     let rows: Vec<_> = curve
         .strain()

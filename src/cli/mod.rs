@@ -42,7 +42,7 @@ pub(crate) struct Cli {
 enum Command {
     /// Simulate one scene and write its result file.
     Run(run::Args),
-    /// Say what a run would do, and what it would cost, without doing it.
+    /// Show what a run would do and what it would cost, without running it.
     Plan(plan::Args),
     /// Validate scenes and materials.
     Check(check::Args),
@@ -50,9 +50,9 @@ enum Command {
     Critical(critical::Args),
     /// Curves, wave speeds and impact velocities of several materials side by side.
     Compare(compare::Args),
-    /// What accuracy costs in time, by every method that can do a scene.
+    /// Error against computing time, for every method that can run a scene.
     Cost(cost::Args),
-    /// Run the hard cases by every method and check that each stays stable.
+    /// Run the hard cases by every method and check every result.
     Stability(stability::Args),
     /// Run a scene many times along axes of its keys, into one table.
     Sweep(sweep::Args),
@@ -60,7 +60,7 @@ enum Command {
     Merge(merge::Args),
     /// Draw a result file: x-t diagram, profiles, gauges, fronts, ledger, audit.
     Report(report::Args),
-    /// The material library and what each curve rests on.
+    /// List, show and import materials.
     Materials(materials::Args),
     /// Write a commented scene to start from.
     New(new::Args),

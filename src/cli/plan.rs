@@ -97,9 +97,9 @@ fn work_lines(work: &Work, units: System) -> Vec<(&'static str, String)> {
         } => {
             let grid = std::format!("{cells} cells, {steps} steps of {}", time(dt_s));
             let most = bytes(memory_bytes);
-            let memory = std::format!("{elastic} bytes a cell while elastic, {yielded} once yielded: at most {most}");
+            let memory = std::format!("{elastic} bytes per elastic cell, {yielded} per yielded cell: at most {most}");
             let [quick, slow] = expected_s.map(time);
-            let expected = std::format!("{quick} to {slow} of stepping on one thread, if every cell is at work");
+            let expected = std::format!("{quick} to {slow} for the time steps on one thread, if every cell is active");
             let lines = [("grid", grid), ("memory", memory), ("expected time", expected)];
             lines.into_iter().chain(net.iter().flat_map(net_lines)).collect()
         }
@@ -112,11 +112,11 @@ fn work_lines(work: &Work, units: System) -> Vec<(&'static str, String)> {
             bytes_per_front,
             longest_s,
         } => {
-            let fronts = std::format!("{first_fronts} after t = 0; the curve has {lines} straight pieces");
+            let fronts = std::format!("{first_fronts} after t = 0; the curve has {lines} straight segments");
             let events = events_text(event_budget);
-            let memory = std::format!("{bytes_per_front} bytes a front under way, however long the bar");
+            let memory = std::format!("{bytes_per_front} bytes per active front, for any length of bar");
             let (longest, stress) = (time(longest_s), format(stress_scale, Dimension::Stress, units));
-            let expected = std::format!("cannot be known either; about {longest} if all of these events are used");
+            let expected = std::format!("not known in advance; about {longest} if all events are used");
             let tolerance = ("front tolerance", tolerance_text(front_tolerance, &stress));
             vec![("fronts", fronts), tolerance, ("events", events), ("memory", memory), ("expected time", expected)]
         }
@@ -124,15 +124,15 @@ fn work_lines(work: &Work, units: System) -> Vec<(&'static str, String)> {
 }
 
 fn events_text(event_budget: u64) -> String {
-    let unknown = "cannot be known beforehand: fronts that meet can make more fronts";
+    let unknown = "number not known in advance";
     std::format!("{unknown}; the run stops after {event_budget}")
 }
 
 fn tolerance_text(front_tolerance: f64, stress: &str) -> String {
     if front_tolerance == 0.0 {
-        "0: every wave is kept, however weak; the result is exact for the table".into()
+        "0: every wave is tracked; the result is exact for the table".into()
     } else {
-        std::format!("{front_tolerance} of {stress}: closer and weaker waves of one kind become one")
+        std::format!("{front_tolerance} of {stress}: weaker neighbouring waves of one kind are merged")
     }
 }
 
@@ -140,12 +140,14 @@ fn net_lines(net: &NetWork) -> Vec<(&'static str, String)> {
     let mut lines = Vec::new();
     if net.largest_transit_shift > 1e-9 {
         let shift = net.largest_transit_shift;
-        lines
-            .push(("transit times", std::format!("changed by up to {shift:.1e}, so that all segments share one step")));
+        lines.push((
+            "transit times",
+            std::format!("changed by up to {shift:.1e} so that all segments have one time step"),
+        ));
     }
     if let Some(k_dt) = net.k_dt {
         let meaning = if k_dt > 1.0 {
-            "plastic fronts are narrower than the cells and come out as wide as the net makes them; more cells resolve them"
+            "plastic fronts are narrower than a cell and are not resolved; use more cells"
         } else {
             "resolved, to second order"
         };

@@ -17,7 +17,7 @@ pub(crate) struct Args {
     /// Result file that `barwave run` wrote, finished or not.
     #[arg(value_name = "OUT.h5")]
     file: PathBuf,
-    /// Where to write: .html (figure and tables), .svg or .png (figure). Default: the result's name with .svg.
+    /// Output file: .html (figure and tables), .svg or .png (figure). Default: the name of the result with .svg.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Field to show over x and t. Default: stress, or else the first that was recorded.
@@ -50,7 +50,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         Format::Html => write_whole(&path, page(&file, &svg, units)?.as_bytes()),
     }?;
     if file.facts().is_unfinished() {
-        output::note(&format!("note: {} is unfinished; drawn is what it holds so far\n", args.file.display()));
+        output::note(&format!("note: {} is unfinished; the figure shows the frames so far\n", args.file.display()));
     }
     output::text(&format!("{}\n", path.display()))
 }

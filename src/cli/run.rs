@@ -47,7 +47,7 @@ pub(crate) struct Args {
     /// Print one JSON object on stdout and nothing else.
     #[arg(long)]
     json: bool,
-    /// Say how far the stresses may be off: on a grid by two coarser runs, which take a third of its time again.
+    /// Estimate the error of the run; on a grid from coarser runs, about one third more computing time.
     #[arg(long)]
     estimate_error: bool,
     /// No progress bar and no summary.

@@ -9,10 +9,10 @@ pub(super) fn text(s: &EnergySummary, units: System, outcome: bool) -> String {
     let show = |value: f64, dimension| format(value, dimension, units);
     let mut lines = Lines::under(&s.scene);
     lines.add("method", std::format!("{} {}: no waves, no steps", s.method, s.scheme));
-    lines.add("striker", std::format!("{} of motion", show(s.available, Dimension::Energy)));
+    lines.add("striker", std::format!("kinetic energy {}", show(s.available, Dimension::Energy)));
     let per_volume = show(s.capacity_per_volume, Dimension::EnergyDensity);
     lines.add("specimen", std::format!("absorbs {} ({per_volume})", show(s.capacity, Dimension::Energy)));
-    lines.add("threshold", std::format!("breaks from {} on", show(s.threshold_velocity, Dimension::Velocity)));
+    lines.add("threshold", std::format!("fracture at {} and above", show(s.threshold_velocity, Dimension::Velocity)));
     if !outcome {
         return lines.text();
     }
@@ -20,9 +20,9 @@ pub(super) fn text(s: &EnergySummary, units: System, outcome: bool) -> String {
     lines.add(
         "outcome",
         if s.breaks {
-            std::format!("{}: the striker goes on with {velocity}", s.outcome)
+            std::format!("{}: the striker continues at {velocity}", s.outcome)
         } else {
-            std::format!("{}: the specimen holds, and stops the striker", s.outcome)
+            std::format!("{}: the specimen holds and stops the striker", s.outcome)
         },
     );
     if let Some(strain) = s.strain {

@@ -15,10 +15,10 @@ use crate::study::hard_cases::{CASES, HardCase, Method, Tried, run_case};
 /// Options of `barwave stability`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// Cases, by the start of their names (default: all).
+    /// Cases, by the first characters of their names (default: all).
     #[arg(value_name = "CASE")]
     cases: Vec<String>,
-    /// Write the table with the explanation of every case as Markdown.
+    /// Output file: table and explanation of every case as Markdown.
     #[arg(short, long, value_name = "FILE.md")]
     output: Option<PathBuf>,
     /// Print the scene file of the cases and run nothing.

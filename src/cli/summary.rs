@@ -69,14 +69,14 @@ fn add_limits(lines: &mut Lines, s: &Summary, units: System) {
         let relative = check.relative;
         lines.add("elastic check", std::format!("{found} against rho c0 v = {expected}, relative {relative:.1e}"));
     }
-    let exceeded = if s.above_critical { ", exceeded: the bar breaks where it is struck" } else { "" };
+    let exceeded = if s.above_critical { ", exceeded: the bar breaks at the loaded end" } else { "" };
     let critical = s.critical_velocity.map_or_else(
         || "none within the data of the curve".to_owned(),
         |velocity| std::format!("{}{exceeded}", format(velocity, Dimension::Velocity, units)),
     );
     lines.add("critical velocity", critical);
     if let Some(rise) = s.temperature_rise {
-        lines.add("heat", std::format!("the bar warmed by up to {rise:.4} K"));
+        lines.add("heat", std::format!("temperature rise up to {rise:.4} K"));
     }
     for rupture in s.ruptures.iter().flatten() {
         lines.add("rupture", rupture_text(rupture, units));
@@ -103,7 +103,7 @@ fn time_text(s: &Summary) -> String {
         None => std::format!("{:.0} million cell-steps/s", s.cell_steps_per_s / 1e6),
         Some(t) => std::format!("{:.2} million events/s", t.events_per_s / 1e6),
     };
-    std::format!("{:.3} s, of it stepping {:.3} s ({rate})", s.wall_s, s.step_wall_s)
+    std::format!("{:.3} s, time steps {:.3} s ({rate})", s.wall_s, s.step_wall_s)
 }
 
 fn torsion_text(torsion: &TorsionSummary, units: System) -> String {
@@ -158,7 +158,7 @@ fn audit_lines(rows: &[AuditRow]) -> Vec<String> {
     };
     let others: Vec<String> = rows.iter().filter(|row| !row.matters()).map(size).collect();
     if !others.is_empty() {
-        lines.push(std::format!("  {:<18}{}", "left out", others.join(", ")));
+        lines.push(std::format!("  {:<18}{}", "not simulated", others.join(", ")));
     }
     lines
 }
@@ -214,7 +214,7 @@ pub(super) fn front_lines(fronts: &[FrontSummary], units: System) -> Vec<String>
         ));
     }
     if fronts.len() > LISTED_FRONTS {
-        lines.push(std::format!("  ... and {} more, listed by --json", fronts.len() - LISTED_FRONTS));
+        lines.push(std::format!("  ... and {} more; --json lists all", fronts.len() - LISTED_FRONTS));
     }
     lines
 }

@@ -1,4 +1,4 @@
-//! `barwave materials import`: a material file around a CSV file.
+//! `barwave materials import`: a material file for a CSV file.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -15,7 +15,7 @@ use crate::report::plot::write_whole;
 /// Options of `barwave materials import`.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// The columns strain, stress; a header may name units: `strain,stress_MPa`.
+    /// CSV file with the columns strain and stress; a header may name units: `strain,stress_MPa`.
     csv: PathBuf,
     /// Mass per volume, e.g. "7.85 g/cm^3".
     #[arg(long)]
@@ -29,13 +29,13 @@ pub(super) struct Args {
     /// Name of the material (default: that of the CSV file).
     #[arg(long)]
     name: Option<String>,
-    /// Whether strains and stresses are true ones.
+    /// The file holds true strain and true stress (default: engineering).
     #[arg(long = "true")]
     is_true: bool,
-    /// How it was loaded.
+    /// Sense of loading in the test.
     #[arg(long, value_enum, default_value = "tension")]
     sense: SenseArg,
-    /// What happens past the last row.
+    /// Behaviour past the last row.
     #[arg(long, value_enum, default_value = "error")]
     beyond: BeyondArg,
     /// File to write (default: the CSV file's name with .toml, beside it).
@@ -48,11 +48,11 @@ pub(super) struct Args {
 
 #[derive(Debug, Clone, Copy, clap::ValueEnum)]
 enum BeyondArg {
-    /// The specimen broke there.
+    /// The specimen fractures there.
     Rupture,
-    /// The last slope goes on.
+    /// The last slope is extrapolated.
     Extend,
-    /// A run that gets there stops.
+    /// A run that reaches it stops.
     Error,
 }
 

@@ -282,7 +282,7 @@ fn the_pattern_of_stress_that_a_rod_keeps_is_felt_only_past_zero_torque() {
         // Up and back to zero torque: the tolerance of the table (1e-4 of 4/3) and the layers' own 1e-4.
         assert!(worst[0] < 4e-4 && worst[1] < 4e-4, "{worst:?}");
     }
-    // Twisted back as far on the other side, as the README says: isotropic hardening yields too late and is then off by 0.28 of
+    // Twisted back as far on the other side, as docs/guide/bars.md says: isotropic hardening yields too late and is then off by 0.28 of
     // the yield stress at most; kinematic hardening is right: the layers are elements in parallel.
     assert!((isotropic[2] - 0.28).abs() < 0.01 && kinematic[2] < 4e-4, "{isotropic:?} {kinematic:?}");
 }

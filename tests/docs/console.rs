@@ -1,0 +1,144 @@
+//! Commands in ```` ```console ```` blocks and their output.
+//!
+//! The commands of a page run in order in one temporary folder that has `runs/`. A block with the mark `file: NAME` is first
+//! written to that folder. Of the shown output, `...` stands for any number of lines. A command without output is only run.
+
+use std::path::Path;
+use std::process::Command;
+
+use crate::page::{Page, read, root, update};
+
+/// Lines that depend on the machine: times and rounding residuals. Of these only the label is compared.
+const VARYING: [&str; 4] = ["  time ", "  ledger ", "  expected time ", "  elastic check "];
+
+const ELISION: &str = "...";
+
+fn same(shown: &str, printed: &str) -> bool {
+    shown == printed || VARYING.iter().any(|label| shown.starts_with(label) && printed.starts_with(label))
+}
+
+/// Words of a command line; quotes group.
+pub fn words(line: &str) -> Vec<String> {
+    let (mut words, mut quote, mut inside) = (vec![String::new()], None, false);
+    for c in line.chars() {
+        match (quote, c) {
+            (None, ' ') => {
+                if inside {
+                    words.push(String::new());
+                }
+                inside = false;
+                continue;
+            }
+            (None, '"' | '\'') => quote = Some(c),
+            (Some(q), _) if q == c => quote = None,
+            _ => words.last_mut().expect("a word").push(c),
+        }
+        inside = true;
+    }
+    words.retain(|word| !word.is_empty());
+    words
+}
+
+/// A folder with `runs/` and the files that the page shows.
+fn folder_of(page: &Page) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::create_dir(folder.path().join("runs")).expect("a folder");
+    for scene in std::fs::read_dir(root().join("runs")).expect("runs").map(|entry| entry.expect("an entry").path()) {
+        if scene.extension().is_some_and(|extension| extension == "toml") {
+            std::fs::copy(&scene, folder.path().join("runs").join(scene.file_name().expect("a name"))).expect("a copy");
+        }
+    }
+    for block in page.blocks() {
+        if let Some(name) = block.marked("file") {
+            std::fs::write(folder.path().join(name), block.text()).expect("a file");
+        }
+    }
+    folder
+}
+
+fn run(folder: &Path, command: &str) -> (bool, Vec<String>) {
+    let arguments = words(command);
+    assert_eq!(arguments[0], "barwave", "{command}");
+    let output = Command::new(env!("CARGO_BIN_EXE_barwave"))
+        .current_dir(folder)
+        .args(&arguments[1..])
+        .env_remove("BARWAVE_MATERIALS")
+        .output()
+        .expect("the program starts");
+    let text = [output.stdout, output.stderr].concat();
+    let lines = String::from_utf8(text).expect("text").lines().map(|line| line.trim_end().to_owned()).collect();
+    (output.status.success(), lines)
+}
+
+/// The first shown line that the output does not have; none if all agree.
+fn difference<'a>(shown: &'a [String], printed: &[String]) -> Option<&'a str> {
+    let mut at = 0;
+    let mut skip = false;
+    for line in shown {
+        if line == ELISION {
+            skip = true;
+            continue;
+        }
+        let here = if skip { printed[at..].iter().position(|p| same(line, p)) } else { Some(0) };
+        skip = false;
+        match here.map(|k| at + k).filter(|&k| printed.get(k).is_some_and(|p| same(line, p))) {
+            Some(found) => at = found + 1,
+            None => return Some(line),
+        }
+    }
+    (!skip && at != printed.len()).then_some("(end of the output)")
+}
+
+/// What a page should show in place of `shown`: as many lines before the first and after the last elision. Of the lines between
+/// elisions only the label has to be right, the text before two spaces.
+fn fresh(shown: &[String], printed: &[String]) -> Vec<String> {
+    let Some(first) = shown.iter().position(|line| line == ELISION) else { return printed.to_vec() };
+    let last = shown.iter().rposition(|line| line == ELISION).unwrap_or(first);
+    let tail = (shown.len() - last - 1).min(printed.len());
+    let head = first.min(printed.len() - tail);
+    let labelled = |line: &String| {
+        let label = line.trim().split("  ").next().unwrap_or_default();
+        printed[head..].iter().find(|printed| printed.trim().starts_with(label)).unwrap_or(line).clone()
+    };
+    let between = shown[first..=last].iter().map(|line| if line == ELISION { line.clone() } else { labelled(line) });
+    [&printed[..head], &between.collect::<Vec<_>>(), &printed[printed.len() - tail..]].concat()
+}
+
+/// Runs all commands of a page; the differences between what it shows and what is printed, and the number of commands.
+pub fn check(page: &Page) -> (String, usize) {
+    let blocks: Vec<_> = page.blocks().into_iter().filter(|block| block.language == "console").collect();
+    if blocks.is_empty() {
+        return (String::new(), 0);
+    }
+    let folder = folder_of(page);
+    let mut lines: Vec<String> = page.text.lines().map(str::to_owned).collect();
+    let mut edits = Vec::new();
+    let (mut wrong, mut count) = (String::new(), 0);
+    for block in blocks {
+        let starts: Vec<usize> = (0..block.lines.len()).filter(|&k| block.lines[k].starts_with("$ ")).collect();
+        assert_eq!(starts.first(), Some(&0), "{}: a block without a command", page.path.display());
+        for (k, &start) in starts.iter().enumerate() {
+            let end = starts.get(k + 1).copied().unwrap_or(block.lines.len());
+            let (command, shown) = (&block.lines[start][2..], &block.lines[start + 1..end]);
+            let (success, printed) = run(folder.path(), command);
+            count += 1;
+            let fails = shown.iter().any(|line| line.starts_with("error"));
+            let place = format!("{}:{}: {command}", page.path.display(), block.first + start + 1);
+            if success == fails {
+                wrong += &format!("{place}\nsuccess: {success}\n{}\n", printed.join("\n"));
+            }
+            if let Some(line) = difference(shown, &printed).filter(|_| !shown.is_empty()) {
+                wrong += &format!("{place}\n{line}\nis not in\n{}\n\n", printed.join("\n"));
+                edits.push((block.first + start + 1..block.first + end, fresh(shown, &printed)));
+            }
+        }
+    }
+    if update() && !edits.is_empty() {
+        for (range, fresh) in edits.into_iter().rev() {
+            lines.splice(range, fresh);
+        }
+        std::fs::write(root().join(&page.path), lines.join("\n") + "\n").expect("the page");
+        assert!(read(&page.path).len() > 1);
+    }
+    (wrong, count)
+}

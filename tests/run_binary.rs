@@ -706,7 +706,7 @@ fn plans_of_both_methods_are_made() {
     assert_keys(&tracked, &["front_tolerance", "stress_scale_Pa", "first_fronts", "lines", "event_budget"], "moc");
     assert!(tracked.get("cells").is_none() && tracked.get("steps").is_none());
     let text = String::from_utf8(barwave(&runs(), &["plan", "copper-let-go.toml"]).stdout).expect("text");
-    assert!(text.contains("cannot be known"), "{text}");
+    assert!(text.contains("not known in advance"), "{text}");
 }
 
 #[test]

@@ -7,7 +7,11 @@ use std::process::Command;
 use serde_json::{Map, Value};
 
 pub fn barwave(arguments: &[&str]) -> String {
-    let output = Command::new(env!("CARGO_BIN_EXE_barwave")).args(arguments).output().expect("the program starts");
+    let output = Command::new(env!("CARGO_BIN_EXE_barwave"))
+        .args(arguments)
+        .env_remove("COLUMNS")
+        .output()
+        .expect("the program starts");
     assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
     String::from_utf8(output.stdout).expect("text")
 }
@@ -91,7 +95,7 @@ impl Schema {
         if let Some(reference) = property["$ref"].as_str() {
             let name = reference.trim_start_matches("#/$defs/").to_owned();
             if name == "Quantity" {
-                return "number, or string with a unit".to_owned();
+                return "quantity".to_owned();
             }
             let definition = self.definition(&name);
             if definition["properties"].is_object() {

@@ -16,8 +16,14 @@ const ELISION: &str = "...";
 /// Characters of a number that are compared; later digits depend on the processor.
 const DIGITS: usize = 11;
 
-/// A line with long numbers cut.
+/// Numbers below this are rounding.
+const ROUNDING: f64 = 1e-12;
+
+/// A line with long numbers cut, and 0 for rounding.
 fn cut(line: &str) -> String {
+    let is_rounding = |word: &str| word.trim_end_matches(',').parse().is_ok_and(|value: f64| value.abs() < ROUNDING);
+    let words: Vec<&str> = line.split(' ').map(|word| if is_rounding(word) { "0" } else { word }).collect();
+    let line = words.join(" ");
     let mut length = 0;
     let keep = |c: &char| {
         length = if c.is_ascii_digit() || *c == '.' { length + 1 } else { 0 };

@@ -11,6 +11,7 @@ mod scenes;
 
 use std::path::Path;
 
+use barwave::material::library;
 use page::{Page, pages, read, root, update};
 use rayon::prelude::*;
 use reference::{Schema, Section, barwave, command_pages, commands};
@@ -97,6 +98,18 @@ fn the_table_of_commands_is_complete() {
             first.split(|c: char| !c.is_alphanumeric()).any(|word| word == name)
         };
         assert!(table.iter().any(named), "`{name}` is missing from the README's table");
+    }
+}
+
+/// What README.md and docs/guide/materials.md say of the constants in the library.
+#[test]
+fn library_materials_have_the_stated_constants() {
+    for name in library::names() {
+        let material = library::find(name, Path::new("")).expect("a material");
+        let heat = &material.constants.heat;
+        let needed = [heat.specific_heat, heat.reference_temperature, heat.melting_temperature, heat.exponent];
+        assert_eq!(!material.constants.rate.is_empty(), name.ends_with("-jc"), "{name}");
+        assert!(needed.iter().any(Option::is_none) && material.poisson.is_none(), "{name}");
     }
 }
 

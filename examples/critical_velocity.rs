@@ -1,3 +1,5 @@
+//! Critical velocity of annealed copper, and a run below it. README.md shows this file; `tests/docs` runs it.
+
 use std::ops::ControlFlow;
 use std::path::Path;
 
@@ -5,7 +7,7 @@ use barwave::error::Result;
 use barwave::material::{Sense, library};
 use barwave::{run, scene::Scene, study::critical::critical};
 
-fn main() -> Result<()> {
+pub(crate) fn main() -> Result<()> {
     let copper = library::find("copper-annealed", Path::new(""))?;
     println!("critical velocity: {:?} m/s", critical(&copper, Sense::Tension).critical_velocity_m_s);
 

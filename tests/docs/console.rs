@@ -3,6 +3,7 @@
 //! The commands of a page run in order in one temporary folder that has `runs/`. A block with the mark `file: NAME` is first
 //! written to that folder. Of the shown output, `...` stands for any number of lines. A command without output is only run.
 
+use std::fmt::Write as _;
 use std::path::Path;
 use std::process::Command;
 
@@ -145,10 +146,10 @@ pub fn check(page: &Page) -> (String, usize) {
             let fails = shown.iter().any(|line| line.starts_with("error"));
             let place = format!("{}:{}: {command}", page.path.display(), block.first + start + 1);
             if success == fails {
-                wrong += &format!("{place}\nsuccess: {success}\n{}\n", printed.join("\n"));
+                let _ = writeln!(wrong, "{place}\nsuccess: {success}\n{}", printed.join("\n"));
             }
             if let Some(line) = difference(shown, &printed).filter(|_| !shown.is_empty()) {
-                wrong += &format!("{place}\n{line}\nis not in\n{}\n\n", printed.join("\n"));
+                let _ = writeln!(wrong, "{place}\n{line}\nis not in\n{}\n", printed.join("\n"));
                 edits.push((block.first + start + 1..block.first + end, fresh(shown, &printed)));
             }
         }

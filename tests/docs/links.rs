@@ -1,5 +1,6 @@
 //! Relative links and anchors.
 
+use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use crate::page::{Page, read, root};
@@ -56,7 +57,7 @@ pub fn broken(page: &Page) -> String {
         let exists = root().join(&path).exists();
         let known = anchor.is_none_or(|a| exists && anchors(&read(&path), &path).iter().any(|known| known == a));
         if !exists || !known {
-            wrong += &format!("{}: {target}\n", page.path.display());
+            let _ = writeln!(wrong, "{}: {target}", page.path.display());
         }
     }
     wrong

@@ -133,7 +133,7 @@ impl Schema {
     fn meaning(&self, property: &Value) -> String {
         let mut text = sentence(property);
         for option in self.options(property) {
-            let (name, meaning) = (self.name(&option), sentence(&option));
+            let (name, meaning) = (Self::name(&option), sentence(&option));
             if let (Some(name), false) = (name, meaning.is_empty()) {
                 let _ = write!(text, "<br>{name}: {meaning}");
             }
@@ -141,7 +141,7 @@ impl Schema {
         text
     }
 
-    fn name(&self, option: &Value) -> Option<String> {
+    fn name(option: &Value) -> Option<String> {
         let constant = option["const"].as_str().map(|constant| format!("`\"{constant}\"`"));
         let keys = |properties: &Map<String, Value>| {
             format!("`{{ {} }}`", properties.keys().map(|k| format!("{k} = ...")).collect::<Vec<_>>().join(", "))
@@ -157,7 +157,7 @@ impl Schema {
         }
         let lists = ["anyOf", "oneOf"].into_iter().filter_map(|choice| property[choice].as_array()).flatten();
         lists
-            .flat_map(|option| if self.name(option).is_some() { vec![option.clone()] } else { self.options(option) })
+            .flat_map(|option| if Self::name(option).is_some() { vec![option.clone()] } else { self.options(option) })
             .collect()
     }
 }

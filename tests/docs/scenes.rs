@@ -3,6 +3,7 @@
 //! A block that has `[solve]` is a scene, one that has a `density` at the top is a material. Any other block is a fragment: its
 //! keys replace those of the scene that the mark `changes: runs/NAME.toml` names.
 
+use std::fmt::Write as _;
 use std::path::Path;
 use std::process::Command;
 
@@ -48,7 +49,7 @@ pub fn refused(page: &Page) -> (String, usize) {
         count += 1;
         let place = format!("{}:{}", page.path.display(), block.first + 1);
         match whole(&block.text(), block.marked("changes")) {
-            Err(error) => wrong += &format!("{place}: {error}\n"),
+            Err(error) => drop(writeln!(wrong, "{place}: {error}")),
             Ok(text) => {
                 let file = folder.path().join("block.toml");
                 std::fs::write(&file, text).expect("a file");
@@ -125,7 +126,7 @@ pub fn wrong_combinations(page: &Page) -> String {
     let mut wrong = String::new();
     for (name, bar, left, effects) in rows() {
         let Some(row) = page.text.lines().find(|line| line.starts_with(&format!("| {name} |"))) else {
-            wrong += &format!("no row {name}\n");
+            let _ = writeln!(wrong, "no row {name}");
             continue;
         };
         let cells: Vec<&str> = row.trim_matches('|').split('|').map(str::trim).skip(1).collect();
@@ -139,7 +140,7 @@ pub fn wrong_combinations(page: &Page) -> String {
             let refused = check(&file);
             // "curves with one hardening line": the curve of the scene has two.
             if refused.is_some() != (cell == "no" || cell.starts_with("curves with one")) {
-                wrong += &format!("{name}, {method}: {cell}, but {refused:?}\n");
+                let _ = writeln!(wrong, "{name}, {method}: {cell}, but {refused:?}");
             }
         }
     }

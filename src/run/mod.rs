@@ -67,15 +67,6 @@ pub enum Progress {
     },
 }
 
-/// What the caller wants of a run that is under way.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Wish {
-    /// Go on.
-    GoOn,
-    /// Finish the step, close the file, and return [`Error::Interrupted`].
-    Stop,
-}
-
 /// Simulates a scene and writes its result file, where one is asked for. `progress` is called every few
 /// milliseconds. A scene with `effects = "auto"` is run again where an effect was missed; one with a tolerance is run by the
 /// method that reaches it cheapest. The last run stays in the file.

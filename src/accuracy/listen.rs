@@ -175,7 +175,7 @@ impl History {
 }
 
 /// Gathers the response of a bar whose fronts are tracked.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct FrontListener {
     gauges: Vec<(Vec<f64>, Vec<f64>)>,
     response: Response,

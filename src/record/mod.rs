@@ -170,7 +170,7 @@ pub struct Frame {
 }
 
 /// A history at one place; every column has one value a row of `time`.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct Trace {
     /// s.
     pub time: Vec<f64>,
@@ -237,7 +237,7 @@ pub struct FrontRow {
 }
 
 /// A straight piece of a front in x and t, for `/paths`.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct PathRow {
     /// Where it began, m from the left end.
     pub x0: f64,

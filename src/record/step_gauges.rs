@@ -1,5 +1,7 @@
 //! Exact histories at places of a front-tracking bar: steps, made from the trails of the fronts that pass.
 
+use serde::{Deserialize, Serialize};
+
 use super::Trace;
 use crate::bar::{Bar, Initial};
 use crate::solver::moc::{FrontTracking, Trail};
@@ -12,7 +14,7 @@ const SAME_PLACE: f64 = 1e-12;
 const HELD_BACK: f64 = 1e-11;
 
 /// Histories at places, two rows a step: the state before and after it, at one time.
-#[derive(Debug)]
+#[derive(Debug, Serialize, Deserialize)]
 pub struct StepGauges {
     gauges: Vec<StepGauge>,
     /// The temperature is read too.
@@ -23,7 +25,7 @@ pub struct StepGauges {
 }
 
 /// One place. It sees the state just right of it; at the right end of the bar, just left.
-#[derive(Debug)]
+#[derive(Debug, Serialize, Deserialize)]
 struct StepGauge {
     x: f64,
     /// +1: the state in +x of the place counts, -1: that in -x.
@@ -41,7 +43,7 @@ struct StepGauge {
 type State = [f64; 4];
 
 /// A front that changes what the gauge sees.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 struct Crossing {
     time: f64,
     /// It moves away from the place into the side that counts, or came to the place from there.

@@ -1,5 +1,7 @@
 //! What the recorders read of a front-tracking bar.
 
+use serde::{Deserialize, Serialize};
+
 use super::{Account, EndState, Field, Start, Trace, View};
 use crate::law::rupture::Rupture;
 use crate::solver::Energies;
@@ -87,7 +89,7 @@ fn mass(bar: &FrontTracking, piece: &Piece<'_>) -> f64 {
 
 /// The steps of both ends, handed on as they happen: two rows a step, before and after it, so that a straight line
 /// between rows draws the step.
-#[derive(Debug, Default)]
+#[derive(Debug, Default, Serialize, Deserialize)]
 pub struct EndHistories {
     /// Steps handed on so far.
     taken: [usize; 2],

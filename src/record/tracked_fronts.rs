@@ -1,6 +1,8 @@
 //! The front table of a front-tracking bar: the first fans edge by edge, and every front that is under way at the end.
 //! Everything here is read off the fronts themselves, so places, times and speeds are exact.
 
+use serde::{Deserialize, Serialize};
+
 use super::{FrontRow, PathRow};
 use crate::bar::InitialFan;
 use crate::solver::moc::{FrontTracking, Trail};
@@ -17,7 +19,7 @@ const SAME_LEVEL: f64 = 1e-9;
 const MOST_PATHS: usize = 2_000_000;
 
 /// Keeps what the front table needs of the trails.
-#[derive(Debug, Default)]
+#[derive(Debug, Default, Serialize, Deserialize)]
 pub struct TrackedFronts {
     /// Trails that began at t = 0 and have ended.
     first: Vec<Trail>,
@@ -111,7 +113,7 @@ fn arrival(trail: &Trail, x: f64) -> f64 {
 }
 
 /// Makes the rows of `/paths`, up to a limit.
-#[derive(Debug)]
+#[derive(Debug, Serialize, Deserialize)]
 pub struct Paths {
     /// Rows that may still come.
     room: usize,

@@ -1,5 +1,7 @@
 //! Where a tracked bar comes to the end of what its curve says: it yields, passes its data, or breaks.
 
+use serde::{Deserialize, Serialize};
+
 use super::limits::AtLimit;
 use crate::material::Sense;
 use crate::record::{self, AuditRow};
@@ -11,7 +13,7 @@ use crate::solver::moc::{FrontTracking, Trail};
 const AT_THE_END: f64 = 1.0 - 1e-12;
 
 /// Looks for that in the trails of the fronts, which know every state that the bar was ever in, and in the bar itself.
-#[derive(Debug, Default)]
+#[derive(Debug, Default, Serialize, Deserialize)]
 pub(super) struct Breaks {
     /// Where strain gathers inside the bar: segment, since when (s), and place (m).
     gathers: Option<(usize, f64, f64)>,

@@ -4,6 +4,7 @@
 mod accuracy;
 mod auto;
 mod breaks;
+mod checkpoints;
 mod choice;
 mod companion;
 mod estimate;
@@ -20,6 +21,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use self::checkpoints::Checkpoints;
 use crate::assemble;
 use crate::bar::{InitialFan, Segment, initial_fans};
 use crate::error::{Error, Result};
@@ -206,6 +208,8 @@ struct RunRecorder<'a> {
     started: Instant,
     /// Time spent in the solver, s.
     stepping: f64,
+    /// None if the run writes no checkpoints.
+    checkpoints: Option<Checkpoints>,
 }
 
 /// What a method knows of its run when it ends.
@@ -253,7 +257,8 @@ impl<'a> RunRecorder<'a> {
         });
         let writer = writer.transpose()?;
         let output = output.map(|p| p.display().to_string()).unwrap_or_default();
-        Ok(Self { scene, initial_fans, critical, writer, output, started, stepping: 0.0 })
+        let checkpoints = Checkpoints::of(target, scene);
+        Ok(Self { scene, initial_fans, critical, writer, output, started, stepping: 0.0, checkpoints })
     }
 
     /// The account of a bar at t = 0.

@@ -9,7 +9,7 @@ use crate::destination;
 use crate::error::{InputError, Result};
 use crate::record::Summary;
 use crate::record::store::{Checkpoint, Facts, ResultFile, checkpoint_path, checksum, remove_checkpoint};
-use crate::scene::{Method, Scene};
+use crate::scene::Scene;
 use crate::text_file;
 
 /// Simulates a scene as [`super::run`] does, and writes a checkpoint beside the result file: each time `every` of wall time has passed, and
@@ -49,11 +49,6 @@ fn refuse(scene: &Scene) -> Result<()> {
         ("with effects = \"auto\" is several runs", "name the effects; `barwave plan` says which they are")
     } else if scene.solve.tolerance.is_some() {
         ("with a tolerance is several runs", "name the method and its cells; `barwave plan` says which they are")
-    } else if matches!(scene.solve.method, Method::FrontTracking { .. }) {
-        (
-            "by front tracking keeps no checkpoints",
-            "such runs are short: leave --checkpoint out, or use method = \"fd\"",
-        )
     } else {
         return Ok(());
     };

@@ -5,7 +5,6 @@ mod checkpoints;
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
-use self::checkpoints::Checkpoints;
 use super::accuracy;
 use super::limits::AtLimit;
 use super::{Progress, RunRecorder, RunResults, Task, flow_both_ways, twisted};
@@ -55,7 +54,10 @@ pub(super) fn run(task: Task<'_>, bar: impl Stepped + Snapshot) -> Result<Summar
     if let Some(checkpoint) = checkpoint {
         run.resume(checkpoint)?;
     }
-    let ended = run.start().and_then(|()| simulate(&mut run, UP_TO_THE_LOOK)).and_then(|()| run.error());
+    let mut ended = run.start().and_then(|()| simulate(&mut run, UP_TO_THE_LOOK)).and_then(|()| run.error());
+    if matches!(ended, Err(Error::Interrupted)) {
+        ended = run.keep_checkpoint().and(ended);
+    }
     run.finish(ended)
 }
 
@@ -81,8 +83,6 @@ struct Run<'a, S> {
     elastic_check: Option<Probe>,
     /// For the estimate of the error, where one was asked for.
     listener: Option<GridListener>,
-    /// None if the run writes no checkpoints.
-    checkpoints: Option<Checkpoints>,
     /// When the progress function was called last.
     latest_call: Instant,
     /// The run was resumed from a checkpoint.
@@ -159,7 +159,6 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
             stopped_at: None,
             centres: bar.grid().centres(),
             listener,
-            checkpoints: target.every.map(|every| Checkpoints::new(every, scene)),
             latest_call: Instant::now(),
             resumed: false,
             recorder,

@@ -1,5 +1,7 @@
 //! The time loop of a bar whose fronts are tracked: from one asked time to the next, in bursts of events.
 
+mod checkpoints;
+
 use std::ops::ControlFlow;
 use std::time::Instant;
 
@@ -38,8 +40,15 @@ const SAMPLING: &str = "exact at the place; on a front the state behind it, on a
 
 /// Runs a scene by front tracking.
 pub(super) fn run(task: Task<'_>, settings: Settings) -> Result<Summary> {
+    let checkpoint = task.target.checkpoint.as_ref();
     let mut run = Run::new(task, Settings { trails: true, stop_at_limits: true, ..settings })?;
-    let ended = simulate(&mut run, BURST).and_then(|()| run.error_figure());
+    if let Some(checkpoint) = checkpoint {
+        run.resume(checkpoint)?;
+    }
+    let mut ended = simulate(&mut run, BURST).and_then(|()| run.error_figure());
+    if matches!(ended, Err(Error::Interrupted)) {
+        ended = run.keep_checkpoint().and(ended);
+    }
     run.finish(ended)
 }
 
@@ -101,15 +110,12 @@ impl Simulation for Run<'_> {
         let pause = self.pauses.last().map_or(Pause::End, |pause| pause.1);
         // A look in between is no news.
         let news = !matches!(pause, Pause::AuditLook | Pause::Instant) || stretch.arrived != Ok(true);
-        let at = self.at();
-        if news && (self.progress)(at).is_break() {
-            return Err(Error::Interrupted);
-        }
         match stretch.arrived {
-            Ok(true) => self.arrive(),
-            Ok(false) => Ok(()),
-            Err(why) => Err(self.stopped(&why)),
+            Ok(true) => self.arrive()?,
+            Ok(false) => {}
+            Err(why) => return Err(self.stopped(&why)),
         }
+        if news { self.pause() } else { Ok(()) }
     }
 }
 
@@ -146,15 +152,6 @@ impl<'a> Run<'a> {
             settings,
             x,
         })
-    }
-
-    fn at(&self) -> Progress {
-        Progress::Fronts {
-            time: self.bar.time(),
-            until: self.recorder.scene.solve.until,
-            events: self.bar.events(),
-            fronts: self.bar.front_count(),
-        }
     }
 
     /// Does what is to be done at the time of the next pause.

@@ -71,7 +71,7 @@ impl Response {
 }
 
 /// What an end asks of the face: a u + b p = c.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Relation {
     /// a, N s/m (or 1 with b = 0), >= 0.
     pub of_velocity: f64,

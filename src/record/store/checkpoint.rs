@@ -13,10 +13,11 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, InputError, Result};
+use crate::record::PathRow;
 use crate::snapshot::{pack, unpack};
 
 /// Version of the file's layout and of every state in it.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 /// How the first line starts.
 const START: &str = "barwave checkpoint ";
@@ -35,15 +36,19 @@ pub struct Rows {
     pub ends: [usize; 2],
     /// Of the ledger.
     pub ledger: usize,
+    /// Of the paths of fronts.
+    pub paths: usize,
 }
 
 /// State of a run between two steps.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Checkpoint {
-    /// Of the result file; filled in by the writer, like the two that follow.
+    /// Of the result file; filled in by the writer, like the three that follow.
     pub run_id: String,
     /// Rows in the result file.
     pub rows: Rows,
+    /// Paths of fronts that wait for a whole chunk.
+    pub waiting: Vec<PathRow>,
     /// Links and attributes of its root.
     pub members: [Vec<String>; 2],
     /// [`checksum`] of the resolved scene.
@@ -173,7 +178,7 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let output = folder.path().join("a.h5");
         assert_eq!(Checkpoint::read(&output).expect("none is no error"), None);
-        let rows = Rows { frames: 3, gauges: vec![7, 7], ends: [7, 7], ledger: 3 };
+        let rows = Rows { frames: 3, gauges: vec![7, 7], ends: [7, 7], ledger: 3, paths: 9 };
         let checkpoint = Checkpoint { rows, every: 0.1, state: vec![1, 2, 3], ..Checkpoint::default() };
         checkpoint.write(&output).expect("written");
         assert_eq!(Checkpoint::read(&output).expect("whole"), Some(checkpoint));

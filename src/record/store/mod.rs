@@ -34,6 +34,7 @@ mod attributes;
 mod bounded;
 mod checkpoint;
 mod claim;
+mod columns;
 mod compound;
 mod create;
 #[cfg(unix)]

@@ -6,6 +6,7 @@ use hdf5::{Dataset, Extent, File};
 use ndarray::s;
 
 use super::attributes::{put, put_text};
+use super::columns::cut;
 use super::filters::{compressed, shuffled};
 use super::{bounded, scales};
 use crate::record::{Compression, PathRow};
@@ -82,6 +83,25 @@ impl PathTable {
         let (table, numbers) = (file.dataset("paths")?, file.dataset("path")?);
         let multiple = if compression == Compression::None { 1 } else { CHUNK };
         Ok(Self { table, numbers, waiting: Vec::new(), written: 0, multiple })
+    }
+
+    /// Keeps the first rows alone, and those that waited when there were so many.
+    pub fn cut(&mut self, rows: usize, waiting: &[PathRow]) -> Hdf<()> {
+        cut(&self.table, rows)?;
+        cut(&self.numbers, rows)?;
+        self.waiting = waiting.iter().map(Row::from).collect();
+        self.written = rows;
+        Ok(())
+    }
+
+    /// Rows in the file.
+    pub fn written(&self) -> usize {
+        self.written
+    }
+
+    /// Rows that wait.
+    pub fn waiting(&self) -> Vec<PathRow> {
+        self.waiting.iter().map(PathRow::from).collect()
     }
 
     /// Keeps rows; true where it is time to write.

@@ -8,6 +8,7 @@ use ndarray::{ArrayView2, s};
 use super::attributes::{get_text, put, put_text, text};
 use super::checkpoint::{self, Checkpoint, Rows};
 use super::claim::{Claim, GONE, in_place, remove_unnamed};
+use super::columns::{append, cut, is_longer};
 use super::compound::{self, Column};
 use super::create::{END_COLUMNS, TRACE_ROWS, build, gauge_columns, gauge_links, ledger_columns};
 use super::existing::is_locked;
@@ -92,12 +93,15 @@ impl Sink {
 
     /// Takes out all that was written after a checkpoint: rows, and what a run writes when it ends.
     fn cut(&mut self, checkpoint: &Checkpoint) -> Hdf<()> {
-        let Rows { frames, gauges, ends, ledger } = &checkpoint.rows;
+        let Rows { frames, gauges, ends, ledger, paths } = &checkpoint.rows;
         self.frames.cut(*frames)?;
         for (table, rows) in self.gauges.iter_mut().zip(gauges).chain(self.ends.iter_mut().zip(ends)) {
             table.cut(*rows)?;
         }
         self.ledger.cut(*ledger)?;
+        if let Some(table) = &mut self.paths {
+            table.cut(*paths, &checkpoint.waiting)?;
+        }
         let [links, attributes] = members(&self.file)?;
         for link in links.iter().filter(|link| !checkpoint.members[0].contains(link)) {
             self.file.unlink(link)?;
@@ -117,7 +121,9 @@ impl Sink {
             gauges: self.gauges.iter().map(|table| table.written).collect(),
             ends: self.ends.each_ref().map(|table| table.written),
             ledger: self.ledger.written,
+            paths: self.paths.as_ref().map_or(0, PathTable::written),
         };
+        checkpoint.waiting = self.paths.as_ref().map(PathTable::waiting).unwrap_or_default();
         checkpoint.run_id.clone_from(&self.run_id);
         checkpoint.members = members(&self.file).map_err(|e| Error::file(&self.path, e))?;
         checkpoint.write(self.claim.path())
@@ -390,24 +396,6 @@ impl Table {
 
 fn disk_error(path: &Path, error: &hdf5::Error) -> Error {
     Error::file(path, format!("cannot write the result: {error}; is the disk full?"))
-}
-
-fn append(dataset: &Dataset, start: usize, values: &[f64]) -> Hdf<()> {
-    let end = start + values.len();
-    dataset.resize(end)?;
-    dataset.write_slice(values, s![start..end])
-}
-
-fn cut(dataset: &Dataset, rows: usize) -> Hdf<()> {
-    if is_longer(dataset, rows)? { dataset.resize(rows) } else { Ok(()) }
-}
-
-fn is_longer(dataset: &Dataset, rows: usize) -> Hdf<bool> {
-    let found = dataset.shape().first().copied().unwrap_or(0);
-    if found < rows {
-        return Err(format!("`{}` has {found} rows, and its checkpoint is of {rows}", dataset.name()).into());
-    }
-    Ok(found > rows)
 }
 
 /// Names of the links and of the attributes of the root.

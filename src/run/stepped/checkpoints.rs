@@ -1,67 +1,41 @@
 //! Pauses of a run between two steps: reports progress, stops on request, writes checkpoints and resumes from them.
 
-use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use super::Run;
 use crate::error::{Error, Result};
 use crate::record::Stepped;
-use crate::record::store::{Checkpoint, checksum};
+use crate::record::store::Checkpoint;
 use crate::run::Progress;
-use crate::scene::Scene;
 use crate::snapshot::{self, Snapshot, join, pack, split, unpack};
 
-/// Schedule of the checkpoints of a run.
-pub(super) struct Checkpoints {
-    /// Wall time between two of them.
-    every: Duration,
-    latest: Instant,
-    /// Of the resolved scene.
-    checksum: u32,
-}
-
-impl Checkpoints {
-    pub fn new(every: Duration, scene: &Scene) -> Self {
-        Self { every, latest: Instant::now(), checksum: checksum(&scene.resolved_json().to_string()) }
-    }
-}
-
 impl<S: Stepped + Snapshot> Run<'_, S> {
-    /// Reports progress; writes a checkpoint if one is due or the run is asked to stop. Everything of the current step has been recorded
-    /// except for frames.
+    /// Reports progress, and writes a checkpoint if one is due. Everything of the current step has been recorded except for frames.
     pub(super) fn pause(&mut self) -> Result<()> {
         let (step, steps, cells) = (self.bar.step(), self.steps, self.bar.grid().cells());
-        let stops = (self.progress)(Progress::Steps { step, steps, cells }).is_break();
-        if self.checkpoints.as_ref().is_some_and(|kept| stops || kept.latest.elapsed() >= kept.every) {
+        let flow = (self.progress)(Progress::Steps { step, steps, cells });
+        if self.recorder.checkpoint_is_due() {
             self.keep_checkpoint()?;
         }
         self.latest_call = Instant::now();
-        if stops { Err(Error::Interrupted) } else { Ok(()) }
+        if flow.is_break() { Err(Error::Interrupted) } else { Ok(()) }
     }
 
     /// Histories go to the writer first, so that the checkpoint need not hold them.
-    fn keep_checkpoint(&mut self) -> Result<()> {
+    pub(super) fn keep_checkpoint(&mut self) -> Result<()> {
+        if !self.recorder.keeps_checkpoints() {
+            return Ok(());
+        }
         self.write_traces()?;
-        let state = self.save().map_err(|e| Error::file(Path::new(&self.recorder.output), e))?;
-        let (Some(kept), Some(writer)) = (&mut self.checkpoints, &mut self.recorder.writer) else { return Ok(()) };
-        kept.latest = Instant::now();
-        writer.checkpoint(Checkpoint {
-            scene: kept.checksum,
-            estimate_error: self.recorder.scene.solve.estimate_error,
-            every: kept.every.as_secs_f64(),
-            wall_seconds: self.recorder.started.elapsed().as_secs_f64(),
-            state,
-            ..Checkpoint::default()
-        })
+        let state = self.save();
+        self.recorder.keep_checkpoint(state)
     }
 
     /// Continues from a checkpoint.
     pub(super) fn resume(&mut self, checkpoint: &Checkpoint) -> Result<()> {
-        self.restore(&checkpoint.state).map_err(|e| Error::file(Path::new(&self.recorder.output), e))?;
-        let before = Duration::from_secs_f64(checkpoint.wall_seconds);
-        self.recorder.started = self.recorder.started.checked_sub(before).unwrap_or(self.recorder.started);
+        let restored = self.restore(&checkpoint.state);
         self.resumed = true;
-        Ok(())
+        self.recorder.resume(checkpoint, restored)
     }
 }
 

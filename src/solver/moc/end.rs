@@ -1,6 +1,8 @@
 //! The ends of a tracked bar: when their steps begin and end, and what they record. What an end asks of the bar is its model's, see
 //! [`crate::bar::ends`].
 
+use serde::{Deserialize, Serialize};
+
 use super::joint_clock::JointChange;
 use super::ramp::Imposed;
 use super::step_control::StepControl;
@@ -10,7 +12,7 @@ use crate::bar::ends::{self, Body, Face, Relation, Response, Step};
 use crate::wave::riemann::{Medium, Point};
 
 /// Stress and velocity of the bar's end from `time` on.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct EndStep {
     /// s.
     pub time: f64,
@@ -21,7 +23,7 @@ pub struct EndStep {
 }
 
 /// What happened at an end so far.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct EndRecord {
     /// Exact steps: each holds until the next.
     pub steps: Vec<EndStep>,
@@ -52,7 +54,7 @@ pub struct StrikerState {
 }
 
 /// The scales of a run.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub(super) struct Scales {
     /// Stress to which steps are relative, Pa.
     pub stress: f64,
@@ -66,10 +68,11 @@ pub(super) struct Scales {
 }
 
 /// An end with its clock.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct End {
     pub face: Face,
     stepping: Stepping,
+    #[serde(skip)]
     imposed: Option<Imposed>,
     /// Of a body's steps.
     control: Option<StepControl>,
@@ -110,6 +113,21 @@ impl End {
             changes: Vec::new(),
             record: EndRecord::default(),
         }
+    }
+
+    /// All that changes: the end, numbers of its model, and whether its history still holds.
+    pub fn state(&self) -> (&Self, [f64; 2], bool) {
+        (self, self.stepping.model.state(), self.imposed.is_some())
+    }
+
+    /// Takes over what [`Self::state`] gave; `released`: the bar has broken off what was here.
+    pub fn restore(&mut self, (saved, state, imposes): (Self, [f64; 2], bool), released: bool) {
+        if released {
+            self.release();
+        }
+        let before = std::mem::replace(self, saved);
+        (self.stepping.model, self.imposed) = (before.stepping.model, before.imposed.filter(|_| imposes));
+        self.stepping.model.restore(state);
     }
 
     /// True where its history has a ramp, or a body moves with it.

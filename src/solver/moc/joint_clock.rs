@@ -1,9 +1,11 @@
 //! A joint that can open, with its clock: the gap between two events.
 
+use serde::{Deserialize, Serialize};
+
 use crate::bar::{Bar, joint};
 
 /// When a joint opened or closed.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct JointChange {
     /// s.
     pub time: f64,
@@ -27,7 +29,7 @@ pub struct JointState<'a> {
 }
 
 /// A joint that can open, with its clock.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Contact {
     pub node: u32,
     pub joint: usize,

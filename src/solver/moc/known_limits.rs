@@ -1,11 +1,13 @@
 //! The limits of what is known of the materials, and the first points of the bar that came to them.
 
+use serde::{Deserialize, Serialize};
+
 use super::Stopped;
 use crate::bar::Bar;
 use crate::law::{DataEnd, Reached};
 
 /// A point of the bar at such a limit.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PointAtLimit {
     /// Index of its segment.
     pub segment: usize,

@@ -1,12 +1,14 @@
 //! The fronts in order along the bar: a doubly linked list in one vector, whose freed places are used again.
 
+use serde::{Deserialize, Serialize};
+
 use crate::wave::riemann::Point;
 
 /// No node.
 pub const NONE: u32 = u32::MAX;
 
 /// What a node is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Kind {
     /// A front that runs.
     Front,
@@ -19,7 +21,7 @@ pub enum Kind {
 }
 
 /// A front or a fixed place, and the constant state between it and the next node.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub struct Node {
     pub kind: Kind,
     /// Where and when it started; speed in +x.
@@ -48,7 +50,7 @@ impl Node {
 }
 
 /// The list.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct List {
     nodes: Vec<Node>,
     free: Vec<u32>,

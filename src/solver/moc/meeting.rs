@@ -1,7 +1,9 @@
 //! Meetings of neighbours, in order of time.
 
+use serde::{Deserialize, Serialize};
+
 /// The next meeting of two neighbours; out of date once one of them is gone or they are no longer neighbours.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(super) struct Meeting {
     pub time: f64,
     pub left: u32,

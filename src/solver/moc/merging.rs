@@ -1,5 +1,7 @@
 //! Which neighbouring steps of one kind become one, and what that changes.
 
+use serde::{Deserialize, Serialize};
+
 use super::nearness::REST;
 use crate::wave::riemann::{Medium, Path, Point};
 
@@ -22,7 +24,7 @@ const LEAST_GROWTH: usize = 8;
 const EVENTS_A_NODE: u64 = 8;
 
 /// What merging is allowed, and what it did.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(super) struct FrontMerging {
     /// Largest integral of |change| of one merge, Pa m; 0: nothing is merged.
     allowance: f64,
@@ -40,6 +42,7 @@ pub(super) struct FrontMerging {
     secant: Vec<f64>,
     due_at_nodes: usize,
     due_at_events: u64,
+    #[serde(skip)]
     pub scratch: Scratch,
 }
 

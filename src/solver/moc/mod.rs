@@ -28,6 +28,7 @@ mod rupture;
 mod sample;
 mod scale;
 mod shift;
+mod snapshot;
 mod step_control;
 mod stepping;
 mod sums;

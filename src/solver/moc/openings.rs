@@ -1,5 +1,7 @@
 //! Velocity jumps at rest, and what they have opened.
 
+use serde::{Deserialize, Serialize};
+
 /// A place at rest whose two sides differ in velocity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Opening {
@@ -17,7 +19,7 @@ pub struct Opening {
 const PARTS: usize = 4096;
 
 /// What velocity jumps at rest have opened for good, added up over small parts of the bar.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(super) struct Openings {
     /// One entry a part, m; empty until there is an opening.
     parts: Vec<f64>,

@@ -5,6 +5,8 @@
 //! places held as unevaluated sums of two numbers (T. J. Dekker, Numerische Mathematik 18 (1971) 224), and where nodes are
 //! brought to one point what the shift adds to the bar or takes from it is booked.
 
+use serde::{Deserialize, Serialize};
+
 use super::list::Node;
 
 /// A place, m: an unevaluated sum of some 32 digits.
@@ -53,7 +55,7 @@ pub(super) struct Content {
 }
 
 /// What bringing nodes to one point has given to the bar so far.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
 pub(super) struct Shifted {
     /// J, positive where the bar gained.
     pub energy: f64,

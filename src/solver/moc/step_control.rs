@@ -4,6 +4,8 @@
 //! of x T that follows a bilinear bar is off by about x^3/12 of the force that still has to relax, F. For a given number of steps
 //! the sum of these errors is smallest where x goes with F^(-1/3).
 
+use serde::{Deserialize, Serialize};
+
 use super::ramp::SHORTEST;
 use crate::bar::ends::Relaxation;
 
@@ -23,7 +25,7 @@ const JUMP: f64 = 8.0;
 const PASSING: f64 = 0.1;
 
 /// What the lengths of steps depend on.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct StepControl {
     /// Length of a step at force `level` (N), in units of T.
     part: f64,

@@ -3,10 +3,12 @@
 //! Waves that arrive within a step are answered by the same relation a u + b p = c: the means of u and p over the step then meet it
 //! too, which is what the models of [`crate::bar::ends`] ask for.
 
-use crate::bar::ends::{EndModel, Push, Relation, Step};
+use serde::{Deserialize, Serialize};
+
+use crate::bar::ends::{self, EndModel, Push, Relation, Step};
 
 /// What went through an end.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
 pub(super) struct Account {
     /// Work done on the bar, J: what a body lost, else that of the force at the face.
     pub work: f64,
@@ -17,7 +19,7 @@ pub(super) struct Account {
 }
 
 /// Force and velocities of an end between two events.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
 pub(super) struct Held {
     /// N, compression positive.
     pub force: f64,
@@ -28,8 +30,9 @@ pub(super) struct Held {
 }
 
 /// An end in a step. Velocities and forces as in [`crate::bar::ends`].
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Stepping {
+    #[serde(skip, default = "ends::stateless")]
     pub model: Box<dyn EndModel>,
     pub relation: Relation,
     /// Of the step, s.

@@ -4,6 +4,8 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::sync::Arc;
 
+use serde::{Deserialize, Serialize};
+
 use super::breaking::Breaking;
 use super::end::{End, Scales, face};
 use super::joint_clock::Contact;
@@ -31,7 +33,7 @@ pub(super) struct Scratch {
 }
 
 /// What nodes that are gone leave in the accounts.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(super) struct Booked {
     /// Work taken at single points, J.
     pub concentrated: f64,
@@ -51,7 +53,7 @@ pub struct FrontTracking {
     /// Joints that can open.
     pub(super) contacts: Vec<Contact>,
     pub(super) list: List,
-    queue: BinaryHeap<Reverse<Meeting>>,
+    pub(super) queue: BinaryHeap<Reverse<Meeting>>,
     pub(super) now: f64,
     pub(super) events: u64,
     pub(super) budget: u64,

@@ -1,10 +1,12 @@
 //! The lives of fronts: straight lines in (x, t), from which x-t diagrams are drawn and gauges are read.
 
+use serde::{Deserialize, Serialize};
+
 use crate::wave::riemann::Point;
 
 /// The straight life of a front, from where it was sent to where it met something (or to now), with the constant
 /// states on both sides.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Trail {
     /// Places of its start and its end, m.
     pub x: [f64; 2],

@@ -1,5 +1,7 @@
 //! What the Riemann problem needs to know of a bar's material and section, and the state of one of its points.
 
+use serde::{Deserialize, Serialize};
+
 use crate::law::{Backbone, Table};
 
 /// How a point that has yielded behaves when its stress falls back.
@@ -18,7 +20,7 @@ pub enum Flow {
 }
 
 /// State of a point of the bar. Strains are times E, so all but velocity and work are in Pa.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Point {
     /// Stress, Pa, tension positive.
     pub stress: f64,

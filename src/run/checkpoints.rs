@@ -1,0 +1,62 @@
+//! Checkpoints of a run, whatever its method: when they are due, and what they hold beside the state of the method.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use super::{RunRecorder, Target};
+use crate::error::{Error, Result};
+use crate::record::store::{Checkpoint, checksum};
+use crate::scene::Scene;
+use crate::snapshot;
+
+/// Schedule of the checkpoints of a run.
+pub(super) struct Checkpoints {
+    /// Wall time between two of them.
+    every: Duration,
+    latest: Instant,
+    /// Of the resolved scene.
+    checksum: u32,
+}
+
+impl Checkpoints {
+    /// None if the run writes no checkpoints.
+    pub fn of(target: &Target<'_>, scene: &Scene) -> Option<Self> {
+        let checksum = || checksum(&scene.resolved_json().to_string());
+        target.every.map(|every| Self { every, latest: Instant::now(), checksum: checksum() })
+    }
+}
+
+impl RunRecorder<'_> {
+    /// The run writes checkpoints.
+    pub fn keeps_checkpoints(&self) -> bool {
+        self.checkpoints.is_some()
+    }
+
+    /// It is time for the next one.
+    pub fn checkpoint_is_due(&self) -> bool {
+        self.checkpoints.as_ref().is_some_and(|kept| kept.latest.elapsed() >= kept.every)
+    }
+
+    /// Keeps the state of a run, which stands for all that the writer was given so far.
+    pub fn keep_checkpoint(&mut self, state: snapshot::Result<Vec<u8>>) -> Result<()> {
+        let state = state.map_err(|e| Error::file(Path::new(&self.output), e))?;
+        let (Some(kept), Some(writer)) = (&mut self.checkpoints, &mut self.writer) else { return Ok(()) };
+        kept.latest = Instant::now();
+        writer.checkpoint(Checkpoint {
+            scene: kept.checksum,
+            estimate_error: self.scene.solve.estimate_error,
+            every: kept.every.as_secs_f64(),
+            wall_seconds: self.started.elapsed().as_secs_f64(),
+            state,
+            ..Checkpoint::default()
+        })
+    }
+
+    /// Goes on after a checkpoint; `restored` tells whether the state of the run could be set.
+    pub fn resume(&mut self, checkpoint: &Checkpoint, restored: snapshot::Result<()>) -> Result<()> {
+        restored.map_err(|e| Error::file(Path::new(&self.output), e))?;
+        let before = Duration::from_secs_f64(checkpoint.wall_seconds);
+        self.started = self.started.checked_sub(before).unwrap_or(self.started);
+        Ok(())
+    }
+}

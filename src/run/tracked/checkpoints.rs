@@ -1,0 +1,73 @@
+//! Pauses of a run between two events: reports progress, stops on request, writes checkpoints and resumes from them.
+
+use super::Run;
+use crate::error::{Error, Result};
+use crate::record::store::Checkpoint;
+use crate::run::Progress;
+use crate::snapshot::{self, Snapshot, join, pack, split, unpack};
+
+impl Run<'_> {
+    /// Reports progress, and writes a checkpoint if one is due. Everything up to now has been recorded.
+    pub(super) fn pause(&mut self) -> Result<()> {
+        let flow = (self.progress)(Progress::Fronts {
+            time: self.bar.time(),
+            until: self.recorder.scene.solve.until,
+            events: self.bar.events(),
+            fronts: self.bar.front_count(),
+        });
+        if self.recorder.checkpoint_is_due() {
+            self.keep_checkpoint()?;
+        }
+        if flow.is_break() { Err(Error::Interrupted) } else { Ok(()) }
+    }
+
+    /// Histories stay where they are: those of the ends are written without what lasts no time, and events of this moment may follow.
+    pub(super) fn keep_checkpoint(&mut self) -> Result<()> {
+        if !self.recorder.keeps_checkpoints() {
+            return Ok(());
+        }
+        let state = self.save();
+        self.recorder.keep_checkpoint(state)
+    }
+
+    /// Continues from a checkpoint.
+    pub(super) fn resume(&mut self, checkpoint: &Checkpoint) -> Result<()> {
+        let restored = self.restore(&checkpoint.state);
+        self.recorder.resume(checkpoint, restored)
+    }
+}
+
+/// The state of a run between two events. Pauses follow from the scene; of them the first ones are over.
+impl Snapshot for Run<'_> {
+    fn save(&self) -> snapshot::Result<Vec<u8>> {
+        let probe = self.elastic_check.as_ref().map(Snapshot::save).transpose()?;
+        let histories = (&self.gauges, &self.ends, &self.listener);
+        let fronts = (&self.fronts, &self.paths, &self.breaks, self.yielded);
+        Ok(join(&[
+            self.bar.save()?,
+            self.ledger.save()?,
+            self.audit.save()?,
+            probe.unwrap_or_default(),
+            pack(&(self.pauses.len(), self.recorder.stepping, histories, fronts))?,
+        ]))
+    }
+
+    fn restore(&mut self, saved: &[u8]) -> snapshot::Result<()> {
+        let [bar, ledger, audit, probe, rest] = split(saved)?;
+        self.bar.restore(bar)?;
+        self.ledger.restore(ledger)?;
+        self.audit.restore(audit)?;
+        if let Some(own) = &mut self.elastic_check {
+            own.restore(probe)?;
+        }
+        let pauses;
+        (
+            pauses,
+            self.recorder.stepping,
+            (self.gauges, self.ends, self.listener),
+            (self.fronts, self.paths, self.breaks, self.yielded),
+        ) = unpack(rest)?;
+        self.pauses.truncate(pauses);
+        Ok(())
+    }
+}

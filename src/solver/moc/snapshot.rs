@@ -1,0 +1,47 @@
+//! The state of a tracked bar, for a checkpoint. Media, limits of the data and tolerances follow from the scene.
+//!
+//! A binary heap that is read back from its own order keeps that order.
+
+use super::FrontTracking;
+use super::end::End;
+use crate::law::rupture::{Rupture, Site};
+use crate::snapshot::{Result, Snapshot, pack, unpack};
+
+impl Snapshot for FrontTracking {
+    fn save(&self) -> Result<Vec<u8>> {
+        let clock = (self.now, self.events, self.fronts);
+        let limits = (&self.limits.passed, self.limits.stop);
+        let fronts = (&self.list, &self.queue, &self.trails);
+        pack(&(
+            clock,
+            limits,
+            fronts,
+            &self.contacts,
+            &self.booked,
+            &self.merging,
+            self.ruptures(),
+            self.ends.each_ref().map(End::state),
+        ))
+    }
+
+    fn restore(&mut self, saved: &[u8]) -> Result<()> {
+        let (ruptures, ends): (Vec<Rupture>, [_; 2]);
+        (
+            (self.now, self.events, self.fronts),
+            (self.limits.passed, self.limits.stop),
+            (self.list, self.queue, self.trails),
+            self.contacts,
+            self.booked,
+            self.merging,
+            ruptures,
+            ends,
+        ) = unpack(saved)?;
+        for ((end, saved), site) in self.ends.iter_mut().zip(ends).zip([Site::Left, Site::Right]) {
+            end.restore(saved, ruptures.iter().any(|rupture| rupture.site == site));
+        }
+        if let Some(breaking) = &mut self.rupture {
+            breaking.found = ruptures;
+        }
+        Ok(())
+    }
+}

@@ -14,7 +14,7 @@ use super::{interrupt, output};
 use crate::destination;
 use crate::error::{Error, InputError, Result};
 use crate::record::Summary;
-use crate::record::store::{self, Existing};
+use crate::record::store::{self, Existing, ResultFile};
 use crate::run::{self, Progress};
 use crate::scene::{Problem, SpecimenScene};
 use crate::units::{Dimension, Quantity, System, format};
@@ -65,7 +65,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let every = args.checkpoint.as_ref().map(interval).transpose()?;
     if let Some(path) = &args.resume {
         nothing_beside_resume(args)?;
-        return show(args, path, true, |progress| run::resume(path, every, progress));
+        return show(args, path, |progress| run::resume(path, every, progress));
     }
     let file = args.scene.as_deref().unwrap_or(Path::new("-"));
     let mut scene = match Problem::read(file, &args.overrides)? {
@@ -74,7 +74,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     };
     scene.solve.estimate_error = args.estimate_error;
     let path = output_path(args, &scene.name)?;
-    show(args, &path, every.is_some(), |progress| match every {
+    show(args, &path, |progress| match every {
         Some(every) => run::run_with_checkpoints(&scene, &path, every, progress),
         None => run::run(&scene, Some(&path), progress),
     })
@@ -84,14 +84,10 @@ pub(crate) fn run(args: &Args) -> Result<()> {
 type OnProgress<'a> = &'a mut dyn FnMut(Progress) -> ControlFlow<()>;
 
 /// Shows how far a run is, and sums up.
-fn show(
-    args: &Args,
-    path: &Path,
-    resumable: bool,
-    simulate: impl FnOnce(OnProgress<'_>) -> Result<Summary>,
-) -> Result<()> {
+fn show(args: &Args, path: &Path, simulate: impl FnOnce(OnProgress<'_>) -> Result<Summary>) -> Result<()> {
     let stop = interrupt::flag();
     let bar = progress_bar(args.quiet || args.json);
+    let before = if args.resume.is_some() { None } else { run_of(path) };
     let summary = simulate(&mut |at: Progress| {
         show_progress(&bar, &at, args.quiet || args.json);
         if stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
@@ -99,13 +95,7 @@ fn show(
     bar.finish_and_clear();
     let shown = path.display();
     let summary = summary.inspect_err(|error| match error {
-        Error::Interrupted if path.exists() => {
-            output::note(&std::format!("interrupted: the frames so far are in {shown}\n"));
-            if resumable {
-                output::note(&std::format!("resume with: barwave run --resume {}\n", quoted(path)));
-            }
-        }
-        Error::Interrupted => output::note("interrupted before the run began\n"),
+        Error::Interrupted => output::note(&interrupted(args, path, run_of(path) != before)),
         Error::Run(_) => output::note(&std::format!("the frames up to the error are in {shown}\n")),
         Error::Input(_) | Error::File { .. } | Error::Checks(_) => {}
     })?;
@@ -113,6 +103,29 @@ fn show(
         return output::json(&summary);
     }
     if args.quiet { Ok(()) } else { output::text(&text(&summary, args.units)) }
+}
+
+/// The run whose result is in a file, if there is one.
+fn run_of(path: &Path) -> Option<String> {
+    ResultFile::open(path).ok().map(|file| file.run_id())
+}
+
+/// What an interrupted run leaves, if it `began`, and how it is resumed.
+fn interrupted(args: &Args, path: &Path, began: bool) -> String {
+    let left = if began {
+        std::format!("interrupted: the frames so far are in {}\n", path.display())
+    } else {
+        "interrupted before the run began\n".to_owned()
+    };
+    if args.checkpoint.is_none() && args.resume.is_none() {
+        return left;
+    }
+    // An earlier result in the place of a run that has not begun may have a checkpoint, too.
+    let kept = destination::resolve(path).is_ok_and(|place| store::checkpoint_path(&place).exists());
+    if began && kept {
+        return left + &std::format!("resume with: barwave run --resume {}\n", quoted(path));
+    }
+    left + "nothing can be resumed: the effects or the method were still being chosen\n"
 }
 
 /// A path as a shell reads it.

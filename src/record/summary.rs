@@ -1,6 +1,6 @@
 //! The summary of a run, as printed and as `--json`.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::{AuditRow, ErrorTable, LengthSummary};
 use crate::law::rupture::{Cause, Rupture};
@@ -82,7 +82,7 @@ pub struct Summary {
 }
 
 /// One decision of `effects = "auto"`.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct AutoChoice {
     /// A key of the scene's [effects].
     pub effect: String,

@@ -1,6 +1,8 @@
 //! How far a run on a grid may be off: from runs of the same bar with a half, a quarter and an eighth of the cells. They take a third
 //! of the run's stepping time.
 
+use serde::{Deserialize, Serialize};
+
 use super::Progress;
 use crate::accuracy::{
     Course, INSTANTS, Response, Rules, SAFETY, SAFETY_OF_FRONTS, evenly, extrapolate, respond, similar_response,
@@ -29,7 +31,7 @@ const WORK_BETWEEN_CALLS: u64 = 4_000_000;
 pub(super) const SIMILAR: &str = "self-similar solution";
 
 /// What a run on a grid gave, without recorders.
-#[derive(Debug)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Coarse {
     pub response: Response,
     /// Nothing has yielded.

@@ -3,9 +3,8 @@
 //! repeated. What was turned on stays on, but for an effect that cannot be simulated together with a larger one.
 
 use std::ops::ControlFlow;
-use std::path::Path;
 
-use super::{Progress, accurate, estimate};
+use super::{Progress, Target, accurate, estimate};
 use crate::error::{Error, Result};
 use crate::record::{AuditRow, AutoChoice, Summary};
 use crate::scene::Scene;
@@ -54,21 +53,38 @@ pub fn choose(scene: &Scene, progress: &mut dyn FnMut(Progress) -> ControlFlow<(
 /// Runs a scene, again where an effect was missed: at most once more for each effect, since each is decided on once.
 pub(super) fn run(
     scene: &Scene,
-    output: Option<&Path>,
+    mut target: Target<'_>,
     progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Summary> {
-    let mut scene = choose(scene, progress)?;
-    let mut round = 0;
+    let (mut scene, mut round) = match target.chosen.effects {
+        Some((round, _)) => (scene.clone(), round),
+        None => (choose(scene, progress)?, 1),
+    };
     loop {
-        round += 1;
-        let summary = accurate(&scene, output, progress)?;
-        let (next, again) = decide(&scene, &summary.audit, round, progress)?;
-        scene = next;
+        let next = target.anew();
+        target.chosen.effects = Some((round, choices(&scene).to_vec()));
+        let summary = accurate(&scene, target, progress)?;
+        let (decided, again) = decide(&scene, &summary.audit, round, progress)?;
         if !again {
-            let choices = scene.auto.map(|auto| auto.choices);
+            let choices = decided.auto.map(|auto| auto.choices);
             return Ok(Summary { auto: choices, ..summary });
         }
+        (scene, target, round) = (decided, next, round + 1);
     }
+}
+
+/// The scene for which these effects were chosen.
+///
+/// # Errors
+/// What this scene is refused for by a program that did not choose them.
+pub(super) fn chosen(mut scene: Scene, choices: &[AutoChoice]) -> Result<Scene> {
+    if choices.iter().any(|choice| choice.on) {
+        return with(&scene, choices);
+    }
+    if let Some(auto) = &mut scene.auto {
+        auto.choices = choices.to_vec();
+    }
+    Ok(scene)
 }
 
 /// Decides on the effects that matter and were not decided on; true where the set of effects is another one then.

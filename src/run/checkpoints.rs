@@ -7,7 +7,7 @@ use super::{RunRecorder, Target};
 use crate::error::{Error, Result};
 use crate::record::store::{Checkpoint, checksum};
 use crate::scene::Scene;
-use crate::snapshot;
+use crate::snapshot::{self, pack};
 
 /// Schedule of the checkpoints of a run.
 pub(super) struct Checkpoints {
@@ -16,13 +16,16 @@ pub(super) struct Checkpoints {
     latest: Instant,
     /// Of the resolved scene.
     checksum: u32,
+    /// What was chosen.
+    chosen: snapshot::Result<Vec<u8>>,
 }
 
 impl Checkpoints {
     /// None if the run writes no checkpoints.
     pub fn of(target: &Target<'_>, scene: &Scene) -> Option<Self> {
-        let checksum = || checksum(&scene.resolved_json().to_string());
-        target.every.map(|every| Self { every, latest: Instant::now(), checksum: checksum() })
+        let every = target.every?;
+        let checksum = checksum(&scene.resolved_json().to_string());
+        Some(Self { every, latest: Instant::now(), checksum, chosen: pack(&target.chosen) })
     }
 }
 
@@ -39,15 +42,16 @@ impl RunRecorder<'_> {
 
     /// Keeps the state of a run, which stands for all that the writer was given so far.
     pub fn keep_checkpoint(&mut self, state: snapshot::Result<Vec<u8>>) -> Result<()> {
-        let state = state.map_err(|e| Error::file(Path::new(&self.output), e))?;
         let (Some(kept), Some(writer)) = (&mut self.checkpoints, &mut self.writer) else { return Ok(()) };
+        let failed = |e| Error::file(Path::new(&self.output), e);
         kept.latest = Instant::now();
         writer.checkpoint(Checkpoint {
             scene: kept.checksum,
             estimate_error: self.scene.solve.estimate_error,
             every: kept.every.as_secs_f64(),
             wall_seconds: self.started.elapsed().as_secs_f64(),
-            state,
+            chosen: kept.chosen.clone().map_err(failed)?,
+            state: state.map_err(failed)?,
             ..Checkpoint::default()
         })
     }

@@ -6,6 +6,7 @@ mod auto;
 mod breaks;
 mod checkpoints;
 mod choice;
+mod chosen;
 mod companion;
 mod estimate;
 mod limits;
@@ -22,6 +23,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use self::checkpoints::Checkpoints;
+use self::chosen::Chosen;
 use crate::assemble;
 use crate::bar::{InitialFan, Segment, initial_fans};
 use crate::error::{Error, Result};
@@ -81,16 +83,25 @@ pub fn run(
     output: Option<&Path>,
     progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Summary> {
-    if scene.auto.is_some() { auto::run(scene, output, progress) } else { accurate(scene, output, progress) }
+    begin(scene, Target { path: output, ..Target::default() }, progress)
+}
+
+/// A run of a scene whose effects or method may be open.
+fn begin(scene: &Scene, target: Target<'_>, progress: &mut dyn FnMut(Progress) -> ControlFlow<()>) -> Result<Summary> {
+    if scene.auto.is_some() { auto::run(scene, target, progress) } else { accurate(scene, target, progress) }
 }
 
 /// A run with the effects that the scene has by now, by its method or to within its tolerance.
 fn accurate(
     scene: &Scene,
-    output: Option<&Path>,
+    target: Target<'_>,
     progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Summary> {
-    if scene.solve.tolerance.is_some() { choice::run(scene, output, progress) } else { once(scene, output, progress) }
+    if scene.solve.tolerance.is_some() {
+        choice::run(scene, target, progress)
+    } else {
+        on_target(scene, &target, progress)
+    }
 }
 
 /// Where a run writes, and what it continues.
@@ -102,17 +113,19 @@ struct Target<'a> {
     every: Option<Duration>,
     /// Where the run of that file was.
     checkpoint: Option<Checkpoint>,
+    /// What was chosen for it.
+    chosen: Chosen,
+}
+
+impl Target<'_> {
+    /// That of a run after this one, with the effects that this one has.
+    fn anew(&self) -> Self {
+        let chosen = Chosen { effects: self.chosen.effects.clone(), attempt: None };
+        Self { checkpoint: None, chosen, ..*self }
+    }
 }
 
 /// One run by the scene's method.
-fn once(
-    scene: &Scene,
-    output: Option<&Path>,
-    progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
-) -> Result<Summary> {
-    on_target(scene, &Target { path: output, ..Target::default() }, progress)
-}
-
 fn on_target(
     scene: &Scene,
     target: &Target<'_>,

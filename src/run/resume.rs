@@ -4,27 +4,28 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::Duration;
 
-use super::{Progress, Target, on_target};
+use super::chosen::Chosen;
+use super::{Progress, Target, begin};
 use crate::destination;
-use crate::error::{InputError, Result};
+use crate::error::{Error, InputError, Result};
 use crate::record::Summary;
 use crate::record::store::{Checkpoint, Facts, ResultFile, checkpoint_path, checksum, remove_checkpoint};
 use crate::scene::Scene;
+use crate::snapshot::unpack;
 use crate::text_file;
 
 /// Simulates a scene as [`super::run`] does, and writes a checkpoint beside the result file: each time `every` of wall time has passed, and
 /// when `progress` asks to stop.
 ///
 /// # Errors
-/// As for [`super::run`], and an [`InputError`] for a scene that cannot be resumed.
+/// As for [`super::run`].
 pub fn run_with_checkpoints(
     scene: &Scene,
     output: &Path,
     every: Duration,
     progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Summary> {
-    refuse(scene)?;
-    on_target(scene, &Target { path: Some(output), every: Some(every), checkpoint: None }, progress)
+    begin(scene, Target { path: Some(output), every: Some(every), ..Target::default() }, progress)
 }
 
 /// Resumes the run of a result file from its checkpoint. The result is that of an uninterrupted run, bit for bit. Without `every` the
@@ -37,26 +38,15 @@ pub fn resume(
     every: Option<Duration>,
     progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Summary> {
-    let (scene, checkpoint) = read(output)?;
+    let (scene, checkpoint, chosen) = read(output)?;
     let every = every.unwrap_or(Duration::from_secs_f64(checkpoint.every));
-    let target = Target { path: Some(output), every: Some(every), checkpoint: Some(checkpoint) };
-    on_target(&scene, &target, progress)
+    let target = Target { path: Some(output), every: Some(every), checkpoint: Some(checkpoint), chosen };
+    // A run that finds an effect missing reads the scene again.
+    text_file::stored(scene.files.clone(), || begin(&scene, target, progress))
 }
 
-/// Refuses scenes that cannot be resumed.
-fn refuse(scene: &Scene) -> Result<()> {
-    let (what, help) = if scene.auto.is_some() {
-        ("with effects = \"auto\" is several runs", "name the effects; `barwave plan` says which they are")
-    } else if scene.solve.tolerance.is_some() {
-        ("with a tolerance is several runs", "name the method and its cells; `barwave plan` says which they are")
-    } else {
-        return Ok(());
-    };
-    Err(InputError::new(format!("a scene {what}, and cannot be resumed")).key("--checkpoint").help(help).into())
-}
-
-/// Scene and checkpoint of an unfinished result.
-fn read(output: &Path) -> Result<(Scene, Checkpoint)> {
+/// Scene and checkpoint of an unfinished result, and what was chosen.
+fn read(output: &Path) -> Result<(Scene, Checkpoint, Chosen)> {
     let file = ResultFile::open(output)?;
     let (facts, place) = (file.facts(), destination::resolve(output)?);
     if ["done", "rupture", "stopped"].contains(&facts.outcome.as_str()) && facts.steps.is_some() {
@@ -74,26 +64,30 @@ fn read(output: &Path) -> Result<(Scene, Checkpoint)> {
         let message = format!("`{}` is the checkpoint of another run", checkpoint_path(&place).display());
         return Err(wrong(output, &message, "put back the checkpoint of this result, or run its scene again"));
     }
-    let mut scene = scene(&file, facts)?;
-    let resolved = scene.resolved_json().to_string();
+    let chosen: Chosen = unpack(&checkpoint.chosen).map_err(|e| Error::file(&checkpoint_path(&place), e))?;
+    let mut scene = scene(&file, facts, &chosen)?;
+    let resolved = chosen.with_method(&scene).resolved_json().to_string();
     if resolved != facts.scene_resolved || checksum(&resolved) != checkpoint.scene {
         let message = "this program resolves the scene differently from the one that started the run";
         return Err(wrong(output, message, "resume with the program that started it, or run its scene again"));
     }
     scene.solve.estimate_error = checkpoint.estimate_error;
-    Ok((scene, checkpoint))
+    Ok((scene, checkpoint, chosen))
 }
 
-/// The scene of a result file, from what is stored in that alone.
-fn scene(file: &ResultFile, facts: &Facts) -> Result<Scene> {
+/// The scene of a result file with the effects that were chosen, from what is stored in that alone.
+fn scene(file: &ResultFile, facts: &Facts, chosen: &Chosen) -> Result<Scene> {
     let files = file.scene_files()?;
     let resolved: serde_json::Value = serde_json::from_str(&facts.scene_resolved).unwrap_or_default();
     // This file is not opened: its stem gives the scene its name.
     let name = format!("{}.toml", resolved["name"].as_str().unwrap_or("scene"));
     let base = files.base.clone();
-    text_file::stored(files, || Scene::parse(&name, &facts.scene, Path::new(&base), &facts.overrides))
+    text_file::stored(files, || {
+        let scene = Scene::parse(&name, &facts.scene, Path::new(&base), &facts.overrides)?;
+        chosen.with_effects(scene)
+    })
 }
 
-fn wrong(path: &Path, message: &str, help: &str) -> crate::error::Error {
+fn wrong(path: &Path, message: &str, help: &str) -> Error {
     InputError::new(format!("{}: {message}", path.display())).help(help).into()
 }

@@ -15,6 +15,8 @@ mod specimen;
 
 use std::path::{Path, PathBuf};
 
+use serde::{Deserialize, Serialize};
+
 use crate::bar::{Bar, EndCondition};
 use crate::error::{InputError, Result};
 use crate::input::Document;
@@ -167,7 +169,7 @@ impl Solve {
 }
 
 /// A method with its settings.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Method {
     /// Finite differences on a staggered grid.
     Leapfrog {

@@ -18,6 +18,9 @@ pub fn everything(path: &Path) -> Vec<String> {
     // A table of numbers and texts has no reader of its own here.
     let result = ResultFile::open(path).expect("a result");
     lines.extend(result.fronts().expect("fronts").iter().map(|front| format!("{front:?}")));
+    if file.link_exists("paths") {
+        lines.extend(result.paths().expect("paths").iter().map(|path| format!("{path:?}")));
+    }
     lines
 }
 

@@ -59,6 +59,8 @@ pub struct Checkpoint {
     pub every: f64,
     /// Wall time of the run so far, s.
     pub wall_seconds: f64,
+    /// Effects and method that the program chose.
+    pub chosen: Vec<u8>,
     /// State of the solver and of all recorders.
     pub state: Vec<u8>,
 }

@@ -1,5 +1,7 @@
 //! One method on its way to a tolerance: its pilots so far, and what they predict.
 
+use serde::{Deserialize, Serialize};
+
 use super::super::accuracy::Coarse;
 use crate::scene::{Method, Rate, Scene};
 use crate::solver::moc::COARSER;
@@ -61,6 +63,7 @@ pub(super) fn nominal(scene: &Scene, method: Method) -> f64 {
 }
 
 /// One method on its way.
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Candidate {
     pub method: Method,
     pub pilots: Vec<Pilot>,
@@ -75,7 +78,7 @@ pub(super) struct Candidate {
 }
 
 /// A pilot run.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub(super) struct Pilot {
     pub method: Method,
     pub estimate: f64,

@@ -9,15 +9,16 @@ mod candidate;
 mod pilots;
 
 use std::ops::ControlFlow;
-use std::path::Path;
+
+use serde::{Deserialize, Serialize};
 
 use self::candidate::{Candidate, FEW_EVENTS, LEAP_CELLS, LEAP_TOLERANCE, Pilot};
 use self::pilots::{contradiction, front_pilot, grid_pilot};
 use super::tracked::OUT_OF_EVENTS;
-use super::{Progress, once};
+use super::{Progress, Target, on_target};
 use crate::error::{Error, Result, RunError};
 use crate::record::{ChoiceSummary, Summary, Tried};
-use crate::scene::{Method, Scene, Solve};
+use crate::scene::{Method, Scene, Solve, Tolerance};
 
 /// A pilot that takes less than this part of what the best way is expected to take is made whatever is expected of it.
 const NEXT_TO_NOTHING: f64 = 0.1;
@@ -25,26 +26,78 @@ const NEXT_TO_NOTHING: f64 = 0.1;
 /// Runs that are repeated because they missed.
 const MOST_REPEATS: usize = 24;
 
+/// A run that is to stay within a tolerance, and what was tried before it.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(super) struct Attempt {
+    candidates: Vec<Candidate>,
+    /// Which of them it is.
+    winner: usize,
+    method: Method,
+    why: String,
+    /// Counted from 0.
+    number: usize,
+}
+
 /// Runs a scene to within its tolerance.
 pub(super) fn run(
     scene: &Scene,
-    output: Option<&Path>,
+    mut target: Target<'_>,
     progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Summary> {
-    let Some(asked) = &scene.solve.tolerance else { return once(scene, output, progress) };
-    let tolerance = asked.value;
-    let mut candidates: Vec<Candidate> = methods(scene, &asked.methods).into_iter().map(Candidate::new).collect();
-    for _ in 0..=MOST_REPEATS {
+    let Some(asked) = &scene.solve.tolerance else { return on_target(scene, &target, progress) };
+    let mut attempt = match target.chosen.attempt.take() {
+        Some(resumed) => resumed,
+        None => Attempt::new(scene, asked.value, candidates(scene, asked), 0, progress)?,
+    };
+    loop {
+        let next = target.anew();
+        // It can be large, and is for checkpoints alone.
+        target.chosen.attempt = target.every.map(|_| attempt.clone());
+        if let Some(summary) = attempt.run(scene, asked.value, &target, progress)? {
+            return Ok(summary);
+        }
+        if attempt.number == MOST_REPEATS {
+            return Err(not_reached(scene, asked.value, &tried(&attempt.candidates)));
+        }
+        attempt = Attempt::new(scene, asked.value, attempt.candidates, attempt.number + 1, progress)?;
+        target = next;
+    }
+}
+
+impl Attempt {
+    /// By the method that is expected to get there soonest.
+    fn new(
+        scene: &Scene,
+        tolerance: f64,
+        mut candidates: Vec<Candidate>,
+        number: usize,
+        progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+    ) -> Result<Self> {
         let (winner, finer) = race(scene, tolerance, &mut candidates, progress)?;
-        let method = candidates[winner].finer(finer);
-        let why = why(scene, tolerance, &candidates, winner);
-        let mut chosen = scene.clone();
-        chosen.solve.method = method;
-        chosen.solve.estimate_error = true;
-        let summary = match once(&chosen, output, progress) {
+        let (method, why) = (candidates[winner].finer(finer), why(scene, tolerance, &candidates, winner));
+        Ok(Self { candidates, winner, method, why, number })
+    }
+
+    /// The scene that it runs.
+    pub fn scene(&self, scene: &Scene) -> Scene {
+        let solve = Solve { method: self.method, estimate_error: true, ..scene.solve.clone() };
+        Scene { solve, ..scene.clone() }
+    }
+
+    /// Runs it. None where it missed the tolerance, which the candidates know then.
+    fn run(
+        &mut self,
+        scene: &Scene,
+        tolerance: f64,
+        target: &Target<'_>,
+        progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+    ) -> Result<Option<Summary>> {
+        let ended = on_target(&self.scene(scene), target, progress);
+        let Self { ref mut candidates, winner, method, .. } = *self;
+        let summary = match ended {
             Err(Error::Run(error)) if error.reason.starts_with(OUT_OF_EVENTS) => {
                 candidates[winner].out = Some(error.reason);
-                continue;
+                return Ok(None);
             }
             other => other?,
         };
@@ -54,16 +107,17 @@ pub(super) fn run(
         // Without an estimate the bar came to an end of its own, such as a rupture that no companion follows.
         let done = Pilot { method, estimate: estimate.unwrap_or(f64::NAN), order, work };
         let missed = done.estimate > tolerance;
-        let stands = estimate.is_none() || !missed && confirmed(scene, &mut candidates, winner, done, progress)?;
+        let stands = estimate.is_none() || !missed && confirmed(scene, candidates, winner, done, progress)?;
         if stands {
-            let mut tried = tried(&candidates);
-            tried.push(tried_of(method, estimate.unwrap_or(f64::NAN), work));
-            return Ok(Summary { choice: Some(ChoiceSummary { tolerance, why, tried }), ..summary });
+            let mut tried = tried(candidates);
+            tried.push(tried_of(method, done.estimate, work));
+            let choice = ChoiceSummary { tolerance, why: self.why.clone(), tried };
+            return Ok(Some(Summary { choice: Some(choice), ..summary }));
         }
         candidates[winner].pilots.push(done);
         candidates[winner].missed = missed;
+        Ok(None)
     }
-    Err(not_reached(scene, tolerance, &tried(&candidates)))
 }
 
 /// The method and resolution that a run of a scene with a tolerance starts from, and why: the coarse runs are made, but not
@@ -76,9 +130,13 @@ pub fn predict(
     progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Option<(Method, String)>> {
     let Some(asked) = &scene.solve.tolerance else { return Ok(None) };
-    let mut candidates: Vec<Candidate> = methods(scene, &asked.methods).into_iter().map(Candidate::new).collect();
+    let mut candidates = candidates(scene, asked);
     let (winner, finer) = race(scene, asked.value, &mut candidates, progress)?;
     Ok(Some((candidates[winner].finer(finer), why(scene, asked.value, &candidates, winner))))
+}
+
+fn candidates(scene: &Scene, asked: &Tolerance) -> Vec<Candidate> {
+    methods(scene, &asked.methods).into_iter().map(Candidate::new).collect()
 }
 
 /// Methods whose estimates hold: those that make a staircase of a taper are left out where another one does not need to.

@@ -113,7 +113,11 @@ impl Simulation for Run<'_> {
         match stretch.arrived {
             Ok(true) => self.arrive()?,
             Ok(false) => {}
-            Err(why) => return Err(self.stopped(&why)),
+            Err(why) => {
+                // It ends here whatever the answer; a search that follows asks again.
+                let _ = self.report();
+                return Err(self.stopped(&why));
+            }
         }
         if news { self.pause() } else { Ok(()) }
     }

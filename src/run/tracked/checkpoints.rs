@@ -1,5 +1,7 @@
 //! Pauses of a run between two events: reports progress, stops on request, writes checkpoints and resumes from them.
 
+use std::ops::ControlFlow;
+
 use super::Run;
 use crate::error::{Error, Result};
 use crate::record::store::Checkpoint;
@@ -7,14 +9,19 @@ use crate::run::Progress;
 use crate::snapshot::{self, Snapshot, join, pack, split, unpack};
 
 impl Run<'_> {
-    /// Reports progress, and writes a checkpoint if one is due. Everything up to now has been recorded.
-    pub(super) fn pause(&mut self) -> Result<()> {
-        let flow = (self.progress)(Progress::Fronts {
+    /// Says how far the run is.
+    pub(super) fn report(&mut self) -> ControlFlow<()> {
+        (self.progress)(Progress::Fronts {
             time: self.bar.time(),
             until: self.recorder.scene.solve.until,
             events: self.bar.events(),
             fronts: self.bar.front_count(),
-        });
+        })
+    }
+
+    /// Reports progress, and writes a checkpoint if one is due. Everything up to now has been recorded.
+    pub(super) fn pause(&mut self) -> Result<()> {
+        let flow = self.report();
         if self.recorder.checkpoint_is_due() {
             self.keep_checkpoint()?;
         }

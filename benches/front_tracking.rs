@@ -41,8 +41,8 @@ fn shortest(scene: &Scene, settings: Settings) -> (f64, FrontTracking) {
     runs.min_by(|a, b| a.0.total_cmp(&b.0)).expect("there are runs")
 }
 
-fn line(name: &str, scene: &Scene, front_tolerance: f64, trails: bool) -> f64 {
-    let settings = Settings { front_tolerance, event_budget: 100_000_000, trails, ..Settings::default() };
+fn line(name: &str, scene: &Scene, front_tolerance: f64, front_segments: bool) -> f64 {
+    let settings = Settings { front_tolerance, event_budget: 100_000_000, front_segments, ..Settings::default() };
     let (seconds, bar) = shortest(scene, settings);
     let an_event = 1e9 * seconds / bar.events().max(1) as f64;
     println!("{name:<46}{front_tolerance:>10.0e}{:>10}{:>14.1}{an_event:>12.0}", bar.events(), 1e6 * seconds);
@@ -66,14 +66,14 @@ fn main() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("runs/copper-let-go.toml");
     let copper = Scene::read(&file, &[]).unwrap_or_else(|error| panic!("{error}"));
     let plain = line("copper-let-go, ten transits", &copper, 1e-3, false);
-    let trails = line("copper-let-go, with trails kept", &copper, 1e-3, true);
+    let front_segments = line("copper-let-go, with front_segments kept", &copper, 1e-3, true);
     let start = Instant::now();
     run::run(&copper, None, &mut |_| ControlFlow::Continue(())).unwrap_or_else(|error| panic!("{error}"));
     let whole = start.elapsed().as_secs_f64();
     println!(
-        "copper-let-go as `barwave run` without a file, with its companion: {:.0} us; {:.0} % of it stepping, {:.0} % trails",
+        "copper-let-go as `barwave run` without a file, with its companion: {:.0} us; {:.0} % of it stepping, {:.0} % front_segments",
         1e6 * whole,
         100.0 * plain / whole,
-        100.0 * (trails - plain) / whole
+        100.0 * (front_segments - plain) / whole
     );
 }

@@ -3,14 +3,14 @@
 use std::time::Instant;
 
 use crate::record::{Stepped, Traces, View};
-use crate::solver::moc::{FrontTracking, Stopped, Trail};
+use crate::solver::moc::{FrontSegment, FrontTracking, Stopped};
 
 /// A bar that goes on in time: on a grid from step to step, by front tracking from event to event.
 pub trait Solver: View {
     /// A point in time as the solver counts it: steps, or s.
     type Mark: Copy;
 
-    /// What can be kept of the way from one look to the next: histories in steps, or trails of fronts.
+    /// What can be kept of the way from one look to the next: histories in steps, or front segments of fronts.
     type Log;
 
     /// Goes on to a mark, or as far as so much work takes it: cell-steps, or events. True where it is there.
@@ -37,12 +37,12 @@ impl<S: Stepped> Solver for S {
 
 impl Solver for FrontTracking {
     type Mark = f64;
-    type Log = Vec<Trail>;
+    type Log = Vec<FrontSegment>;
 
-    fn advance_toward(&mut self, to: f64, work: u64, log: Option<&mut Vec<Trail>>) -> Result<bool, Stopped> {
+    fn advance_toward(&mut self, to: f64, work: u64, log: Option<&mut Vec<FrontSegment>>) -> Result<bool, Stopped> {
         let arrived = self.advance_for(to, work);
-        if let Some(trails) = log {
-            trails.append(&mut self.take_trails());
+        if let Some(front_segments) = log {
+            front_segments.append(&mut self.take_front_segments());
         }
         arrived
     }

@@ -424,20 +424,23 @@ fn trails_are_the_straight_lives_of_all_fronts() {
     let segments =
         vec![Segment::new(number(&case.length), 1.0, bilinear(number(&case.r))).with_velocity(number(&case.velocity))];
     let bar = Bar { segments, area_given: true };
-    let settings = Settings { trails: true, ..Settings::default() };
+    let settings = Settings { front_segments: true, ..Settings::default() };
     let mut bar = FrontTracking::new(&bar, flow, ends(case), settings);
-    let mut trails = Vec::new();
+    let mut front_segments = Vec::new();
     for part in 1..=3 {
         bar.advance_to(number(&case.t_final) * f64::from(part) / 3.0).expect("few events");
-        trails.extend(bar.take_trails());
+        front_segments.extend(bar.take_front_segments());
     }
-    trails.extend(bar.living_trails());
-    assert!(trails.len() > 4);
-    // A gauge read off the trails is the state of the bar: the last front that crossed a place left its state there.
+    front_segments.extend(bar.living_front_segments());
+    assert!(front_segments.len() > 4);
+    // A gauge read off the front_segments is the state of the bar: the last front that crossed a place left its state there.
     for x in [0.1234, 0.4321, 0.8765].map(|share| share * number(&case.length)) {
-        let crossing = |t: &&barwave::solver::moc::Trail| (t.x[0] <= x && x < t.x[1]) || (t.x[1] <= x && x < t.x[0]);
-        let time = |t: &barwave::solver::moc::Trail| t.t[0] + (x - t.x[0]) / (t.x[1] - t.x[0]) * (t.t[1] - t.t[0]);
-        let last = trails.iter().filter(crossing).max_by(|a, b| time(a).total_cmp(&time(b))).expect("a front came by");
+        let crossing =
+            |t: &&barwave::solver::moc::FrontSegment| (t.x[0] <= x && x < t.x[1]) || (t.x[1] <= x && x < t.x[0]);
+        let time =
+            |t: &barwave::solver::moc::FrontSegment| t.t[0] + (x - t.x[0]) / (t.x[1] - t.x[0]) * (t.t[1] - t.t[0]);
+        let last =
+            front_segments.iter().filter(crossing).max_by(|a, b| time(a).total_cmp(&time(b))).expect("a front came by");
         near(last.behind.stress, bar.state_at(x).stress, "stress left behind");
         near(last.behind.velocity, bar.state_at(x).velocity, "velocity left behind");
     }

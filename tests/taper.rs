@@ -250,8 +250,8 @@ fn the_staircase_of_fronts_converges_to_the_spherical_wave() {
     let solve = format!("until = {:e}\nmethod = \"moc\"\nfront-tolerance = 0", 0.83 / c0());
     let scene = scene(&bar, &pulse, "", &solve);
     let errors = [0.04, 0.02, 0.01].map(|share| {
-        let cut = scene.cut_finer_than(share);
-        let reflects = cut.cut.as_ref().expect("pieces").reflects;
+        let cut = scene.discretized_finer_than(share);
+        let reflects = cut.discretized.as_ref().expect("pieces").reflects;
         assert!(reflects <= share && reflects > 0.5 * share, "{reflects}");
         let bar = tracked(&cut);
         assert!(bar.balance().thinned.abs() < 1e-12 * bar.balance().total());
@@ -409,7 +409,7 @@ fn a_piece_of_a_bar_of_three_tapers_keeps_the_joints() {
     let text = text.replace("MAT", STEEL);
     let scene = Scene::parse("s.toml", &text, Path::new("."), &[]).expect("a right scene");
     let cut = scene.in_pieces().expect("tapers");
-    let of = &cut.cut.as_ref().expect("pieces").of;
+    let of = &cut.discretized.as_ref().expect("pieces").of;
     let second = of.iter().position(|&k| k == 1).expect("it is there");
     assert_eq!(cut.bar.segments[second].joint, Joint::Contact { gap: 1e-3 });
     assert_eq!(cut.bar.segments.iter().filter(|s| s.joint != Joint::Bonded).count(), 1);
@@ -417,9 +417,9 @@ fn a_piece_of_a_bar_of_three_tapers_keeps_the_joints() {
     let volume = |bar: &Bar| bar.segments.iter().map(|s| s.area * s.length).sum::<f64>();
     assert!((volume(&cut.bar) / volume(&scene.bar) - 1.0).abs() < 1e-12);
     assert_eq!(cut.resolved_json(), scene.resolved_json());
-    assert_eq!(cut.asked_site(barwave::law::rupture::Site::Joint(second)).to_string(), "joint 2");
-    assert_eq!(cut.asked_site(barwave::law::rupture::Site::Joint(second + 3)).to_string(), "segment 3");
-    assert_eq!(cut.asked_origin(barwave::bar::Origin::Joint(second)).to_string(), "joint 2");
+    assert_eq!(cut.original_site(barwave::law::rupture::Site::Joint(second)).to_string(), "joint 2");
+    assert_eq!(cut.original_site(barwave::law::rupture::Site::Joint(second + 3)).to_string(), "segment 3");
+    assert_eq!(cut.original_origin(barwave::bar::Origin::Joint(second)).to_string(), "joint 2");
 }
 
 /// The pulse leaves plastic strain in the thin rod alone. Merging of fronts averaged it over the whole rod as soon as that had a few waves to

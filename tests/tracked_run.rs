@@ -50,7 +50,7 @@ fn scene(tolerance: &str) -> Scene {
 }
 
 fn tracked(scene: &Scene, tolerance: f64) -> FrontTracking {
-    let settings = Settings { front_tolerance: tolerance, trails: true, ..Settings::default() };
+    let settings = Settings { front_tolerance: tolerance, front_segments: true, ..Settings::default() };
     assemble::front_tracking(scene, settings)
 }
 
@@ -209,8 +209,8 @@ fn paths_are_the_straight_pieces_of_all_fronts() {
     let paths = file.paths().expect("paths");
     let mut bar = tracked(&scene, 0.0);
     bar.advance_to(UNTIL).expect("it goes on");
-    let ended = bar.take_trails();
-    assert_eq!(paths.len(), ended.len() + bar.living_trails().count());
+    let ended = bar.take_front_segments();
+    assert_eq!(paths.len(), ended.len() + bar.living_front_segments().count());
     for path in &paths {
         assert!(path.t1 > path.t0 && path.stress_jump != 0.0, "{path:?}");
         // Where a front reaches an end is known to rounding.
@@ -223,7 +223,7 @@ fn paths_are_the_straight_pieces_of_all_fronts() {
     // The fronts under way are in the front table: what theory sends out first, then the rest.
     let fronts = file.fronts().expect("fronts");
     let under_way = fronts.iter().filter(|f| f.last_seen == UNTIL).count();
-    assert_eq!(under_way, bar.living_trails().count());
+    assert_eq!(under_way, bar.living_front_segments().count());
     let first = &fronts[0];
     assert_eq!((first.origin.as_str(), first.position), ("left", 0.6));
     // The gauge at a quarter: 0.25 m at c0.

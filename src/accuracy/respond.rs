@@ -6,7 +6,7 @@ use crate::bar::Bar;
 use crate::record::{StepGauges, Stepped, Traces};
 use crate::simulate::{Simulation, Solver, Stretch, simulate};
 use crate::solver::fd::Sampling;
-use crate::solver::moc::{FrontTracking, Stopped, Trail};
+use crate::solver::moc::{FrontSegment, FrontTracking, Stopped};
 
 /// What is asked of a bar.
 #[derive(Debug, Clone, Copy)]
@@ -154,7 +154,7 @@ impl<S: Stepped> Listen<S> for OnGrid {
     }
 }
 
-/// By front tracking; gauges need its trails, see [`crate::solver::moc::Settings::trails`].
+/// By front tracking; gauges need its front_segments, see [`crate::solver::moc::Settings::front_segments`].
 #[derive(Debug)]
 pub struct OfFronts {
     /// None where nothing is read.
@@ -166,15 +166,15 @@ pub struct OfFronts {
 }
 
 impl Listen<FrontTracking> for OfFronts {
-    fn start(scene: &Bar, _: &mut FrontTracking, course: Course<'_>) -> (Self, Option<Vec<Trail>>) {
+    fn start(scene: &Bar, _: &mut FrontTracking, course: Course<'_>) -> (Self, Option<Vec<FrontSegment>>) {
         let until = course.instants.last().copied().unwrap_or(0.0).max(course.until);
         let mut due: Vec<f64> = course.instants.iter().rev().copied().collect();
         if due.first() != Some(&until) {
             due.insert(0, until);
         }
         let listener = (!course.instants.is_empty()).then(|| FrontListener::new(scene, course.gauges.len()));
-        let trails = (listener.is_some() && !course.gauges.is_empty()).then(Vec::new);
-        (Self { listener, gauges: StepGauges::new(scene, course.gauges, until), due, until }, trails)
+        let front_segments = (listener.is_some() && !course.gauges.is_empty()).then(Vec::new);
+        (Self { listener, gauges: StepGauges::new(scene, course.gauges, until), due, until }, front_segments)
     }
 
     fn next(&self, _: &FrontTracking) -> Option<f64> {
@@ -185,12 +185,12 @@ impl Listen<FrontTracking> for OfFronts {
         self.until
     }
 
-    fn look(&mut self, bar: &FrontTracking, log: Option<&mut Vec<Trail>>, arrived: bool) {
+    fn look(&mut self, bar: &FrontTracking, log: Option<&mut Vec<FrontSegment>>, arrived: bool) {
         let passed = if arrived { self.due.pop() } else { None };
         let Some(listener) = &mut self.listener else { return };
-        if let Some(trails) = log {
-            self.gauges.collect(bar, trails);
-            trails.clear();
+        if let Some(front_segments) = log {
+            self.gauges.collect(bar, front_segments);
+            front_segments.clear();
             listener.hear(&self.gauges.take());
         }
         if passed.is_some() {

@@ -1,10 +1,10 @@
-//! Exact histories at places of a front-tracking bar: steps, made from the trails of the fronts that pass.
+//! Exact histories at places of a front-tracking bar: steps, made from the front segments of the fronts that pass.
 
 use serde::{Deserialize, Serialize};
 
 use super::Trace;
 use crate::bar::{Bar, Initial};
-use crate::solver::moc::{FrontTracking, Trail};
+use crate::solver::moc::{FrontSegment, FrontTracking};
 
 /// Places closer than this part of the bar's length are one: fronts that meet in a point miss it by rounding.
 const SAME_PLACE: f64 = 1e-12;
@@ -70,13 +70,13 @@ impl StepGauges {
         Self { gauges, heat, done: f64::NEG_INFINITY, held_back: HELD_BACK * until }
     }
 
-    /// Takes in what passed since the last call; `ended` are the trails that ended since then.
-    pub fn collect(&mut self, bar: &FrontTracking, ended: &[Trail]) {
+    /// Takes in what passed since the last call; `ended` are the front_segments that ended since then.
+    pub fn collect(&mut self, bar: &FrontTracking, ended: &[FrontSegment]) {
         self.collect_until(bar, ended, bar.time() - self.held_back);
     }
 
     /// Takes in the rest at the end of the run, and closes every history with a row at that time.
-    pub fn close(&mut self, bar: &FrontTracking, ended: &[Trail]) {
+    pub fn close(&mut self, bar: &FrontTracking, ended: &[FrontSegment]) {
         self.collect_until(bar, ended, f64::INFINITY);
         for gauge in &mut self.gauges {
             if gauge.rows.time.last() != Some(&bar.time()) {
@@ -85,18 +85,18 @@ impl StepGauges {
         }
     }
 
-    fn collect_until(&mut self, bar: &FrontTracking, ended: &[Trail], until: f64) {
+    fn collect_until(&mut self, bar: &FrontTracking, ended: &[FrontSegment], until: f64) {
         if self.gauges.is_empty() {
             return;
         }
-        for trail in ended.iter().copied().chain(bar.living_trails()) {
-            let medium = bar.medium(trail.segment);
+        for piece in ended.iter().copied().chain(bar.living_front_segments()) {
+            let medium = bar.medium(piece.segment);
             for gauge in &mut self.gauges {
                 let new = |c: &Crossing| self.done < c.time && c.time <= until;
-                let point = &trail.behind;
-                let temperature = if self.heat { bar.temperature(trail.segment, point) } else { 0.0 };
+                let point = &piece.behind;
+                let temperature = if self.heat { bar.temperature(piece.segment, point) } else { 0.0 };
                 let after = || [point.stress, medium.strain(point), point.velocity, temperature];
-                gauge.crossings.extend(gauge.crossing(&trail, after).filter(new));
+                gauge.crossings.extend(gauge.crossing(&piece, after).filter(new));
             }
         }
         self.done = until;
@@ -136,24 +136,24 @@ impl StepGauge {
         }
     }
 
-    /// When and how a trail changes what is seen here, if it does. Distances are counted from the place into the side
+    /// When and how a piece changes what is seen here, if it does. Distances are counted from the place into the side
     /// that counts: a front that comes from there and reaches the place has passed all of that side, and so has one
     /// that leaves the place into it.
-    fn crossing(&self, trail: &Trail, after: impl FnOnce() -> State) -> Option<Crossing> {
+    fn crossing(&self, piece: &FrontSegment, after: impl FnOnce() -> State) -> Option<Crossing> {
         let distance = |x: f64| {
             let distance = self.side * (x - self.x);
             if distance.abs() <= self.same_place { 0.0 } else { distance }
         };
-        let ([from, to], [start, end]) = (trail.x.map(distance), trail.t);
+        let ([from, to], [start, end]) = (piece.x.map(distance), piece.t);
         let leaves = from < to;
         let passes = if leaves { from <= 0.0 && 0.0 < to } else { to <= 0.0 && 0.0 < from };
-        let length = trail.x[1] - trail.x[0];
+        let length = piece.x[1] - piece.x[0];
         passes.then(|| Crossing {
             // A front that starts or ends here does so at a time that is known exactly.
             time: match (from == 0.0, to == 0.0) {
                 (true, _) => start,
                 (_, true) => end,
-                _ => start + (self.x - trail.x[0]) / length * (end - start),
+                _ => start + (self.x - piece.x[0]) / length * (end - start),
             },
             leaves,
             speed: (length / (end - start)).abs(),

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{FrontRow, PathRow};
 use crate::bar::InitialFan;
-use crate::solver::moc::{FrontTracking, Trail};
+use crate::solver::moc::{FrontSegment, FrontTracking};
 use crate::wave::similarity::Edge;
 
 /// Origin of a front that is no edge of a first fan: it began later, at an end, a joint, or where others met.
@@ -18,23 +18,23 @@ const SAME_LEVEL: f64 = 1e-9;
 /// Most rows of `/paths`: about 100 MB.
 const MOST_PATHS: usize = 2_000_000;
 
-/// Keeps what the front table needs of the trails.
+/// Keeps what the front table needs of the front segments.
 #[derive(Debug, Default, Serialize, Deserialize)]
 pub struct TrackedFronts {
-    /// Trails that began at t = 0 and have ended.
-    first: Vec<Trail>,
+    /// Front segments that began at t = 0 and have ended.
+    first: Vec<FrontSegment>,
 }
 
 impl TrackedFronts {
-    /// Takes in trails that ended.
-    pub fn collect(&mut self, ended: &[Trail]) {
+    /// Takes in front segments that ended.
+    pub fn collect(&mut self, ended: &[FrontSegment]) {
         self.first.extend(ended.iter().filter(|t| t.t[0] == 0.0));
     }
 
     /// The table, with arrival times at gauges (name, place in m) of each front's straight life.
     pub fn rows(&self, bar: &FrontTracking, initial_fans: &[InitialFan], gauges: &[(String, f64)]) -> Vec<FrontRow> {
-        let living: Vec<Trail> = bar.living_trails().collect();
-        let all: Vec<Trail> = self.first.iter().chain(&living).copied().collect();
+        let living: Vec<FrontSegment> = bar.living_front_segments().collect();
+        let all: Vec<FrontSegment> = self.first.iter().chain(&living).copied().collect();
         let mut taken = vec![false; all.len()];
         let mut rows = Vec::new();
         for initial_fan in initial_fans {
@@ -47,24 +47,24 @@ impl TrackedFronts {
             }
         }
         let rest = living.iter().zip(&taken[self.first.len()..]).filter(|(_, taken)| !**taken);
-        rows.extend(rest.map(|(trail, _)| front_row(bar, trail, gauges)));
+        rows.extend(rest.map(|(piece, _)| front_row(bar, piece, gauges)));
         rows
     }
 }
 
-/// Whether a trail is this edge of this fan.
-fn is_edge(bar: &FrontTracking, initial_fan: &InitialFan, edge: &Edge, trail: &Trail) -> bool {
+/// Whether a piece is this edge of this fan.
+fn is_edge(bar: &FrontTracking, initial_fan: &InitialFan, edge: &Edge, piece: &FrontSegment) -> bool {
     let sign = initial_fan.sense.sign();
     let same = |found: f64, theory: f64| (found - sign * theory).abs() <= SAME_LEVEL * bar.stress_scale();
-    trail.t[0] == 0.0
-        && trail.segment == initial_fan.segment
-        && (trail.x[1] - trail.x[0]) * initial_fan.direction > 0.0
-        && (trail.x[0] - initial_fan.x).abs() <= SAME_LEVEL * initial_fan.x.abs()
-        && same(trail.ahead.stress, edge.stress_ahead)
-        && same(trail.behind.stress, edge.stress_behind)
+    piece.t[0] == 0.0
+        && piece.segment == initial_fan.segment
+        && (piece.x[1] - piece.x[0]) * initial_fan.direction > 0.0
+        && (piece.x[0] - initial_fan.x).abs() <= SAME_LEVEL * initial_fan.x.abs()
+        && same(piece.ahead.stress, edge.stress_ahead)
+        && same(piece.behind.stress, edge.stress_behind)
 }
 
-fn edge_row(initial_fan: &InitialFan, edge: &Edge, trail: Option<&Trail>, gauges: &[(String, f64)]) -> FrontRow {
+fn edge_row(initial_fan: &InitialFan, edge: &Edge, piece: Option<&FrontSegment>, gauges: &[(String, f64)]) -> FrontRow {
     let sign = initial_fan.sense.sign();
     FrontRow {
         origin: initial_fan.origin.to_string(),
@@ -73,17 +73,17 @@ fn edge_row(initial_fan: &InitialFan, edge: &Edge, trail: Option<&Trail>, gauges
         stress_behind: sign * edge.stress_behind,
         stress_ahead: sign * edge.stress_ahead,
         speed: initial_fan.direction * edge.speed,
-        speed_measured: trail.map_or(f64::NAN, speed),
-        position: trail.map_or(f64::NAN, |t| t.x[1]),
-        last_seen: trail.map_or(f64::NAN, |t| t.t[1]),
-        arrivals: gauges.iter().map(|(_, x)| trail.map_or(f64::NAN, |t| arrival(t, *x))).collect(),
+        speed_measured: piece.map_or(f64::NAN, speed),
+        position: piece.map_or(f64::NAN, |t| t.x[1]),
+        last_seen: piece.map_or(f64::NAN, |t| t.t[1]),
+        arrivals: gauges.iter().map(|(_, x)| piece.map_or(f64::NAN, |t| arrival(t, *x))).collect(),
     }
 }
 
-fn front_row(bar: &FrontTracking, trail: &Trail, gauges: &[(String, f64)]) -> FrontRow {
-    let medium = bar.medium(trail.segment);
-    let (ahead, behind) = (&trail.ahead, &trail.behind);
-    let measured = speed(trail);
+fn front_row(bar: &FrontTracking, piece: &FrontSegment, gauges: &[(String, f64)]) -> FrontRow {
+    let medium = bar.medium(piece.segment);
+    let (ahead, behind) = (&piece.ahead, &piece.behind);
+    let measured = speed(piece);
     FrontRow {
         origin: INTERIOR.into(),
         strain_behind: medium.strain(behind),
@@ -92,24 +92,24 @@ fn front_row(bar: &FrontTracking, trail: &Trail, gauges: &[(String, f64)]) -> Fr
         stress_ahead: ahead.stress,
         speed: medium.front_speed(ahead, behind).copysign(measured),
         speed_measured: measured,
-        position: trail.x[1],
-        last_seen: trail.t[1],
-        arrivals: gauges.iter().map(|(_, x)| arrival(trail, *x)).collect(),
+        position: piece.x[1],
+        last_seen: piece.t[1],
+        arrivals: gauges.iter().map(|(_, x)| arrival(piece, *x)).collect(),
     }
 }
 
 /// m/s, positive in +x; NaN for a front that has only just begun.
-fn speed(trail: &Trail) -> f64 {
-    (trail.x[1] - trail.x[0]) / (trail.t[1] - trail.t[0])
+fn speed(piece: &FrontSegment) -> f64 {
+    (piece.x[1] - piece.x[0]) / (piece.t[1] - piece.t[0])
 }
 
 /// When a front passed a place, s; NaN where it did not.
-fn arrival(trail: &Trail, x: f64) -> f64 {
-    let [from, to] = trail.x;
+fn arrival(piece: &FrontSegment, x: f64) -> f64 {
+    let [from, to] = piece.x;
     if x < from.min(to) || x > from.max(to) || from == to {
         return f64::NAN;
     }
-    trail.t[0] + (x - from) / (to - from) * (trail.t[1] - trail.t[0])
+    piece.t[0] + (x - from) / (to - from) * (piece.t[1] - piece.t[0])
 }
 
 /// Makes the rows of `/paths`, up to a limit.
@@ -127,29 +127,29 @@ impl Default for Paths {
 }
 
 impl Paths {
-    /// Rows for trails: those that lasted for a time.
-    pub fn rows(&mut self, trails: impl Iterator<Item = Trail>) -> Vec<PathRow> {
-        let mut lasting = trails.filter(|t| t.t[1] > t.t[0]).map(|t| row(&t));
+    /// Rows for front segments: those that lasted for a time.
+    pub fn rows(&mut self, front_segments: impl Iterator<Item = FrontSegment>) -> Vec<PathRow> {
+        let mut lasting = front_segments.filter(|t| t.t[1] > t.t[0]).map(|t| row(&t));
         let rows: Vec<PathRow> = lasting.by_ref().take(self.room).collect();
         self.left_out |= lasting.next().is_some();
         self.room -= rows.len();
         rows
     }
 
-    /// Whether every trail so far has its row.
+    /// Whether every piece so far has its row.
     pub fn complete(&self) -> bool {
         !self.left_out
     }
 }
 
-fn row(trail: &Trail) -> PathRow {
+fn row(piece: &FrontSegment) -> PathRow {
     PathRow {
-        x0: trail.x[0],
-        t0: trail.t[0],
-        x1: trail.x[1],
-        t1: trail.t[1],
-        stress_jump: trail.behind.stress - trail.ahead.stress,
-        speed: speed(trail),
+        x0: piece.x[0],
+        t0: piece.t[0],
+        x1: piece.x[1],
+        t1: piece.t[1],
+        stress_jump: piece.behind.stress - piece.ahead.stress,
+        speed: speed(piece),
     }
 }
 
@@ -158,32 +158,32 @@ mod tests {
     use super::*;
     use crate::wave::riemann::Point;
 
-    fn trail(from: f64, to: f64) -> Trail {
+    fn piece(from: f64, to: f64) -> FrontSegment {
         let behind = Point { stress: -1e6, ..Point::default() };
-        Trail { x: [0.0, to - from], t: [from, to], segment: 0, ahead: Point::default(), behind }
+        FrontSegment { x: [0.0, to - from], t: [from, to], segment: 0, ahead: Point::default(), behind }
     }
 
     #[test]
     fn paths_past_the_limit_are_left_out_and_said_to_be() {
         let mut paths = Paths { room: 3, left_out: false };
         // What lasts no time is no path, and takes no room.
-        let rows = paths.rows([trail(0.0, 1.0), trail(1.0, 1.0), trail(1.0, 3.0)].into_iter());
+        let rows = paths.rows([piece(0.0, 1.0), piece(1.0, 1.0), piece(1.0, 3.0)].into_iter());
         assert_eq!(
             rows.iter().map(|r| (r.t0, r.t1, r.stress_jump, r.speed)).collect::<Vec<_>>(),
             [(0.0, 1.0, -1e6, 1.0), (1.0, 3.0, -1e6, 1.0)]
         );
         assert!(paths.complete());
-        assert_eq!(paths.rows([trail(3.0, 4.0)].into_iter()).len(), 1);
+        assert_eq!(paths.rows([piece(3.0, 4.0)].into_iter()).len(), 1);
         assert!(paths.complete());
-        assert_eq!(paths.rows([trail(4.0, 5.0)].into_iter()).len(), 0);
+        assert_eq!(paths.rows([piece(4.0, 5.0)].into_iter()).len(), 0);
         assert!(!paths.complete());
     }
 
     #[test]
     fn a_front_arrives_where_it_passes_and_nowhere_else() {
-        let trail = Trail { x: [0.5, 0.25], t: [1.0, 2.0], ..trail(0.0, 1.0) };
-        assert_eq!((arrival(&trail, 0.375), arrival(&trail, 0.25)), (1.5, 2.0));
-        assert!(arrival(&trail, 0.6).is_nan() && arrival(&trail, 0.2).is_nan());
-        assert_eq!(speed(&trail), -0.25);
+        let piece = FrontSegment { x: [0.5, 0.25], t: [1.0, 2.0], ..piece(0.0, 1.0) };
+        assert_eq!((arrival(&piece, 0.375), arrival(&piece, 0.25)), (1.5, 2.0));
+        assert!(arrival(&piece, 0.6).is_nan() && arrival(&piece, 0.2).is_nan());
+        assert_eq!(speed(&piece), -0.25);
     }
 }

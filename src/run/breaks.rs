@@ -6,13 +6,13 @@ use super::limits::AtLimit;
 use crate::material::Sense;
 use crate::record::{self, AuditRow};
 use crate::scene::Scene;
-use crate::solver::moc::{FrontTracking, Trail};
+use crate::solver::moc::{FrontSegment, FrontTracking};
 
 /// A stress counts as the largest one of its curve from this part of it on: a level line holds it there, so all that it lacks
 /// is rounding.
 const AT_THE_END: f64 = 1.0 - 1e-12;
 
-/// Looks for that in the trails of the fronts, which know every state that the bar was ever in, and in the bar itself.
+/// Looks for that in the front segments of the fronts, which know every state that the bar was ever in, and in the bar itself.
 #[derive(Debug, Default, Serialize, Deserialize)]
 pub(super) struct Breaks {
     /// Where strain gathers inside the bar: segment, since when (s), and place (m).
@@ -22,8 +22,8 @@ pub(super) struct Breaks {
 
 impl Breaks {
     /// Whether anything has yielded.
-    pub fn look_at(&mut self, bar: &FrontTracking, trails: &[Trail]) {
-        self.yielded |= trails.iter().any(|t| t.behind.plastic.abs() > bar.medium(t.segment).round_off);
+    pub fn look_at(&mut self, bar: &FrontTracking, front_segments: &[FrontSegment]) {
+        self.yielded |= front_segments.iter().any(|t| t.behind.plastic.abs() > bar.medium(t.segment).round_off);
     }
 
     /// Where the curve can carry no more and the two sides of a place go on moving apart (or together), strain gathers

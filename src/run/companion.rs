@@ -40,7 +40,7 @@ pub(super) fn tracked(
     progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Option<(FrontTracking, Response)>> {
     let gauges = scene.record.gauge_places();
-    let mut bar = assemble::front_tracking(scene, Settings { trails: !gauges.is_empty(), ..settings });
+    let mut bar = assemble::front_tracking(scene, Settings { front_segments: !gauges.is_empty(), ..settings });
     let course = Course { instants, gauges: &gauges, until: 0.0, work: BURST };
     let found = respond(&scene.bar, &mut bar, course, |bar, until| {
         let at = Progress::Fronts { time: bar.time(), until, events: bar.events(), fronts: bar.front_count() };
@@ -64,7 +64,7 @@ pub(super) fn error_figure(
     response: &Response,
     progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Option<ErrorFigure>> {
-    if run.is_exact() && scene.cut.is_none() {
+    if run.is_exact() && scene.discretized.is_none() {
         return Ok(Some(exact(run.unresolved())));
     }
     let coarser = coarser(settings);
@@ -86,8 +86,8 @@ pub(super) fn error_figure(
 /// The scene with its tapers in coarser pieces than the run's: the error of a staircase goes with what its steps reflect. None
 /// without steps, as of a taper so slight that it is one piece.
 fn coarser_staircase(scene: &Scene) -> Option<Scene> {
-    let cut = scene.cut.as_ref().filter(|cut| cut.reflects > 0.0)?;
-    Some(cut.asked.cut_finer_than((COARSER * cut.reflects).min(COARSEST)))
+    let cut = scene.discretized.as_ref().filter(|cut| cut.reflects > 0.0)?;
+    Some(cut.original.discretized_finer_than((COARSER * cut.reflects).min(COARSEST)))
 }
 
 /// Of a run whose fronts were all kept; `unresolved` is what part of its energy rounding moved.
@@ -108,7 +108,7 @@ pub(super) fn coarser(settings: Settings) -> Settings {
     Settings {
         front_tolerance,
         ramp_step: Some(front_tolerance.max(ramps * settings.step())),
-        trails: false,
+        front_segments: false,
         ..settings
     }
 }

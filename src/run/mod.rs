@@ -164,7 +164,7 @@ fn struck_too_hard(scene: &Scene, initial_fans: &[InitialFan], parted: bool) -> 
     }
     let critical = critical_velocity(scene, initial_fans).unwrap_or(f64::NAN);
     let row = |initial_fan: &InitialFan| {
-        let asked = InitialFan { origin: scene.asked_origin(initial_fan.origin), ..initial_fan.clone() };
+        let asked = InitialFan { origin: scene.original_origin(initial_fan.origin), ..initial_fan.clone() };
         above_critical(&asked, &scene.bar.segments[initial_fan.segment].material, critical)
     };
     initial_fans.iter().filter_map(row).collect()
@@ -181,7 +181,7 @@ fn flow_both_ways(scene: &Scene, segment: &Segment, places: impl Iterator<Item =
 /// What a scene's audit needs to know; `cells` of the grid, where there is one.
 fn case(scene: &Scene, cells: Option<usize>) -> Case<'_> {
     let effects = &scene.effects;
-    let asked = scene.cut.as_ref().map_or(scene, |cut| &cut.asked);
+    let asked = scene.discretized.as_ref().map_or(scene, |cut| &cut.original);
     Case {
         bar: &asked.bar,
         ends: [&scene.left, &scene.right],
@@ -302,7 +302,7 @@ impl<'a> RunRecorder<'a> {
 
     /// The ruptures of a bar, if it was to break.
     fn ruptures(&self, bar: &impl View) -> Option<Vec<Rupture>> {
-        let named = |rupture: &Rupture| Rupture { site: self.scene.asked_site(rupture.site), ..*rupture };
+        let named = |rupture: &Rupture| Rupture { site: self.scene.original_site(rupture.site), ..*rupture };
         self.scene.effects.rupture.as_ref().map(|_| bar.ruptures().iter().map(named).collect())
     }
 
@@ -313,12 +313,12 @@ impl<'a> RunRecorder<'a> {
 
     /// Fronts with the joints of the scene that was asked for as their origins.
     fn named(&self, mut rows: Vec<FrontRow>) -> Vec<FrontRow> {
-        if self.scene.cut.is_some() {
+        if self.scene.discretized.is_some() {
             for row in &mut rows {
                 if let Some(initial_fan) =
                     self.initial_fans.iter().find(|initial_fan| initial_fan.origin.to_string() == row.origin)
                 {
-                    row.origin = self.scene.asked_origin(initial_fan.origin).to_string();
+                    row.origin = self.scene.original_origin(initial_fan.origin).to_string();
                 }
             }
         }
@@ -401,10 +401,10 @@ fn lengths(scene: &Scene, stretch: &[[f64; 2]]) -> Vec<LengthSummary> {
     if scene.torsion.is_some() {
         return Vec::new();
     }
-    let asked = scene.cut.as_ref().map_or(scene, |cut| &cut.asked);
+    let asked = scene.discretized.as_ref().map_or(scene, |cut| &cut.original);
     let mut lengths: Vec<_> = asked.bar.segments.iter().map(|s| LengthSummary::undeformed(s.length)).collect();
     for (k, &[elongation, plastic]) in stretch.iter().enumerate() {
-        let segment = scene.cut.as_ref().map_or(k, |cut| cut.of[k]);
+        let segment = scene.discretized.as_ref().map_or(k, |cut| cut.of[k]);
         lengths[segment].stretch(elongation, plastic);
     }
     lengths

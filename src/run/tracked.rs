@@ -17,9 +17,9 @@ use crate::record::{
 };
 use crate::scene::Scene;
 use crate::simulate::{Simulation, Stretch, simulate};
-use crate::solver::moc::{FrontTracking, Piece, Settings, Stopped, Trail};
+use crate::solver::moc::{FrontSegment, FrontTracking, Piece, Settings, Stopped};
 
-/// Events between two calls of the progress function: some milliseconds, and about 200 kB of trails.
+/// Events between two calls of the progress function: some milliseconds, and about 200 kB of front segments.
 const BURST: u64 = 5_000;
 
 /// Largest relative residual of energy and momentum with which a run counts as done. Rounding leaves 1e-12 to 1e-9, the more
@@ -41,7 +41,7 @@ const SAMPLING: &str = "exact at the place; on a front the state behind it, on a
 /// Runs a scene by front tracking.
 pub(super) fn run(task: Task<'_>, settings: Settings) -> Result<Summary> {
     let checkpoint = task.target.checkpoint.as_ref();
-    let mut run = Run::new(task, Settings { trails: true, stop_at_limits: true, ..settings })?;
+    let mut run = Run::new(task, Settings { front_segments: true, stop_at_limits: true, ..settings })?;
     if let Some(checkpoint) = checkpoint {
         run.resume(checkpoint)?;
     }
@@ -57,8 +57,8 @@ struct Run<'a> {
     recorder: RunRecorder<'a>,
     progress: &'a mut dyn FnMut(Progress) -> ControlFlow<()>,
     bar: FrontTracking,
-    /// Trails of fronts that ended since the last look.
-    ended: Vec<Trail>,
+    /// Front segments of fronts that ended since the last look.
+    ended: Vec<FrontSegment>,
     settings: Settings,
     /// Times at which something is looked at, s, the next one last. They do not change what happens between them.
     pauses: Vec<(f64, Pause)>,
@@ -100,7 +100,7 @@ impl Simulation for Run<'_> {
         self.pauses.last().map(|pause| pause.0)
     }
 
-    fn bar(&mut self) -> (&mut FrontTracking, Option<&mut Vec<Trail>>) {
+    fn bar(&mut self) -> (&mut FrontTracking, Option<&mut Vec<FrontSegment>>) {
         (&mut self.bar, Some(&mut self.ended))
     }
 
@@ -180,10 +180,10 @@ impl<'a> Run<'a> {
         self.write_paths(ended.into_iter())
     }
 
-    fn write_paths(&mut self, trails: impl Iterator<Item = Trail>) -> Result<()> {
+    fn write_paths(&mut self, front_segments: impl Iterator<Item = FrontSegment>) -> Result<()> {
         match &mut self.recorder.writer {
             Some(writer) if self.recorder.scene.record.paths => {
-                let rows = self.paths.rows(trails);
+                let rows = self.paths.rows(front_segments);
                 if rows.is_empty() { Ok(()) } else { writer.paths(rows) }
             }
             _ => Ok(()),
@@ -232,7 +232,7 @@ impl<'a> Run<'a> {
     fn stopped(&mut self, why: &Stopped) -> Error {
         match *why {
             Stopped::AtLimit(point) => return AtLimit::from(&point).error(self.recorder.scene),
-            Stopped::EventBudget { time, events, fronts } if self.recorder.scene.cut.is_some() => RunError {
+            Stopped::EventBudget { time, events, fronts } if self.recorder.scene.discretized.is_some() => RunError {
                 reason: format!("{OUT_OF_EVENTS} {events} events, with {fronts} fronts under way"),
                 time,
                 x: None,
@@ -276,8 +276,8 @@ impl<'a> Run<'a> {
             Err(why) => (Err(why), None),
         };
         self.breaks.look_for_gathering_strain(self.recorder.scene, &self.bar);
-        let last = self.bar.take_trails();
-        let living: Vec<Trail> = self.bar.living_trails().collect();
+        let last = self.bar.take_front_segments();
+        let living: Vec<FrontSegment> = self.bar.living_front_segments().collect();
         self.breaks.look_at(&self.bar, &living);
         self.gauges.close(&self.bar, &last);
         self.write_traces()?;

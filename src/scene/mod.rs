@@ -3,8 +3,8 @@
 mod auto;
 mod changes;
 mod check;
-mod cut;
 mod damping;
+mod discretized;
 mod effects;
 mod not_yet;
 mod notes;
@@ -25,8 +25,8 @@ use crate::record::{Compression, Field, Precision, SolvedBy};
 use crate::text_file::{self, NamedFiles};
 
 pub use auto::Auto;
-pub use cut::{Cut, MOST_PIECES};
 pub use damping::Damping;
+pub use discretized::{MOST_PIECES, TaperDiscretization};
 pub use effects::{Effects, Heat, Rate, Rupture, Unloading};
 use overrides::Overrides;
 pub use raw::RawScene;
@@ -106,7 +106,7 @@ pub struct Scene {
     /// What to record.
     pub record: Record,
     /// Of a scene whose tapered segments were cut into uniform pieces: what was asked for. None as the scene is read.
-    pub cut: Option<Box<Cut>>,
+    pub discretized: Option<Box<TaperDiscretization>>,
     /// Of a bar in torsion: what its surface quantities stand for. None for an axial bar.
     pub torsion: Option<Torsion>,
 }

@@ -7,7 +7,7 @@ use crate::bar::{EndCondition, History, Joint, Segment};
 use crate::record::{Compression, Precision};
 
 pub(super) fn json(scene: &Scene) -> Value {
-    let scene = scene.cut.as_ref().map_or(scene, |cut| &cut.asked);
+    let scene = scene.discretized.as_ref().map_or(scene, |cut| &cut.original);
     let mut value = json!({
         "title": scene.title,
         "name": scene.name,

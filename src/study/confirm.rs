@@ -94,7 +94,7 @@ fn scene(material: &Arc<Material>, velocity: f64) -> Scene {
             precision: Precision::F64,
             compression: Compression::None,
         },
-        cut: None,
+        discretized: None,
         torsion: None,
     }
 }

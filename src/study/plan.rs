@@ -191,7 +191,7 @@ pub fn plan(scene: &Scene) -> Plan {
         above_critical: all.iter().any(|l| l.fan.above_critical),
         initial_state: scene.bar.has_initial_state(),
         notes: scene.notes().into_iter().chain(notes).collect(),
-        staircase: scene.cut.as_ref().map(|cut| Staircase { pieces: cut.of.len(), reflects: cut.reflects }),
+        staircase: scene.discretized.as_ref().map(|cut| Staircase { pieces: cut.of.len(), reflects: cut.reflects }),
     }
 }
 

@@ -78,10 +78,10 @@ fn a_gauge_of_a_tracked_bar_starts_with_the_initial_state() {
     let (sigma, v, plastic) = (100e6, 100e6 / IMPEDANCE, 0.003);
     let state = format!("material = {}\nstress = {sigma}\nplastic-strain = {plastic}", material(YIELD, ""));
     let scene = scene(&text(&[(1.0, state)], [FIXED, FREE], "unloading = \"isotropic\"", &By::Fronts.solve(1e-3, 0)));
-    let mut bar = assemble::front_tracking(&scene, Settings { trails: true, ..Settings::default() });
+    let mut bar = assemble::front_tracking(&scene, Settings { front_segments: true, ..Settings::default() });
     let mut gauges = StepGauges::new(&scene.bar, &[0.75], 2.0 * TRANSIT);
     bar.advance_to(2.0 * TRANSIT).unwrap_or_else(|e| panic!("{e}"));
-    let ended = bar.take_trails();
+    let ended = bar.take_front_segments();
     gauges.close(&bar, &ended);
     let seen = gauges.take().remove(0);
     let exact = [(0.0, sigma, 0.0), (0.25, sigma, 0.0), (0.25, 0.0, -v), (1.75, 0.0, -v), (1.75, -sigma, 0.0)];

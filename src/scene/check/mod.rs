@@ -103,7 +103,7 @@ impl Checker<'_> {
             files: NamedFiles::default(),
             solve,
             record,
-            cut: None,
+            discretized: None,
             torsion,
         })
     }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use toml::Spanned;
 
-use super::super::cut::{MOST_PIECES, pieces_needed};
+use super::super::discretized::{MOST_PIECES, pieces_needed};
 use super::super::{Method, raw};
 use super::Checker;
 use super::bar::Piece;

@@ -108,8 +108,8 @@ impl FrontTracking {
             let (left, node) = (self.list.get(scratch.ids[i - 1]).right, *self.list.get(scratch.ids[i]));
             let changed = left != scratch.pieces[i - 1] || node.right != scratch.pieces[i];
             if node.kind == Kind::Front && (scratch.gone[i] || changed) {
-                // Its trail ends here, and another one goes on.
-                self.keep_trail(&node);
+                // Its front segment ends here, and another one begins.
+                self.keep_front_segment(&node);
                 self.merging.energy += self.unbooked(&node);
                 let node = self.list.get_mut(scratch.ids[i]);
                 (node.x, node.t) = (scratch.x[i], self.now);

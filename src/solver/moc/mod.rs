@@ -11,6 +11,8 @@ mod breaking;
 mod compare;
 mod contact;
 mod end;
+mod front_segment;
+mod front_segments;
 mod joint_clock;
 mod known_limits;
 mod limits;
@@ -33,18 +35,16 @@ mod step_control;
 mod stepping;
 mod sums;
 mod tracking;
-mod trail;
-mod trails;
 
 pub use compare::{COARSER, SAFETY};
 pub use end::{EndRecord, EndStep, StrikerState};
+pub use front_segment::FrontSegment;
 pub use joint_clock::{JointChange, JointState};
 pub use known_limits::PointAtLimit;
 pub use openings::Opening;
 pub use read::{Front, Piece, Sample};
 pub use sums::Balance;
 pub use tracking::FrontTracking;
-pub use trail::Trail;
 
 /// How a front-tracking run is carried out.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -61,8 +61,8 @@ pub struct Settings {
     pub ramp_step: Option<f64>,
     /// Most events that a run may take.
     pub event_budget: u64,
-    /// Keep the trails of fronts that end, for [`FrontTracking::take_trails`].
-    pub trails: bool,
+    /// Keep the front_segments of fronts that end, for [`FrontTracking::take_front_segments`].
+    pub front_segments: bool,
     /// End with [`Stopped::AtLimit`] where nothing is known of a material any more; else such points are only noted, see
     /// [`FrontTracking::passed`].
     pub stop_at_limits: bool,
@@ -84,7 +84,13 @@ impl Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { front_tolerance: 0.0, ramp_step: None, event_budget: 10_000_000, trails: false, stop_at_limits: false }
+        Self {
+            front_tolerance: 0.0,
+            ramp_step: None,
+            event_budget: 10_000_000,
+            front_segments: false,
+            stop_at_limits: false,
+        }
     }
 }
 

@@ -65,7 +65,7 @@ impl FrontTracking {
             self.booked.concentrated += self.stretch_work(node);
             self.keep_opening(node);
         }
-        self.keep_trail(node);
+        self.keep_front_segment(node);
         if node.kind == Kind::Front && self.merging.is_on() {
             self.merging.energy += self.unbooked(node);
         }

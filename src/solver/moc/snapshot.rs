@@ -11,7 +11,7 @@ impl Snapshot for FrontTracking {
     fn save(&self) -> Result<Vec<u8>> {
         let clock = (self.now, self.events, self.fronts);
         let limits = (&self.limits.passed, self.limits.stop);
-        let fronts = (&self.list, &self.queue, &self.trails);
+        let fronts = (&self.list, &self.queue, &self.front_segments);
         pack(&(
             clock,
             limits,
@@ -29,7 +29,7 @@ impl Snapshot for FrontTracking {
         (
             (self.now, self.events, self.fronts),
             (self.limits.passed, self.limits.stop),
-            (self.list, self.queue, self.trails),
+            (self.list, self.queue, self.front_segments),
             self.contacts,
             self.booked,
             self.merging,

@@ -17,7 +17,7 @@ use super::nearness::{Nearness, SAME_STRESS};
 use super::openings::Openings;
 use super::place::Shifted;
 use super::scale::stress_scale;
-use super::{Settings, Stopped, Trail};
+use super::{FrontSegment, Settings, Stopped};
 use crate::bar::{Bar, EndCondition, Initial, Segment};
 use crate::law::Table;
 use crate::law::rupture::Criteria;
@@ -64,8 +64,8 @@ pub struct FrontTracking {
     pub(super) merging: FrontMerging,
     /// A ramp was made into steps, or a body moves in steps.
     pub(super) in_steps: bool,
-    /// Trails of fronts that ended; none where they are not asked for.
-    pub(super) trails: Option<Vec<Trail>>,
+    /// Front segments of fronts that ended; none where they are not asked for.
+    pub(super) front_segments: Option<Vec<FrontSegment>>,
     pub(super) scratch: Scratch,
     /// Where and when the bar breaks; none where it never does.
     pub(super) rupture: Option<Box<Breaking>>,
@@ -126,7 +126,7 @@ impl FrontTracking {
             booked: Booked::default(),
             merging,
             in_steps,
-            trails: settings.trails.then(Vec::new),
+            front_segments: settings.front_segments.then(Vec::new),
             scratch: Scratch::default(),
             rupture: criteria.map(|criteria| Box::new(Breaking::new(criteria))),
         };

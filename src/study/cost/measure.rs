@@ -178,7 +178,7 @@ impl assemble::Task for Task<'_, '_> {
     /// That the bar is laid out, with its first Riemann problems, is part of the time.
     fn by_fronts(self, settings: Settings) -> Result<Pass, Halt> {
         let listens = !self.wanted.instants.is_empty() && !self.scene.record.gauges.is_empty();
-        let settings = Settings { trails: listens, ..self.wanted.settings.unwrap_or(settings) };
+        let settings = Settings { front_segments: listens, ..self.wanted.settings.unwrap_or(settings) };
         let before = Instant::now();
         let mut bar = assemble::front_tracking(self.scene, settings);
         let laid_out = before.elapsed().as_secs_f64();

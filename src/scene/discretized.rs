@@ -12,9 +12,9 @@ use crate::law::rupture::Site;
 
 /// Of a scene whose tapered segments were cut into pieces: what was asked for.
 #[derive(Debug, Clone)]
-pub struct Cut {
+pub struct TaperDiscretization {
     /// The scene with its tapers.
-    pub asked: Scene,
+    pub original: Scene,
     /// For each piece, the segment of the scene that was asked for.
     pub of: Vec<usize>,
     /// Largest part of a wave's force that a step between two pieces of a segment reflects.
@@ -33,12 +33,12 @@ impl Scene {
     /// The same scene with uniform pieces in the place of its tapered segments; none where the method needs no pieces.
     pub fn in_pieces(&self) -> Option<Self> {
         let share = share(&self.solve.method)?;
-        self.bar.segments.iter().any(|segment| segment.taper.is_some()).then(|| self.cut_finer_than(share))
+        self.bar.segments.iter().any(|segment| segment.taper.is_some()).then(|| self.discretized_finer_than(share))
     }
 
     /// The same with at most this part of a wave reflected at each step, 0 < share < 1.
     #[must_use]
-    pub fn cut_finer_than(&self, share: f64) -> Self {
+    pub fn discretized_finer_than(&self, share: f64) -> Self {
         let mut scene = self.clone();
         scene.bar.segments.clear();
         let (mut of, mut notches, mut joint_notches) = (Vec::new(), Vec::new(), Vec::new());
@@ -60,21 +60,21 @@ impl Scene {
         let steps = scene.bar.segments.windows(2).zip(of.windows(2)).filter(|(_, of)| of[0] == of[1]);
         let reflected = |pair: &[Segment]| ((pair[1].area - pair[0].area) / (pair[1].area + pair[0].area)).abs();
         let reflects = steps.map(|(pair, _)| reflected(pair)).fold(0.0, f64::max);
-        scene.cut = Some(Box::new(Cut { asked: self.clone(), of, reflects }));
+        scene.discretized = Some(Box::new(TaperDiscretization { original: self.clone(), of, reflects }));
         scene
     }
 
     /// The joint or end of the scene that was asked for.
-    pub fn asked_origin(&self, origin: Origin) -> Origin {
-        match (&self.cut, origin) {
+    pub fn original_origin(&self, origin: Origin) -> Origin {
+        match (&self.discretized, origin) {
             (Some(cut), Origin::Joint(k)) => Origin::Joint(cut.of[k]),
             _ => origin,
         }
     }
 
     /// The place in the scene that was asked for: a joint between two pieces is inside their segment.
-    pub fn asked_site(&self, site: Site) -> Site {
-        match (&self.cut, site) {
+    pub fn original_site(&self, site: Site) -> Site {
+        match (&self.discretized, site) {
             (Some(cut), Site::Joint(k)) if cut.of.get(k + 1) == Some(&cut.of[k]) => Site::Inside(cut.of[k]),
             (Some(cut), Site::Joint(k)) => Site::Joint(cut.of[k]),
             (Some(cut), Site::Inside(k)) => Site::Inside(cut.of[k]),

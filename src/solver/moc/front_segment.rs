@@ -7,7 +7,7 @@ use crate::wave::riemann::Point;
 /// The straight life of a front, from where it was sent to where it met something (or to now), with the constant
 /// states on both sides.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Trail {
+pub struct FrontSegment {
     /// Places of its start and its end, m.
     pub x: [f64; 2],
     /// Times of its start and its end, s.

@@ -1,0 +1,37 @@
+//! Hands out the front segments of fronts, of those that ended and of those under way.
+
+use super::list::{Kind, Node};
+use super::{FrontSegment, FrontTracking};
+
+impl FrontTracking {
+    /// Front segments of the fronts that ended since the last call, in the order in which they ended; empty unless
+    /// [`super::Settings::front_segments`] asks for them.
+    pub fn take_front_segments(&mut self) -> Vec<FrontSegment> {
+        self.front_segments.as_mut().map(std::mem::take).unwrap_or_default()
+    }
+
+    /// Front segments, up to now, of the fronts under way, from left to right.
+    pub fn living_front_segments(&self) -> impl Iterator<Item = FrontSegment> + '_ {
+        self.list.iter().filter(|n| n.kind == Kind::Front).map(|n| self.piece(n))
+    }
+
+    /// Keeps the front segment of a front that ends now, where front segments are asked for.
+    pub(super) fn keep_front_segment(&mut self, node: &Node) {
+        if node.kind == Kind::Front && self.front_segments.is_some() {
+            let piece = self.piece(node);
+            self.front_segments.iter_mut().for_each(|kept| kept.push(piece));
+        }
+    }
+
+    fn piece(&self, node: &Node) -> FrontSegment {
+        let (left, right) = (self.list.get(node.prev).right, node.right);
+        let (ahead, behind) = if node.speed > 0.0 { (right, left) } else { (left, right) };
+        FrontSegment {
+            x: [node.x, node.at(self.now)],
+            t: [node.t, self.now],
+            segment: node.segment as usize,
+            ahead,
+            behind,
+        }
+    }
+}

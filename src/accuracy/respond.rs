@@ -154,7 +154,7 @@ impl<S: Stepped> Listen<S> for OnGrid {
     }
 }
 
-/// By front tracking; gauges need its front_segments, see [`crate::solver::moc::Settings::front_segments`].
+/// By front tracking; gauges need its front segments, see [`crate::solver::moc::Settings::front_segments`].
 #[derive(Debug)]
 pub struct OfFronts {
     /// None where nothing is read.

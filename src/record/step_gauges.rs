@@ -70,7 +70,7 @@ impl StepGauges {
         Self { gauges, heat, done: f64::NEG_INFINITY, held_back: HELD_BACK * until }
     }
 
-    /// Takes in what passed since the last call; `ended` are the front_segments that ended since then.
+    /// Takes in what passed since the last call; `ended` are the front segments that ended since then.
     pub fn collect(&mut self, bar: &FrontTracking, ended: &[FrontSegment]) {
         self.collect_until(bar, ended, bar.time() - self.held_back);
     }

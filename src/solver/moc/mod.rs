@@ -61,7 +61,7 @@ pub struct Settings {
     pub ramp_step: Option<f64>,
     /// Most events that a run may take.
     pub event_budget: u64,
-    /// Keep the front_segments of fronts that end, for [`FrontTracking::take_front_segments`].
+    /// Keep the front segments of fronts that end, for [`FrontTracking::take_front_segments`].
     pub front_segments: bool,
     /// End with [`Stopped::AtLimit`] where nothing is known of a material any more; else such points are only noted, see
     /// [`FrontTracking::passed`].

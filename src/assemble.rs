@@ -64,7 +64,7 @@ pub fn leapfrog(scene: &Scene, cells: usize, cfl: f64) -> Leapfrog {
 
 /// First loading follows the materials' curves at once: no rate, and no temperature that is a state of its own.
 fn follows_curves(scene: &Scene) -> bool {
-    let warms = |segment: &Segment| heat_of_state(&segment.material, &scene.effects).is_some();
+    let warms = |segment: &Segment| heat_of_state(segment, &scene.effects).is_some();
     scene.effects.rate.is_none() && !scene.bar.segments.iter().any(warms)
 }
 
@@ -165,18 +165,19 @@ fn moves(effects: &Effects) -> bool {
     !matches!(effects.unloading, None | Some(Unloading::Isotropic))
 }
 
-/// What heats a material whose temperature is a state of each cell. Where hardening is isotropic and flow takes no time, the
-/// temperature is a matter of the (adiabatic) curve alone: none.
-pub fn heat_of_state<'a>(material: &'a Material, effects: &Effects) -> Option<&'a Heating> {
-    let heating = material.heating.as_deref()?;
-    (heating.warms() && (moves(effects) || effects.rate.is_some())).then_some(heating)
+/// What heats a segment where the temperature is a state of each cell. Where hardening is isotropic, flow takes no time, and the segment
+/// starts cold and without plastic strain, the temperature is a matter of the (adiabatic) curve alone: none.
+pub fn heat_of_state<'a>(segment: &'a Segment, effects: &Effects) -> Option<&'a Heating> {
+    let heating = segment.material.heating.as_deref()?;
+    let own = moves(effects) || effects.rate.is_some() || segment.has_yielded() || segment.starts_warm();
+    (heating.warms() && own).then_some(heating)
 }
 
 /// The law of one segment under the scene's effects, in steps of `dt`, s. Heat applies first (to the curve, or to the static
 /// stresses of the cell), then the rate; rupture comes last, in the solver.
 pub fn stepped_law(segment: &Segment, effects: &Effects, dt: f64) -> SegmentLaw {
     let (law, material) = (segment_law(segment, effects), &segment.material);
-    let (moves, heat) = (moves(effects), heat_of_state(material, effects));
+    let (moves, heat) = (moves(effects), heat_of_state(segment, effects));
     if effects.rate.is_none() && heat.is_none() {
         return law;
     }

@@ -1,13 +1,15 @@
-//! Text with two columns, as spreadsheets and instruments write it.
+//! Text with columns, as spreadsheets and instruments write it: two of them ([`read`]), any number ([`read_wide`]), or a table with a
+//! preamble and units ([`table`]).
 //!
 //! The delimiter is a semicolon, a tab or a comma: the one that parts most lines. Next to a semicolon or a tab, and inside quotes, a comma
 //! marks the decimals, where it cannot mean thousands. Empty lines and lines that start with `#` are skipped. A first line without numbers
-//! is a header. Empty columns after the second are ignored.
+//! is a header. Empty columns after the second are ignored. Before the header of a table there may be other lines, and after it one of units.
 
 use std::ops::Range;
 
 use crate::error::Result;
 use crate::input::Document;
+use crate::units::{Dimension, Quantity};
 
 /// A cell with its bytes in the text. In cells of numbers the decimal mark is a point.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,29 +20,119 @@ pub(crate) struct Cell {
 
 /// A line.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Row {
-    pub(crate) cells: [Cell; 2],
+pub(crate) struct Row<C = [Cell; 2]> {
+    pub(crate) cells: C,
     pub(crate) span: Range<usize>,
 }
 
 /// The lines of a file.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Columns {
-    pub(crate) header: Option<Row>,
-    pub(crate) rows: Vec<Row>,
+pub(crate) struct Columns<C = [Cell; 2]> {
+    pub(crate) header: Option<Row<C>>,
+    pub(crate) rows: Vec<Row<C>>,
 }
 
-/// Reads all lines.
+/// A line with any number of cells.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Line {
+    pub(crate) cells: Vec<Cell>,
+    pub(crate) span: Range<usize>,
+}
+
+/// A table of many columns. Its cells are as they stand in the text, with decimal commas.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Table {
+    pub(crate) header: Option<Line>,
+    /// A line of units below the header.
+    pub(crate) units: Option<Line>,
+    pub(crate) rows: Vec<Line>,
+    /// Columns of most rows.
+    pub(crate) width: usize,
+    /// Lines before the header, which are ignored.
+    pub(crate) preamble: usize,
+}
+
+/// Reads a table: the numbers start at the first of two lines with two or more numbers each and as many cells as most lines.
+///
+/// # Errors
+/// A text without such lines.
+pub(crate) fn table(document: &Document) -> Result<Table> {
+    let delimiter = delimiter(&document.text);
+    let mut rows: Vec<Line> = lines(&document.text).map(|(span, line)| cells(span, line, delimiter, 2)).collect();
+    let width = usual_width(&rows);
+    let is_data = |row: &Line| row.cells.len() == width && row.cells.iter().filter(|cell| is_number(cell)).count() >= 2;
+    let starts = |k: &usize| is_data(&rows[*k]) && rows.get(k + 1).is_none_or(is_data);
+    let Some(start) = (0..rows.len()).find(starts) else {
+        let message = "there are no two lines of at least two numbers each";
+        let help = "separate the columns by commas, semicolons or tabs";
+        return Err(document.error(0..0, "", message).allowed("columns of numbers, one row a line").help(help).into());
+    };
+    let data = rows.split_off(start);
+    let named = |rows: &mut Vec<Line>| rows.pop_if(|row| row.cells.len() > 1 && !row.cells.iter().any(is_number));
+    let mut header = named(&mut rows);
+    let mut units = None;
+    if header.as_ref().is_some_and(|line| line.cells.iter().all(|cell| is_unit(&cell.text))) {
+        units = header;
+        header = named(&mut rows);
+    }
+    Ok(Table { header, units, rows: data, width, preamble: rows.len() })
+}
+
+/// Cells of most lines; of equally frequent numbers the largest.
+fn usual_width(rows: &[Line]) -> usize {
+    let mut widths: Vec<usize> = rows.iter().map(|row| row.cells.len()).collect();
+    widths.sort_unstable();
+    widths.chunk_by(|a, b| a == b).max_by_key(|same| same.len()).map_or(0, |same| same[0])
+}
+
+fn is_number(cell: &Cell) -> bool {
+    let text = cell.text.replace(',', ".").replace('\u{2212}', "-");
+    text.parse::<f64>().is_ok_and(f64::is_finite)
+}
+
+/// `(mm)`, `[kN]`, `MPa` or nothing, as in a line of units.
+fn is_unit(text: &str) -> bool {
+    let known = |dimension| Quantity::Text(format!("1 {text}")).si(dimension).is_ok();
+    text.is_empty()
+        || (text.starts_with(['(', '[']) && text.ends_with([')', ']']))
+        || [Dimension::None, Dimension::Length, Dimension::Force, Dimension::Stress, Dimension::Time]
+            .map(known)
+            .contains(&true)
+}
+
+/// Reads all lines of a file with two columns.
 ///
 /// # Errors
 /// A line with fewer or more than two columns, or a comma in a number whose meaning is not certain.
 pub(crate) fn read(document: &Document) -> Result<Columns> {
+    let wide = read_count(document, Some(2))?;
+    let pair = |Row { cells, span }: Row<Vec<Cell>>| {
+        let cells = <[Cell; 2]>::try_from(cells);
+        cells.ok().map(|cells| Row { cells, span })
+    };
+    Ok(Columns { header: wide.header.and_then(pair), rows: wide.rows.into_iter().filter_map(pair).collect() })
+}
+
+/// Reads all lines of a file with any number of columns: as many as the first line has.
+///
+/// # Errors
+/// A line with fewer or more columns than the first, or a comma in a number whose meaning is not certain.
+pub(crate) fn read_wide(document: &Document) -> Result<Columns<Vec<Cell>>> {
+    read_count(document, None)
+}
+
+fn read_count(document: &Document, count: Option<usize>) -> Result<Columns<Vec<Cell>>> {
     let delimiter = delimiter(&document.text);
-    let rows = lines(&document.text).map(|(span, line)| row(document, span, line, delimiter));
-    let mut rows = rows.collect::<Result<Vec<Row>>>()?;
+    let mut count = count;
+    let mut rows = Vec::new();
+    for (span, line) in lines(&document.text) {
+        let row = row(document, span, line, delimiter, count)?;
+        count.get_or_insert(row.cells.len());
+        rows.push(row);
+    }
     let named = rows.first().is_some_and(|row| row.cells.iter().all(|cell| is_name(&cell.text)));
     let header = named.then(|| rows.remove(0));
-    decimal_commas(document, &mut rows)?;
+    decimal_commas(document, &mut rows.iter_mut().flat_map(|row| &mut row.cells).collect::<Vec<_>>())?;
     Ok(Columns { header, rows })
 }
 
@@ -88,33 +180,51 @@ fn split(line: &str, delimiter: char) -> Vec<(usize, &str)> {
     pieces
 }
 
-fn row(document: &Document, span: Range<usize>, line: &str, delimiter: char) -> Result<Row> {
+/// The cells of a line, without the empty ones after the `least` first at its end.
+fn cells(span: Range<usize>, line: &str, delimiter: char, least: usize) -> Line {
     let pieces = split(line, delimiter);
     let cell = |(start, piece): (usize, &str)| {
         let start = span.start + start;
         Cell { text: piece.trim().trim_matches('"').trim().to_owned(), span: start..start + piece.len() }
     };
     let mut cells: Vec<Cell> = pieces.into_iter().map(cell).collect();
-    while cells.len() > 2 && cells.last().is_some_and(|cell| cell.text.is_empty()) {
+    while cells.len() > least && cells.last().is_some_and(|cell| cell.text.is_empty()) {
         cells.pop();
     }
-    let found = cells.len();
-    match <[Cell; 2]>::try_from(cells) {
-        Ok(cells) if cells.iter().all(|cell| !cell.text.is_empty()) => Ok(Row { cells, span }),
-        Ok(_) => Err(wrong_count(document, span, 1, delimiter)),
-        Err(_) => Err(wrong_count(document, span, found, delimiter)),
-    }
+    Line { cells, span }
 }
 
-fn wrong_count(document: &Document, span: Range<usize>, found: usize, delimiter: char) -> crate::error::Error {
+/// A line with `count` columns, or any number of them.
+fn row(
+    document: &Document,
+    span: Range<usize>,
+    line: &str,
+    delimiter: char,
+    count: Option<usize>,
+) -> Result<Row<Vec<Cell>>> {
+    let Line { cells, span } = cells(span, line, delimiter, count.unwrap_or(2));
+    let filled = cells.iter().filter(|cell| !cell.text.is_empty()).count();
+    let wanted = count.unwrap_or(cells.len().max(2));
+    let right = cells.len() == wanted && filled == wanted;
+    if right { Ok(Row { cells, span }) } else { Err(wrong_count(document, span, filled, wanted, delimiter)) }
+}
+
+fn wrong_count(
+    document: &Document,
+    span: Range<usize>,
+    found: usize,
+    wanted: usize,
+    delimiter: char,
+) -> crate::error::Error {
+    let all = if wanted == 2 { "two columns".to_owned() } else { format!("{wanted} columns") };
     let help = match (found, delimiter) {
-        (1, _) => "separate the two columns by a comma, a semicolon or a tab",
-        (_, ',') => "keep two columns; if commas mark the decimals, separate the columns by semicolons",
-        _ => "keep two columns",
+        (1, _) => format!("separate the {all} by a comma, a semicolon or a tab"),
+        (_, ',') => format!("keep {all}; if commas mark the decimals, separate the columns by semicolons"),
+        _ => format!("keep {all}"),
     };
     let plural = if found == 1 { "" } else { "s" };
     let message = format!("this line has {found} column{plural}");
-    document.error(span, "", message).allowed("2 columns").help(help).into()
+    document.error(span, "", message).allowed(format!("{wanted} columns")).help(help).into()
 }
 
 /// A word, as headers have them: no number, and nothing that starts like one.
@@ -122,9 +232,12 @@ fn is_name(cell: &str) -> bool {
     !cell.starts_with(|c: char| c.is_ascii_digit() || "+-.,\u{2212}".contains(c)) && cell.parse::<f64>().is_err()
 }
 
-/// Makes points of decimal commas.
-fn decimal_commas(document: &Document, rows: &mut [Row]) -> Result<()> {
-    let cells = || rows.iter().flat_map(|row| &row.cells);
+/// Makes points of decimal commas in cells of numbers.
+///
+/// # Errors
+/// A comma whose meaning is not certain.
+pub(crate) fn decimal_commas(document: &Document, numbers: &mut [&mut Cell]) -> Result<()> {
+    let cells = || numbers.iter().map(|cell| &**cell);
     let Some(first) = cells().find(|cell| cell.text.contains(',')) else { return Ok(()) };
     let refuse = |cell: &Cell, message: String| {
         let help = "write every number with a decimal point and without separators of thousands";
@@ -149,7 +262,7 @@ fn decimal_commas(document: &Document, rows: &mut [Row]) -> Result<()> {
             format!("`{0}` can be {1} or {2}", first.text, first.text.replace(',', "."), first.text.replace(',', "")),
         );
     }
-    for cell in rows.iter_mut().flat_map(|row| &mut row.cells) {
+    for cell in numbers {
         cell.text = cell.text.replace(',', ".");
     }
     Ok(())
@@ -171,6 +284,17 @@ mod tests {
     fn texts(text: &str) -> Vec<[String; 2]> {
         let rows = read(&Document::new("a.csv", text)).expect("it is right").rows;
         rows.into_iter().map(|row| row.cells.map(|cell| cell.text)).collect()
+    }
+
+    #[test]
+    fn any_number_of_columns_is_read_and_kept() {
+        let wide = read_wide(&Document::new("a.csv", "t [us];a;b\n0,5;1;2\n1,5;3;4\n")).expect("it is right");
+        let texts: Vec<&str> = wide.rows[1].cells.iter().map(|cell| cell.text.as_str()).collect();
+        assert_eq!((texts, wide.header.map(|row| row.cells.len())), (vec!["1.5", "3", "4"], Some(3)));
+        for text in ["1,2,3\n1,2\n", "1,2,3\n1,,3\n"] {
+            let error = read_wide(&Document::new("a.csv", text)).expect_err(text).to_string();
+            assert!(error.contains("a.csv:2: this line has 2 columns (allowed: 3 columns)"), "{error}");
+        }
     }
 
     #[test]

@@ -26,6 +26,8 @@ pub mod law;
 
 pub mod wave;
 
+pub mod test_record;
+
 pub mod bar;
 
 pub mod solver;

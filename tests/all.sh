@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# All tests: those of the Rust code, and those that read the program's result files with h5py and xarray.
+# All tests: those of the Rust code, those that read the program's result files with h5py and xarray, and a sweep on a cluster of Slurm.
 # The Python packages go into a folder of their own under target/; nothing is installed elsewhere.
 set -euo pipefail
 cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.."
@@ -19,3 +19,4 @@ else
     export PYTHONPATH="$target/python-packages"
 fi
 BARWAVE_BIN="$target/release/barwave" "$python" -m pytest -q -p no:cacheprovider tests/python
+tests/slurm.sh "$target/release/barwave"

@@ -115,7 +115,7 @@ fn audit() -> AuditRow {
         estimate: 3.0,
         threshold: 10.0,
         finding: "3 K warmer".into(),
-        remedy: "Switch on with [effects] heat = {}".into(),
+        remedy: "Add `heat = {}` under [effects] to include it".into(),
     }
 }
 
@@ -168,7 +168,7 @@ fn a_finished_file_gives_everything_back() {
     // The file has the finding and its remedy in one message.
     let [row] = file.audit().unwrap().try_into().unwrap();
     assert_eq!(AuditRow { finding: row.finding.clone(), remedy: String::new(), ..audit() }, row);
-    assert_eq!(row.message(), "heat: 3 K warmer. Switch on with [effects] heat = {}");
+    assert_eq!(row.message(), "heat: 3 K warmer. Add `heat = {}` under [effects] to include it");
     assert_eq!(file.materials().unwrap(), [material()]);
 
     let fronts = file.fronts().unwrap();

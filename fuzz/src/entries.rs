@@ -1,4 +1,4 @@
-//! What the fuzz targets call, and `tests/fuzz_cases.rs` with the inputs that were found: any bytes end in a result or in an error with
+//! What the fuzz targets call, and `tests/suite/fuzz_cases.rs` with the inputs that were found: any bytes end in a result or in an error with
 //! a help line, never in a panic.
 
 use std::fs;

@@ -1,4 +1,4 @@
-//! A quantity given at points in time: straight between rows, a repeated time is a jump, the last value holds.
+//! A quantity given at points in time: linear between rows; a repeated time is a jump; the last value is held.
 
 /// A checked history. Before its first row, and before t = 0, it is zero.
 #[derive(Debug, Clone, PartialEq)]
@@ -77,6 +77,12 @@ impl History {
         let (t0, t1) = (self.time[next - 1], self.time[next]);
         let (v0, v1) = (self.value[next - 1], self.value[next]);
         v0 + (v1 - v0) * ((t - t0) / (t1 - t0))
+    }
+
+    /// The value just before `t`: at a jump, the value ahead of it.
+    pub fn before(&self, t: f64) -> f64 {
+        let next = self.time.partition_point(|&row| row < t);
+        if next < self.time.len() && self.time[next] == t { self.value[next] } else { self.at(t) }
     }
 
     /// Rate of change just after `t`, apart from jumps, 1/s.

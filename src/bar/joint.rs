@@ -46,18 +46,33 @@ pub struct Contact {
     gap: f64,
     open: bool,
     lost: f64,
+    elapsed: f64,
+    pressed: Pressed,
+}
+
+/// What the faces of a joint carried so far, where a solver goes on in steps.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct Pressed {
+    /// Largest force, N, compression positive.
+    pub peak: f64,
+    /// Start of the step in which it acted first, s.
+    pub time_of_peak: f64,
+    /// Total time of the steps in which the faces touched, s.
+    pub duration: f64,
+    /// End of the last of them, s.
+    pub pressed_until: f64,
 }
 
 impl Contact {
     /// At a joint; none where it is bonded.
     pub fn new(joint: Joint) -> Option<Self> {
         let Joint::Contact { gap } = joint else { return None };
-        Some(Self { start: gap, gap, open: gap > 0.0, lost: 0.0 })
+        Some(Self { start: gap, gap, open: gap > 0.0, ..Self::broken() })
     }
 
     /// Where a bar breaks.
     pub fn broken() -> Self {
-        Self { start: 0.0, gap: 0.0, open: true, lost: 0.0 }
+        Self { start: 0.0, gap: 0.0, open: true, lost: 0.0, elapsed: 0.0, pressed: Pressed::default() }
     }
 
     /// Distance of the faces, m, >= 0.
@@ -80,6 +95,18 @@ impl Contact {
         self.lost
     }
 
+    /// What the faces carried so far; forces are those of [`Self::note`].
+    pub fn pressed(&self) -> Pressed {
+        self.pressed
+    }
+
+    /// Notes the force (N) of the step that was taken.
+    pub fn note(&mut self, dt: f64, force: f64) {
+        if force > self.pressed.peak * (1.0 + 1e-9) {
+            (self.pressed.peak, self.pressed.time_of_peak) = (force, self.elapsed - dt);
+        }
+    }
+
     /// Rate (m/s, <= 0) at which the gap is closed at the end of a step.
     pub fn closing_rate(&self, dt: f64) -> f64 {
         -self.gap / dt
@@ -89,10 +116,13 @@ impl Contact {
     pub fn advance(&mut self, dt: f64, force: f64, free_rate: f64) -> bool {
         // Both comparisons say the same but for rounding, which must not invent a force.
         self.open = force <= 0.0 || self.gap + dt * free_rate >= 0.0;
+        self.elapsed += dt;
         if self.open {
             self.widen(dt, free_rate);
         } else {
             self.close();
+            self.pressed.duration += dt;
+            self.pressed.pressed_until = self.elapsed;
         }
         !self.open
     }

@@ -4,6 +4,7 @@ mod end;
 pub mod ends;
 mod hertz;
 mod history;
+mod initial;
 mod initial_fan;
 pub mod joint;
 mod taper;
@@ -13,6 +14,7 @@ use std::sync::Arc;
 pub use end::EndCondition;
 pub use hertz::Hertz;
 pub use history::History;
+pub use initial::{Distribution, Initial, InitialProfile};
 pub use initial_fan::{InitialFan, Origin, initial_fans};
 pub use joint::Joint;
 pub use taper::{Profile, Taper};
@@ -39,21 +41,14 @@ pub struct Segment {
     pub taper: Option<Arc<Taper>>,
     /// What it is made of.
     pub material: Arc<Material>,
-    /// Initial velocity, m/s, positive in +x.
+    /// Initial velocity, m/s, positive in +x; where it changes along the segment, the mean.
     pub velocity: f64,
     /// How it is joined to the next segment (meaningless on the last).
     pub joint: Joint,
-    /// Stress and plastic strain at t = 0.
+    /// Stress, plastic strain and temperature at t = 0; where they change along the segment, the means.
     pub initial: Initial,
-}
-
-/// The state of a segment at t = 0. What held it is taken away then: where forces differ at joints and ends, waves start.
-#[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize)]
-pub struct Initial {
-    /// Pa, tension positive; of a tapered segment the same at every section.
-    pub stress: f64,
-    /// Signed plastic strain (engineering), as left by first loading in one sense.
-    pub plastic_strain: f64,
+    /// How the state at t = 0 changes along the segment; none where it does not.
+    pub profile: Option<Arc<InitialProfile>>,
 }
 
 impl Segment {
@@ -67,6 +62,7 @@ impl Segment {
             velocity: 0.0,
             joint: Joint::Bonded,
             initial: Initial::default(),
+            profile: None,
         }
     }
 
@@ -87,6 +83,35 @@ impl Segment {
         self.taper.as_ref().map_or([self.area; 2], |taper| [0.0, self.length].map(|x| taper.area(x)))
     }
 
+    /// Mean state at t = 0 between two places of the segment, m from its left end, from < to.
+    pub fn initial_between(&self, from: f64, to: f64) -> Initial {
+        self.profile.as_ref().map_or(self.initial, |profile| profile.mean(from, to))
+    }
+
+    /// Mean velocity (m/s) at t = 0 between two places of the segment, m from its left end, from < to.
+    pub fn velocity_between(&self, from: f64, to: f64) -> f64 {
+        self.profile.as_ref().map_or(self.velocity, |profile| profile.velocity.mean(from, to))
+    }
+
+    /// Velocities (m/s) at t = 0 of its left and right end.
+    pub fn end_velocities(&self) -> [f64; 2] {
+        self.profile
+            .as_ref()
+            .map_or([self.velocity; 2], |profile| [profile.velocity.at(0.0), profile.velocity.before(self.length)])
+    }
+
+    /// Some place of it has flowed before t = 0.
+    pub fn has_yielded(&self) -> bool {
+        let along = self.profile.as_ref().map_or(0.0, |profile| profile.accumulated.largest());
+        self.initial.accumulated != 0.0 || along > 0.0
+    }
+
+    /// Some place of it is warmer than the material's reference temperature at t = 0.
+    pub fn starts_warm(&self) -> bool {
+        let along = self.profile.as_ref().map_or(0.0, |profile| profile.temperature_rise.largest());
+        self.initial.temperature_rise != 0.0 || along > 0.0
+    }
+
     /// Mean cross-section between two places of the segment, m from its left end, from < to; m^2.
     pub fn mean_area(&self, from: f64, to: f64) -> f64 {
         self.taper.as_ref().map_or(self.area, |taper| taper.mean(from, to))
@@ -94,9 +119,9 @@ impl Segment {
 }
 
 impl Bar {
-    /// Some segment is stressed or has yielded at t = 0.
+    /// Some segment is stressed, warm or has yielded at t = 0, or moves unevenly.
     pub fn has_initial_state(&self) -> bool {
-        self.segments.iter().any(|segment| segment.initial != Initial::default())
+        self.segments.iter().any(|segment| segment.profile.is_some() || segment.initial != Initial::default())
     }
 
     /// Total length, m.

@@ -9,7 +9,7 @@ use super::{message, output};
 use crate::error::{Error, InputError, Result};
 use crate::input::Document;
 use crate::material;
-use crate::scene::Problem;
+use crate::scene::{KINDS, Problem};
 use crate::study::sweep::Sweep;
 
 /// Options of `barwave check`.
@@ -28,7 +28,7 @@ enum Kind {
 }
 
 /// Keys that only a scene has at its top level.
-const OF_A_SCENE: [&str; 8] = ["specimen", "striker", "bar", "left", "right", "effects", "solve", "record"];
+const OF_A_SCENE: [&str; 7] = ["striker", "bar", "left", "right", "effects", "solve", "record"];
 /// Keys that only a material has at its top level.
 const OF_A_MATERIAL: [&str; 4] = ["density", "curve", "modulus", "source"];
 
@@ -58,7 +58,7 @@ fn check(file: &Path) -> Result<(&'static str, Vec<String>)> {
         Kind::Scene => {
             let notes = match Problem::of_document(&document, file, &[])? {
                 Problem::Bar(scene) => scene.notes(),
-                Problem::Specimen(_) => Vec::new(),
+                Problem::Impact(_) => Vec::new(),
             };
             Ok(("scene", notes))
         }
@@ -84,7 +84,8 @@ fn kind(document: &Document) -> Result<Kind> {
         return Ok(Kind::Sweep);
     }
     let has = |keys: &[&str]| table.get_ref().keys().any(|key| keys.contains(&key.get_ref().as_ref()));
-    match (has(&OF_A_SCENE), has(&OF_A_MATERIAL)) {
+    let impact = KINDS.iter().any(|kind| has(&[kind.key]));
+    match (impact || has(&OF_A_SCENE), has(&OF_A_MATERIAL)) {
         (true, _) => Ok(Kind::Scene),
         (false, true) => Ok(Kind::Material),
         (false, false) => {

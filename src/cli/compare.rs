@@ -3,22 +3,30 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
+use super::compare_results::{self, Outputs};
 use super::critical::SenseArg;
 use super::{critical, output};
 use crate::destination;
-use crate::error::{Error, Result};
+use crate::error::{Error, InputError, Result};
+use crate::record::Field;
 use crate::report::{self, plot};
 use crate::study::compare::{Compared, compare};
 
 /// Options of `barwave compare`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// Library names or paths of material files.
-    #[arg(required = true, value_name = "MATERIAL")]
-    materials: Vec<String>,
+    /// Library names, patterns such as 'steel*', or paths of material files; or result files (.h5), compared with the first of them.
+    #[arg(required_unless_present = "all", value_name = "MATERIAL|RESULT.h5")]
+    names: Vec<String>,
+    /// All materials of the library.
+    #[arg(long, conflicts_with = "names")]
+    all: bool,
     /// Output file: figure (.svg, .png, .html) or table (.csv).
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long, visible_alias = "plot", value_name = "FILE")]
     output: Option<PathBuf>,
+    /// Field of results to draw (default: the first that they share).
+    #[arg(long, value_enum)]
+    field: Option<Field>,
     /// Sense of the loading.
     #[arg(long, value_enum, default_value = "tension")]
     sense: SenseArg,
@@ -28,7 +36,7 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: &Args) -> Result<()> {
-    let is_csv = args.output.as_deref().is_some_and(is_csv);
+    let is_csv = args.output.as_deref().is_some_and(output::is_csv);
     if let Some(path) = args.output.as_deref().filter(|_| !is_csv) {
         plot::Format::of(path).map_err(|e| match e {
             Error::Input(e) => Error::Input(e.allowed("names that end in .svg, .png, .html or .csv")),
@@ -38,7 +46,14 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     if let Some(path) = &args.output {
         destination::resolve(path)?;
     }
-    let materials = critical::load(&args.materials)?;
+    if let Some(files) = results(&args.names)? {
+        return compare_results::run(
+            &files,
+            &Outputs { file: args.output.as_deref(), json: args.json, field: args.field },
+        );
+    }
+    let every = ["*".to_owned()];
+    let materials = critical::load(if args.all { &every } else { &args.names })?;
     let compared = compare(&materials, args.sense.into());
     match args.output.as_deref() {
         Some(path) if is_csv => plot::write_whole(path, csv(&compared).as_bytes())?,
@@ -52,8 +67,19 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     output::text(&format!("{}{written}", table(&compared)))
 }
 
-fn is_csv(path: &Path) -> bool {
-    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv"))
+/// The names as result files, where they are.
+fn results(names: &[String]) -> Result<Option<Vec<PathBuf>>> {
+    let is_result = |name: &&String| Path::new(name).extension().is_some_and(|e| e.eq_ignore_ascii_case("h5"));
+    let count = names.iter().filter(is_result).count();
+    if count == 0 {
+        return Ok(None);
+    }
+    if count < names.len() || count < 2 {
+        let message = format!("{count} of {} names are result files", names.len());
+        let help = "give result files only, the reference first: barwave compare a.h5 b.h5";
+        return Err(InputError::new(message).allowed("materials only, or at least 2 result files").help(help).into());
+    }
+    Ok(Some(names.iter().map(PathBuf::from).collect()))
 }
 
 /// One row a material, with the speeds of the fronts that carry 1 % and 10 % of strain.

@@ -16,8 +16,9 @@ use crate::destination;
 use crate::error::{Error, InputError, Result};
 use crate::record::{Measure, SolvedBy};
 use crate::report::{self, plot};
-use crate::scene::Scene;
+use crate::scene::{ImpactScene, Problem};
 use crate::study::cost::{Cost, CostPoint, EffectCost, Growth, Hooks, OrderFit, Reach, Whole, cost};
+use crate::study::impact_cost::impact_cost;
 use crate::units::{Dimension, Quantity};
 
 /// Options of `barwave cost`.
@@ -74,7 +75,10 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         let message = format!("`{}` can be read only once", args.scene.display());
         return Err(InputError::new(message).help("`barwave cost` runs the scene many times; name a file").into());
     }
-    let scene = Scene::read(&args.scene, &args.overrides)?;
+    let scene = match Problem::read(&args.scene, &args.overrides)? {
+        Problem::Bar(scene) => *scene,
+        Problem::Impact(scene) => return of_impact(args, &scene, kind.as_ref(), budget),
+    };
     let stop = interrupt::flag();
     let bar = progress_bar(args.quiet || args.json, budget);
     let scratch = Scratch::new("cost")?;
@@ -96,6 +100,36 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         output::text(&text(&found, args.output.as_deref()))?;
     }
     if found.interrupted { Err(Error::Interrupted) } else { Ok(()) }
+}
+
+/// The study of an impact that is not waves in a bar.
+fn of_impact(args: &Args, scene: &ImpactScene, kind: Option<&Kind>, budget: f64) -> Result<()> {
+    let (stop, started) = (interrupt::flag(), Instant::now());
+    let bar = progress_bar(args.quiet || args.json, budget);
+    let mut progress = |what: &str, done: f64| {
+        bar.set_position((TICKS * budget * done) as u64);
+        bar.set_message(what.to_owned());
+        let over = stop.load(Ordering::Relaxed) || started.elapsed().as_secs_f64() > budget;
+        if over { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    };
+    let found = impact_cost(scene, &mut progress);
+    bar.finish_and_clear();
+    let found = found?;
+    match (args.output.as_deref(), kind) {
+        (Some(path), Some(Kind::Csv)) => plot::write_whole(path, super::impact_cost::csv(&found).as_bytes())?,
+        (Some(path), Some(Kind::Json)) => {
+            let json = serde_json::to_string_pretty(&found).map_err(|e| Error::file(path, e))?;
+            plot::write_whole(path, (json + "\n").as_bytes())?;
+        }
+        (Some(path), Some(Kind::Picture)) => plot::save(path, &found.scene, &report::impact_cost::figure(&found))?,
+        _ => {}
+    }
+    if args.json {
+        output::json(&found)?;
+    } else if !args.quiet {
+        output::text(&super::impact_cost::text(&found))?;
+    }
+    if stop.load(Ordering::Relaxed) { Err(Error::Interrupted) } else { Ok(()) }
 }
 
 fn seconds(budget: &Quantity) -> Result<f64> {

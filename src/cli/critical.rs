@@ -1,25 +1,69 @@
 //! `barwave critical`.
 
-use std::path::Path;
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+
+use indicatif::{ProgressBar, ProgressStyle};
+use rayon::prelude::*;
+use serde::Serialize;
 
 use super::output;
-use crate::error::Result;
-use crate::material::{Material, Sense, library};
-use crate::study::confirm::{Confirmation, Driven, confirm};
+use crate::destination;
+use crate::error::{Error, InputError, Result};
+use crate::material::{Curve, HeatingError, Material, Scatter, Sense, TestCurve, library, mean_curve};
+use crate::report::plot::write_whole;
+use crate::study::bracket::{Apparent, Confirmation, RateAndHeat, apparent, confirm};
 use crate::study::critical::{CriticalRow, critical};
+use crate::study::sensitivity::{Interval, sensitivity};
+use crate::study::uncertainty::{Bootstrap, Uncertainty, uncertainty};
+use crate::units::{Dimension, Quantity};
+
+mod tables;
 
 /// Options of `barwave critical`.
 #[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  barwave critical --all\n  barwave critical copper-annealed --sensitivity --simulate\n  \
+                  barwave critical --repeats a.toml b.toml c.toml\n  barwave critical steel-4340-jc --rate --length \"200 mm\""
+)]
+#[expect(clippy::struct_excessive_bools, reason = "one a flag of the command line")]
 pub(crate) struct Args {
-    /// Library names or paths of material files.
-    #[arg(required = true, value_name = "MATERIAL")]
+    /// Library names, patterns such as 'steel*', or paths of material files.
+    #[arg(required_unless_present = "all", value_name = "MATERIAL")]
     materials: Vec<String>,
+    /// All materials of the library and of the user's folders, sorted by critical velocity.
+    #[arg(long, conflicts_with_all = ["materials", "repeats"])]
+    all: bool,
+    /// The materials are repeats of one test: report their mean and scatter.
+    #[arg(long)]
+    repeats: bool,
     /// Sense of the loading.
     #[arg(long, value_enum, default_value = "tension")]
     sense: SenseArg,
-    /// Confirm the value: simulate a bar 5 % below and 5 % above the critical velocity.
+    /// Bracket the value by simulation: bars below and above, by front tracking and on a grid.
     #[arg(long)]
     simulate: bool,
+    /// Part of each strain interval, and change of the critical velocity by 1 % of the stress there.
+    #[arg(long)]
+    sensitivity: bool,
+    /// Apparent critical velocity with the material's own rate law, by simulation.
+    #[arg(long)]
+    rate: bool,
+    /// Apparent critical velocity with adiabatic heating, by simulation.
+    #[arg(long)]
+    heat: bool,
+    /// Length of the bar with --rate or --heat, e.g. "200 mm" (default: 200 mm).
+    #[arg(long)]
+    length: Option<Quantity>,
+    /// Resamples of the bootstrap, 100 to 1000000, for materials with the scatter of several tests.
+    #[arg(long, value_name = "N", default_value_t = 2000)]
+    bootstrap: usize,
+    /// Seed of the bootstrap.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Write the table to a .csv file.
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
     /// Print a JSON list and nothing else.
     #[arg(long)]
     json: bool,
@@ -43,61 +87,173 @@ impl From<SenseArg> for Sense {
     }
 }
 
-pub(crate) fn run(args: &Args) -> Result<()> {
-    let materials = load(&args.materials)?;
-    let rows: Vec<_> = materials.iter().map(|m| critical(m, args.sense.into())).collect();
-    if !args.simulate {
-        return if args.json { output::json(&rows) } else { output::text(&table(&rows)) };
-    }
-    let simulated: Vec<_> = materials.iter().zip(&rows).map(|(m, row)| confirm(m, row)).collect();
-    if args.json {
-        let both: Vec<_> = rows.iter().zip(simulated).map(|(row, simulated)| Simulated { row, simulated }).collect();
-        return output::json(&both);
-    }
-    let lines: String = rows.iter().zip(&simulated).map(|(row, s)| sentence(row, s.as_ref())).collect();
-    output::text(&(table(&rows) + "\n" + &lines))
-}
-
-/// A row with what the simulation made of it.
-#[derive(serde::Serialize)]
-struct Simulated<'a> {
+/// A row with all that was asked for about it.
+#[derive(Debug, Serialize)]
+struct Studied {
     #[serde(flatten)]
-    row: &'a CriticalRow,
-    simulated: Option<Confirmation>,
+    row: CriticalRow,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    scatter: Option<Uncertainty>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    sensitivity: Option<Vec<Interval>>,
+    /// Null where it was asked for and there is nothing to simulate.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[expect(clippy::option_option, reason = "not asked for, without a value, or a value")]
+    simulated: Option<Option<Confirmation>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[expect(clippy::option_option, reason = "not asked for, without a value, or a value")]
+    apparent: Option<Option<Apparent>>,
 }
 
-fn sentence(row: &CriticalRow, simulated: Option<&Confirmation>) -> String {
-    let Some(s) = simulated else {
-        return format!("{}: not simulated, no critical velocity within the data\n", row.material);
-    };
-    let bar = |d: &Driven| {
-        let verdict = if d.breaks { "breaks" } else { "holds" };
-        format!("at {:.2} m/s the bar {verdict} (strain {:.4} at the struck end)", d.velocity_m_s, d.strain_at_end)
-    };
-    let verdict = if s.confirmed { "confirmed" } else { "NOT confirmed" };
-    format!("{}: {verdict}: {}, {}\n", row.material, bar(&s.below), bar(&s.above))
+pub(crate) fn run(args: &Args) -> Result<()> {
+    let how = checked(args)?;
+    let mut materials = if args.all { all() } else { load(&args.materials)? };
+    if args.repeats {
+        materials = vec![mean_of(&materials)?];
+    }
+    let bar = progress_bar(args, materials.len());
+    let studied = materials.par_iter().map(|material| {
+        let studied = study(args, &how, material);
+        bar.inc(1);
+        studied
+    });
+    let mut studied = studied.collect::<Result<Vec<_>>>()?;
+    bar.finish_and_clear();
+    if args.all {
+        let velocity = |s: &Studied| s.row.critical_velocity_m_s.unwrap_or(f64::NEG_INFINITY);
+        studied.sort_by(|a, b| velocity(b).total_cmp(&velocity(a)));
+    }
+    if let Some(path) = &args.output {
+        write_whole(path, tables::csv(&studied).as_bytes())?;
+    }
+    if args.json { output::json(&studied) } else { output::text(&tables::text(&studied, args.output.as_deref())) }
 }
 
-/// Materials by name or path, looked up from the working folder.
+/// Numbers of the command line that need checks.
+struct Checked {
+    bootstrap: Bootstrap,
+    length: f64,
+}
+
+/// Length of the bar where none is given, m: the gauge length of 8 in. of the classical tension-impact tests, rounded.
+const LENGTH: f64 = 0.2;
+
+fn checked(args: &Args) -> Result<Checked> {
+    if !(100..=1_000_000).contains(&args.bootstrap) {
+        let error = InputError::new(format!("{} resamples are out of range", args.bootstrap)).key("--bootstrap");
+        return Err(error.allowed("100 <= N <= 1000000").help("e.g. --bootstrap 2000").into());
+    }
+    let wrong = |message: String| {
+        let error = InputError::new(message).key("--length").allowed("1 mm <= length <= 1 km");
+        Error::from(error.help("e.g. --length \"200 mm\""))
+    };
+    let length = args.length.as_ref().map_or(Ok(LENGTH), |length| length.si(Dimension::Length)).map_err(wrong)?;
+    if !(1e-3..=1e3).contains(&length) {
+        return Err(wrong(format!("{length} m is out of range")));
+    }
+    if args.length.is_some() && !args.rate && !args.heat {
+        return Err(wrong("the static critical velocity does not depend on the length".into()));
+    }
+    if let Some(path) = &args.output {
+        if !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv")) {
+            let error = InputError::new(format!("unknown table format `{}`", path.display())).key("-o");
+            return Err(error.allowed("names that end in .csv").help("`barwave compare` draws figures").into());
+        }
+        destination::resolve(path)?;
+    }
+    Ok(Checked { bootstrap: Bootstrap { resamples: args.bootstrap, seed: args.seed }, length })
+}
+
+fn study(args: &Args, how: &Checked, material: &Material) -> Result<Studied> {
+    let sense = args.sense.into();
+    let row = critical(material, sense);
+    let with = RateAndHeat { rate: args.rate, heat: args.heat };
+    let beyond = args.rate || args.heat;
+    Ok(Studied {
+        scatter: uncertainty(material, sense, how.bootstrap),
+        sensitivity: args.sensitivity.then(|| sensitivity(material, sense)),
+        simulated: args.simulate.then(|| confirm(material, sense)),
+        apparent: beyond.then(|| beyond_static(material, &row, with, how.length)).transpose()?,
+        row,
+    })
+}
+
+/// The apparent critical velocity; an error where the material lacks the constants.
+fn beyond_static(material: &Material, row: &CriticalRow, with: RateAndHeat, length: f64) -> Result<Option<Apparent>> {
+    let refuse = |option: &str, what: String, help: &str| -> Error {
+        InputError::new(format!("the material `{}` {what}", material.name)).key(option).help(help).into()
+    };
+    if with.rate && material.constants.rate.is_empty() {
+        let help = "add [rate.johnson-cook], [rate.cowper-symonds] or [rate.malvern] to its file";
+        return Err(refuse("--rate", "states no rate law".into(), help));
+    }
+    let heated = if with.heat {
+        material.heated(None).map_err(|error| match error {
+            HeatingError::Missing(keys) => {
+                refuse("--heat", format!("lacks constants of [heat]: {}", keys.join(", ")), "add them to its file")
+            }
+            HeatingError::Curve(error) => refuse("--heat", format!("cannot be softened: {error}"), "leave out --heat"),
+        })?
+    } else {
+        material.clone()
+    };
+    Ok(row.strain_at_max.and_then(|limit| apparent(&heated, row.sense, with, length, limit)))
+}
+
+/// One material with the mean curve of several, and their scatter.
+fn mean_of(materials: &[Material]) -> Result<Material> {
+    if materials.len() < 2 {
+        let error = InputError::new("one material is no repeat").key("--repeats").allowed("two materials or more");
+        return Err(error.help("name the files of all tests").into());
+    }
+    let test = |m: &Material| TestCurve { record: m.name.clone(), modulus: m.modulus, curve: m.tension.clone() };
+    let tests: Vec<TestCurve> = materials.iter().map(test).collect();
+    let (modulus, rows) = mean_curve(&tests.iter().collect::<Vec<_>>());
+    let ruptures = materials.iter().all(|m| m.tension.ultimate().is_some());
+    let beyond = if ruptures { crate::material::Beyond::Rupture } else { materials[0].tension.beyond() };
+    let curve = Curve::new(&rows, beyond).map_err(|e| InputError::new(format!("the mean curve: {e}")))?;
+    let density = materials.iter().map(|m| m.density).sum::<f64>() / materials.len() as f64;
+    let mut mean = Material::from_curve(format!("mean of {}", materials.len()), density, curve);
+    mean.modulus = modulus.max(mean.modulus);
+    mean.scatter = Some(Box::new(Scatter { deviation: Vec::new(), tests }));
+    Ok(mean)
+}
+
+fn progress_bar(args: &Args, materials: usize) -> ProgressBar {
+    let long = args.simulate || args.rate || args.heat;
+    if !long || args.json || !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::new(materials as u64);
+    if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos} of {len} materials  {eta} left") {
+        bar.set_style(style);
+    }
+    bar
+}
+
+/// Materials by name, pattern or path, looked up from the working folder; each name once.
 pub(super) fn load(names: &[String]) -> Result<Vec<Material>> {
-    names.iter().map(|name| library::find(name, Path::new(""))).collect()
+    let mut all: Vec<String> = Vec::new();
+    for name in names {
+        let found =
+            if name.contains(['*', '?']) { library::matching(name, Path::new(""))? } else { vec![name.clone()] };
+        all.extend(found.into_iter().filter(|name| !all.contains(name)).collect::<Vec<_>>());
+    }
+    all.iter().map(|name| library::find(name, Path::new(""))).collect()
 }
 
-/// The rows for people.
-pub(super) fn table(rows: &[CriticalRow]) -> String {
-    const MPA: f64 = 1e6;
-    let cells = |r: &CriticalRow| {
-        vec![
-            r.material.clone(),
-            output::fixed(r.critical_velocity_m_s, 2),
-            output::fixed(Some(r.yield_velocity_m_s), 2),
-            output::fixed(r.strain_at_max, 4),
-            output::fixed(r.stress_at_max_pa.map(|s| s / MPA), 1),
-            output::fixed(Some(r.density_kg_m3), 0),
-            r.reason.clone(),
-        ]
-    };
-    let headings =
-        ["material", "v_c m/s", "v_yield m/s", "strain at max", "stress at max MPa", "density kg/m^3", "criterion"];
-    output::table(&headings, &rows.iter().map(cells).collect::<Vec<_>>(), 1, true)
+/// User materials first, then the built-in ones that they do not hide. A user file that is wrong is named on
+/// stderr and skipped: it must not hide the others.
+pub(super) fn all() -> Vec<Material> {
+    let mut names = library::user_names(Path::new(""));
+    let built_in: Vec<_> = library::names().filter(|n| !names.iter().any(|user| user == n)).map(String::from).collect();
+    names.extend(built_in);
+    let mut materials = Vec::new();
+    for name in &names {
+        match library::find(name, Path::new("")) {
+            Ok(material) => materials.push(material),
+            Err(error) => output::note(&format!("skipped `{name}`: {error}\n")),
+        }
+    }
+    materials
 }

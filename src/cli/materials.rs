@@ -23,7 +23,7 @@ enum Action {
     /// Show one material: constants, provenance, critical velocity and table.
     Show(ShowArgs),
     /// Write a material file for a CSV file of strain and stress, and check it.
-    Import(import::Args),
+    Import(Box<import::Args>),
     /// Print the folders in which material files are looked up.
     Path,
 }
@@ -61,24 +61,8 @@ fn base() -> &'static Path {
     Path::new("")
 }
 
-/// User materials first, then the built-in ones that they do not hide. A user file that is wrong is named on
-/// stderr and skipped: it must not hide the others.
-fn all() -> Vec<Material> {
-    let mut names = library::user_names(base());
-    let built_in: Vec<_> = library::names().filter(|n| !names.iter().any(|user| user == n)).map(String::from).collect();
-    names.extend(built_in);
-    let mut materials = Vec::new();
-    for name in &names {
-        match library::find(name, base()) {
-            Ok(material) => materials.push(material),
-            Err(error) => output::note(&format!("skipped `{name}`: {error}\n")),
-        }
-    }
-    materials
-}
-
 fn list(json: bool) -> Result<()> {
-    let materials = all();
+    let materials = super::critical::all();
     if json {
         return output::json(&materials.iter().map(summary).collect::<Vec<_>>());
     }

@@ -2,9 +2,13 @@
 
 mod check;
 mod compare;
+mod compare_results;
 mod cost;
 mod critical;
+mod impact;
+mod impact_cost;
 mod interrupt;
+mod invert;
 mod lines;
 mod materials;
 mod merge;
@@ -12,12 +16,13 @@ mod message;
 mod new;
 mod output;
 mod plan;
+mod quantity;
 mod report;
 mod run;
 mod scratch;
 mod shell;
-mod specimen;
 mod stability;
+mod study;
 mod summary;
 mod sweep;
 
@@ -48,7 +53,7 @@ enum Command {
     Check(check::Args),
     /// Critical impact velocity from the curve.
     Critical(critical::Args),
-    /// Curves, wave speeds and impact velocities of several materials side by side.
+    /// Materials side by side: curves, wave speeds, impact velocities; or result files: norms of their differences.
     Compare(compare::Args),
     /// Error against computing time, for every method that can run a scene.
     Cost(cost::Args),
@@ -56,8 +61,12 @@ enum Command {
     Stability(stability::Args),
     /// Run a scene many times along axes of its keys, into one table.
     Sweep(sweep::Args),
+    /// Run a classical experiment: impact velocities, table and figure.
+    Study(study::Args),
     /// Join the shards of a sweep into one table.
     Merge(merge::Args),
+    /// Curves from measurements: arrival times, residual strain, split-Hopkinson gauges.
+    Invert(invert::Args),
     /// Draw a result file: x-t diagram, profiles, gauges, fronts, ledger, audit.
     Report(report::Args),
     /// List, show and import materials.
@@ -121,7 +130,9 @@ fn dispatch(cli: &Cli) -> Result<()> {
         Command::Cost(args) => cost::run(args),
         Command::Stability(args) => stability::run(args),
         Command::Sweep(args) => sweep::run(args),
+        Command::Study(args) => study::run(args),
         Command::Merge(args) => merge::run(args),
+        Command::Invert(args) => invert::run(args),
         Command::Report(args) => report::run(args),
         Command::Materials(args) => materials::run(args),
         Command::New(args) => new::run(args),

@@ -12,15 +12,74 @@ use crate::error::{Error, InputError, Result};
 pub(crate) struct Args {
     /// Name of the scene; writes NAME.toml. A file that exists is never overwritten.
     name: PathBuf,
+    /// What to start from.
+    #[arg(short, long, value_enum, default_value = "bar")]
+    kind: Kind,
 }
 
-/// The scene that is written, with a mark where the title goes.
-const TEMPLATE: &str = include_str!("new_scene.toml");
+/// Declares the kinds of files to start from: a template each, and the command to try.
+macro_rules! kinds {
+    ($($(#[doc = $doc:literal])* $name:ident: $file:literal, $command:literal;)*) => {
+        /// A file to start from.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+        enum Kind {
+            $($(#[doc = $doc])* $name,)*
+        }
+
+        impl Kind {
+            /// The text, with a mark where the title goes.
+            fn template(self) -> &'static str {
+                match self { $(Self::$name => include_str!(concat!("templates/", $file)),)* }
+            }
+
+            /// What runs the file.
+            fn command(self) -> &'static str {
+                match self { $(Self::$name => $command,)* }
+            }
+        }
+    };
+}
+
+kinds! {
+    /// A bar that is pulled, with every key explained.
+    Bar: "bar.toml", "run";
+    /// A specimen that is pulled until it breaks.
+    TensionImpact: "tension-impact.toml", "run";
+    /// A cylinder that strikes a wall.
+    Taylor: "taylor.toml", "run";
+    /// A split-Hopkinson set: striker, incident bar, specimen, transmission bar.
+    Hopkinson: "hopkinson.toml", "run";
+    /// A mass that falls on a column.
+    DropWeight: "drop-weight.toml", "run";
+    /// A pulse that breaks a scab off the free end.
+    Spall: "spall.toml", "run";
+    /// A sweep, and NAME-scene.toml, the scene that it varies.
+    Sweep: "sweep.toml", "sweep";
+}
 
 pub(crate) fn run(args: &Args) -> Result<()> {
     let path = target(&args.name)?;
-    write_new(&path, &text(&path))?;
-    output::text(&format!("wrote {0}; try `barwave check {0}`\n", path.display()))
+    let mut wrote = path.display().to_string();
+    if args.kind == Kind::Sweep {
+        let scene = path.with_file_name(scene_name(&path));
+        if path.exists() {
+            return Err(exists(&path));
+        }
+        write_new(&scene, &text(&scene, Kind::Bar))?;
+        wrote = format!("{wrote} and {}", scene.display());
+    }
+    write_new(&path, &text(&path, args.kind))?;
+    let command = args.kind.command();
+    output::text(&format!("wrote {wrote}; try `barwave check {0}`, then `barwave {command} {0}`\n", path.display()))
+}
+
+/// The scene of a sweep, beside it.
+fn scene_name(sweep: &Path) -> String {
+    format!("{}-scene.toml", stem(sweep))
+}
+
+fn stem(path: &Path) -> String {
+    path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned())
 }
 
 /// NAME.toml for NAME and NAME.toml.
@@ -37,18 +96,21 @@ fn target(name: &Path) -> Result<PathBuf> {
     Ok(name.with_file_name(with_extension))
 }
 
-fn text(path: &Path) -> String {
-    let stem = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
-    let title = toml::Value::String(stem).to_string();
-    TEMPLATE.replace("\"TITLE\"", &title)
+fn text(path: &Path, kind: Kind) -> String {
+    let quoted = |text: String| toml::Value::String(text).to_string();
+    let text = kind.template().replace("\"TITLE\"", &quoted(stem(path)));
+    text.replace("\"SCENE\"", &quoted(scene_name(path))).replace("NAME.toml", &path.display().to_string())
+}
+
+fn exists(path: &Path) -> Error {
+    let error = InputError::new(format!("`{}` exists already", path.display()));
+    error.help("choose another name, or delete the file first").into()
 }
 
 /// Writes a file that must not exist, whole or not at all.
 fn write_new(path: &Path, text: &str) -> Result<()> {
     let mut file = OpenOptions::new().write(true).create_new(true).open(path).map_err(|e| match e.kind() {
-        ErrorKind::AlreadyExists => InputError::new(format!("`{}` exists already", path.display()))
-            .help("choose another name, or delete the file first")
-            .into(),
+        ErrorKind::AlreadyExists => exists(path),
         ErrorKind::NotFound => {
             InputError::new(format!("there is no folder for `{}`", path.display())).help("make the folder first").into()
         }
@@ -67,10 +129,14 @@ mod tests {
     use crate::scene::Scene;
 
     #[test]
-    fn the_template_is_a_right_scene() {
-        let text = text(Path::new("my \"first\" bar.toml"));
-        let scene = Scene::parse("my \"first\" bar.toml", &text, Path::new(""), &[]).expect("the template is right");
-        assert_eq!(scene.title, "my \"first\" bar");
+    fn templates_are_right_scenes() {
+        use clap::ValueEnum;
+        for &kind in Kind::value_variants().iter().filter(|kind| **kind != Kind::Sweep) {
+            let text = text(Path::new("my \"first\" bar.toml"), kind);
+            let scene =
+                Scene::parse("my \"first\" bar.toml", &text, Path::new(""), &[]).expect("the template is right");
+            assert_eq!(scene.title, "my \"first\" bar");
+        }
     }
 
     #[test]

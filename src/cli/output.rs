@@ -30,6 +30,11 @@ pub(crate) fn json(value: &impl serde::Serialize) -> Result<()> {
     text(&format!("{json}\n"))
 }
 
+/// Whether a file is to be a table, by its name.
+pub(crate) fn is_csv(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv"))
+}
+
 /// Rows under their headings: the first `left` columns and the last one where `last_left` flush left, the others
 /// flush right.
 pub(crate) fn table(headings: &[&str], rows: &[Vec<String>], left: usize, last_left: bool) -> String {

@@ -4,11 +4,11 @@ use std::path::PathBuf;
 
 use super::lines::Lines;
 use super::output;
-use super::summary::{front_lines, note_lines};
+use super::summary::{add_critical, front_lines, note_lines};
 use crate::error::Result;
-use crate::record::EnergySummary;
+use crate::run::plan_impact;
 use crate::scene::Problem;
-use crate::study::plan::{NetWork, Plan, Staircase, Work, plan};
+use crate::study::plan::{InitialSteps, NetWork, Plan, Staircase, Work, plan};
 use crate::units::{Dimension, System, format};
 
 /// Options of `barwave plan`.
@@ -31,10 +31,10 @@ pub(crate) struct Args {
 pub(crate) fn run(args: &Args) -> Result<()> {
     let scene = match Problem::read(&args.scene, &args.overrides)? {
         Problem::Bar(scene) => scene,
-        Problem::Specimen(scene) => {
-            let summary = EnergySummary::new(&scene.title, &scene.blow);
-            let text = || super::specimen::text(&summary, args.units, false);
-            return if args.json { output::json(&summary) } else { output::text(&text()) };
+        Problem::Impact(scene) => {
+            let plan = plan_impact(&scene);
+            let text = || super::impact::text(&plan, args.units);
+            return if args.json { output::json(&plan) } else { output::text(&text()) };
         }
     };
     let plan = plan(&scene);
@@ -64,19 +64,25 @@ fn text(plan: &Plan, units: System) -> String {
             ),
         );
     }
+    if let Some(InitialSteps { steps, largest }) = plan.initial_steps {
+        lines.add(
+            "initial state",
+            std::format!(
+                "becomes a staircase of {steps} steps, none above {:.2} % of the largest value",
+                100.0 * largest
+            ),
+        );
+    }
     lines.add("fields", std::format!("{} before compression", bytes(plan.field_bytes)));
-    let critical = plan.critical_velocity.map_or_else(
-        || "none within the data of the curve".to_owned(),
-        |v| {
-            let verdict = match (plan.above_critical, plan.initial_state) {
-                (true, _) => "exceeded",
-                (false, true) => "of a bar without initial stress and plastic strain",
-                (false, false) => "not reached",
-            };
-            std::format!("{}, {verdict}", format(v, Dimension::Velocity, units))
-        },
-    );
-    lines.add("critical velocity", critical);
+    let critical = plan.critical_velocity.map(|v| {
+        let verdict = match (plan.above_critical, plan.initial_state) {
+            (true, _) => "exceeded",
+            (false, true) => "of a bar without initial stress and plastic strain",
+            (false, false) => "not reached",
+        };
+        std::format!("{}, {verdict}", format(v, Dimension::Velocity, units))
+    });
+    add_critical(&mut lines, critical, &plan.fronts);
     lines.extend(front_lines(&plan.fronts, units));
     lines.extend(note_lines(&plan.notes));
     lines.text()

@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use super::output;
 use crate::destination;
-use crate::error::{Error, InputError, Result};
+use crate::error::{Error, Result};
+use crate::record::Field;
 use crate::record::store::ResultFile;
-use crate::record::{ENERGY, Field};
 use crate::report::plot::{Format, PNG_SCALE, png, write_whole};
 use crate::report::{Units, draw, page};
 use crate::units::System;
@@ -33,10 +33,6 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let path = args.output.clone().unwrap_or_else(|| args.file.with_extension("svg"));
     let format = Format::of(&path)?;
     destination::resolve(&path)?;
-    if file.facts().method == ENERGY {
-        let message = format!("{} has nothing to draw: it holds figures of the energy method", args.file.display());
-        return Err(InputError::new(message).help("`barwave run` prints them; they are in its group `energy`").into());
-    }
     let units = match args.units {
         System::Si => Units::Si,
         System::Us => Units::Us,

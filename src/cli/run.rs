@@ -16,7 +16,7 @@ use crate::error::{Error, InputError, Result};
 use crate::record::Summary;
 use crate::record::store::{self, Existing, ResultFile};
 use crate::run::{self, Progress};
-use crate::scene::{Problem, SpecimenScene};
+use crate::scene::{ImpactScene, Problem};
 use crate::units::{Dimension, Quantity, System, format};
 
 /// Options of `barwave run`.
@@ -70,7 +70,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let file = args.scene.as_deref().unwrap_or(Path::new("-"));
     let mut scene = match Problem::read(file, &args.overrides)? {
         Problem::Bar(scene) => *scene,
-        Problem::Specimen(scene) => return run_specimen(args, &scene),
+        Problem::Impact(scene) => return run_impact(args, &scene),
     };
     scene.solve.estimate_error = args.estimate_error;
     let path = output_path(args, &scene.name)?;
@@ -163,17 +163,33 @@ fn interval(given: &Quantity) -> Result<Duration> {
     }
 }
 
-/// A specimen, by the energy method.
-fn run_specimen(args: &Args, scene: &SpecimenScene) -> Result<()> {
-    if args.checkpoint.is_some() {
-        let message = "a [specimen] has no steps, and keeps no checkpoints";
-        return Err(InputError::new(message).key("--checkpoint").help("leave --checkpoint out").into());
+/// An impact that is not waves in a bar.
+fn run_impact(args: &Args, scene: &ImpactScene) -> Result<()> {
+    let refused = [
+        (args.checkpoint.is_some(), "--checkpoint", "is over in seconds, and keeps no checkpoints"),
+        (args.estimate_error, "--estimate-error", "states its error by itself where it has one"),
+    ];
+    if let Some((_, key, why)) = refused.into_iter().find(|(given, ..)| *given) {
+        let message = std::format!("a [{}] {why}", scene.problem.kind().replace("energy", "specimen"));
+        return Err(InputError::new(message).key(key).help(std::format!("leave {key} out")).into());
     }
-    let summary = run::run_specimen(scene, Some(&output_path(args, &scene.name)?))?;
+    let path = output_path(args, &scene.name)?;
+    let (stop, bar) = (interrupt::flag(), progress_bar(args.quiet || args.json));
+    bar.set_length(TICKS);
+    let summary = run::run_impact(scene, Some(&path), &mut |part| {
+        bar.set_position((TICKS as f64 * part) as u64);
+        if stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    });
+    bar.finish_and_clear();
+    let summary = summary.inspect_err(|error| {
+        if matches!(error, Error::Interrupted) {
+            output::note("interrupted before the result was written\n");
+        }
+    })?;
     if args.json {
         return output::json(&summary);
     }
-    if args.quiet { Ok(()) } else { output::text(&super::specimen::text(&summary, args.units, true)) }
+    if args.quiet { Ok(()) } else { output::text(&super::impact::text(&summary, args.units)) }
 }
 
 /// Where the result goes.

@@ -7,7 +7,7 @@ use clap::{CommandFactory, ValueEnum};
 use super::{Cli, output};
 use crate::error::{Error, Result};
 use crate::material::RawMaterial;
-use crate::scene::{RawScene, RawSpecimenScene};
+use crate::scene::{KINDS, RawScene};
 
 /// Options of `barwave completions`.
 #[derive(Debug, clap::Args)]
@@ -39,6 +39,12 @@ enum Described {
     Scene,
     /// Scene files of the energy method.
     Specimen,
+    /// Scene files of two spheres.
+    Spheres,
+    /// Scene files of a sphere on a plate.
+    Plate,
+    /// Scene files of a sphere on a beam.
+    Beam,
     /// Material files.
     Material,
 }
@@ -61,9 +67,13 @@ pub(crate) fn man(args: &ManArgs) -> Result<()> {
 }
 
 pub(crate) fn schema(args: &SchemaArgs) -> Result<()> {
+    let of_kind = |key| KINDS.iter().find(|kind| kind.key == key).map(|kind| (kind.schema)()).unwrap_or_default();
     let schema = match args.file {
+        Described::Specimen => of_kind("specimen"),
+        Described::Spheres => of_kind("spheres"),
+        Described::Plate => of_kind("plate"),
+        Described::Beam => of_kind("beam"),
         Described::Scene => schemars::schema_for!(RawScene),
-        Described::Specimen => schemars::schema_for!(RawSpecimenScene),
         Described::Material => schemars::schema_for!(RawMaterial),
     };
     let mut text = format!("{:#}", schema.as_value());

@@ -2,7 +2,7 @@
 
 use super::lines::Lines;
 use crate::record::{
-    AuditRow, AutoChoice, ChoiceSummary, EndSummary, FrontSummary, LengthSummary, RuptureSummary, Summary,
+    AuditRow, AutoChoice, ChoiceSummary, EndSummary, Figures, FrontSummary, LengthSummary, RuptureSummary, Summary,
     TorsionSummary,
 };
 use crate::units::{Dimension, System, format};
@@ -18,6 +18,7 @@ pub(super) fn text(s: &Summary, units: System) -> String {
     let mut lines = Lines::under(&s.scene);
     add_method(&mut lines, s, units);
     add_ends(&mut lines, s, units);
+    add_figures(&mut lines, &s.figures, units);
     add_limits(&mut lines, s, units);
     add_accuracy(&mut lines, s);
     lines.add("time", time_text(s));
@@ -62,6 +63,26 @@ fn add_ends(lines: &mut Lines, s: &Summary, units: System) {
     }
 }
 
+/// Forces, contact, gauges, residual deformation: a line for each place that has something to say.
+fn add_figures(lines: &mut Lines, figures: &Figures, units: System) {
+    for group in figures.0.iter().filter(|group| group.tells) {
+        let shown = group.figures.iter().filter(|figure| !figure.phrase.is_empty());
+        let parts = shown.enumerate().flat_map(|(k, figure)| {
+            let same_fact = ["at", "until"].iter().any(|word| figure.phrase.starts_with(word));
+            let separator = if k == 0 {
+                ""
+            } else if same_fact {
+                " "
+            } else {
+                ", "
+            };
+            [separator.to_owned(), std::format!("{} {}", figure.phrase, format(figure.value, figure.dimension, units))]
+        });
+        let text: String = parts.collect();
+        lines.add(&group.label, text);
+    }
+}
+
 /// What theory says of the first waves, and what the bar came to: heat and rupture.
 fn add_limits(lines: &mut Lines, s: &Summary, units: System) {
     if let Some(check) = &s.elastic_check {
@@ -70,11 +91,8 @@ fn add_limits(lines: &mut Lines, s: &Summary, units: System) {
         lines.add("elastic check", std::format!("{found} against rho c0 v = {expected}, relative {relative:.1e}"));
     }
     let exceeded = if s.above_critical { ", exceeded: the bar breaks at the loaded end" } else { "" };
-    let critical = s.critical_velocity.map_or_else(
-        || "none within the data of the curve".to_owned(),
-        |velocity| std::format!("{}{exceeded}", format(velocity, Dimension::Velocity, units)),
-    );
-    lines.add("critical velocity", critical);
+    let shown = |velocity| std::format!("{}{exceeded}", format(velocity, Dimension::Velocity, units));
+    add_critical(lines, s.critical_velocity.map(shown), &s.fronts);
     if let Some(rise) = s.temperature_rise {
         lines.add("heat", std::format!("temperature rise up to {rise:.4} K"));
     }
@@ -145,21 +163,26 @@ pub(super) fn note_lines(notes: &[String]) -> impl Iterator<Item = String> {
     notes.iter().map(|note| std::format!("  note: {note}"))
 }
 
-/// A line for each neglected effect that matters, and one for all others.
+/// The critical velocity, already as text. Where the data end before it, a bar that is not pulled needs no word on it.
+pub(super) fn add_critical(lines: &mut Lines, critical: Option<String>, fronts: &[FrontSummary]) {
+    let pulled = fronts.iter().any(|front| front.stress_behind > 0.0);
+    let none = || pulled.then(|| "not reached within the data of the curve".to_owned());
+    if let Some(text) = critical.or_else(none) {
+        lines.add("critical velocity", text);
+    }
+}
+
+/// A line for each neglected effect that matters or cannot be estimated, and one for all others.
 fn audit_lines(rows: &[AuditRow]) -> Vec<String> {
     let mut lines: Vec<String> =
         rows.iter().filter(|row| row.matters()).map(|row| std::format!("  note: {}", row.message())).collect();
-    let size = |row: &AuditRow| {
-        if row.estimate.is_nan() {
-            std::format!("{} unknown", row.effect)
-        } else {
-            std::format!("{} {:.2} %", row.effect, 100.0 * row.estimate)
-        }
-    };
-    let others: Vec<String> = rows.iter().filter(|row| !row.matters()).map(size).collect();
-    if !others.is_empty() {
-        lines.push(std::format!("  {:<18}{}", "not simulated", others.join(", ")));
+    let (unknown, small): (Vec<&AuditRow>, Vec<&AuditRow>) =
+        rows.iter().filter(|row| !row.matters()).partition(|row| row.estimate.is_nan());
+    let small: Vec<String> = small.iter().map(|r| std::format!("{} {:.2} %", r.effect, 100.0 * r.estimate)).collect();
+    if !small.is_empty() {
+        lines.push(std::format!("  {:<18}{}", "not simulated", small.join(", ")));
     }
+    lines.extend(unknown.iter().map(|row| std::format!("  {:<18}{}", "not simulated", row.message())));
     lines
 }
 

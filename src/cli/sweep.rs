@@ -41,7 +41,7 @@ pub(crate) struct Args {
 pub(crate) fn run(args: &Args) -> Result<()> {
     let sweep = Sweep::read(&args.sweep)?;
     let silent = args.quiet || args.json;
-    let shard = args.shard.unwrap_or_else(|| shard_of_environment(silent));
+    let shard = args.shard.map_or_else(|| shard_of_environment(silent), Ok)?;
     let folder = args.output.clone().unwrap_or_else(|| Path::new("runs/out").join(&sweep.name));
     if folder == Path::new("-") {
         let help = "give a folder, such as -o speeds";
@@ -62,26 +62,28 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     };
     let finished = sweep::run(&sweep, &folder, shard, args.resume, &on_row, &interrupt::flag());
     bar.finish_and_clear();
-    let finished = finished.inspect_err(|error| {
-        if matches!(error, Error::Interrupted) {
-            output::note(&format!(
-                "interrupted: the rows so far are in {}; continue with --resume\n",
-                folder.display()
-            ));
-        }
-    })?;
+    let finished = finished.inspect_err(|error| explain_interruption(error, &folder))?;
     if silent { Ok(()) } else { output::text(&summary(&finished, &folder, bar.elapsed().as_secs_f64())) }
 }
 
-fn shard_of_environment(silent: bool) -> Shard {
-    let Some((shard, variable)) = Shard::of_environment(|name| std::env::var(name).ok()) else { return Shard::WHOLE };
-    if !silent {
-        output::note(&format!("shard {} of {}, from {variable}\n", shard.index, shard.count));
+/// Where the rows are of a sweep that was asked to stop.
+pub(crate) fn explain_interruption(error: &Error, folder: &Path) {
+    if matches!(error, Error::Interrupted) {
+        output::note(&format!("interrupted: the rows so far are in {}; continue with --resume\n", folder.display()));
     }
-    shard
 }
 
-fn progress_bar(cases: u64, silent: bool) -> ProgressBar {
+fn shard_of_environment(silent: bool) -> Result<Shard> {
+    let found = Shard::of_environment(|name| std::env::var(name).ok())
+        .map_err(|message| InputError::new(message).help("number them from 1 to N, or give --shard I/N"))?;
+    let Some((shard, variables)) = found else { return Ok(Shard::WHOLE) };
+    if !silent {
+        output::note(&format!("shard {} of {}, from {variables}\n", shard.index, shard.count));
+    }
+    Ok(shard)
+}
+
+pub(crate) fn progress_bar(cases: u64, silent: bool) -> ProgressBar {
     if silent || !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();
     }

@@ -1,5 +1,77 @@
-//! Impacts that are not followed as waves: closed forms.
+//! Impacts that are not followed as waves in a bar: the energy method, spheres, plates and beams.
+//!
+//! A kind of impact is a type that implements [`Problem`], in one file or folder here, and a file in `scene/impacts/` that reads it.
 
+mod beam;
+pub(crate) mod contact;
+mod decay;
+mod oscillator;
+mod plate;
+mod pulse;
+mod solid;
+mod solution;
 mod specimen;
+mod spheres;
 
+use std::fmt::Debug;
+use std::ops::ControlFlow;
+
+pub use beam::{Beam, Foundation, Section};
+pub use contact::{Contact, History, Horizon, Moment, System, Touch};
+pub use oscillator::Oscillator;
+pub use plate::{Plate, handbook_restitution};
+pub use pulse::{Pulse, phi_psi};
+pub use solid::{Elastic, Solid};
+pub use solution::{Column, Figure, Line, Shapes, Solution, Table};
 pub use specimen::{Blow, Outcome, Specimen, Toughness};
+pub use spheres::{Spheres, velocities_after, velocity_before};
+
+use crate::units::Dimension;
+
+/// Told how much is done, 0 to 1; breaks off an integration.
+pub type Watch<'a> = &'a mut dyn FnMut(f64) -> ControlFlow<()>;
+
+/// An impact of any kind, checked.
+pub trait Problem: Debug + Send + Sync {
+    /// Name of the scene's table and of the group in the result file.
+    fn kind(&self) -> &'static str;
+
+    /// Name of the method in files and summaries.
+    fn method(&self) -> &'static str {
+        self.kind()
+    }
+
+    /// What is known without an integration.
+    fn plan(&self) -> Solution;
+
+    /// The result. Breaks off where `watch` does.
+    fn solve(&self, watch: Watch<'_>) -> ControlFlow<(), Solution>;
+
+    /// The parameters that decide how accurate the result is; none of a closed form.
+    fn numerics(&self) -> Option<Numerics> {
+        None
+    }
+
+    /// The same with others, and without histories of what the contact does not need.
+    fn with(&self, numerics: Numerics) -> Box<dyn Problem>;
+}
+
+/// Numerical parameters of an impact.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Numerics {
+    /// Modes of the struck body; none where it has no modes.
+    pub modes: Option<usize>,
+    /// Largest defect of Hertz's law between the nodes of a step, relative to the largest force.
+    pub tolerance: f64,
+}
+
+/// Adds the largest residual of the ledger's last column, and the number of steps.
+fn account(solution: &mut Solution, ledger: &Table, history: &History) {
+    let residual = ledger.column("residual").iter().fold(0.0, |most: f64, r| most.max(r.abs()));
+    let long_name = "largest residual of the energy ledger, relative to the energy at the start";
+    solution.figures.push(Figure::new("energy_residual", Dimension::None, long_name, residual));
+    solution.figures.push(Figure::new("steps", Dimension::None, "time steps", history.steps as f64));
+    let (steps, long_name) = (history.contact_steps as f64, "time steps in contact");
+    solution.figures.push(Figure::new("contact_steps", Dimension::None, long_name, steps));
+    solution.lines.push(Line::new("energy", "largest residual {}", &[(residual, Dimension::None)]));
+}

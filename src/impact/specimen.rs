@@ -3,7 +3,12 @@
 //! How the stress builds up is left out, and so is that the body may strike faster than the specimen can carry the strain
 //! away: above the critical velocity a bar breaks with less. A run of the bar itself (`[bar]`) knows both.
 
+use std::ops::ControlFlow;
+
+use super::solution::{Figure, Line, Solution};
+use super::{Numerics, Problem, Watch};
 use crate::material::{Curve, Ultimate};
+use crate::units::Dimension::{Energy, EnergyDensity, None as Plain, Velocity};
 
 /// A specimen in tension.
 #[derive(Debug, Clone)]
@@ -105,6 +110,79 @@ impl Blow {
             threshold_velocity: (2.0 * capacity / self.mass).sqrt(),
             strain,
         }
+    }
+}
+
+impl Problem for Blow {
+    fn kind(&self) -> &'static str {
+        "energy"
+    }
+
+    fn plan(&self) -> Solution {
+        let outcome = self.outcome();
+        let per_volume = self.specimen.energy_per_volume();
+        let line = Line::new;
+        Solution {
+            outcome: if outcome.breaks { "rupture" } else { "done" },
+            scheme: "closed-form",
+            figures: self.figures(&outcome),
+            flags: vec![("breaks", outcome.breaks)],
+            lines: vec![
+                line("method", "energy closed-form: no waves, no steps", &[]),
+                line("striker", "kinetic energy {}", &[(outcome.available, Energy)]),
+                line("specimen", "absorbs {} ({})", &[(outcome.capacity, Energy), (per_volume, EnergyDensity)]),
+                line("threshold", "fracture at {} and above", &[(outcome.threshold_velocity, Velocity)]),
+            ],
+            ..Solution::default()
+        }
+    }
+
+    fn solve(&self, _: Watch<'_>) -> ControlFlow<(), Solution> {
+        let (mut solution, outcome) = (self.plan(), self.outcome());
+        let text = if outcome.breaks {
+            "rupture: the striker continues at {}"
+        } else {
+            "done: the specimen holds and stops the striker"
+        };
+        solution.lines.push(Line::new("outcome", text, &[(outcome.residual_velocity, Velocity)]));
+        let strain = outcome.strain.map(|strain| Line::new("strain", "{}", &[(strain, Plain)]));
+        solution.lines.extend(strain);
+        ControlFlow::Continue(solution)
+    }
+
+    fn with(&self, _: Numerics) -> Box<dyn Problem> {
+        Box::new(self.clone())
+    }
+}
+
+impl Blow {
+    fn figures(&self, outcome: &Outcome) -> Vec<Figure> {
+        let figure =
+            |name, key, dimension, long_name, value| Figure { key, ..Figure::new(name, dimension, long_name, value) };
+        let per_volume = self.specimen.energy_per_volume();
+        let residual = "velocity of the striker in the end";
+        let threshold = "least velocity of this striker that breaks";
+        vec![
+            figure("available", "available_energy", Energy, "energy of motion of the striker", outcome.available),
+            figure("capacity", "capacity", Energy, "energy that the specimen can absorb", outcome.capacity),
+            figure("capacity_per_volume", "capacity", EnergyDensity, "energy that the specimen can absorb", per_volume),
+            figure(
+                "absorbed",
+                "absorbed_energy",
+                Energy,
+                "energy that the specimen has absorbed in the end",
+                outcome.absorbed,
+            ),
+            figure("residual_velocity", "residual_velocity", Velocity, residual, outcome.residual_velocity),
+            figure("threshold_velocity", "threshold_velocity", Velocity, threshold, outcome.threshold_velocity),
+            figure(
+                "strain",
+                "strain",
+                Plain,
+                "engineering strain all along the specimen in the end",
+                outcome.strain.unwrap_or(f64::NAN),
+            ),
+        ]
     }
 }
 

@@ -1,6 +1,6 @@
 //! Heat in laws that run on the adiabatic curve: it is in their table already, and the temperature can be read off it.
 
-use super::{CellLaw, Response, Reversals};
+use super::{CellLaw, Deformed, Response, Reversals};
 use crate::material::{Heating, Sense};
 
 /// A law over adiabatic tables, with what tells its temperature. Steps as the law itself, and keeps no more state.
@@ -101,6 +101,10 @@ impl<L: CellLaw<N>, const N: usize> CellLaw<N> for WithTemperature<L> {
 
     fn keeps_up(&self, state: [f64; N]) -> bool {
         self.law.keeps_up(state)
+    }
+
+    fn deformed(&self, deformed: &Deformed) -> [f64; N] {
+        self.law.deformed(deformed)
     }
 
     fn temperature(&self, state: [f64; N]) -> f64 {

@@ -66,6 +66,17 @@ impl<const N: usize> Response<N> {
     }
 }
 
+/// What a cell went through before t = 0, slowly.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Deformed {
+    /// E times the signed plastic strain, Pa.
+    pub plastic: f64,
+    /// E times the accumulated plastic strain, Pa, >= the size of `plastic`.
+    pub accumulated: f64,
+    /// Temperature above the reference temperature, K, >= 0.
+    pub temperature_rise: f64,
+}
+
 /// A law with `N` state numbers a cell. Pure; `predictor` is `base + E d_eps`.
 pub trait CellLaw<const N: usize>: Send + Sync + Sized {
     /// What the strain increment is added to: the stress, or the total E eps.
@@ -109,8 +120,13 @@ pub trait CellLaw<const N: usize>: Send + Sync + Sized {
     /// E times the signed plastic strain, Pa.
     fn plastic_strain(&self, state: [f64; N]) -> f64;
 
-    /// The state after first loading to this signed E times plastic strain (Pa), slowly, and unloading.
-    fn deformed(&self, plastic: f64) -> [f64; N] {
+    /// The state after slow loading and unloading. This one is that of first loading to the signed plastic strain, which is all that a law
+    /// needs whose hardening has a sense; the temperature is that of its start.
+    fn deformed(&self, Deformed { plastic, .. }: &Deformed) -> [f64; N] {
+        let plastic = *plastic;
+        if plastic == 0.0 {
+            return [0.0; N];
+        }
         let loaded = |size: f64| self.respond(0.0, size.copysign(plastic), [0.0; N]).state;
         let falls_short = |size: f64| self.plastic_strain(loaded(size)).abs() < plastic.abs();
         let (mut low, mut high) = (plastic.abs(), 2.0 * plastic.abs());
@@ -218,8 +234,8 @@ pub trait RowLaw: Send + Sync {
     /// Clears `flow` in cells that flow by a rate which the steps resolve.
     fn clear_resolved(&self, state: &[f64], flow: &mut [i8]);
 
-    /// The state of a cell after first loading to this signed E times plastic strain (Pa), slowly, and unloading.
-    fn deformed(&self, plastic: f64) -> Vec<f64>;
+    /// The state of a cell after slow loading and unloading.
+    fn deformed(&self, deformed: &Deformed) -> Vec<f64>;
 
     /// Temperature of cell `i` of a row, K (`state` is empty in a row that never yielded); not a number for laws that know
     /// none.
@@ -291,8 +307,8 @@ impl<L: CellLaw<N>, const N: usize> RowLaw for Rows<L, N> {
         (0..state.len() / N).map(|i| self.0.overstress_work(cell_state(state, i))).sum()
     }
 
-    fn deformed(&self, plastic: f64) -> Vec<f64> {
-        self.0.deformed(plastic).to_vec()
+    fn deformed(&self, deformed: &Deformed) -> Vec<f64> {
+        self.0.deformed(deformed).to_vec()
     }
 
     fn clear_resolved(&self, state: &[f64], flow: &mut [i8]) {

@@ -4,7 +4,7 @@
 //! hardening `h = f - sigma_y`, the stress behind a step follows without iteration: a point on the table obeys
 //! `E p' + sigma_y + h(p') = z`, so the table itself, read at `z = (elastic predictor) + E p`, is the solution.
 
-use super::{Backbone, CellLaw, Response};
+use super::{Backbone, CellLaw, Deformed, Response};
 
 /// Isotropic hardening: tension and compression harden alike.
 ///
@@ -43,6 +43,10 @@ impl<B: Backbone> CellLaw<2> for Isotropic<B> {
         let sigma = stress.copysign(predictor);
         let plastic = predictor - sigma;
         Response { sigma, state: [p + (size - stress), signed + plastic], plastic }
+    }
+
+    fn deformed(&self, deformed: &Deformed) -> [f64; 2] {
+        [deformed.accumulated, deformed.plastic]
     }
 
     #[inline(always)]

@@ -10,9 +10,9 @@ use crate::units::Dimension;
 pub enum Beyond {
     /// The last knot is where the specimen broke.
     Rupture,
-    /// The last slope goes on.
+    /// The last slope is continued.
     Extend,
-    /// The data say nothing: a run that gets there stops.
+    /// A run that reaches it stops.
     Error,
 }
 

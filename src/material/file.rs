@@ -5,7 +5,7 @@ use std::path::Path;
 use super::branch::{Branch, Given};
 use super::keys::Keys;
 use super::raw::{Confidence, RawMaterial, RawSource};
-use super::{Loading, Material, Measure, Provenance, Sense, constants};
+use super::{Loading, Material, Measure, Provenance, Sense, constants, scatter};
 use crate::error::Result;
 use crate::input::{Allowed, Document};
 use crate::units::Dimension;
@@ -57,6 +57,7 @@ pub fn resolve(raw: RawMaterial, doc: &Document, key_prefix: &str, base_dir: &Pa
     let compression = compression(&raw, &given, modulus, keys)?;
     let steepest = compression.iter().map(|c| c.curve.steepest()).fold(main.curve.steepest(), f64::max);
     let constants = constants::resolve(&raw, given.describe(), keys)?;
+    let scatter = raw.band.map(|band| scatter::resolve(band, main.curve.beyond(), keys)).transpose()?;
     Ok(Material {
         density: keys.number(&raw.density, "density", Dimension::Density, Allowed::Positive)?,
         modulus: modulus.unwrap_or(steepest),
@@ -65,6 +66,7 @@ pub fn resolve(raw: RawMaterial, doc: &Document, key_prefix: &str, base_dir: &Pa
         table_error: compression.as_ref().map_or(main.error, |c| c.error.max(main.error)),
         constants,
         heating: None,
+        scatter: scatter.map(Box::new),
         tension: main.curve,
         compression: compression.map(|c| c.curve),
         provenance: provenance(raw.source),

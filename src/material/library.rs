@@ -6,6 +6,8 @@
 
 use std::path::{Path, PathBuf};
 
+use wildmatch::WildMatch;
+
 use super::{Material, file};
 use crate::error::{InputError, Result};
 use crate::input::{Document, nearest};
@@ -26,21 +28,35 @@ built_in![
     "aluminium-1100-o",
     "aluminium-2024-t3",
     "aluminium-2024-t3-b",
+    "aluminium-2024-t3-jc",
+    "aluminium-2024-t351-jc",
     "aluminium-5052-o",
     "aluminium-6061-o",
     "aluminium-6061-t6",
     "aluminium-6061-t6-jc",
+    "aluminium-7039-jc",
     "aluminium-7075-o",
+    "brass-cartridge-jc",
+    "brass-naval-annealed",
+    "brass-naval-annealed-b",
     "copper-annealed",
+    "copper-annealed-voce",
     "copper-ofhc-epic-jc",
     "copper-ofhc-jc",
     "copper-ofhc-taylor-jc",
+    "iron-armco-jc",
+    "iron-carpenter-jc",
     "magnesium-az31b-annealed",
     "mild-steel",
+    "nickel-200-jc",
+    "steel-1006-jc",
     "steel-304-annealed",
     "steel-304l-jc",
     "steel-4340-jc",
     "steel-4340-tempered-315c",
+    "steel-s7-jc",
+    "titanium-6al-4v-b-jc",
+    "titanium-6al-4v-jc",
 ];
 
 /// Other names for built-in materials.
@@ -100,6 +116,23 @@ pub fn user_names(base_dir: &Path) -> Vec<String> {
         names.extend(found.into_iter().filter(|name| !names.contains(name)).collect::<Vec<_>>());
     }
     names
+}
+
+/// Names of the materials that match a pattern, in which `*` stands for any characters and `?` for one: first the built-in ones, then
+/// those in the user's folders.
+///
+/// # Errors
+/// A pattern that no name matches.
+pub fn matching(pattern: &str, base_dir: &Path) -> Result<Vec<String>> {
+    let wild = WildMatch::new(pattern);
+    let mut found: Vec<String> = names().map(str::to_owned).collect();
+    found.extend(user_names(base_dir).into_iter().filter(|name| built_in_text(name).is_none()));
+    found.retain(|name| wild.matches(name));
+    if found.is_empty() {
+        let error = InputError::new(format!("no material matches `{pattern}`")).key("material");
+        return Err(error.help("`barwave materials` lists them").into());
+    }
+    Ok(found)
 }
 
 fn is_path(name: &str) -> bool {

@@ -14,6 +14,7 @@ pub mod library;
 mod plausible;
 mod rate;
 mod raw;
+mod scatter;
 mod softening;
 mod tabulate;
 mod torsion;
@@ -21,6 +22,7 @@ mod torsion;
 use serde::{Deserialize, Serialize};
 
 pub use constants::Constants;
+pub(crate) use csv::factor as unit_size;
 pub(crate) use curve::SLOPE_ROUND_OFF;
 pub use curve::{Beyond, Curve, CurveError, Ultimate, UltimateReason};
 pub use file::{read, resolve};
@@ -30,6 +32,7 @@ pub use heating::{DEFAULT_FRACTION, Heating, HeatingError, WorkTable};
 pub use rate::Rate;
 pub(crate) use rate::{RateModel, RawRate, TEMPERATURE};
 pub use raw::RawMaterial;
+pub use scatter::{Scatter, TestCurve, mean_curve};
 pub use tabulate::{
     Measure, Tabulate, Tabulated, engineering_from_true, tabulate_law, tabulate_true_rows, true_from_engineering,
 };
@@ -96,7 +99,7 @@ impl Loading {
 pub struct Material {
     /// Short name, as in file names and legends.
     pub name: String,
-    /// One line for people.
+    /// Description, one line.
     pub description: String,
     /// Mass per volume, kg/m^3, > 0.
     pub density: f64,
@@ -119,7 +122,10 @@ pub struct Material {
     /// Set where plastic work heats the material: the curves above are then the adiabatic ones, see [`Material::heated`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub heating: Option<Box<Heating>>,
-    /// What the curve rests on.
+    /// Scatter of repeated tests about the curve, which runs ignore.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scatter: Option<Box<Scatter>>,
+    /// Source of the curve.
     pub provenance: Provenance,
 }
 
@@ -152,6 +158,7 @@ impl Material {
             table_error: 0.0,
             constants: Constants::default(),
             heating: None,
+            scatter: None,
             provenance: Provenance::default(),
         }
     }

@@ -140,9 +140,9 @@ rate_laws! {
     }
 }
 
-/// A law of the strain rate with its constants: `{ model = "malvern", k = "1e6 1/s" }`,
-/// `{ model = "cowper-symonds", D = "40 1/s", q = 5 }` or `{ model = "johnson-cook", C = 0.014, reference = "1 1/s" }`; in a
-/// material, whose table bears the law's name, without `model`.
+/// Rate law and its constants: `{ model = "malvern", k = "1e6 1/s" }`,
+/// `{ model = "cowper-symonds", D = "40 1/s", q = 5 }` or `{ model = "johnson-cook", C = 0.014, reference = "1 1/s" }`; in a material
+/// file the table has the name of the law, and no `model`.
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RawRate {
@@ -167,11 +167,11 @@ pub struct RawRate {
     #[serde(rename = "C1")]
     #[schemars(with = "Option<Quantity>")]
     c1: Option<Number>,
-    /// Zerilli-Armstrong: its fall with temperature, 1/K, > 0.
+    /// Zerilli-Armstrong: its temperature coefficient, 1/K, > 0.
     #[serde(rename = "C3")]
     #[schemars(with = "Option<Quantity>")]
     c3: Option<Number>,
-    /// Zerilli-Armstrong: its rate sensitivity over the temperature, 1/K, > 0.
+    /// Zerilli-Armstrong: its strain-rate coefficient, 1/K, > 0.
     #[serde(rename = "C4")]
     #[schemars(with = "Option<Quantity>")]
     c4: Option<Number>,

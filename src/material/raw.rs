@@ -17,7 +17,7 @@ use crate::units::Quantity;
 pub struct RawMaterial {
     /// Short name; a file without one is named by its stem.
     pub name: Option<String>,
-    /// One line for people.
+    /// Description, one line.
     pub description: Option<String>,
     /// Mass per volume, > 0 (kg/m^3).
     #[schemars(with = "Quantity")]
@@ -26,24 +26,24 @@ pub struct RawMaterial {
     /// steepest slope. Formulas need it.
     #[schemars(with = "Option<Quantity>")]
     pub modulus: Option<Number>,
-    /// What the curve is of: "axial" (default), or "shear": shear stress against engineering shear strain, and `modulus` is
+    /// Loading of the curve: "axial" (default), or "shear": shear stress against engineering shear strain, and `modulus` is
     /// the shear modulus; for bars with mode = "torsion".
     #[schemars(with = "Option<Loading>")]
     pub loading: Option<Spanned<Loading>>,
     /// Poisson's ratio, 0 to 0.5.
     #[schemars(with = "Option<Quantity>")]
     pub poisson: Option<Number>,
-    /// Whether strains and stresses are engineering (default) or true ones. May stand in `[curve]` instead.
+    /// Whether strains and stresses are engineering (default) or true ones. Also accepted in `[curve]`.
     #[schemars(with = "Option<Measure>")]
     pub measure: Option<Spanned<Measure>>,
-    /// Whether the curve was measured in tension (default) or compression. May stand in `[curve]` instead.
+    /// Whether the curve was measured in tension (default) or compression. Also accepted in `[curve]`.
     #[schemars(with = "Option<Sense>")]
     pub sense: Option<Spanned<Sense>>,
-    /// What happens past the last row: "rupture" (the specimen broke there), "extend" (the last slope goes on) or
-    /// "error" (a run that gets there stops; default). May stand in `[curve]` instead.
+    /// What happens past the last row: "rupture" (the specimen broke there), "extend" (the last slope is continued) or "error" (default:
+    /// a run that reaches it stops). Also accepted in `[curve]`.
     #[schemars(with = "Option<Beyond>")]
     pub beyond: Option<Spanned<Beyond>>,
-    /// What the other sense does where `[compression]` is absent: "engineering" (default) mirrors the engineering
+    /// Curve of the other sense where `[compression]` is absent: "engineering" (default) mirrors the engineering
     /// curve; "true" converts the same true curve to compression.
     #[schemars(with = "Option<Measure>")]
     pub symmetry: Option<Spanned<Measure>>,
@@ -57,7 +57,9 @@ pub struct RawMaterial {
     pub rate: Option<RawRates>,
     /// Constants for heating and thermal softening.
     pub heat: Option<RawHeat>,
-    /// What the curve rests on.
+    /// Scatter of repeated tests about the curve; runs ignore it.
+    pub band: Option<RawBand>,
+    /// Source of the curve.
     pub source: Option<RawSource>,
 }
 
@@ -101,7 +103,7 @@ pub struct RawCurve {
     /// `stress (MPa)`, `strain (%)`.
     #[schemars(with = "Option<String>")]
     pub csv: Option<Spanned<String>>,
-    /// A named law; its constants stand beside it.
+    /// A named law; its constants are in the same table.
     #[schemars(with = "Option<Formula>")]
     pub formula: Option<Spanned<Formula>>,
     /// Unit of plain stresses in `table` or `csv`, e.g. "MPa" (default: Pa).
@@ -151,6 +153,36 @@ pub struct RawCurve {
     pub tabulate: Option<RawTabulate>,
 }
 
+/// `[band]`: the scatter of repeated tests. `barwave critical` uses it, runs ignore it.
+#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct RawBand {
+    /// Unit of plain stresses here, e.g. "MPa" (default: Pa).
+    #[schemars(with = "Option<String>")]
+    pub unit: Option<Spanned<String>>,
+    /// Rows [engineering strain, standard deviation of the engineering stress], strain increasing.
+    #[schemars(with = "Option<Vec<(Quantity, Quantity)>>")]
+    pub deviation: Option<Spanned<Vec<TableRow>>>,
+    /// The curve of each test.
+    pub test: Option<Vec<RawTest>>,
+}
+
+/// `[[band.test]]`: the curve of one test.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct RawTest {
+    /// Name of the record.
+    pub record: Option<String>,
+    /// Elastic modulus of this test, > 0 (Pa); default: the steepest slope.
+    #[schemars(with = "Option<Quantity>")]
+    pub modulus: Option<Number>,
+    /// Behaviour past the last row; default: that of the material.
+    pub beyond: Option<Beyond>,
+    /// Rows [engineering strain, engineering stress]; magnitudes; strain increasing.
+    #[schemars(with = "Vec<(Quantity, Quantity)>")]
+    pub table: Spanned<Vec<TableRow>>,
+}
+
 /// How a formula (or a true table) becomes an engineering table.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
@@ -187,7 +219,7 @@ pub struct RawHeat {
     pub exponent: Option<Number>,
 }
 
-/// `[source]`: what the curve rests on.
+/// `[source]`: where the curve comes from.
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct RawSource {
@@ -195,7 +227,7 @@ pub struct RawSource {
     pub citation: Option<String>,
     /// What was measured.
     pub measured: Option<String>,
-    /// How sure.
+    /// Grade of the source.
     pub confidence: Option<Confidence>,
 }
 

@@ -67,7 +67,8 @@ impl TubeSection {
         let mut breaks = vec![start];
         breaks.extend(curve.strain().iter().copied().filter(|&knot| knot > start && knot < end));
         breaks.push(end);
-        let top = self.nominal_stress(curve, end).max(self.nominal_stress(curve, last));
+        // The largest stress of a curve that falls is that of a knot before its end.
+        let top = breaks.iter().map(|&g| self.nominal_stress(curve, g)).fold(0.0, f64::max);
         let table = refine(&|g| (g, self.nominal_stress(curve, g)), &breaks, TORSION_TOLERANCE, top);
         let mut rows = table.rows;
         if limit > 0.0 {
@@ -145,6 +146,15 @@ mod tests {
             assert!((table.stress_at(g) - exact).abs() < 1.5 * TORSION_TOLERANCE * 213e6, "{g}");
         }
         assert_eq!(table.elastic_limit(G), (0.002, 160e6));
+    }
+
+    /// A curve that has fallen to nothing at its end was tabulated to a tolerance of nothing, without end.
+    #[test]
+    fn a_tube_of_a_material_that_softens_to_nothing_has_a_short_table() {
+        let rows = [(2.03e-3, 6.09e6), (5.3592e-2, 0.0), (6.400_59e-2, 0.0)];
+        let curve = Curve::new(&rows, Beyond::Extend).expect("rows are in order");
+        let (table, error) = TubeSection { q: 512.0 / 586.0 }.nominal_curve(&curve, 3e9).expect("a curve");
+        assert!(table.strain().len() < 1000 && error < 1.5 * TORSION_TOLERANCE * 6.09e6, "{error}");
     }
 
     /// Such a rod was simulated with the shear curve of its material, and its table's error reported as 0.

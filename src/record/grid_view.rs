@@ -1,8 +1,9 @@
 //! Solvers on a grid as the recorders read them. Each has the methods of the traits under the same names.
 
 use super::stepped::{Stepped, log_stepwise};
-use super::view::{Account, EndState, Start, View};
+use super::view::{Account, ContactReading, EndState, Start, View};
 use super::{Field, Traces};
+use crate::bar::joint::Contact;
 use crate::law::FirstPassed;
 use crate::law::rupture::Rupture;
 use crate::solver::fd::{Grid, Leapfrog, Quantity, Reader, Sampling, Unresolved};
@@ -26,6 +27,15 @@ impl View for Leapfrog {
 
     fn strikers(&self) -> [Option<f64>; 2] {
         [self.left(), self.right()].map(|device| device.striker().map(|(velocity, _)| velocity))
+    }
+
+    /// A fracture inside a segment is no joint.
+    fn contacts(&self) -> Vec<ContactReading> {
+        let starts = |joint: usize| self.grid().segments.get(joint + 1).map(|part| part.cells.start);
+        let at_joints = self.contacts().filter(|contact| starts(contact.joint) == Some(contact.cell));
+        at_joints
+            .map(|contact| ContactReading { joint: contact.joint, is_open: contact.is_open, pressed: contact.pressed })
+            .collect()
     }
 
     fn ruptures(&self) -> &[Rupture] {
@@ -70,6 +80,15 @@ macro_rules! view_of_whole_bar {
 
             fn strikers(&self) -> [Option<f64>; 2] {
                 self.striker_velocities()
+            }
+
+            fn contacts(&self) -> Vec<ContactReading> {
+                let reading = |(joint, contact): (usize, &Contact)| ContactReading {
+                    joint,
+                    is_open: contact.is_open(),
+                    pressed: contact.pressed(),
+                };
+                self.contacts().map(reading).collect()
             }
 
             fn start(&self) -> Start {

@@ -15,6 +15,8 @@ pub struct Ledger {
     /// Momentum that has gone through the bar so far: at first that of all its parts as if they moved one way, the scale
     /// where opposing parts cancel.
     momentum_scale: f64,
+    /// The largest energy that was in the bar or came in through an end so far, J: all of it may leave again, to rounding.
+    energy_scale: f64,
     worst_energy: f64,
     worst_momentum: f64,
     most_given: f64,
@@ -28,6 +30,7 @@ impl Ledger {
             start,
             arm: 1.0,
             momentum_scale: (2.0 * start.energy * start.mass).sqrt(),
+            energy_scale: start.energy,
             worst_energy: 0.0,
             worst_momentum: 0.0,
             most_given: 0.0,
@@ -46,13 +49,13 @@ impl Ledger {
         let ([left, right], impulse) = (now.work, now.impulse[0] + now.impulse[1] + now.impulse_along);
         let put_in = self.start.energy + left + right;
         let held: f64 = now.energies.values().iter().map(|energy| energy.abs()).sum();
-        let energy_scale = self.start.energy.max(left.abs()).max(right.abs()).max(held);
-        let residual = relative(now.energies.total() - put_in, energy_scale);
+        self.energy_scale = self.energy_scale.max(left.abs()).max(right.abs()).max(held);
+        let residual = relative(now.energies.total() - put_in, self.energy_scale);
         self.momentum_scale = self.momentum_scale.max(now.momentum_scale);
         let missing = relative(now.energies.momentum - self.start.momentum - impulse, self.momentum_scale);
         self.worst_energy = self.worst_energy.max(residual.abs());
         self.worst_momentum = self.worst_momentum.max(missing.abs());
-        self.most_given = self.most_given.max(relative(-now.energies.numerical, energy_scale));
+        self.most_given = self.most_given.max(relative(-now.energies.numerical, self.energy_scale));
         LedgerRow {
             time: bar.time(),
             energies: Energies { momentum: self.arm * now.energies.momentum, ..now.energies },

@@ -15,16 +15,3 @@ pub struct LengthSummary {
     #[serde(rename = "unloaded_m")]
     pub unloaded: f64,
 }
-
-impl LengthSummary {
-    /// An undeformed segment, m.
-    pub fn undeformed(length: f64) -> Self {
-        Self { initial: length, at_end: length, unloaded: length }
-    }
-
-    /// Adds the elongation of a part of the segment and the plastic part of it, m.
-    pub fn stretch(&mut self, elongation: f64, plastic: f64) {
-        self.at_end += elongation;
-        self.unloaded += plastic;
-    }
-}

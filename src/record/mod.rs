@@ -2,11 +2,12 @@
 
 mod audit;
 mod checks;
-mod energy;
 mod error_table;
+mod figures;
 mod frames;
 mod fronts;
 mod grid_view;
+mod impact;
 mod ledger;
 mod length;
 mod step_gauges;
@@ -29,10 +30,11 @@ pub use audit::{
     short_tension, unresolved_flow,
 };
 pub use checks::{ElasticProbe, against_similarity, alone, similar_stress};
-pub use energy::{ENERGY, EnergySummary};
 pub use error_table::{ErrorTable, Measure};
+pub use figures::{Extreme, Figure, Figures, Group, Records, SegmentEnd, Tally, definitions};
 pub use frames::{Frames, Twisted, read_frame};
 pub use fronts::FrontTracker;
+pub use impact::ImpactSummary;
 pub use ledger::Ledger;
 pub use length::LengthSummary;
 pub use step_gauges::StepGauges;
@@ -44,7 +46,7 @@ pub use summary::{
 pub use traces::Traces;
 pub use tracked::EndHistories;
 pub use tracked_fronts::{INTERIOR, Paths, TrackedFronts};
-pub use view::{Account, EndState, Start, View};
+pub use view::{Account, ContactReading, EndState, Start, View};
 pub use warmth::{flowed_both_ways, largest_rise};
 
 /// A field that can be recorded over x and t.
@@ -264,7 +266,7 @@ pub struct AuditRow {
     pub threshold: f64,
     /// For people: size, place, time.
     pub finding: String,
-    /// What would bring the effect in, e.g. "Switch on with [effects] heat = {}"; empty where there is nothing to say, and in
+    /// How to include the effect, e.g. "Add `heat = {}` under [effects] to include it"; empty if there is nothing to do, and in
     /// rows read from a file, whose `finding` has it.
     pub remedy: String,
 }
@@ -275,7 +277,7 @@ impl AuditRow {
         self.estimate >= self.threshold
     }
 
-    /// The finding, and what would bring the effect in.
+    /// The finding, and how to include the effect.
     pub fn advice(&self) -> String {
         let stop = if self.remedy.is_empty() { "" } else { ". " };
         format!("{}{stop}{}", self.finding, self.remedy)

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::Trace;
-use crate::bar::{Bar, Initial};
+use crate::bar::{Bar, Initial, Segment};
 use crate::solver::moc::{FrontSegment, FrontTracking};
 
 /// Places closer than this part of the bar's length are one: fronts that meet in a point miss it by rounding.
@@ -111,24 +111,34 @@ impl StepGauges {
     }
 }
 
+/// The state at t = 0 just right of a place, m from the segment's left end, and its velocity; at the right end, just left.
+fn initial(segment: &Segment, x: f64, same_place: f64) -> (Initial, f64) {
+    let Some(profile) = &segment.profile else { return (segment.initial, segment.velocity) };
+    if x + same_place >= segment.length {
+        return (profile.beside(segment.length, 0), profile.velocity.before(segment.length));
+    }
+    (profile.beside(x + same_place, 1), profile.velocity.at(x + same_place))
+}
+
 impl StepGauge {
     fn new(bar: &Bar, x: f64, heat: bool) -> Self {
         let length = bar.length();
         let same_place = SAME_PLACE * length;
-        let mut end = 0.0;
-        let right_of = |s: &&crate::bar::Segment| {
-            end += s.length;
-            x < end - same_place
-        };
-        let segment = bar.segments.iter().find(right_of).unwrap_or(&bar.segments[bar.segments.len() - 1]);
-        let Initial { stress, plastic_strain } = segment.initial;
+        let (mut start, last) = (0.0, bar.segments.len() - 1);
+        let mut k = 0;
+        while k < last && x >= start + bar.segments[k].length - same_place {
+            start += bar.segments[k].length;
+            k += 1;
+        }
+        let segment = &bar.segments[k];
+        let (Initial { stress, plastic_strain, .. }, velocity) = initial(segment, x - start, same_place);
         let strain = stress / segment.material.modulus + plastic_strain;
         let cold = segment.material.heating.as_ref().map_or(f64::NAN, |h| h.reference_temperature);
         Self {
             x,
             side: if x < length - same_place { 1.0 } else { -1.0 },
             same_place,
-            state: [stress, strain, segment.velocity, if heat { cold } else { 0.0 }],
+            state: [stress, strain, velocity, if heat { cold } else { 0.0 }],
             heat,
             crossings: Vec::new(),
             started: false,

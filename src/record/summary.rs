@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{AuditRow, ErrorTable, LengthSummary};
+use super::{AuditRow, ErrorTable, Figures, LengthSummary};
 use crate::law::rupture::{Cause, Rupture};
 
 /// What `barwave run` says of a run. The keys are the contract's.
@@ -42,6 +42,8 @@ pub struct Summary {
     /// Lengths of the segments, left to right; left out in torsion.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub lengths: Vec<LengthSummary>,
+    /// Forces, contact, gauges, residual deformation, energy, rebound.
+    pub figures: Figures,
     /// What only a bar in torsion has.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub torsion: Option<TorsionSummary>,

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::Field;
+use crate::bar::joint::Pressed;
 use crate::law::rupture::Rupture;
 use crate::solver::Energies;
 
@@ -25,6 +26,11 @@ pub trait View {
         [None; 2]
     }
 
+    /// The joints that can open, where the solver goes on in steps.
+    fn contacts(&self) -> Vec<ContactReading> {
+        Vec::new()
+    }
+
     /// Where and when the bar broke so far, in order of time.
     fn ruptures(&self) -> &[Rupture] {
         &[]
@@ -35,6 +41,17 @@ pub trait View {
 
     /// What is in the bar and what came in through its ends, now.
     fn account(&self) -> Account;
+}
+
+/// A joint that can open.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ContactReading {
+    /// Behind this segment, counted from 0.
+    pub joint: usize,
+    /// No force passes.
+    pub is_open: bool,
+    /// What the faces carried.
+    pub pressed: Pressed,
 }
 
 /// Stress and velocity of an end.

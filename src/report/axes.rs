@@ -12,19 +12,44 @@ const BOTTOM: f64 = 46.0;
 const TOP: f64 = 26.0;
 const LEGEND_ROW: f64 = 18.0;
 
-/// A linear axis.
+/// An axis, linear or logarithmic.
 #[derive(Debug, Clone)]
 pub(super) struct Axis {
     pub label: String,
     pub low: f64,
     pub high: f64,
+    logarithmic: bool,
 }
 
 impl Axis {
     /// An axis from `low` to `high`; where that is no length (one frame, nothing but zeros) it is one unit long.
     pub fn new(label: impl Into<String>, low: f64, high: f64) -> Self {
         let high = if high - low > 1e-290 { high } else { low + 1.0 };
-        Self { label: label.into(), low, high }
+        Self { label: label.into(), low, high, logarithmic: false }
+    }
+
+    /// A logarithmic axis from `low` to `high`, 0 < low < high.
+    pub fn logarithmic(label: impl Into<String>, low: f64, high: f64) -> Self {
+        Self { label: label.into(), low, high, logarithmic: true }
+    }
+
+    /// Part of the axis below a value.
+    fn part(&self, value: f64) -> f64 {
+        if self.logarithmic {
+            return (value / self.low).ln() / (self.high / self.low).ln();
+        }
+        (value - self.low) / (self.high - self.low)
+    }
+
+    /// Ticks with their labels, and the power of ten taken out of these.
+    fn labelled(&self, count: usize) -> (Vec<(f64, String)>, i32) {
+        if self.logarithmic {
+            let [first, last] = [self.low.log10().ceil() as i32, self.high.log10().floor() as i32];
+            let decade = |power: i32| (10_f64.powi(power), format!("10{}", superscript(power)));
+            return ((first..=last).map(decade).collect(), 0);
+        }
+        let (ticks, step, power) = self.ticks(count);
+        (ticks.into_iter().map(|tick| (tick, tick_label(tick, step, power))).collect(), power)
     }
 
     /// An axis that holds all values with a little room; a single value gets room around it.
@@ -118,23 +143,22 @@ pub(super) struct Frame {
 impl Frame {
     /// Where a point stands.
     pub fn place(&self, (x, y): (f64, f64)) -> (f64, f64) {
-        let across = (x - self.x.low) / (self.x.high - self.x.low);
-        let up = (y - self.y.low) / (self.y.high - self.y.low);
+        let (across, up) = (self.x.part(x), self.y.part(y));
         (self.plot.x + across * self.plot.width, self.plot.bottom() - up * self.plot.height)
     }
 
     /// Border, ticks and labels; grid lines where asked for.
     pub fn draw(&self, svg: &mut Svg, grid: bool) {
-        let (ticks, step, power) = self.x.ticks((self.plot.width / 62.0).max(2.0) as usize);
+        let (ticks, power) = self.x.labelled((self.plot.width / 62.0).max(2.0) as usize);
         let grid_line = Stroke::new("#e4e4e4", 1.0);
         let tick_line = Stroke::new("#222", 1.0);
-        for tick in ticks {
-            let (x, bottom) = (self.place((tick, 0.0)).0, self.plot.bottom());
+        for (tick, label) in ticks {
+            let (x, bottom) = (self.place((tick, self.y.low)).0, self.plot.bottom());
             if grid {
                 svg.line((x, self.plot.y), (x, bottom), &grid_line);
             }
             svg.line((x, bottom), (x, bottom + 5.0), &tick_line);
-            svg.text((x, bottom + 18.0), TICK, Anchor::Middle, &tick_label(tick, step, power));
+            svg.text((x, bottom + 18.0), TICK, Anchor::Middle, &label);
         }
         let middle = self.plot.x + self.plot.width / 2.0;
         svg.text((middle, self.plot.bottom() + 38.0), LABEL, Anchor::Middle, &self.x.full_label(power));
@@ -143,14 +167,14 @@ impl Frame {
     }
 
     fn draw_upright_axis(&self, svg: &mut Svg, grid: Option<&Stroke>, tick_line: &Stroke) {
-        let (ticks, step, power) = self.y.ticks((self.plot.height / 36.0).max(2.0) as usize);
-        for tick in ticks {
-            let y = self.place((0.0, tick)).1;
+        let (ticks, power) = self.y.labelled((self.plot.height / 36.0).max(2.0) as usize);
+        for (tick, label) in ticks {
+            let y = self.place((self.x.low, tick)).1;
             if let Some(grid) = grid {
                 svg.line((self.plot.x, y), (self.plot.right(), y), grid);
             }
             svg.line((self.plot.x - 5.0, y), (self.plot.x, y), tick_line);
-            svg.text((self.plot.x - 8.0, y + 4.0), TICK, Anchor::End, &tick_label(tick, step, power));
+            svg.text((self.plot.x - 8.0, y + 4.0), TICK, Anchor::End, &label);
         }
         let middle = self.plot.y + self.plot.height / 2.0;
         svg.upright((self.plot.x - LEFT + 14.0, middle), LABEL, &self.y.full_label(power));
@@ -162,11 +186,10 @@ impl Frame {
     pub fn draw_right(&self, svg: &mut Svg) {
         let stroke = Stroke::new("#222", 1.0);
         let mut widest = 0.0_f64;
-        let (ticks, step, power) = self.y.ticks((self.plot.height / 36.0).max(2.0) as usize);
-        for tick in ticks {
-            let (x, y) = (self.plot.right(), self.place((0.0, tick)).1);
+        let (ticks, power) = self.y.labelled((self.plot.height / 36.0).max(2.0) as usize);
+        for (tick, text) in ticks {
+            let (x, y) = (self.plot.right(), self.place((self.x.low, tick)).1);
             svg.line((x, y), (x + 5.0, y), &stroke);
-            let text = tick_label(tick, step, power);
             widest = widest.max(text_width(&text, TICK));
             svg.text((x + 8.0, y + 4.0), TICK, Anchor::Start, &text);
         }
@@ -201,7 +224,7 @@ pub(super) fn line_panel(svg: &mut Svg, panel: Area, heading: &str, x: Axis, y: 
     });
 }
 
-fn draw_series(svg: &mut Svg, frame: &Frame, series: &Series) {
+pub(super) fn draw_series(svg: &mut Svg, frame: &Frame, series: &Series) {
     if series.marks {
         let ring = Stroke::new(&series.stroke.colour, series.stroke.width);
         for &point in series.points.iter().filter(|p| p.0.is_finite() && p.1.is_finite()) {

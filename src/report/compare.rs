@@ -1,97 +1,193 @@
-//! The picture of a comparison of materials.
+//! The picture of a comparison of materials: curves, front speeds and impact velocities, and the critical velocities as sorted bars, which
+//! name the lines.
 
-use kuva::prelude::{BarPlot, LegendEntry, LegendShape, LinePlot, LineStyle, MarkerShape, Plot, ScatterPlot};
-
-use super::plot::{Panel, colour, figure_with_legend, layout, legend_line, line_style};
+use super::axes::{Axis, Frame, Series, draw_series, plot_area, title};
+use super::plot::{COLOURS, colour};
+use super::svg::{Anchor, Area, Stroke, Svg, text_width};
 use crate::study::compare::Compared;
 
 const MPA: f64 = 1e6;
 const PERCENT: f64 = 0.01;
 
-/// Curves, front speeds and impact velocities against strain, the ultimate points marked; and critical velocities
-/// where there are several. SVG text.
+const WIDTH: f64 = 1240.0;
+const MARGIN: f64 = 16.0;
+const HEIGHT: f64 = 400.0;
+/// Of a bar with its name, px.
+const ROW: f64 = 20.0;
+const SMALL: f64 = 11.0;
+
+/// Dash patterns, full first; each serves as many lines as there are colours.
+const DASHES: [&str; 5] = ["", "7 3", "2 3", "9 3 2 3", "12 4"];
+
+/// Slowest front that is shown, as a part of the fastest.
+const SLOWEST: f64 = 1e-3;
+
+/// A material with its place among all.
+struct Line<'a> {
+    material: &'a Compared,
+    /// From 1, by critical velocity.
+    number: usize,
+    stroke: Stroke,
+}
+
+/// Curves, front speeds and impact velocities against strain, the ultimate points marked, and sorted critical velocities. SVG text.
+///
+/// Lines differ in colour and dash, and carry the numbers of the bars at their ends.
 pub fn figure(materials: &[Compared]) -> String {
-    let mut panels = vec![curves(materials), speeds(materials), velocities(materials)];
-    let mut legend: Vec<_> = materials.iter().enumerate().map(|(i, m)| legend_line(&m.critical.material, i)).collect();
-    let critical = materials.iter().filter(|m| m.critical.critical_velocity_m_s.is_some()).count();
-    if critical > 0 {
-        let shape = LegendShape::Marker(MarkerShape::Circle);
-        legend.push(LegendEntry { label: "critical".into(), color: "#444444".into(), shape, dasharray: None });
-    }
-    if critical > 1 {
-        panels.push(critical_velocities(materials));
-    }
-    let columns = if panels.len() == 3 { 3 } else { 2 };
-    figure_with_legend(panels, columns, legend)
+    let lines = lines(materials);
+    let second = HEIGHT.max(70.0 + ROW * lines.len() as f64);
+    let width = (WIDTH - 3.0 * MARGIN) / 2.0;
+    let area = |column: usize, row: usize| Area {
+        x: MARGIN + (width + MARGIN) * column as f64,
+        y: MARGIN + (HEIGHT + MARGIN) * row as f64,
+        width,
+        height: if row == 0 { HEIGHT } else { second },
+    };
+    let mut svg = Svg::default();
+    curves(&mut svg, area(0, 0), &lines);
+    speeds(&mut svg, area(1, 0), &lines);
+    velocities(&mut svg, Area { height: HEIGHT, ..area(0, 1) }, &lines);
+    bars(&mut svg, area(1, 1), &lines);
+    svg.document(WIDTH, HEIGHT + second + 3.0 * MARGIN)
 }
 
-fn line(points: Vec<(f64, f64)>, i: usize, style: LineStyle) -> Plot {
-    LinePlot::new().with_data(points).with_color(colour(i)).with_stroke_width(2.0).with_line_style(style).into()
+/// Materials by critical velocity, the largest first; those without one last.
+fn lines(materials: &[Compared]) -> Vec<Line<'_>> {
+    let mut order: Vec<usize> = (0..materials.len()).collect();
+    let velocity = |i: usize| materials[i].critical.critical_velocity_m_s.unwrap_or(f64::NEG_INFINITY);
+    order.sort_by(|&a, &b| velocity(b).total_cmp(&velocity(a)));
+    let line = |(rank, i): (usize, usize)| Line {
+        material: &materials[i],
+        number: rank + 1,
+        stroke: Stroke::new(colour(i), 1.8).dashed(DASHES[(i / COLOURS.len()) % DASHES.len()]),
+    };
+    order.into_iter().enumerate().map(line).collect()
 }
 
-fn mark(point: (f64, f64), i: usize) -> Plot {
-    let mark = ScatterPlot::new().with_data(vec![point]).with_color(colour(i)).with_size(5.0);
-    mark.with_marker(MarkerShape::Circle).into()
-}
-
-/// Curves, dotted past the ultimate point.
-fn curves(materials: &[Compared]) -> Panel {
-    let mut plots = Vec::new();
-    for (i, m) in materials.iter().enumerate() {
-        let end = m.critical.strain_at_max.unwrap_or(f64::INFINITY);
-        let points = |keep: &dyn Fn(f64) -> bool| -> Vec<_> {
-            let kept = m.curve.iter().filter(|p| keep(p.strain));
-            kept.map(|p| (p.strain / PERCENT, p.stress_pa / MPA)).collect()
-        };
-        plots.push(line(points(&|strain| strain <= end), i, line_style(i)));
-        plots.push(line(points(&|strain| strain >= end), i, LineStyle::Dotted));
-    }
-    for (i, m) in materials.iter().enumerate() {
-        if let (Some(strain), Some(stress)) = (m.critical.strain_at_max, m.critical.stress_at_max_pa) {
-            plots.push(mark((strain / PERCENT, stress / MPA), i));
+/// A framed panel of lines with their numbers at the ends, and marks.
+fn panel(svg: &mut Svg, place: Area, heading: &str, [x, y]: [Axis; 2], series: &[Series], numbers: &[usize]) {
+    let frame = Frame { plot: plot_area(place, 0, 30.0), x, y };
+    title(svg, place, heading);
+    frame.draw(svg, true);
+    svg.clipped(frame.plot, |svg| series.iter().for_each(|series| draw_series(svg, &frame, series)));
+    let mut taken = Vec::new();
+    for (series, number) in series.iter().zip(numbers) {
+        let inside = |point: &&(f64, f64)| point.1 >= frame.y.low && point.0.is_finite();
+        if let Some(&end) = series.points.iter().rev().find(inside) {
+            label(svg, frame.place(end), &number.to_string(), &series.stroke.colour, &mut taken);
         }
     }
-    let layout = layout(&plots, "Stress-strain curves", "Engineering strain (%)", "Engineering stress (MPa)");
-    Panel { layout: layout.with_x_axis_min(0.0).with_y_axis_min(0.0), plots }
+}
+
+/// A number beside the end of its line, above or below where others stand already.
+fn label(svg: &mut Svg, (x, y): (f64, f64), text: &str, colour: &str, taken: &mut Vec<Area>) {
+    let (width, height) = (text_width(text, SMALL), SMALL);
+    let overlaps = |a: &Area, b: &Area| a.x < b.right() && b.x < a.right() && a.y < b.bottom() && b.y < a.bottom();
+    let steps = (0..40).map(|k: i32| f64::from(if k % 2 == 0 { k / 2 } else { -(k + 1) / 2 }));
+    let places = steps.map(|step| Area { x: x + 5.0, y: y - 0.5 * height + step * height, width, height });
+    let free = places.into_iter().find(|area| taken.iter().all(|other| !overlaps(area, other)));
+    if let Some(area) = free {
+        if (area.y + 0.5 * height - y).abs() > height {
+            svg.line((x, y), (area.x, area.y + 0.5 * height), &Stroke::new(colour, 0.6));
+        }
+        svg.coloured((area.x, area.bottom() - 1.5), SMALL, colour, text);
+        taken.push(area);
+    }
+}
+
+/// Marks at points of some materials, in their colours.
+fn marks(lines: &[Line], point: impl Fn(&Compared) -> Option<(f64, f64)>) -> Vec<Series> {
+    let mark = |line: &Line| {
+        let at = point(line.material)?;
+        Some(Series::marks("", vec![at], Stroke::new(&line.stroke.colour, 1.8)))
+    };
+    lines.iter().filter_map(mark).collect()
+}
+
+fn largest(series: &[Series], of: fn(&(f64, f64)) -> f64) -> f64 {
+    series.iter().flat_map(|s| &s.points).map(of).fold(0.0, f64::max)
+}
+
+fn from_zero(label: &str, high: f64) -> Axis {
+    Axis::new(label, 0.0, 1.04 * high)
+}
+
+const STRAIN: &str = "engineering strain (%)";
+
+fn numbers(lines: &[Line]) -> Vec<usize> {
+    lines.iter().map(|line| line.number).collect()
+}
+
+/// Curves, thin past the ultimate point.
+fn curves(svg: &mut Svg, place: Area, lines: &[Line]) {
+    let part = |line: &Line, keep: &dyn Fn(f64) -> bool| -> Vec<(f64, f64)> {
+        let kept = line.material.curve.iter().filter(|p| keep(p.strain));
+        kept.map(|p| (p.strain / PERCENT, p.stress_pa / MPA)).collect()
+    };
+    let end = |line: &Line| line.material.critical.strain_at_max.unwrap_or(f64::INFINITY);
+    let loading = |line: &Line| Series::line("", part(line, &|e| e <= end(line)), line.stroke.clone());
+    let falling = |line: &Line| {
+        Series::line("", part(line, &|e| e >= end(line)), Stroke::new(&line.stroke.colour, 0.8).dashed("1 3"))
+    };
+    let mut series: Vec<Series> = lines.iter().map(loading).collect();
+    series.extend(lines.iter().map(falling));
+    series.extend(marks(lines, |m| Some((m.critical.strain_at_max? / PERCENT, m.critical.stress_at_max_pa? / MPA))));
+    let axes = [
+        from_zero(STRAIN, largest(&series, |p| p.0)),
+        from_zero("engineering stress (MPa)", largest(&series, |p| p.1)),
+    ];
+    panel(svg, place, "(a)  stress-strain curves, ultimate points", axes, &series, &numbers(lines));
 }
 
 /// Speeds of the fronts as a staircase, on a logarithmic scale down to a thousandth of the fastest.
-fn speeds(materials: &[Compared]) -> Panel {
-    let fastest = materials.iter().map(|m| m.elastic_speed_m_s).fold(0.0, f64::max);
-    let mut plots = Vec::new();
-    for (i, m) in materials.iter().enumerate() {
-        let fronts = m.fronts.iter().filter(|front| front.speed > 1e-3 * fastest);
-        let stairs = fronts.flat_map(|f| [(f.strain_ahead, f.speed), (f.strain_behind, f.speed)]);
-        plots.push(line(stairs.map(|(e, c)| (e / PERCENT, c)).collect(), i, line_style(i)));
-    }
-    let layout = layout(&plots, "Plastic wave speed", "Engineering strain (%)", "Front speed (m/s)");
-    Panel { layout: layout.with_log_y().with_x_axis_min(0.0), plots }
+fn speeds(svg: &mut Svg, place: Area, lines: &[Line]) {
+    let fastest = lines.iter().map(|line| line.material.elastic_speed_m_s).fold(0.0, f64::max);
+    let stairs = |line: &Line| {
+        let fronts = line.material.fronts.iter().filter(|front| front.speed > SLOWEST * fastest);
+        let points = fronts.flat_map(|f| [(f.strain_ahead, f.speed), (f.strain_behind, f.speed)]);
+        Series::line("", points.map(|(e, c)| (e / PERCENT, c)).collect(), line.stroke.clone())
+    };
+    let series: Vec<Series> = lines.iter().map(stairs).collect();
+    let axes = [
+        from_zero(STRAIN, largest(&series, |p| p.0)),
+        Axis::logarithmic("front speed (m/s)", SLOWEST * fastest, 1.4 * fastest),
+    ];
+    panel(svg, place, "(b)  plastic wave speed", axes, &series, &numbers(lines));
 }
 
-fn velocities(materials: &[Compared]) -> Panel {
-    let mut plots = Vec::new();
-    for (i, m) in materials.iter().enumerate() {
-        let points = m.loading.iter().map(|p| (p.strain / PERCENT, p.impact_velocity_m_s));
-        plots.push(line(points.collect(), i, line_style(i)));
-    }
-    for (i, m) in materials.iter().enumerate() {
-        if let (Some(strain), Some(velocity)) = (m.critical.strain_at_max, m.critical.critical_velocity_m_s) {
-            plots.push(mark((strain / PERCENT, velocity), i));
-        }
-    }
-    let layout = layout(&plots, "Impact velocity", "Engineering strain (%)", "Impact velocity (m/s)");
-    Panel { layout: layout.with_x_axis_min(0.0).with_y_axis_min(0.0), plots }
+fn velocities(svg: &mut Svg, place: Area, lines: &[Line]) {
+    let line = |line: &Line| {
+        let points = line.material.loading.iter().map(|p| (p.strain / PERCENT, p.impact_velocity_m_s));
+        Series::line("", points.collect(), line.stroke.clone())
+    };
+    let mut series: Vec<Series> = lines.iter().map(line).collect();
+    series.extend(marks(lines, |m| Some((m.critical.strain_at_max? / PERCENT, m.critical.critical_velocity_m_s?))));
+    let axes =
+        [from_zero(STRAIN, largest(&series, |p| p.0)), from_zero("impact velocity (m/s)", largest(&series, |p| p.1))];
+    panel(svg, place, "(c)  impact velocity", axes, &series, &numbers(lines));
 }
 
-fn critical_velocities(materials: &[Compared]) -> Panel {
-    let mut bars = BarPlot::new().with_width(0.6);
-    for (i, m) in materials.iter().enumerate() {
-        if let Some(velocity) = m.critical.critical_velocity_m_s {
-            bars = bars.with_colored_bar(m.critical.material.clone(), velocity, colour(i));
-        }
+/// Number, line, name and critical velocity of every material.
+fn bars(svg: &mut Svg, place: Area, lines: &[Line]) {
+    let heading = "(d)  critical impact velocity (m/s)";
+    svg.bold((place.x + 26.0, place.y + 16.0), 14.5, Anchor::Start, heading);
+    let widest = lines.iter().map(|line| text_width(&line.material.critical.material, 12.0)).fold(0.0, f64::max);
+    let names = place.x + 76.0;
+    let start = names + 1.08 * widest + 8.0;
+    let most = lines.iter().filter_map(|line| line.material.critical.critical_velocity_m_s).fold(0.0, f64::max);
+    for (row, line) in lines.iter().enumerate() {
+        let y = place.y + 34.0 + ROW * row as f64;
+        let middle = y + 0.5 * ROW;
+        svg.text((place.x + 36.0, middle + 4.0), 12.0, Anchor::End, &line.number.to_string());
+        svg.line((place.x + 42.0, middle), (place.x + 70.0, middle), &line.stroke);
+        svg.text((names, middle + 4.0), 12.0, Anchor::Start, &line.material.critical.material);
+        let Some(velocity) = line.material.critical.critical_velocity_m_s else {
+            svg.text((start, middle + 4.0), 12.0, Anchor::Start, "none within the data");
+            continue;
+        };
+        let width = (place.x + place.width - start - 50.0) * velocity / most;
+        let bar = Area { x: start, y: y + 3.0, width, height: ROW - 6.0 };
+        svg.rect(bar, &line.stroke.colour, None);
+        svg.text((bar.right() + 5.0, middle + 4.0), 12.0, Anchor::Start, &format!("{velocity:.2}"));
     }
-    let plots: Vec<Plot> = vec![bars.into()];
-    let layout = layout(&plots, "Critical impact velocity", "", "Critical impact velocity (m/s)");
-    let slanted = if materials.len() > 2 { layout.with_x_tick_rotate(-30.0) } else { layout };
-    Panel { layout: slanted, plots }
 }

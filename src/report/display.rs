@@ -1,6 +1,7 @@
 //! Units for people: each quantity with the factor from SI, its symbol, and its name for axes.
 
 use crate::record::Field;
+use crate::units::{Dimension, System, scale_for};
 
 /// Units of a report.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -127,6 +128,20 @@ impl Units {
             Self::Si => Unit::new(1.0, "kg/m\u{b3}"),
             Self::Us => Unit::new(INCH * INCH * INCH / 0.453_592_37, "lb/in\u{b3}"),
         }
+    }
+
+    /// For values up to `most` whose SI unit has this symbol.
+    pub(super) fn of_symbol(self, symbol: &str, most: f64) -> Unit {
+        let system = match self {
+            Self::Si => System::Si,
+            Self::Us => System::Us,
+        };
+        let Some(dimension) = Dimension::ALL.iter().copied().find(|d| d.si_symbol() == symbol && !symbol.is_empty())
+        else {
+            return Unit::new(1.0, "");
+        };
+        let scale = scale_for(most, dimension, system);
+        Unit::new(1.0 / scale.si, if scale.symbol == "um" { "\u{b5}m" } else { scale.symbol })
     }
 
     /// For a recorded field.

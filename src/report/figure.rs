@@ -3,7 +3,7 @@
 use super::display::Units;
 use super::svg::{Anchor, Area, Svg};
 use super::view::View;
-use super::{map, panels};
+use super::{impact, map, panels};
 use crate::error::{InputError, Result};
 use crate::record::Field;
 use crate::record::store::{Facts, ResultFile};
@@ -23,6 +23,9 @@ const LOW: f64 = 300.0;
 /// # Errors
 /// [`InputError`] where the file has not that field, or no frame at all; a file that cannot be read.
 pub fn draw(file: &ResultFile, field: Option<Field>, units: Units) -> Result<String> {
+    if let Some(impact) = file.impact()? {
+        return impact::draw(file, &impact, units);
+    }
     let view = view(file, field, units)?;
     let mut svg = Svg::default();
     header(&mut svg, file.facts());

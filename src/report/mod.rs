@@ -3,14 +3,20 @@
 mod axes;
 mod colour;
 pub mod compare;
+pub mod compare_results;
 pub mod cost;
 mod display;
 mod figure;
+mod impact;
+pub mod impact_cost;
+pub mod invert;
 mod map;
 mod page;
 mod panels;
 pub mod plot;
 mod svg;
+pub mod tension;
+pub mod test_record;
 mod view;
 
 pub use display::Units;

@@ -1,6 +1,7 @@
 //! The page of a result file: its figure, and in tables what a figure cannot say.
 
 use super::display::{Unit, Units, four_digits};
+use super::impact;
 use super::plot::{escape, html};
 use crate::error::Result;
 use crate::record::FrontRow;
@@ -16,6 +17,24 @@ const MOST_FRONTS: usize = 100;
 /// One HTML page that needs nothing else: the figure `svg`, run facts, fronts, ledger, audit, materials, scene.
 pub fn page(file: &ResultFile, svg: &str, units: Units) -> Result<String> {
     let facts = file.facts();
+    if let Some(impact) = file.impact()? {
+        let results = table(&[], &impact::figures(&impact, units));
+        let notes: String =
+            facts.notes.iter().flat_map(|note| ["<li>".to_owned(), escape(note), "</li>\n".to_owned()]).collect();
+        let (notes, scene) = (format!("<ul>\n{notes}</ul>\n"), format!("<pre>{}</pre>", escape(&facts.scene)));
+        let (about, materials) = (facts_table(facts), materials_table(file, units)?);
+        let sections = [
+            ("", svg),
+            ("Run", &about),
+            ("Results", &results),
+            ("Notes", &notes),
+            ("Materials", &materials),
+            ("Scene", &scene),
+        ];
+        let kept: Vec<(&str, &str)> =
+            sections.into_iter().filter(|(name, _)| *name != "Notes" || !facts.notes.is_empty()).collect();
+        return Ok(html(&facts.title, &kept));
+    }
     let fronts = fronts_table(file, units)?;
     let ledger = ledger_table(file, units)?;
     let audit = audit_list(file)?;

@@ -133,6 +133,14 @@ impl Svg {
         self.styled_text(at, size, anchor, " font-weight=\"bold\"", text);
     }
 
+    /// Bold text in a colour, with a white edge that keeps lines off.
+    pub fn coloured(&mut self, at: (f64, f64), size: f64, colour: &str, text: &str) {
+        let style = format!(
+            " font-weight=\"bold\" fill=\"{colour}\" stroke=\"white\" stroke-width=\"2.5\" paint-order=\"stroke\""
+        );
+        self.styled_text(at, size, Anchor::Start, &style, text);
+    }
+
     /// Text that reads upwards.
     pub fn upright(&mut self, at: (f64, f64), size: f64, text: &str) {
         let turn = format!(" transform=\"rotate(-90 {:.2} {:.2})\"", at.0, at.1);

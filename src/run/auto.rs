@@ -177,12 +177,7 @@ fn can_be_written(effect: &str) -> bool {
 }
 
 fn why(row: &AuditRow) -> String {
-    format!(
-        "changes the stress by about {:.2} % (tolerance {:.2} %): {}",
-        100.0 * row.estimate,
-        100.0 * row.threshold,
-        row.finding
-    )
+    format!("{} (tolerance {:.2} %)", row.finding, 100.0 * row.threshold)
 }
 
 fn first_line(text: &str) -> &str {

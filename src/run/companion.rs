@@ -83,11 +83,12 @@ pub(super) fn error_figure(
     Ok(Some(accuracy::figure(table, reference)))
 }
 
-/// The scene with its tapers in coarser pieces than the run's: the error of a staircase goes with what its steps reflect. None
+/// The scene with its tapers and initial states in coarser pieces than the run's: the error of a staircase goes with its steps. None
 /// without steps, as of a taper so slight that it is one piece.
 fn coarser_staircase(scene: &Scene) -> Option<Scene> {
-    let cut = scene.discretized.as_ref().filter(|cut| cut.reflects > 0.0)?;
-    Some(cut.original.discretized_finer_than((COARSER * cut.reflects).min(COARSEST)))
+    let cut = scene.discretized.as_ref()?;
+    let step = cut.reflects.max(cut.largest_step);
+    (step > 0.0).then(|| cut.original.discretized_finer_than((COARSER * step).min(COARSEST)))
 }
 
 /// Of a run whose fronts were all kept; `unresolved` is what part of its energy rounding moved.

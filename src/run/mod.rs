@@ -9,14 +9,14 @@ mod choice;
 mod chosen;
 mod companion;
 mod estimate;
+mod impact;
 mod limits;
 mod resume;
-mod specimen;
 mod stepped;
 mod tracked;
 
+pub use impact::{plan_impact, run_impact};
 pub use resume::{resume, run_with_checkpoints};
-pub use specimen::run_specimen;
 use std::ops::ControlFlow;
 
 use std::path::Path;
@@ -31,9 +31,9 @@ use crate::law::rupture::Rupture;
 use crate::material::Sense;
 use crate::record::store::{Checkpoint, Finish, Header, Layout, Side, Writer};
 use crate::record::{
-    self, AuditRow, AutoChoice, Case, ElasticCheck, EndSummary, ErrorFigure, FrontRow, FrontSummary, Ledger,
-    LedgerSummary, LengthSummary, MaterialRecord, Off, RuptureSummary, Stepped, Summary, TorsionSummary, Trace,
-    TrackingSummary, Twisted, View, above_critical,
+    self, Account, AuditRow, AutoChoice, Case, ContactReading, ElasticCheck, EndSummary, ErrorFigure, Figures,
+    FrontRow, FrontSummary, Ledger, LedgerSummary, LengthSummary, MaterialRecord, Off, Records, RuptureSummary,
+    SegmentEnd, Stepped, Summary, Tally, TorsionSummary, Trace, TrackingSummary, Twisted, View, above_critical,
 };
 use crate::scene::{Effects, Scene, Torsion};
 use crate::snapshot::Snapshot;
@@ -86,6 +86,15 @@ pub fn run(
     begin(scene, Target { path: output, ..Target::default() }, progress)
 }
 
+/// Simulates a scene as [`run`] does, and writes nothing. By front tracking the summary has no audit, which takes a sixth of the time of a
+/// short run; with `effects = "auto"` it has.
+///
+/// # Errors
+/// As for [`run`], but for the file.
+pub fn run_unaudited(scene: &Scene, progress: &mut dyn FnMut(Progress) -> ControlFlow<()>) -> Result<Summary> {
+    begin(scene, Target { unaudited: scene.auto.is_none(), ..Target::default() }, progress)
+}
+
 /// A run of a scene whose effects or method may be open.
 fn begin(scene: &Scene, target: Target<'_>, progress: &mut dyn FnMut(Progress) -> ControlFlow<()>) -> Result<Summary> {
     if scene.auto.is_some() { auto::run(scene, target, progress) } else { accurate(scene, target, progress) }
@@ -115,6 +124,8 @@ struct Target<'a> {
     checkpoint: Option<Checkpoint>,
     /// What was chosen for it.
     chosen: Chosen,
+    /// Nobody reads the audit.
+    unaudited: bool,
 }
 
 impl Target<'_> {
@@ -181,7 +192,7 @@ fn flow_both_ways(scene: &Scene, segment: &Segment, places: impl Iterator<Item =
 /// What a scene's audit needs to know; `cells` of the grid, where there is one.
 fn case(scene: &Scene, cells: Option<usize>) -> Case<'_> {
     let effects = &scene.effects;
-    let asked = scene.discretized.as_ref().map_or(scene, |cut| &cut.original);
+    let asked = asked(scene);
     Case {
         bar: &asked.bar,
         ends: [&scene.left, &scene.right],
@@ -219,6 +230,8 @@ struct RunRecorder<'a> {
     writer: Option<Writer>,
     output: String,
     started: Instant,
+    /// What the histories came to so far.
+    tally: Tally,
     /// Time spent in the solver, s.
     stepping: f64,
     /// None if the run writes no checkpoints.
@@ -246,8 +259,12 @@ struct RunResults {
     ruptures: Option<Vec<Rupture>>,
     /// Largest rise in temperature, K, with the effect of heat.
     temperature_rise: Option<f64>,
-    /// Elongation of each simulated segment and the plastic part of it, m.
-    stretch: Vec<[f64; 2]>,
+    /// The simulated segments.
+    segments: Vec<SegmentEnd>,
+    account: Account,
+    contacts: Vec<ContactReading>,
+    /// Side on which the histories beside joints see them: 0 left, 1 right.
+    joint_side: usize,
     paths_complete: bool,
 }
 
@@ -271,7 +288,8 @@ impl<'a> RunRecorder<'a> {
         let writer = writer.transpose()?;
         let output = output.map(|p| p.display().to_string()).unwrap_or_default();
         let checkpoints = Checkpoints::of(target, scene);
-        Ok(Self { scene, initial_fans, critical, writer, output, started, stepping: 0.0, checkpoints })
+        let tally = Tally::new(&asked(scene).bar, scene.record.gauges.len());
+        Ok(Self { scene, initial_fans, critical, writer, output, started, tally, stepping: 0.0, checkpoints })
     }
 
     /// The account of a bar at t = 0.
@@ -279,10 +297,14 @@ impl<'a> RunRecorder<'a> {
         Ledger::new(bar).with_arm(self.scene.torsion.as_ref().map_or(1.0, |torsion| torsion.radius))
     }
 
-    /// Writes what histories have gathered: gauges in order, and both ends.
-    fn write_traces(&mut self, gauges: Vec<Trace>, [left, right]: [Trace; 2]) -> Result<()> {
+    /// Writes what histories have gathered: gauges in order, and both ends. Those beside joints follow the gauges and are not written.
+    fn write_traces(&mut self, gauges: Vec<Trace>, ends: [Trace; 2]) -> Result<()> {
+        self.tally.hear(&gauges, &ends);
         let Some(writer) = &mut self.writer else { return Ok(()) };
-        for (k, trace) in gauges.into_iter().enumerate().filter(|(_, trace)| !trace.time.is_empty()) {
+        let [left, right] = ends;
+        for (k, trace) in
+            gauges.into_iter().take(self.tally.gauges()).enumerate().filter(|(_, trace)| !trace.time.is_empty())
+        {
             writer.gauge(k, trace)?;
         }
         writer.end(Side::Left, left)?;
@@ -335,6 +357,7 @@ impl<'a> RunRecorder<'a> {
             // The file itself failed: there is nothing left to write to.
             Err(_) => return Err(ended.err().unwrap_or(Error::Interrupted)),
         };
+        let read_off = figures(self.scene, &self.tally, &results);
         if let Some(writer) = self.writer.take() {
             let figures = Finish {
                 wall_seconds: self.started.elapsed().as_secs_f64(),
@@ -347,14 +370,15 @@ impl<'a> RunRecorder<'a> {
                 error: results.error.clone(),
                 paths_complete: results.paths_complete && ended.is_ok(),
                 ruptures: results.ruptures.clone(),
+                figures: read_off.clone(),
             };
             writer.finish(outcome, &results.fronts, &results.audit, figures)?;
         }
         ended?;
-        Ok(self.summary(outcome, results))
+        Ok(self.summary(outcome, results, read_off))
     }
 
-    fn summary(self, outcome: &str, results: RunResults) -> Summary {
+    fn summary(self, outcome: &str, results: RunResults, figures: Figures) -> Summary {
         let [method, scheme] = self.scene.solve.method.names();
         let [left, right] = results.ends;
         Summary {
@@ -376,7 +400,8 @@ impl<'a> RunRecorder<'a> {
             end_time_s: results.end_time,
             left,
             right,
-            lengths: lengths(self.scene, &results.stretch),
+            lengths: lengths(self.scene, &results.segments),
+            figures,
             torsion: self.scene.torsion.as_ref().map(|torsion| torsion_summary(torsion, [left, right])),
             fronts: results.fronts.iter().map(FrontSummary::from).collect(),
             critical_velocity: self.critical,
@@ -397,17 +422,62 @@ impl<'a> RunRecorder<'a> {
 }
 
 /// Lengths of the segments of the scene that was asked for; none in torsion, where strains are shear strains.
-fn lengths(scene: &Scene, stretch: &[[f64; 2]]) -> Vec<LengthSummary> {
+fn lengths(scene: &Scene, simulated: &[SegmentEnd]) -> Vec<LengthSummary> {
     if scene.torsion.is_some() {
         return Vec::new();
     }
-    let asked = scene.discretized.as_ref().map_or(scene, |cut| &cut.original);
-    let mut lengths: Vec<_> = asked.bar.segments.iter().map(|s| LengthSummary::undeformed(s.length)).collect();
-    for (k, &[elongation, plastic]) in stretch.iter().enumerate() {
-        let segment = scene.discretized.as_ref().map_or(k, |cut| cut.of[k]);
-        lengths[segment].stretch(elongation, plastic);
+    let ends = original_segments(scene, simulated);
+    let of = |(segment, end): (&Segment, &SegmentEnd)| LengthSummary {
+        initial: segment.length,
+        at_end: segment.length + end.elongation,
+        unloaded: segment.length + end.plastic_elongation,
+    };
+    asked(scene).bar.segments.iter().zip(&ends).map(of).collect()
+}
+
+/// The scene that was asked for, before its tapers became stairs.
+fn asked(scene: &Scene) -> &Scene {
+    scene.discretized.as_ref().map_or(scene, |cut| &cut.original)
+}
+
+/// The segments of the scene that was asked for.
+fn original_segments(scene: &Scene, simulated: &[SegmentEnd]) -> Vec<SegmentEnd> {
+    let mut ends = vec![SegmentEnd::default(); asked(scene).bar.segments.len()];
+    for (k, end) in simulated.iter().enumerate() {
+        ends[scene.discretized.as_ref().map_or(k, |cut| cut.of[k])].add(end);
     }
-    lengths
+    ends
+}
+
+/// Places of full-rate histories, m: the gauges, and then the joints, for their figures.
+fn history_places(scene: &Scene) -> Vec<f64> {
+    let segments = &asked(scene).bar.segments;
+    let ends = segments.iter().scan(0.0, |end, segment| {
+        *end += segment.length;
+        Some(*end)
+    });
+    scene.record.gauge_places().into_iter().chain(ends.take(segments.len() - 1)).collect()
+}
+
+/// What engineers read off a run.
+fn figures(scene: &Scene, tally: &Tally, results: &RunResults) -> Figures {
+    let scene = (scene, asked(scene));
+    let segments = &scene.1.bar.segments;
+    let side = results.joint_side;
+    Records {
+        bar: &scene.1.bar,
+        ends: [&scene.1.left, &scene.1.right],
+        torsion: scene.1.torsion.is_some(),
+        gauges: scene.1.record.gauges.iter().map(|gauge| gauge.0.as_str()).collect(),
+        tally,
+        joint_areas: segments[side..].iter().take(segments.len() - 1).map(|s| s.end_areas()[1 - side]).collect(),
+        segments: original_segments(scene.0, &results.segments),
+        account: results.account,
+        contacts: results.contacts.clone(),
+        strikers: [results.ends[0].striker, results.ends[1].striker],
+        broken: results.parted(),
+    }
+    .figures()
 }
 
 fn torsion_summary(torsion: &Torsion, ends: [EndSummary; 2]) -> TorsionSummary {

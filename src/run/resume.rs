@@ -40,7 +40,8 @@ pub fn resume(
 ) -> Result<Summary> {
     let (scene, checkpoint, chosen) = read(output)?;
     let every = every.unwrap_or(Duration::from_secs_f64(checkpoint.every));
-    let target = Target { path: Some(output), every: Some(every), checkpoint: Some(checkpoint), chosen };
+    let target =
+        Target { path: Some(output), every: Some(every), checkpoint: Some(checkpoint), chosen, ..Target::default() };
     // A run that finds an effect missing reads the scene again.
     text_file::stored(scene.files.clone(), || begin(&scene, target, progress))
 }

@@ -10,10 +10,11 @@ use super::limits::AtLimit;
 use super::{Progress, RunRecorder, RunResults, Task, flow_both_ways, twisted};
 use crate::accuracy::GridListener;
 use crate::assemble;
+use crate::bar::Segment;
 use crate::error::{Error, Result, RunError};
 use crate::record::{
-    self, Audit, AuditRow, ElasticProbe, EndState, EndSummary, ErrorFigure, Frames, FrontTracker, Ledger,
-    LedgerSummary, Stepped, Summary, Traces,
+    self, Audit, AuditRow, ElasticProbe, EndState, EndSummary, ErrorFigure, Extreme, Frames, FrontTracker, Ledger,
+    LedgerSummary, SegmentEnd, Stepped, Summary, Traces,
 };
 use crate::scene::Rate;
 use crate::simulate::{Simulation, Stretch, simulate};
@@ -130,7 +131,7 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
         };
         let twisted = twisted(scene, sampling.x());
         let frames = Frames::new(scene.record.times.clone(), scene.record.fields.clone(), sampling).twisted(twisted);
-        let places = scene.record.gauge_places();
+        let places = super::history_places(scene);
         let recorder = RunRecorder::open(scene, target, frames.x().to_vec(), "", started)?;
         let tracker = FrontTracker::new(&scene.bar, bar.grid(), &recorder.initial_fans, [&scene.left, &scene.right]);
         // sigma = rho c0 v holds where nothing acts along the bar.
@@ -325,7 +326,10 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
             ruptured: self.limits.iter().any(|limit| limit.broken(self.recorder.scene).is_some()),
             ruptures: self.recorder.ruptures(&self.bar),
             temperature_rise: self.temperature_rise(),
-            stretch: self.stretch(),
+            segments: self.segments(),
+            account: self.bar.account(),
+            contacts: self.bar.contacts(),
+            joint_side: 0,
             paths_complete: false,
         };
         self.recorder.close(ended, results)
@@ -362,13 +366,32 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
         rises.reduce(f64::max)
     }
 
-    /// Elongation of each segment and the plastic part of it, m.
-    fn stretch(&self) -> Vec<[f64; 2]> {
-        let sum = |quantity, part: &SegmentGrid| {
-            part.dx * part.cells.clone().map(|cell| self.bar.value(quantity, cell)).sum::<f64>()
+    /// The segments now. A pass over all cells.
+    fn segments(&self) -> Vec<SegmentEnd> {
+        let profile = |quantity| {
+            let mut values = vec![0.0; self.centres.len()];
+            self.bar.profile(quantity, &mut values);
+            values
         };
-        let segments = self.bar.grid().segments.iter();
-        segments.map(|part| [Quantity::Strain, Quantity::PlasticStrain].map(|quantity| sum(quantity, part))).collect()
+        let plastic = [Quantity::PlasticStrain, Quantity::AccumulatedPlasticStrain].map(profile);
+        let [strain, velocity] = [Quantity::Strain, Quantity::Velocity].map(profile);
+        let segment = |(segment, part): (&Segment, &SegmentGrid)| {
+            let mut end = SegmentEnd::default();
+            for cell in part.cells.clone() {
+                let from = (cell - part.cells.start) as f64 * part.dx;
+                let mass = segment.material.density * segment.mean_area(from, from + part.dx) * part.dx;
+                end.add(&SegmentEnd {
+                    elongation: part.dx * strain[cell],
+                    plastic_elongation: part.dx * plastic[0][cell],
+                    momentum: mass * velocity[cell],
+                    residual: Extreme { value: plastic[0][cell], at: self.centres[cell] },
+                    // Where flow is not followed back, the curve itself is: nothing accumulates.
+                    accumulated: plastic[1][cell].max(plastic[0][cell].abs()),
+                });
+            }
+            end
+        };
+        self.recorder.scene.bar.segments.iter().zip(&self.bar.grid().segments).map(segment).collect()
     }
 
     fn audit(&self) -> Vec<AuditRow> {

@@ -12,8 +12,8 @@ use crate::accuracy::FrontListener;
 use crate::assemble;
 use crate::error::{Error, Result, RunError};
 use crate::record::{
-    self, Audit, AuditRow, ElasticProbe, EndHistories, EndSummary, ErrorFigure, Field, Ledger, LedgerSummary, Paths,
-    StepGauges, Summary, TrackedFronts, TrackingSummary, Twisted, View,
+    self, Audit, AuditRow, ElasticProbe, EndHistories, EndSummary, ErrorFigure, Extreme, Field, Ledger, LedgerSummary,
+    Paths, SegmentEnd, StepGauges, Summary, TrackedFronts, TrackingSummary, Twisted, View,
 };
 use crate::scene::Scene;
 use crate::simulate::{Simulation, Stretch, simulate};
@@ -73,7 +73,8 @@ struct Run<'a> {
     ledger: Ledger,
     /// In torsion.
     twisted: Option<Twisted>,
-    audit: Audit,
+    /// None if nobody reads it.
+    audit: Option<Audit>,
     /// Where the audit looks, m.
     watched: Vec<f64>,
     yielded: bool,
@@ -129,23 +130,24 @@ impl<'a> Run<'a> {
         let before = Instant::now();
         let bar = assemble::front_tracking(scene, settings);
         let stepping = before.elapsed().as_secs_f64();
-        let x = even_places(scene.bar.length(), scene.record.cells.unwrap_or(SAMPLES));
+        let samples = target.path.map_or(0, |_| scene.record.cells.unwrap_or(SAMPLES));
+        let x = even_places(scene.bar.length(), samples);
         let mut recorder = RunRecorder::open(scene, target, x.clone(), SAMPLING, started)?;
         recorder.stepping = stepping;
-        let places = scene.record.gauge_places();
-        let audit = Audit::new(&super::case(scene, None));
+        let places = super::history_places(scene);
+        let audit = (!target.unaudited).then(|| Audit::new(&super::case(scene, None)));
         let elastic_check = ElasticProbe::new(&scene.bar, &recorder.initial_fans, scene.solve.until);
         Ok(Self {
             progress,
             ended: Vec::new(),
-            pauses: pauses(scene, elastic_check.as_ref()),
+            pauses: pauses(scene, elastic_check.as_ref(), audit.is_some()),
             gauges: StepGauges::new(&scene.bar, &places, scene.solve.until),
             ends: EndHistories::default(),
-            listener: FrontListener::new(&scene.bar, places.len()),
+            listener: FrontListener::new(&scene.bar, scene.record.gauges.len()),
             fronts: TrackedFronts::default(),
             paths: Paths::default(),
             ledger: recorder.ledger(&bar),
-            watched: audit.places().to_vec(),
+            watched: audit.as_ref().map_or_else(Vec::new, |audit| audit.places().to_vec()),
             audit,
             yielded: false,
             twisted: twisted(scene, &x),
@@ -218,8 +220,8 @@ impl<'a> Run<'a> {
     fn look_for_yield(&mut self) {
         let flowed = |p: Piece<'_>| p.point.plastic != 0.0 || p.point.accumulated != 0.0;
         self.yielded = self.yielded || self.bar.pieces().any(flowed);
-        if self.yielded {
-            self.audit.look(&self.bar, self.watched.as_slice());
+        if let Some(audit) = self.audit.as_mut().filter(|_| self.yielded) {
+            audit.look(&self.bar, self.watched.as_slice());
         }
     }
 
@@ -232,7 +234,9 @@ impl<'a> Run<'a> {
     fn stopped(&mut self, why: &Stopped) -> Error {
         match *why {
             Stopped::AtLimit(point) => return AtLimit::from(&point).error(self.recorder.scene),
-            Stopped::EventBudget { time, events, fronts } if self.recorder.scene.discretized.is_some() => RunError {
+            Stopped::EventBudget { time, events, fronts }
+                if self.recorder.scene.discretized.as_ref().is_some_and(|cut| cut.has_tapers()) =>
+            RunError {
                 reason: format!("{OUT_OF_EVENTS} {events} events, with {fronts} fronts under way"),
                 time,
                 x: None,
@@ -311,7 +315,10 @@ impl<'a> Run<'a> {
             ruptured: self.breaks.ruptured(self.recorder.scene, &self.bar),
             ruptures: self.recorder.ruptures(&self.bar),
             temperature_rise: self.temperature_rise(),
-            stretch: self.stretch(),
+            segments: self.segments(),
+            account: self.bar.account(),
+            contacts: View::contacts(&self.bar),
+            joint_side: 1,
             paths_complete: self.paths.complete(),
         };
         self.recorder.close(ended, results)
@@ -356,9 +363,9 @@ impl<'a> Run<'a> {
         rises.reduce(f64::max)
     }
 
-    /// Elongation of each segment and the plastic part of it, m. Strain that has gathered in a point of a level curve counts; the
+    /// The segments now. Strain that has gathered in a point of a level curve counts; the
     /// opening of a joint does not.
-    fn stretch(&self) -> Vec<[f64; 2]> {
+    fn segments(&self) -> Vec<SegmentEnd> {
         let segments = &self.recorder.scene.bar.segments;
         let inside = BESIDE_JOINT * self.recorder.scene.bar.length();
         let (mut places, mut end) = (Vec::with_capacity(2 * segments.len()), 0.0);
@@ -370,22 +377,34 @@ impl<'a> Run<'a> {
         }
         let mut displacements = vec![0.0; places.len()];
         self.bar.displacements(&places, &mut displacements);
-        let mut stretch: Vec<_> = displacements.chunks_exact(2).map(|ends| [ends[1] - ends[0]; 2]).collect();
+        let stretched = |ends: &[f64]| {
+            let elongation = ends[1] - ends[0];
+            SegmentEnd { elongation, plastic_elongation: elongation, ..SegmentEnd::default() }
+        };
+        let mut segments: Vec<_> = displacements.chunks_exact(2).map(stretched).collect();
         for piece in self.bar.pieces() {
-            let elastic = piece.point.stress / self.bar.medium(piece.segment).modulus;
-            stretch[piece.segment][1] -= elastic * (piece.to - piece.from);
+            let (medium, point, length) = (self.bar.medium(piece.segment), piece.point, piece.to - piece.from);
+            segments[piece.segment].add(&SegmentEnd {
+                elongation: 0.0,
+                plastic_elongation: -point.stress / medium.modulus * length,
+                momentum: medium.density * medium.area * length * point.velocity,
+                residual: Extreme { value: medium.plastic_strain(point), at: 0.5 * (piece.from + piece.to) },
+                // Where flow is not followed back, the curve itself is: nothing accumulates.
+                accumulated: (point.accumulated / medium.modulus).max(medium.plastic_strain(point).abs()),
+            });
         }
-        stretch
+        segments
     }
 
     fn audit(&self) -> Vec<AuditRow> {
+        let Some(audit) = &self.audit else { return Vec::new() };
         let parted = !self.bar.ruptures().is_empty();
         let mut broken = self.recorder.audit(parted);
         if !parted {
             broken.extend(self.breaks.audit(self.recorder.scene, &self.bar, self.recorder.above_critical()));
         }
         let segments = &self.recorder.scene.bar.segments;
-        let mut rows = self.audit.rows(broken);
+        let mut rows = audit.rows(broken);
         for (k, segment) in segments.iter().enumerate() {
             let modulus = self.bar.medium(k).modulus;
             let pieces = self.bar.pieces().filter(|p| p.segment == k);
@@ -410,11 +429,11 @@ impl<'a> Run<'a> {
 }
 
 /// Times at which something is looked at, s, the last one first.
-fn pauses(scene: &Scene, elastic_check: Option<&ElasticProbe>) -> Vec<(f64, Pause)> {
+fn pauses(scene: &Scene, elastic_check: Option<&ElasticProbe>, audited: bool) -> Vec<(f64, Pause)> {
     let until = scene.solve.until;
     let mut pauses: Vec<(f64, Pause)> = scene.record.times.iter().map(|&time| (time, Pause::Frame)).collect();
     let look = |k: usize| (until * k as f64 / record::LOOKS as f64, Pause::AuditLook);
-    pauses.extend((1..=record::LOOKS).map(look));
+    pauses.extend((1..=record::LOOKS).filter(|_| audited).map(look));
     pauses.extend(companion::instants(until).into_iter().map(|time| (time, Pause::Instant)));
     pauses.extend(elastic_check.map(|probe| (probe.time(), Pause::ElasticCheck)));
     if scene.record.times.last() != Some(&until) {

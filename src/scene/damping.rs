@@ -32,7 +32,7 @@ macro_rules! forces {
             $($(#[doc = $doc])* pub $name: f64,)*
         }
 
-        /// Forces along the bar, the same in all segments: `{ internal = "20 kPa*s" }`, `{ external = "300 N*s/m^2" }`,
+        /// Distributed forces, the same in all segments: `{ internal = "20 kPa*s" }`, `{ external = "300 N*s/m^2" }`,
         /// `{ foundation = "50 MN/m^2" }`, or several of them. All but internal damping need the bar's area. Default of each: 0.
         #[derive(Debug, Deserialize, JsonSchema)]
         #[serde(deny_unknown_fields)]
@@ -73,13 +73,13 @@ macro_rules! forces {
 }
 
 forces! {
-    /// Kelvin and Voigt: stress per strain rate, Pa s, >= 0.
+    /// Internal (Kelvin-Voigt) damping: stress per strain rate, Pa s, >= 0.
     internal: Viscosity, Area;
-    /// Force against the motion, per length of the bar and velocity, N s/m^2, >= 0.
+    /// External viscous damping: force per unit length and velocity, N s/m^2, >= 0.
     external: Drag, Length;
-    /// Force against the displacement, per length of the bar and displacement, N/m^2, >= 0.
+    /// Elastic foundation: force per unit length and displacement, N/m^2, >= 0.
     foundation: Foundation, Length;
-    /// Dry (Coulomb) friction: force against the motion, per length of the bar, N/m, >= 0; where the bar rests, up to this force holds
-    /// it. Not together with `internal` or lateral inertia.
+    /// Dry (Coulomb) friction: force per unit length against the motion, N/m, >= 0; a section at rest is held by up to this force. Not
+    /// together with `internal` or lateral inertia.
     friction: ForcePerLength, Length;
 }

@@ -1,13 +1,20 @@
-//! Tapered segments as staircases of uniform pieces, for methods whose media are uniform.
+//! Tapered segments as staircases of uniform pieces, for methods whose media are uniform; and initial states that change along a segment as
+//! staircases, for front tracking.
 //!
 //! A piece has the exact mean area over its length, and all pieces of a segment have one length, so that waves that split at
 //! their joints meet again in points. At a step from area A to B a wave leaves the part (B - A)/(B + A) of its force behind.
 //! The number of pieces is the smallest that keeps this below a share r at every step, which bounds |A'/A| h by 2 r for
 //! pieces of length h. Against the true taper, forces and velocities of waves longer than the pieces are right to h^2; at a
 //! place inside a piece the stress is off by up to r, since it is the force over the piece's mean area.
+//!
+//! A staircase of an initial state has steps between the rows of its tables only, with the mean in each, and as many that none of them is
+//! larger than the same share r of the largest size of its quantity (of the larger of stress and Z v for both of these). Its mean distance
+//! from the tables is r/4 at the most; momentum and mean strain are those of the tables.
+
+use std::sync::Arc;
 
 use super::{Method, Scene};
-use crate::bar::{Joint, Origin, Segment};
+use crate::bar::{Bar, InitialProfile, Joint, Origin, Segment};
 use crate::law::rupture::Site;
 
 /// Of a scene whose tapered segments were cut into pieces: what was asked for.
@@ -19,6 +26,10 @@ pub struct TaperDiscretization {
     pub of: Vec<usize>,
     /// Largest part of a wave's force that a step between two pieces of a segment reflects.
     pub reflects: f64,
+    /// Largest step of the staircase of an initial state, relative to the largest size of its quantity; 0 where there is none.
+    pub largest_step: f64,
+    /// Steps of that staircase.
+    pub steps: usize,
 }
 
 /// Most pieces of a segment: events of front tracking grow with their square.
@@ -29,11 +40,25 @@ const ON_A_NET: f64 = 0.01;
 const PER_TOLERANCE: f64 = 10.0;
 const WITH_FRONTS: [f64; 2] = [0.002, 0.05];
 
+impl TaperDiscretization {
+    /// Some segment is tapered.
+    pub fn has_tapers(&self) -> bool {
+        self.original.bar.segments.iter().any(|segment| segment.taper.is_some())
+    }
+}
+
 impl Scene {
     /// The same scene with uniform pieces in the place of its tapered segments; none where the method needs no pieces.
     pub fn in_pieces(&self) -> Option<Self> {
         let share = share(&self.solve.method)?;
-        self.bar.segments.iter().any(|segment| segment.taper.is_some()).then(|| self.discretized_finer_than(share))
+        let tapers = self.bar.segments.iter().any(|segment| segment.taper.is_some());
+        (tapers || self.initial_state_needs_steps()).then(|| self.discretized_finer_than(share))
+    }
+
+    /// Front tracking follows states that are constant between jumps.
+    fn initial_state_needs_steps(&self) -> bool {
+        let slopes = |segment: &Segment| segment.profile.as_ref().is_some_and(|profile| profile.has_slopes());
+        self.solve.method.tracks_fronts() && self.bar.segments.iter().any(slopes)
     }
 
     /// The same with at most this part of a wave reflected at each step, 0 < share < 1.
@@ -57,10 +82,22 @@ impl Scene {
         if let Some(rupture) = &mut scene.effects.rupture {
             (rupture.notches, rupture.joint_notches) = (notches, joint_notches);
         }
-        let steps = scene.bar.segments.windows(2).zip(of.windows(2)).filter(|(_, of)| of[0] == of[1]);
+        let (mut steps, mut largest_step) = (0, 0.0_f64);
+        if self.initial_state_needs_steps() {
+            let largest = largest_sizes(&scene.bar);
+            for segment in &mut scene.bar.segments {
+                let Some(profile) = &segment.profile else { continue };
+                let (borders, step) = borders(segment, profile, largest, share);
+                steps += borders.len() - 2;
+                largest_step = largest_step.max(step);
+                segment.profile = Some(Arc::new(profile.staircase(&borders)));
+            }
+        }
+        let joints = scene.bar.segments.windows(2).zip(of.windows(2)).filter(|(_, of)| of[0] == of[1]);
         let reflected = |pair: &[Segment]| ((pair[1].area - pair[0].area) / (pair[1].area + pair[0].area)).abs();
-        let reflects = steps.map(|(pair, _)| reflected(pair)).fold(0.0, f64::max);
-        scene.discretized = Some(Box::new(TaperDiscretization { original: self.clone(), of, reflects }));
+        let reflects = joints.map(|(pair, _)| reflected(pair)).fold(0.0, f64::max);
+        scene.discretized =
+            Some(Box::new(TaperDiscretization { original: self.clone(), of, reflects, largest_step, steps }));
         scene
     }
 
@@ -123,8 +160,61 @@ fn pieces(scene: &Scene, segment: &Segment, share: f64) -> Vec<Segment> {
         length: segment.length / count as f64,
         area: taper.mean(border(i), border(i + 1)),
         taper: None,
+        velocity: segment.velocity_between(border(i), border(i + 1)),
+        initial: segment.initial_between(border(i), border(i + 1)),
+        profile: segment.profile.as_ref().map(|profile| Arc::new(profile.part(border(i), border(i + 1)))),
         joint: if i + 1 == count { segment.joint } else { Joint::Bonded },
         ..segment.clone()
     };
     (0..count).map(piece).collect()
+}
+
+/// Of stress and Z v (Pa), of plastic strain, and of the rise in temperature (K), over the bar; 1 where all are 0.
+fn largest_sizes(bar: &Bar) -> [f64; 3] {
+    let mut largest = [0.0_f64; 3];
+    for segment in &bar.segments {
+        let sizes = segment.profile.as_ref().map_or_else(
+            || {
+                let initial = &segment.initial;
+                [segment.velocity.abs(), initial.stress.abs(), initial.accumulated, initial.temperature_rise]
+            },
+            |p| [&p.velocity, &p.stress, &p.accumulated, &p.temperature_rise].map(crate::bar::Distribution::largest),
+        );
+        let stress = sizes[1].max(segment.material.impedance() * sizes[0]);
+        largest.iter_mut().zip([stress, sizes[2], sizes[3]]).for_each(|(most, size)| *most = most.max(size));
+    }
+    largest.map(|size| if size > 0.0 { size } else { 1.0 })
+}
+
+/// Steps of the staircases of the initial states of a bar by this method; 0 where it needs none.
+pub(super) fn steps_needed(bar: &Bar, method: &Method) -> usize {
+    let Some(share) = share(method).filter(|_| method.tracks_fronts()) else { return 0 };
+    let largest = largest_sizes(bar);
+    let of = |segment: &Segment| {
+        let profile = segment.profile.as_ref().filter(|profile| profile.has_slopes());
+        profile.map_or(0, |profile| borders(segment, profile, largest, share).0.len() - 2)
+    };
+    bar.segments.iter().map(of).sum()
+}
+
+/// Where the steps of a segment's staircase are, m, ends included, and the largest of them, relative to the `largest` sizes in the bar. None
+/// is larger than `share`.
+fn borders(segment: &Segment, profile: &InitialProfile, largest: [f64; 3], share: f64) -> (Vec<f64>, f64) {
+    let sizes = [segment.material.impedance() / largest[0], 1.0 / largest[0], 1.0 / largest[1], 1.0 / largest[2]];
+    let length = segment.length;
+    let mut knots = profile.knots();
+    knots.retain(|&x| x < length);
+    knots.push(length);
+    let (mut borders, mut largest) = (vec![0.0], 0.0_f64);
+    let tables = [&profile.velocity, &profile.stress, &profile.accumulated, &profile.temperature_rise];
+    for pair in knots.windows(2) {
+        let changes =
+            tables.iter().zip(sizes).map(|(table, size)| size * (table.before(pair[1]) - table.at(pair[0])).abs());
+        let change = changes.fold(0.0, f64::max);
+        let count = (change / share).ceil().clamp(1.0, MOST_PIECES as f64) as usize;
+        largest = largest.max(change / count as f64);
+        let place = |i: usize| pair[0] + (pair[1] - pair[0]) * (i as f64 / count as f64);
+        borders.extend((1..count).map(place).chain([pair[1]]));
+    }
+    (borders, largest)
 }

@@ -31,7 +31,7 @@ pub struct Effects {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Unloading {
-    /// Tension and compression harden alike.
+    /// Isotropic hardening: tension and compression harden equally.
     Isotropic,
     /// The elastic range keeps its size and moves: [`crate::law::Overlay`], or [`crate::law::Mixed`] with the fraction 1 along one
     /// line of hardening, under a rate and under heat.

@@ -6,16 +6,17 @@ mod check;
 mod damping;
 mod discretized;
 mod effects;
+mod impacts;
 mod not_yet;
 mod notes;
 mod overrides;
 mod raw;
 mod resolved;
-mod specimen;
 
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
+use toml_edit::DocumentMut;
 
 use crate::bar::{Bar, EndCondition};
 use crate::error::{InputError, Result};
@@ -28,17 +29,17 @@ pub use auto::Auto;
 pub use damping::Damping;
 pub use discretized::{MOST_PIECES, TaperDiscretization};
 pub use effects::{Effects, Heat, Rate, Rupture, Unloading};
+pub use impacts::{ImpactScene, KINDS, Kind};
 use overrides::Overrides;
 pub use raw::RawScene;
-pub use specimen::{RawSpecimenScene, SpecimenScene};
 
 /// What a scene file asks for.
 #[derive(Debug, Clone)]
 pub enum Problem {
     /// Waves in a bar.
     Bar(Box<Scene>),
-    /// Whether a specimen breaks, by the energy method.
-    Specimen(Box<SpecimenScene>),
+    /// Another impact: the energy method, spheres, a plate, a beam.
+    Impact(Box<ImpactScene>),
 }
 
 impl Problem {
@@ -55,23 +56,74 @@ impl Problem {
     /// # Errors
     /// As for [`Problem::read`].
     pub fn of_document(document: &Document, path: &Path, overrides: &[String]) -> Result<Self> {
-        if !has_specimen(document) {
+        let Some(kind) = impacts::kind(document) else {
             return Scene::of_file(document, path, overrides).map(|scene| Self::Bar(Box::new(scene)));
-        }
-        let base = path.parent().map_or_else(PathBuf::new, Path::to_owned);
+        };
         let typed = Overrides::new(overrides)?;
         let edited = typed.apply(document)?;
-        let mut scene = specimen::check(&edited, &base).map_err(|e| typed.explain(e, document))?;
-        scene.text = document.text.to_string();
+        Self::impact(kind, Source { document, edited: &edited, base: &folder(path), typed: &typed }, overrides)
+    }
+
+    fn impact(kind: &Kind, source: Source<'_>, overrides: &[String]) -> Result<Self> {
+        let checked = impacts::check(kind, source.edited, source.base);
+        let mut scene = checked.map_err(|e| source.typed.explain(e, source.document))?;
+        scene.text = source.document.text.to_string();
         scene.overrides = overrides.to_vec();
-        Ok(Self::Specimen(Box::new(scene)))
+        Ok(Self::Impact(Box::new(scene)))
     }
 }
 
-/// Text that is no TOML has none: its reader complains better.
-fn has_specimen(document: &Document) -> bool {
-    toml::de::DeTable::parse(&document.text)
-        .is_ok_and(|table| table.get_ref().keys().any(|key| key.get_ref() == "specimen"))
+/// A scene file that is read many times, with other overrides each time: what does not depend on these is done once.
+#[derive(Debug, Clone)]
+pub struct Template {
+    document: Document,
+    editable: DocumentMut,
+    path: PathBuf,
+    base: PathBuf,
+    /// Not a bar.
+    impact: Option<&'static Kind>,
+}
+
+impl Template {
+    /// Of a file that has been read.
+    ///
+    /// # Errors
+    /// An input error where the text is no TOML.
+    pub fn new(document: Document, path: PathBuf) -> Result<Self> {
+        let (editable, base, impact) = (overrides::editable(&document)?, folder(&path), impacts::kind(&document));
+        Ok(Self { document, editable, path, base, impact })
+    }
+
+    /// The scene with overrides, as [`Problem::of_document`] gives it.
+    ///
+    /// # Errors
+    /// As for [`Problem::read`].
+    pub fn problem(&self, overrides: &[String]) -> Result<Problem> {
+        let typed = Overrides::new(overrides)?;
+        let edited = typed.edit(&self.document, self.editable.clone())?;
+        let source = Source { document: &self.document, edited: &edited, base: &self.base, typed: &typed };
+        if let Some(kind) = self.impact {
+            return Problem::impact(kind, source, overrides);
+        }
+        let scene = Scene::of_source(source, overrides)?;
+        Ok(Problem::Bar(Box::new(Scene { path: Some(self.path.clone()), ..scene })))
+    }
+}
+
+/// A text with its overrides, on its way to a scene.
+#[derive(Debug, Clone, Copy)]
+struct Source<'a> {
+    /// As read.
+    document: &'a Document,
+    /// With the overrides in their places.
+    edited: &'a Document,
+    /// The folder that paths are relative to.
+    base: &'a Path,
+    typed: &'a Overrides,
+}
+
+fn folder(path: &Path) -> PathBuf {
+    path.parent().map_or_else(PathBuf::new, Path::to_owned)
 }
 
 /// A checked scene. Every default is filled in.
@@ -121,7 +173,7 @@ pub struct Torsion {
     pub polar: Vec<f64>,
 }
 
-/// How the scene is solved.
+/// Numerical method and end time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Solve {
     /// End time, s, > 0.
@@ -294,8 +346,7 @@ impl Scene {
     }
 
     fn of_file(document: &Document, path: &Path, overrides: &[String]) -> Result<Self> {
-        let base = path.parent().map_or_else(PathBuf::new, Path::to_owned);
-        let mut scene = Self::from_document(document, &base, overrides)?;
+        let mut scene = Self::from_document(document, &folder(path), overrides)?;
         scene.path = Some(path.to_owned());
         Ok(scene)
     }
@@ -310,20 +361,25 @@ impl Scene {
     }
 
     fn from_document(original: &Document, base: &Path, typed: &[String]) -> Result<Self> {
-        if has_specimen(original) {
-            let message = "a [specimen] is no bar: this needs a scene with a bar";
-            let help = "`barwave run`, `plan` and `check` take specimens; others want [bar] with its ends";
-            return Err(InputError::new(message).key("specimen").help(help).into());
+        if let Some(kind) = impacts::kind(original) {
+            let message = format!("a [{}] is no bar: this needs a scene with a bar", kind.key);
+            let help = "`barwave run`, `plan` and `check` take such scenes; others want [bar] with its ends";
+            return Err(InputError::new(message).key(kind.key).help(help).into());
         }
         let overrides = Overrides::new(typed)?;
         let edited = overrides.apply(original)?;
-        let (checked, texts) = text_file::recorded(|| check::check(&edited, base));
-        let mut scene = checked.map_err(|e| overrides.explain(e, original))?;
+        Self::of_source(Source { document: original, edited: &edited, base, typed: &overrides }, typed)
+    }
+
+    fn of_source(source: Source<'_>, overrides: &[String]) -> Result<Self> {
+        let Source { document, edited, base, typed } = source;
+        let (checked, texts) = text_file::recorded(|| check::check(edited, base));
+        let mut scene = checked.map_err(|e| typed.explain(e, document))?;
         let materials = library::user_folder().map(|folder| folder.display().to_string());
         scene.files = NamedFiles { base: base.display().to_string(), materials, texts };
-        find_methods(&mut scene, &edited, base);
-        scene.text = original.text.to_string();
-        scene.overrides = typed.to_vec();
+        find_methods(&mut scene, edited, base);
+        scene.text = document.text.to_string();
+        scene.overrides = overrides.to_vec();
         Ok(scene)
     }
 

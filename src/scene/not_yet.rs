@@ -23,12 +23,8 @@ const fn word(path: &'static [&'static str], value: &'static str, what: &'static
 
 const STRIKER: &str =
     "give an end kind = \"striker\" with mass and velocity, or lay two segments together with joint = \"contact\"";
-const STRUCK_BAR: &str = "describe a bar in [bar] with its [left] and [right] ends";
 
 const WORDS: &[Word] = &[
-    word(&["spheres"], "", "the impact of spheres", STRUCK_BAR),
-    word(&["plate"], "", "the impact on a plate", STRUCK_BAR),
-    word(&["beam"], "", "the impact on a beam", STRUCK_BAR),
     word(&["striker"], "", "a striking body of its own", STRIKER),
     word(&["solve", "viscosity"], "", "artificial viscosity", "leave it out"),
 ];

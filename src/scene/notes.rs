@@ -62,7 +62,7 @@ impl Scene {
                 EndCondition::Ball { velocity, .. } => ("ball", velocity),
                 _ => return None,
             };
-            let own = self.bar.segments[segment].velocity;
+            let own = self.bar.segments[segment].end_velocities()[usize::from(inward < 0.0)];
             (inward * (velocity - own) < 0.0).then(|| {
                 format!(
                     "the {word} at the {side} end moves away from the bar, at {velocity} against {own} m/s: velocities are positive in +x, \

@@ -25,13 +25,11 @@ impl Overrides {
 
     /// The document with every override in its place, in order. An empty VALUE takes the key out.
     pub(super) fn apply(&self, document: &Document) -> Result<Document> {
-        if self.0.is_empty() {
-            return Ok(document.clone());
-        }
-        // The reader's own complaint about a broken file is better than an editor's.
-        document.parse::<toml::Table>()?;
-        let mut edited: DocumentMut =
-            document.text.parse().map_err(|e: toml_edit::TomlError| InputError::new(e.message()))?;
+        if self.0.is_empty() { Ok(document.clone()) } else { self.edit(document, editable(document)?) }
+    }
+
+    /// The same of a document that an editor has read.
+    pub(super) fn edit(&self, document: &Document, mut edited: DocumentMut) -> Result<Document> {
         for one in &self.0 {
             one.put(edited.as_item_mut()).map_err(|message| one.error(message))?;
         }
@@ -53,6 +51,13 @@ impl Overrides {
             None => error.into(),
         }
     }
+}
+
+/// The document as an editor reads it.
+pub(super) fn editable(document: &Document) -> Result<DocumentMut> {
+    // The reader's own complaint about a broken file is better than an editor's.
+    document.parse::<toml::Table>()?;
+    document.text.parse().map_err(|e: toml_edit::TomlError| InputError::new(e.message()).into())
 }
 
 fn split(typed: &str) -> Result<Override> {

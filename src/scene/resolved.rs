@@ -3,7 +3,7 @@
 use serde_json::{Map, Value, json};
 
 use super::{Method, Record, Scene, Solve};
-use crate::bar::{EndCondition, History, Joint, Segment};
+use crate::bar::{Distribution, EndCondition, History, Joint, Segment};
 use crate::record::{Compression, Precision};
 
 pub(super) fn json(scene: &Scene) -> Value {
@@ -52,7 +52,20 @@ fn segment(segment: &Segment) -> Value {
     if let Some(taper) = &segment.taper {
         value["taper"] = json!(**taper);
     }
+    if let Some(profile) = &segment.profile {
+        value["initial_over_x"] = json!({
+            "velocity": table(&profile.velocity),
+            "stress": table(&profile.stress),
+            "plastic_strain": table(&profile.plastic_strain),
+            "accumulated": table(&profile.accumulated),
+            "temperature_rise": table(&profile.temperature_rise),
+        });
+    }
     value
+}
+
+fn table(table: &Distribution) -> Vec<[f64; 2]> {
+    table.rows().map(|(x, value)| [x, value]).collect()
 }
 
 fn end(end: &EndCondition) -> Value {

@@ -1,9 +1,16 @@
 //! Studies made of curves and runs.
 
+pub mod bracket;
 pub mod compare;
-pub mod confirm;
+pub mod compare_results;
 pub mod cost;
 pub mod critical;
 pub mod hard_cases;
+pub mod impact_cost;
+pub mod invert;
 pub mod plan;
+mod random;
+pub mod sensitivity;
 pub mod sweep;
+pub mod tension;
+pub mod uncertainty;

@@ -52,6 +52,18 @@ pub struct Plan {
     /// How tapered segments are cut into uniform pieces, by methods that do so.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub staircase: Option<Staircase>,
+    /// The staircase that front tracking makes of an initial state that changes along the bar.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub initial_steps: Option<InitialSteps>,
+}
+
+/// The staircase of an initial state.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct InitialSteps {
+    /// Steps over the bar.
+    pub steps: usize,
+    /// The largest, relative to the largest size of its quantity; the mean error is a quarter of it at the most.
+    pub largest: f64,
 }
 
 /// Tapered segments as uniform pieces.
@@ -191,7 +203,16 @@ pub fn plan(scene: &Scene) -> Plan {
         above_critical: all.iter().any(|l| l.fan.above_critical),
         initial_state: scene.bar.has_initial_state(),
         notes: scene.notes().into_iter().chain(notes).collect(),
-        staircase: scene.discretized.as_ref().map(|cut| Staircase { pieces: cut.of.len(), reflects: cut.reflects }),
+        staircase: scene
+            .discretized
+            .as_ref()
+            .filter(|cut| cut.has_tapers())
+            .map(|cut| Staircase { pieces: cut.of.len(), reflects: cut.reflects }),
+        initial_steps: scene
+            .discretized
+            .as_ref()
+            .filter(|cut| cut.steps > 0)
+            .map(|cut| InitialSteps { steps: cut.steps, largest: cut.largest_step }),
     }
 }
 
@@ -271,7 +292,7 @@ fn leapfrog_cell(scene: &Scene, grid: &Grid) -> Cell {
     let yielded = (2 + law.law.state_len()) * number + 1 + work_kept + sections + yielded_nodes;
     let sweep = if along.is_some() { SWEEP } else { 0.0 };
     let elastic_cell = elastic_seconds_per_cell_step();
-    let heated = scene.bar.segments.iter().any(|s| assemble::heat_of_state(&s.material, &scene.effects).is_some());
+    let heated = scene.bar.segments.iter().any(|s| assemble::heat_of_state(s, &scene.effects).is_some());
     let flowing = match scene.effects.rate {
         _ if heated => HEATED,
         None => PLASTIC_COST * elastic_cell,
@@ -377,18 +398,16 @@ fn plasticity(scene: &Scene, initial_fans: &[crate::bar::InitialFan]) -> Planned
     let linear = scene.bar.segments.iter().all(|s| {
         [Sense::Tension, Sense::Compression].iter().all(|&sense| s.material.branch(sense).strain().len() == 2)
     });
-    let worked = scene.bar.segments.iter().any(|segment| segment.initial.plastic_strain != 0.0);
+    let worked = scene.bar.segments.iter().any(Segment::has_yielded);
     let why = match (linear, yields) {
         (true, _) => "the curves are straight lines",
         _ if worked => "the bar has yielded before the start",
         _ if scene.bar.has_initial_state() => {
-            "the first waves of a bar with an initial stress are not foreseen: the law takes over in the step in which a cell \
-             first yields, if one does"
+            "the first waves of a bar with an initial stress are not predicted: the elastic kernel runs until a cell first yields"
         }
-        (_, true) => "the first waves carry more than the elastic limit",
+        (_, true) => "the first waves exceed the elastic limit",
         (_, false) => {
-            "the first waves stay below the elastic limit: the elastic kernel runs, and the law takes over in the \
-             step in which a reflection first yields a cell, if one does"
+            "the first waves stay below the elastic limit: the elastic kernel runs until a reflection yields a cell"
         }
     };
     let (effect, on) = ("plasticity".into(), (yields || worked) && !linear);
@@ -404,7 +423,7 @@ fn on(scene: &Scene, key: &str, effect: String) -> PlannedEffect {
     let why = match (choice, &scene.auto) {
         (Some(choice), _) => choice.why.clone(),
         (None, Some(_)) => "another effect needs it".into(),
-        (None, None) => "the scene asks for it".into(),
+        (None, None) => "requested by the scene".into(),
     };
     let estimate = choice.map(|c| c.estimate);
     PlannedEffect { effect, on: true, why, estimate, threshold: estimate.map(|_| scene.solve.audit_tolerance) }
@@ -413,8 +432,8 @@ fn on(scene: &Scene, key: &str, effect: String) -> PlannedEffect {
 fn off(scene: &Scene, key: &str, row: Option<&AuditRow>) -> PlannedEffect {
     let start = match (chosen(scene, key), &scene.auto) {
         (Some(choice), _) => choice.why.clone(),
-        (None, Some(_)) => "not called for".into(),
-        (None, None) => "the scene does not ask for it".into(),
+        (None, Some(_)) => "not needed".into(),
+        (None, None) => "not requested".into(),
     };
     let finding = row.map_or_else(|| without(key).to_owned(), AuditRow::advice);
     let estimate = row.map(|row| row.estimate).filter(|e| !e.is_nan());
@@ -430,12 +449,12 @@ fn off(scene: &Scene, key: &str, row: Option<&AuditRow>) -> PlannedEffect {
 /// What a run assumes without an effect.
 fn without(key: &str) -> &'static str {
     match key {
-        "unloading" => "the run says so if a yielded point unloads",
-        "rate" => "the curve holds at any strain rate",
-        "heat" => "the bar stays as cold as the curve",
-        "rupture" => "the bar holds for ever",
-        "damping" => "nothing but plastic flow takes energy",
-        _ => "sections stay plane and move along the bar only",
+        "unloading" => "unloading follows the loading curve; the run reports if a yielded section unloads",
+        "rate" => "the quasi-static curve is used at all strain rates",
+        "heat" => "the temperature stays constant",
+        "rupture" => "fracture is not simulated",
+        "damping" => "the only dissipation is plastic work",
+        _ => "lateral inertia is neglected",
     }
 }
 

@@ -91,6 +91,9 @@ dimensions! {
     /// N m s/rad.
     TorsionalDampingCoefficient: "a torsional damping coefficient", "5 N*m*s/rad", "N*m*s/rad", [2, 1, -1, 0],
         { "N*m*s/rad" = 1.0, "kN*m*s/rad" = 1e3 }, { "lbf*ft*s/rad" = FOOT_POUND };
+    /// N s.
+    Impulse: "an impulse", "3 N*s", "N*s", [1, 1, -1, 0],
+        { "N*s" = 1.0, "kN*s" = 1e3 }, { "lbf*s" = POUND_FORCE };
     /// J.
     Energy: "an energy", "50 J", "J", [2, 1, -2, 0], { "J" = 1.0, "kJ" = 1e3, "MJ" = 1e6 }, { "ft*lbf" = FOOT_POUND };
     /// J/m^3.
@@ -121,6 +124,9 @@ dimensions! {
     /// kg m^2.
     MomentOfInertia: "a moment of inertia", "2 kg*m^2", "kg*m^2", [2, 1, 0, 0],
         { "kg*m^2" = 1.0 }, { "lb*ft^2" = POUND * 144.0 * INCH * INCH };
+    /// m^4.
+    SecondMomentOfArea: "a second moment of area", "8 cm^4", "m^4", [4, 0, 0, 0],
+        { "mm^4" = 1e-12, "cm^4" = 1e-8, "m^4" = 1.0 }, { "in^4" = INCH * INCH * INCH * INCH };
     /// N m/rad.
     TorsionalStiffness: "a torsional stiffness", "300 N*m/rad", "N*m/rad", [2, 1, -2, 0],
         { "N*m/rad" = 1.0, "kN*m/rad" = 1e3 }, { "lbf*ft/rad" = FOOT_POUND };

@@ -38,6 +38,7 @@ impl Dimension {
             Self::Force => range(1e-21, 1e21, "a section of 1 m^2 of diamond carries some 1e11 N"),
             Self::Stiffness | Self::ForcePerLength => range(1e-15, 1e21, "a rigid support of a bar has some 1e15 N/m"),
             Self::DampingCoefficient => range(1e-18, 1e21, "rho c0 A of a steel bar of 1 m^2 is 4e7 N s/m"),
+            Self::Impulse => range(1e-27, 1e21, "a hammer gives some 10 N s"),
             Self::Energy => range(1e-27, 1e21, "a bond between atoms has 1e-19 J"),
             Self::EnergyDensity => range(1e-9, 1e18, "metals absorb 1e6 to 1e9 J/m^3"),
             Self::Rate => range(1e-15, 1e18, "atoms vibrate with some 1e13 1/s"),
@@ -50,6 +51,7 @@ impl Dimension {
             Self::AngularVelocity => range(1e-15, 1e15, "the surface of a rod of 1 mm moves with light at 6e11 rad/s"),
             Self::Torque => range(1e-27, 1e21, "a shaft of 1 m of steel carries some 1e8 N m"),
             Self::MomentOfInertia => range(1e-36, 1e21, "a flywheel of 1 t has some 1e2 to 1e3 kg m^2"),
+            Self::SecondMomentOfArea => range(1e-36, 1e12, "a square wire of 1 um has 8e-26 m^4"),
             Self::TorsionalStiffness => range(1e-24, 1e24, "a shaft of 1 m of steel and as long has 8e9 N m/rad"),
             Self::TorsionalDampingCoefficient => range(1e-27, 1e24, "that of 1 m of steel is some 4e6 N m s/rad"),
         }

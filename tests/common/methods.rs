@@ -5,7 +5,7 @@ use barwave::record::LedgerRow;
 use barwave::record::store::ResultFile;
 use tempfile::TempDir;
 
-use crate::binary::barwave;
+use super::binary::barwave;
 
 /// Name, `[solve]` without the end time, `[effects]`.
 pub type Method = (&'static str, &'static str, &'static str);

@@ -1,6 +1,16 @@
 //! Bars without scene files, for the integration tests.
 #![allow(dead_code, reason = "every test file takes what it needs")]
 
+pub mod binary;
+pub mod exact;
+pub mod known;
+pub mod long_bars;
+pub mod methods;
+pub mod muscl;
+pub mod net;
+pub mod results;
+pub mod synthetic;
+
 use barwave::assemble::segment_law;
 use barwave::bar::{Bar, EndCondition, History, Segment};
 use barwave::material::{Beyond, Curve, Material};

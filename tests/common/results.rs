@@ -15,6 +15,8 @@ pub fn everything(path: &Path) -> Vec<String> {
     let file = File::open(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
     let mut lines = Vec::new();
     collect(&file, &mut lines);
+    // The order of links in a group is no content.
+    lines.sort();
     // A table of numbers and texts has no reader of its own here.
     let result = ResultFile::open(path).expect("a result");
     lines.extend(result.fronts().expect("fronts").iter().map(|front| format!("{front:?}")));

@@ -101,10 +101,9 @@ fn the_table_of_commands_is_complete() {
 fn library_materials_have_the_stated_constants() {
     for name in library::names() {
         let material = library::find(name, Path::new("")).expect("a material");
-        let heat = &material.constants.heat;
-        let needed = [heat.specific_heat, heat.reference_temperature, heat.melting_temperature, heat.exponent];
-        assert_eq!(!material.constants.rate.is_empty(), name.ends_with("-jc"), "{name}");
-        assert!(needed.iter().any(Option::is_none) && material.poisson.is_none(), "{name}");
+        let (rate, missing) = (&material.constants.rate, material.constants.heat.missing());
+        assert_eq!([!rate.is_empty(), missing.is_empty()], [name.ends_with("-jc"); 2], "{name}: {missing:?}");
+        assert!(material.poisson.is_some_and(|poisson| (0.2..0.4).contains(&poisson)), "{name}");
     }
 }
 
@@ -197,6 +196,7 @@ fn the_reference_of_scene_keys_is_up_to_date() {
         section("Top level", ""),
         section("`[bar]`", "RawBar"),
         section("`[[bar.segment]]`", "RawSegment"),
+        section("Initial values from a file", "RawTableFile"),
         section("`[left]` and `[right]`", "RawEnd"),
         section("`[effects]`", "RawEffects"),
         section("`effects.rate`", "RawRate"),
@@ -212,7 +212,31 @@ fn the_reference_of_scene_keys_is_up_to_date() {
         section("`[striker]`", "RawStriker"),
     ];
     let specimen = Schema::of("specimen").tables_without(&specimen, &["RawMaterial"]);
-    holds("docs/reference/scene.md", &format!("{scene}\n{specimen}"));
+    let kind = |key: &str, name: &'static str, tables: &[[&'static str; 2]]| {
+        let sphere = section("`[striker]`", "RawSphere");
+        let own = tables.iter().map(|[title, table]| section(title, table));
+        let sections: Vec<_> = [section(name, "")].into_iter().chain(own).chain([sphere]).collect();
+        Schema::of(key).tables_without(&sections, &["RawMaterial"])
+    };
+    let spheres = [["`[spheres]`", "RawSpheres"], ["`[solve]` of spheres", "RawSpheresSolve"]];
+    let plate = [["`[plate]`", "RawPlate"], ["`[solve]` of a plate", "RawPlateSolve"]];
+    let beam =
+        [["`[beam]`", "RawBeam"], ["`[solve]` of a beam", "RawBeamSolve"], ["`[record]` of a beam", "RawBeamRecord"]];
+    let impacts = [
+        kind("spheres", "Spheres: top level", &spheres),
+        kind("plate", "Plate: top level", &plate),
+        kind("beam", "Beam: top level", &beam),
+    ];
+    holds("docs/reference/scene.md", &format!("{scene}\n{specimen}\n{}", impacts.join("\n")));
+}
+
+#[test]
+fn the_reference_of_figures_is_up_to_date() {
+    let mut table = "| at | key | unit | figure |\n|---|---|---|---|".to_owned();
+    for [place, key, unit, description] in barwave::record::definitions() {
+        let _ = write!(table, "\n| {place} | `{key}` | {unit} | {description} |");
+    }
+    holds("docs/reference/figures.md", &(table + "\n"));
 }
 
 #[test]
@@ -224,6 +248,8 @@ fn the_reference_of_material_keys_is_up_to_date() {
         section("`[rate]`", "RawRates"),
         section("A rate law, as in `[rate.malvern]`", "RawRate"),
         section("`[heat]`", "RawHeat"),
+        section("`[band]`", "RawBand"),
+        section("`[[band.test]]`", "RawTest"),
         section("`[source]`", "RawSource"),
     ];
     holds("docs/reference/material.md", &Schema::of("material").tables_without(&sections, &[]));

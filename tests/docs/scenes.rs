@@ -27,7 +27,9 @@ fn merge(base: &mut Table, change: Table) {
 /// The scene or material to check.
 fn whole(block: &str, base: Option<&str>) -> Result<String, String> {
     let table: Table = block.parse().map_err(|e: toml::de::Error| e.to_string())?;
-    if ["solve", "density", "specimen"].iter().any(|key| table.contains_key(*key)) && base.is_none() {
+    if ["solve", "density", "specimen", "spheres", "plate", "beam"].iter().any(|key| table.contains_key(*key))
+        && base.is_none()
+    {
         return Ok(block.to_owned());
     }
     let base = base.ok_or("a fragment needs <!-- changes: runs/NAME.toml -->")?;

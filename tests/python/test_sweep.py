@@ -2,9 +2,13 @@
 
 import csv
 import subprocess
+import sys
 
 import h5py
+import pytest
 import xarray
+
+from conftest import ROOT
 
 SWEEP = """
 [sweep]
@@ -57,3 +61,15 @@ def test_cases_are_the_dimension_where_there_is_no_product(program, tmp_path):
         assert file["left.stress_Pa"].shape == (3,)
         assert file["left.stress_Pa"].dims[0][0].name == "/case"
         assert [name.decode() for name in file["bar.material"]] == ["copper-annealed", "mild-steel", "copper-annealed"]
+
+
+def test_the_shards_of_dask_give_the_table_of_one_sweep(program, tmp_path):
+    pytest.importorskip("distributed", reason="Dask is not installed")
+    (tmp_path / "scene.toml").write_text(SCENE)
+    (tmp_path / "sweep.toml").write_text(SWEEP)
+    subprocess.run([program, "sweep", "sweep.toml", "-o", "one", "--quiet"], cwd=tmp_path, check=True)
+    script = ROOT / "examples/sweeps/dask_sweep.py"
+    command = [sys.executable, script, "sweep.toml", "shards", "--shards", "3", "--program", program]
+    printed = subprocess.run(command, cwd=tmp_path, check=True, capture_output=True, text=True).stdout
+    assert "(3 of 3)" in printed and (tmp_path / "shards/shard-3-of-3").is_dir()
+    assert (tmp_path / "shards.csv").read_bytes() == (tmp_path / "one/table.csv").read_bytes()

@@ -1,4 +1,4 @@
-//! `barwave materials import`: a material file for a CSV file.
+//! `barwave materials import`: a material file for the records of tests.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -7,43 +7,98 @@ use super::critical_line;
 use crate::cli::critical::SenseArg;
 use crate::cli::output;
 use crate::destination;
-use crate::error::{InputError, Result};
+use crate::error::{Error, InputError, Result};
 use crate::input::Document;
-use crate::material::{self, RawMaterial, Sense};
-use crate::report::plot::write_whole;
+use crate::material::{self, Beyond, Material, Measure, RawMaterial, Sense, engineering_from_true};
+use crate::report::plot::{Format, save, write_whole};
+use crate::report::test_record::{Drawn, figure};
+use crate::test_record::{self, Kind, MaterialText, Reading, Record, Reduce, Reduction, Repeats};
+use crate::units::{Dimension, Quantity};
 
 /// Options of `barwave materials import`.
 #[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  barwave materials import tensile.csv --density \"7.85 g/cm^3\" --plot tensile.svg\n  \
+                  barwave materials import raw.txt --density 7850 --gauge-length \"25 mm\" --diameter \"6 mm\"\n  \
+                  barwave materials import a.csv b.csv c.csv --name steel --density 7850 -o steel.toml"
+)]
+#[expect(clippy::struct_excessive_bools, reason = "one a flag of the command line")]
 pub(super) struct Args {
-    /// CSV file with the columns strain and stress; a header may name units: `strain,stress_MPa`.
-    csv: PathBuf,
+    /// Records of one test, or of several repeats of it: text in columns, strain or extension and stress or force.
+    #[arg(required = true, value_name = "RECORD")]
+    records: Vec<PathBuf>,
     /// Mass per volume, e.g. "7.85 g/cm^3".
     #[arg(long)]
     density: String,
-    /// Elastic modulus, e.g. "207 GPa" (default: the steepest slope).
-    #[arg(long)]
-    modulus: Option<String>,
-    /// Unit of the stresses where the header names none, e.g. MPa (default: Pa).
+    /// Column of strain, by heading or number from 1 (default: the one whose heading says so).
+    #[arg(long, value_name = "COLUMN", conflicts_with = "extension_column")]
+    strain_column: Option<String>,
+    /// Column of extension.
+    #[arg(long, value_name = "COLUMN")]
+    extension_column: Option<String>,
+    /// Column of stress.
+    #[arg(long, value_name = "COLUMN", conflicts_with = "force_column")]
+    stress_column: Option<String>,
+    /// Column of force.
+    #[arg(long, value_name = "COLUMN")]
+    force_column: Option<String>,
+    /// Unit of the strains or extensions where the record names none, e.g. % or mm (default: 1 or m).
+    #[arg(long, value_name = "UNIT")]
+    strain_unit: Option<String>,
+    /// Unit of the stresses or forces where the record names none, e.g. MPa or kN (default: Pa or N).
     #[arg(long)]
     unit: Option<String>,
-    /// Name of the material (default: that of the CSV file).
+    /// Gauge length, which makes strains of extensions, e.g. "25 mm".
+    #[arg(long, value_name = "LENGTH")]
+    gauge_length: Option<Quantity>,
+    /// Initial cross-section, which makes stresses of forces, e.g. "28.3 mm^2".
+    #[arg(long, conflicts_with = "diameter")]
+    area: Option<Quantity>,
+    /// Initial diameter of a round specimen, e.g. "6 mm".
     #[arg(long)]
-    name: Option<String>,
-    /// The file holds true strain and true stress (default: engineering).
+    diameter: Option<Quantity>,
+    /// Elastic modulus, e.g. "207 GPa" (default: that of the record).
+    #[arg(long)]
+    modulus: Option<Quantity>,
+    /// The extensions include those of machine and grips: correct strains so that the elastic line has the modulus of --modulus.
+    #[arg(long, requires = "modulus")]
+    compliance: bool,
+    /// Stresses between which the elastic line is fitted, e.g. "20 MPa..100 MPa" (default: the straight part is searched for).
+    #[arg(long, value_name = "LOW..HIGH")]
+    elastic_range: Option<String>,
+    /// Largest distance of the knots from the smoothed curve, over the largest stress, 1e-5 to 0.05.
+    #[arg(long, default_value_t = Reduce::TOLERANCE)]
+    tolerance: f64,
+    /// Take the rows as they are: no toe correction, no smoothing (always with fewer than 50 rows).
+    #[arg(long)]
+    keep_rows: bool,
+    /// The record holds true strain and true stress (default: engineering, unless the headings say true).
     #[arg(long = "true")]
     is_true: bool,
     /// Sense of loading in the test.
     #[arg(long, value_enum, default_value = "tension")]
     sense: SenseArg,
-    /// Behaviour past the last row.
-    #[arg(long, value_enum, default_value = "error")]
-    beyond: BeyondArg,
-    /// File to write (default: the CSV file's name with .toml, beside it).
+    /// Behaviour past the last row (default: rupture if the record ends with a fracture, else error).
+    #[arg(long, value_enum)]
+    beyond: Option<BeyondArg>,
+    /// Name of the material (default: that of the record).
+    #[arg(long)]
+    name: Option<String>,
+    /// Who measured it, where and when: the source of the curve.
+    #[arg(long, value_name = "TEXT")]
+    citation: Option<String>,
+    /// Figure of the records before and after: .svg, .png or .html.
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
+    /// File to write (default: the record's name with .toml, beside it).
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Overwrite an existing file.
     #[arg(long)]
     force: bool,
+    /// Print one JSON object and nothing else.
+    #[arg(long)]
+    json: bool,
 }
 
 #[derive(Debug, Clone, Copy, clap::ValueEnum)]
@@ -56,79 +111,345 @@ enum BeyondArg {
     Error,
 }
 
+impl From<BeyondArg> for Beyond {
+    fn from(beyond: BeyondArg) -> Self {
+        match beyond {
+            BeyondArg::Rupture => Self::Rupture,
+            BeyondArg::Extend => Self::Extend,
+            BeyondArg::Error => Self::Error,
+        }
+    }
+}
+
+/// A record with what was made of it.
+struct Imported {
+    record: Record,
+    /// Rows of the record as drawn: engineering, magnitudes.
+    shown: Vec<(f64, f64)>,
+    /// None where the rows are kept as they are.
+    reduction: Option<Reduction>,
+}
+
+/// The curve of a material file.
+struct Curve {
+    modulus: Option<f64>,
+    measure: Measure,
+    rows: Vec<(f64, f64)>,
+    beyond: Beyond,
+    repeats: Option<Repeats>,
+}
+
 pub(super) fn run(args: &Args) -> Result<()> {
-    let path = args.output.clone().unwrap_or_else(|| args.csv.with_extension("toml"));
-    destination::resolve(&path)?;
-    if path.exists() && !args.force {
+    let path = args.output.clone().unwrap_or_else(|| args.records[0].with_extension("toml"));
+    refuse_existing(&path, args.force)?;
+    if let Some(plot) = &args.plot {
+        Format::of(plot).map_err(|e| with_key(e, "--plot"))?;
+        destination::resolve(plot)?;
+    }
+    si(&args.density.parse().unwrap_or(Quantity::Text(args.density.clone())), Dimension::Density, "--density")?;
+    let (reading, how) = (reading(args)?, how(args)?);
+    let imported = args.records.iter().map(|file| import(file, args, &reading, &how)).collect::<Result<Vec<_>>>()?;
+    let curve = curve(args, &imported, &how)?;
+    let comments = comments(&imported);
+    let text = text(args, &curve, &comments);
+    let document = Document::new(path.display().to_string(), text.as_str());
+    let raw: RawMaterial = document.parse()?;
+    let material = material::resolve(raw, &document, "", Path::new(""))?;
+    plausible(&material, &imported)?;
+    write_whole(&path, text.as_bytes())?;
+    if let Some(plot) = &args.plot {
+        draw(plot, &material.name, &imported, &curve)?;
+    }
+    if args.json {
+        return output::json(&json(&path, &imported, &material));
+    }
+    output::text(&report(args, &path, &imported, &material))
+}
+
+fn refuse_existing(path: &Path, force: bool) -> Result<()> {
+    destination::resolve(path)?;
+    if path.exists() && !force {
         return Err(InputError::new(format!("`{}` exists already", path.display()))
             .key("-o")
             .help("name another file with -o, or overwrite it with --force")
             .into());
     }
-    let folder = path.parent().unwrap_or(Path::new(""));
-    let text = file_text(args, folder)?;
-    let document = Document::new(path.display().to_string(), text.as_str());
-    let raw: RawMaterial = document.parse()?;
-    let checked = material::resolve(raw, &document, "", folder)?;
-    write_whole(&path, text.as_bytes())?;
-    let limit = checked.tension.elastic_limit(checked.modulus).1;
-    output::text(&format!(
-        "wrote {}\nrows            {}\nmodulus         {:.4} GPa\nelastic limit   {:.4} MPa\ncritical        {}\n\
-         Fill in [source] before you rely on it.\n",
-        path.display(),
-        checked.tension.strain().len(),
-        checked.modulus / 1e9,
-        limit / 1e6,
-        critical_line(&checked, Sense::Tension)
-    ))
+    Ok(())
 }
 
-/// The material file. The CSV file is named relative to it where both lie in one folder, otherwise by its full path.
-fn file_text(args: &Args, folder: &Path) -> Result<String> {
-    let missing = |e: std::io::Error| {
-        InputError::new(format!("cannot read `{}`: {e}", args.csv.display())).help("check the spelling and the folder")
-    };
-    let csv = std::fs::canonicalize(&args.csv).map_err(missing)?;
-    let here = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-    let beside = std::fs::canonicalize(here).is_ok_and(|f| csv.parent() == Some(f.as_path()));
-    let named = if beside { csv.file_name().map(PathBuf::from).unwrap_or_default() } else { csv };
-    let stem = args.csv.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let mut text = String::new();
-    let mut line = |key: &str, value: String| {
-        // Writing to a String cannot fail.
-        let _ = writeln!(text, "{key} = {value}");
-    };
-    line("name", quote(args.name.as_deref().unwrap_or(&stem)));
-    line("description", quote(""));
-    line("density", number(&args.density));
-    if let Some(modulus) = &args.modulus {
-        line("modulus", number(modulus));
+fn with_key(error: Error, key: &str) -> Error {
+    match error {
+        Error::Input(e) => e.key(key).into(),
+        other => other,
     }
-    line("measure", quote(if args.is_true { "true" } else { "engineering" }));
-    line("sense", quote(if args.sense == SenseArg::Tension { "tension" } else { "compression" }));
-    line("beyond", word(args.beyond));
-    text += "\n[curve]\n";
-    let _ = writeln!(text, "csv = {}", quote(&named.display().to_string()));
-    if let Some(unit) = &args.unit {
-        let _ = writeln!(text, "unit = {}", quote(unit));
-    }
-    text += "\n[source]\ncitation = \"\"\nmeasured = \"\"\nconfidence = \"measured\"\n";
-    Ok(text)
 }
 
-fn word(beyond: BeyondArg) -> String {
-    quote(match beyond {
-        BeyondArg::Rupture => "rupture",
-        BeyondArg::Extend => "extend",
-        BeyondArg::Error => "error",
+/// A positive quantity of the command line.
+fn si(value: &Quantity, dimension: Dimension, key: &str) -> Result<f64> {
+    let example = format!("e.g. {key} \"{}\"", dimension.example());
+    let wrong = |message: String| InputError::new(message).key(key).allowed("a value above 0").help(example);
+    match value.si(dimension) {
+        Ok(number) if number > 0.0 && number.is_finite() => Ok(number),
+        Ok(_) => Err(wrong(format!("{value} is out of range")).into()),
+        Err(message) => Err(wrong(message).into()),
+    }
+}
+
+fn reading(args: &Args) -> Result<Reading> {
+    let column = |kind, column: &Option<String>| column.clone().map(|name| (kind, name));
+    let of = |value: &Option<Quantity>, dimension, key| value.as_ref().map(|v| si(v, dimension, key)).transpose();
+    let diameter = of(&args.diameter, Dimension::Length, "--diameter")?;
+    let area = of(&args.area, Dimension::Area, "--area")?;
+    Ok(Reading {
+        abscissa: column(Kind::Strain, &args.strain_column).or(column(Kind::Extension, &args.extension_column)),
+        ordinate: column(Kind::Stress, &args.stress_column).or(column(Kind::Force, &args.force_column)),
+        abscissa_unit: args.strain_unit.clone(),
+        ordinate_unit: args.unit.clone(),
+        gauge_length: of(&args.gauge_length, Dimension::Length, "--gauge-length")?,
+        area: area.or(diameter.map(|d| std::f64::consts::FRAC_PI_4 * d * d)),
     })
 }
 
-/// A plain number stays one; anything else is text with a unit.
-fn number(typed: &str) -> String {
-    if typed.trim().parse::<f64>().is_ok_and(f64::is_finite) { typed.trim().to_owned() } else { quote(typed) }
+fn how(args: &Args) -> Result<Reduce> {
+    if !(1e-5..=0.05).contains(&args.tolerance) {
+        let error = InputError::new(format!("{} is out of range", args.tolerance)).key("--tolerance");
+        return Err(error.allowed("1e-5 <= tolerance <= 0.05").help("e.g. --tolerance 1e-3").into());
+    }
+    let modulus = args.modulus.as_ref().map(|m| si(m, Dimension::Stress, "--modulus")).transpose()?;
+    let elastic_range = args.elastic_range.as_deref().map(elastic_range).transpose()?;
+    Ok(Reduce { modulus, compliance: args.compliance, elastic_range, tolerance: args.tolerance })
 }
 
-fn quote(text: &str) -> String {
-    toml_edit::Value::from(text).to_string()
+/// `20 MPa..100 MPa`.
+fn elastic_range(text: &str) -> Result<[f64; 2]> {
+    let key = "--elastic-range";
+    let help = "e.g. --elastic-range \"20 MPa..100 MPa\"";
+    let wrong =
+        |message: String| Error::from(InputError::new(message).key(key).allowed("LOW..HIGH, two stresses").help(help));
+    let (low, high) = text.split_once("..").ok_or_else(|| wrong(format!("`{text}` is no interval")))?;
+    let stress = |part: &str| {
+        let quantity: Quantity = part.parse().unwrap_or(Quantity::Text(part.into()));
+        quantity.si(Dimension::Stress).map_err(wrong)
+    };
+    let (low, high) = (stress(low)?, stress(high)?);
+    if low >= 0.0 && high > low { Ok([low, high]) } else { Err(wrong(format!("`{text}` has no length"))) }
+}
+
+fn import(file: &Path, args: &Args, reading: &Reading, how: &Reduce) -> Result<Imported> {
+    let record = test_record::read(file, reading)?;
+    let is_true = args.is_true || record.says_true;
+    let rows = if is_true { engineering(&record.rows, args.sense.into()) } else { record.rows.clone() };
+    let keep = args.keep_rows || rows.len() < Reduce::FEWEST_ROWS;
+    if keep {
+        return Ok(Imported { shown: rows, record, reduction: None });
+    }
+    let mut reduction = test_record::reduce(&rows, how).map_err(|mut e| {
+        e.message = format!("{}: {}", file.display(), e.message);
+        e
+    })?;
+    if is_true {
+        reduction.changes.insert(0, "true strain and true stress converted to engineering values".into());
+    }
+    let shown = magnitudes(&rows);
+    Ok(Imported { record, shown, reduction: Some(reduction) })
+}
+
+fn engineering(rows: &[(f64, f64)], sense: Sense) -> Vec<(f64, f64)> {
+    let convert = |&(e, s): &(f64, f64)| {
+        let (strain, stress) = engineering_from_true(sense, e.abs(), s.abs());
+        (strain * e.signum(), stress * s.signum())
+    };
+    rows.iter().map(convert).collect()
+}
+
+fn magnitudes(rows: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let sign = |pick: fn(&(f64, f64)) -> f64| {
+        if rows.iter().map(pick).fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a }) < 0.0 {
+            -1.0
+        } else {
+            1.0
+        }
+    };
+    let (strain, stress) = (sign(|row| row.0), sign(|row| row.1));
+    rows.iter().map(|row| (strain * row.0, stress * row.1)).collect()
+}
+
+/// The curve that the file holds: the rows of a short table, the reduced record, or the mean of several.
+fn curve(args: &Args, imported: &[Imported], how: &Reduce) -> Result<Curve> {
+    let asked: Option<Beyond> = args.beyond.map(Into::into);
+    if let [only] = imported {
+        let is_true = args.is_true || only.record.says_true;
+        return Ok(match &only.reduction {
+            Some(reduction) => {
+                let fractured = if reduction.fracture.is_some() { Beyond::Rupture } else { Beyond::Error };
+                let (modulus, rows) = (Some(reduction.modulus), reduction.knots.clone());
+                Curve {
+                    modulus,
+                    measure: Measure::Engineering,
+                    rows,
+                    beyond: asked.unwrap_or(fractured),
+                    repeats: None,
+                }
+            }
+            None => Curve {
+                modulus: how.modulus,
+                measure: if is_true { Measure::True } else { Measure::Engineering },
+                rows: kept_rows(&only.record)?,
+                beyond: asked.unwrap_or(Beyond::Error),
+                repeats: None,
+            },
+        });
+    }
+    let reduced = |one: &Imported| {
+        one.reduction.clone().map(|reduction| (one.record.name.clone(), reduction)).ok_or_else(|| {
+            let message =
+                format!("{} has {} rows: repeats are averaged after smoothing", one.record.name, one.record.rows.len());
+            InputError::new(message)
+                .allowed(format!("at least {} rows each", Reduce::FEWEST_ROWS))
+                .help("import the files one by one")
+        })
+    };
+    let tests = imported.iter().map(reduced).collect::<std::result::Result<Vec<_>, _>>()?;
+    let repeats = test_record::combine(&tests, how.tolerance)?;
+    let fractured = tests.iter().all(|(_, reduction)| reduction.fracture.is_some());
+    let beyond = asked.unwrap_or(if fractured { Beyond::Rupture } else { Beyond::Error });
+    let (modulus, rows) = (Some(repeats.modulus), repeats.knots.clone());
+    Ok(Curve { modulus, measure: Measure::Engineering, rows, beyond, repeats: Some(repeats) })
+}
+
+/// Rows of a short table, magnitudes; what is no curve is refused with its line.
+fn kept_rows(record: &Record) -> Result<Vec<(f64, f64)>> {
+    let rows = magnitudes(&record.rows);
+    material::Curve::new(&rows, Beyond::Error).map_err(|e| {
+        let help = "rows are strain, stress; the first one is (0, 0) or left out; longer records may go up and down";
+        record.error(e.row, e.to_string()).allowed("finite, not negative, strain increasing from row to row").help(help)
+    })?;
+    Ok(rows)
+}
+
+/// What the file says at its top: records and changes.
+fn comments(imported: &[Imported]) -> Vec<String> {
+    let mut lines = vec![format!("Imported by barwave {}.", env!("CARGO_PKG_VERSION"))];
+    for one in imported {
+        lines.push(format!("{}: {}.", one.record.name, one.record.columns));
+        lines.extend(one.reduction.iter().flat_map(|reduction| &reduction.changes).map(|change| format!("- {change}")));
+    }
+    lines
+}
+
+fn text(args: &Args, curve: &Curve, comments: &[String]) -> String {
+    let stem = args.records[0].file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let sense: Sense = args.sense.into();
+    let names: Vec<_> = args.records.iter().map(|r| r.file_name().unwrap_or_default().to_string_lossy()).collect();
+    let measured = format!("slow {} test, {}", sense.name(), names.join(", "));
+    MaterialText {
+        name: args.name.as_deref().unwrap_or(&stem),
+        description: "",
+        density: &args.density,
+        modulus: curve.modulus,
+        measure: curve.measure,
+        sense,
+        beyond: curve.beyond,
+        rows: &curve.rows,
+        scatter: curve.repeats.as_ref().map(|repeats| &repeats.scatter),
+        comments,
+        citation: args.citation.as_deref(),
+        measured: &measured,
+    }
+    .toml()
+}
+
+/// The least modulus of a record whose stresses have no named unit: less is MPa read as Pa, or kN as N.
+const LEAST_WITHOUT_UNIT: f64 = 1e7;
+
+/// Refuses a modulus that comes of a wrong unit.
+fn plausible(material: &Material, imported: &[Imported]) -> Result<()> {
+    if material.modulus >= LEAST_WITHOUT_UNIT || imported.iter().all(|one| one.record.unit_named) {
+        return Ok(());
+    }
+    let message =
+        format!("the record names no unit of stress or force, and its modulus would be {:.4e} Pa", material.modulus);
+    let error = InputError::new(message).key("--unit").allowed("a modulus of at least 10 MPa where no unit is named");
+    Err(error.help("name the unit, e.g. --unit MPa, or in the heading: stress_MPa").into())
+}
+
+fn draw(path: &Path, name: &str, imported: &[Imported], curve: &Curve) -> Result<()> {
+    let drawn: Vec<Drawn<'_>> = imported
+        .iter()
+        .filter_map(|one| {
+            Some(Drawn { name: &one.record.name, record: &one.shown, reduction: one.reduction.as_ref()? })
+        })
+        .collect();
+    if drawn.is_empty() {
+        let error = InputError::new("the rows are kept as they are: there is no before and after").key("--plot");
+        return Err(error.help("draw the material with `barwave compare FILE.toml -o FILE.svg`").into());
+    }
+    let mean = curve.repeats.as_ref().map(|repeats| (curve.rows.as_slice(), &repeats.scatter));
+    save(path, name, &figure(name, &drawn, mean))
+}
+
+fn json(path: &Path, imported: &[Imported], material: &Material) -> serde_json::Value {
+    let records = imported.iter().map(|one| {
+        serde_json::json!({ "record": one.record.name, "columns": one.record.columns, "reduction": one.reduction })
+    });
+    serde_json::json!({
+        "written": path.display().to_string(),
+        "records": records.collect::<Vec<_>>(),
+        "modulus_Pa": material.modulus,
+        "elastic_limit_Pa": material.tension.elastic_limit(material.modulus).1,
+        "critical": crate::study::critical::critical(material, Sense::Tension),
+    })
+}
+
+/// The report for people.
+fn report(args: &Args, path: &Path, imported: &[Imported], material: &Material) -> String {
+    let mut text = format!("wrote {}\n", path.display());
+    for one in imported {
+        let _ = writeln!(text, "record          {}: {}", one.record.name, one.record.columns);
+        text += &one.reduction.as_ref().map_or_else(String::new, reduced);
+    }
+    if imported.len() > 1 {
+        let _ = writeln!(text, "mean curve      of {} tests, with their scatter in [band]", imported.len());
+    }
+    let limit = material.tension.elastic_limit(material.modulus).1;
+    // Writing to a String cannot fail.
+    let _ = write!(
+        text,
+        "rows            {}\nmodulus         {:.4} GPa\nelastic limit   {:.4} MPa\ncritical        {}\n",
+        material.tension.strain().len(),
+        material.modulus / 1e9,
+        limit / 1e6,
+        critical_line(material, Sense::Tension)
+    );
+    if let Some(plot) = &args.plot {
+        let _ = writeln!(text, "figure          {}", plot.display());
+    }
+    if args.citation.is_none() {
+        text += "No source is stated: add [source] to the file, or use --citation.\n";
+    }
+    text
+}
+
+/// What was found in a record and changed.
+fn reduced(r: &Reduction) -> String {
+    const MPA: f64 = 1e6;
+    let line = &r.line;
+    let mut text = format!(
+        "  elastic line  {:.3} GPa +- {:.3} GPa, least squares between {:.1} and {:.1} MPa, {} rows (ASTM E111)\n",
+        line.slope / 1e9,
+        line.error / 1e9,
+        line.between[0] / MPA,
+        line.between[1] / MPA,
+        line.rows
+    );
+    let proof = r.proof_stress.map_or("none: the curve ends before".into(), |s| format!("{:.3} MPa", s / MPA));
+    let _ = writeln!(text, "  proof stress  {proof} at 0.2 % offset (ASTM E8/E8M, ISO 6892-1)");
+    let _ = writeln!(text, "  largest load  {:.3} MPa at strain {:.5}", r.maximum.1 / MPA, r.maximum.0);
+    let fracture =
+        r.fracture.map_or("none in the record".into(), |(e, s)| format!("{:.3} MPa at strain {e:.5}", s / MPA));
+    let _ = writeln!(text, "  fracture      {fracture}");
+    for change in &r.changes {
+        let _ = writeln!(text, "  - {change}");
+    }
+    text
 }

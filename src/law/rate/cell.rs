@@ -16,7 +16,7 @@
 
 use super::step::{Flowing, readings_of_state, step};
 use super::{Driven, History, Overstress, RateLaw, RelaxationStep};
-use crate::law::{CellLaw, Response};
+use crate::law::{CellLaw, Deformed, Response};
 
 /// A rate-dependent cell in steps of one length.
 ///
@@ -90,8 +90,8 @@ impl Flowing for Cell<'_> {
 impl<const N: usize> CellLaw<N> for Timed<N> {
     readings_of_state!();
 
-    fn deformed(&self, plastic: f64) -> [f64; N] {
-        let history = self.law.deformed(plastic);
+    fn deformed(&self, deformed: &Deformed) -> [f64; N] {
+        let history = self.law.deformed(deformed);
         let state = [history.accumulated, history.signed, 0.0, 0.0, 0.0, history.back];
         std::array::from_fn(|k| state[k])
     }

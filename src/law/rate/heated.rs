@@ -16,7 +16,7 @@
 
 use super::step::{Flowing, readings_of_state, step};
 use super::{Course, Driven, History, Overstress, RateLaw};
-use crate::law::{CellLaw, Response};
+use crate::law::{CellLaw, Deformed, Response};
 use crate::material::Heating;
 use crate::root::{Tolerance, fixed_point};
 
@@ -155,6 +155,12 @@ impl<const N: usize> Flowing for Cell<'_, N> {
 
 impl<const N: usize> CellLaw<N> for Heated<N> {
     readings_of_state!();
+
+    fn deformed(&self, deformed: &Deformed) -> [f64; N] {
+        let history = self.law.deformed(deformed);
+        let state = [history.accumulated, history.signed, 0.0, 0.0, 0.0, deformed.temperature_rise, history.back];
+        std::array::from_fn(|k| state[k])
+    }
 
     fn respond(&self, sigma: f64, predictor: f64, state: [f64; N]) -> Response<N> {
         let history = self.history(state);

@@ -16,8 +16,7 @@
 //! [`RateLaw::strained`] solves this over a step with the static curve straight from its start to its end ([`Overstress::flow`]
 //! along that line); both ends are on the curve, knots and all. Second order in the step where it resolves the relaxation. A
 //! step that is long against the relaxation time ends at the overstress of its own rate of flow, and without a drive on the
-//! static curve. Any step is stable, and takes work. [`RateLaw::flow`], for what is not driven, goes along the pieces of the
-//! curve.
+//! static curve. Any step is stable, and takes work. [`RateLaw::flow`] is the flow of a node of characteristics.
 //!
 //! Limits: a jump of stress that meets a cell which flows already is taken as a ramp over the step, exact for Malvern's law;
 //! by the others what flows in that step is off by a part that does not fall with the step.
@@ -29,19 +28,20 @@ mod cell;
 mod driven;
 mod hardening;
 mod heated;
+mod node;
 mod overstress;
 mod step;
-mod walk;
 
 pub use cell::Timed;
 pub use driven::Driven;
 use driven::relaxed;
 pub use hardening::{Hardening, Piece};
 pub use heated::Heated;
+pub use node::NodeStep;
 pub use overstress::Overstress;
 use serde::{Deserialize, Serialize};
 
-use super::Table;
+use super::{Deformed, Table};
 use crate::root::{Tolerance, fixed_point};
 
 /// A share of the flow that bounds it.
@@ -65,8 +65,26 @@ pub struct History {
 pub struct Flow {
     /// E times the signed plastic strain of the step, Pa.
     pub plastic: f64,
+    /// Of it, what comes before the moment at which a node is read.
+    pub before: f64,
     /// E times the work of the overstress, per volume, Pa^2, >= 0.
     pub overstress: f64,
+    /// E times the energy that the net takes, per volume, Pa^2, >= 0.
+    pub numerical: f64,
+}
+
+impl Flow {
+    /// Half-way between two that one node could have.
+    #[must_use]
+    pub fn mean(&self, other: &Self) -> Self {
+        let half = |a: f64, b: f64| 0.5 * (a + b);
+        Self {
+            plastic: half(self.plastic, other.plastic),
+            before: half(self.before, other.before),
+            overstress: half(self.overstress, other.overstress),
+            numerical: half(self.numerical, other.numerical),
+        }
+    }
 }
 
 /// Steps of one length under one share, with what can be worked out beforehand.
@@ -140,10 +158,14 @@ impl RateLaw {
         History { accumulated, signed, back, piece: [first, second] }
     }
 
-    /// The history after first loading to this signed E times plastic strain (Pa), slowly, and unloading.
-    pub fn deformed(&self, plastic: f64) -> History {
+    /// The history after slow loading and unloading; a back stress is that of first loading.
+    pub fn deformed(&self, deformed: &Deformed) -> History {
+        let Deformed { plastic, accumulated, .. } = *deformed;
         let mut history = History::default();
         self.advance(plastic.abs(), usize::from(plastic < 0.0), &mut history);
+        if self.kinematic == 0.0 && accumulated > plastic.abs() {
+            return self.history(accumulated, plastic, 0.0);
+        }
         history
     }
 
@@ -321,6 +343,10 @@ mod tests {
         Table::new(&Curve::new(&rows, Beyond::Extend).expect("rows rise"), MODULUS)
     }
 
+    fn step(excess: f64, share: f64, time: f64) -> NodeStep {
+        NodeStep { excess, share, smooth: 0.0, time }
+    }
+
     fn law(k: f64, kinematic: f64) -> RateLaw {
         RateLaw::new(Overstress::Malvern { k }, &table(), None, kinematic)
     }
@@ -330,13 +356,16 @@ mod tests {
         let law = law(1e6, 0.0);
         for excess in [1e6, 50e6, 500e6] {
             let (mut once, mut twice) = (History::default(), History::default());
-            let whole = law.flow(excess, 0, 0.5, 2e-6, &mut once);
-            let first = law.flow(excess, 0, 0.5, 1e-6, &mut twice);
+            let whole = law.flow(step(excess, 0.5, 2e-6), 0, &mut once);
+            let first = law.flow(step(excess, 0.5, 1e-6), 0, &mut twice);
             let stress = 200e6 + excess - 0.5 * first.plastic;
-            let second = law.flow(stress - law.limits(&twice)[1], 0, 0.5, 1e-6, &mut twice);
+            let second = law.flow(step(stress - law.limits(&twice)[1], 0.5, 1e-6), 0, &mut twice);
             // A dozen operations of 1e-16 each.
             assert!((once.accumulated - twice.accumulated).abs() < 1e-14 * excess, "{excess}");
-            assert!((whole.overstress - first.overstress - second.overstress).abs() < 1e-12 * whole.overstress);
+            // Along one piece the overstress falls linearly with the flow; a chord replaces the curve where it has knots.
+            let [whole, first, second] = [whole, first, second].map(|flow| flow.overstress + flow.numerical);
+            let bound = if once.piece[0] == 0 { 1e-12 } else { 2e-2 };
+            assert!((whole - first - second).abs() < bound * whole, "{excess}: {whole} {first} {second}");
         }
     }
 
@@ -349,7 +378,7 @@ mod tests {
         ] {
             let law = RateLaw::new(overstress, &table(), None, 0.0);
             let mut history = History::default();
-            let flow = law.flow(400e6, 0, 1.0, 1e60, &mut history);
+            let flow = law.flow(step(400e6, 1.0, 1e60), 0, &mut history);
             let (stress, limit) = (600e6 - flow.plastic, law.limits(&history)[1]);
             // With share 1 the total strain stays: 600 MPa / E = 0.003, where the table has 240 MPa.
             assert!((limit - 240e6).abs() < 1e-3 && (stress - limit).abs() < 1e-3, "{overstress:?} {stress} {limit}");
@@ -359,12 +388,13 @@ mod tests {
     #[test]
     fn first_loading_does_not_depend_on_the_kind_of_hardening() {
         for sense in [0, 1] {
-            let flows = [0.0, 0.3, 1.0].map(|b| law(1e6, b).flow(120e6, sense, 0.5, 1e-6, &mut History::default()));
+            let flows =
+                [0.0, 0.3, 1.0].map(|b| law(1e6, b).flow(step(120e6, 0.5, 1e-6), sense, &mut History::default()));
             assert_eq!(flows[0], flows[1]);
             assert_eq!(flows[0], flows[2]);
         }
         let (law, mut history) = (law(1e6, 1.0), History::default());
-        law.flow(120e6, 0, 0.5, 1e-6, &mut history);
+        law.flow(step(120e6, 0.5, 1e-6), 0, &mut history);
         let [low, high] = law.limits(&history);
         assert!((high - low - 400e6).abs() < 1e-3, "the elastic range moves and keeps its size");
     }
@@ -372,7 +402,7 @@ mod tests {
     #[test]
     fn not_a_number_ends() {
         let mut history = History::default();
-        assert_eq!(law(1e6, 0.0).flow(f64::NAN, 0, 0.5, 1e-6, &mut history).plastic, 0.0);
-        law(1e300, 0.0).flow(1e300, 0, 0.0, 1e300, &mut history);
+        assert_eq!(law(1e6, 0.0).flow(step(f64::NAN, 0.5, 1e-6), 0, &mut history).plastic, 0.0);
+        law(1e300, 0.0).flow(step(1e300, 0.0, 1e300), 0, &mut history);
     }
 }

@@ -150,34 +150,6 @@ impl Overstress {
         }
     }
 
-    /// The time in which the overstress x > 0 falls to `to`, 0 < to <= x, by a flow of `flow`, Pa: the inverse of
-    /// [`Self::flow`].
-    pub fn time(self, [x, to]: [f64; 2], f: f64, gain: f64, flow: f64) -> f64 {
-        if gain <= 0.0 {
-            return flow / self.rate(x, f);
-        }
-        match self {
-            Self::Malvern { k } => (x / to).ln() / (k * gain),
-            Self::CowperSymonds { rate, exponent: 1.0 } => (x / to).ln() / (rate / f * gain),
-            Self::CowperSymonds { rate, exponent } => {
-                let power = exponent - 1.0;
-                ((to / f).powf(-power) - (x / f).powf(-power)) * f / (power * gain * rate)
-            }
-            Self::JohnsonCook { c, rate } => {
-                let width = c * f;
-                ((-to / width).exp() - (-x / width).exp()) * width / (gain * rate)
-            }
-            Self::ZerilliArmstrong { stress, sensitivity, rate, .. } => {
-                // The integral of (1 + x/X)^(-1/m).
-                let power = 1.0 - sensitivity.recip();
-                let [from, to] = [x, to].map(|x| (x / stress).ln_1p());
-                let difference =
-                    if power == 0.0 { from - to } else { ((power * from).exp_m1() - (power * to).exp_m1()) / power };
-                difference * stress / (gain * rate)
-            }
-        }
-    }
-
     /// Part of a small change of the overstress that goes per second in a cell of given strain: 1 over the relaxation time.
     pub fn relaxation_rate(self, x: f64, f: f64) -> f64 {
         self.rate(x, f) / self.width(x, f)
@@ -267,17 +239,6 @@ mod tests {
                     assert!((end - exact).abs() < bound, "{law:?} {part} {drive}: {end:e} {exact:e}");
                 }
             }
-        }
-    }
-
-    #[test]
-    fn the_time_of_a_fall_is_that_of_its_flow() {
-        let (x, f, gain) = (50e6, 200e6, 0.6);
-        for law in LAWS {
-            let time = 0.2 * x / gain / law.rate(x, f);
-            let flow = law.flow(Driven { excess: x, rise: 0.0, time }, gain, f);
-            let back = law.time([x, x - gain * flow], f, gain, flow);
-            assert!((back - time).abs() < 1e-9 * time, "{law:?}: {back:e} {time:e}");
         }
     }
 

@@ -1,36 +1,49 @@
-//! What one of the audit's watches says of its effect.
+//! The result of the audit for one effect.
 
 use super::AuditRow;
 
-/// How large an effect would have been.
+/// Estimate for an effect that changes the outcome, such as fracture.
+pub(super) const DECISIVE: f64 = 1.0;
+
+/// How large a neglected effect would have been.
 #[derive(Debug)]
 pub(super) struct Finding {
-    /// Relative change of the answer; NaN where it is not known.
+    /// Relative change of the stress; NaN if it is not known.
     estimate: f64,
     /// For people.
     text: String,
-    /// What would bring the effect in; empty where nothing calls for it.
+    /// How to include the effect; empty if it is not needed.
     remedy: String,
 }
 
 impl Finding {
-    /// The effect would change the answer by so much; `written` is how the scene asks for it.
-    pub fn of(estimate: f64, text: String, written: &str) -> Self {
-        Self { estimate, text, remedy: format!("Switch on with [effects] {written}") }
+    /// The effect would change the stress by this fraction; `written` is the line of the scene that includes it.
+    pub fn of(estimate: f64, text: &str, written: &str) -> Self {
+        let text = format!("{text}; estimated effect on the stress {:.2} %", 100.0 * estimate);
+        Self { estimate, text, remedy: include(written) }
     }
 
-    /// It would change nothing, because of this.
+    /// The effect would change the outcome.
+    pub fn decisive(text: String, written: &str) -> Self {
+        Self { estimate: DECISIVE, text, remedy: include(written) }
+    }
+
+    /// The effect would change nothing, for this reason.
     pub fn nothing(text: impl Into<String>) -> Self {
         Self { estimate: 0.0, text: text.into(), remedy: String::new() }
     }
 
-    /// Nobody knows, because of this.
+    /// There is no estimate, for this reason.
     pub fn unknown(why: impl std::fmt::Display) -> Self {
-        Self { estimate: f64::NAN, text: format!("no estimate: {why}"), remedy: String::new() }
+        Self { estimate: f64::NAN, text: format!("not estimated: {why}"), remedy: String::new() }
     }
 
     pub fn row(self, effect: &str, threshold: f64) -> AuditRow {
         let Self { estimate, text, remedy } = self;
         AuditRow { effect: effect.to_owned(), estimate, threshold, finding: text, remedy }
     }
+}
+
+fn include(written: &str) -> String {
+    format!("Add `{written}` under [effects] to include it")
 }

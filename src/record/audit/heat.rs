@@ -81,18 +81,18 @@ impl Heat {
     pub fn finding(&self, materials: &[Arc<Material>], places: &Places, share: impl Fn(f64) -> f64) -> Finding {
         if self.media.iter().all(Option::is_none) {
             let missing = materials[0].constants.heat.missing().join(", ");
-            return Finding::unknown(std::format!("{} states no {missing} in [heat]", materials[0].name));
+            return Finding::unknown(std::format!("{} has no {missing} in [heat]", materials[0].name));
         }
         let Some((rise, lost, time, place)) = self.hottest else {
-            return Finding::nothing("what yielded states no [heat] constants, or did not flow");
+            return Finding::nothing("no material with [heat] constants deformed plastically");
         };
         let message = std::format!(
-            "plastic work would warm {} by up to {rise:.1} K if none flowed away ({}) and take {:.2} % of its flow \
-             stress; the curve was taken as cold",
+            "adiabatic heating was neglected; it would raise the temperature of {} by up to {rise:.1} K ({}) and lower its flow \
+             stress by {:.2} %",
             materials[places.segment[place]].name,
             places.moment(time, place),
             100.0 * lost,
         );
-        Finding::of(share(self.change), message, "heat = {}")
+        Finding::of(share(self.change), &message, "heat = {}")
     }
 }

@@ -60,8 +60,8 @@ impl Joints {
         let joint = self.0.iter().filter(|j| j.tension > 0.0).max_by(|a, b| used(a).total_cmp(&used(b)))?;
         let show = |value, dimension| format(value, dimension, System::Si);
         let finding = std::format!(
-            "joint {} at x = {} held {} in tension at t = {}, {:.0} % of what its weaker side carries; a joint that \
-             only touches would have parted (joint = \"contact\")",
+            "bonded joint {} at x = {} carried a tension of {} at t = {}, {:.0} % of the strength of its weaker side; a contact joint \
+             (joint = \"contact\") would have opened",
             joint.number + 1,
             show(joint.x, Dimension::Length),
             show(joint.tension, Dimension::Stress),

@@ -36,33 +36,33 @@ pub(super) fn row(case: &Case<'_>) -> AuditRow {
 
 fn finding(case: &Case<'_>) -> Finding {
     if !case.bar.area_given {
-        return Finding::unknown("the scene gives no section");
+        return Finding::unknown("the scene gives no cross-section");
     }
     if case.ends.iter().any(|end| matches!(end, EndCondition::Ball { .. })) {
-        return Finding::unknown("the pulse of a ball is not known beforehand");
+        return Finding::unknown("the pulse of a ball is not known in advance");
     }
-    if case.bar.segments.iter().any(|segment| segment.initial.stress != 0.0) {
-        return Finding::unknown("the waves that an initial stress sends are not known beforehand");
+    if case.bar.segments.iter().any(|segment| segment.initial.stress != 0.0 || segment.profile.is_some()) {
+        return Finding::unknown("the waves from an initial state are not known in advance");
     }
     let pulses = pulses(case);
     if pulses.is_empty() {
-        return Finding::nothing("nothing is imposed on the bar");
+        return Finding::nothing("the bar is not loaded");
     }
     if let Some(unknown) = pulses.iter().find(|p| p.segment.material.poisson.is_none()) {
-        return Finding::unknown(std::format!("{} states no `poisson`", unknown.segment.material.name));
+        return Finding::unknown(std::format!("{} has no `poisson`", unknown.segment.material.name));
     }
     let sizes = pulses.iter().fold(Sizes::default(), |all, pulse| all.and(pulse, case));
     if sizes.stress <= 0.0 {
-        return Finding::nothing("nothing is imposed on the bar");
+        return Finding::nothing("the bar is not loaded");
     }
     let show = |value| format(value, Dimension::Length, System::Si);
     let message = std::format!(
-        "sections that have to widen would make fronts {} wide by the end (nu times the radius of gyration is {}); sections \
-         were taken as moving along the bar only",
+        "lateral inertia was neglected; it would spread the fronts to {} by the end of the run (Poisson's ratio times the polar \
+         radius of gyration: {})",
         show(sizes.front.0),
         show(sizes.front.1),
     );
-    Finding::of((sizes.change / sizes.stress).min(1.0), message, "lateral-inertia = true")
+    Finding::of((sizes.change / sizes.stress).min(1.0), &message, "lateral-inertia = true")
 }
 
 impl Sizes {

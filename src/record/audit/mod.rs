@@ -175,7 +175,7 @@ impl Audit {
     /// One row for each effect that was off; `broken` are the rows that tell of places that broke or would have.
     pub fn rows(&self, broken: Vec<AuditRow>) -> Vec<AuditRow> {
         let row = |effect: &str, find: &dyn Fn() -> Finding| {
-            let finding = if self.looked { find() } else { Finding::nothing("nothing yielded") };
+            let finding = if self.looked { find() } else { Finding::nothing("the bar stays elastic") };
             finding.row(effect, self.tolerance)
         };
         let share = |sum: f64| if sum > 0.0 { (sum / self.peak).min(1.0) } else { 0.0 };

@@ -31,7 +31,8 @@ impl Places {
             places.x.extend((0..count).map(|i| x0 + (i as f64 + 0.5) * part));
             places.segment.extend(std::iter::repeat_n(k, count));
             places.weight.extend(std::iter::repeat_n(part, count));
-            places.at_start.extend(std::iter::repeat_n(segment.initial.plastic_strain.abs(), count));
+            let at_start = |i: usize| segment.initial_between(i as f64 * part, (i + 1) as f64 * part).accumulated;
+            places.at_start.extend((0..count).map(at_start));
             x0 += segment.length;
         }
         places

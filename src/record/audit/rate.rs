@@ -84,19 +84,19 @@ impl RateRise {
 
     pub fn finding(&self, materials: &[Arc<Material>], places: &Places, share: impl Fn(f64) -> f64) -> Finding {
         if self.media.iter().all(Option::is_none) {
-            return Finding::unknown(std::format!("{} states no constants in [rate]", materials[0].name));
+            return Finding::unknown(std::format!("{} has no constants in [rate]", materials[0].name));
         }
         let Some((rate, rise, time, place)) = self.quickest.filter(|q| q.0 > 0.0) else {
-            return Finding::nothing("what yielded states no [rate] constants, or did not flow");
+            return Finding::nothing("no material with [rate] constants deformed plastically");
         };
         let message = std::format!(
-            "{} flows at up to {rate:.0} 1/s, the mean over a sixty-fourth of the run ({}), where it would carry \
-             {:.1} % more; the curve was taken as that of any rate",
+            "the quasi-static curve was used at all strain rates; the plastic strain rate of {} reaches {rate:.2e} 1/s ({}), where \
+             its flow stress is {:.1} % higher",
             materials[places.segment[place]].name,
             places.moment(time, place),
             100.0 * rise,
         );
-        Finding::of(share(self.change), message, "rate = \"material\"")
+        Finding::of(share(self.change), &message, "rate = \"material\"")
     }
 }
 
@@ -108,8 +108,8 @@ pub fn unresolved_flow(k: f64, dt: f64) -> Option<AuditRow> {
         estimate: k_dt,
         threshold: 1.0,
         finding: std::format!(
-            "the overstress relaxes within a time step (k dt = {k_dt:.3}), so plastic fronts are as wide as the cells make \
-             them, not the material; give more `cells`, or leave `rate` out for fronts without width"
+            "the overstress relaxes within one time step (k dt = {k_dt:.3}), so the width of plastic fronts is set by the grid, not \
+             by the material; use more `cells`, or remove `rate` for sharp fronts"
         ),
         remedy: String::new(),
     })

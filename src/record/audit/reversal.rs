@@ -52,9 +52,9 @@ pub fn reversed_flow(
     let worst = reversals.max_by(|a, b| a.error().total_cmp(&b.error())).filter(|r| r.error() > tolerance)?;
     let show = |stress| format(stress, Dimension::Stress, System::Si);
     let finding = std::format!(
-        "places of {} flowed back after a plastic strain of {:.3} in {}: they did so at {} where isotropic hardening of the \
-         true stress, on the section that they have, gives {}; hardening is kept in engineering stress and strain, and flow \
-         that reverses after a strain of more than {LARGE} is off by so much",
+        "the flow of {} reversed after a plastic strain of {:.3} in {}, at {}; isotropic hardening of the true stress on the \
+         deformed section gives {}. Hardening is kept in engineering measures, which is inaccurate for reversals after strains \
+         above {LARGE}",
         material.name,
         worst.strain,
         worst.sense.name(),

@@ -1,11 +1,11 @@
-//! Rupture that a run passed over: strain past what the material takes, impacts above the critical velocity. The answer
-//! is then another one: the estimate is 1.
+//! Fracture that a run did not simulate: strain above the fracture strain, impacts above the critical velocity. It changes the outcome:
+//! the estimate is 1.
 
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::finding::Finding;
+use super::finding::{DECISIVE, Finding};
 use super::places::Places;
 use super::{AuditRow, Reading};
 use crate::bar::InitialFan;
@@ -13,9 +13,6 @@ use crate::law::{Limit, Reached};
 use crate::material::{Material, Sense};
 use crate::solver::fd::{CELLS_TO_BREAK, Unresolved};
 use crate::units::{Dimension, System, format};
-
-/// Estimate for a bar that would have broken.
-const ANOTHER_ANSWER: f64 = 1.0;
 
 /// A share of the critical strain from here on counts as all of it: what is missing is rounding.
 const REACHED: f64 = 1.0 - 1e-12;
@@ -47,19 +44,19 @@ impl TensileStrain {
         let Some((share, strain, time, place)) = self.largest else {
             let known = materials.iter().any(|m| m.branch(Sense::Tension).ultimate().is_some());
             return if known {
-                Finding::nothing("nothing was strained in tension")
+                Finding::nothing("no section was strained in tension")
             } else {
-                Finding::unknown(std::format!("the curve of {} knows no strain at which it breaks", materials[0].name))
+                Finding::unknown(std::format!("the curve of {} has no fracture strain", materials[0].name))
             };
         };
         let message = std::format!(
-            "the strain in tension came to {strain:.4} ({}), {:.0} % of that at which {} breaks",
+            "fracture was not simulated; the largest tensile strain is {strain:.4} ({}), {:.0} % of the fracture strain of {}",
             places.moment(time, place),
             100.0 * share,
             materials[places.segment[place]].name,
         );
         if share >= REACHED {
-            Finding::of(ANOTHER_ANSWER, message, "rupture = \"critical-strain\"")
+            Finding::decisive(message, "rupture = \"critical-strain\"")
         } else {
             Finding::nothing(message)
         }
@@ -67,21 +64,15 @@ impl TensileStrain {
 }
 
 fn broken(finding: String) -> AuditRow {
-    AuditRow {
-        effect: "rupture".into(),
-        estimate: ANOTHER_ANSWER,
-        threshold: ANOTHER_ANSWER,
-        finding,
-        remedy: String::new(),
-    }
+    AuditRow { effect: "rupture".into(), estimate: DECISIVE, threshold: DECISIVE, finding, remedy: String::new() }
 }
 
 /// An impact above the critical velocity, seen before the first step.
 pub fn above_critical(initial_fan: &InitialFan, material: &Material, critical_velocity: f64) -> Option<AuditRow> {
     initial_fan.fan.above_critical.then(|| {
         let finding = std::format!(
-            "the bar is driven from the {} beyond what {} can carry away ({} at {}); strain gathers there, \
-             the bar breaks at that place at t = 0, and goes on under the ultimate stress",
+            "the impact velocity at the {} end exceeds the critical velocity of {} ({} at {}); the strain localizes and the bar \
+             breaks there at t = 0; the run continues with the end stress held at the ultimate stress",
             initial_fan.origin,
             material.name,
             format(critical_velocity, Dimension::Velocity, System::Si),
@@ -94,8 +85,8 @@ pub fn above_critical(initial_fan: &InitialFan, material: &Material, critical_ve
 /// A place that broke at the end of its material's data for one sense.
 pub fn past_data(sense: Sense, time: f64, x: f64, material: &Material) -> AuditRow {
     let finding = std::format!(
-        "the strain passed the end of the data of {} ({:.4}) at t = {}, x = {}; the bar went on under the \
-         largest stress of the curve",
+        "the strain exceeded the end of the data of {} ({:.4}) at t = {}, x = {}; the run continued at the largest stress of \
+         the curve",
         material.name,
         material.branch(sense).last_strain(),
         format(time, Dimension::Time, System::Si),
@@ -107,8 +98,8 @@ pub fn past_data(sense: Sense, time: f64, x: f64, material: &Material) -> AuditR
 /// An end that was driven beyond what the curve can carry away, at some time after the start.
 pub fn broken_end(end: &str, time: f64, material: &Material) -> AuditRow {
     let finding = std::format!(
-        "from t = {} the {end} end is driven beyond what {} can carry away; strain gathers there, the bar breaks at \
-         that place, and goes on under the ultimate stress",
+        "from t = {} on, the velocity of the {end} end exceeds the critical velocity of {}; the strain localizes and the bar \
+         breaks there; the run continues with the end stress held at the ultimate stress",
         format(time, Dimension::Time, System::Si),
         material.name,
     );
@@ -118,8 +109,8 @@ pub fn broken_end(end: &str, time: f64, material: &Material) -> AuditRow {
 /// A place inside the bar at which the curve can carry no more while its two sides go on apart or together.
 pub fn broken_inside(time: f64, x: f64, material: &Material) -> AuditRow {
     let finding = std::format!(
-        "from t = {} on, strain gathers at x = {}, where waves met and {} can carry no more; the bar breaks at that \
-         place, and goes on under the ultimate stress",
+        "from t = {} on, the strain localizes at x = {}, where waves met and {} reached its ultimate stress; the bar breaks \
+         there; the run continues with the stress held at the ultimate stress",
         format(time, Dimension::Time, System::Si),
         format(x, Dimension::Length, System::Si),
         material.name,
@@ -130,13 +121,13 @@ pub fn broken_inside(time: f64, x: f64, material: &Material) -> AuditRow {
 /// A tension that a rupture criterion asks for, over fewer cells than a rupture takes on a grid.
 pub fn short_tension(unresolved: &Unresolved) -> AuditRow {
     let finding = std::format!(
-        "the rupture criterion was exceeded {:.2} times at x = {} (t = {}) over fewer than {CELLS_TO_BREAK} cells, which the grid cannot tell \
-         from a numerical pulse; the bar did not break there",
+        "the fracture criterion was exceeded by a factor of {:.2} at x = {} (t = {}) over fewer than {CELLS_TO_BREAK} cells; such a \
+         pulse cannot be told from a numerical oscillation, and the bar did not break there",
         unresolved.share,
         format(unresolved.x, Dimension::Length, System::Si),
         format(unresolved.time, Dimension::Time, System::Si),
     );
-    AuditRow { remedy: "Use more cells, or method = \"moc\"".into(), ..broken(finding) }
+    AuditRow { remedy: "Use more cells, or `method = \"moc\"`".into(), ..broken(finding) }
 }
 
 /// Why a run stops that has reached a limit of what its law knows, and what to do.
@@ -144,22 +135,22 @@ pub fn at_limit(reached: &Reached, material: &Material) -> (String, &'static str
     match reached.limit {
         Limit::EndOfData(sense) | Limit::EndOfDataReversed(sense) => (
             std::format!(
-                "strain {:.4} is past the end of the data of {} in {} ({:.4})",
+                "strain {:.4} is beyond the end of the data of {} in {} ({:.4})",
                 reached.equivalent,
                 material.name,
                 sense.name(),
                 material.branch(sense).last_strain()
             ),
-            "give the material more data (a formula: a larger `to-strain`), or say what happens there with \
-             beyond = \"rupture\" or \"extend\"",
+            "extend the stress-strain data (for a formula, a larger `to-strain`), or set `beyond = \"rupture\"` or \
+             `beyond = \"extend\"` in the material",
         ),
         Limit::FullCompression => (
             std::format!(
-                "material fully compressed: the engineering strain of {} is {:.4}, and -1 leaves no length",
+                "material fully compressed: the engineering strain of {} is {:.4} (-1 is zero length)",
                 material.name,
                 reached.strain
             ),
-            "the load is more than the curve can carry at any length: reduce it, or give a compression curve that stiffens",
+            "the load exceeds what the curve carries at any strain: reduce it, or use a compression curve that stiffens",
         ),
     }
 }

@@ -105,7 +105,7 @@ impl Unloading {
 
     pub fn finding(&self, places: &Places, share: impl Fn(f64) -> f64) -> Finding {
         let Some((time, place)) = self.first else {
-            return Finding::nothing("no yielded place went back");
+            return Finding::nothing("no yielded section unloaded");
         };
         let lengths = |of: &dyn Fn(usize) -> bool| -> f64 {
             (0..places.x.len()).filter(|&k| of(k)).map(|k| places.weight[k]).sum()
@@ -113,13 +113,13 @@ impl Unloading {
         let yielded = |k: usize| self.largest[k].0.abs() > self.limit[k][usize::from(self.largest[k].0 < 0.0)];
         let show = |length| format(length, Dimension::Length, System::Si);
         let message = std::format!(
-            "{} of {} of yielded bar went back by up to {:.0} % of their strain after yielding, first seen at {}; \
-             the curve was followed back, which returns plastic work",
+            "elastic unloading was neglected: {} of {} of yielded length unloaded along the loading curve, by up to {:.0} % of the \
+             largest strain (first at {}), which recovers plastic work",
             show(lengths(&|k| self.unloaded[k])),
             show(lengths(&yielded)),
             100.0 * self.worst,
             places.moment(time, place),
         );
-        Finding::of(share(self.change), message, "unloading = \"isotropic\"")
+        Finding::of(share(self.change), &message, "unloading = \"isotropic\"")
     }
 }

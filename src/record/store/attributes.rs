@@ -3,7 +3,7 @@
 use hdf5::types::VarLenUnicode;
 use hdf5::{H5Type, Location};
 
-use super::bounded;
+use super::{FORMAT_VERSION, bounded, git_revision};
 
 type Hdf<T> = hdf5::Result<T>;
 
@@ -25,6 +25,17 @@ pub(super) fn put_texts(location: &Location, name: &str, values: &[String]) -> H
 pub(super) fn text(value: &str) -> Hdf<VarLenUnicode> {
     let until_zero = value.split('\0').next().unwrap_or_default();
     until_zero.parse().map_err(|e: hdf5::types::StringError| e.to_string().into())
+}
+
+/// What every file of the program starts with: its kind, by whom it was written, and its title.
+pub(super) fn identify(file: &Location, format: &str, title: &str) -> Hdf<()> {
+    put_text(file, "format", format)?;
+    put(file, "format_version", &FORMAT_VERSION)?;
+    put_text(file, "program_version", env!("CARGO_PKG_VERSION"))?;
+    if let Some(revision) = git_revision() {
+        put_text(file, "git_revision", revision)?;
+    }
+    put_text(file, "title", title)
 }
 
 pub(super) fn get<T: H5Type>(location: &Location, name: &str) -> Hdf<T> {

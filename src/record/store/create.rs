@@ -6,9 +6,9 @@ use std::time::SystemTime;
 use hdf5::types::VarLenUnicode;
 use hdf5::{Dataset, Extent, File, Group};
 
-use super::attributes::{put, put_text, put_texts, text};
+use super::attributes::{identify, put, put_text, put_texts, text};
 use super::filters::shuffled;
-use super::{FORMAT_VERSION, Header, Layout, RUNNING, Side, paths, scales};
+use super::{Header, Layout, RUNNING, Side, paths, scales};
 use crate::record::{Field, MaterialRecord, Precision};
 use crate::solver::Energies;
 use crate::text_file::NamedFiles;
@@ -64,13 +64,7 @@ pub(super) fn build(path: &Path, header: &Header, layout: &Layout, materials: &[
 }
 
 pub(super) fn build_root(file: &File, header: &Header, area_given: bool) -> Hdf<()> {
-    put_text(file, "format", "barwave")?;
-    put(file, "format_version", &FORMAT_VERSION)?;
-    put_text(file, "program_version", env!("CARGO_PKG_VERSION"))?;
-    if let Some(revision) = super::git_revision() {
-        put_text(file, "git_revision", revision)?;
-    }
-    put_text(file, "title", &header.title)?;
+    identify(file, "barwave", &header.title)?;
     put_text(file, "created", &timestamp(SystemTime::now()))?;
     put_text(file, "run_id", &run_id(SystemTime::now()))?;
     put_text(file, "scene", &header.scene)?;

@@ -42,6 +42,7 @@ mod driver;
 mod existing;
 mod figures;
 mod filters;
+mod impact;
 #[cfg(unix)]
 mod journal;
 mod paths;
@@ -59,12 +60,13 @@ use std::time::{Duration, Instant};
 
 pub use checkpoint::{Checkpoint, Rows, checksum, path_of as checkpoint_path, remove as remove_checkpoint};
 pub use existing::{Existing, existing};
-pub use figures::{Figure, write_figures};
+pub use impact::{StoredColumn, StoredImpact, StoredTable, write_impact};
 pub use read::{Facts, Gauge, ResultFile};
 pub use sweep::{SweepColumn, SweepFile, Values, write_sweep};
 
 use super::{
-    AuditRow, Compression, ErrorFigure, Field, Frame, FrontRow, LedgerRow, MaterialRecord, PathRow, Precision, Trace,
+    AuditRow, Compression, ErrorFigure, Field, Figures, Frame, FrontRow, LedgerRow, MaterialRecord, PathRow, Precision,
+    Trace,
 };
 use crate::error::{Error, Result};
 use crate::law::rupture::Rupture;
@@ -190,6 +192,8 @@ pub struct Finish {
     pub paths_complete: bool,
     /// Where and when the bar broke; none: it was not to break, and the file has no `/ruptures`.
     pub ruptures: Option<Vec<Rupture>>,
+    /// For `/figures`.
+    pub figures: Figures,
 }
 
 /// The writing end of a result file.

@@ -254,7 +254,7 @@ impl ResultFile {
         })
     }
 
-    fn run<T>(&self, read: impl FnOnce(&File) -> Hdf<T>) -> Result<T> {
+    pub(super) fn run<T>(&self, read: impl FnOnce(&File) -> Hdf<T>) -> Result<T> {
         read(&self.file).map_err(|e| damaged(&self.path, &e).into())
     }
 }

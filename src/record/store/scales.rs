@@ -23,6 +23,12 @@ struct BackReference {
 /// Makes the datasets `scales` of a group label the dimensions of the datasets `data`, first scale first dimension.
 /// A dataset has as many dimensions as there are scales. Called once for a group: every scale gets its whole list.
 pub(super) fn attach(group: &Group, scales: &[&str], data: &[&str]) -> Result<()> {
+    let data: Vec<(&str, usize)> = data.iter().map(|name| (*name, scales.len())).collect();
+    attach_first(group, scales, &data)
+}
+
+/// The same of datasets with so many dimensions each, those of the first scales.
+pub(super) fn attach_first(group: &Group, scales: &[&str], data: &[(&str, usize)]) -> Result<()> {
     for scale in scales {
         let dataset = group.dataset(scale)?;
         null_terminated_attribute(&dataset, "CLASS", "DIMENSION_SCALE")?;
@@ -35,24 +41,24 @@ pub(super) fn attach(group: &Group, scales: &[&str], data: &[&str]) -> Result<()
     refer_back(group, scales, data)
 }
 
-fn label(group: &Group, scales: &[&str], data: &[&str]) -> Result<()> {
+fn label(group: &Group, scales: &[&str], data: &[(&str, usize)]) -> Result<()> {
     let mut lists = Vec::with_capacity(scales.len());
     for scale in scales {
         lists.push(VarLenArray::from_slice(&[group.reference::<ObjectReference1>(scale)?]));
     }
-    for name in data {
+    for (name, dimensions) in data {
         let dataset = group.dataset(name)?;
         let attribute =
-            dataset.new_attr::<VarLenArray<ObjectReference1>>().shape(scales.len()).create("DIMENSION_LIST")?;
-        attribute.write_raw(&lists)?;
+            dataset.new_attr::<VarLenArray<ObjectReference1>>().shape(*dimensions).create("DIMENSION_LIST")?;
+        attribute.write_raw(&lists[..*dimensions])?;
     }
     Ok(())
 }
 
-fn refer_back(group: &Group, scales: &[&str], data: &[&str]) -> Result<()> {
+fn refer_back(group: &Group, scales: &[&str], data: &[(&str, usize)]) -> Result<()> {
     for (dimension, scale) in (0_i32..).zip(scales) {
         let mut list = Vec::with_capacity(data.len());
-        for name in data {
+        for (name, _) in data.iter().filter(|(_, dimensions)| (dimension as usize) < *dimensions) {
             list.push(BackReference { dataset: group.reference(name)?, dimension });
         }
         let dataset = group.dataset(scale)?;

@@ -5,10 +5,9 @@ use std::path::Path;
 use hdf5::types::VarLenUnicode;
 use hdf5::{Dataset, File};
 
-use super::attributes::{put, put_text, text};
+use super::attributes::{identify, put_text, text};
 use super::claim::in_place;
-use super::scales::attach;
-use super::{FORMAT_VERSION, git_revision};
+use super::scales::attach_first;
 use crate::error::Result;
 
 type Hdf<T> = hdf5::Result<T>;
@@ -51,7 +50,7 @@ pub struct SweepFile {
     pub plan: String,
     /// The dimensions, the last one fastest.
     pub scales: Vec<SweepColumn>,
-    /// Each has as many values as the product of the scales.
+    /// Each has as many values as the product of the scales, or of the first ones of them.
     pub columns: Vec<SweepColumn>,
 }
 
@@ -62,23 +61,23 @@ pub struct SweepFile {
 pub fn write_sweep(path: &Path, sweep: &SweepFile) -> Result<()> {
     in_place(path, |temporary| -> Hdf<()> {
         let file = File::create(temporary)?;
-        put_text(&file, "format", "barwave-sweep")?;
-        put(&file, "format_version", &FORMAT_VERSION)?;
-        put_text(&file, "program_version", env!("CARGO_PKG_VERSION"))?;
-        put_text(&file, "git_revision", git_revision().unwrap_or("unknown"))?;
-        put_text(&file, "title", &sweep.title)?;
+        identify(&file, "barwave-sweep", &sweep.title)?;
         put_text(&file, "plan", &sweep.plan)?;
         let shape: Vec<usize> = sweep.scales.iter().map(|scale| scale.values.len()).collect();
         for (scale, length) in sweep.scales.iter().zip(&shape) {
             write(&file, scale, &[*length])?;
         }
+        let dimensions = |column: &SweepColumn| {
+            let fits = |k: &usize| shape[..*k].iter().product::<usize>() == column.values.len();
+            // A dimension of length 1 belongs to every table of a sweep.
+            (1..=shape.len()).rev().find(fits).unwrap_or(shape.len())
+        };
         for column in &sweep.columns {
-            write(&file, column, &shape)?;
+            write(&file, column, &shape[..dimensions(column)])?;
         }
-        let names = |columns: &[SweepColumn]| columns.iter().map(|column| column.name.clone()).collect::<Vec<_>>();
-        let (scales, columns) = (names(&sweep.scales), names(&sweep.columns));
-        let [scales, columns] = [&scales, &columns].map(|names| names.iter().map(String::as_str).collect::<Vec<_>>());
-        attach(&file, &scales, &columns)?;
+        let scales: Vec<&str> = sweep.scales.iter().map(|scale| scale.name.as_str()).collect();
+        let columns: Vec<_> = sweep.columns.iter().map(|c| (c.name.as_str(), dimensions(c))).collect();
+        attach_first(&file, &scales, &columns)?;
         file.close()
     })
     .map(|_| ())

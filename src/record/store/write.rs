@@ -12,6 +12,7 @@ use super::columns::{append, cut, is_longer};
 use super::compound::{self, Column};
 use super::create::{END_COLUMNS, TRACE_ROWS, build, gauge_columns, gauge_links, ledger_columns};
 use super::existing::is_locked;
+use super::figures;
 use super::open_rw;
 use super::paths::PathTable;
 use super::{Ending, Finish, Header, INTERRUPTED, Layout, Message, RUNNING, Side, scales};
@@ -218,7 +219,7 @@ impl Sink {
     pub fn finish(&mut self, ending: &Ending) -> Result<()> {
         self.flush()?;
         let columns = ending.fronts.len() * (16 + self.gauges.len()) + 32 * ending.audit.len();
-        self.reserve(16 * columns as u64)?;
+        self.reserve(16 * columns as u64 + figures::bytes(&ending.figures.figures))?;
         let path = self.path.clone();
         self.write_ending(ending).map_err(|e| disk_error(&path, &e))?;
         self.release();
@@ -264,7 +265,8 @@ impl Sink {
         if let Some(ruptures) = &ending.figures.ruptures {
             write_ruptures(&self.file, ruptures)?;
         }
-        write_figures(&self.file, &ending.figures)?;
+        write_root(&self.file, &ending.figures)?;
+        figures::write(&self.file, &ending.figures.figures, &self.gauge_links)?;
         if let Some(table) = &mut self.paths {
             table.finish(ending.figures.paths_complete)?;
         }
@@ -465,7 +467,7 @@ fn write_column<T: H5Type>(group: &Group, name: &str, values: &[T]) -> Hdf<()> {
     if values.is_empty() { Ok(()) } else { dataset.write_raw(values) }
 }
 
-fn write_figures(file: &File, figures: &Finish) -> Hdf<()> {
+fn write_root(file: &File, figures: &Finish) -> Hdf<()> {
     put(file, "wall_seconds", &figures.wall_seconds)?;
     put(file, "step_wall_seconds", &figures.step_wall_seconds)?;
     put(file, "cells", &figures.cells)?;

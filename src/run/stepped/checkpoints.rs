@@ -50,7 +50,7 @@ impl<S: Stepped + Snapshot> Snapshot for Run<'_, S> {
             self.tracker.save()?,
             self.audit.save()?,
             probe.unwrap_or_default(),
-            pack(&(&self.listener, self.recorder.stepping))?,
+            pack(&(&self.listener, self.recorder.stepping, &self.recorder.tally))?,
         ]))
     }
 
@@ -64,7 +64,7 @@ impl<S: Stepped + Snapshot> Snapshot for Run<'_, S> {
         if let Some(own) = &mut self.elastic_check {
             own.check.restore(probe)?;
         }
-        (self.listener, self.recorder.stepping) = unpack(rest)?;
+        (self.listener, self.recorder.stepping, self.recorder.tally) = unpack(rest)?;
         Ok(())
     }
 }

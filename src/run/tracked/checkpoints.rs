@@ -53,9 +53,9 @@ impl Snapshot for Run<'_> {
         Ok(join(&[
             self.bar.save()?,
             self.ledger.save()?,
-            self.audit.save()?,
+            self.audit.as_ref().map(Snapshot::save).transpose()?.unwrap_or_default(),
             probe.unwrap_or_default(),
-            pack(&(self.pauses.len(), self.recorder.stepping, histories, fronts))?,
+            pack(&(self.pauses.len(), self.recorder.stepping, &self.recorder.tally, histories, fronts))?,
         ]))
     }
 
@@ -63,7 +63,9 @@ impl Snapshot for Run<'_> {
         let [bar, ledger, audit, probe, rest] = split(saved)?;
         self.bar.restore(bar)?;
         self.ledger.restore(ledger)?;
-        self.audit.restore(audit)?;
+        if let Some(own) = &mut self.audit {
+            own.restore(audit)?;
+        }
         if let Some(own) = &mut self.elastic_check {
             own.restore(probe)?;
         }
@@ -71,6 +73,7 @@ impl Snapshot for Run<'_> {
         (
             pauses,
             self.recorder.stepping,
+            self.recorder.tally,
             (self.gauges, self.ends, self.listener),
             (self.fronts, self.paths, self.breaks, self.yielded),
         ) = unpack(rest)?;

@@ -6,9 +6,10 @@ use std::sync::Arc;
 
 use toml::Spanned;
 
-use super::super::raw::{MaterialChoice, RawBar, RawJoint, RawSegment, Section};
+use super::super::raw::{MaterialChoice, RawBar, RawDistribution, RawJoint, RawSegment, Section};
 use super::Checker;
-use crate::bar::{Bar, Initial, Joint, Segment};
+use super::distribution::{KEYS, Values};
+use crate::bar::{Bar, Joint, Segment};
 use crate::error::{Error, Place, Result};
 use crate::input::{Allowed, Number};
 use crate::material::{self, Material};
@@ -20,11 +21,6 @@ pub(super) struct Piece<'a> {
     pub(super) area: Option<&'a Spanned<Section>>,
     pub(super) diameter: Option<&'a Spanned<Section>>,
     material: Option<&'a Spanned<MaterialChoice>>,
-    velocity: Option<&'a Number>,
-    /// Initial stress and plastic strain.
-    initial: [Option<&'a Number>; 2],
-    /// What the velocity is.
-    motion: Dimension,
     /// Where a complaint about something missing points.
     span: Range<usize>,
 }
@@ -41,18 +37,26 @@ impl Checker<'_> {
             area: raw.area.as_ref(),
             diameter: raw.diameter.as_ref(),
             material: raw.material.as_ref(),
-            velocity: raw.velocity.as_ref(),
-            initial: [raw.stress.as_ref(), raw.plastic_strain.as_ref()],
-            motion,
             span,
         };
         let mut named = Named::new();
+        let none = || std::array::from_fn(|_| None);
         let Some(list) = &raw.segment else {
             let (segment, area_given) = self.piece(&piece, "bar", &mut named)?;
-            return Ok(Bar { segments: vec![segment], area_given });
+            let values = self.distributions(raw.initial(), "bar", segment.length, motion)?;
+            let mut bar = Bar { segments: vec![segment], area_given };
+            self.start_with(raw, &mut bar, &[values], &none())?;
+            return Ok(bar);
         };
         self.no_uniform_keys(&piece, raw)?;
-        self.segments(list, piece.span, motion, &mut named)
+        let mut bar = self.segments(list, piece.span, &mut named)?;
+        let whole = self.distributions(raw.initial(), "bar", bar.length(), motion)?;
+        let own = list.iter().zip(&bar.segments).enumerate().map(|(k, (raw, segment))| {
+            self.distributions(raw.get_ref().initial(), &format!("bar.segment.{k}"), segment.length, motion)
+        });
+        let own = own.collect::<Result<Vec<Values>>>()?;
+        self.start_with(raw, &mut bar, &own, &whole)?;
+        Ok(bar)
     }
 
     /// `[bar]` keys that belong into the segments once there are segments.
@@ -61,14 +65,17 @@ impl Checker<'_> {
             ("length", piece.length.map(Spanned::span)),
             ("area", piece.area.map(Spanned::span)),
             ("diameter", piece.diameter.map(Spanned::span)),
-            ("velocity", piece.velocity.map(Spanned::span)),
-            ("stress", piece.initial[0].map(Spanned::span)),
-            ("plastic-strain", piece.initial[1].map(Spanned::span)),
             ("material", piece.material.map(Spanned::span)),
         ];
         let tube = [("inner-diameter", &raw.inner_diameter), ("wall", &raw.wall)];
         let tube = tube.map(|(name, value)| (name, value.as_ref().map(Spanned::span)));
-        let Some((name, span)) = given.into_iter().chain(tube).find_map(|(name, span)| span.map(|span| (name, span)))
+        // Tables of initial values are over the x of the whole bar.
+        let constant = |value: Option<&Spanned<RawDistribution>>| {
+            value.filter(|value| matches!(value.get_ref(), RawDistribution::Uniform(_))).map(Spanned::span)
+        };
+        let initial = KEYS.iter().copied().zip(raw.initial().into_iter().map(constant)).collect::<Vec<_>>();
+        let Some((name, span)) =
+            given.into_iter().chain(tube).chain(initial).find_map(|(name, span)| span.map(|span| (name, span)))
         else {
             return Ok(());
         };
@@ -77,13 +84,7 @@ impl Checker<'_> {
         Err(self.error(span, &format!("bar.{name}"), message).help(help).into())
     }
 
-    fn segments(
-        &self,
-        list: &[Spanned<RawSegment>],
-        span: Range<usize>,
-        motion: Dimension,
-        named: &mut Named,
-    ) -> Result<Bar> {
+    fn segments(&self, list: &[Spanned<RawSegment>], span: Range<usize>, named: &mut Named) -> Result<Bar> {
         let mut segments = Vec::with_capacity(list.len());
         let mut with_area = Vec::with_capacity(list.len());
         for (i, raw) in list.iter().enumerate() {
@@ -95,9 +96,6 @@ impl Checker<'_> {
                 area: raw.area.as_ref(),
                 diameter: raw.diameter.as_ref(),
                 material: raw.material.as_ref(),
-                velocity: raw.velocity.as_ref(),
-                initial: [raw.stress.as_ref(), raw.plastic_strain.as_ref()],
-                motion,
                 span,
             };
             let (mut segment, area_given) = self.piece(&piece, &key, named)?;
@@ -132,21 +130,11 @@ impl Checker<'_> {
         };
         let length = self.document.number(length, &format!("{key}.length"), Dimension::Length, Allowed::Positive)?;
         let section = self.section(piece, key, length)?;
-        let velocity =
-            self.document.optional(piece.velocity, &format!("{key}.velocity"), piece.motion, Allowed::Finite)?;
-        let initial = [("stress", Dimension::Stress), ("plastic-strain", Dimension::None)];
-        let initial = [0, 1].map(|k| {
-            let (name, dimension) = initial[k];
-            self.document.optional(piece.initial[k], &format!("{key}.{name}"), dimension, Allowed::Finite)
-        });
-        let [stress, plastic_strain] = initial;
-        let initial = [stress?, plastic_strain?];
         let material = self.material(choice, &format!("{key}.material"), named)?;
         let area = section.as_ref().map_or(1.0, |section| section.area);
         let segment = Segment {
             taper: section.as_ref().and_then(|section| section.taper.clone()),
-            initial: Initial { stress: initial[0].unwrap_or(0.0), plastic_strain: initial[1].unwrap_or(0.0) },
-            ..Segment::new(length, area, material).with_velocity(velocity.unwrap_or(0.0))
+            ..Segment::new(length, area, material)
         };
         Ok((segment, section.is_some()))
     }

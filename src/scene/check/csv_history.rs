@@ -1,4 +1,4 @@
-//! A history from a file with the columns time, value; see [`crate::columns`] for delimiters and decimal marks.
+//! Rows from a file with two columns, as a history has them in time and an initial state in x; see [`crate::columns`] for delimiters and decimal marks.
 //!
 //! A first line that holds no number names the columns; a unit in brackets there, `time [us]` or `stress (MPa)`,
 //! holds for its column. Without one numbers are SI.
@@ -15,8 +15,46 @@ use crate::error::{Error, Place, Result};
 use crate::input::{Allowed, Document, Number};
 use crate::units::{Dimension, Quantity};
 
+/// Made of rows, or which of them is wrong, and why.
+pub(super) type MadeOfRows<T> = std::result::Result<T, (usize, &'static str)>;
+
+/// What the first column of a file is.
+pub(super) struct Abscissa {
+    /// Its key in messages.
+    pub key: &'static str,
+    /// A sentence part: "the first column is `foo`, not ...".
+    pub what: &'static str,
+    /// A header.
+    pub example: &'static str,
+    pub dimension: Dimension,
+    /// Names that a header may have.
+    pub names: &'static [&'static str],
+}
+
+const TIME: Abscissa = Abscissa {
+    key: "time",
+    what: "a time",
+    example: "time [us]",
+    dimension: Dimension::Time,
+    names: &["t", "time", "times", "zeit", "temps", "tiempo", "tempo"],
+};
+
 impl Checker<'_> {
     pub(super) fn csv_history(&self, path: &Spanned<String>, key: &str, dimension: Dimension) -> Result<History> {
+        self.csv_rows(path, key, &TIME, dimension, History::new, [ROWS, ROWS_HELP])
+    }
+
+    /// The rows of a file with two columns, which `make` makes something of, or says which row is wrong and why; `rules` are what rows obey,
+    /// and how to write them.
+    pub(super) fn csv_rows<T>(
+        &self,
+        path: &Spanned<String>,
+        key: &str,
+        abscissa: &Abscissa,
+        dimension: Dimension,
+        make: impl Fn(&[(f64, f64)]) -> MadeOfRows<T>,
+        rules: [&'static str; 2],
+    ) -> Result<T> {
         let file = self.base.join(Path::new(path.get_ref()));
         let document = Document::read(&file).map_err(|e| match e {
             Error::Input(error) => {
@@ -27,17 +65,24 @@ impl Checker<'_> {
             }
             other => other,
         })?;
-        read(&document, dimension)
+        read(&document, abscissa, dimension, make, rules)
     }
 }
 
-fn read(document: &Document, dimension: Dimension) -> Result<History> {
+fn read<T>(
+    document: &Document,
+    abscissa: &Abscissa,
+    dimension: Dimension,
+    make: impl Fn(&[(f64, f64)]) -> MadeOfRows<T>,
+    [rules, help]: [&'static str; 2],
+) -> Result<T> {
     let columns = columns::read(document)?;
-    if let Some(header) = columns.header.as_ref().filter(|row| !is_time(&row.cells[0].text)) {
+    let Abscissa { key, what, example, .. } = abscissa;
+    if let Some(header) = columns.header.as_ref().filter(|row| !abscissa.is_named(&row.cells[0].text)) {
         let [first, second] = header.cells.each_ref().map(|cell| &cell.text);
-        let error = document.error(header.span.clone(), "time", format!("the first column is `{first}`, not a time"));
-        let help = format!("name the columns, with their units, e.g. `time [us],{second}`; the first one is the time");
-        return Err(error.allowed("a header that starts with time, or none").help(help).into());
+        let error = document.error(header.span.clone(), key, format!("the first column is `{first}`, not {what}"));
+        let help = format!("name the columns, with their units, e.g. `{example},{second}`; the first one is the {key}");
+        return Err(error.allowed(format!("a header that starts with {key}, or none")).help(help).into());
     }
     let units = columns.header.as_ref().map_or([None, None], |row| row.cells.each_ref().map(|cell| unit(&cell.text)));
     let mut pairs = Vec::with_capacity(columns.rows.len());
@@ -45,21 +90,23 @@ fn read(document: &Document, dimension: Dimension) -> Result<History> {
         let number = |column: usize, key: &str, dimension, allowed| {
             document.number(&quantity(&row.cells[column], units[column]), key, dimension, allowed)
         };
-        let time = number(0, "time", Dimension::Time, Allowed::NotNegative)?;
-        pairs.push((time, number(1, "value", dimension, Allowed::Finite)?));
+        let first = number(0, key, abscissa.dimension, Allowed::NotNegative)?;
+        pairs.push((first, number(1, "value", dimension, Allowed::Finite)?));
     }
-    History::new(&pairs).map_err(|(i, why)| {
+    make(&pairs).map_err(|(i, why)| {
         let span = columns.rows.get(i).map_or(0..0, |row| row.span.clone());
         let what = if pairs.is_empty() { why.to_owned() } else { format!("this row {why}") };
-        document.error(span, "time", what).allowed(ROWS).help(ROWS_HELP).into()
+        document.error(span, key, what).allowed(rules).help(help).into()
     })
 }
 
-/// A column named `t`, `time`, `Time (us)`, `Zeit`, ..., or in a unit of time.
-fn is_time(header: &str) -> bool {
-    let name = header.split(['[', '(', '_', ' ', '/']).next().unwrap_or_default().to_lowercase();
-    let in_time = unit(header).is_some_and(|unit| Quantity::Text(format!("1 {unit}")).si(Dimension::Time).is_ok());
-    in_time || ["t", "time", "times", "zeit", "temps", "tiempo", "tempo"].contains(&name.as_str())
+impl Abscissa {
+    /// A column with one of the names, `Time (us)`, `x [mm]`, ..., or in a unit of the quantity.
+    fn is_named(&self, header: &str) -> bool {
+        let name = header.split(['[', '(', '_', ' ', '/']).next().unwrap_or_default().to_lowercase();
+        let in_unit = |unit| Quantity::Text(format!("1 {unit}")).si(self.dimension).is_ok();
+        unit(header).is_some_and(in_unit) || self.names.contains(&name.as_str())
+    }
 }
 
 /// The unit in "time [us]" or "time (us)".

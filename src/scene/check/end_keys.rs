@@ -57,6 +57,7 @@ pub(super) fn given(raw: &RawEnd) -> Vec<(&'static str, Range<usize>)> {
         ("csv", raw.csv.as_ref().map(Spanned::span)),
         ("release", raw.release.as_ref().map(Spanned::span)),
         ("gap", raw.gap.as_ref().map(Spanned::span)),
+        ("arm", raw.arm.as_ref().map(Spanned::span)),
         ("mass", raw.mass.as_ref().map(Spanned::span)),
         ("inertia", raw.inertia.as_ref().map(Spanned::span)),
         ("velocity", raw.velocity.as_ref().map(Spanned::span)),

@@ -1,126 +1,281 @@
-//! Initial stresses and plastic strains: what a segment can start with.
-
-use std::ops::Range;
-
-use toml::Spanned;
+//! Initial states: what a segment can start with.
 
 use super::super::raw::{RawBar, RawEffects};
-use super::super::{Effects, Unloading};
+use super::super::{Effects, Method, Unloading};
 use super::Checker;
-use crate::bar::{Bar, Segment};
-use crate::error::Result;
+use super::distribution::{ACCUMULATED, KEYS, PLASTIC, STRAIN, STRESS, TEMPERATURE};
+use crate::bar::{Bar, Initial, Segment};
+use crate::error::{Error, Result};
 use crate::law::Table;
 use crate::law::rate::Hardening;
-use crate::material::Sense;
+use crate::material::{Curve, Sense};
+use crate::scene::discretized::{MOST_PIECES, steps_needed};
+use crate::units::{Dimension, System, format};
 
-/// The key and place of a segment's initial stress, and of its initial plastic strain.
-struct Given {
-    stress: (String, Option<Range<usize>>),
-    plastic_strain: (String, Option<Range<usize>>),
-}
+/// Rounding of values that were put together, relative.
+const ROUNDING: f64 = 1e-9;
 
-impl Given {
-    /// Of the one that was given, the plastic strain first.
-    fn any(&self) -> Option<(&str, Range<usize>)> {
-        let both = [&self.plastic_strain, &self.stress];
-        both.into_iter().find_map(|(key, span)| span.clone().map(|span| (key.as_str(), span)))
-    }
-}
+/// Plastic strains below this are rounding.
+const LEAST_STRAIN: f64 = 1e-15;
 
-/// Of every segment of a bar.
-fn all_given(raw: &RawBar) -> Vec<Given> {
-    let given = |key: &str, stress: Option<Range<usize>>, plastic: Option<Range<usize>>| Given {
-        stress: (format!("{key}.stress"), stress),
-        plastic_strain: (format!("{key}.plastic-strain"), plastic),
-    };
-    let span = |number: &Option<crate::input::Number>| number.as_ref().map(Spanned::span);
-    let Some(list) = &raw.segment else { return vec![given("bar", span(&raw.stress), span(&raw.plastic_strain))] };
-    let of = |(i, segment): (usize, &Spanned<super::super::raw::RawSegment>)| {
-        let segment = segment.get_ref();
-        given(&format!("bar.segment.{i}"), span(&segment.stress), span(&segment.plastic_strain))
-    };
-    list.iter().enumerate().map(of).collect()
+/// A segment with its number, where it is said what it starts with, and where its left end is, m.
+struct Given<'a> {
+    raw: &'a RawBar,
+    k: usize,
+    segment: &'a Segment,
+    x0: f64,
 }
 
 impl Checker<'_> {
-    /// Initial states that the materials can have, under effects that allow them.
+    /// Initial states that the materials can have, under effects and by methods that allow them.
     pub(super) fn initial_states(
         &self,
         raw: &RawBar,
         raw_effects: &RawEffects,
         effects: &Effects,
         bar: &Bar,
+        method: &Method,
     ) -> Result<()> {
-        for (given, segment) in all_given(raw).iter().zip(&bar.segments) {
-            let Some((key, span)) = given.any() else { continue };
-            if raw_effects.along().is_some() {
-                let message = "initial stresses and plastic strains do not go with `damping` and `lateral-inertia`";
-                return Err(self.error(span, key, message).help("take one of them out").into());
+        let mut x0 = 0.0;
+        for (k, segment) in bar.segments.iter().enumerate() {
+            let given = Given { raw, k, segment, x0 };
+            x0 += segment.length;
+            if (1..KEYS.len()).all(|which| raw.initial_of(k, which).is_none()) {
+                continue;
             }
-            if let (key, Some(span)) = &given.plastic_strain {
-                self.can_have_yielded(key, span.clone(), effects, segment)?;
+            self.heat_of_start(&given, raw_effects, method)?;
+            if raw.initial_of(k, PLASTIC).or_else(|| raw.initial_of(k, ACCUMULATED)).is_some() {
+                self.can_have_yielded(&given, effects)?;
             }
-            self.stress_is_elastic(given, effects, segment)?;
+            self.stress_is_elastic(&given, effects)?;
         }
-        Ok(())
+        self.staircase_is_short(raw, bar, method)
     }
 
-    fn can_have_yielded(&self, key: &str, span: Range<usize>, effects: &Effects, segment: &Segment) -> Result<()> {
-        let plastic = segment.initial.plastic_strain;
-        if effects.unloading.is_none() && effects.rate.is_none() {
-            let message = "plastic strain needs a law of unloading: without it the curve is followed both ways";
-            return Err(self.error(span, key, message).help("add unloading = \"isotropic\" to [effects]").into());
-        }
-        if effects.heat.is_some() {
-            let message =
-                "an initial plastic strain does not go with the effect `heat`, whose curve starts from a cold bar";
-            return Err(self.error(span, key, message).help("take one of them out").into());
-        }
-        let (material, sense) = (&segment.material, Sense::of(plastic));
-        let table = Table::new(material.branch(sense), material.modulus);
-        let most = table.plastic_strain(table.end()) / material.modulus;
-        if plastic.abs() > most {
-            let name = &material.name;
-            let message = format!("an initial plastic strain of {plastic} is beyond the data of {name}");
-            let allowed = format!("at most {most:.4} in size, the plastic strain at the end of the curve");
-            return Err(self.error(span, key, message).allowed(allowed).into());
-        }
-        Ok(())
+    /// An error at the first of these keys that is given.
+    fn at_key(&self, given: &Given<'_>, keys: &[usize], message: String) -> crate::error::InputError {
+        let place = keys.iter().find_map(|&which| given.raw.initial_of(given.k, which));
+        let (key, span) = place.unwrap_or_default();
+        self.error(span, &key, message)
     }
 
-    fn stress_is_elastic(&self, given: &Given, effects: &Effects, segment: &Segment) -> Result<()> {
-        let [low, high] = elastic_range(segment, effects);
-        let stress = segment.initial.stress;
-        if (low..=high).contains(&stress) {
+    /// Temperatures, and heat in a bar that has yielded, are states of cells.
+    fn heat_of_start(&self, given: &Given<'_>, raw_effects: &RawEffects, method: &Method) -> Result<()> {
+        let (warm, yielded) = (given.raw.initial_of(given.k, TEMPERATURE).is_some(), given.segment.has_yielded());
+        let heating = given.segment.material.heating.as_deref().filter(|heating| heating.warms());
+        let Some(heating) = heating else {
+            if !warm {
+                return Ok(());
+            }
+            let message = "a temperature needs the effect `heat` with a fraction above 0: the curve is else that of any temperature".to_owned();
+            let help = if raw_effects.heat.is_some() {
+                "take `temperature` out"
+            } else {
+                "add heat = {} to [effects], or take `temperature` out"
+            };
+            return Err(self.at_key(given, &[TEMPERATURE], message).help(help).into());
+        };
+        if !(warm || yielded) {
             return Ok(());
         }
-        let (key, span) = (given.stress.0.as_str(), given.stress.1.clone());
-        let (key, span) = span.map_or_else(|| given.any().unwrap_or((key, 0..0)), |span| (key, span));
-        let message = format!("an initial stress of {stress:.6e} Pa is outside the elastic range");
+        if !matches!(method, Method::Leapfrog { .. }) {
+            let what = if warm { "an initial temperature" } else { "an initial plastic strain with the effect `heat`" };
+            let message =
+                format!("{what} is not followed by this method: its temperature is that of a curve which starts cold");
+            let help = "use method = \"fd\" with scheme = \"leapfrog\", where the temperature is a state of each cell";
+            return Err(self.at_key(given, &[TEMPERATURE, PLASTIC, ACCUMULATED], message).help(help).into());
+        }
+        let range = heating.range();
+        let outside = |initial: &Initial| !(0.0..range).contains(&initial.temperature_rise);
+        let Some((initial, place)) = states(given, &[]).into_iter().find(|(initial, _)| outside(initial)) else {
+            return Ok(());
+        };
+        let kelvin = |rise: f64| heating.reference_temperature + rise;
+        let message =
+            format!("an initial temperature of {} K{place} is out of range", kelvin(initial.temperature_rise));
+        let allowed = format!(
+            "{} K (where the curve holds) <= temperature < {} K (where the metal melts)",
+            kelvin(0.0),
+            kelvin(range)
+        );
+        Err(self
+            .at_key(given, &[TEMPERATURE], message)
+            .allowed(allowed)
+            .help("give a temperature in the allowed range, with its unit: K, degC")
+            .into())
+    }
+
+    fn can_have_yielded(&self, given: &Given<'_>, effects: &Effects) -> Result<()> {
+        let keys = [PLASTIC, ACCUMULATED];
+        if effects.unloading.is_none() && effects.rate.is_none() {
+            let message =
+                "plastic strain needs a law of unloading: without it the curve is followed both ways".to_owned();
+            let help = "add unloading = \"isotropic\" to [effects]";
+            return Err(self.at_key(given, &keys, message).help(help).into());
+        }
+        if given.raw.initial_of(given.k, ACCUMULATED).is_some() && moves(effects) > 0.0 {
+            let message =
+                "an accumulated plastic strain does not tell where hardening that moves has the elastic range"
+                    .to_owned();
+            let help =
+                "take it out: `plastic-strain` is then that of loading in one sense; or use unloading = \"isotropic\"";
+            return Err(self.at_key(given, &[ACCUMULATED], message).help(help).into());
+        }
+        for (initial, place) in states(given, &[]) {
+            let Initial { plastic_strain: plastic, accumulated, .. } = initial;
+            if accumulated < plastic.abs() * (1.0 - ROUNDING) - LEAST_STRAIN {
+                let message = format!(
+                    "an accumulated plastic strain of {accumulated}{place} is less than the plastic strain, {plastic}"
+                );
+                let help = "plastic strain in both senses adds up to at least the size of what is left of it";
+                return Err(self.at_key(given, &[ACCUMULATED, PLASTIC], message).help(help).into());
+            }
+            self.is_within_data(given, &initial, &place)?;
+        }
+        Ok(())
+    }
+
+    fn is_within_data(&self, given: &Given<'_>, initial: &Initial, place: &str) -> Result<()> {
+        let material = &given.segment.material;
+        let table = Table::new(static_curve(given.segment, Sense::of(initial.plastic_strain)), material.modulus);
+        let most = table.plastic_strain(table.end()) / material.modulus;
+        if initial.accumulated <= most * (1.0 + ROUNDING) {
+            return Ok(());
+        }
+        let (name, value) = (
+            &material.name,
+            if initial.accumulated > initial.plastic_strain.abs() {
+                initial.accumulated
+            } else {
+                initial.plastic_strain
+            },
+        );
+        let message = format!("an initial plastic strain of {value}{place} is beyond the data of {name}");
+        let allowed = format!("at most {most:.4} in size, the plastic strain at the end of the curve");
+        Err(self
+            .at_key(given, &[PLASTIC, ACCUMULATED], message)
+            .allowed(allowed)
+            .help("give less, or a curve that is known up to this strain")
+            .into())
+    }
+
+    fn stress_is_elastic(&self, given: &Given<'_>, effects: &Effects) -> Result<()> {
+        let modulus = given.segment.material.modulus;
+        let starts = |sense| {
+            let hardening = Hardening::new(&Table::new(static_curve(given.segment, sense), modulus));
+            hardening.pieces().iter().map(|piece| piece.start / modulus).collect::<Vec<_>>()
+        };
+        let corners = [Sense::Tension, Sense::Compression].map(starts).concat();
+        let range = |initial: &Initial| elastic_range(given.segment, initial, effects);
+        let outside = |initial: &Initial| {
+            let [low, high] = range(initial);
+            let slack = if given.segment.profile.is_some() { ROUNDING * high.abs().min(low.abs()) } else { 0.0 };
+            !(low - slack..=high + slack).contains(&initial.stress)
+        };
+        let Some((initial, place)) = states(given, &corners).into_iter().find(|(initial, _)| outside(initial)) else {
+            return Ok(());
+        };
+        let ([low, high], stress) = (range(&initial), initial.stress);
+        let message = format!("an initial stress of {stress:.6e} Pa{place} is outside the elastic range");
         let allowed = format!("{low:.6e} Pa to {high:.6e} Pa with this plastic strain");
         let help = "state the plastic strain with which the material carries this stress: `plastic-strain`";
-        Err(self.error(span, key, message).allowed(allowed).help(help).into())
+        Err(self
+            .at_key(given, &[STRESS, STRAIN, PLASTIC, ACCUMULATED, TEMPERATURE], message)
+            .allowed(allowed)
+            .help(help)
+            .into())
+    }
+
+    /// Front tracking makes a staircase of a state that changes along the bar, which must not have too many steps.
+    fn staircase_is_short(&self, raw: &RawBar, bar: &Bar, method: &Method) -> Result<()> {
+        let steps = steps_needed(bar, method);
+        if steps <= MOST_PIECES {
+            return Ok(());
+        }
+        let given = |(k, segment)| Given { raw, k, segment, x0: 0.0 };
+        let mut segments = bar.segments.iter().enumerate().filter(|(_, segment)| segment.profile.is_some());
+        let message =
+            format!("method = \"moc\" makes a staircase of the initial state, and it would take {steps} steps");
+        let error: Option<Error> = segments.next().map(given).map(|given| {
+            let error = self.at_key(&given, &[STRESS, STRAIN, PLASTIC, 0, ACCUMULATED, TEMPERATURE], message);
+            let help = "use method = \"fd\", or give the table fewer rows, or raise front-tolerance";
+            error.allowed(format!("at most {MOST_PIECES}")).help(help).into()
+        });
+        error.map_or(Ok(()), Err)
     }
 }
 
-/// Stresses between which a segment with its initial plastic strain is elastic, Pa.
-fn elastic_range(segment: &Segment, effects: &Effects) -> [f64; 2] {
-    let (material, plastic) = (&segment.material, segment.initial.plastic_strain);
-    let p = material.modulus * plastic.abs();
-    let hardening = |sense| Hardening::new(&Table::new(material.branch(sense), material.modulus));
+/// The curve at the reference temperature.
+fn static_curve(segment: &Segment, sense: Sense) -> &Curve {
+    let cold = segment.material.heating.as_ref().map(|heating| &heating.cold[..]);
+    match cold {
+        Some([tension]) => tension,
+        Some([tension, compression, ..]) => {
+            if sense == Sense::Tension {
+                tension
+            } else {
+                compression
+            }
+        }
+        _ => segment.material.branch(sense),
+    }
+}
+
+/// The states that a segment has at t = 0, with the words for their places: one, or those beside every row and where the plastic strain
+/// is one of `corners`. Between them all is straight.
+fn states(given: &Given<'_>, corners: &[f64]) -> Vec<(Initial, String)> {
+    let Some(profile) = &given.segment.profile else { return vec![(given.segment.initial, String::new())] };
+    let mut places = profile.knots();
+    places.push(given.segment.length);
+    let mut between = Vec::new();
+    for pair in places.windows(2) {
+        for table in [&profile.accumulated, &profile.plastic_strain] {
+            let [from, to] = [table.at(pair[0]), table.before(pair[1])];
+            let parts =
+                corners.iter().flat_map(|corner| [*corner, -corner]).map(|corner| (corner - from) / (to - from));
+            between.extend(
+                parts.filter(|part| 0.0 < *part && *part < 1.0).map(|part| pair[0] + part * (pair[1] - pair[0])),
+            );
+        }
+    }
+    places.extend(between);
+    places.sort_by(f64::total_cmp);
+    places.dedup();
+    let of = |x: f64| {
+        let words = std::format!(" at x = {}", format(given.x0 + x, Dimension::Length, System::Si));
+        [0, 1].map(|side| (profile.beside(x, side), words.clone()))
+    };
+    places.into_iter().flat_map(of).collect()
+}
+
+/// Part of the hardening that moves the elastic range.
+fn moves(effects: &Effects) -> f64 {
+    match effects.unloading {
+        None | Some(Unloading::Isotropic) => 0.0,
+        Some(Unloading::Kinematic) => 1.0,
+        Some(Unloading::Mixed(fraction)) => fraction,
+    }
+}
+
+/// Stresses between which a place in an initial state is elastic, Pa.
+fn elastic_range(segment: &Segment, initial: &Initial, effects: &Effects) -> [f64; 2] {
+    let modulus = segment.material.modulus;
+    let hardening = |sense| Hardening::new(&Table::new(static_curve(segment, sense), modulus));
     let [tension, compression] = [Sense::Tension, Sense::Compression].map(hardening);
-    let flow = |side: &Hardening| {
+    let flow = |side: &Hardening, p: f64| {
         let pieces = side.pieces();
         pieces[side.find(p) as usize].at(p)
     };
-    let kinematic = match effects.unloading {
-        None | Some(Unloading::Isotropic) => return [-flow(&compression), flow(&tension)],
-        Some(Unloading::Kinematic) => 1.0,
-        Some(Unloading::Mixed(fraction)) => fraction,
-    };
+    let heating = segment.material.heating.as_ref().filter(|heating| heating.warms());
+    let softening = heating.map_or(1.0, |heating| heating.softening(initial.temperature_rise));
+    let kinematic = moves(effects);
+    let p = modulus * if kinematic == 0.0 { initial.accumulated } else { initial.plastic_strain.abs() };
+    if kinematic == 0.0 {
+        return [-flow(&compression, p), flow(&tension, p)].map(|limit| softening * limit);
+    }
     // Hardening that moves the range needs one curve for both senses.
-    let (first, grown) = (tension.yield_stress(), flow(&tension) - tension.yield_stress());
-    let back = (kinematic * grown).copysign(plastic);
+    let (first, grown) = (tension.yield_stress(), flow(&tension, p) - tension.yield_stress());
+    let back = (kinematic * grown).copysign(initial.plastic_strain);
     let half = first + (1.0 - kinematic) * grown;
-    [back - half, back + half]
+    [back - half, back + half].map(|limit| softening * limit)
 }

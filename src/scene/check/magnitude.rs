@@ -9,15 +9,15 @@ impl Checker<'_> {
     /// has to stay above -1.
     pub(super) fn not_crushed_at_once(&self, bar: &Bar, ends: [&EndCondition; 2]) -> Result<()> {
         let last = bar.segments.len() - 1;
-        for (key, end, segment, inward) in [("left", ends[0], 0, 1.0), ("right", ends[1], last, -1.0)] {
-            let segment: &Segment = &bar.segments[segment];
+        for (key, side, segment, inward) in [("left", 0, 0, 1.0), ("right", 1, last, -1.0)] {
+            let (end, segment): (&EndCondition, &Segment) = (ends[side], &bar.segments[segment]);
             let (velocity, of) = match end {
                 EndCondition::Velocity { history, .. } => (history.at(0.0), "value"),
                 EndCondition::Striker { velocity, .. } => (*velocity, "velocity"),
                 EndCondition::Fixed | EndCondition::Wall { gap: 0.0 } => (0.0, "kind"),
                 _ => continue,
             };
-            let (pushed, c0) = (inward * (velocity - segment.velocity), segment.material.c0());
+            let (pushed, c0) = (inward * (velocity - segment.end_velocities()[side]), segment.material.c0());
             if pushed < c0 {
                 continue;
             }

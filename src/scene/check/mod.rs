@@ -4,6 +4,7 @@ mod ball;
 mod bar;
 mod csv_history;
 mod damping;
+mod distribution;
 mod end_keys;
 mod ends;
 mod hardening;
@@ -24,6 +25,7 @@ use std::path::Path;
 
 use toml::Spanned;
 
+pub(super) use ball::BallKeys;
 pub(super) use bar::Named;
 pub(super) use rupture::MOST_NOTCH;
 
@@ -55,8 +57,9 @@ pub(super) struct Checker<'a> {
 
 /// Checks a document; `text` and `overrides` of the scene are the caller's to fill.
 pub(super) fn check(document: &Document, base: &Path) -> Result<Scene> {
-    not_yet::refuse(document)?;
-    Checker { document, base }.scene(document.parse()?)
+    // No raw table has the words that are refused.
+    let raw = document.parse().or_else(|error| not_yet::refuse(document).and(Err(error)))?;
+    Checker { document, base }.scene(raw)
 }
 
 fn auto_or_table(choice: EffectsChoice) -> (Option<Auto>, Box<RawEffects>) {
@@ -84,7 +87,7 @@ impl Checker<'_> {
         self.steps_can_be_taken(raw_solve, &solve, &bar)?;
         self.hardening_can_be_tracked(&raw_effects, method, &bar)?;
         self.muscl_can(raw_solve, method, &raw_effects, auto.is_some(), &bar, ends.each_ref())?;
-        self.initial_states(raw_bar, &raw_effects, &effects, &bar)?;
+        self.initial_states(raw_bar, &raw_effects, &effects, &bar, method)?;
         self.taper_can_be_solved(raw_bar, &bar, method)?;
         let record = self.record(&raw.record, &bar, &effects, &solve, torsion.is_some())?;
         let [left, right] = ends;

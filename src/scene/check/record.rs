@@ -1,5 +1,6 @@
 //! What is recorded: frame times, fields, gauges, and whether all of it can be meant.
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use toml::Spanned;
@@ -45,7 +46,7 @@ impl Checker<'_> {
             cells: cells.or((tracked || solve.tolerance.is_some()).then_some(SAMPLES)),
             paths: self.paths(raw, &solve.method)?,
             fields: self.fields(raw, effects, twisted)?,
-            gauges: self.gauges(raw, bar.length())?,
+            gauges: self.gauges(&raw.gauges, bar.length(), "bar")?,
             precision: match raw.precision {
                 Some(RawPrecision::F32) => Precision::F32,
                 Some(RawPrecision::F64) | None => Precision::F64,
@@ -195,8 +196,13 @@ impl Checker<'_> {
     }
 
     /// Gauges in the order of the file, which the map has lost and the places keep.
-    fn gauges(&self, raw: &RawRecord, length: f64) -> Result<Vec<(String, f64)>> {
-        let mut list: Vec<_> = raw.gauges.iter().collect();
+    pub(in crate::scene) fn gauges(
+        &self,
+        raw: &BTreeMap<String, Number>,
+        length: f64,
+        body: &str,
+    ) -> Result<Vec<(String, f64)>> {
+        let mut list: Vec<_> = raw.iter().collect();
         list.sort_by_key(|(_, place)| place.span().start);
         let mut gauges = Vec::with_capacity(list.len());
         for (name, place) in list {
@@ -207,7 +213,7 @@ impl Checker<'_> {
             }
             let x = self.document.number(place, &key, Dimension::Length, Allowed::Finite)?;
             if !(0.0..=length).contains(&x) {
-                let message = format!("{} is outside the bar", place.get_ref());
+                let message = format!("{} is outside the {body}", place.get_ref());
                 let allowed = format!("0 <= {name} <= {}", format(length, Dimension::Length, System::Si));
                 let help = "places are measured from the left end";
                 return Err(self.error(place.span(), &key, message).allowed(allowed).help(help).into());

@@ -13,7 +13,7 @@ use super::super::Torsion;
 use super::super::raw::{EndKind, RawBar, RawEffects, RawEnd, RawSegment, Section};
 use super::Checker;
 use super::end_keys::given;
-use crate::bar::{Bar, EndCondition, Joint};
+use crate::bar::{Bar, EndCondition, InitialProfile, Joint};
 use crate::error::{Error, InputError, Result};
 use crate::input::{Allowed, Number};
 use crate::material::{CurveError, Loading, Material, TubeSection};
@@ -138,6 +138,10 @@ impl Checker<'_> {
             }
             segment.area = round.polar / (torsion.radius * torsion.radius);
             segment.velocity *= torsion.radius;
+            if let Some(profile) = &mut segment.profile {
+                let velocity = profile.velocity.scaled(torsion.radius);
+                *profile = Arc::new(InitialProfile { velocity, ..(**profile).clone() });
+            }
             torsion.polar.push(round.polar);
         }
         Ok(torsion)
@@ -272,22 +276,26 @@ impl Checker<'_> {
                 let stiffness = number(value, "stiffness", dimension, Allowed::Positive)?;
                 EndCondition::Spring { stiffness: stiffness / (radius * radius) }
             }
-            EndKind::Wall | EndKind::Ball => return Err(self.not_in_torsion(raw, key)),
+            EndKind::Ball => self.ball_on_lever(raw, span, key, radius)?,
+            EndKind::Wall => return Err(self.not_in_torsion(raw, key)),
         })
     }
 
     fn not_in_torsion(&self, raw: &RawEnd, key: &str) -> Error {
         let message = format!("an end of kind \"{}\" means nothing in torsion", raw.kind.get_ref().word());
         let error = self.error(raw.kind.span(), &format!("{key}.kind"), message);
-        let allowed = "velocity, stress, torque, free, fixed, absorbing, dashpot, striker, spring";
+        let allowed = "velocity, stress, torque, free, fixed, absorbing, dashpot, striker, ball, spring";
         error.allowed(allowed).help("use kind = \"fixed\" or \"free\", or drive the end").into()
     }
 
     fn only_keys_of_twist(&self, raw: &RawEnd, kind: EndKind, key: &str) -> Result<()> {
-        let keys = match kind {
+        let keys: &[&str] = match kind {
             EndKind::Striker => &["inertia", "velocity"],
+            EndKind::Ball => {
+                &["arm", "radius", "diameter", "velocity", "mass", "density", "material", "modulus", "poisson"]
+            }
             // Refused by name.
-            EndKind::Wall | EndKind::Ball => return Ok(()),
+            EndKind::Wall => return Ok(()),
             kind => kind.keys(),
         };
         let Some((name, span)) = given(raw).into_iter().find(|(name, _)| !keys.contains(name)) else { return Ok(()) };

@@ -2,8 +2,8 @@
 
 use schemars::JsonSchema;
 use serde::Deserialize;
-use serde::de::value::SeqAccessDeserializer;
-use serde::de::{Deserializer, SeqAccess, Visitor};
+use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
+use serde::de::{Deserializer, MapAccess, SeqAccess, Visitor};
 use toml::Spanned;
 
 use super::choice::text_or_table;
@@ -18,8 +18,8 @@ pub struct RawBar {
     /// Length, m, > 0. Required for a uniform bar.
     #[schemars(with = "Option<Quantity>")]
     pub length: Option<Number>,
-    /// Cross-section, m^2, > 0; or give `diameter`. Where it changes along the bar, rows [x, area]: x in m from the left end,
-    /// increasing, from 0 to the length; straight between rows. Default: none, forces and energies are then per m^2.
+    /// Cross-section, m^2, > 0; or give `diameter`. For a tapered bar: rows [x, area] with x in m from the left end, increasing from 0 to
+    /// the length; linear between rows. Default: none, forces and energies are then per m^2.
     #[schemars(with = "Option<Section>")]
     pub area: Option<Spanned<Section>>,
     /// Diameter of a round section, m, > 0; in place of `area`, and as a table likewise (a cone is straight between rows).
@@ -30,33 +30,46 @@ pub struct RawBar {
     #[serde(rename = "inner-diameter")]
     #[schemars(with = "Option<Quantity>")]
     pub inner_diameter: Option<Number>,
-    /// In torsion, in place of `inner-diameter`: wall of a thin tube, m, > 0, at most `diameter`/20; stress and strain are taken as
-    /// even over it, at its mean radius.
+    /// In torsion, in place of `inner-diameter`: wall of a thin tube, m, > 0, at most `diameter`/20; stress and strain are uniform over
+    /// it, at its mean radius.
     #[schemars(with = "Option<Quantity>")]
     pub wall: Option<Number>,
     /// Material: a library name, a path to a material file, or an inline table. Required for a uniform bar.
     #[schemars(with = "Option<MaterialChoice>")]
     pub material: Option<Spanned<MaterialChoice>>,
-    /// Initial velocity, m/s, positive in +x, any finite number. Default: 0.
-    #[schemars(with = "Option<Quantity>")]
-    pub velocity: Option<Number>,
+    /// Initial velocity, m/s (in torsion rad/s), positive in +x, any finite number; where it changes along the bar: x from its left end,
+    /// rows [x, velocity] or { csv = "file.csv" }, as for all initial values. Default: 0.
+    #[schemars(with = "Option<RawDistribution>")]
+    pub velocity: Option<Spanned<RawDistribution>>,
     /// Initial stress, Pa, tension positive, within the elastic range; in torsion the shear stress of the surface. What held the bar is
-    /// taken away at t = 0. By every method, without `damping` and `lateral-inertia`. Default: 0.
-    #[schemars(with = "Option<Quantity>")]
-    pub stress: Option<Number>,
-    /// Initial plastic strain (engineering), positive where the bar was stretched, as left by slow loading in one sense; it hardens.
-    /// By every method, with the effect `unloading` or `rate`, without `heat`. Default: 0.
+    /// taken away at t = 0. Default: 0.
+    #[schemars(with = "Option<RawDistribution>")]
+    pub stress: Option<Spanned<RawDistribution>>,
+    /// Initial strain (engineering, plastic strain included), in place of `stress`.
+    #[schemars(with = "Option<RawDistribution>")]
+    pub strain: Option<Spanned<RawDistribution>>,
+    /// Initial plastic strain (engineering), positive where the bar was stretched, as left by slow loading; it hardens. With the effect
+    /// `unloading` or `rate`; with `heat` by leapfrog. Default: 0.
     #[serde(rename = "plastic-strain")]
-    #[schemars(with = "Option<Quantity>")]
-    pub plastic_strain: Option<Number>,
-    /// What kind of wave. Default: "axial". In torsion every segment states its `diameter`, velocities are angular ones
-    /// (rad/s), and materials are known in shear (loading = "shear").
+    #[schemars(with = "Option<RawDistribution>")]
+    pub plastic_strain: Option<Spanned<RawDistribution>>,
+    /// Initial accumulated plastic strain, at least the size of `plastic-strain`; with isotropic hardening, which depends on it. Default:
+    /// the size of `plastic-strain`, that of loading in one sense.
+    #[serde(rename = "accumulated-plastic-strain")]
+    #[schemars(with = "Option<RawDistribution>")]
+    pub accumulated_plastic_strain: Option<Spanned<RawDistribution>>,
+    /// Initial temperature, K, at least the material's reference temperature and below melting; with the effect `heat`, by leapfrog.
+    /// Default: the reference temperature.
+    #[schemars(with = "Option<RawDistribution>")]
+    pub temperature: Option<Spanned<RawDistribution>>,
+    /// Type of wave. Default: "axial". In torsion every segment has a `diameter`, velocities are angular (rad/s), and materials have
+    /// shear curves (loading = "shear").
     #[schemars(with = "Option<Mode>")]
     pub mode: Option<Spanned<Mode>>,
-    /// In torsion: "von-mises" makes shear curves of materials that are known in tension. Default: none, such are refused.
+    /// In torsion: "von-mises" converts tension curves to shear. Default: none; tension curves are refused.
     #[schemars(with = "Option<RawShear>")]
     pub shear: Option<Spanned<RawShear>>,
-    /// Segments, left to right; in place of the keys above (`mode` excepted).
+    /// Segments, left to right; in place of the keys above (`mode` and tables of initial values excepted).
     #[schemars(with = "Option<Vec<RawSegment>>")]
     pub segment: Option<Vec<Spanned<RawSegment>>>,
 }
@@ -74,7 +87,7 @@ impl RawBar {
 pub enum Mode {
     /// Tension and compression.
     Axial,
-    /// Round rods and tubes that are twisted.
+    /// Torsion of round rods and tubes.
     Torsion,
 }
 
@@ -82,7 +95,7 @@ pub enum Mode {
 #[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum RawShear {
-    /// By von Mises' rule; needs Poisson's ratio.
+    /// By the von Mises yield criterion; needs Poisson's ratio.
     VonMises,
 }
 
@@ -93,8 +106,8 @@ pub struct RawSegment {
     /// Length, m, > 0. Required.
     #[schemars(with = "Option<Quantity>")]
     pub length: Option<Number>,
-    /// Cross-section, m^2, > 0; or give `diameter`. All segments state one, or none does. Where it changes along the
-    /// segment, rows [x, area]: x in m from the segment's own left end, increasing, from 0 to its length.
+    /// Cross-section, m^2, > 0; or give `diameter`. All segments state one, or none does. For a tapered segment: rows [x, area] with x in
+    /// m from its own left end, increasing from 0 to its length.
     #[schemars(with = "Option<Section>")]
     pub area: Option<Spanned<Section>>,
     /// Diameter of a round section, m, > 0; in place of `area`, and as a table likewise.
@@ -105,36 +118,50 @@ pub struct RawSegment {
     #[serde(rename = "inner-diameter")]
     #[schemars(with = "Option<Quantity>")]
     pub inner_diameter: Option<Number>,
-    /// In torsion, in place of `inner-diameter`: wall of a thin tube, m, > 0, at most `diameter`/20; stress and strain are taken as
-    /// even over it, at its mean radius.
+    /// In torsion, in place of `inner-diameter`: wall of a thin tube, m, > 0, at most `diameter`/20; stress and strain are uniform over
+    /// it, at its mean radius.
     #[schemars(with = "Option<Quantity>")]
     pub wall: Option<Number>,
     /// Material: a library name, a path to a material file, or an inline table. Required.
     #[schemars(with = "Option<MaterialChoice>")]
     pub material: Option<Spanned<MaterialChoice>>,
-    /// Initial velocity, m/s, positive in +x, any finite number. Default: 0.
-    #[schemars(with = "Option<Quantity>")]
-    pub velocity: Option<Number>,
+    /// Initial velocity, m/s (in torsion rad/s), positive in +x, any finite number; where it changes along the segment: x from its own
+    /// left end, rows [x, velocity] or { csv = "file.csv" }, as for all initial values. Default: 0.
+    #[schemars(with = "Option<RawDistribution>")]
+    pub velocity: Option<Spanned<RawDistribution>>,
     /// Initial stress, Pa, tension positive, within the elastic range; in torsion the shear stress of the surface. What held the bar is
-    /// taken away at t = 0. By every method, without `damping` and `lateral-inertia`. Default: 0.
-    #[schemars(with = "Option<Quantity>")]
-    pub stress: Option<Number>,
-    /// Initial plastic strain (engineering), positive where the bar was stretched, as left by slow loading in one sense; it hardens.
-    /// By every method, with the effect `unloading` or `rate`, without `heat`. Default: 0.
+    /// taken away at t = 0. Default: 0.
+    #[schemars(with = "Option<RawDistribution>")]
+    pub stress: Option<Spanned<RawDistribution>>,
+    /// Initial strain (engineering, plastic strain included), in place of `stress`.
+    #[schemars(with = "Option<RawDistribution>")]
+    pub strain: Option<Spanned<RawDistribution>>,
+    /// Initial plastic strain (engineering), positive where the bar was stretched, as left by slow loading; it hardens. With the effect
+    /// `unloading` or `rate`; with `heat` by leapfrog. Default: 0.
     #[serde(rename = "plastic-strain")]
-    #[schemars(with = "Option<Quantity>")]
-    pub plastic_strain: Option<Number>,
-    /// How this segment meets the next. Default: "bonded".
+    #[schemars(with = "Option<RawDistribution>")]
+    pub plastic_strain: Option<Spanned<RawDistribution>>,
+    /// Initial accumulated plastic strain, at least the size of `plastic-strain`; with isotropic hardening, which depends on it. Default:
+    /// the size of `plastic-strain`, that of loading in one sense.
+    #[serde(rename = "accumulated-plastic-strain")]
+    #[schemars(with = "Option<RawDistribution>")]
+    pub accumulated_plastic_strain: Option<Spanned<RawDistribution>>,
+    /// Initial temperature, K, at least the material's reference temperature and below melting; with the effect `heat`, by leapfrog.
+    /// Default: the reference temperature.
+    #[schemars(with = "Option<RawDistribution>")]
+    pub temperature: Option<Spanned<RawDistribution>>,
+    /// Joint to the next segment. Default: "bonded".
     #[schemars(with = "Option<RawJoint>")]
     pub joint: Option<Spanned<RawJoint>>,
     /// Initial opening of a contact joint, m, >= 0. Default: 0.
     #[schemars(with = "Option<Quantity>")]
     pub gap: Option<Number>,
-    /// With the effect `rupture`: notch factor all over the segment, >= 1; what breaks it is divided by it. Default: 1.
+    /// With the effect `rupture`: stress concentration factor of the whole segment, >= 1; the fracture criterion is divided by it.
+    /// Default: 1.
     #[schemars(with = "Option<f64>")]
     pub notch: Option<Number>,
-    /// With the effect `rupture`: the same at the joint to the next segment alone (a notch or a poor weld), on top of
-    /// `notch` on both sides. Default: 1.
+    /// With the effect `rupture`: stress concentration factor of the joint to the next segment (a notch or a poor weld), multiplied by
+    /// the `notch` of both sides. Default: 1.
     #[serde(rename = "joint-notch")]
     #[schemars(with = "Option<f64>")]
     pub joint_notch: Option<Number>,
@@ -187,13 +214,77 @@ impl<'de> Deserialize<'de> for Section {
     }
 }
 
+/// A quantity along the bar: one value, or a table over x.
+#[derive(Debug, JsonSchema)]
+#[schemars(untagged)]
+pub enum RawDistribution {
+    /// All along.
+    Uniform(Quantity),
+    /// Rows [x, value]: x in m, never decreasing; straight between rows, a repeated x is a jump, beyond the outermost rows their values
+    /// hold.
+    Table(#[schemars(with = "Vec<[Quantity; 2]>")] Vec<Spanned<Vec<Number>>>),
+    /// The same rows from a file.
+    Csv(RawTableFile),
+}
+
+/// A file with two columns, x and value.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RawTableFile {
+    /// Its path, relative to the scene file. A first line without numbers names the columns and, in brackets, their units:
+    /// `x [mm],stress [MPa]`.
+    #[schemars(with = "String")]
+    pub csv: Spanned<String>,
+}
+
+// By hand: an untagged derive loses the places of the numbers inside.
+impl<'de> Deserialize<'de> for RawDistribution {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Choice;
+
+        impl<'de> Visitor<'de> for Choice {
+            type Value = RawDistribution;
+
+            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.write_str("a number, a text with a unit, rows [x, value], or { csv = \"file.csv\" }")
+            }
+
+            fn visit_f64<E>(self, value: f64) -> Result<RawDistribution, E> {
+                Ok(RawDistribution::Uniform(Quantity::Number(value)))
+            }
+
+            fn visit_i64<E>(self, value: i64) -> Result<RawDistribution, E> {
+                Ok(RawDistribution::Uniform(Quantity::Number(value as f64)))
+            }
+
+            fn visit_u64<E>(self, value: u64) -> Result<RawDistribution, E> {
+                Ok(RawDistribution::Uniform(Quantity::Number(value as f64)))
+            }
+
+            fn visit_str<E>(self, value: &str) -> Result<RawDistribution, E> {
+                Ok(RawDistribution::Uniform(Quantity::Text(value.to_owned())))
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, rows: A) -> Result<RawDistribution, A::Error> {
+                Vec::deserialize(SeqAccessDeserializer::new(rows)).map(RawDistribution::Table)
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, file: A) -> Result<RawDistribution, A::Error> {
+                RawTableFile::deserialize(MapAccessDeserializer::new(file)).map(RawDistribution::Csv)
+            }
+        }
+
+        deserializer.deserialize_any(Choice)
+    }
+}
+
 /// How two segments meet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum RawJoint {
     /// Welded: force and velocity are continuous.
     Bonded,
-    /// Touching; carries no tension.
+    /// Unilateral contact; carries no tension.
     Contact,
 }
 

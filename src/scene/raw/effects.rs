@@ -24,7 +24,7 @@ pub enum EffectsChoice {
 #[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum AutoWord {
-    /// The program finds the effects.
+    /// The program chooses the effects.
     Auto,
 }
 
@@ -42,32 +42,32 @@ impl<'de> Deserialize<'de> for EffectsChoice {
     }
 }
 
-/// What is simulated beyond the curve itself: only what is named.
+/// Effects simulated besides the quasi-static curve: only those that are named.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RawEffects {
-    /// Elastic unloading of yielded points. Default: none, the curve is followed both ways.
+    /// Hardening rule with elastic unloading. Default: none; unloading follows the loading curve.
     #[schemars(with = "Option<RawUnloading>")]
     pub unloading: Option<Spanned<RawUnloading>>,
-    /// Plastic strain takes time; implies unloading = "isotropic" where no unloading is named. Solved with method = "moc"
-    /// on a characteristic net. Default: none, the curve holds at any rate.
-    /// "material": each segment by the constants that its own material states.
+    /// Rate-dependent plastic flow; implies unloading = "isotropic" where no unloading is named. Solved with method = "moc"
+    /// on a characteristic net. Default: none; the quasi-static curve is used at all strain rates.
+    /// "material": each segment uses the constants of its own material.
     #[schemars(with = "Option<RateChoice>")]
     pub rate: Option<Spanned<RateChoice>>,
-    /// Plastic work warms the bar, and warm metal yields earlier: `{ fraction = 0.9 }`, or `{}`; implies
-    /// unloading = "isotropic" where no unloading is named. Needs the materials' `[heat]` constants. Default: none, the bar
-    /// stays as cold as its curve.
+    /// Adiabatic heating by plastic work, and thermal softening: `{ fraction = 0.9 }`, or `{}`; implies
+    /// unloading = "isotropic" where no unloading is named. Needs the materials' `[heat]` constants. Default: none; the temperature is
+    /// constant.
     #[schemars(with = "Option<RawHeat>")]
     pub heat: Option<Spanned<RawHeat>>,
-    /// The bar breaks, and its pieces go on: "critical-strain", `{ energy = "500 ft*lbf/in^3" }` or
-    /// `{ spall = "2 GPa" }`. Default: none, the bar holds for ever.
+    /// Fracture; the fragments are simulated further: "critical-strain", `{ energy = "500 ft*lbf/in^3" }` or
+    /// `{ spall = "2 GPa" }`. Default: none; the bar does not fracture.
     #[schemars(with = "Option<RawRupture>")]
     pub rupture: Option<Spanned<RawRupture>>,
     /// Damping and a foundation along the whole bar. For the method "fd". Default: none.
     #[schemars(with = "Option<RawDamping>")]
     pub damping: Option<Spanned<RawDamping>>,
-    /// Love's correction: the inertia of the sideways motion of a bar that is strained, by the materials' `poisson` and, for
-    /// a section given by its area alone, that of a round bar. For the method "fd". Default: false.
+    /// Love's correction for the inertia of lateral motion, with the materials' `poisson`; a section given by its area alone is taken as
+    /// round. For the method "fd". Default: false.
     #[serde(rename = "lateral-inertia")]
     #[schemars(with = "Option<bool>")]
     pub lateral_inertia: Option<Spanned<bool>>,
@@ -111,7 +111,7 @@ pub enum RateChoice {
 #[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum MaterialWord {
-    /// Each segment's own material.
+    /// The constants of each segment's material.
     Material,
 }
 
@@ -127,7 +127,7 @@ impl<'de> Deserialize<'de> for RateChoice {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum RawUnloading {
-    /// Tension and compression harden alike.
+    /// Isotropic hardening: tension and compression harden equally.
     Isotropic,
     /// The elastic range keeps its size and moves. Unloading and reverse loading follow the curve doubled in size (Masing's
     /// rule), and closed loops leave no trace: elastic-perfectly-plastic elements in parallel (Besseling). Needs a curve that never

@@ -8,18 +8,18 @@ use super::MaterialChoice;
 use crate::input::Number;
 use crate::units::Quantity;
 
-/// What holds or drives an end. A driven end takes exactly one of `value`, `history` and `csv`.
+/// Boundary condition of an end. A driven end needs exactly one of `value`, `history` and `csv`.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RawEnd {
-    /// What the end is. Required.
+    /// Type of end. Required.
     #[schemars(with = "EndKind")]
     pub kind: Spanned<EndKind>,
-    /// Velocity (m/s, positive in +x) or stress (Pa, tension positive) that holds from t = 0 on; in torsion an angular velocity
+    /// Velocity (m/s, positive in +x) or stress (Pa, tension positive) from t = 0 on; in torsion an angular velocity
     /// (rad/s), a torque (N m) or a shear stress (Pa).
     #[schemars(with = "Option<Quantity>")]
     pub value: Option<Number>,
-    /// Rows [time, velocity or stress]; straight between rows, a repeated time is a jump, the last value holds.
+    /// Rows [time, velocity or stress]; linear between rows; a repeated time is a jump; the last value is held.
     /// Times in s, >= 0, never decreasing.
     #[schemars(with = "Option<Vec<[Quantity; 2]>>")]
     pub history: Option<Spanned<Vec<Spanned<Vec<Number>>>>>,
@@ -37,7 +37,7 @@ pub struct RawEnd {
     /// density or material instead.
     #[schemars(with = "Option<Quantity>")]
     pub mass: Option<Number>,
-    /// For a striker or a ball: its velocity at the start, m/s (in torsion rad/s), positive in +x. Required there.
+    /// For a striker or a ball: its velocity at the start, m/s (of a striker in torsion rad/s), positive in +x. Required there.
     #[schemars(with = "Option<Quantity>")]
     pub velocity: Option<Number>,
     /// For a ball: its radius, m, > 0; or give `diameter`.
@@ -49,7 +49,7 @@ pub struct RawEnd {
     /// For a ball: its density, kg/m^3, > 0; in place of `mass`. Default: its material's.
     #[schemars(with = "Option<Quantity>")]
     pub density: Option<Number>,
-    /// For a ball: what it is made of, for its density, modulus and Poisson's ratio. It stays elastic.
+    /// For a ball: its material, for density, modulus and Poisson's ratio. The ball stays elastic.
     #[schemars(with = "Option<MaterialChoice>")]
     pub material: Option<Spanned<MaterialChoice>>,
     /// For a ball: its elastic modulus, Pa, > 0. Default: its material's.
@@ -58,13 +58,16 @@ pub struct RawEnd {
     /// For a ball: its Poisson's ratio, 0 to 0.5. Default: its material's.
     #[schemars(with = "Option<Quantity>")]
     pub poisson: Option<Number>,
-    /// For a ball: it does not give way, in place of `modulus` and `poisson`. Default: false.
+    /// For a ball: rigid, in place of `modulus` and `poisson`. Default: false.
     #[schemars(with = "Option<bool>")]
     pub rigid: Option<Spanned<bool>>,
     /// For a ball: Poisson's ratio of the bar, 0 to 0.5. Default: that of the bar's material.
     #[serde(rename = "bar-poisson")]
     #[schemars(with = "Option<Quantity>")]
     pub bar_poisson: Option<Number>,
+    /// In torsion, for a ball: the arm of the rigid lever that it strikes, m, > 0; the torque is force times arm. Required there.
+    #[schemars(with = "Option<Quantity>")]
+    pub arm: Option<Number>,
     /// In torsion, for a striker: its moment of inertia, kg m^2, > 0. Required there, in place of `mass`.
     #[schemars(with = "Option<Quantity>")]
     pub inertia: Option<Number>,
@@ -81,11 +84,11 @@ pub struct RawEnd {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum EndKind {
-    /// The end moves as told.
+    /// Prescribed velocity.
     Velocity,
-    /// The end carries the stress it is told.
+    /// Prescribed stress.
     Stress,
-    /// In torsion: the end carries the torque it is told.
+    /// In torsion: prescribed torque.
     Torque,
     /// No stress.
     Free,

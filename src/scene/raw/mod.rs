@@ -11,7 +11,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 use toml::Spanned;
 
-pub(super) use bar::{MaterialChoice, RawBar, RawJoint, RawSegment, Section};
+pub(super) use bar::{MaterialChoice, RawBar, RawDistribution, RawJoint, RawSegment, Section};
 pub(super) use effects::{EffectsChoice, RateChoice, RawEffects, RawRupture, RawUnloading};
 pub(super) use ends::{EndKind, RawEnd};
 pub(super) use record::{RawCompression, RawPrecision, RawRecord};
@@ -23,21 +23,21 @@ pub(super) use solve::{RawMethod, RawScheme, RawSolve};
 #[serde(deny_unknown_fields)]
 #[schemars(title = "barwave scene")]
 pub struct RawScene {
-    /// One line for people. Default: the file's name.
+    /// Title, one line. Default: the file's name.
     pub title: Option<String>,
     /// The bar: uniform, or a list of segments. Required.
     #[schemars(with = "RawBar")]
     pub bar: Option<Spanned<RawBar>>,
-    /// What holds or drives the left end (x = 0). Required.
+    /// Boundary condition at the left end (x = 0). Required.
     #[schemars(with = "RawEnd")]
     pub left: Option<Spanned<RawEnd>>,
-    /// What holds or drives the right end. Required.
+    /// Boundary condition at the right end. Required.
     #[schemars(with = "RawEnd")]
     pub right: Option<Spanned<RawEnd>>,
-    /// What is simulated beyond the curve itself, or "auto": the program finds out. Default: nothing.
+    /// Effects simulated besides the quasi-static curve, or "auto": chosen by the program. Default: none.
     #[serde(default)]
     pub effects: EffectsChoice,
-    /// How to solve. Required, for `until`.
+    /// Numerical method and end time. Required, for `until`.
     #[schemars(with = "RawSolve")]
     pub solve: Option<Spanned<RawSolve>>,
     /// What to record. Default: 200 frames of stress, strain and velocity.

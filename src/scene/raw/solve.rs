@@ -7,7 +7,7 @@ use toml::Spanned;
 use crate::input::Number;
 use crate::units::Quantity;
 
-/// How the scene is solved.
+/// Numerical method and end time.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RawSolve {
@@ -17,8 +17,9 @@ pub struct RawSolve {
     /// Method. Default: "fd"; "moc" where the effects include `rate`, no rupture and no heat.
     #[schemars(with = "Option<RawMethod>")]
     pub method: Option<Spanned<RawMethod>>,
-    /// In place of a method: the error that the run is to stay below, 0 < tolerance <= 0.5: of stress over the bar and time, at the ends
-    /// and gauges, of the residual plastic strain and of the peak force, each relative. The cheapest method and resolution that meet it are chosen.
+    /// In place of a method: the largest error allowed, 0 < tolerance <= 0.5: of stress over the bar and time, at the ends
+    /// and gauges, of the residual plastic strain and of the peak force, each relative. The cheapest method and resolution that meet it
+    /// are chosen.
     #[schemars(with = "Option<f64>")]
     pub tolerance: Option<Number>,
     /// Scheme of the method "fd". Default: "leapfrog".
@@ -31,17 +32,17 @@ pub struct RawSolve {
     /// For the method "fd": Courant number of the fastest wave, 0 < cfl <= 1. Default: 1.
     #[schemars(with = "Option<f64>")]
     pub cfl: Option<Number>,
-    /// Relative change of the stress from which on the audit says that an effect that was left out matters, and
-    /// `effects = "auto"` turns it on; 0 < audit-tolerance < 1. Default: 0.01.
+    /// Relative change of the stress above which the audit reports a neglected effect and `effects = "auto"` includes it; 0 <
+    /// audit-tolerance < 1. Default: 0.01.
     #[serde(rename = "audit-tolerance")]
     #[schemars(with = "Option<f64>")]
     pub audit_tolerance: Option<Number>,
-    /// For the method "moc": waves weaker than this part of the largest stress that the scene's data can reach are held
-    /// back until the next front passes, 0 <= front-tolerance < 1; 0 sends every wave. Default: 0.001.
+    /// For the method "moc": smallest stress jump that is tracked as a front of its own, relative to the largest stress that the scene's
+    /// data can reach, 0 <= front-tolerance < 1; 0 tracks all waves. Default: 0.001.
     #[serde(rename = "front-tolerance")]
     #[schemars(with = "Option<f64>")]
     pub front_tolerance: Option<Number>,
-    /// For the method "moc": most meetings of fronts that the run may take, a whole number, 1 to 1000000000000. Default:
+    /// For the method "moc": largest number of front interactions, a whole number, 1 to 1000000000000. Default:
     /// 10000000.
     #[serde(rename = "event-budget")]
     #[schemars(with = "Option<u64>")]
@@ -54,7 +55,7 @@ pub struct RawSolve {
 pub enum RawMethod {
     /// Finite differences.
     Fd,
-    /// Characteristics: the fronts themselves are followed.
+    /// Method of characteristics: fronts are tracked.
     Moc,
 }
 
@@ -64,6 +65,6 @@ pub enum RawMethod {
 pub enum RawScheme {
     /// Staggered in space and time.
     Leapfrog,
-    /// Conservative: limited slopes in cells, the exact Riemann problem at the faces between them.
+    /// Conservative (Godunov with MUSCL slopes): exact Riemann problems at the faces between cells.
     Muscl,
 }

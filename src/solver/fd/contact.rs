@@ -41,6 +41,10 @@ pub struct ContactState {
     pub force: f64,
     /// Distance of the faces, m, >= 0.
     pub gap: f64,
+    /// What they carried, up to the end of the step ahead.
+    pub pressed: joint::Pressed,
+    /// No force passes in that step.
+    pub is_open: bool,
 }
 
 impl Contact {
@@ -102,6 +106,7 @@ impl Contact {
         self.impulses.push(force, mean, true);
         let before = std::mem::replace(&mut self.force, 0.5 * (force + passed_on));
         self.ahead.lose(0.5 * (before + self.force), closer);
+        self.ahead.note(dt, self.force);
         self.move_on(cells);
     }
 
@@ -145,6 +150,13 @@ impl Contact {
 
     /// As it is at the current time.
     pub fn state(&self) -> ContactState {
-        ContactState { joint: self.segment, cell: self.cell, force: -self.force, gap: self.now.gap() }
+        ContactState {
+            joint: self.segment,
+            cell: self.cell,
+            force: -self.force,
+            gap: self.now.gap(),
+            pressed: self.ahead.pressed(),
+            is_open: self.ahead.is_open(),
+        }
     }
 }

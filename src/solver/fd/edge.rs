@@ -94,10 +94,11 @@ pub(super) fn edges(blocks: &[Block], constants: &[Constants]) -> Vec<Edge> {
     let edge = |pair: &[Block]| {
         let (left, right) = (&constants[pair[0].segment], &constants[pair[1].segment]);
         let [left_mass, right_mass] = cell_masses(pair, constants);
-        let after = if pair[0].v[0] == pair[1].v[0] {
-            pair[0].v[0]
+        let [left_velocity, right_velocity] = [last(&pair[0].v), pair[1].v[0]];
+        let after = if left_velocity == right_velocity {
+            left_velocity
         } else {
-            (left_mass * pair[0].v[0] + right_mass * pair[1].v[0]) / (left_mass + right_mass)
+            (left_mass * left_velocity + right_mass * right_velocity) / (left_mass + right_mass)
         };
         let mass = 0.5 * (left_mass + right_mass);
         let (gain_left, gain_right) = if pair[0].segment == pair[1].segment && pair[0].taper.is_none() {
@@ -143,7 +144,7 @@ pub(super) fn contacts(
             continue;
         }
         if let Some(contact) = joint::Contact::new(bar.segments[segments[0]].joint) {
-            let velocities = segments.map(|segment| bar.segments[segment].velocity);
+            let velocities = [last(&pair[0].v), pair[1].v[0]];
             let place = [k, segments[0], pair[1].cells.start];
             edges[k] = Edge::EMPTY;
             contacts.push(Contact::new(place, contact, velocities, masses_and_areas(pair, constants), dt));

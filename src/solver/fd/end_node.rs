@@ -125,6 +125,12 @@ impl EndNode {
         self.displacement = self.dt * velocity;
     }
 
+    /// The node's velocity half a step before t = 0, m/s.
+    pub(super) fn start_before(&mut self, velocity: f64) {
+        let velocity = self.face.inward * velocity;
+        (self.node.before, self.node.after) = (velocity, velocity);
+    }
+
     /// See [`HalfNode::start_under`].
     pub(super) fn start_under(&mut self, half: f64) {
         self.node.start_under(half);

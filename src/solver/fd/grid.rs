@@ -17,6 +17,20 @@ pub struct SegmentGrid {
     pub dx: f64,
 }
 
+impl SegmentGrid {
+    /// A cell, m from the segment's left end.
+    pub fn cell(&self, cell: usize) -> [f64; 2] {
+        let i = cell - self.cells.start;
+        [self.dx * i as f64, self.dx * (i + 1) as f64]
+    }
+
+    /// The half cells on both sides of a node that are in the segment, m from its left end.
+    pub fn beside(&self, node: usize) -> [f64; 2] {
+        let (i, count) = ((node - self.cells.start) as f64, self.cells.len() as f64);
+        [(i - 0.5).max(0.0), (i + 0.5).min(count)].map(|i| self.dx * i)
+    }
+}
+
 /// The grid of a bar. Cells are shared out so that the fastest wave takes as nearly as possible the same time
 /// across each of them, whatever its material.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

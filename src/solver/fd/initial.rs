@@ -1,42 +1,49 @@
 //! Bars that are stressed or have yielded at t = 0.
 //!
 //! What held the bar is taken away at t = 0. Velocities are known half a step later and have felt the stresses for half a step by
-//! then: the nodes meet half of them first ([`Leapfrog::set_initial`]), which makes elastic waves exact at Courant number 1 from the
+//! then: the nodes meet half of them first ([`Leapfrog::meet_half`]), which makes elastic waves exact at Courant number 1 from the
 //! start. The scheme's balance of energy counts whole steps; [`Leapfrog::complete_initial`] therefore puts the velocities half a step
-//! before t = 0 where a whole step of these stresses would have begun.
+//! before t = 0 where a whole step of these stresses would have begun. Where forces act along the bar, the nodes start half a step before
+//! t = 0 and take the whole step ([`super::implicit::Implicit::start_under`]).
 
-use super::block::Stage;
+use super::block::{Block, Stage};
 use super::edge::last;
 use super::leapfrog::Leapfrog;
-use crate::bar::Initial;
+use crate::bar::Bar;
 use crate::law::aligned_row;
 
 impl Leapfrog {
-    /// Before the nodes meet: half the initial stresses, and the states of segments that have yielded.
-    pub(super) fn set_initial(&mut self, initial: &[Initial]) {
+    /// The initial stresses, and the states of cells that have yielded or are warm: means over the cells.
+    pub(super) fn set_initial(&mut self, bar: &Bar) {
         for block in &mut self.blocks {
-            let Initial { stress, plastic_strain } = initial[block.segment];
-            let (law, constants) = (&self.laws[block.segment].law, &self.constants[block.segment]);
-            block.sigma.iter_mut().for_each(|sigma| *sigma = 0.5 * stress);
-            if plastic_strain != 0.0 {
-                let cells = block.sigma.len();
-                let state = law.deformed(constants.modulus * plastic_strain);
-                block.stage = Stage::Plastic;
-                block.state = aligned_row(state.len() * cells, 0.0);
-                let columns = block.state.chunks_exact_mut(cells);
-                columns.zip(state).for_each(|(column, number)| column.fill(number));
-                block.flow = vec![0; cells];
+            let (segment, part) = (&bar.segments[block.segment], &self.grid.segments[block.segment]);
+            let (law, modulus) = (&self.laws[block.segment].law, self.constants[block.segment].modulus);
+            for (local, cell) in block.cells.clone().enumerate() {
+                let [from, to] = part.cell(cell);
+                let initial = segment.initial_between(from, to);
+                block.sigma[local] = initial.stress;
+                if initial.is_of_a_law() {
+                    block.set_state(local, &law.deformed(&initial.deformed(modulus)));
+                }
             }
-            for node in 1..block.sigma.len() {
-                block.v[node] += block.velocity_increment(constants.velocity_gain, node);
-            }
-            block.note_undamped();
             block.wake();
         }
     }
 
+    /// Before the nodes meet: they meet half of the initial stresses, those inside the blocks here.
+    pub(super) fn meet_half(&mut self) {
+        for block in &mut self.blocks {
+            block.sigma.iter_mut().for_each(|sigma| *sigma *= 0.5);
+            let gain = self.constants[block.segment].velocity_gain;
+            for node in 1..block.sigma.len() {
+                block.v[node] += block.velocity_increment(gain, node);
+            }
+            block.note_undamped();
+        }
+    }
+
     /// After the nodes met half the initial stresses: the whole of them.
-    pub(super) fn complete_initial(&mut self, initial: &[Initial]) {
+    pub(super) fn complete_initial(&mut self, bar: &Bar) {
         for contact in &mut self.contacts {
             let [left, right] = [contact.edge, contact.edge + 1].map(|k| &self.blocks[k].sigma);
             contact.start_under([last(left), right[0]]);
@@ -45,9 +52,25 @@ impl Leapfrog {
         self.right.start_under(last(&self.blocks[self.blocks.len() - 1].sigma));
         self.edges.iter_mut().for_each(|edge| edge.velocity_increment *= 2.0);
         for block in &mut self.blocks {
-            let stress = initial[block.segment].stress;
-            block.sigma.iter_mut().for_each(|sigma| *sigma = stress);
+            let (segment, part) = (&bar.segments[block.segment], &self.grid.segments[block.segment]);
+            for (sigma, cell) in block.sigma.iter_mut().zip(block.cells.clone()) {
+                let [from, to] = part.cell(cell);
+                *sigma = segment.initial_between(from, to).stress;
+            }
         }
         self.initial_energy = Some(self.energies());
+    }
+}
+
+impl Block {
+    /// Gives a cell its law's state; from now on the block has plastic state.
+    fn set_state(&mut self, cell: usize, state: &[f64]) {
+        let cells = self.sigma.len();
+        if self.stage != Stage::Plastic {
+            self.stage = Stage::Plastic;
+            self.state = aligned_row(state.len() * cells, 0.0);
+            self.flow = vec![0; cells];
+        }
+        self.state.chunks_exact_mut(cells).zip(state).for_each(|(column, &number)| column[cell] = number);
     }
 }

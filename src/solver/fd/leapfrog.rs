@@ -69,18 +69,18 @@ pub struct Leapfrog {
 impl Leapfrog {
     /// A bar at t = 0, unstressed, moving as its segments say. `laws` has one entry a segment.
     pub fn new(bar: &Bar, grid: Grid, laws: Vec<SegmentLaw>, ends: [EndCondition; 2]) -> Self {
-        let initial: Vec<_> = bar.segments.iter().map(|segment| segment.initial).collect();
+        let mut leapfrog = Self::before_start(bar, grid, laws, ends);
         let stressed = bar.has_initial_state();
-        let mut bar = Self::before_start(bar, grid, laws, ends);
         if stressed {
-            bar.set_initial(&initial);
+            leapfrog.set_initial(bar);
+            leapfrog.meet_half();
         }
-        bar.share_edges();
-        bar.whole().meet_all();
+        leapfrog.share_edges();
+        leapfrog.whole().meet_all();
         if stressed {
-            bar.complete_initial(&initial);
+            leapfrog.complete_initial(bar);
         }
-        bar
+        leapfrog
     }
 
     /// The same with what acts along the bar; without joints that can open. A bar along which nothing acts is the plain one.
@@ -94,18 +94,30 @@ impl Leapfrog {
         if along.is_nothing() {
             return Self::new(bar, grid, laws, ends);
         }
-        let mut bar = Self::before_start(bar, grid, laws, ends);
-        debug_assert!(bar.contacts.is_empty());
-        bar.share_edges();
-        let mut velocities = vec![0.0; bar.grid.cells() + 1];
-        for block in &bar.blocks {
+        let mut leapfrog = Self::before_start(bar, grid, laws, ends);
+        debug_assert!(leapfrog.contacts.is_empty());
+        leapfrog.share_edges();
+        let mut velocities = vec![0.0; leapfrog.grid.cells() + 1];
+        for block in &leapfrog.blocks {
             velocities[block.cells.start..=block.cells.end].copy_from_slice(&block.v);
         }
-        let mut nodes = Implicit::new(along, &bar.grid, &bar.constants, velocities);
-        nodes.start(along, &bar.grid, &bar.constants, &bar.blocks, [&mut bar.left, &mut bar.right]);
-        bar.implicit = Some(Box::new(nodes));
-        bar.share_nodes();
-        bar
+        let stressed = bar.has_initial_state();
+        if stressed {
+            leapfrog.set_initial(bar);
+        }
+        let mut nodes = Implicit::new(along, &leapfrog.grid, &leapfrog.constants, velocities);
+        let Self { grid, constants, blocks, left, right, .. } = &mut leapfrog;
+        if stressed {
+            nodes.start_under(along, grid, constants, blocks, [left, right]);
+        } else {
+            nodes.start(along, grid, constants, blocks, [left, right]);
+        }
+        leapfrog.implicit = Some(Box::new(nodes));
+        leapfrog.share_nodes();
+        if stressed {
+            leapfrog.initial_energy = Some(leapfrog.energies());
+        }
+        leapfrog
     }
 
     fn before_start(bar: &Bar, grid: Grid, laws: Vec<SegmentLaw>, ends: [EndCondition; 2]) -> Self {
@@ -125,7 +137,7 @@ impl Leapfrog {
                 impedance: segment.material.impedance(),
                 area: segment.end_areas()[side],
                 cell_area: segment.area * block.area(cell),
-                velocity: segment.velocity,
+                velocity: block.v[if side == 0 { 0 } else { cell + 1 }],
             }
         };
         let [left, right] = ends;
@@ -351,6 +363,12 @@ fn blocks(bar: &Bar, grid: &Grid) -> Vec<Block> {
         for cells in block_sizes(part.cells.len()) {
             let mut block = Block::new(start..start + cells, k, bar.segments[k].velocity);
             block.taper = BlockTaper::of(&bar.segments[k], part, &block.cells);
+            if bar.segments[k].profile.is_some() {
+                block.start_with(|node| {
+                    let [from, to] = part.beside(node);
+                    bar.segments[k].velocity_between(from, to)
+                });
+            }
             start += cells;
             blocks.push(block);
         }

@@ -5,12 +5,13 @@ use crate::bar::{EndCondition, History};
 use crate::wave::riemann::{Medium, Point, Side, Workspace, solve};
 
 /// See [`super::FrontTracking::stress_scale`].
-pub(super) fn stress_scale(starts: &[Point], media: &[Medium], ends: [(&EndCondition, &Face); 2]) -> f64 {
+pub(super) fn stress_scale(starts: &[(usize, Point)], media: &[Medium], ends: [(&EndCondition, &Face); 2]) -> f64 {
     let imposed = ends.map(|(condition, face)| imposed(condition, face));
-    let velocities = || starts.iter().map(|start| start.velocity).chain(imposed.iter().flat_map(|i| i.1));
+    let velocities = || starts.iter().map(|(_, start)| start.velocity).chain(imposed.iter().flat_map(|i| i.1));
     let range = velocities().fold(f64::MIN, f64::max) - velocities().fold(f64::MAX, f64::min);
     let mut work = Workspace::default();
-    let struck = media.iter().zip(starts).map(|(medium, start)| {
+    let struck = starts.iter().map(|(k, start)| {
+        let medium = &media[*k];
         let driver = Side::Straight { force: 0.0, velocity: -range, compliance: 0.0 };
         let unstressed = Point { stress: 0.0, velocity: 0.0, ..*start };
         let stress = solve(driver, Side::Bar(medium, &unstressed), &mut work).force / medium.area;

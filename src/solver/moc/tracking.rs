@@ -18,7 +18,7 @@ use super::openings::Openings;
 use super::place::Shifted;
 use super::scale::stress_scale;
 use super::{FrontSegment, Settings, Stopped};
-use crate::bar::{Bar, EndCondition, Initial, Segment};
+use crate::bar::{Bar, EndCondition, Segment};
 use crate::law::Table;
 use crate::law::rupture::Criteria;
 use crate::material::{Material, Sense};
@@ -87,10 +87,10 @@ impl FrontTracking {
     ) -> Self {
         let last = bar.segments.len() - 1;
         let mut media: Vec<Medium> = bar.segments.iter().map(|s| medium(s, flow)).collect();
-        let starts: Vec<Point> = bar.segments.iter().zip(&media).map(|(s, medium)| start(s, medium)).collect();
-        let outer = [starts[0], starts[last]];
+        let starts: Vec<Vec<Start>> = bar.segments.iter().zip(&media).map(|(s, medium)| starts(s, medium)).collect();
+        let outer = [starts[0][0].point, starts[last][starts[last].len() - 1].point];
         let faces = [face(1.0, outer[0].velocity, &media[0]), face(-1.0, outer[1].velocity, &media[last])];
-        let stress_scale = stress_scale(&starts, &media, [(&ends[0], &faces[0]), (&ends[1], &faces[1])]);
+        let stress_scale = stress_scale(&all_points(&starts), &media, [(&ends[0], &faces[0]), (&ends[1], &faces[1])]);
         for medium in &mut media {
             medium.round_off = SAME_STRESS * stress_scale;
         }
@@ -135,18 +135,26 @@ impl FrontTracking {
     }
 
     /// Ends and joints in their places, and what they send at t = 0.
-    fn lay_out(&mut self, bar: &Bar, starts: &[Point]) {
+    fn lay_out(&mut self, bar: &Bar, starts: &[Vec<Start>]) {
         let (mut x, mut after) = (0.0, NONE);
-        for (k, (segment, &start)) in bar.segments.iter().zip(starts).enumerate() {
+        for (k, (segment, starts)) in bar.segments.iter().zip(starts).enumerate() {
             let kind = if k == 0 { Kind::End } else { Kind::Joint };
-            after = self.list.insert(after, Node::new(kind, x, 0.0, 0.0, start, k as u32));
+            after = self.list.insert(after, Node::new(kind, x, 0.0, 0.0, starts[0].point, k as u32));
             x += segment.length;
         }
         let last = bar.segments.len() - 1;
         let end = Node::new(Kind::End, x, 0.0, 0.0, Point::default(), last as u32);
         self.end_nodes = [0, self.list.insert(after, end)];
         // Places were given out in order, so they number the ends and joints from left to right.
-        for id in 0..=self.end_nodes[1] {
+        let mut all: Vec<u32> = (0..=self.end_nodes[1]).collect();
+        for (k, starts) in starts.iter().enumerate() {
+            let (from, mut after) = (self.list.get(k as u32).x, k as u32);
+            for Start { x, point } in &starts[1..] {
+                after = self.list.insert(after, Node::new(Kind::Contact, from + x, 0.0, 0.0, *point, k as u32));
+                all.push(after);
+            }
+        }
+        for id in all {
             self.resolve(id, id, self.list.get(id).x);
         }
     }
@@ -274,8 +282,31 @@ fn medium(segment: &Segment, flow: Flow) -> Medium {
     Medium::new([&tension, &compression], material.modulus, material.density, segment.area, flow, 0.0)
 }
 
-/// The state of a segment at t = 0.
-fn start(segment: &Segment, medium: &Medium) -> Point {
-    let Initial { stress, plastic_strain } = segment.initial;
-    Point { stress, velocity: segment.velocity, ..medium.deformed(medium.modulus * plastic_strain) }
+/// Every state at t = 0 with the number of its segment.
+fn all_points(starts: &[Vec<Start>]) -> Vec<(usize, Point)> {
+    let of = |(k, starts): (usize, &Vec<Start>)| starts.iter().map(|start| (k, start.point)).collect::<Vec<_>>();
+    starts.iter().enumerate().flat_map(of).collect()
+}
+
+/// A state at t = 0, from a place on (m from the left end of its segment).
+struct Start {
+    x: f64,
+    point: Point,
+}
+
+/// The states of a segment at t = 0 from left to right: one, or the mean between each two rows of its tables, which are those of
+/// staircases; neighbours of one state are one.
+fn starts(segment: &Segment, medium: &Medium) -> Vec<Start> {
+    let mut borders = segment.profile.as_ref().map_or_else(|| vec![0.0], |profile| profile.knots());
+    borders.retain(|&x| x < segment.length);
+    borders.push(segment.length);
+    let state = |pair: &[f64]| {
+        let (initial, velocity) =
+            (segment.initial_between(pair[0], pair[1]), segment.velocity_between(pair[0], pair[1]));
+        let point = Point { stress: initial.stress, velocity, ..medium.deformed(&initial.deformed(medium.modulus)) };
+        Start { x: pair[0], point }
+    };
+    let mut starts: Vec<Start> = borders.windows(2).map(state).collect();
+    starts.dedup_by(|next, before| next.point == before.point);
+    starts
 }

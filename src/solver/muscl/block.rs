@@ -5,7 +5,8 @@ use std::ops::Range;
 use serde::{Deserialize, Serialize};
 
 use super::part::Part;
-use crate::bar::Initial;
+use crate::bar::Segment;
+use crate::solver::fd::SegmentGrid;
 use crate::wave::riemann::{Flux, Workspace};
 
 /// Most cells of a block: its row and scratch stay in the first-level cache.
@@ -73,17 +74,21 @@ impl Block {
         }
     }
 
-    /// The state at t = 0 of the block's segment.
-    pub fn set_initial(&mut self, initial: &Initial, part: &Part) {
-        if initial.stress != 0.0 {
-            self.stage = Stage::Elastic;
-            self.sigma.fill(initial.stress);
-        }
-        if initial.plastic_strain != 0.0 {
-            self.make_plastic(part);
-            let state = part.law.law.deformed(part.modulus * initial.plastic_strain);
-            let columns = self.state.chunks_exact_mut(self.sigma.len());
-            columns.zip(state).for_each(|(column, number)| column.fill(number));
+    /// The state at t = 0 of the block's segment: means over the cells, of which `grid` tells the places.
+    pub fn set_initial(&mut self, segment: &Segment, grid: &SegmentGrid, part: &Part) {
+        for (i, cell) in self.cells.clone().enumerate().map(|(i, cell)| (GHOSTS + i, cell)) {
+            let [from, to] = grid.cell(cell);
+            let (initial, velocity) = (segment.initial_between(from, to), segment.velocity_between(from, to));
+            if self.stage == Stage::Quiet && (initial.stress != 0.0 || velocity != self.v[0]) {
+                self.stage = Stage::Elastic;
+            }
+            (self.sigma[i], self.v[i]) = (initial.stress, velocity);
+            if initial.is_of_a_law() {
+                self.make_plastic(part);
+                let rows = self.sigma.len();
+                let state = part.law.law.deformed(&initial.deformed(part.modulus));
+                self.state.chunks_exact_mut(rows).zip(state).for_each(|(column, number)| column[i] = number);
+            }
         }
     }
 

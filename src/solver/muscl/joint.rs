@@ -28,6 +28,11 @@ impl Joint {
         self.contact.map_or(0.0, |contact| contact.jump())
     }
 
+    /// The joint, if it can open.
+    pub fn contact(&self) -> Option<&Contact> {
+        self.contact.as_ref()
+    }
+
     /// Lost by faces that met, J.
     pub fn lost(&self) -> f64 {
         self.contact.map_or(0.0, |contact| contact.lost())
@@ -62,6 +67,7 @@ impl Joint {
             return free;
         }
         contact.lose(force, gap);
+        contact.note(dt, force);
         closed
     }
 }

@@ -4,11 +4,17 @@ use super::block::{Block, GHOSTS, Stage};
 use super::end::{End, EndReading};
 use super::joint::Joint;
 use super::stepping::Muscl;
+use crate::bar::joint::Contact;
 use crate::law::{FirstPassed, StrainedRow};
 use crate::solver::Energies;
 use crate::solver::fd::Quantity;
 
 impl Muscl {
+    /// The joints that can open, with the segment to their left.
+    pub fn contacts(&self) -> impl Iterator<Item = (usize, &Contact)> {
+        self.joints.iter().filter_map(|joint| Some((self.blocks[joint.edge].part, joint.contact()?)))
+    }
+
     /// A quantity in one cell.
     pub fn value(&self, quantity: Quantity, cell: usize) -> f64 {
         let block = &self.blocks[self.blocks.partition_point(|b| b.cells.end <= cell)];

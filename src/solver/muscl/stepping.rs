@@ -8,7 +8,7 @@ use super::face;
 use super::joint::Joint;
 use super::kernel::Scratch;
 use super::part::Part;
-use crate::bar::{Bar, EndCondition};
+use crate::bar::{Bar, EndCondition, Initial};
 use crate::law::FirstPassed;
 use crate::solver::fd::{Grid, SegmentLaw};
 use crate::wave::riemann::{Medium, Workspace};
@@ -49,8 +49,8 @@ impl Muscl {
         let joints = joints.map(|(k, pair)| Joint::new(bar.segments[pair[0].part].joint, k)).collect();
         let last = bar.segments.len() - 1;
         let [left, right] = ends;
-        let left = End::new(&left, 1.0, &parts[0], bar.segments[0].velocity);
-        let right = End::new(&right, -1.0, &parts[last], bar.segments[last].velocity);
+        let left = End::new(&left, 1.0, &parts[0], bar.segments[0].end_velocities()[0]);
+        let right = End::new(&right, -1.0, &parts[last], bar.segments[last].end_velocities()[1]);
         let state_len = parts.iter().map(|part| part.law.law.state_len()).max().unwrap_or(0);
         let parallel = grid.cells() >= PARALLEL_FROM;
         let scratch = vec![Scratch::new(state_len); blocks.len().div_ceil(GROUP)];
@@ -170,7 +170,9 @@ fn blocks(bar: &Bar, grid: &Grid, parts: &[Part]) -> Vec<Block> {
         for b in 0..count {
             let (start, end) = (of.cells.start + b * cells / count, of.cells.start + (b + 1) * cells / count);
             let mut block = Block::new(start..end, k, segment.velocity);
-            block.set_initial(&segment.initial, &parts[k]);
+            if segment.profile.is_some() || segment.initial != Initial::default() {
+                block.set_initial(segment, of, &parts[k]);
+            }
             blocks.push(block);
         }
     }

@@ -6,7 +6,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::part::{INSIDE, Part, Work};
+use super::part::{INSIDE, Load, Part};
 use crate::bar::EndCondition;
 use crate::bar::ends::{self, EndModel, Face, Push, Relation, Response, Step};
 use crate::law::rate::{Flow, History};
@@ -74,12 +74,7 @@ impl End {
     pub fn advance(&mut self, time: f64, arriving: f64, part: &mut Part) -> f64 {
         let answer = self.answer(time, arriving, part);
         let reading = self.reading_of(&answer);
-        if answer.flow.plastic != 0.0 {
-            let total = 0.5 * reading.stress * answer.flow.plastic;
-            part.work.add(Work { total, overstress: 0.5 * answer.flow.overstress });
-            let node = self.node(part);
-            part.borders.set(&part.law, node, answer.history);
-        }
+        part.account(self.node(part), reading.stress, &answer.flow, answer.history);
         let impulse = self.dt * answer.force;
         let push = Push { force: answer.force, velocity: answer.velocity, impulse };
         let held = self.model.energy(self.displacement);
@@ -157,7 +152,7 @@ impl End {
         // What the curve cannot carry pulls at the face all the same, and accelerates it as if it were elastic.
         let too_much = stress.abs() > part.law.largest_stress(usize::from(stress < 0.0));
         let share = if too_much { INSIDE } else { share };
-        let (flow, history) = part.borders.flow(&part.law, self.node(part), stress, share, self.dt);
+        let (flow, history) = part.flow_of_border(self.node(part), Load { stress, share, time: self.dt });
         let flowed = Response { force: bar.force + self.face.area * (0.25 * flow.plastic), ..*bar };
         let [force, velocity] = relation.meet(&flowed);
         Answer { force, velocity, flow, history, met: true }

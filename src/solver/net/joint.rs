@@ -6,11 +6,14 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::part::{INSIDE, Part, Work};
+use super::part::{INSIDE, Load, Part};
 use crate::bar::Joint as Kind;
 use crate::bar::ends::Response;
 use crate::bar::joint::{Contact, force_at, free_rate};
 use crate::law::rate::{Flow, History};
+
+/// Rounds in which the flows of two sides adapt to each other: each halves what is missing, and both are treated alike.
+const ROUNDS: usize = 8;
 
 /// What leaves a joint: g into the left segment and f into the right one.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,12 +40,13 @@ struct Side<'a> {
 
 impl Side<'_> {
     fn flow(&self, force: f64, dt: f64) -> (Flow, History) {
-        self.part.borders.flow(&self.part.law, self.node, -force / self.part.area, self.share, dt)
+        let load = Load { stress: -force / self.part.area, share: self.share, time: dt };
+        self.part.flow_of_border(self.node, load)
     }
 
-    /// The force after a flow.
+    /// The force at the reading.
     fn after(&self, force: f64, flow: Flow) -> f64 {
-        force + self.part.area * self.share * flow.plastic
+        force + self.part.area * self.share * flow.before
     }
 }
 
@@ -61,6 +65,7 @@ impl Joint {
         let (passed, force) = meet(left, right, &bars, touches.then_some(rate), dt);
         if touches {
             contact.lose(force, gap);
+            contact.note(dt, force);
         }
         passed
     }
@@ -68,6 +73,11 @@ impl Joint {
     /// How much farther apart the sides are than at the start, m.
     pub fn opened(&self) -> f64 {
         self.contact.map_or(0.0, |contact| contact.jump())
+    }
+
+    /// The joint, if it can open.
+    pub fn contact(&self) -> Option<&Contact> {
+        self.contact.as_ref()
     }
 
     /// Energy lost where the sides met, J.
@@ -82,8 +92,6 @@ fn bar(part: &Part, side: usize) -> Response {
 }
 
 /// Sides that hold together while their gap grows at `rate` (m/s), or do not touch without one; and the force between them.
-///
-/// The sides flow one after the other; the mean of both orders keeps mirror images alike.
 fn meet(left: &mut Part, right: &mut Part, bars: &[Response; 2], rate: Option<f64>, dt: f64) -> (Passed, f64) {
     let force_of = |bars: &[Response; 2]| rate.map_or(0.0, |rate| force_at(rate, bars));
     let held = if rate.is_some() { INSIDE / (bars[0].impedance + bars[1].impedance) } else { 0.0 };
@@ -98,37 +106,27 @@ fn meet(left: &mut Part, right: &mut Part, bars: &[Response; 2], rate: Option<f6
         ..bars[k]
     };
     let force = force_of(&[flowed(0, left, flow_left), flowed(1, right, flow_right)]);
-    account(left, nodes[0], force, flow_left, left_history);
-    account(right, nodes[1], force, flow_right, right_history);
+    left.account(nodes[0], -force / left.area, &flow_left, left_history);
+    right.account(nodes[1], -force / right.area, &flow_right, right_history);
     let leaves = |part: &Part, side: usize| -2.0 * force / part.area - part.arriving(side);
     (Passed { to_left: leaves(left, 1), to_right: leaves(right, 0) }, force)
 }
 
-/// Plastic flow of both sides and their histories.
-fn flow_of_both([a, b]: &[Side<'_>; 2], force: f64, dt: f64) -> [(Flow, History); 2] {
-    let (a_first, b_first) = (a.flow(force, dt), b.flow(force, dt));
-    if a_first.0.plastic == 0.0 || b_first.0.plastic == 0.0 {
-        // Where one side does not flow, the other's flow only takes it farther from flowing.
-        return [a_first, b_first];
+/// Plastic flow of both sides and their histories: each flows under the force that the other's flow leaves at the reading.
+fn flow_of_both(sides: &[Side<'_>; 2], force: f64, dt: f64) -> [(Flow, History); 2] {
+    let [a, b] = sides;
+    let mut flows = [a.flow(force, dt), b.flow(force, dt)];
+    // Where one side does not flow, the other's flow only takes it farther from flowing.
+    if flows.iter().any(|(flow, _)| flow.plastic == 0.0) {
+        return flows;
     }
-    let a_second = a.flow(b.after(force, b_first.0), dt);
-    let b_second = b.flow(a.after(force, a_first.0), dt);
-    [mean(a, a_first, a_second), mean(b, b_first, b_second)]
+    for _ in 0..ROUNDS {
+        let (beside_b, beside_a) = (a.after(force, flows[0].0), b.after(force, flows[1].0));
+        flows = [mean(a, flows[0], a.flow(beside_a, dt)), mean(b, flows[1], b.flow(beside_b, dt))];
+    }
+    flows
 }
 
 fn mean(side: &Side<'_>, one: (Flow, History), other: (Flow, History)) -> (Flow, History) {
-    let flow = Flow {
-        plastic: 0.5 * (one.0.plastic + other.0.plastic),
-        overstress: 0.5 * (one.0.overstress + other.0.overstress),
-    };
-    (flow, side.part.law.mean(&one.1, &other.1))
-}
-
-/// Books the flow of one side; the border of a joint is half a node.
-fn account(part: &mut Part, node: usize, force: f64, flow: Flow, history: History) {
-    if flow.plastic != 0.0 {
-        let work = Work { total: -0.5 * force / part.area * flow.plastic, overstress: 0.5 * flow.overstress };
-        part.work.add(work);
-        part.borders.set(&part.law, node, history);
-    }
+    (one.0.mean(&other.0), side.part.law.mean(&one.1, &other.1))
 }

@@ -14,14 +14,15 @@
 //! ```
 //!
 //! What travels are f = sigma - rho c0 v (to the right) and g = sigma + rho c0 v (to the left). A node meets them every dt
-//! and lets its plastic strain grow over that dt, half of it before the moment at which it is read: the rule of the
-//! trapezium along all three characteristics, so second order. The local growth is not taken by that rule but by the
-//! exact solution ([`crate::law::rate::RateLaw::flow`]), so that stiff materials neither limit the step nor ring: for
-//! k dt >> 1 the stress ends on the static curve. Front widths below dx are then those of the net, not of the material.
+//! and lets its plastic strain grow over that dt, a part of it before the moment at which it is read: rates of flow at both ends of
+//! all three characteristics, so second order. Where the flow is smooth that part is half; elsewhere it is such that stiff
+//! materials neither limit the step nor ring: for k dt >> 1 the stress ends on the static curve (`law/rate/node.rs`). Front widths
+//! below dx are then those of the net, not of the material.
 //!
-//! Limits: a node relaxes without being strained. Where the strain of a step times E/2 is large against the overstress over
-//! which the rate of flow changes by a factor e, it keeps what is left of any overstress after a step, whatever the strain
-//! rate: less than the law says. For Johnson and Cook's law, C f, so it needs cells well below a millimetre from 1e3/s on.
+//! A bar that is strained steadily has the overstress of its strain rate in steps of any length. Limits: where the flow begins,
+//! ends, or has an extremum along the bar, the part is not half, and a step that strains by more than the overstress over which the
+//! rate changes by a factor e (C f/E by Johnson and Cook's law) is of first order. What the net dissipates there is accounted for
+//! as `numerical`.
 //!
 //! A jump that starts at an end or a joint at a whole step runs on the lines between the nodes: it stays within one cell,
 //! whatever it meets, and no node ever sits on it.

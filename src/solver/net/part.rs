@@ -5,10 +5,11 @@ use std::ops::Range;
 use multiversion::multiversion;
 use serde::{Deserialize, Serialize};
 
-use crate::bar::{Initial, Segment};
-use crate::law::rate::{Flow, History, RateLaw, RelaxationStep};
+use crate::bar::Segment;
+use crate::law::rate::{Flow, History, NodeStep, RateLaw};
 use crate::law::{DataEnd, Flowing, Reached};
 use crate::material::Sense;
+use crate::solver::fd::SegmentGrid;
 
 /// Share of its plastic flow by which the stress of a node falls inside a segment: what it meets on both sides takes the
 /// other half.
@@ -17,12 +18,13 @@ pub(super) const INSIDE: f64 = 0.5;
 /// Nodes that are looked at together: if none is beyond its elastic limits there is nothing to do for them.
 const GROUP: usize = 32;
 
-/// Nodes at fixed places: elastic limits, Pa, and histories.
+/// Nodes at fixed places: elastic limits, Pa, histories, and what they flowed in their latest step (E times plastic strain, Pa).
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Nodes {
     pub low: Vec<f64>,
     pub high: Vec<f64>,
     pub history: Vec<History>,
+    pub flowed: Vec<f64>,
 }
 
 /// Sums of plastic work.
@@ -32,12 +34,24 @@ pub(super) struct Work {
     pub total: f64,
     /// Of it, that of the overstress.
     pub overstress: f64,
+    /// Of it, what the net takes.
+    pub numerical: f64,
 }
 
 impl Work {
+    /// A part of a flow under a stress, which is the mean of those before and after it.
+    pub fn of(part: f64, stress: f64, flow: &Flow) -> Self {
+        Self {
+            total: part * stress * flow.plastic,
+            overstress: part * flow.overstress,
+            numerical: part * flow.numerical,
+        }
+    }
+
     pub fn add(&mut self, other: Self) {
         self.total += other.total;
         self.overstress += other.overstress;
+        self.numerical += other.numerical;
     }
 }
 
@@ -46,8 +60,8 @@ impl Work {
 pub(super) struct Part {
     pub law: RateLaw,
     end: DataEnd,
-    /// Whole steps of the nodes inside the segment.
-    relaxation_step: RelaxationStep,
+    /// Time step, s.
+    dt: f64,
     /// Its cells, counted over the whole bar.
     pub cells: Range<usize>,
     /// m^2.
@@ -66,6 +80,21 @@ pub(super) struct Part {
     pub work: Work,
 }
 
+/// What a node meets: its stress on arrival, Pa, the share of its flow by which that falls, and the length of the step, s.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Load {
+    pub stress: f64,
+    pub share: f64,
+    pub time: f64,
+}
+
+impl Load {
+    fn step(self, excess: f64, sense: usize, [one, other]: [f64; 2]) -> NodeStep {
+        let least = if sense == 0 { one.min(other) } else { -one.max(other) };
+        NodeStep { excess, share: self.share, smooth: 0.5 * least.max(0.0), time: self.time }
+    }
+}
+
 /// Stress of a node beyond its elastic limits: (sense, excess).
 #[inline]
 pub(super) fn beyond(stress: f64, low: f64, high: f64) -> Option<(usize, f64)> {
@@ -79,58 +108,56 @@ pub(super) fn beyond(stress: f64, low: f64, high: f64) -> Option<(usize, f64)> {
 }
 
 impl Nodes {
-    fn new(law: &RateLaw, count: usize, history: History) -> Self {
-        let [low, high] = law.limits(&history);
-        Self { low: vec![low; count], high: vec![high; count], history: vec![history; count] }
+    fn new(law: &RateLaw, history: Vec<History>) -> Self {
+        let (low, high) = history.iter().map(|history| law.limits(history).into()).unzip();
+        Self { low, high, flowed: vec![0.0; history.len()], history }
     }
 
-    /// What node `i` would flow within `time`, and its history then.
-    pub fn flow(&self, law: &RateLaw, i: usize, stress: f64, share: f64, time: f64) -> (Flow, History) {
+    /// What node `i` would flow between these `neighbours`, and its history then.
+    pub fn flow(&self, law: &RateLaw, i: usize, load: Load, neighbours: [f64; 2]) -> (Flow, History) {
         let mut history = self.history[i];
-        let flow = match beyond(stress, self.low[i], self.high[i]) {
-            Some((sense, excess)) => law.flow(excess, sense, share, time, &mut history),
+        let flow = match beyond(load.stress, self.low[i], self.high[i]) {
+            Some((sense, excess)) => law.flow(load.step(excess, sense, neighbours), sense, &mut history),
             None => Flow::default(),
         };
         (flow, history)
     }
 
-    /// Takes node `i` to a new history.
-    pub fn set(&mut self, law: &RateLaw, i: usize, history: History) {
+    /// Takes node `i` by a flow to a new history.
+    pub fn set(&mut self, law: &RateLaw, i: usize, flow: &Flow, history: History) {
+        self.flowed[i] = flow.plastic;
         if history != self.history[i] {
             self.history[i] = history;
             [self.low[i], self.high[i]] = law.limits(&history);
         }
     }
 
-    /// Lets the nodes from `first` on flow for a step; `f` and `g` (one entry a node) are what reaches them, and then
-    /// what leaves them.
-    fn relax(
-        &mut self,
-        law: &RateLaw,
-        relaxation_step: &RelaxationStep,
-        first: usize,
-        f: &mut [f64],
-        g: &mut [f64],
-    ) -> Work {
+    /// Lets the nodes from `first` on flow for a step of `time`; `f` and `g` (one entry a node) are what reaches them, and then
+    /// what leaves them. `neighbours` is what the nodes between which they lie have flowed, one more.
+    fn relax(&mut self, law: &RateLaw, time: f64, first: usize, neighbours: &[f64], [f, g]: [&mut [f64]; 2]) -> Work {
         let count = f.len();
         let g = &mut g[..count];
-        let (low, high) = (&mut self.low[first..first + count], &mut self.high[first..first + count]);
-        let history = &mut self.history[first..first + count];
+        let nodes = first..first + count;
+        let (low, high) = (&mut self.low[nodes.clone()], &mut self.high[nodes.clone()]);
+        let (history, flowed) = (&mut self.history[nodes.clone()], &mut self.flowed[nodes]);
         let mut sum = Work::default();
         let mut start = 0;
         while start < count {
             let end = (start + GROUP).min(count);
+            flowed[start..end].fill(0.0);
             if any_beyond(&f[start..end], &g[start..end], &low[start..end], &high[start..end]) {
                 for i in start..end {
                     let stress = 0.5 * (f[i] + g[i]);
                     let Some((sense, excess)) = beyond(stress, low[i], high[i]) else { continue };
-                    let flow = law.flow_at(relaxation_step, excess, sense, &mut history[i]);
+                    let step =
+                        Load { stress, share: INSIDE, time }.step(excess, sense, [neighbours[i], neighbours[i + 1]]);
+                    let flow = law.flow(step, sense, &mut history[i]);
                     [low[i], high[i]] = law.limits(&history[i]);
+                    flowed[i] = flow.plastic;
                     let drop = INSIDE * flow.plastic;
                     f[i] -= drop;
                     g[i] -= drop;
-                    sum.total += (stress - 0.5 * drop) * flow.plastic;
-                    sum.overstress += flow.overstress;
+                    sum.add(Work::of(1.0, stress - 0.5 * drop, &flow));
                 }
             }
             start = end;
@@ -153,17 +180,23 @@ fn any_beyond(f: &[f64], g: &[f64], low: &[f64], high: &[f64]) -> bool {
 }
 
 impl Part {
-    pub fn new(law: RateLaw, cells: Range<usize>, dt: f64, segment: &Segment) -> Self {
-        let (impedance, modulus) = (segment.material.impedance(), segment.material.modulus);
-        let (count, Initial { stress, plastic_strain }) = (cells.len(), segment.initial);
-        let history = law.deformed(modulus * plastic_strain);
+    pub fn new(law: RateLaw, grid: &SegmentGrid, dt: f64, segment: &Segment) -> Self {
+        let (impedance, modulus, cells) = (segment.material.impedance(), segment.material.modulus, grid.cells.clone());
+        let history = |[from, to]: [f64; 2]| law.deformed(&segment.initial_between(from, to).deformed(modulus));
+        // sigma - Z v is that of a velocity of the other sign.
+        let passing = |sign: f64| {
+            let of = |[from, to]: [f64; 2]| {
+                segment.initial_between(from, to).stress + sign * impedance * segment.velocity_between(from, to)
+            };
+            cells.clone().map(|cell| of(grid.cell(cell))).collect()
+        };
         Self {
-            centres: Nodes::new(&law, count, history),
-            borders: Nodes::new(&law, count + 1, history),
-            f: vec![stress - impedance * segment.velocity; count],
-            g: vec![stress + impedance * segment.velocity; count],
+            centres: Nodes::new(&law, cells.clone().map(|cell| history(grid.cell(cell))).collect()),
+            borders: Nodes::new(&law, (cells.start..=cells.end).map(|node| history(grid.beside(node))).collect()),
+            f: passing(-1.0),
+            g: passing(1.0),
             work: Work::default(),
-            relaxation_step: law.relaxation_step(INSIDE, dt),
+            dt,
             end: DataEnd::of(&segment.material),
             law,
             cells,
@@ -180,7 +213,7 @@ impl Part {
 
     /// The cells flow for a whole step; then f and g are what leaves them.
     pub fn relax_cells(&mut self) {
-        let work = self.centres.relax(&self.law, &self.relaxation_step, 0, &mut self.f, &mut self.g);
+        let work = self.centres.relax(&self.law, self.dt, 0, &self.borders.flowed, [&mut self.f, &mut self.g]);
         self.work.add(work);
     }
 
@@ -188,7 +221,8 @@ impl Part {
     /// and the g that come in at the segment's left and right border.
     pub fn pass_borders(&mut self, entering: [f64; 2]) {
         let last = self.f.len() - 1;
-        let work = self.borders.relax(&self.law, &self.relaxation_step, 1, &mut self.f[..last], &mut self.g[1..]);
+        let between = [&mut self.f[..last], &mut self.g[1..]];
+        let work = self.borders.relax(&self.law, self.dt, 1, &self.centres.flowed, between);
         self.work.add(work);
         self.f.copy_within(..last, 1);
         self.g.copy_within(1.., 0);
@@ -201,24 +235,44 @@ impl Part {
         if side == 0 { self.g[0] } else { self.f[self.f.len() - 1] }
     }
 
-    /// Stress and history of local cell `i` at the whole step, half of its flow done; and the work of that half.
-    pub fn cell(&self, i: usize, dt: f64) -> (f64, History, Work) {
-        let stress = 0.5 * (self.f[i] + self.g[i]);
-        let (flow, history) = self.centres.flow(&self.law, i, stress, INSIDE, 0.5 * dt);
-        let drop = INSIDE * flow.plastic;
-        let work = Work { total: (stress - 0.5 * drop) * flow.plastic, overstress: flow.overstress };
-        (stress - drop, history, work)
+    /// What local cell `i` flows in the step about the whole step.
+    pub fn flow_of_cell(&self, i: usize) -> Flow {
+        let load = Load { stress: 0.5 * (self.f[i] + self.g[i]), share: INSIDE, time: self.dt };
+        self.centres.flow(&self.law, i, load, [self.borders.flowed[i], self.borders.flowed[i + 1]]).0
+    }
+
+    /// What the border node of an end or joint flows under a load, and its history then.
+    pub fn flow_of_border(&self, node: usize, load: Load) -> (Flow, History) {
+        let beside = self.centres.flowed[node.min(self.f.len() - 1)];
+        self.borders.flow(&self.law, node, load, [beside; 2])
+    }
+
+    /// Accounts for a flow of such a node under `stress`, the mean of those before and after it; it is half a node.
+    pub fn account(&mut self, node: usize, stress: f64, flow: &Flow, history: History) {
+        self.work.add(Work::of(0.5, stress, flow));
+        self.borders.set(&self.law, node, flow, history);
+    }
+
+    /// Stress and history of local cell `i` at the whole step, the part of its flow before it done; and the work of that part.
+    pub fn cell(&self, i: usize) -> (f64, History, Work) {
+        let (stress, flow) = (0.5 * (self.f[i] + self.g[i]), self.flow_of_cell(i));
+        if flow.plastic == 0.0 {
+            return (stress, self.centres.history[i], Work::default());
+        }
+        let drop = INSIDE * flow.before;
+        let history = self.law.flowed(flow.before, &self.centres.history[i]);
+        (stress - drop, history, Work::of(flow.before / flow.plastic, stress - 0.5 * drop, &flow))
     }
 
     /// The limit of what its law knows to which local cell `i` has come, if it has.
-    pub fn reached(&self, i: usize, dt: f64) -> Option<Reached> {
+    pub fn reached(&self, i: usize) -> Option<Reached> {
         let nodes = &self.centres;
         let before = 0.5 * (self.f[i] + self.g[i]);
         if self.end.is_far(nodes.history[i].accumulated, before) {
             return None;
         }
         let flow = beyond(before, nodes.low[i], nodes.high[i]);
-        let (stress, history, _) = self.cell(i, dt);
+        let (stress, history, _) = self.cell(i);
         let sense = flow.map_or_else(|| Sense::of(before), |(sense, _)| [Sense::Tension, Sense::Compression][sense]);
         let point = Flowing { sense, accumulated: history.accumulated, strain: stress + history.signed };
         self.end.reached(&point, |_| flow.is_some())

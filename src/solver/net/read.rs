@@ -4,32 +4,38 @@ use super::end::{End, EndReading};
 use super::joint::Joint;
 use super::part::Part;
 use super::stepping::Net;
+use crate::bar::joint::Contact;
 use crate::law::rate::History;
 use crate::law::{FirstPassed, Passed};
 use crate::solver::Energies;
 use crate::solver::fd::Quantity;
 
 impl Net {
+    /// The joints that can open, with the segment to their left.
+    pub fn contacts(&self) -> impl Iterator<Item = (usize, &Contact)> {
+        self.joints.iter().enumerate().filter_map(|(k, joint)| Some((k, joint.contact()?)))
+    }
+
     /// A quantity in one cell.
     pub fn value(&self, quantity: Quantity, cell: usize) -> f64 {
         let k = self.parts.partition_point(|p| p.cells.end <= cell);
-        self.read(quantity, &self.parts[k], cell - self.parts[k].cells.start)
+        Self::read(quantity, &self.parts[k], cell - self.parts[k].cells.start)
     }
 
     /// A quantity in every cell, into `out` (one entry a cell).
     pub fn profile(&self, quantity: Quantity, out: &mut [f64]) {
         for part in &self.parts {
             for (i, out) in out[part.cells.clone()].iter_mut().enumerate() {
-                *out = self.read(quantity, part, i);
+                *out = Self::read(quantity, part, i);
             }
         }
     }
 
-    fn read(&self, quantity: Quantity, part: &Part, i: usize) -> f64 {
+    fn read(quantity: Quantity, part: &Part, i: usize) -> f64 {
         if quantity == Quantity::Velocity {
             return part.velocity(i);
         }
-        let (stress, history, _) = part.cell(i, self.grid.dt);
+        let (stress, history, _) = part.cell(i);
         match quantity {
             Quantity::Strain => (stress + history.signed) / part.modulus,
             Quantity::PlasticStrain => history.signed / part.modulus,
@@ -43,7 +49,7 @@ impl Net {
     pub fn static_stress(&self, cell: usize) -> f64 {
         let k = self.parts.partition_point(|p| p.cells.end <= cell);
         let part = &self.parts[k];
-        let (stress, history, _) = part.cell(cell - part.cells.start, self.grid.dt);
+        let (stress, history, _) = part.cell(cell - part.cells.start);
         part.law.limits(&history)[usize::from(stress >= 0.0)]
     }
 
@@ -66,11 +72,8 @@ impl Net {
 
     /// The left and the right end now.
     pub fn ends(&self) -> [EndReading; 2] {
-        let (time, dt) = (self.time(), self.grid.dt);
-        let leaving = |part: &Part, i: usize| {
-            let (flow, _) = part.centres.flow(&part.law, i, 0.5 * (part.f[i] + part.g[i]), super::part::INSIDE, dt);
-            super::part::INSIDE * flow.plastic
-        };
+        let time = self.time();
+        let leaving = |part: &Part, i: usize| super::part::INSIDE * part.flow_of_cell(i).plastic;
         let (first, last) = (&self.parts[0], &self.parts[self.parts.len() - 1]);
         let right_cell = last.f.len() - 1;
         [
@@ -115,7 +118,7 @@ impl Net {
             let mut work = part.work;
             let (mut squares, mut speeds, mut momentum) = (0.0, 0.0, 0.0);
             for i in 0..part.f.len() {
-                let (stress, _, late) = part.cell(i, dt);
+                let (stress, _, late) = part.cell(i);
                 let velocity = part.velocity(i);
                 work.add(late);
                 squares += stress * stress;
@@ -127,7 +130,8 @@ impl Net {
             total.elastic += per_work * squares;
             total.kinetic += 0.5 * mass * speeds;
             total.momentum += mass * momentum;
-            total.plastic += per_work * (work.total - work.overstress);
+            total.plastic += per_work * (work.total - work.overstress - work.numerical);
+            total.numerical += per_work * work.numerical;
             total.viscoplastic += per_work * work.overstress;
         }
         total
@@ -140,11 +144,11 @@ impl Net {
 
     /// Notes those of the latest step: the static state of a cell is where its data end.
     pub(super) fn note_limits(&mut self) {
-        let (dt, step) = (self.grid.dt, self.step);
+        let step = self.step;
         for (segment, part) in self.parts.iter().enumerate() {
             for i in 0..part.f.len() {
                 let cell = part.cells.start + i;
-                if let Some(reached) = part.reached(i, dt) {
+                if let Some(reached) = part.reached(i) {
                     self.passed.note(Passed { cell, segment, step, reached });
                 }
             }

@@ -32,14 +32,14 @@ impl Net {
             .iter()
             .zip(&grid.segments)
             .zip(laws)
-            .map(|((segment, part), law)| Part::new(law, part.cells.clone(), grid.dt, segment))
+            .map(|((segment, part), law)| Part::new(law, part, grid.dt, segment))
             .collect();
         let [left, right] = ends;
         let last = parts.len() - 1;
-        let velocity = |k: usize| bar.segments[k].velocity;
+        let velocity = |k: usize, side: usize| bar.segments[k].end_velocities()[side];
         let ends = [
-            End::new(&left, 1.0, &parts[0], velocity(0), grid.dt),
-            End::new(&right, -1.0, &parts[last], velocity(last), grid.dt),
+            End::new(&left, 1.0, &parts[0], velocity(0, 0), grid.dt),
+            End::new(&right, -1.0, &parts[last], velocity(last, 1), grid.dt),
         ];
         let joints = bar.segments[..last].iter().map(|s| Joint::new(s.joint)).collect();
         Self {

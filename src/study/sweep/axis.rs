@@ -8,6 +8,7 @@ use rand_xorshift::XorShiftRng;
 use serde::{Deserialize, Serialize};
 use toml::Value;
 
+use crate::study::random::standard_normal;
 use crate::units::{Dimension, Quantity};
 
 /// Most values of an axis.
@@ -77,7 +78,7 @@ impl Axis {
     ///
     /// # Errors
     /// A sentence that says what is wrong.
-    pub(super) fn read(key: &str, value: &Value) -> Read<Self> {
+    pub(crate) fn read(key: &str, value: &Value) -> Read<Self> {
         let (levels, dimension) = match value {
             Value::Array(items) if items.is_empty() => return Err("the list is empty".into()),
             Value::Array(items) => listed(items),
@@ -204,12 +205,6 @@ fn stepped([from, to]: [f64; 2], step: f64) -> Read<Vec<f64>> {
 /// Without the last digits, which are rounding.
 fn rounded(value: f64) -> f64 {
     format!("{value:.DIGITS$e}").parse().unwrap_or(value)
-}
-
-/// By the method of Box and Muller.
-fn standard_normal(rng: &mut XorShiftRng) -> f64 {
-    let (radius, angle) = (1.0 - rng.random::<f64>(), rng.random::<f64>());
-    (-2.0 * radius.ln()).sqrt() * (2.0 * std::f64::consts::PI * angle).cos()
 }
 
 /// Quantities of one dimension as numbers in the unit that they share, else in SI.

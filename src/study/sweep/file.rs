@@ -11,22 +11,20 @@ use super::plan::{Combine, Plan};
 use crate::error::{Error, InputError, Result};
 use crate::input::Document;
 use crate::record::store::checksum;
-use crate::scene::Problem;
+use crate::scene::{Problem, Template};
 
 /// Most cases of a sweep.
 const MOST_CASES: usize = 10 * MOST_VALUES;
 
-/// A sweep as read: its cases, and the scene that they change.
+/// A sweep as read.
 #[derive(Debug, Clone)]
 pub struct Sweep {
     /// The file's stem: names the default output.
     pub name: String,
     /// The cases.
     pub plan: Plan,
-    /// The scene's text.
-    pub(super) document: Document,
-    /// Its file: what paths in it are relative to.
-    pub(super) scene: PathBuf,
+    /// The scene that they change.
+    template: Template,
 }
 
 #[derive(Debug, Deserialize)]
@@ -65,18 +63,30 @@ impl Sweep {
         let raw: RawFile = file.parse()?;
         let scene = path.parent().unwrap_or(Path::new("")).join(raw.sweep.scene.get_ref());
         let document = Document::read(&scene).map_err(|e| beside(e, file, &raw.sweep.scene))?;
-        let plan = Plan {
-            program: program(),
-            title: title(&document, &scene),
-            scene: checksum(&document.text),
-            axes: axes(file, &raw.axes)?,
-            combine: raw.sweep.combine,
-            metrics: raw.sweep.metrics,
-            fields: raw.sweep.fields,
-        };
-        check_counts(file, &plan)?;
         let name = path.file_stem().map_or_else(|| "sweep".into(), |stem| stem.to_string_lossy().into_owned());
-        Ok(Self { name, plan, document, scene })
+        let axes = axes(file, &raw.axes)?;
+        let sweep =
+            Self::of_scene(name, document, &scene, axes, raw.sweep.combine, raw.sweep.metrics, raw.sweep.fields)?;
+        check_counts(file, &sweep.plan)?;
+        Ok(sweep)
+    }
+
+    /// A sweep of a scene that has been read, along axes of as many values each where they are combined by "zip".
+    ///
+    /// # Errors
+    /// An [`InputError`] where the text is no scene.
+    pub fn of_scene(
+        name: String,
+        document: Document,
+        scene: &Path,
+        axes: Vec<Axis>,
+        combine: Combine,
+        metrics: Vec<String>,
+        fields: Vec<String>,
+    ) -> Result<Self> {
+        let (program, title) = (program(), title(&document, scene));
+        let plan = Plan { program, title, scene: checksum(&document.text), axes, combine, metrics, fields };
+        Ok(Self { name, plan, template: Template::new(document, scene.to_owned())? })
     }
 
     /// The scene of a case.
@@ -84,7 +94,7 @@ impl Sweep {
     /// # Errors
     /// Input errors: what is wrong with the scene with these values.
     pub fn problem(&self, case: usize) -> Result<Problem> {
-        Problem::of_document(&self.document, &self.scene, &self.plan.overrides(case))
+        self.template.problem(&self.plan.overrides(case))
     }
 }
 

@@ -32,13 +32,23 @@ pub(super) struct Journal {
 }
 
 impl Journal {
+    /// Whether a folder holds a sweep.
+    pub fn is_in(folder: &Path) -> bool {
+        folder.join(PLAN).exists()
+    }
+
+    /// Whether a sweep in a folder has got as far as its cases.
+    pub fn has_rows(folder: &Path) -> bool {
+        folder.join(ROWS).exists()
+    }
+
     /// Starts in a folder, which is made where it is missing.
     ///
     /// # Errors
     /// An [`InputError`] where the folder holds a sweep already, or is no place for one; a file error.
     pub fn begin(folder: &Path, plan: &Plan, shard: Shard) -> Result<Self> {
         std::fs::create_dir_all(folder).map_err(|e| Error::file(folder, e))?;
-        if folder.join(ROWS).exists() {
+        if Self::has_rows(folder) {
             let message = format!("the folder {} holds a sweep already", folder.display());
             let help = "continue it with --resume, or choose another folder with -o";
             return Err(InputError::new(message).help(help).into());
@@ -112,10 +122,9 @@ impl Journal {
         Ok(rows)
     }
 
-    /// Adds a row, in one write.
-    pub fn add(&mut self, row: &Row) -> Result<()> {
-        let line = serde_json::to_string(row).map_err(|e| Error::file(&self.path, e))? + "\n";
-        self.rows.write_all(line.as_bytes()).map_err(|e| Error::file(&self.path, e))
+    /// Adds a row, written as a line of JSON, in one write.
+    pub fn add(&mut self, line: &str) -> Result<()> {
+        self.rows.write_all(format!("{line}\n").as_bytes()).map_err(|e| Error::file(&self.path, e))
     }
 }
 

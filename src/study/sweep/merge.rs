@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::journal::Journal;
 use super::metrics::Row;
-use super::table::{write_csv, write_hdf5};
+use super::table::write_tables;
 use crate::error::{Error, InputError, Result};
 
 /// Missing cases that are named.
@@ -38,14 +38,13 @@ pub fn merge(folders: &[PathBuf], output: &Path, partial: bool) -> Result<usize>
     if !missing.is_empty() && !partial {
         return Err(Error::Checks(describe(&missing, plan.cases())));
     }
-    write_csv(&output.with_extension("csv"), &plan, &rows)?;
-    write_hdf5(output, &plan, &rows)?;
+    write_tables(&output.with_extension("csv"), output, &plan, &rows)?;
     Ok(rows.len())
 }
 
 /// The folder itself, or those of the shards inside it.
 fn sweeps_in(folder: &Path) -> Result<Vec<PathBuf>> {
-    if folder.join("sweep.json").exists() {
+    if Journal::is_in(folder) {
         return Ok(vec![folder.to_owned()]);
     }
     let entries = std::fs::read_dir(folder).map_err(|e| {
@@ -53,7 +52,7 @@ fn sweeps_in(folder: &Path) -> Result<Vec<PathBuf>> {
             .help("give the folders that `barwave sweep` wrote")
     })?;
     let mut inside: Vec<PathBuf> =
-        entries.filter_map(|entry| Some(entry.ok()?.path())).filter(|path| path.join("sweep.json").exists()).collect();
+        entries.filter_map(|entry| Some(entry.ok()?.path())).filter(|path| Journal::is_in(path)).collect();
     inside.sort();
     if inside.is_empty() {
         // Says that there is none.

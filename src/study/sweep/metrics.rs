@@ -69,10 +69,14 @@ impl Row {
     }
 }
 
+/// Key of the summary whose entries stand in the table without it: `left.peak_force_N`.
+const FIGURES: &str = "figures";
+
 /// The scalars of a summary: those asked for (also inside lists, counted from 0), or all that are in no list.
 fn metrics(summary: &Value, asked: &[String]) -> BTreeMap<String, Value> {
     if !asked.is_empty() {
-        let found = |name: &String| (name.clone(), scalar(summary, name).unwrap_or(Value::Null));
+        let of = |name: &String| scalar(summary, name).or_else(|| scalar(summary.get(FIGURES)?, name));
+        let found = |name: &String| (name.clone(), of(name).unwrap_or(Value::Null));
         return asked.iter().map(found).collect();
     }
     let mut all = BTreeMap::new();
@@ -91,7 +95,11 @@ fn scalar(summary: &Value, name: &str) -> Option<Value> {
 fn collect(value: &Value, prefix: &str, all: &mut BTreeMap<String, Value>) {
     let Value::Object(entries) = value else { return };
     for (key, value) in entries.iter().filter(|(key, _)| !LEFT_OUT.contains(&key.as_str())) {
-        let name = if prefix.is_empty() { key.clone() } else { format!("{prefix}.{key}") };
+        let name = match (prefix, key.as_str()) {
+            ("", FIGURES) => String::new(),
+            ("", _) => key.clone(),
+            _ => format!("{prefix}.{key}"),
+        };
         match value {
             Value::Object(_) => collect(value, &name, all),
             Value::Array(_) => {}

@@ -15,5 +15,5 @@ pub use file::Sweep;
 pub use merge::merge;
 pub use metrics::{Row, Status};
 pub use plan::{Combine, Plan};
-pub use run::{Finished, run};
+pub use run::{Finished, case_file, rows, run};
 pub use shard::Shard;

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
@@ -12,7 +12,7 @@ use super::file::Sweep;
 use super::journal::Journal;
 use super::metrics::{Row, Status};
 use super::shard::Shard;
-use super::table::{write_csv, write_hdf5};
+use super::table::write_tables;
 use crate::error::{Error, InputError, Result};
 use crate::run;
 use crate::scene::Problem;
@@ -50,7 +50,7 @@ pub fn run(
     stop: &AtomicBool,
 ) -> Result<Finished> {
     let plan = &sweep.plan;
-    let (journal, before) = if resume && folder.join("rows.jsonl").exists() {
+    let (journal, before) = if resume && Journal::has_rows(folder) {
         Journal::resume(folder, plan, shard)?
     } else {
         (Journal::begin(folder, plan, shard)?, Vec::new())
@@ -62,8 +62,7 @@ pub fn run(
     run_all(sweep, folder, &cases, &under);
     let mut rows = under.rows.into_inner().unwrap_or_default();
     rows.sort_by_key(|row| row.case);
-    write_csv(&folder.join("table.csv"), plan, &rows)?;
-    write_hdf5(&folder.join("sweep.h5"), plan, &rows)?;
+    write_tables(&folder.join("table.csv"), &folder.join("sweep.h5"), plan, &rows)?;
     if let Some(error) = under.failed.into_inner().unwrap_or_default() {
         return Err(error);
     }
@@ -109,8 +108,9 @@ fn run_one(sweep: &Sweep, folder: &Path, case: usize, under: &Under<'_>) -> Resu
         return Err(Error::Interrupted);
     }
     let row = Row::new(case, simulate(sweep, folder, case, under.stop), &sweep.plan.metrics)?;
+    let line = serde_json::to_string(&row).map_err(|e| Error::file(folder, e))?;
     if let Ok(mut journal) = under.journal.lock() {
-        journal.add(&row)?;
+        journal.add(&line)?;
     }
     (under.on_row)(&row);
     if let Ok(mut rows) = under.rows.lock() {
@@ -119,16 +119,42 @@ fn run_one(sweep: &Sweep, folder: &Path, case: usize, under: &Under<'_>) -> Resu
     Ok(())
 }
 
+/// The result file of a case, where fields are kept.
+pub fn case_file(folder: &Path, case: usize) -> PathBuf {
+    folder.join(format!("case-{case:06}.h5"))
+}
+
+/// The rows of a folder by case.
+///
+/// # Errors
+/// A file that cannot be read.
+pub fn rows(folder: &Path) -> Result<Vec<Row>> {
+    let mut rows = Journal::rows(folder)?;
+    rows.sort_by_key(|row| row.case);
+    Ok(rows)
+}
+
 /// The summary of a case.
 fn simulate(sweep: &Sweep, folder: &Path, case: usize, stop: &AtomicBool) -> Result<Value> {
-    let output = (!sweep.plan.fields.is_empty()).then(|| folder.join(format!("case-{case:06}.h5")));
+    let plan = &sweep.plan;
+    let output = (!plan.fields.is_empty()).then(|| case_file(folder, case));
+    let audited = plan.metrics.iter().any(|name| name.split('.').next() == Some("audit"));
     let json = |e: serde_json::Error| Error::file(folder, e);
     match sweep.problem(case)? {
         Problem::Bar(scene) => {
             let mut progress =
                 |_| if stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
-            serde_json::to_value(run::run(&scene, output.as_deref(), &mut progress)?).map_err(json)
+            let summary = if output.is_some() || audited {
+                run::run(&scene, output.as_deref(), &mut progress)
+            } else {
+                run::run_unaudited(&scene, &mut progress)
+            };
+            serde_json::to_value(summary?).map_err(json)
         }
-        Problem::Specimen(scene) => serde_json::to_value(run::run_specimen(&scene, output.as_deref())?).map_err(json),
+        Problem::Impact(scene) => {
+            let mut watch =
+                |_| if stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+            serde_json::to_value(run::run_impact(&scene, output.as_deref(), &mut watch)?).map_err(json)
+        }
     }
 }

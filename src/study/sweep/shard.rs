@@ -25,23 +25,42 @@ impl Shard {
         (self.count > 1).then(|| format!("shard-{}-of-{}", self.index, self.count))
     }
 
-    /// What a job array of Slurm, or MPI, says of this process; and which variable said so.
-    pub fn of_environment(variable: impl Fn(&str) -> Option<String>) -> Option<(Self, &'static str)> {
+    /// Which shard this process is by its environment, and the variables that say so: a task of a job array of Slurm, a process of several
+    /// of MPI or of a step of Slurm, or one of several processes of a task.
+    ///
+    /// # Errors
+    /// A sentence, for tasks that are not evenly numbered.
+    pub fn of_environment(variable: impl Fn(&str) -> Option<String>) -> Result<Option<(Self, String)>, String> {
         let number = |name: &str| variable(name)?.trim().parse::<usize>().ok();
-        let task = || {
-            let (id, count) = (number("SLURM_ARRAY_TASK_ID")?, number("SLURM_ARRAY_TASK_COUNT")?);
-            let (first, step) =
-                (number("SLURM_ARRAY_TASK_MIN").unwrap_or(0), number("SLURM_ARRAY_TASK_STEP").unwrap_or(1));
-            Some((Self { index: id.checked_sub(first)? / step.max(1) + 1, count }, "SLURM_ARRAY_TASK_ID"))
-        };
-        let rank =
-            |rank: &'static str, size: &str| Some((Self { index: number(rank)? + 1, count: number(size)? }, rank));
-        let found = task()
-            .or_else(|| rank("OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"))
-            .or_else(|| rank("PMI_RANK", "PMI_SIZE"))
-            .or_else(|| rank("SLURM_PROCID", "SLURM_NTASKS"));
-        found.filter(|(shard, _)| shard.count > 1 && shard.index <= shard.count)
+        let process = PROCESS.iter().find_map(|&[rank, size]| Some((number(rank)?, number(size)?, rank)));
+        let parts = [array_task(&number)?, process.filter(|(_, count, _)| *count > 1)];
+        let known: Vec<_> = parts.into_iter().flatten().collect();
+        let (index, count) =
+            known.iter().fold((0, 1), |(index, count), part| (index * part.1 + part.0, count * part.1));
+        let names: Vec<&str> = known.iter().map(|part| part.2).collect();
+        Ok((count > 1 && index < count).then(|| (Self { index: index + 1, count }, names.join(" and "))))
     }
+}
+
+/// Variables with the number of a process, from 0, and with that of all. Outside of a step the batch script of Slurm has a `SLURM_PROCID`, too.
+const PROCESS: [[&str; 2]; 3] = [
+    ["OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"],
+    ["PMI_RANK", "PMI_SIZE"],
+    ["SLURM_PROCID", "SLURM_STEP_NUM_TASKS"],
+];
+
+/// The number of the task in a job array of Slurm, from 0, and that of all; none without an array.
+fn array_task(number: &dyn Fn(&str) -> Option<usize>) -> Result<Option<(usize, usize, &'static str)>, String> {
+    const ID: &str = "SLURM_ARRAY_TASK_ID";
+    let (Some(id), Some(count)) = (number(ID), number("SLURM_ARRAY_TASK_COUNT")) else { return Ok(None) };
+    let [first, last, step] = [("MIN", 0), ("MAX", id), ("STEP", 1)]
+        .map(|(name, default)| number(&format!("SLURM_ARRAY_TASK_{name}")).unwrap_or(default));
+    let step = step.max(1);
+    let even = (first..=last).contains(&id) && (last - first) / step < count;
+    if count > 1 && !even {
+        return Err(format!("the {count} tasks of the job array, from {first} to {last}, are not evenly numbered"));
+    }
+    Ok((count > 1).then_some(((id - first) / step, count, ID)))
 }
 
 impl FromStr for Shard {
@@ -74,22 +93,44 @@ mod tests {
         }
     }
 
+    fn known(pairs: &[(&str, &str)]) -> Result<Option<(usize, usize)>, String> {
+        let variable = |name: &str| pairs.iter().find(|pair| pair.0 == name).map(|pair| pair.1.to_owned());
+        Shard::of_environment(variable).map(|found| found.map(|(shard, _)| (shard.index, shard.count)))
+    }
+
     #[test]
     fn job_arrays_and_ranks_are_known() {
-        fn set(pairs: &[(&str, &str)]) -> Option<(Shard, &'static str)> {
-            Shard::of_environment(|name| pairs.iter().find(|pair| pair.0 == name).map(|pair| pair.1.to_owned()))
-        }
-        let slurm = [
+        let array = [
             ("SLURM_ARRAY_TASK_ID", "5"),
             ("SLURM_ARRAY_TASK_COUNT", "4"),
             ("SLURM_ARRAY_TASK_MIN", "3"),
-            ("SLURM_PROCID", "0"),
+            ("SLURM_ARRAY_TASK_MAX", "6"),
         ];
-        assert_eq!(set(&slurm).map(|found| found.0), Some(Shard { index: 3, count: 4 }));
-        assert_eq!(
-            set(&[("PMI_RANK", "0"), ("PMI_SIZE", "2")]).map(|found| found.0),
-            Some(Shard { index: 1, count: 2 })
-        );
-        assert_eq!(set(&[("SLURM_PROCID", "0"), ("SLURM_NTASKS", "1")]), None);
+        assert_eq!(known(&array), Ok(Some((3, 4))));
+        assert_eq!(known(&[("PMI_RANK", "0"), ("PMI_SIZE", "2")]), Ok(Some((1, 2))));
+        assert_eq!(known(&[("SLURM_PROCID", "1"), ("SLURM_STEP_NUM_TASKS", "2")]), Ok(Some((2, 2))));
+        // A batch script by itself, which is one process whatever the job asks for.
+        assert_eq!(known(&[("SLURM_PROCID", "0"), ("SLURM_NTASKS", "4")]), Ok(None));
+        assert_eq!(known(&[("SLURM_PROCID", "0"), ("SLURM_STEP_NUM_TASKS", "1")]), Ok(None));
+        // Two processes in each task.
+        let processes = [("OMPI_COMM_WORLD_RANK", "1"), ("OMPI_COMM_WORLD_SIZE", "2")];
+        assert_eq!(known(&[array.as_slice(), &processes].concat()), Ok(Some((6, 8))));
+    }
+
+    #[test]
+    fn tasks_are_counted_in_their_steps() {
+        let task = |id, count, max, step| {
+            known(&[
+                ("SLURM_ARRAY_TASK_ID", id),
+                ("SLURM_ARRAY_TASK_COUNT", count),
+                ("SLURM_ARRAY_TASK_MIN", "1"),
+                ("SLURM_ARRAY_TASK_MAX", max),
+                ("SLURM_ARRAY_TASK_STEP", step),
+            ])
+        };
+        assert_eq!(task("7", "4", "7", "2"), Ok(Some((4, 4))));
+        // --array=1,3,7 has no step; --array=3 alone is all of it.
+        assert!(task("7", "3", "7", "1").is_err_and(|message| message.contains("from 1 to 7")));
+        assert_eq!(task("3", "1", "3", "1"), Ok(None));
     }
 }

@@ -20,17 +20,43 @@ fn names(plan: &Plan, rows: &[Row]) -> Vec<String> {
     if !plan.metrics.is_empty() {
         return plan.metrics.clone();
     }
-    let all: BTreeSet<&String> = rows.iter().flat_map(|row| row.metrics.keys()).collect();
+    let mut all: BTreeSet<&String> = BTreeSet::new();
+    let mut last: Option<&Row> = None;
+    // Most rows have the names of the one before.
+    for row in rows {
+        if last.is_none_or(|last| !last.metrics.keys().eq(row.metrics.keys())) {
+            all.extend(row.metrics.keys());
+        }
+        last = Some(row);
+    }
     all.into_iter().cloned().collect()
 }
 
-/// Writes the rows (by case) as CSV: names first, then a comment with the SI units of the axes.
+/// The metrics of a row in the order of the names; null where it has none.
+fn values<'a>(row: &'a Row, names: &[String]) -> Vec<&'a Value> {
+    if row.metrics.keys().eq(names) {
+        return row.metrics.values().collect();
+    }
+    names.iter().map(|name| row.metrics.get(name).unwrap_or(&Value::Null)).collect()
+}
+
+/// Writes the rows (by case) as CSV and as HDF5.
 ///
 /// # Errors
 /// A file error.
-pub(super) fn write_csv(path: &Path, plan: &Plan, rows: &[Row]) -> Result<()> {
-    let failed = |e: csv::Error| Error::file(path, e);
+pub(super) fn write_tables(csv: &Path, hdf5: &Path, plan: &Plan, rows: &[Row]) -> Result<()> {
     let names = names(plan, rows);
+    let metrics: Vec<Vec<&Value>> = rows.iter().map(|row| values(row, &names)).collect();
+    write_csv(csv, plan, rows, (&names, &metrics))?;
+    write_hdf5(hdf5, plan, rows, (&names, &metrics))
+}
+
+/// The names of the metrics, and their values row by row.
+type Metrics<'a> = (&'a [String], &'a [Vec<&'a Value>]);
+
+/// Names first, then a comment with the SI units of the axes.
+fn write_csv(path: &Path, plan: &Plan, rows: &[Row], (names, metrics): Metrics<'_>) -> Result<()> {
+    let failed = |e: csv::Error| Error::file(path, e);
     let temporary = path.with_extension("csv.tmp");
     let mut csv = csv::WriterBuilder::new().flexible(true).from_path(&temporary).map_err(failed)?;
     let axes = plan.axes.iter().map(|axis| axis.key.as_str());
@@ -42,10 +68,10 @@ pub(super) fn write_csv(path: &Path, plan: &Plan, rows: &[Row]) -> Result<()> {
     if !units.is_empty() {
         csv.write_record([format!("# {}", units.join("; "))]).map_err(failed)?;
     }
-    for row in rows {
+    for (row, metrics) in rows.iter().zip(metrics) {
         let levels = plan.levels(row.case);
         let values = levels.iter().map(|level| level.si.map_or_else(|| plain(&level.typed), |si| format!("{si:?}")));
-        let metrics = names.iter().map(|name| row.metrics.get(name).map_or_else(String::new, shown));
+        let metrics = metrics.iter().copied().map(shown);
         let cells = std::iter::once(row.case.to_string()).chain(values);
         let cells = cells.chain([row.status.name().to_owned(), row.reason.clone()]).chain(metrics);
         csv.write_record(cells).map_err(failed)?;
@@ -70,11 +96,8 @@ fn shown(value: &Value) -> String {
     }
 }
 
-/// Writes the rows as HDF5: over the axes where their product is complete, otherwise over the cases.
-///
-/// # Errors
-/// A file error.
-pub(super) fn write_hdf5(path: &Path, plan: &Plan, rows: &[Row]) -> Result<()> {
+/// Over the axes where their product is complete, otherwise over the cases.
+fn write_hdf5(path: &Path, plan: &Plan, rows: &[Row], (names, metrics): Metrics<'_>) -> Result<()> {
     let gridded = plan.combine == Combine::Product && rows.len() == plan.cases();
     let axis = |k: usize| {
         let axis = &plan.axes[k];
@@ -91,9 +114,9 @@ pub(super) fn write_hdf5(path: &Path, plan: &Plan, rows: &[Row]) -> Result<()> {
     let cases = column(CASE, "", Values::Numbers(rows.iter().map(|row| row.case as f64).collect()));
     let status = column(STATUS, "", Values::Texts(rows.iter().map(|row| row.status.name().to_owned()).collect()));
     let reason = column(REASON, "", Values::Texts(rows.iter().map(|row| row.reason.clone()).collect()));
-    let metrics = names(plan, rows).into_iter().map(|name| {
-        let values = rows.iter().map(|row| row.metrics.get(&name).unwrap_or(&Value::Null));
-        column(&name, unit_of(&name), values_of(values.collect()))
+    let metrics = names.iter().enumerate().map(|(k, name)| {
+        let values = metrics.iter().map(|metrics| metrics[k]);
+        column(name, unit_of(name), values_of(values.collect()))
     });
     let metrics: Vec<SweepColumn> = metrics.collect();
     let (scales, mut columns) = if gridded { (axes, vec![cases]) } else { (vec![cases], axes) };
@@ -118,7 +141,9 @@ fn values_of(values: Vec<&Value>) -> Values {
 
 /// The unit that the name of a figure ends with.
 fn unit_of(name: &str) -> &'static str {
-    const UNITS: [(&str, &str); 8] = [
+    const UNITS: [(&str, &str); 10] = [
+        ("_Pa_s", "Pa s"),
+        ("_J_m3", "J/m^3"),
         ("_Pa", "Pa"),
         ("_m_s", "m/s"),
         ("_N_s", "N s"),

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::law::{Backbone, Table};
+use crate::law::{Backbone, Deformed, Table};
 
 /// How a point that has yielded behaves when its stress falls back.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -216,11 +216,12 @@ impl Medium {
         point.plastic / self.modulus
     }
 
-    /// A point at rest and without stress after first loading to this signed E times plastic strain (Pa), slowly, and unloading; of an
-    /// overlay, and where the curve is followed both ways, one that has never been loaded.
-    pub fn deformed(&self, plastic: f64) -> Point {
+    /// A point at rest and without stress after slow loading and unloading, a back stress being that of first loading; of an overlay, and
+    /// where the curve is followed both ways, one that has never been loaded.
+    pub fn deformed(&self, &Deformed { plastic, accumulated, .. }: &Deformed) -> Point {
         let Flow::Plastic { kinematic } = self.flow else { return Point::default() };
-        let (sense, accumulated) = (1.0_f64.copysign(plastic), plastic.abs());
+        let sense = 1.0_f64.copysign(plastic);
+        let accumulated = if kinematic == 0.0 { accumulated } else { plastic.abs() };
         let back = if kinematic == 0.0 { 0.0 } else { sense * kinematic * self.lines(sense).hardening_at(accumulated) };
         Point { accumulated, plastic, back, ..Point::default() }
     }

@@ -44,6 +44,11 @@ impl Implicit {
         self.latest = now;
     }
 
+    /// Forgets what was booked before now.
+    pub(super) fn count_from_here(&mut self) {
+        [self.damped, self.damped_by_means, self.impulse, self.throughput] = [0.0; 4];
+    }
+
     /// Sums of a step, `after` holding the velocities before it. `shift` is what is added to those after it.
     fn taken(&self, shift: impl Fn(usize) -> f64) -> Taken {
         let mut taken = Taken::default();

@@ -160,6 +160,46 @@ impl Implicit {
         self.give_masses([left, right]);
     }
 
+    /// The first step of a bar under stress: from the velocities half a step before t = 0 from which stresses and dampers would have made
+    /// those of the start, to half a step after it. Friction acts from t = 0 on; the account starts there.
+    pub fn start_under(
+        &mut self,
+        along: &DistributedForces,
+        grid: &Grid,
+        constants: &[Constants],
+        blocks: &[Block],
+        [left, right]: [&mut EndNode; 2],
+    ) {
+        self.form_right_sides(blocks);
+        self.solve_free();
+        self.after.iter_mut().zip(&self.change).for_each(|(v, change)| *v -= 0.5 * change);
+        self.weights = Weights::new(along, grid, constants, 1.0);
+        self.matrix = factored(&self.weights);
+        self.give_masses([&mut *left, &mut *right]);
+        let n = self.after.len() - 1;
+        left.start_before(self.after[0]);
+        right.start_before(self.after[n]);
+        self.spring_start = self.foundation_of_motion(|j| self.after[j]);
+        self.advance(0.0, blocks, [&mut *left, &mut *right]);
+        // What holds a node at rest held it for half a step so far.
+        let resting = self.rubbing.iter_mut().zip(&self.after).filter(|(_, v)| **v == 0.0);
+        resting.for_each(|(impulse, _)| *impulse *= 2.0);
+        self.count_from_here();
+    }
+
+    /// Makes the changes of all nodes of the impulses on them in `change`, with nothing at the ends.
+    fn solve_free(&mut self) {
+        let n = self.change.len() - 1;
+        let right_sides = [self.change[0], self.change[n]];
+        self.matrix.solve(&mut self.change);
+        let [left, right] = self.matrix.left_for_ends(right_sides, &self.change);
+        let ([first, last], cross) = (self.matrix.end_masses(), self.matrix.cross());
+        let determinant = first * last - cross * cross;
+        let ends = [(left * last - cross * right) / determinant, (right * first - cross * left) / determinant];
+        self.matrix.follow_ends(ends, &mut self.change);
+        [self.change[0], self.change[n]] = ends;
+    }
+
     /// Tells the ends what they move.
     fn give_masses(&self, [left, right]: [&mut EndNode; 2]) {
         let [first, last] = self.matrix.end_masses();

@@ -1,0 +1,173 @@
+//! What `barwave critical` prints and writes.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use super::Studied;
+use crate::cli::output;
+use crate::study::bracket::{Apparent, Confirmation};
+use crate::study::sensitivity::Interval;
+use crate::study::uncertainty::Uncertainty;
+
+const MPA: f64 = 1e6;
+const PERCENT: f64 = 0.01;
+
+/// The rows for people, at most 80 columns wide, and below them what else was asked for.
+pub(super) fn text(studied: &[Studied], written: Option<&Path>) -> String {
+    let mut text = rows(studied);
+    for one in studied {
+        text += &details(one);
+    }
+    if let Some(path) = written {
+        let _ = writeln!(text, "\nwrote {}", path.display());
+    }
+    text
+}
+
+fn rows(studied: &[Studied]) -> String {
+    let cells = |s: &Studied| {
+        let r = &s.row;
+        vec![
+            r.material.clone(),
+            output::fixed(r.critical_velocity_m_s, 2),
+            output::fixed(Some(r.yield_velocity_m_s), 2),
+            output::fixed(r.strain_at_max, 4),
+            output::fixed(r.stress_at_max_pa.map(|s| s / MPA), 1),
+            if r.critical_velocity_m_s.is_some() { r.reason.clone() } else { "none".into() },
+        ]
+    };
+    let headings = ["material", "v_c m/s", "v_y m/s", "strain", "stress MPa", "criterion"];
+    output::table(&headings, &studied.iter().map(cells).collect::<Vec<_>>(), 1, true)
+}
+
+fn details(s: &Studied) -> String {
+    let mut text = String::new();
+    let name = &s.row.material;
+    if s.row.critical_velocity_m_s.is_none() {
+        let _ = writeln!(text, "{name}: no critical velocity:\n  {}", s.row.reason);
+    }
+    if let Some(uncertainty) = &s.scatter {
+        text += &scatter(name, uncertainty);
+    }
+    if let Some(simulated) = &s.simulated {
+        text += &simulation(name, simulated.as_ref());
+    }
+    if let (Some(Some(found)), Some(velocity)) = (&s.apparent, s.row.critical_velocity_m_s) {
+        text += &apparent(name, found, velocity);
+    }
+    if let Some(intervals) = s.sensitivity.as_ref().filter(|intervals| !intervals.is_empty()) {
+        text += &sensitivity(name, intervals);
+    }
+    if text.is_empty() { text } else { format!("\n{text}") }
+}
+
+fn scatter(name: &str, u: &Uncertainty) -> String {
+    let tests: Vec<String> = u
+        .tests
+        .iter()
+        .map(|t| format!("  {:<24}{:>8} m/s\n", t.record, output::fixed(t.critical_velocity_m_s, 2)))
+        .collect();
+    let (what, of) = match u.basis {
+        "tests" => (format!("{} tests", u.tests.len()), "critical velocity of the mean curve"),
+        _ => ("band of one standard deviation of the stress".into(), "critical velocity of a specimen"),
+    };
+    let interval = u
+        .interval_95_m_s
+        .map_or("none (at least 3 tests are needed)".into(), |[low, high]| format!("{low:.2} to {high:.2} m/s"));
+    format!(
+        "{name}: {what}\n{}  mean                    {:>8.2} m/s\n  standard deviation      {:>8.2} m/s\n  95 % interval           \
+         {interval}\n  of the {of}, bootstrap of {} resamples, seed {}\n",
+        tests.concat(),
+        u.mean_m_s,
+        u.standard_deviation_m_s,
+        u.resamples,
+        u.seed
+    )
+}
+
+fn simulation(name: &str, simulated: Option<&Confirmation>) -> String {
+    let Some(s) = simulated else {
+        return format!("{name}: not simulated, no critical velocity within the data\n");
+    };
+    let (fronts, grid) = (s.fronts, s.grid);
+    let verdict = if s.confirmed { "confirmed" } else { "NOT confirmed" };
+    format!(
+        "{name}: {verdict} by simulation\n  front tracking  the bar holds at {:.3} m/s and breaks at {:.3} m/s\n  leapfrog        the bar \
+         holds at {:.2} m/s and breaks at {:.2} m/s\n                  ({} cells; half as many differ by {:.2} m/s)\n",
+        fronts.holds_m_s,
+        fronts.breaks_m_s,
+        grid.bracket.holds_m_s,
+        grid.bracket.breaks_m_s,
+        grid.cells,
+        grid.resolution_m_s
+    )
+}
+
+fn apparent(name: &str, a: &Apparent, velocity: f64) -> String {
+    let adiabatic = a.adiabatic_m_s.map_or_else(String::new, |v| format!("  adiabatic curve {v:.2} m/s\n"));
+    format!(
+        "{name}: with {}\n  static          {velocity:.2} m/s\n{adiabatic}  apparent        {:.2} m/s, bar of {:.4} m ({} cells; half as \
+         many differ by {:.2} m/s)\n  The apparent critical velocity is the lowest constant velocity of the end\n  at which the mean strain of the \
+         hundredth of the bar next to it exceeds that of\n  the largest static stress ({:.4}) before the elastic wave has returned from \
+         the\n  far end (2 L/c0).\n",
+        a.effects.join(", "),
+        a.grid.bracket.middle(),
+        a.length_m,
+        a.grid.cells,
+        a.grid.resolution_m_s,
+        a.strain_limit
+    )
+}
+
+fn sensitivity(name: &str, intervals: &[Interval]) -> String {
+    let row = |i: &Interval| {
+        vec![
+            format!("{:.4} to {:.4}", i.from, i.to),
+            format!("{:.2}", i.contribution_m_s),
+            format!("{:.1}", i.share / PERCENT),
+            format!("{:+.3}", i.per_percent_of_stress_m_s),
+        ]
+    };
+    let headings = ["strain", "part m/s", "part %", "m/s per 1 % of stress"];
+    let rows: Vec<_> = intervals.iter().map(row).collect();
+    let table = output::table(&headings, &rows, 1, false);
+    format!(
+        "{name}: parts of the critical velocity\n{}",
+        table.lines().flat_map(|line| ["  ", line, "\n"]).collect::<String>()
+    )
+}
+
+/// One row a material; empty where there is no value.
+pub(super) fn csv(studied: &[Studied]) -> String {
+    let mut text = String::from(
+        "material,density_kg_m3,sense,critical_velocity_m_s,yield_velocity_m_s,strain_at_max,stress_at_max_Pa,reason,\
+         mean_m_s,standard_deviation_m_s,interval_95_low_m_s,interval_95_high_m_s,fronts_hold_m_s,fronts_break_m_s\n",
+    );
+    let cell = |value: Option<f64>| value.map_or_else(String::new, |v| v.to_string());
+    let quoted = |text: &str| {
+        if text.contains([',', '"']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
+    };
+    for s in studied {
+        let (r, u) = (&s.row, s.scatter.as_ref());
+        let interval = u.and_then(|u| u.interval_95_m_s);
+        let fronts = s.simulated.flatten().map(|simulated| simulated.fronts);
+        let cells = [
+            quoted(&r.material),
+            r.density_kg_m3.to_string(),
+            r.sense.name().into(),
+            cell(r.critical_velocity_m_s),
+            r.yield_velocity_m_s.to_string(),
+            cell(r.strain_at_max),
+            cell(r.stress_at_max_pa),
+            quoted(&r.reason),
+            cell(u.map(|u| u.mean_m_s)),
+            cell(u.map(|u| u.standard_deviation_m_s)),
+            cell(interval.map(|i| i[0])),
+            cell(interval.map(|i| i[1])),
+            cell(fronts.map(|f| f.holds_m_s)),
+            cell(fronts.map(|f| f.breaks_m_s)),
+        ];
+        text += &(cells.join(",") + "\n");
+    }
+    text
+}

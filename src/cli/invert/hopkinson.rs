@@ -1,0 +1,244 @@
+//! `barwave invert hopkinson`.
+
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+use super::shared::{self, Outputs};
+use crate::cli::lines::Lines;
+use crate::cli::{output, quantity};
+use crate::error::{InputError, Result};
+use crate::material::Curve;
+use crate::record::store::ResultFile;
+use crate::report;
+use crate::study::invert::hopkinson::{
+    ElasticBar, Moment, Options, Records, Reduced, Setup, Test, records_from_csv, reduce,
+};
+use crate::study::invert::{MaterialText, against_knots};
+use crate::units::{Dimension, System, format};
+
+/// Options of `barwave invert hopkinson`.
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  barwave invert hopkinson runs/out/split-hopkinson.h5 --plot test.png -o copper-dynamic.toml\n  \
+    barwave invert hopkinson test.csv --bar-modulus \"200 GPa\" --bar-density \"7850 kg/m^3\" --bar-diameter 16mm \\\n      \
+    --distances 1m,1m --specimen-length 4mm --specimen-diameter 10mm --density \"8960 kg/m^3\""
+)]
+pub(super) struct Args {
+    /// Result file of a split-Hopkinson scene; or CSV with the time, the strain of the incident bar and that of the transmission bar
+    /// (headers name units: `time_us,incident (ue),transmitted (ue)`).
+    #[arg(value_name = "FILE")]
+    file: PathBuf,
+    /// Gauges of the result file: incident, transmitted (default: the first on each bar).
+    #[arg(long, value_name = "NAME,NAME", value_delimiter = ',')]
+    gauges: Vec<String>,
+    /// Modulus of the bars.
+    #[arg(long, value_parser = quantity::positive(Dimension::Stress))]
+    bar_modulus: Option<f64>,
+    /// Density of the bars.
+    #[arg(long, value_parser = quantity::positive(Dimension::Density))]
+    bar_density: Option<f64>,
+    /// Diameter of the bars.
+    #[arg(long, value_parser = quantity::positive(Dimension::Length))]
+    bar_diameter: Option<f64>,
+    /// Distances of the gauges on the incident and on the transmission bar from the specimen.
+    #[arg(long, value_name = "X,X", value_delimiter = ',', value_parser = quantity::positive(Dimension::Length))]
+    distances: Vec<f64>,
+    /// Length of the specimen.
+    #[arg(long, value_parser = quantity::positive(Dimension::Length))]
+    specimen_length: Option<f64>,
+    /// Diameter of the specimen.
+    #[arg(long, value_parser = quantity::positive(Dimension::Length))]
+    specimen_diameter: Option<f64>,
+    /// Density of the specimen, for the material file (default: that of the result file).
+    #[arg(long, value_parser = quantity::positive(Dimension::Density))]
+    density: Option<f64>,
+    /// Length of the reduction (default: that of the incident pulse).
+    #[arg(long, value_parser = quantity::positive(Dimension::Time))]
+    window: Option<f64>,
+    /// Largest difference of the forces on the two faces, over their mean, that counts as equilibrium.
+    #[arg(long, default_value = "10 %", value_parser = quantity::positive(Dimension::None))]
+    equilibrium: f64,
+    /// Poisson's ratio of the bars, for the estimate of their dispersion.
+    #[arg(long, default_value = "0.29", value_parser = quantity::not_negative(Dimension::None))]
+    poisson: f64,
+    /// Seed of --noise.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Add normally distributed noise to the records, with this part of each record's largest strain as standard deviation, e.g. "1 %".
+    #[arg(long, value_name = "PART", value_parser = quantity::not_negative(Dimension::None))]
+    noise: Option<f64>,
+    #[command(flatten)]
+    outputs: Outputs,
+}
+
+pub(super) fn run(args: &Args) -> Result<()> {
+    args.outputs.check()?;
+    let (setup, records, test) = if shared::is_result(&args.file) {
+        let test = Test::from_result(&ResultFile::open(&args.file)?, &args.gauges)?;
+        (test.setup.clone(), test.records.clone(), Some(test))
+    } else {
+        (setup(args)?, records_from_csv(&args.file)?, None)
+    };
+    let records: Records = match args.noise {
+        Some(part) => records.with_noise(part, args.seed),
+        None => records,
+    };
+    let options = Options {
+        window: args.window,
+        limit: test.as_ref().map(|t| t.limit),
+        equilibrium: args.equilibrium,
+        poisson: args.poisson,
+    };
+    let reduced = reduce(&setup, &records, &options)?;
+    write(args, &reduced, test.as_ref())
+}
+
+fn setup(args: &Args) -> Result<Setup> {
+    let circle = |diameter: f64| 0.25 * std::f64::consts::PI * diameter * diameter;
+    let [first, second] = args.distances.as_slice() else {
+        return Err(InputError::new(std::format!("{} gauge distances are given", args.distances.len()))
+            .key("--distances")
+            .allowed("2 distances from the specimen")
+            .help("such as --distances 1m,1m: incident bar, transmission bar")
+            .into());
+    };
+    let modulus = shared::needed(args.bar_modulus, "--bar-modulus", "200 GPa")?;
+    let density = shared::needed(args.bar_density, "--bar-density", "7850 kg/m^3")?;
+    let area = circle(shared::needed(args.bar_diameter, "--bar-diameter", "16 mm")?);
+    let bar = |&distance: &f64| ElasticBar { modulus, density, area, distance };
+    Ok(Setup {
+        incident: bar(first),
+        transmitted: bar(second),
+        length: shared::needed(args.specimen_length, "--specimen-length", "4 mm")?,
+        area: circle(shared::needed(args.specimen_diameter, "--specimen-diameter", "10 mm")?),
+    })
+}
+
+fn write(args: &Args, reduced: &Reduced, test: Option<&Test>) -> Result<()> {
+    let outputs = &args.outputs;
+    if outputs.output.is_some() {
+        let density = args.density.or(test.map(|t| t.density));
+        let rate = reduced.mean_rate.ok_or_else(|| {
+            InputError::new("there is no curve to write: the specimen does not reach equilibrium")
+                .key("-o")
+                .help("see --equilibrium")
+        })?;
+        let material = MaterialText {
+            name: &outputs.name(),
+            description: "Split-Hopkinson test",
+            density: shared::needed(density, "--density", "8960 kg/m^3")?,
+            modulus: None,
+            sense: reduced.sense.name(),
+            measured: &std::format!("split-Hopkinson bar, mean strain rate {rate:.0} 1/s, {}", args.file.display()),
+        };
+        let knots: Vec<_> = reduced.curve.iter().map(|k| (k.strain, k.stress, k.half_width)).collect();
+        outputs.write_material(&material, &knots)?;
+    }
+    let given = test.and_then(|t| t.given.as_ref());
+    let title = "Split-Hopkinson reduction";
+    outputs.write(title, || report::invert::hopkinson(title, reduced, given), || csv(&reduced.moments))?;
+    if outputs.json {
+        return output::json(reduced);
+    }
+    output::note(&shared::warnings(&reduced.warnings));
+    output::text(&text(args, reduced, test, given))
+}
+
+fn text(args: &Args, reduced: &Reduced, test: Option<&Test>, given: Option<&Curve>) -> String {
+    let show = |value, dimension| format(value, dimension, System::Si);
+    let mut lines = Lines::under(&std::format!("Split-Hopkinson reduction, {}", args.file.display()));
+    let setup = &reduced.setup;
+    let size = show(setup.length, Dimension::Length);
+    let material = test.map_or("", |t| t.material.as_str());
+    lines.add("specimen", std::format!("{material} {size} long, section {}", show(setup.area, Dimension::Area)).trim());
+    let shifts = [setup.incident, setup.transmitted].map(|bar| show(bar.distance / bar.c0(), Dimension::Time));
+    lines.add(
+        "gauge delays",
+        std::format!("{} incident, {} transmitted, at c0 = {:.1} m/s", shifts[0], shifts[1], setup.incident.c0()),
+    );
+    lines.add("window", std::format!("{} from the arrival of the pulse on", show(reduced.window_s, Dimension::Time)));
+    lines.add("noise", std::format!("{:.2e} strain before the pulse", reduced.noise));
+    lines.add(
+        "dispersion",
+        std::format!("not corrected; spreads sharp fronts over {}", show(reduced.dispersion_s, Dimension::Time)),
+    );
+    if let (Some(time), Some(strain), Some(imbalance), Some(rate)) =
+        (reduced.equilibrium_from_s, reduced.equilibrium_from_strain, reduced.imbalance, reduced.mean_rate)
+    {
+        let time = show(time, Dimension::Time);
+        lines.add(
+            "equilibrium",
+            std::format!("from {time} (strain {strain:.4}) on; the faces differ by {:.1} % at most", 100.0 * imbalance),
+        );
+        lines.add("mean strain rate", std::format!("{rate:.0} 1/s"));
+    }
+    if let Some((deviation, strain)) = given.and_then(|curve| against_knots(curve, &reduced.curve)) {
+        lines.add(
+            "deviation",
+            std::format!("{:+.1} % at most from the simulated curve, at strain {strain:.4}", 100.0 * deviation),
+        );
+    }
+    lines.extend(args.outputs.written());
+    lines.text() + &table(&reduced.moments)
+}
+
+/// Rows shown to people; CSV has all moments.
+const ROWS: usize = 12;
+
+fn table(moments: &[Moment]) -> String {
+    let every = (moments.len() / ROWS).max(1);
+    let rows: Vec<Vec<String>> = moments
+        .iter()
+        .skip(every)
+        .step_by(every)
+        .map(|m| {
+            let mega = |pa: f64| std::format!("{:.1}", pa / 1e6);
+            vec![
+                std::format!("{:.1}", 1e6 * m.time_s),
+                std::format!("{:.4}", m.strain),
+                std::format!("{:.0}", m.rate),
+                mega(m.stress),
+                std::format!("{:.4}", m.strain_one_wave),
+                std::format!("{:.0}", m.rate_one_wave),
+                mega(m.stress_one_wave),
+                faces_differ(m),
+            ]
+        })
+        .collect();
+    let headings =
+        ["t us", "strain", "rate 1/s", "stress MPa", "strain (1w)", "rate (1w)", "stress (1w)", "faces differ %"];
+    output::table(&headings, &rows, 0, false)
+}
+
+/// Difference of the forces on the faces over their mean, percent; a dash where there are none.
+fn faces_differ(m: &Moment) -> String {
+    let difference =
+        200.0 * (m.stress_incident_face - m.stress_one_wave) / (m.stress_incident_face + m.stress_one_wave);
+    output::fixed(Some(difference).filter(|d| d.is_finite()), 1)
+}
+
+fn csv(moments: &[Moment]) -> String {
+    let mut text = String::from(
+        "time_s,strain,rate_1_s,stress_Pa,strain_one_wave,rate_one_wave_1_s,stress_one_wave_Pa,stress_incident_face_Pa,\
+         incident,reflected,transmitted\n",
+    );
+    for m in moments {
+        // Writing to a String cannot fail.
+        let _ = writeln!(
+            text,
+            "{},{},{},{},{},{},{},{},{},{},{}",
+            m.time_s,
+            m.strain,
+            m.rate,
+            m.stress,
+            m.strain_one_wave,
+            m.rate_one_wave,
+            m.stress_one_wave,
+            m.stress_incident_face,
+            m.incident,
+            m.reflected,
+            m.transmitted
+        );
+    }
+    text
+}

@@ -1,0 +1,35 @@
+//! `barwave invert`: from measurements to curves.
+
+mod arrivals;
+mod hopkinson;
+mod residual;
+mod shared;
+
+use clap::Subcommand;
+
+use crate::error::Result;
+
+/// Options of `barwave invert`.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// The curve from arrival times of strain levels at gauges along a bar (simple-wave theory).
+    Arrivals(arrivals::Args),
+    /// The curve from the strain along a wire after an impact (von Karman and Duwez).
+    ResidualStrain(residual::Args),
+    /// The specimen's stress, strain and strain rate from the gauges of a split-Hopkinson set.
+    Hopkinson(hopkinson::Args),
+}
+
+pub(crate) fn run(args: &Args) -> Result<()> {
+    match &args.command {
+        Command::Arrivals(args) => arrivals::run(args),
+        Command::ResidualStrain(args) => residual::run(args),
+        Command::Hopkinson(args) => hopkinson::run(args),
+    }
+}

@@ -1,0 +1,153 @@
+//! What the inversions share: their outputs and the table of a curve.
+
+use std::path::{Path, PathBuf};
+
+use crate::cli::{output, quantity};
+use crate::destination;
+use crate::error::{Error, InputError, Result};
+use crate::report::plot;
+use crate::study::invert::{Interval, MaterialText, WavePoint, material_text};
+use crate::units::Dimension;
+
+/// Where results go.
+#[derive(Debug, clap::Args)]
+pub(super) struct Outputs {
+    /// Material file with the curve, for scenes.
+    #[arg(short, long, value_name = "MATERIAL.toml")]
+    pub(super) output: Option<PathBuf>,
+    /// Overwrite an existing material file.
+    #[arg(long)]
+    force: bool,
+    /// Table of the curve.
+    #[arg(long, value_name = "FILE.csv")]
+    pub(super) csv: Option<PathBuf>,
+    /// Figure (.svg, .png or .html).
+    #[arg(long, value_name = "FILE")]
+    pub(super) plot: Option<PathBuf>,
+    /// Print a JSON object and nothing else.
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+/// Random numbers.
+#[derive(Debug, clap::Args)]
+pub(super) struct Random {
+    /// Bootstrap replicates for the 95 % intervals.
+    #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(20..=100_000))]
+    pub(super) replicates: u32,
+    /// Seed of the random numbers.
+    #[arg(long, default_value_t = 1)]
+    pub(super) seed: u64,
+    /// Add normally distributed noise to the measured strains, with this part of each record's largest strain as standard deviation,
+    /// e.g. "1 %": what a planned test would show.
+    #[arg(long, value_name = "PART", value_parser = quantity::not_negative(Dimension::None))]
+    pub(super) noise: Option<f64>,
+}
+
+impl Outputs {
+    /// Refuses outputs that cannot be written, before any work is done.
+    pub(super) fn check(&self) -> Result<()> {
+        if let Some(path) = &self.plot {
+            plot::Format::of(path)?;
+        }
+        for path in [&self.output, &self.csv, &self.plot].into_iter().flatten() {
+            destination::resolve(path)?;
+        }
+        match &self.output {
+            Some(path) if path.exists() && !self.force => {
+                Err(InputError::new(format!("`{}` exists already", path.display()))
+                    .key("-o")
+                    .help("name another file with -o, or overwrite it with --force")
+                    .into())
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Writes the material file where one is asked for.
+    pub(super) fn write_material(&self, material: &MaterialText<'_>, knots: &[(f64, f64, f64)]) -> Result<()> {
+        let Some(path) = &self.output else { return Ok(()) };
+        plot::write_whole(path, material_text(material, knots).as_bytes())
+    }
+
+    /// Writes the figure and the table where they are asked for.
+    pub(super) fn write(&self, title: &str, svg: impl FnOnce() -> String, csv: impl FnOnce() -> String) -> Result<()> {
+        if let Some(path) = &self.plot {
+            plot::save(path, title, &svg())?;
+        }
+        if let Some(path) = &self.csv {
+            plot::write_whole(path, csv().as_bytes())?;
+        }
+        Ok(())
+    }
+
+    /// Lines that name what was written.
+    pub(super) fn written(&self) -> Vec<String> {
+        let files = [&self.output, &self.csv, &self.plot].into_iter().flatten();
+        files.map(|path| format!("wrote {}", path.display())).collect()
+    }
+
+    /// Name of the material: that of its file.
+    pub(super) fn name(&self) -> String {
+        let stem = self.output.as_deref().and_then(Path::file_stem).unwrap_or_default();
+        stem.to_string_lossy().into_owned()
+    }
+}
+
+/// Whether a file is a result file, by its name.
+pub(super) fn is_result(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("h5") || e.eq_ignore_ascii_case("hdf5"))
+}
+
+/// A value that the command line or the file must give.
+pub(super) fn needed(value: Option<f64>, option: &str, example: &str) -> Result<f64> {
+    value.ok_or_else(|| {
+        let error = InputError::new(format!("{option} is missing")).key(option);
+        Error::Input(error.help(format!("give it, such as {option} \"{example}\"; a result file has it")))
+    })
+}
+
+/// Warnings as lines.
+pub(super) fn warnings(all: &[String]) -> String {
+    all.iter().flat_map(|warning| ["warning: ", warning, "\n"]).collect()
+}
+
+/// Rows of a curve shown to people; JSON and CSV have all.
+const ROWS: usize = 10;
+
+/// Curve points with the halves of their 95 % intervals.
+pub(super) fn curve_table(points: &[WavePoint]) -> String {
+    let every = points.len().div_ceil(ROWS).max(1);
+    let shown = points.iter().rev().step_by(every).collect::<Vec<_>>().into_iter().rev();
+    let pair = |value: Interval, unit: f64, digits: usize| {
+        [value.value, value.half_width()].map(|v| format!("{:.digits$}", v / unit))
+    };
+    let rows: Vec<Vec<String>> = shown
+        .map(|p| {
+            let [c, dc] = pair(p.wave_speed_m_s, 1.0, 1);
+            let [s, ds] = pair(p.stress_pa, 1e6, 2);
+            let [v, dv] = pair(p.velocity_m_s, 1.0, 2);
+            vec![format!("{:.6}", p.strain), c, dc, s, ds, v, dv]
+        })
+        .collect();
+    output::table(&["strain", "c m/s", "+-", "stress MPa", "+-", "v m/s", "+-"], &rows, 0, false)
+}
+
+/// Curve points as CSV.
+pub(super) fn curve_csv(points: &[WavePoint]) -> String {
+    let mut text = String::from(
+        "strain,wave_speed_m_s,wave_speed_low,wave_speed_high,stress_Pa,stress_low,stress_high,velocity_m_s,velocity_low,velocity_high\n",
+    );
+    for p in points {
+        let all = [p.wave_speed_m_s, p.stress_pa, p.velocity_m_s];
+        let cells = all.iter().flat_map(|v| [v.value, v.low, v.high]).map(|v| v.to_string());
+        text += &std::iter::once(p.strain.to_string()).chain(cells).collect::<Vec<_>>().join(",");
+        text.push('\n');
+    }
+    text
+}
+
+/// Knots of a material file.
+pub(super) fn knots(points: &[WavePoint]) -> Vec<(f64, f64, f64)> {
+    points.iter().map(|p| (p.strain, p.stress_pa.value, p.stress_pa.half_width())).collect()
+}

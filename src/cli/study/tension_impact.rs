@@ -1,0 +1,162 @@
+//! `barwave study tension-impact`.
+
+use std::path::{Path, PathBuf};
+
+use toml::Value;
+
+use crate::cli::{interrupt, output, sweep};
+use crate::destination;
+use crate::error::{Error, InputError, Result};
+use crate::input::Document;
+use crate::report::{plot, tension as picture};
+use crate::study::sweep::{Shard, run as run_cases};
+use crate::study::tension::{FarEnd, Results, Specimen, Test, results, write_csv, write_hdf5};
+
+/// Options of `barwave study tension-impact`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:\n  barwave study tension-impact copper-annealed\n  \
+                  barwave study tension-impact copper-annealed --velocities \"5 m/s\" --to \"120 m/s\" --count 24 -o copper\n  \
+                  barwave study tension-impact test.toml --velocities \"50 ft/s, 100 ft/s, 200 ft/s\"")]
+pub(crate) struct Args {
+    /// Library name or file of a material; or a scene whose left end is pulled until the bar breaks.
+    #[arg(value_name = "MATERIAL|SCENE.toml")]
+    subject: String,
+    /// Impact velocities, separated by commas; with --to and --count the first one of a range [default: 27 from 7.5 % to 137.5 % of the
+    /// critical velocity].
+    #[arg(long, value_name = "V,...", value_delimiter = ',')]
+    velocities: Vec<String>,
+    /// Last velocity of a range.
+    #[arg(long, value_name = "V", requires = "count", requires = "velocities")]
+    to: Option<String>,
+    /// Number of velocities of a range.
+    #[arg(long, value_name = "N", requires = "to")]
+    count: Option<u32>,
+    /// Gauge length; for a material.
+    #[arg(long, value_name = "LENGTH", default_value = "200 mm")]
+    length: String,
+    /// Diameter; for a material.
+    #[arg(long, value_name = "LENGTH", default_value = "8 mm")]
+    diameter: String,
+    /// The end that is not struck; for a material.
+    #[arg(long, value_enum, default_value = "fixed")]
+    far_end: FarEnd,
+    /// Cells of the grid; for a material.
+    #[arg(long, value_name = "N", default_value_t = 200)]
+    cells: usize,
+    /// Folder of the results [default: `runs/out/tension-impact-<material>`]; it is made where it is missing.
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// Figure (.svg, .png, .html) [default: `tension-impact.svg` in the folder].
+    #[arg(long, value_name = "FILE")]
+    figure: Option<PathBuf>,
+    /// Continue a study that was stopped or killed: run only the velocities that have no row yet.
+    #[arg(long)]
+    resume: bool,
+    /// Print one JSON object and nothing else.
+    #[arg(long)]
+    json: bool,
+    /// No progress bar and no table.
+    #[arg(long)]
+    quiet: bool,
+}
+
+pub(crate) fn run(args: &Args) -> Result<()> {
+    if let Some(path) = &args.figure {
+        plot::Format::of(path)?;
+        destination::resolve(path)?;
+    }
+    let test = test(args)?;
+    let folder = args.output.clone().unwrap_or_else(|| Path::new("runs/out").join(&test.sweep.name));
+    let silent = args.quiet || args.json;
+    let bar = sweep::progress_bar(test.velocities.len() as u64, silent);
+    let finished = run_cases(&test.sweep, &folder, Shard::WHOLE, args.resume, &|_| bar.inc(1), &interrupt::flag());
+    bar.finish_and_clear();
+    finished.inspect_err(|error| sweep::explain_interruption(error, &folder))?;
+    let results = results(&test, &folder)?;
+    let figure = args.figure.clone().unwrap_or_else(|| folder.join("tension-impact.svg"));
+    write_csv(&folder.join("tension-impact.csv"), &results)?;
+    write_hdf5(&folder.join("tension-impact.h5"), &results)?;
+    plot::save(&figure, &format!("Tension impact of {}", results.material), &picture::draw(&results))?;
+    if args.json {
+        return output::json(&results);
+    }
+    if args.quiet { Ok(()) } else { output::text(&text(&results, &folder, &figure)) }
+}
+
+/// A scene, or a specimen of a material.
+fn test(args: &Args) -> Result<Test> {
+    let velocities = velocities(args)?;
+    let path = Path::new(&args.subject);
+    if path.is_file() {
+        let document = Document::read(path)?;
+        if document.text.parse::<toml::Table>().is_ok_and(|table| table.contains_key("left")) {
+            return Test::new(document, path, velocities.as_ref());
+        }
+    }
+    let specimen = Specimen {
+        material: &args.subject,
+        length: &args.length,
+        diameter: &args.diameter,
+        far_end: args.far_end,
+        cells: args.cells,
+    };
+    Test::new(specimen.scene(), Path::new("specimen"), velocities.as_ref())
+}
+
+/// As on the axis of a sweep.
+fn velocities(args: &Args) -> Result<Option<Value>> {
+    let value = |text: &String| {
+        let text = text.trim();
+        text.parse::<f64>().map_or_else(|_| Value::from(text), Value::from)
+    };
+    let Some(first) = args.velocities.first() else { return Ok(None) };
+    let (Some(to), Some(count)) = (&args.to, args.count) else {
+        return Ok(Some(Value::Array(args.velocities.iter().map(value).collect())));
+    };
+    if args.velocities.len() > 1 {
+        let message = "a range starts from one velocity";
+        let help = "e.g. --velocities \"5 m/s\" --to \"120 m/s\" --count 24";
+        return Err(Error::from(InputError::new(message).key("--velocities").help(help)));
+    }
+    let entries = [("from", value(first)), ("to", value(to)), ("count", Value::from(i64::from(count)))];
+    Ok(Some(Value::Table(entries.map(|(key, value)| (key.to_owned(), value)).into_iter().collect())))
+}
+
+fn text(results: &Results, folder: &Path, figure: &Path) -> String {
+    let headings = ["m/s", "elongation", "energy J", "fracture at mm", "after us", "status"];
+    let rows = results.points.iter().map(|point| {
+        vec![
+            output::fixed(Some(point.velocity_m_s), 2),
+            output::fixed(point.elongation, 4),
+            output::fixed(point.energy, 2),
+            output::fixed(point.fracture_position_m.map(|x| 1e3 * x), 1),
+            output::fixed(point.fracture_time_s.map(|t| 1e6 * t), 1),
+            if point.at_struck_end {
+                "rupture at struck end".to_owned()
+            } else {
+                format!("{} {}", point.status, point.reason).trim().to_owned()
+            },
+        ]
+    });
+    let table = output::table(&headings, &rows.collect::<Vec<_>>(), 0, true);
+    let largest = results.largest_elongation.zip(results.velocity_of_largest_elongation_m_s);
+    let largest = largest.map_or_else(
+        || "nothing broke".to_owned(),
+        |(elongation, velocity)| {
+            format!("{elongation:.4} at {velocity:.2} m/s (static curve {:.4})", results.static_elongation)
+        },
+    );
+    let critical = results.critical_between_m_s.map_or_else(
+        || "not within these velocities".to_owned(),
+        |[low, high]| format!("between {low:.2} m/s and {high:.2} m/s"),
+    );
+    format!(
+        "Tension impact of {}, gauge length {} mm\n{table}\n  largest elongation    {largest}\n  at the struck end     {critical}\n  \
+         critical velocity     {:.2} m/s, from the static curve\n  results               {}\n  figure                {}\n",
+        results.material,
+        1e3 * results.length_m,
+        results.critical_velocity_m_s,
+        folder.display(),
+        figure.display()
+    )
+}

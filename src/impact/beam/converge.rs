@@ -1,0 +1,224 @@
+//! As many modes and steps as the tolerance asks for.
+
+use std::ops::ControlFlow;
+
+use super::Beam;
+use super::observe::Observer;
+use crate::impact::Watch;
+use crate::impact::contact::{Contact, History, Horizon};
+use crate::impact::solid::judge;
+use crate::impact::solution::{Column, Figure, Line, Solution, Table};
+use crate::units::Dimension::{AngularVelocity, Force, Impulse, Length, None as Plain, Rate, Time, Torque, Velocity};
+
+/// Modes of the first level, and the most that are tried.
+const FIRST_MODES: usize = 16;
+const MOST_MODES: usize = 4096;
+/// Defect allowed in a step over the tolerance of the result.
+const STEP_PART: f64 = 0.1;
+
+/// One integration.
+struct Level {
+    modes: usize,
+    history: History,
+    observer: Observer,
+}
+
+impl Level {
+    /// What has to converge: the first contact, the striker's last velocity, and the extremes at the gauges, each with its scale.
+    fn results(&self, velocity: f64) -> Vec<[f64; 2]> {
+        let Some(first) = self.history.touches.first() else { return Vec::new() };
+        let own = |value: f64| [value, value];
+        let last = self.observer.contact.column("striker_velocity").last().copied().unwrap_or(velocity);
+        let mut results = vec![own(first.peak_force), own(first.end), [last, velocity]];
+        for table in &self.observer.readings {
+            results.extend(["deflection", "strain"].map(|name| own(largest(table, name))));
+        }
+        results
+    }
+
+    /// Largest relative difference.
+    fn differs(&self, finer: &Self, velocity: f64) -> f64 {
+        if self.history.touches.len() != finer.history.touches.len() {
+            return 1.0;
+        }
+        let pairs = self.results(velocity).into_iter().zip(finer.results(velocity));
+        pairs.map(|(a, b)| if b[1] == 0.0 { 0.0 } else { ((a[0] - b[0]) / b[1]).abs() }).fold(0.0, f64::max)
+    }
+}
+
+/// The value of largest magnitude of a column over time: the vertex of the parabola through the largest sample and its neighbours.
+fn largest(table: &Table, column: &str) -> f64 {
+    let (time, values) = (table.column("time"), table.column(column));
+    let Some(i) = (0..values.len()).max_by(|&a, &b| values[a].abs().total_cmp(&values[b].abs())) else { return 0.0 };
+    if i == 0 || i + 1 == values.len() {
+        return values[i];
+    }
+    let (before, after) = (time[i - 1] - time[i], time[i + 1] - time[i]);
+    let (low, high) = (values[i - 1] - values[i], values[i + 1] - values[i]);
+    // slope t + bend t^2 through both neighbours.
+    let bend = (high / after - low / before) / (after - before);
+    let slope = high / after - bend * after;
+    if bend == 0.0 { values[i] } else { values[i] - 0.25 * slope * slope / bend }
+}
+
+impl Beam {
+    /// Levels with twice the modes and a quarter of the step tolerance each, until two agree; with given modes, one.
+    pub(super) fn converge(&self, watch: Watch<'_>) -> ControlFlow<(), Solution> {
+        if let Some(modes) = self.modes {
+            let level = self.integrate(modes, STEP_PART * self.tolerance, watch)?;
+            return ControlFlow::Continue(self.solution(level, None));
+        }
+        let (mut modes, mut step) = (FIRST_MODES, STEP_PART * self.tolerance);
+        let mut level = self.integrate(modes, step, watch)?;
+        loop {
+            (modes, step) = (2 * modes, (0.25 * step).max(1e-13));
+            let finer = self.integrate(modes, step, watch)?;
+            let error = level.differs(&finer, self.striker.velocity);
+            level = finer;
+            if error <= self.tolerance || modes >= MOST_MODES {
+                return ControlFlow::Continue(self.solution(level, Some(error)));
+            }
+        }
+    }
+
+    fn integrate(&self, modes: usize, tolerance: f64, watch: Watch<'_>) -> ControlFlow<(), Level> {
+        let [least, most] = self.ends();
+        let mut observer = Observer::new(self, modes, self.half_sine(), least);
+        // Gauges and shapes are read at the ends of steps.
+        let looked_at = !self.gauges.is_empty() || self.shapes > 0;
+        let doublings = if looked_at { 0 } else { Horizon::CONTACT_ALONE };
+        let horizon = Horizon { least, most, tolerance, doublings };
+        let history = Contact::new(self.contact(), self.system(modes)).run(horizon, |moment| {
+            observer.look(&moment);
+            watch((moment.time / least).min(1.0))
+        })?;
+        ControlFlow::Continue(Level { modes, history, observer })
+    }
+
+    fn solution(&self, level: Level, error: Option<f64>) -> Solution {
+        let Level { modes, history, observer } = level;
+        let mut solution = self.approximation();
+        self.contacts(&mut solution, &history);
+        let last = observer.contact.column("striker_velocity").last().copied().unwrap_or(self.striker.velocity);
+        let values = [(last, Velocity), (-last / self.striker.velocity, Plain)];
+        solution.lines.push(Line::new("striker after", "{}: coefficient of restitution {}", &values));
+        let figure = |name, dimension, long_name, value| Figure::new(name, dimension, long_name, value);
+        let restitution = if history.separated { -last / self.striker.velocity } else { f64::NAN };
+        solution.figures.extend([
+            figure("striker_velocity", Velocity, "velocity of the striker at the end", last),
+            figure("restitution", Plain, "minus that over its velocity before the impact", restitution),
+            figure("end_time", Time, "end of the integration", history.end),
+            Figure { key: "modes", ..figure("mode_count", Plain, "modes of the beam", modes as f64) },
+            figure(
+                "error",
+                Plain,
+                "relative change of the results against half the modes and longer steps",
+                error.unwrap_or(f64::NAN),
+            ),
+        ]);
+        solution.lines.push(Line::new("modes", "{}", &[(modes as f64, Plain)]));
+        if let Some(error) = error {
+            let values = [(error, Plain), (self.tolerance, Plain)];
+            solution.lines.push(Line::new("error", "{} against half the modes, tolerance {}", &values));
+        }
+        self.extremes(&mut solution, &observer.readings);
+        super::super::account(&mut solution, &observer.ledger, &history);
+        self.warn(&mut solution, &history, error);
+        solution.shapes = (!observer.shapes.time.is_empty()).then_some(observer.shapes);
+        let tables = vec![observer.contact, contacts_table(&history), observer.ledger, self.modes_table(modes)];
+        solution.tables = [tables, observer.readings].concat();
+        solution
+    }
+
+    fn contacts(&self, solution: &mut Solution, history: &History) {
+        let figure = |name, dimension, long_name, value| Figure::new(name, dimension, long_name, value);
+        let Some(first) = history.touches.first() else { return };
+        solution.figures.extend([
+            figure("contact_count", Plain, "number of contacts", history.touches.len() as f64),
+            figure("peak_force", Force, "largest contact force of the first contact", first.peak_force),
+            figure("time_of_peak", Time, "when that is", first.peak_time),
+            figure("contact_duration", Time, "duration of the first contact", first.end - first.start),
+            figure("approach", Length, "largest approach of the first contact", first.approach),
+            figure(
+                "first_restitution",
+                Plain,
+                "coefficient of restitution of the first contact",
+                self.rebound(first.impulse),
+            ),
+            figure("impulse", Impulse, "impulse of all contacts", history.touches.iter().map(|t| t.impulse).sum()),
+        ]);
+        for touch in &history.touches {
+            let values = [(touch.start, Time), (touch.end, Time), (touch.peak_force, Force), (touch.peak_time, Time)];
+            solution.lines.push(Line::new("contact", "{} to {}, largest force {} at {}", &values));
+        }
+        let largest = history.touches.iter().map(|t| t.approach).fold(0.0, f64::max);
+        judge(solution, &self.contact(), [&self.striker.elastic, &self.elastic], largest);
+    }
+
+    /// Frequency and damping of each mode.
+    fn modes_table(&self, count: usize) -> Table {
+        let columns = vec![
+            Column::new("mode", Plain, "number of the mode", ""),
+            Column::new("frequency", AngularVelocity, "undamped angular frequency", ""),
+            Column::new("damping_number", Rate, "damping number delta", ""),
+            Column::new("damping", Plain, "damping as a part of critical", ""),
+            Column::new("shape", Plain, "sin(n pi x0/l) at the place of the impact", ""),
+        ];
+        let mut table = Table::new("modes", columns);
+        for n in 1..=count {
+            let [omega, delta] = self.frequency(n);
+            table.push(&[n as f64, omega, delta, delta / omega, self.shape(n, self.at)]);
+        }
+        table
+    }
+
+    /// Minus the striker's velocity after an impulse, over that before.
+    fn rebound(&self, impulse: f64) -> f64 {
+        impulse / (self.striker.mass * self.striker.velocity) - 1.0
+    }
+
+    fn extremes(&self, solution: &mut Solution, readings: &[Table]) {
+        for (table, (name, _)) in readings.iter().zip(&self.gauges) {
+            let [w, m, e] = ["deflection", "moment", "strain"].map(|column| largest(table, column));
+            let text = format!("{}: largest deflection {{}}, moment {{}}, strain {{}}", name.replace(['{', '}'], ""));
+            let values = [(w, Length), (m, Torque), (e, Plain)];
+            solution.lines.push(Line::new("gauge", text, &values));
+            let figures = vec![
+                Figure::new("peak_deflection", Length, "deflection of largest magnitude", w),
+                Figure::new("peak_moment", Torque, "bending moment of largest magnitude", m),
+                Figure::new("peak_strain", Plain, "strain of largest magnitude", e),
+            ];
+            solution.gauges.push((name.clone(), figures));
+        }
+    }
+
+    fn warn(&self, solution: &mut Solution, history: &History, error: Option<f64>) {
+        if error.is_some_and(|error| error > self.tolerance) {
+            solution.warnings.push(format!("the tolerance is not reached with {MOST_MODES} modes"));
+        }
+        if !history.separated {
+            solution.warnings.push("sphere and beam may meet again after the end time".into());
+        }
+        if history.touches.len() > 1 {
+            solution.warnings.push("several contacts: (9.31) is for one".into());
+        }
+        if self.striker.radius > self.section.depth {
+            let warning = "the sphere's radius is above the depth of the beam: the contact is that of a half-space only while it is small";
+            solution.warnings.push(warning.into());
+        }
+    }
+}
+
+/// One row a contact.
+fn contacts_table(history: &History) -> Table {
+    let columns = vec![
+        Column::new("start", Time, "begin of the contact", ""),
+        Column::new("end", Time, "end of the contact", ""),
+        Column::new("peak_force", Force, "largest force", ""),
+        Column::new("time_of_peak", Time, "when that is", ""),
+        Column::new("impulse", Impulse, "impulse of the contact force", ""),
+    ];
+    let mut table = Table::new("contacts", columns);
+    history.touches.iter().for_each(|t| table.push(&[t.start, t.end, t.peak_force, t.peak_time, t.impulse]));
+    table
+}

@@ -1,0 +1,165 @@
+//! A sphere that strikes a simply supported beam, damped or not, with or without an elastic foundation and an axial force.
+
+mod approximation;
+mod converge;
+mod observe;
+mod shape;
+
+use std::f64::consts::PI;
+use std::ops::ControlFlow;
+
+use super::contact::System;
+use super::oscillator::Oscillator;
+use super::solid::{Elastic, Solid};
+use super::solution::Solution;
+use super::{Numerics, Problem, Watch};
+use crate::bar::Hertz;
+
+/// A cross-section.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Section {
+    /// m^2, > 0.
+    pub area: f64,
+    /// Second moment of area, m^4, > 0.
+    pub inertia: f64,
+    /// Full depth in the direction of the impact, m, > 0.
+    pub depth: f64,
+}
+
+/// What acts along the beam; zeros: nothing.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Foundation {
+    /// Internal damping c1, Pa s, >= 0.
+    pub internal: f64,
+    /// External damping c2, N s/m^2, >= 0.
+    pub external: f64,
+    /// Modulus k, N/m^2, >= 0.
+    pub modulus: f64,
+    /// Axial force, N, compression positive; below that of buckling.
+    pub axial: f64,
+}
+
+/// A sphere and a simply supported beam at rest.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Beam {
+    /// m, > 0.
+    pub length: f64,
+    /// Cross-section.
+    pub section: Section,
+    /// Of the beam; its density is known.
+    pub elastic: Elastic,
+    /// Damping, foundation, axial force.
+    pub foundation: Foundation,
+    /// The sphere.
+    pub striker: Solid,
+    /// Place of the impact from the left support, m, inside the beam.
+    pub at: f64,
+    /// Gauges: name and place, m, within the beam.
+    pub gauges: Vec<(String, f64)>,
+    /// Number of deflected shapes, evenly over time.
+    pub shapes: usize,
+    /// End, s; none: when the sphere has left for good, and not before one period of the lowest mode.
+    pub until: Option<f64>,
+    /// Largest relative change of the results when modes are doubled and the step tolerance is divided by 4; the modes follow from it.
+    pub tolerance: f64,
+    /// Modes, in place of those that the tolerance asks for.
+    pub modes: Option<usize>,
+}
+
+/// Periods of the lowest mode after which a run without an end time ends.
+const MOST_PERIODS: f64 = 50.0;
+
+impl Beam {
+    /// Half the beam's mass: the modal mass of every mode, kg.
+    pub fn modal_mass(&self) -> f64 {
+        0.5 * self.elastic.density * self.section.area * self.length
+    }
+
+    /// Wave number of mode n, 1/m.
+    fn wave_number(&self, n: usize) -> f64 {
+        n as f64 * PI / self.length
+    }
+
+    /// E I, N m^2.
+    fn bending(&self) -> f64 {
+        self.elastic.modulus * self.section.inertia
+    }
+
+    /// Undamped angular frequency and damping number of mode n, (9.24), with the axial force.
+    pub fn frequency(&self, n: usize) -> [f64; 2] {
+        let (k2, line) = (self.wave_number(n).powi(2), self.elastic.density * self.section.area);
+        let stiffness = self.bending() * k2 * k2 - self.foundation.axial * k2 + self.foundation.modulus;
+        let damping = self.foundation.internal * self.section.inertia * k2 * k2 + self.foundation.external;
+        [(stiffness / line).sqrt(), 0.5 * damping / line]
+    }
+
+    /// Shape of mode n at a place.
+    fn shape(&self, n: usize, x: f64) -> f64 {
+        // Exact zeros of the antisymmetric modes under a central impact.
+        let place = n as f64 * x / self.length;
+        if place.fract() == 0.0 { 0.0 } else { (PI * (place % 2.0)).sin() }
+    }
+
+    /// Modes 1 to `count`, at rest.
+    fn oscillators(&self, count: usize) -> impl Iterator<Item = Oscillator> + '_ {
+        let mass = self.modal_mass();
+        (1..=count).map(move |n| Oscillator::new(mass, self.frequency(n), self.shape(n, self.at)))
+    }
+
+    /// Modes 1 to `count`, and with internal damping one oscillator more for all those above: it has their static compliance and the
+    /// frequency and damping of the lowest of them. Over-critical modes creep with the rate E/c1 whatever their number, so that one stands
+    /// for all. Without internal damping they follow the force at once.
+    fn bending_modes(&self, count: usize) -> impl Iterator<Item = Oscillator> + '_ {
+        let above = (self.foundation.internal > 0.0).then(|| {
+            let [omega, delta] = self.frequency(count + 1);
+            Oscillator::new(1.0 / (self.tail(count, self.at)[0] * omega * omega), [omega, delta], 1.0)
+        });
+        self.oscillators(count).chain(above)
+    }
+
+    /// The contact.
+    pub fn contact(&self) -> Hertz {
+        self.striker.contact(&self.elastic.half_space())
+    }
+
+    /// Striker and beam of so many modes.
+    fn system(&self, count: usize) -> System {
+        let striker = Oscillator { v: self.striker.velocity, ..Oscillator::new(self.striker.mass, [0.0, 0.0], -1.0) };
+        let modes = std::iter::once(striker).chain(self.bending_modes(count)).collect();
+        let compliance = if self.foundation.internal > 0.0 { 0.0 } else { self.tail(count, self.at)[0] };
+        System { modes, compliance, ..System::default() }
+    }
+
+    /// Period of the lowest mode, s.
+    fn period(&self) -> f64 {
+        2.0 * PI / self.frequency(1)[0]
+    }
+
+    /// Earliest and latest end, s.
+    fn ends(&self) -> [f64; 2] {
+        self.until.map_or_else(|| [self.period(), MOST_PERIODS * self.period()], |until| [until, until])
+    }
+}
+
+impl Problem for Beam {
+    fn kind(&self) -> &'static str {
+        "beam"
+    }
+
+    fn plan(&self) -> Solution {
+        self.approximation()
+    }
+
+    fn solve(&self, watch: Watch<'_>) -> ControlFlow<(), Solution> {
+        self.converge(watch)
+    }
+
+    fn numerics(&self) -> Option<Numerics> {
+        Some(Numerics { modes: self.modes, tolerance: self.tolerance })
+    }
+
+    fn with(&self, numerics: Numerics) -> Box<dyn Problem> {
+        let Numerics { modes, tolerance } = numerics;
+        Box::new(Self { modes, tolerance, gauges: Vec::new(), shapes: 0, ..self.clone() })
+    }
+}

@@ -1,0 +1,133 @@
+//! Histories of an impact on a beam, as it is integrated.
+
+use super::Beam;
+use super::approximation::HalfSine;
+use super::shape::Place;
+use crate::bar::Hertz;
+use crate::impact::contact::Moment;
+use crate::impact::oscillator::Oscillator;
+use crate::impact::pulse::Pulse;
+use crate::impact::solution::{Column, Shapes, Table};
+use crate::units::Dimension::{self, Energy, Force, Length, None as Plain, Torque, Velocity};
+
+/// Places of the deflected shapes.
+const PLACES: usize = 101;
+
+/// All histories so far.
+pub(super) struct Observer {
+    law: Hertz,
+    pulse: HalfSine,
+    pulses: Vec<(Oscillator, Pulse)>,
+    struck: Place,
+    gauges: Vec<Place>,
+    line: Vec<Place>,
+    shape_every: f64,
+    start: f64,
+    pub contact: Table,
+    pub ledger: Table,
+    pub readings: Vec<Table>,
+    pub shapes: Shapes,
+}
+
+fn contact_table() -> Table {
+    let column = |name, dimension: Dimension, long_name, panel| Column::new(name, dimension, long_name, panel);
+    let columns = vec![
+        Column::time(),
+        column("force", Force, "contact force, integrated", "contact force"),
+        column("force_half_sine", Force, "contact force, half-sine pulse (9.22)", "contact force"),
+        column("approach", Length, "approach; negative where sphere and beam are apart", ""),
+        column("striker_displacement", Length, "displacement of the striker", "displacements"),
+        column("deflection", Length, "deflection of the beam at the impact", "displacements"),
+        column("striker_velocity", Velocity, "velocity of the striker", "velocity of the striker"),
+    ];
+    Table::new("contact", columns)
+}
+
+fn ledger_table() -> Table {
+    let column = |name, long_name| Column::new(name, Energy, long_name, "energy");
+    let columns = vec![
+        Column::time(),
+        column("striker", "kinetic energy of the striker"),
+        column("contact", "elastic energy of the contact"),
+        column("beam", "kinetic and elastic energy of the beam and its foundation"),
+        column("damping", "energy dissipated by damping"),
+        Column::new("residual", Plain, "energy less that at the start, relative to it", ""),
+    ];
+    Table::new("ledger", columns)
+}
+
+fn gauge_table(name: &str, x: f64) -> Table {
+    let column = |name, dimension: Dimension, long_name, panel| Column::new(name, dimension, long_name, panel);
+    let columns = vec![
+        Column::time(),
+        column("deflection", Length, "deflection, integrated", "deflection at the gauges"),
+        column("moment", Torque, "bending moment, integrated", "bending moment at the gauges"),
+        column("strain", Plain, "strain of the face away from the striker, integrated", "strain at the gauges"),
+        column("deflection_half_sine", Length, "deflection by the half-sine pulse (9.24)", "deflection at the gauges"),
+        column("moment_half_sine", Torque, "bending moment by the half-sine pulse", ""),
+        column("strain_half_sine", Plain, "strain by the half-sine pulse", "strain at the gauges"),
+    ];
+    Table { x: Some(x), ..Table::new(format!("gauges/{name}"), columns) }
+}
+
+impl Observer {
+    pub fn new(beam: &Beam, count: usize, pulse: HalfSine, end: f64) -> Self {
+        let x: Vec<f64> = (0..PLACES).map(|i| beam.length * i as f64 / (PLACES - 1) as f64).collect();
+        let line = if beam.shapes == 0 { Vec::new() } else { x.iter().map(|&x| beam.place(x, count)).collect() };
+        Self {
+            law: beam.contact(),
+            pulse,
+            pulses: if beam.gauges.is_empty() { Vec::new() } else { beam.pulses(&pulse, count) },
+            struck: beam.place(beam.at, count),
+            gauges: beam.gauges.iter().map(|(_, x)| beam.place(*x, count)).collect(),
+            line,
+            shape_every: end / beam.shapes.max(1) as f64,
+            start: 0.5 * beam.striker.mass * beam.striker.velocity.powi(2),
+            contact: contact_table(),
+            ledger: ledger_table(),
+            readings: beam.gauges.iter().map(|(name, x)| gauge_table(name, *x)).collect(),
+            shapes: Shapes { x, ..Shapes::default() },
+        }
+    }
+
+    pub fn look(&mut self, moment: &Moment<'_>) {
+        let Some((striker, modes)) = moment.system.modes.split_first() else { return };
+        let (time, force) = (moment.time, moment.force);
+        let [deflection, ..] = self.struck.read(modes, force);
+        let half_sine = self.pulse.force(time);
+        self.contact.push(&[time, force, half_sine, moment.approach, striker.q, deflection, striker.v]);
+        self.balance(moment, striker, modes);
+        self.gauge(time, force, modes);
+        if time >= self.shape_every * (self.shapes.time.len() + 1) as f64 * (1.0 - 1e-12) {
+            self.shapes.time.push(time);
+            self.shapes.deflection.extend(self.line.iter().map(|place| place.read(modes, force)[0]));
+        }
+    }
+
+    fn balance(&mut self, moment: &Moment<'_>, striker: &Oscillator, modes: &[Oscillator]) {
+        let (kinetic, stored) = (striker.energy(), self.law.energy(moment.approach));
+        let tail = 0.5 * moment.system.compliance * moment.force * moment.force;
+        let beam = modes.iter().map(Oscillator::energy).sum::<f64>() + tail;
+        let damped = moment.system.damped;
+        let residual = (kinetic + stored + beam + damped - self.start) / self.start;
+        self.ledger.push(&[moment.time, kinetic, stored, beam, damped, residual]);
+    }
+
+    fn gauge(&mut self, time: f64, force: f64, modes: &[Oscillator]) {
+        let impulse = self.pulse.impulse;
+        let driven: Vec<Oscillator> = self
+            .pulses
+            .iter()
+            .map(|(mode, pulse)| {
+                let [q, v] = pulse.at(time).map(|value| impulse * mode.shape / mode.mass * value);
+                Oscillator { q, v, ..*mode }
+            })
+            .collect();
+        let half_sine = self.pulse.force(time);
+        for (place, table) in self.gauges.iter().zip(&mut self.readings) {
+            let [w, m, e] = place.read(modes, force);
+            let [ws, ms, es] = place.read(&driven, half_sine);
+            table.push(&[time, w, m, e, ws, ms, es]);
+        }
+    }
+}

@@ -1,0 +1,69 @@
+//! Deflection, bending moment and strain of a beam from its modes.
+
+use super::Beam;
+use crate::impact::oscillator::Oscillator;
+
+/// Factors of a place: mode shapes, and what the modes that are left out follow with at once.
+#[derive(Debug, Clone)]
+pub(super) struct Place {
+    /// Deflection and curvature here of a unit of each mode.
+    modes: Vec<[f64; 2]>,
+    /// Deflection, m/N, and moment, N m/N, under a unit contact force, of the modes above where they follow it at once.
+    tail: [f64; 2],
+    bending: f64,
+    /// c1 I.
+    internal: f64,
+    half_depth: f64,
+}
+
+/// Deflection, m; bending moment, N m; strain of the face away from the striker.
+pub(super) type Readings = [f64; 3];
+
+impl Beam {
+    /// A place for a beam of so many modes.
+    pub(super) fn place(&self, x: f64, count: usize) -> Place {
+        let mode = |n: usize| [self.shape(n, x), self.shape(n, x) * self.wave_number(n).powi(2)];
+        let [deflection, moment] = self.tail(count, x);
+        let creeps = self.foundation.internal > 0.0;
+        let unit = || self.tail(count, self.at)[0];
+        let above = creeps.then(|| [deflection / unit(), moment / (self.bending() * unit())]);
+        Place {
+            modes: (1..=count).map(mode).chain(above).collect(),
+            tail: if creeps { [0.0, 0.0] } else { [deflection, moment] },
+            bending: self.bending(),
+            internal: self.foundation.internal * self.section.inertia,
+            half_depth: 0.5 * self.section.depth,
+        }
+    }
+
+    /// Static deflection and moment at x under a unit force at the place of the impact, less those of the first modes: the modes above
+    /// are so stiff that their inertia does not count. Foundation and axial force do not act on modes so short.
+    pub(super) fn tail(&self, count: usize, x: f64) -> [f64; 2] {
+        let [a, x] = if x <= self.at { [self.at, x] } else { [self.length - self.at, self.length - x] };
+        let (l, b) = (self.length, self.length - a);
+        let deflection = b * x * (l * l - b * b - x * x) / (6.0 * self.bending() * l);
+        let mut tail = [deflection, b * x / l];
+        for n in 1..=count {
+            let k2 = self.wave_number(n).powi(2);
+            let shapes = self.shape(n, a) * self.shape(n, x) * 2.0 / l;
+            tail[0] -= shapes / (self.bending() * k2 * k2);
+            tail[1] -= shapes / k2;
+        }
+        tail
+    }
+}
+
+impl Place {
+    /// From the modes' displacements and velocities, and the contact force, N.
+    pub fn read(&self, modes: &[Oscillator], force: f64) -> Readings {
+        let (mut deflection, mut curvature, mut rate) = (0.0, 0.0, 0.0);
+        for (mode, [shape, curved]) in modes.iter().zip(&self.modes) {
+            deflection += shape * mode.q;
+            curvature += curved * mode.q;
+            rate += curved * mode.v;
+        }
+        let elastic = self.bending * curvature + self.tail[1] * force;
+        let moment = elastic + self.internal * rate;
+        [deflection + self.tail[0] * force, moment, self.half_depth * elastic / self.bending]
+    }
+}

@@ -1,0 +1,238 @@
+//! A sphere that strikes an infinite elastic plate: the handbook's coefficient of restitution, and the contact integrated.
+
+use std::f64::consts::PI;
+use std::ops::ControlFlow;
+
+use super::contact::{Contact, Horizon, System};
+use super::oscillator::Oscillator;
+use super::solid::{Elastic, Solid, contact_radius, judge};
+use super::solution::{Column, Figure, Line, Solution, Table};
+use super::{Numerics, Problem, Watch};
+use crate::bar::Hertz;
+use crate::units::Dimension::{self, Energy, Force, Length, None as Plain, Time, Velocity};
+
+/// A sphere on a plate at rest.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plate {
+    /// Full thickness 2h, m, > 0.
+    pub thickness: f64,
+    /// Of the plate; its density is known.
+    pub elastic: Elastic,
+    /// The sphere.
+    pub striker: Solid,
+    /// Largest relative defect of Hertz's law between the nodes of a step.
+    pub tolerance: f64,
+    /// Latest end of the contact that is followed, s; none: 100 Hertz durations.
+    pub until: Option<f64>,
+}
+
+/// The handbook's coefficient of restitution, equation 9.13, with Hertz's contact time (9.14): `a2` is that of equation 9.8, m^2. It is
+/// negative where 0.56 m > h rho a^2.
+pub fn handbook_restitution(mass: f64, half_thickness: f64, density: f64, a2: f64) -> f64 {
+    let x = 0.56 * mass / (half_thickness * density * a2);
+    (1.0 - x) / (1.0 + x)
+}
+
+impl Plate {
+    /// Force over velocity of the struck point, N s/m: 8 sqrt(D 2h rho), D being the bending stiffness. The plate answers a force with a
+    /// velocity in proportion.
+    pub fn impedance(&self) -> f64 {
+        let bending = self.elastic.modulus * self.thickness.powi(3) / (12.0 * (1.0 - self.elastic.poisson.powi(2)));
+        8.0 * (bending * self.thickness * self.elastic.density).sqrt()
+    }
+
+    /// The contact.
+    pub fn contact(&self) -> Hertz {
+        self.striker.contact(&self.elastic.half_space())
+    }
+
+    /// Zener's inelasticity parameter lambda: m/(Z T), T = (m^2/(k^2 v))^(1/5), F = k a^(3/2).
+    pub fn inelasticity(&self) -> f64 {
+        let (mass, stiffness) = (self.striker.mass, self.contact().stiffness());
+        let unit = (mass / stiffness).powf(0.4) * self.striker.velocity.powf(-0.2);
+        mass / (self.impedance() * unit)
+    }
+
+    /// Radius squared that the flexural wave has reached at the end of Hertz's contact, equation 9.8, m^2.
+    fn spread(&self, duration: f64) -> f64 {
+        let e = &self.elastic;
+        PI * duration * 0.5 * self.thickness * (e.modulus / (3.0 * e.density * (1.0 - e.poisson.powi(2)))).sqrt()
+    }
+
+    fn latest(&self) -> f64 {
+        self.until.unwrap_or_else(|| 100.0 * self.contact().contact_time(self.striker.mass, self.striker.velocity))
+    }
+
+    /// Everything that needs no integration.
+    fn closed_forms(&self) -> Solution {
+        let contact = self.contact();
+        let (mass, velocity) = (self.striker.mass, self.striker.velocity);
+        let duration = contact.contact_time(mass, velocity);
+        let a2 = self.spread(duration);
+        let restitution = handbook_restitution(mass, 0.5 * self.thickness, self.elastic.density, a2);
+        let lambda = self.inelasticity();
+        let mut solution = Solution {
+            scheme: "zener",
+            equation: "contact integrated: a = z - w, m z'' = -F, w' = F/Z, Z = 8 sqrt(2 h rho D), F by Hertz (Zener 1941); beside it \
+                       (9.13) with (9.8) and Hertz's contact time (9.14)"
+                .into(),
+            validity: "thin plate, no reflection from its edges during the contact, elastic contact; (9.13) is of first order in the \
+                       inelasticity lambda and negative above lambda = 1.128"
+                .into(),
+            ..Solution::default()
+        };
+        solution.add("lambda", Figure::new("inelasticity", Plain, "inelasticity parameter lambda", lambda));
+        solution.figures.extend([
+            Figure::new("hertz_duration", Time, "Hertz's duration of the contact, (9.14)", duration),
+            Figure::new(
+                "spread_radius",
+                Length,
+                "radius a of the disturbed part of the plate after it, (9.8)",
+                a2.sqrt(),
+            ),
+            Figure::new("spread_area", Dimension::Area, "area of that part", PI * a2),
+        ]);
+        let values = [(a2.sqrt(), Length), (duration, Time)];
+        solution.lines.push(Line::new("disturbed radius", "{} after Hertz's contact time {} (9.8)", &values));
+        solution.add(
+            "e by (9.13)",
+            Figure::new("handbook_restitution", Plain, "coefficient of restitution by (9.13)", restitution),
+        );
+        self.warn(&mut solution, restitution, a2.sqrt());
+        solution
+    }
+
+    fn warn(&self, solution: &mut Solution, restitution: f64, spread: f64) {
+        if restitution < 0.0 {
+            let warning = "(9.13) is negative here, lambda being above 1.128: it is no coefficient of restitution";
+            solution.warnings.push(warning.into());
+        }
+        if spread < 1.5 * self.thickness {
+            let ratio = spread / self.thickness;
+            solution.warnings.push(format!(
+                "the disturbed radius is {ratio:.2} of the thickness: bending waves of so short a contact are not those of a thin plate"
+            ));
+        }
+    }
+}
+
+fn contact_table() -> Table {
+    let column = |name, dimension: Dimension, long_name, panel| Column::new(name, dimension, long_name, panel);
+    let columns = vec![
+        Column::time(),
+        column("force", Force, "contact force", "contact force"),
+        column("approach", Length, "approach", "displacements"),
+        column("deflection", Length, "deflection of the plate", "displacements"),
+        column("contact_radius", Length, "radius of the circle of contact", "contact radius"),
+        column("striker_velocity", Velocity, "velocity of the striker", "velocities"),
+        column("plate_velocity", Velocity, "velocity of the struck point", "velocities"),
+    ];
+    Table::new("contact", columns)
+}
+
+fn ledger_table() -> Table {
+    let column = |name, long_name| Column::new(name, Energy, long_name, "energy");
+    let columns = vec![
+        Column::time(),
+        column("kinetic", "kinetic energy of the striker"),
+        column("contact", "elastic energy of the contact"),
+        column("radiated", "energy that the plate carries away"),
+        Column::new("residual", Plain, "energy less that at the start, relative to it", ""),
+    ];
+    Table::new("ledger", columns)
+}
+
+impl Problem for Plate {
+    fn kind(&self) -> &'static str {
+        "plate"
+    }
+
+    fn plan(&self) -> Solution {
+        self.closed_forms()
+    }
+
+    fn solve(&self, watch: Watch<'_>) -> ControlFlow<(), Solution> {
+        let (law, velocity) = (self.contact(), self.striker.velocity);
+        let mut solution = self.closed_forms();
+        let striker = Oscillator { v: velocity, ..Oscillator::new(self.striker.mass, [0.0, 0.0], -1.0) };
+        let system = System { modes: vec![striker], mobility: 1.0 / self.impedance(), ..System::default() };
+        let (mut contact, mut ledger) = (contact_table(), ledger_table());
+        let start = striker.energy();
+        let latest = self.latest();
+        let mut last = striker;
+        let horizon =
+            Horizon { least: 0.0, most: latest, tolerance: self.tolerance, doublings: Horizon::CONTACT_ALONE };
+        let history = Contact::new(law, system).run(horizon, |moment| {
+            last = moment.system.modes[0];
+            let (approach, system) = (moment.approach, moment.system);
+            let radius = contact_radius(&law, approach);
+            let plate = moment.force * system.mobility;
+            contact.push(&[moment.time, moment.force, approach, system.drift, radius, last.v, plate]);
+            let (kinetic, stored) = (last.energy(), law.energy(approach));
+            let residual = (kinetic + stored + system.radiated - start) / start;
+            ledger.push(&[moment.time, kinetic, stored, system.radiated, residual]);
+            watch(moment.time / latest)
+        })?;
+        if let Some(touch) = history.touches.first() {
+            let restitution = if history.separated { -last.v / velocity } else { f64::NAN };
+            solution.add(
+                "e integrated",
+                Figure::new("restitution", Plain, "coefficient of restitution, integrated", restitution),
+            );
+            solution.add("largest force", Figure::new("peak_force", Force, "largest contact force", touch.peak_force));
+            solution.add("contact time", Figure::new("contact_duration", Time, "duration of the contact", touch.end));
+            judge(&mut solution, &law, [&self.striker.elastic, &self.elastic], touch.approach);
+        }
+        if !history.separated {
+            solution
+                .warnings
+                .push("the sphere is still in contact at the end time; a larger `until` shows its rebound".into());
+        }
+        let long_name = "velocity of the striker after the impact";
+        solution.add("striker after", Figure::new("striker_velocity", Velocity, long_name, last.v));
+        super::account(&mut solution, &ledger, &history);
+        solution.tables = vec![contact, ledger];
+        ControlFlow::Continue(solution)
+    }
+
+    fn numerics(&self) -> Option<Numerics> {
+        Some(Numerics { modes: None, tolerance: self.tolerance })
+    }
+
+    fn with(&self, numerics: Numerics) -> Box<dyn Problem> {
+        Box::new(Self { tolerance: numerics.tolerance, ..self.clone() })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A plate with a given lambda: the sphere's mass and the contact are fixed, the thickness is chosen.
+    fn plate(lambda: f64) -> Plate {
+        let elastic = Elastic { modulus: 207e9, poisson: 0.3, density: 7850.0, yield_stress: None };
+        let striker = Solid { radius: 0.005, mass: 0.0041, velocity: 0.5, elastic };
+        let plate = Plate { thickness: 0.01, elastic, striker, tolerance: 1e-11, until: None };
+        // Z grows with the square of the thickness.
+        let thickness = 0.01 * (plate.inelasticity() / lambda).sqrt();
+        Plate { thickness, ..plate }
+    }
+
+    #[test]
+    fn zener_s_table_is_that_of_any_plate() {
+        for row in include_str!("zener_e_lambda.csv").lines().skip(2) {
+            let row: Vec<f64> = row.split(',').map(|cell| cell.parse().expect("a number")).collect();
+            let [lambda, dop853, .., rk4, handbook] = row[..] else { panic!("five columns") };
+            let ControlFlow::Continue(solution) = plate(lambda).solve(&mut |_| ControlFlow::Continue(())) else {
+                panic!("nothing stops it")
+            };
+            let e = solution.figure("restitution");
+            // The two columns of the table differ by up to 4.2e-10.
+            assert!((e - rk4).abs() < 1e-10 && (e - dop853).abs() < 5e-10, "{lambda}: {e} {rk4}");
+            // The column of (9.13) was made with 0.8863 lambda; 0.56 m/(h rho a^2) is 0.886255 lambda.
+            assert!((solution.figure("handbook_restitution") - handbook).abs() < 3e-5, "{lambda}");
+            assert_eq!(handbook < 0.0, solution.warnings.iter().any(|w| w.contains("negative")), "{lambda}");
+            assert!(solution.figure("energy_residual").abs() < 1e-9, "{:e}", solution.figure("energy_residual"));
+        }
+    }
+}

@@ -1,0 +1,173 @@
+//! What an impact that is not followed as waves in a bar results in: figures, histories, and sentences, for every kind alike.
+
+use crate::units::Dimension;
+
+/// A number of the result.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Figure {
+    /// Name of the dataset.
+    pub name: &'static str,
+    /// Name in the summary; its unit follows it there.
+    pub key: &'static str,
+    /// What it is measured in.
+    pub dimension: Dimension,
+    /// What it is.
+    pub long_name: &'static str,
+    /// SI; NaN where there is none.
+    pub value: f64,
+}
+
+impl Figure {
+    /// With one name in file and summary.
+    pub fn new(name: &'static str, dimension: Dimension, long_name: &'static str, value: f64) -> Self {
+        Self { name, key: name, dimension, long_name, value }
+    }
+
+    /// Key in the summary: `peak_force` and N give "`peak_force_N`".
+    pub fn json_key(&self) -> String {
+        let unit = self.dimension.si_symbol().replace(['/', '*'], "_").replace('^', "");
+        if unit.is_empty() { self.key.to_owned() } else { format!("{}_{unit}", self.key) }
+    }
+}
+
+/// A column of a table; all are equally long.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Column {
+    /// Name of the dataset.
+    pub name: &'static str,
+    /// What it is measured in.
+    pub dimension: Dimension,
+    /// What it is.
+    pub long_name: &'static str,
+    /// Title of the panel of a report that shows it, with the others of this title; empty: none does.
+    pub panel: &'static str,
+    /// SI.
+    pub values: Vec<f64>,
+}
+
+impl Column {
+    /// Without values.
+    pub fn new(name: &'static str, dimension: Dimension, long_name: &'static str, panel: &'static str) -> Self {
+        Self { name, dimension, long_name, panel, values: Vec::new() }
+    }
+
+    /// The time, for the first column of a table.
+    pub fn time() -> Self {
+        Self::new("time", Dimension::Time, "time since the first contact", "")
+    }
+}
+
+/// Columns over the first of them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Table {
+    /// Path of the group below that of the kind, such as "gauges/middle".
+    pub path: String,
+    /// The first labels the others.
+    pub columns: Vec<Column>,
+    /// Where it is on the body, m.
+    pub x: Option<f64>,
+}
+
+impl Table {
+    /// Without rows.
+    pub fn new(path: impl Into<String>, columns: Vec<Column>) -> Self {
+        Self { path: path.into(), columns, x: None }
+    }
+
+    /// Adds a value to every column.
+    pub fn push(&mut self, row: &[f64]) {
+        self.columns.iter_mut().zip(row).for_each(|(column, value)| column.values.push(*value));
+    }
+
+    /// The column of this name; empty where there is none.
+    pub fn column(&self, name: &str) -> &[f64] {
+        self.columns.iter().find(|column| column.name == name).map_or(&[], |column| &column.values)
+    }
+}
+
+/// Deflections over a length at several times.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Shapes {
+    /// s.
+    pub time: Vec<f64>,
+    /// m.
+    pub x: Vec<f64>,
+    /// m, a row a time.
+    pub deflection: Vec<f64>,
+}
+
+/// A line of the summary: each "{}" of the text stands for the next value.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Line {
+    /// What it is about.
+    pub label: &'static str,
+    /// The sentence.
+    pub text: String,
+    /// SI.
+    pub values: Vec<(f64, Dimension)>,
+}
+
+impl Line {
+    /// A sentence with its values.
+    pub fn new(label: &'static str, text: impl Into<String>, values: &[(f64, Dimension)]) -> Self {
+        Self { label, text: text.into(), values: values.to_vec() }
+    }
+}
+
+/// The result of an impact.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Solution {
+    /// "done", or "rupture" where something breaks.
+    pub outcome: &'static str,
+    /// How it was solved, as "hertz".
+    pub scheme: &'static str,
+    /// The equations that were used, with their numbers.
+    pub equation: String,
+    /// For what these hold.
+    pub validity: String,
+    /// Where the scene leaves their range, a sentence each.
+    pub warnings: Vec<String>,
+    /// Numbers.
+    pub figures: Vec<Figure>,
+    /// Figures at gauges: name of the gauge, then its figures.
+    pub gauges: Vec<(String, Vec<Figure>)>,
+    /// Yes or no, by name.
+    pub flags: Vec<(&'static str, bool)>,
+    /// Histories.
+    pub tables: Vec<Table>,
+    /// Deflected shapes, if there are any.
+    pub shapes: Option<Shapes>,
+    /// The summary for people.
+    pub lines: Vec<Line>,
+}
+
+impl Default for Solution {
+    fn default() -> Self {
+        Self {
+            outcome: "done",
+            scheme: "",
+            equation: String::new(),
+            validity: String::new(),
+            warnings: Vec::new(),
+            figures: Vec::new(),
+            gauges: Vec::new(),
+            flags: Vec::new(),
+            tables: Vec::new(),
+            shapes: None,
+            lines: Vec::new(),
+        }
+    }
+}
+
+impl Solution {
+    /// A figure by its name; NaN where there is none.
+    pub fn figure(&self, name: &str) -> f64 {
+        self.figures.iter().find(|figure| figure.name == name).map_or(f64::NAN, |figure| figure.value)
+    }
+
+    /// Adds a figure with its line of the summary.
+    pub fn add(&mut self, label: &'static str, figure: Figure) {
+        self.lines.push(Line::new(label, "{}", &[(figure.value, figure.dimension)]));
+        self.figures.push(figure);
+    }
+}

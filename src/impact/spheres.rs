@@ -1,0 +1,246 @@
+//! Two spheres that collide along the line of their centres: coefficient of restitution, ballistic pendulum, Hertz's theory.
+
+use std::ops::ControlFlow;
+
+use super::contact::{Contact, Horizon, System};
+use super::oscillator::Oscillator;
+use super::solid::{Solid, contact_radius, judge};
+use super::solution::{Column, Figure, Line, Solution, Table};
+use super::{Numerics, Problem, Watch};
+use crate::units::Dimension::{self, Energy, Force, Length, Mass, None as Plain, Time, Velocity};
+
+/// Part of the energy that vibrates in the spheres from which on Hertz's theory is left.
+const MOST_VIBRATION: f64 = 0.01;
+
+/// An impact of two spheres.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Spheres {
+    /// Newton's law, equations 9.1 to 9.3. Masses, kg, and velocities before, m/s, of striker and struck body.
+    Restitution {
+        /// kg.
+        masses: [f64; 2],
+        /// m/s.
+        velocities: [f64; 2],
+        /// 0 to 1.
+        restitution: f64,
+    },
+    /// A body that embeds in another at rest, equation 9.4.
+    Pendulum {
+        /// kg.
+        masses: [f64; 2],
+        /// Of both together, m/s.
+        after: f64,
+    },
+    /// Hertz's theory.
+    Hertz {
+        /// Striker and struck body.
+        solids: [Solid; 2],
+        /// Largest relative defect of Hertz's law between the nodes of a step.
+        tolerance: f64,
+    },
+}
+
+/// Velocities after an impact, equation 9.3, m/s.
+pub fn velocities_after(masses: [f64; 2], velocities: [f64; 2], restitution: f64) -> [f64; 2] {
+    let ([mu, mx], [u, x]) = (masses, velocities);
+    let (momentum, closing) = (mu * u + mx * x, restitution * (u - x));
+    [(momentum - mx * closing) / (mu + mx), (momentum + mu * closing) / (mu + mx)]
+}
+
+/// Velocity of a body before it embeds in another at rest, equation 9.4, m/s.
+pub fn velocity_before(masses: [f64; 2], after: f64) -> f64 {
+    (masses[0] + masses[1]) * after / masses[0]
+}
+
+fn kinetic(masses: [f64; 2], velocities: [f64; 2]) -> f64 {
+    (0..2).map(|i| 0.5 * masses[i] * velocities[i] * velocities[i]).sum()
+}
+
+impl Problem for Spheres {
+    fn kind(&self) -> &'static str {
+        "spheres"
+    }
+
+    fn solve(&self, watch: Watch<'_>) -> ControlFlow<(), Solution> {
+        match self {
+            Self::Restitution { masses, velocities, restitution } => {
+                ControlFlow::Continue(by_restitution(*masses, *velocities, *restitution))
+            }
+            Self::Pendulum { masses, after } => ControlFlow::Continue(pendulum(*masses, *after)),
+            Self::Hertz { solids, tolerance } => hertz(solids, *tolerance, watch),
+        }
+    }
+
+    fn plan(&self) -> Solution {
+        match self {
+            Self::Hertz { solids, .. } => closed_forms(solids),
+            // Nothing is integrated.
+            closed => match closed.solve(&mut |_| ControlFlow::Continue(())) {
+                ControlFlow::Continue(solution) => solution,
+                ControlFlow::Break(()) => Solution::default(),
+            },
+        }
+    }
+
+    fn numerics(&self) -> Option<Numerics> {
+        let Self::Hertz { tolerance, .. } = self else { return None };
+        Some(Numerics { modes: None, tolerance: *tolerance })
+    }
+
+    fn with(&self, numerics: Numerics) -> Box<dyn Problem> {
+        let mut other = self.clone();
+        if let Self::Hertz { tolerance, .. } = &mut other {
+            *tolerance = numerics.tolerance;
+        }
+        Box::new(other)
+    }
+}
+
+const STRIKER_AFTER: &str = "velocity of the striker after the impact";
+const STRUCK_AFTER: &str = "velocity of the struck body after the impact";
+
+fn by_restitution(masses: [f64; 2], velocities: [f64; 2], restitution: f64) -> Solution {
+    let after = velocities_after(masses, velocities, restitution);
+    let lost = kinetic(masses, velocities) - kinetic(masses, after);
+    let mut solution = Solution {
+        scheme: "restitution",
+        equation: "(9.1) to (9.3): Newton's law of restitution and the conservation of momentum".into(),
+        validity: "any two bodies in direct central impact whose coefficient of restitution is known".into(),
+        ..Solution::default()
+    };
+    solution.add("striker after", Figure::new("striker_velocity", Velocity, STRIKER_AFTER, after[0]));
+    solution.add("struck after", Figure::new("struck_velocity", Velocity, STRUCK_AFTER, after[1]));
+    solution.add("energy lost", Figure::new("energy_lost", Energy, "kinetic energy lost in the impact", lost));
+    solution.figures.push(Figure::new("restitution", Plain, "coefficient of restitution", restitution));
+    solution
+}
+
+fn pendulum(masses: [f64; 2], after: f64) -> Solution {
+    let before = velocity_before(masses, after);
+    let lost = kinetic(masses, [before, 0.0]) - kinetic(masses, [after, after]);
+    let mut solution = Solution {
+        scheme: "pendulum",
+        equation: "(9.4): conservation of momentum of a body that embeds in another at rest".into(),
+        validity: "the pendulum does not move while the body embeds in it".into(),
+        ..Solution::default()
+    };
+    let long_name = "velocity of the striker before the impact";
+    solution.add("striker before", Figure::new("striker_velocity_before", Velocity, long_name, before));
+    solution.add("energy lost", Figure::new("energy_lost", Energy, "kinetic energy lost in the impact", lost));
+    solution.figures.push(Figure::new("striker_velocity", Velocity, STRIKER_AFTER, after));
+    solution.figures.push(Figure::new("struck_velocity", Velocity, STRUCK_AFTER, after));
+    solution
+}
+
+/// Reduced mass, kg.
+fn reduced(solids: &[Solid; 2]) -> f64 {
+    1.0 / solids.iter().map(|s| 1.0 / s.mass).sum::<f64>()
+}
+
+/// Everything that needs no integration.
+fn closed_forms(solids: &[Solid; 2]) -> Solution {
+    let contact = solids[0].contact(&solids[1]);
+    let (mass, closing) = (reduced(solids), solids[0].velocity - solids[1].velocity);
+    let approach = contact.largest_approach(mass, closing);
+    let mut solution = Solution {
+        scheme: "hertz",
+        equation: "Hertz's theory: F = 4/3 E* sqrt(R) a^(3/2), contact time 2.9433 a/v; (9.5) for the vibration of the spheres".into(),
+        validity: "elastic spheres, contact small against them, contact time long against their lowest period: R of (9.5) small".into(),
+        ..Solution::default()
+    };
+    solution.lines.push(Line::new("closing velocity", "{}, reduced mass {}", &[(closing, Velocity), (mass, Mass)]));
+    solution.add("largest approach", Figure::new("approach", Length, "largest approach of the centres", approach));
+    solution.add("largest force", Figure::new("peak_force", Force, "largest contact force", contact.force(approach)));
+    let duration = contact.contact_time(mass, closing);
+    solution.add("contact time", Figure::new("contact_duration", Time, "duration of the contact", duration));
+    judge(&mut solution, &contact, [&solids[0].elastic, &solids[1].elastic], approach);
+    vibration(&mut solution, solids, closing);
+    solution
+}
+
+/// Equation 9.5, with the slower of the two wave speeds.
+fn vibration(solution: &mut Solution, solids: &[Solid; 2], closing: f64) {
+    let speeds = solids.iter().filter(|s| s.mass.is_finite()).map(|s| (s.elastic.modulus / s.elastic.density).sqrt());
+    let Some(speed) = speeds.filter(|c| c.is_finite()).reduce(f64::min) else { return };
+    let ratio = closing / speed / 50.0;
+    solution.add(
+        "vibration",
+        Figure::new("vibration_ratio", Plain, "energy of vibration over kinetic energy, (9.5)", ratio),
+    );
+    if ratio > MOST_VIBRATION {
+        let percent = 100.0 * ratio;
+        solution.warnings.push(format!(
+            "{percent:.1} % of the energy goes into vibration of the spheres by (9.5); Hertz's theory has none"
+        ));
+    }
+}
+
+fn table() -> Table {
+    let column = |name, dimension: Dimension, long_name, panel| Column::new(name, dimension, long_name, panel);
+    let columns = vec![
+        Column::time(),
+        column("force", Force, "contact force", "contact force"),
+        column("approach", Length, "approach of the centres", "approach"),
+        column("contact_radius", Length, "radius of the circle of contact", "contact radius"),
+        column("striker_velocity", Velocity, "velocity of the striker", "velocities"),
+        column("struck_velocity", Velocity, "velocity of the struck body", "velocities"),
+    ];
+    Table::new("contact", columns)
+}
+
+fn ledger() -> Table {
+    let column = |name, long_name| Column::new(name, Energy, long_name, "energy");
+    let columns = vec![
+        Column::time(),
+        column("kinetic", "kinetic energy of both bodies"),
+        column("contact", "elastic energy of the contact"),
+        Column::new("residual", Plain, "energy less that at the start, relative to it", ""),
+    ];
+    Table::new("ledger", columns)
+}
+
+fn hertz(solids: &[Solid; 2], tolerance: f64, watch: Watch<'_>) -> ControlFlow<(), Solution> {
+    let mut solution = closed_forms(solids);
+    let law = solids[0].contact(&solids[1]);
+    let shapes = [-1.0, 1.0];
+    let body = |(solid, shape): (&Solid, f64)| Oscillator {
+        v: solid.velocity,
+        ..Oscillator::new(solid.mass, [0.0, 0.0], shape)
+    };
+    let modes = solids.iter().zip(shapes).filter(|(s, _)| s.mass.is_finite()).map(body).collect();
+    let duration = solution.figure("contact_duration");
+    let (mut contact, mut ledger) = (table(), ledger());
+    let mut start = None;
+    let horizon = Horizon { least: 0.0, most: 10.0 * duration, tolerance, doublings: Horizon::CONTACT_ALONE };
+    let system = System { modes, ..System::default() };
+    let history = Contact::new(law, system).run(horizon, |moment| {
+        let velocity = |i: usize| moment.system.modes.get(i).map_or(0.0, |m| m.v);
+        let radius = contact_radius(&law, moment.approach);
+        contact.push(&[moment.time, moment.force, moment.approach, radius, velocity(0), velocity(1)]);
+        let kinetic: f64 = moment.system.modes.iter().map(Oscillator::energy).sum();
+        let stored = law.energy(moment.approach);
+        let first = *start.get_or_insert(kinetic);
+        ledger.push(&[moment.time, kinetic, stored, (kinetic + stored - first) / first]);
+        watch(moment.time / duration)
+    })?;
+    let after = [4, 5].map(|i: usize| contact.columns[i].values.last().copied().unwrap_or(0.0));
+    solution.add("striker after", Figure::new("striker_velocity", Velocity, STRIKER_AFTER, after[0]));
+    solution.add("struck after", Figure::new("struck_velocity", Velocity, STRUCK_AFTER, after[1]));
+    let impulse = history.touches.iter().map(|t| t.impulse).sum();
+    solution.add("impulse", Figure::new("impulse", Dimension::Impulse, "impulse of the contact force", impulse));
+    super::account(&mut solution, &ledger, &history);
+    solution.tables = vec![contact, ledger];
+    ControlFlow::Continue(solution)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_textbook_s_spheres_and_pendulum() {
+        let after = velocities_after([2.0, 3.0], [5.0, -1.0], 0.6);
+        assert!((after[0] + 0.76).abs() < 1e-15 && (after[1] - 2.84).abs() < 1e-15, "{after:?}");
+        assert!((velocity_before([0.01, 2.0], 1.5) - 301.5).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,158 @@
+//! The scatter of repeated tests about a curve. Runs ignore it; studies of uncertainty use it.
+
+use serde::Serialize;
+
+use super::csv;
+use super::keys::Keys;
+use super::raw::{RawBand, RawTest, TableRow};
+use super::{Beyond, Curve};
+use crate::error::{InputError, Result};
+use crate::input::Allowed;
+use crate::units::{Dimension, Quantity};
+
+/// The scatter of repeated tests.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct Scatter {
+    /// (engineering strain, standard deviation of the engineering stress in Pa).
+    pub deviation: Vec<(f64, f64)>,
+    /// One curve a test.
+    pub tests: Vec<TestCurve>,
+}
+
+/// The curve of one test, in engineering measure.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TestCurve {
+    /// Name of the record.
+    pub record: String,
+    /// Elastic modulus, Pa.
+    #[serde(rename = "modulus_Pa")]
+    pub modulus: f64,
+    /// The curve.
+    pub curve: Curve,
+}
+
+impl Scatter {
+    /// Standard deviation of the stress at a strain, Pa: straight between rows, constant past the last one.
+    pub fn deviation_at(&self, strain: f64) -> f64 {
+        interpolate(&self.deviation, strain)
+    }
+}
+
+/// Straight between points of increasing x, constant outside; 0 without points.
+fn interpolate(points: &[(f64, f64)], x: f64) -> f64 {
+    let upper = points.partition_point(|point| point.0 <= x);
+    match (upper.checked_sub(1).map(|k| points[k]), points.get(upper)) {
+        (Some(a), Some(b)) => a.1 + (b.1 - a.1) * (x - a.0) / (b.0 - a.0),
+        (Some(only), None) => only.1,
+        (None, first) => first.map_or(0.0, |only| only.1),
+    }
+}
+
+/// Checks `[band]`.
+pub(super) fn resolve(raw: RawBand, beyond: Beyond, keys: Keys<'_>) -> Result<Scatter> {
+    let unit = match &raw.unit {
+        Some(unit) => csv::factor(unit.get_ref(), Dimension::Stress)
+            .map_err(|e| keys.error(unit.span(), "band.unit", e.message).help(e.help))?,
+        None => 1.0,
+    };
+    let deviation = raw
+        .deviation
+        .as_ref()
+        .map_or_else(|| Ok(Vec::new()), |rows| table(rows.get_ref(), "band.deviation", unit, keys))?;
+    if let (Some(rows), true) = (&raw.deviation, deviation.windows(2).any(|pair| pair[1].0 <= pair[0].0)) {
+        let error = keys.error(rows.span(), "band.deviation", "the strain does not increase from row to row");
+        return Err(error.help("sort the rows by strain, each strain once").into());
+    }
+    let tests = raw.test.unwrap_or_default().into_iter().enumerate();
+    let tests = tests.map(|(k, raw)| test(&raw, k, beyond, unit, keys)).collect::<Result<_>>()?;
+    Ok(Scatter { deviation, tests })
+}
+
+fn test(raw: &RawTest, place: usize, beyond: Beyond, unit: f64, keys: Keys<'_>) -> Result<TestCurve> {
+    let key = format!("band.test.{place}");
+    let wrong = |message: String| -> InputError {
+        keys.error(raw.table.span(), &format!("{key}.table"), message)
+            .allowed("finite, not negative, strain increasing from row to row")
+            .help("rows are [strain, stress], magnitudes, the first one (0, 0) or left out")
+    };
+    let rows = table(raw.table.get_ref(), &format!("{key}.table"), unit, keys)?;
+    let curve = Curve::new(&rows, raw.beyond.unwrap_or(beyond)).map_err(|e| wrong(e.to_string()))?;
+    let modulus =
+        keys.optional(raw.modulus.as_ref(), &format!("{key}.modulus"), Dimension::Stress, Allowed::Positive)?;
+    if let Some((knot, slope)) = modulus.and_then(|modulus| curve.steeper_than(modulus)) {
+        let message = format!("the slope up to strain {:e} is {slope:.6e} Pa, above the modulus", curve.strain()[knot]);
+        return Err(wrong(message).into());
+    }
+    let record = raw.record.clone().unwrap_or_else(|| format!("test {}", place + 1));
+    Ok(TestCurve { record, modulus: modulus.unwrap_or_else(|| curve.steepest()), curve })
+}
+
+fn table(rows: &[TableRow], name: &str, unit: f64, keys: Keys<'_>) -> Result<Vec<(f64, f64)>> {
+    let row = |(row, TableRow(strain, stress)): (usize, &TableRow)| {
+        let key = |column: &str| format!("{name}.{row}.{column}");
+        let e = keys.number(strain, &key("strain"), Dimension::None, Allowed::NotNegative)?;
+        let s = keys.number(stress, &key("stress"), Dimension::Stress, Allowed::NotNegative)?;
+        Ok((e, if matches!(stress.get_ref(), Quantity::Number(_)) { s * unit } else { s }))
+    };
+    rows.iter().enumerate().map(row).collect()
+}
+
+/// Points of the mean curve up to the largest stress, and past it.
+const BEFORE_MAXIMUM: u32 = 160;
+const PAST_MAXIMUM: u32 = 40;
+
+/// The mean of the curves of several tests (at least one): modulus, Pa, and rows (strain, stress in Pa) from the elastic limit on.
+///
+/// Plastic strain and stress are averaged at equal fractions of the plastic strain at the largest stress, and past it at equal fractions of
+/// the way to the last row, so that tests which neck at different strains do not blunt the maximum of the mean.
+pub fn mean_curve(tests: &[&TestCurve]) -> (f64, Vec<(f64, f64)>) {
+    let flows: Vec<Flow> = tests.iter().map(|test| Flow::of(test)).collect();
+    let count = tests.len() as f64;
+    let modulus = tests.iter().map(|test| test.modulus).sum::<f64>() / count;
+    let before = (0..=BEFORE_MAXIMUM).map(|i| (f64::from(i) / f64::from(BEFORE_MAXIMUM)).powi(3));
+    let past = (1..=PAST_MAXIMUM).map(|i| 1.0 + f64::from(i) / f64::from(PAST_MAXIMUM));
+    let mut rows: Vec<(f64, f64)> = Vec::new();
+    for t in before.chain(past) {
+        let (p, s) = flows.iter().map(|flow| flow.at(t)).fold((0.0, 0.0), |sum, at| (sum.0 + at.0, sum.1 + at.1));
+        let strain = p / count + s / count / modulus;
+        // Strains closer than this would have slopes of rounding.
+        if rows.last().is_none_or(|last: &(f64, f64)| strain > last.0 * (1.0 + 1e-9)) {
+            rows.push((strain, s / count));
+        }
+    }
+    (modulus, rows)
+}
+
+/// Stress against plastic strain, which never falls, from the elastic limit on.
+struct Flow {
+    points: Vec<(f64, f64)>,
+    top: f64,
+    last: f64,
+}
+
+impl Flow {
+    fn of(test: &TestCurve) -> Self {
+        let limit = test.curve.elastic_limit(test.modulus);
+        let mut points = vec![(0.0, limit.1)];
+        let mut top = (0.0, limit.1);
+        for (&strain, &stress) in test.curve.strain().iter().zip(test.curve.stress()).filter(|knot| *knot.0 > limit.0) {
+            let p = (strain - stress / test.modulus).max(points[points.len() - 1].0);
+            points.push((p, stress));
+            if stress > top.1 {
+                top = (p, stress);
+            }
+        }
+        let last = points[points.len() - 1].0;
+        Self { points, top: top.0, last }
+    }
+
+    /// Plastic strain and stress at a fraction of the way: 0 to 1 up to the largest stress, 1 to 2 from there to the last row.
+    fn at(&self, t: f64) -> (f64, f64) {
+        let p = if t <= 1.0 { t * self.top } else { self.top + (t - 1.0) * (self.last - self.top) };
+        if t == 1.0 {
+            let largest = self.points.iter().map(|point| point.1).fold(0.0, f64::max);
+            return (p, largest);
+        }
+        (p, interpolate(&self.points, p))
+    }
+}

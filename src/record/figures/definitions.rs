@@ -1,0 +1,196 @@
+//! Every figure, defined once. Stresses and forces are positive in tension, impulses and velocities in +x; a figure that does not exist for a
+//! scene is left out.
+
+use super::Figure;
+use super::contact::Site;
+use super::key;
+use super::records::Part;
+use super::tally::Gauge;
+use crate::units::Dimension;
+
+/// A figure of `S`.
+#[derive(Debug)]
+pub struct Definition<S> {
+    name: &'static str,
+    dimension: Dimension,
+    phrase: &'static str,
+    description: &'static str,
+    /// SI; none where it does not exist.
+    of: fn(&S) -> Option<f64>,
+}
+
+/// Figures of one kind of thing.
+pub(super) trait Figured<S> {
+    /// Those that exist.
+    fn figures(&self, of: &S) -> Vec<Figure>;
+}
+
+impl<S> Figured<S> for [Definition<S>] {
+    fn figures(&self, of: &S) -> Vec<Figure> {
+        let figure = |d: &Definition<S>| {
+            let &Definition { name, dimension, description, phrase, .. } = d;
+            (d.of)(of).map(|value| Figure { name, dimension, description, phrase, value })
+        };
+        self.iter().filter_map(figure).collect()
+    }
+}
+
+/// A row of a table below.
+const fn row<S>(
+    (name, dimension, phrase): (&'static str, Dimension, &'static str),
+    description: &'static str,
+    of: fn(&S) -> Option<f64>,
+) -> Definition<S> {
+    Definition { name, dimension, phrase, description, of }
+}
+
+/// Of the bar, and of each of several segments.
+pub(super) static PART: &[Definition<Part>] = &[
+    row(
+        ("largest_plastic_strain", Dimension::None, ""),
+        "largest accumulated plastic strain at the end of the run",
+        |part| Some(part.end.accumulated),
+    ),
+    row(
+        ("residual_strain_largest", Dimension::None, "residual strain up to"),
+        "plastic strain of largest magnitude at the end of the run, with its sign",
+        |part| Some(part.end.residual.value),
+    ),
+    row(
+        ("residual_strain_position", Dimension::Length, "at x ="),
+        "where that is, from the left end of the undeformed bar; absent without plastic strain",
+        |part| (part.end.residual.value != 0.0).then_some(part.end.residual.at),
+    ),
+    row(
+        ("final_length", Dimension::Length, ""),
+        "length after elastic unloading of every section, the integral of 1 + plastic strain; of the bar only if all joints are bonded",
+        |part| part.length.map(|[_, last]| last),
+    ),
+    row(("final_length_ratio", Dimension::None, ""), "final length over initial length", |part| {
+        part.length.map(|[first, last]| last / first)
+    }),
+    row(
+        ("permanent_elongation", Dimension::Length, "permanent elongation"),
+        "final length less initial length, the integral of the plastic strain",
+        |part| part.length.map(|[first, last]| last - first),
+    ),
+    row(
+        ("energy_absorbed", Dimension::Energy, "energy absorbed"),
+        "energy dissipated in the bar by plastic flow and fracture; needs an area",
+        |part| part.absorbed,
+    ),
+    row(("energy_absorbed_per_volume", Dimension::EnergyDensity, ""), "the same over the volume of the bar", |part| {
+        part.absorbed_per_volume
+    }),
+];
+
+/// Of both ends and all joints.
+pub(super) static LOAD: &[Definition<Site>] = &[
+    row(
+        ("peak_force", Dimension::Force, "peak"),
+        "force of largest magnitude with its sign, tension positive; needs an area",
+        |site| site.area.map(|area| area * site.load.peak.value),
+    ),
+    row(
+        ("peak_stress", Dimension::Stress, "peak"),
+        "stress of largest magnitude with its sign, in place of the force in bars without an area and in torsion",
+        |site| if site.area.is_none() { Some(site.load.peak.value) } else { None },
+    ),
+    row(
+        ("time_of_peak", Dimension::Time, "at"),
+        "when the peak is first reached; absent if there is no force",
+        |site| (site.load.peak.value != 0.0).then_some(site.load.peak.at),
+    ),
+    row(
+        ("impulse", Dimension::Impulse, "impulse"),
+        "impulse given to the bar at this end, or across this joint to the part on its right, positive in +x; needs an area",
+        |site| site.area.and(site.impulse),
+    ),
+    row(
+        ("impulse_per_area", Dimension::Viscosity, "impulse"),
+        "the same per area of the section, in bars without an area",
+        |site| if site.area.is_none() { site.impulse } else { None },
+    ),
+    row(
+        ("contact_duration", Dimension::Time, "contact for"),
+        "total time under contact force, at ends and joints that can part",
+        |site| site.contact.map(|contact| contact.duration),
+    ),
+    row(
+        ("time_of_release", Dimension::Time, "until"),
+        "when the contact force last became zero; absent if it acts at the end of the run",
+        |site| site.contact.and_then(|contact| contact.released),
+    ),
+    row(
+        ("restitution", Dimension::None, "restitution"),
+        "coefficient of restitution, relative velocity of separation over that of approach, with mass-mean velocities; absent if one of the \
+         bodies has another contact. A fixed or absorbing far end counts as a body at rest",
+        |site| site.restitution,
+    ),
+];
+
+/// Of ends.
+pub(super) static END: &[Definition<Site>] = &[
+    row(
+        ("striker_velocity_after", Dimension::Velocity, "striker leaves with"),
+        "velocity of the striker or ball after its last contact",
+        |site| site.striker_after,
+    ),
+    row(
+        ("bar_velocity_after", Dimension::Velocity, "bar leaves with"),
+        "mass-mean velocity after the last contact of the bar, or of its part up to the next joint that can open",
+        |site| site.bodies_after.into_iter().flatten().next(),
+    ),
+];
+
+/// Of joints.
+pub(super) static JOINT: &[Definition<Site>] = &[
+    row(
+        ("left_velocity_after", Dimension::Velocity, "left part leaves with"),
+        "mass-mean velocity of the part on the left of the joint after its last contact",
+        |site| site.bodies_after[0],
+    ),
+    row(
+        ("right_velocity_after", Dimension::Velocity, "right part leaves with"),
+        "the same of the part on the right",
+        |site| site.bodies_after[1],
+    ),
+];
+
+/// Of gauges.
+pub(super) static GAUGE: &[Definition<Gauge>] = &[
+    row(("peak_stress", Dimension::Stress, "peak stress"), "stress of largest magnitude with its sign", |gauge| {
+        Some(gauge.stress.value)
+    }),
+    row(("time_of_peak_stress", Dimension::Time, "at"), "when it is first reached", |gauge| {
+        (gauge.stress.value != 0.0).then_some(gauge.stress.at)
+    }),
+    row(
+        ("peak_strain", Dimension::None, "peak strain"),
+        "engineering strain of largest magnitude with its sign",
+        |gauge| Some(gauge.strain.value),
+    ),
+    row(("time_of_peak_strain", Dimension::Time, "at"), "when it is first reached", |gauge| {
+        (gauge.strain.value != 0.0).then_some(gauge.strain.at)
+    }),
+];
+
+/// Every figure for a reference: where it stands, its JSON key, its unit and its description.
+pub fn definitions() -> Vec<[String; 4]> {
+    fn rows<S>(place: &str, table: &[Definition<S>]) -> Vec<[String; 4]> {
+        let row = |d: &Definition<S>| {
+            let unit = d.dimension.si_symbol().replace('*', " ");
+            let unit = if unit.is_empty() { "1".to_owned() } else { unit };
+            [place.to_owned(), key(d.name, d.dimension), unit, d.description.to_owned()]
+        };
+        table.iter().map(row).collect()
+    }
+    let tables = [
+        rows("bar, `segments.N`", PART),
+        rows("`left`, `right`, `joints.N`", LOAD),
+        rows("`left`, `right`", END),
+        rows("`joints.N`", JOINT),
+        rows("`gauges.NAME`", GAUGE),
+    ];
+    tables.concat()
+}

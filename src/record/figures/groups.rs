@@ -1,0 +1,74 @@
+//! The figures of a run, place by place.
+
+use super::contact::{Site, sites};
+use super::definitions::{END, Figured, GAUGE, JOINT, LOAD, PART};
+use super::records::{Part, Records, SegmentEnd};
+use super::{Figures, Group};
+use crate::bar::Joint;
+
+impl Records<'_> {
+    /// The figures that exist.
+    pub fn figures(&self) -> Figures {
+        let mut groups = vec![self.whole()];
+        let (ends, joints) = sites(self);
+        let names = [("left", "load at left end"), ("right", "load at right end")];
+        for ((path, label), site) in names.iter().zip(&ends) {
+            groups.push(place(&[path], label, site, END));
+        }
+        for (k, site) in joints.iter().enumerate() {
+            let number = (k + 1).to_string();
+            groups.push(place(&["joints", &number], &format!("load at joint {number}"), site, JOINT));
+        }
+        for (name, gauge) in self.gauges.iter().zip(&self.tally.gauges) {
+            groups.push(group(&["gauges", name], &format!("gauge {name}"), true, GAUGE.figures(gauge)));
+        }
+        if self.segments.len() > 1 {
+            groups.extend((0..self.segments.len()).map(|k| self.segment(k)));
+        }
+        groups.retain(|group| !group.figures.is_empty());
+        Figures(groups)
+    }
+
+    fn whole(&self) -> Group {
+        let mut end = SegmentEnd::default();
+        self.segments.iter().for_each(|segment| end.add(segment));
+        let inner = &self.bar.segments[..self.bar.segments.len() - 1];
+        let bonded = inner.iter().all(|segment| segment.joint == Joint::Bonded);
+        let length = self.bar.length();
+        let energies = &self.account.energies;
+        let absorbed =
+            energies.plastic + energies.heat + energies.viscoplastic + energies.concentrated + energies.fracture;
+        let volume: f64 = self.bar.segments.iter().map(|segment| segment.area * segment.length).sum();
+        let part = Part {
+            length: (bonded && !self.torsion).then(|| lengths(length, &end)),
+            end,
+            absorbed: self.bar.area_given.then_some(absorbed),
+            // The strains of a twisted section differ from its surface's.
+            absorbed_per_volume: (!self.torsion).then(|| absorbed / volume),
+        };
+        group(&[], "bar", end.accumulated > 0.0, PART.figures(&part))
+    }
+
+    fn segment(&self, k: usize) -> Group {
+        let (end, length) = (self.segments[k], self.bar.segments[k].length);
+        let length = (!self.torsion).then(|| lengths(length, &end));
+        let part = Part { length, end, absorbed: None, absorbed_per_volume: None };
+        let number = (k + 1).to_string();
+        group(&["segments", &number], &format!("segment {number}"), end.accumulated > 0.0, PART.figures(&part))
+    }
+}
+
+/// Undeformed and after elastic unloading, m. An elongation that is the rounding of a length is none.
+fn lengths(length: f64, end: &SegmentEnd) -> [f64; 2] {
+    let plastic = if end.plastic_elongation.abs() > 1e-11 * length { end.plastic_elongation } else { 0.0 };
+    [length, length + plastic]
+}
+
+fn place(path: &[&str], label: &str, site: &Site, more: &[super::Definition<Site>]) -> Group {
+    let figures = LOAD.figures(site).into_iter().chain(more.figures(site)).collect();
+    group(path, label, site.load.peak.value != 0.0, figures)
+}
+
+fn group(path: &[&str], label: &str, tells: bool, figures: Vec<super::Figure>) -> Group {
+    Group { path: path.iter().map(|&part| part.to_owned()).collect(), label: label.to_owned(), tells, figures }
+}

@@ -1,0 +1,69 @@
+//! What the figures of a run are computed from.
+
+use super::tally::{Extreme, Tally};
+use crate::bar::{Bar, EndCondition};
+use crate::record::{Account, ContactReading};
+
+/// A segment at the end of a run.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct SegmentEnd {
+    /// Elongation, m.
+    pub elongation: f64,
+    /// The plastic part of it, m.
+    pub plastic_elongation: f64,
+    /// N s in +x.
+    pub momentum: f64,
+    /// Signed plastic strain.
+    pub residual: Extreme,
+    /// Largest accumulated plastic strain.
+    pub accumulated: f64,
+}
+
+impl SegmentEnd {
+    /// Adds a part of the segment.
+    pub fn add(&mut self, part: &Self) {
+        self.elongation += part.elongation;
+        self.plastic_elongation += part.plastic_elongation;
+        self.momentum += part.momentum;
+        self.residual.add(part.residual.at, part.residual.value);
+        self.accumulated = self.accumulated.max(part.accumulated);
+    }
+}
+
+/// Everything that figures are computed from.
+#[derive(Debug)]
+pub struct Records<'a> {
+    /// The bar as the scene states it.
+    pub bar: &'a Bar,
+    /// Its ends.
+    pub ends: [&'a EndCondition; 2],
+    /// It is twisted: stresses are those of its surface.
+    pub torsion: bool,
+    /// Names of the gauges.
+    pub gauges: Vec<&'a str>,
+    /// What the histories came to.
+    pub tally: &'a Tally,
+    /// Sections to which the histories beside joints belong, m^2.
+    pub joint_areas: Vec<f64>,
+    /// The segments at the end.
+    pub segments: Vec<SegmentEnd>,
+    /// Energies and impulses at the end.
+    pub account: Account,
+    /// Joints that can open.
+    pub contacts: Vec<ContactReading>,
+    /// Velocities of the strikers at the end, m/s.
+    pub strikers: [Option<f64>; 2],
+    /// The bar broke.
+    pub broken: bool,
+}
+
+/// A part of the bar, or all of it, at the end.
+pub(super) struct Part {
+    /// None where the parts are not joined, and in torsion.
+    pub length: Option<[f64; 2]>,
+    pub end: SegmentEnd,
+    /// J; none for a part of the bar, and where the scene gives no area.
+    pub absorbed: Option<f64>,
+    /// J/m^3.
+    pub absorbed_per_volume: Option<f64>,
+}

@@ -1,0 +1,137 @@
+//! What histories of stress and strain came to, gathered while they are handed on to the result file.
+
+use serde::{Deserialize, Serialize};
+
+use crate::bar::Bar;
+use crate::record::Trace;
+
+/// A value counts as larger than the largest so far if it exceeds it by this part: the ripple of rounding on a constant stress does not
+/// move the time of its peak.
+const LARGER: f64 = 1.0 + 1e-9;
+
+/// Stresses up to this part of the modulus are none: what rounding leaves of waves that cancel.
+const NO_STRESS: f64 = 1e-12;
+
+/// The largest magnitude of a history with its sign, and where or when it was first reached; both 0 at the start.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct Extreme {
+    /// The value.
+    pub value: f64,
+    /// Time (s) or place (m).
+    pub at: f64,
+}
+
+impl Extreme {
+    /// Takes a value at a time or place.
+    pub fn add(&mut self, at: f64, value: f64) {
+        if value.abs() > LARGER * self.value.abs() {
+            *self = Self { value, at };
+        }
+    }
+}
+
+/// What a face carried.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Load {
+    /// Stress, Pa.
+    pub peak: Extreme,
+    /// Total time under stress, s.
+    pub duration: f64,
+    /// When it was last under stress, s.
+    pub loaded_until: f64,
+    /// No stress in the last row.
+    pub is_released: bool,
+    last_time: f64,
+    no_stress: f64,
+}
+
+impl Load {
+    fn new(modulus: f64) -> Self {
+        Self { no_stress: NO_STRESS * modulus, is_released: true, ..Self::default() }
+    }
+
+    /// A row counts to the next one if both carry stress.
+    fn add(&mut self, rows: &Trace) {
+        for (&time, &stress) in rows.time.iter().zip(&rows.stress) {
+            self.peak.add(time, stress);
+            let is_released = stress.abs() <= self.no_stress;
+            if !is_released && !self.is_released {
+                self.duration += time - self.last_time;
+                self.loaded_until = time;
+            }
+            (self.last_time, self.is_released) = (time, is_released);
+        }
+    }
+}
+
+/// What a gauge saw.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Gauge {
+    pub stress: Extreme,
+    pub strain: Extreme,
+}
+
+/// What the histories of a run came to so far.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Tally {
+    pub(super) ends: [Load; 2],
+    pub(super) gauges: Vec<Gauge>,
+    pub(super) joints: Vec<Load>,
+}
+
+impl Tally {
+    /// Of a bar with so many gauges. Histories of the stress beside its joints follow those of the gauges.
+    pub fn new(bar: &Bar, gauges: usize) -> Self {
+        let loads: Vec<Load> = bar.segments.iter().map(|segment| Load::new(segment.material.modulus)).collect();
+        let last = loads.len() - 1;
+        Self { ends: [loads[0], loads[last]], gauges: vec![Gauge::default(); gauges], joints: loads[..last].to_vec() }
+    }
+
+    /// Number of the scene's gauges.
+    pub fn gauges(&self) -> usize {
+        self.gauges.len()
+    }
+
+    /// Takes rows: of the gauges and the joints, and of both ends.
+    pub fn hear(&mut self, gauges: &[Trace], ends: &[Trace; 2]) {
+        let (gauges, joints) = gauges.split_at(self.gauges.len().min(gauges.len()));
+        for (tally, rows) in self.gauges.iter_mut().zip(gauges) {
+            for ((&time, &stress), &strain) in rows.time.iter().zip(&rows.stress).zip(&rows.strain) {
+                tally.stress.add(time, stress);
+                tally.strain.add(time, strain);
+            }
+        }
+        for (load, rows) in self.joints.iter_mut().zip(joints).chain(self.ends.iter_mut().zip(ends)) {
+            load.add(rows);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rows(rows: &[(f64, f64)]) -> Trace {
+        let (time, stress) = rows.iter().copied().unzip();
+        Trace { time, stress, ..Trace::default() }
+    }
+
+    #[test]
+    fn time_under_stress_is_that_between_loaded_rows_of_any_batch() {
+        let all = [(0.0, 0.0), (1.0, 0.0), (1.0, -5.0), (3.0, -5.0), (3.0, 0.0), (4.0, 0.0), (4.0, 2.0), (4.5, 2.0)];
+        for cut in 0..all.len() {
+            let mut load = Load::new(1.0);
+            load.add(&rows(&all[..cut]));
+            load.add(&rows(&all[cut..]));
+            assert_eq!((load.duration, load.loaded_until, load.is_released), (2.5, 4.5, false), "{cut}");
+            assert_eq!(load.peak, Extreme { value: -5.0, at: 1.0 });
+        }
+    }
+
+    #[test]
+    fn ripples_of_rounding_do_not_move_a_peak() {
+        let mut load = Load::new(1.0);
+        load.add(&rows(&[(0.0, 0.0), (1.0, 3.0), (2.0, 3.0 * (1.0 + 1e-13)), (3.0, 1e-15), (4.0, -1e-15)]));
+        assert_eq!((load.peak.at, load.duration, load.is_released), (1.0, 1.0, true));
+    }
+}

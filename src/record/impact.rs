@@ -1,0 +1,55 @@
+//! The summary of an impact that is not waves in a bar.
+
+use std::collections::BTreeMap;
+
+use serde::ser::SerializeMap;
+use serde::{Serialize, Serializer};
+
+use crate::impact::{Figure, Solution};
+
+/// What `barwave run --json` prints of such a scene: the keys that every summary has, then the figures of its kind, each with its unit in
+/// its name; null where there is none.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ImpactSummary {
+    /// Scene title.
+    pub scene: String,
+    /// "energy", "spheres", "plate" or "beam".
+    pub method: &'static str,
+    /// The result.
+    pub solution: Solution,
+    /// Everything, s.
+    pub wall_s: f64,
+    /// The result file; empty without one.
+    pub output: String,
+}
+
+impl Serialize for ImpactSummary {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let solution = &self.solution;
+        let mut map = serializer.serialize_map(None)?;
+        map.serialize_entry("scene", &self.scene)?;
+        map.serialize_entry("outcome", solution.outcome)?;
+        map.serialize_entry("method", self.method)?;
+        map.serialize_entry("scheme", solution.scheme)?;
+        map.serialize_entry("effects", &[(); 0])?;
+        for figure in &solution.figures {
+            map.serialize_entry(&figure.json_key(), &figure.value)?;
+        }
+        if !solution.gauges.is_empty() {
+            let of = |figures: &[Figure]| figures.iter().map(|f| (f.json_key(), f.value)).collect::<BTreeMap<_, _>>();
+            let gauges: BTreeMap<_, _> = solution.gauges.iter().map(|(name, figures)| (name, of(figures))).collect();
+            map.serialize_entry("gauges", &gauges)?;
+        }
+        for (name, flag) in &solution.flags {
+            map.serialize_entry(name, flag)?;
+        }
+        if !solution.equation.is_empty() {
+            map.serialize_entry("equation", &solution.equation)?;
+            map.serialize_entry("validity", &solution.validity)?;
+            map.serialize_entry("notes", &solution.warnings)?;
+        }
+        map.serialize_entry("wall_s", &self.wall_s)?;
+        map.serialize_entry("output", &self.output)?;
+        map.end()
+    }
+}

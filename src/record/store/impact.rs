@@ -1,0 +1,208 @@
+//! The result of an impact that is not waves in a bar: figures, histories and deflected shapes in one group, complete from the start.
+
+use std::path::Path;
+
+use hdf5::{File, Group};
+
+use super::attributes::{get, get_text, put, put_text, text};
+use super::claim::in_place;
+use super::create::{build_materials, build_root, describe};
+use super::scales::attach;
+use super::{Header, MaterialRecord, ResultFile, bounded};
+use crate::error::Result;
+use crate::impact::{Figure, Shapes, Solution, Table};
+
+type Hdf<T> = hdf5::Result<T>;
+
+/// Root attribute with the name of the group.
+const GROUP: &str = "impact";
+
+/// Writes a result file with the root attributes of every one, materials, and the result in a group of this name.
+///
+/// # Errors
+/// [`crate::error::Error::File`] where the file cannot be made or replaced; an older file is then untouched.
+pub fn write_impact(
+    path: &Path,
+    header: &Header,
+    materials: &[MaterialRecord],
+    (kind, solution): (&str, &Solution),
+    wall_seconds: f64,
+) -> Result<()> {
+    in_place(path, |temporary| -> Hdf<()> {
+        let file = File::create(temporary)?;
+        build_root(&file, header, true)?;
+        put_text(&file, GROUP, kind)?;
+        build_materials(&file, materials, false)?;
+        let group = file.create_group(kind)?;
+        if !solution.equation.is_empty() {
+            put_text(&group, "equation", &solution.equation)?;
+            put_text(&group, "validity", &solution.validity)?;
+        }
+        solution.figures.iter().filter(|figure| figure.value.is_finite()).try_for_each(|f| write_figure(&group, f))?;
+        solution.tables.iter().try_for_each(|table| write_table(&group, table))?;
+        solution.shapes.iter().try_for_each(|shapes| write_shapes(&group, shapes))?;
+        put(&file, "wall_seconds", &wall_seconds)?;
+        put(&file, "cell_steps", &0_u64)?;
+        file.attr("outcome")?.write_scalar(&text(solution.outcome)?)?;
+        file.close()
+    })
+    .map(|_| ())
+}
+
+/// Units of a dimension; 1 for plain numbers.
+fn units(symbol: &str) -> &str {
+    if symbol.is_empty() { "1" } else { symbol }
+}
+
+fn write_figure(group: &Group, figure: &Figure) -> Hdf<()> {
+    let dataset = group.new_dataset::<f64>().create(figure.name)?;
+    dataset.write_scalar(&figure.value)?;
+    describe(&dataset, units(figure.dimension.si_symbol()), figure.long_name)
+}
+
+/// The group of a table, made with those above it.
+fn group_at(group: &Group, path: &str) -> Hdf<Group> {
+    path.split('/').try_fold(group.clone(), |group, name| {
+        if group.link_exists(name) { group.group(name) } else { group.create_group(name) }
+    })
+}
+
+fn write_table(group: &Group, table: &Table) -> Hdf<()> {
+    let group = group_at(group, &table.path)?;
+    for (index, column) in (0_u32..).zip(&table.columns) {
+        let dataset = group.new_dataset::<f64>().shape(column.values.len()).create(column.name)?;
+        dataset.write_raw(&column.values)?;
+        describe(&dataset, units(column.dimension.si_symbol()), column.long_name)?;
+        put_text(&dataset, "panel", column.panel)?;
+        put(&dataset, "index", &index)?;
+    }
+    if let Some(x) = table.x {
+        put(&group, "x", &x)?;
+        put_text(&group, "x_units", "m")?;
+    }
+    let names: Vec<&str> = table.columns.iter().map(|column| column.name).collect();
+    let (scale, data) = names.split_at(1);
+    attach(&group, scale, data)
+}
+
+fn write_shapes(group: &Group, shapes: &Shapes) -> Hdf<()> {
+    let group = group.create_group("shapes")?;
+    let axes = [
+        ("time", "s", "time since the first contact", &shapes.time),
+        ("x", "m", "place from the left support", &shapes.x),
+    ];
+    for (name, unit, long_name, values) in axes {
+        let dataset = group.new_dataset::<f64>().shape(values.len()).create(name)?;
+        dataset.write_raw(values)?;
+        describe(&dataset, unit, long_name)?;
+    }
+    let shape = (shapes.time.len(), shapes.x.len());
+    let dataset = group.new_dataset::<f64>().shape(shape).create("deflection")?;
+    dataset.write_raw(&shapes.deflection)?;
+    describe(&dataset, "m", "deflection of the beam")?;
+    attach(&group, &["time", "x"], &["deflection"])
+}
+
+/// A column as a reader sees it.
+#[derive(Debug, Clone)]
+pub struct StoredColumn {
+    /// Unit.
+    pub units: String,
+    /// What it is.
+    pub long_name: String,
+    /// Title of its panel; empty: none.
+    pub panel: String,
+    /// SI.
+    pub values: Vec<f64>,
+}
+
+/// A table as a reader sees it: the first column is the scale of the others.
+#[derive(Debug, Clone)]
+pub struct StoredTable {
+    /// Name of its group.
+    pub name: String,
+    /// m, where it is at a place.
+    pub x: Option<f64>,
+    /// All of them.
+    pub columns: Vec<StoredColumn>,
+}
+
+/// The result of an impact as a reader sees it.
+#[derive(Debug, Clone)]
+pub struct StoredImpact {
+    /// "spheres", "plate", "beam", "energy".
+    pub kind: String,
+    /// The equations used; empty where the file does not say.
+    pub equation: String,
+    /// Their range.
+    pub validity: String,
+    /// Long name, unit and value of each figure.
+    pub figures: Vec<(String, String, f64)>,
+    /// Histories.
+    pub tables: Vec<StoredTable>,
+    /// Deflected shapes.
+    pub shapes: Option<Shapes>,
+}
+
+impl ResultFile {
+    /// The result of an impact that is not waves in a bar; none in files of bars.
+    ///
+    /// # Errors
+    /// A file that cannot be read.
+    pub fn impact(&self) -> Result<Option<StoredImpact>> {
+        self.run(|file| {
+            let Ok(kind) = get_text(file, GROUP) else { return Ok(None) };
+            file.group(&kind).and_then(|group| read(kind, &group)).map(Some)
+        })
+    }
+}
+
+fn read(kind: String, group: &Group) -> Hdf<StoredImpact> {
+    let sentence = |name| get_text(group, name).unwrap_or_default();
+    let mut figures = Vec::new();
+    for dataset in group.datasets()?.iter().filter(|dataset| dataset.is_scalar()) {
+        figures.push((get_text(dataset, "long_name")?, get_text(dataset, "units")?, dataset.read_scalar()?));
+    }
+    let mut tables = Vec::new();
+    for (parent, prefix) in [("contact", ""), ("gauges", "*"), ("ledger", "")] {
+        if !group.link_exists(parent) {
+            continue;
+        }
+        let parent = group.group(parent)?;
+        if prefix.is_empty() {
+            tables.push(read_table(&parent)?);
+        } else {
+            let mut gauges = parent.groups()?.iter().map(read_table).collect::<Hdf<Vec<_>>>()?;
+            gauges.sort_by(|a, b| a.x.unwrap_or(0.0).total_cmp(&b.x.unwrap_or(0.0)));
+            tables.extend(gauges);
+        }
+    }
+    let shapes =
+        group.link_exists("shapes").then(|| group.group("shapes").and_then(|g| read_shapes(&g))).transpose()?;
+    Ok(StoredImpact { kind, equation: sentence("equation"), validity: sentence("validity"), figures, tables, shapes })
+}
+
+fn read_table(group: &Group) -> Hdf<StoredTable> {
+    let mut columns = Vec::new();
+    for dataset in group.datasets()? {
+        let column = StoredColumn {
+            units: get_text(&dataset, "units")?,
+            long_name: get_text(&dataset, "long_name")?,
+            panel: get_text(&dataset, "panel")?,
+            values: bounded::column(&dataset)?,
+        };
+        columns.push((get::<u32>(&dataset, "index")?, column));
+    }
+    // Groups list their links by name.
+    columns.sort_by_key(|(index, _)| *index);
+    let columns = columns.into_iter().map(|(_, column)| column).collect();
+    let name = group.name().rsplit('/').next().unwrap_or_default().to_owned();
+    Ok(StoredTable { name, x: get(group, "x").ok(), columns })
+}
+
+fn read_shapes(group: &Group) -> Hdf<Shapes> {
+    let column = |name| group.dataset(name).and_then(|dataset| bounded::column(&dataset));
+    let deflection = group.dataset("deflection")?;
+    bounded::check(&deflection)?;
+    Ok(Shapes { time: column("time")?, x: column("x")?, deflection: deflection.read_raw()? })
+}

@@ -1,0 +1,139 @@
+//! The picture of a comparison of result files.
+
+use super::axes::{Axis, Series, line_panel};
+use super::display::{Unit, Units, field_name};
+use super::plot::{COLOURS, colour};
+use super::svg::{Anchor, Area, Stroke, Svg};
+use super::view::nearest;
+use crate::error::Result;
+use crate::record::store::{ResultFile, Side};
+use crate::record::{Field, Trace};
+use crate::study::compare_results::Difference;
+
+const WIDTH: f64 = 1240.0;
+const HEIGHT: f64 = 340.0;
+const MARGIN: f64 = 16.0;
+
+/// Most gauges that get a panel.
+const GAUGES: usize = 6;
+
+const DASHES: [&str; 4] = ["", "7 3", "2 3", "9 3 2 3"];
+
+fn stroke(i: usize) -> Stroke {
+    Stroke::new(colour(i), 1.6).dashed(DASHES[(i / COLOURS.len()) % DASHES.len()])
+}
+
+/// A panel and its title.
+struct Panel {
+    heading: String,
+    axes: [String; 2],
+    series: Vec<Series>,
+}
+
+/// Profiles of a field where it differs most, its difference against time, and the histories at gauges and ends. SVG text.
+///
+/// # Errors
+/// A file that cannot be read.
+pub fn figure(files: &[ResultFile], differences: &[Difference], field: Option<Field>) -> Result<String> {
+    let names: Vec<String> = files.iter().map(name).collect();
+    let shown = field.or_else(|| differences.first()?.fields.first().map(|f| f.field));
+    let mut panels = Vec::new();
+    if let Some(field) = shown {
+        panels.extend(profiles(files, &names, differences, field)?);
+        panels.push(difference_in_time(&names, differences, field));
+    }
+    panels.extend(histories(files, &names)?);
+    Ok(draw(&panels))
+}
+
+fn name(file: &ResultFile) -> String {
+    file.path().file_stem().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+fn unit_label(field: Field) -> (Unit, String) {
+    let unit = Units::Si.field(field);
+    (unit, unit.label(field_name(field)))
+}
+
+/// The field along the bar at the time of the largest difference of all.
+fn profiles(files: &[ResultFile], names: &[String], all: &[Difference], field: Field) -> Result<Option<Panel>> {
+    let largest = all.iter().flat_map(|d| d.fields.iter().filter(|f| f.field == field));
+    let largest = largest.max_by(|a, b| a.norms.max.value.total_cmp(&b.norms.max.value));
+    let Some(largest) = largest.map(|f| f.largest) else { return Ok(None) };
+    let (unit, label) = unit_label(field);
+    let mut series = Vec::new();
+    for (i, file) in files.iter().enumerate().filter(|(_, file)| file.fields().contains(&field)) {
+        let frame = nearest(&file.time()?, largest.time_s);
+        let values = file.field(field, frame..frame + 1)?;
+        let points = file.x()?.into_iter().zip(values.row(0)).map(|(x, v)| (x, v * unit.factor)).collect();
+        series.push(Series::line(&names[i], points, stroke(i)));
+    }
+    let heading = format!(
+        "{} where it differs most: at {:.4} m, {:.2} \u{b5}s",
+        field_name(field),
+        largest.x_m,
+        1e6 * largest.time_s
+    );
+    Ok(Some(Panel { heading, axes: ["position x (m)".into(), label], series }))
+}
+
+fn difference_in_time(names: &[String], all: &[Difference], field: Field) -> Panel {
+    let (unit, label) = unit_label(field);
+    let line = |(i, difference): (usize, &Difference)| {
+        let history = difference.fields.iter().find(|f| f.field == field)?;
+        let points = history.history.iter().map(|(t, d)| (1e6 * t, d * unit.factor)).collect();
+        Some(Series::line(&names[i + 1], points, stroke(i + 1)))
+    };
+    Panel {
+        heading: format!("root mean square difference from {}", names[0]),
+        axes: [TIME.into(), label],
+        series: all.iter().enumerate().filter_map(line).collect(),
+    }
+}
+
+const TIME: &str = "time (\u{b5}s)";
+
+/// Stress at the gauges of the first file and at the ends.
+fn histories(files: &[ResultFile], names: &[String]) -> Result<Vec<Panel>> {
+    let unit = Units::Si.field(Field::Stress);
+    let line = |i: usize, trace: &Trace| {
+        let points = trace.time.iter().zip(&trace.stress).map(|(t, s)| (1e6 * t, s * unit.factor)).collect();
+        Series::line(&names[i], points, stroke(i))
+    };
+    let panel =
+        |heading: String, series: Vec<Series>| Panel { heading, axes: [TIME.into(), unit.label("stress")], series };
+    let gauges = files.iter().map(ResultFile::gauges).collect::<Result<Vec<_>>>()?;
+    let mut panels = Vec::new();
+    for own in gauges.first().into_iter().flatten().take(GAUGES) {
+        let same = gauges.iter().enumerate().filter_map(|(i, all)| Some((i, all.iter().find(|g| g.name == own.name)?)));
+        let series = same.map(|(i, gauge)| line(i, &gauge.trace)).collect();
+        panels.push(panel(format!("stress at the gauge {}", own.name), series));
+    }
+    for side in [Side::Left, Side::Right] {
+        let traces = files.iter().map(|file| file.end(side)).collect::<Result<Vec<_>>>()?;
+        let series = traces.iter().enumerate().map(|(i, trace)| line(i, trace)).collect();
+        panels.push(panel(format!("stress at the {} end", side.name()), series));
+    }
+    Ok(panels)
+}
+
+fn draw(panels: &[Panel]) -> String {
+    let mut svg = Svg::default();
+    let width = (WIDTH - 3.0 * MARGIN) / 2.0;
+    svg.bold((MARGIN, 26.0), 18.0, Anchor::Start, "Results side by side");
+    for (k, panel) in panels.iter().enumerate() {
+        let area = Area {
+            x: MARGIN + (width + MARGIN) * (k % 2) as f64,
+            y: 40.0 + (HEIGHT + MARGIN) * (k / 2) as f64,
+            width,
+            height: HEIGHT,
+        };
+        let all = || panel.series.iter().flat_map(|s| &s.points).filter(|p| p.0.is_finite() && p.1.is_finite());
+        let [x, y] = &panel.axes;
+        let x = Axis::around(x.as_str(), all().map(|p| p.0).chain([0.0]));
+        let y = Axis::around(y.as_str(), all().map(|p| p.1).chain([0.0]));
+        let letter = char::from(b'a' + k as u8);
+        line_panel(&mut svg, area, &format!("({letter})  {}", panel.heading), x, y, &panel.series);
+    }
+    svg.document(WIDTH, 40.0 + (HEIGHT + MARGIN) * panels.len().div_ceil(2) as f64)
+}

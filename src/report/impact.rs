@@ -1,0 +1,138 @@
+//! The figure and the tables of an impact that is not waves in a bar.
+
+use super::axes::{Axis, Series, line_panel};
+use super::colour::{ColourMap, hex};
+use super::display::{Unit, Units};
+use super::plot::colour;
+use super::svg::{Anchor, Area, Stroke, Svg};
+use crate::error::{InputError, Result};
+use crate::record::store::{ResultFile, StoredColumn, StoredImpact, StoredTable};
+
+const MARGIN: f64 = 18.0;
+const GAP: f64 = 22.0;
+const HEADER: f64 = 64.0;
+const WIDTH: f64 = 600.0;
+const HEIGHT: f64 = 320.0;
+
+/// What a panel shows: its title, its axes, its lines.
+struct Content {
+    title: String,
+    x: Axis,
+    y: Axis,
+    series: Vec<Series>,
+}
+
+/// Draws the histories of an impact, one panel for each title that its columns have, and its deflected shapes.
+///
+/// # Errors
+/// [`InputError`] where the result has no histories.
+pub(super) fn draw(file: &ResultFile, impact: &StoredImpact, units: Units) -> Result<String> {
+    let mut contents = histories(impact, units);
+    contents.extend(shapes(impact, units));
+    if contents.is_empty() {
+        let message = format!("{} has nothing to draw: it holds figures and no histories", file.path().display());
+        let help = format!("`barwave run` prints them; they are in its group `{}`", impact.kind);
+        return Err(InputError::new(message).help(help).into());
+    }
+    let mut svg = Svg::default();
+    let facts = file.facts();
+    svg.bold((MARGIN, 28.0), 19.0, Anchor::Start, &facts.title);
+    let about = format!("{} {}  \u{b7}  outcome: {}", facts.method, facts.scheme, facts.outcome);
+    svg.text((MARGIN, 50.0), 13.0, Anchor::Start, &about);
+    let rows = contents.len().div_ceil(2);
+    for (i, content) in contents.iter().enumerate() {
+        let (row, column) = (i / 2, i % 2);
+        let (x, y) = (MARGIN + (WIDTH + GAP) * column as f64, HEADER + (HEIGHT + GAP) * row as f64);
+        let panel = Area { x, y, width: WIDTH, height: HEIGHT };
+        let letter = char::from(b'a' + (i % 26) as u8);
+        let title = format!("({letter})  {}", content.title);
+        line_panel(&mut svg, panel, &title, content.x.clone(), content.y.clone(), &content.series);
+    }
+    Ok(svg.document(2.0 * (MARGIN + WIDTH) + GAP, HEADER + (HEIGHT + GAP) * rows as f64 - GAP + MARGIN))
+}
+
+/// The panels in the order of the columns.
+fn histories(impact: &StoredImpact, units: Units) -> Vec<Content> {
+    let mut titles: Vec<&str> = Vec::new();
+    let shown = |column: &&StoredColumn| !column.panel.is_empty();
+    for column in impact.tables.iter().flat_map(|table| table.columns.iter().filter(shown)) {
+        if !titles.contains(&column.panel.as_str()) {
+            titles.push(&column.panel);
+        }
+    }
+    titles.into_iter().map(|title| history(impact, title, units)).collect()
+}
+
+fn history(impact: &StoredImpact, title: &str, units: Units) -> Content {
+    let of_title =
+        |table: &StoredTable| table.columns.iter().filter(|column| column.panel == title).cloned().collect::<Vec<_>>();
+    let tables: Vec<(&StoredTable, Vec<StoredColumn>)> = impact.tables.iter().map(|t| (t, of_title(t))).collect();
+    let columns = || tables.iter().flat_map(|(_, columns)| columns);
+    let most = columns().flat_map(|c| c.values.iter()).fold(0.0, |most: f64, v| most.max(v.abs()));
+    let symbol = columns().next().map_or("", |column| column.units.as_str());
+    let last = tables.iter().filter(|(_, columns)| !columns.is_empty()).filter_map(|(t, _)| t.columns[0].values.last());
+    let last = last.copied().fold(0.0, f64::max);
+    let (unit, time) = (units.of_symbol(symbol, most), Units::time(last));
+    let several = columns().count() > 1;
+    let mut series = Vec::new();
+    for (i, (table, columns)) in tables.iter().filter(|(_, columns)| !columns.is_empty()).enumerate() {
+        for (j, column) in columns.iter().enumerate() {
+            let points = table.columns[0].values.iter().zip(&column.values);
+            let points = points.map(|(t, v)| (t * time.factor, v * unit.factor)).collect();
+            // Tables of one kind, as gauges, have a colour each; columns of one table otherwise.
+            let stroke = match (table.x, j) {
+                (Some(_), 0) => Stroke::new(colour(i), 1.6),
+                (Some(_), _) => Stroke::new(colour(i), 1.4).dashed("6 4"),
+                (None, _) => Stroke::new(colour(j), 1.6),
+            };
+            let name = match table.x {
+                Some(_) => format!("{}: {}", table.name, column.long_name),
+                None if several => column.long_name.clone(),
+                None => String::new(),
+            };
+            series.push(Series::line(name, points, stroke));
+        }
+    }
+    let values = series.iter().flat_map(|s| s.points.iter().map(|p| p.1)).chain([0.0]).collect::<Vec<_>>();
+    let quantity = title.strip_suffix(" at the gauges").unwrap_or(title);
+    Content {
+        title: title.to_owned(),
+        x: Axis::new(time.label("time"), 0.0, last * time.factor),
+        y: Axis::around(unit.label(quantity), values.into_iter()),
+        series,
+    }
+}
+
+/// Deflection over x, a line a time.
+fn shapes(impact: &StoredImpact, units: Units) -> Option<Content> {
+    let shapes = impact.shapes.as_ref()?;
+    let (&end, &length) = (shapes.time.last()?, shapes.x.last()?);
+    let most = shapes.deflection.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+    let (unit, place, time): (Unit, Unit, Unit) = (units.of_symbol("m", most), units.length(length), Units::time(end));
+    let count = (shapes.time.len().max(2) - 1) as f64;
+    let line = |(i, (t, row)): (usize, (&f64, &[f64]))| {
+        let points = shapes.x.iter().zip(row).map(|(x, w)| (x * place.factor, w * unit.factor)).collect();
+        let stroke = Stroke::new(hex(ColourMap::Sequential.at(0.82 * i as f64 / count)), 1.6);
+        Series::line(time.brief(*t), points, stroke)
+    };
+    let rows = shapes.time.iter().zip(shapes.deflection.chunks(shapes.x.len()));
+    let series: Vec<Series> = rows.enumerate().map(line).collect();
+    let values: Vec<f64> = series.iter().flat_map(|s| s.points.iter().map(|p| p.1)).chain([0.0]).collect();
+    Some(Content {
+        title: "deflected shapes".into(),
+        x: Axis::new(place.label("place x"), 0.0, length * place.factor),
+        y: Axis::around(unit.label("deflection"), values.into_iter()),
+        series,
+    })
+}
+
+/// Rows of the figures: what it is, value with unit.
+pub(super) fn figures(impact: &StoredImpact, units: Units) -> Vec<Vec<String>> {
+    let row = |(long_name, symbol, value): &(String, String, f64)| {
+        vec![long_name.clone(), units.of_symbol(symbol, value.abs()).show(*value)]
+    };
+    let sentences = [("equation", &impact.equation), ("validity", &impact.validity)];
+    let sentences =
+        sentences.into_iter().filter(|(_, text)| !text.is_empty()).map(|(name, text)| vec![name.into(), text.clone()]);
+    sentences.chain(impact.figures.iter().map(row)).collect()
+}

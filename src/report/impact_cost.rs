@@ -1,0 +1,38 @@
+//! The picture of a cost study of an impact: error against modes and against steps, all logarithmic.
+
+use super::axes::{Axis, Series, line_panel};
+use super::plot::colour;
+use super::svg::{Anchor, Area, Stroke, Svg};
+use crate::study::impact_cost::{ImpactCost, ImpactPoint};
+
+const WIDTH: f64 = 520.0;
+const HEIGHT: f64 = 380.0;
+
+/// One panel for what was varied. SVG text.
+pub fn figure(cost: &ImpactCost) -> String {
+    let mut svg = Svg::default();
+    svg.bold((18.0, 28.0), 19.0, Anchor::Start, &cost.scene);
+    svg.text((18.0, 50.0), 13.0, Anchor::Start, &format!("error against {}", cost.reference));
+    let mut x = 18.0;
+    for (i, varied) in ["modes", "steps"].into_iter().enumerate() {
+        let own: Vec<&ImpactPoint> = cost.points.iter().filter(|p| p.varied == varied && p.error > 0.0).collect();
+        if own.is_empty() {
+            continue;
+        }
+        let place = |p: &ImpactPoint| {
+            let count = if varied == "modes" { p.modes.unwrap_or(1) } else { p.steps };
+            ((count as f64).log10(), p.error.log10())
+        };
+        let points: Vec<(f64, f64)> = own.iter().map(|p| place(p)).collect();
+        let across = Axis::around(format!("log10 of the number of {varied}"), points.iter().map(|p| p.0));
+        let up = Axis::around("log10 of the error", points.iter().map(|p| p.1));
+        let series = [
+            Series::line("", points.clone(), Stroke::new(colour(i), 1.6)),
+            Series::marks("", points, Stroke::new(colour(i), 1.6)),
+        ];
+        let panel = Area { x, y: 64.0, width: WIDTH, height: HEIGHT };
+        line_panel(&mut svg, panel, &format!("error against {varied}"), across, up, &series);
+        x += WIDTH + 22.0;
+    }
+    svg.document(x, HEIGHT + 82.0)
+}

@@ -1,0 +1,142 @@
+//! Pictures of inverted curves.
+
+use super::axes::{Axis, Series, line_panel};
+use super::plot::colour;
+use super::svg::{Anchor, Area, Stroke, Svg};
+use crate::material::Curve;
+use crate::study::invert::hopkinson::{Knot, Moment, Reduced};
+use crate::study::invert::{Interval, WavePoint};
+
+const MPA: f64 = 1e-6;
+const PERCENT: f64 = 100.0;
+const US: f64 = 1e6;
+
+const WIDTH: f64 = 1180.0;
+const PANEL: f64 = 380.0;
+const MARGIN: f64 = 16.0;
+const HEADER: f64 = 40.0;
+
+type Points = Vec<(f64, f64)>;
+
+fn solid(i: usize) -> Stroke {
+    Stroke::new(colour(i), 1.8)
+}
+
+fn area(column: usize, row: usize) -> Area {
+    let width = (WIDTH - 3.0 * MARGIN) / 2.0;
+    Area {
+        x: MARGIN + (width + MARGIN) * column as f64,
+        y: HEADER + (PANEL + MARGIN) * row as f64,
+        width,
+        height: PANEL,
+    }
+}
+
+fn document(title: &str, rows: usize, draw: impl FnOnce(&mut Svg)) -> String {
+    let mut svg = Svg::default();
+    svg.bold((MARGIN, 26.0), 18.0, Anchor::Start, title);
+    draw(&mut svg);
+    svg.document(WIDTH, HEADER + (PANEL + MARGIN) * rows as f64)
+}
+
+fn panel(svg: &mut Svg, place: Area, heading: &str, [x, y]: [&str; 2], series: &[Series]) {
+    let all = || series.iter().flat_map(|s| &s.points).filter(|p| p.0.is_finite() && p.1.is_finite());
+    let x = Axis::around(x, all().map(|p| p.0).chain([0.0]));
+    let y = Axis::around(y, all().map(|p| p.1).chain([0.0]));
+    line_panel(svg, place, heading, x, y, series);
+}
+
+/// A quantity against strain with its 95 % interval.
+fn banded(name: &str, points: &[WavePoint], of: fn(&WavePoint) -> Interval, unit: f64) -> Vec<Series> {
+    let line = |bound: fn(Interval) -> f64| -> Points {
+        points.iter().map(|p| (PERCENT * p.strain, unit * bound(of(p)))).collect()
+    };
+    let thin = || Stroke::new(colour(0), 1.0).dashed("5 3");
+    vec![
+        Series::line(name, line(|i| i.value), solid(0)),
+        Series::line("95 % interval", line(|i| i.low), thin()),
+        Series::line("", line(|i| i.high), thin()),
+    ]
+}
+
+/// The knots of a curve up to a strain.
+fn knots(curve: &Curve, last: f64) -> Points {
+    let inside = curve.strain().iter().zip(curve.stress()).filter(|(e, _)| **e < last);
+    let end = (PERCENT * last, MPA * curve.stress_at(last));
+    inside.map(|(e, s)| (PERCENT * e, MPA * s)).chain([end]).collect()
+}
+
+fn simulated(given: Option<&Curve>, last: f64) -> Option<Series> {
+    given.map(|curve| {
+        Series::line("simulated curve", knots(curve, last.min(curve.last_strain())), solid(1).dashed("2 3"))
+    })
+}
+
+/// Stress, wave speed and impact velocity against strain, with their intervals. SVG text.
+pub fn waves(title: &str, points: &[WavePoint], given: Option<&Curve>) -> String {
+    const STRAIN: &str = "engineering strain (%)";
+    let last = points.last().map_or(0.0, |p| p.strain);
+    let mut stress = banded("inverted", points, |p| p.stress_pa, MPA);
+    stress.extend(simulated(given, last));
+    let start = Axis::around(STRAIN, [0.0, PERCENT * last].into_iter()).label;
+    document(title, 2, |svg| {
+        panel(svg, area(0, 0), "(a)  stress", [&start, "engineering stress (MPa)"], &stress);
+        let speed = banded("inverted", points, |p| p.wave_speed_m_s, 1.0);
+        panel(svg, area(1, 0), "(b)  wave speed", [STRAIN, "wave speed (m/s)"], &speed);
+        let velocity = banded("inverted", points, |p| p.velocity_m_s, 1.0);
+        panel(svg, area(0, 1), "(c)  impact velocity", [STRAIN, "impact velocity (m/s)"], &velocity);
+        let half = |p: &WavePoint| (PERCENT * p.strain, 100.0 * p.stress_pa.half_width() / p.stress_pa.value);
+        let relative = vec![Series::line("", points.iter().map(half).collect(), solid(0))];
+        panel(svg, area(1, 1), "(d)  uncertainty", [STRAIN, "half 95 % interval of stress (%)"], &relative);
+    })
+}
+
+/// Pulses, stresses, strain rates and the curve of a split-Hopkinson test. SVG text.
+pub fn hopkinson(title: &str, reduced: &Reduced, given: Option<&Curve>) -> String {
+    const TIME: &str = "time since the pulse reached the specimen (\u{b5}s)";
+    let history = |name: &str, i: usize, unit: f64, of: fn(&Moment) -> f64| {
+        Series::line(name, reduced.moments.iter().map(|m| (US * m.time_s, unit * of(m))).collect(), solid(i))
+    };
+    document(title, 2, |svg| {
+        let pulses = [
+            history("incident", 0, 1e3, |m| m.incident),
+            history("reflected", 1, 1e3, |m| m.reflected),
+            history("transmitted", 2, 1e3, |m| m.transmitted),
+        ];
+        panel(svg, area(0, 0), "(a)  pulses at the specimen", [TIME, "strain of the bars (10\u{207b}\u{b3})"], &pulses);
+        let forces = [
+            history("face at the incident bar", 0, MPA, |m| m.stress_incident_face),
+            history("face at the transmission bar (one wave)", 2, MPA, |m| m.stress_one_wave),
+            history("mean (three waves)", 6, MPA, |m| m.stress),
+        ];
+        panel(svg, area(1, 0), "(b)  stress of the specimen", [TIME, "engineering stress (MPa)"], &forces);
+        let rates = [history("three waves", 6, 1.0, |m| m.rate), history("one wave", 2, 1.0, |m| m.rate_one_wave)];
+        panel(svg, area(0, 1), "(c)  strain rate", [TIME, "strain rate (1/s)"], &rates);
+        panel(
+            svg,
+            area(1, 1),
+            "(d)  curve",
+            ["engineering strain (%)", "engineering stress (MPa)"],
+            &curve(reduced, given),
+        );
+    })
+}
+
+fn curve(reduced: &Reduced, given: Option<&Curve>) -> Vec<Series> {
+    let moments = reduced.moments.iter();
+    let thin = Stroke::new("#999", 0.8);
+    let raw = moments.map(|m| (PERCENT * m.strain, MPA * m.stress)).collect();
+    let line = |bound: fn(&Knot) -> f64| -> Points {
+        reduced.curve.iter().map(|k| (PERCENT * k.strain, MPA * bound(k))).collect()
+    };
+    let bound = || Stroke::new(colour(0), 1.0).dashed("5 3");
+    let last = reduced.curve.last().map_or(0.0, |k| k.strain);
+    let mut series = vec![
+        Series::line("three waves", raw, thin),
+        Series::line("in equilibrium", line(|k| k.stress), solid(0)),
+        Series::line("95 % interval", line(|k| k.stress - k.half_width), bound()),
+        Series::line("", line(|k| k.stress + k.half_width), bound()),
+    ];
+    series.extend(simulated(given, last));
+    series
+}

@@ -1,0 +1,106 @@
+//! The picture of an imported record: before and after.
+
+use super::axes::{Axis, Series, line_panel};
+use super::plot::colour;
+use super::svg::{Anchor, Area, Stroke, Svg};
+use crate::material::Scatter;
+use crate::test_record::Reduction;
+
+const WIDTH: f64 = 1120.0;
+const PANEL: (f64, f64) = (540.0, 420.0);
+const MARGIN: f64 = 14.0;
+const TOP: f64 = 40.0;
+const MPA: f64 = 1e6;
+const PERCENT: f64 = 0.01;
+
+/// Strain up to which the start of the curve is shown.
+const START: f64 = 0.015;
+
+/// A record with the curve made of it.
+#[derive(Debug, Clone, Copy)]
+pub struct Drawn<'a> {
+    /// Name of the record.
+    pub name: &'a str,
+    /// (strain, stress in Pa) as read, magnitudes.
+    pub record: &'a [(f64, f64)],
+    /// What was made of it.
+    pub reduction: &'a Reduction,
+}
+
+/// The records before and after: the whole curves, and their start with the elastic line and the proof stress. Several tests have their
+/// mean (strain, stress in Pa) with a band of one standard deviation.
+pub fn figure(title: &str, tests: &[Drawn<'_>], mean: Option<(&[(f64, f64)], &Scatter)>) -> String {
+    let mut svg = Svg::default();
+    svg.bold((MARGIN, 26.0), 17.0, Anchor::Start, title);
+    let whole = Area { x: MARGIN, y: TOP, width: PANEL.0, height: PANEL.1 };
+    let start = Area { x: MARGIN + PANEL.0 + MARGIN, ..whole };
+    let series = series(tests, mean);
+    let farthest = extent(&series, |point| point.0);
+    let highest = extent(&series, |point| point.1);
+    let y = |high: f64| Axis::new("engineering stress (MPa)", 0.0, high);
+    let x = |low: f64, high: f64| Axis::new("engineering strain (%)", low, high);
+    line_panel(&mut svg, whole, "(a)  record and curve", x(0.0, 1.05 * farthest), y(1.08 * highest), &series);
+    let end = (START / PERCENT).min(farthest);
+    let low = series.iter().flat_map(|s| &s.points).map(|p| p.0).fold(0.0, f64::min).max(-0.3 * end);
+    let mut near = series;
+    near.extend(elastic_lines(tests));
+    let visible = near.iter().flat_map(|s| &s.points).filter(|p| p.0 <= end).map(|p| p.1).fold(0.0, f64::max);
+    line_panel(&mut svg, start, "(b)  start of the curve", x(low, end), y(1.12 * visible.min(1.08 * highest)), &near);
+    svg.document(WIDTH, TOP + PANEL.1 + MARGIN)
+}
+
+fn extent(series: &[Series], pick: fn(&(f64, f64)) -> f64) -> f64 {
+    series.iter().flat_map(|s| &s.points).map(pick).filter(|v| v.is_finite()).fold(0.0, f64::max)
+}
+
+fn shown(rows: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    rows.iter().map(|&(e, s)| (e / PERCENT, s / MPA)).collect()
+}
+
+fn series(tests: &[Drawn<'_>], mean: Option<(&[(f64, f64)], &Scatter)>) -> Vec<Series> {
+    let mut series = Vec::new();
+    for (i, test) in tests.iter().enumerate() {
+        let name = |what: &str| if tests.len() == 1 { what.to_owned() } else { String::new() };
+        series.push(Series::line(name("record"), shown(test.record), Stroke::new("#9a9a9a", 1.0)));
+        let legend = if tests.len() == 1 { "curve".to_owned() } else { test.name.to_owned() };
+        series.push(Series::line(legend, shown(&test.reduction.knots), Stroke::new(colour(i), 1.6)));
+        if tests.len() == 1 {
+            series.push(Series::marks("knots", shown(&test.reduction.knots), Stroke::new(colour(i), 1.0)));
+            let max = test.reduction.maximum;
+            series.push(Series::marks("maximum load", shown(&[max]), Stroke::new(colour(1), 2.2)));
+            if let Some(fracture) = test.reduction.fracture {
+                series.push(Series::marks("fracture", shown(&[fracture]), Stroke::new("#000000", 2.2)));
+            }
+        }
+    }
+    if let Some((rows, scatter)) = mean {
+        let band = |sign: f64| -> Vec<(f64, f64)> {
+            let rows = scatter.deviation.iter().filter_map(|&(e, d)| {
+                let k = rows.iter().position(|row| row.0 >= e)?;
+                Some((e, rows[k].1 + sign * d))
+            });
+            shown(&rows.collect::<Vec<_>>())
+        };
+        series.push(Series::line("mean", shown(rows), Stroke::new("#000000", 2.2)));
+        series.push(Series::line(
+            "mean \u{b1} standard deviation",
+            band(1.0),
+            Stroke::new("#000000", 1.2).dashed("5 3"),
+        ));
+        series.push(Series::line("", band(-1.0), Stroke::new("#000000", 1.2).dashed("5 3")));
+    }
+    series
+}
+
+/// The line of the modulus through a plastic strain of 0.2 %, with its crossing.
+fn elastic_lines(tests: &[Drawn<'_>]) -> Vec<Series> {
+    let [test] = tests else { return Vec::new() };
+    let (modulus, offset) = (test.reduction.modulus, crate::test_record::PROOF_OFFSET);
+    let Some(proof) = test.reduction.proof_stress else { return Vec::new() };
+    let end = 1.15 * proof;
+    let line = vec![(offset, 0.0), (offset + end / modulus, end)];
+    vec![
+        Series::line("0.2 % offset", shown(&line), Stroke::new(colour(2), 1.3).dashed("6 3")),
+        Series::marks("proof stress", shown(&[(offset + proof / modulus, proof)]), Stroke::new(colour(2), 2.2)),
+    ]
+}

@@ -1,0 +1,51 @@
+//! Scenes of impacts that are not waves in a bar: solved at once, and written whole.
+
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::time::Instant;
+
+use crate::error::{Error, Result};
+use crate::impact::Watch;
+use crate::record::store::{Header, write_impact};
+use crate::record::{ImpactSummary, MaterialRecord};
+use crate::scene::ImpactScene;
+
+/// Solves the impact, and writes a result file where one is asked for. `watch` is told the part that is done.
+///
+/// # Errors
+/// [`Error::Interrupted`] where `watch` breaks off; a file error where the result cannot be written.
+pub fn run_impact(scene: &ImpactScene, output: Option<&Path>, watch: Watch<'_>) -> Result<ImpactSummary> {
+    let started = Instant::now();
+    let ControlFlow::Continue(solution) = scene.problem.solve(watch) else { return Err(Error::Interrupted) };
+    let mut summary = plan_impact(scene);
+    summary.solution = solution;
+    if let Some(path) = output {
+        let header = Header {
+            title: scene.title.clone(),
+            scene: scene.text.clone(),
+            scene_resolved: scene.resolved_json().to_string(),
+            overrides: scene.overrides.clone(),
+            method: summary.method.to_owned(),
+            scheme: summary.solution.scheme.to_owned(),
+            notes: summary.solution.warnings.clone(),
+            ..Header::default()
+        };
+        let materials: Vec<MaterialRecord> = scene.materials.iter().map(|m| MaterialRecord::from(m.as_ref())).collect();
+        let result = (scene.problem.kind(), &summary.solution);
+        write_impact(path, &header, &materials, result, started.elapsed().as_secs_f64())?;
+        summary.output = path.display().to_string();
+    }
+    summary.wall_s = started.elapsed().as_secs_f64();
+    Ok(summary)
+}
+
+/// What is known of the impact without an integration.
+pub fn plan_impact(scene: &ImpactScene) -> ImpactSummary {
+    ImpactSummary {
+        scene: scene.title.clone(),
+        method: scene.problem.method(),
+        solution: scene.problem.plan(),
+        wall_s: 0.0,
+        output: String::new(),
+    }
+}

@@ -1,0 +1,215 @@
+//! Initial values of a bar and its segments: constants, and tables over x.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use toml::Spanned;
+
+use super::super::raw::{RawBar, RawDistribution, RawSegment};
+use super::Checker;
+use super::csv_history::{Abscissa, MadeOfRows};
+use crate::bar::{Bar, Distribution, InitialProfile, Segment};
+use crate::error::Result;
+use crate::input::{Allowed, Number};
+use crate::units::{Dimension, System, format};
+
+/// What can be given of a place at t = 0, in this order.
+pub(super) const KEYS: [&str; 6] =
+    ["velocity", "stress", "strain", "plastic-strain", "accumulated-plastic-strain", "temperature"];
+pub(super) const STRESS: usize = 1;
+pub(super) const STRAIN: usize = 2;
+pub(super) const PLASTIC: usize = 3;
+pub(super) const ACCUMULATED: usize = 4;
+pub(super) const TEMPERATURE: usize = 5;
+
+/// Values as they were typed, by [`KEYS`].
+pub(super) type Typed<'a> = [Option<&'a Spanned<RawDistribution>>; 6];
+
+/// The same as numbers over x.
+pub(super) type Values = [Option<Distribution>; 6];
+
+/// Places that differ by less than this part of the length are one.
+const SAME_PLACE: f64 = 1e-9;
+
+/// What rows of a table over x obey, and how to write them.
+const ROWS: &str = "x never decreases, at most two rows with one x";
+const ROWS_HELP: &str = "list the rows from left to right; two rows with one x are a jump";
+
+const X: Abscissa = Abscissa {
+    key: "x",
+    what: "a place",
+    example: "x [mm]",
+    dimension: Dimension::Length,
+    names: &["x", "position", "place", "distance", "z"],
+};
+
+impl RawBar {
+    pub(super) fn initial(&self) -> Typed<'_> {
+        let plastic = [&self.plastic_strain, &self.accumulated_plastic_strain, &self.temperature];
+        let [plastic, accumulated, temperature] = plastic.map(Option::as_ref);
+        [self.velocity.as_ref(), self.stress.as_ref(), self.strain.as_ref(), plastic, accumulated, temperature]
+    }
+
+    /// Where a value of a segment stands: with its key, in the segment or as a table of the whole bar.
+    pub(super) fn initial_of(&self, segment: usize, which: usize) -> Option<(String, Range<usize>)> {
+        let list = self.segment.as_ref();
+        let own = list.and_then(|list| list[segment].get_ref().initial()[which]);
+        let own = own.map(|value| (format!("bar.segment.{segment}.{}", KEYS[which]), value.span()));
+        own.or_else(|| self.initial()[which].map(|value| (format!("bar.{}", KEYS[which]), value.span())))
+    }
+}
+
+impl RawSegment {
+    pub(super) fn initial(&self) -> Typed<'_> {
+        let plastic = [&self.plastic_strain, &self.accumulated_plastic_strain, &self.temperature];
+        let [plastic, accumulated, temperature] = plastic.map(Option::as_ref);
+        [self.velocity.as_ref(), self.stress.as_ref(), self.strain.as_ref(), plastic, accumulated, temperature]
+    }
+}
+
+fn dimension(which: usize, motion: Dimension) -> (Dimension, Allowed) {
+    match which {
+        0 => (motion, Allowed::Finite),
+        STRESS => (Dimension::Stress, Allowed::Finite),
+        ACCUMULATED => (Dimension::None, Allowed::NotNegative),
+        TEMPERATURE => (Dimension::Temperature, Allowed::Positive),
+        _ => (Dimension::None, Allowed::Finite),
+    }
+}
+
+impl Checker<'_> {
+    /// The values given for a piece of the bar `length` long; velocities have the dimension `motion`.
+    pub(super) fn distributions(&self, typed: Typed<'_>, key: &str, length: f64, motion: Dimension) -> Result<Values> {
+        let mut values: Values = std::array::from_fn(|_| None);
+        for (which, given) in typed.into_iter().enumerate() {
+            if let Some(given) = given {
+                let key = format!("{key}.{}", KEYS[which]);
+                values[which] = Some(self.distribution(given, &key, length, dimension(which, motion))?);
+            }
+        }
+        if let (Some(strain), Dimension::AngularVelocity) = (typed[STRAIN], motion) {
+            let error =
+                self.error(strain.span(), &format!("{key}.strain"), "a bar in torsion does not start from a strain");
+            return Err(error.help("give `stress`, the shear stress of the surface").into());
+        }
+        if let (Some(_), Some(strain)) = (typed[STRESS], typed[STRAIN]) {
+            let error = self.error(strain.span(), &format!("{key}.strain"), "`stress` and `strain` are both given");
+            return Err(error.help("keep one: stress = E (strain - plastic strain)").into());
+        }
+        Ok(values)
+    }
+
+    fn distribution(
+        &self,
+        given: &Spanned<RawDistribution>,
+        key: &str,
+        length: f64,
+        (dimension, allowed): (Dimension, Allowed),
+    ) -> Result<Distribution> {
+        let rows = match given.get_ref() {
+            RawDistribution::Uniform(value) => {
+                let number = Number::new(given.span(), value.clone());
+                return self.document.number(&number, key, dimension, allowed).map(Distribution::constant);
+            }
+            RawDistribution::Csv(file) => {
+                let make = |rows: &[(f64, f64)]| table(rows, length, allowed);
+                return self.csv_rows(&file.csv, key, &X, dimension, make, [ROWS, ROWS_HELP]);
+            }
+            RawDistribution::Table(rows) => rows,
+        };
+        let mut pairs = Vec::with_capacity(rows.len());
+        for (i, row) in rows.iter().enumerate() {
+            let [x, value] = row.get_ref().as_slice() else {
+                let error =
+                    self.error(row.span(), &format!("{key}.{i}"), format!("a row has {} entries", row.get_ref().len()));
+                let help = format!("write [x, value], e.g. [\"10 cm\", \"{}\"]", dimension.example());
+                return Err(error.allowed("2 entries: x and the value there").help(help).into());
+            };
+            let x = self.document.number(x, &format!("{key}.{i}.x"), Dimension::Length, Allowed::NotNegative)?;
+            let name = key.rsplit('.').next().unwrap_or(key);
+            pairs.push((x, self.document.number(value, &format!("{key}.{i}.{name}"), dimension, allowed)?));
+        }
+        table(&pairs, length, allowed).map_err(|(i, why)| {
+            let span = rows.get(i).map_or_else(|| given.span(), Spanned::span);
+            let what = if pairs.is_empty() { why.to_owned() } else { format!("row {} {why}", i + 1) };
+            let end = format(length, Dimension::Length, System::Si);
+            self.error(span, &format!("{key}.{i}"), what)
+                .allowed(format!("0 <= x <= {end}; {ROWS}"))
+                .help(ROWS_HELP)
+                .into()
+        })
+    }
+
+    /// Values of a segment become its state at t = 0; `motion` are those of the whole bar, from which the segment starts at `x0`.
+    pub(super) fn start_with(&self, raw: &RawBar, bar: &mut Bar, own: &[Values], whole: &Values) -> Result<()> {
+        let mut x0 = 0.0;
+        for (k, (segment, own)) in bar.segments.iter_mut().zip(own).enumerate() {
+            let end = x0 + segment.length;
+            let mut values = own.clone();
+            for (which, value) in values.iter_mut().enumerate() {
+                let Some(table) = &whole[which] else { continue };
+                if value.is_some() {
+                    let (key, span) = raw.initial_of(k, which).unwrap_or_default();
+                    let message =
+                        format!("`{}` is given for this segment and, as a table, for the whole bar", KEYS[which]);
+                    return Err(self.error(span, &key, message).help("keep one of them").into());
+                }
+                *value = Some(table.part(x0, end));
+            }
+            self.start_segment(raw, k, segment, values)?;
+            x0 = end;
+        }
+        Ok(())
+    }
+
+    fn start_segment(&self, raw: &RawBar, k: usize, segment: &mut Segment, values: Values) -> Result<()> {
+        if values.iter().all(Option::is_none) {
+            return Ok(());
+        }
+        let [velocity, stress, strain, plastic, accumulated, temperature] = values;
+        let modulus = segment.material.modulus;
+        let or_zero = |value: Option<Distribution>| value.unwrap_or_else(|| Distribution::constant(0.0));
+        let plastic_strain = or_zero(plastic);
+        let of_strain =
+            |strain: &Distribution| Distribution::combined([strain, &plastic_strain], |[e, p]| modulus * (e - p));
+        let stress = or_zero(stress.or_else(|| strain.as_ref().map(of_strain)));
+        let accumulated = accumulated.unwrap_or_else(|| plastic_strain.size());
+        let temperature_rise = match temperature {
+            Some(temperature) => {
+                let Some(reference) = segment.material.constants.heat.reference_temperature else {
+                    let (key, span) = raw.initial_of(k, TEMPERATURE).unwrap_or_default();
+                    let message = format!(
+                        "`{}` states no reference temperature, at which its curve holds",
+                        segment.material.name
+                    );
+                    let help = "add reference-temperature to the material's [heat] table, or take `temperature` out";
+                    return Err(self.error(span, &key, message).help(help).into());
+                };
+                Distribution::combined([&temperature], |[t]| t - reference)
+            }
+            None => Distribution::constant(0.0),
+        };
+        let profile =
+            InitialProfile { velocity: or_zero(velocity), stress, plastic_strain, accumulated, temperature_rise };
+        if profile.is_uniform() {
+            (segment.velocity, segment.initial) = (profile.velocity.at(0.0), profile.beside(0.0, 1));
+            return Ok(());
+        }
+        segment.velocity = profile.velocity.mean(0.0, segment.length);
+        segment.initial = profile.mean(0.0, segment.length);
+        segment.profile = Some(Arc::new(profile));
+        Ok(())
+    }
+}
+
+/// A table over a piece `length` long; rounding beyond its end is none.
+fn table(rows: &[(f64, f64)], length: f64, allowed: Allowed) -> MadeOfRows<Distribution> {
+    if let Some(i) = rows.iter().position(|&(x, _)| x > length * (1.0 + SAME_PLACE)) {
+        return Err((i, "lies beyond the right end"));
+    }
+    if let Some(i) = rows.iter().position(|&(_, value)| !allowed.holds(value)) {
+        return Err((i, "has a value out of range"));
+    }
+    let rows: Vec<(f64, f64)> = rows.iter().map(|&(x, value)| (x.min(length), value)).collect();
+    Distribution::new(&rows)
+}

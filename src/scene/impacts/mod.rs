@@ -1,0 +1,93 @@
+//! Scenes of impacts that are not waves in a bar: the energy method, spheres, plates, beams.
+//!
+//! A kind of scene is a file here that reads its keys, its line in [`KINDS`], and its [`Problem`] in `impact`. Everything else is the same
+//! for all: checks, runs, result files, summaries, plans, reports and cost studies.
+
+mod beam;
+mod body;
+mod plate;
+mod specimen;
+mod spheres;
+
+use std::path::Path;
+use std::sync::Arc;
+
+use serde_json::{Value, json};
+use toml::de::DeTable;
+
+use super::check::Checker;
+use crate::error::Result;
+use crate::impact::Problem;
+use crate::input::Document;
+use crate::material::Material;
+
+/// A kind of scene, known by the table that stands in place of `[bar]`.
+#[derive(Debug)]
+pub struct Kind {
+    /// The table's name.
+    pub key: &'static str,
+    /// Its keys.
+    pub schema: fn() -> schemars::Schema,
+    check: fn(&Checker<'_>) -> Result<Parts>,
+}
+
+/// What a kind reads from its scene.
+struct Parts {
+    title: Option<String>,
+    problem: Arc<dyn Problem>,
+    /// What the bodies are made of, where the scene names materials.
+    materials: Vec<Arc<Material>>,
+    /// Tables of the scene with every default filled in, SI.
+    resolved: Value,
+}
+
+/// All kinds.
+pub const KINDS: [Kind; 4] = [
+    Kind { key: "specimen", schema: || schemars::schema_for!(specimen::RawSpecimenScene), check: specimen::check },
+    Kind { key: "spheres", schema: || schemars::schema_for!(spheres::RawSpheresScene), check: spheres::check },
+    Kind { key: "plate", schema: || schemars::schema_for!(plate::RawPlateScene), check: plate::check },
+    Kind { key: "beam", schema: || schemars::schema_for!(beam::RawBeamScene), check: beam::check },
+];
+
+/// A checked scene of any of these kinds.
+#[derive(Debug, Clone)]
+pub struct ImpactScene {
+    /// For people; the file's stem where the scene gives none.
+    pub title: String,
+    /// The file's stem: names the default output.
+    pub name: String,
+    /// The scene's exact text, as read.
+    pub text: String,
+    /// Overrides (`--set`), as typed.
+    pub overrides: Vec<String>,
+    /// The impact.
+    pub problem: Arc<dyn Problem>,
+    /// What the bodies are made of, where the scene says so.
+    pub materials: Vec<Arc<Material>>,
+    resolved: Value,
+}
+
+impl ImpactScene {
+    /// Everything that the result rests on, SI.
+    pub fn resolved_json(&self) -> Value {
+        let mut all = json!({ "title": self.title, "name": self.name, "overrides": self.overrides });
+        if let (Some(all), Some(own)) = (all.as_object_mut(), self.resolved.as_object()) {
+            all.extend(own.clone());
+        }
+        all
+    }
+}
+
+/// The kind of a scene; none of a bar, and of text that is no TOML, of which its reader complains better.
+pub(super) fn kind(document: &Document) -> Option<&'static Kind> {
+    let table = DeTable::parse(&document.text).ok()?;
+    KINDS.iter().find(|kind| table.get_ref().keys().any(|key| key.get_ref() == kind.key))
+}
+
+/// Checks a document; `text` and `overrides` are the caller's to fill.
+pub(super) fn check(kind: &Kind, document: &Document, base: &Path) -> Result<ImpactScene> {
+    let Parts { title, problem, materials, resolved } = (kind.check)(&Checker { document, base })?;
+    let name = Path::new(&document.file).file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
+    let title = title.unwrap_or_else(|| name.clone());
+    Ok(ImpactScene { title, name, text: String::new(), overrides: Vec::new(), problem, materials, resolved })
+}

@@ -1,0 +1,245 @@
+//! Critical velocities by simulation: bars driven at one velocity, below and above, until the bracket is narrow.
+
+use std::sync::Arc;
+
+use serde::Serialize;
+
+use super::critical::critical;
+use crate::assemble;
+use crate::bar::{Bar, EndCondition, History, Segment};
+use crate::material::{Material, Rate, Sense};
+use crate::record::{Compression, Field, Precision};
+use crate::scene::{Effects, Heat, Method, Record, Scene, Solve, Unloading};
+use crate::solver::fd::Quantity;
+use crate::solver::moc::Settings;
+use crate::text_file::NamedFiles;
+use crate::wave::similarity;
+
+/// Width of a bracket, relative to the velocity.
+const WIDTH: f64 = 1e-3;
+
+/// Cells of the finer grid; the coarser one has half as many.
+const CELLS: usize = 400;
+
+/// A front behind which the velocity is less than that of the end by this part has left the end behind.
+const SLIP: f64 = 1e-9;
+
+/// Velocities between which the bar begins to break.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Bracket {
+    /// Largest velocity found at which the bar holds, m/s.
+    pub holds_m_s: f64,
+    /// Smallest velocity found at which it breaks, m/s.
+    pub breaks_m_s: f64,
+}
+
+impl Bracket {
+    /// Its middle, m/s.
+    pub fn middle(&self) -> f64 {
+        0.5 * (self.holds_m_s + self.breaks_m_s)
+    }
+}
+
+/// A bracket on a grid, and how far the grid can be trusted.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct OnGrid {
+    /// Cells of the bar.
+    pub cells: usize,
+    /// The bracket.
+    #[serde(flatten)]
+    pub bracket: Bracket,
+    /// Its distance from that with half as many cells, m/s.
+    pub resolution_m_s: f64,
+}
+
+/// The critical velocity of a curve by simulation.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Confirmation {
+    /// By front tracking. Above the critical velocity the bar does not follow its end.
+    pub fronts: Bracket,
+    /// By the leapfrog scheme. The bar breaks if the strain of its first four cells exceeds that of the largest stress.
+    pub grid: OnGrid,
+    /// The integral lies in the bracket of the fronts, give or take its width.
+    pub confirmed: bool,
+}
+
+/// Brackets the critical velocity of a material's curve by simulation; none where it has none. The bars run for one transit of the
+/// elastic wave. The search starts from bounds that do not use the integral: 0, and `sqrt(stress strain/density)` of the ultimate point.
+pub fn confirm(material: &Material, sense: Sense) -> Option<Confirmation> {
+    let (row, ultimate) = (critical(material, sense), material.branch(sense).ultimate()?);
+    let velocity = row.critical_velocity_m_s?;
+    let most = 1.001 * (ultimate.stress * ultimate.strain / material.density).sqrt();
+    let material = Arc::new(material.clone());
+    let fronts = bisect([0.0, most], |v| follows(&material, sense, v));
+    let effects = Effects { unloading: Some(Unloading::Isotropic), ..Effects::default() };
+    let grid = |cells| grid_bracket(&material, &effects, sense, &Grid { cells, length: LENGTH, transits: 1.0 }, most);
+    let (fine, coarse) = (grid(CELLS), grid(CELLS / 2));
+    let width = fronts.breaks_m_s - fronts.holds_m_s;
+    let confirmed = (fronts.holds_m_s - width..=fronts.breaks_m_s + width).contains(&velocity);
+    Some(Confirmation { fronts, grid: on_grid(fine, coarse, CELLS), confirmed })
+}
+
+/// Effects beyond the static curve.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct RateAndHeat {
+    /// The material's own rate law.
+    pub rate: bool,
+    /// Adiabatic heating.
+    pub heat: bool,
+}
+
+/// The apparent critical velocity with a rate law or heating.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Apparent {
+    /// What it means.
+    pub definition: &'static str,
+    /// Effects that are simulated.
+    pub effects: Vec<String>,
+    /// Length of the bar, m.
+    pub length_m: f64,
+    /// Strain that must not be exceeded at the driven end.
+    pub strain_limit: f64,
+    /// By the integral over the adiabatic curve, with heat and without a rate, m/s.
+    pub adiabatic_m_s: Option<f64>,
+    /// By simulation.
+    pub grid: OnGrid,
+}
+
+/// The definition of [`Apparent`]. Strains are measured over a length, since the first cell alone has an error of its own where the rate
+/// law is faster than a time step.
+pub const DEFINITION: &str = "the lowest constant velocity of the end at which the mean strain of the hundredth of the bar next to it \
+                              exceeds that of the largest static stress before the elastic wave has returned from the far end (2 L/c0)";
+
+/// The apparent critical velocity of a bar of `length` (m), by simulation; none where the static curve has no critical velocity. `material`
+/// is the heated one where heat is asked for; `limit` is the strain of the largest static stress.
+pub fn apparent(material: &Material, sense: Sense, with: RateAndHeat, length: f64, limit: f64) -> Option<Apparent> {
+    let ultimate = material.branch(sense).ultimate()?;
+    let effects = Effects {
+        unloading: Some(Unloading::Isotropic),
+        rate: with.rate.then_some(Rate::Material),
+        heat: with.heat.then_some(Heat { fraction: None }),
+        ..Effects::default()
+    };
+    let most = 2.0 * (ultimate.stress * limit.max(ultimate.strain) / material.density).sqrt();
+    let shared = Arc::new(material.clone());
+    let grid = |cells| {
+        let grid = Grid { cells, length, transits: 2.0 };
+        let mean = |strains: &[f64]| strains.iter().sum::<f64>() / strains.len() as f64;
+        widening(most, |v| mean(&strains_at_end(&shared, &effects, sense, &grid, (v, cells / 100))) <= limit)
+    };
+    let (fine, coarse) = (grid(CELLS), grid(CELLS / 2));
+    let adiabatic = (with.heat && !with.rate).then(|| similarity::critical(material.branch(sense), material.density));
+    Some(Apparent {
+        definition: DEFINITION,
+        effects: effects.names(),
+        length_m: length,
+        strain_limit: limit,
+        adiabatic_m_s: adiabatic.flatten().map(|c| c.velocity),
+        grid: on_grid(fine, coarse, CELLS),
+    })
+}
+
+/// Length of the bar where it does not matter, m.
+const LENGTH: f64 = 1.0;
+
+/// A bar on a grid: cells, length (m), and how many transits of the elastic wave it runs.
+struct Grid {
+    cells: usize,
+    length: f64,
+    transits: f64,
+}
+
+fn on_grid(bracket: Bracket, coarse: Bracket, cells: usize) -> OnGrid {
+    OnGrid { cells, bracket, resolution_m_s: (bracket.middle() - coarse.middle()).abs() }
+}
+
+fn grid_bracket(material: &Arc<Material>, effects: &Effects, sense: Sense, grid: &Grid, most: f64) -> Bracket {
+    let limit = material.branch(sense).ultimate().map_or(f64::INFINITY, |u| u.strain);
+    let largest = |strains: Vec<f64>| strains.into_iter().fold(0.0, f64::max);
+    widening(most, |v| largest(strains_at_end(material, effects, sense, grid, (v, 4))) <= limit)
+}
+
+/// A bracket between 0 and `most`, or above where the bar holds there, too.
+fn widening(most: f64, holds: impl Fn(f64) -> bool) -> Bracket {
+    let (mut low, mut high) = (0.0, most);
+    for _ in 0..6 {
+        if !holds(high) {
+            break;
+        }
+        (low, high) = (high, 2.0 * high);
+    }
+    bisect([low, high], holds)
+}
+
+fn bisect([mut low, mut high]: [f64; 2], holds: impl Fn(f64) -> bool) -> Bracket {
+    while high - low > WIDTH * high {
+        let middle = 0.5 * (low + high);
+        *if holds(middle) { &mut low } else { &mut high } = middle;
+    }
+    Bracket { holds_m_s: low, breaks_m_s: high }
+}
+
+/// Tracked fronts: behind the last one the bar has the velocity of its end.
+fn follows(material: &Arc<Material>, sense: Sense, velocity: f64) -> bool {
+    let effects = Effects { unloading: Some(Unloading::Isotropic), ..Effects::default() };
+    let scene = scene(material, effects, sense, &Grid { cells: CELLS, length: LENGTH, transits: 1.0 }, velocity);
+    let mut bar = assemble::front_tracking(&scene, Settings::default());
+    // Without reflections there are no more events than fronts: the budget is never used up.
+    let arrived = bar.advance_to(scene.solve.until).is_ok();
+    let moves = bar.pieces().next().map_or(0.0, |piece| piece.point.velocity.abs());
+    arrived && moves >= velocity * (1.0 - SLIP)
+}
+
+/// Strains of so many cells next to the end after the run at a velocity, magnitudes: what waves cannot carry away stays there.
+fn strains_at_end(
+    material: &Arc<Material>,
+    effects: &Effects,
+    sense: Sense,
+    grid: &Grid,
+    (velocity, cells): (f64, usize),
+) -> Vec<f64> {
+    let scene = scene(material, effects.clone(), sense, grid, velocity);
+    let mut bar = assemble::leapfrog(&scene, grid.cells, 1.0);
+    bar.advance_by(bar.grid().steps_to(scene.solve.until));
+    (0..cells).map(|cell| bar.value(Quantity::Strain, cell).abs()).collect()
+}
+
+/// A bar at rest whose left end is driven at a constant velocity.
+fn scene(material: &Arc<Material>, effects: Effects, sense: Sense, grid: &Grid, velocity: f64) -> Scene {
+    let segment = Segment::new(grid.length, 1.0, Arc::clone(material));
+    let until = grid.transits * grid.length / material.c0();
+    // Pulling the left end in -x is tension.
+    let driven = History::constant(-sense.sign() * velocity);
+    Scene {
+        title: format!("{} at {velocity} m/s", material.name),
+        name: material.name.clone(),
+        path: None,
+        text: String::new(),
+        overrides: Vec::new(),
+        bar: Bar { segments: vec![segment], area_given: false },
+        left: EndCondition::Velocity { history: driven, release: None },
+        right: EndCondition::Free,
+        effects,
+        auto: None,
+        base: std::path::PathBuf::new(),
+        files: NamedFiles::default(),
+        solve: Solve {
+            until,
+            method: Method::Leapfrog { cells: grid.cells, cfl: 1.0 },
+            audit_tolerance: Solve::AUDIT_TOLERANCE,
+            tolerance: None,
+            estimate_error: false,
+        },
+        record: Record {
+            times: vec![until],
+            cells: None,
+            paths: false,
+            fields: vec![Field::Stress],
+            gauges: Vec::new(),
+            precision: Precision::F64,
+            compression: Compression::None,
+        },
+        discretized: None,
+        torsion: None,
+    }
+}

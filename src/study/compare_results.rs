@@ -1,0 +1,366 @@
+//! Result files side by side: norms of their differences, and where they differ most.
+//!
+//! The samples and frames of the first file that lie within the bars and times of both are the common grid. The other file is interpolated
+//! there, linearly in x and in time; a front that moves between two frames is therefore smeared over both.
+
+use std::path::PathBuf;
+
+use ndarray::Array2;
+use serde::Serialize;
+
+use crate::error::{InputError, Result};
+use crate::record::store::{ResultFile, Side};
+use crate::record::{Field, Trace};
+
+/// A norm of the difference, and relative to that of the first file.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct Norm {
+    /// In the unit of the field.
+    pub value: f64,
+    /// Over the same norm of the first file; none where that is 0.
+    pub relative: Option<f64>,
+}
+
+impl Norm {
+    fn of(value: f64, reference: f64) -> Self {
+        Self { value, relative: (reference > 0.0).then(|| value / reference) }
+    }
+}
+
+/// Norms of a difference: means over x and t (L1), roots of mean squares (L2), largest values.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct Norms {
+    /// Mean of |b - a|.
+    pub l1: Norm,
+    /// Root of the mean of (b - a)^2.
+    pub l2: Norm,
+    /// Largest |b - a|.
+    pub max: Norm,
+}
+
+/// Where a field differs most.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct Place {
+    /// s.
+    pub time_s: f64,
+    /// m from the left end.
+    pub x_m: f64,
+    /// In the first file.
+    pub first: f64,
+    /// In the other.
+    pub other: f64,
+}
+
+/// The difference of one field.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FieldDifference {
+    /// The field.
+    pub field: Field,
+    /// SI.
+    pub units: &'static str,
+    /// Over x and t.
+    #[serde(flatten)]
+    pub norms: Norms,
+    /// Where it is largest.
+    pub largest: Place,
+    /// L2 over x at every common time: (s, unit of the field).
+    #[serde(skip)]
+    pub history: Vec<(f64, f64)>,
+}
+
+/// The difference of a history at a gauge or an end: of its stress.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TraceDifference {
+    /// Of the gauge, or "left end", "right end".
+    pub name: String,
+    /// Over time, Pa.
+    #[serde(flatten)]
+    pub norms: Norms,
+    /// When the difference is largest, s.
+    pub largest_at_s: f64,
+}
+
+/// What one file differs by from the first.
+#[derive(Debug, Clone, Serialize)]
+pub struct Difference {
+    /// The other file.
+    pub file: PathBuf,
+    /// Its title.
+    pub title: String,
+    /// Common part of the bars, m.
+    pub x_m: [f64; 2],
+    /// Common times, s.
+    pub time_s: [f64; 2],
+    /// Samples and frames of the common grid.
+    pub grid: [usize; 2],
+    /// Fields that both have.
+    pub fields: Vec<FieldDifference>,
+    /// Gauges of one name, and the ends.
+    pub histories: Vec<TraceDifference>,
+    /// What is not compared.
+    pub notes: Vec<String>,
+}
+
+/// Samples and frames of a file.
+struct Grid {
+    x: Vec<f64>,
+    time: Vec<f64>,
+}
+
+impl Grid {
+    fn of(file: &ResultFile) -> Result<Self> {
+        let grid = Self { x: file.x()?, time: file.time()? };
+        if grid.x.is_empty() || grid.time.is_empty() {
+            let message = format!("{} has nothing to compare: there is no frame in it", file.path().display());
+            return Err(InputError::new(message).help("run its scene again").into());
+        }
+        Ok(grid)
+    }
+
+    /// Ends of the bar: samples are centres of even cells.
+    fn bar(&self) -> [f64; 2] {
+        let (first, last) = (self.x[0], self.x[self.x.len() - 1]);
+        let half = 0.5 * (last - first) / (self.x.len().max(2) - 1) as f64;
+        [first - half, last + half]
+    }
+
+    fn span(&self) -> [f64; 2] {
+        [self.time[0], self.time[self.time.len() - 1]]
+    }
+}
+
+fn common(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    [a[0].max(b[0]), a[1].min(b[1])]
+}
+
+/// Differences of result files from the first one.
+///
+/// # Errors
+/// A file without frames, or bars or times without a common part.
+pub fn compare_results(files: &[ResultFile]) -> Result<Vec<Difference>> {
+    let Some((first, others)) = files.split_first() else { return Ok(Vec::new()) };
+    others.iter().map(|other| difference(first, other)).collect()
+}
+
+fn difference(first: &ResultFile, other: &ResultFile) -> Result<Difference> {
+    let (a, b) = (Grid::of(first)?, Grid::of(other)?);
+    let (x_m, time_s) = (common(a.bar(), b.bar()), common(a.span(), b.span()));
+    // Rounding of times that scenes give in other units.
+    let slack = 1e-9 * a.span()[1].abs();
+    let columns: Vec<usize> = (0..a.x.len()).filter(|&i| (x_m[0]..=x_m[1]).contains(&a.x[i])).collect();
+    let rows: Vec<usize> =
+        (0..a.time.len()).filter(|&k| (time_s[0] - slack..=time_s[1] + slack).contains(&a.time[k])).collect();
+    if columns.is_empty() || rows.is_empty() {
+        let message = format!("{} and {} have no common x and t", first.path().display(), other.path().display());
+        return Err(InputError::new(message).help("compare results of bars and times that overlap").into());
+    }
+    let shared: Vec<Field> = first.fields().into_iter().filter(|field| other.fields().contains(field)).collect();
+    let mut comparison = Difference {
+        file: other.path().to_owned(),
+        title: other.facts().title.clone(),
+        x_m,
+        time_s,
+        grid: [columns.len(), rows.len()],
+        fields: Vec::new(),
+        histories: Vec::new(),
+        notes: notes(first, other, [&a, &b]),
+    };
+    for field in shared {
+        let values = |file: &ResultFile, grid: &Grid| file.field(field, 0..grid.time.len());
+        comparison.fields.push(of_field(field, (&a, &values(first, &a)?), (&b, &values(other, &b)?), &rows, &columns));
+    }
+    comparison.histories = histories(first, other, time_s)?;
+    Ok(comparison)
+}
+
+fn notes(first: &ResultFile, other: &ResultFile, [a, b]: [&Grid; 2]) -> Vec<String> {
+    let mut notes = Vec::new();
+    let differ = |p: [f64; 2], q: [f64; 2]| (0..2).any(|i| (p[i] - q[i]).abs() > 1e-9 * (p[1] - p[0]).abs());
+    if differ(a.bar(), b.bar()) {
+        let [p, q] = [a.bar()[1], b.bar()[1]];
+        notes.push(format!("the bars end at {p} m and {q} m: only the common part is compared"));
+    }
+    if differ(a.span(), b.span()) {
+        let [p, q] = [a.span()[1], b.span()[1]];
+        notes.push(format!("the results end at {p:e} s and {q:e} s: only the common time is compared"));
+    }
+    let names = |file: &ResultFile| file.fields().iter().map(|f| f.name().to_owned()).collect::<Vec<_>>();
+    let alone = |own: &[String], others: &[String]| -> Vec<String> {
+        own.iter().filter(|name| !others.contains(name)).cloned().collect()
+    };
+    for (own, others, file) in [(names(first), names(other), first), (names(other), names(first), other)] {
+        let missing = alone(&own, &others);
+        if !missing.is_empty() {
+            notes.push(format!("only {} has {}", file.path().display(), missing.join(", ")));
+        }
+    }
+    notes
+}
+
+/// Sums of a norm.
+#[derive(Default)]
+struct Sums {
+    weight: f64,
+    l1: [f64; 2],
+    l2: [f64; 2],
+    max: [f64; 2],
+}
+
+impl Sums {
+    /// Adds a value of the first file and its difference.
+    fn add(&mut self, weight: f64, value: f64, difference: f64) {
+        self.weight += weight;
+        for (k, size) in [difference.abs(), value.abs()].into_iter().enumerate() {
+            self.l1[k] += weight * size;
+            self.l2[k] += weight * size * size;
+            self.max[k] = self.max[k].max(size);
+        }
+    }
+
+    fn norms(&self) -> Norms {
+        let mean = |sums: [f64; 2]| sums.map(|sum| sum / self.weight);
+        let [l1, l2] = [mean(self.l1), mean(self.l2).map(f64::sqrt)];
+        Norms { l1: Norm::of(l1[0], l1[1]), l2: Norm::of(l2[0], l2[1]), max: Norm::of(self.max[0], self.max[1]) }
+    }
+}
+
+type Values<'a> = (&'a Grid, &'a Array2<f64>);
+
+fn of_field(field: Field, a: Values<'_>, b: Values<'_>, rows: &[usize], columns: &[usize]) -> FieldDifference {
+    let mut sums = Sums::default();
+    let mut found = FieldDifference {
+        field,
+        units: field.units(),
+        norms: Norms::default(),
+        largest: Place::default(),
+        history: Vec::with_capacity(rows.len()),
+    };
+    let across: Vec<Between> = columns.iter().map(|&i| Between::of(&b.0.x, a.0.x[i])).collect();
+    let mut most = -1.0;
+    for &row in rows {
+        let time = a.0.time[row];
+        let along = Between::of(&b.0.time, time);
+        let weight = step(&a.0.time, row, rows);
+        let mut squares = 0.0;
+        for (&column, across) in columns.iter().zip(&across) {
+            let first = a.1[[row, column]];
+            let at = |frame: usize| across.mean(b.1[[frame, across.low]], b.1[[frame, across.low + across.step]]);
+            let other = along.mean(at(along.low), at(along.low + along.step));
+            let difference = other - first;
+            if !difference.is_finite() {
+                continue;
+            }
+            sums.add(weight, first, difference);
+            squares += difference * difference;
+            if difference.abs() > most {
+                most = difference.abs();
+                found.largest = Place { time_s: time, x_m: a.0.x[column], first, other };
+            }
+        }
+        found.history.push((time, (squares / columns.len() as f64).sqrt()));
+    }
+    found.norms = sums.norms();
+    found
+}
+
+/// Weight of a frame in means over time (trapezoidal rule); frames alone count fully.
+fn step(time: &[f64], row: usize, rows: &[usize]) -> f64 {
+    let (first, last) = (rows[0], rows[rows.len() - 1]);
+    if first == last {
+        return 1.0;
+    }
+    0.5 * (time[(row + 1).min(last)] - time[row.max(first + 1) - 1])
+}
+
+/// Place of a value between two neighbours of an increasing list.
+struct Between {
+    low: usize,
+    /// 1, or 0 at the end of the list.
+    step: usize,
+    part: f64,
+}
+
+impl Between {
+    fn of(values: &[f64], target: f64) -> Self {
+        let next = values.partition_point(|&value| value <= target);
+        if next == 0 || next == values.len() {
+            return Self { low: next.saturating_sub(1), step: 0, part: 0.0 };
+        }
+        let (a, b) = (values[next - 1], values[next]);
+        Self { low: next - 1, step: 1, part: (target - a) / (b - a) }
+    }
+
+    fn mean(&self, a: f64, b: f64) -> f64 {
+        a + self.part * (b - a)
+    }
+}
+
+/// Stress histories that both files have.
+fn histories(first: &ResultFile, other: &ResultFile, span: [f64; 2]) -> Result<Vec<TraceDifference>> {
+    let mut all = Vec::new();
+    let others = other.gauges()?;
+    for gauge in first.gauges()? {
+        let same = others.iter().find(|own| own.name == gauge.name && (own.x - gauge.x).abs() <= 1e-9 * gauge.x.abs());
+        all.extend(same.and_then(|own| of_traces(&gauge.name, &gauge.trace, &own.trace, span)));
+    }
+    for side in [Side::Left, Side::Right] {
+        let name = format!("{} end", side.name());
+        all.extend(of_traces(&name, &first.end(side)?, &other.end(side)?, span));
+    }
+    Ok(all)
+}
+
+/// At the middles between the times of both, so that jumps, two rows at one time, fall between.
+fn of_traces(name: &str, a: &Trace, b: &Trace, span: [f64; 2]) -> Option<TraceDifference> {
+    let within = |t: &&f64| (span[0]..=span[1]).contains(*t);
+    let mut times: Vec<f64> = a.time.iter().chain(&b.time).filter(within).copied().collect();
+    times.sort_by(f64::total_cmp);
+    times.dedup();
+    let stress = |trace: &Trace, t: f64| {
+        let along = Between::of(&trace.time, t);
+        Some(along.mean(*trace.stress.get(along.low)?, *trace.stress.get(along.low + along.step)?))
+    };
+    let mut sums = Sums::default();
+    let (mut most, mut when) = (-1.0, 0.0);
+    for pair in times.windows(2) {
+        let middle = 0.5 * (pair[0] + pair[1]);
+        let (first, other) = (stress(a, middle)?, stress(b, middle)?);
+        let difference = other - first;
+        if !difference.is_finite() {
+            continue;
+        }
+        sums.add(pair[1] - pair[0], first, difference);
+        if difference.abs() > most {
+            (most, when) = (difference.abs(), middle);
+        }
+    }
+    (most >= 0.0).then(|| TraceDifference { name: name.to_owned(), norms: sums.norms(), largest_at_s: when })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_linear_field_on_another_grid_has_no_difference() {
+        let grid = |cells: usize, frames: usize| Grid {
+            x: (0..cells).map(|i| (i as f64 + 0.5) / cells as f64).collect(),
+            time: (0..frames).map(|k| k as f64 / (frames - 1) as f64).collect(),
+        };
+        let field = |grid: &Grid, shift: f64| {
+            let value = |(k, i): (usize, usize)| 2.0 * grid.x[i] - 3.0 * grid.time[k] + shift;
+            Array2::from_shape_fn((grid.time.len(), grid.x.len()), value)
+        };
+        let (a, b) = (grid(10, 5), grid(40, 9));
+        let (rows, columns): (Vec<_>, Vec<_>) = ((0..5).collect(), (0..10).collect());
+        let of = |shift: f64| of_field(Field::Stress, (&a, &field(&a, 0.0)), (&b, &field(&b, shift)), &rows, &columns);
+        assert!(of(0.0).norms.max.value < 1e-12);
+        let shifted = of(0.25);
+        for norm in [shifted.norms.l1, shifted.norms.l2, shifted.norms.max] {
+            assert!((norm.value - 0.25).abs() < 1e-12);
+        }
+        // The largest value of the field is -3 + 0.1 in the first cell at the end.
+        assert!((shifted.norms.max.relative.expect("a field") - 0.25 / 2.9).abs() < 1e-12);
+        assert_eq!(shifted.history.len(), 5);
+    }
+}

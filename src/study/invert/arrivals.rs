@@ -1,0 +1,399 @@
+//! From arrival times of strain levels at gauges to the curve.
+//!
+//! In a simple wave that enters a bar at rest, each strain propagates at its own constant speed c(eps), so it passes the distance x at
+//! t = t0(eps) + x/c(eps). The slope of the line through its arrivals gives c; sigma = rho integral c^2 d eps. Nothing need be known of
+//! the loading but that it does not decrease. Shocks give the speed of their chord, so the result is the concave hull of the curve.
+//! Th. von Karman, P. Duwez, J. Appl. Phys. 21, 1950; N. Cristescu, Dynamic Plasticity, 1967.
+//!
+//! It does not hold where reflected waves have arrived, nor where the stress depends on the strain rate.
+
+use std::path::Path;
+
+use rand::{RngExt, SeedableRng};
+use rand_xorshift::XorShiftRng;
+use serde::Serialize;
+
+use super::bands::deviation;
+use super::curve::{Integrated, WavePoint, integrate, points};
+use super::isotonic::{first_reach, non_decreasing};
+use super::noise::Noise;
+use super::records::{Record, Recording};
+use super::table::Table;
+use crate::error::{InputError, Result};
+use crate::study::random::standard_normal;
+use crate::units::Dimension;
+
+/// What is known beside the arrivals, and how to treat them.
+#[derive(Debug, Clone)]
+pub struct Options {
+    /// kg/m^3.
+    pub density: f64,
+    /// Pa; no speed exceeds the elastic one where it is known.
+    pub modulus: Option<f64>,
+    /// From the loaded end to where the first reflection comes from, m.
+    pub length: Option<f64>,
+    /// When the loading starts, s.
+    pub start: f64,
+    /// All strains start from the loaded end at `start`: the loading is sudden.
+    pub centred: bool,
+    /// Standard error of the gauge positions, m.
+    pub position_error: f64,
+    /// Standard error of single arrival times, s; from their scatter where it is not given.
+    pub time_error: Option<f64>,
+    /// Bootstrap replicates.
+    pub replicates: usize,
+    /// Of the random numbers.
+    pub seed: u64,
+}
+
+/// The curve that arrivals give.
+#[derive(Debug, Clone, Serialize)]
+pub struct Inverted {
+    /// By strain.
+    pub points: Vec<WavePoint>,
+    /// Distances of the gauges from the loaded end, m.
+    #[serde(rename = "distances_m")]
+    pub distances: Vec<f64>,
+    /// Deviation of the arrivals from straight characteristics, over their times; none where two gauges give each line.
+    pub curvature: Option<f64>,
+    /// The same over their noise: about 1 in a simple wave. Where it is larger, the intervals are widened by it.
+    pub misfit: Option<f64>,
+    /// What limits the result.
+    pub warnings: Vec<String>,
+}
+
+/// Levels at which records are read, and the power of their spacing: at the elastic limit, where the speed jumps, half a step of strain
+/// times the modulus is an error of the stress.
+const LEVELS: usize = 1000;
+const SPACING: i32 = 3;
+
+/// Points of the result.
+const POINTS: usize = 40;
+
+/// Misfit and deviation from which the characteristics do not count as straight. A grid smears fronts by less than this part of their
+/// times.
+const CURVED: f64 = 3.0;
+const BENT: f64 = 0.02;
+
+/// Arrival times: a column for each gauge (or repeat), a row for each level; NaN where there is none.
+#[derive(Debug, Clone)]
+struct Arrivals {
+    distance: Vec<f64>,
+    level: Vec<f64>,
+    time: Vec<Vec<f64>>,
+}
+
+/// Inverts the records of gauges.
+///
+/// # Errors
+/// Too few gauges, no strain level that two of them see before the first reflection, positions and times that contradict each other.
+pub fn of_records(recording: &Recording, options: &Options) -> Result<Inverted> {
+    let mut warnings = recording.notes.clone();
+    enough_gauges(recording.records.iter().map(|r| r.distance), options)?;
+    let records = before_reflection(&recording.records, options, &mut warnings);
+    let fits: Vec<Vec<f64>> = records.iter().map(|r| non_decreasing(&r.strain, |_| 1.0)).collect();
+    let noise: Vec<Noise> = records.iter().zip(&fits).map(|(r, fit)| Noise::about(&r.strain, fit)).collect();
+    // The fit overshoots by noise at its end.
+    let top = |(fit, noise): (&Vec<f64>, &Noise)| fit.last().map_or(0.0, |last| last - 3.0 * noise.rms());
+    let tops: Vec<f64> = fits.iter().zip(&noise).map(top).collect();
+    let levels = levels(&tops, options)?;
+    let column = |((record, fit), &top): ((&Record, &Vec<f64>), &f64)| -> Vec<f64> {
+        let reached = |&level: &f64| first_reach(&record.time, fit, level).filter(|_| level <= top);
+        levels.iter().map(|level| reached(level).unwrap_or(f64::NAN)).collect()
+    };
+    let read = |fits: &[Vec<f64>]| Arrivals {
+        distance: records.iter().map(|r| r.distance).collect(),
+        level: levels.clone(),
+        time: records.iter().zip(fits).zip(&tops).map(column).collect(),
+    };
+    let mut rng = XorShiftRng::seed_from_u64(options.seed);
+    let mut replicate = |_| {
+        let noisy = noise.iter().zip(&fits).map(|(n, fit)| non_decreasing(&n.replicate(fit, &mut rng), |_| 1.0));
+        let noisy: Vec<Vec<f64>> = noisy.collect();
+        displaced(read(&noisy), |k| sampling(&records[k]), options.position_error, &mut rng)
+    };
+    let replicates: Vec<Arrivals> = (0..options.replicates).map(&mut replicate).collect();
+    let mut inverted = invert(&read(&fits), &replicates, options, warnings)?;
+    let kept = |(i, _): &(usize, WavePoint)| (i + 1) % (LEVELS / POINTS) == 0;
+    inverted.points = inverted.points.into_iter().enumerate().filter(kept).map(|(_, point)| point).collect();
+    Ok(inverted)
+}
+
+/// Inverts a table of arrivals: columns `x` (distance from the loaded end), `strain` (the level) and `time`.
+///
+/// # Errors
+/// As for [`of_records`]; an arrival later than the first reflection; lines without scatter where no error of the times is given.
+pub fn of_table(path: &Path, options: &Options) -> Result<Inverted> {
+    let mut warnings = Vec::new();
+    let (arrivals, table) = read_table(path)?;
+    enough_gauges(arrivals.distance.iter().copied(), options)?;
+    not_after_reflection(&table, options, &mut warnings)?;
+    let columns = arrivals.distance.len();
+    let weights = vec![vec![1.0; arrivals.level.len()]; columns];
+    let error = match options.time_error {
+        Some(error) => error,
+        None => pooled_scatter(&lines(&arrivals, &weights, options)).ok_or_else(|| {
+            InputError::new("the arrivals have no scatter: each level arrives at two gauges once")
+                .key("--time-error")
+                .help("give the standard error of an arrival time, such as --time-error \"0.2 us\", or repeats")
+        })?,
+    };
+    let mut rng = XorShiftRng::seed_from_u64(options.seed);
+    let mut replicate = |_| {
+        let mut noisy = arrivals.clone();
+        noisy.time.iter_mut().flatten().for_each(|t| *t += error * standard_normal(&mut rng));
+        displaced(noisy, |_| 0.0, options.position_error, &mut rng)
+    };
+    let replicates: Vec<Arrivals> = (0..options.replicates).map(&mut replicate).collect();
+    invert(&arrivals, &replicates, options, warnings)
+}
+
+fn enough_gauges(distances: impl Iterator<Item = f64>, options: &Options) -> Result<()> {
+    let mut distances: Vec<f64> = distances.collect();
+    distances.sort_by(f64::total_cmp);
+    distances.dedup();
+    let needed = if options.centred { 1 } else { 2 };
+    if distances.len() >= needed && distances.first().is_none_or(|&x| x > 0.0 || !options.centred) {
+        return Ok(());
+    }
+    let message = format!("the gauges stand at {} different positions", distances.len());
+    let help = "add a gauge; with a sudden loading that starts at --start, --centred needs one, away from the end";
+    Err(InputError::new(message).allowed(format!("at least {needed}, at positive distances")).help(help).into())
+}
+
+/// When the elastic wave that the far end reflects reaches a distance; none where the length or the modulus is not known.
+fn reflection(options: &Options, warnings: &mut Vec<String>) -> Option<impl Fn(f64) -> f64 + use<>> {
+    if let (Some(length), Some(modulus)) = (options.length, options.modulus) {
+        let (start, c0) = (options.start, (modulus / options.density).sqrt());
+        return Some(move |distance: f64| start + (2.0 * length - distance) / c0);
+    }
+    warnings.push("not checked: reflections from the far end (needs the length and the modulus)".to_owned());
+    None
+}
+
+/// Records up to the reflected wave.
+fn before_reflection(records: &[Record], options: &Options, warnings: &mut Vec<String>) -> Vec<Record> {
+    let Some(arrival) = reflection(options, warnings) else { return records.to_vec() };
+    let mut left_out = Vec::new();
+    let mut cut = |record: &Record| {
+        let until = arrival(record.distance);
+        let keep = record.time.partition_point(|&t| t < until);
+        if keep < record.time.len() {
+            left_out.push(format!("{} after {:.1} us", record.name, 1e6 * until));
+        }
+        let mut shorter = record.clone();
+        shorter.time.truncate(keep);
+        shorter.strain.truncate(keep);
+        shorter
+    };
+    let records = records.iter().map(&mut cut).collect();
+    if !left_out.is_empty() {
+        let what = "left out, since the wave reflected from the far end has arrived:";
+        warnings.push(format!("{what} {}", left_out.join(", ")));
+    }
+    records
+}
+
+fn not_after_reflection(table: &Table, options: &Options, warnings: &mut Vec<String>) -> Result<()> {
+    let Some(arrival) = reflection(options, warnings) else { return Ok(()) };
+    let (x, time) = (table.needed(POSITION)?, table.needed(TIME)?);
+    let Some(row) = (0..x.len()).find(|&row| time[row] >= arrival(x[row])) else { return Ok(()) };
+    let message = format!("arrival at {:.6e} s, after the wave reflected from the far end", time[row]);
+    let allowed = format!("t < {:.6e} s at x = {} m", arrival(x[row]), x[row]);
+    Err(table.error(row, message).allowed(allowed).help("leave out later arrivals, or use a longer bar").into())
+}
+
+/// Levels up to the largest strain that enough gauges see, closer at small strains, where speeds change most.
+fn levels(tops: &[f64], options: &Options) -> Result<Vec<f64>> {
+    let mut tops = tops.to_vec();
+    tops.sort_by(|a, b| b.total_cmp(a));
+    let top = tops[usize::from(!options.centred)];
+    if top <= 0.0 || !top.is_finite() {
+        let message = "no strain level arrives at two gauges before the reflected wave, or above the noise";
+        let help = "check --start and --length, use a longer bar, or put the gauges nearer to the loaded end";
+        return Err(InputError::new(message).help(help).into());
+    }
+    Ok((1..=LEVELS).map(|i| top * (i as f64 / LEVELS as f64).powi(SPACING)).collect())
+}
+
+/// Half the mean time between samples, s: an arrival is not known more closely. Records that hold jumps, two samples at one time, state
+/// arrivals exactly.
+fn sampling(record: &Record) -> f64 {
+    if record.time.windows(2).any(|pair| pair[0] == pair[1]) {
+        return 0.0;
+    }
+    let (first, last) = (record.time.first(), record.time.last());
+    0.5 * first.zip(last).map_or(0.0, |(a, b)| (b - a) / record.time.len() as f64)
+}
+
+/// With positions and clocks of the gauges moved by their errors.
+fn displaced(mut arrivals: Arrivals, clock: impl Fn(usize) -> f64, position: f64, rng: &mut XorShiftRng) -> Arrivals {
+    for (k, column) in arrivals.time.iter_mut().enumerate() {
+        arrivals.distance[k] += position * standard_normal(rng);
+        let shift = clock(k) * (2.0 * rng.random::<f64>() - 1.0);
+        for time in column {
+            *time += shift;
+        }
+    }
+    arrivals
+}
+
+const POSITION: &[&str] = &["x", "position", "distance"];
+const TIME: &[&str] = &["time", "t", "arrival"];
+
+fn read_table(path: &Path) -> Result<(Arrivals, Table)> {
+    let table = Table::read(path, |_, name| match name {
+        name if POSITION.contains(&name) => Dimension::Length,
+        name if TIME.contains(&name) => Dimension::Time,
+        _ => Dimension::None,
+    })?;
+    let (x, strain, time) = (table.needed(POSITION)?, table.needed(&["strain", "level"])?, table.needed(TIME)?);
+    if let Some(row) = strain.iter().position(|&e| e == 0.0) {
+        return Err(table.error(row, "a strain level of zero has no arrival").allowed("strain > 0").into());
+    }
+    let mut level: Vec<f64> = strain.iter().map(|e| e.abs()).collect();
+    level.sort_by(f64::total_cmp);
+    level.dedup();
+    // Repeats at a place get columns of their own.
+    let (mut distance, mut columns) = (Vec::new(), Vec::<Vec<f64>>::new());
+    for row in 0..x.len() {
+        let at = level.partition_point(|&e| e < strain[row].abs());
+        let free = (0..columns.len()).find(|&k| distance[k] == x[row] && columns[k][at].is_nan());
+        let column = free.unwrap_or_else(|| {
+            distance.push(x[row]);
+            columns.push(vec![f64::NAN; level.len()]);
+            columns.len() - 1
+        });
+        columns[column][at] = time[row];
+    }
+    Ok((Arrivals { distance, level, time: columns }, table))
+}
+
+/// Slownesses 1/c of the levels, s/m, and the distances of their arrivals from the line, s; NaN where fewer gauges see a level than a line
+/// needs.
+struct Lines {
+    slowness: Vec<f64>,
+    residual: Vec<Vec<f64>>,
+    gauges: Vec<usize>,
+}
+
+#[expect(clippy::needless_range_loop, reason = "a level is a column of several tables")]
+/// Weighted least-squares lines t = t0 + x/c through the arrivals of each level; t0 is the start where the wave is centred.
+fn lines(arrivals: &Arrivals, weights: &[Vec<f64>], options: &Options) -> Lines {
+    let count = arrivals.level.len();
+    let mut all = Lines { slowness: vec![f64::NAN; count], residual: Vec::new(), gauges: vec![0; count] };
+    all.residual = vec![vec![f64::NAN; count]; arrivals.distance.len()];
+    for i in 0..count {
+        let seen: Vec<usize> = (0..arrivals.distance.len()).filter(|&k| arrivals.time[k][i].is_finite()).collect();
+        let mean = |of: &dyn Fn(usize) -> f64| {
+            let sum: f64 = seen.iter().map(|&k| weights[k][i]).sum();
+            seen.iter().map(|&k| weights[k][i] * of(k)).sum::<f64>() / sum
+        };
+        let (x, t) = (|k: usize| arrivals.distance[k], |k: usize| arrivals.time[k][i]);
+        let centre = if options.centred { (0.0, options.start) } else { (mean(&x), mean(&t)) };
+        let slowness = mean(&|k| (x(k) - centre.0) * (t(k) - centre.1)) / mean(&|k| (x(k) - centre.0).powi(2));
+        all.gauges[i] = seen.len();
+        if slowness.is_finite() {
+            all.slowness[i] = slowness;
+            for &k in &seen {
+                all.residual[k][i] = t(k) - centre.1 - slowness * (x(k) - centre.0);
+            }
+        }
+    }
+    all
+}
+
+/// Standard deviation of the arrivals about all lines, s; none without degrees of freedom.
+fn pooled_scatter(lines: &Lines) -> Option<f64> {
+    let squares: f64 = lines.residual.iter().flatten().filter(|r| r.is_finite()).map(|r| r * r).sum();
+    let freedom: usize = lines.gauges.iter().map(|n| n.saturating_sub(2)).sum();
+    (freedom > 0).then(|| (squares / freedom as f64).sqrt())
+}
+
+/// One over the variance of each arrival among the replicates.
+fn weights(replicates: &[Arrivals], best: &Arrivals) -> Vec<Vec<f64>> {
+    let columns = 0..best.distance.len();
+    let at = |k: usize, i: usize| deviation(replicates.iter().map(move |replicate| replicate.time[k][i]));
+    let all: Vec<Vec<f64>> = columns.map(|k| (0..best.level.len()).map(|i| at(k, i)).collect()).collect();
+    // Where nothing varies, all weigh the same.
+    let largest = all.iter().flatten().fold(0.0_f64, |a, b| a.max(*b));
+    let floor = if largest > 0.0 { 1e-3 * largest } else { 1.0 };
+    all.iter().map(|column| column.iter().map(|d| (d * d + floor * floor).recip()).collect()).collect()
+}
+
+fn invert(best: &Arrivals, replicates: &[Arrivals], options: &Options, warnings: Vec<String>) -> Result<Inverted> {
+    let weights = weights(replicates, best);
+    let found = lines(best, &weights, options);
+    positive(best, &found)?;
+    let drawn: Vec<Lines> = replicates.iter().map(|replicate| lines(replicate, &weights, options)).collect();
+    let spread = |i: usize| deviation(drawn.iter().map(|lines| lines.slowness[i]));
+    let spread: Vec<f64> = (0..best.level.len()).map(spread).collect();
+    let kept: Vec<usize> = (0..best.level.len()).filter(|&i| found.slowness[i].is_finite()).collect();
+    let strain: Vec<f64> = kept.iter().map(|&i| best.level[i]).collect();
+    let c0 = options.modulus.map(|modulus| (modulus / options.density).sqrt());
+    let smallest = spread.iter().fold(0.0_f64, |a, b| a.max(*b)) * 1e-3 + f64::MIN_POSITIVE.sqrt();
+    let curve = |lines: &Lines| -> Integrated {
+        // A replicate that misses a level has nothing to say of it.
+        let known = |&i: &usize| if lines.slowness[i].is_finite() { lines.slowness[i] } else { found.slowness[i] };
+        let slowness: Vec<f64> = kept.iter().map(known).collect();
+        // Behind a front nothing is faster than the front.
+        let monotone = non_decreasing(&slowness, |j| (spread[kept[j]].powi(2) + smallest.powi(2)).recip());
+        let least = c0.map_or(f64::MIN_POSITIVE, f64::recip);
+        let speed = monotone.iter().map(|s| s.max(least).recip()).collect();
+        integrate(options.density, &strain, speed, [0.0; 3], c0)
+    };
+    let replicates: Vec<Integrated> = drawn.iter().map(curve).collect();
+    let gauges: Vec<usize> = kept.iter().map(|&i| found.gauges[i]).collect();
+    let misfit = misfit(best, &found, &weights);
+    let widened = misfit.unwrap_or(1.0).max(1.0);
+    let points = points(&strain, &curve(&found), &replicates, &gauges, widened);
+    let curvature = curvature(best, &found, options);
+    let curved = misfit.zip(curvature).filter(|&(misfit, curvature)| misfit > CURVED && curvature > BENT);
+    let warnings = warnings.into_iter().chain(curved.map(|(misfit, curvature)| {
+        format!(
+            "the arrivals deviate from straight characteristics by {:.1} % of their times, {misfit:.1} times their noise: a \
+             rate-dependent material, reflections, an unloading end or wrong positions",
+            100.0 * curvature
+        )
+    }));
+    let warnings = warnings.collect();
+    Ok(Inverted { points, distances: best.distance.clone(), curvature, misfit, warnings })
+}
+
+/// Refuses arrivals that are earlier farther away.
+fn positive(arrivals: &Arrivals, lines: &Lines) -> Result<()> {
+    let wrong = |&i: &usize| lines.slowness[i] <= 0.0;
+    let seen = lines.slowness.iter().filter(|s| s.is_finite()).count();
+    let failed = (0..arrivals.level.len()).filter(wrong).count();
+    if seen > 0 && 2 * failed <= seen {
+        return Ok(());
+    }
+    let message = format!("{failed} of {seen} strain levels arrive at the farther gauges first");
+    let help = "give positions as distances from the loaded end, and check their order and units";
+    Err(InputError::new(message).help(help).into())
+}
+
+/// Root mean square distance of the arrivals of a level from its line, over what their noise explains: the median of the levels (Birge's
+/// ratio, R. T. Birge, Phys. Rev. 40, 1932); none where two gauges give each line.
+fn misfit(arrivals: &Arrivals, lines: &Lines, weights: &[Vec<f64>]) -> Option<f64> {
+    let weighted = |i: usize, k: usize| weights[k][i] * lines.residual[k][i].powi(2);
+    median_of_levels(arrivals, lines, weighted)
+}
+
+/// The same over the time since the start of the loading.
+fn curvature(arrivals: &Arrivals, lines: &Lines, options: &Options) -> Option<f64> {
+    let relative = |i: usize, k: usize| (lines.residual[k][i] / (arrivals.time[k][i] - options.start)).powi(2);
+    median_of_levels(arrivals, lines, relative)
+}
+
+/// Median of the levels: root of the sum of squares over the degrees of freedom.
+fn median_of_levels(arrivals: &Arrivals, lines: &Lines, square: impl Fn(usize, usize) -> f64) -> Option<f64> {
+    let of_level = |i: usize| {
+        let sum: f64 = (0..arrivals.distance.len()).map(|k| square(i, k)).filter(|s| s.is_finite()).sum();
+        (sum / (lines.gauges[i] - 2) as f64).sqrt()
+    };
+    let levels = (0..arrivals.level.len()).filter(|&i| lines.gauges[i] > 2);
+    let mut all: Vec<f64> = levels.map(of_level).filter(|value| value.is_finite()).collect();
+    all.sort_by(f64::total_cmp);
+    all.get(all.len() / 2).copied()
+}

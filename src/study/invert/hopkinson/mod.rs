@@ -1,0 +1,17 @@
+//! Split-Hopkinson (Kolsky) bar: from the strain gauges on the bars to the specimen's stress, strain and strain rate.
+//!
+//! With the incident, reflected and transmitted strains i, r and t at the faces of the specimen (the gauge records, shifted by their
+//! distances over the bar speed c), positive in the sense of the incident pulse:
+//! faces `v1 = c1 (i - r)`, `v2 = c2 t`; forces `F1 = E1 A1 (i + r)`, `F2 = E2 A2 t`.
+//! Three waves: rate `(v1 - v2)/L`, stress `(F1 + F2)/(2 A_s)`. One wave, which assumes equilibrium: rate `-2 c1 r/L`, stress `F2/A_s`.
+//! H. Kolsky, Proc. Phys. Soc. B 62, 1949; G. T. Gray, ASM Handbook 8, 2000.
+//!
+//! Dispersion in the bars is not corrected.
+
+mod read;
+mod reduce;
+mod test_set;
+
+pub use read::{Test, records_from_csv};
+pub use reduce::{Knot, Moment, Options, Reduced, reduce};
+pub use test_set::{ElasticBar, Records, Setup};

@@ -1,0 +1,114 @@
+//! Records of a split-Hopkinson test, from a CSV file or a result file.
+
+use std::path::Path;
+
+use rand::SeedableRng;
+use rand_xorshift::XorShiftRng;
+
+use super::test_set::{ElasticBar, Records, Setup};
+use crate::error::{InputError, Result};
+use crate::material::{Beyond, Curve};
+use crate::record::store::{Gauge, ResultFile};
+use crate::study::invert::noise::digitized;
+use crate::study::invert::setup::{self, Segment};
+use crate::study::invert::table::Table;
+use crate::units::Dimension;
+
+/// A test from a result file.
+#[derive(Debug, Clone)]
+pub struct Test {
+    /// Bars and specimen.
+    pub setup: Setup,
+    /// The gauges.
+    pub records: Records,
+    /// Name of the specimen's material.
+    pub material: String,
+    /// kg/m^3.
+    pub density: f64,
+    /// The specimen's curve in the simulation.
+    pub given: Option<Curve>,
+    /// Until the transmitted pulse comes back from the far end to its gauge, after it passed there, s.
+    pub limit: f64,
+}
+
+/// Reads the columns `time`, incident and transmitted strain (second and third column).
+///
+/// # Errors
+/// A wrong file, other than three columns, times that decrease.
+pub fn records_from_csv(path: &Path) -> Result<Records> {
+    let of = |column: usize, _: &str| if column == 0 { Dimension::Time } else { Dimension::None };
+    let table = Table::read(path, of)?;
+    let [time, incident, transmitted] = table.columns.as_slice() else {
+        let message = format!("{} has {} columns", path.display(), table.columns.len());
+        let help = "give the time, the strain of the incident bar and the strain of the transmission bar";
+        return Err(InputError::new(message).allowed("3 columns").help(help).into());
+    };
+    if let Some(row) = time.windows(2).position(|pair| pair[1] < pair[0]) {
+        return Err(table.error(row + 1, "the time is smaller than in the row before").help("sort the rows").into());
+    }
+    Ok(Records { incident: (time.clone(), incident.clone()), transmitted: (time.clone(), transmitted.clone()) })
+}
+
+impl Records {
+    /// The records as a digitizer takes them, with noise whose standard deviation is this part of each record's largest strain.
+    #[must_use]
+    pub fn with_noise(mut self, part: f64, seed: u64) -> Self {
+        let mut rng = XorShiftRng::seed_from_u64(seed);
+        for record in [&mut self.incident, &mut self.transmitted] {
+            *record = digitized(&record.0, &record.1, part, &mut rng);
+        }
+        self
+    }
+}
+
+impl Test {
+    /// From the result of a scene with striker, incident bar, specimen and transmission bar: the specimen is the shortest segment between
+    /// two bars with a gauge each. `gauges` names them where there are several.
+    ///
+    /// # Errors
+    /// Another arrangement, no sections, no gauges.
+    pub fn from_result(file: &ResultFile, gauges: &[String]) -> Result<Self> {
+        let segments = setup::segments(file)?;
+        let wrong = |message: String, help: &str| {
+            InputError::new(format!("{}: {message}", file.path().display())).help(help.to_owned())
+        };
+        let inner = 1..segments.len().saturating_sub(1);
+        let shortest = inner.min_by(|&a, &b| segments[a].length.total_cmp(&segments[b].length)).ok_or_else(|| {
+            wrong("the bar has no segment between two others".into(), "see runs/split-hopkinson.toml for such a scene")
+        })?;
+        let [before, specimen, after] = [shortest - 1, shortest, shortest + 1].map(|k| &segments[k]);
+        let area = |segment: &Segment| {
+            segment.area.ok_or_else(|| wrong("the segments have no area".into(), "give each segment a diameter"))
+        };
+        let all = file.gauges()?;
+        let on = |segment: &Segment, what: &str| {
+            let here = |gauge: &&Gauge| {
+                (segment.start..=segment.end()).contains(&gauge.x)
+                    && (gauges.is_empty() || gauges.contains(&gauge.name))
+            };
+            let help =
+                "record a gauge on each bar, and name them with --gauges INCIDENT,TRANSMITTED where there are several";
+            all.iter().find(here).cloned().ok_or_else(|| wrong(format!("there is no gauge on the {what} bar"), help))
+        };
+        let (first, second) = (on(before, "incident")?, on(after, "transmission")?);
+        let bar = |segment: &Segment, distance: f64| -> Result<ElasticBar> {
+            Ok(ElasticBar { modulus: segment.modulus, density: segment.density, area: area(segment)?, distance })
+        };
+        let setup = Setup {
+            incident: bar(before, before.end() - first.x)?,
+            transmitted: bar(after, second.x - after.start)?,
+            length: specimen.length,
+            area: area(specimen)?,
+        };
+        let limit = 2.0 * (after.end() - second.x) / after.c0();
+        let gauge = |gauge: Gauge| (gauge.trace.time, gauge.trace.strain);
+        Ok(Self {
+            setup,
+            records: Records { incident: gauge(first), transmitted: gauge(second) },
+            material: specimen.name.clone(),
+            density: specimen.density,
+            given: Curve::new(&specimen.curve(true), Beyond::Error).ok(),
+            limit,
+        })
+    }
+}

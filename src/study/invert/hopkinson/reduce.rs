@@ -1,0 +1,368 @@
+//! The reduction: pulses, moments of the specimen, equilibrium, curve.
+
+use serde::Serialize;
+
+use super::test_set::{Records, Setup};
+use crate::error::{InputError, Result};
+use crate::material::Sense;
+use crate::study::invert::noise::at;
+
+/// How to reduce.
+#[derive(Debug, Clone)]
+pub struct Options {
+    /// Length of the reduction from the arrival of the incident pulse on, s; the length of the pulse where it is not given.
+    pub window: Option<f64>,
+    /// Time after which a wave from the far end of the transmission bar is back at its gauge, s, where it is known.
+    pub limit: Option<f64>,
+    /// Largest difference of the two faces' forces over their mean that counts as equilibrium.
+    pub equilibrium: f64,
+    /// Poisson's ratio of the bars, for the statement on dispersion.
+    pub poisson: f64,
+}
+
+/// One moment of the specimen. Magnitudes.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Moment {
+    /// Since the incident pulse reached the specimen, s.
+    pub time_s: f64,
+    /// Three waves: engineering strain.
+    pub strain: f64,
+    /// Three waves, 1/s.
+    #[serde(rename = "rate_1_s")]
+    pub rate: f64,
+    /// Three waves: mean of the faces, engineering stress, Pa.
+    #[serde(rename = "stress_Pa")]
+    pub stress: f64,
+    /// One wave: engineering strain.
+    pub strain_one_wave: f64,
+    /// One wave, 1/s.
+    #[serde(rename = "rate_one_wave_1_s")]
+    pub rate_one_wave: f64,
+    /// One wave: the face at the transmission bar, Pa.
+    #[serde(rename = "stress_one_wave_Pa")]
+    pub stress_one_wave: f64,
+    /// The face at the incident bar, Pa.
+    #[serde(rename = "stress_incident_face_Pa")]
+    pub stress_incident_face: f64,
+    /// Incident strain at the specimen.
+    pub incident: f64,
+    /// Reflected strain at the specimen.
+    pub reflected: f64,
+    /// Transmitted strain at the specimen.
+    pub transmitted: f64,
+}
+
+/// A knot of the specimen's curve: the mean of the moments in a range of strain.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Knot {
+    /// Engineering strain.
+    pub strain: f64,
+    /// Engineering stress, Pa.
+    #[serde(rename = "stress_Pa")]
+    pub stress: f64,
+    /// 95 % interval of the stress, Pa: noise, and half the root mean square difference of the faces.
+    #[serde(rename = "stress_half_width_Pa")]
+    pub half_width: f64,
+    /// Mean strain rate, 1/s.
+    #[serde(rename = "rate_1_s")]
+    pub rate: f64,
+}
+
+/// A reduced test.
+#[derive(Debug, Clone, Serialize)]
+pub struct Reduced {
+    /// Bars and specimen.
+    pub setup: Setup,
+    /// Sense of the loading.
+    pub sense: Sense,
+    /// When the incident pulse reaches its gauge, s.
+    pub arrival_s: f64,
+    /// Length of the reduction, s.
+    pub window_s: f64,
+    /// Noise of the records before the pulse: standard deviation of the strain.
+    pub noise: f64,
+    /// Time from which the faces are in equilibrium, s; none where they never are.
+    pub equilibrium_from_s: Option<f64>,
+    /// Strain at that time.
+    pub equilibrium_from_strain: Option<f64>,
+    /// Largest difference of the faces over their mean from then on.
+    pub imbalance: Option<f64>,
+    /// Mean strain rate in equilibrium, 1/s.
+    #[serde(rename = "mean_rate_1_s")]
+    pub mean_rate: Option<f64>,
+    /// Time over which dispersion on the way between the gauges spreads a sharp front, s.
+    pub dispersion_s: f64,
+    /// The curve in equilibrium.
+    pub curve: Vec<Knot>,
+    /// What limits the result.
+    pub warnings: Vec<String>,
+    /// Every moment.
+    #[serde(skip)]
+    pub moments: Vec<Moment>,
+}
+
+/// Moments of the reduction.
+const MOST_MOMENTS: usize = 4000;
+const FEWEST_MOMENTS: usize = 400;
+
+/// Ranges of strain in the curve.
+const KNOTS: usize = 40;
+
+/// Part of the largest strain at which a pulse arrives and ends.
+const ARRIVES: f64 = 0.05;
+const ENDS: f64 = 0.1;
+
+/// Part of the time to the reflected pulse in which the incident one is looked at: positions and speeds are not exact.
+const ALONE: f64 = 0.98;
+
+/// Part of the largest rate below which the specimen counts as unloading.
+const SLOW: f64 = 0.1;
+
+/// The forces of the faces are compared as means over this part of the window, so that noise counts less than waves.
+const SMOOTHED: f64 = 0.02;
+
+/// The incident pulse at its gauge.
+struct Pulse {
+    sign: f64,
+    arrival: f64,
+    /// s; infinite where the reflected pulse arrives before it has ended.
+    lasts: f64,
+    /// Before the pulse.
+    noise: f64,
+}
+
+fn pulse(setup: &Setup, (time, strain): &(Vec<f64>, Vec<f64>)) -> Result<Pulse> {
+    let largest = strain.iter().fold(0.0_f64, |top, e| top.max(e.abs()));
+    let first = strain.iter().position(|e| e.abs() >= ARRIVES * largest).filter(|_| largest > 0.0);
+    let first = first.ok_or_else(|| {
+        InputError::new("the gauge of the incident bar sees no pulse")
+            .help("check the order and the units of the columns")
+    })?;
+    let reflected = time[first] + ALONE * 2.0 * setup.incident.delay();
+    let alone = first..time.partition_point(|&t| t < reflected).max(first + 1);
+    let signed = strain[alone.clone()].iter().fold(0.0_f64, |top, &e| if e.abs() > top.abs() { e } else { top });
+    let last = alone.clone().rev().find(|&row| strain[row].abs() > ENDS * signed.abs()).unwrap_or(first);
+    let ends = last + 1 < alone.end;
+    let quiet = &strain[..first];
+    let squares: f64 = quiet.iter().map(|e| e * e).sum();
+    Ok(Pulse {
+        sign: signed.signum(),
+        arrival: time[first],
+        lasts: if ends { time[last] - time[first] } else { f64::INFINITY },
+        noise: (squares / quiet.len().max(1) as f64).sqrt(),
+    })
+}
+
+/// Reduces a test.
+///
+/// # Errors
+/// Records without a pulse, or shorter than the window.
+pub fn reduce(setup: &Setup, records: &Records, options: &Options) -> Result<Reduced> {
+    let pulse = pulse(setup, &records.incident)?;
+    let mut warnings = Vec::new();
+    let window = window(setup, records, options, &pulse, &mut warnings)?;
+    let moments = moments(setup, records, &pulse, window);
+    let mut reduced = Reduced {
+        setup: setup.clone(),
+        sense: Sense::of(pulse.sign),
+        arrival_s: pulse.arrival,
+        window_s: window,
+        noise: pulse.noise,
+        equilibrium_from_s: None,
+        equilibrium_from_strain: None,
+        imbalance: None,
+        mean_rate: None,
+        dispersion_s: dispersion(setup, options.poisson),
+        curve: Vec::new(),
+        warnings,
+        moments,
+    };
+    equilibrium(&mut reduced, options.equilibrium);
+    Ok(reduced)
+}
+
+/// The time in which incident and reflected pulse are separate and no other wave has arrived.
+fn window(
+    setup: &Setup,
+    records: &Records,
+    options: &Options,
+    pulse: &Pulse,
+    warnings: &mut Vec<String>,
+) -> Result<f64> {
+    let separate = 2.0 * setup.incident.delay();
+    let end = |record: &(Vec<f64>, Vec<f64>), delay: f64| record.0.last().map_or(0.0, |t| t - pulse.arrival - delay);
+    let recorded = end(&records.incident, separate)
+        .min(end(&records.transmitted, setup.incident.delay() + setup.transmitted.delay()));
+    let limit = separate.min(options.limit.unwrap_or(f64::INFINITY)).min(recorded);
+    if limit <= 0.0 {
+        let message = "the records end before the reflected and transmitted pulses arrive";
+        return Err(InputError::new(message).help("check the units of the time and the gauge distances").into());
+    }
+    let wanted = options.window.unwrap_or(pulse.lasts);
+    if pulse.lasts > separate && options.window.is_none() {
+        warnings.push(format!(
+            "the incident pulse has not ended at its gauge when the reflected one arrives there, {:.1} us after it: the \
+             reduction ends there",
+            1e6 * separate
+        ));
+    } else if wanted > limit {
+        warnings.push(format!(
+            "the reduction ends after {:.1} us, when another wave arrives or the records end",
+            1e6 * limit
+        ));
+    }
+    Ok(wanted.min(limit))
+}
+
+fn moments(setup: &Setup, records: &Records, pulse: &Pulse, window: f64) -> Vec<Moment> {
+    let within = |t: &&f64| (pulse.arrival..pulse.arrival + window).contains(*t);
+    let samples = records.incident.0.iter().filter(within).count();
+    let steps = samples.clamp(FEWEST_MOMENTS, MOST_MOMENTS);
+    let (one, two) = (&setup.incident, &setup.transmitted);
+    let section = setup.area.recip();
+    let passed = one.delay() + two.delay();
+    let mut strains = [0.0; 2];
+    let mut before: Option<[f64; 2]> = None;
+    let moment = |k: usize| {
+        let time = window * k as f64 / steps as f64;
+        let t = pulse.arrival + time;
+        let incident = pulse.sign * at(&records.incident.0, &records.incident.1, t);
+        let reflected = pulse.sign * at(&records.incident.0, &records.incident.1, t + 2.0 * one.delay());
+        let transmitted = pulse.sign * at(&records.transmitted.0, &records.transmitted.1, t + passed);
+        let rates = [
+            (one.c0() * (incident - reflected) - two.c0() * transmitted) / setup.length,
+            -2.0 * one.c0() * reflected / setup.length,
+        ];
+        for (k, strain) in strains.iter_mut().enumerate() {
+            *strain += 0.5
+                * (rates[k] + before.map_or(rates[k], |b| b[k]))
+                * if before.is_some() { window / steps as f64 } else { 0.0 };
+        }
+        before = Some(rates);
+        let front = one.modulus * one.area * (incident + reflected) * section;
+        let back = two.modulus * two.area * transmitted * section;
+        Moment {
+            time_s: time,
+            strain: strains[0],
+            rate: rates[0],
+            stress: 0.5 * (front + back),
+            strain_one_wave: strains[1],
+            rate_one_wave: rates[1],
+            stress_one_wave: back,
+            stress_incident_face: front,
+            incident,
+            reflected,
+            transmitted,
+        }
+    };
+    (0..=steps).map(moment).collect()
+}
+
+/// Width of a sharp front after its way between the gauges, as time: lateral inertia (Love) spreads it over
+/// `(3 (nu r)^2 X/2)^(1/3)`, r the polar radius of gyration.
+fn dispersion(setup: &Setup, poisson: f64) -> f64 {
+    let bar = &setup.incident;
+    let gyration = bar.area / (2.0 * std::f64::consts::PI);
+    let way = setup.incident.distance + setup.transmitted.distance;
+    (1.5 * poisson * poisson * gyration * way).cbrt() / bar.c0()
+}
+
+/// Means over neighbours: up to `half` on each side.
+fn smoothed(values: &[f64], half: usize) -> Vec<f64> {
+    let mut sums = vec![0.0];
+    for value in values {
+        sums.push(sums[sums.len() - 1] + value);
+    }
+    let mean = |i: usize| {
+        let (low, high) = (i.saturating_sub(half), (i + half + 1).min(values.len()));
+        (sums[high] - sums[low]) / (high - low) as f64
+    };
+    (0..values.len()).map(mean).collect()
+}
+
+/// Finds the time of equilibrium and the curve from then on.
+fn equilibrium(reduced: &mut Reduced, tolerance: f64) {
+    let moments = &reduced.moments;
+    let half = (0.5 * SMOOTHED * moments.len() as f64) as usize;
+    let smooth = |of: fn(&Moment) -> f64| smoothed(&moments.iter().map(of).collect::<Vec<_>>(), half);
+    let (front, back, rate) = (smooth(|m| m.stress_incident_face), smooth(|m| m.stress_one_wave), smooth(|m| m.rate));
+    let imbalance: Vec<f64> = front.iter().zip(&back).map(|(f, b)| 2.0 * (f - b).abs() / (f + b).abs()).collect();
+    let fastest = rate.iter().fold(0.0_f64, |top, r| top.max(*r));
+    let loading = rate.iter().rposition(|&r| r > SLOW * fastest).map_or(0, |last| last + 1);
+    // The means at the edge of the window reach past the loading.
+    let end = loading.saturating_sub(half);
+    let from = (0..end).rev().find(|&k| imbalance[k].is_nan() || imbalance[k] > tolerance).map_or(0, |k| k + 1);
+    if from >= end {
+        let smallest = imbalance[..end].iter().copied().filter(|r| r.is_finite()).fold(f64::INFINITY, f64::min);
+        reduced.warnings.push(format!(
+            "the forces of the two faces never agree to {:.0} % until the end of the loading (smallest difference {:.0} %): no curve; \
+             --equilibrium sets the limit",
+            100.0 * tolerance,
+            100.0 * smallest
+        ));
+        return;
+    }
+    let settled = &moments[from..end];
+    reduced.equilibrium_from_s = Some(moments[from].time_s);
+    reduced.equilibrium_from_strain = Some(moments[from].strain);
+    reduced.imbalance = Some(imbalance[from..end].iter().fold(0.0, |top, r| top.max(*r)));
+    reduced.mean_rate = Some(settled.iter().map(|m| m.rate).sum::<f64>() / settled.len() as f64);
+    reduced.curve = knots(settled, &front[from..end], &back[from..end]);
+}
+
+/// Means over equal ranges of strain.
+fn knots(settled: &[Moment], front: &[f64], back: &[f64]) -> Vec<Knot> {
+    let (first, last) = settled.iter().fold((f64::INFINITY, 0.0_f64), |(a, b), m| (a.min(m.strain), b.max(m.strain)));
+    // The faces cross again and again while waves run through the specimen.
+    let squares: f64 = front.iter().zip(back).map(|(f, b)| (0.5 * (f - b)).powi(2)).sum();
+    let faces = (squares / settled.len() as f64).sqrt();
+    let range = |m: &Moment| (((m.strain - first) / (last - first) * KNOTS as f64) as usize).min(KNOTS - 1);
+    let knot = |k: usize| {
+        let members: Vec<usize> = (0..settled.len()).filter(|&i| range(&settled[i]) == k).collect();
+        let count = members.len() as f64;
+        let mean = |of: &dyn Fn(usize) -> f64| members.iter().map(|&i| of(i)).sum::<f64>() / count;
+        let stress = mean(&|i| settled[i].stress);
+        // The scatter within a range holds the slope of the curve too, which makes the interval a little wider.
+        let scatter = mean(&|i| (settled[i].stress - stress).powi(2)).sqrt() / count.sqrt();
+        (members.len() > 1).then(|| Knot {
+            strain: mean(&|i| settled[i].strain),
+            stress,
+            half_width: (1.96 * scatter).hypot(faces),
+            rate: mean(&|i| settled[i].rate),
+        })
+    };
+    (0..KNOTS).filter_map(knot).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::test_set::ElasticBar;
+    use super::*;
+
+    #[test]
+    fn triangular_pulses_reduce_to_what_they_were_made_of() {
+        let bar = ElasticBar { modulus: 200e9, density: 8000.0, area: 2e-4, distance: 1.0 };
+        let setup = Setup { incident: bar, transmitted: bar, length: 0.01, area: 1e-4 };
+        // Incident 1e-3 for 100 us; the specimen reflects half of it and transmits half.
+        let delay = bar.delay();
+        let on = |t: f64| if (0.0..100e-6).contains(&t) { -1e-3 } else { 0.0 };
+        let time: Vec<f64> = (0..8000).map(|k| f64::from(k) * 1e-7 - 5e-5).collect();
+        let incident = time.iter().map(|&t| on(t) - 0.5 * on(t - 2.0 * delay)).collect();
+        let transmitted = time.iter().map(|&t| 0.5 * on(t - 2.0 * delay)).collect();
+        let records = Records { incident: (time.clone(), incident), transmitted: (time, transmitted) };
+        let options = Options { window: None, limit: None, equilibrium: 0.05, poisson: 0.29 };
+        let reduced = reduce(&setup, &records, &options).expect("a test");
+        assert_eq!(reduced.sense, Sense::Compression);
+        assert!((reduced.window_s - 100e-6).abs() < 3e-7, "{}", reduced.window_s);
+        let middle = reduced.moments[reduced.moments.len() / 2];
+        // Rate 2 c 5e-4/L = 500 1/s, stress E (A/A_s) 5e-4 = 200 MPa, by one wave and by three.
+        for rate in [middle.rate, middle.rate_one_wave] {
+            assert!((rate / 500.0 - 1.0).abs() < 1e-9, "{rate}");
+        }
+        for stress in [middle.stress, middle.stress_one_wave, middle.stress_incident_face] {
+            assert!((stress / 200e6 - 1.0).abs() < 1e-9, "{stress:e}");
+        }
+        assert!((middle.strain / (500.0 * middle.time_s) - 1.0).abs() < 0.01);
+        assert!(reduced.equilibrium_from_s.is_some_and(|t| t < 5e-6) && reduced.curve.len() > 30);
+    }
+}

@@ -1,0 +1,56 @@
+//! Bars, specimen and gauge records of a split-Hopkinson test.
+
+use serde::Serialize;
+
+/// An elastic bar and the gauge on it.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct ElasticBar {
+    /// Pa.
+    #[serde(rename = "modulus_Pa")]
+    pub modulus: f64,
+    /// kg/m^3.
+    #[serde(rename = "density_kg_m3")]
+    pub density: f64,
+    /// m^2.
+    #[serde(rename = "area_m2")]
+    pub area: f64,
+    /// From the gauge to the specimen, m.
+    #[serde(rename = "gauge_to_specimen_m")]
+    pub distance: f64,
+}
+
+impl ElasticBar {
+    /// m/s.
+    pub fn c0(&self) -> f64 {
+        (self.modulus / self.density).sqrt()
+    }
+
+    /// Time of the elastic wave between gauge and specimen, s.
+    pub(super) fn delay(&self) -> f64 {
+        self.distance / self.c0()
+    }
+}
+
+/// Bars and specimen.
+#[derive(Debug, Clone, Serialize)]
+pub struct Setup {
+    /// Incident bar.
+    pub incident: ElasticBar,
+    /// Transmission bar.
+    pub transmitted: ElasticBar,
+    /// m.
+    #[serde(rename = "specimen_length_m")]
+    pub length: f64,
+    /// m^2.
+    #[serde(rename = "specimen_area_m2")]
+    pub area: f64,
+}
+
+/// The records of both gauges.
+#[derive(Debug, Clone, Default)]
+pub struct Records {
+    /// Times (s, not decreasing) and strains at the incident bar's gauge.
+    pub incident: (Vec<f64>, Vec<f64>),
+    /// The same of the transmission bar's.
+    pub transmitted: (Vec<f64>, Vec<f64>),
+}

@@ -1,0 +1,54 @@
+//! Isotonic regression: the monotone sequence nearest to noisy values.
+//!
+//! It smooths without a width to choose, keeps jumps sharp and averages over plateaus, as the records of a gauge behind which plastic
+//! fronts pass have them (R. E. Barlow et al., Statistical Inference under Order Restrictions, Wiley, 1972).
+
+/// The non-decreasing sequence with the least weighted squares of deviations, by pooling adjacent violators. Weights are positive, one a
+/// value.
+pub(super) fn non_decreasing(values: &[f64], weight: impl Fn(usize) -> f64) -> Vec<f64> {
+    // Blocks of equal value: mean, weight, length.
+    let mut blocks: Vec<(f64, f64, usize)> = Vec::new();
+    for (i, &value) in values.iter().enumerate() {
+        let mut last = (value, weight(i), 1);
+        while let Some(&(mean, weight, length)) = blocks.last().filter(|block| block.0 >= last.0) {
+            let sum = weight + last.1;
+            last = ((mean * weight + last.0 * last.1) / sum, sum, length + last.2);
+            blocks.pop();
+        }
+        blocks.push(last);
+    }
+    blocks.into_iter().flat_map(|(mean, _, length)| std::iter::repeat_n(mean, length)).collect()
+}
+
+/// Where a non-decreasing sequence first reaches a level, straight between its places; none where it starts above the level or stays
+/// below it.
+pub(super) fn first_reach(places: &[f64], values: &[f64], level: f64) -> Option<f64> {
+    let next = values.partition_point(|&value| value < level);
+    if next == 0 || next >= values.len() {
+        return None;
+    }
+    let (a, b) = (values[next - 1], values[next]);
+    Some(places[next - 1] + (places[next] - places[next - 1]) * (level - a) / (b - a))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn violators_are_pooled_to_their_mean() {
+        assert_eq!(non_decreasing(&[1.0, 3.0, 2.0, 4.0], |_| 1.0), [1.0, 2.5, 2.5, 4.0]);
+        assert_eq!(non_decreasing(&[4.0, 1.0, 1.0], |_| 1.0), [2.0, 2.0, 2.0]);
+        assert_eq!(non_decreasing(&[3.0, 0.0], |i| [1.0, 2.0][i]), [1.0, 1.0]);
+        assert!(non_decreasing(&[], |_| 1.0).is_empty());
+    }
+
+    #[test]
+    fn levels_are_reached_between_the_samples() {
+        let (places, values) = ([0.0, 1.0, 2.0, 3.0], [0.0, 0.0, 4.0, 4.0]);
+        assert_eq!(first_reach(&places, &values, 1.0), Some(1.25));
+        assert_eq!(first_reach(&places, &values, 4.0), Some(2.0));
+        assert_eq!(first_reach(&places, &values, 4.1), None);
+        assert_eq!(first_reach(&places, &values, 0.0), None);
+    }
+}

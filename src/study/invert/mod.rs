@@ -1,0 +1,41 @@
+//! From measurements on bars and wires to stress-strain curves: what the program simulates, backwards.
+//!
+//! - [`arrivals`]: arrival times of strain levels at gauges along a bar (simple-wave theory).
+//! - [`residual`]: the strain left along a wire after an impact (von Karman and Duwez).
+//! - [`hopkinson`]: the gauges on the bars of a split-Hopkinson set.
+//!
+//! Strains and stresses are magnitudes, engineering measures, positive in the sense of the loading.
+
+pub mod arrivals;
+mod bands;
+mod curve;
+pub mod hopkinson;
+mod isotonic;
+mod material;
+mod noise;
+mod records;
+pub mod residual;
+mod setup;
+mod table;
+
+pub use curve::{Interval, WavePoint};
+pub use material::{MaterialText, material_text};
+pub use records::{Record, Recording};
+
+use crate::material::Curve;
+
+/// The largest relative distance in stress between an inverted curve and another, and the strain there.
+pub fn against(curve: &Curve, points: &[WavePoint]) -> Option<(f64, f64)> {
+    largest(curve, points.iter().map(|point| (point.strain, point.stress_pa.value)))
+}
+
+/// The same of a specimen's curve.
+pub fn against_knots(curve: &Curve, knots: &[hopkinson::Knot]) -> Option<(f64, f64)> {
+    largest(curve, knots.iter().map(|knot| (knot.strain, knot.stress)))
+}
+
+fn largest(curve: &Curve, points: impl Iterator<Item = (f64, f64)>) -> Option<(f64, f64)> {
+    let inside = points.filter(|point| point.0 <= curve.last_strain() && curve.stress_at(point.0) > 0.0);
+    let distance = |(strain, stress): (f64, f64)| (stress / curve.stress_at(strain) - 1.0, strain);
+    inside.map(distance).max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()))
+}

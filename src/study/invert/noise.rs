@@ -1,0 +1,98 @@
+//! Noise of a record: the residuals of its fit, drawn again in blocks for bootstrap replicates.
+
+use rand::RngExt;
+use rand_xorshift::XorShiftRng;
+
+use crate::study::random::standard_normal;
+
+/// Samples of a digitized record.
+const SAMPLES: usize = 4000;
+
+/// A record as a digitizer takes it: evenly spaced samples, with noise of the normal distribution whose standard deviation is this part of
+/// the largest strain.
+pub(super) fn digitized(time: &[f64], strain: &[f64], part: f64, rng: &mut XorShiftRng) -> (Vec<f64>, Vec<f64>) {
+    let deviation = part * strain.iter().fold(0.0_f64, |top, e| top.max(e.abs()));
+    let (Some(&first), Some(&last)) = (time.first(), time.last()) else { return Default::default() };
+    let even = |k: usize| first + (last - first) * k as f64 / (SAMPLES - 1) as f64;
+    let times: Vec<f64> = (0..SAMPLES).map(even).collect();
+    let noisy = times.iter().map(|&t| at(time, strain, t) + deviation * standard_normal(rng)).collect();
+    (times, noisy)
+}
+
+/// Value of a record at a time, straight between samples; its first or last value outside. A jump is two samples at one time.
+pub(super) fn at(time: &[f64], values: &[f64], t: f64) -> f64 {
+    let next = time.partition_point(|&own| own <= t);
+    if next == 0 || next == time.len() {
+        return values.get(next.saturating_sub(1)).copied().unwrap_or(0.0);
+    }
+    let (a, b) = (time[next - 1], time[next]);
+    values[next - 1] + (values[next] - values[next - 1]) * ((t - a) / (b - a))
+}
+
+/// Residuals of a fit.
+pub(super) struct Noise {
+    residuals: Vec<f64>,
+    /// Neighbours that are drawn together: about the length over which they are correlated.
+    block: usize,
+}
+
+/// Autocorrelation below which neighbours count as independent.
+const INDEPENDENT: f64 = 0.1;
+
+impl Noise {
+    /// The residuals of values about their fit.
+    pub(super) fn about(values: &[f64], fit: &[f64]) -> Self {
+        let residuals: Vec<f64> = values.iter().zip(fit).map(|(value, fit)| value - fit).collect();
+        let block = correlated(&residuals);
+        Self { residuals, block }
+    }
+
+    /// Root mean square.
+    pub(super) fn rms(&self) -> f64 {
+        let squares: f64 = self.residuals.iter().map(|r| r * r).sum();
+        (squares / self.residuals.len().max(1) as f64).sqrt()
+    }
+
+    /// The fit with residuals drawn anew (moving-block bootstrap, H. R. Kuensch, Ann. Statist. 17, 1989).
+    pub(super) fn replicate(&self, fit: &[f64], rng: &mut XorShiftRng) -> Vec<f64> {
+        let n = self.residuals.len();
+        let mut values = Vec::with_capacity(n);
+        while values.len() < n {
+            let start = rng.random_range(0..=n - self.block);
+            let take = self.block.min(n - values.len());
+            values.extend((0..take).map(|k| self.residuals[start + k]));
+        }
+        values.iter().zip(fit).map(|(residual, fit)| fit + residual).collect()
+    }
+}
+
+/// The first lag at which the autocorrelation is small, at least 1 and at most a twentieth of the record.
+fn correlated(residuals: &[f64]) -> usize {
+    let variance: f64 = residuals.iter().map(|r| r * r).sum();
+    let small = |lag: usize| {
+        let product: f64 = residuals.iter().zip(&residuals[lag..]).map(|(a, b)| a * b).sum();
+        product <= INDEPENDENT * variance
+    };
+    let most = (residuals.len() / 20).max(1);
+    (1..most).find(|&lag| small(lag)).unwrap_or(most)
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::SeedableRng;
+
+    use super::*;
+
+    #[test]
+    fn blocks_are_as_long_as_the_correlation() {
+        let mut rng = XorShiftRng::seed_from_u64(1);
+        let white: Vec<f64> = (0..4000).map(|_| standard_normal(&mut rng)).collect();
+        let moving: Vec<f64> = white.windows(10).map(|w| w.iter().sum()).collect();
+        assert_eq!(correlated(&white), 1);
+        assert!((7..=11).contains(&correlated(&moving)), "{}", correlated(&moving));
+        let noise = Noise::about(&white, &vec![0.0; 4000]);
+        let drawn = Noise::about(&noise.replicate(&vec![0.0; 4000], &mut rng), &vec![0.0; 4000]);
+        // Four standard errors of a standard deviation.
+        assert!((drawn.rms() / noise.rms() - 1.0).abs() < 4.0 / (8000_f64).sqrt());
+    }
+}

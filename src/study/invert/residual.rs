@@ -1,0 +1,448 @@
+//! From the strain along a wire after an impact to the curve, as Th. von Karman and P. Duwez evaluated their tests (J. Appl. Phys. 21,
+//! 1950).
+//!
+//! While the end moves at the impact velocity, the strain eps stands at x = c(eps) t. When the end is released at the time T, an elastic
+//! wave follows the plastic ones and leaves at x the plastic strain of the time T + x/c0, so c = x/(T + x/c0), and
+//! `d eps = d eps_p/(1 - (c/c0)^2)` since d sigma = rho c^2 d eps. The velocity of the end is `c0 eps_y` + integral c d eps: this checks the
+//! result, or gives the yield strain `eps_y` where it is not known.
+//!
+//! It does not hold where a reflected wave has come back. The released wire keeps its strains only if the elastic wave unloads it
+//! everywhere: where it meets the stress sigma and the velocity v, it leaves `(sigma - sigma_max + rho c0 (V - v))/2`, which must not
+//! exceed sigma. That is so in hard wires, `rho c0 V <= sigma_max + 2 sigma_y`. A soft wire goes on yielding by its inertia; only its
+//! strains while the end moves give the curve.
+
+use std::path::Path;
+
+use rand::{RngExt, SeedableRng};
+use rand_xorshift::XorShiftRng;
+use serde::Serialize;
+
+use super::bands::deviation;
+use super::curve::{Integrated, Interval, WavePoint, integrate, points};
+use super::isotonic::{first_reach, non_decreasing};
+use super::noise::Noise;
+use super::setup::{self, Segment};
+use super::table::Table;
+use crate::error::{InputError, Result};
+use crate::material::{Beyond, Curve, Sense};
+use crate::record::Field;
+use crate::record::store::{ResultFile, Side};
+use crate::study::random::standard_normal;
+use crate::units::Dimension;
+
+/// Which strain stands along the wire.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum State {
+    /// The whole strain, while the end still moves.
+    Loaded,
+    /// The plastic strain that is left after the end was released.
+    Released,
+}
+
+/// Strain along a wire.
+#[derive(Debug, Clone)]
+pub struct Profile {
+    /// Distances from the struck end, m, increasing.
+    pub distance: Vec<f64>,
+    /// Positive in the sense of the loading.
+    pub strain: Vec<f64>,
+    /// Of the loading.
+    pub sense: Sense,
+}
+
+/// A profile with what a result file says of the test.
+#[derive(Debug, Clone)]
+pub struct Test {
+    /// The strains.
+    pub profile: Profile,
+    /// Impact velocity, m/s, > 0.
+    pub velocity: f64,
+    /// When the profile was taken (loaded) or the end was released, s.
+    pub time: f64,
+    /// kg/m^3.
+    pub density: f64,
+    /// Pa.
+    pub modulus: f64,
+    /// m.
+    pub length: f64,
+    /// The curve that the simulation used.
+    pub given: Option<Curve>,
+    /// What of the file simple-wave theory does not describe.
+    pub notes: Vec<String>,
+}
+
+/// What is known beside the profile.
+#[derive(Debug, Clone)]
+pub struct Options {
+    /// What the profile holds.
+    pub state: State,
+    /// Time of the profile (loaded) or duration of the impact (released), s.
+    pub time: f64,
+    /// m/s, > 0.
+    pub velocity: f64,
+    /// Its standard error, m/s.
+    pub velocity_error: f64,
+    /// Standard error of the position of the struck end, m.
+    pub position_error: f64,
+    /// kg/m^3.
+    pub density: f64,
+    /// Pa.
+    pub modulus: f64,
+    /// Of the wire, m.
+    pub length: Option<f64>,
+    /// Pa; from the impact velocity where it is not given.
+    pub yield_stress: Option<f64>,
+    /// Bootstrap replicates.
+    pub replicates: usize,
+    /// Of the random numbers.
+    pub seed: u64,
+}
+
+/// The curve that a profile gives.
+#[derive(Debug, Clone, Serialize)]
+pub struct Inverted {
+    /// By strain, from yield on.
+    pub points: Vec<WavePoint>,
+    /// Yield stress, Pa: as given, or from the impact velocity; none from a loaded wire, whose strains start at 0.
+    #[serde(rename = "yield_stress_Pa")]
+    pub yield_stress: Option<Interval>,
+    /// Whether the impact velocity gave the yield stress.
+    pub yield_from_velocity: bool,
+    /// Integral of c d eps up to the largest strain, m/s.
+    pub velocity_integral_m_s: Interval,
+    /// Impact velocity, m/s.
+    pub impact_velocity_m_s: f64,
+    /// What limits the result.
+    pub warnings: Vec<String>,
+}
+
+const LEVELS: usize = 300;
+const POINTS: usize = 40;
+
+/// Part of the uniform strain near the end up to which levels are read.
+const OFF_PLATEAU: f64 = 0.99;
+
+impl Profile {
+    /// From a CSV file with the columns `x` (from the struck end) and `strain` (or `plastic_strain`).
+    ///
+    /// # Errors
+    /// A wrong file, fewer than five rows, positions that do not increase.
+    pub fn from_csv(path: &Path) -> Result<Self> {
+        let of = |name: &str| if POSITION.contains(&name) { Dimension::Length } else { Dimension::None };
+        let table = Table::read(path, |_, name| of(name))?;
+        let distance = table.needed(POSITION)?.to_vec();
+        let strain = table.needed(&["strain", "plastic_strain", "residual_strain"])?.to_vec();
+        if let Some(row) = distance.windows(2).position(|pair| pair[1] <= pair[0]) {
+            return Err(table
+                .error(row + 1, "x does not increase from the row before")
+                .help("sort the rows by x")
+                .into());
+        }
+        if distance.len() < 5 {
+            let message = format!("{} has {} sections", path.display(), distance.len());
+            return Err(InputError::new(message)
+                .allowed("at least 5")
+                .help("measure the strain at more sections")
+                .into());
+        }
+        Ok(Self::positive(distance, strain))
+    }
+
+    fn positive(distance: Vec<f64>, mut strain: Vec<f64>) -> Self {
+        let extreme = |sign: f64| strain.iter().fold(0.0_f64, |top, e| top.max(sign * e));
+        let compressed = extreme(-1.0) > extreme(1.0);
+        if compressed {
+            for value in &mut strain {
+                *value = -*value;
+            }
+        }
+        Self { distance, strain, sense: if compressed { Sense::Compression } else { Sense::Tension } }
+    }
+
+    /// With noise of the normal distribution, whose standard deviation is this part of the largest strain.
+    #[must_use]
+    pub fn with_noise(mut self, part: f64, seed: u64) -> Self {
+        let mut rng = XorShiftRng::seed_from_u64(seed);
+        let deviation = part * self.strain.iter().fold(0.0_f64, |top, e| top.max(e.abs()));
+        self.strain.iter_mut().for_each(|e| *e += deviation * standard_normal(&mut rng));
+        self
+    }
+}
+
+const POSITION: &[&str] = &["x", "position", "distance"];
+
+impl Test {
+    /// From a result file: the frame nearest to `time` where it is given (the loaded wire), else the last one (the released wire).
+    ///
+    /// # Errors
+    /// A bar of several segments, missing fields, an end that is not released.
+    pub fn from_result(file: &ResultFile, time: Option<f64>) -> Result<Self> {
+        let segments = setup::segments(file)?;
+        let wrong = |message: &str, help: &str| {
+            InputError::new(format!("{}: {message}", file.path().display())).help(help.to_owned())
+        };
+        let [segment] = segments.as_slice() else {
+            return Err(wrong("the bar has several segments", "use the result of one uniform bar").into());
+        };
+        let end = struck_end(file)?;
+        let frames = file.time()?;
+        let no_frame = || wrong("there is no frame in it", "run the scene again");
+        let frame = match time {
+            Some(time) => {
+                (0..frames.len()).min_by(|&a, &b| (frames[a] - time).abs().total_cmp(&(frames[b] - time).abs()))
+            }
+            None => frames.len().checked_sub(1),
+        }
+        .ok_or_else(no_frame)?;
+        let released = || {
+            let help = "give `release` in the scene, or --time for the strain while the end still moves";
+            end.released.ok_or_else(|| wrong("the end is not released before the run ends", help))
+        };
+        let (time, state) = match time {
+            Some(_) => (frames[frame], State::Loaded),
+            None => (released()?, State::Released),
+        };
+        let strain = strains(file, segment, frame, state)?;
+        let x = file.x()?;
+        let (distance, strain) = match end.side {
+            Side::Left => (x, strain),
+            Side::Right => (x.iter().rev().map(|x| segment.length - x).collect(), strain.into_iter().rev().collect()),
+        };
+        let profile = Profile::positive(distance, strain);
+        let knots = segment.curve(profile.sense == Sense::Compression);
+        Ok(Self {
+            profile,
+            velocity: end.velocity,
+            time,
+            density: segment.density,
+            modulus: segment.modulus,
+            length: segment.length,
+            given: Curve::new(&knots, Beyond::Error).ok(),
+            notes: setup::outside_theory(file.facts()),
+        })
+    }
+}
+
+/// The end that is struck: its speed, and when its stress has fallen by half.
+struct Struck {
+    side: Side,
+    velocity: f64,
+    released: Option<f64>,
+}
+
+fn struck_end(file: &ResultFile) -> Result<Struck> {
+    let ends = [(Side::Left, file.end(Side::Left)?), (Side::Right, file.end(Side::Right)?)];
+    let peak = |values: &[f64]| values.iter().fold(0.0_f64, |top, s| top.max(s.abs()));
+    let [left, right] = &ends;
+    let (side, trace) = if peak(&left.1.stress) >= peak(&right.1.stress) { left } else { right };
+    let half = 0.5 * peak(&trace.stress);
+    let loaded = trace.stress.iter().position(|s| s.abs() >= half).unwrap_or(0);
+    let released = trace.stress[loaded..].iter().position(|s| s.abs() < half).map(|row| trace.time[loaded + row]);
+    let velocity = trace.velocity.get(loaded).map_or(0.0, |v| v.abs());
+    Ok(Struck { side: *side, velocity, released })
+}
+
+/// Strains of a frame: the whole ones, or the plastic ones.
+fn strains(file: &ResultFile, segment: &Segment, frame: usize, state: State) -> Result<Vec<f64>> {
+    let fields = file.fields();
+    let row = |field: Field| -> Result<Vec<f64>> { Ok(file.field(field, frame..frame + 1)?.row(0).to_vec()) };
+    let has = |field: Field| fields.contains(&field);
+    match state {
+        State::Loaded if has(Field::Strain) => row(Field::Strain),
+        State::Released if has(Field::PlasticStrain) => row(Field::PlasticStrain),
+        State::Released if has(Field::Strain) && has(Field::Stress) => {
+            let stress = row(Field::Stress)?;
+            Ok(row(Field::Strain)?.iter().zip(stress).map(|(e, s)| e - s / segment.modulus).collect())
+        }
+        _ => Err(InputError::new(format!("{} lacks the strain along the bar", file.path().display()))
+            .help("record fields = [\"stress\", \"strain\"] or [\"plastic_strain\"], and run the scene again")
+            .into()),
+    }
+}
+
+/// Strain levels and where they stand.
+struct Fronts {
+    /// As in the profile, increasing.
+    level: Vec<f64>,
+    /// From the struck end, m; NaN where the level is not found.
+    place: Vec<f64>,
+}
+
+/// Inverts a profile.
+///
+/// # Errors
+/// A profile without strain above its noise; speeds that already explain more than the impact velocity.
+pub fn invert(profile: &Profile, options: &Options) -> Result<Inverted> {
+    // Towards the struck end the strain does not decrease.
+    let place: Vec<f64> = profile.distance.iter().rev().copied().collect();
+    let strain: Vec<f64> = profile.strain.iter().rev().copied().collect();
+    let fit = non_decreasing(&strain, |_| 1.0);
+    let noise = Noise::about(&strain, &fit);
+    // The last level keeps off the plateau, along which its place is not defined.
+    let plateau = fit.last().map_or(0.0, |last| OFF_PLATEAU * (last - 3.0 * noise.rms()));
+    if plateau <= 0.0 {
+        let message = "no strain along the wire exceeds the noise";
+        return Err(InputError::new(message).help("check the columns and their units").into());
+    }
+    let level: Vec<f64> = (1..=LEVELS).map(|i| plateau * (i as f64 / LEVELS as f64).powi(2)).collect();
+    let read = |fit: &[f64], shift: f64| Fronts {
+        level: level.clone(),
+        place: level.iter().map(|&e| first_reach(&place, fit, e).map_or(f64::NAN, |x| x + shift)).collect(),
+    };
+    let best = read(&fit, 0.0);
+    let kept: Vec<usize> = (0..LEVELS).filter(|&i| best.place[i] > 0.0).collect();
+    if kept.len() < 2 {
+        let message = "the strain does not decrease along the profile";
+        return Err(InputError::new(message).help("give the profile up to where the wire has not yielded").into());
+    }
+    let above = uniform_strain(profile, best.place[kept[kept.len() - 1]]).map_or(0.0, |e| (e - plateau).max(0.0));
+    // A strain is not placed more closely than half the distance between sections.
+    let spacing = (place[0] - place[place.len() - 1]) / (place.len() - 1) as f64;
+    let mut rng = XorShiftRng::seed_from_u64(options.seed);
+    let found = evaluate(&best, &kept, above, options, options.velocity)?;
+    let mut drawn = Vec::new();
+    for _ in 0..options.replicates {
+        let noisy = non_decreasing(&noise.replicate(&fit, &mut rng), |_| 1.0);
+        let section = 0.5 * spacing * (2.0 * rng.random::<f64>() - 1.0);
+        let fronts = read(&noisy, section + options.position_error * standard_normal(&mut rng));
+        let fronts = Fronts { place: filled(&fronts.place, &best.place), ..fronts };
+        let velocity = options.velocity + options.velocity_error * standard_normal(&mut rng);
+        drawn.extend(evaluate(&fronts, &kept, above, options, velocity));
+    }
+    Ok(summary(&found, &drawn, options, &best))
+}
+
+/// Mean strain of the sections before the place at which it falls.
+fn uniform_strain(profile: &Profile, place: f64) -> Option<f64> {
+    let near: Vec<f64> =
+        profile.distance.iter().zip(&profile.strain).filter(|(x, _)| **x < 0.9 * place).map(|(_, e)| *e).collect();
+    (near.len() >= 5).then(|| near.iter().sum::<f64>() / near.len() as f64)
+}
+
+/// Places of a replicate, those of the profile where a level is missing.
+fn filled(places: &[f64], best: &[f64]) -> Vec<f64> {
+    places.iter().zip(best).map(|(&x, &best)| if x > 0.0 { x } else { best }).collect()
+}
+
+/// What one profile gives.
+struct Evaluated {
+    strain: Vec<f64>,
+    curve: Integrated,
+    yield_stress: f64,
+    velocity: f64,
+}
+
+fn evaluate(fronts: &Fronts, kept: &[usize], above: f64, options: &Options, velocity: f64) -> Result<Evaluated> {
+    let c0 = (options.modulus / options.density).sqrt();
+    let place = |i: &usize| fronts.place[*i];
+    let level: Vec<f64> = kept.iter().map(|&i| fronts.level[i]).collect();
+    if options.state == State::Loaded {
+        let speed: Vec<f64> = kept.iter().map(|i| (place(i) / options.time).min(c0)).collect();
+        let slowest = speed[speed.len() - 1];
+        let curve = integrate(options.density, &level, speed, [0.0; 3], Some(c0));
+        let velocity = curve.velocity[level.len() - 1] + slowest * above;
+        return Ok(Evaluated { strain: level, curve, yield_stress: f64::NAN, velocity });
+    }
+    let speed: Vec<f64> = kept.iter().map(|i| place(i) / (options.time + place(i) / c0)).collect();
+    let slowest = speed[speed.len() - 1];
+    let whole = whole_strains(&level, &speed, c0);
+    let plastic = integrate(options.density, &whole, speed.clone(), [0.0; 3], None);
+    let explained = plastic.velocity[level.len() - 1] + slowest * above;
+    let yield_strain = match options.yield_stress {
+        Some(stress) => stress / options.modulus,
+        None => (velocity - explained) / c0,
+    };
+    if yield_strain <= 0.0 {
+        let message =
+            format!("the plastic strains explain {explained:.2} m/s, more than the impact velocity {velocity:.2} m/s");
+        let help = "a wire with rho c0 V above the largest stress and twice the yield stress goes on yielding after the release: use its \
+                    strains while the end moves, with --time; else check velocity, duration, modulus and position of the end";
+        return Err(InputError::new(message).allowed("less than the impact velocity").help(help).into());
+    }
+    let strain: Vec<f64> = whole.iter().map(|e| e + yield_strain).collect();
+    let start = [yield_strain, options.modulus * yield_strain, c0 * yield_strain];
+    let curve = integrate(options.density, &strain, speed, start, Some(c0));
+    let velocity = curve.velocity[level.len() - 1] + slowest * above;
+    Ok(Evaluated { strain, curve, yield_stress: options.modulus * yield_strain, velocity })
+}
+
+/// Strains past yield from plastic ones: d eps = d `eps_p`/(1 - (c/c0)^2).
+fn whole_strains(plastic: &[f64], speed: &[f64], c0: f64) -> Vec<f64> {
+    let (mut before, mut sum) = (0.0, 0.0);
+    let add = |(&level, &c): (&f64, &f64)| {
+        sum += (level - before) / (1.0 - (c / c0).powi(2));
+        before = level;
+        sum
+    };
+    plastic.iter().zip(speed).map(add).collect()
+}
+
+fn summary(found: &Evaluated, drawn: &[Evaluated], options: &Options, fronts: &Fronts) -> Inverted {
+    let curves: Vec<Integrated> = drawn.iter().map(|evaluated| evaluated.curve.clone()).collect();
+    let all = points(&found.strain, &found.curve, &curves, &vec![1; found.strain.len()], 1.0);
+    let every = (all.len() / POINTS).max(1);
+    let kept = all.iter().rev().step_by(every).rev().copied().collect();
+    let interval = |of: fn(&Evaluated) -> f64| Interval::of(of(found), deviation(drawn.iter().map(of)));
+    let mut inverted = Inverted {
+        points: kept,
+        yield_stress: (options.state == State::Released).then(|| interval(|e| e.yield_stress)),
+        yield_from_velocity: options.state == State::Released && options.yield_stress.is_none(),
+        velocity_integral_m_s: interval(|e| e.velocity),
+        impact_velocity_m_s: options.velocity,
+        warnings: Vec::new(),
+    };
+    inverted.warnings.extend(velocity_warning(&inverted));
+    inverted.warnings.extend(reloading_warning(options, found));
+    inverted.warnings.extend(reflection_warning(options, fronts));
+    inverted
+}
+
+/// The integral misses the impact velocity by more than its interval and this part.
+const VELOCITY_TOLERANCE: f64 = 0.03;
+
+fn velocity_warning(inverted: &Inverted) -> Option<String> {
+    let (integral, velocity) = (inverted.velocity_integral_m_s, inverted.impact_velocity_m_s);
+    let missed = (integral.value - velocity).abs();
+    let matters = missed > integral.half_width().max(VELOCITY_TOLERANCE * velocity);
+    (matters && !inverted.yield_from_velocity).then(|| {
+        format!(
+            "the wave speeds integrate to {:.2} m/s, and the impact velocity is {velocity:.2} m/s: the stresses are not reliable",
+            integral.value
+        )
+    })
+}
+
+/// The elastic release wave, of impedance z = rho c0, carries sigma - z v = z V - `sigma_max` from the free end and meets sigma + z v, with
+/// v the velocity towards the wire's rest: it leaves half their sum.
+fn reloading_warning(options: &Options, found: &Evaluated) -> Option<String> {
+    if options.state == State::Loaded {
+        return None;
+    }
+    let z = (options.modulus * options.density).sqrt();
+    let largest = found.curve.stress.last().copied().unwrap_or(0.0);
+    let from_end = z * options.velocity - largest;
+    let left = |i: usize| 0.5 * (found.curve.stress[i] - z * found.curve.velocity[i] + from_end);
+    let reloaded = (0..found.strain.len()).rev().find(|&i| left(i) > found.curve.stress[i])?;
+    Some(format!(
+        "the wire yields again behind the release wave at strains below {:.4}: their speeds are too large; --time takes the strain \
+         while the end moves",
+        found.strain[reloaded]
+    ))
+}
+
+/// Levels that were still moving when the reflected elastic wave met them.
+fn reflection_warning(options: &Options, fronts: &Fronts) -> Option<String> {
+    let Some(length) = options.length else {
+        return Some("not checked: the wave reflected from the far end (needs the length)".to_owned());
+    };
+    let c0 = (options.modulus / options.density).sqrt();
+    let met = match options.state {
+        State::Loaded => 2.0 * length - c0 * options.time,
+        State::Released => length - 0.5 * c0 * options.time,
+    };
+    let late = (0..fronts.level.len()).rev().find(|&i| fronts.place[i] > met)?;
+    let (level, met) = (fronts.level[late], met.max(0.0));
+    Some(format!(
+        "the wave reflected from the far end has passed x > {met:.4} m: strains below {level:.2e} may have changed there"
+    ))
+}

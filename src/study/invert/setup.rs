@@ -1,0 +1,89 @@
+//! Facts of a bar from the resolved scene in a result file.
+
+use serde_json::Value;
+
+use crate::error::{InputError, Result};
+use crate::record::store::{Facts, ResultFile};
+
+/// One segment of the bar.
+#[derive(Debug, Clone)]
+pub(super) struct Segment {
+    /// Left end, m.
+    pub(super) start: f64,
+    /// m.
+    pub(super) length: f64,
+    /// m^2; none where the scene gives no section.
+    pub(super) area: Option<f64>,
+    /// kg/m^3.
+    pub(super) density: f64,
+    /// Pa.
+    pub(super) modulus: f64,
+    pub(super) name: String,
+    material: Value,
+}
+
+impl Segment {
+    pub(super) fn end(&self) -> f64 {
+        self.start + self.length
+    }
+
+    /// Elastic wave speed, m/s.
+    pub(super) fn c0(&self) -> f64 {
+        (self.modulus / self.density).sqrt()
+    }
+
+    /// Knots (strain, stress in Pa) of the curve in compression, else that of tension, as the run used it.
+    pub(super) fn curve(&self, compression: bool) -> Vec<(f64, f64)> {
+        let own = if compression && !self.material["compression"].is_null() { "compression" } else { "tension" };
+        let column = |name: &str| numbers(&self.material[own][name]);
+        column("strain").into_iter().zip(column("stress")).collect()
+    }
+}
+
+fn numbers(value: &Value) -> Vec<f64> {
+    value.as_array().into_iter().flatten().filter_map(Value::as_f64).collect()
+}
+
+/// The segments of the bar in a result file, left to right.
+///
+/// # Errors
+/// A result of the energy method, or of a program that wrote no such facts.
+pub(super) fn segments(file: &ResultFile) -> Result<Vec<Segment>> {
+    let wrong = || {
+        let message = format!("{} holds no bar", file.path().display());
+        InputError::new(message).help("name the result of a scene with a [bar]")
+    };
+    let scene: Value = serde_json::from_str(&file.facts().scene_resolved).map_err(|_| wrong())?;
+    let mut start = 0.0;
+    let mut all = Vec::new();
+    for value in scene["bar"]["segment"].as_array().ok_or_else(wrong)? {
+        let material = &value["material"];
+        let number = |value: &Value| value.as_f64().ok_or_else(wrong);
+        let length = number(&value["length"])?;
+        all.push(Segment {
+            start,
+            length,
+            area: value["area"].as_f64(),
+            density: number(&material["density"])?,
+            modulus: number(&material["modulus"])?,
+            name: material["name"].as_str().unwrap_or_default().to_owned(),
+            material: material.clone(),
+        });
+        start += length;
+    }
+    Ok(all)
+}
+
+/// What of the simulated effects simple-wave theory does not know, one sentence each.
+pub(super) fn outside_theory(facts: &Facts) -> Vec<String> {
+    let has = |name: &str| facts.effects.iter().any(|effect| effect.starts_with(name));
+    let mut notes = Vec::new();
+    if has("rate") {
+        let what = "the run has a rate law: strain levels do not propagate at constant speeds, and the inverted curve";
+        notes.push(format!("{what} depends on the gauge positions"));
+    }
+    if has("damping") || has("lateral-inertia") {
+        notes.push("the run has damping or lateral inertia, which simple-wave theory does not describe".to_owned());
+    }
+    notes
+}

@@ -1,0 +1,135 @@
+//! CSV files with a header that names columns and units: `time_us,g1,g2`, `x (mm);strain (%)`.
+
+use std::path::Path;
+
+use crate::columns::{self, Cell};
+use crate::error::{InputError, Result};
+use crate::input::Document;
+use crate::units::{Dimension, Quantity};
+
+/// Named columns of numbers in SI.
+pub(super) struct Table {
+    pub(super) document: Document,
+    pub(super) names: Vec<String>,
+    /// One a name.
+    pub(super) columns: Vec<Vec<f64>>,
+    spans: Vec<std::ops::Range<usize>>,
+}
+
+impl Table {
+    /// Reads a file. `dimension` says what a column of this name measures.
+    ///
+    /// # Errors
+    /// A missing file or header, an unknown unit, a cell that is no finite number.
+    pub(super) fn read(path: &Path, dimension: impl Fn(usize, &str) -> Dimension) -> Result<Self> {
+        let document = Document::read(path)?;
+        let wide = columns::read_wide(&document)?;
+        let Some(header) = &wide.header else {
+            return Err(InputError::new(format!("{}: the columns have no names", path.display()))
+                .help("start the file with a line such as time_us,g1,g2")
+                .into());
+        };
+        let named: Vec<(String, f64)> = header
+            .cells
+            .iter()
+            .enumerate()
+            .map(|(column, cell)| named(&document, cell, |name| dimension(column, name)))
+            .collect::<Result<_>>()?;
+        let mut columns = vec![Vec::with_capacity(wide.rows.len()); named.len()];
+        for row in &wide.rows {
+            for ((cell, column), (name, factor)) in row.cells.iter().zip(&mut columns).zip(&named) {
+                column.push(number(&document, cell, name)? * factor);
+            }
+        }
+        let (names, spans) =
+            (named.into_iter().map(|(name, _)| name).collect(), wide.rows.into_iter().map(|row| row.span).collect());
+        Ok(Self { document, names, columns, spans })
+    }
+
+    /// The column of the first of these names that there is.
+    pub(super) fn column(&self, names: &[&str]) -> Option<&[f64]> {
+        let found = names.iter().find_map(|name| self.names.iter().position(|own| own == name))?;
+        Some(&self.columns[found])
+    }
+
+    /// An error at a row (from 0).
+    pub(super) fn error(&self, row: usize, message: impl Into<String>) -> InputError {
+        self.document.error(self.spans.get(row).cloned().unwrap_or(0..0), "", message)
+    }
+
+    /// The same as [`Table::column`], which must be there.
+    pub(super) fn needed(&self, names: &[&str]) -> Result<&[f64]> {
+        self.column(names).ok_or_else(|| {
+            let message = format!("{}: there is no column `{}`", self.document.file, names[0]);
+            InputError::new(message).allowed(format!("columns {}", self.names.join(", "))).help(HEADER).into()
+        })
+    }
+}
+
+const HEADER: &str = "name the columns in the first line, with their units: x_mm,strain_%,time_us";
+
+/// Name in lower case and SI factor of a title such as `time_us`, `Time (us)` or `strain [%]`.
+fn named(document: &Document, cell: &Cell, dimension: impl Fn(&str) -> Dimension) -> Result<(String, f64)> {
+    let title = cell.text.trim();
+    let bracket = title.find(['(', '[']);
+    let (name, unit) = match bracket {
+        Some(open) => (title[..open].trim(), title[open + 1..].trim_end_matches([')', ']']).trim()),
+        None => (title, ""),
+    };
+    let of = |unit: &str, dimension| Quantity::Text(format!("1 {unit}")).si(dimension);
+    if !unit.is_empty() {
+        let name = name.to_lowercase();
+        let micro = ["ue", "microstrain", "um/m"].contains(&unit);
+        let factor = if micro { Ok(1e-6) } else { of(unit, dimension(&name)) };
+        let factor = factor.map_err(|reason| document.error(cell.span.clone(), "", reason).help(HEADER))?;
+        return Ok((name, factor));
+    }
+    // `time_us`: what stands after the underscore may as well be part of the name.
+    if let Some((name, unit)) = title.rsplit_once('_') {
+        let name = name.to_lowercase();
+        if unit == "ue" || unit == "microstrain" {
+            return Ok((name, 1e-6));
+        }
+        if let Ok(factor) = of(unit, dimension(&name)) {
+            return Ok((name, factor));
+        }
+    }
+    Ok((title.to_lowercase(), 1.0))
+}
+
+fn number(document: &Document, cell: &Cell, name: &str) -> Result<f64> {
+    let wrong = || document.error(cell.span.clone(), name, format!("`{}` is not a finite number", cell.text));
+    let value: f64 = cell.text.parse().map_err(|_| wrong().help("write plain numbers; units stand in the header"))?;
+    if value.is_finite() { Ok(value) } else { Err(wrong().help("remove the row").into()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn table(text: &str) -> Result<Table> {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a.csv");
+        std::fs::write(&path, text).expect("a file");
+        Table::read(&path, |column, _| if column == 0 { Dimension::Time } else { Dimension::None })
+    }
+
+    #[test]
+    fn headers_name_columns_and_units() {
+        let read = table("Time (us);g_1;strain [%];ax (ue)\n2;0,5;10;1000\n").expect("it is right");
+        assert_eq!(read.names, ["time", "g_1", "strain", "ax"]);
+        let row: Vec<f64> = read.columns.iter().map(|column| column[0]).collect();
+        for (value, expected) in row.iter().zip([2e-6, 0.5, 0.1, 1e-3]) {
+            assert!((value / expected - 1.0_f64).abs() < 1e-14, "{row:?}");
+        }
+        for (text, words) in [
+            ("1,2\n3,4\n", "have no names"),
+            ("time_us,a\n1,x\n", "`x` is not a finite number"),
+            ("time (kg),a\n1,2\n", "kg"),
+            ("time_us,a\n1,nan\n", "not a finite number"),
+        ] {
+            let error = table(text).err().unwrap_or_else(|| panic!("{text}")).to_string();
+            assert!(error.contains(words), "{text}: {error}");
+        }
+    }
+}

@@ -1,0 +1,170 @@
+//! The cases of a tension-impact test.
+
+use std::path::Path;
+
+use toml::Value;
+
+use crate::bar::EndCondition;
+use crate::error::{Error, InputError, Result};
+use crate::input::Document;
+use crate::material::Sense;
+use crate::scene::{Problem, Scene};
+use crate::study::critical::critical;
+use crate::study::sweep::{Axis, Combine, Level, Sweep};
+
+/// Velocities of a test that names none: so many, at odd multiples of a fortieth of the critical velocity.
+const VELOCITIES: usize = 27;
+
+/// A run lasts until the mean strain would be that of the curve's maximum, with this margin, and so many transits of the elastic wave longer,
+/// in which the pieces unload.
+const MARGIN: f64 = 1.05;
+const TRANSITS: f64 = 8.0;
+
+/// Figures that a test takes from the summary of every case.
+pub(super) const METRICS: [&str; 5] =
+    ["permanent_elongation_m", "energy_absorbed_J", "ruptures.0.x_m", "ruptures.0.time_s", "ruptures.0.site"];
+
+/// The end of the specimen that is not struck.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum FarEnd {
+    /// It does not move.
+    Fixed,
+    /// Nothing holds it.
+    Free,
+}
+
+/// A uniform specimen. Lengths are numbers with units, as in a scene.
+#[derive(Debug, Clone)]
+pub struct Specimen<'a> {
+    /// Library name, or path of a material file.
+    pub material: &'a str,
+    /// Gauge length.
+    pub length: &'a str,
+    /// Diameter of the section.
+    pub diameter: &'a str,
+    /// What holds it.
+    pub far_end: FarEnd,
+    /// Cells of the grid.
+    pub cells: usize,
+}
+
+/// A test: its cases, and what the static curve says.
+#[derive(Debug)]
+pub struct Test {
+    /// Its cases.
+    pub sweep: Sweep,
+    /// Name of the struck material.
+    pub material: String,
+    /// Gauge length, m.
+    pub length: f64,
+    /// Impact velocities, m/s, one a case, increasing.
+    pub velocities: Vec<f64>,
+    /// Of the curve, m/s.
+    pub critical_velocity: f64,
+    /// Plastic strain at the maximum of the curve: the elongation of a slow test over the gauge length.
+    pub static_elongation: f64,
+}
+
+impl Specimen<'_> {
+    /// The scene that a test varies.
+    pub fn scene(&self) -> Document {
+        let [material, length, diameter] =
+            [self.material, self.length, self.diameter].map(|text| Value::from(text).to_string());
+        let far = if self.far_end == FarEnd::Fixed { "fixed" } else { "free" };
+        let text = format!(
+            "title = \"Tension impact\"\n[bar]\nlength = {length}\ndiameter = {diameter}\nmaterial = {material}\n[left]\nkind = \
+             \"velocity\"\nvalue = -1\n[right]\nkind = \"{far}\"\n[effects]\nunloading = \"isotropic\"\nrupture = \"critical-strain\"\n\
+             [solve]\nuntil = 1\nmethod = \"fd\"\ncells = {}\n[record]\nframes = 2\n",
+            self.cells
+        );
+        Document::new("specimen", text)
+    }
+}
+
+impl Test {
+    /// A test of a specimen, or of the bar of a scene; `velocities` is a list or a range as on the axis of a sweep.
+    ///
+    /// # Errors
+    /// Input errors: a scene that cannot break at an end that is pulled, velocities that are none.
+    pub fn new(document: Document, path: &Path, velocities: Option<&Value>) -> Result<Self> {
+        let Problem::Bar(scene) = Problem::of_document(&document, path, &[])? else {
+            let help = "give a material, or a scene with [bar]";
+            return Err(InputError::new("a [specimen] is broken by the energy method, without waves")
+                .help(help)
+                .into());
+        };
+        check(&scene)?;
+        let segment = &scene.bar.segments[0];
+        let row = critical(&segment.material, Sense::Tension);
+        let (Some(velocity), Some(strain), Some(stress)) =
+            (row.critical_velocity_m_s, row.strain_at_max, row.stress_at_max_pa)
+        else {
+            let message = format!("{} has no critical velocity: {}", row.material, row.reason);
+            let help = "use a material whose curve goes up to its largest stress; `barwave critical` lists them";
+            return Err(InputError::new(message).help(help).into());
+        };
+        let velocities = velocities.map_or_else(|| Ok(around(velocity)), positive)?;
+        let length = scene.bar.length();
+        let transit = scene.bar.transit_time();
+        let until = |v: f64| MARGIN * strain * length / v + TRANSITS * transit;
+        let axes = vec![
+            axis("left.value", "m/s", velocities.iter().map(|v| -v)),
+            axis("solve.until", "s", velocities.iter().map(|&v| rounded(until(v)))),
+        ];
+        let metrics = METRICS.map(str::to_owned).to_vec();
+        let name = format!("tension-impact-{}", row.material);
+        let fields = vec!["plastic_strain".to_owned()];
+        Ok(Self {
+            sweep: Sweep::of_scene(name, document, path, axes, Combine::Zip, metrics, fields)?,
+            static_elongation: strain - stress / segment.material.modulus,
+            critical_velocity: velocity,
+            material: row.material,
+            velocities,
+            length,
+        })
+    }
+}
+
+/// The left end is pulled, and the bar can break.
+fn check(scene: &Scene) -> Result<()> {
+    let wrong = |key: &str, message: &str, help: &str| Err(InputError::new(message).key(key).help(help).into());
+    if !matches!(scene.left, EndCondition::Velocity { .. }) {
+        return wrong("left.kind", "the left end is not pulled", "use [left] kind = \"velocity\" with a `value`");
+    }
+    if scene.effects.rupture.is_none() {
+        return wrong("effects.rupture", "the bar cannot break", "add rupture = \"critical-strain\" to [effects]");
+    }
+    Ok(())
+}
+
+/// Velocities below and above the critical one, m/s; none is the critical one itself.
+fn around(critical: f64) -> Vec<f64> {
+    (1..=VELOCITIES).map(|k| rounded(critical * (2 * k + 1) as f64 / 40.0)).collect()
+}
+
+/// Six digits.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.5e}").parse().unwrap_or(value)
+}
+
+/// Increasing velocities of a list or range, m/s.
+fn positive(given: &Value) -> Result<Vec<f64>> {
+    let wrong = |message: String| {
+        let help = "e.g. --velocities \"10 m/s, 50 m/s\", or --velocities \"5 m/s\" --to \"120 m/s\" --count 24";
+        Error::from(InputError::new(message).key("--velocities").allowed("velocities > 0").help(help))
+    };
+    let axis = Axis::read("velocity", given).map_err(wrong)?;
+    let value = |level: &Level| {
+        let si = level.si.filter(|si| *si > 0.0 && ["", "m/s"].contains(&axis.unit.as_str()));
+        si.ok_or_else(|| wrong(format!("{} is no impact velocity", level.typed)))
+    };
+    let mut velocities = axis.levels.iter().map(value).collect::<Result<Vec<f64>>>()?;
+    velocities.sort_by(f64::total_cmp);
+    velocities.dedup();
+    Ok(velocities)
+}
+
+fn axis(key: &str, unit: &str, values: impl Iterator<Item = f64>) -> Axis {
+    let levels = values.map(|value| Level { typed: format!("{value:?}"), si: Some(value) }).collect();
+    Axis { key: key.to_owned(), unit: unit.to_owned(), levels }
+}

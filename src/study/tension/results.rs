@@ -1,0 +1,174 @@
+//! What a tension-impact test found.
+
+use std::path::Path;
+
+use serde::Serialize;
+
+use super::plan::{METRICS, Test};
+use crate::error::{Error, Result};
+use crate::record::Field;
+use crate::record::store::{ResultFile, SweepColumn, SweepFile, Values, write_sweep};
+use crate::study::sweep::{Row, case_file, rows};
+
+/// One impact.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Point {
+    /// Impact velocity.
+    pub velocity_m_s: f64,
+    /// As in the table of a sweep: `rupture`, `done` (nothing broke), `stopped`, `refused`.
+    pub status: &'static str,
+    /// Why it was stopped or refused.
+    pub reason: String,
+    /// Plastic elongation of all pieces over the gauge length; none where nothing broke.
+    pub elongation: Option<f64>,
+    /// Energy absorbed by plastic flow and fracture; none where nothing broke.
+    #[serde(rename = "energy_absorbed_J")]
+    pub energy: Option<f64>,
+    /// First place of fracture, from the struck end.
+    pub fracture_position_m: Option<f64>,
+    /// When it broke there.
+    pub fracture_time_s: Option<f64>,
+    /// The first fracture is at the struck end.
+    pub at_struck_end: bool,
+    /// Plastic strain along the specimen at the end, at [`Results::x`].
+    #[serde(skip)]
+    pub residual_strain: Vec<f64>,
+}
+
+/// All impacts.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Results {
+    /// Name of the material.
+    pub material: String,
+    /// Gauge length.
+    pub length_m: f64,
+    /// Of the curve.
+    pub critical_velocity_m_s: f64,
+    /// Plastic strain at the maximum of the curve.
+    pub static_elongation: f64,
+    /// Largest elongation and its velocity.
+    pub largest_elongation: Option<f64>,
+    /// See `largest_elongation`.
+    pub velocity_of_largest_elongation_m_s: Option<f64>,
+    /// All bars that are struck with the second velocity or faster break at the struck end, and that of the first velocity does not; none
+    /// where there are no two such velocities.
+    pub critical_between_m_s: Option<[f64; 2]>,
+    /// By velocity.
+    pub points: Vec<Point>,
+    /// Places of the residual strains, m from the struck end.
+    #[serde(skip)]
+    pub x: Vec<f64>,
+}
+
+/// Gathers the cases of a test from its folder; cases without a row are left out.
+///
+/// # Errors
+/// Files that cannot be read.
+pub fn results(test: &Test, folder: &Path) -> Result<Results> {
+    let (mut points, mut x) = (Vec::new(), Vec::new());
+    for row in rows(folder)? {
+        let (place, strain) = profile(folder, &row)?;
+        if !place.is_empty() {
+            x = place;
+        }
+        points.push(point(test, row, strain));
+    }
+    let broken = points.iter().filter_map(|point| Some((point.elongation?, point.velocity_m_s)));
+    let largest = broken.max_by(|a, b| a.0.total_cmp(&b.0));
+    let begins = points.windows(2).rfind(|pair| !pair[0].at_struck_end);
+    Ok(Results {
+        material: test.material.clone(),
+        length_m: test.length,
+        critical_velocity_m_s: test.critical_velocity,
+        static_elongation: test.static_elongation,
+        largest_elongation: largest.map(|(elongation, _)| elongation),
+        velocity_of_largest_elongation_m_s: largest.map(|(_, velocity)| velocity),
+        critical_between_m_s: begins
+            .filter(|pair| pair[1].at_struck_end)
+            .map(|pair| [pair[0].velocity_m_s, pair[1].velocity_m_s]),
+        points,
+        x,
+    })
+}
+
+fn point(test: &Test, row: Row, residual_strain: Vec<f64>) -> Point {
+    let number = |k: usize| row.metrics.get(METRICS[k]).and_then(serde_json::Value::as_f64);
+    let [elongation, energy, position, time] = [0, 1, 2, 3].map(number);
+    Point {
+        velocity_m_s: test.velocities[row.case],
+        status: row.status.name(),
+        elongation: time.and(elongation).map(|elongation| elongation / test.length),
+        energy: time.and(energy),
+        fracture_position_m: position,
+        fracture_time_s: time,
+        at_struck_end: row.metrics.get(METRICS[4]).is_some_and(|site| site == "left end"),
+        reason: row.reason,
+        residual_strain,
+    }
+}
+
+/// Places and plastic strains of a case at its end; empty where it has none.
+fn profile(folder: &Path, row: &Row) -> Result<(Vec<f64>, Vec<f64>)> {
+    let path = case_file(folder, row.case);
+    if !path.exists() {
+        return Ok((Vec::new(), Vec::new()));
+    }
+    let file = ResultFile::open(&path)?;
+    let frames = file.time()?.len();
+    if frames == 0 {
+        return Ok((Vec::new(), Vec::new()));
+    }
+    Ok((file.x()?, file.field(Field::PlasticStrain, frames - 1..frames)?.row(0).to_vec()))
+}
+
+/// Name, unit and value of every number of a point.
+type Number = (&'static str, &'static str, fn(&Point) -> Option<f64>);
+const NUMBERS: [Number; 5] = [
+    ("elongation", "1", |p| p.elongation),
+    ("energy_absorbed_J", "J", |p| p.energy),
+    ("fracture_position_m", "m", |p| p.fracture_position_m),
+    ("fracture_time_s", "s", |p| p.fracture_time_s),
+    ("at_struck_end", "1", |p| Some(f64::from(p.at_struck_end))),
+];
+
+/// Writes a row a velocity as CSV; numbers that do not exist are empty.
+///
+/// # Errors
+/// A file error.
+pub fn write_csv(path: &Path, results: &Results) -> Result<()> {
+    let failed = |e: csv::Error| Error::file(path, e);
+    let mut csv = csv::Writer::from_path(path).map_err(failed)?;
+    let names = NUMBERS.iter().map(|number| number.0);
+    csv.write_record(["velocity_m_s", "status", "reason"].into_iter().chain(names)).map_err(failed)?;
+    for point in &results.points {
+        let numbers = NUMBERS.iter().map(|number| (number.2)(point).map_or_else(String::new, |v| format!("{v:?}")));
+        let first = [format!("{:?}", point.velocity_m_s), point.status.to_owned(), point.reason.clone()];
+        csv.write_record(first.into_iter().chain(numbers)).map_err(failed)?;
+    }
+    csv.flush().map_err(|e| Error::file(path, e))
+}
+
+/// Writes an HDF5 file with the velocities as coordinate, and the residual strain over velocity and place.
+///
+/// # Errors
+/// A file error.
+pub fn write_hdf5(path: &Path, results: &Results) -> Result<()> {
+    let points = &results.points;
+    let column =
+        |name: &str, units: &str, values| SweepColumn { name: name.to_owned(), units: units.to_owned(), values };
+    let mut columns = vec![column("status", "", Values::Texts(points.iter().map(|p| p.status.to_owned()).collect()))];
+    columns.extend(NUMBERS.iter().map(|(name, units, value)| {
+        let name = name.trim_end_matches("_J").trim_end_matches("_m").trim_end_matches("_s");
+        column(name, units, Values::Numbers(points.iter().map(|p| value(p).unwrap_or(f64::NAN)).collect()))
+    }));
+    let mut scales = vec![column("velocity", "m/s", Values::Numbers(points.iter().map(|p| p.velocity_m_s).collect()))];
+    if !results.x.is_empty() {
+        scales.push(column("x", "m", Values::Numbers(results.x.clone())));
+        let missing = vec![f64::NAN; results.x.len()];
+        let row = |p: &Point| if p.residual_strain.is_empty() { missing.clone() } else { p.residual_strain.clone() };
+        columns.push(column("residual_strain", "1", Values::Numbers(points.iter().flat_map(row).collect())));
+    }
+    let title = format!("Tension impact of {}", results.material);
+    let facts = serde_json::to_string(results).map_err(|e| Error::file(path, e))?;
+    write_sweep(path, &SweepFile { title, plan: facts, scales, columns })
+}

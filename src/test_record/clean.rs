@@ -1,0 +1,226 @@
+//! A record in the order of the test made into rows of increasing strain: signs, outliers, fracture, unloading.
+
+/// Rows on either side of a row that tell whether it is an outlier.
+const NEIGHBOURS: usize = 3;
+
+/// An outlier differs from the median of its neighbours by more than this part of the largest value ...
+const OUTLIER: f64 = 0.05;
+
+/// ... and by more than so many standard deviations of the noise.
+const OUTLIER_NOISE: f64 = 8.0;
+
+/// Unloading is a strain that falls below the largest before by more than so many standard deviations of its noise ...
+const UNLOADING_NOISE: f64 = 6.0;
+
+/// ... and by more than this part of the largest strain.
+const UNLOADING: f64 = 1e-5;
+
+/// A fall of the force by more than so many times the usual change between rows is a fracture (ISO 6892-1:2019, A.3.6.3) ...
+const FRACTURE_STEP: f64 = 5.0;
+
+/// ... where it is this part of the largest force at least; and the whole fall at least [`FRACTURE`] of it.
+const FRACTURE_STEP_LEAST: f64 = 0.01;
+
+/// A fall by less than this part of the largest force is no fracture.
+const FRACTURE: f64 = 0.1;
+
+/// Rows sorted by strain, and what was done to them.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(super) struct Cleaned {
+    /// (strain, stress), strain increasing.
+    pub rows: Vec<(f64, f64)>,
+    /// The record ends with a fracture.
+    pub fractured: bool,
+    /// One sentence for each change.
+    pub changes: Vec<String>,
+}
+
+/// Cleans a record: magnitudes; no outliers; nothing after the fracture; no unloading and reloading; rows sorted by strain.
+pub(super) fn clean(record: &[(f64, f64)]) -> Cleaned {
+    let mut changes = Vec::new();
+    let mut rows = magnitudes(record, &mut changes);
+    without_outliers(&mut rows, &mut changes);
+    let fractured = cut_at_fracture(&mut rows, &mut changes);
+    without_unloading(&mut rows, &mut changes);
+    sort(&mut rows, &mut changes);
+    Cleaned { rows, fractured, changes }
+}
+
+/// "1 row", "2 rows".
+pub(super) fn count(rows: usize) -> String {
+    if rows == 1 { "1 row".into() } else { format!("{rows} rows") }
+}
+
+/// Compression is often written with negative signs, of one column or both.
+fn magnitudes(record: &[(f64, f64)], changes: &mut Vec<String>) -> Vec<(f64, f64)> {
+    let sign = |pick: fn(&(f64, f64)) -> f64| {
+        let extreme = record.iter().map(pick).fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
+        if extreme < 0.0 { -1.0 } else { 1.0 }
+    };
+    let (strain, stress) = (sign(|row| row.0), sign(|row| row.1));
+    if strain < 0.0 || stress < 0.0 {
+        changes.push("negative signs removed: the curve holds magnitudes".into());
+    }
+    record.iter().map(|&(e, s)| (strain * e, stress * s)).collect()
+}
+
+/// Removes single rows far from their neighbours in strain or stress.
+fn without_outliers(rows: &mut Vec<(f64, f64)>, changes: &mut Vec<String>) {
+    let before = rows.len();
+    for pick in [(|row| row.0) as fn(&(f64, f64)) -> f64, |row| row.1] {
+        let values: Vec<f64> = rows.iter().map(pick).collect();
+        let largest = values.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+        let limit = (OUTLIER * largest).max(OUTLIER_NOISE * noise(&values));
+        let medians = running_median(&values, NEIGHBOURS);
+        let off = |k: usize| (values[k] - medians[k]).abs() > limit;
+        // The first and the last rows have neighbours on one side only: there a fracture looks like an outlier.
+        let inner = NEIGHBOURS..values.len().saturating_sub(NEIGHBOURS);
+        let mut place = 0;
+        rows.retain(|_| {
+            place += 1;
+            !(inner.contains(&(place - 1)) && off(place - 1))
+        });
+    }
+    if rows.len() < before {
+        changes.push(format!(
+            "{} removed as outliers (more than 5 % from the median of 7 neighbours)",
+            count(before - rows.len())
+        ));
+    }
+}
+
+/// Standard deviation of the noise of a series: the median of its second differences, over that of white noise.
+fn noise(values: &[f64]) -> f64 {
+    let mut seconds: Vec<f64> = values.windows(3).map(|v| (v[0] - 2.0 * v[1] + v[2]).abs()).collect();
+    // 0.6745 is the median of |x| of a standard normal x; a second difference has 6 times the variance.
+    median(&mut seconds) / (0.6745 * 6.0_f64.sqrt())
+}
+
+fn median(values: &mut [f64]) -> f64 {
+    if values.is_empty() {
+        return 0.0;
+    }
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+/// The median of each value and `reach` neighbours on either side (fewer at the ends).
+fn running_median(values: &[f64], reach: usize) -> Vec<f64> {
+    let around = |k: usize| median(&mut values[k.saturating_sub(reach)..(k + reach + 1).min(values.len())].to_vec());
+    (0..values.len()).map(around).collect()
+}
+
+/// Cuts the record at the row before the force falls for good. True where there is such a row.
+fn cut_at_fracture(rows: &mut Vec<(f64, f64)>, changes: &mut Vec<String>) -> bool {
+    let stress: Vec<f64> = rows.iter().map(|row| row.1).collect();
+    let smooth = running_median(&stress, NEIGHBOURS);
+    let Some(top) = (0..smooth.len()).max_by(|a, b| smooth[*a].total_cmp(&smooth[*b])) else { return false };
+    let largest = smooth[top];
+    let mut steps: Vec<f64> = stress.windows(2).map(|s| (s[1] - s[0]).abs()).collect();
+    let step = (FRACTURE_STEP * median(&mut steps)).max(FRACTURE_STEP_LEAST * largest);
+    let falls = |k: usize| stress[k] - stress[k + 1] > step;
+    // After the fall nothing carries the force of before again.
+    let mut highest_after = vec![f64::NEG_INFINITY; stress.len() + 1];
+    for k in (0..stress.len()).rev() {
+        highest_after[k] = highest_after[k + 1].max(stress[k]);
+    }
+    let first = top.saturating_sub(NEIGHBOURS);
+    let Some(last) = (first..stress.len().saturating_sub(1)).find(|&k| {
+        let end = (k..stress.len() - 1).take_while(|&j| falls(j)).last().map_or(k, |j| j + 1);
+        end > k && stress[k] - stress[end] > FRACTURE * largest && highest_after[end] < stress[k] - FRACTURE * largest
+    }) else {
+        return false;
+    };
+    let removed = rows.len() - last - 1;
+    rows.truncate(last + 1);
+    changes.push(format!("{} after the fracture removed (abrupt fall of the force)", count(removed)));
+    true
+}
+
+/// Removes rows between the start of an unloading and the return to the strain of before.
+fn without_unloading(rows: &mut Vec<(f64, f64)>, changes: &mut Vec<String>) {
+    let strain: Vec<f64> = rows.iter().map(|row| row.0).collect();
+    let largest = strain.iter().copied().fold(0.0, f64::max);
+    let limit = (UNLOADING_NOISE * noise(&strain)).max(UNLOADING * largest);
+    let (mut keep, mut loops) = (vec![true; rows.len()], 0);
+    let (mut top, mut k) = (0, 1);
+    while k < strain.len() {
+        if strain[k] > strain[top] {
+            top = k;
+        } else if strain[top] - strain[k] > limit {
+            let back = (k..strain.len()).find(|&j| strain[j] >= strain[top]).unwrap_or(strain.len());
+            keep[top + 1..back].fill(false);
+            loops += 1;
+            top = back.min(strain.len() - 1);
+            k = back;
+        }
+        k += 1;
+    }
+    let mut place = 0;
+    rows.retain(|_| {
+        place += 1;
+        keep[place - 1]
+    });
+    let removed = strain.len() - rows.len();
+    if removed > 0 {
+        let times = if loops == 1 { "one unloading".into() } else { format!("{loops} unloadings") };
+        changes.push(format!("{} of {times} removed", count(removed)));
+    }
+}
+
+/// Sorts by strain; rows of one strain become their mean.
+fn sort(rows: &mut Vec<(f64, f64)>, changes: &mut Vec<String>) {
+    let falling = rows.windows(2).filter(|pair| pair[1].0 < pair[0].0).count();
+    let before = rows.len();
+    rows.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mean = |same: &[(f64, f64)]| (same[0].0, same.iter().map(|row| row.1).sum::<f64>() / same.len() as f64);
+    *rows = rows.chunk_by(|a, b| a.0 == b.0).map(mean).collect();
+    if falling > 0 {
+        changes.push(format!("{} of falling strain, within its noise, sorted by strain", count(falling)));
+    }
+    if rows.len() < before {
+        changes.push(format!("{} of a strain given twice averaged", count(before - rows.len())));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn straight(rows: u32) -> Vec<(f64, f64)> {
+        (0..rows).map(|i| (1e-4 * f64::from(i), 1e6 * f64::from(i))).collect()
+    }
+
+    #[test]
+    fn a_clean_record_stays_as_it_is() {
+        let record = straight(100);
+        assert_eq!(clean(&record), Cleaned { rows: record, fractured: false, changes: Vec::new() });
+    }
+
+    #[test]
+    fn compression_unloading_outliers_and_fracture_are_found() {
+        let mut record = straight(200);
+        for (e, s) in &mut record[100..] {
+            (*e, *s) = (*e, 100e6 + 0.1 * (*s - 100e6));
+        }
+        let clean_rows = record.clone();
+        // From row 150 down and up again, 20 rows.
+        let (e, s) = record[150];
+        let down = (1..=10).map(|i| (e - 1e-5 * f64::from(i), s - 2e6 * f64::from(i)));
+        let around: Vec<_> = down.clone().chain(down.rev().skip(1)).collect();
+        record.splice(151..151, around);
+        record[60].1 *= 2.0;
+        record.extend([(0.0200, 60e6), (0.0201, 3e6), (0.0202, 0.0)]);
+        let negative: Vec<_> = record.iter().map(|&(e, s)| (-e, -s)).collect();
+        let cleaned = clean(&negative);
+        assert!(cleaned.fractured);
+        let expected: Vec<_> = clean_rows.iter().enumerate().filter(|(k, _)| *k != 60).map(|(_, row)| *row).collect();
+        assert_eq!(cleaned.rows, expected, "{:?}", cleaned.changes);
+        let all = cleaned.changes.join("\n");
+        for part in
+            ["negative signs", "1 row removed as outliers", "3 rows after the fracture", "19 rows of one unloading"]
+        {
+            assert!(all.contains(part), "{part}: {all}");
+        }
+    }
+}

@@ -1,0 +1,20 @@
+//! From the record of a tension or compression test to a curve: reading, cleaning, elastic line, proof stress, smoothing, knots.
+
+mod clean;
+mod fit;
+mod heading;
+mod modulus;
+mod noise;
+mod reduce;
+mod repeats;
+mod smooth;
+mod table;
+mod text;
+mod thin;
+
+pub use heading::Kind;
+pub use modulus::ElasticLine;
+pub use reduce::{PROOF_OFFSET, Reduce, Reduction, reduce};
+pub use repeats::{Repeats, combine};
+pub use table::{Reading, Record, read};
+pub use text::MaterialText;

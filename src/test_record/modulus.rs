@@ -1,0 +1,146 @@
+//! The elastic line of a record: least squares over the part that is straight within the noise (ASTM E111).
+//!
+//! The part is searched for: of all intervals between some tens of stresses, those are admitted whose slope is, within its uncertainty, the
+//! steepest, and of these the one is taken whose slope is known best. The uncertainty has two parts: the standard error, and the bias by
+//! the curvature of the interval, as far as it is above the noise. So neither the toe nor the knee takes part in the fit.
+
+use super::fit::{Fit, line, polynomial};
+
+/// Stresses between which intervals are searched for are so far apart, as a factor ...
+const LEVELS_FACTOR: f64 = 1.12;
+
+/// ... from this part of the largest stress on.
+const LEVELS_FROM: f64 = 0.01;
+
+/// Fewest rows of an interval.
+const FEWEST: usize = 8;
+
+/// Bias that is not distinguished from none, relative to the slope: intervals better than this differ by their length only.
+const RESOLUTION: f64 = 1e-3;
+
+/// An interval is admitted if its slope, plus twice its error, is this part of the steepest, minus four times its error.
+const ADMITTED: f64 = 0.97;
+
+/// Least elastic limit, over the largest stress: a curve has to start along its modulus.
+pub(super) const LEAST_LIMIT: f64 = 1e-3;
+
+/// Standard errors within which rows beyond the interval still lie on its line.
+const ON_LINE: f64 = 2.5;
+
+/// The elastic line: stress = slope (strain - origin).
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct ElasticLine {
+    /// Pa.
+    #[serde(rename = "slope_Pa")]
+    pub slope: f64,
+    /// Standard error of the slope, Pa.
+    #[serde(rename = "standard_error_Pa")]
+    pub error: f64,
+    /// Strain at zero stress.
+    pub origin: f64,
+    /// Stresses between which it was fitted, Pa.
+    #[serde(rename = "fitted_between_Pa")]
+    pub between: [f64; 2],
+    /// Rows of the fit.
+    pub rows: usize,
+    /// First row of the fit.
+    #[serde(skip)]
+    pub(super) from: usize,
+    /// First row after those that lie on the line.
+    #[serde(skip)]
+    pub(super) end: usize,
+}
+
+/// An interval of rows with its line.
+#[derive(Debug, Clone, Copy)]
+struct Candidate {
+    from: usize,
+    to: usize,
+    mean: f64,
+    fit: Fit,
+    /// Standard error of the slope, and its root mean square error with the bias, Pa.
+    error: f64,
+    total: f64,
+}
+
+/// The elastic line of rows sorted by strain; `variances` are those of the noise. `range` (Pa) is the interval of stress to be fitted,
+/// where it is not to be searched for. None where no interval has enough rows.
+pub(super) fn elastic_line(rows: &[(f64, f64)], variances: &[f64], range: Option<[f64; 2]>) -> Option<ElasticLine> {
+    let largest = rows.iter().map(|row| row.1).fold(0.0, f64::max);
+    let best = match range {
+        Some([low, high]) => candidate(rows, variances, level(rows, low), level(rows, high))?,
+        None => search(rows, variances, largest)?,
+    };
+    let on_line = extend(rows, variances, &best, largest);
+    let origin = best.mean - best.fit.a / best.fit.b;
+    Some(ElasticLine {
+        slope: best.fit.b,
+        error: best.error,
+        origin,
+        between: [best.from, best.to - 1].map(|row| best.fit.at(rows[row].0 - best.mean)),
+        rows: best.to - best.from,
+        from: best.from,
+        end: if range.is_some() { best.to } else { on_line },
+    })
+}
+
+/// The first row from which the mean of five rows is at least this stress.
+fn level(rows: &[(f64, f64)], stress: f64) -> usize {
+    let mean = |five: &[(f64, f64)]| five.iter().map(|row| row.1).sum::<f64>() / five.len() as f64;
+    rows.windows(5).position(|five| mean(five) >= stress).map_or(rows.len(), |k| if k == 0 { 0 } else { k + 2 })
+}
+
+fn search(rows: &[(f64, f64)], variances: &[f64], largest: f64) -> Option<Candidate> {
+    let stresses =
+        std::iter::successors(Some(LEVELS_FROM), |part| Some(part * LEVELS_FACTOR)).take_while(|part| *part < 0.98);
+    let mut places: Vec<usize> = std::iter::once(0).chain(stresses.map(|part| level(rows, part * largest))).collect();
+    places.dedup();
+    let pairs = places.iter().enumerate().flat_map(|(k, &from)| places[k + 1..].iter().map(move |&to| (from, to)));
+    let all: Vec<Candidate> = pairs.filter_map(|(from, to)| candidate(rows, variances, from, to)).collect();
+    // Of hundreds of intervals with few rows and much noise some are too steep by three standard errors.
+    let steepest = all.iter().map(|c| c.fit.b - 4.0 * c.total).fold(0.0, f64::max);
+    let admitted = all.into_iter().filter(|c| c.fit.b + 2.0 * c.total >= ADMITTED * steepest && c.fit.b > 0.0);
+    admitted.min_by(|a, b| score(a).total_cmp(&score(b)))
+}
+
+/// Relative error of the slope; below the resolution longer intervals are better.
+fn score(c: &Candidate) -> f64 {
+    let relative = c.total / c.fit.b;
+    if relative > RESOLUTION { relative } else { RESOLUTION * (1.0 - 1e-3 * (c.to - c.from) as f64 / (c.to as f64)) }
+}
+
+fn candidate(rows: &[(f64, f64)], variances: &[f64], from: usize, to: usize) -> Option<Candidate> {
+    let part = rows.get(from..to).filter(|part| part.len() >= FEWEST)?;
+    let count = part.len() as f64;
+    let mean = part.iter().map(|row| row.0).sum::<f64>() / count;
+    let points = part.iter().map(|&(e, s)| (e - mean, s, 1.0));
+    let fit = line(points.clone())?;
+    let ([_, _, c], [_, centre, _, _]) = (polynomial(points.clone())?, polynomial(points.clone())?);
+    let spread: f64 = points.map(|(x, _, _)| x * x).sum();
+    let width = part[part.len() - 1].0 - part[0].0;
+    let noise = variances[from..to].iter().sum::<f64>() / count;
+    let square = noise / spread;
+    let error = (fit.residual.max(noise) / spread).sqrt();
+    // From the middle to the ends of the interval the slope of a parabola changes by c times the width. A cubic, which also bends at both
+    // ends in opposite senses, as toe and knee do, tells the slope in the middle. For even rows the variances of the two are 15 and 5.25
+    // times that of the slope.
+    let by_curvature = ((c * width).powi(2) - 15.0 * square).max(0.0);
+    let by_ends = ((centre - fit.b).powi(2) - 5.25 * square).max(0.0);
+    Some(Candidate { from, to, mean, fit, error, total: (error * error + by_curvature + by_ends).sqrt() })
+}
+
+/// The first row past the interval that is not on its line: groups of rows as long as their mean tells 0.5 % of the stress from noise.
+fn extend(rows: &[(f64, f64)], variances: &[f64], best: &Candidate, largest: f64) -> usize {
+    let mut end = best.to;
+    loop {
+        let Some(&(_, stress)) = rows.get(end) else { return rows.len() };
+        let noise = variances[end].max(variances[end - 1]).sqrt();
+        let needed = (2.0 * noise / (5e-3 * stress.max(1e-3 * largest))).powi(2).ceil().clamp(1.0, 25.0) as usize;
+        let Some(group) = rows.get(end..end + needed) else { return end };
+        let below = group.iter().map(|&(e, s)| best.fit.at(e - best.mean) - s).sum::<f64>() / needed as f64;
+        if below.abs() > ON_LINE * noise / (needed as f64).sqrt() + 1e-3 * stress {
+            return end;
+        }
+        end += needed;
+    }
+}

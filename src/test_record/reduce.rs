@@ -1,0 +1,234 @@
+//! The reduction of one record.
+
+use serde::Serialize;
+
+use super::clean::{clean, count};
+use super::modulus::{ElasticLine, elastic_line};
+use super::smooth::{Smooth, smooth};
+use super::thin::thin;
+use super::{modulus, noise};
+use crate::error::InputError;
+
+/// How a record is reduced.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reduce {
+    /// Elastic modulus, Pa, if it is known better than by the record.
+    pub modulus: Option<f64>,
+    /// The extensions include those of machine and grips: strains are corrected so that the elastic line has the modulus.
+    pub compliance: bool,
+    /// Stresses between which the elastic line is fitted, Pa; none: they are searched for.
+    pub elastic_range: Option<[f64; 2]>,
+    /// Largest distance in stress of the knots' curve from the smoothed one, over the largest stress; the impact velocity of no piece
+    /// between two knots differs by more than this part, either.
+    pub tolerance: f64,
+}
+
+impl Reduce {
+    /// Default tolerance of the knots.
+    pub const TOLERANCE: f64 = 1e-3;
+    /// Fewest rows of a record; fewer are a table, which is kept as it is.
+    pub const FEWEST_ROWS: usize = 50;
+}
+
+/// Offset of the proof stress.
+pub const PROOF_OFFSET: f64 = 0.002;
+
+/// Largest standard error of the modulus, relative, with which it counts as determined (ASTM E111: coefficient of variation of the slope).
+const UNCERTAIN: f64 = 0.02;
+
+/// A record and the curve made of it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Reduction {
+    /// Rows of the record.
+    pub rows: usize,
+    /// The elastic line in the strains of the record.
+    pub line: ElasticLine,
+    /// Elastic modulus, Pa.
+    #[serde(rename = "modulus_Pa")]
+    pub modulus: f64,
+    /// Stress at a plastic strain of 0.2 %, Pa; none where the curve ends before.
+    #[serde(rename = "proof_stress_Pa")]
+    pub proof_stress: Option<f64>,
+    /// Strain and stress (Pa) at the largest force.
+    pub maximum: (f64, f64),
+    /// Strain and stress (Pa) before the fracture, if the record holds one.
+    pub fracture: Option<(f64, f64)>,
+    /// Standard deviation of the noise of the stress, Pa.
+    #[serde(rename = "noise_Pa")]
+    pub noise: f64,
+    /// (strain, stress in Pa) from the origin, the second one the end of the elastic line.
+    pub knots: Vec<(f64, f64)>,
+    /// One sentence for each change of the record.
+    pub changes: Vec<String>,
+}
+
+/// Reduces a record (engineering strain, engineering stress in Pa, in the order of the test) to a curve.
+///
+/// # Errors
+/// A record without an elastic part, or without enough rows.
+pub fn reduce(record: &[(f64, f64)], how: &Reduce) -> Result<Reduction, InputError> {
+    let cleaned = clean(record);
+    let (mut rows, mut changes) = (cleaned.rows, cleaned.changes);
+    if rows.len() < Reduce::FEWEST_ROWS {
+        let message = format!("{} of {} are left: {}", count(rows.len()), record.len(), changes.join("; "));
+        let error =
+            InputError::new(message).allowed(format!("at least {} rows of growing strain", Reduce::FEWEST_ROWS));
+        return Err(error.help("check the columns; --keep-rows takes the rows as they are"));
+    }
+    let variances = noise::variances(&rows);
+    let largest = rows.iter().map(|row| row.1).fold(0.0, f64::max);
+    let line =
+        elastic_line(&rows, &variances, how.elastic_range).filter(|line| line.slope > 0.0 && line.end < rows.len());
+    let Some(line) = line else { return Err(no_line(how)) };
+    let (modulus, start) = correct(&mut rows, &line, how, &mut changes)?;
+    let mean_noise = (variances.iter().sum::<f64>() / variances.len() as f64).sqrt();
+    let curve = whole_curve(&rows, &variances, start, modulus, largest);
+    changes.push(format!(
+        "{} between strain {:.5} and {:.5} smoothed by local quadratic regression (noise {:.3} MPa)",
+        count(rows.len() - start),
+        rows[start].0,
+        rows[rows.len() - 1].0,
+        mean_noise / 1e6
+    ));
+    let knots = thin(&curve, how.tolerance);
+    changes.push(format!(
+        "{} knots kept: within {} % of the largest stress, and of the velocity of every piece",
+        knots.len(),
+        decimal(100.0 * how.tolerance)
+    ));
+    let top = knots.iter().copied().fold((0.0, 0.0), |a, b| if b.1 > a.1 { b } else { a });
+    Ok(Reduction {
+        rows: record.len(),
+        line,
+        modulus,
+        proof_stress: proof_stress(&curve, modulus),
+        maximum: top,
+        fracture: cleaned.fractured.then(|| knots[knots.len() - 1]),
+        noise: mean_noise,
+        knots: rounded(&knots, modulus),
+        changes,
+    })
+}
+
+fn no_line(how: &Reduce) -> InputError {
+    let error = InputError::new("the record has no straight part at its start");
+    match how.elastic_range {
+        Some(_) => error.key("--elastic-range").help("name an interval with at least 8 rows below the yield stress"),
+        None => error.help("name the stresses of its elastic part, e.g. --elastic-range \"20 MPa..100 MPa\""),
+    }
+}
+
+/// A slope of the record that differs by more than this from a given modulus is not that of its elastic line.
+const SAME_SLOPE: f64 = 0.05;
+
+/// Shifts strains so that the elastic line goes through the origin, and takes the compliance of machine and grips out if that is asked
+/// for. Returns the modulus and the last row on the elastic line.
+fn correct(
+    rows: &mut [(f64, f64)],
+    line: &ElasticLine,
+    how: &Reduce,
+    changes: &mut Vec<String>,
+) -> Result<(f64, usize), InputError> {
+    let modulus = how.modulus.unwrap_or_else(|| six_digits(line.slope));
+    let ratio = line.slope / modulus;
+    if ratio > 1.0 + SAME_SLOPE.max(3.0 * line.error / line.slope) {
+        let message = format!("the record has a slope of {:.4} GPa, more than the modulus", line.slope / 1e9);
+        let error = InputError::new(message).key("--modulus").allowed(format!("up to {:.4} GPa", line.slope / 1e9));
+        return Err(error.help("check the gauge length, the units and the modulus"));
+    }
+    if how.modulus.is_none() && line.error > UNCERTAIN * line.slope {
+        let error = 100.0 * line.error / line.slope;
+        changes.push(format!(
+            "the modulus is uncertain by {error:.1} % (ASTM E111 allows 2 %): give a better one with --modulus"
+        ));
+    }
+    let middle = 0.5 * (line.between[0] + line.between[1]);
+    let (mut last, mut through, mut compliance) = (line.end - 1, middle, 0.0);
+    if how.compliance {
+        compliance = 1.0 / line.slope - 1.0 / modulus;
+        changes.push(format!(
+            "strains corrected for the compliance of machine and grips: the record has a slope of {:.3} GPa",
+            line.slope / 1e9
+        ));
+    } else if (ratio - 1.0).abs() > SAME_SLOPE {
+        // The record has no part with the slope of the modulus: the line touches it where it is steepest at first.
+        (last, through) = (line.from, line.between[0].max(0.0));
+        let message =
+            "the line of the modulus is drawn through the first point of the steepest part, which has a slope of";
+        changes.push(format!("{message} {:.3} GPa (--compliance corrects the strains instead)", line.slope / 1e9));
+    }
+    // Strain at which the line of the modulus has no stress.
+    let origin = line.origin + through * (1.0 / line.slope - compliance - 1.0 / modulus);
+    changes.push(format!("toe: strains shifted by {:.3e}, so that the elastic line starts at zero", -origin));
+    for row in rows.iter_mut() {
+        row.0 -= origin + compliance * row.1;
+    }
+    rows.sort_by(|a, b| a.0.total_cmp(&b.0));
+    Ok((modulus, last.max(rows.partition_point(|row| row.0 <= 0.0))))
+}
+
+/// A fall of the stress past the elastic line by more than so many standard deviations of the noise, and by more than this part of it, is
+/// an upper yield point.
+const YIELD_DROP_NOISE: f64 = 4.0;
+const YIELD_DROP: f64 = 0.02;
+
+/// The elastic line and the smoothed curve behind it; no slope is above the modulus. `start` is the last row on the line.
+fn whole_curve(rows: &[(f64, f64)], variances: &[f64], start: usize, modulus: f64, largest: f64) -> Vec<(f64, f64)> {
+    let past = (start + 1).min(rows.len() - 2);
+    let smoothed = smooth(&rows[past..], &variances[past..], largest);
+    let near = &variances[start.saturating_sub(25)..(start + 25).min(variances.len())];
+    let noise = (near.iter().sum::<f64>() / near.len() as f64).sqrt();
+    let limit = elastic_limit(rows[start].0, &smoothed, modulus, noise).max(modulus::LEAST_LIMIT * largest / modulus);
+    let mut curve = vec![(0.0, 0.0), (limit, modulus * limit)];
+    for (strain, stress) in smoothed.curve {
+        let last = curve[curve.len() - 1];
+        if strain > last.0 {
+            curve.push((strain, stress.min(last.1 + modulus * (strain - last.0)).max(0.0)));
+        }
+    }
+    curve
+}
+
+/// Strain at the end of the elastic line: where the curve behind it, prolonged by its tangent, meets it. `last` is the strain of the last
+/// row that may lie on the line; after an upper yield point it is the end.
+fn elastic_limit(last: f64, smoothed: &Smooth, modulus: f64, noise: f64) -> f64 {
+    let Some(&(strain, stress)) = smoothed.curve.first() else { return last };
+    let drop = modulus * last - stress;
+    if drop > YIELD_DROP_NOISE * noise && drop > YIELD_DROP * modulus * last {
+        return last;
+    }
+    let slope = smoothed.slope.clamp(0.0, 0.9 * modulus);
+    ((stress - slope * strain) / (modulus - slope)).clamp(0.5 * strain, strain)
+}
+
+/// Where the line of the modulus through a plastic strain of 0.2 % crosses the curve (ASTM E8/E8M, offset method; ISO 6892-1).
+fn proof_stress(curve: &[(f64, f64)], modulus: f64) -> Option<f64> {
+    let above = |(strain, stress): (f64, f64)| stress - modulus * (strain - PROOF_OFFSET);
+    let pair = curve.windows(2).find(|pair| above(pair[0]) > 0.0 && above(pair[1]) <= 0.0)?;
+    let part = above(pair[0]) / (above(pair[0]) - above(pair[1]));
+    Some(pair[0].1 + part * (pair[1].1 - pair[0].1))
+}
+
+/// Without the rounding of a factor.
+fn decimal(value: f64) -> String {
+    six_digits(value).to_string()
+}
+
+/// A modulus in as many digits as it is known in, so that files stay readable.
+fn six_digits(value: f64) -> f64 {
+    format!("{value:.5e}").parse().unwrap_or(value)
+}
+
+/// Knots in steps of 100 Pa and 1e-9; the second one stays on the elastic line.
+fn rounded(knots: &[(f64, f64)], modulus: f64) -> Vec<(f64, f64)> {
+    let mut rows: Vec<(f64, f64)> = Vec::new();
+    for (k, &(strain, stress)) in knots.iter().enumerate() {
+        let stress = (stress / 100.0).round() * 100.0;
+        let strain = if k == 1 { stress / modulus } else { (strain * 1e9).round() / 1e9 };
+        if rows.last().is_none_or(|last| strain > last.0) {
+            let most = rows.last().map_or(0.0, |last| last.1 + modulus * (strain - last.0));
+            rows.push((strain, if k < 2 { stress } else { stress.min((most / 100.0).floor() * 100.0) }));
+        }
+    }
+    rows
+}

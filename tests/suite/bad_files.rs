@@ -1,0 +1,301 @@
+//! Files that are no scenes, tables or results, through the real binary: bounded time, and one clear error.
+#![cfg(unix)]
+
+use crate::common::binary;
+
+use std::path::Path;
+use std::process::{Command, Output};
+use std::time::{Duration, Instant};
+
+use binary::barwave;
+
+const SCENE: &str = "[bar]\nlength = 1\nmaterial = MATERIAL\n[left]\nkind = \"velocity\"\nDRIVE\n[right]\nkind = \"free\"\n\
+                     [solve]\nuntil = \"50 us\"\ncells = 100\n";
+const CURVE: &str = "{ density = 7800, modulus = 2e11, beyond = \"extend\", curve = { csv = \"FILE\" } }";
+
+/// A scene whose curve, or whose end's history, is in this file.
+fn scene(of_curve: bool, file: &str) -> String {
+    let (material, drive) = if of_curve {
+        (CURVE.replace("FILE", file), "value = -1".to_owned())
+    } else {
+        ("\"mild-steel\"".to_owned(), format!("csv = \"{file}\""))
+    };
+    // The rows of a curve are no velocities, but can be stresses.
+    let kind = if of_curve { "velocity" } else { "stress" };
+    SCENE.replace("MATERIAL", &material).replace("DRIVE", &drive).replace("velocity", kind)
+}
+
+fn message(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// Exit code 2 within some seconds, one error with a help line, and the words.
+fn assert_refused(folder: &Path, arguments: &[&str], words: &[&str]) {
+    let started = Instant::now();
+    let limited = "ulimit -v 4000000; exec \"$@\"";
+    let mut command = Command::new("timeout");
+    command.args(["20", "bash", "-c", limited, "bash", env!("CARGO_BIN_EXE_barwave")]).args(arguments);
+    let output = command.current_dir(folder).env_remove("BARWAVE_MATERIALS").output().expect("it starts");
+    let text = message(&output);
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {text}");
+    assert!(started.elapsed() < Duration::from_secs(10), "{arguments:?}: {:?}", started.elapsed());
+    assert_eq!(text.matches("error: ").count(), 1, "{text}");
+    assert!(text.contains("\nhelp: ") && text.len() < 4000, "{text}");
+    for word in words {
+        assert!(text.contains(word), "{arguments:?}: expected `{word}`: {text}");
+    }
+}
+
+#[test]
+fn what_is_no_text_file_is_refused_in_bounded_time_and_memory() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    assert!(Command::new("mkfifo").arg(path("pipe")).status().expect("mkfifo").success());
+    std::fs::create_dir(path("folder")).expect("made");
+    std::fs::File::create(path("large")).and_then(|file| file.set_len(1 << 30)).expect("made");
+    std::fs::write(path("zeros"), [b'a', 0, 0, 0]).expect("written");
+    std::fs::write(path("line"), "a".repeat(60_000_000)).expect("written");
+    for (name, words) in [
+        ("pipe", "it is a named pipe (FIFO)"),
+        ("folder", "it is a folder"),
+        ("large", "is too large: 1024 MiB"),
+        ("zeros", "zero byte on line 1"),
+        ("/dev/zero", "it is a device"),
+        ("nowhere", "there is no such file"),
+    ] {
+        for command in ["run", "check", "plan"] {
+            assert_refused(folder.path(), &[command, name], &[name, words]);
+        }
+        for of_curve in [true, false] {
+            std::fs::write(path("scene.toml"), scene(of_curve, name)).expect("written");
+            let key = if of_curve { "bar.material.curve.csv" } else { "left.csv" };
+            assert_refused(folder.path(), &["check", "scene.toml"], &[key, name, words]);
+        }
+    }
+    assert_refused(folder.path(), &["check", "line"], &["expected `=`", "..."]);
+}
+
+#[test]
+fn tables_of_spreadsheets_and_instruments_are_read_or_refused_with_the_cause() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let write = |of_curve: bool, bytes: &[u8]| {
+        std::fs::write(folder.path().join("t.csv"), bytes).expect("written");
+        std::fs::write(folder.path().join("scene.toml"), scene(of_curve, "t.csv")).expect("written");
+    };
+    let right: [&[u8]; 8] = [
+        b"0.001,200e6\n0.02,300e6\n",
+        b"\xEF\xBB\xBFstrain,stress\r\n0.001,200e6\r\n0.02,300e6\r\n",
+        b"0.001;200e6\n0.02;300e6\n",
+        b"0.001\t200e6\n0.02\t300e6\n",
+        b"strain;b\n0,001;199,5e6\n0,02;300e6\n",
+        b"0,001\t200e6\n0,02\t300e6\n",
+        b"\"0,001\",200e6\n\"0,02\",300e6\n",
+        b"0.001,200e6,,\n\n# end\n0.02,300e6,,\n",
+    ];
+    for of_curve in [true, false] {
+        for bytes in right {
+            // A history has a time in its first column, and says so where it has a heading.
+            let heading = if of_curve { "strain" } else { "time" };
+            let text = String::from_utf8_lossy(bytes).replace("strain", heading);
+            write(of_curve, text.as_bytes());
+            let output = barwave(folder.path(), &["check", "scene.toml"]);
+            assert_eq!(output.status.code(), Some(0), "{text}: {}", message(&output));
+        }
+        for (bytes, words) in [
+            (
+                b"# 20 \xB0C\n0.001,200e6\n" as &[u8],
+                &["t.csv", "not UTF-8", "line 1, column 6", "0xB0, which is `\u{b0}`"] as &[&str],
+            ),
+            (b"\xFF\xFE0\0,\x001\0", &["t.csv", "is UTF-16 text"]),
+            (b"0.001;200,5\n0.02;300\n", &["t.csv:1", "`0.001` has a point, and `200,5` a comma"]),
+            (b"1;1,234\n2;2,345\n", &["t.csv:1", "`1,234` can be 1.234 or 1234"]),
+            (b"0,001,200\n0,02,300\n", &["t.csv:1", "3 columns", "allowed: 2 columns", "semicolons"]),
+            (b"0.001 200e6\n", &["t.csv:1", "1 column", "comma, a semicolon or a tab"]),
+            (b"0.001,200e6\n0.02,3o0\n", &["t.csv:2", "3o0"]),
+        ] {
+            write(of_curve, bytes);
+            assert_refused(folder.path(), &["check", "scene.toml"], words);
+        }
+    }
+}
+
+#[test]
+fn a_decimal_comma_gives_the_same_curve_as_a_point() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let shown = |text: &str| {
+        std::fs::write(folder.path().join("t.csv"), text).expect("written");
+        let material = "name = \"m\"\ndensity = 7800\n[curve]\ncsv = \"t.csv\"\n";
+        std::fs::write(folder.path().join("m.toml"), material).expect("written");
+        let output = barwave(folder.path(), &["materials", "show", "m.toml", "--json"]);
+        assert_eq!(output.status.code(), Some(0), "{}", message(&output));
+        output.stdout
+    };
+    let point = shown("strain,stress_MPa\n0.001,200.5\n0.02,300\n");
+    assert_eq!(shown("strain;stress (MPa)\n0,001;200,5\n0,02;300\n"), point);
+    assert_eq!(shown("\u{feff}strain\tstress_MPa\r\n0,001\t200,5\r\n0,02\t300\r\n"), point);
+}
+
+#[test]
+fn what_would_take_too_much_is_refused_with_its_size() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = SCENE.replace("MATERIAL", "\"mild-steel\"").replace("DRIVE", "value = -1");
+    std::fs::write(folder.path().join("s.toml"), &text).expect("written");
+    let gauges = (0..3000).map(|i| format!("g{i} = 0.5")).collect::<Vec<_>>().join("\n");
+    std::fs::write(folder.path().join("gauges.toml"), text.clone() + "[record.gauges]\n" + &gauges).expect("written");
+    let set = |one: &'static str| ["run", "s.toml", "-o", "a.h5", "--set", one];
+    assert_refused(
+        folder.path(),
+        &set("solve.cells=1e8"),
+        &["solve.cells", "100000000", "9.3 GiB of memory", "cells <= 10000000"],
+    );
+    assert_refused(folder.path(), &set("record.cells=1e9"), &["record.cells", "93.1 GiB of memory"]);
+    assert_refused(folder.path(), &set("record.frames=1e12"), &["record.frames", "GiB", "frames <= 10000000"]);
+    let mut frames = set("record.frames=1e7").to_vec();
+    frames.extend(["--set", "record.cells=1000"]);
+    assert_refused(folder.path(), &frames, &["record.frames", "224 GiB", "at most 64 GiB"]);
+    assert_refused(folder.path(), &set("record.every=\"1e-17 s\""), &["record.every", "frames"]);
+    assert_refused(
+        folder.path(),
+        &["run", "gauges.toml", "-o", "a.h5"],
+        &["record.gauges", "3000 gauges", "GiB", "at most 1000"],
+    );
+    assert_refused(
+        folder.path(),
+        &["run", "s.toml", "--threads", "1000000"],
+        &["--threads", "1953 GiB", "threads <= 1024"],
+    );
+    let environment = ["-c", "RAYON_NUM_THREADS=1000000 exec \"$0\" check s.toml", env!("CARGO_BIN_EXE_barwave")];
+    let output = Command::new("bash").args(environment).current_dir(folder.path()).output().expect("bash");
+    assert!(output.status.code() == Some(2) && message(&output).contains("RAYON_NUM_THREADS"), "{}", message(&output));
+    assert!(!folder.path().join("a.h5").exists());
+    // A million cells are merely many.
+    let million = ["run", "s.toml", "--quiet", "-o", "a.h5", "--set", "solve.cells=1e6", "--set", "solve.until=1e-9"];
+    let output = barwave(folder.path(), &[&million[..], &["--set", "record.frames=2"]].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", message(&output));
+}
+
+/// What the reader of TOML calls things is not what users call them.
+#[test]
+fn the_words_of_the_parser_reach_nobody() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = SCENE.replace("DRIVE", "value = -1");
+    let material = |table: &str| {
+        let inline = format!("{{ density = 7800, modulus = 2e11, beyond = \"extend\", curve = {table} }}");
+        text.replace("MATERIAL", &inline)
+    };
+    let steel = text.replace("MATERIAL", "\"mild-steel\"");
+    let cases = [
+        (material("{ table = [[0.001]] }"), "found a list of 1, expected a row [strain, stress]"),
+        (material("{ table = [[0.001, 2e8, 3]] }"), "found a list of 3, expected a row [strain, stress]"),
+        (material("{ table = [0.001, 2e8] }"), "found floating point `0.001`, expected a row [strain, stress]"),
+        (material("[]"), "found a list of 0, expected a table"),
+        (material("[[1]]"), "expected"),
+        (steel.clone() + "[record]\ngauges = 3\n", "found integer `3`, expected a table"),
+        (
+            steel.clone() + "[record]\ngauges = 99999999999999999999\n",
+            "found integer `99999999999999999999`, expected a table",
+        ),
+        (steel.clone() + "[effects]\nrate = \"fast\"\n", "found string \"fast\", expected \"material\""),
+        (steel.clone() + "[effects]\nunloading = { mixed = [] }\n", "expected"),
+        (steel.replace("[left]\nkind = \"velocity\"\nvalue = -1", "[left]\nvalue = -1"), "`kind` is missing"),
+        (steel.replace("[bar]\n", "[bar]\n[bar]\n"), "duplicate key"),
+    ];
+    for (scene, words) in cases {
+        std::fs::write(folder.path().join("s.toml"), scene).expect("written");
+        assert_refused(folder.path(), &["check", "s.toml"], &["s.toml:", words]);
+        let text = message(&barwave(folder.path(), &["check", "s.toml"]));
+        for jargon in
+            ["invalid length", "invalid type", "tuple", "untagged", "missing field", "struct", "i128", "a map"]
+        {
+            assert!(!text.contains(jargon), "`{jargon}`: {text}");
+        }
+    }
+}
+
+/// A small result in a folder of its own, and its path.
+fn result() -> (tempfile::TempDir, std::path::PathBuf) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = SCENE.replace("MATERIAL", "\"mild-steel\"").replace("DRIVE", "value = -1");
+    std::fs::write(folder.path().join("s.toml"), text + "[record]\nframes = 5\ngauges = { a = 0.5 }\n")
+        .expect("written");
+    let output = barwave(folder.path(), &["run", "s.toml", "-o", "a.h5", "--quiet"]);
+    assert!(output.status.success(), "{}", message(&output));
+    let path = folder.path().join("a.h5");
+    (folder, path)
+}
+
+#[test]
+fn results_that_were_cut_off_are_not_called_locked() {
+    let (folder, path) = result();
+    let whole = std::fs::read(&path).expect("a result");
+    for length in [0, 7, 8, 50, 96, 100, 512, 2048, whole.len() / 2, whole.len() - 1] {
+        std::fs::write(&path, &whole[..length]).expect("written");
+        assert_refused(folder.path(), &["report", "a.h5", "-o", "a.svg"], &["a.h5"]);
+        let text = message(&barwave(folder.path(), &["report", "a.h5", "-o", "a.svg"]));
+        assert!(!text.contains("lock"), "{length} bytes: {text}");
+        let cut = if length < 8 { "not an HDF5 file" } else { "cut off" };
+        assert!(text.contains(cut), "{length} bytes: {text}");
+    }
+}
+
+/// Every dataset in turn is gone, or has another shape, up to ones that no memory holds.
+#[test]
+fn damaged_results_are_one_error_and_no_allocation() {
+    let (folder, path) = result();
+    let whole = std::fs::read(&path).expect("a result");
+    let shapes: [Option<&[usize]>; 6] =
+        [None, Some(&[]), Some(&[3]), Some(&[2, 3, 4]), Some(&[1_000_000_000]), Some(&[1_000_000_000, 1000])];
+    let mut refused = 0;
+    for name in [
+        "time",
+        "x",
+        "stress",
+        "fronts",
+        "ends/left/time",
+        "gauges/a/stress",
+        "ledger/time",
+        "audit/effect",
+        "material/mild-steel/strain",
+    ] {
+        for shape in shapes {
+            std::fs::write(&path, &whole).expect("written");
+            reshape(&path, name, shape);
+            for output in ["a.svg", "a.html"] {
+                let arguments = ["report", "a.h5", "-o", output];
+                let limited = ["-c", "ulimit -v 4000000; exec \"$@\"", "bash", env!("CARGO_BIN_EXE_barwave")];
+                let drawn = Command::new("bash")
+                    .args(limited)
+                    .args(arguments)
+                    .current_dir(folder.path())
+                    .output()
+                    .expect("bash");
+                let text = message(&drawn);
+                let code = drawn.status.code();
+                assert!(code == Some(0) || code == Some(2), "{name} {shape:?}: {code:?} {text}");
+                let errors = usize::from(code == Some(2));
+                assert_eq!(
+                    (text.matches("error: ").count(), text.matches("help: ").count()),
+                    (errors, errors),
+                    "{text}"
+                );
+                refused += errors;
+            }
+        }
+    }
+    // What a report does not draw need not be right.
+    assert!(refused > 60, "{refused}");
+}
+
+/// Puts a dataset of numbers in the place of another, or nothing.
+fn reshape(path: &Path, name: &str, shape: Option<&[usize]>) {
+    let file = hdf5::File::open_rw(path).expect("a result");
+    file.unlink(name).expect("it was there");
+    let Some(shape) = shape else { return };
+    let builder = file.new_dataset::<f64>();
+    let made = if shape.iter().product::<usize>() > 1000 {
+        builder.chunk(vec![1000; shape.len()]).shape(shape).create(name)
+    } else {
+        builder.shape(shape).create(name)
+    };
+    made.expect("a dataset");
+}

@@ -1,0 +1,135 @@
+//! `barwave compare` of result files, and of materials by pattern.
+
+use crate::common::binary;
+
+use std::path::Path;
+
+use binary::barwave;
+use serde_json::Value;
+use tempfile::TempDir;
+
+const BAR: &str = r#"
+[bar]
+length = 1
+material = { name = "elastic", density = 8000, modulus = 200e9, beyond = "extend", curve = { table = [[0.001, 200e6]] } }
+[left]
+kind = "stress"
+value = -100e6
+[right]
+kind = "free"
+[solve]
+until = "160 us"
+method = "moc"
+[record]
+frames = 17
+cells = 100
+gauges = { middle = 0.5 }
+"#;
+
+fn done(folder: &Path, arguments: &[&str]) -> String {
+    let output = barwave(folder, arguments);
+    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).expect("text")
+}
+
+fn refused(folder: &Path, arguments: &[&str]) -> String {
+    let output = barwave(folder, arguments);
+    let message = String::from_utf8(output.stderr).expect("text");
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
+    assert!(message.contains("help: "), "{message}");
+    message
+}
+
+/// A result of the scene, and others with changed keys.
+fn results(changes: &[(&str, &[&str])]) -> TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("scene.toml"), BAR).expect("a file");
+    done(folder.path(), &["run", "scene.toml", "-o", "a.h5", "--quiet"]);
+    for (name, sets) in changes {
+        let mut arguments = vec!["run", "scene.toml", "-o", name, "--quiet"];
+        sets.iter().for_each(|set| arguments.extend(["--set", set]));
+        done(folder.path(), &arguments);
+    }
+    folder
+}
+
+fn norm(difference: &Value, name: &str, kind: &str) -> f64 {
+    let mut all = difference["fields"]
+        .as_array()
+        .expect("fields")
+        .iter()
+        .chain(difference["histories"].as_array().expect("histories"));
+    let found = all.find(|d| d["field"] == name || d["name"] == name).unwrap_or_else(|| panic!("{name}"));
+    found[kind]["relative"].as_f64().unwrap_or(0.0)
+}
+
+#[test]
+fn a_result_does_not_differ_from_itself_and_differs_by_its_load() {
+    let folder = results(&[("same.h5", &[]), ("more.h5", &["left.value=-110e6"])]);
+    let path = folder.path();
+    let json: Value =
+        serde_json::from_str(&done(path, &["compare", "a.h5", "same.h5", "more.h5", "--json"])).expect("JSON");
+    for (difference, expected) in [(&json[0], 0.0), (&json[1], 0.1)] {
+        for name in ["stress", "strain", "velocity", "middle", "left end"] {
+            for kind in ["l1", "l2", "max"] {
+                let found = norm(difference, name, kind);
+                assert!((found - expected).abs() < 1e-9, "{name} {kind}: {found}");
+            }
+        }
+    }
+}
+
+#[test]
+fn other_grids_and_times_are_interpolated_on_the_common_part() {
+    let folder = results(&[(
+        "grid.h5",
+        &["solve.method=fd", "solve.cells=400", "record.cells=40", "record.frames=33", "solve.until=\"120 us\""],
+    )]);
+    let path = folder.path();
+    let text = done(path, &["compare", "a.h5", "grid.h5", "--plot", "c.svg"]);
+    assert!(text.contains("only the common time is compared") && text.contains("wrote c.svg"), "{text}");
+    done(path, &["compare", "a.h5", "grid.h5", "-o", "c.csv"]);
+    let table = std::fs::read_to_string(path.join("c.csv")).expect("a table");
+    assert!(table.starts_with("file,what,unit,l1,") && table.contains("stress of left end"), "{table}");
+    let json: Value = serde_json::from_str(&done(path, &["compare", "a.h5", "grid.h5", "--json"])).expect("JSON");
+    // A front between two samples, 1 cm and 2.5 cm apart, in a bar of which half is stressed in the mean.
+    assert!(norm(&json[0], "stress", "l1") < 0.06, "{json}");
+    assert!(norm(&json[0], "middle", "l1") < 0.02, "{json}");
+    assert!(json[0]["time_s"][1].as_f64().expect("a time") < 1.21e-4);
+    let place = &json[0]["fields"][0]["largest"];
+    // The largest difference is at the front, at c0 t = 5000 t.
+    let front = 5000.0 * place["time_s"].as_f64().expect("a time");
+    assert!((place["x_m"].as_f64().expect("a place") - front).abs() < 0.04, "{place}");
+}
+
+#[test]
+fn wrong_comparisons_are_refused() {
+    let folder = results(&[]);
+    let path = folder.path();
+    assert!(refused(path, &["compare", "a.h5"]).contains("at least 2 result files"));
+    assert!(refused(path, &["compare", "a.h5", "mild-steel"]).contains("1 of 2 names"));
+    assert!(refused(path, &["compare", "a.h5", "b.h5"]).contains("no such file"));
+    assert!(refused(path, &["compare", "a.h5", "a.h5", "--field", "temperature"]).contains("temperature"));
+    assert!(refused(path, &["compare", "unobtainium*"]).contains("no material matches"));
+}
+
+#[test]
+fn materials_are_found_by_pattern() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let names = |arguments: &[&str]| -> Vec<String> {
+        let json: Value = serde_json::from_str(&done(folder.path(), arguments)).expect("JSON");
+        let name = |m: &Value| m["critical"]["material"].as_str().expect("a name").to_owned();
+        json.as_array().expect("a list").iter().map(name).collect()
+    };
+    let steels = names(&["compare", "steel*", "steel-4340-jc", "--json"]);
+    assert!(steels.len() >= 4 && steels.iter().all(|name| name.starts_with("steel")), "{steels:?}");
+    assert_eq!(steels.iter().filter(|name| *name == "steel-4340-jc").count(), 1);
+    let all = names(&["compare", "--all", "--json"]);
+    assert!(all.len() >= 18);
+    done(folder.path(), &["compare", "--all", "-o", "all.svg"]);
+    let svg = std::fs::read_to_string(folder.path().join("all.svg")).expect("a figure");
+    // Every material stands beside its bar, and its number at the ends of its lines.
+    for name in all {
+        assert!(svg.contains(&format!(">{name}</text>")), "{name}");
+    }
+}

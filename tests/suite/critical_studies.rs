@@ -1,0 +1,137 @@
+//! `barwave critical` with all materials, simulation, sensitivity, rate and repeats, through the real binary.
+
+use crate::common::binary;
+
+use std::path::Path;
+
+use binary::barwave;
+use serde_json::Value;
+
+fn text(folder: &Path, arguments: &[&str]) -> String {
+    let output = barwave(folder, arguments);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).expect("text")
+}
+
+fn json(folder: &Path, arguments: &[&str]) -> Vec<Value> {
+    serde_json::from_str(&text(folder, &[arguments, &["--json"]].concat())).expect("a JSON list")
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
+}
+
+#[test]
+fn all_materials_are_sorted_and_fit_eighty_columns() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let table = text(folder.path(), &["critical", "--all", "-o", "all.csv"]);
+    assert!(table.lines().all(|line| line.chars().count() <= 80), "{table}");
+    let rows = json(folder.path(), &["critical", "--all"]);
+    assert!(rows.len() >= 18);
+    let velocities: Vec<f64> = rows.iter().filter_map(|row| row["critical_velocity_m_s"].as_f64()).collect();
+    assert!(velocities.windows(2).all(|pair| pair[0] >= pair[1]));
+    let csv = std::fs::read_to_string(folder.path().join("all.csv")).expect("the table");
+    assert_eq!(csv.lines().count(), rows.len() + 1);
+}
+
+#[test]
+fn simulation_agrees_with_the_integral_to_a_thousandth_on_ten_materials() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let names = [
+        "aluminium-1100-o",
+        "aluminium-2024-t3",
+        "aluminium-6061-t6",
+        "aluminium-7075-o",
+        "copper-annealed",
+        "copper-ofhc-jc",
+        "magnesium-az31b-annealed",
+        "mild-steel",
+        "steel-304-annealed",
+        "steel-4340-jc",
+    ];
+    let rows = json(folder.path(), &[&["critical", "--simulate"], &names[..]].concat());
+    assert_eq!(rows.len(), 10);
+    for row in &rows {
+        let (velocity, simulated) = (number(&row["critical_velocity_m_s"]), &row["simulated"]);
+        let [holds, breaks] = ["holds_m_s", "breaks_m_s"].map(|key| number(&simulated["fronts"][key]));
+        assert!(holds < breaks && breaks - holds <= 1e-3 * breaks, "{row:#}");
+        assert!((holds / velocity - 1.0).abs() <= 1e-3 && (breaks / velocity - 1.0).abs() <= 1e-3, "{row:#}");
+        assert_eq!(simulated["confirmed"], true, "{row:#}");
+        let grid = &simulated["grid"];
+        let off = (number(&grid["holds_m_s"]) - velocity).abs();
+        assert!(off <= 2.0 * number(&grid["resolution_m_s"]) + 2e-3 * velocity, "{row:#}");
+    }
+}
+
+#[test]
+fn parts_of_the_curve_add_up_to_the_critical_velocity() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let row = &json(folder.path(), &["critical", "mild-steel", "--sensitivity"])[0];
+    let intervals = row["sensitivity"].as_array().expect("intervals");
+    let sum = |key: &str| intervals.iter().map(|i| number(&i[key])).sum::<f64>();
+    let velocity = number(&row["critical_velocity_m_s"]);
+    assert!((sum("contribution_m_s") / velocity - 1.0).abs() < 1e-9 && (sum("share") - 1.0).abs() < 1e-9);
+    // 1 % of stress everywhere raises the velocity by half a percent.
+    assert!((sum("per_percent_of_stress_m_s") / velocity / 0.005 - 1.0).abs() < 0.2, "{row:#}");
+    let last = &intervals[intervals.len() - 1];
+    assert_eq!(last["to"], row["strain_at_max"]);
+    assert!(number(&last["per_percent_of_stress_m_s"]) > 0.0);
+}
+
+const RATE: &str = "density = 8000\nmodulus = \"200 GPa\"\nbeyond = \"rupture\"\n[curve]\ntable = [[0.001, \"200 MPa\"], [0.1, \"300 MPa\"], \
+                    [0.2, \"250 MPa\"]]\n[rate.malvern]\nk = \"K 1/s\"\n";
+
+#[test]
+fn a_fast_rate_law_gives_the_static_value_and_a_slow_one_more() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let velocity = |k: &str, length: &str| {
+        std::fs::write(folder.path().join("m.toml"), RATE.replace("K 1/s", &format!("{k} 1/s"))).expect("a file");
+        let row = json(folder.path(), &["critical", "m.toml", "--rate", "--length", length]).remove(0);
+        let (fixed, grid) = (number(&row["critical_velocity_m_s"]), &row["apparent"]["grid"]);
+        assert!(row["apparent"]["definition"].as_str().is_some_and(|text| text.contains("2 L/c0")));
+        0.5 * (number(&grid["holds_m_s"]) + number(&grid["breaks_m_s"])) / fixed
+    };
+    let (fast, slow) = (velocity("1e7", "1 m"), velocity("1e4", "1 m"));
+    assert!((fast - 1.0).abs() < 0.02, "{fast}");
+    assert!(slow > 1.02, "{slow}");
+    assert!(velocity("1e4", "100 mm") > slow, "a shorter bar has less time");
+}
+
+#[test]
+fn repeats_are_one_material_and_a_band_moves_the_curve() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (name, scale) in [("a", 0.95), ("b", 1.0), ("c", 1.05)] {
+        let table = format!("[[0.001, {}], [0.1, {}], [0.2, {}]]", 200e6 * scale, 300e6 * scale, 250e6 * scale);
+        let material = format!("density = 8000\nbeyond = \"rupture\"\n[curve]\ntable = {table}\n");
+        std::fs::write(folder.path().join(format!("{name}.toml")), material).expect("a file");
+    }
+    let names = ["critical", "a.toml", "b.toml", "c.toml"];
+    let each = json(folder.path(), &names);
+    let row = &json(folder.path(), &[&names[..], &["--repeats"]].concat())[0];
+    let mean = each.iter().map(|r| number(&r["critical_velocity_m_s"])).sum::<f64>() / 3.0;
+    assert!((number(&row["scatter"]["mean_m_s"]) / mean - 1.0).abs() < 1e-12);
+    assert!((number(&row["critical_velocity_m_s"]) / mean - 1.0).abs() < 5e-3, "{row:#}");
+    let band = "density = 8000\nbeyond = \"rupture\"\n[curve]\ntable = [[0.001, 2e8], [0.1, 3e8], [0.2, 2.5e8]]\n[band]\nunit = \"MPa\"\n\
+                deviation = [[0.001, 8], [0.1, 12]]\n";
+    std::fs::write(folder.path().join("d.toml"), band).expect("a file");
+    let row = &json(folder.path(), &["critical", "d.toml"])[0];
+    let velocity = number(&row["critical_velocity_m_s"]);
+    // The stress moves by 4 %, its root by 2 %.
+    assert!((number(&row["scatter"]["standard_deviation_m_s"]) / velocity / 0.02 - 1.0).abs() < 0.06, "{row:#}");
+    assert_eq!(row["scatter"]["basis"], "deviation");
+    std::fs::write(folder.path().join("bad.toml"), band.replace("[0.1, 12]", "[0.001, 12]")).expect("a file");
+    for (arguments, words) in [
+        (&["critical", "bad.toml"][..], "band.deviation"),
+        (&["critical", "a.toml", "--repeats"], "one material is no repeat"),
+        (&["critical", "a.toml", "--rate"], "states no rate law"),
+        (&["critical", "a.toml", "--heat"], "lacks constants of [heat]"),
+        (&["critical", "a.toml", "--length", "1 m"], "does not depend on the length"),
+        (&["critical", "a.toml", "--bootstrap", "5"], "100 <= N"),
+        (&["critical", "a.toml", "-o", "a.pdf"], ".csv"),
+    ] {
+        let output = barwave(folder.path(), arguments);
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{message}");
+        assert!(message.contains(words), "{words}: {message}");
+    }
+}

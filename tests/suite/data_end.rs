@@ -1,0 +1,274 @@
+//! The end of the stress-strain data, through every solver and the real binary: a run stops where a point flows past the data of
+//! the sense in which it flows, in the step in which it does, and nowhere else.
+
+use crate::common::binary;
+
+use std::path::Path;
+use std::process::Output;
+
+use barwave::law::{DataEnd, Flowing, Limit, Reached, Table};
+use barwave::material::{Beyond, Curve, Loading, Sense, library, true_from_engineering};
+use barwave::record::Field;
+use barwave::record::store::ResultFile;
+use binary::barwave;
+use serde_json::Value;
+
+/// Changes of a scene for every solver that takes it: its name, `[solve]` without the end time, `[effects]`.
+const SOLVERS: [(&str, &str, &str); 5] = [
+    ("leapfrog", "cells = 400", r#"unloading = "isotropic""#),
+    ("leapfrog with a rate", "cells = 400", r#"rate = { model = "malvern", k = "1e8 1/s" }"#),
+    ("muscl", "scheme = \"muscl\", cells = 400", r#"unloading = "isotropic""#),
+    ("front tracking", "method = \"moc\", front-tolerance = 0.02", r#"unloading = "isotropic""#),
+    ("characteristic net", "method = \"moc\", cells = 400", r#"rate = { model = "malvern", k = "1e8 1/s" }"#),
+];
+
+/// Its data end at a strain of 0.02, and say nothing of what follows.
+const SHORT: &str = r#"{ name = "short", density = 8000, modulus = "200 GPa", beyond = "error", curve = { table = [[0.001, "200 MPa"], [0.02, "400 MPa"]] } }"#;
+
+/// Carries little stress at any strain.
+const SOFT: &str = r#"{ name = "soft", density = 8000, modulus = "200 GPa", beyond = "extend", curve = { table = [[0.001, "200 MPa"], [0.02, "400 MPa"]] } }"#;
+
+/// A scene by one of [`SOLVERS`].
+fn scene((_, solve, effects): (&str, &str, &str), bar: &str, ends: [&str; 2], until: &str) -> String {
+    let [left, right] = ends;
+    format!(
+        "bar = {{ {bar} }}\nleft = {{ {left} }}\nright = {{ {right} }}\neffects = {{ {effects} }}\n\
+         solve = {{ until = \"{until}\", {solve} }}\n\
+         record = {{ frames = 41, gauges = {{ near = \"1 mm\" }}, fields = [\"strain\", \"displacement\", \"accumulated_plastic_strain\"] }}\n"
+    )
+}
+
+/// `barwave` of a scene in a folder of its own.
+fn of(folder: &Path, command: &[&str], scene: &str) -> Output {
+    std::fs::write(folder.join("scene.toml"), scene).expect("a folder to write to");
+    let arguments: Vec<&str> = command.iter().copied().chain(["scene.toml"]).collect();
+    barwave(folder, &arguments)
+}
+
+/// The summary of a run that comes to its end.
+fn summary(folder: &Path, scene: &str) -> Value {
+    let output = of(folder, &["run", "--json", "-o", "out.h5"], scene);
+    assert_eq!(output.status.code(), Some(0), "{}\n{scene}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).expect("one JSON value")
+}
+
+/// What a run says that stops with exit code 1.
+fn stopped(folder: &Path, scene: &str) -> String {
+    let output = of(folder, &["run", "--quiet", "-o", "out.h5"], scene);
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(1), "{text}\n{scene}");
+    text
+}
+
+/// Least and largest value of a field over all frames.
+fn range(file: &ResultFile, field: Field) -> [f64; 2] {
+    let frames = file.time().expect("times").len();
+    let values = file.field(field, 0..frames).expect("the field");
+    [values.iter().copied().fold(f64::INFINITY, f64::min), values.iter().copied().fold(f64::NEG_INFINITY, f64::max)]
+}
+
+fn folder() -> tempfile::TempDir {
+    tempfile::tempdir().expect("a folder")
+}
+
+/// A Taylor cylinder: copper, 25.4 mm long, 7.62 mm thick, onto a wall.
+fn taylor(solver: (&str, &str, &str), velocity: u32) -> String {
+    let bar = format!(
+        "length = \"25.4 mm\", diameter = \"7.62 mm\", material = \"copper-ofhc-taylor-jc\", velocity = \"-{velocity} m/s\""
+    );
+    scene(solver, &bar, ["kind = \"wall\"", "kind = \"free\""], "80 us")
+}
+
+#[test]
+fn a_compressed_bar_that_unloads_is_not_past_its_tension_data() {
+    for solver in SOLVERS {
+        for velocity in [120, 190] {
+            let folder = folder();
+            let found = summary(folder.path(), &taylor(solver, velocity));
+            assert_eq!(found["outcome"], "done", "{} {velocity}", solver.0);
+            let [least, _] = range(&ResultFile::open(&folder.path().join("out.h5")).expect("a result"), Field::Strain);
+            let expected = if velocity == 120 { -0.45..-0.25 } else { -0.60..-0.40 };
+            assert!(expected.contains(&least), "{} {velocity}: {least}", solver.0);
+        }
+    }
+}
+
+#[test]
+fn plan_does_not_take_compression_for_rupture_in_tension() {
+    let folder = folder();
+    for velocity in [120, 190] {
+        let output = of(folder.path(), &["plan", "--json"], &taylor(SOLVERS[0], velocity));
+        let plan: Value = serde_json::from_slice(&output.stdout).expect("one JSON value");
+        let effects = plan["effects"].as_array().expect("a list");
+        let rupture = effects.iter().find(|row| row["effect"] == "rupture").expect("a row");
+        let estimate = rupture["estimate"].as_f64().expect("a number");
+        assert!(estimate == 0.0, "{velocity}: {rupture}");
+    }
+}
+
+#[test]
+fn steel_that_was_compressed_by_15_percent_unloads() {
+    let ends = ["kind = \"velocity\", value = \"130 m/s\", release = \"4 us\"", "kind = \"free\""];
+    for solver in SOLVERS {
+        let folder = folder();
+        let bar = "length = \"50 mm\", area = \"1 cm^2\", material = \"steel-4340-jc\"";
+        summary(folder.path(), &scene(solver, bar, ends, "40 us"));
+        let [least, _] = range(&ResultFile::open(&folder.path().join("out.h5")).expect("a result"), Field::Strain);
+        assert!((-0.25..-0.12).contains(&least), "{}: {least}", solver.0);
+    }
+}
+
+#[test]
+fn an_elastic_point_is_past_no_data_and_a_flowing_one_past_those_of_its_own_sense() {
+    let curve = |end: f64| Curve::new(&[(0.001, 200e6), (end, 400e6)], Beyond::Error).expect("rows rise");
+    let [tension, compression] = [curve(0.02), curve(0.5)].map(|curve| Table::new(&curve, 200e9));
+    let end = DataEnd::new([&tension, &compression], 200e9, Loading::Axial);
+    let point = |sense, accumulated: f64, strain: f64| Flowing {
+        sense,
+        accumulated: 200e9 * accumulated,
+        strain: 200e9 * strain,
+    };
+    let limit = |point: Flowing, flows: bool| end.reached(&point, |_| flows).map(|Reached { limit, .. }| limit);
+    // Compressed by 0.2: that is within the compression data, and past those of tension only if it flows that way.
+    assert_eq!(limit(point(Sense::Compression, 0.198, -0.2), true), None);
+    assert_eq!(limit(point(Sense::Tension, 0.198, -0.197), false), None);
+    assert_eq!(limit(point(Sense::Tension, 0.198, -0.197), true), Some(Limit::EndOfDataReversed(Sense::Tension)));
+    // The last knot has the plastic strain 0.018.
+    assert_eq!(limit(point(Sense::Tension, 0.0179, 0.0199), true), None);
+    assert_eq!(limit(point(Sense::Tension, 0.0181, 0.0201), true), Some(Limit::EndOfData(Sense::Tension)));
+    assert_eq!(limit(point(Sense::Compression, 1.1, -1.0), false), Some(Limit::FullCompression));
+    let shear = DataEnd::new([&tension, &tension], 200e9, Loading::Shear);
+    assert_eq!(shear.reached(&point(Sense::Compression, 1.1, -1.1), |_| false), None);
+}
+
+#[test]
+fn library_materials_reach_the_strain_of_a_taylor_cylinder() {
+    let mut fits = 0;
+    for name in library::names() {
+        let material = library::find(name, Path::new(".")).expect("a material of the library");
+        let Some(compression) = &material.compression else { continue };
+        let (strain, _) = true_from_engineering(Sense::Compression, compression.last_strain(), 0.0);
+        assert!(strain > 1.2, "{name}: {strain}");
+        fits += 1;
+    }
+    assert!(fits >= 5, "{fits}");
+}
+
+#[test]
+fn a_table_to_a_tension_strain_of_2_has_a_compression_table_of_the_same_law() {
+    let folder = folder();
+    for (to, ends) in [("0.4", [0.4, 0.4]), ("2", [2.0, 0.9])] {
+        let text = format!(
+            "name = \"m\"\ndensity = 8000\nmodulus = \"124 GPa\"\nmeasure = \"true\"\nsymmetry = \"true\"\n[curve]\n\
+             formula = \"johnson-cook\"\nA = \"105.6 MPa\"\nB = \"392.1 MPa\"\nn = 0.2136\ntabulate = {{ to-strain = {to} }}\n"
+        );
+        let path = folder.path().join("m.toml");
+        std::fs::write(&path, text).expect("a folder to write to");
+        let material = barwave::material::read(&path).expect("a material");
+        let found = [Sense::Tension, Sense::Compression].map(|sense| material.branch(sense).last_strain());
+        assert!((0..2).all(|k| (found[k] - ends[k]).abs() < 1e-9), "{to}: {found:?}");
+        let curve = material.branch(Sense::Compression);
+        for (&strain, &stress) in curve.strain().iter().zip(curve.stress()).filter(|knot| *knot.0 > 0.01) {
+            let (strain, stress) = true_from_engineering(Sense::Compression, strain, stress);
+            let plastic = strain - stress / 124e9;
+            let law = 105.6e6 + 392.1e6 * plastic.powf(0.2136);
+            assert!((stress / law - 1.0).abs() < 2e-3, "{strain}: {stress} {law}");
+        }
+    }
+}
+
+#[test]
+fn a_run_stops_in_the_step_that_passes_the_data_and_records_nothing_of_it() {
+    let bar = format!("length = \"100 mm\", area = \"1 cm^2\", material = {SHORT}");
+    // The data carry 27 m/s. The ramp comes to that at 13.4 us, between two frames.
+    let ramp = "kind = \"velocity\", history = [[0, 0], [20e-6, 40], [40e-6, 40]]";
+    for solver in SOLVERS {
+        for sense in ["", "-"] {
+            let (folder, ends) = (folder(), [&ramp.replace("40]", &format!("{sense}40]")), "kind = \"free\""]);
+            let text = stopped(folder.path(), &scene(solver, &bar, ends, "40 us"));
+            let name = if sense.is_empty() { "compression" } else { "tension" };
+            assert!(
+                text.contains(&format!("is beyond the end of the data of short in {name} (0.0200)")),
+                "{}: {text}",
+                solver.0
+            );
+            let time: f64 =
+                text.split("stopped at t = ").nth(1).and_then(|t| t.split(' ').next()?.parse().ok()).expect("a time");
+            assert!((13.2e-6..14.2e-6).contains(&time), "{}: {time}", solver.0);
+            let strain: f64 =
+                text.split(": strain ").nth(1).and_then(|t| t.split(' ').next()?.parse().ok()).expect("a strain");
+            assert!((0.0199..0.0215).contains(&strain), "{}: {strain}", solver.0);
+            let file = ResultFile::open(&folder.path().join("out.h5")).expect("a result");
+            let frames = file.time().expect("times");
+            assert!(frames.len() >= 14 && frames.iter().all(|&t| t < time), "{}: {frames:?} {time}", solver.0);
+            assert!(range(&file, Field::Strain).into_iter().all(|e| e.abs() <= 0.02), "{}", solver.0);
+            let gauge = file.gauges().expect("gauges").remove(0).trace;
+            assert!(
+                // The message gives the time to seven digits.
+                gauge.time.iter().all(|&t| t <= time * (1.0 + 1e-6)) && gauge.strain.iter().all(|e| e.abs() <= 0.02),
+                "{}",
+                solver.0
+            );
+        }
+    }
+}
+
+#[test]
+fn data_that_end_at_once_stop_front_tracking_too() {
+    let bar = format!("length = \"100 mm\", area = \"1 cm^2\", material = {SHORT}");
+    for solver in SOLVERS {
+        let folder = folder();
+        let ends = ["kind = \"velocity\", value = \"100 m/s\"", "kind = \"free\""];
+        let text = stopped(folder.path(), &scene(solver, &bar, ends, "10 us"));
+        assert!(text.contains("beyond the end of the data of short in compression"), "{}: {text}", solver.0);
+        let file = ResultFile::open(&folder.path().join("out.h5")).expect("a result");
+        assert_eq!(file.time().expect("times"), [0.0], "{}", solver.0);
+        assert_eq!(range(&file, Field::Strain), [0.0; 2], "{}", solver.0);
+    }
+}
+
+#[test]
+fn a_bar_that_is_compressed_to_nothing_stops_the_run() {
+    let bar = format!("length = \"100 mm\", area = \"1 cm^2\", material = {SOFT}");
+    // A strain of -1 carries 1151 m/s.
+    let ramp = "kind = \"velocity\", history = [[0, 0], [20e-6, 2000], [40e-6, 2000]]";
+    for solver in SOLVERS {
+        let folder = folder();
+        let text = stopped(folder.path(), &scene(solver, &bar, [ramp, "kind = \"free\""], "40 us"));
+        assert!(
+            text.contains("material fully compressed: the engineering strain of soft is -1."),
+            "{}: {text}",
+            solver.0
+        );
+        let file = ResultFile::open(&folder.path().join("out.h5")).expect("a result");
+        let [least, _] = range(&file, Field::Strain);
+        assert!(least > -1.0 && least < -0.5, "{}: {least}", solver.0);
+    }
+    let elastic = r#"{ name = "hard", density = 8000, modulus = "200 GPa", beyond = "extend", curve = { table = [[0.01, "2 GPa"]] } }"#;
+    let bar = format!("length = \"100 mm\", area = \"1 cm^2\", material = {elastic}");
+    for solver in SOLVERS {
+        let (folder, ends) =
+            (folder(), ["kind = \"velocity\", history = [[0, 0], [1e-8, 5100], [5e-6, 5100]]", "kind = \"free\""]);
+        let text = stopped(folder.path(), &scene(solver, &bar, ends, "5 us"));
+        assert!(text.contains("material fully compressed"), "{}: {text}", solver.0);
+    }
+}
+
+#[test]
+fn flow_that_reverses_after_a_large_compression_is_reported() {
+    let bar = "length = \"100 mm\", area = \"1 cm^2\", material = \"copper-ofhc-taylor-jc\"";
+    let pressed_and_pulled =
+        "kind = \"stress\", history = [[0, -400e6], [50e-6, -400e6], [52e-6, 314e6], [90e-6, 314e6]]";
+    for solver in SOLVERS {
+        let folder = folder();
+        let found = summary(folder.path(), &scene(solver, bar, [pressed_and_pulled, "kind = \"absorbing\""], "90 us"));
+        let rows = found["audit"].as_array().expect("a list");
+        let row =
+            rows.iter().find(|row| row["effect"] == "reversal").unwrap_or_else(|| panic!("{}: {rows:?}", solver.0));
+        // 400 MPa in compression, against at most 315 MPa of the tension curve.
+        let estimate = row["estimate"].as_f64().expect("a number");
+        assert!((0.18..0.25).contains(&estimate), "{}: {row}", solver.0);
+        // It is no rupture: nothing was stretched.
+        assert_eq!(found["outcome"], "done", "{}", solver.0);
+    }
+}

@@ -1,0 +1,266 @@
+//! Spheres, plates and beams through the real binary: the textbook's numbers, ledgers, result files, reports, plans and cost studies.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+fn scene(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("runs").join(name)
+}
+
+fn barwave(folder: &Path, command: &str, name: &str, sets: &[&str], more: &[&str]) -> Output {
+    let mut program = Command::new(env!("CARGO_BIN_EXE_barwave"));
+    program.current_dir(folder).arg(command).arg(scene(name)).args(more);
+    for set in sets {
+        program.arg("--set").arg(set);
+    }
+    program.output().expect("barwave starts")
+}
+
+/// The summary of a run.
+fn run(name: &str, sets: &[&str]) -> Value {
+    let folder = tempfile::tempdir().expect("a folder");
+    let output = barwave(folder.path(), "run", name, sets, &["-o", "r.h5", "--json"]);
+    assert_eq!(output.status.code(), Some(0), "{name} {sets:?}: {}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).expect("one JSON value")
+}
+
+#[track_caller]
+fn within(summary: &Value, key: &str, expected: f64, most: f64) {
+    let value = summary[key].as_f64().unwrap_or_else(|| panic!("no {key} in {summary}"));
+    assert!((value - expected).abs() <= most, "{key}: {value}, expected {expected} within {most}");
+}
+
+/// As printed to six digits.
+#[track_caller]
+fn to_six_digits(summary: &Value, key: &str, expected: f64) {
+    within(summary, key, expected, 5.1e-6 * expected.abs());
+}
+
+#[test]
+fn restitution_and_pendulum_have_the_textbook_s_velocities() {
+    let summary = run("spheres-restitution.toml", &[]);
+    within(&summary, "striker_velocity_m_s", -0.76, 1e-14);
+    within(&summary, "struck_velocity_m_s", 2.84, 1e-14);
+    // 2*25/2 + 3/2 before, 2*0.5776/2 + 3*8.0656/2 after.
+    within(&summary, "energy_lost_J", 26.5 - 0.5776 - 12.0984, 1e-12);
+    within(&run("ballistic-pendulum.toml", &[]), "striker_velocity_before_m_s", 301.5, 1e-11);
+}
+
+#[test]
+fn steel_balls_have_hertz_s_numbers() {
+    let pair = run("spheres.toml", &[]);
+    to_six_digits(&pair, "approach_m", 2.05592e-5);
+    to_six_digits(&pair, "peak_force_N", 999.613);
+    to_six_digits(&pair, "contact_duration_s", 6.05114e-5);
+    // "3.895e-6" for steel at 1 m/s.
+    within(&pair, "vibration_ratio", 3.895e-6, 5e-10);
+    // Equal balls exchange their velocities.
+    within(&pair, "striker_velocity_m_s", 0.0, 1e-10);
+    within(&pair, "struck_velocity_m_s", 1.0, 1e-10);
+    within(&pair, "energy_residual", 0.0, 1e-10);
+    let half_space = run("spheres.toml", &["spheres.half-space=true", "spheres.radius="]);
+    to_six_digits(&half_space, "approach_m", 2.36163e-5);
+    to_six_digits(&half_space, "peak_force_N", 1740.43);
+    to_six_digits(&half_space, "contact_duration_s", 6.95093e-5);
+    within(&half_space, "striker_velocity_m_s", -1.0, 1e-10);
+}
+
+#[test]
+fn hertz_s_theory_ends_where_the_contact_yields_or_the_spheres_vibrate() {
+    let notes = |sets: &[&str]| run("spheres.toml", sets)["notes"].to_string();
+    // No curve, nothing known of yield; 1 m/s is slow.
+    assert_eq!(notes(&[]), "[]");
+    let steel = |key: &str| format!("{key}.material=\"mild-steel\"");
+    let (one, two) = (steel("spheres"), steel("striker"));
+    assert!(notes(&[&one, &two]).contains("the contact yields"), "{}", notes(&[&one, &two]));
+    let slow = notes(&[&one, &two, "striker.velocity=1e-5"]);
+    assert_eq!(slow, "[]");
+    // 0.01 of 50 c0 is 2567 m/s.
+    assert!(notes(&["striker.velocity=2600"]).contains("goes into vibration"));
+    assert!(!notes(&["striker.velocity=2500"]).contains("goes into vibration"));
+}
+
+#[test]
+fn the_plate_has_both_coefficients_of_restitution() {
+    let thick = run("plate.toml", &[]);
+    let e = |summary: &Value, key: &str| summary[key].as_f64().expect("a number");
+    // The first order of both: 1 - 1.7302 lambda and 1 - 1.7725 lambda.
+    let lambda = e(&thick, "inelasticity");
+    assert!(lambda < 0.03, "{lambda}");
+    within(&thick, "restitution", 1.0 - 1.7302 * lambda, 2.0 * lambda * lambda);
+    within(&thick, "handbook_restitution", 1.0 - 1.7725 * lambda, 2.0 * lambda * lambda);
+    within(&thick, "energy_residual", 0.0, 1e-9);
+    assert_eq!(thick["notes"], Value::Array(Vec::new()));
+    // A plate of a seventh of the thickness: lambda is 49 times as large, 1.2.
+    let thin = run("plate.toml", &["plate.thickness=\"1.43 mm\""]);
+    assert!(e(&thin, "handbook_restitution") < 0.0 && e(&thin, "restitution") > 0.0, "{thin}");
+    assert!(thin["notes"].to_string().contains("(9.13) is negative"), "{thin}");
+    // (9.8): a^2 = pi tau h sqrt(E/(3 rho (1 - nu^2))), with the figures of the summary.
+    let (tau, a) = (e(&thick, "hertz_duration_s"), e(&thick, "spread_radius_m"));
+    let h = 0.005;
+    let c = a * a / (std::f64::consts::PI * tau * h);
+    assert!((c / (207e9_f64 / (3.0 * 7850.0 * 0.91)).sqrt() - 1.0).abs() < 1e-9, "{c}");
+}
+
+#[test]
+fn timoshenko_s_beams() {
+    let short = run("beam.toml", &[]);
+    // As printed; the gauges and the tolerance are those of the scene.
+    within(&short, "contact_duration_s", 156.4e-6, 0.05e-6);
+    within(&short, "peak_force_N", 4.9771, 5e-5);
+    within(&short, "time_of_peak_s", 72.6e-6, 0.05e-6);
+    within(&short, "striker_velocity_m_s", -0.3023e-2, 0.5e-6);
+    within(&short, "error", 0.0, 1e-5);
+    let long = run("beam.toml", &["beam.length=\"30.7 cm\"", "record.gauges="]);
+    // Printed as 163.3: an eighth-order Runge-Kutta integration with 64 odd modes gives 163.3710.
+    within(&long, "contact_duration_s", 163.371e-6, 0.002e-6);
+    within(&long, "contact_duration_s", 163.3e-6, 0.1e-6);
+    within(&long, "peak_force_N", 4.9888, 5e-5);
+    for (summary, stated) in [(&short, 0.3023), (&long, 0.2905)] {
+        within(summary, "restitution", stated, 1e-4);
+        // (9.31) within 5 %.
+        within(summary, "half_sine_restitution", stated, 0.05 * stated);
+        within(summary, "energy_residual", 0.0, 1e-6);
+    }
+}
+
+#[test]
+fn a_heavy_ball_strikes_the_beam_three_times() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let name = "beam-three-contacts.toml";
+    let output = barwave(folder.path(), "run", name, &[], &["-o", "r.h5"]);
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let summary = run(name, &[]);
+    assert_eq!(summary["contact_count"].as_f64(), Some(3.0), "{summary}");
+    // 434.4, 1782 and 3222 us in Timoshenko's book, by hand.
+    for (i, end) in [434.4e-6, 1782e-6, 3222e-6].into_iter().enumerate() {
+        let line =
+            text.lines().filter(|line| line.trim_start().starts_with("contact   ") && line.contains(" to ")).nth(i);
+        let shown = line.unwrap_or_else(|| panic!("{text}")).split(" to ").nth(1).expect("an end");
+        let end_shown: f64 = shown.split(' ').next().and_then(|n| n.parse().ok()).expect("a number");
+        let unit = if shown.contains(" us, largest") { 1e-6 } else { 1e-3 };
+        assert!((end_shown * unit / end - 1.0).abs() < 4e-4, "contact {i}: {shown}, expected {end}");
+    }
+    within(&summary, "energy_residual", 0.0, 1e-6);
+    // (9.31) is for one contact of 295 us; the first lasts 434 us. It misses the velocity after it by 6 % of that before.
+    let (e, first) = (&summary["half_sine_restitution"], &summary["first_restitution"]);
+    let off = (e.as_f64().expect("a number") - first.as_f64().expect("a number")).abs();
+    assert!((0.05..0.07).contains(&off), "{e} {first}");
+}
+
+#[test]
+fn the_damped_beam_loses_what_its_ledger_says() {
+    let summary = run("beam-damped.toml", &[]);
+    within(&summary, "energy_residual", 0.0, 1e-6);
+    assert!(summary["lowest_damping"].as_f64().expect("a number") > 0.0);
+    // Over-critical from the first mode on: the response is aperiodic, and still integrated to the tolerance.
+    let over = run("beam-damped.toml", &["beam.external-damping=\"50 kN*s/m^2\""]);
+    assert!(over["lowest_damping"].as_f64().expect("a number") > 1.0, "{over}");
+    within(&over, "error", 0.0, 1e-4);
+    within(&over, "energy_residual", 0.0, 1e-6);
+    // Without damping and foundation at the centre it is the beam of runs/beam.toml.
+    let plain = ["beam.internal-damping=", "beam.external-damping=", "beam.foundation=", "beam.at=", "record.gauges="];
+    within(&run("beam-damped.toml", &plain), "peak_force_N", 4.9771, 2e-4);
+}
+
+#[test]
+fn mirrored_impacts_and_a_vanishing_axial_force_are_the_same() {
+    let force = |sets: &[&str]| run("beam.toml", sets)["peak_force_N"].as_f64().expect("a number");
+    let [left, right] = ["4 cm", "11.35 cm"].map(|at| force(&[&format!("beam.at=\"{at}\""), "record.gauges="]));
+    assert!((left / right - 1.0).abs() < 1e-9, "{left} {right}");
+    let none = force(&["record.gauges="]);
+    assert_eq!(none, force(&["record.gauges=", "beam.axial-force=0"]));
+    // Compression softens the beam, and lengthens its lowest period.
+    let period = |sets: &[&str]| run("beam.toml", sets)["lowest_period_s"].as_f64().expect("a number");
+    // Half of the buckling load pi^2 E I/l^2 = 75.3 kN: sqrt(2).
+    let ratio = period(&["beam.axial-force=37647.3"]) / period(&[]);
+    assert!((ratio - std::f64::consts::SQRT_2).abs() < 1e-3, "{ratio}");
+}
+
+#[test]
+fn a_foundation_takes_less_of_the_striker_s_energy() {
+    let e = |k: &str| {
+        let set = format!("beam.foundation=\"{k}\"");
+        run("beam.toml", &[&set, "record.gauges="])["restitution"].as_f64().expect("a number")
+    };
+    let (none, some, stiff) = (e("0 N/m^2"), e("200 MN/m^2"), e("2 GN/m^2"));
+    assert!(none < some && some < stiff && stiff < 1.0, "{none} {some} {stiff}");
+}
+
+#[test]
+fn reports_plans_and_cost_studies_are_there_for_every_kind() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    for (name, panel) in [
+        ("spheres.toml", "velocities"),
+        ("plate.toml", "contact radius"),
+        ("beam.toml", "deflected shapes"),
+        ("beam-three-contacts.toml", "strain at the gauges"),
+        ("beam-damped.toml", "bending moment at the gauges"),
+    ] {
+        assert_eq!(barwave(folder, "check", name, &[], &[]).status.code(), Some(0), "{name}");
+        assert_eq!(barwave(folder, "run", name, &[], &["-o", "r.h5", "--quiet"]).status.code(), Some(0), "{name}");
+        for file in ["r.svg", "r.html", "r.png"] {
+            let report = Command::new(env!("CARGO_BIN_EXE_barwave"))
+                .current_dir(folder)
+                .args(["report", "r.h5", "-o", file])
+                .output();
+            assert_eq!(report.expect("it starts").status.code(), Some(0), "{name} {file}");
+        }
+        let text = std::fs::read_to_string(folder.join("r.html")).expect("a page");
+        assert!(text.contains(panel) && text.contains("energy"), "{name}");
+        assert!(text.contains("equation") && text.contains("validity"), "{name}");
+        let plan = barwave(folder, "plan", name, &[], &["--json"]);
+        let plan: Value = serde_json::from_slice(&plan.stdout).expect("one JSON value");
+        assert!(plan["equation"].as_str().is_some_and(|e| !e.is_empty()) && plan["output"] == "", "{plan}");
+    }
+    let cost = barwave(folder, "cost", "spheres-restitution.toml", &[], &[]);
+    assert_eq!(cost.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&cost.stderr).contains("closed form"));
+    let stability = Command::new(env!("CARGO_BIN_EXE_barwave")).arg("stability").arg(scene("beam.toml")).output();
+    assert_eq!(stability.expect("it starts").status.code(), Some(2));
+}
+
+#[test]
+fn cost_shows_convergence_in_modes_and_steps() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (name, has_modes) in [("spheres.toml", false), ("plate.toml", false), ("beam.toml", true)] {
+        let output = barwave(folder.path(), "cost", name, &[], &["--json"]);
+        let cost: Value = serde_json::from_slice(&output.stdout).expect("one JSON value");
+        let errors = |varied: &str| -> Vec<f64> {
+            let points = cost["points"].as_array().expect("points").iter().filter(|p| p["varied"] == varied);
+            points.map(|p| p["error"].as_f64().expect("a number")).collect()
+        };
+        let steps = errors("steps");
+        assert_eq!(steps.len(), 8, "{cost}");
+        assert!(steps[0] > 100.0 * steps[4] && steps[7] < 1e-8, "{name}: {steps:?}");
+        let modes = errors("modes");
+        assert_eq!(!modes.is_empty(), has_modes, "{name}");
+        if has_modes {
+            assert!(modes[1] > 1e3 * modes[5] && modes[6] < 1e-6, "{modes:?}");
+        }
+    }
+    let output = barwave(folder.path(), "cost", "plate.toml", &[], &["-o", "c.svg", "--quiet"]);
+    assert_eq!(output.status.code(), Some(0));
+    assert!(std::fs::read_to_string(folder.path().join("c.svg")).expect("a figure").contains("error against steps"));
+}
+
+#[test]
+fn impacts_can_be_swept() {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::copy(scene("plate.toml"), folder.path().join("plate.toml")).expect("copied");
+    let sweep = "[sweep]\nscene = \"plate.toml\"\nmetrics = [\"restitution\", \"peak_force_N\"]\n[axes]\n\
+                 \"plate.thickness\" = [\"2 mm\", \"5 mm\", \"10 mm\"]\n";
+    std::fs::write(folder.path().join("sweep.toml"), sweep).expect("written");
+    let program = Command::new(env!("CARGO_BIN_EXE_barwave"))
+        .current_dir(folder.path())
+        .args(["sweep", "sweep.toml", "-o", "out", "--quiet"])
+        .output()
+        .expect("it starts");
+    assert_eq!(program.status.code(), Some(0), "{}", String::from_utf8_lossy(&program.stderr));
+    let table = std::fs::read_to_string(folder.path().join("out/table.csv")).expect("a table");
+    assert_eq!(table.lines().filter(|line| line.contains(",done,")).count(), 3, "{table}");
+}

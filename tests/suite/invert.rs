@@ -1,0 +1,369 @@
+//! `barwave invert`: bars are simulated, their gauges get noise, and the curves that were put in come back within the stated intervals.
+
+use crate::common::binary;
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use barwave::material::{Curve, Sense, library};
+use barwave::record::store::ResultFile;
+use binary::barwave;
+use rand::{RngExt, SeedableRng};
+use rand_xorshift::XorShiftRng;
+use serde_json::Value;
+use tempfile::TempDir;
+
+const BAR: &str = r#"
+[bar]
+length = 1
+area = 1e-4
+material = "copper-annealed"
+[left]
+kind = "velocity"
+value = -40
+[right]
+kind = "free"
+[effects]
+unloading = "isotropic"
+[solve]
+until = "450 us"
+method = "moc"
+[record]
+frames = 2
+gauges = { a = 0.02, b = 0.04, c = 0.08, d = 0.16, e = 0.32 }
+"#;
+
+fn done(folder: &Path, arguments: &[&str]) -> String {
+    let output = barwave(folder, arguments);
+    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).expect("text")
+}
+
+fn refused(folder: &Path, arguments: &[&str]) -> String {
+    let output = barwave(folder, arguments);
+    let message = String::from_utf8(output.stderr).expect("text");
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
+    assert!(message.contains("help: "), "{message}");
+    message
+}
+
+fn json(folder: &Path, arguments: &[&str]) -> Value {
+    serde_json::from_str(&done(folder, arguments)).expect("JSON")
+}
+
+fn simulated(scene: &str) -> TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("scene.toml"), scene).expect("a file");
+    done(folder.path(), &["run", "scene.toml", "-o", "bar.h5", "--quiet"]);
+    folder
+}
+
+/// Value of a record at a time; a front is two rows with one time.
+fn at(time: &[f64], values: &[f64], t: f64) -> f64 {
+    let next = time.partition_point(|&own| own <= t);
+    if next == 0 || next == time.len() {
+        return values[next.saturating_sub(1)];
+    }
+    let (a, b) = (time[next - 1], time[next]);
+    values[next - 1] + (values[next] - values[next - 1]) * ((t - a) / (b - a))
+}
+
+/// Records of gauges as CSV in us and percent: sampled every 0.1 us, with uniform noise of the given standard deviation, as a part of each
+/// record's largest strain.
+fn records(result: &Path, names: &[&str], noise: f64, seed: u64) -> String {
+    let gauges = ResultFile::open(result).expect("a result").gauges().expect("gauges");
+    let traces: Vec<_> =
+        names.iter().map(|name| &gauges.iter().find(|gauge| gauge.name == *name).expect("a gauge").trace).collect();
+    let mut rng = XorShiftRng::seed_from_u64(seed);
+    let mut text = format!("time (us);{}\n", names.iter().map(|n| format!("{n} (%)")).collect::<Vec<_>>().join(";"));
+    let end = traces[0].time[traces[0].time.len() - 1];
+    for k in 0..(end / 1e-7) as usize {
+        let t = 1e-7 * k as f64;
+        let _ = write!(text, "{}", 1e6 * t);
+        for trace in &traces {
+            let largest = trace.strain.iter().fold(0.0_f64, |top, e| top.max(e.abs()));
+            // A uniform distribution of width w has the standard deviation w/sqrt(12).
+            let error = noise * largest * 12.0_f64.sqrt() * (rng.random::<f64>() - 0.5);
+            let _ = write!(text, ";{}", 100.0 * (at(&trace.time, &trace.strain, t) + error));
+        }
+        text.push('\n');
+    }
+    text
+}
+
+/// Part of the points above a strain within their intervals, the largest relative deviation and the largest relative half-width.
+fn against(curve: &Curve, points: &Value, from: f64) -> [f64; 3] {
+    let (mut inside, mut count, mut deviation, mut width) = (0.0, 0.0, 0.0_f64, 0.0_f64);
+    for point in points.as_array().expect("points") {
+        let strain = point["strain"].as_f64().expect("a strain");
+        if strain < from {
+            continue;
+        }
+        let number = |key: &str| point["stress_Pa"][key].as_f64().expect("a number");
+        let truth = curve.stress_at(strain);
+        inside += f64::from(u8::from((number("low")..=number("high")).contains(&truth)));
+        count += 1.0;
+        deviation = deviation.max((number("value") / truth - 1.0).abs());
+        width = width.max(0.5 * (number("high") - number("low")) / truth);
+    }
+    assert!(count > 5.0, "{count} points");
+    [inside / count, deviation, width]
+}
+
+fn curve(name: &str) -> Curve {
+    library::find(name, Path::new("")).expect("a material").branch(Sense::Tension).clone()
+}
+
+#[test]
+fn noisy_records_give_back_the_curve_within_its_interval() {
+    let folder = simulated(BAR);
+    let path = folder.path();
+    let copper = curve("copper-annealed");
+    let facts = ["--density", "8960 kg/m^3", "--modulus", "115 GPa", "--length", "1 m", "--json"];
+    let mut covered = 0.0;
+    for seed in 1..=4 {
+        std::fs::write(path.join("records.csv"), records(&path.join("bar.h5"), &["a", "b", "c", "d", "e"], 0.01, seed))
+            .expect("a file");
+        let mut arguments = vec!["invert", "arrivals", "records.csv", "--at", "20mm,40mm,80mm,160mm,320mm"];
+        arguments.extend(facts);
+        arguments.extend(["-o", "inverted.toml", "--force", "--csv", "curve.csv", "--plot", "curve.svg"]);
+        let found = json(path, &arguments);
+        let [inside, deviation, width] = against(&copper, &found["points"], 2e-3);
+        covered += inside / 4.0;
+        // Above 0.2 % of strain: the interval is narrow, and the curve not far outside.
+        assert!(width < 0.05 && deviation < 0.06, "{seed}: {deviation} {width}");
+        let [_, deviation, width] = against(&copper, &found["points"], 0.02);
+        assert!(width < 0.02 && deviation < 0.02, "{seed}: {deviation} {width}");
+    }
+    // Deviations add up along the curve, so whole curves lie inside or not.
+    assert!(covered >= 0.75, "{covered}");
+    assert!(done(path, &["check", "inverted.toml"]).contains("ok"));
+    // The inverted material runs: the same impact gives the same stress.
+    let stress = |material: &str| {
+        let set = format!("bar.material=\"{material}\"");
+        let run =
+            json(path, &["run", "scene.toml", "-o", "again.h5", "--set", &set, "--set", "left.value=-35", "--json"]);
+        run["left"]["stress_Pa"].as_f64().expect("a stress")
+    };
+    assert!((stress("inverted.toml") / stress("copper-annealed") - 1.0).abs() < 0.01);
+}
+
+#[test]
+fn a_result_file_without_noise_gives_back_its_curve() {
+    let folder = simulated(BAR);
+    let copper = curve("copper-annealed");
+    for extra in [&["--gauges", "a,e"][..], &["--gauges", "b", "--centred"], &[]] {
+        let mut arguments = vec!["invert", "arrivals", "bar.h5", "--json"];
+        arguments.extend(extra);
+        let found = json(folder.path(), &arguments);
+        let [_, deviation, _] = against(&copper, &found["points"], 1e-3);
+        assert!(deviation < 0.01, "{extra:?}: {deviation}");
+    }
+    // From the right end, in compression.
+    let pushed = BAR.replace("[left]", "[other]").replace("[right]", "[left]").replace("[other]", "[right]");
+    let folder = simulated(&pushed.replace("a = 0.02, b = 0.04", "a = 0.98, b = 0.9"));
+    let found = json(folder.path(), &["invert", "arrivals", "bar.h5", "--gauges", "a,b", "--json"]);
+    let compression = library::find("copper-annealed", Path::new("")).expect("a material");
+    let [_, deviation, _] = against(compression.branch(Sense::Compression), &found["points"], 1e-3);
+    assert!(deviation < 0.01, "{deviation}");
+}
+
+#[test]
+fn noise_and_intervals_follow_their_seed() {
+    let folder = simulated(BAR);
+    let found = |seed: &str| {
+        done(
+            folder.path(),
+            &["invert", "arrivals", "bar.h5", "--noise", "1 %", "--replicates", "50", "--seed", seed, "--json"],
+        )
+    };
+    assert_eq!(found("3"), found("3"));
+    assert_ne!(found("3"), found("4"));
+}
+
+#[test]
+fn a_rate_dependent_bar_is_reported() {
+    let scene = BAR
+        .replace("method = \"moc\"", "cells = 400")
+        .replace(
+            "unloading = \"isotropic\"",
+            "unloading = \"isotropic\"\nrate = { model = \"malvern\", k = \"2e4 1/s\" }",
+        )
+        .replace("copper-annealed", "mild-steel");
+    let folder = simulated(&scene);
+    let found = json(folder.path(), &["invert", "arrivals", "bar.h5", "--gauges", "b,d,e", "--json"]);
+    assert!(found["warnings"].to_string().contains("rate law"), "{}", found["warnings"]);
+    // Near the loaded end everything is elastic: the curve is far above the static one.
+    let [_, deviation, _] = against(&curve("mild-steel"), &found["points"], 2e-3);
+    assert!(deviation > 0.5, "{deviation}");
+}
+
+fn joined<'a>(one: &[&'a str], two: &[&'a str]) -> Vec<&'a str> {
+    [one, two].concat()
+}
+
+/// Arrivals at gauges of a power law 500 MPa e^0.4 at 8960 kg/m^3, in us, displaced by the given times.
+fn table(displaced: &[f64]) -> String {
+    let mut text = String::from("x_mm,strain_%,time_us\n");
+    for level in 1..=10 {
+        let strain = 0.005 * f64::from(level);
+        let speed = (500e6 * 0.4 * strain.powf(-0.6) / 8960.0).sqrt();
+        for (k, x) in [0.05, 0.1, 0.2].iter().enumerate() {
+            let _ = writeln!(text, "{},{},{}", 1e3 * x, 100.0 * strain, 1e6 * x / speed + 30.0 + displaced[k]);
+        }
+    }
+    text
+}
+
+#[test]
+fn a_table_of_arrivals_is_inverted() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path();
+    let write = |text: &str| std::fs::write(path.join("t.csv"), text).expect("a file");
+    write(&table(&[0.0; 3]));
+    let arguments = ["invert", "arrivals", "t.csv", "--density", "8960 kg/m^3", "--modulus", "115 GPa"];
+    let found = json(path, &joined(&arguments, &["--json", "--time-error", "0.2 us"]));
+    let points = found["points"].as_array().expect("points");
+    assert_eq!(points.len(), 10);
+    for point in points {
+        let strain = point["strain"].as_f64().expect("a number");
+        let ratio = point["stress_Pa"]["value"].as_f64().expect("a number") / (500e6 * strain.powf(0.4));
+        // The elastic part, which the power law has not, takes 7 MPa of the first level's 60.
+        assert!((ratio - 1.0).abs() < 0.12 * (0.005 / strain).powf(0.4), "{strain}: {ratio}");
+    }
+    // The reflected wave: 2 L - x = 0.3 m at 3583 m/s, 114 us with the start.
+    let late = refused(path, &joined(&arguments, &["--length", "0.25 m", "--start", "30 us"]));
+    assert!(
+        late.contains("t.csv:") && late.contains("reflected from the far end") && late.contains("allowed: t < "),
+        "{late}"
+    );
+    // Two gauges have no scatter.
+    write(
+        &table(&[0.0; 3])
+            .lines()
+            .filter(|line| !line.starts_with("100,"))
+            .map(|l| l.to_owned() + "\n")
+            .collect::<String>(),
+    );
+    assert!(refused(path, &arguments).contains("no scatter"));
+    write(&table(&[0.0; 3]).replace("50,", "500,"));
+    assert!(refused(path, &arguments).contains("arrive at the farther gauges first"));
+    write("x_mm,strain,time\n50,abc,1\n");
+    let message = refused(path, &arguments);
+    assert!(message.contains("t.csv:2") && message.contains("`abc` is not a finite number"), "{message}");
+    assert!(refused(path, &arguments[..3]).contains("--density"));
+    let output = barwave(path, &joined(&arguments, &["--length", "-1 m"]));
+    assert_eq!(output.status.code(), Some(2));
+}
+
+#[test]
+fn the_strain_left_along_a_hard_wire_gives_its_curve() {
+    let wire = BAR
+        .replace("copper-annealed", "aluminium-6061-t6-jc")
+        .replace("length = 1\n", "length = 4\n")
+        .replace("value = -40", "value = -40\nrelease = \"300 us\"")
+        .replace("method = \"moc\"", "cells = 1600")
+        .replace("450 us", "800 us")
+        .replace("frames = 2", "frames = 17\ncells = 800\nfields = [\"stress\", \"strain\"]");
+    let folder = simulated(&wire);
+    let path = folder.path();
+    let aluminium = curve("aluminium-6061-t6-jc");
+    let mut covered = 0.0;
+    for seed in ["1", "2", "3", "4"] {
+        let found = json(
+            path,
+            &[
+                "invert",
+                "residual-strain",
+                "bar.h5",
+                "--noise",
+                "1 %",
+                "--seed",
+                seed,
+                "--json",
+                "-o",
+                "w.toml",
+                "--force",
+            ],
+        );
+        let [inside, deviation, width] = against(&aluminium, &found["points"], 0.0055);
+        covered += inside / 4.0;
+        assert!(width < 0.05 && deviation < 0.02, "{seed}: {deviation} {width}");
+    }
+    assert!(covered > 0.75, "{covered}");
+    assert!(done(path, &["check", "w.toml"]).contains("ok"));
+    // With the yield stress the integral of the speeds checks the impact velocity.
+    let found = json(path, &["invert", "residual-strain", "bar.h5", "--yield-stress", "288.4 MPa", "--json"]);
+    let integral = found["velocity_integral_m_s"]["value"].as_f64().expect("a number");
+    assert!((integral / 40.0 - 1.0).abs() < 0.01, "{integral}");
+    let wrong = json(path, &["invert", "residual-strain", "bar.h5", "--yield-stress", "388 MPa", "--json"]);
+    assert!(wrong["warnings"].to_string().contains("not reliable"), "{}", wrong["warnings"]);
+    // While the end moves.
+    let moving = json(path, &["invert", "residual-strain", "bar.h5", "--time", "250 us", "--json"]);
+    let [_, deviation, _] = against(&aluminium, &moving["points"], 0.0055);
+    assert!(deviation < 0.02, "{deviation}");
+}
+
+#[test]
+fn a_soft_wire_goes_on_yielding_after_its_release() {
+    let wire = BAR
+        .replace("length = 1\n", "length = 2\n")
+        .replace("value = -40", "value = -40\nrelease = \"300 us\"")
+        .replace("method = \"moc\"", "cells = 800")
+        .replace("450 us", "700 us")
+        .replace("frames = 2", "frames = 15\nfields = [\"strain\", \"plastic_strain\"]");
+    let folder = simulated(&wire);
+    let message = refused(folder.path(), &["invert", "residual-strain", "bar.h5"]);
+    assert!(message.contains("more than the impact velocity") && message.contains("--time"), "{message}");
+    let found = json(folder.path(), &["invert", "residual-strain", "bar.h5", "--time", "250 us", "--json"]);
+    let [_, deviation, _] = against(&curve("copper-annealed"), &found["points"], 5e-3);
+    assert!(deviation < 0.02, "{deviation}");
+    let integral = found["velocity_integral_m_s"]["value"].as_f64().expect("a number");
+    assert!((integral / 40.0 - 1.0).abs() < 0.01, "{integral}");
+}
+
+#[test]
+fn a_split_hopkinson_test_gives_back_the_specimen_s_curve() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path();
+    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("runs/split-hopkinson.toml");
+    done(path, &["run", &scene.to_string_lossy(), "-o", "bar.h5", "--quiet", "--set", "solve.cells=2000"]);
+    let copper = library::find("copper-annealed", Path::new("")).expect("a material");
+    let copper = copper.branch(Sense::Compression);
+    std::fs::write(path.join("test.csv"), records(&path.join("bar.h5"), &["incident", "transmitted"], 0.01, 7))
+        .expect("a file");
+    let setup = "--bar-modulus 200GPa --bar-density 7850kg/m^3 --bar-diameter 16mm --distances 1m,1m --specimen-length 4mm \
+                 --specimen-diameter 10mm --json --plot test.svg --csv moments.csv -o dynamic.toml";
+    let mut arguments = vec!["invert", "hopkinson", "test.csv", "--density", "8960 kg/m^3"];
+    arguments.extend(setup.split_whitespace());
+    let measured = json(path, &arguments);
+    let result = json(path, &["invert", "hopkinson", "bar.h5", "--json", "--noise", "1 %"]);
+    for (found, fewest) in [(&measured, 20), (&result, 20)] {
+        let knots = found["curve"].as_array().expect("a curve");
+        assert!(knots.len() >= fewest, "{}", knots.len());
+        let mut inside = 0;
+        for knot in knots {
+            let number = |key: &str| knot[key].as_f64().expect("a number");
+            let (stress, half) = (number("stress_Pa"), number("stress_half_width_Pa"));
+            let truth = copper.stress_at(number("strain"));
+            assert!((stress / truth - 1.0).abs() < 0.03 && half < 0.05 * stress, "{knot}");
+            inside += usize::from((stress - truth).abs() <= half);
+        }
+        assert!(10 * inside >= 9 * knots.len(), "{inside} of {}", knots.len());
+        assert_eq!(found["sense"], "compression");
+        let from = found["equilibrium_from_s"].as_f64().expect("equilibrium");
+        assert!((10e-6..80e-6).contains(&from), "{from}");
+    }
+    assert!(done(path, &["check", "dynamic.toml"]).contains("ok"));
+    // One wave and three waves agree in the mean: their stresses at the end of the loading differ by the imbalance.
+    let table = std::fs::read_to_string(path.join("moments.csv")).expect("a table");
+    assert!(table.lines().count() > 400 && table.starts_with("time_s,strain,rate_1_s,stress_Pa,strain_one_wave,"));
+    // Nothing is written where there is no equilibrium.
+    arguments.extend(["--equilibrium", "0.01 %", "--force"]);
+    assert!(refused(path, &arguments).contains("does not reach equilibrium"));
+    assert!(refused(path, &["invert", "hopkinson", "test.csv"]).contains("--distances"));
+    std::fs::write(path.join("two.csv"), "time,incident\n0,0\n1,1\n").expect("a file");
+    let mut wrong = vec!["invert", "hopkinson", "two.csv"];
+    wrong.extend(setup.split_whitespace().take(12));
+    assert!(refused(path, &wrong).contains("2 columns"));
+}

@@ -1,0 +1,189 @@
+//! What must hold for any scene that a user can write: drawn at random over the whole scene language, from another seed in every run.
+//! `BARWAVE_RANDOM_SEED` repeats a run, `BARWAVE_RANDOM_SCENES` sets how many scenes there are, and `BARWAVE_RANDOM_SCENE` repeats one scene.
+#![allow(
+    clippy::format_push_string,
+    clippy::struct_excessive_bools,
+    clippy::neg_cmp_op_on_partial_ord,
+    clippy::needless_pass_by_value
+)]
+
+mod checks;
+mod draw;
+mod found;
+mod rules;
+mod spec;
+mod watch;
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+
+use checks::{Checked, Failure, check, check_by};
+use draw::Draw;
+use spec::{Method, Spec};
+
+/// Scenes of the ordinary test, some 15 s on two processors, and of the long one.
+const SCENES: usize = 400;
+const MANY: usize = 100_000;
+/// Failing scenes that are simplified and shown.
+const SHOWN: usize = 2;
+const SIMPLIFYING: Duration = Duration::from_secs(6);
+
+fn from_environment(name: &str) -> Option<u64> {
+    let text = std::env::var(name).ok()?;
+    Some(text.parse().unwrap_or_else(|e| panic!("{name}={text}: {e}")))
+}
+
+fn seed() -> u64 {
+    from_environment("BARWAVE_RANDOM_SEED").unwrap_or_else(|| {
+        SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |time| time.as_nanos() as u64 % 1_000_000_007)
+    })
+}
+
+/// A failing scene, with the seed that draws it alone.
+struct Found {
+    seed: u64,
+    spec: Spec,
+    method: Method,
+    failure: Failure,
+}
+
+#[derive(Default)]
+struct Tally {
+    became: BTreeMap<String, usize>,
+    failed: BTreeMap<String, usize>,
+    found: Vec<Found>,
+}
+
+impl Tally {
+    fn add(&mut self, seed: u64, spec: Spec, checked: Checked) {
+        for (method, became) in checked.became {
+            *self.became.entry(format!("{method:?} {}", became.word())).or_default() += 1;
+        }
+        let mut seen = BTreeSet::new();
+        for (method, failure) in checked.failures {
+            // A scene counts once for what it does wrong at every look.
+            let class = format!("{method:?}: {}", failure.class);
+            if seen.insert(class.clone()) {
+                *self.failed.entry(class).or_default() += 1;
+                self.found.push(Found { seed, spec: spec.clone(), method, failure });
+            }
+        }
+    }
+
+    /// Some of each class.
+    fn shown(&self) -> impl Iterator<Item = &Found> {
+        let mut shown = BTreeMap::new();
+        self.found.iter().filter(move |found| {
+            let count = shown.entry((format!("{:?}", found.method), found.failure.class)).or_insert(0);
+            *count += 1;
+            *count <= SHOWN
+        })
+    }
+}
+
+/// All scenes from one seed, on all processors.
+fn examine(seed: u64, scenes: usize, check: &(dyn Fn(&Spec) -> Checked + Sync)) -> Tally {
+    let (next, tally) = (AtomicUsize::new(0), Mutex::new(Tally::default()));
+    // A scene's own seed: neighbouring ones have nothing in common.
+    let first = Draw::new(seed).bits();
+    let own = |k: usize| Draw::new(first.wrapping_add(k as u64)).bits();
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let started = Instant::now();
+    std::thread::scope(|scope| {
+        for _ in 0..threads {
+            scope.spawn(|| {
+                loop {
+                    let k = next.fetch_add(1, Ordering::Relaxed);
+                    if k >= scenes {
+                        return;
+                    }
+                    let spec = draw::scene(own(k));
+                    let checked = check(&spec);
+                    report_progress(k, scenes, started, own(k), &checked);
+                    tally.lock().expect("no panic while it is held").add(own(k), spec, checked);
+                }
+            });
+        }
+    });
+    tally.into_inner().expect("no panic while it was held")
+}
+
+/// Failures as they are found, and how far a long test has come.
+fn report_progress(scene: usize, scenes: usize, started: Instant, seed: u64, checked: &Checked) {
+    for (method, failure) in &checked.failures {
+        eprintln!("scene {seed} {method:?}: {}: {}", failure.class, failure.detail);
+    }
+    if scene > 0 && scene.is_multiple_of(1000) {
+        eprintln!("{scene} of {scenes} scenes, {:.0} s", started.elapsed().as_secs_f64());
+    }
+}
+
+/// The simplest scene that can be made of a failing one within some seconds and fails likewise.
+fn simplest(found: &Found) -> (Spec, Failure) {
+    let started = Instant::now();
+    let fails = |spec: &Spec| {
+        let failures = match found.failure.class {
+            _ if started.elapsed() > SIMPLIFYING => Vec::new(),
+            _ => check_by(spec, found.method).1,
+        };
+        failures.into_iter().find(|failure| failure.class == found.failure.class)
+    };
+    let mut best = (found.spec.clone(), found.failure.clone());
+    while let Some(simpler) = best.0.simpler().into_iter().find_map(|spec| fails(&spec).map(|failure| (spec, failure)))
+    {
+        best = simpler;
+    }
+    best
+}
+
+fn assert_holds(scenes: usize) {
+    let seed = seed();
+    let started = Instant::now();
+    let tally = examine(seed, scenes, &check);
+    println!("BARWAVE_RANDOM_SEED={seed}: {scenes} scenes in {:.1} s", started.elapsed().as_secs_f64());
+    for (what, count) in tally.became.iter().chain(&tally.failed) {
+        println!("{count:6} {what}");
+    }
+    for Found { seed, method, failure, .. } in &tally.found {
+        println!("BARWAVE_RANDOM_SCENE={seed} {method:?}: {}: {}", failure.class, failure.detail);
+    }
+    for found in tally.shown() {
+        // What methods disagree on is soon lost on fewer cells and in less time.
+        let whole = found.failure.class == "methods disagree";
+        let (spec, Failure { class, detail }) =
+            if whole { (found.spec.clone(), found.failure.clone()) } else { simplest(found) };
+        let text = spec.text(found.method, 1);
+        println!("--- {class}: {}\n--- drawn by {}, simplified: {detail}\n{text}", found.failure.detail, found.seed);
+    }
+    assert!(tally.failed.is_empty(), "BARWAVE_RANDOM_SEED={seed}: {:?}", tally.failed);
+}
+
+/// Every scene is refused with a help line, or runs to its end or to an error that names its cause, by every method, without a panic or
+/// a number that is none, with closed balances of energy and momentum; its mirror image has the mirrored answer, and methods agree.
+#[test]
+fn any_scene_is_refused_with_help_or_keeps_its_account() {
+    assert_holds(from_environment("BARWAVE_RANDOM_SCENES").map_or(SCENES, |count| count as usize));
+}
+
+/// The scene that a failure names as drawn by a seed: its files, what becomes of it, and what does not hold.
+#[test]
+#[ignore = "repeats the scene drawn by BARWAVE_RANDOM_SCENE"]
+fn one_scene() {
+    let spec = draw::scene(from_environment("BARWAVE_RANDOM_SCENE").expect("BARWAVE_RANDOM_SCENE is set"));
+    for method in Method::ALL {
+        println!("--- {method:?}\n{}", spec.text(method, 1));
+    }
+    let checked = check(&spec);
+    for (method, became) in &checked.became {
+        println!("{method:?} {}", became.word());
+    }
+    assert!(checked.failures.is_empty(), "{:#?}", checked.failures);
+}
+
+#[test]
+#[ignore = "hours"]
+fn a_hundred_thousand_scenes_are_refused_with_help_or_keep_their_account() {
+    assert_holds(from_environment("BARWAVE_RANDOM_SCENES").map_or(MANY, |count| count as usize));
+}

@@ -1,0 +1,359 @@
+//! What must hold for any scene.
+
+use std::any::Any;
+use std::ops::ControlFlow;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
+
+use barwave::bar::EndCondition;
+use barwave::error::{Error, RunError};
+use barwave::material::Sense;
+use barwave::record::Summary;
+use barwave::run::run;
+use barwave::scene::Scene;
+
+use super::spec::{Method, Spec};
+use super::watch::{FILTER_GIVES, Figures, Scaled, follow};
+
+/// Something that does not hold.
+#[derive(Debug, Clone)]
+pub struct Failure {
+    pub class: &'static str,
+    pub detail: String,
+}
+
+impl Failure {
+    pub fn new(class: &'static str, detail: String) -> Self {
+        Self { class, detail }
+    }
+}
+
+/// What became of the scene by one method.
+pub enum Became {
+    Refused,
+    Stopped(String),
+    Done(Box<Figures>),
+}
+
+/// The first words of a reason, the same whatever its figures.
+fn without_figures(reason: &str) -> String {
+    let words = reason.split_whitespace().filter(|word| !word.contains(|c: char| c.is_ascii_digit()));
+    words.take(8).collect::<Vec<_>>().join(" ")
+}
+
+impl Became {
+    pub fn word(&self) -> String {
+        match self {
+            Self::Refused => "refused".to_owned(),
+            Self::Stopped(reason) => format!("stopped: {}", without_figures(reason)),
+            Self::Done(_) => "done".to_owned(),
+        }
+    }
+
+    fn figures(&self) -> Option<&Figures> {
+        match self {
+            Self::Done(figures) => Some(figures),
+            _ => None,
+        }
+    }
+}
+
+/// A scene by every method.
+pub struct Checked {
+    pub failures: Vec<(Method, Failure)>,
+    pub became: Vec<(Method, Became)>,
+}
+
+pub fn check(spec: &Spec) -> Checked {
+    let mut checked = Checked { failures: Vec::new(), became: Vec::new() };
+    for method in Method::ALL {
+        let (became, failures) = check_by(spec, method);
+        checked.became.push((method, became));
+        checked.failures.extend(failures.into_iter().map(|failure| (method, failure)));
+    }
+    let done: Vec<(Method, &Figures)> =
+        checked.became.iter().filter_map(|(method, became)| Some((*method, became.figures()?))).collect();
+    let slow = done.iter().any(|(_, figures)| figures.strain > RESOLVED);
+    // Where and when a bar breaks, and on which side of an end, goes with the resolution.
+    // Along falling curves see tests/suite/muscl_bounds.rs.
+    let pairs = if slow || spec.has_effect("rupture") || spec.has_falling_curve() { &[][..] } else { &done };
+    let disagree = pairs.windows(2).filter_map(|pair| Some((pair[0].0, methods_disagree(spec, pair)?)));
+    let disagree: Vec<_> = disagree.collect();
+    checked.failures.extend(disagree);
+    checked
+}
+
+/// Two methods agree where they differ by less than this, relative, on the scene's own cells, and on 2, 4 and 8 times as many.
+const AGREE: [f64; 4] = [0.04, 0.07, 0.15, 0.15];
+/// Along a curve that is followed both ways what falls back is a shock. Leapfrog has no viscosity for it: it rings behind a shock instead of
+/// losing energy there. Below this part of all energy, taken by the method, that shows in no mean.
+const SHOCKS: f64 = 0.1;
+/// Strain above which plastic waves are so slow that some ten cells do not resolve them.
+const RESOLVED: f64 = 0.1;
+/// Stresses of bars in uniform motion are rounding, Pa.
+const ROUNDING_STRESS: f64 = 1.0;
+/// What is left of a difference on twice the cells where it goes to zero; with fronts to the square root of the cell size.
+const FALLS: f64 = 0.85;
+
+/// Runs by two methods have to come together as cells become smaller.
+fn methods_disagree(spec: &Spec, pair: &[(Method, &Figures)]) -> Option<Failure> {
+    let [a, b] = [pair[0].1, pair[1].1];
+    if a.is_unstressed() && b.is_unstressed()
+        || are_different_problems(pair)
+        || is_driven_beyond_and_unloaded(spec, pair)
+    {
+        return None;
+    }
+    // The place where strain gathers has no size, so that what an end gives to it goes with the cells: see
+    // `what_goes_into_a_place_where_strain_gathers_depends_on_the_cells`.
+    let size = |differences: &Differences| differences.size(a.gathers || b.gathers);
+    let mut differences = vec![a.differs(b)];
+    for (k, by) in [1, 2, 4, 8].into_iter().enumerate() {
+        if by > 1 {
+            let finer = |method| figures_of(&spec.text(method, by));
+            differences.push(finer(pair[0].0)?.differs(&finer(pair[1].0)?));
+        }
+        let last = size(&differences[k]);
+        if last < AGREE[k] || (k > 0 && last < FALLS.powi(k as i32) * size(&differences[0])) {
+            return None;
+        }
+    }
+    Some(Failure::new("methods disagree", format!("{:?}: {differences:.3?}", pair[1].0)))
+}
+
+/// Curves that are followed both ways, where methods mean different things: see `leapfrog_keeps_what_unloading_shocks_lose` and
+/// `what_gathers_at_a_place_comes_back_on_a_grid_alone`.
+fn are_different_problems(pair: &[(Method, &Figures)]) -> bool {
+    let any = |wanted: Method| pair.iter().any(|(method, _)| *method == wanted);
+    let (a, b) = (pair[0].1, pair[1].1);
+    let shocks = any(Method::Leapfrog) && a.taken.max(b.taken) > SHOCKS;
+    a.returns && (shocks || (any(Method::Moc) && (a.gathers || b.gathers)))
+}
+
+/// An end under a stress above all that its curve carries, which falls back later: see
+/// `a_stress_above_the_curve_leaves_its_impulse_in_the_end_cell`.
+fn is_driven_beyond_and_unloaded(spec: &Spec, pair: &[(Method, &Figures)]) -> bool {
+    if pair[1].0 != Method::Moc || !pair.iter().any(|(_, figures)| figures.gathers) {
+        return false;
+    }
+    let Ok(scene) = Scene::parse("driven.toml", &spec.text(Method::Leapfrog, 1), Path::new("."), &[]) else {
+        return false;
+    };
+    let last = scene.bar.segments.len() - 1;
+    [(&scene.left, 0), (&scene.right, last)].into_iter().any(|(end, segment)| match end {
+        EndCondition::Stress { history } => {
+            let material = &scene.bar.segments[segment].material;
+            let most =
+                |sense| material.branch(sense).running_maximum().stress().iter().fold(0.0, |most: f64, s| most.max(*s));
+            let falls = history.value().windows(2).any(|pair| pair[1].abs() < pair[0].abs());
+            falls && history.extreme().abs() > most(Sense::of(history.extreme()))
+        }
+        _ => false,
+    })
+}
+
+/// A run without checks; none where it stops.
+pub fn figures_of(text: &str) -> Option<Figures> {
+    let scene = Scene::parse("finer.toml", text, Path::new("."), &[]).ok()?;
+    let mut failures = Vec::new();
+    let figures = follow(&scene, scene.solve.until, &mut failures);
+    (figures.ended && failures.is_empty()).then_some(figures)
+}
+
+/// What the grid filter gives is an error of the grid: of a bar that moves in a few of its cells only it may be more than the energy of a
+/// mean cell, but it goes to zero as cells become smaller.
+fn vanishes_on_finer_cells(spec: &Spec, given: f64) -> bool {
+    [2, 4].into_iter().enumerate().all(|(k, by)| {
+        let scene = Scene::parse("finer.toml", &spec.text(Method::Leapfrog, by), Path::new("."), &[]);
+        scene.is_ok_and(|scene| {
+            follow(&scene, scene.solve.until, &mut Vec::new()).given < FALLS.powi(k as i32 + 1) * given
+        })
+    })
+}
+
+/// A scene by one method. A panic is a failure like others.
+pub fn check_by(spec: &Spec, method: Method) -> (Became, Vec<Failure>) {
+    let mut failures = Vec::new();
+    let became = catch_unwind(AssertUnwindSafe(|| by_method(spec, method, &mut failures)));
+    let became = became.unwrap_or_else(|panic| {
+        failures.push(Failure::new("panic", words(&*panic)));
+        Became::Refused
+    });
+    (became, failures)
+}
+
+fn words(panic: &(dyn Any + Send)) -> String {
+    let text = panic.downcast_ref::<String>().cloned();
+    text.or_else(|| panic.downcast_ref::<&str>().map(|&text| text.to_owned())).unwrap_or_default()
+}
+
+fn by_method(spec: &Spec, method: Method, failures: &mut Vec<Failure>) -> Became {
+    let scene = match Scene::parse("random.toml", &spec.text(method, 1), Path::new("."), &[]) {
+        Ok(scene) => scene,
+        Err(Error::Input(error)) => {
+            if error.help.is_empty() || error.place.is_none() {
+                failures.push(Failure::new("refused without help", error.to_string()));
+            }
+            return Became::Refused;
+        }
+        Err(error) => {
+            failures.push(Failure::new("refused by another error", error.to_string()));
+            return Became::Refused;
+        }
+    };
+    let above_critical = match run(&scene, None, &mut |_| ControlFlow::Continue(())) {
+        Ok(summary) => {
+            summary_is_finite(&summary, failures);
+            summary.above_critical
+        }
+        Err(Error::Run(error)) => {
+            stopped_for_a_reason(&error, failures);
+            return Became::Stopped(error.reason);
+        }
+        Err(error) => {
+            failures.push(Failure::new("stopped by another error", error.to_string()));
+            return Became::Refused;
+        }
+    };
+    if scene.auto.is_some() {
+        return Became::Refused;
+    }
+    let mut figures = follow(&scene, scene.solve.until, failures);
+    if failures.iter().any(|failure| failure.class == FILTER_GIVES) && vanishes_on_finer_cells(spec, figures.given) {
+        failures.retain(|failure| failure.class != FILTER_GIVES);
+    }
+    figures.gathers |= above_critical;
+    mirror_agrees(spec, method, &figures, failures);
+    Became::Done(Box::new(figures))
+}
+
+fn summary_is_finite(summary: &Summary, failures: &mut Vec<Failure>) {
+    let ends = [summary.left, summary.right];
+    let figures = ends.iter().flat_map(|end| [end.stress, end.strain, end.velocity, end.striker.unwrap_or(0.0)]);
+    let ledger = [summary.ledger.energy_residual, summary.ledger.momentum_residual, summary.end_time_s];
+    let rest = [summary.critical_velocity, summary.temperature_rise, summary.error.as_ref().map(|error| error.value)];
+    let rest = rest.into_iter().flatten();
+    if figures.chain(ledger).chain(rest).any(|value| !value.is_finite()) {
+        let text = serde_json::to_string(summary).unwrap_or_default();
+        failures.push(Failure::new("summary not finite", text.chars().take(600).collect()));
+    }
+}
+
+/// A run may stop at the end of the data; what a method says of its own failure is a failure.
+fn stopped_for_a_reason(error: &RunError, failures: &mut Vec<Failure>) {
+    let reason = &error.reason;
+    let class = if reason.contains("not a finite number") {
+        "stopped: not finite"
+    } else if reason.contains("does not close") {
+        "stopped: balance does not close"
+    } else if error.help.is_empty() || !error.time.is_finite() {
+        "stopped without help"
+    } else {
+        return;
+    };
+    failures.push(Failure::new(class, error.to_string()));
+}
+
+/// Largest difference between a scene and its mirror, relative: rounding, which flow along level curves amplifies. By front tracking it is
+/// in front tolerances, since fronts merge in the order of time, and the error of that is of the order of the tolerance.
+const MIRRORED: f64 = 1e-6;
+const MIRRORED_FRONTS: f64 = 10.0;
+
+fn mirror_agrees(spec: &Spec, method: Method, figures: &Figures, failures: &mut Vec<Failure>) {
+    let text = spec.mirrored().text(method, 1);
+    let mirrored = match Scene::parse("mirrored.toml", &text, Path::new("."), &[]) {
+        Ok(scene) => follow(&scene, scene.solve.until, &mut Vec::new()),
+        Err(error) => {
+            failures.push(Failure::new("mirror refused", error.to_string()));
+            return;
+        }
+    };
+    // Rounding, too, are all differences of a bar in uniform motion, and an instability amplifies any: along falling curves the
+    // equations are ill-posed.
+    if figures.is_unstressed() || spec.has_falling_curve() || !figures.ended || !mirrored.ended {
+        return;
+    }
+    let differs = figures.mirrored().differs(&mirrored);
+    let contact = spec.joints.iter().any(|joint| joint.iter().any(|(key, _)| *key == "joint"));
+    let amplified = method == Method::Moc && (contact || figures.strain > RESOLVED || spec.has_effect("rupture"));
+    if amplified {
+        // Contacts that open and close, bars that break, and curves far beyond their yield, amplify what merging leaves.
+        return;
+    }
+    let allowed = match method {
+        Method::Moc => MIRRORED.max(MIRRORED_FRONTS * spec.front_tolerance),
+        Method::Leapfrog | Method::Muscl => MIRRORED,
+    };
+    if differs.size(method == Method::Moc && figures.gathers) > allowed && !is_tie(spec, method) {
+        failures.push(Failure::new("mirror differs", format!("{differs:?}")));
+    }
+}
+
+/// At Courant number 1 a bar comes back to a wall exactly at the end of a step: rounding decides whether it touches in this one or in the
+/// next. With other steps it does not.
+fn is_tie(spec: &Spec, method: Method) -> bool {
+    let other = Spec { cfl: 0.97 * spec.cfl, ..spec.clone() };
+    let figures = [&other, &other.mirrored()].map(|spec| figures_of(&spec.text(method, 1)));
+    let [Some(figures), Some(mirrored)] = figures else { return false };
+    method != Method::Moc && figures.mirrored().differs(&mirrored).largest() <= MIRRORED
+}
+
+/// Differences of two runs: means over the bar of stress and velocity, and those of the ends.
+#[derive(Debug, Clone, Copy)]
+pub struct Differences {
+    pub stress: f64,
+    pub velocity: f64,
+    pub impulse: f64,
+    pub work: f64,
+}
+
+impl Differences {
+    /// The largest one; without those of the ends where strain `gathers`.
+    fn size(self, gathers: bool) -> f64 {
+        if gathers { self.stress.max(self.velocity) } else { self.largest() }
+    }
+
+    pub fn largest(self) -> f64 {
+        self.stress.max(self.velocity).max(self.impulse).max(self.work)
+    }
+}
+
+impl Figures {
+    /// The bar moves uniformly: its stresses are rounding.
+    fn is_unstressed(&self) -> bool {
+        self.stress.scale < ROUNDING_STRESS
+    }
+
+    pub fn mirrored(&self) -> Self {
+        let reversed = |of: &Scaled<Vec<f64>>, sign: f64| Scaled {
+            values: of.values.iter().rev().map(|value| sign * value).collect(),
+            scale: of.scale,
+        };
+        let [left, right] = self.impulse.values;
+        Self {
+            stress: reversed(&self.stress, 1.0),
+            velocity: reversed(&self.velocity, -1.0),
+            impulse: Scaled { values: [-right, -left], ..self.impulse },
+            work: Scaled { values: [self.work.values[1], self.work.values[0]], ..self.work },
+            ..*self
+        }
+    }
+
+    pub fn differs(&self, other: &Self) -> Differences {
+        Differences {
+            stress: self.stress.differs(&other.stress),
+            velocity: self.velocity.differs(&other.velocity),
+            impulse: self.impulse.differs(&other.impulse),
+            work: self.work.differs(&other.work),
+        }
+    }
+}
+
+impl<T: AsRef<[f64]>> Scaled<T> {
+    /// Mean difference over the larger of the two scales.
+    fn differs(&self, other: &Self) -> f64 {
+        let (a, b) = (self.values.as_ref(), other.values.as_ref());
+        let mean = a.iter().zip(b).map(|(a, b)| (a - b).abs()).sum::<f64>() / a.len() as f64;
+        if mean == 0.0 { 0.0 } else { mean / self.scale.max(other.scale) }
+    }
+}

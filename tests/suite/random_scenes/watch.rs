@@ -1,0 +1,352 @@
+//! Follows the bar of a scene to its end and looks at what must hold at any moment.
+
+use barwave::assemble;
+use barwave::bar::EndCondition;
+use barwave::material::{Beyond, Curve, Sense};
+use barwave::record::{Field, Ledger, Stepped, View};
+use barwave::scene::{Method, Scene, Unloading};
+use barwave::solver::Energies;
+use barwave::solver::fd::{Quantity, Sampling};
+use barwave::solver::moc::{FrontTracking, Settings};
+
+use super::checks::Failure;
+
+/// Looks at a bar over a run.
+const LOOKS: u32 = 24;
+/// Parts of the bar whose mean stresses are compared, and places in each.
+const PARTS: usize = 10;
+const PLACES: usize = 20;
+/// Of the distance of places.
+const OFF_EVEN: f64 = 0.031_415_9;
+/// Rounding of sums over some thousand terms, relative; what is missing anywhere shows as 1e-5 and more.
+const ROUNDING: f64 = 1e-9;
+/// That of the energy of a body at an end, from which its work is the difference: over some thousand steps.
+const BODY_ROUNDING: f64 = 1e-13;
+
+/// The error of merged fronts is of the order of the front tolerance. Seen in some 10^3 scenes: 3.4.
+const FRONT_TOLERANCES: f64 = 6.0;
+
+/// Slack of what merged fronts hold: a few front tolerances of the largest stress, and a few squares of it of all energy.
+fn front_tolerance(scene: &Scene) -> f64 {
+    match scene.solve.method {
+        Method::FrontTracking { front_tolerance, .. } => FRONT_TOLERANCES * front_tolerance,
+        _ => 0.0,
+    }
+}
+
+/// Part of all energy that the conservative scheme may give: above it a run stops.
+const MOST_GIVEN: f64 = 0.2;
+/// The grid filter takes energy for certain only in fronts; it may give that of this many cells of the bar. Where all of the energy is in a
+/// few cells it may give more, see [`FILTER_GIVES`].
+const CELLS_GIVEN: f64 = 1.0;
+
+/// The class of what the grid filter gives beyond that.
+pub const FILTER_GIVES: &str = "grid filter gives energy";
+
+/// A run in figures that can be compared with those of another one.
+pub struct Figures {
+    /// Means over the parts of the bar, from the left.
+    pub stress: Scaled<Vec<f64>>,
+    pub velocity: Scaled<Vec<f64>>,
+    /// Of the left and the right end.
+    pub impulse: Scaled<[f64; 2]>,
+    pub work: Scaled<[f64; 2]>,
+    /// Largest strain, either sign.
+    pub strain: f64,
+    /// The run came to its end.
+    pub ended: bool,
+    /// Part of all energy that the method has taken: by a conservative scheme, what is lost in shocks.
+    pub taken: f64,
+    /// Largest part of it that the method has given.
+    pub given: f64,
+    /// The curve is followed both ways.
+    pub returns: bool,
+    /// Strain gathers at a place, where the bar is driven beyond what its curve can carry away.
+    pub gathers: bool,
+}
+
+/// Values, and the largest size that they had in the run: their own, the momentum that has gone through the bar, or its energy.
+#[derive(Debug, Clone)]
+pub struct Scaled<T> {
+    pub values: T,
+    pub scale: f64,
+}
+
+/// Places that are read, m: even but for a small shift towards the middle of each part. None is at a joint, where the mirrored bar would
+/// read the other side.
+fn places(length: f64) -> Vec<f64> {
+    let shift = |j: usize| if j < PLACES / 2 { OFF_EVEN } else { -OFF_EVEN };
+    let within = |j: usize| (j as f64 + 0.5 + shift(j)) / PLACES as f64;
+    let all = (0..PARTS).flat_map(|part| (0..PLACES).map(move |j| part as f64 + within(j)));
+    all.map(|part| part * length / PARTS as f64).collect()
+}
+
+/// The bar of a scene, stepped by its method up to a time, s.
+pub fn follow(scene: &Scene, until: f64, failures: &mut Vec<Failure>) -> Figures {
+    match scene.solve.method {
+        Method::Leapfrog { cells, cfl } => follow_grid(scene, assemble::leapfrog(scene, cells, cfl), until, failures),
+        Method::Muscl { cells, cfl } => follow_grid(scene, assemble::muscl(scene, cells, cfl), until, failures),
+        Method::CharacteristicNet { cells } => {
+            follow_grid(scene, assemble::characteristic_net(scene, cells), until, failures)
+        }
+        Method::FrontTracking { front_tolerance, event_budget } => {
+            let settings = Settings { front_tolerance, event_budget, ..Settings::default() };
+            follow_fronts(scene, assemble::front_tracking(scene, settings), until, failures)
+        }
+    }
+}
+
+fn follow_grid<S: Stepped>(scene: &Scene, mut bar: S, until: f64, failures: &mut Vec<Failure>) -> Figures {
+    let mut watch = Watch::new(scene, &bar);
+    let limits = StressLimits::new(scene);
+    let dt = bar.grid().dt;
+    let steps = ((until / dt - 1e-9).ceil() as usize).max(1);
+    let places = Sampling::at(bar.grid(), places(scene.bar.length()));
+    for look in 1..=LOOKS as usize {
+        let target = steps * look / LOOKS as usize;
+        bar.advance_by(target.saturating_sub(bar.step()));
+        watch.look(&bar, &places, failures);
+        if let Some(cell) = bar.not_finite() {
+            failures.push(Failure::new("not finite", format!("cell {cell} at {:e} s", bar.time())));
+            return watch.figures(&bar, &places, false);
+        }
+        let Some(limits) = &limits else { continue };
+        for (k, part) in bar.grid().segments.iter().enumerate() {
+            for cell in part.cells.clone() {
+                let stress = bar.value(Quantity::Stress, cell);
+                limits.check(k, stress, bar.value(Quantity::AccumulatedPlasticStrain, cell), bar.time(), failures);
+            }
+        }
+    }
+    watch.figures(&bar, &places, true)
+}
+
+fn follow_fronts(scene: &Scene, mut bar: FrontTracking, until: f64, failures: &mut Vec<Failure>) -> Figures {
+    let cut = scene.in_pieces();
+    let scene = cut.as_ref().unwrap_or(scene);
+    let mut watch = Watch::new(scene, &bar);
+    let slack = front_tolerance(scene) * bar.stress_scale();
+    let limits = StressLimits::new(scene).map(|limits| StressLimits { slack, ..limits });
+    let places = places(scene.bar.length());
+    for look in 1..=LOOKS {
+        if bar.advance_to(until * f64::from(look) / f64::from(LOOKS)).is_err() {
+            return watch.figures(&bar, &places[..], false);
+        }
+        watch.look(&bar, &places[..], failures);
+        let Some(limits) = &limits else { continue };
+        for piece in bar.pieces() {
+            // Where the curve is followed both ways nothing is accumulated.
+            let accumulated =
+                piece.point.accumulated.max(piece.point.plastic.abs()) / bar.medium(piece.segment).modulus;
+            limits.check(piece.segment, piece.point.stress, accumulated, bar.time(), failures);
+        }
+    }
+    let short = bar.ends().iter().any(|end| end.above_critical.is_some());
+    let figures = watch.figures(&bar, &places[..], true);
+    Figures { gathers: figures.gathers || short, ..figures }
+}
+
+/// The account of a run.
+struct Watch {
+    ledger: Ledger,
+    last: Energies,
+    /// Plastic work cannot come back.
+    plastic_stays: bool,
+    /// Heat is a fraction of it: see `heat_is_a_fraction_of_all_plastic_work`.
+    cools: bool,
+    /// Entries that can be of either sign, relative to all energy: how far below zero the one of the method may be, and what a curve
+    /// that is followed both ways holds beyond its elastic energy.
+    numerical: f64,
+    plastic: f64,
+    returns: bool,
+    by_leapfrog: bool,
+    /// Most that the method has given, J.
+    given: f64,
+    slack: f64,
+    /// J.
+    least: f64,
+    energy: f64,
+    momentum: f64,
+    /// Of stress, velocity and strain.
+    largest: [f64; 3],
+}
+
+impl Watch {
+    fn new(scene: &Scene, bar: &impl View) -> Self {
+        let both_ways = scene.effects.unloading.is_none();
+        let isotropic = scene.effects.unloading == Some(Unloading::Isotropic);
+        Self {
+            ledger: Ledger::new(bar),
+            last: Energies::default(),
+            plastic_stays: isotropic,
+            cools: !isotropic && scene.effects.heat.is_some(),
+            numerical: match scene.solve.method {
+                Method::Muscl { .. } => MOST_GIVEN,
+                Method::Leapfrog { cells, .. } => CELLS_GIVEN / cells as f64,
+                Method::FrontTracking { .. } => front_tolerance(scene),
+                Method::CharacteristicNet { .. } => 0.0,
+            },
+            plastic: if both_ways || gives_back(scene) { f64::INFINITY } else { 0.0 },
+            returns: both_ways,
+            given: 0.0,
+            by_leapfrog: matches!(scene.solve.method, Method::Leapfrog { .. }),
+            least: [&scene.left, &scene.right].into_iter().map(body_energy).sum::<f64>() * BODY_ROUNDING,
+            slack: ROUNDING + front_tolerance(scene).powi(2),
+            energy: bar.start().energy,
+            momentum: 0.0,
+            largest: [0.0; 3],
+        }
+    }
+
+    fn look<V: View>(&mut self, bar: &V, places: &V::Places, failures: &mut Vec<Failure>) {
+        let at = bar.time();
+        let mut fail = |class: &'static str, detail: String| {
+            failures.push(Failure::new(class, format!("{detail} at {at:e} s")));
+        };
+        let row = self.ledger.row(bar);
+        let account = bar.account();
+        let values = row.energies.values();
+        let all = values.into_iter().chain([row.work_left, row.work_right, row.impulse, row.energies.momentum]);
+        if all.into_iter().any(|value| !value.is_finite()) {
+            fail("not finite", format!("{row:?}"));
+            return;
+        }
+        let held: f64 = values.iter().map(|energy| energy.abs()).sum();
+        self.energy = self.energy.max(held).max(row.work_left.abs()).max(row.work_right.abs());
+        self.momentum = self.momentum.max(account.momentum_scale);
+        let slack = self.slack * self.energy + self.least;
+        for ((&[name, _], now), before) in Energies::COLUMNS.iter().zip(values).zip(self.last.values()) {
+            let least = match name {
+                "half_step" => f64::INFINITY,
+                "numerical" => self.numerical * self.energy + slack,
+                "plastic" | "heat" => self.plastic * self.energy + slack,
+                _ => slack,
+            };
+            if now < -least {
+                let class = if name == "numerical" && self.by_leapfrog { FILTER_GIVES } else { "negative energy" };
+                fail(class, format!("{name} = {now:e} of {:e} J", self.energy));
+            }
+            let stays = matches!(name, "heat" | "viscoplastic" | "fracture" | "damping" | "concentrated")
+                || (name == "plastic" && self.plastic_stays);
+            let stays = stays && !(self.cools && name == "heat");
+            if stays && now < before - slack {
+                fail(
+                    "dissipated energy decreases",
+                    format!("{name} from {before:e} to {now:e} of {:e} J", self.energy),
+                );
+            }
+        }
+        self.last = row.energies;
+        self.given = self.given.max(-self.last.numerical);
+        let fields = [Field::Stress, Field::Velocity, Field::Strain].map(|field| sample(bar, field, places));
+        for (largest, field) in self.largest.iter_mut().zip(fields) {
+            *largest = field.iter().fold(*largest, |most, value| most.max(value.abs()));
+        }
+        for (class, worst) in
+            [("energy residual", self.ledger.worst_energy()), ("momentum residual", self.ledger.worst_momentum())]
+        {
+            if worst > ROUNDING {
+                fail(class, format!("{worst:e}"));
+            }
+        }
+    }
+
+    fn figures<V: View>(&self, bar: &V, places: &V::Places, ended: bool) -> Figures {
+        let account = bar.account();
+        // Of the momentum of a bar of this energy.
+        let rounding = ROUNDING * self.energy / self.largest[1].max(f64::MIN_POSITIVE);
+        let means = |field, scale| {
+            let values = sample(bar, field, places);
+            let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len() as f64;
+            Scaled { values: values.chunks(PLACES).map(mean).collect(), scale }
+        };
+        Figures {
+            stress: means(Field::Stress, self.largest[0]),
+            velocity: means(Field::Velocity, self.largest[1]),
+            impulse: Scaled { values: account.impulse, scale: self.momentum.max(rounding) },
+            work: Scaled { values: account.work, scale: self.energy },
+            strain: self.largest[2],
+            taken: self.last.numerical / self.energy.max(f64::MIN_POSITIVE),
+            given: self.given / self.energy.max(f64::MIN_POSITIVE),
+            returns: self.returns,
+            ended,
+            gathers: self.last.concentrated > self.slack * self.energy,
+        }
+    }
+}
+
+/// Where a back stress that grows by the tangent at the accumulated plastic strain may give back more than it stored: see
+/// `mixed_hardening_along_several_lines_gives_back_more_than_it_stored`. It does plastic work of the other sign only where it is larger than
+/// half the elastic range, for which more than half of the hardening has to be kinematic.
+fn gives_back(scene: &Scene) -> bool {
+    let by_tangent = scene.effects.rate.is_some() || scene.effects.heat.is_some();
+    let kinematic = match scene.effects.unloading {
+        Some(Unloading::Mixed(kinematic)) => kinematic,
+        Some(Unloading::Kinematic) if by_tangent => 1.0,
+        _ => 0.0,
+    };
+    let several = |curve: &Curve| curve.slopes().count() > if curve.beyond() == Beyond::Extend { 2 } else { 1 };
+    kinematic > 0.5 && scene.bar.segments.iter().any(|segment| several(segment.material.branch(Sense::Tension)))
+}
+
+/// Of a body that strikes an end, J.
+fn body_energy(end: &EndCondition) -> f64 {
+    match end {
+        EndCondition::Striker { mass, velocity } | EndCondition::Ball { mass, velocity, .. } => {
+            0.5 * mass * velocity.powi(2)
+        }
+        _ => 0.0,
+    }
+}
+
+fn sample<V: View>(bar: &V, field: Field, places: &V::Places) -> Vec<f64> {
+    let mut values = vec![0.0; PARTS * PLACES];
+    bar.sample(field, places, &mut values);
+    values
+}
+
+/// Largest stress that the curve of each segment can reach after some plastic strain.
+struct StressLimits {
+    modulus: Vec<f64>,
+    curves: Vec<[Curve; 2]>,
+    /// Pa.
+    slack: f64,
+}
+
+impl StressLimits {
+    /// None where the stress is not a matter of one curve: with a rate, a temperature, or damping in the stress.
+    fn new(scene: &Scene) -> Option<Self> {
+        let effects = &scene.effects;
+        let moves = !matches!(effects.unloading, None | Some(Unloading::Isotropic));
+        let viscous = effects.damping.is_some_and(|damping| damping.internal > 0.0);
+        if effects.rate.is_some() || (effects.heat.is_some() && moves) || viscous {
+            return None;
+        }
+        // A heated bar that starts with a plastic strain or a temperature of its own does not follow the adiabatic curve, but stays below the
+        // cold one.
+        let curves = |segment: &barwave::bar::Segment| {
+            let starts_on_curve = !(segment.has_yielded() || segment.starts_warm());
+            let heating = segment.material.heating.as_ref().filter(|_| !starts_on_curve);
+            let cold = |k: usize| heating.map(|heating| &heating.cold[k.min(heating.cold.len() - 1)]);
+            [(Sense::Tension, 0), (Sense::Compression, 1)]
+                .map(|(sense, k)| cold(k).unwrap_or_else(|| segment.material.branch(sense)).running_maximum())
+        };
+        Some(Self {
+            modulus: scene.bar.segments.iter().map(|segment| segment.material.modulus).collect(),
+            curves: scene.bar.segments.iter().map(curves).collect(),
+            slack: 0.0,
+        })
+    }
+
+    fn check(&self, segment: usize, stress: f64, accumulated: f64, time: f64, failures: &mut Vec<Failure>) {
+        let modulus = self.modulus[segment];
+        let strain = stress.abs() / modulus + accumulated.abs();
+        let allowed = self.curves[segment].iter().map(|curve| curve.stress_at(strain)).fold(0.0, f64::max);
+        // NaN fails.
+        if !(stress.abs() <= allowed + ROUNDING * modulus * strain + self.slack) {
+            let detail =
+                format!("{stress:e} Pa, the curve reaches {allowed:e} Pa after {accumulated:e}, at {time:e} s");
+            failures.push(Failure::new("stress above the curve", detail));
+        }
+    }
+}

@@ -1,0 +1,209 @@
+//! `barwave sweep` and `barwave merge`: one table whatever the threads, the shards and the interruptions.
+
+use crate::common::binary;
+
+use std::collections::BTreeSet;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+use binary::barwave;
+use serde_json::Value;
+use tempfile::TempDir;
+
+const SCENE: &str = r#"
+[bar]
+length = 1
+area = 1e-4
+material = "copper-annealed"
+[left]
+kind = "velocity"
+value = -30
+[right]
+kind = "free"
+[solve]
+until = "250 us"
+method = "moc"
+[record]
+frames = 2
+"#;
+
+const SPEEDS: &str = "[sweep]\nscene = \"scene.toml\"\n[axes]\n\"left.value\" = { from = \"-5 m/s\", to = \"-115 m/s\", count = 12 }\n\
+                      \"bar.material\" = [\"copper-annealed\", \"mild-steel\"]\n";
+
+fn scenes(sweep: &str) -> TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("scene.toml"), SCENE).expect("a file");
+    std::fs::write(folder.path().join("sweep.toml"), sweep).expect("a file");
+    folder
+}
+
+fn done(folder: &Path, arguments: &[&str]) -> String {
+    let output = barwave(folder, arguments);
+    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).expect("text")
+}
+
+fn refused(folder: &Path, arguments: &[&str], code: i32) -> String {
+    let output = barwave(folder, arguments);
+    let message = String::from_utf8(output.stderr).expect("text");
+    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {message}");
+    message
+}
+
+fn text(folder: &Path, name: &str) -> String {
+    std::fs::read_to_string(folder.join(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
+}
+
+/// Rows of a table without its comment.
+fn records(table: &str) -> Vec<csv::StringRecord> {
+    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).has_headers(false).from_reader(table.as_bytes());
+    reader.records().collect::<Result<_, _>>().expect("a table")
+}
+
+#[test]
+fn rows_are_those_of_single_runs() {
+    let folder = scenes(SPEEDS);
+    let summary = done(folder.path(), &["sweep", "sweep.toml", "-o", "out"]);
+    assert!(summary.starts_with("24 cases: "), "{summary}");
+    let table = text(folder.path(), "out/table.csv");
+    assert!(table.contains("\n# left.value in m/s\n"), "{table}");
+    let records = records(&table);
+    assert_eq!(records.len(), 25);
+    let column = |name: &str| records[0].iter().position(|cell| cell == name).unwrap_or_else(|| panic!("{name}"));
+    for row in [&records[1], &records[8], &records[24]] {
+        let set = |key: &str| format!("{key}={}", &row[column(key)]);
+        let json = done(
+            folder.path(),
+            &["run", "scene.toml", "-o", "a.h5", "--json", "--set", &set("left.value"), "--set", &set("bar.material")],
+        );
+        let run: Value = serde_json::from_str(&json).expect("JSON");
+        let number = |name: &str| row[column(name)].parse::<f64>().expect("a number");
+        assert_eq!(Some(number("left.stress_Pa")), run["left"]["stress_Pa"].as_f64());
+        assert_eq!(Some(number("ledger.energy_residual")), run["ledger"]["energy_residual"].as_f64());
+        assert_eq!(Some(&row[column("status")]), run["outcome"].as_str());
+    }
+}
+
+#[test]
+fn threads_shards_and_merging_change_no_byte() {
+    let folder = scenes(SPEEDS);
+    let path = folder.path();
+    done(path, &["sweep", "sweep.toml", "-o", "one", "--threads", "1"]);
+    done(path, &["sweep", "sweep.toml", "-o", "two", "--threads", "2"]);
+    let table = text(path, "one/table.csv");
+    assert_eq!(table, text(path, "two/table.csv"));
+    for shard in ["1/3", "3/3"] {
+        done(path, &["sweep", "sweep.toml", "-o", "parts", "--shard", shard, "--quiet"]);
+    }
+    let message = refused(path, &["merge", "parts", "-o", "all.h5"], 1);
+    assert!(message.contains("8 of 24 cases are missing: 1, 4, 7, 10, 13, 16, 19, 22;"), "{message}");
+    assert!(!path.join("all.h5").exists());
+    // The second shard as a job array of Slurm would run it.
+    let mut slurm = Command::new(env!("CARGO_BIN_EXE_barwave"));
+    slurm.current_dir(path).args(["sweep", "sweep.toml", "-o", "parts", "--quiet"]);
+    let variables = [("SLURM_ARRAY_TASK_ID", "2"), ("SLURM_ARRAY_TASK_COUNT", "3"), ("SLURM_ARRAY_TASK_MIN", "1")];
+    assert!(slurm.envs(variables).status().expect("it starts").success());
+    done(path, &["merge", "parts", "-o", "all.h5"]);
+    assert_eq!(table, text(path, "all.csv"));
+    // Rows of another sweep are not mixed in.
+    std::fs::write(path.join("other.toml"), SPEEDS.replace("count = 12", "count = 3")).expect("a file");
+    done(path, &["sweep", "other.toml", "-o", "other"]);
+    assert!(refused(path, &["merge", "one", "other", "-o", "mixed.h5"], 2).contains("hold different sweeps"));
+}
+
+#[test]
+fn a_killed_sweep_is_resumed_and_runs_no_case_twice() {
+    let slow = "[sweep]\nscene = \"scene.toml\"\nmetrics = [\"left.stress_Pa\"]\n[axes]\n\"left.value\" = { from = -10, to = -60, count = 60 }\n\
+                \"solve.method\" = [\"fd\"]\n\"solve.cells\" = [1500]\n";
+    let folder = scenes(slow);
+    let path = folder.path();
+    done(path, &["sweep", "sweep.toml", "-o", "whole"]);
+    let started = || {
+        let mut sweep = Command::new(env!("CARGO_BIN_EXE_barwave"));
+        sweep.current_dir(path).args(["sweep", "sweep.toml", "-o", "killed", "--resume", "--quiet"]);
+        sweep.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("it starts")
+    };
+    for _ in 0..3 {
+        let mut child = started();
+        std::thread::sleep(Duration::from_millis(60));
+        child.kill().expect("killed");
+        child.wait().expect("it ends");
+    }
+    // A row that a kill cut.
+    let rows = path.join("killed/rows.jsonl");
+    let mut cut = std::fs::read_to_string(&rows).unwrap_or_default();
+    let kept = cut.lines().count();
+    cut.push_str("{\"case\": 5, \"sta");
+    std::fs::write(&rows, &cut).expect("a file");
+    assert!(kept < 60, "nothing was left to resume");
+    done(path, &["sweep", "sweep.toml", "-o", "killed", "--resume"]);
+    assert_eq!(text(path, "whole/table.csv"), text(path, "killed/table.csv"));
+    let cases: Vec<u64> = text(path, "killed/rows.jsonl")
+        .lines()
+        .map(|line| serde_json::from_str::<Value>(line).expect("a row")["case"].as_u64().expect("a number"))
+        .collect();
+    assert_eq!((cases.len(), cases.iter().collect::<BTreeSet<_>>().len()), (60, 60));
+    // What has ended stays as it is, and another sweep is not continued in its place.
+    done(path, &["sweep", "sweep.toml", "-o", "killed", "--resume"]);
+    assert!(refused(path, &["sweep", "sweep.toml", "-o", "killed"], 2).contains("holds a sweep already"));
+    std::fs::write(path.join("scene.toml"), SCENE.replace("250 us", "200 us")).expect("a file");
+    assert!(refused(path, &["sweep", "sweep.toml", "-o", "killed", "--resume"], 2).contains("holds another sweep"));
+}
+
+#[test]
+fn a_case_that_fails_is_a_row_with_its_reason() {
+    let folder = scenes(
+        "[sweep]\nscene = \"scene.toml\"\ncombine = \"zip\"\n[axes]\n\"bar.length\" = [\"1 m\", \"-1 m\"]\n\"left.value\" = [-10, -20]\n",
+    );
+    done(folder.path(), &["sweep", "sweep.toml", "-o", "out"]);
+    let table = records(&text(folder.path(), "out/table.csv"));
+    assert_eq!((&table[1][3], &table[2][3]), ("done", "refused"));
+    assert!(table[2][4].contains("bar.length") && table[2][4].contains("-1 m"), "{:?}", table[2]);
+    let lines = done(folder.path(), &["sweep", "sweep.toml", "-o", "again", "--json"]);
+    assert!(
+        lines.lines().all(|line| serde_json::from_str::<Value>(line).is_ok_and(|row| row["status"].is_string())),
+        "{lines}"
+    );
+    let wrong = "[sweep]\nscene = \"scene.toml\"\n[axes]\n\"left.valve\" = [-10, -20]\n";
+    std::fs::write(folder.path().join("sweep.toml"), wrong).expect("a file");
+    let message = refused(folder.path(), &["sweep", "sweep.toml", "-o", "typo"], 2);
+    assert!(message.contains("every case is refused") && message.contains("valve"), "{message}");
+}
+
+#[test]
+fn fields_are_kept_where_they_are_asked_for() {
+    let folder =
+        scenes("[sweep]\nscene = \"scene.toml\"\nfields = [\"stress\"]\n[axes]\n\"left.value\" = [-10, -20]\n");
+    done(folder.path(), &["sweep", "sweep.toml", "-o", "out"]);
+    let file = barwave::record::store::ResultFile::open(&folder.path().join("out/case-000001.h5")).expect("a result");
+    assert_eq!(file.facts().overrides, ["left.value=-20", "record.fields=[\"stress\"]"]);
+}
+
+#[test]
+fn wrong_sweep_files_have_one_error_with_its_place() {
+    for (text, words) in [
+        ("[sweep]\nscene = \"nowhere.toml\"\n[axes]\n\"left.value\" = [1]\n", "`sweep.scene`: cannot read the scene"),
+        ("[sweep]\nscene = \"scene.toml\"\n[axes]\n", "there are no axes"),
+        (
+            "[sweep]\nscene = \"scene.toml\"\n[axes]\n\"left.value\" = { from = 1, to = 2 }\n",
+            "`axes.left.value`: give `count`",
+        ),
+        ("[sweep]\nscene = \"scene.toml\"\n[axes]\nleft.value = [1, 2]\n", "stands in quotes: \"left.value\""),
+        (
+            "[sweep]\nscene = \"scene.toml\"\ncombine = \"zip\"\n[axes]\na = [1, 2]\nb = [1]\n",
+            "equal numbers of values: a has 2, b has 1",
+        ),
+        ("[sweep]\nscene = \"scene.toml\"\ncombien = \"zip\"\n[axes]\na = [1]\n", "combine"),
+    ] {
+        let folder = scenes(text);
+        for command in ["sweep", "check"] {
+            let message = refused(folder.path(), &[command, "sweep.toml"], 2);
+            assert!(message.contains(words) && message.contains("help: "), "{text}: {message}");
+        }
+    }
+    let folder = scenes(SPEEDS);
+    assert!(done(folder.path(), &["check", "sweep.toml"]).contains("ok (sweep)"));
+    assert!(refused(folder.path(), &["sweep", "sweep.toml", "--shard", "4/3"], 2).contains("write I/N"));
+    assert!(refused(folder.path(), &["merge", ".", "-o", "a.h5"], 2).contains("holds no sweep"));
+}

@@ -1,0 +1,91 @@
+//! The files that `barwave new` writes can be checked and run as they are.
+
+use crate::common::binary;
+
+use std::path::Path;
+
+use binary::barwave;
+use serde_json::Value;
+
+fn succeed(folder: &Path, arguments: &[&str]) -> String {
+    let output = barwave(folder, arguments);
+    assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).expect("text")
+}
+
+/// Writes, checks and runs a template. Its summary.
+fn run(kind: &str) -> Value {
+    let folder = tempfile::tempdir().expect("a folder");
+    let wrote = succeed(folder.path(), &["new", "--kind", kind, "mine"]);
+    assert!(wrote.contains("`barwave run mine.toml`"), "{wrote}");
+    assert_eq!(succeed(folder.path(), &["check", "mine.toml"]), "mine.toml: ok (scene)\n");
+    let summary: Value =
+        serde_json::from_str(&succeed(folder.path(), &["run", "--json", "mine.toml"])).expect("one JSON object");
+    assert_eq!(summary["scene"], "mine");
+    summary
+}
+
+fn number(summary: &Value, path: &str) -> f64 {
+    summary.pointer(path).and_then(Value::as_f64).unwrap_or_else(|| panic!("{path}: {}", summary["figures"]))
+}
+
+#[test]
+fn a_bar_is_pulled() {
+    assert!(number(&run("bar"), "/figures/permanent_elongation_m") > 0.0);
+}
+
+#[test]
+fn a_specimen_breaks_in_tension() {
+    let summary = run("tension-impact");
+    assert_eq!(summary["outcome"], "rupture");
+    assert!(number(&summary, "/figures/permanent_elongation_m") > 0.05);
+}
+
+#[test]
+fn a_taylor_cylinder_is_shortened_and_rebounds() {
+    let summary = run("taylor");
+    assert!((0.6..0.8).contains(&number(&summary, "/figures/final_length_ratio")));
+    assert!(number(&summary, "/figures/left/restitution") > 0.0);
+}
+
+/// The gauges see whole pulses, and the specimen is compressed.
+#[test]
+fn a_hopkinson_pulse_goes_through_the_specimen() {
+    let summary = run("hopkinson");
+    let rho_c = (7850.0 * 200e9_f64).sqrt();
+    let incident = number(&summary, "/figures/gauges/incident/peak_stress_Pa");
+    assert!((incident / (-0.5 * rho_c * 12.0) - 1.0).abs() < 0.1, "{incident:e}");
+    assert!(number(&summary, "/figures/segments/3/permanent_elongation_m") < -3e-4);
+    assert!(number(&summary, "/figures/gauges/transmitted/peak_stress_Pa") < -50e6);
+}
+
+#[test]
+fn a_falling_mass_rebounds() {
+    let summary = run("drop-weight");
+    assert!(number(&summary, "/figures/left/striker_velocity_after_m_s") < 0.0);
+    assert!(number(&summary, "/figures/left/contact_duration_s") < number(&summary, "/end_time_s"));
+}
+
+#[test]
+fn a_pulse_spalls() {
+    let summary = run("spall");
+    assert_eq!(summary["outcome"], "rupture");
+    assert!((number(&summary, "/ruptures/0/x_m") - 0.18).abs() < 0.002);
+}
+
+#[test]
+fn a_sweep_comes_with_its_scene() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let wrote = succeed(folder.path(), &["new", "-k", "sweep", "mine"]);
+    assert!(wrote.contains("mine-scene.toml") && wrote.contains("`barwave sweep mine.toml`"), "{wrote}");
+    succeed(folder.path(), &["check", "mine.toml", "mine-scene.toml"]);
+    succeed(folder.path(), &["sweep", "mine.toml", "--quiet", "-o", "table"]);
+    let table = std::fs::read_to_string(folder.path().join("table/table.csv")).expect("a table");
+    assert_eq!(table.lines().filter(|line| line.contains(",done,")).count(), 8, "{table}");
+    // Neither file is overwritten.
+    let again = barwave(folder.path(), &["new", "-k", "sweep", "mine"]);
+    assert_eq!(again.status.code(), Some(2));
+    std::fs::remove_file(folder.path().join("mine.toml")).expect("a file");
+    assert_eq!(barwave(folder.path(), &["new", "-k", "sweep", "mine"]).status.code(), Some(2));
+    assert!(!folder.path().join("mine.toml").exists());
+}

@@ -1,0 +1,115 @@
+//! `barwave study tension-impact` against the theory of von Karman and Duwez.
+
+use crate::common::binary;
+
+use std::path::Path;
+use std::process::Output;
+
+use binary::barwave;
+use serde_json::Value;
+
+const COARSE: [&str; 4] = ["study", "tension-impact", "--cells", "40"];
+
+fn study(folder: &Path, more: &[&str]) -> Output {
+    barwave(folder, &[&COARSE, more].concat())
+}
+
+fn json(output: &Output) -> Value {
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).expect("JSON")
+}
+
+fn folder() -> tempfile::TempDir {
+    tempfile::tempdir().expect("a folder")
+}
+
+/// Below the critical velocity (90.1 m/s) the whole bar is strained, slowly as by the static curve; above, it breaks at the struck end while
+/// the rest has hardly yielded.
+#[test]
+fn elongation_falls_at_the_critical_velocity() {
+    let folder = folder();
+    let results = json(&study(
+        folder.path(),
+        &["copper-annealed", "--velocities", "3,60,85,89 m/s,92,110", "-o", "out", "--json"],
+    ));
+    let points = results["points"].as_array().expect("points");
+    let column = |key: &str| points.iter().map(|point| point[key].as_f64()).collect::<Vec<_>>();
+    let elongation = column("elongation");
+    let at_end: Vec<_> = points.iter().map(|point| point["at_struck_end"].as_bool()).collect();
+    assert_eq!(at_end, [false, false, false, false, true, true].map(Some));
+    assert!(points.iter().all(|point| point["status"] == "rupture"));
+    let fixed = results["static_elongation"].as_f64().expect("a number");
+    assert!(elongation.iter().all(|e| *e <= Some(1.01 * fixed)), "{elongation:?} {fixed}");
+    // A slow test strains the bar evenly.
+    assert!(elongation[0] > Some(0.96 * fixed), "{elongation:?}");
+    // The reflection at the fixed end breaks the bar early; below the critical velocity the elongation is near its maximum again.
+    assert!(elongation[1] < Some(0.8 * fixed) && elongation[3] > Some(0.93 * fixed), "{elongation:?}");
+    assert!(elongation[4] < Some(0.5 * fixed) && elongation[5] < Some(0.1 * fixed), "{elongation:?}");
+    let energy = column("energy_absorbed_J");
+    assert!(energy[5] < energy[3].map(|energy| 0.1 * energy), "{energy:?}");
+    assert_eq!(results["critical_between_m_s"], serde_json::json!([89.0, 92.0]));
+    assert_eq!(column("fracture_position_m")[5], Some(0.0));
+}
+
+/// A second run is refused, a resumed one runs nothing and changes nothing.
+#[test]
+fn a_study_is_resumed() {
+    let folder = folder();
+    let arguments =
+        ["copper-annealed", "--velocities", "40 m/s", "--to", "120 m/s", "--count", "3", "-o", "out", "--json"];
+    let first = json(&study(folder.path(), &arguments));
+    assert_eq!(study(folder.path(), &arguments).status.code(), Some(2));
+    let rows = std::fs::read_to_string(folder.path().join("out/rows.jsonl")).expect("rows");
+    let (kept, _) = rows.trim_end().rsplit_once('\n').expect("three rows");
+    std::fs::write(folder.path().join("out/rows.jsonl"), format!("{kept}\n")).expect("two rows");
+    assert_eq!(json(&study(folder.path(), &[&arguments[..], &["--resume"]].concat())), first);
+    for file in ["tension-impact.csv", "tension-impact.h5", "tension-impact.svg"] {
+        assert!(folder.path().join("out").join(file).metadata().is_ok_and(|file| file.len() > 100), "{file}");
+    }
+}
+
+/// A bar that nothing holds follows its slow end and stays whole.
+#[test]
+fn a_free_bar_is_pulled_along_below_the_critical_velocity() {
+    let folder = folder();
+    let arguments = ["copper-annealed", "--far-end", "free", "--velocities", "5 m/s,100 m/s", "-o", "out", "--json"];
+    let results = json(&study(folder.path(), &arguments));
+    let points = &results["points"];
+    assert_eq!((&points[0]["status"], &points[0]["elongation"]), (&"done".into(), &Value::Null));
+    assert_eq!((&points[1]["status"], &points[1]["at_struck_end"]), (&"rupture".into(), &true.into()));
+}
+
+const SCENE: &str = "[bar]\nlength = 0.1\ndiameter = 0.01\nmaterial = \"copper-annealed\"\n[left]\nkind = \"velocity\"\nvalue = -1\n[right]\n\
+                     kind = \"fixed\"\n[effects]\nunloading = \"isotropic\"\nrupture = \"critical-strain\"\n[solve]\nuntil = 1\nmethod = \
+                     \"fd\"\ncells = 30\n[record]\nframes = 2\n";
+
+#[test]
+fn scenes_are_tested_and_wrong_input_is_explained() {
+    let folder = folder();
+    std::fs::write(folder.path().join("scene.toml"), SCENE).expect("a scene");
+    let results = json(&study(folder.path(), &["scene.toml", "--velocities", "300 ft/s", "-o", "out", "--json"]));
+    assert_eq!(results["length_m"], 0.1);
+    assert!((results["points"][0]["velocity_m_s"].as_f64().expect("a number") - 91.44).abs() < 1e-9);
+    std::fs::write(folder.path().join("whole.toml"), SCENE.replace("rupture = \"critical-strain\"\n", ""))
+        .expect("a scene");
+    std::fs::write(folder.path().join("free.toml"), SCENE.replace("\"velocity\"\nvalue = -1", "\"free\""))
+        .expect("a scene");
+    for (arguments, words) in [
+        (&["coper-annealed"][..], "copper-annealed"),
+        (&["whole.toml"], "rupture = \"critical-strain\""),
+        (&["free.toml"], "kind = \"velocity\""),
+        (&["copper-annealed", "--velocities=-5 m/s"], "no impact velocity"),
+        (&["copper-annealed", "--velocities", "5 m"], "no impact velocity"),
+        (&["copper-annealed", "--velocities", "5,6", "--to", "9", "--count", "2"], "a range starts from one velocity"),
+        (&["copper-annealed", "--length", "0 m"], "length"),
+        (&["copper-annealed", "--cells", "1"], "cells"),
+        (&["copper-annealed", "--figure", "a.pdf"], ".svg"),
+    ] {
+        let arguments = [&["study", "tension-impact"], arguments].concat();
+        let output = barwave(folder.path(), &arguments);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {said}");
+        assert!(said.contains(words) && said.contains("help"), "{arguments:?}: {said}");
+    }
+    assert!(!folder.path().join("runs").exists());
+}

@@ -1,0 +1,227 @@
+//! `barwave materials import`: records made of known curves, through the real binary.
+
+use crate::common::binary;
+use crate::common::synthetic;
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use binary::barwave;
+use serde_json::Value;
+use synthetic::{BILINEAR, CLEAN, Faults, LABORATORY, RAMBERG_OSGOOD, Truth, csv, record};
+
+const DENSITY: f64 = 7850.0;
+
+fn import(folder: &Path, name: &str, text: &str, options: &[&str]) -> Value {
+    std::fs::write(folder.join(name), text).expect("a file");
+    let fixed = ["materials", "import", name, "--density", "7850", "--force", "--json", "-o", "m.toml"];
+    let output = barwave(folder, &[&fixed, options].concat());
+    assert!(output.status.success(), "{name}: {}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).expect("JSON")
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
+}
+
+/// Modulus, proof stress and critical velocity are within 1 % of those of the true curve.
+fn within_a_percent(found: &Value, truth: &Truth, what: &str) {
+    let reduction = &found["records"][0]["reduction"];
+    for (name, value, expected) in [
+        ("modulus", &found["modulus_Pa"], truth.modulus),
+        ("proof stress", &reduction["proof_stress_Pa"], truth.proof_stress()),
+        ("critical velocity", &found["critical"]["critical_velocity_m_s"], truth.critical_velocity(DENSITY)),
+    ] {
+        let value = number(value);
+        assert!((value / expected - 1.0).abs() < 0.01, "{what}: {name} {value:e}, expected {expected:e}: {found:#}");
+    }
+    assert!(reduction["knots"].as_array().is_some_and(|knots| knots.len() < 100), "{what}: too many knots");
+}
+
+#[test]
+fn noise_toe_unloading_and_fracture_cost_less_than_a_percent() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let cases = [
+        ("clean", Faults { fractures: true, ..CLEAN }),
+        ("noise of 0.5 % of the reading", Faults { relative_noise: 0.005, fractures: true, ..CLEAN }),
+        ("noise of 0.5 % of full scale", Faults { noise: 0.005, fractures: true, ..CLEAN }),
+        ("toe", Faults { toe: 3e-4, fractures: true, ..CLEAN }),
+        ("unloading", Faults { unloads: true, fractures: true, ..CLEAN }),
+        ("all", LABORATORY),
+        ("all, other numbers", Faults { seed: 2, ..LABORATORY }),
+    ];
+    for (truth, curve) in [(&RAMBERG_OSGOOD, "Ramberg-Osgood"), (&BILINEAR, "bilinear")] {
+        for (name, faults) in &cases {
+            let found = import(folder.path(), "a.csv", &csv(&record(truth, faults)), &[]);
+            within_a_percent(&found, truth, &format!("{curve}, {name}"));
+        }
+    }
+}
+
+#[test]
+fn formats_units_and_dimensions_of_instruments_give_the_same_curve() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let rows = record(&RAMBERG_OSGOOD, &Faults { rows: 1500, ..LABORATORY });
+    let expected = import(folder.path(), "a.csv", &csv(&rows), &[]);
+    let area = std::f64::consts::FRAC_PI_4 * 6e-3 * 6e-3;
+    let table = |line: &dyn Fn(f64, f64) -> String| rows.iter().map(|&(e, s)| line(e, s)).collect::<String>();
+    let comma = |number: String| number.replace('.', ",");
+    let zwick = String::from("Specimen;S1\n\n\"Zeit\";\"Standardweg\";\"Standardkraft\"\ns;mm;kN\n")
+        + &table(&|e, s| {
+            format!("0,1;{};{}\n", comma(format!("{:.9}", 25.0 * e)), comma(format!("{:.9}", s * area / 1e3)))
+        });
+    let tabs = String::from("Time (s)\tStrain (%)\tLoad (N)\n")
+        + &table(&|e, s| format!("1\t{:.7}\t{:.6}\n", 100.0 * e, s * area));
+    let psi = table(&|e, s| format!("{},{}\n", -e, -s / 6_894.757_293_168_361));
+    let steps = ["--gauge-length", "25 mm", "--diameter", "6 mm"];
+    let cases: [(&str, &str, &[&str]); 4] = [
+        ("zwick.csv", &zwick, &[&steps[..], &["--extension-column", "Standardweg", "--force-column", "3"]].concat()),
+        ("tabs.txt", &tabs, &["--area", "28.274333882308138 mm^2"]),
+        ("psi.csv", &psi, &["--unit", "psi", "--sense", "compression"]),
+        ("again.csv", &csv(&rows), &["--stress-column", "2", "--strain-column", "strain"]),
+    ];
+    for (name, text, options) in cases {
+        let found = import(folder.path(), name, text, options);
+        for key in ["modulus_Pa", "elastic_limit_Pa"] {
+            assert!((number(&found[key]) / number(&expected[key]) - 1.0).abs() < 2e-3, "{name}: {key}: {found:#}");
+        }
+        let velocity = |found: &Value| number(&found["critical"]["critical_velocity_m_s"]);
+        assert!((velocity(&found) / velocity(&expected) - 1.0).abs() < 2e-3, "{name}: {found:#}");
+    }
+}
+
+#[test]
+fn true_stress_and_machine_compliance_are_converted() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let rows = record(&RAMBERG_OSGOOD, &Faults { toe: 0.0, ..LABORATORY });
+    let mut text = String::from("true strain,true stress (MPa)\n");
+    for (e, s) in &rows {
+        let _ = writeln!(text, "{:.8},{:.5}", e.ln_1p(), s * (1.0 + e) / 1e6);
+    }
+    within_a_percent(&import(folder.path(), "true.csv", &text, &[]), &RAMBERG_OSGOOD, "true stress");
+    let soft: Vec<_> = rows.iter().map(|&(e, s)| (e + s / 100e9, s)).collect();
+    let found = import(folder.path(), "soft.csv", &csv(&soft), &["--modulus", "205 GPa", "--compliance"]);
+    within_a_percent(&found, &RAMBERG_OSGOOD, "compliance");
+}
+
+#[test]
+fn the_file_states_what_was_done_and_runs() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = csv(&record(&RAMBERG_OSGOOD, &LABORATORY));
+    let found = import(folder.path(), "a.csv", &text, &["--plot", "a.svg"]);
+    let written = std::fs::read_to_string(folder.path().join("m.toml")).expect("the file");
+    for part in [
+        "of one unloading removed",
+        "after the fracture removed",
+        "toe: strains shifted",
+        "knots kept",
+        "beyond = \"rupture\"",
+    ] {
+        assert!(written.contains(part), "{part}: {written}");
+    }
+    assert!(!written.contains("\nconfidence") && !written.contains("\ncitation"), "no source is stated: {written}");
+    let svg = std::fs::read_to_string(folder.path().join("a.svg")).expect("the figure");
+    assert!(["record", "knots", "proof stress", "fracture"].iter().all(|word| svg.contains(word)));
+    let scene = "[bar]\nlength = \"1 m\"\nmaterial = \"m.toml\"\n[left]\nkind = \"velocity\"\nvalue = -20\n[right]\nkind = \"free\"\n\
+                 [solve]\nuntil = \"100 us\"\nmethod = \"moc\"\n";
+    std::fs::write(folder.path().join("s.toml"), scene).expect("a file");
+    let run = barwave(folder.path(), &["run", "s.toml", "--json", "-o", "s.h5"]);
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    let summary: Value = serde_json::from_slice(&run.stdout).expect("JSON");
+    let (a, b) = (number(&summary["critical_velocity_m_s"]), number(&found["critical"]["critical_velocity_m_s"]));
+    assert!((a / b - 1.0).abs() < 1e-9, "{a} {b}");
+    let cited = import(folder.path(), "a.csv", &text, &["--citation", "N. N., Laboratory, 2026"]);
+    assert!(cited["written"].is_string());
+    let written = std::fs::read_to_string(folder.path().join("m.toml")).expect("the file");
+    assert!(
+        written.contains("citation = \"N. N., Laboratory, 2026\"") && written.contains("confidence = \"measured\"")
+    );
+}
+
+#[test]
+fn repeats_give_one_curve_with_a_band_that_critical_uses() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scales = [0.96, 0.98, 1.0, 1.02, 1.04];
+    for (k, scale) in scales.iter().enumerate() {
+        let rows = record(&RAMBERG_OSGOOD, &Faults { seed: 10 + k as u64, ..LABORATORY });
+        // Strains and stresses in proportion: the modulus stays, the critical velocity goes with the scale.
+        let scaled: Vec<_> = rows.into_iter().map(|(e, s)| (scale * e, scale * s)).collect();
+        std::fs::write(folder.path().join(format!("{k}.csv")), csv(&scaled)).expect("a file");
+    }
+    let arguments = [
+        "materials",
+        "import",
+        "0.csv",
+        "1.csv",
+        "2.csv",
+        "3.csv",
+        "4.csv",
+        "--density",
+        "7850",
+        "-o",
+        "m.toml",
+        "--plot",
+        "m.svg",
+    ];
+    let output = barwave(folder.path(), &arguments);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let critical = |threads: &str| {
+        let output = barwave(folder.path(), &["critical", "m.toml", "--json", "--threads", threads]);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        output.stdout
+    };
+    let text = critical("1");
+    assert_eq!(text, critical("2"), "the bootstrap depends on the number of threads");
+    let found: Value = serde_json::from_slice(&text).expect("JSON");
+    let (row, scatter) = (&found[0], &found[0]["scatter"]);
+    let truth = RAMBERG_OSGOOD.critical_velocity(DENSITY);
+    for value in [&row["critical_velocity_m_s"], &scatter["mean_m_s"]] {
+        assert!((number(value) / truth - 1.0).abs() < 0.01, "{found:#}");
+    }
+    // Of 0.96 to 1.04: 0.0316.
+    assert!((number(&scatter["standard_deviation_m_s"]) / truth / 0.0316 - 1.0).abs() < 0.15, "{found:#}");
+    let (low, high) = (number(&scatter["interval_95_m_s"][0]), number(&scatter["interval_95_m_s"][1]));
+    // Student's t with 4 degrees of freedom: 2.776 * 0.0316/sqrt(5) = 0.0393, which no resample of these five can exceed by much.
+    assert!(low / truth < 0.975 && low / truth > 0.95 && high / truth > 1.025 && high / truth < 1.05, "{found:#}");
+    assert_eq!(scatter["tests"].as_array().map(Vec::len), Some(5));
+}
+
+#[test]
+fn wrong_records_are_refused_with_one_clear_error() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let good = csv(&record(&RAMBERG_OSGOOD, &Faults { rows: 200, ..CLEAN }));
+    let line = |k: u32, text: &str| {
+        let mut lines: Vec<String> = good.lines().map(str::to_owned).collect();
+        lines[k as usize] = text.into();
+        lines.join("\n")
+    };
+    let units = good.replace("stress_MPa", "stress");
+    // Text, options, and what the message holds; a line number stands before a colon.
+    let cases: [(&str, &[&str], &str); 14] = [
+        ("time,load\n0,1\n1,2\n", &[], "no column of strain or extension"),
+        (&line(7, "0.1,abc"), &[], "8: `abc` is not a number"),
+        (&line(7, "0.1,nan"), &[], "8: `nan` is not a number"),
+        (&line(7, "0.1"), &[], "8: this line has 1 column"),
+        (&line(7, "0.1,"), &[], "8: the cell is empty"),
+        ("strain,stress_MPa\n", &[], "there are no two lines"),
+        ("strain,strain,stress_MPa\n1,1,2\n2,2,3\n", &[], "2 columns of strain"),
+        ("strain (furlong),stress_MPa\n1,2\n2,3\n", &[], "`furlong` is no unit of strain"),
+        ("1,2,3\n2,3,4\n", &[], "3 columns without headings"),
+        ("extension (mm),load (kN)\n1,2\n2,3\n", &[], "extension needs the gauge length"),
+        (&good, &["--area", "1 mm^2"], "needs no cross-section"),
+        (&good, &["--unit", "MPa"], "given twice"),
+        (&units, &[], "names no unit of stress"),
+        (&good, &["--strain-column", "7"], "there is no column 7"),
+    ];
+    for (text, options, words) in cases {
+        std::fs::write(folder.path().join("a.csv"), text).expect("a file");
+        let output =
+            barwave(folder.path(), &[&["materials", "import", "a.csv", "--density", "7850"], options].concat());
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{words}: {message}");
+        let (line, words) = words.split_once(": ").unwrap_or(("", words));
+        assert!(line.is_empty() || message.contains(&format!("a.csv:{line}:")), "line {line}: {message}");
+        assert!(message.contains(words) && message.contains("help"), "`{words}` is not in: {message}");
+        assert!(!folder.path().join("a.toml").exists() && output.stdout.is_empty());
+    }
+}

@@ -1,0 +1,288 @@
+//! Bars in torsion: the mapping to the surface against axial bars, closed forms, and a rod of many layers.
+
+use crate::common;
+
+use std::ops::ControlFlow;
+use std::path::Path;
+
+use barwave::assemble;
+use barwave::law::Row;
+use barwave::material::{Beyond, Curve, Loading, Material, TubeSection};
+use barwave::record::store::ResultFile;
+use barwave::record::{Field, Summary, View};
+use barwave::run::run;
+use barwave::scene::{Effects, Method, Scene, Unloading};
+use barwave::solver::fd::Sampling;
+use barwave::solver::moc::Settings;
+
+const TABLE: &str =
+    "density = 7800, modulus = 80e9, beyond = \"extend\", curve = { table = [[0.002, 160e6], [0.1, 400e6]] }";
+
+fn parse(text: &str) -> Scene {
+    Scene::parse("torsion.toml", text, Path::new("."), &[]).unwrap_or_else(|e| panic!("{e}\n{text}"))
+}
+
+fn scene(bar: &str, left: &str, right: &str, rest: &str) -> Scene {
+    parse(&format!("[bar]\n{bar}\n[left]\n{left}\n[right]\n{right}\n{rest}"))
+}
+
+fn tube(section: &str) -> String {
+    format!("mode = \"torsion\"\nlength = 1\n{section}\nmaterial = {{ name = \"s\", loading = \"shear\", {TABLE} }}")
+}
+
+/// Stress, strain and velocity of a whole bar at the end of its run.
+fn fields(scene: &Scene) -> [Vec<f64>; 3] {
+    fn of<V: View>(bar: &V, places: &V::Places, count: usize) -> [Vec<f64>; 3] {
+        [Field::Stress, Field::Strain, Field::Velocity].map(|field| {
+            let mut row = vec![0.0; count];
+            bar.sample(field, places, &mut row);
+            row
+        })
+    }
+    match scene.solve.method {
+        Method::Leapfrog { cells, cfl } => {
+            let mut bar = assemble::leapfrog(scene, cells, cfl);
+            common::advance_to(&mut bar, scene.solve.until);
+            of(&bar, &Sampling::cells(bar.grid()), bar.grid().cells())
+        }
+        Method::Muscl { cells, cfl } => {
+            let mut bar = assemble::muscl(scene, cells, cfl);
+            while bar.time() < scene.solve.until - 0.5 * bar.grid().dt {
+                bar.advance();
+            }
+            of(&bar, &Sampling::cells(bar.grid()), bar.grid().cells())
+        }
+        Method::CharacteristicNet { cells } => {
+            let mut bar = assemble::characteristic_net(scene, cells);
+            while bar.time() < scene.solve.until {
+                bar.advance();
+            }
+            let sampling = Sampling::cells(bar.grid());
+            of(&bar, &sampling, bar.grid().cells())
+        }
+        Method::FrontTracking { front_tolerance, event_budget } => {
+            let settings = Settings { front_tolerance, event_budget, ..Settings::default() };
+            let mut bar = assemble::front_tracking(scene, settings);
+            bar.advance_to(scene.solve.until).expect("within the budget");
+            let places: Vec<f64> = (0..500).map(|i| (f64::from(i) + 0.5) / 500.0).collect();
+            of(&bar, &places, 500)
+        }
+    }
+}
+
+#[test]
+fn a_thin_tube_is_the_axial_bar_with_the_same_numbers_to_the_last_bit() {
+    for (effects, solve) in [
+        ("unloading = \"isotropic\"", "cells = 700"),
+        ("", "cells = 700"),
+        ("unloading = \"kinematic\"", "method = \"moc\"\nfront-tolerance = 0"),
+        ("rate = { model = \"malvern\", k = 1e6 }", "cells = 700"),
+    ] {
+        let rest = format!("[effects]\n{effects}\n[solve]\nuntil = 5e-4\n{solve}\n");
+        let left = "kind = \"velocity\"\nhistory = [[0, \"1500 rad/s\"], [4e-4, 1500], [4e-4, 0]]";
+        let twisted = scene(&tube("diameter = \"26 mm\"\nwall = \"1 mm\""), left, "kind = \"free\"", &rest);
+        let torsion = twisted.torsion.as_ref().expect("torsion");
+        assert!((torsion.radius - 0.0125).abs() < 1e-17);
+        let v = torsion.radius * 1500.0;
+        let area = twisted.bar.segments[0].area;
+        let axial = format!("length = 1\narea = {area:e}\nmaterial = {{ name = \"s\", {TABLE} }}");
+        let left = format!("kind = \"velocity\"\nhistory = [[0, {v:e}], [4e-4, {v:e}], [4e-4, 0]]");
+        let axial = scene(&axial, &left, "kind = \"free\"", &rest);
+        let (here, there) = (fields(&twisted), fields(&axial));
+        assert!(here[1].iter().any(|strain| strain.abs() > 0.004), "{effects}: it yields");
+        for (a, b) in here.iter().zip(&there) {
+            assert!(a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits()), "{effects}, {solve}");
+        }
+    }
+}
+
+fn run_to_file(scene: &Scene) -> (Summary, ResultFile, tempfile::TempDir) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("out.h5");
+    let summary = run(scene, Some(&path), &mut |_| ControlFlow::Continue(())).expect("it runs");
+    let file = ResultFile::open(&path).expect("a result file");
+    (summary, file, folder)
+}
+
+fn row_of(file: &ResultFile, field: Field, k: usize) -> Vec<f64> {
+    file.field(field, k..k + 1).expect("a row").into_raw_vec_and_offset().0
+}
+
+#[test]
+fn an_elastic_rod_carries_torque_at_the_shear_wave_s_speed() {
+    let (radius, bore) = (0.01_f64, 0.006_f64);
+    let polar = 0.5 * std::f64::consts::PI * (radius.powi(4) - bore.powi(4));
+    let section = "diameter = \"20 mm\"\ninner-diameter = \"12 mm\"";
+    let fields = "fields = [\"torque\", \"twist\", \"angular_velocity\", \"stress\"]\nframes = 3";
+    let speed = (80e9_f64 / 7800.0).sqrt();
+    for method in ["cells = 800", "method = \"moc\""] {
+        let rest = format!("[solve]\nuntil = {:e}\n{method}\n[record]\n{fields}\n", 0.75 / speed);
+        let (summary, file, _folder) =
+            run_to_file(&scene(&tube(section), "kind = \"torque\"\nvalue = \"100 N*m\"", "kind = \"free\"", &rest));
+        // T/J = G theta' and T = -(rho c J) omega behind a wave that runs to the right.
+        let [twist, omega] = [100.0 / (80e9 * polar), -100.0 / (7800.0 * speed * polar)];
+        let last = file.time().expect("times").len() - 1;
+        let x = file.x().expect("places");
+        for (field, expected) in [(Field::Torque, 100.0), (Field::Twist, twist), (Field::AngularVelocity, omega)] {
+            let row = row_of(&file, field, last);
+            for (value, x) in row.iter().zip(&x) {
+                let expected = if *x < 0.75 { expected } else { 0.0 };
+                // On the grid the front lies within a cell of its place.
+                if (x - 0.75).abs() > 2e-3 {
+                    assert!(
+                        (value - expected).abs() < 1e-9 * expected.abs().max(1e-3),
+                        "{field:?} {x}: {value} {expected}"
+                    );
+                }
+            }
+        }
+        assert!((summary.fronts[0].speed / speed - 1.0).abs() < 1e-12);
+        assert!((summary.fronts[0].speed_measured.expect("followed") / speed - 1.0).abs() < 1e-9);
+        let ends = summary.torsion.expect("torsion");
+        assert!((ends.torque[0] - 100.0).abs() < 1e-9 && (ends.angular_velocity_rad_s[0] / omega - 1.0).abs() < 1e-9);
+        assert!((ends.radius_m - radius).abs() < 1e-17);
+    }
+}
+
+#[test]
+fn a_flywheel_s_angular_momentum_and_energy_go_into_the_rod() {
+    let rest = "[effects]\nunloading = \"isotropic\"\n[solve]\nuntil = 4e-4\ncells = 600\n[record]\nframes = 20\n";
+    let left = "kind = \"striker\"\ninertia = \"1e-3 kg*m^2\"\nvelocity = \"3000 rad/s\"";
+    for section in
+        ["diameter = \"20 mm\"", "diameter = \"20 mm\"\ninner-diameter = \"18 mm\"", "diameter = 0.02\nwall = 1e-3"]
+    {
+        let scene = scene(&tube(section), left, "kind = \"free\"", rest);
+        let (summary, file, _folder) = run_to_file(&scene);
+        assert!(summary.ledger.energy_residual < 1e-12 && summary.ledger.momentum_residual < 1e-12);
+        assert!(summary.effects.contains(&"plasticity".to_owned()));
+        let ledger = file.ledger().expect("a ledger");
+        let last = ledger[ledger.len() - 1];
+        let omega = summary.left.striker.expect("a flywheel") / summary.torsion.expect("torsion").radius_m;
+        // What the flywheel has lost since the start: to half a step's impulse, which is 1e-3 of all.
+        let lost = [1e-3 * (3000.0 - omega), 0.5e-3 * (3000.0_f64.powi(2) - omega.powi(2))];
+        assert!((last.impulse / lost[0] - 1.0).abs() < 3e-3, "{section}: {} {lost:?}", last.impulse);
+        assert!((last.work_left / lost[1] - 1.0).abs() < 3e-3, "{section}: {} {lost:?}", last.work_left);
+        assert!((last.energies.momentum - last.impulse).abs() < 1e-12 * last.impulse);
+        // rho J L omega: the same counted from the angular velocities.
+        let torsion = scene.torsion.as_ref().expect("torsion");
+        let velocity = row_of(&file, Field::Velocity, 19);
+        let mean = velocity.iter().sum::<f64>() / velocity.len() as f64 / torsion.radius;
+        assert!((7800.0 * torsion.polar[0] * mean / last.energies.momentum - 1.0).abs() < 5e-3, "{section}");
+    }
+}
+
+/// A step from solid to bored: T and omega are continuous, and J rules what is reflected.
+#[test]
+fn a_change_of_bore_reflects_as_the_polar_moments_say() {
+    let text = "[bar]\nmode = \"torsion\"\n[[bar.segment]]\nlength = 0.5\ndiameter = 0.02\nmaterial = MAT\n\
+                [[bar.segment]]\nlength = 0.5\ndiameter = 0.02\ninner-diameter = 0.015\nmaterial = MAT\n\
+                [left]\nkind = \"torque\"\nvalue = 10\n[right]\nkind = \"free\"\n\
+                [solve]\nuntil = 2.2e-4\nmethod = \"moc\"\n[record]\nframes = 1\nfields = [\"torque\"]\n";
+    let material = format!("{{ name = \"s\", loading = \"shear\", {TABLE} }}");
+    let (_, file, _folder) = run_to_file(&parse(&text.replace("MAT", &material)));
+    let row = row_of(&file, Field::Torque, 0);
+    let ratio = 1.0 - 0.75_f64.powi(4);
+    let passed = 10.0 * 2.0 * ratio / (1.0 + ratio);
+    for x in [450, 499, 500, 600] {
+        assert!((row[x] / passed - 1.0).abs() < 1e-12, "{} {passed}", row[x]);
+    }
+}
+
+#[test]
+fn a_tension_material_is_converted_only_if_that_is_said() {
+    let bar = |more: &str| {
+        format!(
+            "mode = \"torsion\"\nlength = 1\ndiameter = 0.02\n{more}\nmaterial = {{ name = \"t\", poisson = 0.25, density = 7800, \
+             modulus = 200e9, beyond = \"extend\", curve = {{ table = [[0.001, 200e6], [0.1, 400e6]] }} }}"
+        )
+    };
+    let end = "kind = \"free\"";
+    let text = |bar: &str| format!("[bar]\n{bar}\n[left]\n{end}\n[right]\n{end}\n[solve]\nuntil = 1e-4\n");
+    let refused = Scene::parse("s.toml", &text(&bar("")), Path::new("."), &[]).expect_err("tension");
+    assert!(refused.to_string().contains("one of tension"), "{refused}");
+    let scene = parse(&text(&bar("shear = \"von-mises\"")));
+    let material = &scene.bar.segments[0].material;
+    assert_eq!(material.loading, Loading::Shear);
+    assert!((material.modulus - 80e9).abs() < 1.0);
+    assert!((material.tension.elastic_limit(material.modulus).1 - 200e6 / 3.0_f64.sqrt()).abs() < 1.0);
+    assert_eq!(scene.resolved_json()["bar"]["mode"], "torsion");
+}
+
+/// Nominal stress of an elastic-perfectly-plastic rod of many layers, each with a memory of its own.
+struct Layers {
+    stress: Vec<f64>,
+    strain: f64,
+}
+
+const G: f64 = 80e9;
+const TAU: f64 = 160e6;
+
+impl Layers {
+    fn new() -> Self {
+        Self { stress: vec![0.0; 2000], strain: 0.0 }
+    }
+
+    fn place(&self, i: usize) -> f64 {
+        (i as f64 + 0.5) / self.stress.len() as f64
+    }
+
+    fn turn_to(&mut self, strain: f64) -> f64 {
+        let step = strain - self.strain;
+        self.strain = strain;
+        let mut moment = 0.0;
+        for i in 0..self.stress.len() {
+            let s = self.place(i);
+            self.stress[i] = (self.stress[i] + G * s * step).clamp(-TAU, TAU);
+            moment += self.stress[i] * s * s / self.stress.len() as f64;
+        }
+        4.0 * moment
+    }
+}
+
+/// What the nominal curve leaves out: the pattern of stress that a rod keeps. Twisted to five times its yield strain and
+/// back, a rod of layers goes back elastically for twice the yield stress (past zero torque), and then yields gradually.
+#[test]
+fn the_pattern_of_stress_that_a_rod_keeps_is_felt_only_past_zero_torque() {
+    let curve = Curve::new(&[(TAU / G, TAU), (0.5, TAU)], Beyond::Extend).expect("rows rise");
+    let mut shear = Material::from_curve("s", 7800.0, curve);
+    shear.loading = Loading::Shear;
+    let rod = shear.in_torsion(TubeSection { q: 0.0 }).expect("a curve");
+    let segment = barwave::bar::Segment::new(1.0, 1.0, rod);
+    let top = 5.0 * TAU / G;
+    let path = |rule: Unloading| {
+        let effects = Effects { unloading: Some(rule), ..Effects::default() };
+        let law = assemble::segment_law(&segment, &effects).law;
+        let (mut sigma, mut state, mut work, mut flow) = ([0.0], vec![0.0; law.state_len()], [0.0], [0]);
+        let (mut layers, mut strain) = (Layers::new(), 0.0);
+        // Largest difference on the way up, back to zero torque, and on to the same strain on the other side.
+        let mut worst = [0.0_f64; 3];
+        for i in 1..=3000 {
+            let next = if i <= 1000 { top * f64::from(i) / 1000.0 } else { top * (1.0 - f64::from(i - 1000) / 1000.0) };
+            let v = &[strain, next];
+            law.advance(
+                Row { gain: G, v, sigma: &mut sigma, work: &mut work, turned: None, flow: &mut flow, cells: 0..1 },
+                &mut state,
+            );
+            strain = next;
+            let truth = layers.turn_to(next);
+            let part = if i <= 1000 {
+                0
+            } else if truth > 0.0 {
+                1
+            } else {
+                2
+            };
+            worst[part] = worst[part].max((sigma[0] - truth).abs() / TAU);
+        }
+        worst
+    };
+    let (isotropic, kinematic) = (path(Unloading::Isotropic), path(Unloading::Kinematic));
+    println!("isotropic {isotropic:?}, kinematic {kinematic:?}");
+    for worst in [isotropic, kinematic] {
+        // Up and back to zero torque: the tolerance of the table (1e-4 of 4/3) and the layers' own 1e-4.
+        assert!(worst[0] < 4e-4 && worst[1] < 4e-4, "{worst:?}");
+    }
+    // Twisted back as far on the other side, as docs/guide/bars.md says: isotropic hardening yields too late and is then off by 0.28 of
+    // the yield stress at most; kinematic hardening is right: the layers are elements in parallel.
+    assert!((isotropic[2] - 0.28).abs() < 0.01 && kinematic[2] < 4e-4, "{isotropic:?} {kinematic:?}");
+}

@@ -64,6 +64,7 @@ mod same_bits;
 mod scene_errors;
 mod similarity;
 mod split_hopkinson;
+mod store;
 mod sweep;
 mod taper;
 mod taylor_cylinders;

@@ -19,7 +19,7 @@ const STEP: u64 = 4 << 20;
 pub(super) const GONE: &str = "the result file was removed, moved or replaced during the run";
 
 /// Has a file built beside its final place, then moves it there. Missing folders are made.
-pub(super) fn in_place(path: &Path, build: impl Fn(&Path) -> hdf5::Result<()>) -> Result<Claim> {
+pub(super) fn in_place(path: &Path, build: impl Fn(&hdf5::File) -> hdf5::Result<()>) -> Result<Claim> {
     let path = &destination::resolve(path)?;
     if let Some(folder) = path.parent().filter(|f| !f.as_os_str().is_empty()) {
         std::fs::create_dir_all(folder).map_err(|e| Error::file(folder, e))?;
@@ -29,7 +29,11 @@ pub(super) fn in_place(path: &Path, build: impl Fn(&Path) -> hdf5::Result<()>) -
     File::create(&temporary).map_err(|e| Error::file(path, e))?;
     let room = Claim::new(&temporary, path).map_err(|e| Error::file(path, e)).and_then(|mut claim| claim.reserve(0, 0));
     let built = room
-        .and_then(|()| build(&temporary).map_err(|e| Error::file(path, e)))
+        .and_then(|()| {
+            create(&temporary)
+                .and_then(|file| build(&file).and_then(|()| file.close()))
+                .map_err(|e| Error::file(path, e))
+        })
         .and_then(|()| Claim::new(&temporary, path).map_err(|e| Error::file(path, e)))
         .and_then(|claim| {
             // The checkpoint of an older result never stands beside the new one.
@@ -44,6 +48,12 @@ pub(super) fn in_place(path: &Path, build: impl Fn(&Path) -> hdf5::Result<()>) -
         let _ = std::fs::remove_file(&temporary);
     }
     built
+}
+
+/// A new HDF5 file without the library's lock: no other process knows its name, and a child process that is forked while the file is open
+/// would hold the lock beyond its closing.
+fn create(path: &Path) -> hdf5::Result<hdf5::File> {
+    hdf5::File::with_options().with_fapl(|access| access.file_locking(false)).create(path)
 }
 
 /// Removes files of runs to this path that were killed before they gave them their final name.

@@ -1,6 +1,5 @@
 //! The start of a file: attributes, axes, empty datasets, materials; everything but what a run computes.
 
-use std::path::Path;
 use std::time::SystemTime;
 
 use hdf5::types::VarLenUnicode;
@@ -46,21 +45,19 @@ pub(super) fn ledger_columns() -> impl Iterator<Item = [&'static str; 2]> {
     [["time", "time"]].into_iter().chain(Energies::COLUMNS.iter().copied()).chain(after)
 }
 
-/// Everything but the data, in a file that is then closed.
-pub(super) fn build(path: &Path, header: &Header, layout: &Layout, materials: &[MaterialRecord]) -> Hdf<()> {
-    let file = File::create(path)?;
-    build_root(&file, header, layout.area_given)?;
+/// Everything but the data, in a new file.
+pub(super) fn build(file: &File, header: &Header, layout: &Layout, materials: &[MaterialRecord]) -> Hdf<()> {
+    build_root(file, header, layout.area_given)?;
     let twisted = header.torsion.is_some();
-    build_fields(&file, layout, twisted)?;
-    build_histories(&file, layout, twisted)?;
-    build_ledger(&file, layout, twisted)?;
-    build_materials(&file, materials, twisted)?;
-    build_scene_files(&file, &header.files)?;
+    build_fields(file, layout, twisted)?;
+    build_histories(file, layout, twisted)?;
+    build_ledger(file, layout, twisted)?;
+    build_materials(file, materials, twisted)?;
+    build_scene_files(file, &header.files)?;
     if layout.paths {
-        paths::build(&file, layout.compression)?;
+        paths::build(file, layout.compression)?;
     }
-    file.flush()?;
-    file.close()
+    Ok(())
 }
 
 pub(super) fn build_root(file: &File, header: &Header, area_given: bool) -> Hdf<()> {

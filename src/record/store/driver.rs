@@ -176,7 +176,10 @@ extern "C" fn open(name: *const c_char, _flags: c_uint, _access: hid_t, _largest
 
 extern "C" fn close(file: *mut Handle) -> c_int {
     // SAFETY: the library closes what it opened once, and uses it no more.
-    drop(unsafe { Box::from_raw(file) });
+    let handle = unsafe { Box::from_raw(file) };
+    // A child process that was forked meanwhile holds the same lock until it executes its program: closing alone would not release it.
+    // Where there are no locks there is none to release.
+    let _ = handle.file.file().unlock();
     0
 }
 

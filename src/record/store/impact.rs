@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use hdf5::{File, Group};
+use hdf5::Group;
 
 use super::attributes::{get, get_text, put, put_text, text};
 use super::claim::in_place;
@@ -28,11 +28,10 @@ pub fn write_impact(
     (kind, solution): (&str, &Solution),
     wall_seconds: f64,
 ) -> Result<()> {
-    in_place(path, |temporary| -> Hdf<()> {
-        let file = File::create(temporary)?;
-        build_root(&file, header, true)?;
-        put_text(&file, GROUP, kind)?;
-        build_materials(&file, materials, false)?;
+    in_place(path, |file| -> Hdf<()> {
+        build_root(file, header, true)?;
+        put_text(file, GROUP, kind)?;
+        build_materials(file, materials, false)?;
         let group = file.create_group(kind)?;
         if !solution.equation.is_empty() {
             put_text(&group, "equation", &solution.equation)?;
@@ -41,10 +40,9 @@ pub fn write_impact(
         solution.figures.iter().filter(|figure| figure.value.is_finite()).try_for_each(|f| write_figure(&group, f))?;
         solution.tables.iter().try_for_each(|table| write_table(&group, table))?;
         solution.shapes.iter().try_for_each(|shapes| write_shapes(&group, shapes))?;
-        put(&file, "wall_seconds", &wall_seconds)?;
-        put(&file, "cell_steps", &0_u64)?;
-        file.attr("outcome")?.write_scalar(&text(solution.outcome)?)?;
-        file.close()
+        put(file, "wall_seconds", &wall_seconds)?;
+        put(file, "cell_steps", &0_u64)?;
+        file.attr("outcome")?.write_scalar(&text(solution.outcome)?)
     })
     .map(|_| ())
 }

@@ -49,6 +49,8 @@ pub(super) fn recover(path: &Path) {
         // A journal that cannot be removed is applied again, with the same result.
         let _ = std::fs::remove_file(journal);
     }
+    // Children forked meanwhile would keep a lock that is only dropped.
+    let _ = file.unlock();
 }
 
 /// Removes the journal of a file that was replaced.

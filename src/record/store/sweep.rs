@@ -59,13 +59,12 @@ pub struct SweepFile {
 /// # Errors
 /// [`crate::error::Error::File`] where it cannot be written.
 pub fn write_sweep(path: &Path, sweep: &SweepFile) -> Result<()> {
-    in_place(path, |temporary| -> Hdf<()> {
-        let file = File::create(temporary)?;
-        identify(&file, "barwave-sweep", &sweep.title)?;
-        put_text(&file, "plan", &sweep.plan)?;
+    in_place(path, |file| -> Hdf<()> {
+        identify(file, "barwave-sweep", &sweep.title)?;
+        put_text(file, "plan", &sweep.plan)?;
         let shape: Vec<usize> = sweep.scales.iter().map(|scale| scale.values.len()).collect();
         for (scale, length) in sweep.scales.iter().zip(&shape) {
-            write(&file, scale, &[*length])?;
+            write(file, scale, &[*length])?;
         }
         let dimensions = |column: &SweepColumn| {
             let fits = |k: &usize| shape[..*k].iter().product::<usize>() == column.values.len();
@@ -73,12 +72,11 @@ pub fn write_sweep(path: &Path, sweep: &SweepFile) -> Result<()> {
             (1..=shape.len()).rev().find(fits).unwrap_or(shape.len())
         };
         for column in &sweep.columns {
-            write(&file, column, &shape[..dimensions(column)])?;
+            write(file, column, &shape[..dimensions(column)])?;
         }
         let scales: Vec<&str> = sweep.scales.iter().map(|scale| scale.name.as_str()).collect();
         let columns: Vec<_> = sweep.columns.iter().map(|c| (c.name.as_str(), dimensions(c))).collect();
-        attach_first(&file, &scales, &columns)?;
-        file.close()
+        attach_first(file, &scales, &columns)
     })
     .map(|_| ())
 }

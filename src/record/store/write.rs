@@ -67,7 +67,7 @@ struct Table {
 impl Sink {
     /// Builds the file beside its final place, then moves it there.
     pub fn create(path: &Path, header: &Header, layout: &Layout, materials: &[MaterialRecord]) -> Result<Self> {
-        let claim = in_place(path, |temporary| build(temporary, header, layout, materials))?;
+        let claim = in_place(path, |file| build(file, header, layout, materials))?;
         Self::claimed(path, claim, layout)
     }
 

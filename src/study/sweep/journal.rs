@@ -31,6 +31,13 @@ pub(super) struct Journal {
     path: PathBuf,
 }
 
+impl Drop for Journal {
+    /// Releases the lock: a child process that was forked meanwhile would hold it until it executes its program.
+    fn drop(&mut self) {
+        let _ = self.rows.unlock();
+    }
+}
+
 impl Journal {
     /// Whether a folder holds a sweep.
     pub fn is_in(folder: &Path) -> bool {

@@ -286,3 +286,42 @@ fn what_is_no_result_file_is_a_clear_input_error() {
     std::fs::write(&path, "not HDF5").unwrap();
     assert!(complaint(&path).contains("this is not an HDF5 file"), "{}", complaint(&path));
 }
+
+/// A child process shares the open files, and with them the locks, until it executes its program. Tests that start programs while others
+/// write files met "another run writes this file" after the file had been closed.
+#[cfg(unix)]
+#[test]
+fn a_finished_file_is_free_although_a_child_was_forked_meanwhile() {
+    use std::os::unix::process::CommandExt as _;
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("out.h5");
+    let writer = start(&path, &layout(), 2);
+    let [forked, may_go] = [folder.path().join("forked"), folder.path().join("may go")];
+    let child = std::thread::spawn({
+        let (forked, may_go) = (forked.clone(), may_go.clone());
+        move || {
+            let mut command = std::process::Command::new("true");
+            let wait = move || {
+                std::fs::write(&forked, [])?;
+                while !may_go.exists() {
+                    std::thread::sleep(std::time::Duration::from_millis(1));
+                }
+                Ok(())
+            };
+            // SAFETY: between fork and exec the child only makes one file, looks for another and sleeps.
+            #[allow(unsafe_code)]
+            unsafe {
+                command.pre_exec(wait);
+            }
+            command.status()
+        }
+    });
+    while !forked.exists() {
+        std::thread::sleep(std::time::Duration::from_millis(1));
+    }
+    finish(writer);
+    let again = Writer::create(&path, &header(), &layout(), &[material()]);
+    std::fs::write(&may_go, []).unwrap();
+    assert!(child.join().unwrap().unwrap().success());
+    finish(again.unwrap());
+}

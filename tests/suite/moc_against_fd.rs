@@ -150,7 +150,7 @@ fn the_difference_falls_with_the_cells() {
 #[test]
 fn the_difference_of_muscl_falls_with_the_cells() {
     for case in cases() {
-        let [coarse, middle, fine] = [400, 1200, 3600].map(|cells| case.difference(case.muscl(cells)));
+        let [coarse, middle, fine] = [300, 900, 2700].map(|cells| case.difference(case.muscl(cells)));
         let order = (coarse / fine).ln() / 9.0_f64.ln();
         println!("{:24} {coarse:.2e} {middle:.2e} {fine:.2e}  order {order:.2}", case.name);
         assert!(fine < middle && middle < coarse, "{}: {coarse:e} {middle:e} {fine:e}", case.name);

@@ -151,9 +151,10 @@ fn printed_tables_have_their_fronts() {
     for (name, material, velocity, fronts) in printed() {
         let fan = fan_at_velocity(&material.tension, material.density, velocity);
         for (unloading, cfl, kept) in [(None, 0.5, 0.0), (ISOTROPIC, 0.5, 0.01)] {
-            let errors = [300, 1000].map(|cells| {
+            let errors = [300, 700].map(|cells| {
                 // While the precursor is in the bar, and when the fastest front behind it has gone most of the way.
-                for (time, fronts) in [(0.9 / fronts[0].0, &fronts[..1]), (0.8 / fronts[1].0, &fronts[1..])] {
+                let stages = [(0.9 / fronts[0].0, &fronts[..1]), (0.8 / fronts[1].0, &fronts[1..])];
+                let [_, bar] = stages.map(|(time, fronts)| {
                     let bar = pushed_at(cfl, &material, velocity, unloading, cells, time);
                     for &(speed, ahead, behind) in fronts {
                         let found = measured_speed(&bar, [ahead, behind]);
@@ -162,8 +163,8 @@ fn printed_tables_have_their_fronts() {
                         let near = 3.0 * bar.grid().segments[0].dx / bar.time() + kept * speed;
                         assert!((found - speed).abs() < near, "{name} {unloading:?} {cells}: {speed} {found}");
                     }
-                }
-                let bar = pushed_at(cfl, &material, velocity, unloading, cells, 0.8 / fronts[1].0);
+                    bar
+                });
                 let stress = muscl::profile(&bar, Quantity::Stress);
                 let slowest = fronts[fronts.len() - 1].0 * bar.time() / bar.grid().segments[0].dx;
                 let (plateau, inside) = (-fan.state(0.0).1, (0.1 * slowest) as usize..(0.9 * slowest) as usize);
@@ -171,7 +172,7 @@ fn printed_tables_have_their_fronts() {
                 assert!((mean / plateau - 1.0).abs() < 5e-3 + kept, "{name} {unloading:?} {cells}: {mean} {plateau}");
                 similarity_error(&bar, &fan)
             });
-            println!("{name} {unloading:?}: {errors:?} order {}", order(errors[0], errors[1], 10.0 / 3.0));
+            println!("{name} {unloading:?}: {errors:?} order {}", order(errors[0], errors[1], 7.0 / 3.0));
             assert!(errors.iter().all(|&e| e < 0.015), "{name} {unloading:?}: {errors:?}");
         }
     }

@@ -186,7 +186,7 @@ fn check_muscl(
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 2000, ..settings() })]
+    #![proptest_config(ProptestConfig { cases: 800, ..settings() })]
 
     #[test]
     fn any_bar_keeps_the_books_by_muscl(

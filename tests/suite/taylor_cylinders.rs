@@ -136,7 +136,7 @@ fn final_lengths_converge() {
 fn the_characteristic_net_agrees_with_the_grid() {
     for shot in [SHOTS[0], SHOTS[2], SHOTS[4]] {
         let [net, grid] =
-            ["solve.method=moc", GRID].map(|method| final_length(shot, &[RATE_LAW, method, "solve.cells=800"]));
+            ["solve.method=moc", GRID].map(|method| final_length(shot, &[RATE_LAW, method, "solve.cells=400"]));
         assert!((net - grid).abs() < 0.006, "{shot:?}: {net} by the net, {grid} by the grid");
     }
 }

@@ -7,6 +7,45 @@ pub struct History {
     value: Vec<f64>,
 }
 
+/// What can be wrong with a row of a history, or of a table over x.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RowFault {
+    /// There is no row.
+    None,
+    /// A number is not finite.
+    NotFinite,
+    /// The time (or x) is negative.
+    Negative,
+    /// The time (or x) is less than that of the row before.
+    Falls,
+    /// The third row with one time (or x).
+    Third,
+}
+
+impl RowFault {
+    /// In words, after "row 3", for rows over time.
+    pub fn over_time(self) -> &'static str {
+        match self {
+            Self::None => "a history needs at least one row",
+            Self::NotFinite => "is not finite",
+            Self::Negative => "has a negative time",
+            Self::Falls => "goes back in time",
+            Self::Third => "is the third row with one time",
+        }
+    }
+
+    /// Likewise for rows over x.
+    pub fn over_x(self) -> &'static str {
+        match self {
+            Self::None => "a table over x needs at least one row",
+            Self::NotFinite => "is not finite",
+            Self::Negative => "has a negative x",
+            Self::Falls => "lies to the left of the row before it",
+            Self::Third => "is the third row with one x",
+        }
+    }
+}
+
 impl History {
     /// A value that holds from t = 0 on.
     pub fn constant(value: f64) -> Self {
@@ -18,22 +57,22 @@ impl History {
     ///
     /// # Errors
     /// The index of the first row that breaks a rule, and which rule.
-    pub fn new(rows: &[(f64, f64)]) -> Result<Self, (usize, &'static str)> {
+    pub fn new(rows: &[(f64, f64)]) -> Result<Self, (usize, RowFault)> {
         if rows.is_empty() {
-            return Err((0, "a history needs at least one row"));
+            return Err((0, RowFault::None));
         }
         for (i, &(t, v)) in rows.iter().enumerate() {
             if !t.is_finite() || !v.is_finite() {
-                return Err((i, "is not finite"));
+                return Err((i, RowFault::NotFinite));
             }
             if t < 0.0 {
-                return Err((i, "has a negative time"));
+                return Err((i, RowFault::Negative));
             }
             if i > 0 && t < rows[i - 1].0 {
-                return Err((i, "goes back in time"));
+                return Err((i, RowFault::Falls));
             }
             if i > 1 && t == rows[i - 2].0 {
-                return Err((i, "is the third row with one time"));
+                return Err((i, RowFault::Third));
             }
         }
         Ok(Self { time: rows.iter().map(|r| r.0).collect(), value: rows.iter().map(|r| r.1).collect() })

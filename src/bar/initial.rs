@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::History;
+use super::{History, RowFault};
 use crate::law::Deformed;
 
 /// The state of a segment at t = 0. What held it is taken away then: where forces differ at joints and ends, waves start.
@@ -63,18 +63,11 @@ impl Distribution {
     ///
     /// # Errors
     /// The index of the first row that breaks a rule, and which rule.
-    pub fn new(rows: &[(f64, f64)]) -> Result<Self, (usize, &'static str)> {
+    pub fn new(rows: &[(f64, f64)]) -> Result<Self, (usize, RowFault)> {
         let first = rows.first().filter(|row| row.0 > 0.0).map(|row| (0.0, row.1));
         let shift = usize::from(first.is_some());
         let all: Vec<(f64, f64)> = first.into_iter().chain(rows.iter().copied()).collect();
-        let said = |why: &'static str| match why {
-            "a history needs at least one row" => "a table over x needs at least one row",
-            "has a negative time" => "has a negative x",
-            "goes back in time" => "lies to the left of the row before it",
-            "is the third row with one time" => "is the third row with one x",
-            other => other,
-        };
-        History::new(&all).map(Self).map_err(|(i, why)| (i.saturating_sub(shift), said(why)))
+        History::new(&all).map(Self).map_err(|(i, fault)| (i.saturating_sub(shift), fault))
     }
 
     /// The rows.
@@ -227,7 +220,7 @@ mod tests {
         assert_eq!([0.0, 0.5, 1.5, 2.0, 9.0].map(|x| table.at(x)), [2.0, 2.0, 3.0, 1.0, 1.0]);
         assert_eq!([2.0, 3.0, 0.0].map(|x| table.before(x)), [4.0, 1.0, 2.0]);
         assert_eq!((table.mean(0.0, 2.0), table.mean(1.0, 4.0)), (2.5, 5.0 / 3.0));
-        assert_eq!(Distribution::new(&[(1.0, 0.0), (0.5, 0.0)]), Err((1, "lies to the left of the row before it")));
+        assert_eq!(Distribution::new(&[(1.0, 0.0), (0.5, 0.0)]), Err((1, RowFault::Falls)));
         assert_eq!(Distribution::new(&[]).expect_err("wrong").0, 0);
     }
 

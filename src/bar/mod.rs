@@ -13,7 +13,7 @@ use std::sync::Arc;
 
 pub use end::EndCondition;
 pub use hertz::Hertz;
-pub use history::History;
+pub use history::{History, RowFault};
 pub use initial::{Distribution, Initial, InitialProfile};
 pub use initial_fan::{InitialFan, Origin, initial_fans};
 pub use joint::Joint;

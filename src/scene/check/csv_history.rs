@@ -41,7 +41,8 @@ const TIME: Abscissa = Abscissa {
 
 impl Checker<'_> {
     pub(super) fn csv_history(&self, path: &Spanned<String>, key: &str, dimension: Dimension) -> Result<History> {
-        self.csv_rows(path, key, &TIME, dimension, History::new, [ROWS, ROWS_HELP])
+        let history = |rows: &[(f64, f64)]| History::new(rows).map_err(|(i, fault)| (i, fault.over_time()));
+        self.csv_rows(path, key, &TIME, dimension, history, [ROWS, ROWS_HELP])
     }
 
     /// The rows of a file with two columns, which `make` makes something of, or says which row is wrong and why; `rules` are what rows obey,

@@ -155,7 +155,8 @@ impl Checker<'_> {
             let v = self.document.number(value, &format!("{key}.{i}.value"), dimension, Allowed::Finite)?;
             pairs.push((t, v));
         }
-        History::new(&pairs).map_err(|(i, why)| {
+        History::new(&pairs).map_err(|(i, fault)| {
+            let why = fault.over_time();
             let span = rows.get_ref().get(i).map_or_else(|| rows.span(), Spanned::span);
             let what = if pairs.is_empty() { why.to_owned() } else { format!("row {} {why}", i + 1) };
             self.error(span, &format!("{key}.{i}"), what).allowed(ROWS).help(ROWS_HELP).into()

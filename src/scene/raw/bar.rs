@@ -1,9 +1,11 @@
 //! `[bar]`: segments, sections, joints, and what they are made of.
 
+use std::marker::PhantomData;
+
 use schemars::JsonSchema;
 use serde::Deserialize;
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
-use serde::de::{Deserializer, MapAccess, SeqAccess, Visitor};
+use serde::de::{Deserializer, Error as _, MapAccess, SeqAccess, Unexpected, Visitor};
 use toml::Spanned;
 
 use super::choice::text_or_table;
@@ -177,40 +179,16 @@ pub enum Section {
     Table(#[schemars(with = "Vec<[Quantity; 2]>")] Vec<Spanned<Vec<Number>>>),
 }
 
-// By hand: an untagged derive loses the places of the numbers inside.
+impl AlongBar for Section {
+    const EXPECTED: &str = "a number, a text with a unit such as \"1 cm^2\", or rows [x, size] of a taper";
+    const UNIFORM: fn(Quantity) -> Self = Self::Uniform;
+    const TABLE: fn(Rows) -> Self = Self::Table;
+    const CSV: Option<fn(RawTableFile) -> Self> = None;
+}
+
 impl<'de> Deserialize<'de> for Section {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Choice;
-
-        impl<'de> Visitor<'de> for Choice {
-            type Value = Section;
-
-            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-                f.write_str("a number, a text with a unit such as \"1 cm^2\", or rows [x, size] of a taper")
-            }
-
-            fn visit_f64<E>(self, value: f64) -> Result<Section, E> {
-                Ok(Section::Uniform(Quantity::Number(value)))
-            }
-
-            fn visit_i64<E>(self, value: i64) -> Result<Section, E> {
-                Ok(Section::Uniform(Quantity::Number(value as f64)))
-            }
-
-            fn visit_u64<E>(self, value: u64) -> Result<Section, E> {
-                Ok(Section::Uniform(Quantity::Number(value as f64)))
-            }
-
-            fn visit_str<E>(self, value: &str) -> Result<Section, E> {
-                Ok(Section::Uniform(Quantity::Text(value.to_owned())))
-            }
-
-            fn visit_seq<A: SeqAccess<'de>>(self, rows: A) -> Result<Section, A::Error> {
-                Vec::deserialize(SeqAccessDeserializer::new(rows)).map(Section::Table)
-            }
-        }
-
-        deserializer.deserialize_any(Choice)
+        deserializer.deserialize_any(Choice(PhantomData))
     }
 }
 
@@ -237,44 +215,65 @@ pub struct RawTableFile {
     pub csv: Spanned<String>,
 }
 
-// By hand: an untagged derive loses the places of the numbers inside.
+impl AlongBar for RawDistribution {
+    const EXPECTED: &str = "a number, a text with a unit, rows [x, value], or { csv = \"file.csv\" }";
+    const UNIFORM: fn(Quantity) -> Self = Self::Uniform;
+    const TABLE: fn(Rows) -> Self = Self::Table;
+    const CSV: Option<fn(RawTableFile) -> Self> = Some(Self::Csv);
+}
+
 impl<'de> Deserialize<'de> for RawDistribution {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Choice;
+        deserializer.deserialize_any(Choice(PhantomData))
+    }
+}
 
-        impl<'de> Visitor<'de> for Choice {
-            type Value = RawDistribution;
+/// Rows [x, value] with their places in the text.
+type Rows = Vec<Spanned<Vec<Number>>>;
 
-            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-                f.write_str("a number, a text with a unit, rows [x, value], or { csv = \"file.csv\" }")
-            }
+/// What is given by one value, or along the bar.
+trait AlongBar: Sized {
+    /// What can be written, for messages.
+    const EXPECTED: &str;
+    const UNIFORM: fn(Quantity) -> Self;
+    const TABLE: fn(Rows) -> Self;
+    /// None where it cannot be in a file of its own.
+    const CSV: Option<fn(RawTableFile) -> Self>;
+}
 
-            fn visit_f64<E>(self, value: f64) -> Result<RawDistribution, E> {
-                Ok(RawDistribution::Uniform(Quantity::Number(value)))
-            }
+/// By hand: an untagged derive loses the places of the numbers inside.
+struct Choice<T>(PhantomData<T>);
 
-            fn visit_i64<E>(self, value: i64) -> Result<RawDistribution, E> {
-                Ok(RawDistribution::Uniform(Quantity::Number(value as f64)))
-            }
+impl<'de, T: AlongBar> Visitor<'de> for Choice<T> {
+    type Value = T;
 
-            fn visit_u64<E>(self, value: u64) -> Result<RawDistribution, E> {
-                Ok(RawDistribution::Uniform(Quantity::Number(value as f64)))
-            }
+    fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(T::EXPECTED)
+    }
 
-            fn visit_str<E>(self, value: &str) -> Result<RawDistribution, E> {
-                Ok(RawDistribution::Uniform(Quantity::Text(value.to_owned())))
-            }
+    fn visit_f64<E>(self, value: f64) -> Result<T, E> {
+        Ok(T::UNIFORM(Quantity::Number(value)))
+    }
 
-            fn visit_seq<A: SeqAccess<'de>>(self, rows: A) -> Result<RawDistribution, A::Error> {
-                Vec::deserialize(SeqAccessDeserializer::new(rows)).map(RawDistribution::Table)
-            }
+    fn visit_i64<E>(self, value: i64) -> Result<T, E> {
+        Ok(T::UNIFORM(Quantity::Number(value as f64)))
+    }
 
-            fn visit_map<A: MapAccess<'de>>(self, file: A) -> Result<RawDistribution, A::Error> {
-                RawTableFile::deserialize(MapAccessDeserializer::new(file)).map(RawDistribution::Csv)
-            }
-        }
+    fn visit_u64<E>(self, value: u64) -> Result<T, E> {
+        Ok(T::UNIFORM(Quantity::Number(value as f64)))
+    }
 
-        deserializer.deserialize_any(Choice)
+    fn visit_str<E>(self, value: &str) -> Result<T, E> {
+        Ok(T::UNIFORM(Quantity::Text(value.to_owned())))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, rows: A) -> Result<T, A::Error> {
+        Vec::deserialize(SeqAccessDeserializer::new(rows)).map(T::TABLE)
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, file: A) -> Result<T, A::Error> {
+        let csv = T::CSV.ok_or_else(|| A::Error::invalid_type(Unexpected::Map, &self))?;
+        RawTableFile::deserialize(MapAccessDeserializer::new(file)).map(csv)
     }
 }
 

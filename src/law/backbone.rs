@@ -15,6 +15,12 @@ pub trait Backbone: Send + Sync {
     /// g(z), Pa, for z >= 0.
     fn stress(&self, z: f64, sign: f64) -> f64;
 
+    /// [`Self::stress`] where it is below z; at least z elsewhere.
+    #[inline(always)]
+    fn yielding_stress(&self, z: f64, sign: f64) -> f64 {
+        self.stress(z, sign)
+    }
+
     /// [`Self::stress`] of neighbouring cells, into `y`; all of one length.
     #[inline(always)]
     fn stresses(&self, z: &[f64], sign: &[f64], y: &mut [f64]) {
@@ -122,7 +128,8 @@ impl Table {
     }
 }
 
-/// Few lines of a concave table: g(z) is the lowest of them; no look-up at all. `K` lines, padded by repetition.
+/// Few lines of a concave table: g(z) is the lowest of them; no look-up at all. `K` lines, padded by repetition; the first one is the elastic
+/// line.
 #[derive(Debug, Clone)]
 pub struct Envelope<const K: usize> {
     offset: [f64; K],
@@ -132,7 +139,9 @@ pub struct Envelope<const K: usize> {
 impl<const K: usize> Envelope<K> {
     /// None where the table has more than `K` lines or is not concave.
     pub fn new(table: &Table) -> Option<Self> {
-        let lines = table.lines();
+        let elastic = Line { start: 0.0, offset: 0.0, slope: 1.0 };
+        let beyond = table.lines().iter().filter(|line| line.slope < 1.0);
+        let lines: Vec<Line> = std::iter::once(elastic).chain(beyond.copied()).collect();
         if lines.len() > K || !table.is_concave() {
             return None;
         }
@@ -146,6 +155,17 @@ impl<const K: usize> Backbone for Envelope<K> {
     fn stress(&self, z: f64, _sign: f64) -> f64 {
         let mut y = self.offset[0] + self.slope[0] * z;
         for k in 1..K {
+            let other = self.offset[k] + self.slope[k] * z;
+            y = if other < y { other } else { y };
+        }
+        y
+    }
+
+    #[inline(always)]
+    fn yielding_stress(&self, z: f64, _sign: f64) -> f64 {
+        const { assert!(K > 1, "the elastic line and one beyond") };
+        let mut y = self.offset[1] + self.slope[1] * z;
+        for k in 2..K {
             let other = self.offset[k] + self.slope[k] * z;
             y = if other < y { other } else { y };
         }

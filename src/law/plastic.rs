@@ -33,7 +33,7 @@ impl<B: Backbone> CellLaw<2> for Isotropic<B> {
 
     #[inline(always)]
     fn respond(&self, _sigma: f64, predictor: f64, state: [f64; 2]) -> Response<2> {
-        self.return_map(predictor, state, self.0.stress(self.table_abscissa(predictor, state), predictor))
+        self.return_map(predictor, state, self.0.yielding_stress(self.table_abscissa(predictor, state), predictor))
     }
 
     #[inline(always)]
@@ -97,7 +97,11 @@ impl<B: Backbone> CellLaw<4> for Mixed<B> {
 
     #[inline(always)]
     fn respond(&self, _sigma: f64, predictor: f64, state: [f64; 4]) -> Response<4> {
-        self.return_map(predictor, state, self.backbone.stress(self.table_abscissa(predictor, state), predictor))
+        self.return_map(
+            predictor,
+            state,
+            self.backbone.yielding_stress(self.table_abscissa(predictor, state), predictor),
+        )
     }
 
     #[inline(always)]

@@ -192,8 +192,8 @@ fn step<L: CellLaw<N>, const N: usize, const FIRST: bool>(
         }
         law.interpolate(abscissa, predictor, table);
     }
-    // As wide as the numbers of the cells, which are compared: no instructions to narrow them.
-    let (mut turned_work, mut any_turns) = (Aligned([0.0; CHUNK]), 0_u64);
+    // What any cell does, in the bits of numbers that are 0 in the others: cheaper than comparisons.
+    let (mut turned_work, [mut onsets, mut flows]) = (Aligned([0.0; CHUNK]), [0_u64; 2]);
     let turned_work = &mut turned_work.0;
     for i in 0..CHUNK {
         let (before, now) = (read(&columns, i), sigma[i]);
@@ -204,8 +204,11 @@ fn step<L: CellLaw<N>, const N: usize, const FIRST: bool>(
         } else {
             law.respond(sigma_before, if FIRST { now } else { law.base(now, before) + increment }, before)
         };
-        let turns = law.onset(sigma_before, before, &after) < 0.0;
-        any_turns |= u64::from(turns);
+        let onset = law.onset(sigma_before, before, &after);
+        let turns = onset < 0.0;
+        // The sum is never -0.
+        onsets |= (onset + 0.0).to_bits();
+        flows |= after.plastic.to_bits();
         work[i] = (sigma_before + after.sigma) * after.plastic;
         turned_work[i] = if turns { law.turned_work(before, &after) } else { work[i] };
         sigma[i] = after.sigma;
@@ -213,7 +216,7 @@ fn step<L: CellLaw<N>, const N: usize, const FIRST: bool>(
             column[i] = value;
         }
     }
-    if any_turns != 0 {
+    if onsets >> 63 != 0 {
         let turned = turn(turned_work, work);
         add(turns, &turned);
         if let Some(asked) = asked {
@@ -222,12 +225,17 @@ fn step<L: CellLaw<N>, const N: usize, const FIRST: bool>(
     } else if let Some(asked) = asked {
         asked.fill(0.0);
     }
-    let mut senses = [0; CHUNK];
-    for i in 0..CHUNK {
-        senses[i] = sense_of_flow(work[i], sigma[i]);
+    // Whatever its sign.
+    if flows << 1 == 0 {
+        flow.fill(0);
+    } else {
+        let mut senses = [0; CHUNK];
+        for i in 0..CHUNK {
+            senses[i] = sense_of_flow(work[i], sigma[i]);
+        }
+        *flow = senses.map(|sense| sense as i8);
+        add(works, work);
     }
-    *flow = senses.map(|sense| sense as i8);
-    add(works, work);
     let mut accumulated = [0.0; CHUNK];
     for (i, accumulated) in accumulated.iter_mut().enumerate() {
         *accumulated = law.accumulated(read(&columns, i));

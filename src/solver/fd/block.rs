@@ -1,6 +1,7 @@
 //! A run of cells that is stepped as one: small enough for the first-level cache, large enough that choosing its
 //! kernel costs nothing.
 
+use std::cell::RefCell;
 use std::ops::Range;
 
 use multiversion::multiversion;
@@ -24,9 +25,15 @@ pub(super) struct Scratch {
 }
 
 impl Scratch {
-    pub fn new() -> Self {
+    const fn new() -> Self {
         let cells = [0.0; MOST_CELLS];
         Self { work: Aligned(cells), turned: Aligned(cells), gaps: Gaps::new() }
+    }
+
+    /// Lends that of the thread: it is filled with zeros once, not in every step.
+    pub fn lend<T>(steps: impl FnOnce(&mut Self) -> T) -> T {
+        thread_local! { static OWN: RefCell<Scratch> = const { RefCell::new(Scratch::new()) }; }
+        OWN.with_borrow_mut(|own| steps(own))
     }
 }
 

@@ -70,7 +70,7 @@ pub(super) struct Gaps {
 
 impl Gaps {
     /// With room for the longest block.
-    pub fn new() -> Self {
+    pub const fn new() -> Self {
         Self { w: Aligned([0.0; MOST_CELLS + 2 * LANES]), cells: 0, outside: [false; 2], smooth: true }
     }
 
@@ -99,8 +99,8 @@ impl Gaps {
     /// velocity is prescribed. Returns whether any is not zero.
     pub fn find(&self, flow: &[i8], filter: Filter, impulses: &mut [f64]) -> bool {
         let w = &self.w.0[LANES - 1..=LANES + self.cells];
-        let anything =
-            if flow.is_empty() { find(w, filter, impulses) } else { find_flowing(w, flow, filter, impulses) };
+        let flows = flow.iter().fold(0, |any, sense| any | sense) != 0;
+        let anything = if flows { find_flowing(w, flow, filter, impulses) } else { find(w, filter, impulses) };
         for (cell, inside) in [0, self.cells - 1].into_iter().zip(self.outside) {
             if !inside {
                 impulses[cell] = 0.0;
@@ -164,24 +164,33 @@ fn larger(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
 
+/// A velocity difference as its sense and its size, and its neighbours', positive where they have its sense.
+#[inline(always)]
+fn seen_from([left, w, right]: [f64; 3]) -> (f64, f64, [f64; 2]) {
+    let sense = 1.0_f64.copysign(w);
+    (sense, w.abs(), [sense * left, sense * right])
+}
+
+/// The odd-even part of a difference of this size.
+#[inline(always)]
+fn alternating(size: f64, [left, right]: [f64; 2], filter: Filter) -> f64 {
+    if larger(left, right) < -filter.rounding { filter.zigzag * size } else { 0.0 }
+}
+
 /// Impulse of a cell as a velocity difference: the odd-even part of `w` and, where the cell is strained further in the sense of its `flow`, the
 /// overshoot.
 /// (Not where it has turned since: kinetic energy is that of the mean of this difference and the one a step before, which was larger and of
 /// the other sign. To take some of this one would then give energy.)
 #[inline(always)]
-fn impulse([left, w, right]: [f64; 3], flow: f64, filter: Filter) -> f64 {
-    let Filter { rounding, zigzag, overshoot } = filter;
-    let (sense, size) = (1.0_f64.copysign(w), w.abs());
-    // Its neighbours' differences, positive where they have its sign.
-    let (left, right) = (sense * left, sense * right);
-    let zigzag = if larger(left, right) < -rounding { zigzag * size } else { 0.0 };
-    let supported = SUPPORT * larger(lesser(left, right), 0.0);
+fn impulse(w: [f64; 3], flow: f64, filter: Filter) -> f64 {
+    let (sense, size, neighbours) = seen_from(w);
+    let supported = SUPPORT * larger(lesser(neighbours[0], neighbours[1]), 0.0);
     let above = larger(size - supported, 0.0);
-    let overshoot = if flow * w > rounding { overshoot * above } else { 0.0 };
-    sense * (zigzag + overshoot)
+    let overshoot = if flow * w[1] > filter.rounding { filter.overshoot * above } else { 0.0 };
+    sense * (alternating(size, neighbours, filter) + overshoot)
 }
 
-/// What the cells of a block that has not yielded hand over; `w` are their differences and one more on either side. Returns
+/// What the cells of a block in which nothing flows hand over; `w` are their differences and one more on either side. Returns
 /// whether that is anything.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
 fn find(w: &[f64], filter: Filter, impulses: &mut [f64]) -> bool {
@@ -189,13 +198,14 @@ fn find(w: &[f64], filter: Filter, impulses: &mut [f64]) -> bool {
     let (left, here, right) = (&w[..cells], &w[1..=cells], &w[2..cells + 2]);
     let mut bits = 0;
     for i in 0..cells {
-        impulses[i] = impulse([left[i], here[i], right[i]], 0.0, filter);
+        let (sense, size, neighbours) = seen_from([left[i], here[i], right[i]]);
+        impulses[i] = sense * alternating(size, neighbours, filter);
         bits |= impulses[i].to_bits();
     }
     bits & Range::SIZE != 0
 }
 
-/// The same in a block with yielded cells.
+/// The same in a block with cells that flow.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
 fn find_flowing(w: &[f64], flow: &[i8], filter: Filter, impulses: &mut [f64]) -> bool {
     let cells = impulses.len();

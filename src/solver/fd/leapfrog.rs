@@ -187,13 +187,17 @@ impl Leapfrog {
 
     /// A step in which every block waits for all others.
     fn advance_together(&mut self) {
-        let (step, mut scratch) = (self.step + 1, Scratch::new());
+        Scratch::lend(|scratch| self.step_with(scratch));
+    }
+
+    fn step_with(&mut self, scratch: &mut Scratch) {
+        let step = self.step + 1;
         if self.implicit.is_some() {
-            self.whole().advance_stresses(step, &mut scratch);
+            self.whole().advance_stresses(step, scratch);
             self.step = step;
             self.advance_nodes();
         } else {
-            self.whole().advance_and_meet(step, &mut scratch);
+            self.whole().advance_and_meet(step, scratch);
             self.step = step;
         }
         if self.step < self.starts_until() {
@@ -204,7 +208,7 @@ impl Leapfrog {
         if self.rupture.is_some() {
             self.break_where_due();
         }
-        self.whole().damp_and_finish(step, &mut scratch);
+        self.whole().damp_and_finish(step, scratch);
         if let Some(nodes) = &mut self.implicit {
             nodes.take_filtered(&self.blocks);
         }

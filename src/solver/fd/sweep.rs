@@ -127,17 +127,18 @@ impl Stretch<'_> {
     /// Takes the bar `steps` steps on in so many parts, as [`division`] allows.
     pub fn sweep(&mut self, steps: usize, parts: usize) {
         if parts == 1 {
-            return self.sweep_tiles(steps);
+            return Scratch::lend(|scratch| self.sweep_tiles(steps, scratch));
         }
         let at = self.blocks.len() * (parts / 2) / parts;
         let middle = (self.first + at) as i64;
         let [mut left, mut right] = self.split(at);
         rayon::join(|| left.sweep(steps, parts / 2), || right.sweep(steps, parts - parts / 2));
-        let mut scratch = Scratch::new();
-        for s in 0..steps {
-            let lag = LAG * s as i64;
-            self.act(s, &Acts::between(middle - lag, middle + lag), &mut scratch);
-        }
+        Scratch::lend(|scratch| {
+            for s in 0..steps {
+                let lag = LAG * s as i64;
+                self.act(s, &Acts::between(middle - lag, middle + lag), scratch);
+            }
+        });
     }
 
     /// Two stretches, without the edge between them.
@@ -168,11 +169,10 @@ impl Stretch<'_> {
     }
 
     /// All that can be done of these steps without knowing what is beyond the stretch.
-    fn sweep_tiles(&mut self, steps: usize) {
+    fn sweep_tiles(&mut self, steps: usize, scratch: &mut Scratch) {
         let (from, to) = (self.first as i64, (self.first + self.blocks.len()) as i64);
         let at_start = self.ends[0].is_some();
         let at_end = self.ends[1].is_some();
-        let mut scratch = Scratch::new();
         let mut tile = from;
         while tile - LAG * (steps as i64 - 1) <= to + LAG {
             // The first and the last step in which the tile is on the stretch.
@@ -186,7 +186,7 @@ impl Stretch<'_> {
                 if !at_end {
                     acts = acts.and(&Acts::left_of(to - LAG * s));
                 }
-                self.act(s as usize, &acts, &mut scratch);
+                self.act(s as usize, &acts, scratch);
             }
             tile += TILE;
         }

@@ -1,8 +1,9 @@
 //! Pictures of inverted curves.
 
-use super::axes::{Axis, Series, line_panel};
+use super::axes::{Axis, Series};
+use super::lines::{area, document, panel};
 use super::plot::colour;
-use super::svg::{Anchor, Area, Stroke, Svg};
+use super::svg::Stroke;
 use crate::material::Curve;
 use crate::study::invert::hopkinson::{Knot, Moment, Reduced};
 use crate::study::invert::{Interval, WavePoint};
@@ -11,39 +12,10 @@ const MPA: f64 = 1e-6;
 const PERCENT: f64 = 100.0;
 const US: f64 = 1e6;
 
-const WIDTH: f64 = 1180.0;
-const PANEL: f64 = 380.0;
-const MARGIN: f64 = 16.0;
-const HEADER: f64 = 40.0;
-
 type Points = Vec<(f64, f64)>;
 
 fn solid(i: usize) -> Stroke {
     Stroke::new(colour(i), 1.8)
-}
-
-fn area(column: usize, row: usize) -> Area {
-    let width = (WIDTH - 3.0 * MARGIN) / 2.0;
-    Area {
-        x: MARGIN + (width + MARGIN) * column as f64,
-        y: HEADER + (PANEL + MARGIN) * row as f64,
-        width,
-        height: PANEL,
-    }
-}
-
-fn document(title: &str, rows: usize, draw: impl FnOnce(&mut Svg)) -> String {
-    let mut svg = Svg::default();
-    svg.bold((MARGIN, 26.0), 18.0, Anchor::Start, title);
-    draw(&mut svg);
-    svg.document(WIDTH, HEADER + (PANEL + MARGIN) * rows as f64)
-}
-
-fn panel(svg: &mut Svg, place: Area, heading: &str, [x, y]: [&str; 2], series: &[Series]) {
-    let all = || series.iter().flat_map(|s| &s.points).filter(|p| p.0.is_finite() && p.1.is_finite());
-    let x = Axis::around(x, all().map(|p| p.0).chain([0.0]));
-    let y = Axis::around(y, all().map(|p| p.1).chain([0.0]));
-    line_panel(svg, place, heading, x, y, series);
 }
 
 /// A quantity against strain with its 95 % interval.
@@ -79,7 +51,7 @@ pub fn waves(title: &str, points: &[WavePoint], given: Option<&Curve>) -> String
     let mut stress = banded("inverted", points, |p| p.stress_pa, MPA);
     stress.extend(simulated(given, last));
     let start = Axis::around(STRAIN, [0.0, PERCENT * last].into_iter()).label;
-    document(title, 2, |svg| {
+    document(title, [2, 2], |svg| {
         panel(svg, area(0, 0), "(a)  stress", [&start, "engineering stress (MPa)"], &stress);
         let speed = banded("inverted", points, |p| p.wave_speed_m_s, 1.0);
         panel(svg, area(1, 0), "(b)  wave speed", [STRAIN, "wave speed (m/s)"], &speed);
@@ -97,7 +69,7 @@ pub fn hopkinson(title: &str, reduced: &Reduced, given: Option<&Curve>) -> Strin
     let history = |name: &str, i: usize, unit: f64, of: fn(&Moment) -> f64| {
         Series::line(name, reduced.moments.iter().map(|m| (US * m.time_s, unit * of(m))).collect(), solid(i))
     };
-    document(title, 2, |svg| {
+    document(title, [2, 2], |svg| {
         let pulses = [
             history("incident", 0, 1e3, |m| m.incident),
             history("reflected", 1, 1e3, |m| m.reflected),

@@ -10,6 +10,7 @@ mod figure;
 mod impact;
 pub mod impact_cost;
 pub mod invert;
+pub mod lines;
 mod map;
 mod page;
 mod panels;

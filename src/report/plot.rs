@@ -1,4 +1,4 @@
-//! What every picture shares: looks, panels side by side, and writing them as SVG, PNG or HTML.
+//! What every picture shares: colours, and writing it as SVG, PNG or HTML.
 //!
 //! SVG and HTML name the font `DejaVu Sans` with common substitutes; PNG is drawn with `DejaVu Sans` itself, which is
 //! part of the program, so it looks the same on a machine without fonts.
@@ -6,9 +6,6 @@
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
-use kuva::backend::svg::SvgBackend;
-use kuva::prelude::{Figure, Layout, LegendEntry, LegendShape, Plot, Theme};
-use kuva::render::render::{Scene, render_multiple};
 use resvg::{tiny_skia, usvg};
 
 use crate::destination;
@@ -17,93 +14,12 @@ use crate::error::{Error, InputError, Result};
 /// Pixels of a PNG for each SVG unit: 2.5 makes a panel of 520 units 1300 pixels wide, 300 dpi over 11 cm.
 pub const PNG_SCALE: f32 = 2.5;
 
-/// Width of a panel, SVG units.
-pub const PANEL_WIDTH: f64 = 520.0;
-
-/// Height of a panel, SVG units.
-pub const PANEL_HEIGHT: f64 = 390.0;
-
 /// Line colours that stay apart for colour-blind readers and in print (after Okabe and Ito, without the yellow).
 pub const COLOURS: [&str; 7] = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000"];
 
 /// Colour of the i-th line; they repeat after the last.
 pub fn colour(i: usize) -> &'static str {
     COLOURS[i % COLOURS.len()]
-}
-
-/// Dash pattern that tells lines apart which share a colour.
-pub fn line_style(i: usize) -> kuva::plot::LineStyle {
-    use kuva::plot::LineStyle::{DashDot, Dashed, Dotted, Solid};
-    [Solid, Dashed, DashDot, Dotted][(i / COLOURS.len()) % 4].clone()
-}
-
-/// Black on white, pale grid.
-pub fn theme() -> Theme {
-    Theme { grid_color: "#e4e4e4".into(), legend_border: "#b0b0b0".into(), ..Theme::light() }
-}
-
-/// The layout of one panel: boxed axes with a pale grid, fitted to the plots. Labels carry their unit in round
-/// brackets: "stress (MPa)".
-pub fn layout(plots: &[Plot], title: &str, x_label: &str, y_label: &str) -> Layout {
-    let layout = Layout::auto_from_plots(plots)
-        .with_theme(theme())
-        .with_font_family(FONT_FAMILY)
-        .with_box_axes()
-        .with_x_label(x_label)
-        .with_y_label(y_label)
-        .with_title_size(15)
-        .with_label_size(14)
-        .with_tick_size(12)
-        .with_body_size(12)
-        .with_width(PANEL_WIDTH)
-        .with_height(PANEL_HEIGHT);
-    if title.is_empty() { layout } else { layout.with_title(title) }
-}
-
-const FONT_FAMILY: &str = "DejaVu Sans, Liberation Sans, Arial, Helvetica, sans-serif";
-
-/// One panel of a figure: what is drawn, and its [`layout`].
-pub struct Panel {
-    /// Drawn in this order.
-    pub plots: Vec<Plot>,
-    /// Axes, labels, legend.
-    pub layout: Layout,
-}
-
-/// Panels row by row with `columns` in a row, lettered (a), (b), ... where there is more than one, as SVG text.
-pub fn figure(panels: Vec<Panel>, columns: usize) -> String {
-    figure_with_legend(panels, columns, Vec::new())
-}
-
-/// As [`figure`], with one legend for all panels below them, where it covers no data.
-pub fn figure_with_legend(panels: Vec<Panel>, columns: usize, legend: Vec<LegendEntry>) -> String {
-    if panels.len() == 1 && legend.is_empty() {
-        let lone = panels.into_iter().map(|panel| render_multiple(panel.plots, panel.layout));
-        return lone.map(|scene| svg(&scene)).collect();
-    }
-    let rows = panels.len().div_ceil(columns.max(1));
-    let (plots, layouts): (Vec<_>, Vec<_>) = panels.into_iter().map(|panel| (panel.plots, panel.layout)).unzip();
-    let mut figure = Figure::new(rows, columns)
-        .with_plots(plots)
-        .with_layouts(layouts)
-        .with_cell_size(PANEL_WIDTH, PANEL_HEIGHT)
-        .with_spacing(24.0)
-        .with_labels_lowercase();
-    if !legend.is_empty() {
-        figure = figure.with_shared_legend_bottom().with_shared_legend_entries(legend);
-    }
-    svg(&figure.render())
-}
-
-/// A legend entry for a line of [`colour`] and [`line_style`] `i`.
-pub fn legend_line(label: &str, i: usize) -> LegendEntry {
-    let dasharray = line_style(i).dasharray();
-    LegendEntry { label: label.into(), color: colour(i).into(), shape: LegendShape::Line, dasharray }
-}
-
-/// SVG text of a scene.
-pub fn svg(scene: &Scene) -> String {
-    SvgBackend::new().render_scene(scene)
 }
 
 /// Kind of picture file, by its name.
@@ -208,46 +124,18 @@ pub fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
-/// `DejaVu Sans`, for [`png`]. The plotting library carries the font but hands it out only inside SVG text, as
-/// base64, from where it is read back once.
+/// `DejaVu Sans`, for [`png`].
 fn fonts() -> Arc<usvg::fontdb::Database> {
     static FONTS: OnceLock<Arc<usvg::fontdb::Database>> = OnceLock::new();
     let load = || {
-        let carrier = SvgBackend::new().with_embedded_font(true).render_scene(&Scene::new(1.0, 1.0));
         let mut fonts = usvg::fontdb::Database::new();
-        for part in carrier.split(";base64,").skip(1) {
-            let encoded = part.split('\'').next().unwrap_or_default();
-            fonts.load_font_data(decode_base64(encoded));
+        for font in [dejavu::sans::regular(), dejavu::sans::bold()] {
+            fonts.load_font_source(usvg::fontdb::Source::Binary(Arc::new(font)));
         }
         fonts.set_sans_serif_family("DejaVu Sans");
-        fonts.set_monospace_family("DejaVu Sans Mono");
         Arc::new(fonts)
     };
     FONTS.get_or_init(load).clone()
-}
-
-/// Bytes of standard base64 text; padding and anything else that is no digit is skipped.
-fn decode_base64(text: &str) -> Vec<u8> {
-    let digit = |c: u8| match c {
-        b'A'..=b'Z' => Some(c - b'A'),
-        b'a'..=b'z' => Some(c - b'a' + 26),
-        b'0'..=b'9' => Some(c - b'0' + 52),
-        b'+' => Some(62),
-        b'/' => Some(63),
-        _ => None,
-    };
-    let mut bytes = Vec::with_capacity(text.len() / 4 * 3);
-    let (mut buffer, mut bits) = (0_u32, 0);
-    for value in text.bytes().filter_map(digit) {
-        buffer = (buffer << 6) | u32::from(value);
-        bits += 6;
-        if bits >= 8 {
-            bits -= 8;
-            bytes.push((buffer >> bits) as u8);
-            buffer &= (1 << bits) - 1;
-        }
-    }
-    bytes
 }
 
 #[cfg(test)]
@@ -256,7 +144,7 @@ mod tests {
 
     #[test]
     fn the_font_is_there_and_text_leaves_ink() {
-        assert_eq!(fonts().faces().count(), 4);
+        assert_eq!(fonts().faces().count(), 2);
         let text = "<svg xmlns='http://www.w3.org/2000/svg' width='60' height='20'>\
                     <text x='2' y='15' font-family='DejaVu Sans, Arial'>stress</text></svg>";
         let blank = "<svg xmlns='http://www.w3.org/2000/svg' width='60' height='20'></svg>";
@@ -267,11 +155,6 @@ mod tests {
         };
         assert_eq!(ink(blank), 0);
         assert!(ink(text) > 50, "{}", ink(text));
-    }
-
-    #[test]
-    fn base64_is_decoded() {
-        assert_eq!(decode_base64("YmFyd2F2ZQ=="), b"barwave");
     }
 
     #[test]

@@ -4,9 +4,9 @@ use std::fmt::Write as _;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
+use barwave::report::lines::{self, Line, Panel, Style};
 use barwave::run::{self};
 use barwave::scene::Scene;
-use kuva::prelude::*;
 use rayon::prelude::*;
 
 /// Length (mm) and speed (m/s) of a cylinder of 6061-T6 with a diameter of 7.6 mm, and its final length over the initial one:
@@ -77,20 +77,24 @@ fn table(computed: &[Vec<f64>]) -> String {
     text
 }
 
+/// Number of the colour black.
+const BLACK: usize = 6;
+
 fn figure(computed: &[Vec<f64>]) -> String {
     // The short cylinders: one line a model.
     let points = |value: &dyn Fn(usize) -> f64| (0..5).map(|k| (SHOTS[k].1, value(k))).collect::<Vec<_>>();
-    let measured = ScatterPlot::new().with_data(points(&|k| SHOTS[k].2)).with_color("black").with_size(4.5);
-    let mut plots: Vec<Plot> = vec![measured.with_legend("measured").into()];
-    for (model, colour) in [(QUASI_STATIC, "#0072b2"), (RATE, "#d55e00"), (LATERAL, "#009e73")] {
-        let line = LinePlot::new().with_data(points(&|k| computed[k][model])).with_color(colour);
-        plots.push(line.with_legend(MODELS[model].0).into());
+    let line = |name: &str, colour, style, value: &dyn Fn(usize) -> f64| Line {
+        name: name.into(),
+        points: points(value),
+        colour,
+        style,
+    };
+    let mut lines = vec![line("measured", BLACK, Style::Marks, &|k| SHOTS[k].2)];
+    for (colour, model) in [QUASI_STATIC, RATE, LATERAL].into_iter().enumerate() {
+        lines.push(line(MODELS[model].0, colour, Style::Solid, &|k| computed[k][model]));
     }
-    let layout = Layout::auto_from_plots(&plots)
-        .with_title("Taylor cylinders of 6061-T6, 23.47 mm long")
-        .with_x_label("impact speed, m/s")
-        .with_y_label("final length / initial length");
-    render_to_svg(plots, layout)
+    let labels = ["impact velocity (m/s)", "final length / initial length"].map(String::from);
+    lines::figure("Taylor cylinders of 6061-T6, 23.47 mm long", &[Panel { title: String::new(), labels, lines }])
 }
 
 /// The page with the table in the place that its two comments mark.

@@ -3,8 +3,6 @@
 //! How the stress builds up is left out, and so is that the body may strike faster than the specimen can carry the strain
 //! away: above the critical velocity a bar breaks with less. A run of the bar itself (`[bar]`) knows both.
 
-use std::ops::ControlFlow;
-
 use super::solution::{Figure, Line, Solution};
 use super::{Numerics, Problem, Watch};
 use crate::material::{Curve, Ultimate};
@@ -137,7 +135,7 @@ impl Problem for Blow {
         }
     }
 
-    fn solve(&self, _: Watch<'_>) -> ControlFlow<(), Solution> {
+    fn solve(&self, _: Watch<'_>) -> Solution {
         let (mut solution, outcome) = (self.plan(), self.outcome());
         let text = if outcome.breaks {
             "rupture: the striker continues at {}"
@@ -147,7 +145,7 @@ impl Problem for Blow {
         solution.lines.push(Line::new("outcome", text, &[(outcome.residual_velocity, Velocity)]));
         let strain = outcome.strain.map(|strain| Line::new("strain", "{}", &[(strain, Plain)]));
         solution.lines.extend(strain);
-        ControlFlow::Continue(solution)
+        solution
     }
 
     fn with(&self, _: Numerics) -> Box<dyn Problem> {

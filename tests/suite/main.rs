@@ -34,6 +34,7 @@ mod hard_cases;
 mod heat;
 mod hertz_on_bars;
 mod impacts;
+mod impacts_interrupted;
 mod initial_state;
 mod interrupted_estimates;
 mod invert;

@@ -1,7 +1,5 @@
 //! As many modes and steps as the tolerance asks for.
 
-use std::ops::ControlFlow;
-
 use super::Beam;
 use super::observe::Observer;
 use crate::impact::Watch;
@@ -62,26 +60,40 @@ fn largest(table: &Table, column: &str) -> f64 {
 }
 
 impl Beam {
-    /// Levels with twice the modes and a quarter of the step tolerance each, until two agree; with given modes, one.
-    pub(super) fn converge(&self, watch: Watch<'_>) -> ControlFlow<(), Solution> {
-        if let Some(modes) = self.modes {
-            let level = self.integrate(modes, STEP_PART * self.tolerance, watch)?;
-            return ControlFlow::Continue(self.solution(level, None));
+    /// Levels with twice the modes and a quarter of the step tolerance each, until two agree; with given modes, one. Interrupted, the last
+    /// level that is complete; the first as far as it goes.
+    pub(super) fn converge(&self, watch: Watch<'_>) -> Solution {
+        let (mut modes, mut step) = (self.modes.unwrap_or(FIRST_MODES), STEP_PART * self.tolerance);
+        let mut level = self.integrate(modes, step, watch);
+        if self.modes.is_some() || level.history.interrupted {
+            return self.solution(level, None);
         }
-        let (mut modes, mut step) = (FIRST_MODES, STEP_PART * self.tolerance);
-        let mut level = self.integrate(modes, step, watch)?;
+        let mut error = None;
         loop {
             (modes, step) = (2 * modes, (0.25 * step).max(1e-13));
-            let finer = self.integrate(modes, step, watch)?;
-            let error = level.differs(&finer, self.striker.velocity);
-            level = finer;
-            if error <= self.tolerance || modes >= MOST_MODES {
-                return ControlFlow::Continue(self.solution(level, Some(error)));
+            let finer = self.integrate(modes, step, watch);
+            if finer.history.interrupted {
+                return self.last_complete(level, error);
+            }
+            let change = level.differs(&finer, self.striker.velocity);
+            (level, error) = (finer, Some(change));
+            if change <= self.tolerance || modes >= MOST_MODES {
+                return self.solution(level, error);
             }
         }
     }
 
-    fn integrate(&self, modes: usize, tolerance: f64, watch: Watch<'_>) -> ControlFlow<(), Level> {
+    /// The result of an interrupted study of the error.
+    fn last_complete(&self, level: Level, error: Option<f64>) -> Solution {
+        let known = if error.is_some() { "the tolerance is not reached" } else { "the error is not known" };
+        let warning = format!("interrupted after the integration with {} modes: {known}", level.modes);
+        let mut solution = self.solution(level, None);
+        solution.outcome = Solution::INTERRUPTED;
+        solution.warnings.push(warning);
+        solution
+    }
+
+    fn integrate(&self, modes: usize, tolerance: f64, watch: Watch<'_>) -> Level {
         let [least, most] = self.ends();
         let mut observer = Observer::new(self, modes, self.half_sine(), least);
         // Gauges and shapes are read at the ends of steps.
@@ -91,8 +103,8 @@ impl Beam {
         let history = Contact::new(self.contact(), self.system(modes)).run(horizon, |moment| {
             observer.look(&moment);
             watch((moment.time / least).min(1.0))
-        })?;
-        ControlFlow::Continue(Level { modes, history, observer })
+        });
+        Level { modes, history, observer }
     }
 
     fn solution(&self, level: Level, error: Option<f64>) -> Solution {
@@ -100,10 +112,14 @@ impl Beam {
         let mut solution = self.approximation();
         self.contacts(&mut solution, &history);
         let last = observer.contact.column("striker_velocity").last().copied().unwrap_or(self.striker.velocity);
-        let values = [(last, Velocity), (-last / self.striker.velocity, Plain)];
-        solution.lines.push(Line::new("striker after", "{}: coefficient of restitution {}", &values));
         let figure = |name, dimension, long_name, value| Figure::new(name, dimension, long_name, value);
         let restitution = if history.separated { -last / self.striker.velocity } else { f64::NAN };
+        let values = [(last, Velocity), (restitution, Plain)];
+        solution.lines.push(if history.separated {
+            Line::new("striker after", "{}: coefficient of restitution {}", &values)
+        } else {
+            Line::new("striker at end", "{}", &values)
+        });
         solution.figures.extend([
             figure("striker_velocity", Velocity, "velocity of the striker at the end", last),
             figure("restitution", Plain, "minus that over its velocity before the impact", restitution),
@@ -196,7 +212,7 @@ impl Beam {
         if error.is_some_and(|error| error > self.tolerance) {
             solution.warnings.push(format!("the tolerance is not reached with {MOST_MODES} modes"));
         }
-        if !history.separated {
+        if !history.separated && !history.interrupted {
             solution.warnings.push("sphere and beam may meet again after the end time".into());
         }
         if history.touches.len() > 1 {

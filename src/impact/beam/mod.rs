@@ -6,7 +6,6 @@ mod observe;
 mod shape;
 
 use std::f64::consts::PI;
-use std::ops::ControlFlow;
 
 use super::contact::System;
 use super::oscillator::Oscillator;
@@ -150,7 +149,7 @@ impl Problem for Beam {
         self.approximation()
     }
 
-    fn solve(&self, watch: Watch<'_>) -> ControlFlow<(), Solution> {
+    fn solve(&self, watch: Watch<'_>) -> Solution {
         self.converge(watch)
     }
 

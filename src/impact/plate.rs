@@ -175,7 +175,10 @@ impl Problem for Plate {
                 Figure::new("restitution", Plain, "coefficient of restitution, integrated", restitution),
             );
             solution.add("largest force", Figure::new("peak_force", Force, "largest contact force", touch.peak_force));
-            solution.add("contact time", Figure::new("contact_duration", Time, "duration of the contact", touch.end));
+            solution.add(
+                "contact time",
+                Figure::new("contact_duration", Time, "duration of the contact", touch.duration()),
+            );
             judge(&mut solution, &law, [&self.striker.elastic, &self.elastic], touch.approach);
         }
         if !history.separated && !history.interrupted {

@@ -1,42 +1,10 @@
 //! Spheres, plates and beams through the real binary: the textbook's numbers, ledgers, result files, reports, plans and cost studies.
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Command;
 
 use serde_json::Value;
 
-fn scene(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("runs").join(name)
-}
-
-fn barwave(folder: &Path, command: &str, name: &str, sets: &[&str], more: &[&str]) -> Output {
-    let mut program = Command::new(env!("CARGO_BIN_EXE_barwave"));
-    program.current_dir(folder).arg(command).arg(scene(name)).args(more);
-    for set in sets {
-        program.arg("--set").arg(set);
-    }
-    program.output().expect("barwave starts")
-}
-
-/// The summary of a run.
-fn run(name: &str, sets: &[&str]) -> Value {
-    let folder = tempfile::tempdir().expect("a folder");
-    let output = barwave(folder.path(), "run", name, sets, &["-o", "r.h5", "--json"]);
-    assert_eq!(output.status.code(), Some(0), "{name} {sets:?}: {}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).expect("one JSON value")
-}
-
-#[track_caller]
-fn within(summary: &Value, key: &str, expected: f64, most: f64) {
-    let value = summary[key].as_f64().unwrap_or_else(|| panic!("no {key} in {summary}"));
-    assert!((value - expected).abs() <= most, "{key}: {value}, expected {expected} within {most}");
-}
-
-/// As printed to six digits.
-#[track_caller]
-fn to_six_digits(summary: &Value, key: &str, expected: f64) {
-    within(summary, key, expected, 5.1e-6 * expected.abs());
-}
+use crate::common::impacts::{barwave, run, scene, to_six_digits, within};
 
 #[test]
 fn restitution_and_pendulum_have_the_textbook_s_velocities() {

@@ -14,6 +14,9 @@ const MOST_MODES: usize = 4096;
 /// Defect allowed in a step over the tolerance of the result.
 const STEP_PART: f64 = 0.1;
 
+/// Difference of the coefficients of restitution by (9.31) and by integration that is worth a warning.
+const LARGEST_DIFFERENCE: f64 = 0.05;
+
 /// One integration.
 struct Level {
     modes: usize,
@@ -153,19 +156,24 @@ impl Beam {
             figure("contact_count", Plain, "number of contacts", history.touches.len() as f64),
             figure("peak_force", Force, "largest contact force of the first contact", first.peak_force),
             figure("time_of_peak", Time, "when that is", first.peak_time),
-            figure("contact_duration", Time, "duration of the first contact", first.end - first.start),
+            figure("contact_duration", Time, "duration of the first contact", first.duration()),
             figure("approach", Length, "largest approach of the first contact", first.approach),
             figure(
                 "first_restitution",
                 Plain,
                 "coefficient of restitution of the first contact",
-                self.rebound(first.impulse),
+                if first.ended { self.rebound(first.impulse) } else { f64::NAN },
             ),
             figure("impulse", Impulse, "impulse of all contacts", history.touches.iter().map(|t| t.impulse).sum()),
         ]);
         for touch in &history.touches {
             let values = [(touch.start, Time), (touch.end, Time), (touch.peak_force, Force), (touch.peak_time, Time)];
-            solution.lines.push(Line::new("contact", "{} to {}, largest force {} at {}", &values));
+            let open = if touch.ended { "" } else { ", not ended" };
+            solution.lines.push(Line::new(
+                "contact",
+                format!("{{}} to {{}}{open}, largest force {{}} at {{}}"),
+                &values,
+            ));
         }
         let largest = history.touches.iter().map(|t| t.approach).fold(0.0, f64::max);
         judge(solution, &self.contact(), [&self.striker.elastic, &self.elastic], largest);
@@ -213,10 +221,20 @@ impl Beam {
             solution.warnings.push(format!("the tolerance is not reached with {MOST_MODES} modes"));
         }
         if !history.separated && !history.interrupted {
-            solution.warnings.push("sphere and beam may meet again after the end time".into());
+            let open = history.touches.last().is_some_and(|touch| !touch.ended);
+            let state = if open { "are still in contact at" } else { "may meet again after" };
+            solution.warnings.push(format!("sphere and beam {state} the end time"));
         }
-        if history.touches.len() > 1 {
-            solution.warnings.push("several contacts: (9.31) is for one".into());
+        let [approximate, integrated] =
+            ["half_sine_restitution", "first_restitution"].map(|name| solution.figure(name));
+        let several = if history.touches.len() > 1 { "first " } else { "" };
+        if (approximate - integrated).abs() > LARGEST_DIFFERENCE {
+            solution.warnings.push(format!(
+                "the {several}contact has the coefficient of restitution {integrated:.4} and (9.31) gives {approximate:.4}: the contact force \
+                 is not the half-sine pulse of duration (9.30)"
+            ));
+        } else if !several.is_empty() {
+            solution.warnings.push("several contacts: (9.31) is for the first".into());
         }
         if self.striker.radius > self.section.depth {
             let warning = "the sphere's radius is above the depth of the beam: the contact is that of a half-space only while it is small";

@@ -31,6 +31,8 @@ pub struct Touch {
     pub start: f64,
     /// When it ends, s; the end of the run where it lasts on.
     pub end: f64,
+    /// The bodies separate then.
+    pub ended: bool,
     /// Largest force, N.
     pub peak_force: f64,
     /// When that is, s.
@@ -105,9 +107,14 @@ pub struct Contact {
 }
 
 impl Touch {
+    /// s; NaN where the bodies do not separate.
+    pub fn duration(&self) -> f64 {
+        if self.ended { self.end - self.start } else { f64::NAN }
+    }
+
     /// That begins at a time, s.
     fn at(start: f64) -> Self {
-        Self { start, end: start, peak_force: 0.0, peak_time: start, approach: 0.0, impulse: 0.0 }
+        Self { start, end: start, ended: false, peak_force: 0.0, peak_time: start, approach: 0.0, impulse: 0.0 }
     }
 }
 
@@ -187,6 +194,7 @@ impl Contact {
             self.take(&step, &force);
             self.taken[1] += 1;
             touch.end = self.time;
+            touch.ended = ended;
             self.show(look)?;
             if ended {
                 self.force = 0.0;

@@ -154,6 +154,8 @@ const IMPACTS: &[(&str, &[(&str, &str)])] = &[
             ("tolerance = 1e-5", "modes = 0"),
             ("tolerance = 1e-5", "tolerance = 2"),
             ("tolerance = 1e-5", "until = \"-1 ms\""),
+            ("tolerance = 1e-5", "until = \"1 min\""),
+            ("length = \"15.35 cm\"", "length = \"100 m\""),
             ("\"7.675 cm\"", "\"17 cm\""),
             ("[record]", "[record]\nshapes = 2000"),
             ("[striker]", "[bar]\n[striker]"),

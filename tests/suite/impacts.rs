@@ -185,6 +185,11 @@ fn reports_plans_and_cost_studies_are_there_for_every_kind() {
         let plan: Value = serde_json::from_slice(&plan.stdout).expect("one JSON value");
         assert!(plan["equation"].as_str().is_some_and(|e| !e.is_empty()) && plan["output"] == "", "{plan}");
     }
+    let plan = barwave(folder, "plan", "beam.toml", &[], &["--json"]);
+    let plan: Value = serde_json::from_slice(&plan.stdout).expect("one JSON value");
+    let steps = plan["expected_steps"].as_f64().expect("a number");
+    let taken = run("beam.toml", &[])["steps"].as_f64().expect("a number");
+    assert!((taken / steps - 1.0).abs() < 0.2, "{steps} {taken}");
     let cost = barwave(folder, "cost", "spheres-restitution.toml", &[], &[]);
     assert_eq!(cost.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&cost.stderr).contains("closed form"));

@@ -9,7 +9,7 @@ use crate::impact::solution::{Column, Figure, Line, Solution, Table};
 use crate::units::Dimension::{AngularVelocity, Force, Impulse, Length, None as Plain, Rate, Time, Torque, Velocity};
 
 /// Modes of the first level, and the most that are tried.
-const FIRST_MODES: usize = 16;
+pub(super) const FIRST_MODES: usize = 16;
 const MOST_MODES: usize = 4096;
 /// Defect allowed in a step over the tolerance of the result.
 const STEP_PART: f64 = 0.1;

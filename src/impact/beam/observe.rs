@@ -64,6 +64,11 @@ fn gauge_table(name: &str, x: f64) -> Table {
     Table { x: Some(x), ..Table::over_time(format!("gauges/{name}"), columns) }
 }
 
+/// Columns of all histories with so many gauges.
+pub(super) fn columns(gauges: usize) -> usize {
+    contact_table().columns.len() + ledger_table().columns.len() + gauges * gauge_table("", 0.0).columns.len()
+}
+
 impl Observer {
     pub fn new(beam: &Beam, count: usize, pulse: HalfSine, end: f64) -> Self {
         let x: Vec<f64> = (0..PLACES).map(|i| beam.length * i as f64 / (PLACES - 1) as f64).collect();

@@ -87,6 +87,11 @@ pub struct Horizon {
 }
 
 impl Horizon {
+    /// Longest step of free flight for a mass (kg) and a velocity of approach (m/s), s.
+    pub fn longest_step(law: &Hertz, mass: f64, velocity: f64) -> f64 {
+        law.contact_time(mass, velocity) / COARSEST
+    }
+
     /// Doublings where nothing but the contact is looked at: steps of up to a quarter of it.
     pub const CONTACT_ALONE: i32 = 5;
 }
@@ -126,7 +131,7 @@ impl Contact {
             + system.modes.iter().skip(1).filter(|m| m.omega == 0.0).map(|m| m.shape * m.shape / m.mass).sum::<f64>();
         let mass = 1.0 / inertia;
         let scale = law.force(law.largest_approach(mass, velocity));
-        let longest = law.contact_time(mass, velocity) / COARSEST;
+        let longest = Horizon::longest_step(&law, mass, velocity);
         Self { law, system, steps: HashMap::new(), longest, scale, time: 0.0, force: 0.0, taken: [0, 0], halvings: 0 }
     }
 

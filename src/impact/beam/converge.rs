@@ -3,7 +3,7 @@
 use super::Beam;
 use super::observe::Observer;
 use crate::impact::Watch;
-use crate::impact::contact::{Contact, History, Horizon};
+use crate::impact::contact::{Contact, History, Horizon, Touch};
 use crate::impact::solid::judge;
 use crate::impact::solution::{Column, Figure, Line, Solution, Table};
 use crate::units::Dimension::{AngularVelocity, Force, Impulse, Length, None as Plain, Rate, Time, Torque, Velocity};
@@ -175,7 +175,10 @@ impl Beam {
                 &values,
             ));
         }
-        let largest = history.touches.iter().map(|t| t.approach).fold(0.0, f64::max);
+        let most = |of: fn(&Touch) -> f64| history.touches.iter().map(of).fold(0.0, f64::max);
+        let largest = most(|touch| touch.peak_force);
+        solution.figures.push(figure("largest_force", Force, "largest contact force of all contacts", largest));
+        let largest = most(|touch| touch.approach);
         judge(solution, &self.contact(), [&self.striker.elastic, &self.elastic], largest);
     }
 

@@ -29,6 +29,11 @@ impl Hertz {
         self.stiffness() * a * a.sqrt()
     }
 
+    /// Approach under a force (N), m; 0 where there is none.
+    pub fn approach(&self, force: f64) -> f64 {
+        (force.max(0.0) / self.stiffness()).powf(2.0 / 3.0)
+    }
+
     /// Energy stored at an approach (m), J: 2/5 K a^(5/2).
     pub fn energy(&self, approach: f64) -> f64 {
         0.4 * self.force(approach) * approach.max(0.0)

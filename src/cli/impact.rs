@@ -10,14 +10,12 @@ use crate::units::{System, format};
 pub(super) fn text(s: &ImpactSummary, units: System) -> String {
     let mut lines = Lines::under(&s.scene);
     let solution = &s.solution;
-    if !solution.equation.is_empty() {
-        if !s.output.is_empty() {
-            lines.add("outcome", solution.outcome);
-        }
-        lines.add("method", std::format!("{} {}", s.method, solution.scheme));
-        lines.add("equation", &solution.equation);
-        lines.add("validity", &solution.validity);
+    if !s.output.is_empty() {
+        lines.add("outcome", solution.outcome);
     }
+    lines.add("method", std::format!("{} {}", s.method, solution.scheme));
+    lines.add("equation", &solution.equation);
+    lines.add("validity", &solution.validity);
     for line in &solution.lines {
         lines.add(line.label, filled(line, units));
     }

@@ -37,7 +37,9 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         System::Si => Units::Si,
         System::Us => Units::Us,
     };
-    let svg = draw(&file, args.field, units)?;
+    let has_figure = file.impact()?.is_none_or(|impact| impact.has_histories());
+    // The page of an impact in closed form holds its tables.
+    let svg = if has_figure || format != Format::Html { draw(&file, args.field, units)? } else { String::new() };
     match format {
         Format::Svg => write_whole(&path, svg.as_bytes()),
         Format::Png => png(&svg, PNG_SCALE)

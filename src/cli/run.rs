@@ -183,7 +183,7 @@ fn run_impact(args: &Args, scene: &ImpactScene) -> Result<()> {
     bar.finish_and_clear();
     let summary = summary.inspect_err(|error| {
         if matches!(error, Error::Interrupted) {
-            output::note("interrupted before the result was written\n");
+            output::note(&std::format!("interrupted: the histories so far are in {}\n", path.display()));
         }
     })?;
     if args.json {

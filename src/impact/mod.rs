@@ -26,7 +26,7 @@ pub use solution::{Column, Figure, Line, Shapes, Solution, Table};
 pub use specimen::{Blow, Outcome, Specimen, Toughness};
 pub use spheres::{Spheres, velocities_after, velocity_before};
 
-use crate::units::Dimension;
+use crate::units::{self, Dimension, format};
 
 /// Told how much is done, 0 to 1; breaks off an integration.
 pub type Watch<'a> = &'a mut dyn FnMut(f64) -> ControlFlow<()>;
@@ -44,8 +44,8 @@ pub trait Problem: Debug + Send + Sync {
     /// What is known without an integration.
     fn plan(&self) -> Solution;
 
-    /// The result. Breaks off where `watch` does.
-    fn solve(&self, watch: Watch<'_>) -> ControlFlow<(), Solution>;
+    /// The result; where `watch` breaks off, that so far, with the outcome "interrupted".
+    fn solve(&self, watch: Watch<'_>) -> Solution;
 
     /// The parameters that decide how accurate the result is; none of a closed form.
     fn numerics(&self) -> Option<Numerics> {
@@ -65,8 +65,15 @@ pub struct Numerics {
     pub tolerance: f64,
 }
 
-/// Adds the largest residual of the ledger's last column, and the number of steps.
+/// Adds the outcome, the largest residual of the ledger's last column, and the number of steps.
 fn account(solution: &mut Solution, ledger: &Table, history: &History) {
+    if history.interrupted {
+        solution.outcome = Solution::INTERRUPTED;
+        let time = format(history.end, Dimension::Time, units::System::Si);
+        solution
+            .warnings
+            .push(std::format!("interrupted {time} after the first contact: figures of the whole impact are missing"));
+    }
     let residual = ledger.column("residual").iter().fold(0.0, |most: f64, r| most.max(r.abs()));
     let long_name = "largest residual of the energy ledger, relative to the energy at the start";
     solution.figures.push(Figure::new("energy_residual", Dimension::None, long_name, residual));

@@ -57,6 +57,8 @@ impl Column {
     }
 }
 
+type Name = &'static str;
+
 /// Columns over the first of them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
@@ -72,6 +74,21 @@ impl Table {
     /// Without rows.
     pub fn new(path: impl Into<String>, columns: Vec<Column>) -> Self {
         Self { path: path.into(), columns, x: None }
+    }
+
+    /// Columns over time: name, dimension, long name and panel of each.
+    pub fn over_time<const N: usize>(path: impl Into<String>, columns: [(Name, Dimension, Name, Name); N]) -> Self {
+        let columns = columns.map(|(name, dimension, long_name, panel)| Column::new(name, dimension, long_name, panel));
+        Self::new(path, std::iter::once(Column::time()).chain(columns).collect())
+    }
+
+    /// An energy ledger: name and long name of each part, and the residual of their sum.
+    pub fn ledger<const N: usize>(parts: [(Name, Name); N]) -> Self {
+        let mut ledger =
+            Self::over_time("ledger", parts.map(|(name, long_name)| (name, Dimension::Energy, long_name, "energy")));
+        let long_name = "energy less that at the start, relative to it";
+        ledger.columns.push(Column::new("residual", Dimension::None, long_name, ""));
+        ledger
     }
 
     /// Adds a value to every column.
@@ -117,7 +134,7 @@ impl Line {
 /// The result of an impact.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Solution {
-    /// "done", or "rupture" where something breaks.
+    /// "done", "rupture" where something breaks, or "interrupted".
     pub outcome: &'static str,
     /// How it was solved, as "hertz".
     pub scheme: &'static str,
@@ -160,14 +177,23 @@ impl Default for Solution {
 }
 
 impl Solution {
+    /// Outcome of an integration that was asked to stop before its end.
+    pub const INTERRUPTED: &'static str = "interrupted";
+
+    /// The histories end before the end of the impact.
+    pub fn is_interrupted(&self) -> bool {
+        self.outcome == Self::INTERRUPTED
+    }
+
     /// A figure by its name; NaN where there is none.
     pub fn figure(&self, name: &str) -> f64 {
         self.figures.iter().find(|figure| figure.name == name).map_or(f64::NAN, |figure| figure.value)
     }
 
-    /// Adds a figure with its line of the summary.
+    /// Adds a figure, with its line of the summary where it has a value.
     pub fn add(&mut self, label: &'static str, figure: Figure) {
-        self.lines.push(Line::new(label, "{}", &[(figure.value, figure.dimension)]));
+        let line = Line::new(label, "{}", &[(figure.value, figure.dimension)]);
+        self.lines.extend(figure.value.is_finite().then_some(line));
         self.figures.push(figure);
     }
 }

@@ -3,8 +3,6 @@
 //! How the stress builds up is left out, and so is that the body may strike faster than the specimen can carry the strain
 //! away: above the critical velocity a bar breaks with less. A run of the bar itself (`[bar]`) knows both.
 
-use std::ops::ControlFlow;
-
 use super::solution::{Figure, Line, Solution};
 use super::{Numerics, Problem, Watch};
 use crate::material::{Curve, Ultimate};
@@ -125,10 +123,12 @@ impl Problem for Blow {
         Solution {
             outcome: if outcome.breaks { "rupture" } else { "done" },
             scheme: "closed-form",
+            equation: "energy balance: fracture if m v^2/2 of the striker reaches the work that the specimen absorbs".into(),
+            validity: "ductile specimen, strained uniformly, below the critical impact velocity; elastic energy and waves are neglected"
+                .into(),
             figures: self.figures(&outcome),
             flags: vec![("breaks", outcome.breaks)],
             lines: vec![
-                line("method", "energy closed-form: no waves, no steps", &[]),
                 line("striker", "kinetic energy {}", &[(outcome.available, Energy)]),
                 line("specimen", "absorbs {} ({})", &[(outcome.capacity, Energy), (per_volume, EnergyDensity)]),
                 line("threshold", "fracture at {} and above", &[(outcome.threshold_velocity, Velocity)]),
@@ -137,17 +137,12 @@ impl Problem for Blow {
         }
     }
 
-    fn solve(&self, _: Watch<'_>) -> ControlFlow<(), Solution> {
+    fn solve(&self, _: Watch<'_>) -> Solution {
         let (mut solution, outcome) = (self.plan(), self.outcome());
-        let text = if outcome.breaks {
-            "rupture: the striker continues at {}"
-        } else {
-            "done: the specimen holds and stops the striker"
-        };
-        solution.lines.push(Line::new("outcome", text, &[(outcome.residual_velocity, Velocity)]));
+        solution.lines.push(Line::new("striker after", "{}", &[(outcome.residual_velocity, Velocity)]));
         let strain = outcome.strain.map(|strain| Line::new("strain", "{}", &[(strain, Plain)]));
         solution.lines.extend(strain);
-        ControlFlow::Continue(solution)
+        solution
     }
 
     fn with(&self, _: Numerics) -> Box<dyn Problem> {

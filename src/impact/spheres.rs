@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use super::contact::{Contact, Horizon, System};
 use super::oscillator::Oscillator;
 use super::solid::{Solid, contact_radius, judge};
-use super::solution::{Column, Figure, Line, Solution, Table};
+use super::solution::{Figure, Line, Solution, Table};
 use super::{Numerics, Problem, Watch};
 use crate::units::Dimension::{self, Energy, Force, Length, Mass, None as Plain, Time, Velocity};
 
@@ -61,12 +61,10 @@ impl Problem for Spheres {
         "spheres"
     }
 
-    fn solve(&self, watch: Watch<'_>) -> ControlFlow<(), Solution> {
+    fn solve(&self, watch: Watch<'_>) -> Solution {
         match self {
-            Self::Restitution { masses, velocities, restitution } => {
-                ControlFlow::Continue(by_restitution(*masses, *velocities, *restitution))
-            }
-            Self::Pendulum { masses, after } => ControlFlow::Continue(pendulum(*masses, *after)),
+            Self::Restitution { masses, velocities, restitution } => by_restitution(*masses, *velocities, *restitution),
+            Self::Pendulum { masses, after } => pendulum(*masses, *after),
             Self::Hertz { solids, tolerance } => hertz(solids, *tolerance, watch),
         }
     }
@@ -75,10 +73,7 @@ impl Problem for Spheres {
         match self {
             Self::Hertz { solids, .. } => closed_forms(solids),
             // Nothing is integrated.
-            closed => match closed.solve(&mut |_| ControlFlow::Continue(())) {
-                ControlFlow::Continue(solution) => solution,
-                ControlFlow::Break(()) => Solution::default(),
-            },
+            closed => closed.solve(&mut |_| ControlFlow::Continue(())),
         }
     }
 
@@ -176,30 +171,23 @@ fn vibration(solution: &mut Solution, solids: &[Solid; 2], closing: f64) {
 }
 
 fn table() -> Table {
-    let column = |name, dimension: Dimension, long_name, panel| Column::new(name, dimension, long_name, panel);
-    let columns = vec![
-        Column::time(),
-        column("force", Force, "contact force", "contact force"),
-        column("approach", Length, "approach of the centres", "approach"),
-        column("contact_radius", Length, "radius of the circle of contact", "contact radius"),
-        column("striker_velocity", Velocity, "velocity of the striker", "velocities"),
-        column("struck_velocity", Velocity, "velocity of the struck body", "velocities"),
-    ];
-    Table::new("contact", columns)
+    Table::over_time(
+        "contact",
+        [
+            ("force", Force, "contact force", "contact force"),
+            ("approach", Length, "approach of the centres", "approach"),
+            ("contact_radius", Length, "radius of the circle of contact", "contact radius"),
+            ("striker_velocity", Velocity, "velocity of the striker", "velocities"),
+            ("struck_velocity", Velocity, "velocity of the struck body", "velocities"),
+        ],
+    )
 }
 
 fn ledger() -> Table {
-    let column = |name, long_name| Column::new(name, Energy, long_name, "energy");
-    let columns = vec![
-        Column::time(),
-        column("kinetic", "kinetic energy of both bodies"),
-        column("contact", "elastic energy of the contact"),
-        Column::new("residual", Plain, "energy less that at the start, relative to it", ""),
-    ];
-    Table::new("ledger", columns)
+    Table::ledger([("kinetic", "kinetic energy of both bodies"), ("contact", "elastic energy of the contact")])
 }
 
-fn hertz(solids: &[Solid; 2], tolerance: f64, watch: Watch<'_>) -> ControlFlow<(), Solution> {
+fn hertz(solids: &[Solid; 2], tolerance: f64, watch: Watch<'_>) -> Solution {
     let mut solution = closed_forms(solids);
     let law = solids[0].contact(&solids[1]);
     let shapes = [-1.0, 1.0];
@@ -222,15 +210,16 @@ fn hertz(solids: &[Solid; 2], tolerance: f64, watch: Watch<'_>) -> ControlFlow<(
         let first = *start.get_or_insert(kinetic);
         ledger.push(&[moment.time, kinetic, stored, (kinetic + stored - first) / first]);
         watch(moment.time / duration)
-    })?;
-    let after = [4, 5].map(|i: usize| contact.columns[i].values.last().copied().unwrap_or(0.0));
+    });
+    let last = |name| contact.column(name).last().copied().filter(|_| history.separated).unwrap_or(f64::NAN);
+    let after = ["striker_velocity", "struck_velocity"].map(last);
     solution.add("striker after", Figure::new("striker_velocity", Velocity, STRIKER_AFTER, after[0]));
     solution.add("struck after", Figure::new("struck_velocity", Velocity, STRUCK_AFTER, after[1]));
     let impulse = history.touches.iter().map(|t| t.impulse).sum();
     solution.add("impulse", Figure::new("impulse", Dimension::Impulse, "impulse of the contact force", impulse));
     super::account(&mut solution, &ledger, &history);
     solution.tables = vec![contact, ledger];
-    ControlFlow::Continue(solution)
+    solution
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
-use crate::impact::{Figure, Solution};
+use crate::impact::{Column, Figure, Solution, Table};
 
 /// What `barwave run --json` prints of such a scene: the keys that every summary has, then the figures of its kind, each with its unit in
 /// its name; null where there is none.
@@ -21,6 +21,13 @@ pub struct ImpactSummary {
     pub wall_s: f64,
     /// The result file; empty without one.
     pub output: String,
+}
+
+/// One map a row, with the keys of figures.
+fn rows(table: &Table) -> Vec<BTreeMap<String, f64>> {
+    let count = table.columns.first().map_or(0, |column| column.values.len());
+    let key = |c: &Column| Figure::new(c.name, c.dimension, c.long_name, f64::NAN).json_key();
+    (0..count).map(|i| table.columns.iter().map(|c| (key(c), c.values[i])).collect()).collect()
 }
 
 impl Serialize for ImpactSummary {
@@ -43,11 +50,12 @@ impl Serialize for ImpactSummary {
         for (name, flag) in &solution.flags {
             map.serialize_entry(name, flag)?;
         }
-        if !solution.equation.is_empty() {
-            map.serialize_entry("equation", &solution.equation)?;
-            map.serialize_entry("validity", &solution.validity)?;
-            map.serialize_entry("notes", &solution.warnings)?;
+        if let Some(contacts) = solution.tables.iter().find(|table| table.path == "contacts") {
+            map.serialize_entry("contacts", &rows(contacts))?;
         }
+        map.serialize_entry("equation", &solution.equation)?;
+        map.serialize_entry("validity", &solution.validity)?;
+        map.serialize_entry("notes", &solution.warnings)?;
         map.serialize_entry("wall_s", &self.wall_s)?;
         map.serialize_entry("output", &self.output)?;
         map.end()

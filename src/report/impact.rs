@@ -31,7 +31,7 @@ pub(super) fn draw(file: &ResultFile, impact: &StoredImpact, units: Units) -> Re
     contents.extend(shapes(impact, units));
     if contents.is_empty() {
         let message = format!("{} has nothing to draw: it holds figures and no histories", file.path().display());
-        let help = format!("`barwave run` prints them; they are in its group `{}`", impact.kind);
+        let help = "`barwave report FILE -o FILE.html` shows them in a table";
         return Err(InputError::new(message).help(help).into());
     }
     let mut svg = Svg::default();

@@ -5,7 +5,7 @@ use super::impact;
 use super::plot::{escape, html};
 use crate::error::Result;
 use crate::record::FrontRow;
-use crate::record::store::{Facts, ResultFile};
+use crate::record::store::{Facts, ResultFile, StoredImpact};
 use crate::solver::Energies;
 
 /// A number without unit.
@@ -18,22 +18,7 @@ const MOST_FRONTS: usize = 100;
 pub fn page(file: &ResultFile, svg: &str, units: Units) -> Result<String> {
     let facts = file.facts();
     if let Some(impact) = file.impact()? {
-        let results = table(&[], &impact::figures(&impact, units));
-        let notes: String =
-            facts.notes.iter().flat_map(|note| ["<li>".to_owned(), escape(note), "</li>\n".to_owned()]).collect();
-        let (notes, scene) = (format!("<ul>\n{notes}</ul>\n"), format!("<pre>{}</pre>", escape(&facts.scene)));
-        let (about, materials) = (facts_table(facts), materials_table(file, units)?);
-        let sections = [
-            ("", svg),
-            ("Run", &about),
-            ("Results", &results),
-            ("Notes", &notes),
-            ("Materials", &materials),
-            ("Scene", &scene),
-        ];
-        let kept: Vec<(&str, &str)> =
-            sections.into_iter().filter(|(name, _)| *name != "Notes" || !facts.notes.is_empty()).collect();
-        return Ok(html(&facts.title, &kept));
+        return impact_page(file, &impact, svg, units);
     }
     let fronts = fronts_table(file, units)?;
     let ledger = ledger_table(file, units)?;
@@ -51,6 +36,26 @@ pub fn page(file: &ResultFile, svg: &str, units: Units) -> Result<String> {
     ];
     sections.extend(optional.into_iter().filter(|(_, content)| !content.is_empty()).map(|(h, c)| (h, c.as_str())));
     Ok(html(&facts.title, &sections))
+}
+
+/// The page of an impact that is not waves in a bar; `svg` is empty where it has no histories.
+fn impact_page(file: &ResultFile, impact: &StoredImpact, svg: &str, units: Units) -> Result<String> {
+    let facts = file.facts();
+    let results = table(&[], &impact::figures(impact, units));
+    let notes: String = facts.notes.iter().map(|note| format!("<li>{}</li>\n", escape(note))).collect();
+    let notes = if notes.is_empty() { notes } else { format!("<ul>\n{notes}</ul>\n") };
+    let (about, materials) = (facts_table(facts), materials_table(file, units)?);
+    let scene = format!("<pre>{}</pre>", escape(&facts.scene));
+    let sections = [
+        ("", svg),
+        ("Run", &about),
+        ("Results", &results),
+        ("Notes", &notes),
+        ("Materials", &materials),
+        ("Scene", &scene),
+    ];
+    let kept: Vec<(&str, &str)> = sections.into_iter().filter(|(_, content)| !content.is_empty()).collect();
+    Ok(html(&facts.title, &kept))
 }
 
 /// A table; cells are escaped here.

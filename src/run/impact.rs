@@ -1,6 +1,5 @@
 //! Scenes of impacts that are not waves in a bar: solved at once, and written whole.
 
-use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::Instant;
 
@@ -13,12 +12,11 @@ use crate::scene::ImpactScene;
 /// Solves the impact, and writes a result file where one is asked for. `watch` is told the part that is done.
 ///
 /// # Errors
-/// [`Error::Interrupted`] where `watch` breaks off; a file error where the result cannot be written.
+/// [`Error::Interrupted`] where `watch` breaks off, the result so far being in the file; a file error where the result cannot be written.
 pub fn run_impact(scene: &ImpactScene, output: Option<&Path>, watch: Watch<'_>) -> Result<ImpactSummary> {
     let started = Instant::now();
-    let ControlFlow::Continue(solution) = scene.problem.solve(watch) else { return Err(Error::Interrupted) };
-    let mut summary = plan_impact(scene);
-    summary.solution = solution;
+    let solution = scene.problem.solve(watch);
+    let mut summary = ImpactSummary { solution, ..plan_impact(scene) };
     if let Some(path) = output {
         let header = Header {
             title: scene.title.clone(),
@@ -34,6 +32,9 @@ pub fn run_impact(scene: &ImpactScene, output: Option<&Path>, watch: Watch<'_>) 
         let result = (scene.problem.kind(), &summary.solution);
         write_impact(path, &header, &materials, result, started.elapsed().as_secs_f64())?;
         summary.output = path.display().to_string();
+    }
+    if summary.solution.is_interrupted() {
+        return Err(Error::Interrupted);
     }
     summary.wall_s = started.elapsed().as_secs_f64();
     Ok(summary)

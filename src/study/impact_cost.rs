@@ -139,10 +139,8 @@ fn timed(
     done: f64,
 ) -> Option<(Solution, f64)> {
     let started = Instant::now();
-    match problem.solve(&mut |_| progress(what, done)) {
-        ControlFlow::Continue(solution) => Some((solution, started.elapsed().as_secs_f64())),
-        ControlFlow::Break(()) => None,
-    }
+    let solution = problem.solve(&mut |_| progress(what, done));
+    (!solution.is_interrupted()).then(|| (solution, started.elapsed().as_secs_f64()))
 }
 
 fn difference(solution: &Solution, reference: &Solution) -> f64 {

@@ -3,6 +3,7 @@
 
 pub mod binary;
 pub mod exact;
+pub mod impacts;
 pub mod known;
 pub mod long_bars;
 pub mod methods;

@@ -87,6 +87,82 @@ const TABLES: &[&str] = &[
     "0.001,nan\n",
 ];
 
+/// What is replaced in scenes of impacts in `runs/`, and by what.
+const IMPACTS: &[(&str, &[(&str, &str)])] = &[
+    (
+        "spheres-restitution.toml",
+        &[
+            ("\"2 kg\"", "\"-2 kg\""),
+            ("\"2 kg\"", "0"),
+            ("\"2 kg\"", "\"2 m\""),
+            ("mass = \"2 kg\"\n", ""),
+            ("restitution = 0.6", "restitution = 1.2"),
+            ("restitution = 0.6", "restitution = -0.1"),
+            ("restitution = 0.6", "restitution = \"0.6 m/s\""),
+            ("restitution = 0.6", "velocity-after = 1"),
+            ("velocity = \"5 m/s\"", "velocity = \"-5 m/s\""),
+            ("velocity = \"5 m/s\"", "velocity = \"5 m/s\"\nradius = 1"),
+            ("velocity = \"5 m/s\"\n", ""),
+        ],
+    ),
+    (
+        "spheres.toml",
+        &[
+            ("velocity = \"1 m/s\"", "velocity = 0"),
+            ("radius = \"10 mm\"", "radius = 0"),
+            ("radius = \"10 mm\"", "radius = nan"),
+            ("radius = \"10 mm\"", "radius = \"10 mm\"\ndiameter = \"20 mm\""),
+            ("radius = \"10 mm\"\n", ""),
+            ("radius = \"10 mm\"", "half-space = true\nradius = \"10 mm\""),
+            ("poisson = 0.3", "poisson = 0.6"),
+            ("poisson = 0.3\n", ""),
+            ("modulus = \"207 GPa\"", "modulus = \"207 kg\""),
+            ("modulus = \"207 GPa\"\n", ""),
+            ("modulus = \"207 GPa\"", "rigid = true"),
+            ("density = \"7850 kg/m^3\"", "density = \"7850 kg/m^3\"\nmass = -1"),
+            ("[striker]", "[stricker]"),
+            ("[striker]", "[solve]\ntolerance = 0\n[striker]"),
+        ],
+    ),
+    (
+        "plate.toml",
+        &[
+            ("\"10 mm\"", "\"-10 mm\""),
+            ("\"10 mm\"", "\"10 s\""),
+            ("thickness = \"10 mm\"\n", ""),
+            ("material = \"steel-4340-tempered-315c\"\n", ""),
+            ("\"steel-4340-tempered-315c\"", "\"steel-4340\""),
+            ("\"0.1 m/s\"", "\"-0.1 m/s\""),
+        ],
+    ),
+    (
+        "beam.toml",
+        &[
+            ("radius = \"1 cm\"", "radius = \"10 cm\""),
+            ("radius = \"1 cm\"\nvelocity = \"1 cm/s\"", "radius = \"5 cm\"\nvelocity = \"1 km/s\""),
+            ("poisson = 0.3", "poisson = 0.6"),
+            ("length = \"15.35 cm\"", "length = \"-15.35 cm\""),
+            ("width = \"1 cm\"\n", ""),
+            ("width = \"1 cm\"", "diameter = \"1 cm\""),
+            ("width = \"1 cm\"", "area = \"1 cm\""),
+            ("modulus = \"2.2e6 kgf/cm^2\"\n", ""),
+            ("depth = \"1 cm\"", "depth = \"1 cm\"\nat = \"16 cm\""),
+            ("depth = \"1 cm\"", "depth = \"1 cm\"\naxial-force = \"80 kN\""),
+            ("depth = \"1 cm\"", "depth = \"1 cm\"\nfoundation = \"1 N/m\""),
+            ("depth = \"1 cm\"", "depth = \"1 cm\"\ninternal-damping = -1"),
+            ("depth = \"1 cm\"", "depth = \"1 cm\"\nexternal-dampening = 1"),
+            ("tolerance = 1e-5", "modes = 0"),
+            ("tolerance = 1e-5", "tolerance = 2"),
+            ("tolerance = 1e-5", "until = \"-1 ms\""),
+            ("tolerance = 1e-5", "until = \"1 min\""),
+            ("length = \"15.35 cm\"", "length = \"100 m\""),
+            ("\"7.675 cm\"", "\"17 cm\""),
+            ("[record]", "[record]\nshapes = 2000"),
+            ("[striker]", "[bar]\n[striker]"),
+        ],
+    ),
+];
+
 const ARGUMENTS: &[&[&str]] = &[
     &["run", "nowhere.toml"],
     &["run", "."],
@@ -157,6 +233,19 @@ fn wrong_materials() {
         message(folder.path(), &format!("{} -> {}", from.trim(), to.trim()), &["check", "m.toml"])
     });
     assert_kept("materials.txt", &all.collect::<String>());
+}
+
+#[test]
+fn wrong_impacts() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let edits = IMPACTS.iter().flat_map(|(name, edits)| edits.iter().map(move |edit| (name, edit)));
+    let all = edits.map(|(name, (from, to))| {
+        let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("runs").join(name);
+        let text = std::fs::read_to_string(scene).expect("a scene");
+        std::fs::write(folder.path().join(name), edited(&text, from, to)).expect("written");
+        message(folder.path(), &format!("{name}: {} -> {}", from.trim(), to.trim()), &["check", name])
+    });
+    assert_kept("impacts.txt", &all.collect::<String>());
 }
 
 #[test]

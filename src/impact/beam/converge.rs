@@ -1,20 +1,21 @@
 //! As many modes and steps as the tolerance asks for.
 
-use std::ops::ControlFlow;
-
 use super::Beam;
 use super::observe::Observer;
 use crate::impact::Watch;
-use crate::impact::contact::{Contact, History, Horizon};
+use crate::impact::contact::{Contact, History, Horizon, Touch};
 use crate::impact::solid::judge;
 use crate::impact::solution::{Column, Figure, Line, Solution, Table};
 use crate::units::Dimension::{AngularVelocity, Force, Impulse, Length, None as Plain, Rate, Time, Torque, Velocity};
 
 /// Modes of the first level, and the most that are tried.
-const FIRST_MODES: usize = 16;
+pub(super) const FIRST_MODES: usize = 16;
 const MOST_MODES: usize = 4096;
 /// Defect allowed in a step over the tolerance of the result.
 const STEP_PART: f64 = 0.1;
+
+/// Difference of the coefficients of restitution by (9.31) and by integration that is worth a warning.
+const LARGEST_DIFFERENCE: f64 = 0.05;
 
 /// One integration.
 struct Level {
@@ -62,26 +63,40 @@ fn largest(table: &Table, column: &str) -> f64 {
 }
 
 impl Beam {
-    /// Levels with twice the modes and a quarter of the step tolerance each, until two agree; with given modes, one.
-    pub(super) fn converge(&self, watch: Watch<'_>) -> ControlFlow<(), Solution> {
-        if let Some(modes) = self.modes {
-            let level = self.integrate(modes, STEP_PART * self.tolerance, watch)?;
-            return ControlFlow::Continue(self.solution(level, None));
+    /// Levels with twice the modes and a quarter of the step tolerance each, until two agree; with given modes, one. Interrupted, the last
+    /// level that is complete; the first as far as it goes.
+    pub(super) fn converge(&self, watch: Watch<'_>) -> Solution {
+        let (mut modes, mut step) = (self.modes.unwrap_or(FIRST_MODES), STEP_PART * self.tolerance);
+        let mut level = self.integrate(modes, step, watch);
+        if self.modes.is_some() || level.history.interrupted {
+            return self.solution(level, None);
         }
-        let (mut modes, mut step) = (FIRST_MODES, STEP_PART * self.tolerance);
-        let mut level = self.integrate(modes, step, watch)?;
+        let mut error = None;
         loop {
             (modes, step) = (2 * modes, (0.25 * step).max(1e-13));
-            let finer = self.integrate(modes, step, watch)?;
-            let error = level.differs(&finer, self.striker.velocity);
-            level = finer;
-            if error <= self.tolerance || modes >= MOST_MODES {
-                return ControlFlow::Continue(self.solution(level, Some(error)));
+            let finer = self.integrate(modes, step, watch);
+            if finer.history.interrupted {
+                return self.last_complete(level, error);
+            }
+            let change = level.differs(&finer, self.striker.velocity);
+            (level, error) = (finer, Some(change));
+            if change <= self.tolerance || modes >= MOST_MODES {
+                return self.solution(level, error);
             }
         }
     }
 
-    fn integrate(&self, modes: usize, tolerance: f64, watch: Watch<'_>) -> ControlFlow<(), Level> {
+    /// The result of an interrupted study of the error.
+    fn last_complete(&self, level: Level, error: Option<f64>) -> Solution {
+        let known = if error.is_some() { "the tolerance is not reached" } else { "the error is not known" };
+        let warning = format!("interrupted after the integration with {} modes: {known}", level.modes);
+        let mut solution = self.solution(level, None);
+        solution.outcome = Solution::INTERRUPTED;
+        solution.warnings.push(warning);
+        solution
+    }
+
+    fn integrate(&self, modes: usize, tolerance: f64, watch: Watch<'_>) -> Level {
         let [least, most] = self.ends();
         let mut observer = Observer::new(self, modes, self.half_sine(), least);
         // Gauges and shapes are read at the ends of steps.
@@ -91,8 +106,8 @@ impl Beam {
         let history = Contact::new(self.contact(), self.system(modes)).run(horizon, |moment| {
             observer.look(&moment);
             watch((moment.time / least).min(1.0))
-        })?;
-        ControlFlow::Continue(Level { modes, history, observer })
+        });
+        Level { modes, history, observer }
     }
 
     fn solution(&self, level: Level, error: Option<f64>) -> Solution {
@@ -100,10 +115,14 @@ impl Beam {
         let mut solution = self.approximation();
         self.contacts(&mut solution, &history);
         let last = observer.contact.column("striker_velocity").last().copied().unwrap_or(self.striker.velocity);
-        let values = [(last, Velocity), (-last / self.striker.velocity, Plain)];
-        solution.lines.push(Line::new("striker after", "{}: coefficient of restitution {}", &values));
         let figure = |name, dimension, long_name, value| Figure::new(name, dimension, long_name, value);
         let restitution = if history.separated { -last / self.striker.velocity } else { f64::NAN };
+        let values = [(last, Velocity), (restitution, Plain)];
+        solution.lines.push(if history.separated {
+            Line::new("striker after", "{}: coefficient of restitution {}", &values)
+        } else {
+            Line::new("striker at end", "{}", &values)
+        });
         solution.figures.extend([
             figure("striker_velocity", Velocity, "velocity of the striker at the end", last),
             figure("restitution", Plain, "minus that over its velocity before the impact", restitution),
@@ -137,21 +156,29 @@ impl Beam {
             figure("contact_count", Plain, "number of contacts", history.touches.len() as f64),
             figure("peak_force", Force, "largest contact force of the first contact", first.peak_force),
             figure("time_of_peak", Time, "when that is", first.peak_time),
-            figure("contact_duration", Time, "duration of the first contact", first.end - first.start),
+            figure("contact_duration", Time, "duration of the first contact", first.duration()),
             figure("approach", Length, "largest approach of the first contact", first.approach),
             figure(
                 "first_restitution",
                 Plain,
                 "coefficient of restitution of the first contact",
-                self.rebound(first.impulse),
+                if first.ended { self.rebound(first.impulse) } else { f64::NAN },
             ),
             figure("impulse", Impulse, "impulse of all contacts", history.touches.iter().map(|t| t.impulse).sum()),
         ]);
         for touch in &history.touches {
             let values = [(touch.start, Time), (touch.end, Time), (touch.peak_force, Force), (touch.peak_time, Time)];
-            solution.lines.push(Line::new("contact", "{} to {}, largest force {} at {}", &values));
+            let open = if touch.ended { "" } else { ", not ended" };
+            solution.lines.push(Line::new(
+                "contact",
+                format!("{{}} to {{}}{open}, largest force {{}} at {{}}"),
+                &values,
+            ));
         }
-        let largest = history.touches.iter().map(|t| t.approach).fold(0.0, f64::max);
+        let most = |of: fn(&Touch) -> f64| history.touches.iter().map(of).fold(0.0, f64::max);
+        let largest = most(|touch| touch.peak_force);
+        solution.figures.push(figure("largest_force", Force, "largest contact force of all contacts", largest));
+        let largest = most(|touch| touch.approach);
         judge(solution, &self.contact(), [&self.striker.elastic, &self.elastic], largest);
     }
 
@@ -196,11 +223,21 @@ impl Beam {
         if error.is_some_and(|error| error > self.tolerance) {
             solution.warnings.push(format!("the tolerance is not reached with {MOST_MODES} modes"));
         }
-        if !history.separated {
-            solution.warnings.push("sphere and beam may meet again after the end time".into());
+        if !history.separated && !history.interrupted {
+            let open = history.touches.last().is_some_and(|touch| !touch.ended);
+            let state = if open { "are still in contact at" } else { "may meet again after" };
+            solution.warnings.push(format!("sphere and beam {state} the end time"));
         }
-        if history.touches.len() > 1 {
-            solution.warnings.push("several contacts: (9.31) is for one".into());
+        let [approximate, integrated] =
+            ["half_sine_restitution", "first_restitution"].map(|name| solution.figure(name));
+        let several = if history.touches.len() > 1 { "first " } else { "" };
+        if (approximate - integrated).abs() > LARGEST_DIFFERENCE {
+            solution.warnings.push(format!(
+                "the {several}contact has the coefficient of restitution {integrated:.4} and (9.31) gives {approximate:.4}: the contact force \
+                 is not the half-sine pulse of duration (9.30)"
+            ));
+        } else if !several.is_empty() {
+            solution.warnings.push("several contacts: (9.31) is for the first".into());
         }
         if self.striker.radius > self.section.depth {
             let warning = "the sphere's radius is above the depth of the beam: the contact is that of a half-space only while it is small";

@@ -6,14 +6,14 @@ mod observe;
 mod shape;
 
 use std::f64::consts::PI;
-use std::ops::ControlFlow;
 
-use super::contact::System;
+use super::contact::{Horizon, System};
 use super::oscillator::Oscillator;
 use super::solid::{Elastic, Solid};
-use super::solution::Solution;
+use super::solution::{Figure, Line, Solution};
 use super::{Numerics, Problem, Watch};
 use crate::bar::Hertz;
+use crate::units::Dimension::{None as Plain, Time};
 
 /// A cross-section.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -141,16 +141,45 @@ impl Beam {
     }
 }
 
+impl Beam {
+    /// Time steps of one integration up to its earliest end, about: those of free flight.
+    pub fn expected_steps(&self) -> f64 {
+        let Solid { mass, velocity, .. } = self.striker;
+        self.ends()[0] / Horizon::longest_step(&self.contact(), mass, velocity)
+    }
+
+    /// Bytes of its histories, about.
+    pub fn expected_bytes(&self) -> f64 {
+        self.expected_steps() * 8.0 * observe::columns(self.gauges.len()) as f64
+    }
+}
+
 impl Problem for Beam {
     fn kind(&self) -> &'static str {
         "beam"
     }
 
     fn plan(&self) -> Solution {
-        self.approximation()
+        let mut solution = self.approximation();
+        let modes = match self.modes {
+            Some(modes) => format!("{modes}"),
+            None => {
+                format!("{}, doubled until the results change by less than {:e}", converge::FIRST_MODES, self.tolerance)
+            }
+        };
+        solution.lines.push(Line::new("modes", modes, &[]));
+        let steps = format!("about {:.0} an integration, up to {{}} or the last contact", self.expected_steps().ceil());
+        solution.lines.push(Line::new("steps", steps, &[(self.ends()[0], Time)]));
+        let mebibytes = self.expected_bytes() / f64::from(1 << 20);
+        solution.lines.push(Line::new("histories", format!("about {mebibytes:.1} MiB"), &[]));
+        solution.figures.extend([
+            Figure::new("expected_steps", Plain, "time steps of an integration, about", self.expected_steps().ceil()),
+            Figure::new("expected_bytes", Plain, "bytes of the histories, about", self.expected_bytes()),
+        ]);
+        solution
     }
 
-    fn solve(&self, watch: Watch<'_>) -> ControlFlow<(), Solution> {
+    fn solve(&self, watch: Watch<'_>) -> Solution {
         self.converge(watch)
     }
 

@@ -7,8 +7,8 @@ use crate::bar::Hertz;
 use crate::impact::contact::Moment;
 use crate::impact::oscillator::Oscillator;
 use crate::impact::pulse::Pulse;
-use crate::impact::solution::{Column, Shapes, Table};
-use crate::units::Dimension::{self, Energy, Force, Length, None as Plain, Torque, Velocity};
+use crate::impact::solution::{Shapes, Table};
+use crate::units::Dimension::{Force, Length, None as Plain, Torque, Velocity};
 
 /// Places of the deflected shapes.
 const PLACES: usize = 101;
@@ -30,44 +30,43 @@ pub(super) struct Observer {
 }
 
 fn contact_table() -> Table {
-    let column = |name, dimension: Dimension, long_name, panel| Column::new(name, dimension, long_name, panel);
-    let columns = vec![
-        Column::time(),
-        column("force", Force, "contact force, integrated", "contact force"),
-        column("force_half_sine", Force, "contact force, half-sine pulse (9.22)", "contact force"),
-        column("approach", Length, "approach; negative where sphere and beam are apart", ""),
-        column("striker_displacement", Length, "displacement of the striker", "displacements"),
-        column("deflection", Length, "deflection of the beam at the impact", "displacements"),
-        column("striker_velocity", Velocity, "velocity of the striker", "velocity of the striker"),
-    ];
-    Table::new("contact", columns)
+    Table::over_time(
+        "contact",
+        [
+            ("force", Force, "contact force, integrated", "contact force"),
+            ("force_half_sine", Force, "contact force, half-sine pulse (9.22)", "contact force"),
+            ("approach", Length, "approach; negative where sphere and beam are apart", ""),
+            ("striker_displacement", Length, "displacement of the striker", "displacements"),
+            ("deflection", Length, "deflection of the beam at the impact", "displacements"),
+            ("striker_velocity", Velocity, "velocity of the striker", "velocity of the striker"),
+        ],
+    )
 }
 
 fn ledger_table() -> Table {
-    let column = |name, long_name| Column::new(name, Energy, long_name, "energy");
-    let columns = vec![
-        Column::time(),
-        column("striker", "kinetic energy of the striker"),
-        column("contact", "elastic energy of the contact"),
-        column("beam", "kinetic and elastic energy of the beam and its foundation"),
-        column("damping", "energy dissipated by damping"),
-        Column::new("residual", Plain, "energy less that at the start, relative to it", ""),
-    ];
-    Table::new("ledger", columns)
+    Table::ledger([
+        ("striker", "kinetic energy of the striker"),
+        ("contact", "elastic energy of the contact"),
+        ("beam", "kinetic and elastic energy of the beam and its foundation"),
+        ("damping", "energy dissipated by damping"),
+    ])
 }
 
 fn gauge_table(name: &str, x: f64) -> Table {
-    let column = |name, dimension: Dimension, long_name, panel| Column::new(name, dimension, long_name, panel);
-    let columns = vec![
-        Column::time(),
-        column("deflection", Length, "deflection, integrated", "deflection at the gauges"),
-        column("moment", Torque, "bending moment, integrated", "bending moment at the gauges"),
-        column("strain", Plain, "strain of the face away from the striker, integrated", "strain at the gauges"),
-        column("deflection_half_sine", Length, "deflection by the half-sine pulse (9.24)", "deflection at the gauges"),
-        column("moment_half_sine", Torque, "bending moment by the half-sine pulse", ""),
-        column("strain_half_sine", Plain, "strain by the half-sine pulse", "strain at the gauges"),
+    let columns = [
+        ("deflection", Length, "deflection, integrated", "deflection at the gauges"),
+        ("moment", Torque, "bending moment, integrated", "bending moment at the gauges"),
+        ("strain", Plain, "strain of the face away from the striker, integrated", "strain at the gauges"),
+        ("deflection_half_sine", Length, "deflection by the half-sine pulse (9.24)", "deflection at the gauges"),
+        ("moment_half_sine", Torque, "bending moment by the half-sine pulse", ""),
+        ("strain_half_sine", Plain, "strain by the half-sine pulse", "strain at the gauges"),
     ];
-    Table { x: Some(x), ..Table::new(format!("gauges/{name}"), columns) }
+    Table { x: Some(x), ..Table::over_time(format!("gauges/{name}"), columns) }
+}
+
+/// Columns of all histories with so many gauges.
+pub(super) fn columns(gauges: usize) -> usize {
+    contact_table().columns.len() + ledger_table().columns.len() + gauges * gauge_table("", 0.0).columns.len()
 }
 
 impl Observer {

@@ -33,10 +33,8 @@ pub fn write_impact(
         put_text(file, GROUP, kind)?;
         build_materials(file, materials, false)?;
         let group = file.create_group(kind)?;
-        if !solution.equation.is_empty() {
-            put_text(&group, "equation", &solution.equation)?;
-            put_text(&group, "validity", &solution.validity)?;
-        }
+        put_text(&group, "equation", &solution.equation)?;
+        put_text(&group, "validity", &solution.validity)?;
         solution.figures.iter().filter(|figure| figure.value.is_finite()).try_for_each(|f| write_figure(&group, f))?;
         solution.tables.iter().try_for_each(|table| write_table(&group, table))?;
         solution.shapes.iter().try_for_each(|shapes| write_shapes(&group, shapes))?;
@@ -140,6 +138,13 @@ pub struct StoredImpact {
     pub tables: Vec<StoredTable>,
     /// Deflected shapes.
     pub shapes: Option<Shapes>,
+}
+
+impl StoredImpact {
+    /// It has histories or shapes, and not only figures.
+    pub fn has_histories(&self) -> bool {
+        self.shapes.is_some() || self.tables.iter().flat_map(|t| &t.columns).any(|column| !column.panel.is_empty())
+    }
 }
 
 impl ResultFile {

@@ -150,7 +150,7 @@ impl Checker<'_> {
             ] {
                 if let Some(given) = given {
                     let message = "with `velocity-after` the velocity of the striker is the result, and the struck body is at rest";
-                    return Err(self.error(given.span(), key, message).help("take it or `velocity-after` out").into());
+                    return Err(self.error(given.span(), key, message).help("remove it or `velocity-after`").into());
                 }
             }
             let key = "spheres.velocity-after";
@@ -175,8 +175,9 @@ impl Checker<'_> {
             (keys.rigid.map(Spanned::span), "rigid"),
         ];
         let Some((span, name)) = given.into_iter().find_map(|(span, name)| Some((span?, name))) else { return Ok(()) };
-        let message = format!("`{name}` means nothing where momentum alone decides");
-        let help = "take it out and give `mass`; or take `restitution` or `velocity-after` out for Hertz's contact";
+        let message =
+            format!("`{name}` has no effect: with `restitution` or `velocity-after` only masses and velocities count");
+        let help = "remove it and give `mass`; or remove `restitution` or `velocity-after` for Hertz's contact";
         Err(self.error(span, &format!("{key}.{name}"), message).help(help).into())
     }
 
@@ -233,6 +234,6 @@ impl Checker<'_> {
             return Ok(());
         };
         let error = self.error(value.span(), &format!("spheres.{name}"), format!("a fixed half-space has no `{name}`"));
-        Err(error.help(format!("take `{name}` or `half-space` out")).into())
+        Err(error.help(format!("remove `{name}` or `half-space`")).into())
     }
 }

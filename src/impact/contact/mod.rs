@@ -1,0 +1,286 @@
+//! Hertz's contact of linear bodies, integrated in time: one integrator for spheres, plates, beams and rods.
+//!
+//! The contact force over a step is a cubic in time through four Lobatto nodes. The motion of every body is exact for it
+//! ([`super::Oscillator`]), so that no frequency limits the step. At the nodes force and approach obey Hertz's law; between them, the
+//! defect of the law sets the step. Separations and new contacts end a step.
+
+mod cubic;
+mod flight;
+mod force;
+mod system;
+
+use std::collections::HashMap;
+use std::ops::ControlFlow;
+use std::rc::Rc;
+
+use cubic::{Nodal, impulse, peak};
+use system::Step;
+pub use system::System;
+
+use crate::bar::Hertz;
+
+/// A step of free flight is the Hertz duration over this: what elastic bodies do is read at the ends of steps.
+const COARSEST: f64 = 128.0;
+/// Halvings of the step of free flight.
+const MOST_HALVINGS: i32 = 60;
+
+/// One contact.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Touch {
+    /// When it begins, s.
+    pub start: f64,
+    /// When it ends, s; the end of the run where it lasts on.
+    pub end: f64,
+    /// The bodies separate then.
+    pub ended: bool,
+    /// Largest force, N.
+    pub peak_force: f64,
+    /// When that is, s.
+    pub peak_time: f64,
+    /// Largest approach, m.
+    pub approach: f64,
+    /// N s.
+    pub impulse: f64,
+}
+
+/// How an integration went.
+#[derive(Debug, Clone, PartialEq)]
+pub struct History {
+    /// In order of time.
+    pub touches: Vec<Touch>,
+    /// Steps taken.
+    pub steps: usize,
+    /// Those of them in contact.
+    pub contact_steps: usize,
+    /// The bodies have separated and cannot meet again.
+    pub separated: bool,
+    /// s.
+    pub end: f64,
+    /// The observer asked to stop before that.
+    pub interrupted: bool,
+}
+
+/// A moment that is looked at.
+#[derive(Debug, Clone, Copy)]
+pub struct Moment<'a> {
+    /// s.
+    pub time: f64,
+    /// N.
+    pub force: f64,
+    /// m; negative where the bodies are apart.
+    pub approach: f64,
+    /// All bodies.
+    pub system: &'a System,
+}
+
+/// How long to integrate, and how closely.
+#[derive(Debug, Clone, Copy)]
+pub struct Horizon {
+    /// Earliest end, s.
+    pub least: f64,
+    /// Latest end, s. In between the integration ends when the bodies have separated for good.
+    pub most: f64,
+    /// Largest defect of Hertz's law, relative to the largest force, > 0.
+    pub tolerance: f64,
+    /// How often the step of free flight, 1/128 of the Hertz duration, may be doubled in contact, >= 0.
+    pub doublings: i32,
+}
+
+impl Horizon {
+    /// Longest step of free flight for a mass (kg) and a velocity of approach (m/s), s.
+    pub fn longest_step(law: &Hertz, mass: f64, velocity: f64) -> f64 {
+        law.contact_time(mass, velocity) / COARSEST
+    }
+
+    /// Doublings where nothing but the contact is looked at: steps of up to a quarter of it.
+    pub const CONTACT_ALONE: i32 = 5;
+}
+
+/// The integration of a contact that begins at t = 0 with the approach 0.
+#[derive(Debug)]
+pub struct Contact {
+    law: Hertz,
+    system: System,
+    steps: HashMap<i32, Rc<Step>>,
+    longest: f64,
+    /// Largest force so far, or the expected one, N.
+    scale: f64,
+    time: f64,
+    force: f64,
+    taken: [usize; 2],
+    halvings: i32,
+}
+
+impl Touch {
+    /// s; NaN where the bodies do not separate.
+    pub fn duration(&self) -> f64 {
+        if self.ended { self.end - self.start } else { f64::NAN }
+    }
+
+    /// That begins at a time, s.
+    fn at(start: f64) -> Self {
+        Self { start, end: start, ended: false, peak_force: 0.0, peak_time: start, approach: 0.0, impulse: 0.0 }
+    }
+}
+
+impl Contact {
+    /// Bodies that touch and approach each other.
+    pub fn new(law: Hertz, system: System) -> Self {
+        let velocity = system.closing();
+        let inertia = 1.0 / system.modes[0].mass
+            + system.modes.iter().skip(1).filter(|m| m.omega == 0.0).map(|m| m.shape * m.shape / m.mass).sum::<f64>();
+        let mass = 1.0 / inertia;
+        let scale = law.force(law.largest_approach(mass, velocity));
+        let longest = Horizon::longest_step(&law, mass, velocity);
+        Self { law, system, steps: HashMap::new(), longest, scale, time: 0.0, force: 0.0, taken: [0, 0], halvings: 0 }
+    }
+
+    /// Integrates and shows every moment, the last being the state at the end. Ends early where `look` breaks off.
+    pub fn run(mut self, horizon: Horizon, mut look: impl FnMut(Moment<'_>) -> ControlFlow<()>) -> History {
+        let mut touches = Vec::new();
+        let ended = self.integrate(horizon, &mut touches, &mut look);
+        History {
+            touches,
+            steps: self.taken[0],
+            contact_steps: self.taken[1],
+            separated: ended == ControlFlow::Continue(true),
+            end: self.time,
+            interrupted: ended.is_break(),
+        }
+    }
+
+    /// True where the bodies have separated for good.
+    fn integrate(
+        &mut self,
+        horizon: Horizon,
+        touches: &mut Vec<Touch>,
+        look: &mut impl FnMut(Moment<'_>) -> ControlFlow<()>,
+    ) -> ControlFlow<(), bool> {
+        self.show(look)?;
+        while self.time < horizon.most {
+            let mut touch = Touch::at(self.time);
+            let flow = self.touch(&mut touch, horizon, look);
+            touches.extend((touch.end > touch.start).then_some(touch));
+            flow?;
+            if self.fly(horizon, look)? {
+                return ControlFlow::Continue(true);
+            }
+        }
+        ControlFlow::Continue(false)
+    }
+
+    fn show(&self, look: &mut impl FnMut(Moment<'_>) -> ControlFlow<()>) -> ControlFlow<()> {
+        let approach = self.system.approach(self.force);
+        look(Moment { time: self.time, force: self.force, approach, system: &self.system })
+    }
+
+    /// The step of free flight halved so often; doubled for negative numbers.
+    fn of_level(&mut self, halvings: i32) -> Rc<Step> {
+        let (system, longest) = (&self.system, self.longest);
+        self.steps.entry(halvings).or_insert_with(|| Rc::new(system.step(longest * 0.5_f64.powi(halvings)))).clone()
+    }
+
+    /// From the first touch to the separation.
+    fn touch(
+        &mut self,
+        touch: &mut Touch,
+        horizon: Horizon,
+        look: &mut impl FnMut(Moment<'_>) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        // The force starts as the power 3/2 of time: short steps first.
+        self.halvings = ((1.0 / horizon.tolerance).log2() * 2.0 / 3.0) as i32 + 2;
+        while self.time < horizon.most {
+            let (step, force, defect) = self.trial(horizon);
+            let end = self.law.approach(force[3]);
+            let ended = end <= 0.0;
+            let step = if ended { Rc::new(self.to_separation(&step)) } else { step };
+            let force = if ended { self.solve(&step).unwrap_or([self.force, 0.0, 0.0, 0.0]) } else { force };
+            self.note(touch, &step, &force);
+            self.take(&step, &force);
+            self.taken[1] += 1;
+            touch.end = self.time;
+            touch.ended = ended;
+            self.show(look)?;
+            if ended {
+                self.force = 0.0;
+                break;
+            }
+            if defect < 0.02 * horizon.tolerance * self.scale {
+                self.halvings = (self.halvings - 1).max(-horizon.doublings);
+            }
+        }
+        ControlFlow::Continue(())
+    }
+
+    /// A step short enough for the tolerance, its force, and its defect.
+    fn trial(&mut self, horizon: Horizon) -> (Rc<Step>, Nodal, f64) {
+        loop {
+            let mut step = self.of_level(self.halvings);
+            if self.time + step.dt > horizon.most {
+                step = Rc::new(self.system.step(horizon.most - self.time));
+            }
+            let solved = self.solve(&step).map(|force| (force, self.defect(&step, &force)));
+            match solved {
+                Some((force, defect)) if defect <= horizon.tolerance * self.scale => return (step, force, defect),
+                Some((force, defect)) if self.halvings >= MOST_HALVINGS => return (step, force, defect),
+                None if self.halvings >= MOST_HALVINGS => return (step, [self.force, 0.0, 0.0, 0.0], 0.0),
+                _ => self.halvings += 1,
+            }
+        }
+    }
+
+    fn take(&mut self, step: &Step, force: &Nodal) {
+        self.system.advance(step, force);
+        self.time += step.dt;
+        self.force = force[3];
+        self.taken[0] += 1;
+    }
+
+    fn note(&mut self, touch: &mut Touch, step: &Step, force: &Nodal) {
+        touch.impulse += impulse(force, step.dt);
+        let inside = peak(force);
+        for [part, value] in inside.into_iter().chain([[1.0, force[3]]]) {
+            if value > touch.peak_force {
+                touch.peak_force = value;
+                touch.peak_time = self.time + part * step.dt;
+                touch.approach = self.law.approach(value);
+            }
+        }
+        self.scale = self.scale.max(touch.peak_force);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::oscillator::Oscillator;
+    use super::*;
+
+    fn striker(mass: f64, velocity: f64) -> Oscillator {
+        Oscillator { v: velocity, ..Oscillator::new(mass, [0.0, 0.0], -1.0) }
+    }
+
+    fn integrate(law: Hertz, system: System, tolerance: f64) -> (History, System) {
+        let horizon = Horizon { least: 0.0, most: 1.0, tolerance, doublings: Horizon::CONTACT_ALONE };
+        let mut last = system.clone();
+        let history = Contact::new(law, system).run(horizon, |moment| {
+            last = moment.system.clone();
+            ControlFlow::Continue(())
+        });
+        (history, last)
+    }
+
+    #[test]
+    fn a_body_on_a_fixed_flat_follows_the_closed_forms() {
+        let law = Hertz { radius: 0.005, modulus: 109.89e9 };
+        let system = System { modes: vec![striker(0.004, 3.0)], ..System::default() };
+        let (history, last) = integrate(law, system, 1e-10);
+        let [touch] = history.touches.as_slice() else { panic!("{history:?}") };
+        let close = |a: f64, b: f64, most: f64| assert!((a / b - 1.0).abs() < most, "{a} {b}: {:e}", a / b - 1.0);
+        close(touch.end, law.contact_time(0.004, 3.0), 1e-9);
+        close(touch.peak_time, 0.5 * touch.end, 1e-7);
+        close(touch.approach, law.largest_approach(0.004, 3.0), 1e-9);
+        close(-last.modes[0].v, 3.0, 1e-10);
+        close(touch.impulse, 0.024, 1e-10);
+        assert!(history.separated && history.steps < 600, "{}", history.steps);
+    }
+}

@@ -1,0 +1,56 @@
+//! Scenes of impacts in `runs/` through the program.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use barwave::record::store::{ResultFile, StoredImpact};
+use serde_json::Value;
+
+/// Path of a scene in `runs/`.
+pub fn scene(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("runs").join(name)
+}
+
+/// A command of the program on a scene in `runs/`.
+pub fn barwave(folder: &Path, command: &str, name: &str, sets: &[&str], more: &[&str]) -> Output {
+    let mut program = Command::new(env!("CARGO_BIN_EXE_barwave"));
+    program.current_dir(folder).arg(command).arg(scene(name)).args(more);
+    for set in sets {
+        program.arg("--set").arg(set);
+    }
+    program.output().expect("barwave starts")
+}
+
+/// The summary of a run.
+pub fn run(name: &str, sets: &[&str]) -> Value {
+    recorded(name, sets).0
+}
+
+/// The summary of a run, and what its file holds.
+pub fn recorded(name: &str, sets: &[&str]) -> (Value, StoredImpact) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let output = barwave(folder.path(), "run", name, sets, &["-o", "r.h5", "--json"]);
+    assert_eq!(output.status.code(), Some(0), "{name} {sets:?}: {}", String::from_utf8_lossy(&output.stderr));
+    let file = ResultFile::open(&folder.path().join("r.h5")).expect("a result file");
+    let impact = file.impact().expect("it can be read").expect("an impact");
+    (serde_json::from_slice(&output.stdout).expect("one JSON value"), impact)
+}
+
+/// A number of a summary, by its JSON pointer or its key.
+#[track_caller]
+pub fn number(summary: &Value, key: &str) -> f64 {
+    let value = if key.starts_with('/') { summary.pointer(key) } else { summary.get(key) };
+    value.and_then(Value::as_f64).unwrap_or_else(|| panic!("no {key} in {summary}"))
+}
+
+#[track_caller]
+pub fn within(summary: &Value, key: &str, expected: f64, most: f64) {
+    let value = number(summary, key);
+    assert!((value - expected).abs() <= most, "{key}: {value}, expected {expected} within {most}");
+}
+
+/// As printed to six digits.
+#[track_caller]
+pub fn to_six_digits(summary: &Value, key: &str, expected: f64) {
+    within(summary, key, expected, 5.1e-6 * expected.abs());
+}

@@ -215,9 +215,9 @@ pub(super) fn energy_units(area_given: bool) -> &'static str {
     if area_given { "J" } else { "J/m^2" }
 }
 
-/// Growing columns of a group over the dimension [`SAMPLE`]; the first, their time, is the coordinate of the others. Time is no dimension of
-/// its own: readers of whole files want dimensions of one name to be one, and histories have other times than fields. A time may also come
-/// twice, at a jump.
+/// Growing columns of a group over the dimension [`SAMPLE`]; the first is time. Time is no dimension: readers of whole files want dimensions
+/// of one name to be one, and histories have other times than fields. It is no coordinate (CF: `coordinates`) either, because xarray takes
+/// such a one for that of the fields. A time may also come twice, at a jump.
 fn build_columns(group: &Group, columns: &[[&str; 3]], rows: usize) -> Hdf<()> {
     for [name, units, long_name] in columns {
         let builder = group.new_dataset::<f64>().fill_value(f64::NAN);
@@ -226,10 +226,6 @@ fn build_columns(group: &Group, columns: &[[&str; 3]], rows: usize) -> Hdf<()> {
     let samples = group.new_dataset::<f32>().chunk(rows).shape(Extent::resizable(0)).create(SAMPLE)?;
     put_text(&samples, "long_name", "number of the row; this dimension has no values")?;
     let names: Vec<&str> = columns.iter().map(|c| c[0]).collect();
-    for name in &names[1..] {
-        let column = group.dataset(name)?;
-        put_text(&column, "coordinates", names[0])?;
-    }
     let time = group.dataset(names[0])?;
     put_text(&time, "comment", JUMPS)?;
     let data: Vec<(&str, &[&str])> = names.iter().map(|name| (*name, &[SAMPLE][..])).collect();

@@ -5,7 +5,7 @@
 //!
 //! - `time` and `x` are dimension scales attached to every field, so h5py (`ds.dims[0]`) and xarray see labelled axes. `x_bounds`, `area` and
 //!   `/bar` are the geometry.
-//! - `/gauges/<name>`, `/ends/<side>` and `/ledger` are groups of columns over a dimension `sample` without values, with the coordinate
+//! - `/gauges/<name>`, `/ends/<side>` and `/ledger` are groups of columns over a dimension `sample` without values, the first of them
 //!   `time`: netCDF wants dimensions of one name to be one in a group and those below it (`xarray.open_datatree`).
 //! - `/fronts`, `/ruptures`, `/audit`, `/scene_files` and the segments of `/bar` are tables (`tables`): groups of columns numbered by a
 //!   scale. `/fronts` has a column `arrival_<gauge>` for each gauge.

@@ -309,6 +309,10 @@ pub struct MaterialRecord {
     pub strain: Vec<f64>,
     /// Knot stresses, Pa, signed.
     pub stress: Vec<f64>,
+    /// Strains and stresses (Pa) in tension.
+    pub tension: [Vec<f64>; 2],
+    /// Their magnitudes in compression.
+    pub compression: [Vec<f64>; 2],
     /// kg/m^3.
     pub density: f64,
     /// Pa.
@@ -348,10 +352,13 @@ impl From<&crate::material::Material> for MaterialRecord {
         }
         strain.extend(tension.strain());
         stress.extend(tension.stress());
+        let branch = |sense| [material.branch(sense).strain().to_vec(), material.branch(sense).stress().to_vec()];
         Self {
             name: material.name.clone(),
             strain,
             stress,
+            tension: branch(Sense::Tension),
+            compression: branch(Sense::Compression),
             density: material.density,
             modulus: material.modulus,
             provenance: material.provenance.clone(),

@@ -9,6 +9,7 @@ mod choice;
 mod chosen;
 mod companion;
 mod estimate;
+mod geometry;
 mod impact;
 mod limits;
 mod resume;
@@ -507,6 +508,7 @@ fn twisted(scene: &Scene, x: &[f64]) -> Option<Twisted> {
 
 fn layout(scene: &Scene, x: Vec<f64>, sampling: &str) -> Layout {
     Layout {
+        geometry: geometry::geometry(scene, &x),
         x,
         fields: scene.record.fields.clone(),
         gauges: scene.record.gauges.clone(),

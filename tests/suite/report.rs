@@ -5,7 +5,7 @@
 use std::path::Path;
 
 use barwave::error::Error;
-use barwave::record::store::{Finish, Header, Layout, ResultFile, Side, Writer};
+use barwave::record::store::{Finish, Geometry, Header, Layout, ResultFile, Side, Writer};
 use barwave::record::{AuditRow, Compression, Field, Frame, FrontRow, LedgerRow, Precision, Trace};
 use barwave::report::plot::png;
 use barwave::report::{Units, draw, page};
@@ -29,6 +29,7 @@ fn front(speed: f64, stress_behind: f64) -> FrontRow {
 /// Starts a run of `frames` frames of stress with the given value everywhere.
 fn start(path: &Path, frames: usize, stress: f64) -> Writer {
     let layout = Layout {
+        geometry: Geometry::default(),
         x: (0..50).map(|i| (f64::from(i) + 0.5) / 50.0).collect(),
         fields: vec![Field::Stress],
         gauges: vec![("a <gauge>".into(), 0.25)],

@@ -242,7 +242,7 @@ fn the_file_has_a_table_of_ruptures() {
         assert_eq!(summary.outcome, if rows == Some(1) { "rupture" } else { "done" });
         assert_eq!(summary.ruptures.map(|r| r.len()), rows);
         let file = hdf5::File::open(&path).expect("a file");
-        assert_eq!(file.dataset("ruptures").ok().map(|table| table.shape()[0]), rows);
+        assert_eq!(file.dataset("ruptures/time").ok().map(|column| column.shape()[0]), rows);
         assert_eq!(
             file.dataset("ledger/fracture").expect("a column").shape(),
             file.dataset("ledger/time").expect("a column").shape()

@@ -6,7 +6,9 @@ use std::path::Path;
 
 use barwave::error::Error;
 use barwave::material::Provenance;
-use barwave::record::store::{Finish, Header, Layout, RUNNING, ResultFile, Side, Writer};
+use barwave::record::store::{
+    FORMAT_VERSION, Finish, Geometry, Header, Layout, Part, RUNNING, ResultFile, Side, Writer,
+};
 use barwave::record::{
     AuditRow, Compression, ErrorFigure, Field, Frame, FrontRow, LedgerRow, MaterialRecord, PathRow, Precision, Trace,
 };
@@ -25,7 +27,17 @@ fn frame(index: usize, x: &[f64]) -> Frame {
 }
 
 fn layout() -> Layout {
+    let edge = |i: usize| i as f64 / CELLS as f64;
+    let part = Part { start: 0.0, end: 1.0, material: "copper".into(), areas: Some([2e-4; 2]) };
+    let geometry = Geometry {
+        length: 1.0,
+        parts: vec![part],
+        bounds: (0..CELLS).map(|i| [edge(i), edge(i + 1)]).collect(),
+        area: Some(vec![2e-4; CELLS]),
+        end_factors: Some([2e-4; 2]),
+    };
     Layout {
+        geometry,
         x: (0..CELLS).map(|i| (i as f64 + 0.5) / CELLS as f64).collect(),
         fields: vec![Field::Stress, Field::Velocity],
         gauges: vec![("middle".into(), 0.5), ("far/end".into(), 0.9)],
@@ -59,6 +71,8 @@ fn material() -> MaterialRecord {
         name: "copper".into(),
         strain: vec![0.0, 0.001, 0.2],
         stress: vec![0.0, 100e6, 300e6],
+        tension: [vec![0.0, 0.001, 0.2], vec![0.0, 100e6, 300e6]],
+        compression: [vec![0.0, 0.001, 0.1], vec![0.0, 100e6, 200e6]],
         density: 8930.0,
         modulus: 100e9,
         provenance: Provenance { citation: "somebody, 1950".into(), ..Provenance::default() },
@@ -285,6 +299,59 @@ fn what_is_no_result_file_is_a_clear_input_error() {
     assert!(complaint(&path).contains("there is no such file"));
     std::fs::write(&path, "not HDF5").unwrap();
     assert!(complaint(&path).contains("this is not an HDF5 file"), "{}", complaint(&path));
+}
+
+/// The reader says what to do with files of other layouts, and does not read them by mistake.
+#[test]
+fn files_of_another_format_version_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("step.h5");
+    finish(start(&path, &layout(), 2));
+    for (version, said) in
+        [(FORMAT_VERSION + 1, "read it with a newer barwave"), (1, "simulate its scene again: barwave run")]
+    {
+        hdf5::File::open_rw(&path).unwrap().attr("format_version").unwrap().write_scalar(&version).unwrap();
+        let Error::Input(error) = ResultFile::open(&path).unwrap_err() else { panic!("no input error") };
+        assert!(error.message.contains(&format!("format version {version}; this program reads {FORMAT_VERSION}")));
+        assert!(error.help.contains(said), "{}", error.help);
+    }
+}
+
+/// Geometry, forces and units that a reader needs are in the file.
+#[test]
+fn the_file_has_its_geometry_and_units() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("step.h5");
+    finish(start(&path, &layout(), 4));
+    let file = hdf5::File::open(&path).unwrap();
+    let column = |name: &str| file.dataset(name).unwrap().read_raw::<f64>().unwrap();
+    assert_eq!(column("bar/length"), [1.0]);
+    assert_eq!(column("x_bounds")[..4], [0.0, 1.0 / 300.0, 1.0 / 300.0, 2.0 / 300.0]);
+    assert_eq!((column("area").len(), column("bar/area_left")), (CELLS, vec![2e-4]));
+    assert_eq!(column("ends/left/force"), [0.0, 1.0, 2.0, 3.0].map(|stress| -2e-4 * stress));
+    assert_eq!(column("material/copper/compression_stress"), [0.0, 100e6, 200e6]);
+    let text = |name: &str| file.attr(name).unwrap().read_scalar::<hdf5::types::VarLenUnicode>().unwrap().to_string();
+    assert_eq!((text("Conventions").as_str(), text("critical_velocity_units").as_str()), ("CF-1.11", "m/s"));
+    assert!(file.attr("error_value").is_err() && file.group("error").unwrap().attr("value").is_ok());
+}
+
+/// Every number in a table or history has a unit.
+#[test]
+fn every_column_has_its_unit() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("step.h5");
+    finish(start(&path, &Layout { paths: true, ..layout() }, 2));
+    let file = hdf5::File::open(&path).unwrap();
+    let groups = ["/", "fronts", "audit", "paths", "ledger", "ends/left", "gauges/middle", "bar", "material/copper"];
+    let mut columns = 0;
+    for group in groups {
+        for dataset in file.group(group).unwrap().datasets().unwrap() {
+            let is_number = dataset.dtype().unwrap().is::<f64>();
+            assert!(!is_number || dataset.attr("units").is_ok(), "{}", dataset.name());
+            columns += usize::from(is_number);
+        }
+    }
+    assert!(columns > 40, "{columns}");
 }
 
 /// A child process shares the open files, and with them the locks, until it executes its program. Tests that start programs while others

@@ -7,8 +7,17 @@ use super::{FORMAT_VERSION, bounded, git_revision};
 
 type Hdf<T> = hdf5::Result<T>;
 
+/// Conventions for attributes and coordinates that the files follow.
+const CONVENTIONS: &str = "CF-1.11";
+
 pub(super) fn put<T: H5Type>(location: &Location, name: &str, value: &T) -> Hdf<()> {
     location.new_attr::<T>().create(name)?.write_scalar(value)
+}
+
+/// A number, and its unit in a second attribute.
+pub(super) fn put_quantity(location: &Location, name: &str, value: f64, units: &str) -> Hdf<()> {
+    put(location, name, &value)?;
+    put_text(location, &format!("{name}_units"), units)
 }
 
 pub(super) fn put_text(location: &Location, name: &str, value: &str) -> Hdf<()> {
@@ -31,6 +40,7 @@ pub(super) fn text(value: &str) -> Hdf<VarLenUnicode> {
 pub(super) fn identify(file: &Location, format: &str, title: &str) -> Hdf<()> {
     put_text(file, "format", format)?;
     put(file, "format_version", &FORMAT_VERSION)?;
+    put_text(file, "Conventions", CONVENTIONS)?;
     put_text(file, "program_version", env!("CARGO_PKG_VERSION"))?;
     if let Some(revision) = git_revision() {
         put_text(file, "git_revision", revision)?;

@@ -2,12 +2,13 @@
 
 use std::time::SystemTime;
 
-use hdf5::types::VarLenUnicode;
 use hdf5::{Dataset, Extent, File, Group};
 
-use super::attributes::{identify, put, put_text, put_texts, text};
+use super::attributes::{identify, put, put_quantity, put_text, put_texts};
 use super::filters::shuffled;
-use super::{Header, Layout, RUNNING, Side, paths, scales};
+use super::scales::Axis;
+use super::tables::{self, Column};
+use super::{Geometry, Header, Layout, Part, RUNNING, Side, paths, scales};
 use crate::record::{Field, MaterialRecord, Precision};
 use crate::solver::Energies;
 use crate::text_file::NamedFiles;
@@ -23,13 +24,21 @@ pub(super) const TRACE_ROWS: usize = 1024;
 /// Rows in a chunk of the frame times and of the ledger.
 const FRAME_ROWS: usize = 256;
 
+/// Dimension of the rows of a history.
+pub(super) const SAMPLE: &str = "sample";
+
+/// What a time that comes twice means.
+const JUMPS: &str = "not decreasing; where a time comes twice, the values jump from the first row to the second";
+
 /// Columns of a history: name, units, long name.
 const GAUGE_COLUMNS: [[&str; 3]; 4] =
     [TIME, ["stress", "Pa", "engineering stress, tension positive"], ["strain", "1", "engineering strain"], VELOCITY];
 /// What gauges of a bar that plastic work heats have on top.
 const GAUGE_TEMPERATURE: [&str; 3] = ["temperature", "K", "temperature"];
-pub(super) const END_COLUMNS: [[&str; 3]; 3] =
-    [TIME, ["stress", "Pa", "engineering stress, tension positive"], VELOCITY];
+const END_COLUMNS: [[&str; 3]; 3] = [TIME, ["stress", "Pa", "engineering stress, tension positive"], VELOCITY];
+/// What ends of a known cross-section have on top, and those of bars in torsion.
+const END_FORCE: [&str; 3] = ["force", "N", "axial force, tension positive"];
+const END_TORQUE: [&str; 3] = ["torque", "N m", "torque in the section"];
 const TIME: [&str; 3] = ["time", "s", "time"];
 const VELOCITY: [&str; 3] = ["velocity", "m/s", "velocity in +x"];
 
@@ -73,11 +82,11 @@ pub(super) fn build_root(file: &File, header: &Header, area_given: bool) -> Hdf<
     put_text(file, "scheme", &header.scheme)?;
     put_text(file, "energy_units", energy_units(area_given))?;
     if let Some(velocity) = header.critical_velocity {
-        put(file, "critical_velocity", &velocity)?;
+        put_quantity(file, "critical_velocity", velocity, "m/s")?;
     }
     if let Some(radius) = header.torsion {
         put_text(file, "mode", "torsion")?;
-        put(file, "radius", &radius)?;
+        put_quantity(file, "radius", radius, "m")?;
     }
     put_text(file, "outcome", RUNNING)
 }
@@ -104,13 +113,57 @@ fn build_fields(file: &File, layout: &Layout, twisted: bool) -> Hdf<()> {
             put_text(&dataset, "sampling", &layout.sampling)?;
         }
     }
-    let names: Vec<&str> = layout.fields.iter().map(|f| f.name()).collect();
-    scales::attach(file, &["time", "x"], &names)
+    build_geometry(file, &layout.geometry)?;
+    let mut data: Vec<(&str, &[&str])> = layout.fields.iter().map(|f| (f.name(), &["time", "x"][..])).collect();
+    data.push(("x_bounds", &["x", "bound"]));
+    data.extend(layout.geometry.area.as_ref().map(|_| ("area", &["x"][..])));
+    scales::attach_axes(file, &[Axis::Coordinate("time"), Axis::Coordinate("x"), Axis::Bare("bound")], &data)
+}
+
+/// Cells and cross-sections along the bar, and its segments.
+fn build_geometry(file: &File, geometry: &Geometry) -> Hdf<()> {
+    let x = file.dataset("x")?;
+    put_text(&x, "bounds", "x_bounds")?;
+    file.new_dataset::<f32>().shape(2).create("bound")?;
+    let bounds = file.new_dataset::<f64>().shape((geometry.bounds.len(), 2)).create("x_bounds")?;
+    bounds.write_raw(geometry.bounds.as_flattened())?;
+    describe(&bounds, "m", "left and right bound of the cell around each x")?;
+    if let Some(area) = &geometry.area {
+        let dataset = file.new_dataset::<f64>().shape(area.len()).create("area")?;
+        dataset.write_raw(area)?;
+        describe(&dataset, "m^2", "cross-section of the undeformed bar")?;
+    }
+    let number = |name, units, long_name, value: &dyn Fn(&Part) -> f64| {
+        Column::numbers(name, units, long_name, geometry.parts.iter().map(value).collect())
+    };
+    let materials = geometry.parts.iter().map(|part| part.material.clone()).collect();
+    let mut columns = vec![
+        number("start", "m", "left end of the segment", &|part| part.start),
+        number("end", "m", "right end of the segment", &|part| part.end),
+        Column::texts("material", "material of the segment", materials),
+    ];
+    if geometry.area.is_some() {
+        for (side, name, long_name) in
+            [(0, "area_left", "cross-section of its left end"), (1, "area_right", "of its right end")]
+        {
+            columns.push(number(name, "m^2", long_name, &|part| part.areas.map_or(f64::NAN, |areas| areas[side])));
+        }
+    }
+    let group = tables::write(file, "bar", "segment", &columns, geometry.parts.len())?;
+    let length = group.new_dataset::<f64>().create("length")?;
+    length.write_scalar(&geometry.length)?;
+    describe(&length, "m", "length of the undeformed bar")
 }
 
 /// Columns of the gauges of this file.
 pub(super) fn gauge_columns(layout: &Layout) -> Vec<[&'static str; 3]> {
     GAUGE_COLUMNS.into_iter().chain(layout.temperature.then_some(GAUGE_TEMPERATURE)).collect()
+}
+
+/// Columns of the ends of this file.
+pub(super) fn end_columns(layout: &Layout, twisted: bool) -> Vec<[&'static str; 3]> {
+    let load = layout.geometry.end_factors.map(|_| if twisted { END_TORQUE } else { END_FORCE });
+    END_COLUMNS.into_iter().chain(load).collect()
 }
 
 /// A column of stress, strain or velocity as it is called in torsion, or as it is.
@@ -126,14 +179,13 @@ fn build_histories(file: &File, layout: &Layout, twisted: bool) -> Hdf<()> {
     for (index, (link, (name, x))) in gauge_links(layout).iter().zip(&layout.gauges).enumerate() {
         let group = gauges.create_group(link)?;
         build_columns(&group, &columns, TRACE_ROWS)?;
-        put(&group, "x", x)?;
-        put_text(&group, "x_units", "m")?;
+        put_quantity(&group, "x", *x, "m")?;
         put(&group, "index", &(index as u32))?;
         put_text(&group, "name", name)?;
     }
     let ends = file.create_group("ends")?;
     for side in [Side::Left, Side::Right] {
-        let columns = END_COLUMNS.map(|column| in_mode(twisted, column));
+        let columns: Vec<_> = end_columns(layout, twisted).into_iter().map(|column| in_mode(twisted, column)).collect();
         build_columns(&ends.create_group(side.name())?, &columns, TRACE_ROWS)?;
     }
     Ok(())
@@ -159,18 +211,25 @@ fn build_ledger(file: &File, layout: &Layout, twisted: bool) -> Hdf<()> {
     build_columns(&file.create_group("ledger")?, &columns.collect::<Vec<_>>(), FRAME_ROWS)
 }
 
-fn energy_units(area_given: bool) -> &'static str {
+pub(super) fn energy_units(area_given: bool) -> &'static str {
     if area_given { "J" } else { "J/m^2" }
 }
 
-/// Growing columns of a group; the first is the scale of the others.
+/// Growing columns of a group over the dimension [`SAMPLE`]; the first is time. Time is no dimension: readers of whole files want dimensions
+/// of one name to be one, and histories have other times than fields. It is no coordinate (CF: `coordinates`) either, because xarray takes
+/// such a one for that of the fields. A time may also come twice, at a jump.
 fn build_columns(group: &Group, columns: &[[&str; 3]], rows: usize) -> Hdf<()> {
     for [name, units, long_name] in columns {
         let builder = group.new_dataset::<f64>().fill_value(f64::NAN);
         describe(&builder.chunk(rows).shape(Extent::resizable(0)).create(*name)?, units, long_name)?;
     }
+    let samples = group.new_dataset::<f32>().chunk(rows).shape(Extent::resizable(0)).create(SAMPLE)?;
+    put_text(&samples, "long_name", "number of the row; this dimension has no values")?;
     let names: Vec<&str> = columns.iter().map(|c| c[0]).collect();
-    scales::attach(group, &names[..1], &names[1..])
+    let time = group.dataset(names[0])?;
+    put_text(&time, "comment", JUMPS)?;
+    let data: Vec<(&str, &[&str])> = names.iter().map(|name| (*name, &[SAMPLE][..])).collect();
+    scales::attach_axes(group, &[Axis::Bare(SAMPLE)], &data)
 }
 
 /// What a scene names, so that it can be read again from its result alone.
@@ -178,19 +237,14 @@ fn build_scene_files(file: &File, files: &NamedFiles) -> Hdf<()> {
     if files.texts.is_empty() {
         return Ok(());
     }
-    let group = file.create_group("scene_files")?;
+    let (paths, texts) = files.texts.iter().cloned().unzip();
+    let columns = [
+        Column::texts("path", "path of the file, as the scene names it", paths),
+        Column::texts("text", "content of the file", texts),
+    ];
+    let group = tables::write(file, "scene_files", "file", &columns, files.texts.len())?;
     put_text(&group, "base", &files.base)?;
-    if let Some(folder) = &files.materials {
-        put_text(&group, "materials", folder)?;
-    }
-    scales::numbering(&group, "file", files.texts.len())?;
-    let (paths, texts): (Vec<_>, Vec<_>) =
-        files.texts.iter().map(|(path, content)| (text(path), text(content))).unzip();
-    for (name, values) in [("path", paths), ("text", texts)] {
-        let values = values.into_iter().collect::<Hdf<Vec<_>>>()?;
-        group.new_dataset::<VarLenUnicode>().shape(values.len()).create(name)?.write_raw(&values)?;
-    }
-    scales::attach(&group, &["file"], &["path", "text"])
+    files.materials.iter().try_for_each(|folder| put_text(&group, "materials", folder))
 }
 
 pub(super) fn build_materials(file: &File, materials: &[MaterialRecord], twisted: bool) -> Hdf<()> {
@@ -199,21 +253,36 @@ pub(super) fn build_materials(file: &File, materials: &[MaterialRecord], twisted
     let names = link_names(materials.iter().map(|m| m.name.as_str()));
     for (material, name) in materials.iter().zip(&names) {
         let group = group.create_group(name)?;
-        let strain = group.new_dataset::<f64>().shape(material.strain.len()).create("strain")?;
-        strain.write_raw(&material.strain)?;
-        describe(&strain, "1", strain_name)?;
-        let stress = group.new_dataset::<f64>().shape(material.stress.len()).create("stress")?;
-        stress.write_raw(&material.stress)?;
-        describe(&stress, "Pa", stress_name)?;
-        scales::attach(&group, &["strain"], &["stress"])?;
-        put(&group, "density", &material.density)?;
-        put(&group, "modulus", &material.modulus)?;
+        build_branches(&group, material, [strain_name, stress_name])?;
+        put_quantity(&group, "density", material.density, "kg/m^3")?;
+        put_quantity(&group, "modulus", material.modulus, "Pa")?;
         let provenance = &material.provenance;
         put_text(&group, "name", &material.name)?;
         put_text(&group, "citation", &provenance.citation)?;
         put_text(&group, "measured", &provenance.measured)?;
         put_text(&group, "confidence", &provenance.confidence)?;
         put_text(&group, "origin", &provenance.origin)?;
+    }
+    Ok(())
+}
+
+/// The curve as one, signed, and by sense, as magnitudes.
+fn build_branches(group: &Group, material: &MaterialRecord, names: [&str; 2]) -> Hdf<()> {
+    let of_sense =
+        |sense: &str, k: usize| (format!("{sense}_{}", ["strain", "stress"][k]), format!("{}, {sense}", names[k]));
+    let column = |name: &str, k: usize, long_name: &str, values: &[f64]| -> Hdf<()> {
+        let dataset = group.new_dataset::<f64>().shape(values.len()).create(name)?;
+        dataset.write_raw(values)?;
+        describe(&dataset, ["1", "Pa"][k], long_name)
+    };
+    column("strain", 0, names[0], &material.strain)?;
+    column("stress", 1, names[1], &material.stress)?;
+    scales::attach(group, &["strain"], &["stress"])?;
+    for (sense, branch) in [("tension", &material.tension), ("compression", &material.compression)] {
+        let [strain, stress] = [0, 1].map(|k| of_sense(sense, k));
+        column(&strain.0, 0, &strain.1, &branch[0])?;
+        column(&stress.0, 1, &stress.1, &branch[1])?;
+        scales::attach(group, &[&strain.0], &[&stress.0])?;
     }
     Ok(())
 }

@@ -13,9 +13,8 @@ pub(super) fn bytes(figures: &Figures) -> u64 {
 }
 
 /// Writes `/figures`: a group for each place, in which every figure is a scalar dataset. `gauges` are the names of the gauges' groups.
-pub(super) fn write(file: &File, figures: &Figures, gauges: &[String]) -> Hdf<()> {
+pub(super) fn write<'a>(file: &File, figures: &Figures, mut gauges: impl Iterator<Item = &'a String>) -> Hdf<()> {
     file.create_group("figures")?;
-    let mut gauges = gauges.iter();
     for group in &figures.0 {
         let mut path = group.path.clone();
         if let [first, name] = &mut path[..]

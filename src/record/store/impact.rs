@@ -4,7 +4,7 @@ use std::path::Path;
 
 use hdf5::Group;
 
-use super::attributes::{get, get_text, put, put_text, text};
+use super::attributes::{get, get_text, put, put_quantity, put_text, text};
 use super::claim::in_place;
 use super::create::{build_materials, build_root, describe};
 use super::scales::attach;
@@ -38,7 +38,7 @@ pub fn write_impact(
         solution.figures.iter().filter(|figure| figure.value.is_finite()).try_for_each(|f| write_figure(&group, f))?;
         solution.tables.iter().try_for_each(|table| write_table(&group, table))?;
         solution.shapes.iter().try_for_each(|shapes| write_shapes(&group, shapes))?;
-        put(file, "wall_seconds", &wall_seconds)?;
+        put_quantity(file, "wall_seconds", wall_seconds, "s")?;
         put(file, "cell_steps", &0_u64)?;
         file.attr("outcome")?.write_scalar(&text(solution.outcome)?)
     })
@@ -73,8 +73,7 @@ fn write_table(group: &Group, table: &Table) -> Hdf<()> {
         put(&dataset, "index", &index)?;
     }
     if let Some(x) = table.x {
-        put(&group, "x", &x)?;
-        put_text(&group, "x_units", "m")?;
+        put_quantity(&group, "x", x, "m")?;
     }
     let names: Vec<&str> = table.columns.iter().map(|column| column.name).collect();
     let (scale, data) = names.split_at(1);

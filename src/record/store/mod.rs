@@ -3,15 +3,16 @@
 //! # What is in it
 //! The contract is "Result file" in the interface. What this module adds to it:
 //!
-//! - `time` and `x` are dimension scales attached to every field, each group's `time` to its columns, so h5py
-//!   (`ds.dims[0]`) and xarray (`open_dataset(path, engine="h5netcdf")`, `group="gauges/middle"`) see labelled axes.
-//! - `/fronts` is one compound dataset, one row a front, with a column `arrival_<gauge>` for each gauge; the scale
-//!   `/front` numbers its rows (without one, xarray warns about an unnamed dimension).
-//! - `/paths`, in files of the method "moc", is a growing compound dataset, one row a straight piece of a front, numbered
-//!   by the scale `/path`; its attribute `complete` is 1 where the run ended and no piece was left out.
+//! - `time` and `x` are dimension scales attached to every field, so h5py (`ds.dims[0]`) and xarray see labelled axes. `x_bounds`, `area` and
+//!   `/bar` are the geometry.
+//! - `/gauges/<name>`, `/ends/<side>` and `/ledger` are groups of columns over a dimension `sample` without values, the first of them
+//!   `time`: netCDF wants dimensions of one name to be one in a group and those below it (`xarray.open_datatree`).
+//! - `/fronts`, `/ruptures`, `/audit`, `/scene_files` and the segments of `/bar` are tables (`tables`): groups of columns numbered by a
+//!   scale. `/fronts` has a column `arrival_<gauge>` for each gauge.
+//! - `/paths`, in files of the method "moc", is a growing table, one row a straight piece of a front; its attribute `complete` is 1 where
+//!   the run ended and no piece was left out.
 //! - Fields of the method "moc" are exact at their places: a sample on a front has the state behind it, one on a joint
 //!   the state to its right (attribute `sampling`). Histories have two rows for each step, before and after it.
-//! - `/ledger`, `/ends/<side>`, `/gauges/<name>`, `/audit` and `/material/<name>` are groups of one-dimensional columns.
 //! - `/scene_files`, where the scene names materials or histories in files, has their paths and texts, and as attributes the folders
 //!   that they were looked up in; the root attribute `run_id` tells a run from every other one.
 //! - NaN means "not there": fields that were never reached by the writer, fronts that could not be followed.
@@ -35,7 +36,6 @@ mod bounded;
 mod checkpoint;
 mod claim;
 mod columns;
-mod compound;
 mod create;
 #[cfg(unix)]
 mod driver;
@@ -49,6 +49,7 @@ mod paths;
 mod read;
 mod scales;
 mod sweep;
+mod tables;
 #[cfg(not(unix))]
 mod unjournaled;
 mod write;
@@ -81,7 +82,7 @@ use journal::{recover, remove as remove_journal};
 use unjournaled::{open_rw, recover, remove_journal};
 
 /// Version of the file's layout, in the root attribute `format_version`.
-pub const FORMAT_VERSION: u32 = 1;
+pub const FORMAT_VERSION: u32 = 2;
 
 /// The value of the root attribute `outcome` until a run ends.
 pub const RUNNING: &str = "running";
@@ -127,9 +128,39 @@ pub struct Header {
     pub files: NamedFiles,
 }
 
+/// The geometry of a bar.
+#[derive(Debug, Clone, Default)]
+pub struct Geometry {
+    /// m.
+    pub length: f64,
+    /// Segments from left to right.
+    pub parts: Vec<Part>,
+    /// Left and right bound of the cell around each sample, m.
+    pub bounds: Vec<[f64; 2]>,
+    /// Cross-section at each sample, m^2; none where the scene gives none, and in torsion.
+    pub area: Option<Vec<f64>>,
+    /// What makes forces (N), in torsion torques (N m), of the stresses of both ends; none where the scene gives no area.
+    pub end_factors: Option<[f64; 2]>,
+}
+
+/// A segment of a bar.
+#[derive(Debug, Clone)]
+pub struct Part {
+    /// Left end, m.
+    pub start: f64,
+    /// Right end, m.
+    pub end: f64,
+    /// Name of its material.
+    pub material: String,
+    /// Cross-sections of its ends, m^2.
+    pub areas: Option<[f64; 2]>,
+}
+
 /// What the file holds and how.
 #[derive(Debug, Clone)]
 pub struct Layout {
+    /// Of the bar.
+    pub geometry: Geometry,
     /// Sample positions of the fields, m from the left end; `n_x` of them.
     pub x: Vec<f64>,
     /// Fields, in the order of the rows of every [`Frame`].

@@ -1,12 +1,13 @@
-//! `/paths`: the fronts' straight pieces in x and t, a compound table that grows with the run, numbered by `/path`. Both are
-//! compressed as the fields are, and then written in whole chunks until the run ends: a compressed chunk that is written
+//! `/paths`: the fronts' straight pieces in x and t, a table that grows with the run. It is compressed as the fields are, and then
+//! written in whole chunks until the run ends: a compressed chunk that is written
 //! again would move, see `create`.
 
-use hdf5::{Dataset, Extent, File};
+use hdf5::{Dataset, Extent, File, Group};
 use ndarray::s;
 
 use super::attributes::{put, put_text};
-use super::columns::cut;
+use super::columns::{append, cut};
+use super::create::describe;
 use super::filters::{compressed, shuffled};
 use super::{bounded, scales};
 use crate::record::{Compression, PathRow};
@@ -18,61 +19,64 @@ const CHUNK: usize = 4096;
 /// Rows that wait before they are written without a flush.
 const BLOCK: usize = 16 * CHUNK;
 
-/// A row as it stands in the file.
-#[derive(hdf5::H5Type, Clone, Copy, Debug, Default)]
-#[repr(C)]
-struct Row {
-    x0: f64,
-    t0: f64,
-    x1: f64,
-    t1: f64,
-    stress_jump: f64,
-    speed: f64,
-}
+/// Columns: name, units, long name, value.
+type PathColumn = (&'static str, &'static str, &'static str, fn(&PathRow) -> f64);
 
-impl From<&PathRow> for Row {
-    fn from(row: &PathRow) -> Self {
-        let PathRow { x0, t0, x1, t1, stress_jump, speed } = *row;
-        Self { x0, t0, x1, t1, stress_jump, speed }
-    }
-}
+const COLUMNS: [PathColumn; 6] = [
+    ("x0", "m", "position of the start", |row| row.x0),
+    ("t0", "s", "time of the start", |row| row.t0),
+    ("x1", "m", "position of the end", |row| row.x1),
+    ("t1", "s", "time of the end", |row| row.t1),
+    ("stress_jump", "Pa", "stress behind less stress ahead", |row| row.stress_jump),
+    ("speed", "m/s", "speed, positive in +x", |row| row.speed),
+];
 
-impl From<&Row> for PathRow {
-    fn from(row: &Row) -> Self {
-        let Row { x0, t0, x1, t1, stress_jump, speed } = *row;
-        Self { x0, t0, x1, t1, stress_jump, speed }
-    }
-}
+/// Number of the row.
+const NUMBER: &str = "path";
 
 /// The empty table and its scale.
 pub(super) fn build(file: &File, compression: Compression) -> Hdf<()> {
-    // A front starts where another ended, and runs at one of few speeds: whole numbers come again, in a third less bytes and
-    // half the time that shuffled ones take.
-    let builder = compressed(file.new_dataset::<Row>(), compression);
-    let table = builder.chunk(CHUNK).shape(Extent::resizable(0)).create("paths")?;
-    put_text(
-        &table,
-        "long_name",
-        "straight pieces of fronts: places m, times s, stress behind less ahead Pa, speed m/s",
-    )?;
-    put(&table, "complete", &0_u8)?;
-    let builder = shuffled(file.new_dataset::<i64>(), compression);
-    builder.chunk(CHUNK).shape(Extent::resizable(0)).create("path")?;
-    scales::attach(file, &["path"], &["paths"])
+    let group = file.create_group("paths")?;
+    put_text(&group, "long_name", "straight pieces of fronts")?;
+    put(&group, "complete", &0_u8)?;
+    for (name, units, long_name, _) in COLUMNS {
+        // A front starts where another ended, and runs at one of few speeds: whole numbers come again, in a quarter less bytes than
+        // shuffled ones take.
+        let builder = compressed(group.new_dataset::<f64>(), compression);
+        describe(&builder.chunk(CHUNK).shape(Extent::resizable(0)).create(name)?, units, long_name)?;
+    }
+    let builder = shuffled(group.new_dataset::<i64>(), compression);
+    builder.chunk(CHUNK).shape(Extent::resizable(0)).create(NUMBER)?;
+    scales::attach(&group, &[NUMBER], &COLUMNS.map(|column| column.0))
 }
 
 /// All rows of a file.
 pub(super) fn read(file: &File) -> Hdf<Vec<PathRow>> {
-    let rows: Vec<Row> = bounded::column(&file.dataset("paths")?)?;
-    Ok(rows.iter().map(PathRow::from).collect())
+    let group = file.group("paths")?;
+    let mut columns = Vec::with_capacity(COLUMNS.len());
+    for (name, ..) in COLUMNS {
+        columns.push(bounded::column::<f64>(&group.dataset(name)?)?);
+    }
+    // Only a file that was cut off in the middle of a flush has columns of different lengths.
+    let rows = columns.iter().map(Vec::len).min().unwrap_or(0);
+    let row = |i: usize| PathRow {
+        x0: columns[0][i],
+        t0: columns[1][i],
+        x1: columns[2][i],
+        t1: columns[3][i],
+        stress_jump: columns[4][i],
+        speed: columns[5][i],
+    };
+    Ok((0..rows).map(row).collect())
 }
 
 /// The table of an open file, and the rows that wait.
 #[derive(Debug)]
 pub(super) struct PathTable {
-    table: Dataset,
+    group: Group,
+    columns: Vec<Dataset>,
     numbers: Dataset,
-    waiting: Vec<Row>,
+    waiting: Vec<PathRow>,
     written: usize,
     /// What is written before the end comes in multiples of this.
     multiple: usize,
@@ -80,16 +84,16 @@ pub(super) struct PathTable {
 
 impl PathTable {
     pub fn open(file: &File, compression: Compression) -> Hdf<Self> {
-        let (table, numbers) = (file.dataset("paths")?, file.dataset("path")?);
+        let group = file.group("paths")?;
+        let columns = COLUMNS.iter().map(|column| group.dataset(column.0)).collect::<Hdf<Vec<_>>>()?;
         let multiple = if compression == Compression::None { 1 } else { CHUNK };
-        Ok(Self { table, numbers, waiting: Vec::new(), written: 0, multiple })
+        Ok(Self { numbers: group.dataset(NUMBER)?, group, columns, waiting: Vec::new(), written: 0, multiple })
     }
 
     /// Keeps the first rows alone, and those that waited when there were so many.
     pub fn cut(&mut self, rows: usize, waiting: &[PathRow]) -> Hdf<()> {
-        cut(&self.table, rows)?;
-        cut(&self.numbers, rows)?;
-        self.waiting = waiting.iter().map(Row::from).collect();
+        self.columns.iter().chain([&self.numbers]).try_for_each(|column| cut(column, rows))?;
+        self.waiting = waiting.to_vec();
         self.written = rows;
         Ok(())
     }
@@ -101,18 +105,18 @@ impl PathTable {
 
     /// Rows that wait.
     pub fn waiting(&self) -> Vec<PathRow> {
-        self.waiting.iter().map(PathRow::from).collect()
+        self.waiting.clone()
     }
 
     /// Keeps rows; true where it is time to write.
     pub fn push(&mut self, rows: &[PathRow]) -> bool {
-        self.waiting.extend(rows.iter().map(Row::from));
+        self.waiting.extend_from_slice(rows);
         self.waiting.len() >= BLOCK
     }
 
     /// Bytes that waiting rows take at most.
     pub fn bytes(&self) -> usize {
-        (size_of::<Row>() + size_of::<i64>()) * (self.waiting.len() + self.waiting.len() / 8).next_multiple_of(CHUNK)
+        size_of::<i64>() * (COLUMNS.len() + 1) * (self.waiting.len() + self.waiting.len() / 8).next_multiple_of(CHUNK)
     }
 
     /// Writes the waiting rows, as far as a run that goes on can.
@@ -126,8 +130,10 @@ impl PathTable {
             return Ok(false);
         }
         let (start, end) = (self.written, self.written + rows);
-        self.table.resize(end)?;
-        self.table.write_slice(&self.waiting[..rows], s![start..end])?;
+        for (column, (.., value)) in self.columns.iter().zip(COLUMNS) {
+            let values: Vec<f64> = self.waiting[..rows].iter().map(value).collect();
+            append(column, start, &values)?;
+        }
         self.numbers.resize(end)?;
         let numbers: Vec<i64> = (0_i64..).skip(start).take(rows).collect();
         self.numbers.write_slice(&numbers, s![start..end])?;
@@ -139,6 +145,6 @@ impl PathTable {
     /// Writes the rest, and says whether every front is in the table.
     pub fn finish(&mut self, complete: bool) -> Hdf<()> {
         self.write_rows(self.waiting.len())?;
-        self.table.attr("complete")?.write_scalar(&u8::from(complete))
+        self.group.attr("complete")?.write_scalar(&u8::from(complete))
     }
 }

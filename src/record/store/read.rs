@@ -3,14 +3,13 @@
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use hdf5::types::VarLenUnicode;
 use hdf5::{File, Group};
 use ndarray::{Array2, s};
 
 use super::attributes::{get, get_text, get_texts};
 use super::bounded;
-use super::compound::{self, Column, Values};
 use super::existing::is_locked;
+use super::tables::{numbers as column, texts};
 use super::{FORMAT_VERSION, RUNNING, Side, paths};
 use crate::error::{InputError, Result};
 use crate::material::Provenance;
@@ -120,13 +119,7 @@ impl ResultFile {
         }
         match get::<u32>(&file, "format_version") {
             Ok(FORMAT_VERSION) => {}
-            found => {
-                let found = found.map_or("missing".into(), |v| v.to_string());
-                let message = format!("the file's format_version is {found}, and this program reads {FORMAT_VERSION}");
-                return Err(
-                    wrong(path, &message, "use the program version that wrote it, or run its scene again").into()
-                );
-            }
+            found => return Err(other_version(path, found.ok()).into()),
         }
         let facts = read_facts(&file).map_err(|e| damaged(path, &e))?;
         Ok(Self { path: path.to_owned(), file, facts })
@@ -210,7 +203,7 @@ impl ResultFile {
                 return Ok(Vec::new());
             }
             let gauges: Vec<String> = gauge_groups(file)?.into_iter().map(|(link, _)| link).collect();
-            Ok(fronts_from(&compound::read(&file.dataset("fronts")?)?, &gauges))
+            read_fronts(&file.group("fronts")?, &gauges)
         })
     }
 
@@ -236,12 +229,10 @@ impl ResultFile {
                 return Ok(NamedFiles::default());
             }
             let group = file.group("scene_files")?;
-            let texts = |name: &str| -> Hdf<Vec<VarLenUnicode>> { bounded::column(&group.dataset(name)?) };
-            let pairs = texts("path")?.into_iter().zip(texts("text")?);
             Ok(NamedFiles {
                 base: get_text(&group, "base")?,
                 materials: get_text(&group, "materials").ok(),
-                texts: pairs.map(|(path, text)| (path.to_string(), text.to_string())).collect(),
+                texts: texts(&group, "path")?.into_iter().zip(texts(&group, "text")?).collect(),
             })
         })
     }
@@ -261,6 +252,22 @@ impl ResultFile {
 
 fn wrong(path: &Path, message: &str, help: &str) -> InputError {
     InputError::new(format!("{}: {message}", path.display())).help(help)
+}
+
+/// A file of another layout.
+fn other_version(path: &Path, found: Option<u32>) -> InputError {
+    let shown = path.display();
+    match found {
+        Some(newer) if newer > FORMAT_VERSION => {
+            let message = format!("the file has the format version {newer}; this program reads {FORMAT_VERSION}");
+            wrong(path, &message, "read it with a newer barwave, the one that wrote it or a later one")
+        }
+        Some(older) => {
+            let message = format!("the file has the older format version {older}; this program reads {FORMAT_VERSION}");
+            wrong(path, &message, &format!("simulate its scene again: barwave run {shown}"))
+        }
+        None => wrong(path, "the file has no format version", "run its scene again"),
+    }
 }
 
 fn damaged(path: &Path, error: &hdf5::Error) -> InputError {
@@ -313,13 +320,13 @@ fn read_facts(file: &File) -> Hdf<Facts> {
 }
 
 fn read_error(file: &File) -> Hdf<ErrorFigure> {
-    let group = file.group("error").ok();
-    let table = ErrorTable::of(|measure| get(group.as_ref()?, measure.key()).ok());
+    let group = file.group("error")?;
+    let table = ErrorTable::of(|measure| get(&group, measure.key()).ok());
     Ok(ErrorFigure {
         table: table.largest().map(|_| table),
-        value: get(file, "error_value")?,
-        measure: get_text(file, "error_measure")?,
-        reference: get_text(file, "error_reference")?,
+        value: get(&group, "value")?,
+        measure: get_text(&group, "measure")?,
+        reference: get_text(&group, "reference")?,
     })
 }
 
@@ -337,10 +344,6 @@ fn gauge_groups(file: &File) -> Hdf<Vec<(String, Group)>> {
     }
     groups.sort_by_key(|(index, ..)| *index);
     Ok(groups.into_iter().map(|(_, name, group)| (name, group)).collect())
-}
-
-fn column(group: &Group, name: &str) -> Hdf<Vec<f64>> {
-    if group.link_exists(name) { bounded::column(&group.dataset(name)?) } else { Ok(Vec::new()) }
 }
 
 fn read_trace(group: &Group) -> Hdf<Trace> {
@@ -388,40 +391,40 @@ fn read_ledger(group: &Group) -> Hdf<Vec<LedgerRow>> {
     Ok((0..rows).map(row).collect())
 }
 
-fn fronts_from(columns: &[Column], gauges: &[String]) -> Vec<FrontRow> {
-    let values = |name: &str| columns.iter().find(|c| c.name == name).map(|c| &c.values);
-    let number = |name: &str, row: usize| match values(name) {
-        Some(Values::Number(numbers)) => numbers.get(row).copied().unwrap_or(f64::NAN),
-        _ => f64::NAN,
+fn read_fronts(group: &Group, gauges: &[String]) -> Hdf<Vec<FrontRow>> {
+    let [strain_behind, strain_ahead] = ["strain_behind", "strain_ahead"].map(|name| column(group, name));
+    let [stress_behind, stress_ahead] = ["stress_behind", "stress_ahead"].map(|name| column(group, name));
+    let (strains, stresses) = ([strain_behind?, strain_ahead?], [stress_behind?, stress_ahead?]);
+    let [speed, measured] = ["speed", "speed_measured"].map(|name| column(group, name));
+    let [position, last_seen] = ["position", "last_seen"].map(|name| column(group, name));
+    let (speeds, places) = ([speed?, measured?], [position?, last_seen?]);
+    let arrivals =
+        gauges.iter().map(|gauge| column(group, &format!("arrival_{gauge}"))).collect::<Hdf<Vec<Vec<f64>>>>()?;
+    let at = |values: &[f64], row: usize| values.get(row).copied().unwrap_or(f64::NAN);
+    let front = |(row, origin): (usize, String)| FrontRow {
+        origin,
+        strain_behind: at(&strains[0], row),
+        strain_ahead: at(&strains[1], row),
+        stress_behind: at(&stresses[0], row),
+        stress_ahead: at(&stresses[1], row),
+        speed: at(&speeds[0], row),
+        speed_measured: at(&speeds[1], row),
+        position: at(&places[0], row),
+        last_seen: at(&places[1], row),
+        arrivals: arrivals.iter().map(|times| at(times, row)).collect(),
     };
-    let Some(Values::Text(origins)) = values("origin") else {
-        return Vec::new();
-    };
-    let front = |(row, origin): (usize, &String)| FrontRow {
-        origin: origin.clone(),
-        strain_behind: number("strain_behind", row),
-        strain_ahead: number("strain_ahead", row),
-        stress_behind: number("stress_behind", row),
-        stress_ahead: number("stress_ahead", row),
-        speed: number("speed", row),
-        speed_measured: number("speed_measured", row),
-        position: number("position", row),
-        last_seen: number("last_seen", row),
-        arrivals: gauges.iter().map(|gauge| number(&format!("arrival_{gauge}"), row)).collect(),
-    };
-    origins.iter().enumerate().map(front).collect()
+    Ok(texts(group, "origin")?.into_iter().enumerate().map(front).collect())
 }
 
 fn read_audit(group: &Group) -> Hdf<Vec<AuditRow>> {
-    let texts = |name: &str| -> Hdf<Vec<VarLenUnicode>> { bounded::column(&group.dataset(name)?) };
-    let (effects, messages) = (texts("effect")?, texts("message")?);
+    let (effects, messages) = (texts(group, "effect")?, texts(group, "message")?);
     let (estimates, thresholds) = (column(group, "estimate")?, column(group, "threshold")?);
     let rows = effects.iter().zip(&messages).zip(estimates.iter().zip(&thresholds));
     Ok(rows
         .map(|((effect, message), (&estimate, &threshold))| {
             let prefix = format!("{effect}: ");
             let finding = message.strip_prefix(&prefix).unwrap_or(message).to_owned();
-            AuditRow { effect: effect.to_string(), estimate, threshold, finding, remedy: String::new() }
+            AuditRow { effect: effect.clone(), estimate, threshold, finding, remedy: String::new() }
         })
         .collect())
 }
@@ -431,6 +434,8 @@ fn read_material(group: &Group) -> Hdf<MaterialRecord> {
         name: get_text(group, "name")?,
         strain: column(group, "strain")?,
         stress: column(group, "stress")?,
+        tension: [column(group, "tension_strain")?, column(group, "tension_stress")?],
+        compression: [column(group, "compression_strain")?, column(group, "compression_stress")?],
         density: get(group, "density")?,
         modulus: get(group, "modulus")?,
         provenance: Provenance {

@@ -6,7 +6,7 @@
 use std::ffi::CString;
 
 use hdf5::types::VarLenArray;
-use hdf5::{Dataset, Group, Location, ObjectReference1, Result};
+use hdf5::{Group, Location, ObjectReference1, Result};
 use hdf5_sys::h5a::{H5Aclose, H5Acreate2, H5Awrite};
 use hdf5_sys::h5p::H5P_DEFAULT;
 use hdf5_sys::h5s::{H5S_class_t, H5Sclose, H5Screate};
@@ -20,8 +20,25 @@ struct BackReference {
     dimension: i32,
 }
 
+/// A dimension of a group: the name of its scale.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Axis<'a> {
+    /// Values of the scale are the coordinates of its dimension.
+    Coordinate(&'a str),
+    /// The scale has no values: netCDF knows it by its name as a dimension without a coordinate.
+    Bare(&'a str),
+}
+
+impl<'a> Axis<'a> {
+    fn name(self) -> &'a str {
+        match self {
+            Self::Coordinate(name) | Self::Bare(name) => name,
+        }
+    }
+}
+
 /// Makes the datasets `scales` of a group label the dimensions of the datasets `data`, first scale first dimension.
-/// A dataset has as many dimensions as there are scales. Called once for a group: every scale gets its whole list.
+/// A dataset has as many dimensions as there are scales.
 pub(super) fn attach(group: &Group, scales: &[&str], data: &[&str]) -> Result<()> {
     let data: Vec<(&str, usize)> = data.iter().map(|name| (*name, scales.len())).collect();
     attach_first(group, scales, &data)
@@ -29,42 +46,57 @@ pub(super) fn attach(group: &Group, scales: &[&str], data: &[&str]) -> Result<()
 
 /// The same of datasets with so many dimensions each, those of the first scales.
 pub(super) fn attach_first(group: &Group, scales: &[&str], data: &[(&str, usize)]) -> Result<()> {
-    for scale in scales {
-        let dataset = group.dataset(scale)?;
-        null_terminated_attribute(&dataset, "CLASS", "DIMENSION_SCALE")?;
-        null_terminated_attribute(&dataset, "NAME", scale)?;
-    }
-    if data.is_empty() {
-        return Ok(());
-    }
-    label(group, scales, data)?;
-    refer_back(group, scales, data)
+    let axes: Vec<Axis> = scales.iter().map(|name| Axis::Coordinate(name)).collect();
+    let data: Vec<(&str, &[&str])> = data.iter().map(|(name, dimensions)| (*name, &scales[..*dimensions])).collect();
+    attach_axes(group, &axes, &data)
 }
 
-fn label(group: &Group, scales: &[&str], data: &[(&str, usize)]) -> Result<()> {
+/// Makes scales of `axes`, and lets them label the dimensions of datasets as these list them. Called once for a group: every scale gets
+/// its whole list.
+pub(super) fn attach_axes(group: &Group, axes: &[Axis<'_>], data: &[(&str, &[&str])]) -> Result<()> {
+    for axis in axes {
+        let dataset = group.dataset(axis.name())?;
+        match axis {
+            Axis::Coordinate(name) => identify(&dataset, name)?,
+            Axis::Bare(_) => {
+                identify(
+                    &dataset,
+                    &format!("This is a netCDF dimension but not a netCDF variable.{:10}", dataset.size()),
+                )?;
+            }
+        }
+    }
+    data.iter().try_for_each(|(name, scales)| label(group, name, scales))?;
+    axes.iter().try_for_each(|axis| refer_back(group, axis.name(), data))
+}
+
+fn identify(scale: &Location, name: &str) -> Result<()> {
+    null_terminated_attribute(scale, "CLASS", "DIMENSION_SCALE")?;
+    null_terminated_attribute(scale, "NAME", name)
+}
+
+fn label(group: &Group, name: &str, scales: &[&str]) -> Result<()> {
     let mut lists = Vec::with_capacity(scales.len());
     for scale in scales {
         lists.push(VarLenArray::from_slice(&[group.reference::<ObjectReference1>(scale)?]));
     }
-    for (name, dimensions) in data {
-        let dataset = group.dataset(name)?;
-        let attribute =
-            dataset.new_attr::<VarLenArray<ObjectReference1>>().shape(*dimensions).create("DIMENSION_LIST")?;
-        attribute.write_raw(&lists[..*dimensions])?;
-    }
-    Ok(())
+    let dataset = group.dataset(name)?;
+    let attribute = dataset.new_attr::<VarLenArray<ObjectReference1>>().shape(lists.len()).create("DIMENSION_LIST")?;
+    attribute.write_raw(&lists)
 }
 
-fn refer_back(group: &Group, scales: &[&str], data: &[(&str, usize)]) -> Result<()> {
-    for (dimension, scale) in (0_i32..).zip(scales) {
-        let mut list = Vec::with_capacity(data.len());
-        for (name, _) in data.iter().filter(|(_, dimensions)| (dimension as usize) < *dimensions) {
+fn refer_back(group: &Group, scale: &str, data: &[(&str, &[&str])]) -> Result<()> {
+    let mut list = Vec::with_capacity(data.len());
+    for (name, scales) in data {
+        for (dimension, _) in (0_i32..).zip(*scales).filter(|(_, other)| **other == scale) {
             list.push(BackReference { dataset: group.reference(name)?, dimension });
         }
-        let dataset = group.dataset(scale)?;
-        dataset.new_attr::<BackReference>().shape(list.len()).create("REFERENCE_LIST")?.write_raw(&list)?;
     }
-    Ok(())
+    if list.is_empty() {
+        return Ok(());
+    }
+    let dataset = group.dataset(scale)?;
+    dataset.new_attr::<BackReference>().shape(list.len()).create("REFERENCE_LIST")?.write_raw(&list)
 }
 
 /// Writes a fixed-length text attribute that ends with a zero byte. Readers know a scale only by such a `CLASS`; the
@@ -88,14 +120,4 @@ fn null_terminated_attribute(location: &Location, name: &str, value: &str) -> Re
         written
     });
     hdf5::h5check(written).map(|_| ())
-}
-
-/// A one-dimensional dataset numbering `rows` rows from 0, for tables whose rows have no coordinate of their own.
-pub(super) fn numbering(group: &Group, name: &str, rows: usize) -> Result<Dataset> {
-    let numbers: Vec<i64> = (0_i64..).take(rows).collect();
-    let dataset = group.new_dataset::<i64>().shape(rows).create(name)?;
-    if rows > 0 {
-        dataset.write_raw(&numbers)?;
-    }
-    Ok(dataset)
 }

@@ -2,20 +2,20 @@
 
 use std::path::{Path, PathBuf};
 
-use hdf5::{Dataset, File, Group, H5Type};
+use hdf5::{Dataset, File, Group};
 use ndarray::{ArrayView2, s};
 
-use super::attributes::{get_text, put, put_text, text};
+use super::attributes::{get_text, put, put_quantity, put_text, text};
 use super::checkpoint::{self, Checkpoint, Rows};
 use super::claim::{Claim, GONE, in_place, remove_unnamed};
 use super::columns::{append, cut, is_longer};
-use super::compound::{self, Column};
-use super::create::{END_COLUMNS, TRACE_ROWS, build, gauge_columns, gauge_links, ledger_columns};
+use super::create::{SAMPLE, TRACE_ROWS, build, end_columns, energy_units, gauge_columns, gauge_links, ledger_columns};
 use super::existing::is_locked;
 use super::figures;
 use super::open_rw;
 use super::paths::PathTable;
-use super::{Ending, Finish, Header, INTERRUPTED, Layout, Message, RUNNING, Side, scales};
+use super::tables::{self, Column};
+use super::{Ending, Finish, Header, INTERRUPTED, Layout, Message, RUNNING, Side};
 use crate::destination;
 use crate::error::{Error, Result};
 use crate::law::rupture::Rupture;
@@ -33,7 +33,12 @@ pub(super) struct Sink {
     file: File,
     frames: Frames,
     gauges: Vec<Table>,
-    gauge_links: Vec<String>,
+    /// Name of the group of each gauge, and its own.
+    gauge_names: Vec<(String, String)>,
+    /// Energies are J.
+    area_given: bool,
+    /// See [`super::Geometry`].
+    end_factors: Option<[f64; 2]>,
     ends: [Table; 2],
     ledger: Table,
     paths: Option<PathTable>,
@@ -59,6 +64,8 @@ struct Frames {
 /// One-dimensional columns of equal length that grow together; the first is time.
 #[derive(Debug)]
 struct Table {
+    /// Their dimension, which has no values.
+    samples: Dataset,
     columns: Vec<Dataset>,
     waiting: Vec<Vec<f64>>,
     written: usize,
@@ -139,7 +146,8 @@ impl Sink {
             let names: Vec<&str> = gauge_columns(layout).iter().map(|c| c[0]).collect();
             gauges.push(Table::open(&file.group(&format!("gauges/{name}"))?, &names)?);
         }
-        let end = |side: Side| Table::open(&file.group(&format!("ends/{}", side.name()))?, &END_COLUMNS.map(|c| c[0]));
+        let end_columns: Vec<&str> = end_columns(layout, file.attr("radius").is_ok()).iter().map(|c| c[0]).collect();
+        let end = |side: Side| Table::open(&file.group(&format!("ends/{}", side.name()))?, &end_columns);
         let ends = [end(Side::Left)?, end(Side::Right)?];
         let ledger = Table::open(&file.group("ledger")?, &ledger_columns().map(|c| c[0]).collect::<Vec<_>>())?;
         let paths = layout.paths.then(|| PathTable::open(&file, layout.compression)).transpose()?;
@@ -150,7 +158,9 @@ impl Sink {
             file,
             frames,
             gauges,
-            gauge_links,
+            gauge_names: gauge_links.into_iter().zip(layout.gauges.iter().map(|(name, _)| name.clone())).collect(),
+            area_given: layout.area_given,
+            end_factors: layout.geometry.end_factors,
             ends,
             ledger,
             paths,
@@ -169,9 +179,7 @@ impl Sink {
                 }
                 None => Err(format!("there is no gauge number {index}").into()),
             },
-            Message::End(side, Trace { time, stress, velocity, .. }) => {
-                self.ends[side as usize].push(&[&time, &stress, &velocity].map(Vec::as_slice))
-            }
+            Message::End(side, trace) => self.push_end(side, &trace),
             Message::Ledger(row) => {
                 let values = ledger_values(&row);
                 self.ledger.push(&values.iter().map(std::slice::from_ref).collect::<Vec<_>>())
@@ -188,6 +196,14 @@ impl Sink {
             self.write_waiting()?;
         }
         Ok(())
+    }
+
+    /// Keeps rows of an end; true where it is time to write.
+    fn push_end(&mut self, side: Side, Trace { time, stress, velocity, .. }: &Trace) -> Hdf<bool> {
+        let table = &mut self.ends[side as usize];
+        let Some(factors) = self.end_factors else { return table.push(&[time, stress, velocity]) };
+        let loads: Vec<f64> = stress.iter().map(|stress| factors[side as usize] * stress).collect();
+        table.push(&[time, stress, velocity, &loads])
     }
 
     /// Writes whatever waits and hands it to the operating system.
@@ -218,8 +234,8 @@ impl Sink {
     /// Writes the tables known only at the end, then the outcome as the very last thing.
     pub fn finish(&mut self, ending: &Ending) -> Result<()> {
         self.flush()?;
-        let columns = ending.fronts.len() * (16 + self.gauges.len()) + 32 * ending.audit.len();
-        self.reserve(16 * columns as u64 + figures::bytes(&ending.figures.figures))?;
+        let tables = tables::bytes(16 + self.gauges.len(), ending.fronts.len()) + tables::bytes(32, ending.audit.len());
+        self.reserve(tables + figures::bytes(&ending.figures.figures))?;
         let path = self.path.clone();
         self.write_ending(ending).map_err(|e| disk_error(&path, &e))?;
         self.release();
@@ -260,13 +276,13 @@ impl Sink {
     }
 
     fn write_ending(&mut self, ending: &Ending) -> Hdf<()> {
-        write_fronts(&self.file, &ending.fronts, &self.gauge_links)?;
+        write_fronts(&self.file, &ending.fronts, &self.gauge_names)?;
         write_audit(&self.file, &ending.audit)?;
         if let Some(ruptures) = &ending.figures.ruptures {
-            write_ruptures(&self.file, ruptures)?;
+            write_ruptures(&self.file, ruptures, self.area_given)?;
         }
         write_root(&self.file, &ending.figures)?;
-        figures::write(&self.file, &ending.figures.figures, &self.gauge_links)?;
+        figures::write(&self.file, &ending.figures.figures, self.gauge_names.iter().map(|(link, _)| link))?;
         if let Some(table) = &mut self.paths {
             table.finish(ending.figures.paths_complete)?;
         }
@@ -354,13 +370,14 @@ impl Table {
     fn open(group: &Group, names: &[&str]) -> Hdf<Self> {
         let columns = names.iter().map(|name| group.dataset(name)).collect::<Hdf<Vec<_>>>()?;
         let waiting = vec![Vec::new(); columns.len()];
-        Ok(Self { columns, waiting, written: 0 })
+        Ok(Self { samples: group.dataset(SAMPLE)?, columns, waiting, written: 0 })
     }
 
     /// Keeps the first rows alone.
     fn cut(&mut self, rows: usize) -> Hdf<()> {
         self.written = rows;
-        self.columns.iter().try_for_each(|dataset| cut(dataset, rows))
+        self.columns.iter().try_for_each(|dataset| cut(dataset, rows))?;
+        cut(&self.samples, rows)
     }
 
     /// Keeps rows, given column by column; true where it is time to write.
@@ -392,6 +409,7 @@ impl Table {
             waiting.clear();
         }
         self.written += rows;
+        self.samples.resize(self.written)?;
         Ok(true)
     }
 }
@@ -405,71 +423,67 @@ fn members(file: &File) -> Hdf<[Vec<String>; 2]> {
     Ok([file.member_names()?, file.attr_names()?])
 }
 
-fn write_fronts(file: &File, fronts: &[FrontRow], gauges: &[String]) -> Hdf<()> {
-    let number = |name: &str, value: fn(&FrontRow) -> f64| Column::number(name, fronts.iter().map(value).collect());
+fn write_fronts(file: &File, fronts: &[FrontRow], gauges: &[(String, String)]) -> Hdf<()> {
+    let number = |name: &str, units, long_name: &str, value: fn(&FrontRow) -> f64| {
+        Column::numbers(name, units, long_name, fronts.iter().map(value).collect())
+    };
     let mut columns = vec![
-        Column::text("origin", fronts.iter().map(|f| f.origin.clone()).collect()),
-        number("strain_behind", |f| f.strain_behind),
-        number("strain_ahead", |f| f.strain_ahead),
-        number("stress_behind", |f| f.stress_behind),
-        number("stress_ahead", |f| f.stress_ahead),
-        number("speed", |f| f.speed),
-        number("speed_measured", |f| f.speed_measured),
-        number("position", |f| f.position),
-        number("last_seen", |f| f.last_seen),
+        Column::texts("origin", "where the front started", fronts.iter().map(|f| f.origin.clone()).collect()),
+        number("strain_behind", "1", "engineering strain behind the front", |f| f.strain_behind),
+        number("strain_ahead", "1", "engineering strain ahead of the front", |f| f.strain_ahead),
+        number("stress_behind", "Pa", "engineering stress behind the front", |f| f.stress_behind),
+        number("stress_ahead", "Pa", "engineering stress ahead of the front", |f| f.stress_ahead),
+        number("speed", "m/s", "speed from the stress-strain curve, with respect to the undeformed bar", |f| f.speed),
+        number("speed_measured", "m/s", "speed measured in the fields", |f| f.speed_measured),
+        number("position", "m", "last position in the undeformed bar", |f| f.position),
+        number("last_seen", "s", "time of the last position", |f| f.last_seen),
     ];
-    for (index, gauge) in gauges.iter().enumerate() {
+    for (index, (link, name)) in gauges.iter().enumerate() {
         let times = fronts.iter().map(|f| f.arrivals.get(index).copied().unwrap_or(f64::NAN)).collect();
-        columns.push(Column::number(format!("arrival_{gauge}"), times));
+        let long_name = format!("arrival at the gauge {name}");
+        columns.push(Column::numbers(&format!("arrival_{link}"), "s", &long_name, times));
     }
-    let table = compound::write(file, "fronts", &columns, fronts.len())?;
-    put_text(&table, "long_name", "fronts: strains 1, stresses Pa, speeds m/s, position m, times s")?;
-    scales::numbering(file, "front", fronts.len())?;
-    scales::attach(file, &["front"], &["fronts"])
+    tables::write(file, "fronts", "front", &columns, fronts.len()).map(|_| ())
 }
 
-fn write_ruptures(file: &File, ruptures: &[Rupture]) -> Hdf<()> {
-    let number = |name: &str, value: fn(&Rupture) -> f64| Column::number(name, ruptures.iter().map(value).collect());
+fn write_ruptures(file: &File, ruptures: &[Rupture], area_given: bool) -> Hdf<()> {
+    let number = |name: &str, units, long_name: &str, value: fn(&Rupture) -> f64| {
+        Column::numbers(name, units, long_name, ruptures.iter().map(value).collect())
+    };
     let columns = [
-        Column::text("site", ruptures.iter().map(|r| r.site.to_string()).collect()),
-        Column::text("cause", ruptures.iter().map(|r| r.cause.name().to_owned()).collect()),
-        number("time", |r| r.time),
-        number("x", |r| r.x),
-        number("stress", |r| r.stress),
-        number("strain", |r| r.strain),
-        number("absorbed", |r| r.absorbed),
-        number("bar_absorbed", |r| r.bar_absorbed),
+        Column::texts("site", "end, joint or segment", ruptures.iter().map(|r| r.site.to_string()).collect()),
+        Column::texts("cause", "criterion that was met", ruptures.iter().map(|r| r.cause.name().to_owned()).collect()),
+        number("time", "s", "time of the rupture", |r| r.time),
+        number("x", "m", "position in the undeformed bar", |r| r.x),
+        number("stress", "Pa", "engineering stress at the rupture", |r| r.stress),
+        number("strain", "1", "engineering strain at the rupture", |r| r.strain),
+        number("absorbed", "J/m^3", "energy per volume absorbed there", |r| r.absorbed),
+        number("bar_absorbed", energy_units(area_given), "strain energy and plastic work of the whole bar", |r| {
+            r.bar_absorbed
+        }),
     ];
-    let table = compound::write(file, "ruptures", &columns, ruptures.len())?;
-    let meaning = "where the bar broke: time s, x m, stress Pa and strain there, energy absorbed there J/m^3 and by the whole \
-                   bar (energy_units)";
-    put_text(&table, "long_name", meaning)?;
-    scales::numbering(file, "rupture", ruptures.len())?;
-    scales::attach(file, &["rupture"], &["ruptures"])
+    tables::write(file, "ruptures", "rupture", &columns, ruptures.len()).map(|_| ())
 }
 
 fn write_audit(file: &File, audit: &[AuditRow]) -> Hdf<()> {
-    let group = file.create_group("audit")?;
-    scales::numbering(&group, "row", audit.len())?;
-    let texts = |name: &str, value: fn(&AuditRow) -> String| -> Hdf<()> {
-        let values = audit.iter().map(|row| text(&value(row))).collect::<Hdf<Vec<_>>>()?;
-        write_column(&group, name, &values)
+    let texts = |name: &str, long_name: &str, value: fn(&AuditRow) -> String| {
+        Column::texts(name, long_name, audit.iter().map(value).collect())
     };
-    texts("effect", |row| row.effect.clone())?;
-    texts("message", AuditRow::message)?;
-    write_column(&group, "estimate", &audit.iter().map(|row| row.estimate).collect::<Vec<_>>())?;
-    write_column(&group, "threshold", &audit.iter().map(|row| row.threshold).collect::<Vec<_>>())?;
-    scales::attach(&group, &["row"], &["effect", "message", "estimate", "threshold"])
-}
-
-fn write_column<T: H5Type>(group: &Group, name: &str, values: &[T]) -> Hdf<()> {
-    let dataset = group.new_dataset::<T>().shape(values.len()).create(name)?;
-    if values.is_empty() { Ok(()) } else { dataset.write_raw(values) }
+    let numbers = |name: &str, long_name: &str, value: fn(&AuditRow) -> f64| {
+        Column::numbers(name, "1", long_name, audit.iter().map(value).collect())
+    };
+    let columns = [
+        texts("effect", "neglected effect", |row| row.effect.clone()),
+        texts("message", "size of the effect and how to include it", AuditRow::message),
+        numbers("estimate", "estimated relative change of the stress, or what the message says", |row| row.estimate),
+        numbers("threshold", "estimate from which the effect matters", |row| row.threshold),
+    ];
+    tables::write(file, "audit", "row", &columns, audit.len()).map(|_| ())
 }
 
 fn write_root(file: &File, figures: &Finish) -> Hdf<()> {
-    put(file, "wall_seconds", &figures.wall_seconds)?;
-    put(file, "step_wall_seconds", &figures.step_wall_seconds)?;
+    put_quantity(file, "wall_seconds", figures.wall_seconds, "s")?;
+    put_quantity(file, "step_wall_seconds", figures.step_wall_seconds, "s")?;
     put(file, "cells", &figures.cells)?;
     put(file, "steps", &figures.steps)?;
     put(file, "events", &figures.events)?;
@@ -478,9 +492,6 @@ fn write_root(file: &File, figures: &Finish) -> Hdf<()> {
         put_text(file, "reason", reason)?;
     }
     if let Some(error) = &figures.error {
-        put(file, "error_value", &error.value)?;
-        put_text(file, "error_measure", &error.measure)?;
-        put_text(file, "error_reference", &error.reference)?;
         let group = file.create_group("error")?;
         put(&group, "value", &error.value)?;
         put_text(&group, "measure", &error.measure)?;

@@ -1,9 +1,10 @@
-//! Text with columns, as spreadsheets and instruments write it: two of them ([`read`]), any number ([`read_wide`]), or a table with a
-//! preamble and units ([`table`]).
+//! Text with columns, as spreadsheets and instruments write it: two of them ([`read`]), or a table of any number with a preamble and units
+//! ([`table`]).
 //!
-//! The delimiter is a semicolon, a tab or a comma: the one that parts most lines. Next to a semicolon or a tab, and inside quotes, a comma
-//! marks the decimals, where it cannot mean thousands. Empty lines and lines that start with `#` are skipped. A first line without numbers
-//! is a header. Empty columns after the second are ignored. Before the header of a table there may be other lines, and after it one of units.
+//! The delimiter is a semicolon, a tab, a comma or blanks: the one that parts most lines. Next to a semicolon, a tab or blanks, and inside
+//! quotes, a comma marks the decimals, where it cannot mean thousands. Empty lines and lines that start with `#` are skipped. A first line
+//! without numbers is a header. Empty columns after the second are ignored. Before the header of a table there may be other lines, and after
+//! it one of units; a comment above the numbers that names every column is a header, too.
 
 use std::ops::Range;
 
@@ -18,18 +19,18 @@ pub(crate) struct Cell {
     pub(crate) span: Range<usize>,
 }
 
-/// A line.
+/// A line with two cells.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Row<C = [Cell; 2]> {
-    pub(crate) cells: C,
+pub(crate) struct Row {
+    pub(crate) cells: [Cell; 2],
     pub(crate) span: Range<usize>,
 }
 
 /// The lines of a file.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Columns<C = [Cell; 2]> {
-    pub(crate) header: Option<Row<C>>,
-    pub(crate) rows: Vec<Row<C>>,
+pub(crate) struct Columns {
+    pub(crate) header: Option<Row>,
+    pub(crate) rows: Vec<Row>,
 }
 
 /// A line with any number of cells.
@@ -50,9 +51,33 @@ pub(crate) struct Table {
     pub(crate) width: usize,
     /// Lines before the header, which are ignored.
     pub(crate) preamble: usize,
+    delimiter: char,
 }
 
-/// Reads a table: the numbers start at the first of two lines with two or more numbers each and as many cells as most lines.
+impl Table {
+    /// The unit of a column in the line below the header; empty where there is none.
+    pub(crate) fn unit_below(&self, column: usize) -> &str {
+        let cell = self.units.as_ref().and_then(|line| line.cells.get(column));
+        cell.map_or("", |cell| cell.text.trim_matches(['(', ')', '[', ']']))
+    }
+
+    /// Makes points of the decimal commas of all rows.
+    ///
+    /// # Errors
+    /// A line with fewer or more columns than most, or a comma in a number whose meaning is not certain.
+    pub(crate) fn complete(&mut self, document: &Document) -> Result<()> {
+        for row in &self.rows {
+            let filled = row.cells.iter().filter(|cell| !cell.text.is_empty()).count();
+            if row.cells.len() != self.width || filled != self.width {
+                return Err(wrong_count(document, row.span.clone(), filled, self.width, self.delimiter));
+            }
+        }
+        decimal_commas(document, &mut self.rows.iter_mut().flat_map(|row| &mut row.cells).collect::<Vec<_>>())
+    }
+}
+
+/// Reads a table: the numbers start at the first of two lines with two or more numbers each and as many cells as most lines, or at lines
+/// that start with a number just before them.
 ///
 /// # Errors
 /// A text without such lines.
@@ -60,11 +85,9 @@ pub(crate) fn table(document: &Document) -> Result<Table> {
     let delimiter = delimiter(&document.text);
     let mut rows: Vec<Line> = lines(&document.text).map(|(span, line)| cells(span, line, delimiter, 2)).collect();
     let width = usual_width(&rows);
-    let is_data = |row: &Line| row.cells.len() == width && row.cells.iter().filter(|cell| is_number(cell)).count() >= 2;
-    let starts = |k: &usize| is_data(&rows[*k]) && rows.get(k + 1).is_none_or(is_data);
-    let Some(start) = (0..rows.len()).find(starts) else {
+    let Some(start) = first_data(&rows, width) else {
         let message = "there are no two lines of at least two numbers each";
-        let help = "separate the columns by commas, semicolons or tabs";
+        let help = "separate the columns by commas, semicolons, tabs or blanks";
         return Err(document.error(0..0, "", message).allowed("columns of numbers, one row a line").help(help).into());
     };
     let data = rows.split_off(start);
@@ -75,7 +98,28 @@ pub(crate) fn table(document: &Document) -> Result<Table> {
         units = header;
         header = named(&mut rows);
     }
-    Ok(Table { header, units, rows: data, width, preamble: rows.len() })
+    let header = header.or_else(|| header_in_comment(&document.text[..data[0].span.start], delimiter, width));
+    Ok(Table { header, units, rows: data, width, preamble: rows.len(), delimiter })
+}
+
+/// The first row of numbers.
+fn first_data(rows: &[Line], width: usize) -> Option<usize> {
+    let starts_with_number = |row: &Line| row.cells.len() > 1 && row.cells.first().is_some_and(is_number);
+    let is_data = |row: &Line| row.cells.len() == width && row.cells.iter().filter(|cell| is_number(cell)).count() >= 2;
+    let starts = |k: &usize| is_data(&rows[*k]) && rows.get(k + 1).is_none_or(is_data);
+    let sure = (0..rows.len()).find(starts).or_else(|| rows.iter().position(starts_with_number))?;
+    // A row with a wrong cell belongs to the numbers: it is an error, not a part of the preamble.
+    let before = rows[..sure].iter().rev().take_while(|row| row.cells.len() == width && starts_with_number(row));
+    Some(sure - before.count())
+}
+
+/// The last comment of a text, where it names all columns: `# strain stress_MPa`, as numerical programs write it.
+fn header_in_comment(before: &str, delimiter: char, width: usize) -> Option<Line> {
+    let line = before.trim_end().rsplit('\n').next()?;
+    let text = line.trim_start().strip_prefix('#')?.trim_start();
+    let start = before.trim_end().len() - text.len();
+    let header = cells(start..start + text.len(), text, delimiter, 2);
+    (header.cells.len() == width && !header.cells.iter().any(is_number)).then_some(header)
 }
 
 /// Cells of most lines; of equally frequent numbers the largest.
@@ -86,8 +130,9 @@ fn usual_width(rows: &[Line]) -> usize {
 }
 
 fn is_number(cell: &Cell) -> bool {
-    let text = cell.text.replace(',', ".").replace('\u{2212}', "-");
-    text.parse::<f64>().is_ok_and(f64::is_finite)
+    let text = cell.text.replace('\u{2212}', "-");
+    let finite = |text: &str| text.parse::<f64>().is_ok_and(f64::is_finite);
+    finite(&text.replace(',', ".")) || [Grouping::ENGLISH, Grouping::GERMAN].iter().any(|g| g.certain(&text))
 }
 
 /// `(mm)`, `[kN]`, `MPa` or nothing, as in a line of units.
@@ -105,31 +150,9 @@ fn is_unit(text: &str) -> bool {
 /// # Errors
 /// A line with fewer or more than two columns, or a comma in a number whose meaning is not certain.
 pub(crate) fn read(document: &Document) -> Result<Columns> {
-    let wide = read_count(document, Some(2))?;
-    let pair = |Row { cells, span }: Row<Vec<Cell>>| {
-        let cells = <[Cell; 2]>::try_from(cells);
-        cells.ok().map(|cells| Row { cells, span })
-    };
-    Ok(Columns { header: wide.header.and_then(pair), rows: wide.rows.into_iter().filter_map(pair).collect() })
-}
-
-/// Reads all lines of a file with any number of columns: as many as the first line has.
-///
-/// # Errors
-/// A line with fewer or more columns than the first, or a comma in a number whose meaning is not certain.
-pub(crate) fn read_wide(document: &Document) -> Result<Columns<Vec<Cell>>> {
-    read_count(document, None)
-}
-
-fn read_count(document: &Document, count: Option<usize>) -> Result<Columns<Vec<Cell>>> {
     let delimiter = delimiter(&document.text);
-    let mut count = count;
-    let mut rows = Vec::new();
-    for (span, line) in lines(&document.text) {
-        let row = row(document, span, line, delimiter, count)?;
-        count.get_or_insert(row.cells.len());
-        rows.push(row);
-    }
+    let mut rows =
+        lines(&document.text).map(|(span, line)| pair(document, span, line, delimiter)).collect::<Result<Vec<_>>>()?;
     let named = rows.first().is_some_and(|row| row.cells.iter().all(|cell| is_name(&cell.text)));
     let header = named.then(|| rows.remove(0));
     decimal_commas(document, &mut rows.iter_mut().flat_map(|row| &mut row.cells).collect::<Vec<_>>())?;
@@ -148,11 +171,20 @@ fn lines(text: &str) -> impl Iterator<Item = (Range<usize>, &str)> {
     })
 }
 
-/// The one of `;`, tab and comma that parts most lines; the first of these, where several part as many.
+/// Stands for any number of blanks.
+const BLANKS: char = ' ';
+
+/// The one of `;`, tab, blanks and comma that parts most lines; the first of these, where several part as many. Blanks part only numbers.
 fn delimiter(text: &str) -> char {
-    let mut counts = [(';', 0), ('\t', 0), (',', 0)];
+    let mut counts = [(';', 0), ('\t', 0), (BLANKS, 0), (',', 0)];
+    let is_number = |piece: &str| piece.replace(',', ".").replace('\u{2212}', "-").parse::<f64>().is_ok();
     for (_, line) in lines(text) {
         for (delimiter, count) in &mut counts {
+            if *delimiter == BLANKS {
+                let numbers = !line.contains('\t') && line.split_whitespace().all(is_number);
+                *count += usize::from(numbers && line.split_whitespace().nth(1).is_some());
+                continue;
+            }
             // A tab after a comma only fills up.
             let parts = |cells: Vec<(usize, &str)>| {
                 cells.len() > 1
@@ -167,6 +199,9 @@ fn delimiter(text: &str) -> char {
 
 /// The pieces of a line between delimiters outside quotes, each with where it starts.
 fn split(line: &str, delimiter: char) -> Vec<(usize, &str)> {
+    if delimiter == BLANKS {
+        return split_at_blanks(line);
+    }
     let (mut pieces, mut start, mut quoted) = (Vec::new(), 0, false);
     for (at, c) in line.char_indices() {
         if c == '"' {
@@ -177,6 +212,19 @@ fn split(line: &str, delimiter: char) -> Vec<(usize, &str)> {
         }
     }
     pieces.push((start, &line[start..]));
+    pieces
+}
+
+/// The pieces of a line between blanks; a unit in brackets belongs to the name before it.
+fn split_at_blanks(line: &str) -> Vec<(usize, &str)> {
+    let mut pieces: Vec<(usize, &str)> = Vec::new();
+    for piece in line.split_whitespace() {
+        let start = piece.as_ptr() as usize - line.as_ptr() as usize;
+        match pieces.last_mut() {
+            Some(last) if piece.starts_with(['(', '[']) => last.1 = &line[last.0..start + piece.len()],
+            _ => pieces.push((start, piece)),
+        }
+    }
     pieces
 }
 
@@ -194,19 +242,15 @@ fn cells(span: Range<usize>, line: &str, delimiter: char, least: usize) -> Line 
     Line { cells, span }
 }
 
-/// A line with `count` columns, or any number of them.
-fn row(
-    document: &Document,
-    span: Range<usize>,
-    line: &str,
-    delimiter: char,
-    count: Option<usize>,
-) -> Result<Row<Vec<Cell>>> {
-    let Line { cells, span } = cells(span, line, delimiter, count.unwrap_or(2));
+/// A line with two columns.
+fn pair(document: &Document, span: Range<usize>, line: &str, delimiter: char) -> Result<Row> {
+    let Line { cells, span } = cells(span, line, delimiter, 2);
     let filled = cells.iter().filter(|cell| !cell.text.is_empty()).count();
-    let wanted = count.unwrap_or(cells.len().max(2));
-    let right = cells.len() == wanted && filled == wanted;
-    if right { Ok(Row { cells, span }) } else { Err(wrong_count(document, span, filled, wanted, delimiter)) }
+    let all_filled = filled == cells.len();
+    match <[Cell; 2]>::try_from(cells) {
+        Ok(cells) if all_filled => Ok(Row { cells, span }),
+        _ => Err(wrong_count(document, span, filled, 2, delimiter)),
+    }
 }
 
 fn wrong_count(
@@ -218,7 +262,7 @@ fn wrong_count(
 ) -> crate::error::Error {
     let all = if wanted == 2 { "two columns".to_owned() } else { format!("{wanted} columns") };
     let help = match (found, delimiter) {
-        (1, _) => format!("separate the {all} by a comma, a semicolon or a tab"),
+        (1, _) => format!("separate the {all} by a comma, a semicolon, a tab or blanks"),
         (_, ',') => format!("keep {all}; if commas mark the decimals, separate the columns by semicolons"),
         _ => format!("keep {all}"),
     };
@@ -232,11 +276,54 @@ fn is_name(cell: &str) -> bool {
     !cell.starts_with(|c: char| c.is_ascii_digit() || "+-.,\u{2212}".contains(c)) && cell.parse::<f64>().is_err()
 }
 
-/// Makes points of decimal commas in cells of numbers.
+/// How a number is written with separators of thousands.
+struct Grouping {
+    separator: char,
+    decimal: char,
+}
+
+impl Grouping {
+    const ENGLISH: Self = Self { separator: ',', decimal: '.' };
+    const GERMAN: Self = Self { separator: '.', decimal: ',' };
+
+    /// Whether a number can be written so: one to three digits, groups of three, decimals.
+    fn possible(&self, text: &str) -> bool {
+        let unsigned = text.trim_start_matches(['+', '-', '\u{2212}']);
+        let (whole, decimals) = unsigned.split_once(self.decimal).unwrap_or((unsigned, ""));
+        let digits = |part: &str| part.bytes().all(|b| b.is_ascii_digit());
+        let mut groups = whole.split(self.separator);
+        let first = groups.next().unwrap_or("");
+        (1..=3).contains(&first.len())
+            && digits(first)
+            && digits(decimals)
+            && groups.all(|group| group.len() == 3 && digits(group))
+    }
+
+    /// Whether it is written so with both marks, which has no other meaning.
+    fn certain(&self, text: &str) -> bool {
+        text.contains(self.separator) && text.contains(self.decimal) && self.possible(text)
+    }
+}
+
+/// Removes the separators of thousands where one number has both marks and all others can be written in the same way.
+fn remove_groups(numbers: &mut [&mut Cell]) {
+    for grouping in [Grouping::ENGLISH, Grouping::GERMAN] {
+        let certain = numbers.iter().any(|cell| grouping.certain(&cell.text));
+        let grouped = |cell: &&mut Cell| cell.text.contains(grouping.separator);
+        if certain && numbers.iter().filter(|cell| grouped(cell)).all(|cell| grouping.possible(&cell.text)) {
+            for cell in numbers.iter_mut() {
+                cell.text = cell.text.replace(grouping.separator, "").replace(grouping.decimal, ".");
+            }
+        }
+    }
+}
+
+/// Makes points of decimal commas in cells of numbers, and removes separators of thousands where they are certain.
 ///
 /// # Errors
 /// A comma whose meaning is not certain.
 pub(crate) fn decimal_commas(document: &Document, numbers: &mut [&mut Cell]) -> Result<()> {
+    remove_groups(numbers);
     let cells = || numbers.iter().map(|cell| &**cell);
     let Some(first) = cells().find(|cell| cell.text.contains(',')) else { return Ok(()) };
     let refuse = |cell: &Cell, message: String| {
@@ -288,11 +375,15 @@ mod tests {
 
     #[test]
     fn any_number_of_columns_is_read_and_kept() {
-        let wide = read_wide(&Document::new("a.csv", "t [us];a;b\n0,5;1;2\n1,5;3;4\n")).expect("it is right");
+        let complete = |text: &str| {
+            let document = Document::new("a.csv", text);
+            table(&document).and_then(|mut table| table.complete(&document).map(|()| table))
+        };
+        let wide = complete("t [us];a;b\n0,5;1;2\n1,5;3;4\n").expect("it is right");
         let texts: Vec<&str> = wide.rows[1].cells.iter().map(|cell| cell.text.as_str()).collect();
         assert_eq!((texts, wide.header.map(|row| row.cells.len())), (vec!["1.5", "3", "4"], Some(3)));
         for text in ["1,2,3\n1,2\n", "1,2,3\n1,,3\n"] {
-            let error = read_wide(&Document::new("a.csv", text)).expect_err(text).to_string();
+            let error = complete(text).expect_err(text).to_string();
             assert!(error.contains("a.csv:2: this line has 2 columns (allowed: 3 columns)"), "{error}");
         }
     }
@@ -308,6 +399,8 @@ mod tests {
             "strain;stress, MPa\n0,001;200,5\n0,02;300\n",
             "0,001\t200,5\n0,02\t300\n",
             "\"0,001\",\"200,5\"\n\"0,02\",300\n",
+            "0.001  200.5\n 0.02 300\n",
+            "0,001 200,5\n0,02 300\n",
         ] {
             assert_eq!(texts(text), [["0.001", "200.5"], ["0.02", "300"]], "{text}");
         }
@@ -317,7 +410,7 @@ mod tests {
     fn what_is_not_certain_is_refused() {
         for (text, words) in [
             ("0.001\n", "this line has 1 column"),
-            ("0.001 200\n", "this line has 1 column"),
+            ("0.001 about 200\n", "this line has 1 column"),
             ("0,001,200\n", "this line has 3 columns"),
             ("0.001;\n", "this line has 1 column"),
             ("0.001;200,5\n", "which of them marks the decimals"),
@@ -327,6 +420,30 @@ mod tests {
             let error = read(&Document::new("a.csv", text)).expect_err(text).to_string();
             assert!(error.contains(words) && error.starts_with("a.csv:1: "), "{text}: {error}");
         }
+    }
+
+    #[test]
+    fn thousands_are_removed_where_a_number_has_both_marks() {
+        for text in ["0.001,\"1,200.5\"\n0.02,\"1,234\"\n", "0,001;1.200,5\n0,02;1.234\n"] {
+            assert_eq!(texts(text), [["0.001", "1200.5"], ["0.02", "1234"]], "{text}");
+        }
+    }
+
+    #[test]
+    fn names_and_units_stand_above_the_numbers() {
+        for (text, names, units) in [
+            ("# made by a program\n# strain stress_MPa\n0.1 200\n0.2 300\n", ["strain", "stress_MPa"], ["", ""]),
+            ("Strain (%)  Stress [MPa]\n0.1 200\n0.2 300\n", ["Strain (%)", "Stress [MPa]"], ["", ""]),
+            ("\"Load\",\"Way\"\n\"(kN)\",\"(mm)\"\n1,2\n3,4\n", ["Load", "Way"], ["kN", "mm"]),
+        ] {
+            let table = table(&Document::new("a.csv", text)).expect(text);
+            let header = table.header.as_ref().expect("a header");
+            assert_eq!(header.cells.iter().map(|cell| cell.text.as_str()).collect::<Vec<_>>(), names, "{text}");
+            assert_eq!([table.unit_below(0), table.unit_below(1)], units, "{text}");
+        }
+        // A wrong cell is an error of its row: the row is no part of the preamble.
+        let wrong = table(&Document::new("a.csv", "strain,stress\n0.1,abc\n0.2,300\n")).expect("a table");
+        assert_eq!((wrong.rows.len(), wrong.header.is_some()), (2, true));
     }
 
     #[test]

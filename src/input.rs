@@ -81,6 +81,15 @@ impl Document {
         Ok(Self::new(path.display().to_string(), text_file::read(path)?))
     }
 
+    /// Reads the record of an instrument, and says in which encoding it is unless in UTF-8.
+    ///
+    /// # Errors
+    /// An input error: the file cannot be read, or is no text.
+    pub fn read_record(path: &Path) -> Result<(Self, Option<&'static str>)> {
+        let (text, encoding) = text_file::read_record(path)?;
+        Ok((Self::new(path.display().to_string(), text), encoding))
+    }
+
     /// Reads a scene: a file, or standard input where the path is `-`.
     pub fn read_scene(path: &Path) -> Result<Self> {
         if path == Path::new("-") { Ok(Self::new("stdin", text_file::read_stdin("stdin")?)) } else { Self::read(path) }

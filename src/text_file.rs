@@ -113,7 +113,39 @@ pub fn read(path: &Path) -> Result<String, InputError> {
     Ok(text)
 }
 
+/// The text of an instrument's record, and its encoding unless it is UTF-8: UTF-16 with a byte-order mark, or Latin-1, in which any bytes
+/// are text.
+///
+/// # Errors
+/// As for [`read`].
+pub fn read_record(path: &Path) -> Result<(String, Option<&'static str>), InputError> {
+    let shown = path.display().to_string();
+    let bytes = bytes_of(path)?;
+    if let Some(text) = utf16(&bytes) {
+        return Ok((text, Some("UTF-16")));
+    }
+    if !bytes.contains(&0) && std::str::from_utf8(&bytes).is_err() {
+        return Ok((bytes.into_iter().map(char::from).collect(), Some("Latin-1")));
+    }
+    Ok((decode(bytes, &shown)?, None))
+}
+
+/// The text after a byte-order mark of UTF-16; none without one, and of what is no such text.
+fn utf16(bytes: &[u8]) -> Option<String> {
+    let unit = match bytes.get(..2)? {
+        [0xFF, 0xFE] => u16::from_le_bytes,
+        [0xFE, 0xFF] => u16::from_be_bytes,
+        _ => return None,
+    };
+    let units: Vec<u16> = bytes[2..].chunks_exact(2).map(|pair| unit([pair[0], pair[1]])).collect();
+    String::from_utf16(&units).ok()
+}
+
 fn from_disk(path: &Path) -> Result<String, InputError> {
+    decode(bytes_of(path)?, &path.display().to_string())
+}
+
+fn bytes_of(path: &Path) -> Result<Vec<u8>, InputError> {
     let shown = path.display().to_string();
     let failed = |e: std::io::Error| cannot_read(&shown, &plain_reason(&e), help_for(e.kind()));
     let metadata = std::fs::metadata(path).map_err(failed)?;
@@ -124,8 +156,7 @@ fn from_disk(path: &Path) -> Result<String, InputError> {
         let size = metadata.len().div_ceil(1 << 20);
         return Err(too_large(&shown, &format!("{size} MiB")));
     }
-    let bytes = bounded(File::open(path).map_err(failed)?, &shown)?;
-    decode(bytes, &shown)
+    bounded(File::open(path).map_err(failed)?, &shown)
 }
 
 /// The text on standard input, without a byte-order mark; `shown` names it in messages.

@@ -127,7 +127,10 @@ daemons=()
 trap stop EXIT
 trap 'exit 130' INT TERM
 export SLURM_CONF=$run/slurm.conf LD_LIBRARY_PATH=$libraries:$plugins
-PATH=$slurm/root/usr/sbin:$slurm/root/usr/bin:$(dirname -- "$barwave"):$PATH
+# The program under the name that the script of the array calls.
+mkdir -- "$run/bin"
+ln -s -- "$barwave" "$run/bin/barwave"
+PATH=$slurm/root/usr/sbin:$slurm/root/usr/bin:$run/bin:$PATH
 
 configure
 start

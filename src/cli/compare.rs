@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::compare_results::{self, Outputs};
 use super::critical::SenseArg;
+use super::result_file::is_result;
 use super::{critical, output};
 use crate::destination;
 use crate::error::{Error, InputError, Result};
@@ -69,8 +70,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
 
 /// The names as result files, where they are.
 fn results(names: &[String]) -> Result<Option<Vec<PathBuf>>> {
-    let is_result = |name: &&String| Path::new(name).extension().is_some_and(|e| e.eq_ignore_ascii_case("h5"));
-    let count = names.iter().filter(is_result).count();
+    let count = names.iter().filter(|name| is_result(Path::new(name))).count();
     if count == 0 {
         return Ok(None);
     }

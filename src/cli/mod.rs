@@ -18,6 +18,7 @@ mod output;
 mod plan;
 mod quantity;
 mod report;
+mod result_file;
 mod run;
 mod scratch;
 mod shell;

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 
 use super::{interrupt, output};
 use crate::error::{Error, InputError, Result};
@@ -63,6 +63,11 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let finished = sweep::run(&sweep, &folder, shard, args.resume, &on_row, &interrupt::flag());
     bar.finish_and_clear();
     let finished = finished.inspect_err(|error| explain_interruption(error, &folder))?;
+    for name in &finished.without_values {
+        output::note(&format!(
+            "warning: no case has the metric `{name}`; the names are those of `barwave run --json`\n"
+        ));
+    }
     if silent { Ok(()) } else { output::text(&summary(&finished, &folder, bar.elapsed().as_secs_f64())) }
 }
 
@@ -88,8 +93,11 @@ pub(crate) fn progress_bar(cases: u64, silent: bool) -> ProgressBar {
         return ProgressBar::hidden();
     }
     let bar = ProgressBar::new(cases);
-    if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos} of {len} cases  {per_sec}  {eta} left") {
-        bar.set_style(style);
+    if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos} of {len} cases  {rate} cases/s  {eta} left") {
+        bar.set_style(style.with_key("rate", |state: &ProgressState, text: &mut dyn std::fmt::Write| {
+            let digits = if state.per_sec() < 10.0 { 2 } else { 0 };
+            let _ = write!(text, "{:.digits$}", state.per_sec());
+        }));
     }
     bar
 }

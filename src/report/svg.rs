@@ -135,10 +135,10 @@ impl Svg {
 
     /// Bold text in a colour, with a white edge that keeps lines off.
     pub fn coloured(&mut self, at: (f64, f64), size: f64, colour: &str, text: &str) {
-        let style = format!(
-            " font-weight=\"bold\" fill=\"{colour}\" stroke=\"white\" stroke-width=\"2.5\" paint-order=\"stroke\""
-        );
-        self.styled_text(at, size, Anchor::Start, &style, text);
+        // The edge is text of its own: not every viewer draws it below the letters (paint-order).
+        let edge = " font-weight=\"bold\" fill=\"white\" stroke=\"white\" stroke-width=\"2.5\"";
+        self.styled_text(at, size, Anchor::Start, edge, text);
+        self.styled_text(at, size, Anchor::Start, &format!(" font-weight=\"bold\" fill=\"{colour}\""), text);
     }
 
     /// Text that reads upwards.

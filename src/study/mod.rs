@@ -8,6 +8,7 @@ pub mod critical;
 pub mod hard_cases;
 pub mod impact_cost;
 pub mod invert;
+mod moments;
 pub mod plan;
 mod random;
 pub mod sensitivity;

@@ -6,6 +6,8 @@ use rayon::prelude::*;
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
+use super::moments::moments;
+use super::random::standard_normal;
 use crate::material::{Beyond, Curve, Material, Scatter, Sense, TestCurve, mean_curve};
 use crate::wave::similarity;
 
@@ -73,7 +75,7 @@ fn of_tests(tests: &[TestCurve], density: f64, how: Bootstrap) -> Option<Uncerta
     let each: Vec<Option<f64>> = tests.iter().map(velocity).collect();
     let usable: Vec<&TestCurve> = tests.iter().zip(&each).filter(|(_, v)| v.is_some()).map(|(test, _)| test).collect();
     let values: Vec<f64> = each.iter().flatten().copied().collect();
-    let (mean, deviation) = moments(&values)?;
+    let (mean, deviation) = moments(values.iter().copied())?;
     let resampled = || {
         resample(how, |rng| {
             let drawn: Vec<&TestCurve> = usable.iter().map(|_| usable[rng.random_range(0..usable.len())]).collect();
@@ -101,7 +103,7 @@ fn of_deviation(curve: &Curve, density: f64, scatter: &Scatter, how: Bootstrap) 
         let rows: Vec<_> = knots.map(|(&e, &s)| (e, (s + z * scatter.deviation_at(e)).max(0.0))).collect();
         of_rows(&rows, density)
     });
-    let (mean, deviation) = moments(&moved)?;
+    let (mean, deviation) = moments(moved.iter().copied())?;
     Some(Uncertainty {
         basis: "deviation",
         tests: Vec::new(),
@@ -127,14 +129,6 @@ fn resample(how: Bootstrap, draw: impl Fn(&mut XorShiftRng) -> Option<f64> + Syn
     (0..how.resamples).into_par_iter().filter_map(one).collect()
 }
 
-/// Mean and standard deviation; none of fewer than two values.
-fn moments(values: &[f64]) -> Option<(f64, f64)> {
-    let count = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / count;
-    let squares = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>();
-    (values.len() >= 2).then(|| (mean, (squares / (count - 1.0)).sqrt()))
-}
-
 /// The part of the bootstrap distribution outside the interval of `count` tests, on each side.
 fn widened_tail(count: usize) -> f64 {
     let degrees = (count - 1) as f64;
@@ -152,11 +146,6 @@ fn interval(mut values: Vec<f64>, tail: f64) -> Option<[f64; 2]> {
         values[low] + (place - low as f64) * (values[(low + 1).min(last)] - values[low])
     };
     Some([at(tail), at(1.0 - tail)])
-}
-
-fn standard_normal(rng: &mut XorShiftRng) -> f64 {
-    let (radius, angle) = (1.0 - rng.random::<f64>(), rng.random::<f64>());
-    (-2.0 * radius.ln()).sqrt() * (2.0 * std::f64::consts::PI * angle).cos()
 }
 
 #[cfg(test)]

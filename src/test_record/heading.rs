@@ -41,9 +41,20 @@ impl Kind {
     /// Parts of headings, in lower case, that name it.
     fn words(self) -> &'static [&'static str] {
         match self {
-            Self::Strain => &["strain", "dehnung", "epsilon", "\u{3b5}"],
-            Self::Extension => &["extension", "elongation", "displacement", "crosshead", "stroke", "verl\u{e4}ngerung"],
-            Self::Stress => &["stress", "spannung", "sigma", "\u{3c3}"],
+            Self::Strain => &["strain", "dehnung", "d\u{e9}formation", "deformation", "epsilon", "\u{3b5}"],
+            Self::Extension => &[
+                "extension",
+                "elongation",
+                "displacement",
+                "crosshead",
+                "stroke",
+                "verl\u{e4}ngerung",
+                "weg",
+                "traverse",
+                "allongement",
+                "d\u{e9}placement",
+            ],
+            Self::Stress => &["stress", "spannung", "contrainte", "sigma", "\u{3c3}"],
             Self::Force => &["force", "load", "kraft"],
         }
     }
@@ -61,6 +72,10 @@ pub(super) struct Heading {
 /// what is a unit is taken for one.
 pub(super) fn split(title: &str) -> Heading {
     let title = title.trim();
+    // "microstrain" is name and unit in one.
+    if title.len() > 1 && !title.contains('/') && size(title, Kind::Strain).is_some_and(|size| size < 1e-2) {
+        return Heading { name: "strain".into(), unit: title.into() };
+    }
     if let Some(open) = title.rfind(['(', '[']).filter(|_| title.ends_with([')', ']'])) {
         let unit = title[open + 1..title.len() - 1].trim();
         return Heading { name: title[..open].trim_end_matches(['_', ' ', '/', ',']).into(), unit: unit.into() };
@@ -85,10 +100,8 @@ pub(super) fn size(unit: &str, kind: Kind) -> Option<f64> {
     match (kind, unit) {
         (_, "") => None,
         (Kind::Strain, "-" | "1") => Some(1.0),
-        (
-            Kind::Strain,
-            "microstrain" | "ustrain" | "ue" | "\u{b5}\u{3b5}" | "\u{3bc}\u{3b5}" | "\u{b5}m/m" | "\u{b5}e",
-        ) => Some(1e-6),
+        (Kind::Strain, _) if matches!(unit.to_lowercase().as_str(), "microstrain" | "microstrains") => Some(1e-6),
+        (Kind::Strain, "ustrain" | "ue" | "\u{b5}\u{3b5}" | "\u{3bc}\u{3b5}" | "\u{b5}m/m" | "\u{b5}e") => Some(1e-6),
         // Square millimetres without their sign are how many machines write them.
         (Kind::Stress, "N/mm2" | "N/mm\u{b2}") => Some(1e6),
         _ => unit_size(unit, kind.dimension()).ok(),
@@ -129,6 +142,12 @@ mod tests {
             ("Strain rate (1/s)", "Strain rate", "1/s", None),
             ("load_cell", "load_cell", "", Some(Kind::Force)),
             ("Time (s)", "Time", "s", None),
+            ("microstrain", "strain", "microstrain", Some(Kind::Strain)),
+            ("Microstrain", "strain", "Microstrain", Some(Kind::Strain)),
+            ("Strain Gauge (Microstrain)", "Strain Gauge", "Microstrain", Some(Kind::Strain)),
+            ("Standardweg [mm]", "Standardweg", "mm", Some(Kind::Extension)),
+            ("D\u{e9}formation (%)", "D\u{e9}formation", "%", Some(Kind::Strain)),
+            ("Contrainte (N/mm\u{b2})", "Contrainte", "N/mm\u{b2}", Some(Kind::Stress)),
         ] {
             let heading = split(title);
             assert_eq!((heading.name.as_str(), heading.unit.as_str()), (name, unit), "{title}");

@@ -16,5 +16,5 @@ pub use heading::Kind;
 pub use modulus::ElasticLine;
 pub use reduce::{PROOF_OFFSET, Reduce, Reduction, reduce};
 pub use repeats::{Repeats, combine};
-pub use table::{Reading, Record, read};
+pub use table::{Reading, Record, UnitsNamed, read};
 pub use text::MaterialText;

@@ -24,6 +24,15 @@ pub struct Reading {
     pub area: Option<f64>,
 }
 
+/// Which units of a record are named by the file or the options.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct UnitsNamed {
+    /// Of strains; extensions without a unit are metres.
+    pub strain: bool,
+    /// Of stresses or forces.
+    pub stress: bool,
+}
+
 /// A record in the order of the test.
 #[derive(Debug, Clone)]
 pub struct Record {
@@ -33,8 +42,8 @@ pub struct Record {
     pub rows: Vec<(f64, f64)>,
     /// What was read and how: columns, units, dimensions.
     pub columns: String,
-    /// The file or the options name the unit of the stresses or forces.
-    pub unit_named: bool,
+    /// Which units the file or the options name.
+    pub units_named: UnitsNamed,
     /// The headings say true strain and true stress.
     pub says_true: bool,
     document: Document,
@@ -63,7 +72,7 @@ struct Column {
 /// A missing file, one without numbers, columns that are not there or not clear, an unknown unit, a cell that is not a number, dimensions
 /// of the specimen that are missing or not needed.
 pub fn read(path: &Path, reading: &Reading) -> Result<Record> {
-    let document = Document::read(path)?;
+    let (document, encoding) = Document::read_record(path)?;
     let mut table = columns::table(&document)?;
     let abscissa = choose(&document, &table, reading.abscissa.as_ref(), [Kind::Strain, Kind::Extension])?;
     let ordinate = choose(&document, &table, reading.ordinate.as_ref(), [Kind::Stress, Kind::Force])?;
@@ -84,8 +93,10 @@ pub fn read(path: &Path, reading: &Reading) -> Result<Record> {
     }
     let says_true = [&abscissa, &ordinate].iter().all(|column| is_true(&column.title));
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let columns = describe(&table, &abscissa, &ordinate);
-    Ok(Record { name, rows, columns, unit_named: ordinate.named, says_true, document, spans })
+    let encoded = encoding.map_or_else(String::new, |encoding| format!("; the text is {encoding}"));
+    let columns = describe(&table, &abscissa, &ordinate) + &encoded;
+    let units_named = UnitsNamed { strain: abscissa.named || abscissa.kind == Kind::Extension, stress: ordinate.named };
+    Ok(Record { name, rows, columns, units_named, says_true, document, spans })
 }
 
 fn is_true(title: &str) -> bool {
@@ -153,12 +164,10 @@ fn titles(header: &Line, places: &[usize]) -> String {
 
 /// A heading with the unit of the line below, if it has none of its own.
 fn whole(table: &Table, place: usize) -> Heading {
-    let text = |line: &Option<Line>| {
-        line.as_ref().and_then(|l| l.cells.get(place)).map_or("", |cell| cell.text.as_str()).to_owned()
-    };
-    let mut heading = heading::split(&text(&table.header));
+    let title = table.header.as_ref().and_then(|line| line.cells.get(place)).map_or("", |cell| cell.text.as_str());
+    let mut heading = heading::split(title);
     if heading.unit.is_empty() {
-        text(&table.units).trim_matches(['(', ')', '[', ']']).clone_into(&mut heading.unit);
+        table.unit_below(place).clone_into(&mut heading.unit);
     }
     heading
 }

@@ -64,12 +64,23 @@ pub(super) fn parse(text: &str, dimension: Dimension) -> Result<f64, String> {
     if factor.exponents != dimension.exponents() {
         return Err(wrong_dimension(trimmed, factor.exponents, dimension));
     }
-    let si = factor.apply(value);
+    let si = decimal(&trimmed[..trimmed.len() - rest.len()], factor).unwrap_or_else(|| factor.apply(value));
     if dimension == Dimension::AngularVelocity && rest.contains("Hz") {
         let turning = 2.0 * std::f64::consts::PI * si;
         return Err(format!("`{trimmed}` is a frequency; as an angular velocity it is {turning:.6} rad/s"));
     }
     if si.is_finite() { Ok(si) } else { Err(format!("`{trimmed}` is too large")) }
+}
+
+/// The value in SI of a number in a decimal unit: the number nearest to the decimal fraction, without a rounding in between.
+fn decimal(number: &str, factor: Factor) -> Option<f64> {
+    if factor.numerator != 1.0 || factor.denominator != 1.0 || factor.ten == 0 {
+        return None;
+    }
+    let number = number.trim().replace('\u{2212}', "-");
+    let (mantissa, exponent) = number.split_once(['e', 'E']).unwrap_or((&number, "0"));
+    let exponent = exponent.parse::<i32>().ok()?.checked_add(factor.ten)?;
+    format!("{mantissa}e{exponent}").parse().ok()
 }
 
 fn bare(value: f64, text: &str, dimension: Dimension) -> Result<f64, String> {

@@ -82,11 +82,12 @@ fn tables_of_spreadsheets_and_instruments_are_read_or_refused_with_the_cause() {
         std::fs::write(folder.path().join("t.csv"), bytes).expect("written");
         std::fs::write(folder.path().join("scene.toml"), scene(of_curve, "t.csv")).expect("written");
     };
-    let right: [&[u8]; 8] = [
+    let right: [&[u8]; 9] = [
         b"0.001,200e6\n0.02,300e6\n",
         b"\xEF\xBB\xBFstrain,stress\r\n0.001,200e6\r\n0.02,300e6\r\n",
         b"0.001;200e6\n0.02;300e6\n",
         b"0.001\t200e6\n0.02\t300e6\n",
+        b"0.001 200e6\n0.02 300e6\n",
         b"strain;b\n0,001;199,5e6\n0,02;300e6\n",
         b"0,001\t200e6\n0,02\t300e6\n",
         b"\"0,001\",200e6\n\"0,02\",300e6\n",
@@ -110,7 +111,7 @@ fn tables_of_spreadsheets_and_instruments_are_read_or_refused_with_the_cause() {
             (b"0.001;200,5\n0.02;300\n", &["t.csv:1", "`0.001` has a point, and `200,5` a comma"]),
             (b"1;1,234\n2;2,345\n", &["t.csv:1", "`1,234` can be 1.234 or 1234"]),
             (b"0,001,200\n0,02,300\n", &["t.csv:1", "3 columns", "allowed: 2 columns", "semicolons"]),
-            (b"0.001 200e6\n", &["t.csv:1", "1 column", "comma, a semicolon or a tab"]),
+            (b"0.001 about 200e6\n", &["t.csv:1", "1 column", "comma, a semicolon, a tab or blanks"]),
             (b"0.001,200e6\n0.02,3o0\n", &["t.csv:2", "3o0"]),
         ] {
             write(of_curve, bytes);

@@ -4,7 +4,7 @@ use crate::common::binary;
 
 use std::path::Path;
 
-use binary::barwave;
+use binary::{barwave, done, refused};
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -25,20 +25,6 @@ frames = 17
 cells = 100
 gauges = { middle = 0.5 }
 "#;
-
-fn done(folder: &Path, arguments: &[&str]) -> String {
-    let output = barwave(folder, arguments);
-    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).expect("text")
-}
-
-fn refused(folder: &Path, arguments: &[&str]) -> String {
-    let output = barwave(folder, arguments);
-    let message = String::from_utf8(output.stderr).expect("text");
-    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
-    assert!(message.contains("help: "), "{message}");
-    message
-}
 
 /// A result of the scene, and others with changed keys.
 fn results(changes: &[(&str, &[&str])]) -> TempDir {

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use barwave::material::{Curve, Sense, library};
 use barwave::record::store::ResultFile;
-use binary::barwave;
+use binary::{barwave, done, json, refused};
 use rand::{RngExt, SeedableRng};
 use rand_xorshift::XorShiftRng;
 use serde_json::Value;
@@ -32,24 +32,6 @@ method = "moc"
 frames = 2
 gauges = { a = 0.02, b = 0.04, c = 0.08, d = 0.16, e = 0.32 }
 "#;
-
-fn done(folder: &Path, arguments: &[&str]) -> String {
-    let output = barwave(folder, arguments);
-    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).expect("text")
-}
-
-fn refused(folder: &Path, arguments: &[&str]) -> String {
-    let output = barwave(folder, arguments);
-    let message = String::from_utf8(output.stderr).expect("text");
-    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
-    assert!(message.contains("help: "), "{message}");
-    message
-}
-
-fn json(folder: &Path, arguments: &[&str]) -> Value {
-    serde_json::from_str(&done(folder, arguments)).expect("JSON")
-}
 
 fn simulated(scene: &str) -> TempDir {
     let folder = tempfile::tempdir().expect("a folder");

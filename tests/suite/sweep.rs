@@ -7,7 +7,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-use binary::barwave;
+use binary::{barwave, done, failed};
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -36,19 +36,6 @@ fn scenes(sweep: &str) -> TempDir {
     std::fs::write(folder.path().join("scene.toml"), SCENE).expect("a file");
     std::fs::write(folder.path().join("sweep.toml"), sweep).expect("a file");
     folder
-}
-
-fn done(folder: &Path, arguments: &[&str]) -> String {
-    let output = barwave(folder, arguments);
-    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).expect("text")
-}
-
-fn refused(folder: &Path, arguments: &[&str], code: i32) -> String {
-    let output = barwave(folder, arguments);
-    let message = String::from_utf8(output.stderr).expect("text");
-    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {message}");
-    message
 }
 
 fn text(folder: &Path, name: &str) -> String {
@@ -96,7 +83,7 @@ fn threads_shards_and_merging_change_no_byte() {
     for shard in ["1/3", "3/3"] {
         done(path, &["sweep", "sweep.toml", "-o", "parts", "--shard", shard, "--quiet"]);
     }
-    let message = refused(path, &["merge", "parts", "-o", "all.h5"], 1);
+    let message = failed(path, &["merge", "parts", "-o", "all.h5"], 1);
     assert!(message.contains("8 of 24 cases are missing: 1, 4, 7, 10, 13, 16, 19, 22;"), "{message}");
     assert!(!path.join("all.h5").exists());
     // The second shard as a job array of Slurm would run it.
@@ -109,7 +96,7 @@ fn threads_shards_and_merging_change_no_byte() {
     // Rows of another sweep are not mixed in.
     std::fs::write(path.join("other.toml"), SPEEDS.replace("count = 12", "count = 3")).expect("a file");
     done(path, &["sweep", "other.toml", "-o", "other"]);
-    assert!(refused(path, &["merge", "one", "other", "-o", "mixed.h5"], 2).contains("hold different sweeps"));
+    assert!(failed(path, &["merge", "one", "other", "-o", "mixed.h5"], 2).contains("hold different sweeps"));
 }
 
 #[test]
@@ -146,9 +133,9 @@ fn a_killed_sweep_is_resumed_and_runs_no_case_twice() {
     assert_eq!((cases.len(), cases.iter().collect::<BTreeSet<_>>().len()), (60, 60));
     // What has ended stays as it is, and another sweep is not continued in its place.
     done(path, &["sweep", "sweep.toml", "-o", "killed", "--resume"]);
-    assert!(refused(path, &["sweep", "sweep.toml", "-o", "killed"], 2).contains("holds a sweep already"));
+    assert!(failed(path, &["sweep", "sweep.toml", "-o", "killed"], 2).contains("holds a sweep already"));
     std::fs::write(path.join("scene.toml"), SCENE.replace("250 us", "200 us")).expect("a file");
-    assert!(refused(path, &["sweep", "sweep.toml", "-o", "killed", "--resume"], 2).contains("holds another sweep"));
+    assert!(failed(path, &["sweep", "sweep.toml", "-o", "killed", "--resume"], 2).contains("holds another sweep"));
 }
 
 #[test]
@@ -167,7 +154,7 @@ fn a_case_that_fails_is_a_row_with_its_reason() {
     );
     let wrong = "[sweep]\nscene = \"scene.toml\"\n[axes]\n\"left.valve\" = [-10, -20]\n";
     std::fs::write(folder.path().join("sweep.toml"), wrong).expect("a file");
-    let message = refused(folder.path(), &["sweep", "sweep.toml", "-o", "typo"], 2);
+    let message = failed(folder.path(), &["sweep", "sweep.toml", "-o", "typo"], 2);
     assert!(message.contains("every case is refused") && message.contains("valve"), "{message}");
 }
 
@@ -198,12 +185,51 @@ fn wrong_sweep_files_have_one_error_with_its_place() {
     ] {
         let folder = scenes(text);
         for command in ["sweep", "check"] {
-            let message = refused(folder.path(), &[command, "sweep.toml"], 2);
+            let message = failed(folder.path(), &[command, "sweep.toml"], 2);
             assert!(message.contains(words) && message.contains("help: "), "{text}: {message}");
         }
     }
     let folder = scenes(SPEEDS);
     assert!(done(folder.path(), &["check", "sweep.toml"]).contains("ok (sweep)"));
-    assert!(refused(folder.path(), &["sweep", "sweep.toml", "--shard", "4/3"], 2).contains("write I/N"));
-    assert!(refused(folder.path(), &["merge", ".", "-o", "a.h5"], 2).contains("holds no sweep"));
+    assert!(failed(folder.path(), &["sweep", "sweep.toml", "--shard", "4/3"], 2).contains("write I/N"));
+    assert!(failed(folder.path(), &["merge", ".", "-o", "a.h5"], 2).contains("holds no sweep"));
+}
+
+#[test]
+fn the_table_has_decimal_values_and_no_column_of_an_object() {
+    let folder = scenes(
+        "[sweep]\nscene = \"scene.toml\"\nmetrics = []\n[axes]\n\"solve.until\" = { from = \"10 us\", to = \"10.3 us\", step = \"0.1 us\" }\n\
+         \"bar.material\" = [\"copper-annealed\", \"steel-4340-jc\"]\n\"left.value\" = [-5]\n",
+    );
+    done(folder.path(), &["sweep", "sweep.toml", "-o", "out", "--quiet"]);
+    let table = text(folder.path(), "out/table.csv");
+    let rows = records(&table);
+    let times: Vec<&str> = rows[1..].iter().step_by(2).map(|row| &row[1]).collect();
+    assert_eq!(times, ["1e-5", "1.01e-5", "1.02e-5", "1.03e-5"]);
+    // The bar of steel stays elastic: the check is an object there and null for copper.
+    let names: Vec<&str> = rows[0].iter().filter(|name| name.starts_with("elastic_check")).collect();
+    assert_eq!(names, ["elastic_check.expected_Pa", "elastic_check.relative", "elastic_check.stress_Pa"]);
+}
+
+#[test]
+fn wrong_keys_and_metrics_are_named() {
+    let sweep = |metrics: &str, key: &str| {
+        format!("[sweep]\nscene = \"scene.toml\"\nmetrics = [{metrics}]\n[axes]\n\"{key}\" = [0.5, 0.6]\n")
+    };
+    let folder = scenes(&sweep("", "bar.lenght"));
+    let message = failed(folder.path(), &["sweep", "sweep.toml", "-o", "out"], 2);
+    assert!(message.contains("every case is refused") && message.contains("did you mean `length`?"), "{message}");
+    let folder = scenes(&sweep("\"left.peak_forc_N\", \"left.peak_force_N\"", "bar.length"));
+    let output = barwave(folder.path(), &["sweep", "sweep.toml", "-o", "out"]);
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() && message.contains("no case has the metric `left.peak_forc_N`"), "{message}");
+    assert_eq!(message.matches("warning").count(), 1, "{message}");
+    let folder = scenes(&sweep("", "bar.length").replace("[0.5, 0.6]", "{ log-uniform = [1, 2], samples = 3 }"));
+    let message = failed(folder.path(), &["sweep", "sweep.toml", "-o", "out"], 2);
+    assert!(message.contains("unknown field `log-uniform`"), "{message}");
+    // A refused case says which key is out of range, without the place in the command line.
+    let folder = scenes(&sweep("", "bar.length").replace("[0.5, 0.6]", "[0.5, -1]"));
+    done(folder.path(), &["sweep", "sweep.toml", "-o", "out"]);
+    let table = text(folder.path(), "out/table.csv");
+    assert!(table.contains("refused,") && table.contains("`bar.length`") && !table.contains("--set"), "{table}");
 }

@@ -91,6 +91,69 @@ fn formats_units_and_dimensions_of_instruments_give_the_same_curve() {
 }
 
 #[test]
+fn text_of_any_instrument_is_read() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let rows = record(&RAMBERG_OSGOOD, &Faults { rows: 1500, ..LABORATORY });
+    let expected = import(folder.path(), "a.csv", &csv(&rows), &[]);
+    let table = |line: &dyn Fn(f64, f64) -> String| rows.iter().map(|&(e, s)| line(e, s)).collect::<String>();
+    let blanks = String::from("# strain stress_MPa\n") + &table(&|e, s| format!("  {e:.8}   {:.5}\n", s / 1e6));
+    let micro =
+        String::from("Microstrain\tStress (MPa)\n") + &table(&|e, s| format!("{:.3}\t{:.5}\n", 1e6 * e, s / 1e6));
+    let latin = String::from("Dehnung in %;Spannung in N/mm\u{b2}\n")
+        + &table(&|e, s| format!("{:.6};{:.5}\n", 100.0 * e, s / 1e6).replace('.', ","));
+    let thousands = String::from("Strain (%),Stress (psi)\n")
+        + &table(&|e, s| {
+            let psi = s / 6_894.757_293_168_361;
+            let (kilo, rest) = ((psi / 1e3).trunc(), (psi % 1e3).abs());
+            if kilo == 0.0 {
+                format!("{:.6},{psi:.3}\n", 100.0 * e)
+            } else {
+                format!("{:.6},\"{kilo},{rest:07.3}\"\n", 100.0 * e)
+            }
+        });
+    let single =
+        |text: &str| text.chars().map(|c| u8::try_from(c).expect("a character of Latin-1")).collect::<Vec<u8>>();
+    let utf16 = |text: &str| [0xFF, 0xFE].into_iter().chain(text.encode_utf16().flat_map(u16::to_le_bytes)).collect();
+    let files: [(&str, Vec<u8>); 5] = [
+        ("blanks.dat", blanks.clone().into()),
+        ("micro.txt", micro.into()),
+        ("latin.csv", single(&latin)),
+        ("utf16.txt", utf16(&blanks)),
+        ("thousands.csv", thousands.into()),
+    ];
+    for (name, bytes) in files {
+        std::fs::write(folder.path().join(name), bytes).expect("a file");
+        let fixed = ["materials", "import", name, "--density", "7850", "--force", "--json", "-o", "m.toml"];
+        let output = barwave(folder.path(), &fixed);
+        assert!(output.status.success(), "{name}: {}", String::from_utf8_lossy(&output.stderr));
+        let found: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        for key in ["modulus_Pa", "elastic_limit_Pa"] {
+            assert!((number(&found[key]) / number(&expected[key]) - 1.0).abs() < 2e-3, "{name}: {key}: {found:#}");
+        }
+    }
+}
+
+#[test]
+fn strains_in_percent_without_a_unit_are_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let rows = record(&RAMBERG_OSGOOD, &LABORATORY);
+    let mut text = String::from("strain,stress_MPa\n");
+    for (e, s) in &rows {
+        let _ = writeln!(text, "{},{}", 100.0 * e, s / 1e6);
+    }
+    std::fs::write(folder.path().join("a.csv"), text).expect("a file");
+    let with = |more: &[&str]| {
+        barwave(folder.path(), &[&["materials", "import", "a.csv", "--density", "7850"], more].concat())
+    };
+    let refused = with(&[]);
+    let message = String::from_utf8_lossy(&refused.stderr);
+    assert_eq!(refused.status.code(), Some(2), "{message}");
+    assert!(message.contains("--strain-unit") && message.contains("at most 2"), "{message}");
+    assert!(!folder.path().join("a.toml").exists());
+    assert!(with(&["--strain-unit", "%", "--strain-col", "1"]).status.success());
+}
+
+#[test]
 fn true_stress_and_machine_compliance_are_converted() {
     let folder = tempfile::tempdir().expect("a folder");
     let rows = record(&RAMBERG_OSGOOD, &Faults { toe: 0.0, ..LABORATORY });

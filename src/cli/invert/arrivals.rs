@@ -2,16 +2,18 @@
 
 use std::path::PathBuf;
 
-use super::shared::{self, Outputs, Random};
+use super::shared::{self, Outputs, Random, Waves};
 use crate::cli::lines::Lines;
-use crate::cli::{output, quantity};
+use crate::cli::quantity;
+use crate::cli::result_file::is_result;
 use crate::error::{InputError, Result};
-use crate::material::{Curve, Sense};
+use crate::material::Sense;
 use crate::record::store::ResultFile;
-use crate::report;
 use crate::study::invert::arrivals::{Inverted, Options, of_records, of_table};
-use crate::study::invert::{MaterialText, Recording, against};
+use crate::study::invert::{MaterialText, Recording};
 use crate::units::{Dimension, System, format};
+
+const TITLE: &str = "Curve from arrival times";
 
 /// Options of `barwave invert arrivals`.
 #[derive(Debug, clap::Args)]
@@ -80,7 +82,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
 
 /// Records of gauges; none where the file is a table of arrivals.
 fn recording(args: &Args) -> Result<Option<Recording>> {
-    let recording = if shared::is_result(&args.file) {
+    let recording = if is_result(&args.file) {
         Recording::from_result(&ResultFile::open(&args.file)?, &args.gauges)?
     } else if args.at.is_empty() {
         return match args.random.noise {
@@ -111,23 +113,14 @@ fn write(args: &Args, options: &Options, recording: Option<&Recording>, inverted
         sense: recording.map_or(Sense::Tension, |r| r.sense).name(),
         measured: &std::format!("arrival times of strain levels at {} gauges, {file}", inverted.distances.len()),
     };
-    outputs.write_material(&material, &shared::knots(&inverted.points))?;
-    let title = "Curve from arrival times";
-    outputs.write(
-        title,
-        || report::invert::waves(title, &inverted.points, given),
-        || shared::curve_csv(&inverted.points),
-    )?;
-    if outputs.json {
-        return output::json(inverted);
-    }
-    output::note(&shared::warnings(&inverted.warnings));
-    output::text(&text(args, options, inverted, given))
+    let (title, points) = (TITLE, &inverted.points);
+    let waves = Waves { title, points, given, warnings: &inverted.warnings };
+    outputs.write_waves(&waves, &material, &shared::knots(&inverted.points), inverted, lines(args, options, inverted))
 }
 
-fn text(args: &Args, options: &Options, inverted: &Inverted, given: Option<&Curve>) -> String {
+fn lines(args: &Args, options: &Options, inverted: &Inverted) -> Lines {
     let show = |value, dimension| format(value, dimension, System::Si);
-    let mut lines = Lines::under(&std::format!("Curve from arrival times, {}", args.file.display()));
+    let mut lines = Lines::under(&std::format!("{TITLE}, {}", args.file.display()));
     let mut places: Vec<f64> = inverted.distances.clone();
     places.dedup();
     let places: Vec<String> = places.iter().map(|x| show(*x, Dimension::Length)).collect();
@@ -140,12 +133,5 @@ fn text(args: &Args, options: &Options, inverted: &Inverted, given: Option<&Curv
             std::format!("straight to {curvature:.2} % of the times, {misfit:.2} times the noise"),
         );
     }
-    if let Some((deviation, strain)) = given.and_then(|curve| against(curve, &inverted.points)) {
-        lines.add(
-            "deviation",
-            std::format!("{:+.1} % at most from the simulated curve, at strain {strain:.4}", 100.0 * deviation),
-        );
-    }
-    lines.extend(args.outputs.written());
-    lines.text() + &shared::curve_table(&inverted.points)
+    lines
 }

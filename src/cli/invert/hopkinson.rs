@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use super::shared::{self, Outputs};
 use crate::cli::lines::Lines;
+use crate::cli::result_file::is_result;
 use crate::cli::{output, quantity};
 use crate::error::{InputError, Result};
 use crate::material::Curve;
@@ -73,7 +74,7 @@ pub(super) struct Args {
 
 pub(super) fn run(args: &Args) -> Result<()> {
     args.outputs.check()?;
-    let (setup, records, test) = if shared::is_result(&args.file) {
+    let (setup, records, test) = if is_result(&args.file) {
         let test = Test::from_result(&ResultFile::open(&args.file)?, &args.gauges)?;
         (test.setup.clone(), test.records.clone(), Some(test))
     } else {

@@ -2,16 +2,18 @@
 
 use std::path::PathBuf;
 
-use super::shared::{self, Outputs, Random};
+use super::shared::{self, Outputs, Random, Waves};
 use crate::cli::lines::Lines;
-use crate::cli::{output, quantity};
+use crate::cli::quantity;
+use crate::cli::result_file::is_result;
 use crate::error::{InputError, Result};
 use crate::material::Curve;
 use crate::record::store::ResultFile;
-use crate::report;
+use crate::study::invert::MaterialText;
 use crate::study::invert::residual::{Inverted, Options, Profile, State, Test, invert};
-use crate::study::invert::{MaterialText, against};
 use crate::units::{Dimension, System, format};
+
+const TITLE: &str = "Curve from the strain along a wire";
 
 /// Options of `barwave invert residual-strain`.
 #[derive(Debug, clap::Args)]
@@ -57,11 +59,8 @@ pub(super) struct Args {
 
 pub(super) fn run(args: &Args) -> Result<()> {
     args.outputs.check()?;
-    let test = if shared::is_result(&args.file) {
-        Some(Test::from_result(&ResultFile::open(&args.file)?, args.time)?)
-    } else {
-        None
-    };
+    let test =
+        if is_result(&args.file) { Some(Test::from_result(&ResultFile::open(&args.file)?, args.time)?) } else { None };
     let profile = match &test {
         Some(test) => test.profile.clone(),
         None => Profile::from_csv(&args.file)?,
@@ -116,23 +115,14 @@ fn write(args: &Args, options: &Options, profile: &Profile, inverted: &Inverted,
         knots.insert(0, (stress.value / options.modulus, stress.value, stress.half_width()));
         knots.dedup_by(|later, first| later.0 <= first.0);
     }
-    outputs.write_material(&material, &knots)?;
-    let title = "Curve from the strain along a wire";
-    outputs.write(
-        title,
-        || report::invert::waves(title, &inverted.points, given),
-        || shared::curve_csv(&inverted.points),
-    )?;
-    if outputs.json {
-        return output::json(inverted);
-    }
-    output::note(&shared::warnings(&inverted.warnings));
-    output::text(&text(args, options, inverted, given))
+    let (title, points) = (TITLE, &inverted.points);
+    let waves = Waves { title, points, given, warnings: &inverted.warnings };
+    outputs.write_waves(&waves, &material, &knots, inverted, lines(args, options, inverted))
 }
 
-fn text(args: &Args, options: &Options, inverted: &Inverted, given: Option<&Curve>) -> String {
+fn lines(args: &Args, options: &Options, inverted: &Inverted) -> Lines {
     let show = |value, dimension| format(value, dimension, System::Si);
-    let mut lines = Lines::under(&std::format!("Curve from the strain along a wire, {}", args.file.display()));
+    let mut lines = Lines::under(&std::format!("{TITLE}, {}", args.file.display()));
     let when = show(options.time, Dimension::Time);
     lines.add(
         "profile",
@@ -155,12 +145,5 @@ fn text(args: &Args, options: &Options, inverted: &Inverted, given: Option<&Curv
         let half = show(stress.half_width(), Dimension::Stress);
         lines.add("yield stress", std::format!("{} +- {half}", show(stress.value, Dimension::Stress)));
     }
-    if let Some((deviation, strain)) = given.and_then(|curve| against(curve, &inverted.points)) {
-        lines.add(
-            "deviation",
-            std::format!("{:+.1} % at most from the simulated curve, at strain {strain:.4}", 100.0 * deviation),
-        );
-    }
-    lines.extend(args.outputs.written());
-    lines.text() + &shared::curve_table(&inverted.points)
+    lines
 }

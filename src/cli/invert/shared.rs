@@ -2,11 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
+use serde::Serialize;
+
+use crate::cli::lines::Lines;
 use crate::cli::{output, quantity};
 use crate::destination;
 use crate::error::{Error, InputError, Result};
-use crate::report::plot;
-use crate::study::invert::{Interval, MaterialText, WavePoint, material_text};
+use crate::material::Curve;
+use crate::report::{self, plot};
+use crate::study::invert::{Interval, MaterialText, WavePoint, against, material_text};
 use crate::units::Dimension;
 
 /// Where results go.
@@ -27,6 +31,15 @@ pub(super) struct Outputs {
     /// Print a JSON object and nothing else.
     #[arg(long)]
     pub(super) json: bool,
+}
+
+/// A curve by wave theory.
+pub(super) struct Waves<'a> {
+    pub(super) title: &'a str,
+    pub(super) points: &'a [WavePoint],
+    /// The curve that the simulation was given.
+    pub(super) given: Option<&'a Curve>,
+    pub(super) warnings: &'a [String],
 }
 
 /// Random numbers.
@@ -81,6 +94,30 @@ impl Outputs {
         Ok(())
     }
 
+    /// Writes the results of an inversion by wave theory where they are asked for, and prints the text, or the object.
+    pub(super) fn write_waves(
+        &self,
+        waves: &Waves<'_>,
+        material: &MaterialText<'_>,
+        knots: &[(f64, f64, f64)],
+        object: &impl Serialize,
+        mut lines: Lines,
+    ) -> Result<()> {
+        self.write_material(material, knots)?;
+        let figure = || report::invert::waves(waves.title, waves.points, waves.given);
+        self.write(waves.title, figure, || curve_csv(waves.points))?;
+        if self.json {
+            return output::json(object);
+        }
+        if let Some((deviation, strain)) = waves.given.and_then(|curve| against(curve, waves.points)) {
+            let percent = 100.0 * deviation;
+            lines.add("deviation", format!("{percent:+.1} % at most from the simulated curve, at strain {strain:.4}"));
+        }
+        lines.extend(self.written());
+        output::note(&warnings(waves.warnings));
+        output::text(&(lines.text() + &curve_table(waves.points)))
+    }
+
     /// Lines that name what was written.
     pub(super) fn written(&self) -> Vec<String> {
         let files = [&self.output, &self.csv, &self.plot].into_iter().flatten();
@@ -92,11 +129,6 @@ impl Outputs {
         let stem = self.output.as_deref().and_then(Path::file_stem).unwrap_or_default();
         stem.to_string_lossy().into_owned()
     }
-}
-
-/// Whether a file is a result file, by its name.
-pub(super) fn is_result(path: &Path) -> bool {
-    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("h5") || e.eq_ignore_ascii_case("hdf5"))
 }
 
 /// A value that the command line or the file must give.
@@ -116,7 +148,7 @@ pub(super) fn warnings(all: &[String]) -> String {
 const ROWS: usize = 10;
 
 /// Curve points with the halves of their 95 % intervals.
-pub(super) fn curve_table(points: &[WavePoint]) -> String {
+fn curve_table(points: &[WavePoint]) -> String {
     let every = points.len().div_ceil(ROWS).max(1);
     let shown = points.iter().rev().step_by(every).collect::<Vec<_>>().into_iter().rev();
     let pair = |value: Interval, unit: f64, digits: usize| {
@@ -134,7 +166,7 @@ pub(super) fn curve_table(points: &[WavePoint]) -> String {
 }
 
 /// Curve points as CSV.
-pub(super) fn curve_csv(points: &[WavePoint]) -> String {
+fn curve_csv(points: &[WavePoint]) -> String {
     let mut text = String::from(
         "strain,wave_speed_m_s,wave_speed_low,wave_speed_high,stress_Pa,stress_low,stress_high,velocity_m_s,velocity_low,velocity_high\n",
     );

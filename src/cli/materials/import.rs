@@ -31,16 +31,16 @@ pub(super) struct Args {
     #[arg(long)]
     density: String,
     /// Column of strain, by heading or number from 1 (default: the one whose heading says so).
-    #[arg(long, value_name = "COLUMN", conflicts_with = "extension_column")]
+    #[arg(long, alias = "strain-col", value_name = "COLUMN", conflicts_with = "extension_column")]
     strain_column: Option<String>,
     /// Column of extension.
-    #[arg(long, value_name = "COLUMN")]
+    #[arg(long, alias = "extension-col", value_name = "COLUMN")]
     extension_column: Option<String>,
     /// Column of stress.
-    #[arg(long, value_name = "COLUMN", conflicts_with = "force_column")]
+    #[arg(long, alias = "stress-col", value_name = "COLUMN", conflicts_with = "force_column")]
     stress_column: Option<String>,
     /// Column of force.
-    #[arg(long, value_name = "COLUMN")]
+    #[arg(long, alias = "force-col", value_name = "COLUMN")]
     force_column: Option<String>,
     /// Unit of the strains or extensions where the record names none, e.g. % or mm (default: 1 or m).
     #[arg(long, value_name = "UNIT")]
@@ -49,16 +49,16 @@ pub(super) struct Args {
     #[arg(long)]
     unit: Option<String>,
     /// Gauge length, which makes strains of extensions, e.g. "25 mm".
-    #[arg(long, value_name = "LENGTH")]
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     gauge_length: Option<Quantity>,
     /// Initial cross-section, which makes stresses of forces, e.g. "28.3 mm^2".
-    #[arg(long, conflicts_with = "diameter")]
+    #[arg(long, conflicts_with = "diameter", allow_hyphen_values = true)]
     area: Option<Quantity>,
     /// Initial diameter of a round specimen, e.g. "6 mm".
-    #[arg(long)]
+    #[arg(long, allow_hyphen_values = true)]
     diameter: Option<Quantity>,
     /// Elastic modulus, e.g. "207 GPa" (default: that of the record).
-    #[arg(long)]
+    #[arg(long, allow_hyphen_values = true)]
     modulus: Option<Quantity>,
     /// The extensions include those of machine and grips: correct strains so that the elastic line has the modulus of --modulus.
     #[arg(long, requires = "modulus")]
@@ -362,9 +362,20 @@ fn text(args: &Args, curve: &Curve, comments: &[String]) -> String {
 /// The least modulus of a record whose stresses have no named unit: less is MPa read as Pa, or kN as N.
 const LEAST_WITHOUT_UNIT: f64 = 1e7;
 
-/// Refuses a modulus that comes of a wrong unit.
+/// The largest strain of a record whose strains have no named unit: more is percent read as a number.
+const MOST_WITHOUT_UNIT: f64 = 2.0;
+
+/// Refuses a modulus or a strain that comes of a wrong unit.
 fn plausible(material: &Material, imported: &[Imported]) -> Result<()> {
-    if material.modulus >= LEAST_WITHOUT_UNIT || imported.iter().all(|one| one.record.unit_named) {
+    let largest = |one: &Imported| one.shown.iter().fold(0.0, |largest: f64, row| largest.max(row.0));
+    let unnamed = imported.iter().filter(|one| !one.record.units_named.strain).map(largest).fold(0.0, f64::max);
+    if unnamed > MOST_WITHOUT_UNIT {
+        let message = format!("the record names no unit of strain, and its largest strain would be {unnamed}");
+        let error = InputError::new(message).key("--strain-unit");
+        let error = error.allowed(format!("a largest strain of at most {MOST_WITHOUT_UNIT} where no unit is named"));
+        return Err(error.help("name the unit, e.g. --strain-unit %, or in the heading: strain_%").into());
+    }
+    if material.modulus >= LEAST_WITHOUT_UNIT || imported.iter().all(|one| one.record.units_named.stress) {
         return Ok(());
     }
     let message =

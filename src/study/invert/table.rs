@@ -22,8 +22,9 @@ impl Table {
     /// # Errors
     /// A missing file or header, an unknown unit, a cell that is no finite number.
     pub(super) fn read(path: &Path, dimension: impl Fn(usize, &str) -> Dimension) -> Result<Self> {
-        let document = Document::read(path)?;
-        let wide = columns::read_wide(&document)?;
+        let (document, _) = Document::read_record(path)?;
+        let mut wide = columns::table(&document)?;
+        wide.complete(&document)?;
         let Some(header) = &wide.header else {
             return Err(InputError::new(format!("{}: the columns have no names", path.display()))
                 .help("start the file with a line such as time_us,g1,g2")
@@ -33,7 +34,7 @@ impl Table {
             .cells
             .iter()
             .enumerate()
-            .map(|(column, cell)| named(&document, cell, |name| dimension(column, name)))
+            .map(|(column, cell)| named(&document, cell, wide.unit_below(column), |name| dimension(column, name)))
             .collect::<Result<_>>()?;
         let mut columns = vec![Vec::with_capacity(wide.rows.len()); named.len()];
         for row in &wide.rows {
@@ -46,9 +47,12 @@ impl Table {
         Ok(Self { document, names, columns, spans })
     }
 
-    /// The column of the first of these names that there is.
+    /// The column of the first of these names that there is; else the only one whose name ends with such a word, as in "plastic strain".
     pub(super) fn column(&self, names: &[&str]) -> Option<&[f64]> {
-        let found = names.iter().find_map(|name| self.names.iter().position(|own| own == name))?;
+        let found = names.iter().find_map(|name| self.names.iter().position(|own| own == name));
+        let ends_so = |own: &str| names.iter().any(|name| own.rsplit([' ', '_', '-']).next() == Some(*name));
+        let mut ending = (0..self.names.len()).filter(|column| ends_so(&self.names[*column]));
+        let found = found.or_else(|| ending.next().filter(|_| ending.next().is_none()))?;
         Some(&self.columns[found])
     }
 
@@ -68,13 +72,18 @@ impl Table {
 
 const HEADER: &str = "name the columns in the first line, with their units: x_mm,strain_%,time_us";
 
-/// Name in lower case and SI factor of a title such as `time_us`, `Time (us)` or `strain [%]`.
-fn named(document: &Document, cell: &Cell, dimension: impl Fn(&str) -> Dimension) -> Result<(String, f64)> {
+/// Name in lower case and SI factor of a title such as `time_us`, `Time (us)` or `strain [%]`, or of one with its unit below it.
+fn named(
+    document: &Document,
+    cell: &Cell,
+    unit_below: &str,
+    dimension: impl Fn(&str) -> Dimension,
+) -> Result<(String, f64)> {
     let title = cell.text.trim();
     let bracket = title.find(['(', '[']);
     let (name, unit) = match bracket {
         Some(open) => (title[..open].trim(), title[open + 1..].trim_end_matches([')', ']']).trim()),
-        None => (title, ""),
+        None => (title, unit_below),
     };
     let of = |unit: &str, dimension| Quantity::Text(format!("1 {unit}")).si(dimension);
     if !unit.is_empty() {
@@ -122,6 +131,11 @@ mod tests {
         for (value, expected) in row.iter().zip([2e-6, 0.5, 0.1, 1e-3]) {
             assert!((value / expected - 1.0_f64).abs() < 1e-14, "{row:?}");
         }
+        let below = table("exported;2026\nTime;strain\ns;%\n2;10\n4;20\n").expect("it is right");
+        assert_eq!(
+            (below.names, below.columns),
+            (vec!["time".into(), "strain".into()], vec![vec![2.0, 4.0], vec![0.1, 0.2]])
+        );
         for (text, words) in [
             ("1,2\n3,4\n", "have no names"),
             ("time_us,a\n1,x\n", "`x` is not a finite number"),

@@ -14,6 +14,9 @@ use crate::units::{Dimension, Quantity};
 /// Most values of an axis.
 pub(super) const MOST_VALUES: usize = 1_000_000;
 
+/// Keys of random values.
+pub(super) const RANDOM: [&str; 3] = ["uniform", "normal", "choice"];
+
 /// Decimal digits to which computed values are rounded: more than any input has, less than rounding errors reach.
 const DIGITS: usize = 14;
 
@@ -51,6 +54,7 @@ struct RawRange {
     scale: Option<Scale>,
     uniform: Option<[Quantity; 2]>,
     normal: Option<[Quantity; 2]>,
+    choice: Option<Vec<Value>>,
     samples: Option<usize>,
     seed: Option<u64>,
 }
@@ -113,25 +117,37 @@ fn listed(items: &[Value]) -> (Vec<Level>, Dimension) {
 
 impl RawRange {
     fn levels(&self) -> Read<(Vec<Level>, Dimension)> {
-        match (&self.uniform, &self.normal) {
-            (Some(bounds), None) => self.sampled(bounds, |[low, high], rng| low + (high - low) * rng.random::<f64>()),
-            (None, Some(moments)) => {
-                self.sampled(moments, |[mean, deviation], rng| mean + deviation * standard_normal(rng))
+        match (&self.uniform, &self.normal, &self.choice) {
+            (Some(bounds), None, None) if self.scale == Some(Scale::Log) => {
+                self.sampled(bounds, |[low, high], rng| between_logs([low, high], rng.random::<f64>()))
             }
-            (Some(_), Some(_)) => Err("`uniform` and `normal` exclude each other".into()),
-            (None, None) => self.range(),
+            (Some(bounds), None, None) => {
+                self.sampled(bounds, |[low, high], rng| Ok(low + (high - low) * rng.random::<f64>()))
+            }
+            (None, Some(_), None) if self.scale.is_some() => {
+                Err("`scale` belongs to `uniform` and to ranges; `normal` has none".into())
+            }
+            (None, Some(moments), None) => {
+                self.sampled(moments, |[mean, deviation], rng| Ok(mean + deviation * standard_normal(rng)))
+            }
+            (None, None, Some(items)) => self.chosen(items),
+            (None, None, None) => self.range(),
+            _ => Err("`uniform`, `normal` and `choice` exclude each other".into()),
         }
     }
 
     fn range(&self) -> Read<(Vec<Level>, Dimension)> {
         let (Some(from), Some(to)) = (&self.from, &self.to) else {
             return Err(
-                "give `from` and `to`, or `uniform = [lowest, highest]`, or `normal = [mean, standard deviation]`"
+                "give `from` and `to`, or `uniform = [lowest, highest]`, or `normal = [mean, standard deviation]`, or \
+                 `choice = [...]`"
                     .into(),
             );
         };
         if self.samples.is_some() || self.seed.is_some() {
-            return Err("`samples` and `seed` belong to `uniform` and `normal`; a range has `count` or `step`".into());
+            return Err(
+                "`samples` and `seed` belong to `uniform`, `normal` and `choice`; a range has `count` or `step`".into(),
+            );
         }
         let all: Vec<&Quantity> = [from, to].into_iter().chain(&self.step).collect();
         let InUnit { numbers, unit, dimension } = in_one_unit(&all)?;
@@ -153,21 +169,32 @@ impl RawRange {
     fn sampled(
         &self,
         given: &[Quantity; 2],
-        draw: impl Fn([f64; 2], &mut XorShiftRng) -> f64,
+        draw: impl Fn([f64; 2], &mut XorShiftRng) -> Read<f64>,
     ) -> Read<(Vec<Level>, Dimension)> {
-        if self.from.is_some()
-            || self.to.is_some()
-            || self.count.is_some()
-            || self.step.is_some()
-            || self.scale.is_some()
-        {
-            return Err("random samples have `samples` and `seed`, no other keys".into());
-        }
-        let samples = counted(self.samples.ok_or("give `samples`, the number of random values")?)?;
+        let samples = self.samples()?;
         let InUnit { numbers, unit, dimension } = in_one_unit(&given.iter().collect::<Vec<_>>())?;
         let mut rng = XorShiftRng::seed_from_u64(self.seed.unwrap_or(1));
-        let values: Vec<f64> = (0..samples).map(|_| draw([numbers[0], numbers[1]], &mut rng)).collect();
+        let values = (0..samples).map(|_| draw([numbers[0], numbers[1]], &mut rng)).collect::<Read<Vec<f64>>>()?;
         levels(&values, &unit, dimension)
+    }
+
+    /// Items drawn with replacement.
+    fn chosen(&self, items: &[Value]) -> Read<(Vec<Level>, Dimension)> {
+        let samples = self.samples()?;
+        if items.is_empty() || self.scale.is_some() {
+            return Err("`choice` is a list of values, with `samples` and `seed` and no other keys".into());
+        }
+        let (all, dimension) = listed(items);
+        let mut rng = XorShiftRng::seed_from_u64(self.seed.unwrap_or(1));
+        Ok(((0..samples).map(|_| all[rng.random_range(0..all.len())].clone()).collect(), dimension))
+    }
+
+    /// How many random values there are.
+    fn samples(&self) -> Read<usize> {
+        if self.from.is_some() || self.to.is_some() || self.count.is_some() || self.step.is_some() {
+            return Err("random samples have `samples` and `seed`, not the keys of a range".into());
+        }
+        counted(self.samples.ok_or("give `samples`, the number of random values")?)
     }
 }
 
@@ -185,10 +212,15 @@ fn between([from, to]: [f64; 2], i: usize, count: usize, scale: Scale) -> Read<f
     if scale == Scale::Linear {
         return Ok(rounded(from + (to - from) * share));
     }
+    between_logs([from, to], share).map(rounded)
+}
+
+/// The number at a part of the way from one bound to the other, on a logarithmic scale.
+fn between_logs([from, to]: [f64; 2], part: f64) -> Read<f64> {
     if from * to <= 0.0 {
-        return Err("a range with scale = \"log\" needs bounds of one sign, neither of them zero".into());
+        return Err("scale = \"log\" needs bounds of one sign, neither of them zero".into());
     }
-    Ok(rounded(from * (to / from).powf(share)))
+    Ok(from * (to / from).powf(part))
 }
 
 /// Values from one bound in steps towards the other, which is one of them where a whole number of steps leads there.
@@ -280,6 +312,13 @@ mod tests {
         let variance = values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / 3999.0;
         // Four standard errors.
         assert!((mean - 1.0).abs() < 6.4e-4 && (variance.sqrt() / 0.01 - 1.0).abs() < 0.045, "{mean} {variance}");
+        let chosen =
+            axis("{ choice = [\"mild-steel\", \"copper-annealed\"], samples = 100, seed = 2 }").expect("an axis");
+        let steel = chosen.levels.iter().filter(|level| level.typed == "\"mild-steel\"").count();
+        assert!(chosen.levels.len() == 100 && (30..70).contains(&steel), "{steel}");
+        let logs = axis("{ uniform = [\"-1 m/s\", \"-100 m/s\"], scale = \"log\", samples = 400 }").expect("an axis");
+        let below = logs.levels.iter().filter(|level| level.si.expect("a number") > -10.0).count();
+        assert!((150..250).contains(&below), "{below}");
         let uniform = axis("{ uniform = [2, 3], samples = 100 }").expect("an axis");
         assert!(uniform.levels.iter().all(|level| (2.0..3.0).contains(&level.si.expect("a number"))));
     }
@@ -297,6 +336,9 @@ mod tests {
             ("{ from = 1, to = 2, cuont = 3 }", "unknown field `cuont`"),
             ("{ from = 0, to = 1, step = 1e-9 }", "out of range"),
             ("{ uniform = [0, 1] }", "give `samples`"),
+            ("{ uniform = [0, 1], normal = [0, 1], samples = 2 }", "exclude each other"),
+            ("{ uniform = [-1, 1], scale = \"log\", samples = 2 }", "one sign"),
+            ("{ choice = [], samples = 2 }", "a list of values"),
         ] {
             let error = axis(text).expect_err(text);
             assert!(error.contains(words), "{text}: {error}");

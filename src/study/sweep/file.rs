@@ -6,7 +6,7 @@ use serde::Deserialize;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::axis::{Axis, MOST_VALUES};
+use super::axis::{Axis, MOST_VALUES, RANDOM};
 use super::plan::{Combine, Plan};
 use crate::error::{Error, InputError, Result};
 use crate::input::Document;
@@ -136,9 +136,10 @@ fn axes(file: &Document, values: &toml::Table) -> Result<Vec<Axis>> {
         };
         let value = values.get(key).ok_or_else(|| wrong("missing".to_owned()))?;
         // left.value = [...] without quotes is a table in a table.
-        if let Some((inner, _)) =
-            value.as_table().and_then(|table| table.iter().find(|(_, value)| value.is_table() || value.is_array()))
-            && !["uniform", "normal"].contains(&inner.as_str())
+        if !key.contains('.')
+            && let Some((inner, _)) =
+                value.as_table().and_then(|table| table.iter().find(|(_, value)| value.is_table() || value.is_array()))
+            && !RANDOM.contains(&inner.as_str())
         {
             return Err(wrong(format!("the key of an axis stands in quotes: \"{key}.{inner}\" = ...")));
         }

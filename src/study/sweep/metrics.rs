@@ -62,7 +62,11 @@ impl Row {
                 let status = if ruptured { Status::Rupture } else { Status::Done };
                 Ok(Self { case, status, reason: String::new(), metrics: metrics(&summary, asked) })
             }
-            Err(Error::Input(error)) => failed(Status::Refused, error.to_string()),
+            Err(Error::Input(mut error)) => {
+                // A place in the value of an axis says no more than its key.
+                error.place = error.place.filter(|place| !place.file.starts_with("--set"));
+                failed(Status::Refused, error.to_string())
+            }
             Err(error @ (Error::Run(_) | Error::Checks(_))) => failed(Status::Stopped, error.to_string()),
             Err(error @ (Error::File { .. } | Error::Interrupted)) => Err(error),
         }

@@ -11,6 +11,7 @@ use serde_json::Value;
 use super::file::Sweep;
 use super::journal::Journal;
 use super::metrics::{Row, Status};
+use super::plan::Plan;
 use super::shard::Shard;
 use super::table::write_tables;
 use crate::error::{Error, InputError, Result};
@@ -24,6 +25,8 @@ pub struct Finished {
     pub statuses: BTreeMap<&'static str, usize>,
     /// Cases that were run now.
     pub run: usize,
+    /// Metrics of the sweep file that no case has.
+    pub without_values: Vec<String>,
 }
 
 /// Where rows go as cases end, and whether to stop.
@@ -66,21 +69,33 @@ pub fn run(
     if let Some(error) = under.failed.into_inner().unwrap_or_default() {
         return Err(error);
     }
-    let statuses = count_statuses(&rows)?;
-    Ok(Finished { statuses, run: cases.len() })
+    let statuses = count_statuses(sweep, &rows)?;
+    Ok(Finished { statuses, run: cases.len(), without_values: without_values(plan, &rows) })
+}
+
+/// Metrics that no case has.
+fn without_values(plan: &Plan, rows: &[Row]) -> Vec<String> {
+    let is_in = |name: &String, row: &Row| row.metrics.get(name).is_some_and(|value| !value.is_null());
+    plan.metrics.iter().filter(|name| !rows.iter().any(|row| is_in(name, row))).cloned().collect()
 }
 
 /// Cases by how they ended; an error where none was accepted.
-fn count_statuses(rows: &[Row]) -> Result<BTreeMap<&'static str, usize>> {
+fn count_statuses(sweep: &Sweep, rows: &[Row]) -> Result<BTreeMap<&'static str, usize>> {
     let mut statuses = BTreeMap::new();
     for row in rows {
         *statuses.entry(row.status.name()).or_default() += 1;
     }
     match rows.first() {
         Some(first) if statuses.keys().eq([&Status::Refused.name()]) => {
-            let message = format!("every case is refused; the first one: {}", first.reason);
-            let help = "check the keys of the axes and their values with `barwave run SCENE --set KEY=VALUE`";
-            Err(InputError::new(message).help(help).into())
+            let all = |reason: &str| format!("every case is refused; the first one: {reason}");
+            // The error itself says more than its line in the table.
+            Err(match sweep.problem(first.case) {
+                Err(Error::Input(error)) => InputError { message: all(&error.message), ..error }.into(),
+                _ => {
+                    let help = "check the keys of the axes and their values with `barwave run SCENE --set KEY=VALUE`";
+                    InputError::new(all(&first.reason)).help(help).into()
+                }
+            })
         }
         _ => Ok(statuses),
     }

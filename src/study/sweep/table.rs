@@ -29,7 +29,12 @@ fn names(plan: &Plan, rows: &[Row]) -> Vec<String> {
         }
         last = Some(row);
     }
-    all.into_iter().cloned().collect()
+    // A figure that is an object in some rows is null in others.
+    let is_object = |name: &String| {
+        let start = format!("{name}.");
+        all.range::<String, _>(&start..).next().is_some_and(|next| next.starts_with(&start))
+    };
+    all.iter().filter(|name| !is_object(name)).map(|name| (*name).clone()).collect()
 }
 
 /// The metrics of a row in the order of the names; null where it has none.

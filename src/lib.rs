@@ -1,5 +1,27 @@
 //! barwave: one-dimensional elastic-plastic waves in bars.
 //!
+//! A scene is read from a file ([`scene::Scene::read`]) or put together in a program, and run to a result file ([`run::run`]) or into arrays
+//! ([`run::solve`]):
+//!
+//! ```
+//! use barwave::{record::Field, run, scene::Scene};
+//! use std::ops::ControlFlow;
+//!
+//! let scene = Scene::builder()
+//!     .set("bar.length", "1 m")
+//!     .set("bar.material", "copper-annealed")
+//!     .set("left.kind", "velocity")
+//!     .set("left.value", "-60 m/s")
+//!     .set("right.kind", "free")
+//!     .set("solve.until", "200 us")
+//!     .build()?;
+//! let solution = run::solve(&scene, &mut |_| ControlFlow::Continue(()))?;
+//! let stress = solution.last(Field::Stress).expect("a recorded field");
+//! println!("{} samples, at the struck end {:.1} MPa", stress.len(), stress[0] / 1e6);
+//! # assert!(stress[0] > 50e6);
+//! # Ok::<(), barwave::error::Error>(())
+//! ```
+//!
 //! The library is layered: a module imports only from those above it in this list.
 //! Stress is engineering (nominal) stress, tension positive; x is the Lagrangian coordinate from the left
 //! end; velocity is positive in +x; everything inside is SI.

@@ -42,7 +42,7 @@ impl RunRecorder<'_> {
 
     /// Keeps the state of a run, which stands for all that the writer was given so far.
     pub fn keep_checkpoint(&mut self, state: snapshot::Result<Vec<u8>>) -> Result<()> {
-        let (Some(kept), Some(writer)) = (&mut self.checkpoints, &mut self.writer) else { return Ok(()) };
+        let (Some(kept), Some(writer)) = (&mut self.checkpoints, self.writer.writer()) else { return Ok(()) };
         let failed = |e| Error::file(Path::new(&self.output), e);
         kept.latest = Instant::now();
         writer.checkpoint(Checkpoint {

@@ -12,12 +12,15 @@ mod estimate;
 mod geometry;
 mod impact;
 mod limits;
+mod output;
 mod resume;
 mod stepped;
 mod tracked;
 
 pub use impact::{plan_impact, run_impact};
+pub use output::Solution;
 pub use resume::{resume, run_with_checkpoints};
+use std::cell::RefCell;
 use std::ops::ControlFlow;
 
 use std::path::Path;
@@ -25,6 +28,7 @@ use std::time::{Duration, Instant};
 
 use self::checkpoints::Checkpoints;
 use self::chosen::Chosen;
+use self::output::{Kept, Output};
 use crate::assemble;
 use crate::bar::{InitialFan, Segment, initial_fans};
 use crate::error::{Error, Result};
@@ -96,6 +100,39 @@ pub fn run_unaudited(scene: &Scene, progress: &mut dyn FnMut(Progress) -> Contro
     begin(scene, Target { unaudited: scene.auto.is_none(), ..Target::default() }, progress)
 }
 
+/// Simulates a scene as [`run`] does, into memory: fields and histories as arrays, and the summary.
+///
+/// ```
+/// use std::ops::ControlFlow;
+/// use barwave::record::Field;
+/// use barwave::scene::Scene;
+///
+/// let scene = Scene::builder()
+///     .set("bar.length", "1 m")
+///     .set("bar.diameter", 0.02)
+///     .set("bar.material", "copper-annealed")
+///     .set("left.kind", "velocity")
+///     .set("left.value", -30.0)
+///     .set("right.kind", "free")
+///     .set("effects.unloading", "isotropic")
+///     .set("solve.until", 2e-4)
+///     .build()?;
+/// let solution = barwave::run::solve(&scene, &mut |_| ControlFlow::Continue(()))?;
+/// let stress = solution.field(Field::Stress).expect("recorded unless `fields` leaves it out");
+/// assert_eq!(stress.dim(), (solution.time.len(), solution.x.len()));
+/// // Copper yields at 30 m/s, and the plastic wave is slow.
+/// assert!(solution.summary.left.strain > 0.005);
+/// # Ok::<(), barwave::error::Error>(())
+/// ```
+///
+/// # Errors
+/// As for [`run`], but for the file.
+pub fn solve(scene: &Scene, progress: &mut dyn FnMut(Progress) -> ControlFlow<()>) -> Result<Solution> {
+    let kept = RefCell::default();
+    let summary = begin(scene, Target { kept: Some(&kept), ..Target::default() }, progress)?;
+    Ok(kept.into_inner().solution(summary))
+}
+
 /// A run of a scene whose effects or method may be open.
 fn begin(scene: &Scene, target: Target<'_>, progress: &mut dyn FnMut(Progress) -> ControlFlow<()>) -> Result<Summary> {
     if scene.auto.is_some() { auto::run(scene, target, progress) } else { accurate(scene, target, progress) }
@@ -119,6 +156,8 @@ fn accurate(
 struct Target<'a> {
     /// The result file; none: nothing is written.
     path: Option<&'a Path>,
+    /// What the last run gives in memory, where it is asked for.
+    kept: Option<&'a RefCell<Kept>>,
     /// Wall time between two checkpoints, where there are any.
     every: Option<Duration>,
     /// Where the run of that file was.
@@ -130,6 +169,11 @@ struct Target<'a> {
 }
 
 impl Target<'_> {
+    /// Somebody reads the frames.
+    fn takes_frames(&self) -> bool {
+        self.path.is_some() || self.kept.is_some()
+    }
+
     /// That of a run after this one, with the effects that this one has.
     fn anew(&self) -> Self {
         let chosen = Chosen { effects: self.chosen.effects.clone(), attempt: None };
@@ -228,7 +272,8 @@ struct RunRecorder<'a> {
     scene: &'a Scene,
     initial_fans: Vec<InitialFan>,
     critical: Option<f64>,
-    writer: Option<Writer>,
+    writer: Output,
+    kept: Option<&'a RefCell<Kept>>,
     output: String,
     started: Instant,
     /// What the histories came to so far.
@@ -278,19 +323,24 @@ impl RunResults {
 
 impl<'a> RunRecorder<'a> {
     /// Opens the recorder, and the result file where one is asked for, or the one that is continued; `x` are the samples of the fields, m.
-    fn open(scene: &'a Scene, target: &Target<'_>, x: Vec<f64>, sampling: &str, started: Instant) -> Result<Self> {
+    fn open(scene: &'a Scene, target: &Target<'a>, x: Vec<f64>, sampling: &str, started: Instant) -> Result<Self> {
         let initial_fans = initial_fans(&scene.bar, &scene.left, &scene.right);
         let critical = critical_velocity(scene, &initial_fans);
         let (output, layout) = (target.path, layout(scene, x, sampling));
-        let writer = output.map(|path| match &target.checkpoint {
-            Some(checkpoint) => Writer::resume(path, &layout, checkpoint),
-            None => create_file(scene, path, &layout, critical),
-        });
-        let writer = writer.transpose()?;
+        let writer = match (output, &target.checkpoint) {
+            (Some(path), Some(checkpoint)) => Output::File(Writer::resume(path, &layout, checkpoint)?),
+            (Some(path), None) => Output::File(create_file(scene, path, &layout, critical)?),
+            (None, _) if target.kept.is_some() => {
+                let names = layout.gauges.iter().map(|gauge| gauge.0.clone());
+                Output::Memory(Box::new(Kept::new(layout.x, layout.fields, names)))
+            }
+            (None, _) => Output::None,
+        };
         let output = output.map(|p| p.display().to_string()).unwrap_or_default();
         let checkpoints = Checkpoints::of(target, scene);
         let tally = Tally::new(&asked(scene).bar, scene.record.gauges.len());
-        Ok(Self { scene, initial_fans, critical, writer, output, started, tally, stepping: 0.0, checkpoints })
+        let kept = target.kept;
+        Ok(Self { scene, initial_fans, critical, writer, kept, output, started, tally, stepping: 0.0, checkpoints })
     }
 
     /// The account of a bar at t = 0.
@@ -301,8 +351,7 @@ impl<'a> RunRecorder<'a> {
     /// Writes what histories have gathered: gauges in order, and both ends. Those beside joints follow the gauges and are not written.
     fn write_traces(&mut self, gauges: Vec<Trace>, ends: [Trace; 2]) -> Result<()> {
         self.tally.hear(&gauges, &ends);
-        let Some(writer) = &mut self.writer else { return Ok(()) };
-        let [left, right] = ends;
+        let (writer, [left, right]) = (&mut self.writer, ends);
         for (k, trace) in
             gauges.into_iter().take(self.tally.gauges()).enumerate().filter(|(_, trace)| !trace.time.is_empty())
         {
@@ -359,7 +408,8 @@ impl<'a> RunRecorder<'a> {
             Err(_) => return Err(ended.err().unwrap_or(Error::Interrupted)),
         };
         let read_off = figures(self.scene, &self.tally, &results);
-        if let Some(writer) = self.writer.take() {
+        let writer = std::mem::replace(&mut self.writer, Output::None);
+        if let Output::File(writer) = writer {
             let figures = Finish {
                 wall_seconds: self.started.elapsed().as_secs_f64(),
                 step_wall_seconds: self.stepping,
@@ -374,6 +424,8 @@ impl<'a> RunRecorder<'a> {
                 figures: read_off.clone(),
             };
             writer.finish(outcome, &results.fronts, &results.audit, figures)?;
+        } else if let (Output::Memory(arrays), Some(kept)) = (writer, self.kept) {
+            kept.replace(*arrays);
         }
         ended?;
         Ok(self.summary(outcome, results, read_off))

@@ -191,8 +191,7 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
     /// Records all frames that are due, with pauses: there can be millions of them in one step.
     fn take_frames(&mut self) -> Result<()> {
         loop {
-            let mut writer = self.recorder.writer.as_mut();
-            let keep = |frame| writer.as_mut().map_or(Ok(()), |writer| writer.frame(frame));
+            let keep = |frame| self.recorder.writer.frame(frame);
             let more = self.frames.take(&self.bar, FRAMES_AT_ONCE, keep)?;
             if self.latest_call.elapsed() > BETWEEN_CALLS {
                 self.pause()?;
@@ -232,7 +231,7 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
         let last = step == self.steps;
         if self.frames.is_due(&self.bar) || last {
             let row = self.ledger.row(&self.bar);
-            self.recorder.writer.as_mut().map_or(Ok(()), |writer| writer.ledger(row))?;
+            self.recorder.writer.ledger(row)?;
         }
         if last || step.is_multiple_of((self.steps / FRONT_SIGHTINGS).max(1)) {
             self.tracker.observe(&self.bar);

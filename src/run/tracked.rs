@@ -130,7 +130,7 @@ impl<'a> Run<'a> {
         let before = Instant::now();
         let bar = assemble::front_tracking(scene, settings);
         let stepping = before.elapsed().as_secs_f64();
-        let samples = target.path.map_or(0, |_| scene.record.cells.unwrap_or(SAMPLES));
+        let samples = if target.takes_frames() { scene.record.cells.unwrap_or(SAMPLES) } else { 0 };
         let x = even_places(scene.bar.length(), samples);
         let mut recorder = RunRecorder::open(scene, target, x.clone(), SAMPLING, started)?;
         recorder.stepping = stepping;
@@ -183,23 +183,20 @@ impl<'a> Run<'a> {
     }
 
     fn write_paths(&mut self, front_segments: impl Iterator<Item = FrontSegment>) -> Result<()> {
-        match &mut self.recorder.writer {
-            Some(writer) if self.recorder.scene.record.paths => {
-                let rows = self.paths.rows(front_segments);
-                if rows.is_empty() { Ok(()) } else { writer.paths(rows) }
-            }
-            _ => Ok(()),
+        if !self.recorder.scene.record.paths || !self.recorder.writer.takes_frames() {
+            return Ok(());
         }
+        self.recorder.writer.paths(self.paths.rows(front_segments))
     }
 
     fn frame(&mut self, time: f64) -> Result<()> {
         self.write_traces()?;
         self.write_ledger()?;
         self.breaks.look_for_gathering_strain(self.recorder.scene, &self.bar);
-        if let Some(writer) = &mut self.recorder.writer {
+        if self.recorder.writer.takes_frames() {
             let (fields, twisted) = (&self.recorder.scene.record.fields, self.twisted.as_ref());
             let frame = record::read_frame(&self.bar, fields, &self.x, self.x.len(), twisted);
-            writer.frame(record::Frame { time, ..frame })?;
+            self.recorder.writer.frame(record::Frame { time, ..frame })?;
         }
         Ok(())
     }
@@ -213,7 +210,7 @@ impl<'a> Run<'a> {
 
     fn write_ledger(&mut self) -> Result<()> {
         let row = self.ledger.row(&self.bar);
-        self.recorder.writer.as_mut().map_or(Ok(()), |writer| writer.ledger(row))
+        self.recorder.writer.ledger(row)
     }
 
     /// The audit has nothing to see in a bar that is elastic.

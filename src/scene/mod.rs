@@ -1,6 +1,7 @@
 //! A scene: what the user typed (`raw`), what it means (`check`), as plain data in SI (here).
 
 mod auto;
+mod builder;
 mod changes;
 mod check;
 mod damping;
@@ -26,6 +27,7 @@ use crate::record::{Compression, Field, Precision, SolvedBy};
 use crate::text_file::{self, NamedFiles};
 
 pub use auto::Auto;
+pub use builder::SceneBuilder;
 pub use damping::Damping;
 pub use discretized::{MOST_PIECES, TaperDiscretization};
 pub use effects::{Effects, Heat, Rate, Rupture, Unloading};
@@ -349,6 +351,11 @@ impl Scene {
         let mut scene = Self::from_document(document, &folder(path), overrides)?;
         scene.path = Some(path.to_owned());
         Ok(scene)
+    }
+
+    /// A scene put together key by key.
+    pub fn builder() -> SceneBuilder {
+        SceneBuilder::default()
     }
 
     /// Checks a scene from text in memory. `name` stands for the file in messages; paths in the scene are

@@ -66,6 +66,7 @@ mod same_bits;
 mod scene_errors;
 mod seven_results;
 mod similarity;
+mod solution;
 mod split_hopkinson;
 mod store;
 mod sweep;

@@ -1,0 +1,156 @@
+//! Where the frames and histories of a run go: to a result file, into memory, or nowhere.
+
+use std::collections::BTreeMap;
+
+use ndarray::{Array1, Array2, ArrayView1};
+
+use crate::error::Result;
+use crate::record::store::{Side, Writer};
+use crate::record::{Field, Frame, LedgerRow, PathRow, Summary, Trace};
+
+/// What a run gives in memory: the contents of a result file as arrays.
+#[derive(Debug)]
+pub struct Solution {
+    /// What a run says of itself at its end.
+    pub summary: Summary,
+    /// Samples of the fields along the bar, m: of shape (`n_x`).
+    pub x: Array1<f64>,
+    /// Times of the frames, s: of shape (`n_t`).
+    pub time: Array1<f64>,
+    /// Recorded fields of shape (`n_t`, `n_x`), in SI units; stress in Pa, tension positive. Those of `fields` under [record].
+    pub fields: Vec<(Field, Array2<f64>)>,
+    /// Histories at the gauges by their names, every step of a grid or every change by front tracking.
+    pub gauges: BTreeMap<String, Trace>,
+    /// Likewise at the left and the right end.
+    pub ends: [Trace; 2],
+    /// Energies and momentum, a row a frame.
+    pub ledger: Vec<LedgerRow>,
+}
+
+impl Solution {
+    /// A recorded field of shape (`n_t`, `n_x`); none where it was not recorded.
+    pub fn field(&self, field: Field) -> Option<&Array2<f64>> {
+        self.fields.iter().find(|(recorded, _)| *recorded == field).map(|(_, values)| values)
+    }
+
+    /// The last frame of a recorded field, of shape (`n_x`).
+    pub fn last(&self, field: Field) -> Option<ArrayView1<'_, f64>> {
+        let values = self.field(field)?;
+        values.rows().into_iter().next_back()
+    }
+}
+
+/// What a run has handed over, in memory.
+#[derive(Debug, Default)]
+pub(super) struct Kept {
+    x: Vec<f64>,
+    time: Vec<f64>,
+    fields: Vec<Field>,
+    rows: Vec<Vec<f64>>,
+    gauges: Vec<(String, Trace)>,
+    ends: [Trace; 2],
+    ledger: Vec<LedgerRow>,
+}
+
+impl Kept {
+    pub fn new(x: Vec<f64>, fields: Vec<Field>, gauges: impl Iterator<Item = String>) -> Self {
+        let rows = vec![Vec::new(); fields.len()];
+        Self { x, fields, rows, gauges: gauges.map(|name| (name, Trace::default())).collect(), ..Self::default() }
+    }
+
+    pub fn solution(self, summary: Summary) -> Solution {
+        let shape = (self.time.len(), self.x.len());
+        let field = |values: Vec<f64>| Array2::from_shape_vec(shape, values).unwrap_or_else(|_| Array2::zeros((0, 0)));
+        Solution {
+            summary,
+            fields: self.fields.into_iter().zip(self.rows.into_iter().map(field)).collect(),
+            x: self.x.into(),
+            time: self.time.into(),
+            gauges: self.gauges.into_iter().collect(),
+            ends: self.ends,
+            ledger: self.ledger,
+        }
+    }
+}
+
+/// Where a run writes to.
+#[derive(Debug)]
+pub(super) enum Output {
+    /// Nobody reads it.
+    None,
+    File(Writer),
+    Memory(Box<Kept>),
+}
+
+impl Output {
+    /// Frames are wanted.
+    pub fn takes_frames(&self) -> bool {
+        !matches!(self, Self::None)
+    }
+
+    pub fn frame(&mut self, frame: Frame) -> Result<()> {
+        match self {
+            Self::None => Ok(()),
+            Self::File(writer) => writer.frame(frame),
+            Self::Memory(kept) => {
+                kept.time.push(frame.time);
+                for (rows, row) in kept.rows.iter_mut().zip(frame.rows) {
+                    rows.extend(row);
+                }
+                Ok(())
+            }
+        }
+    }
+
+    pub fn gauge(&mut self, index: usize, trace: Trace) -> Result<()> {
+        match self {
+            Self::None => Ok(()),
+            Self::File(writer) => writer.gauge(index, trace),
+            Self::Memory(kept) => {
+                append(&mut kept.gauges[index].1, trace);
+                Ok(())
+            }
+        }
+    }
+
+    pub fn end(&mut self, side: Side, trace: Trace) -> Result<()> {
+        match self {
+            Self::None => Ok(()),
+            Self::File(writer) => writer.end(side, trace),
+            Self::Memory(kept) => {
+                append(&mut kept.ends[side as usize], trace);
+                Ok(())
+            }
+        }
+    }
+
+    pub fn ledger(&mut self, row: LedgerRow) -> Result<()> {
+        match self {
+            Self::None => Ok(()),
+            Self::File(writer) => writer.ledger(row),
+            Self::Memory(kept) => {
+                kept.ledger.push(row);
+                Ok(())
+            }
+        }
+    }
+
+    /// Ways of fronts; only files keep them.
+    pub fn paths(&mut self, rows: Vec<PathRow>) -> Result<()> {
+        match self {
+            Self::File(writer) if !rows.is_empty() => writer.paths(rows),
+            _ => Ok(()),
+        }
+    }
+
+    /// The file, where there is one.
+    pub fn writer(&mut self) -> Option<&mut Writer> {
+        if let Self::File(writer) = self { Some(writer) } else { None }
+    }
+}
+
+fn append(to: &mut Trace, mut trace: Trace) {
+    for (to, column) in to.columns_mut().into_iter().zip(trace.columns_mut()) {
+        to.append(column);
+    }
+}

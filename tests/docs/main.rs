@@ -4,7 +4,7 @@
 //! `tests/python/test_docs.py`.
 
 mod console;
-#[path = "../../examples/critical_velocity.rs"]
+#[path = "../../examples/copper_bar.rs"]
 mod example;
 mod links;
 mod page;

@@ -68,6 +68,7 @@ fn profiles(files: &[ResultFile], names: &[String], all: &[Difference], field: F
         let points = file.x()?.into_iter().zip(values.row(0)).map(|(x, v)| (x, v * unit.factor)).collect();
         series.push(Series::line(&names[i], points, stroke(i)));
     }
+    zoom(&mut series);
     let heading = format!(
         "{} where it differs most: at {:.4} m, {:.2} \u{b5}s",
         field_name(field),
@@ -75,6 +76,26 @@ fn profiles(files: &[ResultFile], names: &[String], all: &[Difference], field: F
         1e6 * largest.time_s
     );
     Ok(Some(Panel { heading, axes: ["position x (m)".into(), label], series }))
+}
+
+/// Part of the largest value below which there is nothing to see.
+const UNSEEN: f64 = 1e-3;
+
+/// Keeps the part of the bar in which there is something to see, where that is less than half of it.
+fn zoom(series: &mut [Series]) {
+    let points = || series.iter().flat_map(|one| &one.points);
+    let largest = points().fold(0.0_f64, |largest, point| largest.max(point.1.abs()));
+    let span = |seen: f64| {
+        let within = points().filter(|point| point.1.abs() >= seen * largest);
+        within.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], point| [low.min(point.0), high.max(point.0)])
+    };
+    let ([low, high], [start, end]) = (span(UNSEEN), span(0.0));
+    if high - low < 0.5 * (end - start) {
+        let margin = 0.5 * (high - low).max(0.02 * (end - start));
+        for one in series {
+            one.points.retain(|point| (low - margin..=high + margin).contains(&point.0));
+        }
+    }
 }
 
 fn difference_in_time(names: &[String], all: &[Difference], field: Field) -> Panel {
@@ -111,6 +132,10 @@ fn histories(files: &[ResultFile], names: &[String]) -> Result<Vec<Panel>> {
     }
     for side in [Side::Left, Side::Right] {
         let traces = files.iter().map(|file| file.end(side)).collect::<Result<Vec<_>>>()?;
+        // A free end has no stress to show.
+        if traces.iter().all(|trace| trace.stress.iter().all(|stress| *stress == 0.0)) {
+            continue;
+        }
         let series = traces.iter().enumerate().map(|(i, trace)| line(i, trace)).collect();
         panels.push(panel(format!("stress at the {} end", side.name()), series));
     }

@@ -1,34 +1,16 @@
 //! The picture of a comparison of result files.
 
-use super::axes::{Axis, Series, line_panel};
+use super::axes::Series;
 use super::display::{Unit, Units, field_name};
-use super::plot::{COLOURS, colour};
-use super::svg::{Anchor, Area, Stroke, Svg};
+use super::grid::{Panel, draw, stroke};
 use super::view::nearest;
 use crate::error::Result;
 use crate::record::store::{ResultFile, Side};
 use crate::record::{Field, Trace};
 use crate::study::compare_results::Difference;
 
-const WIDTH: f64 = 1240.0;
-const HEIGHT: f64 = 340.0;
-const MARGIN: f64 = 16.0;
-
 /// Most gauges that get a panel.
 const GAUGES: usize = 6;
-
-const DASHES: [&str; 4] = ["", "7 3", "2 3", "9 3 2 3"];
-
-fn stroke(i: usize) -> Stroke {
-    Stroke::new(colour(i), 1.6).dashed(DASHES[(i / COLOURS.len()) % DASHES.len()])
-}
-
-/// A panel and its title.
-struct Panel {
-    heading: String,
-    axes: [String; 2],
-    series: Vec<Series>,
-}
 
 /// Profiles of a field where it differs most, its difference against time, and the histories at gauges and ends. SVG text.
 ///
@@ -43,7 +25,7 @@ pub fn figure(files: &[ResultFile], differences: &[Difference], field: Option<Fi
         panels.push(difference_in_time(&names, differences, field));
     }
     panels.extend(histories(files, &names)?);
-    Ok(draw(&panels))
+    Ok(draw("Results side by side", &panels))
 }
 
 fn name(file: &ResultFile) -> String {
@@ -140,25 +122,4 @@ fn histories(files: &[ResultFile], names: &[String]) -> Result<Vec<Panel>> {
         panels.push(panel(format!("stress at the {} end", side.name()), series));
     }
     Ok(panels)
-}
-
-fn draw(panels: &[Panel]) -> String {
-    let mut svg = Svg::default();
-    let width = (WIDTH - 3.0 * MARGIN) / 2.0;
-    svg.bold((MARGIN, 26.0), 18.0, Anchor::Start, "Results side by side");
-    for (k, panel) in panels.iter().enumerate() {
-        let area = Area {
-            x: MARGIN + (width + MARGIN) * (k % 2) as f64,
-            y: 40.0 + (HEIGHT + MARGIN) * (k / 2) as f64,
-            width,
-            height: HEIGHT,
-        };
-        let all = || panel.series.iter().flat_map(|s| &s.points).filter(|p| p.0.is_finite() && p.1.is_finite());
-        let [x, y] = &panel.axes;
-        let x = Axis::around(x.as_str(), all().map(|p| p.0).chain([0.0]));
-        let y = Axis::around(y.as_str(), all().map(|p| p.1).chain([0.0]));
-        let letter = char::from(b'a' + k as u8);
-        line_panel(&mut svg, area, &format!("({letter})  {}", panel.heading), x, y, &panel.series);
-    }
-    svg.document(WIDTH, 40.0 + (HEIGHT + MARGIN) * panels.len().div_ceil(2) as f64)
 }

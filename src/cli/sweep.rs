@@ -7,13 +7,15 @@ use std::path::{Path, PathBuf};
 use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 
 use super::{interrupt, output};
+use crate::destination;
 use crate::error::{Error, InputError, Result};
+use crate::report::{self, plot};
 use crate::study::sweep::{self, Finished, Row, Shard, Sweep};
 
 /// Options of `barwave sweep`.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Examples:\n  barwave sweep speeds.toml -o speeds\n  barwave sweep speeds.toml -o speeds --resume\n  \
+    after_help = "Examples:\n  barwave sweep speeds.toml -o speeds --plot speeds.svg\n  barwave sweep speeds.toml -o speeds --resume\n  \
                         barwave sweep speeds.toml -o speeds --shard 2/4    # then: barwave merge speeds -o speeds.h5"
 )]
 pub(crate) struct Args {
@@ -27,6 +29,9 @@ pub(crate) struct Args {
     /// all cases].
     #[arg(long, value_name = "I/N")]
     shard: Option<Shard>,
+    /// Figure of the metrics against the longest axis (.svg, .png, .html); of the usual ones where the sweep file names none.
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
     /// Continue a sweep that was stopped or killed: run only the cases that have no row yet.
     #[arg(long)]
     resume: bool,
@@ -40,6 +45,13 @@ pub(crate) struct Args {
 
 pub(crate) fn run(args: &Args) -> Result<()> {
     let sweep = Sweep::read(&args.sweep)?;
+    if let Some(path) = &args.plot {
+        plot::Format::of(path).map_err(|error| match error {
+            Error::Input(error) => error.key("--plot").into(),
+            other => other,
+        })?;
+        destination::resolve(path)?;
+    }
     let silent = args.quiet || args.json;
     let shard = args.shard.map_or_else(|| shard_of_environment(silent), Ok)?;
     let folder = args.output.clone().unwrap_or_else(|| Path::new("runs/out").join(&sweep.name));
@@ -63,12 +75,25 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let finished = sweep::run(&sweep, &folder, shard, args.resume, &on_row, &interrupt::flag());
     bar.finish_and_clear();
     let finished = finished.inspect_err(|error| explain_interruption(error, &folder))?;
+    if let Some(path) = &args.plot {
+        draw(path, &sweep, &folder)?;
+    }
     for name in &finished.without_values {
         output::note(&format!(
             "warning: no case has the metric `{name}`; the names are those of `barwave run --json`\n"
         ));
     }
     if silent { Ok(()) } else { output::text(&summary(&finished, &folder, bar.elapsed().as_secs_f64())) }
+}
+
+/// The figure of all rows in the folder.
+fn draw(path: &Path, sweep: &Sweep, folder: &Path) -> Result<()> {
+    let figure = report::sweep::figure(&sweep.plan, &sweep::rows(folder)?).ok_or_else(|| {
+        InputError::new("there is nothing to draw: no metric has a number in two cases along an axis of numbers")
+            .key("--plot")
+            .help("name metrics that are numbers under [sweep], and give an axis of numbers")
+    })?;
+    plot::save(path, &sweep.plan.title, &figure)
 }
 
 /// Where the rows are of a sweep that was asked to stop.

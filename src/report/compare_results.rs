@@ -1,34 +1,16 @@
 //! The picture of a comparison of result files.
 
-use super::axes::{Axis, Series, line_panel};
+use super::axes::Series;
 use super::display::{Unit, Units, field_name};
-use super::plot::{COLOURS, colour};
-use super::svg::{Anchor, Area, Stroke, Svg};
+use super::grid::{Panel, draw, stroke};
 use super::view::nearest;
 use crate::error::Result;
 use crate::record::store::{ResultFile, Side};
 use crate::record::{Field, Trace};
 use crate::study::compare_results::Difference;
 
-const WIDTH: f64 = 1240.0;
-const HEIGHT: f64 = 340.0;
-const MARGIN: f64 = 16.0;
-
 /// Most gauges that get a panel.
 const GAUGES: usize = 6;
-
-const DASHES: [&str; 4] = ["", "7 3", "2 3", "9 3 2 3"];
-
-fn stroke(i: usize) -> Stroke {
-    Stroke::new(colour(i), 1.6).dashed(DASHES[(i / COLOURS.len()) % DASHES.len()])
-}
-
-/// A panel and its title.
-struct Panel {
-    heading: String,
-    axes: [String; 2],
-    series: Vec<Series>,
-}
 
 /// Profiles of a field where it differs most, its difference against time, and the histories at gauges and ends. SVG text.
 ///
@@ -43,7 +25,7 @@ pub fn figure(files: &[ResultFile], differences: &[Difference], field: Option<Fi
         panels.push(difference_in_time(&names, differences, field));
     }
     panels.extend(histories(files, &names)?);
-    Ok(draw(&panels))
+    Ok(draw("Results side by side", &panels))
 }
 
 fn name(file: &ResultFile) -> String {
@@ -68,6 +50,7 @@ fn profiles(files: &[ResultFile], names: &[String], all: &[Difference], field: F
         let points = file.x()?.into_iter().zip(values.row(0)).map(|(x, v)| (x, v * unit.factor)).collect();
         series.push(Series::line(&names[i], points, stroke(i)));
     }
+    zoom(&mut series);
     let heading = format!(
         "{} where it differs most: at {:.4} m, {:.2} \u{b5}s",
         field_name(field),
@@ -75,6 +58,26 @@ fn profiles(files: &[ResultFile], names: &[String], all: &[Difference], field: F
         1e6 * largest.time_s
     );
     Ok(Some(Panel { heading, axes: ["position x (m)".into(), label], series }))
+}
+
+/// Part of the largest value below which there is nothing to see.
+const UNSEEN: f64 = 1e-3;
+
+/// Keeps the part of the bar in which there is something to see, where that is less than half of it.
+fn zoom(series: &mut [Series]) {
+    let points = || series.iter().flat_map(|one| &one.points);
+    let largest = points().fold(0.0_f64, |largest, point| largest.max(point.1.abs()));
+    let span = |seen: f64| {
+        let within = points().filter(|point| point.1.abs() >= seen * largest);
+        within.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], point| [low.min(point.0), high.max(point.0)])
+    };
+    let ([low, high], [start, end]) = (span(UNSEEN), span(0.0));
+    if high - low < 0.5 * (end - start) {
+        let margin = 0.5 * (high - low).max(0.02 * (end - start));
+        for one in series {
+            one.points.retain(|point| (low - margin..=high + margin).contains(&point.0));
+        }
+    }
 }
 
 fn difference_in_time(names: &[String], all: &[Difference], field: Field) -> Panel {
@@ -111,29 +114,12 @@ fn histories(files: &[ResultFile], names: &[String]) -> Result<Vec<Panel>> {
     }
     for side in [Side::Left, Side::Right] {
         let traces = files.iter().map(|file| file.end(side)).collect::<Result<Vec<_>>>()?;
+        // A free end has no stress to show.
+        if traces.iter().all(|trace| trace.stress.iter().all(|stress| *stress == 0.0)) {
+            continue;
+        }
         let series = traces.iter().enumerate().map(|(i, trace)| line(i, trace)).collect();
         panels.push(panel(format!("stress at the {} end", side.name()), series));
     }
     Ok(panels)
-}
-
-fn draw(panels: &[Panel]) -> String {
-    let mut svg = Svg::default();
-    let width = (WIDTH - 3.0 * MARGIN) / 2.0;
-    svg.bold((MARGIN, 26.0), 18.0, Anchor::Start, "Results side by side");
-    for (k, panel) in panels.iter().enumerate() {
-        let area = Area {
-            x: MARGIN + (width + MARGIN) * (k % 2) as f64,
-            y: 40.0 + (HEIGHT + MARGIN) * (k / 2) as f64,
-            width,
-            height: HEIGHT,
-        };
-        let all = || panel.series.iter().flat_map(|s| &s.points).filter(|p| p.0.is_finite() && p.1.is_finite());
-        let [x, y] = &panel.axes;
-        let x = Axis::around(x.as_str(), all().map(|p| p.0).chain([0.0]));
-        let y = Axis::around(y.as_str(), all().map(|p| p.1).chain([0.0]));
-        let letter = char::from(b'a' + k as u8);
-        line_panel(&mut svg, area, &format!("({letter})  {}", panel.heading), x, y, &panel.series);
-    }
-    svg.document(WIDTH, 40.0 + (HEIGHT + MARGIN) * panels.len().div_ceil(2) as f64)
 }

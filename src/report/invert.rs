@@ -1,7 +1,7 @@
 //! Pictures of inverted curves.
 
 use super::axes::{Axis, Series};
-use super::lines::{area, document, panel};
+use super::grid::{area, document, panel};
 use super::plot::colour;
 use super::svg::Stroke;
 use crate::material::Curve;

@@ -81,7 +81,8 @@ fn series(tests: &[Drawn<'_>], mean: Option<(&[(f64, f64)], &Scatter)>) -> Vec<S
             });
             shown(&rows.collect::<Vec<_>>())
         };
-        series.push(Series::line("mean", shown(rows), Stroke::new("#000000", 2.2)));
+        let from_zero: Vec<_> = std::iter::once((0.0, 0.0)).chain(rows.iter().copied()).collect();
+        series.push(Series::line("mean", shown(&from_zero), Stroke::new("#000000", 2.2)));
         series.push(Series::line(
             "mean \u{b1} standard deviation",
             band(1.0),

@@ -37,8 +37,9 @@ use crate::material::Sense;
 use crate::record::store::{Checkpoint, Finish, Header, Layout, Side, Writer};
 use crate::record::{
     self, Account, AuditRow, AutoChoice, Case, ContactReading, ElasticCheck, EndSummary, ErrorFigure, Figures,
-    FrontRow, FrontSummary, Ledger, LedgerSummary, LengthSummary, MaterialRecord, Off, Records, RuptureSummary,
-    SegmentEnd, Stepped, Summary, Tally, TorsionSummary, Trace, TrackingSummary, Twisted, View, above_critical,
+    FrontRow, FrontSummary, Ledger, LedgerSummary, LengthSummary, MaterialRecord, Off, Records, ResidualProfile,
+    RuptureSummary, SegmentEnd, Stepped, Summary, Tally, TorsionSummary, Trace, TrackingSummary, Twisted, View,
+    above_critical,
 };
 use crate::scene::{Effects, Scene, Torsion};
 use crate::snapshot::Snapshot;
@@ -307,6 +308,7 @@ struct RunResults {
     temperature_rise: Option<f64>,
     /// The simulated segments.
     segments: Vec<SegmentEnd>,
+    residual_profile: ResidualProfile,
     account: Account,
     contacts: Vec<ContactReading>,
     /// Side on which the histories beside joints see them: 0 left, 1 right.
@@ -517,6 +519,7 @@ fn figures(scene: &Scene, tally: &Tally, results: &RunResults) -> Figures {
     let scene = (scene, asked(scene));
     let segments = &scene.1.bar.segments;
     let side = results.joint_side;
+    let residual_profile = results.residual_profile.means();
     Records {
         bar: &scene.1.bar,
         ends: [&scene.1.left, &scene.1.right],
@@ -524,6 +527,7 @@ fn figures(scene: &Scene, tally: &Tally, results: &RunResults) -> Figures {
         gauges: scene.1.record.gauges.iter().map(|gauge| gauge.0.as_str()).collect(),
         tally,
         joint_areas: segments[side..].iter().take(segments.len() - 1).map(|s| s.end_areas()[1 - side]).collect(),
+        residual_profile: &residual_profile,
         segments: original_segments(scene.0, &results.segments),
         account: results.account,
         contacts: results.contacts.clone(),

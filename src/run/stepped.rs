@@ -14,7 +14,7 @@ use crate::bar::Segment;
 use crate::error::{Error, Result, RunError};
 use crate::record::{
     self, Audit, AuditRow, ElasticProbe, EndState, EndSummary, ErrorFigure, Extreme, Frames, FrontTracker, Ledger,
-    LedgerSummary, SegmentEnd, Stepped, Summary, Traces,
+    LedgerSummary, ResidualProfile, SegmentEnd, Stepped, Summary, Traces,
 };
 use crate::scene::Rate;
 use crate::simulate::{Simulation, Stretch, simulate};
@@ -326,6 +326,7 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
             ruptures: self.recorder.ruptures(&self.bar),
             temperature_rise: self.temperature_rise(),
             segments: self.segments(),
+            residual_profile: self.residual_profile(),
             account: self.bar.account(),
             contacts: self.bar.contacts(),
             joint_side: 0,
@@ -363,6 +364,17 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
             record::largest_rise(&segment.material, temperatures)
         });
         rises.reduce(f64::max)
+    }
+
+    fn residual_profile(&self) -> ResidualProfile {
+        let mut profile = ResidualProfile::new(self.recorder.scene.bar.length());
+        for part in &self.bar.grid().segments {
+            for cell in part.cells.clone() {
+                let sides = [-0.5, 0.5].map(|half| self.centres[cell] + half * part.dx);
+                profile.add(sides, self.bar.value(Quantity::PlasticStrain, cell));
+            }
+        }
+        profile
     }
 
     /// The segments now. A pass over all cells.

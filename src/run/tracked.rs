@@ -13,7 +13,7 @@ use crate::assemble;
 use crate::error::{Error, Result, RunError};
 use crate::record::{
     self, Audit, AuditRow, ElasticProbe, EndHistories, EndSummary, ErrorFigure, Extreme, Field, Ledger, LedgerSummary,
-    Paths, SegmentEnd, StepGauges, Summary, TrackedFronts, TrackingSummary, Twisted, View,
+    Paths, ResidualProfile, SegmentEnd, StepGauges, Summary, TrackedFronts, TrackingSummary, Twisted, View,
 };
 use crate::scene::Scene;
 use crate::simulate::{Simulation, Stretch, simulate};
@@ -313,6 +313,7 @@ impl<'a> Run<'a> {
             ruptures: self.recorder.ruptures(&self.bar),
             temperature_rise: self.temperature_rise(),
             segments: self.segments(),
+            residual_profile: self.residual_profile(),
             account: self.bar.account(),
             contacts: View::contacts(&self.bar),
             joint_side: 1,
@@ -358,6 +359,14 @@ impl<'a> Run<'a> {
             record::largest_rise(&segment.material, pieces.map(|p| self.bar.temperature(k, p.point)))
         });
         rises.reduce(f64::max)
+    }
+
+    fn residual_profile(&self) -> ResidualProfile {
+        let mut profile = ResidualProfile::new(self.recorder.scene.bar.length());
+        for piece in self.bar.pieces() {
+            profile.add([piece.from, piece.to], self.bar.medium(piece.segment).plastic_strain(piece.point));
+        }
+        profile
     }
 
     /// The segments now. Strain that has gathered in a point of a level curve counts; the

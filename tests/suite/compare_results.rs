@@ -2,9 +2,7 @@
 
 use crate::common::binary;
 
-use std::path::Path;
-
-use binary::{barwave, done, refused};
+use binary::{done, refused};
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -74,6 +72,11 @@ fn other_grids_and_times_are_interpolated_on_the_common_part() {
     let path = folder.path();
     let text = done(path, &["compare", "a.h5", "grid.h5", "--plot", "c.svg"]);
     assert!(text.contains("only the common time is compared") && text.contains("wrote c.svg"), "{text}");
+    let svg = std::fs::read_to_string(path.join("c.svg")).expect("a figure");
+    assert!(
+        svg.contains("stress at the left end") && !svg.contains("stress at the right end"),
+        "the right end is free"
+    );
     done(path, &["compare", "a.h5", "grid.h5", "-o", "c.csv"]);
     let table = std::fs::read_to_string(path.join("c.csv")).expect("a table");
     assert!(table.starts_with("file,what,unit,l1,") && table.contains("stress of left end"), "{table}");

@@ -214,6 +214,15 @@ fn plastic_rebound_agrees_with_the_exact_cases() {
                 elongation * UNITS.strain * LENGTH,
                 share * 1e-3 * LENGTH,
             );
+            // The profile holds the whole elongation, at the struck end the most of it.
+            let profile = figures["residual_strain_profile"].as_array().expect("a list");
+            let profile: Vec<f64> = profile.iter().map(|mean| mean.as_f64().expect("a number")).collect();
+            let mean = profile.iter().sum::<f64>() / 10.0;
+            let whole = figures["permanent_elongation_m"].as_f64().expect("a number") / LENGTH;
+            assert!(
+                profile.len() == 10 && (mean - whole).abs() < 1e-9 + 1e-6 * whole.abs(),
+                "{what}: {profile:?} {whole}"
+            );
             let strain = &figures["residual_strain_largest"];
             assert_near(&what, strain, largest * UNITS.strain, first_cells * largest.abs() * UNITS.strain);
             assert_near(&what, &figures["largest_plastic_strain"], -strain.as_f64().expect("a number"), share * 1e-3);

@@ -233,3 +233,20 @@ fn wrong_keys_and_metrics_are_named() {
     let table = text(folder.path(), "out/table.csv");
     assert!(table.contains("refused,") && table.contains("`bar.length`") && !table.contains("--set"), "{table}");
 }
+
+#[test]
+fn the_figure_has_a_line_for_every_material() {
+    let folder = scenes(SPEEDS);
+    done(folder.path(), &["sweep", "sweep.toml", "-o", "out", "--quiet", "--plot", "a.svg"]);
+    let figure = text(folder.path(), "a.svg");
+    for word in ["left.value (m/s)", "left.peak_force_N", "copper-annealed", "mild-steel"] {
+        assert!(figure.contains(word), "{word}");
+    }
+    // The right end is free.
+    assert!(!figure.contains("right.peak_force_N"));
+    // A sweep that has ended is drawn without running a case.
+    done(folder.path(), &["sweep", "sweep.toml", "-o", "out", "--resume", "--quiet", "--plot", "b.svg"]);
+    assert_eq!(text(folder.path(), "b.svg"), figure);
+    let message = failed(folder.path(), &["sweep", "sweep.toml", "-o", "other", "--plot", "a.pdf"], 2);
+    assert!(message.contains("--plot") && !folder.path().join("other").exists(), "{message}");
+}

@@ -4,6 +4,7 @@ use crate::common::binary;
 
 use std::path::Path;
 
+use barwave::material::{Sense, library};
 use binary::barwave;
 use serde_json::Value;
 
@@ -57,6 +58,25 @@ fn a_hopkinson_pulse_goes_through_the_specimen() {
     assert!((incident / (-0.5 * rho_c * 12.0) - 1.0).abs() < 0.1, "{incident:e}");
     assert!(number(&summary, "/figures/segments/3/permanent_elongation_m") < -3e-4);
     assert!(number(&summary, "/figures/gauges/transmitted/peak_stress_Pa") < -50e6);
+}
+
+#[test]
+fn the_curve_of_a_hopkinson_specimen_is_recovered_from_its_gauges() {
+    let folder = tempfile::tempdir().expect("a folder");
+    succeed(folder.path(), &["new", "-k", "hopkinson", "mine"]);
+    succeed(folder.path(), &["run", "mine.toml", "-o", "mine.h5", "--quiet"]);
+    for noise in ["0 %", "1 %"] {
+        let json = succeed(folder.path(), &["invert", "hopkinson", "mine.h5", "--noise", noise, "--json"]);
+        let found: Value = serde_json::from_str(&json).expect("JSON");
+        let copper = library::find("copper-annealed", Path::new("")).expect("a material");
+        let curve = found["curve"].as_array().expect("a curve");
+        assert!(curve.len() > 10, "{noise}: {found:#}");
+        for knot in curve {
+            let value = |key: &str| knot[key].as_f64().expect("a number");
+            let truth = copper.branch(Sense::Compression).stress_at(value("strain"));
+            assert!((value("stress_Pa") / truth - 1.0).abs() < 0.05, "{noise}: {knot}, {truth:e}");
+        }
+    }
 }
 
 #[test]

@@ -167,9 +167,16 @@ fn text(args: &Args, reduced: &Reduced, test: Option<&Test>, given: Option<&Curv
         (reduced.equilibrium_from_s, reduced.equilibrium_from_strain, reduced.imbalance, reduced.mean_rate)
     {
         let time = show(time, Dimension::Time);
+        let until = match reduced.equilibrium_until_s {
+            Some(until) => std::format!("to {}", show(until, Dimension::Time)),
+            None => "on".into(),
+        };
         lines.add(
             "equilibrium",
-            std::format!("from {time} (strain {strain:.4}) on; the faces differ by {:.1} % at most", 100.0 * imbalance),
+            std::format!(
+                "from {time} (strain {strain:.4}) {until}; the faces differ by {:.1} % at most",
+                100.0 * imbalance
+            ),
         );
         lines.add("mean strain rate", std::format!("{rate:.0} 1/s"));
     }

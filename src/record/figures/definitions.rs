@@ -84,6 +84,12 @@ pub(super) static PART: &[Definition<Part>] = &[
     }),
 ];
 
+/// Name and description of the values along the bar.
+pub(super) const RESIDUAL_PROFILE: (&str, &str) = (
+    "residual_strain_profile",
+    "mean plastic strain in each tenth of the undeformed bar, from the left, at the end of the run; `.0` to `.9` in the table of a sweep",
+);
+
 /// Of both ends and all joints.
 pub(super) static LOAD: &[Definition<Site>] = &[
     row(
@@ -185,7 +191,10 @@ pub fn definitions() -> Vec<[String; 4]> {
         };
         table.iter().map(row).collect()
     }
+    let (name, description) = RESIDUAL_PROFILE;
+    let profile = [["bar", name, "1", description].map(str::to_owned)].to_vec();
     let tables = [
+        profile,
         rows("bar, `segments.N`", PART),
         rows("`left`, `right`, `joints.N`", LOAD),
         rows("`left`, `right`", END),

@@ -1,9 +1,9 @@
 //! The figures of a run, place by place.
 
 use super::contact::{Site, sites};
-use super::definitions::{END, Figured, GAUGE, JOINT, LOAD, PART};
+use super::definitions::{END, Figured, GAUGE, JOINT, LOAD, PART, RESIDUAL_PROFILE};
 use super::records::{Part, Records, SegmentEnd};
-use super::{Figures, Group};
+use super::{Figures, Group, Profile};
 use crate::bar::Joint;
 
 impl Records<'_> {
@@ -46,7 +46,9 @@ impl Records<'_> {
             // The strains of a twisted section differ from its surface's.
             absorbed_per_volume: (!self.torsion).then(|| absorbed / volume),
         };
-        group(&[], "bar", end.accumulated > 0.0, PART.figures(&part))
+        let (name, description) = RESIDUAL_PROFILE;
+        let profile = Some(Profile { name, description, values: self.residual_profile.to_vec() });
+        Group { profile, ..group(&[], "bar", end.accumulated > 0.0, PART.figures(&part)) }
     }
 
     fn segment(&self, k: usize) -> Group {
@@ -70,5 +72,6 @@ fn place(path: &[&str], label: &str, site: &Site, more: &[super::Definition<Site
 }
 
 fn group(path: &[&str], label: &str, tells: bool, figures: Vec<super::Figure>) -> Group {
-    Group { path: path.iter().map(|&part| part.to_owned()).collect(), label: label.to_owned(), tells, figures }
+    let path = path.iter().map(|&part| part.to_owned()).collect();
+    Group { path, label: label.to_owned(), tells, figures, profile: None }
 }

@@ -6,6 +6,7 @@
 mod contact;
 mod definitions;
 mod groups;
+mod profile;
 mod records;
 mod tally;
 
@@ -13,6 +14,7 @@ use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
 pub use definitions::{Definition, definitions};
+pub use profile::ResidualProfile;
 pub use records::{Records, SegmentEnd};
 pub use tally::{Extreme, Tally};
 
@@ -33,6 +35,19 @@ pub struct Group {
     pub tells: bool,
     /// In the order of the definitions.
     pub figures: Vec<Figure>,
+    /// Values along the bar.
+    pub profile: Option<Profile>,
+}
+
+/// Values of one kind along the bar.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Profile {
+    /// As in the JSON and in the result file.
+    pub name: &'static str,
+    /// For the attribute `long_name`.
+    pub description: &'static str,
+    /// Without a unit, from the left.
+    pub values: Vec<f64>,
 }
 
 /// A figure with its value.
@@ -88,6 +103,9 @@ impl Serialize for Level<'_> {
             }
             for figure in groups.iter().flat_map(|group| &group.figures) {
                 map.serialize_entry(&figure.key(), &figure.value)?;
+            }
+            for profile in groups.iter().filter_map(|group| group.profile.as_ref()) {
+                map.serialize_entry(profile.name, &profile.values)?;
             }
         }
         map.end()

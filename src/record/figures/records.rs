@@ -45,6 +45,8 @@ pub struct Records<'a> {
     pub tally: &'a Tally,
     /// Sections to which the histories beside joints belong, m^2.
     pub joint_areas: Vec<f64>,
+    /// Mean plastic strain in equal parts of the bar.
+    pub residual_profile: &'a [f64],
     /// The segments at the end.
     pub segments: Vec<SegmentEnd>,
     /// Energies and impulses at the end.

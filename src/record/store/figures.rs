@@ -9,10 +9,11 @@ type Hdf<T> = hdf5::Result<T>;
 
 /// Bytes that [`write`] takes at most.
 pub(super) fn bytes(figures: &Figures) -> u64 {
-    2048 * figures.0.iter().map(|group| 1 + group.figures.len() as u64).sum::<u64>()
+    2048 * figures.0.iter().map(|group| 2 + group.figures.len() as u64).sum::<u64>()
 }
 
-/// Writes `/figures`: a group for each place, in which every figure is a scalar dataset. `gauges` are the names of the gauges' groups.
+/// Writes `/figures`: a group for each place, in which every figure is a scalar dataset, and every profile one of one dimension. `gauges` are
+/// the names of the gauges' groups.
 pub(super) fn write<'a>(file: &File, figures: &Figures, mut gauges: impl Iterator<Item = &'a String>) -> Hdf<()> {
     file.create_group("figures")?;
     for group in &figures.0 {
@@ -26,6 +27,11 @@ pub(super) fn write<'a>(file: &File, figures: &Figures, mut gauges: impl Iterato
         let mut place = file.group("figures")?;
         for name in &path {
             place = if place.link_exists(name) { place.group(name)? } else { place.create_group(name)? };
+        }
+        if let Some(profile) = &group.profile {
+            let dataset = place.new_dataset::<f64>().shape(profile.values.len()).create(profile.name)?;
+            dataset.write_raw(&profile.values)?;
+            describe(&dataset, "1", profile.description)?;
         }
         for figure in &group.figures {
             let units = match figure.dimension.si_symbol() {

@@ -73,6 +73,9 @@ impl Row {
     }
 }
 
+/// Most values of a list of numbers that become columns.
+const LONGEST: usize = 10;
+
 /// Key of the summary whose entries stand in the table without it: `left.peak_force_N`.
 const FIGURES: &str = "figures";
 
@@ -106,6 +109,10 @@ fn collect(value: &Value, prefix: &str, all: &mut BTreeMap<String, Value>) {
         };
         match value {
             Value::Object(_) => collect(value, &name, all),
+            // Profiles along the bar have one column a value.
+            Value::Array(items) if items.len() <= LONGEST && items.iter().all(Value::is_number) => {
+                all.extend(items.iter().enumerate().map(|(k, item)| (format!("{name}.{k}"), item.clone())));
+            }
             Value::Array(_) => {}
             _ => {
                 all.insert(name, value.clone());

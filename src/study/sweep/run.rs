@@ -89,13 +89,11 @@ fn count_statuses(sweep: &Sweep, rows: &[Row]) -> Result<BTreeMap<&'static str, 
         Some(first) if statuses.keys().eq([&Status::Refused.name()]) => {
             let all = |reason: &str| format!("every case is refused; the first one: {reason}");
             // The error itself says more than its line in the table.
-            Err(match sweep.problem(first.case) {
-                Err(Error::Input(error)) => InputError { message: all(&error.message), ..error }.into(),
-                _ => {
-                    let help = "check the keys of the axes and their values with `barwave run SCENE --set KEY=VALUE`";
-                    InputError::new(all(&first.reason)).help(help).into()
-                }
-            })
+            if let Err(Error::Input(error)) = sweep.problem(first.case) {
+                return Err(InputError { message: all(&error.message), ..error }.into());
+            }
+            let help = "check the keys of the axes and their values with `barwave run SCENE --set KEY=VALUE`";
+            Err(InputError::new(all(&first.reason)).help(help).into())
         }
         _ => Ok(statuses),
     }

@@ -1,5 +1,7 @@
 //! The reduction: pulses, moments of the specimen, equilibrium, curve.
 
+use std::ops::Range;
+
 use serde::Serialize;
 
 use super::test_set::{Records, Setup};
@@ -83,6 +85,8 @@ pub struct Reduced {
     pub noise: f64,
     /// Time from which the faces are in equilibrium, s; none where they never are.
     pub equilibrium_from_s: Option<f64>,
+    /// Time until which they are; none where that is the end of the loading.
+    pub equilibrium_until_s: Option<f64>,
     /// Strain at that time.
     pub equilibrium_from_strain: Option<f64>,
     /// Largest difference of the faces over their mean from then on.
@@ -120,6 +124,9 @@ const SLOW: f64 = 0.1;
 
 /// The forces of the faces are compared as means over this part of the window, so that noise counts less than waves.
 const SMOOTHED: f64 = 0.02;
+
+/// Shortest equilibrium that has a curve, as a part of the loading.
+const SHORTEST: f64 = 0.1;
 
 /// The incident pulse at its gauge.
 struct Pulse {
@@ -169,6 +176,7 @@ pub fn reduce(setup: &Setup, records: &Records, options: &Options) -> Result<Red
         window_s: window,
         noise: pulse.noise,
         equilibrium_from_s: None,
+        equilibrium_until_s: None,
         equilibrium_from_strain: None,
         imbalance: None,
         mean_rate: None,
@@ -280,7 +288,20 @@ fn smoothed(values: &[f64], half: usize) -> Vec<f64> {
     (0..values.len()).map(mean).collect()
 }
 
-/// Finds the time of equilibrium and the curve from then on.
+/// The longest range of values that do not exceed the tolerance. The edges of a pulse that spreads on its way are outside of it.
+fn longest(imbalance: &[f64], tolerance: f64) -> Range<usize> {
+    let (mut longest, mut start) = (0..0, 0);
+    for (k, &value) in imbalance.iter().enumerate() {
+        if value.is_nan() || value > tolerance {
+            start = k + 1;
+        } else if k + 1 - start >= longest.len() {
+            longest = start..k + 1;
+        }
+    }
+    longest
+}
+
+/// Finds the time of equilibrium and the curve in it.
 fn equilibrium(reduced: &mut Reduced, tolerance: f64) {
     let moments = &reduced.moments;
     let half = (0.5 * SMOOTHED * moments.len() as f64) as usize;
@@ -291,19 +312,19 @@ fn equilibrium(reduced: &mut Reduced, tolerance: f64) {
     let loading = rate.iter().rposition(|&r| r > SLOW * fastest).map_or(0, |last| last + 1);
     // The means at the edge of the window reach past the loading.
     let end = loading.saturating_sub(half);
-    let from = (0..end).rev().find(|&k| imbalance[k].is_nan() || imbalance[k] > tolerance).map_or(0, |k| k + 1);
-    if from >= end {
-        let smallest = imbalance[..end].iter().copied().filter(|r| r.is_finite()).fold(f64::INFINITY, f64::min);
+    let agree = longest(&imbalance[..end], tolerance);
+    if (agree.len() as f64) < SHORTEST * end as f64 || agree.is_empty() {
         reduced.warnings.push(format!(
-            "the forces of the two faces never agree to {:.0} % until the end of the loading (smallest difference {:.0} %): no curve; \
-             --equilibrium sets the limit",
-            100.0 * tolerance,
-            100.0 * smallest
+            "the forces of the two faces agree to {:.0} % for less than a tenth of the loading: no curve; --equilibrium sets the limit",
+            100.0 * tolerance
         ));
         return;
     }
-    let settled = &moments[from..end];
+    let whole = agree.end == end;
+    let (from, end) = (agree.start, agree.end);
+    let settled = &moments[agree];
     reduced.equilibrium_from_s = Some(moments[from].time_s);
+    reduced.equilibrium_until_s = (!whole).then(|| moments[end - 1].time_s);
     reduced.equilibrium_from_strain = Some(moments[from].strain);
     reduced.imbalance = Some(imbalance[from..end].iter().fold(0.0, |top, r| top.max(*r)));
     reduced.mean_rate = Some(settled.iter().map(|m| m.rate).sum::<f64>() / settled.len() as f64);

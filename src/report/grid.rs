@@ -1,0 +1,59 @@
+//! Panels of lines, two in a row.
+
+use super::axes::{Axis, Series, line_panel};
+use super::plot::{COLOURS, colour};
+use super::svg::{Anchor, Area, Stroke, Svg};
+
+/// Width and height of a panel.
+const PANEL: [f64; 2] = [566.0, 380.0];
+const MARGIN: f64 = 16.0;
+const HEADER: f64 = 40.0;
+
+const DASHES: [&str; 4] = ["", "7 3", "2 3", "9 3 2 3"];
+
+/// The line of series `i`.
+pub(super) fn stroke(i: usize) -> Stroke {
+    Stroke::new(colour(i), 1.6).dashed(DASHES[(i / COLOURS.len()) % DASHES.len()])
+}
+
+/// A panel and its title.
+pub(super) struct Panel {
+    pub(super) heading: String,
+    pub(super) axes: [String; 2],
+    pub(super) series: Vec<Series>,
+}
+
+/// The panels with a title above them, lettered where there is more than one; zero is on every axis. SVG text.
+pub(super) fn draw(title: &str, panels: &[Panel]) -> String {
+    document(title, [panels.len().min(2), panels.len().div_ceil(2)], |svg| {
+        for (k, Panel { heading, axes: [x, y], series }) in panels.iter().enumerate() {
+            let letter = char::from(b'a' + (k % 26) as u8);
+            let heading = if panels.len() > 1 { format!("({letter})  {heading}") } else { heading.clone() };
+            panel(svg, area(k % 2, k / 2), &heading, [x, y], series);
+        }
+    })
+}
+
+/// Where a panel stands.
+pub(super) fn area(column: usize, row: usize) -> Area {
+    let [width, height] = PANEL;
+    let (x, y) = (MARGIN + (width + MARGIN) * column as f64, HEADER + (height + MARGIN) * row as f64);
+    Area { x, y, width, height }
+}
+
+/// A figure of so many columns and rows of panels under a title.
+pub(super) fn document(title: &str, [columns, rows]: [usize; 2], draw: impl FnOnce(&mut Svg)) -> String {
+    let mut svg = Svg::default();
+    svg.bold((MARGIN, 26.0), 18.0, Anchor::Start, title);
+    draw(&mut svg);
+    let beyond = area(columns, rows);
+    svg.document(beyond.x, beyond.y)
+}
+
+/// A panel whose axes reach from zero to all points.
+pub(super) fn panel(svg: &mut Svg, place: Area, heading: &str, [x, y]: [&str; 2], series: &[Series]) {
+    let all = || series.iter().flat_map(|s| &s.points).filter(|p| p.0.is_finite() && p.1.is_finite());
+    let x = Axis::around(x, all().map(|p| p.0).chain([0.0]));
+    let y = Axis::around(y, all().map(|p| p.1).chain([0.0]));
+    line_panel(svg, place, heading, x, y, series);
+}

@@ -130,7 +130,7 @@ fn the_damped_beam_loses_what_its_ledger_says() {
 }
 
 /// Off the centre with damping below and above critical, a foundation and an axial force, against an integration of 24 modes (15 for the
-/// central impact) with SciPy's implicit Runge-Kutta method, and (9.31) against the quadrature of its pulse on each mode. The modes above
+/// central impact) with `SciPy`'s implicit Runge-Kutta method, and (9.31) against the quadrature of its pulse on each mode. The modes above
 /// are left out there, which are worth up to 2e-4.
 #[test]
 fn beams_agree_with_an_independent_integration() {
@@ -166,6 +166,16 @@ fn mirrored_impacts_and_a_vanishing_axial_force_are_the_same() {
     // Half of the buckling load pi^2 E I/l^2 = 75.3 kN: sqrt(2).
     let ratio = period(&["beam.axial-force=37647.3"]) / period(&[]);
     assert!((ratio - std::f64::consts::SQRT_2).abs() < 1e-3, "{ratio}");
+}
+
+/// One period of the lowest mode is 1.8 us and the contact lasts 173 us; the gauge at a quarter of the length moves by 1e-14 m.
+#[test]
+fn a_rigid_foundation_makes_the_beam_a_half_space() {
+    let summary = run("beam.toml", &["beam.foundation=\"1e13 N/m^2\""]);
+    within(&summary, "restitution", 1.0, 1e-6);
+    within(&summary, "contact_duration_s", 172.7e-6, 0.1e-6);
+    within(&summary, "error", 0.0, 1e-5);
+    assert_eq!(summary["notes"], Value::Array(Vec::new()));
 }
 
 #[test]
@@ -274,4 +284,16 @@ fn impacts_can_be_swept() {
     assert_eq!(program.status.code(), Some(0), "{}", String::from_utf8_lossy(&program.stderr));
     let table = std::fs::read_to_string(folder.path().join("out/table.csv")).expect("a table");
     assert_eq!(table.lines().filter(|line| line.contains(",done,")).count(), 3, "{table}");
+    // All scalars of the summary, and no sentences.
+    std::fs::write(folder.path().join("sweep.toml"), sweep.replace("metrics", "# metrics")).expect("written");
+    let output = Command::new(env!("CARGO_BIN_EXE_barwave"))
+        .current_dir(folder.path())
+        .args(["sweep", "sweep.toml", "-o", "all", "--quiet"])
+        .output();
+    assert_eq!(output.expect("it starts").status.code(), Some(0));
+    let table = std::fs::read_to_string(folder.path().join("all/table.csv")).expect("a table");
+    assert!(
+        table.contains("handbook_restitution") && !table.contains("Zener") && !table.contains("validity"),
+        "{table}"
+    );
 }

@@ -94,7 +94,8 @@ pub struct RawBeamSolve {
     /// Modes, in place of those that the tolerance asks for; a whole number, 1 to 10000.
     #[schemars(with = "Option<u64>")]
     pub modes: Option<Number>,
-    /// End, s, > 0. Default: when the sphere has left for good, after at least one and at most 50 periods of the lowest mode.
+    /// End, s, > 0. Default: when the sphere has left for good, after at least one and at most 50 periods of the lowest mode, or 1.5 and 100
+    /// Hertz contact times where these are longer.
     #[schemars(with = "Option<Quantity>")]
     pub until: Option<Number>,
 }
@@ -107,7 +108,8 @@ pub struct RawBeamRecord {
     #[schemars(with = "BTreeMap<String, Quantity>")]
     #[serde(default)]
     pub gauges: BTreeMap<String, Number>,
-    /// Deflected shapes, evenly over time; a whole number, 0 to 1000. Default: 8.
+    /// Deflected shapes, evenly over the time up to the earliest end, and up to twice as many where the contact lasts longer; a whole number,
+    /// 0 to 1000. Default: 8.
     #[schemars(with = "Option<u64>")]
     pub shapes: Option<Number>,
 }

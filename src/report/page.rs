@@ -42,8 +42,8 @@ pub fn page(file: &ResultFile, svg: &str, units: Units) -> Result<String> {
 fn impact_page(file: &ResultFile, impact: &StoredImpact, svg: &str, units: Units) -> Result<String> {
     let facts = file.facts();
     let results = table(&[], &impact::figures(impact, units));
-    let notes: String = facts.notes.iter().map(|note| format!("<li>{}</li>\n", escape(note))).collect();
-    let notes = if notes.is_empty() { notes } else { format!("<ul>\n{notes}</ul>\n") };
+    let notes: Vec<String> = facts.notes.iter().map(|note| format!("<li>{}</li>\n", escape(note))).collect();
+    let notes = if notes.is_empty() { String::new() } else { format!("<ul>\n{}</ul>\n", notes.concat()) };
     let (about, materials) = (facts_table(facts), materials_table(file, units)?);
     let scene = format!("<pre>{}</pre>", escape(&facts.scene));
     let sections = [

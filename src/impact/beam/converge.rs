@@ -31,8 +31,11 @@ impl Level {
         let own = |value: f64| [value, value];
         let last = self.observer.contact.column("striker_velocity").last().copied().unwrap_or(velocity);
         let mut results = vec![own(first.peak_force), own(first.end), [last, velocity]];
-        for table in &self.observer.readings {
-            results.extend(["deflection", "strain"].map(|name| own(largest(table, name))));
+        for name in ["deflection", "strain"] {
+            let extremes: Vec<f64> = self.observer.readings.iter().map(|table| largest(table, name)).collect();
+            // A gauge that hardly moves is as close as the others, not closer.
+            let scale = extremes.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+            results.extend(extremes.into_iter().map(|value| [value, scale]));
         }
         results
     }
@@ -59,7 +62,9 @@ fn largest(table: &Table, column: &str) -> f64 {
     // slope t + bend t^2 through both neighbours.
     let bend = (high / after - low / before) / (after - before);
     let slope = high / after - bend * after;
-    if bend == 0.0 { values[i] } else { values[i] - 0.25 * slope * slope / bend }
+    let vertex = -0.5 * slope / bend;
+    // Outside its three samples the parabola says nothing; with equal samples the vertex is no number.
+    if (before..=after).contains(&vertex) { values[i] + 0.5 * slope * vertex } else { values[i] }
 }
 
 impl Beam {

@@ -66,8 +66,9 @@ pub struct Beam {
     pub modes: Option<usize>,
 }
 
-/// Periods of the lowest mode after which a run without an end time ends.
-const MOST_PERIODS: f64 = 50.0;
+/// Earliest and latest end of a run without an end time: the longer of so many periods of the lowest mode and Hertz contact times.
+const PERIODS: [f64; 2] = [1.0, 50.0];
+const CONTACT_TIMES: [f64; 2] = [1.5, 100.0];
 
 impl Beam {
     /// Half the beam's mass: the modal mass of every mode, kg.
@@ -135,17 +136,23 @@ impl Beam {
         2.0 * PI / self.frequency(1)[0]
     }
 
+    /// Of the sphere on a half-space, s.
+    fn contact_time(&self) -> f64 {
+        self.contact().contact_time(self.striker.mass, self.striker.velocity)
+    }
+
     /// Earliest and latest end, s.
     fn ends(&self) -> [f64; 2] {
-        self.until.map_or_else(|| [self.period(), MOST_PERIODS * self.period()], |until| [until, until])
+        let (period, contact) = (self.period(), self.contact_time());
+        let free = || [0, 1].map(|i| (PERIODS[i] * period).max(CONTACT_TIMES[i] * contact));
+        self.until.map_or_else(free, |until| [until, until])
     }
 }
 
 impl Beam {
     /// Time steps of one integration up to its earliest end, about: those of free flight.
     pub fn expected_steps(&self) -> f64 {
-        let Solid { mass, velocity, .. } = self.striker;
-        self.ends()[0] / Horizon::longest_step(&self.contact(), mass, velocity)
+        self.ends()[0] * Horizon::COARSEST / self.contact_time()
     }
 
     /// Bytes of its histories, about.

@@ -21,7 +21,10 @@ pub(super) struct Observer {
     struck: Place,
     gauges: Vec<Place>,
     line: Vec<Place>,
+    /// Number of deflected shapes.
+    asked: Option<usize>,
     shape_every: f64,
+    shape_due: f64,
     start: f64,
     pub contact: Table,
     pub ledger: Table,
@@ -80,7 +83,9 @@ impl Observer {
             struck: beam.place(beam.at, count),
             gauges: beam.gauges.iter().map(|(_, x)| beam.place(*x, count)).collect(),
             line,
+            asked: (beam.shapes > 0).then_some(beam.shapes),
             shape_every: end / beam.shapes.max(1) as f64,
+            shape_due: end / beam.shapes.max(1) as f64,
             start: 0.5 * beam.striker.mass * beam.striker.velocity.powi(2),
             contact: contact_table(),
             ledger: ledger_table(),
@@ -97,10 +102,22 @@ impl Observer {
         self.contact.push(&[time, force, half_sine, moment.approach, striker.q, deflection, striker.v]);
         self.balance(moment, striker, modes);
         self.gauge(time, force, modes);
-        if time >= self.shape_every * (self.shapes.time.len() + 1) as f64 * (1.0 - 1e-12) {
-            self.shapes.time.push(time);
-            self.shapes.deflection.extend(self.line.iter().map(|place| place.read(modes, force)[0]));
+        self.shape(time, force, modes);
+    }
+
+    /// Keeps the deflected shape where one is due. Twice as many as asked for are thinned to half.
+    fn shape(&mut self, time: f64, force: f64, modes: &[Oscillator]) {
+        let Some(asked) = self.asked.filter(|_| time >= self.shape_due * (1.0 - 1e-12)) else { return };
+        self.shapes.time.push(time);
+        self.shapes.deflection.extend(self.line.iter().map(|place| place.read(modes, force)[0]));
+        if self.shapes.time.len() > 2 * asked {
+            let Shapes { time, deflection, .. } = &mut self.shapes;
+            let kept = |i: &usize| i % 2 == 1;
+            *time = (0..time.len()).filter(kept).map(|i| time[i]).collect();
+            *deflection = deflection.chunks(PLACES).skip(1).step_by(2).flatten().copied().collect();
+            self.shape_every *= 2.0;
         }
+        self.shape_due = self.shape_every * (self.shapes.time.len() + 1) as f64;
     }
 
     fn balance(&mut self, moment: &Moment<'_>, striker: &Oscillator, modes: &[Oscillator]) {

@@ -19,8 +19,6 @@ pub use system::System;
 
 use crate::bar::Hertz;
 
-/// A step of free flight is the Hertz duration over this: what elastic bodies do is read at the ends of steps.
-const COARSEST: f64 = 128.0;
 /// Halvings of the step of free flight.
 const MOST_HALVINGS: i32 = 60;
 
@@ -87,11 +85,8 @@ pub struct Horizon {
 }
 
 impl Horizon {
-    /// Longest step of free flight for a mass (kg) and a velocity of approach (m/s), s.
-    pub fn longest_step(law: &Hertz, mass: f64, velocity: f64) -> f64 {
-        law.contact_time(mass, velocity) / COARSEST
-    }
-
+    /// A step of free flight is the Hertz duration over this: what elastic bodies do is read at the ends of steps.
+    pub const COARSEST: f64 = 128.0;
     /// Doublings where nothing but the contact is looked at: steps of up to a quarter of it.
     pub const CONTACT_ALONE: i32 = 5;
 }
@@ -131,7 +126,7 @@ impl Contact {
             + system.modes.iter().skip(1).filter(|m| m.omega == 0.0).map(|m| m.shape * m.shape / m.mass).sum::<f64>();
         let mass = 1.0 / inertia;
         let scale = law.force(law.largest_approach(mass, velocity));
-        let longest = Horizon::longest_step(&law, mass, velocity);
+        let longest = law.contact_time(mass, velocity) / Horizon::COARSEST;
         Self { law, system, steps: HashMap::new(), longest, scale, time: 0.0, force: 0.0, taken: [0, 0], halvings: 0 }
     }
 

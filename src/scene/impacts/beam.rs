@@ -13,7 +13,7 @@ use toml::Spanned;
 use super::super::check::{BallKeys, Checker};
 use super::super::raw::MaterialChoice;
 use super::Parts;
-use super::body::{RawSphere, elastic_json, solid_json};
+use super::body::{RawSphere, elastic_json, raw_body, solid_json};
 use crate::error::Result;
 use crate::impact::{Beam, Elastic, Foundation, Section};
 use crate::input::{Allowed, Number};
@@ -40,58 +40,46 @@ pub struct RawBeamScene {
     pub record: RawBeamRecord,
 }
 
-/// The beam or column: simply supported at both ends, one cross-section.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct RawBeam {
-    /// Length between the supports, m, > 0. Required.
-    #[schemars(with = "Quantity")]
-    pub length: Option<Number>,
-    /// Depth in the direction of the impact, m, > 0; with `width` for a rectangular section, with `area` and `inertia` for any.
-    #[schemars(with = "Option<Quantity>")]
-    pub depth: Option<Number>,
-    /// Width of a rectangular section, m, > 0.
-    #[schemars(with = "Option<Quantity>")]
-    pub width: Option<Number>,
-    /// Diameter of a round section, m, > 0; in place of all other keys of the section.
-    #[schemars(with = "Option<Quantity>")]
-    pub diameter: Option<Number>,
-    /// Area of the section, m^2, > 0; with `inertia` and `depth`.
-    #[schemars(with = "Option<Quantity>")]
-    pub area: Option<Number>,
-    /// Second moment of area, m^4, > 0; with `area` and `depth`.
-    #[schemars(with = "Option<Quantity>")]
-    pub inertia: Option<Number>,
-    /// What it is made of, for its density, modulus and Poisson's ratio. It stays elastic.
-    #[schemars(with = "Option<MaterialChoice>")]
-    pub material: Option<Spanned<MaterialChoice>>,
-    /// Density, kg/m^3, > 0. Default: its material's.
-    #[schemars(with = "Option<Quantity>")]
-    pub density: Option<Number>,
-    /// Elastic modulus, Pa, > 0. Default: its material's.
-    #[schemars(with = "Option<Quantity>")]
-    pub modulus: Option<Number>,
-    /// Poisson's ratio, 0 to 0.5. Default: its material's.
-    #[schemars(with = "Option<f64>")]
-    pub poisson: Option<Number>,
-    /// Place of the impact from the left support, m, within the beam. Default: the middle.
-    #[schemars(with = "Option<Quantity>")]
-    pub at: Option<Number>,
-    /// Internal damping c1 of equation 9.23, Pa s, >= 0: stress per rate of strain. Default: 0.
-    #[serde(rename = "internal-damping")]
-    #[schemars(with = "Option<Quantity>")]
-    pub internal: Option<Number>,
-    /// External damping c2 of equation 9.23, N s/m^2, >= 0: force per length and velocity. Default: 0.
-    #[serde(rename = "external-damping")]
-    #[schemars(with = "Option<Quantity>")]
-    pub external: Option<Number>,
-    /// Modulus k of an elastic foundation, N/m^2, >= 0: force per length and deflection. Default: 0.
-    #[schemars(with = "Option<Quantity>")]
-    pub foundation: Option<Number>,
-    /// Axial force, N, compression positive, below that of buckling. Default: 0.
-    #[serde(rename = "axial-force")]
-    #[schemars(with = "Option<Quantity>")]
-    pub axial: Option<Number>,
+raw_body! {
+    /// The beam or column: simply supported at both ends, one cross-section.
+    RawBeam {
+        /// Length between the supports, m, > 0. Required.
+        #[schemars(with = "Quantity")]
+        pub length: Option<Number>,
+        /// Depth in the direction of the impact, m, > 0; with `width` for a rectangular section, with `area` and `inertia` for any.
+        #[schemars(with = "Option<Quantity>")]
+        pub depth: Option<Number>,
+        /// Width of a rectangular section, m, > 0.
+        #[schemars(with = "Option<Quantity>")]
+        pub width: Option<Number>,
+        /// Diameter of a round section, m, > 0; in place of all other keys of the section.
+        #[schemars(with = "Option<Quantity>")]
+        pub diameter: Option<Number>,
+        /// Area of the section, m^2, > 0; with `inertia` and `depth`.
+        #[schemars(with = "Option<Quantity>")]
+        pub area: Option<Number>,
+        /// Second moment of area, m^4, > 0; with `area` and `depth`.
+        #[schemars(with = "Option<Quantity>")]
+        pub inertia: Option<Number>,
+        /// Place of the impact from the left support, m, within the beam. Default: the middle.
+        #[schemars(with = "Option<Quantity>")]
+        pub at: Option<Number>,
+        /// Internal damping c1 of equation 9.23, Pa s, >= 0: stress per rate of strain. Default: 0.
+        #[serde(rename = "internal-damping")]
+        #[schemars(with = "Option<Quantity>")]
+        pub internal: Option<Number>,
+        /// External damping c2 of equation 9.23, N s/m^2, >= 0: force per length and velocity. Default: 0.
+        #[serde(rename = "external-damping")]
+        #[schemars(with = "Option<Quantity>")]
+        pub external: Option<Number>,
+        /// Modulus k of an elastic foundation, N/m^2, >= 0: force per length and deflection. Default: 0.
+        #[schemars(with = "Option<Quantity>")]
+        pub foundation: Option<Number>,
+        /// Axial force, N, compression positive, below that of buckling. Default: 0.
+        #[serde(rename = "axial-force")]
+        #[schemars(with = "Option<Quantity>")]
+        pub axial: Option<Number>,
+    }
 }
 
 /// How closely and how long the impact is integrated.
@@ -106,7 +94,8 @@ pub struct RawBeamSolve {
     /// Modes, in place of those that the tolerance asks for; a whole number, 1 to 10000.
     #[schemars(with = "Option<u64>")]
     pub modes: Option<Number>,
-    /// End, s, > 0. Default: when the sphere has left for good, after at least one and at most 50 periods of the lowest mode.
+    /// End, s, > 0. Default: when the sphere has left for good, after at least one and at most 50 periods of the lowest mode, or 1.5 and 100
+    /// Hertz contact times where these are longer.
     #[schemars(with = "Option<Quantity>")]
     pub until: Option<Number>,
 }
@@ -119,7 +108,8 @@ pub struct RawBeamRecord {
     #[schemars(with = "BTreeMap<String, Quantity>")]
     #[serde(default)]
     pub gauges: BTreeMap<String, Number>,
-    /// Deflected shapes, evenly over time; a whole number, 0 to 1000. Default: 8.
+    /// Deflected shapes, evenly over the time up to the earliest end, and up to twice as many where the contact lasts longer; a whole number,
+    /// 0 to 1000. Default: 8.
     #[schemars(with = "Option<u64>")]
     pub shapes: Option<Number>,
 }
@@ -138,14 +128,7 @@ pub(super) fn check(checker: &Checker<'_>) -> Result<Parts> {
     let length = (own.length.as_ref(), "length", Dimension::Length, Allowed::Positive);
     let length = checker.own_number(length, span.clone(), "beam")?;
     let section = checker.beam_section(own, span.clone())?;
-    let keys = BallKeys {
-        density: own.density.as_ref(),
-        material: own.material.as_ref(),
-        modulus: own.modulus.as_ref(),
-        poisson: own.poisson.as_ref(),
-        ..BallKeys::default()
-    };
-    let (elastic, one) = checker.elastic(&keys, span, "beam")?;
+    let (elastic, one) = checker.elastic(&own.keys(), span, "beam")?;
     let (sphere, two) = checker.sphere(striker, "striker", Allowed::Positive)?;
     let number =
         |value: Option<&Number>, key: &str, dimension, range| checker.document.optional(value, key, dimension, range);

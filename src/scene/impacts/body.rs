@@ -17,52 +17,88 @@ use crate::input::{Allowed, Number};
 use crate::material::{Material, Sense};
 use crate::units::{Dimension, Quantity};
 
-/// A solid sphere.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct RawSphere {
-    /// Radius, m, > 0; or give `diameter`. Required where the contact is Hertz's.
-    #[schemars(with = "Option<Quantity>")]
-    pub radius: Option<Number>,
-    /// Diameter, m, > 0; in place of `radius`.
-    #[schemars(with = "Option<Quantity>")]
-    pub diameter: Option<Number>,
-    /// Mass, kg, > 0. Default: that of a solid sphere.
-    #[schemars(with = "Option<Quantity>")]
-    pub mass: Option<Number>,
-    /// Velocity before the impact, m/s.
-    #[schemars(with = "Option<Quantity>")]
-    pub velocity: Option<Number>,
-    /// What it is made of, for its density, modulus and Poisson's ratio. It stays elastic.
-    #[schemars(with = "Option<MaterialChoice>")]
-    pub material: Option<Spanned<MaterialChoice>>,
-    /// Density, kg/m^3, > 0. Default: its material's.
-    #[schemars(with = "Option<Quantity>")]
-    pub density: Option<Number>,
-    /// Elastic modulus, Pa, > 0. Default: its material's.
-    #[schemars(with = "Option<Quantity>")]
-    pub modulus: Option<Number>,
-    /// Poisson's ratio, 0 to 0.5. Default: its material's.
-    #[schemars(with = "Option<f64>")]
-    pub poisson: Option<Number>,
-    /// It does not give way, in place of `modulus` and `poisson`. Default: false.
-    #[schemars(with = "Option<bool>")]
-    pub rigid: Option<Spanned<bool>>,
-}
+/// The raw table of a body: its own keys, then those of its material, with the method `keys`. With `sphere`, those of a sphere in between,
+/// and what its velocity is. (`serde(flatten)` would lose the places of values and the check of unknown keys.)
+macro_rules! raw_body {
+    ($(#[$meta:meta])* $name:ident sphere $velocity:literal { $($own:tt)* }) => {
+        raw_body! { @table $(#[$meta])* $name {
+            $($own)*
+            /// Radius, m, > 0; or give `diameter`.
+            #[schemars(with = "Option<Quantity>")]
+            pub radius: Option<Number>,
+            /// Diameter, m, > 0; in place of `radius`.
+            #[schemars(with = "Option<Quantity>")]
+            pub diameter: Option<Number>,
+            /// Mass, kg, > 0. Default: that of a solid sphere.
+            #[schemars(with = "Option<Quantity>")]
+            pub mass: Option<Number>,
+            #[doc = $velocity]
+            #[schemars(with = "Option<Quantity>")]
+            pub velocity: Option<Number>,
+            /// It does not give way, in place of `modulus` and `poisson`. Default: false.
+            #[schemars(with = "Option<bool>")]
+            pub rigid: Option<Spanned<bool>>,
+        } }
 
-impl RawSphere {
-    pub(super) fn keys(&self) -> BallKeys<'_> {
-        BallKeys {
-            radius: self.radius.as_ref(),
-            diameter: self.diameter.as_ref(),
-            mass: self.mass.as_ref(),
-            density: self.density.as_ref(),
-            material: self.material.as_ref(),
-            modulus: self.modulus.as_ref(),
-            poisson: self.poisson.as_ref(),
-            rigid: self.rigid.as_ref(),
+        impl $name {
+            pub(super) fn keys(&self) -> BallKeys<'_> {
+                BallKeys {
+                    radius: self.radius.as_ref(),
+                    diameter: self.diameter.as_ref(),
+                    mass: self.mass.as_ref(),
+                    rigid: self.rigid.as_ref(),
+                    ..self.material_keys()
+                }
+            }
         }
-    }
+    };
+    ($(#[$meta:meta])* $name:ident { $($own:tt)* }) => {
+        raw_body! { @table $(#[$meta])* $name { $($own)* } }
+
+        impl $name {
+            pub(super) fn keys(&self) -> BallKeys<'_> {
+                self.material_keys()
+            }
+        }
+    };
+    (@table $(#[$meta:meta])* $name:ident { $($own:tt)* }) => {
+        $(#[$meta])*
+        #[derive(Debug, Deserialize, JsonSchema)]
+        #[serde(deny_unknown_fields)]
+        pub struct $name {
+            $($own)*
+            /// What it is made of, for its density, modulus and Poisson's ratio. It stays elastic.
+            #[schemars(with = "Option<MaterialChoice>")]
+            pub material: Option<Spanned<MaterialChoice>>,
+            /// Density, kg/m^3, > 0. Default: its material's.
+            #[schemars(with = "Option<Quantity>")]
+            pub density: Option<Number>,
+            /// Elastic modulus, Pa, > 0. Default: its material's.
+            #[schemars(with = "Option<Quantity>")]
+            pub modulus: Option<Number>,
+            /// Poisson's ratio, 0 to 0.5. Default: its material's.
+            #[schemars(with = "Option<f64>")]
+            pub poisson: Option<Number>,
+        }
+
+        impl $name {
+            fn material_keys(&self) -> BallKeys<'_> {
+                BallKeys {
+                    material: self.material.as_ref(),
+                    density: self.density.as_ref(),
+                    modulus: self.modulus.as_ref(),
+                    poisson: self.poisson.as_ref(),
+                    ..BallKeys::default()
+                }
+            }
+        }
+    };
+}
+pub(super) use raw_body;
+
+raw_body! {
+    /// A solid sphere.
+    RawSphere sphere "Velocity before the impact, m/s." {}
 }
 
 /// A body with the material that it names.

@@ -10,7 +10,7 @@ use toml::Spanned;
 use super::super::check::{BallKeys, Checker};
 use super::super::raw::MaterialChoice;
 use super::Parts;
-use super::body::{RawSphere, elastic_json, solid_json};
+use super::body::{RawSphere, elastic_json, raw_body, solid_json};
 use crate::error::Result;
 use crate::impact::Plate;
 use crate::input::{Allowed, Number};
@@ -34,25 +34,13 @@ pub struct RawPlateScene {
     pub solve: RawPlateSolve,
 }
 
-/// The plate. Its edges are so far away that no wave returns from them during the contact.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct RawPlate {
-    /// Thickness, m, > 0. Required.
-    #[schemars(with = "Quantity")]
-    pub thickness: Option<Number>,
-    /// What it is made of, for its density, modulus and Poisson's ratio. It stays elastic.
-    #[schemars(with = "Option<MaterialChoice>")]
-    pub material: Option<Spanned<MaterialChoice>>,
-    /// Density, kg/m^3, > 0. Default: its material's.
-    #[schemars(with = "Option<Quantity>")]
-    pub density: Option<Number>,
-    /// Elastic modulus, Pa, > 0. Default: its material's.
-    #[schemars(with = "Option<Quantity>")]
-    pub modulus: Option<Number>,
-    /// Poisson's ratio, 0 to 0.5. Default: its material's.
-    #[schemars(with = "Option<f64>")]
-    pub poisson: Option<Number>,
+raw_body! {
+    /// The plate. Its edges are so far away that no wave returns from them during the contact.
+    RawPlate {
+        /// Thickness, m, > 0. Required.
+        #[schemars(with = "Quantity")]
+        pub thickness: Option<Number>,
+    }
 }
 
 /// How closely and how long the contact is integrated.
@@ -74,14 +62,7 @@ pub(super) fn check(checker: &Checker<'_>) -> Result<Parts> {
     let (span, own) = (raw.plate.span(), raw.plate.get_ref());
     let thickness = (own.thickness.as_ref(), "thickness", Dimension::Length, Allowed::Positive);
     let thickness = checker.own_number(thickness, span.clone(), "plate")?;
-    let keys = BallKeys {
-        density: own.density.as_ref(),
-        material: own.material.as_ref(),
-        modulus: own.modulus.as_ref(),
-        poisson: own.poisson.as_ref(),
-        ..BallKeys::default()
-    };
-    let (elastic, one) = checker.elastic(&keys, span, "plate")?;
+    let (elastic, one) = checker.elastic(&own.keys(), span, "plate")?;
     let (striker, two) = checker.sphere(striker, "striker", Allowed::Positive)?;
     let tolerance = checker.contact_tolerance(raw.solve.tolerance.as_ref(), 1e-8)?;
     let until = (raw.solve.until.as_ref(), "solve.until", Dimension::Time, Allowed::Positive);

@@ -10,7 +10,7 @@ use toml::Spanned;
 use super::super::check::{BallKeys, Checker};
 use super::super::raw::MaterialChoice;
 use super::Parts;
-use super::body::{RawSphere, solid_json};
+use super::body::{RawSphere, raw_body, solid_json};
 use crate::error::Result;
 use crate::impact::{Solid, Spheres};
 use crate::input::{Allowed, Number};
@@ -34,50 +34,23 @@ pub struct RawSpheresScene {
     pub solve: RawSpheresSolve,
 }
 
-/// The struck body. With `restitution` the velocities follow from equation 9.3, with `velocity-after` from 9.4; with neither the contact
-/// is Hertz's.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct RawSpheres {
-    /// Coefficient of restitution, 0 to 1. Of the bodies, masses and velocities are then required, and nothing else.
-    #[schemars(with = "Option<f64>")]
-    pub restitution: Option<Number>,
-    /// Ballistic pendulum: velocity of both bodies after the striker has embedded in the struck one at rest, m/s, > 0. Of the bodies,
-    /// masses are then required, and nothing else.
-    #[serde(rename = "velocity-after")]
-    #[schemars(with = "Option<Quantity>")]
-    pub velocity_after: Option<Number>,
-    /// The struck body is a fixed half-space. Default: false.
-    #[serde(rename = "half-space")]
-    #[schemars(with = "Option<bool>")]
-    pub half_space: Option<Spanned<bool>>,
-    /// Radius, m, > 0; or give `diameter`.
-    #[schemars(with = "Option<Quantity>")]
-    pub radius: Option<Number>,
-    /// Diameter, m, > 0; in place of `radius`.
-    #[schemars(with = "Option<Quantity>")]
-    pub diameter: Option<Number>,
-    /// Mass, kg, > 0. Default: that of a solid sphere.
-    #[schemars(with = "Option<Quantity>")]
-    pub mass: Option<Number>,
-    /// Velocity before the impact, m/s, below that of the striker. Default: 0.
-    #[schemars(with = "Option<Quantity>")]
-    pub velocity: Option<Number>,
-    /// What it is made of, for its density, modulus and Poisson's ratio. It stays elastic.
-    #[schemars(with = "Option<MaterialChoice>")]
-    pub material: Option<Spanned<MaterialChoice>>,
-    /// Density, kg/m^3, > 0. Default: its material's.
-    #[schemars(with = "Option<Quantity>")]
-    pub density: Option<Number>,
-    /// Elastic modulus, Pa, > 0. Default: its material's.
-    #[schemars(with = "Option<Quantity>")]
-    pub modulus: Option<Number>,
-    /// Poisson's ratio, 0 to 0.5. Default: its material's.
-    #[schemars(with = "Option<f64>")]
-    pub poisson: Option<Number>,
-    /// It does not give way, in place of `modulus` and `poisson`. Default: false.
-    #[schemars(with = "Option<bool>")]
-    pub rigid: Option<Spanned<bool>>,
+raw_body! {
+    /// The struck body. With `restitution` the velocities follow from equation 9.3, with `velocity-after` from 9.4; with neither the contact
+    /// is Hertz's.
+    RawSpheres sphere "Velocity before the impact, m/s, below that of the striker. Default: 0." {
+        /// Coefficient of restitution, 0 to 1. Of the bodies, masses and velocities are then required, and nothing else.
+        #[schemars(with = "Option<f64>")]
+        pub restitution: Option<Number>,
+        /// Ballistic pendulum: velocity of both bodies after the striker has embedded in the struck one at rest, m/s, > 0. Of the bodies,
+        /// masses are then required, and nothing else.
+        #[serde(rename = "velocity-after")]
+        #[schemars(with = "Option<Quantity>")]
+        pub velocity_after: Option<Number>,
+        /// The struck body is a fixed half-space. Default: false.
+        #[serde(rename = "half-space")]
+        #[schemars(with = "Option<bool>")]
+        pub half_space: Option<Spanned<bool>>,
+    }
 }
 
 /// How closely the contact is integrated.
@@ -87,21 +60,6 @@ pub struct RawSpheresSolve {
     /// Largest defect of Hertz's law between the nodes of a time step, relative to the largest force, 1e-12 to 1e-2. Default: 1e-8.
     #[schemars(with = "Option<f64>")]
     pub tolerance: Option<Number>,
-}
-
-impl RawSpheres {
-    fn keys(&self) -> BallKeys<'_> {
-        BallKeys {
-            radius: self.radius.as_ref(),
-            diameter: self.diameter.as_ref(),
-            mass: self.mass.as_ref(),
-            density: self.density.as_ref(),
-            material: self.material.as_ref(),
-            modulus: self.modulus.as_ref(),
-            poisson: self.poisson.as_ref(),
-            rigid: self.rigid.as_ref(),
-        }
-    }
 }
 
 pub(super) fn check(checker: &Checker<'_>) -> Result<Parts> {

@@ -7,8 +7,9 @@ use serde_json::Value;
 
 use crate::error::{Error, Result};
 
-/// Keys of the summary that say nothing of the physics: they differ from machine to machine, or are the same in every case.
-const LEFT_OUT: [&str; 7] = ["scene", "output", "outcome", "wall_s", "step_wall_s", "cell_steps_per_s", "events_per_s"];
+/// Keys of the summary that say nothing of the physics of a case: they differ from machine to machine, or are the same in every case.
+const LEFT_OUT: [&str; 9] =
+    ["scene", "output", "outcome", "wall_s", "step_wall_s", "cell_steps_per_s", "events_per_s", "equation", "validity"];
 
 /// How a case ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

@@ -29,7 +29,8 @@ impl FrontTracking {
         let mut scratch = std::mem::take(&mut self.merging.scratch);
         self.spread_out(&mut scratch);
         let before = self.content(self.end_nodes[0], self.end_nodes[1]);
-        self.merging.start(before.energy);
+        let Unshown { plastic, heat } = self.booked.unshown;
+        self.merging.start(before.energy, plastic + heat);
         let mut start = 0;
         while start + 1 < scratch.ids.len() {
             let end = (start + 1..scratch.ids.len() - 1)

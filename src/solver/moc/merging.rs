@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::nearness::REST;
 use crate::wave::riemann::{Medium, Path, Point};
 
-/// The allowance, over (front tolerance)^2 times the segment's stress scale times length. Steps of height delta that are delta apart
+/// The allowance, over (front tolerance)^2 times stress scale times length. Steps of height delta that are delta apart
 /// make up a smooth wave to within delta; those that are a little closer become one.
 const ALLOWANCE: f64 = 4.0;
 
@@ -26,9 +26,8 @@ const EVENTS_A_NODE: u64 = 8;
 /// What merging is allowed, and what it did.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(super) struct FrontMerging {
-    /// For each segment the largest integral of |change| of one merge, Pa m. Relative to the stresses of its own waves: next to a stiff
-    /// segment those of a soft one are small, and all of them could be merged within the front tolerance of the larger ones.
-    allowance: Vec<f64>,
+    /// Largest integral of |change| of one merge, Pa m; 0: nothing is merged.
+    allowance: f64,
     /// Sum of all of them, Pa m.
     pub changed: f64,
     /// Energy taken, J.
@@ -72,11 +71,11 @@ struct Step {
 }
 
 impl FrontMerging {
-    pub fn new(tolerance: f64, media: &[Medium], stress_scales: &[f64], length: f64) -> Self {
+    pub fn new(tolerance: f64, media: &[Medium], stress_scale: f64, length: f64) -> Self {
         Self {
-            allowance: stress_scales.iter().map(|scale| ALLOWANCE * tolerance * tolerance * scale * length).collect(),
+            allowance: ALLOWANCE * tolerance * tolerance * stress_scale * length,
             tolerance,
-            secant: media.iter().zip(stress_scales).map(|(m, scale)| secant(m, *scale)).collect(),
+            secant: media.iter().map(|m| secant(m, stress_scale)).collect(),
             due_at_nodes: FEWEST,
             due_at_events: EVENTS_A_NODE * FEWEST as u64,
             ..Self::default()
@@ -85,14 +84,14 @@ impl FrontMerging {
 
     /// Whether there is a tolerance.
     pub fn is_on(&self) -> bool {
-        self.allowance.iter().any(|allowance| *allowance > 0.0)
+        self.allowance > 0.0
     }
 
-    /// Starts a passage through a bar of so much energy: it may give what earlier ones have taken, and the front tolerance's part of the
-    /// largest energy.
-    pub fn start(&mut self, energy: f64) {
+    /// Starts a passage through a bar of so much energy: it may give what earlier ones have taken, together with what merged fronts have done
+    /// since beyond their mean work (`unshown`, J), and the front tolerance's part of the largest energy.
+    pub fn start(&mut self, energy: f64, unshown: f64) {
         self.largest = self.largest.max(energy);
-        self.credit = (self.energy + self.tolerance * self.largest).max(0.0);
+        self.credit = (self.energy + unshown + self.tolerance * self.largest).max(0.0);
     }
 
     /// Notes a passage that left so many nodes, after so many events.
@@ -150,18 +149,17 @@ impl FrontMerging {
     /// Makes neighbouring steps one as long as that changes no more than allowed; marks the nodes that go.
     pub fn merge(&mut self, scratch: &mut Scratch, medium: &Medium, segment: usize) {
         scratch.new.clear();
-        let allowance = self.allowance[segment];
         for k in 0..scratch.old.len() {
             scratch.new.push(scratch.old[k]);
             while let [.., a, b] = scratch.new[..] {
                 let length = a.length + b.length;
                 let share = if length > 0.0 { b.length / length } else { 0.5 };
                 let change = self.distance(&a.height, &b.height, medium, segment) * 2.0 * a.length * share;
-                if change > allowance {
+                if change > self.allowance {
                     break;
                 }
                 let height = a.height.plus(&b.height, share).plus(&a.height, -share);
-                let strict = change > TRIFLE * allowance;
+                let strict = change > TRIFLE * self.allowance;
                 let Some(taken) = scratch.lift([a, b], &height, medium, strict, -self.credit) else { break };
                 self.credit += taken;
                 self.changed += change;

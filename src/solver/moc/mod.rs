@@ -50,7 +50,7 @@ pub use tracking::FrontTracking;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
     /// How much waves may be merged, >= 0: neighbouring waves of one kind become one where that changes the solution
-    /// by less than about the square of this times the stress of waves in their segment times the length. Momentum and
+    /// by less than about the square of this times [`FrontTracking::stress_scale`] times the length. Momentum and
     /// displacement are kept; the error of the stress is of about this order. 0: every wave is kept.
     pub front_tolerance: f64,
     /// Ramps of an end's history are made into steps of this height, relative to [`FrontTracking::stress_scale`]

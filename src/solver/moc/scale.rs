@@ -4,26 +4,20 @@ use crate::bar::ends::Face;
 use crate::bar::{EndCondition, History};
 use crate::wave::riemann::{Medium, Point, Side, Workspace, solve};
 
-/// For each segment the stress that waves may have there, Pa: the largest imposed or initial one, or the one at which the largest difference of
-/// the velocities imposed and initial meets the unstressed segment. The largest of all is [`super::FrontTracking::stress_scale`].
-pub(super) fn stress_scales(
-    starts: &[(usize, Point)],
-    media: &[Medium],
-    ends: [(&EndCondition, &Face); 2],
-) -> Vec<f64> {
+/// See [`super::FrontTracking::stress_scale`].
+pub(super) fn stress_scale(starts: &[(usize, Point)], media: &[Medium], ends: [(&EndCondition, &Face); 2]) -> f64 {
     let imposed = ends.map(|(condition, face)| imposed(condition, face));
     let velocities = || starts.iter().map(|(_, start)| start.velocity).chain(imposed.iter().flat_map(|i| i.1));
     let range = velocities().fold(f64::MIN, f64::max) - velocities().fold(f64::MAX, f64::min);
-    let stressed = starts.iter().map(|(_, start)| start.stress.abs()).fold(imposed[0].0.max(imposed[1].0), f64::max);
-    let (mut scales, mut work) = (vec![stressed; media.len()], Workspace::default());
-    for (k, start) in starts {
+    let mut work = Workspace::default();
+    let struck = starts.iter().map(|(k, start)| {
         let medium = &media[*k];
         let driver = Side::Straight { force: 0.0, velocity: -range, compliance: 0.0 };
         let unstressed = Point { stress: 0.0, velocity: 0.0, ..*start };
         let stress = solve(driver, Side::Bar(medium, &unstressed), &mut work).force / medium.area;
-        scales[*k] = scales[*k].max(stress.abs());
-    }
-    scales
+        stress.abs().max(start.stress.abs())
+    });
+    struck.fold(imposed[0].0.max(imposed[1].0), f64::max)
 }
 
 /// Largest stress (Pa) and the range of velocities (m/s, in +x) that an end imposes.

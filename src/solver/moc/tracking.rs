@@ -16,7 +16,7 @@ use super::merging::FrontMerging;
 use super::nearness::{Nearness, SAME_STRESS};
 use super::openings::Openings;
 use super::place::Shifted;
-use super::scale::stress_scales;
+use super::scale::stress_scale;
 use super::{FrontSegment, Settings, Stopped};
 use crate::bar::{Bar, EndCondition, Segment};
 use crate::law::Table;
@@ -99,12 +99,11 @@ impl FrontTracking {
         let starts: Vec<Vec<Start>> = bar.segments.iter().zip(&media).map(|(s, medium)| starts(s, medium)).collect();
         let outer = [starts[0][0].point, starts[last][starts[last].len() - 1].point];
         let faces = [face(1.0, outer[0].velocity, &media[0]), face(-1.0, outer[1].velocity, &media[last])];
-        let own_scales = stress_scales(&all_points(&starts), &media, [(&ends[0], &faces[0]), (&ends[1], &faces[1])]);
-        let stress_scale = own_scales.iter().copied().fold(0.0, f64::max);
+        let stress_scale = stress_scale(&all_points(&starts), &media, [(&ends[0], &faces[0]), (&ends[1], &faces[1])]);
         for medium in &mut media {
             medium.round_off = SAME_STRESS * stress_scale;
         }
-        let merging = FrontMerging::new(settings.front_tolerance, &media, &own_scales, bar.length());
+        let merging = FrontMerging::new(settings.front_tolerance, &media, stress_scale, bar.length());
         let transit = bar.transit_time();
         let nearness = Nearness::new(bar.length(), transit, settings.front_tolerance);
         let scales = Scales {

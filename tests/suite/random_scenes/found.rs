@@ -560,3 +560,14 @@ fn the_work_of_an_overstress_is_finite_at_a_stress_far_above_the_static_curve() 
     let figures = followed(&text.replace("[right]\nkind = \"free\"", &format!("[right]\n{right}")));
     assert!(figures.ended && figures.work.values.iter().all(|work| work.is_finite()));
 }
+
+/// The error of a bar in uniform motion, whose stresses are rounding, was infinite: the difference from a companion run over no stress at all.
+#[test]
+fn the_error_of_a_bar_in_uniform_motion_is_finite() {
+    let bar = bar("{ density = 2020, modulus = \"200 GPa\", curve = { table = [[1e-3, 2e8], [0.1, 4e8]] } }");
+    let bar = bar.replace("1e-4", "[[0, 2.11e-5], [0.19, 2.49e-5]]") + "velocity = -6.08\n";
+    let text = text(&bar, "kind = \"absorbing\"", "", "until = 4.68e-4\nmethod = \"moc\"");
+    let summary = run(&scene(&text), None, &mut |_| ControlFlow::Continue(())).unwrap_or_else(|e| panic!("{e}"));
+    let error = summary.error.map_or(0.0, |error| error.value);
+    assert!(error.is_finite(), "{error}");
+}

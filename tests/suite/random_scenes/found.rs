@@ -503,7 +503,7 @@ fn the_tolerance_of_a_flow_is_no_unloading() {
     let left = keys(&[("kind", same("\"velocity\"")), ("value", Value::Signed(6.04, ""))]);
     let right = keys(&[
         ("kind", same("\"striker\"")),
-        ("mass", Value::number(0.000225)),
+        ("mass", Value::number(2.25e-4)),
         ("velocity", Value::Signed(-12.0, "")),
     ]);
     let effects = [("unloading", same("\"isotropic\"")), ("rate", same("\"material\""))];

@@ -26,7 +26,8 @@ impl Tolerance {
         Self { relative: 1e-14, absolute: 2.0 * f64::EPSILON * size }
     }
 
-    fn at(self, x: f64) -> f64 {
+    /// At a number of this size.
+    pub fn at(self, x: f64) -> f64 {
         self.relative * x.abs() + self.absolute
     }
 }

@@ -8,6 +8,9 @@ use crate::record::{ErrorTable, Measure};
 /// Part of the bar, or of the time, that a signal counts for at least, as if it had its largest value there.
 const FLOOR: f64 = 0.01;
 
+/// Strain below which stresses are the rounding of a bar in motion: the largest stress counts for that of this strain at least.
+const ROUNDING_STRAIN: f64 = 1e-12;
+
 /// Part of the mean over time that the stress at the end time counts for at least: what is left in a bar that rang down is no measure.
 const OF_MEAN: f64 = 0.1;
 
@@ -121,7 +124,7 @@ impl Response {
     fn scale(&self) -> Scale {
         let field: f64 = self.fields.iter().map(|(_, shape)| shape.apart(shape).1).sum();
         let peaks = self.fields.iter().map(|(_, shape)| shape).chain(&self.ends).chain(&self.gauges);
-        let stress = peaks.map(Shape::largest).fold(self.peak, f64::max);
+        let stress = peaks.map(Shape::largest).fold(self.peak, f64::max).max(ROUNDING_STRAIN * self.modulus);
         let plastic = self.plastic.as_ref().map_or(0.0, Shape::largest);
         Scale {
             stress,

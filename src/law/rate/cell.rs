@@ -82,6 +82,11 @@ impl Flowing for Cell<'_> {
     }
 
     #[inline]
+    fn slope(&self, sense: usize) -> f64 {
+        self.law.slope(&self.history, sense)
+    }
+
+    #[inline]
     fn law(&self, sense: usize) -> (Overstress, f64) {
         (self.law.overstress(), self.law.static_stress(&self.history, sense))
     }

@@ -148,6 +148,10 @@ impl<const N: usize> Flowing for Cell<'_, N> {
         (self.history, self.rise, self.softening) = (history, rise, softening);
     }
 
+    fn slope(&self, sense: usize) -> f64 {
+        self.softening * self.heated.law.slope(&self.history, sense)
+    }
+
     fn law(&self, sense: usize) -> (Overstress, f64) {
         (self.heated.law.overstress().warmed(self.rise), self.softening * self.cold_stress(&self.history, sense))
     }

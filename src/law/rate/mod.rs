@@ -186,6 +186,11 @@ impl RateLaw {
         self.side(sense).pieces()[history.piece[sense] as usize].at(history.accumulated)
     }
 
+    /// d f/dp of that.
+    fn slope(&self, history: &History, sense: usize) -> f64 {
+        self.side(sense).pieces()[history.piece[sense] as usize].slope
+    }
+
     /// Stress that a cell can carry at most in a sense (0 tension, 1 compression), Pa: infinite unless it does not depend on the rate
     /// and its static curve ends level.
     pub fn largest_stress(&self, sense: usize) -> f64 {

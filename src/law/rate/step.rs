@@ -5,6 +5,7 @@
 //! is the flow of the latest step over the overstress that makes a factor e in the rate: the step over the relaxation time.
 
 use super::{Driven, Overstress};
+use crate::root::Tolerance;
 
 /// Overstress below this part of the stresses it is the difference of is rounding and does not flow.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
@@ -28,6 +29,9 @@ pub(super) trait Flowing {
 
     /// Takes it to the end of a flow.
     fn advance(&mut self, driven: Driven, flow: f64, sense: usize);
+
+    /// d f/dp of its static curve in a sense.
+    fn slope(&self, sense: usize) -> f64;
 
     /// Its law of overstress, and the static flow stress in a sense, Pa.
     fn law(&self, sense: usize) -> (Overstress, f64);
@@ -78,7 +82,7 @@ impl Step {
         let (stress, [low, high]) = (predictor - self.plastic, cell.limits());
         let left = if sense == 0 { stress - high } else { low - stress };
         self.work += 0.5 * (driven.excess + left.max(0.0)) * flow;
-        let least = rounding(stress, [low, high], cell.back());
+        let least = rounding(stress, [low, high], cell.back()) + unsolved(cell, driven, flow, sense);
         let size = match left {
             left if left > least => left,
             left if left >= -least && flow > 0.0 => GONE,
@@ -110,6 +114,12 @@ fn across_limit(cell: &impl Flowing, driven: Driven, sense: usize, time: f64) ->
         return flow;
     }
     flow + part * (cell.flow(Driven { excess, rise: 0.0, time: 0.5 * time }, sense) - flow)
+}
+
+/// How far from its elastic limit a stress may end by the tolerance to which a flow is solved: the stress falls by what flows, and the limit
+/// rises by the slope of the curve times that, tens of times as much along a line that is nearly as steep as the elastic one.
+fn unsolved(cell: &impl Flowing, driven: Driven, flow: f64, sense: usize) -> f64 {
+    (1.0 + cell.slope(sense)) * Tolerance::of_differences(driven.excess + driven.rise.abs()).at(flow)
 }
 
 fn width(cell: &impl Flowing, x: f64, sense: usize) -> f64 {

@@ -17,6 +17,7 @@ use super::FrontTracking;
 use super::list::{Kind, NONE, Node};
 use super::merging::{Scratch, neighbours};
 use super::nearness::{REST, same_motion};
+use super::tracking::Unshown;
 use crate::wave::riemann::{Flow, Point};
 
 /// Speeds closer than this part of the elastic wave speed are one speed.
@@ -28,7 +29,8 @@ impl FrontTracking {
         let mut scratch = std::mem::take(&mut self.merging.scratch);
         self.spread_out(&mut scratch);
         let before = self.content(self.end_nodes[0], self.end_nodes[1]);
-        self.merging.start(before.energy);
+        let Unshown { plastic, heat } = self.booked.unshown;
+        self.merging.start(before.energy, plastic + heat);
         let mut start = 0;
         while start + 1 < scratch.ids.len() {
             let end = (start + 1..scratch.ids.len() - 1)
@@ -110,7 +112,7 @@ impl FrontTracking {
             if node.kind == Kind::Front && (scratch.gone[i] || changed) {
                 // Its front segment ends here, and another one begins.
                 self.keep_front_segment(&node);
-                self.merging.energy += self.unbooked(&node);
+                self.book_work_of(&node);
                 let node = self.list.get_mut(scratch.ids[i]);
                 (node.x, node.t) = (scratch.x[i], self.now);
             }
@@ -131,23 +133,39 @@ impl FrontTracking {
 }
 
 impl FrontTracking {
-    /// Energy that a front has taken since its start and that the work behind it does not show, J. The mean of two waves
-    /// has their mean work, but the work of a jump goes with the square of its height.
-    pub(super) fn unbooked(&self, node: &Node) -> f64 {
+    /// Plastic work that a front has done since its start and that the work behind it does not show, J. The mean of two waves
+    /// has their mean work, but the work of a jump goes with the square of its height: of a wave that rises evenly and becomes one front, the
+    /// mean is more than the front does.
+    fn unshown(&self, node: &Node) -> f64 {
         let (left, right) = (self.list.get(node.prev).right, node.right);
         let (ahead, behind) = if node.speed > 0.0 { (right, left) } else { (left, right) };
         let medium = &self.media[node.segment as usize];
         let flow = (behind.plastic - ahead.plastic) / medium.modulus;
-        let taken = 0.5 * (ahead.stress + behind.stress) * flow - (behind.work - ahead.work);
-        taken * medium.area * node.speed.abs() * (self.now - node.t)
+        let work = 0.5 * (ahead.stress + behind.stress) * flow - (behind.work - ahead.work);
+        work * medium.area * node.speed.abs() * (self.now - node.t)
     }
 
-    /// Energy that merging has taken so far, J.
-    pub(super) fn merged_energy(&self) -> f64 {
-        if !self.merging.is_on() {
-            return 0.0;
+    /// That, where the front may be a mean.
+    fn add_unshown(&self, node: &Node, sum: &mut Unshown) {
+        if node.kind == Kind::Front && self.merging.is_on() {
+            let work = self.unshown(node);
+            let heats = self.heating(node.segment as usize).map_or(0.0, |heating| heating.fraction);
+            sum.plastic += (1.0 - heats) * work;
+            sum.heat += heats * work;
         }
-        let fronts = self.list.iter().filter(|n| n.kind == Kind::Front);
-        self.merging.energy + fronts.map(|n| self.unbooked(n)).sum::<f64>()
+    }
+
+    /// Books it, before the front goes or changes.
+    pub(super) fn book_work_of(&mut self, node: &Node) {
+        let mut sum = self.booked.unshown;
+        self.add_unshown(node, &mut sum);
+        self.booked.unshown = sum;
+    }
+
+    /// Of all fronts so far.
+    pub(super) fn all_unshown(&self) -> Unshown {
+        let mut sum = self.booked.unshown;
+        self.list.iter().for_each(|node| self.add_unshown(node, &mut sum));
+        sum
     }
 }

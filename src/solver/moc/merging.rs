@@ -87,11 +87,11 @@ impl FrontMerging {
         self.allowance > 0.0
     }
 
-    /// Starts a passage through a bar of so much energy: it may give what earlier ones have taken, and the front tolerance's part of the
-    /// largest energy.
-    pub fn start(&mut self, energy: f64) {
+    /// Starts a passage through a bar of so much energy: it may give what earlier ones have taken, together with what merged fronts have done
+    /// since beyond their mean work (`unshown`, J), and the front tolerance's part of the largest energy.
+    pub fn start(&mut self, energy: f64, unshown: f64) {
         self.largest = self.largest.max(energy);
-        self.credit = (self.energy + self.tolerance * self.largest).max(0.0);
+        self.credit = (self.energy + unshown + self.tolerance * self.largest).max(0.0);
     }
 
     /// Notes a passage that left so many nodes, after so many events.

@@ -66,9 +66,7 @@ impl FrontTracking {
             self.keep_opening(node);
         }
         self.keep_front_segment(node);
-        if node.kind == Kind::Front && self.merging.is_on() {
-            self.merging.energy += self.unbooked(node);
-        }
+        self.book_work_of(node);
     }
 
     /// Removes from `first` to just before `last`.

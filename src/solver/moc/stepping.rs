@@ -12,7 +12,9 @@ use crate::bar::ends::{self, EndModel, Push, Relation, Step};
 pub(super) struct Account {
     /// Work done on the bar, J: what a body lost, else that of the force at the face.
     pub work: f64,
-    /// That of the force at the bar's edge, J: less, by what the steps of a body do not resolve.
+    /// That of the force at the face, J: less than what a body lost, by what its steps do not resolve.
+    pub on_face: f64,
+    /// That of the force at the bar's edge, J: less, by what strain that gathers at the face takes.
     pub on_edge: f64,
     /// Impulse given to the bar, N s, into the bar.
     pub impulse: f64,
@@ -40,9 +42,10 @@ pub(super) struct Stepping {
     pub until: f64,
     /// Of the face at the start of the step, m.
     pub displacement: f64,
-    /// Over the step so far: displacement (m), impulse (N s), work at the bar's edge (J).
+    /// Over the step so far: displacement (m), impulse (N s), work at the face and at the bar's edge (J).
     moved: f64,
     impulse: f64,
+    on_face: f64,
     on_edge: f64,
     /// Since when, and what holds.
     since: f64,
@@ -66,6 +69,7 @@ impl Stepping {
             displacement: 0.0,
             moved: 0.0,
             impulse: 0.0,
+            on_face: 0.0,
             on_edge: 0.0,
             since: 0.0,
             held: Held { force: 0.0, velocity, edge: velocity },
@@ -80,6 +84,7 @@ impl Stepping {
         let (dt, Held { force, velocity, edge }) = (t - self.since, self.held);
         self.moved += velocity * dt;
         self.impulse += force * dt;
+        self.on_face += force * velocity * dt;
         self.on_edge += force * edge * dt;
         self.since = t;
     }
@@ -95,13 +100,14 @@ impl Stepping {
             let before = self.model.energy(self.displacement);
             self.model.advance(&step, &push, self.met);
             let given = before - self.model.energy(self.displacement + self.moved);
-            self.account.work += if self.model.stores() { given } else { self.on_edge };
+            self.account.work += if self.model.stores() { given } else { self.on_face };
             self.latest = (self.start + 0.5 * elapsed, push.force);
         }
+        self.account.on_face += self.on_face;
         self.account.on_edge += self.on_edge;
         self.account.impulse += self.impulse;
         self.displacement += self.moved;
-        (self.moved, self.impulse, self.on_edge) = (0.0, 0.0, 0.0);
+        (self.moved, self.impulse, self.on_face, self.on_edge) = (0.0, 0.0, 0.0, 0.0);
         self.start = self.since;
     }
 

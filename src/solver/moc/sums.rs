@@ -2,6 +2,7 @@
 
 use super::FrontTracking;
 use super::list::{Kind, NONE};
+use super::tracking::Unshown;
 
 /// Account at a moment, J and N s (per m^2 where the bar has no area of its own).
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -23,7 +24,7 @@ pub struct Balance {
     pub momentum: f64,
     /// Momentum that rounding of places and the bringing of near fronts to one point gave to the bar.
     pub shifted: f64,
-    /// Work done on the bar through its ends, left and right: what a body there lost, else that of the stress on the bar's own edge.
+    /// Work done on the bar through its ends, left and right: what a body there lost, else that of the force on the face.
     pub work: [f64; 2],
     /// Impulse given to the bar through its ends, left and right.
     pub impulse: [f64; 2],
@@ -39,9 +40,12 @@ impl Balance {
 impl FrontTracking {
     /// Energies, momentum and what came in through the ends, now.
     pub fn balance(&self) -> Balance {
+        let Unshown { plastic, heat } = self.all_unshown();
         let mut sum = Balance {
+            plastic,
+            heat,
             concentrated: self.booked.concentrated,
-            thinned: self.merged_energy() - self.booked.shifted.energy,
+            thinned: self.merging.energy - self.booked.shifted.energy,
             shifted: self.booked.shifted.momentum,
             ..Balance::default()
         };
@@ -61,7 +65,8 @@ impl FrontTracking {
         for (k, end) in self.ends.iter().enumerate() {
             let account = end.account(self.time());
             sum.work[k] = account.work;
-            sum.thinned += account.work - account.on_edge;
+            sum.concentrated += account.on_face - account.on_edge;
+            sum.thinned += account.work - account.on_face;
             sum.impulse[k] = end.face.inward * account.impulse;
         }
         sum

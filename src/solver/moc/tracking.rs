@@ -32,11 +32,20 @@ pub(super) struct Scratch {
     pub sent_right: Vec<Emitted>,
 }
 
+/// Plastic work that is not that of a state, J.
+#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
+pub(super) struct Unshown {
+    pub plastic: f64,
+    pub heat: f64,
+}
+
 /// What nodes that are gone leave in the accounts.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(super) struct Booked {
     /// Work taken at single points, J.
     pub concentrated: f64,
+    /// Plastic work of fronts that the states behind them do not show, and what of it turned into heat, J.
+    pub unshown: Unshown,
     pub shifted: Shifted,
     pub opened: Openings,
 }

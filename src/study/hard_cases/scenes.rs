@@ -56,6 +56,7 @@ pub const CASES: &[HardCase] = cases![
     "14-foam-of-1-pascal",
     "14-nanowire",
     "15-a-million-steps",
+    "16-a-state-over-x",
     "16-segments-in-motion",
     "16-stressed-and-yielded-segments",
     "17-near-melting",

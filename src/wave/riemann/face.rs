@@ -408,10 +408,12 @@ impl Faces {
         FaceState { point, ..near }
     }
 
-    /// Velocity change along the curve from zero stress to y, and the line on which that is.
+    /// Velocity change along the curve from zero stress to y, and the line on which that is. Within rounding above a knot y is at the
+    /// knot: the line that follows may be level, and no velocity brings a rise along it.
     fn moved(&self, sense: f64, y: f64) -> (f64, usize) {
         let lines = self.medium.lines(sense);
-        let line = lines.y.partition_point(|&start| start < y).max(1) - 1;
+        let at_knot = y - self.medium.round_off;
+        let line = lines.y.partition_point(|&start| start < at_knot).max(1) - 1;
         let rise = y - lines.y[line];
         (self.reach[side(sense)][line] + if rise > 0.0 { lines.compliance[line] * rise } else { 0.0 }, line)
     }

@@ -11,7 +11,7 @@ use barwave::solver::fd::Sampling;
 
 use super::checks::figures_of;
 use super::spec::{Keys, Method, Spec, Value};
-use super::watch::follow;
+use super::watch::{Figures, follow};
 
 const STEEL: &str =
     "{ density = 7800, modulus = 2e11, beyond = \"extend\", curve = { table = [[0.001, 2e8], [0.1, 4e8]] } }";
@@ -29,6 +29,14 @@ pub fn text(bar: &str, left: &str, effects: &str, solve: &str) -> String {
 
 pub fn scene(text: &str) -> Scene {
     Scene::parse("found.toml", text, Path::new("."), &[]).unwrap_or_else(|e| panic!("{e}\n{text}"))
+}
+
+/// The run of a scene, of which nothing may be wrong on the way.
+fn followed(text: &str) -> Figures {
+    let (scene, mut failures) = (scene(text), Vec::new());
+    let figures = follow(&scene, scene.solve.until, &mut failures);
+    assert!(failures.is_empty(), "{:?}\n{text}", failures[0]);
+    figures
 }
 
 /// The static stress is 0 at the origin, over which an overstress has no ratio: a panic.
@@ -63,9 +71,7 @@ fn a_sudden_stress_that_makes_the_bar_yield_keeps_its_account() {
                 let solve = format!("until = 1e-4\ncells = 80\ncfl = {cfl}");
                 let left = format!("kind = \"stress\"\nvalue = {stress}");
                 let text = text(&format!("{}{velocity}", bar(material)), &left, "unloading = \"isotropic\"", &solve);
-                let mut failures = Vec::new();
-                follow(&scene(&text), 1e-4, &mut failures);
-                assert!(failures.is_empty(), "{material} {velocity} {cfl}: {:?}", failures[0]);
+                followed(&text);
             }
         }
     }
@@ -132,7 +138,11 @@ fn spec(segments: Vec<Keys>, ends: [Keys; 2], effects: &[(&'static str, Value)],
 }
 
 fn assert_mirrored(spec: &Spec) {
-    let figures = |spec: &Spec| figures_of(&spec.text(Method::Leapfrog, 1)).expect("it runs");
+    assert_mirrored_by(Method::Leapfrog, spec);
+}
+
+fn assert_mirrored_by(method: Method, spec: &Spec) {
+    let figures = |spec: &Spec| figures_of(&spec.text(method, 1)).expect("it runs");
     let differs = figures(spec).mirrored().differs(&figures(&spec.mirrored()));
     assert!(differs.largest() < 1e-9, "{differs:?}");
 }
@@ -294,9 +304,7 @@ fn a_bar_at_its_largest_stress_does_not_push_a_spring_along() {
     let bar = format!("{}velocity = -36.2\n", bar(level).replace("0.19", "0.0301").replace("1e-4", "9.73e-4"));
     let solve = "until = 6.46e-5\nmethod = \"moc\"\nfront-tolerance = 1e-2";
     let text = text(&bar, "kind = \"spring\"\nstiffness = 88400000", "unloading = \"isotropic\"", solve);
-    let mut failures = Vec::new();
-    follow(&scene(&text), 6.46e-5, &mut failures);
-    assert!(failures.is_empty(), "{:?}", failures[0]);
+    followed(&text);
 }
 
 /// Merging averaged unloading waves that ran through the loading waves ahead of them: each mean held more energy than what it replaced, 8 % of
@@ -308,10 +316,7 @@ fn merging_of_fronts_gives_no_more_energy_than_the_front_tolerance() {
     let account = |tolerance: f64| {
         let solve = format!("until = 1.2e-5\nmethod = \"moc\"\nfront-tolerance = {tolerance:e}");
         let text = text(&bar, "kind = \"free\"", "unloading = \"isotropic\"", &solve);
-        let scene = scene(&text.replace("[right]\nkind = \"free\"", &format!("[right]\n{right}")));
-        let mut failures = Vec::new();
-        let figures = follow(&scene, scene.solve.until, &mut failures);
-        assert!(failures.is_empty(), "{:?}", failures[0]);
+        let figures = followed(&text.replace("[right]\nkind = \"free\"", &format!("[right]\n{right}")));
         (figures.taken, figures.work.values[1])
     };
     let [coarse, tracked] = [1e-2, 3e-4];
@@ -357,10 +362,7 @@ cfl = 1
 [record]
 frames = 2
 "#;
-    let scene = scene(text);
-    let mut failures = Vec::new();
-    follow(&scene, scene.solve.until, &mut failures);
-    assert!(failures.is_empty(), "{:?}", failures[0]);
+    followed(text);
 }
 
 /// In a pulse as short as a cell, flow turned within a step, and the filter took from a velocity difference that a step before had been larger
@@ -370,8 +372,7 @@ fn the_grid_filter_takes_nothing_from_a_cell_that_has_turned() {
     let horn = "[bar]\nlength = 1.4\narea = [[0, 0.000266], [0.7, 0.000151], [1.4, 0.000436]]\nmaterial = { density = 2450, modulus = 3e9, beyond = \"rupture\", curve = { table = [[9.82e-4, 2.945999999997e6], [1.2275e-2, 1.314357899999e7], [1.765636e-2, 2.069900843998e7]] } }\n";
     let left = "kind = \"stress\"\nhistory = [[0, -488e6], [1.33e-5, 21.8e6], [1.98e-5, 21.8e6], [1.98e-5, 330e6], [2.92e-5, 330e6], [2.92e-5, 218e6]]";
     let text = text(horn, left, "unloading = \"isotropic\"", "until = 3e-5\ncells = 60\ncfl = 0.932");
-    let scene = scene(&text);
-    let given = follow(&scene, scene.solve.until, &mut Vec::new()).given;
+    let given = followed(&text).given;
     assert!(given < 0.01, "{given} of all energy");
 }
 
@@ -411,10 +412,7 @@ cfl = 0.95
 [record]
 frames = 2
 "#;
-    let scene = scene(text);
-    let mut failures = Vec::new();
-    follow(&scene, scene.solve.until, &mut failures);
-    assert!(failures.is_empty(), "{:?}", failures[0]);
+    followed(text);
 }
 
 /// The wave that an end sends comes back after two transits, and takes all energy out of the bar again. What is left then is rounding, of
@@ -426,12 +424,150 @@ fn a_bar_from_which_all_energy_returns_has_no_residual() {
     for scheme in ["muscl", "leapfrog"] {
         let solve = format!("until = 1.22e-4\nscheme = \"{scheme}\"\ncells = 30");
         let text = text(&bar, "kind = \"velocity\"\nvalue = -13.3", "unloading = \"isotropic\"", &solve);
-        let mut failures = Vec::new();
-        let scene = scene(&text.replace("frames = 2", "frames = 400"));
-        assert!(
-            follow(&scene, scene.solve.until, &mut failures).ended && failures.is_empty(),
-            "{scheme}: {failures:?}"
-        );
-        run(&scene, None, &mut |_| ControlFlow::Continue(())).unwrap_or_else(|e| panic!("{scheme}: {e}"));
+        let text = text.replace("frames = 2", "frames = 400");
+        assert!(followed(&text).ended, "{scheme}");
+        run(&scene(&text), None, &mut |_| ControlFlow::Continue(())).unwrap_or_else(|e| panic!("{scheme}: {e}"));
     }
+}
+
+/// Along a curve that ends level the stress at a face was past its end by rounding, or not, in the bar and in its mirror. Where it was, a flowing
+/// cell was not taken back to before it gained stress, as it is everywhere else: the velocities of its neighbours differed by 1 %.
+#[test]
+fn a_face_within_rounding_of_a_level_stretch_lies_at_its_start() {
+    let rod = keys(&[
+        ("length", Value::number(2.02)),
+        (
+            "material",
+            same(
+                "{ density = 2800, modulus = \"120 GPa\", beyond = \"rupture\", curve = { table = [[1.44e-3, 1.727999999998e8], [8.9136e-3, 4.929690239995e8], [9.34848e-3, 5.071635071995e8]] } }",
+            ),
+        ),
+        (
+            "stress",
+            Value::Along(vec![(0.0, -5.93e6), (0.647, -1.29e7), (0.682, -1.28e7), (2.01, 1.31e6), (2.02, 3.7e6)], 2.02),
+        ),
+    ]);
+    let rows = vec![(0.0, 0.0), (5.03e-4, -31.9), (1.01e-3, -31.9), (1.51e-3, 0.0)];
+    let left = keys(&[("kind", same("\"velocity\"")), ("history", Value::SignedRows(rows))]);
+    let right = keys(&[("kind", same("\"stress\"")), ("value", Value::number(5.52e8))]);
+    let isotropic = [("unloading", same("\"isotropic\""))];
+    assert_mirrored_by(Method::Muscl, &spec(vec![rod], [left, right], &isotropic, (8.8e-4, 20, 0.926)));
+}
+
+/// A cell that flows at once ended within rounding of its static curve, by the tolerance to which its flow is solved, times the slope of the curve,
+/// 12 where it is nearly elastic. Where that was below the curve by more than the rounding of stresses, it counted as unloaded within the step, and
+/// the filter left it alone; in the mirrored bar it was above.
+#[test]
+fn the_tolerance_of_a_flow_is_no_unloading() {
+    let horn = keys(&[
+        ("length", Value::number(0.014)),
+        ("area", Value::Along(vec![(0.0, 1.63e-5), (7e-3, 1.7e-5), (1.4e-2, 2.51e-5)], 0.014)),
+        (
+            "material",
+            same(
+                "{ density = 2870, modulus = \"200 GPa\", beyond = \"extend\", curve = { table = [[4.59e-4, 9.179999999991e7]] } }",
+            ),
+        ),
+        ("velocity", Value::Signed(7.7, "m/s")),
+    ]);
+    let quick = keys(&[
+        ("length", Value::number(0.00766)),
+        ("area", Value::unit(52.9, "mm^2")),
+        (
+            "material",
+            same(
+                "{ density = 4310, modulus = \"200 GPa\", beyond = \"extend\", rate = { malvern = { k = 1570 } }, curve = { table = [[5.69e-4, 1.137999999999e8], [1.2518e-2, 3.164550399997e8]] } }",
+            ),
+        ),
+    ]);
+    let steep = keys(&[
+        ("length", Value::number(0.00754)),
+        ("diameter", Value::unit(4.92, "mm")),
+        (
+            "material",
+            same(
+                "{ density = 2710, modulus = \"70 GPa\", beyond = \"extend\", curve = { table = [[2.1e-3, 1.469999999999e8], [2.8728e-3, 1.523663231998e8], [6.0648e-3, 3.648577631996e8], [9.1728e-3, 5.804597231994e8], [1.78038e-2, 6.873978131993e8], [3.18738e-2, 7.139901131993e8], [5.24328e-2, 2.040867973198e9], [8.16228e-2, 3.708200773196e9], [9.07998e-2, 4.260656173196e9], [1.183098e-1, 4.286845693196e9]] } }",
+            ),
+        ),
+    ]);
+    let last = keys(&[
+        ("length", Value::number(0.0195)),
+        ("area", Value::unit(30.6, "mm^2")),
+        (
+            "material",
+            same(
+                "{ density = 4300, modulus = \"70 GPa\", beyond = \"error\", rate = { malvern = { k = 344000 } }, curve = { table = [[3.65e-3, 2.554999999997e8]] } }",
+            ),
+        ),
+    ]);
+    let left = keys(&[("kind", same("\"velocity\"")), ("value", Value::Signed(6.04, ""))]);
+    let right = keys(&[
+        ("kind", same("\"striker\"")),
+        ("mass", Value::number(2.25e-4)),
+        ("velocity", Value::Signed(-12.0, "")),
+    ]);
+    let effects = [("unloading", same("\"isotropic\"")), ("rate", same("\"material\""))];
+    let mut scene = spec(vec![horn, quick, steep, last], [left, right], &effects, (7.63e-6, 80, 0.8));
+    scene.joints[2] = keys(&[("joint", same("\"contact\""))]);
+    assert_mirrored(&scene);
+}
+
+/// Front tracking took the velocity of the bar for that of the face, where a level curve keeps them apart: a dashpot worked on the bar with 17
+/// instead of 2 m/s, and what the strain that gathers there takes, a quarter of all energy, was missing among what is taken at single points.
+#[test]
+fn a_dashpot_that_stops_a_bar_at_its_largest_stress_works_with_its_own_velocity() {
+    let level = "{ density = 7390, modulus = \"120 GPa\", beyond = \"extend\", curve = { table = [[2.9e-3, 3.479999999997e8], [1.6588e-2, 3.479999999997e8]] } }";
+    let bar = format!("{}velocity = 17.2\n", bar(level).replace("0.19", "0.329").replace("1e-4", "1.225e-5"));
+    let by = |method: &str| {
+        let text = text(&bar, "kind = \"free\"", "", &format!("until = 1.45e-4\n{method}"));
+        let text = text.replace("[right]\nkind = \"free\"", "[right]\nkind = \"dashpot\"\ncoefficient = 2130");
+        followed(&text)
+    };
+    let [tracked, grid] = ["method = \"moc\"", "method = \"fd\"\ncells = 200"].map(by);
+    assert!(tracked.gathers);
+    let work = tracked.work.values[1] / grid.work.values[1];
+    assert!((work - 1.0).abs() < 0.01, "{work}");
+}
+
+/// Plastic waves that rise evenly were merged to one front, which has their mean work but does less; while it ran on, the difference was taken
+/// for energy that merging gives: 6.6 % of all energy at a front tolerance of 0.3 %, which is 22 tolerances.
+#[test]
+fn a_merged_plastic_front_does_the_work_of_its_own_jump() {
+    let soft = "{ density = 7990, modulus = \"3 GPa\", beyond = \"extend\", curve = { table = [[2.93e-3, 8.789999999991e6], [8.1161e-2, 1.059529019999e8], [9.121090e-2, 1.170781412999e8]] } }";
+    let stiff = "{ density = 4130, modulus = \"200 GPa\", beyond = \"extend\", curve = { table = [[4.09e-4, 8.179999999992e7]] } }";
+    let segment = |length: f64, material: &str| {
+        format!("[[bar.segment]]\nlength = {length}\narea = 1e-4\nmaterial = {material}\n")
+    };
+    let bar = segment(0.012, stiff) + &segment(0.0145, soft);
+    let right = "kind = \"velocity\"\nhistory = [[0, 0], [5.37e-7, 31.5], [1.07e-6, 31.5], [1.61e-6, 0]]";
+    for tolerance in [1e-2, 3e-3, 1e-3] {
+        let solve = format!("until = 1.92e-5\nmethod = \"moc\"\nfront-tolerance = {tolerance:e}");
+        let text = text(&bar, "kind = \"fixed\"", "unloading = \"isotropic\"", &solve);
+        followed(&text.replace("[right]\nkind = \"free\"", &format!("[right]\n{right}")));
+    }
+}
+
+/// Far above the static curve the law of Johnson and Cook has a rate beyond all numbers, and a node of the characteristic net flowed without bound:
+/// the work of its overstress was infinite.
+#[test]
+fn the_work_of_an_overstress_is_finite_at_a_stress_far_above_the_static_curve() {
+    let material = "{ density = 8890, modulus = \"3 GPa\", beyond = \"extend\", rate = { johnson-cook = { C = 0.00152, reference = 1 } }, curve = { table = [[1.05e-3, 3.149999999997e6], [1.995e-2, 3.790709999996e7]] } }";
+    let bar = bar(material).replace("0.19", "1.35").replace("1e-4", "142e-6");
+    let right = "kind = \"stress\"\nhistory = [[0, 0], [1.04e-5, -216e6], [2.08e-5, -216e6], [3.12e-5, 0]]";
+    let effects = "unloading = \"kinematic\"\nrate = \"material\"";
+    let solve = "until = 2.63e-4\nmethod = \"moc\"\ncells = 60";
+    let text = text(&bar, "kind = \"striker\"\nmass = 1.97\nvelocity = 33.3", effects, solve);
+    let figures = followed(&text.replace("[right]\nkind = \"free\"", &format!("[right]\n{right}")));
+    assert!(figures.ended && figures.work.values.iter().all(|work| work.is_finite()));
+}
+
+/// The error of a bar in uniform motion, whose stresses are rounding, was infinite: the difference from a companion run over no stress at all.
+#[test]
+fn the_error_of_a_bar_in_uniform_motion_is_finite() {
+    let bar = bar("{ density = 2020, modulus = \"200 GPa\", curve = { table = [[1e-3, 2e8], [0.1, 4e8]] } }");
+    let bar = bar.replace("1e-4", "[[0, 2.11e-5], [0.19, 2.49e-5]]") + "velocity = -6.08\n";
+    let text = text(&bar, "kind = \"absorbing\"", "", "until = 4.68e-4\nmethod = \"moc\"");
+    let summary = run(&scene(&text), None, &mut |_| ControlFlow::Continue(())).unwrap_or_else(|e| panic!("{e}"));
+    let error = summary.error.map_or(0.0, |error| error.value);
+    assert!(error.is_finite(), "{error}");
 }

@@ -63,7 +63,7 @@ struct Column {
 /// A missing file, one without numbers, columns that are not there or not clear, an unknown unit, a cell that is not a number, dimensions
 /// of the specimen that are missing or not needed.
 pub fn read(path: &Path, reading: &Reading) -> Result<Record> {
-    let document = Document::read(path)?;
+    let document = Document::read_scene(path)?;
     let mut table = columns::table(&document)?;
     let abscissa = choose(&document, &table, reading.abscissa.as_ref(), [Kind::Strain, Kind::Extension])?;
     let ordinate = choose(&document, &table, reading.ordinate.as_ref(), [Kind::Stress, Kind::Force])?;

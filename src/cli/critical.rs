@@ -156,11 +156,9 @@ fn checked(args: &Args) -> Result<Checked> {
     if args.length.is_some() && !args.rate && !args.heat {
         return Err(wrong("the static critical velocity does not depend on the length".into()));
     }
-    if let Some(path) = &args.output {
-        if !output::is_csv(path) {
-            let error = InputError::new(format!("unknown table format `{}`", path.display())).key("-o");
-            return Err(error.allowed("names that end in .csv").help("`barwave compare` draws figures").into());
-        }
+    if let Some(path) = args.output.as_deref().filter(|path| !output::is_csv(path)) {
+        let error = InputError::new(format!("unknown table format `{}`", path.display())).key("-o");
+        return Err(error.allowed("names that end in .csv").help("`barwave compare` draws figures").into());
     }
     output::check(args.json, [args.output.as_deref()])?;
     Ok(Checked { bootstrap: Bootstrap { resamples: args.bootstrap, seed: args.seed }, length })

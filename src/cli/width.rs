@@ -1,5 +1,6 @@
 //! Text within the width of a terminal, or what `COLUMNS` says.
 
+use std::fmt::Write as _;
 use std::io::IsTerminal;
 
 /// Narrowest width that is kept to.
@@ -118,9 +119,10 @@ fn lines(
             let parts = wrap_line(cell, limit.saturating_sub(hang).max(1));
             line += &parts.iter().map(|part| part.trim_start()).collect::<Vec<_>>().join(&format!("\n{:hang$}", ""));
         } else if is_left(c) {
-            line += &format!("{cell:<width$}");
+            // Writing to a String cannot fail.
+            let _ = write!(line, "{cell:<width$}");
         } else {
-            line += &format!("{cell:>width$}");
+            let _ = write!(line, "{cell:>width$}");
         }
     }
     format!("{}\n", line.trim_end())
@@ -133,7 +135,7 @@ mod tests {
     #[test]
     fn lines_are_broken_at_spaces_below_their_values() {
         let text = "  method      fd leapfrog, 1000 cells\nshort\n";
-        assert_eq!(wrap(text, 30), "  method      fd leapfrog, 1000\n              cells\nshort\n");
+        assert_eq!(wrap(text, 31), "  method      fd leapfrog, 1000\n              cells\nshort\n");
         assert_eq!(wrap("a-very-long-word-that-stays-whole", 10), "a-very-long-word-that-stays-whole");
         assert_eq!(wrap("one two three", 8), "one two\n  three");
     }

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::error::InputError;
+use crate::error::{Error, InputError};
 use crate::text_file::special;
 
 /// The file that a path stands for: what a symbolic link points to, otherwise the path itself.
@@ -27,4 +27,20 @@ pub fn resolve(path: &Path) -> Result<PathBuf, InputError> {
         return refuse(&format!("is a {}, which must not be replaced", special(&metadata)), "name a file");
     }
     Ok(if is_link { path.canonicalize().unwrap_or_else(|_| path.to_owned()) } else { path.to_owned() })
+}
+
+/// True of `-`, which stands for standard output.
+pub fn is_stdout(path: &Path) -> bool {
+    path == Path::new("-")
+}
+
+/// Makes the folder of a file, and those above it.
+///
+/// # Errors
+/// It is missing and cannot be made.
+pub fn make_folder(path: &Path) -> Result<(), Error> {
+    match path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
+        Some(folder) => std::fs::create_dir_all(folder).map_err(|e| Error::file(folder, e)),
+        None => Ok(()),
+    }
 }

@@ -81,11 +81,14 @@ impl Document {
         Ok(Self::new(path.display().to_string(), text_file::read(path)?))
     }
 
-    /// Reads the record of an instrument, and says in which encoding it is unless in UTF-8.
+    /// Reads the record of an instrument, and says in which encoding it is unless in UTF-8; standard input where the path is `-`.
     ///
     /// # Errors
     /// An input error: the file cannot be read, or is no text.
     pub fn read_record(path: &Path) -> Result<(Self, Option<&'static str>)> {
+        if path == Path::new("-") {
+            return Ok((Self::read_scene(path)?, None));
+        }
         let (text, encoding) = text_file::read_record(path)?;
         Ok((Self::new(path.display().to_string(), text), encoding))
     }

@@ -2,10 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
+use serde_json::json;
 use toml::de::DeTable;
 
 use super::summary::note_lines;
-use super::{message, output};
+use super::{message, output, settings};
 use crate::error::{Error, InputError, Result};
 use crate::input::Document;
 use crate::material;
@@ -14,6 +15,7 @@ use crate::study::sweep::Sweep;
 
 /// Options of `barwave check`.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:\n  barwave check scene.toml materials/steel.toml\n  barwave check - < scene.toml")]
 pub(crate) struct Args {
     /// Scene, material and sweep files; which is which is seen from their content.
     #[arg(required = true, value_name = "FILE")]
@@ -37,6 +39,9 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let mut last: Option<Error> = None;
     for file in &args.files {
         match check(file) {
+            Ok((what, notes)) if settings::json() => {
+                output::json_line(&json!({ "file": file.display().to_string(), "kind": what, "notes": notes }))?;
+            }
             Ok((what, notes)) => {
                 let notes: String = note_lines(&notes).map(|line| line + "\n").collect();
                 output::text(&format!("{}: ok ({what})\n{notes}", file.display()))?;

@@ -7,7 +7,6 @@ use super::compare_results::{self, Outputs};
 use super::critical::SenseArg;
 use super::result_file::is_result;
 use super::{critical, output};
-use crate::destination;
 use crate::error::{Error, InputError, Result};
 use crate::record::Field;
 use crate::report::{self, plot};
@@ -15,14 +14,17 @@ use crate::study::compare::{Compared, compare};
 
 /// Options of `barwave compare`.
 #[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  barwave compare copper-annealed mild-steel -o curves.svg\n  barwave compare 'steel*' --sense compression -o - > steels.csv\n  barwave compare coarse.h5 fine.h5 --field stress"
+)]
 pub(crate) struct Args {
-    /// Library names, patterns such as 'steel*', or paths of material files; or result files (.h5), compared with the first of them.
+    /// Library names, patterns such as 'steel*', or paths of material files, `-` for standard input; or result files (.h5), compared with the first of them.
     #[arg(required_unless_present = "all", value_name = "MATERIAL|RESULT.h5")]
     names: Vec<String>,
     /// All materials of the library.
     #[arg(long, conflicts_with = "names")]
     all: bool,
-    /// Output file: figure (.svg, .png, .html) or table (.csv).
+    /// Output file: figure (.svg, .png, .html) or table (.csv; `-` writes it to standard output).
     #[arg(short, long, visible_alias = "plot", value_name = "FILE")]
     output: Option<PathBuf>,
     /// Field of results to draw (default: the first that they share).
@@ -44,9 +46,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
             other => other,
         })?;
     }
-    if let Some(path) = &args.output {
-        destination::resolve(path)?;
-    }
+    output::check(args.json, [args.output.as_deref()])?;
     if let Some(files) = results(&args.names)? {
         return compare_results::run(
             &files,
@@ -62,10 +62,10 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         None => {}
     }
     if args.json {
-        return output::json(&compared);
+        return output::json_list(&compared);
     }
     let written = args.output.as_ref().map_or_else(String::new, |path| format!("\nwrote {}\n", path.display()));
-    output::text(&format!("{}{written}", table(&compared)))
+    output::text_beside([args.output.as_deref()], &format!("{}{written}", table(&compared)))
 }
 
 /// The names as result files, where they are.

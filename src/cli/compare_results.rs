@@ -40,11 +40,11 @@ pub(super) fn run(paths: &[PathBuf], outputs: &Outputs<'_>) -> Result<()> {
         None => {}
     }
     if outputs.json {
-        return output::json(&differences);
+        return output::json_list(&differences);
     }
     let text: String = differences.iter().map(|difference| text(&paths[0], difference)).collect();
     let written = outputs.file.map_or_else(String::new, |path| std::format!("wrote {}\n", path.display()));
-    output::text(&(text + &written))
+    output::text_beside([outputs.file], &(text + &written))
 }
 
 fn text(first: &Path, difference: &Difference) -> String {

@@ -12,7 +12,6 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::scratch::Scratch;
 use super::{interrupt, output};
-use crate::destination;
 use crate::error::{Error, InputError, Result};
 use crate::record::{Measure, SolvedBy};
 use crate::report::{self, plot};
@@ -23,11 +22,15 @@ use crate::units::{Dimension, Quantity};
 
 /// Options of `barwave cost`.
 #[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  barwave cost scene.toml --budget 60s\n  barwave cost scene.toml --measure peak-force -o cost.svg"
+)]
 pub(crate) struct Args {
     /// The scene file.
     #[arg(value_name = "SCENE.toml")]
     scene: PathBuf,
-    /// Output file: table (.csv), figure (.svg, .png, .html) or complete data (.json).
+    /// Output file: table (.csv), figure (.svg, .png, .html) or complete data (.json); `-` writes the table to
+    /// standard output.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Wall-clock time for the whole study, e.g. 60s or "5 min".
@@ -68,9 +71,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let budget = seconds(&args.budget)?;
     let measure = measure(&args.measure)?;
     let kind = args.output.as_deref().map(kind).transpose()?;
-    if let Some(path) = &args.output {
-        destination::resolve(path)?;
-    }
+    output::check(args.json, [args.output.as_deref()])?;
     if !args.scene.is_file() && args.scene.exists() || args.scene == Path::new("-") {
         let message = format!("`{}` can be read only once", args.scene.display());
         return Err(InputError::new(message).help("`barwave cost` runs the scene many times; name a file").into());
@@ -97,7 +98,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     if args.json {
         output::json(&found)?;
     } else if !args.quiet {
-        output::text(&text(&found, args.output.as_deref()))?;
+        output::text_beside([args.output.as_deref()], &text(&found, args.output.as_deref()))?;
     }
     if found.interrupted { Err(Error::Interrupted) } else { Ok(()) }
 }
@@ -118,8 +119,7 @@ fn of_impact(args: &Args, scene: &ImpactScene, kind: Option<&Kind>, budget: f64)
     match (args.output.as_deref(), kind) {
         (Some(path), Some(Kind::Csv)) => plot::write_whole(path, super::impact_cost::csv(&found).as_bytes())?,
         (Some(path), Some(Kind::Json)) => {
-            let json = serde_json::to_string_pretty(&found).map_err(|e| Error::file(path, e))?;
-            plot::write_whole(path, (json + "\n").as_bytes())?;
+            plot::write_whole(path, output::json_text(&found)?.as_bytes())?;
         }
         (Some(path), Some(Kind::Picture)) => plot::save(path, &found.scene, &report::impact_cost::figure(&found))?,
         _ => {}
@@ -127,7 +127,7 @@ fn of_impact(args: &Args, scene: &ImpactScene, kind: Option<&Kind>, budget: f64)
     if args.json {
         output::json(&found)?;
     } else if !args.quiet {
-        output::text(&super::impact_cost::text(&found))?;
+        output::text_beside([args.output.as_deref()], &super::impact_cost::text(&found))?;
     }
     if stop.load(Ordering::Relaxed) { Err(Error::Interrupted) } else { Ok(()) }
 }
@@ -156,6 +156,7 @@ fn kind(path: &Path) -> Result<Kind> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     match extension.as_str() {
         "csv" => Ok(Kind::Csv),
+        _ if output::is_csv(path) => Ok(Kind::Csv),
         "json" => Ok(Kind::Json),
         _ => plot::Format::of(path).map(|_| Kind::Picture).map_err(|e| match e {
             Error::Input(e) => e.allowed("names that end in .csv, .svg, .png, .html or .json").into(),
@@ -167,10 +168,7 @@ fn kind(path: &Path) -> Result<Kind> {
 fn write(path: &Path, kind: &Kind, cost: &Cost) -> Result<()> {
     match kind {
         Kind::Csv => plot::write_whole(path, csv(&cost.points).as_bytes()),
-        Kind::Json => {
-            let json = serde_json::to_string_pretty(cost).map_err(|e| Error::file(path, e))?;
-            plot::write_whole(path, (json + "\n").as_bytes())
-        }
+        Kind::Json => plot::write_whole(path, output::json_text(cost)?.as_bytes()),
         Kind::Picture => plot::save(path, &cost.scene, &report::cost::figure(cost)),
     }
 }

@@ -8,9 +8,8 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::output;
-use crate::destination;
 use crate::error::{Error, InputError, Result};
-use crate::material::{Curve, HeatingError, Material, Scatter, Sense, TestCurve, library, mean_curve};
+use crate::material::{self, Curve, HeatingError, Material, Scatter, Sense, TestCurve, library, mean_curve};
 use crate::report::plot::write_whole;
 use crate::study::bracket::{Apparent, Confirmation, RateAndHeat, apparent, confirm};
 use crate::study::critical::{CriticalRow, critical};
@@ -28,7 +27,7 @@ mod tables;
 )]
 #[expect(clippy::struct_excessive_bools, reason = "one a flag of the command line")]
 pub(crate) struct Args {
-    /// Library names, patterns such as 'steel*', or paths of material files.
+    /// Library names, patterns such as 'steel*', or paths of material files; `-` reads one from standard input.
     #[arg(required_unless_present = "all", value_name = "MATERIAL")]
     materials: Vec<String>,
     /// All materials of the library and of the user's folders, sorted by critical velocity.
@@ -61,7 +60,7 @@ pub(crate) struct Args {
     /// Seed of the bootstrap.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Write the table to a .csv file.
+    /// Write the table to a .csv file; `-` is standard output.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Print a JSON list and nothing else.
@@ -126,7 +125,10 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     if let Some(path) = &args.output {
         write_whole(path, tables::csv(&studied).as_bytes())?;
     }
-    if args.json { output::json(&studied) } else { output::text(&tables::text(&studied, args.output.as_deref())) }
+    if args.json {
+        return output::json_list(&studied);
+    }
+    output::text_beside([args.output.as_deref()], &tables::text(&studied, args.output.as_deref()))
 }
 
 /// Numbers of the command line that need checks.
@@ -154,13 +156,11 @@ fn checked(args: &Args) -> Result<Checked> {
     if args.length.is_some() && !args.rate && !args.heat {
         return Err(wrong("the static critical velocity does not depend on the length".into()));
     }
-    if let Some(path) = &args.output {
-        if !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv")) {
-            let error = InputError::new(format!("unknown table format `{}`", path.display())).key("-o");
-            return Err(error.allowed("names that end in .csv").help("`barwave compare` draws figures").into());
-        }
-        destination::resolve(path)?;
+    if let Some(path) = args.output.as_deref().filter(|path| !output::is_csv(path)) {
+        let error = InputError::new(format!("unknown table format `{}`", path.display())).key("-o");
+        return Err(error.allowed("names that end in .csv").help("`barwave compare` draws figures").into());
     }
+    output::check(args.json, [args.output.as_deref()])?;
     Ok(Checked { bootstrap: Bootstrap { resamples: args.bootstrap, seed: args.seed }, length })
 }
 
@@ -210,7 +210,7 @@ fn mean_of(materials: &[Material]) -> Result<Material> {
     let tests: Vec<TestCurve> = materials.iter().map(test).collect();
     let (modulus, rows) = mean_curve(&tests.iter().collect::<Vec<_>>());
     let ruptures = materials.iter().all(|m| m.tension.ultimate().is_some());
-    let beyond = if ruptures { crate::material::Beyond::Rupture } else { materials[0].tension.beyond() };
+    let beyond = if ruptures { material::Beyond::Rupture } else { materials[0].tension.beyond() };
     let curve = Curve::new(&rows, beyond).map_err(|e| InputError::new(format!("the mean curve: {e}")))?;
     let density = materials.iter().map(|m| m.density).sum::<f64>() / materials.len() as f64;
     let mut mean = Material::from_curve(format!("mean of {}", materials.len()), density, curve);
@@ -239,7 +239,12 @@ pub(super) fn load(names: &[String]) -> Result<Vec<Material>> {
             if name.contains(['*', '?']) { library::matching(name, Path::new(""))? } else { vec![name.clone()] };
         all.extend(found.into_iter().filter(|name| !all.contains(name)).collect::<Vec<_>>());
     }
-    all.iter().map(|name| library::find(name, Path::new(""))).collect()
+    all.iter().map(|name| find(name)).collect()
+}
+
+/// A material of the library, of a file, or for `-` from standard input.
+pub(super) fn find(name: &str) -> Result<Material> {
+    if name == "-" { material::file::read_stdin() } else { library::find(name, Path::new("")) }
 }
 
 /// User materials first, then the built-in ones that they do not hide. A user file that is wrong is named on

@@ -1,13 +1,18 @@
 //! Ctrl-C and SIGTERM: commands look at a flag and end in order.
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
 
-/// A flag that is set once the user asks to stop.
+static STOP: OnceLock<Arc<AtomicBool>> = OnceLock::new();
+
+/// A flag that is set once the user asks to stop; the same one for all runs of a command.
 pub(super) fn flag() -> Arc<AtomicBool> {
-    let stop = Arc::new(AtomicBool::new(false));
-    let asked = Arc::clone(&stop);
-    // A handler can only be missing where another one is set already; the command then ends as that one says.
-    let _ = ctrlc::set_handler(move || asked.store(true, Ordering::Relaxed));
-    stop
+    let stop = STOP.get_or_init(|| {
+        let stop = Arc::new(AtomicBool::new(false));
+        let asked = Arc::clone(&stop);
+        // A handler can only be missing where another one is set already; the command then ends as that one says.
+        let _ = ctrlc::set_handler(move || asked.store(true, Ordering::Relaxed));
+        stop
+    });
+    Arc::clone(stop)
 }

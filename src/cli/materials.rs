@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::output;
+use super::{output, settings};
 use crate::error::Result;
 use crate::material::{Beyond, Curve, Material, Sense, library};
 use crate::study::critical::critical;
@@ -11,6 +11,9 @@ mod import;
 
 /// Options of `barwave materials`.
 #[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  barwave materials\n  barwave materials show copper-annealed\n  barwave materials import record.csv --density \"7850 kg/m^3\" -o steel.toml"
+)]
 pub(crate) struct Args {
     #[command(subcommand)]
     action: Option<Action>,
@@ -25,10 +28,12 @@ enum Action {
     /// Write a material file for a CSV file of strain and stress, and check it.
     Import(Box<import::Args>),
     /// Print the folders in which material files are looked up.
+    #[command(after_help = "Examples:\n  barwave materials path")]
     Path,
 }
 
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:\n  barwave materials list\n  barwave materials list --json")]
 struct ListArgs {
     /// Print a JSON list and nothing else.
     #[arg(long)]
@@ -36,8 +41,9 @@ struct ListArgs {
 }
 
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:\n  barwave materials show copper-annealed\n  barwave materials show - < steel.toml")]
 struct ShowArgs {
-    /// Library name or path of a material file.
+    /// Library name or path of a material file; `-` reads standard input.
     material: String,
     /// Print one JSON object and nothing else.
     #[arg(long)]
@@ -46,7 +52,7 @@ struct ShowArgs {
 
 pub(crate) fn run(args: &Args) -> Result<()> {
     match &args.action {
-        None => list(false),
+        None => list(settings::json()),
         Some(Action::List(list_args)) => list(list_args.json),
         Some(Action::Show(show_args)) => show(show_args),
         Some(Action::Import(import_args)) => import::run(import_args),
@@ -57,14 +63,10 @@ pub(crate) fn run(args: &Args) -> Result<()> {
 const MPA: f64 = 1e6;
 const GPA: f64 = 1e9;
 
-fn base() -> &'static Path {
-    Path::new("")
-}
-
 fn list(json: bool) -> Result<()> {
     let materials = super::critical::all();
     if json {
-        return output::json(&materials.iter().map(summary).collect::<Vec<_>>());
+        return output::json_list(&materials.iter().map(summary).collect::<Vec<_>>());
     }
     let rows: Vec<_> = materials
         .iter()
@@ -116,15 +118,38 @@ fn summary(m: &Material) -> serde_json::Value {
 }
 
 fn show(args: &ShowArgs) -> Result<()> {
-    let material = library::find(&args.material, base())?;
+    let material = super::critical::find(&args.material)?;
     if args.json {
         return output::json(&serde_json::json!({
-            "material": material,
+            "material": with_units(serde_json::to_value(&material).unwrap_or_default()),
             "critical": critical(&material, Sense::Tension),
             "critical_in_compression": critical(&material, Sense::Compression),
         }));
     }
     output::text(&describe(&material))
+}
+
+/// Members of a material that have a unit, and their names with it. Constants of rate laws have the names and units of material files.
+const UNITS: [(&str, &str); 6] = [
+    ("density", "density_kg_m3"),
+    ("modulus", "modulus_Pa"),
+    ("stress", "stress_Pa"),
+    ("specific_heat", "specific_heat_J_kg_K"),
+    ("melting_temperature", "melting_temperature_K"),
+    ("reference_temperature", "reference_temperature_K"),
+];
+
+/// The same value with names that end in their units.
+fn with_units(value: serde_json::Value) -> serde_json::Value {
+    use serde_json::Value;
+    let named = |name: String| UNITS.iter().find(|(own, _)| *own == name).map_or(name, |(_, with)| (*with).to_owned());
+    match value {
+        Value::Object(members) => {
+            Value::Object(members.into_iter().map(|(name, value)| (named(name), with_units(value))).collect())
+        }
+        Value::Array(values) => Value::Array(values.into_iter().map(with_units).collect()),
+        other => other,
+    }
 }
 
 /// Everything about a material, for people.

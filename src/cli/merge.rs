@@ -27,5 +27,7 @@ pub(crate) struct Args {
 pub(crate) fn run(args: &Args) -> Result<()> {
     let output = destination::resolve(&args.output)?;
     let rows = merge(&args.folders, &output, args.partial)?;
-    output::text(&format!("{rows} rows in {} and {}\n", output.display(), output.with_extension("csv").display()))
+    let table = output.with_extension("csv");
+    let said = format!("{rows} rows in {} and {}\n", output.display(), table.display());
+    output::written(&[&output, &table], &said)
 }

@@ -1,17 +1,111 @@
 //! Errors on stderr: what, where with the line of the file, the allowed range, and a help line.
 
 use std::fmt::Write as _;
-use std::io::IsTerminal;
+use std::path::Path;
 
-use super::output;
+use serde::Serialize;
+
+use super::{output, settings};
 use crate::error::{Error, InputError, Place};
 
-/// Writes an error to stderr, in colour on a terminal unless `NO_COLOR` is set.
+/// Writes an error to stderr; with `--json` as an object.
 pub(super) fn show(error: &Error) {
-    let no_color = std::env::var_os("NO_COLOR").is_some_and(|v| !v.is_empty());
-    let dumb = std::env::var_os("TERM").is_some_and(|v| v == "dumb");
-    let paint = Paint(std::io::stderr().is_terminal() && !no_color && !dumb);
-    output::note(&render(error, paint));
+    if settings::json() {
+        return output::json_note(&Failure { error: error.into() });
+    }
+    output::note(&render(error, Paint(settings::colors())));
+}
+
+/// The same of one of several files: an error without a place of its own gets its name.
+pub(super) fn show_of(error: &Error, file: &Path) {
+    if settings::json() {
+        let error = Details { input: Some(file.display().to_string()), ..error.into() };
+        return output::json_note(&Failure { error });
+    }
+    output::note(&format!("{}: ", file.display()));
+    show(error);
+}
+
+/// Writes a usage error to stderr as an object.
+pub(super) fn show_usage(error: &clap::Error) {
+    let text = error.render().to_string();
+    let message = text.lines().next().unwrap_or_default().trim_start_matches("error: ").to_owned();
+    let code = u8::try_from(error.exit_code()).unwrap_or(1);
+    let help = Some("`barwave --help` lists the commands, `barwave COMMAND --help` their options".to_owned());
+    output::json_note(&Failure { error: Details { message, help, ..Details::of_kind("usage", code) } });
+}
+
+/// An error as JSON.
+#[derive(Debug, Serialize)]
+struct Failure {
+    error: Details,
+}
+
+/// What is known of an error.
+#[derive(Debug, Default, Serialize)]
+struct Details {
+    kind: &'static str,
+    exit_code: u8,
+    message: String,
+    /// Which of several files was being worked on.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    input: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    key: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    file: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    line: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    column: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    allowed: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    time_s: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    x_m: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    help: Option<String>,
+    /// What is left behind, and how to go on.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    notes: Vec<String>,
+}
+
+impl Details {
+    fn of_kind(kind: &'static str, exit_code: u8) -> Self {
+        Self { kind, exit_code, notes: output::take_remarks(), ..Self::default() }
+    }
+}
+
+impl From<&Error> for Details {
+    fn from(error: &Error) -> Self {
+        let some = |text: &str| (!text.is_empty()).then(|| text.to_owned());
+        let kind = |kind| Self { message: error.to_string(), ..Self::of_kind(kind, error.exit_code()) };
+        match error {
+            Error::Input(input) => Self {
+                message: input.message.clone(),
+                key: some(&input.key),
+                file: input.place.as_ref().map(|place| place.file.clone()),
+                line: input.place.as_ref().map(|place| place.line()),
+                column: input.place.as_ref().map(|place| column(place) + 1),
+                allowed: some(&input.allowed),
+                help: some(&input.help),
+                ..kind("input")
+            },
+            Error::Run(run) => Self {
+                message: run.reason.clone(),
+                time_s: Some(run.time),
+                x_m: run.x,
+                help: some(&run.help),
+                ..kind("run")
+            },
+            Error::File { path, reason } => {
+                Self { message: reason.clone(), file: Some(path.display().to_string()), ..kind("file") }
+            }
+            Error::Checks(_) => kind("checks"),
+            Error::Interrupted => kind("interrupted"),
+        }
+    }
 }
 
 /// ANSI colours, or none.
@@ -68,7 +162,7 @@ fn help_line(help: &str, paint: Paint) -> String {
 fn snippet(text: &mut String, place: &Place, paint: Paint) -> usize {
     let (start, end) = line_bounds(place);
     let number = place.line().to_string();
-    let column = place.text[start..floor(&place.text, place.span.start)].chars().count();
+    let column = column(place);
     let width = number.len() + 1;
     let (bar, blank) = (paint.blue("|"), " ".repeat(width));
     let _ = writeln!(text, "{}{} {}:{number}:{}", " ".repeat(number.len()), paint.blue("-->"), place.file, column + 1);
@@ -82,6 +176,11 @@ fn snippet(text: &mut String, place: &Place, paint: Paint) -> usize {
     let marked = marked.min(line.chars().count().saturating_sub(column).max(1));
     let _ = writeln!(text, "{blank}{bar} {lead}{}", paint.red(&"^".repeat(marked)));
     width
+}
+
+/// Characters before the span in its line.
+fn column(place: &Place) -> usize {
+    place.text[line_bounds(place).0..floor(&place.text, place.span.start)].chars().count()
 }
 
 /// The part of a very long line around a column, and that column in it.

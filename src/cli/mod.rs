@@ -21,25 +21,48 @@ mod report;
 mod result_file;
 mod run;
 mod scratch;
+mod settings;
 mod shell;
 mod stability;
 mod study;
 mod summary;
 mod sweep;
+mod width;
 
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::error::{InputError, Result};
 
 /// 1D elastic-plastic waves in bars: plastic wave fronts, critical impact velocity, HDF5 fields.
 #[derive(Debug, Parser)]
 #[command(name = "barwave", version, propagate_version = true)]
+#[command(
+    after_help = "Examples:\n  barwave new my-bar\n  barwave run my-bar.toml\n  barwave report my-bar.h5 -o my-bar.html\n  barwave critical copper-annealed"
+)]
 pub(crate) struct Cli {
     /// Threads to use, 1 to 1024 (default: all; also `RAYON_NUM_THREADS`). Results do not depend on it.
     #[arg(long, global = true, value_name = "N")]
     threads: Option<usize>,
+    /// Print results as JSON and nothing else; errors are JSON on stderr.
+    #[arg(long, global = true)]
+    json: bool,
+    /// Colours of messages.
+    #[arg(
+        long,
+        global = true,
+        value_enum,
+        value_name = "WHEN",
+        default_value = "auto",
+        hide_possible_values = true,
+        help = "Colours of messages: auto, always or never [default: auto]",
+        hide_default_value = true
+    )]
+    color: settings::Color,
+    /// Show on stderr what is read, what is written and how long it takes.
+    #[arg(short, long, global = true)]
+    verbose: bool,
     #[command(subcommand)]
     command: Command,
 }
@@ -84,14 +107,30 @@ enum Command {
 
 /// Runs the command line of this process.
 pub fn main() -> ExitCode {
-    let cli = Cli::parse();
+    settings::read(std::env::args_os());
+    let parsed = Cli::command().color(settings::parser_colors()).try_get_matches();
+    let cli = match parsed.and_then(|matches| Cli::from_arg_matches(&matches)) {
+        Ok(cli) => cli,
+        Err(error) => return usage(&error),
+    };
     match dispatch(&cli) {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(code) => ExitCode::from(code),
         Err(error) => {
             message::show(&error);
             ExitCode::from(error.exit_code())
         }
     }
+}
+
+/// Help, the version, or a usage error.
+fn usage(error: &clap::Error) -> ExitCode {
+    if error.use_stderr() && settings::json() {
+        message::show_usage(error);
+    } else {
+        // A reader that has gone away is no error.
+        let _ = error.print();
+    }
+    u8::try_from(error.exit_code()).map_or(ExitCode::FAILURE, ExitCode::from)
 }
 
 /// Most threads, and the stack that the system sets aside for each, bytes.
@@ -117,13 +156,22 @@ fn use_threads(key: &str, threads: usize) -> Result<()> {
     })
 }
 
-fn dispatch(cli: &Cli) -> Result<()> {
+/// The exit code of a command that has said what there is to say.
+fn dispatch(cli: &Cli) -> Result<u8> {
     let variable = || std::env::var("RAYON_NUM_THREADS").ok()?.trim().parse().ok().map(|n| ("RAYON_NUM_THREADS", n));
     if let Some((key, threads)) = cli.threads.map(|n| ("--threads", n)).or_else(variable) {
         use_threads(key, threads)?;
     }
-    match &cli.command {
-        Command::Run(args) => run::run(args),
+    output::detail(|| format!("{}, {} threads", output::program(), rayon::current_num_threads()));
+    if let Command::Run(args) = &cli.command {
+        return run::run(args);
+    }
+    other_commands(&cli.command).map(|()| 0)
+}
+
+fn other_commands(command: &Command) -> Result<()> {
+    match command {
+        Command::Run(args) => run::run(args).map(|_| ()),
         Command::Plan(args) => plan::run(args),
         Command::Check(args) => check::run(args),
         Command::Critical(args) => critical::run(args),
@@ -140,5 +188,48 @@ fn dispatch(cli: &Cli) -> Result<()> {
         Command::Completions(args) => shell::completions(args),
         Command::Man(args) => shell::man(args),
         Command::Schema(args) => shell::schema(args),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::{CommandFactory, Parser};
+
+    use super::Cli;
+
+    /// Words of a line as a shell parts them; what is redirected is left out.
+    fn words(line: &str) -> Vec<String> {
+        let (mut words, mut quote, mut word) = (Vec::new(), None, String::new());
+        for c in line.chars() {
+            match c {
+                '#' | '<' | '>' | '|' if quote.is_none() => break,
+                '"' | '\'' if quote.is_none() => quote = Some(c),
+                _ if quote == Some(c) => quote = None,
+                ' ' if quote.is_none() => words.extend(Some(std::mem::take(&mut word)).filter(|w| !w.is_empty())),
+                _ => word.push(c),
+            }
+        }
+        words.extend(Some(word).filter(|w| !w.is_empty()));
+        words
+    }
+
+    fn check_examples(command: &clap::Command) -> usize {
+        let examples = command.get_after_help().map(ToString::to_string).unwrap_or_default();
+        // As in a shell, a line that ends in a backslash goes on.
+        let joined = examples.replace("\\\n", "");
+        let lines: Vec<&str> = joined.lines().skip(1).collect();
+        // Three dots stand for options.
+        for line in lines.iter().filter(|line| !line.contains(" ... ")) {
+            let parsed = Cli::try_parse_from(words(line));
+            let is_help = |e: &clap::Error| e.kind() == clap::error::ErrorKind::DisplayHelp;
+            assert!(parsed.as_ref().err().is_none_or(is_help), "{line}: {:?}", parsed.err());
+        }
+        lines.len() + command.get_subcommands().map(check_examples).sum::<usize>()
+    }
+
+    #[test]
+    fn examples_of_the_help_are_accepted() {
+        Cli::command().debug_assert();
+        assert!(check_examples(&Cli::command()) > 40);
     }
 }

@@ -4,13 +4,18 @@ use std::fs::OpenOptions;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
-use super::output;
+use super::{output, settings};
+use crate::destination;
 use crate::error::{Error, InputError, Result};
 
 /// Options of `barwave new`.
 #[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  barwave new my-bar\n  barwave new taylor/cylinder --kind taylor\n  barwave new - --kind hopkinson > hopkinson.toml"
+)]
 pub(crate) struct Args {
-    /// Name of the scene; writes NAME.toml. A file that exists is never overwritten.
+    /// Name of the scene; writes NAME.toml, and its folder if it is missing. A file that exists is never overwritten; `-` is standard
+    /// output.
     name: PathBuf,
     /// What to start from.
     #[arg(short, long, value_enum, default_value = "bar")]
@@ -58,19 +63,30 @@ kinds! {
 }
 
 pub(crate) fn run(args: &Args) -> Result<()> {
+    if destination::is_stdout(&args.name) {
+        output::check(settings::json(), [Some(args.name.as_path())])?;
+        return output::text(&text(Path::new("scene.toml"), args.kind));
+    }
     let path = target(&args.name)?;
-    let mut wrote = path.display().to_string();
+    destination::make_folder(&path)?;
+    let mut wrote = vec![path.clone()];
     if args.kind == Kind::Sweep {
         let scene = path.with_file_name(scene_name(&path));
         if path.exists() {
             return Err(exists(&path));
         }
         write_new(&scene, &text(&scene, Kind::Bar))?;
-        wrote = format!("{wrote} and {}", scene.display());
+        wrote.push(scene);
     }
     write_new(&path, &text(&path, args.kind))?;
     let command = args.kind.command();
-    output::text(&format!("wrote {wrote}; try `barwave check {0}`, then `barwave {command} {0}`\n", path.display()))
+    let names: Vec<String> = wrote.iter().map(|path| path.display().to_string()).collect();
+    let said = format!(
+        "wrote {}; try `barwave check {1}`, then `barwave {command} {1}`\n",
+        names.join(" and "),
+        path.display()
+    );
+    output::written(&wrote.iter().map(PathBuf::as_path).collect::<Vec<_>>(), &said)
 }
 
 /// The scene of a sweep, beside it.
@@ -111,9 +127,6 @@ fn exists(path: &Path) -> Error {
 fn write_new(path: &Path, text: &str) -> Result<()> {
     let mut file = OpenOptions::new().write(true).create_new(true).open(path).map_err(|e| match e.kind() {
         ErrorKind::AlreadyExists => exists(path),
-        ErrorKind::NotFound => {
-            InputError::new(format!("there is no folder for `{}`", path.display())).help("make the folder first").into()
-        }
         _ => Error::file(path, e),
     })?;
     file.write_all(text.as_bytes()).map_err(|e| {

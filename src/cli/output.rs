@@ -1,13 +1,23 @@
 //! What commands write to stdout (plain text, aligned tables, JSON) and to stderr.
 
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
 
-use crate::error::{Error, Result};
+use serde::Serialize;
 
-/// Writes text to stdout. A reader that has gone away (`barwave ... | head`) is no error.
+pub(crate) use super::width::table;
+use super::{settings, width};
+use crate::destination;
+use crate::error::{Error, InputError, Result};
+use crate::record::store;
+
+/// Writes text for people to stdout, within its width. A reader that has gone away (`barwave ... | head`) is no error.
 pub(crate) fn text(text: &str) -> Result<()> {
-    bytes(text.as_bytes())
+    match width::of_stdout() {
+        Some(width) => bytes(width::wrap(text, width).as_bytes()),
+        None => bytes(text.as_bytes()),
+    }
 }
 
 /// Writes bytes to stdout, as [`text`] does.
@@ -24,43 +34,128 @@ pub(crate) fn note(text: &str) {
     let _ = std::io::stderr().lock().write_all(text.as_bytes());
 }
 
-/// Writes one JSON value and a line end to stdout.
-pub(crate) fn json(value: &impl serde::Serialize) -> Result<()> {
-    let json = serde_json::to_string_pretty(value).map_err(|e| Error::file(Path::new("stdout"), e))?;
-    text(&format!("{json}\n"))
-}
+/// What was said of the error to come, for its JSON object.
+static REMARKS: Mutex<Vec<String>> = Mutex::new(Vec::new());
 
-/// Whether a file is to be a table, by its name.
-pub(crate) fn is_csv(path: &Path) -> bool {
-    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv"))
-}
-
-/// Rows under their headings: the first `left` columns and the last one where `last_left` flush left, the others
-/// flush right.
-pub(crate) fn table(headings: &[&str], rows: &[Vec<String>], left: usize, last_left: bool) -> String {
-    let columns = headings.len();
-    let width = |c: usize| {
-        let cells = rows.iter().filter_map(|row| row.get(c)).map(|cell| cell.chars().count());
-        cells.fold(headings[c].chars().count(), usize::max)
-    };
-    let widths: Vec<usize> = (0..columns).map(width).collect();
-    let line = |cells: Vec<&str>| {
-        let padded = cells.iter().enumerate().map(|(c, cell)| {
-            let width = widths[c];
-            if c < left || (last_left && c + 1 == columns) {
-                format!("{cell:<width$}")
-            } else {
-                format!("{cell:>width$}")
-            }
-        });
-        let joined = padded.collect::<Vec<_>>().join("  ");
-        format!("{}\n", joined.trim_end())
-    };
-    let mut text = line(headings.to_vec());
-    for row in rows {
-        text += &line(row.iter().map(String::as_str).collect());
+/// Says more of an error or an interruption that is about to be shown: lines on stderr, with `--json` members of the error's object.
+pub(crate) fn remark(text: &str) {
+    if !settings::json() {
+        return note(text);
     }
-    text
+    if let Ok(mut remarks) = REMARKS.lock() {
+        remarks.extend(text.lines().map(str::to_owned));
+    }
+}
+
+/// The remarks since the last call.
+pub(crate) fn take_remarks() -> Vec<String> {
+    REMARKS.lock().map(|mut remarks| std::mem::take(&mut *remarks)).unwrap_or_default()
+}
+
+/// Where results go that are not told where: `runs/out` if there is a folder `runs`, else `beside`.
+pub(crate) fn default_folder(beside: &Path) -> PathBuf {
+    if Path::new("runs").is_dir() { PathBuf::from("runs/out") } else { beside.to_owned() }
+}
+
+/// Writes a detail to stderr with `--verbose`.
+pub(crate) fn detail(text: impl FnOnce() -> String) {
+    if settings::verbose() {
+        note(&format!("{}\n", text()));
+    }
+}
+
+/// The program with its version and, where that is known, its commit.
+pub(crate) fn program() -> String {
+    let revision = store::git_revision().map(|revision| format!(" ({revision})")).unwrap_or_default();
+    format!("barwave {}{revision}", env!("CARGO_PKG_VERSION"))
+}
+
+/// Version of all JSON that the program prints: `schema_version`. It changes when a member is renamed or removed, or changes its meaning.
+pub(crate) const SCHEMA_VERSION: u32 = 1;
+
+/// A JSON object with the version of its layout.
+#[derive(Debug, Serialize)]
+struct Versioned<'a, T> {
+    schema_version: u32,
+    #[serde(flatten)]
+    value: &'a T,
+}
+
+impl<'a, T> Versioned<'a, T> {
+    fn new(value: &'a T) -> Self {
+        Self { schema_version: SCHEMA_VERSION, value }
+    }
+}
+
+fn failed(error: serde_json::Error) -> Error {
+    Error::file(Path::new("stdout"), error)
+}
+
+/// Writes one JSON object and a line end to stdout.
+pub(crate) fn json(value: &impl Serialize) -> Result<()> {
+    bytes(json_text(value)?.as_bytes())
+}
+
+/// One JSON object and a line end.
+pub(crate) fn json_text(value: &impl Serialize) -> Result<String> {
+    Ok(serde_json::to_string_pretty(&Versioned::new(value)).map_err(failed)? + "\n")
+}
+
+/// Writes one JSON list of objects and a line end to stdout.
+pub(crate) fn json_list<T: Serialize>(values: &[T]) -> Result<()> {
+    let values: Vec<Versioned<T>> = values.iter().map(Versioned::new).collect();
+    bytes((serde_json::to_string_pretty(&values).map_err(failed)? + "\n").as_bytes())
+}
+
+/// Writes one JSON object as a line to stdout.
+pub(crate) fn json_line(value: &impl Serialize) -> Result<()> {
+    bytes((serde_json::to_string(&Versioned::new(value)).map_err(failed)? + "\n").as_bytes())
+}
+
+/// Refuses outputs that cannot be written, and two outputs on standard output, before any work is done.
+pub(crate) fn check<'a>(json: bool, files: impl IntoIterator<Item = Option<&'a Path>>) -> Result<()> {
+    let mut on_stdout = usize::from(json);
+    for file in files.into_iter().flatten() {
+        if destination::is_stdout(file) {
+            on_stdout += 1;
+        } else {
+            destination::resolve(file)?;
+        }
+    }
+    if on_stdout < 2 {
+        return Ok(());
+    }
+    let error = InputError::new("two outputs cannot both go to standard output (`-`, --json)");
+    Err(error.help("name a file for one of them").into())
+}
+
+/// Writes text for people to stdout, or to stderr if one of the outputs takes stdout.
+pub(crate) fn text_beside<'a>(files: impl IntoIterator<Item = Option<&'a Path>>, said: &str) -> Result<()> {
+    if files.into_iter().flatten().any(destination::is_stdout) {
+        note(said);
+        return Ok(());
+    }
+    text(said)
+}
+
+/// Names the files that were written: text of its own, or a JSON list of paths.
+pub(crate) fn written(paths: &[&Path], said: &str) -> Result<()> {
+    if !settings::json() {
+        return text(said);
+    }
+    let paths: Vec<String> = paths.iter().map(|path| path.display().to_string()).collect();
+    json(&serde_json::json!({ "output": paths }))
+}
+
+/// Writes one JSON object as a line to stderr.
+pub(crate) fn json_note(value: &impl Serialize) {
+    // What cannot be told is not told.
+    let _ = serde_json::to_string(&Versioned::new(value)).map(|line| note(&(line + "\n")));
+}
+
+/// Whether a file is to be a table, by its name; standard output is.
+pub(crate) fn is_csv(path: &Path) -> bool {
+    destination::is_stdout(path) || path.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv"))
 }
 
 /// A number with the given digits after the point, or a dash.

@@ -13,6 +13,7 @@ use crate::units::{Dimension, System, format};
 
 /// Options of `barwave plan`.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:\n  barwave plan scene.toml\n  barwave plan scene.toml --set solve.cells=4000 --json")]
 pub(crate) struct Args {
     /// The scene file; `-` reads standard input.
     #[arg(value_name = "SCENE.toml")]

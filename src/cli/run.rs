@@ -10,26 +10,35 @@ use std::time::Duration;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::summary::{choice_text, text};
-use super::{interrupt, output};
+use super::{interrupt, message, output};
 use crate::destination;
 use crate::error::{Error, InputError, Result};
+use crate::input::Document;
 use crate::record::Summary;
-use crate::record::store::{self, Existing, ResultFile};
+use crate::record::store::{self, Existing, ResultFile, StoredScene};
 use crate::run::{self, Progress};
-use crate::scene::{ImpactScene, Problem};
+use crate::scene::{ImpactScene, Problem, Scene};
+use crate::text_file;
 use crate::units::{Dimension, Quantity, System, format};
 
 /// Options of `barwave run`.
 #[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  barwave run scene.toml\n  barwave run scene.toml --set solve.cells=4000 --set left.value=\"-40 m/s\" -o fine.h5\n  barwave run a.toml b.toml --output-dir results\n  barwave run results/a.h5 --set solve.cfl=0.5    # the scene stored in a result\n  barwave run - --json < scene.toml"
+)]
 #[expect(clippy::struct_excessive_bools, reason = "one a flag")]
 pub(crate) struct Args {
-    /// The scene file; `-` reads standard input.
-    #[arg(value_name = "SCENE.toml", required_unless_present = "resume")]
-    scene: Option<PathBuf>,
-    /// Result file [default: `runs/out/<scene name>.h5`; with --set, `runs/out/<scene name>_KEY=VALUE.h5`]. An earlier result there is
-    /// replaced.
+    /// Scene files; `-` reads standard input. A result file stands for its scene, with the materials and histories stored in it. Each
+    /// scene is run, even if another one fails.
+    #[arg(value_name = "SCENE.toml|OUT.h5", required_unless_present = "resume")]
+    scenes: Vec<PathBuf>,
+    /// Result file of a single scene [default: `<scene name>.h5`, with --set `<scene name>_KEY=VALUE.h5`, in `runs/out` if there is a
+    /// folder `runs`, else beside the scene]. Missing folders are made; an earlier result is replaced.
     #[arg(short, long, value_name = "OUT.h5")]
     output: Option<PathBuf>,
+    /// Folder of the result files, under their default names.
+    #[arg(long, value_name = "DIR", conflicts_with = "output")]
+    output_dir: Option<PathBuf>,
     /// Replace the output file even if barwave did not write it.
     #[arg(long)]
     force: bool,
@@ -61,23 +70,105 @@ pub(crate) struct Args {
 /// Length of the progress bar of a run that has no steps.
 const TICKS: u64 = 1000;
 
-pub(crate) fn run(args: &Args) -> Result<()> {
+/// Runs every scene; the exit code is the largest one.
+pub(crate) fn run(args: &Args) -> Result<u8> {
     let every = args.checkpoint.as_ref().map(interval).transpose()?;
     if let Some(path) = &args.resume {
         nothing_beside_resume(args)?;
-        return show(args, path, |progress| run::resume(path, every, progress));
+        return show(args, path, |progress| run::resume(path, every, progress)).map(|()| 0);
     }
-    let file = args.scene.as_deref().unwrap_or(Path::new("-"));
-    let mut scene = match Problem::read(file, &args.overrides)? {
+    if let [file] = &args.scenes[..] {
+        return run_file(args, file, every, &mut Vec::new()).map(|()| 0);
+    }
+    one_output_each(args)?;
+    let (mut code, mut outputs) = (0, Vec::new());
+    for (index, file) in args.scenes.iter().enumerate() {
+        if index > 0 && !args.json && !args.quiet {
+            output::text("\n")?;
+        }
+        match run_file(args, file, every, &mut outputs) {
+            Err(error @ Error::Interrupted) => return Err(error),
+            Err(error) => {
+                message::show_of(&error, file);
+                code = code.max(error.exit_code());
+            }
+            Ok(()) => {}
+        }
+    }
+    Ok(code)
+}
+
+fn one_output_each(args: &Args) -> Result<()> {
+    let count = args.scenes.len();
+    let refuse = |key: &str, message: String, help: &str| Err(InputError::new(message).key(key).help(help).into());
+    if args.output.is_some() {
+        let message = std::format!("one result file cannot hold the results of {count} scenes");
+        return refuse("-o", message, "name a folder with --output-dir, or run one scene");
+    }
+    if args.scenes.iter().filter(|file| destination::is_stdout(file)).count() > 1 {
+        return refuse("SCENE.toml", "standard input (`-`) can be read only once".into(), "name files");
+    }
+    Ok(())
+}
+
+/// Runs the scene of a file, or the one stored in a result file. `outputs` are those of the scenes before.
+fn run_file(args: &Args, file: &Path, every: Option<Duration>, outputs: &mut Vec<PathBuf>) -> Result<()> {
+    if !store::is_hdf5(file) {
+        let scene = Problem::read(file, &args.overrides)?;
+        let folder = file.parent().unwrap_or(Path::new(""));
+        return run_scene(args, scene, &default_output(args, folder, None), every, outputs);
+    }
+    let stored = StoredScene::read(file)?;
+    let overrides = [&stored.overrides[..], &args.overrides].concat();
+    let document = Document::new(std::format!("{}.toml", stored.name), stored.text);
+    let folder = file.parent().unwrap_or(Path::new(""));
+    let stem = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let base = PathBuf::from(&stored.files.base).join(&document.file);
+    output::detail(|| std::format!("scene and {} files stored in {}", stored.files.texts.len(), file.display()));
+    // A run that finds an effect missing reads the scene again.
+    text_file::stored(stored.files, || {
+        let scene = Problem::of_document(&document, &base, &overrides)?;
+        run_scene(args, scene, &default_output(args, folder, Some(stem + "_rerun")), every, outputs)
+    })
+}
+
+fn run_scene(
+    args: &Args,
+    scene: Problem,
+    default: &dyn Fn(&str) -> PathBuf,
+    every: Option<Duration>,
+    outputs: &mut Vec<PathBuf>,
+) -> Result<()> {
+    let name = match &scene {
+        Problem::Bar(scene) => &scene.name,
+        Problem::Impact(scene) => &scene.name,
+    };
+    let path = args.output.clone().unwrap_or_else(|| default(name));
+    check_output(&path, args.force)?;
+    if outputs.contains(&path) {
+        let message = std::format!("an earlier scene of this command has the result file {}", path.display());
+        return Err(InputError::new(message).help("rename one of the scenes, or run them one by one with -o").into());
+    }
+    outputs.push(path.clone());
+    let mut scene = match scene {
         Problem::Bar(scene) => *scene,
-        Problem::Impact(scene) => return run_impact(args, &scene),
+        Problem::Impact(scene) => return run_impact(args, &scene, &path),
     };
     scene.solve.estimate_error = args.estimate_error;
-    let path = output_path(args, &scene.name)?;
+    describe(&scene, &path);
     show(args, &path, |progress| match every {
         Some(every) => run::run_with_checkpoints(&scene, &path, every, progress),
         None => run::run(&scene, Some(&path), progress),
     })
+}
+
+/// What is read and written, with `--verbose`.
+fn describe(scene: &Scene, path: &Path) {
+    output::detail(|| std::format!("scene {}: {} bytes", scene.name, scene.text.len()));
+    for (file, text) in &scene.files.texts {
+        output::detail(|| std::format!("read {file}: {} bytes", text.len()));
+    }
+    output::detail(|| std::format!("writing {}", path.display()));
 }
 
 /// What a run is told to do while it is under way.
@@ -95,14 +186,23 @@ fn show(args: &Args, path: &Path, simulate: impl FnOnce(OnProgress<'_>) -> Resul
     bar.finish_and_clear();
     let shown = path.display();
     let summary = summary.inspect_err(|error| match error {
-        Error::Interrupted => output::note(&interrupted(args, path, run_of(path) != before)),
-        Error::Run(_) => output::note(&std::format!("the frames up to the error are in {shown}\n")),
+        Error::Interrupted => output::remark(&interrupted(args, path, run_of(path) != before)),
+        Error::Run(_) => output::remark(&std::format!("the frames up to the error are in {shown}\n")),
         Error::Input(_) | Error::File { .. } | Error::Checks(_) => {}
     })?;
+    output::detail(|| {
+        let (all, steps) = (summary.wall_s, summary.step_wall_s);
+        std::format!("time steps {steps:.3} s, the rest {:.3} s", all - steps)
+    });
     if args.json {
-        return output::json(&summary);
+        return print_json(args, &summary);
     }
     if args.quiet { Ok(()) } else { output::text(&text(&summary, args.units)) }
+}
+
+/// One object; of several scenes one a line.
+fn print_json(args: &Args, summary: &impl serde::Serialize) -> Result<()> {
+    if args.scenes.len() > 1 { output::json_line(summary) } else { output::json(summary) }
 }
 
 /// The run whose result is in a file, if there is one.
@@ -138,8 +238,9 @@ fn quoted(path: &Path) -> String {
 /// A run that is resumed is that of its file.
 fn nothing_beside_resume(args: &Args) -> Result<()> {
     let given = [
-        (args.scene.is_some(), "a scene"),
+        (!args.scenes.is_empty(), "a scene"),
         (args.output.is_some(), "-o"),
+        (args.output_dir.is_some(), "--output-dir"),
         (!args.overrides.is_empty(), "--set"),
         (args.estimate_error, "--estimate-error"),
         (args.force, "--force"),
@@ -164,7 +265,7 @@ fn interval(given: &Quantity) -> Result<Duration> {
 }
 
 /// An impact that is not waves in a bar.
-fn run_impact(args: &Args, scene: &ImpactScene) -> Result<()> {
+fn run_impact(args: &Args, scene: &ImpactScene, path: &Path) -> Result<()> {
     let refused = [
         (args.checkpoint.is_some(), "--checkpoint", "is over in seconds, and keeps no checkpoints"),
         (args.estimate_error, "--estimate-error", "states its error by itself where it has one"),
@@ -173,40 +274,28 @@ fn run_impact(args: &Args, scene: &ImpactScene) -> Result<()> {
         let message = std::format!("a [{}] {why}", scene.problem.kind().replace("energy", "specimen"));
         return Err(InputError::new(message).key(key).help(std::format!("leave {key} out")).into());
     }
-    let path = output_path(args, &scene.name)?;
     let (stop, bar) = (interrupt::flag(), progress_bar(args.quiet || args.json));
     bar.set_length(TICKS);
-    let summary = run::run_impact(scene, Some(&path), &mut |part| {
+    let summary = run::run_impact(scene, Some(path), &mut |part| {
         bar.set_position((TICKS as f64 * part) as u64);
         if stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
     bar.finish_and_clear();
     let summary = summary.inspect_err(|error| {
         if matches!(error, Error::Interrupted) {
-            output::note(&std::format!("interrupted: the histories so far are in {}\n", path.display()));
+            output::remark(&std::format!("interrupted: the histories so far are in {}\n", path.display()));
         }
     })?;
     if args.json {
-        return output::json(&summary);
+        return print_json(args, &summary);
     }
     if args.quiet { Ok(()) } else { output::text(&super::impact::text(&summary, args.units)) }
 }
 
-/// Where the result goes.
-fn output_path(args: &Args, name: &str) -> Result<PathBuf> {
-    let output = match &args.output {
-        Some(path) => path.clone(),
-        None => default_output(name, &args.overrides)?,
-    };
-    check_output(&output, args.force)?;
-    Ok(output)
-}
-
-/// runs/out is made where it is missing: it is the program's own place.
-fn default_output(name: &str, overrides: &[String]) -> Result<PathBuf> {
-    let folder = Path::new("runs/out");
-    std::fs::create_dir_all(folder).map_err(|e| Error::file(folder, e))?;
-    Ok(folder.join(default_name(name, overrides)))
+/// The result file of a scene that is not told where to go; `stem` stands for the scene's name.
+fn default_output<'a>(args: &'a Args, scene_folder: &'a Path, stem: Option<String>) -> impl Fn(&str) -> PathBuf + 'a {
+    let folder = args.output_dir.clone().unwrap_or_else(|| output::default_folder(scene_folder));
+    move |name| folder.join(default_name(stem.as_deref().unwrap_or(name), &args.overrides))
 }
 
 /// `a.h5` for the scene a, `a_solve.cells=2000.h5` with an override. Characters that shells or file systems treat apart become `-`; where
@@ -230,10 +319,9 @@ fn code(texts: &[String]) -> u32 {
     bytes.fold(0x811c_9dc5, |hash: u32, byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193))
 }
 
-/// A result file goes into a folder that exists, in place of nothing but another result.
+/// A result file stands in place of nothing but another result.
 fn check_output(output: &Path, force: bool) -> Result<()> {
-    let folder = output.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    if output == Path::new("-") {
+    if destination::is_stdout(output) {
         let message = "a result file (HDF5) cannot be written to standard output";
         return Err(InputError::new(message).key("-o").help("give a file name, such as result.h5").into());
     }
@@ -251,10 +339,6 @@ fn check_output(output: &Path, force: bool) -> Result<()> {
                 .into());
         }
         Existing::Other | Existing::Nothing | Existing::Result => {}
-    }
-    if !folder.is_dir() {
-        let message = std::format!("the output's folder {} does not exist", folder.display());
-        return Err(InputError::new(message).help("make it first, or choose another place with -o").into());
     }
     Ok(())
 }

@@ -4,13 +4,16 @@ use std::path::PathBuf;
 
 use clap::{CommandFactory, ValueEnum};
 
-use super::{Cli, output};
-use crate::error::{Error, Result};
+use super::{Cli, output, settings};
+use crate::error::{Error, InputError, Result};
 use crate::material::RawMaterial;
 use crate::scene::{KINDS, RawScene};
 
 /// Options of `barwave completions`.
 #[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  barwave completions bash > ~/.local/share/bash-completion/completions/barwave\n  barwave completions zsh > _barwave"
+)]
 pub(crate) struct CompletionsArgs {
     /// The shell; its completions go to stdout.
     shell: clap_complete::Shell,
@@ -18,6 +21,7 @@ pub(crate) struct CompletionsArgs {
 
 /// Options of `barwave man`.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:\n  barwave man | man -l -\n  barwave man -o man1")]
 pub(crate) struct ManArgs {
     /// Folder for the pages of all commands. Without it, the main page goes to stdout.
     #[arg(short, long, value_name = "DIR")]
@@ -26,6 +30,9 @@ pub(crate) struct ManArgs {
 
 /// Options of `barwave schema`.
 #[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  barwave schema > scene.schema.json\n  barwave schema material > material.schema.json"
+)]
 pub(crate) struct SchemaArgs {
     /// What the schema describes; it goes to stdout.
     #[arg(value_enum, default_value_t = Described::Scene)]
@@ -49,13 +56,23 @@ enum Described {
     Material,
 }
 
+fn not_as_json(command: &str) -> Result<()> {
+    if !settings::json() {
+        return Ok(());
+    }
+    let message = format!("`barwave {command}` writes text that other programs read as it is");
+    Err(InputError::new(message).key("--json").help("leave --json out").into())
+}
+
 pub(crate) fn completions(args: &CompletionsArgs) -> Result<()> {
+    not_as_json("completions")?;
     let mut script = Vec::new();
     clap_complete::generate(args.shell, &mut Cli::command(), "barwave", &mut script);
     output::bytes(&script)
 }
 
 pub(crate) fn man(args: &ManArgs) -> Result<()> {
+    not_as_json("man")?;
     let Some(folder) = &args.output else {
         let mut page = Vec::new();
         let rendered = clap_mangen::Man::new(Cli::command()).render(&mut page);

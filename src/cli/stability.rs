@@ -2,18 +2,20 @@
 
 use std::fmt::Write as _;
 use std::ops::ControlFlow;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
 use super::scratch::Scratch;
 use super::{interrupt, output};
-use crate::destination;
 use crate::error::{Error, InputError, Result};
 use crate::report::plot;
 use crate::study::hard_cases::{CASES, HardCase, Method, Tried, run_case};
 
 /// Options of `barwave stability`.
 #[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  barwave stability\n  barwave stability --show\n  barwave stability -o hard-cases.md"
+)]
 pub(crate) struct Args {
     /// Cases, by the first characters of their names (default: all).
     #[arg(value_name = "CASE")]
@@ -34,15 +36,13 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     if args.show {
         return cases.iter().try_for_each(|case| output::text(&format!("{}\n", case.text())));
     }
-    if let Some(path) = &args.output {
-        destination::resolve(path)?;
-    }
-    let tried = try_all(&cases, !args.json)?;
+    output::check(args.json, [args.output.as_deref()])?;
+    let tried = try_all(&cases, !args.json && args.output.as_deref() != Some(Path::new("-")))?;
     if let Some(path) = &args.output {
         plot::write_whole(path, markdown(&cases, &tried).as_bytes())?;
     }
     if args.json {
-        output::json(&tried)?;
+        output::json_list(&tried)?;
     }
     let failed = tried.iter().filter(|tried| !tried.failed.is_empty()).count();
     if failed > 0 {

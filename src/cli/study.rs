@@ -8,6 +8,7 @@ use crate::error::Result;
 
 /// Options of `barwave study`.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:\n  barwave study tension-impact copper-annealed")]
 pub(crate) struct Args {
     #[command(subcommand)]
     study: Study,

@@ -1,6 +1,7 @@
 //! The summary of a run, for people.
 
 use super::lines::Lines;
+use super::width;
 use crate::record::{
     AuditRow, AutoChoice, ChoiceSummary, EndSummary, Figures, FrontSummary, LengthSummary, RuptureSummary, Summary,
     TorsionSummary,
@@ -208,34 +209,37 @@ fn end_text(end: &EndSummary, units: System) -> String {
     )
 }
 
+/// Before the rows of fronts.
+const INDENT: &str = "  ";
+
+fn front_row(front: &FrontSummary, units: System) -> Vec<String> {
+    let unknown = || "-".to_owned();
+    vec![
+        front.origin.clone(),
+        // A compression wave into a resting bar starts from 0, not from -0.
+        std::format!("{:.6}", front.strain_ahead + 0.0),
+        std::format!("{:.6}", front.strain_behind + 0.0),
+        format(front.stress_behind, Dimension::Stress, units),
+        format(front.speed, Dimension::Velocity, units),
+        front.speed_measured.map_or_else(unknown, |v| format(v, Dimension::Velocity, units)),
+        front.position.map_or_else(unknown, |x| format(x, Dimension::Length, units)),
+    ]
+}
+
 pub(super) fn front_lines(fronts: &[FrontSummary], units: System) -> Vec<String> {
     if fronts.is_empty() {
         return Vec::new();
     }
-    let mut lines = vec![std::format!(
-        "  {:<9}{:>13}{:>13}{:>15}{:>15}{:>14}{:>14}",
-        "front",
-        "strain from",
-        "to",
-        "stress to",
-        "speed",
-        "measured",
-        "last seen at"
-    )];
-    let unknown = || "-".to_owned();
-    for front in fronts.iter().take(LISTED_FRONTS) {
-        lines.push(std::format!(
-            "  {:<9}{:>13.6}{:>13.6}{:>15}{:>15}{:>14}{:>14}",
-            front.origin,
-            // A compression wave into a resting bar starts from 0, not from -0.
-            front.strain_ahead + 0.0,
-            front.strain_behind + 0.0,
-            format(front.stress_behind, Dimension::Stress, units),
-            format(front.speed, Dimension::Velocity, units),
-            front.speed_measured.map_or_else(unknown, |v| format(v, Dimension::Velocity, units)),
-            front.position.map_or_else(unknown, |x| format(x, Dimension::Length, units)),
-        ));
-    }
+    let limit = width::of_stdout().unwrap_or(usize::MAX).saturating_sub(INDENT.len());
+    let headings =
+        ["front    ", "strain from", "         to", "    stress to", "        speed", "    measured", "last seen at"];
+    let mut narrow = headings.map(str::trim);
+    narrow[headings.len() - 1] = "at x";
+    let is_wide = limit >= headings.iter().map(|heading| heading.len() + 2).sum();
+    let rows: Vec<Vec<String>> = fronts.iter().take(LISTED_FRONTS).map(|front| front_row(front, units)).collect();
+    let table = width::within(limit, if is_wide { &headings } else { &narrow }, &rows, (1, false));
+    let mut lines: Vec<String> =
+        table.lines().map(|line| std::format!("{INDENT}{line}").trim_end().to_owned()).collect();
     if fronts.len() > LISTED_FRONTS {
         lines.push(std::format!("  ... and {} more; --json lists all", fronts.len() - LISTED_FRONTS));
     }

@@ -19,10 +19,11 @@ use crate::study::sweep::{self, Finished, Row, Shard, Sweep};
                         barwave sweep speeds.toml -o speeds --shard 2/4    # then: barwave merge speeds -o speeds.h5"
 )]
 pub(crate) struct Args {
-    /// The sweep file: a scene, and the keys of it that vary.
+    /// The sweep file: a scene, and the keys of it that vary; `-` reads standard input.
     #[arg(value_name = "SWEEP.toml")]
     sweep: PathBuf,
-    /// Folder of the results [default: `runs/out/<sweep name>`]; it is made where it is missing.
+    /// Folder of the results [default: the name of the sweep, in `runs/out` if there is a folder `runs`, else beside the sweep file];
+    /// it is made if it is missing.
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
     /// Run part I of N of the cases, into the folder `shard-I-of-N` inside DIR [default: what a job array of Slurm or MPI says, else
@@ -54,7 +55,10 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     }
     let silent = args.quiet || args.json;
     let shard = args.shard.map_or_else(|| shard_of_environment(silent), Ok)?;
-    let folder = args.output.clone().unwrap_or_else(|| Path::new("runs/out").join(&sweep.name));
+    let folder = args
+        .output
+        .clone()
+        .unwrap_or_else(|| output::default_folder(args.sweep.parent().unwrap_or(Path::new(""))).join(&sweep.name));
     if folder == Path::new("-") {
         let help = "give a folder, such as -o speeds";
         return Err(InputError::new("the results of a sweep cannot be written to standard output")
@@ -69,7 +73,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         bar.inc(1);
         if args.json {
             // A reader that has gone away does not end the sweep: the rows are in the folder.
-            let _ = serde_json::to_string(row).map(|line| output::text(&format!("{line}\n")));
+            let _ = output::json_line(row);
         }
     };
     let finished = sweep::run(&sweep, &folder, shard, args.resume, &on_row, &interrupt::flag());
@@ -99,7 +103,7 @@ fn draw(path: &Path, sweep: &Sweep, folder: &Path) -> Result<()> {
 /// Where the rows are of a sweep that was asked to stop.
 pub(crate) fn explain_interruption(error: &Error, folder: &Path) {
     if matches!(error, Error::Interrupted) {
-        output::note(&format!("interrupted: the rows so far are in {}; continue with --resume\n", folder.display()));
+        output::remark(&format!("interrupted: the rows so far are in {}; continue with --resume\n", folder.display()));
     }
 }
 

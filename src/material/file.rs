@@ -18,6 +18,14 @@ pub fn read(path: &Path) -> Result<Material> {
     of_document(&Document::read(path)?, path)
 }
 
+/// Reads a material from standard input.
+///
+/// # Errors
+/// As for [`read`].
+pub fn read_stdin() -> Result<Material> {
+    of_document(&Document::read_scene(Path::new("-"))?, Path::new("stdin.toml"))
+}
+
 /// The same of a file that has been read.
 ///
 /// # Errors

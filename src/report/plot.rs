@@ -3,6 +3,7 @@
 //! SVG and HTML name the font `DejaVu Sans` with common substitutes; PNG is drawn with `DejaVu Sans` itself, which is
 //! part of the program, so it looks the same on a machine without fonts.
 
+use std::io::{ErrorKind, Write as _};
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
@@ -44,6 +45,7 @@ impl Format {
             "svg" => Ok(Self::Svg),
             "png" => Ok(Self::Png),
             "html" | "htm" => Ok(Self::Html),
+            _ if destination::is_stdout(path) => Ok(Self::Svg),
             _ => Err(InputError::new(format!("`{}` names no kind of picture", path.display()))
                 .key("-o")
                 .allowed("names that end in .svg, .png or .html")
@@ -65,11 +67,22 @@ pub fn save(path: &Path, title: &str, svg: &str) -> Result<()> {
     }
 }
 
-/// Writes a file under a temporary name and then renames it: the final name never holds half a file.
+/// Writes a file under a temporary name and then renames it: the final name never holds half a file. Missing folders are made; `-` is
+/// standard output.
 ///
 /// # Errors
-/// The folder is missing or cannot be written to, or what stands there must not be replaced.
+/// The folder cannot be written to, or what stands there must not be replaced.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
+    if destination::is_stdout(path) {
+        let mut stdout = std::io::stdout().lock();
+        let written = stdout.write_all(bytes).and_then(|()| stdout.flush());
+        // A reader that has gone away is no error.
+        return written.or_else(|e| match e.kind() {
+            ErrorKind::BrokenPipe => Ok(()),
+            _ => Err(Error::file(path, e)),
+        });
+    }
+    destination::make_folder(path)?;
     let target = destination::resolve(path)?;
     let mut name = target.file_name().unwrap_or_default().to_owned();
     name.push(format!(".{}.part", std::process::id()));
@@ -168,8 +181,9 @@ mod tests {
     fn a_file_appears_whole_or_not_at_all() {
         let folder = tempfile::tempdir().expect("a folder");
         write_whole(&folder.path().join("a.txt"), b"abc").expect("it can be written");
-        assert!(write_whole(&folder.path().join("no/a.txt"), b"abc").is_err());
+        write_whole(&folder.path().join("no/such/b.txt"), b"abc").expect("folders are made");
+        assert!(write_whole(&folder.path().join("a.txt/b.txt"), b"abc").is_err());
         let names: Vec<_> = std::fs::read_dir(folder.path()).expect("a folder").flatten().collect();
-        assert_eq!(names.len(), 1);
+        assert_eq!(names.len(), 2, "a.txt and the folder: {names:?}");
     }
 }

@@ -84,6 +84,10 @@ impl Override {
         let Some((last, parents)) = self.key.split_last() else { return Ok(()) };
         let mut item = root;
         for part in parents {
+            // Stepping into a table that is not there would make it.
+            if self.value.is_empty() && item.as_table_like().is_some_and(|table| !table.contains_key(part)) {
+                return Ok(());
+            }
             item = step(item, part)?;
         }
         if self.value.is_empty() {
@@ -135,12 +139,16 @@ fn step_index<'a>(item: &'a mut Item, part: &str) -> std::result::Result<&'a mut
     Ok(&mut item[index])
 }
 
+/// Takes a key out; one that is not there is out already. Items of lists are counted: there has to be one of that number.
 fn remove(item: &mut Item, part: &str) -> std::result::Result<(), String> {
-    let gone = match item {
-        Item::ArrayOfTables(tables) => remove_table(tables, part),
-        _ => item.as_table_like_mut().is_some_and(|t| t.remove(part).is_some()),
-    };
-    if gone { Ok(()) } else { Err(format!("there is no `{part}` to take out (an empty value takes the key out)")) }
+    if let Item::ArrayOfTables(tables) = item {
+        let count = tables.len();
+        let missing = || format!("there is no item `{part}`: the list has {count}, counted from 0");
+        return if remove_table(tables, part) { Ok(()) } else { Err(missing()) };
+    }
+    // One that is not there is out already.
+    let _ = item.as_table_like_mut().and_then(|table| table.remove(part));
+    Ok(())
 }
 
 fn remove_table(tables: &mut ArrayOfTables, part: &str) -> bool {

@@ -16,10 +16,13 @@ pub struct Edge {
     /// Strain after it has passed.
     pub strain_behind: f64,
     /// Stress before, Pa.
+    #[serde(rename = "stress_ahead_Pa")]
     pub stress_ahead: f64,
     /// Stress after, Pa.
+    #[serde(rename = "stress_behind_Pa")]
     pub stress_behind: f64,
     /// sqrt(d sigma / (rho d eps)), m/s; 0 for a flat edge.
+    #[serde(rename = "speed_m_s")]
     pub speed: f64,
 }
 

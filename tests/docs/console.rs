@@ -143,7 +143,7 @@ pub fn check(page: &Page) -> (String, usize) {
             let (command, shown) = (&block.lines[start][2..], &block.lines[start + 1..end]);
             let (success, printed) = run(folder.path(), command);
             count += 1;
-            let fails = shown.iter().any(|line| line.starts_with("error"));
+            let fails = shown.iter().any(|line| line.starts_with("error") || line.contains("\"error\":{\"kind\""));
             let place = format!("{}:{}: {command}", page.path.display(), block.first + start + 1);
             if success == fails {
                 let _ = writeln!(wrong, "{place}\nsuccess: {success}\n{}", printed.join("\n"));

@@ -169,7 +169,7 @@ const ARGUMENTS: &[&[&str]] = &[
     &["run", "s.toml", "-o", "-"],
     &["run", "s.toml", "-o", "."],
     &["run", "s.toml", "-o", "s.toml"],
-    &["run", "s.toml", "-o", "no/such/folder/a.h5"],
+    &["run", "s.toml", "s.toml", "-o", "a.h5"],
     &["run", "s.toml", "--set", "solve.cells"],
     &["run", "s.toml", "--set", "solve.cels=3"],
     &["run", "s.toml", "--set", "solve.cells=many"],

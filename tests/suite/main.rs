@@ -9,6 +9,7 @@ mod bad_files;
 mod bad_inputs;
 mod ball;
 mod benchmarks;
+mod command_line;
 mod compare_results;
 mod cost_cli;
 mod critical_cli;

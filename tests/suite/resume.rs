@@ -287,7 +287,7 @@ fn resumed_is_whole(folder: &Path, name: &str, chance: &mut Chance) {
             }
             let kept = folder.join(format!("{parts}.checkpoint")).exists();
             if output.status.code().is_some() {
-                let resume = format!("resume with: barwave run --resume {parts}\n");
+                let resume = format!("resume with: barwave run --resume {parts}");
                 let said = message(&output);
                 assert!(said.contains(if kept { &resume } else { "nothing can be resumed" }), "{said}");
             }

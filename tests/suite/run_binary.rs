@@ -763,11 +763,19 @@ fn small_scene() -> (tempfile::TempDir, String) {
 }
 
 #[test]
-fn the_default_output_is_in_runs_out() {
+fn the_default_output_is_beside_the_scene_or_in_runs_out() {
     let (folder, scene) = small_scene();
-    let output = barwave(folder.path(), &["run", &scene, "--json"]);
-    let summary: Value = serde_json::from_slice(&output.stdout).expect("one JSON value");
-    assert_eq!(summary["output"], "runs/out/small.h5");
+    let output_of = |scene: &str| {
+        let output = barwave(folder.path(), &["run", scene, "--json"]);
+        let summary: Value = serde_json::from_slice(&output.stdout).expect("one JSON value");
+        summary["output"].as_str().expect("a path").to_owned()
+    };
+    assert_eq!(output_of(&scene), "small.h5");
+    std::fs::create_dir(folder.path().join("inside")).expect("a folder");
+    std::fs::copy(folder.path().join(&scene), folder.path().join("inside/a.toml")).expect("a copy");
+    assert_eq!(output_of("inside/a.toml"), "inside/a.h5");
+    std::fs::create_dir(folder.path().join("runs")).expect("a folder");
+    assert_eq!(output_of(&scene), "runs/out/small.h5");
     assert!(folder.path().join("runs/out/small.h5").is_file());
 }
 
@@ -799,7 +807,9 @@ fn assert_refused(output: &Output, words: &[&str]) {
 #[test]
 fn wrong_places_are_refused() {
     let (folder, scene) = small_scene();
-    assert_refused(&barwave(folder.path(), &["run", &scene, "-o", "no/such/a.h5"]), &["no/such", "does not exist"]);
+    let scene_as_folder = format!("{scene}/a.h5");
+    let refused = barwave(folder.path(), &["run", &scene, "-o", &scene_as_folder]);
+    assert_eq!(refused.status.code(), Some(1), "{}", String::from_utf8_lossy(&refused.stderr));
     assert_refused(&barwave(folder.path(), &["run", &scene, "-o", "."]), &["is a folder"]);
     assert_refused(&barwave(folder.path(), &["run", "smal.toml"]), &["smal.toml", "no such file"]);
     // Above all not in place of the scene.

@@ -11,6 +11,9 @@ use crate::error::Result;
 
 /// Options of `barwave invert`.
 #[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  barwave invert arrivals --help\n  barwave invert hopkinson test.h5 -o steel-dynamic.toml"
+)]
 pub(crate) struct Args {
     #[command(subcommand)]
     command: Command,

@@ -140,7 +140,11 @@ struct Curve {
 }
 
 pub(super) fn run(args: &Args) -> Result<()> {
-    let path = args.output.clone().unwrap_or_else(|| args.records[0].with_extension("toml"));
+    let path = args.output.clone().unwrap_or_else(|| match &args.records[0] {
+        stdin if destination::is_stdout(stdin) => stdin.clone(),
+        file => file.with_extension("toml"),
+    });
+    output::check(args.json, [Some(path.as_path()), args.plot.as_deref()])?;
     refuse_existing(&path, args.force)?;
     if let Some(plot) = &args.plot {
         Format::of(plot).map_err(|e| with_key(e, "--plot"))?;
@@ -163,10 +167,13 @@ pub(super) fn run(args: &Args) -> Result<()> {
     if args.json {
         return output::json(&json(&path, &imported, &material));
     }
-    output::text(&report(args, &path, &imported, &material))
+    output::text_beside([Some(path.as_path()), args.plot.as_deref()], &report(args, &path, &imported, &material))
 }
 
 fn refuse_existing(path: &Path, force: bool) -> Result<()> {
+    if destination::is_stdout(path) {
+        return Ok(());
+    }
     destination::resolve(path)?;
     if path.exists() && !force {
         return Err(InputError::new(format!("`{}` exists already", path.display()))

@@ -43,7 +43,7 @@ pub(crate) struct Args {
     /// Cells of the grid; for a material.
     #[arg(long, value_name = "N", default_value_t = 200)]
     cells: usize,
-    /// Folder of the results [default: `runs/out/tension-impact-<material>`]; it is made where it is missing.
+    /// Folder of the results [default: `tension-impact-<material>`, in `runs/out` if there is a folder `runs`]; it is made if it is missing.
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
     /// Figure (.svg, .png, .html) [default: `tension-impact.svg` in the folder].
@@ -66,7 +66,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         destination::resolve(path)?;
     }
     let test = test(args)?;
-    let folder = args.output.clone().unwrap_or_else(|| Path::new("runs/out").join(&test.sweep.name));
+    let folder = args.output.clone().unwrap_or_else(|| output::default_folder(Path::new("")).join(&test.sweep.name));
     let silent = args.quiet || args.json;
     let bar = sweep::progress_bar(test.velocities.len() as u64, silent);
     let finished = run_cases(&test.sweep, &folder, Shard::WHOLE, args.resume, &|_| bar.inc(1), &interrupt::flag());

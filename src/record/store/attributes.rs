@@ -1,7 +1,7 @@
 //! Attributes of groups and datasets: numbers and texts.
 
 use hdf5::types::VarLenUnicode;
-use hdf5::{H5Type, Location};
+use hdf5::{Dataset, H5Type, Location};
 
 use super::{FORMAT_VERSION, bounded, git_revision};
 
@@ -18,6 +18,12 @@ pub(super) fn put<T: H5Type>(location: &Location, name: &str, value: &T) -> Hdf<
 pub(super) fn put_quantity(location: &Location, name: &str, value: f64, units: &str) -> Hdf<()> {
     put(location, name, &value)?;
     put_text(location, &format!("{name}_units"), units)
+}
+
+/// Unit and meaning of a dataset.
+pub(super) fn describe(dataset: &Dataset, units: &str, long_name: &str) -> Hdf<()> {
+    put_text(dataset, "units", units)?;
+    put_text(dataset, "long_name", long_name)
 }
 
 pub(super) fn put_text(location: &Location, name: &str, value: &str) -> Hdf<()> {

@@ -2,9 +2,9 @@
 
 use std::time::SystemTime;
 
-use hdf5::{Dataset, Extent, File, Group};
+use hdf5::{Extent, File, Group};
 
-use super::attributes::{identify, put, put_quantity, put_text, put_texts};
+use super::attributes::{describe, identify, put, put_quantity, put_text, put_texts};
 use super::filters::shuffled;
 use super::scales::Axis;
 use super::tables::{self, Column};
@@ -285,11 +285,6 @@ fn build_branches(group: &Group, material: &MaterialRecord, names: [&str; 2]) ->
         scales::attach(group, &[&strain.0], &[&stress.0])?;
     }
     Ok(())
-}
-
-pub(super) fn describe(dataset: &Dataset, units: &str, long_name: &str) -> Hdf<()> {
-    put_text(dataset, "units", units)?;
-    put_text(dataset, "long_name", long_name)
 }
 
 pub(super) fn gauge_links(layout: &Layout) -> Vec<String> {

@@ -34,6 +34,11 @@ pub(super) fn has_signature(path: &Path) -> bool {
     start(path).is_ok_and(|start| start == SIGNATURE)
 }
 
+/// True of a regular file that starts as HDF5 files do.
+pub fn is_hdf5(path: &Path) -> bool {
+    path.is_file() && has_signature(path)
+}
+
 /// Looks at a regular file.
 pub fn existing(path: &Path) -> Existing {
     if !path.exists() {

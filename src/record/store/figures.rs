@@ -3,7 +3,7 @@
 use hdf5::File;
 
 use super::Figures;
-use super::create::describe;
+use super::attributes::describe;
 
 type Hdf<T> = hdf5::Result<T>;
 

@@ -4,9 +4,9 @@ use std::path::Path;
 
 use hdf5::Group;
 
-use super::attributes::{get, get_text, put, put_quantity, put_text, text};
+use super::attributes::{describe, get, get_text, put, put_quantity, put_text, text};
 use super::claim::in_place;
-use super::create::{build_materials, build_root, describe};
+use super::create::{build_materials, build_root};
 use super::scales::attach;
 use super::{Header, MaterialRecord, ResultFile, bounded};
 use crate::error::Result;

@@ -5,9 +5,8 @@
 use hdf5::{Dataset, Extent, File, Group};
 use ndarray::s;
 
-use super::attributes::{put, put_text};
+use super::attributes::{describe, put, put_text};
 use super::columns::{append, cut};
-use super::create::describe;
 use super::filters::{compressed, shuffled};
 use super::{bounded, scales};
 use crate::record::{Compression, PathRow};

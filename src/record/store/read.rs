@@ -83,6 +83,40 @@ impl Facts {
     }
 }
 
+/// The scene of a result file of any format version, which can be run again from it alone.
+#[derive(Debug, Clone)]
+pub struct StoredScene {
+    /// Of the scene: the stem of its file.
+    pub name: String,
+    /// The scene's exact text.
+    pub text: String,
+    /// Overrides, as typed.
+    pub overrides: Vec<String>,
+    /// The files that it names.
+    pub files: NamedFiles,
+}
+
+impl StoredScene {
+    /// Reads the scene of a result file.
+    ///
+    /// # Errors
+    /// As for [`ResultFile::open`].
+    pub fn read(path: &Path) -> Result<Self> {
+        let file = open(path)?;
+        let read = || -> Hdf<Self> {
+            let resolved: serde_json::Value =
+                serde_json::from_str(&get_text(&file, "scene_resolved")?).unwrap_or_default();
+            Ok(Self {
+                name: resolved["name"].as_str().unwrap_or("scene").to_owned(),
+                text: get_text(&file, "scene")?,
+                overrides: get_texts(&file, "overrides")?,
+                files: read_scene_files(&file)?,
+            })
+        };
+        read().map_err(|e| damaged(path, &e).into())
+    }
+}
+
 /// A history at a place on the bar.
 #[derive(Debug, Clone)]
 pub struct Gauge {
@@ -100,23 +134,7 @@ impl ResultFile {
     /// # Errors
     /// [`InputError`] where the file is missing, no result file, or of a layout that this program does not know.
     pub fn open(path: &Path) -> Result<Self> {
-        if path.is_dir() {
-            return Err(wrong(path, "this is a folder", "name a result file in it").into());
-        }
-        if !path.is_file() {
-            return Err(wrong(path, "there is no such file", "name a result file that `barwave run` wrote").into());
-        }
-        super::recover(path);
-        let file = File::open(path).map_err(|e| cannot_open(path, &e))?;
-        let format: Hdf<String> = get_text(&file, "format");
-        if format.ok().as_deref() != Some("barwave") {
-            return Err(wrong(
-                path,
-                "this HDF5 file is not a barwave result",
-                "result files have the root attribute format = \"barwave\"",
-            )
-            .into());
-        }
+        let file = open(path)?;
         match get::<u32>(&file, "format_version") {
             Ok(FORMAT_VERSION) => {}
             found => return Err(other_version(path, found.ok()).into()),
@@ -224,17 +242,7 @@ impl ResultFile {
 
     /// The files that the scene names.
     pub fn scene_files(&self) -> Result<NamedFiles> {
-        self.run(|file| {
-            if !file.link_exists("scene_files") {
-                return Ok(NamedFiles::default());
-            }
-            let group = file.group("scene_files")?;
-            Ok(NamedFiles {
-                base: get_text(&group, "base")?,
-                materials: get_text(&group, "materials").ok(),
-                texts: texts(&group, "path")?.into_iter().zip(texts(&group, "text")?).collect(),
-            })
-        })
+        self.run(read_scene_files)
     }
 
     /// Curves as the run used them.
@@ -248,6 +256,28 @@ impl ResultFile {
     pub(super) fn run<T>(&self, read: impl FnOnce(&File) -> Hdf<T>) -> Result<T> {
         read(&self.file).map_err(|e| damaged(&self.path, &e).into())
     }
+}
+
+/// A file that barwave wrote.
+fn open(path: &Path) -> Result<File> {
+    if path.is_dir() {
+        return Err(wrong(path, "this is a folder", "name a result file in it").into());
+    }
+    if !path.is_file() {
+        return Err(wrong(path, "there is no such file", "name a result file that `barwave run` wrote").into());
+    }
+    super::recover(path);
+    let file = File::open(path).map_err(|e| cannot_open(path, &e))?;
+    let format: Hdf<String> = get_text(&file, "format");
+    if format.ok().as_deref() != Some("barwave") {
+        return Err(wrong(
+            path,
+            "this HDF5 file is not a barwave result",
+            "result files have the root attribute format = \"barwave\"",
+        )
+        .into());
+    }
+    Ok(file)
 }
 
 fn wrong(path: &Path, message: &str, help: &str) -> InputError {
@@ -389,6 +419,18 @@ fn read_ledger(group: &Group) -> Hdf<Vec<LedgerRow>> {
         }
     };
     Ok((0..rows).map(row).collect())
+}
+
+fn read_scene_files(file: &File) -> Hdf<NamedFiles> {
+    if !file.link_exists("scene_files") {
+        return Ok(NamedFiles::default());
+    }
+    let group = file.group("scene_files")?;
+    Ok(NamedFiles {
+        base: get_text(&group, "base")?,
+        materials: get_text(&group, "materials").ok(),
+        texts: texts(&group, "path")?.into_iter().zip(texts(&group, "text")?).collect(),
+    })
 }
 
 fn read_fronts(group: &Group, gauges: &[String]) -> Hdf<Vec<FrontRow>> {

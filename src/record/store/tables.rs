@@ -6,8 +6,7 @@
 use hdf5::types::VarLenUnicode;
 use hdf5::{Dataset, Group};
 
-use super::attributes::{put_text, text};
-use super::create::describe;
+use super::attributes::{describe, put_text, text};
 use super::{bounded, scales};
 
 type Hdf<T> = hdf5::Result<T>;

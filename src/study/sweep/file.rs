@@ -52,7 +52,7 @@ impl Sweep {
     /// # Errors
     /// Input errors only: the first thing that is wrong, with its place.
     pub fn read(path: &Path) -> Result<Self> {
-        Self::of_document(&Document::read(path)?, path)
+        Self::of_document(&Document::read_scene(path)?, path)
     }
 
     /// The same of a file that has been read.

@@ -1,0 +1,249 @@
+//! What holds for every command: several inputs, standard streams, JSON, folders, width, help.
+// A test that meets an error is to fail there.
+#![allow(clippy::unwrap_used)]
+
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+
+use serde_json::Value;
+
+use crate::common::binary::barwave;
+
+const SCENE: &str = "[bar]\nlength = 1\narea = \"1 cm^2\"\nmaterial = \"mild-steel\"\n[left]\nkind = \"velocity\"\nvalue = -1\n\
+                     [right]\nkind = \"free\"\n[solve]\nuntil = \"50 us\"\ncells = 100\n";
+
+/// A folder with the scenes `a.toml`, `b.toml`, and `wrong.toml`, which is refused.
+fn scenes() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in [("a", SCENE.to_owned()), ("b", SCENE.into()), ("wrong", SCENE.replace("= 100", "= -1"))] {
+        std::fs::write(folder.path().join(format!("{name}.toml")), text).unwrap();
+    }
+    folder
+}
+
+fn out(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+fn err(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// The program with this text on standard input.
+fn piped(folder: &Path, arguments: &[&str], text: &str) -> Output {
+    use std::io::Write as _;
+    let mut command = Command::new(env!("CARGO_BIN_EXE_barwave"));
+    command.args(arguments).current_dir(folder).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = command.spawn().unwrap();
+    child.stdin.take().unwrap().write_all(text.as_bytes()).unwrap();
+    child.wait_with_output().unwrap()
+}
+
+#[test]
+fn several_scenes_each_have_a_result_whatever_becomes_of_the_others() {
+    let folder = scenes();
+    let output =
+        barwave(folder.path(), &["run", "a.toml", "wrong.toml", "b.toml", "--output-dir", "new/results", "--json"]);
+    assert_eq!(output.status.code(), Some(2));
+    let summaries: Vec<Value> = out(&output).lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let outputs: Vec<&str> = summaries.iter().map(|summary| summary["output"].as_str().unwrap()).collect();
+    assert_eq!(outputs, ["new/results/a.h5", "new/results/b.h5"]);
+    let error: Value = serde_json::from_str(&err(&output)).unwrap();
+    assert_eq!((&error["error"]["input"], &error["error"]["key"]), (&"wrong.toml".into(), &"solve.cells".into()));
+
+    let output = barwave(folder.path(), &["run", "a.toml", "wrong.toml", "b.toml"]);
+    assert!(err(&output).starts_with("wrong.toml: error: `solve.cells`: -1 is out of range"), "{}", err(&output));
+    assert_eq!(out(&output).matches("  outcome           done").count(), 2);
+    // One file cannot hold two results, and two scenes of one name would write one file.
+    let output = barwave(folder.path(), &["run", "a.toml", "b.toml", "-o", "c.h5"]);
+    assert!(output.status.code() == Some(2) && err(&output).contains("--output-dir"), "{}", err(&output));
+    std::fs::create_dir(folder.path().join("other")).unwrap();
+    std::fs::copy(folder.path().join("a.toml"), folder.path().join("other/a.toml")).unwrap();
+    let output = barwave(folder.path(), &["run", "a.toml", "other/a.toml", "--output-dir", "d", "--quiet"]);
+    assert!(output.status.code() == Some(2) && err(&output).contains("an earlier scene"), "{}", err(&output));
+}
+
+/// A result file stands for its scene, with the material and the history that the scene names in files.
+#[test]
+fn a_scene_runs_again_from_its_result_alone() {
+    let folder = scenes();
+    let material =
+        "density = 7800\nmodulus = 200e9\n[curve]\nbeyond = \"extend\"\ntable = [[0.001, 200e6], [0.1, 400e6]]\n";
+    std::fs::write(folder.path().join("steel.toml"), material).unwrap();
+    std::fs::write(folder.path().join("pull.csv"), "0,0\n1e-5,-3\n").unwrap();
+    let scene = SCENE.replace("\"mild-steel\"", "\"./steel.toml\"").replace("value = -1", "csv = \"pull.csv\"");
+    std::fs::write(folder.path().join("a.toml"), scene).unwrap();
+    let first = barwave(folder.path(), &["run", "a.toml", "--set", "solve.cells=80", "--quiet"]);
+    assert_eq!(first.status.code(), Some(0), "{}", err(&first));
+    for gone in ["steel.toml", "pull.csv", "a.toml"] {
+        std::fs::remove_file(folder.path().join(gone)).unwrap();
+    }
+    let again = barwave(folder.path(), &["run", "a_solve.cells=80.h5", "--json"]);
+    assert_eq!(again.status.code(), Some(0), "{}", err(&again));
+    let summary: Value = serde_json::from_str(&out(&again)).unwrap();
+    assert_eq!((&summary["cells"], &summary["output"]), (&80.into(), &"a_solve.cells=80_rerun.h5".into()));
+    let stress = |name: &str| {
+        hdf5::File::open(folder.path().join(name)).unwrap().dataset("stress").unwrap().read_raw::<f64>().unwrap()
+    };
+    assert_eq!(stress("a_solve.cells=80.h5"), stress("a_solve.cells=80_rerun.h5"));
+    // The file of another format version cannot be read as a result, but its scene can be run.
+    let old = hdf5::File::open_rw(folder.path().join("a_solve.cells=80.h5")).unwrap();
+    old.attr("format_version").unwrap().write_scalar(&1_u32).unwrap();
+    old.close().unwrap();
+    let again =
+        barwave(folder.path(), &["run", "a_solve.cells=80.h5", "-o", "b.h5", "--set", "solve.cells=40", "--quiet"]);
+    assert_eq!(again.status.code(), Some(0), "{}", err(&again));
+    assert_eq!(stress("b.h5").len() / 40, stress("a_solve.cells=80_rerun.h5").len() / 80);
+}
+
+#[test]
+fn errors_are_json_on_stderr() {
+    let folder = scenes();
+    let error_of = |arguments: &[&str]| -> (Option<i32>, Value) {
+        let output = barwave(folder.path(), arguments);
+        assert!(output.stdout.is_empty(), "{arguments:?}");
+        let error: Value = serde_json::from_str(&err(&output)).unwrap_or_else(|e| panic!("{e}: {}", err(&output)));
+        assert_eq!(error["schema_version"], 1);
+        (output.status.code(), error["error"].clone())
+    };
+    for arguments in [["--json", "run", "wrong.toml"], ["run", "--json", "wrong.toml"], ["run", "wrong.toml", "--json"]]
+    {
+        let (code, error) = error_of(&arguments);
+        assert_eq!((code, &error["kind"], &error["exit_code"]), (Some(2), &"input".into(), &2.into()));
+        assert_eq!((&error["file"], &error["line"], &error["column"]), (&"wrong.toml".into(), &12.into(), &9.into()));
+        assert!(error["allowed"].as_str().unwrap().contains("<= cells <="));
+    }
+    let (code, error) = error_of(&["run", "--no-such-option", "--json"]);
+    assert_eq!((code, &error["kind"]), (Some(2), &"usage".into()));
+    let (code, error) = error_of(&["man", "--json"]);
+    assert_eq!((code, &error["key"]), (Some(2), &"--json".into()));
+}
+
+/// `--json` may come before the command, and every result says which layout it has.
+#[test]
+fn results_of_every_command_are_versioned_json() {
+    let folder = scenes();
+    assert_eq!(barwave(folder.path(), &["run", "a.toml", "--quiet"]).status.code(), Some(0));
+    for line in [
+        "run a.toml",
+        "plan a.toml",
+        "check a.toml",
+        "critical mild-steel",
+        "compare mild-steel copper-annealed",
+        "compare a.h5 a.h5",
+        "materials",
+        "materials list",
+        "materials show mild-steel",
+        "report a.h5 -o new/a.svg",
+        "new folder/c",
+    ] {
+        let arguments: Vec<&str> = ["--json"].into_iter().chain(line.split(' ')).collect();
+        let output = barwave(folder.path(), &arguments);
+        assert_eq!(output.status.code(), Some(0), "{line}: {}", err(&output));
+        let value: Value =
+            serde_json::from_str(&out(&output)).unwrap_or_else(|e| panic!("{line}: {e}: {}", out(&output)));
+        let first = value.as_array().map_or(&value, |list| &list[0]);
+        assert_eq!(first["schema_version"], 1, "{line}");
+    }
+    assert!(folder.path().join("new/a.svg").is_file() && folder.path().join("folder/c.toml").is_file());
+}
+
+#[test]
+fn standard_streams_are_read_and_written() {
+    let folder = scenes();
+    let template = barwave(folder.path(), &["new", "-"]);
+    let ran = piped(folder.path(), &["run", "-", "-o", "deep/er/a.h5", "--json"], &out(&template));
+    assert_eq!(ran.status.code(), Some(0), "{}", err(&ran));
+    let drawn = barwave(folder.path(), &["report", "deep/er/a.h5", "-o", "-"]);
+    assert!(out(&drawn).starts_with("<svg"), "{}", err(&drawn));
+    let table = barwave(folder.path(), &["critical", "mild-steel", "-o", "-"]);
+    assert!(out(&table).starts_with("material,") && err(&table).contains("v_c m/s"), "{}", out(&table));
+    let table = barwave(folder.path(), &["compare", "mild-steel", "-o", "-"]);
+    assert!(out(&table).starts_with("material,strain,") && err(&table).contains("c0 m/s"), "{}", out(&table));
+    let material =
+        "density = 7800\nmodulus = 200e9\n[curve]\nbeyond = \"extend\"\ntable = [[0.001, 200e6], [0.1, 400e6]]\n";
+    for arguments in
+        [&["critical", "-", "--json"][..], &["materials", "show", "-", "--json"], &["check", "-", "--json"]]
+    {
+        let output = piped(folder.path(), arguments, material);
+        assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", err(&output));
+    }
+    // Two outputs would be one text.
+    let output = barwave(folder.path(), &["critical", "mild-steel", "-o", "-", "--json"]);
+    assert!(output.status.code() == Some(2) && err(&output).contains("standard output"), "{}", err(&output));
+    let output = barwave(folder.path(), &["run", "a.toml", "-o", "-"]);
+    assert!(output.status.code() == Some(2) && err(&output).contains("standard output"), "{}", err(&output));
+}
+
+#[test]
+fn a_key_that_is_not_there_can_be_taken_out() {
+    let folder = scenes();
+    let arguments =
+        ["run", "a.toml", "--set", "solve.cfl=", "--set", "record.gauges.middle=", "--set", "effects.rate=", "--json"];
+    let output = barwave(folder.path(), &arguments);
+    assert_eq!(output.status.code(), Some(0), "{}", err(&output));
+    let taken = barwave(folder.path(), &["run", "a.toml", "--set", "solve.until=", "--quiet"]);
+    assert!(taken.status.code() == Some(2) && err(&taken).contains("until"), "{}", err(&taken));
+}
+
+/// Nothing is wider than the terminal but single long words.
+#[test]
+fn texts_and_tables_fit_80_columns() {
+    let folder = scenes();
+    let narrow = |line: &str| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_barwave"));
+        command.args(line.split(' ')).current_dir(folder.path()).env("COLUMNS", "80").output().unwrap()
+    };
+    for line in [
+        "run a.toml",
+        "plan a.toml",
+        "check a.toml",
+        "critical --all --sensitivity",
+        "compare mild-steel copper-annealed",
+        "compare a.h5 a.h5",
+        "materials",
+        "materials show copper-annealed",
+        "--help",
+        "run --help",
+    ] {
+        let output = narrow(line);
+        assert_eq!(output.status.code(), Some(0), "{line}: {}", err(&output));
+        for text in out(&output).lines().filter(|text| text.chars().count() > 80) {
+            assert!(text.trim().split(' ').count() == 1, "{line}: {text}");
+        }
+        assert!(!output.stdout.is_empty());
+    }
+    let fronts = out(&narrow("run a.toml"));
+    assert!(fronts.contains("  front  strain from"), "{fronts}");
+}
+
+/// Every help text ends with examples.
+#[test]
+fn examples_are_in_every_help() {
+    let folder = scenes();
+    let mut waiting = vec![String::new()];
+    let mut found = 0;
+    while let Some(path) = waiting.pop() {
+        let arguments: Vec<&str> = path.split(' ').filter(|word| !word.is_empty()).chain(["--help"]).collect();
+        let help = out(&barwave(folder.path(), &arguments));
+        let (before, examples) = help.split_once("Examples:\n").unwrap_or_else(|| panic!("no examples: {path}"));
+        // Long lines are wrapped; unit tests of the command line parse each example.
+        assert!(examples.trim_start().starts_with("barwave "), "{path}: {examples}");
+        found += 1;
+        let listed = before.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
+        let names = listed.filter(|line| !line.starts_with("   ")).filter_map(|line| line.split_whitespace().next());
+        waiting.extend(names.filter(|name| *name != "help").map(|name| format!("{path} {name}")));
+    }
+    assert!(found >= 24, "{found}");
+}
+
+#[test]
+fn colours_and_details_are_as_asked_for() {
+    let folder = scenes();
+    let is_coloured =
+        |when: &str| err(&barwave(folder.path(), &["--color", when, "run", "wrong.toml"])).contains('\x1b');
+    assert_eq!(["always", "never", "auto"].map(is_coloured), [true, false, false]);
+    let detailed = barwave(folder.path(), &["run", "a.toml", "-v", "--quiet"]);
+    let said = err(&detailed);
+    assert!(["barwave 0", "threads", "writing a.h5", "time steps"].iter().all(|word| said.contains(word)), "{said}");
+}

@@ -76,7 +76,7 @@ mod tests {
     fn a_scene_is_that_of_the_same_file() {
         let text = "[bar]\nlength = 1\nmaterial = \"copper-annealed\"\n[left]\nkind = \"velocity\"\nvalue = -15\n\
                     [right]\nkind = \"free\"\n[solve]\nuntil = 1e-4\n";
-        let written = Scene::parse("s", text, Path::new(""), &[]).expect("a right scene");
+        let written = Scene::parse("scene", text, Path::new(""), &[]).expect("a right scene");
         assert_eq!(pulled().build().expect("a right scene").resolved_json(), written.resolved_json());
     }
 

@@ -3,9 +3,8 @@
 use std::io::Read as _;
 use std::path::Path;
 
-use hdf5::File;
-
 use super::attributes::get_text;
+use super::shared::{NotOpened, SharedFile};
 
 /// What a path holds before a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -47,17 +46,11 @@ pub fn existing(path: &Path) -> Existing {
     super::recover(path);
     match start(path) {
         Ok(start) if start.is_empty() => Existing::Nothing,
-        Ok(start) if start == SIGNATURE => match File::open(path) {
+        Ok(start) if start == SIGNATURE => match SharedFile::open(path) {
             Ok(file) if get_text(&file, "format").is_ok_and(|format| format == "barwave") => Existing::Result,
-            Err(error) if is_locked(&error) => Existing::InUse,
+            Err(NotOpened::Locked) => Existing::InUse,
             _ => Existing::Other,
         },
         _ => Existing::Other,
     }
-}
-
-/// The library could not open a file because another process has it open for writing.
-pub(super) fn is_locked(error: &hdf5::Error) -> bool {
-    let said = error.to_string();
-    said.contains("unable to lock file") || said.contains("lock request failed")
 }

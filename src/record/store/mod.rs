@@ -48,6 +48,7 @@ mod journal;
 mod paths;
 mod read;
 mod scales;
+mod shared;
 mod sweep;
 mod tables;
 #[cfg(not(unix))]

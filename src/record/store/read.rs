@@ -8,7 +8,7 @@ use ndarray::{Array2, s};
 
 use super::attributes::{get, get_text, get_texts};
 use super::bounded;
-use super::existing::is_locked;
+use super::shared::{NotOpened, SharedFile};
 use super::tables::{numbers as column, texts};
 use super::{FORMAT_VERSION, RUNNING, Side, paths};
 use crate::error::{InputError, Result};
@@ -23,7 +23,7 @@ type Hdf<T> = hdf5::Result<T>;
 #[derive(Debug)]
 pub struct ResultFile {
     path: PathBuf,
-    file: File,
+    file: SharedFile,
     facts: Facts,
 }
 
@@ -259,7 +259,7 @@ impl ResultFile {
 }
 
 /// A file that barwave wrote.
-fn open(path: &Path) -> Result<File> {
+fn open(path: &Path) -> Result<SharedFile> {
     if path.is_dir() {
         return Err(wrong(path, "this is a folder", "name a result file in it").into());
     }
@@ -267,7 +267,7 @@ fn open(path: &Path) -> Result<File> {
         return Err(wrong(path, "there is no such file", "name a result file that `barwave run` wrote").into());
     }
     super::recover(path);
-    let file = File::open(path).map_err(|e| cannot_open(path, &e))?;
+    let file = SharedFile::open(path).map_err(|e| cannot_open(path, &e))?;
     let format: Hdf<String> = get_text(&file, "format");
     if format.ok().as_deref() != Some("barwave") {
         return Err(wrong(
@@ -304,11 +304,13 @@ fn damaged(path: &Path, error: &hdf5::Error) -> InputError {
     wrong(path, &format!("the result file is damaged: {error}"), "copy it again, or run its scene again")
 }
 
-fn cannot_open(path: &Path, error: &hdf5::Error) -> InputError {
-    let said = error.to_string();
-    if is_locked(error) {
-        return wrong(path, "the file is locked by the run that writes it", "wait until the run has ended");
-    }
+fn cannot_open(path: &Path, why: &NotOpened) -> InputError {
+    let said = match why {
+        NotOpened::Locked => {
+            return wrong(path, "the file is locked by the run that writes it", "wait until the run has ended");
+        }
+        NotOpened::Failed(error) => error.to_string(),
+    };
     if said.contains("truncated") {
         return wrong(
             path,

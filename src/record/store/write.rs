@@ -10,7 +10,6 @@ use super::checkpoint::{self, Checkpoint, Rows};
 use super::claim::{Claim, GONE, in_place, remove_unnamed};
 use super::columns::{append, cut, is_longer};
 use super::create::{SAMPLE, TRACE_ROWS, build, end_columns, energy_units, gauge_columns, gauge_links, ledger_columns};
-use super::existing::is_locked;
 use super::figures;
 use super::open_rw;
 use super::paths::PathTable;
@@ -508,4 +507,10 @@ fn ledger_values(row: &LedgerRow) -> Vec<f64> {
     values.extend(row.energies.values());
     values.extend([row.work_left, row.work_right, row.energies.momentum, row.impulse, row.residual]);
     values
+}
+
+/// The library could not open a file because another process has it open for writing.
+fn is_locked(error: &hdf5::Error) -> bool {
+    let said = error.to_string();
+    said.contains("unable to lock file") || said.contains("lock request failed")
 }

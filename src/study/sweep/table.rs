@@ -52,8 +52,11 @@ fn values<'a>(row: &'a Row, names: &[String]) -> Vec<&'a Value> {
 pub(super) fn write_tables(csv: &Path, hdf5: &Path, plan: &Plan, rows: &[Row]) -> Result<()> {
     let names = names(plan, rows);
     let metrics: Vec<Vec<&Value>> = rows.iter().map(|row| values(row, &names)).collect();
-    write_csv(csv, plan, rows, (&names, &metrics))?;
-    write_hdf5(hdf5, plan, rows, (&names, &metrics))
+    let (csv, hdf5) = rayon::join(
+        || write_csv(csv, plan, rows, (&names, &metrics)),
+        || write_hdf5(hdf5, plan, rows, (&names, &metrics)),
+    );
+    csv.and(hdf5)
 }
 
 /// The names of the metrics, and their values row by row.

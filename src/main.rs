@@ -1,5 +1,9 @@
 //! The `barwave` command.
 
+/// Sweeps make and free many small objects on all threads, for which the system's allocator takes a sixth of the time.
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
 fn main() -> std::process::ExitCode {
     barwave::cli::main()
 }

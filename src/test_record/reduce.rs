@@ -18,6 +18,10 @@ pub struct Reduce {
     pub compliance: bool,
     /// Stresses between which the elastic line is fitted, Pa; none: they are searched for.
     pub elastic_range: Option<[f64; 2]>,
+    /// Strains are shifted so that the elastic line starts at zero.
+    pub toe: bool,
+    /// Width in strain of the window of the smoothing; none: as wide as curve and noise allow.
+    pub window: Option<f64>,
     /// Largest distance in stress of the knots' curve from the smoothed one, over the largest stress; the impact velocity of no piece
     /// between two knots differs by more than this part, either.
     pub tolerance: f64,
@@ -82,7 +86,7 @@ pub fn reduce(record: &[(f64, f64)], how: &Reduce) -> Result<Reduction, InputErr
     let Some(line) = line else { return Err(no_line(how)) };
     let (modulus, start) = correct(&mut rows, &line, how, &mut changes)?;
     let mean_noise = (variances.iter().sum::<f64>() / variances.len() as f64).sqrt();
-    let curve = whole_curve(&rows, &variances, start, modulus, largest);
+    let curve = whole_curve((&rows, &variances, largest), start, modulus, how.window);
     changes.push(format!(
         "{} between strain {:.5} and {:.5} smoothed by local quadratic regression (noise {:.3} MPa)",
         count(rows.len() - start),
@@ -158,8 +162,13 @@ fn correct(
         changes.push(format!("{message} {:.3} GPa (--compliance corrects the strains instead)", line.slope / 1e9));
     }
     // Strain at which the line of the modulus has no stress.
-    let origin = line.origin + through * (1.0 / line.slope - compliance - 1.0 / modulus);
-    changes.push(format!("toe: strains shifted by {:.3e}, so that the elastic line starts at zero", -origin));
+    let found = line.origin + through * (1.0 / line.slope - compliance - 1.0 / modulus);
+    let origin = if how.toe { found } else { 0.0 };
+    changes.push(if how.toe {
+        format!("toe: strains shifted by {:.3e}, so that the elastic line starts at zero", -origin)
+    } else {
+        format!("toe: strains as recorded, in which the elastic line starts at {found:.3e}")
+    });
     for row in rows.iter_mut() {
         row.0 -= origin + compliance * row.1;
     }
@@ -173,9 +182,14 @@ const YIELD_DROP_NOISE: f64 = 4.0;
 const YIELD_DROP: f64 = 0.02;
 
 /// The elastic line and the smoothed curve behind it; no slope is above the modulus. `start` is the last row on the line.
-fn whole_curve(rows: &[(f64, f64)], variances: &[f64], start: usize, modulus: f64, largest: f64) -> Vec<(f64, f64)> {
+fn whole_curve(
+    (rows, variances, largest): (&[(f64, f64)], &[f64], f64),
+    start: usize,
+    modulus: f64,
+    window: Option<f64>,
+) -> Vec<(f64, f64)> {
     let past = (start + 1).min(rows.len() - 2);
-    let smoothed = smooth(&rows[past..], &variances[past..], largest);
+    let smoothed = smooth(&rows[past..], &variances[past..], largest, window);
     let near = &variances[start.saturating_sub(25)..(start + 25).min(variances.len())];
     let noise = (near.iter().sum::<f64>() / near.len() as f64).sqrt();
     let limit = elastic_limit(rows[start].0, &smoothed, modulus, noise).max(modulus::LEAST_LIMIT * largest / modulus);

@@ -37,15 +37,21 @@ pub(super) struct Smooth {
     pub slope: f64,
 }
 
-/// Smooths rows (strain increasing), the first of which are the first past the elastic line.
-pub(super) fn smooth(rows: &[(f64, f64)], variances: &[f64], largest: f64) -> Smooth {
+/// Smooths rows (strain increasing), the first of which are the first past the elastic line, by a window of a given width in strain or as the
+/// rows ask for.
+pub(super) fn smooth(rows: &[(f64, f64)], variances: &[f64], largest: f64, window: Option<f64>) -> Smooth {
     let (start, end) = (rows[0].0, rows[rows.len() - 1].0);
     let first = (2.0 * (rows[rows.len().min(9) - 1].0 - start) / 8.0).max(1e-6 * (end - start));
     let steps = std::iter::successors(Some(first), |p| Some(p * STEP)).take_while(|p| start + p * STEP < end);
     let strains: Vec<f64> = std::iter::once(start).chain(steps.map(|p| start + p)).chain([end]).collect();
     let precise = (PRECISION * largest / PARABOLA).powi(2);
     let local = Local { rows, variances, floor: (FLOOR * largest).powi(2), precise };
-    let widths: Vec<f64> = strains.iter().map(|&e| local.half_width(e, e - start)).collect();
+    let half_width = |e: f64| match window {
+        // A parabola needs some rows, however narrow the window is.
+        Some(window) => (0.5 * window).max(local.holding(e, FEWEST)),
+        None => local.half_width(e, e - start),
+    };
+    let widths: Vec<f64> = strains.iter().map(|&e| half_width(e)).collect();
     let mut smooth = Smooth { curve: Vec::new(), slope: 0.0 };
     for (k, &strain) in strains.iter().enumerate() {
         let near = &widths[k.saturating_sub(2)..(k + 3).min(widths.len())];

@@ -167,6 +167,30 @@ fn true_stress_and_machine_compliance_are_converted() {
     within_a_percent(&found, &RAMBERG_OSGOOD, "compliance");
 }
 
+/// The options for the measure, the toe and the window of the smoothing, each against the default.
+#[test]
+fn measure_toe_and_smoothing_can_be_set() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let rows = record(&RAMBERG_OSGOOD, &Faults { toe: 0.0, ..LABORATORY });
+    let mut truth = String::from("strain,stress (MPa)\n");
+    for (e, s) in &rows {
+        let _ = writeln!(truth, "{:.8},{:.5}", e.ln_1p(), s * (1.0 + e) / 1e6);
+    }
+    let found = import(folder.path(), "true.csv", &truth, &["--measure", "true"]);
+    within_a_percent(&found, &RAMBERG_OSGOOD, "true stress by --measure");
+    let found = import(folder.path(), "window.csv", &csv(&rows), &["--smooth", "0.4 %"]);
+    within_a_percent(&found, &RAMBERG_OSGOOD, "a window of 0.4 %");
+    // Strains that all lie 0.1 % too high stay there.
+    let shifted: Vec<_> = rows.iter().map(|&(e, s)| (e + 1e-3, s)).collect();
+    let end = |toe: &str| {
+        let found = import(folder.path(), "toe.csv", &csv(&shifted), &["--toe", toe]);
+        let knots = found["records"][0]["reduction"]["knots"].as_array().expect("knots").clone();
+        number(&knots[knots.len() - 1][0])
+    };
+    let off = end("off") - end("on");
+    assert!((off / 1e-3 - 1.0).abs() < 0.05, "{off}");
+}
+
 #[test]
 fn the_file_states_what_was_done_and_runs() {
     let folder = tempfile::tempdir().expect("a folder");

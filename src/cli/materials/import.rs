@@ -69,12 +69,18 @@ pub(super) struct Args {
     /// Largest distance of the knots from the smoothed curve, over the largest stress, 1e-5 to 0.05.
     #[arg(long, default_value_t = Reduce::TOLERANCE)]
     tolerance: f64,
+    /// Width in strain of the window of the smoothing, e.g. 0.005 or "0.5 %" (default: as wide as curve and noise allow).
+    #[arg(long, value_name = "STRAIN", allow_hyphen_values = true)]
+    smooth: Option<Quantity>,
+    /// Toe correction: `on` shifts strains so that the elastic line starts at zero, `off` takes them as recorded.
+    #[arg(long, value_enum, default_value = "on")]
+    toe: Switch,
     /// Take the rows as they are: no toe correction, no smoothing (always with fewer than 50 rows).
     #[arg(long)]
     keep_rows: bool,
-    /// The record holds true strain and true stress (default: engineering, unless the headings say true).
-    #[arg(long = "true")]
-    is_true: bool,
+    /// Measure of the record's strains and stresses (default: engineering, unless the headings say true).
+    #[arg(long, value_enum)]
+    measure: Option<MeasureArg>,
     /// Sense of loading in the test.
     #[arg(long, value_enum, default_value = "tension")]
     sense: SenseArg,
@@ -109,6 +115,27 @@ enum BeyondArg {
     Extend,
     /// A run that reaches it stops.
     Error,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Switch {
+    On,
+    Off,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum MeasureArg {
+    /// On the initial length and cross-section.
+    Engineering,
+    /// On the current ones: logarithmic strain, true stress.
+    True,
+}
+
+impl Args {
+    /// The rows of a record are true strains and stresses.
+    fn is_true(&self, record: &Record) -> bool {
+        self.measure.map_or(record.says_true, |measure| measure == MeasureArg::True)
+    }
 }
 
 impl From<BeyondArg> for Beyond {
@@ -224,7 +251,9 @@ fn how(args: &Args) -> Result<Reduce> {
     }
     let modulus = args.modulus.as_ref().map(|m| si(m, Dimension::Stress, "--modulus")).transpose()?;
     let elastic_range = args.elastic_range.as_deref().map(elastic_range).transpose()?;
-    Ok(Reduce { modulus, compliance: args.compliance, elastic_range, tolerance: args.tolerance })
+    let window = args.smooth.as_ref().map(|width| si(width, Dimension::None, "--smooth")).transpose()?;
+    let toe = args.toe == Switch::On;
+    Ok(Reduce { modulus, compliance: args.compliance, elastic_range, toe, window, tolerance: args.tolerance })
 }
 
 /// `20 MPa..100 MPa`.
@@ -244,7 +273,7 @@ fn elastic_range(text: &str) -> Result<[f64; 2]> {
 
 fn import(file: &Path, args: &Args, reading: &Reading, how: &Reduce) -> Result<Imported> {
     let record = test_record::read(file, reading)?;
-    let is_true = args.is_true || record.says_true;
+    let is_true = args.is_true(&record);
     let rows = if is_true { engineering(&record.rows, args.sense.into()) } else { record.rows.clone() };
     let keep = args.keep_rows || rows.len() < Reduce::FEWEST_ROWS;
     if keep {
@@ -285,7 +314,7 @@ fn magnitudes(rows: &[(f64, f64)]) -> Vec<(f64, f64)> {
 fn curve(args: &Args, imported: &[Imported], how: &Reduce) -> Result<Curve> {
     let asked: Option<Beyond> = args.beyond.map(Into::into);
     if let [only] = imported {
-        let is_true = args.is_true || only.record.says_true;
+        let is_true = args.is_true(&only.record);
         return Ok(match &only.reduction {
             Some(reduction) => {
                 let fractured = if reduction.fracture.is_some() { Beyond::Rupture } else { Beyond::Error };

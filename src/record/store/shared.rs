@@ -30,8 +30,9 @@ impl SharedFile {
         if matches!(lock.try_lock_shared(), Err(std::fs::TryLockError::WouldBlock)) {
             return Err(NotOpened::Locked);
         }
-        let opened = File::with_options().with_fapl(|access| access.file_locking(false)).open(path);
-        match opened {
+        let unlocked = File::with_options().with_fapl(|access| access.file_locking(false)).open(path);
+        // A file that the same process has open with locks can be opened again only with them.
+        match unlocked.or_else(|_| File::open(path)) {
             Ok(file) => Ok(Self { file, lock }),
             Err(error) => {
                 let _ = lock.unlock();

@@ -31,7 +31,7 @@ pub use audit::{
 };
 pub use checks::{ElasticProbe, against_similarity, alone, similar_stress};
 pub use error_table::{ErrorTable, Measure};
-pub use figures::{Extreme, Figure, Figures, Group, Records, ResidualProfile, SegmentEnd, Tally, definitions};
+pub use figures::{Extreme, Figure, Figures, Group, Profile, Records, ResidualProfile, SegmentEnd, Tally, definitions};
 pub use frames::{Frames, Twisted, read_frame};
 pub use fronts::FrontTracker;
 pub use impact::ImpactSummary;

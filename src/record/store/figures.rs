@@ -1,15 +1,17 @@
 //! The figures of a run: `/figures` of its result file.
 
-use hdf5::File;
+use hdf5::{File, Group};
 
 use super::Figures;
 use super::attributes::describe;
+use super::scales::attach;
+use crate::record::Profile;
 
 type Hdf<T> = hdf5::Result<T>;
 
 /// Bytes that [`write`] takes at most.
 pub(super) fn bytes(figures: &Figures) -> u64 {
-    2048 * figures.0.iter().map(|group| 2 + group.figures.len() as u64).sum::<u64>()
+    2048 * figures.0.iter().map(|group| 5 + group.figures.len() as u64).sum::<u64>()
 }
 
 /// Writes `/figures`: a group for each place, in which every figure is a scalar dataset, and every profile one of one dimension. `gauges` are
@@ -29,9 +31,7 @@ pub(super) fn write<'a>(file: &File, figures: &Figures, mut gauges: impl Iterato
             place = if place.link_exists(name) { place.group(name)? } else { place.create_group(name)? };
         }
         if let Some(profile) = &group.profile {
-            let dataset = place.new_dataset::<f64>().shape(profile.values.len()).create(profile.name)?;
-            dataset.write_raw(&profile.values)?;
-            describe(&dataset, "1", profile.description)?;
+            write_profile(&place, profile)?;
         }
         for figure in &group.figures {
             let units = match figure.dimension.si_symbol() {
@@ -44,4 +44,19 @@ pub(super) fn write<'a>(file: &File, figures: &Figures, mut gauges: impl Iterato
         }
     }
     Ok(())
+}
+
+/// The position at which a profile's values stand, over the undeformed length.
+const POSITION: &str = "relative_position";
+
+fn write_profile(place: &Group, profile: &Profile) -> Hdf<()> {
+    let count = profile.values.len();
+    let middles: Vec<f64> = (0..count).map(|k| (k as f64 + 0.5) / count as f64).collect();
+    let texts = [(POSITION, "middle of the part of the undeformed bar over its length", &middles)];
+    for (name, description, values) in texts.into_iter().chain([(profile.name, profile.description, &profile.values)]) {
+        let dataset = place.new_dataset::<f64>().shape(count).create(name)?;
+        dataset.write_raw(values)?;
+        describe(&dataset, "1", description)?;
+    }
+    attach(place, &[POSITION], &[profile.name])
 }

@@ -441,13 +441,13 @@ fn killed_at_any_moment(scene: &str, most: usize) {
     let whole = frames(&path("whole.h5"));
     assert_eq!(whole.len(), 1500);
     let (mut kills, mut resumed, mut ended) = (0, 0, 0);
-    let begin = ["run", "many.toml", "-o", "k.h5", "--json", "--checkpoint", "10ms"];
+    let begin = ["run", "many.toml", "-o", "k.h5", "--json", "--checkpoint", "1ms"];
     let resume = ["run", "--resume", "k.h5", "--json"];
     let mut arguments = &begin[..];
     // How many of the kills come after the first checkpoint depends on what else the machine does.
     while kills < most || (resumed <= most / 5 && kills < 20 * most) {
         let child = start(folder.path(), arguments);
-        std::thread::sleep(Duration::from_secs_f64(time * (0.05 + 0.6 * chance.next())));
+        std::thread::sleep(Duration::from_secs_f64(time * (0.05 + 0.9 * chance.next())));
         signal(&child, "KILL");
         let output = child.wait_with_output().expect("it ends");
         if let Some(code) = output.status.code() {

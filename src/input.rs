@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use serde::de::DeserializeOwned;
-use toml::de::{DeTable, DeValue};
+use toml::de::{DeTable, DeValue, ValueDeserializer};
 
 use crate::error::{InputError, Place, Result};
 use crate::text_file;
@@ -21,6 +21,17 @@ pub struct Document {
     pub file: String,
     /// Whole text.
     pub text: Arc<str>,
+}
+
+/// A key of a table, with its place and that of its value.
+#[derive(Debug, Clone)]
+pub struct GivenKey {
+    /// Its name.
+    pub name: String,
+    /// Where the key stands.
+    pub key: Range<usize>,
+    /// Where its value stands.
+    pub value: Range<usize>,
 }
 
 /// An allowed range, shown as the user would write it.
@@ -67,12 +78,17 @@ impl Allowed {
             Self::Finite => "any finite number".into(),
             Self::Positive => format!("{name} > 0"),
             Self::NotNegative => format!("{name} >= 0"),
-            Self::Within(low, high) => format!("{low} <= {name} <= {high}{unit}"),
-            Self::Above(low, high) => format!("{low} < {name} <= {high}{unit}"),
-            Self::Below(low, high) => format!("{low} <= {name} < {high}{unit}"),
-            Self::Between(low, high) => format!("{low} < {name} < {high}{unit}"),
+            Self::Within(low, high) => format!("{} <= {name} <= {high}{unit}", bound(low)),
+            Self::Above(low, high) => format!("{} < {name} <= {high}{unit}", bound(low)),
+            Self::Below(low, high) => format!("{} <= {name} < {high}{unit}", bound(low)),
+            Self::Between(low, high) => format!("{} < {name} < {high}{unit}", bound(low)),
         }
     }
+}
+
+/// Small numbers with an exponent.
+fn bound(value: f64) -> String {
+    if value != 0.0 && value.abs() < 1e-4 { format!("{value:e}") } else { value.to_string() }
 }
 
 impl Document {
@@ -134,6 +150,22 @@ impl Document {
             }
         };
         Err(self.error(value.span(), key, format!("{typed} is out of range")).allowed(range).help(help).into())
+    }
+
+    /// The same of a number that the text holds, whose key follows from its place.
+    pub fn number_at(&self, value: &Number, dimension: Dimension, allowed: Allowed) -> Result<f64> {
+        self.number_under(value, || self.key_at(&value.span()), dimension, allowed)
+    }
+
+    /// The same with a key that is made up for messages only.
+    pub fn number_under(
+        &self,
+        value: &Number,
+        key: impl Fn() -> String,
+        dimension: Dimension,
+        allowed: Allowed,
+    ) -> Result<f64> {
+        self.number(value, "", dimension, allowed).or_else(|_| self.number(value, &key(), dimension, allowed))
     }
 
     /// Refuses values with which no computation makes sense; those that may be zero may be as small as they like.
@@ -203,6 +235,37 @@ impl Document {
         Err(error.help(format!("write e.g. {} = {}", last_part(key), number.round())).into())
     }
 
+    /// The same of a number that the text holds, whose key follows from its place.
+    pub fn count_at(&self, value: &Number, low: usize, high: usize) -> Result<usize> {
+        self.count(value, "", low, high).or_else(|_| self.count(value, &self.key_at(&value.span()), low, high))
+    }
+
+    /// Reads the table under a top-level key, but for the keys that are known already.
+    pub fn read_table<T: DeserializeOwned>(&self, key: &str, known: &[&str]) -> Result<T> {
+        let mut root = DeTable::parse(&self.text).map_err(|e| self.explain(&e))?.into_inner();
+        let Some(mut value) = root.remove(key) else {
+            return Err(self.missing_key(0..0, "", key).into());
+        };
+        if let DeValue::Table(table) = value.get_mut() {
+            for key in known {
+                table.remove(*key);
+            }
+        }
+        T::deserialize(ValueDeserializer::from(value)).map_err(|e| self.explain(&e).into())
+    }
+
+    /// The keys that stand in a top-level table, in the order of the text, with the places of keys and values.
+    pub fn keys_in(&self, table: &str) -> Vec<GivenKey> {
+        let root = DeTable::parse(&self.text).map(toml::Spanned::into_inner).unwrap_or_default();
+        let Some(DeValue::Table(table)) = root.get(table).map(toml::Spanned::get_ref) else { return Vec::new() };
+        let all = table.iter();
+        let given =
+            all.map(|(key, value)| GivenKey { name: key.get_ref().to_string(), key: key.span(), value: value.span() });
+        let mut keys: Vec<GivenKey> = given.collect();
+        keys.sort_by_key(|given| given.key.start);
+        keys
+    }
+
     /// Turns what the TOML reader says into an error with key, suggestion and help.
     fn explain(&self, error: &toml::de::Error) -> InputError {
         let span = error.span().unwrap_or(0..0);
@@ -218,7 +281,12 @@ impl Document {
         if let (true, Some(name)) = (message.starts_with("missing field"), quoted.first()) {
             // Without a table of its own the place is the whole file, whose first key is not to blame.
             let table = self.text.get(span.clone()).is_some_and(|text| text.starts_with(['[', '{']));
-            return self.missing_key(span, if table { &key } else { "" }, name);
+            let error = self.missing_key(span, if table { &key } else { "" }, name);
+            // A number says what to add.
+            return match message.split_once('\n') {
+                Some((_, help)) => error.help(help.trim()),
+                None => error,
+            };
         }
         let tidy = plain_types(&message.trim().replace('\n', "; "), self.text.get(span.clone()).unwrap_or_default());
         if message.starts_with("duplicate key") {
@@ -235,6 +303,11 @@ impl Document {
 
     fn unknown_key(&self, span: Range<usize>, key: &str, quoted: &[&str]) -> InputError {
         let (unknown, known) = split_first(quoted);
+        self.key_error(span, key, unknown, known)
+    }
+
+    /// An error for a key that is none of those of its table; the nearest is suggested.
+    pub fn key_error(&self, span: Range<usize>, key: &str, unknown: &str, known: &[&str]) -> InputError {
         let parent = key.rsplit_once('.').map_or("", |(parent, _)| parent);
         let place = if parent.is_empty() { "at the top level".to_owned() } else { format!("in `{parent}`") };
         let list = known.join(", ");

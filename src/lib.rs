@@ -38,6 +38,8 @@ pub mod destination;
 
 pub mod input;
 
+pub mod typed;
+
 pub mod columns;
 
 pub mod material;

@@ -14,7 +14,7 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Deserializer, Serialize};
 
-pub use dimension::Dimension;
+pub use dimension::{Dimension, Measure, measures};
 pub use format::{format, scale_for};
 pub use magnitude::Magnitudes;
 pub use scale::Scale;

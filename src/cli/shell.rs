@@ -8,6 +8,7 @@ use super::{Cli, output, settings};
 use crate::error::{Error, InputError, Result};
 use crate::material::RawMaterial;
 use crate::scene::{KINDS, RawScene};
+use crate::typed;
 
 /// Options of `barwave completions`.
 #[derive(Debug, clap::Args)]
@@ -90,8 +91,8 @@ pub(crate) fn schema(args: &SchemaArgs) -> Result<()> {
         Described::Spheres => of_kind("spheres"),
         Described::Plate => of_kind("plate"),
         Described::Beam => of_kind("beam"),
-        Described::Scene => schemars::schema_for!(RawScene),
-        Described::Material => schemars::schema_for!(RawMaterial),
+        Described::Scene => typed::schema::<RawScene>(),
+        Described::Material => typed::schema::<RawMaterial>(),
     };
     let mut text = format!("{:#}", schema.as_value());
     text.push('\n');

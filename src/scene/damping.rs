@@ -1,11 +1,14 @@
 //! The effect `damping`: forces along the bar as a scene states them, each declared once.
 
+use std::ops::Range;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::error::Result;
-use crate::input::{Allowed, Document, Number};
-use crate::units::{Dimension, Quantity};
+use crate::input::Document;
+use crate::typed::{Key as _, NotNegative, Of, Or};
+use crate::units::{Dimension, measures};
 
 /// What a force acts on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -17,9 +20,9 @@ pub(super) enum Per {
 }
 
 /// A key of `damping`.
-pub(super) struct Key<'a> {
+pub(super) struct Key {
     pub name: &'static str,
-    pub value: Option<&'a Number>,
+    pub place: Option<Range<usize>>,
     pub per: Per,
 }
 
@@ -33,11 +36,11 @@ macro_rules! forces {
         }
 
         /// Distributed forces, the same in all segments: `{ internal = "20 kPa*s" }`, `{ external = "300 N*s/m^2" }`,
-        /// `{ foundation = "50 MN/m^2" }`, or several of them. All but internal damping need the bar's area. Default of each: 0.
+        /// `{ foundation = "50 MN/m^2" }`, or several of them. All but internal damping need the bar's area.
         #[derive(Debug, Deserialize, JsonSchema)]
         #[serde(deny_unknown_fields)]
         pub struct RawDamping {
-            $($(#[doc = $doc])* #[schemars(with = "Option<Quantity>")] $name: Option<Number>,)*
+            $($(#[doc = $doc])* #[schemars(default)] $name: Or<Of<measures::$dimension, NotNegative>, 0>,)*
         }
 
         impl Damping {
@@ -54,32 +57,26 @@ macro_rules! forces {
         }
 
         impl RawDamping {
-            pub(super) fn keys(&self) -> Vec<Key<'_>> {
-                vec![$(Key { name: stringify!($name), value: self.$name.as_ref(), per: Per::$per },)*]
+            pub(super) fn keys(&self) -> Vec<Key> {
+                vec![$(Key { name: stringify!($name), place: self.$name.place(), per: Per::$per },)*]
             }
 
             /// The constants in SI.
             pub(super) fn read(&self, document: &Document) -> Result<Damping> {
-                let number = |value: &Option<Number>, name: &str, dimension| {
-                    let key = format!("effects.damping.{name}");
-                    document.optional(value.as_ref(), &key, dimension, Allowed::NotNegative)
-                };
-                Ok(Damping {
-                    $($name: number(&self.$name, stringify!($name), Dimension::$dimension)?.unwrap_or(0.0),)*
-                })
+                Ok(Damping { $($name: self.$name.si(document, false)?,)* })
             }
         }
     };
 }
 
 forces! {
-    /// Internal (Kelvin-Voigt) damping: stress per strain rate, Pa s, >= 0.
+    /// Internal (Kelvin-Voigt) damping: stress per strain rate.
     internal: Viscosity, Area;
-    /// External viscous damping: force per unit length and velocity, N s/m^2, >= 0.
+    /// External viscous damping: force per unit length and velocity.
     external: Drag, Length;
-    /// Elastic foundation: force per unit length and displacement, N/m^2, >= 0.
+    /// Elastic foundation: force per unit length and displacement.
     foundation: Foundation, Length;
-    /// Dry (Coulomb) friction: force per unit length against the motion, N/m, >= 0; a section at rest is held by up to this force. Not
+    /// Dry (Coulomb) friction: force per unit length against the motion; a section at rest is held by up to this force. Not
     /// together with `internal` or lateral inertia.
     friction: ForcePerLength, Length;
 }

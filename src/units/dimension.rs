@@ -52,7 +52,28 @@ macro_rules! dimensions {
                 if scales.is_empty() { self.si_scales() } else { scales }
             }
         }
+
+        /// Every dimension as a type, for numbers whose dimension is part of their type.
+        pub mod measures {
+            $(
+                $(#[doc = $doc])*
+                #[derive(Debug, Clone, Copy)]
+                pub struct $name;
+
+                impl super::Measure for $name {
+                    const DIMENSION: super::Dimension = super::Dimension::$name;
+                }
+            )*
+        }
     };
+}
+
+/// What a number measures, as a type.
+pub trait Measure {
+    /// In an axial bar, and wherever there is no bar.
+    const DIMENSION: Dimension;
+    /// In a bar in torsion.
+    const IN_TORSION: Dimension = Self::DIMENSION;
 }
 
 dimensions! {

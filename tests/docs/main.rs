@@ -212,8 +212,8 @@ fn the_reference_of_scene_keys_is_up_to_date() {
         section("`[striker]`", "RawStriker"),
     ];
     let specimen = Schema::of("specimen").tables_without(&specimen, &["RawMaterial"]);
-    let kind = |key: &str, name: &'static str, tables: &[[&'static str; 2]]| {
-        let sphere = section("`[striker]`", "RawSphere");
+    let kind = |key: &str, name: &'static str, tables: &[[&'static str; 2]], striker: &'static str| {
+        let sphere = section("`[striker]`", striker);
         let own = tables.iter().map(|[title, table]| section(title, table));
         let sections: Vec<_> = [section(name, "")].into_iter().chain(own).chain([sphere]).collect();
         Schema::of(key).tables_without(&sections, &["RawMaterial"])
@@ -223,9 +223,9 @@ fn the_reference_of_scene_keys_is_up_to_date() {
     let beam =
         [["`[beam]`", "RawBeam"], ["`[solve]` of a beam", "RawBeamSolve"], ["`[record]` of a beam", "RawBeamRecord"]];
     let impacts = [
-        kind("spheres", "Spheres: top level", &spheres),
-        kind("plate", "Plate: top level", &plate),
-        kind("beam", "Beam: top level", &beam),
+        kind("spheres", "Spheres: top level", &spheres, "RawStrikingSphere"),
+        kind("plate", "Plate: top level", &plate, "RawSphere"),
+        kind("beam", "Beam: top level", &beam, "RawSphere"),
     ];
     holds("docs/reference/scene.md", &format!("{scene}\n{specimen}\n{}", impacts.join("\n")));
 }

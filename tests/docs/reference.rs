@@ -68,6 +68,10 @@ impl Schema {
         let mut text = String::new();
         for section in sections {
             let definition = self.definition(section.definition);
+            if definition["anyOf"].is_array() {
+                text += &self.kinds(section.heading, &definition);
+                continue;
+            }
             let properties = definition["properties"].as_object().unwrap_or_else(|| panic!("{}", section.definition));
             let required: Vec<&str> =
                 definition["required"].as_array().into_iter().flatten().filter_map(Value::as_str).collect();
@@ -90,8 +94,30 @@ impl Schema {
         text.trim_end().to_owned() + "\n"
     }
 
+    /// A table with keys that depend on its `kind`.
+    fn kinds(&mut self, heading: &str, definition: &Value) -> String {
+        let mut text = format!("## {heading}\n\n{}\n\n", sentence(definition));
+        text += "| kind | key | value | meaning |\n|---|---|---|---|\n";
+        for kind in definition["anyOf"].as_array().into_iter().flatten() {
+            let properties = kind["properties"].as_object().expect("keys");
+            let word = properties["kind"]["const"].as_str().expect("a kind");
+            let _ = writeln!(text, "| `\"{word}\"` | | | {} |", sentence(kind));
+            let required: Vec<&str> =
+                kind["required"].as_array().into_iter().flatten().filter_map(Value::as_str).collect();
+            for (key, property) in properties.iter().filter(|(key, _)| *key != "kind") {
+                let mark = if required.contains(&key.as_str()) { " (required)" } else { "" };
+                let value = self.value(property);
+                let _ = writeln!(text, "| | `{key}`{mark} | {value} | {} |", self.meaning(property));
+            }
+        }
+        text + "\n"
+    }
+
     /// What a key may be, in words.
     fn value(&mut self, property: &Value) -> String {
+        if let Some(value) = property["x-value"].as_str() {
+            return value.to_owned();
+        }
         if let Some(reference) = property["$ref"].as_str() {
             let name = reference.trim_start_matches("#/$defs/").to_owned();
             if name == "Quantity" {
@@ -99,6 +125,10 @@ impl Schema {
             }
             let definition = self.definition(&name);
             if definition["properties"].is_object() {
+                self.named.insert(name);
+                return "table".to_owned();
+            }
+            if definition["anyOf"][0]["properties"]["kind"].is_object() {
                 self.named.insert(name);
                 return "table".to_owned();
             }
@@ -135,7 +165,9 @@ impl Schema {
         for option in self.options(property) {
             let (name, meaning) = (Self::name(&option), sentence(&option));
             if let (Some(name), false) = (name, meaning.is_empty()) {
-                let _ = write!(text, "<br>{name}: {meaning}");
+                let value = option["properties"].as_object().and_then(|keys| keys.values().next()?["x-value"].as_str());
+                let value = value.map(|value| format!(", {value}")).unwrap_or_default();
+                let _ = write!(text, "<br>{name}{value}: {meaning}");
             }
         }
         text
@@ -153,7 +185,9 @@ impl Schema {
     fn options(&self, property: &Value) -> Vec<Value> {
         if let Some(reference) = property["$ref"].as_str() {
             let definition = self.definition(reference.trim_start_matches("#/$defs/"));
-            return if definition["properties"].is_object() { Vec::new() } else { self.options(&definition) };
+            let table =
+                definition["properties"].is_object() || definition["anyOf"][0]["properties"]["kind"].is_object();
+            return if table { Vec::new() } else { self.options(&definition) };
         }
         let lists = ["anyOf", "oneOf"].into_iter().filter_map(|choice| property[choice].as_array()).flatten();
         lists
@@ -162,7 +196,9 @@ impl Schema {
     }
 }
 
-/// A description on one line of a table.
+/// A description on one line of a table; what the value may be has a column of its own.
 fn sentence(value: &Value) -> String {
-    value["description"].as_str().unwrap_or_default().replace('\n', " ").replace('|', "\\|")
+    let text = value["description"].as_str().unwrap_or_default();
+    let value = format!("Value: {}.", value["x-value"].as_str().unwrap_or_default());
+    text.strip_suffix(&value).unwrap_or(text).trim().replace('\n', " ").replace('|', "\\|")
 }

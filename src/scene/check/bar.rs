@@ -4,55 +4,36 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
 
-use toml::Spanned;
-
-use super::super::raw::{MaterialChoice, RawBar, RawDistribution, RawJoint, RawSegment, Section};
+use super::super::raw::{INITIAL, MaterialChoice, RawBar, RawJoint, RawPiece, RawSegment};
 use super::Checker;
-use super::distribution::{KEYS, Values};
+use super::distribution::Values;
 use crate::bar::{Bar, Joint, Segment};
 use crate::error::{Error, Place, Result};
-use crate::input::{Allowed, Number};
+use crate::input::GivenKey;
 use crate::material::{self, Material};
-use crate::units::Dimension;
-
-/// What a uniform bar and a segment both state.
-pub(super) struct Piece<'a> {
-    length: Option<&'a Number>,
-    pub(super) area: Option<&'a Spanned<Section>>,
-    pub(super) diameter: Option<&'a Spanned<Section>>,
-    material: Option<&'a Spanned<MaterialChoice>>,
-    /// Where a complaint about something missing points.
-    span: Range<usize>,
-}
+use crate::typed::{Key, Placed};
 
 /// Materials by name, so that a name is read once and its segments share it.
 pub(in crate::scene) type Named = HashMap<String, Arc<Material>>;
 
 impl Checker<'_> {
-    pub(super) fn bar(&self, raw: &Spanned<RawBar>) -> Result<Bar> {
+    pub(super) fn bar(&self, raw: &Placed<RawBar>) -> Result<Bar> {
         let (span, raw) = (raw.span(), raw.get_ref());
-        let motion = if raw.is_torsion() { Dimension::AngularVelocity } else { Dimension::Velocity };
-        let piece = Piece {
-            length: raw.length.as_ref(),
-            area: raw.area.as_ref(),
-            diameter: raw.diameter.as_ref(),
-            material: raw.material.as_ref(),
-            span,
-        };
+        let piece = raw.piece();
         let mut named = Named::new();
         let none = || std::array::from_fn(|_| None);
         let Some(list) = &raw.segment else {
-            let (segment, area_given) = self.piece(&piece, "bar", &mut named)?;
-            let values = self.distributions(raw.initial(), "bar", segment.length, motion)?;
+            let (segment, area_given) = self.piece(&piece, span, "bar", &mut named)?;
+            let values = self.distributions(&piece.initial, "bar", segment.length)?;
             let mut bar = Bar { segments: vec![segment], area_given };
             self.start_with(raw, &mut bar, &[values], &none())?;
             return Ok(bar);
         };
-        self.no_uniform_keys(&piece, raw)?;
-        let mut bar = self.segments(list, piece.span, &mut named)?;
-        let whole = self.distributions(raw.initial(), "bar", bar.length(), motion)?;
+        self.no_uniform_keys(&piece)?;
+        let mut bar = self.segments(list, span, &mut named)?;
+        let whole = self.distributions(&piece.initial, "bar", bar.length())?;
         let own = list.iter().zip(&bar.segments).enumerate().map(|(k, (raw, segment))| {
-            self.distributions(raw.get_ref().initial(), &format!("bar.segment.{k}"), segment.length, motion)
+            self.distributions(&raw.get_ref().piece().initial, &format!("bar.segment.{k}"), segment.length)
         });
         let own = own.collect::<Result<Vec<Values>>>()?;
         self.start_with(raw, &mut bar, &own, &whole)?;
@@ -60,45 +41,28 @@ impl Checker<'_> {
     }
 
     /// `[bar]` keys that belong into the segments once there are segments.
-    fn no_uniform_keys(&self, piece: &Piece<'_>, raw: &RawBar) -> Result<()> {
-        let given = [
-            ("length", piece.length.map(Spanned::span)),
-            ("area", piece.area.map(Spanned::span)),
-            ("diameter", piece.diameter.map(Spanned::span)),
-            ("material", piece.material.map(Spanned::span)),
-        ];
-        let tube = [("inner-diameter", &raw.inner_diameter), ("wall", &raw.wall)];
-        let tube = tube.map(|(name, value)| (name, value.as_ref().map(Spanned::span)));
+    fn no_uniform_keys(&self, piece: &RawPiece<'_>) -> Result<()> {
         // Tables of initial values are over the x of the whole bar.
-        let constant = |value: Option<&Spanned<RawDistribution>>| {
-            value.filter(|value| matches!(value.get_ref(), RawDistribution::Uniform(_))).map(Spanned::span)
+        let table = |name: &str| {
+            let which = INITIAL.iter().position(|key| *key == name);
+            which.is_some_and(|which| piece.initial[which].as_ref().is_some_and(|given| given.uniform().is_none()))
         };
-        let initial = KEYS.iter().copied().zip(raw.initial().into_iter().map(constant)).collect::<Vec<_>>();
-        let Some((name, span)) =
-            given.into_iter().chain(tube).chain(initial).find_map(|(name, span)| span.map(|span| (name, span)))
-        else {
-            return Ok(());
-        };
+        let own = |name: &str| ["mode", "shear", "segment"].contains(&name);
+        let given = self.document.keys_in("bar").into_iter().find(|given| !own(&given.name) && !table(&given.name));
+        let Some(GivenKey { name, value: span, .. }) = given else { return Ok(()) };
         let message = format!("`{name}` of the whole bar stands beside [[bar.segment]]");
         let help = format!("move `{name}` into each [[bar.segment]], or take the segments out");
         Err(self.error(span, &format!("bar.{name}"), message).help(help).into())
     }
 
-    fn segments(&self, list: &[Spanned<RawSegment>], span: Range<usize>, named: &mut Named) -> Result<Bar> {
+    fn segments(&self, list: &[Placed<RawSegment>], span: Range<usize>, named: &mut Named) -> Result<Bar> {
         let mut segments = Vec::with_capacity(list.len());
         let mut with_area = Vec::with_capacity(list.len());
         for (i, raw) in list.iter().enumerate() {
             let key = format!("bar.segment.{i}");
             let last = i + 1 == list.len();
             let (span, raw) = (raw.span(), raw.get_ref());
-            let piece = Piece {
-                length: raw.length.as_ref(),
-                area: raw.area.as_ref(),
-                diameter: raw.diameter.as_ref(),
-                material: raw.material.as_ref(),
-                span,
-            };
-            let (mut segment, area_given) = self.piece(&piece, &key, named)?;
+            let (mut segment, area_given) = self.piece(&raw.piece(), span, &key, named)?;
             segment.joint = self.joint(raw, &key, last)?;
             segments.push(segment);
             with_area.push(area_given);
@@ -117,18 +81,18 @@ impl Checker<'_> {
     }
 
     /// A uniform piece, bonded to the next; and whether its area was given.
-    fn piece(&self, piece: &Piece<'_>, key: &str, named: &mut Named) -> Result<(Segment, bool)> {
+    fn piece(&self, piece: &RawPiece<'_>, span: Range<usize>, key: &str, named: &mut Named) -> Result<(Segment, bool)> {
         let Some(length) = piece.length else {
             let help = format!("add the length to `{key}`, e.g. length = \"1 m\"");
-            return Err(self.missing(piece.span.clone(), &format!("{key}.length"), &help));
+            return Err(self.missing(span, &format!("{key}.length"), &help));
         };
         let Some(choice) = piece.material else {
             let help = format!(
                 "add a material to `{key}`: a library name (see `barwave materials`), a path, or an inline table"
             );
-            return Err(self.missing(piece.span.clone(), &format!("{key}.material"), &help));
+            return Err(self.missing(span, &format!("{key}.material"), &help));
         };
-        let length = self.document.number(length, &format!("{key}.length"), Dimension::Length, Allowed::Positive)?;
+        let length = self.si(length)?;
         let section = self.section(piece, key, length)?;
         let material = self.material(choice, &format!("{key}.material"), named)?;
         let area = section.as_ref().map_or(1.0, |section| section.area);
@@ -141,7 +105,7 @@ impl Checker<'_> {
 
     pub(in crate::scene) fn material(
         &self,
-        choice: &Spanned<MaterialChoice>,
+        choice: &Placed<MaterialChoice>,
         key: &str,
         named: &mut Named,
     ) -> Result<Arc<Material>> {
@@ -162,7 +126,7 @@ impl Checker<'_> {
     }
 
     /// An error without a place of its own (no such material) gets the place where the scene names it.
-    fn placed(&self, error: Error, choice: &Spanned<MaterialChoice>, key: &str) -> Error {
+    fn placed(&self, error: Error, choice: &Placed<MaterialChoice>, key: &str) -> Error {
         let Error::Input(error) = error else { return error };
         if error.place.is_some() {
             return error.into();
@@ -174,18 +138,18 @@ impl Checker<'_> {
     fn joint(&self, raw: &RawSegment, key: &str, last: bool) -> Result<Joint> {
         let kind = raw.joint.as_ref().map_or(RawJoint::Bonded, |j| *j.get_ref());
         let (joint_key, gap_key) = (format!("{key}.joint"), format!("{key}.gap"));
-        let gap = self.document.optional(raw.gap.as_ref(), &gap_key, Dimension::Length, Allowed::NotNegative)?;
+        let gap = self.si(&raw.gap)?;
         if let (Some(joint), true) = (&raw.joint, last) {
             let error = self.error(joint.span(), &joint_key, "the last segment has no next one to be joined to");
             return Err(error.help("take it out; [right] says what is at the end of the bar").into());
         }
-        if let (Some(gap), RawJoint::Bonded) = (&raw.gap, kind) {
-            let error = self.error(gap.span(), &gap_key, "a bonded joint has no gap");
+        if let (Some(gap), RawJoint::Bonded) = (raw.gap.place(), kind) {
+            let error = self.error(gap, &gap_key, "a bonded joint has no gap");
             return Err(error.help("take `gap` out, or say joint = \"contact\"").into());
         }
         match kind {
             RawJoint::Bonded => Ok(Joint::Bonded),
-            RawJoint::Contact => Ok(Joint::Contact { gap: gap.unwrap_or(0.0) }),
+            RawJoint::Contact => Ok(Joint::Contact { gap }),
         }
     }
 }

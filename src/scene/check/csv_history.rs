@@ -5,14 +5,13 @@
 
 use std::path::Path;
 
-use toml::Spanned;
-
 use super::Checker;
 use super::ends::{ROWS, ROWS_HELP};
 use crate::bar::History;
 use crate::columns::{self, Cell};
 use crate::error::{Error, Place, Result};
 use crate::input::{Allowed, Document, Number};
+use crate::typed::Placed;
 use crate::units::{Dimension, Quantity};
 
 /// Made of rows, or which of them is wrong, and why.
@@ -40,7 +39,7 @@ const TIME: Abscissa = Abscissa {
 };
 
 impl Checker<'_> {
-    pub(super) fn csv_history(&self, path: &Spanned<String>, key: &str, dimension: Dimension) -> Result<History> {
+    pub(super) fn csv_history(&self, path: &Placed<String>, key: &str, dimension: Dimension) -> Result<History> {
         let history = |rows: &[(f64, f64)]| History::new(rows).map_err(|(i, fault)| (i, fault.over_time()));
         self.csv_rows(path, key, &TIME, dimension, history, [ROWS, ROWS_HELP])
     }
@@ -49,7 +48,7 @@ impl Checker<'_> {
     /// and how to write them.
     pub(super) fn csv_rows<T>(
         &self,
-        path: &Spanned<String>,
+        path: &Placed<String>,
         key: &str,
         abscissa: &Abscissa,
         dimension: Dimension,

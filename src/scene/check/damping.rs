@@ -2,13 +2,12 @@
 
 use std::ops::Range;
 
-use toml::Spanned;
-
 use super::super::damping::{Damping, Key, Per};
 use super::super::raw::{RawEffects, RawMethod, RawSolve};
 use super::Checker;
 use crate::bar::{Bar, Joint};
 use crate::error::Result;
+use crate::typed::Placed;
 
 impl RawEffects {
     /// What acts along the bar, with its key and place: the first of the two effects that is on.
@@ -27,16 +26,16 @@ impl Checker<'_> {
         let Some(raw) = &effects.damping else { return Ok(None) };
         let (span, raw) = (raw.span(), raw.get_ref());
         let (keys, damping) = (raw.keys(), raw.read(self.document)?);
-        if keys.iter().all(|key| key.value.is_none()) {
+        if keys.iter().all(|key| key.place.is_none()) {
             let help = "write e.g. damping = { external = \"300 N*s/m^2\" }, or take `damping` out";
             let error = self.error(span, "effects.damping", "no kind of damping is named");
             return Err(error.allowed(Damping::NAMES.join(", ")).help(help).into());
         }
-        for Key { name, value, per } in &keys {
-            if let (Some(value), Per::Length, false) = (value, per, bar.area_given) {
+        for Key { name, place, per } in &keys {
+            if let (Some(span), Per::Length, false) = (place, per, bar.area_given) {
                 let message = format!("`{name}` is a force per length on the whole section, and the bar has none");
                 let key = format!("effects.damping.{name}");
-                return Err(self.error(value.span(), &key, message).help(AREA).into());
+                return Err(self.error(span.clone(), &key, message).help(AREA).into());
             }
         }
         let lateral = effects.lateral_inertia.as_ref().is_some_and(|lateral| *lateral.get_ref());
@@ -96,7 +95,7 @@ impl Checker<'_> {
     /// Characteristics are straight only without what acts along the bar.
     pub(super) fn along_is_on_a_grid(&self, effects: &RawEffects, raw: &RawSolve, method: RawMethod) -> Result<()> {
         let (Some((name, _)), RawMethod::Moc) = (effects.along(), method) else { return Ok(()) };
-        let span = raw.method.as_ref().map_or(0..0, Spanned::span);
+        let span = raw.method.as_ref().map_or(0..0, Placed::span);
         let message = format!("method = \"moc\" does not follow `{name}`");
         let help = format!("use method = \"fd\", which does, or take `{name}` out of [effects]");
         Err(self.error(span, "solve.method", message).allowed("\"fd\"").help(help).into())

@@ -1,31 +1,24 @@
 //! Initial values of a bar and its segments: constants, and tables over x.
 
-use std::ops::Range;
 use std::sync::Arc;
 
-use toml::Spanned;
-
-use super::super::raw::{RawBar, RawDistribution, RawSegment};
+use super::super::raw::{Along, Given, INITIAL, RawBar, RawInitial};
 use super::Checker;
 use super::csv_history::{Abscissa, MadeOfRows};
 use crate::bar::{Bar, Distribution, InitialProfile, Segment};
 use crate::error::Result;
-use crate::input::{Allowed, Number};
+use crate::input::Allowed;
+use crate::typed::{self, Placed};
 use crate::units::{Dimension, System, format};
 
-/// What can be given of a place at t = 0, in this order.
-pub(super) const KEYS: [&str; 6] =
-    ["velocity", "stress", "strain", "plastic-strain", "accumulated-plastic-strain", "temperature"];
+/// Places of values in [`INITIAL`].
 pub(super) const STRESS: usize = 1;
 pub(super) const STRAIN: usize = 2;
 pub(super) const PLASTIC: usize = 3;
 pub(super) const ACCUMULATED: usize = 4;
 pub(super) const TEMPERATURE: usize = 5;
 
-/// Values as they were typed, by [`KEYS`].
-pub(super) type Typed<'a> = [Option<&'a Spanned<RawDistribution>>; 6];
-
-/// The same as numbers over x.
+/// Values as numbers over x, by [`INITIAL`].
 pub(super) type Values = [Option<Distribution>; 6];
 
 /// Places that differ by less than this part of the length are one.
@@ -43,100 +36,52 @@ const X: Abscissa = Abscissa {
     names: &["x", "position", "place", "distance", "z"],
 };
 
-impl RawBar {
-    pub(super) fn initial(&self) -> Typed<'_> {
-        let plastic = [&self.plastic_strain, &self.accumulated_plastic_strain, &self.temperature];
-        let [plastic, accumulated, temperature] = plastic.map(Option::as_ref);
-        [self.velocity.as_ref(), self.stress.as_ref(), self.strain.as_ref(), plastic, accumulated, temperature]
-    }
-
-    /// Where a value of a segment stands: with its key, in the segment or as a table of the whole bar.
-    pub(super) fn initial_of(&self, segment: usize, which: usize) -> Option<(String, Range<usize>)> {
-        let list = self.segment.as_ref();
-        let own = list.and_then(|list| list[segment].get_ref().initial()[which]);
-        let own = own.map(|value| (format!("bar.segment.{segment}.{}", KEYS[which]), value.span()));
-        own.or_else(|| self.initial()[which].map(|value| (format!("bar.{}", KEYS[which]), value.span())))
-    }
-}
-
-impl RawSegment {
-    pub(super) fn initial(&self) -> Typed<'_> {
-        let plastic = [&self.plastic_strain, &self.accumulated_plastic_strain, &self.temperature];
-        let [plastic, accumulated, temperature] = plastic.map(Option::as_ref);
-        [self.velocity.as_ref(), self.stress.as_ref(), self.strain.as_ref(), plastic, accumulated, temperature]
-    }
-}
-
-fn dimension(which: usize, motion: Dimension) -> (Dimension, Allowed) {
-    match which {
-        0 => (motion, Allowed::Finite),
-        STRESS => (Dimension::Stress, Allowed::Finite),
-        ACCUMULATED => (Dimension::None, Allowed::NotNegative),
-        TEMPERATURE => (Dimension::Temperature, Allowed::Positive),
-        _ => (Dimension::None, Allowed::Finite),
-    }
-}
-
 impl Checker<'_> {
-    /// The values given for a piece of the bar `length` long; velocities have the dimension `motion`.
-    pub(super) fn distributions(&self, typed: Typed<'_>, key: &str, length: f64, motion: Dimension) -> Result<Values> {
+    /// The values given for a piece of the bar `length` long.
+    pub(super) fn distributions(&self, typed: &RawInitial<'_>, key: &str, length: f64) -> Result<Values> {
         let mut values: Values = std::array::from_fn(|_| None);
-        for (which, given) in typed.into_iter().enumerate() {
-            if let Some(given) = given {
-                let key = format!("{key}.{}", KEYS[which]);
-                values[which] = Some(self.distribution(given, &key, length, dimension(which, motion))?);
-            }
+        for (value, (given, name)) in values.iter_mut().zip(typed.iter().zip(INITIAL)) {
+            let read = |given| self.distribution(given, &format!("{key}.{name}"), name, length);
+            *value = given.as_ref().map(read).transpose()?;
         }
-        if let (Some(strain), Dimension::AngularVelocity) = (typed[STRAIN], motion) {
-            let error =
-                self.error(strain.span(), &format!("{key}.strain"), "a bar in torsion does not start from a strain");
+        if let (Some(strain), true) = (&typed[STRAIN], self.torsion) {
+            let error = self.error(
+                strain.span.clone(),
+                &format!("{key}.strain"),
+                "a bar in torsion does not start from a strain",
+            );
             return Err(error.help("give `stress`, the shear stress of the surface").into());
         }
-        if let (Some(_), Some(strain)) = (typed[STRESS], typed[STRAIN]) {
-            let error = self.error(strain.span(), &format!("{key}.strain"), "`stress` and `strain` are both given");
+        if let (Some(_), Some(strain)) = (&typed[STRESS], &typed[STRAIN]) {
+            let error =
+                self.error(strain.span.clone(), &format!("{key}.strain"), "`stress` and `strain` are both given");
             return Err(error.help("keep one: stress = E (strain - plastic strain)").into());
         }
         Ok(values)
     }
 
-    fn distribution(
-        &self,
-        given: &Spanned<RawDistribution>,
-        key: &str,
-        length: f64,
-        (dimension, allowed): (Dimension, Allowed),
-    ) -> Result<Distribution> {
-        let rows = match given.get_ref() {
-            RawDistribution::Uniform(value) => {
-                let number = Number::new(given.span(), value.clone());
-                return self.document.number(&number, key, dimension, allowed).map(Distribution::constant);
-            }
-            RawDistribution::Csv(file) => {
-                let make = |rows: &[(f64, f64)]| table(rows, length, allowed);
-                return self.csv_rows(&file.csv, key, &X, dimension, make, [ROWS, ROWS_HELP]);
-            }
-            RawDistribution::Table(rows) => rows,
-        };
-        let mut pairs = Vec::with_capacity(rows.len());
-        for (i, row) in rows.iter().enumerate() {
-            let [x, value] = row.get_ref().as_slice() else {
-                let error =
-                    self.error(row.span(), &format!("{key}.{i}"), format!("a row has {} entries", row.get_ref().len()));
-                let help = format!("write [x, value], e.g. [\"10 cm\", \"{}\"]", dimension.example());
-                return Err(error.allowed("2 entries: x and the value there").help(help).into());
-            };
-            let x = self.document.number(x, &format!("{key}.{i}.x"), Dimension::Length, Allowed::NotNegative)?;
-            let name = key.rsplit('.').next().unwrap_or(key);
-            pairs.push((x, self.document.number(value, &format!("{key}.{i}.{name}"), dimension, allowed)?));
+    /// Rows [x, value] of a value along the bar; `name` is that of the value in messages.
+    pub(super) fn rows(&self, given: &Given<'_>, key: &str, name: &str) -> Result<Vec<(f64, f64)>> {
+        let dimensions = [Dimension::Length, given.dimension(self.torsion)];
+        typed::pairs(given.rows(), self.document, key, ["x", name], (dimensions, given.allowed))
+    }
+
+    fn distribution(&self, given: &Given<'_>, key: &str, name: &str, length: f64) -> Result<Distribution> {
+        let (dimension, allowed) = (given.dimension(self.torsion), given.allowed);
+        if let Some(value) = given.uniform() {
+            return self.document.number_at(&value, dimension, allowed).map(Distribution::constant);
         }
+        if let Along::Csv(file) = given.value {
+            let make = |rows: &[(f64, f64)]| table(rows, length, allowed);
+            return self.csv_rows(&file.csv, key, &X, dimension, make, [ROWS, ROWS_HELP]);
+        }
+        let pairs = self.rows(given, key, name)?;
         table(&pairs, length, allowed).map_err(|(i, why)| {
-            let span = rows.get(i).map_or_else(|| given.span(), Spanned::span);
+            let span = given.rows().get(i).map_or_else(|| given.span.clone(), Placed::span);
             let what = if pairs.is_empty() { why.to_owned() } else { format!("row {} {why}", i + 1) };
             let end = format(length, Dimension::Length, System::Si);
-            self.error(span, &format!("{key}.{i}"), what)
-                .allowed(format!("0 <= x <= {end}; {ROWS}"))
-                .help(ROWS_HELP)
-                .into()
+            let error = self.error(span, &format!("{key}.{i}"), what);
+            error.allowed(format!("0 <= x <= {end}; {ROWS}")).help(ROWS_HELP).into()
         })
     }
 
@@ -151,7 +96,7 @@ impl Checker<'_> {
                 if value.is_some() {
                     let (key, span) = raw.initial_of(k, which).unwrap_or_default();
                     let message =
-                        format!("`{}` is given for this segment and, as a table, for the whole bar", KEYS[which]);
+                        format!("`{}` is given for this segment and, as a table, for the whole bar", INITIAL[which]);
                     return Err(self.error(span, &key, message).help("keep one of them").into());
                 }
                 *value = Some(table.part(x0, end));

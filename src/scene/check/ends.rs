@@ -1,166 +1,152 @@
-//! The two ends: what each kind states, and the histories that drive them.
+//! The two ends: what each kind means, in torsion in terms of the surface, and the histories that drive them.
 
 use std::ops::Range;
 
-use toml::Spanned;
-
-use super::super::raw::{EndKind, RawEnd};
-use super::Checker;
-use super::end_keys::given;
+use super::super::raw::{Drive, EndKind, RawEnd};
+use super::{Checker, Torsion};
 use crate::bar::{Bar, EndCondition, History, Segment};
 use crate::error::{Error, Result};
-use crate::input::{Allowed, Number};
-use crate::units::Dimension;
+use crate::typed::{Key, Of, Placed};
+use crate::units::Measure;
+
+/// An end that is read: its key, where it stands, the segment there, and the radius of the surface and J there; 1 and 1 in an axial bar.
+pub(super) struct EndSite<'a> {
+    pub(super) key: &'a str,
+    pub(super) span: Range<usize>,
+    pub(super) segment: &'a Segment,
+    pub(super) radius: f64,
+    polar: f64,
+}
+
+impl<'a> EndSite<'a> {
+    pub(super) fn new(
+        (key, span): (&'a str, Range<usize>),
+        bar: &'a Bar,
+        at: usize,
+        torsion: Option<&Torsion>,
+    ) -> Self {
+        let (radius, polar) = torsion.map_or((1.0, 1.0), |torsion| (torsion.radius, torsion.polar[at]));
+        Self { key, span, segment: &bar.segments[at], radius, polar }
+    }
+}
 
 impl Checker<'_> {
-    /// The end under `key` of a bar, at the segment `at`.
-    pub(super) fn end(&self, raw: &Spanned<RawEnd>, key: &str, bar: &Bar, at: &Segment) -> Result<EndCondition> {
-        let (span, raw) = (raw.span(), raw.get_ref());
-        let kind = *raw.kind.get_ref();
-        self.only_its_keys(raw, kind, key)?;
-        if matches!(kind, EndKind::Dashpot | EndKind::Striker | EndKind::Ball | EndKind::Spring) {
-            self.needs_area(raw, kind, key, bar.area_given)?;
-        }
-        let number =
-            |value, name, dimension, allowed| self.own_number((value, name, dimension, allowed), span.clone(), key);
-        Ok(match kind {
-            EndKind::Velocity => EndCondition::Velocity {
-                history: self.history(raw, span, key, Dimension::Velocity)?,
-                release: self.release(raw, key)?,
+    pub(super) fn end(&self, site: &EndSite<'_>, area_given: bool) -> Result<EndCondition> {
+        let kind = RawEnd::kind(self.document, site.key)?;
+        self.kind_has_meaning(&kind, site.key, area_given)?;
+        let raw = RawEnd::read(self.document, site.key, *kind.get_ref(), self.torsion)?;
+        let (radius, polar) = (site.radius, site.polar);
+        Ok(match raw {
+            RawEnd::Velocity(raw) => EndCondition::Velocity {
+                history: self.history(&raw.drive(), site)?.scaled(radius),
+                release: self.si(&raw.release)?,
             },
-            EndKind::Stress => EndCondition::Stress { history: self.history(raw, span, key, Dimension::Stress)? },
-            EndKind::Torque => return Err(self.only_in_torsion(raw, key)),
-            EndKind::Free => EndCondition::Free,
-            EndKind::Fixed => EndCondition::Fixed,
-            EndKind::Absorbing => EndCondition::Absorbing,
-            EndKind::Dashpot => {
-                let (value, dimension) = (raw.coefficient.as_ref(), Dimension::DampingCoefficient);
-                EndCondition::Dashpot { coefficient: number(value, "coefficient", dimension, Allowed::NotNegative)? }
+            RawEnd::Stress(raw) => EndCondition::Stress { history: self.history(&raw.drive(), site)? },
+            RawEnd::Torque(raw) => {
+                EndCondition::Stress { history: self.history(&raw.drive(), site)?.scaled(radius / polar) }
             }
-            EndKind::Wall => EndCondition::Wall { gap: self.gap(raw, key)? },
-            EndKind::Striker => EndCondition::Striker {
-                mass: number(raw.mass.as_ref(), "mass", Dimension::Mass, Allowed::Positive)?,
-                velocity: number(raw.velocity.as_ref(), "velocity", Dimension::Velocity, Allowed::Finite)?,
+            RawEnd::Free(_) => EndCondition::Free,
+            RawEnd::Fixed(_) => EndCondition::Fixed,
+            RawEnd::Absorbing(_) => EndCondition::Absorbing,
+            RawEnd::Dashpot(raw) => {
+                EndCondition::Dashpot { coefficient: self.si(&raw.coefficient)? / (radius * radius) }
+            }
+            RawEnd::Wall(raw) => EndCondition::Wall { gap: self.si(&raw.gap)? },
+            RawEnd::Striker(raw) => {
+                EndCondition::Striker { mass: self.si(&raw.mass)?, velocity: self.si(&raw.velocity)? }
+            }
+            RawEnd::TwistingStriker(raw) => EndCondition::Striker {
+                mass: self.si(&raw.inertia)? / (radius * radius),
+                velocity: radius * self.si(&raw.velocity)?,
             },
-            EndKind::Ball => self.ball(raw, span, key, &at.material)?,
-            EndKind::Spring => {
-                let stiffness = raw.stiffness.as_ref();
-                let stiffness = number(stiffness, "stiffness", Dimension::Stiffness, Allowed::Positive)?;
-                EndCondition::Spring { stiffness }
-            }
+            RawEnd::Ball(raw) => self.ball(&raw, site)?,
+            RawEnd::BallOnLever(raw) => self.ball_on_lever(&raw, site)?,
+            RawEnd::Spring(raw) => EndCondition::Spring { stiffness: self.si(&raw.stiffness)? / (radius * radius) },
         })
     }
 
-    fn only_in_torsion(&self, raw: &RawEnd, key: &str) -> Error {
+    fn kind_has_meaning(&self, kind: &Placed<EndKind>, key: &str, area_given: bool) -> Result<()> {
+        match kind.get_ref() {
+            EndKind::Wall if self.torsion => Err(self.not_in_torsion(kind, key)),
+            _ if self.torsion => Ok(()),
+            EndKind::Torque => Err(self.only_in_torsion(kind, key)),
+            EndKind::Dashpot | EndKind::Striker | EndKind::Ball | EndKind::Spring if !area_given => {
+                Err(self.needs_area(kind, key))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn only_in_torsion(&self, kind: &Placed<EndKind>, key: &str) -> Error {
         let message = "a torque acts on a bar in torsion only";
-        let error = self.error(raw.kind.span(), &format!("{key}.kind"), message);
+        let error = self.error(kind.span(), &format!("{key}.kind"), message);
         error.help("use kind = \"stress\", or [bar] mode = \"torsion\"").into()
     }
 
-    /// The distance of a wall, m.
-    fn gap(&self, raw: &RawEnd, key: &str) -> Result<f64> {
-        let (gap, key) = (raw.gap.as_ref(), format!("{key}.gap"));
-        Ok(self.document.optional(gap, &key, Dimension::Length, Allowed::NotNegative)?.unwrap_or(0.0))
-    }
-
-    /// The time from which a driven end is free, s.
-    pub(super) fn release(&self, raw: &RawEnd, key: &str) -> Result<Option<f64>> {
-        self.document.optional(raw.release.as_ref(), &format!("{key}.release"), Dimension::Time, Allowed::Positive)
+    fn not_in_torsion(&self, kind: &Placed<EndKind>, key: &str) -> Error {
+        let message = format!("an end of kind \"{}\" means nothing in torsion", kind.get_ref().word());
+        let error = self.error(kind.span(), &format!("{key}.kind"), message);
+        let others = EndKind::ALL.iter().filter(|other| *other != kind.get_ref());
+        let others: Vec<&str> = others.map(|other| other.word()).collect();
+        error.allowed(others.join(", ")).help("use kind = \"fixed\" or \"free\", or drive the end").into()
     }
 
     /// A body acts on the whole section: without an area its mass or stiffness has no meaning.
-    fn needs_area(&self, raw: &RawEnd, kind: EndKind, key: &str, area_given: bool) -> Result<()> {
-        if area_given {
-            return Ok(());
-        }
-        let message =
-            format!("an end of kind \"{}\" needs the section on which it acts, and the bar has none", kind.word());
+    fn needs_area(&self, kind: &Placed<EndKind>, key: &str) -> Error {
+        let word = kind.get_ref().word();
+        let message = format!("an end of kind \"{word}\" needs the section on which it acts, and the bar has none");
         let help = "give [bar] (or every [[bar.segment]]) an area, e.g. area = \"1 cm^2\", or a diameter";
-        Err(self.error(raw.kind.span(), &format!("{key}.kind"), message).help(help).into())
+        self.error(kind.span(), &format!("{key}.kind"), message).help(help).into()
     }
 
-    /// A number that this kind of end must have.
-    pub(in crate::scene) fn own_number(
+    /// A number that has to be given where nothing else says it.
+    pub(in crate::scene) fn needed<D: Measure, R: crate::typed::Range>(
         &self,
-        (value, name, dimension, allowed): (Option<&Number>, &str, Dimension, Allowed),
+        given: Option<&Of<D, R>>,
+        name: &str,
         span: Range<usize>,
         key: &str,
     ) -> Result<f64> {
-        let key = format!("{key}.{name}");
-        let Some(value) = value else {
-            let help = format!("add {}, e.g. {name} = \"{}\"", dimension.describe(), dimension.example());
-            return Err(self.missing(span, &key, &help));
+        let Some(given) = given else {
+            let help = format!("add {}, e.g. {name} = \"{}\"", D::DIMENSION.describe(), D::DIMENSION.example());
+            return Err(self.missing(span, &format!("{key}.{name}"), &help));
         };
-        self.document.number(value, &key, dimension, allowed)
-    }
-
-    fn only_its_keys(&self, raw: &RawEnd, kind: EndKind, key: &str) -> Result<()> {
-        for (name, span) in given(raw) {
-            if kind.keys().contains(&name) {
-                continue;
-            }
-            let word = kind.word();
-            let message = format!("`{name}` means nothing for an end of kind \"{word}\"");
-            let allowed = match kind.keys() {
-                [] => "kind alone".to_owned(),
-                keys => format!("kind, {}", keys.join(", ")),
-            };
-            let help = format!("take `{name}` out, or give the end another kind");
-            return Err(self.error(span, &format!("{key}.{name}"), message).allowed(allowed).help(help).into());
-        }
-        Ok(())
+        self.si(given)
     }
 
     /// The history of a driven end, from exactly one of its three forms.
-    pub(super) fn history(&self, raw: &RawEnd, span: Range<usize>, key: &str, dimension: Dimension) -> Result<History> {
-        let forms: Vec<_> = given(raw).into_iter().filter(|(name, _)| *name != "release").collect();
+    fn history<D: Measure>(&self, drive: &Drive<'_, D>, site: &EndSite<'_>) -> Result<History> {
+        let (key, dimension) = (site.key, self.dimension::<D>());
+        let forms = [
+            ("value", drive.value.place()),
+            ("history", drive.history.map(Placed::span)),
+            ("csv", drive.csv.map(Placed::span)),
+        ];
+        let mut given = forms.into_iter().filter_map(|(name, span)| Some((name, span?)));
+        if let (Some((first, _)), Some((second, span))) = (given.next(), given.next()) {
+            let message = format!("`{first}` and `{second}` both say what drives the end");
+            let error = self.error(span, &format!("{key}.{second}"), message);
+            return Err(error.allowed("one of value, history, csv").help("keep one of them").into());
+        }
+        if let Some(value) = drive.value {
+            return self.si(value).map(History::constant);
+        }
+        if let Some(rows) = drive.history {
+            let key = format!("{key}.history");
+            let pairs = rows.get_ref().pairs(self.document, self.torsion, &key, ["time", "value"])?;
+            return History::new(&pairs).map_err(|(i, fault)| {
+                let why = fault.over_time();
+                let span = rows.get_ref().place(i).unwrap_or_else(|| rows.span());
+                let what = if pairs.is_empty() { why.to_owned() } else { format!("row {} {why}", i + 1) };
+                self.error(span, &format!("{key}.{i}"), what).allowed(ROWS).help(ROWS_HELP).into()
+            });
+        }
+        if let Some(path) = drive.csv {
+            return self.csv_history(path, &format!("{key}.csv"), dimension);
+        }
         let unit = dimension.example();
-        match forms.as_slice() {
-            [_] => {}
-            [] => {
-                let help = format!(
-                    "add value = \"{unit}\", or history = [[\"0 us\", \"{unit}\"], ...], or csv = \"file.csv\""
-                );
-                return Err(self.missing(span, &format!("{key}.value"), &help));
-            }
-            [(first, _), (second, span), ..] => {
-                let message = format!("`{first}` and `{second}` both say what drives the end");
-                let error = self.error(span.clone(), &format!("{key}.{second}"), message);
-                return Err(error.allowed("one of value, history, csv").help("keep one of them").into());
-            }
-        }
-        if let Some(value) = &raw.value {
-            let value = self.document.number(value, &format!("{key}.value"), dimension, Allowed::Finite)?;
-            return Ok(History::constant(value));
-        }
-        if let Some(rows) = &raw.history {
-            return self.rows(rows, &format!("{key}.history"), dimension);
-        }
-        match &raw.csv {
-            Some(path) => self.csv_history(path, &format!("{key}.csv"), dimension),
-            None => Err(self.missing(span, &format!("{key}.value"), "say what drives the end")),
-        }
-    }
-
-    fn rows(&self, rows: &Spanned<Vec<Spanned<Vec<Number>>>>, key: &str, dimension: Dimension) -> Result<History> {
-        let mut pairs = Vec::with_capacity(rows.get_ref().len());
-        for (i, row) in rows.get_ref().iter().enumerate() {
-            let [time, value] = row.get_ref().as_slice() else {
-                let count = row.get_ref().len();
-                let error = self.error(row.span(), &format!("{key}.{i}"), format!("a row has {count} entries"));
-                let help = format!("write [time, value], e.g. [\"10 us\", \"{}\"]", dimension.example());
-                return Err(error.allowed("2 entries: time and value").help(help).into());
-            };
-            let t = self.document.number(time, &format!("{key}.{i}.time"), Dimension::Time, Allowed::NotNegative)?;
-            let v = self.document.number(value, &format!("{key}.{i}.value"), dimension, Allowed::Finite)?;
-            pairs.push((t, v));
-        }
-        History::new(&pairs).map_err(|(i, fault)| {
-            let why = fault.over_time();
-            let span = rows.get_ref().get(i).map_or_else(|| rows.span(), Spanned::span);
-            let what = if pairs.is_empty() { why.to_owned() } else { format!("row {} {why}", i + 1) };
-            self.error(span, &format!("{key}.{i}"), what).allowed(ROWS).help(ROWS_HELP).into()
-        })
+        let help = format!("add value = \"{unit}\", or history = [[\"0 us\", \"{unit}\"], ...], or csv = \"file.csv\"");
+        Err(self.missing(site.span.clone(), &format!("{key}.value"), &help))
     }
 }
 

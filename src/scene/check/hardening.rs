@@ -5,9 +5,7 @@ use super::super::{Effects, Method, Unloading};
 use super::Checker;
 use crate::bar::{Bar, Segment};
 use crate::error::Result;
-use crate::input::Allowed;
 use crate::law::Table;
-use crate::units::Dimension;
 
 impl Checker<'_> {
     /// Hardening and rate; what else the scene names comes on top.
@@ -22,10 +20,7 @@ impl Checker<'_> {
         let kind = match unloading.get_ref() {
             RawUnloading::Isotropic => Unloading::Isotropic,
             RawUnloading::Kinematic => Unloading::Kinematic,
-            RawUnloading::Mixed(fraction) => {
-                let (key, range) = ("effects.unloading.mixed", Allowed::Within(0.0, 1.0));
-                Unloading::Mixed(self.document.number(fraction, key, Dimension::None, range)?)
-            }
+            RawUnloading::Mixed(fraction) => Unloading::Mixed(self.si(fraction)?),
         };
         let two_branches = bar.segments.iter().find(|s| s.material.compression.is_some());
         if let (Some(segment), Unloading::Kinematic | Unloading::Mixed(_)) = (two_branches, kind) {

@@ -7,17 +7,13 @@ use super::super::raw::{RawEffects, RawMethod, RawUnloading};
 use super::Checker;
 use crate::bar::Bar;
 use crate::error::Result;
-use crate::input::Allowed;
 use crate::material::HeatingError;
-use crate::units::Dimension;
 
 impl Checker<'_> {
     /// The effect; the materials of `bar` become those that it makes of them.
     pub(super) fn heat(&self, effects: &RawEffects, bar: &mut Bar) -> Result<Option<Heat>> {
         let Some(raw) = &effects.heat else { return Ok(None) };
-        let given = raw.get_ref().fraction.as_ref();
-        let (key, range) = ("effects.heat.fraction", Allowed::Within(0.0, 1.0));
-        let fraction = self.document.optional(given, key, Dimension::None, range)?;
+        let fraction = self.si(&raw.get_ref().fraction)?;
         for segment in &mut bar.segments {
             let heated = segment.material.heated(fraction).map_err(|error| {
                 let name = &segment.material.name;

@@ -1,9 +1,9 @@
 //! Initial states: what a segment can start with.
 
-use super::super::raw::{RawBar, RawEffects};
+use super::super::raw::{INITIAL, RawBar, RawEffects};
 use super::super::{Effects, Method, Unloading};
 use super::Checker;
-use super::distribution::{ACCUMULATED, KEYS, PLASTIC, STRAIN, STRESS, TEMPERATURE};
+use super::distribution::{ACCUMULATED, PLASTIC, STRAIN, STRESS, TEMPERATURE};
 use crate::bar::{Bar, Initial, Segment};
 use crate::error::{Error, Result};
 use crate::law::Table;
@@ -40,7 +40,7 @@ impl Checker<'_> {
         for (k, segment) in bar.segments.iter().enumerate() {
             let given = Given { raw, k, segment, x0 };
             x0 += segment.length;
-            if (1..KEYS.len()).all(|which| raw.initial_of(k, which).is_none()) {
+            if (1..INITIAL.len()).all(|which| raw.initial_of(k, which).is_none()) {
                 continue;
             }
             self.heat_of_start(&given, raw_effects, method)?;

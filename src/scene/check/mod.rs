@@ -5,7 +5,6 @@ mod bar;
 mod csv_history;
 mod damping;
 mod distribution;
-mod end_keys;
 mod ends;
 mod hardening;
 mod heat;
@@ -19,27 +18,22 @@ mod section;
 mod solve;
 mod torsion;
 
-use std::fmt::Write as _;
 use std::ops::Range;
 use std::path::Path;
 
-use toml::Spanned;
-
-pub(super) use ball::BallKeys;
 pub(super) use bar::Named;
-pub(super) use rupture::MOST_NOTCH;
 
-use super::raw::{EffectsChoice, RawBar, RawEffects, RawEnd, RawScene};
+use ends::EndSite;
+
+use super::raw::{EffectsChoice, MOST_CELLS, RawBar, RawEffects, RawEnd, RawScene};
 use super::{Auto, Effects, Heat, Scene, Torsion, not_yet};
 use crate::bar::{Bar, EndCondition};
 use crate::error::{Error, InputError, Result};
-use crate::input::{Document, Number};
+use crate::input::Document;
 use crate::text_file::NamedFiles;
-use crate::units::Dimension;
+use crate::typed::{Key, Later, Placed};
+use crate::units::{Dimension, Measure};
 
-/// Most cells that a run can be asked for: with the frames that wait to be written they take about a gigabyte, and a wave needs as many
-/// steps to pass them.
-const MOST_CELLS: usize = 10_000_000;
 /// Memory of a cell and of a sample over x, with the frames that wait to be written, bytes.
 const BYTES_PER_CELL: f64 = 100.0;
 const GIB: f64 = 1024.0 * 1024.0 * 1024.0;
@@ -53,13 +47,16 @@ const UNTIL: &str = "add [solve] with until, the end time, e.g. until = \"200 us
 pub(super) struct Checker<'a> {
     pub document: &'a Document,
     pub base: &'a Path,
+    /// The bar is twisted, which changes the dimensions of some keys.
+    pub torsion: bool,
 }
 
 /// Checks a document; `text` and `overrides` of the scene are the caller's to fill.
 pub(super) fn check(document: &Document, base: &Path) -> Result<Scene> {
     // No raw table has the words that are refused.
-    let raw = document.parse().or_else(|error| not_yet::refuse(document).and(Err(error)))?;
-    Checker { document, base }.scene(raw)
+    let raw: RawScene = document.parse().or_else(|error| not_yet::refuse(document).and(Err(error)))?;
+    let torsion = raw.bar.as_ref().is_some_and(|bar| bar.get_ref().is_torsion());
+    Checker { document, base, torsion }.scene(raw)
 }
 
 fn auto_or_table(choice: EffectsChoice) -> (Option<Auto>, Box<RawEffects>) {
@@ -117,7 +114,7 @@ impl Checker<'_> {
     }
 
     /// The bar, in torsion in terms of its surface.
-    fn any_bar(&self, raw: &Spanned<RawBar>) -> Result<(Bar, Option<Torsion>)> {
+    fn any_bar(&self, raw: &Placed<RawBar>) -> Result<(Bar, Option<Torsion>)> {
         let mut bar = self.bar(raw)?;
         if raw.get_ref().is_torsion() {
             let torsion = self.twist(raw, &mut bar)?;
@@ -130,16 +127,13 @@ impl Checker<'_> {
     /// The left and the right end.
     fn ends(
         &self,
-        raw: [Option<&Spanned<RawEnd>>; 2],
+        raw: [Option<&Later<RawEnd>>; 2],
         bar: &Bar,
         torsion: Option<&Torsion>,
     ) -> Result<[EndCondition; 2]> {
-        let end = |raw, key, segment: usize| {
-            let raw = self.required(raw, key, ENDS)?;
-            match torsion {
-                Some(torsion) => self.twisted_end(raw, key, [torsion.radius, torsion.polar[segment]]),
-                None => self.end(raw, key, bar, &bar.segments[segment]),
-            }
+        let end = |raw: Option<&Later<RawEnd>>, key, segment| {
+            let span = self.required(raw, key, ENDS)?.span();
+            self.end(&EndSite::new((key, span), bar, segment, torsion), bar.area_given)
         };
         let [left, right] = raw;
         let ends = [end(left, "left", 0)?, end(right, "right", bar.segments.len() - 1)?];
@@ -165,17 +159,32 @@ impl Checker<'_> {
         self.document.error(span, key, message)
     }
 
-    /// A count of cells or samples; for more than can be had the message says what they would take.
-    fn count_of_cells(&self, value: &Number, key: &str, least: usize) -> Result<usize> {
-        let asked = value.get_ref().si(Dimension::None).unwrap_or(0.0);
-        self.document.count(value, key, least, MOST_CELLS).map_err(|e| match e {
-            Error::Input(mut e) if asked > MOST_CELLS as f64 && asked.is_finite() => {
-                // Writing to a String cannot fail.
-                let _ = write!(e.message, ": as many take about {:.1} GiB of memory", asked * BYTES_PER_CELL / GIB);
+    /// A number in SI.
+    pub(super) fn si<K: Key>(&self, key: &K) -> Result<K::Si> {
+        key.si(self.document, self.torsion)
+    }
+
+    /// What a number measures.
+    fn dimension<D: Measure>(&self) -> Dimension {
+        if self.torsion { D::IN_TORSION } else { D::DIMENSION }
+    }
+
+    /// A count; for more than can be had the message says what they would take.
+    fn count<K: Key>(&self, key: &K, most: usize, takes: impl Fn(f64) -> String) -> Result<K::Si> {
+        let asked = key.typed().and_then(|typed| typed.get_ref().si(Dimension::None).ok()).unwrap_or(0.0);
+        self.si(key).map_err(|e| match e {
+            Error::Input(mut e) if asked > most as f64 && asked.is_finite() => {
+                e.message += &takes(asked);
                 e.into()
             }
             other => other,
         })
+    }
+
+    /// A count of cells or samples.
+    fn count_of_cells<K: Key>(&self, key: &K) -> Result<K::Si> {
+        let gib = |asked| format!(": as many take about {:.1} GiB of memory", asked * BYTES_PER_CELL / GIB);
+        self.count(key, MOST_CELLS, gib)
     }
 
     /// A part that must be there; the help line says what to add.

@@ -1,7 +1,5 @@
 //! What the scheme muscl cannot do.
 
-use toml::Spanned;
-
 use super::super::Method;
 use super::super::raw::{RawEffects, RawScheme, RawSolve, RawUnloading};
 use super::Checker;
@@ -9,6 +7,7 @@ use crate::bar::{Bar, EndCondition};
 use crate::error::Result;
 use crate::law::Table;
 use crate::material::Sense;
+use crate::typed::Placed;
 
 /// Beside leapfrog.
 const NET: &str = ", or method = \"moc\" (a characteristic net)";
@@ -45,7 +44,7 @@ impl Checker<'_> {
             (ball, "a ball at an end", FRONTS),
         ];
         let Some((_, what, instead)) = asked.into_iter().find(|row| row.0) else { return Ok(()) };
-        let span = raw.scheme.as_ref().map_or(0..0, Spanned::span);
+        let span = raw.scheme.as_ref().map_or(0..0, Placed::span);
         let message = format!("scheme = \"muscl\" does not simulate {what}");
         let help = format!("use scheme = \"leapfrog\", which does{instead}");
         Err(self.error(span, "solve.scheme", message).allowed("\"leapfrog\"").help(help).into())

@@ -1,7 +1,5 @@
 //! The effect of the strain rate: which law, with which constants.
 
-use toml::Spanned;
-
 use super::super::Rate;
 use super::super::raw::RateChoice;
 use super::Checker;
@@ -9,9 +7,10 @@ use crate::bar::Bar;
 use crate::error::Result;
 use crate::law::rate::Overstress;
 use crate::material::{RateModel, TEMPERATURE};
+use crate::typed::Placed;
 
 impl Checker<'_> {
-    pub(super) fn rate(&self, raw: &Spanned<RateChoice>, bar: &Bar) -> Result<Rate> {
+    pub(super) fn rate(&self, raw: &Placed<RateChoice>, bar: &Bar) -> Result<Rate> {
         let raw_rate = match raw.get_ref() {
             RateChoice::Law(law) => law,
             RateChoice::Material(_) => return self.rate_of_materials(raw, bar),
@@ -30,7 +29,7 @@ impl Checker<'_> {
     }
 
     /// The materials' own constants; one material at least states some.
-    fn rate_of_materials(&self, raw: &Spanned<RateChoice>, bar: &Bar) -> Result<Rate> {
+    fn rate_of_materials(&self, raw: &Placed<RateChoice>, bar: &Bar) -> Result<Rate> {
         if bar.segments.iter().any(|s| Overstress::of(Rate::Material, &s.material).is_some()) {
             return Ok(Rate::Material);
         }

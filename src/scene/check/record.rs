@@ -1,25 +1,17 @@
 //! What is recorded: frame times, fields, gauges, and whether all of it can be meant.
 
-use std::collections::BTreeMap;
-use std::fmt::Write as _;
-
-use toml::Spanned;
-
-use super::super::raw::{RawCompression, RawPrecision, RawRecord};
+use super::super::raw::{Gauges, MOST_FRAMES, RawCompression, RawPrecision, RawRecord};
 use super::super::{Effects, Method, Record, Solve};
 use super::{Checker, GIB};
 use crate::bar::Bar;
-use crate::error::{Error, Result};
-use crate::input::{Allowed, Number};
+use crate::error::Result;
 use crate::record::{Compression, Field, Precision};
+use crate::typed::{Key, NotNegative, Of, Placed, Positive};
+use crate::units::measures::Time;
 use crate::units::{Dimension, System, format};
 
-/// Default number of frames.
-const FRAMES: usize = 200;
 /// Default number of samples over x for a method without cells.
 const SAMPLES: usize = 1000;
-/// More frames than this are a slip of the pen.
-const MOST_FRAMES: usize = 10_000_000;
 /// Largest result file, before compression, that is not a slip of the pen.
 const MOST_GIB: f64 = 64.0;
 /// Most gauges: each is a group of the file, and a column of its table of fronts.
@@ -38,7 +30,7 @@ impl Checker<'_> {
         solve: &Solve,
         twisted: bool,
     ) -> Result<Record> {
-        let cells = raw.cells.as_ref().map(|v| self.count_of_cells(v, "record.cells", 1)).transpose()?;
+        let cells = self.count_of_cells(&raw.cells)?;
         let tracked = solve.method.tracks_fronts();
         let record = Record {
             times: self.times(raw, solve.until)?,
@@ -83,9 +75,9 @@ impl Checker<'_> {
     /// Frame times, from at most one of the three forms.
     fn times(&self, raw: &RawRecord, until: f64) -> Result<Vec<f64>> {
         let forms = [
-            ("frames", raw.frames.as_ref().map(Spanned::span)),
-            ("every", raw.every.as_ref().map(Spanned::span)),
-            ("times", raw.times.as_ref().map(Spanned::span)),
+            ("frames", raw.frames.place()),
+            ("every", raw.every.place()),
+            ("times", raw.times.as_ref().map(Placed::span)),
         ];
         let mut given = forms.into_iter().filter_map(|(name, span)| span.map(|s| (name, s)));
         if let (Some((first, _)), Some((second, span))) = (given.next(), given.next()) {
@@ -99,31 +91,19 @@ impl Checker<'_> {
         if let Some(times) = &raw.times {
             return self.times_listed(times, until);
         }
-        let frames = raw.frames.as_ref().map(|v| self.frames(v));
-        Ok(even_times(frames.transpose()?.unwrap_or(FRAMES), until))
+        let gib = |asked| {
+            let each = 8.0 * SAMPLES as f64;
+            format!(": of {SAMPLES} samples and one field they are {:.0} GiB", asked * each / GIB)
+        };
+        Ok(even_times(self.count(&raw.frames, MOST_FRAMES, gib)?, until))
     }
 
-    /// A number of frames; for more than can be had the message says what they would take at least.
-    fn frames(&self, value: &Number) -> Result<usize> {
-        let asked = value.get_ref().si(Dimension::None).unwrap_or(0.0);
-        self.document.count(value, "record.frames", 1, MOST_FRAMES).map_err(|e| match e {
-            Error::Input(mut e) if asked > MOST_FRAMES as f64 && asked.is_finite() => {
-                let each = 8.0 * SAMPLES as f64;
-                // Writing to a String cannot fail.
-                let _ =
-                    write!(e.message, ": of {SAMPLES} samples and one field they are {:.0} GiB", asked * each / GIB);
-                e.into()
-            }
-            other => other,
-        })
-    }
-
-    fn times_every(&self, every: &Number, until: f64) -> Result<Vec<f64>> {
+    fn times_every(&self, every: &Of<Time, Positive>, until: f64) -> Result<Vec<f64>> {
         let key = "record.every";
-        let step = self.document.number(every, key, Dimension::Time, Allowed::Positive)?;
+        let step = self.si(every)?;
         let whole = (until / step * (1.0 + 1e-12)).floor();
         if whole > MOST_FRAMES as f64 {
-            let message = format!("{} gives {whole:.3e} frames", every.get_ref());
+            let message = format!("{every} gives {whole:.3e} frames");
             let allowed = format!("at most {MOST_FRAMES} frames");
             return Err(self.error(every.span(), key, message).allowed(allowed).help("take a longer time").into());
         }
@@ -136,20 +116,19 @@ impl Checker<'_> {
         Ok(times)
     }
 
-    fn times_listed(&self, list: &Spanned<Vec<Number>>, until: f64) -> Result<Vec<f64>> {
+    fn times_listed(&self, list: &Placed<Vec<Of<Time, NotNegative>>>, until: f64) -> Result<Vec<f64>> {
         let mut times: Vec<f64> = Vec::with_capacity(list.get_ref().len());
         for (i, value) in list.get_ref().iter().enumerate() {
             let key = format!("record.times.{i}");
-            let time = self.document.number(value, &key, Dimension::Time, Allowed::NotNegative)?;
-            let shown = value.get_ref();
+            let time = self.si(value)?;
             if time > until {
-                let message = format!("{shown} is after the end of the run");
+                let message = format!("{value} is after the end of the run");
                 let allowed = format!("0 <= time <= {}", format(until, Dimension::Time, System::Si));
                 let help = "take it out, or raise solve.until";
                 return Err(self.error(value.span(), &key, message).allowed(allowed).help(help).into());
             }
             if times.last().is_some_and(|&before| time <= before) {
-                let error = self.error(value.span(), &key, format!("{shown} is not after the time before it"));
+                let error = self.error(value.span(), &key, format!("{value} is not after the time before it"));
                 return Err(error.allowed("increasing times").help("list the times in order, each once").into());
             }
             times.push(time);
@@ -196,12 +175,7 @@ impl Checker<'_> {
     }
 
     /// Gauges in the order of the file, which the map has lost and the places keep.
-    pub(in crate::scene) fn gauges(
-        &self,
-        raw: &BTreeMap<String, Number>,
-        length: f64,
-        body: &str,
-    ) -> Result<Vec<(String, f64)>> {
+    pub(in crate::scene) fn gauges(&self, raw: &Gauges, length: f64, body: &str) -> Result<Vec<(String, f64)>> {
         let mut list: Vec<_> = raw.iter().collect();
         list.sort_by_key(|(_, place)| place.span().start);
         let mut gauges = Vec::with_capacity(list.len());
@@ -211,9 +185,9 @@ impl Checker<'_> {
                 let error = self.error(place.span(), &key, format!("`{name}` cannot name a gauge"));
                 return Err(error.allowed("a name without `/`").help("it becomes a group of the result file").into());
             }
-            let x = self.document.number(place, &key, Dimension::Length, Allowed::Finite)?;
+            let x = self.si(place)?;
             if !(0.0..=length).contains(&x) {
-                let message = format!("{} is outside the {body}", place.get_ref());
+                let message = format!("{place} is outside the {body}");
                 let allowed = format!("0 <= {name} <= {}", format(length, Dimension::Length, System::Si));
                 let help = "places are measured from the left end";
                 return Err(self.error(place.span(), &key, message).allowed(allowed).help(help).into());
@@ -265,10 +239,10 @@ impl Checker<'_> {
             return Ok(());
         }
         let (key, span) = [
-            ("record.frames", raw.frames.as_ref().map(Spanned::span)),
-            ("record.every", raw.every.as_ref().map(Spanned::span)),
-            ("record.times", raw.times.as_ref().map(Spanned::span)),
-            ("record.cells", raw.cells.as_ref().map(Spanned::span)),
+            ("record.frames", raw.frames.place()),
+            ("record.every", raw.every.place()),
+            ("record.times", raw.times.as_ref().map(Placed::span)),
+            ("record.cells", raw.cells.place()),
         ]
         .into_iter()
         .find_map(|(key, span)| span.map(|s| (key, s)))

@@ -2,20 +2,14 @@
 
 use std::ops::Range;
 
-use toml::Spanned;
-
 use super::super::Rupture;
 use super::super::raw::{RawBar, RawEffects, RawJoint, RawRupture, RawSegment};
 use super::Checker;
 use crate::bar::Bar;
 use crate::error::Result;
-use crate::input::{Allowed, Number};
 use crate::law::rupture::Cause;
 use crate::material::Sense;
-use crate::units::Dimension;
-
-/// Largest notch factor: sharper ones are cracks, which are another matter.
-pub(in crate::scene) const MOST_NOTCH: f64 = 1000.0;
+use crate::typed::{Key, Placed};
 
 impl Checker<'_> {
     pub(super) fn rupture(&self, effects: &RawEffects, raw: &RawBar, bar: &Bar) -> Result<Option<Rupture>> {
@@ -28,36 +22,24 @@ impl Checker<'_> {
                 self.some_strain_is_critical(rupture.span(), bar)?;
                 (Cause::CriticalStrain, None)
             }
-            RawRupture::Energy(energy) => {
-                let key = "effects.rupture.energy";
-                (Cause::Energy, Some(self.document.number(energy, key, Dimension::EnergyDensity, Allowed::Positive)?))
-            }
-            RawRupture::Spall(stress) => {
-                let key = "effects.rupture.spall";
-                (Cause::Spall, Some(self.document.number(stress, key, Dimension::Stress, Allowed::Positive)?))
-            }
-        };
-        let factor = |i: usize, name: &str, value: Option<&Number>| -> Result<f64> {
-            let key = format!("bar.segment.{i}.{name}");
-            let given = self.document.optional(value, &key, Dimension::None, Allowed::Within(1.0, MOST_NOTCH))?;
-            Ok(given.unwrap_or(1.0))
+            RawRupture::Energy(energy) => (Cause::Energy, Some(self.si(energy)?)),
+            RawRupture::Spall(stress) => (Cause::Spall, Some(self.si(stress)?)),
         };
         let (mut notches, mut joint_notches) = (vec![1.0; bar.segments.len()], vec![1.0; bar.segments.len()]);
         for (i, segment) in segments.iter().enumerate() {
-            notches[i] = factor(i, "notch", segment.get_ref().notch.as_ref())?;
-            joint_notches[i] = factor(i, "joint-notch", segment.get_ref().joint_notch.as_ref())?;
+            notches[i] = self.si(&segment.get_ref().notch)?;
+            joint_notches[i] = self.si(&segment.get_ref().joint_notch)?;
             self.joint_can_break(i, segment.get_ref(), i + 1 == segments.len())?;
         }
         Ok(Some(Rupture { cause, threshold, notches, joint_notches }))
     }
 
-    fn no_notches(&self, segments: &[Spanned<RawSegment>]) -> Result<()> {
+    fn no_notches(&self, segments: &[Placed<RawSegment>]) -> Result<()> {
         for (i, segment) in segments.iter().enumerate() {
-            let segment = segment.get_ref();
-            for (name, value) in [("notch", &segment.notch), ("joint-notch", &segment.joint_notch)] {
-                if let Some(value) = value {
+            for (name, place) in segment.get_ref().notches() {
+                if let Some(span) = place {
                     let message = format!("`{name}` says where the bar breaks first, and this bar does not break");
-                    let error = self.error(value.span(), &format!("bar.segment.{i}.{name}"), message);
+                    let error = self.error(span, &format!("bar.segment.{i}.{name}"), message);
                     return Err(error
                         .help("add e.g. rupture = \"critical-strain\" to [effects], or take it out")
                         .into());
@@ -69,13 +51,13 @@ impl Checker<'_> {
 
     /// A joint notch needs a joint that holds.
     fn joint_can_break(&self, i: usize, segment: &RawSegment, last: bool) -> Result<()> {
-        let Some(notch) = &segment.joint_notch else { return Ok(()) };
+        let Some(span) = segment.joint_notch.place() else { return Ok(()) };
         let contact = segment.joint.as_ref().is_some_and(|joint| *joint.get_ref() == RawJoint::Contact);
         if !last && !contact {
             return Ok(());
         }
         let why = if last { "the last segment has no joint to a next one" } else { "a contact joint holds nothing" };
-        let error = self.error(notch.span(), &format!("bar.segment.{i}.joint-notch"), why);
+        let error = self.error(span, &format!("bar.segment.{i}.joint-notch"), why);
         Err(error.help("take it out, or use `notch` for the whole segment").into())
     }
 

@@ -3,15 +3,13 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use toml::Spanned;
-
+use super::super::Method;
 use super::super::discretized::{MOST_PIECES, pieces_needed};
-use super::super::{Method, raw};
+use super::super::raw::{Given, RawBar, RawPiece};
 use super::Checker;
-use super::bar::Piece;
 use crate::bar::{Bar, Profile, Taper};
 use crate::error::Result;
-use crate::input::{Allowed, Number};
+use crate::typed::Placed;
 use crate::units::{Dimension, System, format};
 
 /// A checked section.
@@ -28,26 +26,27 @@ const ROWS: &str = "x increasing from 0 to the length, sizes > 0";
 
 impl Checker<'_> {
     /// The section of a piece `length` long, if it states one.
-    pub(super) fn section(&self, piece: &Piece<'_>, key: &str, length: f64) -> Result<Option<Section>> {
+    pub(super) fn section(&self, piece: &RawPiece<'_>, key: &str, length: f64) -> Result<Option<Section>> {
         if let (Some(_), Some(diameter)) = (piece.area, piece.diameter) {
             let message = "the section has both an area and a diameter";
             let error = self.error(diameter.span(), &format!("{key}.diameter"), message);
             return Err(error.help("keep `area` or `diameter`, not both").into());
         }
         if let Some(area) = piece.area {
-            return self.one_or_table(area, &format!("{key}.area"), Profile::Area, length).map(Some);
+            return self.one_or_table(&area.given(), &format!("{key}.area"), Profile::Area, length).map(Some);
         }
-        let diameter = |d| self.one_or_table(d, &format!("{key}.diameter"), Profile::Diameter, length);
+        let diameter =
+            |d: &Placed<_>| self.one_or_table(&d.given(), &format!("{key}.diameter"), Profile::Diameter, length);
         piece.diameter.map(diameter).transpose()
     }
 
     /// Methods with uniform media cut a taper into pieces, which must not be too many.
-    pub(super) fn taper_can_be_solved(&self, raw: &raw::RawBar, bar: &Bar, method: &Method) -> Result<()> {
+    pub(super) fn taper_can_be_solved(&self, raw: &RawBar, bar: &Bar, method: &Method) -> Result<()> {
         let steepest = bar.segments.iter().position(|s| pieces_needed(s, method) > MOST_PIECES as f64);
         let Some(k) = steepest else { return Ok(()) };
         let own = raw.segment.as_ref().map(|list| list[k].get_ref());
-        let (area, diameter) = own.map_or((&raw.area, &raw.diameter), |s| (&s.area, &s.diameter));
-        let (name, span) = match (area, diameter) {
+        let piece = own.map_or_else(|| raw.piece(), |segment| segment.piece());
+        let (name, span) = match (piece.area, piece.diameter) {
             (Some(area), _) => ("area", area.span()),
             (_, Some(diameter)) => ("diameter", diameter.span()),
             _ => ("area", self.end_of_text()),
@@ -59,20 +58,15 @@ impl Checker<'_> {
         Err(error.help("use method = \"fd\", which follows the taper itself, or a less steep one").into())
     }
 
-    fn one_or_table(&self, given: &Spanned<raw::Section>, key: &str, profile: Profile, length: f64) -> Result<Section> {
-        let rows = match given.get_ref() {
-            raw::Section::Uniform(size) => {
-                let size = Number::new(given.span(), size.clone());
-                let size = self.document.number(&size, key, dimension(profile), Allowed::Positive)?;
-                return Ok(Section { area: area(profile, size), taper: None });
-            }
-            raw::Section::Table(rows) => rows,
-        };
-        let mut pairs = Vec::with_capacity(rows.len());
-        for (i, row) in rows.iter().enumerate() {
-            pairs.push(self.taper_row(row, &format!("{key}.{i}"), profile)?);
+    fn one_or_table(&self, given: &Given<'_>, key: &str, profile: Profile, length: f64) -> Result<Section> {
+        if let Some(size) = given.uniform() {
+            let size = self.document.number_at(&size, given.dimension(self.torsion), given.allowed)?;
+            return Ok(Section { area: area(profile, size), taper: None });
         }
-        let place = |i: usize| rows.get(i).map_or_else(|| given.span(), Spanned::span);
+        let rows = given.rows();
+        let name = if profile == Profile::Area { "area" } else { "diameter" };
+        let mut pairs = self.rows(given, key, name)?;
+        let place = |i: usize| rows.get(i).map_or_else(|| given.span.clone(), Placed::span);
         if let Some(last) = pairs.last_mut() {
             if (last.0 - length).abs() > SAME_PLACE * length {
                 let message = format!("the last row stands at x = {}", format(last.0, Dimension::Length, System::Si));
@@ -91,25 +85,6 @@ impl Checker<'_> {
         let uniform = taper.is_uniform();
         let area = if uniform { area(profile, pairs[0].1) } else { taper.mean(0.0, length) };
         Ok(Section { area, taper: (!uniform).then(|| Arc::new(taper)) })
-    }
-
-    fn taper_row(&self, row: &Spanned<Vec<Number>>, key: &str, profile: Profile) -> Result<(f64, f64)> {
-        let name = if profile == Profile::Area { "area" } else { "diameter" };
-        let [x, size] = row.get_ref().as_slice() else {
-            let error = self.error(row.span(), key, format!("a row has {} entries", row.get_ref().len()));
-            let help = format!("write [x, {name}], e.g. [\"10 cm\", \"{}\"]", dimension(profile).example());
-            return Err(error.allowed(format!("2 entries: x and {name}")).help(help).into());
-        };
-        let x = self.document.number(x, &format!("{key}.x"), Dimension::Length, Allowed::NotNegative)?;
-        let size = self.document.number(size, &format!("{key}.{name}"), dimension(profile), Allowed::Positive)?;
-        Ok((x, size))
-    }
-}
-
-fn dimension(profile: Profile) -> Dimension {
-    match profile {
-        Profile::Area => Dimension::Area,
-        Profile::Diameter => Dimension::Length,
     }
 }
 

@@ -1,26 +1,15 @@
 //! How the scene is solved: the method, the keys that belong to it, and whether it can do what the scene asks for.
 
-use std::ops::Range;
-
-use toml::Spanned;
-
 use super::super::raw::{RawEffects, RawMethod, RawSolve};
 use super::super::{Method, Solve, Tolerance};
 use super::Checker;
 use crate::bar::Bar;
 use crate::error::Result;
-use crate::input::Allowed;
-use crate::units::Dimension;
+use crate::input::GivenKey;
+use crate::typed::Placed;
 
-/// Default number of cells.
-const CELLS: usize = 1000;
 /// Most steps that a run can be asked for: a thousand cells take some ten days for them.
 const MOST_STEPS: f64 = 1e12;
-/// Default of the front tolerance.
-const FRONT_TOLERANCE: f64 = 1e-3;
-/// Default number of events, and most that can be asked for: a week at a microsecond each.
-const EVENTS: usize = 10_000_000;
-const MOST_EVENTS: usize = 1_000_000_000_000;
 
 impl RawMethod {
     fn word(self) -> &'static str {
@@ -41,13 +30,13 @@ impl RawMethod {
 }
 
 impl Checker<'_> {
-    pub(super) fn solve(&self, raw: &Spanned<RawSolve>, effects: &RawEffects) -> Result<Solve> {
+    pub(super) fn solve(&self, raw: &Placed<RawSolve>, effects: &RawEffects) -> Result<Solve> {
         let (span, raw) = (raw.span(), raw.get_ref());
         let Some(until) = &raw.until else {
             let help = "add the end time, e.g. until = \"200 us\"; an elastic wave needs length/c0 to cross the bar";
             return Err(self.missing(span, "solve.until", help));
         };
-        let until = self.document.number(until, "solve.until", Dimension::Time, Allowed::Positive)?;
+        let until = self.si(until)?;
         let tolerance = self.tolerance(raw)?;
         let rate = effects.rate.is_some();
         // A net follows fronts of rate-dependent bars within one cell, but does not part, has nothing act along the bar, and knows no
@@ -62,17 +51,15 @@ impl Checker<'_> {
         }
         self.along_is_on_a_grid(effects, raw, method)?;
         self.heat_can_be_followed(effects, method)?;
-        self.only_keys_of(raw, method, rate)?;
+        self.only_keys_of(method, rate)?;
         let method = match (method, rate) {
             (RawMethod::Fd, _) => self.on_a_grid(raw)?,
             (RawMethod::Moc, false) => self.front_tracking(raw)?,
             (RawMethod::Moc, true) => Method::CharacteristicNet { cells: self.cells(raw)? },
         };
-        let (key, range) = ("solve.audit-tolerance", Allowed::Between(0.0, 1.0));
-        let audit_tolerance = self.document.optional(raw.audit_tolerance.as_ref(), key, Dimension::None, range)?;
         // What is left out may change the answer by no more than what is asked of it.
         let default = tolerance.as_ref().map_or(Solve::AUDIT_TOLERANCE, |t| t.value);
-        let audit_tolerance = audit_tolerance.unwrap_or(default);
+        let audit_tolerance = self.si(&raw.audit_tolerance)?.unwrap_or(default);
         Ok(Solve { until, method, tolerance, estimate_error: false, audit_tolerance })
     }
 
@@ -94,12 +81,8 @@ impl Checker<'_> {
 
     /// The tolerance that takes the place of a method, and of all that belongs to one. Its methods are the reader's to find.
     fn tolerance(&self, raw: &RawSolve) -> Result<Option<Tolerance>> {
-        let (key, range) = ("solve.tolerance", Allowed::Above(0.0, 0.5));
-        let Some(value) = self.document.optional(raw.tolerance.as_ref(), key, Dimension::None, range)? else {
-            return Ok(None);
-        };
-        let method = raw.method.as_ref().map(|m| ("method", m.span()));
-        if let Some((name, span)) = method.into_iter().chain(given(raw)).next() {
+        let Some(value) = self.si(&raw.tolerance)? else { return Ok(None) };
+        if let Some(GivenKey { name, value: span, .. }) = self.given(&["method"]).next() {
             let message =
                 format!("`{name}` and `tolerance` stand together: a tolerance chooses the method and its settings");
             let help =
@@ -112,35 +95,27 @@ impl Checker<'_> {
 
     fn on_a_grid(&self, raw: &RawSolve) -> Result<Method> {
         let cells = self.cells(raw)?;
-        let range = Allowed::Above(0.0, 1.0);
-        let cfl = self.document.optional(raw.cfl.as_ref(), "solve.cfl", Dimension::None, range)?.unwrap_or(1.0);
+        let cfl = self.si(&raw.cfl)?;
         Ok(if raw.is_muscl() { Method::Muscl { cells, cfl } } else { Method::Leapfrog { cells, cfl } })
     }
 
     fn cells(&self, raw: &RawSolve) -> Result<usize> {
-        let given = raw.cells.as_ref().map(|v| self.count_of_cells(v, "solve.cells", 2));
-        Ok(given.transpose()?.unwrap_or(CELLS))
+        self.count_of_cells(&raw.cells)
     }
 
     fn front_tracking(&self, raw: &RawSolve) -> Result<Method> {
-        let (key, range) = ("solve.front-tolerance", Allowed::Below(0.0, 1.0));
-        let tolerance = self.document.optional(raw.front_tolerance.as_ref(), key, Dimension::None, range)?;
-        let budget = raw.event_budget.as_ref();
-        let budget = budget.map(|v| self.document.count(v, "solve.event-budget", 1, MOST_EVENTS)).transpose()?;
-        Ok(Method::FrontTracking {
-            front_tolerance: tolerance.unwrap_or(FRONT_TOLERANCE),
-            event_budget: budget.unwrap_or(EVENTS) as u64,
-        })
+        let event_budget = self.si(&raw.event_budget)? as u64;
+        Ok(Method::FrontTracking { front_tolerance: self.si(&raw.front_tolerance)?, event_budget })
     }
 
-    fn only_keys_of(&self, raw: &RawSolve, method: RawMethod, rate: bool) -> Result<()> {
-        let foreign = given(raw).into_iter().find(|(name, _)| !method.keys(rate).contains(name));
-        let Some((name, span)) = foreign else { return Ok(()) };
+    fn only_keys_of(&self, method: RawMethod, rate: bool) -> Result<()> {
+        let foreign = self.given(&[]).find(|given| !method.keys(rate).contains(&&*given.name));
+        let Some(GivenKey { name, value: span, .. }) = foreign else { return Ok(()) };
         let (word, out) = (method.word(), format!("take `{name}` out (on the command line: --set solve.{name}=)"));
         let (message, help) = if rate && method == RawMethod::Fd {
             (format!("`{name}` means nothing for a rate-dependent bar, in which no fronts are tracked"), out)
         } else if rate {
-            let help = if RawMethod::Fd.keys(rate).contains(&name) {
+            let help = if RawMethod::Fd.keys(rate).contains(&&*name) {
                 format!("use method = \"fd\", which has it, or {out}")
             } else {
                 out
@@ -154,16 +129,12 @@ impl Checker<'_> {
         let allowed = format!("until, method, {}, audit-tolerance", method.keys(rate).join(", "));
         Err(self.error(span, &format!("solve.{name}"), message).allowed(allowed).help(help).into())
     }
-}
 
-/// The optional keys that belong to one method, as they were given, with their places.
-fn given(raw: &RawSolve) -> Vec<(&'static str, Range<usize>)> {
-    let all = [
-        ("scheme", raw.scheme.as_ref().map(Spanned::span)),
-        ("cells", raw.cells.as_ref().map(Spanned::span)),
-        ("cfl", raw.cfl.as_ref().map(Spanned::span)),
-        ("front-tolerance", raw.front_tolerance.as_ref().map(Spanned::span)),
-        ("event-budget", raw.event_budget.as_ref().map(Spanned::span)),
-    ];
-    all.into_iter().filter_map(|(name, span)| span.map(|s| (name, s))).collect()
+    /// The keys of methods that are given, with `others`, and the places of their values.
+    fn given(&self, others: &[&str]) -> impl Iterator<Item = GivenKey> {
+        let of_methods = [(RawMethod::Fd, false), (RawMethod::Moc, false)];
+        let keys: Vec<&str> =
+            of_methods.iter().flat_map(|(method, rate)| method.keys(*rate)).chain(others).copied().collect();
+        self.document.keys_in("solve").into_iter().filter(move |given| keys.contains(&&*given.name))
+    }
 }

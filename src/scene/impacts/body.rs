@@ -4,102 +4,27 @@ use std::f64::consts::PI;
 use std::ops::Range;
 use std::sync::Arc;
 
+use super::super::check::Checker;
+use super::super::raw::{BodyKeys, MaterialChoice, raw_body};
+use crate::error::Result;
+use crate::impact::{Elastic, Solid};
+use crate::material::{Material, Sense};
+use crate::typed::{Of, Placed, Plain, Poisson, Positive, Within};
+use crate::units::measures;
 use schemars::JsonSchema;
 use serde::Deserialize;
 use serde_json::{Value, json};
-use toml::Spanned;
-
-use super::super::check::{BallKeys, Checker};
-use super::super::raw::MaterialChoice;
-use crate::error::Result;
-use crate::impact::{Elastic, Solid};
-use crate::input::{Allowed, Number};
-use crate::material::{Material, Sense};
-use crate::units::{Dimension, Quantity};
-
-/// The raw table of a body: its own keys, then those of its material, with the method `keys`. With `sphere`, those of a sphere in between,
-/// and what its velocity is. (`serde(flatten)` would lose the places of values and the check of unknown keys.)
-macro_rules! raw_body {
-    ($(#[$meta:meta])* $name:ident sphere $velocity:literal { $($own:tt)* }) => {
-        raw_body! { @table $(#[$meta])* $name {
-            $($own)*
-            /// Radius, m, > 0; or give `diameter`.
-            #[schemars(with = "Option<Quantity>")]
-            pub radius: Option<Number>,
-            /// Diameter, m, > 0; in place of `radius`.
-            #[schemars(with = "Option<Quantity>")]
-            pub diameter: Option<Number>,
-            /// Mass, kg, > 0. Default: that of a solid sphere.
-            #[schemars(with = "Option<Quantity>")]
-            pub mass: Option<Number>,
-            #[doc = $velocity]
-            #[schemars(with = "Option<Quantity>")]
-            pub velocity: Option<Number>,
-            /// It does not give way, in place of `modulus` and `poisson`. Default: false.
-            #[schemars(with = "Option<bool>")]
-            pub rigid: Option<Spanned<bool>>,
-        } }
-
-        impl $name {
-            pub(super) fn keys(&self) -> BallKeys<'_> {
-                BallKeys {
-                    radius: self.radius.as_ref(),
-                    diameter: self.diameter.as_ref(),
-                    mass: self.mass.as_ref(),
-                    rigid: self.rigid.as_ref(),
-                    ..self.material_keys()
-                }
-            }
-        }
-    };
-    ($(#[$meta:meta])* $name:ident { $($own:tt)* }) => {
-        raw_body! { @table $(#[$meta])* $name { $($own)* } }
-
-        impl $name {
-            pub(super) fn keys(&self) -> BallKeys<'_> {
-                self.material_keys()
-            }
-        }
-    };
-    (@table $(#[$meta:meta])* $name:ident { $($own:tt)* }) => {
-        $(#[$meta])*
-        #[derive(Debug, Deserialize, JsonSchema)]
-        #[serde(deny_unknown_fields)]
-        pub struct $name {
-            $($own)*
-            /// What it is made of, for its density, modulus and Poisson's ratio. It stays elastic.
-            #[schemars(with = "Option<MaterialChoice>")]
-            pub material: Option<Spanned<MaterialChoice>>,
-            /// Density, kg/m^3, > 0. Default: its material's.
-            #[schemars(with = "Option<Quantity>")]
-            pub density: Option<Number>,
-            /// Elastic modulus, Pa, > 0. Default: its material's.
-            #[schemars(with = "Option<Quantity>")]
-            pub modulus: Option<Number>,
-            /// Poisson's ratio, 0 to 0.5. Default: its material's.
-            #[schemars(with = "Option<f64>")]
-            pub poisson: Option<Number>,
-        }
-
-        impl $name {
-            fn material_keys(&self) -> BallKeys<'_> {
-                BallKeys {
-                    material: self.material.as_ref(),
-                    density: self.density.as_ref(),
-                    modulus: self.modulus.as_ref(),
-                    poisson: self.poisson.as_ref(),
-                    ..BallKeys::default()
-                }
-            }
-        }
-    };
-}
-pub(super) use raw_body;
 
 raw_body! {
     /// A solid sphere.
-    RawSphere sphere "Velocity before the impact, m/s." {}
+    RawSphere sphere {
+        /// Velocity before the impact.
+        pub velocity: Of<measures::Velocity, Positive>,
+    }
 }
+
+/// The tolerance of an integration.
+pub(super) type Tolerance = Of<Plain, Within<1, 10_000_000_000, 1_000_000_000_000>>;
 
 /// A body with the material that it names.
 pub(super) type Made<T> = (T, Option<Arc<Material>>);
@@ -124,18 +49,16 @@ pub(super) fn solid_json(solid: &Solid) -> Value {
 }
 
 impl Checker<'_> {
-    /// A sphere with Hertz's contact; `velocity` is what its key may be.
-    pub(super) fn sphere(&self, raw: &Spanned<RawSphere>, key: &str, velocity: Allowed) -> Result<Made<Solid>> {
+    /// A sphere with Hertz's contact.
+    pub(super) fn sphere(&self, raw: &Placed<RawSphere>, key: &str) -> Result<Made<Solid>> {
         let (span, raw) = (raw.span(), raw.get_ref());
-        let velocity = (raw.velocity.as_ref(), "velocity", Dimension::Velocity, velocity);
-        let velocity = self.own_number(velocity, span.clone(), key)?;
-        self.sphere_at(&raw.keys(), span, key, velocity)
+        self.sphere_at(&raw.keys(), span, key, self.si(&raw.velocity)?)
     }
 
     /// The same with a velocity that is known.
     pub(super) fn sphere_at(
         &self,
-        keys: &BallKeys<'_>,
+        keys: &BodyKeys<'_>,
         span: Range<usize>,
         key: &str,
         velocity: f64,
@@ -152,24 +75,24 @@ impl Checker<'_> {
     }
 
     /// The elastic constants of a struck body, whose density must be known.
-    pub(super) fn elastic(&self, keys: &BallKeys<'_>, span: Range<usize>, key: &str) -> Result<Made<Elastic>> {
+    pub(super) fn elastic(&self, keys: &BodyKeys<'_>, span: Range<usize>, key: &str) -> Result<Made<Elastic>> {
         let material = self.ball_material(keys, key)?;
         self.made_of_something(keys, span.clone(), key, "density")?;
-        let density = (keys.density, "density", Dimension::Density, Allowed::Positive);
-        let density = self.own_or(density, material.as_ref().map(|m| m.density), span.clone(), key)?;
+        let known = material.as_ref().map(|m| m.density);
+        let density = self.given_or(keys.density, known, "density", span.clone(), key)?;
         let elastic = self.elastic_of(keys, material.as_deref(), span, key, density)?;
         Ok((elastic, material))
     }
 
     fn elastic_of(
         &self,
-        keys: &BallKeys<'_>,
+        keys: &BodyKeys<'_>,
         material: Option<&Material>,
         span: Range<usize>,
         key: &str,
         density: f64,
     ) -> Result<Elastic> {
-        if !keys.rigid.is_some_and(|rigid| *rigid.get_ref()) {
+        if !keys.is_rigid() {
             self.made_of_something(keys, span.clone(), key, "density, modulus and poisson")?;
         }
         let (modulus, poisson) = self.ball_moduli(keys, span, key, material)?;
@@ -178,20 +101,13 @@ impl Checker<'_> {
     }
 
     /// Refuses a body of which neither a material nor a modulus is given.
-    fn made_of_something(&self, keys: &BallKeys<'_>, span: Range<usize>, key: &str, instead: &str) -> Result<()> {
-        let rigid = keys.rigid.is_some_and(|rigid| *rigid.get_ref());
-        if keys.material.is_some() || keys.modulus.is_some() || rigid {
+    fn made_of_something(&self, keys: &BodyKeys<'_>, span: Range<usize>, key: &str, instead: &str) -> Result<()> {
+        if keys.material.is_some() || keys.modulus.is_some() || keys.is_rigid() {
             return Ok(());
         }
         let error = self.error(span, &format!("{key}.material"), "`material` is missing");
         let help =
             format!("add e.g. material = \"mild-steel\" with poisson = 0.3, or give modulus, poisson and {instead}");
         Err(error.help(help.replace("poisson and density, modulus and poisson", "poisson and density")).into())
-    }
-
-    /// The step tolerance or the tolerance of the results.
-    pub(super) fn contact_tolerance(&self, raw: Option<&Number>, default: f64) -> Result<f64> {
-        let range = Allowed::Within(1e-12, 1e-2);
-        Ok(self.document.optional(raw, "solve.tolerance", Dimension::None, range)?.unwrap_or(default))
     }
 }

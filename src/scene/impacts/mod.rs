@@ -20,6 +20,7 @@ use crate::error::Result;
 use crate::impact::Problem;
 use crate::input::Document;
 use crate::material::Material;
+use crate::typed;
 
 /// A kind of scene, known by the table that stands in place of `[bar]`.
 #[derive(Debug)]
@@ -43,10 +44,10 @@ struct Parts {
 
 /// All kinds.
 pub const KINDS: [Kind; 4] = [
-    Kind { key: "specimen", schema: || schemars::schema_for!(specimen::RawSpecimenScene), check: specimen::check },
-    Kind { key: "spheres", schema: || schemars::schema_for!(spheres::RawSpheresScene), check: spheres::check },
-    Kind { key: "plate", schema: || schemars::schema_for!(plate::RawPlateScene), check: plate::check },
-    Kind { key: "beam", schema: || schemars::schema_for!(beam::RawBeamScene), check: beam::check },
+    Kind { key: "specimen", schema: || typed::schema::<specimen::RawSpecimenScene>(), check: specimen::check },
+    Kind { key: "spheres", schema: || typed::schema::<spheres::RawSpheresScene>(), check: spheres::check },
+    Kind { key: "plate", schema: || typed::schema::<plate::RawPlateScene>(), check: plate::check },
+    Kind { key: "beam", schema: || typed::schema::<beam::RawBeamScene>(), check: beam::check },
 ];
 
 /// A checked scene of any of these kinds.
@@ -86,7 +87,7 @@ pub(super) fn kind(document: &Document) -> Option<&'static Kind> {
 
 /// Checks a document; `text` and `overrides` are the caller's to fill.
 pub(super) fn check(kind: &Kind, document: &Document, base: &Path) -> Result<ImpactScene> {
-    let Parts { title, problem, materials, resolved } = (kind.check)(&Checker { document, base })?;
+    let Parts { title, problem, materials, resolved } = (kind.check)(&Checker { document, base, torsion: false })?;
     let name = Path::new(&document.file).file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
     let title = title.unwrap_or_else(|| name.clone());
     Ok(ImpactScene { title, name, text: String::new(), overrides: Vec::new(), problem, materials, resolved })

@@ -2,19 +2,17 @@
 
 use std::sync::Arc;
 
+use super::super::check::Checker;
+use super::super::raw::{BodyKeys, MaterialChoice, raw_body};
+use super::Parts;
+use super::body::{RawSphere, Tolerance, elastic_json, solid_json};
+use crate::error::Result;
+use crate::impact::Plate;
+use crate::typed::{Of, Or, Placed, Plain, Poisson, Positive};
+use crate::units::measures;
 use schemars::JsonSchema;
 use serde::Deserialize;
 use serde_json::json;
-use toml::Spanned;
-
-use super::super::check::{BallKeys, Checker};
-use super::super::raw::MaterialChoice;
-use super::Parts;
-use super::body::{RawSphere, elastic_json, raw_body, solid_json};
-use crate::error::Result;
-use crate::impact::Plate;
-use crate::input::{Allowed, Number};
-use crate::units::{Dimension, Quantity};
 
 /// A sphere strikes an infinite elastic plate at rest. Numbers are SI; a text is a number with its unit, such as "10 mm".
 #[derive(Debug, Deserialize, JsonSchema)]
@@ -24,11 +22,10 @@ pub struct RawPlateScene {
     /// Title, one line. Default: the file's name.
     pub title: Option<String>,
     /// The plate. Required.
-    #[schemars(with = "RawPlate")]
-    pub plate: Spanned<RawPlate>,
+    pub plate: Placed<RawPlate>,
     /// The sphere. Required.
     #[schemars(with = "RawSphere")]
-    pub striker: Option<Spanned<RawSphere>>,
+    pub striker: Option<Placed<RawSphere>>,
     /// How closely and how long the contact is integrated.
     #[serde(default)]
     pub solve: RawPlateSolve,
@@ -37,9 +34,8 @@ pub struct RawPlateScene {
 raw_body! {
     /// The plate. Its edges are so far away that no wave returns from them during the contact.
     RawPlate {
-        /// Thickness, m, > 0. Required.
-        #[schemars(with = "Quantity")]
-        pub thickness: Option<Number>,
+        /// Thickness.
+        pub thickness: Of<measures::Length, Positive>,
     }
 }
 
@@ -47,12 +43,11 @@ raw_body! {
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RawPlateSolve {
-    /// Largest defect of Hertz's law between the nodes of a time step, relative to the largest force, 1e-12 to 1e-2. Default: 1e-8.
-    #[schemars(with = "Option<f64>")]
-    pub tolerance: Option<Number>,
-    /// Latest end, s, > 0. Default: 100 Hertz contact times.
-    #[schemars(with = "Option<Quantity>")]
-    pub until: Option<Number>,
+    /// Largest defect of Hertz's law between the nodes of a time step, relative to the largest force.
+    #[schemars(default)]
+    pub tolerance: Or<Tolerance, 1, 100_000_000>,
+    /// Latest end. Default: 100 Hertz contact times.
+    pub until: Option<Of<measures::Time, Positive>>,
 }
 
 pub(super) fn check(checker: &Checker<'_>) -> Result<Parts> {
@@ -60,13 +55,10 @@ pub(super) fn check(checker: &Checker<'_>) -> Result<Parts> {
     let help = "add [striker] with radius, material and velocity";
     let striker = checker.required(raw.striker.as_ref(), "striker", help)?;
     let (span, own) = (raw.plate.span(), raw.plate.get_ref());
-    let thickness = (own.thickness.as_ref(), "thickness", Dimension::Length, Allowed::Positive);
-    let thickness = checker.own_number(thickness, span.clone(), "plate")?;
+    let thickness = checker.si(&own.thickness)?;
     let (elastic, one) = checker.elastic(&own.keys(), span, "plate")?;
-    let (striker, two) = checker.sphere(striker, "striker", Allowed::Positive)?;
-    let tolerance = checker.contact_tolerance(raw.solve.tolerance.as_ref(), 1e-8)?;
-    let until = (raw.solve.until.as_ref(), "solve.until", Dimension::Time, Allowed::Positive);
-    let until = checker.document.optional(until.0, until.1, until.2, until.3)?;
+    let (striker, two) = checker.sphere(striker, "striker")?;
+    let (tolerance, until) = (checker.si(&raw.solve.tolerance)?, checker.si(&raw.solve.until)?);
     let plate = Plate { thickness, elastic, striker, tolerance, until };
     let resolved = json!({
         "plate": { "thickness": thickness, "elastic": elastic_json(&elastic) },

@@ -3,19 +3,17 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use schemars::JsonSchema;
-use serde::Deserialize;
-use serde_json::{Value, json};
-use toml::Spanned;
-
-use super::super::check::{Checker, MOST_NOTCH, Named};
-use super::super::raw::MaterialChoice;
+use super::super::check::{Checker, Named};
+use super::super::raw::{MaterialChoice, Notch};
 use super::Parts;
 use crate::error::Result;
 use crate::impact::{Blow, Specimen, Toughness};
-use crate::input::{Allowed, Number};
 use crate::material::{Material, Sense};
-use crate::units::{Dimension, Quantity};
+use crate::typed::{Key, NotNegative, Of, Placed, Positive};
+use crate::units::measures;
+use schemars::JsonSchema;
+use serde::Deserialize;
+use serde_json::{Value, json};
 
 /// A tension specimen struck along its length, by the energy method: does it break? Numbers are SI; a text is a number
 /// with its unit, such as "10 in".
@@ -26,48 +24,39 @@ pub struct RawSpecimenScene {
     /// Title, one line. Default: the file's name.
     pub title: Option<String>,
     /// The specimen. Required.
-    #[schemars(with = "RawSpecimen")]
-    pub specimen: Spanned<RawSpecimen>,
+    pub specimen: Placed<RawSpecimen>,
     /// The body that strikes it. Required.
     #[schemars(with = "RawStriker")]
-    pub striker: Option<Spanned<RawStriker>>,
+    pub striker: Option<Placed<RawStriker>>,
 }
 
 /// The specimen: its size, and what it can absorb.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RawSpecimen {
-    /// Length, m, > 0. Required.
-    #[schemars(with = "Quantity")]
-    pub length: Option<Number>,
-    /// Cross-section, m^2, > 0; or give `diameter`.
-    #[schemars(with = "Option<Quantity>")]
-    pub area: Option<Number>,
-    /// Diameter of a round section, m, > 0; in place of `area`.
-    #[schemars(with = "Option<Quantity>")]
-    pub diameter: Option<Number>,
-    /// Energy that it absorbs per volume before it breaks, J/m^3, > 0; or give `material`.
-    #[schemars(with = "Option<Quantity>")]
-    pub energy: Option<Number>,
+    /// Length.
+    pub length: Of<measures::Length, Positive>,
+    /// Cross-section; or give `diameter`.
+    pub area: Option<Of<measures::Area, Positive>>,
+    /// Diameter of a round section; in place of `area`.
+    pub diameter: Option<Of<measures::Length, Positive>>,
+    /// Energy that it absorbs per volume before it breaks; or give `material`.
+    pub energy: Option<Of<measures::EnergyDensity, Positive>>,
     /// Material, whose curve says what it absorbs: the work up to its largest engineering stress.
-    #[schemars(with = "Option<MaterialChoice>")]
-    pub material: Option<Spanned<MaterialChoice>>,
-    /// Notch factor, >= 1, of a specimen with a `material`: it breaks at its largest stress divided by this, and is
-    /// strained no farther. Default: 1.
-    #[schemars(with = "Option<f64>")]
-    pub notch: Option<Number>,
+    pub material: Option<Placed<MaterialChoice>>,
+    /// Notch factor of a specimen with a `material`: it breaks at its largest stress divided by this, and is strained no farther.
+    #[schemars(default)]
+    pub notch: Notch,
 }
 
 /// The striking body.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RawStriker {
-    /// Mass, kg, > 0. Required.
-    #[schemars(with = "Quantity")]
-    pub mass: Option<Number>,
-    /// Velocity, m/s, >= 0. Required.
-    #[schemars(with = "Quantity")]
-    pub velocity: Option<Number>,
+    /// Mass.
+    pub mass: Of<measures::Mass, Positive>,
+    /// Velocity.
+    pub velocity: Of<measures::Velocity, NotNegative>,
 }
 
 pub(super) fn check(checker: &Checker<'_>) -> Result<Parts> {
@@ -75,15 +64,13 @@ pub(super) fn check(checker: &Checker<'_>) -> Result<Parts> {
     let (span, specimen) = (raw.specimen.span(), raw.specimen.get_ref());
     let help = "add [striker] with mass and velocity, e.g. mass = \"200 lb\" and velocity = \"80 ft/s\"";
     let striker = checker.required(raw.striker.as_ref(), "striker", help)?;
-    let length = (specimen.length.as_ref(), "length", Dimension::Length, Allowed::Positive);
     let material = checker.specimen_material(specimen)?;
-    let own = |wanted| checker.own_number(wanted, striker.span(), "striker");
     let body = striker.get_ref();
     let blow = Blow {
-        mass: own((body.mass.as_ref(), "mass", Dimension::Mass, Allowed::Positive))?,
-        velocity: own((body.velocity.as_ref(), "velocity", Dimension::Velocity, Allowed::NotNegative))?,
+        mass: checker.si(&body.mass)?,
+        velocity: checker.si(&body.velocity)?,
         specimen: Specimen {
-            length: checker.own_number(length, span.clone(), "specimen")?,
+            length: checker.si(&specimen.length)?,
             area: checker.specimen_area(specimen, span.clone())?,
             toughness: checker.toughness(specimen, material.as_deref(), span)?,
         },
@@ -111,14 +98,14 @@ fn resolved(blow: &Blow, material: Option<&Material>) -> Value {
 impl Checker<'_> {
     fn specimen_area(&self, raw: &RawSpecimen, span: std::ops::Range<usize>) -> Result<f64> {
         let Some(diameter) = &raw.diameter else {
-            return self.own_number((raw.area.as_ref(), "area", Dimension::Area, Allowed::Positive), span, "specimen");
+            return self.needed(raw.area.as_ref(), "area", span, "specimen");
         };
         if raw.area.is_some() {
             let message = "the section has both an area and a diameter";
             let error = self.error(diameter.span(), "specimen.diameter", message);
             return Err(error.help("keep `area` or `diameter`, not both").into());
         }
-        let diameter = self.document.number(diameter, "specimen.diameter", Dimension::Length, Allowed::Positive)?;
+        let diameter = self.si(diameter)?;
         Ok(PI / 4.0 * diameter * diameter)
     }
 
@@ -133,14 +120,13 @@ impl Checker<'_> {
         material: Option<&Material>,
         span: std::ops::Range<usize>,
     ) -> Result<Toughness> {
-        let energy = (raw.energy.as_ref(), "energy", Dimension::EnergyDensity, Allowed::Positive);
         let Some((material, choice)) = material.zip(raw.material.as_ref()) else {
-            if let Some(notch) = &raw.notch {
+            if let Some(notch) = raw.notch.place() {
                 let message = "how far the rest of a notched specimen is strained is known from its curve alone";
-                let error = self.error(notch.span(), "specimen.notch", message);
+                let error = self.error(notch, "specimen.notch", message);
                 return Err(error.help("give `material` in place of `energy`, or take `notch` out").into());
             }
-            return self.own_number(energy, span, "specimen").map(Toughness::PerVolume);
+            return self.needed(raw.energy.as_ref(), "energy", span, "specimen").map(Toughness::PerVolume);
         };
         if let Some(energy) = &raw.energy {
             let message = "`energy` and `material` both say what the specimen absorbs";
@@ -157,8 +143,6 @@ impl Checker<'_> {
             let help = "say beyond = \"rupture\" where its data end in rupture, or give `energy` in place of it";
             return Err(error.help(help).into());
         };
-        let (key, range) = ("specimen.notch", Allowed::Within(1.0, MOST_NOTCH));
-        let notch = self.document.optional(raw.notch.as_ref(), key, Dimension::None, range)?;
-        Ok(Toughness::Curve { curve, ultimate, notch: notch.unwrap_or(1.0) })
+        Ok(Toughness::Curve { curve, ultimate, notch: self.si(&raw.notch)? })
     }
 }

@@ -2,19 +2,17 @@
 
 use std::sync::Arc;
 
+use super::super::check::Checker;
+use super::super::raw::{BodyKeys, MaterialChoice, raw_body};
+use super::Parts;
+use super::body::{Tolerance, solid_json};
+use crate::error::Result;
+use crate::impact::{Solid, Spheres};
+use crate::typed::{Key, Of, Or, Placed, Plain, Poisson, Positive, Within};
+use crate::units::measures;
 use schemars::JsonSchema;
 use serde::Deserialize;
 use serde_json::json;
-use toml::Spanned;
-
-use super::super::check::{BallKeys, Checker};
-use super::super::raw::MaterialChoice;
-use super::Parts;
-use super::body::{RawSphere, raw_body, solid_json};
-use crate::error::Result;
-use crate::impact::{Solid, Spheres};
-use crate::input::{Allowed, Number};
-use crate::units::{Dimension, Quantity};
 
 /// Direct central impact of two bodies. Numbers are SI; a text is a number with its unit, such as "10 mm".
 #[derive(Debug, Deserialize, JsonSchema)]
@@ -24,32 +22,37 @@ pub struct RawSpheresScene {
     /// Title, one line. Default: the file's name.
     pub title: Option<String>,
     /// The struck body, and how the bodies collide. Required.
-    #[schemars(with = "RawSpheres")]
-    pub spheres: Spanned<RawSpheres>,
+    pub spheres: Placed<RawSpheres>,
     /// The striking body. Required.
-    #[schemars(with = "RawSphere")]
-    pub striker: Option<Spanned<RawSphere>>,
+    #[schemars(with = "RawStrikingSphere")]
+    pub striker: Option<Placed<RawStrikingSphere>>,
     /// How closely the contact is integrated.
     #[serde(default)]
     pub solve: RawSpheresSolve,
 }
 
 raw_body! {
+    /// The striking body.
+    RawStrikingSphere sphere {
+        /// Velocity before the impact.
+        pub velocity: Option<Of<measures::Velocity>>,
+    }
+}
+
+raw_body! {
     /// The struck body. With `restitution` the velocities follow from equation 9.3, with `velocity-after` from 9.4; with neither the contact
     /// is Hertz's.
-    RawSpheres sphere "Velocity before the impact, m/s, below that of the striker. Default: 0." {
-        /// Coefficient of restitution, 0 to 1. Of the bodies, masses and velocities are then required, and nothing else.
-        #[schemars(with = "Option<f64>")]
-        pub restitution: Option<Number>,
-        /// Ballistic pendulum: velocity of both bodies after the striker has embedded in the struck one at rest, m/s, > 0. Of the bodies,
-        /// masses are then required, and nothing else.
-        #[serde(rename = "velocity-after")]
-        #[schemars(with = "Option<Quantity>")]
-        pub velocity_after: Option<Number>,
+    RawSpheres sphere {
+        /// Velocity before the impact, below that of the striker.
+        #[schemars(default)]
+        pub velocity: Or<Of<measures::Velocity>, 0>,
+        /// Coefficient of restitution. Of the bodies, masses and velocities are then required, and nothing else.
+        pub restitution: Option<Of<Plain, Within<0, 1>>>,
+        /// Ballistic pendulum: velocity of both bodies after the striker has embedded in the struck one at rest. Of the bodies, masses are
+        /// then required, and nothing else.
+        pub velocity_after: Option<Of<measures::Velocity, Positive>>,
         /// The struck body is a fixed half-space. Default: false.
-        #[serde(rename = "half-space")]
-        #[schemars(with = "Option<bool>")]
-        pub half_space: Option<Spanned<bool>>,
+        pub half_space: Option<Placed<bool>>,
     }
 }
 
@@ -57,9 +60,9 @@ raw_body! {
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RawSpheresSolve {
-    /// Largest defect of Hertz's law between the nodes of a time step, relative to the largest force, 1e-12 to 1e-2. Default: 1e-8.
-    #[schemars(with = "Option<f64>")]
-    pub tolerance: Option<Number>,
+    /// Largest defect of Hertz's law between the nodes of a time step, relative to the largest force.
+    #[schemars(default)]
+    pub tolerance: Or<Tolerance, 1, 100_000_000>,
 }
 
 pub(super) fn check(checker: &Checker<'_>) -> Result<Parts> {
@@ -92,9 +95,9 @@ type Bodies = (Spheres, Vec<Arc<crate::material::Material>>);
 
 impl Checker<'_> {
     /// Equations 9.3 and 9.4: masses and velocities alone.
-    fn by_momentum(&self, raw: &Spanned<RawSpheres>, striker: &Spanned<RawSphere>) -> Result<Spheres> {
+    fn by_momentum(&self, raw: &Placed<RawSpheres>, striker: &Placed<RawStrikingSphere>) -> Result<Spheres> {
         let (span, struck) = (raw.span(), raw.get_ref());
-        let mass = |value, span, key| self.own_number((value, "mass", Dimension::Mass, Allowed::Positive), span, key);
+        let mass = |value, span, key| self.needed(value, "mass", span, key);
         let body = striker.get_ref();
         self.not_elastic(&body.keys(), "striker")?;
         self.not_elastic(&struck.keys(), "spheres")?;
@@ -102,35 +105,32 @@ impl Checker<'_> {
             [mass(body.mass.as_ref(), striker.span(), "striker")?, mass(struck.mass.as_ref(), span, "spheres")?];
         if let Some(after) = &struck.velocity_after {
             for (given, key) in [
-                (struck.restitution.as_ref(), "spheres.restitution"),
-                (struck.velocity.as_ref(), "spheres.velocity"),
-                (body.velocity.as_ref(), "striker.velocity"),
+                (struck.restitution.place(), "spheres.restitution"),
+                (struck.velocity.place(), "spheres.velocity"),
+                (body.velocity.place(), "striker.velocity"),
             ] {
                 if let Some(given) = given {
                     let message = "with `velocity-after` the velocity of the striker is the result, and the struck body is at rest";
-                    return Err(self.error(given.span(), key, message).help("remove it or `velocity-after`").into());
+                    return Err(self.error(given, key, message).help("remove it or `velocity-after`").into());
                 }
             }
-            let key = "spheres.velocity-after";
-            let after = self.document.number(after, key, Dimension::Velocity, Allowed::Positive)?;
-            return Ok(Spheres::Pendulum { masses, after });
+            return Ok(Spheres::Pendulum { masses, after: self.si(after)? });
         }
-        let restitution = (struck.restitution.as_ref(), "restitution", Dimension::None, Allowed::Within(0.0, 1.0));
-        let restitution = self.own_number(restitution, raw.span(), "spheres")?;
+        let restitution = self.needed(struck.restitution.as_ref(), "restitution", raw.span(), "spheres")?;
         let velocities = self.closing_velocities(struck, striker)?;
         Ok(Spheres::Restitution { masses, velocities, restitution })
     }
 
     /// Refuses keys of the contact where it has no part.
-    fn not_elastic(&self, keys: &BallKeys<'_>, key: &str) -> Result<()> {
+    fn not_elastic(&self, keys: &BodyKeys<'_>, key: &str) -> Result<()> {
         let given = [
-            (keys.radius.map(Spanned::span), "radius"),
-            (keys.diameter.map(Spanned::span), "diameter"),
-            (keys.density.map(Spanned::span), "density"),
-            (keys.material.map(Spanned::span), "material"),
-            (keys.modulus.map(Spanned::span), "modulus"),
-            (keys.poisson.map(Spanned::span), "poisson"),
-            (keys.rigid.map(Spanned::span), "rigid"),
+            (keys.radius.place(), "radius"),
+            (keys.diameter.place(), "diameter"),
+            (keys.density.place(), "density"),
+            (keys.material.map(Placed::span), "material"),
+            (keys.modulus.place(), "modulus"),
+            (keys.poisson.place(), "poisson"),
+            (keys.rigid.map(Placed::span), "rigid"),
         ];
         let Some((span, name)) = given.into_iter().find_map(|(span, name)| Some((span?, name))) else { return Ok(()) };
         let message =
@@ -139,23 +139,20 @@ impl Checker<'_> {
         Err(self.error(span, &format!("{key}.{name}"), message).help(help).into())
     }
 
-    fn closing_velocities(&self, struck: &RawSpheres, striker: &Spanned<RawSphere>) -> Result<[f64; 2]> {
+    fn closing_velocities(&self, struck: &RawSpheres, striker: &Placed<RawStrikingSphere>) -> Result<[f64; 2]> {
         let given = striker.get_ref().velocity.as_ref();
-        let own = (given, "velocity", Dimension::Velocity, Allowed::Finite);
-        let velocity = self.own_number(own, striker.span(), "striker")?;
-        let key = "spheres.velocity";
-        let other = self.document.optional(struck.velocity.as_ref(), key, Dimension::Velocity, Allowed::Finite)?;
-        let other = other.unwrap_or(0.0);
+        let velocity = self.needed(given, "velocity", striker.span(), "striker")?;
+        let other = self.si(&struck.velocity)?;
         if velocity > other {
             return Ok([velocity, other]);
         }
         let message = format!("the striker, at {velocity} m/s, does not catch up with the struck body, at {other} m/s");
-        let span = given.map_or(striker.span(), Spanned::span);
+        let span = given.place().unwrap_or_else(|| striker.span());
         let error = self.error(span, "striker.velocity", message).allowed(format!("velocity > {other} m/s"));
         Err(error.help("give the striker the larger velocity; both are positive in the direction of the impact").into())
     }
 
-    fn by_hertz(&self, raw: &RawSpheresScene, striker: &Spanned<RawSphere>) -> Result<Bodies> {
+    fn by_hertz(&self, raw: &RawSpheresScene, striker: &Placed<RawStrikingSphere>) -> Result<Bodies> {
         let (span, struck) = (raw.spheres.span(), raw.spheres.get_ref());
         let velocities = self.closing_velocities(struck, striker)?;
         let (first, one) = self.sphere_at(&striker.get_ref().keys(), striker.span(), "striker", velocities[0])?;
@@ -167,13 +164,13 @@ impl Checker<'_> {
             self.sphere_at(&struck.keys(), span.clone(), "spheres", velocities[1])?
         };
         self.one_gives_way([&first, &second], striker)?;
-        let tolerance = self.contact_tolerance(raw.solve.tolerance.as_ref(), 1e-8)?;
+        let tolerance = self.si(&raw.solve.tolerance)?;
         let materials = [one, two].into_iter().flatten().collect();
         Ok((Spheres::Hertz { solids: [first, second], tolerance }, materials))
     }
 
     /// Refuses two rigid bodies: their contact has no duration.
-    fn one_gives_way(&self, solids: [&Solid; 2], striker: &Spanned<RawSphere>) -> Result<()> {
+    fn one_gives_way(&self, solids: [&Solid; 2], striker: &Placed<RawStrikingSphere>) -> Result<()> {
         if solids.iter().any(|solid| solid.elastic.modulus.is_finite()) {
             return Ok(());
         }
@@ -183,15 +180,13 @@ impl Checker<'_> {
 
     fn nothing_of_a_sphere(&self, struck: &RawSpheres) -> Result<()> {
         let given = [
-            (&struck.radius, "radius"),
-            (&struck.diameter, "diameter"),
-            (&struck.mass, "mass"),
-            (&struck.velocity, "velocity"),
+            (struck.radius.place(), "radius"),
+            (struck.diameter.place(), "diameter"),
+            (struck.mass.place(), "mass"),
+            (struck.velocity.place(), "velocity"),
         ];
-        let Some((value, name)) = given.into_iter().find_map(|(value, name)| Some((value.as_ref()?, name))) else {
-            return Ok(());
-        };
-        let error = self.error(value.span(), &format!("spheres.{name}"), format!("a fixed half-space has no `{name}`"));
+        let Some((span, name)) = given.into_iter().find_map(|(span, name)| Some((span?, name))) else { return Ok(()) };
+        let error = self.error(span, &format!("spheres.{name}"), format!("a fixed half-space has no `{name}`"));
         Err(error.help(format!("remove `{name}` or `half-space`")).into())
     }
 }

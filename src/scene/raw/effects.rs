@@ -2,13 +2,12 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer};
-use toml::Spanned;
 
 use super::super::damping::RawDamping;
 use super::choice::text_or_table;
-use crate::input::Number;
 use crate::material::RawRate;
-use crate::units::Quantity;
+use crate::typed::{Of, Placed, Plain, Positive, Within};
+use crate::units::measures::{EnergyDensity, Stress};
 
 /// Which effects are simulated.
 #[derive(Debug, JsonSchema)]
@@ -44,42 +43,34 @@ impl<'de> Deserialize<'de> for EffectsChoice {
 
 /// Effects simulated besides the quasi-static curve: only those that are named.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct RawEffects {
     /// Hardening rule with elastic unloading. Default: none; unloading follows the loading curve.
-    #[schemars(with = "Option<RawUnloading>")]
-    pub unloading: Option<Spanned<RawUnloading>>,
+    pub unloading: Option<Placed<RawUnloading>>,
     /// Rate-dependent plastic flow; implies unloading = "isotropic" where no unloading is named. Solved with method = "moc"
     /// on a characteristic net. Default: none; the quasi-static curve is used at all strain rates.
     /// "material": each segment uses the constants of its own material.
-    #[schemars(with = "Option<RateChoice>")]
-    pub rate: Option<Spanned<RateChoice>>,
+    pub rate: Option<Placed<RateChoice>>,
     /// Adiabatic heating by plastic work, and thermal softening: `{ fraction = 0.9 }`, or `{}`; implies
     /// unloading = "isotropic" where no unloading is named. Needs the materials' `[heat]` constants. Default: none; the temperature is
     /// constant.
-    #[schemars(with = "Option<RawHeat>")]
-    pub heat: Option<Spanned<RawHeat>>,
+    pub heat: Option<Placed<RawHeat>>,
     /// Fracture; the fragments are simulated further: "critical-strain", `{ energy = "500 ft*lbf/in^3" }` or
     /// `{ spall = "2 GPa" }`. Default: none; the bar does not fracture.
-    #[schemars(with = "Option<RawRupture>")]
-    pub rupture: Option<Spanned<RawRupture>>,
+    pub rupture: Option<Placed<RawRupture>>,
     /// Damping and a foundation along the whole bar. For the method "fd". Default: none.
-    #[schemars(with = "Option<RawDamping>")]
-    pub damping: Option<Spanned<RawDamping>>,
+    pub damping: Option<Placed<RawDamping>>,
     /// Love's correction for the inertia of lateral motion, with the materials' `poisson`; a section given by its area alone is taken as
     /// round. For the method "fd". Default: false.
-    #[serde(rename = "lateral-inertia")]
-    #[schemars(with = "Option<bool>")]
-    pub lateral_inertia: Option<Spanned<bool>>,
+    pub lateral_inertia: Option<Placed<bool>>,
 }
 
 /// Adiabatic heating by plastic work.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RawHeat {
-    /// Fraction of the plastic work that turns into heat, 0 to 1. Default: the material's own, else 0.9.
-    #[schemars(with = "Option<f64>")]
-    pub fraction: Option<Number>,
+    /// Fraction of the plastic work that turns into heat. Default: the material's own, else 0.9.
+    pub fraction: Option<Of<Plain, Within<0, 1>>>,
 }
 
 /// When the bar breaks. Only tension breaks it.
@@ -88,12 +79,10 @@ pub struct RawHeat {
 pub enum RawRupture {
     /// At the nominal strain at the largest engineering stress of the curve, or at the end of data that end in rupture.
     CriticalStrain,
-    /// Where this energy has been absorbed per volume (all work of strain), J/m^3, > 0.
-    #[schemars(with = "Quantity")]
-    Energy(Number),
-    /// At this tensile stress, Pa, > 0.
-    #[schemars(with = "Quantity")]
-    Spall(Number),
+    /// Where this energy has been absorbed per volume (all work of strain).
+    Energy(Of<EnergyDensity, Positive>),
+    /// At this tensile stress.
+    Spall(Of<Stress, Positive>),
 }
 
 /// Where the law of the strain rate comes from.
@@ -133,8 +122,7 @@ pub enum RawUnloading {
     /// rule), and closed loops leave no trace: elastic-perfectly-plastic elements in parallel (Besseling). Needs a curve that never
     /// stiffens. Under a rate or heat it is `{ mixed = 1 }`.
     Kinematic,
-    /// The elastic range moves by this fraction of the hardening, 0 to 1, and widens by the rest; the hardening is that of the
+    /// The elastic range moves by this fraction of the hardening, and widens by the rest; the hardening is that of the
     /// curve at the accumulated plastic strain.
-    #[schemars(with = "Quantity")]
-    Mixed(Number),
+    Mixed(Of<Plain, Within<0, 1>>),
 }

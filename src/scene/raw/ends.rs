@@ -1,109 +1,259 @@
-//! `[left]` and `[right]`.
+//! `[left]` and `[right]`: the kinds of ends, and the keys of each.
 
-use schemars::JsonSchema;
+use std::borrow::Cow;
+
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
-use toml::Spanned;
+use serde_json::json;
 
 use super::MaterialChoice;
-use crate::input::Number;
-use crate::units::Quantity;
+use super::along::Motion;
+use super::body::{BodyKeys, raw_body};
+use crate::error::Result;
+use crate::input::{Document, GivenKey};
+use crate::typed::{Either, NotNegative, Of, Or, Placed, Plain, Poisson, Positive, Rows, keys_of};
+use crate::units::measures;
 
-/// Boundary condition of an end. A driven end needs exactly one of `value`, `history` and `csv`.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct RawEnd {
-    /// Type of end. Required.
-    #[schemars(with = "EndKind")]
-    pub kind: Spanned<EndKind>,
-    /// Velocity (m/s, positive in +x) or stress (Pa, tension positive) from t = 0 on; in torsion an angular velocity
-    /// (rad/s), a torque (N m) or a shear stress (Pa).
-    #[schemars(with = "Option<Quantity>")]
-    pub value: Option<Number>,
-    /// Rows [time, velocity or stress]; linear between rows; a repeated time is a jump; the last value is held.
-    /// Times in s, >= 0, never decreasing.
-    #[schemars(with = "Option<Vec<[Quantity; 2]>>")]
-    pub history: Option<Spanned<Vec<Spanned<Vec<Number>>>>>,
-    /// The same rows from a file with two columns, time and value; its path is relative to the scene file. A first
-    /// line without numbers names the columns and, in brackets, their units: `time [us],velocity [ft/s]`.
-    #[schemars(with = "Option<String>")]
-    pub csv: Option<Spanned<String>>,
-    /// For a velocity end: the time from which it is free, s, > 0. Default: never.
-    #[schemars(with = "Option<Quantity>")]
-    pub release: Option<Number>,
-    /// For a wall: its distance from the end at the start, m, >= 0. Default: 0.
-    #[schemars(with = "Option<Quantity>")]
-    pub gap: Option<Number>,
-    /// For a striker or a ball: its mass, kg, > 0; the bar needs an area. Required for a striker; a ball can state its
-    /// density or material instead.
-    #[schemars(with = "Option<Quantity>")]
-    pub mass: Option<Number>,
-    /// For a striker or a ball: its velocity at the start, m/s (of a striker in torsion rad/s), positive in +x. Required there.
-    #[schemars(with = "Option<Quantity>")]
-    pub velocity: Option<Number>,
-    /// For a ball: its radius, m, > 0; or give `diameter`.
-    #[schemars(with = "Option<Quantity>")]
-    pub radius: Option<Number>,
-    /// For a ball: its diameter, m, > 0; in place of `radius`.
-    #[schemars(with = "Option<Quantity>")]
-    pub diameter: Option<Number>,
-    /// For a ball: its density, kg/m^3, > 0; in place of `mass`. Default: its material's.
-    #[schemars(with = "Option<Quantity>")]
-    pub density: Option<Number>,
-    /// For a ball: its material, for density, modulus and Poisson's ratio. The ball stays elastic.
-    #[schemars(with = "Option<MaterialChoice>")]
-    pub material: Option<Spanned<MaterialChoice>>,
-    /// For a ball: its elastic modulus, Pa, > 0. Default: its material's.
-    #[schemars(with = "Option<Quantity>")]
-    pub modulus: Option<Number>,
-    /// For a ball: its Poisson's ratio, 0 to 0.5. Default: its material's.
-    #[schemars(with = "Option<Quantity>")]
-    pub poisson: Option<Number>,
-    /// For a ball: rigid, in place of `modulus` and `poisson`. Default: false.
-    #[schemars(with = "Option<bool>")]
-    pub rigid: Option<Spanned<bool>>,
-    /// For a ball: Poisson's ratio of the bar, 0 to 0.5. Default: that of the bar's material.
-    #[serde(rename = "bar-poisson")]
-    #[schemars(with = "Option<Quantity>")]
-    pub bar_poisson: Option<Number>,
-    /// In torsion, for a ball: the arm of the rigid lever that it strikes, m, > 0; the torque is force times arm. Required there.
-    #[schemars(with = "Option<Quantity>")]
-    pub arm: Option<Number>,
-    /// In torsion, for a striker: its moment of inertia, kg m^2, > 0. Required there, in place of `mass`.
-    #[schemars(with = "Option<Quantity>")]
-    pub inertia: Option<Number>,
-    /// For a spring: its stiffness, N/m (in torsion N m/rad), > 0. Required there; the bar needs an area.
-    #[schemars(with = "Option<Quantity>")]
-    pub stiffness: Option<Number>,
-    /// For a dashpot: its coefficient c, N s/m (in torsion N m s/rad), >= 0. Required there; the bar needs an area. c = rho c0 A lets
-    /// elastic waves leave without reflection.
-    #[schemars(with = "Option<Quantity>")]
-    pub coefficient: Option<Number>,
+/// Declares the kinds. A row: the word, the variant of [`RawEnd`] and its keys, and others in torsion where these differ.
+macro_rules! kinds {
+    ($($(#[doc = $doc:literal])* $word:literal: $kind:ident($keys:ident) $(, in torsion $twisted:ident($twisted_keys:ident))?;)*) => {
+        /// The kinds of ends.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+        pub enum EndKind {
+            $($(#[doc = $doc])* #[serde(rename = $word)] $kind,)*
+        }
+
+        /// An end with the keys of its kind.
+        #[derive(Debug)]
+        pub enum RawEnd {
+            $($kind($keys), $($twisted($twisted_keys),)?)*
+        }
+
+        impl EndKind {
+            /// As scenes have it.
+            pub(in crate::scene) fn word(self) -> &'static str {
+                match self { $(Self::$kind => $word,)* }
+            }
+
+            /// Every kind.
+            pub(in crate::scene) const ALL: &[Self] = &[$(Self::$kind,)*];
+
+            fn doc(self) -> &'static str {
+                match self { $(Self::$kind => concat!($($doc),*),)* }
+            }
+
+            /// The names of its keys, beside `kind`.
+            fn names(self, torsion: bool) -> &'static [&'static str] {
+                match self {
+                    $($(Self::$kind if torsion => keys_of::<$twisted_keys>(),)?
+                      Self::$kind => keys_of::<$keys>(),)*
+                }
+            }
+
+            /// The keys of an end of this kind.
+            fn keys(self, document: &Document, end: &str, torsion: bool) -> Result<RawEnd> {
+                Ok(match self {
+                    $($(Self::$kind if torsion => RawEnd::$twisted(document.read_table::<$twisted_keys>(end, &["kind"])?),)?
+                      Self::$kind => RawEnd::$kind(document.read_table::<$keys>(end, &["kind"])?),)*
+                })
+            }
+        }
+
+        impl JsonSchema for RawEnd {
+            fn schema_name() -> Cow<'static, str> {
+                "RawEnd".into()
+            }
+
+            fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+                let kinds = [
+                    $(of_kind::<$keys>(generator, EndKind::$kind, ""),
+                      $(of_kind::<$twisted_keys>(generator, EndKind::$kind, " In torsion."),)?)*
+                ];
+                json_schema!({ "description": "Boundary condition of an end.", "anyOf": kinds })
+            }
+        }
+    };
 }
 
-/// The kinds of ends.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum EndKind {
-    /// Prescribed velocity.
-    Velocity,
-    /// Prescribed stress.
-    Stress,
-    /// In torsion: prescribed torque.
-    Torque,
+kinds! {
+    /// Prescribed velocity: exactly one of `value`, `history` and `csv`.
+    "velocity": Velocity(VelocityEnd);
+    /// Prescribed stress, tension positive: exactly one of `value`, `history` and `csv`.
+    "stress": Stress(StressEnd);
+    /// In torsion: prescribed torque, likewise.
+    "torque": Torque(TorqueEnd);
     /// No stress.
-    Free,
+    "free": Free(NoKeys);
     /// No motion.
-    Fixed,
+    "fixed": Fixed(NoKeys);
     /// Elastic waves leave without reflection.
-    Absorbing,
-    /// A linear dashpot to the ground.
-    Dashpot,
-    /// A rigid wall that pushes but does not pull.
-    Wall,
-    /// A rigid mass that touches the end at the start, pushes, and flies on where it would have to pull.
-    Striker,
-    /// An elastic ball that touches the end at the start; Hertz's contact, without a pull.
-    Ball,
-    /// A linear spring to the ground.
-    Spring,
+    "absorbing": Absorbing(NoKeys);
+    /// A linear dashpot to the ground; the bar needs an area.
+    "dashpot": Dashpot(Dashpot);
+    /// A rigid wall that pushes but does not pull; not in torsion.
+    "wall": Wall(Wall);
+    /// A rigid mass that touches the end at the start, pushes, and flies on where it would have to pull; the bar needs an area.
+    "striker": Striker(Striker), in torsion TwistingStriker(TwistingStriker);
+    /// An elastic ball that touches the end at the start; Hertz's contact, without a pull; the bar needs an area.
+    "ball": Ball(Ball), in torsion BallOnLever(BallOnLever);
+    /// A linear spring to the ground; the bar needs an area.
+    "spring": Spring(Spring);
+}
+
+/// The part of an end that all kinds have.
+#[derive(Debug, Deserialize)]
+pub struct AnyEnd {
+    pub kind: Placed<EndKind>,
+}
+
+impl RawEnd {
+    /// The kind of the end under a key.
+    pub(in crate::scene) fn kind(document: &Document, end: &str) -> Result<Placed<EndKind>> {
+        document.read_table::<AnyEnd>(end, &[]).map(|end| end.kind)
+    }
+
+    /// The keys of an end of this kind, and no others.
+    pub(in crate::scene) fn read(document: &Document, end: &str, kind: EndKind, torsion: bool) -> Result<Self> {
+        only_its_keys(document, kind, end, torsion)?;
+        kind.keys(document, end, torsion)
+    }
+}
+
+/// Refuses keys of other kinds, and those of none.
+fn only_its_keys(document: &Document, kind: EndKind, end: &str, torsion: bool) -> Result<()> {
+    let own = kind.names(torsion);
+    let of_another =
+        |name: &str| EndKind::ALL.iter().any(|k| [false, true].iter().any(|&t| k.names(t).contains(&name)));
+    let foreign = document.keys_in(end).into_iter().find(|given| given.name != "kind" && !own.contains(&&*given.name));
+    let Some(GivenKey { name, key, value }) = foreign else { return Ok(()) };
+    let path = format!("{end}.{name}");
+    if !of_another(&name) {
+        return Err(document.key_error(key, &path, &name, &[&["kind"], own].concat()).into());
+    }
+    let wherever = if torsion { " in torsion" } else { "" };
+    let message = format!("`{name}` means nothing for an end of kind \"{}\"{wherever}", kind.word());
+    let allowed = if own.is_empty() { "kind alone".to_owned() } else { format!("kind, {}", own.join(", ")) };
+    let help = match (name.as_str(), kind) {
+        ("mass", EndKind::Striker) if torsion => "give the striker's `inertia`, e.g. inertia = \"2 kg*m^2\"".to_owned(),
+        _ => format!("take `{name}` out, or give the end another kind"),
+    };
+    Err(document.error(value, &path, message).allowed(allowed).help(help).into())
+}
+
+/// The keys of a kind, as a schema.
+fn of_kind<T: JsonSchema>(generator: &mut SchemaGenerator, kind: EndKind, where_: &str) -> Schema {
+    let mut schema = T::json_schema(generator);
+    schema.insert("description".to_owned(), json!(format!("{}{where_}", kind.doc().trim())));
+    let kind = json!({ "const": kind.word() });
+    if let Some(object) = schema.as_object_mut() {
+        let properties = object.entry("properties").or_insert_with(|| json!({}));
+        properties["kind"] = kind;
+        let required = object.entry("required").or_insert_with(|| json!([]));
+        required.as_array_mut().into_iter().for_each(|required| required.push(json!("kind")));
+    }
+    schema
+}
+
+/// An end without keys of its own.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct NoKeys {}
+
+/// What drives an end, and keys of its own.
+macro_rules! driven {
+    ($name:ident by $measure:ty { $($own:tt)* }) => {
+        #[derive(Debug, Deserialize, JsonSchema)]
+        #[serde(deny_unknown_fields)]
+        pub struct $name {
+            /// From t = 0 on.
+            pub value: Option<Of<$measure>>,
+            /// Rows [time, value]; linear between rows; a repeated time is a jump; the last value is held. Times never decrease.
+            pub history: Option<Placed<Rows<measures::Time, $measure>>>,
+            /// The same rows from a file with two columns, time and value; its path is relative to the scene file. A first
+            /// line without numbers names the columns and, in brackets, their units: `time [us],velocity [ft/s]`.
+            pub csv: Option<Placed<String>>,
+            $($own)*
+        }
+
+        impl $name {
+            pub(in crate::scene) fn drive(&self) -> Drive<'_, $measure> {
+                Drive { value: self.value.as_ref(), history: self.history.as_ref(), csv: self.csv.as_ref() }
+            }
+        }
+    };
+}
+
+/// What drives an end.
+#[derive(Debug)]
+pub struct Drive<'a, D> {
+    pub value: Option<&'a Of<D>>,
+    pub history: Option<&'a Placed<Rows<measures::Time, D>>>,
+    pub csv: Option<&'a Placed<String>>,
+}
+
+driven! { StressEnd by measures::Stress {} }
+
+driven! { TorqueEnd by measures::Torque {} }
+
+driven! { VelocityEnd by Motion {
+    /// The time from which the end is free. Default: never.
+    pub release: Option<Of<measures::Time, Positive>>,
+} }
+
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Dashpot {
+    /// Its coefficient c; c = rho c0 A lets elastic waves leave without reflection.
+    pub coefficient: Of<Either<measures::DampingCoefficient, measures::TorsionalDampingCoefficient>, NotNegative>,
+}
+
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Wall {
+    /// Its distance from the end at the start.
+    #[schemars(default)]
+    pub gap: Or<Of<measures::Length, NotNegative>, 0>,
+}
+
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Striker {
+    /// Its mass.
+    pub mass: Of<measures::Mass, Positive>,
+    /// Its velocity at the start, positive in +x.
+    pub velocity: Of<measures::Velocity>,
+}
+
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TwistingStriker {
+    /// Its moment of inertia.
+    pub inertia: Of<measures::MomentOfInertia, Positive>,
+    /// Its velocity at the start.
+    pub velocity: Of<measures::AngularVelocity>,
+}
+
+raw_body! {
+    Ball sphere {
+        /// Its velocity at the start, positive in +x.
+        pub velocity: Of<measures::Velocity>,
+        /// Poisson's ratio of the bar. Default: that of the bar's material.
+        pub bar_poisson: Option<Of<Plain, Poisson>>,
+    }
+}
+
+raw_body! {
+    BallOnLever sphere {
+        /// Its velocity at the start.
+        pub velocity: Of<measures::Velocity>,
+        /// The arm of the rigid lever that it strikes; the torque is force times arm.
+        pub arm: Of<measures::Length, Positive>,
+    }
+}
+
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Spring {
+    /// Its stiffness.
+    pub stiffness: Of<Either<measures::Stiffness, measures::TorsionalStiffness>, Positive>,
 }

@@ -1,6 +1,9 @@
-//! What the user typed: the mirror of a scene file. Every key is declared once, here, with unit, range and default.
+//! What the user typed: the mirror of a scene file. Every key is declared once, here: its type has dimension, range and default, from
+//! which follow how it is read, messages, the schema and the reference.
 
+mod along;
 mod bar;
+mod body;
 mod choice;
 mod effects;
 mod ends;
@@ -9,13 +12,16 @@ mod solve;
 
 use schemars::JsonSchema;
 use serde::Deserialize;
-use toml::Spanned;
 
-pub(super) use bar::{MaterialChoice, RawBar, RawDistribution, RawJoint, RawSegment, Section};
+use crate::typed::{Later, Placed};
+
+pub(super) use along::{Along, Given};
+pub(super) use bar::{INITIAL, MaterialChoice, Notch, RawBar, RawInitial, RawJoint, RawPiece, RawSegment};
+pub(super) use body::{BodyKeys, raw_body};
 pub(super) use effects::{EffectsChoice, RateChoice, RawEffects, RawRupture, RawUnloading};
-pub(super) use ends::{EndKind, RawEnd};
-pub(super) use record::{RawCompression, RawPrecision, RawRecord};
-pub(super) use solve::{RawMethod, RawScheme, RawSolve};
+pub(super) use ends::{Ball, BallOnLever, Drive, EndKind, RawEnd};
+pub(super) use record::{Gauges, MOST_FRAMES, RawCompression, RawPrecision, RawRecord};
+pub(super) use solve::{MOST_CELLS, RawMethod, RawScheme, RawSolve};
 
 /// A scene: one bar, its two ends, how to solve it and what to record. Numbers are SI; a text is a number with
 /// its unit, such as "10 in". x runs from the left end, velocities are positive in +x, tension is positive.
@@ -27,19 +33,19 @@ pub struct RawScene {
     pub title: Option<String>,
     /// The bar: uniform, or a list of segments. Required.
     #[schemars(with = "RawBar")]
-    pub bar: Option<Spanned<RawBar>>,
+    pub bar: Option<Placed<RawBar>>,
     /// Boundary condition at the left end (x = 0). Required.
     #[schemars(with = "RawEnd")]
-    pub left: Option<Spanned<RawEnd>>,
+    pub left: Option<Later<RawEnd>>,
     /// Boundary condition at the right end. Required.
     #[schemars(with = "RawEnd")]
-    pub right: Option<Spanned<RawEnd>>,
+    pub right: Option<Later<RawEnd>>,
     /// Effects simulated besides the quasi-static curve, or "auto": chosen by the program. Default: none.
     #[serde(default)]
     pub effects: EffectsChoice,
     /// Numerical method and end time. Required, for `until`.
     #[schemars(with = "RawSolve")]
-    pub solve: Option<Spanned<RawSolve>>,
+    pub solve: Option<Placed<RawSolve>>,
     /// What to record. Default: 200 frames of stress, strain and velocity.
     #[serde(default)]
     pub record: RawRecord,

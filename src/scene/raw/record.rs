@@ -4,40 +4,39 @@ use std::collections::BTreeMap;
 
 use schemars::JsonSchema;
 use serde::Deserialize;
-use toml::Spanned;
 
-use crate::input::Number;
-use crate::units::Quantity;
+use super::solve::MOST_CELLS;
+use crate::typed::{Count, NotNegative, Of, Or, Placed, Positive};
+use crate::units::measures::{Length, Time};
+
+/// More frames than this are a slip of the pen.
+pub(in crate::scene) const MOST_FRAMES: usize = 10_000_000;
+
+/// Gauges: name = place from the left end.
+pub type Gauges = BTreeMap<String, Of<Length>>;
 
 /// What is recorded. At most one of `frames`, `every` and `times`.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RawRecord {
-    /// Frames of the fields, evenly spaced from t = 0 to the end, both included; 1 is the end alone. A whole
-    /// number, 1 to 10000000. Default: 200.
-    #[schemars(with = "Option<u64>")]
-    pub frames: Option<Number>,
-    /// Time between frames, s, > 0; the first is at t = 0, the end is included.
-    #[schemars(with = "Option<Quantity>")]
-    pub every: Option<Number>,
-    /// Times of the frames, s, increasing, from 0 to `solve.until`.
-    #[schemars(with = "Option<Vec<Quantity>>")]
-    pub times: Option<Spanned<Vec<Number>>>,
-    /// Samples of the fields over x, at the cell centres of an even grid; a whole number, 1 to 10000000.
-    /// Default: the solver's own cells; 1000 where fronts are tracked, which needs none.
-    #[schemars(with = "Option<u64>")]
-    pub cells: Option<Number>,
+    /// Frames of the fields, evenly spaced from t = 0 to the end, both included; 1 is the end alone.
+    #[schemars(default)]
+    pub frames: Or<Count<1, MOST_FRAMES>, 200>,
+    /// Time between frames; the first is at t = 0, the end is included.
+    pub every: Option<Of<Time, Positive>>,
+    /// Times of the frames, increasing, from 0 to `solve.until`.
+    pub times: Option<Placed<Vec<Of<Time, NotNegative>>>>,
+    /// Samples of the fields over x, at the cell centres of an even grid. Default: the solver's own cells; 1000 where fronts are tracked,
+    /// which needs none.
+    pub cells: Option<Count<1, MOST_CELLS>>,
     /// For the method "moc": record the straight pieces of all fronts. Default: true.
-    #[schemars(with = "Option<bool>")]
-    pub paths: Option<Spanned<bool>>,
+    pub paths: Option<Placed<bool>>,
     /// Fields: "stress", "strain", "velocity", "displacement"; with unloading also `"plastic_strain"` and
     /// `"accumulated_plastic_strain"`, with heat `"temperature"`. Default: stress, strain and velocity.
-    #[schemars(with = "Option<Vec<String>>")]
-    pub fields: Option<Vec<Spanned<String>>>,
-    /// Full-rate histories: name = place, m from the left end, within the bar. Default: none.
-    #[schemars(with = "BTreeMap<String, Quantity>")]
+    pub fields: Option<Vec<Placed<String>>>,
+    /// Full-rate histories: name = place from the left end, m, within the bar. Default: none.
     #[serde(default)]
-    pub gauges: BTreeMap<String, Number>,
+    pub gauges: Gauges,
     /// Numbers of the fields in the file. Default: "f64".
     pub precision: Option<RawPrecision>,
     /// Compression of the fields, and of the pieces of fronts, in the file. Default: "deflate".

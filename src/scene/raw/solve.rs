@@ -2,51 +2,46 @@
 
 use schemars::JsonSchema;
 use serde::Deserialize;
-use toml::Spanned;
 
-use crate::input::Number;
-use crate::units::Quantity;
+use crate::typed::{Above, Below, Between, Count, Of, Or, Placed, Plain, Positive};
+use crate::units::measures::Time;
+
+/// Most cells that a run can be asked for: with the frames that wait to be written they take about a gigabyte, and a wave needs as many
+/// steps to pass them.
+pub(in crate::scene) const MOST_CELLS: usize = 10_000_000;
+/// Most events that a run can be asked for: a week at a microsecond each.
+const MOST_EVENTS: usize = 1_000_000_000_000;
 
 /// Numerical method and end time.
 #[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct RawSolve {
-    /// End time, s, > 0. Required.
-    #[schemars(with = "Quantity")]
-    pub until: Option<Number>,
+    /// End time.
+    #[schemars(required)]
+    pub until: Option<Of<Time, Positive>>,
     /// Method. Default: "fd"; "moc" where the effects include `rate`, no rupture and no heat.
-    #[schemars(with = "Option<RawMethod>")]
-    pub method: Option<Spanned<RawMethod>>,
-    /// In place of a method: the largest error allowed, 0 < tolerance <= 0.5: of stress over the bar and time, at the ends
-    /// and gauges, of the residual plastic strain and of the peak force, each relative. The cheapest method and resolution that meet it
-    /// are chosen.
-    #[schemars(with = "Option<f64>")]
-    pub tolerance: Option<Number>,
+    pub method: Option<Placed<RawMethod>>,
+    /// In place of a method: the largest error allowed: of stress over the bar and time, at the ends and gauges, of the residual plastic
+    /// strain and of the peak force, each relative. The cheapest method and resolution that meet it are chosen.
+    pub tolerance: Option<Of<Plain, Above<0, 1, 2>>>,
     /// Scheme of the method "fd". Default: "leapfrog".
-    #[schemars(with = "Option<RawScheme>")]
-    pub scheme: Option<Spanned<RawScheme>>,
-    /// For the method "fd", and for "moc" with the effect `rate`: cells over the whole bar, a whole number, 2 to
-    /// 10000000. Default: 1000.
-    #[schemars(with = "Option<u64>")]
-    pub cells: Option<Number>,
-    /// For the method "fd": Courant number of the fastest wave, 0 < cfl <= 1. Default: 1.
-    #[schemars(with = "Option<f64>")]
-    pub cfl: Option<Number>,
-    /// Relative change of the stress above which the audit reports a neglected effect and `effects = "auto"` includes it; 0 <
-    /// audit-tolerance < 1. Default: 0.01.
-    #[serde(rename = "audit-tolerance")]
-    #[schemars(with = "Option<f64>")]
-    pub audit_tolerance: Option<Number>,
+    pub scheme: Option<Placed<RawScheme>>,
+    /// For the method "fd", and for "moc" with the effect `rate`: cells over the whole bar.
+    #[schemars(default)]
+    pub cells: Or<Count<2, MOST_CELLS>, 1000>,
+    /// For the method "fd": Courant number of the fastest wave.
+    #[schemars(default)]
+    pub cfl: Or<Of<Plain, Above<0, 1>>, 1>,
+    /// Relative change of the stress above which the audit reports a neglected effect and `effects = "auto"` includes it. Default: 0.01,
+    /// or the `tolerance`.
+    pub audit_tolerance: Option<Of<Plain, Between<0, 1>>>,
     /// For the method "moc": smallest stress jump that is tracked as a front of its own, relative to the largest stress that the scene's
-    /// data can reach, 0 <= front-tolerance < 1; 0 tracks all waves. Default: 0.001.
-    #[serde(rename = "front-tolerance")]
-    #[schemars(with = "Option<f64>")]
-    pub front_tolerance: Option<Number>,
-    /// For the method "moc": largest number of front interactions, a whole number, 1 to 1000000000000. Default:
-    /// 10000000.
-    #[serde(rename = "event-budget")]
-    #[schemars(with = "Option<u64>")]
-    pub event_budget: Option<Number>,
+    /// data can reach; 0 tracks all waves.
+    #[schemars(default)]
+    pub front_tolerance: Or<Of<Plain, Below<0, 1>>, 1, 1000>,
+    /// For the method "moc": largest number of front interactions.
+    #[schemars(default)]
+    pub event_budget: Or<Count<1, MOST_EVENTS>, 10_000_000>,
 }
 
 /// The methods.

@@ -2,6 +2,7 @@
 
 mod auto;
 mod builder;
+mod capability;
 mod changes;
 mod check;
 mod damping;
@@ -28,6 +29,7 @@ use crate::text_file::{self, NamedFiles};
 
 pub use auto::Auto;
 pub use builder::SceneBuilder;
+pub use capability::methods_table;
 pub use damping::Damping;
 pub use discretized::{MOST_PIECES, TaperDiscretization};
 pub use effects::{Effects, Heat, Rate, Rupture, Unloading};

@@ -44,6 +44,7 @@ fn scenes_pass_the_check() {
 #[test]
 fn methods_support_the_effects_of_the_table() {
     let path = Path::new("docs/guide/methods.md");
+    holds("docs/guide/methods.md", &barwave::scene::methods_table());
     let wrong = scenes::wrong_combinations(&Page { path: path.to_owned(), text: read(path) });
     assert!(wrong.is_empty(), "\n{wrong}");
 }

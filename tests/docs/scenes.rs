@@ -108,7 +108,20 @@ fn rows() -> Vec<(&'static str, String, &'static str, String)> {
             on("heat = {}\nunloading = { mixed = 0.3 }"),
         ),
         ("`rupture`", plain(), STRUCK, on("unloading = \"isotropic\"\nrupture = { spall = \"1 GPa\" }")),
-        ("`damping`, `lateral-inertia`", plain(), STRUCK, on("damping = { internal = 1e4 }\nlateral-inertia = true")),
+        (
+            "`heat` with an initial temperature or plastic strain",
+            bar("diameter = 0.01\ntemperature = 400\n"),
+            STRUCK,
+            on("heat = {}\nunloading = \"isotropic\""),
+        ),
+        ("`damping`", plain(), STRUCK, on("damping = { internal = 1e4 }")),
+        ("`lateral-inertia`", plain(), STRUCK, on("lateral-inertia = true")),
+        (
+            "`unloading` mixed, along a curve that stiffens or drops",
+            format!("{BAR}{ROUND}material = {}", material("", "[0.02, \"210 MPa\"], [0.03, \"600 MPa\"]")),
+            STRUCK,
+            on("unloading = { mixed = 0.3 }"),
+        ),
         ("contact joints", two, "kind = \"free\"\n", on("unloading = \"isotropic\"")),
         ("tapers", bar("diameter = [[0, 0.02], [1, 0.01]]\n"), STRUCK, on("unloading = \"isotropic\"")),
         ("end `ball`", plain(), ball, on("unloading = \"isotropic\"")),
@@ -126,6 +139,15 @@ pub fn wrong_combinations(page: &Page) -> String {
     let methods = ["method = \"fd\"", "method = \"fd\"\nscheme = \"muscl\"", "method = \"moc\"", "method = \"moc\""];
     let folder = tempfile::tempdir().expect("a folder");
     let mut wrong = String::new();
+    let lines = page.text.lines().skip_while(|line| !line.starts_with("| | leapfrog")).skip(2);
+    let titles = lines.take_while(|line| !line.is_empty()).filter_map(|line| line.split(" | ").next());
+    // Effects are chosen, and checkpoints written, as a scene runs.
+    let unchecked = |title: &str| title.starts_with("| `effects = ") || title == "| checkpoints";
+    for title in titles.filter(|title| !unchecked(title)) {
+        if !rows().iter().any(|row| title == format!("| {}", row.0)) {
+            let _ = writeln!(wrong, "{title} is not checked");
+        }
+    }
     for (name, bar, left, effects) in rows() {
         let Some(row) = page.text.lines().find(|line| line.starts_with(&format!("| {name} |"))) else {
             let _ = writeln!(wrong, "no row {name}");

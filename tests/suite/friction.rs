@@ -252,7 +252,7 @@ fn what_friction_does_not_go_with_is_refused() {
         ("friction =", "internal = 1, friction =", "not followed together with `internal`"),
         ("unloading = \"isotropic\"", "lateral-inertia = true", "not followed together with `lateral-inertia`"),
         ("area = \"10 cm^2\"\n", "", "`friction` is a force per length on the whole section"),
-        ("[solve]", "[solve]\nmethod = \"moc\"", "does not follow `damping`"),
+        ("[solve]", "[solve]\nmethod = \"moc\"", "does not simulate the effect `damping`"),
         ("[solve]", "[solve]\nscheme = \"muscl\"", "use scheme = \"leapfrog\""),
     ] {
         let (right, text) = barwave(&SCENE.replace(from, to), &["check", "scene.toml"]);

@@ -463,11 +463,17 @@ fn heat_implies_unloading_and_says_which_method_follows_it() {
         ["fd", "leapfrog"]
     );
     for (effects, what) in [
-        (format!("heat = {{}}\n{rate}"), "a rate-dependent bar on a characteristic net"),
-        ("heat = {}\nunloading = \"kinematic\"".to_owned(), "kinematic hardening by front tracking"),
+        (
+            format!("heat = {{}}\n{rate}"),
+            "(a characteristic net) does not simulate the effect `heat`: its points keep no temperature",
+        ),
+        (
+            "heat = {}\nunloading = \"kinematic\"".to_owned(),
+            "(front tracking) does not simulate the effect `heat` with kinematic hardening",
+        ),
     ] {
         let refused = scene(&effects, "method = \"moc\"").expect_err("moc cannot");
-        assert!(refused.contains(what) && refused.contains("method = \"fd\""), "{refused}");
+        assert!(refused.contains(what) && refused.contains("allowed: \"fd\""), "{refused}");
     }
 }
 

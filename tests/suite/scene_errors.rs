@@ -458,7 +458,7 @@ const CASES: &[Case] = &[
         "scheme = \"muscl\"\n[effects.damping]\nexternal = 300",
         "\"muscl\"",
         "solve.scheme",
-        &["does not simulate the effects `damping` and `lateral-inertia`", "\"leapfrog\""],
+        &["does not simulate the effect `damping`", "\"leapfrog\""],
     ),
     case(
         "cells = 1000",
@@ -651,7 +651,11 @@ const CASES: &[Case] = &[
         "damping = { internal = 1 }\n\n[solve]\nmethod = \"moc\"",
         "moc",
         "solve.method",
-        &["method = \"moc\" does not follow `damping`", "allowed: \"fd\"", "use method = \"fd\""],
+        &[
+            "method = \"moc\" (front tracking) does not simulate the effect `damping`",
+            "allowed: \"fd\"",
+            "use method = \"fd\"",
+        ],
     ),
     // Torsion.
     case(

@@ -1,24 +1,10 @@
 //! The effects `damping` and `lateral-inertia`: their numbers, what they need of the bar, and what they do not go with.
 
-use std::ops::Range;
-
 use super::super::damping::{Damping, Key, Per};
-use super::super::raw::{RawEffects, RawMethod, RawSolve};
+use super::super::raw::RawEffects;
 use super::Checker;
-use crate::bar::{Bar, Joint};
+use crate::bar::Bar;
 use crate::error::Result;
-use crate::typed::Placed;
-
-impl RawEffects {
-    /// What acts along the bar, with its key and place: the first of the two effects that is on.
-    pub(super) fn along(&self) -> Option<(&'static str, Range<usize>)> {
-        let damping = self.damping.as_ref().map(|damping| ("damping", damping.span()));
-        damping.or_else(|| {
-            let lateral = self.lateral_inertia.as_ref().filter(|lateral| *lateral.get_ref());
-            lateral.map(|lateral| ("lateral-inertia", lateral.span()))
-        })
-    }
-}
 
 impl Checker<'_> {
     /// The damping of a bar, if there is one; zeros alone are none.
@@ -67,38 +53,6 @@ impl Checker<'_> {
             return Err(self.error(lateral.span(), key, message).allowed("0 <= poisson <= 0.5").help(help).into());
         }
         Ok(true)
-    }
-
-    /// What acts along the bar is solved for all nodes at once, on a grid whose nodes stay together.
-    pub(super) fn along_goes(&self, effects: &RawEffects, bar: &Bar) -> Result<()> {
-        let Some((name, _)) = effects.along() else { return Ok(()) };
-        if let Some(rupture) = &effects.rupture {
-            let message = format!("rupture of a bar with `{name}` is not followed");
-            let help =
-                format!("take `rupture` or `{name}` out of [effects]: method = \"fd\" follows each without the other");
-            return Err(self.error(rupture.span(), "effects.rupture", message).help(help).into());
-        }
-        let (name, span) = effects.along().unwrap_or((name, 0..0));
-        if let Some(k) = bar.segments.iter().position(|s| s.taper.is_some()) {
-            let message = format!("`{name}` is not followed in a bar whose section changes along segment {}", k + 1);
-            let help =
-                format!("make it of uniform segments, or take `{name}` out of [effects]: both methods then follow it");
-            return Err(self.error(span, &format!("effects.{name}"), message).help(help).into());
-        }
-        let Some(k) = bar.segments.iter().position(|s| matches!(s.joint, Joint::Contact { .. })) else { return Ok(()) };
-        let message =
-            format!("`{name}` is not followed in a bar with joints that can open, as that behind segment {}", k + 1);
-        let help = format!("bond the joint, or take `{name}` out of [effects]: both methods then follow such joints");
-        Err(self.error(span, &format!("effects.{name}"), message).help(help).into())
-    }
-
-    /// Characteristics are straight only without what acts along the bar.
-    pub(super) fn along_is_on_a_grid(&self, effects: &RawEffects, raw: &RawSolve, method: RawMethod) -> Result<()> {
-        let (Some((name, _)), RawMethod::Moc) = (effects.along(), method) else { return Ok(()) };
-        let span = raw.method.as_ref().map_or(0..0, Placed::span);
-        let message = format!("method = \"moc\" does not follow `{name}`");
-        let help = format!("use method = \"fd\", which does, or take `{name}` out of [effects]");
-        Err(self.error(span, "solve.method", message).allowed("\"fd\"").help(help).into())
     }
 }
 

@@ -1,7 +1,7 @@
 //! The effect `unloading`: how yielded points harden, and the rate that implies it.
 
 use super::super::raw::{RawEffects, RawUnloading};
-use super::super::{Effects, Method, Unloading};
+use super::super::{Effects, Unloading};
 use super::Checker;
 use crate::bar::{Bar, Segment};
 use crate::error::Result;
@@ -29,7 +29,7 @@ impl Checker<'_> {
             let help = "use unloading = \"isotropic\", or a material without a compression curve of its own";
             return Err(self.error(unloading.span(), key, message).allowed("\"isotropic\"").help(help).into());
         }
-        if overlays(raw)
+        if raw.overlays()
             && let Some(segment) = bar.segments.iter().find(|s| !table(s).is_concave())
         {
             let name = &segment.material.name;
@@ -43,28 +43,6 @@ impl Checker<'_> {
         }
         Ok(Effects { unloading: Some(kind), rate, ..Effects::default() })
     }
-
-    /// Front tracking keeps no reversals of the points between its fronts.
-    pub(super) fn hardening_can_be_tracked(&self, raw: &RawEffects, method: &Method, bar: &Bar) -> Result<()> {
-        let (Some(unloading), Method::FrontTracking { .. }, true) = (&raw.unloading, method, overlays(raw)) else {
-            return Ok(());
-        };
-        let Some(segment) = bar.segments.iter().find(|s| table(s).is_multilinear()) else { return Ok(()) };
-        let message = format!(
-            "front tracking follows kinematic hardening along one straight line only; `{}` hardens along several",
-            segment.material.name
-        );
-        let help = "use method = \"fd\", or unloading = { mixed = 1 }, which moves the elastic range along the curve by the \
-                    accumulated plastic strain";
-        let error = self.error(unloading.span(), "effects.unloading", message);
-        Err(error.allowed("\"isotropic\" or { mixed = 0 to 1 }").help(help).into())
-    }
-}
-
-/// Hardening is that of [`crate::law::Overlay`] wherever a curve has several lines of it. With a rate or heat it is not.
-fn overlays(raw: &RawEffects) -> bool {
-    let kinematic = raw.unloading.as_ref().is_some_and(|u| matches!(u.get_ref(), RawUnloading::Kinematic));
-    kinematic && raw.rate.is_none() && raw.heat.is_none()
 }
 
 fn table(segment: &Segment) -> Table {

@@ -1,9 +1,9 @@
-//! The effect `heat`: heats the materials of the bar, and says which methods can follow it.
+//! The effect `heat`: heats the materials of the bar.
 
 use std::sync::Arc;
 
 use super::super::Heat;
-use super::super::raw::{RawEffects, RawMethod, RawUnloading};
+use super::super::raw::RawEffects;
 use super::Checker;
 use crate::bar::Bar;
 use crate::error::Result;
@@ -32,21 +32,5 @@ impl Checker<'_> {
             segment.material = Arc::new(heated);
         }
         Ok(Some(Heat { fraction }))
-    }
-
-    /// Front tracking runs on one curve, and heat makes one of it only where hardening is isotropic and takes no time.
-    pub(super) fn heat_can_be_followed(&self, effects: &RawEffects, method: RawMethod) -> Result<()> {
-        let (Some(heat), RawMethod::Moc) = (&effects.heat, method) else { return Ok(()) };
-        let isotropic = |u: &RawUnloading| matches!(u, RawUnloading::Isotropic);
-        let what = if effects.rate.is_some() {
-            "a rate-dependent bar on a characteristic net"
-        } else if effects.unloading.as_ref().is_some_and(|u| !isotropic(u.get_ref())) {
-            "kinematic hardening by front tracking"
-        } else {
-            return Ok(());
-        };
-        let message = format!("heat is not followed in {what}, method = \"moc\"");
-        let help = "use method = \"fd\", which follows it";
-        Err(self.error(heat.span(), "effects.heat", message).allowed("method = \"fd\"").help(help).into())
     }
 }

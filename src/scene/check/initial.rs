@@ -34,7 +34,6 @@ impl Checker<'_> {
         raw_effects: &RawEffects,
         effects: &Effects,
         bar: &Bar,
-        method: &Method,
     ) -> Result<()> {
         let mut x0 = 0.0;
         for (k, segment) in bar.segments.iter().enumerate() {
@@ -43,13 +42,13 @@ impl Checker<'_> {
             if (1..INITIAL.len()).all(|which| raw.initial_of(k, which).is_none()) {
                 continue;
             }
-            self.heat_of_start(&given, raw_effects, method)?;
+            self.heat_of_start(&given, raw_effects)?;
             if raw.initial_of(k, PLASTIC).or_else(|| raw.initial_of(k, ACCUMULATED)).is_some() {
                 self.can_have_yielded(&given, effects)?;
             }
             self.stress_is_elastic(&given, effects)?;
         }
-        self.staircase_is_short(raw, bar, method)
+        Ok(())
     }
 
     /// An error at the first of these keys that is given.
@@ -59,9 +58,9 @@ impl Checker<'_> {
         self.error(span, &key, message)
     }
 
-    /// Temperatures, and heat in a bar that has yielded, are states of cells.
-    fn heat_of_start(&self, given: &Given<'_>, raw_effects: &RawEffects, method: &Method) -> Result<()> {
-        let (warm, yielded) = (given.raw.initial_of(given.k, TEMPERATURE).is_some(), given.segment.has_yielded());
+    /// Temperatures need a bar that warms, and one that it can have.
+    fn heat_of_start(&self, given: &Given<'_>, raw_effects: &RawEffects) -> Result<()> {
+        let warm = given.raw.initial_of(given.k, TEMPERATURE).is_some();
         let heating = given.segment.material.heating.as_deref().filter(|heating| heating.warms());
         let Some(heating) = heating else {
             if !warm {
@@ -75,16 +74,6 @@ impl Checker<'_> {
             };
             return Err(self.at_key(given, &[TEMPERATURE], message).help(help).into());
         };
-        if !(warm || yielded) {
-            return Ok(());
-        }
-        if !matches!(method, Method::Leapfrog { .. }) {
-            let what = if warm { "an initial temperature" } else { "an initial plastic strain with the effect `heat`" };
-            let message =
-                format!("{what} is not followed by this method: its temperature is that of a curve which starts cold");
-            let help = "use method = \"fd\" with scheme = \"leapfrog\", where the temperature is a state of each cell";
-            return Err(self.at_key(given, &[TEMPERATURE, PLASTIC, ACCUMULATED], message).help(help).into());
-        }
         let range = heating.range();
         let outside = |initial: &Initial| !(0.0..range).contains(&initial.temperature_rise);
         let Some((initial, place)) = states(given, &[]).into_iter().find(|(initial, _)| outside(initial)) else {
@@ -187,7 +176,7 @@ impl Checker<'_> {
     }
 
     /// Front tracking makes a staircase of a state that changes along the bar, which must not have too many steps.
-    fn staircase_is_short(&self, raw: &RawBar, bar: &Bar, method: &Method) -> Result<()> {
+    pub(super) fn staircase_is_short(&self, raw: &RawBar, bar: &Bar, method: &Method) -> Result<()> {
         let steps = steps_needed(bar, method);
         if steps <= MOST_PIECES {
             return Ok(());

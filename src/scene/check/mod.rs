@@ -10,7 +10,6 @@ mod hardening;
 mod heat;
 mod initial;
 mod magnitude;
-mod muscl;
 mod rate;
 mod record;
 mod rupture;
@@ -25,6 +24,7 @@ pub(super) use bar::Named;
 
 use ends::EndSite;
 
+use super::capability::{Asked, all_go_together};
 use super::raw::{EffectsChoice, MOST_CELLS, RawBar, RawEffects, RawEnd, RawScene};
 use super::{Auto, Effects, Heat, Scene, Torsion, not_yet};
 use crate::bar::{Bar, EndCondition};
@@ -69,22 +69,23 @@ fn auto_or_table(choice: EffectsChoice) -> (Option<Auto>, Box<RawEffects>) {
 impl Checker<'_> {
     fn scene(&self, raw: RawScene) -> Result<Scene> {
         let raw_bar = self.required(raw.bar.as_ref(), "bar", "add [bar] with length and material")?;
-        let (mut bar, torsion) = self.any_bar(raw_bar)?;
         let (auto, raw_effects) = auto_or_table(raw.effects);
+        let mut bar = self.bar(raw_bar)?;
+        let asked =
+            Asked { raw_bar: raw_bar.get_ref(), effects: &raw_effects, auto: auto.is_some(), bar: &bar, ends: &[] };
+        all_go_together(self.document, &asked)?;
+        let torsion = self.twist_or_not(raw_bar, &mut bar)?;
         let heat = self.heat(&raw_effects, &mut bar)?;
         let ends = self.ends([raw.left.as_ref(), raw.right.as_ref()], &bar, torsion.as_ref())?;
-        if torsion.is_some() {
-            self.effects_of_torsion(&raw_effects)?;
-        }
         let raw_bar = raw_bar.get_ref();
         let effects = self.all_effects(&raw_effects, raw_bar, heat, &bar)?;
         let raw_solve = self.required(raw.solve.as_ref(), "solve", UNTIL)?;
-        let solve = self.solve(raw_solve, &raw_effects)?;
+        let asked = Asked { raw_bar, effects: &raw_effects, auto: auto.is_some(), bar: &bar, ends: &ends };
+        let solve = self.solve(raw_solve, &asked)?;
         let (raw_solve, method) = (raw_solve.get_ref(), &solve.method);
         self.steps_can_be_taken(raw_solve, &solve, &bar)?;
-        self.hardening_can_be_tracked(&raw_effects, method, &bar)?;
-        self.muscl_can(raw_solve, method, &raw_effects, auto.is_some(), &bar, ends.each_ref())?;
-        self.initial_states(raw_bar, &raw_effects, &effects, &bar, method)?;
+        self.initial_states(raw_bar, &raw_effects, &effects, &bar)?;
+        self.staircase_is_short(raw_bar, &bar, method)?;
         self.taper_can_be_solved(raw_bar, &bar, method)?;
         let record = self.record(&raw.record, &bar, &effects, &solve, torsion.is_some())?;
         let [left, right] = ends;
@@ -113,15 +114,12 @@ impl Checker<'_> {
         Path::new(&self.document.file).file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned())
     }
 
-    /// The bar, in torsion in terms of its surface.
-    fn any_bar(&self, raw: &Placed<RawBar>) -> Result<(Bar, Option<Torsion>)> {
-        let mut bar = self.bar(raw)?;
-        if raw.get_ref().is_torsion() {
-            let torsion = self.twist(raw, &mut bar)?;
-            return Ok((bar, Some(torsion)));
+    /// The bar in torsion becomes one in terms of its surface.
+    fn twist_or_not(&self, raw: &Placed<RawBar>, bar: &mut Bar) -> Result<Option<Torsion>> {
+        if self.torsion {
+            return self.twist(raw, bar).map(Some);
         }
-        self.nothing_of_torsion(raw, &bar)?;
-        Ok((bar, None))
+        self.nothing_of_torsion(raw, bar).map(|()| None)
     }
 
     /// The left and the right end.
@@ -144,15 +142,13 @@ impl Checker<'_> {
     }
 
     fn all_effects(&self, raw: &RawEffects, raw_bar: &RawBar, heat: Option<Heat>, bar: &Bar) -> Result<Effects> {
-        let effects = Effects {
+        Ok(Effects {
             heat,
             rupture: self.rupture(raw, raw_bar, bar)?,
             damping: self.damping(raw, bar)?,
             lateral_inertia: self.lateral_inertia(raw, bar)?,
             ..self.effects(raw, bar)?
-        };
-        self.along_goes(raw, bar)?;
-        Ok(effects)
+        })
     }
 
     pub(super) fn error(&self, span: Range<usize>, key: &str, message: impl Into<String>) -> InputError {

@@ -1,6 +1,7 @@
 //! How the scene is solved: the method, the keys that belong to it, and whether it can do what the scene asks for.
 
-use super::super::raw::{RawEffects, RawMethod, RawSolve};
+use super::super::capability::{Asked, Solver, method_can};
+use super::super::raw::{RawMethod, RawScheme, RawSolve};
 use super::super::{Method, Solve, Tolerance};
 use super::Checker;
 use crate::bar::Bar;
@@ -10,6 +11,13 @@ use crate::typed::Placed;
 
 /// Most steps that a run can be asked for: a thousand cells take some ten days for them.
 const MOST_STEPS: f64 = 1e12;
+
+impl RawSolve {
+    /// The scheme muscl is asked for.
+    fn is_muscl(&self) -> bool {
+        self.scheme.as_ref().is_some_and(|scheme| *scheme.get_ref() == RawScheme::Muscl)
+    }
+}
 
 impl RawMethod {
     fn word(self) -> &'static str {
@@ -30,7 +38,7 @@ impl RawMethod {
 }
 
 impl Checker<'_> {
-    pub(super) fn solve(&self, raw: &Placed<RawSolve>, effects: &RawEffects) -> Result<Solve> {
+    pub(super) fn solve(&self, raw: &Placed<RawSolve>, asked: &Asked<'_>) -> Result<Solve> {
         let (span, raw) = (raw.span(), raw.get_ref());
         let Some(until) = &raw.until else {
             let help = "add the end time, e.g. until = \"200 us\"; an elastic wave needs length/c0 to cross the bar";
@@ -38,19 +46,11 @@ impl Checker<'_> {
         };
         let until = self.si(until)?;
         let tolerance = self.tolerance(raw)?;
-        let rate = effects.rate.is_some();
-        // A net follows fronts of rate-dependent bars within one cell, but does not part, has nothing act along the bar, and knows no
-        // temperature.
-        let on_a_net = rate && effects.rupture.is_none() && effects.along().is_none() && effects.heat.is_none();
-        let default = if on_a_net { RawMethod::Moc } else { RawMethod::Fd };
+        let rate = asked.effects.rate.is_some();
+        // A net follows fronts of rate-dependent bars within one cell.
+        let default = if rate && Solver::Net.can(asked) { RawMethod::Moc } else { RawMethod::Fd };
         let method = raw.method.as_ref().map_or(default, |m| *m.get_ref());
-        if let (Some(rupture), RawMethod::Moc, true) = (&effects.rupture, method, rate) {
-            let message = "the characteristic net, which solves rate-dependent bars, does not follow rupture";
-            let error = self.error(rupture.span(), "effects.rupture", message);
-            return Err(error.help("use method = \"fd\", which does, or take `rate` out of [effects]").into());
-        }
-        self.along_is_on_a_grid(effects, raw, method)?;
-        self.heat_can_be_followed(effects, method)?;
+        method_can(self.document, raw, Solver::of(method, raw.is_muscl(), rate), asked)?;
         self.only_keys_of(method, rate)?;
         let method = match (method, rate) {
             (RawMethod::Fd, _) => self.on_a_grid(raw)?,

@@ -8,9 +8,9 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::super::Torsion;
-use super::super::raw::{RawBar, RawEffects, RawPiece};
+use super::super::raw::{RawBar, RawPiece};
 use super::Checker;
-use crate::bar::{Bar, InitialProfile, Joint};
+use crate::bar::{Bar, InitialProfile};
 use crate::error::{InputError, Result};
 use crate::input::Allowed;
 use crate::material::{CurveError, Loading, Material, TubeSection};
@@ -96,12 +96,6 @@ impl Checker<'_> {
         let mut shared: HashMap<(usize, u64), Arc<Material>> = HashMap::new();
         for (k, given) in all_given(raw).into_iter().enumerate() {
             let segment = &mut bar.segments[k];
-            if segment.joint != Joint::Bonded {
-                let help = "bond it, or cut the scene there with an end that says what acts on it";
-                let error =
-                    self.error(given.span, &format!("{}.joint", given.key), "a contact joint carries no torque");
-                return Err(error.help(help).into());
-            }
             let round = self.round(&given)?;
             if k == 0 {
                 torsion.radius = round.radius;
@@ -201,22 +195,5 @@ impl Checker<'_> {
                 "add it to the material, or give the curve in shear (loading = \"shear\")",
             ),
         }
-    }
-
-    /// What acts on a tension or compression alone, or knows lengths, areas or masses, is not there in torsion.
-    pub(super) fn effects_of_torsion(&self, raw: &RawEffects) -> Result<()> {
-        let goes_on = "take it out: a run says when the data of the curve end, or the torque can rise no more";
-        let axial = "take it out, or use mode = \"axial\"";
-        let spans = [
-            ("rupture", raw.rupture.as_ref().map(Placed::span), goes_on),
-            ("heat", raw.heat.as_ref().map(Placed::span), axial),
-            ("damping", raw.damping.as_ref().map(Placed::span), axial),
-            ("lateral-inertia", raw.lateral_inertia.as_ref().map(Placed::span), axial),
-        ];
-        let Some((name, Some(span), help)) = spans.into_iter().find(|(_, span, _)| span.is_some()) else {
-            return Ok(());
-        };
-        let message = format!("`{name}` in torsion is not followed");
-        Err(self.error(span, &format!("effects.{name}"), message).help(help).into())
     }
 }

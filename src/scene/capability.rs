@@ -1,0 +1,343 @@
+//! What goes with what, in two tables: which method can follow which part of a scene, and which parts exclude each other by any method.
+//! Refusals with their ways out, the default method, and the table of docs/guide/methods.md come from here.
+
+use std::ops::Range;
+
+use super::raw::{RawBar, RawEffects, RawMethod, RawSolve, RawUnloading};
+use crate::bar::{Bar, EndCondition, Joint, Segment};
+use crate::error::Result;
+use crate::input::Document;
+use crate::law::Table;
+use crate::material::Sense;
+use crate::typed::Placed;
+
+/// The solvers, in the order of the columns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Solver {
+    Leapfrog,
+    Godunov,
+    FrontTracking,
+    Net,
+}
+
+/// Whether a solver can follow a part of a scene.
+#[derive(Debug, Clone, Copy)]
+enum Can {
+    Yes,
+    /// In a way of its own.
+    As(&'static str),
+    No,
+    /// Not what the row refuses, but what its title says more generally.
+    Only(&'static str),
+    /// The solver is another one then.
+    Other,
+}
+
+/// What a scene asks for, as far as it is read.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Asked<'a> {
+    pub(super) raw_bar: &'a RawBar,
+    pub(super) effects: &'a RawEffects,
+    /// `effects = "auto"`.
+    pub(super) auto: bool,
+    pub(super) bar: &'a Bar,
+    pub(super) ends: &'a [EndCondition],
+}
+
+/// A part of a scene and the solvers that can follow it.
+struct Row {
+    /// In the table of the guide.
+    title: &'static str,
+    /// Whether it is asked for, and of what (for `{}` in the name).
+    asked: fn(&Asked<'_>) -> Option<String>,
+    /// In messages.
+    name: &'static str,
+    /// Why some solvers cannot follow it; empty: the rest of the message says so.
+    why: &'static str,
+    /// What to do where another method is not wanted; empty: nothing.
+    or: &'static str,
+    can: [Can; 4],
+}
+
+use Can::{As, No, Only, Other, Yes};
+
+const IN_PIECES: Can = As("as uniform pieces");
+const NOT_ONE_CURVE: &str = "the temperature is then a state of each cell, not one of the curve";
+const NO_CHARACTERISTICS: &str = "it is solved for all nodes of a grid at once";
+const MIXED: &str =
+    "use unloading = { mixed = 1 }, which moves the elastic range along the curve by the accumulated plastic strain";
+
+/// In the order in which refusals are looked for. The columns: leapfrog, Godunov, front tracking, net.
+#[rustfmt::skip]
+const METHODS: &[Row] = &[
+    row("`unloading` isotropic, mixed", |_| None, "isotropic hardening", "", "",
+        [Yes, Yes, Yes, Yes]),
+    row("`unloading` kinematic", several_lines,
+        "kinematic hardening along several lines, as that of {}", "its points keep no reversals", MIXED,
+        [Yes, Yes, Only("curves with one hardening line"), Yes]),
+    row("`effects = \"auto\"`", |a| when(a.auto),
+        "effects = \"auto\"", "", "name the effects",
+        [Yes, No, Yes, Other]),
+    row("`rate`", |a| when(rate(a)),
+        "the effect `rate`", "", "take `rate` out of [effects]",
+        [Yes, No, Other, Yes]),
+    row("`heat`, isotropic", |a| when(heat(a)),
+        "the effect `heat`", "its points keep no temperature", "take `heat` or `rate` out of [effects]",
+        [Yes, Yes, Yes, No]),
+    row("`heat` with `rate`, kinematic or mixed hardening", |a| when(heat(a) && moves(a)),
+        "the effect `heat` with kinematic hardening", NOT_ONE_CURVE, "take `heat` out of [effects]",
+        [Yes, No, No, No]),
+    row("`heat` with an initial temperature or plastic strain", |a| when(starts_warm(a)),
+        "the effect `heat` with an initial temperature or plastic strain", NOT_ONE_CURVE, "take the initial values out",
+        [Yes, No, No, No]),
+    row("`rupture`", |a| when(rupture(a).is_some()),
+        "the effect `rupture`", "", "take `rupture` out of [effects]",
+        [Yes, No, Yes, No]),
+    row("`damping`", |a| when(a.effects.damping.is_some()),
+        "the effect `damping`", NO_CHARACTERISTICS, "take `damping` out of [effects]",
+        [Yes, No, No, No]),
+    row("`lateral-inertia`", |a| when(along(a).is_some()),
+        "the effect `lateral-inertia`", NO_CHARACTERISTICS, "take `lateral-inertia` out of [effects]",
+        [Yes, No, No, No]),
+    row("`unloading` mixed, along a curve that stiffens or drops", stiffens,
+        "kinematic hardening along a curve that stiffens or drops, as that of {}", "", "use unloading = \"isotropic\"",
+        [Yes, No, Yes, Yes]),
+    row("contact joints", |_| None, "contact joints", "", "",
+        [Yes, Yes, Yes, Yes]),
+    row("tapers", |a| when(taper(a).is_some()), "tapered segments", "", "",
+        [Yes, No, IN_PIECES, IN_PIECES]),
+    row("end `ball`", |a| when(ball(a)), "a ball at an end", "", "",
+        [Yes, No, Yes, Yes]),
+    row("torsion", |_| None, "torsion", "", "",
+        [Yes, Yes, Yes, Yes]),
+    row("checkpoints", |_| None, "checkpoints", "", "",
+        [Yes, Yes, No, Yes]),
+];
+
+const fn row(
+    title: &'static str,
+    asked: fn(&Asked<'_>) -> Option<String>,
+    name: &'static str,
+    why: &'static str,
+    or: &'static str,
+    can: [Can; 4],
+) -> Row {
+    Row { title, asked, name, why, or, can }
+}
+
+fn when(asked: bool) -> Option<String> {
+    asked.then(String::new)
+}
+
+fn rate(asked: &Asked<'_>) -> bool {
+    asked.effects.rate.is_some()
+}
+
+fn heat(asked: &Asked<'_>) -> bool {
+    asked.effects.heat.is_some()
+}
+
+fn ball(asked: &Asked<'_>) -> bool {
+    asked.ends.iter().any(|end| matches!(end, EndCondition::Ball { .. }))
+}
+
+/// Hardening moves the elastic range.
+fn moves(asked: &Asked<'_>) -> bool {
+    asked.effects.unloading.as_ref().is_some_and(|u| !matches!(u.get_ref(), RawUnloading::Isotropic))
+}
+
+fn curve(segment: &Segment, sense: Sense) -> Table {
+    Table::new(segment.material.branch(sense), segment.material.modulus)
+}
+
+/// The material of the first such segment.
+fn material_of(asked: &Asked<'_>, such: impl Fn(&&Segment) -> bool) -> Option<String> {
+    asked.bar.segments.iter().find(such).map(|segment| format!("`{}`", segment.material.name))
+}
+
+fn several_lines(asked: &Asked<'_>) -> Option<String> {
+    material_of(asked, |s| asked.effects.overlays() && curve(s, Sense::Tension).is_multilinear())
+}
+
+fn stiffens(asked: &Asked<'_>) -> Option<String> {
+    let concave = |s: &Segment| [Sense::Tension, Sense::Compression].iter().all(|sense| curve(s, *sense).is_concave());
+    material_of(asked, |s| moves(asked) && !concave(s))
+}
+
+/// The temperature is a state of its own from the start.
+fn starts_warm(asked: &Asked<'_>) -> bool {
+    let warms = |s: &Segment| s.material.heating.as_ref().is_some_and(|heating| heating.warms());
+    asked.bar.segments.iter().any(|s| warms(s) && (s.has_yielded() || s.starts_warm()))
+}
+
+impl RawEffects {
+    /// Hardening is that of [`crate::law::Overlay`] wherever a curve has several lines of it. With a rate or heat it is not.
+    pub(super) fn overlays(&self) -> bool {
+        let kinematic = self.unloading.as_ref().is_some_and(|u| matches!(u.get_ref(), RawUnloading::Kinematic));
+        kinematic && self.rate.is_none() && self.heat.is_none()
+    }
+}
+
+impl Solver {
+    /// The solver that a method of the scene language means.
+    pub(super) fn of(method: RawMethod, muscl: bool, rate: bool) -> Self {
+        match (method, rate) {
+            (RawMethod::Fd, _) if muscl => Self::Godunov,
+            (RawMethod::Fd, _) => Self::Leapfrog,
+            (RawMethod::Moc, true) => Self::Net,
+            (RawMethod::Moc, false) => Self::FrontTracking,
+        }
+    }
+
+    /// How a scene asks for it, and what that is.
+    fn words(self) -> &'static str {
+        match self {
+            Self::Leapfrog => "method = \"fd\"",
+            Self::Godunov => "scheme = \"muscl\"",
+            Self::FrontTracking => "method = \"moc\" (front tracking)",
+            Self::Net => "method = \"moc\" (a characteristic net)",
+        }
+    }
+
+    /// The first part of a scene that it cannot follow.
+    fn misses(self, asked: &Asked<'_>) -> Option<(&'static Row, String)> {
+        let mut missed = METHODS.iter().filter(|row| matches!(row.can[self as usize], No | Only(_)));
+        missed.find_map(|row| Some((row, (row.asked)(asked)?)))
+    }
+
+    /// It can follow all of a scene.
+    pub(super) fn can(self, asked: &Asked<'_>) -> bool {
+        self.misses(asked).is_none()
+    }
+
+    /// The solvers that can follow all of a scene, as a help line names them beside this one.
+    fn instead(self, asked: &Asked<'_>) -> Vec<&'static str> {
+        let of_moc = if rate(asked) { Self::Net } else { Self::FrontTracking };
+        let leapfrog = if self == Self::Godunov { "scheme = \"leapfrog\"" } else { Self::Leapfrog.words() };
+        let all = [(Self::Leapfrog, leapfrog), (of_moc, of_moc.words()), (Self::Godunov, Self::Godunov.words())];
+        all.into_iter().filter(|(other, _)| *other != self && other.can(asked)).map(|(_, words)| words).collect()
+    }
+}
+
+/// Refuses a solver that cannot follow a part of the scene, at its name.
+pub(super) fn method_can(document: &Document, raw: &RawSolve, solver: Solver, asked: &Asked<'_>) -> Result<()> {
+    let Some((row, of)) = solver.misses(asked) else { return Ok(()) };
+    let (key, span, allowed) = if solver == Solver::Godunov {
+        ("solve.scheme", raw.scheme.as_ref().map(Placed::span), "\"leapfrog\"")
+    } else {
+        ("solve.method", raw.method.as_ref().map(Placed::span), "\"fd\"")
+    };
+    let why = if row.why.is_empty() { String::new() } else { format!(": {}", row.why) };
+    let message = format!("{} does not simulate {}{why}", solver.words(), row.name.replace("{}", &of));
+    let methods = match solver.instead(asked).split_first() {
+        None => String::new(),
+        Some((first, [])) => format!("use {first}, which does"),
+        Some((first, rest)) => format!("use {first}, which does, or {}", rest.join(", or ")),
+    };
+    let ways: Vec<&str> = [&methods, row.or].into_iter().filter(|way| !way.is_empty()).collect();
+    let help = ways.join("; or ");
+    Err(document.error(span.unwrap_or(0..0), key, message).allowed(allowed).help(help).into())
+}
+
+/// A part of a scene, as it is given.
+struct Found {
+    /// In messages; of a segment its number.
+    name: String,
+    key: String,
+    span: Range<usize>,
+}
+
+/// Two parts of a scene that do not go together by any method. In the texts `{1}` and `{2}` are their names; the first is refused.
+struct Pair {
+    first: fn(&Asked<'_>) -> Option<Found>,
+    second: fn(&Asked<'_>) -> Option<Found>,
+    message: &'static str,
+    help: &'static str,
+}
+
+const AXIAL: &str = "take it out, or use mode = \"axial\"";
+const GOES_ON: &str = "take it out: a run says when the data of the curve end, or the torque can rise no more";
+const IN_TORSION: &str = "`{1}` in torsion is not followed";
+
+#[rustfmt::skip]
+const TOGETHER: &[Pair] = &[
+    Pair { first: rupture,  second: torsion, message: IN_TORSION, help: GOES_ON },
+    Pair { first: heating,  second: torsion, message: IN_TORSION, help: AXIAL },
+    Pair { first: along,    second: torsion, message: IN_TORSION, help: AXIAL },
+    Pair { first: contact,  second: torsion, message: "a contact joint carries no torque",
+           help: "bond it, or cut the scene there with an end that says what acts on it" },
+    Pair { first: taper,    second: torsion, message: "a taper in torsion is not followed",
+           help: "give one diameter; `inner-diameter` can differ from segment to segment" },
+    Pair { first: rupture,  second: along,   message: "rupture of a bar with `{2}` is not followed",
+           help: "take `rupture` or `{2}` out of [effects]: method = \"fd\" follows each without the other" },
+    Pair { first: along,    second: taper,   message: "`{1}` is not followed in a bar whose section changes along segment {2}",
+           help: "make it of uniform segments, or take `{1}` out of [effects]: method = \"fd\" and \"moc\" then follow the taper" },
+    Pair { first: along,    second: contact, message: "`{1}` is not followed in a bar with joints that can open, as that behind segment {2}",
+           help: "bond the joint, or take `{1}` out of [effects]: all methods then follow such joints" },
+];
+
+fn effect<T>(name: &str, given: Option<&Placed<T>>) -> Option<Found> {
+    given.map(|given| Found { name: name.to_owned(), key: format!("effects.{name}"), span: given.span() })
+}
+
+fn rupture(asked: &Asked<'_>) -> Option<Found> {
+    effect("rupture", asked.effects.rupture.as_ref())
+}
+
+fn heating(asked: &Asked<'_>) -> Option<Found> {
+    effect("heat", asked.effects.heat.as_ref())
+}
+
+/// What acts along the bar: the first of the two effects that is on.
+fn along(asked: &Asked<'_>) -> Option<Found> {
+    let lateral = asked.effects.lateral_inertia.as_ref().filter(|lateral| *lateral.get_ref());
+    effect("damping", asked.effects.damping.as_ref()).or_else(|| effect("lateral-inertia", lateral))
+}
+
+fn torsion(asked: &Asked<'_>) -> Option<Found> {
+    let mode = asked.raw_bar.mode.as_ref().filter(|_| asked.raw_bar.is_torsion());
+    mode.map(|mode| Found { name: "torsion".to_owned(), key: "bar.mode".to_owned(), span: mode.span() })
+}
+
+fn contact(asked: &Asked<'_>) -> Option<Found> {
+    let k = asked.bar.segments.iter().position(|s| matches!(s.joint, Joint::Contact { .. }))?;
+    let joint = asked.raw_bar.segment.as_ref()?[k].get_ref().joint.as_ref()?;
+    Some(Found { name: (k + 1).to_string(), key: format!("bar.segment.{k}.joint"), span: joint.span() })
+}
+
+fn taper(asked: &Asked<'_>) -> Option<Found> {
+    let k = asked.bar.segments.iter().position(|s| s.taper.is_some())?;
+    let segment = asked.raw_bar.segment.as_ref().map(|list| list[k].get_ref().piece());
+    let parent = segment.as_ref().map_or_else(|| "bar".to_owned(), |_| format!("bar.segment.{k}"));
+    let piece = segment.unwrap_or_else(|| asked.raw_bar.piece());
+    let (name, span) = match (piece.area, piece.diameter) {
+        (Some(area), _) => ("area", area.span()),
+        (_, diameter) => ("diameter", diameter?.span()),
+    };
+    Some(Found { name: (k + 1).to_string(), key: format!("{parent}.{name}"), span })
+}
+
+/// Refuses parts of a scene that do not go together.
+pub(super) fn all_go_together(document: &Document, asked: &Asked<'_>) -> Result<()> {
+    for pair in TOGETHER {
+        if let (Some(first), Some(second)) = ((pair.first)(asked), (pair.second)(asked)) {
+            let text = |text: &str| text.replace("{1}", &first.name).replace("{2}", &second.name);
+            let error = document.error(first.span.clone(), &first.key, text(pair.message));
+            return Err(error.help(text(pair.help)).into());
+        }
+    }
+    Ok(())
+}
+
+/// The table of the guide, in Markdown: a line for the head, and one for each part of a scene.
+pub fn methods_table() -> String {
+    let cell = |can: &Can| match can {
+        Yes => "yes",
+        No => "no",
+        As(how) | Only(how) => how,
+        Other => "",
+    };
+    let line = |row: &Row| format!("| {} | {} |\n", row.title, row.can.each_ref().map(cell).join(" | "));
+    let head = "| | leapfrog | Godunov | front tracking | net (`rate`) |\n|---|---|---|---|---|\n";
+    head.to_owned() + &METHODS.iter().map(line).collect::<String>()
+}

@@ -223,21 +223,17 @@ impl Document {
         Some(value.span())
     }
 
-    /// A whole number within `low..=high`; 1e5 is one too.
-    pub fn count(&self, value: &Number, key: &str, low: usize, high: usize) -> Result<usize> {
+    /// A whole number within `low..=high` that the text holds; 1e5 is one too.
+    pub fn count_at(&self, value: &Number, low: usize, high: usize) -> Result<usize> {
         let range = Allowed::Within(low as f64, high as f64);
-        let number = self.number(value, key, Dimension::None, range)?;
+        let number = self.number_at(value, Dimension::None, range)?;
         if number.fract() == 0.0 {
             return Ok(number as usize);
         }
-        let allowed = format!("{}, a whole number", range.describe(last_part(key), Dimension::None));
-        let error = self.error(value.span(), key, format!("{number} is not a whole number")).allowed(allowed);
-        Err(error.help(format!("write e.g. {} = {}", last_part(key), number.round())).into())
-    }
-
-    /// The same of a number that the text holds, whose key follows from its place.
-    pub fn count_at(&self, value: &Number, low: usize, high: usize) -> Result<usize> {
-        self.count(value, "", low, high).or_else(|_| self.count(value, &self.key_at(&value.span()), low, high))
+        let key = self.key_at(&value.span());
+        let allowed = format!("{}, a whole number", range.describe(last_part(&key), Dimension::None));
+        let error = self.error(value.span(), &key, format!("{number} is not a whole number")).allowed(allowed);
+        Err(error.help(format!("write e.g. {} = {}", last_part(&key), number.round())).into())
     }
 
     /// Reads the table under a top-level key, but for the keys that are known already.

@@ -63,7 +63,7 @@ impl<'a> Given<'a> {
             measure: measure.unwrap_or_default(),
             sense,
             beyond: beyond.unwrap_or(Beyond::Error),
-            how: tabulate(curve.tabulate.as_ref(), sense, name, keys)?,
+            how: tabulate(curve.tabulate.as_ref(), sense, keys)?,
             data: Data::read(raw, name, keys)?,
         })
     }
@@ -242,18 +242,12 @@ fn sense_of_compression(curve: &RawCurve, keys: Keys<'_>) -> Result<Sense> {
     Ok(Sense::Compression)
 }
 
-fn tabulate(raw: Option<&RawTabulate>, sense: Sense, name: &str, keys: Keys<'_>) -> Result<Tabulate> {
-    let tolerance = raw.and_then(|r| r.tolerance.as_ref());
-    let to_strain = raw.and_then(|r| r.to_strain.as_ref());
-    let key = |part: &str| format!("{name}.tabulate.{part}");
+fn tabulate(raw: Option<&RawTabulate>, sense: Sense, keys: Keys<'_>) -> Result<Tabulate> {
     let farthest = if sense == Sense::Compression { Tabulate::MOST_COMPRESSION } else { 10.0 };
     let range = Allowed::Above(0.0, farthest);
-    Ok(Tabulate {
-        tolerance: keys
-            .optional(tolerance, &key("tolerance"), Dimension::None, Allowed::Within(1e-8, 0.1))?
-            .unwrap_or(Tabulate::DEFAULT_TOLERANCE),
-        to_strain: keys.optional(to_strain, &key("to-strain"), Dimension::None, range)?,
-    })
+    let raw = raw.cloned().unwrap_or_default();
+    let to_strain = raw.to_strain.as_ref().map(|given| given.si_within(keys.document(), range)).transpose()?;
+    Ok(Tabulate { tolerance: keys.si(&raw.tolerance)?, to_strain })
 }
 
 /// SI value of the key `unit`.

@@ -7,8 +7,6 @@ use super::keys::Keys;
 use super::rate::{self, Rate};
 use super::raw::{RawHeat, RawMaterial};
 use crate::error::Result;
-use crate::input::Allowed::{Positive, Within};
-use crate::units::Dimension;
 
 /// Constants beside the curve; every one is absent where the file does not give it.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
@@ -29,9 +27,8 @@ pub(super) fn resolve(raw: &RawMaterial, law: Option<String>, keys: Keys<'_>) ->
 }
 
 fn heat(raw: &RawHeat, keys: Keys<'_>) -> Result<HeatConstants> {
-    let temperature = |value, key| keys.optional(value, key, Dimension::Temperature, Positive);
-    let reference = temperature(raw.reference_temperature.as_ref(), "heat.reference-temperature")?;
-    let melting = temperature(raw.melting_temperature.as_ref(), "heat.melting-temperature")?;
+    let reference = keys.si(&raw.reference_temperature)?;
+    let melting = keys.si(&raw.melting_temperature)?;
     if let (Some(reference), Some(melting), Some(given)) = (reference, melting, &raw.melting_temperature)
         && melting <= reference
     {
@@ -39,12 +36,11 @@ fn heat(raw: &RawHeat, keys: Keys<'_>) -> Result<HeatConstants> {
         let error = keys.error(given.span(), "heat.melting-temperature", message);
         return Err(error.allowed("melting-temperature > reference-temperature").help("check the units").into());
     }
-    let specific = raw.specific_heat.as_ref();
     Ok(HeatConstants {
-        specific_heat: keys.optional(specific, "heat.specific-heat", Dimension::SpecificHeat, Positive)?,
-        fraction: keys.optional(raw.fraction.as_ref(), "heat.fraction", Dimension::None, Within(0.0, 1.0))?,
+        specific_heat: keys.si(&raw.specific_heat)?,
+        fraction: keys.si(&raw.fraction)?,
         reference_temperature: reference,
         melting_temperature: melting,
-        exponent: keys.optional(raw.exponent.as_ref(), "heat.m", Dimension::None, Positive)?,
+        exponent: keys.si(&raw.exponent)?,
     })
 }

@@ -7,8 +7,7 @@ use super::keys::Keys;
 use super::raw::{Confidence, RawMaterial, RawSource};
 use super::{Loading, Material, Measure, Provenance, Sense, constants, scatter};
 use crate::error::Result;
-use crate::input::{Allowed, Document};
-use crate::units::Dimension;
+use crate::input::Document;
 
 /// Reads one material file. A file without a name is named by its stem.
 ///
@@ -55,7 +54,7 @@ pub(super) fn parse(document: &Document, stem: &str, base: &Path, origin: &str) 
 /// An [`InputError`] with file, line, key, value and what is allowed.
 pub fn resolve(raw: RawMaterial, doc: &Document, key_prefix: &str, base_dir: &Path) -> Result<Material> {
     let keys = Keys { doc, prefix: key_prefix, base_dir };
-    let modulus = keys.optional(raw.modulus.as_ref(), "modulus", Dimension::Stress, Allowed::Positive)?;
+    let modulus = keys.si(&raw.modulus)?;
     let given = Given::read("curve", &raw, &raw.curve, keys)?;
     let loading = raw.loading.as_ref().map_or(Loading::Axial, |l| *l.get_ref());
     if loading == Loading::Shear {
@@ -67,10 +66,10 @@ pub fn resolve(raw: RawMaterial, doc: &Document, key_prefix: &str, base_dir: &Pa
     let constants = constants::resolve(&raw, given.describe(), keys)?;
     let scatter = raw.band.map(|band| scatter::resolve(band, main.curve.beyond(), keys)).transpose()?;
     Ok(Material {
-        density: keys.number(&raw.density, "density", Dimension::Density, Allowed::Positive)?,
+        density: keys.si(&raw.density)?,
         modulus: modulus.unwrap_or(steepest),
         loading,
-        poisson: keys.optional(raw.poisson.as_ref(), "poisson", Dimension::None, Allowed::Within(0.0, 0.5))?,
+        poisson: keys.si(&raw.poisson)?,
         table_error: compression.as_ref().map_or(main.error, |c| c.error.max(main.error)),
         constants,
         heating: None,

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use crate::error::{InputError, Result};
 use crate::input::{Allowed, Document, Number};
+use crate::typed::Key;
 use crate::units::Dimension;
 
 /// A document with the place of a material in it.
@@ -32,6 +33,10 @@ impl Keys<'_> {
     /// Where the value of a key stands; none where the text has no such key.
     pub(super) fn span_of(&self, key: &str) -> Option<Range<usize>> {
         self.doc.span_of(&self.key(key))
+    }
+
+    pub(super) fn si<K: Key>(&self, key: &K) -> Result<K::Si> {
+        key.si(self.doc, false)
     }
 
     pub(super) fn number(&self, value: &Number, key: &str, dimension: Dimension, allowed: Allowed) -> Result<f64> {

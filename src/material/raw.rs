@@ -9,7 +9,9 @@ use toml::Spanned;
 use super::rate::RawRates;
 use super::{Beyond, Formula, Loading, Measure, Sense};
 use crate::input::Number;
+use crate::typed::{Of, Or, Plain, Poisson, Positive, Within};
 use crate::units::Quantity;
+use crate::units::measures::{Density, SpecificHeat, Stress, Temperature};
 
 /// A material file, or an inline table `material = { ... }` in a scene.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
@@ -19,20 +21,17 @@ pub struct RawMaterial {
     pub name: Option<String>,
     /// Description, one line.
     pub description: Option<String>,
-    /// Mass per volume, > 0 (kg/m^3).
-    #[schemars(with = "Quantity")]
-    pub density: Number,
-    /// Elastic modulus, > 0 (Pa): slope of every unloading, never exceeded by the curve. Default: the curve's
+    /// Mass per volume.
+    pub density: Of<Density, Positive>,
+    /// Elastic modulus: slope of every unloading, never exceeded by the curve. Default: the curve's
     /// steepest slope. Formulas need it.
-    #[schemars(with = "Option<Quantity>")]
-    pub modulus: Option<Number>,
+    pub modulus: Option<Of<Stress, Positive>>,
     /// Loading of the curve: "axial" (default), or "shear": shear stress against engineering shear strain, and `modulus` is
     /// the shear modulus; for bars with mode = "torsion".
     #[schemars(with = "Option<Loading>")]
     pub loading: Option<Spanned<Loading>>,
-    /// Poisson's ratio, 0 to 0.5.
-    #[schemars(with = "Option<Quantity>")]
-    pub poisson: Option<Number>,
+    /// Poisson's ratio.
+    pub poisson: Option<Of<Plain, Poisson>>,
     /// Whether strains and stresses are engineering (default) or true ones. Also accepted in `[curve]`.
     #[schemars(with = "Option<Measure>")]
     pub measure: Option<Spanned<Measure>>,
@@ -173,9 +172,8 @@ pub struct RawBand {
 pub struct RawTest {
     /// Name of the record.
     pub record: Option<String>,
-    /// Elastic modulus of this test, > 0 (Pa); default: the steepest slope.
-    #[schemars(with = "Option<Quantity>")]
-    pub modulus: Option<Number>,
+    /// Elastic modulus of this test; default: the steepest slope.
+    pub modulus: Option<Of<Stress, Positive>>,
     /// Behaviour past the last row; default: that of the material.
     pub beyond: Option<Beyond>,
     /// Rows [engineering strain, engineering stress]; magnitudes; strain increasing.
@@ -184,39 +182,33 @@ pub struct RawTest {
 }
 
 /// How a formula (or a true table) becomes an engineering table.
-#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct RawTabulate {
-    /// Largest distance in stress over the largest stress, 1e-8 to 0.1 (default 1e-3).
-    #[schemars(with = "Option<Quantity>")]
-    pub tolerance: Option<Number>,
+    /// Largest distance in stress over the largest stress.
+    #[schemars(default)]
+    pub tolerance: Or<Of<Plain, Within<1, 10_000_000, 100_000_000>>, 1, 1000>,
     /// Engineering strain at which the table ends; where symmetry = "true" makes the compression table of a tension curve, that
     /// table ends at 0.9 at the latest (default: half as far again as the largest engineering stress; where there is none 0.5,
     /// and 0.777, a true strain of 1.5, in compression of true stress and strain).
-    #[schemars(with = "Option<Quantity>")]
-    pub to_strain: Option<Number>,
+    pub to_strain: Option<Of<Plain, Positive>>,
 }
 
 /// `[heat]`: constants for heating and thermal softening.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct RawHeat {
-    /// > 0 (J/(kg*K)).
-    #[schemars(with = "Option<Quantity>")]
-    pub specific_heat: Option<Number>,
-    /// Fraction of the plastic work that heats, 0 to 1.
-    #[schemars(with = "Option<Quantity>")]
-    pub fraction: Option<Number>,
-    /// Temperature at which the curve holds, > 0 (K).
-    #[schemars(with = "Option<Quantity>")]
-    pub reference_temperature: Option<Number>,
-    /// Melting temperature, above the reference temperature (K).
-    #[schemars(with = "Option<Quantity>")]
-    pub melting_temperature: Option<Number>,
-    /// Softening exponent m, > 0.
+    /// Heat per mass and kelvin.
+    pub specific_heat: Option<Of<SpecificHeat, Positive>>,
+    /// Fraction of the plastic work that heats.
+    pub fraction: Option<Of<Plain, Within<0, 1>>>,
+    /// Temperature at which the curve holds.
+    pub reference_temperature: Option<Of<Temperature, Positive>>,
+    /// Melting temperature, above the reference temperature.
+    pub melting_temperature: Option<Of<Temperature, Positive>>,
+    /// Softening exponent m.
     #[serde(rename = "m")]
-    #[schemars(with = "Option<Quantity>")]
-    pub exponent: Option<Number>,
+    pub exponent: Option<Of<Plain, Positive>>,
 }
 
 /// `[source]`: where the curve comes from.

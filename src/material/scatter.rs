@@ -77,8 +77,7 @@ fn test(raw: &RawTest, place: usize, beyond: Beyond, unit: f64, keys: Keys<'_>) 
     };
     let rows = table(raw.table.get_ref(), &format!("{key}.table"), unit, keys)?;
     let curve = Curve::new(&rows, raw.beyond.unwrap_or(beyond)).map_err(|e| wrong(e.to_string()))?;
-    let modulus =
-        keys.optional(raw.modulus.as_ref(), &format!("{key}.modulus"), Dimension::Stress, Allowed::Positive)?;
+    let modulus = keys.si(&raw.modulus)?;
     if let Some((knot, slope)) = modulus.and_then(|modulus| curve.steeper_than(modulus)) {
         let message = format!("the slope up to strain {:e} is {slope:.6e} Pa, above the modulus", curve.strain()[knot]);
         return Err(wrong(message).into());

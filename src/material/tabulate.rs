@@ -33,8 +33,6 @@ pub struct Tabulate {
 }
 
 impl Tabulate {
-    /// Default tolerance.
-    pub const DEFAULT_TOLERANCE: f64 = 1e-3;
     /// Engineering strain at which the table of a law without a maximum ends by default.
     pub const DEFAULT_END: f64 = 0.5;
     /// True strain at which the compression table of a true law ends by default: half as far again as Taylor cylinders and

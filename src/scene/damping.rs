@@ -29,7 +29,7 @@ pub(super) struct Key {
 /// Declares the forces. A row: name, dimension of its constant, which is >= 0, and what it acts on.
 macro_rules! forces {
     ($($(#[doc = $doc:literal])* $name:ident: $dimension:ident, $per:ident;)*) => {
-        /// Forces along the bar; each is 0 where it is not asked for.
+        /// Forces along the bar in SI, >= 0; each is 0 where it is not asked for.
         #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
         pub struct Damping {
             $($(#[doc = $doc])* pub $name: f64,)*

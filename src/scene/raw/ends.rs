@@ -141,9 +141,9 @@ fn only_its_keys(document: &Document, kind: EndKind, end: &str, torsion: bool) -
 }
 
 /// The keys of a kind, as a schema.
-fn of_kind<T: JsonSchema>(generator: &mut SchemaGenerator, kind: EndKind, where_: &str) -> Schema {
+fn of_kind<T: JsonSchema>(generator: &mut SchemaGenerator, kind: EndKind, also: &str) -> Schema {
     let mut schema = T::json_schema(generator);
-    schema.insert("description".to_owned(), json!(format!("{}{where_}", kind.doc().trim())));
+    schema.insert("description".to_owned(), json!(format!("{}{also}", kind.doc().trim())));
     let kind = json!({ "const": kind.word() });
     if let Some(object) = schema.as_object_mut() {
         let properties = object.entry("properties").or_insert_with(|| json!({}));

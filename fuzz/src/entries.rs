@@ -8,7 +8,7 @@ use barwave::error::{Error, Result};
 use barwave::input::Document;
 use barwave::material::{self, Sense};
 use barwave::record::store::ResultFile;
-use barwave::report::{Units, draw, page};
+use barwave::report::{Figure, Units, draw, page};
 use barwave::scene::{Problem, Scene};
 use barwave::wave::similarity;
 
@@ -61,6 +61,7 @@ pub fn result(bytes: &[u8], folder: &Path) {
     let path = folder.join("out.h5");
     fs::write(&path, bytes).expect("written");
     let Some(file) = explained(ResultFile::open(&path)) else { return };
-    let Some(svg) = explained(draw(&file, None, Units::Si)) else { return };
-    explained(page(&file, &svg, Units::Us));
+    if explained(draw(&file, &Figure::default())).is_some() {
+        explained(page(&file, &Figure { units: Units::Us, ..Figure::default() }));
+    }
 }

@@ -8,13 +8,13 @@ use crate::error::{Error, Result};
 use crate::record::Field;
 use crate::record::store::ResultFile;
 use crate::report::plot::{Format, PNG_SCALE, png, write_whole};
-use crate::report::{Units, draw, page};
+use crate::report::{Figure, PanelName, Units, draw, page};
 use crate::units::System;
 
 /// Options of `barwave report`.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Examples:\n  barwave report out.h5 -o out.html\n  barwave report out.h5 --field strain -o - > strain.svg"
+    after_help = "Examples:\n  barwave report out.h5 -o out.html\n  barwave report out.h5 --field strain -o - > strain.svg\n  barwave report out.h5 --panel profiles --size 680x480 -o profiles.png"
 )]
 pub(crate) struct Args {
     /// Result file that `barwave run` wrote, finished or not.
@@ -24,9 +24,15 @@ pub(crate) struct Args {
     /// with .svg.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Field to show over x and t. Default: stress, or else the first that was recorded.
+    /// Field to show in all panels. Default: stress, or else the first that was recorded.
     #[arg(long, value_enum)]
     field: Option<Field>,
+    /// Panel to draw; may be repeated. Default: all that the file has something for, under a title.
+    #[arg(long = "panel", value_enum, value_name = "NAME")]
+    panels: Vec<PanelName>,
+    /// Width and height of the figure in px of 1/96 inch, e.g. 680x480. Default: as large as the panels need.
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    size: Option<[f64; 2]>,
     /// Units of the report.
     #[arg(long, value_enum, default_value_t = System::Si)]
     units: System,
@@ -41,15 +47,13 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         System::Si => Units::Si,
         System::Us => Units::Us,
     };
-    let has_figure = file.impact()?.is_none_or(|impact| impact.has_histories());
-    // The page of an impact in closed form holds its tables.
-    let svg = if has_figure || format != Format::Html { draw(&file, args.field, units)? } else { String::new() };
+    let figure = Figure { field: args.field, units, panels: args.panels.clone(), size: args.size };
     match format {
-        Format::Svg => write_whole(&path, svg.as_bytes()),
-        Format::Png => png(&svg, PNG_SCALE)
+        Format::Svg => write_whole(&path, draw(&file, &figure)?.as_bytes()),
+        Format::Png => png(&draw(&file, &figure)?, PNG_SCALE)
             .map_err(|reason| Error::file(&path, reason))
             .and_then(|bytes| write_whole(&path, &bytes)),
-        Format::Html => write_whole(&path, page(&file, &svg, units)?.as_bytes()),
+        Format::Html => write_whole(&path, page(&file, &figure)?.as_bytes()),
     }?;
     if file.facts().is_unfinished() && !settings::json() {
         output::note(&format!("note: {} is unfinished; the figure shows the frames so far\n", args.file.display()));
@@ -58,4 +62,15 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         return Ok(());
     }
     output::written(&[&path], &format!("{}\n", path.display()))
+}
+
+/// `680x480`.
+fn size(text: &str) -> std::result::Result<[f64; 2], String> {
+    const LARGEST: f64 = 10_000.0;
+    let number = |text: &str| text.trim().parse::<f64>().ok().filter(|px| (1.0..=LARGEST).contains(px));
+    let (width, height) = text.split_once(['x', 'X', '\u{d7}']).ok_or("expected width x height in px, e.g. 680x480")?;
+    match (number(width), number(height)) {
+        (Some(width), Some(height)) => Ok([width, height]),
+        _ => Err(format!("width and height must be numbers of px from 1 to {LARGEST}, e.g. 680x480")),
+    }
 }

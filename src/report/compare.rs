@@ -1,7 +1,9 @@
 //! The picture of a comparison of materials: curves, front speeds and impact velocities, and the critical velocities as sorted bars, which
 //! name the lines.
 
-use super::axes::{Axis, Frame, Series, draw_series, plot_area, title};
+use super::axes::{Frame, plot_area, title};
+use super::axis::Axis;
+use super::panel::{Series, draw_series};
 use super::plot::{COLOURS, colour};
 use super::svg::{Anchor, Area, Stroke, Svg, text_width};
 use crate::study::compare::Compared;

@@ -1,8 +1,8 @@
 //! The picture of a comparison of result files.
 
-use super::axes::Series;
 use super::display::{Unit, Units, field_name};
 use super::grid::{Panel, draw, stroke};
+use super::panel::Series;
 use super::view::nearest;
 use crate::error::Result;
 use crate::record::store::{ResultFile, Side};

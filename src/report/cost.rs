@@ -1,8 +1,8 @@
 //! The picture of a cost study: error against stepping time, both logarithmic, a line a method.
 
-use super::axes::superscript;
+use super::axis::superscript;
 use super::plot::colour;
-use super::svg::{Anchor, Area, Stroke, Svg, text_width};
+use super::svg::{Anchor, Area, BORDER, FINE, GRID, Stroke, Svg, shortened, text_width};
 use crate::study::cost::{Cost, CostPoint, Resolution, TOLERANCES};
 
 const WIDTH: f64 = 760.0;
@@ -114,16 +114,9 @@ fn title(svg: &mut Svg, cost: &Cost) {
     svg.text((PLOT.x, 44.0), SMALL, Anchor::Start, &shortened(&under, 104));
 }
 
-fn shortened(text: &str, length: usize) -> String {
-    if text.chars().count() <= length {
-        return text.to_owned();
-    }
-    text.chars().take(length - 1).chain(std::iter::once('\u{2026}')).collect()
-}
-
 /// Decades and their labels.
 fn grid(svg: &mut Svg, frame: &Frame, measure: &str) {
-    let (pale, fine, dark) = (Stroke::new("#e0e0e0", 0.8), Stroke::new("#f2f2f2", 0.6), Stroke::new("#444", 1.0));
+    let (pale, fine, dark) = (Stroke::new(GRID, 0.8), Stroke::new(FINE, 0.6), Stroke::new(BORDER, 1.0));
     let power = |exponent: i32| format!("10{}", superscript(exponent));
     for decade in frame.time[0]..=frame.time[1] {
         for k in 2..10 {

@@ -1,61 +1,146 @@
-//! The figure of a result file: x-t map, profiles, histories, ledger, wave speeds, as one SVG.
+//! The figure of a result file: x-t diagram, profiles, histories, energies, front speeds, as one SVG.
 
 use super::display::Units;
-use super::svg::{Anchor, Area, Svg};
+use super::layout::{Content, Heading, alone, compose};
 use super::view::View;
-use super::{impact, map, panels};
+use super::{histories, impact, profiles, theory};
 use crate::error::{InputError, Result};
 use crate::record::Field;
 use crate::record::store::{Facts, ResultFile};
 
-const WIDTH: f64 = 1240.0;
-const MARGIN: f64 = 18.0;
-const GAP: f64 = 22.0;
-const HEADER: f64 = 64.0;
-/// Heights of the first row of panels and of those below.
-const TALL: f64 = 430.0;
-const LOW: f64 = 300.0;
+/// A panel of the figure of a bar.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum PanelName {
+    /// Field over the bar and time, with fronts, gauges and ruptures.
+    #[value(name = "x-t")]
+    Map,
+    /// Field along the bar at several times.
+    Profiles,
+    /// Field at the gauges against time.
+    Gauges,
+    /// Field at the ends against time.
+    Ends,
+    /// Energies against time.
+    Energy,
+    /// Speed of the fronts against strain, with theory.
+    FrontSpeeds,
+    /// Strain (or the given field) against x/t, with theory.
+    SelfSimilar,
+    /// Path in the stress-strain plane, with the curves of the materials.
+    StressStrain,
+}
+
+/// All panels in their order in the figure.
+const ALL: [PanelName; 8] = [
+    PanelName::Map,
+    PanelName::Profiles,
+    PanelName::Gauges,
+    PanelName::Ends,
+    PanelName::Energy,
+    PanelName::FrontSpeeds,
+    PanelName::SelfSimilar,
+    PanelName::StressStrain,
+];
+
+/// What a figure shows of a result.
+#[derive(Debug, Clone, Default)]
+pub struct Figure {
+    /// None: stress, or else the first field there is.
+    pub field: Option<Field>,
+    /// Units of all axes.
+    pub units: Units,
+    /// In this order; empty: all that the file has something for, under a title.
+    pub panels: Vec<PanelName>,
+    /// Width and height of the whole, px of 1/96 inch; none: as large as the panels need.
+    pub size: Option<[f64; 2]>,
+}
 
 /// Draws a result file as one SVG: what is in the file is drawn, what is not leaves no hole.
 ///
-/// `field` is shown over x and t; none: stress, or else the first field there is.
-///
 /// # Errors
-/// [`InputError`] where the file has not that field, or no frame at all; a file that cannot be read.
-pub fn draw(file: &ResultFile, field: Option<Field>, units: Units) -> Result<String> {
+/// [`InputError`] where the file has not the field or panel, or no frame at all, or where the size is too small; a file that cannot be read.
+pub fn draw(file: &ResultFile, figure: &Figure) -> Result<String> {
+    let heading = figure.panels.is_empty().then(|| heading(file.facts()));
     if let Some(impact) = file.impact()? {
-        return impact::draw(file, &impact, units);
+        return compose(heading.as_ref(), &impact_contents(file, &impact, figure)?, figure.size);
     }
-    let view = view(file, field, units)?;
-    let mut svg = Svg::default();
-    header(&mut svg, file.facts());
-    let half = (WIDTH - 2.0 * MARGIN - GAP) / 2.0;
-    let area =
-        |column: usize, y: f64, height: f64| Area { x: MARGIN + (half + GAP) * column as f64, y, width: half, height };
-    map::draw(&mut svg, area(0, HEADER, TALL), &view)?;
-    panels::profiles(&mut svg, area(1, HEADER, TALL), &view, 'b')?;
-    let mut y = HEADER + TALL + GAP;
-    let mut column = 0;
-    let mut letter = 'c';
-    for panel in [panels::gauges, panels::ends, panels::ledger, panels::speeds] {
-        if panel(&mut svg, area(column, y, LOW), &view, letter)? {
-            column += 1;
-            letter = char::from(letter as u8 + 1);
-        }
-        if column == 2 {
-            (column, y) = (0, y + LOW + GAP);
-        }
-    }
-    let bottom = if column == 0 { y - GAP } else { y + LOW };
-    Ok(svg.document(WIDTH, bottom + MARGIN))
+    let view = view(file, figure)?;
+    compose(heading.as_ref(), &contents(&view, &figure.panels)?, figure.size)
 }
 
-fn view(file: &ResultFile, field: Option<Field>, units: Units) -> Result<View<'_>> {
+/// Each panel as an SVG of its own, for a page; `size` in px.
+pub(super) fn panels(file: &ResultFile, figure: &Figure, size: [f64; 2]) -> Result<Vec<String>> {
+    let each = |contents: Vec<Content>| contents.iter().enumerate().map(|(i, c)| alone(c, size, i)).collect();
+    if let Some(impact) = file.impact()? {
+        // The page of an impact in closed form holds its tables.
+        return if impact.has_histories() { each(impact_contents(file, &impact, figure)?) } else { Ok(Vec::new()) };
+    }
+    each(contents(&view(file, figure)?, &figure.panels)?)
+}
+
+fn impact_contents<'a>(
+    file: &ResultFile,
+    impact: &crate::record::store::StoredImpact,
+    figure: &Figure,
+) -> Result<Vec<Content<'a>>> {
+    if !figure.panels.is_empty() {
+        let message = format!("{} holds an impact of the kind `{}`", file.path().display(), impact.kind);
+        return Err(InputError::new(message)
+            .key("--panel")
+            .help("only results of bars have panels to choose from")
+            .into());
+    }
+    impact::panels(file, impact, figure.units)
+}
+
+/// The panels that were asked for, or all that have something to show.
+fn contents<'a>(view: &'a View<'a>, asked: &[PanelName]) -> Result<Vec<Content<'a>>> {
+    let mut contents = Vec::new();
+    for name in if asked.is_empty() { &ALL[..] } else { asked } {
+        match content(view, *name)? {
+            Some(content) => contents.push(content),
+            None if asked.is_empty() => {}
+            None => return Err(nothing_in(view, *name).into()),
+        }
+    }
+    Ok(contents)
+}
+
+fn content<'a>(view: &'a View<'a>, name: PanelName) -> Result<Option<Content<'a>>> {
+    let lines = match name {
+        PanelName::Map => return Ok(Some(Content::Map(view))),
+        PanelName::Profiles => profiles::profiles(view)?,
+        PanelName::Gauges => histories::gauges(view)?,
+        PanelName::Ends => histories::ends(view)?,
+        PanelName::Energy => histories::ledger(view)?,
+        PanelName::FrontSpeeds => theory::speeds(view)?,
+        PanelName::SelfSimilar => theory::similarity(view)?,
+        PanelName::StressStrain => theory::path(view)?,
+    };
+    Ok(lines.map(Content::Lines))
+}
+
+fn nothing_in(view: &View, name: PanelName) -> InputError {
+    let (panel, help) = match name {
+        PanelName::Map | PanelName::Profiles => ("field", "the run has not written a frame yet"),
+        PanelName::Gauges => ("gauge", "add `gauges` under [record] in the scene, and run it again"),
+        PanelName::Ends => ("stress at an end", "both ends are free; try --field velocity"),
+        PanelName::Energy => ("ledger", "the run has not written a row of it yet"),
+        PanelName::FrontSpeeds | PanelName::SelfSimilar => (
+            "front of theory",
+            "it needs an end or a joint with a jump in velocity or stress at t = 0, and a finished run",
+        ),
+        PanelName::StressStrain => ("strain", "add gauges, or `stress` and `strain` to `fields`, under [record]"),
+    };
+    InputError::new(format!("{} has no {panel} to draw", view.file.path().display())).key("--panel").help(help)
+}
+
+pub(super) fn view<'a>(file: &'a ResultFile, figure: &Figure) -> Result<View<'a>> {
     let time = file.time()?;
     let x = file.x()?;
     let fields = file.fields();
     let preferred = if fields.contains(&Field::Stress) { Some(Field::Stress) } else { fields.first().copied() };
-    let Some(field) = field.or(preferred) else {
+    let Some(field) = figure.field.or(preferred) else {
         return Err(nothing(file, "no field was recorded").into());
     };
     if !fields.contains(&field) {
@@ -71,7 +156,8 @@ fn view(file: &ResultFile, field: Option<Field>, units: Units) -> Result<View<'_
     };
     // Samples are cell centres: the bar ends half a cell beyond the last one.
     let half_cell = if x.len() > 1 { (last - x[x.len() - 2]) / 2.0 } else { last };
-    Ok(View { file, field, units, time, x, length: last + half_cell, end_time })
+    let (asked, ruptures) = (figure.field.is_some(), file.ruptures()?);
+    Ok(View { file, field, asked, units: figure.units, time, x, length: last + half_cell, end_time, ruptures })
 }
 
 fn nothing(file: &ResultFile, why: &str) -> InputError {
@@ -79,8 +165,7 @@ fn nothing(file: &ResultFile, why: &str) -> InputError {
         .help("a run that was stopped before its first frame leaves none; run the scene again")
 }
 
-fn header(svg: &mut Svg, facts: &Facts) {
-    svg.bold((MARGIN, 28.0), 19.0, Anchor::Start, &shortened(&facts.title, 100));
+fn heading(facts: &Facts) -> Heading {
     let mut parts = vec![format!("{} {}", facts.method, facts.scheme)];
     if let Some(cells) = facts.cells.filter(|cells| *cells > 0) {
         parts.push(format!("{cells} cells"));
@@ -95,13 +180,5 @@ fn header(svg: &mut Svg, facts: &Facts) {
     if let Some(error) = &facts.error {
         parts.push(format!("error {:.1e} ({})", error.value, error.reference));
     }
-    svg.text((MARGIN, 50.0), 13.0, Anchor::Start, &shortened(&parts.join("  \u{b7}  "), 150));
-}
-
-/// At most `length` characters.
-fn shortened(text: &str, length: usize) -> String {
-    if text.chars().count() <= length {
-        return text.to_owned();
-    }
-    text.chars().take(length - 1).chain(std::iter::once('\u{2026}')).collect()
+    Heading { title: facts.title.clone(), about: parts.join("  \u{b7}  ") }
 }

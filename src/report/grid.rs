@@ -1,6 +1,7 @@
 //! Panels of lines, two in a row.
 
-use super::axes::{Axis, Series, line_panel};
+use super::axis::Axis;
+use super::panel::{Series, line_panel};
 use super::plot::{COLOURS, colour};
 use super::svg::{Anchor, Area, Stroke, Svg};
 

@@ -1,58 +1,32 @@
-//! The figure and the tables of an impact that is not waves in a bar.
+//! The panels and the tables of an impact that is not waves in a bar.
 
-use super::axes::{Axis, Series, line_panel};
+use super::axis::Axis;
 use super::colour::{ColourMap, hex};
 use super::display::{Unit, Units};
+use super::layout::Content;
+use super::panel::{LinePanel, Series};
 use super::plot::colour;
-use super::svg::{Anchor, Area, Stroke, Svg};
+use super::svg::Stroke;
 use crate::error::{InputError, Result};
 use crate::record::store::{ResultFile, StoredColumn, StoredImpact, StoredTable};
 
-const MARGIN: f64 = 18.0;
-const GAP: f64 = 22.0;
-const HEADER: f64 = 64.0;
-const WIDTH: f64 = 600.0;
-const HEIGHT: f64 = 320.0;
-
-/// What a panel shows: its title, its axes, its lines.
-struct Content {
-    title: String,
-    x: Axis,
-    y: Axis,
-    series: Vec<Series>,
-}
-
-/// Draws the histories of an impact, one panel for each title that its columns have, and its deflected shapes.
+/// The histories of an impact, one panel for each title that its columns have, and its deflected shapes.
 ///
 /// # Errors
 /// [`InputError`] where the result has no histories.
-pub(super) fn draw(file: &ResultFile, impact: &StoredImpact, units: Units) -> Result<String> {
-    let mut contents = histories(impact, units);
-    contents.extend(shapes(impact, units));
-    if contents.is_empty() {
+pub(super) fn panels<'a>(file: &ResultFile, impact: &StoredImpact, units: Units) -> Result<Vec<Content<'a>>> {
+    let mut panels = histories(impact, units);
+    panels.extend(shapes(impact, units));
+    if panels.is_empty() {
         let message = format!("{} has nothing to draw: it holds figures and no histories", file.path().display());
         let help = "`barwave report FILE -o FILE.html` shows them in a table";
         return Err(InputError::new(message).help(help).into());
     }
-    let mut svg = Svg::default();
-    let facts = file.facts();
-    svg.bold((MARGIN, 28.0), 19.0, Anchor::Start, &facts.title);
-    let about = format!("{} {}  \u{b7}  outcome: {}", facts.method, facts.scheme, facts.outcome);
-    svg.text((MARGIN, 50.0), 13.0, Anchor::Start, &about);
-    let rows = contents.len().div_ceil(2);
-    for (i, content) in contents.iter().enumerate() {
-        let (row, column) = (i / 2, i % 2);
-        let (x, y) = (MARGIN + (WIDTH + GAP) * column as f64, HEADER + (HEIGHT + GAP) * row as f64);
-        let panel = Area { x, y, width: WIDTH, height: HEIGHT };
-        let letter = char::from(b'a' + (i % 26) as u8);
-        let title = format!("({letter})  {}", content.title);
-        line_panel(&mut svg, panel, &title, content.x.clone(), content.y.clone(), &content.series);
-    }
-    Ok(svg.document(2.0 * (MARGIN + WIDTH) + GAP, HEADER + (HEIGHT + GAP) * rows as f64 - GAP + MARGIN))
+    Ok(panels.into_iter().map(Content::Lines).collect())
 }
 
 /// The panels in the order of the columns.
-fn histories(impact: &StoredImpact, units: Units) -> Vec<Content> {
+fn histories(impact: &StoredImpact, units: Units) -> Vec<LinePanel> {
     let mut titles: Vec<&str> = Vec::new();
     let shown = |column: &&StoredColumn| !column.panel.is_empty();
     for column in impact.tables.iter().flat_map(|table| table.columns.iter().filter(shown)) {
@@ -63,7 +37,7 @@ fn histories(impact: &StoredImpact, units: Units) -> Vec<Content> {
     titles.into_iter().map(|title| history(impact, title, units)).collect()
 }
 
-fn history(impact: &StoredImpact, title: &str, units: Units) -> Content {
+fn history(impact: &StoredImpact, title: &str, units: Units) -> LinePanel {
     let of_title =
         |table: &StoredTable| table.columns.iter().filter(|column| column.panel == title).cloned().collect::<Vec<_>>();
     let tables: Vec<(&StoredTable, Vec<StoredColumn>)> = impact.tables.iter().map(|t| (t, of_title(t))).collect();
@@ -95,8 +69,8 @@ fn history(impact: &StoredImpact, title: &str, units: Units) -> Content {
     }
     let values = series.iter().flat_map(|s| s.points.iter().map(|p| p.1)).chain([0.0]).collect::<Vec<_>>();
     let quantity = title.strip_suffix(" at the gauges").unwrap_or(title);
-    Content {
-        title: title.to_owned(),
+    LinePanel {
+        heading: title.to_owned(),
         x: Axis::new(time.label("time"), 0.0, last * time.factor),
         y: Axis::around(unit.label(quantity), values.into_iter()),
         series,
@@ -104,7 +78,7 @@ fn history(impact: &StoredImpact, title: &str, units: Units) -> Content {
 }
 
 /// Deflection over x, a line a time.
-fn shapes(impact: &StoredImpact, units: Units) -> Option<Content> {
+fn shapes(impact: &StoredImpact, units: Units) -> Option<LinePanel> {
     let shapes = impact.shapes.as_ref()?;
     let (&end, &length) = (shapes.time.last()?, shapes.x.last()?);
     let most = shapes.deflection.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
@@ -118,8 +92,8 @@ fn shapes(impact: &StoredImpact, units: Units) -> Option<Content> {
     let rows = shapes.time.iter().zip(shapes.deflection.chunks(shapes.x.len()));
     let series: Vec<Series> = rows.enumerate().map(line).collect();
     let values: Vec<f64> = series.iter().flat_map(|s| s.points.iter().map(|p| p.1)).chain([0.0]).collect();
-    Some(Content {
-        title: "deflected shapes".into(),
+    Some(LinePanel {
+        heading: "deflected shapes".into(),
         x: Axis::new(place.label("place x"), 0.0, length * place.factor),
         y: Axis::around(unit.label("deflection"), values.into_iter()),
         series,

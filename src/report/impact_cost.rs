@@ -1,6 +1,7 @@
 //! The picture of a cost study of an impact: error against modes and against steps, all logarithmic.
 
-use super::axes::{Axis, Series, line_panel};
+use super::axis::Axis;
+use super::panel::{Series, line_panel};
 use super::plot::colour;
 use super::svg::{Anchor, Area, Stroke, Svg};
 use crate::study::impact_cost::{ImpactCost, ImpactPoint};
@@ -21,11 +22,11 @@ pub fn figure(cost: &ImpactCost) -> String {
         }
         let place = |p: &ImpactPoint| {
             let count = if varied == "modes" { p.modes.unwrap_or(1) } else { p.steps };
-            ((count as f64).log10(), p.error.log10())
+            (count as f64, p.error)
         };
         let points: Vec<(f64, f64)> = own.iter().map(|p| place(p)).collect();
-        let across = Axis::around(format!("log10 of the number of {varied}"), points.iter().map(|p| p.0));
-        let up = Axis::around("log10 of the error", points.iter().map(|p| p.1));
+        let across = Axis::logarithmic_around(format!("number of {varied}"), points.iter().map(|p| p.0));
+        let up = Axis::logarithmic_around("error", points.iter().map(|p| p.1));
         let series = [
             Series::line("", points.clone(), Stroke::new(colour(i), 1.6)),
             Series::marks("", points, Stroke::new(colour(i), 1.6)),

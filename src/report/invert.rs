@@ -1,7 +1,8 @@
 //! Pictures of inverted curves.
 
-use super::axes::{Axis, Series};
+use super::axis::Axis;
 use super::grid::{area, document, panel};
+use super::panel::Series;
 use super::plot::colour;
 use super::svg::Stroke;
 use crate::material::Curve;

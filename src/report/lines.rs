@@ -1,7 +1,7 @@
 //! Figures of panels of lines, two in a row.
 
-use super::axes::Series;
 use super::grid;
+use super::panel::Series;
 use super::plot::colour;
 use super::svg::Stroke;
 

@@ -2,12 +2,15 @@
 
 use resvg::tiny_skia::{Pixmap, PremultipliedColorU8};
 
-use super::axes::{self, Axis, Frame};
+use super::axes::{self, Frame};
+use super::axis::Axis;
 use super::colour::{Range, hex};
-use super::display::field_name;
-use super::svg::{Anchor, Area, Stroke, Svg, text_width};
+use super::display::{field_name, four_digits};
+use super::panel::{Series, draw_legend, draw_series, legend_rows};
+use super::svg::{Anchor, Area, INK, PAPER, RUPTURE, Stroke, Svg, text_width};
 use super::view::{View, nearest};
 use crate::error::{Error, Result};
+use crate::record::store::Gauge;
 use crate::record::{FrontRow, PathRow};
 
 /// Pixels of the picture for each unit of the drawing: sharp in print without a large file.
@@ -15,36 +18,42 @@ const FINENESS: f64 = 2.0;
 /// Room for the colour bar, px.
 const BAR_ROOM: f64 = 104.0;
 
+pub(super) fn heading(view: &View) -> String {
+    format!("{} over the bar and time", field_name(view.field))
+}
+
 /// Draws the diagram: x to the right, time upwards.
-pub(super) fn draw(svg: &mut Svg, panel: Area, view: &View) -> Result<()> {
+pub(super) fn draw(svg: &mut Svg, panel: Area, view: &View, heading: &str) -> Result<()> {
     let (time, length) = (view.time_unit(), view.length_unit());
-    let name = field_name(view.field);
-    axes::title(svg, panel, &format!("(a)  {name} over the bar and time"));
+    let gauges = view.file.gauges()?;
+    axes::title(svg, panel, heading);
     let frame = Frame {
-        plot: axes::plot_area(panel, 1, BAR_ROOM),
+        // A row for the legend, and one for the names of the gauges.
+        plot: axes::plot_area(panel, 1 + usize::from(!gauges.is_empty()), BAR_ROOM),
         x: Axis::new(length.label("position x"), 0.0, view.length * length.factor),
         y: Axis::new(time.label("time"), 0.0, view.end_time * time.factor),
     };
-    let (picture, range) = picture(&frame, view)?;
+    let (picture, range, extremes) = picture(&frame, view)?;
     svg.image(frame.plot, &picture);
-    let lines = draw_lines(svg, &frame, view)?;
-    draw_gauges(svg, &frame, view)?;
+    let mut entries = draw_lines(svg, &frame, view)?;
+    draw_gauges(svg, &frame, view, gauges);
+    entries.extend(draw_ruptures(svg, &frame, view));
     frame.draw(svg, false);
-    legend(svg, panel, lines);
-    colour_bar(svg, &frame, &range, &view.field_unit().label(name));
+    draw_legend(svg, panel, &legend_rows(&entries, panel.width));
+    colour_bar(svg, &frame, &range, extremes, &view.field_unit().label(field_name(view.field)));
     Ok(())
 }
 
 /// The nearest frame for each row of pixels and the nearest sample for each column; NaN and no time yet are grey.
-fn picture(frame: &Frame, view: &View) -> Result<(Vec<u8>, Range)> {
+fn picture(frame: &Frame, view: &View) -> Result<(Vec<u8>, Range, Extremes)> {
     let (columns, rows) = ((frame.plot.width * FINENESS) as usize, (frame.plot.height * FINENESS) as usize);
     let samples: Vec<usize> =
         (0..columns).map(|i| nearest(&view.x, (i as f64 + 0.5) / columns as f64 * view.length)).collect();
     let frames: Vec<usize> =
         (0..rows).map(|i| nearest(&view.time, (1.0 - (i as f64 + 0.5) / rows as f64) * view.end_time)).collect();
     let lines = read_lines(view, &frames, &samples)?;
-    let (low, high) = extremes(&lines);
-    let range = Range::of(low, high);
+    let extremes = Extremes::of(lines.concat());
+    let range = Range::of(extremes.shown[0], extremes.shown[1]);
     let mut pixels = Pixmap::new(columns as u32, rows as u32)
         .ok_or_else(|| Error::file(view.file.path(), "the picture has no size"))?;
     for (pixel, value) in pixels.pixels_mut().iter_mut().zip(lines.iter().flat_map(|line| line.iter())) {
@@ -54,7 +63,7 @@ fn picture(frame: &Frame, view: &View) -> Result<(Vec<u8>, Range)> {
         }
     }
     let png = pixels.encode_png().map_err(|e| Error::file(view.file.path(), e))?;
-    Ok((png, range))
+    Ok((png, range, extremes))
 }
 
 /// One line of sampled values for each row of pixels, in shown units. Frames are read one at a time, each once: a
@@ -73,31 +82,41 @@ fn read_lines(view: &View, frames: &[usize], samples: &[usize]) -> Result<Vec<Ve
     Ok(lines)
 }
 
-fn extremes(lines: &[Vec<f64>]) -> (f64, f64) {
-    let finite = lines.iter().flatten().filter(|v| v.is_finite());
-    finite.fold((0.0, 0.0), |(low, high): (f64, f64), &v| (low.min(v), high.max(v)))
+/// Lowest and highest value, and those that the colours run between: where the outermost thousandth of all pixels takes up more than half of
+/// the range, it is left out.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Extremes {
+    all: [f64; 2],
+    shown: [f64; 2],
 }
 
-/// What was drawn over the map.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Lines {
-    None,
-    /// Theoretical speeds.
-    Theory,
-    /// The tracked fronts, all of them or the strongest.
-    Tracked {
-        all: bool,
-    },
+impl Extremes {
+    fn of(mut values: Vec<f64>) -> Self {
+        /// Pixels for one that may be left out at either end.
+        const FEW: usize = 1000;
+        values.retain(|v| v.is_finite());
+        if values.is_empty() {
+            return Self { all: [0.0; 2], shown: [0.0; 2] };
+        }
+        let last = values.len() - 1;
+        let mut value = |place: usize| *values.select_nth_unstable_by(place, f64::total_cmp).1;
+        let (low, high) = (value(0).min(0.0), value(last).max(0.0));
+        let (inner_low, inner_high) = (value(last / FEW).min(0.0), value(last - last / FEW).max(0.0));
+        let keep = |outer: f64, inner: f64| if (outer - inner).abs() > 0.5 * (high - low) { inner } else { outer };
+        Self { all: [low, high], shown: [keep(low, inner_low), keep(high, inner_high)] }
+    }
 }
 
 /// The fronts themselves where the file has them, otherwise lines at the speeds of theory.
-fn draw_lines(svg: &mut Svg, frame: &Frame, view: &View) -> Result<Lines> {
+fn draw_lines(svg: &mut Svg, frame: &Frame, view: &View) -> Result<Vec<Series>> {
     let paths = view.file.paths()?;
     if !paths.is_empty() {
-        return Ok(Lines::Tracked { all: draw_paths(svg, frame, view, &paths) });
+        let name = if draw_paths(svg, frame, view, &paths) { "fronts, by strength" } else { "strongest fronts" };
+        return Ok(vec![Series::line(name, Vec::new(), Stroke::new("black", 1.4))]);
     }
-    let fronts = view.file.fronts()?;
-    Ok(if draw_fronts(svg, frame, view, &fronts) { Lines::Theory } else { Lines::None })
+    let drawn = draw_fronts(svg, frame, view, &view.file.fronts()?);
+    let stroke = Stroke::new("black", 1.2).dashed("6 3");
+    Ok(drawn.then(|| Series::line("front speeds, theory", Vec::new(), stroke)).into_iter().collect())
 }
 
 /// Most straight pieces that are drawn: more would hide the map.
@@ -141,11 +160,13 @@ fn draw_paths(svg: &mut Svg, frame: &Frame, view: &View, paths: &[PathRow]) -> b
 /// Lines at the theoretical speeds, from where each front started to where it was last seen. Of lines that would end
 /// closer together than this, px, only one is drawn: a smooth curve has dozens of fronts, which would hide the map.
 const APART: f64 = 22.0;
+/// Where the lines of a fan are closer than this, px, only the first is drawn: the fan's origin stays in sight.
+const OPEN: f64 = 9.0;
 
 /// Draws the fronts; true where there was one.
 fn draw_fronts(svg: &mut Svg, frame: &Frame, view: &View, fronts: &[FrontRow]) -> bool {
     let (time, length) = (view.time_unit().factor, view.length_unit().factor);
-    let mut last_end: Option<(f64, f64)> = None;
+    let mut last: Option<[(f64, f64); 2]> = None;
     svg.clipped(frame.plot, |svg| {
         for front in fronts.iter().filter(|f| f.last_seen.is_finite() && f.speed != 0.0) {
             let start = match front.origin.as_str() {
@@ -156,24 +177,26 @@ fn draw_fronts(svg: &mut Svg, frame: &Frame, view: &View, fronts: &[FrontRow]) -
             let end = start + front.speed * front.last_seen;
             let from = frame.place((start * length, 0.0));
             let to = frame.place((end * length, front.last_seen * time));
-            if last_end.is_some_and(|last| (last.0 - to.0).hypot(last.1 - to.1) < APART) {
+            let apart = last.map_or(f64::INFINITY, |[_, end]| (end.0 - to.0).hypot(end.1 - to.1));
+            if apart < APART {
                 continue;
             }
-            last_end = Some(to);
-            svg.line(from, to, &Stroke::new("white", 2.6));
+            let hidden = if last.is_some_and(|[start, _]| start == from) { OPEN / apart } else { 0.0 };
+            last = Some([from, to]);
+            let from = (from.0 + hidden * (to.0 - from.0), from.1 + hidden * (to.1 - from.1));
+            svg.line(from, to, &Stroke::new("white", 2.4).opacity(0.7));
             svg.line(from, to, &Stroke::new("black", 1.2).dashed("6 3"));
         }
     });
-    last_end.is_some()
+    last.is_some()
 }
 
-fn draw_gauges(svg: &mut Svg, frame: &Frame, view: &View) -> Result<()> {
+fn draw_gauges(svg: &mut Svg, frame: &Frame, view: &View, mut gauges: Vec<Gauge>) {
     let mut free_from = f64::NEG_INFINITY;
-    let mut gauges = view.file.gauges()?;
     gauges.sort_by(|a, b| a.x.total_cmp(&b.x));
     for gauge in &gauges {
         let x = frame.place((gauge.x * view.length_unit().factor, 0.0)).0;
-        svg.line((x, frame.plot.y), (x, frame.plot.bottom()), &Stroke::new("white", 2.4));
+        svg.line((x, frame.plot.y), (x, frame.plot.bottom()), &Stroke::new("white", 2.4).opacity(0.7));
         svg.line((x, frame.plot.y), (x, frame.plot.bottom()), &Stroke::new("#333", 1.2).dashed("1.5 3"));
         // A name that would run into the one before it is left out; the histories name every gauge.
         let half = text_width(&gauge.name, 11.0) / 2.0;
@@ -182,22 +205,23 @@ fn draw_gauges(svg: &mut Svg, frame: &Frame, view: &View) -> Result<()> {
             free_from = x + half + 6.0;
         }
     }
-    Ok(())
 }
 
-fn legend(svg: &mut Svg, panel: Area, lines: Lines) {
-    let (text, stroke) = match lines {
-        Lines::None => return,
-        Lines::Theory => ("front speeds, theory", Stroke::new("black", 1.2).dashed("6 3")),
-        Lines::Tracked { all: true } => ("fronts, by strength", Stroke::new("black", 1.4)),
-        Lines::Tracked { all: false } => ("strongest fronts", Stroke::new("black", 1.4)),
-    };
-    let (x, y) = (panel.right() - text_width(text, 12.0) - 6.0, panel.y + 12.0);
-    svg.line((x - 32.0, y), (x - 6.0, y), &stroke);
-    svg.text((x, y + 4.0), 12.0, Anchor::Start, text);
+/// Where the bar broke, and the crack from then on.
+fn draw_ruptures(svg: &mut Svg, frame: &Frame, view: &View) -> Option<Series> {
+    let (time, length) = (view.time_unit().factor, view.length_unit().factor);
+    let points: Vec<(f64, f64)> = view.ruptures.iter().map(|r| (r.x * length, r.time * time)).collect();
+    for &(x, t) in points.iter().filter(|p| p.0.is_finite() && p.1.is_finite()) {
+        let (from, to) = (frame.place((x, t)), frame.place((x, frame.y.high)));
+        svg.line(from, to, &Stroke::new(PAPER, 2.6));
+        svg.line(from, to, &Stroke::new(RUPTURE, 1.3).dashed("4 3"));
+    }
+    let marks = Series::marks("rupture", points, Stroke::new(RUPTURE, 2.0));
+    draw_series(svg, frame, &marks);
+    (!marks.points.is_empty()).then_some(marks)
 }
 
-fn colour_bar(svg: &mut Svg, frame: &Frame, range: &Range, label: &str) {
+fn colour_bar(svg: &mut Svg, frame: &Frame, range: &Range, extremes: Extremes, label: &str) {
     const STEPS: usize = 128;
     let bar = Area { x: frame.plot.right() + 14.0, width: 16.0, ..frame.plot };
     let step = bar.height / STEPS as f64;
@@ -209,16 +233,36 @@ fn colour_bar(svg: &mut Svg, frame: &Frame, range: &Range, label: &str) {
     }
     let scale = Frame { plot: bar, x: Axis::new("", 0.0, 1.0), y: Axis::new(label, range.low, range.high) };
     scale.draw_right(svg);
+    draw_cut(svg, bar, extremes);
+}
+
+/// What the colours leave out, in words at the ends of the colour bar.
+fn draw_cut(svg: &mut Svg, bar: Area, Extremes { all, shown }: Extremes) {
+    let (middle, ink) = (bar.x + 0.5 * bar.width, Stroke::new(INK, 0.8));
+    let ends = [(1, bar.y, -1.0, "up to"), (0, bar.bottom(), 1.0, "down to")];
+    for (end, edge, outward, words) in ends.into_iter().filter(|&(end, ..)| all[end] != shown[end]) {
+        let tip = [(bar.x, edge), (bar.right(), edge), (middle, edge + 8.0 * outward)];
+        svg.polygon(&tip, PAPER, &ink);
+        let y = edge + if outward < 0.0 { -10.0 } else { 18.0 };
+        svg.text((bar.x, y), 11.0, Anchor::Start, &format!("{words} {}", four_digits(all[end])));
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::nearest;
+    use super::Extremes;
 
     #[test]
-    fn nearest_takes_the_closer_neighbour_and_stays_inside() {
-        let values = [0.5, 1.5, 2.5];
-        let found: Vec<_> = [-1.0, 0.9, 1.1, 2.0, 9.0].iter().map(|t| nearest(&values, *t)).collect();
-        assert_eq!(found, [0, 0, 1, 1, 2]);
+    fn a_spike_of_a_few_pixels_does_not_take_the_colours_and_is_told() {
+        let mut values: Vec<f64> = (0..100_000).map(|i| f64::from(i % 101)).collect();
+        let plain = Extremes::of(values.clone());
+        assert_eq!((plain.all, plain.shown), ([0.0, 100.0], [0.0, 100.0]));
+        values[..20].fill(-3000.0);
+        values[20] = f64::NAN;
+        let spiked = Extremes::of(values.clone());
+        assert_eq!((spiked.all, spiked.shown), ([-3000.0, 100.0], [0.0, 100.0]));
+        // A pulse that covers a part of the picture is no spike.
+        values[..200].fill(-3000.0);
+        assert_eq!(Extremes::of(values).shown, [-3000.0, 100.0]);
     }
 }

@@ -1,6 +1,7 @@
 //! Pictures and pages from result files and studies.
 
 mod axes;
+mod axis;
 mod colour;
 pub mod compare;
 pub mod compare_results;
@@ -8,20 +9,24 @@ pub mod cost;
 mod display;
 mod figure;
 mod grid;
+mod histories;
 mod impact;
 pub mod impact_cost;
 pub mod invert;
+mod layout;
 pub mod lines;
 mod map;
 mod page;
-mod panels;
+mod panel;
 pub mod plot;
+mod profiles;
 mod svg;
 pub mod sweep;
 pub mod tension;
 pub mod test_record;
+mod theory;
 mod view;
 
 pub use display::Units;
-pub use figure::draw;
+pub use figure::{Figure, PanelName, draw};
 pub use page::page;

@@ -1,6 +1,7 @@
 //! The page of a result file: its figure, and in tables what a figure cannot say.
 
 use super::display::{Unit, Units, four_digits};
+use super::figure::{Figure, panels};
 use super::impact;
 use super::plot::{escape, html};
 use crate::error::Result;
@@ -11,14 +12,21 @@ use crate::solver::Energies;
 /// A number without unit.
 const PLAIN: Unit = Unit { factor: 1.0, symbol: "" };
 
+/// Width and height of a panel of the page, px: text stays readable on a telephone.
+const PANEL: [f64; 2] = [460.0, 340.0];
+
 /// Fronts that the page lists; a tracked run can end with thousands.
 const MOST_FRONTS: usize = 100;
 
-/// One HTML page that needs nothing else: the figure `svg`, run facts, fronts, ledger, audit, materials, scene.
-pub fn page(file: &ResultFile, svg: &str, units: Units) -> Result<String> {
-    let facts = file.facts();
+/// One HTML page that needs nothing else: the panels, run facts, fronts, ledger, audit, materials, scene.
+///
+/// # Errors
+/// As for [`draw`](super::draw).
+pub fn page(file: &ResultFile, figure: &Figure) -> Result<String> {
+    let (facts, units) = (file.facts(), figure.units);
+    let svg = panels(file, figure, PANEL)?.concat();
     if let Some(impact) = file.impact()? {
-        return impact_page(file, &impact, svg, units);
+        return impact_page(file, &impact, &svg, units);
     }
     let fronts = fronts_table(file, units)?;
     let ledger = ledger_table(file, units)?;
@@ -26,7 +34,7 @@ pub fn page(file: &ResultFile, svg: &str, units: Units) -> Result<String> {
     let materials = materials_table(file, units)?;
     let scene = format!("<pre>{}</pre>", escape(&facts.scene));
     let about = facts_table(facts);
-    let mut sections = vec![("", svg), ("Run", about.as_str())];
+    let mut sections = vec![("", svg.as_str()), ("Run", about.as_str())];
     let optional = [
         ("Fronts", &fronts),
         ("Ledger", &ledger),

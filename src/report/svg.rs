@@ -7,6 +7,15 @@ use super::plot::escape;
 /// The fonts asked for, as in the other pictures; none is wider than [`text_width`] assumes.
 const FONT: &str = "DejaVu Sans, Liberation Sans, Arial, Helvetica, sans-serif";
 
+/// Colours with a role. A page gives each its counterpart for the dark, so that pictures use no others for it.
+pub(super) const INK: &str = "#222";
+pub(super) const PAPER: &str = "white";
+pub(super) const BORDER: &str = "#444";
+pub(super) const GRID: &str = "#e0e0e0";
+pub(super) const FINE: &str = "#f2f2f2";
+pub(super) const RUPTURE: &str = "#b2182b";
+pub(super) const THEORY: &str = "#777";
+
 /// A drawing under construction.
 #[derive(Debug, Default)]
 pub(super) struct Svg {
@@ -76,11 +85,22 @@ impl Area {
 }
 
 impl Svg {
+    /// A drawing that stands on one page with others of other numbers: what it names inside itself has names of its own.
+    pub fn of_page(number: usize) -> Self {
+        const MOST_CLIPS: usize = 100;
+        Self { clips: MOST_CLIPS * number, ..Self::default() }
+    }
+
     pub fn rect(&mut self, area: Area, fill: &str, stroke: Option<&Stroke>) {
+        self.rect_with(area, fill, stroke, "");
+    }
+
+    /// A rectangle with further attributes.
+    pub fn rect_with(&mut self, area: Area, fill: &str, stroke: Option<&Stroke>, attributes: &str) {
         let stroke = stroke.map_or_else(String::new, Stroke::attributes);
         let Area { x, y, width, height } = area;
         self.push(format_args!(
-            "<rect x=\"{x:.2}\" y=\"{y:.2}\" width=\"{width:.2}\" height=\"{height:.2}\" fill=\"{fill}\" {stroke}/>"
+            "<rect x=\"{x:.2}\" y=\"{y:.2}\" width=\"{width:.2}\" height=\"{height:.2}\" fill=\"{fill}\" {stroke}{attributes}/>"
         ));
     }
 
@@ -94,6 +114,11 @@ impl Svg {
 
     /// A line through points; a point that is not finite interrupts it.
     pub fn path(&mut self, points: &[(f64, f64)], stroke: &Stroke) {
+        self.named_path("", points, stroke);
+    }
+
+    /// A line that tells a script its name.
+    pub fn named_path(&mut self, name: &str, points: &[(f64, f64)], stroke: &Stroke) {
         let mut path = String::new();
         let mut pen_down = false;
         for &(x, y) in points {
@@ -106,7 +131,8 @@ impl Svg {
         }
         if !path.is_empty() {
             let stroke = stroke.attributes();
-            self.push(format_args!("<path d=\"{path}\" fill=\"none\" stroke-linejoin=\"round\" {stroke}/>"));
+            let name = if name.is_empty() { String::new() } else { format!(" data-name=\"{}\"", escape(name)) };
+            self.push(format_args!("<path d=\"{path}\" fill=\"none\" stroke-linejoin=\"round\" {stroke}{name}/>"));
         }
     }
 
@@ -198,6 +224,14 @@ impl Svg {
         let _ = self.body.write_fmt(element);
         self.body.push('\n');
     }
+}
+
+/// At most `length` characters.
+pub(super) fn shortened(text: &str, length: usize) -> String {
+    if text.chars().count() <= length {
+        return text.to_owned();
+    }
+    text.chars().take(length - 1).chain(std::iter::once('\u{2026}')).collect()
 }
 
 /// Width that a text takes, a little on the safe side for every font asked for.

@@ -2,8 +2,8 @@
 
 use serde_json::Value;
 
-use super::axes::Series;
 use super::grid::{Panel, draw, stroke};
+use super::panel::Series;
 use crate::study::sweep::{Combine, Plan, Row};
 
 /// Metrics that are drawn where the sweep file names none.

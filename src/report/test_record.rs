@@ -1,6 +1,7 @@
 //! The picture of an imported record: before and after.
 
-use super::axes::{Axis, Series, line_panel};
+use super::axis::Axis;
+use super::panel::{Series, line_panel};
 use super::plot::colour;
 use super::svg::{Anchor, Area, Stroke, Svg};
 use crate::material::Scatter;

@@ -1,13 +1,16 @@
 //! What every panel of a figure shows of a run, and in which units.
 
 use super::display::{Unit, Units};
-use crate::record::Field;
-use crate::record::store::ResultFile;
+use crate::error::Result;
+use crate::record::store::{ResultFile, StoredRupture};
+use crate::record::{Field, FrontRow, INTERIOR};
 
 /// What every panel needs to know of the run.
 pub(super) struct View<'a> {
     pub file: &'a ResultFile,
     pub field: Field,
+    /// The field was asked for, and is not just the one that there is.
+    pub asked: bool,
     pub units: Units,
     pub time: Vec<f64>,
     pub x: Vec<f64>,
@@ -15,6 +18,7 @@ pub(super) struct View<'a> {
     pub length: f64,
     /// s.
     pub end_time: f64,
+    pub ruptures: Vec<StoredRupture>,
 }
 
 impl View<'_> {
@@ -29,6 +33,51 @@ impl View<'_> {
     pub fn field_unit(&self) -> Unit {
         self.units.field(self.field)
     }
+
+    /// The fronts that theory knows: the edges of the first fans.
+    pub fn theory_fronts(&self) -> Result<Vec<FrontRow>> {
+        let mut fronts = self.file.fronts()?;
+        fronts.retain(|front| front.origin != INTERIOR);
+        Ok(fronts)
+    }
+
+    /// A field at some samples, frame by frame. Frames are read a block at a time: a field may be larger than memory.
+    pub fn columns(&self, field: Field, samples: &[usize]) -> Result<Vec<Vec<f64>>> {
+        const BLOCK: usize = 64;
+        let mut columns = vec![Vec::with_capacity(self.time.len()); samples.len()];
+        for start in (0..self.time.len()).step_by(BLOCK) {
+            let block = self.file.field(field, start..(start + BLOCK).min(self.time.len()))?;
+            for row in block.rows() {
+                for (column, &sample) in columns.iter_mut().zip(samples) {
+                    column.push(row[sample]);
+                }
+            }
+        }
+        Ok(columns)
+    }
+
+    /// Values that the axis of a line must hold: all of an exact solution, otherwise without spikes of a few samples.
+    pub fn limits(&self, points: &[(f64, f64)]) -> Vec<f64> {
+        // Steps of fronts are few rows and no spikes.
+        if self.file.facts().method == "moc" { points.iter().map(|p| p.1).collect() } else { without_spikes(points) }
+    }
+}
+
+/// Lowest and highest value for the axis. A sudden start can leave a few samples far outside (a first step carries
+/// the whole jump); where leaving out the five most extreme samples halves the range, they run out of the frame.
+fn without_spikes(points: &[(f64, f64)]) -> Vec<f64> {
+    const SPIKE: usize = 5;
+    let mut values: Vec<f64> = points.iter().map(|p| p.1).filter(|v| v.is_finite()).collect();
+    values.sort_by(f64::total_cmp);
+    let (Some(&low), Some(&high)) = (values.first(), values.last()) else {
+        return values;
+    };
+    if values.len() < 40 * SPIKE {
+        return vec![low, high];
+    }
+    let (inner_low, inner_high) = (values[SPIKE], values[values.len() - 1 - SPIKE]);
+    let keep = |outer: f64, inner: f64| if (outer - inner).abs() > 0.5 * (high - low) { inner } else { outer };
+    vec![keep(low, inner_low), keep(high, inner_high)]
 }
 
 /// Index of the value nearest to `target` in an increasing list that is not empty.
@@ -38,4 +87,27 @@ pub(super) fn nearest(values: &[f64], target: f64) -> usize {
         return 0;
     }
     if after == values.len() || target - values[after - 1] <= values[after] - target { after - 1 } else { after }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_spike_of_a_few_samples_does_not_set_the_axis() {
+        let mut points: Vec<(f64, f64)> = (0..1000).map(|i| (f64::from(i), f64::from(i % 100))).collect();
+        assert_eq!(without_spikes(&points), [0.0, 99.0]);
+        points[3].1 = -5000.0;
+        assert_eq!(without_spikes(&points), [0.0, 99.0]);
+        // A pulse that lasts is no spike.
+        points[10..30].iter_mut().for_each(|p| p.1 = -5000.0);
+        assert_eq!(without_spikes(&points), [-5000.0, 99.0]);
+    }
+
+    #[test]
+    fn nearest_takes_the_closer_neighbour_and_stays_inside() {
+        let values = [0.5, 1.5, 2.5];
+        let found: Vec<_> = [-1.0, 0.9, 1.1, 2.0, 9.0].iter().map(|t| nearest(&values, *t)).collect();
+        assert_eq!(found, [0, 0, 1, 1, 2]);
+    }
 }

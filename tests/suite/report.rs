@@ -5,10 +5,11 @@
 use std::path::Path;
 
 use barwave::error::Error;
+use barwave::law::rupture::{Cause, Rupture, Site};
 use barwave::record::store::{Finish, Geometry, Header, Layout, ResultFile, Side, Writer};
 use barwave::record::{AuditRow, Compression, Field, Frame, FrontRow, LedgerRow, Precision, Trace};
 use barwave::report::plot::png;
-use barwave::report::{Units, draw, page};
+use barwave::report::{Figure, PanelName, Units, draw, page};
 use barwave::solver::Energies;
 
 fn front(speed: f64, stress_behind: f64) -> FrontRow {
@@ -26,12 +27,11 @@ fn front(speed: f64, stress_behind: f64) -> FrontRow {
     }
 }
 
-/// Starts a run of `frames` frames of stress with the given value everywhere.
-fn start(path: &Path, frames: usize, stress: f64) -> Writer {
-    let layout = Layout {
+fn layout(fields: Vec<Field>) -> Layout {
+    Layout {
         geometry: Geometry::default(),
         x: (0..50).map(|i| (f64::from(i) + 0.5) / 50.0).collect(),
-        fields: vec![Field::Stress],
+        fields,
         gauges: vec![("a <gauge>".into(), 0.25)],
         precision: Precision::F64,
         compression: Compression::Deflate,
@@ -39,9 +39,13 @@ fn start(path: &Path, frames: usize, stress: f64) -> Writer {
         sampling: String::new(),
         paths: false,
         temperature: false,
-    };
+    }
+}
+
+/// Starts a run of `frames` frames of stress with the given value everywhere.
+fn start(path: &Path, frames: usize, stress: f64) -> Writer {
     let header = Header { title: "Pull & <let go>".into(), scene: "x = \"<&>\"".into(), ..Header::default() };
-    let mut writer = Writer::create(path, &header, &layout, &[]).unwrap();
+    let mut writer = Writer::create(path, &header, &layout(vec![Field::Stress]), &[]).unwrap();
     for index in 0..frames {
         let time = index as f64 * 1e-5;
         writer.frame(Frame { time, rows: vec![vec![stress; 50]] }).unwrap();
@@ -81,7 +85,7 @@ fn finished(path: &Path) -> ResultFile {
 #[test]
 fn a_finished_run_has_every_panel() {
     let folder = tempfile::tempdir().unwrap();
-    let svg = draw(&finished(&folder.path().join("a.h5")), None, Units::Si).unwrap();
+    let svg = draw(&finished(&folder.path().join("a.h5")), &Figure::default()).unwrap();
     for panel in [
         "(a)  stress over",
         "(b)  stress along",
@@ -100,7 +104,7 @@ fn a_finished_run_has_every_panel() {
 #[test]
 fn inch_pound_units_reach_every_axis() {
     let folder = tempfile::tempdir().unwrap();
-    let svg = draw(&finished(&folder.path().join("a.h5")), None, Units::Us).unwrap();
+    let svg = draw(&finished(&folder.path().join("a.h5")), &Figure { units: Units::Us, ..Figure::default() }).unwrap();
     for label in ["stress (ksi)", "position x (in)", "front speed (ft/s)", "energy (ft\u{b7}lbf/in\u{b2})"] {
         assert!(svg.contains(label), "{label}");
     }
@@ -111,8 +115,7 @@ fn inch_pound_units_reach_every_axis() {
 fn the_page_has_the_tables() {
     let folder = tempfile::tempdir().unwrap();
     let file = finished(&folder.path().join("a.h5"));
-    let svg = draw(&file, None, Units::Si).unwrap();
-    let page = page(&file, &svg, Units::Si).unwrap();
+    let page = page(&file, &Figure::default()).unwrap();
     for text in ["x = &quot;&lt;&amp;&gt;&quot;", "it would be 9 K warmer", "(matters)", "+1.00", "speed, theory (m/s)"]
     {
         assert!(page.contains(text), "{text}");
@@ -125,7 +128,7 @@ fn an_unfinished_run_is_drawn_as_far_as_it_came() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.h5");
     drop(start(&path, 4, -1e8));
-    let svg = draw(&ResultFile::open(&path).unwrap(), None, Units::Si).unwrap();
+    let svg = draw(&ResultFile::open(&path).unwrap(), &Figure::default()).unwrap();
     assert!(svg.contains("unfinished") && svg.contains("(e)  energy") && !svg.contains("speed of the fronts"));
 }
 
@@ -135,7 +138,7 @@ fn one_frame_of_zeros_and_not_a_number_can_be_drawn() {
     for (frames, stress) in [(1, 0.0), (1, 5.0), (3, 0.0), (3, f64::NAN)] {
         let path = folder.path().join("a.h5");
         drop(start(&path, frames, stress));
-        let svg = draw(&ResultFile::open(&path).unwrap(), None, Units::Si).unwrap();
+        let svg = draw(&ResultFile::open(&path).unwrap(), &Figure::default()).unwrap();
         assert!(!svg.contains("NaN") && !svg.contains("inf\""), "{frames} frames of {stress}");
         assert!(png(&svg, 0.5).unwrap().len() > 1000);
     }
@@ -147,11 +150,120 @@ fn wrong_requests_say_what_there_is() {
     let path = folder.path().join("a.h5");
     drop(start(&path, 0, 0.0));
     let file = ResultFile::open(&path).unwrap();
-    let complaint = |field| match draw(&file, field, Units::Si).unwrap_err() {
+    let complaint = |field| match draw(&file, &Figure { field, ..Figure::default() }).unwrap_err() {
         Error::Input(error) => error.to_string(),
         other => panic!("{other}"),
     };
     assert!(complaint(None).contains("there is no frame in it yet"));
     let message = complaint(Some(Field::Strain));
     assert!(message.contains("no field `strain`") && message.contains("(allowed: stress)"), "{message}");
+}
+
+fn drawn(folder: &Path, figure: &Figure) -> Result<String, Error> {
+    draw(&finished(&folder.join("a.h5")), figure)
+}
+
+#[test]
+fn free_ends_have_no_panel() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.h5");
+    start(&path, 5, 0.0).finish("done", &[], &[], Finish::default()).unwrap();
+    let file = ResultFile::open(&path).unwrap();
+    let svg = draw(&file, &Figure::default()).unwrap();
+    assert!(!svg.contains("stress at the") || svg.contains("stress at the gauges"));
+    assert!(!svg.contains("left end") && !svg.contains("right end"));
+    let error = draw(&file, &Figure { panels: vec![PanelName::Ends], ..Figure::default() }).unwrap_err();
+    assert_eq!(error.exit_code(), 2);
+    assert!(error.to_string().contains("no stress at an end"), "{error}");
+}
+
+#[test]
+fn front_speeds_are_on_a_logarithmic_axis() {
+    let folder = tempfile::tempdir().unwrap();
+    let figure = Figure { panels: vec![PanelName::FrontSpeeds], ..Figure::default() };
+    let svg = drawn(folder.path(), &figure).unwrap();
+    assert!(svg.contains(" log\" data-y-label=\"front speed (m/s)\""));
+    // 500 and 5000 m/s with a little room.
+    for label in [">500<", ">1000<", ">2000<", ">5000<"] {
+        assert!(svg.contains(label), "{label}");
+    }
+}
+
+#[test]
+fn panels_are_drawn_alone_in_the_size_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let one = |size| Figure { panels: vec![PanelName::Energy], size, ..Figure::default() };
+    let svg = drawn(folder.path(), &one(Some([400.0, 300.0]))).unwrap();
+    assert!(svg.contains("width=\"400\" height=\"300\"") && svg.contains(">energy<"));
+    assert!(!svg.contains("(a)") && !svg.contains("Pull &amp;") && !svg.contains("<image"));
+    let two = Figure { panels: vec![PanelName::Energy, PanelName::Gauges], ..Figure::default() };
+    let svg = drawn(folder.path(), &two).unwrap();
+    assert!(svg.contains("(a)  energy") && svg.contains("(b)  stress at the gauges"));
+    let error = drawn(folder.path(), &one(Some([200.0, 100.0]))).unwrap_err();
+    assert_eq!(error.exit_code(), 2);
+    assert!(error.to_string().contains("at least 260 x 200 px"), "{error}");
+}
+
+#[test]
+fn ruptures_are_read_back_and_marked() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.h5");
+    let rupture = Rupture {
+        time: 4e-5,
+        x: 0.6,
+        site: Site::Inside(0),
+        cause: Cause::Spall,
+        stress: 5e8,
+        strain: 0.01,
+        absorbed: 1.0,
+        bar_absorbed: 2.0,
+    };
+    let ending = Finish { ruptures: Some(vec![rupture]), ..Finish::default() };
+    start(&path, 11, 1e8).finish("rupture", &[], &[], ending).unwrap();
+    let file = ResultFile::open(&path).unwrap();
+    let stored = file.ruptures().unwrap();
+    assert_eq!((stored[0].time, stored[0].x, stored[0].cause.as_str()), (4e-5, 0.6, "spall"));
+    // x-t diagram, profiles, gauges, ends and energy.
+    assert_eq!(draw(&file, &Figure::default()).unwrap().matches(">rupture<").count(), 5);
+    assert_eq!(drawn(folder.path(), &Figure::default()).unwrap().matches(">rupture<").count(), 0);
+}
+
+#[test]
+fn a_field_that_no_gauge_records_is_read_from_the_frames() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.h5");
+    let (layout, header) = (layout(vec![Field::Displacement]), Header::default());
+    let mut writer = Writer::create(&path, &header, &layout, &[]).unwrap();
+    for index in 0..3 {
+        let time = f64::from(index) * 1e-5;
+        writer.frame(Frame { time, rows: vec![vec![0.002 * f64::from(index); 50]] }).unwrap();
+        let [time, stress, zero] = [time, 1e8, 0.0].map(|value| vec![value]);
+        writer.gauge(0, Trace { time, stress, strain: zero.clone(), velocity: zero, ..Trace::default() }).unwrap();
+    }
+    drop(writer);
+    let figure = Figure { panels: vec![PanelName::Gauges], ..Figure::default() };
+    let svg = draw(&ResultFile::open(&path).unwrap(), &figure).unwrap();
+    assert!(svg.contains("displacement at the gauges") && svg.contains("displacement (mm)") && !svg.contains("MPa"));
+    // From 0 to 4 mm with a little room.
+    assert!(svg.contains("data-y=\"-2e-1 4.2e0\""), "{svg}");
+}
+
+#[test]
+fn a_spike_that_the_axis_cuts_off_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.h5");
+    let mut writer = start(&path, 2, 1e8);
+    let stress = |i: i32| if i == 40 { -9e9 } else { 1e6 * f64::from(i % 100) };
+    let trace = Trace {
+        time: (0..500).map(|i| 1e-5 + 1e-9 * f64::from(i)).collect(),
+        stress: (0..500).map(stress).collect(),
+        strain: vec![0.0; 500],
+        velocity: vec![0.0; 500],
+        ..Trace::default()
+    };
+    writer.gauge(0, trace).unwrap();
+    drop(writer);
+    let figure = Figure { panels: vec![PanelName::Gauges], ..Figure::default() };
+    let svg = draw(&ResultFile::open(&path).unwrap(), &figure).unwrap();
+    assert!(svg.contains("extends to \u{2212}9000"), "{svg}");
 }

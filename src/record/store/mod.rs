@@ -47,6 +47,7 @@ mod impact;
 mod journal;
 mod paths;
 mod read;
+mod ruptures;
 mod scales;
 mod shared;
 mod sweep;
@@ -64,6 +65,7 @@ pub use checkpoint::{Checkpoint, Rows, checksum, path_of as checkpoint_path, rem
 pub use existing::{Existing, existing, is_hdf5};
 pub use impact::{StoredColumn, StoredImpact, StoredTable, write_impact};
 pub use read::{Facts, Gauge, ResultFile, StoredScene};
+pub use ruptures::StoredRupture;
 pub use sweep::{SweepColumn, SweepFile, Values, write_sweep};
 
 use super::{

@@ -9,15 +9,15 @@ use super::attributes::{get_text, put, put_quantity, put_text, text};
 use super::checkpoint::{self, Checkpoint, Rows};
 use super::claim::{Claim, GONE, in_place, remove_unnamed};
 use super::columns::{append, cut, is_longer};
-use super::create::{SAMPLE, TRACE_ROWS, build, end_columns, energy_units, gauge_columns, gauge_links, ledger_columns};
+use super::create::{SAMPLE, TRACE_ROWS, build, end_columns, gauge_columns, gauge_links, ledger_columns};
 use super::figures;
 use super::open_rw;
 use super::paths::PathTable;
+use super::ruptures;
 use super::tables::{self, Column};
 use super::{Ending, Finish, Header, INTERRUPTED, Layout, Message, RUNNING, Side};
 use crate::destination;
 use crate::error::{Error, Result};
-use crate::law::rupture::Rupture;
 use crate::record::{AuditRow, ErrorTable, Frame, FrontRow, LedgerRow, MaterialRecord, Precision, Trace};
 
 type Hdf<T> = hdf5::Result<T>;
@@ -278,7 +278,7 @@ impl Sink {
         write_fronts(&self.file, &ending.fronts, &self.gauge_names)?;
         write_audit(&self.file, &ending.audit)?;
         if let Some(ruptures) = &ending.figures.ruptures {
-            write_ruptures(&self.file, ruptures, self.area_given)?;
+            ruptures::write(&self.file, ruptures, self.area_given)?;
         }
         write_root(&self.file, &ending.figures)?;
         figures::write(&self.file, &ending.figures.figures, self.gauge_names.iter().map(|(link, _)| link))?;
@@ -443,25 +443,6 @@ fn write_fronts(file: &File, fronts: &[FrontRow], gauges: &[(String, String)]) -
         columns.push(Column::numbers(&format!("arrival_{link}"), "s", &long_name, times));
     }
     tables::write(file, "fronts", "front", &columns, fronts.len()).map(|_| ())
-}
-
-fn write_ruptures(file: &File, ruptures: &[Rupture], area_given: bool) -> Hdf<()> {
-    let number = |name: &str, units, long_name: &str, value: fn(&Rupture) -> f64| {
-        Column::numbers(name, units, long_name, ruptures.iter().map(value).collect())
-    };
-    let columns = [
-        Column::texts("site", "end, joint or segment", ruptures.iter().map(|r| r.site.to_string()).collect()),
-        Column::texts("cause", "criterion that was met", ruptures.iter().map(|r| r.cause.name().to_owned()).collect()),
-        number("time", "s", "time of the rupture", |r| r.time),
-        number("x", "m", "position in the undeformed bar", |r| r.x),
-        number("stress", "Pa", "engineering stress at the rupture", |r| r.stress),
-        number("strain", "1", "engineering strain at the rupture", |r| r.strain),
-        number("absorbed", "J/m^3", "energy per volume absorbed there", |r| r.absorbed),
-        number("bar_absorbed", energy_units(area_given), "strain energy and plastic work of the whole bar", |r| {
-            r.bar_absorbed
-        }),
-    ];
-    tables::write(file, "ruptures", "rupture", &columns, ruptures.len()).map(|_| ())
 }
 
 fn write_audit(file: &File, audit: &[AuditRow]) -> Hdf<()> {

@@ -1,0 +1,193 @@
+//! Axes: linear and logarithmic, with ticks at round numbers.
+
+/// An axis, linear or logarithmic.
+#[derive(Debug, Clone)]
+pub(super) struct Axis {
+    pub label: String,
+    pub low: f64,
+    pub high: f64,
+    logarithmic: bool,
+}
+
+impl Axis {
+    /// An axis from `low` to `high`; where that is no length (one frame, nothing but zeros) it is one unit long.
+    pub fn new(label: impl Into<String>, low: f64, high: f64) -> Self {
+        let high = if high - low > 1e-290 { high } else { low + 1.0 };
+        Self { label: label.into(), low, high, logarithmic: false }
+    }
+
+    /// A logarithmic axis from `low` to `high`, 0 < low < high.
+    pub fn logarithmic(label: impl Into<String>, low: f64, high: f64) -> Self {
+        Self { label: label.into(), low, high, logarithmic: true }
+    }
+
+    /// A logarithmic axis around positive values, a factor of room at either end.
+    pub fn logarithmic_around(label: impl Into<String>, values: impl Iterator<Item = f64>) -> Self {
+        const ROOM: f64 = 1.3;
+        let positive = values.filter(|v| v.is_finite() && *v > 0.0);
+        let (low, high) = positive.fold((f64::INFINITY, 0.0_f64), |(low, high), v| (low.min(v), high.max(v)));
+        if high > 0.0 { Self::logarithmic(label, low / ROOM, high * ROOM) } else { Self::logarithmic(label, 1.0, 10.0) }
+    }
+
+    /// True for a logarithmic axis.
+    pub fn is_logarithmic(&self) -> bool {
+        self.logarithmic
+    }
+
+    /// Part of the axis below a value.
+    pub fn part(&self, value: f64) -> f64 {
+        if self.logarithmic {
+            return (value / self.low).ln() / (self.high / self.low).ln();
+        }
+        (value - self.low) / (self.high - self.low)
+    }
+
+    /// Ticks with their labels, and the power of ten taken out of these.
+    pub fn labelled(&self, count: usize) -> (Vec<(f64, String)>, i32) {
+        if self.logarithmic {
+            return (self.decades(), 0);
+        }
+        let (ticks, step, power) = self.ticks(count);
+        (ticks.into_iter().map(|tick| (tick, tick_label(tick, step, power))).collect(), power)
+    }
+
+    /// Labels at the decades; over fewer than two of them at 1, 2 and 5 in each, over less than a factor of 3 at every digit.
+    fn decades(&self) -> Vec<(f64, String)> {
+        let decades = (self.high / self.low).log10();
+        let digits: &[u32] = match decades {
+            _ if decades >= 2.0 => &[1],
+            _ if decades > 0.5 => &[1, 2, 5],
+            _ => &[1, 2, 3, 4, 5, 6, 7, 8, 9],
+        };
+        let labelled = self.digits().filter(|(digit, ..)| digits.contains(digit));
+        let label = |(digit, power, value): (u32, i32, f64)| match digits.len() {
+            1 => (value, format!("10{}", superscript(power))),
+            _ if (-3..5).contains(&power) => (value, format!("{value:.*}", (-power).max(0) as usize)),
+            _ => (value, format!("{digit}\u{b7}10{}", superscript(power))),
+        };
+        labelled.map(label).collect()
+    }
+
+    /// Digits times powers of ten on a logarithmic axis.
+    fn digits(&self) -> impl Iterator<Item = (u32, i32, f64)> {
+        let (low, high) = (self.low * (1.0 - 1e-9), self.high * (1.0 + 1e-9));
+        let powers = self.low.log10().floor() as i32..=self.high.log10().floor() as i32;
+        let all =
+            powers.flat_map(|power| (1..10).map(move |digit| (digit, power, f64::from(digit) * 10_f64.powi(power))));
+        all.filter(move |(.., value)| (low..=high).contains(value))
+    }
+
+    /// Fine grid lines between the labels: every digit of a logarithmic axis.
+    pub fn fine(&self) -> Vec<f64> {
+        if self.logarithmic { self.digits().map(|(.., value)| value).collect() } else { Vec::new() }
+    }
+
+    /// An axis that holds all values with a little room; a single value gets room around it.
+    pub fn around(label: impl Into<String>, values: impl Iterator<Item = f64>) -> Self {
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        for value in values.filter(|v| v.is_finite()) {
+            (low, high) = (low.min(value), high.max(value));
+        }
+        if low > high {
+            (low, high) = (0.0, 1.0);
+        }
+        let size = low.abs().max(high.abs());
+        let room = if high - low > 1e-12 * size {
+            0.05 * (high - low)
+        } else if size > 1e-280 {
+            0.5 * size
+        } else {
+            1.0
+        };
+        Self::new(label, low - room, high + room)
+    }
+
+    /// Round tick values, about `count` of them, and the power of ten taken out of their labels.
+    fn ticks(&self, count: usize) -> (Vec<f64>, f64, i32) {
+        let step = round_step((self.high - self.low) / count as f64);
+        let first = (self.low / step - 1e-9).ceil() as i64;
+        let last = (self.high / step + 1e-9).floor() as i64;
+        let ticks = (first..=last).map(|i| i as f64 * step).collect();
+        let size = self.low.abs().max(self.high.abs());
+        let power = size.log10().floor() as i32;
+        (ticks, step, if (-3..5).contains(&power) { 0 } else { power.div_euclid(3) * 3 })
+    }
+
+    pub fn full_label(&self, power: i32) -> String {
+        if power == 0 { self.label.clone() } else { format!("{}  \u{d7}10{}", self.label, superscript(power)) }
+    }
+}
+
+/// 1, 2 or 5 times a power of ten, at least `raw`.
+fn round_step(raw: f64) -> f64 {
+    let power = 10_f64.powi(raw.log10().floor() as i32);
+    [1.0, 2.0, 5.0, 10.0].iter().map(|m| m * power).find(|step| *step >= raw * 0.999).unwrap_or(10.0 * power)
+}
+
+/// A tick's label: as many decimals as the step needs.
+fn tick_label(value: f64, step: f64, power: i32) -> String {
+    let scale = 10_f64.powi(-power);
+    let decimals = (-(step * scale).log10().floor()).clamp(0.0, 12.0) as usize;
+    let text = format!("{:.decimals$}", value * scale);
+    // A minus before zero comes from rounding; the typographic minus is as wide as a digit.
+    let zero = text.trim_start_matches('-').chars().all(|c| c == '0' || c == '.');
+    if zero { text.trim_start_matches('-').into() } else { text.replace('-', "\u{2212}") }
+}
+
+pub(super) fn superscript(power: i32) -> String {
+    let digits = [
+        '\u{2070}', '\u{b9}', '\u{b2}', '\u{b3}', '\u{2074}', '\u{2075}', '\u{2076}', '\u{2077}', '\u{2078}',
+        '\u{2079}',
+    ];
+    power.to_string().chars().map(|c| c.to_digit(10).map_or('\u{207b}', |d| digits[d as usize])).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ticks_are_round_and_inside() {
+        let (ticks, step, power) = Axis::new("", -0.3, 612.0).ticks(6);
+        assert_eq!((step, power), (200.0, 0));
+        assert_eq!(ticks, [0.0, 200.0, 400.0, 600.0]);
+    }
+
+    #[test]
+    fn logarithmic_axes_have_labels_over_any_range() {
+        let labels = |low, high| {
+            let axis = Axis::logarithmic("", low, high);
+            axis.labelled(5).0.into_iter().map(|(_, label)| label).collect::<Vec<_>>()
+        };
+        assert_eq!(labels(80.0, 9000.0), ["10\u{b2}", "10\u{b3}"]);
+        assert_eq!(labels(300.0, 5000.0), ["500", "1000", "2000", "5000"]);
+        assert_eq!(labels(3900.0, 6100.0), ["4000", "5000", "6000"]);
+        assert_eq!(labels(0.03, 0.12), ["0.05", "0.1"]);
+        assert_eq!(
+            labels(2e7, 6e7),
+            ["2\u{b7}10\u{2077}", "3\u{b7}10\u{2077}", "4\u{b7}10\u{2077}", "5\u{b7}10\u{2077}", "6\u{b7}10\u{2077}"]
+        );
+        let around = Axis::logarithmic_around("", [0.0, f64::NAN, 200.0, 5000.0].into_iter());
+        assert!(around.low < 200.0 && around.low > 100.0 && around.high > 5000.0);
+    }
+
+    #[test]
+    fn small_numbers_give_their_power_to_the_label() {
+        let axis = Axis::new("residual", -2e-15, 3e-15);
+        let (ticks, step, power) = axis.ticks(5);
+        assert_eq!(power, -15);
+        let labels: Vec<_> = ticks.iter().map(|t| tick_label(*t, step, power)).collect();
+        assert_eq!(labels, ["\u{2212}2", "\u{2212}1", "0", "1", "2", "3"]);
+        assert_eq!(axis.full_label(power), "residual  \u{d7}10\u{207b}\u{b9}\u{2075}");
+    }
+
+    #[test]
+    fn one_value_gets_an_axis_around_it() {
+        for value in [0.0, 5.0, -3e8] {
+            let axis = Axis::around("", [value, value].into_iter());
+            assert!(axis.low < value && value < axis.high);
+            assert!(!axis.ticks(5).0.is_empty());
+        }
+        assert!(!Axis::around("", std::iter::empty()).ticks(5).0.is_empty());
+    }
+}

@@ -1,0 +1,134 @@
+//! Histories at the gauges, at the ends, and of the energies.
+
+use super::axis::Axis;
+use super::display::{Unit, field_name};
+use super::panel::{LinePanel, Series};
+use super::plot::colour;
+use super::svg::{INK, Stroke};
+use super::view::{View, nearest};
+use crate::error::Result;
+use crate::record::store::Side;
+use crate::record::{Field, LedgerRow, Trace};
+
+/// Histories of the shown field at the gauges.
+pub(super) fn gauges(view: &View) -> Result<Option<LinePanel>> {
+    let length = view.length_unit();
+    let gauges: Vec<_> = view.file.gauges()?.into_iter().filter(|gauge| !gauge.trace.time.is_empty()).collect();
+    let samples: Vec<usize> = gauges.iter().map(|gauge| nearest(&view.x, gauge.x)).collect();
+    let traces: Vec<&Trace> = gauges.iter().map(|gauge| &gauge.trace).collect();
+    let names: Vec<String> = gauges.iter().map(|g| format!("{}, x = {}", g.name, length.brief(g.x))).collect();
+    let series = at_places(view, &names, &traces, &samples)?;
+    Ok(histories(
+        view,
+        &format!("{} at the gauges", field_name(view.field)),
+        view.field_unit().label(field_name(view.field)),
+        series,
+    ))
+}
+
+/// The shown field at both ends; a free end has no stress to show.
+pub(super) fn ends(view: &View) -> Result<Option<LinePanel>> {
+    let traces = [view.file.end(Side::Left)?, view.file.end(Side::Right)?];
+    let names = ["left end", "right end"].map(String::from);
+    let last = view.x.len().saturating_sub(1);
+    let mut series = at_places(view, &names, &traces.each_ref(), &[0, last])?;
+    if view.field == Field::Stress {
+        series.retain(|s| s.points.iter().any(|p| p.1 != 0.0));
+    }
+    let place = match &series[..] {
+        [only] => only.name.clone(),
+        _ => "ends".into(),
+    };
+    let name = field_name(view.field);
+    Ok(histories(view, &format!("{name} at the {place}"), view.field_unit().label(name), series))
+}
+
+/// A history for each place: the trace's own, or else the field at the nearest sample.
+fn at_places(view: &View, names: &[String], traces: &[&Trace], samples: &[usize]) -> Result<Vec<Series>> {
+    let mut from_frames = None;
+    let mut series = Vec::new();
+    for (i, (name, trace)) in names.iter().zip(traces).enumerate() {
+        let own = match view.field {
+            Field::Stress => &trace.stress,
+            Field::Strain => &trace.strain,
+            Field::Velocity => &trace.velocity,
+            Field::Temperature => &trace.temperature,
+            _ => &Vec::new(),
+        };
+        let stroke = Stroke::new(colour(i), 1.6);
+        series.push(if own.is_empty() {
+            if from_frames.is_none() {
+                from_frames = Some(view.columns(view.field, samples)?);
+            }
+            let columns = from_frames.as_deref().unwrap_or_default();
+            history(view, name, &view.time, &columns[i], view.field_unit(), stroke)
+        } else {
+            history(view, name, &trace.time, own, view.field_unit(), stroke)
+        });
+    }
+    Ok(series)
+}
+
+/// Energies against time: where the work of the ends went.
+pub(super) fn ledger(view: &View) -> Result<Option<LinePanel>> {
+    let rows = view.file.ledger()?;
+    let unit = view.units.energy(&view.file.facts().energy_units);
+    let times: Vec<f64> = rows.iter().map(|row| row.time).collect();
+    let line = |name: &str, stroke: Stroke, value: fn(&LedgerRow) -> f64| {
+        let values: Vec<f64> = rows.iter().map(value).collect();
+        history(view, name, &times, &values, unit, stroke)
+    };
+    let mut series = vec![
+        line("kinetic", Stroke::new(colour(0), 1.6), |row| row.energies.kinetic),
+        line("elastic", Stroke::new(colour(2), 1.6), |row| row.energies.elastic),
+        line("plastic", Stroke::new(colour(1), 1.6), |row| row.energies.plastic),
+        line("sum", Stroke::new(INK, 1.6), |row| row.energies.total()),
+    ];
+    if rows.iter().any(|row| row.energies.heat > 0.0) {
+        series.push(line("heat", Stroke::new(colour(1), 1.6).dashed("6 3"), |row| row.energies.heat));
+    }
+    // Where overstress takes little it would only be one line more on the axis.
+    if rows.iter().any(|row| row.energies.viscoplastic > 1e-2 * (row.energies.plastic + row.energies.heat)) {
+        series.push(line("viscoplastic", Stroke::new(colour(3), 1.6), |row| row.energies.viscoplastic));
+    }
+    if rows.iter().any(|row| row.energies.numerical > 1e-2 * row.energies.total()) {
+        series.push(line("numerical", Stroke::new(colour(3), 1.6).dashed("2 3"), |row| row.energies.numerical));
+    }
+    if rows.iter().any(|row| row.energies.damping != 0.0) {
+        series.push(line("damping", Stroke::new(colour(4), 1.6), |row| row.energies.damping));
+    }
+    if rows.iter().any(|row| row.energies.foundation != 0.0) {
+        series.push(line("foundation", Stroke::new(colour(4), 1.6).dashed("2 3"), |row| row.energies.foundation));
+    }
+    series.push(supplied(view, &rows, &times, unit));
+    Ok(histories(view, "energy", unit.label("energy"), series))
+}
+
+/// What there was at the start and what came in since: the sum has to lie on it.
+fn supplied(view: &View, rows: &[LedgerRow], times: &[f64], unit: Unit) -> Series {
+    let work = |row: &LedgerRow| row.work_left + row.work_right;
+    let start = rows.first().map_or(0.0, |row| row.energies.total() - work(row));
+    let values: Vec<f64> = rows.iter().map(|row| start + work(row)).collect();
+    history(view, "start + work of the ends", times, &values, unit, Stroke::new(colour(5), 2.2).dashed("6 5"))
+}
+
+fn history(view: &View, name: &str, times: &[f64], values: &[f64], unit: Unit, stroke: Stroke) -> Series {
+    let time = view.time_unit().factor;
+    let points = times.iter().zip(values).map(|(t, v)| (t * time, v * unit.factor)).collect();
+    Series::line(name, points, stroke)
+}
+
+/// A panel of histories; none where there is nothing in them.
+fn histories(view: &View, heading: &str, label: String, mut series: Vec<Series>) -> Option<LinePanel> {
+    series.retain(|s| !s.points.is_empty());
+    if series.is_empty() {
+        return None;
+    }
+    let unit = view.time_unit();
+    let last = series.iter().filter_map(|s| s.points.last()).fold(view.end_time * unit.factor, |a, p| a.max(p.0));
+    let values: Vec<f64> = series.iter().flat_map(|s| view.limits(&s.points)).collect();
+    let y = Axis::around(label, values.into_iter().chain([0.0]));
+    let mut panel = LinePanel { heading: heading.into(), x: Axis::new(unit.label("time"), 0.0, last), y, series };
+    panel.mark("rupture", &view.ruptures.iter().map(|r| r.time * unit.factor).collect::<Vec<_>>());
+    Some(panel)
+}

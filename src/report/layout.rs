@@ -1,0 +1,107 @@
+//! Panels put together to one figure.
+
+use super::map;
+use super::panel::LinePanel;
+use super::svg::{Anchor, Area, Svg, shortened};
+use super::view::View;
+use crate::error::{InputError, Result};
+
+const MARGIN: f64 = 18.0;
+const GAP: f64 = 22.0;
+const HEADER: f64 = 64.0;
+/// Width of a figure of two columns, and of one panel alone.
+const WIDTH: f64 = 1240.0;
+const ALONE: f64 = 620.0;
+/// Figures narrower than this have one column.
+const NARROW: f64 = 800.0;
+/// Heights of the rows: with a map, and without.
+const TALL: f64 = 430.0;
+const LOW: f64 = 310.0;
+/// Smallest panel in which titles, ticks and labels leave room for lines.
+const SMALLEST: [f64; 2] = [260.0, 200.0];
+
+/// What a panel shows.
+pub(super) enum Content<'a> {
+    Map(&'a View<'a>),
+    Lines(LinePanel),
+}
+
+impl Content<'_> {
+    fn draw(&self, svg: &mut Svg, area: Area, letter: Option<char>) -> Result<()> {
+        let lettered =
+            |heading: &str| letter.map_or_else(|| heading.to_owned(), |letter| format!("({letter})  {heading}"));
+        match self {
+            Self::Map(view) => map::draw(svg, area, view, &lettered(&map::heading(view))),
+            Self::Lines(panel) => {
+                LinePanel { heading: lettered(&panel.heading), ..panel.clone() }.draw(svg, area);
+                Ok(())
+            }
+        }
+    }
+}
+
+/// Title and line of facts above the panels.
+pub(super) struct Heading {
+    pub title: String,
+    pub about: String,
+}
+
+/// All panels, lettered where there is more than one, two in a row where the figure is wide enough; `size` is that of the whole figure, px.
+pub(super) fn compose(heading: Option<&Heading>, contents: &[Content], size: Option<[f64; 2]>) -> Result<String> {
+    let header = if heading.is_some() { HEADER } else { MARGIN };
+    let count = contents.len();
+    let width = size.map_or(if count == 1 { ALONE } else { WIDTH }, |size| size[0]);
+    let columns = if count == 1 || width < NARROW { 1 } else { 2 };
+    let rows: Vec<&[Content]> = contents.chunks(columns).collect();
+    let usual =
+        |row: &&[Content]| if count == 1 || row.iter().any(|c| matches!(c, Content::Map(_))) { TALL } else { LOW };
+    let usual: Vec<f64> = rows.iter().map(usual).collect();
+    let gaps = GAP * (rows.len() - 1) as f64;
+    let total = usual.iter().sum::<f64>();
+    let room = size.map_or(total, |size| size[1] - header - MARGIN - gaps);
+    let wide = (width - 2.0 * MARGIN - GAP * (columns - 1) as f64) / columns as f64;
+    let lowest = room * usual.iter().fold(f64::INFINITY, |a, b| a.min(*b)) / total;
+    if let Some([width, height]) = size
+        && (wide < SMALLEST[0] || lowest < SMALLEST[1])
+    {
+        return Err(too_small([width, height], [wide, lowest], count).into());
+    }
+    let mut svg = Svg::default();
+    if let Some(heading) = heading {
+        draw_heading(&mut svg, heading, width);
+    }
+    let mut y = header;
+    let mut letters = ('a'..='z').cycle();
+    for (row, usual) in rows.iter().zip(&usual) {
+        let height = room * usual / total;
+        for (column, content) in row.iter().enumerate() {
+            let area = Area { x: MARGIN + (wide + GAP) * column as f64, y, width: wide, height };
+            content.draw(&mut svg, area, letters.next().filter(|_| count > 1))?;
+        }
+        y += height + GAP;
+    }
+    Ok(svg.document(width, y - GAP + MARGIN))
+}
+
+/// One panel alone, without margins; `index` keeps the names inside its SVG apart from those of others on one page.
+pub(super) fn alone(content: &Content, [width, height]: [f64; 2], index: usize) -> Result<String> {
+    let mut svg = Svg::of_page(index);
+    content.draw(&mut svg, Area { x: 0.0, y: 0.0, width, height }, None)?;
+    Ok(svg.document(width, height))
+}
+
+fn draw_heading(svg: &mut Svg, heading: &Heading, width: f64) {
+    let fitting = |size: f64| ((width - 2.0 * MARGIN) / (0.6 * size)) as usize;
+    svg.bold((MARGIN, 28.0), 19.0, Anchor::Start, &shortened(&heading.title, fitting(19.0)));
+    svg.text((MARGIN, 50.0), 13.0, Anchor::Start, &shortened(&heading.about, fitting(13.0)));
+}
+
+fn too_small([width, height]: [f64; 2], [wide, high]: [f64; 2], count: usize) -> InputError {
+    let [least_wide, least_high] = SMALLEST;
+    let panels = if count == 1 { "the panel".into() } else { format!("each of {count} panels") };
+    let left = format!("{:.0} x {:.0} px for {panels}", wide.max(0.0), high.max(0.0));
+    InputError::new(format!("a figure of {width} x {height} px leaves {left}"))
+        .key("--size")
+        .allowed(format!("at least {least_wide} x {least_high} px for each panel"))
+        .help("choose a larger size, or fewer panels with --panel")
+}

@@ -1,0 +1,222 @@
+//! Panels that set the run against theory: front speeds, the self-similar solution, the path in the stress-strain plane.
+
+use super::axis::Axis;
+use super::display::field_name;
+use super::panel::{LinePanel, Series};
+use super::plot::colour;
+use super::profiles;
+use super::svg::{Stroke, THEORY};
+use super::view::{View, nearest};
+use crate::error::Result;
+use crate::record::{Field, FrontRow};
+
+/// Speed of every front over the strains that it carries: theory as steps, measurement as rings.
+pub(super) fn speeds(view: &View) -> Result<Option<LinePanel>> {
+    let fronts = view.theory_fronts()?;
+    if fronts.is_empty() {
+        return Ok(None);
+    }
+    let unit = view.units.velocity();
+    let step = |f: &FrontRow| {
+        let speed = f.speed.abs() * unit.factor;
+        [(f.strain_ahead, speed), (f.strain_behind, speed), (f.strain_behind, f64::NAN)]
+    };
+    let middle = |f: &FrontRow| (0.5 * (f.strain_ahead + f.strain_behind), f.speed_measured.abs() * unit.factor);
+    let mut series = vec![Series::line("theory", fronts.iter().flat_map(step).collect(), Stroke::new(colour(0), 2.2))];
+    let measured: Vec<(f64, f64)> = fronts.iter().map(middle).filter(|p| p.1.is_finite()).collect();
+    if !measured.is_empty() {
+        series.push(Series::marks("measured in the fields", measured, Stroke::new(colour(1), 1.6)));
+    }
+    let x = Axis::around("strain", fronts.iter().flat_map(|f| [f.strain_ahead, f.strain_behind]));
+    let speeds = series.iter().flat_map(|s| s.points.iter().map(|p| p.1));
+    let y = Axis::logarithmic_around(unit.label("front speed"), speeds);
+    Ok(Some(LinePanel { heading: "speed of the fronts".into(), x, y, series }))
+}
+
+/// What theory gives, below what was simulated.
+fn broad() -> Stroke {
+    Stroke::new(THEORY, 5.0).opacity(0.45)
+}
+
+/// Times of the self-similar panel.
+const SIMILAR: usize = 3;
+
+/// The field over x/t: in a fan from one end all times fall on one curve, which theory gives for strain and stress. Strain, unless the field
+/// was asked for.
+pub(super) fn similarity(view: &View) -> Result<Option<LinePanel>> {
+    let fronts = view.theory_fronts()?;
+    let Some(side) = ["left", "right"].into_iter().find(|side| fronts.iter().any(|f| f.origin == *side)) else {
+        return Ok(None);
+    };
+    let mut fan: Vec<&FrontRow> = fronts.iter().filter(|f| f.origin == side).collect();
+    fan.sort_by(|a, b| a.speed.abs().total_cmp(&b.speed.abs()));
+    let field = if !view.asked && view.file.fields().contains(&Field::Strain) { Field::Strain } else { view.field };
+    let unit = view.units.velocity();
+    // Until the first front meets another wave.
+    let until = fan.iter().map(|f| f.last_seen).filter(|t| t.is_finite()).fold(view.end_time, f64::min);
+    let last = 1.15 * fan.last().map_or(0.0, |f| f.speed.abs()) * unit.factor;
+    let mut frames: Vec<usize> =
+        (1..=SIMILAR).map(|i| nearest(&view.time, until * i as f64 / SIMILAR as f64)).collect();
+    frames.dedup();
+    frames.retain(|&i| view.time[i] > 0.0 && view.time[i] <= until * (1.0 + 1e-9));
+    if frames.is_empty() || last == 0.0 {
+        return Ok(None);
+    }
+    let theory = fan_of_theory(field, &fan, last, unit.factor, view.units.field(field).factor);
+    let mut series: Vec<Series> = theory.into_iter().collect();
+    for (number, &frame) in frames.iter().enumerate() {
+        series.push(over_speed(view, field, side, frame, last)?.styled(profiles::stroke(number, frames.len())));
+    }
+    let name = field_name(field);
+    let (heading, label) = if side == "left" {
+        (format!("{name} over x/t"), "x/t")
+    } else {
+        (format!("{name} over (L \u{2212} x)/t"), "(L \u{2212} x)/t")
+    };
+    let limits: Vec<f64> = series.iter().flat_map(|s| view.limits(&s.points)).collect();
+    let y = Axis::around(view.units.field(field).label(name), limits.into_iter().chain([0.0]));
+    Ok(Some(LinePanel { heading, x: Axis::new(unit.label(label), 0.0, last), y, series }))
+}
+
+/// A frame over the distance from the end divided by time.
+fn over_speed(view: &View, field: Field, side: &str, frame: usize, last: f64) -> Result<Series> {
+    let (time, factor) = (view.time[frame], view.units.field(field).factor);
+    let values = view.file.field(field, frame..frame + 1)?;
+    let speed = |x: &f64| if side == "left" { x / time } else { (view.length - x) / time };
+    let points = view.x.iter().zip(values.row(0)).map(|(x, v)| (speed(x) * view.units.velocity().factor, v * factor));
+    let points: Vec<(f64, f64)> = points.filter(|p| p.0 <= last).collect();
+    Ok(Series::line(view.time_unit().brief(time), points, Stroke::new(THEORY, 1.6)))
+}
+
+/// Constant between the fronts, slowest first.
+fn fan_of_theory(field: Field, fan: &[&FrontRow], last: f64, speed: f64, factor: f64) -> Option<Series> {
+    let [behind, ahead]: [fn(&FrontRow) -> f64; 2] = match field {
+        Field::Strain => [|f| f.strain_behind, |f| f.strain_ahead],
+        Field::Stress => [|f| f.stress_behind, |f| f.stress_ahead],
+        _ => return None,
+    };
+    let (first, fastest) = (fan.first()?, fan.last()?);
+    let mut points = vec![(0.0, behind(first) * factor)];
+    points.extend(fan.iter().flat_map(|f| [behind(f), ahead(f)].map(|v| (f.speed.abs() * speed, v * factor))));
+    points.push((last, ahead(fastest) * factor));
+    Some(Series::line("theory", points, broad()))
+}
+
+/// Stress over strain at the gauges (or at the quarters of the bar), with the curves of the materials.
+pub(super) fn path(view: &View) -> Result<Option<LinePanel>> {
+    let unit = view.units.stress();
+    let paths = gauge_paths(view)?;
+    let (paths, heading) = if paths.is_empty() {
+        (sampled_paths(view)?, "path in the stress-strain plane, frame by frame")
+    } else {
+        (paths, "path in the stress-strain plane")
+    };
+    if paths.is_empty() {
+        return Ok(None);
+    }
+    let mut series: Vec<Series> = Vec::new();
+    let lines = paths.into_iter().enumerate().map(|(i, (name, points))| {
+        let points = points.into_iter().map(|(strain, stress)| (strain, stress * unit.factor)).collect();
+        Series::line(name, points, Stroke::new(colour(i), 1.6))
+    });
+    series.extend(lines);
+    let x = Axis::around("strain", series.iter().flat_map(|s| s.points.iter().map(|p| p.0)).chain([0.0]));
+    let limits: Vec<f64> = series.iter().flat_map(|s| view.limits(&s.points)).collect();
+    let y = Axis::around(unit.label("stress"), limits.into_iter().chain([0.0]));
+    for material in &view.file.materials()? {
+        let [strain, stress] = &material.compression;
+        let compression = strain.iter().zip(stress).rev().map(|(e, s)| (-e, -s * unit.factor));
+        let [strain, stress] = &material.tension;
+        let tension = strain.iter().zip(stress).map(|(e, s)| (*e, s * unit.factor));
+        let curve: Vec<(f64, f64)> = compression.chain(tension).collect();
+        let name = format!("curve of {}", material.name);
+        series.insert(0, Series::line(name, within(&curve, &x, &y), broad()));
+    }
+    Ok(Some(LinePanel { heading: heading.into(), x, y, series }))
+}
+
+type Path = (String, Vec<(f64, f64)>);
+
+fn gauge_paths(view: &View) -> Result<Vec<Path>> {
+    let path = |gauge: crate::record::store::Gauge| {
+        let points: Vec<(f64, f64)> =
+            gauge.trace.strain.iter().copied().zip(gauge.trace.stress.iter().copied()).collect();
+        (gauge.name, points)
+    };
+    Ok(view.file.gauges()?.into_iter().map(path).filter(|(_, points)| !points.is_empty()).collect())
+}
+
+/// At the first sample, at a quarter and in the middle of the bar, frame by frame.
+fn sampled_paths(view: &View) -> Result<Vec<Path>> {
+    let fields = view.file.fields();
+    if !(fields.contains(&Field::Stress) && fields.contains(&Field::Strain)) {
+        return Ok(Vec::new());
+    }
+    let mut samples = [0.0, 0.25, 0.5].map(|part| nearest(&view.x, part * view.length)).to_vec();
+    samples.dedup();
+    let (strain, stress) = (view.columns(Field::Strain, &samples)?, view.columns(Field::Stress, &samples)?);
+    let unit = view.length_unit();
+    let path = |(k, &sample): (usize, &usize)| {
+        let points = strain[k].iter().copied().zip(stress[k].iter().copied()).collect();
+        (format!("x = {}", unit.brief(view.x[sample])), points)
+    };
+    Ok(samples.iter().enumerate().map(path).collect())
+}
+
+/// The part of a curve inside the axes, with the points where it crosses their ends.
+fn within(curve: &[(f64, f64)], x: &Axis, y: &Axis) -> Vec<(f64, f64)> {
+    let mut kept = Vec::new();
+    for pair in curve.windows(2) {
+        let [a, b] = [pair[0], pair[1]];
+        let (mut from, mut to) = (0.0_f64, 1.0_f64);
+        for (start, end, low, high) in [(a.0, b.0, x.low, x.high), (a.1, b.1, y.low, y.high)] {
+            let mut at = [(low - start) / (end - start), (high - start) / (end - start)];
+            if end == start {
+                at = if (low..=high).contains(&start) { [0.0, 1.0] } else { [2.0, 2.0] };
+            }
+            at.sort_by(f64::total_cmp);
+            (from, to) = (from.max(at[0]), to.min(at[1]));
+        }
+        if from <= to {
+            let at = |part: f64| (a.0 + part * (b.0 - a.0), a.1 + part * (b.1 - a.1));
+            kept.extend([at(from), at(to)]);
+        }
+    }
+    kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn curves_end_where_the_axes_do() {
+        let curve = [(-1.0, -10.0), (0.0, 0.0), (1.0, 10.0), (3.0, 12.0)];
+        let kept = within(&curve, &Axis::new("", -0.1, 2.0), &Axis::new("", -5.0, 20.0));
+        // Crossings are rounded.
+        let near = |found: (f64, f64), exact: (f64, f64)| (found.0 - exact.0).hypot(found.1 - exact.1) < 1e-12;
+        assert!(near(kept[0], (-0.1, -1.0)) && near(kept[kept.len() - 1], (2.0, 11.0)), "{kept:?}");
+        assert!(within(&curve, &Axis::new("", 5.0, 6.0), &Axis::new("", -5.0, 20.0)).is_empty());
+    }
+
+    #[test]
+    fn the_theory_of_a_fan_is_a_staircase_from_slow_to_fast() {
+        let front = |speed, behind, ahead| FrontRow {
+            origin: "left".into(),
+            strain_behind: behind,
+            strain_ahead: ahead,
+            stress_behind: 0.0,
+            stress_ahead: 0.0,
+            speed,
+            speed_measured: f64::NAN,
+            position: f64::NAN,
+            last_seen: 1.0,
+            arrivals: Vec::new(),
+        };
+        let fan = [front(500.0, 0.02, 0.001), front(5000.0, 0.001, 0.0)];
+        let line = fan_of_theory(Field::Strain, &[&fan[0], &fan[1]], 6000.0, 1.0, 1.0).expect("strain has a theory");
+        let expected = [(0.0, 0.02), (500.0, 0.02), (500.0, 0.001), (5000.0, 0.001), (5000.0, 0.0), (6000.0, 0.0)];
+        assert_eq!(line.points, expected);
+        assert!(fan_of_theory(Field::Velocity, &[&fan[0]], 6000.0, 1.0, 1.0).is_none());
+    }
+}

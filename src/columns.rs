@@ -1,5 +1,5 @@
-//! Text with columns, as spreadsheets and instruments write it: two of them ([`read`]), or a table of any number with a preamble and units
-//! ([`table`]).
+//! Text with columns, as spreadsheets and instruments write it: two of them (`read`), or a table of any number with a preamble and units
+//! (`table`).
 //!
 //! The delimiter is a semicolon, a tab, a comma or blanks: the one that parts most lines. Next to a semicolon, a tab or blanks, and inside
 //! quotes, a comma marks the decimals, where it cannot mean thousands. Empty lines and lines that start with `#` are skipped. A first line

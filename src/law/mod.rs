@@ -6,7 +6,7 @@
 //! no plastic state at all.
 //!
 //! A law is pure: it takes the elastic predictor and the state at the start of a step and returns those at its
-//! end. State is exactly what the law needs, [`CellLaw::STATE`] numbers a cell.
+//! end. State is exactly what the law needs, `N` numbers a cell of a [`CellLaw`].
 
 mod aligned;
 mod backbone;

@@ -12,7 +12,7 @@ use crate::input::Document;
 /// Reads one material file. A file without a name is named by its stem.
 ///
 /// # Errors
-/// An [`InputError`] with file, line, key, value and what is allowed.
+/// An [`InputError`](crate::error::InputError) with file, line, key, value and what is allowed.
 pub fn read(path: &Path) -> Result<Material> {
     of_document(&Document::read(path)?, path)
 }
@@ -51,7 +51,7 @@ pub(super) fn parse(document: &Document, stem: &str, base: &Path, origin: &str) 
 /// scene). CSV files are looked up in `base_dir`.
 ///
 /// # Errors
-/// An [`InputError`] with file, line, key, value and what is allowed.
+/// An [`InputError`](crate::error::InputError) with file, line, key, value and what is allowed.
 pub fn resolve(raw: RawMaterial, doc: &Document, key_prefix: &str, base_dir: &Path) -> Result<Material> {
     let keys = Keys { doc, prefix: key_prefix, base_dir };
     let modulus = keys.si(&raw.modulus)?;

@@ -266,7 +266,7 @@ pub struct AuditRow {
     pub threshold: f64,
     /// For people: size, place, time.
     pub finding: String,
-    /// How to include the effect, e.g. "Add `heat = {}` under [effects] to include it"; empty if there is nothing to do, and in
+    /// How to include the effect, e.g. "Add `heat = {}` under `[effects]` to include it"; empty if there is nothing to do, and in
     /// rows read from a file, whose `finding` has it.
     pub remedy: String,
 }

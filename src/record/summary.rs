@@ -86,7 +86,7 @@ pub struct Summary {
 /// One decision of `effects = "auto"`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct AutoChoice {
-    /// A key of the scene's [effects].
+    /// A key of the scene's `[effects]`.
     pub effect: String,
     /// Simulated from this round on.
     pub on: bool,

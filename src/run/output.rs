@@ -17,7 +17,7 @@ pub struct Solution {
     pub x: Array1<f64>,
     /// Times of the frames, s: of shape (`n_t`).
     pub time: Array1<f64>,
-    /// Recorded fields of shape (`n_t`, `n_x`), in SI units; stress in Pa, tension positive. Those of `fields` under [record].
+    /// Recorded fields of shape (`n_t`, `n_x`), in SI units; stress in Pa, tension positive. Those of `fields` under `[record]`.
     pub fields: Vec<(Field, Array2<f64>)>,
     /// Histories at the gauges by their names, every step of a grid or every change by front tracking.
     pub gauges: BTreeMap<String, Trace>,

@@ -20,7 +20,7 @@ use crate::law::{CellLaw, Deformed, Response};
 
 /// A rate-dependent cell in steps of one length.
 ///
-/// State: that of [`super::step`], and the back stress where `N` is 6.
+/// State: that of every law that takes time, and the back stress where `N` is 6.
 #[derive(Debug, Clone)]
 pub struct Timed<const N: usize> {
     law: RateLaw,

@@ -29,7 +29,7 @@ const MOLTEN: f64 = 1e-9;
 
 /// A heated cell in steps of one length.
 ///
-/// State: that of [`super::step`], then the rise in temperature, and the back stress of the cold curve where `N` is 7.
+/// State: that of every law that takes time, then the rise in temperature, and the back stress of the cold curve where `N` is 7.
 #[derive(Debug, Clone)]
 pub struct Heated<const N: usize> {
     law: RateLaw,

@@ -168,7 +168,7 @@ impl Leapfrog {
         self.advance_by(1);
     }
 
-    /// So many steps. The bits are those of single ones; many at once are quicker, see [`super::sweep`].
+    /// So many steps. The bits are those of single ones; many at once are quicker, see `sweep.rs`.
     pub fn advance_by(&mut self, steps: usize) {
         if !self.sweeps() {
             return (0..steps).for_each(|_| self.advance_together());

@@ -1,6 +1,6 @@
 //! The hard cases: scenes in which numerical methods break down, by every method that accepts them.
 //!
-//! Of every run the fields, the ends and the ledger are read back from its result file and checked, see [`checks`].
+//! Of every run the fields, the ends and the ledger are read back from its result file and checked, see `checks.rs`.
 
 mod checks;
 mod convergence;

@@ -9,11 +9,12 @@ use crate::wave::riemann::{Medium, Path, Point};
 /// make up a smooth wave to within delta; those that are a little closer become one.
 const ALLOWANCE: f64 = 4.0;
 
-/// A merge that changes less than this part of the allowance may leave a point past its yield stress. Larger ones may
-/// not: a point past its yield stress flows too little from then on and keeps its stress too high, so such errors would
-/// add up in one sense; but the clusters of waves between two plastic fronts that close in on each other have no
-/// other way out, and what stays behind there is a speck.
-const TRIFLE: f64 = 0.1;
+/// A merge that changes less than this part of the allowance may leave a point past its yield stress, by the front tolerance's part of the
+/// stress scale. Larger ones may not: a point past its yield stress flows too little from then on and keeps its stress too high, so such
+/// errors would add up in one sense; but the clusters of waves between two plastic fronts that close in on each other have no other way
+/// out. What stays behind there is a speck at first only: pieces between fronts that part from each other have no length yet where they
+/// begin, so that a merge changes little whatever it does to their stress. Hence the bound on the stress itself.
+const TRIFLE: f64 = 0.3;
 
 /// Below this many nodes merging waits for events: a passage costs more than the few events that it could save.
 const FEWEST: usize = 64;
@@ -38,6 +39,8 @@ pub(super) struct FrontMerging {
     /// The largest energy that the bar has held, J.
     largest: f64,
     tolerance: f64,
+    /// How far a trifle may take a point past its yield stress, Pa.
+    overstress: f64,
     /// For each segment: stress over E times plastic strain where the loading curve reaches the stress scale.
     secant: Vec<f64>,
     due_at_nodes: usize,
@@ -75,6 +78,7 @@ impl FrontMerging {
         Self {
             allowance: ALLOWANCE * tolerance * tolerance * stress_scale * length,
             tolerance,
+            overstress: tolerance * stress_scale,
             secant: media.iter().map(|m| secant(m, stress_scale)).collect(),
             due_at_nodes: FEWEST,
             due_at_events: EVENTS_A_NODE * FEWEST as u64,
@@ -118,9 +122,9 @@ impl Scratch {
         }
     }
 
-    /// Lifts the pieces of two steps to one height and returns the energy that this takes, J. Not if that takes less than `least`, nor,
-    /// where `strict`, if it takes one of them past its yield stress.
-    fn lift(&mut self, steps: [Step; 2], height: &Point, medium: &Medium, strict: bool, least: f64) -> Option<f64> {
+    /// Lifts the pieces of two steps to one height and returns the energy that this takes, J. Not if that takes less than `least`, nor if it
+    /// takes one of them past its yield stress by more than `most` (Pa), or further than it is.
+    fn lift(&mut self, steps: [Step; 2], height: &Point, medium: &Medium, most: f64, least: f64) -> Option<f64> {
         self.lifted.clear();
         let mut taken = 0.0;
         for step in steps {
@@ -129,7 +133,7 @@ impl Scratch {
                 let mut lifted = piece.plus(height, 1.0).plus(&step.height, -1.0);
                 // Rounding must not take back flow that never was.
                 lifted.accumulated = lifted.accumulated.max(0.0);
-                if strict && medium.overstress(&lifted) > (medium.round_off * REST).max(medium.overstress(piece)) {
+                if medium.overstress(&lifted) > most.max(medium.overstress(piece)) {
                     return None;
                 }
                 let volume = medium.area * (self.x[i + 1] - self.x[i]).max(0.0);
@@ -159,8 +163,8 @@ impl FrontMerging {
                     break;
                 }
                 let height = a.height.plus(&b.height, share).plus(&a.height, -share);
-                let strict = change > TRIFLE * self.allowance;
-                let Some(taken) = scratch.lift([a, b], &height, medium, strict, -self.credit) else { break };
+                let most = if change > TRIFLE * self.allowance { medium.round_off * REST } else { self.overstress };
+                let Some(taken) = scratch.lift([a, b], &height, medium, most, -self.credit) else { break };
                 self.credit += taken;
                 self.changed += change;
                 scratch.new.truncate(scratch.new.len() - 2);

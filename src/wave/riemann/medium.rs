@@ -194,21 +194,19 @@ impl Medium {
         kinetic + 0.5 * point.stress * point.stress / self.modulus + point.work
     }
 
-    /// How far the stress of a point is past its yield stress, Pa; negative inside the elastic range. 0 where the
-    /// curve is all the law.
+    /// How far a point is past what flow can bring about, Pa: its stress past its yield stress, or its back stress past
+    /// that of flow in one sense; not above 0 for any other. 0 where the curve is all the law.
     pub fn overstress(&self, point: &Point) -> f64 {
         let kinematic = match self.flow {
             Flow::PathIndependent => return 0.0,
             Flow::Plastic { kinematic } => kinematic,
             Flow::Overlay => 1.0,
         };
-        let over = |sense: f64| {
-            let lines = self.lines(sense);
-            let y = lines.at_accumulated(point.accumulated).2;
-            let range = if kinematic > 0.0 { y - kinematic * (y - lines.at_accumulated(0.0).2) } else { y };
-            sense * (point.stress - point.back) - range
-        };
-        over(if point.stress < point.back { -1.0 } else { 1.0 })
+        let back = |sense: f64| kinematic * self.lines(sense).hardening_at(point.accumulated);
+        let from_middle = point.stress - point.back;
+        let flow_stress = self.lines(from_middle).at_accumulated(point.accumulated).2;
+        let over = from_middle.abs() - (flow_stress - back(from_middle));
+        if kinematic > 0.0 { over.max(point.back.abs() - back(point.back)) } else { over }
     }
 
     /// Signed plastic strain of a point.

@@ -14,7 +14,7 @@ const ALLOWANCE: f64 = 4.0;
 /// errors would add up in one sense; but the clusters of waves between two plastic fronts that close in on each other have no other way
 /// out. What stays behind there is a speck at first only: pieces between fronts that part from each other have no length yet where they
 /// begin, so that a merge changes little whatever it does to their stress. Hence the bound on the stress itself.
-const TRIFLE: f64 = 0.3;
+const TRIFLE: f64 = 0.25;
 
 /// Below this many nodes merging waits for events: a passage costs more than the few events that it could save.
 const FEWEST: usize = 64;

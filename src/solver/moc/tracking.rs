@@ -231,10 +231,10 @@ impl FrontTracking {
 
     /// Takes in all neighbours that are at x too, and resolves what meets there.
     fn gather(&mut self, mut first: u32, mut last: u32, mut x: f64) -> Result<(), Stopped> {
-        while self.is_there(self.list.get(first).prev, x, 1.0) {
+        while self.is_there(self.list.get(first).prev, first, x, 1.0) {
             first = self.list.get(first).prev;
         }
-        while self.is_there(self.list.get(last).next, x, -1.0) {
+        while self.is_there(self.list.get(last).next, last, x, -1.0) {
             last = self.list.get(last).next;
         }
         let mut id = first;
@@ -253,14 +253,16 @@ impl FrontTracking {
         Ok(())
     }
 
-    /// Whether a node is at x, or next to it and not on its way from there; `towards` is +1 for one on the left.
-    fn is_there(&self, id: u32, x: f64, towards: f64) -> bool {
+    /// Whether a node is at x, or near it and closing in; `towards` is +1 for one on the left. A node at rest closes in unless its neighbour,
+    /// which is at x, moves away from it: a front that has just left a contact would never get further than this.
+    fn is_there(&self, id: u32, neighbour: u32, x: f64, towards: f64) -> bool {
         if id == NONE {
             return false;
         }
-        let node = self.list.get(id);
+        let (node, neighbour) = (self.list.get(id), self.list.get(neighbour));
         let distance = (node.at(self.now) - x).abs();
-        distance <= self.nearness.place || (distance <= self.nearness.near && towards * node.speed >= 0.0)
+        let closes_in = towards * node.speed > 0.0 || (node.speed == 0.0 && towards * neighbour.speed <= 0.0);
+        distance <= self.nearness.place || (distance <= self.nearness.near && closes_in)
     }
 
     /// Enters the meeting of a node with the next one, if they ever meet.

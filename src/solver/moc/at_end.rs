@@ -2,7 +2,7 @@
 
 use super::FrontTracking;
 use super::end::Arrival;
-use super::list::{Kind, NONE};
+use super::list::NONE;
 use super::nearness::{REST, same_motion};
 use crate::bar::ends::{Face, Relation, Response};
 use crate::wave::riemann::{Point, Side, solve};
@@ -107,7 +107,7 @@ impl FrontTracking {
         while id != NONE {
             let node = self.list.get(id);
             let distance = (node.at(self.now) - end.x).abs();
-            if distance > reach || matches!(node.kind, Kind::End | Kind::Joint) {
+            if distance > reach || node.is_fixed() {
                 break;
             }
             let strength = (node.right.stress - self.list.get(node.prev).right.stress).abs();

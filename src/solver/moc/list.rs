@@ -43,6 +43,11 @@ impl Node {
         Self { kind, x, t, speed, right, segment, prev: NONE, next: NONE, stamp: 0 }
     }
 
+    /// Whether it stays where it is: an end or a joint.
+    pub fn is_fixed(&self) -> bool {
+        matches!(self.kind, Kind::End | Kind::Joint)
+    }
+
     /// Position at t, m.
     pub fn at(&self, t: f64) -> f64 {
         if self.speed == 0.0 { self.x } else { self.x + self.speed * (t - self.t) }

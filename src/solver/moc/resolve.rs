@@ -36,7 +36,7 @@ impl FrontTracking {
         loop {
             let node = *self.list.get(id);
             self.book_end_of(&node);
-            if matches!(node.kind, Kind::End | Kind::Joint) {
+            if node.is_fixed() {
                 fixed = Some(id);
             }
             if id == last {

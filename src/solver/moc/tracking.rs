@@ -230,22 +230,18 @@ impl FrontTracking {
     }
 
     /// Takes in all neighbours that are at x too, and resolves what meets there.
-    fn gather(&mut self, mut first: u32, mut last: u32, mut x: f64) -> Result<(), Stopped> {
-        while self.is_there(self.list.get(first).prev, first, x, 1.0) {
+    fn gather(&mut self, mut first: u32, mut last: u32, x: f64) -> Result<(), Stopped> {
+        let slower = |a: f64, b: f64| if a.abs() < b.abs() { a } else { b };
+        let mut slowest = slower(self.list.get(first).speed, self.list.get(last).speed);
+        while self.is_there(self.list.get(first).prev, x, 1.0, slowest) {
             first = self.list.get(first).prev;
+            slowest = slower(slowest, self.list.get(first).speed);
         }
-        while self.is_there(self.list.get(last).next, last, x, -1.0) {
+        while self.is_there(self.list.get(last).next, x, -1.0, slowest) {
             last = self.list.get(last).next;
+            slowest = slower(slowest, self.list.get(last).speed);
         }
-        let mut id = first;
-        while id != NONE {
-            let node = self.list.get(id);
-            if node.speed == 0.0 {
-                x = node.x;
-            }
-            // An end or a joint stays where it is.
-            id = if id == last || matches!(node.kind, Kind::End | Kind::Joint) { NONE } else { node.next };
-        }
+        let x = self.common_place(first, last, x);
         if !x.is_finite() {
             return Err(Stopped::NotANumber { time: self.now, x });
         }
@@ -253,16 +249,41 @@ impl FrontTracking {
         Ok(())
     }
 
-    /// Whether a node is at x, or near it and closing in; `towards` is +1 for one on the left. A node at rest closes in unless its neighbour,
-    /// which is at x, moves away from it: a front that has just left a contact would never get further than this.
-    fn is_there(&self, id: u32, neighbour: u32, x: f64, towards: f64) -> bool {
+    /// Whether a node is at x, or next to it and not on its way from there; `towards` is +1 for one on the left. An end or a joint stays where
+    /// it is: next to it, what leaves it and is slower than the waves that meet it would be brought back again and again.
+    fn is_there(&self, id: u32, x: f64, towards: f64, slowest: f64) -> bool {
         if id == NONE {
             return false;
         }
-        let (node, neighbour) = (self.list.get(id), self.list.get(neighbour));
+        let node = self.list.get(id);
         let distance = (node.at(self.now) - x).abs();
-        let closes_in = towards * node.speed > 0.0 || (node.speed == 0.0 && towards * neighbour.speed <= 0.0);
-        distance <= self.nearness.place || (distance <= self.nearness.near && closes_in)
+        let is_left = node.is_fixed() && towards * slowest > 0.0;
+        distance <= self.nearness.place || (distance <= self.nearness.near && towards * node.speed >= 0.0 && !is_left)
+    }
+
+    /// Where the nodes `first..=last` meet, m, if it is at x to within the nearness: at an end or a joint; at what stands still; where they
+    /// are apart from each other, at the mean of their places by their steps in history, so that no flow is lost.
+    fn common_place(&self, first: u32, last: u32, x: f64) -> f64 {
+        let (mut place, mut moment, mut sum, mut id) = (x, 0.0, 0.0, first);
+        loop {
+            let node = self.list.get(id);
+            if node.is_fixed() {
+                return node.x;
+            }
+            if node.speed == 0.0 {
+                place = node.x;
+            }
+            let (left, right) = (self.list.get(node.prev).right, node.right);
+            let step = (right.accumulated - left.accumulated).abs() + (right.plastic - left.plastic).abs();
+            moment += step * (node.at(self.now) - x);
+            sum += step;
+            if id == last {
+                break;
+            }
+            id = node.next;
+        }
+        let apart = self.list.get(last).at(self.now) - self.list.get(first).at(self.now);
+        if sum > 0.0 && apart > self.nearness.place { x + moment / sum } else { place }
     }
 
     /// Enters the meeting of a node with the next one, if they ever meet.

@@ -18,5 +18,5 @@ else
         -r tests/python/requirements.txt
     export PYTHONPATH="$target/python-packages"
 fi
-BARWAVE_BIN="$target/release/barwave" "$python" -m pytest -q -p no:cacheprovider tests/python
+BARWAVE_BIN="$target/release/barwave" "$python" -m pytest -q -rs -p no:cacheprovider tests/python
 tests/slurm.sh "$target/release/barwave"

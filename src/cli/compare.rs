@@ -24,7 +24,7 @@ pub(crate) struct Args {
     /// All materials of the library.
     #[arg(long, conflicts_with = "names")]
     all: bool,
-    /// Output file: figure (.svg, .png, .html) or table (.csv; `-` writes it to standard output).
+    /// Output file: figure (.svg, .png, .pdf, .html) or table (.csv; `-` writes it to standard output).
     #[arg(short, long, visible_alias = "plot", value_name = "FILE")]
     output: Option<PathBuf>,
     /// Field of results to draw (default: the first that they share).
@@ -42,7 +42,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let is_csv = args.output.as_deref().is_some_and(output::is_csv);
     if let Some(path) = args.output.as_deref().filter(|_| !is_csv) {
         plot::Format::of(path).map_err(|e| match e {
-            Error::Input(e) => Error::Input(e.allowed("names that end in .svg, .png, .html or .csv")),
+            Error::Input(e) => Error::Input(e.allowed("names that end in .svg, .png, .pdf, .html or .csv")),
             other => other,
         })?;
     }

@@ -29,7 +29,7 @@ pub(crate) struct Args {
     /// The scene file.
     #[arg(value_name = "SCENE.toml")]
     scene: PathBuf,
-    /// Output file: table (.csv), figure (.svg, .png, .html) or complete data (.json); `-` writes the table to
+    /// Output file: table (.csv), figure (.svg, .png, .pdf, .html) or complete data (.json); `-` writes the table to
     /// standard output.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -159,7 +159,7 @@ fn kind(path: &Path) -> Result<Kind> {
         _ if output::is_csv(path) => Ok(Kind::Csv),
         "json" => Ok(Kind::Json),
         _ => plot::Format::of(path).map(|_| Kind::Picture).map_err(|e| match e {
-            Error::Input(e) => e.allowed("names that end in .csv, .svg, .png, .html or .json").into(),
+            Error::Input(e) => e.allowed("names that end in .csv, .svg, .png, .pdf, .html or .json").into(),
             other => other,
         }),
     }

@@ -4,10 +4,10 @@ use std::path::PathBuf;
 
 use super::{output, settings};
 use crate::destination;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::record::Field;
 use crate::record::store::ResultFile;
-use crate::report::plot::{Format, PNG_SCALE, png, write_whole};
+use crate::report::plot::{Format, save, write_whole};
 use crate::report::{Figure, PanelName, Units, draw, page};
 use crate::units::System;
 
@@ -20,8 +20,8 @@ pub(crate) struct Args {
     /// Result file that `barwave run` wrote, finished or not.
     #[arg(value_name = "OUT.h5")]
     file: PathBuf,
-    /// Output file: .html (figure and tables), .svg or .png (figure); `-` writes SVG to standard output. Default: the name of the result
-    /// with .svg.
+    /// Output file: .html (page with read-outs, time slider and tables), .svg, .png or .pdf (figure); `-` writes SVG to standard output.
+    /// Default: the name of the result with .svg.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Field to show in all panels. Default: stress, or else the first that was recorded.
@@ -49,12 +49,9 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     };
     let figure = Figure { field: args.field, units, panels: args.panels.clone(), size: args.size };
     match format {
-        Format::Svg => write_whole(&path, draw(&file, &figure)?.as_bytes()),
-        Format::Png => png(&draw(&file, &figure)?, PNG_SCALE)
-            .map_err(|reason| Error::file(&path, reason))
-            .and_then(|bytes| write_whole(&path, &bytes)),
-        Format::Html => write_whole(&path, page(&file, &figure)?.as_bytes()),
-    }?;
+        Format::Html => write_whole(&path, page(&file, &figure)?.as_bytes())?,
+        Format::Svg | Format::Png | Format::Pdf => save(&path, &file.facts().title, &draw(&file, &figure)?)?,
+    }
     if file.facts().is_unfinished() && !settings::json() {
         output::note(&format!("note: {} is unfinished; the figure shows the frames so far\n", args.file.display()));
     }

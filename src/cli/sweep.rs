@@ -30,7 +30,7 @@ pub(crate) struct Args {
     /// all cases].
     #[arg(long, value_name = "I/N")]
     shard: Option<Shard>,
-    /// Figure of the metrics against the longest axis (.svg, .png, .html); of the usual ones where the sweep file names none.
+    /// Figure of the metrics against the longest axis (.svg, .png, .pdf, .html); of the usual ones where the sweep file names none.
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
     /// Continue a sweep that was stopped or killed: run only the cases that have no row yet.

@@ -1,7 +1,7 @@
 //! A framed plot with its axes, and where it stands in a panel.
 
 use super::axis::Axis;
-use super::plot::escape;
+use super::html::escape;
 use super::svg::{Anchor, Area, BORDER, FINE, GRID, Stroke, Svg, text_width};
 
 /// Text sizes, px.

@@ -1,7 +1,9 @@
 //! The figure of a result file: x-t diagram, profiles, histories, energies, front speeds, as one SVG.
 
 use super::display::Units;
+use super::html::picture;
 use super::layout::{Content, Heading, alone, compose};
+use super::slider::Profiles;
 use super::view::View;
 use super::{histories, impact, profiles, theory};
 use crate::error::{InputError, Result};
@@ -68,14 +70,35 @@ pub fn draw(file: &ResultFile, figure: &Figure) -> Result<String> {
     compose(heading.as_ref(), &contents(&view, &figure.panels)?, figure.size)
 }
 
-/// Each panel as an SVG of its own, for a page; `size` in px.
-pub(super) fn panels(file: &ResultFile, figure: &Figure, size: [f64; 2]) -> Result<Vec<String>> {
-    let each = |contents: Vec<Content>| contents.iter().enumerate().map(|(i, c)| alone(c, size, i)).collect();
+/// Each panel as a picture of its own, for a page, with the profile of one instant among them; `size` in px. Empty where there is nothing.
+pub(super) fn pictures(file: &ResultFile, figure: &Figure, size: [f64; 2]) -> Result<String> {
     if let Some(impact) = file.impact()? {
         // The page of an impact in closed form holds its tables.
-        return if impact.has_histories() { each(impact_contents(file, &impact, figure)?) } else { Ok(Vec::new()) };
+        if !impact.has_histories() {
+            return Ok(String::new());
+        }
+        let contents = impact_contents(file, &impact, figure)?;
+        let profiles = impact.shapes.as_ref().and_then(|shapes| Profiles::of_beam(shapes, figure.units));
+        return gallery(&contents, contents.len(), profiles, size);
     }
-    each(contents(&view(file, figure)?, &figure.panels)?)
+    let view = view(file, figure)?;
+    let asked = figure.panels.is_empty() || figure.panels.contains(&PanelName::Profiles);
+    let profiles = if asked { Some(Profiles::of_bar(&view)?) } else { None };
+    // Beside the x-t diagram and the profiles at several times.
+    gallery(&contents(&view, &figure.panels)?, 2, profiles, size)
+}
+
+/// Panels with the profile of one instant at a place among them.
+fn gallery(contents: &[Content], place: usize, profiles: Option<Profiles>, size: [f64; 2]) -> Result<String> {
+    let mut figures = Vec::with_capacity(contents.len() + 1);
+    for (index, content) in contents.iter().enumerate() {
+        let svg = picture(&content.heading(), &alone(content, size, index)?);
+        figures.push(format!("<figure>\n{svg}</figure>\n"));
+    }
+    if let Some(profiles) = profiles {
+        figures.insert(place.min(contents.len()), profiles.html(size, contents.len())?);
+    }
+    Ok(format!("<div class=\"panels\">\n{}</div>\n", figures.concat()))
 }
 
 fn impact_contents<'a>(

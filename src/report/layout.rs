@@ -27,13 +27,19 @@ pub(super) enum Content<'a> {
 }
 
 impl Content<'_> {
-    fn draw(&self, svg: &mut Svg, area: Area, letter: Option<char>) -> Result<()> {
-        let lettered =
-            |heading: &str| letter.map_or_else(|| heading.to_owned(), |letter| format!("({letter})  {heading}"));
+    pub fn heading(&self) -> String {
         match self {
-            Self::Map(view) => map::draw(svg, area, view, &lettered(&map::heading(view))),
+            Self::Map(view) => map::heading(view),
+            Self::Lines(panel) => panel.heading.clone(),
+        }
+    }
+
+    fn draw(&self, svg: &mut Svg, area: Area, letter: Option<char>) -> Result<()> {
+        let heading = letter.map_or_else(|| self.heading(), |letter| format!("({letter})  {}", self.heading()));
+        match self {
+            Self::Map(view) => map::draw(svg, area, view, &heading),
             Self::Lines(panel) => {
-                LinePanel { heading: lettered(&panel.heading), ..panel.clone() }.draw(svg, area);
+                LinePanel { heading, ..panel.clone() }.draw(svg, area);
                 Ok(())
             }
         }

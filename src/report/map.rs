@@ -35,9 +35,12 @@ pub(super) fn draw(svg: &mut Svg, panel: Area, view: &View, heading: &str) -> Re
     };
     let (picture, range, extremes) = picture(&frame, view)?;
     svg.image(frame.plot, &picture);
-    let mut entries = draw_lines(svg, &frame, view)?;
-    draw_gauges(svg, &frame, view, gauges);
-    entries.extend(draw_ruptures(svg, &frame, view));
+    let entries = svg.group("on-map", |svg| -> Result<_> {
+        let mut entries = draw_lines(svg, &frame, view)?;
+        draw_gauges(svg, &frame, view, gauges);
+        entries.extend(draw_ruptures(svg, &frame, view));
+        Ok(entries)
+    })?;
     frame.draw(svg, false);
     draw_legend(svg, panel, &legend_rows(&entries, panel.width));
     colour_bar(svg, &frame, &range, extremes, &view.field_unit().label(field_name(view.field)));

@@ -1,9 +1,9 @@
 //! The page of a result file: its figure, and in tables what a figure cannot say.
 
 use super::display::{Unit, Units, four_digits};
-use super::figure::{Figure, panels};
+use super::figure::{Figure, pictures};
+use super::html::{escape, html, table};
 use super::impact;
-use super::plot::{escape, html};
 use crate::error::Result;
 use crate::record::FrontRow;
 use crate::record::store::{Facts, ResultFile, StoredImpact};
@@ -12,8 +12,8 @@ use crate::solver::Energies;
 /// A number without unit.
 const PLAIN: Unit = Unit { factor: 1.0, symbol: "" };
 
-/// Width and height of a panel of the page, px: text stays readable on a telephone.
-const PANEL: [f64; 2] = [460.0, 340.0];
+/// Width and height of a panel of the page, px: scaled to a phone of 360 px its text is still 10 px high.
+const PANEL: [f64; 2] = [420.0, 330.0];
 
 /// Fronts that the page lists; a tracked run can end with thousands.
 const MOST_FRONTS: usize = 100;
@@ -24,17 +24,17 @@ const MOST_FRONTS: usize = 100;
 /// As for [`draw`](super::draw).
 pub fn page(file: &ResultFile, figure: &Figure) -> Result<String> {
     let (facts, units) = (file.facts(), figure.units);
-    let svg = panels(file, figure, PANEL)?.concat();
+    let panels = pictures(file, figure, PANEL)?;
     if let Some(impact) = file.impact()? {
-        return impact_page(file, &impact, &svg, units);
+        return impact_page(file, &impact, &panels, units);
     }
     let fronts = fronts_table(file, units)?;
     let ledger = ledger_table(file, units)?;
     let audit = audit_list(file)?;
     let materials = materials_table(file, units)?;
-    let scene = format!("<pre>{}</pre>", escape(&facts.scene));
+    let scene = format!("<pre tabindex=\"0\">{}</pre>", escape(&facts.scene));
     let about = facts_table(facts);
-    let mut sections = vec![("", svg.as_str()), ("Run", about.as_str())];
+    let mut sections = vec![("", panels.as_str()), ("Run", about.as_str())];
     let optional = [
         ("Fronts", &fronts),
         ("Ledger", &ledger),
@@ -46,16 +46,16 @@ pub fn page(file: &ResultFile, figure: &Figure) -> Result<String> {
     Ok(html(&facts.title, &sections))
 }
 
-/// The page of an impact that is not waves in a bar; `svg` is empty where it has no histories.
-fn impact_page(file: &ResultFile, impact: &StoredImpact, svg: &str, units: Units) -> Result<String> {
+/// The page of an impact that is not waves in a bar; `panels` is empty where it has no histories.
+fn impact_page(file: &ResultFile, impact: &StoredImpact, panels: &str, units: Units) -> Result<String> {
     let facts = file.facts();
-    let results = table(&[], &impact::figures(impact, units));
+    let results = table("Results", &[], &impact::figures(impact, units));
     let notes: Vec<String> = facts.notes.iter().map(|note| format!("<li>{}</li>\n", escape(note))).collect();
     let notes = if notes.is_empty() { String::new() } else { format!("<ul>\n{}</ul>\n", notes.concat()) };
     let (about, materials) = (facts_table(facts), materials_table(file, units)?);
-    let scene = format!("<pre>{}</pre>", escape(&facts.scene));
+    let scene = format!("<pre tabindex=\"0\">{}</pre>", escape(&facts.scene));
     let sections = [
-        ("", svg),
+        ("", panels),
         ("Run", &about),
         ("Results", &results),
         ("Notes", &notes),
@@ -64,17 +64,6 @@ fn impact_page(file: &ResultFile, impact: &StoredImpact, svg: &str, units: Units
     ];
     let kept: Vec<(&str, &str)> = sections.into_iter().filter(|(_, content)| !content.is_empty()).collect();
     Ok(html(&facts.title, &kept))
-}
-
-/// A table; cells are escaped here.
-fn table(head: &[String], rows: &[Vec<String>]) -> String {
-    let line = |cells: &[String], tag: &str| {
-        let cells: Vec<String> = cells.iter().map(|cell| format!("<{tag}>{}</{tag}>", escape(cell))).collect();
-        format!("<tr>{}</tr>\n", cells.concat())
-    };
-    let head = if head.is_empty() { String::new() } else { line(head, "th") };
-    let body: String = rows.iter().map(|row| line(row, "td")).collect();
-    format!("<table>\n{head}{body}</table>\n")
 }
 
 /// Names and values of facts.
@@ -90,7 +79,7 @@ fn facts_table(facts: &Facts) -> String {
     let commit = facts.git_revision.as_ref().map_or_else(String::new, |r| format!(", commit {r}"));
     add("program", format!("barwave {}{commit}", facts.program_version));
     add("started", facts.created.clone());
-    table(&[], &rows)
+    table("Run", &[], &rows)
 }
 
 /// What was simulated, by what method, and how it ended.
@@ -162,7 +151,7 @@ fn fronts_table(file: &ResultFile, units: Units) -> Result<String> {
         front_cells(front, units, length).into_iter().chain(arrivals).collect()
     };
     let rows: Vec<Vec<String>> = fronts.iter().take(MOST_FRONTS).map(row).collect();
-    let html = table(&head, &rows);
+    let html = table("Fronts", &head, &rows);
     let left_out = fronts.len() - rows.len();
     if left_out == 0 {
         return Ok(html);
@@ -223,7 +212,7 @@ fn ledger_table(file: &ResultFile, units: Units) -> Result<String> {
         ("momentum at the end, SI", four_digits(last.energies.momentum)),
         ("impulse on the bar, SI", four_digits(last.impulse)),
     ]);
-    Ok(table(&[], &values.into_iter().map(|(name, value)| vec![name.to_owned(), value]).collect::<Vec<_>>()))
+    Ok(table("Ledger", &[], &values.into_iter().map(|(name, value)| vec![name.to_owned(), value]).collect::<Vec<_>>()))
 }
 
 fn audit_list(file: &ResultFile) -> Result<String> {
@@ -272,5 +261,5 @@ fn materials_table(file: &ResultFile, units: Units) -> Result<String> {
             ]
         })
         .collect();
-    Ok(if rows.is_empty() { String::new() } else { table(&head.collect::<Vec<_>>(), &rows) })
+    Ok(if rows.is_empty() { String::new() } else { table("Materials", &head.collect::<Vec<_>>(), &rows) })
 }

@@ -131,7 +131,7 @@ pub(super) fn legend_rows(series: &[Series], width: f64) -> Vec<Vec<(f64, &Serie
     let mut rows: Vec<Vec<(f64, &Series)>> = Vec::new();
     let mut right = f64::INFINITY;
     for series in series.iter().filter(|s| !s.name.is_empty()) {
-        let needed = 46.0 + text_width(&series.name, TICK);
+        let needed = entry_width(series);
         if right + needed > width {
             rows.push(Vec::new());
             right = 0.0;
@@ -144,11 +144,18 @@ pub(super) fn legend_rows(series: &[Series], width: f64) -> Vec<Vec<(f64, &Serie
     rows
 }
 
+fn entry_width(series: &Series) -> f64 {
+    46.0 + text_width(&series.name, TICK)
+}
+
 pub(super) fn draw_legend(svg: &mut Svg, panel: Area, rows: &[Vec<(f64, &Series)>]) {
     for (index, row) in rows.iter().enumerate() {
         let y = panel.y + TOP + LEGEND_ROW * index as f64 + 6.0;
+        // A long name has the room on the left of the plot, too.
+        let end = row.last().map_or(0.0, |(place, series)| place + entry_width(series));
+        let left = panel.x + LEFT - (LEFT + end - panel.width).clamp(0.0, LEFT);
         for (place, series) in row {
-            let x = panel.x + LEFT + place;
+            let x = left + place;
             if series.marks {
                 svg.circle((x + 12.0, y), 3.5, PAPER, &series.stroke);
             } else {

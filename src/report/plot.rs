@@ -1,7 +1,7 @@
-//! What every picture shares: colours, and writing it as SVG, PNG or HTML.
+//! What every picture shares: colours, and writing it as SVG, PNG, PDF or HTML.
 //!
-//! SVG and HTML name the font `DejaVu Sans` with common substitutes; PNG is drawn with `DejaVu Sans` itself, which is
-//! part of the program, so it looks the same on a machine without fonts.
+//! SVG and HTML name the font `DejaVu Sans` with common substitutes; PNG and PDF are drawn with `DejaVu Sans` itself, which
+//! is part of the program, so they look the same on a machine without fonts.
 
 use std::io::{ErrorKind, Write as _};
 use std::path::Path;
@@ -9,6 +9,7 @@ use std::sync::{Arc, OnceLock};
 
 use resvg::{tiny_skia, usvg};
 
+use super::html::{html, picture};
 use crate::destination;
 use crate::error::{Error, InputError, Result};
 
@@ -30,6 +31,8 @@ pub enum Format {
     Svg,
     /// Pixels.
     Png,
+    /// Vector picture on a page of its size.
+    Pdf,
     /// A page that needs nothing else.
     Html,
 }
@@ -38,17 +41,18 @@ impl Format {
     /// The format of a file name, so that a wrong one is refused before any work is done.
     ///
     /// # Errors
-    /// An [`InputError`] where the name ends in none of .svg, .png, .html.
+    /// An [`InputError`] where the name ends in none of .svg, .png, .pdf, .html.
     pub fn of(path: &Path) -> Result<Self> {
         let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
         match extension.as_str() {
             "svg" => Ok(Self::Svg),
             "png" => Ok(Self::Png),
+            "pdf" => Ok(Self::Pdf),
             "html" | "htm" => Ok(Self::Html),
             _ if destination::is_stdout(path) => Ok(Self::Svg),
             _ => Err(InputError::new(format!("`{}` names no kind of picture", path.display()))
                 .key("-o")
-                .allowed("names that end in .svg, .png or .html")
+                .allowed("names that end in .svg, .png, .pdf or .html")
                 .help("e.g. -o figure.svg")
                 .into()),
         }
@@ -63,8 +67,14 @@ pub fn save(path: &Path, title: &str, svg: &str) -> Result<()> {
     match Format::of(path)? {
         Format::Svg => write_whole(path, svg.as_bytes()),
         Format::Png => write_whole(path, &png(svg, PNG_SCALE).map_err(|reason| Error::file(path, reason))?),
-        Format::Html => write_whole(path, html(title, &[("", svg)]).as_bytes()),
+        Format::Pdf => write_whole(path, &pdf(svg).map_err(|reason| Error::file(path, reason))?),
+        Format::Html => write_whole(path, page(title, svg).as_bytes()),
     }
+}
+
+/// A page of one figure.
+fn page(title: &str, svg: &str) -> String {
+    html(title, &[("", &["<figure class=\"whole\">\n", &picture(title, svg), "</figure>"].concat())])
 }
 
 /// Writes a file under a temporary name and then renames it: the final name never holds half a file. Missing folders are made; `-` is
@@ -99,8 +109,7 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
 /// # Errors
 /// One sentence: text that is no SVG, or a picture too large for memory.
 pub fn png(svg: &str, scale: f32) -> std::result::Result<Vec<u8>, String> {
-    let options = usvg::Options { fontdb: fonts(), font_family: "DejaVu Sans".into(), ..usvg::Options::default() };
-    let tree = usvg::Tree::from_str(svg, &options).map_err(|e| e.to_string())?;
+    let tree = tree(svg)?;
     let size = tree.size().to_int_size().scale_by(scale).ok_or("the picture has no size")?;
     let mut pixels =
         tiny_skia::Pixmap::new(size.width(), size.height()).ok_or("the picture is too large for memory")?;
@@ -109,35 +118,20 @@ pub fn png(svg: &str, scale: f32) -> std::result::Result<Vec<u8>, String> {
     pixels.encode_png().map_err(|e| e.to_string())
 }
 
-/// A page of headed sections, each HTML or SVG text; it refers to nothing outside itself.
-pub fn html(title: &str, sections: &[(&str, &str)]) -> String {
-    let mut body = String::new();
-    for (heading, content) in sections {
-        if !heading.is_empty() {
-            body += &["<h2>", &escape(heading), "</h2>\n"].concat();
-        }
-        body += &["<section>\n", content, "\n</section>\n"].concat();
-    }
-    format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{title}</title>\n\
-         <style>\n{STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>\n{body}</body>\n</html>\n",
-        title = escape(title)
-    )
+/// Draws SVG text as a PDF file of one page, 1 px as 1/96 inch.
+///
+/// # Errors
+/// One sentence: text that is no SVG, or has something that figures do not have.
+pub fn pdf(svg: &str) -> std::result::Result<Vec<u8>, String> {
+    super::pdf::pdf(&tree(svg)?)
 }
 
-const STYLE: &str = "body{font-family:system-ui,'DejaVu Sans',sans-serif;max-width:72rem;margin:2rem auto;\
-padding:0 1rem;color:#111}h1{font-size:1.5rem}h2{font-size:1.15rem;margin-top:2rem}\
-svg,img{max-width:100%;height:auto}table{border-collapse:collapse;font-variant-numeric:tabular-nums}\
-th,td{padding:.25rem .7rem;border-bottom:1px solid #ddd;text-align:right}\
-th:first-child,td:first-child{text-align:left}pre{background:#f6f6f6;padding:.7rem;overflow-x:auto}\n";
-
-/// Text made safe to stand in HTML.
-pub fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+fn tree(svg: &str) -> std::result::Result<usvg::Tree, String> {
+    let options = usvg::Options { fontdb: fonts(), font_family: "DejaVu Sans".into(), ..usvg::Options::default() };
+    usvg::Tree::from_str(svg, &options).map_err(|e| e.to_string())
 }
 
-/// `DejaVu Sans`, for [`png`].
+/// `DejaVu Sans`, for [`png`] and [`pdf`].
 fn fonts() -> Arc<usvg::fontdb::Database> {
     static FONTS: OnceLock<Arc<usvg::fontdb::Database>> = OnceLock::new();
     let load = || {
@@ -173,7 +167,8 @@ mod tests {
     #[test]
     fn formats_go_by_the_name() {
         assert_eq!(Format::of(Path::new("a/b.PNG")).expect("known"), Format::Png);
-        assert_eq!(Format::of(Path::new("b.pdf")).expect_err("unknown").exit_code(), 2);
+        assert_eq!(Format::of(Path::new("b.pdf")).expect("known"), Format::Pdf);
+        assert_eq!(Format::of(Path::new("b.eps")).expect_err("unknown").exit_code(), 2);
         assert_eq!(Format::of(Path::new("svg")).expect_err("unknown").exit_code(), 2);
     }
 

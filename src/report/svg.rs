@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::plot::escape;
+use super::html::escape;
 
 /// The fonts asked for, as in the other pictures; none is wider than [`text_width`] assumes.
 const FONT: &str = "DejaVu Sans, Liberation Sans, Arial, Helvetica, sans-serif";
@@ -209,12 +209,20 @@ impl Svg {
         self.push(format_args!("</g>"));
     }
 
+    /// What `draw` draws is one group of this class.
+    pub fn group<T>(&mut self, class: &str, draw: impl FnOnce(&mut Self) -> T) -> T {
+        self.push(format_args!("<g class=\"{class}\">"));
+        let drawn = draw(self);
+        self.push(format_args!("</g>"));
+        drawn
+    }
+
     /// The whole document, on white.
     pub fn document(&self, width: f64, height: f64) -> String {
         format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width:.0}\" height=\"{height:.0}\" \
-             viewBox=\"0 0 {width:.0} {height:.0}\" font-family=\"{FONT}\" fill=\"#222\">\n\
-             <rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n{}</svg>\n",
+             viewBox=\"0 0 {width:.0} {height:.0}\" font-family=\"{FONT}\" fill=\"{INK}\">\n\
+             <rect width=\"100%\" height=\"100%\" fill=\"{PAPER}\"/>\n{}</svg>\n",
             self.body
         )
     }
@@ -240,7 +248,7 @@ pub(super) fn text_width(text: &str, size: f64) -> f64 {
 }
 
 /// Base64 with padding (RFC 4648).
-fn base64(bytes: &[u8]) -> String {
+pub(super) fn base64(bytes: &[u8]) -> String {
     const ALPHABET: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
     for chunk in bytes.chunks(3) {

@@ -176,7 +176,7 @@ const ARGUMENTS: &[&[&str]] = &[
     &["run", "s.toml", "--threads", "100000"],
     &["check", "empty.toml"],
     &["critical", "unobtainium"],
-    &["compare", "mild-steel", "-o", "a.pdf"],
+    &["compare", "mild-steel", "-o", "a.eps"],
     &["cost", "s.toml", "--budget", "0"],
     &["report", "s.toml"],
     &["report", "nowhere.h5"],

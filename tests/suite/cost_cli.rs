@@ -107,7 +107,7 @@ fn wrong_input_is_refused_before_anything_runs() {
     };
     assert!(refused(&["--budget", "0"]).contains("help:"));
     assert!(refused(&["--budget", "5 m"]).contains("--budget"));
-    assert!(refused(&["-o", "figure.pdf"]).contains(".csv, .svg, .png, .html or .json"));
+    assert!(refused(&["-o", "figure.eps"]).contains(".csv, .svg, .png, .pdf, .html or .json"));
     assert!(refused(&["--set", "solve.method=magic"]).contains("method"));
     assert!(refused(&["--measure", "strain"]).contains("residual-strain, peak-force"));
     assert!(refused(&["--measure", "gauges", "--set", "record.gauges={}"]).contains("the scene has no gauges"));

@@ -53,6 +53,7 @@ mod net_accuracy;
 mod net_laws;
 mod net_rates;
 mod no_allocation;
+mod page;
 mod properties;
 mod random_scenes;
 mod rate_at_a_point;

@@ -8,9 +8,11 @@ use barwave::error::Error;
 use barwave::law::rupture::{Cause, Rupture, Site};
 use barwave::record::store::{Finish, Geometry, Header, Layout, ResultFile, Side, Writer};
 use barwave::record::{AuditRow, Compression, Field, Frame, FrontRow, LedgerRow, Precision, Trace};
-use barwave::report::plot::png;
+use barwave::report::plot::{pdf, png};
 use barwave::report::{Figure, PanelName, Units, draw, page};
 use barwave::solver::Energies;
+
+use crate::common::binary;
 
 fn front(speed: f64, stress_behind: f64) -> FrontRow {
     FrontRow {
@@ -27,7 +29,7 @@ fn front(speed: f64, stress_behind: f64) -> FrontRow {
     }
 }
 
-fn layout(fields: Vec<Field>) -> Layout {
+pub(crate) fn layout(fields: Vec<Field>) -> Layout {
     Layout {
         geometry: Geometry::default(),
         x: (0..50).map(|i| (f64::from(i) + 0.5) / 50.0).collect(),
@@ -43,7 +45,7 @@ fn layout(fields: Vec<Field>) -> Layout {
 }
 
 /// Starts a run of `frames` frames of stress with the given value everywhere.
-fn start(path: &Path, frames: usize, stress: f64) -> Writer {
+pub(crate) fn start(path: &Path, frames: usize, stress: f64) -> Writer {
     let header = Header { title: "Pull & <let go>".into(), scene: "x = \"<&>\"".into(), ..Header::default() };
     let mut writer = Writer::create(path, &header, &layout(vec![Field::Stress]), &[]).unwrap();
     for index in 0..frames {
@@ -69,7 +71,7 @@ fn start(path: &Path, frames: usize, stress: f64) -> Writer {
     writer
 }
 
-fn finished(path: &Path) -> ResultFile {
+pub(crate) fn finished(path: &Path) -> ResultFile {
     let audit = AuditRow {
         effect: "heat".into(),
         estimate: 9.0,
@@ -99,6 +101,45 @@ fn a_finished_run_has_every_panel() {
     assert_eq!(svg.matches("<image").count(), 1);
     assert!(svg.contains("stress (MPa)") && svg.contains("energy (kJ/m\u{b2})"));
     assert!(svg.contains("Pull &amp; &lt;let go&gt;") && svg.contains("a &lt;gauge&gt;"));
+}
+
+#[test]
+fn a_pdf_is_one_page_of_the_size_of_the_figure() {
+    let folder = tempfile::tempdir().unwrap();
+    let size = Some([900.0, 1200.0]);
+    let lines = Figure { panels: vec![PanelName::Energy, PanelName::Gauges], size, ..Figure::default() };
+    for (figure, images) in [(Figure::default(), 1), (lines, 0)] {
+        let svg = drawn(folder.path(), &figure).unwrap();
+        let bytes = pdf(&svg).unwrap();
+        let text = String::from_utf8_lossy(&bytes);
+        // A px is three quarters of a point.
+        let points = |name| {
+            let (_, rest) = svg.split_once(&format!(" {name}=\"")).unwrap();
+            0.75 * rest.split_once('"').unwrap().0.parse::<f64>().unwrap()
+        };
+        let media_box = format!("/MediaBox [0 0 {} {}]", points("width"), points("height"));
+        assert!(text.starts_with("%PDF-1.") && text.trim_end().ends_with("%%EOF"));
+        assert_eq!(text.matches("/Type /Page\n").count(), 1);
+        assert!(text.contains(&media_box), "{media_box}");
+        assert_eq!(text.matches("/Subtype /Image").count(), images);
+    }
+    let gradient = "<svg xmlns='http://www.w3.org/2000/svg' width='9' height='9'><linearGradient id='a'>\
+                    <stop offset='0' stop-color='red'/><stop offset='1'/></linearGradient>\
+                    <rect width='9' height='9' fill='url(#a)'/></svg>";
+    assert!(pdf(gradient).unwrap_err().contains("gradients"));
+}
+
+#[test]
+fn every_figure_can_be_a_pdf() {
+    let folder = tempfile::tempdir().unwrap();
+    binary::done(folder.path(), &["compare", "mild-steel", "-o", "curves.pdf"]);
+    drop(start(&folder.path().join("a.h5"), 3, 1e8));
+    binary::done(folder.path(), &["report", "a.h5", "-o", "figure.PDF"]);
+    for name in ["curves.pdf", "figure.PDF"] {
+        assert!(std::fs::read(folder.path().join(name)).unwrap().starts_with(b"%PDF-"), "{name}");
+    }
+    let message = binary::refused(folder.path(), &["report", "a.h5", "-o", "figure.eps"]);
+    assert!(message.contains("names that end in .svg, .png, .pdf or .html"), "{message}");
 }
 
 #[test]

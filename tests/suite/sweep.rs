@@ -247,6 +247,6 @@ fn the_figure_has_a_line_for_every_material() {
     // A sweep that has ended is drawn without running a case.
     done(folder.path(), &["sweep", "sweep.toml", "-o", "out", "--resume", "--quiet", "--plot", "b.svg"]);
     assert_eq!(text(folder.path(), "b.svg"), figure);
-    let message = failed(folder.path(), &["sweep", "sweep.toml", "-o", "other", "--plot", "a.pdf"], 2);
+    let message = failed(folder.path(), &["sweep", "sweep.toml", "-o", "other", "--plot", "a.eps"], 2);
     assert!(message.contains("--plot") && !folder.path().join("other").exists(), "{message}");
 }

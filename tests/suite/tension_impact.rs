@@ -103,7 +103,7 @@ fn scenes_are_tested_and_wrong_input_is_explained() {
         (&["copper-annealed", "--velocities", "5,6", "--to", "9", "--count", "2"], "a range starts from one velocity"),
         (&["copper-annealed", "--length", "0 m"], "length"),
         (&["copper-annealed", "--cells", "1"], "cells"),
-        (&["copper-annealed", "--figure", "a.pdf"], ".svg"),
+        (&["copper-annealed", "--figure", "a.eps"], ".svg"),
     ] {
         let arguments = [&["study", "tension-impact"], arguments].concat();
         let output = barwave(folder.path(), &arguments);

@@ -25,7 +25,7 @@ pub(super) struct Outputs {
     /// Table of the curve.
     #[arg(long, value_name = "FILE.csv")]
     pub(super) csv: Option<PathBuf>,
-    /// Figure (.svg, .png or .html).
+    /// Figure (.svg, .png, .pdf or .html).
     #[arg(long, value_name = "FILE")]
     pub(super) plot: Option<PathBuf>,
     /// Print a JSON object and nothing else.

@@ -93,7 +93,7 @@ pub(super) struct Args {
     /// Who measured it, where and when: the source of the curve.
     #[arg(long, value_name = "TEXT")]
     citation: Option<String>,
-    /// Figure of the records before and after: .svg, .png or .html.
+    /// Figure of the records before and after: .svg, .png, .pdf or .html.
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
     /// File to write (default: the record's name with .toml, beside it).

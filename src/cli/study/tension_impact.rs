@@ -46,7 +46,7 @@ pub(crate) struct Args {
     /// Folder of the results [default: `tension-impact-<material>`, in `runs/out` if there is a folder `runs`]; it is made if it is missing.
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
-    /// Figure (.svg, .png, .html) [default: `tension-impact.svg` in the folder].
+    /// Figure (.svg, .png, .pdf, .html) [default: `tension-impact.svg` in the folder].
     #[arg(long, value_name = "FILE")]
     figure: Option<PathBuf>,
     /// Continue a study that was stopped or killed: run only the velocities that have no row yet.

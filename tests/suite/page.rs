@@ -1,0 +1,160 @@
+//! The HTML page of a result: what a phone, a dark screen, a printer and a screen reader need, and the data of its time slider.
+// A test that meets an error is to fail there.
+#![allow(clippy::unwrap_used)]
+
+use std::path::Path;
+
+use barwave::record::store::{Header, ResultFile, Writer};
+use barwave::record::{Field, Frame};
+use barwave::report::{Figure, PanelName, page};
+
+use crate::common::binary;
+use crate::report::{finished, layout, start};
+
+fn of(path: &Path) -> String {
+    page(&ResultFile::open(path).unwrap(), &Figure::default()).unwrap()
+}
+
+fn has_slider(page: &str) -> bool {
+    let (figure, control) = (page.contains("<figure class=\"player\">"), page.contains("<input type=\"range\""));
+    assert_eq!(figure, control);
+    figure
+}
+
+#[test]
+fn a_page_suits_phones_dark_screens_printers_and_screen_readers() {
+    let folder = tempfile::tempdir().unwrap();
+    let page = page(&finished(&folder.path().join("a.h5")), &Figure::default()).unwrap();
+    for text in [
+        "<html lang=\"en\">",
+        "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">",
+        "@media screen and (prefers-color-scheme: dark)",
+        "@media print",
+        "<main>",
+        "<th scope=\"col\">strain ahead</th>",
+        "<th scope=\"row\">method</th>",
+        "aria-label=\"stress over the bar and time\"",
+        "<div class=\"wide\" role=\"region\" tabindex=\"0\" aria-label=\"Fronts\">",
+    ] {
+        assert!(page.contains(text), "{text}");
+    }
+    let drawings = page.matches("<svg ").count();
+    assert!(drawings > 6, "{drawings}");
+    assert_eq!(page.matches("<svg role=\"img\" aria-label=\"").count(), drawings);
+    // Every table can scroll by itself.
+    assert_eq!(page.matches("<table").count(), page.matches("<div class=\"wide\"").count());
+    for loaded in [" src=", "@import", "url(http", "fetch(", "<link"] {
+        assert!(!page.contains(loaded), "{loaded}");
+    }
+}
+
+#[test]
+fn every_line_of_a_drawing_has_its_colour_for_the_dark() {
+    let folder = tempfile::tempdir().unwrap();
+    let page = page(&finished(&folder.path().join("a.h5")), &Figure::default()).unwrap();
+    let (style, body) = page.split_once("</style>").unwrap();
+    let colours = || body.split(" stroke=\"#").skip(1).map(|rest| rest.split('"').next().unwrap());
+    assert!(colours().count() > 50);
+    for colour in colours() {
+        assert!(style.contains(&format!("[stroke=\"#{colour}\"]")), "{colour}");
+    }
+}
+
+#[test]
+fn there_is_a_slider_where_there_are_profiles() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.h5");
+    let with = |panels: &[PanelName]| {
+        let figure = Figure { panels: panels.to_vec(), ..Figure::default() };
+        has_slider(&page(&finished(&folder.path().join("b.h5")), &figure).unwrap())
+    };
+    assert!(with(&[]) && with(&[PanelName::Profiles]));
+    assert!(!with(&[PanelName::Energy]));
+    for (frames, expected) in [(1, false), (2, true)] {
+        drop(start(&path, frames, 1e8));
+        assert_eq!(has_slider(&of(&path)), expected, "{frames} frames");
+    }
+    // A beam has deflected shapes, spheres have histories only.
+    for (scene, expected) in [("beam", true), ("spheres", false)] {
+        let scene = format!("{}/runs/{scene}.toml", env!("CARGO_MANIFEST_DIR"));
+        binary::done(folder.path(), &["run", &scene, "-o", "impact.h5", "--quiet"]);
+        assert_eq!(has_slider(&of(&folder.path().join("impact.h5"))), expected, "{scene}");
+    }
+}
+
+/// Of stress: a number of its own for each frame and place.
+fn stress(frame: usize, place: usize) -> f64 {
+    1e6 * (frame as f64 + 1e-3 * place as f64)
+}
+
+/// A run of so many frames and places.
+fn written(path: &Path, frames: usize, places: usize) {
+    let mut layout = layout(vec![Field::Stress]);
+    layout.x = (0..places).map(|i| (i as f64 + 0.5) / places as f64).collect();
+    let mut writer = Writer::create(path, &Header::default(), &layout, &[]).unwrap();
+    for frame in 0..frames {
+        let row = (0..places).map(|place| stress(frame, place)).collect();
+        writer.frame(Frame { time: frame as f64 * 1e-6, rows: vec![row] }).unwrap();
+    }
+}
+
+/// Binary32 numbers in base64.
+fn numbers(text: &str) -> Vec<f32> {
+    let sextet = |c: u8| match c {
+        b'A'..=b'Z' => c - b'A',
+        b'a'..=b'z' => c - b'a' + 26,
+        b'0'..=b'9' => c - b'0' + 52,
+        b'+' => 62,
+        _ => 63,
+    };
+    let mut bytes = Vec::new();
+    for four in text.trim_end_matches('=').as_bytes().chunks(4) {
+        let bits = four.iter().enumerate().fold(0, |bits, (i, &c)| bits | u32::from(sextet(c)) << (18 - 6 * i));
+        bytes.extend_from_slice(&bits.to_be_bytes()[1..four.len()]);
+    }
+    bytes.chunks_exact(4).map(|four| f32::from_le_bytes(four.try_into().unwrap())).collect()
+}
+
+/// Times, places and values of the slider.
+fn embedded(page: &str) -> [Vec<f32>; 3] {
+    let (_, rest) = page.split_once("<script type=\"application/json\">").unwrap();
+    let data: serde_json::Value = serde_json::from_str(rest.split_once("</script>").unwrap().0).unwrap();
+    assert_eq!(data["label"], "time (\u{b5}s)");
+    ["time", "x", "values"].map(|name| numbers(data[name].as_str().unwrap()))
+}
+
+#[test]
+fn the_slider_holds_the_frames_of_the_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.h5");
+    for (frames, places, expected) in [(7, 30, [7, 30]), (300, 1200, [200, 500])] {
+        written(&path, frames, places);
+        let page = of(&path);
+        let [time, x, values] = embedded(&page);
+        assert_eq!(([time.len(), x.len()], values.len()), (expected, time.len() * x.len()));
+        // Frames are 1 us apart; the bar is 1 m long.
+        let frame: Vec<usize> = time.iter().map(|t| t.round() as usize).collect();
+        let place: Vec<usize> = x.iter().map(|x| (f64::from(*x) * places as f64 - 0.5).round() as usize).collect();
+        for (kept, count) in [(&frame, frames), (&place, places)] {
+            assert_eq!((kept[0], kept[kept.len() - 1]), (0, count - 1));
+            assert!(kept.windows(2).all(|pair| (1..=3).contains(&(pair[1] - pair[0]))));
+        }
+        for (i, &frame) in frame.iter().enumerate() {
+            for (j, &place) in place.iter().enumerate() {
+                assert_eq!(values[i * x.len() + j], (stress(frame, place) * 1e-6) as f32, "{frame} {place}");
+            }
+        }
+        let told = page.contains(&format!("200 of {frames} frames, 500 of {places} places"));
+        assert_eq!(told, frames == 300);
+    }
+}
+
+#[test]
+fn what_is_not_a_number_is_a_gap_and_no_text() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.h5");
+    drop(start(&path, 3, f64::NAN));
+    let page = of(&path);
+    assert!(embedded(&page)[2].iter().all(|value| value.is_nan()));
+    assert!(!page.split_once("</script>").unwrap().0.contains("NaN"));
+}

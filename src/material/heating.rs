@@ -129,7 +129,9 @@ impl Heating {
     /// Factor of the flow stress at a rise above the reference temperature, K: 1 to 0.
     pub fn softening(&self, rise: f64) -> f64 {
         let share = (rise / self.range()).clamp(0.0, 1.0);
-        1.0 - share.powf(self.exponent)
+        // The same number, without the cost of a power.
+        let has_power = self.exponent != 1.0 && share > 0.0;
+        1.0 - if has_power { share.powf(self.exponent) } else { share }
     }
 
     /// The adiabatic curve of a cold one: stress f(p) g(T(p)) at the strain p + stress/E. The drop that follows its largest

@@ -20,9 +20,12 @@ use crate::law::{CellLaw, Deformed, Response};
 use crate::material::Heating;
 use crate::root::{Tolerance, fixed_point};
 
-/// Times that the temperature at the end of a flow is worked out. Each takes its error down by about what the cell warms in
+/// Most times that the temperature at the end of a flow is worked out. Each takes its error down by about what the cell warms in
 /// the step, over the range to melting.
 const PASSES: usize = 4;
+
+/// A temperature that changes by less than this part of the range to melting is found: the next one would differ by rounding.
+const FOUND: f64 = 1e-13;
 
 /// What is left of the strength of metal that melts: nothing that counts, and no division by zero.
 const MOLTEN: f64 = 1e-9;
@@ -72,6 +75,8 @@ struct Cell<'a, const N: usize> {
     /// Rise in temperature, K.
     rise: f64,
     softening: f64,
+    /// Both at the end of the flow tried last: flows that are tried one after the other are alike.
+    latest: std::cell::Cell<[f64; 2]>,
 }
 
 /// Where a flow would take a cell.
@@ -94,21 +99,29 @@ impl<const N: usize> Cell<'_, N> {
 
     /// The cell after a flow.
     fn warmed(&self, driven: Driven, sense: usize, flow: f64) -> Warmed {
-        let law = &self.heated.law;
+        let (law, heating) = (&self.heated.law, &self.heated.heating);
         let mut history = self.history;
+        if flow <= 0.0 {
+            return Warmed { history, rise: self.rise, softening: self.softening };
+        }
         law.advance(flow, sense, &mut history);
         let (cold, end) = (self.cold_limit(&self.history, sense), self.cold_limit(&history, sense));
         // The elastic limit rises as the curve of first loading does.
         let beside = cold - self.cold_stress(&self.history, sense);
         let work = law.first_loading(sense, &self.history, &history) + flow * beside;
-        let (mut rise, mut softening) = (self.rise, self.softening);
+        let [mut rise, mut softening] = self.latest.get();
         for _ in 0..PASSES {
             let left = driven.excess + driven.rise - flow - (softening * end - self.softening * cold);
             let mean = self.heated.softening(0.5 * (self.rise + rise));
             let warm = mean * work + 0.5 * (driven.excess + left.max(0.0)) * flow;
-            rise = (self.rise + self.heated.rise * warm).clamp(0.0, self.heated.heating.range());
+            let before = rise;
+            rise = (self.rise + self.heated.rise * warm).clamp(0.0, heating.range());
             softening = self.heated.softening(rise);
+            if (rise - before).abs() <= FOUND * heating.range() {
+                break;
+            }
         }
+        self.latest.set([rise, softening]);
         Warmed { history, rise, softening }
     }
 
@@ -168,7 +181,8 @@ impl<const N: usize> CellLaw<N> for Heated<N> {
 
     fn respond(&self, sigma: f64, predictor: f64, state: [f64; N]) -> Response<N> {
         let history = self.history(state);
-        let mut cell = Cell { heated: self, history, rise: state[5], softening: self.softening(state[5]) };
+        let (rise, softening) = (state[5], self.softening(state[5]));
+        let mut cell = Cell { heated: self, history, rise, softening, latest: [rise, softening].into() };
         let step = step(&mut cell, sigma, predictor, self.time);
         let History { accumulated, signed, back, .. } = cell.history;
         let after = [accumulated, signed, step.quickness, step.overstress, state[4] + step.work, cell.rise, back];

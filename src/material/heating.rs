@@ -98,6 +98,12 @@ impl Material {
     }
 }
 
+/// Not inlined: compilers work a power out beforehand, and choose afterwards.
+#[inline(never)]
+fn power(share: f64, exponent: f64) -> f64 {
+    share.powf(exponent)
+}
+
 impl Heating {
     /// False where no part of the work heats: nothing then differs from the cold material.
     pub fn warms(&self) -> bool {
@@ -129,9 +135,7 @@ impl Heating {
     /// Factor of the flow stress at a rise above the reference temperature, K: 1 to 0.
     pub fn softening(&self, rise: f64) -> f64 {
         let share = (rise / self.range()).clamp(0.0, 1.0);
-        // The same number, without the cost of a power.
-        let has_power = self.exponent != 1.0 && share > 0.0;
-        1.0 - if has_power { share.powf(self.exponent) } else { share }
+        1.0 - if self.exponent == 1.0 { share } else { power(share, self.exponent) }
     }
 
     /// The adiabatic curve of a cold one: stress f(p) g(T(p)) at the strain p + stress/E. The drop that follows its largest

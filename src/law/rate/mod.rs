@@ -170,6 +170,7 @@ impl RateLaw {
     }
 
     /// Stresses between which a cell is elastic, Pa: lower and upper.
+    #[inline]
     pub fn limits(&self, history: &History) -> [f64; 2] {
         let reach = |sense: usize| -> f64 {
             let side = self.side(sense);

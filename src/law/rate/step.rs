@@ -54,6 +54,10 @@ pub(super) struct Step {
 /// once more where the step goes on to the other limit.
 #[inline]
 pub(super) fn step(cell: &mut impl Flowing, sigma: f64, predictor: f64, time: f64) -> Step {
+    let [low, high] = cell.limits();
+    if sigma.min(predictor) >= low && sigma.max(predictor) <= high {
+        return Step::default();
+    }
     let whole = predictor - sigma;
     let from_limit = |(x, sense): (f64, usize)| {
         // No strain at all brings no cell beyond a limit.

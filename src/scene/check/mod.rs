@@ -68,30 +68,28 @@ fn auto_or_table(choice: EffectsChoice) -> (Option<Auto>, Box<RawEffects>) {
 
 impl Checker<'_> {
     fn scene(&self, raw: RawScene) -> Result<Scene> {
-        let raw_bar = self.required(raw.bar.as_ref(), "bar", "add [bar] with length and material")?;
+        let placed_bar = self.required(raw.bar.as_ref(), "bar", "add [bar] with length and material")?;
+        let raw_bar = placed_bar.get_ref();
         let (auto, raw_effects) = auto_or_table(raw.effects);
-        let mut bar = self.bar(raw_bar)?;
-        let asked =
-            Asked { raw_bar: raw_bar.get_ref(), effects: &raw_effects, auto: auto.is_some(), bar: &bar, ends: &[] };
-        all_go_together(self.document, &asked)?;
-        let torsion = self.twist_or_not(raw_bar, &mut bar)?;
+        let mut bar = self.bar(placed_bar)?;
+        all_go_together(self.document, raw_bar, &raw_effects, &bar)?;
+        let torsion = self.twist_or_not(placed_bar, &mut bar)?;
         let heat = self.heat(&raw_effects, &mut bar)?;
         let ends = self.ends([raw.left.as_ref(), raw.right.as_ref()], &bar, torsion.as_ref())?;
-        let raw_bar = raw_bar.get_ref();
         let effects = self.all_effects(&raw_effects, raw_bar, heat, &bar)?;
         let raw_solve = self.required(raw.solve.as_ref(), "solve", UNTIL)?;
-        let asked = Asked { raw_bar, effects: &raw_effects, auto: auto.is_some(), bar: &bar, ends: &ends };
+        let asked = Asked { effects: &raw_effects, auto: auto.is_some(), bar: &bar, ends: &ends };
         let solve = self.solve(raw_solve, &asked)?;
-        let (raw_solve, method) = (raw_solve.get_ref(), &solve.method);
-        self.steps_can_be_taken(raw_solve, &solve, &bar)?;
+        self.steps_can_be_taken(raw_solve.get_ref(), &solve, &bar)?;
         self.initial_states(raw_bar, &raw_effects, &effects, &bar)?;
-        self.staircase_is_short(raw_bar, &bar, method)?;
-        self.taper_can_be_solved(raw_bar, &bar, method)?;
-        let record = self.record(&raw.record, &bar, &effects, &solve, torsion.is_some())?;
+        self.staircases_are_short(raw_bar, &bar, &solve.method)?;
+        let record = self.record(&raw.record, &bar, &effects, &solve)?;
         let [left, right] = ends;
+        let name = self.name();
+        let (title, base) = (raw.title.unwrap_or_else(|| name.clone()), self.base.to_owned());
         Ok(Scene {
-            title: raw.title.unwrap_or_else(|| self.name()),
-            name: self.name(),
+            title,
+            name,
             path: None,
             text: String::new(),
             overrides: Vec::new(),
@@ -100,7 +98,7 @@ impl Checker<'_> {
             right,
             effects,
             auto,
-            base: self.base.to_owned(),
+            base,
             files: NamedFiles::default(),
             solve,
             record,
@@ -110,7 +108,7 @@ impl Checker<'_> {
     }
 
     /// The file's stem.
-    fn name(&self) -> String {
+    pub(super) fn name(&self) -> String {
         Path::new(&self.document.file).file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned())
     }
 

@@ -22,14 +22,7 @@ const GAUGE_BYTES: f64 = 40.0;
 const LEAST_ROWS: f64 = 1024.0;
 
 impl Checker<'_> {
-    pub(super) fn record(
-        &self,
-        raw: &RawRecord,
-        bar: &Bar,
-        effects: &Effects,
-        solve: &Solve,
-        twisted: bool,
-    ) -> Result<Record> {
+    pub(super) fn record(&self, raw: &RawRecord, bar: &Bar, effects: &Effects, solve: &Solve) -> Result<Record> {
         let cells = self.count_of_cells(&raw.cells)?;
         let tracked = solve.method.tracks_fronts();
         let record = Record {
@@ -37,7 +30,7 @@ impl Checker<'_> {
             // Which method a tolerance chooses must not change what is recorded.
             cells: cells.or((tracked || solve.tolerance.is_some()).then_some(SAMPLES)),
             paths: self.paths(raw, &solve.method)?,
-            fields: self.fields(raw, effects, twisted)?,
+            fields: self.fields(raw, effects)?,
             gauges: self.gauges(&raw.gauges, bar.length(), "bar")?,
             precision: match raw.precision {
                 Some(RawPrecision::F32) => Precision::F32,
@@ -140,7 +133,7 @@ impl Checker<'_> {
         Ok(times)
     }
 
-    fn fields(&self, raw: &RawRecord, effects: &Effects, twisted: bool) -> Result<Vec<Field>> {
+    fn fields(&self, raw: &RawRecord, effects: &Effects) -> Result<Vec<Field>> {
         let Some(list) = &raw.fields else { return Ok(vec![Field::Stress, Field::Strain, Field::Velocity]) };
         let mut fields = Vec::with_capacity(list.len());
         for (i, word) in list.iter().enumerate() {
@@ -164,7 +157,7 @@ impl Checker<'_> {
                 let help = "add [effects] with heat = { fraction = 0.9 }, or take the field out";
                 return Err(self.error(word.span(), &key, message).help(help).into());
             }
-            if field != field.base() && !twisted {
+            if field != field.base() && !self.torsion {
                 let message = format!("`{}` exists in torsion only", field.name());
                 let help = "take the field out, or say mode = \"torsion\" in [bar]";
                 return Err(self.error(word.span(), &key, message).help(help).into());

@@ -40,8 +40,13 @@ impl Checker<'_> {
         piece.diameter.map(diameter).transpose()
     }
 
-    /// Methods with uniform media cut a taper into pieces, which must not be too many.
-    pub(super) fn taper_can_be_solved(&self, raw: &RawBar, bar: &Bar, method: &Method) -> Result<()> {
+    /// Methods with uniform media make staircases of tapers and initial states, which must not have too many steps.
+    pub(super) fn staircases_are_short(&self, raw: &RawBar, bar: &Bar, method: &Method) -> Result<()> {
+        self.staircase_is_short(raw, bar, method)?;
+        self.taper_can_be_solved(raw, bar, method)
+    }
+
+    fn taper_can_be_solved(&self, raw: &RawBar, bar: &Bar, method: &Method) -> Result<()> {
         let steepest = bar.segments.iter().position(|s| pieces_needed(s, method) > MOST_PIECES as f64);
         let Some(k) = steepest else { return Ok(()) };
         let own = raw.segment.as_ref().map(|list| list[k].get_ref());

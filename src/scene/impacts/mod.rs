@@ -87,8 +87,9 @@ pub(super) fn kind(document: &Document) -> Option<&'static Kind> {
 
 /// Checks a document; `text` and `overrides` are the caller's to fill.
 pub(super) fn check(kind: &Kind, document: &Document, base: &Path) -> Result<ImpactScene> {
-    let Parts { title, problem, materials, resolved } = (kind.check)(&Checker { document, base, torsion: false })?;
-    let name = Path::new(&document.file).file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
+    let checker = Checker { document, base, torsion: false };
+    let Parts { title, problem, materials, resolved } = (kind.check)(&checker)?;
+    let name = checker.name();
     let title = title.unwrap_or_else(|| name.clone());
     Ok(ImpactScene { title, name, text: String::new(), overrides: Vec::new(), problem, materials, resolved })
 }

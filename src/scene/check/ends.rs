@@ -6,6 +6,7 @@ use super::super::raw::{Drive, EndKind, RawEnd};
 use super::{Checker, Torsion};
 use crate::bar::{Bar, EndCondition, History, Segment};
 use crate::error::{Error, Result};
+use crate::input::Table;
 use crate::typed::{Key, Of, Placed};
 use crate::units::Measure;
 
@@ -31,10 +32,10 @@ impl<'a> EndSite<'a> {
 }
 
 impl Checker<'_> {
-    pub(super) fn end(&self, site: &EndSite<'_>, area_given: bool) -> Result<EndCondition> {
-        let kind = RawEnd::kind(self.document, site.key)?;
+    pub(super) fn end(&self, site: &EndSite<'_>, mut table: Table<'_>, area_given: bool) -> Result<EndCondition> {
+        let kind = RawEnd::kind(&mut table)?;
         self.kind_has_meaning(&kind, site.key, area_given)?;
-        let raw = RawEnd::read(self.document, site.key, *kind.get_ref(), self.torsion)?;
+        let raw = RawEnd::read(self.document, site.key, *kind.get_ref(), table, self.torsion)?;
         let (radius, polar) = (site.radius, site.polar);
         Ok(match raw {
             RawEnd::Velocity(raw) => EndCondition::Velocity {

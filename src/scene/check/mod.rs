@@ -25,13 +25,13 @@ pub(super) use bar::Named;
 use ends::EndSite;
 
 use super::capability::{Asked, all_go_together};
-use super::raw::{EffectsChoice, MOST_CELLS, RawBar, RawEffects, RawEnd, RawScene};
+use super::raw::{EffectsChoice, MOST_CELLS, RawBar, RawEffects, RawScene};
 use super::{Auto, Effects, Heat, Scene, Torsion, not_yet};
 use crate::bar::{Bar, EndCondition};
 use crate::error::{Error, InputError, Result};
-use crate::input::Document;
+use crate::input::{Document, GivenKey, Table};
 use crate::text_file::NamedFiles;
-use crate::typed::{Key, Later, Placed};
+use crate::typed::{Key, Placed};
 use crate::units::{Dimension, Measure};
 
 /// Memory of a cell and of a sample over x, with the frames that wait to be written, bytes.
@@ -49,14 +49,18 @@ pub(super) struct Checker<'a> {
     pub base: &'a Path,
     /// The bar is twisted, which changes the dimensions of some keys.
     pub torsion: bool,
+    /// The keys that stand in [bar] and in [solve]; none in scenes without a bar.
+    pub keys: [Vec<GivenKey>; 2],
 }
 
 /// Checks a document; `text` and `overrides` of the scene are the caller's to fill.
 pub(super) fn check(document: &Document, base: &Path) -> Result<Scene> {
-    // No raw table has the words that are refused.
-    let raw: RawScene = document.parse().or_else(|error| not_yet::refuse(document).and(Err(error)))?;
+    let mut parsed = document.parsed()?;
+    let keys = ["bar", "solve"].map(|table| parsed.keys_in(table));
+    let ends = ["left", "right"].map(|end| parsed.take(end));
+    let raw: RawScene = parsed.read().or_else(|error| not_yet::refuse(document).and(Err(error)))?;
     let torsion = raw.bar.as_ref().is_some_and(|bar| bar.get_ref().is_torsion());
-    Checker { document, base, torsion }.scene(raw)
+    Checker { document, base, torsion, keys }.scene(raw, ends)
 }
 
 fn auto_or_table(choice: EffectsChoice) -> (Option<Auto>, Box<RawEffects>) {
@@ -67,7 +71,7 @@ fn auto_or_table(choice: EffectsChoice) -> (Option<Auto>, Box<RawEffects>) {
 }
 
 impl Checker<'_> {
-    fn scene(&self, raw: RawScene) -> Result<Scene> {
+    fn scene(&self, raw: RawScene, ends: [Option<Table<'_>>; 2]) -> Result<Scene> {
         let placed_bar = self.required(raw.bar.as_ref(), "bar", "add [bar] with length and material")?;
         let raw_bar = placed_bar.get_ref();
         let (auto, raw_effects) = auto_or_table(raw.effects);
@@ -75,7 +79,7 @@ impl Checker<'_> {
         all_go_together(self.document, raw_bar, &raw_effects, &bar)?;
         let torsion = self.twist_or_not(placed_bar, &mut bar)?;
         let heat = self.heat(&raw_effects, &mut bar)?;
-        let ends = self.ends([raw.left.as_ref(), raw.right.as_ref()], &bar, torsion.as_ref())?;
+        let ends = self.ends(ends, &bar, torsion.as_ref())?;
         let effects = self.all_effects(&raw_effects, raw_bar, heat, &bar)?;
         let raw_solve = self.required(raw.solve.as_ref(), "solve", UNTIL)?;
         let asked = Asked { effects: &raw_effects, auto: auto.is_some(), bar: &bar, ends: &ends };
@@ -121,15 +125,10 @@ impl Checker<'_> {
     }
 
     /// The left and the right end.
-    fn ends(
-        &self,
-        raw: [Option<&Later<RawEnd>>; 2],
-        bar: &Bar,
-        torsion: Option<&Torsion>,
-    ) -> Result<[EndCondition; 2]> {
-        let end = |raw: Option<&Later<RawEnd>>, key, segment| {
-            let span = self.required(raw, key, ENDS)?.span();
-            self.end(&EndSite::new((key, span), bar, segment, torsion), bar.area_given)
+    fn ends(&self, raw: [Option<Table<'_>>; 2], bar: &Bar, torsion: Option<&Torsion>) -> Result<[EndCondition; 2]> {
+        let end = |raw: Option<Table<'_>>, key, segment| {
+            let table = self.required(raw, key, ENDS)?;
+            self.end(&EndSite::new((key, table.span()), bar, segment, torsion), table, bar.area_given)
         };
         let [left, right] = raw;
         let ends = [end(left, "left", 0)?, end(right, "right", bar.segments.len() - 1)?];
@@ -182,7 +181,7 @@ impl Checker<'_> {
     }
 
     /// A part that must be there; the help line says what to add.
-    pub(super) fn required<'a, T>(&self, part: Option<&'a T>, key: &str, help: &str) -> Result<&'a T> {
+    pub(super) fn required<T>(&self, part: Option<T>, key: &str, help: &str) -> Result<T> {
         part.ok_or_else(|| self.missing(self.end_of_text(), key, help))
     }
 

@@ -120,17 +120,6 @@ impl Document {
         Err(error.allowed(format!("{bounds}{:e} {unit}", range.most).trim_end()).help(help).into())
     }
 
-    /// Converts and checks a number that may be absent.
-    pub fn optional(
-        &self,
-        value: Option<&Number>,
-        key: &str,
-        dimension: Dimension,
-        allowed: Allowed,
-    ) -> Result<Option<f64>> {
-        value.map(|v| self.number(v, key, dimension, allowed)).transpose()
-    }
-
     /// A whole number within `low..=high` that the text holds; 1e5 is one too.
     pub fn count_at(&self, value: &Number, low: usize, high: usize) -> Result<usize> {
         let range = Allowed::Within(low as f64, high as f64);

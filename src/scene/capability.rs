@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use super::raw::{RawBar, RawEffects, RawMethod, RawSolve, RawUnloading};
 use crate::bar::{Bar, EndCondition, Joint, Segment};
-use crate::error::Result;
+use crate::error::{Error, InputError, Result};
 use crate::input::Document;
 use crate::law::Table;
 use crate::material::Sense;
@@ -344,6 +344,22 @@ pub(super) fn all_go_together(document: &Document, raw_bar: &RawBar, effects: &R
         }
     }
     Ok(())
+}
+
+/// Keys that a scene has not, which have a meaning elsewhere: what it is, and the way out.
+#[rustfmt::skip]
+const ELSEWHERE: &[(&str, &str, &str)] = &[
+    ("striker", "a striking body of its own",
+     "give an end kind = \"striker\" with mass and velocity, or lay two segments together with joint = \"contact\""),
+    ("solve.viscosity", "artificial viscosity", "leave it out"),
+];
+
+/// The error of a scene that cannot be read, which says more where it is such a key.
+pub(super) fn not_a_key(error: Error) -> Error {
+    let Error::Input(error) = error else { return error };
+    let word = ELSEWHERE.iter().find(|(key, ..)| *key == error.key && error.message.starts_with("unknown key"));
+    let Some((_, what, help)) = word else { return error.into() };
+    InputError { message: format!("this version does not simulate {what}"), ..error }.help(*help).into()
 }
 
 /// The table of the guide, in Markdown: a line for the head, and one for each part of a scene.

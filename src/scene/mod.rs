@@ -9,7 +9,6 @@ mod damping;
 mod discretized;
 mod effects;
 mod impacts;
-mod not_yet;
 mod notes;
 mod overrides;
 mod raw;

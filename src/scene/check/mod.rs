@@ -24,9 +24,9 @@ pub(super) use bar::Named;
 
 use ends::EndSite;
 
-use super::capability::{Asked, all_go_together};
+use super::capability::{Asked, all_go_together, not_a_key};
 use super::raw::{EffectsChoice, MOST_CELLS, RawBar, RawEffects, RawScene};
-use super::{Auto, Effects, Heat, Scene, Torsion, not_yet};
+use super::{Auto, Effects, Heat, Scene, Torsion};
 use crate::bar::{Bar, EndCondition};
 use crate::error::{Error, InputError, Result};
 use crate::input::{Document, GivenKey, Table};
@@ -58,7 +58,7 @@ pub(super) fn check(document: &Document, base: &Path) -> Result<Scene> {
     let mut parsed = document.parsed()?;
     let keys = ["bar", "solve"].map(|table| parsed.keys_in(table));
     let ends = ["left", "right"].map(|end| parsed.take(end));
-    let raw: RawScene = parsed.read().or_else(|error| not_yet::refuse(document).and(Err(error)))?;
+    let raw: RawScene = parsed.read().map_err(not_a_key)?;
     let torsion = raw.bar.as_ref().is_some_and(|bar| bar.get_ref().is_torsion());
     Checker { document, base, torsion, keys }.scene(raw, ends)
 }

@@ -185,7 +185,7 @@ pub struct RawHeat {
     pub melting_temperature: Option<Of<Temperature, Positive>>,
     /// Softening exponent m.
     #[serde(rename = "m")]
-    pub exponent: Option<Of<Plain, Positive>>,
+    pub exponent: Option<Of<Plain, Within<1, 10_000, 100>>>,
 }
 
 /// `[source]`: where the curve comes from.

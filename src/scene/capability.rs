@@ -323,14 +323,8 @@ fn contact(parts: &Parts<'_>) -> Option<Found> {
 
 fn taper(parts: &Parts<'_>) -> Option<Found> {
     let k = tapered(parts.bar)?;
-    let segment = parts.raw_bar.segment.as_ref().map(|list| list[k].get_ref().piece());
-    let parent = segment.as_ref().map_or_else(|| "bar".to_owned(), |_| format!("bar.segment.{k}"));
-    let piece = segment.unwrap_or_else(|| parts.raw_bar.piece());
-    let (name, span) = match (piece.area, piece.diameter) {
-        (Some(area), _) => ("area", area.span()),
-        (_, diameter) => ("diameter", diameter?.span()),
-    };
-    Some(Found { name: (k + 1).to_string(), key: format!("{parent}.{name}"), span })
+    let (key, span) = parts.raw_bar.section_of(k)?;
+    Some(Found { name: (k + 1).to_string(), key, span })
 }
 
 /// Refuses parts of a scene that do not go together.

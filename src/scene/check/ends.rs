@@ -123,12 +123,7 @@ impl Checker<'_> {
             ("history", drive.history.map(Placed::span)),
             ("csv", drive.csv.map(Placed::span)),
         ];
-        let mut given = forms.into_iter().filter_map(|(name, span)| Some((name, span?)));
-        if let (Some((first, _)), Some((second, span))) = (given.next(), given.next()) {
-            let message = format!("`{first}` and `{second}` both say what drives the end");
-            let error = self.error(span, &format!("{key}.{second}"), message);
-            return Err(error.allowed("one of value, history, csv").help("keep one of them").into());
-        }
+        self.at_most_one(key, forms, "what drives the end")?;
         if let Some(value) = drive.value {
             return self.si(value).map(History::constant);
         }

@@ -63,6 +63,13 @@ pub(super) fn check(document: &Document, base: &Path) -> Result<Scene> {
     Checker { document, base, torsion, keys }.scene(raw, ends)
 }
 
+/// The first of several keys that is given.
+pub(super) fn first_given<const N: usize>(
+    keys: [(&'static str, Option<Range<usize>>); N],
+) -> Option<(&'static str, Range<usize>)> {
+    keys.into_iter().find_map(|(name, place)| Some((name, place?)))
+}
+
 fn auto_or_table(choice: EffectsChoice) -> (Option<Auto>, Box<RawEffects>) {
     match choice {
         EffectsChoice::Auto(_) => (Some(Auto::default()), Box::default()),
@@ -178,6 +185,21 @@ impl Checker<'_> {
     fn count_of_cells<K: Key>(&self, key: &K) -> Result<K::Si> {
         let gib = |asked| format!(": as many take about {:.1} GiB of memory", asked * BYTES_PER_CELL / GIB);
         self.count(key, MOST_CELLS, gib)
+    }
+
+    /// Refuses the second of several keys of a table that all say `what`.
+    fn at_most_one<const N: usize>(
+        &self,
+        table: &str,
+        keys: [(&str, Option<Range<usize>>); N],
+        what: &str,
+    ) -> Result<()> {
+        let names = keys.each_ref().map(|(name, _)| *name).join(", ");
+        let mut given = keys.into_iter().filter_map(|(name, place)| Some((name, place?)));
+        let (Some((first, _)), Some((second, place))) = (given.next(), given.next()) else { return Ok(()) };
+        let message = format!("`{first}` and `{second}` both say {what}");
+        let error = self.error(place, &format!("{table}.{second}"), message);
+        Err(error.allowed(format!("one of {names}")).help("keep one of them").into())
     }
 
     /// A part that must be there; the help line says what to add.

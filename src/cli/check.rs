@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use serde_json::json;
-use toml::de::DeTable;
 
 use super::summary::note_lines;
 use super::{message, output, settings};
@@ -80,16 +79,12 @@ fn check(file: &Path) -> Result<(&'static str, Vec<String>)> {
 }
 
 fn kind(document: &Document) -> Result<Kind> {
-    let Ok(table) = DeTable::parse(&document.text) else {
-        // The reader of any type says what is wrong with the text.
-        document.parse::<toml::Table>()?;
-        return Ok(Kind::Scene);
-    };
-    if table.get_ref().keys().any(|key| key.get_ref() == "sweep") {
+    let parsed = document.parsed()?;
+    if parsed.has("sweep") {
         return Ok(Kind::Sweep);
     }
-    let has = |keys: &[&str]| table.get_ref().keys().any(|key| keys.contains(&key.get_ref().as_ref()));
-    let impact = KINDS.iter().any(|kind| has(&[kind.key]));
+    let has = |keys: &[&str]| keys.iter().any(|key| parsed.has(key));
+    let impact = KINDS.iter().any(|kind| parsed.has(kind.key));
     match (impact || has(&OF_A_SCENE), has(&OF_A_MATERIAL)) {
         (true, _) => Ok(Kind::Scene),
         (false, true) => Ok(Kind::Material),

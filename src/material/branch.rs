@@ -2,14 +2,13 @@
 
 use std::ops::Range;
 
-use toml::Spanned;
-
 use super::csv::{self, CsvTable};
 use super::keys::Keys;
 use super::raw::{RawCurve, RawMaterial, RawTabulate, TableRow};
 use super::{Beyond, Curve, CurveError, Law, Measure, Sense, Tabulate, Tabulated, tabulate_law, tabulate_true_rows};
 use crate::error::{Error, InputError, Result};
 use crate::input::Allowed;
+use crate::typed::Placed;
 use crate::units::Dimension;
 
 /// Units whose numbers are read as Pa by mistake, with their size, Pa.
@@ -47,7 +46,7 @@ impl<'a> Given<'a> {
     pub(super) fn read(
         name: &'static str,
         material: &'a RawMaterial,
-        raw: &'a Spanned<RawCurve>,
+        raw: &'a Placed<RawCurve>,
         keys: Keys<'_>,
     ) -> Result<Self> {
         let curve = raw.get_ref();
@@ -193,7 +192,7 @@ impl<'a> Given<'a> {
 }
 
 impl<'a> Data<'a> {
-    fn read(raw: &'a Spanned<RawCurve>, name: &str, keys: Keys<'_>) -> Result<Self> {
+    fn read(raw: &'a Placed<RawCurve>, name: &str, keys: Keys<'_>) -> Result<Self> {
         let curve = raw.get_ref();
         if curve.formula.is_none() {
             super::law_keys::refuse_constants(curve, name, keys)?;
@@ -220,8 +219,8 @@ impl<'a> Data<'a> {
 /// A key that may stand at the top level of the material or in the curve, but not differ.
 fn one_of<T: Copy + PartialEq>(
     key: &str,
-    top: Option<&Spanned<T>>,
-    inner: Option<&Spanned<T>>,
+    top: Option<&Placed<T>>,
+    inner: Option<&Placed<T>>,
     name: &str,
     keys: Keys<'_>,
 ) -> Result<Option<T>> {
@@ -246,7 +245,7 @@ fn tabulate(raw: Option<&RawTabulate>, sense: Sense, keys: Keys<'_>) -> Result<T
     let farthest = if sense == Sense::Compression { Tabulate::MOST_COMPRESSION } else { 10.0 };
     let range = Allowed::Above(0.0, farthest);
     let raw = raw.cloned().unwrap_or_default();
-    let to_strain = raw.to_strain.as_ref().map(|given| given.si_within(keys.document(), range)).transpose()?;
+    let to_strain = raw.to_strain.as_ref().map(|given| given.si_within(keys.doc, range)).transpose()?;
     Ok(Tabulate { tolerance: keys.si(&raw.tolerance)?, to_strain })
 }
 
@@ -269,7 +268,7 @@ fn table_rows(table: &[TableRow], curve: &RawCurve, name: &str, keys: Keys<'_>) 
     rows.collect()
 }
 
-fn csv_rows(csv: &Spanned<String>, curve: &RawCurve, name: &str, keys: Keys<'_>) -> Result<CsvTable> {
+fn csv_rows(csv: &Placed<String>, curve: &RawCurve, name: &str, keys: Keys<'_>) -> Result<CsvTable> {
     let unit = stress_unit(curve, name, keys)?;
     csv::read(&keys.base_dir.join(csv.get_ref()), unit).map_err(|e| match e {
         Error::Input(e) if e.place.is_none() => {

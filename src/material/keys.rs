@@ -18,10 +18,6 @@ pub(super) struct Keys<'a> {
 }
 
 impl Keys<'_> {
-    pub(super) fn document(&self) -> &Document {
-        self.doc
-    }
-
     pub(super) fn key(&self, key: &str) -> String {
         if self.prefix.is_empty() { key.to_owned() } else { format!("{}.{key}", self.prefix) }
     }
@@ -41,15 +37,5 @@ impl Keys<'_> {
 
     pub(super) fn number(&self, value: &Number, key: &str, dimension: Dimension, allowed: Allowed) -> Result<f64> {
         self.doc.number(value, &self.key(key), dimension, allowed)
-    }
-
-    pub(super) fn optional(
-        &self,
-        value: Option<&Number>,
-        key: &str,
-        dimension: Dimension,
-        allowed: Allowed,
-    ) -> Result<Option<f64>> {
-        self.doc.optional(value, &self.key(key), dimension, allowed)
     }
 }

@@ -1,28 +1,14 @@
-//! The constants of formulas in a file: which keys each law takes, and their ranges.
+//! The constants of formulas in a file: which keys each law takes, and their ranges where these are narrower than those of the keys.
 
 use std::ops::Range;
 
 use super::keys::Keys;
 use super::raw::RawCurve;
 use super::{Formula, Law};
-use crate::error::Result;
-use crate::input::{Allowed, Number};
-use crate::units::Dimension;
-
-type Get = fn(&RawCurve) -> Option<&Number>;
-
-/// Every key that some law takes.
-const CONSTANTS: [(&str, Get); 9] = [
-    ("K", |c| c.k.as_ref()),
-    ("n", |c| c.n.as_ref()),
-    ("A", |c| c.a.as_ref()),
-    ("B", |c| c.b.as_ref()),
-    ("yield", |c| c.yield_stress.as_ref()),
-    ("saturation", |c| c.saturation.as_ref()),
-    ("strain", |c| c.strain.as_ref()),
-    ("prestrain", |c| c.prestrain.as_ref()),
-    ("offset", |c| c.offset.as_ref()),
-];
+use crate::error::{InputError, Result};
+use crate::input::Allowed;
+use crate::typed::{self, Key, Of};
+use crate::units::Measure;
 
 /// Name of a formula in files, and the keys it takes.
 fn keys_of(formula: Formula) -> (&'static str, &'static [&'static str]) {
@@ -36,106 +22,107 @@ fn keys_of(formula: Formula) -> (&'static str, &'static [&'static str]) {
     }
 }
 
+/// The curve under a name, with the place of its formula.
 struct Reader<'a> {
     formula: Formula,
     span: Range<usize>,
-    curve: &'a RawCurve,
     name: &'a str,
     keys: Keys<'a>,
 }
 
 impl Reader<'_> {
-    fn optional(&self, key: &str, dimension: Dimension, allowed: Allowed) -> Result<Option<f64>> {
-        let get = CONSTANTS.iter().find(|(name, _)| *name == key).map(|(_, get)| get);
-        let value = get.and_then(|get| get(self.curve));
-        self.keys.optional(value, &format!("{}.{key}", self.name), dimension, allowed)
+    /// An error at one of the curve's keys.
+    fn error(&self, span: Range<usize>, key: &str, message: String) -> InputError {
+        self.keys.error(span, &format!("{}.{key}", self.name), message)
     }
 
-    fn need(&self, key: &str, dimension: Dimension, allowed: Allowed) -> Result<f64> {
-        self.optional(key, dimension, allowed)?.ok_or_else(|| {
-            let (formula, keys) = keys_of(self.formula);
-            let error = self.keys.error(self.span.clone(), &format!("{}.{key}", self.name), "is missing");
-            error.help(format!("formula = \"{formula}\" takes {}", keys.join(", "))).into()
-        })
+    fn takes(&self) -> String {
+        let (formula, keys) = keys_of(self.formula);
+        format!("formula = \"{formula}\" takes {}", keys.join(", "))
     }
 
-    fn stress(&self, key: &str) -> Result<f64> {
-        self.need(key, Dimension::Stress, Allowed::Positive)
+    fn needed<T>(&self, key: &str, constant: Option<T>) -> Result<T> {
+        let missing = || self.error(self.span.clone(), key, "is missing".to_owned()).help(self.takes()).into();
+        constant.ok_or_else(missing)
     }
 
-    fn hardening(&self, key: &str) -> Result<f64> {
-        self.need(key, Dimension::Stress, Allowed::NotNegative)
+    fn number<D: Measure, R: typed::Range>(&self, key: &str, constant: &Option<Of<D, R>>) -> Result<f64> {
+        self.needed(key, self.keys.si(constant)?)
     }
 
-    fn strain(&self, key: &str) -> Result<f64> {
-        self.need(key, Dimension::None, Allowed::Positive)
-    }
-
-    fn exponent(&self) -> Result<f64> {
-        self.need("n", Dimension::None, Allowed::Above(0.0, 1.0))
+    fn within<D: Measure, R: typed::Range>(&self, key: &str, of: Option<&Of<D, R>>, allowed: Allowed) -> Result<f64> {
+        self.needed(key, of)?.si_within(self.keys.doc, allowed)
     }
 }
 
 /// Reads a law's constants; keys of other laws are refused.
 pub(super) fn read(formula: Formula, span: Range<usize>, curve: &RawCurve, name: &str, keys: Keys<'_>) -> Result<Law> {
-    let (formula_name, takes) = keys_of(formula);
-    for (key, value) in given(curve) {
-        if !takes.contains(&key) {
-            let error = keys.error(value.span(), &format!("{name}.{key}"), "is not a constant of this formula");
-            let help = format!("formula = \"{formula_name}\" takes {}", takes.join(", "));
-            return Err(error.help(help).into());
-        }
+    let reader = Reader { formula, span, name, keys };
+    let (_, takes) = keys_of(formula);
+    if let Some((key, place)) = given(curve).find(|(key, _)| !takes.contains(key)) {
+        let error = reader.error(place, key, "is not a constant of this formula".to_owned());
+        return Err(error.help(reader.takes()).into());
     }
-    let reader = Reader { formula, span, curve, name, keys };
+    let n = |allowed| reader.within("n", curve.n.as_ref(), allowed);
+    let exponent = || n(Allowed::Above(0.0, 1.0));
+    let yield_stress = || reader.number("yield", &curve.yield_stress);
     Ok(match formula {
         // n = 1 would be a straight line that never leaves the elastic one, or never meets it.
-        Formula::Hollomon => {
-            let n = reader.need("n", Dimension::None, Allowed::Within(1e-4, 0.99))?;
-            Law::Hollomon { k: reader.stress("K")?, n }
-        }
+        Formula::Hollomon => Law::Hollomon {
+            n: n(Allowed::Within(1e-4, 0.99))?,
+            k: reader.within("K", curve.k.as_ref(), Allowed::Positive)?,
+        },
         Formula::Ludwik => {
-            Law::Ludwik { yield_stress: reader.stress("yield")?, k: reader.hardening("K")?, n: reader.exponent()? }
+            Law::Ludwik { yield_stress: yield_stress()?, k: reader.number("K", &curve.k)?, n: exponent()? }
         }
-        Formula::Swift => {
-            Law::Swift { k: reader.stress("K")?, prestrain: reader.strain("prestrain")?, n: reader.exponent()? }
-        }
-        Formula::Voce => voce(&reader)?,
+        Formula::Swift => Law::Swift {
+            k: reader.within("K", curve.k.as_ref(), Allowed::Positive)?,
+            prestrain: reader.number("prestrain", &curve.prestrain)?,
+            n: exponent()?,
+        },
+        Formula::Voce => voce(&reader, curve)?,
         Formula::RambergOsgood => Law::RambergOsgood {
-            yield_stress: reader.stress("yield")?,
-            offset: reader.optional("offset", Dimension::None, Allowed::Positive)?.unwrap_or(0.002),
-            n: reader.need("n", Dimension::None, Allowed::Within(1.01, 1000.0))?,
+            yield_stress: yield_stress()?,
+            offset: keys.si(&curve.offset)?,
+            n: n(Allowed::Within(1.01, 1000.0))?,
         },
         Formula::JohnsonCook => {
-            Law::JohnsonCook { a: reader.stress("A")?, b: reader.hardening("B")?, n: reader.exponent()? }
+            Law::JohnsonCook { a: reader.number("A", &curve.a)?, b: reader.number("B", &curve.b)?, n: exponent()? }
         }
     })
 }
 
-fn voce(reader: &Reader<'_>) -> Result<Law> {
-    let yield_stress = reader.stress("yield")?;
-    let above = Allowed::Above(yield_stress, f64::MAX);
-    let saturation = reader.stress("saturation")?;
-    if !above.holds(saturation) {
+fn voce(reader: &Reader<'_>, curve: &RawCurve) -> Result<Law> {
+    let yield_stress = reader.number("yield", &curve.yield_stress)?;
+    let saturation = reader.number("saturation", &curve.saturation)?;
+    if saturation <= yield_stress {
         let message = format!("{saturation:e} Pa is not above the yield stress {yield_stress:e} Pa");
-        let key = format!("{}.saturation", reader.name);
-        let span = reader.curve.saturation.as_ref().map_or(0..0, toml::Spanned::span);
-        return Err(reader
-            .keys
-            .error(span, &key, message)
-            .allowed("saturation > yield")
-            .help("give `saturation` the stress that the curve approaches from below")
-            .into());
+        let error = reader.error(curve.saturation.place().unwrap_or_default(), "saturation", message);
+        let help = "give `saturation` the stress that the curve approaches from below";
+        return Err(error.allowed("saturation > yield").help(help).into());
     }
-    Ok(Law::Voce { yield_stress, saturation, strain: reader.strain("strain")? })
+    Ok(Law::Voce { yield_stress, saturation, strain: reader.number("strain", &curve.strain)? })
 }
 
 /// Refuses constants where there is no formula.
 pub(super) fn refuse_constants(curve: &RawCurve, name: &str, keys: Keys<'_>) -> Result<()> {
-    let Some((key, value)) = given(curve).next() else { return Ok(()) };
-    let error = keys.error(value.span(), &format!("{name}.{key}"), "is a formula's constant, but no formula is named");
+    let Some((key, place)) = given(curve).next() else { return Ok(()) };
+    let error = keys.error(place, &format!("{name}.{key}"), "is a formula's constant, but no formula is named");
     Err(error.help("add e.g. formula = \"hollomon\", or remove the constant").into())
 }
 
-fn given(curve: &RawCurve) -> impl Iterator<Item = (&'static str, &Number)> {
-    CONSTANTS.iter().filter_map(move |(key, get)| get(curve).map(|value| (*key, value)))
+/// The constants that are given, with their places.
+fn given(curve: &RawCurve) -> impl Iterator<Item = (&'static str, Range<usize>)> {
+    let all = [
+        ("K", curve.k.place()),
+        ("n", curve.n.place()),
+        ("A", curve.a.place()),
+        ("B", curve.b.place()),
+        ("yield", curve.yield_stress.place()),
+        ("saturation", curve.saturation.place()),
+        ("strain", curve.strain.place()),
+        ("prestrain", curve.prestrain.place()),
+        ("offset", curve.offset.place()),
+    ];
+    all.into_iter().filter_map(|(key, place)| Some((key, place?)))
 }

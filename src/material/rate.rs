@@ -5,42 +5,40 @@ use std::ops::Range;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use toml::Spanned;
 
 use super::keys::Keys;
 use super::{HeatConstants, Material};
 use crate::error::{InputError, Result};
-use crate::input::{Allowed, Document, Number};
-use crate::units::{Dimension, Quantity};
+use crate::input::Document;
+use crate::typed::{Key, NotNegative, Of, Placed, Plain, Positive};
+use crate::units::{Dimension, Measure, measures};
 
 /// A constant of a law.
 struct Constant {
     key: &'static str,
     dimension: Dimension,
-    allowed: Allowed,
     example: &'static str,
-    of: fn(&RawRate) -> Option<&Number>,
+    of: fn(&RawRate) -> &dyn Key<Si = Option<f64>>,
+}
+
+/// What a key measures.
+const fn dimension<D: Measure, R>(_: fn(&RawRate) -> &Option<Of<D, R>>) -> Dimension {
+    D::DIMENSION
 }
 
 macro_rules! constant {
-    ($constant:ident, $key:literal, $dimension:ident, $allowed:ident, $example:literal) => {
-        Constant {
-            key: $key,
-            dimension: Dimension::$dimension,
-            allowed: Allowed::$allowed,
-            example: $example,
-            of: |raw| raw.$constant.as_ref(),
-        }
+    ($constant:ident, $key:literal, $example:literal) => {
+        Constant { key: $key, dimension: dimension(|raw| &raw.$constant), example: $example, of: |raw| &raw.$constant }
     };
 }
 
-/// Declares the laws. A row: its name in Rust, in scenes, and of its table in a material; its constants with key, dimension, range and
-/// an example. A material that states several laws uses the first of them here.
+/// Declares the laws. A row: its name in Rust, in scenes, and of its table in a material; its constants with key and an example, as
+/// [`RawRate`] declares them. A material that states several laws uses the first of them here.
 macro_rules! rate_laws {
     ($(
         $(#[doc = $doc:literal])*
         $law:ident, $name:literal, $table:ident {
-            $($(#[doc = $meaning:literal])* $c:ident: $key:literal, $dimension:ident, $allowed:ident, $example:literal;)*
+            $($(#[doc = $meaning:literal])* $c:ident: $key:literal, $example:literal;)*
         }
     )*) => {
         /// A law of the strain rate with its constants, SI.
@@ -63,7 +61,7 @@ macro_rules! rate_laws {
         #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
         #[serde(deny_unknown_fields, rename_all = "kebab-case")]
         pub struct RawRates {
-            $($(#[doc = $doc])* #[schemars(with = "Option<RawRate>")] $table: Option<Spanned<RawRate>>,)*
+            $($(#[doc = $doc])* $table: Option<Placed<RawRate>>,)*
         }
 
         impl RateModel {
@@ -74,14 +72,14 @@ macro_rules! rate_laws {
             }
 
             fn constants(self) -> &'static [Constant] {
-                match self { $(Self::$law => &[$(constant!($c, $key, $dimension, $allowed, $example),)*],)* }
+                match self { $(Self::$law => const { &[$(constant!($c, $key, $example),)*] },)* }
             }
 
             /// The law with the constants that `number` gives.
             fn law(self, number: impl Fn(&Constant) -> Result<f64>) -> Result<Rate> {
                 Ok(match self {
                     $(Self::$law => Rate::$law {
-                        $($c: number(&constant!($c, $key, $dimension, $allowed, $example))?,)*
+                        $($c: number(&constant!($c, $key, $example))?,)*
                     },)*
                 })
             }
@@ -89,7 +87,7 @@ macro_rules! rate_laws {
 
         impl RawRates {
             /// The laws that are stated.
-            fn stated(&self) -> impl Iterator<Item = (RateModel, &Spanned<RawRate>)> {
+            fn stated(&self) -> impl Iterator<Item = (RateModel, &Placed<RawRate>)> {
                 [$((RateModel::$law, self.$table.as_ref()),)*].into_iter().filter_map(|(law, raw)| Some((law, raw?)))
             }
         }
@@ -110,33 +108,33 @@ rate_laws! {
     /// Johnson and Cook: stress = static (1 + C ln(rate/reference)) above the static curve.
     JohnsonCook, "johnson-cook", johnson_cook {
         /// C, >= 0.
-        c: "C", None, NotNegative, "0.014";
+        c: "C", "0.014";
         /// Plastic strain rate at which the curve holds, 1/s, > 0.
-        reference: "reference", Rate, Positive, "\"1 1/s\"";
+        reference: "reference", "\"1 1/s\"";
     }
     /// Zerilli and Armstrong, body-centred cubic metals: stress = static + s(rate, T) - s(reference, T) above the static curve, with
     /// s = C1 exp(-C3 T + C4 T ln(rate/(1/s))) and T the material's `reference-temperature`, with the effect of heat that of the cell.
     ZerilliArmstrong, "zerilli-armstrong", zerilli_armstrong {
         /// C1, Pa, > 0.
-        c1: "C1", Stress, Positive, "\"1 GPa\"";
+        c1: "C1", "\"1 GPa\"";
         /// C3, 1/K, > 0.
-        c3: "C3", ReciprocalTemperature, Positive, "\"0.007 1/K\"";
+        c3: "C3", "\"0.007 1/K\"";
         /// C4, 1/K, > 0.
-        c4: "C4", ReciprocalTemperature, Positive, "\"0.0004 1/K\"";
+        c4: "C4", "\"0.0004 1/K\"";
         /// Plastic strain rate at which the curve holds, 1/s, > 0.
-        reference: "reference", Rate, Positive, "\"1e-3 1/s\"";
+        reference: "reference", "\"1e-3 1/s\"";
     }
     /// Cowper and Symonds (Perzyna): plastic strain rate = D (stress/static - 1)^q.
     CowperSymonds, "cowper-symonds", cowper_symonds {
         /// 1/s, > 0.
-        d: "D", Rate, Positive, "\"40 1/s\"";
+        d: "D", "\"40 1/s\"";
         /// > 0.
-        q: "q", None, Positive, "5";
+        q: "q", "5";
     }
     /// Malvern and Sokolovsky: plastic strain rate = k (stress - static)/E.
     Malvern, "malvern", malvern {
         /// 1/s, > 0.
-        k: "k", Rate, Positive, "\"1e6 1/s\"";
+        k: "k", "\"1e6 1/s\"";
     }
 }
 
@@ -147,37 +145,28 @@ rate_laws! {
 #[serde(deny_unknown_fields)]
 pub struct RawRate {
     /// Which law. Required in a scene.
-    #[schemars(with = "Option<RateModel>")]
-    pub(crate) model: Option<Spanned<RateModel>>,
-    /// Malvern: 1/s, > 0.
-    #[schemars(with = "Option<Quantity>")]
-    k: Option<Number>,
-    /// Cowper-Symonds: 1/s, > 0.
+    pub(crate) model: Option<Placed<RateModel>>,
+    /// Malvern: plastic strain rate over what the elastic strain exceeds that of the static curve by.
+    k: Option<Of<measures::Rate, Positive>>,
+    /// Cowper-Symonds: plastic strain rate at twice the static stress.
     #[serde(rename = "D")]
-    #[schemars(with = "Option<Quantity>")]
-    d: Option<Number>,
-    /// Cowper-Symonds: the exponent, > 0.
-    #[schemars(with = "Option<f64>")]
-    q: Option<Number>,
-    /// Johnson-Cook: >= 0.
+    d: Option<Of<measures::Rate, Positive>>,
+    /// Cowper-Symonds: the exponent.
+    q: Option<Of<Plain, Positive>>,
+    /// Johnson-Cook: the coefficient of the strain rate.
     #[serde(rename = "C")]
-    #[schemars(with = "Option<f64>")]
-    c: Option<Number>,
-    /// Zerilli-Armstrong: stress of the thermal part, Pa, > 0.
+    c: Option<Of<Plain, NotNegative>>,
+    /// Zerilli-Armstrong: stress of the thermal part.
     #[serde(rename = "C1")]
-    #[schemars(with = "Option<Quantity>")]
-    c1: Option<Number>,
-    /// Zerilli-Armstrong: its temperature coefficient, 1/K, > 0.
+    c1: Option<Of<measures::Stress, Positive>>,
+    /// Zerilli-Armstrong: its temperature coefficient.
     #[serde(rename = "C3")]
-    #[schemars(with = "Option<Quantity>")]
-    c3: Option<Number>,
-    /// Zerilli-Armstrong: its strain-rate coefficient, 1/K, > 0.
+    c3: Option<Of<measures::ReciprocalTemperature, Positive>>,
+    /// Zerilli-Armstrong: its strain-rate coefficient.
     #[serde(rename = "C4")]
-    #[schemars(with = "Option<Quantity>")]
-    c4: Option<Number>,
-    /// Johnson-Cook, Zerilli-Armstrong: the plastic strain rate at which the curve holds; 1/s, > 0.
-    #[schemars(with = "Option<Quantity>")]
-    reference: Option<Number>,
+    c4: Option<Of<measures::ReciprocalTemperature, Positive>>,
+    /// Johnson-Cook, Zerilli-Armstrong: the plastic strain rate at which the curve holds.
+    reference: Option<Of<measures::Rate, Positive>>,
 }
 
 impl RateModel {
@@ -197,28 +186,26 @@ impl RawRate {
         };
         let own: Vec<&str> = model.constants().iter().map(|c| c.key).collect();
         let mut others = RateModel::ALL.iter().flat_map(|law| law.constants()).filter(|c| !own.contains(&c.key));
-        if let Some((other, value)) = others.find_map(|c| Some((c, (c.of)(self)?))) {
+        if let Some((other, place)) = others.find_map(|c| Some((c, (c.of)(self).place()?))) {
             let message = format!("is not a constant of model = \"{}\"", model.name());
-            return Err(error(value.span(), other.key, message).allowed(own.join(", ")).into());
+            return Err(error(place, other.key, message).allowed(own.join(", ")).into());
         }
-        model.law(|constant| match (constant.of)(self) {
-            Some(value) => {
-                document.number(value, &format!("{key}.{}", constant.key), constant.dimension, constant.allowed)
-            }
-            None => Err(error(span.clone(), constant.key, format!("`{}` is missing", constant.key)).into()),
+        model.law(|constant| {
+            let missing = || error(span.clone(), constant.key, format!("`{}` is missing", constant.key)).into();
+            (constant.of)(self).si(document, false)?.ok_or_else(missing)
         })
     }
 }
 
 /// The laws that a material states.
 pub(super) fn resolve(raw: &RawRates, heat: &HeatConstants, keys: Keys<'_>) -> Result<Vec<Rate>> {
-    let law = |(model, raw): (RateModel, &Spanned<RawRate>)| {
+    let law = |(model, raw): (RateModel, &Placed<RawRate>)| {
         let key = format!("rate.{}", model.name());
         if let Some(word) = &raw.get_ref().model {
             let error = keys.error(word.span(), &format!("{key}.model"), "the name of the table names the law");
             return Err(error.help("take `model` out").into());
         }
-        let law = raw.get_ref().law(model, keys.document(), &keys.key(&key), raw.span())?;
+        let law = raw.get_ref().law(model, keys.doc, &keys.key(&key), raw.span())?;
         if law.has_temperature() && heat.reference_temperature.is_none() {
             let error = keys.error(raw.span(), &key, "needs the temperature at which the curve holds");
             return Err(error.help(TEMPERATURE).into());

@@ -4,12 +4,11 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 use serde::de::value::SeqAccessDeserializer;
 use serde::de::{Deserializer, Error as _, SeqAccess, Visitor};
-use toml::Spanned;
 
 use super::rate::RawRates;
 use super::{Beyond, Formula, Loading, Measure, Sense};
 use crate::input::Number;
-use crate::typed::{Of, Or, Plain, Poisson, Positive, Within};
+use crate::typed::{NotNegative, Of, Or, Placed, Plain, Poisson, Positive, Within};
 use crate::units::Quantity;
 use crate::units::measures::{Density, SpecificHeat, Stress, Temperature};
 
@@ -28,30 +27,23 @@ pub struct RawMaterial {
     pub modulus: Option<Of<Stress, Positive>>,
     /// Loading of the curve: "axial" (default), or "shear": shear stress against engineering shear strain, and `modulus` is
     /// the shear modulus; for bars with mode = "torsion".
-    #[schemars(with = "Option<Loading>")]
-    pub loading: Option<Spanned<Loading>>,
+    pub loading: Option<Placed<Loading>>,
     /// Poisson's ratio.
     pub poisson: Option<Of<Plain, Poisson>>,
     /// Whether strains and stresses are engineering (default) or true ones. Also accepted in `[curve]`.
-    #[schemars(with = "Option<Measure>")]
-    pub measure: Option<Spanned<Measure>>,
+    pub measure: Option<Placed<Measure>>,
     /// Whether the curve was measured in tension (default) or compression. Also accepted in `[curve]`.
-    #[schemars(with = "Option<Sense>")]
-    pub sense: Option<Spanned<Sense>>,
+    pub sense: Option<Placed<Sense>>,
     /// What happens past the last row: "rupture" (the specimen broke there), "extend" (the last slope is continued) or "error" (default:
     /// a run that reaches it stops). Also accepted in `[curve]`.
-    #[schemars(with = "Option<Beyond>")]
-    pub beyond: Option<Spanned<Beyond>>,
+    pub beyond: Option<Placed<Beyond>>,
     /// Curve of the other sense where `[compression]` is absent: "engineering" (default) mirrors the engineering
     /// curve; "true" converts the same true curve to compression.
-    #[schemars(with = "Option<Measure>")]
-    pub symmetry: Option<Spanned<Measure>>,
+    pub symmetry: Option<Placed<Measure>>,
     /// The stress-strain curve of first loading.
-    #[schemars(with = "RawCurve")]
-    pub curve: Spanned<RawCurve>,
+    pub curve: Placed<RawCurve>,
     /// First loading in compression, where it differs; magnitudes.
-    #[schemars(with = "Option<RawCurve>")]
-    pub compression: Option<Spanned<RawCurve>>,
+    pub compression: Option<Placed<RawCurve>>,
     /// Constants of rate laws.
     pub rate: Option<RawRates>,
     /// Constants for heating and thermal softening.
@@ -100,54 +92,40 @@ pub struct RawCurve {
     pub table: Option<Vec<TableRow>>,
     /// A file with the columns strain, stress, relative to this one. A header may name units: `stress_MPa` or
     /// `stress (MPa)`, `strain (%)`.
-    #[schemars(with = "Option<String>")]
-    pub csv: Option<Spanned<String>>,
+    pub csv: Option<Placed<String>>,
     /// A named law; its constants are in the same table.
-    #[schemars(with = "Option<Formula>")]
-    pub formula: Option<Spanned<Formula>>,
+    pub formula: Option<Placed<Formula>>,
     /// Unit of plain stresses in `table` or `csv`, e.g. "MPa" (default: Pa).
-    #[schemars(with = "Option<String>")]
-    pub unit: Option<Spanned<String>>,
+    pub unit: Option<Placed<String>>,
     /// As at the top level.
-    #[schemars(with = "Option<Measure>")]
-    pub measure: Option<Spanned<Measure>>,
+    pub measure: Option<Placed<Measure>>,
     /// As at the top level.
-    #[schemars(with = "Option<Sense>")]
-    pub sense: Option<Spanned<Sense>>,
+    pub sense: Option<Placed<Sense>>,
     /// As at the top level.
-    #[schemars(with = "Option<Beyond>")]
-    pub beyond: Option<Spanned<Beyond>>,
-    /// Hollomon, Ludwik, Swift: strength coefficient (Pa).
+    pub beyond: Option<Placed<Beyond>>,
+    /// Hollomon, Ludwik, Swift: strength coefficient; 0 in Ludwik's law alone.
     #[serde(rename = "K")]
-    #[schemars(with = "Option<Quantity>")]
-    pub k: Option<Number>,
-    /// All but Voce: exponent.
-    #[schemars(with = "Option<Quantity>")]
-    pub n: Option<Number>,
-    /// Johnson-Cook: yield stress (Pa).
+    pub k: Option<Of<Stress, NotNegative>>,
+    /// All but Voce: exponent; 1e-4 to 0.99 in Hollomon's law, 1.01 to 1000 in that of Ramberg and Osgood, up to 1 in the others.
+    pub n: Option<Of<Plain, Positive>>,
+    /// Johnson-Cook: yield stress.
     #[serde(rename = "A")]
-    #[schemars(with = "Option<Quantity>")]
-    pub a: Option<Number>,
-    /// Johnson-Cook: hardening coefficient (Pa).
+    pub a: Option<Of<Stress, Positive>>,
+    /// Johnson-Cook: hardening coefficient.
     #[serde(rename = "B")]
-    #[schemars(with = "Option<Quantity>")]
-    pub b: Option<Number>,
-    /// Ludwik, Voce, Ramberg-Osgood: yield stress (Pa).
+    pub b: Option<Of<Stress, NotNegative>>,
+    /// Ludwik, Voce, Ramberg-Osgood: yield stress.
     #[serde(rename = "yield")]
-    #[schemars(with = "Option<Quantity>")]
-    pub yield_stress: Option<Number>,
-    /// Voce: stress that is approached (Pa).
-    #[schemars(with = "Option<Quantity>")]
-    pub saturation: Option<Number>,
+    pub yield_stress: Option<Of<Stress, Positive>>,
+    /// Voce: stress that is approached, above the yield stress.
+    pub saturation: Option<Of<Stress, Positive>>,
     /// Voce: characteristic plastic strain.
-    #[schemars(with = "Option<Quantity>")]
-    pub strain: Option<Number>,
+    pub strain: Option<Of<Plain, Positive>>,
     /// Swift: strain before the test.
-    #[schemars(with = "Option<Quantity>")]
-    pub prestrain: Option<Number>,
-    /// Ramberg-Osgood: plastic strain at the yield stress (default 0.002).
-    #[schemars(with = "Option<Quantity>")]
-    pub offset: Option<Number>,
+    pub prestrain: Option<Of<Plain, Positive>>,
+    /// Ramberg-Osgood: plastic strain at the yield stress.
+    #[schemars(default)]
+    pub offset: Or<Of<Plain, Positive>, 2, 1000>,
     /// How a formula becomes a table.
     pub tabulate: Option<RawTabulate>,
 }
@@ -157,11 +135,10 @@ pub struct RawCurve {
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct RawBand {
     /// Unit of plain stresses here, e.g. "MPa" (default: Pa).
-    #[schemars(with = "Option<String>")]
-    pub unit: Option<Spanned<String>>,
+    pub unit: Option<Placed<String>>,
     /// Rows [engineering strain, standard deviation of the engineering stress], strain increasing.
     #[schemars(with = "Option<Vec<(Quantity, Quantity)>>")]
-    pub deviation: Option<Spanned<Vec<TableRow>>>,
+    pub deviation: Option<Placed<Vec<TableRow>>>,
     /// The curve of each test.
     pub test: Option<Vec<RawTest>>,
 }
@@ -178,7 +155,7 @@ pub struct RawTest {
     pub beyond: Option<Beyond>,
     /// Rows [engineering strain, engineering stress]; magnitudes; strain increasing.
     #[schemars(with = "Vec<(Quantity, Quantity)>")]
-    pub table: Spanned<Vec<TableRow>>,
+    pub table: Placed<Vec<TableRow>>,
 }
 
 /// How a formula (or a true table) becomes an engineering table.
@@ -208,7 +185,7 @@ pub struct RawHeat {
     pub melting_temperature: Option<Of<Temperature, Positive>>,
     /// Softening exponent m.
     #[serde(rename = "m")]
-    pub exponent: Option<Of<Plain, Positive>>,
+    pub exponent: Option<Of<Plain, Within<1, 10_000, 100>>>,
 }
 
 /// `[source]`: where the curve comes from.

@@ -322,20 +322,24 @@ pub struct MaterialRecord {
 }
 
 /// Size of the numbers in the file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "kebab-case")]
 pub enum Precision {
     /// 8 bytes.
+    #[default]
     F64,
     /// 4 bytes.
     F32,
 }
 
-/// Compression of the fields.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// Compression of the fields in the file.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "kebab-case")]
 pub enum Compression {
-    /// shuffle + deflate 1.
+    /// Shuffle and deflate: small.
+    #[default]
     Deflate,
-    /// shuffle + lzf: faster, larger, h5py reads it.
+    /// Shuffle and lzf: faster, larger.
     Lzf,
     /// None.
     None,

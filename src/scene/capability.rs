@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use super::raw::{RawBar, RawEffects, RawMethod, RawSolve, RawUnloading};
 use crate::bar::{Bar, EndCondition, Joint, Segment};
-use crate::error::Result;
+use crate::error::{Error, InputError, Result};
 use crate::input::Document;
 use crate::law::Table;
 use crate::material::Sense;
@@ -33,10 +33,9 @@ enum Can {
     Other,
 }
 
-/// What a scene asks for, as far as it is read.
+/// What a scene asks of its method.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Asked<'a> {
-    pub(super) raw_bar: &'a RawBar,
     pub(super) effects: &'a RawEffects,
     /// `effects = "auto"`.
     pub(super) auto: bool,
@@ -64,7 +63,8 @@ use Can::{As, No, Only, Other, Yes};
 const IN_PIECES: Can = As("as uniform pieces");
 const NOT_ONE_CURVE: &str = "the temperature is then a state of each cell, not one of the curve";
 const NO_CHARACTERISTICS: &str = "it is solved for all nodes of a grid at once";
-const MIXED: &str =
+/// A way out where hardening cannot be that of elements in parallel.
+pub(super) const MIXED: &str =
     "use unloading = { mixed = 1 }, which moves the elastic range along the curve by the accumulated plastic strain";
 
 /// In the order in which refusals are looked for. The columns: leapfrog, Godunov, front tracking, net.
@@ -90,13 +90,13 @@ const METHODS: &[Row] = &[
     row("`heat` with an initial temperature or plastic strain", |a| when(starts_warm(a)),
         "the effect `heat` with an initial temperature or plastic strain", NOT_ONE_CURVE, "take the initial values out",
         [Yes, No, No, No]),
-    row("`rupture`", |a| when(rupture(a).is_some()),
+    row("`rupture`", |a| when(a.effects.rupture.is_some()),
         "the effect `rupture`", "", "take `rupture` out of [effects]",
         [Yes, No, Yes, No]),
     row("`damping`", |a| when(a.effects.damping.is_some()),
         "the effect `damping`", NO_CHARACTERISTICS, "take `damping` out of [effects]",
         [Yes, No, No, No]),
-    row("`lateral-inertia`", |a| when(along(a).is_some()),
+    row("`lateral-inertia`", |a| when(a.effects.lateral_inertia().is_some()),
         "the effect `lateral-inertia`", NO_CHARACTERISTICS, "take `lateral-inertia` out of [effects]",
         [Yes, No, No, No]),
     row("`unloading` mixed, along a curve that stiffens or drops", stiffens,
@@ -104,7 +104,7 @@ const METHODS: &[Row] = &[
         [Yes, No, Yes, Yes]),
     row("contact joints", |_| None, "contact joints", "", "",
         [Yes, Yes, Yes, Yes]),
-    row("tapers", |a| when(taper(a).is_some()), "tapered segments", "", "",
+    row("tapers", |a| when(tapered(a.bar).is_some()), "tapered segments", "", "",
         [Yes, No, IN_PIECES, IN_PIECES]),
     row("end `ball`", |a| when(ball(a)), "a ball at an end", "", "",
         [Yes, No, Yes, Yes]),
@@ -170,7 +170,16 @@ fn starts_warm(asked: &Asked<'_>) -> bool {
     asked.bar.segments.iter().any(|s| warms(s) && (s.has_yielded() || s.starts_warm()))
 }
 
+fn tapered(bar: &Bar) -> Option<usize> {
+    bar.segments.iter().position(|s| s.taper.is_some())
+}
+
 impl RawEffects {
+    /// Where it is said that lateral motion has inertia, if it has.
+    pub(super) fn lateral_inertia(&self) -> Option<&Placed<bool>> {
+        self.lateral_inertia.as_ref().filter(|on| *on.get_ref())
+    }
+
     /// Hardening is that of [`crate::law::Overlay`] wherever a curve has several lines of it. With a rate or heat it is not.
     pub(super) fn overlays(&self) -> bool {
         let kinematic = self.unloading.as_ref().is_some_and(|u| matches!(u.get_ref(), RawUnloading::Kinematic));
@@ -247,10 +256,17 @@ struct Found {
     span: Range<usize>,
 }
 
+/// Where the parts of a scene stand that may exclude each other.
+struct Parts<'a> {
+    raw_bar: &'a RawBar,
+    effects: &'a RawEffects,
+    bar: &'a Bar,
+}
+
 /// Two parts of a scene that do not go together by any method. In the texts `{1}` and `{2}` are their names; the first is refused.
 struct Pair {
-    first: fn(&Asked<'_>) -> Option<Found>,
-    second: fn(&Asked<'_>) -> Option<Found>,
+    first: fn(&Parts<'_>) -> Option<Found>,
+    second: fn(&Parts<'_>) -> Option<Found>,
     message: &'static str,
     help: &'static str,
 }
@@ -280,53 +296,64 @@ fn effect<T>(name: &str, given: Option<&Placed<T>>) -> Option<Found> {
     given.map(|given| Found { name: name.to_owned(), key: format!("effects.{name}"), span: given.span() })
 }
 
-fn rupture(asked: &Asked<'_>) -> Option<Found> {
-    effect("rupture", asked.effects.rupture.as_ref())
+fn rupture(parts: &Parts<'_>) -> Option<Found> {
+    effect("rupture", parts.effects.rupture.as_ref())
 }
 
-fn heating(asked: &Asked<'_>) -> Option<Found> {
-    effect("heat", asked.effects.heat.as_ref())
+fn heating(parts: &Parts<'_>) -> Option<Found> {
+    effect("heat", parts.effects.heat.as_ref())
 }
 
 /// What acts along the bar: the first of the two effects that is on.
-fn along(asked: &Asked<'_>) -> Option<Found> {
-    let lateral = asked.effects.lateral_inertia.as_ref().filter(|lateral| *lateral.get_ref());
-    effect("damping", asked.effects.damping.as_ref()).or_else(|| effect("lateral-inertia", lateral))
+fn along(parts: &Parts<'_>) -> Option<Found> {
+    let lateral = || effect("lateral-inertia", parts.effects.lateral_inertia());
+    effect("damping", parts.effects.damping.as_ref()).or_else(lateral)
 }
 
-fn torsion(asked: &Asked<'_>) -> Option<Found> {
-    let mode = asked.raw_bar.mode.as_ref().filter(|_| asked.raw_bar.is_torsion());
+fn torsion(parts: &Parts<'_>) -> Option<Found> {
+    let mode = parts.raw_bar.mode.as_ref().filter(|_| parts.raw_bar.is_torsion());
     mode.map(|mode| Found { name: "torsion".to_owned(), key: "bar.mode".to_owned(), span: mode.span() })
 }
 
-fn contact(asked: &Asked<'_>) -> Option<Found> {
-    let k = asked.bar.segments.iter().position(|s| matches!(s.joint, Joint::Contact { .. }))?;
-    let joint = asked.raw_bar.segment.as_ref()?[k].get_ref().joint.as_ref()?;
+fn contact(parts: &Parts<'_>) -> Option<Found> {
+    let k = parts.bar.segments.iter().position(|s| matches!(s.joint, Joint::Contact { .. }))?;
+    let joint = parts.raw_bar.segment.as_ref()?[k].get_ref().joint.as_ref()?;
     Some(Found { name: (k + 1).to_string(), key: format!("bar.segment.{k}.joint"), span: joint.span() })
 }
 
-fn taper(asked: &Asked<'_>) -> Option<Found> {
-    let k = asked.bar.segments.iter().position(|s| s.taper.is_some())?;
-    let segment = asked.raw_bar.segment.as_ref().map(|list| list[k].get_ref().piece());
-    let parent = segment.as_ref().map_or_else(|| "bar".to_owned(), |_| format!("bar.segment.{k}"));
-    let piece = segment.unwrap_or_else(|| asked.raw_bar.piece());
-    let (name, span) = match (piece.area, piece.diameter) {
-        (Some(area), _) => ("area", area.span()),
-        (_, diameter) => ("diameter", diameter?.span()),
-    };
-    Some(Found { name: (k + 1).to_string(), key: format!("{parent}.{name}"), span })
+fn taper(parts: &Parts<'_>) -> Option<Found> {
+    let k = tapered(parts.bar)?;
+    let (key, span) = parts.raw_bar.section_of(k)?;
+    Some(Found { name: (k + 1).to_string(), key, span })
 }
 
 /// Refuses parts of a scene that do not go together.
-pub(super) fn all_go_together(document: &Document, asked: &Asked<'_>) -> Result<()> {
+pub(super) fn all_go_together(document: &Document, raw_bar: &RawBar, effects: &RawEffects, bar: &Bar) -> Result<()> {
+    let parts = Parts { raw_bar, effects, bar };
     for pair in TOGETHER {
-        if let (Some(first), Some(second)) = ((pair.first)(asked), (pair.second)(asked)) {
+        if let (Some(first), Some(second)) = ((pair.first)(&parts), (pair.second)(&parts)) {
             let text = |text: &str| text.replace("{1}", &first.name).replace("{2}", &second.name);
             let error = document.error(first.span.clone(), &first.key, text(pair.message));
             return Err(error.help(text(pair.help)).into());
         }
     }
     Ok(())
+}
+
+/// Keys that a scene has not, which have a meaning elsewhere: what it is, and the way out.
+#[rustfmt::skip]
+const ELSEWHERE: &[(&str, &str, &str)] = &[
+    ("striker", "a striking body of its own",
+     "give an end kind = \"striker\" with mass and velocity, or lay two segments together with joint = \"contact\""),
+    ("solve.viscosity", "artificial viscosity", "leave it out"),
+];
+
+/// The error of a scene that cannot be read, which says more where it is such a key.
+pub(super) fn not_a_key(error: Error) -> Error {
+    let Error::Input(error) = error else { return error };
+    let word = ELSEWHERE.iter().find(|(key, ..)| *key == error.key && error.message.starts_with("unknown key"));
+    let Some((_, what, help)) = word else { return error.into() };
+    InputError { message: format!("this version does not simulate {what}"), ..error }.help(*help).into()
 }
 
 /// The table of the guide, in Markdown: a line for the head, and one for each part of a scene.

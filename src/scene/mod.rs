@@ -9,7 +9,6 @@ mod damping;
 mod discretized;
 mod effects;
 mod impacts;
-mod not_yet;
 mod notes;
 mod overrides;
 mod raw;
@@ -60,19 +59,21 @@ impl Problem {
     /// # Errors
     /// As for [`Problem::read`].
     pub fn of_document(document: &Document, path: &Path, overrides: &[String]) -> Result<Self> {
-        let Some(kind) = impacts::kind(document) else {
-            return Scene::of_file(document, path, overrides).map(|scene| Self::Bar(Box::new(scene)));
-        };
         let typed = Overrides::new(overrides)?;
         let edited = typed.apply(document)?;
-        Self::impact(kind, Source { document, edited: &edited, base: &folder(path), typed: &typed }, overrides)
+        let source = Source { document, edited: &edited, base: &folder(path), typed: &typed };
+        Self::of_source(source, path, impacts::kind(document))
     }
 
-    fn impact(kind: &Kind, source: Source<'_>, overrides: &[String]) -> Result<Self> {
+    fn of_source(source: Source<'_>, path: &Path, kind: Option<&Kind>) -> Result<Self> {
+        let Some(kind) = kind else {
+            let scene = Scene::of_source(source)?;
+            return Ok(Self::Bar(Box::new(Scene { path: Some(path.to_owned()), ..scene })));
+        };
         let checked = impacts::check(kind, source.edited, source.base);
         let mut scene = checked.map_err(|e| source.typed.explain(e, source.document))?;
         scene.text = source.document.text.to_string();
-        scene.overrides = overrides.to_vec();
+        scene.overrides = source.typed.texts();
         Ok(Self::Impact(Box::new(scene)))
     }
 }
@@ -98,6 +99,12 @@ impl Template {
         Ok(Self { document, editable, path, base, impact })
     }
 
+    /// The scene's title; the file's stem where it gives none.
+    pub fn title(&self) -> String {
+        let given = self.editable.get("title").and_then(toml_edit::Item::as_str).map(str::to_owned);
+        given.or_else(|| Some(self.path.file_stem()?.to_string_lossy().into_owned())).unwrap_or_default()
+    }
+
     /// The scene with overrides, as [`Problem::of_document`] gives it.
     ///
     /// # Errors
@@ -106,11 +113,7 @@ impl Template {
         let typed = Overrides::new(overrides)?;
         let edited = typed.edit(&self.document, self.editable.clone())?;
         let source = Source { document: &self.document, edited: &edited, base: &self.base, typed: &typed };
-        if let Some(kind) = self.impact {
-            return Problem::impact(kind, source, overrides);
-        }
-        let scene = Scene::of_source(source, overrides)?;
-        Ok(Problem::Bar(Box::new(Scene { path: Some(self.path.clone()), ..scene })))
+        Problem::of_source(source, &self.path, self.impact)
     }
 }
 
@@ -346,13 +349,8 @@ impl Scene {
     /// # Errors
     /// Input errors only: the first thing that is wrong, with its place.
     pub fn read(path: &Path, overrides: &[String]) -> Result<Self> {
-        Self::of_file(&Document::read_scene(path)?, path, overrides)
-    }
-
-    fn of_file(document: &Document, path: &Path, overrides: &[String]) -> Result<Self> {
-        let mut scene = Self::from_document(document, &folder(path), overrides)?;
-        scene.path = Some(path.to_owned());
-        Ok(scene)
+        let scene = Self::from_document(&Document::read_scene(path)?, &folder(path), overrides)?;
+        Ok(Self { path: Some(path.to_owned()), ..scene })
     }
 
     /// A scene put together key by key.
@@ -377,10 +375,10 @@ impl Scene {
         }
         let overrides = Overrides::new(typed)?;
         let edited = overrides.apply(original)?;
-        Self::of_source(Source { document: original, edited: &edited, base, typed: &overrides }, typed)
+        Self::of_source(Source { document: original, edited: &edited, base, typed: &overrides })
     }
 
-    fn of_source(source: Source<'_>, overrides: &[String]) -> Result<Self> {
+    fn of_source(source: Source<'_>) -> Result<Self> {
         let Source { document, edited, base, typed } = source;
         let (checked, texts) = text_file::recorded(|| check::check(edited, base));
         let mut scene = checked.map_err(|e| typed.explain(e, document))?;
@@ -388,7 +386,7 @@ impl Scene {
         scene.files = NamedFiles { base: base.display().to_string(), materials, texts };
         find_methods(&mut scene, edited, base);
         scene.text = document.text.to_string();
-        scene.overrides = overrides.to_vec();
+        scene.overrides = typed.texts();
         Ok(scene)
     }
 

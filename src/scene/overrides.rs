@@ -23,6 +23,11 @@ impl Overrides {
         typed.iter().map(|t| split(t)).collect::<Result<_>>().map(Self)
     }
 
+    /// As they were typed.
+    pub(super) fn texts(&self) -> Vec<String> {
+        self.0.iter().map(|one| one.typed.clone()).collect()
+    }
+
     /// The document with every override in its place, in order. An empty VALUE takes the key out.
     pub(super) fn apply(&self, document: &Document) -> Result<Document> {
         if self.0.is_empty() { Ok(document.clone()) } else { self.edit(document, editable(document)?) }

@@ -4,7 +4,6 @@ use serde_json::{Map, Value, json};
 
 use super::{Method, Record, Scene, Solve};
 use crate::bar::{Distribution, EndCondition, History, Joint, Segment};
-use crate::record::{Compression, Precision};
 
 pub(super) fn json(scene: &Scene) -> Value {
     let scene = scene.discretized.as_ref().map_or(scene, |cut| &cut.original);
@@ -123,23 +122,14 @@ fn method_of(solve: &Solve) -> Value {
 }
 
 fn record(record: &Record, method: &Method) -> Value {
-    let precision = match record.precision {
-        Precision::F64 => "f64",
-        Precision::F32 => "f32",
-    };
-    let compression = match record.compression {
-        Compression::Deflate => "deflate",
-        Compression::Lzf => "lzf",
-        Compression::None => "none",
-    };
     let gauges: Map<String, Value> = record.gauges.iter().map(|(name, x)| (name.clone(), json!(x))).collect();
     let mut value = json!({
         "times": record.times,
         "cells": record.cells,
         "fields": record.fields.iter().map(|f| f.name()).collect::<Vec<_>>(),
         "gauges": gauges,
-        "precision": precision,
-        "compression": compression,
+        "precision": record.precision,
+        "compression": record.compression,
     });
     if matches!(method, Method::FrontTracking { .. }) {
         value["paths"] = json!(record.paths);

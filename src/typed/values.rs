@@ -101,20 +101,13 @@ pub type Row = Placed<Vec<Number>>;
 #[derive(Debug, Clone)]
 pub struct Rows<X, D, R = Finite>(Vec<Row>, PhantomData<(X, D, R)>);
 
-/// A table whose keys depend on others, to be read when these are known; see [`Document::read_table`].
+/// A table whose keys depend on others, which is read when these are known; see [`Parsed::take`](crate::input::Parsed::take).
 #[derive(Debug, Clone)]
-pub struct Later<T>(Spanned<serde::de::IgnoredAny>, PhantomData<T>);
-
-impl<T> Later<T> {
-    /// Where it stands.
-    pub fn span(&self) -> Span<usize> {
-        self.0.span()
-    }
-}
+pub struct Later<T>(PhantomData<T>);
 
 impl<'de, T> Deserialize<'de> for Later<T> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> std::result::Result<Self, D::Error> {
-        Spanned::deserialize(deserializer).map(|place| Self(place, PhantomData))
+        serde::de::IgnoredAny::deserialize(deserializer).map(|_| Self(PhantomData))
     }
 }
 

@@ -48,11 +48,11 @@ impl Checker<'_> {
             which.is_some_and(|which| piece.initial[which].as_ref().is_some_and(|given| given.uniform().is_none()))
         };
         let own = |name: &str| ["mode", "shear", "segment"].contains(&name);
-        let given = self.document.keys_in("bar").into_iter().find(|given| !own(&given.name) && !table(&given.name));
+        let given = self.keys[0].iter().find(|given| !own(&given.name) && !table(&given.name));
         let Some(GivenKey { name, value: span, .. }) = given else { return Ok(()) };
         let message = format!("`{name}` of the whole bar stands beside [[bar.segment]]");
         let help = format!("move `{name}` into each [[bar.segment]], or take the segments out");
-        Err(self.error(span, &format!("bar.{name}"), message).help(help).into())
+        Err(self.error(span.clone(), &format!("bar.{name}"), message).help(help).into())
     }
 
     fn segments(&self, list: &[Placed<RawSegment>], span: Range<usize>, named: &mut Named) -> Result<Bar> {

@@ -24,8 +24,8 @@ impl Checker<'_> {
                 return Err(self.error(span.clone(), &key, message).help(AREA).into());
             }
         }
-        let lateral = effects.lateral_inertia.as_ref().is_some_and(|lateral| *lateral.get_ref());
-        let other = if damping.internal > 0.0 { Some("`internal`") } else { lateral.then_some("`lateral-inertia`") };
+        let lateral = || effects.lateral_inertia().map(|_| "`lateral-inertia`");
+        let other = if damping.internal > 0.0 { Some("`internal`") } else { lateral() };
         if let (Some(other), true) = (other, damping.friction > 0.0) {
             let message =
                 format!("friction is not followed together with {other}, which couples the nodes of the grid");
@@ -37,9 +37,7 @@ impl Checker<'_> {
 
     /// Whether the sideways motion has inertia.
     pub(super) fn lateral_inertia(&self, effects: &RawEffects, bar: &Bar) -> Result<bool> {
-        let Some(lateral) = effects.lateral_inertia.as_ref().filter(|lateral| *lateral.get_ref()) else {
-            return Ok(false);
-        };
+        let Some(lateral) = effects.lateral_inertia() else { return Ok(false) };
         let key = "effects.lateral-inertia";
         if !bar.area_given {
             let message = "lateral inertia depends on the size of the section, and the bar has none";

@@ -6,6 +6,7 @@ use super::super::raw::{Drive, EndKind, RawEnd};
 use super::{Checker, Torsion};
 use crate::bar::{Bar, EndCondition, History, Segment};
 use crate::error::{Error, Result};
+use crate::input::Table;
 use crate::typed::{Key, Of, Placed};
 use crate::units::Measure;
 
@@ -31,10 +32,10 @@ impl<'a> EndSite<'a> {
 }
 
 impl Checker<'_> {
-    pub(super) fn end(&self, site: &EndSite<'_>, area_given: bool) -> Result<EndCondition> {
-        let kind = RawEnd::kind(self.document, site.key)?;
+    pub(super) fn end(&self, site: &EndSite<'_>, mut table: Table<'_>, area_given: bool) -> Result<EndCondition> {
+        let kind = RawEnd::kind(&mut table)?;
         self.kind_has_meaning(&kind, site.key, area_given)?;
-        let raw = RawEnd::read(self.document, site.key, *kind.get_ref(), self.torsion)?;
+        let raw = RawEnd::read(self.document, site.key, *kind.get_ref(), table, self.torsion)?;
         let (radius, polar) = (site.radius, site.polar);
         Ok(match raw {
             RawEnd::Velocity(raw) => EndCondition::Velocity {
@@ -122,12 +123,7 @@ impl Checker<'_> {
             ("history", drive.history.map(Placed::span)),
             ("csv", drive.csv.map(Placed::span)),
         ];
-        let mut given = forms.into_iter().filter_map(|(name, span)| Some((name, span?)));
-        if let (Some((first, _)), Some((second, span))) = (given.next(), given.next()) {
-            let message = format!("`{first}` and `{second}` both say what drives the end");
-            let error = self.error(span, &format!("{key}.{second}"), message);
-            return Err(error.allowed("one of value, history, csv").help("keep one of them").into());
-        }
+        self.at_most_one(key, forms, "what drives the end")?;
         if let Some(value) = drive.value {
             return self.si(value).map(History::constant);
         }

@@ -1,5 +1,6 @@
 //! The effect `unloading`: how yielded points harden, and the rate that implies it.
 
+use super::super::capability::MIXED;
 use super::super::raw::{RawEffects, RawUnloading};
 use super::super::{Effects, Unloading};
 use super::Checker;
@@ -36,8 +37,7 @@ impl Checker<'_> {
             let message = format!(
                 "kinematic hardening is that of elements in parallel, whose curve never stiffens; that of `{name}` does"
             );
-            let help = "use unloading = { mixed = 1 }, which moves the elastic range along the curve by the accumulated \
-                        plastic strain, or unloading = \"isotropic\"";
+            let help = format!("{MIXED}, or unloading = \"isotropic\"");
             let allowed = "\"isotropic\" or { mixed = 0 to 1 }";
             return Err(self.error(unloading.span(), key, message).allowed(allowed).help(help).into());
         }

@@ -24,14 +24,14 @@ pub(super) use bar::Named;
 
 use ends::EndSite;
 
-use super::capability::{Asked, all_go_together};
-use super::raw::{EffectsChoice, MOST_CELLS, RawBar, RawEffects, RawEnd, RawScene};
-use super::{Auto, Effects, Heat, Scene, Torsion, not_yet};
+use super::capability::{Asked, all_go_together, not_a_key};
+use super::raw::{EffectsChoice, MOST_CELLS, RawBar, RawEffects, RawScene};
+use super::{Auto, Effects, Heat, Scene, Torsion};
 use crate::bar::{Bar, EndCondition};
 use crate::error::{Error, InputError, Result};
-use crate::input::Document;
+use crate::input::{Document, GivenKey, Table};
 use crate::text_file::NamedFiles;
-use crate::typed::{Key, Later, Placed};
+use crate::typed::{Key, Placed};
 use crate::units::{Dimension, Measure};
 
 /// Memory of a cell and of a sample over x, with the frames that wait to be written, bytes.
@@ -49,14 +49,25 @@ pub(super) struct Checker<'a> {
     pub base: &'a Path,
     /// The bar is twisted, which changes the dimensions of some keys.
     pub torsion: bool,
+    /// The keys that stand in [bar] and in [solve]; none in scenes without a bar.
+    pub keys: [Vec<GivenKey>; 2],
 }
 
 /// Checks a document; `text` and `overrides` of the scene are the caller's to fill.
 pub(super) fn check(document: &Document, base: &Path) -> Result<Scene> {
-    // No raw table has the words that are refused.
-    let raw: RawScene = document.parse().or_else(|error| not_yet::refuse(document).and(Err(error)))?;
+    let mut parsed = document.parsed()?;
+    let keys = ["bar", "solve"].map(|table| parsed.keys_in(table));
+    let ends = ["left", "right"].map(|end| parsed.take(end));
+    let raw: RawScene = parsed.read().map_err(not_a_key)?;
     let torsion = raw.bar.as_ref().is_some_and(|bar| bar.get_ref().is_torsion());
-    Checker { document, base, torsion }.scene(raw)
+    Checker { document, base, torsion, keys }.scene(raw, ends)
+}
+
+/// The first of several keys that is given.
+pub(super) fn first_given<const N: usize>(
+    keys: [(&'static str, Option<Range<usize>>); N],
+) -> Option<(&'static str, Range<usize>)> {
+    keys.into_iter().find_map(|(name, place)| Some((name, place?)))
 }
 
 fn auto_or_table(choice: EffectsChoice) -> (Option<Auto>, Box<RawEffects>) {
@@ -67,31 +78,29 @@ fn auto_or_table(choice: EffectsChoice) -> (Option<Auto>, Box<RawEffects>) {
 }
 
 impl Checker<'_> {
-    fn scene(&self, raw: RawScene) -> Result<Scene> {
-        let raw_bar = self.required(raw.bar.as_ref(), "bar", "add [bar] with length and material")?;
+    fn scene(&self, raw: RawScene, ends: [Option<Table<'_>>; 2]) -> Result<Scene> {
+        let placed_bar = self.required(raw.bar.as_ref(), "bar", "add [bar] with length and material")?;
+        let raw_bar = placed_bar.get_ref();
         let (auto, raw_effects) = auto_or_table(raw.effects);
-        let mut bar = self.bar(raw_bar)?;
-        let asked =
-            Asked { raw_bar: raw_bar.get_ref(), effects: &raw_effects, auto: auto.is_some(), bar: &bar, ends: &[] };
-        all_go_together(self.document, &asked)?;
-        let torsion = self.twist_or_not(raw_bar, &mut bar)?;
+        let mut bar = self.bar(placed_bar)?;
+        all_go_together(self.document, raw_bar, &raw_effects, &bar)?;
+        let torsion = self.twist_or_not(placed_bar, &mut bar)?;
         let heat = self.heat(&raw_effects, &mut bar)?;
-        let ends = self.ends([raw.left.as_ref(), raw.right.as_ref()], &bar, torsion.as_ref())?;
-        let raw_bar = raw_bar.get_ref();
+        let ends = self.ends(ends, &bar, torsion.as_ref())?;
         let effects = self.all_effects(&raw_effects, raw_bar, heat, &bar)?;
         let raw_solve = self.required(raw.solve.as_ref(), "solve", UNTIL)?;
-        let asked = Asked { raw_bar, effects: &raw_effects, auto: auto.is_some(), bar: &bar, ends: &ends };
+        let asked = Asked { effects: &raw_effects, auto: auto.is_some(), bar: &bar, ends: &ends };
         let solve = self.solve(raw_solve, &asked)?;
-        let (raw_solve, method) = (raw_solve.get_ref(), &solve.method);
-        self.steps_can_be_taken(raw_solve, &solve, &bar)?;
+        self.steps_can_be_taken(raw_solve.get_ref(), &solve, &bar)?;
         self.initial_states(raw_bar, &raw_effects, &effects, &bar)?;
-        self.staircase_is_short(raw_bar, &bar, method)?;
-        self.taper_can_be_solved(raw_bar, &bar, method)?;
-        let record = self.record(&raw.record, &bar, &effects, &solve, torsion.is_some())?;
+        self.staircases_are_short(raw_bar, &bar, &solve.method)?;
+        let record = self.record(&raw.record, &bar, &effects, &solve)?;
         let [left, right] = ends;
+        let name = self.name();
+        let (title, base) = (raw.title.unwrap_or_else(|| name.clone()), self.base.to_owned());
         Ok(Scene {
-            title: raw.title.unwrap_or_else(|| self.name()),
-            name: self.name(),
+            title,
+            name,
             path: None,
             text: String::new(),
             overrides: Vec::new(),
@@ -100,7 +109,7 @@ impl Checker<'_> {
             right,
             effects,
             auto,
-            base: self.base.to_owned(),
+            base,
             files: NamedFiles::default(),
             solve,
             record,
@@ -110,7 +119,7 @@ impl Checker<'_> {
     }
 
     /// The file's stem.
-    fn name(&self) -> String {
+    pub(super) fn name(&self) -> String {
         Path::new(&self.document.file).file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned())
     }
 
@@ -123,15 +132,10 @@ impl Checker<'_> {
     }
 
     /// The left and the right end.
-    fn ends(
-        &self,
-        raw: [Option<&Later<RawEnd>>; 2],
-        bar: &Bar,
-        torsion: Option<&Torsion>,
-    ) -> Result<[EndCondition; 2]> {
-        let end = |raw: Option<&Later<RawEnd>>, key, segment| {
-            let span = self.required(raw, key, ENDS)?.span();
-            self.end(&EndSite::new((key, span), bar, segment, torsion), bar.area_given)
+    fn ends(&self, raw: [Option<Table<'_>>; 2], bar: &Bar, torsion: Option<&Torsion>) -> Result<[EndCondition; 2]> {
+        let end = |raw: Option<Table<'_>>, key, segment| {
+            let table = self.required(raw, key, ENDS)?;
+            self.end(&EndSite::new((key, table.span()), bar, segment, torsion), table, bar.area_given)
         };
         let [left, right] = raw;
         let ends = [end(left, "left", 0)?, end(right, "right", bar.segments.len() - 1)?];
@@ -183,8 +187,23 @@ impl Checker<'_> {
         self.count(key, MOST_CELLS, gib)
     }
 
+    /// Refuses the second of several keys of a table that all say `what`.
+    fn at_most_one<const N: usize>(
+        &self,
+        table: &str,
+        keys: [(&str, Option<Range<usize>>); N],
+        what: &str,
+    ) -> Result<()> {
+        let names = keys.each_ref().map(|(name, _)| *name).join(", ");
+        let mut given = keys.into_iter().filter_map(|(name, place)| Some((name, place?)));
+        let (Some((first, _)), Some((second, place))) = (given.next(), given.next()) else { return Ok(()) };
+        let message = format!("`{first}` and `{second}` both say {what}");
+        let error = self.error(place, &format!("{table}.{second}"), message);
+        Err(error.allowed(format!("one of {names}")).help("keep one of them").into())
+    }
+
     /// A part that must be there; the help line says what to add.
-    pub(super) fn required<'a, T>(&self, part: Option<&'a T>, key: &str, help: &str) -> Result<&'a T> {
+    pub(super) fn required<T>(&self, part: Option<T>, key: &str, help: &str) -> Result<T> {
         part.ok_or_else(|| self.missing(self.end_of_text(), key, help))
     }
 

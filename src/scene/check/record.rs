@@ -1,11 +1,11 @@
 //! What is recorded: frame times, fields, gauges, and whether all of it can be meant.
 
-use super::super::raw::{Gauges, MOST_FRAMES, RawCompression, RawPrecision, RawRecord};
+use super::super::raw::{Gauges, MOST_FRAMES, RawRecord};
 use super::super::{Effects, Method, Record, Solve};
-use super::{Checker, GIB};
+use super::{Checker, GIB, first_given};
 use crate::bar::Bar;
 use crate::error::Result;
-use crate::record::{Compression, Field, Precision};
+use crate::record::{Field, Precision};
 use crate::typed::{Key, NotNegative, Of, Placed, Positive};
 use crate::units::measures::Time;
 use crate::units::{Dimension, System, format};
@@ -22,14 +22,7 @@ const GAUGE_BYTES: f64 = 40.0;
 const LEAST_ROWS: f64 = 1024.0;
 
 impl Checker<'_> {
-    pub(super) fn record(
-        &self,
-        raw: &RawRecord,
-        bar: &Bar,
-        effects: &Effects,
-        solve: &Solve,
-        twisted: bool,
-    ) -> Result<Record> {
+    pub(super) fn record(&self, raw: &RawRecord, bar: &Bar, effects: &Effects, solve: &Solve) -> Result<Record> {
         let cells = self.count_of_cells(&raw.cells)?;
         let tracked = solve.method.tracks_fronts();
         let record = Record {
@@ -37,17 +30,10 @@ impl Checker<'_> {
             // Which method a tolerance chooses must not change what is recorded.
             cells: cells.or((tracked || solve.tolerance.is_some()).then_some(SAMPLES)),
             paths: self.paths(raw, &solve.method)?,
-            fields: self.fields(raw, effects, twisted)?,
+            fields: self.fields(raw, effects)?,
             gauges: self.gauges(&raw.gauges, bar.length(), "bar")?,
-            precision: match raw.precision {
-                Some(RawPrecision::F32) => Precision::F32,
-                Some(RawPrecision::F64) | None => Precision::F64,
-            },
-            compression: match raw.compression {
-                Some(RawCompression::Lzf) => Compression::Lzf,
-                Some(RawCompression::None) => Compression::None,
-                Some(RawCompression::Deflate) | None => Compression::Deflate,
-            },
+            precision: raw.precision.unwrap_or_default(),
+            compression: raw.compression.unwrap_or_default(),
         };
         self.gauges_fit(&record, solve, bar)?;
         self.fits(raw, &record, solve)?;
@@ -79,12 +65,7 @@ impl Checker<'_> {
             ("every", raw.every.place()),
             ("times", raw.times.as_ref().map(Placed::span)),
         ];
-        let mut given = forms.into_iter().filter_map(|(name, span)| span.map(|s| (name, s)));
-        if let (Some((first, _)), Some((second, span))) = (given.next(), given.next()) {
-            let message = format!("`{first}` and `{second}` both say when frames are taken");
-            let error = self.error(span, &format!("record.{second}"), message);
-            return Err(error.allowed("one of frames, every, times").help("keep one of them").into());
-        }
+        self.at_most_one("record", forms, "when frames are taken")?;
         if let Some(every) = &raw.every {
             return self.times_every(every, until);
         }
@@ -140,7 +121,7 @@ impl Checker<'_> {
         Ok(times)
     }
 
-    fn fields(&self, raw: &RawRecord, effects: &Effects, twisted: bool) -> Result<Vec<Field>> {
+    fn fields(&self, raw: &RawRecord, effects: &Effects) -> Result<Vec<Field>> {
         let Some(list) = &raw.fields else { return Ok(vec![Field::Stress, Field::Strain, Field::Velocity]) };
         let mut fields = Vec::with_capacity(list.len());
         for (i, word) in list.iter().enumerate() {
@@ -164,7 +145,7 @@ impl Checker<'_> {
                 let help = "add [effects] with heat = { fraction = 0.9 }, or take the field out";
                 return Err(self.error(word.span(), &key, message).help(help).into());
             }
-            if field != field.base() && !twisted {
+            if field != field.base() && !self.torsion {
                 let message = format!("`{}` exists in torsion only", field.name());
                 let help = "take the field out, or say mode = \"torsion\" in [bar]";
                 return Err(self.error(word.span(), &key, message).help(help).into());
@@ -238,14 +219,12 @@ impl Checker<'_> {
         if bytes <= MOST_GIB * GIB {
             return Ok(());
         }
-        let (key, span) = [
+        let (key, span) = first_given([
             ("record.frames", raw.frames.place()),
             ("record.every", raw.every.place()),
             ("record.times", raw.times.as_ref().map(Placed::span)),
             ("record.cells", raw.cells.place()),
-        ]
-        .into_iter()
-        .find_map(|(key, span)| span.map(|s| (key, s)))
+        ])
         .unwrap_or_else(|| ("record", self.end_of_text()));
         let message = format!("{frames} frames of {cells} cells and {fields} fields are {:.0} GiB", bytes / GIB);
         let help = "record fewer frames, or fewer samples over x: cells = 1000 in [record]";

@@ -40,21 +40,19 @@ impl Checker<'_> {
         piece.diameter.map(diameter).transpose()
     }
 
-    /// Methods with uniform media cut a taper into pieces, which must not be too many.
-    pub(super) fn taper_can_be_solved(&self, raw: &RawBar, bar: &Bar, method: &Method) -> Result<()> {
+    /// Methods with uniform media make staircases of tapers and initial states, which must not have too many steps.
+    pub(super) fn staircases_are_short(&self, raw: &RawBar, bar: &Bar, method: &Method) -> Result<()> {
+        self.staircase_is_short(raw, bar, method)?;
+        self.taper_can_be_solved(raw, bar, method)
+    }
+
+    fn taper_can_be_solved(&self, raw: &RawBar, bar: &Bar, method: &Method) -> Result<()> {
         let steepest = bar.segments.iter().position(|s| pieces_needed(s, method) > MOST_PIECES as f64);
         let Some(k) = steepest else { return Ok(()) };
-        let own = raw.segment.as_ref().map(|list| list[k].get_ref());
-        let piece = own.map_or_else(|| raw.piece(), |segment| segment.piece());
-        let (name, span) = match (piece.area, piece.diameter) {
-            (Some(area), _) => ("area", area.span()),
-            (_, Some(diameter)) => ("diameter", diameter.span()),
-            _ => ("area", self.end_of_text()),
-        };
-        let parent = if own.is_some() { format!("bar.segment.{k}") } else { "bar".into() };
+        let (key, span) = raw.section_of(k).unwrap_or_default();
         let pieces = pieces_needed(&bar.segments[k], method);
         let message = format!("method = \"moc\" makes a staircase of this taper, and it would take {pieces:.3e} steps");
-        let error = self.error(span, &format!("{parent}.{name}"), message).allowed(format!("at most {MOST_PIECES}"));
+        let error = self.error(span, &key, message).allowed(format!("at most {MOST_PIECES}"));
         Err(error.help("use method = \"fd\", which follows the taper itself, or a less steep one").into())
     }
 

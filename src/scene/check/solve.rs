@@ -87,7 +87,7 @@ impl Checker<'_> {
                 format!("`{name}` and `tolerance` stand together: a tolerance chooses the method and its settings");
             let help =
                 format!("take one of them out (on the command line: --set solve.{name}= or --set solve.tolerance=)");
-            let error = self.error(span, &format!("solve.{name}"), message).allowed("until and tolerance");
+            let error = self.error(span.clone(), &format!("solve.{name}"), message).allowed("until and tolerance");
             return Err(error.help(help).into());
         }
         Ok(Some(Tolerance { value, methods: Vec::new() }))
@@ -115,7 +115,7 @@ impl Checker<'_> {
         let (message, help) = if rate && method == RawMethod::Fd {
             (format!("`{name}` means nothing for a rate-dependent bar, in which no fronts are tracked"), out)
         } else if rate {
-            let help = if RawMethod::Fd.keys(rate).contains(&&*name) {
+            let help = if RawMethod::Fd.keys(rate).contains(&&**name) {
                 format!("use method = \"fd\", which has it, or {out}")
             } else {
                 out
@@ -127,14 +127,14 @@ impl Checker<'_> {
             (format!("`{name}` means nothing for method = \"{word}\""), help)
         };
         let allowed = format!("until, method, {}, audit-tolerance", method.keys(rate).join(", "));
-        Err(self.error(span, &format!("solve.{name}"), message).allowed(allowed).help(help).into())
+        Err(self.error(span.clone(), &format!("solve.{name}"), message).allowed(allowed).help(help).into())
     }
 
     /// The keys of methods that are given, with `others`, and the places of their values.
-    fn given(&self, others: &[&str]) -> impl Iterator<Item = GivenKey> {
+    fn given(&self, others: &[&str]) -> impl Iterator<Item = &GivenKey> {
         let of_methods = [(RawMethod::Fd, false), (RawMethod::Moc, false)];
         let keys: Vec<&str> =
             of_methods.iter().flat_map(|(method, rate)| method.keys(*rate)).chain(others).copied().collect();
-        self.document.keys_in("solve").into_iter().filter(move |given| keys.contains(&&*given.name))
+        self.keys[1].iter().filter(move |given| keys.contains(&&*given.name))
     }
 }

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::super::check::Checker;
+use super::super::check::{Checker, first_given};
 use super::super::raw::{BodyKeys, Gauges, MaterialChoice, raw_body};
 use super::Parts;
 use super::body::{RawSphere, Tolerance, elastic_json, solid_json};
@@ -151,13 +151,13 @@ fn resolved(beam: &Beam) -> serde_json::Value {
 impl Checker<'_> {
     fn beam_section(&self, raw: &RawBeam, span: Range<usize>) -> Result<Section> {
         if let Some(diameter) = &raw.diameter {
-            let others = [
-                (raw.depth.place(), "depth"),
-                (raw.width.place(), "width"),
-                (raw.area.place(), "area"),
-                (raw.inertia.place(), "inertia"),
-            ];
-            if let Some((other, name)) = others.into_iter().find_map(|(place, name)| Some((place?, name))) {
+            let others = first_given([
+                ("depth", raw.depth.place()),
+                ("width", raw.width.place()),
+                ("area", raw.area.place()),
+                ("inertia", raw.inertia.place()),
+            ]);
+            if let Some((name, other)) = others {
                 let error = self.error(other, &format!("beam.{name}"), "the section is given by its diameter already");
                 return Err(error.help(format!("keep `diameter` or `{name}`, not both")).into());
             }

@@ -93,7 +93,7 @@ impl Checker<'_> {
         density: f64,
     ) -> Result<Elastic> {
         if !keys.is_rigid() {
-            self.made_of_something(keys, span.clone(), key, "density, modulus and poisson")?;
+            self.made_of_something(keys, span.clone(), key, "density")?;
         }
         let (modulus, poisson) = self.ball_moduli(keys, span, key, material)?;
         let limit = |m: &Material| m.branch(Sense::Compression).elastic_limit(m.modulus).1;
@@ -108,6 +108,6 @@ impl Checker<'_> {
         let error = self.error(span, &format!("{key}.material"), "`material` is missing");
         let help =
             format!("add e.g. material = \"mild-steel\" with poisson = 0.3, or give modulus, poisson and {instead}");
-        Err(error.help(help.replace("poisson and density, modulus and poisson", "poisson and density")).into())
+        Err(error.help(help).into())
     }
 }

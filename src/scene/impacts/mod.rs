@@ -13,7 +13,6 @@ use std::path::Path;
 use std::sync::Arc;
 
 use serde_json::{Value, json};
-use toml::de::DeTable;
 
 use super::check::Checker;
 use crate::error::Result;
@@ -81,14 +80,15 @@ impl ImpactScene {
 
 /// The kind of a scene; none of a bar, and of text that is no TOML, of which its reader complains better.
 pub(super) fn kind(document: &Document) -> Option<&'static Kind> {
-    let table = DeTable::parse(&document.text).ok()?;
-    KINDS.iter().find(|kind| table.get_ref().keys().any(|key| key.get_ref() == kind.key))
+    let parsed = document.parsed().ok()?;
+    KINDS.iter().find(|kind| parsed.has(kind.key))
 }
 
 /// Checks a document; `text` and `overrides` are the caller's to fill.
 pub(super) fn check(kind: &Kind, document: &Document, base: &Path) -> Result<ImpactScene> {
-    let Parts { title, problem, materials, resolved } = (kind.check)(&Checker { document, base, torsion: false })?;
-    let name = Path::new(&document.file).file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
+    let checker = Checker { document, base, torsion: false, keys: Default::default() };
+    let Parts { title, problem, materials, resolved } = (kind.check)(&checker)?;
+    let name = checker.name();
     let title = title.unwrap_or_else(|| name.clone());
     Ok(ImpactScene { title, name, text: String::new(), overrides: Vec::new(), problem, materials, resolved })
 }

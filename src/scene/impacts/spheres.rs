@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::super::check::Checker;
+use super::super::check::{Checker, first_given};
 use super::super::raw::{BodyKeys, MaterialChoice, raw_body};
 use super::Parts;
 use super::body::{Tolerance, solid_json};
@@ -123,16 +123,16 @@ impl Checker<'_> {
 
     /// Refuses keys of the contact where it has no part.
     fn not_elastic(&self, keys: &BodyKeys<'_>, key: &str) -> Result<()> {
-        let given = [
-            (keys.radius.place(), "radius"),
-            (keys.diameter.place(), "diameter"),
-            (keys.density.place(), "density"),
-            (keys.material.map(Placed::span), "material"),
-            (keys.modulus.place(), "modulus"),
-            (keys.poisson.place(), "poisson"),
-            (keys.rigid.map(Placed::span), "rigid"),
-        ];
-        let Some((span, name)) = given.into_iter().find_map(|(span, name)| Some((span?, name))) else { return Ok(()) };
+        let given = first_given([
+            ("radius", keys.radius.place()),
+            ("diameter", keys.diameter.place()),
+            ("density", keys.density.place()),
+            ("material", keys.material.map(Placed::span)),
+            ("modulus", keys.modulus.place()),
+            ("poisson", keys.poisson.place()),
+            ("rigid", keys.rigid.map(Placed::span)),
+        ]);
+        let Some((name, span)) = given else { return Ok(()) };
         let message =
             format!("`{name}` has no effect: with `restitution` or `velocity-after` only masses and velocities count");
         let help = "remove it and give `mass`; or remove `restitution` or `velocity-after` for Hertz's contact";
@@ -179,13 +179,13 @@ impl Checker<'_> {
     }
 
     fn nothing_of_a_sphere(&self, struck: &RawSpheres) -> Result<()> {
-        let given = [
-            (struck.radius.place(), "radius"),
-            (struck.diameter.place(), "diameter"),
-            (struck.mass.place(), "mass"),
-            (struck.velocity.place(), "velocity"),
-        ];
-        let Some((span, name)) = given.into_iter().find_map(|(span, name)| Some((span?, name))) else { return Ok(()) };
+        let given = first_given([
+            ("radius", struck.radius.place()),
+            ("diameter", struck.diameter.place()),
+            ("mass", struck.mass.place()),
+            ("velocity", struck.velocity.place()),
+        ]);
+        let Some((name, span)) = given else { return Ok(()) };
         let error = self.error(span, &format!("spheres.{name}"), format!("a fixed half-space has no `{name}`"));
         Err(error.help(format!("remove `{name}` or `half-space`")).into())
     }

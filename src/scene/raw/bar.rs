@@ -139,6 +139,18 @@ impl RawBar {
         self.mode.as_ref().is_some_and(|mode| *mode.get_ref() == Mode::Torsion)
     }
 
+    /// Where the size of a segment's section stands, with its key.
+    pub(in crate::scene) fn section_of(&self, segment: usize) -> Option<(String, Range<usize>)> {
+        let own = self.segment.as_ref().map(|list| list[segment].get_ref().piece());
+        let parent = own.as_ref().map_or_else(|| "bar".to_owned(), |_| format!("bar.segment.{segment}"));
+        let piece = own.unwrap_or_else(|| self.piece());
+        let (name, span) = match (piece.area, piece.diameter) {
+            (Some(area), _) => ("area", area.span()),
+            (_, diameter) => ("diameter", diameter?.span()),
+        };
+        Some((format!("{parent}.{name}"), span))
+    }
+
     /// Where a value of a segment stands: with its key, in the segment or as a table of the whole bar.
     pub(in crate::scene) fn initial_of(&self, segment: usize, which: usize) -> Option<(String, Range<usize>)> {
         let own = self.segment.as_ref().map(|list| list[segment].get_ref().piece().initial);

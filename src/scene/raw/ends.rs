@@ -10,7 +10,7 @@ use super::MaterialChoice;
 use super::along::Motion;
 use super::body::{BodyKeys, raw_body};
 use crate::error::Result;
-use crate::input::{Document, GivenKey};
+use crate::input::{Document, GivenKey, Table};
 use crate::typed::{Either, NotNegative, Of, Or, Placed, Plain, Poisson, Positive, Rows, keys_of};
 use crate::units::measures;
 
@@ -51,10 +51,10 @@ macro_rules! kinds {
             }
 
             /// The keys of an end of this kind.
-            fn keys(self, document: &Document, end: &str, torsion: bool) -> Result<RawEnd> {
+            fn keys(self, table: Table<'_>, torsion: bool) -> Result<RawEnd> {
                 Ok(match self {
-                    $($(Self::$kind if torsion => RawEnd::$twisted(document.read_table::<$twisted_keys>(end, &["kind"])?),)?
-                      Self::$kind => RawEnd::$kind(document.read_table::<$keys>(end, &["kind"])?),)*
+                    $($(Self::$kind if torsion => RawEnd::$twisted(table.read::<$twisted_keys>()?),)?
+                      Self::$kind => RawEnd::$kind(table.read::<$keys>()?),)*
                 })
             }
         }
@@ -107,24 +107,30 @@ pub struct AnyEnd {
 }
 
 impl RawEnd {
-    /// The kind of the end under a key.
-    pub(in crate::scene) fn kind(document: &Document, end: &str) -> Result<Placed<EndKind>> {
-        document.read_table::<AnyEnd>(end, &[]).map(|end| end.kind)
+    /// The kind of an end, which is taken out of its table.
+    pub(in crate::scene) fn kind(table: &mut Table<'_>) -> Result<Placed<EndKind>> {
+        table.split_off("kind").read::<AnyEnd>().map(|end| end.kind)
     }
 
-    /// The keys of an end of this kind, and no others.
-    pub(in crate::scene) fn read(document: &Document, end: &str, kind: EndKind, torsion: bool) -> Result<Self> {
-        only_its_keys(document, kind, end, torsion)?;
-        kind.keys(document, end, torsion)
+    /// The other keys of the end under a key: those of its kind, and no others.
+    pub(in crate::scene) fn read(
+        document: &Document,
+        end: &str,
+        kind: EndKind,
+        table: Table<'_>,
+        torsion: bool,
+    ) -> Result<Self> {
+        only_its_keys(document, kind, end, &table, torsion)?;
+        kind.keys(table, torsion)
     }
 }
 
 /// Refuses keys of other kinds, and those of none.
-fn only_its_keys(document: &Document, kind: EndKind, end: &str, torsion: bool) -> Result<()> {
+fn only_its_keys(document: &Document, kind: EndKind, end: &str, table: &Table<'_>, torsion: bool) -> Result<()> {
     let own = kind.names(torsion);
     let of_another =
         |name: &str| EndKind::ALL.iter().any(|k| [false, true].iter().any(|&t| k.names(t).contains(&name)));
-    let foreign = document.keys_in(end).into_iter().find(|given| given.name != "kind" && !own.contains(&&*given.name));
+    let foreign = table.keys().into_iter().find(|given| !own.contains(&&*given.name));
     let Some(GivenKey { name, key, value }) = foreign else { return Ok(()) };
     let path = format!("{end}.{name}");
     if !of_another(&name) {

@@ -20,7 +20,7 @@ pub(super) use bar::{INITIAL, MaterialChoice, Notch, RawBar, RawInitial, RawJoin
 pub(super) use body::{BodyKeys, raw_body};
 pub(super) use effects::{EffectsChoice, RateChoice, RawEffects, RawRupture, RawUnloading};
 pub(super) use ends::{Ball, BallOnLever, Drive, EndKind, RawEnd};
-pub(super) use record::{Gauges, MOST_FRAMES, RawCompression, RawPrecision, RawRecord};
+pub(super) use record::{Gauges, MOST_FRAMES, RawRecord};
 pub(super) use solve::{MOST_CELLS, RawMethod, RawScheme, RawSolve};
 
 /// A scene: one bar, its two ends, how to solve it and what to record. Numbers are SI; a text is a number with

@@ -6,6 +6,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::solve::MOST_CELLS;
+use crate::record::{Compression, Precision};
 use crate::typed::{Count, NotNegative, Of, Or, Placed, Positive};
 use crate::units::measures::{Length, Time};
 
@@ -38,29 +39,7 @@ pub struct RawRecord {
     #[serde(default)]
     pub gauges: Gauges,
     /// Numbers of the fields in the file. Default: "f64".
-    pub precision: Option<RawPrecision>,
+    pub precision: Option<Precision>,
     /// Compression of the fields, and of the pieces of fronts, in the file. Default: "deflate".
-    pub compression: Option<RawCompression>,
-}
-
-/// Size of the numbers in the file.
-#[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum RawPrecision {
-    /// 8 bytes.
-    F64,
-    /// 4 bytes.
-    F32,
-}
-
-/// Compression of the fields in the file.
-#[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum RawCompression {
-    /// Shuffle and deflate: small.
-    Deflate,
-    /// Shuffle and lzf: faster, larger.
-    Lzf,
-    /// None.
-    None,
+    pub compression: Option<Compression>,
 }

@@ -4,12 +4,11 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 use toml::Spanned;
-use toml::de::{DeTable, DeValue};
 
 use super::axis::{Axis, MOST_VALUES, RANDOM};
 use super::plan::{Combine, Plan};
 use crate::error::{Error, InputError, Result};
-use crate::input::Document;
+use crate::input::{Document, GivenKey};
 use crate::record::store::checksum;
 use crate::scene::{Problem, Template};
 
@@ -60,11 +59,13 @@ impl Sweep {
     /// # Errors
     /// As for [`Sweep::read`].
     pub fn of_document(file: &Document, path: &Path) -> Result<Self> {
-        let raw: RawFile = file.parse()?;
+        let parsed = file.parsed()?;
+        let places = parsed.keys_in("axes");
+        let raw: RawFile = parsed.read()?;
         let scene = path.parent().unwrap_or(Path::new("")).join(raw.sweep.scene.get_ref());
         let document = Document::read(&scene).map_err(|e| beside(e, file, &raw.sweep.scene))?;
         let name = path.file_stem().map_or_else(|| "sweep".into(), |stem| stem.to_string_lossy().into_owned());
-        let axes = axes(file, &raw.axes)?;
+        let axes = axes(file, &places, &raw.axes)?;
         let sweep =
             Self::of_scene(name, document, &scene, axes, raw.sweep.combine, raw.sweep.metrics, raw.sweep.fields)?;
         check_counts(file, &sweep.plan)?;
@@ -84,9 +85,11 @@ impl Sweep {
         metrics: Vec<String>,
         fields: Vec<String>,
     ) -> Result<Self> {
-        let (program, title) = (program(), title(&document, scene));
-        let plan = Plan { program, title, scene: checksum(&document.text), axes, combine, metrics, fields };
-        Ok(Self { name, plan, template: Template::new(document, scene.to_owned())? })
+        let checksum = checksum(&document.text);
+        let template = Template::new(document, scene.to_owned())?;
+        let plan =
+            Plan { program: program(), title: template.title(), scene: checksum, axes, combine, metrics, fields };
+        Ok(Self { name, plan, template })
     }
 
     /// The scene of a case.
@@ -103,13 +106,6 @@ fn program() -> String {
     format!("barwave {}", env!("CARGO_PKG_VERSION"))
 }
 
-fn title(scene: &Document, path: &Path) -> String {
-    let stem = || path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
-    let table: Option<toml::Table> = scene.text.parse().ok();
-    let given = table.and_then(|table| table.get("title").and_then(|title| title.as_str().map(str::to_owned)));
-    given.or_else(stem).unwrap_or_default()
-}
-
 /// An error of the scene file, shown where the sweep names it.
 fn beside(error: Error, file: &Document, scene: &Spanned<PathBuf>) -> Error {
     match error {
@@ -123,13 +119,8 @@ fn beside(error: Error, file: &Document, scene: &Spanned<PathBuf>) -> Error {
 }
 
 /// The axes in the order of the file.
-fn axes(file: &Document, values: &toml::Table) -> Result<Vec<Axis>> {
-    let Ok(table) = DeTable::parse(&file.text) else { return Ok(Vec::new()) };
-    let Some(DeValue::Table(typed)) = table.get_ref().get("axes").map(Spanned::get_ref) else { return Ok(Vec::new()) };
-    let mut places: Vec<_> =
-        typed.iter().map(|(key, value)| (key.span(), value.span(), key.get_ref().as_ref())).collect();
-    places.sort_by_key(|place| place.0.start);
-    let axis = |(_, span, key): (_, std::ops::Range<usize>, &str)| {
+fn axes(file: &Document, places: &[GivenKey], values: &toml::Table) -> Result<Vec<Axis>> {
+    let axis = |GivenKey { name: key, value: span, .. }: &GivenKey| {
         let wrong = |message| {
             let help = "e.g. \"left.value\" = { from = \"-5 m/s\", to = \"-50 m/s\", count = 10 }, or a list of values";
             Error::from(file.error(span.clone(), &format!("axes.{key}"), message).help(help))
@@ -145,7 +136,7 @@ fn axes(file: &Document, values: &toml::Table) -> Result<Vec<Axis>> {
         }
         Axis::read(key, value).map_err(wrong)
     };
-    places.into_iter().map(axis).collect()
+    places.iter().map(axis).collect()
 }
 
 fn check_counts(file: &Document, plan: &Plan) -> Result<()> {

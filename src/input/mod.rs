@@ -1,0 +1,184 @@
+//! Reading a TOML file so that every complaint can name file, line, key, value and what would be right.
+
+mod allowed;
+mod explain;
+mod parsed;
+
+use std::ops::Range;
+use std::path::Path;
+use std::sync::Arc;
+
+use crate::error::{InputError, Place, Result};
+use crate::text_file;
+use crate::units::{Dimension, Quantity};
+
+pub use allowed::Allowed;
+pub use parsed::{GivenKey, Parsed, Table};
+
+/// A number in a file, with its place.
+pub type Number = toml::Spanned<Quantity>;
+
+/// A text file being read; every error of its content is made here.
+#[derive(Debug, Clone)]
+pub struct Document {
+    /// Name to show.
+    pub file: String,
+    /// Whole text.
+    pub text: Arc<str>,
+}
+
+impl Document {
+    /// Reads a file; a missing or unreadable one is an input error with a help line.
+    pub fn read(path: &Path) -> Result<Self> {
+        Ok(Self::new(path.display().to_string(), text_file::read(path)?))
+    }
+
+    /// Reads the record of an instrument, and says in which encoding it is unless in UTF-8; standard input where the path is `-`.
+    ///
+    /// # Errors
+    /// An input error: the file cannot be read, or is no text.
+    pub fn read_record(path: &Path) -> Result<(Self, Option<&'static str>)> {
+        if path == Path::new("-") {
+            return Ok((Self::read_scene(path)?, None));
+        }
+        let (text, encoding) = text_file::read_record(path)?;
+        Ok((Self::new(path.display().to_string(), text), encoding))
+    }
+
+    /// Reads a scene: a file, or standard input where the path is `-`.
+    pub fn read_scene(path: &Path) -> Result<Self> {
+        if path == Path::new("-") { Ok(Self::new("stdin", text_file::read_stdin("stdin")?)) } else { Self::read(path) }
+    }
+
+    /// A document from text in memory.
+    pub fn new(file: impl Into<String>, text: impl Into<Arc<str>>) -> Self {
+        Self { file: file.into(), text: text.into() }
+    }
+
+    /// An error at a span of this document.
+    pub fn error(&self, span: Range<usize>, key: &str, message: impl Into<String>) -> InputError {
+        InputError::new(message).key(key).at(Place { file: self.file.clone(), text: self.text.clone(), span })
+    }
+
+    /// Converts and checks one number. `key` is dotted, as in `solve.cfl`.
+    pub fn number(&self, value: &Number, key: &str, dimension: Dimension, allowed: Allowed) -> Result<f64> {
+        let name = last_part(key);
+        let range = allowed.describe(name, dimension);
+        let example = format!("e.g. {name} = \"{}\"", dimension.example());
+        let typed = value.get_ref();
+        let si = typed.si(dimension).map_err(|reason| {
+            self.error(value.span(), key, reason).allowed(&range).help(number_help(name, dimension))
+        })?;
+        if allowed.holds(si) {
+            return self.of_possible_magnitude(value, si, key, dimension, allowed);
+        }
+        let help = match allowed {
+            Allowed::Finite => example,
+            Allowed::Positive => format!("give `{name}` a value above zero"),
+            Allowed::NotNegative => format!("give `{name}` zero or a value above it"),
+            Allowed::Within(..) | Allowed::Above(..) | Allowed::Between(..) | Allowed::Below(..) => {
+                format!("give `{name}` a value in the allowed range")
+            }
+        };
+        Err(self.error(value.span(), key, format!("{typed} is out of range")).allowed(range).help(help).into())
+    }
+
+    /// The same of a number that the text holds, whose key follows from its place.
+    pub fn number_at(&self, value: &Number, dimension: Dimension, allowed: Allowed) -> Result<f64> {
+        self.number_under(value, || self.key_at(&value.span()), dimension, allowed)
+    }
+
+    /// The same with a key that is made up for messages only.
+    pub fn number_under(
+        &self,
+        value: &Number,
+        key: impl Fn() -> String,
+        dimension: Dimension,
+        allowed: Allowed,
+    ) -> Result<f64> {
+        self.number(value, "", dimension, allowed).or_else(|_| self.number(value, &key(), dimension, allowed))
+    }
+
+    /// Refuses values with which no computation makes sense; those that may be zero may be as small as they like.
+    fn of_possible_magnitude(
+        &self,
+        value: &Number,
+        si: f64,
+        key: &str,
+        dimension: Dimension,
+        allowed: Allowed,
+    ) -> Result<f64> {
+        let range = dimension.magnitudes();
+        let least = if matches!(allowed, Allowed::Positive) { range.least } else { 0.0 };
+        if (least..=range.most).contains(&si.abs()) {
+            return Ok(si);
+        }
+        let (name, unit, what) = (last_part(key), dimension.si_symbol(), dimension.describe());
+        let bounds = if least > 0.0 { format!("{least:e} <= {name} <= ") } else { format!("|{name}| <= ") };
+        let error = self.error(value.span(), key, format!("{} is beyond the range of {what}", value.get_ref()));
+        let help = format!("check the number and its unit: {}", range.reason);
+        Err(error.allowed(format!("{bounds}{:e} {unit}", range.most).trim_end()).help(help).into())
+    }
+
+    /// A whole number within `low..=high` that the text holds; 1e5 is one too.
+    pub fn count_at(&self, value: &Number, low: usize, high: usize) -> Result<usize> {
+        let range = Allowed::Within(low as f64, high as f64);
+        let number = self.number_at(value, Dimension::None, range)?;
+        if number.fract() == 0.0 {
+            return Ok(number as usize);
+        }
+        let key = self.key_at(&value.span());
+        let allowed = format!("{}, a whole number", range.describe(last_part(&key), Dimension::None));
+        let error = self.error(value.span(), &key, format!("{number} is not a whole number")).allowed(allowed);
+        Err(error.help(format!("write e.g. {} = {}", last_part(&key), number.round())).into())
+    }
+}
+
+/// The word of a list that is most like a given one, if one is like it at all.
+pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let plain = |text: &str| text.to_lowercase().replace('_', "-");
+    let word = plain(word);
+    known
+        .into_iter()
+        .map(|k| (strsim::jaro_winkler(&plain(k), &word), k))
+        .filter(|(likeness, _)| *likeness > 0.78)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, k)| k)
+}
+
+/// The last part of a dotted key, which is how a range names the value.
+fn last_part(key: &str) -> &str {
+    key.rsplit('.').find(|part| part.parse::<usize>().is_err()).unwrap_or(key)
+}
+
+fn number_help(name: &str, dimension: Dimension) -> String {
+    match dimension.si_symbol() {
+        "" => format!("write a plain number, e.g. {name} = {}", dimension.example()),
+        symbol => format!("write e.g. {name} = \"{}\"; a plain number is in {symbol}", dimension.example()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::error::Error;
+
+    #[test]
+    fn numbers_out_of_range_show_value_and_range() {
+        let document = Document::new("test.toml", "cfl = 1.5\n");
+        let value = Number::new(6..9, Quantity::Number(1.5));
+        let range = Allowed::Above(0.0, 1.0);
+        let Err(Error::Input(error)) = document.number(&value, "solve.cfl", Dimension::None, range) else {
+            panic!("1.5 was accepted");
+        };
+        assert_eq!(error.to_string(), "test.toml:1: `solve.cfl`: 1.5 is out of range (allowed: 0 < cfl <= 1)");
+        assert!(!error.help.is_empty());
+    }
+
+    #[test]
+    fn a_missing_file_is_an_input_error() {
+        let Err(error) = Document::read(Path::new("no/such/scene.toml")) else { panic!("there is one") };
+        assert_eq!(error.exit_code(), 2);
+        assert!(error.to_string().contains("no such file"), "{error}");
+    }
+}

@@ -1,0 +1,176 @@
+//! The tables of a TOML text, which is parsed once.
+
+use std::ops::Range;
+
+use serde::de::DeserializeOwned;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue, Deserializer, ValueDeserializer};
+
+use super::Document;
+use crate::error::Result;
+
+/// A key of a table, with its place and that of its value.
+#[derive(Debug, Clone)]
+pub struct GivenKey {
+    /// Its name.
+    pub name: String,
+    /// Where the key stands.
+    pub key: Range<usize>,
+    /// Where its value stands.
+    pub value: Range<usize>,
+}
+
+/// A document as TOML.
+#[derive(Debug)]
+pub struct Parsed<'a> {
+    document: &'a Document,
+    root: Spanned<DeTable<'a>>,
+}
+
+/// What stands under a top-level key; a table, unless the user is wrong.
+#[derive(Debug)]
+pub struct Table<'a> {
+    document: &'a Document,
+    value: Spanned<DeValue<'a>>,
+}
+
+impl Document {
+    /// Parses the text. A syntax error keeps its line.
+    ///
+    /// # Errors
+    /// An input error where it is no TOML.
+    pub fn parsed(&self) -> Result<Parsed<'_>> {
+        let root = DeTable::parse(&self.text).map_err(|e| self.explain(&e))?;
+        Ok(Parsed { document: self, root })
+    }
+
+    /// Parses into a serde mirror.
+    ///
+    /// # Errors
+    /// As for [`Document::parsed`] and [`Parsed::read`].
+    pub fn parse<T: DeserializeOwned>(&self) -> Result<T> {
+        self.parsed()?.read()
+    }
+
+    /// The dotted key whose key or value covers a span ("bar.segment.0.length"); empty at the top level.
+    pub fn key_at(&self, span: &Range<usize>) -> String {
+        let Ok(table) = DeTable::parse(&self.text) else { return String::new() };
+        let mut path = Vec::new();
+        walk_table(table.get_ref(), span, &mut path);
+        path.join(".")
+    }
+
+    /// Where a dotted key's value stands; none where the text has no such key.
+    pub fn span_of(&self, key: &str) -> Option<Range<usize>> {
+        let table = DeTable::parse(&self.text).ok()?;
+        let mut parts = key.split('.');
+        let mut value = table.get_ref().get(parts.next()?)?;
+        for part in parts {
+            value = match value.get_ref() {
+                DeValue::Table(table) => table.get(part)?,
+                DeValue::Array(items) => items.get(part.parse::<usize>().ok()?)?,
+                _ => return None,
+            };
+        }
+        Some(value.span())
+    }
+}
+
+impl<'a> Parsed<'a> {
+    /// There is a top-level key of this name.
+    pub fn has(&self, key: &str) -> bool {
+        self.root.get_ref().contains_key(key)
+    }
+
+    /// The keys that stand in a top-level table, in the order of the text; none where there is no such table.
+    pub fn keys_in(&self, table: &str) -> Vec<GivenKey> {
+        self.root.get_ref().get(table).map_or_else(Vec::new, |value| keys(value.get_ref()))
+    }
+
+    /// Takes out what stands under a top-level key, to be read when it is known what it has to be.
+    pub fn take(&mut self, key: &str) -> Option<Table<'a>> {
+        let value = self.root.get_mut().remove(key)?;
+        Some(Table { document: self.document, value })
+    }
+
+    /// Reads all that has not been taken out into a serde mirror.
+    ///
+    /// # Errors
+    /// An input error with its place: an unknown key (the nearest right one is named), a missing key, a wrong type.
+    pub fn read<T: DeserializeOwned>(self) -> Result<T> {
+        T::deserialize(Deserializer::from(self.root)).map_err(|e| self.document.explain(&e).into())
+    }
+}
+
+impl<'a> Table<'a> {
+    /// Where it stands.
+    pub fn span(&self) -> Range<usize> {
+        self.value.span()
+    }
+
+    /// Its keys, in the order of the text.
+    pub fn keys(&self) -> Vec<GivenKey> {
+        keys(self.value.get_ref())
+    }
+
+    /// Takes out one key, as a table in the same place; what is no table stays what it is.
+    #[must_use]
+    pub fn split_off(&mut self, key: &str) -> Self {
+        let span = self.value.span();
+        let part = match self.value.get_mut() {
+            DeValue::Table(table) => DeValue::Table(table.remove_entry(key).into_iter().collect()),
+            other => other.clone(),
+        };
+        Self { document: self.document, value: Spanned::new(span, part) }
+    }
+
+    /// Reads it into a serde mirror.
+    ///
+    /// # Errors
+    /// As for [`Parsed::read`].
+    pub fn read<T: DeserializeOwned>(self) -> Result<T> {
+        T::deserialize(ValueDeserializer::from(self.value)).map_err(|e| self.document.explain(&e).into())
+    }
+}
+
+fn keys(value: &DeValue<'_>) -> Vec<GivenKey> {
+    let all = value.as_table().into_iter().flatten();
+    let given =
+        all.map(|(key, value)| GivenKey { name: key.get_ref().to_string(), key: key.span(), value: value.span() });
+    let mut keys: Vec<GivenKey> = given.collect();
+    keys.sort_by_key(|given| given.key.start);
+    keys
+}
+
+fn covers(outer: &Range<usize>, inner: &Range<usize>) -> bool {
+    outer.start <= inner.start && inner.end <= outer.end
+}
+
+/// Follows the keys down to the one that covers the span; true where one was found.
+fn walk_table(table: &DeTable<'_>, span: &Range<usize>, path: &mut Vec<String>) -> bool {
+    for (key, value) in table {
+        path.push(key.get_ref().to_string());
+        if covers(&key.span(), span) || walk_value(value, span, path) {
+            return true;
+        }
+        path.pop();
+    }
+    false
+}
+
+fn walk_value(value: &Spanned<DeValue<'_>>, span: &Range<usize>, path: &mut Vec<String>) -> bool {
+    let inside = match value.get_ref() {
+        // The parts of a [table] may stand anywhere in the file, so its own span says nothing about them.
+        DeValue::Table(table) => walk_table(table, span, path),
+        DeValue::Array(items) => items.iter().enumerate().any(|(i, item)| {
+            path.push(i.to_string());
+            let found = walk_value(item, span, path);
+            if !found {
+                path.pop();
+            }
+            found
+        }),
+        _ => false,
+    };
+    inside || covers(&value.span(), span)
+}

@@ -24,7 +24,7 @@ fn steel(knots: usize, velocity: f64, release: &str, until: f64) -> Scene {
     let text = format!(
         "[bar]\nlength = 1\n[bar.material]\nname = \"bench\"\ndensity = 7800\nmodulus = 200e9\nbeyond = \"extend\"\n\
          curve = {{ table = {table:?} }}\n[left]\nkind = \"velocity\"\nvalue = {velocity:?}\n{release}\n[right]\n\
-         kind = \"free\"\n[effects]\nunloading = \"isotropic\"\n[solve]\nuntil = {until:e}\nmethod = \"moc\"\n"
+         kind = \"free\"\n[effects]\nhardening = \"isotropic\"\n[solve]\nuntil = {until:e}\nmethod = \"moc\"\n"
     );
     Scene::parse("bench", &text, Path::new("."), &[]).unwrap_or_else(|error| panic!("{error}"))
 }

@@ -14,6 +14,15 @@ use crate::units::{Dimension, Quantity};
 /// A number in a file, with its place.
 pub type Number = toml::Spanned<Quantity>;
 
+/// Deprecated keys that are still accepted: table, old name, present name.
+pub const DEPRECATED_KEYS: [(&str, &str, &str); 5] = [
+    ("effects", "unloading", "hardening"),
+    ("solve", "event-budget", "max-events"),
+    ("bar.segment", "notch", "stress-concentration"),
+    ("bar.segment", "joint-notch", "joint-stress-concentration"),
+    ("specimen", "notch", "stress-concentration"),
+];
+
 /// A text file being read; every error of its content is made here.
 #[derive(Debug, Clone)]
 pub struct Document {
@@ -250,13 +259,17 @@ impl Document {
         T::deserialize(ValueDeserializer::from(value)).map_err(|e| self.explain(&e).into())
     }
 
-    /// The keys that stand in a top-level table, in the order of the text, with the places of keys and values.
-    pub fn keys_in(&self, table: &str) -> Vec<GivenKey> {
+    /// The keys of a top-level table under their present names, in the order of the text, with the places of keys and values.
+    pub fn keys_in(&self, name: &str) -> Vec<GivenKey> {
         let root = DeTable::parse(&self.text).map(toml::Spanned::into_inner).unwrap_or_default();
-        let Some(DeValue::Table(table)) = root.get(table).map(toml::Spanned::get_ref) else { return Vec::new() };
+        let Some(DeValue::Table(table)) = root.get(name).map(toml::Spanned::get_ref) else { return Vec::new() };
         let all = table.iter();
+        let present = |key: &str| {
+            let renamed = DEPRECATED_KEYS.iter().find(|(of, old, _)| *of == name && *old == key);
+            renamed.map_or(key, |(.., new)| new).to_owned()
+        };
         let given =
-            all.map(|(key, value)| GivenKey { name: key.get_ref().to_string(), key: key.span(), value: value.span() });
+            all.map(|(key, value)| GivenKey { name: present(key.get_ref()), key: key.span(), value: value.span() });
         let mut keys: Vec<GivenKey> = given.collect();
         keys.sort_by_key(|given| given.key.start);
         keys
@@ -289,6 +302,11 @@ impl Document {
             let twice = self.text.get(span.clone()).unwrap_or_default().trim().to_owned();
             return self.error(span, &twice, "duplicate key").help("keep one of the two");
         }
+        if let (true, Some(name)) = (message.starts_with("duplicate field"), quoted.first()) {
+            let old = DEPRECATED_KEYS.iter().find(|(.., new)| new == name).map_or("", |(_, old, _)| old);
+            let message = format!("`{name}` and its old name `{old}` are both given");
+            return self.error(span, &key, message).help(format!("remove `{old}`"));
+        }
         let wrong_type = tidy.starts_with("found ");
         let help = match (wrong_type, tidy.split_once("expected ")) {
             (true, Some((_, expected))) => format!("write {expected} here"),
@@ -299,7 +317,8 @@ impl Document {
 
     fn unknown_key(&self, span: Range<usize>, key: &str, quoted: &[&str]) -> InputError {
         let (unknown, known) = split_first(quoted);
-        self.key_error(span, key, unknown, known)
+        let known: Vec<&str> = known.iter().copied().filter(|name| !is_deprecated(key, name)).collect();
+        self.key_error(span, key, unknown, &known)
     }
 
     /// An error for a key that is none of those of its table; the nearest is suggested.
@@ -370,6 +389,14 @@ pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
         .filter(|(likeness, _)| *likeness > 0.78)
         .max_by(|a, b| a.0.total_cmp(&b.0))
         .map(|(_, k)| k)
+}
+
+/// `name` is a deprecated name in the table of the dotted key `key`.
+fn is_deprecated(key: &str, name: &str) -> bool {
+    let mut parts: Vec<&str> = key.split('.').filter(|part| part.parse::<usize>().is_err()).collect();
+    parts.pop();
+    let table = parts.join(".");
+    DEPRECATED_KEYS.iter().any(|(of, old, _)| *of == table && *old == name)
 }
 
 /// The last part of a dotted key, which is how a range names the value.

@@ -63,7 +63,7 @@ fn check(file: &Path) -> Result<(&'static str, Vec<String>)> {
         Kind::Scene => {
             let notes = match Problem::of_document(&document, file, &[])? {
                 Problem::Bar(scene) => scene.notes(),
-                Problem::Impact(_) => Vec::new(),
+                Problem::Impact(scene) => scene.notes(),
             };
             Ok(("scene", notes))
         }

@@ -258,7 +258,7 @@ pub struct PathRow {
 /// A neglected effect, and how large it would have been; see [`Audit`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct AuditRow {
-    /// e.g. "unloading".
+    /// e.g. "hardening".
     pub effect: String,
     /// Estimated relative change of the stress, or what `finding` says; NaN (in JSON null) where nothing is known.
     pub estimate: f64,

@@ -11,7 +11,7 @@ use crate::scene::Scene;
 
 /// How each effect is written into a scene. Those that need constants take the materials' own.
 const WRITTEN: [(&str, &str); 5] = [
-    ("unloading", "\"isotropic\""),
+    ("hardening", "\"isotropic\""),
     ("rate", "\"material\""),
     ("heat", "{}"),
     ("rupture", "\"critical-strain\""),
@@ -23,7 +23,7 @@ const METHODS: [&[&str]; 2] = [&[], &["solve.method=fd"]];
 
 /// The same where it names one: keys that the method no longer takes.
 const WITHOUT_KEYS: [&[&str]; 4] =
-    [&[], &["solve.front-tolerance="], &["solve.event-budget="], &["solve.front-tolerance=", "solve.event-budget="]];
+    [&[], &["solve.front-tolerance="], &["solve.max-events="], &["solve.front-tolerance=", "solve.max-events="]];
 
 /// Chooses effects from the estimates before the run; `progress` hears of every choice. A scene that names its effects stays as it is.
 ///

@@ -15,7 +15,8 @@ use crate::scene::ImpactScene;
 /// [`Error::Interrupted`] where `watch` breaks off, the result so far being in the file; a file error where the result cannot be written.
 pub fn run_impact(scene: &ImpactScene, output: Option<&Path>, watch: Watch<'_>) -> Result<ImpactSummary> {
     let started = Instant::now();
-    let solution = scene.problem.solve(watch);
+    let mut solution = scene.problem.solve(watch);
+    solution.warnings.extend(scene.notes());
     let mut summary = ImpactSummary { solution, ..plan_impact(scene) };
     if let Some(path) = output {
         let header = Header {
@@ -42,10 +43,12 @@ pub fn run_impact(scene: &ImpactScene, output: Option<&Path>, watch: Watch<'_>) 
 
 /// What is known of the impact without an integration.
 pub fn plan_impact(scene: &ImpactScene) -> ImpactSummary {
+    let mut solution = scene.problem.plan();
+    solution.warnings.extend(scene.notes());
     ImpactSummary {
         scene: scene.title.clone(),
         method: scene.problem.method(),
-        solution: scene.problem.plan(),
+        solution,
         wall_s: 0.0,
         output: String::new(),
     }

@@ -238,7 +238,7 @@ impl<'a> Run<'a> {
                 time,
                 x: None,
                 help: "every step of a taper's staircase splits every front: use method = \"fd\", which follows the taper \
-                       itself, or a larger front-tolerance, which makes the steps fewer, or raise event-budget"
+                       itself, or a larger front-tolerance, which makes the steps fewer, or raise max-events"
                     .into(),
             },
             Stopped::EventBudget { time, events, fronts } => {
@@ -247,10 +247,10 @@ impl<'a> Run<'a> {
                 let carries = || companion::tolerance_that_carries(self.recorder.scene, self.settings, self.progress);
                 let help = match alone.then(carries).unwrap_or(Ok(None)) {
                     Err(interrupted) => return interrupted,
-                    Ok(None) => "no front-tolerance up to 0.5 carries it through: raise event-budget in [solve]".to_owned(),
+                    Ok(None) => "no front-tolerance up to 0.5 carries it through: raise max-events in [solve]".to_owned(),
                     Ok(Some(tolerance)) => format!(
                         "front-tolerance = {tolerance:.1e} in [solve] carries it through within as many events (tried); \
-                         or raise event-budget"
+                         or raise max-events"
                     ),
                 };
                 RunError {

@@ -65,14 +65,14 @@ const IN_PIECES: Can = As("as uniform pieces");
 const NOT_ONE_CURVE: &str = "the temperature is then a state of each cell, not one of the curve";
 const NO_CHARACTERISTICS: &str = "it is solved for all nodes of a grid at once";
 const MIXED: &str =
-    "use unloading = { mixed = 1 }, which moves the elastic range along the curve by the accumulated plastic strain";
+    "use hardening = { mixed = 1 }, which moves the elastic range along the curve by the accumulated plastic strain";
 
 /// In the order in which refusals are looked for. The columns: leapfrog, Godunov, front tracking, net.
 #[rustfmt::skip]
 const METHODS: &[Row] = &[
-    row("`unloading` isotropic, mixed", |_| None, "isotropic hardening", "", "",
+    row("`hardening` isotropic, mixed", |_| None, "isotropic hardening", "", "",
         [Yes, Yes, Yes, Yes]),
-    row("`unloading` kinematic", several_lines,
+    row("`hardening` kinematic", several_lines,
         "kinematic hardening along several lines, as that of {}", "its points keep no reversals", MIXED,
         [Yes, Yes, Only("curves with one hardening line"), Yes]),
     row("`effects = \"auto\"`", |a| when(a.auto),
@@ -99,8 +99,8 @@ const METHODS: &[Row] = &[
     row("`lateral-inertia`", |a| when(along(a).is_some()),
         "the effect `lateral-inertia`", NO_CHARACTERISTICS, "take `lateral-inertia` out of [effects]",
         [Yes, No, No, No]),
-    row("`unloading` mixed, along a curve that stiffens or drops", stiffens,
-        "kinematic hardening along a curve that stiffens or drops, as that of {}", "", "use unloading = \"isotropic\"",
+    row("`hardening` mixed, along a curve that stiffens or drops", stiffens,
+        "kinematic hardening along a curve that stiffens or drops, as that of {}", "", "use hardening = \"isotropic\"",
         [Yes, No, Yes, Yes]),
     row("contact joints", |_| None, "contact joints", "", "",
         [Yes, Yes, Yes, Yes]),

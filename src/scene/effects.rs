@@ -10,6 +10,7 @@ pub use crate::material::Rate;
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Effects {
     /// Elastic unloading of yielded points; none: the curve is followed both ways.
+    #[serde(rename = "hardening")]
     pub unloading: Option<Unloading>,
     /// Plastic strain takes time; never without unloading.
     pub rate: Option<Rate>,
@@ -62,13 +63,13 @@ pub struct Rupture {
 
 impl Effects {
     /// The keys of the scene language, in the order in which effects are listed.
-    pub const KEYS: [&'static str; 6] = ["unloading", "rate", "heat", "rupture", "damping", "lateral-inertia"];
+    pub const KEYS: [&'static str; 6] = ["hardening", "rate", "heat", "rupture", "damping", "lateral-inertia"];
 
-    /// One effect as it is written to files and summaries, "unloading: isotropic"; none where it is off. `key` is one of
+    /// One effect as it is written to files and summaries, "hardening: isotropic"; none where it is off. `key` is one of
     /// [`Effects::KEYS`].
     pub fn named(&self, key: &str) -> Option<String> {
         match key {
-            "unloading" => self.unloading.map(|u| format!("unloading: {}", u.describe())),
+            "hardening" => self.unloading.map(|u| format!("hardening: {}", u.describe())),
             "rate" => self.rate.map(|r| format!("rate: {}", r.describe())),
             "heat" => self.heat.map(|h| match h.fraction {
                 Some(fraction) => format!("heat: fraction {fraction}"),

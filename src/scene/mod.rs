@@ -6,6 +6,7 @@ mod capability;
 mod changes;
 mod check;
 mod damping;
+mod deprecated;
 mod discretized;
 mod effects;
 mod impacts;

@@ -18,7 +18,8 @@ impl Scene {
         let materials = (0..segments.len()).filter(|&k| !seen(k)).flat_map(|k| segments[k].material.notes());
         let bar = self.short_segment().into_iter().chain(self.rate_independent_segments());
         let bar = bar.chain(self.hardening_that_gives_back());
-        bar.chain(self.misses()).chain(materials).collect()
+        let deprecated = super::deprecated::notes(&self.text, &self.overrides);
+        bar.chain(self.misses()).chain(materials).chain(deprecated).collect()
     }
 
     /// Beside segments that feel the strain rate, those whose material states no constants for it.
@@ -47,7 +48,7 @@ impl Scene {
         let segment = self.bar.segments.iter().find(several)?;
         Some(format!(
             "{} hardens along several lines, and its back stress follows the accumulated plastic strain: reverse flow may return more \
-             work than was done before; use unloading = \"kinematic\" without rate and heat, or {{ mixed = 0.5 }} or less",
+             work than was done before; use hardening = \"kinematic\" without rate and heat, or {{ mixed = 0.5 }} or less",
             segment.material.name
         ))
     }

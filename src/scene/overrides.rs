@@ -36,6 +36,16 @@ impl Overrides {
         Ok(Document::new(document.file.clone(), edited.to_string()))
     }
 
+    /// The dotted keys that are set, without the indices of lists.
+    pub(super) fn keys(&self) -> Vec<String> {
+        let named = |o: &Override| {
+            let parts: Vec<&str> =
+                o.key.iter().map(String::as_str).filter(|part| part.parse::<usize>().is_err()).collect();
+            parts.join(".")
+        };
+        self.0.iter().map(named).collect()
+    }
+
     /// Points an error of the edited text at what the user can see: the override, or the same key in the file.
     pub(super) fn explain(&self, error: Error, original: &Document) -> Error {
         let Error::Input(error) = error else { return error };

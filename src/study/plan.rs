@@ -449,7 +449,7 @@ fn off(scene: &Scene, key: &str, row: Option<&AuditRow>) -> PlannedEffect {
 /// What a run assumes without an effect.
 fn without(key: &str) -> &'static str {
     match key {
-        "unloading" => "unloading follows the loading curve; the run reports if a yielded section unloads",
+        "hardening" => "unloading follows the loading curve; the run reports if a yielded section unloads",
         "rate" => "the quasi-static curve is used at all strain rates",
         "heat" => "the temperature stays constant",
         "rupture" => "fracture is not simulated",

@@ -77,7 +77,7 @@ fn two(first: (f64, f64, &str), second: (f64, f64, &str)) -> String {
     segment(first) + &segment(second)
 }
 
-const ISOTROPIC: &str = "unloading = \"isotropic\"";
+const ISOTROPIC: &str = "hardening = \"isotropic\"";
 
 /// All twenty.
 pub fn known() -> Vec<Known> {
@@ -108,7 +108,7 @@ pub fn known() -> Vec<Known> {
         tracked("let go, 2.5 transits", scene(&one(BILINEAR), &let_go("-20 m/s", 0.6), "free", ISOTROPIC, 2.5 * t)),
         tracked(
             "let go, kinematic",
-            scene(&one(BILINEAR), &let_go("-25 m/s", 0.5), "free", "unloading = \"kinematic\"", 1.5 * t),
+            scene(&one(BILINEAR), &let_go("-25 m/s", 0.5), "free", "hardening = \"kinematic\"", 1.5 * t),
         ),
         tracked("four lines, reflected", scene(&one(FOUR), &driven("-25 m/s"), "free", ISOTROPIC, 1.6 * t)),
         tracked(

@@ -197,7 +197,7 @@ fn the_words_of_the_parser_reach_nobody() {
             "found integer `99999999999999999999`, expected a table",
         ),
         (steel.clone() + "[effects]\nrate = \"fast\"\n", "found string \"fast\", expected \"material\""),
-        (steel.clone() + "[effects]\nunloading = { mixed = [] }\n", "expected"),
+        (steel.clone() + "[effects]\nhardening = { mixed = [] }\n", "expected"),
         (steel.replace("[left]\nkind = \"velocity\"\nvalue = -1", "[left]\nvalue = -1"), "`kind` is missing"),
         (steel.replace("[bar]\n", "[bar]\n[bar]\n"), "duplicate key"),
     ];

@@ -60,7 +60,7 @@ fn json_has_the_contracts_keys_and_front_tracking_is_exact_where_a_grid_is_not()
     assert_eq!(tolerances, [0.1, 0.01, 0.001, 0.0001]);
     assert!(list(&found, "cheapest").iter().all(|c| c["method"].is_string() && c["step_wall_s"].is_number()));
     let effect = &list(&found, "effects")[0];
-    assert_eq!(effect["effect"], "unloading: isotropic");
+    assert_eq!(effect["effect"], "hardening: isotropic");
     assert!(effect.get("ns_per_cell_step").is_some() && effect.get("ratio_to_none").is_some());
 }
 

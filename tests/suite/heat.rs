@@ -456,7 +456,7 @@ fn pulled_at(velocity: f64, effects: &str, solve: &str) -> Result<Scene, String>
 fn heat_implies_unloading_and_says_which_method_follows_it() {
     let parsed = scene("heat = {}", "").expect("a right scene");
     assert_eq!(parsed.effects.unloading, Some(Unloading::Isotropic));
-    assert_eq!(parsed.effects.names(), ["unloading: isotropic", "heat"]);
+    assert_eq!(parsed.effects.names(), ["hardening: isotropic", "heat"]);
     let rate = "rate = { model = \"malvern\", k = 1e6 }";
     assert_eq!(
         scene(&format!("heat = {{}}\n{rate}"), "").expect("on the grid").solve.method.names(),
@@ -468,7 +468,7 @@ fn heat_implies_unloading_and_says_which_method_follows_it() {
             "(a characteristic net) does not simulate the effect `heat`: its points keep no temperature",
         ),
         (
-            "heat = {}\nunloading = \"kinematic\"".to_owned(),
+            "heat = {}\nhardening = \"kinematic\"".to_owned(),
             "(front tracking) does not simulate the effect `heat` with kinematic hardening",
         ),
     ] {
@@ -506,7 +506,7 @@ fn the_conservative_scheme_follows_the_adiabatic_curve_too() {
     assert!(missed(Quantity::Temperature, 300.0) < 2e-2, "{}", missed(Quantity::Temperature, 300.0));
     let sum = muscl.energies();
     assert!((sum.heat / (sum.plastic + sum.heat) - 0.8).abs() < 1e-12 && sum.heat > 0.0, "{sum:?}");
-    let refused = pulled_at(20.0, "heat = {}\nunloading = \"kinematic\"", "scheme = \"muscl\"").expect_err("a state");
+    let refused = pulled_at(20.0, "heat = {}\nhardening = \"kinematic\"", "scheme = \"muscl\"").expect_err("a state");
     assert!(refused.contains("heat") && refused.contains("leapfrog"), "{refused}");
 }
 
@@ -536,7 +536,7 @@ fn a_bar_that_warms_breaks_at_the_largest_stress_of_the_adiabatic_curve() {
     assert!((by_fronts.strain / critical.strain - 1.0).abs() < 1e-9 && by_fronts.time == 0.0, "{by_fronts:?}");
     // On the grid strain has to gather in the end's first cell, with a fifth on top.
     assert!(by_cells.strain > critical.strain && by_cells.strain < 1.3 * critical.strain, "{by_cells:?}");
-    let cold = at("rupture = \"critical-strain\"\nunloading = \"isotropic\"", "method = \"moc\"");
+    let cold = at("rupture = \"critical-strain\"\nhardening = \"isotropic\"", "method = \"moc\"");
     let mut cold_bar =
         barwave::assemble::front_tracking(&cold, Settings { front_tolerance: 1e-3, ..Settings::default() });
     cold_bar.advance_to(cold.solve.until).expect("within the budget");

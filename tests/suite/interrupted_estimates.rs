@@ -11,7 +11,7 @@ use std::ops::ControlFlow;
 fn scene(solve: &str) -> Scene {
     let text = format!(
         "[bar]\nlength = 1\nmaterial = \"copper-annealed\"\n[left]\nkind = \"velocity\"\nvalue = -20\n\
-         release = \"20 us\"\n[right]\nkind = \"free\"\n[effects]\nunloading = \"isotropic\"\n[solve]\n{solve}\n"
+         release = \"20 us\"\n[right]\nkind = \"free\"\n[effects]\nhardening = \"isotropic\"\n[solve]\n{solve}\n"
     );
     Scene::parse("scene.toml", &text, ".".as_ref(), &[]).unwrap_or_else(|e| panic!("{e}"))
 }
@@ -52,7 +52,7 @@ fn a_tracked_run_whose_estimate_is_interrupted_is_not_done() {
 
 #[test]
 fn a_spent_event_budget_is_followed_by_no_more_than_another_one() {
-    let scene = scene("method = \"moc\"\nuntil = \"1 ms\"\nfront-tolerance = 1e-5\nevent-budget = 5000");
+    let scene = scene("method = \"moc\"\nuntil = \"1 ms\"\nfront-tolerance = 1e-5\nmax-events = 5000");
     let (mut last, mut all, mut calls) = (0, 0, 0);
     let ended = run::run(&scene, None, &mut |at| {
         if let Progress::Fronts { events, .. } = at {

@@ -17,7 +17,7 @@ value = "3 m/s"
 [right]
 kind = "free"
 [effects]
-unloading = "isotropic"
+hardening = "isotropic"
 [solve]
 until = "50 us"
 cells = 50

@@ -39,7 +39,7 @@ fn rate_chooses_the_characteristic_net_and_brings_elastic_unloading() {
         assert_eq!(resolved["effects"]["rate"]["model"], "malvern");
         assert_eq!(resolved["solve"]["cells"], 1000);
     }
-    let own = format!("unloading = \"kinematic\"\n{MALVERN}");
+    let own = format!("hardening = \"kinematic\"\n{MALVERN}");
     assert_eq!(scene(&own, "cells = 50", "").effects.unloading, Some(Unloading::Kinematic));
     let other = scene("rate = { model = \"cowper-symonds\", D = \"40 1/s\", q = 5 }", "", "").effects.rate;
     assert_eq!(other, Some(Rate::CowperSymonds { d: 40.0, q: 5.0 }));
@@ -210,9 +210,9 @@ fn a_rate_scene_runs_on_the_grid_where_it_asks_for_that() {
         work["bytes_per_yielded_cell"].as_u64()
     };
     // Stress, velocity and the damping's byte, and 2, 5 or 6 numbers of the law.
-    assert_eq!(bytes("unloading = \"isotropic\""), Some(33));
+    assert_eq!(bytes("hardening = \"isotropic\""), Some(33));
     assert_eq!(bytes(MALVERN), Some(57));
-    assert_eq!(bytes(&format!("unloading = \"kinematic\"\n{MALVERN}")), Some(65));
+    assert_eq!(bytes(&format!("hardening = \"kinematic\"\n{MALVERN}")), Some(65));
 }
 
 /// A segment whose material states no constants follows the quasi-static curve, which the run says.

@@ -45,7 +45,7 @@ fn stressed(scene: &str) -> String {
 /// Scenes by name. Materials and a history are in files of their own.
 fn scenes() -> Vec<(&'static str, String)> {
     let (pulled, free) = ("kind = \"velocity\"\nvalue = -12", "kind = \"free\"");
-    let plastic = "unloading = \"isotropic\"";
+    let plastic = "hardening = \"isotropic\"";
     let steel = "{ name = \"hard\", density = 8000, modulus = \"200 GPa\", poisson = 0.3, beyond = \"extend\", curve = { table = [[0.01, \"2 GPa\"]] } }";
     let heated = scene(
         "kind = \"velocity\"\nvalue = -20",
@@ -70,15 +70,15 @@ fn scenes() -> Vec<(&'static str, String)> {
     let stopped = stopped.replace("cells = 600", "cells = 4000");
     vec![
         ("plastic", scene("kind = \"velocity\"\ncsv = \"blow.csv\"", free, plastic, "")),
-        ("kinematic", scene(pulled, "kind = \"fixed\"", "unloading = \"kinematic\"", "")),
+        ("kinematic", scene(pulled, "kind = \"fixed\"", "hardening = \"kinematic\"", "")),
         ("damped", scene(pulled, free, "damping = { internal = \"20 kPa*s\", external = 100, foundation = 1e7 }", "")),
-        ("friction", scene(pulled, free, "unloading = \"isotropic\"\ndamping = { friction = 200 }", "")),
+        ("friction", scene(pulled, free, "hardening = \"isotropic\"\ndamping = { friction = 200 }", "")),
         ("stressed", stressed(&scene(pulled, free, plastic, ""))),
         (
             "stressed-damped",
-            stressed(&scene(pulled, free, "unloading = \"isotropic\"\ndamping = { external = 100 }", "")),
+            stressed(&scene(pulled, free, "hardening = \"isotropic\"\ndamping = { external = 100 }", "")),
         ),
-        ("lateral", scene(pulled, free, "unloading = \"isotropic\"\nlateral-inertia = true", "")),
+        ("lateral", scene(pulled, free, "hardening = \"isotropic\"\nlateral-inertia = true", "")),
         (
             "rupture",
             scene(
@@ -131,7 +131,7 @@ fn tracked(left: &str, right: &str, effects: &str, solve: &str) -> String {
 
 /// Scenes by front tracking.
 fn tracked_scenes() -> Vec<(&'static str, String)> {
-    let (free, plastic) = ("kind = \"free\"", "unloading = \"isotropic\"");
+    let (free, plastic) = ("kind = \"free\"", "hardening = \"isotropic\"");
     let let_go =
         include_str!("../../runs/copper-let-go.toml").replace("front-tolerance = 1e-3", "front-tolerance = 3e-3");
     let pulse = "kind = \"stress\"\nhistory = [[0, 0], [10e-6, -180e6], [20e-6, 0]]";
@@ -153,7 +153,7 @@ fn tracked_scenes() -> Vec<(&'static str, String)> {
         ("fronts-torn-off", tracked(pulled_apart, free, "rupture = { energy = 2e6 }", "front-tolerance = 5e-3")),
         ("fronts-contact", format!("{joint}{}", &contact[contact.find("[left]").expect("a left end")..])),
         ("fronts-stopped", tracked(pulled_apart, free, plastic, fine).replace("steel.toml", "brittle.toml")),
-        ("fronts-spent", tracked(ramps, free, plastic, "front-tolerance = 1e-5\nevent-budget = 200000")),
+        ("fronts-spent", tracked(ramps, free, plastic, "front-tolerance = 1e-5\nmax-events = 200000")),
     ]
 }
 
@@ -418,7 +418,7 @@ fn frames(path: &Path) -> Vec<Vec<u64>> {
 
 #[test]
 fn a_run_killed_at_any_moment_keeps_its_frames_and_is_resumed() {
-    let (pulled, plastic) = ("kind = \"velocity\"\nvalue = -12", "unloading = \"isotropic\"");
+    let (pulled, plastic) = ("kind = \"velocity\"\nvalue = -12", "hardening = \"isotropic\"");
     let many = scene(pulled, "kind = \"free\"", plastic, "").replace("frames = 50", MANY);
     killed_at_any_moment(&many, 50);
 }
@@ -426,7 +426,7 @@ fn a_run_killed_at_any_moment_keeps_its_frames_and_is_resumed() {
 #[test]
 fn a_run_by_front_tracking_killed_at_any_moment_keeps_its_frames_and_is_resumed() {
     let ramps = "kind = \"velocity\"\ncsv = \"blow.csv\"";
-    let many = tracked(ramps, "kind = \"free\"", "unloading = \"isotropic\"", "front-tolerance = 2e-3");
+    let many = tracked(ramps, "kind = \"free\"", "hardening = \"isotropic\"", "front-tolerance = 2e-3");
     killed_at_any_moment(&many.replace("frames = 50", MANY), 30);
 }
 

@@ -158,7 +158,7 @@ fn elastic_check() {
 fn bilinear_p2() {
     let summary = check("bilinear-p2.toml", [0.0, 1.0], 2);
     assert!(summary["elastic_check"].is_null());
-    assert_eq!(summary["effects"], serde_json::json!(["plasticity", "unloading: isotropic"]));
+    assert_eq!(summary["effects"], serde_json::json!(["plasticity", "hardening: isotropic"]));
     // The bound of the benchmark at 1000 cells.
     assert!(number(&summary["error"]["value"]) < 0.0036);
 }
@@ -179,7 +179,7 @@ fn copper_below_critical() {
 fn auto_finds_effects_and_says_why() {
     let summary = run("copper-auto.toml", &[]);
     let auto = summary["auto"].as_array().expect("a list");
-    for key in ["unloading", "rate"] {
+    for key in ["hardening", "rate"] {
         let choice = auto.iter().find(|choice| choice["effect"] == key).unwrap_or_else(|| panic!("{key}: {auto:?}"));
         assert_eq!(choice["on"], true, "{choice}");
         assert!(
@@ -188,7 +188,7 @@ fn auto_finds_effects_and_says_why() {
         );
     }
     let effects = summary["effects"].to_string();
-    assert!(effects.contains("rate: material") && effects.contains("unloading: isotropic"), "{effects}");
+    assert!(effects.contains("rate: material") && effects.contains("hardening: isotropic"), "{effects}");
     // What is left is below the tolerance, or not known, or a limit of the hardening rules that no effect takes away.
     for row in summary["audit"].as_array().expect("a list") {
         let estimate = row["estimate"].as_f64().unwrap_or(0.0);
@@ -243,14 +243,14 @@ fn love_rod() {
 fn copper_heated() {
     let summary = check("copper-heated.toml", [0.0, 1.0], 10);
     let effects = summary["effects"].to_string();
-    assert!(effects.contains("unloading: isotropic") && effects.contains("heat: fraction 0.9"), "{effects}");
+    assert!(effects.contains("hardening: isotropic") && effects.contains("heat: fraction 0.9"), "{effects}");
     let rise = number(&summary["largest_temperature_rise_K"]);
     assert!((1.0..10.0).contains(&rise), "{rise}");
     let audit = summary["audit"].to_string();
     assert!(!audit.contains("heat"), "{audit}");
     let cold = run(
         "copper-heated.toml",
-        &["--set", "effects.heat=", "--set", "effects.unloading=isotropic", "--set", "record.fields="],
+        &["--set", "effects.heat=", "--set", "effects.hardening=isotropic", "--set", "record.fields="],
     );
     assert!(cold.get("largest_temperature_rise_K").is_none());
     assert!(number(&summary["left"]["stress_Pa"]) < number(&cold["left"]["stress_Pa"]));
@@ -316,7 +316,7 @@ fn pulse_tension_us() {
     let summary = run("pulse-tension-us.toml", &[]);
     assert_contract(&summary, "pulse-tension-us.toml");
     assert_eq!(summary["above_critical"], false);
-    assert_eq!(summary["effects"], serde_json::json!(["plasticity", "unloading: mixed 0.3"]));
+    assert_eq!(summary["effects"], serde_json::json!(["plasticity", "hardening: mixed 0.3"]));
 }
 
 #[test]
@@ -352,7 +352,7 @@ fn tapered_horn() {
         let folder = tempfile::tempdir().expect("a folder");
         let summary = run_in("tapered-horn.toml", folder.path(), sets);
         assert_contract(&summary, "tapered-horn.toml");
-        assert_eq!(summary["effects"], serde_json::json!(["plasticity", "unloading: isotropic"]));
+        assert_eq!(summary["effects"], serde_json::json!(["plasticity", "hardening: isotropic"]));
         let file = barwave::record::store::ResultFile::open(&folder.path().join("out.h5")).expect("a result file");
         // From the front on, before anything comes back from the free end.
         let gauges = file.gauges().expect("gauges");
@@ -370,7 +370,7 @@ fn torsion_tube() {
     for sets in [&[][..], &moc] {
         let summary = run("torsion-tube.toml", sets);
         assert_contract(&summary, "torsion-tube.toml");
-        assert_eq!(summary["effects"], serde_json::json!(["plasticity", "unloading: isotropic"]));
+        assert_eq!(summary["effects"], serde_json::json!(["plasticity", "hardening: isotropic"]));
         let torsion = &summary["torsion"];
         assert!((number(&torsion["radius_m"]) - 0.012).abs() < 1e-15);
         // Let go, it carries no torque.
@@ -676,7 +676,7 @@ value = -14
 [right]
 RIGHT
 [effects]
-unloading = "isotropic"
+hardening = "isotropic"
 [solve]
 until = "700 us"
 SOLVE
@@ -711,7 +711,7 @@ fn an_event_budget_that_runs_out_keeps_the_frames() {
     let scene = runs().join("copper-let-go.toml").display().to_string();
     let output = barwave(
         folder.path(),
-        &["run", &scene, "-o", "a.h5", "--set", "solve.event-budget=3000", "--set", "solve.front-tolerance=1e-4"],
+        &["run", &scene, "-o", "a.h5", "--set", "solve.max-events=3000", "--set", "solve.front-tolerance=1e-4"],
     );
     let message = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(1), "{message}");
@@ -875,7 +875,7 @@ fn a_perfectly_plastic_rod_in_torsion_keeps_its_energy() {
             "[bar]\nmode = \"torsion\"\nlength = 1\ndiameter = 0.02\n\
              material = {{ name = \"level\", loading = \"shear\", density = 7800, modulus = 80e9, beyond = \"extend\", \
              curve = {{ table = [[0.002, 160e6], [0.5, 160e6]] }} }}\n[left]\nkind = \"velocity\"\nvalue = 2000\n[right]\nkind = \"free\"\n\
-             [effects]\nunloading = \"isotropic\"\n[solve]\nuntil = \"1 ms\"\ncells = 20\n{solve}\n"
+             [effects]\nhardening = \"isotropic\"\n[solve]\nuntil = \"1 ms\"\ncells = 20\n{solve}\n"
         )
     };
     for solve in ["scheme = \"muscl\"", "scheme = \"leapfrog\""] {

@@ -19,7 +19,7 @@ value = "-30 m/s"
 kind = "free"
 
 [effects]
-unloading = "isotropic"
+hardening = "isotropic"
 
 [solve]
 until = "200 us"
@@ -84,7 +84,7 @@ const CASES: &[Case] = &[
         "solve.cels",
         &[
             "did you mean `cells`?",
-            "until, method, tolerance, scheme, cells, cfl, audit-tolerance, front-tolerance, event-budget",
+            "until, method, tolerance, scheme, cells, cfl, audit-tolerance, front-tolerance, max-events",
         ],
     ),
     case(
@@ -98,7 +98,7 @@ const CASES: &[Case] = &[
         "\"isotropic\"",
         "\"isotopic\"",
         "isotopic",
-        "effects.unloading",
+        "effects.hardening",
         &["unknown word `isotopic`", "did you mean `isotropic`?"],
     ),
     case(
@@ -185,7 +185,7 @@ const CASES: &[Case] = &[
         "\"isotropic\"",
         "{ mixed = 1.5 }",
         "mixed",
-        "effects.unloading.mixed",
+        "effects.hardening.mixed",
         &["1.5 is out of range", "allowed: 0 <= mixed <= 1"],
     ),
     case(
@@ -300,11 +300,11 @@ const CASES: &[Case] = &[
     ),
     case("\"stress\", ", "\"velocity\", ", "fields", "record.fields.1", &["`velocity` stands twice", "once"]),
     case(
-        "unloading = \"isotropic\"\n\n[solve]\nuntil = \"200 us\"\ncells = 1000\n\n[record]\nframes = 101\nfields = [\"stress\"",
+        "hardening = \"isotropic\"\n\n[solve]\nuntil = \"200 us\"\ncells = 1000\n\n[record]\nframes = 101\nfields = [\"stress\"",
         "\n[solve]\nuntil = \"200 us\"\n\n[record]\nfields = [\"plastic_strain\"",
         "plastic_strain",
         "record.fields.0",
-        &["`plastic_strain` does not exist", "unloading = \"isotropic\""],
+        &["`plastic_strain` does not exist", "hardening = \"isotropic\""],
     ),
     case(
         "[left]",
@@ -347,10 +347,10 @@ const CASES: &[Case] = &[
     ),
     case(
         UNIFORM,
-        "[[bar.segment]]\nlength = 1\nmaterial = \"mild-steel\"\nnotch = 0.5\n",
-        "notch",
-        "bar.segment.0.notch",
-        &["this bar does not break", "rupture"],
+        "[[bar.segment]]\nlength = 1\nmaterial = \"mild-steel\"\nstress-concentration = 0.5\n",
+        "stress-concentration",
+        "bar.segment.0.stress-concentration",
+        &["fracture is not simulated", "rupture"],
     ),
     case(
         UNIFORM,
@@ -436,7 +436,7 @@ const CASES: &[Case] = &[
         "cells = 1000\nmethod = \"moc\"",
         "cells",
         "solve.cells",
-        &["means nothing for method = \"moc\"", "front-tolerance, event-budget", "method = \"fd\", which has it"],
+        &["means nothing for method = \"moc\"", "front-tolerance, max-events", "method = \"fd\", which has it"],
     ),
     case("cells = 1000", "method = \"moc\"\ncfl = 1", "cfl", "solve.cfl", &["means nothing for method = \"moc\""]),
     case(
@@ -469,9 +469,9 @@ const CASES: &[Case] = &[
     ),
     case(
         "cells = 1000",
-        "method = \"fd\"\nevent-budget = 1000",
-        "event-budget",
-        "solve.event-budget",
+        "method = \"fd\"\nmax-events = 1000",
+        "max-events",
+        "solve.max-events",
         &["means nothing for method = \"fd\"", "until, method, scheme, cells, cfl"],
     ),
     case(
@@ -483,10 +483,10 @@ const CASES: &[Case] = &[
     ),
     case(
         "cells = 1000",
-        "method = \"moc\"\nevent-budget = 0",
-        "event-budget",
-        "solve.event-budget",
-        &["0 is out of range", "1 <= event-budget"],
+        "method = \"moc\"\nmax-events = 0",
+        "max-events",
+        "solve.max-events",
+        &["0 is out of range", "1 <= max-events"],
     ),
     case("frames = 101", "paths = true", "paths", "record.paths", &["means nothing for method = \"fd\"", "\"moc\""]),
     case(
@@ -498,21 +498,21 @@ const CASES: &[Case] = &[
     ),
     // The effect of heat.
     case(
-        "unloading = \"isotropic\"",
+        "hardening = \"isotropic\"",
         "heat = { fraction = 0.9 }",
         "heat",
         "effects.heat",
         &["`steel` does not state: specific-heat, reference-temperature, melting-temperature, m", "add them to"],
     ),
     case(
-        "unloading = \"isotropic\"",
+        "hardening = \"isotropic\"",
         "heat = { fraction = 1.5 }",
         "heat",
         "effects.heat.fraction",
         &["1.5 is out of range", "allowed: 0 <= fraction <= 1"],
     ),
     case(
-        "unloading = \"isotropic\"",
+        "hardening = \"isotropic\"",
         "heat = { fracton = 0.5 }",
         "fracton",
         "effects.heat.fracton",
@@ -534,49 +534,49 @@ const CASES: &[Case] = &[
     ),
     // The effect of the strain rate.
     case(
-        "unloading = \"isotropic\"",
+        "hardening = \"isotropic\"",
         "rate = \"material\"",
         "\"material\"",
         "effects.rate",
         &["no material of the bar states a rate", "[rate.johnson-cook]"],
     ),
     case(
-        "unloading = \"isotropic\"",
+        "hardening = \"isotropic\"",
         "rate = { model = \"malvren\", k = \"1e6 1/s\" }",
         "malvren",
         "effects.rate.model",
         &["unknown word `malvren`", "did you mean `malvern`?", "\"cowper-symonds\""],
     ),
     case(
-        "unloading = \"isotropic\"",
+        "hardening = \"isotropic\"",
         "rate = { model = \"malvern\", k = \"0 1/s\" }",
         "malvern",
         "effects.rate.k",
         &["0 1/s is out of range", "allowed: k > 0"],
     ),
     case(
-        "unloading = \"isotropic\"",
+        "hardening = \"isotropic\"",
         "rate = { model = \"malvern\", k = \"1 us\" }",
         "malvern",
         "effects.rate.k",
         &["1 us", "a rate"],
     ),
     case(
-        "unloading = \"isotropic\"",
+        "hardening = \"isotropic\"",
         "rate = { model = \"malvern\" }",
         "malvern",
         "effects.rate.k",
         &["`k` is missing", "k = \"1e6 1/s\""],
     ),
     case(
-        "unloading = \"isotropic\"",
+        "hardening = \"isotropic\"",
         "rate = { k = 1e6 }",
         "k = 1e6",
         "effects.rate.model",
         &["`model` is missing", "model = \"malvern\""],
     ),
     case(
-        "unloading = \"isotropic\"",
+        "hardening = \"isotropic\"",
         "rate = { model = \"malvern\", D = 40 }",
         "malvern",
         "effects.rate.D",
@@ -584,9 +584,9 @@ const CASES: &[Case] = &[
     ),
     case(
         "cells = 1000",
-        "method = \"fd\"\nevent-budget = 1000\n[effects.rate]\nmodel = \"malvern\"\nk = 1e6",
+        "method = \"fd\"\nmax-events = 1000\n[effects.rate]\nmodel = \"malvern\"\nk = 1e6",
         "1000",
-        "solve.event-budget",
+        "solve.max-events",
         &["means nothing for a rate-dependent bar", "until, method, scheme, cells, cfl"],
     ),
     case(
@@ -598,56 +598,56 @@ const CASES: &[Case] = &[
     ),
     // What acts along the bar.
     case(
-        "unloading = \"isotropic\"",
+        "hardening = \"isotropic\"",
         "damping = {}",
         "damping",
         "effects.damping",
         &["no kind of damping is named", "internal, external, foundation", "external ="],
     ),
     case(
-        "unloading = \"isotropic\"",
+        "hardening = \"isotropic\"",
         "damping = { internal = \"-1 Pa*s\" }",
         "-1 Pa*s",
         "effects.damping.internal",
         &["is out of range", "internal >= 0"],
     ),
     case(
-        "unloading = \"isotropic\"",
+        "hardening = \"isotropic\"",
         "damping = { external = \"5 MPa\" }",
         "5 MPa",
         "effects.damping.external",
         &["is a stress", "a force per length and velocity is expected", "N*s/m^2"],
     ),
     case(
-        "unloading = \"isotropic\"",
+        "hardening = \"isotropic\"",
         "damping = { foundation = \"5 N/m\" }",
         "5 N/m",
         "effects.damping.foundation",
         &["is a stiffness", "N/m^2"],
     ),
     case(
-        "unloading = \"isotropic\"",
+        "hardening = \"isotropic\"",
         "damping = { inner = 1 }",
         "inner",
         "effects.damping.inner",
         &["unknown key `inner`"],
     ),
     case(
-        "unloading = \"isotropic\"",
+        "hardening = \"isotropic\"",
         "lateral-inertia = true",
         "lateral-inertia",
         "effects.lateral-inertia",
         &["needs Poisson's ratio, and `steel` does not state it", "0 <= poisson <= 0.5", "poisson = 0.29"],
     ),
     case(
-        "unloading = \"isotropic\"",
+        "hardening = \"isotropic\"",
         "damping = { internal = 1 }\nrupture = { spall = \"1 GPa\" }",
         "rupture",
         "effects.rupture",
         &["rupture of a bar with `damping` is not followed", "method = \"fd\""],
     ),
     case(
-        "unloading = \"isotropic\"\n\n[solve]",
+        "hardening = \"isotropic\"\n\n[solve]",
         "damping = { internal = 1 }\n\n[solve]\nmethod = \"moc\"",
         "moc",
         "solve.method",
@@ -823,13 +823,13 @@ const SPECIMEN_CASES: &[Case] = &[
         "specimen.energy",
         &["`energy` and `material` both say", "not both"],
     ),
-    case("energy =", "notch = 2\nenergy =", "notch", "specimen.notch", &["from its curve alone", "give `material`"]),
+    case("energy =", "stress-concentration = 2\nenergy =", "stress-concentration", "specimen.stress-concentration", &["needs the stress-strain curve", "give `material`"]),
     case(
         "energy = \"500 ft*lbf/in^3\"",
-        "material = \"mild-steel\"\nnotch = 0.5",
-        "notch",
-        "specimen.notch",
-        &["0.5 is out of range", "1 <= notch"],
+        "material = \"mild-steel\"\nstress-concentration = 0.5",
+        "stress-concentration",
+        "specimen.stress-concentration",
+        &["0.5 is out of range", "1 <= stress-concentration"],
     ),
     case(
         "energy = \"500 ft*lbf/in^3\"",
@@ -1118,7 +1118,7 @@ fn kinematic_hardening_needs_one_curve() {
     let shown = stderr(&output);
     assert_eq!(output.status.code(), Some(2), "{shown}");
     assert!(shown.starts_with("error: `effects.unloading`: kinematic hardening needs one curve"), "{shown}");
-    assert!(shown.contains("help: use unloading = \"isotropic\""), "{shown}");
+    assert!(shown.contains("help: use hardening = \"isotropic\""), "{shown}");
 }
 
 /// What acts on the whole section needs one, and a joint that opens has no node that is shared.
@@ -1143,16 +1143,16 @@ fn torsion_and_tapers_refuse_what_they_do_not_go_with() {
         (&twisted, "\"free\"", "\"spring\"\nstiffness = \"3 N/m\"", &["torsional stiffness is expected"]),
         (&twisted, "\"free\"", "\"dashpot\"\ncoefficient = 3\ngap = 1", &["`gap` means nothing", "kind, coefficient"]),
         (&twisted, "\"free\"", "\"torque\"\nvalue = \"3 N\"", &["a torque is expected", "N*m"]),
-        (&twisted, "unloading = \"isotropic\"", "rupture = { spall = 1e9 }", &["`rupture` in torsion"]),
+        (&twisted, "hardening = \"isotropic\"", "rupture = { spall = 1e9 }", &["`rupture` in torsion"]),
         (
             &twisted,
-            "unloading = \"isotropic\"",
+            "hardening = \"isotropic\"",
             "damping = { internal = 1 }",
             &["`damping` in torsion is not followed"],
         ),
         (
             &tapered,
-            "unloading = \"isotropic\"",
+            "hardening = \"isotropic\"",
             "damping = { internal = 1 }",
             &["whose section changes along segment 1"],
         ),
@@ -1193,14 +1193,14 @@ fn what_acts_along_the_bar_needs_a_section_and_bonded_joints() {
             "error: `effects.damping`: `damping` is not followed in a bar with joints",
         ),
     ] {
-        std::fs::write(&file, text.replace("unloading = \"isotropic\"", effect)).expect("written");
+        std::fs::write(&file, text.replace("hardening = \"isotropic\"", effect)).expect("written");
         let output = check(&file);
         let shown = stderr(&output);
         assert_eq!(output.status.code(), Some(2), "{shown}");
         assert!(shown.starts_with(start) && shown.contains("\nhelp: "), "{shown}");
     }
     // Without a section internal damping has a meaning, and without a joint that opens the bar is right.
-    std::fs::write(&file, without_area.replace("unloading = \"isotropic\"", "damping = { internal = 100 }"))
+    std::fs::write(&file, without_area.replace("hardening = \"isotropic\"", "damping = { internal = 100 }"))
         .expect("written");
     assert_eq!(check(&file).status.code(), Some(0), "{}", stderr(&check(&file)));
 }

@@ -80,7 +80,7 @@ fn a_free_bar_is_pulled_along_below_the_critical_velocity() {
 }
 
 const SCENE: &str = "[bar]\nlength = 0.1\ndiameter = 0.01\nmaterial = \"copper-annealed\"\n[left]\nkind = \"velocity\"\nvalue = -1\n[right]\n\
-                     kind = \"fixed\"\n[effects]\nunloading = \"isotropic\"\nrupture = \"critical-strain\"\n[solve]\nuntil = 1\nmethod = \
+                     kind = \"fixed\"\n[effects]\nhardening = \"isotropic\"\nrupture = \"critical-strain\"\n[solve]\nuntil = 1\nmethod = \
                      \"fd\"\ncells = 30\n[record]\nframes = 2\n";
 
 #[test]

@@ -17,9 +17,10 @@ pub(super) struct Finding {
 }
 
 impl Finding {
-    /// The effect would change the stress by this fraction; `written` is the line of the scene that includes it.
-    pub fn of(estimate: f64, text: &str, written: &str) -> Self {
-        let text = format!("{text}; estimated effect on the stress {:.2} %", 100.0 * estimate);
+    /// Neglecting `what` changes the stress by the fraction `estimate`, found from `basis`; `written` is the line of the scene that
+    /// includes the effect.
+    pub fn of(estimate: f64, what: &str, basis: &str, written: &str) -> Self {
+        let text = format!("{what} was neglected; estimated effect on stress {:.2} % ({basis})", 100.0 * estimate);
         Self { estimate, text, remedy: include(written) }
     }
 

@@ -44,7 +44,7 @@ pub const LOOKS: usize = 64;
 #[derive(Debug, Clone, Copy, Default)]
 #[expect(clippy::struct_excessive_bools, reason = "one a key of the scene language")]
 pub struct Off {
-    /// `unloading`.
+    /// `hardening`.
     pub unloading: bool,
     /// `rate`.
     pub rate: bool,
@@ -182,7 +182,7 @@ impl Audit {
         let (materials, places) = (&self.materials, &self.places);
         let mut rows = Vec::new();
         if self.off.unloading {
-            rows.push(row("unloading", &|| self.unloading.finding(places, share)));
+            rows.push(row("hardening", &|| self.unloading.finding(places, share)));
         }
         if self.off.rate {
             rows.push(row("rate", &|| self.rate.finding(materials, places, share)));

@@ -89,14 +89,13 @@ impl RateRise {
         let Some((rate, rise, time, place)) = self.quickest.filter(|q| q.0 > 0.0) else {
             return Finding::nothing("no material with [rate] constants deformed plastically");
         };
-        let message = std::format!(
-            "the quasi-static curve was used at all strain rates; the plastic strain rate of {} reaches {rate:.2e} 1/s ({}), where \
-             its flow stress is {:.1} % higher",
+        let basis = std::format!(
+            "plastic strain rate of {} up to {rate:.2e} 1/s, which raises its flow stress by {:.1} %, at {}",
             materials[places.segment[place]].name,
-            places.moment(time, place),
             100.0 * rise,
+            places.moment(time, place),
         );
-        Finding::of(share(self.change), &message, "rate = \"material\"")
+        Finding::of(share(self.change), "rate dependence", &basis, "rate = \"material\"")
     }
 }
 

@@ -112,14 +112,13 @@ impl Unloading {
         };
         let yielded = |k: usize| self.largest[k].0.abs() > self.limit[k][usize::from(self.largest[k].0 < 0.0)];
         let show = |length| format(length, Dimension::Length, System::Si);
-        let message = std::format!(
-            "elastic unloading was neglected: {} of {} of yielded length unloaded along the loading curve, by up to {:.0} % of the \
-             largest strain (first at {}), which recovers plastic work",
+        let basis = std::format!(
+            "{} of {} of yielded length unloaded, by up to {:.0} % of the largest strain, first at {}",
             show(lengths(&|k| self.unloaded[k])),
             show(lengths(&yielded)),
             100.0 * self.worst,
             places.moment(time, place),
         );
-        Finding::of(share(self.change), &message, "unloading = \"isotropic\"")
+        Finding::of(share(self.change), "elastic unloading", &basis, "hardening = \"isotropic\"")
     }
 }

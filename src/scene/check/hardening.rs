@@ -1,4 +1,4 @@
-//! The effect `unloading`: how yielded points harden, and the rate that implies it.
+//! The effect `hardening`, and the effects that imply it.
 
 use super::super::raw::{RawEffects, RawUnloading};
 use super::super::{Effects, Unloading};
@@ -16,7 +16,7 @@ impl Checker<'_> {
             let implied = rate.is_some() || raw.heat.is_some();
             return Ok(Effects { unloading: implied.then_some(Unloading::Isotropic), rate, ..Effects::default() });
         };
-        let key = "effects.unloading";
+        let key = "effects.hardening";
         let kind = match unloading.get_ref() {
             RawUnloading::Isotropic => Unloading::Isotropic,
             RawUnloading::Kinematic => Unloading::Kinematic,
@@ -26,7 +26,7 @@ impl Checker<'_> {
         if let (Some(segment), Unloading::Kinematic | Unloading::Mixed(_)) = (two_branches, kind) {
             let name = &segment.material.name;
             let message = format!("kinematic hardening needs one curve for both senses; `{name}` has two");
-            let help = "use unloading = \"isotropic\", or a material without a compression curve of its own";
+            let help = "use hardening = \"isotropic\", or a material without a compression curve of its own";
             return Err(self.error(unloading.span(), key, message).allowed("\"isotropic\"").help(help).into());
         }
         if raw.overlays()
@@ -36,8 +36,8 @@ impl Checker<'_> {
             let message = format!(
                 "kinematic hardening is that of elements in parallel, whose curve never stiffens; that of `{name}` does"
             );
-            let help = "use unloading = { mixed = 1 }, which moves the elastic range along the curve by the accumulated \
-                        plastic strain, or unloading = \"isotropic\"";
+            let help = "use hardening = { mixed = 1 }, which moves the elastic range along the curve by the accumulated \
+                        plastic strain, or hardening = \"isotropic\"";
             let allowed = "\"isotropic\" or { mixed = 0 to 1 }";
             return Err(self.error(unloading.span(), key, message).allowed(allowed).help(help).into());
         }

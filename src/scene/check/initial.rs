@@ -99,7 +99,7 @@ impl Checker<'_> {
         if effects.unloading.is_none() && effects.rate.is_none() {
             let message =
                 "plastic strain needs a law of unloading: without it the curve is followed both ways".to_owned();
-            let help = "add unloading = \"isotropic\" to [effects]";
+            let help = "add hardening = \"isotropic\" to [effects]";
             return Err(self.at_key(given, &keys, message).help(help).into());
         }
         if given.raw.initial_of(given.k, ACCUMULATED).is_some() && moves(effects) > 0.0 {
@@ -107,7 +107,7 @@ impl Checker<'_> {
                 "an accumulated plastic strain does not tell where hardening that moves has the elastic range"
                     .to_owned();
             let help =
-                "take it out: `plastic-strain` is then that of loading in one sense; or use unloading = \"isotropic\"";
+                "take it out: `plastic-strain` is then that of loading in one sense; or use hardening = \"isotropic\"";
             return Err(self.at_key(given, &[ACCUMULATED], message).help(help).into());
         }
         for (initial, place) in states(given, &[]) {

@@ -156,7 +156,7 @@ impl Checker<'_> {
             let plastic = matches!(field, Field::PlasticStrain | Field::AccumulatedPlasticStrain);
             if plastic && effects.unloading.is_none() {
                 let message = format!("`{}` does not exist where the curve is followed both ways", field.name());
-                let help = "add [effects] with unloading = \"isotropic\", or take the field out";
+                let help = "add [effects] with hardening = \"isotropic\", or take the field out";
                 return Err(self.error(word.span(), &key, message).help(help).into());
             }
             if field == Field::Temperature && effects.heat.is_none() {

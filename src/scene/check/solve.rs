@@ -31,7 +31,7 @@ impl RawMethod {
     fn keys(self, rate: bool) -> &'static [&'static str] {
         match (self, rate) {
             (Self::Fd, _) => &["scheme", "cells", "cfl"],
-            (Self::Moc, false) => &["front-tolerance", "event-budget"],
+            (Self::Moc, false) => &["front-tolerance", "max-events"],
             (Self::Moc, true) => &["cells"],
         }
     }

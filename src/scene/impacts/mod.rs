@@ -69,7 +69,12 @@ pub struct ImpactScene {
 }
 
 impl ImpactScene {
-    /// Everything that the result rests on, SI.
+    /// Notes on its keys.
+    pub fn notes(&self) -> Vec<String> {
+        super::deprecated::notes(&self.text, &self.overrides)
+    }
+
+    /// All input values of the simulation, SI.
     pub fn resolved_json(&self) -> Value {
         let mut all = json!({ "title": self.title, "name": self.name, "overrides": self.overrides });
         if let (Some(all), Some(own)) = (all.as_object_mut(), self.resolved.as_object()) {

@@ -40,11 +40,13 @@ pub struct RawSpecimen {
     pub area: Option<Of<measures::Area, Positive>>,
     /// Diameter of a round section; in place of `area`.
     pub diameter: Option<Of<measures::Length, Positive>>,
-    /// Energy that it absorbs per volume before it breaks; or give `material`.
+    /// Energy per volume absorbed to fracture; or give `material`.
     pub energy: Option<Of<measures::EnergyDensity, Positive>>,
-    /// Material, whose curve says what it absorbs: the work up to its largest engineering stress.
+    /// Material; the energy to fracture is the work under its curve up to the largest engineering stress.
     pub material: Option<Placed<MaterialChoice>>,
-    /// Notch factor of a specimen with a `material`: it breaks at its largest stress divided by this, and is strained no farther.
+    /// Stress concentration factor of a notched specimen with a `material`: fracture at the largest stress of the curve divided by this
+    /// factor; strain and energy are those at that stress.
+    #[serde(rename = "stress-concentration", alias = "notch")]
     #[schemars(default)]
     pub notch: Notch,
 }
@@ -89,7 +91,7 @@ fn resolved(blow: &Blow, material: Option<&Material>) -> Value {
             "area": specimen.area,
             "energy": specimen.energy_per_volume(),
             "material": material,
-            "notch": notch,
+            "stress-concentration": notch,
         },
         "striker": { "mass": blow.mass, "velocity": blow.velocity },
     })
@@ -122,9 +124,9 @@ impl Checker<'_> {
     ) -> Result<Toughness> {
         let Some((material, choice)) = material.zip(raw.material.as_ref()) else {
             if let Some(notch) = raw.notch.place() {
-                let message = "how far the rest of a notched specimen is strained is known from its curve alone";
-                let error = self.error(notch, "specimen.notch", message);
-                return Err(error.help("give `material` in place of `energy`, or take `notch` out").into());
+                let message = "a stress concentration needs the stress-strain curve of the specimen";
+                let error = self.error(notch, "specimen.stress-concentration", message);
+                return Err(error.help("give `material` in place of `energy`, or remove `stress-concentration`").into());
             }
             return self.needed(raw.energy.as_ref(), "energy", span, "specimen").map(Toughness::PerVolume);
         };

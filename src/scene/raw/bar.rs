@@ -69,7 +69,7 @@ macro_rules! pieces {
                 /// Initial strain (engineering, plastic strain included), in place of `stress`.
                 pub strain: Option<Placed<AlongBar<Plain>>>,
                 /// Initial plastic strain (engineering), positive where the bar was stretched, as left by slow loading; it hardens. With
-                /// the effect `unloading` or `rate`; with `heat` by leapfrog. Default: 0.
+                /// the effect `hardening` or `rate`; with `heat` by leapfrog. Default: 0.
                 pub plastic_strain: Option<Placed<AlongBar<Plain>>>,
                 /// Initial accumulated plastic strain, at least the size of `plastic-strain`; with isotropic hardening, which depends on
                 /// it. Default: the size of `plastic-strain`, that of loading in one sense.
@@ -124,10 +124,12 @@ pieces! {
         #[schemars(default)]
         pub gap: Or<Of<Length, NotNegative>, 0>,
         /// With the effect `rupture`: stress concentration factor of the whole segment; the fracture criterion is divided by it.
+        #[serde(rename = "stress-concentration", alias = "notch")]
         #[schemars(default)]
         pub notch: Notch,
         /// With the effect `rupture`: stress concentration factor of the joint to the next segment (a notch or a poor weld), multiplied by
-        /// the `notch` of both sides.
+        /// the `stress-concentration` of both sides.
+        #[serde(rename = "joint-stress-concentration", alias = "joint-notch")]
         #[schemars(default)]
         pub joint_notch: Notch,
     }
@@ -152,7 +154,7 @@ impl RawBar {
 impl RawSegment {
     /// The notch factors that are given, with their keys.
     pub(in crate::scene) fn notches(&self) -> [(&'static str, Option<Range<usize>>); 2] {
-        [("notch", self.notch.place()), ("joint-notch", self.joint_notch.place())]
+        [("stress-concentration", self.notch.place()), ("joint-stress-concentration", self.joint_notch.place())]
     }
 }
 

@@ -35,7 +35,7 @@ impl Default for EffectsChoice {
 
 impl<'de> Deserialize<'de> for EffectsChoice {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let expecting = "\"auto\", or a table of effects such as { unloading = \"isotropic\" }";
+        let expecting = "\"auto\", or a table of effects such as { hardening = \"isotropic\" }";
         let word = |word: &str| (word == "auto").then_some(Self::Auto(AutoWord::Auto));
         text_or_table(deserializer, expecting, word, |effects| Self::Table(Box::new(effects)))
     }
@@ -46,13 +46,14 @@ impl<'de> Deserialize<'de> for EffectsChoice {
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct RawEffects {
     /// Hardening rule with elastic unloading. Default: none; unloading follows the loading curve.
+    #[serde(rename = "hardening", alias = "unloading")]
     pub unloading: Option<Placed<RawUnloading>>,
-    /// Rate-dependent plastic flow; implies unloading = "isotropic" where no unloading is named. Solved with method = "moc"
+    /// Rate-dependent plastic flow; implies hardening = "isotropic" unless `hardening` is set. Solved with method = "moc"
     /// on a characteristic net. Default: none; the quasi-static curve is used at all strain rates.
     /// "material": each segment uses the constants of its own material.
     pub rate: Option<Placed<RateChoice>>,
     /// Adiabatic heating by plastic work, and thermal softening: `{ fraction = 0.9 }`, or `{}`; implies
-    /// unloading = "isotropic" where no unloading is named. Needs the materials' `[heat]` constants. Default: none; the temperature is
+    /// hardening = "isotropic" unless `hardening` is set. Needs the materials' `[heat]` constants. Default: none; the temperature is
     /// constant.
     pub heat: Option<Placed<RawHeat>>,
     /// Fracture; the fragments are simulated further: "critical-strain", `{ energy = "500 ft*lbf/in^3" }` or

@@ -40,6 +40,7 @@ pub struct RawSolve {
     #[schemars(default)]
     pub front_tolerance: Or<Of<Plain, Below<0, 1>>, 1, 1000>,
     /// For the method "moc": largest number of front interactions.
+    #[serde(rename = "max-events", alias = "event-budget")]
     #[schemars(default)]
     pub event_budget: Or<Count<1, MOST_EVENTS>, 10_000_000>,
 }

@@ -18,7 +18,7 @@ const TURNS_FOR: f64 = 0.5;
 /// The cost of one effect.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct EffectCost {
-    /// As in summaries, e.g. "unloading: isotropic".
+    /// As in summaries, e.g. "hardening: isotropic".
     pub effect: String,
     /// Added by it, ns; null where it cannot be left off alone.
     pub ns_per_cell_step: Option<f64>,

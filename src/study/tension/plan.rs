@@ -73,7 +73,7 @@ impl Specimen<'_> {
         let far = if self.far_end == FarEnd::Fixed { "fixed" } else { "free" };
         let text = format!(
             "title = \"Tension impact\"\n[bar]\nlength = {length}\ndiameter = {diameter}\nmaterial = {material}\n[left]\nkind = \
-             \"velocity\"\nvalue = -1\n[right]\nkind = \"{far}\"\n[effects]\nunloading = \"isotropic\"\nrupture = \"critical-strain\"\n\
+             \"velocity\"\nvalue = -1\n[right]\nkind = \"{far}\"\n[effects]\nhardening = \"isotropic\"\nrupture = \"critical-strain\"\n\
              [solve]\nuntil = 1\nmethod = \"fd\"\ncells = {}\n[record]\nframes = 2\n",
             self.cells
         );

@@ -180,10 +180,10 @@ fn mean_apart(a: &Seen, b: &Seen) -> f64 {
 #[test]
 fn a_run_goes_on_from_the_state_in_which_another_one_ended() {
     for (by, unloading) in [
-        (By::Leapfrog, "unloading = \"isotropic\""),
-        (By::Leapfrog, "unloading = \"kinematic\""),
-        (By::Godunov, "unloading = \"isotropic\""),
-        (By::Net, "unloading = \"isotropic\""),
+        (By::Leapfrog, "hardening = \"isotropic\""),
+        (By::Leapfrog, "hardening = \"kinematic\""),
+        (By::Godunov, "hardening = \"isotropic\""),
+        (By::Net, "hardening = \"isotropic\""),
     ] {
         let errors = [100, 200, 400].map(|cells| {
             let run = |state: &str, left: &str, until: f64| {
@@ -208,7 +208,7 @@ fn a_run_goes_on_from_the_state_in_which_another_one_ended() {
 #[test]
 fn front_tracking_goes_on_exactly_from_its_own_state() {
     let solve = By::Fronts.solve(WHOLE, 0);
-    let effects = "unloading = \"isotropic\"";
+    let effects = "hardening = \"isotropic\"";
     let scene_of = |state: &str, left: &str| {
         let state = format!("material = {}\n{state}", material(YIELD, ""));
         scene(&text(&[(1.0, state)], [left, FREE], effects, &solve))
@@ -241,7 +241,7 @@ fn what_has_flowed_both_ways_has_hardened_though_no_strain_is_left() {
     for by in By::ALL {
         let state = format!("material = {}\naccumulated-plastic-strain = 0.01", by.material(""));
         let drive = format!("kind = \"velocity\"\nvalue = {}", 0.98 * flow / IMPEDANCE);
-        let effects = by.effects("unloading = \"isotropic\"");
+        let effects = by.effects("hardening = \"isotropic\"");
         let at = |drive: &str| {
             let text = text(&[(1.0, state.clone())], [drive, FREE], &effects, &by.solve(TRANSIT, 200));
             follow(&scene(&text), 0.9 * TRANSIT).plastic.iter().map(|p| p.abs()).fold(0.0, f64::max)
@@ -319,7 +319,7 @@ fn the_balance_closes_with_forces_along_the_bar() {
         let first = format!("material = {steel}\n{}\nvelocity = 2", table("stress", [(0.0, -1.5e8), (0.2, 0.9e8)]));
         let second = format!("material = {steel}\nplastic-strain = 0.004\nstress = 2.1e8");
         let solve = "until = 5e-4\ncells = 50\ncfl = 0.9";
-        let effects = format!("unloading = \"isotropic\"\n{force}");
+        let effects = format!("hardening = \"isotropic\"\n{force}");
         let seen = follow(&scene(&text(&[(0.3, first), (0.5, second)], [left, FREE], &effects, solve)), 5e-4);
         let (energy, momentum) = (seen.ledger.worst_energy(), seen.ledger.worst_momentum());
         assert!(energy < 1e-11 && momentum < 1e-10, "{force} {left}: {energy:e} {momentum:e}");
@@ -381,7 +381,7 @@ fn a_warm_bar_yields_at_the_softened_stress() {
     // Halfway to melting: half the flow stress, that of the plastic strain it has.
     let flow = 0.5 * (YIELD + HARDENING / (1.0 - HARDENING / E) * 0.01);
     let state = format!("material = {}\nplastic-strain = -0.01\ntemperature = \"1043 K\"", material(YIELD, HOT));
-    let effects = "unloading = \"isotropic\"\nheat = {}";
+    let effects = "hardening = \"isotropic\"\nheat = {}";
     let at = |part: f64| {
         let drive = format!("kind = \"velocity\"\nvalue = {}", part * flow / IMPEDANCE);
         let text = text(&[(1.0, state.clone())], [&drive, FREE], effects, "until = 2e-4\ncells = 200");
@@ -399,9 +399,9 @@ fn a_warm_bar_yields_at_the_softened_stress() {
 #[test]
 fn a_hot_run_goes_on_from_the_state_in_which_another_one_ended() {
     for effects in [
-        "unloading = \"isotropic\"\nheat = {}",
-        "unloading = \"isotropic\"\nrate = \"material\"\nheat = {}",
-        "unloading = \"kinematic\"\nheat = {}",
+        "hardening = \"isotropic\"\nheat = {}",
+        "hardening = \"isotropic\"\nrate = \"material\"\nheat = {}",
+        "hardening = \"kinematic\"\nheat = {}",
     ] {
         let errors = [100, 200, 400].map(|cells| {
             let run = |state: &str, left: &str, until: f64| {
@@ -440,7 +440,7 @@ fn wrong_tables_are_refused_at_their_rows() {
         let state = format!("material = {}\n{state}", material(YIELD, HOT));
         parse(&text(&[(1.0, state)], [FREE, FREE], effects, &format!("until = 1e-4\n{solve}")))
     };
-    let isotropic = "unloading = \"isotropic\"";
+    let isotropic = "hardening = \"isotropic\"";
     for (state, effects, solve, words) in [
         ("stress = [[0, 0], [1.1, 1e6]]", "", "", &["row 2 lies beyond the right end", "0 <= x <= 1 m"][..]),
         ("stress = [[0.5, 0], [0.2, 1e6]]", "", "", &["row 2 lies to the left of the row before it"]),
@@ -468,7 +468,7 @@ fn wrong_tables_are_refused_at_their_rows() {
         ),
         (
             "accumulated-plastic-strain = 0.005",
-            "unloading = \"kinematic\"",
+            "hardening = \"kinematic\"",
             "",
             &["does not tell where hardening that moves"],
         ),
@@ -477,19 +477,19 @@ fn wrong_tables_are_refused_at_their_rows() {
         ("temperature = 400", "", "", &["a temperature needs the effect `heat`"]),
         (
             "temperature = [[0, 300], [1, 1800]]",
-            "unloading = \"isotropic\"\nheat = {}",
+            "hardening = \"isotropic\"\nheat = {}",
             "",
             &["1800 K at x = 1 m is out of range", "< 1793 K"],
         ),
         (
             "temperature = 400",
-            "unloading = \"isotropic\"\nheat = {}",
+            "hardening = \"isotropic\"\nheat = {}",
             "scheme = \"muscl\"",
             &["does not simulate the effect `heat` with an initial temperature or plastic strain"],
         ),
         (
             "plastic-strain = 0.01",
-            "unloading = \"isotropic\"\nheat = {}",
+            "hardening = \"isotropic\"\nheat = {}",
             "method = \"moc\"",
             &["does not simulate the effect `heat` with an initial temperature or plastic strain"],
         ),

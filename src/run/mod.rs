@@ -115,7 +115,7 @@ pub fn run_unaudited(scene: &Scene, progress: &mut dyn FnMut(Progress) -> Contro
 ///     .set("left.kind", "velocity")
 ///     .set("left.value", -30.0)
 ///     .set("right.kind", "free")
-///     .set("effects.unloading", "isotropic")
+///     .set("effects.hardening", "isotropic")
 ///     .set("solve.until", 2e-4)
 ///     .build()?;
 /// let solution = barwave::run::solve(&scene, &mut |_| ControlFlow::Continue(()))?;

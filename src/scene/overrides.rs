@@ -3,7 +3,7 @@
 use toml_edit::{ArrayOfTables, DocumentMut, Item, Value};
 
 use crate::error::{Error, InputError, Place, Result};
-use crate::input::Document;
+use crate::input::{DEPRECATED_KEYS, Document};
 
 /// One override, split.
 #[derive(Debug, Clone)]
@@ -92,14 +92,19 @@ impl Override {
 
     fn put(&self, root: &mut Item) -> std::result::Result<(), String> {
         let Some((last, parents)) = self.key.split_last() else { return Ok(()) };
-        let mut item = root;
+        let (mut item, mut path) = (root, String::new());
         for part in parents {
+            let part = name_in_file(item, &path, part);
             // Stepping into a table that is not there would make it.
             if self.value.is_empty() && item.as_table_like().is_some_and(|table| !table.contains_key(part)) {
                 return Ok(());
             }
             item = step(item, part)?;
+            if part.parse::<usize>().is_err() {
+                path = if path.is_empty() { part.to_owned() } else { format!("{path}.{part}") };
+            }
         }
+        let last = name_in_file(item, &path, last);
         if self.value.is_empty() {
             return remove(item, last);
         }
@@ -123,6 +128,14 @@ impl Override {
         let help = "the key is dotted as in the file, e.g. solve.cells or bar.segment.0.length (counted from 0)";
         self.place(InputError::new(message).key(self.key.join(".")).help(help))
     }
+}
+
+/// The name under which a table of the file has the key `part`, if only the deprecated or only the present one of its names is there.
+fn name_in_file<'a>(item: &Item, path: &str, part: &'a str) -> &'a str {
+    let has = |name: &str| item.as_table_like().is_some_and(|table| table.contains_key(name));
+    let names = DEPRECATED_KEYS.iter().filter(|(table, ..)| *table == path);
+    let mut other = names.flat_map(|&(_, old, new)| [(old, new), (new, old)]);
+    if has(part) { part } else { other.find(|(from, to)| *from == part && has(to)).map_or(part, |(_, to)| to) }
 }
 
 /// The item under one part of a key; what is missing is made, as an inline table.

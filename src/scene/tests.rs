@@ -237,6 +237,8 @@ fn the_resolved_scene_is_complete() {
     let old = scene.text.replace("hardening", "unloading");
     let old = Scene::parse("test.toml", &old, Path::new("."), &[]).expect("an old name");
     assert_eq!(old.effects, scene.effects);
+    let changed = Scene::parse("test.toml", &old.text, Path::new("."), &["effects.hardening=kinematic".to_owned()]);
+    assert_eq!(changed.expect("an override").effects.unloading, Some(Unloading::Kinematic));
     assert_eq!(old.notes(), ["the key `unloading` in [effects] is deprecated; use `hardening`"]);
     assert_eq!(json["left"]["history"][0][1], -30.0);
     assert_eq!(json["record"]["times"].as_array().map(Vec::len), Some(200));

@@ -1,4 +1,4 @@
-//! Reading a TOML file so that every complaint can name file, line, key, value and what would be right.
+//! Reading of TOML files with errors that state file, line, key, value and remedy.
 
 use std::ops::Range;
 use std::path::Path;
@@ -152,10 +152,10 @@ impl Document {
         }
         let help = match allowed {
             Allowed::Finite => example,
-            Allowed::Positive => format!("give `{name}` a value above zero"),
-            Allowed::NotNegative => format!("give `{name}` zero or a value above it"),
+            Allowed::Positive => format!("set `{name}` to a value above zero"),
+            Allowed::NotNegative => format!("set `{name}` to zero or a positive value"),
             Allowed::Within(..) | Allowed::Above(..) | Allowed::Between(..) | Allowed::Below(..) => {
-                format!("give `{name}` a value in the allowed range")
+                format!("set `{name}` to a value in the allowed range")
             }
         };
         Err(self.error(value.span(), key, format!("{typed} is out of range")).allowed(range).help(help).into())
@@ -310,7 +310,7 @@ impl Document {
         let wrong_type = tidy.starts_with("found ");
         let help = match (wrong_type, tidy.split_once("expected ")) {
             (true, Some((_, expected))) => format!("write {expected} here"),
-            _ => "texts stand in \"quotes\", tables in [brackets], one `key = value` a line".into(),
+            _ => "write strings in \"quotes\", tables in [brackets], one `key = value` per line".into(),
         };
         self.error(span, &key, tidy).help(help)
     }
@@ -343,9 +343,9 @@ impl Document {
         let list = known.iter().map(|k| format!("\"{k}\"")).collect::<Vec<_>>().join(", ");
         let help = match nearest(word, known.iter().copied()) {
             Some(near) => format!("did you mean `{near}`?"),
-            None => "write one of the allowed words".into(),
+            None => "write one of the allowed values".into(),
         };
-        self.error(span, key, format!("unknown word `{word}`")).allowed(list).help(help)
+        self.error(span, key, format!("unknown value `{word}`")).allowed(list).help(help)
     }
 
     fn missing_key(&self, span: Range<usize>, table: &str, name: &str) -> InputError {
@@ -358,7 +358,7 @@ impl Document {
 /// The reader's words for types as users know them: `struct RawSolve` is a table. `value` is the text that it read.
 fn plain_types(message: &str, value: &str) -> String {
     if message == "wanted string or table" {
-        return format!("found `{value}`, expected a word or a table");
+        return format!("found `{value}`, expected a string or a table");
     }
     let Some((found, expected)) = message.split_once(", expected ") else { return message.to_owned() };
     let expected = match expected {
@@ -525,7 +525,7 @@ mod tests {
         let error = wrong("[bar]\nlength = true\n");
         assert_eq!((error.key.as_str(), line(&error)), ("bar.length", 2));
         assert!(error.message.contains("boolean `true`"), "{}", error.message);
-        assert!(error.help.contains("a number, or a text with a unit"), "{}", error.help);
+        assert!(error.help.contains("a number, or a string with a unit"), "{}", error.help);
     }
 
     #[test]

@@ -56,7 +56,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     last.map_or(Ok(()), Err)
 }
 
-/// What the file is, and notes on what it asks for.
+/// The kind of a file, and notes on it.
 fn check(file: &Path) -> Result<(&'static str, Vec<String>)> {
     let document = Document::read_scene(file)?;
     match kind(&document)? {
@@ -96,7 +96,7 @@ fn kind(document: &Document) -> Result<Kind> {
         (false, false) => {
             let message = format!("`{}` is neither a scene nor a material", document.file);
             let help = "a scene has [bar], [left], [right] and [solve]; a material has density and [curve]; \
-                        `barwave new NAME` writes a scene to start from";
+                        `barwave new NAME` writes a template";
             Err(InputError::new(message).help(help).into())
         }
     }

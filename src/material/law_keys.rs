@@ -1,4 +1,4 @@
-//! The constants of formulas in a file: which keys each law takes, and their ranges.
+//! The constants of formulas in a file: the keys of each law and their ranges.
 
 use std::ops::Range;
 
@@ -55,7 +55,7 @@ impl Reader<'_> {
         self.optional(key, dimension, allowed)?.ok_or_else(|| {
             let (formula, keys) = keys_of(self.formula);
             let error = self.keys.error(self.span.clone(), &format!("{}.{key}", self.name), "is missing");
-            error.help(format!("formula = \"{formula}\" takes {}", keys.join(", "))).into()
+            error.help(format!("formula = \"{formula}\" uses {}", keys.join(", "))).into()
         })
     }
 
@@ -82,7 +82,7 @@ pub(super) fn read(formula: Formula, span: Range<usize>, curve: &RawCurve, name:
     for (key, value) in given(curve) {
         if !takes.contains(&key) {
             let error = keys.error(value.span(), &format!("{name}.{key}"), "is not a constant of this formula");
-            let help = format!("formula = \"{formula_name}\" takes {}", takes.join(", "));
+            let help = format!("formula = \"{formula_name}\" uses {}", takes.join(", "));
             return Err(error.help(help).into());
         }
     }
@@ -123,7 +123,7 @@ fn voce(reader: &Reader<'_>) -> Result<Law> {
             .keys
             .error(span, &key, message)
             .allowed("saturation > yield")
-            .help("give `saturation` the stress that the curve approaches from below")
+            .help("set `saturation` to the stress that the curve approaches from below")
             .into());
     }
     Ok(Law::Voce { yield_stress, saturation, strain: reader.strain("strain")? })
@@ -132,7 +132,8 @@ fn voce(reader: &Reader<'_>) -> Result<Law> {
 /// Refuses constants where there is no formula.
 pub(super) fn refuse_constants(curve: &RawCurve, name: &str, keys: Keys<'_>) -> Result<()> {
     let Some((key, value)) = given(curve).next() else { return Ok(()) };
-    let error = keys.error(value.span(), &format!("{name}.{key}"), "is a formula's constant, but no formula is named");
+    let error =
+        keys.error(value.span(), &format!("{name}.{key}"), "is a constant of a formula, but `formula` is not given");
     Err(error.help("add e.g. formula = \"hollomon\", or remove the constant").into())
 }
 

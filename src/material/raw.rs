@@ -1,4 +1,4 @@
-//! A material as a file or a scene writes it: the serde mirror. What it means is decided in `file`.
+//! The serde mirror of a material file; `file` converts it.
 
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -17,14 +17,13 @@ use crate::units::measures::{Density, SpecificHeat, Stress, Temperature};
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct RawMaterial {
-    /// Short name; a file without one is named by its stem.
+    /// Short name. Default: the file name.
     pub name: Option<String>,
     /// Description, one line.
     pub description: Option<String>,
     /// Mass per volume.
     pub density: Of<Density, Positive>,
-    /// Elastic modulus: slope of every unloading, never exceeded by the curve. Default: the curve's
-    /// steepest slope. Formulas need it.
+    /// Elastic modulus: slope of elastic unloading, not exceeded by the curve. Default: the steepest slope of the curve. Required for formulas.
     pub modulus: Option<Of<Stress, Positive>>,
     /// Loading of the curve: "axial" (default), or "shear": shear stress against engineering shear strain, and `modulus` is
     /// the shear modulus; for bars with mode = "torsion".
@@ -32,24 +31,23 @@ pub struct RawMaterial {
     pub loading: Option<Spanned<Loading>>,
     /// Poisson's ratio.
     pub poisson: Option<Of<Plain, Poisson>>,
-    /// Whether strains and stresses are engineering (default) or true ones. Also accepted in `[curve]`.
+    /// Engineering (nominal, default) or true stress and strain. Also accepted in `[curve]`.
     #[schemars(with = "Option<Measure>")]
     pub measure: Option<Spanned<Measure>>,
     /// Whether the curve was measured in tension (default) or compression. Also accepted in `[curve]`.
     #[schemars(with = "Option<Sense>")]
     pub sense: Option<Spanned<Sense>>,
-    /// What happens past the last row: "rupture" (the specimen broke there), "extend" (the last slope is continued) or "error" (default:
-    /// a run that reaches it stops). Also accepted in `[curve]`.
+    /// Behaviour beyond the last row: "rupture" (the specimen fractured there), "extend" (extrapolation with the last slope) or "error" (default: the run stops). Also accepted in `[curve]`.
     #[schemars(with = "Option<Beyond>")]
     pub beyond: Option<Spanned<Beyond>>,
-    /// Curve of the other sense where `[compression]` is absent: "engineering" (default) mirrors the engineering
+    /// Curve in the other sense without `[compression]`: "engineering" (default) mirrors the engineering
     /// curve; "true" converts the same true curve to compression.
     #[schemars(with = "Option<Measure>")]
     pub symmetry: Option<Spanned<Measure>>,
     /// The stress-strain curve of first loading.
     #[schemars(with = "RawCurve")]
     pub curve: Spanned<RawCurve>,
-    /// First loading in compression, where it differs; magnitudes.
+    /// First loading in compression, if different; magnitudes.
     #[schemars(with = "Option<RawCurve>")]
     pub compression: Option<Spanned<RawCurve>>,
     /// Constants of rate laws.
@@ -98,7 +96,7 @@ pub struct RawCurve {
     /// Rows [strain, stress]; magnitudes; strain increasing. Plain stresses are in `unit`.
     #[schemars(with = "Option<Vec<(Quantity, Quantity)>>")]
     pub table: Option<Vec<TableRow>>,
-    /// A file with the columns strain, stress, relative to this one. A header may name units: `stress_MPa` or
+    /// A file with the columns strain, stress, relative to this one. A header may give units: `stress_MPa` or
     /// `stress (MPa)`, `strain (%)`.
     #[schemars(with = "Option<String>")]
     pub csv: Option<Spanned<String>>,
@@ -136,7 +134,7 @@ pub struct RawCurve {
     #[serde(rename = "yield")]
     #[schemars(with = "Option<Quantity>")]
     pub yield_stress: Option<Number>,
-    /// Voce: stress that is approached (Pa).
+    /// Voce: saturation stress (Pa).
     #[schemars(with = "Option<Quantity>")]
     pub saturation: Option<Number>,
     /// Voce: characteristic plastic strain.
@@ -148,7 +146,7 @@ pub struct RawCurve {
     /// Ramberg-Osgood: plastic strain at the yield stress (default 0.002).
     #[schemars(with = "Option<Quantity>")]
     pub offset: Option<Number>,
-    /// How a formula becomes a table.
+    /// Conversion of a formula to a table.
     pub tabulate: Option<RawTabulate>,
 }
 
@@ -174,23 +172,21 @@ pub struct RawTest {
     pub record: Option<String>,
     /// Elastic modulus of this test; default: the steepest slope.
     pub modulus: Option<Of<Stress, Positive>>,
-    /// Behaviour past the last row; default: that of the material.
+    /// Behaviour beyond the last row; default: that of the material.
     pub beyond: Option<Beyond>,
     /// Rows [engineering strain, engineering stress]; magnitudes; strain increasing.
     #[schemars(with = "Vec<(Quantity, Quantity)>")]
     pub table: Spanned<Vec<TableRow>>,
 }
 
-/// How a formula (or a true table) becomes an engineering table.
+/// Conversion of a formula (or a true table) to an engineering table.
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct RawTabulate {
-    /// Largest distance in stress over the largest stress.
+    /// Largest error of the stress, relative to the largest stress.
     #[schemars(default)]
     pub tolerance: Or<Of<Plain, Within<1, 10_000_000, 100_000_000>>, 1, 1000>,
-    /// Engineering strain at which the table ends; where symmetry = "true" makes the compression table of a tension curve, that
-    /// table ends at 0.9 at the latest (default: half as far again as the largest engineering stress; where there is none 0.5,
-    /// and 0.777, a true strain of 1.5, in compression of true stress and strain).
+    /// Engineering strain at the end of the table; at most 0.9 for a compression table from symmetry = "true". Default: 1.5 times the true strain at the largest engineering stress; without a maximum 0.5, and 0.777 (a true strain of 1.5) in compression of true stress and strain.
     pub to_strain: Option<Of<Plain, Positive>>,
 }
 
@@ -200,9 +196,9 @@ pub struct RawTabulate {
 pub struct RawHeat {
     /// Heat per mass and kelvin.
     pub specific_heat: Option<Of<SpecificHeat, Positive>>,
-    /// Fraction of the plastic work that heats.
+    /// Fraction of the plastic work converted to heat.
     pub fraction: Option<Of<Plain, Within<0, 1>>>,
-    /// Temperature at which the curve holds.
+    /// Temperature of the curve.
     pub reference_temperature: Option<Of<Temperature, Positive>>,
     /// Melting temperature, above the reference temperature.
     pub melting_temperature: Option<Of<Temperature, Positive>>,
@@ -211,7 +207,7 @@ pub struct RawHeat {
     pub exponent: Option<Of<Plain, Positive>>,
 }
 
-/// `[source]`: where the curve comes from.
+/// `[source]`: origin of the curve.
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct RawSource {

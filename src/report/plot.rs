@@ -1,4 +1,4 @@
-//! What every picture shares: colours, and writing it as SVG, PNG or HTML.
+//! Common parts of all figures: colours, and output as SVG, PNG or HTML.
 //!
 //! SVG and HTML name the font `DejaVu Sans` with common substitutes; PNG is drawn with `DejaVu Sans` itself, which is
 //! part of the program, so it looks the same on a machine without fonts.
@@ -46,9 +46,9 @@ impl Format {
             "png" => Ok(Self::Png),
             "html" | "htm" => Ok(Self::Html),
             _ if destination::is_stdout(path) => Ok(Self::Svg),
-            _ => Err(InputError::new(format!("`{}` names no kind of picture", path.display()))
+            _ => Err(InputError::new(format!("unknown picture format `{}`", path.display()))
                 .key("-o")
-                .allowed("names that end in .svg, .png or .html")
+                .allowed("a file name ending in .svg, .png or .html")
                 .help("e.g. -o figure.svg")
                 .into()),
         }

@@ -1,4 +1,4 @@
-//! Scenes of impacts that are not waves in a bar: solved at once, and written whole.
+//! Impacts without waves in a bar: solved at once and written as a whole.
 
 use std::path::Path;
 use std::time::Instant;
@@ -9,7 +9,7 @@ use crate::record::store::{Header, write_impact};
 use crate::record::{ImpactSummary, MaterialRecord};
 use crate::scene::ImpactScene;
 
-/// Solves the impact, and writes a result file where one is asked for. `watch` is told the part that is done.
+/// Solves the impact and writes a result file if requested. `watch` receives the completed fraction.
 ///
 /// # Errors
 /// [`Error::Interrupted`] where `watch` breaks off, the result so far being in the file; a file error where the result cannot be written.

@@ -36,7 +36,8 @@ mod tests {
 
     #[test]
     fn deprecated_keys_are_noted_wherever_they_are_given() {
-        let text = "[record]\ngauges = { notch = 1 }\n[effects]\nunloading = \"isotropic\"\n[[bar.segment]]\nnotch = 2\n";
+        let text =
+            "[record]\ngauges = { notch = 1 }\n[effects]\nunloading = \"isotropic\"\n[[bar.segment]]\nnotch = 2\n";
         let found = notes(text, &["solve.event-budget=5".to_owned()]);
         assert_eq!(
             found,

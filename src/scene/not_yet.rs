@@ -1,5 +1,4 @@
-//! Words of the scene language that this version knows but cannot simulate: each is refused by name, with what
-//! can be done instead, and none is ever passed over in silence. A word that becomes available loses its row here.
+//! Scene keys and values that are known but not yet simulated: each is refused by name, with an alternative.
 
 use std::ops::Range;
 
@@ -22,11 +21,11 @@ const fn word(path: &'static [&'static str], value: &'static str, what: &'static
 }
 
 const STRIKER: &str =
-    "give an end kind = \"striker\" with mass and velocity, or lay two segments together with joint = \"contact\"";
+    "give an end kind = \"striker\" with mass and velocity, or place two segments in contact with joint = \"contact\"";
 
 const WORDS: &[Word] = &[
     word(&["striker"], "", "a striking body of its own", STRIKER),
-    word(&["solve", "viscosity"], "", "artificial viscosity", "leave it out"),
+    word(&["solve", "viscosity"], "", "artificial viscosity", "remove it"),
 ];
 
 /// Refuses the first word that cannot be simulated. Text that is no TOML passes: its reader complains better.

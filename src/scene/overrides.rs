@@ -1,4 +1,4 @@
-//! `--set KEY=VALUE`: changes the scene's text before it is read, so that every rule of the file holds for them too.
+//! `--set KEY=VALUE`: edits the text of the scene before it is read, so that all checks of the file apply.
 
 use toml_edit::{ArrayOfTables, DocumentMut, Item, Value};
 
@@ -76,10 +76,10 @@ fn split(typed: &str) -> Result<Override> {
             .allowed("KEY=VALUE with a dotted key")
             .help("write e.g. --set solve.cells=4000 or --set left.value=\"-40 m/s\"")
     };
-    let (key, value) = typed.split_once('=').ok_or_else(|| wrong("there is no `=`"))?;
+    let (key, value) = typed.split_once('=').ok_or_else(|| wrong("missing `=`"))?;
     let key: Vec<String> = key.trim().split('.').map(|part| part.trim().to_owned()).collect();
     if key.iter().any(String::is_empty) {
-        return Err(wrong("the key is not complete").into());
+        return Err(wrong("the key is incomplete").into());
     }
     Ok(Override { typed: typed.to_owned(), key, value: value.trim().to_owned() })
 }
@@ -146,7 +146,7 @@ fn step<'a>(item: &'a mut Item, part: &str) -> std::result::Result<&'a mut Item,
             Err(format!("there is no item {part}: the scene has no such list, and no item can be added to it here"))
         }
         Item::None | Item::Table(_) | Item::Value(Value::InlineTable(_)) => Ok(&mut item[part]),
-        Item::Value(_) => Err(format!("`{part}` cannot stand inside a value of the type {}", item.type_name())),
+        Item::Value(_) => Err(format!("`{part}` cannot be set inside a value of type {}", item.type_name())),
     }
 }
 
@@ -155,7 +155,8 @@ fn step_index<'a>(item: &'a mut Item, part: &str) -> std::result::Result<&'a mut
         Item::ArrayOfTables(tables) => tables.len(),
         _ => item.as_array().map_or(0, toml_edit::Array::len),
     };
-    let index: usize = part.parse().map_err(|_| format!("`{part}` must be a number: it counts the items of a list"))?;
+    let index: usize =
+        part.parse().map_err(|_| format!("`{part}` must be a number, the index of an item in a list"))?;
     if index >= count {
         return Err(format!("there is no item {index}: the list has {count}, counted from 0"));
     }

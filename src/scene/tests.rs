@@ -98,7 +98,7 @@ fn bodies_need_the_section_on_which_they_act() {
         let text = base("").replace("kind = \"free\"", &format!("kind = \"{end}"));
         let error = wrong(&text, &[]);
         assert_eq!(error.key, "right.kind");
-        assert!(error.to_string().contains("needs the section"), "{error}");
+        assert!(error.to_string().contains("needs the cross-section"), "{error}");
     }
 }
 
@@ -212,9 +212,9 @@ fn errors_of_overrides_say_so() {
     let error = wrong(&base(""), &["solve.cell=1000"]);
     assert!(error.to_string().starts_with("--set:1: `solve.cell`: unknown key"), "{error}");
     let error = wrong(&base(""), &["solve.until.deep=1"]);
-    assert!(error.message.contains("cannot stand inside"), "{error}");
-    assert!(wrong(&base(""), &["solve.cfl"]).message.contains("no `=`"));
-    assert!(wrong(&base(""), &["=1"]).message.contains("not complete"));
+    assert!(error.message.contains("cannot be set inside"), "{error}");
+    assert!(wrong(&base(""), &["solve.cfl"]).message.contains("missing `=`"));
+    assert!(wrong(&base(""), &["=1"]).message.contains("incomplete"));
     let taken = read(&base(""), &["solve.cfl=", "effects.rate="]).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(taken.text, base(""));
 }
@@ -266,7 +266,7 @@ fn csv_histories_take_units_from_the_header_or_the_cells() {
     }
     for (content, line, part) in [
         ("time,v\n0,0\n1,2,3\n", 3, "3 columns"),
-        ("time,v\n1e-6,0\n0,0\n", 3, "goes back in time"),
+        ("time,v\n1e-6,0\n0,0\n", 3, "is earlier than the row before it"),
         ("time [kg],v\n1,0\n", 2, "is a mass, but a time"),
         ("0,0\nx,y\n", 2, "does not start with a number"),
         ("0,0\n-1,0\n", 2, "out of range"),

@@ -104,7 +104,7 @@ pub fn held_out() -> Vec<Known> {
             scene(&one(BILINEAR), &pushed_and_pulled, &kind("free"), "hardening = \"kinematic\"", 1.4 * t),
         ),
         tracked(
-            "let go, mixed hardening",
+            "released, mixed hardening",
             scene(&one(FOUR), &let_go("-25 m/s", 0.4), &kind("fixed"), "hardening = { mixed = 0.3 }", 1.3 * t),
         ),
         tracked("S-shaped, reflected", scene(&one(S_SHAPED), &driven("-30 m/s"), &kind("fixed"), ISOTROPIC, 1.5 * t)),
@@ -141,7 +141,7 @@ pub fn held_out() -> Vec<Known> {
             scene(&one(BILINEAR), &struck_by(MASS, 20.0), &kind("free"), ISOTROPIC, 0.9 * t),
         ),
         of(
-            "Malvern, let go",
+            "Malvern, released",
             Truth::Net(6144),
             scene(&short("\"mild-steel\""), &let_go("12 m/s", RELEASE), &kind("fixed"), malvern, 60e-6),
         ),

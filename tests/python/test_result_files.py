@@ -276,7 +276,7 @@ def test_a_report_is_drawn(program, run, tmp_path, kind, start):
 
 
 TRACKED = "runs/bilinear-p2-moc.toml"
-LET_GO = "runs/copper-let-go.toml"
+LET_GO = "runs/copper-released.toml"
 
 
 def test_a_tracked_run_opens_in_xarray_with_paths_numbered(run):

@@ -144,7 +144,7 @@ fn methods_are_compared_in_a_bar_without_stress_at_the_end() {
 #[test]
 fn an_interrupted_study_shows_what_there_is_and_exits_with_130() {
     let folder = tempfile::tempdir().expect("a folder");
-    let mut command = command(folder.path(), "copper-let-go.toml", &["--json", "--budget", "600s"]);
+    let mut command = command(folder.path(), "copper-released.toml", &["--json", "--budget", "600s"]);
     let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("it starts");
     std::thread::sleep(std::time::Duration::from_secs(2));
     let killed = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill is there");

@@ -249,9 +249,9 @@ fn what_friction_does_not_go_with_is_refused() {
     for (from, to, says) in [
         ("friction = \"20 kN/m\"", "friction = \"-1 N/m\"", "friction >= 0"),
         ("friction = \"20 kN/m\"", "friction = \"1 MPa\"", "a force per length is expected"),
-        ("friction =", "internal = 1, friction =", "not followed together with `internal`"),
-        ("hardening = \"isotropic\"", "lateral-inertia = true", "not followed together with `lateral-inertia`"),
-        ("area = \"10 cm^2\"\n", "", "`friction` is a force per length on the whole section"),
+        ("friction =", "internal = 1, friction =", "not simulated together with `internal`"),
+        ("hardening = \"isotropic\"", "lateral-inertia = true", "not simulated together with `lateral-inertia`"),
+        ("area = \"10 cm^2\"\n", "", "`friction` is a force per length and needs the cross-section"),
         ("[solve]", "[solve]\nmethod = \"moc\"", "does not simulate the effect `damping`"),
         ("[solve]", "[solve]\nscheme = \"muscl\"", "use scheme = \"leapfrog\""),
     ] {

@@ -277,7 +277,7 @@ fn states_that_cannot_be_are_refused() {
     assert!(one("stress = 2.1e8\nplastic-strain = 0.01", isotropic, solve).is_ok());
     refused("stress = 2.1e8", "", solve, "outside the elastic range");
     refused("stress = -4e8\nplastic-strain = 0.01", "hardening = \"kinematic\"", solve, "outside the elastic range");
-    refused("plastic-strain = 0.01", "", solve, "needs a law of unloading");
+    refused("plastic-strain = 0.01", "", solve, "needs a hardening rule");
     for method in ["", "method = \"fd\"", "scheme = \"muscl\"", "method = \"moc\""] {
         let solve = &format!("{solve}\n{method}");
         refused("stress = 2.1e8", "", solve, "outside the elastic range");

@@ -62,7 +62,7 @@ fn a_spent_event_budget_is_followed_by_no_more_than_another_one() {
         ControlFlow::Continue(())
     });
     let error = ended.map(|_| ()).expect_err("the budget is spent").to_string();
-    assert!(error.contains("all of its 5000 events"), "{error}");
+    assert!(error.contains("its limit of 5000 events"), "{error}");
     assert!(calls > 3 && all <= 2 * 5000, "{calls} calls, {all} events");
     // The search can be interrupted as well.
     let mut spent = false;
@@ -80,8 +80,8 @@ fn a_plan_stops_its_coarse_runs_and_says_so() {
     let long = "until = \"100 s\"\n";
     let notes = |plan: &Plan| plan.notes.join("\n");
     let fixed = plan(&scene(&format!("{long}cells = 400")));
-    assert!(notes(&fixed).contains("look at the first"), "{}", notes(&fixed));
+    assert!(notes(&fixed).contains("cover the first"), "{}", notes(&fixed));
     let open = plan(&scene(&format!("{long}tolerance = 1e-4")));
     let how = open.choice.expect("a tolerance").how;
-    assert!(how.contains("take longer than a plan may"), "{how}");
+    assert!(how.contains("exceed the time limit of `plan`"), "{how}");
 }

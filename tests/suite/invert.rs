@@ -227,7 +227,7 @@ fn a_table_of_arrivals_is_inverted() {
             .map(|l| l.to_owned() + "\n")
             .collect::<String>(),
     );
-    assert!(refused(path, &arguments).contains("no scatter"));
+    assert!(refused(path, &arguments).contains("scatter of the arrivals is unknown"));
     write(&table(&[0.0; 3]).replace("50,", "500,"));
     assert!(refused(path, &arguments).contains("arrive at the farther gauges first"));
     write("x_mm,strain,time\n50,abc,1\n");

@@ -199,7 +199,7 @@ fn a_tension_material_is_converted_only_if_that_is_said() {
     let end = "kind = \"free\"";
     let text = |bar: &str| format!("[bar]\n{bar}\n[left]\n{end}\n[right]\n{end}\n[solve]\nuntil = 1e-4\n");
     let refused = Scene::parse("s.toml", &text(&bar("")), Path::new("."), &[]).expect_err("tension");
-    assert!(refused.to_string().contains("one of tension"), "{refused}");
+    assert!(refused.to_string().contains("has a tension curve"), "{refused}");
     let scene = parse(&text(&bar("shear = \"von-mises\"")));
     let material = &scene.bar.segments[0].material;
     assert_eq!(material.loading, Loading::Shear);

@@ -13,7 +13,7 @@ use barwave::solver::moc::{FrontTracking, Settings};
 /// s. Later, fronts that run at incommensurate speeds meet by the million.
 const UNTIL: f64 = 300e-6;
 
-/// A bilinear bar in two pieces, struck and let go: reflections, unloading, a joint.
+/// A bilinear bar in two pieces, struck and released: reflections, unloading, a joint.
 const SCENE: &str = r#"
 [[bar.segment]]
 length = "0.6 m"

@@ -5,7 +5,7 @@ use super::AuditRow;
 /// Estimate for an effect that changes the outcome, such as fracture.
 pub(super) const DECISIVE: f64 = 1.0;
 
-/// How large a neglected effect would have been.
+/// The estimate of a neglected effect.
 #[derive(Debug)]
 pub(super) struct Finding {
     /// Relative change of the stress; NaN if it is not known.

@@ -1,4 +1,4 @@
-//! The strain rate reached, against the constants that the materials state.
+//! Neglected rate dependence, estimated from the plastic strain rates of the run.
 //!
 //! The rate is the plastic strain that a place gains between two looks, over the time between them: 1/64 of the run. A
 //! fan that takes longer to pass has this rate; a front that is a jump has none of its own (on a grid it has the grid's),
@@ -99,7 +99,7 @@ impl RateRise {
     }
 }
 
-/// Flow by Malvern's law that is quicker than a time step: the net, not the material, then says how wide fronts are.
+/// Flow by Malvern's law with a relaxation time below the time step: the net, not the material, then determines the width of fronts.
 pub fn unresolved_flow(k: f64, dt: f64) -> Option<AuditRow> {
     let k_dt = k * dt;
     (k_dt > 1.0).then(|| AuditRow {

@@ -1,4 +1,4 @@
-//! Unloading of yielded places in a run that follows the curve both ways.
+//! Neglected elastic unloading, estimated from yielded sections that unload along the loading curve.
 //!
 //! Going back along the curve, a stress drop d sigma with the strain drop d eps runs at `c = sqrt(d sigma/(rho d eps))`;
 //! elastic unloading would have carried it at c0, and so c0/c times as far. The stretch that it misses is c0/c - 1 times
@@ -76,7 +76,7 @@ impl Unloading {
         self.change = self.change.max(change.min(held));
     }
 
-    /// Takes in the strain of a place, and says whether it has yielded and gone back since.
+    /// Updates the strain of a point; true if it has yielded and unloaded since.
     fn went_back(&mut self, k: usize, now: &Reading) -> bool {
         let (strain, stress) = (now.strain[k], now.stress[k]);
         if strain.abs() > self.largest[k].0.abs() {

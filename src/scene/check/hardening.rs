@@ -33,9 +33,7 @@ impl Checker<'_> {
             && let Some(segment) = bar.segments.iter().find(|s| !table(s).is_concave())
         {
             let name = &segment.material.name;
-            let message = format!(
-                "kinematic hardening is that of elements in parallel, whose curve never stiffens; that of `{name}` does"
-            );
+            let message = format!("kinematic hardening needs a curve that does not stiffen; that of `{name}` does");
             let help = "use hardening = { mixed = 1 }, which moves the elastic range along the curve by the accumulated \
                         plastic strain, or hardening = \"isotropic\"";
             let allowed = "\"isotropic\" or { mixed = 0 to 1 }";

@@ -1,4 +1,4 @@
-//! The effect `rupture`: its threshold, the notches, and whether anything in the bar can break.
+//! The effect `rupture`: threshold, stress concentrations, and whether the bar can fracture.
 
 use std::ops::Range;
 
@@ -40,9 +40,7 @@ impl Checker<'_> {
                 if let Some(span) = place {
                     let message = format!("`{name}` applies to the fracture criterion, and fracture is not simulated");
                     let error = self.error(span, &format!("bar.segment.{i}.{name}"), message);
-                    return Err(error
-                        .help("add e.g. rupture = \"critical-strain\" to [effects], or remove it")
-                        .into());
+                    return Err(error.help("add e.g. rupture = \"critical-strain\" to [effects], or remove it").into());
                 }
             }
         }
@@ -56,7 +54,8 @@ impl Checker<'_> {
         if !last && !contact {
             return Ok(());
         }
-        let why = if last { "the last segment has no joint to a next segment" } else { "a contact joint carries no tension" };
+        let why =
+            if last { "the last segment has no joint to a next segment" } else { "a contact joint carries no tension" };
         let error = self.error(span, &format!("bar.segment.{i}.joint-stress-concentration"), why);
         Err(error.help("remove it, or use `stress-concentration` for the whole segment").into())
     }

@@ -1,4 +1,4 @@
-//! Scenes of impacts that are not waves in a bar: the energy method, spheres, plates, beams.
+//! Scenes of impacts without waves in a bar: the energy method, spheres, plates, beams.
 //!
 //! A kind of scene is a file here that reads its keys, its line in [`KINDS`], and its [`Problem`] in `impact`. Everything else is the same
 //! for all: checks, runs, result files, summaries, plans, reports and cost studies.
@@ -53,7 +53,7 @@ pub const KINDS: [Kind; 4] = [
 /// A checked scene of any of these kinds.
 #[derive(Debug, Clone)]
 pub struct ImpactScene {
-    /// For people; the file's stem where the scene gives none.
+    /// Title; by default the stem of the file.
     pub title: String,
     /// The file's stem: names the default output.
     pub name: String,

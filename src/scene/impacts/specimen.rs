@@ -1,4 +1,4 @@
-//! `[specimen]` scenes: a striker and a specimen that has to absorb its energy.
+//! `[specimen]` scenes: a striker and a specimen of the energy method.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -25,12 +25,12 @@ pub struct RawSpecimenScene {
     pub title: Option<String>,
     /// The specimen. Required.
     pub specimen: Placed<RawSpecimen>,
-    /// The body that strikes it. Required.
+    /// The striking body. Required.
     #[schemars(with = "RawStriker")]
     pub striker: Option<Placed<RawStriker>>,
 }
 
-/// The specimen: its size, and what it can absorb.
+/// The specimen: its dimensions and its energy to fracture.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RawSpecimen {
@@ -126,23 +126,25 @@ impl Checker<'_> {
             if let Some(notch) = raw.notch.place() {
                 let message = "a stress concentration needs the stress-strain curve of the specimen";
                 let error = self.error(notch, "specimen.stress-concentration", message);
-                return Err(error.help("give `material` in place of `energy`, or remove `stress-concentration`").into());
+                return Err(error
+                    .help("give `material` in place of `energy`, or remove `stress-concentration`")
+                    .into());
             }
             return self.needed(raw.energy.as_ref(), "energy", span, "specimen").map(Toughness::PerVolume);
         };
         if let Some(energy) = &raw.energy {
-            let message = "`energy` and `material` both say what the specimen absorbs";
+            let message = "`energy` and `material` are both given";
             let error = self.error(energy.span(), "specimen.energy", message);
             return Err(error.help("keep `energy` or `material`, not both").into());
         }
         let curve = material.branch(Sense::Tension).clone();
         let Some(ultimate) = curve.ultimate() else {
             let message = format!(
-                "`{}` never breaks: its curve has no largest stress and does not end in rupture",
+                "`{}` has no fracture strain: its curve has no largest stress and does not end in rupture",
                 material.name
             );
             let error = self.error(choice.span(), "specimen.material", message);
-            let help = "say beyond = \"rupture\" where its data end in rupture, or give `energy` in place of it";
+            let help = "set beyond = \"rupture\" if its data end in rupture, or give `energy` in place of it";
             return Err(error.help(help).into());
         };
         Ok(Toughness::Curve { curve, ultimate, notch: self.si(&raw.notch)? })

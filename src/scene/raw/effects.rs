@@ -23,7 +23,7 @@ pub enum EffectsChoice {
 #[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum AutoWord {
-    /// The program chooses the effects.
+    /// The program selects the effects.
     Auto,
 }
 
@@ -41,7 +41,7 @@ impl<'de> Deserialize<'de> for EffectsChoice {
     }
 }
 
-/// Effects simulated besides the quasi-static curve: only those that are named.
+/// Optional effects; only the effects named here are simulated.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct RawEffects {
@@ -56,13 +56,12 @@ pub struct RawEffects {
     /// hardening = "isotropic" unless `hardening` is set. Needs the materials' `[heat]` constants. Default: none; the temperature is
     /// constant.
     pub heat: Option<Placed<RawHeat>>,
-    /// Fracture; the fragments are simulated further: "critical-strain", `{ energy = "500 ft*lbf/in^3" }` or
+    /// Fracture; the simulation continues with the fragments: "critical-strain", `{ energy = "500 ft*lbf/in^3" }` or
     /// `{ spall = "2 GPa" }`. Default: none; the bar does not fracture.
     pub rupture: Option<Placed<RawRupture>>,
     /// Damping and a foundation along the whole bar. For the method "fd". Default: none.
     pub damping: Option<Placed<RawDamping>>,
-    /// Love's correction for the inertia of lateral motion, with the materials' `poisson`; a section given by its area alone is taken as
-    /// round. For the method "fd". Default: false.
+    /// Love's correction for the inertia of lateral motion, with the materials' `poisson`; a section given by its area only is assumed to be round. For the method "fd". Default: false.
     pub lateral_inertia: Option<Placed<bool>>,
 }
 
@@ -70,7 +69,7 @@ pub struct RawEffects {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RawHeat {
-    /// Fraction of the plastic work that turns into heat. Default: the material's own, else 0.9.
+    /// Fraction of the plastic work converted to heat. Default: that of the material, else 0.9.
     pub fraction: Option<Of<Plain, Within<0, 1>>>,
 }
 
@@ -80,7 +79,7 @@ pub struct RawHeat {
 pub enum RawRupture {
     /// At the nominal strain at the largest engineering stress of the curve, or at the end of data that end in rupture.
     CriticalStrain,
-    /// Where this energy has been absorbed per volume (all work of strain).
+    /// If the strain work per volume reaches this value.
     Energy(Of<EnergyDensity, Positive>),
     /// At this tensile stress.
     Spall(Of<Stress, Positive>),

@@ -148,10 +148,12 @@ fn assemble_start(text: &str) -> f64 {
 }
 
 /// A stress end that makes the bar yield twice, and the second pulse alone.
-const BOTH: &str = "kind = \"stress\"\nhistory = [[0, -260e6], [6e-5, -260e6], [6e-5, 0], [3e-4, 0], [3e-4, 290e6], [3.5e-4, 290e6], [3.5e-4, 0]]";
+const BOTH: &str = "kind = \"stress\"\nhistory = [[0, -260e6], [6e-5, -260e6], [6e-5, 0], [3e-4, 0], [3e-4, 290e6], [3.5e-4, \
+                    290e6], [3.5e-4, 0]]";
 const SECOND: &str = "kind = \"stress\"\nhistory = [[0, 0], [1e-4, 0], [1e-4, 290e6], [1.5e-4, 290e6], [1.5e-4, 0]]";
 /// The same with slopes in the place of jumps.
-const BOTH_SMOOTH: &str = "kind = \"stress\"\nhistory = [[0, 0], [3e-5, -260e6], [6e-5, -260e6], [9e-5, 0], [3e-4, 0], [3.3e-4, 290e6], [3.6e-4, 290e6], [3.9e-4, 0]]";
+const BOTH_SMOOTH: &str = "kind = \"stress\"\nhistory = [[0, 0], [3e-5, -260e6], [6e-5, -260e6], [9e-5, 0], [3e-4, 0], \
+                           [3.3e-4, 290e6], [3.6e-4, 290e6], [3.9e-4, 0]]";
 const SECOND_SMOOTH: &str =
     "kind = \"stress\"\nhistory = [[0, 0], [1e-4, 0], [1.3e-4, 290e6], [1.6e-4, 290e6], [1.9e-4, 0]]";
 const PART: f64 = 2e-4;
@@ -443,8 +445,8 @@ fn wrong_tables_are_refused_at_their_rows() {
     let isotropic = "hardening = \"isotropic\"";
     for (state, effects, solve, words) in [
         ("stress = [[0, 0], [1.1, 1e6]]", "", "", &["row 2 lies beyond the right end", "0 <= x <= 1 m"][..]),
-        ("stress = [[0.5, 0], [0.2, 1e6]]", "", "", &["row 2 lies to the left of the row before it"]),
-        ("stress = [[0.5, 0], [0.5, 1e6], [0.5, 2e6]]", "", "", &["row 3 is the third row with one x"]),
+        ("stress = [[0.5, 0], [0.2, 1e6]]", "", "", &["row 2 has a smaller x than the row before it"]),
+        ("stress = [[0.5, 0], [0.5, 1e6], [0.5, 2e6]]", "", "", &["row 3 is the third row with the same x"]),
         ("stress = [[0, 0, 3]]", "", "", &["a row has 3 entries"]),
         ("stress = []", "", "", &["a table over x needs at least one row"]),
         (
@@ -459,7 +461,7 @@ fn wrong_tables_are_refused_at_their_rows() {
             "",
             &["at x = ", "is outside the elastic range"],
         ),
-        ("plastic-strain = [[0, 0.01], [1, 0]]", "", "", &["plastic strain needs a law of unloading"]),
+        ("plastic-strain = [[0, 0.01], [1, 0]]", "", "", &["an initial plastic strain needs a hardening rule"]),
         (
             "plastic-strain = [[0, 0.01]]\naccumulated-plastic-strain = 0.005",
             isotropic,
@@ -470,11 +472,11 @@ fn wrong_tables_are_refused_at_their_rows() {
             "accumulated-plastic-strain = 0.005",
             "hardening = \"kinematic\"",
             "",
-            &["does not tell where hardening that moves"],
+            &["does not determine the elastic range"],
         ),
         ("accumulated-plastic-strain = [[0, -0.1]]", isotropic, "", &["out of range"]),
         ("stress = 1e6\nstrain = 1e-5", "", "", &["`stress` and `strain` are both given"]),
-        ("temperature = 400", "", "", &["a temperature needs the effect `heat`"]),
+        ("temperature = 400", "", "", &["an initial temperature needs the effect `heat`"]),
         (
             "temperature = [[0, 300], [1, 1800]]",
             "hardening = \"isotropic\"\nheat = {}",
@@ -499,12 +501,14 @@ fn wrong_tables_are_refused_at_their_rows() {
         let error = of(state, effects, solve).expect_err(state);
         assert!(words.iter().all(|words| error.contains(words)), "{state}\n{error}");
     }
-    let twisted = "[bar]\nmode = \"torsion\"\nlength = 1\ndiameter = 0.01\nstrain = 1e-4\nmaterial = { density = 8000, modulus = 8e10, \
-                   loading = \"shear\", curve = { table = [[0.001, 8e7]] } }\n[left]\nkind = \"free\"\n[right]\nkind = \"free\"\n[solve]\nuntil = 1e-4\n";
-    assert!(parse(twisted).expect_err("a strain").contains("does not start from a strain"));
+    let twisted = "[bar]\nmode = \"torsion\"\nlength = 1\ndiameter = 0.01\nstrain = 1e-4\nmaterial = { density = 8000, modulus \
+                   = 8e10, \
+                   loading = \"shear\", curve = { table = [[0.001, 8e7]] } }\n[left]\nkind = \"free\"\n[right]\nkind = \
+                   \"free\"\n[solve]\nuntil = 1e-4\n";
+    assert!(parse(twisted).expect_err("a strain").contains("an initial strain is not available in torsion"));
     let noisy = table("stress", (0..4000).map(|i| (f64::from(i) / 4000.0, if i % 2 == 0 { 0.0 } else { 1e7 })));
     let error = of(&noisy, "", "method = \"moc\"").expect_err("too many steps");
-    assert!(error.contains("makes a staircase of the initial state") && error.contains("at most 2000"), "{error}");
+    assert!(error.contains("discretizes the initial state") && error.contains("at most 2000"), "{error}");
 }
 
 #[test]

@@ -63,7 +63,7 @@ impl Problem {
 
     fn scene(self, cells: usize) -> Scene {
         // No [effects] in the elastic problem: it has no yield stress in C either.
-        let effects = if matches!(self, Self::Elastic) { "" } else { "[effects]\nunloading = \"isotropic\"" };
+        let effects = if matches!(self, Self::Elastic) { "" } else { "[effects]\nhardening = \"isotropic\"" };
         let text = format!(
             "title = \"{}\"\n[bar]\nlength = 1\n[bar.material]\nname = \"bench\"\ndensity = {DENSITY}\n\
              modulus = {MODULUS}\nbeyond = \"extend\"\ncurve = {{ table = {:?} }}\n[left]\nkind = \"velocity\"\n\

@@ -33,7 +33,7 @@ const POISSON_AND_HEAT: &str = "poisson = 0.3\nbeyond = \"extend\"\nheat = { spe
                                 reference-temperature = 293, melting-temperature = 1800, m = 1 }";
 
 fn of_steel(area: &str, velocity: f64, effects: &str) -> f64 {
-    let effects = format!("unloading = \"isotropic\"\n{effects}");
+    let effects = format!("hardening = \"isotropic\"\n{effects}");
     shortest(&scene(velocity, &format!("area = {area}"), POISSON_AND_HEAT, &effects), RUNS)
 }
 

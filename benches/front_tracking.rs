@@ -24,7 +24,7 @@ fn steel(knots: usize, velocity: f64, release: &str, until: f64) -> Scene {
     let text = format!(
         "[bar]\nlength = 1\n[bar.material]\nname = \"bench\"\ndensity = 7800\nmodulus = 200e9\nbeyond = \"extend\"\n\
          curve = {{ table = {table:?} }}\n[left]\nkind = \"velocity\"\nvalue = {velocity:?}\n{release}\n[right]\n\
-         kind = \"free\"\n[effects]\nunloading = \"isotropic\"\n[solve]\nuntil = {until:e}\nmethod = \"moc\"\n"
+         kind = \"free\"\n[effects]\nhardening = \"isotropic\"\n[solve]\nuntil = {until:e}\nmethod = \"moc\"\n"
     );
     Scene::parse("bench", &text, Path::new("."), &[]).unwrap_or_else(|error| panic!("{error}"))
 }
@@ -58,20 +58,20 @@ fn main() {
     println!("{:<46}{:>10}{:>10}{:>14}{:>12}", "bar", "tolerance", "events", "us", "ns an event");
     line("P2, bilinear, to 0.8 L/c0", &steel(2, 20.0, "", 1.58e-4), 0.0, false);
     line("P3, 60 knots, to 0.8 L/c0", &steel(60, 20.0, "", 1.58e-4), 0.0, false);
-    // Ten transits of 197 us; let go after one.
+    // Ten transits of 197 us; released after one.
     let let_go = steel(10, -30.0, "release = 2e-4", 1.97e-3);
     for tolerance in [1e-2, 3e-3, 1e-3] {
-        line("10 knots, pulled and let go, ten transits", &let_go, tolerance, false);
+        line("10 knots, pulled and released, ten transits", &let_go, tolerance, false);
     }
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("runs/copper-let-go.toml");
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("runs/copper-released.toml");
     let copper = Scene::read(&file, &[]).unwrap_or_else(|error| panic!("{error}"));
-    let plain = line("copper-let-go, ten transits", &copper, 1e-3, false);
-    let front_segments = line("copper-let-go, with front_segments kept", &copper, 1e-3, true);
+    let plain = line("copper-released, ten transits", &copper, 1e-3, false);
+    let front_segments = line("copper-released, with front_segments kept", &copper, 1e-3, true);
     let start = Instant::now();
     run::run(&copper, None, &mut |_| ControlFlow::Continue(())).unwrap_or_else(|error| panic!("{error}"));
     let whole = start.elapsed().as_secs_f64();
     println!(
-        "copper-let-go as `barwave run` without a file, with its companion: {:.0} us; {:.0} % of it stepping, {:.0} % front_segments",
+        "copper-released as `barwave run` without a file, with its companion: {:.0} us; {:.0} % of it stepping, {:.0} % front_segments",
         1e6 * whole,
         100.0 * plain / whole,
         100.0 * (front_segments - plain) / whole

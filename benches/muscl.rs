@@ -48,7 +48,7 @@ fn main() {
         .map(|ratio| [0.001 * ratio, 200e6 * ratio.powf(0.2)])
         .collect();
     let bilinear = [[0.001, 200e6], [0.021, 600e6]];
-    let isotropic = "[effects]\nunloading = \"isotropic\"";
+    let isotropic = "[effects]\nhardening = \"isotropic\"";
     println!(
         "ns for a cell and a step (shortest of {RUNS} runs); error: relative L1 of stress against the curve's fan"
     );

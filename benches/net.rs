@@ -19,7 +19,7 @@ fn scene(velocity: f64, knots: usize, rate: &str, cells: usize) -> Scene {
     let text = format!(
         "[bar]\nlength = 1\n[bar.material]\nname = \"bench\"\ndensity = 7800\nmodulus = 200e9\nbeyond = \"extend\"\n\
          curve = {{ table = {table:?} }}\n[left]\nkind = \"velocity\"\nvalue = {velocity:?}\n[right]\nkind = \"fixed\"\n\
-         [effects]\nunloading = \"isotropic\"\n{rate}\n[solve]\nuntil = 1.58e-4\ncells = {cells}\n"
+         [effects]\nhardening = \"isotropic\"\n{rate}\n[solve]\nuntil = 1.58e-4\ncells = {cells}\n"
     );
     Scene::parse("bench", &text, Path::new("."), &[]).unwrap_or_else(|error| panic!("{error}"))
 }

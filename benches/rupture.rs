@@ -16,7 +16,7 @@ fn main() {
     println!("{:<10}{:>8}{:>16}{:>10}{:>10}", "bar", "off", "critical-strain", "energy", "spall");
     for (name, velocity) in [("elastic", -4.0), ("bilinear", -20.0)] {
         let ns = ["", "rupture = \"critical-strain\"", "rupture = { energy = 1e12 }", "rupture = { spall = 1e12 }"]
-            .map(|rupture| format!("unloading = \"isotropic\"\n{rupture}"))
+            .map(|rupture| format!("hardening = \"isotropic\"\n{rupture}"))
             .map(|effects| shortest(&scene(velocity, "", "beyond = \"rupture\"", &effects), RUNS));
         println!("{name:<10}{:>8.2}{:>16.2}{:>10.2}{:>10.2}", ns[0], ns[1], ns[2], ns[3]);
     }

@@ -22,7 +22,7 @@ SCENES = [
     "power-law-p3",
     "bilinear-p2-moc",
     "pulse-tension-us",
-    "copper-let-go",
+    "copper-released",
     "mild-steel-wall",
     "mild-steel-precursor",
 ]

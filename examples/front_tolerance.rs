@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release --example front_tolerance [SECONDS] > docs/front-tolerance.csv` prints events, fronts under way at
 //! the end, time, relative L1 error of the stress at the end against a run with a hundredth of the tolerance, the figure
-//! that `barwave run` states, and the relative energy taken. The error is left empty where the finer run takes more
+//! that `barwave run` states, and the relative energy dissipated. The error is left empty where the finer run takes more
 //! than 3e7 events, or where SECONDS (240 where not given) are over.
 
 #[path = "../tests/common/long_bars.rs"]
@@ -68,7 +68,7 @@ fn lines(case: &Case, runs: &[(f64, FrontTracking, f64)], deadline: Instant) -> 
 fn main() {
     let seconds = std::env::args().nth(1).and_then(|a| a.parse().ok()).unwrap_or(240);
     let deadline = Instant::now() + Duration::from_secs(seconds);
-    println!("case,front tolerance,events,fronts at end,time (s),error,figure,energy taken");
+    println!("case,front tolerance,events,fronts at end,time (s),error,figure,energy dissipated");
     let run = |case: &Case, tolerance| timed(case, tolerance).map(|(run, seconds)| (tolerance, run, seconds));
     // Timed one after the other; only the finer runs go side by side.
     let all: Vec<_> = cases()

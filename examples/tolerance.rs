@@ -14,7 +14,7 @@ use std::time::Instant;
 
 use barwave::record::Summary;
 use barwave::run::{self};
-use barwave::study::cost::{Cost, Hooks, Reach, Whole, cost};
+use barwave::study::cost::{Cost, CostToTolerance, Hooks, Whole, cost};
 use known::{Known, held_out, known};
 
 /// Tolerances of the free choice, and of a scheme that has to do it alone.
@@ -78,7 +78,7 @@ fn row(set: &str, case: &Known, uncertainty: f64, study: Option<&Cost>, alone: O
     let (error, stepping) = (case.true_error(&scene, &summary), stepping(case, &summary));
     let reaches = study.into_iter().flat_map(|s| &s.reach).filter(|r| r.tolerance == tolerance);
     let own = reaches.filter(|r| r.step_wall_s.is_some() && alone.is_none_or(|a| r.scheme.as_deref() == Some(a)));
-    let time = |r: &Reach| r.step_wall_s.unwrap_or(f64::INFINITY);
+    let time = |r: &CostToTolerance| r.step_wall_s.unwrap_or(f64::INFINITY);
     let best = own.min_by(|a, b| time(a).total_cmp(&time(b)));
     let cheapest = best.map(time);
     println!(

@@ -1,4 +1,4 @@
-//! The one place where a scene chooses types: which law, in which form, for which segment.
+//! Selection of the types of a scene: which law, in which form, for which segment. The only place that does this.
 
 use std::f64::consts::PI;
 use std::sync::Arc;

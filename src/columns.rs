@@ -86,9 +86,13 @@ pub(crate) fn table(document: &Document) -> Result<Table> {
     let mut rows: Vec<Line> = lines(&document.text).map(|(span, line)| cells(span, line, delimiter, 2)).collect();
     let width = usual_width(&rows);
     let Some(start) = first_data(&rows, width) else {
-        let message = "there are no two lines of at least two numbers each";
+        let message = "no table: fewer than two lines with at least two numbers";
         let help = "separate the columns by commas, semicolons, tabs or blanks";
-        return Err(document.error(0..0, "", message).allowed("columns of numbers, one row a line").help(help).into());
+        return Err(document
+            .error(0..0, "", message)
+            .allowed("columns of numbers, one row per line")
+            .help(help)
+            .into());
     };
     let data = rows.split_off(start);
     let named = |rows: &mut Vec<Line>| rows.pop_if(|row| row.cells.len() > 1 && !row.cells.iter().any(is_number));
@@ -340,7 +344,7 @@ pub(crate) fn decimal_commas(document: &Document, numbers: &mut [&mut Cell]) -> 
     if let Some(cell) = cells().find(|cell| cell.text.contains('.')) {
         return refuse(
             cell,
-            format!("`{}` has a point, and `{}` a comma: which of them marks the decimals?", cell.text, first.text),
+            format!("`{}` has a point and `{}` a comma: the decimal mark is ambiguous", cell.text, first.text),
         );
     }
     if cells().filter(|cell| cell.text.contains(',')).all(|cell| could_be_thousands(&cell.text)) {
@@ -413,7 +417,7 @@ mod tests {
             ("0.001 about 200\n", "this line has 1 column"),
             ("0,001,200\n", "this line has 3 columns"),
             ("0.001;\n", "this line has 1 column"),
-            ("0.001;200,5\n", "which of them marks the decimals"),
+            ("0.001;200,5\n", "the decimal mark is ambiguous"),
             ("1;1,234\n", "`1,234` can be 1.234 or 1234"),
             ("0;1,234,567\n", "more than one comma"),
         ] {

@@ -14,11 +14,7 @@ pub fn resolve(path: &Path) -> Result<PathBuf, InputError> {
         |what: &str, help: &str| Err(InputError::new(format!("the output {} {what}", path.display())).help(help));
     let is_link = path.symlink_metadata().is_ok_and(|m| m.is_symlink());
     let Ok(metadata) = path.metadata() else {
-        return if is_link {
-            refuse("is a symbolic link to nothing", "name another file")
-        } else {
-            Ok(path.to_owned())
-        };
+        return if is_link { refuse("is a broken symbolic link", "name another file") } else { Ok(path.to_owned()) };
     };
     if metadata.is_dir() {
         return refuse("is a folder", "name a file in it");

@@ -1,4 +1,4 @@
-//! What can go wrong, and what the user is told: what, where, the value, the allowed range, and a help line.
+//! Errors and their messages: what, where, the value, the allowed range, and a help line.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

@@ -1,7 +1,6 @@
 //! barwave: one-dimensional elastic-plastic waves in bars.
 //!
-//! A scene is read from a file ([`scene::Scene::read`]) or put together in a program, and run to a result file ([`run::run`]) or into arrays
-//! ([`run::solve`]):
+//! A scene is read from a file ([`scene::Scene::read`]) or built in a program, and simulated with output to a result file ([`run::run`]) or to arrays ([`run::solve`]):
 //!
 //! ```
 //! use barwave::{record::Field, run, scene::Scene};
@@ -24,7 +23,7 @@
 //!
 //! The library is layered: a module imports only from those above it in this list.
 //! Stress is engineering (nominal) stress, tension positive; x is the Lagrangian coordinate from the left
-//! end; velocity is positive in +x; everything inside is SI.
+//! end; velocity is positive in +x; all values are in SI units.
 
 pub mod error;
 

@@ -1,4 +1,4 @@
-//! Roots of functions of one unknown that are bracketed, so that the search always ends.
+//! Bracketed root finding for functions of one variable, with guaranteed termination.
 
 /// The place in `low..high` where `below` turns from true to false: the upper end of a bracket no wider than `resolution`, or, for 0, of
 /// two neighbouring numbers.

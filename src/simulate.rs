@@ -1,11 +1,11 @@
-//! The time loop: takes a bar on from one look at it to the next, whatever its solver.
+//! The time loop: advances a bar from one observation to the next, independent of the solver.
 
 use std::time::Instant;
 
 use crate::record::{Stepped, Traces, View};
 use crate::solver::moc::{FrontSegment, FrontTracking, Stopped};
 
-/// A bar that goes on in time: on a grid from step to step, by front tracking from event to event.
+/// A bar that is advanced in time: on a grid by steps, with front tracking by events.
 pub trait Solver: View {
     /// A point in time as the solver counts it: steps, or s.
     type Mark: Copy;
@@ -13,10 +13,10 @@ pub trait Solver: View {
     /// What can be kept of the way from one look to the next: histories in steps, or front segments of fronts.
     type Log;
 
-    /// Goes on to a mark, or as far as so much work takes it: cell-steps, or events. True where it is there.
+    /// Advances to a mark, limited by the given work in cell-steps or events. True if the mark is reached.
     ///
     /// # Errors
-    /// [`Stopped`] where the bar cannot go on.
+    /// [`Stopped`] if the bar cannot be advanced.
     fn advance_toward(&mut self, to: Self::Mark, work: u64, log: Option<&mut Self::Log>) -> Result<bool, Stopped>;
 }
 
@@ -74,7 +74,7 @@ pub trait Simulation {
 pub struct Stretch {
     /// Time that the solver took, s.
     pub seconds: f64,
-    /// Whether the bar is at the mark, or why it cannot go on.
+    /// Whether the bar is at the mark, or the reason why it cannot be advanced.
     pub arrived: Result<bool, Stopped>,
 }
 

@@ -1,4 +1,4 @@
-//! Saving and restoring state bit for bit, for checkpoints.
+//! Saving and restoring of state bit for bit, for checkpoints.
 //!
 //! An object is first rebuilt from the scene; then [`Snapshot::restore`] sets what changes from step to step.
 

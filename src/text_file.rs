@@ -1,4 +1,4 @@
-//! Text files that a user names, read within bounds of time and memory: regular files and pipes of at most [`MOST_BYTES`].
+//! Reading of text files within limits of time and memory: regular files and pipes of at most [`MOST_BYTES`].
 
 use std::cell::RefCell;
 use std::fs::{File, Metadata};
@@ -11,7 +11,7 @@ use crate::error::InputError;
 pub const MOST_BYTES: u64 = 64 << 20;
 
 const TOO_LARGE: &str =
-    "a scene or material is a text file of some kilobytes; write only every tenth or hundredth row of a long record";
+    "a scene or material is a text file of some kilobytes; keep only every tenth or hundredth row of a long record";
 
 /// The files that a scene names, with their contents: the scene can be read again if they have changed or are gone.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -98,9 +98,9 @@ pub fn read(path: &Path) -> Result<String, InputError> {
     let shown = path.display().to_string();
     let text_of = |files: &NamedFiles| Some(files.texts.iter().find(|(stored, _)| *stored == shown)?.1.clone());
     let text = match of_store(text_of) {
-        Some(stored) => {
-            stored.ok_or_else(|| cannot_read(&shown, "it was not kept with the scene", "name the scene again"))?
-        }
+        Some(stored) => stored.ok_or_else(|| {
+            cannot_read(&shown, "it was not stored with the scene", "give the path of the scene again")
+        })?,
         None => from_disk(path)?,
     };
     READING.with_borrow_mut(|reading| {
@@ -228,7 +228,7 @@ fn help_for(kind: std::io::ErrorKind) -> &'static str {
 
 fn plain_reason(error: &std::io::Error) -> String {
     match error.kind() {
-        std::io::ErrorKind::NotFound => "there is no such file".into(),
+        std::io::ErrorKind::NotFound => "no such file".into(),
         std::io::ErrorKind::IsADirectory => "it is a folder".into(),
         std::io::ErrorKind::PermissionDenied => "permission denied".into(),
         _ => error.to_string(),

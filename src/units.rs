@@ -1,4 +1,4 @@
-//! Units at the border: text with a unit in, SI out; and numbers for people, in SI or inch-pound units.
+//! Units: strings with a unit to SI, and numbers to strings in SI or inch-pound units.
 //!
 //! Factors are exact: in = 0.0254 m, lb = 0.45359237 kg (mass), lbf = lb * 9.80665 m/s^2. A unit is any product or
 //! quotient of known symbols with powers, so "lbf*s^2/in^4" is a density and "ft*lbf/in^3" an energy per volume.
@@ -106,7 +106,7 @@ impl<'de> Deserialize<'de> for Quantity {
             type Value = Quantity;
 
             fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-                f.write_str("a number, or a text with a unit such as \"10 in\"")
+                f.write_str("a number, or a string with a unit such as \"10 in\"")
             }
 
             fn visit_f64<E>(self, value: f64) -> Result<Quantity, E> {

@@ -1,4 +1,4 @@
-//! How far a tracked bar may be off, from a companion with a coarser tolerance.
+//! Error of a front-tracking run, estimated from a companion run with a coarser tolerance.
 
 use super::Response;
 use crate::record::{ErrorTable, Measure};

@@ -1,4 +1,4 @@
-//! Gathers the response of a bar while it is simulated: on a grid, and by front tracking.
+//! Recording of the response of a bar during a simulation: on a grid, and by front tracking.
 
 use serde::{Deserialize, Serialize};
 

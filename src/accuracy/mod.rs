@@ -1,4 +1,4 @@
-//! How far runs are apart: responses of a bar, the errors of one against another, and Richardson's extrapolation.
+//! Differences between runs: responses of a bar, the error of one against another, and Richardson extrapolation.
 
 mod front_errors;
 mod listen;

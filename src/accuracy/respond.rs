@@ -1,4 +1,4 @@
-//! Simulates a bar for its response alone, without recorders.
+//! Simulation of a bar for its response only, without recorders.
 
 use super::listen::{FrontListener, GridListener};
 use super::response::Response;

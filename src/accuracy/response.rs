@@ -1,4 +1,4 @@
-//! What is compared of two runs: the response of the bar.
+//! The response of a bar: the quantities compared between two runs.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,4 +1,4 @@
-//! Richardson's extrapolation: the error of a run from its differences to runs with fewer cells.
+//! Richardson extrapolation: the error of a run from its differences to runs with fewer cells.
 
 use super::Response;
 use crate::record::{ErrorTable, Measure};

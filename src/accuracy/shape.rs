@@ -1,4 +1,4 @@
-//! A quantity over the bar at one time, or over time at one place, and how far two of them are apart.
+//! A quantity over the bar at one time, or over time at one point, and the norm of the difference of two.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,4 +1,4 @@
-//! The response of a bar through which one fan runs: the self-similar solution.
+//! The response of a bar with a single fan: the self-similar solution.
 
 use super::response::Response;
 use super::shape::Shape;

@@ -1,4 +1,4 @@
-//! What holds or drives an end of the bar: a relation between its velocity and its stress.
+//! Boundary conditions of the bar: relations between velocity and stress of an end.
 
 use super::{Hertz, History};
 
@@ -9,7 +9,7 @@ pub enum EndCondition {
     Velocity {
         /// Velocity against time.
         history: History,
-        /// Time at which the end is let go.
+        /// Time at which the end is released.
         release: Option<f64>,
     },
     /// The end carries this stress, Pa.
@@ -21,7 +21,7 @@ pub enum EndCondition {
     Free,
     /// No motion.
     Fixed,
-    /// Elastic waves leave without reflection: the bar seems to go on for ever, elastic and of the same section.
+    /// Elastic waves leave without reflection, as in an infinite elastic bar of the same section.
     Absorbing,
     /// A linear dashpot to the ground: the bar's end gets the force -c v.
     Dashpot {

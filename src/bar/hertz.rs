@@ -1,4 +1,4 @@
-//! Hertz's contact of a ball with a flat: the force follows from the approach of the two bodies alone.
+//! Hertz contact of a ball with a flat end: the force as a function of the approach.
 
 /// The contact of a ball with a flat end: F = K a^(3/2) at the approach a > 0, K = 4/3 E* sqrt(R), and no pull.
 ///

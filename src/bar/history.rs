@@ -29,8 +29,8 @@ impl RowFault {
             Self::None => "a history needs at least one row",
             Self::NotFinite => "is not finite",
             Self::Negative => "has a negative time",
-            Self::Falls => "goes back in time",
-            Self::Third => "is the third row with one time",
+            Self::Falls => "is earlier than the row before it",
+            Self::Third => "is the third row with the same time",
         }
     }
 
@@ -40,8 +40,8 @@ impl RowFault {
             Self::None => "a table over x needs at least one row",
             Self::NotFinite => "is not finite",
             Self::Negative => "has a negative x",
-            Self::Falls => "lies to the left of the row before it",
-            Self::Third => "is the third row with one x",
+            Self::Falls => "has a smaller x than the row before it",
+            Self::Third => "is the third row with the same x",
         }
     }
 }

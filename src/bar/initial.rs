@@ -1,4 +1,4 @@
-//! What a segment carries at t = 0: one state all along, or tables over x.
+//! Initial state of a segment: uniform, or tables over x.
 
 use serde::Serialize;
 

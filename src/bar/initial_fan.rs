@@ -1,5 +1,4 @@
-//! What the bar's ends and joints send out at the start, in theory: the fans of fronts that follow from the curves
-//! alone, before anything is reflected.
+//! Initial fans: the centred waves emitted by ends and joints at t = 0, from the curves alone, before any reflection.
 
 use super::{Bar, EndCondition, Segment};
 use crate::material::{Curve, Sense};
@@ -46,7 +45,7 @@ pub struct InitialFan {
     pub velocity_ahead: f64,
     /// The largest imposed value holds from t = 0 on and never changes.
     pub sudden: bool,
-    /// First time at which the driving value falls back (or lets go), s; infinite where it never does.
+    /// First time at which the driving value falls back (or is released), s; infinite where it never does.
     pub loads_until: f64,
 }
 
@@ -70,9 +69,9 @@ pub fn initial_fans(bar: &Bar, left: &EndCondition, right: &EndCondition) -> Vec
 fn from_end(end: &EndCondition, origin: Origin, x: f64, segment: usize, at: &Segment) -> Option<InitialFan> {
     let direction = if origin == Origin::Left { 1.0 } else { -1.0 };
     let density = at.material.density;
-    let drive = Drive::of(end, direction, at.velocity)?;
+    let imposed = Imposed::of(end, direction, at.velocity)?;
     // A wave running in +x behind which the bar moves faster in +x compresses it, and likewise mirrored.
-    let (sense, fan) = match drive.kind {
+    let (sense, fan) = match imposed.kind {
         Kind::Velocity(jump) => {
             let sense = Sense::of(-direction * jump);
             (sense, fan_at_velocity(at.material.branch(sense), density, jump.abs()))
@@ -90,13 +89,13 @@ fn from_end(end: &EndCondition, origin: Origin, x: f64, segment: usize, at: &Seg
         sense,
         fan,
         velocity_ahead: at.velocity,
-        sudden: drive.sudden,
-        loads_until: drive.loads_until,
+        sudden: imposed.sudden,
+        loads_until: imposed.loads_until,
     })
 }
 
 /// What an end imposes on the bar at its strongest.
-struct Drive {
+struct Imposed {
     kind: Kind,
     sudden: bool,
     loads_until: f64,
@@ -109,7 +108,7 @@ enum Kind {
     Stress(f64),
 }
 
-impl Drive {
+impl Imposed {
     fn of(end: &EndCondition, direction: f64, rest: f64) -> Option<Self> {
         let steady = |jump: f64| Self { kind: Kind::Velocity(jump), sudden: true, loads_until: f64::INFINITY };
         match end {
@@ -185,7 +184,7 @@ fn from_joint(k: usize, x: f64, left: &Segment, right: &Segment) -> Vec<InitialF
         .collect()
 }
 
-/// Stress that the curve can carry at most, Pa; infinite where it goes on rising.
+/// Largest stress of the curve, Pa; infinite if it increases without limit.
 fn strongest(curve: &Curve) -> f64 {
     match curve.beyond() {
         crate::material::Beyond::Extend if curve.ultimate().is_none() => f64::INFINITY,

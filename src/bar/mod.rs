@@ -1,4 +1,4 @@
-//! The bar itself: segments, joints, ends and their histories; plain data, the same for every solver.
+//! The bar: segments, joints, ends and their histories; plain data, the same for every solver.
 
 mod end;
 pub mod ends;
@@ -129,7 +129,7 @@ impl Bar {
         self.segments.iter().map(|s| s.length).sum()
     }
 
-    /// Time that an elastic wave takes from end to end, s.
+    /// Transit time of an elastic wave from end to end, s.
     pub fn transit_time(&self) -> f64 {
         self.segments.iter().map(|s| s.length / s.material.c0()).sum()
     }

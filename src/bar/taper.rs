@@ -1,4 +1,4 @@
-//! A section that changes along a segment: a table of areas or of diameters, straight between its rows.
+//! A section that varies along a segment: a table of areas or of diameters, linear between its rows.
 
 use std::f64::consts::PI;
 
@@ -33,17 +33,20 @@ impl Taper {
                 return Err((i, "is not finite"));
             }
             if size <= 0.0 {
-                return Err((i, "has no section"));
+                return Err((i, "is not positive"));
             }
             if i == 0 && x != 0.0 {
-                return Err((0, "does not stand at the segment's left end, x = 0"));
+                return Err((0, "is not at the left end of the segment, x = 0"));
             }
             if i > 0 && x <= rows[i - 1].0 {
-                return Err((i, "does not lie to the right of the row before it"));
+                return Err((i, "does not have a larger x than the row before it"));
             }
         }
         if rows.len() < 2 {
-            return Err((rows.len().saturating_sub(1), "is alone: a taper needs a row at both ends of the segment"));
+            return Err((
+                rows.len().saturating_sub(1),
+                "is the only row: a taper needs a row at each end of the segment",
+            ));
         }
         Ok(Self { profile, x: rows.iter().map(|r| r.0).collect(), size: rows.iter().map(|r| r.1).collect() })
     }

@@ -55,14 +55,14 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     last.map_or(Ok(()), Err)
 }
 
-/// What the file is, and notes on what it asks for.
+/// The kind of a file, and notes on it.
 fn check(file: &Path) -> Result<(&'static str, Vec<String>)> {
     let document = Document::read_scene(file)?;
     match kind(&document)? {
         Kind::Scene => {
             let notes = match Problem::of_document(&document, file, &[])? {
                 Problem::Bar(scene) => scene.notes(),
-                Problem::Impact(_) => Vec::new(),
+                Problem::Impact(scene) => scene.notes(),
             };
             Ok(("scene", notes))
         }
@@ -91,7 +91,7 @@ fn kind(document: &Document) -> Result<Kind> {
         (false, false) => {
             let message = format!("`{}` is neither a scene nor a material", document.file);
             let help = "a scene has [bar], [left], [right] and [solve]; a material has density and [curve]; \
-                        `barwave new NAME` writes a scene to start from";
+                        `barwave new NAME` writes a template";
             Err(InputError::new(message).help(help).into())
         }
     }

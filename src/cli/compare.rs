@@ -15,7 +15,8 @@ use crate::study::compare::{Compared, compare};
 /// Options of `barwave compare`.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Examples:\n  barwave compare copper-annealed mild-steel -o curves.svg\n  barwave compare 'steel*' --sense compression -o - > steels.csv\n  barwave compare coarse.h5 fine.h5 --field stress"
+    after_help = "Examples:\n  barwave compare copper-annealed mild-steel -o curves.svg\n  barwave compare 'steel*' --sense \
+                  compression -o - > steels.csv\n  barwave compare coarse.h5 fine.h5 --field stress"
 )]
 pub(crate) struct Args {
     /// Library names, patterns such as 'steel*', or paths of material files, `-` for standard input; or result files (.h5), compared with the first of them.
@@ -27,7 +28,7 @@ pub(crate) struct Args {
     /// Output file: figure (.svg, .png, .pdf, .html) or table (.csv; `-` writes it to standard output).
     #[arg(short, long, visible_alias = "plot", value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Field of results to draw (default: the first that they share).
+    /// Field of results to plot (default: the first common field).
     #[arg(long, value_enum)]
     field: Option<Field>,
     /// Sense of the loading.
@@ -42,7 +43,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let is_csv = args.output.as_deref().is_some_and(output::is_csv);
     if let Some(path) = args.output.as_deref().filter(|_| !is_csv) {
         plot::Format::of(path).map_err(|e| match e {
-            Error::Input(e) => Error::Input(e.allowed("names that end in .svg, .png, .pdf, .html or .csv")),
+            Error::Input(e) => Error::Input(e.allowed("a file name ending in .svg, .png, .pdf, .html or .csv")),
             other => other,
         })?;
     }

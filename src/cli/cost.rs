@@ -16,7 +16,7 @@ use crate::error::{Error, InputError, Result};
 use crate::record::{Measure, SolvedBy};
 use crate::report::{self, plot};
 use crate::scene::{ImpactScene, Problem};
-use crate::study::cost::{Cost, CostPoint, EffectCost, Growth, Hooks, OrderFit, Reach, Whole, cost};
+use crate::study::cost::{Cost, CostPoint, CostToTolerance, EffectCost, Growth, Hooks, OrderFit, Whole, cost};
 use crate::study::impact_cost::impact_cost;
 use crate::units::{Dimension, Quantity};
 
@@ -57,7 +57,7 @@ enum Kind {
     Picture,
 }
 
-/// Looks at a process that is waited for: often at first, so that short runs are timed to a fraction of a millisecond.
+/// Polls a child process: often at first, so that short runs are timed to a fraction of a millisecond.
 const FIRST_LOOK: Duration = Duration::from_micros(200);
 const LAST_LOOK: Duration = Duration::from_millis(5);
 
@@ -139,7 +139,7 @@ fn seconds(budget: &Quantity) -> Result<f64> {
     };
     match budget.si(Dimension::Time) {
         Ok(seconds) if seconds > 0.0 => Ok(seconds),
-        Ok(seconds) => Err(wrong(format!("a budget of {seconds} s is no time"))),
+        Ok(seconds) => Err(wrong(format!("the budget {seconds} s is not positive"))),
         Err(message) => Err(wrong(message)),
     }
 }
@@ -147,7 +147,7 @@ fn seconds(budget: &Quantity) -> Result<f64> {
 fn measure(name: &str) -> Result<Measure> {
     Measure::of_key(name).ok_or_else(|| {
         let names = Measure::ALL.map(|measure| measure.key().replace('_', "-"));
-        let error = InputError::new(format!("there is no measure `{name}`")).key("--measure");
+        let error = InputError::new(format!("unknown error measure `{name}`")).key("--measure");
         error.allowed(names.join(", ")).help("field is the error of stress over the bar and time").into()
     })
 }
@@ -159,7 +159,7 @@ fn kind(path: &Path) -> Result<Kind> {
         _ if output::is_csv(path) => Ok(Kind::Csv),
         "json" => Ok(Kind::Json),
         _ => plot::Format::of(path).map(|_| Kind::Picture).map_err(|e| match e {
-            Error::Input(e) => e.allowed("names that end in .csv, .svg, .png, .pdf, .html or .json").into(),
+            Error::Input(e) => e.allowed("a file name ending in .csv, .svg, .png, .pdf, .html or .json").into(),
             other => other,
         }),
     }
@@ -187,7 +187,7 @@ fn progress_bar(silent: bool, budget: f64) -> ProgressBar {
 /// The time of `barwave run` with these overrides, from the start of its process to its end.
 fn time(scratch: &Scratch, scene: &Path, overrides: &[String], most: f64, stop: &AtomicBool) -> Whole {
     let Ok(program) = std::env::current_exe() else {
-        return Whole::Failed("the program does not know its own place".into());
+        return Whole::Failed("the path of the program is unknown".into());
     };
     let mut command = Command::new(program);
     command.arg("run").arg(scene).arg("--quiet").arg("-o").arg(scratch.path().join("whole.h5"));
@@ -301,7 +301,7 @@ fn notes(cost: &Cost, written: Option<&Path>) -> String {
     }
     let load = |value: Option<f64>| value.map_or_else(|| "unknown".into(), |v| format!("{v:.2}"));
     lines.push(format!(
-        "times are medians; {:.1} s of {} s used; load of the machine {} before and {} after, {} threads",
+        "times are medians; {:.1} s of {} s used; load average {} before and {} after; {} threads",
         cost.wall_s,
         cost.budget_s,
         load(cost.load[0]),
@@ -376,13 +376,13 @@ fn cheapest_table(cost: &Cost) -> String {
     let schemes: Vec<&str> = cost.schemes().iter().map(|s| s.0).collect();
     let mut headings = vec!["error of", "cheapest"];
     headings.extend(&schemes);
-    let how = |r: &Reach| match (r.how, r.step_wall_s) {
+    let how = |r: &CostToTolerance| match (r.how, r.step_wall_s) {
         (_, None) => "not reached".to_owned(),
         ("interpolated", time) => format!("{} ms", milliseconds(time)),
         (_, time) => format!("<= {} ms", milliseconds(time)),
     };
-    let row = |best: &Reach| {
-        let at = |r: &Reach| match (r.cells, r.front_tolerance) {
+    let row = |best: &CostToTolerance| {
+        let at = |r: &CostToTolerance| match (r.cells, r.front_tolerance) {
             (Some(cells), _) => format!("{cells:.0} cells"),
             (None, Some(tolerance)) => format!("tolerance {tolerance:.1e}"),
             (None, None) => String::new(),

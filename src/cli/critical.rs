@@ -25,7 +25,7 @@ mod tables;
     after_help = "Examples:\n  barwave critical --all\n  barwave critical copper-annealed --sensitivity --simulate\n  \
                   barwave critical --repeats a.toml b.toml c.toml\n  barwave critical steel-4340-jc --rate --length \"200 mm\""
 )]
-#[expect(clippy::struct_excessive_bools, reason = "one a flag of the command line")]
+#[expect(clippy::struct_excessive_bools, reason = "one field per command-line flag")]
 pub(crate) struct Args {
     /// Library names, patterns such as 'steel*', or paths of material files; `-` reads one from standard input.
     #[arg(required_unless_present = "all", value_name = "MATERIAL")]
@@ -42,7 +42,7 @@ pub(crate) struct Args {
     /// Bracket the value by simulation: bars below and above, by front tracking and on a grid.
     #[arg(long)]
     simulate: bool,
-    /// Part of each strain interval, and change of the critical velocity by 1 % of the stress there.
+    /// Contribution of each strain interval, and change of the critical velocity per 1 % of the stress in it.
     #[arg(long)]
     sensitivity: bool,
     /// Apparent critical velocity with the material's own rate law, by simulation.
@@ -97,10 +97,10 @@ struct Studied {
     sensitivity: Option<Vec<Interval>>,
     /// Null where it was asked for and there is nothing to simulate.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[expect(clippy::option_option, reason = "not asked for, without a value, or a value")]
+    #[expect(clippy::option_option, reason = "absent, without a value, or with a value")]
     simulated: Option<Option<Confirmation>>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[expect(clippy::option_option, reason = "not asked for, without a value, or a value")]
+    #[expect(clippy::option_option, reason = "absent, without a value, or with a value")]
     apparent: Option<Option<Apparent>>,
 }
 
@@ -158,7 +158,7 @@ fn checked(args: &Args) -> Result<Checked> {
     }
     if let Some(path) = args.output.as_deref().filter(|path| !output::is_csv(path)) {
         let error = InputError::new(format!("unknown table format `{}`", path.display())).key("-o");
-        return Err(error.allowed("names that end in .csv").help("`barwave compare` draws figures").into());
+        return Err(error.allowed("a file name ending in .csv").help("`barwave compare` draws figures").into());
     }
     output::check(args.json, [args.output.as_deref()])?;
     Ok(Checked { bootstrap: Bootstrap { resamples: args.bootstrap, seed: args.seed }, length })
@@ -185,14 +185,14 @@ fn beyond_static(material: &Material, row: &CriticalRow, with: RateAndHeat, leng
     };
     if with.rate && material.constants.rate.is_empty() {
         let help = "add [rate.johnson-cook], [rate.cowper-symonds] or [rate.malvern] to its file";
-        return Err(refuse("--rate", "states no rate law".into(), help));
+        return Err(refuse("--rate", "has no rate constants".into(), help));
     }
     let heated = if with.heat {
         material.heated(None).map_err(|error| match error {
             HeatingError::Missing(keys) => {
                 refuse("--heat", format!("lacks constants of [heat]: {}", keys.join(", ")), "add them to its file")
             }
-            HeatingError::Curve(error) => refuse("--heat", format!("cannot be softened: {error}"), "leave out --heat"),
+            HeatingError::Curve(error) => refuse("--heat", format!("cannot be softened: {error}"), "remove --heat"),
         })?
     } else {
         material.clone()
@@ -203,7 +203,8 @@ fn beyond_static(material: &Material, row: &CriticalRow, with: RateAndHeat, leng
 /// One material with the mean curve of several, and their scatter.
 fn mean_of(materials: &[Material]) -> Result<Material> {
     if materials.len() < 2 {
-        let error = InputError::new("one material is no repeat").key("--repeats").allowed("two materials or more");
+        let error =
+            InputError::new("repeats need at least two materials").key("--repeats").allowed("two materials or more");
         return Err(error.help("name the files of all tests").into());
     }
     let test = |m: &Material| TestCurve { record: m.name.clone(), modulus: m.modulus, curve: m.tension.clone() };

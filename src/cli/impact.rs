@@ -1,4 +1,4 @@
-//! What `barwave run` and `barwave plan` say of an impact that is not waves in a bar.
+//! Output of `barwave run` and `barwave plan` for impacts without waves in a bar.
 
 use super::lines::Lines;
 use super::summary::note_lines;

@@ -1,4 +1,4 @@
-//! `barwave cost` of an impact that is not waves in a bar.
+//! `barwave cost` for impacts without waves in a bar.
 
 use std::fmt::Write as _;
 

@@ -1,11 +1,11 @@
-//! Ctrl-C and SIGTERM: commands look at a flag and end in order.
+//! Ctrl-C and SIGTERM: commands poll a flag and end in an orderly way.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 
 static STOP: OnceLock<Arc<AtomicBool>> = OnceLock::new();
 
-/// A flag that is set once the user asks to stop; the same one for all runs of a command.
+/// A flag that is set when the user interrupts; shared by all runs of a command.
 pub(super) fn flag() -> Arc<AtomicBool> {
     let stop = STOP.get_or_init(|| {
         let stop = Arc::new(AtomicBool::new(false));

@@ -1,4 +1,4 @@
-//! Text for people: a heading, and below it a line for each fact with its label.
+//! Text output: a heading and labelled lines.
 
 use std::fmt::Display;
 

@@ -27,7 +27,7 @@ enum Action {
     Show(ShowArgs),
     /// Write a material file for a CSV file of strain and stress, and check it.
     Import(Box<import::Args>),
-    /// Print the folders in which material files are looked up.
+    /// Print the folders searched for material files.
     #[command(after_help = "Examples:\n  barwave materials path")]
     Path,
 }
@@ -233,7 +233,7 @@ fn branch(name: &str, curve: &Curve) -> String {
 fn path() -> Result<()> {
     let mut text = String::new();
     for folder in library::folders(Path::new(".")) {
-        let state = if folder.is_dir() { "" } else { "  (not there)" };
+        let state = if folder.is_dir() { "" } else { "  (does not exist)" };
         text += &[&folder.display().to_string(), state, "\n"].concat();
     }
     let variable = library::FOLDER_VARIABLE;

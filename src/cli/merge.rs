@@ -16,7 +16,7 @@ pub(crate) struct Args {
     /// Folders of sweeps, or folders with `shard-I-of-N` folders inside.
     #[arg(required = true, value_name = "DIR")]
     folders: Vec<PathBuf>,
-    /// HDF5 file to write; the table goes beside it, as .csv.
+    /// HDF5 file to write; the table is written beside it, as .csv.
     #[arg(short, long, value_name = "OUT.h5")]
     output: PathBuf,
     /// Write the table even if cases are missing.

@@ -1,4 +1,4 @@
-//! The command line: one file a command; this file is the table of contents.
+//! The command line: one file per command; this file is the table of contents.
 
 mod check;
 mod compare;
@@ -39,7 +39,8 @@ use crate::error::{InputError, Result};
 #[derive(Debug, Parser)]
 #[command(name = "barwave", version, propagate_version = true)]
 #[command(
-    after_help = "Examples:\n  barwave new my-bar\n  barwave run my-bar.toml\n  barwave report my-bar.h5 -o my-bar.html\n  barwave critical copper-annealed"
+    after_help = "Examples:\n  barwave new my-bar\n  barwave run my-bar.toml\n  barwave report my-bar.h5 -o my-bar.html\n  \
+                  barwave critical copper-annealed"
 )]
 pub(crate) struct Cli {
     /// Threads to use, 1 to 1024 (default: all; also `RAYON_NUM_THREADS`). Results do not depend on it.
@@ -60,7 +61,7 @@ pub(crate) struct Cli {
         hide_default_value = true
     )]
     color: settings::Color,
-    /// Show on stderr what is read, what is written and how long it takes.
+    /// Print the files read and written, and computing times, on stderr.
     #[arg(short, long, global = true)]
     verbose: bool,
     #[command(subcommand)]
@@ -141,22 +142,17 @@ const STACK: f64 = 2.0 * 1024.0 * 1024.0;
 fn use_threads(key: &str, threads: usize) -> Result<()> {
     if threads > MOST_THREADS {
         let gib = threads as f64 * STACK / (1024.0 * 1024.0 * 1024.0);
-        let error =
-            InputError::new(format!("{threads} threads would set aside {gib:.0} GiB of memory for their stacks"));
+        let error = InputError::new(format!("{threads} threads would reserve {gib:.0} GiB of memory for their stacks"));
         let allowed = format!("1 <= threads <= {MOST_THREADS}");
-        return Err(error
-            .key(key)
-            .allowed(allowed)
-            .help("give as many threads as the machine has cores, or none")
-            .into());
+        return Err(error.key(key).allowed(allowed).help("use at most one thread per core, or omit the option").into());
     }
     let built = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
     built.map_err(|e| {
-        InputError::new(format!("cannot start {threads} threads: {e}")).key(key).help("ask for fewer threads").into()
+        InputError::new(format!("cannot start {threads} threads: {e}")).key(key).help("use fewer threads").into()
     })
 }
 
-/// The exit code of a command that has said what there is to say.
+/// The exit code of a command that has already printed its message.
 fn dispatch(cli: &Cli) -> Result<u8> {
     let variable = || std::env::var("RAYON_NUM_THREADS").ok()?.trim().parse().ok().map(|n| ("RAYON_NUM_THREADS", n));
     if let Some((key, threads)) = cli.threads.map(|n| ("--threads", n)).or_else(variable) {

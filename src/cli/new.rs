@@ -11,7 +11,8 @@ use crate::error::{Error, InputError, Result};
 /// Options of `barwave new`.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Examples:\n  barwave new my-bar\n  barwave new taylor/cylinder --kind taylor\n  barwave new - --kind hopkinson > hopkinson.toml"
+    after_help = "Examples:\n  barwave new my-bar\n  barwave new taylor/cylinder --kind taylor\n  barwave new - --kind \
+                  hopkinson > hopkinson.toml"
 )]
 pub(crate) struct Args {
     /// Name of the scene; writes NAME.toml, and its folder if it is missing. A file that exists is never overwritten; `-` is standard
@@ -101,7 +102,7 @@ fn stem(path: &Path) -> String {
 /// NAME.toml for NAME and NAME.toml.
 fn target(name: &Path) -> Result<PathBuf> {
     let Some(last) = name.file_name() else {
-        let error = InputError::new(format!("`{}` names no file", name.display()));
+        let error = InputError::new(format!("`{}` is not a file name", name.display()));
         return Err(error.help("give a name, e.g. barwave new copper-bar").into());
     };
     if name.extension().is_some_and(|e| e == "toml") {

@@ -12,7 +12,7 @@ use crate::destination;
 use crate::error::{Error, InputError, Result};
 use crate::record::store;
 
-/// Writes text for people to stdout, within its width. A reader that has gone away (`barwave ... | head`) is no error.
+/// Writes text to stdout, within its width. A reader that has gone away (`barwave ... | head`) is no error.
 pub(crate) fn text(text: &str) -> Result<()> {
     match width::of_stdout() {
         Some(width) => bytes(width::wrap(text, width).as_bytes()),
@@ -29,7 +29,7 @@ pub(crate) fn bytes(bytes: &[u8]) -> Result<()> {
     }
 }
 
-/// Writes lines to stderr. Where nobody can be told, nobody is: the exit code stays what it is.
+/// Writes lines to stderr. Errors of writing are ignored: the exit code is unaffected.
 pub(crate) fn note(text: &str) {
     let _ = std::io::stderr().lock().write_all(text.as_bytes());
 }
@@ -52,7 +52,7 @@ pub(crate) fn take_remarks() -> Vec<String> {
     REMARKS.lock().map(|mut remarks| std::mem::take(&mut *remarks)).unwrap_or_default()
 }
 
-/// Where results go that are not told where: `runs/out` if there is a folder `runs`, else `beside`.
+/// Default folder of results: `runs/out` if there is a folder `runs`, else `beside`.
 pub(crate) fn default_folder(beside: &Path) -> PathBuf {
     if Path::new("runs").is_dir() { PathBuf::from("runs/out") } else { beside.to_owned() }
 }
@@ -129,7 +129,7 @@ pub(crate) fn check<'a>(json: bool, files: impl IntoIterator<Item = Option<&'a P
     Err(error.help("name a file for one of them").into())
 }
 
-/// Writes text for people to stdout, or to stderr if one of the outputs takes stdout.
+/// Writes text to stdout, or to stderr if one of the outputs takes stdout.
 pub(crate) fn text_beside<'a>(files: impl IntoIterator<Item = Option<&'a Path>>, said: &str) -> Result<()> {
     if files.into_iter().flatten().any(destination::is_stdout) {
         note(said);

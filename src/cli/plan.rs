@@ -1,4 +1,4 @@
-//! `barwave plan`: what a run would do and cost.
+//! `barwave plan`: method, work and estimates of a run, without running it.
 
 use std::path::PathBuf;
 
@@ -68,10 +68,7 @@ fn text(plan: &Plan, units: System) -> String {
     if let Some(InitialSteps { steps, largest }) = plan.initial_steps {
         lines.add(
             "initial state",
-            std::format!(
-                "becomes a staircase of {steps} steps, none above {:.2} % of the largest value",
-                100.0 * largest
-            ),
+            std::format!("becomes {steps} uniform steps of at most {:.2} % of the largest value", 100.0 * largest),
         );
     }
     lines.add("fields", std::format!("{} before compression", bytes(plan.field_bytes)));

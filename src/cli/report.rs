@@ -24,10 +24,10 @@ pub(crate) struct Args {
     /// Default: the name of the result with .svg.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Field to show in all panels. Default: stress, or else the first that was recorded.
+    /// Field to show in all panels. Default: stress, or else the first recorded field.
     #[arg(long, value_enum)]
     field: Option<Field>,
-    /// Panel to draw; may be repeated. Default: all that the file has something for, under a title.
+    /// Panel to draw; may be repeated. Default: all available panels, under a title.
     #[arg(long = "panel", value_enum, value_name = "NAME")]
     panels: Vec<PanelName>,
     /// Width and height of the figure in px of 1/96 inch, e.g. 680x480. Default: as large as the panels need.

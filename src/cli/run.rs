@@ -1,4 +1,4 @@
-//! `barwave run`: simulates one scene, shows how far it is, and sums up.
+//! `barwave run`: simulates scenes, shows the progress and prints summaries.
 
 use std::fmt::Write as _;
 use std::io::IsTerminal;
@@ -24,16 +24,18 @@ use crate::units::{Dimension, Quantity, System, format};
 /// Options of `barwave run`.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Examples:\n  barwave run scene.toml\n  barwave run scene.toml --set solve.cells=4000 --set left.value=\"-40 m/s\" -o fine.h5\n  barwave run a.toml b.toml --output-dir results\n  barwave run results/a.h5 --set solve.cfl=0.5    # the scene stored in a result\n  barwave run - --json < scene.toml"
+    after_help = "Examples:\n  barwave run scene.toml\n  barwave run scene.toml --set solve.cells=4000 --set left.value=\"-40 \
+                  m/s\" -o fine.h5\n  barwave run a.toml b.toml --output-dir results\n  barwave run results/a.h5 --set \
+                  solve.cfl=0.5    # the scene stored in a result\n  barwave run - --json < scene.toml"
 )]
 #[expect(clippy::struct_excessive_bools, reason = "one a flag")]
 pub(crate) struct Args {
-    /// Scene files; `-` reads standard input. A result file stands for its scene, with the materials and histories stored in it. Each
+    /// Scene files; `-` reads standard input. For a result file, its scene is run, with the materials and histories stored in the file. Each
     /// scene is run, even if another one fails.
     #[arg(value_name = "SCENE.toml|OUT.h5", required_unless_present = "resume")]
     scenes: Vec<PathBuf>,
     /// Result file of a single scene [default: `<scene name>.h5`, with --set `<scene name>_KEY=VALUE.h5`, in `runs/out` if there is a
-    /// folder `runs`, else beside the scene]. Missing folders are made; an earlier result is replaced.
+    /// folder `runs`, else beside the scene]. Missing folders are created; an earlier result is replaced.
     #[arg(short, long, value_name = "OUT.h5")]
     output: Option<PathBuf>,
     /// Folder of the result files, under their default names.
@@ -171,7 +173,7 @@ fn describe(scene: &Scene, path: &Path) {
     output::detail(|| std::format!("writing {}", path.display()));
 }
 
-/// What a run is told to do while it is under way.
+/// Options of a run in progress.
 type OnProgress<'a> = &'a mut dyn FnMut(Progress) -> ControlFlow<()>;
 
 /// Shows how far a run is, and sums up.
@@ -192,7 +194,7 @@ fn show(args: &Args, path: &Path, simulate: impl FnOnce(OnProgress<'_>) -> Resul
     })?;
     output::detail(|| {
         let (all, steps) = (summary.wall_s, summary.step_wall_s);
-        std::format!("time steps {steps:.3} s, the rest {:.3} s", all - steps)
+        std::format!("time steps {steps:.3} s, other {:.3} s", all - steps)
     });
     if args.json {
         return print_json(args, &summary);
@@ -200,7 +202,7 @@ fn show(args: &Args, path: &Path, simulate: impl FnOnce(OnProgress<'_>) -> Resul
     if args.quiet { Ok(()) } else { output::text(&text(&summary, args.units)) }
 }
 
-/// One object; of several scenes one a line.
+/// One object; for several scenes, one per line.
 fn print_json(args: &Args, summary: &impl serde::Serialize) -> Result<()> {
     if args.scenes.len() > 1 { output::json_line(summary) } else { output::json(summary) }
 }
@@ -246,8 +248,8 @@ fn nothing_beside_resume(args: &Args) -> Result<()> {
         (args.force, "--force"),
     ];
     let Some((_, what)) = given.into_iter().find(|(given, _)| *given) else { return Ok(()) };
-    let message = std::format!("{what} cannot be given with --resume: the result file says how its run continues");
-    let help = "leave it out, or run the scene from the start without --resume";
+    let message = std::format!("{what} cannot be used with --resume: the settings are those of the interrupted run");
+    let help = "remove it, or run the scene from the start without --resume";
     Err(InputError::new(message).key("--resume").help(help).into())
 }
 
@@ -267,12 +269,12 @@ fn interval(given: &Quantity) -> Result<Duration> {
 /// An impact that is not waves in a bar.
 fn run_impact(args: &Args, scene: &ImpactScene, path: &Path) -> Result<()> {
     let refused = [
-        (args.checkpoint.is_some(), "--checkpoint", "is over in seconds, and keeps no checkpoints"),
-        (args.estimate_error, "--estimate-error", "states its error by itself where it has one"),
+        (args.checkpoint.is_some(), "--checkpoint", "scene is solved in seconds and has no checkpoints"),
+        (args.estimate_error, "--estimate-error", "scene always reports its error estimate"),
     ];
     if let Some((_, key, why)) = refused.into_iter().find(|(given, ..)| *given) {
         let message = std::format!("a [{}] {why}", scene.problem.kind().replace("energy", "specimen"));
-        return Err(InputError::new(message).key(key).help(std::format!("leave {key} out")).into());
+        return Err(InputError::new(message).key(key).help(std::format!("remove {key}")).into());
     }
     let (stop, bar) = (interrupt::flag(), progress_bar(args.quiet || args.json));
     bar.set_length(TICKS);
@@ -292,7 +294,7 @@ fn run_impact(args: &Args, scene: &ImpactScene, path: &Path) -> Result<()> {
     if args.quiet { Ok(()) } else { output::text(&super::impact::text(&summary, args.units)) }
 }
 
-/// The result file of a scene that is not told where to go; `stem` stands for the scene's name.
+/// Default result file of a scene; `stem` is the name of the scene.
 fn default_output<'a>(args: &'a Args, scene_folder: &'a Path, stem: Option<String>) -> impl Fn(&str) -> PathBuf + 'a {
     let folder = args.output_dir.clone().unwrap_or_else(|| output::default_folder(scene_folder));
     move |name| folder.join(default_name(stem.as_deref().unwrap_or(name), &args.overrides))
@@ -319,7 +321,7 @@ fn code(texts: &[String]) -> u32 {
     bytes.fold(0x811c_9dc5, |hash: u32, byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193))
 }
 
-/// A result file stands in place of nothing but another result.
+/// A result file replaces only another result.
 fn check_output(output: &Path, force: bool) -> Result<()> {
     if destination::is_stdout(output) {
         let message = "a result file (HDF5) cannot be written to standard output";
@@ -333,7 +335,7 @@ fn check_output(output: &Path, force: bool) -> Result<()> {
                 .into());
         }
         Existing::Other if !force => {
-            let message = std::format!("the output {} is there already, and is no result file", output.display());
+            let message = std::format!("the output {} already exists and is not a result file", output.display());
             return Err(InputError::new(message)
                 .help("choose another name with -o, or replace that file with --force")
                 .into());
@@ -379,7 +381,7 @@ fn show_progress(bar: &ProgressBar, at: &Progress, quiet: bool) {
             bar.set_length(TICKS);
             bar.set_position((TICKS as f64 * time / until) as u64);
             let time = format(time, Dimension::Time, System::Si);
-            bar.set_message(std::format!("t = {time}  {events} events  {fronts} fronts under way"));
+            bar.set_message(std::format!("t = {time}  {events} events  {fronts} active fronts"));
         }
     }
 }

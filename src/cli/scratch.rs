@@ -1,4 +1,4 @@
-//! A folder for result files that nobody asked for.
+//! A temporary folder for intermediate result files.
 
 use std::path::{Path, PathBuf};
 

@@ -1,4 +1,4 @@
-//! Options of every command, where messages and output find them.
+//! Options common to all commands.
 //!
 //! They are read from the command line as typed: they hold for usage errors, too, of which there are no parsed arguments.
 

@@ -1,4 +1,4 @@
-//! `barwave completions`, `man` and `schema`: what other tools read about this one.
+//! `barwave completions`, `man` and `schema`: descriptions of the program for other tools.
 
 use std::path::PathBuf;
 
@@ -13,7 +13,8 @@ use crate::typed;
 /// Options of `barwave completions`.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Examples:\n  barwave completions bash > ~/.local/share/bash-completion/completions/barwave\n  barwave completions zsh > _barwave"
+    after_help = "Examples:\n  barwave completions bash > ~/.local/share/bash-completion/completions/barwave\n  barwave \
+                  completions zsh > _barwave"
 )]
 pub(crate) struct CompletionsArgs {
     /// The shell; its completions go to stdout.
@@ -61,8 +62,8 @@ fn not_as_json(command: &str) -> Result<()> {
     if !settings::json() {
         return Ok(());
     }
-    let message = format!("`barwave {command}` writes text that other programs read as it is");
-    Err(InputError::new(message).key("--json").help("leave --json out").into())
+    let message = format!("`barwave {command}` writes text for other programs");
+    Err(InputError::new(message).key("--json").help("remove --json").into())
 }
 
 pub(crate) fn completions(args: &CompletionsArgs) -> Result<()> {

@@ -55,7 +55,7 @@ fn select(names: &[String]) -> Result<Vec<&'static HardCase>> {
     let known = |name: &String| CASES.iter().any(|case| case.name.starts_with(name.as_str()));
     if let Some(wrong) = names.iter().find(|name| !known(name)) {
         let all: Vec<&str> = CASES.iter().map(|case| case.name).collect();
-        let error = InputError::new(format!("there is no hard case `{wrong}`")).key("CASE");
+        let error = InputError::new(format!("unknown hard case `{wrong}`")).key("CASE");
         return Err(error.help(format!("the cases are: {}", all.join(", "))).into());
     }
     let wanted = |case: &&HardCase| names.is_empty() || names.iter().any(|name| case.name.starts_with(name.as_str()));
@@ -95,7 +95,7 @@ fn line(tried: &Tried) -> String {
     text + "\n"
 }
 
-/// Residuals below this are not told apart: what is left is rounding, which depends on the processor.
+/// Residuals below this are not distinguished: they are rounding, which depends on the processor.
 const CLOSED: f64 = 1e-9;
 
 /// The outcome with a power of ten above the residual, and what the results on three grids differ by.
@@ -112,19 +112,20 @@ fn outcome(tried: &Tried) -> String {
     text
 }
 
-const HEADING: &str = "# Hard cases\n\nWritten by `barwave stability -o docs/hard-cases.md`. Every scene is run by every method that accepts it. The scenes \
-     are in `tests/hard_cases`.";
-const CHECKED: &str = "Checked are: no number is missing or infinite; kinetic, elastic and stored energies are not negative, dissipated energies never \
-     decrease; the energy residual is at most 1e-6; the method gives at most 1 % of the energy to the bar; fields stay within the bounds that the scene \
-     states.";
-const VARIATION: &str = "The total variation does not grow, for the Godunov scheme and front tracking: in a bar of one uniform segment with a free end and \
-     one that a constant velocity, a constant stress or a wall starts suddenly, the sums of the jumps in stress and in velocity along the bar are at \
-     most 1.01 times the jumps that the end imposes at t = 0. Reflections at such ends do not raise them. Leapfrog is not monotone and is not \
-     held to it.";
-const CONVERGENCE: &str = "The results converge: of three runs, on N, 2N and 4N cells or with the front tolerances t, t/2 and t/4, the mean difference in stress \
-     at the end time, over the largest stress (or rho c0 v), is smaller between the second and the third than between the first and the second. 4N are \
-     the cells of the scene, where it states nothing else. Both differences are in the table; below 1e-9 the result is exact. Where a check does not \
-     hold, the case states why.";
+const HEADING: &str = "# Hard cases\n\nWritten by `barwave stability -o docs/hard-cases.md`. Every scene is run with every method \
+                       that accepts it. The scenes are in `tests/hard_cases`.";
+const CHECKED: &str = "Checks: all numbers are finite; kinetic, elastic and stored energies are not negative; dissipated energies \
+                       do not decrease; the energy residual is at most 1e-6; the method adds at most 1 % of the energy to the \
+                       bar; fields stay within the bounds stated in the scene.";
+const VARIATION: &str = "The total variation does not grow (Godunov scheme and front tracking). Applies to a bar of one uniform \
+                         segment with one free end, the other loaded at t = 0 by a constant velocity, a constant stress or a wall: \
+                         the sums of the jumps of stress and of velocity along the bar are at most 1.01 times the jumps imposed at \
+                         t = 0. Reflections at such ends do not increase them. Leapfrog is not monotone and is exempt.";
+const CONVERGENCE: &str = "The results converge. Of three runs, with N, 2N and 4N cells or with the front tolerances t, t/2 and \
+                           t/4, the mean difference in stress at the end time, relative to the largest stress (or rho c0 v), is \
+                           smaller between the second and the third than between the first and the second. 4N is the number of \
+                           cells of the scene unless the scene states otherwise. The table lists both differences; below 1e-9 \
+                           the result is exact. Where a check fails, the case states the reason.";
 const TABLE: &str = "| case | leapfrog | Godunov | characteristics |\n|---|---|---|---|\n";
 
 /// The page of the documentation.

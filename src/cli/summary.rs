@@ -1,4 +1,4 @@
-//! The summary of a run, for people.
+//! The summary of a run as text.
 
 use super::lines::Lines;
 use super::width;
@@ -30,7 +30,7 @@ pub(super) fn text(s: &Summary, units: System) -> String {
     lines.text()
 }
 
-/// What was simulated, and how.
+/// Method and effects.
 fn add_method(lines: &mut Lines, s: &Summary, units: System) {
     lines.add("outcome", &s.outcome);
     for choice in s.auto.iter().flatten() {
@@ -39,7 +39,7 @@ fn add_method(lines: &mut Lines, s: &Summary, units: System) {
     let end = format(s.end_time_s, Dimension::Time, units);
     let how = match &s.tracking {
         None => std::format!("{} cells, {} steps to {end}", s.cells, s.steps),
-        Some(t) => std::format!("{} events to {end}, {} fronts under way", s.events, t.fronts_under_way),
+        Some(t) => std::format!("{} events to {end}, {} active fronts", s.events, t.fronts_under_way),
     };
     lines.add("method", std::format!("{} {}, {how}", s.method, s.scheme));
     lines.add(
@@ -48,7 +48,7 @@ fn add_method(lines: &mut Lines, s: &Summary, units: System) {
     );
 }
 
-/// The state of the ends, and what became of the bar's length.
+/// The state of the ends, and the final length of the bar.
 fn add_ends(lines: &mut Lines, s: &Summary, units: System) {
     if let Some(torsion) = &s.torsion {
         lines.add("torsion", torsion_text(torsion, units));
@@ -64,7 +64,7 @@ fn add_ends(lines: &mut Lines, s: &Summary, units: System) {
     }
 }
 
-/// Forces, contact, gauges, residual deformation: a line for each place that has something to say.
+/// Forces, contact, gauges, residual deformation: one line per group.
 fn add_figures(lines: &mut Lines, figures: &Figures, units: System) {
     for group in figures.0.iter().filter(|group| group.tells) {
         let shown = group.figures.iter().filter(|figure| !figure.phrase.is_empty());
@@ -84,14 +84,15 @@ fn add_figures(lines: &mut Lines, figures: &Figures, units: System) {
     }
 }
 
-/// What theory says of the first waves, and what the bar came to: heat and rupture.
+/// Theory of the first waves, heat and rupture.
 fn add_limits(lines: &mut Lines, s: &Summary, units: System) {
     if let Some(check) = &s.elastic_check {
         let [found, expected] = [check.stress, check.expected].map(|stress| format(stress, Dimension::Stress, units));
         let relative = check.relative;
-        lines.add("elastic check", std::format!("{found} against rho c0 v = {expected}, relative {relative:.1e}"));
+        lines
+            .add("elastic check", std::format!("{found}, theory rho c0 v = {expected}, relative error {relative:.1e}"));
     }
-    let exceeded = if s.above_critical { ", exceeded: the bar breaks at the loaded end" } else { "" };
+    let exceeded = if s.above_critical { ", exceeded: the bar fractures at the loaded end" } else { "" };
     let shown = |velocity| std::format!("{}{exceeded}", format(velocity, Dimension::Velocity, units));
     add_critical(lines, s.critical_velocity.map(shown), &s.fronts);
     if let Some(rise) = s.temperature_rise {
@@ -102,7 +103,7 @@ fn add_limits(lines: &mut Lines, s: &Summary, units: System) {
     }
 }
 
-/// How far the result can be trusted.
+/// Accuracy of the result.
 fn add_accuracy(lines: &mut Lines, s: &Summary) {
     let (energy, momentum) = (s.ledger.energy_residual, s.ledger.momentum_residual);
     lines.add("ledger", std::format!("energy residual {energy:.1e}, momentum residual {momentum:.1e}"));
@@ -159,12 +160,12 @@ pub(super) fn choice_text(choice: &AutoChoice) -> String {
     std::format!("{} {}: {}", choice.effect, if choice.on { "on" } else { "off" }, choice.why)
 }
 
-/// Notes on what a scene asks for, below a summary or a plan.
+/// Notes on a scene, below a summary or a plan.
 pub(super) fn note_lines(notes: &[String]) -> impl Iterator<Item = String> {
     notes.iter().map(|note| std::format!("  note: {note}"))
 }
 
-/// The critical velocity, already as text. Where the data end before it, a bar that is not pulled needs no word on it.
+/// The critical velocity as text. For a compressed bar, nothing is printed if the data end before it.
 pub(super) fn add_critical(lines: &mut Lines, critical: Option<String>, fronts: &[FrontSummary]) {
     let pulled = fronts.iter().any(|front| front.stress_behind > 0.0);
     let none = || pulled.then(|| "not reached within the data of the curve".to_owned());
@@ -175,8 +176,11 @@ pub(super) fn add_critical(lines: &mut Lines, critical: Option<String>, fronts: 
 
 /// A line for each neglected effect that matters or cannot be estimated, and one for all others.
 fn audit_lines(rows: &[AuditRow]) -> Vec<String> {
-    let mut lines: Vec<String> =
-        rows.iter().filter(|row| row.matters()).map(|row| std::format!("  note: {}", row.message())).collect();
+    let mut lines: Vec<String> = rows
+        .iter()
+        .filter(|row| row.matters())
+        .map(|row| std::format!("  note: {}", sentence(&row.advice())))
+        .collect();
     let (unknown, small): (Vec<&AuditRow>, Vec<&AuditRow>) =
         rows.iter().filter(|row| !row.matters()).partition(|row| row.estimate.is_nan());
     let small: Vec<String> = small.iter().map(|r| std::format!("{} {:.2} %", r.effect, 100.0 * r.estimate)).collect();
@@ -185,6 +189,13 @@ fn audit_lines(rows: &[AuditRow]) -> Vec<String> {
     }
     lines.extend(unknown.iter().map(|row| std::format!("  {:<18}{}", "not simulated", row.message())));
     lines
+}
+
+/// With a capital letter and a full stop.
+fn sentence(text: &str) -> String {
+    let mut letters = text.chars();
+    let first: String = letters.next().into_iter().flat_map(char::to_uppercase).collect();
+    std::format!("{first}{}.", letters.as_str())
 }
 
 fn rupture_text(r: &RuptureSummary, units: System) -> String {
@@ -209,7 +220,7 @@ fn end_text(end: &EndSummary, units: System) -> String {
     )
 }
 
-/// Before the rows of fronts.
+/// Indent of the rows of fronts.
 const INDENT: &str = "  ";
 
 fn front_row(front: &FrontSummary, units: System) -> Vec<String> {

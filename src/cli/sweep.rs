@@ -15,19 +15,19 @@ use crate::study::sweep::{self, Finished, Row, Shard, Sweep};
 /// Options of `barwave sweep`.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Examples:\n  barwave sweep speeds.toml -o speeds --plot speeds.svg\n  barwave sweep speeds.toml -o speeds --resume\n  \
+    after_help = "Examples:\n  barwave sweep speeds.toml -o speeds --plot speeds.svg\n  barwave sweep speeds.toml -o speeds \
+                  --resume\n  \
                         barwave sweep speeds.toml -o speeds --shard 2/4    # then: barwave merge speeds -o speeds.h5"
 )]
 pub(crate) struct Args {
     /// The sweep file: a scene, and the keys of it that vary; `-` reads standard input.
     #[arg(value_name = "SWEEP.toml")]
     sweep: PathBuf,
-    /// Folder of the results [default: the name of the sweep, in `runs/out` if there is a folder `runs`, else beside the sweep file];
+    /// Folder of the results [default: the name of the sweep, in `runs/out` if a folder `runs` exists, else beside the sweep file];
     /// it is made if it is missing.
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
-    /// Run part I of N of the cases, into the folder `shard-I-of-N` inside DIR [default: what a job array of Slurm or MPI says, else
-    /// all cases].
+    /// Run shard I of N of the cases, into the folder `shard-I-of-N` inside DIR [default: from the environment of a Slurm job array or MPI, else all cases].
     #[arg(long, value_name = "I/N")]
     shard: Option<Shard>,
     /// Figure of the metrics against the longest axis (.svg, .png, .pdf, .html); of the usual ones where the sweep file names none.
@@ -93,9 +93,9 @@ pub(crate) fn run(args: &Args) -> Result<()> {
 /// The figure of all rows in the folder.
 fn draw(path: &Path, sweep: &Sweep, folder: &Path) -> Result<()> {
     let figure = report::sweep::figure(&sweep.plan, &sweep::rows(folder)?).ok_or_else(|| {
-        InputError::new("there is nothing to draw: no metric has a number in two cases along an axis of numbers")
+        InputError::new("nothing to plot: no metric is numeric in two cases of a numeric axis")
             .key("--plot")
-            .help("name metrics that are numbers under [sweep], and give an axis of numbers")
+            .help("choose numeric metrics under [sweep] and a numeric axis")
     })?;
     plot::save(path, &sweep.plan.title, &figure)
 }

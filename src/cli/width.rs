@@ -1,9 +1,9 @@
-//! Text within the width of a terminal, or what `COLUMNS` says.
+//! Text wrapped to the width of the terminal or to `COLUMNS`.
 
 use std::fmt::Write as _;
 use std::io::IsTerminal;
 
-/// Narrowest width that is kept to.
+/// Smallest supported width.
 const NARROWEST: usize = 40;
 /// Narrowest column of text whose cells are wrapped beside the other columns.
 const NARROWEST_TEXT: usize = 20;

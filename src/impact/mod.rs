@@ -1,4 +1,4 @@
-//! Impacts that are not followed as waves in a bar: the energy method, spheres, plates and beams.
+//! Impacts without waves in a bar: the energy method, spheres, plates and beams.
 //!
 //! A kind of impact is a type that implements [`Problem`], in one file or folder here, and a file in `scene/impacts/` that reads it.
 
@@ -72,7 +72,7 @@ fn account(solution: &mut Solution, ledger: &Table, history: &History) {
         let time = format(history.end, Dimension::Time, units::System::Si);
         solution
             .warnings
-            .push(std::format!("interrupted {time} after the first contact: figures of the whole impact are missing"));
+            .push(std::format!("interrupted {time} after the first contact: results for the whole impact are missing"));
     }
     let residual = ledger.column("residual").iter().fold(0.0, |most: f64, r| most.max(r.abs()));
     let long_name = "largest residual of the energy ledger, relative to the energy at the start";

@@ -1,4 +1,4 @@
-//! A sphere that strikes an infinite elastic plate: the handbook's coefficient of restitution, and the contact integrated.
+//! A sphere that strikes an infinite elastic plate: the coefficient of restitution of the handbook, and the integrated contact.
 
 use std::f64::consts::PI;
 
@@ -72,10 +72,11 @@ impl Plate {
         let lambda = self.inelasticity();
         let mut solution = Solution {
             scheme: "zener",
-            equation: "contact integrated: a = z - w, m z'' = -F, w' = F/Z, Z = 8 sqrt(2 h rho D), F by Hertz (Zener 1941); beside it \
-                       (9.13) with (9.8) and Hertz's contact time (9.14)"
+            equation: "contact integrated: a = z - w, m z'' = -F, w' = F/Z, Z = 8 sqrt(2 h rho D), F by Hertz (Zener 1941); \
+                       for comparison, (9.13) with (9.8) and Hertz's contact time (9.14)"
                 .into(),
-            validity: "thin plate, no reflection from its edges during the contact, elastic contact; (9.13) is of first order in the \
+            validity: "thin plate, no reflection from its edges during the contact, elastic contact; (9.13) is of first order \
+                       in the \
                        inelasticity lambda and negative above lambda = 1.128"
                 .into(),
             ..Solution::default()
@@ -86,10 +87,10 @@ impl Plate {
             Figure::new(
                 "spread_radius",
                 Length,
-                "radius a of the disturbed part of the plate after it, (9.8)",
+                "radius of the disturbed region of the plate after this time, (9.8)",
                 a2.sqrt(),
             ),
-            Figure::new("spread_area", Dimension::Area, "area of that part", PI * a2),
+            Figure::new("spread_area", Dimension::Area, "area of the disturbed region", PI * a2),
         ]);
         let values = [(a2.sqrt(), Length), (duration, Time)];
         solution.lines.push(Line::new("disturbed radius", "{} after Hertz's contact time {} (9.8)", &values));
@@ -103,13 +104,14 @@ impl Plate {
 
     fn warn(&self, solution: &mut Solution, restitution: f64, spread: f64) {
         if restitution < 0.0 {
-            let warning = "(9.13) is negative here, lambda being above 1.128: it is no coefficient of restitution";
+            let warning =
+                "(9.13) is negative, because lambda exceeds 1.128; it does not give a coefficient of restitution";
             solution.warnings.push(warning.into());
         }
         if spread < 1.5 * self.thickness {
             let ratio = spread / self.thickness;
             solution.warnings.push(format!(
-                "the disturbed radius is {ratio:.2} of the thickness: bending waves of so short a contact are not those of a thin plate"
+                "the disturbed radius is {ratio:.2} of the thickness: thin-plate theory does not hold for so short a contact"
             ));
         }
     }
@@ -133,7 +135,7 @@ fn ledger_table() -> Table {
     Table::ledger([
         ("kinetic", "kinetic energy of the striker"),
         ("contact", "elastic energy of the contact"),
-        ("radiated", "energy that the plate carries away"),
+        ("radiated", "energy radiated into the plate"),
     ])
 }
 
@@ -184,7 +186,7 @@ impl Problem for Plate {
         if !history.separated && !history.interrupted {
             solution
                 .warnings
-                .push("the sphere is still in contact at the end time; a larger `until` shows its rebound".into());
+                .push("the sphere is still in contact at the end time; increase `until` to include the rebound".into());
         }
         let label = if history.separated { "striker after" } else { "striker at end" };
         let long_name = "velocity of the striker at the end";

@@ -1,4 +1,4 @@
-//! Striking and struck solids, and where Hertz's theory of their contact ends.
+//! Striking and struck solids, and the limits of Hertz's theory of their contact.
 
 use std::f64::consts::PI;
 
@@ -77,7 +77,8 @@ pub(super) fn judge(solution: &mut Solution, contact: &Hertz, solids: [&Elastic;
     if radius > LARGEST_CONTACT * contact.radius {
         let part = radius / contact.radius;
         solution.warnings.push(format!(
-            "the contact radius is {part:.2} of the radius of curvature; Hertz's theory needs a contact that is small against the bodies"
+            "the contact radius is {part:.2} of the radius of curvature; Hertz's theory needs a contact that is small compared \
+             with the bodies"
         ));
     }
     let Some(limit) = solids.iter().filter_map(|s| s.yield_stress).reduce(f64::min) else {
@@ -86,12 +87,18 @@ pub(super) fn judge(solution: &mut Solution, contact: &Hertz, solids: [&Elastic;
     let ratio = pressure / (PRESSURE_AT_YIELD * limit);
     if ratio > 1.0 {
         solution.warnings.push(format!(
-            "the contact yields: the largest pressure is {:.2} times the yield stress of {:.4} MPa and yield begins at {PRESSURE_AT_YIELD}; \
-             the elastic force is too large and the rebound too fast",
+            "the contact yields: the largest pressure is {:.2} times the yield stress of {:.4} MPa and yield begins at \
+             {PRESSURE_AT_YIELD}; \
+             the elastic solution overestimates the force and the rebound velocity",
             PRESSURE_AT_YIELD * ratio,
             limit / 1e6
         ));
     }
     // The largest pressure goes with the power 1/5 of the energy of the impact.
-    solution.figures.push(figure("yield_ratio", Dimension::None, "largest pressure over that at first yield", ratio));
+    solution.figures.push(figure(
+        "yield_ratio",
+        Dimension::None,
+        "ratio of the largest pressure to that at first yield",
+        ratio,
+    ));
 }

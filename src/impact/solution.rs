@@ -1,4 +1,4 @@
-//! What an impact that is not followed as waves in a bar results in: figures, histories, and sentences, for every kind alike.
+//! Results of an impact without waves in a bar: figures, histories and notes, for every kind.
 
 use crate::units::Dimension;
 
@@ -86,7 +86,7 @@ impl Table {
     pub fn ledger<const N: usize>(parts: [(Name, Name); N]) -> Self {
         let mut ledger =
             Self::over_time("ledger", parts.map(|(name, long_name)| (name, Dimension::Energy, long_name, "energy")));
-        let long_name = "energy less that at the start, relative to it";
+        let long_name = "relative change of the energy since the start";
         ledger.columns.push(Column::new("residual", Dimension::None, long_name, ""));
         ledger
     }

@@ -1,4 +1,5 @@
-//! The energy method: a body strikes a tension specimen, which breaks where the body's energy is more than it can absorb.
+//! The energy method: a specimen in tension fractures if the kinetic energy of the striker exceeds the energy it absorbs to
+//! fracture.
 //!
 //! How the stress builds up is left out, and so is that the body may strike faster than the specimen can carry the strain
 //! away: above the critical velocity a bar breaks with less. A run of the bar itself (`[bar]`) knows both.
@@ -124,7 +125,8 @@ impl Problem for Blow {
             outcome: if outcome.breaks { "rupture" } else { "done" },
             scheme: "closed-form",
             equation: "energy balance: fracture if m v^2/2 of the striker reaches the work that the specimen absorbs".into(),
-            validity: "ductile specimen, strained uniformly, below the critical impact velocity; elastic energy and waves are neglected"
+            validity: "ductile specimen, strained uniformly, below the critical impact velocity; elastic energy and waves are \
+                       neglected"
                 .into(),
             figures: self.figures(&outcome),
             flags: vec![("breaks", outcome.breaks)],
@@ -155,26 +157,20 @@ impl Blow {
         let figure =
             |name, key, dimension, long_name, value| Figure { key, ..Figure::new(name, dimension, long_name, value) };
         let per_volume = self.specimen.energy_per_volume();
-        let residual = "velocity of the striker in the end";
-        let threshold = "least velocity of this striker that breaks";
+        let residual = "final velocity of the striker";
+        let threshold = "lowest velocity of this striker that causes fracture";
         vec![
-            figure("available", "available_energy", Energy, "energy of motion of the striker", outcome.available),
-            figure("capacity", "capacity", Energy, "energy that the specimen can absorb", outcome.capacity),
-            figure("capacity_per_volume", "capacity", EnergyDensity, "energy that the specimen can absorb", per_volume),
-            figure(
-                "absorbed",
-                "absorbed_energy",
-                Energy,
-                "energy that the specimen has absorbed in the end",
-                outcome.absorbed,
-            ),
+            figure("available", "available_energy", Energy, "kinetic energy of the striker", outcome.available),
+            figure("capacity", "capacity", Energy, "energy absorbed to fracture", outcome.capacity),
+            figure("capacity_per_volume", "capacity", EnergyDensity, "energy absorbed to fracture", per_volume),
+            figure("absorbed", "absorbed_energy", Energy, "energy absorbed by the specimen", outcome.absorbed),
             figure("residual_velocity", "residual_velocity", Velocity, residual, outcome.residual_velocity),
             figure("threshold_velocity", "threshold_velocity", Velocity, threshold, outcome.threshold_velocity),
             figure(
                 "strain",
                 "strain",
                 Plain,
-                "engineering strain all along the specimen in the end",
+                "final uniform engineering strain of the specimen",
                 outcome.strain.unwrap_or(f64::NAN),
             ),
         ]

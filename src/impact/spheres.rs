@@ -139,8 +139,14 @@ fn closed_forms(solids: &[Solid; 2]) -> Solution {
     let approach = contact.largest_approach(mass, closing);
     let mut solution = Solution {
         scheme: "hertz",
-        equation: "Hertz's theory: F = 4/3 E* sqrt(R) a^(3/2), contact time 2.9433 a/v; (9.5) for the vibration of the spheres".into(),
-        validity: "elastic spheres, contact small against them, contact time long against their lowest period: R of (9.5) small".into(),
+        equation:
+            "Hertz's theory: F = 4/3 E* sqrt(R) a^(3/2), contact time 2.9433 a/v; (9.5) for the vibration of the \
+                   spheres"
+                .into(),
+        validity:
+            "elastic spheres, contact small compared with the spheres, contact time long compared with their lowest \
+                   period: R of (9.5) small"
+                .into(),
         ..Solution::default()
     };
     solution.lines.push(Line::new("closing velocity", "{}, reduced mass {}", &[(closing, Velocity), (mass, Mass)]));
@@ -165,7 +171,7 @@ fn vibration(solution: &mut Solution, solids: &[Solid; 2], closing: f64) {
     if ratio > MOST_VIBRATION {
         let percent = 100.0 * ratio;
         solution.warnings.push(format!(
-            "{percent:.1} % of the energy goes into vibration of the spheres by (9.5); Hertz's theory has none"
+            "{percent:.1} % of the energy goes into vibration of the spheres by (9.5), which Hertz's theory neglects"
         ));
     }
 }

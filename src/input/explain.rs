@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use super::deprecated::{is_deprecated, old_name};
 use super::{Document, nearest};
 use crate::error::InputError;
 
@@ -33,17 +34,23 @@ impl Document {
             let twice = self.text.get(span.clone()).unwrap_or_default().trim().to_owned();
             return self.error(span, &twice, "duplicate key").help("keep one of the two");
         }
+        if let (true, Some(name)) = (message.starts_with("duplicate field"), quoted.first()) {
+            let old = old_name(name).unwrap_or(name);
+            let message = format!("`{name}` and its old name `{old}` are both given");
+            return self.error(span, &key, message).help(format!("remove `{old}`"));
+        }
         let wrong_type = tidy.starts_with("found ");
         let help = match (wrong_type, tidy.split_once("expected ")) {
             (true, Some((_, expected))) => format!("write {expected} here"),
-            _ => "texts stand in \"quotes\", tables in [brackets], one `key = value` a line".into(),
+            _ => "write strings in \"quotes\", tables in [brackets], one `key = value` per line".into(),
         };
         self.error(span, &key, tidy).help(help)
     }
 
     fn unknown_key(&self, span: Range<usize>, key: &str, quoted: &[&str]) -> InputError {
         let (unknown, known) = split_first(quoted);
-        self.key_error(span, key, unknown, known)
+        let known: Vec<&str> = known.iter().copied().filter(|name| !is_deprecated(key, name)).collect();
+        self.key_error(span, key, unknown, &known)
     }
 
     /// An error for a key that is none of those of its table; the nearest is suggested.
@@ -68,9 +75,9 @@ impl Document {
         let list = known.iter().map(|k| format!("\"{k}\"")).collect::<Vec<_>>().join(", ");
         let help = match nearest(word, known.iter().copied()) {
             Some(near) => format!("did you mean `{near}`?"),
-            None => "write one of the allowed words".into(),
+            None => "write one of the allowed values".into(),
         };
-        self.error(span, key, format!("unknown word `{word}`")).allowed(list).help(help)
+        self.error(span, key, format!("unknown value `{word}`")).allowed(list).help(help)
     }
 
     fn missing_key(&self, span: Range<usize>, table: &str, name: &str) -> InputError {
@@ -83,7 +90,7 @@ impl Document {
 /// The reader's words for types as users know them: `struct RawSolve` is a table. `value` is the text that it read.
 fn plain_types(message: &str, value: &str) -> String {
     if message == "wanted string or table" {
-        return format!("found `{value}`, expected a word or a table");
+        return format!("found `{value}`, expected a string or a table");
     }
     let Some((found, expected)) = message.split_once(", expected ") else { return message.to_owned() };
     let expected = match expected {
@@ -186,7 +193,7 @@ mod tests {
         let error = wrong("[bar]\nlength = true\n");
         assert_eq!((error.key.as_str(), line(&error)), ("bar.length", 2));
         assert!(error.message.contains("boolean `true`"), "{}", error.message);
-        assert!(error.help.contains("a number, or a text with a unit"), "{}", error.help);
+        assert!(error.help.contains("a number, or a string with a unit"), "{}", error.help);
     }
 
     #[test]

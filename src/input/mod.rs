@@ -1,6 +1,7 @@
-//! Reading a TOML file so that every complaint can name file, line, key, value and what would be right.
+//! Reading of TOML files with errors that state file, line, key, value and remedy.
 
 mod allowed;
+mod deprecated;
 mod explain;
 mod parsed;
 
@@ -13,6 +14,7 @@ use crate::text_file;
 use crate::units::{Dimension, Quantity};
 
 pub use allowed::Allowed;
+pub use deprecated::DEPRECATED_KEYS;
 pub use parsed::{GivenKey, Parsed, Table};
 
 /// A number in a file, with its place.
@@ -74,10 +76,10 @@ impl Document {
         }
         let help = match allowed {
             Allowed::Finite => example,
-            Allowed::Positive => format!("give `{name}` a value above zero"),
-            Allowed::NotNegative => format!("give `{name}` zero or a value above it"),
+            Allowed::Positive => format!("set `{name}` to a value above zero"),
+            Allowed::NotNegative => format!("set `{name}` to zero or a positive value"),
             Allowed::Within(..) | Allowed::Above(..) | Allowed::Between(..) | Allowed::Below(..) => {
-                format!("give `{name}` a value in the allowed range")
+                format!("set `{name}` to a value in the allowed range")
             }
         };
         Err(self.error(value.span(), key, format!("{typed} is out of range")).allowed(range).help(help).into())

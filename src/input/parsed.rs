@@ -7,6 +7,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue, Deserializer, ValueDeserializer};
 
 use super::Document;
+use super::deprecated::present;
 use crate::error::Result;
 
 /// A key of a table, with its place and that of its value.
@@ -82,9 +83,13 @@ impl<'a> Parsed<'a> {
         self.root.get_ref().contains_key(key)
     }
 
-    /// The keys that stand in a top-level table, in the order of the text; none where there is no such table.
+    /// The keys of a top-level table under their present names, in the order of the text; none where there is no such table.
     pub fn keys_in(&self, table: &str) -> Vec<GivenKey> {
-        self.root.get_ref().get(table).map_or_else(Vec::new, |value| keys(value.get_ref()))
+        let mut given = self.root.get_ref().get(table).map_or_else(Vec::new, |value| keys(value.get_ref()));
+        for key in &mut given {
+            key.name = present(table, &key.name).to_owned();
+        }
+        given
     }
 
     /// Takes out what stands under a top-level key, to be read when it is known what it has to be.

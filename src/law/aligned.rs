@@ -1,5 +1,4 @@
-//! Numbers that begin on a line of the cache. A register as wide as a line then reads and writes one line at a time, and
-//! steps take the same time wherever the memory comes from.
+//! Arrays aligned to cache lines, so that vector loads do not cross lines and step times do not depend on the allocation.
 
 use aligned_vec::{AVec, ConstAlign};
 

@@ -1,4 +1,4 @@
-//! The loading table in stress units, in the forms in which kernels can read it fast.
+//! The loading curve in stress units, in forms for fast evaluation by the kernels.
 //!
 //! A table is `y = g(z)`, z = E eps >= 0, straight between knots, never falling, with slopes dy/dz = `E_k/E` in 0..=1.
 //! The first segment has slope exactly 1 up to the elastic limit, so reading it there returns z itself.

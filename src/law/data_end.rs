@@ -1,4 +1,4 @@
-//! What a law does not know: strains past the end of its stress-strain data, and a bar of no length.
+//! The limits of a law: strains beyond the end of its stress-strain data, and full compression.
 //!
 //! A table ends at its last knot, at the plastic strain `p_end = eps_end - sigma_end/E`. A point is past it while it flows in
 //! the sense (tension or compression) of that table with an accumulated plastic strain of `p_end` or more. An elastic point is

@@ -1,4 +1,4 @@
-//! Heat in laws that run on the adiabatic curve: it is in their table already, and the temperature can be read off it.
+//! Heat in laws on the adiabatic curve: the table includes it, and the temperature follows from the accumulated plastic strain.
 
 use super::{CellLaw, Deformed, Response, Reversals};
 use crate::material::{Heating, Sense};

@@ -1,4 +1,4 @@
-//! Multilinear kinematic hardening: elastic-perfectly-plastic elements in parallel (Besseling), one look-up in most steps.
+//! Multilinear kinematic hardening: elastic-perfectly-plastic elements in parallel (Besseling), one table evaluation in most steps.
 
 use super::reversals::NUMBERS;
 use super::{Backbone, CellLaw, Response, Reversals, Table};

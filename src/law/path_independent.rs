@@ -1,4 +1,4 @@
-//! sigma = f(eps) both ways: von Karman's theory as it stands, with no unloading branch.
+//! sigma = f(eps) in loading and unloading: the theory of von Karman, without elastic unloading.
 
 use super::{Backbone, CellLaw, Response};
 

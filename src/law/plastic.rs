@@ -1,4 +1,4 @@
-//! Plastic flow with elastic unloading: isotropic, kinematic and mixed hardening, one look-up a step.
+//! Plastic flow with elastic unloading: isotropic, kinematic and mixed hardening, one table evaluation per step.
 //!
 //! With `g(z)` the loading table in stress units (z = E eps), `p = E * accumulated plastic strain` and
 //! hardening `h = f - sigma_y`, the stress behind a step follows without iteration: a point on the table obeys

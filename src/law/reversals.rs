@@ -1,4 +1,4 @@
-//! Masing's rule: the stress of a point that has been strained to and fro, from the loading curve and its open reversals.
+//! Masing's rule: stress after reversals of strain, from the loading curve and its open reversal points.
 //!
 //! First loading follows the curve `f(z)`, z = E eps, mirrored for z < 0. Every later branch starts from a reversal at
 //! (`z_r`, `sigma_r`) and follows the curve doubled in size,

@@ -1,5 +1,4 @@
-//! One step of a whole row of cells, in pieces of fixed length: in these, compilers check no bounds and need no loop for what
-//! is left over.
+//! One step of a row of cells, in chunks of fixed length, for which the compiler removes bounds checks and remainder loops.
 
 use std::ops::Range;
 

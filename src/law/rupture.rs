@@ -1,4 +1,4 @@
-//! Rupture: when a place of the bar parts.
+//! Rupture: the fracture criteria of a section.
 //!
 //! A place breaks where what it has come to reaches a threshold of its material: its nominal strain, the energy that it
 //! has absorbed per volume (the whole work of strain, elastic and plastic), or its tensile stress. A notch (or a poor
@@ -66,7 +66,7 @@ impl Criterion {
         Self { cause, threshold: unit * threshold / notch, modulus }
     }
 
-    /// What it breaks of.
+    /// The criterion.
     pub fn cause(&self) -> Cause {
         self.cause
     }

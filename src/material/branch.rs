@@ -106,7 +106,7 @@ impl<'a> Given<'a> {
         };
         tabulate_law(law, modulus, self.measure, sense, self.how)
             .map_err(|reason| keys.error(span.clone(), &format!("{}.formula", self.name), reason))
-            .map_err(|e| e.help("give `tabulate.to-strain` a larger strain, or check the constants").into())
+            .map_err(|e| e.help("increase `tabulate.to-strain`, or check the constants").into())
     }
 
     fn of_rows(&self, rows: &[(f64, f64)], sense: Sense, modulus: Option<f64>, keys: Keys<'_>) -> Result<Tabulated> {
@@ -130,7 +130,7 @@ impl<'a> Given<'a> {
              {modulus:.6e} Pa",
             if as_given { row + 1 } else { knot }
         );
-        let help = "correct the row, or give the modulus the steepest slope (or leave it out: it is then that)";
+        let help = "correct the row, or set `modulus` to the steepest slope (the default)";
         Err(self.at_row(row, message, keys).allowed(format!("slopes <= {modulus:e} Pa")).help(help).into())
     }
 
@@ -144,17 +144,18 @@ impl<'a> Given<'a> {
             return Ok(());
         }
         let message = format!(
-            "the curve starts with {ratio:.2e} of the modulus {modulus:e} Pa: its stresses look like {unit} read as Pa"
+            "the initial slope of the curve is {ratio:.2e} of the modulus {modulus:e} Pa: the stresses seem to be in {unit}, \
+             not in Pa"
         );
         let help = format!(
-            "say unit = \"{unit}\" in [{}] (in a CSV file: a header `strain,stress_{unit}`), or write stresses with their unit; check \
-             the modulus, too",
+            "set unit = \"{unit}\" in [{}] (in a CSV file: a header `strain,stress_{unit}`), or write stresses with their \
+             unit; and check the modulus",
             self.name
         );
         let row = self.row_of_knot(1);
         Err(self
             .at_row(row, message, keys)
-            .allowed("a first slope near the modulus, or of more than 0.0015 of it")
+            .allowed("an initial slope of more than 0.0015 of the modulus")
             .help(help)
             .into())
     }
@@ -172,7 +173,7 @@ impl<'a> Given<'a> {
     fn row_error(&self, error: &CurveError, keys: Keys<'_>) -> InputError {
         self.at_row(error.row, error.to_string(), keys)
             .allowed("finite, not negative, strain increasing from row to row")
-            .help("rows are [strain, stress], magnitudes, the first one (0, 0) or left out")
+            .help("rows are [strain, stress] as magnitudes; the first row is (0, 0) or omitted")
     }
 
     /// An error at a row as given.
@@ -202,7 +203,7 @@ impl<'a> Data<'a> {
             (None, Some(csv), None) => csv_rows(csv, curve, name, keys).map(Self::Csv),
             (None, None, Some(formula)) => {
                 if let Some(unit) = &curve.unit {
-                    let error = keys.error(unit.span(), &format!("{name}.unit"), "a formula takes no `unit`");
+                    let error = keys.error(unit.span(), &format!("{name}.unit"), "`unit` does not apply to a formula");
                     return Err(error.help("write units with the constants, e.g. K = \"530 MPa\"").into());
                 }
                 let law = super::law_keys::read(*formula.get_ref(), formula.span(), curve, name, keys)?;
@@ -227,15 +228,16 @@ fn one_of<T: Copy + PartialEq>(
     if let (Some(top), Some(inner)) = (top, inner)
         && top.get_ref() != inner.get_ref()
     {
-        let error = keys.error(inner.span(), &format!("{name}.{key}"), format!("`{key}` differs from the one above"));
-        return Err(error.help("write it once").into());
+        let error =
+            keys.error(inner.span(), &format!("{name}.{key}"), format!("`{key}` is given twice with different values"));
+        return Err(error.help("give it once").into());
     }
     Ok(inner.or(top).map(|value| *value.get_ref()))
 }
 
 fn sense_of_compression(curve: &RawCurve, keys: Keys<'_>) -> Result<Sense> {
     if let Some(sense) = curve.sense.as_ref().filter(|s| *s.get_ref() == Sense::Tension) {
-        let error = keys.error(sense.span(), "compression.sense", "the compression branch says \"tension\"");
+        let error = keys.error(sense.span(), "compression.sense", "the compression branch has sense = \"tension\"");
         return Err(error.help("remove `sense` here").into());
     }
     Ok(Sense::Compression)
@@ -273,7 +275,7 @@ fn csv_rows(csv: &Placed<String>, curve: &RawCurve, name: &str, keys: Keys<'_>) 
     csv::read(&keys.base_dir.join(csv.get_ref()), unit).map_err(|e| match e {
         Error::Input(e) if e.place.is_none() => {
             let help = if e.message.contains("no such file") {
-                "the path starts at the folder of this file".into()
+                "the path is relative to the folder of this file".into()
             } else {
                 e.help
             };

@@ -1,4 +1,4 @@
-//! What a material file states besides its curve: constants for the effects that need them.
+//! Constants of a material other than its curve.
 
 use serde::Serialize;
 

@@ -1,4 +1,4 @@
-//! A first-loading stress-strain curve: a checked table, straight between its knots.
+//! A first-loading stress-strain curve: a checked table, linear between its knots.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,11 +8,11 @@ use crate::units::Dimension;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Beyond {
-    /// The last knot is where the specimen broke.
+    /// The specimen fractured at the last row.
     Rupture,
-    /// The last slope is continued.
+    /// Extrapolation with the last slope.
     Extend,
-    /// A run that reaches it stops.
+    /// The run stops.
     Error,
 }
 
@@ -220,7 +220,7 @@ fn check_row(rows: &[(f64, f64)], row: usize) -> Result<(), CurveError> {
             return Err(refuse(row, format!("{name} is {value}, not a finite number")));
         }
         if value < 0.0 {
-            return Err(refuse(row, format!("{name} {value:e} is negative; curves hold magnitudes")));
+            return Err(refuse(row, format!("{name} {value:e} is negative; curves are given as magnitudes")));
         }
     }
     let range = Dimension::Stress.magnitudes();

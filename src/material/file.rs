@@ -1,4 +1,4 @@
-//! What a material file means: from the serde mirror to a checked [`Material`].
+//! Conversion of a material file to a checked [`Material`].
 
 use std::path::Path;
 
@@ -86,17 +86,17 @@ pub fn resolve(raw: RawMaterial, doc: &Document, key_prefix: &str, base_dir: &Pa
 fn no_senses_in_shear(raw: &RawMaterial, main: &Given<'_>, keys: Keys<'_>) -> Result<()> {
     let curve = raw.curve.get_ref();
     let (key, span, why) = if let Some(compression) = &raw.compression {
-        ("compression", compression.span(), "a shear curve has no compression branch: it is alike in both senses")
+        ("compression", compression.span(), "a shear curve applies in both senses and has no compression branch")
     } else if let Some(symmetry) = &raw.symmetry {
-        ("symmetry", symmetry.span(), "a shear curve is alike in both senses")
+        ("symmetry", symmetry.span(), "a shear curve applies in both senses")
     } else if let Some(sense) = raw.sense.as_ref().or(curve.sense.as_ref()) {
-        ("sense", sense.span(), "a shear curve is alike in both senses")
+        ("sense", sense.span(), "a shear curve applies in both senses")
     } else if let (Measure::True, Some(measure)) = (main.measure, raw.measure.as_ref().or(curve.measure.as_ref())) {
-        ("measure", measure.span(), "shear is given as engineering shear strain")
+        ("measure", measure.span(), "a shear curve is in engineering shear strain")
     } else {
         return Ok(());
     };
-    Err(keys.error(span, key, why).help(format!("take `{key}` out, or loading = \"shear\"")).into())
+    Err(keys.error(span, key, why).help(format!("remove `{key}`, or remove loading = \"shear\"")).into())
 }
 
 /// The compression branch: its own curve, the same true curve converted to compression, or none.
@@ -108,7 +108,7 @@ fn compression(raw: &RawMaterial, main: &Given<'_>, modulus: Option<f64>, keys: 
             return refuse(
                 curve.span(),
                 "compression",
-                "`[curve]` is that of compression already",
+                "`[curve]` is already the compression curve",
                 "remove one of them",
             );
         }
@@ -120,10 +120,16 @@ fn compression(raw: &RawMaterial, main: &Given<'_>, modulus: Option<f64>, keys: 
     }
     let Some(symmetry) = symmetry.filter(|s| *s.get_ref() == Measure::True) else { return Ok(None) };
     if main.measure != Measure::True {
-        return refuse(symmetry.span(), "symmetry", "the curve is not a true one", "write measure = \"true\" if it is");
+        return refuse(
+            symmetry.span(),
+            "symmetry",
+            "the curve is not in true measures",
+            "set measure = \"true\" if the table \
+                                                                                         has true stress and true strain",
+        );
     }
     if main.sense == Sense::Compression {
-        let help = "remove `symmetry`: the engineering curve then serves in tension too";
+        let help = "remove `symmetry`: the engineering curve then applies in tension, too";
         return refuse(symmetry.span(), "symmetry", "the curve was measured in compression", help);
     }
     main.branch(Sense::Compression, modulus, keys).map(Some)

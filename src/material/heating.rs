@@ -1,4 +1,4 @@
-//! Adiabatic heating: a material whose plastic work warms it and makes it softer.
+//! Adiabatic heating: plastic work raises the temperature and lowers the flow stress.
 //!
 //! While all its flow goes one way, and hardening is isotropic, the work of a plastic strain p is that of the curve,
 //! whatever happened between, so that the temperature is a function of p: the heated material is one with another curve,
@@ -143,7 +143,7 @@ impl Heating {
     fn adiabatic(&self, cold: &Curve, modulus: f64) -> Result<Curve, CurveError> {
         let omega = self.rise_per_work() / self.range();
         let top = cold.stress().iter().copied().fold(0.0, f64::max);
-        let mut warmth = AdiabaticState::cold(self.exponent);
+        let mut adiabatic = AdiabaticState::cold(self.exponent);
         let mut rows: Vec<(f64, f64)> = Vec::new();
         let knots = flow_knots(cold, modulus);
         for (k, pair) in knots.windows(2).enumerate() {
@@ -151,21 +151,21 @@ impl Heating {
             let width = p_end - p;
             if width == 0.0 {
                 // Along the elastic line nothing flows. Before the first flow the cold knots themselves are kept.
-                let stress = f_end * warmth.strength();
+                let stress = f_end * adiabatic.strength();
                 let strain = if p == 0.0 { cold.strain()[k + 1] } else { p + stress / modulus };
                 rows.push((strain, stress));
                 continue;
             }
             let slope = (f_end - f) / width;
-            let after = |x: f64| warmth.after(omega * x * (f + 0.5 * slope * x));
+            let after = |x: f64| adiabatic.after(omega * x * (f + 0.5 * slope * x));
             let point = |x: f64| {
                 let stress = (f + slope * x) * after(x).strength();
                 (p + x + stress / modulus, stress)
             };
             rows.extend(refine(&point, &[0.0, width], TOLERANCE, top).rows.into_iter().skip(1));
-            warmth = after(width);
+            adiabatic = after(width);
         }
-        extend(cold, modulus, (omega, top), (knots[knots.len() - 1], warmth), &mut rows);
+        extend(cold, modulus, (omega, top), (knots[knots.len() - 1], adiabatic), &mut rows);
         // With m < 1 the stress drops, right where it first flows, faster than strain can grow there.
         let mut last = 0.0;
         rows.retain(|row| {
@@ -185,7 +185,7 @@ fn extend(
     cold: &Curve,
     modulus: f64,
     (omega, top): (f64, f64),
-    ((p, f), warmth): ((f64, f64), AdiabaticState),
+    ((p, f), adiabatic): ((f64, f64), AdiabaticState),
     rows: &mut Vec<(f64, f64)>,
 ) {
     let slope = cold.last_slope();
@@ -198,7 +198,7 @@ fn extend(
     let reach = if hardening < 0.0 { -f / hardening } else { f64::INFINITY };
     let after = |x: f64| {
         let x = x.min(reach);
-        warmth.after(omega * x * (f + 0.5 * hardening * x))
+        adiabatic.after(omega * x * (f + 0.5 * hardening * x))
     };
     let point = |x: f64| {
         let stress = flow(x) * after(x).strength();

@@ -1,4 +1,4 @@
-//! The keys of a material inside a document: their full names, numbers, and errors that point at them.
+//! The keys of a material in a document: full names, numbers, and errors at their place.
 
 use std::ops::Range;
 use std::path::Path;

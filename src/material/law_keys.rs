@@ -1,4 +1,4 @@
-//! The constants of formulas in a file: which keys each law takes, and their ranges where these are narrower than those of the keys.
+//! The constants of formulas in a file: the keys of each law, and their ranges where these are narrower than those of the keys.
 
 use std::ops::Range;
 
@@ -36,13 +36,13 @@ impl Reader<'_> {
         self.keys.error(span, &format!("{}.{key}", self.name), message)
     }
 
-    fn takes(&self) -> String {
+    fn uses(&self) -> String {
         let (formula, keys) = keys_of(self.formula);
-        format!("formula = \"{formula}\" takes {}", keys.join(", "))
+        format!("formula = \"{formula}\" uses {}", keys.join(", "))
     }
 
     fn needed<T>(&self, key: &str, constant: Option<T>) -> Result<T> {
-        let missing = || self.error(self.span.clone(), key, "is missing".to_owned()).help(self.takes()).into();
+        let missing = || self.error(self.span.clone(), key, "is missing".to_owned()).help(self.uses()).into();
         constant.ok_or_else(missing)
     }
 
@@ -58,10 +58,10 @@ impl Reader<'_> {
 /// Reads a law's constants; keys of other laws are refused.
 pub(super) fn read(formula: Formula, span: Range<usize>, curve: &RawCurve, name: &str, keys: Keys<'_>) -> Result<Law> {
     let reader = Reader { formula, span, name, keys };
-    let (_, takes) = keys_of(formula);
-    if let Some((key, place)) = given(curve).find(|(key, _)| !takes.contains(key)) {
+    let (_, uses) = keys_of(formula);
+    if let Some((key, place)) = given(curve).find(|(key, _)| !uses.contains(key)) {
         let error = reader.error(place, key, "is not a constant of this formula".to_owned());
-        return Err(error.help(reader.takes()).into());
+        return Err(error.help(reader.uses()).into());
     }
     let n = |allowed| reader.within("n", curve.n.as_ref(), allowed);
     let exponent = || n(Allowed::Above(0.0, 1.0));
@@ -98,7 +98,7 @@ fn voce(reader: &Reader<'_>, curve: &RawCurve) -> Result<Law> {
     if saturation <= yield_stress {
         let message = format!("{saturation:e} Pa is not above the yield stress {yield_stress:e} Pa");
         let error = reader.error(curve.saturation.place().unwrap_or_default(), "saturation", message);
-        let help = "give `saturation` the stress that the curve approaches from below";
+        let help = "set `saturation` to the stress that the curve approaches from below";
         return Err(error.allowed("saturation > yield").help(help).into());
     }
     Ok(Law::Voce { yield_stress, saturation, strain: reader.number("strain", &curve.strain)? })
@@ -107,7 +107,7 @@ fn voce(reader: &Reader<'_>, curve: &RawCurve) -> Result<Law> {
 /// Refuses constants where there is no formula.
 pub(super) fn refuse_constants(curve: &RawCurve, name: &str, keys: Keys<'_>) -> Result<()> {
     let Some((key, place)) = given(curve).next() else { return Ok(()) };
-    let error = keys.error(place, &format!("{name}.{key}"), "is a formula's constant, but no formula is named");
+    let error = keys.error(place, &format!("{name}.{key}"), "is a constant of a formula, but `formula` is not given");
     Err(error.help("add e.g. formula = \"hollomon\", or remove the constant").into())
 }
 

@@ -1,4 +1,4 @@
-//! Where materials are found by name: files beside the scene, a folder of the user's, and the built-in library.
+//! Lookup of materials by name: files beside the scene, a user folder, and the built-in library.
 //!
 //! A name with a path separator or ending in `.toml` is a path. Any other name is looked up as `NAME.toml` in
 //! `materials/` beside the scene (or in the working folder), then in the folder that `BARWAVE_MATERIALS` names,
@@ -148,5 +148,5 @@ fn unknown(name: &str, base_dir: &Path) -> InputError {
         Some(near) => format!("did you mean `{near}`? `barwave materials` lists them"),
         None => "`barwave materials` lists them; a path to a material file ends in .toml".into(),
     };
-    InputError::new(format!("there is no material `{name}`")).key("material").help(help)
+    InputError::new(format!("unknown material `{name}`")).key("material").help(help)
 }

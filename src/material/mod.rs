@@ -1,4 +1,4 @@
-//! Materials: checked stress-strain tables, named formulas turned into tables, and the library of files.
+//! Materials: checked stress-strain tables, formulas converted to tables, and the library of files.
 
 mod branch;
 mod constants;
@@ -44,7 +44,7 @@ pub use torsion::{TORSION_TOLERANCE, TubeSection};
 pub enum Sense {
     /// Positive stress.
     Tension,
-    /// Negative stress; curves hold magnitudes.
+    /// Negative stress; curves are given as magnitudes.
     Compression,
 }
 

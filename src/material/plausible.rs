@@ -1,4 +1,4 @@
-//! What a careful reader would ask about a material that is right as it stands.
+//! Notes on improbable constants of a valid material.
 
 use super::{Loading, Material, Sense};
 
@@ -25,7 +25,8 @@ impl Material {
     fn too_dense(&self) -> Option<String> {
         let (name, density) = (&self.name, self.density);
         (density > DENSEST).then(|| {
-            format!("the density of `{name}` is {density:.0} kg/m^3: denser than osmium (22600 kg/m^3); check the number and its unit")
+            format!("the density of `{name}` is {density:.0} kg/m^3: denser than osmium (22600 kg/m^3); check the number and \
+                     its unit")
         })
     }
 
@@ -36,8 +37,8 @@ impl Material {
         let bends = self.loading == Loading::Axial && slope < ROUNDED * self.modulus;
         bends.then(|| {
             format!(
-                "the curve of `{}` has no elastic part: its first slope, {:.4e} Pa, is {:.3} of the modulus, so that it yields from the \
-                 first load on; start it with the elastic limit, or give the modulus that slope",
+                "the curve of `{}` has no elastic part: its initial slope, {:.4e} Pa, is {:.3} of the modulus, so the material \
+                 yields at any load; add the elastic limit as the first row, or set the modulus to that slope",
                 self.name,
                 slope,
                 slope / self.modulus

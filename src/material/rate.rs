@@ -139,14 +139,13 @@ rate_laws! {
 }
 
 /// Rate law and its constants: `{ model = "malvern", k = "1e6 1/s" }`,
-/// `{ model = "cowper-symonds", D = "40 1/s", q = 5 }` or `{ model = "johnson-cook", C = 0.014, reference = "1 1/s" }`; in a material
-/// file the table has the name of the law, and no `model`.
+/// `{ model = "cowper-symonds", D = "40 1/s", q = 5 }` or `{ model = "johnson-cook", C = 0.014, reference = "1 1/s" }`; in a material file the name of the table is the law, without `model`.
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RawRate {
-    /// Which law. Required in a scene.
+    /// Rate law. Required in a scene.
     pub(crate) model: Option<Placed<RateModel>>,
-    /// Malvern: plastic strain rate over what the elastic strain exceeds that of the static curve by.
+    /// Malvern: plastic strain rate per excess of the elastic strain over that of the static curve.
     k: Option<Of<measures::Rate, Positive>>,
     /// Cowper-Symonds: plastic strain rate at twice the static stress.
     #[serde(rename = "D")]
@@ -165,7 +164,7 @@ pub struct RawRate {
     /// Zerilli-Armstrong: its strain-rate coefficient.
     #[serde(rename = "C4")]
     c4: Option<Of<measures::ReciprocalTemperature, Positive>>,
-    /// Johnson-Cook, Zerilli-Armstrong: the plastic strain rate at which the curve holds.
+    /// Johnson-Cook, Zerilli-Armstrong: plastic strain rate of the quasi-static curve.
     reference: Option<Of<measures::Rate, Positive>>,
 }
 
@@ -202,12 +201,12 @@ pub(super) fn resolve(raw: &RawRates, heat: &HeatConstants, keys: Keys<'_>) -> R
     let law = |(model, raw): (RateModel, &Placed<RawRate>)| {
         let key = format!("rate.{}", model.name());
         if let Some(word) = &raw.get_ref().model {
-            let error = keys.error(word.span(), &format!("{key}.model"), "the name of the table names the law");
-            return Err(error.help("take `model` out").into());
+            let error = keys.error(word.span(), &format!("{key}.model"), "the name of the table selects the law");
+            return Err(error.help("remove `model`").into());
         }
         let law = raw.get_ref().law(model, keys.doc, &keys.key(&key), raw.span())?;
         if law.has_temperature() && heat.reference_temperature.is_none() {
-            let error = keys.error(raw.span(), &key, "needs the temperature at which the curve holds");
+            let error = keys.error(raw.span(), &key, "needs the reference temperature of the curve");
             return Err(error.help(TEMPERATURE).into());
         }
         Ok(law)

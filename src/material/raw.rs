@@ -1,4 +1,4 @@
-//! A material as a file or a scene writes it: the serde mirror. What it means is decided in `file`.
+//! The serde mirror of a material file; `file` converts it.
 
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -16,33 +16,32 @@ use crate::units::measures::{Density, SpecificHeat, Stress, Temperature};
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct RawMaterial {
-    /// Short name; a file without one is named by its stem.
+    /// Short name. Default: the file name.
     pub name: Option<String>,
     /// Description, one line.
     pub description: Option<String>,
     /// Mass per volume.
     pub density: Of<Density, Positive>,
-    /// Elastic modulus: slope of every unloading, never exceeded by the curve. Default: the curve's
-    /// steepest slope. Formulas need it.
+    /// Elastic modulus: slope of elastic unloading, not exceeded by the curve. Default: the steepest slope of the curve. Required for formulas.
     pub modulus: Option<Of<Stress, Positive>>,
     /// Loading of the curve: "axial" (default), or "shear": shear stress against engineering shear strain, and `modulus` is
     /// the shear modulus; for bars with mode = "torsion".
     pub loading: Option<Placed<Loading>>,
     /// Poisson's ratio.
     pub poisson: Option<Of<Plain, Poisson>>,
-    /// Whether strains and stresses are engineering (default) or true ones. Also accepted in `[curve]`.
+    /// Engineering (nominal, default) or true stress and strain. Also accepted in `[curve]`.
     pub measure: Option<Placed<Measure>>,
     /// Whether the curve was measured in tension (default) or compression. Also accepted in `[curve]`.
     pub sense: Option<Placed<Sense>>,
-    /// What happens past the last row: "rupture" (the specimen broke there), "extend" (the last slope is continued) or "error" (default:
-    /// a run that reaches it stops). Also accepted in `[curve]`.
+    /// Behaviour beyond the last row: "rupture" (the specimen fractured there), "extend" (extrapolation with the last slope) or "error"
+    /// (default: the run stops). Also accepted in `[curve]`.
     pub beyond: Option<Placed<Beyond>>,
-    /// Curve of the other sense where `[compression]` is absent: "engineering" (default) mirrors the engineering
+    /// Curve in the other sense without `[compression]`: "engineering" (default) mirrors the engineering
     /// curve; "true" converts the same true curve to compression.
     pub symmetry: Option<Placed<Measure>>,
     /// The stress-strain curve of first loading.
     pub curve: Placed<RawCurve>,
-    /// First loading in compression, where it differs; magnitudes.
+    /// First loading in compression, if different; magnitudes.
     pub compression: Option<Placed<RawCurve>>,
     /// Constants of rate laws.
     pub rate: Option<RawRates>,
@@ -90,7 +89,7 @@ pub struct RawCurve {
     /// Rows [strain, stress]; magnitudes; strain increasing. Plain stresses are in `unit`.
     #[schemars(with = "Option<Vec<(Quantity, Quantity)>>")]
     pub table: Option<Vec<TableRow>>,
-    /// A file with the columns strain, stress, relative to this one. A header may name units: `stress_MPa` or
+    /// A file with the columns strain, stress, relative to this one. A header may give units: `stress_MPa` or
     /// `stress (MPa)`, `strain (%)`.
     pub csv: Option<Placed<String>>,
     /// A named law; its constants are in the same table.
@@ -117,7 +116,7 @@ pub struct RawCurve {
     /// Ludwik, Voce, Ramberg-Osgood: yield stress.
     #[serde(rename = "yield")]
     pub yield_stress: Option<Of<Stress, Positive>>,
-    /// Voce: stress that is approached, above the yield stress.
+    /// Voce: saturation stress, above the yield stress.
     pub saturation: Option<Of<Stress, Positive>>,
     /// Voce: characteristic plastic strain.
     pub strain: Option<Of<Plain, Positive>>,
@@ -126,7 +125,7 @@ pub struct RawCurve {
     /// Ramberg-Osgood: plastic strain at the yield stress.
     #[schemars(default)]
     pub offset: Or<Of<Plain, Positive>, 2, 1000>,
-    /// How a formula becomes a table.
+    /// Conversion of a formula to a table.
     pub tabulate: Option<RawTabulate>,
 }
 
@@ -151,23 +150,21 @@ pub struct RawTest {
     pub record: Option<String>,
     /// Elastic modulus of this test; default: the steepest slope.
     pub modulus: Option<Of<Stress, Positive>>,
-    /// Behaviour past the last row; default: that of the material.
+    /// Behaviour beyond the last row; default: that of the material.
     pub beyond: Option<Beyond>,
     /// Rows [engineering strain, engineering stress]; magnitudes; strain increasing.
     #[schemars(with = "Vec<(Quantity, Quantity)>")]
     pub table: Placed<Vec<TableRow>>,
 }
 
-/// How a formula (or a true table) becomes an engineering table.
+/// Conversion of a formula (or a true table) to an engineering table.
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct RawTabulate {
-    /// Largest distance in stress over the largest stress.
+    /// Largest error of the stress, relative to the largest stress.
     #[schemars(default)]
     pub tolerance: Or<Of<Plain, Within<1, 10_000_000, 100_000_000>>, 1, 1000>,
-    /// Engineering strain at which the table ends; where symmetry = "true" makes the compression table of a tension curve, that
-    /// table ends at 0.9 at the latest (default: half as far again as the largest engineering stress; where there is none 0.5,
-    /// and 0.777, a true strain of 1.5, in compression of true stress and strain).
+    /// Engineering strain at the end of the table; at most 0.9 for a compression table from symmetry = "true". Default: 1.5 times the true strain at the largest engineering stress; without a maximum 0.5, and 0.777 (a true strain of 1.5) in compression of true stress and strain.
     pub to_strain: Option<Of<Plain, Positive>>,
 }
 
@@ -177,9 +174,9 @@ pub struct RawTabulate {
 pub struct RawHeat {
     /// Heat per mass and kelvin.
     pub specific_heat: Option<Of<SpecificHeat, Positive>>,
-    /// Fraction of the plastic work that heats.
+    /// Fraction of the plastic work converted to heat.
     pub fraction: Option<Of<Plain, Within<0, 1>>>,
-    /// Temperature at which the curve holds.
+    /// Temperature of the curve.
     pub reference_temperature: Option<Of<Temperature, Positive>>,
     /// Melting temperature, above the reference temperature.
     pub melting_temperature: Option<Of<Temperature, Positive>>,
@@ -188,7 +185,7 @@ pub struct RawHeat {
     pub exponent: Option<Of<Plain, Within<1, 10_000, 100>>>,
 }
 
-/// `[source]`: where the curve comes from.
+/// `[source]`: origin of the curve.
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct RawSource {

@@ -1,4 +1,4 @@
-//! The scatter of repeated tests about a curve. Runs ignore it; studies of uncertainty use it.
+//! The scatter of repeated tests about a curve. Runs ignore it; uncertainty studies use it.
 
 use serde::Serialize;
 
@@ -73,7 +73,7 @@ fn test(raw: &RawTest, place: usize, beyond: Beyond, unit: f64, keys: Keys<'_>) 
     let wrong = |message: String| -> InputError {
         keys.error(raw.table.span(), &format!("{key}.table"), message)
             .allowed("finite, not negative, strain increasing from row to row")
-            .help("rows are [strain, stress], magnitudes, the first one (0, 0) or left out")
+            .help("rows are [strain, stress] as magnitudes; the first row is (0, 0) or omitted")
     };
     let rows = table(raw.table.get_ref(), &format!("{key}.table"), unit, keys)?;
     let curve = Curve::new(&rows, raw.beyond.unwrap_or(beyond)).map_err(|e| wrong(e.to_string()))?;

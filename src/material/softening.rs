@@ -1,4 +1,4 @@
-//! How far a piece of metal that heats itself has come towards melting.
+//! Thermal softening: the homologous temperature as a function of plastic work.
 //!
 //! With theta = (T - Tref)/(Tm - Tref) the stress is the cold one times g = 1 - theta^m (Johnson and Cook), and the plastic
 //! work heats: `d theta = chi f g dp/(rho c (Tm - Tref))`. In terms of the cold work, `d omega = chi f dp/(rho c (Tm - Tref))`,

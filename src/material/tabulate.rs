@@ -1,4 +1,4 @@
-//! From laws and true-stress tables to the engineering tables that solvers see.
+//! Conversion of laws and true-stress tables to engineering tables.
 //!
 //! True to engineering, for incompressible plastic flow: in tension e = exp(eps) - 1, s = sigma/(1 + e); in
 //! compression, in magnitudes, e = 1 - exp(-eps), s = sigma/(1 - e). The elastic part is kept straight in the
@@ -13,10 +13,10 @@ use crate::root::bisect;
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Measure {
-    /// Change of length over first length; force over first area.
+    /// Elongation over initial length; force over initial area.
     #[default]
     Engineering,
-    /// Logarithmic strain; force over present area.
+    /// Logarithmic strain; force over current area.
     True,
 }
 

@@ -1,4 +1,4 @@
-//! From the shear curve of a material to the curve of a round section in torsion.
+//! Conversion of the shear curve of a material to the torque-twist curve of a round section.
 //!
 //! Plane sections turn as they are, so the shear strain grows in proportion to the radius: at s R it is s g, where g is that
 //! at the outer radius R. With the torque T and J = pi/2 (R^4 - a^4) for the inner radius a = q R, the *nominal* stress
@@ -101,9 +101,7 @@ impl Material {
     /// # Errors
     /// What is missing.
     pub fn in_shear(&self) -> Result<Self, &'static str> {
-        let nu = self
-            .poisson
-            .ok_or("it states no Poisson's ratio (`poisson`), without which its shear modulus is unknown")?;
+        let nu = self.poisson.ok_or("its Poisson's ratio (`poisson`) is missing, which the shear modulus needs")?;
         let (root, modulus) = (3.0_f64.sqrt(), self.modulus / (2.0 * (1.0 + nu)));
         let knots = self.tension.strain().iter().zip(self.tension.stress());
         let rows: Vec<(f64, f64)> = knots
@@ -111,7 +109,8 @@ impl Material {
                 (root * (strain - stress / self.modulus).max(0.0) + stress / root / modulus, stress / root)
             })
             .collect();
-        let tension = Curve::new(&rows, self.tension.beyond()).map_err(|_| "its curve has no counterpart in shear")?;
+        let tension =
+            Curve::new(&rows, self.tension.beyond()).map_err(|_| "its curve does not give a valid shear curve")?;
         Ok(Self {
             modulus,
             loading: Loading::Shear,

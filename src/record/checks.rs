@@ -1,4 +1,4 @@
-//! A run held against theory: sigma = rho c0 v while it is elastic, and the self-similar solution where it has one.
+//! Comparison of a run with theory: sigma = rho c0 v while elastic, and the self-similar solution where it exists.
 
 use super::{ElasticCheck, ErrorFigure, Stepped};
 use crate::bar::{Bar, InitialFan};

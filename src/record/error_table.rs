@@ -1,4 +1,4 @@
-//! The errors of a run: one number for each of the things that are read from it.
+//! The errors of a run: one number for each recorded quantity.
 
 use std::fmt;
 use std::ops::Index;

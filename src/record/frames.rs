@@ -1,4 +1,4 @@
-//! Frames at asked times. Output never bends the time step: a frame between two steps is interpolated in time.
+//! Frames at given times. The time step is independent of the output: a frame between two steps is interpolated in time.
 
 use super::{Field, Frame, Stepped, View};
 use crate::error::Result;

@@ -1,5 +1,5 @@
-//! Following fronts through the simulated field: where each edge of the theoretical fan is, how fast it moves, and
-//! when it reaches the gauges. Nothing here uses the theoretical speed.
+//! Tracking of fronts through the simulated field: position and speed of each edge of the theoretical fan, and arrival times at
+//! gauges. The theoretical speed is not used.
 
 use super::{FrontRow, Stepped};
 use crate::bar::{Bar, EndCondition, InitialFan, Origin};
@@ -211,7 +211,7 @@ fn window(bar: &Bar, initial_fan: &InitialFan, initial_fans: &[InitialFan], ends
     Window { length: segment.length, c0: segment.material.c0(), far: reflection.min(others(far_x)), near }
 }
 
-/// Time that an elastic wave takes between two places, s.
+/// Transit time of an elastic wave between two positions, s.
 fn transit(bar: &Bar, a: f64, b: f64) -> f64 {
     let (low, high) = (a.min(b), a.max(b));
     let (mut x0, mut time) = (0.0, 0.0);

@@ -1,4 +1,4 @@
-//! Solvers on a grid as the recorders read them. Each has the methods of the traits under the same names.
+//! Access of the recorders to solvers on a grid.
 
 use super::stepped::{Stepped, log_stepwise};
 use super::view::{Account, ContactReading, EndState, Start, View};

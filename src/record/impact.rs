@@ -1,4 +1,4 @@
-//! The summary of an impact that is not waves in a bar.
+//! The summary of an impact without waves in a bar.
 
 use std::collections::BTreeMap;
 

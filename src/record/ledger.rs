@@ -1,4 +1,4 @@
-//! The account of momentum and energy that every run keeps.
+//! The balance of momentum and energy of a run.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,4 +1,4 @@
-//! What a run leaves behind: fields, gauges, end histories, fronts, ledger, audit, and the file they go to.
+//! The records of a run: fields, gauges, end histories, fronts, ledger, audit, and the result file.
 
 mod audit;
 mod checks;
@@ -14,11 +14,11 @@ mod step_gauges;
 mod stepped;
 pub mod store;
 mod summary;
+mod temperature;
 mod traces;
 mod tracked;
 mod tracked_fronts;
 mod view;
-mod warmth;
 
 use serde::ser::SerializeStruct;
 use serde::{Deserialize, Serialize, Serializer};
@@ -43,11 +43,11 @@ pub use summary::{
     AutoChoice, ChoiceSummary, ElasticCheck, EndSummary, ErrorFigure, FrontSummary, LedgerSummary, RuptureSummary,
     SolvedBy, Summary, TorsionSummary, TrackingSummary, Tried,
 };
+pub use temperature::{flowed_both_ways, largest_rise};
 pub use traces::Traces;
 pub use tracked::EndHistories;
 pub use tracked_fronts::{INTERIOR, Paths, TrackedFronts};
 pub use view::{Account, ContactReading, EndState, Start, View};
-pub use warmth::{flowed_both_ways, largest_rise};
 
 /// A field that can be recorded over x and t.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, clap::ValueEnum)]
@@ -258,11 +258,11 @@ pub struct PathRow {
 /// A neglected effect, and how large it would have been; see [`Audit`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct AuditRow {
-    /// e.g. "unloading".
+    /// e.g. "hardening".
     pub effect: String,
-    /// Estimated relative change of the stress, or what `finding` says; NaN (in JSON null) where nothing is known.
+    /// Estimated relative change of the stress, or the quantity named in `finding`; NaN (null in JSON) if unknown.
     pub estimate: f64,
-    /// Size from which it matters: the run's `audit-tolerance`, or what `finding` says.
+    /// Threshold of significance: the `audit-tolerance` of the run, or that named in `finding`.
     pub threshold: f64,
     /// For people: size, place, time.
     pub finding: String,
@@ -283,7 +283,7 @@ impl AuditRow {
         format!("{}{stop}{}", self.finding, self.remedy)
     }
 
-    /// One line for people: effect, finding, and the key that would switch it on.
+    /// One line of text: effect, finding, and the key that includes it.
     pub fn message(&self) -> String {
         format!("{}: {}", self.effect, self.advice())
     }

@@ -1,4 +1,4 @@
-//! Exact histories at places of a front-tracking bar: steps, made from the front segments of the fronts that pass.
+//! Exact gauge histories of a front-tracking bar, from the segments of the fronts that pass.
 
 use serde::{Deserialize, Serialize};
 

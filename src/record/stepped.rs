@@ -1,10 +1,10 @@
-//! What the recorders read of a bar that goes on in equal steps on a grid.
+//! Access of the recorders to a bar advanced in equal steps on a grid.
 
 use super::{Traces, View};
 use crate::law::FirstPassed;
 use crate::solver::fd::{Grid, Quantity, Sampling, Unresolved};
 
-/// A bar on a grid that goes on in steps of one length.
+/// A bar on a grid with a constant time step.
 pub trait Stepped: View<Places = Sampling> {
     /// The grid.
     fn grid(&self) -> &Grid;

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::{AuditRow, ErrorTable, Figures, LengthSummary};
 use crate::law::rupture::{Cause, Rupture};
 
-/// What `barwave run` says of a run. The keys are the contract's.
+/// The summary of a run; the keys are part of the interface.
 #[derive(Debug, Clone, Serialize)]
 pub struct Summary {
     /// Scene title.
@@ -77,7 +77,7 @@ pub struct Summary {
     pub temperature_rise: Option<f64>,
     /// Neglected effects.
     pub audit: Vec<AuditRow>,
-    /// What does not go well in what the scene asks for, a sentence each.
+    /// Notes on problematic settings of the scene, one sentence each.
     pub notes: Vec<String>,
     /// Result file.
     pub output: String,
@@ -98,7 +98,7 @@ pub struct AutoChoice {
     pub round: usize,
 }
 
-/// What front tracking says of itself. The keys stand beside those of [`Summary`].
+/// Additional results of front tracking; the keys are on the level of those of [`Summary`].
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct TrackingSummary {
     /// How much waves may be thinned out, relative to `stress_scale`.

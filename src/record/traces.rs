@@ -1,4 +1,4 @@
-//! Full-rate histories of a bar on a grid: gauges and both ends, a row a step.
+//! Full-rate histories of a bar on a grid: gauges and both ends, one row per step.
 
 use super::{EndState, Trace};
 use crate::solver::fd::{Log, Quantity, Sampling, between};

@@ -1,4 +1,4 @@
-//! What the recorders read of a front-tracking bar.
+//! Access of the recorders to a front-tracking bar.
 
 use serde::{Deserialize, Serialize};
 

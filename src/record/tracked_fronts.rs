@@ -1,5 +1,5 @@
-//! The front table of a front-tracking bar: the first fans edge by edge, and every front that is under way at the end.
-//! Everything here is read off the fronts themselves, so places, times and speeds are exact.
+//! The front table of a front-tracking bar: the initial fans edge by edge, and all active fronts at the end time. Positions, times
+//! and speeds are exact.
 
 use serde::{Deserialize, Serialize};
 

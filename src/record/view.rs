@@ -1,4 +1,4 @@
-//! What the recorders read of a simulated bar, whatever the solver.
+//! Access of the recorders to a simulated bar, independent of the solver.
 
 use serde::{Deserialize, Serialize};
 
@@ -36,7 +36,7 @@ pub trait View {
         &[]
     }
 
-    /// What the bar started with; asked for once, before the first step.
+    /// The initial energy and momentum; called once, before the first step.
     fn start(&self) -> Start;
 
     /// What is in the bar and what came in through its ends, now.

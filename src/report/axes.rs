@@ -1,4 +1,4 @@
-//! A framed plot with its axes, and where it stands in a panel.
+//! A framed plot with its axes and its position in a panel.
 
 use super::axis::Axis;
 use super::html::escape;

@@ -1,5 +1,4 @@
-//! The picture of a comparison of materials: curves, front speeds and impact velocities, and the critical velocities as sorted bars, which
-//! name the lines.
+//! Figure of a comparison of materials: curves, front speeds and impact velocities, and the critical velocities as sorted bars.
 
 use super::axes::{Frame, plot_area, title};
 use super::axis::Axis;

@@ -1,4 +1,4 @@
-//! The picture of a comparison of result files.
+//! Figure of a comparison of result files.
 
 use super::display::{Unit, Units, field_name};
 use super::grid::{Panel, draw, stroke};
@@ -52,7 +52,7 @@ fn profiles(files: &[ResultFile], names: &[String], all: &[Difference], field: F
     }
     zoom(&mut series);
     let heading = format!(
-        "{} where it differs most: at {:.4} m, {:.2} \u{b5}s",
+        "{}, largest difference: at {:.4} m, {:.2} \u{b5}s",
         field_name(field),
         largest.x_m,
         1e6 * largest.time_s

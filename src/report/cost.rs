@@ -1,4 +1,4 @@
-//! The picture of a cost study: error against stepping time, both logarithmic, a line a method.
+//! Figure of a cost study: error against stepping time, both logarithmic, one line per method.
 
 use super::axis::superscript;
 use super::plot::colour;
@@ -161,7 +161,7 @@ fn uncertainty(svg: &mut Svg, frame: &Frame, cost: &Cost, taken: &mut Vec<Area>)
     }
     let y = frame.y(cost.reference_uncertainty);
     svg.line((PLOT.x, y), (PLOT.right(), y), &Stroke::new("#b03060", 1.2).dashed("1.5 3"));
-    let text = "the reference is uncertain by this";
+    let text = "uncertainty of the reference";
     let area = Area { x: PLOT.x + 6.0, y: y - 3.0 - SMALL, width: text_width(text, SMALL), height: SMALL + 2.0 };
     svg.rect(area, "white", None);
     svg.text((area.x, y - 4.0), SMALL, Anchor::Start, text);
@@ -231,7 +231,7 @@ fn overlap(a: &Area, b: &Area) -> bool {
 /// The resolution beside a point, in the first place around it that is free; nothing where none is.
 fn label(svg: &mut Svg, frame: &Frame, point: &CostPoint, taken: &mut Vec<Area>) {
     let text = match point.resolution() {
-        _ if point.exact == Some(true) => "every wave kept".into(),
+        _ if point.exact == Some(true) => "all waves tracked".into(),
         Resolution::Cells(cells) => format!("{cells} cells"),
         Resolution::FrontTolerance(tolerance) => format!("tolerance {tolerance}"),
     };

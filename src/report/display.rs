@@ -1,4 +1,4 @@
-//! Units for people: each quantity with the factor from SI, its symbol, and its name for axes.
+//! Display units: the factor from SI, the symbol, and the axis label of each quantity.
 
 use crate::record::Field;
 use crate::units::{Dimension, System, scale_for};

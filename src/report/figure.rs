@@ -107,11 +107,8 @@ fn impact_contents<'a>(
     figure: &Figure,
 ) -> Result<Vec<Content<'a>>> {
     if !figure.panels.is_empty() {
-        let message = format!("{} holds an impact of the kind `{}`", file.path().display(), impact.kind);
-        return Err(InputError::new(message)
-            .key("--panel")
-            .help("only results of bars have panels to choose from")
-            .into());
+        let message = format!("{} contains an impact of the kind `{}`", file.path().display(), impact.kind);
+        return Err(InputError::new(message).key("--panel").help("only results of bars have selectable panels").into());
     }
     impact::panels(file, impact, figure.units)
 }
@@ -145,17 +142,17 @@ fn content<'a>(view: &'a View<'a>, name: PanelName) -> Result<Option<Content<'a>
 
 fn nothing_in(view: &View, name: PanelName) -> InputError {
     let (panel, help) = match name {
-        PanelName::Map | PanelName::Profiles => ("field", "the run has not written a frame yet"),
+        PanelName::Map | PanelName::Profiles => ("field", "no frame has been written yet"),
         PanelName::Gauges => ("gauge", "add `gauges` under [record] in the scene, and run it again"),
         PanelName::Ends => ("stress at an end", "both ends are free; try --field velocity"),
-        PanelName::Energy => ("ledger", "the run has not written a row of it yet"),
+        PanelName::Energy => ("ledger", "no row of the ledger has been written yet"),
         PanelName::FrontSpeeds | PanelName::SelfSimilar => (
-            "front of theory",
+            "theoretical front",
             "it needs an end or a joint with a jump in velocity or stress at t = 0, and a finished run",
         ),
         PanelName::StressStrain => ("strain", "add gauges, or `stress` and `strain` to `fields`, under [record]"),
     };
-    InputError::new(format!("{} has no {panel} to draw", view.file.path().display())).key("--panel").help(help)
+    InputError::new(format!("{} has no {panel} to plot", view.file.path().display())).key("--panel").help(help)
 }
 
 pub(super) fn view<'a>(file: &'a ResultFile, figure: &Figure) -> Result<View<'a>> {
@@ -175,7 +172,7 @@ pub(super) fn view<'a>(file: &'a ResultFile, figure: &Figure) -> Result<View<'a>
             .into());
     }
     let (Some(&end_time), Some(&last)) = (time.last(), x.last()) else {
-        return Err(nothing(file, "there is no frame in it yet").into());
+        return Err(nothing(file, "it has no frames yet").into());
     };
     // Samples are cell centres: the bar ends half a cell beyond the last one.
     let half_cell = if x.len() > 1 { (last - x[x.len() - 2]) / 2.0 } else { last };
@@ -184,8 +181,8 @@ pub(super) fn view<'a>(file: &'a ResultFile, figure: &Figure) -> Result<View<'a>
 }
 
 fn nothing(file: &ResultFile, why: &str) -> InputError {
-    InputError::new(format!("{} has nothing to draw: {why}", file.path().display()))
-        .help("a run that was stopped before its first frame leaves none; run the scene again")
+    InputError::new(format!("{} has nothing to plot: {why}", file.path().display()))
+        .help("a run stopped before its first frame has no frames; run the scene again")
 }
 
 fn heading(facts: &Facts) -> Heading {

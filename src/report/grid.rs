@@ -1,4 +1,4 @@
-//! Panels of lines, two in a row.
+//! Panels of lines in two columns.
 
 use super::axis::Axis;
 use super::panel::{Series, line_panel};

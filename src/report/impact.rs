@@ -1,4 +1,4 @@
-//! The panels and the tables of an impact that is not waves in a bar.
+//! Panels and tables of an impact without waves in a bar.
 
 use super::axis::Axis;
 use super::colour::{ColourMap, hex};
@@ -18,7 +18,7 @@ pub(super) fn panels<'a>(file: &ResultFile, impact: &StoredImpact, units: Units)
     let mut panels = histories(impact, units);
     panels.extend(shapes(impact, units));
     if panels.is_empty() {
-        let message = format!("{} has nothing to draw: it holds figures and no histories", file.path().display());
+        let message = format!("{} has nothing to plot: it has results but no histories", file.path().display());
         let help = "`barwave report FILE -o FILE.html` shows them in a table";
         return Err(InputError::new(message).help(help).into());
     }

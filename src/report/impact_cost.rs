@@ -1,4 +1,4 @@
-//! The picture of a cost study of an impact: error against modes and against steps, all logarithmic.
+//! Figure of a cost study of an impact: error against modes and against steps, all logarithmic.
 
 use super::axis::Axis;
 use super::panel::{Series, line_panel};

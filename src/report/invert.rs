@@ -1,4 +1,4 @@
-//! Pictures of inverted curves.
+//! Figures of inverted curves.
 
 use super::axis::Axis;
 use super::grid::{area, document, panel};

@@ -1,4 +1,4 @@
-//! Panels put together to one figure.
+//! Layout of panels in one figure.
 
 use super::map;
 use super::panel::LinePanel;

@@ -1,4 +1,4 @@
-//! Figures of panels of lines, two in a row.
+//! Figures of line panels in two columns.
 
 use super::grid;
 use super::panel::Series;

@@ -1,4 +1,4 @@
-//! The x-t diagram: a field as colours over the bar and time, one embedded picture, with fronts and gauges on top.
+//! The x-t diagram: a field as colours over the bar and time, an embedded image with fronts and gauges on top.
 
 use resvg::tiny_skia::{Pixmap, PremultipliedColorU8};
 

@@ -1,4 +1,4 @@
-//! Pictures and pages from result files and studies.
+//! Figures and pages from result files and studies.
 
 mod axes;
 mod axis;

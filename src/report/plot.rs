@@ -1,4 +1,4 @@
-//! What every picture shares: colours, and writing it as SVG, PNG, PDF or HTML.
+//! Common parts of all figures: colours, and output as SVG, PNG, PDF or HTML.
 //!
 //! SVG and HTML name the font `DejaVu Sans` with common substitutes; PNG and PDF are drawn with `DejaVu Sans` itself, which
 //! is part of the program, so they look the same on a machine without fonts.
@@ -50,9 +50,9 @@ impl Format {
             "pdf" => Ok(Self::Pdf),
             "html" | "htm" => Ok(Self::Html),
             _ if destination::is_stdout(path) => Ok(Self::Svg),
-            _ => Err(InputError::new(format!("`{}` names no kind of picture", path.display()))
+            _ => Err(InputError::new(format!("unknown picture format `{}`", path.display()))
                 .key("-o")
-                .allowed("names that end in .svg, .png, .pdf or .html")
+                .allowed("a file name ending in .svg, .png, .pdf or .html")
                 .help("e.g. -o figure.svg")
                 .into()),
         }

@@ -1,4 +1,4 @@
-//! A small SVG writer: lines, text, pictures. Sizes are in px; y runs down.
+//! A small SVG writer: lines, text, images. Sizes are in px; y is downwards.
 
 use std::fmt::Write as _;
 

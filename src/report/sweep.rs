@@ -1,4 +1,4 @@
-//! The picture of a sweep: its metrics against the axis with the most values.
+//! Figure of a sweep: its metrics against the axis with the most values.
 
 use serde_json::Value;
 

@@ -1,4 +1,4 @@
-//! The picture of a tension-impact test.
+//! Figure of a tension-impact test.
 
 use super::lines::{Line, Panel, Style, figure};
 use crate::study::tension::{Point, Results};

@@ -1,4 +1,4 @@
-//! The picture of an imported record: before and after.
+//! Figure of an imported record: before and after the reduction.
 
 use super::axis::Axis;
 use super::panel::{Series, line_panel};

@@ -1,4 +1,4 @@
-//! Panels that set the run against theory: front speeds, the self-similar solution, the path in the stress-strain plane.
+//! Panels that compare a run with theory: front speeds, the self-similar solution, the path in the stress-strain plane.
 
 use super::axis::Axis;
 use super::display::field_name;

@@ -1,4 +1,4 @@
-//! What every panel of a figure shows of a run, and in which units.
+//! The data and units of a run shared by all panels of a figure.
 
 use super::display::{Unit, Units};
 use crate::error::Result;

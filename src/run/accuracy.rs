@@ -16,7 +16,7 @@ use crate::snapshot::Snapshot;
 use crate::solver::moc::Settings;
 use std::ops::ControlFlow;
 
-/// Steps that an eighth of the cells takes as one: runs are compared after multiples of so many.
+/// Steps of the fine grid per step with an eighth of the cells: runs are compared after multiples of this number.
 const COMMON: usize = 8;
 
 /// Cells below which nothing is halved.
@@ -64,7 +64,7 @@ pub(super) fn similar(scene: &Scene, initial_fans: &[InitialFan], like: &Respons
     Some(similar_response(&scene.bar, initial_fan, &like.instants(), &scene.record.gauge_places()))
 }
 
-/// A bar on a grid, run without recorders; the fields are read near `instants` (s, increasing). None where the caller asked to stop, or
+/// A bar on a grid, run without recorders; the fields are read near `instants` (s, increasing). None if the caller requests a stop, or
 /// the method has no grid.
 pub(super) fn coarse(
     scene: &Scene,
@@ -116,7 +116,7 @@ pub(super) fn rules(scene: &Scene, method: Method, elastic: bool) -> Rules {
 /// How far a run may be off that gave `fine`. None where there are too few cells.
 ///
 /// # Errors
-/// [`Error::Interrupted`] where the caller asked to stop.
+/// [`Error::Interrupted`] if the caller requests a stop.
 pub(super) fn error_figure(
     scene: &Scene,
     fine: &Response,

@@ -11,7 +11,7 @@ use crate::scene::Scene;
 
 /// How each effect is written into a scene. Those that need constants take the materials' own.
 const WRITTEN: [(&str, &str); 5] = [
-    ("unloading", "\"isotropic\""),
+    ("hardening", "\"isotropic\""),
     ("rate", "\"material\""),
     ("heat", "{}"),
     ("rupture", "\"critical-strain\""),
@@ -23,12 +23,12 @@ const METHODS: [&[&str]; 2] = [&[], &["solve.method=fd"]];
 
 /// The same where it names one: keys that the method no longer takes.
 const WITHOUT_KEYS: [&[&str]; 4] =
-    [&[], &["solve.front-tolerance="], &["solve.event-budget="], &["solve.front-tolerance=", "solve.event-budget="]];
+    [&[], &["solve.front-tolerance="], &["solve.max-events="], &["solve.front-tolerance=", "solve.max-events="]];
 
-/// Chooses effects from the estimates before the run; `progress` hears of every choice. A scene that names its effects stays as it is.
+/// Selects effects from the estimates before the run; every choice is passed to `progress`. A scene that names its effects is returned unchanged.
 ///
 /// # Errors
-/// [`Error::Interrupted`] where `progress` asked to stop.
+/// [`Error::Interrupted`] if `progress` requests a stop.
 pub fn choose(scene: &Scene, progress: &mut dyn FnMut(Progress) -> ControlFlow<()>) -> Result<Scene> {
     let mut scene = scene.clone();
     // One effect at least is decided in each round.
@@ -126,7 +126,8 @@ fn take(scene: &Scene, choice: &AutoChoice) -> (Scene, bool) {
         if all[k].on && all[k].estimate < choice.estimate {
             let mut other = all.clone();
             other[k].on = false;
-            other[k].why = format!("left out for {}, which is larger: {}", choice.effect, first_line(&refusal));
+            other[k].why =
+                format!("excluded in favour of {}, whose effect is larger: {}", choice.effect, first_line(&refusal));
             if let Ok(next) = with(scene, &other) {
                 return (next, true);
             }
@@ -143,7 +144,7 @@ fn take(scene: &Scene, choice: &AutoChoice) -> (Scene, bool) {
     (next, false)
 }
 
-/// The scene with chosen effects and a method that takes them.
+/// The scene with the selected effects and a method that supports them.
 fn with(scene: &Scene, choices: &[AutoChoice]) -> Result<Scene> {
     let on = |key: &str| choices.iter().any(|c| c.on && c.effect == key);
     let written: Vec<String> =

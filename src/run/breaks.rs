@@ -1,4 +1,4 @@
-//! Where a tracked bar comes to the end of what its curve says: it yields, passes its data, or breaks.
+//! Limits of a front-tracking bar: first yield, end of the data, fracture.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,4 +1,4 @@
-//! Checkpoints of a run, whatever its method: when they are due, and what they hold beside the state of the method.
+//! Checkpoints of a run, independent of the method: when they are due, and their content besides the state of the solver.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -40,7 +40,7 @@ impl RunRecorder<'_> {
         self.checkpoints.as_ref().is_some_and(|kept| kept.latest.elapsed() >= kept.every)
     }
 
-    /// Keeps the state of a run, which stands for all that the writer was given so far.
+    /// Saves the state of a run at the data passed to the writer so far.
     pub fn keep_checkpoint(&mut self, state: snapshot::Result<Vec<u8>>) -> Result<()> {
         let (Some(kept), Some(writer)) = (&mut self.checkpoints, self.writer.writer()) else { return Ok(()) };
         let failed = |e| Error::file(Path::new(&self.output), e);

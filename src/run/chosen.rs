@@ -1,4 +1,4 @@
-//! What was chosen of a scene that leaves its effects or its method open. A resumed run goes on from there.
+//! The selected effects and method of a scene that leaves them open. A resumed run continues with them.
 
 use serde::{Deserialize, Serialize};
 

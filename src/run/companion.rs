@@ -1,5 +1,5 @@
-//! Companion runs of a tracked bar: one with a coarser tolerance, from which the error figure comes, and the search for a
-//! tolerance that stays within a budget of events.
+//! Companion runs of a front-tracking bar: one with a coarser tolerance for the error estimate, and the search for a tolerance with
+//! which the run stays within the event limit.
 
 use super::{Progress, accuracy};
 use crate::accuracy::{Course, Ended, INSTANTS, Response, front_errors, respond};
@@ -32,7 +32,7 @@ pub(super) fn instants(until: f64) -> Vec<f64> {
 /// its events, or came to an end of its own.
 ///
 /// # Errors
-/// [`Error::Interrupted`] where `progress` asked to stop.
+/// [`Error::Interrupted`] if `progress` requests a stop.
 pub(super) fn tracked(
     scene: &Scene,
     settings: Settings,
@@ -56,7 +56,7 @@ pub(super) fn tracked(
 /// How far a finished run may be off that gave `response`. None where the companion does not get to the end.
 ///
 /// # Errors
-/// [`Error::Interrupted`] where `progress` asked to stop.
+/// [`Error::Interrupted`] if `progress` requests a stop.
 pub(super) fn error_figure(
     scene: &Scene,
     settings: Settings,
@@ -74,11 +74,11 @@ pub(super) fn error_figure(
     let companion = tracked(staircase_or_scene, coarser, &instants, progress)?;
     let Some((_, companion)) = companion else { return Ok(None) };
     let table = front_errors(run, response, &companion);
-    let pieces = if staircase.is_some() { " and a coarser staircase" } else { "" };
+    let pieces = if staircase.is_some() { " and coarser uniform pieces" } else { "" };
     let reference = if coarser.front_tolerance > 0.0 {
-        format!("run with front-tolerance {:.1e}{pieces}, times {SAFETY}: an estimate", coarser.front_tolerance)
+        format!("run with front-tolerance {:.1e}{pieces}, safety factor {SAFETY} (estimate)", coarser.front_tolerance)
     } else {
-        format!("run with ramps in steps of {:.1e}{pieces}, times {SAFETY}: an estimate", coarser.step())
+        format!("run with ramps in steps of {:.1e}{pieces}, safety factor {SAFETY} (estimate)", coarser.step())
     };
     Ok(Some(accuracy::figure(table, reference)))
 }
@@ -94,9 +94,9 @@ fn coarser_staircase(scene: &Scene) -> Option<Scene> {
 /// Of a run whose fronts were all kept; `unresolved` is what part of its energy rounding moved.
 fn exact(unresolved: f64) -> ErrorFigure {
     let (value, reference) = if unresolved > ROUNDING {
-        (unresolved, "part of the energy in waves so short that places are rounded: an estimate")
+        (unresolved, "fraction of the energy in waves too short for the rounding of positions (estimate)")
     } else {
-        (0.0, "exact solution for the curve's table: nothing was merged")
+        (0.0, "exact solution for the tabulated curve: no fronts were merged")
     };
     accuracy::figure(ErrorTable::of(|_| Some(value)), reference.into())
 }
@@ -118,7 +118,7 @@ pub(super) fn coarser(settings: Settings) -> Settings {
 /// from the coarsest one on, which is the cheapest, and all of them together take no more events than the run may.
 ///
 /// # Errors
-/// [`Error::Interrupted`] where `progress` asked to stop.
+/// [`Error::Interrupted`] if `progress` requests a stop.
 pub(super) fn tolerance_that_carries(
     scene: &Scene,
     settings: Settings,

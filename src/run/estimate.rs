@@ -1,5 +1,5 @@
-//! What a scene's neglected effects would change, before it is run: the audit of a run on a coarse grid. Its first waves,
-//! their reflections, and what the ends do until the end time are then in the estimate; it takes some milliseconds.
+//! Estimated influence of the neglected effects of a scene before the run: the audit of a run on a coarse grid, which takes some
+//! milliseconds.
 
 use super::limits::AtLimit;
 use super::{Progress, case, struck_too_hard};
@@ -18,7 +18,7 @@ const CELLS: usize = 200;
 const WORK_BETWEEN_CALLS: u64 = 1_000_000;
 
 /// The audit of a scene before it is run, with the effects that it has, and the time up to which it looked at the scene, s: less than
-/// the end time where the bar comes to the end of its data, or `progress` asked to stop.
+/// the end time where the bar comes to the end of its data, or `progress` requests a stop.
 pub fn estimate(scene: &Scene, progress: &mut dyn FnMut(Progress) -> ControlFlow<()>) -> (Vec<AuditRow>, f64) {
     let cells = match scene.solve.method {
         Method::Leapfrog { cells, .. } | Method::Muscl { cells, .. } | Method::CharacteristicNet { cells } => {

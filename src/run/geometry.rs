@@ -1,4 +1,4 @@
-//! The geometry of a bar as its result file has it.
+//! The geometry of a bar in its result file.
 
 use crate::bar::{Bar, Segment};
 use crate::record::store::{Geometry, Part};

@@ -1,4 +1,4 @@
-//! Scenes of impacts that are not waves in a bar: solved at once, and written whole.
+//! Impacts without waves in a bar: solved at once and written as a whole.
 
 use std::path::Path;
 use std::time::Instant;
@@ -9,13 +9,14 @@ use crate::record::store::{Header, write_impact};
 use crate::record::{ImpactSummary, MaterialRecord};
 use crate::scene::ImpactScene;
 
-/// Solves the impact, and writes a result file where one is asked for. `watch` is told the part that is done.
+/// Solves the impact and writes a result file if requested. `watch` receives the completed fraction.
 ///
 /// # Errors
 /// [`Error::Interrupted`] where `watch` breaks off, the result so far being in the file; a file error where the result cannot be written.
 pub fn run_impact(scene: &ImpactScene, output: Option<&Path>, watch: Watch<'_>) -> Result<ImpactSummary> {
     let started = Instant::now();
-    let solution = scene.problem.solve(watch);
+    let mut solution = scene.problem.solve(watch);
+    solution.warnings.extend(scene.notes());
     let mut summary = ImpactSummary { solution, ..plan_impact(scene) };
     if let Some(path) = output {
         let header = Header {
@@ -42,10 +43,12 @@ pub fn run_impact(scene: &ImpactScene, output: Option<&Path>, watch: Watch<'_>) 
 
 /// What is known of the impact without an integration.
 pub fn plan_impact(scene: &ImpactScene) -> ImpactSummary {
+    let mut solution = scene.problem.plan();
+    solution.warnings.extend(scene.notes());
     ImpactSummary {
         scene: scene.title.clone(),
         method: scene.problem.method(),
-        solution: scene.problem.plan(),
+        solution,
         wall_s: 0.0,
         output: String::new(),
     }

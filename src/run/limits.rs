@@ -1,4 +1,4 @@
-//! What a run does where its bar comes to a limit of what the materials know.
+//! Termination of a run at the limits of the material data.
 
 use crate::error::{Error, RunError};
 use crate::law::{Limit, Passed, Reached};

@@ -1,5 +1,5 @@
-//! Running a scene: steps its bar, and hands what it sees to the recorders and the result file. Here is what all methods
-//! have in common; how they go on in time is in `stepped` (grids) and `tracked` (fronts).
+//! Running a scene: advances the bar and passes its data to the recorders and the result file. The time loops are in `stepped`
+//! (grids) and `tracked` (fronts).
 
 mod accuracy;
 mod auto;
@@ -34,7 +34,7 @@ use crate::bar::{InitialFan, Segment, initial_fans};
 use crate::error::{Error, Result};
 use crate::law::rupture::Rupture;
 use crate::material::Sense;
-use crate::record::store::{Checkpoint, Finish, Header, Layout, Side, Writer};
+use crate::record::store::{Checkpoint, Header, Layout, RunFigures, Side, Writer};
 use crate::record::{
     self, Account, AuditRow, AutoChoice, Case, ContactReading, ElasticCheck, EndSummary, ErrorFigure, Figures,
     FrontRow, FrontSummary, Ledger, LedgerSummary, LengthSummary, MaterialRecord, Off, Records, ResidualProfile,
@@ -55,7 +55,7 @@ pub use estimate::estimate;
 pub enum Progress {
     /// `effects = "auto"` has decided on an effect.
     Chosen(Box<AutoChoice>),
-    /// A grid that goes on in steps.
+    /// A solver that advances in time steps.
     Steps {
         /// Steps taken.
         step: usize,
@@ -77,12 +77,12 @@ pub enum Progress {
     },
 }
 
-/// Simulates a scene and writes its result file, where one is asked for. `progress` is called every few
+/// Simulates a scene and writes its result file, if requested. `progress` is called every few
 /// milliseconds. A scene with `effects = "auto"` is run again where an effect was missed; one with a tolerance is run by the
 /// method that reaches it cheapest. The last run stays in the file.
 ///
 /// # Errors
-/// A [`crate::error::RunError`] where the run cannot go on, [`Error::Interrupted`] where `progress` asked to stop, a file
+/// A [`crate::error::RunError`] if the run stops, [`Error::Interrupted`] if `progress` requests a stop, a file
 /// error where the result cannot be written. In the first two cases the result file holds everything up to then.
 pub fn run(
     scene: &Scene,
@@ -92,7 +92,7 @@ pub fn run(
     begin(scene, Target { path: output, ..Target::default() }, progress)
 }
 
-/// Simulates a scene as [`run`] does, and writes nothing. By front tracking the summary has no audit, which takes a sixth of the time of a
+/// Simulates a scene as [`run`] does, without a file. With front tracking the summary has no audit, which needs a sixth of the time of a
 /// short run; with `effects = "auto"` it has.
 ///
 /// # Errors
@@ -115,7 +115,7 @@ pub fn run_unaudited(scene: &Scene, progress: &mut dyn FnMut(Progress) -> Contro
 ///     .set("left.kind", "velocity")
 ///     .set("left.value", -30.0)
 ///     .set("right.kind", "free")
-///     .set("effects.unloading", "isotropic")
+///     .set("effects.hardening", "isotropic")
 ///     .set("solve.until", 2e-4)
 ///     .build()?;
 /// let solution = barwave::run::solve(&scene, &mut |_| ControlFlow::Continue(()))?;
@@ -268,7 +268,7 @@ pub fn critical_velocity(scene: &Scene, initial_fans: &[InitialFan]) -> Option<f
     similarity::critical(material.branch(sense), material.density).map(|c| c.velocity)
 }
 
-/// What every run keeps, whatever its method: the scene with its theory, and the result file.
+/// Data of every run, independent of the method: the scene with its theory, and the result file.
 struct RunRecorder<'a> {
     scene: &'a Scene,
     initial_fans: Vec<InitialFan>,
@@ -324,7 +324,7 @@ impl RunResults {
 }
 
 impl<'a> RunRecorder<'a> {
-    /// Opens the recorder, and the result file where one is asked for, or the one that is continued; `x` are the samples of the fields, m.
+    /// Opens the recorder and, if requested, the result file, or the one that is continued; `x` are the samples of the fields, m.
     fn open(scene: &'a Scene, target: &Target<'a>, x: Vec<f64>, sampling: &str, started: Instant) -> Result<Self> {
         let initial_fans = initial_fans(&scene.bar, &scene.left, &scene.right);
         let critical = critical_velocity(scene, &initial_fans);
@@ -385,7 +385,7 @@ impl<'a> RunRecorder<'a> {
         struck_too_hard(self.scene, &self.initial_fans, parted)
     }
 
-    /// Fronts with the joints of the scene that was asked for as their origins.
+    /// Fronts with the joints of the original scene as their origins.
     fn named(&self, mut rows: Vec<FrontRow>) -> Vec<FrontRow> {
         if self.scene.discretized.is_some() {
             for row in &mut rows {
@@ -399,7 +399,7 @@ impl<'a> RunRecorder<'a> {
         rows
     }
 
-    /// Closes the file, whatever the end was, and sums up.
+    /// Closes the file after any outcome and returns the summary.
     fn close(mut self, ended: Result<()>, results: RunResults) -> Result<Summary> {
         let (outcome, reason) = match &ended {
             Ok(()) if results.ruptured || results.parted() || self.breaks_at_once() => ("rupture", None),
@@ -412,7 +412,7 @@ impl<'a> RunRecorder<'a> {
         let read_off = figures(self.scene, &self.tally, &results);
         let writer = std::mem::replace(&mut self.writer, Output::None);
         if let Output::File(writer) = writer {
-            let figures = Finish {
+            let figures = RunFigures {
                 wall_seconds: self.started.elapsed().as_secs_f64(),
                 step_wall_seconds: self.stepping,
                 cells: results.cells as u64,
@@ -476,7 +476,7 @@ impl<'a> RunRecorder<'a> {
     }
 }
 
-/// Lengths of the segments of the scene that was asked for; none in torsion, where strains are shear strains.
+/// Lengths of the segments of the original scene; none in torsion, where strains are shear strains.
 fn lengths(scene: &Scene, simulated: &[SegmentEnd]) -> Vec<LengthSummary> {
     if scene.torsion.is_some() {
         return Vec::new();
@@ -490,12 +490,12 @@ fn lengths(scene: &Scene, simulated: &[SegmentEnd]) -> Vec<LengthSummary> {
     asked(scene).bar.segments.iter().zip(&ends).map(of).collect()
 }
 
-/// The scene that was asked for, before its tapers became stairs.
+/// The original scene, before its tapers were discretized.
 fn asked(scene: &Scene) -> &Scene {
     scene.discretized.as_ref().map_or(scene, |cut| &cut.original)
 }
 
-/// The segments of the scene that was asked for.
+/// The segments of the original scene.
 fn original_segments(scene: &Scene, simulated: &[SegmentEnd]) -> Vec<SegmentEnd> {
     let mut ends = vec![SegmentEnd::default(); asked(scene).bar.segments.len()];
     for (k, end) in simulated.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Where the frames and histories of a run go: to a result file, into memory, or nowhere.
+//! Destination of the frames and histories of a run: a result file, memory, or none.
 
 use std::collections::BTreeMap;
 
@@ -11,7 +11,7 @@ use crate::record::{Field, Frame, LedgerRow, PathRow, Summary, Trace};
 /// What a run gives in memory: the contents of a result file as arrays.
 #[derive(Debug)]
 pub struct Solution {
-    /// What a run says of itself at its end.
+    /// Results of a run at its end.
     pub summary: Summary,
     /// Samples of the fields along the bar, m: of shape (`n_x`).
     pub x: Array1<f64>,

@@ -15,7 +15,7 @@ use crate::snapshot::unpack;
 use crate::text_file;
 
 /// Simulates a scene as [`super::run`] does, and writes a checkpoint beside the result file: each time `every` of wall time has passed, and
-/// when `progress` asks to stop.
+/// when `progress` requests a stop.
 ///
 /// # Errors
 /// As for [`super::run`].

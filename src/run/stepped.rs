@@ -82,7 +82,7 @@ struct Run<'a, S> {
     /// Centres of the cells, m.
     centres: Vec<f64>,
     elastic_check: Option<Probe>,
-    /// For the estimate of the error, where one was asked for.
+    /// For the estimate of the error, if requested.
     listener: Option<GridListener>,
     /// When the progress function was called last.
     latest_call: Instant,
@@ -272,7 +272,7 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
             Some(cell) => Err(self.stopped(
                 cell,
                 format!("the stress is not a finite number (step {})", self.bar.step()),
-                "check the scene for values far outside the material's range; the frames before this one are good",
+                "check the scene for values far outside the material's range; the frames before this one are valid",
             )),
         }
     }
@@ -290,16 +290,17 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
             return Ok(());
         }
         Err(RunError {
-            reason: format!("the numerical method gave energy to the bar, {:.0} % of all there was", 100.0 * given),
+            reason: format!("the numerical method added energy to the bar: {:.0} % of the total", 100.0 * given),
             time: self.bar.time(),
             x: None,
-            help: "the curve has a level or falling part that this scheme cannot follow; use scheme = \"leapfrog\" or method = \"moc\""
+            help: "this scheme cannot simulate a level or falling part of the curve; use scheme = \"leapfrog\" or method = \
+                   \"moc\""
                 .to_owned(),
         }
         .into())
     }
 
-    /// Hands what was found to the recorder, which closes the file, whatever the end was.
+    /// Passes the results to the recorder, which closes the file after any outcome.
     fn finish(mut self, ended: Result<Option<ErrorFigure>>) -> Result<Summary> {
         let (ended, error) = match ended {
             Ok(error) => (self.takes_energy(), error),
@@ -339,7 +340,7 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
     /// not known, and an error was asked for, coarser runs tell.
     ///
     /// # Errors
-    /// [`Error::Interrupted`] where `progress` asked to stop: the run is complete, but not what was asked for.
+    /// [`Error::Interrupted`] if `progress` requests a stop: the run is complete, but not what was asked for.
     fn error(&mut self) -> Result<Option<ErrorFigure>> {
         self.write_traces()?;
         let scene = self.recorder.scene;

@@ -1,4 +1,4 @@
-//! The time loop of a bar whose fronts are tracked: from one asked time to the next, in bursts of events.
+//! The time loop of front tracking: from one output time to the next, in batches of events.
 
 mod checkpoints;
 
@@ -33,10 +33,10 @@ const SAMPLES: usize = 1000;
 const BESIDE_JOINT: f64 = 1e-9;
 
 /// How the reason of a run starts that used up its events.
-pub(super) const OUT_OF_EVENTS: &str = "front tracking used all of its";
+pub(super) const OUT_OF_EVENTS: &str = "front tracking reached its limit of";
 
 /// What a sample of the fields means, for the result file.
-const SAMPLING: &str = "exact at the place; on a front the state behind it, on a joint the state to its right";
+const SAMPLING: &str = "exact; on a front, the state behind it; at a joint, the state on its right";
 
 /// Runs a scene by front tracking.
 pub(super) fn run(task: Task<'_>, settings: Settings) -> Result<Summary> {
@@ -82,7 +82,7 @@ struct Run<'a> {
     breaks: Breaks,
 }
 
-/// What is done at a time at which the run stands still for a moment.
+/// Work between two steps or events.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Pause {
     Frame,
@@ -234,11 +234,11 @@ impl<'a> Run<'a> {
             Stopped::EventBudget { time, events, fronts }
                 if self.recorder.scene.discretized.as_ref().is_some_and(|cut| cut.has_tapers()) =>
             RunError {
-                reason: format!("{OUT_OF_EVENTS} {events} events, with {fronts} fronts under way"),
+                reason: format!("{OUT_OF_EVENTS} {events} events with {fronts} active fronts"),
                 time,
                 x: None,
-                help: "every step of a taper's staircase splits every front: use method = \"fd\", which follows the taper \
-                       itself, or a larger front-tolerance, which makes the steps fewer, or raise event-budget"
+                help: "each step of the discretized taper splits every front: use method = \"fd\", which resolves the taper \
+                       directly, or increase front-tolerance for fewer steps, or increase max-events"
                     .into(),
             },
             Stopped::EventBudget { time, events, fronts } => {
@@ -247,14 +247,15 @@ impl<'a> Run<'a> {
                 let carries = || companion::tolerance_that_carries(self.recorder.scene, self.settings, self.progress);
                 let help = match alone.then(carries).unwrap_or(Ok(None)) {
                     Err(interrupted) => return interrupted,
-                    Ok(None) => "no front-tolerance up to 0.5 carries it through: raise event-budget in [solve]".to_owned(),
+                    Ok(None) => "the run does not complete with any front-tolerance up to 0.5: increase max-events in \
+                                 [solve]".to_owned(),
                     Ok(Some(tolerance)) => format!(
-                        "front-tolerance = {tolerance:.1e} in [solve] carries it through within as many events (tried); \
-                         or raise event-budget"
+                        "set front-tolerance = {tolerance:.1e} in [solve], with which the run completes (tested), or increase \
+                         max-events"
                     ),
                 };
                 RunError {
-                    reason: format!("{OUT_OF_EVENTS} {events} events, with {fronts} fronts under way"),
+                    reason: format!("{OUT_OF_EVENTS} {events} events with {fronts} active fronts"),
                     time,
                     x: None,
                     help,
@@ -264,13 +265,13 @@ impl<'a> Run<'a> {
                 reason: "a stress or velocity is not a finite number".into(),
                 time,
                 x: Some(x),
-                help: "check the scene for values far outside the material's range; the frames so far are good".into(),
+                help: "check the scene for values far outside the material's range; the frames so far are valid".into(),
             },
         }
         .into()
     }
 
-    /// Hands what was found to the recorder, which closes the file, whatever the end was.
+    /// Passes the results to the recorder, which closes the file after any outcome.
     fn finish(mut self, ended: Result<Option<ErrorFigure>>) -> Result<Summary> {
         let (ended, error) = match ended {
             Ok(error) => (self.ledger_closes(), error),
@@ -331,11 +332,12 @@ impl<'a> Run<'a> {
         }
         Err(RunError {
             reason: format!(
-                "the balance of the bar does not close: energy residual {energy:.1e}, momentum residual {momentum:.1e}"
+                "energy or momentum is not conserved: energy residual {energy:.1e}, momentum residual {momentum:.1e}"
             ),
             time: self.bar.time(),
             x: None,
-            help: "use method = \"fd\" for this scene, and please report it: front tracking keeps both to rounding"
+            help: "use method = \"fd\" for this scene, and please report this case: front tracking conserves both to rounding \
+                   error"
                 .into(),
         }
         .into())

@@ -1,4 +1,4 @@
-//! `effects = "auto"`: the effects that the program chose.
+//! `effects = "auto"`: the selected effects.
 
 use serde::Serialize;
 

@@ -1,4 +1,4 @@
-//! Scenes put together in a program, key by key.
+//! Scenes built in a program, key by key.
 
 use std::path::{Path, PathBuf};
 
@@ -52,8 +52,8 @@ impl SceneBuilder {
             let message = format!("`{key}` lies inside a key that has a value of its own");
             return Err(InputError::new(message).key(&key).help("set either the table or the keys in it").into());
         }
-        let text =
-            toml::to_string(&self.table).map_err(|e| InputError::new(format!("these keys are no scene: {e}")))?;
+        let text = toml::to_string(&self.table)
+            .map_err(|e| InputError::new(format!("these keys do not form a scene: {e}")))?;
         Scene::parse("scene", &text, &self.folder, &[])
     }
 }

@@ -1,5 +1,5 @@
-//! What goes with what, in two tables: which method can follow which part of a scene, and which parts exclude each other by any method.
-//! Refusals with their ways out, the default method, and the table of docs/guide/methods.md come from here.
+//! Capabilities in two tables: the features each method supports, and the features that exclude each other. Refusals with their
+//! alternatives, the default method, and the table of docs/guide/methods.md follow from them.
 
 use std::ops::Range;
 
@@ -62,45 +62,45 @@ use Can::{As, No, Only, Other, Yes};
 
 const IN_PIECES: Can = As("as uniform pieces");
 const NOT_ONE_CURVE: &str = "the temperature is then a state of each cell, not one of the curve";
-const NO_CHARACTERISTICS: &str = "it is solved for all nodes of a grid at once";
-/// A way out where hardening cannot be that of elements in parallel.
+const NO_CHARACTERISTICS: &str = "it couples all nodes of a grid";
+/// The alternative where hardening cannot be that of elements in parallel.
 pub(super) const MIXED: &str =
-    "use unloading = { mixed = 1 }, which moves the elastic range along the curve by the accumulated plastic strain";
+    "use hardening = { mixed = 1 }, which moves the elastic range along the curve by the accumulated plastic strain";
 
 /// In the order in which refusals are looked for. The columns: leapfrog, Godunov, front tracking, net.
 #[rustfmt::skip]
 const METHODS: &[Row] = &[
-    row("`unloading` isotropic, mixed", |_| None, "isotropic hardening", "", "",
+    row("`hardening` isotropic, mixed", |_| None, "isotropic hardening", "", "",
         [Yes, Yes, Yes, Yes]),
-    row("`unloading` kinematic", several_lines,
-        "kinematic hardening along several lines, as that of {}", "its points keep no reversals", MIXED,
+    row("`hardening` kinematic", several_lines,
+        "kinematic hardening along several lines, as that of {}", "it stores no reversal points", MIXED,
         [Yes, Yes, Only("curves with one hardening line"), Yes]),
     row("`effects = \"auto\"`", |a| when(a.auto),
         "effects = \"auto\"", "", "name the effects",
         [Yes, No, Yes, Other]),
     row("`rate`", |a| when(rate(a)),
-        "the effect `rate`", "", "take `rate` out of [effects]",
+        "the effect `rate`", "", "remove `rate` from [effects]",
         [Yes, No, Other, Yes]),
     row("`heat`, isotropic", |a| when(heat(a)),
-        "the effect `heat`", "its points keep no temperature", "take `heat` or `rate` out of [effects]",
+        "the effect `heat`", "it stores no temperature", "remove `heat` or `rate` from [effects]",
         [Yes, Yes, Yes, No]),
     row("`heat` with `rate`, kinematic or mixed hardening", |a| when(heat(a) && moves(a)),
-        "the effect `heat` with kinematic hardening", NOT_ONE_CURVE, "take `heat` out of [effects]",
+        "the effect `heat` with kinematic hardening", NOT_ONE_CURVE, "remove `heat` from [effects]",
         [Yes, No, No, No]),
     row("`heat` with an initial temperature or plastic strain", |a| when(starts_warm(a)),
-        "the effect `heat` with an initial temperature or plastic strain", NOT_ONE_CURVE, "take the initial values out",
+        "the effect `heat` with an initial temperature or plastic strain", NOT_ONE_CURVE, "remove the initial values",
         [Yes, No, No, No]),
     row("`rupture`", |a| when(a.effects.rupture.is_some()),
-        "the effect `rupture`", "", "take `rupture` out of [effects]",
+        "the effect `rupture`", "", "remove `rupture` from [effects]",
         [Yes, No, Yes, No]),
     row("`damping`", |a| when(a.effects.damping.is_some()),
-        "the effect `damping`", NO_CHARACTERISTICS, "take `damping` out of [effects]",
+        "the effect `damping`", NO_CHARACTERISTICS, "remove `damping` from [effects]",
         [Yes, No, No, No]),
     row("`lateral-inertia`", |a| when(a.effects.lateral_inertia().is_some()),
-        "the effect `lateral-inertia`", NO_CHARACTERISTICS, "take `lateral-inertia` out of [effects]",
+        "the effect `lateral-inertia`", NO_CHARACTERISTICS, "remove `lateral-inertia` from [effects]",
         [Yes, No, No, No]),
-    row("`unloading` mixed, along a curve that stiffens or drops", stiffens,
-        "kinematic hardening along a curve that stiffens or drops, as that of {}", "", "use unloading = \"isotropic\"",
+    row("`hardening` mixed, along a curve that stiffens or drops", stiffens,
+        "kinematic hardening along a curve that stiffens or drops, as that of {}", "", "use hardening = \"isotropic\"",
         [Yes, No, Yes, Yes]),
     row("contact joints", |_| None, "contact joints", "", "",
         [Yes, Yes, Yes, Yes]),
@@ -271,9 +271,9 @@ struct Pair {
     help: &'static str,
 }
 
-const AXIAL: &str = "take it out, or use mode = \"axial\"";
-const GOES_ON: &str = "take it out: a run says when the data of the curve end, or the torque can rise no more";
-const IN_TORSION: &str = "`{1}` in torsion is not followed";
+const AXIAL: &str = "remove it, or use mode = \"axial\"";
+const GOES_ON: &str = "remove it: the run reports the end of the curve data and the largest torque";
+const IN_TORSION: &str = "`{1}` is not simulated in torsion";
 
 #[rustfmt::skip]
 const TOGETHER: &[Pair] = &[
@@ -281,15 +281,15 @@ const TOGETHER: &[Pair] = &[
     Pair { first: heating,  second: torsion, message: IN_TORSION, help: AXIAL },
     Pair { first: along,    second: torsion, message: IN_TORSION, help: AXIAL },
     Pair { first: contact,  second: torsion, message: "a contact joint carries no torque",
-           help: "bond it, or cut the scene there with an end that says what acts on it" },
-    Pair { first: taper,    second: torsion, message: "a taper in torsion is not followed",
+           help: "use joint = \"bonded\", or end the bar there with a boundary condition" },
+    Pair { first: taper,    second: torsion, message: "a taper is not simulated in torsion",
            help: "give one diameter; `inner-diameter` can differ from segment to segment" },
-    Pair { first: rupture,  second: along,   message: "rupture of a bar with `{2}` is not followed",
-           help: "take `rupture` or `{2}` out of [effects]: method = \"fd\" follows each without the other" },
-    Pair { first: along,    second: taper,   message: "`{1}` is not followed in a bar whose section changes along segment {2}",
-           help: "make it of uniform segments, or take `{1}` out of [effects]: method = \"fd\" and \"moc\" then follow the taper" },
-    Pair { first: along,    second: contact, message: "`{1}` is not followed in a bar with joints that can open, as that behind segment {2}",
-           help: "bond the joint, or take `{1}` out of [effects]: all methods then follow such joints" },
+    Pair { first: rupture,  second: along,   message: "`rupture` is not simulated together with `{2}`",
+           help: "remove `rupture` or `{2}` from [effects]: method = \"fd\" simulates each without the other" },
+    Pair { first: along,    second: taper,   message: "`{1}` is not simulated in a bar with a taper (segment {2})",
+           help: "use uniform segments, or remove `{1}` from [effects]: method = \"fd\" and \"moc\" then simulate the taper" },
+    Pair { first: along,    second: contact, message: "`{1}` is not simulated in a bar with contact joints (segment {2})",
+           help: "use joint = \"bonded\", or remove `{1}` from [effects]: all methods then simulate contact joints" },
 ];
 
 fn effect<T>(name: &str, given: Option<&Placed<T>>) -> Option<Found> {

@@ -1,4 +1,4 @@
-//! The same scene with other keys: what another effect, method or resolution would do to it.
+//! A scene with changed keys, to compare effects, methods or resolutions.
 
 use super::overrides::Overrides;
 use super::{Scene, check};

@@ -1,4 +1,4 @@
-//! The effect `damping`: forces along the bar as a scene states them, each declared once.
+//! The effect `damping`: forces along the bar, each declared once.
 
 use std::ops::Range;
 
@@ -36,7 +36,7 @@ macro_rules! forces {
         }
 
         /// Distributed forces, the same in all segments: `{ internal = "20 kPa*s" }`, `{ external = "300 N*s/m^2" }`,
-        /// `{ foundation = "50 MN/m^2" }`, or several of them. All but internal damping need the bar's area.
+        /// `{ foundation = "50 MN/m^2" }`, or several of them. All except internal damping need the area of the bar.
         #[derive(Debug, Deserialize, JsonSchema)]
         #[serde(deny_unknown_fields)]
         pub struct RawDamping {

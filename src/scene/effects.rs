@@ -1,4 +1,4 @@
-//! What is simulated beyond path-independent loading: only what the scene names.
+//! The effects of a scene beyond path-independent loading.
 
 use serde::Serialize;
 
@@ -6,23 +6,24 @@ use super::Damping;
 use crate::law::rupture::Cause;
 pub use crate::material::Rate;
 
-/// What is simulated beyond path-independent loading. The default is nothing.
+/// Effects beyond path-independent loading. The default is none.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Effects {
-    /// Elastic unloading of yielded points; none: the curve is followed both ways.
+    /// Hardening rule with elastic unloading; none: unloading follows the loading curve.
+    #[serde(rename = "hardening")]
     pub unloading: Option<Unloading>,
-    /// Plastic strain takes time; never without unloading.
+    /// Rate-dependent plastic flow; requires a hardening rule.
     pub rate: Option<Rate>,
-    /// Plastic work warms the bar, and warm metal yields earlier; never without unloading.
+    /// Adiabatic heating and thermal softening; requires a hardening rule.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub heat: Option<Heat>,
-    /// The bar breaks where it can take no more.
+    /// Fracture.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rupture: Option<Rupture>,
-    /// Forces that take energy from the motion, or hold the bar in its place along its length.
+    /// Distributed damping, friction and foundation.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damping: Option<Damping>,
-    /// Love's correction: the section's material moves sideways as the bar stretches, and has to be accelerated.
+    /// Love's correction for the inertia of lateral motion.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub lateral_inertia: bool,
 }
@@ -47,10 +48,10 @@ pub struct Heat {
     pub fraction: Option<f64>,
 }
 
-/// When the bar breaks, see [`crate::law::rupture`].
+/// The fracture criterion, see [`crate::law::rupture`].
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Rupture {
-    /// What it breaks of.
+    /// The criterion.
     pub cause: Cause,
     /// Energy per volume (J/m^3) or tensile stress (Pa); for the critical strain none, each material has its own.
     pub threshold: Option<f64>,
@@ -62,13 +63,13 @@ pub struct Rupture {
 
 impl Effects {
     /// The keys of the scene language, in the order in which effects are listed.
-    pub const KEYS: [&'static str; 6] = ["unloading", "rate", "heat", "rupture", "damping", "lateral-inertia"];
+    pub const KEYS: [&'static str; 6] = ["hardening", "rate", "heat", "rupture", "damping", "lateral-inertia"];
 
-    /// One effect as it is written to files and summaries, "unloading: isotropic"; none where it is off. `key` is one of
+    /// One effect as it is written to files and summaries, "hardening: isotropic"; none where it is off. `key` is one of
     /// [`Effects::KEYS`].
     pub fn named(&self, key: &str) -> Option<String> {
         match key {
-            "unloading" => self.unloading.map(|u| format!("unloading: {}", u.describe())),
+            "hardening" => self.unloading.map(|u| format!("hardening: {}", u.describe())),
             "rate" => self.rate.map(|r| format!("rate: {}", r.describe())),
             "heat" => self.heat.map(|h| match h.fraction {
                 Some(fraction) => format!("heat: fraction {fraction}"),

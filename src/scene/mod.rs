@@ -1,4 +1,4 @@
-//! A scene: what the user typed (`raw`), what it means (`check`), as plain data in SI (here).
+//! A scene: the raw keys (`raw`), their conversion (`check`), and the result as plain data in SI (here).
 
 mod auto;
 mod builder;
@@ -6,6 +6,7 @@ mod capability;
 mod changes;
 mod check;
 mod damping;
+mod deprecated;
 mod discretized;
 mod effects;
 mod impacts;
@@ -36,7 +37,7 @@ pub use impacts::{ImpactScene, KINDS, Kind};
 use overrides::Overrides;
 pub use raw::RawScene;
 
-/// What a scene file asks for.
+/// The problem of a scene file.
 #[derive(Debug, Clone)]
 pub enum Problem {
     /// Waves in a bar.
@@ -136,7 +137,7 @@ fn folder(path: &Path) -> PathBuf {
 /// A checked scene. Every default is filled in.
 #[derive(Debug, Clone)]
 pub struct Scene {
-    /// For people; the file's stem where the scene gives none.
+    /// Title; by default the stem of the file.
     pub title: String,
     /// The file's stem: names the default output.
     pub name: String,
@@ -164,7 +165,7 @@ pub struct Scene {
     pub solve: Solve,
     /// What to record.
     pub record: Record,
-    /// Of a scene whose tapered segments were cut into uniform pieces: what was asked for. None as the scene is read.
+    /// The original of a scene whose tapered segments were divided into uniform pieces; none for a scene as read.
     pub discretized: Option<Box<TaperDiscretization>>,
     /// Of a bar in torsion: what its surface quantities stand for. None for an axial bar.
     pub torsion: Option<Torsion>,
@@ -187,11 +188,11 @@ pub struct Solve {
     pub until: f64,
     /// Method and its settings; with a tolerance, the first of its methods.
     pub method: Method,
-    /// Error that the run is to stay below, in place of a method.
+    /// Allowed error, instead of a method.
     pub tolerance: Option<Tolerance>,
-    /// The run is to say how far its stresses may be off, where that is not known without further runs.
+    /// The run estimates its error, with further runs if needed.
     pub estimate_error: bool,
-    /// Relative change of the stress from which on an effect that was left out matters, 0 < . < 1.
+    /// Relative change of the stress above which a neglected effect is significant, 0 < . < 1.
     pub audit_tolerance: f64,
 }
 
@@ -284,7 +285,7 @@ impl Method {
         }
     }
 
-    /// The method with other cells; as it is where it has none.
+    /// The method with another number of cells; unchanged if it has none.
     #[must_use]
     pub fn with_cells(self, cells: usize) -> Self {
         match self {
@@ -295,7 +296,7 @@ impl Method {
         }
     }
 
-    /// The method with another front tolerance; as it is where it has none.
+    /// The method with another front tolerance; unchanged if it has none.
     #[must_use]
     pub fn with_front_tolerance(self, front_tolerance: f64) -> Self {
         match self {
@@ -328,7 +329,7 @@ pub struct Record {
     pub fields: Vec<Field>,
     /// Gauges: name and place, m from the left end, in the scene's order.
     pub gauges: Vec<(String, f64)>,
-    /// Numbers of the fields in the file.
+    /// Floating-point format of the fields in the file.
     pub precision: Precision,
     /// Compression of the fields in the file.
     pub compression: Compression,
@@ -369,8 +370,9 @@ impl Scene {
 
     fn from_document(original: &Document, base: &Path, typed: &[String]) -> Result<Self> {
         if let Some(kind) = impacts::kind(original) {
-            let message = format!("a [{}] is no bar: this needs a scene with a bar", kind.key);
-            let help = "`barwave run`, `plan` and `check` take such scenes; others want [bar] with its ends";
+            let message = format!("this command needs a scene with [bar], not [{}]", kind.key);
+            let help =
+                "`barwave run`, `plan` and `check` accept this scene; other commands need [bar], [left] and [right]";
             return Err(InputError::new(message).key(kind.key).help(help).into());
         }
         let overrides = Overrides::new(typed)?;

@@ -1,4 +1,4 @@
-//! What a user should know of a scene that is right, but asks for something that does not go well.
+//! Notes on problematic settings of a valid scene.
 
 use std::sync::Arc;
 
@@ -18,7 +18,8 @@ impl Scene {
         let materials = (0..segments.len()).filter(|&k| !seen(k)).flat_map(|k| segments[k].material.notes());
         let bar = self.short_segment().into_iter().chain(self.rate_independent_segments());
         let bar = bar.chain(self.hardening_that_gives_back());
-        bar.chain(self.misses()).chain(materials).collect()
+        let deprecated = super::deprecated::notes(&self.text, &self.overrides);
+        bar.chain(self.misses()).chain(materials).chain(deprecated).collect()
     }
 
     /// Beside segments that feel the strain rate, those whose material states no constants for it.
@@ -29,7 +30,7 @@ impl Scene {
         let names: Vec<String> = without.map(|(k, s)| format!("segment {} ({})", k + 1, s.material.name)).collect();
         (!names.is_empty()).then(|| {
             format!(
-                "no rate constants are stated for {}: plastic flow follows the quasi-static curve there at any strain rate",
+                "{} has no rate constants: plastic flow follows its quasi-static curve at all strain rates",
                 names.join(", ")
             )
         })
@@ -46,8 +47,9 @@ impl Scene {
         let several = |s: &&Segment| Table::new(&s.material.tension, s.material.modulus).is_multilinear();
         let segment = self.bar.segments.iter().find(several)?;
         Some(format!(
-            "{} hardens along several lines, and its back stress follows the accumulated plastic strain: reverse flow may return more \
-             work than was done before; use unloading = \"kinematic\" without rate and heat, or {{ mixed = 0.5 }} or less",
+            "the hardening curve of {} has several straight segments, and the back stress depends on the accumulated plastic \
+             strain: reverse flow may return more plastic work than was stored; use hardening = \"kinematic\" without rate and \
+             heat, or {{ mixed = 0.5 }} or less",
             segment.material.name
         ))
     }
@@ -65,7 +67,8 @@ impl Scene {
             let own = self.bar.segments[segment].end_velocities()[usize::from(inward < 0.0)];
             (inward * (velocity - own) < 0.0).then(|| {
                 format!(
-                    "the {word} at the {side} end moves away from the bar, at {velocity} against {own} m/s: velocities are positive in +x, \
+                    "the {word} at the {side} end moves away from the bar, at {velocity} against {own} m/s: velocities are \
+                     positive in +x, \
                      from left to right"
                 )
             })
@@ -90,9 +93,9 @@ impl Scene {
         let courant = cfl * step / longest;
         (step / longest < SMALL_STEP).then(|| {
             format!(
-                "segment {} ({:.3e} m) is shorter than a cell of the others: its step brings the Courant number down to {courant:.2e} \
-                 elsewhere, where fronts are spread and the run takes {:.0} times as many steps; join it to its neighbour, or take \
-                 more cells or method = \"moc\"",
+                "segment {} ({:.3e} m) is shorter than a cell of the other segments and limits the time step: the Courant \
+                 number elsewhere is {courant:.2e}, fronts are smeared there, and the run needs {:.0} times as many steps; \
+                 merge it with its neighbour, or use more cells or method = \"moc\"",
                 shortest + 1,
                 bar.segments[shortest].length,
                 longest / step,

@@ -1,9 +1,9 @@
-//! `--set KEY=VALUE`: changes the scene's text before it is read, so that every rule of the file holds for them too.
+//! `--set KEY=VALUE`: edits the text of the scene before it is read, so that all checks of the file apply.
 
 use toml_edit::{ArrayOfTables, DocumentMut, Item, Value};
 
 use crate::error::{Error, InputError, Place, Result};
-use crate::input::Document;
+use crate::input::{DEPRECATED_KEYS, Document};
 
 /// One override, split.
 #[derive(Debug, Clone)]
@@ -41,6 +41,16 @@ impl Overrides {
         Ok(Document::new(document.file.clone(), edited.to_string()))
     }
 
+    /// The dotted keys that are set, without the indices of lists.
+    pub(super) fn keys(&self) -> Vec<String> {
+        let named = |o: &Override| {
+            let parts: Vec<&str> =
+                o.key.iter().map(String::as_str).filter(|part| part.parse::<usize>().is_err()).collect();
+            parts.join(".")
+        };
+        self.0.iter().map(named).collect()
+    }
+
     /// Points an error of the edited text at what the user can see: the override, or the same key in the file.
     pub(super) fn explain(&self, error: Error, original: &Document) -> Error {
         let Error::Input(error) = error else { return error };
@@ -71,10 +81,10 @@ fn split(typed: &str) -> Result<Override> {
             .allowed("KEY=VALUE with a dotted key")
             .help("write e.g. --set solve.cells=4000 or --set left.value=\"-40 m/s\"")
     };
-    let (key, value) = typed.split_once('=').ok_or_else(|| wrong("there is no `=`"))?;
+    let (key, value) = typed.split_once('=').ok_or_else(|| wrong("missing `=`"))?;
     let key: Vec<String> = key.trim().split('.').map(|part| part.trim().to_owned()).collect();
     if key.iter().any(String::is_empty) {
-        return Err(wrong("the key is not complete").into());
+        return Err(wrong("the key is incomplete").into());
     }
     Ok(Override { typed: typed.to_owned(), key, value: value.trim().to_owned() })
 }
@@ -87,14 +97,19 @@ impl Override {
 
     fn put(&self, root: &mut Item) -> std::result::Result<(), String> {
         let Some((last, parents)) = self.key.split_last() else { return Ok(()) };
-        let mut item = root;
+        let (mut item, mut path) = (root, String::new());
         for part in parents {
+            let part = name_in_file(item, &path, part);
             // Stepping into a table that is not there would make it.
             if self.value.is_empty() && item.as_table_like().is_some_and(|table| !table.contains_key(part)) {
                 return Ok(());
             }
             item = step(item, part)?;
+            if part.parse::<usize>().is_err() {
+                path = if path.is_empty() { part.to_owned() } else { format!("{path}.{part}") };
+            }
         }
+        let last = name_in_file(item, &path, last);
         if self.value.is_empty() {
             return remove(item, last);
         }
@@ -120,6 +135,14 @@ impl Override {
     }
 }
 
+/// The name under which a table of the file has the key `part`, if only the deprecated or only the present one of its names is there.
+fn name_in_file<'a>(item: &Item, path: &str, part: &'a str) -> &'a str {
+    let has = |name: &str| item.as_table_like().is_some_and(|table| table.contains_key(name));
+    let names = DEPRECATED_KEYS.iter().filter(|(table, ..)| *table == path);
+    let mut other = names.flat_map(|&(_, old, new)| [(old, new), (new, old)]);
+    if has(part) { part } else { other.find(|(from, to)| *from == part && has(to)).map_or(part, |(_, to)| to) }
+}
+
 /// The item under one part of a key; what is missing is made, as an inline table.
 fn step<'a>(item: &'a mut Item, part: &str) -> std::result::Result<&'a mut Item, String> {
     match item {
@@ -128,7 +151,7 @@ fn step<'a>(item: &'a mut Item, part: &str) -> std::result::Result<&'a mut Item,
             Err(format!("there is no item {part}: the scene has no such list, and no item can be added to it here"))
         }
         Item::None | Item::Table(_) | Item::Value(Value::InlineTable(_)) => Ok(&mut item[part]),
-        Item::Value(_) => Err(format!("`{part}` cannot stand inside a value of the type {}", item.type_name())),
+        Item::Value(_) => Err(format!("`{part}` cannot be set inside a value of type {}", item.type_name())),
     }
 }
 
@@ -137,7 +160,8 @@ fn step_index<'a>(item: &'a mut Item, part: &str) -> std::result::Result<&'a mut
         Item::ArrayOfTables(tables) => tables.len(),
         _ => item.as_array().map_or(0, toml_edit::Array::len),
     };
-    let index: usize = part.parse().map_err(|_| format!("`{part}` must be a number: it counts the items of a list"))?;
+    let index: usize =
+        part.parse().map_err(|_| format!("`{part}` must be a number, the index of an item in a list"))?;
     if index >= count {
         return Err(format!("there is no item {index}: the list has {count}, counted from 0"));
     }

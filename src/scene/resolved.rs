@@ -116,7 +116,7 @@ fn method_of(solve: &Solve) -> Value {
             "until": solve.until,
             "method": method,
             "front-tolerance": front_tolerance,
-            "event-budget": event_budget,
+            "max-events": event_budget,
         }),
     }
 }

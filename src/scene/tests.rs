@@ -62,7 +62,7 @@ fn front_tracking_has_its_own_defaults() {
     assert_eq!((tracked.record.cells, tracked.record.paths), (Some(1000), true));
     let solve = &tracked.resolved_json()["solve"];
     assert_eq!((&solve["method"], &solve["front-tolerance"]), (&"moc".into(), &1e-3.into()));
-    let exact = scene("method = \"moc\"\nfront-tolerance = 0\nevent-budget = 5e3\n[record]\npaths = false\n", &[]);
+    let exact = scene("method = \"moc\"\nfront-tolerance = 0\nmax-events = 5e3\n[record]\npaths = false\n", &[]);
     assert_eq!(exact.solve.method, Method::FrontTracking { front_tolerance: 0.0, event_budget: 5000 });
     assert!(!exact.record.paths);
     // A scene for the grid has neither.
@@ -98,7 +98,7 @@ fn bodies_need_the_section_on_which_they_act() {
         let text = base("").replace("kind = \"free\"", &format!("kind = \"{end}"));
         let error = wrong(&text, &[]);
         assert_eq!(error.key, "right.kind");
-        assert!(error.to_string().contains("needs the section"), "{error}");
+        assert!(error.to_string().contains("needs the cross-section"), "{error}");
     }
 }
 
@@ -180,7 +180,7 @@ fn gauges_keep_the_order_of_the_file() {
 
 #[test]
 fn overrides_change_add_and_take_out() {
-    let changed = scene("", &["left.value=-40 m/s", "solve.cells=4e3", "effects.unloading=kinematic", "title=x = y"]);
+    let changed = scene("", &["left.value=-40 m/s", "solve.cells=4e3", "effects.hardening=kinematic", "title=x = y"]);
     assert!(matches!(changed.left, EndCondition::Velocity { ref history, .. } if history.at(0.0) == -40.0));
     assert_eq!(changed.solve.method, Method::Leapfrog { cells: 4000, cfl: 1.0 });
     assert_eq!(changed.effects.unloading, Some(Unloading::Kinematic));
@@ -189,7 +189,7 @@ fn overrides_change_add_and_take_out() {
     assert_eq!(changed.overrides.len(), 4);
     let swapped = scene("", &["left.value=", "left.history=[[0, 0], [\"10 us\", \"-40 m/s\"]]"]);
     assert!(matches!(swapped.left, EndCondition::Velocity { ref history, .. } if history.at(5e-6) == -20.0));
-    let deep = scene("", &["effects.unloading.mixed=0.25", "record.gauges.middle=0.5", "bar.material.density=8000"]);
+    let deep = scene("", &["effects.hardening.mixed=0.25", "record.gauges.middle=0.5", "bar.material.density=8000"]);
     assert_eq!(deep.effects.unloading, Some(Unloading::Mixed(0.25)));
     assert_eq!(deep.record.gauges, [("middle".to_owned(), 0.5)]);
     assert_eq!(deep.bar.segments[0].material.density, 8000.0);
@@ -212,9 +212,9 @@ fn errors_of_overrides_say_so() {
     let error = wrong(&base(""), &["solve.cell=1000"]);
     assert!(error.to_string().starts_with("--set:1: `solve.cell`: unknown key"), "{error}");
     let error = wrong(&base(""), &["solve.until.deep=1"]);
-    assert!(error.message.contains("cannot stand inside"), "{error}");
-    assert!(wrong(&base(""), &["solve.cfl"]).message.contains("no `=`"));
-    assert!(wrong(&base(""), &["=1"]).message.contains("not complete"));
+    assert!(error.message.contains("cannot be set inside"), "{error}");
+    assert!(wrong(&base(""), &["solve.cfl"]).message.contains("missing `=`"));
+    assert!(wrong(&base(""), &["=1"]).message.contains("incomplete"));
     let taken = read(&base(""), &["solve.cfl=", "effects.rate="]).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(taken.text, base(""));
 }
@@ -224,16 +224,22 @@ fn errors_beside_overrides_keep_their_line_in_the_file() {
     let text = base("[record]\ncells = 0\n");
     let line = text.lines().position(|l| l == "cells = 0").map(|i| i + 1);
     // The new table is written above the wrong line.
-    let error = wrong(&text, &["effects.unloading=isotropic"]);
+    let error = wrong(&text, &["effects.hardening=isotropic"]);
     assert_eq!(error.place.map(|p| p.line()), line);
 }
 
 #[test]
 fn the_resolved_scene_is_complete() {
-    let json =
-        scene("[record]\ngauges = { middle = 0.5 }\n[effects]\nunloading = { mixed = 0.3 }\n", &[]).resolved_json();
+    let scene = scene("[record]\ngauges = { middle = 0.5 }\n[effects]\nhardening = { mixed = 0.3 }\n", &[]);
+    let json = scene.resolved_json();
     assert_eq!(json["solve"]["cells"], 1000);
-    assert_eq!(json["effects"]["unloading"]["mixed"], 0.3);
+    assert_eq!(json["effects"]["hardening"]["mixed"], 0.3);
+    let old = scene.text.replace("hardening", "unloading");
+    let old = Scene::parse("test.toml", &old, Path::new("."), &[]).expect("an old name");
+    assert_eq!(old.effects, scene.effects);
+    let changed = Scene::parse("test.toml", &old.text, Path::new("."), &["effects.hardening=kinematic".to_owned()]);
+    assert_eq!(changed.expect("an override").effects.unloading, Some(Unloading::Kinematic));
+    assert_eq!(old.notes(), ["the key `unloading` in [effects] is deprecated; use `hardening`"]);
     assert_eq!(json["left"]["history"][0][1], -30.0);
     assert_eq!(json["record"]["times"].as_array().map(Vec::len), Some(200));
     assert_eq!(json["record"]["gauges"]["middle"], 0.5);
@@ -260,7 +266,7 @@ fn csv_histories_take_units_from_the_header_or_the_cells() {
     }
     for (content, line, part) in [
         ("time,v\n0,0\n1,2,3\n", 3, "3 columns"),
-        ("time,v\n1e-6,0\n0,0\n", 3, "goes back in time"),
+        ("time,v\n1e-6,0\n0,0\n", 3, "is earlier than the row before it"),
         ("time [kg],v\n1,0\n", 2, "is a mass, but a time"),
         ("0,0\nx,y\n", 2, "does not start with a number"),
         ("0,0\n-1,0\n", 2, "out of range"),
@@ -280,7 +286,7 @@ fn csv_histories_take_units_from_the_header_or_the_cells() {
 /// A scene with a word from every part of the language, as the ground for slips.
 fn ground() -> String {
     base(
-        "scheme = \"leapfrog\"\ncfl = 0.9\ncells = 100\n[effects]\nunloading = { mixed = 0.3 }\n[record]\nevery = \"10 us\"\n\
+        "scheme = \"leapfrog\"\ncfl = 0.9\ncells = 100\n[effects]\nhardening = { mixed = 0.3 }\n[record]\nevery = \"10 us\"\n\
           gauges = { middle = 0.5 }\nfields = [\"stress\"]\n",
     )
 }

@@ -1,4 +1,4 @@
-//! The balance of energy that every solver keeps: each entry is declared once, here, for the ledger, result files and reports.
+//! The energy balance of every solver: each entry is declared once, here, for the ledger, result files and reports.
 
 use serde::Serialize;
 
@@ -41,24 +41,24 @@ energies! {
     /// Recoverable strain energy, sigma^2/(2E) per volume.
     elastic: "recoverable strain energy",
     /// Plastic work since the start on the quasi-static curve; with the effect of heat, what of it did not turn into heat.
-    plastic: "energy dissipated in plastic flow since the start, without what turned into heat",
+    plastic: "energy dissipated in plastic flow since the start, excluding heat",
     /// Plastic work that turned into heat since the start, that of the overstress with it; 0 without the effect of heat. It is the same
     /// fraction of all plastic work, and decreases in reverse flow in which a back stress gives work back.
-    heat: "plastic work that turned into heat since the start",
+    heat: "plastic work converted to heat since the start",
     /// Plastic work of the overstress of a rate-dependent bar since the start, as far as it did not turn into heat.
     viscoplastic: "work of the overstress of a rate-dependent bar since the start",
     /// Taken since the start by the method itself: by the grid filter or the merging of fronts; 0 in an elastic run.
-    numerical: "energy taken since the start by the numerical method",
+    numerical: "energy dissipated since the start by the numerical method",
     /// What the staggered grid holds between two of its half steps, of either sign and of first order in the cell size: velocities are
     /// known half a step before and after the stresses, forces of ends and joints act in halves, and a cell that goes from one side of its
     /// elastic range to flow on the other within a step, or flows on both, flows under another stress than the mean of the step.
-    half_step: "energy between velocities and stresses half a step apart, of either sign",
+    half_step: "energy due to the half-step offset of velocities and stresses, of either sign",
     /// Taken since the start at single points where velocities differ, because a level curve lets no strain leave.
-    concentrated: "energy taken since the start at single points where velocities differ",
+    concentrated: "energy dissipated since the start at points of discontinuous velocity",
     /// Taken since the start by fractures.
-    fracture: "energy taken since the start by ruptures",
+    fracture: "energy dissipated since the start by fractures",
     /// Taken since the start by internal and external damping and by friction.
-    damping: "energy taken since the start by internal and external damping and by friction",
+    damping: "energy dissipated since the start by internal and external damping and by friction",
     /// Stored in the elastic foundation.
     foundation: "energy stored in the elastic foundation",
 }

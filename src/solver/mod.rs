@@ -1,4 +1,4 @@
-//! Solvers. They know laws, bars and ends; never an effect by name, never a file format.
+//! Solvers. They depend on laws, bars and ends, not on effects by name or on file formats.
 
 mod energies;
 pub mod fd;

@@ -107,8 +107,9 @@ pub struct Apparent {
 
 /// The definition of [`Apparent`]. Strains are measured over a length, since the first cell alone has an error of its own where the rate
 /// law is faster than a time step.
-pub const DEFINITION: &str = "the lowest constant velocity of the end at which the mean strain of the hundredth of the bar next to it \
-                              exceeds that of the largest static stress before the elastic wave has returned from the far end (2 L/c0)";
+pub const DEFINITION: &str = "the lowest constant velocity of the end at which the mean strain of the first 1 % of the bar \
+                              exceeds the strain of the largest static stress before the elastic wave returns from the far end \
+                              (2 L/c0)";
 
 /// The apparent critical velocity of a bar of `length` (m), by simulation; none where the static curve has no critical velocity. `material`
 /// is the heated one where heat is asked for; `limit` is the strain of the largest static stress.

@@ -1,4 +1,4 @@
-//! Materials side by side: curve, front speed and impact velocity against strain.
+//! Comparison of materials: curve, front speed and impact velocity against strain.
 
 use serde::Serialize;
 

@@ -1,4 +1,4 @@
-//! Result files side by side: norms of their differences, and where they differ most.
+//! Comparison of result files: norms of their differences, and the positions of the largest ones.
 //!
 //! The samples and frames of the first file that lie within the bars and times of both are the common grid. The other file is interpolated
 //! there, linearly in x and in time; a front that moves between two frames is therefore smeared over both.
@@ -111,7 +111,7 @@ impl Grid {
     fn of(file: &ResultFile) -> Result<Self> {
         let grid = Self { x: file.x()?, time: file.time()? };
         if grid.x.is_empty() || grid.time.is_empty() {
-            let message = format!("{} has nothing to compare: there is no frame in it", file.path().display());
+            let message = format!("{} has nothing to compare: it has no frames", file.path().display());
             return Err(InputError::new(message).help("run its scene again").into());
         }
         Ok(grid)

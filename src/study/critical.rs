@@ -5,7 +5,7 @@ use serde::Serialize;
 use crate::material::{Beyond, Curve, Material, Sense, UltimateReason};
 use crate::wave::similarity;
 
-/// What the curve of one material says about its critical impact velocity.
+/// The critical impact velocity of one material from its curve.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CriticalRow {
     /// Name of the material.
@@ -53,9 +53,9 @@ pub fn words(reason: UltimateReason) -> &'static str {
 
 fn why_none(curve: &Curve) -> String {
     match curve.beyond() {
-        Beyond::Extend => "the stress rises for ever: the curve is extended past its last row".into(),
+        Beyond::Extend => "the stress increases without limit: the curve is extrapolated beyond its last row".into(),
         Beyond::Error | Beyond::Rupture => {
-            format!("the stress still rises where the data end (strain {:.6})", curve.last_strain())
+            format!("the stress still increases at the end of the data (strain {:.6})", curve.last_strain())
         }
     }
 }

@@ -1,4 +1,4 @@
-//! What accuracy costs in an impact that is not waves in a bar: error against modes and against steps.
+//! Cost of accuracy of an impact without waves in a bar: error against modes and against steps.
 
 use std::ops::ControlFlow;
 use std::time::Instant;
@@ -68,14 +68,14 @@ pub struct ImpactOrder {
     pub points: usize,
 }
 
-/// Runs the study; `progress` is told what is under way and breaks it off.
+/// Runs the study; `progress` receives the current step and can stop it.
 ///
 /// # Errors
 /// An [`InputError`] for a scene that is solved in closed form.
 pub fn impact_cost(scene: &ImpactScene, progress: &mut dyn FnMut(&str, f64) -> ControlFlow<()>) -> Result<ImpactCost> {
     let Some(given) = scene.problem.numerics() else {
         let message = "this scene is solved in closed form: it has no numerical parameter and no error";
-        return Err(InputError::new(message).help("`barwave run` is all that it needs").into());
+        return Err(InputError::new(message).help("use `barwave run`").into());
     };
     let has_modes =
         scene.problem.with(Numerics { modes: Some(1), ..given }).numerics().is_some_and(|n| n.modes.is_some());

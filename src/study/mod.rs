@@ -1,4 +1,4 @@
-//! Studies made of curves and runs.
+//! Studies of curves and runs.
 
 pub mod bracket;
 pub mod compare;

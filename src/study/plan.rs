@@ -1,4 +1,4 @@
-//! What a run would do and cost, without running it.
+//! Method, work and estimates of a run, without running it.
 
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
@@ -47,7 +47,7 @@ pub struct Plan {
     pub above_critical: bool,
     /// The bar is stressed or has yielded at t = 0: its first waves are not foreseen.
     pub initial_state: bool,
-    /// What does not go well in what the scene asks for, a sentence each.
+    /// Notes on problematic settings of the scene, one sentence each.
     pub notes: Vec<String>,
     /// How tapered segments are cut into uniform pieces, by methods that do so.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -177,7 +177,7 @@ pub fn plan(scene: &Scene) -> Plan {
     let started = Instant::now();
     let within =
         &mut |_: Progress| if started.elapsed() < LIMIT { ControlFlow::Continue(()) } else { ControlFlow::Break(()) };
-    let undecided = "the coarse runs that choose the effects take longer than a plan may; the run decides";
+    let undecided = "the coarse runs that select the effects exceed the time limit of `plan`; `run` selects them";
     let decided = run::choose(scene, within);
     let mut notes: Vec<String> = decided.is_err().then(|| undecided.to_owned()).into_iter().collect();
     let scene = decided.as_ref().unwrap_or(scene);
@@ -224,12 +224,14 @@ fn choose(scene: &Scene, within: &mut dyn FnMut(Progress) -> ControlFlow<()>) ->
     let how = match run::predict(scene, within) {
         Ok(Some((method, why))) => {
             chosen.solve.method = method;
-            format!("{why}; the run goes on from there, finer where its own estimate misses")
+            format!("{why}; the run refines further if its own error estimate exceeds the tolerance")
         }
         Err(Error::Interrupted) => {
-            "the coarse runs that choose the method take longer than a plan may; the run makes them and shows its progress".into()
+            "the coarse runs that select the method exceed the time limit of `plan`; `run` performs them and shows its \
+             progress"
+                .into()
         }
-        Ok(None) | Err(_) => "no method is expected to get there".into(),
+        Ok(None) | Err(_) => "no method is expected to reach the tolerance".into(),
     };
     Some((chosen, PlannedChoice { tolerance: tolerance.value, schemes, how }))
 }
@@ -380,7 +382,7 @@ fn effects(
     });
     if stopped {
         let share = 100.0 * reached / scene.solve.until;
-        notes.push(format!("the estimates of neglected effects look at the first {share:.2} % of the run"));
+        notes.push(format!("the estimates of neglected effects cover the first {share:.2} % of the run"));
     }
     let planned = |key: &&str| match scene.effects.named(key) {
         Some(effect) => on(scene, key, effect),
@@ -401,13 +403,14 @@ fn plasticity(scene: &Scene, initial_fans: &[crate::bar::InitialFan]) -> Planned
     let worked = scene.bar.segments.iter().any(Segment::has_yielded);
     let why = match (linear, yields) {
         (true, _) => "the curves are straight lines",
-        _ if worked => "the bar has yielded before the start",
+        _ if worked => "the bar has an initial plastic strain",
         _ if scene.bar.has_initial_state() => {
-            "the first waves of a bar with an initial stress are not predicted: the elastic kernel runs until a cell first yields"
+            "the first waves of a bar with an initial stress are not predicted: the elastic kernel is used until a cell first \
+             yields"
         }
         (_, true) => "the first waves exceed the elastic limit",
         (_, false) => {
-            "the first waves stay below the elastic limit: the elastic kernel runs until a reflection yields a cell"
+            "the first waves stay below the elastic limit: the elastic kernel is used until a reflection yields a cell"
         }
     };
     let (effect, on) = ("plasticity".into(), (yields || worked) && !linear);
@@ -449,7 +452,7 @@ fn off(scene: &Scene, key: &str, row: Option<&AuditRow>) -> PlannedEffect {
 /// What a run assumes without an effect.
 fn without(key: &str) -> &'static str {
     match key {
-        "unloading" => "unloading follows the loading curve; the run reports if a yielded section unloads",
+        "hardening" => "unloading follows the loading curve; the run reports if a yielded section unloads",
         "rate" => "the quasi-static curve is used at all strain rates",
         "heat" => "the temperature stays constant",
         "rupture" => "fracture is not simulated",

@@ -1,4 +1,4 @@
-//! Which part of a curve its critical velocity comes from.
+//! Contributions of strain intervals to the critical velocity.
 
 use serde::Serialize;
 

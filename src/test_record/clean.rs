@@ -1,4 +1,4 @@
-//! A record in the order of the test made into rows of increasing strain: signs, outliers, fracture, unloading.
+//! Cleaning of a record: signs, outliers, fracture and unloading are removed, rows sorted by strain.
 
 /// Rows on either side of a row that tell whether it is an outlier.
 const NEIGHBOURS: usize = 3;
@@ -59,7 +59,7 @@ fn magnitudes(record: &[(f64, f64)], changes: &mut Vec<String>) -> Vec<(f64, f64
     };
     let (strain, stress) = (sign(|row| row.0), sign(|row| row.1));
     if strain < 0.0 || stress < 0.0 {
-        changes.push("negative signs removed: the curve holds magnitudes".into());
+        changes.push("negative signs removed: curves are given as magnitudes".into());
     }
     record.iter().map(|&(e, s)| (strain * e, stress * s)).collect()
 }

@@ -1,4 +1,4 @@
-//! Headings of a record: what a column holds, and in which unit.
+//! Headings of a record: the quantity of a column and its unit.
 
 use crate::units::Dimension;
 

@@ -77,7 +77,7 @@ pub fn reduce(record: &[(f64, f64)], how: &Reduce) -> Result<Reduction, InputErr
         let message = format!("{} of {} are left: {}", count(rows.len()), record.len(), changes.join("; "));
         let error =
             InputError::new(message).allowed(format!("at least {} rows of growing strain", Reduce::FEWEST_ROWS));
-        return Err(error.help("check the columns; --keep-rows takes the rows as they are"));
+        return Err(error.help("check the columns; --keep-rows keeps the rows unchanged"));
     }
     let variances = noise::variances(&rows);
     let largest = rows.iter().map(|row| row.1).fold(0.0, f64::max);
@@ -96,7 +96,7 @@ pub fn reduce(record: &[(f64, f64)], how: &Reduce) -> Result<Reduction, InputErr
     ));
     let knots = thin(&curve, how.tolerance);
     changes.push(format!(
-        "{} knots kept: within {} % of the largest stress, and of the velocity of every piece",
+        "{} points kept: within {} % of the largest stress and of the velocity of each segment",
         knots.len(),
         decimal(100.0 * how.tolerance)
     ));

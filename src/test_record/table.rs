@@ -1,4 +1,4 @@
-//! From a record's file to rows of strain and stress.
+//! Rows of strain and stress from the file of a record.
 
 use std::path::Path;
 
@@ -232,20 +232,20 @@ fn unit(
     if !stated.unit.is_empty() {
         if given.is_some() && heading::size(&stated.unit, kind).is_some() {
             let message = format!("the unit of {} is given twice: `{title}` and {option}", kind.name());
-            return Err(document.error(span(), "", message).help(format!("leave out {option}")).into());
+            return Err(document.error(span(), "", message).help(format!("remove {option}")).into());
         }
         if let Some(size) = heading::size(&stated.unit, kind) {
             return Ok(column(size, true));
         }
         if given.is_none() {
-            let message = format!("`{}` is no unit of {}", stated.unit, kind.name());
+            let message = format!("`{}` is not a unit of {}", stated.unit, kind.name());
             let help = format!("write a unit such as {example} in the heading, or name it with {option}");
             return Err(document.error(span(), "", message).help(help).into());
         }
     }
     let Some(given) = given else { return Ok(column(1.0, false)) };
     heading::size(given, kind).map(|size| column(size, true)).ok_or_else(|| {
-        let message = format!("`{given}` is no unit of {}", kind.name());
+        let message = format!("`{given}` is not a unit of {}", kind.name());
         InputError::new(message).key(option).help(format!("write a unit such as {example}")).into()
     })
 }
@@ -268,7 +268,7 @@ fn divisor(column: &Column, given: Option<f64>, needs: Kind, option: &str, what:
             let message = format!("the record holds {}, which needs no {what}", column.kind.name());
             Err(InputError::new(message)
                 .key(option)
-                .help(format!("leave it out, or name the column with --{}-column", needs.name()))
+                .help(format!("remove it, or give the column with --{}-column", needs.name()))
                 .into())
         }
     }

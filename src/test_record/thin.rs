@@ -1,4 +1,4 @@
-//! Knots of a curve: as few as a tolerance allows.
+//! Reduction of a curve to the fewest knots within a tolerance.
 
 /// Differences of velocity below this part of the whole, over the tolerance, do not count: at the steep start and near the maximum no piece
 /// is short enough for a relative one.

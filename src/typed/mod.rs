@@ -1,5 +1,5 @@
-//! Values of keys as the raw tables of files declare them: each with its place, and numbers with dimension, range and default as parts of
-//! their type. How they are read, messages and the JSON schema follow from the declaration.
+//! Typed values of keys: place in the text, and numbers with dimension, range and default as part of the type. Reading, messages
+//! and the JSON schema follow from the declaration.
 
 mod names;
 mod schema;

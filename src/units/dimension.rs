@@ -1,4 +1,4 @@
-//! Every dimension, declared once: what messages call it, its SI unit, and the units in which it is shown.
+//! Dimensions, each declared once: name in messages, SI unit, and display units.
 
 use super::scale::{FOOT_POUND, INCH, POUND, POUND_FORCE, PSI, Scale};
 use super::table::Exponents;

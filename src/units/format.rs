@@ -1,4 +1,4 @@
-//! Numbers for people: SI in, text with a fitting unit out.
+//! Formatting of SI values with a suitable unit.
 
 use super::{Dimension, Scale, System};
 

@@ -1,4 +1,4 @@
-//! How small and how large values can be: one table for every number of scenes and materials.
+//! Plausible magnitudes: smallest and largest values of each dimension in scenes and materials.
 //!
 //! The ranges are far wider than anything physical. They keep products of several values (energies are products of up to six) within the
 //! numbers that a computer has, and catch slips of units and exponents.
@@ -27,7 +27,7 @@ impl Dimension {
     /// The magnitudes that a value of this kind can have.
     pub const fn magnitudes(self) -> Magnitudes {
         match self {
-            Self::None => range(0.0, 1e12, "larger plain numbers have no meaning here"),
+            Self::None => range(0.0, 1e12, "larger plain numbers are not meaningful here"),
             Self::Length => range(1e-12, 1e9, "an atom measures 1e-10 m, the Earth 1.3e7 m"),
             Self::Area => range(1e-24, 1e12, "the section of an atom is some 1e-20 m^2"),
             Self::Time => range(1e-18, 1e12, "light crosses an atom in 3e-19 s"),

@@ -1,4 +1,4 @@
-//! Text with a unit in, SI out.
+//! Parsing of numbers with units to SI.
 //!
 //! Grammar: number, then factors joined by "*", "·", a blank (product) or "/" (quotient), read from left to
 //! right; a factor is a symbol or a bracket, with an optional power: "^3", "^-1", "**2", "²", "⁻¹".
@@ -204,13 +204,11 @@ impl Parser<'_> {
         let (symbol, rest) = self.rest.split_at(end);
         if symbol.is_empty() {
             return Err(match rest.chars().next() {
-                None => "the unit is not finished".into(),
+                None => "the unit is incomplete".into(),
                 Some(c) if c.is_ascii_digit() => {
-                    format!(
-                        "a unit is expected where `{rest}` stands; fractions are written as decimals, e.g. \"0.5 in\""
-                    )
+                    format!("a unit is expected at `{rest}`; fractions are written as decimals, e.g. \"0.5 in\"")
                 }
-                Some(c) => format!("a unit is expected where `{c}` stands"),
+                Some(c) => format!("a unit is expected at `{c}`"),
             });
         }
         self.rest = rest;
@@ -268,7 +266,7 @@ fn lowered(c: char) -> Option<char> {
 
 fn unknown(shown: &str, plain: &str) -> String {
     if table::DEGREES.contains(&plain) {
-        return format!("`{shown}` is a temperature with its own zero and cannot stand in a compound unit; use `K`");
+        return format!("`{shown}` has an offset zero and cannot be part of a compound unit; use `K`");
     }
     match table::nearest(plain) {
         Some(near) => format!("unknown unit `{shown}`; did you mean `{near}`?"),

@@ -166,7 +166,7 @@ mod tests {
     #[test]
     fn symbols_are_unique() {
         for (i, unit) in UNITS.iter().enumerate() {
-            assert!(UNITS[..i].iter().all(|u| u.symbol != unit.symbol), "{} stands twice", unit.symbol);
+            assert!(UNITS[..i].iter().all(|u| u.symbol != unit.symbol), "duplicate unit {}", unit.symbol);
         }
     }
 

@@ -175,12 +175,12 @@ fn what_is_no_quantity_is_refused() {
         ("1/2 in", D::Length, "fractions are written as decimals"),
         ("5 000 m", D::Length, "fractions are written as decimals"),
         ("5 m^", D::Length, "power must be an integer"),
-        ("5 m^2.5", D::Length, "a unit is expected where `.`"),
+        ("5 m^2.5", D::Length, "a unit is expected at `.`"),
         ("5 m^99", D::Length, "power must be an integer"),
-        ("5 m/", D::Length, "not finished"),
+        ("5 m/", D::Length, "incomplete"),
         ("5 (m", D::Length, "not closed"),
         ("5 m)", D::Length, "`)` is not expected"),
-        ("5 m$", D::Length, "a unit is expected where `$`"),
+        ("5 m$", D::Length, "a unit is expected at `$`"),
         ("--5 m", D::Length, "does not start with a number"),
     ];
     for (text, dimension, part) in cases {

@@ -1,5 +1,5 @@
-//! Exact solutions built from a curve alone, and the Riemann problem between states with a history.
+//! Exact solutions from the curve alone, and the Riemann problem between states with a history.
 
-mod chain;
+mod hull;
 pub mod riemann;
 pub mod similarity;

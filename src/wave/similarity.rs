@@ -1,11 +1,11 @@
-//! The self-similar answer for a long bar whose end is suddenly given a velocity or a stress: one straight front
-//! for each edge of the upper concave hull of the curve.
+//! The self-similar solution of a long bar with a sudden end velocity or stress: one front for each edge of the upper concave hull
+//! of the curve.
 //!
 //! Everything here is in magnitudes (strain, stress, velocity jump all >= 0); the caller puts the signs.
 
 use serde::Serialize;
 
-use super::chain::{Chain, Knot, Line};
+use super::hull::{Hull, Knot, Line};
 use crate::material::{Beyond, Curve, UltimateReason};
 
 /// One edge of the hull: one front, carrying the material from the state ahead to the state behind.
@@ -78,45 +78,45 @@ pub struct Critical {
 /// fastest front first. Neighbouring table segments of equal slope are one front. Where the stress at `strain` is
 /// below an earlier maximum the hull ends with a flat edge (speed 0) at that maximum.
 pub fn hull(curve: &Curve, density: f64, strain: f64) -> Vec<Edge> {
-    edges(&chain_to(curve, density, strain))
+    edges(&hull_to(curve, density, strain))
 }
 
 /// Velocity change that loads the bar to `strain`, m/s: the sum of c d eps over the hull.
 pub fn impact_velocity(curve: &Curve, density: f64, strain: f64) -> f64 {
-    chain_to(curve, density, strain).velocity()
+    hull_to(curve, density, strain).velocity()
 }
 
-fn chain_to(curve: &Curve, density: f64, strain: f64) -> Chain {
+fn hull_to(curve: &Curve, density: f64, strain: f64) -> Hull {
     let loading = curve.running_maximum();
-    let mut chain = Chain::new(density);
+    let mut hull = Hull::new(density);
     for (&e, &s) in loading.strain().iter().zip(loading.stress()).skip(1).take_while(|(e, _)| **e < strain) {
-        chain.push(Knot { strain: e, stress: s });
+        hull.push(Knot { strain: e, stress: s });
     }
-    chain.push(Knot { strain, stress: loading.stress_at(strain) });
-    chain
+    hull.push(Knot { strain, stress: loading.stress_at(strain) });
+    hull
 }
 
 /// Velocity change that loads the bar to each knot of the curve's running maximum: (strain, m/s) from (0, 0), in
 /// one pass.
 pub fn impact_velocities(curve: &Curve, density: f64) -> Vec<(f64, f64)> {
     let loading = curve.running_maximum();
-    let mut chain = Chain::new(density);
+    let mut hull = Hull::new(density);
     let mut rows = vec![(0.0, 0.0)];
     for (&strain, &stress) in loading.strain().iter().zip(loading.stress()).skip(1) {
-        chain.push(Knot { strain, stress });
-        rows.push((strain, chain.velocity()));
+        hull.push(Knot { strain, stress });
+        rows.push((strain, hull.velocity()));
     }
     rows
 }
 
 /// The fan behind which the velocity has changed by `velocity` (m/s, >= 0), exact for the table.
 pub fn fan_at_velocity(curve: &Curve, density: f64, velocity: f64) -> Fan {
-    imposed(curve, density, velocity, |chain, line| chain.reach_velocity(line, velocity))
+    imposed(curve, density, velocity, |hull, line| hull.reach_velocity(line, velocity))
 }
 
 /// The fan behind which the stress is `stress` (Pa, >= 0). A stress above the ultimate stress is `above_critical`.
 pub fn fan_at_stress(curve: &Curve, density: f64, stress: f64) -> Fan {
-    imposed(curve, density, stress, |_, line| Chain::reach_stress(line, stress))
+    imposed(curve, density, stress, |_, line| Hull::reach_stress(line, stress))
 }
 
 /// The critical impact velocity, where the data hold one.
@@ -131,50 +131,50 @@ pub fn critical(curve: &Curve, density: f64) -> Option<Critical> {
 }
 
 /// Grows the hull knot by knot until `reach` finds the imposed value on the next piece of the curve.
-fn imposed(curve: &Curve, density: f64, value: f64, reach: impl Fn(&Chain, Line) -> Option<Knot>) -> Fan {
-    let mut chain = Chain::new(density);
+fn imposed(curve: &Curve, density: f64, value: f64, reach: impl Fn(&Hull, Line) -> Option<Knot>) -> Fan {
+    let mut hull = Hull::new(density);
     if value <= 0.0 {
-        return fan(&chain);
+        return fan(&hull);
     }
     let loading = curve.running_maximum();
     let knots = loading.strain().iter().zip(loading.stress()).map(|(&strain, &stress)| Knot { strain, stress });
     let ultimate = curve.ultimate();
     let reached_ultimate = |knot: Knot| ultimate.is_some_and(|u| knot.strain >= u.strain);
     for (slope, to) in loading.slopes().zip(knots.skip(1)) {
-        if reached_ultimate(chain.last()) {
+        if reached_ultimate(hull.last()) {
             break;
         }
-        let line = Line { from: chain.last(), slope, to: Some(to) };
-        if let Some(end) = reach(&chain, line) {
-            chain.push(end);
-            return fan(&chain);
+        let line = Line { from: hull.last(), slope, to: Some(to) };
+        if let Some(end) = reach(&hull, line) {
+            hull.push(end);
+            return fan(&hull);
         }
-        chain.push(to);
+        hull.push(to);
     }
     if ultimate.is_some() {
-        return Fan { above_critical: true, ..fan(&chain) };
+        return Fan { above_critical: true, ..fan(&hull) };
     }
     if loading.beyond() == Beyond::Extend {
-        let line = Line { from: chain.last(), slope: loading.last_slope(), to: None };
-        if let Some(end) = reach(&chain, line) {
-            chain.push(end);
-            return fan(&chain);
+        let line = Line { from: hull.last(), slope: loading.last_slope(), to: None };
+        if let Some(end) = reach(&hull, line) {
+            hull.push(end);
+            return fan(&hull);
         }
     }
-    Fan { beyond_data: true, ..fan(&chain) }
+    Fan { beyond_data: true, ..fan(&hull) }
 }
 
-fn edges(chain: &Chain) -> Vec<Edge> {
-    chain.knots().windows(2).map(|pair| Edge::between(pair[0], pair[1], chain.density())).collect()
+fn edges(hull: &Hull) -> Vec<Edge> {
+    hull.knots().windows(2).map(|pair| Edge::between(pair[0], pair[1], hull.density())).collect()
 }
 
-fn fan(chain: &Chain) -> Fan {
-    let last = chain.last();
+fn fan(hull: &Hull) -> Fan {
+    let last = hull.last();
     Fan {
-        edges: edges(chain),
+        edges: edges(hull),
         strain: last.strain,
         stress: last.stress,
-        velocity: chain.velocity(),
+        velocity: hull.velocity(),
         above_critical: false,
         beyond_data: false,
     }

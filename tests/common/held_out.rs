@@ -71,7 +71,7 @@ pub fn held_out() -> Vec<Known> {
     let stress_pulse = history("stress", &[(0.0, -320e6), (0.3, -320e6), (0.3, 0.0)]);
     let wall = |gap: f64| format!("kind = \"wall\"\ngap = {gap:e}");
     let spring = format!("kind = \"spring\"\nstiffness = {STIFFNESS:e}");
-    let malvern = "unloading = \"isotropic\"\nrate = { model = \"malvern\", k = 1e5 }";
+    let malvern = "hardening = \"isotropic\"\nrate = { model = \"malvern\", k = 1e5 }";
     let johnson = "rate = { model = \"johnson-cook\", C = 0.02, reference = 1 }";
     let damping = "damping = { external = 4e3 }";
     let thick = format!("[bar]\nlength = 1\ndiameter = 0.04\nmaterial = {WIDENING}");
@@ -101,11 +101,11 @@ pub fn held_out() -> Vec<Known> {
         tracked("gap before a wall", scene(&moving(BILINEAR, 12.0), &kind("free"), &wall(3e-4), ISOTROPIC, 2.5 * t)),
         tracked(
             "pulled, then pushed, kinematic",
-            scene(&one(BILINEAR), &pushed_and_pulled, &kind("free"), "unloading = \"kinematic\"", 1.4 * t),
+            scene(&one(BILINEAR), &pushed_and_pulled, &kind("free"), "hardening = \"kinematic\"", 1.4 * t),
         ),
         tracked(
-            "let go, mixed hardening",
-            scene(&one(FOUR), &let_go("-25 m/s", 0.4), &kind("fixed"), "unloading = { mixed = 0.3 }", 1.3 * t),
+            "released, mixed hardening",
+            scene(&one(FOUR), &let_go("-25 m/s", 0.4), &kind("fixed"), "hardening = { mixed = 0.3 }", 1.3 * t),
         ),
         tracked("S-shaped, reflected", scene(&one(S_SHAPED), &driven("-30 m/s"), &kind("fixed"), ISOTROPIC, 1.5 * t)),
         tracked(
@@ -141,7 +141,7 @@ pub fn held_out() -> Vec<Known> {
             scene(&one(BILINEAR), &struck_by(MASS, 20.0), &kind("free"), ISOTROPIC, 0.9 * t),
         ),
         of(
-            "Malvern, let go",
+            "Malvern, released",
             Truth::Net(6144),
             scene(&short("\"mild-steel\""), &let_go("12 m/s", RELEASE), &kind("fixed"), malvern, 60e-6),
         ),

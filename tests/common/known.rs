@@ -77,7 +77,7 @@ fn two(first: (f64, f64, &str), second: (f64, f64, &str)) -> String {
     segment(first) + &segment(second)
 }
 
-const ISOTROPIC: &str = "unloading = \"isotropic\"";
+const ISOTROPIC: &str = "hardening = \"isotropic\"";
 
 /// All twenty.
 pub fn known() -> Vec<Known> {
@@ -104,11 +104,11 @@ pub fn known() -> Vec<Known> {
         tracked("locking foam", scene(&one(LOCKING), &driven("124 m/s"), "free", "", 1.2e-3)),
         tracked("copper", scene(&one("\"copper-annealed\""), &driven("-30 m/s"), "free", "", 2.5e-4)),
         tracked("bilinear, free, 3 transits", scene(&one(BILINEAR), &driven("20 m/s"), "free", ISOTROPIC, 3.0 * t)),
-        tracked("power law, let go", scene(&one(POWER), &let_go("20 m/s", 0.4), "free", ISOTROPIC, 1.5 * t)),
-        tracked("let go, 2.5 transits", scene(&one(BILINEAR), &let_go("-20 m/s", 0.6), "free", ISOTROPIC, 2.5 * t)),
+        tracked("power law, released", scene(&one(POWER), &let_go("20 m/s", 0.4), "free", ISOTROPIC, 1.5 * t)),
+        tracked("released, 2.5 transits", scene(&one(BILINEAR), &let_go("-20 m/s", 0.6), "free", ISOTROPIC, 2.5 * t)),
         tracked(
-            "let go, kinematic",
-            scene(&one(BILINEAR), &let_go("-25 m/s", 0.5), "free", "unloading = \"kinematic\"", 1.5 * t),
+            "released, kinematic",
+            scene(&one(BILINEAR), &let_go("-25 m/s", 0.5), "free", "hardening = \"kinematic\"", 1.5 * t),
         ),
         tracked("four lines, reflected", scene(&one(FOUR), &driven("-25 m/s"), "free", ISOTROPIC, 1.6 * t)),
         tracked(
@@ -121,7 +121,7 @@ pub fn known() -> Vec<Known> {
         ),
         tracked("against a wall", scene(&moving, "kind = \"wall\"\ngap = 0", "free", ISOTROPIC, 1.7 * t)),
         tracked(
-            "copper, let go",
+            "copper, released",
             scene(&one("\"copper-annealed\""), &let_go("-30 m/s", 0.7), "free", ISOTROPIC, 3.6e-4),
         ),
         tracked(
@@ -129,7 +129,7 @@ pub fn known() -> Vec<Known> {
             scene(&two((0.5, 2e-4, ELASTIC), (0.5, 1e-4, ELASTIC)), &driven("5 m/s"), "free", "", 1.6 * t),
         ),
         tracked(
-            "let go, step in area",
+            "released, step in area",
             scene(
                 &two((0.4, 2e-4, BILINEAR), (0.6, 1.2e-4, BILINEAR)),
                 &let_go("-18 m/s", 0.5),

@@ -63,13 +63,13 @@ pub fn cases() -> Vec<Case> {
     let (c, s) = (copper.c0().recip(), hard.c0().recip());
     let case = |name, bar, flow, ends| Case { name, bar, flow, ends };
     vec![
-        case("let go, free", one(&copper), plastic(0.0), [pulled(-30.0, c), Free]),
-        case("let go, fixed", one(&copper), plastic(0.0), [pulled(-30.0, c), Fixed]),
-        case("let go, kinematic", one(&copper), plastic(1.0), [pulled(-30.0, c), Free]),
-        case("let go, mixed", one(&coarse), plastic(0.5), [pulled(-30.0, c), Fixed]),
-        case("pushed and let go, mixed", one(&copper), plastic(0.3), [pulled(25.0, 0.6 * c), Free]),
+        case("released, free", one(&copper), plastic(0.0), [pulled(-30.0, c), Free]),
+        case("released, fixed", one(&copper), plastic(0.0), [pulled(-30.0, c), Fixed]),
+        case("released, kinematic", one(&copper), plastic(1.0), [pulled(-30.0, c), Free]),
+        case("released, mixed", one(&coarse), plastic(0.5), [pulled(-30.0, c), Fixed]),
+        case("pushed and released, mixed", one(&copper), plastic(0.3), [pulled(25.0, 0.6 * c), Free]),
         case("held, kinematic, two materials", two.clone(), plastic(1.0), [pulled(8.0, 9.0), Fixed]),
-        case("let go, two materials", two, plastic(0.0), [pulled(8.0, 0.5 * s), Fixed]),
+        case("released, two materials", two, plastic(0.0), [pulled(8.0, 0.5 * s), Fixed]),
         case("three segments", three, plastic(0.0), [pulse(120e6, 0.5 * c), Fixed]),
         case("area step", step, plastic(0.0), [pulled(20.0, 0.7 * c), Free]),
         case("yield plateau", one(&steel), plastic(0.0), [pulled(24.0, 0.7 * s), Fixed]),

@@ -11,9 +11,9 @@ use super::binary::barwave;
 pub type Method = (&'static str, &'static str, &'static str);
 
 pub const METHODS: [Method; 4] = [
-    ("leapfrog", "cells = 100", "unloading = \"isotropic\""),
-    ("muscl", "scheme = \"muscl\", cells = 100", "unloading = \"isotropic\""),
-    ("front tracking", "method = \"moc\"", "unloading = \"isotropic\""),
+    ("leapfrog", "cells = 100", "hardening = \"isotropic\""),
+    ("muscl", "scheme = \"muscl\", cells = 100", "hardening = \"isotropic\""),
+    ("front tracking", "method = \"moc\"", "hardening = \"isotropic\""),
     ("net", "method = \"moc\", cells = 100", "rate = { model = \"malvern\", k = \"1e9 1/s\" }"),
 ];
 

@@ -97,39 +97,39 @@ fn rows() -> Vec<(&'static str, String, &'static str, String)> {
     let plain = || bar(ROUND);
     let on = |effect: &str| format!("{effect}\n");
     vec![
-        ("`unloading` isotropic, mixed", plain(), STRUCK, on("unloading = { mixed = 0.3 }")),
-        ("`unloading` kinematic", plain(), STRUCK, on("unloading = \"kinematic\"")),
+        ("`hardening` isotropic, mixed", plain(), STRUCK, on("hardening = { mixed = 0.3 }")),
+        ("`hardening` kinematic", plain(), STRUCK, on("hardening = \"kinematic\"")),
         ("`rate`", plain(), STRUCK, String::new()),
         ("`heat`, isotropic", plain(), STRUCK, on("heat = {}")),
         (
             "`heat` with `rate`, kinematic or mixed hardening",
             plain(),
             STRUCK,
-            on("heat = {}\nunloading = { mixed = 0.3 }"),
+            on("heat = {}\nhardening = { mixed = 0.3 }"),
         ),
-        ("`rupture`", plain(), STRUCK, on("unloading = \"isotropic\"\nrupture = { spall = \"1 GPa\" }")),
+        ("`rupture`", plain(), STRUCK, on("hardening = \"isotropic\"\nrupture = { spall = \"1 GPa\" }")),
         (
             "`heat` with an initial temperature or plastic strain",
             bar("diameter = 0.01\ntemperature = 400\n"),
             STRUCK,
-            on("heat = {}\nunloading = \"isotropic\""),
+            on("heat = {}\nhardening = \"isotropic\""),
         ),
         ("`damping`", plain(), STRUCK, on("damping = { internal = 1e4 }")),
         ("`lateral-inertia`", plain(), STRUCK, on("lateral-inertia = true")),
         (
-            "`unloading` mixed, along a curve that stiffens or drops",
+            "`hardening` mixed, along a curve that stiffens or drops",
             format!("{BAR}{ROUND}material = {}", material("", "[0.02, \"210 MPa\"], [0.03, \"600 MPa\"]")),
             STRUCK,
-            on("unloading = { mixed = 0.3 }"),
+            on("hardening = { mixed = 0.3 }"),
         ),
-        ("contact joints", two, "kind = \"free\"\n", on("unloading = \"isotropic\"")),
-        ("tapers", bar("diameter = [[0, 0.02], [1, 0.01]]\n"), STRUCK, on("unloading = \"isotropic\"")),
-        ("end `ball`", plain(), ball, on("unloading = \"isotropic\"")),
+        ("contact joints", two, "kind = \"free\"\n", on("hardening = \"isotropic\"")),
+        ("tapers", bar("diameter = [[0, 0.02], [1, 0.01]]\n"), STRUCK, on("hardening = \"isotropic\"")),
+        ("end `ball`", plain(), ball, on("hardening = \"isotropic\"")),
         (
             "torsion",
             format!("{BAR}{ROUND}mode = \"torsion\"\nmaterial = {shear}"),
             STRUCK,
-            on("unloading = \"isotropic\""),
+            on("hardening = \"isotropic\""),
         ),
     ]
 }

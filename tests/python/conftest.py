@@ -53,7 +53,7 @@ value = "-30 m/s"
 [right]
 kind = "free"
 [effects]
-unloading = "isotropic"
+hardening = "isotropic"
 [solve]
 until = "20 ms"
 cells = 20000

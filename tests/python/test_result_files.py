@@ -40,7 +40,7 @@ def test_root_attributes_tell_where_the_file_comes_from(run):
     assert attributes["title"] == "Bilinear bar struck at 20 m/s"
     assert attributes["scene"] == (ROOT / BILINEAR).read_text()
     assert isinstance(json.loads(attributes["scene_resolved"]), dict)
-    assert any(effect.startswith("unloading") for effect in attributes["effects"])
+    assert any(effect.startswith("hardening") for effect in attributes["effects"])
     assert attributes["method"] == "fd"
     assert attributes["outcome"] == "done"
     assert attributes["wall_seconds"] > 0
@@ -276,7 +276,7 @@ def test_a_report_is_drawn(program, run, tmp_path, kind, start):
 
 
 TRACKED = "runs/bilinear-p2-moc.toml"
-LET_GO = "runs/copper-let-go.toml"
+LET_GO = "runs/copper-released.toml"
 
 
 def test_a_tracked_run_opens_in_xarray_with_paths_numbered(run):
@@ -366,7 +366,7 @@ def long_tracked_scene(tmp_path):
     """A scene whose fronts, every one sent, meet for a long time."""
     path = tmp_path / "long-tracked.toml"
     text = (ROOT / LET_GO).read_text()
-    text = text.replace("front-tolerance = 0.02", "front-tolerance = 0\nevent-budget = 1e11")
+    text = text.replace("front-tolerance = 0.02", "front-tolerance = 0\nmax-events = 1e11")
     path.write_text(text.replace("frames = 201", "frames = 1000"))
     return path
 

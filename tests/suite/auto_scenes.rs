@@ -16,7 +16,7 @@ use barwave::solver::fd::Quantity;
 
 /// Effects that auto can choose, as they are written.
 const WRITTEN: [(&str, &str); 5] = [
-    ("unloading", "\"isotropic\""),
+    ("hardening", "\"isotropic\""),
     ("rate", "\"material\""),
     ("heat", "{}"),
     ("rupture", "\"critical-strain\""),
@@ -83,7 +83,7 @@ fn check(name: &str, expected: &[&str]) {
         let others: Vec<&str> = on.iter().copied().filter(|k| *k != key).collect();
         let is_on = on.contains(&key);
         // Rate and heat need unloading; without it they are other runs.
-        if key == "unloading" && others.iter().any(|k| ["rate", "heat"].contains(k)) {
+        if key == "hardening" && others.iter().any(|k| ["rate", "heat"].contains(k)) {
             continue;
         }
         let with: Vec<&str> = if is_on { others.clone() } else { on.iter().copied().chain([key]).collect() };
@@ -129,7 +129,7 @@ fn of_effects_that_do_not_go_together_the_larger_is_simulated() {
 fn what_the_estimate_missed_the_audit_of_the_run_adds() {
     let (all, _) = choices("missed-at-first", &[]);
     let [unloading] = &all[..] else { panic!("{all:?}") };
-    assert!(unloading.effect == "unloading" && unloading.on && unloading.round == 1, "{unloading:?}");
+    assert!(unloading.effect == "hardening" && unloading.on && unloading.round == 1, "{unloading:?}");
     assert!(unloading.estimate > 0.01, "{unloading:?}");
 }
 
@@ -170,15 +170,15 @@ macro_rules! scenes {
 scenes! {
     elastic: "elastic" => [];
     loaded_once: "loaded-once" => [];
-    released: "released" => ["unloading"];
-    late_reflection: "late-reflection" => ["unloading"];
-    two_materials: "two-materials" => ["unloading"];
-    rate: "rate" => ["unloading", "rate"];
+    released: "released" => ["hardening"];
+    late_reflection: "late-reflection" => ["hardening"];
+    two_materials: "two-materials" => ["hardening"];
+    rate: "rate" => ["hardening", "rate"];
     rate_too_quick: "rate-too-quick" => [];
-    heat: "heat" => ["unloading", "heat"];
+    heat: "heat" => ["hardening", "heat"];
     heat_too_little: "heat-too-little" => [];
-    rate_and_heat: "rate-and-heat" => ["unloading", "rate", "heat"];
-    rupture: "rupture" => ["unloading", "rupture"];
+    rate_and_heat: "rate-and-heat" => ["hardening", "rate", "heat"];
+    rupture: "rupture" => ["hardening", "rupture"];
     lateral: "lateral" => ["lateral-inertia"];
     thin: "thin" => [];
 }

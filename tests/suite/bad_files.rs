@@ -61,7 +61,7 @@ fn what_is_no_text_file_is_refused_in_bounded_time_and_memory() {
         ("large", "is too large: 1024 MiB"),
         ("zeros", "zero byte on line 1"),
         ("/dev/zero", "it is a device"),
-        ("nowhere", "there is no such file"),
+        ("nowhere", "no such file"),
     ] {
         for command in ["run", "check", "plan"] {
             assert_refused(folder.path(), &[command, name], &[name, words]);
@@ -108,7 +108,7 @@ fn tables_of_spreadsheets_and_instruments_are_read_or_refused_with_the_cause() {
                 &["t.csv", "not UTF-8", "line 1, column 6", "0xB0, which is `\u{b0}`"] as &[&str],
             ),
             (b"\xFF\xFE0\0,\x001\0", &["t.csv", "is UTF-16 text"]),
-            (b"0.001;200,5\n0.02;300\n", &["t.csv:1", "`0.001` has a point, and `200,5` a comma"]),
+            (b"0.001;200,5\n0.02;300\n", &["t.csv:1", "`0.001` has a point and `200,5` a comma"]),
             (b"1;1,234\n2;2,345\n", &["t.csv:1", "`1,234` can be 1.234 or 1234"]),
             (b"0,001,200\n0,02,300\n", &["t.csv:1", "3 columns", "allowed: 2 columns", "semicolons"]),
             (b"0.001 about 200e6\n", &["t.csv:1", "1 column", "comma, a semicolon, a tab or blanks"]),
@@ -197,7 +197,7 @@ fn the_words_of_the_parser_reach_nobody() {
             "found integer `99999999999999999999`, expected a table",
         ),
         (steel.clone() + "[effects]\nrate = \"fast\"\n", "found string \"fast\", expected \"material\""),
-        (steel.clone() + "[effects]\nunloading = { mixed = [] }\n", "expected"),
+        (steel.clone() + "[effects]\nhardening = { mixed = [] }\n", "expected"),
         (steel.replace("[left]\nkind = \"velocity\"\nvalue = -1", "[left]\nvalue = -1"), "`kind` is missing"),
         (steel.replace("[bar]\n", "[bar]\n[bar]\n"), "duplicate key"),
     ];
@@ -234,7 +234,7 @@ fn results_that_were_cut_off_are_not_called_locked() {
         assert_refused(folder.path(), &["report", "a.h5", "-o", "a.svg"], &["a.h5"]);
         let text = message(&barwave(folder.path(), &["report", "a.h5", "-o", "a.svg"]));
         assert!(!text.contains("lock"), "{length} bytes: {text}");
-        let cut = if length < 8 { "not an HDF5 file" } else { "cut off" };
+        let cut = if length < 8 { "not an HDF5 file" } else { "truncated" };
         assert!(text.contains(cut), "{length} bytes: {text}");
     }
 }

@@ -9,7 +9,7 @@ use binary::barwave;
 
 const STEEL: &str = "density = 7800\nmodulus = \"200 GPa\"\nbeyond = \"extend\"\n[curve]\ntable = [[0.001, \"200 MPa\"], [0.1, \"400 MPa\"]]\n";
 const SCENE: &str = "[bar]\nlength = \"1 m\"\narea = \"1 cm^2\"\nmaterial = \"mild-steel\"\n\n[left]\nkind = \"velocity\"\n\
-                     value = \"-3 m/s\"\n\n[right]\nkind = \"free\"\n\n[effects]\nunloading = \"isotropic\"\n\n[solve]\nuntil = \"20 us\"\n\
+                     value = \"-3 m/s\"\n\n[right]\nkind = \"free\"\n\n[effects]\nhardening = \"isotropic\"\n\n[solve]\nuntil = \"20 us\"\n\
                      cells = 100\n\n[record]\nframes = 5\ngauges = { middle = \"0.5 m\" }\n";
 
 /// What is replaced in the scene, and by what.
@@ -39,7 +39,7 @@ const SCENES: &[(&str, &str)] = &[
     ("[right]\nkind = \"free\"\n", ""),
     ("\"isotropic\"", "{ mixed = 2 }"),
     ("\"isotropic\"", "3"),
-    ("unloading", "unlaoding"),
+    ("hardening", "hardning"),
     ("until = \"20 us\"\n", ""),
     ("\"20 us\"", "0"),
     ("cells = 100", "cells = 0.5"),

@@ -60,7 +60,7 @@ fn json_has_the_contracts_keys_and_front_tracking_is_exact_where_a_grid_is_not()
     assert_eq!(tolerances, [0.1, 0.01, 0.001, 0.0001]);
     assert!(list(&found, "cheapest").iter().all(|c| c["method"].is_string() && c["step_wall_s"].is_number()));
     let effect = &list(&found, "effects")[0];
-    assert_eq!(effect["effect"], "unloading: isotropic");
+    assert_eq!(effect["effect"], "hardening: isotropic");
     assert!(effect.get("ns_per_cell_step").is_some() && effect.get("ratio_to_none").is_some());
 }
 
@@ -144,7 +144,7 @@ fn methods_are_compared_in_a_bar_without_stress_at_the_end() {
 #[test]
 fn an_interrupted_study_shows_what_there_is_and_exits_with_130() {
     let folder = tempfile::tempdir().expect("a folder");
-    let mut command = command(folder.path(), "copper-let-go.toml", &["--json", "--budget", "600s"]);
+    let mut command = command(folder.path(), "copper-released.toml", &["--json", "--budget", "600s"]);
     let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("it starts");
     std::thread::sleep(std::time::Duration::from_secs(2));
     let killed = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill is there");

@@ -78,7 +78,8 @@ fn parts_of_the_curve_add_up_to_the_critical_velocity() {
     assert!(number(&last["per_percent_of_stress_m_s"]) > 0.0);
 }
 
-const RATE: &str = "density = 8000\nmodulus = \"200 GPa\"\nbeyond = \"rupture\"\n[curve]\ntable = [[0.001, \"200 MPa\"], [0.1, \"300 MPa\"], \
+const RATE: &str = "density = 8000\nmodulus = \"200 GPa\"\nbeyond = \"rupture\"\n[curve]\ntable = [[0.001, \"200 MPa\"], [0.1, \
+                    \"300 MPa\"], \
                     [0.2, \"250 MPa\"]]\n[rate.malvern]\nk = \"K 1/s\"\n";
 
 #[test]
@@ -111,7 +112,8 @@ fn repeats_are_one_material_and_a_band_moves_the_curve() {
     let mean = each.iter().map(|r| number(&r["critical_velocity_m_s"])).sum::<f64>() / 3.0;
     assert!((number(&row["scatter"]["mean_m_s"]) / mean - 1.0).abs() < 1e-12);
     assert!((number(&row["critical_velocity_m_s"]) / mean - 1.0).abs() < 5e-3, "{row:#}");
-    let band = "density = 8000\nbeyond = \"rupture\"\n[curve]\ntable = [[0.001, 2e8], [0.1, 3e8], [0.2, 2.5e8]]\n[band]\nunit = \"MPa\"\n\
+    let band = "density = 8000\nbeyond = \"rupture\"\n[curve]\ntable = [[0.001, 2e8], [0.1, 3e8], [0.2, 2.5e8]]\n[band]\nunit \
+                = \"MPa\"\n\
                 deviation = [[0.001, 8], [0.1, 12]]\n";
     std::fs::write(folder.path().join("d.toml"), band).expect("a file");
     let row = &json(folder.path(), &["critical", "d.toml"])[0];
@@ -122,8 +124,8 @@ fn repeats_are_one_material_and_a_band_moves_the_curve() {
     std::fs::write(folder.path().join("bad.toml"), band.replace("[0.1, 12]", "[0.001, 12]")).expect("a file");
     for (arguments, words) in [
         (&["critical", "bad.toml"][..], "band.deviation"),
-        (&["critical", "a.toml", "--repeats"], "one material is no repeat"),
-        (&["critical", "a.toml", "--rate"], "states no rate law"),
+        (&["critical", "a.toml", "--repeats"], "repeats need at least two materials"),
+        (&["critical", "a.toml", "--rate"], "has no rate constants"),
         (&["critical", "a.toml", "--heat"], "lacks constants of [heat]"),
         (&["critical", "a.toml", "--length", "1 m"], "does not depend on the length"),
         (&["critical", "a.toml", "--bootstrap", "5"], "100 <= N"),

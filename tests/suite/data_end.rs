@@ -15,10 +15,10 @@ use serde_json::Value;
 
 /// Changes of a scene for every solver that takes it: its name, `[solve]` without the end time, `[effects]`.
 const SOLVERS: [(&str, &str, &str); 5] = [
-    ("leapfrog", "cells = 400", r#"unloading = "isotropic""#),
+    ("leapfrog", "cells = 400", r#"hardening = "isotropic""#),
     ("leapfrog with a rate", "cells = 400", r#"rate = { model = "malvern", k = "1e8 1/s" }"#),
-    ("muscl", "scheme = \"muscl\", cells = 400", r#"unloading = "isotropic""#),
-    ("front tracking", "method = \"moc\", front-tolerance = 0.02", r#"unloading = "isotropic""#),
+    ("muscl", "scheme = \"muscl\", cells = 400", r#"hardening = "isotropic""#),
+    ("front tracking", "method = \"moc\", front-tolerance = 0.02", r#"hardening = "isotropic""#),
     ("characteristic net", "method = \"moc\", cells = 400", r#"rate = { model = "malvern", k = "1e8 1/s" }"#),
 ];
 

@@ -221,7 +221,7 @@ fn sudden_impacts_have_the_force_and_the_strain_of_theory_at_the_struck_end() {
         for cells in [100, 200, 400] {
             let solve = format!("cells = {cells}");
             let scene = format!(
-                "bar = {{ {} }}\nleft = {{ kind = \"wall\" }}\nright = {{ kind = \"free\" }}\neffects = {{ unloading = \"isotropic\" }}\nsolve = {{ until = \"6 us\", {solve} }}\nrecord = {{ frames = 2, fields = [\"strain\"] }}\n",
+                "bar = {{ {} }}\nleft = {{ kind = \"wall\" }}\nright = {{ kind = \"free\" }}\neffects = {{ hardening = \"isotropic\" }}\nsolve = {{ until = \"6 us\", {solve} }}\nrecord = {{ frames = 2, fields = [\"strain\"] }}\n",
                 copper(-velocity)
             );
             let folder = tempfile::tempdir().expect("a folder");
@@ -258,7 +258,7 @@ fn waves_do_not_stop_between_blocks_where_forces_act_along_the_bar() {
     };
     for along in ["external = 1e-6", "internal = 1e-6", "foundation = 1e-6"] {
         let folder = tempfile::tempdir().expect("a folder");
-        let effects = format!("unloading = \"isotropic\"\ndamping = {{ {along} }}");
+        let effects = format!("hardening = \"isotropic\"\ndamping = {{ {along} }}");
         std::fs::write(folder.path().join("scene.toml"), scene(&effects)).expect("a folder to write to");
         let output = barwave(folder.path(), &["run", "--quiet", "-o", "out.h5", "scene.toml"]);
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));

@@ -118,8 +118,7 @@ fn nothing_but_files_is_replaced() {
     let folder = folder();
     let at = |name: &str| folder.path().join(name);
     assert!(barwave(folder.path(), &["run", "s.toml", "-o", "a.h5"]).status.success());
-    for (name, what) in
-        [("pipe", "is a named pipe"), ("folder", "is a folder"), ("link", "is a symbolic link to nothing")]
+    for (name, what) in [("pipe", "is a named pipe"), ("folder", "is a folder"), ("link", "is a broken symbolic link")]
     {
         for extension in ["h5", "svg", "csv", "toml"] {
             let file = format!("{name}.{extension}");
@@ -161,7 +160,7 @@ fn a_result_replaces_results_and_nothing_else_unless_forced() {
     for name in ["text.h5", "foreign.h5"] {
         let before = std::fs::read(path(name)).expect("a file");
         let refused = barwave(folder.path(), &["run", "s.toml", "-o", name]);
-        assert_fails(&refused, 2, &["is there already", "--force"]);
+        assert_fails(&refused, 2, &["already exists", "--force"]);
         assert_eq!(std::fs::read(path(name)).expect("a file"), before, "{name}");
         let arguments = ["run", "s.toml", "-o", name, "--quiet"];
         assert!(barwave(folder.path(), &[&arguments[..], &["--force"]].concat()).status.success());

@@ -221,7 +221,7 @@ fn the_account_of_friction_closes_and_only_grows() {
 
 const SCENE: &str = "[bar]\nlength = 1\narea = \"10 cm^2\"\n[bar.material]\nname = \"steel\"\ndensity = 7800\nmodulus = 200e9\n\
                      poisson = 0.3\nbeyond = \"extend\"\ncurve = { table = [[0.001, 200e6], [0.021, 600e6]] }\n[left]\nkind = \"velocity\"\n\
-                     value = 10\n[right]\nkind = \"free\"\n[effects]\nunloading = \"isotropic\"\ndamping = { friction = \"20 kN/m\" }\n\
+                     value = 10\n[right]\nkind = \"free\"\n[effects]\nhardening = \"isotropic\"\ndamping = { friction = \"20 kN/m\" }\n\
                      [solve]\nuntil = \"1 ms\"\ncells = 200\n";
 
 fn barwave(scene: &str, arguments: &[&str]) -> (bool, String) {
@@ -249,9 +249,9 @@ fn what_friction_does_not_go_with_is_refused() {
     for (from, to, says) in [
         ("friction = \"20 kN/m\"", "friction = \"-1 N/m\"", "friction >= 0"),
         ("friction = \"20 kN/m\"", "friction = \"1 MPa\"", "a force per length is expected"),
-        ("friction =", "internal = 1, friction =", "not followed together with `internal`"),
-        ("unloading = \"isotropic\"", "lateral-inertia = true", "not followed together with `lateral-inertia`"),
-        ("area = \"10 cm^2\"\n", "", "`friction` is a force per length on the whole section"),
+        ("friction =", "internal = 1, friction =", "not simulated together with `internal`"),
+        ("hardening = \"isotropic\"", "lateral-inertia = true", "not simulated together with `lateral-inertia`"),
+        ("area = \"10 cm^2\"\n", "", "`friction` is a force per length and needs the cross-section"),
         ("[solve]", "[solve]\nmethod = \"moc\"", "does not simulate the effect `damping`"),
         ("[solve]", "[solve]\nscheme = \"muscl\"", "use scheme = \"leapfrog\""),
     ] {

@@ -21,7 +21,7 @@ history = {history}
 [right]
 kind = "free"
 [effects]
-unloading = "isotropic"
+hardening = "isotropic"
 [solve]
 until = "300 us"
 method = "moc"

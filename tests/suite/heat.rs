@@ -57,7 +57,7 @@ fn c0() -> f64 {
     (MODULUS / DENSITY).sqrt()
 }
 
-/// Rises smoothly to `velocity`, goes back, and is let go.
+/// Rises smoothly to `velocity`, goes back, and is released.
 fn pulse(velocity: f64) -> EndCondition {
     let rows: Vec<(f64, f64)> = (0..=64)
         .map(|k| f64::from(k) / 64.0)
@@ -188,7 +188,7 @@ fn tracked(material: &Material, ends: [EndCondition; 2]) -> FrontTracking {
 fn both_methods_agree_on_a_bar_that_warms() {
     let rows = [(0.001, YIELD), (0.004, 260e6), (0.02, 330e6), (0.06, 400e6)];
     let warm = heated(material(&rows, Beyond::Rupture), 1.09, 0.9);
-    // Pulled at once, and let go when the elastic wave is half-way through.
+    // Pulled at once, and released when the elastic wave is half-way through.
     let left = || EndCondition::Velocity { history: common::history(&[(0.0, -25.0)]), release: Some(0.5 / c0()) };
     let by_cells = |cells: usize| {
         let mut tracked = tracked(&warm, [left(), EndCondition::Fixed]);
@@ -443,7 +443,8 @@ fn scene(effects: &str, solve: &str) -> Result<Scene, String> {
 
 fn pulled_at(velocity: f64, effects: &str, solve: &str) -> Result<Scene, String> {
     let text = format!(
-        "[bar]\nlength = 0.2\narea = 1e-4\n[bar.material]\nname = \"soft\"\ndensity = 8000\nmodulus = 200e9\nbeyond = \"rupture\"\n\
+        "[bar]\nlength = 0.2\narea = 1e-4\n[bar.material]\nname = \"soft\"\ndensity = 8000\nmodulus = 200e9\nbeyond = \
+         \"rupture\"\n\
          curve = {{ table = [[0.001, 200e6], [0.02, 260e6], [0.05, 290e6], [0.1, 310e6], [0.2, 330e6]] }}\n\
          heat = {{ specific-heat = 100, reference-temperature = 300, melting-temperature = 900, m = 1 }}\n\
          [left]\nkind = \"velocity\"\nvalue = -{velocity:?}\n[right]\nkind = \"fixed\"\n[effects]\n{effects}\n\
@@ -456,7 +457,7 @@ fn pulled_at(velocity: f64, effects: &str, solve: &str) -> Result<Scene, String>
 fn heat_implies_unloading_and_says_which_method_follows_it() {
     let parsed = scene("heat = {}", "").expect("a right scene");
     assert_eq!(parsed.effects.unloading, Some(Unloading::Isotropic));
-    assert_eq!(parsed.effects.names(), ["unloading: isotropic", "heat"]);
+    assert_eq!(parsed.effects.names(), ["hardening: isotropic", "heat"]);
     let rate = "rate = { model = \"malvern\", k = 1e6 }";
     assert_eq!(
         scene(&format!("heat = {{}}\n{rate}"), "").expect("on the grid").solve.method.names(),
@@ -465,10 +466,10 @@ fn heat_implies_unloading_and_says_which_method_follows_it() {
     for (effects, what) in [
         (
             format!("heat = {{}}\n{rate}"),
-            "(a characteristic net) does not simulate the effect `heat`: its points keep no temperature",
+            "(a characteristic net) does not simulate the effect `heat`: it stores no temperature",
         ),
         (
-            "heat = {}\nunloading = \"kinematic\"".to_owned(),
+            "heat = {}\nhardening = \"kinematic\"".to_owned(),
             "(front tracking) does not simulate the effect `heat` with kinematic hardening",
         ),
     ] {
@@ -506,7 +507,7 @@ fn the_conservative_scheme_follows_the_adiabatic_curve_too() {
     assert!(missed(Quantity::Temperature, 300.0) < 2e-2, "{}", missed(Quantity::Temperature, 300.0));
     let sum = muscl.energies();
     assert!((sum.heat / (sum.plastic + sum.heat) - 0.8).abs() < 1e-12 && sum.heat > 0.0, "{sum:?}");
-    let refused = pulled_at(20.0, "heat = {}\nunloading = \"kinematic\"", "scheme = \"muscl\"").expect_err("a state");
+    let refused = pulled_at(20.0, "heat = {}\nhardening = \"kinematic\"", "scheme = \"muscl\"").expect_err("a state");
     assert!(refused.contains("heat") && refused.contains("leapfrog"), "{refused}");
 }
 
@@ -536,7 +537,7 @@ fn a_bar_that_warms_breaks_at_the_largest_stress_of_the_adiabatic_curve() {
     assert!((by_fronts.strain / critical.strain - 1.0).abs() < 1e-9 && by_fronts.time == 0.0, "{by_fronts:?}");
     // On the grid strain has to gather in the end's first cell, with a fifth on top.
     assert!(by_cells.strain > critical.strain && by_cells.strain < 1.3 * critical.strain, "{by_cells:?}");
-    let cold = at("rupture = \"critical-strain\"\nunloading = \"isotropic\"", "method = \"moc\"");
+    let cold = at("rupture = \"critical-strain\"\nhardening = \"isotropic\"", "method = \"moc\"");
     let mut cold_bar =
         barwave::assemble::front_tracking(&cold, Settings { front_tolerance: 1e-3, ..Settings::default() });
     cold_bar.advance_to(cold.solve.until).expect("within the budget");

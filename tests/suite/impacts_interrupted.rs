@@ -51,7 +51,7 @@ fn a_beam_keeps_its_last_complete_integration() {
     let (outcome, notes, impact) = stopped("beam.toml", &[], 1000);
     assert_eq!(outcome, "interrupted");
     assert!(notes.contains("interrupted after the integration with 16 modes: the error is not known"), "{notes}");
-    assert!(has(&impact, "minus that over its velocity before"), "its restitution");
+    assert!(has(&impact, "minus the ratio of final to initial velocity"), "its restitution");
     let end = impact.tables[0].columns[0].values.last().copied().expect("rows");
     assert!(end > 900e-6, "{end}");
 }

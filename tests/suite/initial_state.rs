@@ -98,8 +98,8 @@ fn a_bar_that_has_yielded_is_a_bar_of_the_hardened_material() {
     let plastic = 0.01;
     let limit = YIELD + HARDENING / (1.0 - HARDENING / E) * plastic;
     let rates = [
-        ("unloading = \"isotropic\"", ""),
-        ("unloading = \"isotropic\"\nrate = \"material\"", ", rate.malvern = { k = \"2e6 1/s\" }"),
+        ("hardening = \"isotropic\"", ""),
+        ("hardening = \"isotropic\"\nrate = \"material\"", ", rate.malvern = { k = \"2e6 1/s\" }"),
     ];
     for (effects, more) in rates {
         let drive = "kind = \"velocity\"\nvalue = -15";
@@ -149,10 +149,10 @@ fn limits(plastic: f64, unloading: &str) -> [f64; 2] {
 fn the_elastic_range_is_where_hardening_left_it() {
     let flow = |p: f64| YIELD + HARDENING / (1.0 - HARDENING / E) * p;
     for (unloading, plastic, [high, low]) in [
-        ("unloading = \"isotropic\"", 0.01, [flow(0.01), -flow(0.01)]),
-        ("unloading = \"isotropic\"", -0.01, [flow(0.01), -flow(0.01)]),
-        ("unloading = \"kinematic\"", 0.005, [flow(0.005), flow(0.005) - 2.0 * YIELD]),
-        ("unloading = \"kinematic\"", -0.005, [2.0 * YIELD - flow(0.005), -flow(0.005)]),
+        ("hardening = \"isotropic\"", 0.01, [flow(0.01), -flow(0.01)]),
+        ("hardening = \"isotropic\"", -0.01, [flow(0.01), -flow(0.01)]),
+        ("hardening = \"kinematic\"", 0.005, [flow(0.005), flow(0.005) - 2.0 * YIELD]),
+        ("hardening = \"kinematic\"", -0.005, [2.0 * YIELD - flow(0.005), -flow(0.005)]),
     ] {
         let [pulled, pushed] = limits(plastic, unloading);
         // The last stress before it flows: a step of the pull adds about 1 MPa.
@@ -178,7 +178,7 @@ fn the_balance_closes_at_every_end_and_joint() {
     {
         let first = format!("material = {}\nstress = -1.5e8\nvelocity = 2\n{joint}", by.material(""));
         let second = format!("material = {}\nplastic-strain = 0.004\nstress = 2.1e8", by.material(""));
-        let effects = by.effects("unloading = \"isotropic\"");
+        let effects = by.effects("hardening = \"isotropic\"");
         let solve = by.solve_within(5e-4, 50, 0.9);
         let text = text(&[(0.3, first), (0.5, second)], [left, "kind = \"free\""], &effects, &solve);
         let summary =
@@ -201,7 +201,7 @@ fn a_mirrored_bar_does_the_mirrored_thing() {
         let segments = [(0.3, state(1e8, 0.002)), (0.4, state(-1.9e8, 0.0)), (0.2, state(-1e8, -0.01))];
         let mut image = segments.clone();
         image.reverse();
-        let effects = by.effects("unloading = \"kinematic\"");
+        let effects = by.effects("hardening = \"kinematic\"");
         let [bar, mut mirrored] = [segments, image].map(|segments| {
             let scene = scene(&text(&segments, ends, &effects, &by.solve(1e-3, 90)));
             // Tracked fronts without merging multiply.
@@ -249,7 +249,7 @@ fn the_audit_does_not_count_plastic_strain_of_before_the_start() {
         let text = text(
             &[(1.0, state)],
             ["kind = \"fixed\"", "kind = \"free\""],
-            "unloading = \"isotropic\"",
+            "hardening = \"isotropic\"",
             &by.solve(4e-4, 100),
         );
         let summary =
@@ -268,7 +268,7 @@ fn states_that_cannot_be_are_refused() {
         parse(&text(&[(1.0, state)], ["kind = \"free\"", "kind = \"free\""], effects, solve))
     };
     let solve = "until = 1e-4";
-    let isotropic = "unloading = \"isotropic\"";
+    let isotropic = "hardening = \"isotropic\"";
     let refused = |state: &str, effects: &str, solve: &str, why: &str| {
         let error = one(state, effects, solve).expect_err("refused");
         assert!(error.contains(why), "{error}");
@@ -276,8 +276,8 @@ fn states_that_cannot_be_are_refused() {
     assert!(one("stress = 1.9e8", "", solve).is_ok());
     assert!(one("stress = 2.1e8\nplastic-strain = 0.01", isotropic, solve).is_ok());
     refused("stress = 2.1e8", "", solve, "outside the elastic range");
-    refused("stress = -4e8\nplastic-strain = 0.01", "unloading = \"kinematic\"", solve, "outside the elastic range");
-    refused("plastic-strain = 0.01", "", solve, "needs a law of unloading");
+    refused("stress = -4e8\nplastic-strain = 0.01", "hardening = \"kinematic\"", solve, "outside the elastic range");
+    refused("plastic-strain = 0.01", "", solve, "needs a hardening rule");
     for method in ["", "method = \"fd\"", "scheme = \"muscl\"", "method = \"moc\""] {
         let solve = &format!("{solve}\n{method}");
         refused("stress = 2.1e8", "", solve, "outside the elastic range");

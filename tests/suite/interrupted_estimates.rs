@@ -11,7 +11,7 @@ use std::ops::ControlFlow;
 fn scene(solve: &str) -> Scene {
     let text = format!(
         "[bar]\nlength = 1\nmaterial = \"copper-annealed\"\n[left]\nkind = \"velocity\"\nvalue = -20\n\
-         release = \"20 us\"\n[right]\nkind = \"free\"\n[effects]\nunloading = \"isotropic\"\n[solve]\n{solve}\n"
+         release = \"20 us\"\n[right]\nkind = \"free\"\n[effects]\nhardening = \"isotropic\"\n[solve]\n{solve}\n"
     );
     Scene::parse("scene.toml", &text, ".".as_ref(), &[]).unwrap_or_else(|e| panic!("{e}"))
 }
@@ -52,7 +52,7 @@ fn a_tracked_run_whose_estimate_is_interrupted_is_not_done() {
 
 #[test]
 fn a_spent_event_budget_is_followed_by_no_more_than_another_one() {
-    let scene = scene("method = \"moc\"\nuntil = \"1 ms\"\nfront-tolerance = 1e-5\nevent-budget = 5000");
+    let scene = scene("method = \"moc\"\nuntil = \"1 ms\"\nfront-tolerance = 1e-5\nmax-events = 5000");
     let (mut last, mut all, mut calls) = (0, 0, 0);
     let ended = run::run(&scene, None, &mut |at| {
         if let Progress::Fronts { events, .. } = at {
@@ -62,7 +62,7 @@ fn a_spent_event_budget_is_followed_by_no_more_than_another_one() {
         ControlFlow::Continue(())
     });
     let error = ended.map(|_| ()).expect_err("the budget is spent").to_string();
-    assert!(error.contains("all of its 5000 events"), "{error}");
+    assert!(error.contains("its limit of 5000 events"), "{error}");
     assert!(calls > 3 && all <= 2 * 5000, "{calls} calls, {all} events");
     // The search can be interrupted as well.
     let mut spent = false;
@@ -80,8 +80,8 @@ fn a_plan_stops_its_coarse_runs_and_says_so() {
     let long = "until = \"100 s\"\n";
     let notes = |plan: &Plan| plan.notes.join("\n");
     let fixed = plan(&scene(&format!("{long}cells = 400")));
-    assert!(notes(&fixed).contains("look at the first"), "{}", notes(&fixed));
+    assert!(notes(&fixed).contains("cover the first"), "{}", notes(&fixed));
     let open = plan(&scene(&format!("{long}tolerance = 1e-4")));
     let how = open.choice.expect("a tolerance").how;
-    assert!(how.contains("take longer than a plan may"), "{how}");
+    assert!(how.contains("exceed the time limit of `plan`"), "{how}");
 }

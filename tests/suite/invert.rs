@@ -24,7 +24,7 @@ value = -40
 [right]
 kind = "free"
 [effects]
-unloading = "isotropic"
+hardening = "isotropic"
 [solve]
 until = "450 us"
 method = "moc"
@@ -168,8 +168,8 @@ fn a_rate_dependent_bar_is_reported() {
     let scene = BAR
         .replace("method = \"moc\"", "cells = 400")
         .replace(
-            "unloading = \"isotropic\"",
-            "unloading = \"isotropic\"\nrate = { model = \"malvern\", k = \"2e4 1/s\" }",
+            "hardening = \"isotropic\"",
+            "hardening = \"isotropic\"\nrate = { model = \"malvern\", k = \"2e4 1/s\" }",
         )
         .replace("copper-annealed", "mild-steel");
     let folder = simulated(&scene);
@@ -227,7 +227,7 @@ fn a_table_of_arrivals_is_inverted() {
             .map(|l| l.to_owned() + "\n")
             .collect::<String>(),
     );
-    assert!(refused(path, &arguments).contains("no scatter"));
+    assert!(refused(path, &arguments).contains("scatter of the arrivals is unknown"));
     write(&table(&[0.0; 3]).replace("50,", "500,"));
     assert!(refused(path, &arguments).contains("arrive at the farther gauges first"));
     write("x_mm,strain,time\n50,abc,1\n");

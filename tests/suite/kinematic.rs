@@ -404,7 +404,7 @@ fn scene(table: &str, unloading: &str, rest: &str) -> String {
          modulus = \"70 GPa\"\nmeasure = \"engineering\"\nbeyond = \"extend\"\n[bar.material.curve]\ntable = {table}\n\
          [left]\nkind = \"stress\"\nhistory = [[\"0 us\", \"0 MPa\"], [\"40 us\", \"130 MPa\"], [\"80 us\", \"130 MPa\"], \
          [\"160 us\", \"-125 MPa\"], [\"200 us\", \"-125 MPa\"], [\"280 us\", \"128 MPa\"], [\"400 us\", \"128 MPa\"]]\n\
-         [right]\nkind = \"fixed\"\n[effects]\nunloading = {unloading}\n[solve]\nuntil = \"400 us\"\n{rest}\n"
+         [right]\nkind = \"fixed\"\n[effects]\nhardening = {unloading}\n[solve]\nuntil = \"400 us\"\n{rest}\n"
     )
 }
 
@@ -443,9 +443,9 @@ fn the_program_runs_it_by_leapfrog_and_muscl_and_refuses_the_rest() {
     assert!(apart(&fine, &other) > 0.05, "{:e}", apart(&fine, &other));
     let tracked = barwave(&scene(CURVE, "\"kinematic\"", "method = \"moc\"")).1;
     let refused = "error: `solve.method`: method = \"moc\" (front tracking) does not simulate kinematic hardening along several lines";
-    assert!(tracked.starts_with(refused) && tracked.contains("unloading = { mixed = 1 }"), "{tracked}");
+    assert!(tracked.starts_with(refused) && tracked.contains("hardening = { mixed = 1 }"), "{tracked}");
     let stiffens = barwave(&scene(PLATEAU, "\"kinematic\"", "cells = 100")).1;
-    assert!(stiffens.contains("never stiffens") && stiffens.contains("{ mixed = 1 }"), "{stiffens}");
+    assert!(stiffens.contains("does not stiffen") && stiffens.contains("{ mixed = 1 }"), "{stiffens}");
     assert!(barwave(&scene(PLATEAU, "{ mixed = 1 }", "cells = 100")).0.is_some());
 }
 
@@ -481,11 +481,11 @@ fn hardening_that_may_return_more_work_than_was_done_is_noted() {
              [effects]\n{effects}\n[solve]\nuntil = 1e-4\nmethod = \"fd\"\n"
         );
         let scene = Scene::parse("notes.toml", &text, std::path::Path::new("."), &[]).unwrap_or_else(|e| panic!("{e}"));
-        scene.notes().iter().any(|note| note.contains("return more work"))
+        scene.notes().iter().any(|note| note.contains("return more plastic work"))
     };
     let (several, one) = ("[[0.001, 2e8], [0.01, 3e8], [0.1, 4e8]]", "[[0.001, 2e8], [0.1, 4e8]]");
-    assert!(notes(several, "unloading = { mixed = 0.7 }"));
-    assert!(!notes(several, "unloading = { mixed = 0.5 }"));
-    assert!(!notes(several, "unloading = \"kinematic\""));
-    assert!(!notes(one, "unloading = { mixed = 1 }"));
+    assert!(notes(several, "hardening = { mixed = 0.7 }"));
+    assert!(!notes(several, "hardening = { mixed = 0.5 }"));
+    assert!(!notes(several, "hardening = \"kinematic\""));
+    assert!(!notes(one, "hardening = { mixed = 1 }"));
 }

@@ -76,9 +76,12 @@ fn missing_and_contradicting_keys_are_named() {
     refused(&format!("{TABLE}table = [[0.1, 1e6]]\ncsv = \"a.csv\"\n"), &["exactly one of"]);
     refused(&format!("{TABLE}tabel = [[0.1, 1e6]]\n"), &["tabel", "did you mean `table`"]);
     refused(&format!("{TABLE}csv = \"nowhere.csv\"\n"), &["curve.csv", "nowhere.csv", "no such file"]);
-    refused(&format!("{TABLE}table = [[0.1, 1e6]]\nK = 5\n"), &["curve.K", "no formula"]);
-    refused(&format!("beyond = \"error\"\n{TABLE}table = [[0.1, 1e6]]\nbeyond = \"extend\"\n"), &["beyond", "differs"]);
-    refused(&format!("symmetry = \"true\"\n{TABLE}table = [[0.1, 1e6]]\n"), &["symmetry", "not a true one"]);
+    refused(&format!("{TABLE}table = [[0.1, 1e6]]\nK = 5\n"), &["curve.K", "`formula` is not given"]);
+    refused(
+        &format!("beyond = \"error\"\n{TABLE}table = [[0.1, 1e6]]\nbeyond = \"extend\"\n"),
+        &["beyond", "different values"],
+    );
+    refused(&format!("symmetry = \"true\"\n{TABLE}table = [[0.1, 1e6]]\n"), &["symmetry", "not in true measures"]);
     refused(&format!("poisson = 0.6\n{TABLE}table = [[0.1, 1e6]]\n"), &["poisson", "0 <= poisson <= 0.5"]);
     refused(&format!("{TABLE}table = [[0.1, 1e6]]\n[source]\nconfidence = \"good\"\n"), &["confidence", "measured"]);
 }
@@ -86,8 +89,8 @@ fn missing_and_contradicting_keys_are_named() {
 #[test]
 fn formulas_say_which_constants_they_take() {
     let formula = |text: &str| format!("{TABLE}measure = \"true\"\n{text}\n");
-    refused(&formula("formula = \"hollomon\"\nK = 5e8"), &["curve.n", "takes K, n"]);
-    refused(&formula("formula = \"hollomon\"\nK = 5e8\nn = 0.2\nA = 4"), &["curve.A", "takes K, n"]);
+    refused(&formula("formula = \"hollomon\"\nK = 5e8"), &["curve.n", "uses K, n"]);
+    refused(&formula("formula = \"hollomon\"\nK = 5e8\nn = 0.2\nA = 4"), &["curve.A", "uses K, n"]);
     refused(&formula("formula = \"hollomon\"\nK = 5e8\nn = 1.2"), &["curve.n", "1.2 is out of range"]);
     refused(&formula("formula = \"holomon\"\nK = 5e8\nn = 0.2"), &["holomon", "did you mean `hollomon`"]);
     refused(

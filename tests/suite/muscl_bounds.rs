@@ -134,7 +134,7 @@ history = [[0, "2000 rad/s"], [1, 2000]]
 [right]
 kind = "free"
 [effects]
-unloading = "isotropic"
+hardening = "isotropic"
 [solve]
 until = 1e-3
 method = "fd"

@@ -25,7 +25,7 @@ fn c0() -> f64 {
     (MODULUS / DENSITY).sqrt()
 }
 
-/// Two pieces of unlike section, pulled and let go.
+/// Two pieces of unlike section, pulled and released.
 fn stepped_bar(material: &Material) -> Vec<Segment> {
     vec![Segment::new(0.5, 2.0, material.clone()), segment(material.clone(), 0.5)]
 }

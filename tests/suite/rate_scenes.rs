@@ -39,7 +39,7 @@ fn rate_chooses_the_characteristic_net_and_brings_elastic_unloading() {
         assert_eq!(resolved["effects"]["rate"]["model"], "malvern");
         assert_eq!(resolved["solve"]["cells"], 1000);
     }
-    let own = format!("unloading = \"kinematic\"\n{MALVERN}");
+    let own = format!("hardening = \"kinematic\"\n{MALVERN}");
     assert_eq!(scene(&own, "cells = 50", "").effects.unloading, Some(Unloading::Kinematic));
     let other = scene("rate = { model = \"cowper-symonds\", D = \"40 1/s\", q = 5 }", "", "").effects.rate;
     assert_eq!(other, Some(Rate::CowperSymonds { d: 40.0, q: 5.0 }));
@@ -47,12 +47,14 @@ fn rate_chooses_the_characteristic_net_and_brings_elastic_unloading() {
     assert_eq!(other, Some(Rate::JohnsonCook { c: 0.014, reference: 1.0 }));
 }
 
-const ZERILLI_ARMSTRONG: &str = "rate = { model = \"zerilli-armstrong\", C1 = \"1 GPa\", C3 = \"0.007 1/K\", C4 = \"8e-4 1/K\", reference = \"1e-3 1/s\" }";
+const ZERILLI_ARMSTRONG: &str = "rate = { model = \"zerilli-armstrong\", C1 = \"1 GPa\", C3 = \"0.007 1/K\", C4 = \"8e-4 \
+                                 1/K\", reference = \"1e-3 1/s\" }";
 
 /// The same bar with the temperature at which its curve holds.
 fn at_300_kelvin(effects: &str, solve: &str, rest: &str) -> String {
     let text = scene(MALVERN, solve, rest).text;
-    let material = "beyond = \"extend\"\nheat = { specific-heat = 460, reference-temperature = 300, melting-temperature = 1800, m = 1 }";
+    let material = "beyond = \"extend\"\nheat = { specific-heat = 460, reference-temperature = 300, melting-temperature = \
+                    1800, m = 1 }";
     text.replace("beyond = \"extend\"", material).replace(MALVERN, effects)
 }
 
@@ -100,9 +102,7 @@ fn the_precursor_of_zerilli_and_armstrong_decays() {
 fn a_law_of_temperature_needs_that_of_the_curve() {
     let text = scene(MALVERN, "", "").text.replace(MALVERN, ZERILLI_ARMSTRONG);
     let refused = Scene::parse("rate", &text, Path::new("."), &[]).err().map(|error| error.to_string());
-    assert!(
-        refused.is_some_and(|message| message.contains("needs the temperature at which the curve of `steel` holds"))
-    );
+    assert!(refused.is_some_and(|message| message.contains("needs the reference temperature of the curve of `steel`")));
     let stated = ZERILLI_ARMSTRONG.replace("rate = { model = \"zerilli-armstrong\",", "rate.zerilli-armstrong = {");
     let material = |heat: &str| {
         let own = format!("beyond = \"extend\"\n{stated}\n{heat}");
@@ -110,7 +110,7 @@ fn a_law_of_temperature_needs_that_of_the_curve() {
         Scene::parse("rate", &text.replace("beyond = \"extend\"", &own), Path::new("."), &[])
     };
     let refused = material("").err().map(|error| error.to_string());
-    assert!(refused.is_some_and(|message| message.contains("needs the temperature at which the curve holds")));
+    assert!(refused.is_some_and(|message| message.contains("needs the reference temperature of the curve")));
     let scene = material("heat = { reference-temperature = 300 }").unwrap_or_else(|error| panic!("{error}"));
     let steel = &scene.bar.segments[0].material;
     let law = Rate::ZerilliArmstrong { c1: 1e9, c3: 0.007, c4: 8e-4, reference: 1e-3 };
@@ -180,7 +180,7 @@ fn above_the_static_critical_velocity_the_rate_carries_the_bar_on() {
 fn fronts_paths_are_refused_where_no_fronts_are_followed() {
     let text = scene(MALVERN, "", "").text + "[record]\npaths = true";
     let refused = Scene::parse("rate", &text, Path::new("."), &[]).err().map(|error| error.to_string());
-    assert!(refused.is_some_and(|message| message.contains("means nothing for a rate-dependent bar")));
+    assert!(refused.is_some_and(|message| message.contains("does not apply to a rate-dependent bar")));
 }
 
 #[test]
@@ -210,9 +210,9 @@ fn a_rate_scene_runs_on_the_grid_where_it_asks_for_that() {
         work["bytes_per_yielded_cell"].as_u64()
     };
     // Stress, velocity and the damping's byte, and 2, 5 or 6 numbers of the law.
-    assert_eq!(bytes("unloading = \"isotropic\""), Some(33));
+    assert_eq!(bytes("hardening = \"isotropic\""), Some(33));
     assert_eq!(bytes(MALVERN), Some(57));
-    assert_eq!(bytes(&format!("unloading = \"kinematic\"\n{MALVERN}")), Some(65));
+    assert_eq!(bytes(&format!("hardening = \"kinematic\"\n{MALVERN}")), Some(65));
 }
 
 /// A segment whose material states no constants follows the quasi-static curve, which the run says.

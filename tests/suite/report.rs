@@ -6,7 +6,7 @@ use std::path::Path;
 
 use barwave::error::Error;
 use barwave::law::rupture::{Cause, Rupture, Site};
-use barwave::record::store::{Finish, Geometry, Header, Layout, ResultFile, Side, Writer};
+use barwave::record::store::{Geometry, Header, Layout, ResultFile, RunFigures, Side, Writer};
 use barwave::record::{AuditRow, Compression, Field, Frame, FrontRow, LedgerRow, Precision, Trace};
 use barwave::report::plot::{pdf, png};
 use barwave::report::{Figure, PanelName, Units, draw, page};
@@ -80,7 +80,7 @@ pub(crate) fn finished(path: &Path) -> ResultFile {
         remedy: String::new(),
     };
     let fronts = [front(5000.0, 1e8), front(500.0, 2e8)];
-    start(path, 11, 1e8).finish("done", &fronts, &[audit], Finish::default()).unwrap();
+    start(path, 11, 1e8).finish("done", &fronts, &[audit], RunFigures::default()).unwrap();
     ResultFile::open(path).unwrap()
 }
 
@@ -195,7 +195,7 @@ fn wrong_requests_say_what_there_is() {
         Error::Input(error) => error.to_string(),
         other => panic!("{other}"),
     };
-    assert!(complaint(None).contains("there is no frame in it yet"));
+    assert!(complaint(None).contains("it has no frames yet"));
     let message = complaint(Some(Field::Strain));
     assert!(message.contains("no field `strain`") && message.contains("(allowed: stress)"), "{message}");
 }
@@ -208,7 +208,7 @@ fn drawn(folder: &Path, figure: &Figure) -> Result<String, Error> {
 fn free_ends_have_no_panel() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.h5");
-    start(&path, 5, 0.0).finish("done", &[], &[], Finish::default()).unwrap();
+    start(&path, 5, 0.0).finish("done", &[], &[], RunFigures::default()).unwrap();
     let file = ResultFile::open(&path).unwrap();
     let svg = draw(&file, &Figure::default()).unwrap();
     assert!(!svg.contains("stress at the") || svg.contains("stress at the gauges"));
@@ -259,7 +259,7 @@ fn ruptures_are_read_back_and_marked() {
         absorbed: 1.0,
         bar_absorbed: 2.0,
     };
-    let ending = Finish { ruptures: Some(vec![rupture]), ..Finish::default() };
+    let ending = RunFigures { ruptures: Some(vec![rupture]), ..RunFigures::default() };
     start(&path, 11, 1e8).finish("rupture", &[], &[], ending).unwrap();
     let file = ResultFile::open(&path).unwrap();
     let stored = file.ruptures().unwrap();

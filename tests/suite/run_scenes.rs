@@ -78,7 +78,7 @@ fn the_tracked_bilinear_scene_is_the_bilinear_scene() {
 
 #[test]
 fn the_copper_bar_is_let_go_after_one_transit_and_followed_for_ten() {
-    let scene = scene("copper-let-go.toml");
+    let scene = scene("copper-released.toml");
     let EndCondition::Velocity { release: Some(release), .. } = &scene.left else { panic!("it is let go") };
     let transit = scene.bar.transit_time();
     // As printed to seven digits.

@@ -132,7 +132,7 @@ fn a_bar_breaks_above_its_critical_velocity_and_not_below() {
     let critical = barwave::wave::similarity::critical(&table.tension, table.density).expect("one").velocity;
     for (part, breaks) in [(0.98, false), (1.02, true)] {
         let left = format!("kind = \"velocity\"\nvalue = {}", -part * critical);
-        let effects = "unloading = \"isotropic\"\nrupture = \"critical-strain\"";
+        let effects = "hardening = \"isotropic\"\nrupture = \"critical-strain\"";
         // Until the slowest wave has left the struck end well behind, before the elastic one is back.
         let [fd, moc] = both(material, &left, "kind = \"absorbing\"", effects, 60e-6);
         assert_eq!((fd.len(), moc.len()), (usize::from(breaks), usize::from(breaks)), "{part}: {fd:?} {moc:?}");
@@ -153,7 +153,12 @@ fn notches_break_first() {
              [solve]\nuntil = 30e-6\n{method}\n"
         )
     };
-    let cases = [("", None), ("joint-notch = 1.5", None), ("joint-notch = 2", Some(0.1)), ("notch = 2", Some(0.0))];
+    let cases = [
+        ("", None),
+        ("joint-stress-concentration = 1.5", None),
+        ("joint-stress-concentration = 2", Some(0.1)),
+        ("stress-concentration = 2", Some(0.0)),
+    ];
     for (first, expected) in cases {
         let fd = stepped(&scene(&text(first, "cells = 400"))).ruptures().to_vec();
         let moc = tracked(&scene(&text(first, "method = \"moc\""))).ruptures().to_vec();
@@ -172,7 +177,7 @@ fn notches_break_first() {
 fn broken_faces_press_again() {
     let text = |until: f64, method: &str| {
         format!(
-            "[[bar.segment]]\nlength = 0.1\nmaterial = {STEEL}\nvelocity = -10\njoint-notch = 1000\n[[bar.segment]]\n\
+            "[[bar.segment]]\nlength = 0.1\nmaterial = {STEEL}\nvelocity = -10\njoint-stress-concentration = 1000\n[[bar.segment]]\n\
              length = 0.1\nmaterial = {STEEL}\nvelocity = 10\n[left]\nkind = \"wall\"\n[right]\nkind = \"wall\"\n[effects]\n\
              rupture = {{ spall = 500e6 }}\n[solve]\nuntil = {until}\n{method}\n"
         )
@@ -216,7 +221,7 @@ fn the_example_of_the_energy_method() {
 fn off_is_free_and_unreached_changes_no_bit() {
     let left = "kind = \"velocity\"\nvalue = -12";
     let run = |effects: &str| stepped(&bar(SOFT, left, "kind = \"fixed\"", effects, "until = 100e-6\ncells = 500"));
-    let (off, on) = (run("unloading = \"isotropic\""), run("unloading = \"isotropic\"\nrupture = { spall = 1e12 }"));
+    let (off, on) = (run("hardening = \"isotropic\""), run("hardening = \"isotropic\"\nrupture = { spall = 1e12 }"));
     for quantity in [Quantity::Stress, Quantity::Strain, Quantity::Velocity] {
         let read = |bar: &barwave::solver::fd::Leapfrog| {
             let mut out = vec![0.0; 500];
@@ -259,10 +264,10 @@ fn what_is_wrong_is_said() {
         );
         Scene::parse("x.toml", &text, Path::new("."), &[]).expect_err("wrong").to_string()
     };
-    assert!(wrong("notch = 2", "", "").contains("does not break"));
-    assert!(wrong("notch = 0.5", "rupture = { spall = 1e9 }", "").contains("0.5"));
-    assert!(wrong("joint-notch = 2", "rupture = { spall = 1e9 }", "").contains("no joint"));
-    assert!(wrong("", "rupture = \"critical-strain\"", "").contains("no strain of"));
+    assert!(wrong("stress-concentration = 2", "", "").contains("fracture is not simulated"));
+    assert!(wrong("stress-concentration = 0.5", "rupture = { spall = 1e9 }", "").contains("0.5"));
+    assert!(wrong("joint-stress-concentration = 2", "rupture = { spall = 1e9 }", "").contains("no joint"));
+    assert!(wrong("", "rupture = \"critical-strain\"", "").contains("has no critical strain"));
     assert!(wrong("", "rupture = { spall = \"1 m\" }", "").contains("stress"));
     assert!(wrong("", "rupture = { energy = 0 }", "").contains('0'));
     let rate = "rate = { model = \"malvern\", k = 1e6 }\nrupture = { spall = 1e9 }";
@@ -271,7 +276,7 @@ fn what_is_wrong_is_said() {
 
 /// Two SOFT bars pulled apart at the joint's notch, by the law of the rate given (none: plastic strain takes no time).
 fn pulled_at(rate: &str, velocity: f64, cells: usize) -> Vec<Rupture> {
-    let effects = format!("unloading = \"isotropic\"\nrupture = \"critical-strain\"\n{rate}");
+    let effects = format!("hardening = \"isotropic\"\nrupture = \"critical-strain\"\n{rate}");
     let left = format!("kind = \"velocity\"\nvalue = {}", -velocity);
     let solve = format!("until = 60e-6\nmethod = \"fd\"\ncells = {cells}");
     stepped(&bar(SOFT, &left, "kind = \"absorbing\"", &effects, &solve)).ruptures().to_vec()
@@ -301,7 +306,7 @@ fn with_a_rate_the_bar_breaks_later_and_without_delay_as_before() {
 #[test]
 fn with_a_rate_energy_and_spall_break_as_they_should() {
     let pulse = "kind = \"velocity\"\nvalue = 15\nrelease = 4e-6";
-    let rate = "unloading = \"isotropic\"\nrate = { model = \"cowper-symonds\", D = 40, q = 5 }";
+    let rate = "hardening = \"isotropic\"\nrate = { model = \"cowper-symonds\", D = 40, q = 5 }";
     let run = |rupture: &str| {
         let effects = format!("{rate}\nrupture = {rupture}");
         stepped(&bar(SOFT, pulse, FREE, &effects, "until = 60e-6\nmethod = \"fd\"\ncells = 2000"))

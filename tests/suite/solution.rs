@@ -14,7 +14,7 @@ fn pulled() -> SceneBuilder {
         .set("left.kind", "velocity")
         .set("left.value", "-20 m/s")
         .set("right.kind", "free")
-        .set("effects.unloading", "isotropic")
+        .set("effects.hardening", "isotropic")
         .set("solve.until", "200 us")
         .set("record.frames", 11)
         .set("record.gauges.middle", 0.25)

@@ -197,7 +197,7 @@ fn a_short_bar_comes_to_rest_and_is_struck_again() {
     // The long bar, twice as long, takes all its momentum, is stopped by a wall 1 mm ahead of it, thrown back whole, and strikes.
     let segments = || bars(&[(0.25, 0.7, 2.0), (0.5, 0.7, 0.0)], Joint::Contact { gap: 0.0 });
     let ends = || [EndCondition::Free, EndCondition::Wall { gap: 1e-3 }];
-    // e = L_short/L_long: the long bar leaves with 2 m/s times 1/2.
+    // e = L_short/L_long: the long bar velocity 2 m/s times 1/2.
     let mut fronts = by_fronts(segments(), ends());
     fronts.advance_to(0.9 / c0()).expect("few events");
     let velocities = tracked_means(&fronts, &[0.25, 0.5]);

@@ -7,7 +7,7 @@ use std::path::Path;
 use barwave::error::Error;
 use barwave::material::Provenance;
 use barwave::record::store::{
-    FORMAT_VERSION, Finish, Geometry, Header, Layout, Part, RUNNING, ResultFile, Side, Writer,
+    FORMAT_VERSION, Geometry, Header, Layout, Part, RUNNING, ResultFile, RunFigures, Side, Writer,
 };
 use barwave::record::{
     AuditRow, Compression, ErrorFigure, Field, Frame, FrontRow, LedgerRow, MaterialRecord, PathRow, Precision, Trace,
@@ -135,7 +135,7 @@ fn audit() -> AuditRow {
 
 fn finish(writer: Writer) {
     let error = ErrorFigure { value: 1e-3, measure: "relative L1".into(), reference: "exact".into(), table: None };
-    let figures = Finish { wall_seconds: 1.5, cell_steps: 12_345, error: Some(error), ..Finish::default() };
+    let figures = RunFigures { wall_seconds: 1.5, cell_steps: 12_345, error: Some(error), ..RunFigures::default() };
     writer.finish("done", &[front()], &[audit()], figures).unwrap();
 }
 
@@ -284,7 +284,7 @@ fn a_frame_that_does_not_fit_is_an_error_of_a_later_call() {
     let folder = tempfile::tempdir().unwrap();
     let mut writer = start(&folder.path().join("step.h5"), &layout(), 1);
     let _ = writer.frame(Frame { time: 1.0, rows: vec![vec![0.0; 3]] });
-    let error = writer.finish("done", &[], &[], Finish::default()).unwrap_err();
+    let error = writer.finish("done", &[], &[], RunFigures::default()).unwrap_err();
     assert!(error.to_string().contains("does not fit 2 fields of 300 samples"), "{error}");
 }
 
@@ -296,7 +296,7 @@ fn what_is_no_result_file_is_a_clear_input_error() {
         Error::Input(error) => error.to_string(),
         other => panic!("{other}"),
     };
-    assert!(complaint(&path).contains("there is no such file"));
+    assert!(complaint(&path).contains("no such file"));
     std::fs::write(&path, "not HDF5").unwrap();
     assert!(complaint(&path).contains("this is not an HDF5 file"), "{}", complaint(&path));
 }

@@ -96,7 +96,7 @@ fn threads_shards_and_merging_change_no_byte() {
     // Rows of another sweep are not mixed in.
     std::fs::write(path.join("other.toml"), SPEEDS.replace("count = 12", "count = 3")).expect("a file");
     done(path, &["sweep", "other.toml", "-o", "other"]);
-    assert!(failed(path, &["merge", "one", "other", "-o", "mixed.h5"], 2).contains("hold different sweeps"));
+    assert!(failed(path, &["merge", "one", "other", "-o", "mixed.h5"], 2).contains("contain different sweeps"));
 }
 
 #[test]
@@ -133,9 +133,9 @@ fn a_killed_sweep_is_resumed_and_runs_no_case_twice() {
     assert_eq!((cases.len(), cases.iter().collect::<BTreeSet<_>>().len()), (60, 60));
     // What has ended stays as it is, and another sweep is not continued in its place.
     done(path, &["sweep", "sweep.toml", "-o", "killed", "--resume"]);
-    assert!(failed(path, &["sweep", "sweep.toml", "-o", "killed"], 2).contains("holds a sweep already"));
+    assert!(failed(path, &["sweep", "sweep.toml", "-o", "killed"], 2).contains("already contains a sweep"));
     std::fs::write(path.join("scene.toml"), SCENE.replace("250 us", "200 us")).expect("a file");
-    assert!(failed(path, &["sweep", "sweep.toml", "-o", "killed", "--resume"], 2).contains("holds another sweep"));
+    assert!(failed(path, &["sweep", "sweep.toml", "-o", "killed", "--resume"], 2).contains("contains another sweep"));
 }
 
 #[test]
@@ -176,7 +176,7 @@ fn wrong_sweep_files_have_one_error_with_its_place() {
             "[sweep]\nscene = \"scene.toml\"\n[axes]\n\"left.value\" = { from = 1, to = 2 }\n",
             "`axes.left.value`: give `count`",
         ),
-        ("[sweep]\nscene = \"scene.toml\"\n[axes]\nleft.value = [1, 2]\n", "stands in quotes: \"left.value\""),
+        ("[sweep]\nscene = \"scene.toml\"\n[axes]\nleft.value = [1, 2]\n", "quote the key of an axis: \"left.value\""),
         (
             "[sweep]\nscene = \"scene.toml\"\ncombine = \"zip\"\n[axes]\na = [1, 2]\nb = [1]\n",
             "equal numbers of values: a has 2, b has 1",
@@ -192,7 +192,7 @@ fn wrong_sweep_files_have_one_error_with_its_place() {
     let folder = scenes(SPEEDS);
     assert!(done(folder.path(), &["check", "sweep.toml"]).contains("ok (sweep)"));
     assert!(failed(folder.path(), &["sweep", "sweep.toml", "--shard", "4/3"], 2).contains("write I/N"));
-    assert!(failed(folder.path(), &["merge", ".", "-o", "a.h5"], 2).contains("holds no sweep"));
+    assert!(failed(folder.path(), &["merge", ".", "-o", "a.h5"], 2).contains("contains no sweep"));
 }
 
 #[test]

@@ -279,7 +279,7 @@ fn plastic_horn(front_tolerance: f64) -> Scene {
     let bar = format!("length = 1\ndiameter = [[0, 0.04], [0.6, 0.02], [1, 0.025]]\nmaterial = {BILINEAR}");
     let left = "kind = \"velocity\"\nhistory = [[0, 0], [20e-6, 8], [60e-6, 8], [80e-6, 0]]";
     let solve = format!("until = 160e-6\nmethod = \"moc\"\nfront-tolerance = {front_tolerance:e}");
-    scene(&bar, left, "unloading = \"isotropic\"", &solve)
+    scene(&bar, left, "hardening = \"isotropic\"", &solve)
 }
 
 /// Energies of the sampled fields over the true taper, J: of motion and elastic, and plastic work from the plastic strain.
@@ -345,7 +345,7 @@ fn methods_agree_on_a_plastic_taper() {
     let with = |effects: &str, solve: &str| scene(&bar, left, effects, &format!("until = 160e-6\n{solve}"));
     let x: Vec<f64> = (0..200).map(|i| (f64::from(i) + 0.5) / 200.0).collect();
     let grid = {
-        let scene = with("unloading = \"isotropic\"", "cells = 2000");
+        let scene = with("hardening = \"isotropic\"", "cells = 2000");
         let mut bar = assemble::leapfrog(&scene, 2000, 1.0);
         common::advance_to(&mut bar, scene.solve.until);
         assert!(!bar.stayed_elastic());
@@ -355,7 +355,7 @@ fn methods_agree_on_a_plastic_taper() {
         stress
     };
     let fronts = {
-        let bar = tracked(&with("unloading = \"isotropic\"", "method = \"moc\"\nfront-tolerance = 2e-3"));
+        let bar = tracked(&with("hardening = \"isotropic\"", "method = \"moc\"\nfront-tolerance = 2e-3"));
         let mut stress = vec![0.0; x.len()];
         bar.sample(Field::Stress, &x, &mut stress);
         stress

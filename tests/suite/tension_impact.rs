@@ -79,8 +79,10 @@ fn a_free_bar_is_pulled_along_below_the_critical_velocity() {
     assert_eq!((&points[1]["status"], &points[1]["at_struck_end"]), (&"rupture".into(), &true.into()));
 }
 
-const SCENE: &str = "[bar]\nlength = 0.1\ndiameter = 0.01\nmaterial = \"copper-annealed\"\n[left]\nkind = \"velocity\"\nvalue = -1\n[right]\n\
-                     kind = \"fixed\"\n[effects]\nunloading = \"isotropic\"\nrupture = \"critical-strain\"\n[solve]\nuntil = 1\nmethod = \
+const SCENE: &str = "[bar]\nlength = 0.1\ndiameter = 0.01\nmaterial = \"copper-annealed\"\n[left]\nkind = \"velocity\"\nvalue \
+                     = -1\n[right]\n\
+                     kind = \"fixed\"\n[effects]\nhardening = \"isotropic\"\nrupture = \"critical-strain\"\n[solve]\nuntil = \
+                     1\nmethod = \
                      \"fd\"\ncells = 30\n[record]\nframes = 2\n";
 
 #[test]
@@ -98,9 +100,12 @@ fn scenes_are_tested_and_wrong_input_is_explained() {
         (&["coper-annealed"][..], "copper-annealed"),
         (&["whole.toml"], "rupture = \"critical-strain\""),
         (&["free.toml"], "kind = \"velocity\""),
-        (&["copper-annealed", "--velocities=-5 m/s"], "no impact velocity"),
-        (&["copper-annealed", "--velocities", "5 m"], "no impact velocity"),
-        (&["copper-annealed", "--velocities", "5,6", "--to", "9", "--count", "2"], "a range starts from one velocity"),
+        (&["copper-annealed", "--velocities=-5 m/s"], "not an impact velocity"),
+        (&["copper-annealed", "--velocities", "5 m"], "not an impact velocity"),
+        (
+            &["copper-annealed", "--velocities", "5,6", "--to", "9", "--count", "2"],
+            "a range needs exactly one start velocity",
+        ),
         (&["copper-annealed", "--length", "0 m"], "length"),
         (&["copper-annealed", "--cells", "1"], "cells"),
         (&["copper-annealed", "--figure", "a.eps"], ".svg"),

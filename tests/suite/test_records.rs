@@ -209,7 +209,7 @@ fn the_file_states_what_was_done_and_runs() {
         "of one unloading removed",
         "after the fracture removed",
         "toe: strains shifted",
-        "knots kept",
+        "points kept",
         "beyond = \"rupture\"",
     ] {
         assert!(written.contains(part), "{part}: {written}");
@@ -298,14 +298,14 @@ fn wrong_records_are_refused_with_one_clear_error() {
         (&line(7, "0.1,nan"), &[], "8: `nan` is not a number"),
         (&line(7, "0.1"), &[], "8: this line has 1 column"),
         (&line(7, "0.1,"), &[], "8: the cell is empty"),
-        ("strain,stress_MPa\n", &[], "there are no two lines"),
+        ("strain,stress_MPa\n", &[], "fewer than two lines"),
         ("strain,strain,stress_MPa\n1,1,2\n2,2,3\n", &[], "2 columns of strain"),
-        ("strain (furlong),stress_MPa\n1,2\n2,3\n", &[], "`furlong` is no unit of strain"),
+        ("strain (furlong),stress_MPa\n1,2\n2,3\n", &[], "`furlong` is not a unit of strain"),
         ("1,2,3\n2,3,4\n", &[], "3 columns without headings"),
         ("extension (mm),load (kN)\n1,2\n2,3\n", &[], "extension needs the gauge length"),
         (&good, &["--area", "1 mm^2"], "needs no cross-section"),
         (&good, &["--unit", "MPa"], "given twice"),
-        (&units, &[], "names no unit of stress"),
+        (&units, &[], "the unit of stress or force is not given"),
         (&good, &["--strain-column", "7"], "there is no column 7"),
     ];
     for (text, options, words) in cases {

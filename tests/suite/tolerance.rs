@@ -114,7 +114,7 @@ fn folder_with(name: &str, solve: &str) -> tempfile::TempDir {
 
 #[test]
 fn the_summary_says_what_was_chosen_and_the_plan_what_there_is_to_choose() {
-    let folder = folder_with("let go, 2.5 transits", "tolerance = 1e-3");
+    let folder = folder_with("released, 2.5 transits", "tolerance = 1e-3");
     let plan = json(&barwave(folder.path(), &["plan", "scene.toml", "--json"]));
     let schemes: Vec<&str> =
         plan["choice"]["schemes"].as_array().expect("a list").iter().filter_map(Value::as_str).collect();

@@ -73,9 +73,9 @@ fn fields(scene: &Scene) -> [Vec<f64>; 3] {
 #[test]
 fn a_thin_tube_is_the_axial_bar_with_the_same_numbers_to_the_last_bit() {
     for (effects, solve) in [
-        ("unloading = \"isotropic\"", "cells = 700"),
+        ("hardening = \"isotropic\"", "cells = 700"),
         ("", "cells = 700"),
-        ("unloading = \"kinematic\"", "method = \"moc\"\nfront-tolerance = 0"),
+        ("hardening = \"kinematic\"", "method = \"moc\"\nfront-tolerance = 0"),
         ("rate = { model = \"malvern\", k = 1e6 }", "cells = 700"),
     ] {
         let rest = format!("[effects]\n{effects}\n[solve]\nuntil = 5e-4\n{solve}\n");
@@ -146,7 +146,7 @@ fn an_elastic_rod_carries_torque_at_the_shear_wave_s_speed() {
 
 #[test]
 fn a_flywheel_s_angular_momentum_and_energy_go_into_the_rod() {
-    let rest = "[effects]\nunloading = \"isotropic\"\n[solve]\nuntil = 4e-4\ncells = 600\n[record]\nframes = 20\n";
+    let rest = "[effects]\nhardening = \"isotropic\"\n[solve]\nuntil = 4e-4\ncells = 600\n[record]\nframes = 20\n";
     let left = "kind = \"striker\"\ninertia = \"1e-3 kg*m^2\"\nvelocity = \"3000 rad/s\"";
     for section in
         ["diameter = \"20 mm\"", "diameter = \"20 mm\"\ninner-diameter = \"18 mm\"", "diameter = 0.02\nwall = 1e-3"]
@@ -199,7 +199,7 @@ fn a_tension_material_is_converted_only_if_that_is_said() {
     let end = "kind = \"free\"";
     let text = |bar: &str| format!("[bar]\n{bar}\n[left]\n{end}\n[right]\n{end}\n[solve]\nuntil = 1e-4\n");
     let refused = Scene::parse("s.toml", &text(&bar("")), Path::new("."), &[]).expect_err("tension");
-    assert!(refused.to_string().contains("one of tension"), "{refused}");
+    assert!(refused.to_string().contains("has a tension curve"), "{refused}");
     let scene = parse(&text(&bar("shear = \"von-mises\"")));
     let material = &scene.bar.segments[0].material;
     assert_eq!(material.loading, Loading::Shear);

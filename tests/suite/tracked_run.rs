@@ -13,7 +13,7 @@ use barwave::solver::moc::{FrontTracking, Settings};
 /// s. Later, fronts that run at incommensurate speeds meet by the million.
 const UNTIL: f64 = 300e-6;
 
-/// A bilinear bar in two pieces, struck and let go: reflections, unloading, a joint.
+/// A bilinear bar in two pieces, struck and released: reflections, unloading, a joint.
 const SCENE: &str = r#"
 [[bar.segment]]
 length = "0.6 m"
@@ -30,7 +30,7 @@ release = "100 us"
 [right]
 kind = "fixed"
 [effects]
-unloading = "isotropic"
+hardening = "isotropic"
 [solve]
 until = "300 us"
 method = "moc"
@@ -134,7 +134,7 @@ fn gauges_are_exact_steps() {
 fn a_gauge_where_fronts_meet_sees_only_what_lasts() {
     let text = "[bar]\nlength = 1\nmaterial = { name = \"a\", density = 7800, modulus = 200e9, beyond = \"extend\", \
                 curve = { table = [[0.001, 200e6], [0.021, 600e6]] } }\n[left]\nkind = \"velocity\"\nvalue = 10\n\
-                [right]\nkind = \"velocity\"\nvalue = -10\n[effects]\nunloading = \"isotropic\"\n[solve]\n\
+                [right]\nkind = \"velocity\"\nvalue = -10\n[effects]\nhardening = \"isotropic\"\n[solve]\n\
                 until = UNTIL\nmethod = \"moc\"\nfront-tolerance = 0\n[record]\nframes = 9\n\
                 gauges = { start = 0, middle = 0.5, end = 1 }\n";
     let transit = (7800.0_f64 / 200e9).sqrt();

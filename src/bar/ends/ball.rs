@@ -1,4 +1,4 @@
-//! A ball that pushes by Hertz's contact.
+//! An elastic ball in Hertz contact with the end.
 
 use super::{Body, Boundary, EndModel, Face, Push, Relation, Relaxation, Response, Step};
 use crate::bar::Hertz;

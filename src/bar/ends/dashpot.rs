@@ -2,7 +2,7 @@
 
 use super::{Boundary, EndModel, Face, Push, Relation, Response, Step};
 
-/// It takes c (u - u0)^2 dt from the bar in a step, never less than nothing. With c = rho c0 A elastic waves leave without reflection (Lysmer and Kuhlemeyer, J. Eng. Mech. Div. ASCE 95,
+/// It dissipates c (u - u0)^2 dt >= 0 in a step. With c = rho c0 A elastic waves leave without reflection (Lysmer and Kuhlemeyer, J. Eng. Mech. Div. ASCE 95,
 /// 1969); c = 0 is a free end, c without bound a fixed one.
 #[derive(Debug, Clone)]
 pub(super) struct Dashpot {
@@ -13,7 +13,7 @@ pub(super) struct Dashpot {
 }
 
 impl Dashpot {
-    /// Its other side stands still; `coefficient` in N s/m, >= 0.
+    /// Its other side is fixed; `coefficient` in N s/m, >= 0.
     pub fn to_ground(coefficient: f64) -> Self {
         Self { coefficient, support: 0.0 }
     }

@@ -1,4 +1,4 @@
-//! Ends that are driven by a history, and those without force or motion.
+//! Ends with a prescribed history, free ends and fixed ends.
 
 use super::{Boundary, EndModel, Face, Push, Relation, Response, Step};
 use crate::bar::History;

@@ -1,4 +1,4 @@
-//! Ends of the bar: one relation between force and velocity for every solver.
+//! Boundary conditions: one relation between force and velocity for every solver.
 //!
 //! Everything here is seen from the bar: u is the velocity of the face **into** the bar (m/s), p the force that presses on the
 //! face (N, compression positive), both means over a step. The bar answers a push with
@@ -70,7 +70,7 @@ impl Response {
     }
 }
 
-/// What an end asks of the face: a u + b p = c.
+/// The relation of an end: a u + b p = c.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Relation {
     /// a, N s/m (or 1 with b = 0), >= 0.
@@ -90,7 +90,7 @@ pub struct Push {
     pub force: f64,
     /// u.
     pub velocity: f64,
-    /// What the step gives to the bar, N s: p dt, but for what a solver takes back from it.
+    /// Impulse on the bar in the step, N s: p dt, except for corrections of the solver.
     pub impulse: f64,
 }
 
@@ -169,7 +169,7 @@ pub struct Relaxation {
 
 /// An end with its state. Between steps the state belongs to the end of the latest one.
 pub trait EndModel: std::fmt::Debug + Send + Sync {
-    /// What the end asks over the coming step.
+    /// The relation of the end over the coming step.
     fn relation(&self, step: &Step, bar: &Response) -> Relation;
 
     /// What is known of the face at the beginning of the coming step; `latest` is the push of the step before, in which the relation was

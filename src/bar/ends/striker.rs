@@ -1,4 +1,4 @@
-//! A rigid mass that pushes against the face and flies on where it would have to pull.
+//! A rigid striker in unilateral contact with the end.
 
 use super::{Body, Boundary, EndModel, Face, Push, Relation, Relaxation, Response, Step, relaxation_weight};
 

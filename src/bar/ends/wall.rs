@@ -1,4 +1,4 @@
-//! A rigid wall that pushes and does not pull.
+//! A rigid wall in unilateral contact with the end.
 
 use super::{Boundary, EndModel, Push, Relation, Response, Step};
 

@@ -1,4 +1,4 @@
-//! What `barwave critical` prints and writes.
+//! Output of `barwave critical`.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -75,8 +75,8 @@ fn scatter(name: &str, u: &Uncertainty) -> String {
         .interval_95_m_s
         .map_or("none (at least 3 tests are needed)".into(), |[low, high]| format!("{low:.2} to {high:.2} m/s"));
     format!(
-        "{name}: {what}\n{}  mean                    {:>8.2} m/s\n  standard deviation      {:>8.2} m/s\n  95 % interval           \
-         {interval}\n  of the {of}, bootstrap of {} resamples, seed {}\n",
+        "{name}: {what}\n{}  mean                    {:>8.2} m/s\n  standard deviation      {:>8.2} m/s\n  \
+         95 % interval           {interval}\n  of the {of}, bootstrap of {} resamples, seed {}\n",
         tests.concat(),
         u.mean_m_s,
         u.standard_deviation_m_s,
@@ -92,8 +92,8 @@ fn simulation(name: &str, simulated: Option<&Confirmation>) -> String {
     let (fronts, grid) = (s.fronts, s.grid);
     let verdict = if s.confirmed { "confirmed" } else { "NOT confirmed" };
     format!(
-        "{name}: {verdict} by simulation\n  front tracking  the bar holds at {:.3} m/s and breaks at {:.3} m/s\n  leapfrog        the bar \
-         holds at {:.2} m/s and breaks at {:.2} m/s\n                  ({} cells; half as many differ by {:.2} m/s)\n",
+        "{name}: {verdict} by simulation\n  front tracking  no fracture at {:.3} m/s, fracture at {:.3} m/s\n  leapfrog        \
+         no fracture at {:.2} m/s, fracture at {:.2} m/s\n                  ({} cells; changes by {:.2} m/s with half as many)\n",
         fronts.holds_m_s,
         fronts.breaks_m_s,
         grid.bracket.holds_m_s,
@@ -106,10 +106,10 @@ fn simulation(name: &str, simulated: Option<&Confirmation>) -> String {
 fn apparent(name: &str, a: &Apparent, velocity: f64) -> String {
     let adiabatic = a.adiabatic_m_s.map_or_else(String::new, |v| format!("  adiabatic curve {v:.2} m/s\n"));
     format!(
-        "{name}: with {}\n  static          {velocity:.2} m/s\n{adiabatic}  apparent        {:.2} m/s, bar of {:.4} m ({} cells; half as \
-         many differ by {:.2} m/s)\n  The apparent critical velocity is the lowest constant velocity of the end\n  at which the mean strain of the \
-         hundredth of the bar next to it exceeds that of\n  the largest static stress ({:.4}) before the elastic wave has returned from \
-         the\n  far end (2 L/c0).\n",
+        "{name}: with {}\n  static          {velocity:.2} m/s\n{adiabatic}  apparent        {:.2} m/s, bar of {:.4} m ({} \
+         cells; changes by {:.2} m/s with half as many)\n  The apparent critical velocity is the lowest constant velocity of \
+         the end\n  at which the mean strain of the first 1 % of the bar exceeds the strain of the\n  largest static stress \
+         ({:.4}) before the elastic wave returns from the far end\n  (2 L/c0).\n",
         a.effects.join(", "),
         a.grid.bracket.middle(),
         a.length_m,
@@ -128,11 +128,11 @@ fn sensitivity(name: &str, intervals: &[Interval]) -> String {
             format!("{:+.3}", i.per_percent_of_stress_m_s),
         ]
     };
-    let headings = ["strain", "part m/s", "part %", "m/s per 1 % of stress"];
+    let headings = ["strain", "contribution m/s", "fraction %", "m/s per 1 % of stress"];
     let rows: Vec<_> = intervals.iter().map(row).collect();
     let table = output::table(&headings, &rows, 1, false);
     format!(
-        "{name}: parts of the critical velocity\n{}",
+        "{name}: contributions of strain intervals to the critical velocity\n{}",
         table.lines().flat_map(|line| ["  ", line, "\n"]).collect::<String>()
     )
 }

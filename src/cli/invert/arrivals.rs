@@ -128,10 +128,8 @@ fn lines(args: &Args, options: &Options, inverted: &Inverted) -> Lines {
     lines.add("density", show(options.density, Dimension::Density));
     if let (Some(curvature), Some(misfit)) = (inverted.curvature, inverted.misfit) {
         let curvature = 100.0 * curvature;
-        lines.add(
-            "characteristics",
-            std::format!("straight to {curvature:.2} % of the times, {misfit:.2} times the noise"),
-        );
+        lines
+            .add("characteristics", std::format!("{curvature:.2} % of the arrival times, {misfit:.2} times the noise"));
     }
     lines
 }

@@ -65,7 +65,7 @@ pub(super) struct Args {
     /// Seed of --noise.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Add normally distributed noise to the records, with this part of each record's largest strain as standard deviation, e.g. "1 %".
+    /// Add normally distributed noise to the records, with a standard deviation of this fraction of the largest strain of each record, e.g. "1 %".
     #[arg(long, value_name = "PART", value_parser = quantity::not_negative(Dimension::None))]
     noise: Option<f64>,
     #[command(flatten)]
@@ -157,7 +157,7 @@ fn text(args: &Args, reduced: &Reduced, test: Option<&Test>, given: Option<&Curv
         "gauge delays",
         std::format!("{} incident, {} transmitted, at c0 = {:.1} m/s", shifts[0], shifts[1], setup.incident.c0()),
     );
-    lines.add("window", std::format!("{} from the arrival of the pulse on", show(reduced.window_s, Dimension::Time)));
+    lines.add("window", std::format!("{} after arrival of the pulse", show(reduced.window_s, Dimension::Time)));
     lines.add("noise", std::format!("{:.2e} strain before the pulse", reduced.noise));
     lines.add(
         "dispersion",
@@ -183,7 +183,7 @@ fn text(args: &Args, reduced: &Reduced, test: Option<&Test>, given: Option<&Curv
     if let Some((deviation, strain)) = given.and_then(|curve| against_knots(curve, &reduced.curve)) {
         lines.add(
             "deviation",
-            std::format!("{:+.1} % at most from the simulated curve, at strain {strain:.4}", 100.0 * deviation),
+            std::format!("at most {:+.1} % from the simulated curve, at strain {strain:.4}", 100.0 * deviation),
         );
     }
     lines.extend(args.outputs.written());

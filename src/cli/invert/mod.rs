@@ -1,4 +1,4 @@
-//! `barwave invert`: from measurements to curves.
+//! `barwave invert`: stress-strain curves from measurements.
 
 mod arrivals;
 mod hopkinson;

@@ -18,7 +18,8 @@ const TITLE: &str = "Curve from the strain along a wire";
 /// Options of `barwave invert residual-strain`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  barwave invert residual-strain wire.h5 -o copper.toml\n  \
-    barwave invert residual-strain wire.csv --velocity \"40 m/s\" --duration \"600 us\" --density \"8960 kg/m^3\" --modulus \"115 GPa\"\n  \
+    barwave invert residual-strain wire.csv --velocity \"40 m/s\" --duration \"600 us\" --density \"8960 kg/m^3\" --modulus \
+    \"115 GPa\"\n  \
     barwave invert residual-strain moving.csv --velocity \"40 m/s\" --time \"400 us\" ...    # the end still moves")]
 pub(super) struct Args {
     /// Result file (its last frame, or that at --time), or CSV with the columns x (from the struck end) and strain.
@@ -127,8 +128,8 @@ fn lines(args: &Args, options: &Options, inverted: &Inverted) -> Lines {
     lines.add(
         "profile",
         match options.state {
-            State::Loaded => std::format!("whole strain {when} after the impact: c = x/t"),
-            State::Released => std::format!("plastic strain, released after {when}: c = x/(t + x/c0)"),
+            State::Loaded => std::format!("total strain {when} after the impact: c = x/t"),
+            State::Released => std::format!("plastic strain after release at {when}: c = x/(t + x/c0)"),
         },
     );
     let integral = inverted.velocity_integral_m_s;

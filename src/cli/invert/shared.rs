@@ -1,4 +1,4 @@
-//! What the inversions share: their outputs and the table of a curve.
+//! Output shared by the inversions, and the table of a curve.
 
 use std::path::{Path, PathBuf};
 
@@ -51,8 +51,7 @@ pub(super) struct Random {
     /// Seed of the random numbers.
     #[arg(long, default_value_t = 1)]
     pub(super) seed: u64,
-    /// Add normally distributed noise to the measured strains, with this part of each record's largest strain as standard deviation,
-    /// e.g. "1 %": what a planned test would show.
+    /// Add normally distributed noise to the measured strains, with a standard deviation of this fraction of the largest strain of each record, e.g. "1 %": what a planned test would show.
     #[arg(long, value_name = "PART", value_parser = quantity::not_negative(Dimension::None))]
     pub(super) noise: Option<f64>,
 }
@@ -111,7 +110,7 @@ impl Outputs {
         }
         if let Some((deviation, strain)) = waves.given.and_then(|curve| against(curve, waves.points)) {
             let percent = 100.0 * deviation;
-            lines.add("deviation", format!("{percent:+.1} % at most from the simulated curve, at strain {strain:.4}"));
+            lines.add("deviation", format!("at most {percent:+.1} % from the simulated curve, at strain {strain:.4}"));
         }
         lines.extend(self.written());
         output::note(&warnings(waves.warnings));

@@ -22,7 +22,7 @@ use crate::units::{Dimension, Quantity};
                   barwave materials import raw.txt --density 7850 --gauge-length \"25 mm\" --diameter \"6 mm\"\n  \
                   barwave materials import a.csv b.csv c.csv --name steel --density 7850 -o steel.toml"
 )]
-#[expect(clippy::struct_excessive_bools, reason = "one a flag of the command line")]
+#[expect(clippy::struct_excessive_bools, reason = "one field per command-line flag")]
 pub(super) struct Args {
     /// Records of one test, or of several repeats of it: text in columns, strain or extension and stress or force.
     #[arg(required = true, value_name = "RECORD")]
@@ -30,7 +30,7 @@ pub(super) struct Args {
     /// Mass per volume, e.g. "7.85 g/cm^3".
     #[arg(long)]
     density: String,
-    /// Column of strain, by heading or number from 1 (default: the one whose heading says so).
+    /// Column of strain, by heading or number from 1 (default: found by its heading).
     #[arg(long, alias = "strain-col", value_name = "COLUMN", conflicts_with = "extension_column")]
     strain_column: Option<String>,
     /// Column of extension.
@@ -63,7 +63,7 @@ pub(super) struct Args {
     /// The extensions include those of machine and grips: correct strains so that the elastic line has the modulus of --modulus.
     #[arg(long, requires = "modulus")]
     compliance: bool,
-    /// Stresses between which the elastic line is fitted, e.g. "20 MPa..100 MPa" (default: the straight part is searched for).
+    /// Stresses between which the elastic line is fitted, e.g. "20 MPa..100 MPa" (default: found automatically).
     #[arg(long, value_name = "LOW..HIGH")]
     elastic_range: Option<String>,
     /// Largest distance of the knots from the smoothed curve, over the largest stress, 1e-5 to 0.05.
@@ -72,13 +72,13 @@ pub(super) struct Args {
     /// Width in strain of the window of the smoothing, e.g. 0.005 or "0.5 %" (default: as wide as curve and noise allow).
     #[arg(long, value_name = "STRAIN", allow_hyphen_values = true)]
     smooth: Option<Quantity>,
-    /// Toe correction: `on` shifts strains so that the elastic line starts at zero, `off` takes them as recorded.
+    /// Toe correction: `on` shifts strains so that the elastic line starts at zero, `off` keeps them as recorded.
     #[arg(long, value_enum, default_value = "on")]
     toe: Switch,
-    /// Take the rows as they are: no toe correction, no smoothing (always with fewer than 50 rows).
+    /// Keep the rows unchanged: no toe correction, no smoothing (always with fewer than 50 rows).
     #[arg(long)]
     keep_rows: bool,
-    /// Measure of the record's strains and stresses (default: engineering, unless the headings say true).
+    /// Measure of the strains and stresses of the record (default: engineering, unless the headings contain "true").
     #[arg(long, value_enum)]
     measure: Option<MeasureArg>,
     /// Sense of loading in the test.
@@ -96,7 +96,7 @@ pub(super) struct Args {
     /// Figure of the records before and after: .svg, .png, .pdf or .html.
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
-    /// File to write (default: the record's name with .toml, beside it).
+    /// File to write (default: name and folder of the record, with .toml).
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Overwrite an existing file.
@@ -113,7 +113,7 @@ enum BeyondArg {
     Rupture,
     /// The last slope is extrapolated.
     Extend,
-    /// A run that reaches it stops.
+    /// The run stops.
     Error,
 }
 
@@ -262,13 +262,13 @@ fn elastic_range(text: &str) -> Result<[f64; 2]> {
     let help = "e.g. --elastic-range \"20 MPa..100 MPa\"";
     let wrong =
         |message: String| Error::from(InputError::new(message).key(key).allowed("LOW..HIGH, two stresses").help(help));
-    let (low, high) = text.split_once("..").ok_or_else(|| wrong(format!("`{text}` is no interval")))?;
+    let (low, high) = text.split_once("..").ok_or_else(|| wrong(format!("`{text}` is not an interval")))?;
     let stress = |part: &str| {
         let quantity: Quantity = part.parse().unwrap_or(Quantity::Text(part.into()));
         quantity.si(Dimension::Stress).map_err(wrong)
     };
     let (low, high) = (stress(low)?, stress(high)?);
-    if low >= 0.0 && high > low { Ok([low, high]) } else { Err(wrong(format!("`{text}` has no length"))) }
+    if low >= 0.0 && high > low { Ok([low, high]) } else { Err(wrong(format!("`{text}` is an empty interval"))) }
 }
 
 fn import(file: &Path, args: &Args, reading: &Reading, how: &Reduce) -> Result<Imported> {
@@ -357,13 +357,13 @@ fn curve(args: &Args, imported: &[Imported], how: &Reduce) -> Result<Curve> {
 fn kept_rows(record: &Record) -> Result<Vec<(f64, f64)>> {
     let rows = magnitudes(&record.rows);
     material::Curve::new(&rows, Beyond::Error).map_err(|e| {
-        let help = "rows are strain, stress; the first one is (0, 0) or left out; longer records may go up and down";
+        let help = "rows are strain, stress; the first row is (0, 0) or omitted; longer records may contain unloading";
         record.error(e.row, e.to_string()).allowed("finite, not negative, strain increasing from row to row").help(help)
     })?;
     Ok(rows)
 }
 
-/// What the file says at its top: records and changes.
+/// The comment at the top of the file: records and changes.
 fn comments(imported: &[Imported]) -> Vec<String> {
     let mut lines = vec![format!("Imported by barwave {}.", env!("CARGO_PKG_VERSION"))];
     for one in imported {
@@ -406,18 +406,18 @@ fn plausible(material: &Material, imported: &[Imported]) -> Result<()> {
     let largest = |one: &Imported| one.shown.iter().fold(0.0, |largest: f64, row| largest.max(row.0));
     let unnamed = imported.iter().filter(|one| !one.record.units_named.strain).map(largest).fold(0.0, f64::max);
     if unnamed > MOST_WITHOUT_UNIT {
-        let message = format!("the record names no unit of strain, and its largest strain would be {unnamed}");
+        let message = format!("the unit of strain is not given, and the largest strain as a plain number is {unnamed}");
         let error = InputError::new(message).key("--strain-unit");
-        let error = error.allowed(format!("a largest strain of at most {MOST_WITHOUT_UNIT} where no unit is named"));
-        return Err(error.help("name the unit, e.g. --strain-unit %, or in the heading: strain_%").into());
+        let error = error.allowed(format!("a largest strain of at most {MOST_WITHOUT_UNIT} if no unit is given"));
+        return Err(error.help("give the unit, e.g. --strain-unit %, or in the heading: strain_%").into());
     }
     if material.modulus >= LEAST_WITHOUT_UNIT || imported.iter().all(|one| one.record.units_named.stress) {
         return Ok(());
     }
     let message =
-        format!("the record names no unit of stress or force, and its modulus would be {:.4e} Pa", material.modulus);
-    let error = InputError::new(message).key("--unit").allowed("a modulus of at least 10 MPa where no unit is named");
-    Err(error.help("name the unit, e.g. --unit MPa, or in the heading: stress_MPa").into())
+        format!("the unit of stress or force is not given, and the modulus in Pa is {:.4e}", material.modulus);
+    let error = InputError::new(message).key("--unit").allowed("a modulus of at least 10 MPa if no unit is given");
+    Err(error.help("give the unit, e.g. --unit MPa, or in the heading: stress_MPa").into())
 }
 
 fn draw(path: &Path, name: &str, imported: &[Imported], curve: &Curve) -> Result<()> {
@@ -428,8 +428,9 @@ fn draw(path: &Path, name: &str, imported: &[Imported], curve: &Curve) -> Result
         })
         .collect();
     if drawn.is_empty() {
-        let error = InputError::new("the rows are kept as they are: there is no before and after").key("--plot");
-        return Err(error.help("draw the material with `barwave compare FILE.toml -o FILE.svg`").into());
+        let error =
+            InputError::new("--keep-rows does not reduce the record: there is no reduction to plot").key("--plot");
+        return Err(error.help("plot the material with `barwave compare FILE.toml -o FILE.svg`").into());
     }
     let mean = curve.repeats.as_ref().map(|repeats| (curve.rows.as_slice(), &repeats.scatter));
     save(path, name, &figure(name, &drawn, mean))
@@ -491,7 +492,7 @@ fn reduced(r: &Reduction) -> String {
     );
     let proof = r.proof_stress.map_or("none: the curve ends before".into(), |s| format!("{:.3} MPa", s / MPA));
     let _ = writeln!(text, "  proof stress  {proof} at 0.2 % offset (ASTM E8/E8M, ISO 6892-1)");
-    let _ = writeln!(text, "  largest load  {:.3} MPa at strain {:.5}", r.maximum.1 / MPA, r.maximum.0);
+    let _ = writeln!(text, "  peak stress   {:.3} MPa at strain {:.5}", r.maximum.1 / MPA, r.maximum.0);
     let fracture =
         r.fracture.map_or("none in the record".into(), |(e, s)| format!("{:.3} MPa at strain {e:.5}", s / MPA));
     let _ = writeln!(text, "  fracture      {fracture}");

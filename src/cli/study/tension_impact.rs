@@ -114,7 +114,7 @@ fn velocities(args: &Args) -> Result<Option<Value>> {
         return Ok(Some(Value::Array(args.velocities.iter().map(value).collect())));
     };
     if args.velocities.len() > 1 {
-        let message = "a range starts from one velocity";
+        let message = "a range needs exactly one start velocity";
         let help = "e.g. --velocities \"5 m/s\" --to \"120 m/s\" --count 24";
         return Err(Error::from(InputError::new(message).key("--velocities").help(help)));
     }
@@ -141,7 +141,7 @@ fn text(results: &Results, folder: &Path, figure: &Path) -> String {
     let table = output::table(&headings, &rows.collect::<Vec<_>>(), 0, true);
     let largest = results.largest_elongation.zip(results.velocity_of_largest_elongation_m_s);
     let largest = largest.map_or_else(
-        || "nothing broke".to_owned(),
+        || "no fracture".to_owned(),
         |(elongation, velocity)| {
             format!("{elongation:.4} at {velocity:.2} m/s (static curve {:.4})", results.static_elongation)
         },
@@ -151,7 +151,8 @@ fn text(results: &Results, folder: &Path, figure: &Path) -> String {
         |[low, high]| format!("between {low:.2} m/s and {high:.2} m/s"),
     );
     format!(
-        "Tension impact of {}, gauge length {} mm\n{table}\n  largest elongation    {largest}\n  at the struck end     {critical}\n  \
+        "Tension impact of {}, gauge length {} mm\n{table}\n  largest elongation    {largest}\n  at the struck end     \
+         {critical}\n  \
          critical velocity     {:.2} m/s, from the static curve\n  results               {}\n  figure                {}\n",
         results.material,
         1e3 * results.length_m,

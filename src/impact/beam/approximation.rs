@@ -65,8 +65,9 @@ impl Beam {
         let mut solution = Solution {
             scheme: "timoshenko",
             equation: self.equation(),
-            validity: "Euler-Bernoulli beam, simply supported: waves long against the depth; elastic contact, small against the sphere; \
-                       (9.31) needs one contact, shorter than the time after which reflections from the supports are back"
+            validity: "Euler-Bernoulli beam, simply supported: wavelengths long compared with the depth; elastic contact, \
+                       small compared with the sphere; (9.31) needs a single contact that ends before reflections from the \
+                       supports return"
                 .into(),
             ..Solution::default()
         };
@@ -80,7 +81,7 @@ impl Beam {
         let figure = |name, dimension, long_name, value| Figure::new(name, dimension, long_name, value);
         solution.figures.extend([
             figure("lowest_period", Time, "period of the lowest mode, undamped", 2.0 * PI / omega),
-            figure("lowest_damping", Plain, "damping of the lowest mode, as a part of critical", delta / omega),
+            figure("lowest_damping", Plain, "damping ratio of the lowest mode", delta / omega),
             figure("half_sine_restitution", Plain, "coefficient of restitution by (9.31)", pulse.restitution),
             figure("half_sine_duration", Time, "duration of the half-sine pulse, (9.30)", pulse.duration),
             figure("half_sine_peak_force", Force, "largest force of the half-sine pulse, (9.22)", pulse.peak()),
@@ -100,9 +101,10 @@ impl Beam {
         let along = if self.is_plain() {
             "(9.18), Timoshenko's integral equation, with the modes of the beam weighted by sin^2(n pi x0/l)"
         } else {
-            "(9.23) and (9.24) for the beam in place of (9.16) in Timoshenko's integral equation (9.18), with the weights sin^2(n pi x0/l)"
+            "(9.23) and (9.24) for the beam in place of (9.16) in Timoshenko's integral equation (9.18), with the weights \
+             sin^2(n pi x0/l)"
         };
-        format!("{along}; beside it the half-sine pulse (9.22) with the coefficient of restitution (9.31)")
+        format!("{along}; for comparison, the half-sine pulse (9.22) with the coefficient of restitution (9.31)")
     }
 
     fn is_plain(&self) -> bool {

@@ -1,4 +1,4 @@
-//! As many modes and steps as the tolerance asks for.
+//! Convergence: modes and steps are increased until the tolerance is met.
 
 use super::Beam;
 use super::observe::Observer;
@@ -130,20 +130,20 @@ impl Beam {
         });
         solution.figures.extend([
             figure("striker_velocity", Velocity, "velocity of the striker at the end", last),
-            figure("restitution", Plain, "minus that over its velocity before the impact", restitution),
+            figure("restitution", Plain, "minus the ratio of final to initial velocity of the striker", restitution),
             figure("end_time", Time, "end of the integration", history.end),
             Figure { key: "modes", ..figure("mode_count", Plain, "modes of the beam", modes as f64) },
             figure(
                 "error",
                 Plain,
-                "relative change of the results against half the modes and longer steps",
+                "relative change of the results from half the modes and longer time steps",
                 error.unwrap_or(f64::NAN),
             ),
         ]);
         solution.lines.push(Line::new("modes", "{}", &[(modes as f64, Plain)]));
         if let Some(error) = error {
             let values = [(error, Plain), (self.tolerance, Plain)];
-            solution.lines.push(Line::new("error", "{} against half the modes, tolerance {}", &values));
+            solution.lines.push(Line::new("error", "{} from half the modes, tolerance {}", &values));
         }
         self.extremes(&mut solution, &observer.readings);
         super::super::account(&mut solution, &observer.ledger, &history);
@@ -160,7 +160,7 @@ impl Beam {
         solution.figures.extend([
             figure("contact_count", Plain, "number of contacts", history.touches.len() as f64),
             figure("peak_force", Force, "largest contact force of the first contact", first.peak_force),
-            figure("time_of_peak", Time, "when that is", first.peak_time),
+            figure("time_of_peak", Time, "time of the largest contact force", first.peak_time),
             figure("contact_duration", Time, "duration of the first contact", first.duration()),
             figure("approach", Length, "largest approach of the first contact", first.approach),
             figure(
@@ -193,8 +193,8 @@ impl Beam {
             Column::new("mode", Plain, "number of the mode", ""),
             Column::new("frequency", AngularVelocity, "undamped angular frequency", ""),
             Column::new("damping_number", Rate, "damping number delta", ""),
-            Column::new("damping", Plain, "damping as a part of critical", ""),
-            Column::new("shape", Plain, "sin(n pi x0/l) at the place of the impact", ""),
+            Column::new("damping", Plain, "damping ratio", ""),
+            Column::new("shape", Plain, "sin(n pi x0/l) at the impact point", ""),
         ];
         let mut table = Table::new("modes", columns);
         for n in 1..=count {
@@ -238,14 +238,16 @@ impl Beam {
         let several = if history.touches.len() > 1 { "first " } else { "" };
         if (approximate - integrated).abs() > LARGEST_DIFFERENCE {
             solution.warnings.push(format!(
-                "the {several}contact has the coefficient of restitution {integrated:.4} and (9.31) gives {approximate:.4}: the contact force \
+                "the {several}contact has the coefficient of restitution {integrated:.4} and (9.31) gives {approximate:.4}: \
+                 the contact force \
                  is not the half-sine pulse of duration (9.30)"
             ));
         } else if !several.is_empty() {
             solution.warnings.push("several contacts: (9.31) is for the first".into());
         }
         if self.striker.radius > self.section.depth {
-            let warning = "the sphere's radius is above the depth of the beam: the contact is that of a half-space only while it is small";
+            let warning = "the sphere radius exceeds the depth of the beam: the contact law of a half-space holds only for a \
+                           small contact";
             solution.warnings.push(warning.into());
         }
     }
@@ -254,10 +256,10 @@ impl Beam {
 /// One row a contact.
 fn contacts_table(history: &History) -> Table {
     let columns = vec![
-        Column::new("start", Time, "begin of the contact", ""),
+        Column::new("start", Time, "start of the contact", ""),
         Column::new("end", Time, "end of the contact", ""),
         Column::new("peak_force", Force, "largest force", ""),
-        Column::new("time_of_peak", Time, "when that is", ""),
+        Column::new("time_of_peak", Time, "time of the largest contact force", ""),
         Column::new("impulse", Impulse, "impulse of the contact force", ""),
     ];
     let mut table = Table::new("contacts", columns);

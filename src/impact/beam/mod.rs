@@ -62,7 +62,7 @@ pub struct Beam {
     pub until: Option<f64>,
     /// Largest relative change of the results when modes are doubled and the step tolerance is divided by 4; the modes follow from it.
     pub tolerance: f64,
-    /// Modes, in place of those that the tolerance asks for.
+    /// Number of modes, instead of that from the tolerance.
     pub modes: Option<usize>,
 }
 
@@ -175,13 +175,19 @@ impl Problem for Beam {
             }
         };
         solution.lines.push(Line::new("modes", modes, &[]));
-        let steps = format!("about {:.0} an integration, up to {{}} or the last contact", self.expected_steps().ceil());
+        let steps =
+            format!("about {:.0} per integration, up to {{}} or the last contact", self.expected_steps().ceil());
         solution.lines.push(Line::new("steps", steps, &[(self.ends()[0], Time)]));
         let mebibytes = self.expected_bytes() / f64::from(1 << 20);
         solution.lines.push(Line::new("histories", format!("about {mebibytes:.1} MiB"), &[]));
         solution.figures.extend([
-            Figure::new("expected_steps", Plain, "time steps of an integration, about", self.expected_steps().ceil()),
-            Figure::new("expected_bytes", Plain, "bytes of the histories, about", self.expected_bytes()),
+            Figure::new(
+                "expected_steps",
+                Plain,
+                "approximate time steps per integration",
+                self.expected_steps().ceil(),
+            ),
+            Figure::new("expected_bytes", Plain, "approximate size of the histories in bytes", self.expected_bytes()),
         ]);
         solution
     }

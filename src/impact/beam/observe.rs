@@ -1,4 +1,4 @@
-//! Histories of an impact on a beam, as it is integrated.
+//! Histories recorded during the integration of an impact on a beam.
 
 use super::Beam;
 use super::approximation::HalfSine;
@@ -38,7 +38,7 @@ fn contact_table() -> Table {
         [
             ("force", Force, "contact force, integrated", "contact force"),
             ("force_half_sine", Force, "contact force, half-sine pulse (9.22)", "contact force"),
-            ("approach", Length, "approach; negative where sphere and beam are apart", ""),
+            ("approach", Length, "approach; negative while sphere and beam are separated", ""),
             ("striker_displacement", Length, "displacement of the striker", "displacements"),
             ("deflection", Length, "deflection of the beam at the impact", "displacements"),
             ("striker_velocity", Velocity, "velocity of the striker", "velocity of the striker"),

@@ -1,4 +1,4 @@
-//! Hertz's contact of linear bodies, integrated in time: one integrator for spheres, plates, beams and rods.
+//! Hertz contact of linear bodies, integrated in time: one integrator for spheres, plates, beams and rods.
 //!
 //! The contact force over a step is a cubic in time through four Lobatto nodes. The motion of every body is exact for it
 //! ([`super::Oscillator`]), so that no frequency limits the step. At the nodes force and approach obey Hertz's law; between them, the

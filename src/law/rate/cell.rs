@@ -1,4 +1,4 @@
-//! A rate-dependent law on the staggered grid, where a step gives a cell its strain increment.
+//! A rate-dependent law on the staggered grid: the response of a cell to a strain increment.
 //!
 //! The strain rate of a step is constant, that of its middle. Up to the elastic limit the cell is elastic; from there on (or
 //! from the start, where it flows already) stress and plastic strain obey, in the sense of the flow,

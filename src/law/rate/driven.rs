@@ -1,4 +1,4 @@
-//! The fall of an overstress over a step by a law that is linear in it, a power of it, or exponential.
+//! Relaxation of an overstress over a step, for laws linear in it, a power of it, or exponential.
 
 use crate::root::{Tolerance, fixed_point};
 

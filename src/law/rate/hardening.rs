@@ -1,4 +1,4 @@
-//! The static flow stress against plastic strain: the loading table as the rate laws read it.
+//! The static flow stress against plastic strain, from the loading curve.
 
 use crate::law::Table;
 

@@ -1,4 +1,4 @@
-//! A cell that its plastic work heats: the temperature is a state, and scales all stresses of the static curve.
+//! A cell with adiabatic heating: the temperature is a state variable and scales all stresses of the static curve.
 //!
 //! For flow whose work is not a function of the plastic strain alone: hardening that is kinematic, or a rate of strain that
 //! counts (also with both at once). Elastic limits, back stress, and the static stress that a law of overstress asks for, are

@@ -1,4 +1,4 @@
-//! Flow at a node of characteristics, which meets what arrives from both sides once in a step.
+//! Viscoplastic flow at a node of the characteristic net, once per step.
 //!
 //! A part `theta` of the flow p of a node comes before the moment at which it is read, the rest after it. So the rates of flow at
 //! both ends of a characteristic act along it, each for half a step, and a bar that is strained steadily has the overstress of

@@ -1,4 +1,4 @@
-//! How fast a cell flows that carries more than its static flow stress, and how much it flows while it is strained.
+//! Overstress laws: plastic strain rate as a function of the overstress, and its integral over a step of constant strain rate.
 //!
 //! With x = stress - f the overstress and p = E times the plastic strain, a cell that is strained at a constant rate obeys
 //!

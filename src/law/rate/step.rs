@@ -1,5 +1,4 @@
-//! What the laws that take time have in common: a step of given strain, the first five numbers of their state, and when a
-//! cell flows.
+//! Common parts of the rate laws: a step of given strain, the first five state variables, and the flow criterion.
 //!
 //! State: `[E p accumulated, E eps_p signed, quickness, signed overstress, work of the overstress times E, ..]`. The quickness
 //! is the flow of the latest step over the overstress that makes a factor e in the rate: the step over the relaxation time.

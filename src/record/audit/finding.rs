@@ -5,7 +5,7 @@ use super::AuditRow;
 /// Estimate for an effect that changes the outcome, such as fracture.
 pub(super) const DECISIVE: f64 = 1.0;
 
-/// How large a neglected effect would have been.
+/// The estimate of a neglected effect.
 #[derive(Debug)]
 pub(super) struct Finding {
     /// Relative change of the stress; NaN if it is not known.
@@ -17,9 +17,10 @@ pub(super) struct Finding {
 }
 
 impl Finding {
-    /// The effect would change the stress by this fraction; `written` is the line of the scene that includes it.
-    pub fn of(estimate: f64, text: &str, written: &str) -> Self {
-        let text = format!("{text}; estimated effect on the stress {:.2} %", 100.0 * estimate);
+    /// Neglecting `what` changes the stress by the fraction `estimate`, found from `basis`; `written` is the line of the scene that
+    /// includes the effect.
+    pub fn of(estimate: f64, what: &str, basis: &str, written: &str) -> Self {
+        let text = format!("{what} was neglected; estimated effect on stress {:.2} % ({basis})", 100.0 * estimate);
         Self { estimate, text, remedy: include(written) }
     }
 

@@ -86,13 +86,12 @@ impl Heat {
         let Some((rise, lost, time, place)) = self.hottest else {
             return Finding::nothing("no material with [heat] constants deformed plastically");
         };
-        let message = std::format!(
-            "adiabatic heating was neglected; it would raise the temperature of {} by up to {rise:.1} K ({}) and lower its flow \
-             stress by {:.2} %",
+        let basis = std::format!(
+            "temperature rise of {} up to {rise:.1} K, which lowers its flow stress by {:.2} %, at {}",
             materials[places.segment[place]].name,
-            places.moment(time, place),
             100.0 * lost,
+            places.moment(time, place),
         );
-        Finding::of(share(self.change), &message, "heat = {}")
+        Finding::of(share(self.change), "adiabatic heating", &basis, "heat = {}")
     }
 }

@@ -1,5 +1,4 @@
-//! Tension at bonded joints: where a joint that only touches would part. For information: its measure is the strength of
-//! the weaker side, and it matters where all of that is used up.
+//! Tension at bonded joints, at which a contact joint would open. For information only.
 
 use serde::{Deserialize, Serialize};
 

@@ -18,6 +18,16 @@ struct Pulse<'a> {
     stress: Box<dyn Fn(f64) -> f64 + 'a>,
 }
 
+impl Pulse<'_> {
+    /// Time between 10 % and 90 % of the largest stress, s.
+    fn rise_time(&self, until: f64) -> f64 {
+        let at = |i: usize| (self.stress)(i as f64 * until / SAMPLES as f64).abs();
+        let largest = (0..=SAMPLES).map(at).fold(0.0, f64::max);
+        let reaches = |part: f64| (0..=SAMPLES).find(|&i| at(i) >= part * largest).unwrap_or(0);
+        (reaches(0.9) - reaches(0.1)) as f64 * until / SAMPLES as f64
+    }
+}
+
 /// Sizes of what lateral inertia does to pulses.
 #[derive(Debug, Default, Clone, Copy)]
 struct Sizes {
@@ -25,8 +35,8 @@ struct Sizes {
     change: f64,
     /// L1 of the stress, Pa m.
     stress: f64,
-    /// Largest width of a front, m, with nu r of its bar.
-    front: (f64, f64),
+    /// Radius of the section (m) and rise time (s) of the pulse with the largest change, and that change.
+    worst: (f64, f64, f64),
 }
 
 /// The estimate for a run.
@@ -55,22 +65,23 @@ fn finding(case: &Case<'_>) -> Finding {
     if sizes.stress <= 0.0 {
         return Finding::nothing("the bar is not loaded");
     }
-    let show = |value| format(value, Dimension::Length, System::Si);
-    let message = std::format!(
-        "lateral inertia was neglected; it would spread the fronts to {} by the end of the run (Poisson's ratio times the polar \
-         radius of gyration: {})",
-        show(sizes.front.0),
-        show(sizes.front.1),
+    let (radius, rise, _) = sizes.worst;
+    let basis = std::format!(
+        "bar radius {}, rise time {}",
+        format(radius, Dimension::Length, System::Si),
+        format(rise, Dimension::Time, System::Si),
     );
-    Finding::of((sizes.change / sizes.stress).min(1.0), &message, "lateral-inertia = true")
+    let estimate = (sizes.change / sizes.stress).min(1.0);
+    Finding::of(estimate, "lateral inertia", &basis, "lateral-inertia = true")
 }
 
 impl Sizes {
     fn and(self, pulse: &Pulse<'_>, case: &Case<'_>) -> Self {
         let material = &pulse.segment.material;
         let (c0, nu) = (material.c0(), material.poisson.unwrap_or(0.0));
-        // A round section: r^2 = A/(2 pi).
-        let a = nu * (pulse.segment.area / (2.0 * std::f64::consts::PI)).sqrt();
+        // A round section: the polar radius of gyration is radius/sqrt(2).
+        let radius = (pulse.segment.area / std::f64::consts::PI).sqrt();
+        let a = nu * radius / std::f64::consts::SQRT_2;
         let width = (1.5 * a * a * c0 * case.until).cbrt();
         if width <= 0.0 {
             return self;
@@ -85,7 +96,7 @@ impl Sizes {
         Self {
             change: self.change + change,
             stress: self.stress + c0 * step * largest_window(&values, (case.bar.transit_time() / step).ceil() as usize),
-            front: if width > self.front.0 { (width, a) } else { self.front },
+            worst: if change > self.worst.2 { (radius, pulse.rise_time(case.until), change) } else { self.worst },
         }
     }
 }

@@ -1,4 +1,4 @@
-//! What a run left out: every effect that was off, and by how much it would have changed the answer.
+//! Audit of neglected effects: the estimated change of the stress by every effect that was off.
 //!
 //! The answer is the stress. An estimate is the largest L1 change of the stress over the bar at any time of the run, over
 //! the largest L1 of the stress itself: `max_t int |d sigma| dx / max_t int |sigma| dx`. It comes from the run as it was,
@@ -42,9 +42,9 @@ pub const LOOKS: usize = 64;
 
 /// Effects that are off. The others get no row.
 #[derive(Debug, Clone, Copy, Default)]
-#[expect(clippy::struct_excessive_bools, reason = "one a key of the scene language")]
+#[expect(clippy::struct_excessive_bools, reason = "one field per key of the scene")]
 pub struct Off {
-    /// `unloading`.
+    /// `hardening`.
     pub unloading: bool,
     /// `rate`.
     pub rate: bool,
@@ -56,24 +56,24 @@ pub struct Off {
     pub lateral_inertia: bool,
 }
 
-/// What the audit needs to know of a run before it starts.
+/// Data of a run for the audit, known before it starts.
 #[derive(Debug, Clone, Copy)]
 pub struct Case<'a> {
     /// The bar.
     pub bar: &'a Bar,
-    /// What holds or drives its ends.
+    /// Its boundary conditions.
     pub ends: [&'a EndCondition; 2],
     /// End time, s.
     pub until: f64,
-    /// Relative change from which an effect matters.
+    /// Relative change above which an effect is significant.
     pub tolerance: f64,
-    /// What was not simulated.
+    /// Effects that are off.
     pub off: Off,
     /// Cells of the grid; none where there is none.
     pub cells: Option<usize>,
 }
 
-/// Watches a run for the effects that it leaves out.
+/// Estimates the effects that a run neglects.
 #[derive(Debug)]
 pub struct Audit {
     off: Off,
@@ -106,7 +106,7 @@ struct Reading {
 }
 
 impl Audit {
-    /// A watch over a bar that has not moved yet.
+    /// The audit of a bar at t = 0.
     pub fn new(case: &Case<'_>) -> Self {
         let materials: Vec<Arc<Material>> = case.bar.segments.iter().map(|s| Arc::clone(&s.material)).collect();
         let places = Places::new(case.bar);
@@ -129,7 +129,7 @@ impl Audit {
         }
     }
 
-    /// Where it looks, m, increasing.
+    /// Sampling points, m, increasing.
     pub fn places(&self) -> &[f64] {
         &self.places.x
     }
@@ -172,7 +172,7 @@ impl Audit {
         }
     }
 
-    /// One row for each effect that was off; `broken` are the rows that tell of places that broke or would have.
+    /// One row for each effect that was off; `broken` are the rows of fractures.
     pub fn rows(&self, broken: Vec<AuditRow>) -> Vec<AuditRow> {
         let row = |effect: &str, find: &dyn Fn() -> Finding| {
             let finding = if self.looked { find() } else { Finding::nothing("the bar stays elastic") };
@@ -182,7 +182,7 @@ impl Audit {
         let (materials, places) = (&self.materials, &self.places);
         let mut rows = Vec::new();
         if self.off.unloading {
-            rows.push(row("unloading", &|| self.unloading.finding(places, share)));
+            rows.push(row("hardening", &|| self.unloading.finding(places, share)));
         }
         if self.off.rate {
             rows.push(row("rate", &|| self.rate.finding(materials, places, share)));

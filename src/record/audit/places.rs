@@ -1,4 +1,4 @@
-//! Where the audit looks.
+//! Sampling points of the audit.
 
 use crate::bar::Bar;
 use crate::units::{Dimension, System, format};
@@ -14,7 +14,7 @@ pub(super) struct Places {
     pub x: Vec<f64>,
     /// Which segment each is in.
     pub segment: Vec<usize>,
-    /// Length of bar that each stands for, m.
+    /// Length of bar represented by each, m.
     pub weight: Vec<f64>,
     /// Accumulated plastic strain at t = 0.
     pub at_start: Vec<f64>,

@@ -1,4 +1,4 @@
-//! The strain rate reached, against the constants that the materials state.
+//! Neglected rate dependence, estimated from the plastic strain rates of the run.
 //!
 //! The rate is the plastic strain that a place gains between two looks, over the time between them: 1/64 of the run. A
 //! fan that takes longer to pass has this rate; a front that is a jump has none of its own (on a grid it has the grid's),
@@ -89,18 +89,17 @@ impl RateRise {
         let Some((rate, rise, time, place)) = self.quickest.filter(|q| q.0 > 0.0) else {
             return Finding::nothing("no material with [rate] constants deformed plastically");
         };
-        let message = std::format!(
-            "the quasi-static curve was used at all strain rates; the plastic strain rate of {} reaches {rate:.2e} 1/s ({}), where \
-             its flow stress is {:.1} % higher",
+        let basis = std::format!(
+            "plastic strain rate of {} up to {rate:.2e} 1/s, which raises its flow stress by {:.1} %, at {}",
             materials[places.segment[place]].name,
-            places.moment(time, place),
             100.0 * rise,
+            places.moment(time, place),
         );
-        Finding::of(share(self.change), &message, "rate = \"material\"")
+        Finding::of(share(self.change), "rate dependence", &basis, "rate = \"material\"")
     }
 }
 
-/// Flow by Malvern's law that is quicker than a time step: the net, not the material, then says how wide fronts are.
+/// Flow by Malvern's law with a relaxation time below the time step: the net, not the material, then determines the width of fronts.
 pub fn unresolved_flow(k: f64, dt: f64) -> Option<AuditRow> {
     let k_dt = k * dt;
     (k_dt > 1.0).then(|| AuditRow {

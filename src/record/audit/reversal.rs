@@ -1,4 +1,4 @@
-//! Flow that reverses after a large strain, by which the section has changed.
+//! Reversed plastic flow after a large strain, for which engineering measures are inaccurate.
 //!
 //! Hardening is kept in engineering measures: a point that was compressed to the plastic strain p flows in tension from the
 //! engineering stress of the tension curve at p on, which belongs to the section of a specimen that was stretched. On the section
@@ -52,9 +52,9 @@ pub fn reversed_flow(
     let worst = reversals.max_by(|a, b| a.error().total_cmp(&b.error())).filter(|r| r.error() > tolerance)?;
     let show = |stress| format(stress, Dimension::Stress, System::Si);
     let finding = std::format!(
-        "the flow of {} reversed after a plastic strain of {:.3} in {}, at {}; isotropic hardening of the true stress on the \
-         deformed section gives {}. Hardening is kept in engineering measures, which is inaccurate for reversals after strains \
-         above {LARGE}",
+        "plastic flow of {} reversed after a plastic strain of {:.3} in {}, at a stress of {}; isotropic hardening in true \
+         stress gives {}. Hardening is computed in engineering measures, which is inaccurate for reversals after strains above \
+         {LARGE}",
         material.name,
         worst.strain,
         worst.sense.name(),

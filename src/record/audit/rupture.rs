@@ -71,8 +71,7 @@ fn broken(finding: String) -> AuditRow {
 pub fn above_critical(initial_fan: &InitialFan, material: &Material, critical_velocity: f64) -> Option<AuditRow> {
     initial_fan.fan.above_critical.then(|| {
         let finding = std::format!(
-            "the impact velocity at the {} end exceeds the critical velocity of {} ({} at {}); the strain localizes and the bar \
-             breaks there at t = 0; the run continues with the end stress held at the ultimate stress",
+            "the impact velocity at the {} end exceeds the critical velocity of {} ({} at {}); the strain localizes and the bar fractures there at t = 0; the run continues with the end stress held at the ultimate stress",
             initial_fan.origin,
             material.name,
             format(critical_velocity, Dimension::Velocity, System::Si),
@@ -98,19 +97,17 @@ pub fn past_data(sense: Sense, time: f64, x: f64, material: &Material) -> AuditR
 /// An end that was driven beyond what the curve can carry away, at some time after the start.
 pub fn broken_end(end: &str, time: f64, material: &Material) -> AuditRow {
     let finding = std::format!(
-        "from t = {} on, the velocity of the {end} end exceeds the critical velocity of {}; the strain localizes and the bar \
-         breaks there; the run continues with the end stress held at the ultimate stress",
+        "from t = {} on, the velocity of the {end} end exceeds the critical velocity of {}; the strain localizes and the bar fractures there; the run continues with the end stress held at the ultimate stress",
         format(time, Dimension::Time, System::Si),
         material.name,
     );
     broken(finding)
 }
 
-/// A place inside the bar at which the curve can carry no more while its two sides go on apart or together.
+/// A point inside the bar at which the curve is at its largest stress while its two sides continue to separate or approach.
 pub fn broken_inside(time: f64, x: f64, material: &Material) -> AuditRow {
     let finding = std::format!(
-        "from t = {} on, the strain localizes at x = {}, where waves met and {} reached its ultimate stress; the bar breaks \
-         there; the run continues with the stress held at the ultimate stress",
+        "from t = {} on, the strain localizes at x = {}, where waves met and {} reached its ultimate stress; the bar fractures there; the run continues with the stress held at the ultimate stress",
         format(time, Dimension::Time, System::Si),
         format(x, Dimension::Length, System::Si),
         material.name,
@@ -118,11 +115,11 @@ pub fn broken_inside(time: f64, x: f64, material: &Material) -> AuditRow {
     broken(finding)
 }
 
-/// A tension that a rupture criterion asks for, over fewer cells than a rupture takes on a grid.
+/// A tension above the fracture criterion over fewer cells than needed for fracture on a grid.
 pub fn short_tension(unresolved: &Unresolved) -> AuditRow {
     let finding = std::format!(
-        "the fracture criterion was exceeded by a factor of {:.2} at x = {} (t = {}) over fewer than {CELLS_TO_BREAK} cells; such a \
-         pulse cannot be told from a numerical oscillation, and the bar did not break there",
+        "the fracture criterion was exceeded by a factor of {:.2} at x = {} (t = {}) over fewer than {CELLS_TO_BREAK} cells; \
+         so short a pulse cannot be distinguished from a numerical oscillation, and no fracture was simulated there",
         unresolved.share,
         format(unresolved.x, Dimension::Length, System::Si),
         format(unresolved.time, Dimension::Time, System::Si),

@@ -1,4 +1,4 @@
-//! Unloading of yielded places in a run that follows the curve both ways.
+//! Neglected elastic unloading, estimated from yielded sections that unload along the loading curve.
 //!
 //! Going back along the curve, a stress drop d sigma with the strain drop d eps runs at `c = sqrt(d sigma/(rho d eps))`;
 //! elastic unloading would have carried it at c0, and so c0/c times as far. The stretch that it misses is c0/c - 1 times
@@ -76,7 +76,7 @@ impl Unloading {
         self.change = self.change.max(change.min(held));
     }
 
-    /// Takes in the strain of a place, and says whether it has yielded and gone back since.
+    /// Updates the strain of a point; true if it has yielded and unloaded since.
     fn went_back(&mut self, k: usize, now: &Reading) -> bool {
         let (strain, stress) = (now.strain[k], now.stress[k]);
         if strain.abs() > self.largest[k].0.abs() {
@@ -112,14 +112,13 @@ impl Unloading {
         };
         let yielded = |k: usize| self.largest[k].0.abs() > self.limit[k][usize::from(self.largest[k].0 < 0.0)];
         let show = |length| format(length, Dimension::Length, System::Si);
-        let message = std::format!(
-            "elastic unloading was neglected: {} of {} of yielded length unloaded along the loading curve, by up to {:.0} % of the \
-             largest strain (first at {}), which recovers plastic work",
+        let basis = std::format!(
+            "{} of {} of yielded length unloaded, by up to {:.0} % of the largest strain, first at {}",
             show(lengths(&|k| self.unloaded[k])),
             show(lengths(&yielded)),
             100.0 * self.worst,
             places.moment(time, place),
         );
-        Finding::of(share(self.change), &message, "unloading = \"isotropic\"")
+        Finding::of(share(self.change), "elastic unloading", &basis, "hardening = \"isotropic\"")
     }
 }

@@ -1,4 +1,4 @@
-//! Ends and joints: what they carried, and how bodies leave them.
+//! Results at ends and joints: forces, contact, and rebound velocities.
 //!
 //! A body is a part of the bar between joints that can open. Its velocity after contact is its momentum over its mass at the end of the run.
 //! This is the velocity since its last contact if no force acts on it any more: both its faces are free by then, and nothing acts along it.
@@ -236,7 +236,7 @@ impl Records<'_> {
         self.contacts.iter().copied().find(|contact| opens && contact.joint == k)
     }
 
-    /// A body that is held at its other face, or goes on there for ever, counts as one at rest.
+    /// A body with a fixed or absorbing far face counts as a body at rest.
     fn rests_beyond(&self, body: &Body, face: Face) -> Option<Motion> {
         let other = if body.faces[0] == face { body.faces[1] } else { body.faces[0] };
         let held = |side: usize| matches!(self.ends[side], EndCondition::Fixed | EndCondition::Absorbing);

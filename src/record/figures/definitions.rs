@@ -1,5 +1,5 @@
-//! Every figure, defined once. Stresses and forces are positive in tension, impulses and velocities in +x; a figure that does not exist for a
-//! scene is left out.
+//! Definitions of all figures. Stresses and forces are positive in tension, impulses and velocities in +x; a figure that does not
+//! exist for a scene is omitted.
 
 use super::Figure;
 use super::contact::Site;
@@ -58,12 +58,13 @@ pub(super) static PART: &[Definition<Part>] = &[
     ),
     row(
         ("residual_strain_position", Dimension::Length, "at x ="),
-        "where that is, from the left end of the undeformed bar; absent without plastic strain",
+        "position of the largest residual strain, from the left end of the undeformed bar; absent without plastic strain",
         |part| (part.end.residual.value != 0.0).then_some(part.end.residual.at),
     ),
     row(
         ("final_length", Dimension::Length, ""),
-        "length after elastic unloading of every section, the integral of 1 + plastic strain; of the bar only if all joints are bonded",
+        "length after elastic unloading of every section, the integral of 1 + plastic strain; of the bar only if all joints \
+         are bonded",
         |part| part.length.map(|[_, last]| last),
     ),
     row(("final_length_ratio", Dimension::None, ""), "final length over initial length", |part| {
@@ -79,15 +80,18 @@ pub(super) static PART: &[Definition<Part>] = &[
         "energy dissipated in the bar by plastic flow and fracture; needs an area",
         |part| part.absorbed,
     ),
-    row(("energy_absorbed_per_volume", Dimension::EnergyDensity, ""), "the same over the volume of the bar", |part| {
-        part.absorbed_per_volume
-    }),
+    row(
+        ("energy_absorbed_per_volume", Dimension::EnergyDensity, ""),
+        "energy absorbed per volume of the bar",
+        |part| part.absorbed_per_volume,
+    ),
 ];
 
 /// Name and description of the values along the bar.
 pub(super) const RESIDUAL_PROFILE: (&str, &str) = (
     "residual_strain_profile",
-    "mean plastic strain in each tenth of the undeformed bar, from the left, at the end of the run; `.0` to `.9` in the table of a sweep",
+    "mean plastic strain in each tenth of the undeformed bar, from the left, at the end of the run; `.0` to `.9` in the table \
+     of a sweep",
 );
 
 /// Of both ends and all joints.
@@ -104,7 +108,7 @@ pub(super) static LOAD: &[Definition<Site>] = &[
     ),
     row(
         ("time_of_peak", Dimension::Time, "at"),
-        "when the peak is first reached; absent if there is no force",
+        "time at which the peak is first reached; absent if there is no force",
         |site| (site.load.peak.value != 0.0).then_some(site.load.peak.at),
     ),
     row(
@@ -114,22 +118,23 @@ pub(super) static LOAD: &[Definition<Site>] = &[
     ),
     row(
         ("impulse_per_area", Dimension::Viscosity, "impulse"),
-        "the same per area of the section, in bars without an area",
+        "impulse per area of the section, in bars without an area",
         |site| if site.area.is_none() { site.impulse } else { None },
     ),
     row(
         ("contact_duration", Dimension::Time, "contact for"),
-        "total time under contact force, at ends and joints that can part",
+        "total time under contact force, at ends and joints that can open",
         |site| site.contact.map(|contact| contact.duration),
     ),
     row(
         ("time_of_release", Dimension::Time, "until"),
-        "when the contact force last became zero; absent if it acts at the end of the run",
+        "time at which the contact force last became zero; absent if it acts at the end of the run",
         |site| site.contact.and_then(|contact| contact.released),
     ),
     row(
         ("restitution", Dimension::None, "restitution"),
-        "coefficient of restitution, relative velocity of separation over that of approach, with mass-mean velocities; absent if one of the \
+        "coefficient of restitution, relative velocity of separation over that of approach, with mass-mean velocities; absent \
+         if one of the \
          bodies has another contact. A fixed or absorbing far end counts as a body at rest",
         |site| site.restitution,
     ),
@@ -138,12 +143,12 @@ pub(super) static LOAD: &[Definition<Site>] = &[
 /// Of ends.
 pub(super) static END: &[Definition<Site>] = &[
     row(
-        ("striker_velocity_after", Dimension::Velocity, "striker leaves with"),
+        ("striker_velocity_after", Dimension::Velocity, "striker velocity"),
         "velocity of the striker or ball after its last contact",
         |site| site.striker_after,
     ),
     row(
-        ("bar_velocity_after", Dimension::Velocity, "bar leaves with"),
+        ("bar_velocity_after", Dimension::Velocity, "bar velocity"),
         "mass-mean velocity after the last contact of the bar, or of its part up to the next joint that can open",
         |site| site.bodies_after.into_iter().flatten().next(),
     ),
@@ -152,13 +157,13 @@ pub(super) static END: &[Definition<Site>] = &[
 /// Of joints.
 pub(super) static JOINT: &[Definition<Site>] = &[
     row(
-        ("left_velocity_after", Dimension::Velocity, "left part leaves with"),
+        ("left_velocity_after", Dimension::Velocity, "velocity of left part"),
         "mass-mean velocity of the part on the left of the joint after its last contact",
         |site| site.bodies_after[0],
     ),
     row(
-        ("right_velocity_after", Dimension::Velocity, "right part leaves with"),
-        "the same of the part on the right",
+        ("right_velocity_after", Dimension::Velocity, "velocity of right part"),
+        "mass-mean velocity of the part on the right of the joint after its last contact",
         |site| site.bodies_after[1],
     ),
 ];
@@ -168,7 +173,7 @@ pub(super) static GAUGE: &[Definition<Gauge>] = &[
     row(("peak_stress", Dimension::Stress, "peak stress"), "stress of largest magnitude with its sign", |gauge| {
         Some(gauge.stress.value)
     }),
-    row(("time_of_peak_stress", Dimension::Time, "at"), "when it is first reached", |gauge| {
+    row(("time_of_peak_stress", Dimension::Time, "at"), "time at which it is first reached", |gauge| {
         (gauge.stress.value != 0.0).then_some(gauge.stress.at)
     }),
     row(
@@ -176,12 +181,12 @@ pub(super) static GAUGE: &[Definition<Gauge>] = &[
         "engineering strain of largest magnitude with its sign",
         |gauge| Some(gauge.strain.value),
     ),
-    row(("time_of_peak_strain", Dimension::Time, "at"), "when it is first reached", |gauge| {
+    row(("time_of_peak_strain", Dimension::Time, "at"), "time at which it is first reached", |gauge| {
         (gauge.strain.value != 0.0).then_some(gauge.strain.at)
     }),
 ];
 
-/// Every figure for a reference: where it stands, its JSON key, its unit and its description.
+/// Every figure for a reference: its group, JSON key, unit and description.
 pub fn definitions() -> Vec<[String; 4]> {
     fn rows<S>(place: &str, table: &[Definition<S>]) -> Vec<[String; 4]> {
         let row = |d: &Definition<S>| {

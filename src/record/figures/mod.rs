@@ -1,4 +1,4 @@
-//! The figures that engineers read off a run: forces, contact, gauges, residual deformation, energy, rebound.
+//! The figures of a run: forces, contact, gauges, residual deformation, energy, rebound.
 //!
 //! Each figure is one [`Definition`] in `definitions`: its name, dimension, description, and how it follows from the records of a run. The
 //! summary, its JSON, the result file, the table of a sweep and the reference page are made from these.
@@ -31,7 +31,7 @@ pub struct Group {
     pub path: Vec<String>,
     /// For people.
     pub label: String,
-    /// It says something that a line of the summary is worth.
+    /// It has results worth a line of the summary.
     pub tells: bool,
     /// In the order of the definitions.
     pub figures: Vec<Figure>,
@@ -59,7 +59,7 @@ pub struct Figure {
     pub dimension: Dimension,
     /// For the attribute `long_name`.
     pub description: &'static str,
-    /// For people: what stands before the value; empty if another line of the summary has it.
+    /// Text before the value; empty if another line of the summary has it.
     pub phrase: &'static str,
     /// SI.
     pub value: f64,

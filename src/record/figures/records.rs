@@ -1,4 +1,4 @@
-//! What the figures of a run are computed from.
+//! The records from which the figures of a run are computed.
 
 use super::tally::{Extreme, Tally};
 use crate::bar::{Bar, EndCondition};

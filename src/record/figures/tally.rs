@@ -1,4 +1,4 @@
-//! What histories of stress and strain came to, gathered while they are handed on to the result file.
+//! Peaks, times and impulses of stress and strain histories, collected while the histories are written.
 
 use serde::{Deserialize, Serialize};
 

@@ -105,7 +105,7 @@ impl Checkpoint {
     pub(super) fn write(&self, output: &Path) -> Result<()> {
         let (path, temporary) = (path_of(output), temporary(output));
         let failed = |e: &dyn std::fmt::Display| {
-            Error::file(&path, format!("cannot write the checkpoint: {e}; the one before is kept"))
+            Error::file(&path, format!("cannot write the checkpoint: {e}; the previous one is kept"))
         };
         let state = pack(self).map_err(|e| failed(&e))?;
         let head = format!("{START}{VERSION}\n{}\n", program());
@@ -138,7 +138,7 @@ impl Checkpoint {
         let (first, written_by) = (line()?, line()?);
         let version: u32 = first.strip_prefix(START).and_then(|version| version.parse().ok()).ok_or_else(damaged)?;
         if version != VERSION {
-            let message = format!("the checkpoint has the version {version}, and this program reads {VERSION}");
+            let message = format!("the checkpoint has version {version}; this program reads version {VERSION}");
             return Err(wrong(path, &message).into());
         }
         let head = format!("{first}\n{written_by}\n");
@@ -148,7 +148,7 @@ impl Checkpoint {
             return Err(damaged().into());
         }
         if written_by != program() {
-            let message = format!("the checkpoint was written by {written_by}, and this is {}", program());
+            let message = format!("the checkpoint was written by {written_by}; this is {}", program());
             return Err(wrong(path, &message).into());
         }
         unpack(state).map_err(|_| damaged().into())
@@ -207,6 +207,6 @@ mod tests {
             (format!("{START}{VERSION}\nbarwave 0.0.1\n"), pack(&Checkpoint::default()).expect("packed"));
         let sum = checksum_of(&head, &state).to_le_bytes();
         let refused = message(&[head.as_bytes(), &sum, &state].concat());
-        assert!(refused.contains("written by barwave 0.0.1, and this is barwave"), "{refused}");
+        assert!(refused.contains("written by barwave 0.0.1; this is barwave"), "{refused}");
     }
 }

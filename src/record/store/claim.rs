@@ -1,4 +1,5 @@
-//! A result file's hold on its place and on the disk: whether the file still stands under its name, and room that is made before it is used.
+//! Exclusive use of the path and disk space of a result file: whether the file is still at its path, and space reserved before it
+//! is used.
 //!
 //! HDF5 cannot undo a write that fails half-way: a full disk would leave a file that cannot be read. So the file is made longer before
 //! anything is written to it. Where that fails, everything written before is whole.
@@ -10,12 +11,12 @@ use super::checkpoint;
 use crate::destination;
 use crate::error::{Error, Result};
 
-/// Bytes that stay free for the tables of HDF5 itself and for the end of a run, whatever is written.
+/// Bytes reserved for the tables of HDF5 itself and for the end of a run.
 const SPARE: u64 = 1 << 20;
 /// Bytes by which the file grows beyond what is needed at once.
 const STEP: u64 = 4 << 20;
 
-/// Why a run cannot go on whose file is no longer where it was.
+/// Message for a run whose file has been moved or removed.
 pub(super) const GONE: &str = "the result file was removed, moved or replaced during the run";
 
 /// Has a file built beside its final place, then moves it there. Missing folders are made.
@@ -71,7 +72,7 @@ pub(super) fn remove_unnamed(path: &Path) {
     }
 }
 
-/// No such process runs; false where that cannot be told.
+/// True if no such process is running; false if unknown.
 fn has_ended(process: &str) -> bool {
     let processes = Path::new("/proc");
     processes.join("self").exists() && !processes.join(process).exists()
@@ -101,7 +102,7 @@ impl Claim {
         Ok(Self { path: path.to_owned(), file, reserved: 0 })
     }
 
-    /// Where the file stands.
+    /// Path of the file.
     pub fn path(&self) -> &Path {
         &self.path
     }

@@ -1,4 +1,4 @@
-//! Datasets that grow by rows, and are cut back to a checkpoint.
+//! Datasets that are extended by rows and truncated to a checkpoint.
 
 use hdf5::Dataset;
 use ndarray::s;
@@ -24,7 +24,7 @@ pub(super) fn cut(dataset: &Dataset, rows: usize) -> Hdf<()> {
 pub(super) fn is_longer(dataset: &Dataset, rows: usize) -> Hdf<bool> {
     let found = dataset.shape().first().copied().unwrap_or(0);
     if found < rows {
-        return Err(format!("`{}` has {found} rows, and its checkpoint is of {rows}", dataset.name()).into());
+        return Err(format!("`{}` has {found} rows, but its checkpoint has {rows}", dataset.name()).into());
     }
     Ok(found > rows)
 }

@@ -1,4 +1,4 @@
-//! The start of a file: attributes, axes, empty datasets, materials; everything but what a run computes.
+//! Creation of a file: attributes, axes, empty datasets and materials.
 
 use std::time::SystemTime;
 
@@ -28,7 +28,7 @@ const FRAME_ROWS: usize = 256;
 pub(super) const SAMPLE: &str = "sample";
 
 /// What a time that comes twice means.
-const JUMPS: &str = "not decreasing; where a time comes twice, the values jump from the first row to the second";
+const JUMPS: &str = "non-decreasing; at a repeated time the values jump from the first row to the second";
 
 /// Columns of a history: name, units, long name.
 const GAUGE_COLUMNS: [[&str; 3]; 4] =
@@ -49,7 +49,7 @@ pub(super) fn ledger_columns() -> impl Iterator<Item = [&'static str; 2]> {
         ["work_right", "work done by the right end since the start"],
         ["momentum", "momentum of the bar in +x"],
         ["impulse", "impulse given by both ends, external damping and a foundation since the start"],
-        ["residual", "energy not accounted for, relative"],
+        ["residual", "relative energy residual"],
     ];
     [["time", "time"]].into_iter().chain(Energies::COLUMNS.iter().copied()).chain(after)
 }
@@ -96,7 +96,7 @@ fn build_fields(file: &File, layout: &Layout, twisted: bool) -> Hdf<()> {
     describe(&time, "s", "time")?;
     let x = file.new_dataset::<f64>().shape(layout.x.len()).create("x")?;
     x.write_raw(&layout.x)?;
-    describe(&x, "m", "position along the bar, from the left end, as undeformed")?;
+    describe(&x, "m", "Lagrangian coordinate from the left end")?;
     for field in &layout.fields {
         let shape = (Extent::resizable(0), Extent::fixed(layout.x.len()));
         let builder = match layout.precision {
@@ -224,7 +224,7 @@ fn build_columns(group: &Group, columns: &[[&str; 3]], rows: usize) -> Hdf<()> {
         describe(&builder.chunk(rows).shape(Extent::resizable(0)).create(*name)?, units, long_name)?;
     }
     let samples = group.new_dataset::<f32>().chunk(rows).shape(Extent::resizable(0)).create(SAMPLE)?;
-    put_text(&samples, "long_name", "number of the row; this dimension has no values")?;
+    put_text(&samples, "long_name", "row number; this dimension has no values")?;
     let names: Vec<&str> = columns.iter().map(|c| c[0]).collect();
     let time = group.dataset(names[0])?;
     put_text(&time, "comment", JUMPS)?;

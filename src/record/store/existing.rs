@@ -1,4 +1,4 @@
-//! What stands where a result file is to be written.
+//! The existing file at the path of a new result file.
 
 use std::io::Read as _;
 use std::path::Path;

@@ -9,7 +9,7 @@ use crate::record::Profile;
 
 type Hdf<T> = hdf5::Result<T>;
 
-/// Bytes that [`write`] takes at most.
+/// Largest number of bytes that [`write`] accepts.
 pub(super) fn bytes(figures: &Figures) -> u64 {
     2048 * figures.0.iter().map(|group| 5 + group.figures.len() as u64).sum::<u64>()
 }
@@ -52,7 +52,7 @@ const POSITION: &str = "relative_position";
 fn write_profile(place: &Group, profile: &Profile) -> Hdf<()> {
     let count = profile.values.len();
     let middles: Vec<f64> = (0..count).map(|k| (k as f64 + 0.5) / count as f64).collect();
-    let texts = [(POSITION, "middle of the part of the undeformed bar over its length", &middles)];
+    let texts = [(POSITION, "centre of each tenth of the undeformed bar, relative to its length", &middles)];
     for (name, description, values) in texts.into_iter().chain([(profile.name, profile.description, &profile.values)]) {
         let dataset = place.new_dataset::<f64>().shape(count).create(name)?;
         dataset.write_raw(values)?;

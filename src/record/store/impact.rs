@@ -1,4 +1,4 @@
-//! The result of an impact that is not waves in a bar: figures, histories and deflected shapes in one group, complete from the start.
+//! The result of an impact without waves in a bar: figures, histories and deflected shapes in one group.
 
 use std::path::Path;
 
@@ -84,7 +84,7 @@ fn write_shapes(group: &Group, shapes: &Shapes) -> Hdf<()> {
     let group = group.create_group("shapes")?;
     let axes = [
         ("time", "s", "time since the first contact", &shapes.time),
-        ("x", "m", "place from the left support", &shapes.x),
+        ("x", "m", "distance from the left support", &shapes.x),
     ];
     for (name, unit, long_name, values) in axes {
         let dataset = group.new_dataset::<f64>().shape(values.len()).create(name)?;

@@ -90,7 +90,7 @@ pub const FORMAT_VERSION: u32 = 2;
 /// The value of the root attribute `outcome` until a run ends.
 pub const RUNNING: &str = "running";
 
-/// Its value for a run that was asked to stop.
+/// Its value for an interrupted run.
 pub const INTERRUPTED: &str = "interrupted";
 
 /// Longest time for which a finished frame stays only in memory.
@@ -123,7 +123,7 @@ pub struct Header {
     pub scheme: String,
     /// m/s; none where the data hold none.
     pub critical_velocity: Option<f64>,
-    /// What does not go well in what the scene asks for, a sentence each.
+    /// Notes on problematic settings of the scene, one sentence each.
     pub notes: Vec<String>,
     /// Of a bar in torsion: the radius whose stress, strain and velocity are recorded, m. Momenta are then N m s.
     pub torsion: Option<f64>,
@@ -205,7 +205,7 @@ impl Side {
 
 /// What is known when a run ends; written as root attributes.
 #[derive(Debug, Clone, Default)]
-pub struct Finish {
+pub struct RunFigures {
     /// Whole run, s.
     pub wall_seconds: f64,
     /// Stepping alone, s.
@@ -218,7 +218,7 @@ pub struct Finish {
     pub events: u64,
     /// Cells times steps, as they were computed.
     pub cell_steps: u64,
-    /// Why a run stopped that could not go on.
+    /// Reason for which a run stopped.
     pub reason: Option<String>,
     /// Error against a reference, where there is one.
     pub error: Option<ErrorFigure>,
@@ -232,13 +232,13 @@ pub struct Finish {
 
 /// The writing end of a result file.
 ///
-/// Every method hands its data to the writing thread; an error of that thread (a full disk, say) comes back from the
+/// Every method passes its data to the writer thread; an error of that thread (a full disk, say) comes back from the
 /// next call. Dropping a writer without [`Writer::finish`] flushes what it was given and leaves `outcome = "running"`.
 #[derive(Debug)]
 pub struct Writer {
     path: PathBuf,
     sender: Option<SyncSender<Message>>,
-    /// Why the thread has ended, where it could not go on.
+    /// Error that ended the thread.
     failure: Option<String>,
     thread: Option<JoinHandle<Result<()>>>,
 }
@@ -252,16 +252,16 @@ enum Message {
     Ledger(LedgerRow),
     Paths(Vec<PathRow>),
     Checkpoint(Box<Checkpoint>),
-    Finish(Box<Ending>),
+    Finish(Box<Trailer>),
 }
 
 /// Everything that [`Writer::finish`] writes.
 #[derive(Debug)]
-struct Ending {
+struct Trailer {
     outcome: String,
     fronts: Vec<FrontRow>,
     audit: Vec<AuditRow>,
-    figures: Finish,
+    figures: RunFigures,
 }
 
 impl Writer {
@@ -317,19 +317,19 @@ impl Writer {
         self.send(Message::Ledger(row))
     }
 
-    /// Adds straight pieces of fronts; the layout must ask for them.
+    /// Adds straight segments of fronts; the layout must ask for them.
     pub fn paths(&mut self, rows: Vec<PathRow>) -> Result<()> {
         self.send(Message::Paths(rows))
     }
 
-    /// Flushes all that was given so far, and then keeps a checkpoint that stands for it; its rows are filled in.
+    /// Flushes all data so far, then writes the corresponding checkpoint, with its row counts filled in.
     pub fn checkpoint(&mut self, checkpoint: Checkpoint) -> Result<()> {
         self.send(Message::Checkpoint(Box::new(checkpoint)))
     }
 
     /// Writes what is known only at the end, then the outcome, and closes the file.
-    pub fn finish(mut self, outcome: &str, fronts: &[FrontRow], audit: &[AuditRow], figures: Finish) -> Result<()> {
-        let ending = Ending { outcome: outcome.into(), fronts: fronts.into(), audit: audit.into(), figures };
+    pub fn finish(mut self, outcome: &str, fronts: &[FrontRow], audit: &[AuditRow], figures: RunFigures) -> Result<()> {
+        let ending = Trailer { outcome: outcome.into(), fronts: fronts.into(), audit: audit.into(), figures };
         self.send(Message::Finish(Box::new(ending)))?;
         self.join()
     }
@@ -353,7 +353,7 @@ impl Writer {
                 }
                 result
             }
-            Some(Err(_)) => Err(Error::file(&self.path, "the writing thread broke off")),
+            Some(Err(_)) => Err(Error::file(&self.path, "the writer thread stopped")),
             None => Ok(()),
         }
     }
@@ -366,7 +366,7 @@ impl Drop for Writer {
     }
 }
 
-/// The writing thread: takes messages until the end, and flushes what came at regular times.
+/// The writer thread: processes messages until the end and flushes at regular intervals.
 fn serve(mut sink: Sink, messages: &Receiver<Message>) -> Result<()> {
     // The first frame is on the disk at once.
     let mut next_flush = Instant::now();

@@ -36,7 +36,7 @@ const NUMBER: &str = "path";
 /// The empty table and its scale.
 pub(super) fn build(file: &File, compression: Compression) -> Hdf<()> {
     let group = file.create_group("paths")?;
-    put_text(&group, "long_name", "straight pieces of fronts")?;
+    put_text(&group, "long_name", "straight segments of fronts")?;
     put(&group, "complete", &0_u8)?;
     for (name, units, long_name, _) in COLUMNS {
         // A front starts where another ended, and runs at one of few speeds: whole numbers come again, in a quarter less bytes than
@@ -141,7 +141,7 @@ impl PathTable {
         Ok(true)
     }
 
-    /// Writes the rest, and says whether every front is in the table.
+    /// Writes the remainder; true if every front is in the table.
     pub fn finish(&mut self, complete: bool) -> Hdf<()> {
         self.write_rows(self.waiting.len())?;
         self.group.attr("complete")?.write_scalar(&u8::from(complete))

@@ -1,4 +1,4 @@
-//! The reading side: everything that a result file holds, as plain data. It reads unfinished files too.
+//! Reading of result files, also unfinished ones, as plain data.
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -19,7 +19,7 @@ use crate::text_file::NamedFiles;
 
 type Hdf<T> = hdf5::Result<T>;
 
-/// An open result file. Attributes are read at once, data when asked for.
+/// An open result file. Attributes are read immediately, data on request.
 #[derive(Debug)]
 pub struct ResultFile {
     path: PathBuf,
@@ -46,7 +46,7 @@ pub struct Facts {
     pub overrides: Vec<String>,
     /// Effects that were simulated.
     pub effects: Vec<String>,
-    /// What does not go well in what the scene asks for; empty in files of programs that did not say.
+    /// Notes on problematic settings of the scene; empty in files of older programs.
     pub notes: Vec<String>,
     /// "fd" or "moc".
     pub method: String,
@@ -54,7 +54,7 @@ pub struct Facts {
     pub scheme: String,
     /// "done", "running", ...
     pub outcome: String,
-    /// Why a run stopped that could not go on.
+    /// Reason for which a run stopped.
     pub reason: Option<String>,
     /// "J" or "J/m^2".
     pub energy_units: String,
@@ -77,7 +77,7 @@ pub struct Facts {
 }
 
 impl Facts {
-    /// True until the run ended: the file of a run that goes on, or was killed.
+    /// True until the run has ended: the file of a run in progress, or of a killed one.
     pub fn is_unfinished(&self) -> bool {
         self.outcome == RUNNING
     }
@@ -264,7 +264,7 @@ fn open(path: &Path) -> Result<SharedFile> {
         return Err(wrong(path, "this is a folder", "name a result file in it").into());
     }
     if !path.is_file() {
-        return Err(wrong(path, "there is no such file", "name a result file that `barwave run` wrote").into());
+        return Err(wrong(path, "no such file", "name a result file that `barwave run` wrote").into());
     }
     super::recover(path);
     let file = SharedFile::open(path).map_err(|e| cannot_open(path, &e))?;
@@ -312,14 +312,10 @@ fn cannot_open(path: &Path, why: &NotOpened) -> InputError {
         NotOpened::Failed(error) => error.to_string(),
     };
     if said.contains("truncated") {
-        return wrong(
-            path,
-            "the file was cut off while it was copied or written",
-            "copy it again, or run its scene again",
-        );
+        return wrong(path, "the file is truncated", "copy it again, or run its scene again");
     }
     if super::existing::has_signature(path) {
-        return wrong(path, "the file is damaged or was cut off", "copy it again, or run its scene again");
+        return wrong(path, "the file is damaged or truncated", "copy it again, or run its scene again");
     }
     wrong(path, "this is not an HDF5 file", "name a result file that `barwave run` wrote")
 }

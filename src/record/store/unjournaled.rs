@@ -1,4 +1,4 @@
-//! Files on systems where they are not journaled: a kill in the middle of a flush can spoil them.
+//! Files on systems without a journal, which a kill during a flush can damage.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! The writing side: appends frames, histories and ledger rows.
+//! Writing of result files: frames, histories and ledger rows.
 
 use std::path::{Path, PathBuf};
 
@@ -15,7 +15,7 @@ use super::open_rw;
 use super::paths::PathTable;
 use super::ruptures;
 use super::tables::{self, Column};
-use super::{Ending, Finish, Header, INTERRUPTED, Layout, Message, RUNNING, Side};
+use super::{Header, INTERRUPTED, Layout, Message, RUNNING, RunFigures, Side, Trailer};
 use crate::destination;
 use crate::error::{Error, Result};
 use crate::record::{AuditRow, ErrorTable, Frame, FrontRow, LedgerRow, MaterialRecord, Precision, Trace};
@@ -77,7 +77,7 @@ impl Sink {
         Self::claimed(path, claim, layout)
     }
 
-    /// Opens the file of a run and takes it back to a checkpoint.
+    /// Opens the file of a run and truncates it to a checkpoint.
     pub fn resume(path: &Path, layout: &Layout, checkpoint: &Checkpoint) -> Result<Self> {
         let place = destination::resolve(path)?;
         let claim = Claim::new(&place, &place).map_err(|e| Error::file(path, e))?;
@@ -120,7 +120,7 @@ impl Sink {
         self.file.flush()
     }
 
-    /// Keeps a checkpoint that stands for all that was taken so far.
+    /// Writes a checkpoint of all data so far.
     fn keep(&mut self, mut checkpoint: Checkpoint) -> Result<()> {
         self.flush()?;
         checkpoint.rows = Rows {
@@ -231,7 +231,7 @@ impl Sink {
     }
 
     /// Writes the tables known only at the end, then the outcome as the very last thing.
-    pub fn finish(&mut self, ending: &Ending) -> Result<()> {
+    pub fn finish(&mut self, ending: &Trailer) -> Result<()> {
         self.flush()?;
         let tables = tables::bytes(16 + self.gauges.len(), ending.fronts.len()) + tables::bytes(32, ending.audit.len());
         self.reserve(tables + figures::bytes(&ending.figures.figures))?;
@@ -274,7 +274,7 @@ impl Sink {
         }
     }
 
-    fn write_ending(&mut self, ending: &Ending) -> Hdf<()> {
+    fn write_ending(&mut self, ending: &Trailer) -> Hdf<()> {
         write_fronts(&self.file, &ending.fronts, &self.gauge_names)?;
         write_audit(&self.file, &ending.audit)?;
         if let Some(ruptures) = &ending.figures.ruptures {
@@ -427,7 +427,7 @@ fn write_fronts(file: &File, fronts: &[FrontRow], gauges: &[(String, String)]) -
         Column::numbers(name, units, long_name, fronts.iter().map(value).collect())
     };
     let mut columns = vec![
-        Column::texts("origin", "where the front started", fronts.iter().map(|f| f.origin.clone()).collect()),
+        Column::texts("origin", "origin of the front", fronts.iter().map(|f| f.origin.clone()).collect()),
         number("strain_behind", "1", "engineering strain behind the front", |f| f.strain_behind),
         number("strain_ahead", "1", "engineering strain ahead of the front", |f| f.strain_ahead),
         number("stress_behind", "Pa", "engineering stress behind the front", |f| f.stress_behind),
@@ -455,13 +455,15 @@ fn write_audit(file: &File, audit: &[AuditRow]) -> Hdf<()> {
     let columns = [
         texts("effect", "neglected effect", |row| row.effect.clone()),
         texts("message", "size of the effect and how to include it", AuditRow::message),
-        numbers("estimate", "estimated relative change of the stress, or what the message says", |row| row.estimate),
-        numbers("threshold", "estimate from which the effect matters", |row| row.threshold),
+        numbers("estimate", "estimated relative change of the stress, or the quantity named in the message", |row| {
+            row.estimate
+        }),
+        numbers("threshold", "estimate above which the effect is significant", |row| row.threshold),
     ];
     tables::write(file, "audit", "row", &columns, audit.len()).map(|_| ())
 }
 
-fn write_root(file: &File, figures: &Finish) -> Hdf<()> {
+fn write_root(file: &File, figures: &RunFigures) -> Hdf<()> {
     put_quantity(file, "wall_seconds", figures.wall_seconds, "s")?;
     put_quantity(file, "step_wall_seconds", figures.step_wall_seconds, "s")?;
     put(file, "cells", &figures.cells)?;

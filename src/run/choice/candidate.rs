@@ -1,4 +1,4 @@
-//! One method on its way to a tolerance: its pilots so far, and what they predict.
+//! One candidate method for a tolerance: its pilot runs so far, and its predicted cost.
 
 use serde::{Deserialize, Serialize};
 
@@ -69,7 +69,7 @@ pub(super) struct Candidate {
     pub pilots: Vec<Pilot>,
     /// Runs on grids, by cells.
     pub runs: Vec<(usize, Coarse)>,
-    /// It cannot go on, and why.
+    /// It stopped, with the reason.
     pub out: Option<String>,
     /// Its next pilot was given up after so much work: it is not worth as much, unless the others turn out to cost more.
     pub too_expensive: Option<u64>,

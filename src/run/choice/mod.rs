@@ -1,4 +1,4 @@
-//! `tolerance`: which method solves a scene cheapest to within a given error, and how finely it has to work.
+//! `tolerance`: selection of the cheapest method and resolution for a given error.
 //!
 //! All methods that can do the scene start from their coarsest resolution and are refined in turn, always the one that is
 //! expected to be done soonest, until one of them is so near to the tolerance that its last step is safe to predict. Those
@@ -124,7 +124,7 @@ impl Attempt {
 /// the run itself. None where the scene names its method.
 ///
 /// # Errors
-/// No method gets there, or [`Error::Interrupted`] where `progress` asked to stop.
+/// No method gets there, or [`Error::Interrupted`] if `progress` requests a stop.
 pub fn predict(
     scene: &Scene,
     progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
@@ -238,17 +238,19 @@ fn why(scene: &Scene, tolerance: f64, candidates: &[Candidate], winner: usize) -
         .enumerate()
         .filter(|(k, _)| *k != winner)
         .map(|(_, r)| match (&r.out, r.predicted(scene, tolerance)) {
-            (Some(why), _) => format!("{} is out: {why}", name(r)),
-            _ if r.too_expensive.is_some() => format!("{} takes more work than that", name(r)),
-            (None, Some((_, time))) => format!("{} would take about {time:.1e} s", name(r)),
+            (Some(why), _) => format!("{} was rejected: {why}", name(r)),
+            _ if r.too_expensive.is_some() => format!("{} needs more work than that", name(r)),
+            (None, Some((_, time))) => format!("{} would need about {time:.1e} s", name(r)),
             (None, None) => format!("{} was not needed", name(r)),
         })
         .collect();
     let time = candidates[winner].predicted(scene, tolerance).map_or(0.0, |f| f.1);
-    let best =
-        format!("{} is expected to reach {tolerance:e} soonest, in nominally {time:.1e} s", name(&candidates[winner]));
+    let best = format!(
+        "{} is expected to reach {tolerance:e} in the shortest time, nominally {time:.1e} s",
+        name(&candidates[winner])
+    );
     if others.is_empty() {
-        return format!("{} is the only method that can do the scene", name(&candidates[winner]));
+        return format!("{} is the only method that can simulate the scene", name(&candidates[winner]));
     }
     format!("{best}; {}", others.join("; "))
 }
@@ -256,6 +258,7 @@ fn why(scene: &Scene, tolerance: f64, candidates: &[Candidate], winner: usize) -
 fn not_reached(scene: &Scene, tolerance: f64, tried: &[Tried]) -> Error {
     let best = tried.iter().filter_map(|t| t.estimate).fold(f64::INFINITY, f64::min);
     let reason = format!("no method reached the tolerance {tolerance:e}: the best estimate was {best:.1e}");
-    let help = "ask for less, or name a method and its resolution in [solve]; `barwave cost` shows what each one gives";
+    let help =
+        "increase `tolerance`, or set a method and its resolution in [solve]; `barwave cost` shows the error of each";
     RunError { reason, time: scene.solve.until, x: None, help: help.into() }.into()
 }

@@ -25,7 +25,7 @@ pub(super) fn grid_pilot(
     let method = candidate.next();
     let cells = method.cells().unwrap_or(FIRST_CELLS);
     if cells as f64 > MOST_CELLS {
-        candidate.out = Some(format!("it would take more than {MOST_CELLS:.0} cells"));
+        candidate.out = Some(format!("it would need more than {MOST_CELLS:.0} cells"));
         return Ok(());
     }
     let instants = instants(scene);
@@ -62,7 +62,7 @@ pub(super) fn front_pilot(
     let method = candidate.next();
     let Method::FrontTracking { front_tolerance, event_budget } = method else { return Ok(()) };
     if front_tolerance < LEAST_TOLERANCE {
-        candidate.out = Some(format!("it would take a front tolerance below {LEAST_TOLERANCE:e}"));
+        candidate.out = Some(format!("it would need a front tolerance below {LEAST_TOLERANCE:e}"));
         return Ok(());
     }
     let most = (PATIENCE * rival / nominal(scene, method)).max(4.0 * FEW_EVENTS as f64).min(event_budget as f64) as u64;
@@ -72,13 +72,14 @@ pub(super) fn front_pilot(
     candidate.too_expensive = None;
     let instants = companion::instants(scene.solve.until);
     let Some((bar, response)) = companion::tracked(scene, settings, &instants, progress)? else {
-        let why = || format!("fronts meet more than {most} times with a front tolerance of {front_tolerance:.1e}");
+        let why =
+            || format!("there are more than {most} front interactions with a front tolerance of {front_tolerance:.1e}");
         (candidate.too_expensive, candidate.out) = (limited.then_some(most), (!limited).then(why));
         return Ok(());
     };
     let Some(estimate) = front_estimate(scene, settings, (&bar, &response), progress)? else {
         let coarser = COARSER * front_tolerance;
-        let why = || format!("a run with a front tolerance of {coarser:.1e} meets more fronts still");
+        let why = || format!("a run with a front tolerance of {coarser:.1e} has more front interactions");
         (candidate.too_expensive, candidate.out) = (limited.then_some(most), (!limited).then(why));
         return Ok(());
     };
@@ -121,8 +122,8 @@ pub(super) fn contradiction(
     let against = || {
         let cells = run.method.cells().unwrap_or(0);
         format!(
-            "with {cells} cells it is {apart:.1e} off front tracking with a tolerance of {front_tolerance:.1e}, more than their \
-             estimates allow"
+            "with {cells} cells it differs by {apart:.1e} from front tracking with a tolerance of {front_tolerance:.1e}, more \
+             than the error estimates of both allow"
         )
     };
     Ok((apart > estimate + run.estimate).then(against))

@@ -29,8 +29,8 @@ impl Checker<'_> {
     /// by 1/r of the lever's end and carries r times the force. Mass, velocity and contact are those that give the same energies.
     pub(super) fn ball_on_lever(&self, raw: &BallOnLever, site: &EndSite<'_>) -> Result<EndCondition> {
         if let Some(rigid) = raw.rigid.as_ref().filter(|rigid| *rigid.get_ref()) {
-            let message = "a rigid ball on the rigid lever has no contact that gives way";
-            return Err(self.error(rigid.span(), &format!("{}.rigid", site.key), message).help("take it out").into());
+            let message = "a rigid ball on a rigid lever has no contact compliance";
+            return Err(self.error(rigid.span(), &format!("{}.rigid", site.key), message).help("remove it").into());
         }
         let ratio = self.si(&raw.arm)? / site.radius;
         let (radius, mass, ball) = self.ball_body(&raw.keys(), site)?;
@@ -108,7 +108,7 @@ impl Checker<'_> {
     /// Refuses the first of two keys that say the same, where it was given beside the second.
     pub(in crate::scene) fn not_both(&self, first: Option<Range<usize>>, key: &str, names: [&str; 2]) -> Result<()> {
         let Some(span) = first else { return Ok(()) };
-        let message = format!("`{}` and `{}` both say what the ball is", names[0], names[1]);
+        let message = format!("`{}` and `{}` are both given for the ball", names[0], names[1]);
         let help = format!("keep `{}` or `{}`, not both", names[0], names[1]);
         Err(self.error(span, &format!("{key}.{}", names[0]), message).help(help).into())
     }

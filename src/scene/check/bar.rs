@@ -50,8 +50,8 @@ impl Checker<'_> {
         let own = |name: &str| ["mode", "shear", "segment"].contains(&name);
         let given = self.keys[0].iter().find(|given| !own(&given.name) && !table(&given.name));
         let Some(GivenKey { name, value: span, .. }) = given else { return Ok(()) };
-        let message = format!("`{name}` of the whole bar stands beside [[bar.segment]]");
-        let help = format!("move `{name}` into each [[bar.segment]], or take the segments out");
+        let message = format!("`{name}` of [bar] cannot be combined with [[bar.segment]]");
+        let help = format!("move `{name}` into each [[bar.segment]], or remove the segments");
         Err(self.error(span.clone(), &format!("bar.{name}"), message).help(help).into())
     }
 
@@ -73,7 +73,7 @@ impl Checker<'_> {
         }
         if let Some(i) = with_area.iter().position(|&given| given != with_area[0]) {
             let without = if with_area[0] { i } else { 0 };
-            let message = "some segments state an area and this one does not";
+            let message = "other segments have an area and this one has none";
             let error = self.error(list[without].span(), &format!("bar.segment.{without}.area"), message);
             return Err(error.help("give `area` or `diameter` in every segment, or in none").into());
         }
@@ -140,12 +140,12 @@ impl Checker<'_> {
         let (joint_key, gap_key) = (format!("{key}.joint"), format!("{key}.gap"));
         let gap = self.si(&raw.gap)?;
         if let (Some(joint), true) = (&raw.joint, last) {
-            let error = self.error(joint.span(), &joint_key, "the last segment has no next one to be joined to");
-            return Err(error.help("take it out; [right] says what is at the end of the bar").into());
+            let error = self.error(joint.span(), &joint_key, "the last segment has no next segment");
+            return Err(error.help("remove it; [right] is the boundary condition of this end").into());
         }
         if let (Some(gap), RawJoint::Bonded) = (raw.gap.place(), kind) {
             let error = self.error(gap, &gap_key, "a bonded joint has no gap");
-            return Err(error.help("take `gap` out, or say joint = \"contact\"").into());
+            return Err(error.help("remove `gap`, or set joint = \"contact\"").into());
         }
         match kind {
             RawJoint::Bonded => Ok(Joint::Bonded),

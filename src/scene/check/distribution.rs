@@ -25,8 +25,8 @@ pub(super) type Values = [Option<Distribution>; 6];
 const SAME_PLACE: f64 = 1e-9;
 
 /// What rows of a table over x obey, and how to write them.
-const ROWS: &str = "x never decreases, at most two rows with one x";
-const ROWS_HELP: &str = "list the rows from left to right; two rows with one x are a jump";
+const ROWS: &str = "x does not decrease; at most two rows have the same x";
+const ROWS_HELP: &str = "sort the rows by x; two rows with the same x are a jump";
 
 const X: Abscissa = Abscissa {
     key: "x",
@@ -48,7 +48,7 @@ impl Checker<'_> {
             let error = self.error(
                 strain.span.clone(),
                 &format!("{key}.strain"),
-                "a bar in torsion does not start from a strain",
+                "an initial strain is not available in torsion",
             );
             return Err(error.help("give `stress`, the shear stress of the surface").into());
         }
@@ -123,11 +123,8 @@ impl Checker<'_> {
             Some(temperature) => {
                 let Some(reference) = segment.material.constants.heat.reference_temperature else {
                     let (key, span) = raw.initial_of(k, TEMPERATURE).unwrap_or_default();
-                    let message = format!(
-                        "`{}` states no reference temperature, at which its curve holds",
-                        segment.material.name
-                    );
-                    let help = "add reference-temperature to the material's [heat] table, or take `temperature` out";
+                    let message = format!("`{}` has no reference temperature", segment.material.name);
+                    let help = "add reference-temperature to the material's [heat] table, or remove `temperature`";
                     return Err(self.error(span, &key, message).help(help).into());
                 };
                 Distribution::combined([&temperature], |[t]| t - reference)

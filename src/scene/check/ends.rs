@@ -1,4 +1,4 @@
-//! The two ends: what each kind means, in torsion in terms of the surface, and the histories that drive them.
+//! The two ends: conversion of each kind, in torsion in terms of the surface, and the prescribed histories.
 
 use std::ops::Range;
 
@@ -85,17 +85,20 @@ impl Checker<'_> {
     }
 
     fn not_in_torsion(&self, kind: &Placed<EndKind>, key: &str) -> Error {
-        let message = format!("an end of kind \"{}\" means nothing in torsion", kind.get_ref().word());
+        let message = format!("an end of kind \"{}\" is not available in torsion", kind.get_ref().word());
         let error = self.error(kind.span(), &format!("{key}.kind"), message);
         let others = EndKind::ALL.iter().filter(|other| *other != kind.get_ref());
         let others: Vec<&str> = others.map(|other| other.word()).collect();
-        error.allowed(others.join(", ")).help("use kind = \"fixed\" or \"free\", or drive the end").into()
+        error
+            .allowed(others.join(", "))
+            .help("use kind = \"fixed\" or \"free\", or impose a velocity or a torque")
+            .into()
     }
 
     /// A body acts on the whole section: without an area its mass or stiffness has no meaning.
     fn needs_area(&self, kind: &Placed<EndKind>, key: &str) -> Error {
         let word = kind.get_ref().word();
-        let message = format!("an end of kind \"{word}\" needs the section on which it acts, and the bar has none");
+        let message = format!("an end of kind \"{word}\" needs the cross-section of the bar");
         let help = "give [bar] (or every [[bar.segment]]) an area, e.g. area = \"1 cm^2\", or a diameter";
         self.error(kind.span(), &format!("{key}.kind"), message).help(help).into()
     }
@@ -147,6 +150,6 @@ impl Checker<'_> {
 }
 
 /// What rows of a history obey.
-pub(super) const ROWS: &str = "times never decrease, at most two rows with one time";
+pub(super) const ROWS: &str = "times do not decrease; at most two rows have the same time";
 /// And how to write them.
-pub(super) const ROWS_HELP: &str = "list the rows in the order of time; two rows with one time are a jump";
+pub(super) const ROWS_HELP: &str = "sort the rows by time; two rows with the same time are a jump";

@@ -1,4 +1,4 @@
-//! The effect `unloading`: how yielded points harden, and the rate that implies it.
+//! The effect `hardening`, and the effects that imply it.
 
 use super::super::capability::MIXED;
 use super::super::raw::{RawEffects, RawUnloading};
@@ -17,7 +17,7 @@ impl Checker<'_> {
             let implied = rate.is_some() || raw.heat.is_some();
             return Ok(Effects { unloading: implied.then_some(Unloading::Isotropic), rate, ..Effects::default() });
         };
-        let key = "effects.unloading";
+        let key = "effects.hardening";
         let kind = match unloading.get_ref() {
             RawUnloading::Isotropic => Unloading::Isotropic,
             RawUnloading::Kinematic => Unloading::Kinematic,
@@ -27,17 +27,15 @@ impl Checker<'_> {
         if let (Some(segment), Unloading::Kinematic | Unloading::Mixed(_)) = (two_branches, kind) {
             let name = &segment.material.name;
             let message = format!("kinematic hardening needs one curve for both senses; `{name}` has two");
-            let help = "use unloading = \"isotropic\", or a material without a compression curve of its own";
+            let help = "use hardening = \"isotropic\", or a material without a compression curve of its own";
             return Err(self.error(unloading.span(), key, message).allowed("\"isotropic\"").help(help).into());
         }
         if raw.overlays()
             && let Some(segment) = bar.segments.iter().find(|s| !table(s).is_concave())
         {
             let name = &segment.material.name;
-            let message = format!(
-                "kinematic hardening is that of elements in parallel, whose curve never stiffens; that of `{name}` does"
-            );
-            let help = format!("{MIXED}, or unloading = \"isotropic\"");
+            let message = format!("kinematic hardening needs a curve that does not stiffen; that of `{name}` does");
+            let help = format!("{MIXED}, or hardening = \"isotropic\"");
             let allowed = "\"isotropic\" or { mixed = 0 to 1 }";
             return Err(self.error(unloading.span(), key, message).allowed(allowed).help(help).into());
         }

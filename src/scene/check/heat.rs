@@ -1,4 +1,4 @@
-//! The effect `heat`: heats the materials of the bar.
+//! The effect `heat`: thermal constants of the materials of the bar.
 
 use std::sync::Arc;
 
@@ -19,12 +19,12 @@ impl Checker<'_> {
                 let name = &segment.material.name;
                 let (message, help) = match error {
                     HeatingError::Missing(keys) => (
-                        format!("heat needs constants that the material `{name}` does not state: {}", keys.join(", ")),
+                        format!("`heat` needs constants that the material `{name}` does not have: {}", keys.join(", ")),
                         "add them to the material's [heat] table, e.g. specific-heat = \"385 J/(kg*K)\", \
-                         reference-temperature = \"293 K\", melting-temperature = \"1356 K\", m = 1; or take `heat` out",
+                         reference-temperature = \"293 K\", melting-temperature = \"1356 K\", m = 1; or remove `heat`",
                     ),
                     HeatingError::Curve(error) => {
-                        (format!("the curve of `{name}` cannot be softened: {error}"), "take `heat` out")
+                        (format!("the curve of `{name}` cannot be softened: {error}"), "remove `heat`")
                     }
                 };
                 self.error(raw.span(), "effects.heat", message).help(help)

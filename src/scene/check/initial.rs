@@ -1,4 +1,4 @@
-//! Initial states: what a segment can start with.
+//! Initial states: checks of the initial values of a segment.
 
 use super::super::raw::{INITIAL, RawBar, RawEffects};
 use super::super::{Effects, Method, Unloading};
@@ -66,11 +66,14 @@ impl Checker<'_> {
             if !warm {
                 return Ok(());
             }
-            let message = "a temperature needs the effect `heat` with a fraction above 0: the curve is else that of any temperature".to_owned();
+            let message =
+                "an initial temperature needs the effect `heat` with a fraction above 0: the curve is independent of \
+                           temperature otherwise"
+                    .to_owned();
             let help = if raw_effects.heat.is_some() {
-                "take `temperature` out"
+                "remove `temperature`"
             } else {
-                "add heat = {} to [effects], or take `temperature` out"
+                "add heat = {} to [effects], or remove `temperature`"
             };
             return Err(self.at_key(given, &[TEMPERATURE], message).help(help).into());
         };
@@ -83,7 +86,7 @@ impl Checker<'_> {
         let message =
             format!("an initial temperature of {} K{place} is out of range", kelvin(initial.temperature_rise));
         let allowed = format!(
-            "{} K (where the curve holds) <= temperature < {} K (where the metal melts)",
+            "{} K (reference temperature) <= temperature < {} K (melting temperature)",
             kelvin(0.0),
             kelvin(range)
         );
@@ -98,16 +101,17 @@ impl Checker<'_> {
         let keys = [PLASTIC, ACCUMULATED];
         if effects.unloading.is_none() && effects.rate.is_none() {
             let message =
-                "plastic strain needs a law of unloading: without it the curve is followed both ways".to_owned();
-            let help = "add unloading = \"isotropic\" to [effects]";
+                "an initial plastic strain needs a hardening rule: without one, unloading follows the loading curve"
+                    .to_owned();
+            let help = "add hardening = \"isotropic\" to [effects]";
             return Err(self.at_key(given, &keys, message).help(help).into());
         }
         if given.raw.initial_of(given.k, ACCUMULATED).is_some() && moves(effects) > 0.0 {
             let message =
-                "an accumulated plastic strain does not tell where hardening that moves has the elastic range"
+                "with kinematic or mixed hardening, the accumulated plastic strain does not determine the elastic range"
                     .to_owned();
             let help =
-                "take it out: `plastic-strain` is then that of loading in one sense; or use unloading = \"isotropic\"";
+                "remove it: `plastic-strain` is then that of monotonic loading; or use hardening = \"isotropic\"";
             return Err(self.at_key(given, &[ACCUMULATED], message).help(help).into());
         }
         for (initial, place) in states(given, &[]) {
@@ -116,7 +120,7 @@ impl Checker<'_> {
                 let message = format!(
                     "an accumulated plastic strain of {accumulated}{place} is less than the plastic strain, {plastic}"
                 );
-                let help = "plastic strain in both senses adds up to at least the size of what is left of it";
+                let help = "accumulated-plastic-strain >= |plastic-strain|";
                 return Err(self.at_key(given, &[ACCUMULATED, PLASTIC], message).help(help).into());
             }
             self.is_within_data(given, &initial, &place)?;
@@ -140,11 +144,11 @@ impl Checker<'_> {
             },
         );
         let message = format!("an initial plastic strain of {value}{place} is beyond the data of {name}");
-        let allowed = format!("at most {most:.4} in size, the plastic strain at the end of the curve");
+        let allowed = format!("|plastic-strain| <= {most:.4}, the value at the end of the curve");
         Err(self
             .at_key(given, &[PLASTIC, ACCUMULATED], message)
             .allowed(allowed)
-            .help("give less, or a curve that is known up to this strain")
+            .help("reduce it, or extend the curve to this strain")
             .into())
     }
 
@@ -167,7 +171,7 @@ impl Checker<'_> {
         let ([low, high], stress) = (range(&initial), initial.stress);
         let message = format!("an initial stress of {stress:.6e} Pa{place} is outside the elastic range");
         let allowed = format!("{low:.6e} Pa to {high:.6e} Pa with this plastic strain");
-        let help = "state the plastic strain with which the material carries this stress: `plastic-strain`";
+        let help = "give the `plastic-strain` at which this stress is within the elastic range";
         Err(self
             .at_key(given, &[STRESS, STRAIN, PLASTIC, ACCUMULATED, TEMPERATURE], message)
             .allowed(allowed)
@@ -184,10 +188,10 @@ impl Checker<'_> {
         let given = |(k, segment)| Given { raw, k, segment, x0: 0.0 };
         let mut segments = bar.segments.iter().enumerate().filter(|(_, segment)| segment.profile.is_some());
         let message =
-            format!("method = \"moc\" makes a staircase of the initial state, and it would take {steps} steps");
+            format!("method = \"moc\" discretizes the initial state into uniform steps and would need {steps} of them");
         let error: Option<Error> = segments.next().map(given).map(|given| {
             let error = self.at_key(&given, &[STRESS, STRAIN, PLASTIC, 0, ACCUMULATED, TEMPERATURE], message);
-            let help = "use method = \"fd\", or give the table fewer rows, or raise front-tolerance";
+            let help = "use method = \"fd\", or reduce the rows of the table, or increase front-tolerance";
             error.allowed(format!("at most {MOST_PIECES}")).help(help).into()
         });
         error.map_or(Ok(()), Err)

@@ -1,4 +1,4 @@
-//! Values that are possible one by one, but not together.
+//! Values that are possible individually, but not together.
 
 use super::Checker;
 use crate::bar::{Bar, EndCondition, Segment};
@@ -24,10 +24,11 @@ impl Checker<'_> {
             let given = format!("{key}.{of}");
             let span = self.document.span_of(&given).or_else(|| self.document.span_of(key)).unwrap_or(0..0);
             let message = format!(
-                "the {key} end is pushed into the bar at {pushed:.1} m/s, no slower than its elastic wave ({c0:.1} m/s)"
+                "the {key} end is pushed into the bar at {pushed:.1} m/s, at or above its elastic wave speed ({c0:.1} m/s)"
             );
             let error = self.error(span, &given, message).allowed(format!("less than {c0:.1} m/s"));
-            let help = "the end would be compressed to less than nothing; check the velocity, the modulus and the density with their units";
+            let help = "the end would be compressed beyond zero length; check the velocity, the modulus and the density with \
+                        their units";
             return Err(error.help(help).into());
         }
         Ok(())

@@ -1,4 +1,4 @@
-//! From what the user typed to what it means: units, ranges, defaults, and what must or must not stand together.
+//! Conversion of a raw scene to a checked one: units, ranges, defaults, required and excluded keys.
 
 mod ball;
 mod bar;
@@ -39,7 +39,7 @@ const BYTES_PER_CELL: f64 = 100.0;
 const GIB: f64 = 1024.0 * 1024.0 * 1024.0;
 
 /// What to add where a required table is missing.
-const ENDS: &str = "both ends are always stated: add e.g. [left] with kind = \"velocity\" and value = \"30 m/s\", and \
+const ENDS: &str = "both ends are required: add e.g. [left] with kind = \"velocity\" and value = \"30 m/s\", and \
                     [right] with kind = \"free\"";
 const UNTIL: &str = "add [solve] with until, the end time, e.g. until = \"200 us\"";
 
@@ -183,7 +183,7 @@ impl Checker<'_> {
 
     /// A count of cells or samples.
     fn count_of_cells<K: Key>(&self, key: &K) -> Result<K::Si> {
-        let gib = |asked| format!(": as many take about {:.1} GiB of memory", asked * BYTES_PER_CELL / GIB);
+        let gib = |asked| format!(": they need about {:.1} GiB of memory", asked * BYTES_PER_CELL / GIB);
         self.count(key, MOST_CELLS, gib)
     }
 

@@ -1,4 +1,4 @@
-//! The effect of the strain rate: which law, with which constants.
+//! The effect `rate`: its law and constants.
 
 use super::super::Rate;
 use super::super::raw::RateChoice;
@@ -16,13 +16,13 @@ impl Checker<'_> {
             RateChoice::Material(_) => return self.rate_of_materials(raw, bar),
         };
         let Some(model) = &raw_rate.model else {
-            let help = format!("say which law, e.g. {}", RateModel::Malvern.example());
+            let help = format!("set the law, e.g. {}", RateModel::Malvern.example());
             return Err(self.missing(raw.span(), "effects.rate.model", &help));
         };
         let model = *model.get_ref();
         let law = raw_rate.law(model, self.document, "effects.rate", raw.span())?;
         if let Some(segment) = bar.segments.iter().find(|s| law.lacks_temperature(&s.material)) {
-            let message = format!("needs the temperature at which the curve of `{}` holds", segment.material.name);
+            let message = format!("needs the reference temperature of the curve of `{}`", segment.material.name);
             return Err(self.error(raw.span(), "effects.rate", message).help(TEMPERATURE).into());
         }
         Ok(law)
@@ -35,9 +35,9 @@ impl Checker<'_> {
         }
         let name = &bar.segments[0].material.name;
         let error =
-            self.error(raw.span(), "effects.rate", format!("no material of the bar states a rate: `{name}` has none"));
+            self.error(raw.span(), "effects.rate", format!("no material of the bar has rate constants, e.g. `{name}`"));
         let help = format!(
-            "give the material [rate.johnson-cook], [rate.cowper-symonds] or [rate.malvern], or the scene a law, e.g. {}",
+            "give the material [rate.johnson-cook], [rate.cowper-symonds] or [rate.malvern], or set a law in the scene, e.g. {}",
             RateModel::JohnsonCook.example()
         );
         Err(error.help(help).into())

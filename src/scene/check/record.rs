@@ -1,4 +1,4 @@
-//! What is recorded: frame times, fields, gauges, and whether all of it can be meant.
+//! Output: frame times, fields, gauges, and limits of their size.
 
 use super::super::raw::{Gauges, MOST_FRAMES, RawRecord};
 use super::super::{Effects, Method, Record, Solve};
@@ -46,11 +46,11 @@ impl Checker<'_> {
         match &raw.paths {
             Some(paths) if !tracked => {
                 let (what, other) = match method {
-                    Method::CharacteristicNet { .. } => ("a rate-dependent bar", "leave `rate` out of [effects]"),
+                    Method::CharacteristicNet { .. } => ("a rate-dependent bar", "remove `rate` from [effects]"),
                     _ => ("method = \"fd\"", "use method = \"moc\" in [solve]"),
                 };
-                let message = format!("`paths` means nothing for {what}: it has no fronts of its own");
-                let help = format!("take `paths` out, or {other}");
+                let message = format!("`paths` does not apply to {what}, in which no fronts are tracked");
+                let help = format!("remove `paths`, or {other}");
                 Err(self.error(paths.span(), "record.paths", message).help(help).into())
             }
             Some(paths) => Ok(*paths.get_ref()),
@@ -86,7 +86,7 @@ impl Checker<'_> {
         if whole > MOST_FRAMES as f64 {
             let message = format!("{every} gives {whole:.3e} frames");
             let allowed = format!("at most {MOST_FRAMES} frames");
-            return Err(self.error(every.span(), key, message).allowed(allowed).help("take a longer time").into());
+            return Err(self.error(every.span(), key, message).allowed(allowed).help("use a longer interval").into());
         }
         let mut times: Vec<f64> = (0..=whole as usize).map(|i| (i as f64 * step).min(until)).collect();
         // A step that divides the run up to round-off ends it; any other leaves a shorter last step.
@@ -105,7 +105,7 @@ impl Checker<'_> {
             if time > until {
                 let message = format!("{value} is after the end of the run");
                 let allowed = format!("0 <= time <= {}", format(until, Dimension::Time, System::Si));
-                let help = "take it out, or raise solve.until";
+                let help = "remove it, or increase solve.until";
                 return Err(self.error(value.span(), &key, message).allowed(allowed).help(help).into());
             }
             if times.last().is_some_and(|&before| time <= before) {
@@ -131,23 +131,23 @@ impl Checker<'_> {
                 return Err(self.document.word_error(word.span(), &key, word.get_ref(), &known).into());
             };
             if fields.contains(&field) {
-                let error = self.error(word.span(), &key, format!("`{}` stands twice", field.name()));
+                let error = self.error(word.span(), &key, format!("`{}` is given twice", field.name()));
                 return Err(error.help("name each field once").into());
             }
             let plastic = matches!(field, Field::PlasticStrain | Field::AccumulatedPlasticStrain);
             if plastic && effects.unloading.is_none() {
-                let message = format!("`{}` does not exist where the curve is followed both ways", field.name());
-                let help = "add [effects] with unloading = \"isotropic\", or take the field out";
+                let message = format!("`{}` is not available without a hardening rule", field.name());
+                let help = "add [effects] with hardening = \"isotropic\", or remove the field";
                 return Err(self.error(word.span(), &key, message).help(help).into());
             }
             if field == Field::Temperature && effects.heat.is_none() {
-                let message = "`temperature` does not exist where nothing heats the bar";
-                let help = "add [effects] with heat = { fraction = 0.9 }, or take the field out";
+                let message = "`temperature` is not available without adiabatic heating";
+                let help = "add [effects] with heat = { fraction = 0.9 }, or remove the field";
                 return Err(self.error(word.span(), &key, message).help(help).into());
             }
             if field != field.base() && !self.torsion {
-                let message = format!("`{}` exists in torsion only", field.name());
-                let help = "take the field out, or say mode = \"torsion\" in [bar]";
+                let message = format!("`{}` is available in torsion only", field.name());
+                let help = "remove the field, or set mode = \"torsion\" in [bar]";
                 return Err(self.error(word.span(), &key, message).help(help).into());
             }
             fields.push(field);
@@ -163,14 +163,14 @@ impl Checker<'_> {
         for (name, place) in list {
             let key = format!("record.gauges.{name}");
             if name.trim().is_empty() || name.contains('/') || name.chars().any(char::is_control) || name == "." {
-                let error = self.error(place.span(), &key, format!("`{name}` cannot name a gauge"));
+                let error = self.error(place.span(), &key, format!("`{name}` is not a valid gauge name"));
                 return Err(error.allowed("a name without `/`").help("it becomes a group of the result file").into());
             }
             let x = self.si(place)?;
             if !(0.0..=length).contains(&x) {
                 let message = format!("{place} is outside the {body}");
                 let allowed = format!("0 <= {name} <= {}", format(length, Dimension::Length, System::Si));
-                let help = "places are measured from the left end";
+                let help = "positions are measured from the left end";
                 return Err(self.error(place.span(), &key, message).allowed(allowed).help(help).into());
             }
             gauges.push((name.clone(), x));
@@ -199,7 +199,7 @@ impl Checker<'_> {
             String::new()
         };
         let error = self.error(span, key, std::format!("there are {gauges} gauges{size}"));
-        let help = "name fewer gauges; fields over x hold the bar at every sample: raise `frames`";
+        let help = "use fewer gauges; fields over x record every sample: increase `frames`";
         Err(error.allowed(std::format!("at most {MOST_GAUGES} gauges and {MOST_GIB} GiB")).help(help).into())
     }
 

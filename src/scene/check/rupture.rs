@@ -1,4 +1,4 @@
-//! The effect `rupture`: its threshold, the notches, and whether anything in the bar can break.
+//! The effect `rupture`: threshold, stress concentrations, and whether the bar can fracture.
 
 use std::ops::Range;
 
@@ -38,11 +38,9 @@ impl Checker<'_> {
         for (i, segment) in segments.iter().enumerate() {
             for (name, place) in segment.get_ref().notches() {
                 if let Some(span) = place {
-                    let message = format!("`{name}` says where the bar breaks first, and this bar does not break");
+                    let message = format!("`{name}` applies to the fracture criterion, and fracture is not simulated");
                     let error = self.error(span, &format!("bar.segment.{i}.{name}"), message);
-                    return Err(error
-                        .help("add e.g. rupture = \"critical-strain\" to [effects], or take it out")
-                        .into());
+                    return Err(error.help("add e.g. rupture = \"critical-strain\" to [effects], or remove it").into());
                 }
             }
         }
@@ -56,9 +54,10 @@ impl Checker<'_> {
         if !last && !contact {
             return Ok(());
         }
-        let why = if last { "the last segment has no joint to a next one" } else { "a contact joint holds nothing" };
-        let error = self.error(span, &format!("bar.segment.{i}.joint-notch"), why);
-        Err(error.help("take it out, or use `notch` for the whole segment").into())
+        let why =
+            if last { "the last segment has no joint to a next segment" } else { "a contact joint carries no tension" };
+        let error = self.error(span, &format!("bar.segment.{i}.joint-stress-concentration"), why);
+        Err(error.help("remove it, or use `stress-concentration` for the whole segment").into())
     }
 
     fn some_strain_is_critical(&self, span: Range<usize>, bar: &Bar) -> Result<()> {
@@ -68,8 +67,8 @@ impl Checker<'_> {
         }
         let name = &bar.segments[0].material.name;
         let message =
-            format!("no strain of `{name}` is critical: its curve has no largest stress and does not end in rupture");
-        let help = "give the curve up to its largest stress, say beyond = \"rupture\" where the data end in rupture, or use \
+            format!("`{name}` has no critical strain: its curve has no largest stress and does not end in rupture");
+        let help = "extend the curve to its largest stress, set beyond = \"rupture\" if the data end in rupture, or use \
                     rupture = { energy = \"...\" } or { spall = \"...\" }";
         Err(self.error(span, "effects.rupture", message).help(help).into())
     }

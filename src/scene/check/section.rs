@@ -1,4 +1,4 @@
-//! The cross-section of a segment: one for all of it, or a table along it.
+//! The cross-section of a segment: constant, or a table along it.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -51,9 +51,10 @@ impl Checker<'_> {
         let Some(k) = steepest else { return Ok(()) };
         let (key, span) = raw.section_of(k).unwrap_or_default();
         let pieces = pieces_needed(&bar.segments[k], method);
-        let message = format!("method = \"moc\" makes a staircase of this taper, and it would take {pieces:.3e} steps");
+        let message =
+            format!("method = \"moc\" discretizes the taper into uniform pieces and would need {pieces:.3e} of them");
         let error = self.error(span, &key, message).allowed(format!("at most {MOST_PIECES}"));
-        Err(error.help("use method = \"fd\", which follows the taper itself, or a less steep one").into())
+        Err(error.help("use method = \"fd\", which resolves the taper directly, or a less steep taper").into())
     }
 
     fn one_or_table(&self, given: &Given<'_>, key: &str, profile: Profile, length: f64) -> Result<Section> {
@@ -67,7 +68,7 @@ impl Checker<'_> {
         let place = |i: usize| rows.get(i).map_or_else(|| given.span.clone(), Placed::span);
         if let Some(last) = pairs.last_mut() {
             if (last.0 - length).abs() > SAME_PLACE * length {
-                let message = format!("the last row stands at x = {}", format(last.0, Dimension::Length, System::Si));
+                let message = format!("the last row is at x = {}", format(last.0, Dimension::Length, System::Si));
                 let end = format(length, Dimension::Length, System::Si);
                 let help = "the table covers the segment from its own left end to its right end; give a row at both";
                 let error = self.error(place(rows.len() - 1), &format!("{key}.{}", rows.len() - 1), message);
@@ -76,7 +77,7 @@ impl Checker<'_> {
             last.0 = length;
         }
         let taper = Taper::new(profile, &pairs).map_err(|(i, why)| {
-            let help = "list the rows from left to right; for a step in the section use two segments";
+            let help = "sort the rows by x; for a step in the section use two segments";
             self.error(place(i), &format!("{key}.{i}"), format!("row {} {why}", i + 1)).allowed(ROWS).help(help)
         })?;
         // A table that changes nothing is no taper, and the bar is the uniform one to the last bit.

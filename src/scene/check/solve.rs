@@ -1,4 +1,4 @@
-//! How the scene is solved: the method, the keys that belong to it, and whether it can do what the scene asks for.
+//! The solution method, its keys, and whether it supports the scene.
 
 use super::super::capability::{Asked, Solver, method_can};
 use super::super::raw::{RawMethod, RawScheme, RawSolve};
@@ -31,7 +31,7 @@ impl RawMethod {
     fn keys(self, rate: bool) -> &'static [&'static str] {
         match (self, rate) {
             (Self::Fd, _) => &["scheme", "cells", "cfl"],
-            (Self::Moc, false) => &["front-tolerance", "event-budget"],
+            (Self::Moc, false) => &["front-tolerance", "max-events"],
             (Self::Moc, true) => &["cells"],
         }
     }
@@ -74,9 +74,7 @@ impl Checker<'_> {
         let Some(until) = raw.until.as_ref().filter(|_| steps > MOST_STEPS) else { return Ok(()) };
         let message = format!("the run would take {steps:.1e} steps of {cells} cells");
         let error = self.error(until.span(), "solve.until", message).allowed(format!("at most {MOST_STEPS:e} steps"));
-        Err(error
-            .help("take a shorter time or fewer cells, and see whether length, modulus and density are right")
-            .into())
+        Err(error.help("use a shorter time or fewer cells, and check length, modulus and density").into())
     }
 
     /// The tolerance that takes the place of a method, and of all that belongs to one. Its methods are the reader's to find.
@@ -84,9 +82,9 @@ impl Checker<'_> {
         let Some(value) = self.si(&raw.tolerance)? else { return Ok(None) };
         if let Some(GivenKey { name, value: span, .. }) = self.given(&["method"]).next() {
             let message =
-                format!("`{name}` and `tolerance` stand together: a tolerance chooses the method and its settings");
+                format!("`{name}` and `tolerance` are both given; `tolerance` selects the method and its settings");
             let help =
-                format!("take one of them out (on the command line: --set solve.{name}= or --set solve.tolerance=)");
+                format!("remove one of them (on the command line: --set solve.{name}= or --set solve.tolerance=)");
             let error = self.error(span.clone(), &format!("solve.{name}"), message).allowed("until and tolerance");
             return Err(error.help(help).into());
         }
@@ -111,20 +109,20 @@ impl Checker<'_> {
     fn only_keys_of(&self, method: RawMethod, rate: bool) -> Result<()> {
         let foreign = self.given(&[]).find(|given| !method.keys(rate).contains(&&*given.name));
         let Some(GivenKey { name, value: span, .. }) = foreign else { return Ok(()) };
-        let (word, out) = (method.word(), format!("take `{name}` out (on the command line: --set solve.{name}=)"));
+        let (word, out) = (method.word(), format!("remove `{name}` (on the command line: --set solve.{name}=)"));
         let (message, help) = if rate && method == RawMethod::Fd {
-            (format!("`{name}` means nothing for a rate-dependent bar, in which no fronts are tracked"), out)
+            (format!("`{name}` does not apply to a rate-dependent bar, in which no fronts are tracked"), out)
         } else if rate {
             let help = if RawMethod::Fd.keys(rate).contains(&&**name) {
-                format!("use method = \"fd\", which has it, or {out}")
+                format!("use method = \"fd\", which supports it, or {out}")
             } else {
                 out
             };
-            (format!("`{name}` means nothing for a rate-dependent bar on a characteristic net, method = \"moc\""), help)
+            (format!("`{name}` does not apply to a rate-dependent bar on a characteristic net, method = \"moc\""), help)
         } else {
             let other = if method == RawMethod::Fd { RawMethod::Moc } else { RawMethod::Fd };
-            let help = format!("use method = \"{}\", which has it, or {out}", other.word());
-            (format!("`{name}` means nothing for method = \"{word}\""), help)
+            let help = format!("use method = \"{}\", which supports it, or {out}", other.word());
+            (format!("`{name}` does not apply to method = \"{word}\""), help)
         };
         let allowed = format!("until, method, {}, audit-tolerance", method.keys(rate).join(", "));
         Err(self.error(span.clone(), &format!("solve.{name}"), message).allowed(allowed).help(help).into())

@@ -1,5 +1,5 @@
-//! Bars in torsion: what they may state, and what a scene then means in terms of the surface: a bar in tension with the
-//! area J/R^2, see [`crate::material::TubeSection`] and [`crate::scene::Torsion`].
+//! Bars in torsion: allowed keys, and the conversion to surface quantities: a bar in tension with the area J/R^2, see
+//! [`crate::material::TubeSection`] and [`crate::scene::Torsion`].
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -63,28 +63,33 @@ impl Checker<'_> {
     /// In an axial bar: nothing that belongs to torsion alone.
     pub(super) fn nothing_of_torsion(&self, raw: &Placed<RawBar>, bar: &Bar) -> Result<()> {
         if let Some(shear) = &raw.get_ref().shear {
-            let error = self.error(shear.span(), "bar.shear", "`shear` means nothing for an axial bar");
-            return Err(error.help("take it out, or say mode = \"torsion\" in [bar]").into());
+            let error = self.error(shear.span(), "bar.shear", "`shear` does not apply to an axial bar");
+            return Err(error.help("remove it, or set mode = \"torsion\" in [bar]").into());
         }
         for (given, segment) in all_given(raw).into_iter().zip(&bar.segments) {
             for (name, value) in [("inner-diameter", given.piece.inner_diameter), ("wall", given.piece.wall)] {
                 if let Some(value) = value {
-                    let message = format!("`{name}` belongs to a bar in torsion");
+                    let message = format!("`{name}` applies to a bar in torsion only");
                     let error = self.error(value.span(), &format!("{}.{name}", given.key), message);
-                    return Err(error.help("give the section's `area`, or say mode = \"torsion\" in [bar]").into());
+                    return Err(error
+                        .help("give the `area` of the section, or set mode = \"torsion\" in [bar]")
+                        .into());
                 }
             }
             if segment.material.loading == Loading::Shear {
-                let message = format!("the curve of `{}` is one of shear, and the bar is axial", segment.material.name);
+                let message = format!("`{}` has a shear curve, and the bar is axial", segment.material.name);
                 let error = self.error(given.material(), &format!("{}.material", given.key), message);
-                return Err(error.help("say mode = \"torsion\" in [bar], or take a material known in tension").into());
+                return Err(error
+                    .help("set mode = \"torsion\" in [bar], or use a material with a tension curve")
+                    .into());
             }
         }
         Ok(())
     }
 
     fn no_nominal_curve(&self, given: &Given, shear: &Material, fault: &CurveError) -> InputError {
-        let message = format!("the shear curve of `{}` gives no curve of torque over twist: {fault}", shear.name);
+        let message =
+            format!("the shear curve of `{}` cannot be converted to torque against twist: {fault}", shear.name);
         let help = "end its table at strains that can occur, or give a thin-walled section";
         self.error(given.material(), &format!("{}.material", given.key), message).help(help)
     }
@@ -138,7 +143,8 @@ impl Checker<'_> {
 
     fn round(&self, given: &Given<'_>) -> Result<Round> {
         if let Some(area) = given.piece.area {
-            let error = self.error(area.span(), &format!("{}.area", given.key), "an area says nothing of torsion");
+            let error =
+                self.error(area.span(), &format!("{}.area", given.key), "an area does not define a section in torsion");
             return Err(error.help("give the `diameter`; for a tube `inner-diameter` or `wall`, too").into());
         }
         let key = format!("{}.diameter", given.key);
@@ -147,7 +153,7 @@ impl Checker<'_> {
             return Err(self.missing(given.span.clone(), &key, help));
         };
         let Some(size) = diameter.given().uniform() else {
-            let error = self.error(diameter.span(), &key, "a taper in torsion is not followed");
+            let error = self.error(diameter.span(), &key, "a taper is not simulated in torsion");
             return Err(error.help("give one diameter; `inner-diameter` can differ from segment to segment").into());
         };
         let outer = self.document.number_at(&size, Dimension::Length, Allowed::Positive)?;
@@ -183,9 +189,9 @@ impl Checker<'_> {
             Err(error.help(help).into())
         };
         if raw.shear.is_none() {
-            let message = format!("the curve of `{}` is one of tension, and the bar is twisted", material.name);
+            let message = format!("`{}` has a tension curve, and the bar is in torsion", material.name);
             let help = "give a material with loading = \"shear\" (shear stress against shear strain, `modulus` is the shear \
-                        modulus), or say shear = \"von-mises\" in [bar], which converts the curve";
+                        modulus), or set shear = \"von-mises\" in [bar], which converts the curve";
             return refuse(message, help);
         }
         match material.in_shear() {

@@ -29,7 +29,7 @@ pub struct RawBeamScene {
     /// The sphere. Required.
     #[schemars(with = "RawSphere")]
     pub striker: Option<Placed<RawSphere>>,
-    /// How closely and how long the impact is integrated.
+    /// Accuracy and duration of the impact integration.
     #[serde(default)]
     pub solve: RawBeamSolve,
     /// What is recorded.
@@ -46,13 +46,13 @@ raw_body! {
         pub depth: Option<Of<measures::Length, Positive>>,
         /// Width of a rectangular section.
         pub width: Option<Of<measures::Length, Positive>>,
-        /// Diameter of a round section; in place of all other keys of the section.
+        /// Diameter of a round section; instead of all other keys of the section.
         pub diameter: Option<Of<measures::Length, Positive>>,
         /// Area of the section; with `inertia` and `depth`.
         pub area: Option<Of<measures::Area, Positive>>,
         /// Second moment of area; with `area` and `depth`.
         pub inertia: Option<Of<measures::SecondMomentOfArea, Positive>>,
-        /// Place of the impact from the left support, within the beam. Default: the middle.
+        /// Position of the impact from the left support, within the beam. Default: midspan.
         pub at: Option<Of<measures::Length>>,
         /// Internal damping c1 of equation 9.23: stress per rate of strain.
         #[schemars(default)]
@@ -63,24 +63,23 @@ raw_body! {
         /// Modulus k of an elastic foundation: force per length and deflection.
         #[schemars(default)]
         pub foundation: Or<Of<measures::Foundation, NotNegative>, 0>,
-        /// Axial force, compression positive, below that of buckling.
+        /// Axial force, compression positive, less than the buckling load.
         #[schemars(default)]
         pub axial_force: Or<Of<measures::Force>, 0>,
     }
 }
 
-/// How closely and how long the impact is integrated.
+/// Accuracy and duration of the impact integration.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RawBeamSolve {
     /// Largest relative change of peak force, contact time, rebound velocity and extremes at the gauges when the modes are doubled and
-    /// the step tolerance is divided by 4; the modes follow from it. A step's defect of Hertz's law stays below a tenth of it.
+    /// the step tolerance is divided by 4; it determines the number of modes. The defect of Hertz's law in a step is below a tenth of it.
     #[schemars(default)]
     pub tolerance: Or<Tolerance, 1, 100_000>,
-    /// Modes, in place of those that the tolerance asks for.
+    /// Number of modes, instead of that from the tolerance.
     pub modes: Option<Count<1, MOST_MODES>>,
-    /// End. Default: when the sphere has left for good, after at least one and at most 50 periods of the lowest mode, or 1.5 and 100
-    /// Hertz contact times where these are longer.
+    /// End time. Default: after the final separation, between 1 and 50 periods of the lowest mode, or between 1.5 and 100 Hertz contact times if these are longer.
     pub until: Option<Of<measures::Time, Positive>>,
 }
 
@@ -88,10 +87,10 @@ pub struct RawBeamSolve {
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RawBeamRecord {
-    /// Histories of deflection, bending moment and strain: name = place, m from the left support, within the beam. Default: none.
+    /// Histories of deflection, bending moment and strain: name = position, m from the left support, within the beam. Default: none.
     #[serde(default)]
     pub gauges: Gauges,
-    /// Deflected shapes, evenly over the time up to the earliest end, and up to twice as many where the contact lasts longer.
+    /// Number of deflected shapes, evenly spaced up to the earliest end time; up to twice as many if the contact lasts longer.
     #[schemars(default)]
     pub shapes: Or<Count<0, 1000>, 8>,
 }
@@ -158,7 +157,7 @@ impl Checker<'_> {
                 ("inertia", raw.inertia.place()),
             ]);
             if let Some((name, other)) = others {
-                let error = self.error(other, &format!("beam.{name}"), "the section is given by its diameter already");
+                let error = self.error(other, &format!("beam.{name}"), "the section is already given by its diameter");
                 return Err(error.help(format!("keep `diameter` or `{name}`, not both")).into());
             }
             let d = self.si(diameter)?;
@@ -208,7 +207,7 @@ impl Checker<'_> {
         }
         let end = raw.solve.until.as_ref();
         let message =
-            format!("histories of about {:.1e} time steps take {:.1} GiB", beam.expected_steps(), bytes / GIB);
+            format!("histories of about {:.1e} time steps need {:.1} GiB", beam.expected_steps(), bytes / GIB);
         let (span, key) = end.map_or((raw.beam.span(), "beam.length"), |until| (until.span(), "solve.until"));
         let error = self.error(span, key, message).allowed(format!("at most {:.0} GiB", MOST_BYTES / GIB));
         let help = "the steps are 1/128 of the contact time; give `solve.until` a shorter time, or record fewer gauges";
@@ -229,7 +228,7 @@ impl Checker<'_> {
             let message = format!("the sphere, {} across, is longer than the beam", shown(diameter));
             (message, format!("diameter <= {}", shown(beam.length)))
         } else if patch > beam.section.depth {
-            let message = format!("the contact would be {} wide, more than the beam is deep", shown(patch));
+            let message = format!("the contact would be {} wide, more than the depth of the beam", shown(patch));
             (message, format!("a contact up to {}", shown(beam.section.depth)))
         } else {
             return Ok(());

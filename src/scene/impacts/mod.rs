@@ -1,4 +1,4 @@
-//! Scenes of impacts that are not waves in a bar: the energy method, spheres, plates, beams.
+//! Scenes of impacts without waves in a bar: the energy method, spheres, plates, beams.
 //!
 //! A kind of scene is a file here that reads its keys, its line in [`KINDS`], and its [`Problem`] in `impact`. Everything else is the same
 //! for all: checks, runs, result files, summaries, plans, reports and cost studies.
@@ -52,7 +52,7 @@ pub const KINDS: [Kind; 4] = [
 /// A checked scene of any of these kinds.
 #[derive(Debug, Clone)]
 pub struct ImpactScene {
-    /// For people; the file's stem where the scene gives none.
+    /// Title; by default the stem of the file.
     pub title: String,
     /// The file's stem: names the default output.
     pub name: String,
@@ -68,7 +68,12 @@ pub struct ImpactScene {
 }
 
 impl ImpactScene {
-    /// Everything that the result rests on, SI.
+    /// Notes on its keys.
+    pub fn notes(&self) -> Vec<String> {
+        super::deprecated::notes(&self.text, &self.overrides)
+    }
+
+    /// All input values of the simulation, SI.
     pub fn resolved_json(&self) -> Value {
         let mut all = json!({ "title": self.title, "name": self.name, "overrides": self.overrides });
         if let (Some(all), Some(own)) = (all.as_object_mut(), self.resolved.as_object()) {

@@ -26,27 +26,27 @@ pub struct RawPlateScene {
     /// The sphere. Required.
     #[schemars(with = "RawSphere")]
     pub striker: Option<Placed<RawSphere>>,
-    /// How closely and how long the contact is integrated.
+    /// Accuracy and duration of the contact integration.
     #[serde(default)]
     pub solve: RawPlateSolve,
 }
 
 raw_body! {
-    /// The plate. Its edges are so far away that no wave returns from them during the contact.
+    /// The plate, assumed infinite: no reflections from its edges during the contact.
     RawPlate {
         /// Thickness.
         pub thickness: Of<measures::Length, Positive>,
     }
 }
 
-/// How closely and how long the contact is integrated.
+/// Accuracy and duration of the contact integration.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RawPlateSolve {
     /// Largest defect of Hertz's law between the nodes of a time step, relative to the largest force.
     #[schemars(default)]
     pub tolerance: Or<Tolerance, 1, 100_000_000>,
-    /// Latest end. Default: 100 Hertz contact times.
+    /// Latest end time. Default: 100 Hertz contact times.
     pub until: Option<Of<measures::Time, Positive>>,
 }
 

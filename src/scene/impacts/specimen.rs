@@ -1,4 +1,4 @@
-//! `[specimen]` scenes: a striker and a specimen that has to absorb its energy.
+//! `[specimen]` scenes: a striker and a specimen of the energy method.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -25,12 +25,12 @@ pub struct RawSpecimenScene {
     pub title: Option<String>,
     /// The specimen. Required.
     pub specimen: Placed<RawSpecimen>,
-    /// The body that strikes it. Required.
+    /// The striking body. Required.
     #[schemars(with = "RawStriker")]
     pub striker: Option<Placed<RawStriker>>,
 }
 
-/// The specimen: its size, and what it can absorb.
+/// The specimen: its dimensions and its energy to fracture.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RawSpecimen {
@@ -40,11 +40,13 @@ pub struct RawSpecimen {
     pub area: Option<Of<measures::Area, Positive>>,
     /// Diameter of a round section; in place of `area`.
     pub diameter: Option<Of<measures::Length, Positive>>,
-    /// Energy that it absorbs per volume before it breaks; or give `material`.
+    /// Energy per volume absorbed to fracture; or give `material`.
     pub energy: Option<Of<measures::EnergyDensity, Positive>>,
-    /// Material, whose curve says what it absorbs: the work up to its largest engineering stress.
+    /// Material; the energy to fracture is the work under its curve up to the largest engineering stress.
     pub material: Option<Placed<MaterialChoice>>,
-    /// Notch factor of a specimen with a `material`: it breaks at its largest stress divided by this, and is strained no farther.
+    /// Stress concentration factor of a notched specimen with a `material`: fracture at the largest stress of the curve divided by this
+    /// factor; strain and energy are those at that stress.
+    #[serde(rename = "stress-concentration", alias = "notch")]
     #[schemars(default)]
     pub notch: Notch,
 }
@@ -89,7 +91,7 @@ fn resolved(blow: &Blow, material: Option<&Material>) -> Value {
             "area": specimen.area,
             "energy": specimen.energy_per_volume(),
             "material": material,
-            "notch": notch,
+            "stress-concentration": notch,
         },
         "striker": { "mass": blow.mass, "velocity": blow.velocity },
     })
@@ -122,25 +124,27 @@ impl Checker<'_> {
     ) -> Result<Toughness> {
         let Some((material, choice)) = material.zip(raw.material.as_ref()) else {
             if let Some(notch) = raw.notch.place() {
-                let message = "how far the rest of a notched specimen is strained is known from its curve alone";
-                let error = self.error(notch, "specimen.notch", message);
-                return Err(error.help("give `material` in place of `energy`, or take `notch` out").into());
+                let message = "a stress concentration needs the stress-strain curve of the specimen";
+                let error = self.error(notch, "specimen.stress-concentration", message);
+                return Err(error
+                    .help("give `material` in place of `energy`, or remove `stress-concentration`")
+                    .into());
             }
             return self.needed(raw.energy.as_ref(), "energy", span, "specimen").map(Toughness::PerVolume);
         };
         if let Some(energy) = &raw.energy {
-            let message = "`energy` and `material` both say what the specimen absorbs";
+            let message = "`energy` and `material` are both given";
             let error = self.error(energy.span(), "specimen.energy", message);
             return Err(error.help("keep `energy` or `material`, not both").into());
         }
         let curve = material.branch(Sense::Tension).clone();
         let Some(ultimate) = curve.ultimate() else {
             let message = format!(
-                "`{}` never breaks: its curve has no largest stress and does not end in rupture",
+                "`{}` has no fracture strain: its curve has no largest stress and does not end in rupture",
                 material.name
             );
             let error = self.error(choice.span(), "specimen.material", message);
-            let help = "say beyond = \"rupture\" where its data end in rupture, or give `energy` in place of it";
+            let help = "set beyond = \"rupture\" if its data end in rupture, or give `energy` in place of it";
             return Err(error.help(help).into());
         };
         Ok(Toughness::Curve { curve, ultimate, notch: self.si(&raw.notch)? })

@@ -26,7 +26,7 @@ pub struct RawSpheresScene {
     /// The striking body. Required.
     #[schemars(with = "RawStrikingSphere")]
     pub striker: Option<Placed<RawStrikingSphere>>,
-    /// How closely the contact is integrated.
+    /// Accuracy of the contact integration.
     #[serde(default)]
     pub solve: RawSpheresSolve,
 }
@@ -40,23 +40,21 @@ raw_body! {
 }
 
 raw_body! {
-    /// The struck body. With `restitution` the velocities follow from equation 9.3, with `velocity-after` from 9.4; with neither the contact
-    /// is Hertz's.
+    /// The struck body. With `restitution` the velocities follow from equation 9.3, with `velocity-after` from 9.4; with neither, the contact is integrated by Hertz's law.
     RawSpheres sphere {
         /// Velocity before the impact, below that of the striker.
         #[schemars(default)]
         pub velocity: Or<Of<measures::Velocity>, 0>,
-        /// Coefficient of restitution. Of the bodies, masses and velocities are then required, and nothing else.
+        /// Coefficient of restitution. Needs only the masses and velocities of the bodies.
         pub restitution: Option<Of<Plain, Within<0, 1>>>,
-        /// Ballistic pendulum: velocity of both bodies after the striker has embedded in the struck one at rest. Of the bodies, masses are
-        /// then required, and nothing else.
+        /// Ballistic pendulum: velocity of both bodies after the striker has embedded in the struck body at rest. Needs only the masses of the bodies.
         pub velocity_after: Option<Of<measures::Velocity, Positive>>,
         /// The struck body is a fixed half-space. Default: false.
         pub half_space: Option<Placed<bool>>,
     }
 }
 
-/// How closely the contact is integrated.
+/// Accuracy of the contact integration.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RawSpheresSolve {
@@ -110,7 +108,8 @@ impl Checker<'_> {
                 (body.velocity.place(), "striker.velocity"),
             ] {
                 if let Some(given) = given {
-                    let message = "with `velocity-after` the velocity of the striker is the result, and the struck body is at rest";
+                    let message = "with `velocity-after` the velocity of the striker is the result, and the struck body is at \
+                                   rest";
                     return Err(self.error(given, key, message).help("remove it or `velocity-after`").into());
                 }
             }
@@ -133,8 +132,9 @@ impl Checker<'_> {
             ("rigid", keys.rigid.map(Placed::span)),
         ]);
         let Some((name, span)) = given else { return Ok(()) };
-        let message =
-            format!("`{name}` has no effect: with `restitution` or `velocity-after` only masses and velocities count");
+        let message = format!(
+            "`{name}` has no effect: with `restitution` or `velocity-after` only masses and velocities are used"
+        );
         let help = "remove it and give `mass`; or remove `restitution` or `velocity-after` for Hertz's contact";
         Err(self.error(span, &format!("{key}.{name}"), message).help(help).into())
     }

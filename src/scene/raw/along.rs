@@ -1,4 +1,4 @@
-//! What is given by one value, or along the bar.
+//! Values given as a constant or along the bar.
 
 use std::borrow::Cow;
 use std::marker::PhantomData;
@@ -75,7 +75,7 @@ impl<D: Measure, R: Range, const CSV: bool> Placed<AlongBar<D, R, CSV>> {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RawTableFile {
-    /// Its path, relative to the scene file. A first line without numbers names the columns and, in brackets, their units:
+    /// Its path, relative to the scene file. A header line gives the names of the columns and, in brackets, their units:
     /// `x [mm],stress [MPa]`.
     pub csv: Placed<String>,
 }
@@ -121,9 +121,9 @@ impl<'de, const CSV: bool> Visitor<'de> for Choice<CSV> {
 
     fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(if CSV {
-            "a number, a text with a unit, rows [x, value], or { csv = \"file.csv\" }"
+            "a number, a string with a unit, rows [x, value], or { csv = \"file.csv\" }"
         } else {
-            "a number, a text with a unit such as \"1 cm^2\", or rows [x, size] of a taper"
+            "a number, a string with a unit such as \"1 cm^2\", or rows [x, size] of a taper"
         })
     }
 

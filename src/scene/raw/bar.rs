@@ -1,4 +1,4 @@
-//! `[bar]`: segments, sections, joints, and what they are made of.
+//! `[bar]`: segments, sections, joints and materials.
 
 use std::ops::Range;
 
@@ -45,37 +45,29 @@ macro_rules! pieces {
             #[derive(Debug, Deserialize, JsonSchema)]
             #[serde(deny_unknown_fields, rename_all = "kebab-case")]
             pub struct $name {
-                /// Length. Required, but for a bar of segments.
+                /// Length. Required, except for a bar of segments.
                 pub length: Option<Of<Length, Positive>>,
-                /// Cross-section; or give `diameter`. All segments state one, or none does. For a taper: rows [x, area] with x from the own
-                /// left end, increasing from 0 to the length; linear between rows. Default: none, forces and energies are then per m^2.
+                /// Cross-section; or give `diameter`. Required in all segments or in none. For a taper: rows [x, area] with x from the left end of the segment, increasing from 0 to the length; linear between rows. Default: none; forces and energies are per m^2.
                 pub area: Option<Placed<Section<Area>>>,
-                /// Diameter of a round section; in place of `area`, and as a table likewise (a cone is straight between rows).
+                /// Diameter of a round section; instead of `area`; also as rows [x, diameter] (conical between rows).
                 pub diameter: Option<Placed<Section<Length>>>,
-                /// In torsion: inner diameter of a tube, below `diameter`, which is then the outer one; stresses and strains are those
-                /// of the outer surface. Default: none, a solid rod.
+                /// In torsion: inner diameter of a tube, less than the outer `diameter`; stresses and strains are those of the outer surface. Default: none (solid rod).
                 pub inner_diameter: Option<Of<Length, Positive>>,
-                /// In torsion, in place of `inner-diameter`: wall of a thin tube, at most `diameter`/20; stress and strain are uniform over
-                /// it, at its mean radius.
+                /// In torsion, instead of `inner-diameter`: wall thickness of a thin tube, at most `diameter`/20; stress and strain are uniform over the wall, at its mean radius.
                 pub wall: Option<Of<Length, Positive>>,
-                /// Material: a library name, a path to a material file, or an inline table. Required, but for a bar of segments.
+                /// Material: a library name, a path to a material file, or an inline table. Required, except for a bar of segments.
                 pub material: Option<Placed<MaterialChoice>>,
-                /// Initial velocity, positive in +x. Where it changes along the bar: rows [x, velocity], x from the own left end, or
-                /// { csv = "file.csv" }, as for all initial values. Default: 0.
+                /// Initial velocity, positive in +x. Like all initial values, a constant, rows [x, value] with x from the left end of the bar or segment, or { csv = "file.csv" }. Default: 0.
                 pub velocity: Option<Placed<AlongBar<Motion>>>,
-                /// Initial stress, tension positive, within the elastic range; in torsion the shear stress of the surface. What held the
-                /// bar is taken away at t = 0. Default: 0.
+                /// Initial stress, tension positive, within the elastic range; in torsion the shear stress at the surface. External supports are removed at t = 0. Default: 0.
                 pub stress: Option<Placed<AlongBar<Stress>>>,
-                /// Initial strain (engineering, plastic strain included), in place of `stress`.
+                /// Initial strain (engineering, including plastic strain), instead of `stress`.
                 pub strain: Option<Placed<AlongBar<Plain>>>,
-                /// Initial plastic strain (engineering), positive where the bar was stretched, as left by slow loading; it hardens. With
-                /// the effect `unloading` or `rate`; with `heat` by leapfrog. Default: 0.
+                /// Initial plastic strain (engineering) from quasi-static loading, positive in tension; it hardens. Needs the effect `hardening` or `rate`; with `heat`, leapfrog only. Default: 0.
                 pub plastic_strain: Option<Placed<AlongBar<Plain>>>,
-                /// Initial accumulated plastic strain, at least the size of `plastic-strain`; with isotropic hardening, which depends on
-                /// it. Default: the size of `plastic-strain`, that of loading in one sense.
+                /// Initial accumulated plastic strain, at least the magnitude of `plastic-strain`; for isotropic hardening. Default: the magnitude of `plastic-strain` (monotonic loading).
                 pub accumulated_plastic_strain: Option<Placed<AlongBar<Plain, NotNegative>>>,
-                /// Initial temperature, at least the material's reference temperature and below melting; with the effect `heat`, by
-                /// leapfrog. Default: the reference temperature.
+                /// Initial temperature, from the reference temperature of the material to below its melting temperature; needs the effect `heat` and leapfrog. Default: the reference temperature.
                 pub temperature: Option<Placed<AlongBar<Temperature, Positive>>>,
                 $($own)*
             }
@@ -112,7 +104,7 @@ pieces! {
         pub mode: Option<Placed<Mode>>,
         /// In torsion: "von-mises" converts tension curves to shear. Default: none; tension curves are refused.
         pub shear: Option<Placed<RawShear>>,
-        /// Segments, left to right; in place of the keys above (`mode` and tables of initial values excepted).
+        /// Segments, left to right; instead of the keys above (except `mode` and tables of initial values).
         pub segment: Option<Vec<Placed<RawSegment>>>,
     }
 
@@ -124,10 +116,12 @@ pieces! {
         #[schemars(default)]
         pub gap: Or<Of<Length, NotNegative>, 0>,
         /// With the effect `rupture`: stress concentration factor of the whole segment; the fracture criterion is divided by it.
+        #[serde(rename = "stress-concentration", alias = "notch")]
         #[schemars(default)]
         pub notch: Notch,
         /// With the effect `rupture`: stress concentration factor of the joint to the next segment (a notch or a poor weld), multiplied by
-        /// the `notch` of both sides.
+        /// the `stress-concentration` of both sides.
+        #[serde(rename = "joint-stress-concentration", alias = "joint-notch")]
         #[schemars(default)]
         pub joint_notch: Notch,
     }
@@ -164,7 +158,7 @@ impl RawBar {
 impl RawSegment {
     /// The notch factors that are given, with their keys.
     pub(in crate::scene) fn notches(&self) -> [(&'static str, Option<Range<usize>>); 2] {
-        [("notch", self.notch.place()), ("joint-notch", self.joint_notch.place())]
+        [("stress-concentration", self.notch.place()), ("joint-stress-concentration", self.joint_notch.place())]
     }
 }
 

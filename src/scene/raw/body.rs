@@ -36,7 +36,7 @@ macro_rules! raw_body {
             pub diameter: Option<Of<measures::Length, Positive>>,
             /// Mass. Default: that of a solid sphere.
             pub mass: Option<Of<measures::Mass, Positive>>,
-            /// It does not give way, in place of `modulus` and `poisson`. Default: false.
+            /// Rigid body, instead of `modulus` and `poisson`. Default: false.
             pub rigid: Option<Placed<bool>>,
         } }
 
@@ -67,7 +67,7 @@ macro_rules! raw_body {
         #[serde(deny_unknown_fields, rename_all = "kebab-case")]
         pub struct $name {
             $($own)*
-            /// What it is made of, for its density, modulus and Poisson's ratio. It stays elastic.
+            /// Material, for density, modulus and Poisson's ratio. The body remains elastic.
             pub material: Option<Placed<MaterialChoice>>,
             /// Density. Default: its material's.
             pub density: Option<Of<measures::Density, Positive>>,

@@ -1,4 +1,4 @@
-//! Values that are either a text or a table.
+//! Values that are either a string or a table.
 
 use std::fmt::Formatter;
 

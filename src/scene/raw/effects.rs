@@ -23,7 +23,7 @@ pub enum EffectsChoice {
 #[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum AutoWord {
-    /// The program chooses the effects.
+    /// The program selects the effects.
     Auto,
 }
 
@@ -35,33 +35,33 @@ impl Default for EffectsChoice {
 
 impl<'de> Deserialize<'de> for EffectsChoice {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let expecting = "\"auto\", or a table of effects such as { unloading = \"isotropic\" }";
+        let expecting = "\"auto\", or a table of effects such as { hardening = \"isotropic\" }";
         let word = |word: &str| (word == "auto").then_some(Self::Auto(AutoWord::Auto));
         text_or_table(deserializer, expecting, word, |effects| Self::Table(Box::new(effects)))
     }
 }
 
-/// Effects simulated besides the quasi-static curve: only those that are named.
+/// Optional effects; only the effects named here are simulated.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct RawEffects {
     /// Hardening rule with elastic unloading. Default: none; unloading follows the loading curve.
+    #[serde(rename = "hardening", alias = "unloading")]
     pub unloading: Option<Placed<RawUnloading>>,
-    /// Rate-dependent plastic flow; implies unloading = "isotropic" where no unloading is named. Solved with method = "moc"
+    /// Rate-dependent plastic flow; implies hardening = "isotropic" unless `hardening` is set. Solved with method = "moc"
     /// on a characteristic net. Default: none; the quasi-static curve is used at all strain rates.
     /// "material": each segment uses the constants of its own material.
     pub rate: Option<Placed<RateChoice>>,
     /// Adiabatic heating by plastic work, and thermal softening: `{ fraction = 0.9 }`, or `{}`; implies
-    /// unloading = "isotropic" where no unloading is named. Needs the materials' `[heat]` constants. Default: none; the temperature is
+    /// hardening = "isotropic" unless `hardening` is set. Needs the materials' `[heat]` constants. Default: none; the temperature is
     /// constant.
     pub heat: Option<Placed<RawHeat>>,
-    /// Fracture; the fragments are simulated further: "critical-strain", `{ energy = "500 ft*lbf/in^3" }` or
+    /// Fracture; the simulation continues with the fragments: "critical-strain", `{ energy = "500 ft*lbf/in^3" }` or
     /// `{ spall = "2 GPa" }`. Default: none; the bar does not fracture.
     pub rupture: Option<Placed<RawRupture>>,
     /// Damping and a foundation along the whole bar. For the method "fd". Default: none.
     pub damping: Option<Placed<RawDamping>>,
-    /// Love's correction for the inertia of lateral motion, with the materials' `poisson`; a section given by its area alone is taken as
-    /// round. For the method "fd". Default: false.
+    /// Love's correction for the inertia of lateral motion, with the materials' `poisson`; a section given by its area only is assumed to be round. For the method "fd". Default: false.
     pub lateral_inertia: Option<Placed<bool>>,
 }
 
@@ -69,7 +69,7 @@ pub struct RawEffects {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RawHeat {
-    /// Fraction of the plastic work that turns into heat. Default: the material's own, else 0.9.
+    /// Fraction of the plastic work converted to heat. Default: that of the material, else 0.9.
     pub fraction: Option<Of<Plain, Within<0, 1>>>,
 }
 
@@ -79,7 +79,7 @@ pub struct RawHeat {
 pub enum RawRupture {
     /// At the nominal strain at the largest engineering stress of the curve, or at the end of data that end in rupture.
     CriticalStrain,
-    /// Where this energy has been absorbed per volume (all work of strain).
+    /// If the strain work per volume reaches this value.
     Energy(Of<EnergyDensity, Positive>),
     /// At this tensile stress.
     Spall(Of<Stress, Positive>),

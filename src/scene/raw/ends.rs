@@ -137,11 +137,11 @@ fn only_its_keys(document: &Document, kind: EndKind, end: &str, table: &Table<'_
         return Err(document.key_error(key, &path, &name, &[&["kind"], own].concat()).into());
     }
     let wherever = if torsion { " in torsion" } else { "" };
-    let message = format!("`{name}` means nothing for an end of kind \"{}\"{wherever}", kind.word());
+    let message = format!("`{name}` does not apply to an end of kind \"{}\"{wherever}", kind.word());
     let allowed = if own.is_empty() { "kind alone".to_owned() } else { format!("kind, {}", own.join(", ")) };
     let help = match (name.as_str(), kind) {
         ("mass", EndKind::Striker) if torsion => "give the striker's `inertia`, e.g. inertia = \"2 kg*m^2\"".to_owned(),
-        _ => format!("take `{name}` out, or give the end another kind"),
+        _ => format!("remove `{name}`, or use another kind of end"),
     };
     Err(document.error(value, &path, message).allowed(allowed).help(help).into())
 }
@@ -175,8 +175,7 @@ macro_rules! driven {
             pub value: Option<Of<$measure>>,
             /// Rows [time, value]; linear between rows; a repeated time is a jump; the last value is held. Times never decrease.
             pub history: Option<Placed<Rows<measures::Time, $measure>>>,
-            /// The same rows from a file with two columns, time and value; its path is relative to the scene file. A first
-            /// line without numbers names the columns and, in brackets, their units: `time [us],velocity [ft/s]`.
+            /// The same rows from a file with two columns, time and value; its path is relative to the scene file. A header line gives the names of the columns and, in brackets, their units: `time [us],velocity [ft/s]`.
             pub csv: Option<Placed<String>>,
             $($own)*
         }

@@ -1,5 +1,5 @@
-//! What the user typed: the mirror of a scene file. Every key is declared once, here: its type has dimension, range and default, from
-//! which follow how it is read, messages, the schema and the reference.
+//! The serde mirror of a scene file. Every key is declared once, here: its type has dimension, range and default, from which
+//! reading, messages, schema and reference follow.
 
 mod along;
 mod bar;
@@ -40,13 +40,13 @@ pub struct RawScene {
     /// Boundary condition at the right end. Required.
     #[schemars(with = "RawEnd")]
     pub right: Option<Later<RawEnd>>,
-    /// Effects simulated besides the quasi-static curve, or "auto": chosen by the program. Default: none.
+    /// Optional effects, or "auto": selected by the program. Default: none.
     #[serde(default)]
     pub effects: EffectsChoice,
     /// Numerical method and end time. Required, for `until`.
     #[schemars(with = "RawSolve")]
     pub solve: Option<Placed<RawSolve>>,
-    /// What to record. Default: 200 frames of stress, strain and velocity.
+    /// Output. Default: 200 frames of stress, strain and velocity.
     #[serde(default)]
     pub record: RawRecord,
 }

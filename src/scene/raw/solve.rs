@@ -19,10 +19,9 @@ pub struct RawSolve {
     /// End time.
     #[schemars(required)]
     pub until: Option<Of<Time, Positive>>,
-    /// Method. Default: "fd"; "moc" where the effects include `rate`, no rupture and no heat.
+    /// Method. Default: "fd"; with `rate` but neither rupture nor heat "moc".
     pub method: Option<Placed<RawMethod>>,
-    /// In place of a method: the largest error allowed: of stress over the bar and time, at the ends and gauges, of the residual plastic
-    /// strain and of the peak force, each relative. The cheapest method and resolution that meet it are chosen.
+    /// Instead of a method: largest relative error of the stress over the bar and time, at the ends and gauges, of the residual plastic strain and of the peak force. The cheapest method and resolution are selected.
     pub tolerance: Option<Of<Plain, Above<0, 1, 2>>>,
     /// Scheme of the method "fd". Default: "leapfrog".
     pub scheme: Option<Placed<RawScheme>>,
@@ -35,11 +34,11 @@ pub struct RawSolve {
     /// Relative change of the stress above which the audit reports a neglected effect and `effects = "auto"` includes it. Default: 0.01,
     /// or the `tolerance`.
     pub audit_tolerance: Option<Of<Plain, Between<0, 1>>>,
-    /// For the method "moc": smallest stress jump that is tracked as a front of its own, relative to the largest stress that the scene's
-    /// data can reach; 0 tracks all waves.
+    /// For the method "moc": smallest stress jump that is tracked as a front of its own, relative to the largest stress possible in the scene; 0 tracks all waves.
     #[schemars(default)]
     pub front_tolerance: Or<Of<Plain, Below<0, 1>>, 1, 1000>,
     /// For the method "moc": largest number of front interactions.
+    #[serde(rename = "max-events", alias = "event-budget")]
     #[schemars(default)]
     pub event_budget: Or<Count<1, MOST_EVENTS>, 10_000_000>,
 }

@@ -1,5 +1,5 @@
-//! A run of cells that is stepped as one: small enough for the first-level cache, large enough that choosing its
-//! kernel costs nothing.
+//! A block of cells that is advanced as one: small enough for the first-level cache, large enough that selecting its kernel costs
+//! nothing.
 
 use std::cell::RefCell;
 use std::ops::Range;

@@ -1,4 +1,4 @@
-//! What is known of a bar on the staggered grid that can break.
+//! Fracture data of a bar on the staggered grid.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,4 +1,4 @@
-//! The fan of fronts that a suddenly moved end sends, as [`super::start`] imposes it on the nodes.
+//! The centred fan of a suddenly moved end, as [`super::start`] imposes it on the nodes.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,4 +1,4 @@
-//! Filter for the oscillations that the leapfrog scheme makes at the scale of its cells where the bar yields.
+//! Filter for grid-scale oscillations of the leapfrog scheme in yielded cells.
 //!
 //! There are two kinds. Neither arises in an elastic run, which never calls this filter.
 //!

@@ -11,7 +11,7 @@ use super::grid::Grid;
 use super::implicit::{DistributedForces, Implicit};
 use super::segment::{Constants, SegmentLaw};
 use super::sizes::block_sizes;
-use super::stretch::{Common, Stretch};
+use super::subdomain::{Common, Subdomain};
 use super::sweep::division;
 use super::taper::BlockTaper;
 use crate::bar::{Bar, EndCondition};
@@ -231,8 +231,8 @@ impl Leapfrog {
     }
 
     /// The whole bar as the acts of a step see it.
-    fn whole(&mut self) -> Stretch<'_> {
-        Stretch {
+    fn whole(&mut self) -> Subdomain<'_> {
+        Subdomain {
             common: Common {
                 laws: &self.laws,
                 constants: &self.constants,

@@ -1,4 +1,4 @@
-//! The nodes between blocks and at the ends of the bar, as they can be read.
+//! The nodes between blocks and at the ends of the bar, for reading.
 
 use super::contact::Contact;
 use super::edge::Edge;

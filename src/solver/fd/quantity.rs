@@ -1,4 +1,4 @@
-//! What can be read of a bar.
+//! The readable quantities of a bar.
 
 /// What can be read in a cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

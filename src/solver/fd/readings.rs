@@ -1,4 +1,4 @@
-//! What can be read off a bar: fields, energies, cells past their data.
+//! Readings of a bar: fields, energies, cells beyond their data.
 
 use super::block::{Block, NodeMotion};
 use super::leapfrog::Leapfrog;
@@ -49,9 +49,9 @@ impl Leapfrog {
                 if let Some(contact) = contacts.next_if(|contact| contact.cell == cell) {
                     node += contact.jump();
                 }
-                let stretch = strain * part.dx;
-                centres.push(node + 0.5 * stretch);
-                node += stretch;
+                let subdomain = strain * part.dx;
+                centres.push(node + 0.5 * subdomain);
+                node += subdomain;
             }
         }
         centres

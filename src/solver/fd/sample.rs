@@ -1,4 +1,4 @@
-//! Reading the grid at chosen places.
+//! Sampling of the grid at given positions.
 
 use super::Grid;
 use crate::bar::Bar;

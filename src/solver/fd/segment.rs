@@ -1,4 +1,4 @@
-//! What a segment of the grid is made of.
+//! Constants of a segment on the grid.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! How far a step reaches.
+//! The domain of influence of a step.
 
 use std::ops::Range;
 

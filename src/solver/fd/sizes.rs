@@ -1,4 +1,4 @@
-//! Sizes of blocks: small enough for the first-level cache, large enough that choosing their kernel costs nothing.
+//! Block sizes: small enough for the first-level cache, large enough that selecting their kernel costs nothing.
 
 use crate::law::CHUNK;
 

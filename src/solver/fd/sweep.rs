@@ -5,7 +5,7 @@
 //! | act | of | needs, of the same step |
 //! |---|---|---|
 //! | advance | a block: its stresses, then its inner nodes | the step before finished on both its edges |
-//! | meet | an edge: its node, from the stresses on both sides | both neighbours advanced |
+//! | `update_interfaces` | an edge: its node, from the stresses on both sides | both neighbours advanced |
 //! | damp | a block: the ripples of its inner nodes | both its edges met, both neighbours advanced |
 //! | finish | an edge: its node's share of the damping | both neighbours damped |
 //! | note | a block: what is logged of its cells | both its edges finished |
@@ -19,7 +19,7 @@
 use std::ops::Range;
 
 use super::block::Scratch;
-use super::stretch::Stretch;
+use super::subdomain::Subdomain;
 
 /// Most steps in one go. Twice as many blocks pass through the second-level cache in that time.
 const DEPTH: usize = 32;
@@ -45,49 +45,67 @@ pub(super) fn division(blocks: usize, threads: usize) -> (usize, usize) {
     }
 }
 
-/// Acts to be done, by numbers of blocks and edges.
+/// Stages of a step to be computed, as ranges of block and edge numbers.
 #[derive(Debug, Clone)]
-pub(super) struct Acts {
+pub(super) struct StageRanges {
     pub advance: Range<i64>,
-    pub meet: Range<i64>,
+    pub update_interfaces: Range<i64>,
     pub damp: Range<i64>,
     pub finish: Range<i64>,
     pub note: Range<i64>,
 }
 
-impl Acts {
+impl StageRanges {
     /// Of blocks `a..z` where all to the left is done in this step, and nothing to the right.
     fn following(a: i64, z: i64) -> Self {
-        Self { advance: a..z, meet: a..z, damp: a - 1..z - 1, finish: a - 1..z - 1, note: a - 2..z - 2 }
+        Self { advance: a..z, update_interfaces: a..z, damp: a - 1..z - 1, finish: a - 1..z - 1, note: a - 2..z - 2 }
     }
 
     /// Of a bar of `blocks` blocks, all.
     pub fn all(blocks: i64) -> Self {
-        Self { advance: 0..blocks, meet: 0..blocks + 1, damp: 0..blocks, finish: 0..blocks + 1, note: 0..blocks }
+        Self {
+            advance: 0..blocks,
+            update_interfaces: 0..blocks + 1,
+            damp: 0..blocks,
+            finish: 0..blocks + 1,
+            note: 0..blocks,
+        }
     }
 
     /// What can be done from block `a` on, where nothing is known of those to its left.
     fn right_of(a: i64) -> Self {
         let end = i64::MAX;
-        Self { advance: a..end, meet: a + 1..end, damp: a + 1..end, finish: a + 2..end, note: a + 2..end }
+        Self { advance: a..end, update_interfaces: a + 1..end, damp: a + 1..end, finish: a + 2..end, note: a + 2..end }
     }
 
     /// What can be done up to block `z`, not included, where nothing is known of it.
     fn left_of(z: i64) -> Self {
         let start = i64::MIN;
-        Self { advance: start..z, meet: start..z, damp: start..z - 1, finish: start..z - 1, note: start..z - 2 }
+        Self {
+            advance: start..z,
+            update_interfaces: start..z,
+            damp: start..z - 1,
+            finish: start..z - 1,
+            note: start..z - 2,
+        }
     }
 
     /// What is left between [`Self::left_of`] block `a` and [`Self::right_of`] block `z`.
     fn between(a: i64, z: i64) -> Self {
-        Self { advance: a..z, meet: a..z + 1, damp: a - 1..z + 1, finish: a - 1..z + 2, note: a - 2..z + 2 }
+        Self {
+            advance: a..z,
+            update_interfaces: a..z + 1,
+            damp: a - 1..z + 1,
+            finish: a - 1..z + 2,
+            note: a - 2..z + 2,
+        }
     }
 
     fn and(&self, other: &Self) -> Self {
         let common = |a: &Range<i64>, b: &Range<i64>| a.start.max(b.start)..a.end.min(b.end);
         Self {
             advance: common(&self.advance, &other.advance),
-            meet: common(&self.meet, &other.meet),
+            update_interfaces: common(&self.update_interfaces, &other.update_interfaces),
             damp: common(&self.damp, &other.damp),
             finish: common(&self.finish, &other.finish),
             note: common(&self.note, &other.note),
@@ -96,22 +114,22 @@ impl Acts {
 }
 
 /// The whole bar, act by act.
-impl Stretch<'_> {
+impl Subdomain<'_> {
     /// The stresses and inner nodes of all blocks in a step, and the nodes between them.
     pub fn advance_and_meet(&mut self, step: usize, scratch: &mut Scratch) {
-        let Acts { advance, meet, .. } = Acts::all(self.common.blocks as i64);
+        let StageRanges { advance, update_interfaces, .. } = StageRanges::all(self.common.blocks as i64);
         self.advance(advance, step, scratch);
-        self.meet(meet, step);
+        self.update_interfaces(update_interfaces, step);
     }
 
     /// The edges of all blocks at t = 0.
     pub fn meet_all(&mut self) {
-        self.meet(Acts::all(self.common.blocks as i64).meet, 0);
+        self.update_interfaces(StageRanges::all(self.common.blocks as i64).update_interfaces, 0);
     }
 
     /// The grid filter of the whole bar in a step.
     pub fn damp_and_finish(&mut self, step: usize, scratch: &mut Scratch) {
-        let Acts { damp, finish, note, .. } = Acts::all(self.common.blocks as i64);
+        let StageRanges { damp, finish, note, .. } = StageRanges::all(self.common.blocks as i64);
         self.damp(damp, step, scratch);
         self.finish(finish);
         self.note(note);
@@ -119,11 +137,11 @@ impl Stretch<'_> {
 
     /// Logs what is watched of the whole bar.
     pub fn note_all(&mut self) {
-        self.note(Acts::all(self.common.blocks as i64).note);
+        self.note(StageRanges::all(self.common.blocks as i64).note);
     }
 }
 
-impl Stretch<'_> {
+impl Subdomain<'_> {
     /// Takes the bar `steps` steps on in so many parts, as [`division`] allows.
     pub fn sweep(&mut self, steps: usize, parts: usize) {
         if parts == 1 {
@@ -136,13 +154,13 @@ impl Stretch<'_> {
         Scratch::lend(|scratch| {
             for s in 0..steps {
                 let lag = LAG * s as i64;
-                self.act(s, &Acts::between(middle - lag, middle + lag), scratch);
+                self.act(s, &StageRanges::between(middle - lag, middle + lag), scratch);
             }
         });
     }
 
-    /// Two stretches, without the edge between them.
-    fn split(&mut self, at: usize) -> [Stretch<'_>; 2] {
+    /// Two subdomains, without the edge between them.
+    fn split(&mut self, at: usize) -> [Subdomain<'_>; 2] {
         let (blocks, more_blocks) = self.blocks.split_at_mut(at);
         let (edges, more_edges) = self.edges.split_at_mut(at - 1);
         let border = self.first + at;
@@ -156,8 +174,8 @@ impl Stretch<'_> {
         let common = self.common;
         let first = self.first;
         [
-            Stretch { common, first, blocks, edges, contacts, ends: [left, None] },
-            Stretch {
+            Subdomain { common, first, blocks, edges, contacts, ends: [left, None] },
+            Subdomain {
                 common,
                 first: border,
                 blocks: more_blocks,
@@ -168,23 +186,23 @@ impl Stretch<'_> {
         ]
     }
 
-    /// All that can be done of these steps without knowing what is beyond the stretch.
+    /// All that can be done of these steps without knowing what is beyond the subdomain.
     fn sweep_tiles(&mut self, steps: usize, scratch: &mut Scratch) {
         let (from, to) = (self.first as i64, (self.first + self.blocks.len()) as i64);
         let at_start = self.ends[0].is_some();
         let at_end = self.ends[1].is_some();
         let mut tile = from;
         while tile - LAG * (steps as i64 - 1) <= to + LAG {
-            // The first and the last step in which the tile is on the stretch.
+            // The first and the last step in which the tile is on the subdomain.
             let first = (tile - LAG - to).max(0) / LAG;
             let last = ((tile + TILE + LAG - from) / LAG).min(steps as i64 - 1);
             for s in first..=last {
-                let mut acts = Acts::following(tile - LAG * s, tile - LAG * s + TILE);
+                let mut acts = StageRanges::following(tile - LAG * s, tile - LAG * s + TILE);
                 if !at_start {
-                    acts = acts.and(&Acts::right_of(from + LAG * s));
+                    acts = acts.and(&StageRanges::right_of(from + LAG * s));
                 }
                 if !at_end {
-                    acts = acts.and(&Acts::left_of(to - LAG * s));
+                    acts = acts.and(&StageRanges::left_of(to - LAG * s));
                 }
                 self.act(s as usize, &acts, scratch);
             }
@@ -192,12 +210,12 @@ impl Stretch<'_> {
         }
     }
 
-    /// Acts of step number `s` of this sweep, as far as the bar has them.
-    fn act(&mut self, s: usize, acts: &Acts, scratch: &mut Scratch) {
-        let acts = acts.and(&Acts::all(self.common.blocks as i64));
+    /// The stages of step number `s` of this sweep, as far as the bar has them.
+    fn act(&mut self, s: usize, acts: &StageRanges, scratch: &mut Scratch) {
+        let acts = acts.and(&StageRanges::all(self.common.blocks as i64));
         let step = self.common.step + s + 1;
         self.advance(acts.advance, step, scratch);
-        self.meet(acts.meet, step);
+        self.update_interfaces(acts.update_interfaces, step);
         self.damp(acts.damp, step, scratch);
         self.finish(acts.finish);
         self.note(acts.note);

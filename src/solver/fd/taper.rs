@@ -1,4 +1,4 @@
-//! Cells whose sections differ: what a block of a tapered segment keeps and does in place of the uniform one.
+//! Tapered segments: the cells of a block with varying section.
 //!
 //! The momentum equation is rho A dv/dt = d(A sigma)/dx. A cell has the exact mean area A over its length; each of its nodes
 //! carries half of its mass. Between cells with the areas a and b a node of mass rho dx (a + b)/2 obeys

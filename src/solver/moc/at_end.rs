@@ -1,4 +1,4 @@
-//! The Riemann problem at an end of the bar: the relation a u + b p = c of the end's step against what the bar answers.
+//! The Riemann problem at an end of the bar: the relation a u + b p = c of the end against the waves of the bar.
 
 use super::FrontTracking;
 use super::end::Arrival;
@@ -40,7 +40,7 @@ impl FrontTracking {
         }
         self.note_limit(1 - which, segment, [&bar, &answer.behind], x);
         let end = &mut self.ends[which];
-        end.settle(&answer.behind, answer.velocity, answer.answers);
+        end.update(&answer.behind, answer.velocity, answer.answers);
         if answer.short && end.demands {
             end.record.above_critical.get_or_insert(self.now);
         }

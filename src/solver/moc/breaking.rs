@@ -1,4 +1,4 @@
-//! Whether a place of the bar breaks.
+//! The fracture criterion at a point of the bar.
 
 use crate::law::rupture::{Cause, Criteria, Criterion, Rupture, Strained};
 use crate::wave::riemann::{Medium, Point};

@@ -1,4 +1,4 @@
-//! How far two tracked bars are apart, and whether one is exact.
+//! The difference of two front-tracking bars, and whether one is exact.
 
 use super::{FrontTracking, Piece};
 

@@ -1,4 +1,4 @@
-//! The ends of a tracked bar: when their steps begin and end, and what they record. What an end asks of the bar is its model's, see
+//! The ends of a front-tracking bar: start and end of their steps, and their records. The relation is that of the model, see
 //! [`crate::bar::ends`].
 
 use serde::{Deserialize, Serialize};
@@ -306,7 +306,7 @@ impl End {
 
     /// Takes the answer: the state of the bar's edge, and the velocity of the face into the bar, from now on. `answers`: the wave
     /// that arrived was answered.
-    pub fn settle(&mut self, behind: &Point, velocity: f64, answers: bool) {
+    pub fn update(&mut self, behind: &Point, velocity: f64, answers: bool) {
         let Face { inward, area, impedance, .. } = self.face;
         self.stepping.held = Held { force: -area * behind.stress, velocity, edge: inward * behind.velocity };
         if answers {

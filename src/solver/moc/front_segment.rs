@@ -1,4 +1,4 @@
-//! The lives of fronts: straight lines in (x, t), from which x-t diagrams are drawn and gauges are read.
+//! Front segments: straight lines in (x, t), for x-t diagrams and gauges.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,4 +1,4 @@
-//! Hands out the front segments of fronts, of those that ended and of those under way.
+//! Output of the segments of ended and active fronts.
 
 use super::list::{Kind, Node};
 use super::{FrontSegment, FrontTracking};

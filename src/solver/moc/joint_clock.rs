@@ -1,4 +1,4 @@
-//! A joint that can open, with its clock: the gap between two events.
+//! A contact joint between two events: its gap and closing time.
 
 use serde::{Deserialize, Serialize};
 
@@ -81,7 +81,7 @@ impl Contact {
     }
 
     /// From now on the gap grows at `rate` (m/s; 0 where the faces press each other). Rates within `round_off` are no closing.
-    pub fn settle(&mut self, rate: f64, round_off: f64) {
+    pub fn update(&mut self, rate: f64, round_off: f64) {
         self.rate = rate;
         self.closes = if rate < -round_off { self.since + self.state.gap() / -rate } else { f64::INFINITY };
         let open = self.state.is_open();

@@ -1,4 +1,4 @@
-//! The limits of what is known of the materials, and the first points of the bar that came to them.
+//! The limits of the material data, and the first points of the bar that reached them.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,4 +1,4 @@
-//! Where a tracked bar comes to a limit of what its materials know.
+//! Points at which a front-tracking bar reaches the limits of the material data.
 //!
 //! Every state of the bar first exists behind the waves of a Riemann problem, so that only those states need a look.
 

@@ -1,4 +1,4 @@
-//! The fronts in order along the bar: a doubly linked list in one vector, whose freed places are used again.
+//! The fronts in order along the bar: a doubly linked list in one vector with reused slots.
 
 use serde::{Deserialize, Serialize};
 

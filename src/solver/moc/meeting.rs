@@ -1,4 +1,4 @@
-//! Meetings of neighbours, in order of time.
+//! Interactions of neighbouring fronts, in order of time.
 
 use serde::{Deserialize, Serialize};
 

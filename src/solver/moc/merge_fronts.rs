@@ -1,4 +1,4 @@
-//! Merging of fronts: neighbouring waves of one kind become one where that changes the solution by less than is allowed.
+//! Merging of fronts: neighbouring waves of one kind are merged if the change of the solution is within the tolerance.
 //!
 //! Where fans meet reflections, waves multiply without end, ever weaker and closer together. At any moment the
 //! solution is a sum of step functions of x, one for each kind of wave: elastic waves in +x, elastic waves in -x,

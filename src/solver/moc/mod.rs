@@ -98,7 +98,7 @@ impl Default for Settings {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Stopped {
     /// More events than allowed; the bar stands at the time reached and can be read.
-    #[error("front tracking used its {events} events and reached t = {time:.6e} s: {fronts} fronts were under way")]
+    #[error("front tracking reached its limit of {events} events at t = {time:.6e} s with {fronts} active fronts")]
     EventBudget {
         /// Time reached, s.
         time: f64,
@@ -116,6 +116,6 @@ pub enum Stopped {
         x: f64,
     },
     /// A point at which nothing is known of its material any more.
-    #[error("front tracking came to a limit of what the material knows at t = {:.6e} s, x = {:.6e} m", .0.time, .0.x)]
+    #[error("front tracking reached the end of the material data at t = {:.6e} s, x = {:.6e} m", .0.time, .0.x)]
     AtLimit(PointAtLimit),
 }

@@ -1,4 +1,4 @@
-//! What counts as one place, one time, one state.
+//! Tolerances for equal positions, times and states.
 
 use crate::wave::riemann::{Medium, Point};
 

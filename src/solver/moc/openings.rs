@@ -1,4 +1,4 @@
-//! Velocity jumps at rest, and what they have opened.
+//! Stationary velocity jumps, and the strain localized at them.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,4 +1,4 @@
-//! What an end imposes: a history whose ramps are steps, each worked out when it is due.
+//! Prescribed end histories: ramps become steps, each computed when it is due.
 
 use crate::bar::ends::{Face, Relation};
 use crate::bar::{EndCondition, History};

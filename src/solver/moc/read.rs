@@ -1,4 +1,4 @@
-//! What a tracked bar looks like now: its pieces, its fronts, the state at a place.
+//! Reading of a front-tracking bar: its pieces, its fronts, and the state at a position.
 
 use super::FrontTracking;
 use super::end::{EndRecord, StrikerState};

@@ -1,4 +1,4 @@
-//! What leaves the place where fronts meet, inside the bar and at its ends.
+//! The waves emitted from an interaction of fronts, inside the bar and at its ends.
 
 use super::FrontTracking;
 use super::list::{Kind, Node};

@@ -1,4 +1,4 @@
-//! Reading a tracked bar at many places in one sweep, and letting it go on in bursts.
+//! Sampling of a front-tracking bar at many positions in one pass, and its advance in batches.
 
 use super::list::{Kind, Node};
 use super::meeting::Meeting;

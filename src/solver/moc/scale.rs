@@ -1,4 +1,4 @@
-//! The stress to which tolerances and steps are relative.
+//! The stress scale of tolerances and steps.
 
 use crate::bar::ends::Face;
 use crate::bar::{EndCondition, History};

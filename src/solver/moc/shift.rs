@@ -1,4 +1,4 @@
-//! What bringing nodes to one point does to energy and momentum.
+//! Changes of energy and momentum by moving nodes to a common point.
 
 use super::FrontTracking;
 use super::list::{NONE, Node};

@@ -1,4 +1,4 @@
-//! The state of a tracked bar, for a checkpoint. Media, limits of the data and tolerances follow from the scene.
+//! The state of a front-tracking bar, for a checkpoint. Media, limits of the data and tolerances follow from the scene.
 //!
 //! A binary heap that is read back from its own order keeps that order.
 

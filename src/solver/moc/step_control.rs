@@ -1,4 +1,4 @@
-//! How long the steps of a body (a striker, a ball, a spring) at an end are.
+//! Step lengths of a body (a striker, a ball, a spring) at an end.
 //!
 //! While nothing arrives, a body on an elastically answering bar relaxes like exp(-t/T) ([`Relaxation`]). The mean of a step
 //! of x T that follows a bilinear bar is off by about x^3/12 of the force that still has to relax, F. For a given number of steps

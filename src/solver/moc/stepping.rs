@@ -1,4 +1,4 @@
-//! The step that an end is in: its model, the relation that holds over the step, and the account of what went through the end.
+//! The current step of an end: its model, its relation, and its energy balance.
 //!
 //! Waves that arrive within a step are answered by the same relation a u + b p = c: the means of u and p over the step then meet it
 //! too, which is what the models of [`crate::bar::ends`] ask for.

@@ -1,4 +1,4 @@
-//! Energies and momentum of a tracked bar: exact sums over its constant pieces.
+//! Energies and momentum of a front-tracking bar: exact sums over its constant pieces.
 
 use super::FrontTracking;
 use super::list::{Kind, NONE};

@@ -1,4 +1,4 @@
-//! A run of cells that is stepped as one, with copies of the nearest cells on either side.
+//! A block of cells that is advanced as one, with ghost cells on either side.
 
 use std::ops::Range;
 
@@ -108,7 +108,7 @@ impl Block {
     }
 
     /// E times the strain of a cell, Pa.
-    pub fn reach(&self, part: &Part, i: usize) -> f64 {
+    pub fn e_equivalent_strain(&self, part: &Part, i: usize) -> f64 {
         let plastic = if self.stage == Stage::Plastic { part.law.law.plastic_strain(&self.state, i) } else { 0.0 };
         self.sigma[i] + plastic
     }
@@ -117,8 +117,8 @@ impl Block {
     fn stiffenings(&self, knots: &[Vec<f64>; 2], part: &Part, i: usize) -> (bool, usize) {
         let accumulated = if self.stage == Stage::Plastic { part.law.law.accumulated(&self.state, i) } else { 0.0 };
         let stress = self.sigma[i];
-        let reach = stress.abs() + accumulated;
-        let passed = knots[usize::from(stress < 0.0)].iter().take_while(|&&knot| knot <= reach).count();
+        let e_equivalent_strain = stress.abs() + accumulated;
+        let passed = knots[usize::from(stress < 0.0)].iter().take_while(|&&knot| knot <= e_equivalent_strain).count();
         (passed > 0 && stress < 0.0, passed)
     }
 
@@ -182,7 +182,7 @@ impl Block {
     }
 
     /// What the bar seems to go on with beyond an end or a joint: stress, velocity, and E times strain (Pa).
-    pub fn fill_ghost_cells(&mut self, side: usize, part: &Part, [stress, velocity, reach]: [f64; 3]) {
+    pub fn fill_ghost_cells(&mut self, side: usize, part: &Part, [stress, velocity, e_equivalent_strain]: [f64; 3]) {
         for to in std::array::from_fn::<usize, GHOSTS, _>(|depth| self.outside(side, depth)) {
             (self.sigma[to], self.v[to]) = (stress, velocity);
             if self.stage == Stage::Plastic {
@@ -192,7 +192,7 @@ impl Block {
                     self.state[number * rows + to] = self.state[number * rows + cell];
                 }
                 if part.path_independent {
-                    self.state[to] = reach - stress;
+                    self.state[to] = e_equivalent_strain - stress;
                 }
             }
         }

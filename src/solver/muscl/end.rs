@@ -1,4 +1,4 @@
-//! The ends: Riemann problems against what holds or drives them, see [`crate::bar::ends`].
+//! The ends: Riemann problems with boundary conditions, see [`crate::bar::ends`].
 
 use serde::{Deserialize, Serialize};
 
@@ -74,9 +74,9 @@ impl End {
         let (normal, area) = (-self.face.inward, self.face.area);
         let side = usize::from(normal > 0.0);
         let (i, j) = (block.inside(side, 0), block.inside(side, 1));
-        let (stress, velocity, reach) = (block.sigma[i], block.v[i], block.reach(part, i));
+        let (stress, velocity, e_equivalent_strain) = (block.sigma[i], block.v[i], block.e_equivalent_strain(part, i));
         // Strain per elastic strain of the same stress change, from the bar's own slope.
-        let ratio = (block.reach(part, j) - reach) / (block.sigma[j] - stress);
+        let ratio = (block.e_equivalent_strain(part, j) - e_equivalent_strain) / (block.sigma[j] - stress);
         let ratio = if ratio.is_finite() && ratio > 1.0 { ratio } else { 1.0 };
         let outward = normal * part.dx;
         let (beyond, moving) = match self.model.boundary(&self.step(time, dt), &self.latest, self.met) {
@@ -89,7 +89,7 @@ impl End {
             }
             Boundary::Open => (stress, velocity),
         };
-        [beyond, moving, reach + ratio * (beyond - stress)]
+        [beyond, moving, e_equivalent_strain + ratio * (beyond - stress)]
     }
 
     /// What the end does first, for the reading at t = 0 of a bar that is stressed then.
@@ -100,7 +100,7 @@ impl End {
     }
 
     /// What goes through the end in the step from `time` on, with the account of it.
-    pub fn settle(&mut self, time: f64, dt: f64, part: &Part, near: &FaceState, work: &mut Workspace) -> Flux {
+    pub fn step_flux(&mut self, time: f64, dt: f64, part: &Part, near: &FaceState, work: &mut Workspace) -> Flux {
         let step = self.step(time, dt);
         let (flux, met) = self.respond(&step, part, near, work);
         let (force, velocity) = (-self.face.area * flux.stress, self.face.inward * flux.velocity);

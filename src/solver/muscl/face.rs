@@ -1,4 +1,4 @@
-//! The outer faces of blocks, at ends and joints: the state of the bar there, and what goes through under a stress.
+//! The outer faces of blocks, at ends and joints: the state of the bar there, and the flux.
 
 use super::block::{Block, Stage};
 use super::part::Part;
@@ -63,7 +63,7 @@ impl ToFace {
 
     /// Where the curve is followed both ways: from slopes of strain.
     fn along_curve(&self, block: &Block, part: &Part, state: &mut [f64]) -> FaceState {
-        let z = |i: usize| block.reach(part, i);
+        let z = |i: usize| block.e_equivalent_strain(part, i);
         let i = self.i;
         let dz = if self.flat { 0.0 } else { limited(z(i) - z(i - 1), z(i + 1) - z(i)) };
         let (mut stress, mut flow) = ([0.0], [0.0]);

@@ -1,4 +1,4 @@
-//! Fronts along straight lines of the curve.
+//! Steeper slopes for fronts along straight segments of the curve.
 //!
 //! Along a line all waves have one speed: a front is carried along as it is, and whatever smears it stays. Van Leer's slopes
 //! smear it ever further, over `dx^(2/3)`; steeper ones keep it within a few cells. So cells inside such fronts get those.
@@ -33,7 +33,7 @@ pub(super) struct Slopes {
     /// m/s.
     pub velocity: f64,
     /// E times strain, Pa.
-    pub reach: f64,
+    pub e_equivalent_strain: f64,
 }
 
 /// The slopes of a cell inside a front of one direction along one line of the curve, other than the elastic one; none
@@ -59,15 +59,15 @@ fn is_uneven(sigma: &[f64]) -> bool {
 fn line(block: &Block, part: &Part, i: usize, greater: f64) -> Option<Straight> {
     let sigma = &block.sigma;
     let sense = if sigma[i] < 0.0 { -1.0 } else { 1.0 };
-    let reach = |i: usize| sigma[i].abs() + part.law.law.accumulated(&block.state, i);
-    let line = part.faces.line(sense, reach(i));
+    let e_equivalent_strain = |i: usize| sigma[i].abs() + part.law.law.accumulated(&block.state, i);
+    let line = part.faces.line(sense, e_equivalent_strain(i));
     if line.slope >= 1.0 || line.slope == 0.0 {
         return None;
     }
     let off = OFF_LINE * greater + ROUNDING * sigma[i].abs();
     let (start, end) = (line.start - off / line.slope, line.end + off / line.slope);
     let lies_on = |i: usize| {
-        let z = reach(i);
+        let z = e_equivalent_strain(i);
         (start..=end).contains(&z) && (sense * sigma[i] - line.offset - line.slope * z).abs() <= off
     };
     [i - 1, i, i + 1].into_iter().all(lies_on).then_some(line)
@@ -91,5 +91,5 @@ fn along(line: &Straight, block: &Block, i: usize) -> Option<Slopes> {
         return None;
     };
     let stress = (back - ahead) / line.compliance;
-    Some(Slopes { stress, velocity: ahead + back, reach: stress / line.slope })
+    Some(Slopes { stress, velocity: ahead + back, e_equivalent_strain: stress / line.slope })
 }

@@ -1,4 +1,4 @@
-//! Joints between segments: a Riemann problem between two media, or two faces that touch and part, see [`crate::bar::joint`].
+//! Joints between segments: a Riemann problem between two media, or two faces in unilateral contact, see [`crate::bar::joint`].
 
 use serde::{Deserialize, Serialize};
 
@@ -45,20 +45,24 @@ impl Joint {
         let (i, j) = (left.inside(1, 0), right.inside(0, 0));
         let (s, v) = ([left.sigma[i], right.sigma[j]], [left.v[i], right.v[j]]);
         if self.contact.is_some_and(|contact| contact.is_open()) {
-            left.fill_ghost_cells(1, a, [-s[0], v[0], -left.reach(a, i)]);
-            right.fill_ghost_cells(0, b, [-s[1], v[1], -right.reach(b, j)]);
+            left.fill_ghost_cells(1, a, [-s[0], v[0], -left.e_equivalent_strain(a, i)]);
+            right.fill_ghost_cells(0, b, [-s[1], v[1], -right.e_equivalent_strain(b, j)]);
             return;
         }
         let pull = 2.0 * (b.area * s[1] - a.area * s[0]) / (a.cell_mass() + b.cell_mass());
         let soft = |part: &Part| part.dx / (part.modulus * part.area);
         let loading = 2.0 * (v[1] - v[0]) / (soft(a) + soft(b));
         let (rise_a, rise_b) = (pull * a.cell_mass() / a.area, pull * b.cell_mass() / b.area);
-        left.fill_ghost_cells(1, a, [s[0] + rise_a, v[0] + loading * soft(a), left.reach(a, i) + rise_a]);
-        right.fill_ghost_cells(0, b, [s[1] - rise_b, v[1] - loading * soft(b), right.reach(b, j) - rise_b]);
+        left.fill_ghost_cells(1, a, [s[0] + rise_a, v[0] + loading * soft(a), left.e_equivalent_strain(a, i) + rise_a]);
+        right.fill_ghost_cells(
+            0,
+            b,
+            [s[1] - rise_b, v[1] - loading * soft(b), right.e_equivalent_strain(b, j) - rise_b],
+        );
     }
 
     /// What goes through its left and its right face in a step.
-    pub fn settle(&mut self, dt: f64, parts: [&Part; 2], near: &[FaceState; 2], work: &mut Workspace) -> [Flux; 2] {
+    pub fn step_flux(&mut self, dt: f64, parts: [&Part; 2], near: &[FaceState; 2], work: &mut Workspace) -> [Flux; 2] {
         let Some(contact) = &mut self.contact else { return meeting(0.0, parts, near, work) };
         let free = [under(0.0, -1.0, parts[0], &near[0], work), under(0.0, 1.0, parts[1], &near[1], work)];
         let closed = meeting(contact.closing_rate(dt), parts, near, work);

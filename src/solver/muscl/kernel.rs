@@ -1,4 +1,4 @@
-//! One step of a block, while it is elastic and after.
+//! One step of a block, elastic or yielded.
 
 use std::ops::Range;
 
@@ -30,8 +30,8 @@ impl Elastic {
 /// Room to work in. Whatever is read of it in a step has been written in that step.
 #[derive(Clone)]
 pub(super) struct Scratch {
-    carried: Carried,
-    through: Through,
+    carried: Reconstructed,
+    through: FaceFlux,
     ahead: Ahead,
     increment: [f64; ROW],
     /// Stresses before or after a step.
@@ -52,8 +52,8 @@ impl Scratch {
         // A curve that is followed both ways has its state at both faces of a cell.
         let state = vec![0.0; state_len.max(2) * ROW];
         Self {
-            carried: Carried { left: [[0.0; ROW]; 2], right: [[0.0; ROW]; 2] },
-            through: Through { stress: [0.0; ROW + 1], velocity: [0.0; ROW + 1] },
+            carried: Reconstructed { left: [[0.0; ROW]; 2], right: [[0.0; ROW]; 2] },
+            through: FaceFlux { stress: [0.0; ROW + 1], velocity: [0.0; ROW + 1] },
             ahead: Ahead { sigma: [0.0; ROW], state, work: [0.0; ROW] },
             increment: [0.0; ROW],
             stress: [0.0; ROW],
@@ -68,19 +68,19 @@ impl Scratch {
 
 /// States of a row's cells at their left and right faces, half a step on: stresses and velocities.
 #[derive(Clone)]
-struct Carried {
+struct Reconstructed {
     left: [[f64; ROW]; 2],
     right: [[f64; ROW]; 2],
 }
 
 /// What goes through the faces of a row: stress and velocity; face i is that between cells i - 1 and i.
 #[derive(Clone)]
-struct Through {
+struct FaceFlux {
     stress: [f64; ROW + 1],
     velocity: [f64; ROW + 1],
 }
 
-impl Through {
+impl FaceFlux {
     fn set(&mut self, face: usize, flux: Flux) {
         (self.stress[face], self.velocity[face]) = (flux.stress, flux.velocity);
     }
@@ -145,10 +145,10 @@ fn elastic(block: &mut Block, part: &Part, scratch: &mut Scratch) -> bool {
 
 /// States at the faces of an elastic row. Returns the largest stress among them.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
-fn carry(elastic: Elastic, cells: Range<usize>, sigma: &[f64], v: &[f64], carried: &mut Carried) -> f64 {
+fn carry(elastic: Elastic, cells: Range<usize>, sigma: &[f64], v: &[f64], carried: &mut Reconstructed) -> f64 {
     let (half_gain, half_kick) = (0.5 * elastic.gain, 0.5 * elastic.velocity_gain);
     let (from, count) = (cells.start, cells.len());
-    let Carried { left: [left_s, left_v], right: [right_s, right_v] } = carried;
+    let Reconstructed { left: [left_s, left_v], right: [right_s, right_v] } = carried;
     let (left_s, left_v) = (&mut left_s[from..from + count], &mut left_v[from..from + count]);
     let (right_s, right_v) = (&mut right_s[from..from + count], &mut right_v[from..from + count]);
     let (sigma, v) = (&sigma[from - 1..=from + count], &v[from - 1..=from + count]);
@@ -182,9 +182,9 @@ fn largest(a: &[f64], b: &[f64]) -> f64 {
 
 /// What goes through the own faces of an elastic row.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
-fn acoustic(elastic: Elastic, row: usize, carried: &Carried, through: &mut Through) {
+fn acoustic(elastic: Elastic, row: usize, carried: &Reconstructed, through: &mut FaceFlux) {
     let last = row - GHOSTS;
-    let Carried { left: [left_s, left_v], right: [right_s, right_v] } = carried;
+    let Reconstructed { left: [left_s, left_v], right: [right_s, right_v] } = carried;
     let (stress, velocity) = (&mut through.stress[..=last], &mut through.velocity[..=last]);
     let (left_s, left_v) = (&left_s[..=last], &left_v[..=last]);
     let (right_s, right_v) = (&right_s[..=last], &right_v[..=last]);
@@ -203,7 +203,7 @@ fn acoustic(elastic: Elastic, row: usize, carried: &Carried, through: &mut Throu
 
 /// Stresses of the own cells after an elastic step, into `after`. Returns the largest of them and of those at their faces.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
-fn strain_elastic(elastic: Elastic, sigma: &[f64], through: &Through, after: &mut [f64]) -> f64 {
+fn strain_elastic(elastic: Elastic, sigma: &[f64], through: &FaceFlux, after: &mut [f64]) -> f64 {
     let cells = sigma.len() - 2 * GHOSTS;
     let sigma = &sigma[GHOSTS..GHOSTS + cells];
     let after = &mut after[GHOSTS..GHOSTS + cells];
@@ -223,7 +223,7 @@ fn push(
     v: &mut [f64],
     before: &[f64],
     after: &[f64],
-    through: &Through,
+    through: &FaceFlux,
     lost: &mut [f64; ROW],
 ) -> f64 {
     let cells = before.len() - 2 * GHOSTS;
@@ -339,7 +339,8 @@ fn sharpen(block: &Block, part: &Part, scratch: &mut Scratch) {
         }
         let Some(found) = front::slopes(block, part, i) else { continue };
         let w = block.v[i] + 0.5 * part.velocity_gain * found.stress;
-        (slope[i], increment[i], steep[i]) = (found.stress, 0.5 * part.gain * found.velocity, Some(found.reach));
+        (slope[i], increment[i], steep[i]) =
+            (found.stress, 0.5 * part.gain * found.velocity, Some(found.e_equivalent_strain));
         (carried.left[1][i], carried.right[1][i]) = (w - 0.5 * found.velocity, w + 0.5 * found.velocity);
     }
 }
@@ -350,18 +351,19 @@ fn carry_curve(block: &Block, part: &Part, scratch: &mut Scratch) {
     carry_motion(Elastic::of(part), &block.sigma, &block.v, scratch);
     flatten(block, part, scratch);
     sharpen(block, part, scratch);
-    let Scratch { carried, ahead, increment, stress: reach, flat, steep, .. } = scratch;
-    for (reach, (sigma, plastic)) in reach.iter_mut().zip(block.sigma.iter().zip(&block.state)) {
-        *reach = sigma + plastic;
+    let Scratch { carried, ahead, increment, stress: e_equivalent_strain, flat, steep, .. } = scratch;
+    for (z, (sigma, plastic)) in e_equivalent_strain.iter_mut().zip(block.sigma.iter().zip(&block.state)) {
+        *z = sigma + plastic;
     }
     for i in 1..row - 1 {
-        let (left, right) = (reach[i] - reach[i - 1], reach[i + 1] - reach[i]);
+        let (left, right) =
+            (e_equivalent_strain[i] - e_equivalent_strain[i - 1], e_equivalent_strain[i + 1] - e_equivalent_strain[i]);
         let slope = match (flat[i], steep[i]) {
             (true, _) => 0.0,
             (_, Some(slope)) => slope,
             _ => limited(left, right),
         };
-        let middle = reach[i] + increment[i];
+        let middle = e_equivalent_strain[i] + increment[i];
         carried.left[0][i] = middle - 0.5 * slope;
         carried.right[0][i] = middle + 0.5 * slope;
     }
@@ -409,7 +411,7 @@ fn carry_history(block: &Block, part: &Part, scratch: &mut Scratch) {
 /// The faces of a row whose answer is not the acoustic one, where the curve is followed both ways.
 fn correct_curve(block: &mut Block, part: &Part, scratch: &mut Scratch) {
     let (row, limit) = (block.sigma.len(), part.limit);
-    let Scratch { carried: Carried { left, right }, through, ahead, .. } = scratch;
+    let Scratch { carried: Reconstructed { left, right }, through, ahead, .. } = scratch;
     // Where no strain is beyond the limit stress and strain are one.
     let inside = |near: &FaceState| near.point.stress.abs() <= limit && near.point.plastic == 0.0;
     let near = |stress: f64, velocity: f64, plastic: f64| FaceState {
@@ -452,9 +454,9 @@ fn correct_history(block: &mut Block, part: &Part, scratch: &mut Scratch) {
     let law = part.law.law.as_ref();
     let cells = block.carried();
     gain(block, part, cells.clone(), scratch);
-    let Scratch { carried: Carried { left, right }, through, ahead, gained, .. } = scratch;
+    let Scratch { carried: Reconstructed { left, right }, through, ahead, gained, .. } = scratch;
     let state = &ahead.state[..law.state_len() * row];
-    // Elastic ranges reach from their middle at least to where the cell is, or to where its face is while it flows.
+    // Elastic ranges extend from their middle at least to where the cell is, or to where its face is while it flows.
     let within = |stress: f64, i: usize, face: f64, back: f64| {
         let known = if ahead.work[i] == 0.0 { ahead.sigma[i] } else { face } - back;
         gained[i] == 0.0 && known * (stress - back) >= 0.0 && (stress - back).abs() <= known.abs() * WITHIN

@@ -1,4 +1,4 @@
-//! A segment as the scheme needs it.
+//! A segment of the scheme.
 
 use crate::bar::Segment;
 use crate::solver::fd::{SegmentGrid, SegmentLaw};

@@ -1,4 +1,4 @@
-//! What can be read off a bar.
+//! Readings of a bar.
 
 use super::block::{Block, GHOSTS, Stage};
 use super::end::{End, EndReading};
@@ -35,8 +35,8 @@ impl Muscl {
         match quantity {
             Quantity::Stress => block.sigma[i],
             Quantity::Velocity => block.v[i],
-            Quantity::Strain => block.reach(part, i) / part.modulus,
-            Quantity::PlasticStrain => (block.reach(part, i) - block.sigma[i]) / part.modulus,
+            Quantity::Strain => block.e_equivalent_strain(part, i) / part.modulus,
+            Quantity::PlasticStrain => (block.e_equivalent_strain(part, i) - block.sigma[i]) / part.modulus,
             Quantity::Temperature => self.temperature(block, i),
             Quantity::AccumulatedPlasticStrain => self.accumulated(block, i) / part.modulus,
         }
@@ -61,7 +61,7 @@ impl Muscl {
         for (k, block) in self.blocks.iter().enumerate() {
             let part = &self.parts[block.part];
             for i in GHOSTS..block.sigma.len() - GHOSTS {
-                let stretch = block.reach(part, i) / part.modulus * part.dx;
+                let stretch = block.e_equivalent_strain(part, i) / part.modulus * part.dx;
                 centres.push(border + 0.5 * stretch);
                 border += stretch;
             }

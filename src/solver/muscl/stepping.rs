@@ -76,8 +76,8 @@ impl Muscl {
     /// One step. Allocates nothing, but for the plastic state of a block in the step in which it first yields.
     pub fn advance(&mut self) {
         self.share();
-        self.settle_ends();
-        self.settle_joints();
+        self.update_ends();
+        self.update_joints();
         self.step += 1;
         let parts = &self.parts;
         let advance = |(blocks, scratch): (&mut [Block], &mut Scratch)| {
@@ -118,24 +118,24 @@ impl Muscl {
         }
     }
 
-    fn settle_ends(&mut self) {
+    fn update_ends(&mut self) {
         let (time, dt) = (self.time(), self.grid.dt);
         let last = self.blocks.len() - 1;
         for (side, k) in [(0, 0), (1, last)] {
             let part = &self.parts[self.blocks[k].part];
             let near = face::near(&self.blocks[k], part, side, &mut self.state, &mut self.work);
-            self.blocks[k].outer[side] = Some(self.ends[side].settle(time, dt, part, &near, &mut self.work));
+            self.blocks[k].outer[side] = Some(self.ends[side].step_flux(time, dt, part, &near, &mut self.work));
         }
     }
 
-    fn settle_joints(&mut self) {
+    fn update_joints(&mut self) {
         let dt = self.grid.dt;
         for joint in &mut self.joints {
             let (left, right) = (&self.blocks[joint.edge], &self.blocks[joint.edge + 1]);
             let parts = [&self.parts[left.part], &self.parts[right.part]];
             let near = [(left, parts[0], 1), (right, parts[1], 0)]
                 .map(|(block, part, side)| face::near(block, part, side, &mut self.state, &mut self.work));
-            let [from_left, from_right] = joint.settle(dt, parts, &near, &mut self.work);
+            let [from_left, from_right] = joint.step_flux(dt, parts, &near, &mut self.work);
             self.blocks[joint.edge].outer[1] = Some(from_left);
             self.blocks[joint.edge + 1].outer[0] = Some(from_right);
         }

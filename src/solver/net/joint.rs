@@ -1,4 +1,4 @@
-//! Two segments that meet: bonded, or in a joint that can open, see [`crate::bar::joint`].
+//! Joints of two segments: bonded, or a contact joint, see [`crate::bar::joint`].
 //!
 //! With f and g arriving from the left and from the right the sides are `q_l = -A_l f`, `q_r = -A_r g` and `Y = A Z`. Where a border
 //! node flows, its side answers with `q + D`, D being A/4 of what it flows in the step: half of it before and half after the moment at

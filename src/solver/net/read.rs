@@ -1,4 +1,4 @@
-//! What can be read off a net.
+//! Readings of a net.
 
 use super::end::{End, EndReading};
 use super::joint::Joint;

@@ -1,9 +1,9 @@
-//! One point of a ladder: its result, its stepping times, the time of a whole process.
+//! One point of a refinement: its result, its stepping times, the time of a whole process.
 
-use super::found::CostPoint;
-use super::ladder::{Halt, Ran, Runner, Spent};
 use super::measure::{self, Pass, Wanted, Watch};
+use super::points::CostPoint;
 use super::reference::Reference;
+use super::refinement::{Halt, Ran, Runner, Spent};
 use super::source::{Family, Resolution, Source};
 use super::{Instants, Whole};
 use crate::scene::Scene;

@@ -1,9 +1,9 @@
-//! What each effect of the scene costs: the same grid with it and without it, in turns.
+//! Cost of each effect of the scene: the same grid with it and without it, alternating.
 
 use serde::Serialize;
 
-use super::ladder::Halt;
 use super::measure::{self, Timing, Wanted, Watch, timing};
+use super::refinement::Halt;
 use super::source::{Family, Resolution, Source};
 use crate::scene::{Effects, Scene};
 
@@ -18,7 +18,7 @@ const TURNS_FOR: f64 = 0.5;
 /// The cost of one effect.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct EffectCost {
-    /// As in summaries, e.g. "unloading: isotropic".
+    /// As in summaries, e.g. "hardening: isotropic".
     pub effect: String,
     /// Added by it, ns; null where it cannot be left off alone.
     pub ns_per_cell_step: Option<f64>,
@@ -46,7 +46,7 @@ pub(super) fn effects(
 ) -> (Vec<EffectCost>, bool) {
     let grid = |name: &str| families.iter().find(|f| f.names[1] == name);
     let Some(family) =
-        grid("leapfrog").or_else(|| families.iter().find(|f| matches!(f.rungs[0], Resolution::Cells(_))))
+        grid("leapfrog").or_else(|| families.iter().find(|f| matches!(f.levels[0], Resolution::Cells(_))))
     else {
         return (Vec::new(), false);
     };
@@ -90,13 +90,13 @@ fn one(source: &Source<'_>, family: &Family, key: &str, watch: &mut Watch<'_>) -
     let mut overrides = source.overrides(family.way, Some(Resolution::Cells(CELLS)));
     // What is recorded plays no part here, and could be something that only this effect makes.
     overrides.extend(["record={frames=1,fields=[\"stress\"]}".to_owned(), format!("effects.{key}=")]);
-    let alone = |why: &str| Halt::Failed(format!("it cannot be left off alone: {why}"));
+    let alone = |why: &str| Halt::Failed(format!("it cannot be disabled alone: {why}"));
     let without = source.read(&overrides).map_err(|e| match e {
         crate::error::Error::Input(e) => alone(&e.message),
         other => alone(&other.to_string()),
     })?;
     if without.effects.named(key).is_some() {
-        return Err(alone("another effect brings it along"));
+        return Err(alone("another effect implies it"));
     }
     if without.solve.method != with.solve.method {
         return Err(alone("without it the scene is solved by another scheme"));

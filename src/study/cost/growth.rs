@@ -1,4 +1,4 @@
-//! How time and memory grow with the cells, with the end time and with the knots of the curves.
+//! Growth of time and memory with the number of cells, the end time and the knots of the curves.
 
 use std::sync::Arc;
 
@@ -7,8 +7,8 @@ use serde::Serialize;
 use super::CostPoint;
 use super::bench::memory;
 use super::judge::exponent;
-use super::ladder::Halt;
 use super::measure::{self, Wanted, Watch};
+use super::refinement::Halt;
 use super::source::{Family, Resolution, Source};
 use crate::error::Result;
 use crate::material::Curve;
@@ -66,10 +66,10 @@ fn row(family: &Family, with: &'static str, at: String, runs: &[(f64, f64, f64)]
     }
 }
 
-/// With the resolution, from the points of the ladder: the finer half of them, where fixed costs no longer count.
+/// With the resolution, from the points of the refinement: the finer half of them, where fixed costs no longer count.
 pub(super) fn with_resolution(family: &Family, points: &[&CostPoint], until: f64) -> Option<Growth> {
     let kept = &points[points.len() / 2..];
-    let (with, value): (_, fn(&CostPoint) -> f64) = match family.rungs[0] {
+    let (with, value): (_, fn(&CostPoint) -> f64) = match family.levels[0] {
         Resolution::Cells(_) => ("cells", |p| p.by.cells.unwrap_or(0) as f64),
         Resolution::FrontTolerance(_) => ("front_tolerance", |p| p.by.front_tolerance.unwrap_or(0.0)),
     };
@@ -84,7 +84,7 @@ pub(super) fn with_time_and_knots(
     family: &Family,
     watch: &mut Watch<'_>,
 ) -> Result<std::result::Result<Vec<Growth>, Halt>> {
-    let (resolution, still) = match family.rungs[0] {
+    let (resolution, still) = match family.levels[0] {
         Resolution::Cells(_) => (Resolution::Cells(CELLS), format!("{CELLS} cells")),
         Resolution::FrontTolerance(_) => {
             (Resolution::FrontTolerance(TOLERANCE), format!("front-tolerance {TOLERANCE}"))

@@ -1,10 +1,10 @@
-//! What the points say together: observed orders, the Pareto front, and the cheapest way to each tolerance.
+//! Evaluation of the points: observed orders, the Pareto front, and the cheapest method for each tolerance.
 
 use serde::Serialize;
 
 use super::{CostPoint, Resolution};
 
-/// Tolerances that are asked after.
+/// Tolerances of the summary of costs.
 pub const TOLERANCES: [f64; 4] = [1e-1, 1e-2, 1e-3, 1e-4];
 
 /// Points count for an order where their error is at least so many times what the reference is uncertain by.
@@ -35,7 +35,7 @@ pub struct OrderFit {
 
 /// How a method gets to a tolerance.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Reach {
+pub struct CostToTolerance {
     /// The tolerance.
     pub tolerance: f64,
     /// "fd" or "moc"; null where nothing reaches it.
@@ -52,7 +52,7 @@ pub struct Reach {
     pub step_wall_s: Option<f64>,
     /// "interpolated" between two points, at the "point" itself where the coarsest one does already, or "not reached".
     pub how: &'static str,
-    /// The first point of the ladder that meets it: index into the points.
+    /// The first point of the refinement that meets it: index into the points.
     pub point: Option<usize>,
     /// Error of that point.
     pub error: Option<f64>,
@@ -134,13 +134,13 @@ pub(super) fn pareto(points: &[CostPoint], uncertainty: f64) -> Vec<bool> {
 
 /// When one method reaches a tolerance. `points` are its own, coarse to fine, with their indices; errors count as no
 /// larger by the reference's `uncertainty`: it may be off to the same side.
-pub(super) fn reach(points: &[(usize, &CostPoint)], tolerance: f64, uncertainty: f64) -> Reach {
+pub(super) fn reach(points: &[(usize, &CostPoint)], tolerance: f64, uncertainty: f64) -> CostToTolerance {
     let bound = |p: &CostPoint| p.error + uncertainty;
     let names = points.first().map(|(_, p)| (p.by.method.clone(), p.by.scheme.clone()));
     let (method, scheme) = names.unzip();
     // From here on every finer point holds it: one that meets it by chance does not count.
     let Some(k) = (0..points.len()).find(|&k| points[k..].iter().all(|(_, p)| bound(p) <= tolerance)) else {
-        return Reach {
+        return CostToTolerance {
             tolerance,
             method,
             scheme,
@@ -167,7 +167,7 @@ pub(super) fn reach(points: &[(usize, &CostPoint)], tolerance: f64, uncertainty:
     };
     let fine = 1.0 / at(&|p| 1.0 / fineness(p));
     let is_cells = matches!(found.resolution(), Resolution::Cells(_));
-    Reach {
+    CostToTolerance {
         tolerance,
         method,
         scheme,
@@ -182,11 +182,11 @@ pub(super) fn reach(points: &[(usize, &CostPoint)], tolerance: f64, uncertainty:
 }
 
 /// The cheapest of all methods for a tolerance.
-pub(super) fn cheapest(all: &[Reach], tolerance: f64) -> Reach {
+pub(super) fn cheapest(all: &[CostToTolerance], tolerance: f64) -> CostToTolerance {
     let reached = all.iter().filter(|r| r.tolerance == tolerance && r.step_wall_s.is_some());
-    let time = |r: &Reach| r.step_wall_s.unwrap_or(f64::INFINITY);
+    let time = |r: &CostToTolerance| r.step_wall_s.unwrap_or(f64::INFINITY);
     let best = reached.min_by(|a, b| time(a).total_cmp(&time(b)));
-    best.cloned().unwrap_or_else(|| Reach { method: None, scheme: None, ..reach(&[], tolerance, 0.0) })
+    best.cloned().unwrap_or_else(|| CostToTolerance { method: None, scheme: None, ..reach(&[], tolerance, 0.0) })
 }
 
 #[cfg(test)]
@@ -198,14 +198,14 @@ mod tests {
     }
 
     /// error = 20 n^-p beyond 400 cells, far larger before.
-    fn ladder(p: f64) -> Vec<CostPoint> {
+    fn refinement(p: f64) -> Vec<CostPoint> {
         let error = |n: usize| 20.0 * (n as f64).powf(-p) * if n < 400 { 3.0 } else { 1.0 };
         (0..6).map(|k| 100 << k).map(|n| point(n, error(n), 1e-8 * (n * n) as f64)).collect()
     }
 
     #[test]
     fn the_order_is_that_of_the_asymptotic_part() {
-        let points = ladder(0.66);
+        let points = refinement(0.66);
         let all: Vec<_> = points.iter().collect();
         let fit = order(&all, 0.0).expect("there are points");
         assert!((fit.order - 0.66).abs() < 1e-12, "{}", fit.order);
@@ -215,7 +215,7 @@ mod tests {
 
     #[test]
     fn points_near_the_reference_s_own_error_are_left_out_of_the_order() {
-        let mut points = ladder(1.0);
+        let mut points = refinement(1.0);
         // What the reference is off by hides the finest error.
         points[5].error = 0.0061;
         let all: Vec<_> = points.iter().collect();

@@ -1,9 +1,9 @@
-//! One way to solve the scene, run without any recording: what it gives, and how long its steps take.
+//! One solution of the scene without recording: its result and the time of its steps.
 
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use super::ladder::Halt;
+use super::refinement::Halt;
 use crate::accuracy::{Course, Ended, Respond, Response, respond};
 use crate::assemble;
 use crate::record::Stepped;

@@ -1,31 +1,31 @@
-//! What accuracy costs in time: the scene by every method that can do it, at one resolution after another.
+//! Cost of accuracy: the scene by every method that supports it, at increasing resolution.
 
 mod bench;
+mod candidates;
 mod effects;
-mod found;
 mod growth;
 mod judge;
-mod ladder;
 mod measure;
+mod points;
 mod reference;
+mod refinement;
 mod results;
-mod rivals;
 mod source;
 
 use std::ops::ControlFlow;
 use std::time::Instant;
 
 pub use effects::EffectCost;
-pub use found::{CostPoint, Skipped};
 pub use growth::Growth;
-pub use judge::{OrderFit, Reach, TOLERANCES};
+pub use judge::{CostToTolerance, OrderFit, TOLERANCES};
+pub use points::{CostPoint, Skipped};
 pub use results::Cost;
 pub use source::{Resolution, Unable};
 
 use self::bench::Bench;
-use self::ladder::Halt;
 use self::measure::Watch;
 use self::reference::Reference;
+use self::refinement::Halt;
 use self::source::{Family, Source};
 use crate::accuracy::{INSTANTS, evenly};
 use crate::error::{Error, InputError, Result};
@@ -45,7 +45,7 @@ const COMMON_CELLS: f64 = 100.0;
 /// What is compared, and when.
 struct Instants {
     measure: Measure,
-    /// Instants that are asked for, s, increasing.
+    /// Output times, s, increasing.
     common: Vec<f64>,
     /// The steps next to them of every grid, s, increasing.
     own: Vec<f64>,
@@ -56,7 +56,7 @@ struct Instants {
 pub enum Whole {
     /// It took so long, s.
     Took(f64),
-    /// The user asked to stop.
+    /// The user interrupted.
     Interrupted,
     /// It would take, or took, longer than allowed.
     OutOfTime,
@@ -84,19 +84,19 @@ pub struct Hooks<'a> {
 pub fn cost(scene: &Scene, hooks: &mut Hooks<'_>) -> Result<Cost> {
     let started = Instant::now();
     if scene.auto.is_some() {
-        let message = "methods are compared for one set of effects, and effects = \"auto\" leaves that open";
-        let help = "name the effects in an [effects] table; `barwave plan` says which ones it would choose";
+        let message = "methods are compared for a fixed set of effects, and effects = \"auto\" does not fix it";
+        let help = "name the effects in an [effects] table; `barwave plan` shows its selection";
         return Err(InputError::new(message).key("effects").help(help).into());
     }
     if hooks.measure == Measure::Gauges && scene.record.gauges.is_empty() {
         let error = InputError::new("the scene has no gauges").key("--measure");
-        return Err(error.help("name some in [record] gauges, or choose another measure").into());
+        return Err(error.help("add some in [record] gauges, or choose another measure").into());
     }
     let load = load();
     let source = Source::new(scene);
     let (families, unable) = source.families();
     if families.is_empty() {
-        return Err(InputError::new("no method can do this scene").help("try `barwave check` on it").into());
+        return Err(InputError::new("no method can simulate this scene").help("try `barwave check` on it").into());
     }
     let budget = hooks.budget;
     let mut watch =
@@ -113,9 +113,9 @@ pub fn cost(scene: &Scene, hooks: &mut Hooks<'_>) -> Result<Cost> {
         watch,
         points: vec![Vec::new(); families.len()],
     };
-    let rungs: Vec<&[Resolution]> =
-        families.iter().enumerate().map(|(k, family)| below_reference(&reference, k, &family.rungs)).collect();
-    let (left, mut interrupted) = ladder::climb(&rungs, LADDERS_BY * budget, &measure::passes, &mut bench);
+    let levels: Vec<&[Resolution]> =
+        families.iter().enumerate().map(|(k, family)| below_reference(&reference, k, &family.levels)).collect();
+    let (left, mut interrupted) = refinement::refine(&levels, LADDERS_BY * budget, &measure::passes, &mut bench);
     let Bench { points, mut watch, .. } = bench;
     let (mut effects, mut growth) = (Vec::new(), resolution_growth(&families, &points, scene));
     if !interrupted {
@@ -166,10 +166,10 @@ pub fn cost(scene: &Scene, hooks: &mut Hooks<'_>) -> Result<Cost> {
 
 /// Where the reference is a run of a scheme itself, that scheme is judged at a quarter of its cells or fewer: both are off to the
 /// same side, and at half the cells little more than half of the error would be seen.
-fn below_reference<'a>(reference: &Reference, family: usize, rungs: &'a [Resolution]) -> &'a [Resolution] {
-    let Some((own, most)) = reference.grid else { return rungs };
+fn below_reference<'a>(reference: &Reference, family: usize, levels: &'a [Resolution]) -> &'a [Resolution] {
+    let Some((own, most)) = reference.grid else { return levels };
     let coarser = |r: &Resolution| own != family || matches!(r, Resolution::Cells(cells) if 4 * cells <= most);
-    &rungs[..rungs.iter().take_while(|r| coarser(r)).count()]
+    &levels[..levels.iter().take_while(|r| coarser(r)).count()]
 }
 
 /// Instants at which runs are compared: steps of a coarse grid, which finer ones take too or come near to.
@@ -181,7 +181,7 @@ fn instants(scene: &Scene, source: &Source<'_>, families: &[Family], measure: Me
     let common = evenly(&all, 2 * INSTANTS);
     let mut own = common.clone();
     for family in families {
-        for &resolution in family.rungs.iter().take(RUNGS_WITH_INSTANTS) {
+        for &resolution in family.levels.iter().take(RUNGS_WITH_INSTANTS) {
             if let Some(dt) = measure::time_step(&source.at(family.way, resolution)?) {
                 own.extend(common.iter().map(|t| (t / dt).round().max(1.0) * dt));
             }
@@ -202,7 +202,7 @@ fn no_reference(halt: &Halt) -> Error {
                 .into()
         }
         Halt::Failed(why) => InputError::new(format!("no reference could be run: {why}"))
-            .help("`barwave run` on the scene says more")
+            .help("`barwave run` on the scene gives the details")
             .into(),
     }
 }

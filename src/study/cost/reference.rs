@@ -1,9 +1,9 @@
-//! What errors are measured against, and how far that itself can be trusted.
+//! The reference solution of errors and its uncertainty.
 
 use super::Instants;
-use super::ladder::Halt;
+use super::candidates::{self, Candidate, Run};
 use super::measure::{Pass, Watch};
-use super::rivals::{self, Rival, Run};
+use super::refinement::Halt;
 use super::source::{Family, Resolution, Source};
 use crate::accuracy::{Response, similar_response};
 use crate::bar::{InitialFan, initial_fans};
@@ -45,7 +45,7 @@ impl Reference {
 }
 
 /// Finds the reference within the watch's time: the self-similar solution, front tracking that keeps every wave, or the surer
-/// of the rivals.
+/// of the candidates.
 pub(super) fn find(
     scene: &Scene,
     source: &Source<'_>,
@@ -56,51 +56,51 @@ pub(super) fn find(
     if let Some(reference) = similar(scene, instants) {
         return Ok(Ok(reference));
     }
-    let mut rivals = Vec::new();
+    let mut candidates = Vec::new();
     // A taper's staircase is no exact bar, however well its waves are kept.
-    let tracking = families.iter().find(|f| matches!(f.rungs[0], Resolution::FrontTolerance(_)) && !tapers(scene));
+    let tracking = families.iter().find(|f| matches!(f.levels[0], Resolution::FrontTolerance(_)) && !tapers(scene));
     if let Some(family) = tracking {
         let scene = source.at(family.way, Resolution::FrontTolerance(0.0))?;
-        match rivals::every_wave(&scene, instants, watch) {
+        match candidates::every_wave(&scene, instants, watch) {
             Ok(Some(pass)) if pass.tracked.is_some_and(|bar| bar.exact) => {
-                let name = "front tracking that keeps every wave, exact for the curve's table";
+                let name = "front tracking of all waves, exact for the tabulated curve";
                 return Ok(Ok(run_reference(pass, ROUNDING, name.into())));
             }
-            Ok(kept) => rivals.push(Rival::of_fronts(scene, kept, instants.measure)),
+            Ok(kept) => candidates.push(Candidate::of_fronts(scene, kept, instants.measure)),
             Err(halt) => return Ok(Err(halt)),
         }
     }
     if let Some((index, family)) = grid_family(scene, families) {
-        rivals.push(Rival::of_grid(index, family, instants.measure));
+        candidates.push(Candidate::of_grid(index, family, instants.measure));
     }
-    if let Some(halt) = rivals::race(&mut rivals, source, instants, watch)? {
+    if let Some(halt) = candidates::race(&mut candidates, source, instants, watch)? {
         return Ok(Err(halt));
     }
-    let known = rivals.into_iter().filter(|r| r.uncertainty().is_some());
+    let known = candidates.into_iter().filter(|r| r.uncertainty().is_some());
     let best = known.min_by(|a, b| a.uncertainty().unwrap_or(0.0).total_cmp(&b.uncertainty().unwrap_or(0.0)));
     Ok(best.and_then(of_rival).ok_or(Halt::OutOfTime))
 }
 
-/// The finest run of a rival.
-fn of_rival(mut rival: Rival<'_>) -> Option<Reference> {
-    let uncertainty = rival.uncertainty()?.max(ROUNDING);
-    let Run { fineness, pass } = rival.runs.pop()?;
+/// The finest run of a candidate.
+fn of_rival(mut candidate: Candidate<'_>) -> Option<Reference> {
+    let uncertainty = candidate.uncertainty()?.max(ROUNDING);
+    let Run { fineness, pass } = candidate.runs.pop()?;
     let tolerance = 1.0 / fineness;
-    Some(match rival.kind {
-        rivals::Kind::Fronts { keeps: true, .. } => {
+    Some(match candidate.kind {
+        candidates::Kind::Fronts { keeps: true, .. } => {
             let steps = format!("ramps in steps of {tolerance:.0e} of the largest stress");
-            run_reference(pass, uncertainty, format!("front tracking that keeps every wave, {steps}"))
+            run_reference(pass, uncertainty, format!("front tracking of all waves, {steps}"))
         }
-        rivals::Kind::Fronts { keeps: false, .. } => {
+        candidates::Kind::Fronts { keeps: false, .. } => {
             run_reference(pass, uncertainty, format!("front tracking with front-tolerance {tolerance:.0e}"))
         }
-        rivals::Kind::Grid { index, family } => grid_reference(pass, uncertainty, index, family.names[1]),
+        candidates::Kind::Grid { index, family } => grid_reference(pass, uncertainty, index, family.names[1]),
     })
 }
 
 /// The net where there is one, else leapfrog, else what there is.
 fn grid_family<'a>(scene: &Scene, families: &'a [Family]) -> Option<(usize, &'a Family)> {
-    let grids = || families.iter().enumerate().filter(|(_, f)| matches!(f.rungs[0], Resolution::Cells(_)));
+    let grids = || families.iter().enumerate().filter(|(_, f)| matches!(f.levels[0], Resolution::Cells(_)));
     let named = |name: &str| grids().find(|(_, f)| f.names[1] == name);
     let net = named("characteristic-net").filter(|_| !tapers(scene));
     net.or_else(|| named("leapfrog")).or_else(|| grids().next())
@@ -122,7 +122,7 @@ fn similar(scene: &Scene, instants: &Instants) -> Option<Reference> {
     let all = initial_fans(&scene.bar, &scene.left, &scene.right);
     let initial_fan = record::alone(&scene.bar, &all, last)?;
     Some(Reference {
-        name: "self-similar solution, exact for the curve's table".into(),
+        name: "self-similar solution, exact for the tabulated curve".into(),
         uncertainty: ROUNDING,
         grid: None,
         kind: Kind::Similar(Box::new(scene.clone()), Box::new(initial_fan.clone())),

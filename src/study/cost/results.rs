@@ -1,11 +1,11 @@
-//! Results of a study: its points, what was left out, and what follows from them.
+//! Results of a study: its points, the skipped points, and their evaluation.
 
 use serde::Serialize;
 
 use super::effects::EffectCost;
-use super::found::{CostPoint, Skipped};
 use super::growth::Growth;
-use super::judge::{self, OrderFit, Reach, TOLERANCES};
+use super::judge::{self, CostToTolerance, OrderFit, TOLERANCES};
+use super::points::{CostPoint, Skipped};
 use super::source::Unable;
 
 /// The study of a scene. Keys are those of `barwave cost --json`.
@@ -26,9 +26,9 @@ pub struct Cost {
     /// How these were found.
     pub order_fits: Vec<OrderFit>,
     /// The cheapest way to each tolerance.
-    pub cheapest: Vec<Reach>,
+    pub cheapest: Vec<CostToTolerance>,
     /// Every method's way to each tolerance.
-    pub reach: Vec<Reach>,
+    pub reach: Vec<CostToTolerance>,
     /// What each effect adds.
     pub effects: Vec<EffectCost>,
     /// How time and memory grow.

@@ -1,5 +1,4 @@
-//! The scene solved in other ways: its own text, read again with another `[solve]`, so that every rule of the scene language
-//! decides what can be done.
+//! The scene with other methods: its own text, read again with another `[solve]`, so that all checks apply.
 
 use std::path::{Path, PathBuf};
 
@@ -23,7 +22,7 @@ pub struct Unable {
 /// How finely a method works.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Resolution {
-    /// Cells of the bar, as asked for.
+    /// Requested number of cells of the bar.
     Cells(usize),
     /// Front tolerance.
     FrontTolerance(f64),
@@ -46,7 +45,7 @@ pub(super) struct Family {
     pub way: Way,
     /// The scene language's words for it.
     pub names: [&'static str; 2],
-    pub rungs: Vec<Resolution>,
+    pub levels: Vec<Resolution>,
 }
 
 /// Cells of the coarsest grid, and how often they are doubled at most.
@@ -80,12 +79,12 @@ impl<'a> Source<'a> {
         for way in Way::ALL {
             match self.read(&self.overrides(way, None)) {
                 Ok(scene) => {
-                    let rungs = if scene.solve.method.tracks_fronts() {
+                    let levels = if scene.solve.method.tracks_fronts() {
                         TOLERANCES.into_iter().map(Resolution::FrontTolerance).collect()
                     } else {
                         (0..DOUBLINGS).map(|k| Resolution::Cells(FIRST_CELLS << k)).collect()
                     };
-                    able.push(Family { way, names: scene.solve.method.names(), rungs });
+                    able.push(Family { way, names: scene.solve.method.names(), levels });
                 }
                 Err(error) => {
                     let why = if let Error::Input(e) = &error { e.message.clone() } else { error.to_string() };
@@ -123,7 +122,7 @@ impl<'a> Source<'a> {
     /// The scene with these overrides.
     pub fn read(&self, overrides: &[String]) -> Result<Scene> {
         if self.scene.text.is_empty() {
-            let message = "this scene has no text that could be read again with another method";
+            let message = "this scene has no source text that can be read again with another method";
             return Err(InputError::new(message).help("read it from a file or with Scene::parse").into());
         }
         let name = self.scene.path.as_ref().map_or_else(|| self.scene.name.clone(), |p| p.display().to_string());

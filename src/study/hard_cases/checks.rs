@@ -117,7 +117,7 @@ fn check_ledger(rows: &[LedgerRow]) -> Vec<String> {
     }
     let given = -least(&("numerical", |e| e.numerical)) / scale;
     if given > MOST_GIVEN {
-        failed.push(format!("the method gave {:.1} % of the largest energy to the bar", 100.0 * given));
+        failed.push(format!("the method added {:.1} % of the largest energy to the bar", 100.0 * given));
     }
     failed
 }

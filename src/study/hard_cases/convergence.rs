@@ -1,4 +1,4 @@
-//! Whether the results of a case come together: three runs, on N, 2N and 4N cells, or with the front tolerances t, t/2 and t/4.
+//! Convergence of a case: three runs, with N, 2N and 4N cells, or with the front tolerances t, t/2 and t/4.
 
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -35,7 +35,7 @@ impl Outcome {
             Self::Stopped(why) => Some(format!("no convergence: {why}")),
             Self::Differences([first, second]) if second < first || first.max(*second) < ROUNDING => None,
             Self::Differences([first, second]) => {
-                Some(format!("no convergence: the difference in stress goes from {first:.1e} to {second:.1e}"))
+                Some(format!("no convergence: the difference in stress changes from {first:.1e} to {second:.1e}"))
             }
         }
     }

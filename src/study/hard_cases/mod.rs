@@ -1,4 +1,4 @@
-//! The hard cases: scenes in which numerical methods break down, by every method that accepts them.
+//! The hard cases: extreme scenes by every method that accepts them.
 //!
 //! Of every run the fields, the ends and the ledger are read back from its result file and checked, see `checks.rs`.
 
@@ -21,7 +21,7 @@ use crate::run::{self, Progress};
 use crate::scene::Scene;
 
 /// Meetings of fronts after which front tracking gives up on a case.
-const MOST_EVENTS: &str = "solve.event-budget=1000000";
+const MOST_EVENTS: &str = "solve.max-events=1000000";
 
 /// A method of the table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -140,7 +140,7 @@ impl Tried {
 /// Runs a case by a method, and again on other grids for its convergence; result files are written to `folder` and removed again.
 ///
 /// # Errors
-/// [`Error::Interrupted`] where `progress` asked to stop, a file error where a result cannot be written or read.
+/// [`Error::Interrupted`] if `progress` requests a stop, a file error where a result cannot be written or read.
 pub fn run_case(
     case: &HardCase,
     method: Method,
@@ -183,10 +183,10 @@ fn check(tried: &mut Tried, case: &HardCase, scene: &Scene, file: &ResultFile) -
         tried.variation = Some(variation);
         let stated = case.growth_of_variation(tried.method);
         let exceeds = |most: f64| variation.is_nan() || variation > most;
-        let fault = || format!("the total variation reaches {variation:.3} times what the data impose");
+        let fault = || format!("the total variation reaches {variation:.3} times the imposed jump");
         // Beyond what is stated no reason counts.
         let reason = stated.filter(|(most, _)| !exceeds(*most)).map(|(most, reason)| {
-            format!("the total variation grows to at most {most} times what the data impose: {reason}")
+            format!("the total variation grows to at most {most} times the imposed jump: {reason}")
         });
         tried.judge(exceeds(variation::MOST_VARIATION).then(fault), reason);
     }

@@ -1,4 +1,4 @@
-//! The scenes, as they stand in `tests/hard_cases`.
+//! The scenes in `tests/hard_cases`.
 
 use std::borrow::Cow;
 

@@ -1,4 +1,4 @@
-//! The total variation of stress and velocity along a bar that one end starts suddenly.
+//! The total variation of stress and velocity along a suddenly loaded bar.
 //!
 //! Bars of one uniform segment are checked, whose one end has a constant velocity or stress or is a wall without a gap, and whose
 //! other end is free. The end imposes one jump at t = 0: the stress of its fan, Pa, and |V - v0|, m/s (for a stress, the velocity of

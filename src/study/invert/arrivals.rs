@@ -1,4 +1,4 @@
-//! From arrival times of strain levels at gauges to the curve.
+//! The stress-strain curve from arrival times of strain levels at gauges.
 //!
 //! In a simple wave that enters a bar at rest, each strain propagates at its own constant speed c(eps), so it passes the distance x at
 //! t = t0(eps) + x/c(eps). The slope of the line through its arrivals gives c; sigma = rho integral c^2 d eps. Nothing need be known of
@@ -133,7 +133,7 @@ pub fn of_table(path: &Path, options: &Options) -> Result<Inverted> {
     let error = match options.time_error {
         Some(error) => error,
         None => pooled_scatter(&lines(&arrivals, &weights, options)).ok_or_else(|| {
-            InputError::new("the arrivals have no scatter: each level arrives at two gauges once")
+            InputError::new("the scatter of the arrivals is unknown: each level has one arrival at each of two gauges")
                 .key("--time-error")
                 .help("give the standard error of an arrival time, such as --time-error \"0.2 us\", or repeats")
         })?,
@@ -156,7 +156,7 @@ fn enough_gauges(distances: impl Iterator<Item = f64>, options: &Options) -> Res
     if distances.len() >= needed && distances.first().is_none_or(|&x| x > 0.0 || !options.centred) {
         return Ok(());
     }
-    let message = format!("the gauges stand at {} different positions", distances.len());
+    let message = format!("the gauges are at {} different positions", distances.len());
     let help = "add a gauge; with a sudden loading that starts at --start, --centred needs one, away from the end";
     Err(InputError::new(message).allowed(format!("at least {needed}, at positive distances")).help(help).into())
 }

@@ -1,4 +1,4 @@
-//! From wave speeds to a curve: sigma = rho integral c^2 d eps, v = integral c d eps.
+//! The curve from wave speeds: sigma = rho integral c^2 d eps, v = integral c d eps.
 
 use serde::Serialize;
 

@@ -1,4 +1,4 @@
-//! From measurements on bars and wires to stress-strain curves: what the program simulates, backwards.
+//! Stress-strain curves from measurements on bars and wires: the inverse problem of the simulation.
 //!
 //! - [`arrivals`]: arrival times of strain levels at gauges along a bar (simple-wave theory).
 //! - [`residual`]: the strain left along a wire after an impact (von Karman and Duwez).

@@ -1,4 +1,4 @@
-//! Noise of a record: the residuals of its fit, drawn again in blocks for bootstrap replicates.
+//! Noise of a record: the residuals of its fit, resampled in blocks for bootstrap replicates.
 
 use rand::RngExt;
 use rand_xorshift::XorShiftRng;

@@ -30,7 +30,7 @@ use crate::record::store::{ResultFile, Side};
 use crate::study::random::standard_normal;
 use crate::units::Dimension;
 
-/// Which strain stands along the wire.
+/// The kind of strain along the wire.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum State {
     /// The whole strain, while the end still moves.
@@ -186,7 +186,7 @@ impl Test {
         };
         let end = struck_end(file)?;
         let frames = file.time()?;
-        let no_frame = || wrong("there is no frame in it", "run the scene again");
+        let no_frame = || wrong("it has no frames", "run the scene again");
         let frame = match time {
             Some(time) => {
                 (0..frames.len()).min_by(|&a, &b| (frames[a] - time).abs().total_cmp(&(frames[b] - time).abs()))
@@ -355,8 +355,9 @@ fn evaluate(fronts: &Fronts, kept: &[usize], above: f64, options: &Options, velo
     if yield_strain <= 0.0 {
         let message =
             format!("the plastic strains explain {explained:.2} m/s, more than the impact velocity {velocity:.2} m/s");
-        let help = "a wire with rho c0 V above the largest stress and twice the yield stress goes on yielding after the release: use its \
-                    strains while the end moves, with --time; else check velocity, duration, modulus and position of the end";
+        let help = "a wire with rho c0 V above the largest stress and twice the yield stress continues to yield after release: \
+                    use the strains while the end moves (--time); otherwise check velocity, duration, modulus and position of \
+                    the end";
         return Err(InputError::new(message).allowed("less than the impact velocity").help(help).into());
     }
     let strain: Vec<f64> = whole.iter().map(|e| e + yield_strain).collect();
@@ -424,8 +425,8 @@ fn reloading_warning(options: &Options, found: &Evaluated) -> Option<String> {
     let left = |i: usize| 0.5 * (found.curve.stress[i] - z * found.curve.velocity[i] + from_end);
     let reloaded = (0..found.strain.len()).rev().find(|&i| left(i) > found.curve.stress[i])?;
     Some(format!(
-        "the wire yields again behind the release wave at strains below {:.4}: their speeds are too large; --time takes the strain \
-         while the end moves",
+        "the wire yields again behind the release wave at strains below {:.4}: their speeds are too large; --time uses the \
+         strain while the end moves",
         found.strain[reloaded]
     ))
 }

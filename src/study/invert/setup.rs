@@ -1,4 +1,4 @@
-//! Facts of a bar from the resolved scene in a result file.
+//! Data of a bar from the resolved scene in a result file.
 
 use serde_json::Value;
 
@@ -50,7 +50,7 @@ fn numbers(value: &Value) -> Vec<f64> {
 /// A result of the energy method, or of a program that wrote no such facts.
 pub(super) fn segments(file: &ResultFile) -> Result<Vec<Segment>> {
     let wrong = || {
-        let message = format!("{} holds no bar", file.path().display());
+        let message = format!("{} contains no bar", file.path().display());
         InputError::new(message).help("name the result of a scene with a [bar]")
     };
     let scene: Value = serde_json::from_str(&file.facts().scene_resolved).map_err(|_| wrong())?;

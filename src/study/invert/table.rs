@@ -108,7 +108,7 @@ fn named(
 
 fn number(document: &Document, cell: &Cell, name: &str) -> Result<f64> {
     let wrong = || document.error(cell.span.clone(), name, format!("`{}` is not a finite number", cell.text));
-    let value: f64 = cell.text.parse().map_err(|_| wrong().help("write plain numbers; units stand in the header"))?;
+    let value: f64 = cell.text.parse().map_err(|_| wrong().help("write plain numbers; units belong in the header"))?;
     if value.is_finite() { Ok(value) } else { Err(wrong().help("remove the row").into()) }
 }
 

@@ -1,4 +1,4 @@
-//! An axis of a sweep: a key of the scene and the values that it takes.
+//! An axis of a sweep: a key of the scene and its values.
 //!
 //! Values are written into the scene as a user would write them, in the unit of the sweep file: steps of "0.1 mm" are decimal numbers of
 //! millimetres, not sums of rounded metres.

@@ -132,7 +132,7 @@ fn axes(file: &Document, places: &[GivenKey], values: &toml::Table) -> Result<Ve
                 value.as_table().and_then(|table| table.iter().find(|(_, value)| value.is_table() || value.is_array()))
             && !RANDOM.contains(&inner.as_str())
         {
-            return Err(wrong(format!("the key of an axis stands in quotes: \"{key}.{inner}\" = ...")));
+            return Err(wrong(format!("quote the key of an axis: \"{key}.{inner}\" = ...")));
         }
         Axis::read(key, value).map_err(wrong)
     };
@@ -144,7 +144,7 @@ fn check_counts(file: &Document, plan: &Plan) -> Result<()> {
         Err(file.error(file.span_of(key).unwrap_or(0..0), key, message).help(help).into())
     };
     if plan.axes.is_empty() {
-        return wrong("axes", "there are no axes".into(), "give one at least, such as \"left.value\" = [-10, -20]");
+        return wrong("axes", "there are no axes".into(), "give at least one, such as \"left.value\" = [-10, -20]");
     }
     let lengths: Vec<usize> = plan.axes.iter().map(|axis| axis.levels.len()).collect();
     if plan.combine == Combine::Zip

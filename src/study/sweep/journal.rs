@@ -56,7 +56,7 @@ impl Journal {
     pub fn begin(folder: &Path, plan: &Plan, shard: Shard) -> Result<Self> {
         std::fs::create_dir_all(folder).map_err(|e| Error::file(folder, e))?;
         if Self::has_rows(folder) {
-            let message = format!("the folder {} holds a sweep already", folder.display());
+            let message = format!("the folder {} already contains a sweep", folder.display());
             let help = "continue it with --resume, or choose another folder with -o";
             return Err(InputError::new(message).help(help).into());
         }
@@ -74,7 +74,7 @@ impl Journal {
     pub fn resume(folder: &Path, plan: &Plan, shard: Shard) -> Result<(Self, Vec<Row>)> {
         let (begun, of) = Self::plan(folder)?;
         if begun != *plan || of != shard {
-            let message = format!("the folder {} holds another sweep", folder.display());
+            let message = format!("the folder {} contains another sweep", folder.display());
             let help = "resume with the files and the shard that it was started with, or choose another folder with -o";
             return Err(InputError::new(message).key("--resume").help(help).into());
         }
@@ -103,10 +103,9 @@ impl Journal {
             let help = "give a folder that `barwave sweep` wrote";
             InputError::new(format!("{} {what}", folder.display())).help(help)
         };
-        let text =
-            std::fs::read_to_string(&path).map_err(|_| wrong("holds no sweep (there is no sweep.json in it)"))?;
+        let text = std::fs::read_to_string(&path).map_err(|_| wrong("contains no sweep (sweep.json is missing)"))?;
         let begun: Begun =
-            serde_json::from_str(&text).map_err(|e| wrong(&format!("holds a damaged sweep.json: {e}")))?;
+            serde_json::from_str(&text).map_err(|e| wrong(&format!("contains a damaged sweep.json: {e}")))?;
         let [index, count] = begun.shard;
         Ok((begun.plan, Shard { index, count }))
     }

@@ -24,7 +24,7 @@ pub fn merge(folders: &[PathBuf], output: &Path, partial: bool) -> Result<usize>
     let mut rows: Vec<Row> = Vec::new();
     for folder in &all {
         if Journal::plan(folder)?.0 != plan {
-            let message = format!("{} and {} hold different sweeps", all[0].display(), folder.display());
+            let message = format!("{} and {} contain different sweeps", all[0].display(), folder.display());
             return Err(InputError::new(message)
                 .help("merge shards that were run from the same files by the same program")
                 .into());

@@ -1,4 +1,4 @@
-//! Many runs of one scene: keys of it vary along axes, and every case gives a row of figures.
+//! Sweeps: many runs of one scene with keys that vary along axes; every case gives one row of results.
 
 mod axis;
 mod file;

@@ -1,4 +1,4 @@
-//! Which cases a sweep has, and what each of them changes in the scene.
+//! The cases of a sweep and their changes of the scene.
 
 use serde::{Deserialize, Serialize};
 

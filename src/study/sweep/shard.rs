@@ -1,4 +1,4 @@
-//! A part of the cases, for one of several machines.
+//! A subset of the cases, for one of several machines.
 
 use std::str::FromStr;
 

@@ -73,7 +73,8 @@ impl Specimen<'_> {
         let far = if self.far_end == FarEnd::Fixed { "fixed" } else { "free" };
         let text = format!(
             "title = \"Tension impact\"\n[bar]\nlength = {length}\ndiameter = {diameter}\nmaterial = {material}\n[left]\nkind = \
-             \"velocity\"\nvalue = -1\n[right]\nkind = \"{far}\"\n[effects]\nunloading = \"isotropic\"\nrupture = \"critical-strain\"\n\
+             \"velocity\"\nvalue = -1\n[right]\nkind = \"{far}\"\n[effects]\nhardening = \"isotropic\"\nrupture = \
+             \"critical-strain\"\n\
              [solve]\nuntil = 1\nmethod = \"fd\"\ncells = {}\n[record]\nframes = 2\n",
             self.cells
         );
@@ -89,9 +90,7 @@ impl Test {
     pub fn new(document: Document, path: &Path, velocities: Option<&Value>) -> Result<Self> {
         let Problem::Bar(scene) = Problem::of_document(&document, path, &[])? else {
             let help = "give a material, or a scene with [bar]";
-            return Err(InputError::new("a [specimen] is broken by the energy method, without waves")
-                .help(help)
-                .into());
+            return Err(InputError::new("[specimen] uses the energy method, without waves").help(help).into());
         };
         check(&scene)?;
         let segment = &scene.bar.segments[0];
@@ -100,7 +99,7 @@ impl Test {
             (row.critical_velocity_m_s, row.strain_at_max, row.stress_at_max_pa)
         else {
             let message = format!("{} has no critical velocity: {}", row.material, row.reason);
-            let help = "use a material whose curve goes up to its largest stress; `barwave critical` lists them";
+            let help = "use a material whose curve includes its largest stress; `barwave critical` lists them";
             return Err(InputError::new(message).help(help).into());
         };
         let velocities = velocities.map_or_else(|| Ok(around(velocity)), positive)?;
@@ -132,7 +131,11 @@ fn check(scene: &Scene) -> Result<()> {
         return wrong("left.kind", "the left end is not pulled", "use [left] kind = \"velocity\" with a `value`");
     }
     if scene.effects.rupture.is_none() {
-        return wrong("effects.rupture", "the bar cannot break", "add rupture = \"critical-strain\" to [effects]");
+        return wrong(
+            "effects.rupture",
+            "the scene does not simulate fracture",
+            "add rupture = \"critical-strain\" to [effects]",
+        );
     }
     Ok(())
 }
@@ -156,7 +159,7 @@ fn positive(given: &Value) -> Result<Vec<f64>> {
     let axis = Axis::read("velocity", given).map_err(wrong)?;
     let value = |level: &Level| {
         let si = level.si.filter(|si| *si > 0.0 && ["", "m/s"].contains(&axis.unit.as_str()));
-        si.ok_or_else(|| wrong(format!("{} is no impact velocity", level.typed)))
+        si.ok_or_else(|| wrong(format!("{} is not an impact velocity", level.typed)))
     };
     let mut velocities = axis.levels.iter().map(value).collect::<Result<Vec<f64>>>()?;
     velocities.sort_by(f64::total_cmp);

@@ -1,4 +1,4 @@
-//! What a tension-impact test found.
+//! Results of a tension-impact test.
 
 use std::path::Path;
 
@@ -15,13 +15,13 @@ use crate::study::sweep::{Row, case_file, rows};
 pub struct Point {
     /// Impact velocity.
     pub velocity_m_s: f64,
-    /// As in the table of a sweep: `rupture`, `done` (nothing broke), `stopped`, `refused`.
+    /// As in the table of a sweep: `rupture`, `done` (no fracture occurred), `stopped`, `refused`.
     pub status: &'static str,
     /// Why it was stopped or refused.
     pub reason: String,
-    /// Plastic elongation of all pieces over the gauge length; none where nothing broke.
+    /// Plastic elongation of all pieces over the gauge length; none where no fracture occurred.
     pub elongation: Option<f64>,
-    /// Energy absorbed by plastic flow and fracture; none where nothing broke.
+    /// Energy absorbed by plastic flow and fracture; none where no fracture occurred.
     #[serde(rename = "energy_absorbed_J")]
     pub energy: Option<f64>,
     /// First place of fracture, from the struck end.

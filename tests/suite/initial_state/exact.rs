@@ -77,7 +77,7 @@ fn a_prestressed_bar_that_is_released_at_one_end_rings() {
 fn a_gauge_of_a_tracked_bar_starts_with_the_initial_state() {
     let (sigma, v, plastic) = (100e6, 100e6 / IMPEDANCE, 0.003);
     let state = format!("material = {}\nstress = {sigma}\nplastic-strain = {plastic}", material(YIELD, ""));
-    let scene = scene(&text(&[(1.0, state)], [FIXED, FREE], "unloading = \"isotropic\"", &By::Fronts.solve(1e-3, 0)));
+    let scene = scene(&text(&[(1.0, state)], [FIXED, FREE], "hardening = \"isotropic\"", &By::Fronts.solve(1e-3, 0)));
     let mut bar = assemble::front_tracking(&scene, Settings { front_segments: true, ..Settings::default() });
     let mut gauges = StepGauges::new(&scene.bar, &[0.75], 2.0 * TRANSIT);
     bar.advance_to(2.0 * TRANSIT).unwrap_or_else(|e| panic!("{e}"));
@@ -116,7 +116,7 @@ fn a_prestressed_middle_third_sends_half_its_stress_both_ways() {
 fn halves(by: By, [left, right]: [(f64, f64); 2], joint: &str, cells: usize) -> String {
     let half = |stress: f64, joint: &str| (0.5, format!("material = {}\nstress = {stress}\n{joint}", by.material("")));
     let segments = [half(left.1, joint), half(right.1, "")];
-    let text = text(&segments, [FREE, FREE], &by.effects("unloading = \"isotropic\""), &by.solve(1e-3, cells));
+    let text = text(&segments, [FREE, FREE], &by.effects("hardening = \"isotropic\""), &by.solve(1e-3, cells));
     let area = |area: f64| format!("area = {area}");
     let (first, second) = text.split_once("area = 1e-4").expect("two segments");
     format!("{first}{}{}", area(left.0), second.replacen("area = 1e-4", &area(right.0), 1))
@@ -248,7 +248,7 @@ fn a_bar_that_has_yielded_flows_on_along_the_rest_of_its_curve() {
     let cases = [
         Struck {
             material: curve(),
-            unloading: "unloading = \"isotropic\"",
+            unloading: "hardening = \"isotropic\"",
             stress: 100e6,
             plastic: 0.01,
             limit: flow(0.01),
@@ -256,7 +256,7 @@ fn a_bar_that_has_yielded_flows_on_along_the_rest_of_its_curve() {
         },
         Struck {
             material: material(YIELD, ""),
-            unloading: "unloading = \"kinematic\"",
+            unloading: "hardening = \"kinematic\"",
             stress: 150e6,
             plastic: 0.005,
             limit: 2.0 * YIELD - flow(0.005),
@@ -264,7 +264,7 @@ fn a_bar_that_has_yielded_flows_on_along_the_rest_of_its_curve() {
         },
         Struck {
             material: material(YIELD, ""),
-            unloading: "unloading = { mixed = 0.5 }",
+            unloading: "hardening = { mixed = 0.5 }",
             stress: -50e6,
             plastic: -0.004,
             limit: flow(0.004),
@@ -336,7 +336,7 @@ fn worked_and_virgin(by: By, cells: usize) -> (Apart, f64) {
     // Steps make few fronts.
     let steps = if by == By::Fronts { "[0, -25], [4e-5, -25], [4e-5, 10]" } else { "[0, 0], [4e-5, -25], [8e-5, 10]" };
     let drive = format!("kind = \"velocity\"\nhistory = [{steps}]");
-    let effects = by.effects("unloading = \"isotropic\"");
+    let effects = by.effects("hardening = \"isotropic\"");
     let [worked, virgin] = [worked, virgin].map(|state| {
         follow(&scene(&text(&[(1.0, state)], [&drive, FIXED], &effects, &by.solve(1e-3, cells))), 1.1 * TRANSIT)
     });

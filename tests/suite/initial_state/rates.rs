@@ -17,7 +17,7 @@ fn the_front_in_a_rate_dependent_bar_decays_to_the_raised_yield_stress() {
         let rate = format!(", rate.malvern = {{ k = {k} }}");
         let state = format!("material = {}\nstress = {sigma}\nplastic-strain = {plastic}", material(YIELD, &rate));
         let drive = format!("kind = \"velocity\"\nvalue = {velocity}");
-        let effects = "unloading = \"isotropic\"\nrate = \"material\"";
+        let effects = "hardening = \"isotropic\"\nrate = \"material\"";
         let text = text(&[(1.0, state)], [&drive, "kind = \"fixed\""], effects, &By::Net.solve(time, cells));
         let seen = follow(&scene(&text), time);
         assert!(seen.ledger.worst_energy() < 1e-12, "{:?}", seen.ledger);
@@ -41,7 +41,7 @@ fn net_and_leapfrog(unloading: &str, cells: usize) -> [f64; 2] {
         segment(0.4, "stress = -1.9e8\nvelocity = -4"),
         segment(0.3, "stress = -2.3e8\nplastic-strain = -0.003\nvelocity = -14"),
     ];
-    let effects = format!("unloading = {unloading}\nrate = \"material\"");
+    let effects = format!("hardening = {unloading}\nrate = \"material\"");
     let ends = ["kind = \"velocity\"\nvalue = 25", "kind = \"spring\"\nstiffness = 1e7"];
     let [net, leapfrog] = [By::Net, By::Leapfrog].map(|by| {
         let seen = follow(&scene(&text(&segments, ends, &effects, &by.solve(2.0 * TRANSIT, cells))), 1.3 * TRANSIT);

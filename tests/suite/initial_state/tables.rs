@@ -148,10 +148,12 @@ fn assemble_start(text: &str) -> f64 {
 }
 
 /// A stress end that makes the bar yield twice, and the second pulse alone.
-const BOTH: &str = "kind = \"stress\"\nhistory = [[0, -260e6], [6e-5, -260e6], [6e-5, 0], [3e-4, 0], [3e-4, 290e6], [3.5e-4, 290e6], [3.5e-4, 0]]";
+const BOTH: &str = "kind = \"stress\"\nhistory = [[0, -260e6], [6e-5, -260e6], [6e-5, 0], [3e-4, 0], [3e-4, 290e6], [3.5e-4, \
+                    290e6], [3.5e-4, 0]]";
 const SECOND: &str = "kind = \"stress\"\nhistory = [[0, 0], [1e-4, 0], [1e-4, 290e6], [1.5e-4, 290e6], [1.5e-4, 0]]";
 /// The same with slopes in the place of jumps.
-const BOTH_SMOOTH: &str = "kind = \"stress\"\nhistory = [[0, 0], [3e-5, -260e6], [6e-5, -260e6], [9e-5, 0], [3e-4, 0], [3.3e-4, 290e6], [3.6e-4, 290e6], [3.9e-4, 0]]";
+const BOTH_SMOOTH: &str = "kind = \"stress\"\nhistory = [[0, 0], [3e-5, -260e6], [6e-5, -260e6], [9e-5, 0], [3e-4, 0], \
+                           [3.3e-4, 290e6], [3.6e-4, 290e6], [3.9e-4, 0]]";
 const SECOND_SMOOTH: &str =
     "kind = \"stress\"\nhistory = [[0, 0], [1e-4, 0], [1.3e-4, 290e6], [1.6e-4, 290e6], [1.9e-4, 0]]";
 const PART: f64 = 2e-4;
@@ -180,10 +182,10 @@ fn mean_apart(a: &Seen, b: &Seen) -> f64 {
 #[test]
 fn a_run_goes_on_from_the_state_in_which_another_one_ended() {
     for (by, unloading) in [
-        (By::Leapfrog, "unloading = \"isotropic\""),
-        (By::Leapfrog, "unloading = \"kinematic\""),
-        (By::Godunov, "unloading = \"isotropic\""),
-        (By::Net, "unloading = \"isotropic\""),
+        (By::Leapfrog, "hardening = \"isotropic\""),
+        (By::Leapfrog, "hardening = \"kinematic\""),
+        (By::Godunov, "hardening = \"isotropic\""),
+        (By::Net, "hardening = \"isotropic\""),
     ] {
         let errors = [100, 200, 400].map(|cells| {
             let run = |state: &str, left: &str, until: f64| {
@@ -208,7 +210,7 @@ fn a_run_goes_on_from_the_state_in_which_another_one_ended() {
 #[test]
 fn front_tracking_goes_on_exactly_from_its_own_state() {
     let solve = By::Fronts.solve(WHOLE, 0);
-    let effects = "unloading = \"isotropic\"";
+    let effects = "hardening = \"isotropic\"";
     let scene_of = |state: &str, left: &str| {
         let state = format!("material = {}\n{state}", material(YIELD, ""));
         scene(&text(&[(1.0, state)], [left, FREE], effects, &solve))
@@ -241,7 +243,7 @@ fn what_has_flowed_both_ways_has_hardened_though_no_strain_is_left() {
     for by in By::ALL {
         let state = format!("material = {}\naccumulated-plastic-strain = 0.01", by.material(""));
         let drive = format!("kind = \"velocity\"\nvalue = {}", 0.98 * flow / IMPEDANCE);
-        let effects = by.effects("unloading = \"isotropic\"");
+        let effects = by.effects("hardening = \"isotropic\"");
         let at = |drive: &str| {
             let text = text(&[(1.0, state.clone())], [drive, FREE], &effects, &by.solve(TRANSIT, 200));
             follow(&scene(&text), 0.9 * TRANSIT).plastic.iter().map(|p| p.abs()).fold(0.0, f64::max)
@@ -319,7 +321,7 @@ fn the_balance_closes_with_forces_along_the_bar() {
         let first = format!("material = {steel}\n{}\nvelocity = 2", table("stress", [(0.0, -1.5e8), (0.2, 0.9e8)]));
         let second = format!("material = {steel}\nplastic-strain = 0.004\nstress = 2.1e8");
         let solve = "until = 5e-4\ncells = 50\ncfl = 0.9";
-        let effects = format!("unloading = \"isotropic\"\n{force}");
+        let effects = format!("hardening = \"isotropic\"\n{force}");
         let seen = follow(&scene(&text(&[(0.3, first), (0.5, second)], [left, FREE], &effects, solve)), 5e-4);
         let (energy, momentum) = (seen.ledger.worst_energy(), seen.ledger.worst_momentum());
         assert!(energy < 1e-11 && momentum < 1e-10, "{force} {left}: {energy:e} {momentum:e}");
@@ -381,7 +383,7 @@ fn a_warm_bar_yields_at_the_softened_stress() {
     // Halfway to melting: half the flow stress, that of the plastic strain it has.
     let flow = 0.5 * (YIELD + HARDENING / (1.0 - HARDENING / E) * 0.01);
     let state = format!("material = {}\nplastic-strain = -0.01\ntemperature = \"1043 K\"", material(YIELD, HOT));
-    let effects = "unloading = \"isotropic\"\nheat = {}";
+    let effects = "hardening = \"isotropic\"\nheat = {}";
     let at = |part: f64| {
         let drive = format!("kind = \"velocity\"\nvalue = {}", part * flow / IMPEDANCE);
         let text = text(&[(1.0, state.clone())], [&drive, FREE], effects, "until = 2e-4\ncells = 200");
@@ -399,9 +401,9 @@ fn a_warm_bar_yields_at_the_softened_stress() {
 #[test]
 fn a_hot_run_goes_on_from_the_state_in_which_another_one_ended() {
     for effects in [
-        "unloading = \"isotropic\"\nheat = {}",
-        "unloading = \"isotropic\"\nrate = \"material\"\nheat = {}",
-        "unloading = \"kinematic\"\nheat = {}",
+        "hardening = \"isotropic\"\nheat = {}",
+        "hardening = \"isotropic\"\nrate = \"material\"\nheat = {}",
+        "hardening = \"kinematic\"\nheat = {}",
     ] {
         let errors = [100, 200, 400].map(|cells| {
             let run = |state: &str, left: &str, until: f64| {
@@ -440,11 +442,11 @@ fn wrong_tables_are_refused_at_their_rows() {
         let state = format!("material = {}\n{state}", material(YIELD, HOT));
         parse(&text(&[(1.0, state)], [FREE, FREE], effects, &format!("until = 1e-4\n{solve}")))
     };
-    let isotropic = "unloading = \"isotropic\"";
+    let isotropic = "hardening = \"isotropic\"";
     for (state, effects, solve, words) in [
         ("stress = [[0, 0], [1.1, 1e6]]", "", "", &["row 2 lies beyond the right end", "0 <= x <= 1 m"][..]),
-        ("stress = [[0.5, 0], [0.2, 1e6]]", "", "", &["row 2 lies to the left of the row before it"]),
-        ("stress = [[0.5, 0], [0.5, 1e6], [0.5, 2e6]]", "", "", &["row 3 is the third row with one x"]),
+        ("stress = [[0.5, 0], [0.2, 1e6]]", "", "", &["row 2 has a smaller x than the row before it"]),
+        ("stress = [[0.5, 0], [0.5, 1e6], [0.5, 2e6]]", "", "", &["row 3 is the third row with the same x"]),
         ("stress = [[0, 0, 3]]", "", "", &["a row has 3 entries"]),
         ("stress = []", "", "", &["a table over x needs at least one row"]),
         (
@@ -459,7 +461,7 @@ fn wrong_tables_are_refused_at_their_rows() {
             "",
             &["at x = ", "is outside the elastic range"],
         ),
-        ("plastic-strain = [[0, 0.01], [1, 0]]", "", "", &["plastic strain needs a law of unloading"]),
+        ("plastic-strain = [[0, 0.01], [1, 0]]", "", "", &["an initial plastic strain needs a hardening rule"]),
         (
             "plastic-strain = [[0, 0.01]]\naccumulated-plastic-strain = 0.005",
             isotropic,
@@ -468,28 +470,28 @@ fn wrong_tables_are_refused_at_their_rows() {
         ),
         (
             "accumulated-plastic-strain = 0.005",
-            "unloading = \"kinematic\"",
+            "hardening = \"kinematic\"",
             "",
-            &["does not tell where hardening that moves"],
+            &["does not determine the elastic range"],
         ),
         ("accumulated-plastic-strain = [[0, -0.1]]", isotropic, "", &["out of range"]),
         ("stress = 1e6\nstrain = 1e-5", "", "", &["`stress` and `strain` are both given"]),
-        ("temperature = 400", "", "", &["a temperature needs the effect `heat`"]),
+        ("temperature = 400", "", "", &["an initial temperature needs the effect `heat`"]),
         (
             "temperature = [[0, 300], [1, 1800]]",
-            "unloading = \"isotropic\"\nheat = {}",
+            "hardening = \"isotropic\"\nheat = {}",
             "",
             &["1800 K at x = 1 m is out of range", "< 1793 K"],
         ),
         (
             "temperature = 400",
-            "unloading = \"isotropic\"\nheat = {}",
+            "hardening = \"isotropic\"\nheat = {}",
             "scheme = \"muscl\"",
             &["does not simulate the effect `heat` with an initial temperature or plastic strain"],
         ),
         (
             "plastic-strain = 0.01",
-            "unloading = \"isotropic\"\nheat = {}",
+            "hardening = \"isotropic\"\nheat = {}",
             "method = \"moc\"",
             &["does not simulate the effect `heat` with an initial temperature or plastic strain"],
         ),
@@ -499,12 +501,14 @@ fn wrong_tables_are_refused_at_their_rows() {
         let error = of(state, effects, solve).expect_err(state);
         assert!(words.iter().all(|words| error.contains(words)), "{state}\n{error}");
     }
-    let twisted = "[bar]\nmode = \"torsion\"\nlength = 1\ndiameter = 0.01\nstrain = 1e-4\nmaterial = { density = 8000, modulus = 8e10, \
-                   loading = \"shear\", curve = { table = [[0.001, 8e7]] } }\n[left]\nkind = \"free\"\n[right]\nkind = \"free\"\n[solve]\nuntil = 1e-4\n";
-    assert!(parse(twisted).expect_err("a strain").contains("does not start from a strain"));
+    let twisted = "[bar]\nmode = \"torsion\"\nlength = 1\ndiameter = 0.01\nstrain = 1e-4\nmaterial = { density = 8000, modulus \
+                   = 8e10, \
+                   loading = \"shear\", curve = { table = [[0.001, 8e7]] } }\n[left]\nkind = \"free\"\n[right]\nkind = \
+                   \"free\"\n[solve]\nuntil = 1e-4\n";
+    assert!(parse(twisted).expect_err("a strain").contains("an initial strain is not available in torsion"));
     let noisy = table("stress", (0..4000).map(|i| (f64::from(i) / 4000.0, if i % 2 == 0 { 0.0 } else { 1e7 })));
     let error = of(&noisy, "", "method = \"moc\"").expect_err("too many steps");
-    assert!(error.contains("makes a staircase of the initial state") && error.contains("at most 2000"), "{error}");
+    assert!(error.contains("discretizes the initial state") && error.contains("at most 2000"), "{error}");
 }
 
 #[test]

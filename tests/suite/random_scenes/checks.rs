@@ -249,7 +249,7 @@ fn stopped_for_a_reason(error: &RunError, failures: &mut Vec<Failure>) {
     let reason = &error.reason;
     let class = if reason.contains("not a finite number") {
         "stopped: not finite"
-    } else if reason.contains("does not close") {
+    } else if reason.contains("is not conserved") {
         "stopped: balance does not close"
     } else if error.help.is_empty() || !error.time.is_finite() {
         "stopped without help"

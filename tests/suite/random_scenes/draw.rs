@@ -214,7 +214,7 @@ fn segment(d: &mut Draw, frame: &Frame, count: usize) -> Keys {
         keys.push(("velocity", Value::Signed(velocity, if frame.torsion { "rad/s" } else { "m/s" })));
     }
     if d.one_in(12) {
-        keys.push(("notch", Value::number(d.between(1.0, 3.0))));
+        keys.push(("stress-concentration", Value::number(d.between(1.0, 3.0))));
     }
     keys
 }
@@ -240,7 +240,7 @@ fn joint(d: &mut Draw, frame: &Frame) -> Keys {
             keys.push(("gap", Value::unit(d.decades(1e-3, 1.0), "mm")));
         }
     } else if d.one_in(10) {
-        keys.push(("joint-notch", Value::number(d.between(1.0, 3.0))));
+        keys.push(("joint-stress-concentration", Value::number(d.between(1.0, 3.0))));
     }
     keys
 }
@@ -460,8 +460,8 @@ fn effects(d: &mut Draw, frame: &Frame) -> Keys {
     let unloading = d.pick(&["", "isotropic", "isotropic", "kinematic", "mixed"]);
     match unloading {
         "" => {}
-        "mixed" => keys.push(("unloading", Value::Same(format!("{{ mixed = {} }}", d.between(0.0, 1.0))))),
-        word => keys.push(("unloading", Value::word(word))),
+        "mixed" => keys.push(("hardening", Value::Same(format!("{{ mixed = {} }}", d.between(0.0, 1.0))))),
+        word => keys.push(("hardening", Value::word(word))),
     }
     if d.one_in(5) {
         keys.push(("rate", Value::Same(rate(d))));

@@ -70,7 +70,7 @@ fn a_sudden_stress_that_makes_the_bar_yield_keeps_its_account() {
             for cfl in [1.0, 0.7] {
                 let solve = format!("until = 1e-4\ncells = 80\ncfl = {cfl}");
                 let left = format!("kind = \"stress\"\nvalue = {stress}");
-                let text = text(&format!("{}{velocity}", bar(material)), &left, "unloading = \"isotropic\"", &solve);
+                let text = text(&format!("{}{velocity}", bar(material)), &left, "hardening = \"isotropic\"", &solve);
                 followed(&text);
             }
         }
@@ -85,7 +85,7 @@ fn the_fan_of_an_end_stays_in_its_segment() {
     let left = "kind = \"velocity\"\nvalue = 20";
     let whole = part.replace("[[bar.segment]]", "[bar]").replace("0.5", "1");
     let profile = |bar: &str| {
-        let scene = scene(&text(bar, left, "unloading = \"isotropic\"", solve));
+        let scene = scene(&text(bar, left, "hardening = \"isotropic\"", solve));
         let barwave::scene::Method::Leapfrog { cells, cfl } = scene.solve.method else {
             panic!("{:?}", scene.solve.method)
         };
@@ -107,7 +107,7 @@ fn the_fan_of_an_end_stays_in_its_segment() {
 fn a_taper_of_one_piece_is_tracked() {
     let bar = bar(STEEL).replace("1e-4", "[[0, 7.1e-5], [0.19, 6.98e-5]]");
     let solve = "until = 5e-5\nmethod = \"moc\"\nfront-tolerance = 1e-3";
-    let text = text(&bar, "kind = \"velocity\"\nvalue = 10", "unloading = \"isotropic\"", solve);
+    let text = text(&bar, "kind = \"velocity\"\nvalue = 10", "hardening = \"isotropic\"", solve);
     let summary = run(&scene(&text), None, &mut |_| ControlFlow::Continue(())).unwrap_or_else(|e| panic!("{e}"));
     assert!(summary.left.stress < -2e8, "{}", summary.left.stress);
 }
@@ -200,7 +200,7 @@ fn a_bar_under_level_tension_breaks_alike_in_the_mirrored_bar() {
         ("velocity", Value::Signed(13.9, "m/s")),
     ]);
     let ends = [keys(&[("kind", same("\"free\""))]), keys(&[("kind", same("\"fixed\""))])];
-    let effects = [("unloading", same("\"isotropic\"")), ("rupture", same("{ spall = \"26.1 MPa\" }"))];
+    let effects = [("hardening", same("\"isotropic\"")), ("rupture", same("{ spall = \"26.1 MPa\" }"))];
     assert_mirrored(&spec(vec![horn, rod], ends, &effects, (1e-5, 90, 0.631)));
 }
 
@@ -234,7 +234,7 @@ fn rounding_of_the_yield_stress_is_no_flow() {
         ("release", Value::number(4.12e-5)),
     ]);
     let right = keys(&[("kind", same("\"wall\"")), ("gap", Value::unit(9.86e-3, "mm"))]);
-    let isotropic = [("unloading", same("\"isotropic\""))];
+    let isotropic = [("hardening", same("\"isotropic\""))];
     assert_mirrored(&spec(vec![horn, rod], [left, right], &isotropic, (8.5e-5, 47, 1.0)));
 }
 
@@ -275,7 +275,7 @@ kind = "velocity"
 history = [[0, 0], [1.9e-6, 6.47]]
 release = 0.00000114
 [effects]
-unloading = "isotropic"
+hardening = "isotropic"
 [solve]
 until = 2.39e-5
 cells = 47
@@ -303,7 +303,7 @@ fn a_bar_at_its_largest_stress_does_not_push_a_spring_along() {
     let level = "{ density = 1890, modulus = 3e9, curve = { table = [[4.24e-4, 1.272e6], [1e-2, 1.272e6]] } }";
     let bar = format!("{}velocity = -36.2\n", bar(level).replace("0.19", "0.0301").replace("1e-4", "9.73e-4"));
     let solve = "until = 6.46e-5\nmethod = \"moc\"\nfront-tolerance = 1e-2";
-    let text = text(&bar, "kind = \"spring\"\nstiffness = 88400000", "unloading = \"isotropic\"", solve);
+    let text = text(&bar, "kind = \"spring\"\nstiffness = 88400000", "hardening = \"isotropic\"", solve);
     followed(&text);
 }
 
@@ -315,7 +315,7 @@ fn merging_of_fronts_gives_no_more_energy_than_the_front_tolerance() {
     let right = "kind = \"velocity\"\nhistory = [[0, 0], [3.2e-6, 18], [6.4e-6, 18], [9.6e-6, 0]]";
     let account = |tolerance: f64| {
         let solve = format!("until = 1.2e-5\nmethod = \"moc\"\nfront-tolerance = {tolerance:e}");
-        let text = text(&bar, "kind = \"free\"", "unloading = \"isotropic\"", &solve);
+        let text = text(&bar, "kind = \"free\"", "hardening = \"isotropic\"", &solve);
         let figures = followed(&text.replace("[right]\nkind = \"free\"", &format!("[right]\n{right}")));
         (figures.taken, figures.work.values[1])
     };
@@ -371,7 +371,7 @@ frames = 2
 fn the_grid_filter_takes_nothing_from_a_cell_that_has_turned() {
     let horn = "[bar]\nlength = 1.4\narea = [[0, 0.000266], [0.7, 0.000151], [1.4, 0.000436]]\nmaterial = { density = 2450, modulus = 3e9, beyond = \"rupture\", curve = { table = [[9.82e-4, 2.945999999997e6], [1.2275e-2, 1.314357899999e7], [1.765636e-2, 2.069900843998e7]] } }\n";
     let left = "kind = \"stress\"\nhistory = [[0, -488e6], [1.33e-5, 21.8e6], [1.98e-5, 21.8e6], [1.98e-5, 330e6], [2.92e-5, 330e6], [2.92e-5, 218e6]]";
-    let text = text(horn, left, "unloading = \"isotropic\"", "until = 3e-5\ncells = 60\ncfl = 0.932");
+    let text = text(horn, left, "hardening = \"isotropic\"", "until = 3e-5\ncells = 60\ncfl = 0.932");
     let given = followed(&text).given;
     assert!(given < 0.01, "{given} of all energy");
 }
@@ -402,7 +402,7 @@ velocity = -33.1
 [right]
 kind = "fixed"
 [effects]
-unloading = "isotropic"
+hardening = "isotropic"
 [solve]
 until = 9.5e-6
 method = "fd"
@@ -423,7 +423,7 @@ fn a_bar_from_which_all_energy_returns_has_no_residual() {
     let bar = format!("[bar]\nlength = 0.0466\narea = \"103 mm^2\"\nmaterial = {soft}\n");
     for scheme in ["muscl", "leapfrog"] {
         let solve = format!("until = 1.22e-4\nscheme = \"{scheme}\"\ncells = 30");
-        let text = text(&bar, "kind = \"velocity\"\nvalue = -13.3", "unloading = \"isotropic\"", &solve);
+        let text = text(&bar, "kind = \"velocity\"\nvalue = -13.3", "hardening = \"isotropic\"", &solve);
         let text = text.replace("frames = 2", "frames = 400");
         assert!(followed(&text).ended, "{scheme}");
         run(&scene(&text), None, &mut |_| ControlFlow::Continue(())).unwrap_or_else(|e| panic!("{scheme}: {e}"));
@@ -450,7 +450,7 @@ fn a_face_within_rounding_of_a_level_stretch_lies_at_its_start() {
     let rows = vec![(0.0, 0.0), (5.03e-4, -31.9), (1.01e-3, -31.9), (1.51e-3, 0.0)];
     let left = keys(&[("kind", same("\"velocity\"")), ("history", Value::SignedRows(rows))]);
     let right = keys(&[("kind", same("\"stress\"")), ("value", Value::number(5.52e8))]);
-    let isotropic = [("unloading", same("\"isotropic\""))];
+    let isotropic = [("hardening", same("\"isotropic\""))];
     assert_mirrored_by(Method::Muscl, &spec(vec![rod], [left, right], &isotropic, (8.8e-4, 20, 0.926)));
 }
 
@@ -506,7 +506,7 @@ fn the_tolerance_of_a_flow_is_no_unloading() {
         ("mass", Value::number(2.25e-4)),
         ("velocity", Value::Signed(-12.0, "")),
     ]);
-    let effects = [("unloading", same("\"isotropic\"")), ("rate", same("\"material\""))];
+    let effects = [("hardening", same("\"isotropic\"")), ("rate", same("\"material\""))];
     let mut scene = spec(vec![horn, quick, steep, last], [left, right], &effects, (7.63e-6, 80, 0.8));
     scene.joints[2] = keys(&[("joint", same("\"contact\""))]);
     assert_mirrored(&scene);
@@ -542,7 +542,7 @@ fn a_merged_plastic_front_does_the_work_of_its_own_jump() {
     let right = "kind = \"velocity\"\nhistory = [[0, 0], [5.37e-7, 31.5], [1.07e-6, 31.5], [1.61e-6, 0]]";
     for tolerance in [1e-2, 3e-3, 1e-3] {
         let solve = format!("until = 1.92e-5\nmethod = \"moc\"\nfront-tolerance = {tolerance:e}");
-        let text = text(&bar, "kind = \"fixed\"", "unloading = \"isotropic\"", &solve);
+        let text = text(&bar, "kind = \"fixed\"", "hardening = \"isotropic\"", &solve);
         followed(&text.replace("[right]\nkind = \"free\"", &format!("[right]\n{right}")));
     }
 }
@@ -554,7 +554,7 @@ fn the_work_of_an_overstress_is_finite_at_a_stress_far_above_the_static_curve() 
     let material = "{ density = 8890, modulus = \"3 GPa\", beyond = \"extend\", rate = { johnson-cook = { C = 0.00152, reference = 1 } }, curve = { table = [[1.05e-3, 3.149999999997e6], [1.995e-2, 3.790709999996e7]] } }";
     let bar = bar(material).replace("0.19", "1.35").replace("1e-4", "142e-6");
     let right = "kind = \"stress\"\nhistory = [[0, 0], [1.04e-5, -216e6], [2.08e-5, -216e6], [3.12e-5, 0]]";
-    let effects = "unloading = \"kinematic\"\nrate = \"material\"";
+    let effects = "hardening = \"kinematic\"\nrate = \"material\"";
     let solve = "until = 2.63e-4\nmethod = \"moc\"\ncells = 60";
     let text = text(&bar, "kind = \"striker\"\nmass = 1.97\nvelocity = 33.3", effects, solve);
     let figures = followed(&text.replace("[right]\nkind = \"free\"", &format!("[right]\n{right}")));

@@ -38,7 +38,7 @@ value = 321000000
 kind = "velocity"
 value = -14.3
 [effects]
-unloading = { mixed = 0.868 }
+hardening = { mixed = 0.868 }
 heat = { fraction = 0.5 }
 [solve]
 until = 4.44e-5
@@ -69,7 +69,7 @@ fn what_goes_into_a_place_where_strain_gathers_depends_on_the_cells() {
     let by = |solve: &str| {
         let left = "kind = \"stress\"\nhistory = [[0, 0], [5.83e-4, -114e6]]";
         let bar = bar(level).replace("0.19", "0.835");
-        figures_of(&text(&bar, left, "unloading = \"isotropic\"", &format!("until = 2.2e-4\n{solve}")))
+        figures_of(&text(&bar, left, "hardening = \"isotropic\"", &format!("until = 2.2e-4\n{solve}")))
             .expect("it runs")
     };
     let tracked = by("method = \"moc\"");
@@ -88,7 +88,7 @@ fn the_work_of_a_stress_above_the_curve_grows_with_the_cells() {
     let by = |scheme: &str, cells: usize| {
         let left = "kind = \"stress\"\nhistory = [[0, 0], [7.45e-5, 268e6], [1.49e-4, 268e6]]";
         let solve = format!("until = 1.4e-4\nscheme = \"{scheme}\"\ncells = {cells}");
-        figures_of(&text(&bar(level).replace("0.19", "0.54"), left, "unloading = \"isotropic\"", &solve))
+        figures_of(&text(&bar(level).replace("0.19", "0.54"), left, "hardening = \"isotropic\"", &solve))
             .expect("it runs")
     };
     let [coarse, fine] = [60, 240].map(|cells| ["leapfrog", "muscl"].map(|scheme| by(scheme, cells)));
@@ -126,7 +126,7 @@ fn a_stress_above_the_curve_leaves_its_impulse_in_the_end_cell() {
     let by = |solve: &str, until: f64| {
         let left = "kind = \"stress\"\nhistory = [[0, -70e6], [6e-6, -70e6], [6e-6, 0]]";
         let solve = format!("until = {until:e}\n{solve}");
-        figures_of(&text(&bar(level).replace("0.19", "0.31"), left, "unloading = \"isotropic\"", &solve))
+        figures_of(&text(&bar(level).replace("0.19", "0.31"), left, "hardening = \"isotropic\"", &solve))
             .expect("it runs")
     };
     for scheme in ["leapfrog", "muscl"] {
@@ -155,7 +155,7 @@ fn leapfrog_keeps_what_unloading_shocks_lose() {
         let figures = figures_of(&text.replace("[right]\nkind = \"free\"", &format!("[right]\n{right}")));
         figures.expect("it runs")
     };
-    let tracked = by("method = \"moc\"\nfront-tolerance = 1e-2\nevent-budget = 1000000");
+    let tracked = by("method = \"moc\"\nfront-tolerance = 1e-2\nmax-events = 1000000");
     for cells in [120, 480] {
         let conservative = by(&format!("scheme = \"muscl\"\ncells = {cells}"));
         let leapfrog = by(&format!("cells = {cells}\ncfl = 0.5"));
@@ -234,7 +234,7 @@ fn what_the_grid_filter_gives_goes_to_zero_with_the_cells() {
         + &segment(0.364, "239e-6", stiff);
     let given = |cells: usize| {
         let left = "kind = \"velocity\"\nvalue = -2.19";
-        let effects = "unloading = \"kinematic\"\nrupture = { spall = \"110 MPa\" }";
+        let effects = "hardening = \"kinematic\"\nrupture = { spall = \"110 MPa\" }";
         let text = text(&bar, left, effects, &format!("until = 2.34e-4\ncells = {cells}"));
         let scene = scene(&text.replace("[right]\nkind = \"free\"", "[right]\nkind = \"stress\"\nvalue = 305e6"));
         follow(&scene, scene.solve.until, &mut Vec::new()).given

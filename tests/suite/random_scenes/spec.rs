@@ -172,7 +172,7 @@ impl Spec {
             Method::Moc if self.has_effect("rate") => writeln!(text, "method = \"moc\"\ncells = {cells}"),
             Method::Moc => {
                 let tolerance = self.front_tolerance / by as f64;
-                writeln!(text, "method = \"moc\"\nfront-tolerance = {tolerance:e}\nevent-budget = {MAX_EVENTS}")
+                writeln!(text, "method = \"moc\"\nfront-tolerance = {tolerance:e}\nmax-events = {MAX_EVENTS}")
             }
         };
         *text += "[record]\nframes = 2\n";
@@ -208,7 +208,7 @@ impl Spec {
             for initial in INITIAL {
                 offer(&|spec| spec.segments[k].retain(|(key, _)| *key != initial));
             }
-            offer(&|spec| spec.segments[k].retain(|(key, _)| !key.ends_with("notch")));
+            offer(&|spec| spec.segments[k].retain(|(key, _)| !key.ends_with("stress-concentration")));
             offer(&|spec| {
                 let first = spec.segments[0].iter().find(|(key, _)| *key == "material").cloned();
                 let own = spec.segments[k].iter_mut().find(|(key, _)| *key == "material");

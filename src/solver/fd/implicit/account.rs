@@ -1,4 +1,4 @@
-//! Energy and momentum of the nodes, and what dampers, foundation and grid filter did to them.
+//! Energy and momentum of the nodes, and the work of dampers, foundation and grid filter.
 
 use std::ops::Range;
 
@@ -66,8 +66,8 @@ impl Implicit {
         if !self.place.is_empty() {
             let dt = self.weights.dt;
             for (weights, nodes) in self.weights.nodes() {
-                let [stretch] = sums(nodes, |j| [self.place[j] + 0.25 * dt * self.change[j]]);
-                taken.impulse -= dt * weights.spring * stretch;
+                let [subdomain] = sums(nodes, |j| [self.place[j] + 0.25 * dt * self.change[j]]);
+                taken.impulse -= dt * weights.spring * subdomain;
             }
         }
         taken

@@ -1,4 +1,4 @@
-//! What acts along the bar beside the stress of its curve: damping, a foundation, and Love's lateral inertia.
+//! Distributed forces along the bar: damping, a foundation, and Love's lateral inertia.
 //!
 //! With w = v+ - v- the change of the nodes' velocities in a step,
 //!

@@ -142,7 +142,7 @@ fn pulse(setup: &Setup, (time, strain): &(Vec<f64>, Vec<f64>)) -> Result<Pulse> 
     let largest = strain.iter().fold(0.0_f64, |top, e| top.max(e.abs()));
     let first = strain.iter().position(|e| e.abs() >= ARRIVES * largest).filter(|_| largest > 0.0);
     let first = first.ok_or_else(|| {
-        InputError::new("the gauge of the incident bar sees no pulse")
+        InputError::new("the gauge of the incident bar records no pulse")
             .help("check the order and the units of the columns")
     })?;
     let reflected = time[first] + ALONE * 2.0 * setup.incident.delay();
@@ -315,7 +315,8 @@ fn equilibrium(reduced: &mut Reduced, tolerance: f64) {
     let agree = longest(&imbalance[..end], tolerance);
     if (agree.len() as f64) < SHORTEST * end as f64 || agree.is_empty() {
         reduced.warnings.push(format!(
-            "the forces of the two faces agree to {:.0} % for less than a tenth of the loading: no curve; --equilibrium sets the limit",
+            "the forces of the two faces agree to {:.0} % for less than a tenth of the loading: no curve; --equilibrium sets \
+             the limit",
             100.0 * tolerance
         ));
         return;

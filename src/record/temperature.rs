@@ -1,4 +1,4 @@
-//! How warm a bar got, and how sure that is.
+//! The temperature rise of a bar and its uncertainty.
 
 use super::AuditRow;
 use crate::material::{Material, Sense};
@@ -29,8 +29,9 @@ pub fn flowed_both_ways(material: &Material, places: impl Iterator<Item = (f64, 
         estimate: largest,
         threshold: UNCERTAIN,
         finding: std::format!(
-            "places of {} flowed in tension and in compression, which have curves of their own; their temperature is \
-             known to {largest:.0} K. One curve for both (`symmetry` left out) or a `rate` with method = \"fd\" follows it exactly",
+            "sections of {} yielded in tension and in compression, which have separate curves; their temperature is uncertain \
+             by {largest:.0} K. One curve for both senses (without `symmetry`), or `rate` with method = \"fd\", gives the \
+             exact temperature",
             material.name
         ),
         remedy: String::new(),

@@ -1,4 +1,4 @@
-//! What the blocks of a bar and the nodes between them do in a step, act by act; see [`super::sweep`] for what comes when.
+//! The stages of a step on the blocks of a bar and the nodes between them; see [`super::sweep`] for their order.
 
 use std::ops::Range;
 
@@ -25,7 +25,7 @@ pub(super) struct Common<'a> {
 }
 
 /// Neighbouring blocks, the edges between them and what is at the bar's ends, as far as they have them.
-pub(super) struct Stretch<'a> {
+pub(super) struct Subdomain<'a> {
     pub common: Common<'a>,
     /// Number of the first block.
     pub first: usize,
@@ -37,7 +37,7 @@ pub(super) struct Stretch<'a> {
     pub ends: [Option<&'a mut EndNode>; 2],
 }
 
-impl Stretch<'_> {
+impl Subdomain<'_> {
     /// The stresses alone of all blocks in a step.
     pub fn advance_stresses(&mut self, step: usize, scratch: &mut Scratch) {
         let common = self.common;
@@ -57,7 +57,7 @@ impl Stretch<'_> {
     }
 
     /// The nodes of these edges in a step, from the stresses on both sides.
-    pub fn meet(&mut self, edges: Range<i64>, step: usize) {
+    pub fn update_interfaces(&mut self, edges: Range<i64>, step: usize) {
         if edges.is_empty() {
             return;
         }
@@ -210,13 +210,13 @@ impl Stretch<'_> {
         [left, right]
     }
 
-    /// Blocks by their place in the stretch.
+    /// Blocks by their place in the subdomain.
     fn local(&self, blocks: Range<i64>) -> Range<usize> {
         let at = |k: i64| (k as usize).saturating_sub(self.first);
         if blocks.is_empty() { 0..0 } else { at(blocks.start)..at(blocks.end) }
     }
 
-    /// The edges among these that lie between two blocks, by their place in the stretch.
+    /// The edges among these that lie between two blocks, by their place in the subdomain.
     fn inner(&self, edges: &Range<i64>) -> Range<usize> {
         let first = self.first as i64;
         let from = (edges.start - first - 1).max(0) as usize;

@@ -1,4 +1,4 @@
-//! The points of a study, and those that were left out.
+//! The points of a study, and the skipped ones.
 
 use serde::Serialize;
 
@@ -17,7 +17,7 @@ pub struct CostPoint {
     pub errors: ErrorTable,
     /// Median stepping time, s.
     pub step_wall_s: f64,
-    /// Shortest stepping time, s: what is left where the machine has other work too.
+    /// Shortest stepping time, s: least affected by other load of the machine.
     pub shortest_s: f64,
     /// Distance of the quartiles of the stepping times over their median; 0 for a single run.
     pub spread: f64,
@@ -31,9 +31,9 @@ pub struct CostPoint {
     pub work_unit: &'static str,
     /// Solver memory, bytes.
     pub memory_bytes: u64,
-    /// Nothing is both quicker and better.
+    /// No point is both faster and more accurate.
     pub pareto: bool,
-    /// The error is below what the reference is uncertain by: it says no more than that.
+    /// The error is below the uncertainty of the reference.
     pub below_reference: bool,
     /// Front tracking only: no wave was merged, so that the result is exact for the table.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -1,4 +1,4 @@
-//! Which cells of a block are at work, and which rest until a node beside them moves.
+//! Active and quiescent cells of a block.
 //!
 //! A piece of [`CHUNK`] cells rests where another step would change no bit of it: its nodes move alike, their forces move
 //! none of them, and the law gives back what it has. That is looked at exactly, so that leaving the piece out changes nothing.
@@ -136,7 +136,7 @@ mod tests {
         Material::from_curve("steel", 7800.0, Curve::new(&rows, Beyond::Extend).expect("rows rise"))
     }
 
-    /// A bar that is struck, let go, and swings on between a free end and a wall.
+    /// A bar that is struck, released, and vibrates between a free end and a wall.
     fn bar(material: Material, law: Arc<dyn RowLaw>) -> Leapfrog {
         let end = DataEnd::of(&material);
         let bar = Bar { segments: vec![Segment::new(1.0, 1.0, material)], area_given: true };

@@ -1,9 +1,9 @@
-//! Ways to a reference where none is exact: front tracking and the finest grid, refined in turn. Always the one is refined that
-//! is expected to end surer in the time that is left, so that the time does not go into a way that leads nowhere.
+//! Candidates for a reference where none is exact: front tracking and the finest grid, refined in turn. The next refinement is that
+//! with the smallest expected uncertainty in the remaining time.
 
 use super::Instants;
-use super::ladder::Halt;
 use super::measure::{self, Pass, Wanted, Watch};
+use super::refinement::Halt;
 use super::source::{Family, Resolution, Source};
 use crate::error::Result;
 use crate::record::Measure;
@@ -26,7 +26,7 @@ const MOST_GROWTH: f64 = 15.0;
 /// Orders that are believed of a reference: where waves are elastic or smooth they are higher, and it is surer than it says.
 const ORDERS: [f64; 2] = [0.5, 1.0];
 
-/// What a rival is.
+/// What a candidate is.
 pub(super) enum Kind<'a> {
     /// Front tracking; `keeps` every wave, so that only the steps of ramps get finer.
     Fronts { scene: Box<Scene>, keeps: bool },
@@ -42,14 +42,14 @@ pub(super) struct Run {
 }
 
 /// One way, with its finest runs (at most three), coarse to fine.
-pub(super) struct Rival<'a> {
+pub(super) struct Candidate<'a> {
     pub kind: Kind<'a>,
     pub runs: Vec<Run>,
     measure: Measure,
     out: bool,
 }
 
-impl<'a> Rival<'a> {
+impl<'a> Candidate<'a> {
     /// Front tracking of a scene; `kept` is a run that kept every wave, with ramps in their coarsest steps.
     pub fn of_fronts(scene: Scene, kept: Option<Pass>, measure: Measure) -> Self {
         let keeps = kept.is_some();
@@ -168,7 +168,7 @@ pub(super) fn every_wave(
     instants: &Instants,
     watch: &mut Watch<'_>,
 ) -> std::result::Result<Option<Pass>, Halt> {
-    watch.what = "reference: front tracking, every wave".into();
+    watch.what = "reference: front tracking, all waves".into();
     let until = watch.until;
     watch.until = watch.now() + EXACT_SHARE * (until - watch.now());
     let found = fronts(scene, 0.0, None, instants, watch);
@@ -191,26 +191,26 @@ fn fronts(
     measure::pass(scene, Wanted { instants: &instants.own, settings: Some(settings) }, watch)
 }
 
-/// Refines the rivals in the watch's time; what stopped them, where the user did.
+/// Refines the candidates in the watch's time; what stopped them, where the user did.
 pub(super) fn race(
-    rivals: &mut [Rival<'_>],
+    candidates: &mut [Candidate<'_>],
     source: &Source<'_>,
     instants: &Instants,
     watch: &mut Watch<'_>,
 ) -> Result<Option<Halt>> {
     loop {
-        let best = rivals.iter().filter_map(Rival::uncertainty).fold(f64::INFINITY, f64::min);
+        let best = candidates.iter().filter_map(Candidate::uncertainty).fold(f64::INFINITY, f64::min);
         let left = watch.until - watch.now();
         if best <= SURE || left <= 0.0 {
             return Ok(None);
         }
         // Two runs of each come first, those of grids before those of fronts, which may not end.
-        let young = |r: &&mut Rival<'_>| !r.out && r.runs.len() < 2;
-        let next = if let Some(young) = rivals.iter_mut().rev().find(young) {
+        let young = |r: &&mut Candidate<'_>| !r.out && r.runs.len() < 2;
+        let next = if let Some(young) = candidates.iter_mut().rev().find(young) {
             Some(young)
         } else {
-            let promise = |r: &Rival<'_>| if r.out { f64::INFINITY } else { r.promise(left) };
-            let next = rivals.iter_mut().min_by(|a, b| promise(a).total_cmp(&promise(b)));
+            let promise = |r: &Candidate<'_>| if r.out { f64::INFINITY } else { r.promise(left) };
+            let next = candidates.iter_mut().min_by(|a, b| promise(a).total_cmp(&promise(b)));
             next.filter(|r| promise(r) < best)
         };
         let Some(next) = next else { return Ok(None) };
@@ -232,16 +232,17 @@ mod tests {
         Run { fineness, pass }
     }
 
-    fn grid(family: &Family, order: f64, times: [f64; 3]) -> Rival<'_> {
-        let mut rival = Rival::of_grid(0, family, Measure::Field);
+    fn grid(family: &Family, order: f64, times: [f64; 3]) -> Candidate<'_> {
+        let mut candidate = Candidate::of_grid(0, family, Measure::Field);
         let cells = [400.0, 800.0, 1600.0];
-        rival.runs = cells.iter().zip(times).map(|(n, t)| run(*n, 1e-3 * (n / 400.0_f64).powf(-order), t)).collect();
-        rival
+        candidate.runs =
+            cells.iter().zip(times).map(|(n, t)| run(*n, 1e-3 * (n / 400.0_f64).powf(-order), t)).collect();
+        candidate
     }
 
     #[test]
     fn the_uncertainty_is_what_the_order_leaves_and_no_less_than_the_last_difference() {
-        let family = Family { way: crate::scene::Way::ALL[2], names: ["fd", "leapfrog"], rungs: Vec::new() };
+        let family = Family { way: crate::scene::Way::ALL[2], names: ["fd", "leapfrog"], levels: Vec::new() };
         // Differences are taken over the finer value, 1 + error.
         let uncertainty = |order| grid(&family, order, [1.0; 3]).uncertainty().expect("three runs");
         let slow = 1e-3 * 4_f64.powf(-0.7);
@@ -252,11 +253,11 @@ mod tests {
 
     #[test]
     fn a_rival_promises_what_fits_into_the_time() {
-        let family = Family { way: crate::scene::Way::ALL[2], names: ["fd", "leapfrog"], rungs: Vec::new() };
-        let rival = grid(&family, 1.0, [0.1, 0.4, 1.6]);
-        let now = rival.uncertainty().expect("three runs");
-        assert_eq!(rival.promise(6.0), f64::INFINITY);
-        assert!((rival.promise(7.0) - now / 2.0_f64.powf(rival.order())).abs() < 1e-12);
-        assert!(rival.promise(40.0) < rival.promise(7.0));
+        let family = Family { way: crate::scene::Way::ALL[2], names: ["fd", "leapfrog"], levels: Vec::new() };
+        let candidate = grid(&family, 1.0, [0.1, 0.4, 1.6]);
+        let now = candidate.uncertainty().expect("three runs");
+        assert_eq!(candidate.promise(6.0), f64::INFINITY);
+        assert!((candidate.promise(7.0) - now / 2.0_f64.powf(candidate.order())).abs() < 1e-12);
+        assert!(candidate.promise(40.0) < candidate.promise(7.0));
     }
 }

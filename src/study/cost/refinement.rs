@@ -1,5 +1,5 @@
-//! Which point is run next, and when to stop: always the one that is expected to take the shortest, as long as it fits
-//! into the time that is left.
+//! Order of the points of a study: the next point is always the one with the shortest expected time, as long as it fits into the
+//! remaining budget.
 
 use super::Resolution;
 
@@ -9,11 +9,11 @@ const FINE_ENOUGH: f64 = 3e-5;
 /// Rungs that every grid gets all the same, so that a line can be drawn and growth be seen.
 const LEAST_CELL_RUNGS: usize = 4;
 
-/// Expected growth of the stepping time from one rung to the next: cells and steps double; for fronts a guess, until two
-/// rungs tell.
+/// Expected growth of the stepping time from one level to the next: cells and steps double; for fronts a guess, until two
+/// levels tell.
 const CELLS_GROWTH: f64 = 4.0;
 const FRONTS_GROWTH: f64 = 3.0;
-/// Fronts can grow faster than any two rungs tell, but guesses above this would stop a ladder for a hiccup of the clock.
+/// Fronts can grow faster than any two levels tell, but guesses above this would stop a refinement for a hiccup of the clock.
 const MOST_GROWTH: f64 = 10.0;
 /// All else grows with the output: with the cells.
 const OTHER_GROWTH: f64 = 2.0;
@@ -29,13 +29,13 @@ pub(super) struct Spent {
     pub total: f64,
 }
 
-/// What a finished point says to the ladder.
+/// The result of a completed point for the refinement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Ran {
     pub spent: Spent,
     /// Error, at least what the reference is uncertain by.
     pub bound: f64,
-    /// No finer rung gives another result.
+    /// No finer level gives another result.
     pub exact: bool,
     /// The error is below what the reference is uncertain by.
     pub below_reference: bool,
@@ -44,11 +44,11 @@ pub(super) struct Ran {
 /// Why a point has no result.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Halt {
-    /// The user asked to stop.
+    /// The user interrupted.
     Interrupted,
     /// The time was over while it ran.
     OutOfTime,
-    /// The run itself could not go on.
+    /// The run stopped with an error.
     Failed(String),
 }
 
@@ -60,7 +60,7 @@ pub(super) trait Runner {
     fn now(&self) -> f64;
 }
 
-/// A rung that was left out.
+/// A level that was left out.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Left {
     pub family: usize,
@@ -71,13 +71,13 @@ pub(super) struct Left {
 }
 
 /// One family on its way up.
-struct Ladder<'a> {
-    rungs: &'a [Resolution],
+struct Refinement<'a> {
+    levels: &'a [Resolution],
     ran: Vec<Ran>,
     done: bool,
 }
 
-/// Expected time of the next rung, all repetitions and the whole run included, s; `passes` tells how many runs are stepped
+/// Expected time of the next level, all repetitions and the whole run included, s; `passes` tells how many runs are stepped
 /// of one that takes so long.
 fn expected(ran: &[Ran], next: Resolution, passes: &dyn Fn(f64) -> f64) -> f64 {
     let Some(last) = ran.last().map(|r| r.spent) else { return 0.0 };
@@ -92,51 +92,52 @@ fn expected(ran: &[Ran], next: Resolution, passes: &dyn Fn(f64) -> f64) -> f64 {
 }
 
 /// Runs the ladders up to time `until`, s. The flag tells that the user stopped it.
-pub(super) fn climb(
-    rungs: &[&[Resolution]],
+pub(super) fn refine(
+    levels: &[&[Resolution]],
     until: f64,
     passes: &dyn Fn(f64) -> f64,
     runner: &mut dyn Runner,
 ) -> (Vec<Left>, bool) {
-    let mut ladders: Vec<Ladder<'_>> =
-        rungs.iter().map(|rungs| Ladder { rungs, ran: Vec::new(), done: rungs.is_empty() }).collect();
+    let mut ladders: Vec<Refinement<'_>> =
+        levels.iter().map(|levels| Refinement { levels, ran: Vec::new(), done: levels.is_empty() }).collect();
     let mut left = Vec::new();
     loop {
-        let next = |l: &Ladder<'_>| expected(&l.ran, l.rungs[l.ran.len()], passes);
+        let next = |l: &Refinement<'_>| expected(&l.ran, l.levels[l.ran.len()], passes);
         let open = ladders.iter().enumerate().filter(|(_, l)| !l.done);
         let Some((family, time)) = open.map(|(k, l)| (k, next(l))).min_by(|a, b| a.1.total_cmp(&b.1)) else {
             return (left, false);
         };
-        let ladder = &mut ladders[family];
-        let resolution = ladder.rungs[ladder.ran.len()];
+        let refinement = &mut ladders[family];
+        let resolution = refinement.levels[refinement.ran.len()];
         let mut leave = |why: String, expected| left.push(Left { family, resolution, expected, why });
         let remaining = until - runner.now();
         if time > remaining {
             let why =
-                format!("it would take about {time:.2} s, and {:.2} s of the budget are left", remaining.max(0.0));
+                format!("it would need about {time:.2} s, and {:.2} s of the budget are left", remaining.max(0.0));
             leave(why, Some(time));
-            ladder.done = true;
+            refinement.done = true;
             continue;
         }
         match runner.run(family, resolution) {
             Ok(ran) => {
-                ladder.ran.push(ran);
-                ladder.done = ladder.ran.len() == ladder.rungs.len() || enough(&ladder.ran, resolution);
+                refinement.ran.push(ran);
+                refinement.done =
+                    refinement.ran.len() == refinement.levels.len() || enough(&refinement.ran, resolution);
             }
             Err(Halt::Interrupted) => return (left, true),
             Err(Halt::OutOfTime) => {
                 leave("the budget was used up while it ran".into(), None);
-                ladder.done = true;
+                refinement.done = true;
             }
             Err(Halt::Failed(why)) => {
                 leave(why, None);
-                ladder.done = true;
+                refinement.done = true;
             }
         }
     }
 }
 
-/// A finer rung would tell nothing more.
+/// A finer level would tell nothing more.
 fn enough(ran: &[Ran], resolution: Resolution) -> bool {
     let Some(last) = ran.last() else { return false };
     let seen = match resolution {
@@ -194,7 +195,7 @@ mod tests {
     fn the_cheapest_next_point_comes_first() {
         let (cells, tolerances) = (cells(3), tolerances());
         let mut fake = fake();
-        let (left, interrupted) = climb(&[&cells, &tolerances], 1e9, &|_| 2.0, &mut fake);
+        let (left, interrupted) = refine(&[&cells, &tolerances], 1e9, &|_| 2.0, &mut fake);
         assert!(left.is_empty() && !interrupted);
         // 0.01 s for 1000 cells, then tolerances of 0.01, 0.033 s before 2000 cells (0.04 s) and so on.
         let families: Vec<usize> = fake.order.iter().map(|o| o.0).collect();
@@ -205,7 +206,7 @@ mod tests {
     fn what_does_not_fit_into_the_budget_is_left_out_and_named() {
         let cells = cells(10);
         let mut fake = fake();
-        let (left, _) = climb(&[&cells], 10.0, &|_| 2.0, &mut fake);
+        let (left, _) = refine(&[&cells], 10.0, &|_| 2.0, &mut fake);
         // 0.02 + 0.08 + 0.32 + 1.28 + 5.12 = 6.82 s; the next one takes 20.48 s.
         assert_eq!(fake.order.len(), 5);
         assert!(fake.clock <= 10.0);
@@ -220,7 +221,7 @@ mod tests {
         let fine = [Resolution::Cells(500_000), Resolution::Cells(500_001), Resolution::Cells(500_002)];
         let fine: Vec<_> = fine.into_iter().chain([Resolution::Cells(500_003), Resolution::Cells(500_004)]).collect();
         let mut fake = fake();
-        climb(&[&fine], f64::INFINITY, &|_| 2.0, &mut fake);
+        refine(&[&fine], f64::INFINITY, &|_| 2.0, &mut fake);
         assert_eq!(fake.order.len(), LEAST_CELL_RUNGS);
     }
 
@@ -228,7 +229,7 @@ mod tests {
     fn stopping_keeps_what_there_is() {
         let cells = cells(10);
         let mut fake = Fake { stop_after: 3, ..fake() };
-        let (left, interrupted) = climb(&[&cells], 1e9, &|_| 2.0, &mut fake);
+        let (left, interrupted) = refine(&[&cells], 1e9, &|_| 2.0, &mut fake);
         assert!(interrupted && left.is_empty());
         assert_eq!(fake.order.len(), 3);
     }

@@ -39,13 +39,13 @@ impl Line {
 /// The hull of the curve up to its last point, kept while that point moves along the curve: knots from (0, 0)
 /// with slopes that fall strictly, and the velocity change up to each.
 #[derive(Debug)]
-pub(super) struct Chain {
+pub(super) struct Hull {
     density: f64,
     knots: Vec<Knot>,
     velocity: Vec<f64>,
 }
 
-impl Chain {
+impl Hull {
     /// The hull of the origin alone; density in kg/m^3.
     pub(super) fn new(density: f64) -> Self {
         Self { density, knots: vec![Knot { strain: 0.0, stress: 0.0 }], velocity: vec![0.0] }

@@ -107,7 +107,7 @@ impl<'a> Parsed<'a> {
     }
 }
 
-impl<'a> Table<'a> {
+impl Table<'_> {
     /// Where it stands.
     pub fn span(&self) -> Range<usize> {
         self.value.span()

@@ -46,8 +46,8 @@ impl Reader<'_> {
         constant.ok_or_else(missing)
     }
 
-    fn number<D: Measure, R: typed::Range>(&self, key: &str, constant: &Option<Of<D, R>>) -> Result<f64> {
-        self.needed(key, self.keys.si(constant)?)
+    fn number<D: Measure, R: typed::Range>(&self, key: &str, of: Option<&Of<D, R>>) -> Result<f64> {
+        self.keys.si(self.needed(key, of)?)
     }
 
     fn within<D: Measure, R: typed::Range>(&self, key: &str, of: Option<&Of<D, R>>, allowed: Allowed) -> Result<f64> {
@@ -65,7 +65,7 @@ pub(super) fn read(formula: Formula, span: Range<usize>, curve: &RawCurve, name:
     }
     let n = |allowed| reader.within("n", curve.n.as_ref(), allowed);
     let exponent = || n(Allowed::Above(0.0, 1.0));
-    let yield_stress = || reader.number("yield", &curve.yield_stress);
+    let yield_stress = || reader.number("yield", curve.yield_stress.as_ref());
     Ok(match formula {
         // n = 1 would be a straight line that never leaves the elastic one, or never meets it.
         Formula::Hollomon => Law::Hollomon {
@@ -73,11 +73,11 @@ pub(super) fn read(formula: Formula, span: Range<usize>, curve: &RawCurve, name:
             k: reader.within("K", curve.k.as_ref(), Allowed::Positive)?,
         },
         Formula::Ludwik => {
-            Law::Ludwik { yield_stress: yield_stress()?, k: reader.number("K", &curve.k)?, n: exponent()? }
+            Law::Ludwik { yield_stress: yield_stress()?, k: reader.number("K", curve.k.as_ref())?, n: exponent()? }
         }
         Formula::Swift => Law::Swift {
             k: reader.within("K", curve.k.as_ref(), Allowed::Positive)?,
-            prestrain: reader.number("prestrain", &curve.prestrain)?,
+            prestrain: reader.number("prestrain", curve.prestrain.as_ref())?,
             n: exponent()?,
         },
         Formula::Voce => voce(&reader, curve)?,
@@ -86,22 +86,24 @@ pub(super) fn read(formula: Formula, span: Range<usize>, curve: &RawCurve, name:
             offset: keys.si(&curve.offset)?,
             n: n(Allowed::Within(1.01, 1000.0))?,
         },
-        Formula::JohnsonCook => {
-            Law::JohnsonCook { a: reader.number("A", &curve.a)?, b: reader.number("B", &curve.b)?, n: exponent()? }
-        }
+        Formula::JohnsonCook => Law::JohnsonCook {
+            a: reader.number("A", curve.a.as_ref())?,
+            b: reader.number("B", curve.b.as_ref())?,
+            n: exponent()?,
+        },
     })
 }
 
 fn voce(reader: &Reader<'_>, curve: &RawCurve) -> Result<Law> {
-    let yield_stress = reader.number("yield", &curve.yield_stress)?;
-    let saturation = reader.number("saturation", &curve.saturation)?;
+    let yield_stress = reader.number("yield", curve.yield_stress.as_ref())?;
+    let saturation = reader.number("saturation", curve.saturation.as_ref())?;
     if saturation <= yield_stress {
         let message = format!("{saturation:e} Pa is not above the yield stress {yield_stress:e} Pa");
         let error = reader.error(curve.saturation.place().unwrap_or_default(), "saturation", message);
         let help = "set `saturation` to the stress that the curve approaches from below";
         return Err(error.allowed("saturation > yield").help(help).into());
     }
-    Ok(Law::Voce { yield_stress, saturation, strain: reader.number("strain", &curve.strain)? })
+    Ok(Law::Voce { yield_stress, saturation, strain: reader.number("strain", curve.strain.as_ref())? })
 }
 
 /// Refuses constants where there is no formula.

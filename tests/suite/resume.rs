@@ -599,11 +599,11 @@ fn what_cannot_be_resumed_is_one_error() {
     let checkpoint = interrupted(folder.path(), "a.h5");
     let whole = std::fs::read(&checkpoint).expect("a checkpoint");
     for (arguments, what) in [
-        (&["plastic.toml", "--resume", "a.h5"][..], "a scene cannot be given"),
-        (&["--resume", "a.h5", "--set", "solve.cells=10"], "--set cannot be given"),
-        (&["--resume", "a.h5", "-o", "b.h5"], "-o cannot be given"),
-        (&["--resume", "a.h5", "--estimate-error"], "--estimate-error cannot be given"),
-        (&["--resume", "a.h5", "--force"], "--force cannot be given"),
+        (&["plastic.toml", "--resume", "a.h5"][..], "a scene cannot be used"),
+        (&["--resume", "a.h5", "--set", "solve.cells=10"], "--set cannot be used"),
+        (&["--resume", "a.h5", "-o", "b.h5"], "-o cannot be used"),
+        (&["--resume", "a.h5", "--estimate-error"], "--estimate-error cannot be used"),
+        (&["--resume", "a.h5", "--force"], "--force cannot be used"),
         (&["--resume", "a.h5", "--checkpoint", "0s"], "the interval 0 s is out of range"),
         (&["plastic.toml", "--checkpoint", "5 m"], "--checkpoint"),
     ] {

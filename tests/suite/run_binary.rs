@@ -448,7 +448,7 @@ fn a_scene_with_a_tolerance_says_how_it_was_solved_and_stays_below() {
 }
 
 #[test]
-fn copper_let_go() {
+fn copper_released() {
     let summary = run("copper-released.toml", &[]);
     assert_contract(&summary, "copper-released.toml");
     assert_eq!(summary["outcome"], "done");
@@ -531,7 +531,7 @@ fn energy_method() {
     assert!(barwave(folder.path(), &["run", &scene, "-o", "r.h5", "--quiet"]).status.success());
     let drawn = barwave(folder.path(), &["report", "r.h5"]);
     assert_eq!(drawn.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&drawn.stderr).contains("nothing to draw"));
+    assert!(String::from_utf8_lossy(&drawn.stderr).contains("nothing to plot"));
 }
 
 /// Their numbers are in tests/suite/impacts.rs.

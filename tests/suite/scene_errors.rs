@@ -228,7 +228,7 @@ const CASES: &[Case] = &[
         "every = 1e-17",
         "every",
         "record.every",
-        &["frames", "at most 10000000 frames", "longer time"],
+        &["frames", "at most 10000000 frames", "longer interval"],
     ),
     // Units.
     case(
@@ -259,7 +259,7 @@ const CASES: &[Case] = &[
         "value = 1\nhistory = [[0, 1]]",
         "history",
         "left.history",
-        &["`value` and `history` both", "one of value, history, csv", "keep one"],
+        &["`value` and `history` are both given", "one of value, history, csv", "keep one"],
     ),
     case(
         "value = \"-30 m/s\"",
@@ -273,7 +273,7 @@ const CASES: &[Case] = &[
         "history = [[1, 1], [0, 1]]",
         "history",
         "left.history.1",
-        &["row 2 is earlier than the row before it", "order of time"],
+        &["row 2 is earlier than the row before it", "by time"],
     ),
     case(
         "value = \"-30 m/s\"",
@@ -301,7 +301,7 @@ const CASES: &[Case] = &[
         "frames = 101\nevery = \"1 us\"",
         "every",
         "record.every",
-        &["`frames` and `every` both", "keep one"],
+        &["`frames` and `every` are both given", "keep one"],
     ),
     case(
         "frames = 101",
@@ -736,7 +736,7 @@ const CASES: &[Case] = &[
         "loading = \"shear\", sense = \"compression\", modulus = \"200 GPa\", beyond",
         "material = ",
         "bar.material.sense",
-        &["alike in both senses"],
+        &["applies in both senses"],
     ),
     case(
         "\"stress\", \"velocity\"",

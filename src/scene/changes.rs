@@ -8,10 +8,9 @@ use crate::input::Document;
 impl Scene {
     /// The scene's text, with its overrides, has this key.
     pub(crate) fn names(&self, key: &str) -> bool {
-        let all: Vec<String> = self.overrides.iter().cloned().chain([format!("{key}=")]).collect();
         let document = Document::new(self.name.as_str(), self.text.as_str());
-        // An empty value takes a key out, and only one that is there.
-        Overrides::new(&all).and_then(|overrides| overrides.apply(&document)).is_ok()
+        let edited = Overrides::new(&self.overrides).and_then(|overrides| overrides.apply(&document));
+        edited.is_ok_and(|edited| edited.span_of(key).is_some())
     }
 
     /// The same scene with keys changed, each `KEY=VALUE` as for [`Scene::read`], on top of its overrides: everything is
@@ -36,5 +35,25 @@ impl Scene {
             auto: self.auto.clone(),
             ..checked
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    #[test]
+    fn a_key_is_named_in_the_text_or_by_an_override() {
+        let text = "[bar]\nlength = 1\narea = 1e-4\nmaterial = \"mild-steel\"\n[left]\nkind = \"free\"\n[right]\nkind = \"free\"\n\
+                    [solve]\nuntil = 1e-6\n";
+        let named = |text: &str, overrides: &[&str]| {
+            let overrides: Vec<String> = overrides.iter().map(|&one| one.to_owned()).collect();
+            Scene::parse("scene.toml", text, Path::new("."), &overrides).expect("a right scene").names("solve.method")
+        };
+        let with_method = format!("{text}method = \"fd\"\n");
+        assert!(!named(text, &[]) && named(&with_method, &[]));
+        assert!(named(text, &["solve.method=fd"]) && !named(&with_method, &["solve.method="]));
     }
 }

@@ -80,7 +80,7 @@ fn wrong_materials_exit_with_2_and_say_where() {
         (&["critical", "mild-stel"], &["unknown material `mild-stel`", "mild-steel"]),
         (&["critical", "bad.toml"], &["bad.toml", "row 2", "1e-3"]),
         (&["critical", "nowhere.toml"], &["nowhere.toml", "no such file"]),
-        (&["compare", "mild-steel", "-o", "x.pdf"], &["x.pdf", ".svg"]),
+        (&["compare", "mild-steel", "-o", "x.eps"], &["x.eps", ".svg"]),
     ];
     for (arguments, words) in cases {
         let output = barwave(folder.path(), arguments);

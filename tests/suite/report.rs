@@ -139,7 +139,7 @@ fn every_figure_can_be_a_pdf() {
         assert!(std::fs::read(folder.path().join(name)).unwrap().starts_with(b"%PDF-"), "{name}");
     }
     let message = binary::refused(folder.path(), &["report", "a.h5", "-o", "figure.eps"]);
-    assert!(message.contains("names that end in .svg, .png, .pdf or .html"), "{message}");
+    assert!(message.contains("a file name ending in .svg, .png, .pdf or .html"), "{message}");
 }
 
 #[test]

@@ -126,7 +126,7 @@ impl Checker<'_> {
             ("history", drive.history.map(Placed::span)),
             ("csv", drive.csv.map(Placed::span)),
         ];
-        self.at_most_one(key, forms, "what drives the end")?;
+        self.at_most_one(key, forms)?;
         if let Some(value) = drive.value {
             return self.si(value).map(History::constant);
         }

@@ -187,17 +187,12 @@ impl Checker<'_> {
         self.count(key, MOST_CELLS, gib)
     }
 
-    /// Refuses the second of several keys of a table that all say `what`.
-    fn at_most_one<const N: usize>(
-        &self,
-        table: &str,
-        keys: [(&str, Option<Range<usize>>); N],
-        what: &str,
-    ) -> Result<()> {
+    /// Refuses the second of several keys of a table that exclude each other.
+    fn at_most_one<const N: usize>(&self, table: &str, keys: [(&str, Option<Range<usize>>); N]) -> Result<()> {
         let names = keys.each_ref().map(|(name, _)| *name).join(", ");
         let mut given = keys.into_iter().filter_map(|(name, place)| Some((name, place?)));
         let (Some((first, _)), Some((second, place))) = (given.next(), given.next()) else { return Ok(()) };
-        let message = format!("`{first}` and `{second}` both say {what}");
+        let message = format!("`{first}` and `{second}` are both given");
         let error = self.error(place, &format!("{table}.{second}"), message);
         Err(error.allowed(format!("one of {names}")).help("keep one of them").into())
     }

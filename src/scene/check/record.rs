@@ -65,7 +65,7 @@ impl Checker<'_> {
             ("every", raw.every.place()),
             ("times", raw.times.as_ref().map(Placed::span)),
         ];
-        self.at_most_one("record", forms, "when frames are taken")?;
+        self.at_most_one("record", forms)?;
         if let Some(every) = &raw.every {
             return self.times_every(every, until);
         }

@@ -175,14 +175,16 @@ macro_rules! readings_of_state {
             if $crate::law::rate::step::is_both_ways([state[0], after.state[0]], after.plastic) {
                 return -1.0;
             }
-            after.onset(sigma, Self::middle(self, state))
+            let end = (after.sigma - Self::middle(self, after.state)) * after.plastic;
+            after.onset(sigma, Self::middle(self, state)).min(end)
         }
 
-        /// Where a cell flows in both senses: the work of each flow under its elastic limit at the end of the step, and that of the
-        /// overstress.
+        /// Where a cell flows in both senses, or flows at first and is unloaded to beyond the middle of its elastic range: the work of each flow
+        /// under its elastic limit at the end of the step, and that of the overstress.
         fn turned_work(&self, state: [f64; N], after: &Response<N>) -> f64 {
             let accumulated = [state[0], after.state[0]];
-            if !$crate::law::rate::step::is_both_ways(accumulated, after.plastic) {
+            let end = (after.sigma - Self::middle(self, after.state)) * after.plastic;
+            if end >= 0.0 && !$crate::law::rate::step::is_both_ways(accumulated, after.plastic) {
                 return 2.0 * after.sigma * after.plastic;
             }
             let [up, down] = $crate::law::rate::step::both_ways(accumulated, after.plastic);

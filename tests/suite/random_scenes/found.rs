@@ -590,7 +590,7 @@ history = [[0, 0], [1.15e-5, 9.39]]
 [right]
 kind = "free"
 [effects]
-unloading = { mixed = 0.8 }
+hardening = { mixed = 0.8 }
 [solve]
 until = 3.96e-4
 method = "moc"
@@ -601,4 +601,38 @@ frames = 2
     for tolerance in ["1e-2", "3e-3", "1e-3", "3e-4", "1e-4"] {
         assert!(followed(&text.replace("1e-3\n[record]", &format!("{tolerance}\n[record]"))).ended);
     }
+}
+
+/// A cell that flows by its rate and within the same step is unloaded to a stress of the other sign: the mean stress of the step gave its flow a
+/// negative work, and the bar cooled.
+#[test]
+fn flow_before_an_unloading_beyond_zero_stress_takes_work() {
+    let text = r#"
+[bar]
+velocity = [[0e0, 14.7], [2.28e-1, 24.4], [3.44e-1, 16.3]]
+[[bar.segment]]
+length = 0.226
+diameter = "5.77 mm"
+material = { density = 7690, modulus = "120 GPa", beyond = "extend", poisson = 0.0187, heat = { specific-heat = 714, reference-temperature = 293, melting-temperature = 1700, m = 0.615 }, curve = { formula = "ludwik", yield = "174 MPa", K = "348 MPa", n = 0.543 }, compression = { formula = "swift", K = "522 MPa", prestrain = 0.002, n = 0.544 } }
+[[bar.segment]]
+length = 0.118
+area = "103 mm^2"
+material = { density = 2310, modulus = "3 GPa", beyond = "extend", poisson = 0.237, heat = { specific-heat = 309, reference-temperature = 293, melting-temperature = 1570, m = 0.899 }, curve = { table = [[1.350000000000e-3, 4.049999999996e6], [2.446200000000e-3, 4.707719999995e6], [3.322620000000e-2, 1.394171999999e7], [3.548070000000e-2, 1.394171999999e7]] } }
+[left]
+kind = "stress"
+history = [[0e0, -96800000], [5.06e-6, -96800000], [5.06e-6, -35200000], [1.15e-5, -35200000], [1.15e-5, 517000000], [2.88e-5, 517000000], [2.88e-5, 243000000]]
+[right]
+kind = "absorbing"
+[effects]
+rate = { model = "zerilli-armstrong", C1 = "1 GPa", C3 = 0.007, C4 = 0.0004, reference = 1e-3 }
+heat = { fraction = 0.5 }
+lateral-inertia = true
+[solve]
+until = 1.97e-4
+method = "fd"
+cells = 20
+[record]
+frames = 2
+"#;
+    assert!(followed(text).ended);
 }

@@ -22,11 +22,13 @@ pub(crate) struct Tolerance {
 
 impl Tolerance {
     /// Of differences between numbers of this size.
+    #[inline(always)]
     pub fn of_differences(size: f64) -> Self {
         Self { relative: 1e-14, absolute: 2.0 * f64::EPSILON * size }
     }
 
     /// At a number of this size.
+    #[inline(always)]
     pub fn at(self, x: f64) -> f64 {
         self.relative * x.abs() + self.absolute
     }

@@ -66,6 +66,45 @@ impl<const N: usize> Response<N> {
     }
 }
 
+/// One step of neighbouring cells.
+#[derive(Debug)]
+pub struct Steps<const N: usize> {
+    /// As in [`Response`], cell by cell.
+    pub sigma: [f64; CHUNK],
+    /// As in [`Response`], variable by variable.
+    pub state: [[f64; CHUNK]; N],
+    /// As in [`Response`], cell by cell.
+    pub plastic: [f64; CHUNK],
+    /// 1 in cells whose step is known, else 0.
+    pub known: [u64; CHUNK],
+}
+
+impl<const N: usize> Steps<N> {
+    /// Of none of the cells.
+    #[inline(always)]
+    fn unknown() -> Self {
+        Self { sigma: [0.0; CHUNK], state: [[0.0; CHUNK]; N], plastic: [0.0; CHUNK], known: [0; CHUNK] }
+    }
+
+    /// Of cell `i`.
+    #[inline(always)]
+    fn of(&self, i: usize) -> Response<N> {
+        let mut state = [0.0; N];
+        for (value, column) in state.iter_mut().zip(&self.state) {
+            *value = column[i];
+        }
+        Response { sigma: self.sigma[i], state, plastic: self.plastic[i] }
+    }
+
+    #[inline(always)]
+    fn set(&mut self, i: usize, response: &Response<N>) {
+        (self.sigma[i], self.plastic[i]) = (response.sigma, response.plastic);
+        for (column, value) in self.state.iter_mut().zip(response.state) {
+            column[i] = value;
+        }
+    }
+}
+
 /// What a cell went through before t = 0, slowly.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Deformed {
@@ -164,8 +203,19 @@ pub trait CellLaw<const N: usize>: Send + Sync + Sized {
         data_end::yields(self, sigma, state)
     }
 
-    /// Plastic strain takes time: the two below mean something.
+    /// Plastic strain takes time: those below mean something.
     const TAKES_TIME: bool = false;
+
+    /// [`Self::respond`] for neighbouring cells, `known` being set in those that it was done for: a plain formula that holds for most of them.
+    #[inline(always)]
+    fn respond_to_most(
+        &self,
+        _sigma: &[f64; CHUNK],
+        _predictor: &[f64; CHUNK],
+        _state: [&[f64; CHUNK]; N],
+        _after: &mut Steps<N>,
+    ) {
+    }
 
     /// E times the work of the overstress over the static curve since the start, per volume, Pa^2.
     fn overstress_work(&self, _state: [f64; N]) -> f64 {

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use multiversion::multiversion;
 
-use super::{Aligned, CHUNK, CellLaw, LANES};
+use super::{Aligned, CHUNK, CellLaw, LANES, Steps};
 
 /// What a step of a row reads and writes beside the state.
 #[derive(Debug)]
@@ -191,6 +191,7 @@ fn step<L: CellLaw<N>, const N: usize, const FIRST: bool>(
         }
         law.interpolate(abscissa, predictor, table);
     }
+    let steps = L::TAKES_TIME.then(|| timed::<L, N, FIRST>(law, gain, [left, right], sigma, &columns));
     // What any cell does, in the bits of numbers that are 0 in the others: cheaper than comparisons.
     let (mut turned_work, [mut onsets, mut flows]) = (Aligned([0.0; CHUNK]), [0_u64; 2]);
     let turned_work = &mut turned_work.0;
@@ -198,7 +199,9 @@ fn step<L: CellLaw<N>, const N: usize, const FIRST: bool>(
         let (before, now) = (read(&columns, i), sigma[i]);
         let increment = if L::READS_TABLE && !FIRST { 0.0 } else { gain * (right[i] - left[i]) };
         let sigma_before = if FIRST { now - increment } else { now };
-        let after = if L::READS_TABLE {
+        let after = if let Some(steps) = &steps {
+            steps.of(i)
+        } else if L::READS_TABLE {
             law.return_map(predictor[i], before, table[i])
         } else {
             law.respond(sigma_before, if FIRST { now } else { law.base(now, before) + increment }, before)
@@ -246,6 +249,32 @@ fn step<L: CellLaw<N>, const N: usize, const FIRST: bool>(
         }
     }
     *largest = lanes;
+}
+
+/// The steps of a law that takes time: most cells at once, the others one by one.
+#[inline(always)]
+fn timed<L: CellLaw<N>, const N: usize, const FIRST: bool>(
+    law: &L,
+    gain: f64,
+    [left, right]: [&[f64; CHUNK]; 2],
+    sigma: &[f64; CHUNK],
+    columns: &[&mut [f64; CHUNK]; N],
+) -> Steps<N> {
+    let [mut before, mut predictor] = [const { Aligned([0.0; CHUNK]) }; 2];
+    let (before, predictor) = (&mut before.0, &mut predictor.0);
+    for i in 0..CHUNK {
+        let increment = gain * (right[i] - left[i]);
+        before[i] = if FIRST { sigma[i] - increment } else { sigma[i] };
+        predictor[i] = if FIRST { sigma[i] } else { law.base(sigma[i], read(columns, i)) + increment };
+    }
+    let mut steps = Steps::unknown();
+    law.respond_to_most(before, predictor, columns.each_ref().map(|column| &**column), &mut steps);
+    for i in 0..CHUNK {
+        if steps.known[i] == 0 {
+            steps.set(i, &law.respond(before[i], predictor[i], read(columns, i)));
+        }
+    }
+    steps
 }
 
 /// Corrects the work of cells that do not flow under the mean stress of the step: they are few. Returns what was added.
@@ -316,6 +345,7 @@ pub(super) fn strain<L: CellLaw<N>, const N: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::law::rate::{Overstress, RateLaw, Timed};
     use crate::law::{Backbone, Envelope, Indexed, Isotropic, Mixed, PathIndependent, Searched, Table};
     use crate::material::{Beyond, Curve};
 
@@ -420,5 +450,19 @@ mod tests {
         assert_bits_over(&Envelope::<4>::new(&table(3)).expect("few lines"));
         assert_bits_over(&Indexed::new(&table(60)).expect("fits"));
         assert_bits_over(&Searched(table(60)));
+    }
+
+    #[test]
+    fn a_row_of_a_law_that_takes_time_has_the_bits_of_its_cells() {
+        for rows in [2, 3, 60] {
+            // From a relaxation that steps resolve to one that they do not.
+            for k in [1e4, 1e6, 1e8] {
+                let law = |kinematic| RateLaw::new(Overstress::Malvern { k }, &table(rows), None, kinematic);
+                assert_bits_of_cells(&Timed::<5>::new(law(0.0), 1e-7));
+                assert_bits_of_cells(&Timed::<6>::new(law(0.5), 1e-7));
+            }
+            let law = Overstress::JohnsonCook { c: 0.02, rate: MODULUS };
+            assert_bits_of_cells(&Timed::<5>::new(RateLaw::new(law, &table(rows), None, 0.0), 1e-7));
+        }
     }
 }

@@ -16,7 +16,7 @@
 
 use super::step::{Flowing, readings_of_state, step};
 use super::{Driven, History, Overstress, RateLaw, RelaxationStep};
-use crate::law::{CellLaw, Deformed, Response};
+use crate::law::{CHUNK, CellLaw, Deformed, Response, Steps};
 
 /// A rate-dependent cell in steps of one length.
 ///
@@ -99,6 +99,21 @@ impl<const N: usize> CellLaw<N> for Timed<N> {
         let history = self.law.deformed(deformed);
         let state = [history.accumulated, history.signed, 0.0, 0.0, 0.0, history.back];
         std::array::from_fn(|k| state[k])
+    }
+
+    #[inline(always)]
+    fn respond_to_most(
+        &self,
+        sigma: &[f64; CHUNK],
+        predictor: &[f64; CHUNK],
+        state: [&[f64; CHUNK]; N],
+        after: &mut Steps<N>,
+    ) {
+        if N == 5
+            && let Some(pieces) = self.law.pieces(&self.relaxation_step)
+        {
+            pieces.step(sigma, predictor, state, after);
+        }
     }
 
     fn respond(&self, sigma: f64, predictor: f64, state: [f64; N]) -> Response<N> {

@@ -15,7 +15,7 @@ pub struct Piece {
 
 impl Piece {
     /// The static flow stress, Pa.
-    #[inline]
+    #[inline(always)]
     pub fn at(&self, p: f64) -> f64 {
         self.stress + self.slope * (p - self.start)
     }

@@ -28,6 +28,7 @@ mod cell;
 mod driven;
 mod hardening;
 mod heated;
+mod most;
 mod node;
 mod overstress;
 mod step;
@@ -204,6 +205,13 @@ impl RateLaw {
     /// The law of overstress.
     pub fn overstress(&self) -> Overstress {
         self.overstress
+    }
+
+    /// What a step asks of the law where that is a closed form along each piece of one curve, for steps made by [`Self::relaxation_step`].
+    fn pieces<'a>(&'a self, step: &'a RelaxationStep) -> Option<most::Pieces<'a>> {
+        let ([one], [parts, _]) = (self.hardening.as_slice(), &step.parts) else { return None };
+        let is_closed = self.kinematic == 0.0 && step.share == 1.0 && !parts.is_empty();
+        is_closed.then(|| most::Pieces { pieces: one.pieces(), parts })
     }
 
     /// Steps of length `time` in which the stress falls by `share` of what flows.

@@ -124,6 +124,7 @@ impl RateLaw {
         };
         if let Overstress::Malvern { k } = self.overstress {
             let flow = self.relaxation(k, step, sense, history);
+            let flow = if step.share == 0.0 { flow.min(LARGEST * step.excess) } else { flow };
             if flow == 0.0 {
                 return Solution { flow, after: 0.0, overstress: step.excess };
             }

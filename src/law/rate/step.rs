@@ -130,7 +130,8 @@ fn width(cell: &impl Flowing, x: f64, sense: usize) -> f64 {
     law.width(x, f)
 }
 
-fn rounding(sigma: f64, [low, high]: [f64; 2], back: f64) -> f64 {
+#[inline(always)]
+pub(super) fn rounding(sigma: f64, [low, high]: [f64; 2], back: f64) -> f64 {
     ROUNDING * (sigma.abs() + back.abs() + (high - low))
 }
 

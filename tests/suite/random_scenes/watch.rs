@@ -233,8 +233,9 @@ impl Watch {
                 let class = if name == "numerical" && self.by_leapfrog { FILTER_GIVES } else { "negative energy" };
                 fail(class, format!("{name} = {now:e} of {:e} J", self.energy));
             }
-            let stays = matches!(name, "heat" | "viscoplastic" | "fracture" | "damping" | "concentrated")
-                || (name == "plastic" && self.plastic_stays);
+            // What gathers at a place is plastic work too.
+            let stays = matches!(name, "heat" | "viscoplastic" | "fracture" | "damping")
+                || (matches!(name, "plastic" | "concentrated") && self.plastic_stays);
             let stays = stays && !(self.cools && name == "heat");
             if stays && now < before - slack {
                 fail(

@@ -1,0 +1,96 @@
+//! Malvern's law for many cells at once: those that are elastic in a step, or flow all the step long along one piece of the static curve.
+//!
+//! The operations are those of one cell ([`super::Timed`]) in the same order, without a choice between them, so that the bits are the same.
+
+use super::Piece;
+use super::step::{GONE, rounding};
+use crate::law::{CHUNK, Steps};
+use crate::root::Tolerance;
+
+/// The static curve and the flow of a step along each of its pieces, see [`super::relaxed`].
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Pieces<'a> {
+    pub pieces: &'a [Piece],
+    pub parts: &'a [[f64; 2]],
+}
+
+/// What a cell needs of the piece it is on.
+#[derive(Clone, Copy)]
+struct On {
+    piece: Piece,
+    end: f64,
+    part: [f64; 2],
+}
+
+impl Pieces<'_> {
+    #[inline(always)]
+    fn on(&self, k: usize) -> On {
+        let end = self.pieces.get(k + 1).map_or(f64::INFINITY, |next| next.start);
+        On { piece: self.pieces[k], end, part: self.parts[k] }
+    }
+
+    /// Steps the cells from their stresses and states to the stresses that they would have elastically; `after.known` tells which of them are done.
+    #[inline(always)]
+    pub(super) fn step<const N: usize>(
+        &self,
+        sigma: &[f64; CHUNK],
+        predictor: &[f64; CHUNK],
+        state: [&[f64; CHUNK]; N],
+        after: &mut Steps<N>,
+    ) {
+        if let [_] = self.pieces {
+            let on = self.on(0);
+            for i in 0..CHUNK {
+                step_one(i, on, sigma[i], predictor[i], state, after);
+            }
+            return;
+        }
+        for i in 0..CHUNK {
+            let k = self.pieces.partition_point(|piece| piece.start <= state[0][i]).max(1) - 1;
+            step_one(i, self.on(k), sigma[i], predictor[i], state, after);
+        }
+    }
+}
+
+#[inline(always)]
+fn step_one<const N: usize>(
+    i: usize,
+    On { piece, end, part }: On,
+    sigma: f64,
+    predictor: f64,
+    state: [&[f64; CHUNK]; N],
+    after: &mut Steps<N>,
+) {
+    let p = state[0][i];
+    let limit = piece.at(p);
+    let sign = 1.0_f64.copysign(sigma);
+    let (excess, rise) = (sign * sigma - limit, sign * (predictor - sigma));
+    let is_beyond = |stress: f64| stress.abs() - limit > rounding(stress, [-limit, limit], 0.0);
+    let is_elastic = !(is_beyond(sigma) | is_beyond(predictor));
+    let gain = 1.0 + piece.slope;
+    let flow = excess * part[0] + rise * part[1];
+    let is_loaded = (rise >= 0.0)
+        | ((excess + rise - gain * flow > 4.0 * f64::EPSILON * (excess - rise)) & (excess + rise >= flow));
+    let p_end = p + flow;
+    let is_on_piece = (flow < end - p) & (p_end < end);
+    let plastic = sign * flow;
+    let stress = predictor - plastic;
+    let limit_end = piece.at(p_end);
+    let left = sign * stress - limit_end;
+    let unsolved = gain * Tolerance::of_differences(excess + rise.abs()).at(flow);
+    let least = rounding(stress, [-limit_end, limit_end], 0.0) + unsolved;
+    // It ends beyond the static curve, or on it.
+    let is_resolved = left > least;
+    let is_gone = (left >= -least) & (flow > 0.0) & (limit_end > least);
+    let flows = is_beyond(sigma) & is_loaded & is_on_piece & (is_resolved | is_gone);
+    let choose = |flowing: f64, elastic: f64| if is_elastic { elastic } else { flowing };
+    let work = state[4][i];
+    after.sigma[i] = choose(stress, predictor);
+    after.plastic[i] = choose(plastic, 0.0);
+    after.state[0][i] = choose(p_end, p);
+    after.state[1][i] = choose(state[1][i] + plastic, state[1][i]);
+    after.state[2][i] = choose(if is_resolved { flow / left } else { 0.0 }, 0.0);
+    after.state[3][i] = choose(sign * if is_resolved { left } else { GONE }, 0.0);
+    after.state[4][i] = work + choose(0.5 * (excess + left.max(0.0)) * flow, 0.0);
+    after.known[i] = u64::from(is_elastic | flows);
+}

@@ -636,3 +636,39 @@ frames = 2
 "#;
     assert!(followed(text).ended);
 }
+
+/// Kinematic hardening moved the elastic range beyond zero stress, along a curve that ends level: at a free face a material without rate constants then
+/// flowed without bound in the characteristic net, and plastic work was infinite.
+#[test]
+fn flow_at_a_free_face_outside_the_elastic_range_is_finite() {
+    let text = r#"
+[[bar.segment]]
+length = 0.134
+diameter = "39.9 mm"
+material = { density = 4060, modulus = "3 GPa", beyond = "rupture", curve = { formula = "swift", K = "3.33 MPa", prestrain = 0.002, n = 0.289 } }
+velocity = "9.22 m/s"
+joint = "contact"
+[[bar.segment]]
+length = 0.0595
+area = "1630 mm^2"
+material = { density = 1400, modulus = "70 GPa", beyond = "extend", measure = "true", rate = { johnson-cook = { C = 0.011, reference = 1 } }, curve = { formula = "voce", yield = "122 MPa", saturation = "365 MPa", strain = 0.0185 } }
+[left]
+kind = "striker"
+mass = 0.593
+velocity = 5.45
+[right]
+kind = "striker"
+mass = 5.39
+velocity = 11.8
+[effects]
+hardening = "kinematic"
+rate = "material"
+[solve]
+until = 1.2e-4
+method = "moc"
+cells = 120
+[record]
+frames = 2
+"#;
+    assert!(followed(text).work.values.iter().all(|work| work.is_finite()));
+}

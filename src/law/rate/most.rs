@@ -52,6 +52,10 @@ impl Pieces<'_> {
     }
 }
 
+#[expect(
+    clippy::needless_bitwise_bool,
+    reason = "`&&` and `||` are branches, and the compiler does not turn these into vectors"
+)]
 #[inline(always)]
 fn step_one<const N: usize>(
     i: usize,

@@ -36,9 +36,10 @@ impl FrontTracking {
             let end = (start + 1..scratch.ids.len() - 1)
                 .find(|&i| scratch.wave[i].is_none())
                 .unwrap_or(scratch.ids.len() - 1);
-            self.merge_between(&mut scratch, start, end);
+            self.collect_between(&mut scratch, start, end);
             start = end;
         }
+        self.merging.merge(&mut scratch, &self.media);
         self.put_back(&scratch);
         let after = self.content(self.end_nodes[0], self.end_nodes[1]);
         self.merging.energy += before.energy - after.energy;
@@ -75,8 +76,8 @@ impl FrontTracking {
         scratch.gone.resize(scratch.ids.len(), false);
     }
 
-    /// The nodes between two borders, kind by kind.
-    fn merge_between(&mut self, scratch: &mut Scratch, start: usize, end: usize) {
+    /// The steps between two borders, kind by kind.
+    fn collect_between(&self, scratch: &mut Scratch, start: usize, end: usize) {
         let segment = self.list.get(scratch.ids[start]).segment as usize;
         let medium = &self.media[segment];
         let same = SAME_SPEED * medium.c0();
@@ -95,8 +96,7 @@ impl FrontTracking {
             while first < last {
                 let next = if across { last } else { first + neighbours(&scratch.kind[first..last]) };
                 if next - first > 2 {
-                    scratch.collect(first, next);
-                    self.merging.merge(scratch, &self.media[segment], segment);
+                    scratch.collect(first, next, segment);
                 }
                 first = next;
             }

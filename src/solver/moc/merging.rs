@@ -1,5 +1,8 @@
 //! Which neighbouring steps of one kind become one, and what that changes.
 
+use std::cmp::{Ordering, Reverse};
+use std::collections::BinaryHeap;
+
 use serde::{Deserialize, Serialize};
 
 use super::nearness::REST;
@@ -58,19 +61,57 @@ pub(super) struct Scratch {
     pub pieces: Vec<Point>,
     pub gone: Vec<bool>,
     pub kind: Vec<(f64, usize)>,
-    old: Vec<Step>,
-    new: Vec<Step>,
-    pub lifted: Vec<Point>,
+    steps: Vec<Step>,
+    pairs: BinaryHeap<Reverse<Pair>>,
+    lifted: Vec<Point>,
 }
 
 /// A step of one kind's function: over the pieces `first..last`, between two nodes of that kind.
 #[derive(Debug, Clone, Copy)]
 struct Step {
-    pub first: usize,
-    pub last: usize,
-    pub length: f64,
-    /// Height above the piece before the first node.
-    pub height: Point,
+    first: usize,
+    last: usize,
+    length: f64,
+    /// Height above the piece before the first node of its kind.
+    height: Point,
+    segment: usize,
+    /// The steps to its left and right that are next to it; `NONE` where there is none.
+    sides: [usize; 2],
+    merged: bool,
+}
+
+const NONE: usize = usize::MAX;
+
+/// Last bits of a change that may be rounding.
+const ROUNDING_BITS: u32 = 20;
+
+/// Neighbouring steps, what changes if they become one, Pa m, and how far they are from the middle of the bar, m.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Pair {
+    change: f64,
+    from_middle: f64,
+    steps: [usize; 2],
+}
+
+impl Pair {
+    /// Changes that are equal but for rounding, as of the even steps of a ramp, are taken from the middle of the bar outwards.
+    fn order(&self) -> (u64, u64) {
+        (self.change.to_bits() >> ROUNDING_BITS, self.from_middle.to_bits())
+    }
+}
+
+impl Eq for Pair {}
+
+impl PartialOrd for Pair {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Pair {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.order().cmp(&other.order()).then(self.steps.cmp(&other.steps))
+    }
 }
 
 impl FrontMerging {
@@ -111,15 +152,37 @@ impl FrontMerging {
 }
 
 impl Scratch {
-    /// The steps between the nodes `kind[from..to]`, all of one kind.
-    pub fn collect(&mut self, from: usize, to: usize) {
-        self.old.clear();
+    /// Adds the steps between the nodes `kind[from..to]`, all of one kind.
+    pub fn collect(&mut self, from: usize, to: usize, segment: usize) {
+        let start = self.steps.len();
         let mut height = Point::default();
         for pair in self.kind[from..to].windows(2) {
             let (first, last) = (pair[0].1, pair[1].1);
             height = height.plus(&self.pieces[first], 1.0).plus(&self.pieces[first - 1], -1.0);
-            self.old.push(Step { first, last, length: (self.x[last] - self.x[first]).max(0.0), height });
+            let length = (self.x[last] - self.x[first]).max(0.0);
+            let k = self.steps.len();
+            let sides = [if k > start { k - 1 } else { NONE }, k + 1];
+            self.steps.push(Step { first, last, length, height, segment, sides, merged: false });
         }
+        if let [.., last] = &mut self.steps[start..] {
+            last.sides[1] = NONE;
+        }
+    }
+
+    /// Puts one step in the place of two neighbours.
+    fn replace(&mut self, [a, b]: [usize; 2], height: Point) -> usize {
+        let (left, right) = (self.steps[a], self.steps[b]);
+        let k = self.steps.len();
+        let sides = [left.sides[0], right.sides[1]];
+        let length = left.length + right.length;
+        self.steps.push(Step { last: right.last, length, height, sides, ..left });
+        for (side, neighbour) in sides.into_iter().enumerate().filter(|&(_, neighbour)| neighbour != NONE) {
+            self.steps[neighbour].sides[1 - side] = k;
+        }
+        self.steps[a].merged = true;
+        self.steps[b].merged = true;
+        self.gone[right.first] = true;
+        k
     }
 
     /// Lifts the pieces of two steps to one height and returns the energy that this takes, J. Not if that takes less than `least`, nor if it
@@ -150,27 +213,43 @@ impl Scratch {
 }
 
 impl FrontMerging {
-    /// Makes neighbouring steps one as long as that changes no more than allowed; marks the nodes that go.
-    pub fn merge(&mut self, scratch: &mut Scratch, medium: &Medium, segment: usize) {
-        scratch.new.clear();
-        for k in 0..scratch.old.len() {
-            scratch.new.push(scratch.old[k]);
-            while let [.., a, b] = scratch.new[..] {
-                let length = a.length + b.length;
-                let share = if length > 0.0 { b.length / length } else { 0.5 };
-                let change = self.distance(&a.height, &b.height, medium, segment) * 2.0 * a.length * share;
-                if change > self.allowance {
-                    break;
-                }
-                let height = a.height.plus(&b.height, share).plus(&a.height, -share);
-                let most = if change > TRIFLE * self.allowance { medium.round_off * REST } else { self.overstress };
-                let Some(taken) = scratch.lift([a, b], &height, medium, most, -self.credit) else { break };
-                self.credit += taken;
-                self.changed += change;
-                scratch.new.truncate(scratch.new.len() - 2);
-                scratch.new.push(Step { first: a.first, last: b.last, length, height });
-                scratch.gone[b.first] = true;
+    /// Makes neighbouring steps one as long as that changes no more than allowed, and marks the nodes that go. Those that change the least come
+    /// first, wherever they are: in the order of place a bar and its mirror image would be merged in different ways.
+    pub fn merge(&mut self, scratch: &mut Scratch, media: &[Medium]) {
+        for k in 0..scratch.steps.len() {
+            self.consider([k, scratch.steps[k].sides[1]], scratch, media);
+        }
+        while let Some(Reverse(Pair { change, steps, .. })) = scratch.pairs.pop() {
+            let [a, b] = steps.map(|k| scratch.steps[k]);
+            if a.merged || b.merged {
+                continue;
             }
+            let share = share(&a, &b);
+            let height = a.height.plus(&b.height, share).plus(&a.height, -share);
+            let medium = &media[a.segment];
+            let most = if change > TRIFLE * self.allowance { medium.round_off * REST } else { self.overstress };
+            let Some(taken) = scratch.lift([a, b], &height, medium, most, -self.credit) else { continue };
+            self.credit += taken;
+            self.changed += change;
+            let k = scratch.replace(steps, height);
+            let sides = scratch.steps[k].sides;
+            self.consider([sides[0], k], scratch, media);
+            self.consider([k, sides[1]], scratch, media);
+        }
+        scratch.steps.clear();
+    }
+
+    /// Notes two steps that may become one.
+    fn consider(&self, steps: [usize; 2], scratch: &mut Scratch, media: &[Medium]) {
+        if steps.contains(&NONE) {
+            return;
+        }
+        let [a, b] = steps.map(|k| scratch.steps[k]);
+        let distance = self.distance(&a.height, &b.height, &media[a.segment], a.segment);
+        let change = distance * 2.0 * a.length * share(&a, &b);
+        if change <= self.allowance {
+            let middle = 0.5 * (scratch.x[0] + scratch.x[scratch.x.len() - 1]);
+            scratch.pairs.push(Reverse(Pair { change, from_middle: (scratch.x[b.first] - middle).abs(), steps }));
         }
     }
 
@@ -181,6 +260,12 @@ impl FrontMerging {
         let stress = (a.stress - b.stress).abs().max((a.velocity - b.velocity).abs() * medium.impedance());
         stress.max(history * self.secant[segment])
     }
+}
+
+/// The second step's part of the length of both.
+fn share(a: &Step, b: &Step) -> f64 {
+    let length = a.length + b.length;
+    if length > 0.0 { b.length / length } else { 0.5 }
 }
 
 /// How many of these nodes, from the first on, are neighbours in x.

@@ -260,8 +260,16 @@ impl Part {
             return (stress, self.centres.history[i], Work::default());
         }
         let drop = INSIDE * flow.before;
-        let history = self.law.flowed(flow.before, &self.centres.history[i]);
-        (stress - drop, history, Work::of(flow.before / flow.plastic, stress - 0.5 * drop, &flow))
+        let start = self.centres.history[i];
+        let history = self.law.flowed(flow.before, &start);
+        let work = Work::of(flow.before / flow.plastic, stress - 0.5 * drop, &flow);
+        // The stress falls as the node flows, so that this part has more than its share of the work: plastic work would be given back by the rest.
+        let limit = |history| {
+            let [low, high] = self.law.limits(history).into();
+            if flow.plastic < 0.0 { low } else { high }
+        };
+        let on_curve = 0.5 * (limit(&start) + limit(&history)) * flow.before;
+        (stress - drop, history, Work { numerical: work.total - work.overstress - on_curve, ..work })
     }
 
     /// The limit of what its law knows to which local cell `i` has come, if it has.

@@ -83,8 +83,10 @@ pub fn check(spec: &Spec) -> Checked {
     checked
 }
 
-/// Two methods agree where they differ by less than this, relative, on the scene's own cells, and on 2, 4 and 8 times as many.
-const AGREE: [f64; 4] = [0.04, 0.07, 0.15, 0.15];
+/// Two methods agree where they differ by less than this, relative, on the scene's own cells, on twice as many, and on still more.
+const AGREE: [f64; 3] = [0.04, 0.07, 0.15];
+/// How many times as many: a load that is shorter than the time of a cell is not resolved before.
+const FINER: [usize; 6] = [1, 2, 4, 8, 16, 32];
 /// Along a curve that is followed both ways what falls back is a shock. Leapfrog has no viscosity for it: it rings behind a shock instead of
 /// losing energy there. Below this part of all energy, taken by the method, that shows in no mean.
 const SHOCKS: f64 = 0.1;
@@ -110,13 +112,13 @@ fn methods_disagree(spec: &Spec, pair: &[(Method, &Figures)]) -> Option<Failure>
     let gathers = a.gathers || b.gathers || driven_beyond(spec).next().is_some();
     let size = |differences: &Differences| differences.size(gathers);
     let mut differences = vec![a.differs(b)];
-    for (k, by) in [1, 2, 4, 8].into_iter().enumerate() {
+    for (k, by) in FINER.into_iter().enumerate() {
         if by > 1 {
             let finer = |method| figures_of(&spec.text(method, by));
             differences.push(finer(pair[0].0)?.differs(&finer(pair[1].0)?));
         }
         let last = size(&differences[k]);
-        if last < AGREE[k] || (k > 0 && last < FALLS.powi(k as i32) * size(&differences[0])) {
+        if last < AGREE[k.min(AGREE.len() - 1)] || (k > 0 && last < FALLS.powi(k as i32) * size(&differences[0])) {
             return None;
         }
     }
@@ -260,9 +262,11 @@ fn stopped_for_a_reason(error: &RunError, failures: &mut Vec<Failure>) {
 }
 
 /// Largest difference between a scene and its mirror, relative: rounding, which flow along level curves amplifies. By front tracking it is
-/// in front tolerances, since fronts merge in the order of time, and the error of that is of the order of the tolerance.
+/// in front tolerances: rounding decides whether two fronts are merged.
 const MIRRORED: f64 = 1e-6;
-const MIRRORED_FRONTS: f64 = 10.0;
+const MIRRORED_FRONTS: f64 = 1.0;
+/// A change of the time step, or of the front tolerance, that is far above rounding and far below all that matters.
+const DISTURBANCE: f64 = 1e-13;
 
 fn mirror_agrees(spec: &Spec, method: Method, figures: &Figures, failures: &mut Vec<Failure>) {
     let text = spec.mirrored().text(method, 1);
@@ -273,25 +277,27 @@ fn mirror_agrees(spec: &Spec, method: Method, figures: &Figures, failures: &mut 
             return;
         }
     };
-    // Rounding, too, are all differences of a bar in uniform motion, and an instability amplifies any: along falling curves the
-    // equations are ill-posed.
-    if figures.is_unstressed() || spec.has_falling_curve() || !figures.ended || !mirrored.ended {
+    // Rounding, too, are all differences of a bar in uniform motion.
+    if figures.is_unstressed() || !figures.ended || !mirrored.ended {
         return;
     }
     let differs = figures.mirrored().differs(&mirrored);
-    let contact = spec.joints.iter().any(|joint| joint.iter().any(|(key, _)| *key == "joint"));
-    let amplified = method == Method::Moc && (contact || figures.strain > RESOLVED || spec.has_effect("rupture"));
-    if amplified {
-        // Contacts that open and close, bars that break, and curves far beyond their yield, amplify what merging leaves.
-        return;
-    }
     let allowed = match method {
         Method::Moc => MIRRORED.max(MIRRORED_FRONTS * spec.front_tolerance),
         Method::Leapfrog | Method::Muscl => MIRRORED,
     };
-    if differs.size(method == Method::Moc && figures.gathers) > allowed && !is_tie(spec, method) {
+    let size = differs.size(method == Method::Moc && figures.gathers);
+    if size > allowed && size > amplified(spec, method, figures) && !is_tie(spec, method) {
         failures.push(Failure::new("mirror differs", format!("{differs:?}")));
     }
+}
+
+/// What the bar makes of a disturbance like rounding: along falling curves, and level ones that are followed both ways, the equations are ill-posed
+/// and amplify any.
+fn amplified(spec: &Spec, method: Method, figures: &Figures) -> f64 {
+    let part = 1.0 - DISTURBANCE;
+    let disturbed = Spec { cfl: part * spec.cfl, front_tolerance: part * spec.front_tolerance, ..spec.clone() };
+    figures_of(&disturbed.text(method, 1)).map_or(0.0, |disturbed| figures.differs(&disturbed).largest())
 }
 
 /// At Courant number 1 a bar comes back to a wall exactly at the end of a step: rounding decides whether it touches in this one or in the

@@ -10,7 +10,7 @@ use crate::wave::riemann::{Medium, Path, Point};
 
 /// The allowance, over (front tolerance)^2 times stress scale times length. Steps of height delta that are delta apart
 /// make up a smooth wave to within delta; those that are a little closer become one.
-const ALLOWANCE: f64 = 4.0;
+const ALLOWANCE: f64 = 5.0;
 
 /// A merge that changes less than this part of the allowance may leave a point past its yield stress, by the front tolerance's part of the
 /// stress scale. Larger ones may not: a point past its yield stress flows too little from then on and keeps its stress too high, so such

@@ -21,7 +21,7 @@ use crate::run::{self, Progress};
 use crate::scene::Scene;
 
 /// Meetings of fronts after which front tracking gives up on a case.
-const MOST_EVENTS: &str = "solve.max-events=1000000";
+const MOST_EVENTS: &str = "solve.max-events=400000";
 
 /// A method of the table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]

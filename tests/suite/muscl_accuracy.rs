@@ -88,7 +88,7 @@ fn p3(cells: usize, unloading: Option<Unloading>) -> f64 {
     error(&bar, Quantity::Stress, |x| -p3_exact(x / time))
 }
 
-const CELLS: [usize; 4] = [500, 1000, 2000, 4000];
+const CELLS: [usize; 3] = [500, 1000, 2000];
 
 /// With a history and with a curve that is followed both ways.
 #[test]
@@ -151,7 +151,7 @@ fn printed_tables_have_their_fronts() {
     for (name, material, velocity, fronts) in printed() {
         let fan = fan_at_velocity(&material.tension, material.density, velocity);
         for (unloading, cfl, kept) in [(None, 0.5, 0.0), (ISOTROPIC, 0.5, 0.01)] {
-            let errors = [300, 700].map(|cells| {
+            let errors = [300, 500].map(|cells| {
                 // While the precursor is in the bar, and when the fastest front behind it has gone most of the way.
                 let stages = [(0.9 / fronts[0].0, &fronts[..1]), (0.8 / fronts[1].0, &fronts[1..])];
                 let mut bar = pushed_at(cfl, &material, velocity, unloading, cells, 0.0);
@@ -172,7 +172,7 @@ fn printed_tables_have_their_fronts() {
                 assert!((mean / plateau - 1.0).abs() < 5e-3 + kept, "{name} {unloading:?} {cells}: {mean} {plateau}");
                 similarity_error(&bar, &fan)
             });
-            println!("{name} {unloading:?}: {errors:?} order {}", order(errors[0], errors[1], 7.0 / 3.0));
+            println!("{name} {unloading:?}: {errors:?} order {}", order(errors[0], errors[1], 5.0 / 3.0));
             assert!(errors.iter().all(|&e| e < 0.015), "{name} {unloading:?}: {errors:?}");
         }
     }
@@ -191,7 +191,7 @@ fn smooth_pulse(cells: usize, cfl: f64) -> f64 {
 
 #[test]
 fn a_smooth_elastic_pulse_converges_with_order_two() {
-    let errors = [500, 1000, 2000, 4000].map(|cells| smooth_pulse(cells, 0.5));
+    let errors = [500, 1000, 2000].map(|cells| smooth_pulse(cells, 0.5));
     let orders: Vec<f64> = errors.windows(2).map(|e| order(e[0], e[1], 2.0)).collect();
     println!("elastic pulse {errors:?} {orders:?}");
     assert!(errors[1] < 3e-3, "{errors:?}");
@@ -247,7 +247,7 @@ fn smooth_loading(cells: usize, unloading: Option<Unloading>) -> f64 {
 #[test]
 fn smooth_plastic_loading_converges_with_order_two() {
     for unloading in [ISOTROPIC, None, Some(Unloading::Mixed(0.4))] {
-        let errors = [200, 400, 800, 1600].map(|cells| smooth_loading(cells, unloading));
+        let errors = [200, 400, 800].map(|cells| smooth_loading(cells, unloading));
         let orders: Vec<f64> = errors.windows(2).map(|e| order(e[0], e[1], 2.0)).collect();
         println!("plastic loading {unloading:?} {errors:?} {orders:?}");
         assert!(errors[0] < 1e-4, "{errors:?}");

@@ -36,7 +36,7 @@ fn the_ledger_closes_for_every_pair_of_ends() {
     for (k, left) in busy_ends().into_iter().enumerate() {
         for (j, right) in busy_ends().into_iter().enumerate() {
             for (cells, velocity, unloading, cfl) in
-                [(600, 0.0, ISOTROPIC, 1.0), (300, -9.0, None, 0.83), (90, 7.0, Some(Unloading::Mixed(0.5)), 1.0)]
+                [(300, 0.0, ISOTROPIC, 1.0), (270, -9.0, None, 0.83), (90, 7.0, Some(Unloading::Mixed(0.5)), 1.0)]
             {
                 let what = format!("ends {k} and {j}, {cells} cells, {velocity} m/s, cfl {cfl}");
                 let mut bar = bar_of(cells, [left.clone(), right.clone()], velocity, unloading, cfl);

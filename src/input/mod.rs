@@ -65,24 +65,24 @@ impl Document {
     /// Converts and checks one number. `key` is dotted, as in `solve.cfl`.
     pub fn number(&self, value: &Number, key: &str, dimension: Dimension, allowed: Allowed) -> Result<f64> {
         let name = last_part(key);
-        let range = allowed.describe(name, dimension);
-        let example = format!("e.g. {name} = \"{}\"", dimension.example());
+        // Files of histories have a hundred thousand numbers, which need no words.
+        let range = || allowed.describe(name, dimension);
         let typed = value.get_ref();
         let si = typed.si(dimension).map_err(|reason| {
-            self.error(value.span(), key, reason).allowed(&range).help(number_help(name, dimension))
+            self.error(value.span(), key, reason).allowed(range()).help(number_help(name, dimension))
         })?;
         if allowed.holds(si) {
             return self.of_possible_magnitude(value, si, key, dimension, allowed);
         }
         let help = match allowed {
-            Allowed::Finite => example,
+            Allowed::Finite => format!("e.g. {name} = \"{}\"", dimension.example()),
             Allowed::Positive => format!("set `{name}` to a value above zero"),
             Allowed::NotNegative => format!("set `{name}` to zero or a positive value"),
             Allowed::Within(..) | Allowed::Above(..) | Allowed::Between(..) | Allowed::Below(..) => {
                 format!("set `{name}` to a value in the allowed range")
             }
         };
-        Err(self.error(value.span(), key, format!("{typed} is out of range")).allowed(range).help(help).into())
+        Err(self.error(value.span(), key, format!("{typed} is out of range")).allowed(range()).help(help).into())
     }
 
     /// The same of a number that the text holds, whose key follows from its place.

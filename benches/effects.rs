@@ -23,6 +23,9 @@ const EFFECTS: &[(&str, &str)] = &[
     ("heat", "heat = { fraction = 0.9 }"),
     ("rate", "rate = { model = \"malvern\", k = 1e7 }"),
     ("rate and heat", "heat = { fraction = 0.9 }\nrate = { model = \"malvern\", k = 1e7 }"),
+    ("Johnson-Cook", "rate = { model = \"johnson-cook\", C = 0.014, reference = 1 }"),
+    ("Johnson-Cook, heat", "heat = { fraction = 0.9 }\nrate = { model = \"johnson-cook\", C = 0.014, reference = 1 }"),
+    ("Cowper-Symonds", "rate = { model = \"cowper-symonds\", D = 40, q = 5 }"),
 ];
 
 /// One area, and a table of them.

@@ -29,6 +29,8 @@ pub mod error;
 
 pub mod units;
 
+mod elementary;
+
 mod root;
 
 pub mod text_file;

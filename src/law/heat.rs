@@ -1,6 +1,6 @@
 //! Heat in laws on the adiabatic curve: the table includes it, and the temperature follows from the accumulated plastic strain.
 
-use super::{CellLaw, Deformed, Response, Reversals};
+use super::{CellLaw, Deformed, Response, Reversals, Steps};
 use crate::material::{Heating, Sense};
 
 /// A law over adiabatic tables, with what tells its temperature. Steps as the law itself, and keeps no more state.
@@ -59,6 +59,22 @@ impl<L: CellLaw<N>, const N: usize> CellLaw<N> for WithTemperature<L> {
     #[inline(always)]
     fn respond(&self, sigma: f64, predictor: f64, state: [f64; N]) -> Response<N> {
         self.law.respond(sigma, predictor, state)
+    }
+
+    #[inline(always)]
+    fn respond_to_most<const W: usize>(
+        &self,
+        sigma: &[f64; W],
+        predictor: &[f64; W],
+        state: [&[f64; W]; N],
+        after: &mut Steps<N, W>,
+    ) {
+        self.law.respond_to_most(sigma, predictor, state, after);
+    }
+
+    #[inline(always)]
+    fn respond_to_other(&self, sigma: f64, predictor: f64, state: [f64; N]) -> Response<N> {
+        self.law.respond_to_other(sigma, predictor, state)
     }
 
     #[inline(always)]

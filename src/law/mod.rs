@@ -68,22 +68,22 @@ impl<const N: usize> Response<N> {
 
 /// One step of neighbouring cells.
 #[derive(Debug)]
-pub struct Steps<const N: usize> {
+pub struct Steps<const N: usize, const W: usize = CHUNK> {
     /// As in [`Response`], cell by cell.
-    pub sigma: [f64; CHUNK],
+    pub sigma: [f64; W],
     /// As in [`Response`], variable by variable.
-    pub state: [[f64; CHUNK]; N],
+    pub state: [[f64; W]; N],
     /// As in [`Response`], cell by cell.
-    pub plastic: [f64; CHUNK],
+    pub plastic: [f64; W],
     /// 1 in cells whose step is known, else 0.
-    pub known: [u64; CHUNK],
+    pub known: [u64; W],
 }
 
-impl<const N: usize> Steps<N> {
+impl<const N: usize, const W: usize> Steps<N, W> {
     /// Of none of the cells.
     #[inline(always)]
     fn unknown() -> Self {
-        Self { sigma: [0.0; CHUNK], state: [[0.0; CHUNK]; N], plastic: [0.0; CHUNK], known: [0; CHUNK] }
+        Self { sigma: [0.0; W], state: [[0.0; W]; N], plastic: [0.0; W], known: [0; W] }
     }
 
     /// Of cell `i`.
@@ -208,13 +208,19 @@ pub trait CellLaw<const N: usize>: Send + Sync + Sized {
 
     /// [`Self::respond`] for neighbouring cells, `known` being set in those that it was done for: a plain formula that holds for most of them.
     #[inline(always)]
-    fn respond_to_most(
+    fn respond_to_most<const W: usize>(
         &self,
-        _sigma: &[f64; CHUNK],
-        _predictor: &[f64; CHUNK],
-        _state: [&[f64; CHUNK]; N],
-        _after: &mut Steps<N>,
+        _sigma: &[f64; W],
+        _predictor: &[f64; W],
+        _state: [&[f64; W]; N],
+        _after: &mut Steps<N, W>,
     ) {
+    }
+
+    /// [`Self::respond`] for a cell of which [`Self::respond_to_most`] does not know.
+    #[inline(always)]
+    fn respond_to_other(&self, sigma: f64, predictor: f64, state: [f64; N]) -> Response<N> {
+        self.respond(sigma, predictor, state)
     }
 
     /// E times the work of the overstress over the static curve since the start, per volume, Pa^2.
@@ -241,6 +247,14 @@ pub trait CellLaw<const N: usize>: Send + Sync + Sized {
     fn heat_fraction(&self) -> f64 {
         0.0
     }
+}
+
+/// [`CellLaw::respond`] of a law that knows most cells at once: a cell alone takes the way that it takes among others.
+#[inline]
+fn respond_alone<L: CellLaw<N>, const N: usize>(law: &L, sigma: f64, predictor: f64, state: [f64; N]) -> Response<N> {
+    let mut alone = Steps::<N, 1>::unknown();
+    law.respond_to_most(&[sigma], &[predictor], state.each_ref().map(std::array::from_ref), &mut alone);
+    if alone.known[0] == 0 { law.respond_to_other(sigma, predictor, state) } else { alone.of(0) }
 }
 
 /// A law as a solver holds it: whole rows at a time, chosen once a run.

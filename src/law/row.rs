@@ -271,7 +271,7 @@ fn timed<L: CellLaw<N>, const N: usize, const FIRST: bool>(
     law.respond_to_most(before, predictor, columns.each_ref().map(|column| &**column), &mut steps);
     for i in 0..CHUNK {
         if steps.known[i] == 0 {
-            steps.set(i, &law.respond(before[i], predictor[i], read(columns, i)));
+            steps.set(i, &law.respond_to_other(before[i], predictor[i], read(columns, i)));
         }
     }
     steps
@@ -345,7 +345,7 @@ pub(super) fn strain<L: CellLaw<N>, const N: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::law::rate::{Overstress, RateLaw, Timed};
+    use crate::law::rate::{Heated, LAWS, Overstress, RateLaw, Timed, heating};
     use crate::law::{Backbone, Envelope, Indexed, Isotropic, Mixed, PathIndependent, Searched, Table};
     use crate::material::{Beyond, Curve};
 
@@ -461,8 +461,13 @@ mod tests {
                 assert_bits_of_cells(&Timed::<5>::new(law(0.0), 1e-7));
                 assert_bits_of_cells(&Timed::<6>::new(law(0.5), 1e-7));
             }
-            let law = Overstress::JohnsonCook { c: 0.02, rate: MODULUS };
-            assert_bits_of_cells(&Timed::<5>::new(RateLaw::new(law, &table(rows), None, 0.0), 1e-7));
+            for law in LAWS {
+                let law = RateLaw::new(law, &table(rows), None, 0.0);
+                assert_bits_of_cells(&Timed::<5>::new(law.clone(), 1e-7));
+                for exponent in [1.0, 1.09] {
+                    assert_bits_of_cells(&Heated::<6>::new(law.clone(), &heating(exponent), MODULUS, 1e-7));
+                }
+            }
         }
     }
 }

@@ -13,10 +13,14 @@
 //! step much longer than the relaxation time has the stress of its strain rate, not one set by its length.
 //!
 //! The work of the overstress in a step is its mean at the ends times the plastic strain: >= 0.
+//!
+//! Most cells are stepped side by side, see [`super::most`] and [`super::many`]; what follows here is for the others.
 
+use super::many::Many;
+use super::most::Pieces;
 use super::step::{Flowing, readings_of_state, step};
-use super::{Driven, History, Overstress, RateLaw, RelaxationStep};
-use crate::law::{CHUNK, CellLaw, Deformed, Response, Steps};
+use super::{Driven, History, JohnsonCook, Overstress, PowerAboveOne, RateLaw, RelaxationStep};
+use crate::law::{CellLaw, Deformed, Response, Steps, respond_alone};
 
 /// A rate-dependent cell in steps of one length.
 ///
@@ -102,21 +106,38 @@ impl<const N: usize> CellLaw<N> for Timed<N> {
     }
 
     #[inline(always)]
-    fn respond_to_most(
+    fn respond_to_most<const W: usize>(
         &self,
-        sigma: &[f64; CHUNK],
-        predictor: &[f64; CHUNK],
-        state: [&[f64; CHUNK]; N],
-        after: &mut Steps<N>,
+        sigma: &[f64; W],
+        predictor: &[f64; W],
+        state: [&[f64; W]; N],
+        after: &mut Steps<N, W>,
     ) {
-        if N == 5
-            && let Some(pieces) = self.law.pieces(&self.relaxation_step)
-        {
-            pieces.step(sigma, predictor, state, after);
+        let Some(pieces) = self.law.one_curve() else { return };
+        let parts = self.relaxation_step.parts[0].as_slice();
+        match self.law.overstress {
+            Overstress::Malvern { .. } => Pieces { pieces, parts }.step(sigma, predictor, state, after),
+            Overstress::JohnsonCook { c, rate } => {
+                let law = JohnsonCook { c, rate };
+                Many { law, pieces, time: self.time, warming: None }.step(sigma, predictor, state, after);
+            }
+            Overstress::CowperSymonds { rate, exponent } if exponent > 1.0 => {
+                let law = PowerAboveOne { rate, exponent, thermal: None };
+                Many { law, pieces, time: self.time, warming: None }.step(sigma, predictor, state, after);
+            }
+            Overstress::ZerilliArmstrong { stress, sensitivity, rate, .. } if sensitivity < 1.0 => {
+                let law = PowerAboveOne { rate, exponent: sensitivity.recip(), thermal: Some(stress) };
+                Many { law, pieces, time: self.time, warming: None }.step(sigma, predictor, state, after);
+            }
+            _ => {}
         }
     }
 
     fn respond(&self, sigma: f64, predictor: f64, state: [f64; N]) -> Response<N> {
+        respond_alone(self, sigma, predictor, state)
+    }
+
+    fn respond_to_other(&self, sigma: f64, predictor: f64, state: [f64; N]) -> Response<N> {
         let mut cell = Cell {
             law: &self.law,
             relaxation_step: &self.relaxation_step,

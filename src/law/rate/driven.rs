@@ -1,17 +1,16 @@
 //! Relaxation of an overstress over a step, for laws linear in it, a power of it, or exponential.
 
+use crate::elementary::{LARGEST_EXPONENT, exp_m1};
 use crate::root::{Tolerance, fixed_point};
 
 /// For a law that is linear in the overstress: what flows in a step of an overstress, and of one that rises from zero.
+#[inline(always)]
 pub(super) fn relaxed(k: f64, gain: f64, time: f64) -> [f64; 2] {
     let z = k * gain * time;
-    if z < 1e-3 {
-        let start = 1.0 - z * (0.5 - z * (1.0 / 6.0 - z / 24.0));
-        let rise = 0.5 - z * (1.0 / 6.0 - z * (1.0 / 24.0 - z / 120.0));
-        return [k * time * start, k * time * rise];
-    }
-    let used = -(-z).exp_m1();
-    [used / gain, (1.0 - used / z) / gain]
+    let used = -exp_m1(if z < LARGEST_EXPONENT { -z } else { -LARGEST_EXPONENT });
+    let small = k * time * (0.5 - z * (1.0 / 6.0 - z * (1.0 / 24.0 - z / 120.0)));
+    let part = gain.recip();
+    [used * part, if z < 1e-3 { small } else { (1.0 - used / z) * part }]
 }
 
 /// An overstress x > 0, or = 0 and rising, with what it would rise by within a time if nothing flowed: Pa, Pa, s.

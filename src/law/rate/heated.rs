@@ -14,21 +14,16 @@
 //! cools by the fraction beta of it, as it warmed when the work was stored. A law that splits stored from dissipated work otherwise
 //! (Rosakis et al., J. Mech. Phys. Solids 48, 2000) would need a measured beta that depends on the path.
 
+use super::many::{FOUND, MOLTEN, Many, Warming};
 use super::step::{Flowing, readings_of_state, step};
-use super::{Course, Driven, History, Overstress, RateLaw};
-use crate::law::{CellLaw, Deformed, Response};
+use super::{Course, Driven, History, JohnsonCook, Malvern, Overstress, PowerAboveOne, RateLaw};
+use crate::law::{CellLaw, Deformed, Response, Steps, respond_alone};
 use crate::material::Heating;
 use crate::root::{Tolerance, fixed_point};
 
 /// Most times that the temperature at the end of a flow is worked out. Each takes its error down by about what the cell warms in
 /// the step, over the range to melting.
 const PASSES: usize = 4;
-
-/// A temperature that changes by less than this part of the range to melting is found: the next one would differ by rounding.
-const FOUND: f64 = 1e-13;
-
-/// What is left of the strength of metal that melts: nothing that counts, and no division by zero.
-const MOLTEN: f64 = 1e-9;
 
 /// A heated cell in steps of one length.
 ///
@@ -179,7 +174,38 @@ impl<const N: usize> CellLaw<N> for Heated<N> {
         std::array::from_fn(|k| state[k])
     }
 
+    #[inline(always)]
+    fn respond_to_most<const W: usize>(
+        &self,
+        sigma: &[f64; W],
+        predictor: &[f64; W],
+        state: [&[f64; W]; N],
+        after: &mut Steps<N, W>,
+    ) {
+        let Some(pieces) = self.law.one_curve() else { return };
+        let Self { time, rise, heating, .. } = self;
+        let (time, warming) =
+            (*time, Some(Warming { rise: *rise, range: heating.range(), exponent: heating.exponent }));
+        match self.law.overstress {
+            Overstress::Malvern { k } => {
+                Many { law: Malvern { k }, pieces, time, warming }.step(sigma, predictor, state, after);
+            }
+            Overstress::JohnsonCook { c, rate } => {
+                Many { law: JohnsonCook { c, rate }, pieces, time, warming }.step(sigma, predictor, state, after);
+            }
+            Overstress::CowperSymonds { rate, exponent } if exponent > 1.0 => {
+                let law = PowerAboveOne { rate, exponent, thermal: None };
+                Many { law, pieces, time, warming }.step(sigma, predictor, state, after);
+            }
+            _ => {}
+        }
+    }
+
     fn respond(&self, sigma: f64, predictor: f64, state: [f64; N]) -> Response<N> {
+        respond_alone(self, sigma, predictor, state)
+    }
+
+    fn respond_to_other(&self, sigma: f64, predictor: f64, state: [f64; N]) -> Response<N> {
         let history = self.history(state);
         let (rise, softening) = (state[5], self.softening(state[5]));
         let mut cell = Cell { heated: self, history, rise, softening, latest: [rise, softening].into() };

@@ -25,19 +25,24 @@
 //! N. Cristescu 1967 (Dynamic Plasticity, North-Holland).
 
 mod cell;
+mod closed;
 mod driven;
 mod hardening;
 mod heated;
+mod many;
 mod most;
 mod node;
 mod overstress;
 mod step;
 
 pub use cell::Timed;
+use closed::{Closed, JohnsonCook, Malvern, PowerAboveOne};
 pub use driven::Driven;
 use driven::relaxed;
 pub use hardening::{Hardening, Piece};
 pub use heated::Heated;
+#[cfg(test)]
+pub(super) use many::tests::{LAWS, heating};
 pub use node::NodeStep;
 pub use overstress::Overstress;
 use serde::{Deserialize, Serialize};
@@ -207,11 +212,13 @@ impl RateLaw {
         self.overstress
     }
 
-    /// What a step asks of the law where that is a closed form along each piece of one curve, for steps made by [`Self::relaxation_step`].
-    fn pieces<'a>(&'a self, step: &'a RelaxationStep) -> Option<most::Pieces<'a>> {
-        let ([one], [parts, _]) = (self.hardening.as_slice(), &step.parts) else { return None };
-        let is_closed = self.kinematic == 0.0 && step.share == 1.0 && !parts.is_empty();
-        is_closed.then(|| most::Pieces { pieces: one.pieces(), parts })
+    /// The pieces of the static curve where it is one and does not move.
+    #[inline(always)]
+    fn one_curve(&self) -> Option<&[Piece]> {
+        match self.hardening.as_slice() {
+            [one] if self.kinematic == 0.0 => Some(one.pieces()),
+            _ => None,
+        }
     }
 
     /// Steps of length `time` in which the stress falls by `share` of what flows.

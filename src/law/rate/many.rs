@@ -1,0 +1,339 @@
+//! A step of many cells at once, by laws whose flow is found by iteration: those cells that are elastic in it, or flow all the step long in
+//! one sense along one piece of the static curve.
+//!
+//! As [`super::Timed`] and [`super::Heated`] have it, the flow and the temperature at its end are those to which the elastic limit goes, straight,
+//! within the step. Secants lead to both, for all cells side by side and without a choice between operations; a cell that is
+//! there stays as it is. So its bits do not depend on its neighbours, nor on how many cells are stepped at once.
+
+#![expect(
+    clippy::needless_bitwise_bool,
+    clippy::needless_range_loop,
+    reason = "`&&`, `||` and iterators with their ends are branches, and the compiler does not turn these into vectors"
+)]
+
+use super::most::Flown;
+use super::step::rounding;
+use super::{Closed, Driven, Piece};
+use crate::elementary::{exp, ln};
+use crate::law::Steps;
+use crate::root::Tolerance;
+
+/// Most times that a flow is worked out: quick convergence takes four. What takes longer is left to [`crate::root::fixed_point`].
+const SWEEPS: usize = 8;
+
+/// A temperature that changes by less than this part of the range to melting is found: the next one would differ by rounding.
+pub(super) const FOUND: f64 = 1e-13;
+
+/// What is left of the strength of metal that melts: nothing that counts, and no division by zero.
+pub(super) const MOLTEN: f64 = 1e-9;
+
+/// How flow warms and softens.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Warming {
+    /// Rise by E times plastic work, K/Pa^2.
+    pub rise: f64,
+    /// From the reference temperature to melting, K.
+    pub range: f64,
+    pub exponent: f64,
+}
+
+impl Warming {
+    /// Factors of the static stresses at rises in temperature.
+    #[inline(always)]
+    fn softening<const W: usize>(self, rise: &[f64; W], softening: &mut [f64; W]) {
+        let part = self.range.recip();
+        for i in 0..W {
+            softening[i] = rise[i] * part;
+        }
+        if self.exponent != 1.0 {
+            for share in softening.iter_mut() {
+                let power = exp(self.exponent * ln(if *share > LEAST { *share } else { LEAST }));
+                *share = if *share > LEAST { power } else { 0.0 };
+            }
+        }
+        for share in softening.iter_mut() {
+            let left = 1.0 - *share;
+            *share = if left > MOLTEN { left } else { MOLTEN };
+        }
+    }
+
+    /// The temperatures after flows, from the ones before, of some cells.
+    #[inline(always)]
+    fn warm<const W: usize>(self, start: &Start<W>, found: &mut Found<W>, of: &[u64; W]) {
+        let mut softening = [0.0; W];
+        let mut middle = [0.0; W];
+        for i in 0..W {
+            middle[i] = 0.5 * (start.warmth[i] + found.warmth[i]);
+        }
+        self.softening(&middle, &mut softening);
+        for i in 0..W {
+            let (excess, flow, cold) = (start.excess[i], found.flow[i], start.cold[i]);
+            let end = cold + start.slope[i] * flow;
+            let left = excess + start.rise[i] - flow - (found.softening[i] * end - start.softening[i] * cold);
+            let overstress = 0.5 * (excess + if left > 0.0 { left } else { 0.0 });
+            let work = (softening[i] * (0.5 * (cold + end)) + overstress) * flow;
+            let warmth = start.warmth[i] + self.rise * work;
+            let warmth = if warmth < self.range { warmth } else { self.range };
+            found.warmth[i] = if of[i] != 0 { warmth } else { found.warmth[i] };
+        }
+        self.softening(&found.warmth, &mut found.softening);
+    }
+}
+
+/// A share of the range to melting that softens nothing.
+const LEAST: f64 = 1e-40;
+
+/// Cells as a step finds them.
+struct Start<const W: usize> {
+    sign: [f64; W],
+    /// Stress beyond the elastic limit, Pa, and what it rises by if nothing flows.
+    excess: [f64; W],
+    rise: [f64; W],
+    /// The cold curve: static stress, slope, and E times the plastic strain at which the piece ends.
+    cold: [f64; W],
+    slope: [f64; W],
+    end: [f64; W],
+    /// Rise in temperature, K, and factor of the cold curve.
+    warmth: [f64; W],
+    softening: [f64; W],
+    /// What the law of overstress knows at the start.
+    of_law: [f64; W],
+}
+
+/// Where a sweep has brought them.
+struct Found<const W: usize> {
+    flow: [f64; W],
+    /// The flow tried before, and by how much its answer was off.
+    before: [f64; W],
+    off: [f64; W],
+    warmth: [f64; W],
+    softening: [f64; W],
+    /// 1 where a flow is looked for and not found.
+    sought: [u64; W],
+}
+
+/// A law of overstress over one curve, in steps of `time`, s.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Many<'a, L> {
+    pub law: L,
+    pub pieces: &'a [Piece],
+    pub time: f64,
+    pub warming: Option<Warming>,
+}
+
+impl<L: Closed> Many<'_, L> {
+    /// Steps the cells from their stresses and states to the stresses that they would have elastically; `after.known` tells which of them are done.
+    #[inline(always)]
+    pub(super) fn step<const N: usize, const W: usize>(
+        &self,
+        sigma: &[f64; W],
+        predictor: &[f64; W],
+        state: [&[f64; W]; N],
+        after: &mut Steps<N, W>,
+    ) {
+        let start = self.start(sigma, predictor, state);
+        let mut found = Found {
+            flow: [0.0; W],
+            before: [f64::NAN; W],
+            off: [f64::NAN; W],
+            warmth: start.warmth,
+            softening: start.softening,
+            sought: [0; W],
+        };
+        for i in 0..W {
+            let limit = start.softening[i] * start.cold[i];
+            let stress = limit + start.excess[i];
+            // What flowed in the step before.
+            found.flow[i] = state[2][i] * self.law.width(start.excess[i], limit);
+            found.sought[i] = u64::from(start.excess[i] > rounding(stress, [-limit, limit], 0.0));
+        }
+        for _ in 0..SWEEPS {
+            if found.sought.iter().fold(0, |any, sought| any | sought) == 0 {
+                break;
+            }
+            self.sweep(&start, &mut found);
+        }
+        if let Some(warming) = self.warming {
+            warming.warm(&start, &mut found, &[1; W]);
+        }
+        for i in 0..W {
+            let (flow, softening) = (found.flow[i], found.softening[i]);
+            let [cold, slope] = [start.cold[i], start.slope[i]];
+            let flown = Flown {
+                sign: start.sign[i],
+                excess: start.excess[i],
+                rise: start.rise[i],
+                flow,
+                limit: [start.softening[i] * cold, softening * (cold + slope * flow)],
+                gain: 1.0 + softening * slope,
+                end: start.end[i],
+                is_found: (found.sought[i] == 0) & (flow >= 0.0),
+            };
+            flown.note(i, [sigma[i], predictor[i]], |x, f| self.law.width(x, f), state, after);
+            if N > 5 {
+                let flows = after.plastic[i] != 0.0;
+                after.state[5][i] = if flows { found.warmth[i] } else { start.warmth[i] };
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn start<const N: usize, const W: usize>(
+        &self,
+        sigma: &[f64; W],
+        predictor: &[f64; W],
+        state: [&[f64; W]; N],
+    ) -> Start<W> {
+        let zeros = [0.0; W];
+        let mut start = Start {
+            sign: zeros,
+            excess: zeros,
+            rise: zeros,
+            cold: zeros,
+            slope: zeros,
+            end: zeros,
+            warmth: zeros,
+            softening: [1.0; W],
+            of_law: zeros,
+        };
+        for i in 0..W {
+            let k = match self.pieces {
+                [_] => 0,
+                pieces => pieces.partition_point(|piece| piece.start <= state[0][i]).max(1) - 1,
+            };
+            let piece = self.pieces[k];
+            start.cold[i] = piece.at(state[0][i]);
+            start.slope[i] = piece.slope;
+            start.end[i] = self.pieces.get(k + 1).map_or(f64::INFINITY, |next| next.start);
+        }
+        if let Some(warming) = self.warming {
+            start.warmth = *state[5];
+            warming.softening(&start.warmth, &mut start.softening);
+        }
+        for i in 0..W {
+            let limit = start.softening[i] * start.cold[i];
+            let sign = 1.0_f64.copysign(sigma[i]);
+            start.sign[i] = sign;
+            start.excess[i] = sign * sigma[i] - limit;
+            start.rise[i] = sign * (predictor[i] - sigma[i]);
+            start.of_law[i] = self.law.at_start(start.excess[i], limit);
+        }
+        start
+    }
+
+    /// Works out flows and temperatures from the ones before.
+    #[inline(always)]
+    fn sweep<const W: usize>(&self, start: &Start<W>, found: &mut Found<W>) {
+        let warmth_before = found.warmth;
+        if let Some(warming) = self.warming {
+            let sought = found.sought;
+            warming.warm(start, found, &sought);
+        }
+        let near = self.warming.map_or(0.0, |warming| FOUND * warming.range * warming.range);
+        for i in 0..W {
+            let (excess, rise, flow) = (start.excess[i], start.rise[i], found.flow[i]);
+            let (cold, slope, warmth) = (start.cold[i], start.slope[i], found.warmth[i]);
+            let [g, g_end] = [start.softening[i], found.softening[i]];
+            // Rise of the elastic limit over the flow.
+            let softened = if flow > 0.0 { (g_end - g) * cold / flow } else { 0.0 };
+            let limit = g_end * slope + softened;
+            let (f, f_end) = (g * cold, g_end * (cold + slope * flow));
+            let (mut gain, mut mean, mut over) = (1.0 + limit, f, excess);
+            if self.law.needs_static_stress() {
+                // With u = x/f: f du = rise - (gain + u df/dp) dp.
+                let left = excess + rise - flow - (f_end - f);
+                over = excess / f;
+                mean = 0.5 * (f + f_end);
+                gain += 0.5 * (over + if left > 0.0 { left / f_end } else { 0.0 }) * limit;
+                over *= mean;
+            }
+            let driven = Driven { excess: over, rise, time: self.time };
+            let (answer, holds) = self.law.flow(driven, gain, mean, [start.of_law[i], flow]);
+            let off = answer - flow;
+            let secant = flow - off * (flow - found.before[i]) / (off - found.off[i]);
+            let next = if (secant > 0.0) & (secant < excess + rise.abs() + f) { secant } else { answer };
+            // How far the answer is from the flow that answers itself.
+            let error = if next == secant { answer - next } else { off };
+            let tolerance = Tolerance::of_differences(excess + rise.abs()).at(flow);
+            let is_there = holds
+                & (error.abs() <= tolerance)
+                & ((warmth - warmth_before[i]).abs() * (warmth - start.warmth[i]) <= near);
+            found.before[i] = flow;
+            found.off[i] = off;
+            found.flow[i] = if found.sought[i] != 0 { next } else { flow };
+            found.sought[i] &= u64::from(!is_there);
+        }
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use crate::law::rate::{Heated, Overstress, RateLaw, Timed};
+    use crate::law::{CellLaw, Response, Steps, Table};
+    use crate::material::{Beyond, Curve, Heating, Material};
+
+    const MODULUS: f64 = 200e9;
+
+    /// One of each form.
+    pub const LAWS: [Overstress; 4] = [
+        Overstress::Malvern { k: 1e6 },
+        Overstress::JohnsonCook { c: 0.02, rate: MODULUS },
+        Overstress::CowperSymonds { rate: 40.0 * MODULUS, exponent: 5.0 },
+        Overstress::ZerilliArmstrong { stress: 300e6, sensitivity: 0.1, rate: MODULUS, thermal: [5e-3, 3e-4] },
+    ];
+
+    fn curve() -> Curve {
+        Curve::new(&[(0.001, 200e6), (0.004, 260e6), (0.05, 340e6)], Beyond::Extend).expect("rows rise")
+    }
+
+    /// Of steel.
+    pub fn heating(exponent: f64) -> Heating {
+        let mut steel = Material { modulus: MODULUS, ..Material::from_curve("steel", 7800.0, curve()) };
+        let heat = &mut steel.constants.heat;
+        (heat.specific_heat, heat.exponent) = (Some(480.0), Some(exponent));
+        (heat.reference_temperature, heat.melting_temperature) = (Some(293.0), Some(1800.0));
+        *steel.heated(Some(0.9)).expect("all constants are there").heating.expect("it heats")
+    }
+
+    /// Loads and unloads a cell. What is known of most cells is what a search of its own finds.
+    fn assert_found<L: CellLaw<N>, const N: usize>(law: &L, what: &str) {
+        let (mut sigma, mut state, mut known) = (0.0, [0.0; N], 0);
+        for step in 0..4000 {
+            let part = f64::from(step) / 400.0;
+            let predictor = sigma + 4e6 * part.sin() * (1.0 + (7.0 * part).cos());
+            let mut alone = Steps::<N, 1>::unknown();
+            law.respond_to_most(&[sigma], &[predictor], state.each_ref().map(std::array::from_ref), &mut alone);
+            let other = law.respond_to_other(sigma, predictor, state);
+            if alone.known[0] != 0 {
+                let most = alone.of(0);
+                known += usize::from(most.plastic != 0.0);
+                let of = |r: &Response<N>| [r.sigma, r.plastic, r.state[0], r.state[1], r.state[3]];
+                let mut off = of(&most).into_iter().zip(of(&other)).map(|(one, other)| (one - other).abs());
+                assert!(off.all(|off| off <= 1e-12 * sigma.abs()), "{what}, step {step}: {most:?} {other:?}");
+                let warmer = law.temperature(most.state) - law.temperature(other.state);
+                assert!(warmer.is_nan() || warmer.abs() <= 1e-10, "{what}, step {step}: {most:?} {other:?}");
+            }
+            (sigma, state) = (other.sigma, other.state);
+        }
+        assert!(known > 1000, "{what}: {known}");
+    }
+
+    #[test]
+    fn most_cells_are_known_and_are_where_their_own_search_takes_them() {
+        let table = Table::new(&curve(), MODULUS);
+        for overstress in LAWS {
+            for time in [1e-9, 1e-7, 1e-5] {
+                let law = RateLaw::new(overstress, &table, None, 0.0);
+                let what = format!("{overstress:?} {time}");
+                assert_found(&Timed::<5>::new(law.clone(), time), &what);
+                if matches!(overstress, Overstress::ZerilliArmstrong { .. }) {
+                    continue;
+                }
+                for exponent in [1.0, 1.09] {
+                    let heated = Heated::<6>::new(law.clone(), &heating(exponent), MODULUS, time);
+                    assert_found(&heated, &format!("{what}, heated, m = {exponent}"));
+                }
+            }
+        }
+    }
+}

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use multiversion::multiversion;
 use serde::{Deserialize, Serialize};
 
 use super::weights::NodeWeights;
@@ -32,7 +33,7 @@ impl Implicit {
     /// Books what the dampers and the foundation did in the step whose changes are known, by the trapezoidal rule in their
     /// forces: the form in which the staggered scheme balances energy and momentum to round-off.
     pub(super) fn account(&mut self) {
-        let now = self.taken(|_| 0.0);
+        let now = self.taken(None);
         // What friction takes with the velocity between two steps. It can be less than 0 only where a motion that starts suddenly is
         // against the bar's own, or where the grid filter moves nodes; that is then of the half steps.
         let rubbed = 0.5 * (self.latest.rubbed[1] + now.rubbed[0]);
@@ -49,65 +50,58 @@ impl Implicit {
         [self.damped, self.damped_by_means, self.impulse, self.throughput] = [0.0; 4];
     }
 
-    /// Sums of a step, `after` holding the velocities before it. `shift` is what is added to those after it.
-    fn taken(&self, shift: impl Fn(usize) -> f64) -> Taken {
+    /// Sums of a step, `after` holding the velocities before it. `shift` is what is added to those after it, if anything is.
+    fn taken(&self, shift: Option<&[f64]>) -> Taken {
         let mut taken = Taken::default();
+        let (v, w) = (&self.after[..], &self.change[..]);
         if self.acts.internal {
-            self.take_inside(&shift, &mut taken);
+            for (weights, Range { start, end }) in self.weights.cells() {
+                let nodes = start..=end;
+                let shift = shift.map(|shift| &shift[nodes.clone()]);
+                let [before, after] = of_dampers(weights.viscous, &v[nodes.clone()], &w[nodes], shift);
+                taken.before += before;
+                taken.after += after;
+            }
         }
         if self.acts.external {
-            self.take_outside(&shift, &mut taken);
+            for (weights, nodes) in self.weights.nodes() {
+                let impulse = |[v, w, _]: [f64; 3]| weights.drag * v + weights.drag_mass * w;
+                let [before, after, impulse] = self.at_nodes(nodes, shift, v, impulse);
+                taken.before += before;
+                taken.after += after;
+                taken.impulse -= impulse;
+            }
         }
         if !self.rubbing.is_empty() {
-            let [before, after, impulse] = self.at_nodes(0..self.after.len(), &shift, |j| -self.rubbing[j]);
+            let [before, after, impulse] = self.at_nodes(0..v.len(), shift, &self.rubbing, |[_, _, rubbing]| -rubbing);
             taken.rubbed = [before, after];
             taken.impulse -= impulse;
         }
         if !self.place.is_empty() {
             let dt = self.weights.dt;
             for (weights, nodes) in self.weights.nodes() {
-                let [subdomain] = sums(nodes, |j| [self.place[j] + 0.25 * dt * self.change[j]]);
+                let [subdomain] = sums([&self.place[nodes.clone()], &w[nodes]], |[u, w]| [u + 0.25 * dt * w]);
                 taken.impulse -= dt * weights.spring * subdomain;
             }
         }
         taken
     }
 
-    /// By the internal dampers.
+    /// Sums over nodes of impulses against the motion (N s): times the velocity before and after the step, and alone. They follow from the
+    /// velocity, its change and a number of each node.
     #[inline(always)]
-    fn take_inside(&self, shift: &impl Fn(usize) -> f64, taken: &mut Taken) {
-        let (v, w) = (&self.after[..], &self.change[..]);
-        for (weights, cells) in self.weights.cells() {
-            let [before, after] = sums(cells, |i| {
-                let (rate, change) = (v[i + 1] - v[i], w[i + 1] - w[i]);
-                let impulse = weights.viscous * (rate + 0.5 * change);
-                [impulse * rate, impulse * (rate + change + (shift(i + 1) - shift(i)))]
-            });
-            taken.before += before;
-            taken.after += after;
-        }
-    }
-
-    /// By the external ones.
-    #[inline(always)]
-    fn take_outside(&self, shift: &impl Fn(usize) -> f64, taken: &mut Taken) {
-        let (v, w) = (&self.after[..], &self.change[..]);
-        for (weights, nodes) in self.weights.nodes() {
-            let impulse = |j: usize| weights.drag * v[j] + weights.drag_mass * w[j];
-            let [before, after, impulse] = self.at_nodes(nodes, shift, impulse);
-            taken.before += before;
-            taken.after += after;
-            taken.impulse -= impulse;
-        }
-    }
-
-    /// Sums over nodes of impulses against the motion (N s): times the velocity before and after the step, and alone.
-    #[inline(always)]
-    fn at_nodes(&self, nodes: Range<usize>, shift: &impl Fn(usize) -> f64, impulse: impl Fn(usize) -> f64) -> [f64; 3] {
-        let (v, w) = (&self.after[..], &self.change[..]);
-        sums(nodes, |j| {
-            let impulse = impulse(j);
-            [impulse * v[j], impulse * (v[j] + w[j] + shift(j)), impulse]
+    fn at_nodes(
+        &self,
+        nodes: Range<usize>,
+        shift: Option<&[f64]>,
+        of_node: &[f64],
+        impulse: impl Fn([f64; 3]) -> f64,
+    ) -> [f64; 3] {
+        let all = [&self.after, &self.change, of_node, shift.unwrap_or(&self.after)];
+        sums(all.map(|of| &of[nodes.clone()]), |[v, w, own, shifted]| {
+            let impulse = impulse([v, w, own]);
+            let shift = if shift.is_some() { shifted } else { 0.0 };
+            [impulse * v, impulse * (v + w + shift), impulse]
         })
     }
 
@@ -127,26 +121,22 @@ impl Implicit {
                 *shift = v - old;
             }
         }
-        let both = |j: usize| 2.0 * self.after[j] - self.change[j] + shift[j];
         let mut lost = 0.0;
         for (weights, nodes) in self.weights.nodes() {
             let mass = weights.mass + 0.25 * self.weights.dt * self.weights.dt * weights.spring;
-            let [sum] = sums(nodes, |j| [shift[j] * both(j)]);
-            lost += mass * sum;
+            let of = [&shift, &self.after, &self.change].map(|of| &of[nodes.clone()]);
+            lost += mass * lost_at_nodes(of);
         }
         if self.acts.lateral {
             for (weights, cells) in self.weights.cells() {
-                let [sum] = sums(cells, |i| [(shift[i + 1] - shift[i]) * (both(i + 1) - both(i))]);
-                lost += weights.lateral * sum;
+                let of = [&shift, &self.after, &self.change].map(|of| &of[cells.start..=cells.end]);
+                lost += weights.lateral * lost_in_cells(of);
             }
         }
         self.filtered -= 0.5 * lost;
         self.after.iter_mut().zip(&self.change).for_each(|(v, change)| *v -= change);
-        let taken = self.taken(|j| shift[j]);
+        let taken = self.taken(Some(&shift));
         (self.latest.after, self.latest.rubbed[1]) = (taken.after, taken.rubbed[1]);
-        for ((v, change), shift) in self.after.iter_mut().zip(&self.change).zip(&shift) {
-            *v = *v + change + shift;
-        }
         // To the last bit what the blocks step with.
         for block in blocks {
             self.after[block.cells.start..=block.cells.end].copy_from_slice(&block.v);
@@ -162,14 +152,14 @@ impl Implicit {
     /// Energies and momentum at the current time. What dampers take is counted with the mean velocity of each step; where the balance of
     /// the staggered scheme has it otherwise, the difference is in `half_step`, as is the foundation's share that goes with motion.
     pub fn sums(&self) -> Energies {
-        let mut total = self.of_motion(|j| self.after[j]);
+        let mut total = self.of_motion(|v, _| v);
         total.damping = self.damped_by_means;
         total.numerical = self.filtered;
         total.half_step += self.damped - self.damped_by_means;
-        total.half_step += self.foundation_of_motion(|j| self.after[j] - self.change[j]) - self.spring_start;
+        total.half_step += self.foundation_of_motion(|v, change| v - change) - self.spring_start;
         if !self.place.is_empty() {
             for (weights, nodes) in self.weights.nodes() {
-                let [squares] = sums(nodes, |j| [self.place[j] * self.place[j]]);
+                let [squares] = sums([&self.place[nodes]], |[u]| [u * u]);
                 total.foundation += 0.5 * weights.spring * squares;
             }
         }
@@ -178,18 +168,18 @@ impl Implicit {
 
     /// Kinetic energy and momentum before anything acted on the nodes; before the second step.
     pub fn initial(&self) -> Energies {
-        self.of_motion(|j| self.after[j] - self.change[j])
+        self.of_motion(|v, change| v - change)
     }
 
-    /// Kinetic energy of the mean of the velocities before the step and these after it, what v- (M + B) v+/2 is beside it, and momentum
+    /// Kinetic energy of the mean of the velocities before the step and those after it (of what they are and their change), what v- (M + B) v+/2 is beside it, and momentum
     /// M (v- + v+)/2.
     #[inline(always)]
-    fn of_motion(&self, after: impl Fn(usize) -> f64) -> Energies {
+    fn of_motion(&self, after: impl Fn(f64, f64) -> f64) -> Energies {
         let mut total = Energies::default();
-        let before = |j: usize| self.after[j] - self.change[j];
+        let (v, w) = (&self.after[..], &self.change[..]);
         for (weights, nodes) in self.weights.nodes() {
-            let [product, square, sum] = sums(nodes, |j| {
-                let (after, before) = (after(j), before(j));
+            let [product, square, sum] = sums([&v[nodes.clone()], &w[nodes]], |[v, w]| {
+                let (after, before) = (after(v, w), v - w);
                 [after * before, (after + before) * (after + before), after + before]
             });
             total.kinetic += 0.125 * weights.mass * square;
@@ -197,9 +187,10 @@ impl Implicit {
             total.momentum += 0.5 * weights.mass * sum;
         }
         if self.acts.lateral {
-            for (weights, cells) in self.weights.cells() {
-                let [product, square] = sums(cells, |i| {
-                    let (after, before) = (after(i + 1) - after(i), before(i + 1) - before(i));
+            for (weights, Range { start, end }) in self.weights.cells() {
+                let [[v0, v1], [w0, w1]] = [v, w].map(|of| [&of[start..end], &of[start + 1..=end]]);
+                let [product, square] = sums([v0, v1, w0, w1], |[v0, v1, w0, w1]| {
+                    let (after, before) = (after(v1, w1) - after(v0, w0), (v1 - w1) - (v0 - w0));
                     [after * before, (after + before) * (after + before)]
                 });
                 total.kinetic += 0.125 * weights.lateral * square;
@@ -210,35 +201,83 @@ impl Implicit {
     }
 
     /// The foundation's share that goes with motion, v- (K dt^2/4) v+/2, J.
-    pub(super) fn foundation_of_motion(&self, before: impl Fn(usize) -> f64) -> f64 {
+    pub(super) fn foundation_of_motion(&self, before: impl Fn(f64, f64) -> f64) -> f64 {
         if self.place.is_empty() {
             return 0.0;
         }
         let dt = self.weights.dt;
         let of = |(weights, nodes): (&NodeWeights, Range<usize>)| {
-            let [product] = sums(nodes, |j| [self.after[j] * before(j)]);
+            let [product] = sums([&self.after[nodes.clone()], &self.change[nodes]], |[v, w]| [v * before(v, w)]);
             0.125 * dt * dt * weights.spring * product
         };
         self.weights.nodes().map(of).sum()
     }
 }
 
-/// Sums over a range, in lanes that the processor can take side by side.
+/// dt times the power of internal dampers with the velocity before the step and after it, `v` and `w` being the velocities before it of the
+/// nodes of their cells and the changes.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
+fn of_dampers(viscous: f64, v: &[f64], w: &[f64], shift: Option<&[f64]>) -> [f64; 2] {
+    let cells = v.len() - 1;
+    let [[v0, v1], [w0, w1], [s0, s1]] = [v, w, shift.unwrap_or(v)].map(|of| [&of[..cells], &of[1..]]);
+    sums([v0, v1, w0, w1, s0, s1], |[v0, v1, w0, w1, s0, s1]| {
+        let (rate, change) = (v1 - v0, w1 - w0);
+        let impulse = viscous * (rate + 0.5 * change);
+        let shifted = if shift.is_some() { s1 - s0 } else { 0.0 };
+        [impulse * rate, impulse * (rate + change + shifted)]
+    })
+}
+
+/// What nodes of mass 2 lose by shifts, from the velocities before the shift and their change in the step.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
+fn lost_at_nodes(of: [&[f64]; 3]) -> f64 {
+    let [sum] = sums(of, |[shift, after, change]| [shift * (2.0 * after - change + shift)]);
+    sum
+}
+
+/// What they lose by that in the motion of neighbours against each other.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
+fn lost_in_cells([shift, after, change]: [&[f64]; 3]) -> f64 {
+    let cells = shift.len() - 1;
+    let [[s0, s1], [v0, v1], [w0, w1]] = [shift, after, change].map(|of| [&of[..cells], &of[1..]]);
+    let [sum] = sums([s0, s1, v0, v1, w0, w1], |[s0, s1, v0, v1, w0, w1]| {
+        let both = |v: f64, w: f64, s: f64| 2.0 * v - w + s;
+        [(s1 - s0) * (both(v1, w1, s1) - both(v0, w0, s0))]
+    });
+    sum
+}
+
+/// Sums of terms of columns of one length, in lanes that the processor can take side by side.
+#[expect(
+    clippy::needless_range_loop,
+    reason = "closures of iterators and arrays are calls here, and cost more than the sums"
+)]
 #[inline(always)]
-fn sums<const N: usize>(range: Range<usize>, term: impl Fn(usize) -> [f64; N]) -> [f64; N] {
-    let mut lanes = [[0.0; LANES]; N];
-    let whole = range.start + range.len() - range.len() % LANES;
-    for start in (range.start..whole).step_by(LANES) {
+fn sums<const M: usize, const N: usize>(columns: [&[f64]; M], term: impl Fn([f64; M]) -> [f64; N]) -> [f64; N] {
+    let (mut lanes, mut values) = ([[0.0; LANES]; N], [0.0; M]);
+    let (cells, groups) = (columns[0].len(), columns[0].len() / LANES);
+    let mut chunks: [&[[f64; LANES]]; M] = [&[]; M];
+    for c in 0..M {
+        chunks[c] = &columns[c].as_chunks().0[..groups];
+    }
+    for k in 0..groups {
         for lane in 0..LANES {
-            let terms = term(start + lane);
-            for (sum, term) in lanes.iter_mut().zip(terms) {
-                sum[lane] += term;
+            for c in 0..M {
+                values[c] = chunks[c][k][lane];
+            }
+            let terms = term(values);
+            for n in 0..N {
+                lanes[n][lane] += terms[n];
             }
         }
     }
-    for i in whole..range.end {
-        for (sum, term) in lanes.iter_mut().zip(term(i)) {
-            sum[0] += term;
+    for i in LANES * groups..cells {
+        for c in 0..M {
+            values[c] = columns[c][i];
+        }
+        let terms = term(values);
+        for n in 0..N {
+            lanes[n][0] += terms[n];
         }
     }
     lanes.map(|lane| lane.iter().sum())

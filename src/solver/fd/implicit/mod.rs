@@ -152,7 +152,7 @@ impl Implicit {
         blocks: &[Block],
         [left, right]: [&mut EndNode; 2],
     ) {
-        self.spring_start = self.foundation_of_motion(|j| self.after[j]);
+        self.spring_start = self.foundation_of_motion(|v, _| v);
         self.give_masses([&mut *left, &mut *right]);
         self.advance(0.0, blocks, [&mut *left, &mut *right]);
         self.weights = Weights::new(along, grid, constants, 1.0);
@@ -179,7 +179,7 @@ impl Implicit {
         let n = self.after.len() - 1;
         left.start_before(self.after[0]);
         right.start_before(self.after[n]);
-        self.spring_start = self.foundation_of_motion(|j| self.after[j]);
+        self.spring_start = self.foundation_of_motion(|v, _| v);
         self.advance(0.0, blocks, [&mut *left, &mut *right]);
         // What holds a node at rest held it for half a step so far.
         let resting = self.rubbing.iter_mut().zip(&self.after).filter(|(_, v)| **v == 0.0);

@@ -32,9 +32,10 @@ impl Joints {
         let (mut x, mut joints) = (0.0, Vec::new());
         for (number, pair) in bar.segments.windows(2).enumerate() {
             x += pair[0].length;
+            let sections = [pair[0].end_areas()[1], pair[1].end_areas()[0]];
             let strength = |k: usize| {
                 let ultimate = pair[k].material.branch(Sense::Tension).ultimate();
-                ultimate.map(|u| u.stress * pair[k].area / pair[0].area)
+                ultimate.map(|u| u.stress * sections[k] / sections[0])
             };
             let strength = [strength(0), strength(1)].into_iter().flatten().fold(f64::INFINITY, f64::min);
             let place = places.segment.partition_point(|&s| s <= number) - 1;

@@ -2,7 +2,7 @@
 
 use super::FrontTracking;
 use super::list::{Kind, Node};
-use super::nearness::{REST, in_balance, same_motion};
+use super::nearness::{ONE_STATE, REST, in_balance, same_motion};
 use crate::wave::riemann::{Emitted, Path, Point, Side, solve};
 
 impl FrontTracking {
@@ -152,7 +152,7 @@ impl FrontTracking {
         let mut behind_right = path_right.emit(tau(path_right), 1.0, &mut self.scratch.sent_right);
         // Rounding travels with a front instead of staying behind as a step at rest that the next wave meets. (A step
         // in velocity stays where a curve is level, or so nearly level that the wave's stress is rounding.)
-        if inside && same_motion(&behind_left, &behind_right, a, REST) {
+        if inside && same_motion(&behind_left, &behind_right, a, ONE_STATE) {
             if let Some(inner) = self.scratch.sent_right.last_mut() {
                 (behind_right.stress, behind_right.velocity) = (behind_left.stress, behind_left.velocity);
                 inner.behind = behind_right;

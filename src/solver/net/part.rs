@@ -265,7 +265,7 @@ impl Part {
         let work = Work::of(flow.before / flow.plastic, stress - 0.5 * drop, &flow);
         // The stress falls as the node flows, so that this part has more than its share of the work: plastic work would be given back by the rest.
         let limit = |history| {
-            let [low, high] = self.law.limits(history).into();
+            let [low, high] = self.law.limits(history);
             if flow.plastic < 0.0 { low } else { high }
         };
         let on_curve = 0.5 * (limit(&start) + limit(&history)) * flow.before;

@@ -732,3 +732,22 @@ frames = 2
 "#;
     assert!(followed(text).ended);
 }
+
+/// The strength of a joint was that of other sections than those at the joint: a cone and its mirror image had other parts of it in use.
+#[test]
+fn the_strength_of_a_joint_beside_a_cone_is_that_of_the_sections_there() {
+    let material =
+        "{ density = 7800, modulus = 2e11, beyond = \"rupture\", curve = { table = [[1e-3, 2e8], [1e-1, 2.1e8]] } }";
+    let segment = |area: &str| format!("[[bar.segment]]\nlength = 0.1\narea = {area}\nmaterial = {material}\n");
+    let ends = ["kind = \"stress\"\nvalue = 190e6", "kind = \"fixed\""];
+    let used = |segments: [&str; 2], [left, right]: [&str; 2]| -> f64 {
+        let bar = segments.map(segment).concat();
+        let text = text(&bar, left, "", "until = 6e-5\ncells = 200");
+        let text = text.replace("[right]\nkind = \"free\"", &format!("[right]\n{right}"));
+        let summary = run(&scene(&text), None, &mut |_| ControlFlow::Continue(())).unwrap_or_else(|e| panic!("{e}"));
+        summary.audit.iter().find(|row| row.effect == "separation").expect("the joint is in tension").estimate
+    };
+    let one = used(["[[0, 4e-4], [0.1, 1e-4]]", "1e-4"], ends);
+    let other = used(["1e-4", "[[0, 1e-4], [0.1, 4e-4]]"], [ends[1], ends[0]]);
+    assert!((one / other - 1.0).abs() < 0.02 && one > 0.9 && one < 1.1, "{one} and {other}");
+}

@@ -8,9 +8,10 @@ use crate::root::{Tolerance, fixed_point};
 pub(super) fn relaxed(k: f64, gain: f64, time: f64) -> [f64; 2] {
     let z = k * gain * time;
     let used = -exp_m1(if z < LARGEST_EXPONENT { -z } else { -LARGEST_EXPONENT });
-    let small = k * time * (0.5 - z * (1.0 / 6.0 - z * (1.0 / 24.0 - z / 120.0)));
+    let start = k * time * (1.0 - z * (0.5 - z * (1.0 / 6.0 - z / 24.0)));
+    let rise = k * time * (0.5 - z * (1.0 / 6.0 - z * (1.0 / 24.0 - z / 120.0)));
     let part = gain.recip();
-    [used * part, if z < 1e-3 { small } else { (1.0 - used / z) * part }]
+    if z < 1e-3 { [start, rise] } else { [used * part, (1.0 - used / z) * part] }
 }
 
 /// An overstress x > 0, or = 0 and rising, with what it would rise by within a time if nothing flowed: Pa, Pa, s.
@@ -169,6 +170,14 @@ const LARGEST: f64 = 1e300;
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Under a prescribed stress beyond a level curve nothing relaxes.
+    #[test]
+    fn an_overstress_that_flow_does_not_reduce_flows_at_a_constant_rate() {
+        for gain in [0.0, 1e-300, 1e-20] {
+            assert_eq!(relaxed(3e6, gain, 2e-7), [3e6 * 2e-7, 0.5 * 3e6 * 2e-7], "{gain}");
+        }
+    }
 
     /// The overstress of an impact at hundreds of metres per second is more than a thousand times C f.
     #[test]

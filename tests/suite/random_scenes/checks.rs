@@ -264,7 +264,7 @@ fn stopped_for_a_reason(error: &RunError, failures: &mut Vec<Failure>) {
 /// Largest difference between a scene and its mirror, relative: rounding, which flow along level curves amplifies. By front tracking it is
 /// in front tolerances: rounding decides whether two fronts are merged.
 const MIRRORED: f64 = 1e-6;
-const MIRRORED_FRONTS: f64 = 1.0;
+const MIRRORED_FRONTS: f64 = 3.0;
 /// A change of the time step, or of the front tolerance, that is far above rounding and far below all that matters.
 const DISTURBANCE: f64 = 1e-13;
 

@@ -33,22 +33,34 @@ unpack() {
     mv -- "$slurm/unpacking" "$slurm/root"
 }
 
-free_port() {
-    local port
-    while port=$((20000 + RANDOM % 20000)); (: <"/dev/tcp/127.0.0.1/$port") 2>/dev/null; do :; done
-    echo "$port"
+# Two ports on which nothing listens and which no connection holds, below those that the system gives to connections.
+free_ports() {
+    python3 - <<END
+import random, socket
+with socket.socket() as one, socket.socket() as other:
+    for each in one, other:
+        while True:
+            try:
+                each.bind(("127.0.0.1", random.randrange(10000, 32000)))
+                break
+            except OSError:
+                pass
+    print(one.getsockname()[1], other.getsockname()[1])
+END
 }
 
 configure() {
-    local host
+    local host ports
     host=$(hostname -s)
+    read -ra ports < <(free_ports)
+    rm -rf -- "$run/state" "$run/spool"
     mkdir -- "$run/state" "$run/spool"
     (umask 077 && head -c 1024 /dev/urandom >"$run/key")
     cat >"$run/slurm.conf" <<END
 ClusterName=barwave
 SlurmctldHost=$host(127.0.0.1)
-SlurmctldPort=$(free_port)
-SlurmdPort=$(free_port)
+SlurmctldPort=${ports[0]}
+SlurmdPort=${ports[1]}
 SlurmUser=$(id -un)
 SlurmdUser=$(id -un)
 AuthInfo=socket=$run/munge
@@ -80,6 +92,8 @@ start() {
     daemons+=($!)
     local _
     for _ in {1..60}; do
+        # A port may have been taken meanwhile.
+        (($(jobs -pr | wc -l) == ${#daemons[@]})) || { echo "a daemon of Slurm has ended" && return 1; }
         [[ $(timeout 5 sinfo -h -o %T 2>/dev/null) == idle ]] && return
         sleep 0.5
     done
@@ -87,8 +101,18 @@ start() {
     return 1
 }
 
+end_daemons() {
+    local daemon
+    # The first one, munged, serves the others until they have ended.
+    for ((daemon = ${#daemons[@]} - 1; daemon >= 0; daemon--)); do
+        kill "${daemons[daemon]}" 2>/dev/null || true
+        wait "${daemons[daemon]}" 2>/dev/null || true
+    done
+    daemons=()
+}
+
 stop() {
-    local status=$? daemon
+    local status=$? _
     trap - EXIT
     if ((${#daemons[@]})); then
         timeout 5 scancel --user="$(id -un)" 2>/dev/null || true
@@ -96,11 +120,7 @@ stop() {
             [[ -z $(timeout 5 squeue -h 2>/dev/null) ]] && break
             sleep 0.5
         done
-        # The first one, munged, serves the others until they have ended.
-        for ((daemon = ${#daemons[@]} - 1; daemon >= 0; daemon--)); do
-            kill "${daemons[daemon]}" 2>/dev/null || true
-            wait "${daemons[daemon]}" 2>/dev/null || true
-        done
+        end_daemons
     fi
     ((status == 0)) || tail -n 20 -- "$run"/*.log "$run"/*.out 2>/dev/null || true
     rm -rf -- "$run"
@@ -132,8 +152,12 @@ mkdir -- "$run/bin"
 ln -s -- "$barwave" "$run/bin/barwave"
 PATH=$slurm/root/usr/sbin:$slurm/root/usr/bin:$run/bin:$PATH
 
-configure
-start
+for attempt in 1 2 3; do
+    configure
+    start && break
+    ((attempt < 3))
+    end_daemons
+done
 cd -- "$run"
 "$barwave" sweep "$sweep" -o single --quiet
 timeout 300 sbatch --quiet --wait --array=1-4 "$array" "$sweep" array

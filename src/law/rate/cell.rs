@@ -16,10 +16,10 @@
 //!
 //! Most cells are stepped side by side, see [`super::most`] and [`super::many`]; what follows here is for the others.
 
-use super::many::Many;
+use super::many::step_most;
 use super::most::Pieces;
 use super::step::{Flowing, readings_of_state, step};
-use super::{Driven, History, JohnsonCook, Overstress, PowerAboveOne, RateLaw, RelaxationStep};
+use super::{Driven, History, Overstress, RateLaw, RelaxationStep};
 use crate::law::{CellLaw, Deformed, Response, Steps, respond_alone};
 
 /// A rate-dependent cell in steps of one length.
@@ -113,23 +113,12 @@ impl<const N: usize> CellLaw<N> for Timed<N> {
         state: [&[f64; W]; N],
         after: &mut Steps<N, W>,
     ) {
-        let Some(pieces) = self.law.one_curve() else { return };
-        let parts = self.relaxation_step.parts[0].as_slice();
-        match self.law.overstress {
-            Overstress::Malvern { .. } => Pieces { pieces, parts }.step(sigma, predictor, state, after),
-            Overstress::JohnsonCook { c, rate } => {
-                let law = JohnsonCook { c, rate };
-                Many { law, pieces, time: self.time, warming: None }.step(sigma, predictor, state, after);
+        match (self.law.overstress, self.law.one_curve()) {
+            (Overstress::Malvern { .. }, Some(curve)) => {
+                let parts = self.relaxation_step.parts[0].as_slice();
+                Pieces { curve, parts }.step(sigma, predictor, state, after);
             }
-            Overstress::CowperSymonds { rate, exponent } if exponent > 1.0 => {
-                let law = PowerAboveOne { rate, exponent, thermal: None };
-                Many { law, pieces, time: self.time, warming: None }.step(sigma, predictor, state, after);
-            }
-            Overstress::ZerilliArmstrong { stress, sensitivity, rate, .. } if sensitivity < 1.0 => {
-                let law = PowerAboveOne { rate, exponent: sensitivity.recip(), thermal: Some(stress) };
-                Many { law, pieces, time: self.time, warming: None }.step(sigma, predictor, state, after);
-            }
-            _ => {}
+            _ => step_most(&self.law, self.time, None, [sigma, predictor], state, after),
         }
     }
 

@@ -58,8 +58,14 @@ impl Hardening {
         self.yield_stress
     }
 
+    /// Where piece `k` ends, Pa.
+    #[inline(always)]
+    pub fn end(&self, k: usize) -> f64 {
+        self.pieces.get(k + 1).map_or(f64::INFINITY, |next| next.start)
+    }
+
     /// Index of the piece at p, found from nothing.
-    #[inline]
+    #[inline(always)]
     pub fn find(&self, p: f64) -> u32 {
         let after = self.pieces.partition_point(|piece| piece.start <= p);
         after.saturating_sub(1) as u32

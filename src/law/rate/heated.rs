@@ -14,9 +14,9 @@
 //! cools by the fraction beta of it, as it warmed when the work was stored. A law that splits stored from dissipated work otherwise
 //! (Rosakis et al., J. Mech. Phys. Solids 48, 2000) would need a measured beta that depends on the path.
 
-use super::many::{FOUND, MOLTEN, Many, Warming};
+use super::many::{FOUND, MOLTEN, Warming, step_most};
 use super::step::{Flowing, readings_of_state, step};
-use super::{Course, Driven, History, JohnsonCook, Malvern, Overstress, PowerAboveOne, RateLaw};
+use super::{Course, Driven, History, Overstress, RateLaw};
 use crate::law::{CellLaw, Deformed, Response, Steps, respond_alone};
 use crate::material::Heating;
 use crate::root::{Tolerance, fixed_point};
@@ -182,23 +182,9 @@ impl<const N: usize> CellLaw<N> for Heated<N> {
         state: [&[f64; W]; N],
         after: &mut Steps<N, W>,
     ) {
-        let Some(pieces) = self.law.one_curve() else { return };
         let Self { time, rise, heating, .. } = self;
-        let (time, warming) =
-            (*time, Some(Warming { rise: *rise, range: heating.range(), exponent: heating.exponent }));
-        match self.law.overstress {
-            Overstress::Malvern { k } => {
-                Many { law: Malvern { k }, pieces, time, warming }.step(sigma, predictor, state, after);
-            }
-            Overstress::JohnsonCook { c, rate } => {
-                Many { law: JohnsonCook { c, rate }, pieces, time, warming }.step(sigma, predictor, state, after);
-            }
-            Overstress::CowperSymonds { rate, exponent } if exponent > 1.0 => {
-                let law = PowerAboveOne { rate, exponent, thermal: None };
-                Many { law, pieces, time, warming }.step(sigma, predictor, state, after);
-            }
-            _ => {}
-        }
+        let warming = Warming { rise: *rise, range: heating.range(), exponent: heating.exponent };
+        step_most(&self.law, *time, Some(warming), [sigma, predictor], state, after);
     }
 
     fn respond(&self, sigma: f64, predictor: f64, state: [f64; N]) -> Response<N> {

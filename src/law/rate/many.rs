@@ -13,7 +13,7 @@
 
 use super::most::Flown;
 use super::step::rounding;
-use super::{Closed, Driven, Piece};
+use super::{Closed, Driven, Hardening, JohnsonCook, Malvern, Overstress, PowerAboveOne, RateLaw};
 use crate::elementary::{exp, ln};
 use crate::law::Steps;
 use crate::root::Tolerance;
@@ -114,20 +114,48 @@ struct Found<const W: usize> {
 
 /// A law of overstress over one curve, in steps of `time`, s.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Many<'a, L> {
-    pub law: L,
-    pub pieces: &'a [Piece],
-    pub time: f64,
-    pub warming: Option<Warming>,
+struct Many<'a, L> {
+    law: L,
+    curve: &'a Hardening,
+    time: f64,
+    warming: Option<Warming>,
+}
+
+/// Steps the cells of a law over one curve of which there is a plain formula, see [`Many::step`]; no others.
+#[inline(always)]
+pub(super) fn step_most<const N: usize, const W: usize>(
+    law: &RateLaw,
+    time: f64,
+    warming: Option<Warming>,
+    cells: [&[f64; W]; 2],
+    state: [&[f64; W]; N],
+    after: &mut Steps<N, W>,
+) {
+    let Some(curve) = law.one_curve() else { return };
+    match law.overstress {
+        Overstress::Malvern { k } => Many { law: Malvern { k }, curve, time, warming }.step(cells, state, after),
+        Overstress::JohnsonCook { c, rate } => {
+            Many { law: JohnsonCook { c, rate }, curve, time, warming }.step(cells, state, after);
+        }
+        Overstress::CowperSymonds { rate, exponent } if exponent > 1.0 => {
+            let law = PowerAboveOne { rate, exponent, thermal: None };
+            Many { law, curve, time, warming }.step(cells, state, after);
+        }
+        // Its rate depends on the temperature itself, too.
+        Overstress::ZerilliArmstrong { stress, sensitivity, rate, .. } if sensitivity < 1.0 && warming.is_none() => {
+            let law = PowerAboveOne { rate, exponent: sensitivity.recip(), thermal: Some(stress) };
+            Many { law, curve, time, warming }.step(cells, state, after);
+        }
+        _ => {}
+    }
 }
 
 impl<L: Closed> Many<'_, L> {
     /// Steps the cells from their stresses and states to the stresses that they would have elastically; `after.known` tells which of them are done.
     #[inline(always)]
-    pub(super) fn step<const N: usize, const W: usize>(
+    fn step<const N: usize, const W: usize>(
         &self,
-        sigma: &[f64; W],
-        predictor: &[f64; W],
+        [sigma, predictor]: [&[f64; W]; 2],
         state: [&[f64; W]; N],
         after: &mut Steps<N, W>,
     ) {
@@ -197,14 +225,12 @@ impl<L: Closed> Many<'_, L> {
             of_law: zeros,
         };
         for i in 0..W {
-            let k = match self.pieces {
-                [_] => 0,
-                pieces => pieces.partition_point(|piece| piece.start <= state[0][i]).max(1) - 1,
-            };
-            let piece = self.pieces[k];
+            let pieces = self.curve.pieces();
+            let k = if let [_] = pieces { 0 } else { self.curve.find(state[0][i]) as usize };
+            let piece = pieces[k];
             start.cold[i] = piece.at(state[0][i]);
             start.slope[i] = piece.slope;
-            start.end[i] = self.pieces.get(k + 1).map_or(f64::INFINITY, |next| next.start);
+            start.end[i] = self.curve.end(k);
         }
         if let Some(warming) = self.warming {
             start.warmth = *state[5];

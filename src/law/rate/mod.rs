@@ -212,11 +212,11 @@ impl RateLaw {
         self.overstress
     }
 
-    /// The pieces of the static curve where it is one and does not move.
+    /// The static curve where it is one and does not move.
     #[inline(always)]
-    fn one_curve(&self) -> Option<&[Piece]> {
+    fn one_curve(&self) -> Option<&Hardening> {
         match self.hardening.as_slice() {
-            [one] if self.kinematic == 0.0 => Some(one.pieces()),
+            [one] if self.kinematic == 0.0 => Some(one),
             _ => None,
         }
     }
@@ -274,7 +274,7 @@ impl RateLaw {
         let pieces = self.side(sense).pieces();
         let (k, p) = (history.piece[sense] as usize, history.accumulated);
         let piece = pieces[k];
-        let (f, room) = (piece.at(p), pieces.get(k + 1).map_or(f64::INFINITY, |next| next.start - p));
+        let (f, room) = (piece.at(p), self.side(sense).end(k) - p);
         let mut flow = match (self.overstress, part) {
             (Overstress::Malvern { k }, Some(part)) => driven.linear(k, share + piece.slope, part),
             _ => self.overstress.flow(driven, share + piece.slope, f),
@@ -329,7 +329,7 @@ impl RateLaw {
         let (mut from, mut work) = (before.accumulated, 0.0);
         for k in before.piece[sense]..=after.piece[sense] {
             let piece = &pieces[k as usize];
-            let to = pieces.get(k as usize + 1).map_or(f64::INFINITY, |next| next.start).min(after.accumulated);
+            let to = self.side(sense).end(k as usize).min(after.accumulated);
             work += (to - from) * piece.at(0.5 * (from + to));
             from = to;
         }

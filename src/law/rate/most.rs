@@ -7,15 +7,15 @@
     reason = "`&&` and `||` are branches, and the compiler does not turn these into vectors"
 )]
 
-use super::Piece;
 use super::step::{GONE, rounding};
+use super::{Hardening, Piece};
 use crate::law::Steps;
 use crate::root::Tolerance;
 
 /// The static curve and the flow of a step along each of its pieces, see [`super::relaxed`].
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Pieces<'a> {
-    pub pieces: &'a [Piece],
+    pub curve: &'a Hardening,
     pub parts: &'a [[f64; 2]],
 }
 
@@ -30,8 +30,7 @@ struct On {
 impl Pieces<'_> {
     #[inline(always)]
     fn on(&self, k: usize) -> On {
-        let end = self.pieces.get(k + 1).map_or(f64::INFINITY, |next| next.start);
-        On { piece: self.pieces[k], end, part: self.parts[k] }
+        On { piece: self.curve.pieces()[k], end: self.curve.end(k), part: self.parts[k] }
     }
 
     /// Steps the cells from their stresses and states to the stresses that they would have elastically; `after.known` tells which of them are done.
@@ -43,7 +42,7 @@ impl Pieces<'_> {
         state: [&[f64; W]; N],
         after: &mut Steps<N, W>,
     ) {
-        if let [_] = self.pieces {
+        if let [_] = self.curve.pieces() {
             let on = self.on(0);
             for i in 0..W {
                 step_one(i, on, sigma[i], predictor[i], state, after);
@@ -51,8 +50,8 @@ impl Pieces<'_> {
             return;
         }
         for i in 0..W {
-            let k = self.pieces.partition_point(|piece| piece.start <= state[0][i]).max(1) - 1;
-            step_one(i, self.on(k), sigma[i], predictor[i], state, after);
+            let k = self.curve.find(state[0][i]);
+            step_one(i, self.on(k as usize), sigma[i], predictor[i], state, after);
         }
     }
 }

@@ -114,7 +114,7 @@ impl RateLaw {
         let (k, p) = (history.piece[sense], history.accumulated);
         let piece = pieces[k as usize];
         let start = piece.at(p);
-        let room = pieces.get(k as usize + 1).map_or(f64::INFINITY, |next| next.start - p);
+        let room = self.side(sense).end(k as usize) - p;
         let rise = |flow: f64| {
             if flow < room {
                 return piece.slope * flow;
@@ -154,7 +154,7 @@ impl RateLaw {
         while excess > 0.0 && time > 0.0 {
             let (gain, f) = (share + pieces[piece].slope, pieces[piece].at(p));
             let flow = excess * relaxed(k, gain, time)[0];
-            let room = pieces.get(piece + 1).map_or(f64::INFINITY, |next| next.start - p);
+            let room = self.side(sense).end(piece) - p;
             if flow < room || room == f64::INFINITY {
                 p += flow;
                 break;

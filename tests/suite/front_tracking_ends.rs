@@ -174,7 +174,15 @@ fn followed(end: EndCondition, velocity: f64) -> (u64, FrontTracking) {
 }
 
 fn largest(bar: &FrontTracking) -> f64 {
-    bar.ends()[0].steps.iter().map(|step| -step.stress).fold(0.0, f64::max)
+    largest_lasting(bar, 0.0)
+}
+
+/// Largest pressure at the left end that lasts longer than this, s.
+fn largest_lasting(bar: &FrontTracking, time: f64) -> f64 {
+    let steps = &bar.ends()[0].steps;
+    let ends = steps.iter().skip(1).map(|next| next.time).chain([f64::INFINITY]);
+    let lasting = steps.iter().zip(ends).filter(|(step, end)| end - step.time >= time);
+    lasting.map(|(step, _)| -step.stress).fold(0.0, f64::max)
 }
 
 #[test]
@@ -206,9 +214,10 @@ fn springs_of_any_stiffness_are_followed() {
             let (events, bar) = followed(EndCondition::Spring { stiffness }, velocity);
             println!("{velocity} m/s, 1e{exponent}: {events} events");
             if exponent >= 5 {
-                let apart = largest(&bar) / largest(&fixed) - 1.0;
-                // The front tolerance, a few times.
-                assert!(apart.abs() < 3e-3, "{velocity} 1e{exponent}: {apart:e}");
+                let apart = [0.0, 1e-5 * transit()].map(|time| largest_lasting(&bar, time) / largest(&fixed) - 1.0);
+                // The front tolerance, a few times. In steps of a spring that are far longer than its relaxation more is left: by one
+                // 1e10 times as stiff as the bar 0.6 % for 2e-10 s.
+                assert!(apart[0].abs() < 1e-2 && apart[1].abs() < 3e-3, "{velocity} 1e{exponent}: {apart:?}");
             }
             if exponent <= -5 {
                 assert!(largest(&bar) < 1e-4 * largest(&fixed), "{velocity} 1e{exponent}: {:e}", largest(&bar));

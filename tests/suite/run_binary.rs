@@ -711,16 +711,16 @@ fn an_event_budget_that_runs_out_keeps_the_frames() {
     let scene = runs().join("copper-released.toml").display().to_string();
     let output = barwave(
         folder.path(),
-        &["run", &scene, "-o", "a.h5", "--set", "solve.max-events=3000", "--set", "solve.front-tolerance=1e-4"],
+        &["run", &scene, "-o", "a.h5", "--set", "solve.max-events=5000", "--set", "solve.front-tolerance=1e-4"],
     );
     let message = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(1), "{message}");
-    for part in ["the run stopped at t = ", "its limit of 3000 events", "help: ", "front-tolerance = ", "a.h5"] {
+    for part in ["the run stopped at t = ", "its limit of 5000 events", "help: ", "front-tolerance = ", "a.h5"] {
         assert!(message.contains(part), "expected `{part}`: {message}");
     }
     let file = barwave::record::store::ResultFile::open(&folder.path().join("a.h5")).expect("a result file");
     assert_eq!(file.facts().outcome, "stopped");
-    assert!(file.facts().reason.as_ref().is_some_and(|r| r.contains("3000 events")));
+    assert!(file.facts().reason.as_ref().is_some_and(|r| r.contains("5000 events")));
     let frames = file.time().expect("times").len();
     assert!(frames > 10 && frames < 201, "{frames} frames");
     assert!(!file.paths().expect("paths").is_empty() && !file.fronts().expect("fronts").is_empty());

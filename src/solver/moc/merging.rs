@@ -82,21 +82,27 @@ struct Step {
 
 const NONE: usize = usize::MAX;
 
-/// Last bits of a change that may be rounding.
+/// Last bits of a change that may be rounding, and the part of the allowance below which all of it may be.
 const ROUNDING_BITS: u32 = 20;
+const NO_CHANGE: f64 = 1e-9;
 
-/// Neighbouring steps, what changes if they become one, Pa m, and how far they are from the middle of the bar, m.
+/// Neighbouring steps, what changes if they become one, Pa m, how far they are from the middle of the bar, m, and the speed of their waves
+/// away from it, m/s.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Pair {
     change: f64,
     from_middle: f64,
+    outwards: f64,
     steps: [usize; 2],
 }
 
 impl Pair {
-    /// Changes that are equal but for rounding, as of the even steps of a ramp, are taken from the middle of the bar outwards.
-    fn order(&self) -> (u64, u64) {
-        (self.change.to_bits() >> ROUNDING_BITS, self.from_middle.to_bits())
+    /// Changes that are equal but for rounding, as of the even steps of a ramp, are taken from the middle of the bar outwards, and where two
+    /// waves are at one place the one that runs inwards first.
+    fn compare(&self, other: &Self) -> Ordering {
+        let rounded =
+            |pair: &Self| (pair.change.to_bits() >> ROUNDING_BITS, pair.from_middle.to_bits() >> ROUNDING_BITS);
+        rounded(self).cmp(&rounded(other)).then(self.outwards.total_cmp(&other.outwards))
     }
 }
 
@@ -110,7 +116,7 @@ impl PartialOrd for Pair {
 
 impl Ord for Pair {
     fn cmp(&self, other: &Self) -> Ordering {
-        self.order().cmp(&other.order()).then(self.steps.cmp(&other.steps))
+        self.compare(other).then(self.steps.cmp(&other.steps))
     }
 }
 
@@ -186,17 +192,22 @@ impl Scratch {
     }
 
     /// Lifts the pieces of two steps to one height and returns the energy that this takes, J. Not if that takes less than `least`, nor if it
-    /// takes one of them past its yield stress by more than `most` (Pa), or further than it is.
+    /// takes one of them past its yield stress by more than `most` (Pa), or further than it is, nor if it takes back flow that never was: where
+    /// plastic waves of both directions are, the mean of one kind can be less than what the others have done.
     fn lift(&mut self, steps: [Step; 2], height: &Point, medium: &Medium, most: f64, least: f64) -> Option<f64> {
         self.lifted.clear();
+        let rounding = REST * medium.round_off;
         let mut taken = 0.0;
         for step in steps {
             for i in step.first..step.last {
                 let piece = &self.pieces[i];
                 let mut lifted = piece.plus(height, 1.0).plus(&step.height, -1.0);
-                // Rounding must not take back flow that never was.
-                lifted.accumulated = lifted.accumulated.max(0.0);
-                if medium.overstress(&lifted) > most.max(medium.overstress(piece)) {
+                let lacking = |point: &Point| point.plastic.abs() - point.accumulated;
+                if lacking(&lifted) > lacking(piece).max(0.0) + rounding {
+                    return None;
+                }
+                lifted.accumulated = lifted.accumulated.max(lifted.plastic.abs());
+                if medium.overstress(&lifted) > most.max(medium.overstress(piece)) + rounding {
                     return None;
                 }
                 let volume = medium.area * (self.x[i + 1] - self.x[i]).max(0.0);
@@ -227,7 +238,7 @@ impl FrontMerging {
             let share = share(&a, &b);
             let height = a.height.plus(&b.height, share).plus(&a.height, -share);
             let medium = &media[a.segment];
-            let most = if change > TRIFLE * self.allowance { medium.round_off * REST } else { self.overstress };
+            let most = if change > TRIFLE * self.allowance { 0.0 } else { self.overstress };
             let Some(taken) = scratch.lift([a, b], &height, medium, most, -self.credit) else { continue };
             self.credit += taken;
             self.changed += change;
@@ -248,8 +259,10 @@ impl FrontMerging {
         let distance = self.distance(&a.height, &b.height, &media[a.segment], a.segment);
         let change = distance * 2.0 * a.length * share(&a, &b);
         if change <= self.allowance {
-            let middle = 0.5 * (scratch.x[0] + scratch.x[scratch.x.len() - 1]);
-            scratch.pairs.push(Reverse(Pair { change, from_middle: (scratch.x[b.first] - middle).abs(), steps }));
+            let change = if change < NO_CHANGE * self.allowance { 0.0 } else { change };
+            let beyond_middle = scratch.x[b.first] - 0.5 * (scratch.x[0] + scratch.x[scratch.x.len() - 1]);
+            let outwards = scratch.wave[b.first].map_or(0.0, |speed| speed * beyond_middle.signum());
+            scratch.pairs.push(Reverse(Pair { change, from_middle: beyond_middle.abs(), outwards, steps }));
         }
     }
 

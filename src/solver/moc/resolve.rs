@@ -107,7 +107,7 @@ impl FrontTracking {
         self.note_limit(1, right_segment, [&right, &behind_right], x);
         let medium = &self.media[left_segment as usize];
         let apart = capped
-            || !behind_left.same_history(&behind_right, medium.round_off)
+            || !behind_left.same_history(&behind_right, medium)
             || !same_motion(&behind_left, &behind_right, medium, 1.0);
         let before_new = self.send_left(prev, x, left_segment);
         let middle = match joint {

@@ -175,12 +175,14 @@ impl FrontTracking {
     pub fn advance_to(&mut self, until: f64) -> Result<(), Stopped> {
         loop {
             self.limits.check(until)?;
-            if self.merging.is_due(self.list.len(), self.events) {
-                self.merge_fronts();
-            }
             let meeting = self.next_meeting();
             let (own, id) = self.next_own();
             let time = meeting.map_or(f64::INFINITY, |m| m.time).min(own);
+            // Not between events of one time, whose order is a matter of rounding.
+            if time > self.now + self.nearness.time && self.merging.is_due(self.list.len(), self.events) {
+                self.merge_fronts();
+                continue;
+            }
             if time > until + self.nearness.time {
                 self.now = self.now.max(until);
                 return Ok(());

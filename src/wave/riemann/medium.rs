@@ -55,14 +55,15 @@ impl Point {
         }
     }
 
-    /// True where two points have the same past: no contact needs to stay between them. Differences up to
-    /// `round_off` (Pa) are no difference.
-    pub fn same_history(&self, other: &Self, round_off: f64) -> bool {
-        let near = |a: f64, b: f64| (a - b).abs() <= round_off.max(1e-13 * a.abs());
+    /// True where two points have the same past: no contact needs to stay between them. Flow by the rounding of the medium is no difference, nor
+    /// is the work that this takes.
+    pub fn same_history(&self, other: &Self, medium: &Medium) -> bool {
+        let near = |a: f64, b: f64| (a - b).abs() <= medium.round_off.max(1e-13 * a.abs());
+        let work = medium.round_off * self.stress.abs() / medium.modulus;
         near(self.accumulated, other.accumulated)
             && near(self.plastic, other.plastic)
             && near(self.back, other.back)
-            && (self.work - other.work).abs() <= 1e-11 * self.work.abs()
+            && (self.work - other.work).abs() <= work.max(1e-11 * self.work.abs())
     }
 }
 

@@ -168,12 +168,12 @@ pub fn figures_of(text: &str) -> Option<Figures> {
 }
 
 /// What the grid filter gives is an error of the grid: of a bar that moves in a few of its cells only it may be more than the energy of a
-/// mean cell, but it goes to zero as cells become smaller.
+/// mean cell, but it (J) goes to zero as cells become smaller. So may all energy: that of an end which breaks off at once is that of a cell.
 fn vanishes_on_finer_cells(spec: &Spec, given: f64) -> bool {
     [2, 4].into_iter().enumerate().all(|(k, by)| {
         let scene = Scene::parse("finer.toml", &spec.text(Method::Leapfrog, by), Path::new("."), &[]);
         scene.is_ok_and(|scene| {
-            follow(&scene, scene.solve.until, &mut Vec::new()).given < FALLS.powi(k as i32 + 1) * given
+            follow(&scene, scene.solve.until, &mut Vec::new()).given_energy < FALLS.powi(k as i32 + 1) * given
         })
     })
 }
@@ -226,7 +226,9 @@ fn by_method(spec: &Spec, method: Method, failures: &mut Vec<Failure>) -> Became
         return Became::Refused;
     }
     let mut figures = follow(&scene, scene.solve.until, failures);
-    if failures.iter().any(|failure| failure.class == FILTER_GIVES) && vanishes_on_finer_cells(spec, figures.given) {
+    if failures.iter().any(|failure| failure.class == FILTER_GIVES)
+        && vanishes_on_finer_cells(spec, figures.given_energy)
+    {
         failures.retain(|failure| failure.class != FILTER_GIVES);
     }
     figures.gathers |= above_critical;
@@ -265,8 +267,8 @@ fn stopped_for_a_reason(error: &RunError, failures: &mut Vec<Failure>) {
 /// in front tolerances: rounding decides whether two fronts are merged.
 const MIRRORED: f64 = 1e-6;
 const MIRRORED_FRONTS: f64 = 3.0;
-/// A change of the time step, or of the front tolerance, that is far above rounding and far below all that matters.
-const DISTURBANCE: f64 = 1e-13;
+/// Changes of the time step, or of the front tolerance, by rounding and by what is far above it, all of them far below all that matters.
+const DISTURBANCES: [f64; 4] = [1e-14, 1e-13, 1e-12, 1e-11];
 
 fn mirror_agrees(spec: &Spec, method: Method, figures: &Figures, failures: &mut Vec<Failure>) {
     let text = spec.mirrored().text(method, 1);
@@ -287,17 +289,25 @@ fn mirror_agrees(spec: &Spec, method: Method, figures: &Figures, failures: &mut 
         Method::Leapfrog | Method::Muscl => MIRRORED,
     };
     let size = differs.size(method == Method::Moc && figures.gathers);
-    if size > allowed && size > amplified(spec, method, figures) && !is_tie(spec, method) {
-        failures.push(Failure::new("mirror differs", format!("{differs:?}")));
+    if size <= allowed {
+        return;
+    }
+    let amplified = amplified(spec, method, figures);
+    // One cell that flows or not makes the same difference in both, but for rounding.
+    if size > 1.001 * amplified && !is_tie(spec, method) {
+        failures.push(Failure::new("mirror differs", format!("{differs:?}, by disturbances {amplified:e}")));
     }
 }
 
-/// What the bar makes of a disturbance like rounding: along falling curves, and level ones that are followed both ways, the equations are ill-posed
-/// and amplify any.
+/// What the bar makes of disturbances like rounding: along falling curves, and level ones that are followed both ways, the equations are ill-posed
+/// and amplify any. Where a cell is at its yield stress to the last bit, one of them or another decides whether it flows.
 fn amplified(spec: &Spec, method: Method, figures: &Figures) -> f64 {
-    let part = 1.0 - DISTURBANCE;
-    let disturbed = Spec { cfl: part * spec.cfl, front_tolerance: part * spec.front_tolerance, ..spec.clone() };
-    figures_of(&disturbed.text(method, 1)).map_or(0.0, |disturbed| figures.differs(&disturbed).largest())
+    let differs = |disturbance: f64| {
+        let part = 1.0 - disturbance;
+        let disturbed = Spec { cfl: part * spec.cfl, front_tolerance: part * spec.front_tolerance, ..spec.clone() };
+        figures_of(&disturbed.text(method, 1)).map_or(0.0, |disturbed| figures.differs(&disturbed).largest())
+    };
+    DISTURBANCES.into_iter().map(differs).fold(0.0, f64::max)
 }
 
 /// At Courant number 1 a bar comes back to a wall exactly at the end of a step: rounding decides whether it touches in this one or in the

@@ -674,6 +674,8 @@ frames = 2
 }
 
 /// Fronts were merged from left to right, so that rounding apart the mirrored bar was merged otherwise: its ends differed by ten front tolerances.
+/// A strained bar also lost plastic strain: the mean of waves to one side could be less than what those to the other side had done, and the flow that
+/// was missing counted as none.
 #[test]
 fn fronts_merge_alike_in_the_mirrored_bar() {
     let material = |text: &str| ("material", same(text));
@@ -695,12 +697,19 @@ fn fronts_merge_alike_in_the_mirrored_bar() {
         ),
         ("stress", Value::Along(vec![(1.72e-3, -218e3), (3.6e-2, 137e3)], 0.105)),
     ]);
-    let absorbing = keys(&[("kind", same("\"absorbing\""))]);
+    let strained = keys(&[
+        ("length", Value::number(0.121)),
+        material("\"copper-annealed\""),
+        ("velocity", Value::SignedAlong(vec![(0.0, 23.0), (4.89e-2, -1.83), (0.121, 17.1)], 0.121)),
+    ]);
+    let [absorbing, wall] = ["absorbing", "wall"].map(|kind| keys(&[("kind", Value::word(kind))]));
     let isotropic = [("hardening", same("\"isotropic\""))];
-    for (rod, striker, until, front_tolerance) in
-        [(rod, striker(0.203, 11.3), 3.08e-4, 1e-2), (prestressed, striker(0.0298, -7.14), 4.46e-5, 1e-3)]
-    {
-        let spec = spec(vec![rod], [striker, absorbing.clone()], &isotropic, (until, 20, 1.0));
+    for (rod, left, until, front_tolerance) in [
+        (rod, striker(0.203, 11.3), 3.08e-4, 1e-2),
+        (prestressed, striker(0.0298, -7.14), 4.46e-5, 1e-3),
+        (strained, wall, 9.68e-6, 1e-2),
+    ] {
+        let spec = spec(vec![rod], [left, absorbing.clone()], &isotropic, (until, 20, 1.0));
         assert_mirrored_by(Method::Moc, &Spec { front_tolerance, ..spec });
     }
 }

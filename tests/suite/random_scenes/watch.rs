@@ -59,6 +59,8 @@ pub struct Figures {
     pub taken: f64,
     /// Largest part of it that the method has given.
     pub given: f64,
+    /// That, J.
+    pub given_energy: f64,
     /// The curve is followed both ways.
     pub returns: bool,
     /// Strain gathers at a place, where the bar is driven beyond what its curve can carry away.
@@ -226,14 +228,14 @@ impl Watch {
             let least = match name {
                 "half_step" => f64::INFINITY,
                 "numerical" => self.numerical * self.energy + unanswered + slack,
-                "plastic" | "heat" => self.plastic * self.energy + slack,
+                // What gathers at a place is plastic work too.
+                "plastic" | "heat" | "concentrated" => self.plastic * self.energy + slack,
                 _ => slack,
             };
             if now < -least {
                 let class = if name == "numerical" && self.by_leapfrog { FILTER_GIVES } else { "negative energy" };
                 fail(class, format!("{name} = {now:e} of {:e} J", self.energy));
             }
-            // What gathers at a place is plastic work too.
             let stays = matches!(name, "heat" | "viscoplastic" | "fracture" | "damping")
                 || (matches!(name, "plastic" | "concentrated") && self.plastic_stays);
             let stays = stays && !(self.cools && name == "heat");
@@ -276,6 +278,7 @@ impl Watch {
             strain: self.largest[2],
             taken: self.last.numerical / self.energy.max(f64::MIN_POSITIVE),
             given: self.given / self.energy.max(f64::MIN_POSITIVE),
+            given_energy: self.given,
             returns: self.returns,
             ended,
             gathers: self.last.concentrated > self.slack * self.energy,

@@ -67,6 +67,9 @@ impl Point {
     }
 }
 
+/// A line along which the stress changes by less than this part of it is level: rounding of the stress would be a change of its plastic strain.
+const LEVEL: f64 = 1e-10;
+
 /// A loading table with what a path along it needs, one entry a line.
 #[derive(Debug, Clone)]
 pub(super) struct Lines {
@@ -86,11 +89,11 @@ impl Lines {
         let lines = table.lines();
         let z: Vec<f64> = lines.iter().map(|l| l.start).collect();
         let mut y: Vec<f64> = lines.iter().map(|l| l.offset + l.slope * l.start).collect();
-        let slope: Vec<f64> = lines.iter().map(|l| l.slope).collect();
+        let mut slope: Vec<f64> = lines.iter().map(|l| l.slope).collect();
         // What follows a level stretch starts on it, to the last bit: no strain is long enough for a rise along it.
         for k in 1..y.len() {
-            if slope[k - 1] == 0.0 {
-                y[k] = y[k - 1];
+            if (y[k] - y[k - 1]).abs() <= LEVEL * y[k] {
+                (slope[k - 1], y[k]) = (0.0, y[k - 1]);
             }
         }
         let compliance = slope.iter().map(|s| 1.0 / (density * modulus * s).sqrt()).collect();

@@ -12,11 +12,11 @@ use barwave::scene::Scene;
 
 const RUNS: usize = 7;
 
-fn scene(velocity: f64, table: &[[f64; 2]], unloading: &str, cells: usize) -> Scene {
+fn scene(velocity: f64, table: &[[f64; 2]], hardening: &str, cells: usize) -> Scene {
     let text = format!(
         "[bar]\nlength = 1\n[bar.material]\nname = \"bench\"\ndensity = 7800\nmodulus = 200e9\nbeyond = \"extend\"\n\
          curve = {{ table = {table:?} }}\n[left]\nkind = \"velocity\"\nvalue = {velocity:?}\n[right]\nkind = \"free\"\n\
-         {unloading}\n[solve]\nuntil = 1.5798734e-4\ncells = {cells}\n"
+         {hardening}\n[solve]\nuntil = 1.5798734e-4\ncells = {cells}\n"
     );
     Scene::parse("bench", &text, Path::new("."), &[]).unwrap_or_else(|error| panic!("{error}"))
 }
@@ -56,7 +56,7 @@ fn main() {
         "{:<26}{:>7}{:>12}{:>10}{:>8}{:>14}{:>12}",
         "problem", "cells", "leapfrog ns", "muscl ns", "ratio", "leapfrog err", "muscl err"
     );
-    for (name, velocity, table, unloading) in [
+    for (name, velocity, table, hardening) in [
         ("P1 elastic", 10.0, &[[0.01, 2e9]][..], ""),
         ("P2 bilinear", 20.0, &bilinear[..], isotropic),
         ("P2, curve both ways", 20.0, &bilinear[..], ""),
@@ -64,7 +64,7 @@ fn main() {
         ("P3, 60 knots, both ways", 20.0, &power_law[..], ""),
     ] {
         for cells in [1000, 10_000] {
-            let scene = scene(velocity, table, unloading, cells);
+            let scene = scene(velocity, table, hardening, cells);
             let (plain, plain_error) = measure(&scene, || assemble::leapfrog(&scene, cells, 1.0));
             let (here, error) = measure(&scene, || assemble::muscl(&scene, cells, 1.0));
             println!(

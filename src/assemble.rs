@@ -12,7 +12,7 @@ use crate::law::{
 };
 use crate::material::{Curve, Heating, Material, Sense};
 use crate::record::Stepped;
-use crate::scene::{Effects, Method, Scene, Unloading};
+use crate::scene::{Effects, HardeningRule, Method, Scene};
 use crate::snapshot::Snapshot;
 use crate::solver::fd::{DistributedForces, Grid, Leapfrog, SegmentLaw};
 use crate::solver::moc::{FrontTracking, Settings};
@@ -89,7 +89,7 @@ pub fn medium(segment: &Segment, effects: &Effects) -> Medium {
     });
     let level = tension.1.min(compression.1);
     let round_off = if level.is_finite() { ROUND_OFF * level } else { 0.0 };
-    let overlays = effects.unloading == Some(Unloading::Kinematic) && tension.0.is_multilinear();
+    let overlays = effects.hardening == Some(HardeningRule::Kinematic) && tension.0.is_multilinear();
     let flow = if overlays { Flow::Overlay } else { flow(effects) };
     let tables = [&tension.0, &compression.0];
     Medium::new(tables, material.modulus, material.density, segment.area, flow, round_off)
@@ -148,10 +148,10 @@ pub fn characteristic_net(scene: &Scene, cells: usize) -> Net {
 pub fn rate_law(material: &Material, effects: &Effects) -> RateLaw {
     let law = effects.rate.and_then(|rate| Overstress::of(rate, material));
     let overstress = law.unwrap_or(Overstress::RATE_INDEPENDENT);
-    let kinematic = match effects.unloading {
-        None | Some(Unloading::Isotropic) => 0.0,
-        Some(Unloading::Kinematic) => 1.0,
-        Some(Unloading::Mixed(fraction)) => fraction,
+    let kinematic = match effects.hardening {
+        None | Some(HardeningRule::Isotropic) => 0.0,
+        Some(HardeningRule::Kinematic) => 1.0,
+        Some(HardeningRule::Mixed(fraction)) => fraction,
     };
     // Where the temperature is a state of its own, the curves are the cold ones.
     let cold = material.heating.as_ref().map(|heating| heating.cold.iter().collect());
@@ -162,7 +162,7 @@ pub fn rate_law(material: &Material, effects: &Effects) -> RateLaw {
 }
 
 fn moves(effects: &Effects) -> bool {
-    !matches!(effects.unloading, None | Some(Unloading::Isotropic))
+    !matches!(effects.hardening, None | Some(HardeningRule::Isotropic))
 }
 
 /// What heats a segment where the temperature is a state of each cell. Where hardening is isotropic, flow takes no time, and the segment
@@ -213,11 +213,11 @@ pub fn segment_law(segment: &Segment, effects: &Effects) -> SegmentLaw {
 
 /// The flow rule of a tracked bar under the scene's effects; kinematic hardening is that along one line.
 pub fn flow(effects: &Effects) -> Flow {
-    match effects.unloading {
+    match effects.hardening {
         None => Flow::PathIndependent,
-        Some(Unloading::Isotropic) => Flow::Plastic { kinematic: 0.0 },
-        Some(Unloading::Kinematic) => Flow::Plastic { kinematic: 1.0 },
-        Some(Unloading::Mixed(kinematic)) => Flow::Plastic { kinematic },
+        Some(HardeningRule::Isotropic) => Flow::Plastic { kinematic: 0.0 },
+        Some(HardeningRule::Kinematic) => Flow::Plastic { kinematic: 1.0 },
+        Some(HardeningRule::Mixed(kinematic)) => Flow::Plastic { kinematic },
     }
 }
 
@@ -252,12 +252,12 @@ fn choose_law<B: Backbone + 'static>(
     effects: &Effects,
 ) -> Arc<dyn RowLaw> {
     let yield_stress = table.yield_stress();
-    match effects.unloading {
+    match effects.hardening {
         None => rows(PathIndependent(backbone)),
-        Some(Unloading::Isotropic) => warming(Isotropic(backbone), material),
-        Some(Unloading::Kinematic) if table.is_multilinear() => warming(Overlay::new(backbone, table), material),
-        Some(Unloading::Kinematic) => warming(Mixed { backbone, yield_stress, kinematic: 1.0 }, material),
-        Some(Unloading::Mixed(kinematic)) => warming(Mixed { backbone, yield_stress, kinematic }, material),
+        Some(HardeningRule::Isotropic) => warming(Isotropic(backbone), material),
+        Some(HardeningRule::Kinematic) if table.is_multilinear() => warming(Overlay::new(backbone, table), material),
+        Some(HardeningRule::Kinematic) => warming(Mixed { backbone, yield_stress, kinematic: 1.0 }, material),
+        Some(HardeningRule::Mixed(kinematic)) => warming(Mixed { backbone, yield_stress, kinematic }, material),
     }
 }
 

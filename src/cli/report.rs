@@ -50,9 +50,9 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let figure = Figure { field: args.field, units, panels: args.panels.clone(), size: args.size };
     match format {
         Format::Html => write_whole(&path, page(&file, &figure)?.as_bytes())?,
-        Format::Svg | Format::Png | Format::Pdf => save(&path, &file.facts().title, &draw(&file, &figure)?)?,
+        Format::Svg | Format::Png | Format::Pdf => save(&path, &file.metadata().title, &draw(&file, &figure)?)?,
     }
-    if file.facts().is_unfinished() && !settings::json() {
+    if file.metadata().is_unfinished() && !settings::json() {
         output::note(&format!("note: {} is unfinished; the figure shows the frames so far\n", args.file.display()));
     }
     if destination::is_stdout(&path) {

@@ -8,7 +8,7 @@ use super::view::View;
 use super::{histories, impact, profiles, theory};
 use crate::error::{InputError, Result};
 use crate::record::Field;
-use crate::record::store::{Facts, ResultFile};
+use crate::record::store::{Metadata, ResultFile};
 
 /// A panel of the figure of a bar.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -62,7 +62,7 @@ pub struct Figure {
 /// # Errors
 /// [`InputError`] where the file has not the field or panel, or no frame at all, or where the size is too small; a file that cannot be read.
 pub fn draw(file: &ResultFile, figure: &Figure) -> Result<String> {
-    let heading = figure.panels.is_empty().then(|| heading(file.facts()));
+    let heading = figure.panels.is_empty().then(|| heading(file.metadata()));
     if let Some(impact) = file.impact()? {
         return compose(heading.as_ref(), &impact_contents(file, &impact, figure)?, figure.size);
     }
@@ -185,20 +185,20 @@ fn nothing(file: &ResultFile, why: &str) -> InputError {
         .help("a run stopped before its first frame has no frames; run the scene again")
 }
 
-fn heading(facts: &Facts) -> Heading {
-    let mut parts = vec![format!("{} {}", facts.method, facts.scheme)];
-    if let Some(cells) = facts.cells.filter(|cells| *cells > 0) {
+fn heading(metadata: &Metadata) -> Heading {
+    let mut parts = vec![format!("{} {}", metadata.method, metadata.scheme)];
+    if let Some(cells) = metadata.cells.filter(|cells| *cells > 0) {
         parts.push(format!("{cells} cells"));
     }
-    if let Some(events) = facts.events.filter(|events| *events > 0) {
+    if let Some(events) = metadata.events.filter(|events| *events > 0) {
         parts.push(format!("{events} events"));
     }
-    if !facts.effects.is_empty() {
-        parts.push(facts.effects.join(", "));
+    if !metadata.effects.is_empty() {
+        parts.push(metadata.effects.join(", "));
     }
-    parts.push(if facts.is_unfinished() { "unfinished".into() } else { format!("outcome: {}", facts.outcome) });
-    if let Some(error) = &facts.error {
+    parts.push(if metadata.is_unfinished() { "unfinished".into() } else { format!("outcome: {}", metadata.outcome) });
+    if let Some(error) = &metadata.error {
         parts.push(format!("error {:.1e} ({})", error.value, error.reference));
     }
-    Heading { title: facts.title.clone(), about: parts.join("  \u{b7}  ") }
+    Heading { title: metadata.title.clone(), about: parts.join("  \u{b7}  ") }
 }

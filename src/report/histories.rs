@@ -72,7 +72,7 @@ fn at_places(view: &View, names: &[String], traces: &[&Trace], samples: &[usize]
 /// Energies against time: where the work of the ends went.
 pub(super) fn ledger(view: &View) -> Result<Option<LinePanel>> {
     let rows = view.file.ledger()?;
-    let unit = view.units.energy(&view.file.facts().energy_units);
+    let unit = view.units.energy(&view.file.metadata().energy_units);
     let times: Vec<f64> = rows.iter().map(|row| row.time).collect();
     let line = |name: &str, stroke: Stroke, value: fn(&LedgerRow) -> f64| {
         let values: Vec<f64> = rows.iter().map(value).collect();

@@ -46,7 +46,7 @@ pub(super) fn table(label: &str, head: &[String], rows: &[Vec<String>]) -> Strin
         format!("<tr>{}</tr>\n", cells.collect::<String>())
     };
     let column = "th scope=\"col\"";
-    let (class, first) = if head.is_empty() { ("facts", "th scope=\"row\"") } else { ("columns", "td") };
+    let (class, first) = if head.is_empty() { ("metadata", "th scope=\"row\"") } else { ("columns", "td") };
     let head = if head.is_empty() { String::new() } else { line(head, column, column) };
     let body: String = rows.iter().map(|row| line(row, first, "td")).collect();
     // What scrolls must be within reach of the keyboard.

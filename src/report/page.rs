@@ -6,7 +6,7 @@ use super::html::{escape, html, table};
 use super::impact;
 use crate::error::Result;
 use crate::record::FrontRow;
-use crate::record::store::{Facts, ResultFile, StoredImpact};
+use crate::record::store::{Metadata, ResultFile, StoredImpact};
 use crate::solver::Energies;
 
 /// A number without unit.
@@ -23,7 +23,7 @@ const MOST_FRONTS: usize = 100;
 /// # Errors
 /// As for [`draw`](super::draw).
 pub fn page(file: &ResultFile, figure: &Figure) -> Result<String> {
-    let (facts, units) = (file.facts(), figure.units);
+    let (metadata, units) = (file.metadata(), figure.units);
     let panels = pictures(file, figure, PANEL)?;
     if let Some(impact) = file.impact()? {
         return impact_page(file, &impact, &panels, units);
@@ -32,8 +32,8 @@ pub fn page(file: &ResultFile, figure: &Figure) -> Result<String> {
     let ledger = ledger_table(file, units)?;
     let audit = audit_list(file)?;
     let materials = materials_table(file, units)?;
-    let scene = format!("<pre tabindex=\"0\">{}</pre>", escape(&facts.scene));
-    let about = facts_table(facts);
+    let scene = format!("<pre tabindex=\"0\">{}</pre>", escape(&metadata.scene));
+    let about = facts_table(metadata);
     let mut sections = vec![("", panels.as_str()), ("Run", about.as_str())];
     let optional = [
         ("Fronts", &fronts),
@@ -43,17 +43,17 @@ pub fn page(file: &ResultFile, figure: &Figure) -> Result<String> {
         ("Scene", &scene),
     ];
     sections.extend(optional.into_iter().filter(|(_, content)| !content.is_empty()).map(|(h, c)| (h, c.as_str())));
-    Ok(html(&facts.title, &sections))
+    Ok(html(&metadata.title, &sections))
 }
 
 /// The page of an impact that is not waves in a bar; `panels` is empty where it has no histories.
 fn impact_page(file: &ResultFile, impact: &StoredImpact, panels: &str, units: Units) -> Result<String> {
-    let facts = file.facts();
+    let metadata = file.metadata();
     let results = table("Results", &[], &impact::figures(impact, units));
-    let notes: Vec<String> = facts.notes.iter().map(|note| format!("<li>{}</li>\n", escape(note))).collect();
+    let notes: Vec<String> = metadata.notes.iter().map(|note| format!("<li>{}</li>\n", escape(note))).collect();
     let notes = if notes.is_empty() { String::new() } else { format!("<ul>\n{}</ul>\n", notes.concat()) };
-    let (about, materials) = (facts_table(facts), materials_table(file, units)?);
-    let scene = format!("<pre tabindex=\"0\">{}</pre>", escape(&facts.scene));
+    let (about, materials) = (facts_table(metadata), materials_table(file, units)?);
+    let scene = format!("<pre tabindex=\"0\">{}</pre>", escape(&metadata.scene));
     let sections = [
         ("", panels),
         ("Run", &about),
@@ -63,70 +63,70 @@ fn impact_page(file: &ResultFile, impact: &StoredImpact, panels: &str, units: Un
         ("Scene", &scene),
     ];
     let kept: Vec<(&str, &str)> = sections.into_iter().filter(|(_, content)| !content.is_empty()).collect();
-    Ok(html(&facts.title, &kept))
+    Ok(html(&metadata.title, &kept))
 }
 
 /// Names and values of facts.
 type Rows = Vec<Vec<String>>;
 
-fn facts_table(facts: &Facts) -> String {
-    let mut rows = method_rows(facts);
-    rows.extend(cost_rows(facts));
+fn facts_table(metadata: &Metadata) -> String {
+    let mut rows = method_rows(metadata);
+    rows.extend(cost_rows(metadata));
     let mut add = |name: &str, value: String| rows.push(vec![name.into(), value]);
-    if !facts.overrides.is_empty() {
-        add("overrides", facts.overrides.join("; "));
+    if !metadata.overrides.is_empty() {
+        add("overrides", metadata.overrides.join("; "));
     }
-    let commit = facts.git_revision.as_ref().map_or_else(String::new, |r| format!(", commit {r}"));
-    add("program", format!("barwave {}{commit}", facts.program_version));
-    add("started", facts.created.clone());
+    let commit = metadata.git_revision.as_ref().map_or_else(String::new, |r| format!(", commit {r}"));
+    add("program", format!("barwave {}{commit}", metadata.program_version));
+    add("started", metadata.created.clone());
     table("Run", &[], &rows)
 }
 
 /// What was simulated, by what method, and how it ended.
-fn method_rows(facts: &Facts) -> Rows {
+fn method_rows(metadata: &Metadata) -> Rows {
     let mut rows = Rows::new();
     let mut add = |name: &str, value: String| rows.push(vec![name.into(), value]);
-    let outcome = if facts.is_unfinished() {
+    let outcome = if metadata.is_unfinished() {
         "unfinished: the run still goes on, or was killed".into()
     } else {
-        facts.outcome.clone()
+        metadata.outcome.clone()
     };
     add("outcome", outcome);
-    if let Some(reason) = &facts.reason {
+    if let Some(reason) = &metadata.reason {
         add("reason", reason.clone());
     }
-    add("method", format!("{} {}", facts.method, facts.scheme));
-    add("effects", if facts.effects.is_empty() { "none".into() } else { facts.effects.join(", ") });
-    for note in &facts.notes {
+    add("method", format!("{} {}", metadata.method, metadata.scheme));
+    add("effects", if metadata.effects.is_empty() { "none".into() } else { metadata.effects.join(", ") });
+    for note in &metadata.notes {
         add("note", note.clone());
     }
-    if let Some(velocity) = facts.critical_velocity {
+    if let Some(velocity) = metadata.critical_velocity {
         add("critical impact velocity", format!("{} m/s", four_digits(velocity)));
     }
     rows
 }
 
 /// How large the run was, how long it took, and its error.
-fn cost_rows(facts: &Facts) -> Rows {
+fn cost_rows(metadata: &Metadata) -> Rows {
     let mut rows = Rows::new();
     let mut add = |name: &str, value: String| rows.push(vec![name.into(), value]);
     let counts = [
-        ("cells", facts.cells),
+        ("cells", metadata.cells),
         // By characteristics a step is an event.
-        ("steps", facts.steps.filter(|_| facts.method != "moc")),
-        ("events", facts.events),
-        ("cell steps", facts.cell_steps),
+        ("steps", metadata.steps.filter(|_| metadata.method != "moc")),
+        ("events", metadata.events),
+        ("cell steps", metadata.cell_steps),
     ];
     for (name, count) in counts.into_iter().filter_map(|(name, count)| Some((name, count.filter(|c| *c > 0)?))) {
         add(name, count.to_string());
     }
-    if let Some(error) = &facts.error {
+    if let Some(error) = &metadata.error {
         add("error", format!("{:.2e}: {}, against {}", error.value, error.measure, error.reference));
         if let Some(table) = &error.table {
             add("errors", table.to_string());
         }
     }
-    for (name, seconds) in [("wall time", facts.wall_seconds), ("of which stepping", facts.step_wall_seconds)] {
+    for (name, seconds) in [("wall time", metadata.wall_seconds), ("of which stepping", metadata.step_wall_seconds)] {
         if let Some(seconds) = seconds {
             add(name, format!("{} s", four_digits(seconds)));
         }
@@ -197,7 +197,7 @@ fn ledger_table(file: &ResultFile, units: Units) -> Result<String> {
     let Some(last) = rows.last() else {
         return Ok(String::new());
     };
-    let stored = &file.facts().energy_units;
+    let stored = &file.metadata().energy_units;
     let energy = units.energy(stored);
     let residual = rows.iter().map(|row| row.residual.abs()).fold(0.0, f64::max);
     let mut values: Vec<(&str, String)> = Energies::COLUMNS

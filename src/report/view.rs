@@ -59,7 +59,7 @@ impl View<'_> {
     /// Values that the axis of a line must hold: all of an exact solution, otherwise without spikes of a few samples.
     pub fn limits(&self, points: &[(f64, f64)]) -> Vec<f64> {
         // Steps of fronts are few rows and no spikes.
-        if self.file.facts().method == "moc" { points.iter().map(|p| p.1).collect() } else { without_spikes(points) }
+        if self.file.metadata().method == "moc" { points.iter().map(|p| p.1).collect() } else { without_spikes(points) }
     }
 }
 

@@ -245,7 +245,7 @@ fn case(scene: &Scene, cells: Option<usize>) -> Case<'_> {
         until: scene.solve.until,
         tolerance: scene.solve.audit_tolerance,
         off: Off {
-            unloading: effects.unloading.is_none(),
+            unloading: effects.hardening.is_none(),
             rate: effects.rate.is_none(),
             heat: effects.heat.is_none(),
             rupture: effects.rupture.is_none(),

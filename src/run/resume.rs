@@ -9,7 +9,7 @@ use super::{Progress, Target, begin};
 use crate::destination;
 use crate::error::{Error, InputError, Result};
 use crate::record::Summary;
-use crate::record::store::{Checkpoint, Facts, ResultFile, checkpoint_path, checksum, remove_checkpoint};
+use crate::record::store::{Checkpoint, Metadata, ResultFile, checkpoint_path, checksum, remove_checkpoint};
 use crate::scene::Scene;
 use crate::snapshot::unpack;
 use crate::text_file;
@@ -49,11 +49,11 @@ pub fn resume(
 /// Scene and checkpoint of an unfinished result, and what was chosen.
 fn read(output: &Path) -> Result<(Scene, Checkpoint, Chosen)> {
     let file = ResultFile::open(output)?;
-    let (facts, place) = (file.facts(), destination::resolve(output)?);
-    if ["done", "rupture", "stopped"].contains(&facts.outcome.as_str()) && facts.steps.is_some() {
+    let (metadata, place) = (file.metadata(), destination::resolve(output)?);
+    if ["done", "rupture", "stopped"].contains(&metadata.outcome.as_str()) && metadata.steps.is_some() {
         // A run that is killed as its last act leaves the checkpoint.
         remove_checkpoint(&place);
-        let message = format!("the run has ended: its outcome is `{}`", facts.outcome);
+        let message = format!("the run has ended: its outcome is `{}`", metadata.outcome);
         return Err(wrong(output, &message, "there is nothing to resume; `barwave report` draws the result"));
     }
     let Some(checkpoint) = Checkpoint::read(&place)? else {
@@ -66,9 +66,9 @@ fn read(output: &Path) -> Result<(Scene, Checkpoint, Chosen)> {
         return Err(wrong(output, &message, "put back the checkpoint of this result, or run its scene again"));
     }
     let chosen: Chosen = unpack(&checkpoint.chosen).map_err(|e| Error::file(&checkpoint_path(&place), e))?;
-    let mut scene = scene(&file, facts, &chosen)?;
+    let mut scene = scene(&file, metadata, &chosen)?;
     let resolved = chosen.with_method(&scene).resolved_json().to_string();
-    if resolved != facts.scene_resolved || checksum(&resolved) != checkpoint.scene {
+    if resolved != metadata.scene_resolved || checksum(&resolved) != checkpoint.scene {
         let message = "this program resolves the scene differently from the one that started the run";
         return Err(wrong(output, message, "resume with the program that started it, or run its scene again"));
     }
@@ -77,14 +77,14 @@ fn read(output: &Path) -> Result<(Scene, Checkpoint, Chosen)> {
 }
 
 /// The scene of a result file with the effects that were chosen, from what is stored in that alone.
-fn scene(file: &ResultFile, facts: &Facts, chosen: &Chosen) -> Result<Scene> {
+fn scene(file: &ResultFile, metadata: &Metadata, chosen: &Chosen) -> Result<Scene> {
     let files = file.scene_files()?;
-    let resolved: serde_json::Value = serde_json::from_str(&facts.scene_resolved).unwrap_or_default();
+    let resolved: serde_json::Value = serde_json::from_str(&metadata.scene_resolved).unwrap_or_default();
     // This file is not opened: its stem gives the scene its name.
     let name = format!("{}.toml", resolved["name"].as_str().unwrap_or("scene"));
     let base = files.base.clone();
     text_file::stored(files, || {
-        let scene = Scene::parse(&name, &facts.scene, Path::new(&base), &facts.overrides)?;
+        let scene = Scene::parse(&name, &metadata.scene, Path::new(&base), &metadata.overrides)?;
         chosen.with_effects(scene)
     })
 }

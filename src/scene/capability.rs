@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use super::raw::{RawBar, RawEffects, RawMethod, RawSolve, RawUnloading};
+use super::raw::{RawBar, RawEffects, RawHardening, RawMethod, RawSolve};
 use crate::bar::{Bar, EndCondition, Joint, Segment};
 use crate::error::{Error, InputError, Result};
 use crate::input::Document;
@@ -143,7 +143,7 @@ fn ball(asked: &Asked<'_>) -> bool {
 
 /// Hardening moves the elastic range.
 fn moves(asked: &Asked<'_>) -> bool {
-    asked.effects.unloading.as_ref().is_some_and(|u| !matches!(u.get_ref(), RawUnloading::Isotropic))
+    asked.effects.hardening.as_ref().is_some_and(|u| !matches!(u.get_ref(), RawHardening::Isotropic))
 }
 
 fn curve(segment: &Segment, sense: Sense) -> Table {
@@ -182,7 +182,7 @@ impl RawEffects {
 
     /// Hardening is that of [`crate::law::Overlay`] wherever a curve has several lines of it. With a rate or heat it is not.
     pub(super) fn overlays(&self) -> bool {
-        let kinematic = self.unloading.as_ref().is_some_and(|u| matches!(u.get_ref(), RawUnloading::Kinematic));
+        let kinematic = self.hardening.as_ref().is_some_and(|u| matches!(u.get_ref(), RawHardening::Kinematic));
         kinematic && self.rate.is_none() && self.heat.is_none()
     }
 }

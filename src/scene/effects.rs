@@ -10,8 +10,7 @@ pub use crate::material::Rate;
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Effects {
     /// Hardening rule with elastic unloading; none: unloading follows the loading curve.
-    #[serde(rename = "hardening")]
-    pub unloading: Option<Unloading>,
+    pub hardening: Option<HardeningRule>,
     /// Rate-dependent plastic flow; requires a hardening rule.
     pub rate: Option<Rate>,
     /// Adiabatic heating and thermal softening; requires a hardening rule.
@@ -31,7 +30,7 @@ pub struct Effects {
 /// How the yield stress moves with plastic flow.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Unloading {
+pub enum HardeningRule {
     /// Isotropic hardening: tension and compression harden equally.
     Isotropic,
     /// The elastic range keeps its size and moves: [`crate::law::Overlay`], or [`crate::law::Mixed`] with the fraction 1 along one
@@ -69,7 +68,7 @@ impl Effects {
     /// [`Effects::KEYS`].
     pub fn named(&self, key: &str) -> Option<String> {
         match key {
-            "hardening" => self.unloading.map(|u| format!("hardening: {}", u.describe())),
+            "hardening" => self.hardening.map(|u| format!("hardening: {}", u.describe())),
             "rate" => self.rate.map(|r| format!("rate: {}", r.describe())),
             "heat" => self.heat.map(|h| match h.fraction {
                 Some(fraction) => format!("heat: fraction {fraction}"),
@@ -88,7 +87,7 @@ impl Effects {
     }
 }
 
-impl Unloading {
+impl HardeningRule {
     fn describe(self) -> String {
         match self {
             Self::Isotropic => "isotropic".to_owned(),

@@ -32,7 +32,7 @@ pub use builder::SceneBuilder;
 pub use capability::methods_table;
 pub use damping::Damping;
 pub use discretized::{MOST_PIECES, TaperDiscretization};
-pub use effects::{Effects, Heat, Rate, Rupture, Unloading};
+pub use effects::{Effects, HardeningRule, Heat, Rate, Rupture};
 pub use impacts::{ImpactScene, KINDS, Kind};
 use overrides::Overrides;
 pub use raw::RawScene;
@@ -207,14 +207,14 @@ pub struct Tolerance {
 
 /// A method of the scene language, and the scheme where there is a choice.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Way {
+pub struct MethodChoice {
     /// "moc" or "fd".
     pub method: &'static str,
     /// "leapfrog", ...
     pub scheme: Option<&'static str>,
 }
 
-impl Way {
+impl MethodChoice {
     /// All of them.
     pub const ALL: [Self; 3] = [
         Self { method: "moc", scheme: None },
@@ -403,13 +403,13 @@ impl Scene {
 /// else.
 fn find_methods(scene: &mut Scene, document: &Document, base: &Path) {
     let Some(tolerance) = &mut scene.solve.tolerance else { return };
-    let with = |way: Way| {
-        let mut typed = vec!["solve.tolerance=".to_owned(), format!("solve.method=\"{}\"", way.method)];
-        typed.extend(way.scheme.map(|scheme| format!("solve.scheme=\"{scheme}\"")));
+    let with = |choice: MethodChoice| {
+        let mut typed = vec!["solve.tolerance=".to_owned(), format!("solve.method=\"{}\"", choice.method)];
+        typed.extend(choice.scheme.map(|scheme| format!("solve.scheme=\"{scheme}\"")));
         let edited = Overrides::new(&typed).and_then(|overrides| overrides.apply(document)).ok()?;
         check::check(&edited, base).ok().map(|scene| scene.solve.method)
     };
-    tolerance.methods = Way::ALL.into_iter().filter_map(with).collect();
+    tolerance.methods = MethodChoice::ALL.into_iter().filter_map(with).collect();
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{Method, Rate, Scene, Unloading};
+use super::{HardeningRule, Method, Rate, Scene};
 use crate::bar::{EndCondition, Segment};
 use crate::law::Table;
 use crate::law::rate::Overstress;
@@ -39,9 +39,9 @@ impl Scene {
     /// Curves of several lines whose back stress follows the accumulated plastic strain, for more than half of their hardening.
     fn hardening_that_gives_back(&self) -> Option<String> {
         let overlaid = self.effects.rate.is_none() && self.effects.heat.is_none();
-        match self.effects.unloading? {
-            Unloading::Mixed(fraction) if fraction > 0.5 => (),
-            Unloading::Kinematic if !overlaid => (),
+        match self.effects.hardening? {
+            HardeningRule::Mixed(fraction) if fraction > 0.5 => (),
+            HardeningRule::Kinematic if !overlaid => (),
             _ => return None,
         }
         let several = |s: &&Segment| Table::new(&s.material.tension, s.material.modulus).is_multilinear();

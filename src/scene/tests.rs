@@ -183,14 +183,14 @@ fn overrides_change_add_and_take_out() {
     let changed = scene("", &["left.value=-40 m/s", "solve.cells=4e3", "effects.hardening=kinematic", "title=x = y"]);
     assert!(matches!(changed.left, EndCondition::Velocity { ref history, .. } if history.at(0.0) == -40.0));
     assert_eq!(changed.solve.method, Method::Leapfrog { cells: 4000, cfl: 1.0 });
-    assert_eq!(changed.effects.unloading, Some(Unloading::Kinematic));
+    assert_eq!(changed.effects.hardening, Some(HardeningRule::Kinematic));
     assert_eq!(changed.title, "x = y");
     assert_eq!(changed.text, base(""), "the text stays as read");
     assert_eq!(changed.overrides.len(), 4);
     let swapped = scene("", &["left.value=", "left.history=[[0, 0], [\"10 us\", \"-40 m/s\"]]"]);
     assert!(matches!(swapped.left, EndCondition::Velocity { ref history, .. } if history.at(5e-6) == -20.0));
     let deep = scene("", &["effects.hardening.mixed=0.25", "record.gauges.middle=0.5", "bar.material.density=8000"]);
-    assert_eq!(deep.effects.unloading, Some(Unloading::Mixed(0.25)));
+    assert_eq!(deep.effects.hardening, Some(HardeningRule::Mixed(0.25)));
     assert_eq!(deep.record.gauges, [("middle".to_owned(), 0.5)]);
     assert_eq!(deep.bar.segments[0].material.density, 8000.0);
 }
@@ -238,7 +238,7 @@ fn the_resolved_scene_is_complete() {
     let old = Scene::parse("test.toml", &old, Path::new("."), &[]).expect("an old name");
     assert_eq!(old.effects, scene.effects);
     let changed = Scene::parse("test.toml", &old.text, Path::new("."), &["effects.hardening=kinematic".to_owned()]);
-    assert_eq!(changed.expect("an override").effects.unloading, Some(Unloading::Kinematic));
+    assert_eq!(changed.expect("an override").effects.hardening, Some(HardeningRule::Kinematic));
     assert_eq!(old.notes(), ["the key `unloading` in [effects] is deprecated; use `hardening`"]);
     assert_eq!(json["left"]["history"][0][1], -30.0);
     assert_eq!(json["record"]["times"].as_array().map(Vec::len), Some(200));

@@ -9,7 +9,7 @@ use crate::assemble;
 use crate::bar::{Bar, EndCondition, History, Segment};
 use crate::material::{Material, Rate, Sense};
 use crate::record::{Compression, Field, Precision};
-use crate::scene::{Effects, Heat, Method, Record, Scene, Solve, Unloading};
+use crate::scene::{Effects, HardeningRule, Heat, Method, Record, Scene, Solve};
 use crate::solver::fd::Quantity;
 use crate::solver::moc::Settings;
 use crate::text_file::NamedFiles;
@@ -71,7 +71,7 @@ pub fn confirm(material: &Material, sense: Sense) -> Option<Confirmation> {
     let most = 1.001 * (ultimate.stress * ultimate.strain / material.density).sqrt();
     let material = Arc::new(material.clone());
     let fronts = bisect([0.0, most], |v| follows(&material, sense, v));
-    let effects = Effects { unloading: Some(Unloading::Isotropic), ..Effects::default() };
+    let effects = Effects { hardening: Some(HardeningRule::Isotropic), ..Effects::default() };
     let grid = |cells| grid_bracket(&material, &effects, sense, &Grid { cells, length: LENGTH, transits: 1.0 }, most);
     let (fine, coarse) = (grid(CELLS), grid(CELLS / 2));
     let width = fronts.breaks_m_s - fronts.holds_m_s;
@@ -116,7 +116,7 @@ pub const DEFINITION: &str = "the lowest constant velocity of the end at which t
 pub fn apparent(material: &Material, sense: Sense, with: RateAndHeat, length: f64, limit: f64) -> Option<Apparent> {
     let ultimate = material.branch(sense).ultimate()?;
     let effects = Effects {
-        unloading: Some(Unloading::Isotropic),
+        hardening: Some(HardeningRule::Isotropic),
         rate: with.rate.then_some(Rate::Material),
         heat: with.heat.then_some(Heat { fraction: None }),
         ..Effects::default()
@@ -182,7 +182,7 @@ fn bisect([mut low, mut high]: [f64; 2], holds: impl Fn(f64) -> bool) -> Bracket
 
 /// Tracked fronts: behind the last one the bar has the velocity of its end.
 fn follows(material: &Arc<Material>, sense: Sense, velocity: f64) -> bool {
-    let effects = Effects { unloading: Some(Unloading::Isotropic), ..Effects::default() };
+    let effects = Effects { hardening: Some(HardeningRule::Isotropic), ..Effects::default() };
     let scene = scene(material, effects, sense, &Grid { cells: CELLS, length: LENGTH, transits: 1.0 }, velocity);
     let mut bar = assemble::front_tracking(&scene, Settings::default());
     // Without reflections there are no more events than fronts: the budget is never used up.

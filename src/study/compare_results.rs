@@ -157,7 +157,7 @@ fn difference(first: &ResultFile, other: &ResultFile) -> Result<Difference> {
     let shared: Vec<Field> = first.fields().into_iter().filter(|field| other.fields().contains(field)).collect();
     let mut comparison = Difference {
         file: other.path().to_owned(),
-        title: other.facts().title.clone(),
+        title: other.metadata().title.clone(),
         x_m,
         time_s,
         grid: [columns.len(), rows.len()],

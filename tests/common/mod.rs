@@ -16,7 +16,7 @@ use barwave::assemble::segment_law;
 use barwave::bar::{Bar, EndCondition, History, Segment};
 use barwave::material::{Beyond, Curve, Material};
 use barwave::record::Ledger;
-use barwave::scene::{Effects, Unloading};
+use barwave::scene::{Effects, HardeningRule};
 use barwave::solver::fd::{Grid, Leapfrog, Quantity};
 
 /// Pa.
@@ -116,11 +116,11 @@ pub fn smooth_pulse(duration: f64) -> History {
 pub fn leapfrog(
     segments: Vec<Segment>,
     ends: [EndCondition; 2],
-    unloading: Option<Unloading>,
+    hardening: Option<HardeningRule>,
     cells: usize,
     cfl: f64,
 ) -> Leapfrog {
-    let effects = Effects { unloading, ..Effects::default() };
+    let effects = Effects { hardening, ..Effects::default() };
     let laws = segments.iter().map(|s| segment_law(s, &effects)).collect();
     let bar = Bar { segments, area_given: true };
     let grid = Grid::new(&bar, cells, cfl);

@@ -4,7 +4,7 @@
 use barwave::assemble::{medium, segment_law};
 use barwave::bar::{Bar, EndCondition, Segment};
 use barwave::record::Ledger;
-use barwave::scene::{Effects, Unloading};
+use barwave::scene::{Effects, HardeningRule};
 use barwave::solver::fd::{Grid, Quantity};
 use barwave::solver::muscl::Muscl;
 
@@ -12,11 +12,11 @@ use barwave::solver::muscl::Muscl;
 pub fn muscl(
     segments: Vec<Segment>,
     ends: [EndCondition; 2],
-    unloading: Option<Unloading>,
+    hardening: Option<HardeningRule>,
     cells: usize,
     cfl: f64,
 ) -> Muscl {
-    let effects = Effects { unloading, ..Effects::default() };
+    let effects = Effects { hardening, ..Effects::default() };
     let laws = segments.iter().map(|s| segment_law(s, &effects)).collect();
     let media = segments.iter().map(|s| medium(s, &effects)).collect();
     let bar = Bar { segments, area_given: true };

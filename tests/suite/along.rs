@@ -9,7 +9,7 @@ use barwave::assemble::segment_law;
 use barwave::bar::{Bar, EndCondition, Segment};
 use barwave::material::Material;
 use barwave::record::Ledger;
-use barwave::scene::{Effects, Method, Scene, Unloading};
+use barwave::scene::{Effects, HardeningRule, Method, Scene};
 use barwave::solver::fd::{DistributedForces, Grid, Leapfrog, Quantity};
 
 const LENGTH: f64 = 1.0;
@@ -53,7 +53,7 @@ fn bar_of(
     cells: usize,
     cfl: f64,
 ) -> Leapfrog {
-    let effects = Effects { unloading: Some(Unloading::Isotropic), ..Effects::default() };
+    let effects = Effects { hardening: Some(HardeningRule::Isotropic), ..Effects::default() };
     let laws = segments.iter().map(|s| segment_law(s, &effects)).collect();
     let count = segments.len();
     let lateral = along.lateral.iter().copied().cycle().take(count).collect();
@@ -217,7 +217,7 @@ fn the_love_rod_has_its_phase_speed() {
 fn zero_coefficients_are_the_plain_scheme_bit_for_bit() {
     let segments = || vec![common::segment(common::bilinear_steel(), 1.0)];
     let ends = || [common::moved(20.0), EndCondition::Free];
-    let mut plain = common::leapfrog(segments(), ends(), Some(Unloading::Isotropic), 700, 1.0);
+    let mut plain = common::leapfrog(segments(), ends(), Some(HardeningRule::Isotropic), 700, 1.0);
     let mut zero = bar_of(segments(), ends(), &nothing(), 700, 1.0);
     common::advance(&mut plain, 1500);
     common::advance(&mut zero, 1500);
@@ -237,7 +237,7 @@ fn a_tiny_damping_is_the_plain_plastic_bar() {
     // Before the first reflection; after two the plain bar itself changes by 1e-3 in this measure when its Courant number
     // changes by 1e-12, because cells on their yield stress flow or do not.
     for (steps, bounds) in [(800, [2e-2, 2e-3, 1e-5]), (2500, [2e-2, 3e-3, 2e-3])] {
-        let mut plain = common::leapfrog(segments(), ends(), Some(Unloading::Isotropic), 1000, 1.0);
+        let mut plain = common::leapfrog(segments(), ends(), Some(HardeningRule::Isotropic), 1000, 1.0);
         common::advance(&mut plain, steps);
         let stress = common::profile(&plain, Quantity::Stress);
         let total: f64 = stress.iter().map(|s| s.abs()).sum();

@@ -5,7 +5,7 @@ use crate::common::net;
 
 use barwave::bar::{Bar, EndCondition, Hertz, Segment};
 use barwave::record::Ledger;
-use barwave::scene::Unloading;
+use barwave::scene::HardeningRule;
 use barwave::solver::fd::Leapfrog;
 use barwave::solver::moc::{FrontTracking, Settings};
 use barwave::wave::riemann::Flow;
@@ -170,7 +170,7 @@ fn a_ball_makes_the_end_of_a_thin_bar_yield() {
     let run = |material: barwave::material::Material| {
         let segment = Segment::new(0.3, 9e-6, material);
         let ends = [ball(10.0), EndCondition::Free];
-        let mut bar = common::leapfrog(vec![segment], ends, Some(Unloading::Isotropic), 600, 1.0);
+        let mut bar = common::leapfrog(vec![segment], ends, Some(HardeningRule::Isotropic), 600, 1.0);
         let mut ledger = Ledger::new(&bar);
         let mut impulse = 0.0;
         for _ in 0..500 {

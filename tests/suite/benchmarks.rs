@@ -5,7 +5,7 @@ use crate::common;
 
 use barwave::bar::EndCondition;
 use barwave::material::Material;
-use barwave::scene::Unloading;
+use barwave::scene::HardeningRule;
 use barwave::solver::fd::{Leapfrog, Quantity};
 use common::{DENSITY, MODULUS, YIELD};
 
@@ -24,7 +24,7 @@ fn end() -> f64 {
 fn struck(material: Material, velocity: f64, cells: usize) -> Leapfrog {
     let segment = common::segment(material, 1.0);
     let ends = [common::moved(velocity), EndCondition::Free];
-    let mut bar = common::leapfrog(vec![segment], ends, Some(Unloading::Isotropic), cells, 1.0);
+    let mut bar = common::leapfrog(vec![segment], ends, Some(HardeningRule::Isotropic), cells, 1.0);
     common::advance_to(&mut bar, end());
     bar
 }

@@ -4,7 +4,7 @@ use crate::common;
 
 use barwave::bar::{EndCondition, Hertz, History, Joint, Segment};
 use barwave::record::Ledger;
-use barwave::scene::Unloading;
+use barwave::scene::HardeningRule;
 use barwave::solver::fd::{Leapfrog, Quantity};
 use common::{DENSITY, MODULUS};
 
@@ -52,7 +52,7 @@ fn bar(ends: [EndCondition; 2], velocity: f64, cfl: f64) -> Leapfrog {
 
 fn bar_of(cells: usize, ends: [EndCondition; 2], velocity: f64, cfl: f64) -> Leapfrog {
     let segment = Segment::new(1.0, common::BUSY_AREA, common::bilinear_steel()).with_velocity(velocity);
-    common::leapfrog(vec![segment], ends, Some(Unloading::Isotropic), cells, cfl)
+    common::leapfrog(vec![segment], ends, Some(HardeningRule::Isotropic), cells, cfl)
 }
 
 #[test]
@@ -418,7 +418,7 @@ fn two_bars(short: f64, gap: f64, velocity: f64, cells: usize, cfl: f64) -> Leap
         Segment::new(short, 0.7, common::bilinear_steel()).with_velocity(velocity).with_joint(Joint::Contact { gap });
     let second = Segment::new(1.0, 0.7, common::bilinear_steel());
     let ends = [EndCondition::Free, EndCondition::Free];
-    common::leapfrog(vec![first, second], ends, Some(Unloading::Isotropic), cells, cfl)
+    common::leapfrog(vec![first, second], ends, Some(HardeningRule::Isotropic), cells, cfl)
 }
 
 #[test]

@@ -14,7 +14,7 @@ use crate::common::muscl;
 use barwave::bar::{EndCondition, Segment};
 use barwave::material::{Beyond, Curve, Material};
 use barwave::record::{Ledger, Stepped};
-use barwave::scene::Unloading;
+use barwave::scene::HardeningRule;
 use barwave::solver::fd::Quantity;
 use exact::{Case, cases, ends, number, numbers};
 
@@ -50,12 +50,12 @@ fn bilinear(r: f64) -> Material {
 fn bar<S>(case: &Case, build: Build<S>) -> S {
     let velocity = number(&case.velocity);
     let segment = common::segment(bilinear(number(&case.r)), length(case)).with_velocity(velocity);
-    let unloading = if case.iso { Unloading::Isotropic } else { Unloading::Kinematic };
-    build(vec![segment], ends(case), Some(unloading), CELLS, 1.0)
+    let hardening = if case.iso { HardeningRule::Isotropic } else { HardeningRule::Kinematic };
+    build(vec![segment], ends(case), Some(hardening), CELLS, 1.0)
 }
 
 /// Makes a bar of a scheme: segments, ends, unloading, cells and Courant number.
-type Build<S> = fn(Vec<Segment>, [EndCondition; 2], Option<Unloading>, usize, f64) -> S;
+type Build<S> = fn(Vec<Segment>, [EndCondition; 2], Option<HardeningRule>, usize, f64) -> S;
 
 /// A level that values should have over a stretch of time or place.
 struct Level<'a> {

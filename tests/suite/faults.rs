@@ -166,7 +166,7 @@ fn a_result_replaces_results_and_nothing_else_unless_forced() {
         assert!(barwave(folder.path(), &[&arguments[..], &["--force"]].concat()).status.success());
         // Now it is a result: the next run needs no leave.
         assert!(barwave(folder.path(), &arguments).status.success());
-        assert_eq!(ResultFile::open(&path(name)).expect("a result").facts().outcome, "done");
+        assert_eq!(ResultFile::open(&path(name)).expect("a result").metadata().outcome, "done");
     }
     // An empty file holds nothing that could be lost; a link is written through.
     std::fs::write(path("empty.h5"), "").expect("written");
@@ -269,7 +269,7 @@ fn of_runs_that_start_together_one_at_most_succeeds() {
         let file = ResultFile::open(&folder.path().join(&name));
         // One after the other is no clash.
         assert!(done >= 1 || texts.iter().all(|text| text.contains("error: ")), "{texts:?}");
-        assert!(done == 0 || file.is_ok_and(|file| file.facts().outcome == "done"), "{texts:?}");
+        assert!(done == 0 || file.is_ok_and(|file| file.metadata().outcome == "done"), "{texts:?}");
     }
 }
 
@@ -279,7 +279,7 @@ fn assert_kept(path: &Path, output: &Output, words: &[&str]) {
     let file = ResultFile::open(path).expect("a result file");
     let frames = file.time().expect("times").len();
     assert!((10..400).contains(&frames), "{frames} frames");
-    assert_eq!(file.facts().outcome, "stopped");
+    assert_eq!(file.metadata().outcome, "stopped");
     let field = file.field(barwave::record::Field::Stress, 0..frames).expect("a field");
     assert!(field.iter().all(|stress| stress.is_finite()));
     let svg = path.with_extension("svg").file_name().map(|name| name.to_string_lossy().into_owned()).expect("a name");

@@ -10,7 +10,7 @@ use crate::common;
 use barwave::assemble::segment_law;
 use barwave::bar::{Bar, EndCondition, Segment};
 use barwave::record::Ledger;
-use barwave::scene::{Effects, Unloading};
+use barwave::scene::{Effects, HardeningRule};
 use barwave::solver::fd::{DistributedForces, Grid, Leapfrog, Quantity};
 use common::{DENSITY, MODULUS, profile};
 use std::process::Command;
@@ -34,7 +34,7 @@ fn piece(length: f64, area: f64, velocity: f64) -> Segment {
 }
 
 fn bar_of(segments: Vec<Segment>, ends: [EndCondition; 2], friction: f64, cells: usize) -> Leapfrog {
-    let effects = Effects { unloading: Some(Unloading::Isotropic), ..Effects::default() };
+    let effects = Effects { hardening: Some(HardeningRule::Isotropic), ..Effects::default() };
     let laws = segments.iter().map(|s| segment_law(s, &effects)).collect();
     let along = DistributedForces { friction, lateral: vec![0.0; segments.len()], ..DistributedForces::default() };
     let bar = Bar { segments, area_given: true };

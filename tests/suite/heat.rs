@@ -10,7 +10,7 @@ use barwave::bar::{Bar, EndCondition, Segment};
 use barwave::law::Row;
 use barwave::material::{Beyond, HeatConstants, HeatingError, Material, Sense};
 use barwave::record::Ledger;
-use barwave::scene::{Effects, Heat, Rate, Scene, Unloading};
+use barwave::scene::{Effects, HardeningRule, Heat, Rate, Scene};
 use barwave::solver::fd::{Grid, Leapfrog, Quantity};
 use barwave::solver::moc::{FrontTracking, Settings};
 use barwave::wave::similarity;
@@ -38,9 +38,9 @@ fn heated(material: Material, exponent: f64, fraction: f64) -> Material {
     with_constants(material, exponent).heated(Some(fraction)).expect("all constants are there")
 }
 
-fn effects(unloading: Unloading, rate: Option<Rate>) -> Effects {
+fn effects(hardening: HardeningRule, rate: Option<Rate>) -> Effects {
     let heat = Some(Heat { fraction: None });
-    Effects { unloading: Some(unloading), rate, heat, ..Effects::default() }
+    Effects { hardening: Some(hardening), rate, heat, ..Effects::default() }
 }
 
 /// The general law, whose temperature is a state, with flow that takes no time.
@@ -124,24 +124,24 @@ fn linear_hardening_has_its_largest_stress_where_softening_overtakes() {
 #[test]
 fn nothing_heats_where_the_fraction_is_zero() {
     let ends = || [pulse(30.0), EndCondition::Fixed];
-    for (unloading, rate) in [
-        (Unloading::Isotropic, None),
-        (Unloading::Mixed(0.3), None),
-        (Unloading::Mixed(0.3), Some(Rate::Malvern { k: 1e6 })),
-        (Unloading::Isotropic, Some(Rate::JohnsonCook { c: 0.02, reference: 1.0 })),
+    for (hardening, rate) in [
+        (HardeningRule::Isotropic, None),
+        (HardeningRule::Mixed(0.3), None),
+        (HardeningRule::Mixed(0.3), Some(Rate::Malvern { k: 1e6 })),
+        (HardeningRule::Isotropic, Some(Rate::JohnsonCook { c: 0.02, reference: 1.0 })),
     ] {
-        let cold = Effects { heat: None, ..effects(unloading, rate) };
+        let cold = Effects { heat: None, ..effects(hardening, rate) };
         let [zero, none] = [heated(power_law_steel(), 1.0, 0.0), power_law_steel()];
         assert_eq!(zero.tension, none.tension);
         let law = |m: &Material, e: &Effects| stepped_law(&segment(m.clone(), 1.0), e, 1e-6).law;
-        let lens = [law(&zero, &effects(unloading, rate)).state_len(), law(&none, &cold).state_len()];
+        let lens = [law(&zero, &effects(hardening, rate)).state_len(), law(&none, &cold).state_len()];
         assert_eq!(lens[0], lens[1], "no state for nothing");
-        let mut with = bar(vec![segment(zero, 1.0)], ends(), &effects(unloading, rate), 600);
+        let mut with = bar(vec![segment(zero, 1.0)], ends(), &effects(hardening, rate), 600);
         let mut without = bar(vec![segment(none, 1.0)], ends(), &cold, 600);
         common::advance(&mut with, 1200);
         common::advance(&mut without, 1200);
         for quantity in [Quantity::Stress, Quantity::Strain, Quantity::Velocity, Quantity::AccumulatedPlasticStrain] {
-            assert_eq!(profile(&with, quantity), profile(&without, quantity), "{unloading:?} {rate:?} {quantity:?}");
+            assert_eq!(profile(&with, quantity), profile(&without, quantity), "{hardening:?} {rate:?} {quantity:?}");
         }
         assert_eq!(with.energies(), without.energies());
         assert!(profile(&with, Quantity::Temperature).iter().all(|t| *t == REFERENCE));
@@ -151,7 +151,7 @@ fn nothing_heats_where_the_fraction_is_zero() {
 
 #[test]
 fn on_the_adiabatic_curve_a_cell_keeps_nothing_more() {
-    let law = |m: Material| segment_law(&segment(m, 1.0), &effects(Unloading::Isotropic, None)).law.state_len();
+    let law = |m: Material| segment_law(&segment(m, 1.0), &effects(HardeningRule::Isotropic, None)).law.state_len();
     assert_eq!(law(heated(power_law_steel(), 1.0, 0.9)), law(power_law_steel()));
 }
 
@@ -180,7 +180,7 @@ fn difference(
 fn tracked(material: &Material, ends: [EndCondition; 2]) -> FrontTracking {
     let bar = Bar { segments: vec![segment(material.clone(), 1.0)], area_given: true };
     let settings = Settings { front_tolerance: 3e-4, ..Settings::default() };
-    FrontTracking::new(&bar, flow(&effects(Unloading::Isotropic, None)), ends, settings)
+    FrontTracking::new(&bar, flow(&effects(HardeningRule::Isotropic, None)), ends, settings)
 }
 
 /// Loading, unloading and reflection from a fixed end: both methods run on the one adiabatic curve.
@@ -198,7 +198,7 @@ fn both_methods_agree_on_a_bar_that_warms() {
             tracked.sweep(x, |k, _, point| stress[k] = point.stress);
             stress
         };
-        difference((cells, left()), &warm, &mut read, &effects(Unloading::Isotropic, None))
+        difference((cells, left()), &warm, &mut read, &effects(HardeningRule::Isotropic, None))
     };
     let [coarse, fine] = [400, 1600].map(by_cells);
     // As without heat: the plastic fronts of a grid are a few cells wide.
@@ -212,7 +212,7 @@ fn a_bar_whose_temperature_is_a_state_is_that_of_the_curve() {
     let warm = heated(power_law_steel(), 1.09, 0.9);
     let bars = [None, STATE].map(|rate| {
         let ends = [pulse(10.0), EndCondition::Fixed];
-        let mut bar = bar(vec![segment(warm.clone(), 1.0)], ends, &effects(Unloading::Isotropic, rate), 400);
+        let mut bar = bar(vec![segment(warm.clone(), 1.0)], ends, &effects(HardeningRule::Isotropic, rate), 400);
         common::advance(&mut bar, 800);
         bar
     });
@@ -260,8 +260,8 @@ fn a_temperature_that_is_a_state_tends_to_that_of_the_curve() {
     let off = |one: &[f64], other: &[f64]| one.iter().zip(other).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     for exponent in [1.0, 1.09, 0.7] {
         let warm = heated(power_law_steel(), exponent, 0.9);
-        let by_steps = |steps: usize| along(&warm, &path, steps, &effects(Unloading::Isotropic, STATE));
-        let (limit, curve) = (by_steps(5000), along(&warm, &path, 5000, &effects(Unloading::Isotropic, None)));
+        let by_steps = |steps: usize| along(&warm, &path, steps, &effects(HardeningRule::Isotropic, STATE));
+        let (limit, curve) = (by_steps(5000), along(&warm, &path, 5000, &effects(HardeningRule::Isotropic, None)));
         // The table's tolerance, 1e-4 of the largest cold stress, over the yield stress.
         assert!(off(&limit, &curve) < 1e-4 * 2.2, "{exponent}: {:e}", off(&limit, &curve));
         let errors = [10, 40, 160].map(|steps| off(&by_steps(steps), &limit));
@@ -271,15 +271,15 @@ fn a_temperature_that_is_a_state_tends_to_that_of_the_curve() {
 
 #[test]
 fn reversed_loading_heats_in_both_senses() {
-    for unloading in [Unloading::Kinematic, Unloading::Mixed(0.5)] {
+    for hardening in [HardeningRule::Kinematic, HardeningRule::Mixed(0.5)] {
         let warm = heated(bilinear_steel(), 1.0, 0.9);
-        let seen = along(&warm, &[0.01, -0.01, 0.01, -0.01], 400, &effects(unloading, None));
+        let seen = along(&warm, &[0.01, -0.01, 0.01, -0.01], 400, &effects(hardening, None));
         let temperatures: Vec<f64> = seen.chunks(2).map(|pair| pair[1]).collect();
         assert!(temperatures[0] > 1.0 && temperatures.is_sorted_by(|a, b| a < b), "{temperatures:?}");
     }
     // Kinematic, Y = 200 MPa, reversed at f = 370 MPa: the stress that flows back starts at 370 - 2 200 MPa = -30 MPa.
     let law =
-        |heat| along(&heated(bilinear_steel(), 1.0, heat), &[0.01, 0.0], 400, &effects(Unloading::Kinematic, None));
+        |heat| along(&heated(bilinear_steel(), 1.0, heat), &[0.01, 0.0], 400, &effects(HardeningRule::Kinematic, None));
     let (warm, cold) = (law(0.9), law(0.0));
     assert!(warm[0] < cold[0] && warm[2] > cold[2], "soft in both senses: {warm:?} {cold:?}");
 }
@@ -302,18 +302,18 @@ fn stored(bar: &Leapfrog) -> f64 {
 #[test]
 fn the_energy_account_closes_with_the_heat_in_it() {
     let warm = heated(power_law_steel(), 1.0, 0.7);
-    for (unloading, rate) in [
-        (Unloading::Isotropic, None),
-        (Unloading::Kinematic, None),
-        (Unloading::Mixed(0.4), Some(Rate::Malvern { k: 1e6 })),
-        (Unloading::Isotropic, Some(Rate::CowperSymonds { d: 40.0, q: 5.0 })),
-        (Unloading::Isotropic, Some(Rate::JohnsonCook { c: 0.02, reference: 1.0 })),
+    for (hardening, rate) in [
+        (HardeningRule::Isotropic, None),
+        (HardeningRule::Kinematic, None),
+        (HardeningRule::Mixed(0.4), Some(Rate::Malvern { k: 1e6 })),
+        (HardeningRule::Isotropic, Some(Rate::CowperSymonds { d: 40.0, q: 5.0 })),
+        (HardeningRule::Isotropic, Some(Rate::JohnsonCook { c: 0.02, reference: 1.0 })),
     ] {
         let mut missed = Vec::new();
         for cells in [200, 800] {
             let ends = [pulse(15.0), EndCondition::Fixed];
-            let mut bar = bar(vec![segment(warm.clone(), 1.0)], ends, &effects(unloading, rate), cells);
-            assert_ledger(&run(&mut bar, 2 * cells), &format!("{unloading:?} {rate:?}"));
+            let mut bar = bar(vec![segment(warm.clone(), 1.0)], ends, &effects(hardening, rate), cells);
+            assert_ledger(&run(&mut bar, 2 * cells), &format!("{hardening:?} {rate:?}"));
             let sum = bar.energies();
             assert!(sum.heat > 0.0 && sum.plastic > 0.0);
             if rate.is_none() {
@@ -323,7 +323,7 @@ fn the_energy_account_closes_with_the_heat_in_it() {
             missed.push((stored(&bar) / sum.heat - 1.0).abs());
         }
         // The account takes the work of a step as that of its mean stress: second order. The damping of ripples adds some.
-        assert!(missed[1] < 1e-4 && missed[1] < missed[0], "{unloading:?} {rate:?}: {missed:?}");
+        assert!(missed[1] < 1e-4 && missed[1] < missed[0], "{hardening:?} {rate:?}: {missed:?}");
     }
 }
 
@@ -373,7 +373,7 @@ proptest! {
         let warm = heated(power_law_steel(), exponent, 1.0);
         let mut strain = 0.0;
         let path: Vec<f64> = steps.iter().map(|s| { strain += s.signum() * 10.0_f64.powf(s.abs() - 4.0); strain }).collect();
-        for pair in along(&warm, &path, 3, &effects(Unloading::Mixed(kinematic), rate)).chunks(2) {
+        for pair in along(&warm, &path, 3, &effects(HardeningRule::Mixed(kinematic), rate)).chunks(2) {
             let (stress, temperature) = (pair[0] * YIELD, pair[1] * REFERENCE);
             prop_assert!(stress.is_finite() && temperature.is_finite());
             prop_assert!((REFERENCE * (1.0 - 1e-15)..=MELTING * (1.0 + 1e-15)).contains(&temperature), "{temperature}");
@@ -456,7 +456,7 @@ fn pulled_at(velocity: f64, effects: &str, solve: &str) -> Result<Scene, String>
 #[test]
 fn heat_implies_unloading_and_says_which_method_follows_it() {
     let parsed = scene("heat = {}", "").expect("a right scene");
-    assert_eq!(parsed.effects.unloading, Some(Unloading::Isotropic));
+    assert_eq!(parsed.effects.hardening, Some(HardeningRule::Isotropic));
     assert_eq!(parsed.effects.names(), ["hardening: isotropic", "heat"]);
     let rate = "rate = { model = \"malvern\", k = 1e6 }";
     assert_eq!(

@@ -23,7 +23,7 @@ fn stopped(name: &str, sets: &[&str], call: usize) -> (String, String, StoredImp
     assert!(matches!(ended, Err(Error::Interrupted)), "{name}");
     let file = ResultFile::open(&path).expect("a result file");
     let impact = file.impact().expect("it can be read").expect("an impact");
-    (file.facts().outcome.clone(), file.facts().notes.join("; "), impact)
+    (file.metadata().outcome.clone(), file.metadata().notes.join("; "), impact)
 }
 
 fn has(impact: &StoredImpact, long_name: &str) -> bool {
@@ -81,7 +81,7 @@ fn signals_end_an_impact_in_order() {
         let message = String::from_utf8_lossy(&output.stderr);
         assert!(message.contains("interrupted: the histories so far are in r.h5"), "{signal}: {message}");
         let file = ResultFile::open(&folder.path().join("r.h5")).expect("a result file");
-        assert_eq!(file.facts().outcome, "interrupted", "{signal}");
+        assert_eq!(file.metadata().outcome, "interrupted", "{signal}");
         let report = Command::new(env!("CARGO_BIN_EXE_barwave"))
             .current_dir(folder.path())
             .args(["report", "r.h5", "-o", "r.html"])

@@ -130,11 +130,11 @@ fn a_bar_that_has_yielded_is_a_bar_of_the_hardened_material() {
 }
 
 /// Stress that a slow pull or push of a bar of one cell shows as it yields.
-fn limits(plastic: f64, unloading: &str) -> [f64; 2] {
+fn limits(plastic: f64, hardening: &str) -> [f64; 2] {
     [-1.0, 1.0].map(|sense| {
         let state = format!("material = {}\nplastic-strain = {plastic}", material(YIELD, ""));
         let drive = format!("kind = \"velocity\"\nhistory = [[0, 0], [1e-2, {}]]", sense * 5e-1);
-        let text = text(&[(0.1, state)], [&drive, "kind = \"fixed\""], unloading, "until = 1e-2\ncells = 4");
+        let text = text(&[(0.1, state)], [&drive, "kind = \"fixed\""], hardening, "until = 1e-2\ncells = 4");
         let mut bar = bar(&scene(&text));
         let [mut stress, start] = [0.0, profile(&bar, Quantity::PlasticStrain)[0]];
         while (profile(&bar, Quantity::PlasticStrain)[0] - start).abs() < 1e-9 {
@@ -148,15 +148,15 @@ fn limits(plastic: f64, unloading: &str) -> [f64; 2] {
 #[test]
 fn the_elastic_range_is_where_hardening_left_it() {
     let flow = |p: f64| YIELD + HARDENING / (1.0 - HARDENING / E) * p;
-    for (unloading, plastic, [high, low]) in [
+    for (hardening, plastic, [high, low]) in [
         ("hardening = \"isotropic\"", 0.01, [flow(0.01), -flow(0.01)]),
         ("hardening = \"isotropic\"", -0.01, [flow(0.01), -flow(0.01)]),
         ("hardening = \"kinematic\"", 0.005, [flow(0.005), flow(0.005) - 2.0 * YIELD]),
         ("hardening = \"kinematic\"", -0.005, [2.0 * YIELD - flow(0.005), -flow(0.005)]),
     ] {
-        let [pulled, pushed] = limits(plastic, unloading);
+        let [pulled, pushed] = limits(plastic, hardening);
         // The last stress before it flows: a step of the pull adds about 1 MPa.
-        assert!((pulled - high).abs() < 2e6 && (pushed - low).abs() < 2e6, "{unloading} {plastic}: {pulled} {pushed}");
+        assert!((pulled - high).abs() < 2e6 && (pushed - low).abs() < 2e6, "{hardening} {plastic}: {pulled} {pushed}");
     }
 }
 

@@ -24,7 +24,7 @@ fn stopped(scene: &Scene, mut due: impl FnMut(&Progress) -> bool) -> (Error, Str
         if due(&at) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
     let file = ResultFile::open(&path).expect("a result file");
-    (ended.map(|_| ()).expect_err("interrupted"), file.facts().outcome.clone())
+    (ended.map(|_| ()).expect_err("interrupted"), file.metadata().outcome.clone())
 }
 
 #[test]

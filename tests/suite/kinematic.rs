@@ -11,7 +11,7 @@ use barwave::law::{Backbone, CellLaw, Indexed, Mixed, Overlay, Searched, Table};
 use barwave::material::{Beyond, Curve, Material};
 use barwave::record::store::ResultFile;
 use barwave::record::{Field, Ledger};
-use barwave::scene::{Scene, Unloading};
+use barwave::scene::{HardeningRule, Scene};
 use barwave::solver::fd::Quantity;
 use barwave::wave::riemann::{Flow, Medium, Path, Point as Riemann};
 use proptest::prelude::*;
@@ -364,7 +364,7 @@ fn apart(one: &[f64], other: &[f64]) -> f64 {
 #[test]
 fn a_bar_pulled_and_pushed_comes_out_alike_by_both_schemes() {
     let transit = (2700.0 / ALUMINIUM).sqrt();
-    let kinematic = Some(Unloading::Kinematic);
+    let kinematic = Some(HardeningRule::Kinematic);
     let grid = |cells: usize| {
         let mut bar = common::leapfrog(bar(12), to_and_fro(transit), kinematic, cells, 1.0);
         let mut ledger = Ledger::new(&bar);
@@ -389,7 +389,7 @@ fn a_bar_pulled_and_pushed_comes_out_alike_by_both_schemes() {
         assert!(by_leapfrog[2] < 0.6 * by_leapfrog[0] && by_muscl[2] < 0.6 * by_muscl[0]);
     }
     let old = {
-        let mut bar = common::leapfrog(bar(12), to_and_fro(transit), Some(Unloading::Mixed(1.0)), 800, 1.0);
+        let mut bar = common::leapfrog(bar(12), to_and_fro(transit), Some(HardeningRule::Mixed(1.0)), 800, 1.0);
         common::advance_to(&mut bar, 2.0 * transit);
         common::profile(&bar, Quantity::Stress)
     };
@@ -398,13 +398,13 @@ fn a_bar_pulled_and_pushed_comes_out_alike_by_both_schemes() {
 }
 
 /// A scene of such a bar; `rest` is that of `[solve]`.
-fn scene(table: &str, unloading: &str, rest: &str) -> String {
+fn scene(table: &str, hardening: &str, rest: &str) -> String {
     format!(
         "[bar]\nlength = \"1 m\"\narea = \"1 cm^2\"\n[bar.material]\nname = \"own\"\ndensity = \"2700 kg/m^3\"\n\
          modulus = \"70 GPa\"\nmeasure = \"engineering\"\nbeyond = \"extend\"\n[bar.material.curve]\ntable = {table}\n\
          [left]\nkind = \"stress\"\nhistory = [[\"0 us\", \"0 MPa\"], [\"40 us\", \"130 MPa\"], [\"80 us\", \"130 MPa\"], \
          [\"160 us\", \"-125 MPa\"], [\"200 us\", \"-125 MPa\"], [\"280 us\", \"128 MPa\"], [\"400 us\", \"128 MPa\"]]\n\
-         [right]\nkind = \"fixed\"\n[effects]\nhardening = {unloading}\n[solve]\nuntil = \"400 us\"\n{rest}\n"
+         [right]\nkind = \"fixed\"\n[effects]\nhardening = {hardening}\n[solve]\nuntil = \"400 us\"\n{rest}\n"
     )
 }
 

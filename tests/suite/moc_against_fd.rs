@@ -8,7 +8,7 @@ use barwave::assemble::flow;
 use barwave::bar::{Bar, EndCondition, History, Segment};
 use barwave::material::{Beyond, Curve, Material};
 use barwave::record::Stepped;
-use barwave::scene::{Effects, Unloading};
+use barwave::scene::{Effects, HardeningRule};
 use barwave::solver::fd::{Leapfrog, Quantity};
 use barwave::solver::moc::{FrontTracking, Settings};
 use barwave::solver::muscl::Muscl;
@@ -18,7 +18,7 @@ struct Case {
     name: &'static str,
     segments: Vec<Segment>,
     ends: [EndCondition; 2],
-    unloading: Unloading,
+    hardening: HardeningRule,
     transits: f64,
 }
 
@@ -32,18 +32,18 @@ impl Case {
     }
 
     fn leapfrog(&self, cells: usize) -> Leapfrog {
-        common::leapfrog(self.segments.clone(), self.ends.clone(), Some(self.unloading), cells, 1.0)
+        common::leapfrog(self.segments.clone(), self.ends.clone(), Some(self.hardening), cells, 1.0)
     }
 
     fn muscl(&self, cells: usize) -> Muscl {
-        muscl::muscl(self.segments.clone(), self.ends.clone(), Some(self.unloading), cells, 1.0)
+        muscl::muscl(self.segments.clone(), self.ends.clone(), Some(self.hardening), cells, 1.0)
     }
 
     /// L1 difference of stress over bar and time of a fresh bar on a grid, relative.
     fn difference(&self, mut grid: impl Stepped) -> f64 {
         let bar = self.bar();
         let until = self.transits * bar.transit_time();
-        let effects = Effects { unloading: Some(self.unloading), ..Effects::default() };
+        let effects = Effects { hardening: Some(self.hardening), ..Effects::default() };
         let mut tracked = FrontTracking::new(&bar, flow(&effects), self.ends.clone(), Settings::default());
         let mut stress = vec![0.0; grid.grid().cells()];
         let (x, mut exact) = (grid.grid().centres(), Vec::new());
@@ -83,8 +83,8 @@ fn let_go(velocity: f64, release: f64) -> EndCondition {
 fn cases() -> Vec<Case> {
     let four = common::material(&[(0.001, 200e6), (0.004, 320e6), (0.012, 420e6), (0.05, 600e6)], Beyond::Extend);
     let transit = (7800.0_f64 / 200e9).sqrt();
-    let case = |name, segments, ends, unloading, transits| Case { name, segments, ends, unloading, transits };
-    let isotropic = Unloading::Isotropic;
+    let case = |name, segments, ends, hardening, transits| Case { name, segments, ends, hardening, transits };
+    let isotropic = HardeningRule::Isotropic;
     vec![
         case("struck, far end free", vec![steel(1.0)], [common::moved(20.0), EndCondition::Free], isotropic, 3.0),
         case("struck, far end fixed", vec![steel(1.0)], [common::moved(15.0), EndCondition::Fixed], isotropic, 3.0),
@@ -93,7 +93,7 @@ fn cases() -> Vec<Case> {
             "kinematic, let go",
             vec![steel(1.0)],
             [let_go(-25.0, 0.5 * transit), EndCondition::Free],
-            Unloading::Kinematic,
+            HardeningRule::Kinematic,
             1.5,
         ),
         case(
@@ -167,7 +167,7 @@ fn elastic_fronts_are_the_same_in_both_methods() {
         name: "elastic, a step in area",
         segments: vec![elastic(2.0, 0.5), elastic(1.0, 0.5)],
         ends: [common::moved(5.0), EndCondition::Free],
-        unloading: Unloading::Isotropic,
+        hardening: HardeningRule::Isotropic,
         transits: 1.6,
     };
     for cells in [400, 3600] {

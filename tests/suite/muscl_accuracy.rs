@@ -7,13 +7,13 @@ use std::sync::Arc;
 
 use barwave::bar::{EndCondition, Segment};
 use barwave::material::{Beyond, Curve, Material};
-use barwave::scene::Unloading;
+use barwave::scene::HardeningRule;
 use barwave::solver::fd::Quantity;
 use barwave::solver::muscl::Muscl;
 use barwave::wave::similarity::{Fan, fan_at_velocity};
 use common::{DENSITY, MODULUS, YIELD};
 
-const ISOTROPIC: Option<Unloading> = Some(Unloading::Isotropic);
+const ISOTROPIC: Option<HardeningRule> = Some(HardeningRule::Isotropic);
 
 fn c0() -> f64 {
     (MODULUS / DENSITY).sqrt()
@@ -34,21 +34,21 @@ fn error(bar: &Muscl, quantity: Quantity, exact: impl Fn(f64) -> f64) -> f64 {
 }
 
 /// A bar of 1 m that is pushed from rest at t = 0, and lets waves out at its far end.
-fn pushed(material: &Arc<Material>, velocity: f64, unloading: Option<Unloading>, cells: usize, time: f64) -> Muscl {
-    pushed_at(1.0, material, velocity, unloading, cells, time)
+fn pushed(material: &Arc<Material>, velocity: f64, hardening: Option<HardeningRule>, cells: usize, time: f64) -> Muscl {
+    pushed_at(1.0, material, velocity, hardening, cells, time)
 }
 
 fn pushed_at(
     cfl: f64,
     material: &Arc<Material>,
     velocity: f64,
-    unloading: Option<Unloading>,
+    hardening: Option<HardeningRule>,
     cells: usize,
     time: f64,
 ) -> Muscl {
     let segment = Segment::new(1.0, 1.0, Arc::clone(material));
     let mut bar =
-        muscl::muscl(vec![segment], [common::moved(velocity), EndCondition::Absorbing], unloading, cells, cfl);
+        muscl::muscl(vec![segment], [common::moved(velocity), EndCondition::Absorbing], hardening, cells, cfl);
     muscl::advance_to(&mut bar, time);
     bar
 }
@@ -60,10 +60,10 @@ fn similarity_error(bar: &Muscl, fan: &Fan) -> f64 {
 }
 
 /// P1, P2 and P3 at 0.8 L/c0.
-fn benchmark(material: &Material, velocity: f64, cells: usize, unloading: Option<Unloading>) -> f64 {
+fn benchmark(material: &Material, velocity: f64, cells: usize, hardening: Option<HardeningRule>) -> f64 {
     let material = Arc::new(material.clone());
     let fan = fan_at_velocity(&material.tension, material.density, velocity);
-    similarity_error(&pushed(&material, velocity, unloading, cells, 0.8 / c0()), &fan)
+    similarity_error(&pushed(&material, velocity, hardening, cells, 0.8 / c0()), &fan)
 }
 
 #[test]
@@ -82,8 +82,8 @@ fn p3_exact(xi: f64) -> f64 {
 }
 
 /// P3 by a table of 1000 knots, whose own distance from the power law is below 3e-6.
-fn p3(cells: usize, unloading: Option<Unloading>) -> f64 {
-    let bar = pushed(&Arc::new(common::power_law_table(1000)), 20.0, unloading, cells, 0.8 / c0());
+fn p3(cells: usize, hardening: Option<HardeningRule>) -> f64 {
+    let bar = pushed(&Arc::new(common::power_law_table(1000)), 20.0, hardening, cells, 0.8 / c0());
     let time = bar.time();
     error(&bar, Quantity::Stress, |x| -p3_exact(x / time))
 }
@@ -93,12 +93,12 @@ const CELLS: [usize; 3] = [500, 1000, 2000];
 /// With a history and with a curve that is followed both ways.
 #[test]
 fn p2_and_p3_meet_their_bounds_and_converge() {
-    for unloading in [ISOTROPIC, None] {
-        let bilinear = CELLS.map(|cells| benchmark(&common::bilinear_steel(), 20.0, cells, unloading));
-        let power_law = CELLS.map(|cells| p3(cells, unloading));
+    for hardening in [ISOTROPIC, None] {
+        let bilinear = CELLS.map(|cells| benchmark(&common::bilinear_steel(), 20.0, cells, hardening));
+        let power_law = CELLS.map(|cells| p3(cells, hardening));
         let orders = [bilinear, power_law].map(|errors| errors.windows(2).map(|e| order(e[0], e[1], 2.0)).collect());
         let orders: [Vec<f64>; 2] = orders;
-        println!("{unloading:?}: P2 {bilinear:?} P3 {power_law:?} orders {orders:?}");
+        println!("{hardening:?}: P2 {bilinear:?} P3 {power_law:?} orders {orders:?}");
         assert!(bilinear[1] < 1.8e-3, "{bilinear:?}");
         assert!(power_law[1] < 1.5e-3, "{power_law:?}");
         // A front within the same few cells at any resolution is of first order; one smeared over dx^(2/3) is not.
@@ -150,30 +150,30 @@ fn printed() -> Vec<Printed> {
 fn printed_tables_have_their_fronts() {
     for (name, material, velocity, fronts) in printed() {
         let fan = fan_at_velocity(&material.tension, material.density, velocity);
-        for (unloading, cfl, kept) in [(None, 0.5, 0.0), (ISOTROPIC, 0.5, 0.01)] {
+        for (hardening, cfl, kept) in [(None, 0.5, 0.0), (ISOTROPIC, 0.5, 0.01)] {
             let errors = [300, 500].map(|cells| {
                 // While the precursor is in the bar, and when the fastest front behind it has gone most of the way.
                 let stages = [(0.9 / fronts[0].0, &fronts[..1]), (0.8 / fronts[1].0, &fronts[1..])];
-                let mut bar = pushed_at(cfl, &material, velocity, unloading, cells, 0.0);
+                let mut bar = pushed_at(cfl, &material, velocity, hardening, cells, 0.0);
                 for (time, fronts) in stages {
                     muscl::advance_to(&mut bar, time);
                     for &(speed, ahead, behind) in fronts {
                         let found = measured_speed(&bar, [ahead, behind]);
-                        println!("{name} {unloading:?} {cells}: {speed} {found}");
+                        println!("{name} {hardening:?} {cells}: {speed} {found}");
                         // A front is in its cell, give or take what it was late by while the first cells were loaded.
                         let near = 3.0 * bar.grid().segments[0].dx / bar.time() + kept * speed;
-                        assert!((found - speed).abs() < near, "{name} {unloading:?} {cells}: {speed} {found}");
+                        assert!((found - speed).abs() < near, "{name} {hardening:?} {cells}: {speed} {found}");
                     }
                 }
                 let stress = muscl::profile(&bar, Quantity::Stress);
                 let slowest = fronts[fronts.len() - 1].0 * bar.time() / bar.grid().segments[0].dx;
                 let (plateau, inside) = (-fan.state(0.0).1, (0.1 * slowest) as usize..(0.9 * slowest) as usize);
                 let mean = stress[inside.clone()].iter().sum::<f64>() / inside.len() as f64;
-                assert!((mean / plateau - 1.0).abs() < 5e-3 + kept, "{name} {unloading:?} {cells}: {mean} {plateau}");
+                assert!((mean / plateau - 1.0).abs() < 5e-3 + kept, "{name} {hardening:?} {cells}: {mean} {plateau}");
                 similarity_error(&bar, &fan)
             });
-            println!("{name} {unloading:?}: {errors:?} order {}", order(errors[0], errors[1], 5.0 / 3.0));
-            assert!(errors.iter().all(|&e| e < 0.015), "{name} {unloading:?}: {errors:?}");
+            println!("{name} {hardening:?}: {errors:?} order {}", order(errors[0], errors[1], 5.0 / 3.0));
+            assert!(errors.iter().all(|&e| e < 0.015), "{name} {hardening:?}: {errors:?}");
         }
     }
 }
@@ -219,7 +219,7 @@ fn parabola_strain(velocity: f64) -> f64 {
 }
 
 /// A bar pushed ever faster, smoothly, into plastic flow: a simple wave, in which every velocity runs at its own speed.
-fn smooth_loading(cells: usize, unloading: Option<Unloading>) -> f64 {
+fn smooth_loading(cells: usize, hardening: Option<HardeningRule>) -> f64 {
     let material = parabola();
     let (top, rise) = (0.4 * c0() * FLATTENS, 0.4 / c0());
     let imposed = |t: f64| {
@@ -230,7 +230,7 @@ fn smooth_loading(cells: usize, unloading: Option<Unloading>) -> f64 {
         (0..=20_000).map(|k| 1.1 / c0() * f64::from(k) / 2e4).map(|t| (t, imposed(t))).collect();
     let segment = Segment::new(1.0, 1.0, material);
     let ends = [common::moved_by(&rows), EndCondition::Free];
-    let mut bar = muscl::muscl(vec![segment], ends, unloading, cells, 1.0);
+    let mut bar = muscl::muscl(vec![segment], ends, hardening, cells, 1.0);
     muscl::advance_to(&mut bar, 0.9 / c0());
     let time = bar.time();
     error(&bar, Quantity::Strain, |x| {
@@ -246,13 +246,13 @@ fn smooth_loading(cells: usize, unloading: Option<Unloading>) -> f64 {
 
 #[test]
 fn smooth_plastic_loading_converges_with_order_two() {
-    for unloading in [ISOTROPIC, None, Some(Unloading::Mixed(0.4))] {
-        let errors = [200, 400, 800].map(|cells| smooth_loading(cells, unloading));
+    for hardening in [ISOTROPIC, None, Some(HardeningRule::Mixed(0.4))] {
+        let errors = [200, 400, 800].map(|cells| smooth_loading(cells, hardening));
         let orders: Vec<f64> = errors.windows(2).map(|e| order(e[0], e[1], 2.0)).collect();
-        println!("plastic loading {unloading:?} {errors:?} {orders:?}");
+        println!("plastic loading {hardening:?} {errors:?} {orders:?}");
         assert!(errors[0] < 1e-4, "{errors:?}");
         // At the crest of the velocity's rise and at the wave's foot curvatures jump: the order comes to two from below.
-        assert!(orders.iter().all(|&o| o > 1.75), "{unloading:?}: {orders:?}");
+        assert!(orders.iter().all(|&o| o > 1.75), "{hardening:?}: {orders:?}");
     }
 }
 
@@ -265,15 +265,15 @@ fn fronts_are_monotone() {
         (common::bilinear_steel(), 20.0, 3e-5),
         (common::power_law_steel(), 20.0, 5e-4),
     ] {
-        for unloading in [ISOTROPIC, None] {
+        for hardening in [ISOTROPIC, None] {
             let material = Arc::new(material.clone());
-            let bar = pushed(&material, velocity, unloading, 1000, 0.8 / c0());
+            let bar = pushed(&material, velocity, hardening, 1000, 0.8 / c0());
             let fan = fan_at_velocity(&material.tension, material.density, velocity);
             let (plateau, stress) = (fan.state(0.0).1, muscl::profile(&bar, Quantity::Stress));
             let mut lowest = -stress[0];
             for (i, found) in stress.iter().map(|s| -s).enumerate() {
-                assert!(found < plateau * (1.0 + rounding), "{unloading:?} cell {i}: {found} of {plateau}");
-                assert!(found < lowest + rounding * plateau, "{unloading:?} cell {i}: rises by {}", found - lowest);
+                assert!(found < plateau * (1.0 + rounding), "{hardening:?} cell {i}: {found} of {plateau}");
+                assert!(found < lowest + rounding * plateau, "{hardening:?} cell {i}: rises by {}", found - lowest);
                 lowest = lowest.min(found);
             }
         }

@@ -10,11 +10,11 @@ use barwave::assemble;
 use barwave::bar::EndCondition;
 use barwave::material::{Beyond, Curve, Material, TubeSection};
 use barwave::record::{Ledger, View};
-use barwave::scene::{Method, Scene, Unloading};
+use barwave::scene::{HardeningRule, Method, Scene};
 use barwave::solver::fd::Quantity;
 use barwave::solver::muscl::Muscl;
 
-const ISOTROPIC: Option<Unloading> = Some(Unloading::Isotropic);
+const ISOTROPIC: Option<HardeningRule> = Some(HardeningRule::Isotropic);
 const VELOCITY: f64 = 20.0;
 const UNTIL: f64 = 1e-3;
 
@@ -97,14 +97,14 @@ fn scenes() -> [(&'static str, [EndCondition; 2], f64); 5] {
     ]
 }
 
-fn check(name: &str, material: &Material, unloadings: &[Option<Unloading>]) {
-    for &unloading in unloadings {
+fn check(name: &str, material: &Material, hardenings: &[Option<HardeningRule>]) {
+    for &hardening in hardenings {
         for cells in [3, 20, 200] {
             for cfl in [1.0, 0.7] {
                 for (scene, ends, velocity) in scenes() {
-                    let what = format!("{name}, {scene}, {unloading:?}, {cells} cells, cfl {cfl}");
+                    let what = format!("{name}, {scene}, {hardening:?}, {cells} cells, cfl {cfl}");
                     let segment = common::segment(material.clone(), 1.0).with_velocity(velocity);
-                    let mut bar = muscl::muscl(vec![segment], ends, unloading, cells, cfl);
+                    let mut bar = muscl::muscl(vec![segment], ends, hardening, cells, cfl);
                     assert_bounded(&mut bar, UNTIL, &what);
                 }
             }
@@ -153,17 +153,17 @@ cells = 20
 /// The nominal curve of a rod becomes level ever more gradually.
 #[test]
 fn a_perfectly_plastic_rod_in_torsion_stays_bounded() {
-    check("rod", &twisted(0.0), &[None, ISOTROPIC, Some(Unloading::Kinematic)]);
+    check("rod", &twisted(0.0), &[None, ISOTROPIC, Some(HardeningRule::Kinematic)]);
 }
 
 #[test]
 fn a_perfectly_plastic_tube_in_torsion_stays_bounded() {
-    check("tube", &twisted(0.6), &[None, ISOTROPIC, Some(Unloading::Mixed(0.5))]);
+    check("tube", &twisted(0.6), &[None, ISOTROPIC, Some(HardeningRule::Mixed(0.5))]);
 }
 
 #[test]
 fn perfect_plasticity_stays_bounded() {
-    check("perfectly plastic", &perfectly_plastic(), &[None, ISOTROPIC, Some(Unloading::Kinematic)]);
+    check("perfectly plastic", &perfectly_plastic(), &[None, ISOTROPIC, Some(HardeningRule::Kinematic)]);
 }
 
 #[test]
@@ -173,7 +173,7 @@ fn a_yield_drop_stays_bounded() {
 
 #[test]
 fn softening_stays_bounded() {
-    check("softening", &softening(), &[None, ISOTROPIC, Some(Unloading::Mixed(0.5))]);
+    check("softening", &softening(), &[None, ISOTROPIC, Some(HardeningRule::Mixed(0.5))]);
 }
 
 #[test]

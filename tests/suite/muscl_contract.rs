@@ -7,12 +7,12 @@ use crate::common::muscl;
 use barwave::assemble::{medium, stepped_law};
 use barwave::bar::{Bar, EndCondition, Joint, Segment};
 use barwave::record::View;
-use barwave::scene::{Effects, Rate, Unloading};
+use barwave::scene::{Effects, HardeningRule, Rate};
 use barwave::solver::fd::{Grid, Quantity};
 use barwave::solver::muscl::Muscl;
 use common::{DENSITY, MODULUS};
 
-const ISOTROPIC: Option<Unloading> = Some(Unloading::Isotropic);
+const ISOTROPIC: Option<HardeningRule> = Some(HardeningRule::Isotropic);
 
 fn c0() -> f64 {
     (MODULUS / DENSITY).sqrt()
@@ -22,9 +22,9 @@ fn busy_ends() -> Vec<EndCondition> {
     common::busy_ends(common::BUSY_AREA)
 }
 
-fn bar_of(cells: usize, ends: [EndCondition; 2], velocity: f64, unloading: Option<Unloading>, cfl: f64) -> Muscl {
+fn bar_of(cells: usize, ends: [EndCondition; 2], velocity: f64, hardening: Option<HardeningRule>, cfl: f64) -> Muscl {
     let segment = Segment::new(1.0, common::BUSY_AREA, common::power_law_steel()).with_velocity(velocity);
-    muscl::muscl(vec![segment], ends, unloading, cells, cfl)
+    muscl::muscl(vec![segment], ends, hardening, cells, cfl)
 }
 
 /// What the scheme takes is positive in all but for this part of the energy: at an end that is moved to and fro over some
@@ -35,11 +35,11 @@ const GIVEN: f64 = 5e-3;
 fn the_ledger_closes_for_every_pair_of_ends() {
     for (k, left) in busy_ends().into_iter().enumerate() {
         for (j, right) in busy_ends().into_iter().enumerate() {
-            for (cells, velocity, unloading, cfl) in
-                [(300, 0.0, ISOTROPIC, 1.0), (270, -9.0, None, 0.83), (90, 7.0, Some(Unloading::Mixed(0.5)), 1.0)]
+            for (cells, velocity, hardening, cfl) in
+                [(300, 0.0, ISOTROPIC, 1.0), (270, -9.0, None, 0.83), (90, 7.0, Some(HardeningRule::Mixed(0.5)), 1.0)]
             {
                 let what = format!("ends {k} and {j}, {cells} cells, {velocity} m/s, cfl {cfl}");
-                let mut bar = bar_of(cells, [left.clone(), right.clone()], velocity, unloading, cfl);
+                let mut bar = bar_of(cells, [left.clone(), right.clone()], velocity, hardening, cfl);
                 let start = bar.start().energy;
                 let mut ledger = barwave::record::Ledger::new(&bar);
                 for _ in 0..40 {
@@ -93,7 +93,7 @@ fn what_a_body_loses_the_bar_gets() {
 }
 
 /// Two segments that meet in a joint, and what they look like from behind.
-fn two(joint: Joint, mirror: bool, unloading: Option<Unloading>) -> Muscl {
+fn two(joint: Joint, mirror: bool, hardening: Option<HardeningRule>) -> Muscl {
     let sense = if mirror { -1.0 } else { 1.0 };
     let struck = Segment::new(0.6, 1.5, common::power_law_steel()).with_velocity(20.0 * sense).with_joint(joint);
     let other = common::segment(common::bilinear_steel(), 0.4).with_joint(joint);
@@ -103,14 +103,14 @@ fn two(joint: Joint, mirror: bool, unloading: Option<Unloading>) -> Muscl {
         segments.reverse();
         ends.reverse();
     }
-    muscl::muscl(segments, ends, unloading, 700, 0.9)
+    muscl::muscl(segments, ends, hardening, 700, 0.9)
 }
 
 #[test]
 fn mirrored_bars_are_equal_bit_for_bit() {
     for joint in [Joint::Bonded, Joint::Contact { gap: 0.0 }, Joint::Contact { gap: 3e-5 }] {
-        for unloading in [None, ISOTROPIC, Some(Unloading::Kinematic), Some(Unloading::Mixed(0.3))] {
-            let (mut bar, mut image) = (two(joint, false, unloading), two(joint, true, unloading));
+        for hardening in [None, ISOTROPIC, Some(HardeningRule::Kinematic), Some(HardeningRule::Mixed(0.3))] {
+            let (mut bar, mut image) = (two(joint, false, hardening), two(joint, true, hardening));
             for step in 0..1500 {
                 bar.advance();
                 image.advance();
@@ -123,7 +123,7 @@ fn mirrored_bars_are_equal_bit_for_bit() {
                     let mut other = muscl::profile(&image, quantity);
                     other.reverse();
                     let same = muscl::profile(&bar, quantity).iter().zip(&other).all(|(a, b)| *a == sense * b);
-                    assert!(same, "{joint:?} {unloading:?} {quantity:?} step {step}");
+                    assert!(same, "{joint:?} {hardening:?} {quantity:?} step {step}");
                 }
             }
         }
@@ -208,7 +208,7 @@ fn a_bar_at_rest_stays_at_rest_and_carries_no_state() {
 #[test]
 fn a_law_of_more_than_four_state_numbers_is_no_panic() {
     let rate = Some(Rate::Malvern { k: 1e7 });
-    let effects = Effects { unloading: Some(Unloading::Kinematic), rate, ..Effects::default() };
+    let effects = Effects { hardening: Some(HardeningRule::Kinematic), rate, ..Effects::default() };
     let bar = Bar { segments: vec![common::segment(common::bilinear_steel(), 1.0)], area_given: true };
     let grid = Grid::new(&bar, 40, 1.0);
     let law = stepped_law(&bar.segments[0], &effects, grid.dt);

@@ -6,7 +6,7 @@ use crate::common::net;
 use barwave::bar::{Bar, EndCondition, History, Joint, Segment};
 use barwave::law::rate::Overstress;
 use barwave::material::{Beyond, Material};
-use barwave::scene::Unloading;
+use barwave::scene::HardeningRule;
 use barwave::solver::fd::Quantity;
 use barwave::solver::moc::{FrontTracking, Settings};
 use barwave::solver::net::Net;
@@ -293,7 +293,7 @@ struct Case {
     name: &'static str,
     segments: Vec<Segment>,
     ends: [EndCondition; 2],
-    unloading: Unloading,
+    hardening: HardeningRule,
 }
 
 fn cases() -> Vec<Case> {
@@ -306,27 +306,27 @@ fn cases() -> Vec<Case> {
     let flying = |velocity: f64| segment(bilinear_steel(), 1.0).with_velocity(velocity);
     let pulse = || EndCondition::Velocity { history: common::history(&[(0.0, -25.0)]), release: Some(0.35 / c0()) };
     let one = || vec![segment(bilinear_steel(), 1.0)];
-    let (isotropic, kinematic) = (Unloading::Isotropic, Unloading::Kinematic);
+    let (isotropic, kinematic) = (HardeningRule::Isotropic, HardeningRule::Kinematic);
     vec![
-        Case { name: "pulse", segments: one(), ends: [pulse(), EndCondition::Free], unloading: isotropic },
-        Case { name: "pulse, kinematic", segments: one(), ends: [pulse(), EndCondition::Fixed], unloading: kinematic },
+        Case { name: "pulse", segments: one(), ends: [pulse(), EndCondition::Free], hardening: isotropic },
+        Case { name: "pulse, kinematic", segments: one(), ends: [pulse(), EndCondition::Fixed], hardening: kinematic },
         Case {
             name: "wall",
             segments: vec![flying(-30.0)],
             ends: [EndCondition::Wall { gap: 1e-4 }, EndCondition::Free],
-            unloading: isotropic,
+            hardening: isotropic,
         },
         Case {
             name: "area step",
             segments: vec![thick(), segment(bilinear_steel(), 0.6)],
             ends: [moved(20.0), EndCondition::Absorbing],
-            unloading: isotropic,
+            hardening: isotropic,
         },
         Case {
             name: "two materials",
             segments: vec![segment(bilinear_steel(), 0.6), soft()],
             ends: [pulse(), EndCondition::Free],
-            unloading: Unloading::Mixed(0.4),
+            hardening: HardeningRule::Mixed(0.4),
         },
         Case {
             name: "two bars that part",
@@ -335,13 +335,13 @@ fn cases() -> Vec<Case> {
                 segment(bilinear_steel(), 0.65),
             ],
             ends: [EndCondition::Free, EndCondition::Absorbing],
-            unloading: isotropic,
+            hardening: isotropic,
         },
         Case {
             name: "stress",
             segments: one(),
             ends: [EndCondition::Fixed, common::loaded_by(&[(0.0, 0.0), (0.4 / c0(), 260e6), (1.0 / c0(), -280e6)])],
-            unloading: isotropic,
+            hardening: isotropic,
         },
     ]
 }
@@ -349,16 +349,16 @@ fn cases() -> Vec<Case> {
 #[test]
 fn all_ends_and_joints_agree_with_leapfrog_where_flow_is_infinitely_quick() {
     for case in cases() {
-        let kinematic = match case.unloading {
-            Unloading::Isotropic => 0.0,
-            Unloading::Kinematic => 1.0,
-            Unloading::Mixed(b) => b,
+        let kinematic = match case.hardening {
+            HardeningRule::Isotropic => 0.0,
+            HardeningRule::Kinematic => 1.0,
+            HardeningRule::Mixed(b) => b,
         };
         let difference = |cells: usize| {
             let stiff = Overstress::Malvern { k: 1e20 };
             let mut bar = net::net(case.segments.clone(), case.ends.clone(), stiff, kinematic, cells);
             let mut other =
-                common::leapfrog(case.segments.clone(), case.ends.clone(), Some(case.unloading), 4 * cells, 1.0);
+                common::leapfrog(case.segments.clone(), case.ends.clone(), Some(case.hardening), 4 * cells, 1.0);
             let until = 2.4 / c0();
             net::advance_to(&mut bar, until);
             common::advance_to(&mut other, bar.time());

@@ -8,7 +8,7 @@ use std::cell::Cell;
 
 use barwave::assemble::segment_law;
 use barwave::bar::{Bar, EndCondition, History};
-use barwave::scene::{Effects, Unloading};
+use barwave::scene::{Effects, HardeningRule};
 use barwave::solver::fd::{DistributedForces, Grid, Leapfrog, Quantity};
 use barwave::solver::moc::{FrontTracking, Settings, Stopped};
 use barwave::wave::riemann::Flow;
@@ -61,9 +61,9 @@ fn allocations(bar: &mut Leapfrog, steps: usize) -> usize {
 }
 
 /// 5000 cells, ten blocks, struck at its left end.
-fn struck(velocity: f64, unloading: Option<Unloading>) -> Leapfrog {
+fn struck(velocity: f64, hardening: Option<HardeningRule>) -> Leapfrog {
     let ends = [common::moved(velocity), EndCondition::Fixed];
-    common::leapfrog(vec![common::segment(common::bilinear_steel(), 1.0)], ends, unloading, 5000, 1.0)
+    common::leapfrog(vec![common::segment(common::bilinear_steel(), 1.0)], ends, hardening, 5000, 1.0)
 }
 
 #[test]
@@ -75,9 +75,9 @@ fn the_counter_counts() {
 
 #[test]
 fn an_elastic_run_allocates_nothing_and_carries_no_state() {
-    for unloading in [None, Some(Unloading::Isotropic), Some(Unloading::Kinematic)] {
+    for hardening in [None, Some(HardeningRule::Isotropic), Some(HardeningRule::Kinematic)] {
         // 2 m/s is 79 MPa, twice that after the reflection: below yield at 200 MPa.
-        let mut bar = struck(2.0, unloading);
+        let mut bar = struck(2.0, hardening);
         assert_eq!(allocations(&mut bar, 7000), 0);
         assert!(bar.stayed_elastic() && bar.value(Quantity::Stress, 4999) < -100e6);
         assert_eq!(bar.state_bytes(), 0);
@@ -86,10 +86,13 @@ fn an_elastic_run_allocates_nothing_and_carries_no_state() {
 
 #[test]
 fn a_plastic_run_allocates_nothing_once_every_block_has_yielded() {
-    for (unloading, numbers) in
-        [(None, 1), (Some(Unloading::Isotropic), 2), (Some(Unloading::Kinematic), 4), (Some(Unloading::Mixed(0.3)), 4)]
-    {
-        let mut bar = struck(20.0, unloading);
+    for (hardening, numbers) in [
+        (None, 1),
+        (Some(HardeningRule::Isotropic), 2),
+        (Some(HardeningRule::Kinematic), 4),
+        (Some(HardeningRule::Mixed(0.3)), 4),
+    ] {
+        let mut bar = struck(20.0, hardening);
         assert!(allocations(&mut bar, 6000) > 0);
         // State of all cells, and not a number more than the law has.
         assert_eq!(bar.state_bytes(), 8 * numbers * 5000);
@@ -110,7 +113,7 @@ fn damping_and_lateral_inertia_allocate_nothing_and_cost_what_is_said() {
     let [elastic, yielded] = along.bytes_per_cell();
     for (velocity, bytes, spare) in [(2.0, elastic, 1000), (20.0, yielded + 16, 1000)] {
         let bar = Bar { segments: vec![common::segment(common::bilinear_steel(), 1.0)], area_given: true };
-        let effects = Effects { unloading: Some(Unloading::Isotropic), ..Effects::default() };
+        let effects = Effects { hardening: Some(HardeningRule::Isotropic), ..Effects::default() };
         let (grid, laws) = (Grid::new(&bar, 5000, 1.0), vec![segment_law(&bar.segments[0], &effects)]);
         let mut bar = Leapfrog::with_along(&bar, grid, laws, [common::moved(velocity), EndCondition::Fixed], &along);
         common::advance(&mut bar, 6000);
@@ -123,12 +126,12 @@ fn damping_and_lateral_inertia_allocate_nothing_and_cost_what_is_said() {
 
 #[test]
 fn muscl_allocates_nothing_once_every_block_has_yielded() {
-    for unloading in [None, Some(Unloading::Isotropic), Some(Unloading::Kinematic)] {
+    for hardening in [None, Some(HardeningRule::Isotropic), Some(HardeningRule::Kinematic)] {
         let segments =
             || vec![common::segment(common::power_law_steel(), 0.5), common::segment(common::bilinear_steel(), 0.5)];
         let run = |velocity: f64, warm: usize, steps: usize| {
             let ends = [common::moved(velocity), EndCondition::Fixed];
-            let mut bar = muscl::muscl(segments(), ends, unloading, 1000, 1.0);
+            let mut bar = muscl::muscl(segments(), ends, hardening, 1000, 1.0);
             (0..warm).for_each(|_| bar.advance());
             let before = CALLS.with(Cell::get);
             (0..steps).for_each(|_| bar.advance());
@@ -157,7 +160,7 @@ fn the_characteristic_net_allocates_nothing_from_its_first_step_on() {
 #[test]
 fn only_yielded_blocks_carry_state() {
     // 100 steps after the start, waves are within the first block of 256 cells.
-    let mut bar = struck(20.0, Some(Unloading::Isotropic));
+    let mut bar = struck(20.0, Some(HardeningRule::Isotropic));
     common::advance(&mut bar, 100);
     assert_eq!(bar.state_bytes(), 8 * 2 * 256);
 }

@@ -7,7 +7,7 @@ use barwave::bar::{EndCondition, History, Segment};
 use barwave::law::Table;
 use barwave::material::{Beyond, Material, Sense};
 use barwave::record::Ledger;
-use barwave::scene::Unloading;
+use barwave::scene::HardeningRule;
 use barwave::solver::fd::{Leapfrog, Quantity};
 use common::MODULUS;
 use proptest::prelude::*;
@@ -103,12 +103,12 @@ fn end() -> impl Strategy<Value = EndCondition> {
     ]
 }
 
-fn unloading() -> impl Strategy<Value = Option<Unloading>> {
+fn hardening() -> impl Strategy<Value = Option<HardeningRule>> {
     prop_oneof![
         Just(None),
-        Just(Some(Unloading::Isotropic)),
-        Just(Some(Unloading::Kinematic)),
-        (0.0..1.0).prop_map(|fraction| Some(Unloading::Mixed(fraction))),
+        Just(Some(HardeningRule::Isotropic)),
+        Just(Some(HardeningRule::Kinematic)),
+        (0.0..1.0).prop_map(|fraction| Some(HardeningRule::Mixed(fraction))),
     ]
 }
 
@@ -127,8 +127,8 @@ fn assert_below_the_curve(bar: &Leapfrog, segments: &[Segment]) {
 }
 
 /// Steps the bar and holds it to everything at once.
-fn check(segments: &[Segment], ends: [EndCondition; 2], unloading: Option<Unloading>, (cells, cfl): (usize, f64)) {
-    let mut bar = common::leapfrog(segments.to_vec(), ends, unloading, cells, cfl);
+fn check(segments: &[Segment], ends: [EndCondition; 2], hardening: Option<HardeningRule>, (cells, cfl): (usize, f64)) {
+    let mut bar = common::leapfrog(segments.to_vec(), ends, hardening, cells, cfl);
     let mut ledger = Ledger::new(&bar);
     let mut plastic = 0.0;
     for _ in 0..STEPS / 20 {
@@ -140,7 +140,7 @@ fn check(segments: &[Segment], ends: [EndCondition; 2], unloading: Option<Unload
         );
         assert_below_the_curve(&bar, segments);
         // With a back stress part of the plastic work is stored and can come back; without unloading, all of it.
-        if unloading == Some(Unloading::Isotropic) {
+        if hardening == Some(HardeningRule::Isotropic) {
             assert!(
                 row.energies.plastic >= plastic,
                 "plastic work falls from {plastic:e} to {:e}",
@@ -159,15 +159,15 @@ fn check(segments: &[Segment], ends: [EndCondition; 2], unloading: Option<Unload
 fn check_muscl(
     segments: &[Segment],
     ends: [EndCondition; 2],
-    unloading: Option<Unloading>,
+    hardening: Option<HardeningRule>,
     (cells, cfl): (usize, f64),
 ) {
     // Kinematic hardening along a curve that stiffens is not for this scheme.
     let concave = |s: &Segment| Table::new(&s.material.tension, s.material.modulus).is_concave();
-    let refused = !matches!(unloading, None | Some(Unloading::Isotropic)) && !segments.iter().all(concave);
-    let unloading = if refused { Some(Unloading::Isotropic) } else { unloading };
+    let refused = !matches!(hardening, None | Some(HardeningRule::Isotropic)) && !segments.iter().all(concave);
+    let hardening = if refused { Some(HardeningRule::Isotropic) } else { hardening };
     let falls = segments.iter().any(|s| s.material.tension.stress().windows(2).any(|pair| pair[1] < pair[0]));
-    let mut bar = muscl::muscl(segments.to_vec(), ends, unloading, cells, cfl);
+    let mut bar = muscl::muscl(segments.to_vec(), ends, hardening, cells, cfl);
     let mut ledger = Ledger::new(&bar);
     for _ in 0..STEPS / 20 {
         (0..20).for_each(|_| bar.advance());
@@ -193,11 +193,11 @@ proptest! {
         segments in segments(),
         left in end(),
         right in end(),
-        unloading in unloading(),
+        hardening in hardening(),
         cells in prop_oneof![2_u32..150, 520_u32..530],
         cfl in prop_oneof![Just(1.0), 0.3..1.0],
     ) {
-        check_muscl(&segments, [left, right], unloading, (cells as usize, cfl));
+        check_muscl(&segments, [left, right], hardening, (cells as usize, cfl));
     }
 }
 
@@ -209,10 +209,10 @@ proptest! {
         segments in segments(),
         left in end(),
         right in end(),
-        unloading in unloading(),
+        hardening in hardening(),
         cells in prop_oneof![2_u32..150, 520_u32..530],
         cfl in prop_oneof![Just(1.0), 0.3..1.0],
     ) {
-        check(&segments, [left, right], unloading, (cells as usize, cfl));
+        check(&segments, [left, right], hardening, (cells as usize, cfl));
     }
 }

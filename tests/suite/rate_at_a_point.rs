@@ -7,7 +7,7 @@ use barwave::assemble::stepped_law;
 use barwave::bar::{Bar, EndCondition};
 use barwave::law::RowLaw;
 use barwave::material::{Beyond, HeatConstants, Material};
-use barwave::scene::{Effects, Heat, Rate, Unloading};
+use barwave::scene::{Effects, HardeningRule, Heat, Rate};
 use barwave::solver::fd::{Grid, Leapfrog, Quantity};
 use common::{DENSITY, MODULUS, material, profile, segment};
 
@@ -82,7 +82,7 @@ impl Point {
     fn stepped(self, material: &Material, dt: f64) -> std::sync::Arc<dyn RowLaw> {
         let heat = self.heated.then_some(Heat { fraction: None });
         let effects =
-            Effects { unloading: Some(Unloading::Isotropic), rate: Some(self.law), heat, ..Effects::default() };
+            Effects { hardening: Some(HardeningRule::Isotropic), rate: Some(self.law), heat, ..Effects::default() };
         stepped_law(&segment(material.clone(), 1.0), &effects, dt).law
     }
 
@@ -334,7 +334,7 @@ fn laws_go_from_relaxed_to_elastic() {
 /// Plastic strain along a bar that is struck, in 16 parts of it.
 fn plastic_strains(rate: Rate, cells: usize) -> Vec<f64> {
     let point = Point { law: rate, hardening: 2e9, heated: false };
-    let effects = Effects { unloading: Some(Unloading::Isotropic), rate: Some(rate), ..Effects::default() };
+    let effects = Effects { hardening: Some(HardeningRule::Isotropic), rate: Some(rate), ..Effects::default() };
     let bar = Bar { segments: vec![segment(point.material(), 1.0)], area_given: true };
     let grid = Grid::new(&bar, cells, 1.0);
     let law = stepped_law(&bar.segments[0], &effects, grid.dt);

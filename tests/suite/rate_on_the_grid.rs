@@ -8,7 +8,7 @@ use barwave::bar::{Bar, EndCondition, Segment};
 use barwave::law::rate::Overstress;
 use barwave::material::Material;
 use barwave::record::Ledger;
-use barwave::scene::{Effects, Rate, Unloading};
+use barwave::scene::{Effects, HardeningRule, Rate};
 use barwave::solver::fd::{Grid, Leapfrog, Quantity};
 use common::{
     DENSITY, MODULUS, YIELD, assert_ledger, bilinear_steel, elastic_steel, moved, power_law_steel, profile, segment,
@@ -18,8 +18,8 @@ fn c0() -> f64 {
     (MODULUS / DENSITY).sqrt()
 }
 
-fn effects(rate: Rate, unloading: Unloading) -> Effects {
-    Effects { unloading: Some(unloading), rate: Some(rate), ..Effects::default() }
+fn effects(rate: Rate, hardening: HardeningRule) -> Effects {
+    Effects { hardening: Some(hardening), rate: Some(rate), ..Effects::default() }
 }
 
 fn bar(segments: Vec<Segment>, ends: [EndCondition; 2], effects: &Effects, cells: usize) -> Leapfrog {
@@ -29,9 +29,9 @@ fn bar(segments: Vec<Segment>, ends: [EndCondition; 2], effects: &Effects, cells
     Leapfrog::new(&bar, grid, laws, ends)
 }
 
-fn pulled(material: &Material, rate: Rate, unloading: Unloading, cells: usize) -> Leapfrog {
+fn pulled(material: &Material, rate: Rate, hardening: HardeningRule, cells: usize) -> Leapfrog {
     let ends = [pulse(), EndCondition::Fixed];
-    bar(vec![segment(material.clone(), 1.0)], ends, &effects(rate, unloading), cells)
+    bar(vec![segment(material.clone(), 1.0)], ends, &effects(rate, hardening), cells)
 }
 
 /// Rises smoothly, goes back, and is let go.
@@ -49,14 +49,14 @@ fn worst_gap(one: &[f64], other: &[f64]) -> f64 {
 
 #[test]
 fn without_a_rate_the_law_is_the_one_without_the_effect() {
-    for unloading in [None, Some(Unloading::Isotropic), Some(Unloading::Mixed(0.3))] {
-        let effects = Effects { unloading, ..Effects::default() };
+    for hardening in [None, Some(HardeningRule::Isotropic), Some(HardeningRule::Mixed(0.3))] {
+        let effects = Effects { hardening, ..Effects::default() };
         let segment = segment(power_law_steel(), 1.0);
         let (law, plain) = (stepped_law(&segment, &effects, 1e-6).law, segment_law(&segment, &effects).law);
         assert_eq!(law.state_len(), plain.state_len(), "no state for an effect that is off");
         let ends = || [pulse(), EndCondition::Fixed];
         let mut with = bar(vec![segment.clone()], ends(), &effects, 600);
-        let mut without = common::leapfrog(vec![segment.clone()], ends(), unloading, 600, 1.0);
+        let mut without = common::leapfrog(vec![segment.clone()], ends(), hardening, 600, 1.0);
         for _ in 0..1200 {
             with.advance();
             without.advance();
@@ -68,12 +68,12 @@ fn without_a_rate_the_law_is_the_one_without_the_effect() {
 
 #[test]
 fn infinitely_quick_flow_is_the_rate_independent_bar_and_slow_flow_the_elastic_one() {
-    for unloading in [Unloading::Isotropic, Unloading::Kinematic, Unloading::Mixed(0.3)] {
+    for hardening in [HardeningRule::Isotropic, HardeningRule::Kinematic, HardeningRule::Mixed(0.3)] {
         let ends = || [pulse(), EndCondition::Fixed];
-        let mut quick = pulled(&bilinear_steel(), Rate::Malvern { k: 1e300 }, unloading, 600);
-        let mut plain = common::leapfrog(vec![segment(bilinear_steel(), 1.0)], ends(), Some(unloading), 600, 1.0);
-        let mut slow = pulled(&bilinear_steel(), Rate::Malvern { k: 1e-320 }, unloading, 600);
-        let mut elastic = common::leapfrog(vec![segment(elastic_steel(), 1.0)], ends(), Some(unloading), 600, 1.0);
+        let mut quick = pulled(&bilinear_steel(), Rate::Malvern { k: 1e300 }, hardening, 600);
+        let mut plain = common::leapfrog(vec![segment(bilinear_steel(), 1.0)], ends(), Some(hardening), 600, 1.0);
+        let mut slow = pulled(&bilinear_steel(), Rate::Malvern { k: 1e-320 }, hardening, 600);
+        let mut elastic = common::leapfrog(vec![segment(elastic_steel(), 1.0)], ends(), Some(hardening), 600, 1.0);
         for _ in 0..1200 {
             for bar in [&mut quick, &mut plain, &mut slow, &mut elastic] {
                 bar.advance();
@@ -82,7 +82,7 @@ fn infinitely_quick_flow_is_the_rate_independent_bar_and_slow_flow_the_elastic_o
         let stress = |bar: &Leapfrog| profile(bar, Quantity::Stress);
         // 1200 steps with errors of a few ulp of 800 MPa.
         let gap = worst_gap(&stress(&quick), &stress(&plain));
-        assert!(gap < 1e-9 * YIELD, "{unloading:?}: {gap:e}");
+        assert!(gap < 1e-9 * YIELD, "{hardening:?}: {gap:e}");
         assert!(worst_gap(&stress(&slow), &stress(&elastic)) < 1e-10 * YIELD);
         let (one, other) = (quick.energies(), plain.energies());
         assert!(
@@ -96,7 +96,7 @@ fn infinitely_quick_flow_is_the_rate_independent_bar_and_slow_flow_the_elastic_o
 fn precursor_error(material: &Material, k: f64, cells: usize) -> f64 {
     let rate = Rate::Malvern { k };
     let ends = [moved(20.0), EndCondition::Free];
-    let mut bar = bar(vec![segment(material.clone(), 1.0)], ends, &effects(rate, Unloading::Isotropic), cells);
+    let mut bar = bar(vec![segment(material.clone(), 1.0)], ends, &effects(rate, HardeningRule::Isotropic), cells);
     let first = DENSITY * c0() * 20.0;
     let mut worst = 0.0_f64;
     for cell in 0..cells {
@@ -129,10 +129,10 @@ fn the_precursor_decays_as_theory_says() {
 #[test]
 fn a_smooth_wave_comes_to_that_of_the_characteristic_net() {
     let (k, until) = (3e4, 0.9 / c0());
-    for unloading in [Unloading::Isotropic, Unloading::Kinematic] {
-        let kinematic = if unloading == Unloading::Kinematic { 1.0 } else { 0.0 };
+    for hardening in [HardeningRule::Isotropic, HardeningRule::Kinematic] {
+        let kinematic = if hardening == HardeningRule::Kinematic { 1.0 } else { 0.0 };
         let gap = |cells: usize| {
-            let mut grid = pulled(&bilinear_steel(), Rate::Malvern { k }, unloading, cells);
+            let mut grid = pulled(&bilinear_steel(), Rate::Malvern { k }, hardening, cells);
             let ends = [pulse(), EndCondition::Fixed];
             let segments = vec![segment(bilinear_steel(), 1.0)];
             let mut other = net::net(segments, ends, Overstress::Malvern { k }, kinematic, cells);
@@ -142,7 +142,7 @@ fn a_smooth_wave_comes_to_that_of_the_characteristic_net() {
             one.iter().zip(&two).map(|(a, b)| (a - b).abs()).sum::<f64>() / two.iter().map(|s| s.abs()).sum::<f64>()
         };
         let gaps = [250, 500, 1000].map(gap);
-        eprintln!("grid against net, {unloading:?}: {gaps:?}");
+        eprintln!("grid against net, {hardening:?}: {gaps:?}");
         for pair in gaps.windows(2) {
             // Both are of second order but where a cell begins to flow.
             assert!((pair[0] / pair[1]).log2() > 1.5, "{gaps:?}");
@@ -161,8 +161,8 @@ fn no_rate_blows_up_and_all_work_is_accounted_for() {
         Rate::JohnsonCook { c: 0.3, reference: 1e-9 },
     ];
     for rate in rates.chain(others) {
-        for unloading in [Unloading::Isotropic, Unloading::Mixed(0.3)] {
-            let mut bar = pulled(&power_law_steel(), rate, unloading, 300);
+        for hardening in [HardeningRule::Isotropic, HardeningRule::Mixed(0.3)] {
+            let mut bar = pulled(&power_law_steel(), rate, hardening, 300);
             let mut ledger = Ledger::new(&bar);
             for _ in 0..900 {
                 bar.advance();

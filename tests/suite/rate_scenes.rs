@@ -7,7 +7,7 @@ use barwave::law::rate::Overstress;
 use barwave::record::Field;
 use barwave::record::store::ResultFile;
 use barwave::run::run;
-use barwave::scene::{Method, Rate, Scene, Unloading};
+use barwave::scene::{HardeningRule, Method, Rate, Scene};
 use barwave::study::plan::plan;
 
 /// A process that is started while a result file is open takes its lock along.
@@ -34,13 +34,13 @@ fn rate_chooses_the_characteristic_net_and_brings_elastic_unloading() {
         let scene = scene(MALVERN, solve, "");
         assert_eq!(scene.solve.method, Method::CharacteristicNet { cells: 1000 });
         assert_eq!(scene.effects.rate, Some(Rate::Malvern { k: 1e4 }));
-        assert_eq!(scene.effects.unloading, Some(Unloading::Isotropic));
+        assert_eq!(scene.effects.hardening, Some(HardeningRule::Isotropic));
         let resolved = scene.resolved_json();
         assert_eq!(resolved["effects"]["rate"]["model"], "malvern");
         assert_eq!(resolved["solve"]["cells"], 1000);
     }
     let own = format!("hardening = \"kinematic\"\n{MALVERN}");
-    assert_eq!(scene(&own, "cells = 50", "").effects.unloading, Some(Unloading::Kinematic));
+    assert_eq!(scene(&own, "cells = 50", "").effects.hardening, Some(HardeningRule::Kinematic));
     let other = scene("rate = { model = \"cowper-symonds\", D = \"40 1/s\", q = 5 }", "", "").effects.rate;
     assert_eq!(other, Some(Rate::CowperSymonds { d: 40.0, q: 5.0 }));
     let other = scene("rate = { model = \"johnson-cook\", C = 0.014, reference = \"1 1/s\" }", "", "").effects.rate;

@@ -249,7 +249,8 @@ fn files(folder: &Path, result: &str) -> Vec<String> {
 /// The run of this file wrote all there is to write.
 fn has_ended(path: &Path) -> bool {
     path.exists()
-        && ["done", "rupture", "stopped"].contains(&ResultFile::open(path).expect("a result").facts().outcome.as_str())
+        && ["done", "rupture", "stopped"]
+            .contains(&ResultFile::open(path).expect("a result").metadata().outcome.as_str())
 }
 
 /// A run in two pieces or more, against one in one piece.
@@ -527,7 +528,7 @@ fn a_run_of_few_steps_and_millions_of_frames_stops_when_asked() {
         // It takes 20 ms beside what waits to be written. The rest is for machines that do other things, too.
         assert!(asked.elapsed() < Duration::from_secs(4), "{:?}", asked.elapsed());
         let file = ResultFile::open(&folder.path().join("a.h5")).expect("a result");
-        assert_eq!(file.facts().outcome, "interrupted");
+        assert_eq!(file.metadata().outcome, "interrupted");
         let frames = file.time().expect("times").len();
         assert!((1..1_000_000).contains(&frames), "{frames} frames");
         std::fs::remove_file(folder.path().join("a.h5")).expect("removed");
@@ -646,5 +647,5 @@ fn the_commands_of_the_page_on_resuming_work() {
     );
     let output = barwave(folder.path(), &words(resume));
     assert!(output.status.success(), "{}", message(&output));
-    assert_eq!(ResultFile::open(&result).expect("a result").facts().outcome, "done");
+    assert_eq!(ResultFile::open(&result).expect("a result").metadata().outcome, "done");
 }

@@ -719,8 +719,8 @@ fn an_event_budget_that_runs_out_keeps_the_frames() {
         assert!(message.contains(part), "expected `{part}`: {message}");
     }
     let file = barwave::record::store::ResultFile::open(&folder.path().join("a.h5")).expect("a result file");
-    assert_eq!(file.facts().outcome, "stopped");
-    assert!(file.facts().reason.as_ref().is_some_and(|r| r.contains("5000 events")));
+    assert_eq!(file.metadata().outcome, "stopped");
+    assert!(file.metadata().reason.as_ref().is_some_and(|r| r.contains("5000 events")));
     let frames = file.time().expect("times").len();
     assert!(frames > 10 && frames < 201, "{frames} frames");
     assert!(!file.paths().expect("paths").is_empty() && !file.fronts().expect("fronts").is_empty());
@@ -863,7 +863,7 @@ fn a_segment_shorter_than_a_cell_is_noted() {
             assert_eq!(value["notes"].as_array().map(Vec::len), Some(usize::from(noted)), "{command:?}: {value}");
         }
         let file = barwave::record::store::ResultFile::open(&folder.path().join("out.h5")).expect("a result file");
-        assert_eq!(file.facts().notes.len(), usize::from(noted), "{name}");
+        assert_eq!(file.metadata().notes.len(), usize::from(noted), "{name}");
     }
 }
 

@@ -5,7 +5,7 @@ use crate::common;
 use std::sync::Arc;
 
 use barwave::bar::{EndCondition, History, Joint, Segment};
-use barwave::scene::Unloading;
+use barwave::scene::HardeningRule;
 use barwave::solver::fd::{Leapfrog, Quantity};
 
 const QUANTITIES: [Quantity; 5] = [
@@ -20,7 +20,7 @@ const QUANTITIES: [Quantity; 5] = [
 struct Setup {
     segments: Vec<Segment>,
     ends: [EndCondition; 2],
-    unloading: Option<Unloading>,
+    hardening: Option<HardeningRule>,
     cells: usize,
     cfl: f64,
 }
@@ -28,11 +28,11 @@ struct Setup {
 impl Setup {
     fn new(segments: Vec<Segment>, ends: [EndCondition; 2]) -> Self {
         // A number of cells that is no multiple of any block size or vector width.
-        Self { segments, ends, unloading: Some(Unloading::Isotropic), cells: 1301, cfl: 1.0 }
+        Self { segments, ends, hardening: Some(HardeningRule::Isotropic), cells: 1301, cfl: 1.0 }
     }
 
     fn bar(&self) -> Leapfrog {
-        common::leapfrog(self.segments.clone(), self.ends.clone(), self.unloading, self.cells, self.cfl)
+        common::leapfrog(self.segments.clone(), self.ends.clone(), self.hardening, self.cells, self.cfl)
     }
 
     /// Left and right swapped: what stood at x stands at L - x, and moves the other way.
@@ -99,9 +99,11 @@ fn an_elastic_bar() {
 
 #[test]
 fn a_bilinear_bar_struck_at_20_m_s() {
-    for unloading in [None, Some(Unloading::Isotropic), Some(Unloading::Kinematic), Some(Unloading::Mixed(0.4))] {
+    for hardening in
+        [None, Some(HardeningRule::Isotropic), Some(HardeningRule::Kinematic), Some(HardeningRule::Mixed(0.4))]
+    {
         let mut setup = Setup::new(vec![steel(1.0)], [common::moved(20.0), EndCondition::Free]);
-        setup.unloading = unloading;
+        setup.hardening = hardening;
         assert_mirrored(&setup, true);
     }
 }

@@ -164,7 +164,7 @@ fn a_finished_file_gives_everything_back() {
     assert_frames(&file, &layout, FRAMES);
     assert_eq!(file.x().unwrap(), layout.x);
     assert_eq!(file.fields(), layout.fields);
-    let facts = file.facts();
+    let facts = file.metadata();
     assert_eq!((facts.outcome.as_str(), facts.is_unfinished()), ("done", false));
     assert_eq!((&facts.scene, &facts.effects), (&header().scene, &header().effects));
     assert_eq!((facts.critical_velocity, facts.notes.as_slice()), (Some(44.5), ["µ: a note".to_owned()].as_slice()));
@@ -207,12 +207,12 @@ fn a_dropped_writer_leaves_every_frame_and_says_running() {
     drop(start(&path, &layout, 70));
 
     let file = ResultFile::open(&path).unwrap();
-    assert_eq!(file.facts().outcome, RUNNING);
-    assert!(file.facts().is_unfinished());
+    assert_eq!(file.metadata().outcome, RUNNING);
+    assert!(file.metadata().is_unfinished());
     assert_frames(&file, &layout, 70);
     assert!(file.fronts().unwrap().is_empty());
     assert!(file.audit().unwrap().is_empty());
-    assert_eq!(file.facts().wall_seconds, None);
+    assert_eq!(file.metadata().wall_seconds, None);
 }
 
 #[test]

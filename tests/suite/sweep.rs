@@ -164,7 +164,7 @@ fn fields_are_kept_where_they_are_asked_for() {
         scenes("[sweep]\nscene = \"scene.toml\"\nfields = [\"stress\"]\n[axes]\n\"left.value\" = [-10, -20]\n");
     done(folder.path(), &["sweep", "sweep.toml", "-o", "out"]);
     let file = barwave::record::store::ResultFile::open(&folder.path().join("out/case-000001.h5")).expect("a result");
-    assert_eq!(file.facts().overrides, ["left.value=-20", "record.fields=[\"stress\"]"]);
+    assert_eq!(file.metadata().overrides, ["left.value=-20", "record.fields=[\"stress\"]"]);
 }
 
 #[test]

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use barwave::assemble;
 use barwave::bar::{Bar, EndCondition, Joint, Profile, Segment, Taper};
 use barwave::record::{Field, Ledger, View};
-use barwave::scene::{Method, Scene, Unloading};
+use barwave::scene::{HardeningRule, Method, Scene};
 use barwave::solver::fd::{Leapfrog, Quantity};
 use barwave::solver::moc::{FrontTracking, Settings};
 
@@ -114,7 +114,7 @@ fn a_taper_that_changes_nothing_is_the_uniform_bar_to_the_last_bit() {
     let plain = Segment::new(1.0, 2.0, common::bilinear_steel());
     let flat = tapered(plain.clone(), Profile::Area, &[(0.0, 2.0), (0.3, 2.0), (1.0, 2.0)]);
     let [mut uniform, mut level] =
-        [plain, flat].map(|s| common::leapfrog(vec![s], ends.clone(), Some(Unloading::Isotropic), 1301, 1.0));
+        [plain, flat].map(|s| common::leapfrog(vec![s], ends.clone(), Some(HardeningRule::Isotropic), 1301, 1.0));
     for _ in 0..4 {
         common::advance(&mut uniform, 700);
         common::advance(&mut level, 700);
@@ -171,16 +171,16 @@ fn momentum_and_energy_of_plastic_tapers_are_accounted_for_to_rounding() {
     ];
     for left in lefts {
         for joint in [Joint::Bonded, Joint::Contact { gap: 1e-4 }] {
-            for unloading in [None, Some(Unloading::Isotropic), Some(Unloading::Mixed(0.4))] {
+            for hardening in [None, Some(HardeningRule::Isotropic), Some(HardeningRule::Mixed(0.4))] {
                 let ends = [left.clone(), EndCondition::Absorbing];
-                let mut bar = common::leapfrog(two_tapers(joint), ends, unloading, 2600, 1.0);
+                let mut bar = common::leapfrog(two_tapers(joint), ends, hardening, 2600, 1.0);
                 let mut ledger = Ledger::new(&bar);
                 for _ in 0..20 {
                     common::advance(&mut bar, 150);
                     ledger.row(&bar);
                 }
                 assert!(!bar.stayed_elastic());
-                common::assert_ledger(&ledger, &format!("{left:?}, {joint:?}, {unloading:?}"));
+                common::assert_ledger(&ledger, &format!("{left:?}, {joint:?}, {hardening:?}"));
             }
         }
     }
@@ -192,7 +192,7 @@ fn mirror_difference(velocity: f64) -> f64 {
     let mirrored: Vec<(f64, f64)> = rows.iter().rev().map(|&(x, a)| (1.0 - x, a)).collect();
     let run = |rows: &[(f64, f64)], ends: [EndCondition; 2]| {
         let segments = vec![tapered(common::segment(common::bilinear_steel(), 1.0), Profile::Area, rows)];
-        let mut bar = common::leapfrog(segments, ends, Some(Unloading::Isotropic), 1301, 1.0);
+        let mut bar = common::leapfrog(segments, ends, Some(HardeningRule::Isotropic), 1301, 1.0);
         common::advance(&mut bar, 2000);
         assert_eq!(bar.stayed_elastic(), velocity < 3.0);
         common::profile(&bar, Quantity::Stress)

@@ -129,7 +129,7 @@ fn the_summary_says_what_was_chosen_and_the_plan_what_there_is_to_choose() {
     assert_eq!(last["estimate"], summary["error"]["value"]);
     assert!(summary["error"]["value"].as_f64().is_some_and(|e| e <= 1e-3));
     let file = barwave::record::store::ResultFile::open(&folder.path().join("out.h5")).expect("it opens");
-    let error = file.facts().error.as_ref().expect("an error figure");
+    let error = file.metadata().error.as_ref().expect("an error figure");
     assert_eq!(Some(error.value), summary["error"]["value"].as_f64());
 }
 

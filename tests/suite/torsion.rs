@@ -11,7 +11,7 @@ use barwave::material::{Beyond, Curve, Loading, Material, TubeSection};
 use barwave::record::store::ResultFile;
 use barwave::record::{Field, Summary, View};
 use barwave::run::run;
-use barwave::scene::{Effects, Method, Scene, Unloading};
+use barwave::scene::{Effects, HardeningRule, Method, Scene};
 use barwave::solver::fd::Sampling;
 use barwave::solver::moc::Settings;
 
@@ -249,8 +249,8 @@ fn the_pattern_of_stress_that_a_rod_keeps_is_felt_only_past_zero_torque() {
     let rod = shear.in_torsion(TubeSection { q: 0.0 }).expect("a curve");
     let segment = barwave::bar::Segment::new(1.0, 1.0, rod);
     let top = 5.0 * TAU / G;
-    let path = |rule: Unloading| {
-        let effects = Effects { unloading: Some(rule), ..Effects::default() };
+    let path = |rule: HardeningRule| {
+        let effects = Effects { hardening: Some(rule), ..Effects::default() };
         let law = assemble::segment_law(&segment, &effects).law;
         let (mut sigma, mut state, mut work, mut flow) = ([0.0], vec![0.0; law.state_len()], [0.0], [0]);
         let (mut layers, mut strain) = (Layers::new(), 0.0);
@@ -276,7 +276,7 @@ fn the_pattern_of_stress_that_a_rod_keeps_is_felt_only_past_zero_torque() {
         }
         worst
     };
-    let (isotropic, kinematic) = (path(Unloading::Isotropic), path(Unloading::Kinematic));
+    let (isotropic, kinematic) = (path(HardeningRule::Isotropic), path(HardeningRule::Kinematic));
     println!("isotropic {isotropic:?}, kinematic {kinematic:?}");
     for worst in [isotropic, kinematic] {
         // Up and back to zero torque: the tolerance of the table (1e-4 of 4/3) and the layers' own 1e-4.

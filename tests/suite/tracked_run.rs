@@ -239,6 +239,6 @@ fn a_run_that_is_interrupted_keeps_what_it_has() {
     });
     assert_eq!(stopped.expect_err("it was stopped").exit_code(), 130);
     let file = ResultFile::open(&path).expect("a result file");
-    assert_eq!((file.facts().outcome.as_str(), file.time().expect("times").len()), ("interrupted", 20));
+    assert_eq!((file.metadata().outcome.as_str(), file.time().expect("times").len()), ("interrupted", 20));
     assert!(!file.paths().expect("paths").is_empty());
 }

@@ -64,7 +64,7 @@ use std::time::{Duration, Instant};
 pub use checkpoint::{Checkpoint, Rows, checksum, path_of as checkpoint_path, remove as remove_checkpoint};
 pub use existing::{Existing, existing, is_hdf5};
 pub use impact::{StoredColumn, StoredImpact, StoredTable, write_impact};
-pub use read::{Facts, Gauge, ResultFile, StoredScene};
+pub use read::{Gauge, Metadata, ResultFile, StoredScene};
 pub use ruptures::StoredRupture;
 pub use sweep::{SweepColumn, SweepFile, Values, write_sweep};
 

@@ -24,12 +24,12 @@ type Hdf<T> = hdf5::Result<T>;
 pub struct ResultFile {
     path: PathBuf,
     file: SharedFile,
-    facts: Facts,
+    metadata: Metadata,
 }
 
 /// The root attributes.
 #[derive(Debug, Clone, Default)]
-pub struct Facts {
+pub struct Metadata {
     /// Version of the program that wrote the file.
     pub program_version: String,
     /// The commit it was built from, where known.
@@ -76,7 +76,7 @@ pub struct Facts {
     pub error: Option<ErrorFigure>,
 }
 
-impl Facts {
+impl Metadata {
     /// True until the run has ended: the file of a run in progress, or of a killed one.
     pub fn is_unfinished(&self) -> bool {
         self.outcome == RUNNING
@@ -139,8 +139,8 @@ impl ResultFile {
             Ok(FORMAT_VERSION) => {}
             found => return Err(other_version(path, found.ok()).into()),
         }
-        let facts = read_facts(&file).map_err(|e| damaged(path, &e))?;
-        Ok(Self { path: path.to_owned(), file, facts })
+        let metadata = read_facts(&file).map_err(|e| damaged(path, &e))?;
+        Ok(Self { path: path.to_owned(), file, metadata })
     }
 
     /// Where the file is.
@@ -149,8 +149,8 @@ impl ResultFile {
     }
 
     /// The root attributes.
-    pub fn facts(&self) -> &Facts {
-        &self.facts
+    pub fn metadata(&self) -> &Metadata {
+        &self.metadata
     }
 
     /// Frame times, s; in a file that was cut off, of the frames that every field has.
@@ -320,8 +320,8 @@ fn cannot_open(path: &Path, why: &NotOpened) -> InputError {
     wrong(path, "this is not an HDF5 file", "name a result file that `barwave run` wrote")
 }
 
-fn read_facts(file: &File) -> Hdf<Facts> {
-    Ok(Facts {
+fn read_facts(file: &File) -> Hdf<Metadata> {
+    Ok(Metadata {
         program_version: get_text(file, "program_version")?,
         git_revision: get_text(file, "git_revision").ok(),
         created: get_text(file, "created")?,

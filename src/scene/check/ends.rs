@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::super::raw::{Drive, EndKind, RawEnd};
+use super::super::raw::{EndKind, RawEnd, RawHistory};
 use super::{Checker, Torsion};
 use crate::bar::{Bar, EndCondition, History, Segment};
 use crate::error::{Error, Result};
@@ -39,12 +39,12 @@ impl Checker<'_> {
         let (radius, polar) = (site.radius, site.polar);
         Ok(match raw {
             RawEnd::Velocity(raw) => EndCondition::Velocity {
-                history: self.history(&raw.drive(), site)?.scaled(radius),
+                history: self.history(&raw.history_keys(), site)?.scaled(radius),
                 release: self.si(&raw.release)?,
             },
-            RawEnd::Stress(raw) => EndCondition::Stress { history: self.history(&raw.drive(), site)? },
+            RawEnd::Stress(raw) => EndCondition::Stress { history: self.history(&raw.history_keys(), site)? },
             RawEnd::Torque(raw) => {
-                EndCondition::Stress { history: self.history(&raw.drive(), site)?.scaled(radius / polar) }
+                EndCondition::Stress { history: self.history(&raw.history_keys(), site)?.scaled(radius / polar) }
             }
             RawEnd::Free(_) => EndCondition::Free,
             RawEnd::Fixed(_) => EndCondition::Fixed,
@@ -119,18 +119,18 @@ impl Checker<'_> {
     }
 
     /// The history of a driven end, from exactly one of its three forms.
-    fn history<D: Measure>(&self, drive: &Drive<'_, D>, site: &EndSite<'_>) -> Result<History> {
+    fn history<D: Measure>(&self, keys: &RawHistory<'_, D>, site: &EndSite<'_>) -> Result<History> {
         let (key, dimension) = (site.key, self.dimension::<D>());
         let forms = [
-            ("value", drive.value.place()),
-            ("history", drive.history.map(Placed::span)),
-            ("csv", drive.csv.map(Placed::span)),
+            ("value", keys.value.place()),
+            ("history", keys.history.map(Placed::span)),
+            ("csv", keys.csv.map(Placed::span)),
         ];
         self.at_most_one(key, forms)?;
-        if let Some(value) = drive.value {
+        if let Some(value) = keys.value {
             return self.si(value).map(History::constant);
         }
-        if let Some(rows) = drive.history {
+        if let Some(rows) = keys.history {
             let key = format!("{key}.history");
             let pairs = rows.get_ref().pairs(self.document, self.torsion, &key, ["time", "value"])?;
             return History::new(&pairs).map_err(|(i, fault)| {
@@ -140,7 +140,7 @@ impl Checker<'_> {
                 self.error(span, &format!("{key}.{i}"), what).allowed(ROWS).help(ROWS_HELP).into()
             });
         }
-        if let Some(path) = drive.csv {
+        if let Some(path) = keys.csv {
             return self.csv_history(path, &format!("{key}.csv"), dimension);
         }
         let unit = dimension.example();

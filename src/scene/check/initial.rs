@@ -1,7 +1,7 @@
 //! Initial states: checks of the initial values of a segment.
 
 use super::super::raw::{INITIAL, RawBar, RawEffects};
-use super::super::{Effects, Method, Unloading};
+use super::super::{Effects, HardeningRule, Method};
 use super::Checker;
 use super::distribution::{ACCUMULATED, PLASTIC, STRAIN, STRESS, TEMPERATURE};
 use crate::bar::{Bar, Initial, Segment};
@@ -99,7 +99,7 @@ impl Checker<'_> {
 
     fn can_have_yielded(&self, given: &Given<'_>, effects: &Effects) -> Result<()> {
         let keys = [PLASTIC, ACCUMULATED];
-        if effects.unloading.is_none() && effects.rate.is_none() {
+        if effects.hardening.is_none() && effects.rate.is_none() {
             let message =
                 "an initial plastic strain needs a hardening rule: without one, unloading follows the loading curve"
                     .to_owned();
@@ -243,10 +243,10 @@ fn states(given: &Given<'_>, corners: &[f64]) -> Vec<(Initial, String)> {
 
 /// Part of the hardening that moves the elastic range.
 fn moves(effects: &Effects) -> f64 {
-    match effects.unloading {
-        None | Some(Unloading::Isotropic) => 0.0,
-        Some(Unloading::Kinematic) => 1.0,
-        Some(Unloading::Mixed(fraction)) => fraction,
+    match effects.hardening {
+        None | Some(HardeningRule::Isotropic) => 0.0,
+        Some(HardeningRule::Kinematic) => 1.0,
+        Some(HardeningRule::Mixed(fraction)) => fraction,
     }
 }
 

@@ -135,7 +135,7 @@ impl Checker<'_> {
                 return Err(error.help("name each field once").into());
             }
             let plastic = matches!(field, Field::PlasticStrain | Field::AccumulatedPlasticStrain);
-            if plastic && effects.unloading.is_none() {
+            if plastic && effects.hardening.is_none() {
                 let message = format!("`{}` is not available without a hardening rule", field.name());
                 let help = "add [effects] with hardening = \"isotropic\", or remove the field";
                 return Err(self.error(word.span(), &key, message).help(help).into());

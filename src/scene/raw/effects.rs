@@ -46,8 +46,8 @@ impl<'de> Deserialize<'de> for EffectsChoice {
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct RawEffects {
     /// Hardening rule with elastic unloading. Default: none; unloading follows the loading curve.
-    #[serde(rename = "hardening", alias = "unloading")]
-    pub unloading: Option<Placed<RawUnloading>>,
+    #[serde(alias = "unloading")]
+    pub hardening: Option<Placed<RawHardening>>,
     /// Rate-dependent plastic flow; implies hardening = "isotropic" unless `hardening` is set. Solved with method = "moc"
     /// on a characteristic net. Default: none; the quasi-static curve is used at all strain rates.
     /// "material": each segment uses the constants of its own material.
@@ -115,7 +115,7 @@ impl<'de> Deserialize<'de> for RateChoice {
 /// How the yield stress moves with plastic flow.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
-pub enum RawUnloading {
+pub enum RawHardening {
     /// Isotropic hardening: tension and compression harden equally.
     Isotropic,
     /// The elastic range keeps its size and moves. Unloading and reverse loading follow the curve doubled in size (Masing's

@@ -181,8 +181,8 @@ macro_rules! driven {
         }
 
         impl $name {
-            pub(in crate::scene) fn drive(&self) -> Drive<'_, $measure> {
-                Drive { value: self.value.as_ref(), history: self.history.as_ref(), csv: self.csv.as_ref() }
+            pub(in crate::scene) fn history_keys(&self) -> RawHistory<'_, $measure> {
+                RawHistory { value: self.value.as_ref(), history: self.history.as_ref(), csv: self.csv.as_ref() }
             }
         }
     };
@@ -190,7 +190,7 @@ macro_rules! driven {
 
 /// What drives an end.
 #[derive(Debug)]
-pub struct Drive<'a, D> {
+pub struct RawHistory<'a, D> {
     pub value: Option<&'a Of<D>>,
     pub history: Option<&'a Placed<Rows<measures::Time, D>>>,
     pub csv: Option<&'a Placed<String>>,

@@ -18,8 +18,8 @@ use crate::typed::{Later, Placed};
 pub(super) use along::{Along, Given};
 pub(super) use bar::{INITIAL, MaterialChoice, Notch, RawBar, RawInitial, RawJoint, RawPiece, RawSegment};
 pub(super) use body::{BodyKeys, raw_body};
-pub(super) use effects::{EffectsChoice, RateChoice, RawEffects, RawRupture, RawUnloading};
-pub(super) use ends::{Ball, BallOnLever, Drive, EndKind, RawEnd};
+pub(super) use effects::{EffectsChoice, RateChoice, RawEffects, RawHardening, RawRupture};
+pub(super) use ends::{Ball, BallOnLever, EndKind, RawEnd, RawHistory};
 pub(super) use record::{Gauges, MOST_FRAMES, RawRecord};
 pub(super) use solve::{MOST_CELLS, RawMethod, RawScheme, RawSolve};
 

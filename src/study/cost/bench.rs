@@ -28,17 +28,17 @@ const WHOLE_REPEATS: usize = 3;
 impl Runner for Bench<'_> {
     fn run(&mut self, family: usize, resolution: Resolution) -> Result<Ran, Halt> {
         let from = self.watch.now();
-        let Family { way, names, .. } = self.families[family];
+        let Family { choice, names, .. } = self.families[family];
         self.watch.what = match resolution {
             Resolution::Cells(cells) => format!("{}, {cells} cells", names[1]),
             Resolution::FrontTolerance(tolerance) => format!("{}, front-tolerance {tolerance}", names[1]),
         };
-        let scene = self.source.at(way, resolution).map_err(|e| Halt::Failed(e.to_string()))?;
+        let scene = self.source.at(choice, resolution).map_err(|e| Halt::Failed(e.to_string()))?;
         let pass = measure::pass(&scene, Wanted::response(&self.instants.common), &mut self.watch)?;
         let errors = self.reference.errors(&pass);
         let error = errors[self.instants.measure].ok_or_else(|| Halt::Failed("there is nothing to compare".into()))?;
         let timing = measure::repeated(&scene, pass.seconds, &mut self.watch)?;
-        let whole_wall_s = self.whole(&self.source.overrides(way, Some(resolution)))?;
+        let whole_wall_s = self.whole(&self.source.overrides(choice, Some(resolution)))?;
         let whole = scene.in_pieces().is_none();
         let exact = pass.tracked.map(|bar| whole && bar.exact);
         let by = match resolution {

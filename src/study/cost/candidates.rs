@@ -141,7 +141,7 @@ impl<'a> Candidate<'a> {
             Kind::Grid { family, .. } => {
                 let cells = fineness as usize;
                 watch.what = format!("reference: {}, {cells} cells", family.names[1]);
-                let scene = source.at(family.way, Resolution::Cells(cells))?;
+                let scene = source.at(family.choice, Resolution::Cells(cells))?;
                 measure::pass(&scene, Wanted::response(&instants.common), watch)
             }
         };
@@ -242,7 +242,8 @@ mod tests {
 
     #[test]
     fn the_uncertainty_is_what_the_order_leaves_and_no_less_than_the_last_difference() {
-        let family = Family { way: crate::scene::Way::ALL[2], names: ["fd", "leapfrog"], levels: Vec::new() };
+        let family =
+            Family { choice: crate::scene::MethodChoice::ALL[2], names: ["fd", "leapfrog"], levels: Vec::new() };
         // Differences are taken over the finer value, 1 + error.
         let uncertainty = |order| grid(&family, order, [1.0; 3]).uncertainty().expect("three runs");
         let slow = 1e-3 * 4_f64.powf(-0.7);
@@ -253,7 +254,8 @@ mod tests {
 
     #[test]
     fn a_rival_promises_what_fits_into_the_time() {
-        let family = Family { way: crate::scene::Way::ALL[2], names: ["fd", "leapfrog"], levels: Vec::new() };
+        let family =
+            Family { choice: crate::scene::MethodChoice::ALL[2], names: ["fd", "leapfrog"], levels: Vec::new() };
         let candidate = grid(&family, 1.0, [0.1, 0.4, 1.6]);
         let now = candidate.uncertainty().expect("three runs");
         assert_eq!(candidate.promise(6.0), f64::INFINITY);

@@ -86,8 +86,8 @@ pub(super) fn effects(
 fn one(source: &Source<'_>, family: &Family, key: &str, watch: &mut Watch<'_>) -> Result<(Timing, Timing, f64), Halt> {
     watch.what = format!("cost of {key}");
     let failed = |e: crate::error::Error| Halt::Failed(e.to_string());
-    let with = source.at(family.way, Resolution::Cells(CELLS)).map_err(failed)?;
-    let mut overrides = source.overrides(family.way, Some(Resolution::Cells(CELLS)));
+    let with = source.at(family.choice, Resolution::Cells(CELLS)).map_err(failed)?;
+    let mut overrides = source.overrides(family.choice, Some(Resolution::Cells(CELLS)));
     // What is recorded plays no part here, and could be something that only this effect makes.
     overrides.extend(["record={frames=1,fields=[\"stress\"]}".to_owned(), format!("effects.{key}=")]);
     let alone = |why: &str| Halt::Failed(format!("it cannot be disabled alone: {why}"));

@@ -90,7 +90,7 @@ pub(super) fn with_time_and_knots(
             (Resolution::FrontTolerance(TOLERANCE), format!("front-tolerance {TOLERANCE}"))
         }
     };
-    let scene = source.at(family.way, resolution)?;
+    let scene = source.at(family.choice, resolution)?;
     let mut rows = Vec::new();
     watch.what = format!("growth of {} with the end time", family.names[1]);
     let times = TIMES.map(|part| {

@@ -182,7 +182,7 @@ fn instants(scene: &Scene, source: &Source<'_>, families: &[Family], measure: Me
     let mut own = common.clone();
     for family in families {
         for &resolution in family.levels.iter().take(RUNGS_WITH_INSTANTS) {
-            if let Some(dt) = measure::time_step(&source.at(family.way, resolution)?) {
+            if let Some(dt) = measure::time_step(&source.at(family.choice, resolution)?) {
                 own.extend(common.iter().map(|t| (t / dt).round().max(1.0) * dt));
             }
         }

@@ -60,7 +60,7 @@ pub(super) fn find(
     // A taper's staircase is no exact bar, however well its waves are kept.
     let tracking = families.iter().find(|f| matches!(f.levels[0], Resolution::FrontTolerance(_)) && !tapers(scene));
     if let Some(family) = tracking {
-        let scene = source.at(family.way, Resolution::FrontTolerance(0.0))?;
+        let scene = source.at(family.choice, Resolution::FrontTolerance(0.0))?;
         match candidates::every_wave(&scene, instants, watch) {
             Ok(Some(pass)) if pass.tracked.is_some_and(|bar| bar.exact) => {
                 let name = "front tracking of all waves, exact for the tabulated curve";
@@ -115,7 +115,7 @@ fn tapers(scene: &Scene) -> bool {
 fn similar(scene: &Scene, instants: &Instants) -> Option<Reference> {
     let last = instants.own.iter().copied().fold(scene.solve.until, f64::max);
     // It knows unloading, which it does not need, and nothing else.
-    let known = Effects { unloading: scene.effects.unloading, ..Effects::default() };
+    let known = Effects { hardening: scene.effects.hardening, ..Effects::default() };
     if scene.effects != known {
         return None;
     }

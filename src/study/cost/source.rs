@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::error::{Error, InputError, Result};
 use crate::record::SolvedBy;
-use crate::scene::{Method, Scene, Way};
+use crate::scene::{Method, MethodChoice, Scene};
 
 /// A method that cannot do the scene.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -42,7 +42,7 @@ impl Resolution {
 /// One way to solve the scene, with all its resolutions from the coarsest on.
 #[derive(Debug, Clone)]
 pub(super) struct Family {
-    pub way: Way,
+    pub choice: MethodChoice,
     /// The scene language's words for it.
     pub names: [&'static str; 2],
     pub levels: Vec<Resolution>,
@@ -76,19 +76,19 @@ impl<'a> Source<'a> {
     /// The ways in which the scene can be solved, and those in which it cannot, with the reason.
     pub fn families(&self) -> (Vec<Family>, Vec<Unable>) {
         let (mut able, mut unable) = (Vec::new(), Vec::new());
-        for way in Way::ALL {
-            match self.read(&self.overrides(way, None)) {
+        for choice in MethodChoice::ALL {
+            match self.read(&self.overrides(choice, None)) {
                 Ok(scene) => {
                     let levels = if scene.solve.method.tracks_fronts() {
                         TOLERANCES.into_iter().map(Resolution::FrontTolerance).collect()
                     } else {
                         (0..DOUBLINGS).map(|k| Resolution::Cells(FIRST_CELLS << k)).collect()
                     };
-                    able.push(Family { way, names: scene.solve.method.names(), levels });
+                    able.push(Family { choice, names: scene.solve.method.names(), levels });
                 }
                 Err(error) => {
                     let why = if let Error::Input(e) = &error { e.message.clone() } else { error.to_string() };
-                    unable.push(Unable { method: way.method.into(), scheme: way.scheme.map(str::to_owned), why });
+                    unable.push(Unable { method: choice.method.into(), scheme: choice.scheme.map(str::to_owned), why });
                 }
             }
         }
@@ -96,10 +96,10 @@ impl<'a> Source<'a> {
     }
 
     /// What is to be set so that the scene is solved in this way; without a resolution, by the default one.
-    pub fn overrides(&self, way: Way, resolution: Option<Resolution>) -> Vec<String> {
-        let mut solve = vec![format!("until={:e}", self.scene.solve.until), format!("method=\"{}\"", way.method)];
-        solve.extend(way.scheme.map(|scheme| format!("scheme=\"{scheme}\"")));
-        match (self.scene.solve.method, way.scheme) {
+    pub fn overrides(&self, choice: MethodChoice, resolution: Option<Resolution>) -> Vec<String> {
+        let mut solve = vec![format!("until={:e}", self.scene.solve.until), format!("method=\"{}\"", choice.method)];
+        solve.extend(choice.scheme.map(|scheme| format!("scheme=\"{scheme}\"")));
+        match (self.scene.solve.method, choice.scheme) {
             (Method::Leapfrog { cfl, .. }, Some("leapfrog")) | (Method::Muscl { cfl, .. }, Some("muscl"))
                 if cfl != 1.0 =>
             {
@@ -130,7 +130,7 @@ impl<'a> Source<'a> {
     }
 
     /// The scene in this way at this resolution.
-    pub fn at(&self, way: Way, resolution: Resolution) -> Result<Scene> {
-        self.read(&self.overrides(way, Some(resolution)))
+    pub fn at(&self, choice: MethodChoice, resolution: Resolution) -> Result<Scene> {
+        self.read(&self.overrides(choice, Some(resolution)))
     }
 }

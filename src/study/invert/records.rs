@@ -110,7 +110,7 @@ impl Recording {
             modulus: Some(segment.modulus),
             length: Some(segment.length),
             given: None,
-            notes: setup::outside_theory(file.facts()),
+            notes: setup::outside_theory(file.metadata()),
         };
         let recording = recording.in_the_sense_of_loading();
         let knots = segment.curve(recording.sense == Sense::Compression);

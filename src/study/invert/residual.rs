@@ -218,7 +218,7 @@ impl Test {
             modulus: segment.modulus,
             length: segment.length,
             given: Curve::new(&knots, Beyond::Error).ok(),
-            notes: setup::outside_theory(file.facts()),
+            notes: setup::outside_theory(file.metadata()),
         })
     }
 }

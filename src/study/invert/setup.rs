@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use crate::error::{InputError, Result};
-use crate::record::store::{Facts, ResultFile};
+use crate::record::store::{Metadata, ResultFile};
 
 /// One segment of the bar.
 #[derive(Debug, Clone)]
@@ -53,7 +53,7 @@ pub(super) fn segments(file: &ResultFile) -> Result<Vec<Segment>> {
         let message = format!("{} contains no bar", file.path().display());
         InputError::new(message).help("name the result of a scene with a [bar]")
     };
-    let scene: Value = serde_json::from_str(&file.facts().scene_resolved).map_err(|_| wrong())?;
+    let scene: Value = serde_json::from_str(&file.metadata().scene_resolved).map_err(|_| wrong())?;
     let mut start = 0.0;
     let mut all = Vec::new();
     for value in scene["bar"]["segment"].as_array().ok_or_else(wrong)? {
@@ -75,8 +75,8 @@ pub(super) fn segments(file: &ResultFile) -> Result<Vec<Segment>> {
 }
 
 /// What of the simulated effects simple-wave theory does not know, one sentence each.
-pub(super) fn outside_theory(facts: &Facts) -> Vec<String> {
-    let has = |name: &str| facts.effects.iter().any(|effect| effect.starts_with(name));
+pub(super) fn outside_theory(metadata: &Metadata) -> Vec<String> {
+    let has = |name: &str| metadata.effects.iter().any(|effect| effect.starts_with(name));
     let mut notes = Vec::new();
     if has("rate") {
         let what = "the run has a rate law: strain levels do not propagate at constant speeds, and the inverted curve";

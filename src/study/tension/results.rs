@@ -169,6 +169,6 @@ pub fn write_hdf5(path: &Path, results: &Results) -> Result<()> {
         columns.push(column("residual_strain", "1", Values::Numbers(points.iter().flat_map(row).collect())));
     }
     let title = format!("Tension impact of {}", results.material);
-    let facts = serde_json::to_string(results).map_err(|e| Error::file(path, e))?;
-    write_sweep(path, &SweepFile { title, plan: facts, scales, columns })
+    let metadata = serde_json::to_string(results).map_err(|e| Error::file(path, e))?;
+    write_sweep(path, &SweepFile { title, plan: metadata, scales, columns })
 }

@@ -67,8 +67,8 @@ pub struct Faces {
     reach: [Vec<f64>; 2],
 }
 
-/// A side on its way along the curve in one sense: elastic up to its limit, then along the lines.
-struct Way<'a> {
+/// A side that loads along the curve in one sense: elastic up to its limit, then along the lines.
+struct LoadingPath<'a> {
     lines: &'a Lines,
     own: f64,
     limit: f64,
@@ -78,7 +78,7 @@ struct Way<'a> {
     elastic: bool,
 }
 
-impl Way<'_> {
+impl LoadingPath<'_> {
     /// Where the present straight piece ends.
     fn next(&self) -> f64 {
         if self.elastic {
@@ -171,7 +171,7 @@ impl Faces {
             let z = near.point.stress + near.point.plastic;
             return z.abs() <= self.virgin[side(z)] && stress.abs() <= self.virgin[side(stress)];
         };
-        sense * stress <= self.way(near, sense, kinematic).limit
+        sense * stress <= self.loading_path(near, sense, kinematic).limit
     }
 
     fn plastic(&self, kinematic: f64, left: &FaceState, right: &FaceState, work: &mut Workspace) -> Flux {
@@ -181,7 +181,7 @@ impl Faces {
             return elastic;
         }
         let sense_right = if elastic.stress < right.point.back { -1.0 } else { 1.0 };
-        let (a, b) = (self.way(left, sense, kinematic), self.way(right, sense_right, kinematic));
+        let (a, b) = (self.loading_path(left, sense, kinematic), self.loading_path(right, sense_right, kinematic));
         if sense * elastic.stress <= a.limit && sense_right * elastic.stress <= b.limit {
             return elastic;
         }
@@ -197,17 +197,17 @@ impl Faces {
         self.general(left, right, work)
     }
 
-    /// The side's way in a sense.
-    fn way(&self, near: &FaceState, sense: f64, kinematic: f64) -> Way<'_> {
+    /// The path of a side in a sense.
+    fn loading_path(&self, near: &FaceState, sense: f64, kinematic: f64) -> LoadingPath<'_> {
         let lines = self.medium.lines(sense);
         let own = sense * near.point.stress;
         let (line, _, y) = lines.at_accumulated(near.point.accumulated);
         let limit = sense * near.point.back + y - kinematic * (y - self.virgin[side(sense)]);
         if near.flowing != sense && own <= limit || !limit.is_finite() {
-            return Way { lines, own, limit, line, shift: limit - y, elastic: true };
+            return LoadingPath { lines, own, limit, line, shift: limit - y, elastic: true };
         }
         let line = self.line_at(lines, line, y + (own - limit));
-        Way { lines, own, limit: own, line, shift: limit - y, elastic: true }
+        LoadingPath { lines, own, limit: own, line, shift: limit - y, elastic: true }
     }
 
     /// The line on which the curve has stress y, coming from `line`; on a level one it stays.
@@ -221,8 +221,15 @@ impl Faces {
         line
     }
 
-    /// Both ways run in one sense; none where the answer lies past what a walk over falling slopes finds.
-    fn walk(&self, sense: f64, left: &FaceState, right: &FaceState, mut a: Way, mut b: Way) -> Option<Flux> {
+    /// Both paths run in one sense; none where the answer lies past what a walk over falling slopes finds.
+    fn walk(
+        &self,
+        sense: f64,
+        left: &FaceState,
+        right: &FaceState,
+        mut a: LoadingPath,
+        mut b: LoadingPath,
+    ) -> Option<Flux> {
         let elastic = 2.0 * self.half_compliance;
         let target = sense * (right.point.velocity - left.point.velocity);
         let mut stress = a.limit.min(b.limit);
@@ -437,8 +444,8 @@ fn side(sense: f64) -> usize {
     usize::from(sense < 0.0)
 }
 
-/// Both ways are past their limits at once and on one line.
-fn one_line(a: &Way, b: &Way) -> bool {
+/// Both paths are past their limits at once and on one line.
+fn one_line(a: &LoadingPath, b: &LoadingPath) -> bool {
     a.limit == a.own && b.limit == b.own && a.line == b.line && a.shift == b.shift
 }
 

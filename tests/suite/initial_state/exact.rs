@@ -203,7 +203,7 @@ fn curve() -> String {
 /// A bar struck from the left: effects, its state, and what follows from it.
 struct Struck {
     material: String,
-    unloading: &'static str,
+    hardening: &'static str,
     stress: f64,
     plastic: f64,
     /// Where it yields in compression, and where its lines end from there on: stress magnitude (Pa) and tangent modulus (Pa).
@@ -233,10 +233,10 @@ impl Struck {
 
     fn seen(&self, by: By, cells: usize, time: f64) -> (Seen, Vec<Piece>) {
         let (velocity, exact) = self.exact(time);
-        let Self { material, stress, plastic, unloading, .. } = self;
+        let Self { material, stress, plastic, hardening, .. } = self;
         let state = format!("material = {material}\nstress = {stress}\nplastic-strain = {plastic}");
         let drive = format!("kind = \"velocity\"\nvalue = {velocity}");
-        let text = text(&[(1.0, state)], [&drive, FIXED], unloading, &by.solve(time, cells));
+        let text = text(&[(1.0, state)], [&drive, FIXED], hardening, &by.solve(time, cells));
         (follow(&scene(&text), time), exact)
     }
 }
@@ -248,7 +248,7 @@ fn a_bar_that_has_yielded_flows_on_along_the_rest_of_its_curve() {
     let cases = [
         Struck {
             material: curve(),
-            unloading: "hardening = \"isotropic\"",
+            hardening: "hardening = \"isotropic\"",
             stress: 100e6,
             plastic: 0.01,
             limit: flow(0.01),
@@ -256,7 +256,7 @@ fn a_bar_that_has_yielded_flows_on_along_the_rest_of_its_curve() {
         },
         Struck {
             material: material(YIELD, ""),
-            unloading: "hardening = \"kinematic\"",
+            hardening: "hardening = \"kinematic\"",
             stress: 150e6,
             plastic: 0.005,
             limit: 2.0 * YIELD - flow(0.005),
@@ -264,7 +264,7 @@ fn a_bar_that_has_yielded_flows_on_along_the_rest_of_its_curve() {
         },
         Struck {
             material: material(YIELD, ""),
-            unloading: "hardening = { mixed = 0.5 }",
+            hardening: "hardening = { mixed = 0.5 }",
             stress: -50e6,
             plastic: -0.004,
             limit: flow(0.004),
@@ -276,16 +276,16 @@ fn a_bar_that_has_yielded_flows_on_along_the_rest_of_its_curve() {
         for by in By::RATE_INDEPENDENT {
             let errors = [100, 200, 400].map(|cells| {
                 let (seen, exact) = case.seen(by, cells, time);
-                assert!(seen.ledger.worst_energy() < 1e-12, "{by:?} {}: {:?}", case.unloading, seen.ledger);
+                assert!(seen.ledger.worst_energy() < 1e-12, "{by:?} {}: {:?}", case.hardening, seen.ledger);
                 let near = if by == By::Fronts { 1e-9 } else { 0.0 };
                 let found = apart(&seen, &exact, case.lines[case.lines.len() - 1].0, near);
                 if by == By::Fronts { found.largest } else { found.mean }
             });
             let order = (errors[0] / errors[2]).log2() / 2.0;
             if by == By::Fronts {
-                assert!(errors[0] < 1e-12, "{}: {errors:?}", case.unloading);
+                assert!(errors[0] < 1e-12, "{}: {errors:?}", case.hardening);
             } else {
-                assert!(errors[2] < 0.02 && order > 0.7, "{by:?} {}: {errors:?} {order}", case.unloading);
+                assert!(errors[2] < 0.02 && order > 0.7, "{by:?} {}: {errors:?} {order}", case.hardening);
             }
         }
     }

@@ -32,7 +32,7 @@ fn the_front_in_a_rate_dependent_bar_decays_to_the_raised_yield_stress() {
 }
 
 /// Mean difference of stress and plastic strain between the net and leapfrog, of Malvern's bar of three segments.
-fn net_and_leapfrog(unloading: &str, cells: usize) -> [f64; 2] {
+fn net_and_leapfrog(hardening: &str, cells: usize) -> [f64; 2] {
     let segment = |length: f64, state: &str| {
         (length, format!("material = {}\n{state}", material(YIELD, ", rate.malvern = { k = 1e5 }")))
     };
@@ -41,7 +41,7 @@ fn net_and_leapfrog(unloading: &str, cells: usize) -> [f64; 2] {
         segment(0.4, "stress = -1.9e8\nvelocity = -4"),
         segment(0.3, "stress = -2.3e8\nplastic-strain = -0.003\nvelocity = -14"),
     ];
-    let effects = format!("hardening = {unloading}\nrate = \"material\"");
+    let effects = format!("hardening = {hardening}\nrate = \"material\"");
     let ends = ["kind = \"velocity\"\nvalue = 25", "kind = \"spring\"\nstiffness = 1e7"];
     let [net, leapfrog] = [By::Net, By::Leapfrog].map(|by| {
         let seen = follow(&scene(&text(&segments, ends, &effects, &by.solve(2.0 * TRANSIT, cells))), 1.3 * TRANSIT);
@@ -53,7 +53,7 @@ fn net_and_leapfrog(unloading: &str, cells: usize) -> [f64; 2] {
     for (third, start) in [(0.15, 0.003), (0.5, 0.0), (0.85, -0.003)] {
         let near = net.x.iter().zip(&net.plastic).filter(|(x, _)| (*x - third).abs() < 0.15);
         let most = near.map(|(_, p)| (p - start).abs()).fold(0.0, f64::max);
-        assert!(most > 1e-5, "{unloading} {third}: {most:e}");
+        assert!(most > 1e-5, "{hardening} {third}: {most:e}");
     }
     let mean = |a: &[f64], b: &[f64], scale: f64| {
         a.iter().zip(b).map(|(a, b)| (a - b).abs() / scale).sum::<f64>() / cells as f64
@@ -63,11 +63,11 @@ fn net_and_leapfrog(unloading: &str, cells: usize) -> [f64; 2] {
 
 #[test]
 fn the_net_and_leapfrog_come_to_one_bar() {
-    for unloading in ["\"isotropic\"", "\"kinematic\"", "{ mixed = 0.4 }"] {
-        let apart = [100, 200, 400].map(|cells| net_and_leapfrog(unloading, cells));
+    for hardening in ["\"isotropic\"", "\"kinematic\"", "{ mixed = 0.4 }"] {
+        let apart = [100, 200, 400].map(|cells| net_and_leapfrog(hardening, cells));
         for k in 0..2 {
             let order = (apart[0][k] / apart[2][k]).log2() / 2.0;
-            assert!(apart[2][k] < 0.01 && order > 0.8, "{unloading}: {apart:?} {order}");
+            assert!(apart[2][k] < 0.01 && order > 0.8, "{hardening}: {apart:?} {order}");
         }
     }
 }

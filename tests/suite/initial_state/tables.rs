@@ -181,7 +181,7 @@ fn mean_apart(a: &Seen, b: &Seen) -> f64 {
 
 #[test]
 fn a_run_goes_on_from_the_state_in_which_another_one_ended() {
-    for (by, unloading) in [
+    for (by, hardening) in [
         (By::Leapfrog, "hardening = \"isotropic\""),
         (By::Leapfrog, "hardening = \"kinematic\""),
         (By::Godunov, "hardening = \"isotropic\""),
@@ -191,7 +191,7 @@ fn a_run_goes_on_from_the_state_in_which_another_one_ended() {
             let run = |state: &str, left: &str, until: f64| {
                 let state = format!("material = {}\n{state}", by.material(""));
                 let solve = by.solve(2.0 * WHOLE, cells);
-                follow(&scene(&text(&[(1.0, state)], [left, FREE], &by.effects(unloading), &solve)), until)
+                follow(&scene(&text(&[(1.0, state)], [left, FREE], &by.effects(hardening), &solve)), until)
             };
             let first = run("", BOTH_SMOOTH, PART);
             assert!(first.plastic.iter().any(|p| *p < -1e-3) && first.plastic.contains(&0.0));
@@ -203,7 +203,7 @@ fn a_run_goes_on_from_the_state_in_which_another_one_ended() {
             mean_apart(&next, &long)
         });
         let order = (errors[0] / errors[2]).log2() / 2.0;
-        assert!(errors[2] < 6e-3 && (order > 0.8 || errors[0] < 1e-9), "{by:?} {unloading}: {errors:?} {order}");
+        assert!(errors[2] < 6e-3 && (order > 0.8 || errors[0] < 1e-9), "{by:?} {hardening}: {errors:?} {order}");
     }
 }
 

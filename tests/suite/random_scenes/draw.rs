@@ -457,8 +457,8 @@ fn history(d: &mut Draw, frame: &Frame, largest: f64, signed: bool) -> (&'static
 
 fn effects(d: &mut Draw, frame: &Frame) -> Keys {
     let mut keys = Keys::new();
-    let unloading = d.pick(&["", "isotropic", "isotropic", "kinematic", "mixed"]);
-    match unloading {
+    let hardening = d.pick(&["", "isotropic", "isotropic", "kinematic", "mixed"]);
+    match hardening {
         "" => {}
         "mixed" => keys.push(("hardening", Value::Same(format!("{{ mixed = {} }}", d.between(0.0, 1.0))))),
         word => keys.push(("hardening", Value::word(word))),

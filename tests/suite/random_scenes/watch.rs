@@ -4,7 +4,7 @@ use barwave::assemble;
 use barwave::bar::EndCondition;
 use barwave::material::{Beyond, Curve, Sense};
 use barwave::record::{Field, Ledger, Stepped, View};
-use barwave::scene::{Method, Scene, Unloading};
+use barwave::scene::{HardeningRule, Method, Scene};
 use barwave::solver::Energies;
 use barwave::solver::fd::{Quantity, Sampling};
 use barwave::solver::moc::{FrontTracking, Settings};
@@ -178,8 +178,8 @@ struct Watch {
 
 impl Watch {
     fn new(scene: &Scene, bar: &impl View) -> Self {
-        let both_ways = scene.effects.unloading.is_none();
-        let isotropic = scene.effects.unloading == Some(Unloading::Isotropic);
+        let both_ways = scene.effects.hardening.is_none();
+        let isotropic = scene.effects.hardening == Some(HardeningRule::Isotropic);
         Self {
             ledger: Ledger::new(bar),
             last: Energies::default(),
@@ -291,9 +291,9 @@ impl Watch {
 /// half the elastic range, for which more than half of the hardening has to be kinematic.
 fn gives_back(scene: &Scene) -> bool {
     let by_tangent = scene.effects.rate.is_some() || scene.effects.heat.is_some();
-    let kinematic = match scene.effects.unloading {
-        Some(Unloading::Mixed(kinematic)) => kinematic,
-        Some(Unloading::Kinematic) if by_tangent => 1.0,
+    let kinematic = match scene.effects.hardening {
+        Some(HardeningRule::Mixed(kinematic)) => kinematic,
+        Some(HardeningRule::Kinematic) if by_tangent => 1.0,
         _ => 0.0,
     };
     let several = |curve: &Curve| curve.slopes().count() > if curve.beyond() == Beyond::Extend { 2 } else { 1 };
@@ -344,7 +344,7 @@ impl StressLimits {
     /// None where the stress is not a matter of one curve: with a rate, a temperature, or damping in the stress.
     fn new(scene: &Scene) -> Option<Self> {
         let effects = &scene.effects;
-        let moves = !matches!(effects.unloading, None | Some(Unloading::Isotropic));
+        let moves = !matches!(effects.hardening, None | Some(HardeningRule::Isotropic));
         let viscous = effects.damping.is_some_and(|damping| damping.internal > 0.0);
         if effects.rate.is_some() || (effects.heat.is_some() && moves) || viscous {
             return None;

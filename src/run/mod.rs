@@ -350,9 +350,17 @@ impl<'a> RunRecorder<'a> {
         Ledger::new(bar).with_arm(self.scene.torsion.as_ref().map_or(1.0, |torsion| torsion.radius))
     }
 
+    /// When each joint breaks, s, by what has broken so far; infinite while it holds.
+    fn breaks(&self, ruptures: &[Rupture]) -> Vec<f64> {
+        let near = 1e-9 * self.scene.bar.length();
+        let broken = |x: f64| ruptures.iter().find(|rupture| (rupture.x - x).abs() < near);
+        joint_places(self.scene).map(|x| broken(x).map_or(f64::INFINITY, |rupture| rupture.time)).collect()
+    }
+
     /// Writes what histories have gathered: gauges in order, and both ends. Those beside joints follow the gauges and are not written.
-    fn write_traces(&mut self, gauges: Vec<Trace>, ends: [Trace; 2]) -> Result<()> {
-        self.tally.hear(&gauges, &ends);
+    fn write_traces(&mut self, gauges: Vec<Trace>, ends: [Trace; 2], ruptures: &[Rupture]) -> Result<()> {
+        let breaks = self.breaks(ruptures);
+        self.tally.hear(&gauges, &ends, &breaks);
         let (writer, [left, right]) = (&mut self.writer, ends);
         for (k, trace) in
             gauges.into_iter().take(self.tally.gauges()).enumerate().filter(|(_, trace)| !trace.time.is_empty())
@@ -506,12 +514,17 @@ fn original_segments(scene: &Scene, simulated: &[SegmentEnd]) -> Vec<SegmentEnd>
 
 /// Places of full-rate histories, m: the gauges, and then the joints, for their figures.
 fn history_places(scene: &Scene) -> Vec<f64> {
+    scene.record.gauge_places().into_iter().chain(joint_places(scene)).collect()
+}
+
+/// Places of the joints, m.
+fn joint_places(scene: &Scene) -> impl Iterator<Item = f64> {
     let segments = &asked(scene).bar.segments;
     let ends = segments.iter().scan(0.0, |end, segment| {
         *end += segment.length;
         Some(*end)
     });
-    scene.record.gauge_places().into_iter().chain(ends.take(segments.len() - 1)).collect()
+    ends.take(segments.len() - 1)
 }
 
 /// What engineers read off a run.

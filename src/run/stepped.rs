@@ -251,7 +251,7 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
         if let Some(listener) = &mut self.listener {
             listener.hear(&gauges, &ends);
         }
-        self.recorder.write_traces(gauges, ends)
+        self.recorder.write_traces(gauges, ends, self.bar.ruptures())
     }
 
     /// Stops before anything of a state is recorded of which nothing is known.

@@ -205,7 +205,7 @@ impl<'a> Run<'a> {
         let gauges = self.gauges.take();
         self.listener.hear(&gauges);
         let ends = self.ends.take(&self.bar);
-        self.recorder.write_traces(gauges, ends)
+        self.recorder.write_traces(gauges, ends, self.bar.ruptures())
     }
 
     fn write_ledger(&mut self) -> Result<()> {
@@ -283,7 +283,7 @@ impl<'a> Run<'a> {
         self.breaks.look_at(&self.bar, &living);
         self.gauges.close(&self.bar, &last);
         self.write_traces()?;
-        self.recorder.write_traces(Vec::new(), EndHistories::last(&self.bar))?;
+        self.recorder.write_traces(Vec::new(), EndHistories::last(&self.bar), self.bar.ruptures())?;
         self.write_paths(last.into_iter().chain(living))?;
         let results = RunResults {
             cells: 0,

@@ -259,3 +259,17 @@ fn figures_that_do_not_exist_are_absent() {
     assert!(pressed["left"]["time_of_release_s"].is_null() && pressed["left"]["bar_velocity_after_m_s"].is_null());
     assert_near("pressed", &pressed["left"]["contact_duration_s"], transit(), 0.02 * transit());
 }
+
+/// The stress in the cell beside a joint that had broken was taken for its load: 20.9 kN where 6 kN broke it and nothing touched it afterwards.
+#[test]
+fn the_load_of_a_joint_that_breaks_is_what_breaks_it() {
+    let rod = format!("[[bar.segment]]\nlength = {LENGTH}\narea = 1e-4\nmaterial = {BILINEAR}\n");
+    let scene = format!(
+        "{rod}joint-stress-concentration = 20\n{rod}[left]\nkind = \"stress\"\n\
+         history = [[0, 0], [5e-6, 60e6], [30e-6, 60e6], [35e-6, 0], [200e-6, 0], [204e-6, -380e6], [208e-6, 0]]\n\
+         [right]\nkind = \"free\"\n[effects]\nhardening = \"isotropic\"\nrupture = {{ spall = \"1 GPa\" }}\n\
+         [solve]\nuntil = 4.05e-4\nmethod = \"fd\"\ncells = 100\n"
+    );
+    let figures = summary("a joint that breaks", &scene, &[]);
+    assert_near("load", &figures["joints"]["1"]["peak_force_N"], 6000.0, 1e-6 * 6000.0);
+}

@@ -106,6 +106,9 @@ fn joint(records: &Records<'_>, bodies: &[Body], k: usize) -> Site {
         load.peak.value = -pressed.peak;
         load.peak.at = pressed.time_of_peak;
         area = 1.0;
+    } else if let Some(ContactReading { pressed, .. }) = records.faces(k) {
+        // Its times count from the break on.
+        load.peak.add(load.last_time + pressed.time_of_peak, -pressed.peak / area);
     }
     Site {
         load,
@@ -232,8 +235,12 @@ impl Records<'_> {
 
     /// A joint that the scene lets open, where the solver keeps what its faces carried.
     fn pressed(&self, k: usize) -> Option<ContactReading> {
-        let opens = self.bar.segments[k].joint != Joint::Bonded;
-        self.contacts.iter().copied().find(|contact| opens && contact.joint == k)
+        self.faces(k).filter(|_| self.bar.segments[k].joint != Joint::Bonded)
+    }
+
+    /// A joint that can open or has broken, where the solver keeps what its faces carried.
+    fn faces(&self, k: usize) -> Option<ContactReading> {
+        self.contacts.iter().copied().find(|contact| contact.joint == k)
     }
 
     /// A body with a fixed or absorbing far face counts as a body at rest.

@@ -98,7 +98,8 @@ pub(super) const RESIDUAL_PROFILE: (&str, &str) = (
 pub(super) static LOAD: &[Definition<Site>] = &[
     row(
         ("peak_force", Dimension::Force, "peak"),
-        "force of largest magnitude with its sign, tension positive; needs an area",
+        "force of largest magnitude with its sign, tension positive; at a joint that breaks, up to the break and of fragments in contact; \
+         needs an area",
         |site| site.area.map(|area| area * site.load.peak.value),
     ),
     row(

@@ -41,7 +41,8 @@ pub(super) struct Load {
     pub loaded_until: f64,
     /// No stress in the last row.
     pub is_released: bool,
-    last_time: f64,
+    /// Of the last row, s.
+    pub last_time: f64,
     no_stress: f64,
 }
 
@@ -50,9 +51,9 @@ impl Load {
         Self { no_stress: NO_STRESS * modulus, is_released: true, ..Self::default() }
     }
 
-    /// A row counts to the next one if both carry stress.
-    fn add(&mut self, rows: &Trace) {
-        for (&time, &stress) in rows.time.iter().zip(&rows.stress) {
+    /// A row counts to the next one if both carry stress; none counts after `last` (s).
+    fn add(&mut self, rows: &Trace, last: f64) {
+        for (&time, &stress) in rows.time.iter().zip(&rows.stress).take_while(|&(&time, _)| time <= last) {
             self.peak.add(time, stress);
             let is_released = stress.abs() <= self.no_stress;
             if !is_released && !self.is_released {
@@ -92,8 +93,9 @@ impl Tally {
         self.gauges.len()
     }
 
-    /// Takes rows: of the gauges and the joints, and of both ends.
-    pub fn hear(&mut self, gauges: &[Trace], ends: &[Trace; 2]) {
+    /// Takes rows: of the gauges and the joints, and of both ends. `breaks`: when each joint breaks, s; infinite while it holds. From then on the
+    /// stress beside it is that of a fragment, not of the joint.
+    pub fn hear(&mut self, gauges: &[Trace], ends: &[Trace; 2], breaks: &[f64]) {
         let (gauges, joints) = gauges.split_at(self.gauges.len().min(gauges.len()));
         for (tally, rows) in self.gauges.iter_mut().zip(gauges) {
             for ((&time, &stress), &strain) in rows.time.iter().zip(&rows.stress).zip(&rows.strain) {
@@ -101,8 +103,11 @@ impl Tally {
                 tally.strain.add(time, strain);
             }
         }
-        for (load, rows) in self.joints.iter_mut().zip(joints).chain(self.ends.iter_mut().zip(ends)) {
-            load.add(rows);
+        for ((load, rows), &breaks) in self.joints.iter_mut().zip(joints).zip(breaks) {
+            load.add(rows, breaks);
+        }
+        for (load, rows) in self.ends.iter_mut().zip(ends) {
+            load.add(rows, f64::INFINITY);
         }
     }
 }
@@ -121,8 +126,8 @@ mod tests {
         let all = [(0.0, 0.0), (1.0, 0.0), (1.0, -5.0), (3.0, -5.0), (3.0, 0.0), (4.0, 0.0), (4.0, 2.0), (4.5, 2.0)];
         for cut in 0..all.len() {
             let mut load = Load::new(1.0);
-            load.add(&rows(&all[..cut]));
-            load.add(&rows(&all[cut..]));
+            load.add(&rows(&all[..cut]), 4.5);
+            load.add(&rows(&all[cut..]), 4.5);
             assert_eq!((load.duration, load.loaded_until, load.is_released), (2.5, 4.5, false), "{cut}");
             assert_eq!(load.peak, Extreme { value: -5.0, at: 1.0 });
         }
@@ -131,7 +136,10 @@ mod tests {
     #[test]
     fn ripples_of_rounding_do_not_move_a_peak() {
         let mut load = Load::new(1.0);
-        load.add(&rows(&[(0.0, 0.0), (1.0, 3.0), (2.0, 3.0 * (1.0 + 1e-13)), (3.0, 1e-15), (4.0, -1e-15)]));
+        load.add(
+            &rows(&[(0.0, 0.0), (1.0, 3.0), (2.0, 3.0 * (1.0 + 1e-13)), (3.0, 1e-15), (4.0, -1e-15), (5.0, 9.0)]),
+            4.0,
+        );
         assert_eq!((load.peak.at, load.duration, load.is_released), (1.0, 1.0, true));
     }
 }

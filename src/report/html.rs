@@ -46,7 +46,7 @@ pub(super) fn table(label: &str, head: &[String], rows: &[Vec<String>]) -> Strin
         format!("<tr>{}</tr>\n", cells.collect::<String>())
     };
     let column = "th scope=\"col\"";
-    let (class, first) = if head.is_empty() { ("metadata", "th scope=\"row\"") } else { ("columns", "td") };
+    let (class, first) = if head.is_empty() { ("facts", "th scope=\"row\"") } else { ("columns", "td") };
     let head = if head.is_empty() { String::new() } else { line(head, column, column) };
     let body: String = rows.iter().map(|row| line(row, first, "td")).collect();
     // What scrolls must be within reach of the keyboard.
@@ -117,6 +117,13 @@ fn luminance(colour: [u8; 3]) -> f64 {
 mod tests {
     use super::super::svg::{FINE, GRID, INK, PAPER};
     use super::*;
+
+    #[test]
+    fn tables_of_names_and_values_have_rules_of_their_own() {
+        let text = table("run", &[], &[vec!["method".into(), "fd".into()]]);
+        let class = text.split("<table class=\"").nth(1).and_then(|rest| rest.split('"').next()).expect("a class");
+        assert!(STYLE.contains(&format!(".{class} td {{")), "no rule for {class}");
+    }
 
     #[test]
     fn lines_are_readable_on_dark_paper_and_light_ones_stay() {

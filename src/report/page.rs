@@ -18,7 +18,7 @@ const PANEL: [f64; 2] = [420.0, 330.0];
 /// Fronts that the page lists; a tracked run can end with thousands.
 const MOST_FRONTS: usize = 100;
 
-/// One HTML page that needs nothing else: the panels, run facts, fronts, ledger, audit, materials, scene.
+/// One HTML page that needs nothing else: the panels, metadata, fronts, ledger, audit, materials, scene.
 ///
 /// # Errors
 /// As for [`draw`](super::draw).
@@ -33,7 +33,7 @@ pub fn page(file: &ResultFile, figure: &Figure) -> Result<String> {
     let audit = audit_list(file)?;
     let materials = materials_table(file, units)?;
     let scene = format!("<pre tabindex=\"0\">{}</pre>", escape(&metadata.scene));
-    let about = facts_table(metadata);
+    let about = metadata_table(metadata);
     let mut sections = vec![("", panels.as_str()), ("Run", about.as_str())];
     let optional = [
         ("Fronts", &fronts),
@@ -52,7 +52,7 @@ fn impact_page(file: &ResultFile, impact: &StoredImpact, panels: &str, units: Un
     let results = table("Results", &[], &impact::figures(impact, units));
     let notes: Vec<String> = metadata.notes.iter().map(|note| format!("<li>{}</li>\n", escape(note))).collect();
     let notes = if notes.is_empty() { String::new() } else { format!("<ul>\n{}</ul>\n", notes.concat()) };
-    let (about, materials) = (facts_table(metadata), materials_table(file, units)?);
+    let (about, materials) = (metadata_table(metadata), materials_table(file, units)?);
     let scene = format!("<pre tabindex=\"0\">{}</pre>", escape(&metadata.scene));
     let sections = [
         ("", panels),
@@ -66,10 +66,10 @@ fn impact_page(file: &ResultFile, impact: &StoredImpact, panels: &str, units: Un
     Ok(html(&metadata.title, &kept))
 }
 
-/// Names and values of facts.
+/// Names and values of the root attributes.
 type Rows = Vec<Vec<String>>;
 
-fn facts_table(metadata: &Metadata) -> String {
+fn metadata_table(metadata: &Metadata) -> String {
     let mut rows = method_rows(metadata);
     rows.extend(cost_rows(metadata));
     let mut add = |name: &str, value: String| rows.push(vec![name.into(), value]);

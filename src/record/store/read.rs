@@ -139,7 +139,7 @@ impl ResultFile {
             Ok(FORMAT_VERSION) => {}
             found => return Err(other_version(path, found.ok()).into()),
         }
-        let metadata = read_facts(&file).map_err(|e| damaged(path, &e))?;
+        let metadata = read_metadata(&file).map_err(|e| damaged(path, &e))?;
         Ok(Self { path: path.to_owned(), file, metadata })
     }
 
@@ -320,7 +320,7 @@ fn cannot_open(path: &Path, why: &NotOpened) -> InputError {
     wrong(path, "this is not an HDF5 file", "name a result file that `barwave run` wrote")
 }
 
-fn read_facts(file: &File) -> Hdf<Metadata> {
+fn read_metadata(file: &File) -> Hdf<Metadata> {
     Ok(Metadata {
         program_version: get_text(file, "program_version")?,
         git_revision: get_text(file, "git_revision").ok(),

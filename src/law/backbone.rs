@@ -193,7 +193,7 @@ pub struct Indexed {
 }
 
 /// Maps z >= 0 to a bin, never falling.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 struct BinGrid {
     bias: f64,
     shift: u32,
@@ -213,22 +213,58 @@ impl BinGrid {
         (((z + self.bias).to_bits() >> self.shift) - self.first) as usize
     }
 
-    /// The grid with the fewest bins that keeps all knots apart; none where that takes more than [`BINS`].
-    fn for_knots(lines: &[Line]) -> Option<Self> {
-        let top = lines[lines.len() - 1].start;
+    /// The grid with the fewest bins that keeps all knots apart, which rise from 0; none where that takes more than [`BINS`].
+    fn for_knots(knots: &[f64]) -> Option<Self> {
+        let top = knots[knots.len() - 1];
         let mut best: Option<Self> = None;
         for halvings in 0..40 {
             let bias = top * 0.5_f64.powi(halvings - 4);
             for bits in 0..=12 {
                 let grid = Self::new(bias, 52 - bits, top);
                 let fits = grid.bin(top) < BINS;
-                let apart = lines.windows(2).all(|w| grid.bin(w[1].start) > grid.bin(w[0].start));
+                let apart = knots.windows(2).all(|w| grid.bin(w[1]) > grid.bin(w[0]));
                 if fits && apart && best.is_none_or(|b| grid.bin(top) < b.bin(top)) {
                     best = Some(grid);
                 }
             }
         }
         best
+    }
+}
+
+/// Which of many pieces holds at z, where nothing else has to be known of them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PieceIndex {
+    grid: BinGrid,
+    /// The piece with which a bin begins, and where the next one starts if it starts in it.
+    bins: Vec<(u32, f64)>,
+}
+
+impl PieceIndex {
+    /// Of pieces that start at these places, which rise from 0; none where there is only one, or they lie so unevenly that the grid would
+    /// need more than 4096 bins.
+    pub fn new(starts: &[f64]) -> Option<Self> {
+        if starts.len() < 2 {
+            return None;
+        }
+        let grid = BinGrid::for_knots(starts)?;
+        let mut bins = vec![(0, f64::INFINITY); grid.bin(grid.top) + 1];
+        let mut piece = 0;
+        for (bin, entry) in bins.iter_mut().enumerate() {
+            entry.0 = piece as u32;
+            if piece + 1 < starts.len() && grid.bin(starts[piece + 1]) == bin {
+                piece += 1;
+                entry.1 = starts[piece];
+            }
+        }
+        Some(Self { grid, bins })
+    }
+
+    /// The piece at z; the first one below 0.
+    #[inline(always)]
+    pub fn find(&self, z: f64) -> u32 {
+        let (piece, next) = self.bins[self.grid.bin(if z > 0.0 { z } else { 0.0 })];
+        piece + u32::from(z >= next)
     }
 }
 
@@ -239,7 +275,8 @@ impl Indexed {
         if lines.len() < 2 {
             return None;
         }
-        let grid = BinGrid::for_knots(lines)?;
+        let knots: Vec<f64> = lines.iter().map(|line| line.start).collect();
+        let grid = BinGrid::for_knots(&knots)?;
         let mut index = Self {
             grid,
             lines: lines.to_vec(),

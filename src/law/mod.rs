@@ -27,6 +27,7 @@ use crate::material::Sense;
 use crate::root::bisect;
 
 pub use aligned::{Aligned, AlignedRow, aligned_row, split_off};
+pub(crate) use backbone::PieceIndex;
 pub use backbone::{Backbone, Envelope, Indexed, Line, Searched, Table, TwoSided};
 pub use data_end::{DataEnd, FirstPassed, Flowing, Limit, Passed, Reached, StrainedRow};
 pub use elastic::elastic_row;

@@ -108,12 +108,14 @@ impl<B: Backbone> CellLaw<4> for Mixed<B> {
     fn return_map(&self, predictor: f64, [p, signed, back, h]: [f64; 4], table: f64) -> Response<4> {
         let relative = predictor - back;
         let trial = relative.abs() + self.kinematic * h;
-        let yields = trial > table;
-        let h_new = if yields { table - self.yield_stress } else { h };
+        let yields = trial > self.yield_stress + h;
+        // Where the table rises as the elastic line does, all of that line is one plastic strain, and rounding puts the trial on either side.
+        let reached = if table < trial { table } else { trial };
+        let h_new = if yields { reached - self.yield_stress } else { h };
         let back_new = back + (self.kinematic * (h_new - h)).copysign(relative);
         let on_surface = back_new + (self.yield_stress + (1.0 - self.kinematic) * h_new).copysign(relative);
         let sigma = if yields { on_surface } else { predictor };
-        let flow = if yields { trial - table } else { 0.0 };
+        let flow = if yields { trial - reached } else { 0.0 };
         let plastic = flow.copysign(relative);
         Response { sigma, state: [p + flow, signed + plastic, back_new, h_new], plastic }
     }

@@ -193,8 +193,9 @@ fn step<L: CellLaw<N>, const N: usize, const FIRST: bool>(
     }
     let steps = L::TAKES_TIME.then(|| timed::<L, N, FIRST>(law, gain, [left, right], sigma, &columns));
     // What any cell does, in the bits of numbers that are 0 in the others: cheaper than comparisons.
-    let (mut turned_work, [mut onsets, mut flows]) = (Aligned([0.0; CHUNK]), [0_u64; 2]);
-    let turned_work = &mut turned_work.0;
+    let [mut turned_work, mut plastic] = [const { Aligned([0.0; CHUNK]) }; 2];
+    let (turned_work, plastic) = (&mut turned_work.0, &mut plastic.0);
+    let [mut onsets, mut flows] = [0_u64; 2];
     for i in 0..CHUNK {
         let (before, now) = (read(&columns, i), sigma[i]);
         let increment = if L::READS_TABLE && !FIRST { 0.0 } else { gain * (right[i] - left[i]) };
@@ -211,6 +212,7 @@ fn step<L: CellLaw<N>, const N: usize, const FIRST: bool>(
         // The sum is never -0.
         onsets |= (onset + 0.0).to_bits();
         flows |= after.plastic.to_bits();
+        plastic[i] = after.plastic;
         work[i] = (sigma_before + after.sigma) * after.plastic;
         turned_work[i] = if turns { law.turned_work(before, &after) } else { work[i] };
         sigma[i] = after.sigma;
@@ -233,7 +235,7 @@ fn step<L: CellLaw<N>, const N: usize, const FIRST: bool>(
     } else {
         let mut senses = [0; CHUNK];
         for i in 0..CHUNK {
-            senses[i] = sense_of_flow(work[i], sigma[i]);
+            senses[i] = sense_of_flow(plastic[i], work[i], sigma[i]);
         }
         *flow = senses.map(|sense| sense as i8);
         add(works, work);
@@ -298,11 +300,11 @@ pub fn flows(work: f64, sigma: f64) -> bool {
     work.abs() > ROUNDING * sigma * sigma
 }
 
-/// 1 or -1 where a cell with this [`Row::work`] and stress (Pa) flowed by more than rounding, else 0.
+/// 1 or -1 where a cell with this E times plastic strain (Pa), [`Row::work`] and stress (Pa) flowed by more than rounding, else 0. The sign is
+/// not that of the work: under a back stress the stress may pass zero in a flow.
 #[inline(always)]
-fn sense_of_flow(work: f64, sigma: f64) -> i64 {
-    let unlike = (work.to_bits() ^ sigma.to_bits()) as i64 >> 63;
-    if flows(work, sigma) { unlike | 1 } else { 0 }
+fn sense_of_flow(plastic: f64, work: f64, sigma: f64) -> i64 {
+    if flows(work, sigma) { (plastic.to_bits() as i64 >> 63) | 1 } else { 0 }
 }
 
 /// Adds up numbers of cells, lane by lane.
@@ -392,7 +394,8 @@ mod tests {
                     let of_cell = if turns { law.turned_work(before, &after) } else { of_mean };
                     let after_row: [f64; N] = std::array::from_fn(|k| state[k * cells + i]);
                     assert_eq!((sigma[i], after_row, work[i]), (after.sigma, after.state, of_cell), "cell {i}");
-                    assert_eq!(i64::from(flow[i]), sense_of_flow(of_cell, sigma[i]));
+                    let sense = if flows(of_cell, sigma[i]) { after.plastic.signum() } else { 0.0 };
+                    assert_eq!(f64::from(flow[i]), sense, "sense of cell {i}");
                     sums[i % LANES] += of_cell;
                     turned[i % LANES] += of_cell - of_mean;
                     largest = largest.max(law.accumulated(after.state));

@@ -269,6 +269,8 @@ fn what_is_wrong_is_said() {
     assert!(wrong("joint-stress-concentration = 2", "rupture = { spall = 1e9 }", "").contains("no joint"));
     assert!(wrong("", "rupture = \"critical-strain\"", "").contains("has no critical strain"));
     assert!(wrong("", "rupture = { spall = \"1 m\" }", "").contains("stress"));
+    let stressed = |effects: &str| wrong("stress-concentration = 2\nstress = 1e8", effects, "");
+    assert!(stressed("rupture = { spall = 2e8 }").contains("less than 1.000000e8 Pa"));
     assert!(wrong("", "rupture = { energy = 0 }", "").contains('0'));
     let rate = "rate = { model = \"malvern\", k = 1e6 }\nrupture = { spall = 1e9 }";
     assert!(wrong("", rate, "method = \"moc\"").contains("characteristic net"));

@@ -113,10 +113,10 @@ impl<const N: usize> CellLaw<N> for Timed<N> {
         state: [&[f64; W]; N],
         after: &mut Steps<N, W>,
     ) {
-        match (self.law.overstress, self.law.one_curve()) {
-            (Overstress::Malvern { .. }, Some(curve)) => {
-                let parts = self.relaxation_step.parts[0].as_slice();
-                Pieces { curve, parts }.step(sigma, predictor, state, after);
+        match (self.law.overstress, self.law.fixed_curves()) {
+            (Overstress::Malvern { .. }, Some(curves)) => {
+                let parts = self.relaxation_step.parts.each_ref().map(Vec::as_slice);
+                Pieces { curves, parts }.step(sigma, predictor, state, after);
             }
             _ => step_most(&self.law, self.time, None, [sigma, predictor], state, after),
         }

@@ -1,6 +1,6 @@
 //! The static flow stress against plastic strain, from the loading curve.
 
-use crate::law::Table;
+use crate::law::{PieceIndex, Table};
 
 /// A straight piece: `f = stress + slope (p - start)` from `start` on, p being E times the plastic strain, Pa.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,6 +26,7 @@ impl Piece {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hardening {
     pieces: Vec<Piece>,
+    index: Option<PieceIndex>,
     /// Elastic limit of first loading, Pa.
     yield_stress: f64,
 }
@@ -45,7 +46,8 @@ impl Hardening {
         if pieces.is_empty() {
             pieces.push(Piece { start: 0.0, stress: f64::INFINITY, slope: 0.0 });
         }
-        Self { pieces, yield_stress }
+        let starts: Vec<f64> = pieces.iter().map(|piece| piece.start).collect();
+        Self { index: PieceIndex::new(&starts), pieces, yield_stress }
     }
 
     /// The pieces in order; at least one. Where the table never leaves the elastic line: one of infinite stress.
@@ -67,6 +69,9 @@ impl Hardening {
     /// Index of the piece at p, found from nothing.
     #[inline(always)]
     pub fn find(&self, p: f64) -> u32 {
+        if let Some(index) = &self.index {
+            return index.find(p);
+        }
         let after = self.pieces.partition_point(|piece| piece.start <= p);
         after.saturating_sub(1) as u32
     }
@@ -79,6 +84,78 @@ impl Hardening {
             k += 1;
         }
         k as u32
+    }
+}
+
+/// The static curves of tension and compression: one twice where they are alike.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sides<'a>(pub [&'a Hardening; 2]);
+
+/// Where some cells are on the static curve of the sense of their stress.
+pub(super) struct Located<const W: usize> {
+    /// 0 tension, 1 compression.
+    pub side: [u32; W],
+    /// The piece.
+    pub piece: [u32; W],
+    /// Static flow stress, Pa.
+    pub stress: [f64; W],
+    /// df/dp.
+    pub slope: [f64; W],
+    /// E times the plastic strain at which the piece ends, Pa.
+    pub end: [f64; W],
+    /// Static flow stress in the other sense, Pa; anything where the cell would not go to there elastically.
+    pub across: [f64; W],
+}
+
+impl Sides<'_> {
+    #[inline(always)]
+    fn are_alike(self) -> bool {
+        std::ptr::eq(self.0[0], self.0[1])
+    }
+
+    /// The piece that both consist of, if it is one.
+    #[inline(always)]
+    pub fn single(self) -> Option<Piece> {
+        match self.0[0].pieces() {
+            [piece] if self.are_alike() => Some(*piece),
+            _ => None,
+        }
+    }
+
+    /// Cells of these stresses, with these after an elastic step (Pa), and E times accumulated plastic strains.
+    #[inline(always)]
+    pub fn locate<const W: usize>(self, sigma: &[f64; W], predictor: &[f64; W], p: &[f64; W]) -> Located<W> {
+        let (zeros, none) = ([0.0; W], [0; W]);
+        let mut located = Located { side: none, piece: none, stress: zeros, slope: zeros, end: zeros, across: zeros };
+        if let Some(piece) = self.single() {
+            for i in 0..W {
+                located.stress[i] = piece.at(p[i]);
+                located.slope[i] = piece.slope;
+                located.end[i] = f64::INFINITY;
+                located.across[i] = located.stress[i];
+            }
+            return located;
+        }
+        for i in 0..W {
+            let side = usize::from(sigma[i].is_sign_negative());
+            let curve = self.0[side];
+            let k = curve.find(p[i]);
+            let piece = curve.pieces()[k as usize];
+            (located.side[i], located.piece[i]) = (side as u32, k);
+            located.stress[i] = piece.at(p[i]);
+            located.slope[i] = piece.slope;
+            located.end[i] = curve.end(k as usize);
+            located.across[i] = located.stress[i];
+        }
+        if !self.are_alike() {
+            for i in 0..W {
+                if sigma[i].is_sign_negative() != predictor[i].is_sign_negative() {
+                    let other = self.0[1 - located.side[i] as usize];
+                    located.across[i] = other.pieces()[other.find(p[i]) as usize].at(p[i]);
+                }
+            }
+        }
+        located
     }
 }
 

@@ -13,7 +13,7 @@
 
 use super::most::Flown;
 use super::step::rounding;
-use super::{Closed, Driven, Hardening, JohnsonCook, Malvern, Overstress, PowerAboveOne, RateLaw};
+use super::{Closed, Driven, JohnsonCook, Malvern, Overstress, PowerAboveOne, RateLaw, Sides};
 use crate::elementary::{exp, ln};
 use crate::law::Steps;
 use crate::root::Tolerance;
@@ -89,8 +89,9 @@ struct Start<const W: usize> {
     /// Stress beyond the elastic limit, Pa, and what it rises by if nothing flows.
     excess: [f64; W],
     rise: [f64; W],
-    /// The cold curve: static stress, slope, and E times the plastic strain at which the piece ends.
+    /// The cold curve: static stress, that in the other sense, slope, and E times the plastic strain at which the piece ends.
     cold: [f64; W],
+    across: [f64; W],
     slope: [f64; W],
     end: [f64; W],
     /// Rise in temperature, K, and factor of the cold curve.
@@ -112,16 +113,16 @@ struct Found<const W: usize> {
     sought: [u64; W],
 }
 
-/// A law of overstress over one curve, in steps of `time`, s.
+/// A law of overstress over curves that do not move, in steps of `time`, s.
 #[derive(Debug, Clone, Copy)]
 struct Many<'a, L> {
     law: L,
-    curve: &'a Hardening,
+    curves: Sides<'a>,
     time: f64,
     warming: Option<Warming>,
 }
 
-/// Steps the cells of a law over one curve of which there is a plain formula, see [`Many::step`]; no others.
+/// Steps the cells of a law over curves that do not move, of which there is a plain formula, see [`Many::step`]; no others.
 #[inline(always)]
 pub(super) fn step_most<const N: usize, const W: usize>(
     law: &RateLaw,
@@ -131,20 +132,20 @@ pub(super) fn step_most<const N: usize, const W: usize>(
     state: [&[f64; W]; N],
     after: &mut Steps<N, W>,
 ) {
-    let Some(curve) = law.one_curve() else { return };
+    let Some(curves) = law.fixed_curves() else { return };
     match law.overstress {
-        Overstress::Malvern { k } => Many { law: Malvern { k }, curve, time, warming }.step(cells, state, after),
+        Overstress::Malvern { k } => Many { law: Malvern { k }, curves, time, warming }.step(cells, state, after),
         Overstress::JohnsonCook { c, rate } => {
-            Many { law: JohnsonCook { c, rate }, curve, time, warming }.step(cells, state, after);
+            Many { law: JohnsonCook { c, rate }, curves, time, warming }.step(cells, state, after);
         }
         Overstress::CowperSymonds { rate, exponent } if exponent > 1.0 => {
             let law = PowerAboveOne { rate, exponent, thermal: None };
-            Many { law, curve, time, warming }.step(cells, state, after);
+            Many { law, curves, time, warming }.step(cells, state, after);
         }
         // Its rate depends on the temperature itself, too.
         Overstress::ZerilliArmstrong { stress, sensitivity, rate, .. } if sensitivity < 1.0 && warming.is_none() => {
             let law = PowerAboveOne { rate, exponent: sensitivity.recip(), thermal: Some(stress) };
-            Many { law, curve, time, warming }.step(cells, state, after);
+            Many { law, curves, time, warming }.step(cells, state, after);
         }
         _ => {}
     }
@@ -193,6 +194,7 @@ impl<L: Closed> Many<'_, L> {
                 rise: start.rise[i],
                 flow,
                 limit: [start.softening[i] * cold, softening * (cold + slope * flow)],
+                across: start.softening[i] * start.across[i],
                 gain: 1.0 + softening * slope,
                 end: start.end[i],
                 is_found: (found.sought[i] == 0) & (flow >= 0.0),
@@ -213,25 +215,19 @@ impl<L: Closed> Many<'_, L> {
         state: [&[f64; W]; N],
     ) -> Start<W> {
         let zeros = [0.0; W];
+        let located = self.curves.locate(sigma, predictor, state[0]);
         let mut start = Start {
             sign: zeros,
             excess: zeros,
             rise: zeros,
-            cold: zeros,
-            slope: zeros,
-            end: zeros,
+            cold: located.stress,
+            across: located.across,
+            slope: located.slope,
+            end: located.end,
             warmth: zeros,
             softening: [1.0; W],
             of_law: zeros,
         };
-        for i in 0..W {
-            let pieces = self.curve.pieces();
-            let k = if let [_] = pieces { 0 } else { self.curve.find(state[0][i]) as usize };
-            let piece = pieces[k];
-            start.cold[i] = piece.at(state[0][i]);
-            start.slope[i] = piece.slope;
-            start.end[i] = self.curve.end(k);
-        }
         if let Some(warming) = self.warming {
             start.warmth = *state[5];
             warming.softening(&start.warmth, &mut start.softening);
@@ -347,19 +343,26 @@ pub(crate) mod tests {
     #[test]
     fn most_cells_are_known_and_are_where_their_own_search_takes_them() {
         let table = Table::new(&curve(), MODULUS);
+        let stronger = [(0.001, 200e6), (0.0015, 230e6), (0.003, 270e6), (0.05, 420e6)];
+        let compression = Table::new(&Curve::new(&stronger, Beyond::Extend).expect("rows rise"), MODULUS);
         for overstress in LAWS {
             for time in [1e-9, 1e-7, 1e-5] {
-                let law = RateLaw::new(overstress, &table, None, 0.0);
-                let what = format!("{overstress:?} {time}");
-                assert_found(&Timed::<5>::new(law.clone(), time), &what);
-                if matches!(overstress, Overstress::ZerilliArmstrong { .. }) {
-                    continue;
-                }
-                for exponent in [1.0, 1.09] {
-                    let heated = Heated::<6>::new(law.clone(), &heating(exponent), MODULUS, time);
-                    assert_found(&heated, &format!("{what}, heated, m = {exponent}"));
+                for own in [None, Some(&compression)] {
+                    let law = RateLaw::new(overstress, &table, own, 0.0);
+                    assert_most_are_found(&law, time, &format!("{overstress:?} {time} {}", own.is_some()));
                 }
             }
+        }
+    }
+
+    fn assert_most_are_found(law: &RateLaw, time: f64, what: &str) {
+        assert_found(&Timed::<5>::new(law.clone(), time), what);
+        if matches!(law.overstress(), Overstress::ZerilliArmstrong { .. }) {
+            return;
+        }
+        for exponent in [1.0, 1.09] {
+            let heated = Heated::<6>::new(law.clone(), &heating(exponent), MODULUS, time);
+            assert_found(&heated, &format!("{what}, heated, m = {exponent}"));
         }
     }
 }

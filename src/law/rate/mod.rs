@@ -39,6 +39,7 @@ pub use cell::Timed;
 use closed::{Closed, JohnsonCook, Malvern, PowerAboveOne};
 pub use driven::Driven;
 use driven::relaxed;
+use hardening::Sides;
 pub use hardening::{Hardening, Piece};
 pub use heated::Heated;
 #[cfg(test)]
@@ -212,13 +213,10 @@ impl RateLaw {
         self.overstress
     }
 
-    /// The static curve where it is one and does not move.
+    /// The static curves of tension and compression, where they do not move.
     #[inline(always)]
-    fn one_curve(&self) -> Option<&Hardening> {
-        match self.hardening.as_slice() {
-            [one] if self.kinematic == 0.0 => Some(one),
-            _ => None,
-        }
+    fn fixed_curves(&self) -> Option<Sides<'_>> {
+        (self.kinematic == 0.0).then(|| Sides([self.side(0), self.side(1)]))
     }
 
     /// Steps of length `time` in which the stress falls by `share` of what flows.
@@ -354,7 +352,9 @@ impl RateLaw {
 
 #[cfg(test)]
 mod tests {
+    use super::many::tests::heating;
     use super::*;
+    use crate::law::CellLaw;
     use crate::material::{Beyond, Curve};
 
     const MODULUS: f64 = 200e9;
@@ -403,6 +403,27 @@ mod tests {
             let (stress, limit) = (600e6 - flow.plastic, law.limits(&history)[1]);
             // With share 1 the total strain stays: 600 MPa / E = 0.003, where the table has 240 MPa.
             assert!((limit - 240e6).abs() < 1e-3 && (stress - limit).abs() < 1e-3, "{overstress:?} {stress} {limit}");
+        }
+    }
+
+    /// By the error of its flow it may be found within its limit.
+    #[test]
+    fn a_heated_cell_that_is_strained_on_keeps_flowing() {
+        for (kinematic, exponent) in [(0.0, 1.2), (1.0, 1.2), (1.0, 0.8)] {
+            let rate_independent = RateLaw::new(Overstress::RATE_INDEPENDENT, &table(), None, kinematic);
+            let law = Heated::<7>::new(rate_independent, &heating(exponent), MODULUS, 1e-6);
+            let (mut sigma, mut state, mut flowing) = (0.0, [0.0; 7], 0);
+            for step in 0..40_000 {
+                let part = f64::from(step) / 40.0;
+                let increment = 1e8 * part.sin() * (1.0 + (7.0 * part).cos());
+                let after = law.respond(sigma, sigma + increment, state);
+                if increment * after.plastic > 0.0 {
+                    assert!(law.keeps_up(after.state), "m = {exponent}, step {step}: {after:?}");
+                    flowing += 1;
+                }
+                (sigma, state) = (after.sigma, after.state);
+            }
+            assert!(flowing > 10_000, "{flowing}");
         }
     }
 

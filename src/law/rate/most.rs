@@ -7,32 +7,30 @@
     reason = "`&&` and `||` are branches, and the compiler does not turn these into vectors"
 )]
 
+use super::Sides;
 use super::step::{GONE, rounding};
-use super::{Hardening, Piece};
 use crate::law::Steps;
 use crate::root::Tolerance;
 
-/// The static curve and the flow of a step along each of its pieces, see [`super::relaxed`].
+/// The static curves and the flow of a step along each of their pieces, see [`super::relaxed`].
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Pieces<'a> {
-    pub curve: &'a Hardening,
-    pub parts: &'a [[f64; 2]],
+    pub curves: Sides<'a>,
+    pub parts: [&'a [[f64; 2]]; 2],
 }
 
 /// What a cell needs of the piece it is on.
 #[derive(Clone, Copy)]
 struct On {
-    piece: Piece,
+    /// Static flow stress, and in the other sense, Pa.
+    limit: f64,
+    across: f64,
+    slope: f64,
     end: f64,
     part: [f64; 2],
 }
 
 impl Pieces<'_> {
-    #[inline(always)]
-    fn on(&self, k: usize) -> On {
-        On { piece: self.curve.pieces()[k], end: self.curve.end(k), part: self.parts[k] }
-    }
-
     /// Steps the cells from their stresses and states to the stresses that they would have elastically; `after.known` tells which of them are done.
     #[inline(always)]
     pub(super) fn step<const N: usize, const W: usize>(
@@ -42,16 +40,30 @@ impl Pieces<'_> {
         state: [&[f64; W]; N],
         after: &mut Steps<N, W>,
     ) {
-        if let [_] = self.curve.pieces() {
-            let on = self.on(0);
+        if let Some(piece) = self.curves.single() {
+            let part = self.parts[0][0];
             for i in 0..W {
+                let limit = piece.at(state[0][i]);
+                let on = On { limit, across: limit, slope: piece.slope, end: f64::INFINITY, part };
                 step_one(i, on, sigma[i], predictor[i], state, after);
             }
             return;
         }
+        let located = self.curves.locate(sigma, predictor, state[0]);
+        let mut part = [[0.0; W]; 2];
         for i in 0..W {
-            let k = self.curve.find(state[0][i]);
-            step_one(i, self.on(k as usize), sigma[i], predictor[i], state, after);
+            let of_piece = self.parts[located.side[i] as usize][located.piece[i] as usize];
+            (part[0][i], part[1][i]) = (of_piece[0], of_piece[1]);
+        }
+        for i in 0..W {
+            let on = On {
+                limit: located.stress[i],
+                across: located.across[i],
+                slope: located.slope[i],
+                end: located.end[i],
+                part: [part[0][i], part[1][i]],
+            };
+            step_one(i, on, sigma[i], predictor[i], state, after);
         }
     }
 }
@@ -59,20 +71,19 @@ impl Pieces<'_> {
 #[inline(always)]
 fn step_one<const N: usize, const W: usize>(
     i: usize,
-    On { piece, end, part }: On,
+    On { limit, across, slope, end, part }: On,
     sigma: f64,
     predictor: f64,
     state: [&[f64; W]; N],
     after: &mut Steps<N, W>,
 ) {
-    let limit = piece.at(state[0][i]);
     let sign = 1.0_f64.copysign(sigma);
     let (excess, rise) = (sign * sigma - limit, sign * (predictor - sigma));
-    let gain = 1.0 + piece.slope;
+    let gain = 1.0 + slope;
     let flow = excess * part[0] + rise * part[1];
     let is_found = (rise >= 0.0) | (excess + rise - gain * flow > 4.0 * f64::EPSILON * (excess - rise));
-    let limit = [limit, piece.at(state[0][i] + flow)];
-    let flown = Flown { sign, excess, rise, flow, limit, gain, end, is_found };
+    let limit = [limit, limit + slope * flow];
+    let flown = Flown { sign, excess, rise, flow, limit, across, gain, end, is_found };
     flown.note(i, [sigma, predictor], |x, _| x, state, after);
 }
 
@@ -83,8 +94,9 @@ pub(super) struct Flown {
     pub excess: f64,
     pub rise: f64,
     pub flow: f64,
-    /// Elastic limit at the start and at the end, Pa.
+    /// Elastic limit at the start and at the end, and at the start in the other sense, Pa.
     pub limit: [f64; 2],
+    pub across: f64,
     /// What the overstress loses by flow.
     pub gain: f64,
     /// E times the plastic strain at which the piece ends, Pa.
@@ -104,9 +116,10 @@ impl Flown {
         state: [&[f64; W]; N],
         after: &mut Steps<N, W>,
     ) {
-        let Self { sign, excess, rise, flow, limit: [limit, limit_end], gain, end, is_found } = self;
-        let is_beyond = |stress: f64| stress.abs() - limit > rounding(stress, [-limit, limit], 0.0);
-        let is_elastic = !(is_beyond(sigma) | is_beyond(predictor));
+        let Self { sign, excess, rise, flow, limit: [limit, limit_end], across, gain, end, is_found } = self;
+        let is_beyond = |stress: f64, limit: f64| stress.abs() - limit > rounding(stress, [-limit, limit], 0.0);
+        let is_elastic =
+            !(is_beyond(sigma, limit) | is_beyond(predictor, if sign * predictor < 0.0 { across } else { limit }));
         let p = state[0][i];
         let (p_end, plastic) = (p + flow, sign * flow);
         let is_on_piece = (flow < end - p) & (p_end < end);
@@ -117,7 +130,7 @@ impl Flown {
         let is_resolved = left > least;
         let is_gone = (left >= -least) & (flow > 0.0) & (limit_end > least) & (rise >= 0.0);
         let is_loaded = (rise >= 0.0) | (excess + rise >= flow);
-        let flows = is_beyond(sigma) & is_found & is_loaded & is_on_piece & (is_resolved | is_gone);
+        let flows = is_beyond(sigma, limit) & is_found & is_loaded & is_on_piece & (is_resolved | is_gone);
         let choose = |flowing: f64, elastic: f64| if is_elastic { elastic } else { flowing };
         after.sigma[i] = choose(stress, predictor);
         after.plastic[i] = choose(plastic, 0.0);

@@ -86,9 +86,11 @@ impl Step {
         let left = if sense == 0 { stress - high } else { low - stress };
         self.work += 0.5 * (driven.excess + left.max(0.0)) * flow;
         let least = rounding(stress, [low, high], cell.back()) + unsolved(cell, driven, flow, sense);
+        // What is strained on does not leave its limit: less than that is the error of the flow that was found, however large.
+        let stays = flow > 0.0 && (driven.rise >= 0.0 || left >= -least);
         let size = match left {
             left if left > least => left,
-            left if left >= -least && flow > 0.0 => GONE,
+            _ if stays => GONE,
             _ => 0.0,
         };
         self.overstress = if sense == 0 { size } else { -size };

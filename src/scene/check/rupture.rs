@@ -5,6 +5,7 @@ use std::ops::Range;
 use super::super::Rupture;
 use super::super::raw::{RawBar, RawEffects, RawJoint, RawRupture, RawSegment};
 use super::Checker;
+use super::distribution::{STRAIN, STRESS};
 use crate::bar::Bar;
 use crate::error::Result;
 use crate::law::rupture::Cause;
@@ -30,6 +31,9 @@ impl Checker<'_> {
             notches[i] = self.si(&segment.get_ref().notch)?;
             joint_notches[i] = self.si(&segment.get_ref().joint_notch)?;
             self.joint_can_break(i, segment.get_ref(), i + 1 == segments.len())?;
+        }
+        if let (Cause::Spall, Some(strength)) = (cause, threshold) {
+            self.holds_at_first(strength, &notches, raw, bar)?;
         }
         Ok(Some(Rupture { cause, threshold, notches, joint_notches }))
     }
@@ -58,6 +62,28 @@ impl Checker<'_> {
             if last { "the last segment has no joint to a next segment" } else { "a contact joint carries no tension" };
         let error = self.error(span, &format!("bar.segment.{i}.joint-stress-concentration"), why);
         Err(error.help("remove it, or use `stress-concentration` for the whole segment").into())
+    }
+
+    /// A segment that is stressed beyond its spall strength at t = 0 fractures at all places at once: there is no solution.
+    fn holds_at_first(&self, strength: f64, notches: &[f64], raw: &RawBar, bar: &Bar) -> Result<()> {
+        for (k, (segment, notch)) in bar.segments.iter().zip(notches).enumerate() {
+            let along = segment.profile.as_deref().map(|profile| &profile.stress);
+            let most = along.map_or(segment.initial.stress, |along| {
+                along.rows().fold(f64::NEG_INFINITY, |most, (_, stress)| most.max(stress))
+            });
+            let most_allowed = strength / notch;
+            if most < most_allowed {
+                continue;
+            }
+            let (key, span) =
+                [STRESS, STRAIN].into_iter().find_map(|which| raw.initial_of(k, which)).unwrap_or_default();
+            let message = format!("an initial stress of {most:.6e} Pa is not below the spall strength");
+            let error = self.error(span, &key, message).allowed(format!("less than {most_allowed:.6e} Pa"));
+            let help =
+                "the segment would fracture at all places at t = 0; use a lower initial stress, or remove `rupture`";
+            return Err(error.help(help).into());
+        }
+        Ok(())
     }
 
     fn some_strain_is_critical(&self, span: Range<usize>, bar: &Bar) -> Result<()> {

@@ -11,9 +11,10 @@ use barwave::material::Sense;
 use barwave::record::Summary;
 use barwave::run::run;
 use barwave::scene::Scene;
+use barwave::solver::fd::Grid;
 
 use super::spec::{Method, Spec};
-use super::watch::{FILTER_GIVES, Figures, Scaled, follow};
+use super::watch::{Figures, Scaled, follow};
 
 /// Something that does not hold.
 #[derive(Debug, Clone)]
@@ -94,7 +95,8 @@ const SHOCKS: f64 = 0.1;
 const RESOLVED: f64 = 0.1;
 /// Stresses of bars in uniform motion are rounding, Pa.
 const ROUNDING_STRESS: f64 = 1.0;
-/// What is left of a difference on twice the cells where it goes to zero; with fronts to the square root of the cell size.
+/// What is left of a difference on twice the cells where it goes to zero; with fronts to the square root of the cell size. Since the scene's
+/// own cells, or since all parts of a load are resolved.
 const FALLS: f64 = 0.85;
 
 /// Runs by two methods have to come together as cells become smaller.
@@ -111,18 +113,39 @@ fn methods_disagree(spec: &Spec, pair: &[(Method, &Figures)]) -> Option<Failure>
     // `the_work_of_a_stress_above_the_curve_grows_with_the_cells`.
     let gathers = a.gathers || b.gathers || driven_beyond(spec).next().is_some();
     let size = |differences: &Differences| differences.size(gathers);
-    let mut differences = vec![a.differs(b)];
+    let (first, mut differences) = (resolved_from(spec), vec![a.differs(b)]);
     for (k, by) in FINER.into_iter().enumerate() {
         if by > 1 {
             let finer = |method| figures_of(&spec.text(method, by));
             differences.push(finer(pair[0].0)?.differs(&finer(pair[1].0)?));
         }
         let last = size(&differences[k]);
-        if last < AGREE[k.min(AGREE.len() - 1)] || (k > 0 && last < FALLS.powi(k as i32) * size(&differences[0])) {
+        let falls = |finer: usize| finer > 0 && last < FALLS.powi(finer as i32) * size(&differences[k - finer]);
+        if last < AGREE[k.min(AGREE.len() - 1)] || falls(k) || falls(k.saturating_sub(first)) {
             return None;
         }
     }
+    if first + 1 >= FINER.len() {
+        return None;
+    }
     Some(Failure::new("methods disagree", format!("{:?}: {differences:.3?}", pair[1].0)))
+}
+
+/// The first of [`FINER`] whose steps are not longer than the shortest part of a load.
+fn resolved_from(spec: &Spec) -> usize {
+    let Ok(scene) = Scene::parse("loads.toml", &spec.text(Method::Leapfrog, 1), Path::new("."), &[]) else { return 0 };
+    let barwave::scene::Method::Leapfrog { cells, cfl } = scene.solve.method else { return 0 };
+    let parts = |end: &EndCondition| match end {
+        EndCondition::Stress { history } | EndCondition::Velocity { history, .. } => history
+            .time()
+            .windows(2)
+            .map(|pair| pair[1] - pair[0])
+            .filter(|part| *part > 0.0)
+            .fold(f64::INFINITY, f64::min),
+        _ => f64::INFINITY,
+    };
+    let (shortest, dt) = (parts(&scene.left).min(parts(&scene.right)), Grid::new(&scene.bar, cells, cfl).dt);
+    FINER.iter().position(|by| dt <= f64::from(*by as u32) * shortest).unwrap_or(FINER.len())
 }
 
 /// Curves that are followed both ways, where methods mean different things: see `leapfrog_keeps_what_unloading_shocks_lose` and
@@ -165,17 +188,6 @@ pub fn figures_of(text: &str) -> Option<Figures> {
     let mut failures = Vec::new();
     let figures = follow(&scene, scene.solve.until, &mut failures);
     (figures.ended && failures.is_empty()).then_some(figures)
-}
-
-/// What the grid filter gives is an error of the grid: of a bar that moves in a few of its cells only it may be more than the energy of a
-/// mean cell, but it (J) goes to zero as cells become smaller. So may all energy: that of an end which breaks off at once is that of a cell.
-fn vanishes_on_finer_cells(spec: &Spec, given: f64) -> bool {
-    [2, 4].into_iter().enumerate().all(|(k, by)| {
-        let scene = Scene::parse("finer.toml", &spec.text(Method::Leapfrog, by), Path::new("."), &[]);
-        scene.is_ok_and(|scene| {
-            follow(&scene, scene.solve.until, &mut Vec::new()).given_energy < FALLS.powi(k as i32 + 1) * given
-        })
-    })
 }
 
 /// A scene by one method. A panic is a failure like others.
@@ -226,11 +238,6 @@ fn by_method(spec: &Spec, method: Method, failures: &mut Vec<Failure>) -> Became
         return Became::Refused;
     }
     let mut figures = follow(&scene, scene.solve.until, failures);
-    if failures.iter().any(|failure| failure.class == FILTER_GIVES)
-        && vanishes_on_finer_cells(spec, figures.given_energy)
-    {
-        failures.retain(|failure| failure.class != FILTER_GIVES);
-    }
     figures.gathers |= above_critical;
     mirror_agrees(spec, method, &figures, failures);
     Became::Done(Box::new(figures))

@@ -265,18 +265,18 @@ fn elastic_in_between() -> Table {
 #[test]
 fn unloading_along_a_line_as_steep_as_the_elastic_one_loses_no_hardening() {
     let rows = [
-        (4.47e-4, 5.363999999995e7),
-        (9.6552e-4, 7.081338239993e7),
-        (3.9336e-3, 2.264594975998e8),
-        (4.43424e-3, 2.865362975997e8),
-        (5.17626e-3, 3.146736959997e8),
+        (4.47e-4, 5.363_999_999_995e7),
+        (9.6552e-4, 7.081_338_239_993e7),
+        (3.9336e-3, 2.264_594_975_998e8),
+        (4.434_24e-3, 2.865_362_975_997e8),
+        (5.176_26e-3, 3.146_736_959_997e8),
     ];
     let table = Table::new(&Curve::new(&rows, Beyond::Rupture).expect("rows rise"), 120e9);
     let law = Mixed { backbone: Searched(table.clone()), yield_stress: table.yield_stress(), kinematic: 0.975 };
-    let sigma = 2.718599079005897e8;
-    let state = [245572502.40019998, 245533985.43332717, 222112910.12493587, 227822796.21226662];
+    let sigma = 2.718_599_079_005_897e8;
+    let state = [245_572_502.400_199_98, 245_533_985.433_327_17, 222_112_910.124_935_87, 227_822_796.212_266_62];
     for ulps in -20..20 {
-        let predictor = sigma - 8.023972254990886e7 + f64::from(ulps) * 3e-8;
+        let predictor = sigma - 8.023_972_254_990_886e7 + f64::from(ulps) * 3e-8;
         let after = law.respond(sigma, predictor, state);
         assert_eq!((after.sigma, after.state, after.plastic), (predictor, state, 0.0), "{ulps}");
     }

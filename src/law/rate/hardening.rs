@@ -128,13 +128,8 @@ impl Sides<'_> {
         let (zeros, none) = ([0.0; W], [0; W]);
         let mut located = Located { side: none, piece: none, stress: zeros, slope: zeros, end: zeros, across: zeros };
         if let Some(piece) = self.single() {
-            for i in 0..W {
-                located.stress[i] = piece.at(p[i]);
-                located.slope[i] = piece.slope;
-                located.end[i] = f64::INFINITY;
-                located.across[i] = located.stress[i];
-            }
-            return located;
+            let stress = p.map(|p| piece.at(p));
+            return Located { stress, slope: [piece.slope; W], end: [f64::INFINITY; W], across: stress, ..located };
         }
         for i in 0..W {
             let side = usize::from(sigma[i].is_sign_negative());

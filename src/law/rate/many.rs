@@ -308,6 +308,12 @@ pub(crate) mod tests {
         Curve::new(&[(0.001, 200e6), (0.004, 260e6), (0.05, 340e6)], Beyond::Extend).expect("rows rise")
     }
 
+    fn power_law(rows: u32) -> Curve {
+        let strain = |k: u32| 1e-3 * 50.0_f64.powf(f64::from(k) / f64::from(rows - 1));
+        let rows: Vec<(f64, f64)> = (0..rows).map(|k| (strain(k), 200e6 * (strain(k) / 1e-3).powf(0.2))).collect();
+        Curve::new(&rows, Beyond::Extend).expect("rows rise")
+    }
+
     /// Of steel.
     pub fn heating(exponent: f64) -> Heating {
         let mut steel = Material { modulus: MODULUS, ..Material::from_curve("steel", 7800.0, curve()) };
@@ -345,11 +351,13 @@ pub(crate) mod tests {
         let table = Table::new(&curve(), MODULUS);
         let stronger = [(0.001, 200e6), (0.0015, 230e6), (0.003, 270e6), (0.05, 420e6)];
         let compression = Table::new(&Curve::new(&stronger, Beyond::Extend).expect("rows rise"), MODULUS);
+        let of_many_rows = Table::new(&power_law(200), MODULUS);
         for overstress in LAWS {
             for time in [1e-9, 1e-7, 1e-5] {
-                for own in [None, Some(&compression)] {
-                    let law = RateLaw::new(overstress, &table, own, 0.0);
-                    assert_most_are_found(&law, time, &format!("{overstress:?} {time} {}", own.is_some()));
+                for (table, own) in [(&table, None), (&table, Some(&compression)), (&of_many_rows, None)] {
+                    let law = RateLaw::new(overstress, table, own, 0.0);
+                    let lines = table.lines().len();
+                    assert_most_are_found(&law, time, &format!("{overstress:?} {time} {lines} {}", own.is_some()));
                 }
             }
         }

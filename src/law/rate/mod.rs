@@ -281,19 +281,17 @@ impl RateLaw {
         let size = driven.excess + driven.rise.abs();
         let most = size / share.max(LEAST_SHARE);
         let tolerance = Tolerance::of_differences(size);
-        if flow >= room {
+        // A law that asks for the static stress at the end of the flow may flow less than it would at that of the start: not to the end of
+        // the piece.
+        let by_static_stress = law.needs_static_stress();
+        if flow >= room || (by_static_stress && piece.slope > 0.0) {
             let answer = |flow: f64| {
                 let at = self.side(sense).piece_at(p + flow, k as u32);
                 let end = pieces[at as usize].at(p + flow);
                 Course { law, limit: end - f, flow_stress: [f, end] }.answer(driven, share, flow)
             };
-            flow = fixed_point(flow.min(most), [room, most.max(room)], tolerance, answer);
-        } else if piece.slope > 0.0 && self.overstress.needs_static_stress() {
-            let answer = |flow: f64| {
-                let limit = piece.slope * flow;
-                Course { law, limit, flow_stress: [f, f + limit] }.answer(driven, share, flow)
-            };
-            flow = fixed_point(flow, [0.0, room.min(most)], tolerance, answer);
+            let least = if by_static_stress { 0.0 } else { room };
+            flow = fixed_point(flow.min(most), [least, most.max(least)], tolerance, answer);
         }
         flow
     }

@@ -50,18 +50,15 @@ impl Pieces<'_> {
             return;
         }
         let located = self.curves.locate(sigma, predictor, state[0]);
-        let mut part = [[0.0; W]; 2];
-        for i in 0..W {
-            let of_piece = self.parts[located.side[i] as usize][located.piece[i] as usize];
-            (part[0][i], part[1][i]) = (of_piece[0], of_piece[1]);
-        }
+        let part: [[f64; 2]; W] =
+            std::array::from_fn(|i| self.parts[located.side[i] as usize][located.piece[i] as usize]);
         for i in 0..W {
             let on = On {
                 limit: located.stress[i],
                 across: located.across[i],
                 slope: located.slope[i],
                 end: located.end[i],
-                part: [part[0][i], part[1][i]],
+                part: part[i],
             };
             step_one(i, on, sigma[i], predictor[i], state, after);
         }

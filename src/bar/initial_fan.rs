@@ -47,6 +47,8 @@ pub struct InitialFan {
     pub sudden: bool,
     /// First time at which the driving value falls back (or is released), s; infinite where it never does.
     pub loads_until: f64,
+    /// Nothing else sends waves into the bar until this fan meets a joint or the other end.
+    pub alone: bool,
 }
 
 /// All fans of a bar with its ends, left to right; none of a bar with an initial state, in which waves do not start from zero stress.
@@ -63,7 +65,29 @@ pub fn initial_fans(bar: &Bar, left: &EndCondition, right: &EndCondition) -> Vec
         all.extend(from_joint(k, x, &bar.segments[k], &bar.segments[k + 1]));
     }
     all.extend(from_end(right, Origin::Right, bar.length(), last, &bar.segments[last]));
+    let [at_left, at_right] = [0, last].map(|k| bar.segments[k].velocity);
+    let alone = all.len() == 1 && !acts_without_fan(left, 1.0, at_left) && !acts_without_fan(right, -1.0, at_right);
+    for fan in &mut all {
+        fan.alone = alone;
+    }
     all
+}
+
+/// Whether an end that starts no fan sends waves into the bar before any have come to it: a bar that moves at `rest` (m/s) loads it, or a body
+/// comes to it. `direction` is +1 at the left end and -1 at the right one.
+pub(crate) fn acts_without_fan(end: &EndCondition, direction: f64, rest: f64) -> bool {
+    match end {
+        EndCondition::Spring { .. } | EndCondition::Dashpot { .. } => rest != 0.0,
+        EndCondition::Wall { gap } => *gap > 0.0 && rest * direction < 0.0,
+        EndCondition::Ball { velocity, .. } => (velocity - rest) * direction > 0.0,
+        // An absorbing end moves with the bar.
+        EndCondition::Free
+        | EndCondition::Absorbing
+        | EndCondition::Fixed
+        | EndCondition::Velocity { .. }
+        | EndCondition::Stress { .. }
+        | EndCondition::Striker { .. } => false,
+    }
 }
 
 fn from_end(end: &EndCondition, origin: Origin, x: f64, segment: usize, at: &Segment) -> Option<InitialFan> {
@@ -91,6 +115,7 @@ fn from_end(end: &EndCondition, origin: Origin, x: f64, segment: usize, at: &Seg
         velocity_ahead: at.velocity,
         sudden: imposed.sudden,
         loads_until: imposed.loads_until,
+        alone: false,
     })
 }
 
@@ -180,6 +205,7 @@ fn from_joint(k: usize, x: f64, left: &Segment, right: &Segment) -> Vec<InitialF
             velocity_ahead: at.velocity,
             sudden: true,
             loads_until: f64::INFINITY,
+            alone: false,
         })
         .collect()
 }

@@ -15,6 +15,7 @@ pub use end::EndCondition;
 pub use hertz::Hertz;
 pub use history::{History, RowFault};
 pub use initial::{Distribution, Initial, InitialProfile};
+pub(crate) use initial_fan::acts_without_fan;
 pub use initial_fan::{InitialFan, Origin, initial_fans};
 pub use joint::Joint;
 pub use taper::{Profile, Taper};

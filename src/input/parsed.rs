@@ -83,6 +83,11 @@ impl<'a> Parsed<'a> {
         self.root.get_ref().contains_key(key)
     }
 
+    /// The keys at the top level.
+    pub fn keys(&self) -> impl Iterator<Item = &str> {
+        self.root.get_ref().keys().map(|key| key.get_ref().as_ref())
+    }
+
     /// The keys of a top-level table under their present names, in the order of the text; none where there is no such table.
     pub fn keys_in(&self, table: &str) -> Vec<GivenKey> {
         let mut given = self.root.get_ref().get(table).map_or_else(Vec::new, |value| keys(value.get_ref()));

@@ -26,7 +26,7 @@ impl ElasticProbe {
         let initial_fan = initial_fans.iter().find(|l| l.sudden)?;
         let segment = Some(&bar.segments[initial_fan.segment]).filter(|segment| segment.taper.is_none())?;
         // Another wave may come from the far side at once, or only as a reflection of this one.
-        let transits = if initial_fans.len() > 1 { 1.0 } else { 2.0 };
+        let transits = if initial_fan.alone { 2.0 } else { 1.0 };
         let quiet = (transits * segment.length / segment.material.c0()).min(initial_fan.loads_until).min(until);
         Some(Self {
             time: 0.5 * quiet,
@@ -95,7 +95,8 @@ pub fn against_similarity(bar: &Bar, solver: &impl Stepped, initial_fans: &[Init
 /// The fan that is the whole solution up to `time` (s), where there is one.
 pub fn alone<'a>(bar: &Bar, initial_fans: &'a [InitialFan], time: f64) -> Option<&'a InitialFan> {
     let ([initial_fan], [segment]) = (initial_fans, bar.segments.as_slice()) else { return None };
-    let alone = initial_fan.sudden && initial_fan.loads_until.is_infinite() && segment.taper.is_none();
+    let alone =
+        initial_fan.alone && initial_fan.sudden && initial_fan.loads_until.is_infinite() && segment.taper.is_none();
     (alone && time > 0.0 && segment.material.c0() * time <= segment.length).then_some(initial_fan)
 }
 

@@ -2,7 +2,7 @@
 //! gauges. The theoretical speed is not used.
 
 use super::{FrontRow, Stepped};
-use crate::bar::{Bar, EndCondition, InitialFan, Origin};
+use crate::bar::{Bar, EndCondition, InitialFan, Origin, acts_without_fan};
 use crate::snapshot::{self, Snapshot, pack, unpack};
 use crate::solver::fd::{Grid, Quantity};
 use crate::wave::similarity::Edge;
@@ -188,14 +188,22 @@ impl Front {
     }
 }
 
+/// Places of the ends that send waves into the bar without a fan.
+fn acting_ends(bar: &Bar, ends: [&EndCondition; 2]) -> impl Iterator<Item = f64> {
+    let last = bar.segments.len() - 1;
+    let acts = [(0, 1.0, 0.0), (last, -1.0, bar.length())].into_iter().zip(ends);
+    let acts = acts.filter(|((k, direction, _), end)| acts_without_fan(end, *direction, bar.segments[*k].velocity));
+    acts.map(|((_, _, x), _)| x).collect::<Vec<_>>().into_iter()
+}
+
 /// Elastic waves are the fastest, so they bound when anything else can interfere.
 fn window(bar: &Bar, initial_fan: &InitialFan, initial_fans: &[InitialFan], ends: [&EndCondition; 2]) -> Window {
     let segment = &bar.segments[initial_fan.segment];
     let last = bar.segments.len() - 1;
     let far_x = initial_fan.x + initial_fan.direction * segment.length;
     let others = |x: f64| {
-        let foreign = initial_fans.iter().filter(|l| l.origin != initial_fan.origin);
-        foreign.map(|l| transit(bar, x, l.x)).fold(f64::INFINITY, f64::min)
+        let foreign = initial_fans.iter().filter(|l| l.origin != initial_fan.origin).map(|l| l.x);
+        foreign.chain(acting_ends(bar, ends)).map(|from| transit(bar, x, from)).fold(f64::INFINITY, f64::min)
     };
     let at_bar_end = if initial_fan.direction > 0.0 { initial_fan.segment == last } else { initial_fan.segment == 0 };
     let far_end = ends[usize::from(initial_fan.direction > 0.0)];

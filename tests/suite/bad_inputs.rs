@@ -162,6 +162,7 @@ const IMPACTS: &[(&str, &[(&str, &str)])] = &[
             ("\"7.675 cm\"", "\"17 cm\""),
             ("[record]", "[record]\nshapes = 2000"),
             ("[striker]", "[bar]\n[striker]"),
+            ("[beam]", "[beem]"),
         ],
     ),
 ];

@@ -17,7 +17,7 @@ use serde_json::{Value, json};
 use super::check::Checker;
 use crate::error::Result;
 use crate::impact::Problem;
-use crate::input::Document;
+use crate::input::{Document, nearest};
 use crate::material::Material;
 use crate::typed;
 
@@ -83,10 +83,20 @@ impl ImpactScene {
     }
 }
 
-/// The kind of a scene; none of a bar, and of text that is no TOML, of which its reader complains better.
+/// The kind of a scene; none of a bar, and of text that is no TOML, of which its reader complains better. A scene of no kind is of that whose
+/// key one of its own resembles, so that the error suggests it.
 pub(super) fn kind(document: &Document) -> Option<&'static Kind> {
     let parsed = document.parsed().ok()?;
-    KINDS.iter().find(|kind| parsed.has(kind.key))
+    if parsed.has("bar") {
+        return KINDS.iter().find(|kind| parsed.has(kind.key));
+    }
+    let like = |kind: &&Kind| parsed.keys().any(|key| resembled(key) == Some(kind.key));
+    KINDS.iter().find(|kind| parsed.has(kind.key)).or_else(|| KINDS.iter().find(like))
+}
+
+/// What makes a scene one of a bar, or of one of the kinds, that is most like a key.
+fn resembled(key: &str) -> Option<&'static str> {
+    nearest(key, KINDS.iter().map(|kind| kind.key).chain(["bar"]))
 }
 
 /// Checks a document; `text` and `overrides` are the caller's to fill.

@@ -33,13 +33,13 @@ impl Leapfrog {
         let sides = [Origin::Left, Origin::Right];
         let fans = initial_fans.iter().filter_map(|initial_fan| {
             let side = sides.iter().position(|side| *side == initial_fan.origin)?;
-            self.starting_fan(initial_fan, side, initial_fans.len())
+            self.starting_fan(initial_fan, side)
         });
         self.fans = fans.collect();
         self
     }
 
-    fn starting_fan(&self, initial_fan: &InitialFan, side: usize, fans: usize) -> Option<StartingFan> {
+    fn starting_fan(&self, initial_fan: &InitialFan, side: usize) -> Option<StartingFan> {
         let fan = &initial_fan.fan;
         let known = initial_fan.sudden && !fan.above_critical && !fan.beyond_data;
         let slowest = fan.edges.last().filter(|edge| known && fan.edges.len() > 1 && edge.speed > 0.0)?;
@@ -49,8 +49,8 @@ impl Leapfrog {
         }
         let (part, dt) = (&self.grid.segments[initial_fan.segment], self.grid.dt);
         let wanted = (CELLS * part.dx / (slowest.speed * dt)).ceil();
-        // Other fans may come to meet it from the far side.
-        let room = part.dx * part.cells.len() as f64 / if fans > 1 { 2.0 } else { 1.0 };
+        // Other waves may come to meet it from the far side.
+        let room = part.dx * part.cells.len() as f64 / if initial_fan.alone { 1.0 } else { 2.0 };
         let possible = (room / (fan.edges[0].speed * dt)).min(initial_fan.loads_until / dt).floor() - 1.0;
         let sense = -initial_fan.direction * initial_fan.sense.sign();
         let mut velocity = initial_fan.velocity_ahead;
@@ -68,7 +68,7 @@ impl Leapfrog {
             stress: initial_fan.sense.sign() * fan.stress,
             ramp: RAMP * part.dx,
             steps: wanted.min(possible).max(0.0) as usize,
-            nodes: if fans > 1 { (part.cells.len() - 1) / 2 } else { part.cells.len() },
+            nodes: if initial_fan.alone { part.cells.len() } else { (part.cells.len() - 1) / 2 },
             lost: 0.0,
         })
     }

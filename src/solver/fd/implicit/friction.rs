@@ -21,6 +21,10 @@ use super::{EndNode, Implicit};
 /// Most tries to bring an end to rest; one is enough where what holds the end is linear.
 const MOST_TRIES: usize = 100;
 
+/// Part of the velocities that friction can give by which they jump past zero where the end parts from a body: it does not come to rest.
+/// Smaller jumps are rounding.
+const JUMPS: f64 = 1e-6;
+
 impl Implicit {
     /// Friction on the nodes between the ends, in a step whose changes without it are known.
     pub(super) fn rub_nodes(&mut self) {
@@ -83,7 +87,8 @@ fn against([least, most]: [f64; 2], velocity: impl Fn(f64) -> f64) -> (f64, bool
         // Held at rest by the end itself.
         return (0.0_f64.clamp(least, most), true);
     }
-    let rounding = 4.0 * f64::EPSILON * (high.1 - low.1);
+    let span = high.1 - low.1;
+    let rounding = 4.0 * f64::EPSILON * span;
     for tries in 1..=MOST_TRIES {
         // Every third try halves, for answers that have a kink.
         let part = if tries % 3 == 0 { 0.5 } else { -low.1 / (high.1 - low.1) };
@@ -98,5 +103,6 @@ fn against([least, most]: [f64; 2], velocity: impl Fn(f64) -> f64) -> (f64, bool
             high = (impulse, found);
         }
     }
-    (0.5 * (low.0 + high.0), true)
+    let jumps = high.1 - low.1 > JUMPS * span;
+    (0.5 * (low.0 + high.0), !jumps)
 }

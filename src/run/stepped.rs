@@ -229,15 +229,19 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
             self.write_traces()?;
         }
         let last = step == self.steps;
+        let look = last || step.is_multiple_of((self.steps / record::LOOKS).max(1));
+        let yielded = look && !self.bar.stayed_elastic();
         if self.frames.is_due(&self.bar) || last {
             let row = self.ledger.row(&self.bar);
             self.recorder.writer.ledger(row)?;
+        } else if yielded {
+            // The residual and what the method gave are those of the run, however few its frames.
+            self.ledger.row(&self.bar);
         }
         if last || step.is_multiple_of((self.steps / FRONT_SIGHTINGS).max(1)) {
             self.tracker.observe(&self.bar);
         }
-        let look = last || step.is_multiple_of((self.steps / record::LOOKS).max(1));
-        if look && !self.bar.stayed_elastic() {
+        if yielded {
             self.audit.look(&self.bar, &self.watched);
         }
         if let Some(Probe { check, cell, .. }) = self.elastic_check.as_mut().filter(|p| p.step == step) {

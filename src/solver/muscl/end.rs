@@ -120,7 +120,7 @@ impl End {
 
     fn respond(&self, step: &Step, part: &Part, near: &FaceState, work: &mut Workspace) -> (Flux, bool) {
         let face = &self.face;
-        let bar = response(part, near, face.inward);
+        let bar = response(part, &near.point, face.inward);
         let mut relation = self.model.relation(step, &bar);
         let mut flux = self.meet(&relation, &bar, part, near, work);
         if self.model.is_nonlinear() {

@@ -8,8 +8,8 @@ use crate::law::flows;
 use crate::wave::riemann::{FaceState, Flux, Point, Workspace};
 
 /// How an elastic bar answers at its face; `inward` is +1 where it is to the right of the face and -1 to its left.
-pub(super) fn response(part: &Part, near: &FaceState, inward: f64) -> Response {
-    let Point { stress, velocity, .. } = near.point;
+pub(super) fn response(part: &Part, near: &Point, inward: f64) -> Response {
+    let Point { stress, velocity, .. } = *near;
     let impedance = part.area * part.faces.medium.impedance();
     Response { force: -part.area * stress - impedance * inward * velocity, impedance }
 }

@@ -7,7 +7,7 @@ use super::face::{response, under};
 use super::part::Part;
 use crate::bar;
 use crate::bar::joint::{Contact, force_at};
-use crate::wave::riemann::{FaceState, Flux, Side, Star, Workspace, solve};
+use crate::wave::riemann::{FaceState, Flux, Point, Side, Star, Workspace, solve};
 
 /// A joint.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -38,13 +38,16 @@ impl Joint {
         self.contact.map_or(0.0, |contact| contact.lost())
     }
 
-    /// Gives both sides what seems to lie beyond: as free ends if it is open, else with the gradients that one force and
-    /// one velocity at the joint ask for, elastically.
-    pub fn share(&self, left: &mut Block, right: &mut Block, parts: &[Part]) {
+    /// Gives both sides what seems to lie beyond: as free ends if the cells pull at each other, else with the gradients that one force
+    /// and one velocity at the joint ask for, elastically. (Not whether it was open in the step before: of faces that only touch,
+    /// rounding says that.)
+    pub fn share(&self, dt: f64, left: &mut Block, right: &mut Block, parts: &[Part]) {
         let (a, b) = (&parts[left.part], &parts[right.part]);
         let (i, j) = (left.inside(1, 0), right.inside(0, 0));
         let (s, v) = ([left.sigma[i], right.sigma[j]], [left.v[i], right.v[j]]);
-        if self.contact.is_some_and(|contact| contact.is_open()) {
+        let near = |k: usize| Point { stress: s[k], velocity: v[k], ..Point::default() };
+        let bars = [response(a, &near(0), -1.0), response(b, &near(1), 1.0)];
+        if self.contact.is_some_and(|contact| force_at(contact.closing_rate(dt), &bars) <= 0.0) {
             left.fill_ghost_cells(1, a, [-s[0], v[0], -left.e_equivalent_strain(a, i)]);
             right.fill_ghost_cells(0, b, [-s[1], v[1], -right.e_equivalent_strain(b, j)]);
             return;
@@ -79,7 +82,7 @@ impl Joint {
 /// Both sides together, while their gap grows at `rate` (m/s).
 fn meeting(rate: f64, [a, b]: [&Part; 2], [left, right]: &[FaceState; 2], work: &mut Workspace) -> [Flux; 2] {
     let half = 0.5 * rate;
-    let bars = [response(a, left, -1.0), response(b, right, 1.0)];
+    let bars = [response(a, &left.point, -1.0), response(b, &right.point, 1.0)];
     let force = force_at(rate, &bars);
     let elastic = a.faces.stays_elastic(left, -force / a.area) && b.faces.stays_elastic(right, -force / b.area);
     // As if both moved towards each other by half the rate more, so that they are bonded.

@@ -114,7 +114,7 @@ impl Muscl {
         }
         for joint in &self.joints {
             let (before, after) = self.blocks.split_at_mut(joint.edge + 1);
-            joint.share(&mut before[joint.edge], &mut after[0], &self.parts);
+            joint.share(dt, &mut before[joint.edge], &mut after[0], &self.parts);
         }
     }
 

@@ -265,19 +265,21 @@ impl Faces {
         Some(Flux { stress: sense * stress, velocity: 0.5 * (from_left + from_right) })
     }
 
-    /// A flowing side's history moved along the curve to where its stress at the face is.
+    /// The history of a side that flows, or whose slope takes its stress at the face past its limit, moved along the curve to where that stress is.
     fn moved_along(&self, near: &FaceState, kinematic: f64) -> Point {
         let mut point = near.point;
-        if near.flowing == 0.0 {
-            return point;
-        }
-        let (sense, lines) = (near.flowing, self.medium.lines(near.flowing));
+        let flows = near.flowing != 0.0;
+        let sense = if flows { near.flowing } else { 1.0_f64.copysign(point.stress - point.back) };
+        let lines = self.medium.lines(sense);
         let (line, _, y) = lines.at_accumulated(point.accumulated);
         let limit = sense * point.back + y - kinematic * (y - self.virgin[side(sense)]);
         if !limit.is_finite() {
             return point;
         }
         let rise = sense * point.stress - limit;
+        if !flows && rise <= 0.0 {
+            return point;
+        }
         let line = self.line_at(lines, line, y + rise);
         let slope = lines.slope[line];
         if slope > 0.0 {

@@ -92,7 +92,7 @@ pub enum Method {
 }
 
 /// Front tracking may take this many events, so that a run takes some 10 ms.
-const MAX_EVENTS: u64 = 3_000;
+pub const MAX_EVENTS: u64 = 3_000;
 
 impl Method {
     pub const ALL: [Self; 3] = [Self::Leapfrog, Self::Muscl, Self::Moc];

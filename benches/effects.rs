@@ -26,6 +26,12 @@ const EFFECTS: &[(&str, &str)] = &[
     ("Johnson-Cook", "rate = { model = \"johnson-cook\", C = 0.014, reference = 1 }"),
     ("Johnson-Cook, heat", "heat = { fraction = 0.9 }\nrate = { model = \"johnson-cook\", C = 0.014, reference = 1 }"),
     ("Cowper-Symonds", "rate = { model = \"cowper-symonds\", D = 40, q = 5 }"),
+    ("kinematic", "hardening = \"kinematic\""),
+    ("kinematic, rate", "hardening = \"kinematic\"\nrate = { model = \"malvern\", k = 1e7 }"),
+    (
+        "kinematic, JC, heat",
+        "hardening = \"kinematic\"\nheat = { fraction = 0.9 }\nrate = { model = \"johnson-cook\", C = 0.014, reference = 1 }",
+    ),
 ];
 
 /// One area, and a table of them.
@@ -36,7 +42,8 @@ const POISSON_AND_HEAT: &str = "poisson = 0.3\nbeyond = \"extend\"\nheat = { spe
                                 reference-temperature = 293, melting-temperature = 1800, m = 1 }";
 
 fn of_steel(area: &str, velocity: f64, effects: &str) -> f64 {
-    let effects = format!("hardening = \"isotropic\"\n{effects}");
+    let hardening = if effects.starts_with("hardening") { "" } else { "hardening = \"isotropic\"\n" };
+    let effects = format!("{hardening}{effects}");
     shortest(&scene(velocity, &format!("area = {area}"), POISSON_AND_HEAT, &effects), RUNS)
 }
 

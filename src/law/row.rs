@@ -465,10 +465,12 @@ mod tests {
                 assert_bits_of_cells(&Timed::<6>::new(law(0.5), 1e-7));
             }
             for law in LAWS {
-                let law = RateLaw::new(law, &table(rows), None, 0.0);
-                assert_bits_of_cells(&Timed::<5>::new(law.clone(), 1e-7));
+                let [fixed, moving] = [0.0, 0.5].map(|kinematic| RateLaw::new(law, &table(rows), None, kinematic));
+                assert_bits_of_cells(&Timed::<5>::new(fixed.clone(), 1e-7));
+                assert_bits_of_cells(&Timed::<6>::new(moving.clone(), 1e-7));
                 for exponent in [1.0, 1.09] {
-                    assert_bits_of_cells(&Heated::<6>::new(law.clone(), &heating(exponent), MODULUS, 1e-7));
+                    assert_bits_of_cells(&Heated::<6>::new(fixed.clone(), &heating(exponent), MODULUS, 1e-7));
+                    assert_bits_of_cells(&Heated::<7>::new(moving.clone(), &heating(exponent), MODULUS, 1e-7));
                 }
             }
         }

@@ -157,6 +157,8 @@ pub struct Rupture {
     pub x: f64,
     /// The same in words.
     pub site: Site,
+    /// The segment that broke: at a joint one of two.
+    pub segment: usize,
     /// What it broke of.
     pub cause: Cause,
     /// Stress at the place as it broke, Pa.

@@ -32,11 +32,11 @@ use self::output::{Kept, Output};
 use crate::assemble;
 use crate::bar::{InitialFan, Segment, initial_fans};
 use crate::error::{Error, Result};
-use crate::law::rupture::Rupture;
+use crate::law::rupture::{Rupture, Site};
 use crate::material::Sense;
 use crate::record::store::{Checkpoint, Header, Layout, RunFigures, Side, Writer};
 use crate::record::{
-    self, Account, AuditRow, AutoChoice, Case, ContactReading, ElasticCheck, EndSummary, ErrorFigure, Figures,
+    self, Account, AuditRow, AutoChoice, Case, ContactReading, ElasticCheck, EndSummary, ErrorFigure, Extreme, Figures,
     FrontRow, FrontSummary, Ledger, LedgerSummary, LengthSummary, MaterialRecord, Off, Records, ResidualProfile,
     RuptureSummary, SegmentEnd, Stepped, Summary, Tally, TorsionSummary, Trace, TrackingSummary, Twisted, View,
     above_critical,
@@ -384,7 +384,12 @@ impl<'a> RunRecorder<'a> {
 
     /// The ruptures of a bar, if it was to break.
     fn ruptures(&self, bar: &impl View) -> Option<Vec<Rupture>> {
-        let named = |rupture: &Rupture| Rupture { site: self.scene.original_site(rupture.site), ..*rupture };
+        let scene = self.scene;
+        let named = |rupture: &Rupture| Rupture {
+            site: scene.original_site(rupture.site),
+            segment: scene.discretized.as_ref().map_or(rupture.segment, |cut| cut.of[rupture.segment]),
+            ..*rupture
+        };
         self.scene.effects.rupture.as_ref().map(|_| bar.ruptures().iter().map(named).collect())
     }
 
@@ -527,6 +532,15 @@ fn joint_places(scene: &Scene) -> impl Iterator<Item = f64> {
     ends.take(segments.len() - 1)
 }
 
+/// The force with which joint `k` broke, N, and when; 0 if it holds.
+fn breaks(segments: &[Segment], ruptures: Option<&[Rupture]>, k: usize) -> Extreme {
+    let broken = ruptures.and_then(|all| all.iter().find(|rupture| rupture.site == Site::Joint(k)));
+    broken.map_or_else(Extreme::default, |rupture| {
+        let area = segments[rupture.segment].end_areas()[usize::from(rupture.segment == k)];
+        Extreme { value: rupture.stress * area, at: rupture.time }
+    })
+}
+
 /// What engineers read off a run.
 fn figures(scene: &Scene, tally: &Tally, results: &RunResults) -> Figures {
     let scene = (scene, asked(scene));
@@ -545,6 +559,7 @@ fn figures(scene: &Scene, tally: &Tally, results: &RunResults) -> Figures {
         account: results.account,
         contacts: results.contacts.clone(),
         strikers: [results.ends[0].striker, results.ends[1].striker],
+        breaks: (0..segments.len() - 1).map(|k| breaks(segments, results.ruptures.as_deref(), k)).collect(),
         broken: results.parted(),
     }
     .figures()

@@ -253,6 +253,7 @@ fn ruptures_are_read_back_and_marked() {
         time: 4e-5,
         x: 0.6,
         site: Site::Inside(0),
+        segment: 0,
         cause: Cause::Spall,
         stress: 5e8,
         strain: 0.01,

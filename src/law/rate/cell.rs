@@ -113,13 +113,12 @@ impl<const N: usize> CellLaw<N> for Timed<N> {
         state: [&[f64; W]; N],
         after: &mut Steps<N, W>,
     ) {
-        match (self.law.overstress, self.law.fixed_curves()) {
-            (Overstress::Malvern { .. }, Some(curves)) => {
-                let parts = self.relaxation_step.parts.each_ref().map(Vec::as_slice);
-                Pieces { curves, parts }.step(sigma, predictor, state, after);
-            }
-            _ => step_most(&self.law, self.time, None, [sigma, predictor], state, after),
+        if let Overstress::Malvern { .. } = self.law.overstress {
+            let parts = self.relaxation_step.parts.each_ref().map(Vec::as_slice);
+            let pieces = Pieces { curves: self.law.curves(), parts, kinematic: self.law.moving() };
+            return pieces.step(sigma, predictor, state, after);
         }
+        step_most(&self.law, self.time, None, [sigma, predictor], state, after);
     }
 
     fn respond(&self, sigma: f64, predictor: f64, state: [f64; N]) -> Response<N> {

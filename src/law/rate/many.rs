@@ -1,5 +1,5 @@
 //! A step of many cells at once, by laws whose flow is found by iteration: those cells that are elastic in it, or flow all the step long in
-//! one sense along one piece of the static curve.
+//! one sense along one piece of the static curve, which may move with a back stress.
 //!
 //! As [`super::Timed`] and [`super::Heated`] have it, the flow and the temperature at its end are those to which the elastic limit goes, straight,
 //! within the step. Secants lead to both, for all cells side by side and without a choice between operations; a cell that is
@@ -11,7 +11,7 @@
     reason = "`&&`, `||` and iterators with their ends are branches, and the compiler does not turn these into vectors"
 )]
 
-use super::most::Flown;
+use super::most::{Flown, halved};
 use super::step::rounding;
 use super::{Closed, Driven, JohnsonCook, Malvern, Overstress, PowerAboveOne, RateLaw, Sides};
 use crate::elementary::{exp, ln};
@@ -89,9 +89,15 @@ struct Start<const W: usize> {
     /// Stress beyond the elastic limit, Pa, and what it rises by if nothing flows.
     excess: [f64; W],
     rise: [f64; W],
-    /// The cold curve: static stress, that in the other sense, slope, and E times the plastic strain at which the piece ends.
+    /// The cold elastic limit in the sense of the stress, by how much it is beside the static stress of first loading, half the elastic range and
+    /// what that grows by with the flow, and the limit in the other sense; Pa.
     cold: [f64; W],
+    beside: [f64; W],
+    half: [f64; W],
+    widens: [f64; W],
     across: [f64; W],
+    back: [f64; W],
+    /// Slope of the cold curve, and E times the plastic strain at which the piece ends.
     slope: [f64; W],
     end: [f64; W],
     /// Rise in temperature, K, and factor of the cold curve.
@@ -99,6 +105,14 @@ struct Start<const W: usize> {
     softening: [f64; W],
     /// What the law of overstress knows at the start.
     of_law: [f64; W],
+}
+
+impl<const W: usize> Start<W> {
+    /// Elastic limit in the sense of the stress, static stress of first loading, and half the elastic range of a cell, Pa.
+    #[inline(always)]
+    fn stresses(&self, i: usize) -> [f64; 3] {
+        [self.cold[i], self.cold[i] - self.beside[i], self.half[i]].map(|cold| self.softening[i] * cold)
+    }
 }
 
 /// Where a sweep has brought them.
@@ -113,16 +127,18 @@ struct Found<const W: usize> {
     sought: [u64; W],
 }
 
-/// A law of overstress over curves that do not move, in steps of `time`, s.
+/// A law of overstress in steps of `time`, s.
 #[derive(Debug, Clone, Copy)]
 struct Many<'a, L> {
     law: L,
     curves: Sides<'a>,
+    /// As [`super::RateLaw::moving`] gives them.
+    moving: [f64; 2],
     time: f64,
     warming: Option<Warming>,
 }
 
-/// Steps the cells of a law over curves that do not move, of which there is a plain formula, see [`Many::step`]; no others.
+/// Steps the cells of a law of which there is a plain formula, see [`Many::step`]; no others.
 #[inline(always)]
 pub(super) fn step_most<const N: usize, const W: usize>(
     law: &RateLaw,
@@ -132,20 +148,22 @@ pub(super) fn step_most<const N: usize, const W: usize>(
     state: [&[f64; W]; N],
     after: &mut Steps<N, W>,
 ) {
-    let Some(curves) = law.fixed_curves() else { return };
+    let (curves, moving) = (law.curves(), law.moving());
     match law.overstress {
-        Overstress::Malvern { k } => Many { law: Malvern { k }, curves, time, warming }.step(cells, state, after),
+        Overstress::Malvern { k } => {
+            Many { law: Malvern { k }, curves, moving, time, warming }.step(cells, state, after);
+        }
         Overstress::JohnsonCook { c, rate } => {
-            Many { law: JohnsonCook { c, rate }, curves, time, warming }.step(cells, state, after);
+            Many { law: JohnsonCook { c, rate }, curves, moving, time, warming }.step(cells, state, after);
         }
         Overstress::CowperSymonds { rate, exponent } if exponent > 1.0 => {
             let law = PowerAboveOne { rate, exponent, thermal: None };
-            Many { law, curves, time, warming }.step(cells, state, after);
+            Many { law, curves, moving, time, warming }.step(cells, state, after);
         }
         // Its rate depends on the temperature itself, too.
         Overstress::ZerilliArmstrong { stress, sensitivity, rate, .. } if sensitivity < 1.0 && warming.is_none() => {
             let law = PowerAboveOne { rate, exponent: sensitivity.recip(), thermal: Some(stress) };
-            Many { law, curves, time, warming }.step(cells, state, after);
+            Many { law, curves, moving, time, warming }.step(cells, state, after);
         }
         _ => {}
     }
@@ -170,11 +188,11 @@ impl<L: Closed> Many<'_, L> {
             sought: [0; W],
         };
         for i in 0..W {
-            let limit = start.softening[i] * start.cold[i];
+            let [limit, f, half] = start.stresses(i);
             let stress = limit + start.excess[i];
             // What flowed in the step before.
-            found.flow[i] = state[2][i] * self.law.width(start.excess[i], limit);
-            found.sought[i] = u64::from(start.excess[i] > rounding(stress, [-limit, limit], 0.0));
+            found.flow[i] = state[2][i] * self.law.width(start.excess[i], f);
+            found.sought[i] = u64::from(start.excess[i] > rounding(stress, [-half, half], start.back[i]));
         }
         for _ in 0..SWEEPS {
             if found.sought.iter().fold(0, |any, sought| any | sought) == 0 {
@@ -187,24 +205,38 @@ impl<L: Closed> Many<'_, L> {
         }
         for i in 0..W {
             let (flow, softening) = (found.flow[i], found.softening[i]);
-            let [cold, slope] = [start.cold[i], start.slope[i]];
+            let [limit, _, half] = start.stresses(i);
+            let limit_end = start.cold[i] + start.slope[i] * flow;
+            let across = start.softening[i] * start.across[i];
             let flown = Flown {
                 sign: start.sign[i],
                 excess: start.excess[i],
                 rise: start.rise[i],
                 flow,
-                limit: [start.softening[i] * cold, softening * (cold + slope * flow)],
-                across: start.softening[i] * start.across[i],
-                gain: 1.0 + softening * slope,
+                limit: [limit, softening * limit_end],
+                half: [half, softening * (start.half[i] + start.widens[i] * flow)],
+                across: [across, if self.moves::<N>() { half } else { across }],
+                back: start.back[i],
+                gain: 1.0 + softening * start.slope[i],
                 end: start.end[i],
                 is_found: (found.sought[i] == 0) & (flow >= 0.0),
             };
-            flown.note(i, [sigma[i], predictor[i]], |x, f| self.law.width(x, f), state, after);
-            if N > 5 {
-                let flows = after.plastic[i] != 0.0;
+            let f_end = softening * (limit_end - start.beside[i]);
+            flown.note(i, [sigma[i], predictor[i]], |x| self.law.width(x, f_end), state, after);
+            let flows = after.plastic[i] != 0.0;
+            if self.warming.is_some() {
                 after.state[5][i] = if flows { found.warmth[i] } else { start.warmth[i] };
             }
+            if self.moves::<N>() {
+                after.state[N - 1][i] = start.back[i] + self.moving[0] * start.slope[i] * after.plastic[i];
+            }
         }
+    }
+
+    /// The state has a back stress, at its end.
+    #[inline(always)]
+    fn moves<const N: usize>(&self) -> bool {
+        N > 5 + usize::from(self.warming.is_some())
     }
 
     #[inline(always)]
@@ -221,7 +253,11 @@ impl<L: Closed> Many<'_, L> {
             excess: zeros,
             rise: zeros,
             cold: located.stress,
+            beside: zeros,
+            half: located.stress,
+            widens: located.slope,
             across: located.across,
+            back: zeros,
             slope: located.slope,
             end: located.end,
             warmth: zeros,
@@ -232,13 +268,24 @@ impl<L: Closed> Many<'_, L> {
             start.warmth = *state[5];
             warming.softening(&start.warmth, &mut start.softening);
         }
+        if self.moves::<N>() {
+            start.back = *state[N - 1];
+        }
         for i in 0..W {
-            let limit = start.softening[i] * start.cold[i];
-            let sign = 1.0_f64.copysign(sigma[i]);
+            let back = start.back[i];
+            let sign = 1.0_f64.copysign(sigma[i] - start.softening[i] * back);
+            if self.moves::<N>() {
+                let [kinematic, yield_stress] = self.moving;
+                let (half, widens) = halved(kinematic, yield_stress, located.stress[i], located.slope[i]);
+                (start.half[i], start.widens[i]) = (half, widens);
+                (start.cold[i], start.across[i]) = (half + sign * back, half - sign * back);
+                start.beside[i] = start.cold[i] - located.stress[i];
+            }
+            let [limit, f, _] = start.stresses(i);
             start.sign[i] = sign;
             start.excess[i] = sign * sigma[i] - limit;
             start.rise[i] = sign * (predictor[i] - sigma[i]);
-            start.of_law[i] = self.law.at_start(start.excess[i], limit);
+            start.of_law[i] = self.law.at_start(start.excess[i], f);
         }
         start
     }
@@ -256,17 +303,17 @@ impl<L: Closed> Many<'_, L> {
             let (excess, rise, flow) = (start.excess[i], start.rise[i], found.flow[i]);
             let (cold, slope, warmth) = (start.cold[i], start.slope[i], found.warmth[i]);
             let [g, g_end] = [start.softening[i], found.softening[i]];
-            // Rise of the elastic limit over the flow.
-            let softened = if flow > 0.0 { (g_end - g) * cold / flow } else { 0.0 };
-            let limit = g_end * slope + softened;
-            let (f, f_end) = (g * cold, g_end * (cold + slope * flow));
-            let (mut gain, mut mean, mut over) = (1.0 + limit, f, excess);
+            // Rise of the elastic limit over the flow, and of the static stress.
+            let rises = |cold: f64| g_end * slope + if flow > 0.0 { (g_end - g) * cold / flow } else { 0.0 };
+            let static_stress = cold - start.beside[i];
+            let (f, f_end) = (g * static_stress, g_end * (static_stress + slope * flow));
+            let (mut gain, mut mean, mut over) = (1.0 + rises(cold), f, excess);
             if self.law.needs_static_stress() {
                 // With u = x/f: f du = rise - (gain + u df/dp) dp.
-                let left = excess + rise - flow - (f_end - f);
+                let left = excess + rise - flow - (g_end * (cold + slope * flow) - g * cold);
                 over = excess / f;
                 mean = 0.5 * (f + f_end);
-                gain += 0.5 * (over + if left > 0.0 { left / f_end } else { 0.0 }) * limit;
+                gain += 0.5 * (over + if left > 0.0 { left / f_end } else { 0.0 }) * rises(static_stress);
                 over *= mean;
             }
             let driven = Driven { excess: over, rise, time: self.time };
@@ -325,6 +372,7 @@ pub(crate) mod tests {
 
     /// Loads and unloads a cell. What is known of most cells is what a search of its own finds.
     fn assert_found<L: CellLaw<N>, const N: usize>(law: &L, what: &str) {
+        let moves = N > 5 + usize::from(!law.temperature([0.0; N]).is_nan());
         let (mut sigma, mut state, mut known) = (0.0, [0.0; N], 0);
         for step in 0..4000 {
             let part = f64::from(step) / 400.0;
@@ -335,7 +383,9 @@ pub(crate) mod tests {
             if alone.known[0] != 0 {
                 let most = alone.of(0);
                 known += usize::from(most.plastic != 0.0);
-                let of = |r: &Response<N>| [r.sigma, r.plastic, r.state[0], r.state[1], r.state[3]];
+                let of = |r: &Response<N>| {
+                    [r.sigma, r.plastic, r.state[0], r.state[1], r.state[3], if moves { r.state[N - 1] } else { 0.0 }]
+                };
                 let mut off = of(&most).into_iter().zip(of(&other)).map(|(one, other)| (one - other).abs());
                 assert!(off.all(|off| off <= 1e-12 * sigma.abs()), "{what}, step {step}: {most:?} {other:?}");
                 let warmer = law.temperature(most.state) - law.temperature(other.state);
@@ -359,18 +409,31 @@ pub(crate) mod tests {
                     let lines = table.lines().len();
                     assert_most_are_found(&law, time, &format!("{overstress:?} {time} {lines} {}", own.is_some()));
                 }
+                for (table, kinematic) in [(&table, 1.0), (&table, 0.4), (&of_many_rows, 0.7)] {
+                    let law = RateLaw::new(overstress, table, None, kinematic);
+                    assert_most_are_found(&law, time, &format!("{overstress:?} {time} kinematic {kinematic}"));
+                }
             }
         }
     }
 
     fn assert_most_are_found(law: &RateLaw, time: f64, what: &str) {
-        assert_found(&Timed::<5>::new(law.clone(), time), what);
+        let moves = law.kinematic > 0.0;
+        if moves {
+            assert_found(&Timed::<6>::new(law.clone(), time), what);
+        } else {
+            assert_found(&Timed::<5>::new(law.clone(), time), what);
+        }
         if matches!(law.overstress(), Overstress::ZerilliArmstrong { .. }) {
             return;
         }
         for exponent in [1.0, 1.09] {
-            let heated = Heated::<6>::new(law.clone(), &heating(exponent), MODULUS, time);
-            assert_found(&heated, &format!("{what}, heated, m = {exponent}"));
+            let (law, heating, what) = (law.clone(), heating(exponent), format!("{what}, heated, m = {exponent}"));
+            if moves {
+                assert_found(&Heated::<7>::new(law, &heating, MODULUS, time), &what);
+            } else {
+                assert_found(&Heated::<6>::new(law, &heating, MODULUS, time), &what);
+            }
         }
     }
 }

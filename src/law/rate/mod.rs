@@ -213,10 +213,17 @@ impl RateLaw {
         self.overstress
     }
 
-    /// The static curves of tension and compression, where they do not move.
+    /// The static curves of tension and compression.
     #[inline(always)]
-    fn fixed_curves(&self) -> Option<Sides<'_>> {
-        (self.kinematic == 0.0).then(|| Sides([self.side(0), self.side(1)]))
+    fn curves(&self) -> Sides<'_> {
+        Sides([self.side(0), self.side(1)])
+    }
+
+    /// Kinematic part of the hardening, and the elastic limit of first loading, Pa: 0 where there is no such part or no such limit.
+    #[inline(always)]
+    fn moving(&self) -> [f64; 2] {
+        let yield_stress = self.side(0).yield_stress();
+        if self.kinematic > 0.0 && yield_stress.is_finite() { [self.kinematic, yield_stress] } else { [0.0; 2] }
     }
 
     /// Steps of length `time` in which the stress falls by `share` of what flows.

@@ -1,4 +1,5 @@
 //! Malvern's law for many cells at once: those that are elastic in a step, or flow all the step long along one piece of the static curve.
+//! The curve may move with a back stress.
 //!
 //! The operations are those of [`super::Timed`] for one cell, without a choice between them.
 
@@ -17,13 +18,15 @@ use crate::root::Tolerance;
 pub(super) struct Pieces<'a> {
     pub curves: Sides<'a>,
     pub parts: [&'a [[f64; 2]]; 2],
+    /// Kinematic part of the hardening, and the elastic limit of first loading, Pa; 0 where the curves do not move.
+    pub kinematic: [f64; 2],
 }
 
 /// What a cell needs of the piece it is on.
 #[derive(Clone, Copy)]
 struct On {
-    /// Static flow stress, and in the other sense, Pa.
-    limit: f64,
+    /// Static flow stress of first loading, and in the other sense, Pa.
+    stress: f64,
     across: f64,
     slope: f64,
     end: f64,
@@ -43,9 +46,9 @@ impl Pieces<'_> {
         if let Some(piece) = self.curves.single() {
             let part = self.parts[0][0];
             for i in 0..W {
-                let limit = piece.at(state[0][i]);
-                let on = On { limit, across: limit, slope: piece.slope, end: f64::INFINITY, part };
-                step_one(i, on, sigma[i], predictor[i], state, after);
+                let stress = piece.at(state[0][i]);
+                let on = On { stress, across: stress, slope: piece.slope, end: f64::INFINITY, part };
+                self.step_one(i, on, sigma[i], predictor[i], state, after);
             }
             return;
         }
@@ -54,34 +57,61 @@ impl Pieces<'_> {
             std::array::from_fn(|i| self.parts[located.side[i] as usize][located.piece[i] as usize]);
         for i in 0..W {
             let on = On {
-                limit: located.stress[i],
+                stress: located.stress[i],
                 across: located.across[i],
                 slope: located.slope[i],
                 end: located.end[i],
                 part: part[i],
             };
-            step_one(i, on, sigma[i], predictor[i], state, after);
+            self.step_one(i, on, sigma[i], predictor[i], state, after);
+        }
+    }
+
+    #[inline(always)]
+    fn step_one<const N: usize, const W: usize>(
+        &self,
+        i: usize,
+        On { stress, across, slope, end, part }: On,
+        sigma: f64,
+        predictor: f64,
+        state: [&[f64; W]; N],
+        after: &mut Steps<N, W>,
+    ) {
+        let (moves, [kinematic, yield_stress]) = (N > 5, self.kinematic);
+        let back = if moves { state[N - 1][i] } else { 0.0 };
+        let sign = 1.0_f64.copysign(sigma - back);
+        let (half, widens) = if moves { halved(kinematic, yield_stress, stress, slope) } else { (stress, slope) };
+        let limit = half + sign * back;
+        let (excess, rise) = (sign * sigma - limit, sign * (predictor - sigma));
+        let gain = 1.0 + slope;
+        let flow = excess * part[0] + rise * part[1];
+        let is_found = (rise >= 0.0) | (excess + rise - gain * flow > 4.0 * f64::EPSILON * (excess - rise));
+        let flown = Flown {
+            sign,
+            excess,
+            rise,
+            flow,
+            limit: [limit, limit + slope * flow],
+            half: [half, half + widens * flow],
+            across: if moves { [half - sign * back, half] } else { [across; 2] },
+            back,
+            gain,
+            end,
+            is_found,
+        };
+        flown.note(i, [sigma, predictor], |x| x, state, after);
+        if moves {
+            after.state[N - 1][i] = back + kinematic * slope * after.plastic[i];
         }
     }
 }
 
+/// Half the elastic range of a cell whose curve moves, Pa, and by how much it grows with the flow; from the static flow stress of
+/// first loading and its slope.
 #[inline(always)]
-fn step_one<const N: usize, const W: usize>(
-    i: usize,
-    On { limit, across, slope, end, part }: On,
-    sigma: f64,
-    predictor: f64,
-    state: [&[f64; W]; N],
-    after: &mut Steps<N, W>,
-) {
-    let sign = 1.0_f64.copysign(sigma);
-    let (excess, rise) = (sign * sigma - limit, sign * (predictor - sigma));
-    let gain = 1.0 + slope;
-    let flow = excess * part[0] + rise * part[1];
-    let is_found = (rise >= 0.0) | (excess + rise - gain * flow > 4.0 * f64::EPSILON * (excess - rise));
-    let limit = [limit, limit + slope * flow];
-    let flown = Flown { sign, excess, rise, flow, limit, across, gain, end, is_found };
-    flown.note(i, [sigma, predictor], |x, _| x, state, after);
+pub(super) fn halved(kinematic: f64, yield_stress: f64, stress: f64, slope: f64) -> (f64, f64) {
+    let moved = if kinematic > 0.0 { kinematic * (stress - yield_stress) } else { 0.0 };
+    (stress - moved, (1.0 - kinematic) * slope)
 }
 
 /// A cell that flows all the step long, if it does.
@@ -91,9 +121,13 @@ pub(super) struct Flown {
     pub excess: f64,
     pub rise: f64,
     pub flow: f64,
-    /// Elastic limit at the start and at the end, and at the start in the other sense, Pa.
+    /// Elastic limit in the sense of the flow, and half the elastic range, at the start and at the end, Pa.
     pub limit: [f64; 2],
-    pub across: f64,
+    pub half: [f64; 2],
+    /// Elastic limit at the start in the other sense, and half the range by which its rounding goes, Pa.
+    pub across: [f64; 2],
+    /// Back stress, Pa.
+    pub back: f64,
     /// What the overstress loses by flow.
     pub gain: f64,
     /// E times the plastic strain at which the piece ends, Pa.
@@ -103,37 +137,39 @@ pub(super) struct Flown {
 }
 
 impl Flown {
-    /// Notes what the cell does where it is elastic, or flows from the start on and ends beyond the static curve or on it.
+    /// Notes what the cell does, `width` being the overstress over which the rate changes by a factor e at the end, where it is elastic, or flows from the start on and ends beyond the static curve or on it.
     #[inline(always)]
     pub fn note<const N: usize, const W: usize>(
         self,
         i: usize,
         [sigma, predictor]: [f64; 2],
-        width: impl Fn(f64, f64) -> f64,
+        width: impl Fn(f64) -> f64,
         state: [&[f64; W]; N],
         after: &mut Steps<N, W>,
     ) {
-        let Self { sign, excess, rise, flow, limit: [limit, limit_end], across, gain, end, is_found } = self;
-        let is_beyond = |stress: f64, limit: f64| stress.abs() - limit > rounding(stress, [-limit, limit], 0.0);
+        let Self { sign, excess, rise, flow, limit: [limit, limit_end], half: [half, half_end], .. } = self;
+        let Self { across: [across, half_across], back, gain, end, is_found, .. } = self;
+        let is_beyond = |stress: f64, limit: f64, half: f64| stress - limit > rounding(stress, [-half, half], back);
+        let is_over = is_beyond(sign * sigma, limit, half);
         let is_elastic =
-            !(is_beyond(sigma, limit) | is_beyond(predictor, if sign * predictor < 0.0 { across } else { limit }));
+            !(is_over | is_beyond(sign * predictor, limit, half) | is_beyond(-sign * predictor, across, half_across));
         let p = state[0][i];
         let (p_end, plastic) = (p + flow, sign * flow);
         let is_on_piece = (flow < end - p) & (p_end < end);
         let stress = predictor - plastic;
         let left = sign * stress - limit_end;
         let unsolved = gain * Tolerance::of_differences(excess + rise.abs()).at(flow);
-        let least = rounding(stress, [-limit_end, limit_end], 0.0) + unsolved;
+        let least = rounding(stress, [-half_end, half_end], back) + unsolved;
         let is_resolved = left > least;
-        let is_gone = (left >= -least) & (flow > 0.0) & (limit_end > least) & (rise >= 0.0);
+        let is_gone = (left >= -least) & (flow > 0.0) & (half_end > least) & (rise >= 0.0);
         let is_loaded = (rise >= 0.0) | (excess + rise >= flow);
-        let flows = is_beyond(sigma, limit) & is_found & is_loaded & is_on_piece & (is_resolved | is_gone);
+        let flows = is_over & is_found & is_loaded & is_on_piece & (is_resolved | is_gone);
         let choose = |flowing: f64, elastic: f64| if is_elastic { elastic } else { flowing };
         after.sigma[i] = choose(stress, predictor);
         after.plastic[i] = choose(plastic, 0.0);
         after.state[0][i] = choose(p_end, p);
         after.state[1][i] = choose(state[1][i] + plastic, state[1][i]);
-        after.state[2][i] = choose(if is_resolved { flow / width(left, limit_end) } else { 0.0 }, 0.0);
+        after.state[2][i] = choose(if is_resolved { flow / width(left) } else { 0.0 }, 0.0);
         after.state[3][i] = choose(sign * if is_resolved { left } else { GONE }, 0.0);
         after.state[4][i] = state[4][i] + choose(0.5 * (excess + left.max(0.0)) * flow, 0.0);
         after.known[i] = u64::from(is_elastic | flows);

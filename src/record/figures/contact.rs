@@ -106,9 +106,14 @@ fn joint(records: &Records<'_>, bodies: &[Body], k: usize) -> Site {
         load.peak.value = -pressed.peak;
         load.peak.at = pressed.time_of_peak;
         area = 1.0;
-    } else if let Some(ContactReading { pressed, .. }) = records.faces(k) {
-        // Its times count from the break on.
-        load.peak.add(load.last_time + pressed.time_of_peak, -pressed.peak / area);
+    } else {
+        // A front that breaks the joint leaves no stress of the joint behind.
+        let broken = records.breaks[k];
+        load.peak.add(broken.at, broken.value / area);
+        if let Some(ContactReading { pressed, .. }) = records.faces(k) {
+            // Its times count from the break on.
+            load.peak.add(broken.at + pressed.time_of_peak, -pressed.peak / area);
+        }
     }
     Site {
         load,

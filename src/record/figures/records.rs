@@ -55,6 +55,8 @@ pub struct Records<'a> {
     pub contacts: Vec<ContactReading>,
     /// Velocities of the strikers at the end, m/s.
     pub strikers: [Option<f64>; 2],
+    /// The force at which each joint broke, N, with its time; 0 while it holds.
+    pub breaks: Vec<Extreme>,
     /// The bar broke.
     pub broken: bool,
 }

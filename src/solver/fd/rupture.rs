@@ -262,6 +262,7 @@ impl Leapfrog {
             time: self.time(),
             x: self.grid.node(node),
             site,
+            segment,
             cause: criterion.cause(),
             stress: place.stress,
             strain: criterion.strain(&place),

@@ -60,6 +60,7 @@ impl FrontTracking {
             time,
             x,
             site,
+            segment: segment as usize,
             cause: criterion.cause(),
             stress: point.stress,
             strain: criterion.strain(&place),

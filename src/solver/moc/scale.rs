@@ -23,16 +23,20 @@ pub(super) fn stress_scale(starts: &[(usize, Point)], media: &[Medium], ends: [(
 /// Largest stress (Pa) and the range of velocities (m/s, in +x) that an end imposes.
 fn imposed(condition: &EndCondition, face: &Face) -> (f64, [f64; 2]) {
     let rest = face.inward * face.velocity;
+    // What moves away from the end imposes nothing on it.
+    let closing = |velocity: f64| (face.inward * velocity - face.velocity).max(0.0);
+    let struck = |velocity: f64| [rest + face.inward * closing(velocity); 2];
     let range = |h: &History| h.value().iter().fold([0.0, 0.0], |[low, high]: [f64; 2], &v| [low.min(v), high.max(v)]);
     match condition {
         EndCondition::Velocity { history, .. } => (0.0, range(history)),
         EndCondition::Stress { history } => (history.extreme().abs(), [rest; 2]),
-        EndCondition::Fixed | EndCondition::Wall { .. } => (0.0, [0.0; 2]),
-        EndCondition::Striker { velocity, .. } => (0.0, [*velocity; 2]),
+        EndCondition::Fixed => (0.0, [0.0; 2]),
+        EndCondition::Wall { .. } => (0.0, struck(0.0)),
+        EndCondition::Striker { velocity, .. } => (0.0, struck(*velocity)),
         EndCondition::Spring { .. } | EndCondition::Dashpot { .. } => (0.0, [0.0, rest]),
         EndCondition::Free | EndCondition::Absorbing => (0.0, [rest; 2]),
         EndCondition::Ball { mass, velocity, contact } => {
-            let closing = (face.inward * velocity - face.velocity).max(0.0);
+            let closing = closing(*velocity);
             let force = contact.force(contact.largest_approach(*mass, closing));
             (force.min(face.impedance * closing) / face.area, [rest; 2])
         }

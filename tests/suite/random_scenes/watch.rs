@@ -283,8 +283,10 @@ impl Watch {
 
     fn figures<V: View>(&self, bar: &V, places: &V::Places, ended: bool) -> Figures {
         let account = bar.account();
+        // A bar of this energy that is in balance moves by rounding alone.
+        let speed = self.largest[1].max(ROUNDING * (2.0 * self.energy / bar.start().mass).sqrt());
         // Of the momentum of a bar of this energy.
-        let rounding = ROUNDING * self.energy / self.largest[1].max(f64::MIN_POSITIVE);
+        let rounding = ROUNDING * self.energy / speed.max(f64::MIN_POSITIVE);
         let means = |field, scale| {
             let values = sample(bar, field, places);
             let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len() as f64;
@@ -292,7 +294,7 @@ impl Watch {
         };
         Figures {
             stress: means(Field::Stress, self.largest[0]),
-            velocity: means(Field::Velocity, self.largest[1]),
+            velocity: means(Field::Velocity, speed),
             impulse: Scaled { values: account.impulse, scale: self.momentum.max(rounding) },
             work: Scaled { values: account.work, scale: self.energy },
             strain: self.largest[2],

@@ -169,20 +169,26 @@ fn pieces(scene: &Scene, segment: &Segment, share: f64) -> Vec<Segment> {
     (0..count).map(piece).collect()
 }
 
-/// Of stress and Z v (Pa), of plastic strain, and of the rise in temperature (K), over the bar; 1 where all are 0.
+/// Of stress and Z v (Pa), of plastic strain, and of the rise in temperature (K), over the bar; 1 where all are 0. A uniform motion is no
+/// part of v.
 fn largest_sizes(bar: &Bar) -> [f64; 3] {
-    let mut largest = [0.0_f64; 3];
+    let (mut largest, mut impedance) = ([0.0_f64; 3], 0.0_f64);
+    let (mut slowest, mut fastest) = (f64::INFINITY, f64::NEG_INFINITY);
     for segment in &bar.segments {
+        let initial = &segment.initial;
         let sizes = segment.profile.as_ref().map_or_else(
-            || {
-                let initial = &segment.initial;
-                [segment.velocity.abs(), initial.stress.abs(), initial.accumulated, initial.temperature_rise]
-            },
-            |p| [&p.velocity, &p.stress, &p.accumulated, &p.temperature_rise].map(crate::bar::Distribution::largest),
+            || [initial.stress.abs(), initial.accumulated, initial.temperature_rise],
+            |p| [&p.stress, &p.accumulated, &p.temperature_rise].map(crate::bar::Distribution::largest),
         );
-        let stress = sizes[1].max(segment.material.impedance() * sizes[0]);
-        largest.iter_mut().zip([stress, sizes[2], sizes[3]]).for_each(|(most, size)| *most = most.max(size));
+        largest.iter_mut().zip(sizes).for_each(|(most, size)| *most = most.max(size));
+        let along = segment.profile.iter().flat_map(|profile| profile.velocity.rows().map(|row| row.1));
+        for velocity in along.chain(segment.profile.is_none().then_some(segment.velocity)) {
+            (slowest, fastest) = (slowest.min(velocity), fastest.max(velocity));
+        }
+        impedance = impedance.max(segment.material.impedance());
     }
+    let velocity = (fastest - slowest).min(fastest.abs().max(slowest.abs()));
+    largest[0] = largest[0].max(impedance * velocity);
     largest.map(|size| if size > 0.0 { size } else { 1.0 })
 }
 

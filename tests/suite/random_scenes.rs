@@ -24,7 +24,7 @@ use draw::Draw;
 use spec::{Method, Spec};
 
 /// Scenes of the ordinary test, some 15 s on two processors, and of the long one.
-const SCENES: usize = 400;
+const SCENES: usize = 1000;
 const MANY: usize = 100_000;
 /// Failing scenes that are simplified and shown.
 const SHOWN: usize = 2;

@@ -8,6 +8,9 @@ use super::tally::Load;
 use crate::bar::{EndCondition, Joint};
 use crate::record::ContactReading;
 
+/// Of all momentum that has gone through the bar.
+const ROUNDING: f64 = 1e-12;
+
 /// Time in contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct ContactTime {
@@ -130,7 +133,10 @@ fn joint(records: &Records<'_>, bodies: &[Body], k: usize) -> Site {
 fn impulse_across(records: &Records<'_>, k: usize) -> Option<f64> {
     let known = !records.torsion && records.is_pushed_at_faces_only();
     let gained: f64 = (0..=k).map(|k| records.segments[k].momentum - records.initial_momentum(k)).sum();
-    known.then(|| records.account.impulse[0] - gained + 0.0)
+    let across = records.account.impulse[0] - gained;
+    // What is left of parts that cancel is rounding.
+    let rounding = ROUNDING * records.account.momentum_scale;
+    known.then_some(if across.abs() > rounding { across } else { 0.0 })
 }
 
 /// Relative velocity of separation over that of approach of the bodies on the left and on the right.

@@ -925,3 +925,19 @@ fn what_moves_away_from_an_end_has_no_part_in_the_scale_of_stresses() {
     assert_eq!(scale("kind = \"wall\"", -3.0), 1e5);
     assert!(scale(&striker(-30.0), 0.0) > 1e8 && scale("kind = \"wall\"", 3.0) > 1e8);
 }
+
+/// The steps by which front tracking follows a stress along the bar were relative to that of the bar's own velocity, with which it moves as a whole:
+/// four of them, and an error figure of 1e-16.
+#[test]
+fn a_bar_in_uniform_motion_keeps_the_stress_along_it() {
+    let differs = |velocity: &str| {
+        let by = |solve: &str| {
+            let bar = format!("{}{velocity}stress = [[0, 3e4], [0.08, -3e4], [0.19, 1e4]]\n", bar(STEEL));
+            let text = text(&bar, "kind = \"free\"", "hardening = \"isotropic\"", &format!("until = 5e-5\n{solve}"));
+            figures_of(&text).expect("it runs")
+        };
+        by("cells = 400").differs(&by("method = \"moc\"")).stress
+    };
+    let [at_rest, moving] = [differs(""), differs("velocity = 18.7\n")];
+    assert!(moving < 0.01 && (moving - at_rest).abs() < 1e-3, "{moving:e} {at_rest:e}");
+}

@@ -78,9 +78,11 @@ impl Frame {
     }
 
     fn draw_upright_axis(&self, svg: &mut Svg, grid: Option<&Stroke>, tick_line: &Stroke) {
+        let mut widest = 0.0_f64;
         let (ticks, power) = self.y.labelled((self.plot.height / 36.0).max(2.0) as usize);
         for (tick, label) in ticks {
             let y = self.place((self.x.low, tick)).1;
+            widest = widest.max(text_width(&label, TICK));
             if let Some(grid) = grid {
                 svg.line((self.plot.x, y), (self.plot.right(), y), grid);
             }
@@ -88,7 +90,9 @@ impl Frame {
             svg.text((self.plot.x - 8.0, y + 4.0), TICK, Anchor::End, &label);
         }
         let middle = self.plot.y + self.plot.height / 2.0;
-        svg.upright((self.plot.x - LEFT + 14.0, middle), LABEL, &self.y.full_label(power));
+        // In line with those of other plots, unless the ticks have long labels.
+        let room = (LEFT - 14.0).max(widest + 17.0);
+        svg.upright((self.plot.x - room, middle), LABEL, &self.y.full_label(power));
     }
 }
 

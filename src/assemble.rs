@@ -50,11 +50,12 @@ pub fn leapfrog(scene: &Scene, cells: usize, cfl: f64) -> Leapfrog {
     let grid = Grid::new(&scene.bar, cells, cfl);
     let laws = scene.bar.segments.iter().map(|s| stepped_law(s, &scene.effects, grid.dt)).collect();
     let ends = [scene.left.clone(), scene.right.clone()];
+    let at_once = scene.effects.rate.is_none();
     let bar = if let Some(along) = along(&scene.bar, &scene.effects) {
-        Leapfrog::with_along(&scene.bar, grid, laws, ends, &along)
+        Leapfrog::with_along(&scene.bar, grid, laws, ends.clone(), &along).starting_with(&ends, &[], at_once)
     } else {
         let fans = if follows_curves(scene) { initial_fans(&scene.bar, &ends[0], &ends[1]) } else { Vec::new() };
-        Leapfrog::new(&scene.bar, grid, laws, ends).starting_with(&fans)
+        Leapfrog::new(&scene.bar, grid, laws, ends.clone()).starting_with(&ends, &fans, at_once)
     };
     match criteria(scene) {
         Some(criteria) => bar.that_breaks(criteria),

@@ -143,7 +143,11 @@ impl<S: Stepped> Listen<S> for OnGrid {
     fn look(&mut self, bar: &S, log: Option<&mut Traces>, _: bool) {
         let (Some(listener), Some(traces)) = (&mut self.listener, log) else { return };
         listener.look(bar);
-        if traces.is_full() || bar.step() == self.steps {
+        let last = bar.step() == self.steps;
+        if last {
+            traces.close();
+        }
+        if traces.is_full() || last {
             let (gauges, ends) = traces.take();
             listener.hear(&gauges, &ends);
         }

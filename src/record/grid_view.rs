@@ -1,14 +1,15 @@
 //! Access of the recorders to solvers on a grid.
 
 use super::stepped::{Stepped, log_stepwise};
-use super::view::{Account, ContactReading, EndState, Start, View};
+use super::view::{Account, ContactReading, Start, View};
 use super::{Field, Traces};
 use crate::bar::joint::Contact;
 use crate::law::FirstPassed;
 use crate::law::rupture::Rupture;
-use crate::solver::fd::{Grid, Leapfrog, Quantity, Reader, Sampling, Unresolved};
+use crate::solver::fd::{EndNode, Grid, Leapfrog, Quantity, Reader, Sampling, Unresolved};
 use crate::solver::muscl::Muscl;
 use crate::solver::net::Net;
+use crate::solver::{EndSample, EndState};
 
 impl View for Leapfrog {
     type Places = Sampling;
@@ -22,7 +23,7 @@ impl View for Leapfrog {
     }
 
     fn ends(&self) -> [EndState; 2] {
-        [self.left(), self.right()].map(|d| EndState { stress: d.stress(), velocity: d.velocity() })
+        [self.left(), self.right()].map(EndNode::reading)
     }
 
     fn strikers(&self) -> [Option<f64>; 2] {
@@ -75,7 +76,7 @@ macro_rules! view_of_whole_bar {
             }
 
             fn ends(&self) -> [EndState; 2] {
-                self.ends().map(|end| EndState { stress: end.stress, velocity: end.velocity })
+                self.ends()
             }
 
             fn strikers(&self) -> [Option<f64>; 2] {
@@ -128,6 +129,10 @@ macro_rules! stepped {
 
             fn advance(&mut self) {
                 self.advance();
+            }
+
+            fn end_samples(&self) -> [EndSample; 2] {
+                self.end_samples()
             }
 
             fn value(&self, quantity: Quantity, cell: usize) -> f64 {

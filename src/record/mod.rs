@@ -2,6 +2,7 @@
 
 mod audit;
 mod checks;
+mod end_rows;
 mod error_table;
 mod figures;
 mod frames;
@@ -23,6 +24,7 @@ mod view;
 use serde::ser::SerializeStruct;
 use serde::{Deserialize, Serialize, Serializer};
 
+pub use crate::solver::EndState;
 use crate::solver::Energies;
 
 pub use audit::{
@@ -30,6 +32,7 @@ pub use audit::{
     short_tension, unresolved_flow,
 };
 pub use checks::{ElasticProbe, against_similarity, alone, similar_stress};
+pub use end_rows::EndRows;
 pub use error_table::{ErrorTable, Measure};
 pub use figures::{Extreme, Figure, Figures, Group, Profile, Records, ResidualProfile, SegmentEnd, Tally, definitions};
 pub use frames::{Frames, Twisted, read_frame};
@@ -47,7 +50,7 @@ pub use temperature::{flowed_both_ways, largest_rise};
 pub use traces::Traces;
 pub use tracked::EndHistories;
 pub use tracked_fronts::{INTERIOR, Paths, TrackedFronts};
-pub use view::{Account, ContactReading, EndState, Start, View};
+pub use view::{Account, ContactReading, Start, View};
 
 /// A field that can be recorded over x and t.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, clap::ValueEnum)]
@@ -172,7 +175,7 @@ pub struct Frame {
 }
 
 /// A history at one place; every column has one value a row of `time`.
-#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Trace {
     /// s.
     pub time: Vec<f64>,

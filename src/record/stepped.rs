@@ -2,6 +2,7 @@
 
 use super::{Traces, View};
 use crate::law::FirstPassed;
+use crate::solver::EndSample;
 use crate::solver::fd::{Grid, Quantity, Sampling, Unresolved};
 
 /// A bar on a grid with a constant time step.
@@ -33,8 +34,11 @@ pub trait Stepped: View<Places = Sampling> {
 
     /// Adds the current state to every history.
     fn add_to(&self, traces: &mut Traces) {
-        traces.add(self.time(), self.ends(), |quantity, cell| self.value(quantity, cell));
+        traces.add(self.time(), self.end_samples(), |quantity, cell| self.value(quantity, cell));
     }
+
+    /// Both ends after the latest step.
+    fn end_samples(&self) -> [EndSample; 2];
 
     /// A quantity in one cell.
     fn value(&self, quantity: Quantity, cell: usize) -> f64;

@@ -1,6 +1,8 @@
 //! Full-rate histories of a bar on a grid: gauges and both ends, one row per step.
 
-use super::{EndState, Trace};
+use super::Trace;
+use super::end_rows::EndRows;
+use crate::solver::EndSample;
 use crate::solver::fd::{Log, Quantity, Sampling, between};
 
 /// Rows that are gathered before they are handed on.
@@ -13,7 +15,7 @@ pub struct Traces {
     /// The cells that gauges read, increasing.
     cells: Vec<usize>,
     gauges: Vec<Trace>,
-    ends: [Trace; 2],
+    ends: [EndRows; 2],
     /// Gauges read the temperature.
     heat: bool,
 }
@@ -25,7 +27,7 @@ impl Traces {
         let mut cells = places.cells_read();
         cells.sort_unstable();
         cells.dedup();
-        Self { places, cells, gauges, ends: [end(), end()], heat }
+        Self { places, cells, gauges, ends: [EndRows::new(end()), EndRows::new(end())], heat }
     }
 
     /// The cells that gauges read, increasing.
@@ -35,15 +37,13 @@ impl Traces {
 
     /// True where a batch is full.
     pub fn is_full(&self) -> bool {
-        self.ends[0].time.len() >= BATCH
+        self.ends[0].ready() >= BATCH
     }
 
     /// Adds the state of a bar at a time (s) to every history; `value` is that of a quantity in a cell.
-    pub fn add(&mut self, time: f64, ends: [EndState; 2], value: impl Fn(Quantity, usize) -> f64) {
-        for (trace, end) in self.ends.iter_mut().zip(ends) {
-            trace.time.push(time);
-            trace.stress.push(end.stress);
-            trace.velocity.push(end.velocity);
+    pub fn add(&mut self, time: f64, ends: [EndSample; 2], value: impl Fn(Quantity, usize) -> f64) {
+        for (rows, end) in self.ends.iter_mut().zip(ends) {
+            rows.add(std::iter::once((time, end)));
         }
         for (k, trace) in self.gauges.iter_mut().enumerate() {
             let read = |quantity| self.places.value(k, |cell| value(quantity, cell));
@@ -59,10 +59,8 @@ impl Traces {
 
     /// Adds what a bar logged, step by step, at these times (s).
     pub fn add_log(&mut self, times: &(impl ExactSizeIterator<Item = f64> + Clone), log: &Log<'_>) {
-        for (trace, rows) in self.ends.iter_mut().zip(&log.ends) {
-            trace.time.extend(times.clone());
-            trace.stress.extend(rows.iter().map(|row| row[0]));
-            trace.velocity.extend(rows.iter().map(|row| row[1]));
+        for (rows, samples) in self.ends.iter_mut().zip(log.ends) {
+            rows.add(times.clone().zip(samples.iter().copied()));
         }
         for (k, trace) in self.gauges.iter_mut().enumerate() {
             let (cell, weight) = self.places.point(k);
@@ -86,7 +84,8 @@ impl Traces {
 
     /// Drops the rows from a time on, s, as far as they are not handed on yet.
     pub fn drop_from(&mut self, time: f64) {
-        for trace in self.gauges.iter_mut().chain(&mut self.ends) {
+        self.ends.iter_mut().for_each(|rows| rows.drop_from(time));
+        for trace in &mut self.gauges {
             let kept = trace.time.partition_point(|&at| at < time);
             for column in trace.columns_mut() {
                 column.truncate(kept);
@@ -94,11 +93,26 @@ impl Traces {
         }
     }
 
+    /// The ends have come to the end of their histories.
+    pub fn close(&mut self) {
+        self.ends.iter_mut().for_each(EndRows::close);
+    }
+
+    /// What the ends still hold once everything is handed on, for a checkpoint.
+    pub fn waiting(&self) -> &[EndRows; 2] {
+        &self.ends
+    }
+
+    /// Takes over what [`Self::waiting`] gave.
+    pub fn restore(&mut self, waiting: [EndRows; 2]) {
+        self.ends = waiting;
+    }
+
     /// Hands on what was gathered since the last call: gauges in order, then the left and right end.
     pub fn take(&mut self) -> (Vec<Trace>, [Trace; 2]) {
         let heat = self.heat;
         let gauges = self.gauges.iter_mut().map(|trace| std::mem::replace(trace, gauge(heat))).collect();
-        (gauges, self.ends.each_mut().map(|trace| std::mem::replace(trace, end())))
+        (gauges, self.ends.each_mut().map(|rows| rows.take(end())))
     }
 }
 

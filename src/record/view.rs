@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::Field;
 use crate::bar::joint::Pressed;
 use crate::law::rupture::Rupture;
-use crate::solver::Energies;
+use crate::solver::{EndState, Energies};
 
 /// A simulated bar at its current time.
 pub trait View {
@@ -52,15 +52,6 @@ pub struct ContactReading {
     pub is_open: bool,
     /// What the faces carried.
     pub pressed: Pressed,
-}
-
-/// Stress and velocity of an end.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct EndState {
-    /// Pa.
-    pub stress: f64,
-    /// m/s.
-    pub velocity: f64,
 }
 
 /// A bar before its first step, with its initial velocities and stresses.

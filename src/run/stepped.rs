@@ -310,6 +310,7 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
             Ok(error) => (self.takes_energy(), error),
             Err(why) => (Err(why), None),
         };
+        self.traces.close();
         self.write_traces()?;
         let results = RunResults {
             cells: self.bar.grid().cells(),
@@ -346,6 +347,7 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
     /// # Errors
     /// [`Error::Interrupted`] if `progress` requests a stop: the run is complete, but not what was asked for.
     fn error(&mut self) -> Result<Option<ErrorFigure>> {
+        self.traces.close();
         self.write_traces()?;
         let scene = self.recorder.scene;
         let plain = scene.effects.rate.is_none() && assemble::along(&scene.bar, &scene.effects).is_none();

@@ -1,9 +1,11 @@
 //! Solvers. They depend on laws, bars and ends, not on effects by name or on file formats.
 
+mod end_state;
 mod energies;
 pub mod fd;
 pub mod moc;
 pub mod muscl;
 pub mod net;
 
+pub use end_state::{EndSample, EndState};
 pub use energies::Energies;

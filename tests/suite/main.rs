@@ -16,6 +16,7 @@ mod critical_cli;
 mod critical_studies;
 mod curves;
 mod data_end;
+mod end_histories;
 mod end_limits;
 mod ends;
 mod error_figure;

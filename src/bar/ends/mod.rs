@@ -54,6 +54,17 @@ pub struct Step {
     pub displacement: f64,
 }
 
+impl Step {
+    /// The beginning of the step: so short that no body feels anything of it.
+    #[must_use]
+    pub fn short(self) -> Self {
+        Self { dt: SHORT * self.dt, ..self }
+    }
+}
+
+/// The beginning of a step, in steps.
+const SHORT: f64 = 1e-9;
+
 /// How the bar answers at its face: p = `force` + `impedance` u.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Response {
@@ -257,6 +268,13 @@ pub fn agree(
         relation = next;
     }
     relation
+}
+
+/// Force and velocity just after the beginning of a step, against a bar that answers at once by `bar`.
+pub fn at_once(model: &dyn EndModel, step: &Step, bar: &Response) -> [f64; 2] {
+    let relation = model.relation(&step.short(), bar);
+    let [force, velocity] = relation.meet(bar);
+    if relation.unilateral && force <= 0.0 { [0.0, bar.velocity(0.0)] } else { [force, velocity] }
 }
 
 /// Flow changes the answer by a part of a step's worth: each repeat is closer by that, and some ten reach the last bit.

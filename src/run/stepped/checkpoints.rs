@@ -50,7 +50,7 @@ impl<S: Stepped + Snapshot> Snapshot for Run<'_, S> {
             self.tracker.save()?,
             self.audit.save()?,
             probe.unwrap_or_default(),
-            pack(&(&self.listener, self.recorder.stepping, &self.recorder.tally))?,
+            pack(&(&self.listener, self.recorder.stepping, &self.recorder.tally, self.traces.waiting()))?,
         ]))
     }
 
@@ -64,7 +64,9 @@ impl<S: Stepped + Snapshot> Snapshot for Run<'_, S> {
         if let Some(own) = &mut self.elastic_check {
             own.check.restore(probe)?;
         }
-        (self.listener, self.recorder.stepping, self.recorder.tally) = unpack(rest)?;
+        let waiting;
+        (self.listener, self.recorder.stepping, self.recorder.tally, waiting) = unpack(rest)?;
+        self.traces.restore(waiting);
         Ok(())
     }
 }

@@ -147,6 +147,11 @@ impl Block {
         }
     }
 
+    /// None of its cells has yielded.
+    pub fn is_elastic(&self) -> bool {
+        self.stage != Stage::Plastic
+    }
+
     /// Gives every node its velocity at t = 0, m/s, by the node's number in the bar.
     pub fn start_with(&mut self, velocity: impl Fn(usize) -> f64) {
         let nodes = self.cells.start..=self.cells.end;

@@ -21,6 +21,8 @@ pub(super) struct Contact {
     /// The cell to its right.
     pub cell: usize,
     sides: [HalfNode; 2],
+    /// Both half nodes are the characteristics of their bars where these are elastic.
+    are_characteristics: bool,
     /// At the current time and a step ahead of it.
     now: joint::Contact,
     ahead: joint::Contact,
@@ -49,12 +51,12 @@ pub struct ContactState {
 
 impl Contact {
     /// Behind `segment`, in place of `edge`, with `cell` to its right. The faces move with `velocities` (m/s); `masses` (kg) are those
-    /// of the cells beside it, `areas` (m^2) their sections.
+    /// of the cells beside it, `areas` (m^2) their sections, `impedances` (N s/m) those of elastic bars there.
     pub fn new(
         [edge, segment, cell]: [usize; 3],
         contact: joint::Contact,
         velocities: [f64; 2],
-        [masses, areas]: [[f64; 2]; 2],
+        [masses, areas, impedances]: [[f64; 2]; 3],
         dt: f64,
     ) -> Self {
         let side = |k: usize| HalfNode::new(INWARD[k] * velocities[k], 0.5 * masses[k], areas[k], dt);
@@ -63,6 +65,7 @@ impl Contact {
             segment,
             cell,
             sides: [side(0), side(1)],
+            are_characteristics: [0, 1].iter().all(|&k| side(k).is_characteristic(impedances[k])),
             now: contact,
             ahead: contact,
             force: 0.0,
@@ -91,19 +94,24 @@ impl Contact {
     }
 
     /// Takes the faces from half a step before the current time to half a step after it; `sigma` are the stresses in
-    /// the cells to their left and right.
-    pub fn advance(&mut self, sigma: [f64; 2], dt: f64) {
+    /// the cells to their left and right, some of which have `yielded`.
+    pub fn advance(&mut self, sigma: [f64; 2], yielded: bool, dt: f64) {
         let cells = self.cells(sigma);
         let held = [0, 1].map(|k| Response { force: cells[k], impedance: self.sides[k].impedance });
         let mean = force_at(0.0, &held);
-        let passed_on = self.impulses.passed_on(mean, true);
+        let bounded = yielded || !self.are_characteristics;
+        let passed_on = self.impulses.passed_on(mean, bounded);
         let bars = [0, 1].map(|k| self.sides[k].response(cells[k], passed_on));
         self.now = self.ahead;
         let closer = -dt * self.opening_rate();
         let force = force_at(self.ahead.closing_rate(dt), &bars);
         let touches = self.ahead.advance(dt, force, free_rate(&bars));
         let force = if touches { force } else { 0.0 };
-        self.impulses.push(force, mean, true);
+        if bounded {
+            self.impulses.push(force, mean, bounded);
+        } else {
+            self.impulses.take(force, mean);
+        }
         let before = std::mem::replace(&mut self.force, 0.5 * (force + passed_on));
         self.ahead.lose(0.5 * (before + self.force), closer);
         self.ahead.note(dt, self.force);

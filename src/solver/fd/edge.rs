@@ -123,10 +123,11 @@ fn cell_masses(pair: &[Block], constants: &[Constants]) -> [f64; 2] {
     [0, 1].map(|k| constants[pair[k].segment].cell_mass * areas[k])
 }
 
-/// Masses (kg) and sections (m^2) of these cells.
-pub(super) fn masses_and_areas(pair: &[Block], constants: &[Constants]) -> [[f64; 2]; 2] {
-    let areas = relative_areas(pair);
-    [cell_masses(pair, constants), [0, 1].map(|k| constants[pair[k].segment].area * areas[k])]
+/// Masses (kg), sections (m^2) and elastic impedances (N s/m) of these cells.
+pub(super) fn beside(pair: &[Block], constants: &[Constants], dt: f64) -> [[f64; 2]; 3] {
+    let (relative, masses) = (relative_areas(pair), cell_masses(pair, constants));
+    let areas = [0, 1].map(|k| constants[pair[k].segment].area * relative[k]);
+    [masses, areas, [0, 1].map(|k| masses[k] * constants[pair[k].segment].courant / dt)]
 }
 
 /// The joints that can open; their edges become empty.
@@ -147,7 +148,7 @@ pub(super) fn contacts(
             let velocities = [last(&pair[0].v), pair[1].v[0]];
             let place = [k, segments[0], pair[1].cells.start];
             edges[k] = Edge::EMPTY;
-            contacts.push(Contact::new(place, contact, velocities, masses_and_areas(pair, constants), dt));
+            contacts.push(Contact::new(place, contact, velocities, beside(pair, constants, dt), dt));
         }
     }
     contacts

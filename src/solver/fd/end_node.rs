@@ -5,7 +5,8 @@ use serde::{Deserialize, Serialize};
 use super::grid_filter;
 use super::half_node::{HalfNode, Impulses};
 use crate::bar::EndCondition;
-use crate::bar::ends::{self, Body, EndModel, Face, Push, Step};
+use crate::bar::ends::{self, Body, EndModel, Face, Push, Response, Step};
+use crate::solver::{EndSample, EndState};
 
 /// An end of the bar and its node.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -20,6 +21,10 @@ pub struct EndNode {
     /// The stress for the record, see [`EndNode::stress`].
     stress: f64,
     impulses: Impulses,
+    /// Mean force over the latest step and over the step ahead, N; not a number before t = 0.
+    means: [f64; 2],
+    /// Just after t = 0, as long as that is the current time.
+    start: Option<EndState>,
     /// The body at the end and its energy at the current time.
     body: Option<Body>,
     body_energy: f64,
@@ -33,16 +38,17 @@ pub struct EndNode {
     impulse: f64,
     /// Sum of |impulse| of the steps, the scale for the momentum residual.
     throughput: f64,
-    started: bool,
     /// The velocity follows from what holds the end.
     held: bool,
+    /// Cells beside it have yielded.
+    yielded: bool,
     /// It was suddenly made to move in the latest step.
     struck: bool,
     /// Taken by the grid filter, J.
     damped: f64,
-    /// Stress and velocity of every step, where they are asked for.
+    /// Of every step, where they are asked for.
     #[serde(skip)]
-    log: Option<Vec<[f64; 2]>>,
+    log: Option<Vec<EndSample>>,
 }
 
 /// What a step makes of an end.
@@ -90,6 +96,8 @@ impl EndNode {
             force: 0.0,
             stress: 0.0,
             impulses: Impulses::default(),
+            means: [f64::NAN; 2],
+            start: None,
             body: None,
             body_energy: 0.0,
             displacement: 0.0,
@@ -98,8 +106,8 @@ impl EndNode {
             work_on_node: 0.0,
             impulse: 0.0,
             throughput: 0.0,
-            started: false,
             held: false,
+            yielded: false,
             struck: false,
             damped: 0.0,
             log: None,
@@ -140,8 +148,9 @@ impl EndNode {
     }
 
     /// Takes the node from half a step before `time` to half a step after it. `sigma_cell` is the stress at `time`
-    /// in the end cell.
-    pub fn advance(&mut self, time: f64, sigma_cell: f64) {
+    /// in the end cell, beside which some have `yielded`.
+    pub fn advance(&mut self, time: f64, sigma_cell: f64, yielded: bool) {
+        self.yielded = yielded;
         self.advance_showing(time, -self.node.area * sigma_cell, sigma_cell);
     }
 
@@ -151,8 +160,15 @@ impl EndNode {
         let Motion { force, velocity, met, held } = self.respond(&step, cell);
         self.struck = held && (!self.held || self.model.jumps(time, self.dt));
         self.stress = if self.struck { shown } else { -force / self.face.area };
-        let ahead = 2.0 * force - self.impulses.passed_on(cell, self.held);
-        let impulse = self.dt * self.impulses.push(ahead, cell, self.held);
+        let ahead = 2.0 * force - self.impulses.passed_on(cell, self.is_bounded());
+        self.means = [self.means[1], ahead];
+        self.start = None;
+        let impulse = self.dt
+            * if self.is_exact() {
+                self.impulses.take(ahead, cell)
+            } else {
+                self.impulses.push(ahead, cell, self.is_bounded())
+            };
         (self.body, self.body_energy) = (self.model.body(), self.model.energy(self.displacement));
         self.model.advance(&step, &Push { force: ahead, velocity, impulse }, met);
         let given = self.body_energy - self.model.energy(self.displacement + self.dt * velocity);
@@ -179,13 +195,14 @@ impl EndNode {
     }
 
     /// Takes that step. `sigma_cell` is the stress of the end cell, for the record.
-    pub(super) fn advance_by(&mut self, time: f64, pull: f64, sigma_cell: f64) {
+    pub(super) fn advance_by(&mut self, time: f64, pull: f64, sigma_cell: f64, yielded: bool) {
+        self.yielded = yielded;
         self.advance_showing(time, -self.face.inward * pull / self.dt, sigma_cell);
     }
 
     /// Force and velocity of a step under the force `cell` (N) of the end cell.
     fn respond(&self, step: &Step, cell: f64) -> Motion {
-        let passed_on = self.impulses.passed_on(cell, self.held);
+        let passed_on = self.impulses.passed_on(cell, self.is_bounded());
         let bar = self.node.response(cell, passed_on);
         let relation = self.model.relation(step, &bar);
         let [ahead, velocity] = relation.meet(&bar);
@@ -261,14 +278,55 @@ impl EndNode {
         self.log.get_or_insert_default();
     }
 
-    /// Adds the current stress and velocity to the log.
-    pub(super) fn note(&mut self) {
-        let now = [self.stress(), self.velocity()];
+    /// Adds the current state to the log.
+    pub(super) fn note(&mut self, is_elastic: bool) {
+        let now = self.sample(is_elastic);
         self.log.iter_mut().for_each(|log| log.push(now));
     }
 
+    /// The end after the latest step, in which the bar beside it was elastic or not. The mean over the step is the elastic one where the
+    /// half node is the characteristic.
+    pub(super) fn sample(&self, is_elastic: bool) -> EndSample {
+        let [mean, _] = self.means;
+        let latest = if is_elastic && !mean.is_nan() && self.is_characteristic() {
+            EndState { stress: -mean / self.face.area, velocity: self.velocity_before() }
+        } else {
+            EndState::UNKNOWN
+        };
+        EndSample { now: self.start.unwrap_or_else(|| self.reading()), latest }
+    }
+
+    /// The half node is the characteristic of the bar, which is elastic here.
+    fn is_exact(&self) -> bool {
+        !self.yielded && self.is_characteristic()
+    }
+
+    /// It stops the node at once with a force that cells may not be able to carry.
+    fn is_bounded(&self) -> bool {
+        self.held && !self.is_exact()
+    }
+
+    /// At Courant number 1 the half node answers as an elastic bar does.
+    pub(super) fn is_characteristic(&self) -> bool {
+        self.node.is_characteristic(self.face.impedance)
+    }
+
+    /// The state just after t = 0 at an end of this kind, where the bar answers elastically and has the stress `stress` (Pa) before.
+    pub(super) fn at_once(&self, condition: &EndCondition, stress: f64) -> EndState {
+        let impedance = self.face.impedance;
+        let force = -self.face.area * stress - impedance * self.face.velocity;
+        let (model, start) = (ends::model(condition, self.face), Step { time: 0.0, dt: self.dt, displacement: 0.0 });
+        let [force, velocity] = ends::at_once(model.as_ref(), &start, &Response { force, impedance });
+        EndState { stress: -force / self.face.area, velocity: self.face.inward * velocity }
+    }
+
+    /// The state just after t = 0.
+    pub(super) fn start_in(&mut self, state: EndState) {
+        self.start = Some(state);
+    }
+
     /// The log; empty where none is kept.
-    pub(super) fn log(&self) -> &[[f64; 2]] {
+    pub(super) fn log(&self) -> &[EndSample] {
         self.log.as_deref().unwrap_or_default()
     }
 
@@ -287,8 +345,8 @@ impl EndNode {
     /// momentum and energy to round-off. The first half step starts from the initial velocity.
     fn account(&mut self, previous: f64) {
         let half = 0.5 * self.dt;
-        let impulse = if self.started { half * (previous + self.force) } else { half * self.force };
-        self.started = true;
+        let is_first = self.means[0].is_nan();
+        let impulse = if is_first { half * self.force } else { half * (previous + self.force) };
         self.impulse += self.face.inward * impulse;
         self.throughput += impulse.abs();
         self.work_on_node += impulse * self.node.before;
@@ -302,6 +360,11 @@ impl EndNode {
     /// Velocity half a step before the current time, m/s.
     pub fn velocity_before(&self) -> f64 {
         self.face.inward * self.node.before
+    }
+
+    /// Stress and velocity at the current time.
+    pub fn reading(&self) -> EndState {
+        EndState { stress: self.stress(), velocity: self.velocity() }
     }
 
     /// Velocity at the current time, m/s. Where the end is suddenly made to move it is that before the jump.

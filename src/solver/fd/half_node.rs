@@ -18,6 +18,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::bar::ends::Response;
 
+/// Part by which two impedances that are equal may differ.
+const ROUNDING: f64 = 1e-9;
+
 /// A half node.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub(super) struct HalfNode {
@@ -34,6 +37,11 @@ impl HalfNode {
     /// That moves with `velocity` (m/s, into the bar); `mass` (kg) is half of its cell's, `area` (m^2) the cell's section.
     pub fn new(velocity: f64, mass: f64, area: f64, dt: f64) -> Self {
         Self { before: velocity, after: velocity, impedance: mass / dt, area }
+    }
+
+    /// At Courant number 1 the half node of a cell is the characteristic of an elastic bar; `impedance` is that of its section, N s/m.
+    pub fn is_characteristic(&self, impedance: f64) -> bool {
+        (2.0 * self.impedance - impedance).abs() <= ROUNDING * impedance
     }
 
     /// The bar's answer in the step ahead: its cell presses with the force `cell` (N), and f- is `passed_on` (N).
@@ -71,19 +79,25 @@ pub(super) struct Impulses {
 impl Impulses {
     /// f-, the half of which acts in the step in which the cells' force is `cells` (N).
     ///
-    /// What stops a node at once (`held`) is the elastic answer, above what the cells can carry where they yield: if their force is
-    /// still growing no wave has come back, and it is no more than that.
-    pub fn passed_on(&self, cells: f64, held: bool) -> f64 {
+    /// What stops a node at once is the elastic answer, above what cells that have yielded can carry (`bounded`): if their force is still
+    /// growing no wave has come back, and it is no more than that.
+    pub fn passed_on(&self, cells: f64, bounded: bool) -> f64 {
         let last = self.forces[0];
-        let grows = held && cells.abs() >= self.cells.abs() && cells * last > 0.0;
+        let grows = bounded && cells.abs() >= self.cells.abs() && cells * last > 0.0;
         if grows && cells.abs() < last.abs() { cells } else { last }
+    }
+
+    /// Takes the force of a step in which the half node is the characteristic.
+    pub fn take(&mut self, f: f64, cells: f64) -> f64 {
+        *self = Self { forces: [f, self.forces[0], self.forces[1]], cells };
+        f
     }
 
     /// Takes the force of a step. Where the last three changes alternate in sign, half of the least of them is taken back. Returns what
     /// the step gives to the bar, per time: the mean of the force asked for and the one that is passed on, with what of the step before
     /// was not.
-    pub fn push(&mut self, f: f64, cells: f64, held: bool) -> f64 {
-        let passed_on = self.passed_on(cells, held);
+    pub fn push(&mut self, f: f64, cells: f64, bounded: bool) -> f64 {
+        let passed_on = self.passed_on(cells, bounded);
         let not_passed_on = self.forces[0] - passed_on;
         let changes = [f - passed_on, passed_on - self.forces[1], self.forces[1] - self.forces[2]];
         let alternate = changes[0] * changes[1] < 0.0 && changes[1] * changes[2] < 0.0;

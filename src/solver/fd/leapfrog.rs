@@ -15,14 +15,14 @@ use super::subdomain::{Common, Subdomain};
 use super::sweep::division;
 use super::taper::BlockTaper;
 use crate::bar::{Bar, EndCondition};
-use crate::solver::Energies;
+use crate::solver::{EndSample, Energies};
 
 /// What a bar logged, step by step.
 pub struct Log<'a> {
     /// The watched cells.
     pub cells: Vec<LoggedCell<'a>>,
-    /// For each end stress (Pa) and velocity (m/s).
-    pub ends: [&'a [[f64; 2]]; 2],
+    /// The left and the right end.
+    pub ends: [&'a [EndSample]; 2],
 }
 
 /// What a bar logged of a cell.
@@ -347,6 +347,12 @@ impl Leapfrog {
     /// The right end.
     pub fn right(&self) -> &EndNode {
         &self.right
+    }
+
+    /// The left and the right end after the latest step.
+    pub fn end_samples(&self) -> [EndSample; 2] {
+        let elastic = [&self.blocks[0], &self.blocks[self.blocks.len() - 1]].map(Block::is_elastic);
+        [self.left.sample(elastic[0]), self.right.sample(elastic[1])]
     }
 
     /// The joints that can open, from left to right.

@@ -12,7 +12,7 @@
 use super::block::{Block, Stage};
 use super::breaking::{Breaking, Unresolved};
 use super::contact::Contact;
-use super::edge::{Edge, last, masses_and_areas};
+use super::edge::{Edge, beside, last};
 use super::leapfrog::Leapfrog;
 use crate::bar::joint;
 use crate::law::LANES;
@@ -332,7 +332,7 @@ impl Leapfrog {
         k = self.blocks.partition_point(|b| b.cells.end < node);
         self.edges[k].part();
         let pair = &self.blocks[k..=k + 1];
-        let (place, cells) = ([k, pair[0].segment, node], masses_and_areas(pair, &self.constants));
+        let (place, cells) = ([k, pair[0].segment, node], beside(pair, &self.constants, self.grid.dt));
         let mut contact = Contact::new(place, joint::Contact::broken(), [velocity; 2], cells, self.grid.dt);
         contact.part([last(&pair[0].sigma), pair[1].sigma[0]], self.grid.dt);
         let place = self.contacts.partition_point(|other| other.edge < k);

@@ -65,7 +65,7 @@ impl Subdomain<'_> {
         if edges.start == 0
             && let Some(left) = &mut self.ends[0]
         {
-            left.advance(time, self.blocks[0].sigma[0]);
+            left.advance(time, self.blocks[0].sigma[0], !self.blocks[0].is_elastic());
             self.blocks[0].set_edge(0, left.velocity_after());
         }
         for k in self.inner(&edges) {
@@ -80,7 +80,8 @@ impl Subdomain<'_> {
         for contact in &mut *self.contacts {
             if edges.contains(&(contact.edge as i64 + 1)) {
                 let [left, right] = pair(self.blocks, contact.edge - self.first);
-                contact.advance([last(&left.sigma), right.sigma[0]], self.common.dt);
+                let yielded = !left.is_elastic() || !right.is_elastic();
+                contact.advance([last(&left.sigma), right.sigma[0]], yielded, self.common.dt);
                 left.set_edge(1, contact.velocities(0)[1]);
                 right.set_edge(0, contact.velocities(1)[1]);
             }
@@ -88,7 +89,7 @@ impl Subdomain<'_> {
         if edges.end > self.common.blocks as i64
             && let (Some(right), Some(block)) = (&mut self.ends[1], self.blocks.last_mut())
         {
-            right.advance(time, last(&block.sigma));
+            right.advance(time, last(&block.sigma), !block.is_elastic());
             block.set_edge(1, right.velocity_after());
         }
     }
@@ -157,9 +158,10 @@ impl Subdomain<'_> {
             self.note_block(k - self.first);
         }
         let due = [blocks.start == 0, blocks.end == self.common.blocks as i64];
-        for (end, due) in self.ends.iter_mut().zip(due) {
-            if let Some(end) = end.as_mut().filter(|_| due) {
-                end.note();
+        let beside = [self.blocks.first(), self.blocks.last()];
+        for ((end, due), block) in self.ends.iter_mut().zip(due).zip(beside) {
+            if let (Some(end), Some(block)) = (end.as_mut().filter(|_| due), block) {
+                end.note(block.is_elastic());
             }
         }
     }

@@ -7,16 +7,8 @@ use super::face::{response, under};
 use super::part::Part;
 use crate::bar::EndCondition;
 use crate::bar::ends::{self, Boundary, EndModel, Face, Push, Relation, Response, Step};
+use crate::solver::EndState;
 use crate::wave::riemann::{FaceState, Flux, Side, Workspace, solve};
-
-/// Stress and velocity of an end.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct EndReading {
-    /// Mean over the latest step, Pa.
-    pub stress: f64,
-    /// Mean over the latest step, m/s.
-    pub velocity: f64,
-}
 
 /// An end of the bar.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -92,11 +84,10 @@ impl End {
         [beyond, moving, e_equivalent_strain + ratio * (beyond - stress)]
     }
 
-    /// What the end does first, for the reading at t = 0 of a bar that is stressed then.
-    pub fn start(&mut self, dt: f64, part: &Part, near: &FaceState, work: &mut Workspace) {
-        let (flux, _) = self.respond(&self.step(0.0, dt), part, near, work);
-        let (force, velocity) = (-self.face.area * flux.stress, self.face.inward * flux.velocity);
-        self.latest = Push { force, velocity, impulse: 0.0 };
+    /// The state just after t = 0; `dt` is that of a step, s.
+    pub fn start(&self, dt: f64, part: &Part, near: &FaceState, work: &mut Workspace) -> EndState {
+        let Flux { stress, velocity } = self.respond(&self.step(0.0, dt).short(), part, near, work).0;
+        EndState { stress, velocity }
     }
 
     /// What goes through the end in the step from `time` on, with the account of it.
@@ -156,10 +147,10 @@ impl End {
         Flux { stress: star.force / face.area, velocity }
     }
 
-    /// Now.
-    pub fn reading(&self) -> EndReading {
+    /// Mean over the latest step.
+    pub fn latest(&self) -> EndState {
         let Push { force, velocity, .. } = self.latest;
-        EndReading { stress: -force / self.face.area, velocity: self.face.inward * velocity }
+        EndState { stress: -force / self.face.area, velocity: self.face.inward * velocity }
     }
 
     /// Displacement, m, positive in +x.

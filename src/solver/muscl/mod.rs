@@ -38,6 +38,5 @@ mod slope;
 mod snapshot;
 mod stepping;
 
-pub use end::EndReading;
 pub use part::Part;
 pub use stepping::Muscl;

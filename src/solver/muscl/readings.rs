@@ -1,13 +1,13 @@
 //! Readings of a bar.
 
 use super::block::{Block, GHOSTS, Stage};
-use super::end::{End, EndReading};
+use super::end::End;
 use super::joint::Joint;
 use super::stepping::Muscl;
 use crate::bar::joint::Contact;
 use crate::law::{FirstPassed, StrainedRow};
-use crate::solver::Energies;
 use crate::solver::fd::Quantity;
+use crate::solver::{EndSample, EndState, Energies};
 
 impl Muscl {
     /// The joints that can open, with the segment to their left.
@@ -70,9 +70,17 @@ impl Muscl {
         centres
     }
 
-    /// The left and the right end.
-    pub fn ends(&self) -> [EndReading; 2] {
-        self.ends.each_ref().map(End::reading)
+    /// The left and the right end: means over the latest step, and at the start the states just after t = 0.
+    pub fn ends(&self) -> [EndState; 2] {
+        if self.step == 0 { self.start } else { self.ends.each_ref().map(End::latest) }
+    }
+
+    /// The left and the right end after the latest step.
+    pub fn end_samples(&self) -> [EndSample; 2] {
+        if self.step == 0 {
+            return self.start.map(|now| EndSample { now, latest: EndState::UNKNOWN });
+        }
+        self.ends().map(|latest| EndSample { now: EndState::UNKNOWN, latest })
     }
 
     /// Velocity of a striker at the left and at the right end, m/s, positive in +x; none where there is none.

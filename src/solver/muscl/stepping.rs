@@ -10,6 +10,7 @@ use super::kernel::Scratch;
 use super::part::Part;
 use crate::bar::{Bar, EndCondition, Initial};
 use crate::law::FirstPassed;
+use crate::solver::EndState;
 use crate::solver::fd::{Grid, SegmentLaw};
 use crate::wave::riemann::{Medium, Workspace};
 
@@ -25,6 +26,8 @@ pub struct Muscl {
     pub(super) parts: Vec<Part>,
     pub(super) blocks: Vec<Block>,
     pub(super) ends: [End; 2],
+    /// Just after t = 0.
+    pub(super) start: [EndState; 2],
     pub(super) joints: Vec<Joint>,
     pub(super) step: usize,
     pub(super) passed: FirstPassed,
@@ -56,10 +59,10 @@ impl Muscl {
         let scratch = vec![Scratch::new(state_len); blocks.len().div_ceil(GROUP)];
         let (ends, work, state, passed) =
             ([left, right], Workspace::default(), vec![0.0; state_len], FirstPassed::default());
-        let mut muscl = Self { grid, parts, blocks, ends, joints, step: 0, passed, parallel, scratch, work, state };
-        if bar.has_initial_state() {
-            muscl.start_ends();
-        }
+        let start = [EndState::default(); 2];
+        let mut muscl =
+            Self { grid, parts, blocks, ends, start, joints, step: 0, passed, parallel, scratch, work, state };
+        muscl.start_ends();
         muscl
     }
 
@@ -69,7 +72,7 @@ impl Muscl {
         for (side, k) in [(0, 0), (1, last)] {
             let part = &self.parts[self.blocks[k].part];
             let near = face::near(&self.blocks[k], part, side, &mut self.state, &mut self.work);
-            self.ends[side].start(self.grid.dt, part, &near, &mut self.work);
+            self.start[side] = self.ends[side].start(self.grid.dt, part, &near, &mut self.work);
         }
     }
 

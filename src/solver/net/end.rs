@@ -10,6 +10,7 @@ use super::part::{INSIDE, Load, Part};
 use crate::bar::EndCondition;
 use crate::bar::ends::{self, EndModel, Face, Push, Relation, Response, Step};
 use crate::law::rate::{Flow, History};
+use crate::solver::{EndSample, EndState};
 
 /// An end and its account.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -27,16 +28,10 @@ pub(super) struct End {
     impulse: f64,
     /// Sum of |impulse|, N s.
     throughput: f64,
-    last: EndReading,
-}
-
-/// Stress and velocity of an end.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-pub struct EndReading {
-    /// Pa.
-    pub stress: f64,
-    /// m/s, positive in +x.
-    pub velocity: f64,
+    /// Over the latest step.
+    last: EndState,
+    /// The end flowed in it.
+    flowed: bool,
 }
 
 /// The answer of an end over a step.
@@ -66,14 +61,15 @@ impl End {
             work_on_face: 0.0,
             impulse: 0.0,
             throughput: 0.0,
-            last: EndReading { stress: 0.0, velocity },
+            last: EndState { stress: 0.0, velocity },
+            flowed: false,
         }
     }
 
     /// The step that begins at `time`: takes what arrives, W, and returns what leaves.
     pub fn advance(&mut self, time: f64, arriving: f64, part: &mut Part) -> f64 {
         let answer = self.answer(time, arriving, part);
-        let reading = self.reading_of(&answer);
+        let reading = self.reading_of(answer.force, answer.velocity);
         part.account(self.node(part), reading.stress, &answer.flow, answer.history);
         let impulse = self.dt * answer.force;
         let push = Push { force: answer.force, velocity: answer.velocity, impulse };
@@ -86,7 +82,7 @@ impl End {
         self.work += if self.model.stores() { given } else { on_face };
         self.impulse += self.face.inward * impulse;
         self.throughput += impulse.abs();
-        self.last = reading;
+        (self.last, self.flowed) = (reading, answer.flow.plastic != 0.0);
         // From sigma + Z u = W - d and sigma - Z u - d.
         2.0 * reading.stress - arriving
     }
@@ -110,21 +106,29 @@ impl End {
         Step { time, dt: self.dt, displacement: self.displacement }
     }
 
-    fn reading_of(&self, answer: &Answer) -> EndReading {
-        EndReading { stress: -answer.force / self.face.area, velocity: self.face.inward * answer.velocity }
+    fn reading_of(&self, force: f64, velocity: f64) -> EndState {
+        EndState { stress: -force / self.face.area, velocity: self.face.inward * velocity }
     }
 
-    /// The end at the whole step `time`: the mean of the half steps before and after, and at the start and where its
-    /// history jumps the half step after.
-    pub fn reading(&self, time: f64, arriving: f64, part: &Part) -> EndReading {
-        let after = self.reading_of(&self.answer(time, arriving, part));
-        if time <= 0.5 * self.dt || self.model.jumps(time, 0.5 * self.dt) {
+    /// The end at the whole step `time`: the mean of the half steps before and after, where its history jumps the half step after, and at
+    /// the start the state just after it, before anything has flowed.
+    pub fn reading(&self, time: f64, arriving: f64, part: &Part) -> EndState {
+        if time <= 0.5 * self.dt {
+            let bar = Response { force: -self.face.area * arriving, impedance: self.face.impedance };
+            let [force, velocity] = ends::at_once(self.model.as_ref(), &self.step(time), &bar);
+            return self.reading_of(force, velocity);
+        }
+        let after = self.answer(time, arriving, part);
+        let after = self.reading_of(after.force, after.velocity);
+        if self.model.jumps(time, 0.5 * self.dt) {
             return after;
         }
-        EndReading {
-            stress: 0.5 * (self.last.stress + after.stress),
-            velocity: 0.5 * (self.last.velocity + after.velocity),
-        }
+        self.last.mean(after)
+    }
+
+    /// The end after `step` steps; `now` is its reading.
+    pub fn sample(&self, step: usize, now: EndState) -> EndSample {
+        EndSample { now, latest: if step == 0 || self.flowed { EndState::UNKNOWN } else { self.last } }
     }
 
     fn answer(&self, time: f64, arriving: f64, part: &Part) -> Answer {

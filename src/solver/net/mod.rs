@@ -38,6 +38,5 @@ mod read;
 mod snapshot;
 mod stepping;
 
-pub use end::EndReading;
 pub use lattice::Lattice;
 pub use stepping::Net;

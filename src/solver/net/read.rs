@@ -1,14 +1,14 @@
 //! Readings of a net.
 
-use super::end::{End, EndReading};
+use super::end::End;
 use super::joint::Joint;
 use super::part::Part;
 use super::stepping::Net;
 use crate::bar::joint::Contact;
 use crate::law::rate::History;
 use crate::law::{FirstPassed, Passed};
-use crate::solver::Energies;
 use crate::solver::fd::Quantity;
+use crate::solver::{EndSample, EndState, Energies};
 
 impl Net {
     /// The joints that can open, with the segment to their left.
@@ -71,7 +71,7 @@ impl Net {
     }
 
     /// The left and the right end now.
-    pub fn ends(&self) -> [EndReading; 2] {
+    pub fn ends(&self) -> [EndState; 2] {
         let time = self.time();
         let leaving = |part: &Part, i: usize| super::part::INSIDE * part.flow_of_cell(i).plastic;
         let (first, last) = (&self.parts[0], &self.parts[self.parts.len() - 1]);
@@ -80,6 +80,12 @@ impl Net {
             self.ends[0].reading(time, first.g[0] - leaving(first, 0), first),
             self.ends[1].reading(time, last.f[right_cell] - leaving(last, right_cell), last),
         ]
+    }
+
+    /// The left and the right end after the latest step.
+    pub fn end_samples(&self) -> [EndSample; 2] {
+        let [left, right] = self.ends();
+        [self.ends[0].sample(self.step, left), self.ends[1].sample(self.step, right)]
     }
 
     /// Velocity of a striker at the left and at the right end, m/s, positive in +x; none where there is none.

@@ -280,9 +280,9 @@ impl Implicit {
         let cross = self.matrix.cross();
         let change = if cross == 0.0 { 0.0 } else { self.right_end_change(time, pulls, left, right) };
         let (first, last) = (&blocks[0], &blocks[blocks.len() - 1]);
-        left.advance_by(time, pulls[0] - cross * change, first.sigma[0]);
+        left.advance_by(time, pulls[0] - cross * change, first.sigma[0], !first.is_elastic());
         let change = left.velocity_after() - left.velocity_before();
-        right.advance_by(time, pulls[1] - cross * change, last.sigma[last.sigma.len() - 1]);
+        right.advance_by(time, pulls[1] - cross * change, last.sigma[last.sigma.len() - 1], !last.is_elastic());
     }
 
     /// Change of the right end's velocity that the left end's answer to it brings about. An end that is given an impulse moves by at most

@@ -1,0 +1,199 @@
+//! The history of an end of a bar on a grid.
+//!
+//! A grid knows the push on an end as a mean over each step. Where it varies smoothly its value between two steps is the mean of both.
+//! Where it jumps between them, because a front arrives or a body strikes, straight lines through the steps before and after give the
+//! values on both sides: two rows at one time, of second order like all others.
+
+use serde::{Deserialize, Serialize};
+
+use super::Trace;
+use crate::solver::{EndSample, EndState};
+
+/// A change between two steps is a jump where those before and after it are smaller by this factor. Over smooth data it is their mean.
+const STEEPER: f64 = 3.0;
+
+/// Changes below this part of the largest value are none: rounding.
+const ROUNDING: f64 = 1e-6;
+
+/// Samples after that of a row that it takes to write it.
+const AHEAD: usize = 2;
+
+/// Rows under way.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+pub struct EndRows {
+    /// From the one before the next row on, with their times (s).
+    samples: Vec<(f64, EndSample)>,
+    /// Samples of them whose rows are written: 0 at the start of the run, else 1.
+    written: usize,
+    /// Largest magnitudes of the means over steps so far.
+    largest: EndState,
+    rows: Trace,
+}
+
+impl EndRows {
+    /// Without rows, which go into a history with these columns.
+    pub fn new(rows: Trace) -> Self {
+        Self { rows, ..Self::default() }
+    }
+
+    /// Number of rows that can be taken.
+    pub fn ready(&self) -> usize {
+        self.rows.time.len()
+    }
+
+    /// Adds samples, each one step after the last.
+    pub fn add(&mut self, samples: impl Iterator<Item = (f64, EndSample)>) {
+        self.samples.extend(samples);
+        self.write(AHEAD);
+    }
+
+    /// Writes what is left, at the end of a run.
+    pub fn close(&mut self) {
+        self.write(0);
+    }
+
+    /// Drops samples and rows from a time on, s.
+    pub fn drop_from(&mut self, time: f64) {
+        self.samples.retain(|sample| sample.0 < time);
+        self.written = self.written.min(self.samples.len());
+        let kept = self.rows.time.partition_point(|&at| at < time);
+        self.rows.columns_mut().into_iter().for_each(|column| column.truncate(kept));
+    }
+
+    /// The rows since the last call; those to come go into a history with these columns.
+    pub fn take(&mut self, columns: Trace) -> Trace {
+        std::mem::replace(&mut self.rows, columns)
+    }
+
+    fn write(&mut self, ahead: usize) {
+        let end = self.samples.len().saturating_sub(ahead);
+        for k in self.written..end {
+            self.write_row(k);
+        }
+        if end > self.written {
+            self.samples.drain(..end - 1);
+            self.written = 1;
+        }
+    }
+
+    fn write_row(&mut self, k: usize) {
+        let (time, EndSample { now, latest }) = self.samples[k];
+        let next = self.mean(k + 1);
+        self.largest.stress = self.largest.stress.max(next.stress.abs());
+        self.largest.velocity = self.largest.velocity.max(next.velocity.abs());
+        let column = |of: fn(&EndState) -> f64| {
+            let before = k.checked_sub(1).map_or(f64::NAN, |before| of(&self.mean(before)));
+            sides([before, of(&latest), of(&next), of(&self.mean(k + 2))], ROUNDING * of(&self.largest))
+        };
+        let [stress, velocity] = [column(|state| state.stress), column(|state| state.velocity)];
+        let smooth = [now, latest.mean(next), latest, next].into_iter().find(|state| !state.stress.is_nan());
+        let smooth = smooth.unwrap_or_default();
+        if stress.is_none() && velocity.is_none() {
+            return self.push(time, smooth);
+        }
+        for side in [0, 1] {
+            let read = |sides: Option<[f64; 2]>, smooth: f64| sides.map_or(smooth, |sides| sides[side]);
+            self.push(
+                time,
+                EndState { stress: read(stress, smooth.stress), velocity: read(velocity, smooth.velocity) },
+            );
+        }
+    }
+
+    /// Mean over the step before sample `k`.
+    fn mean(&self, k: usize) -> EndState {
+        self.samples.get(k).map_or(EndState::UNKNOWN, |sample| sample.1.latest)
+    }
+
+    fn push(&mut self, time: f64, state: EndState) {
+        self.rows.time.push(time);
+        self.rows.stress.push(state.stress);
+        self.rows.velocity.push(state.velocity);
+    }
+}
+
+/// Values on both sides of a jump between the second and the third of the means over four steps; none where nothing jumps.
+fn sides(means: [f64; 4], rounding: f64) -> Option<[f64; 2]> {
+    let [before, jump, after] = [0, 1, 2].map(|k| means[k + 1] - means[k]);
+    let beside = [before, after].into_iter().filter(|change| !change.is_nan()).map(f64::abs).reduce(f64::max)?;
+    let slope = |change: f64| if change.is_nan() { 0.0 } else { 0.5 * change };
+    (jump.abs() > STEEPER * beside && jump.abs() > rounding)
+        .then(|| [means[1] + slope(before), means[2] - slope(after)])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const UNTIL: f64 = 4.0;
+
+    /// Rows of a stress whose integral is known, from its means over steps.
+    fn rows(integral: impl Fn(f64) -> f64, steps: usize, batch: usize) -> Trace {
+        let (dt, start) = (UNTIL / steps as f64, EndState { stress: 0.0, velocity: 1.0 });
+        let sample = |k: usize| {
+            let time = k as f64 * dt;
+            let mean = (integral(time) - integral(time - dt)) / dt;
+            let latest = if k == 0 { EndState::UNKNOWN } else { EndState { stress: mean, velocity: 1.0 } };
+            (time, EndSample { now: if k == 0 { start } else { EndState::UNKNOWN }, latest })
+        };
+        let mut rows = EndRows::default();
+        let samples: Vec<_> = (0..=steps).map(sample).collect();
+        samples.chunks(batch).for_each(|batch| rows.add(batch.iter().copied()));
+        rows.close();
+        rows.take(Trace::default())
+    }
+
+    /// exp(-t), with a jump by 2 at t = 2 into exp(-(t - 2)) more.
+    fn struck(t: f64) -> f64 {
+        let pulse = |t: f64, height: f64| if t > 0.0 { height * -(-t).exp_m1() } else { 0.0 };
+        pulse(t, 1.0) + pulse(t - 2.0, 2.0)
+    }
+
+    #[test]
+    fn values_on_both_sides_of_a_jump_are_of_second_order() {
+        let error = |steps: usize| {
+            let rows = rows(struck, steps, 7);
+            let at = rows.time.windows(2).position(|pair| pair[0] == pair[1]).expect("a jump");
+            let jumps = rows.time.windows(2).filter(|pair| pair[0] == pair[1]).count();
+            assert_eq!((rows.time[at], jumps, rows.time.len()), (2.0, 1, steps + 2));
+            let before = (-2.0_f64).exp();
+            let errors = [rows.stress[at] - before, rows.stress[at + 1] - 2.0 - before];
+            errors.map(f64::abs).into_iter().fold(0.0, f64::max)
+        };
+        let [coarse, fine] = [40, 80].map(error);
+        assert!(coarse < 0.02 && (3.5..4.5).contains(&(coarse / fine)), "{coarse} {fine}");
+    }
+
+    #[test]
+    fn batches_make_no_difference() {
+        let whole = rows(struck, 40, 41);
+        for batch in 1..9 {
+            assert_eq!(rows(struck, 40, batch), whole);
+        }
+    }
+
+    #[test]
+    fn smooth_histories_have_a_row_a_step() {
+        for power in [2.0, 2.5, 3.0] {
+            let rows = rows(|t: f64| t.max(0.0).powf(power), 50, 50);
+            assert_eq!(rows.time.len(), 51);
+            assert!(rows.velocity.iter().all(|&v| v == 1.0));
+        }
+        let wave = rows(|t: f64| (3.0 * t).sin(), 200, 200);
+        assert_eq!(wave.time.len(), 201);
+        for (t, stress) in wave.time.iter().zip(&wave.stress).take(200).skip(1) {
+            assert!((stress - 3.0 * (3.0 * t).cos()).abs() < 2e-3, "{t}");
+        }
+    }
+
+    #[test]
+    fn a_solver_that_knows_the_present_is_believed_where_means_are_not_known() {
+        let known = EndSample { now: EndState { stress: 5.0, velocity: 2.0 }, latest: EndState::UNKNOWN };
+        let mut rows = EndRows::default();
+        rows.add((0..6).map(|k| (f64::from(k), known)));
+        rows.drop_from(4.0);
+        rows.close();
+        let rows = rows.take(Trace::default());
+        assert_eq!((rows.time, rows.stress, rows.velocity), (vec![0.0, 1.0, 2.0, 3.0], vec![5.0; 4], vec![2.0; 4]));
+    }
+}

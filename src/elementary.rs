@@ -93,6 +93,18 @@ pub(crate) fn ln_1p(x: f64) -> f64 {
     ln(sum) + (x - (sum - 1.0)) / sum
 }
 
+/// The lesser of two numbers; the second where that cannot be said. One instruction, other than [`f64::min`].
+#[inline(always)]
+pub(crate) fn lesser(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
+/// The larger of two numbers, likewise.
+#[inline(always)]
+pub(crate) fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -39,6 +39,13 @@ impl<L: CellLaw<N>, const N: usize> CellLaw<N> for WithTemperature<L> {
         self.law.turned_work(state, after)
     }
 
+    const BOUNDS_ELASTICITY: bool = L::BOUNDS_ELASTICITY;
+
+    #[inline(always)]
+    fn is_elastic_up_to(&self, size: f64, accumulated: f64) -> bool {
+        self.law.is_elastic_up_to(size, accumulated)
+    }
+
     const READS_TABLE: bool = L::READS_TABLE;
 
     #[inline(always)]

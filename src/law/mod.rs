@@ -157,6 +157,16 @@ pub trait CellLaw<const N: usize>: Send + Sync + Sized {
         self.respond(predictor, predictor, state)
     }
 
+    /// [`Self::is_elastic_up_to`] is known: neighbouring cells that all stay elastic take a short way.
+    const BOUNDS_ELASTICITY: bool = false;
+
+    /// True where all cells stay elastic whose predictors are at most of this `size` and whose [`Self::accumulated`] is at least this, Pa.
+    /// False also where they may or may not.
+    #[inline(always)]
+    fn is_elastic_up_to(&self, _size: f64, _accumulated: f64) -> bool {
+        false
+    }
+
     /// E times the signed plastic strain, Pa.
     fn plastic_strain(&self, state: [f64; N]) -> f64;
 

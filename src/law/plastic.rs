@@ -13,7 +13,21 @@ use super::{Backbone, CellLaw, Deformed, Response};
 #[derive(Debug, Clone)]
 pub struct Isotropic<B>(pub B);
 
+/// Distance from yield, relative to the stress, within which a cell's own return mapping decides. The difference between a stress and that on
+/// the curve, which the mapping compares, is this times 1 less the slope of the curve: above rounding up to a slope of 1 - 1e-6.
+const CLOSE_TO_YIELD: f64 = 1e-9;
+
 impl<B: Backbone> CellLaw<2> for Isotropic<B> {
+    const BOUNDS_ELASTICITY: bool = true;
+
+    /// Curves never fall, so the elastic limit grows with the accumulated plastic strain.
+    #[inline(always)]
+    fn is_elastic_up_to(&self, size: f64, accumulated: f64) -> bool {
+        let size = size * (1.0 + CLOSE_TO_YIELD);
+        let [tension, compression] = [1.0, -1.0].map(|sign| self.0.stress(size + accumulated, sign));
+        size <= tension && size <= compression
+    }
+
     #[inline(always)]
     fn base(&self, sigma: f64, _state: [f64; 2]) -> f64 {
         sigma

@@ -29,8 +29,8 @@ const LOWEST_ORDER: f64 = 0.3;
 /// Order in the front tolerance that is assumed until two pilots tell, and those that are believed.
 pub(super) const FRONT_ORDER: f64 = 1.0;
 pub(super) const FRONT_ORDERS: [f64; 2] = [0.5, 1.2];
-/// Events grow with this power of one over the tolerance.
-const EVENT_GROWTH: f64 = 1.0;
+/// Powers of one over the tolerance with which events are believed to grow, the first until two pilots tell.
+const EVENT_GROWTH: [f64; 2] = [1.0, 3.0];
 
 /// Pilots of front tracking with fewer events than this are cheaper than any grid's.
 pub(super) const FEW_EVENTS: u64 = 300;
@@ -42,7 +42,7 @@ pub(super) const PATIENCE: f64 = 2.0;
 pub(super) fn nominal(scene: &Scene, method: Method) -> f64 {
     let malvern = matches!(scene.effects.rate, Some(Rate::Malvern { .. }));
     match (method, scene.effects.rate) {
-        (Method::FrontTracking { .. }, _) => 0.5e-6,
+        (Method::FrontTracking { .. }, _) => 3e-6,
         (Method::Muscl { .. }, _) => 60e-9,
         (Method::Leapfrog { .. }, None) => 4e-9,
         (Method::Leapfrog { .. }, Some(_)) => {
@@ -116,35 +116,49 @@ impl Candidate {
         } else {
             (MARGIN * (last.estimate / tolerance).powf(1.0 / self.order(last))).max(least)
         };
-        let growth = if last.method.tracks_fronts() { EVENT_GROWTH } else { 2.0 };
-        Some((finer, nominal(scene, last.method) * last.work as f64 * finer.powf(growth)))
+        Some((finer, nominal(scene, last.method) * last.work as f64 * finer.powf(self.growth())))
+    }
+
+    /// Power of the resolution with which the work grows: of cells the second, of events what the last two pilots say.
+    fn growth(&self) -> f64 {
+        if !self.method.tracks_fronts() {
+            return 2.0;
+        }
+        let [least, most] = EVENT_GROWTH;
+        let [.., before, last] = &self.pilots[..] else { return least };
+        let seen = (last.work as f64 / before.work as f64).ln() / refinement(before, last).ln();
+        if seen.is_finite() { seen.clamp(least, most) } else { least }
     }
 
     /// Order by which estimates are carried on from the last pilot: what the last two pilots say, but no more than its own.
     fn order(&self, last: &Pilot) -> f64 {
-        let Some(before) = self.pilots.len().checked_sub(2).map(|k| self.pilots[k]) else { return last.order };
-        let finer = match (before.method, last.method) {
-            (
-                Method::FrontTracking { front_tolerance: before, .. },
-                Method::FrontTracking { front_tolerance: last, .. },
-            ) => before / last,
-            (before, last) => last.cells().unwrap_or(1) as f64 / before.cells().unwrap_or(1) as f64,
-        };
-        let seen = (before.estimate / last.estimate).ln() / finer.ln();
+        let [.., before, _] = &self.pilots[..] else { return last.order };
+        let seen = (before.estimate / last.estimate).ln() / refinement(before, last).ln();
         if seen.is_finite() { seen.clamp(LOWEST_ORDER.min(last.order), last.order) } else { last.order }
     }
 
     /// Expected time of its next pilot, s.
     pub fn next_pilot(&self, scene: &Scene) -> f64 {
-        let growth = if self.method.tracks_fronts() { COARSER } else { 4.0 };
+        let finer: f64 = if self.method.tracks_fronts() { COARSER } else { 2.0 };
         let last = self.too_expensive.or(self.pilots.last().map(|last| last.work)).unwrap_or(0);
-        growth * nominal(scene, self.method) * last as f64
+        finer.powf(self.growth()) * nominal(scene, self.method) * last as f64
     }
 
     /// The method so many times finer than its last pilot.
     pub fn finer(&self, by: f64) -> Method {
         let last = self.pilots.last().map_or(self.method, |p| p.method);
         refined(last, by)
+    }
+}
+
+/// How many times finer the second of two pilots of a method is.
+fn refinement(before: &Pilot, last: &Pilot) -> f64 {
+    match (before.method, last.method) {
+        (
+            Method::FrontTracking { front_tolerance: before, .. },
+            Method::FrontTracking { front_tolerance: last, .. },
+        ) => before / last,
+        (before, last) => last.cells().unwrap_or(1) as f64 / before.cells().unwrap_or(1) as f64,
     }
 }
 
@@ -193,6 +207,17 @@ mod tests {
         assert!((slow.order(&slow.pilots[1]) - 0.5).abs() < 1e-12);
         let stuck = candidate(grid, &[(0.1, 1), (0.2, 1)]);
         assert_eq!(stuck.order(&stuck.pilots[1]), LOWEST_ORDER);
+    }
+
+    #[test]
+    fn events_that_grow_fast_are_expected_to_do_so() {
+        let fronts = Method::FrontTracking { front_tolerance: 1e-3, event_budget: 9 };
+        let growth =
+            |works: &[u64]| candidate(fronts, &works.iter().map(|&work| (0.1, work)).collect::<Vec<_>>()).growth();
+        assert_eq!([growth(&[]), growth(&[1000]), growth(&[1000, 500])], [1.0; 3]);
+        assert!((growth(&[1000, 9000]) - 2.0).abs() < 1e-12);
+        assert_eq!(growth(&[1000, 900_000]), 3.0);
+        assert_eq!(candidate(Method::CharacteristicNet { cells: 128 }, &[(0.1, 1), (0.1, 9)]).growth(), 2.0);
     }
 
     #[test]

@@ -102,9 +102,12 @@ pub(super) fn contradiction(
     progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Option<String>> {
     let time = nominal(scene, run.method) * run.work as f64;
-    let tells = |p: &Pilot| p.estimate <= TELLING * run.estimate;
+    let telling = TELLING * run.estimate;
+    let tells = |p: &Pilot| p.estimate <= telling;
     while tracking.out.is_none() && !tracking.pilots.last().is_some_and(tells) {
-        if tracking.next_pilot(scene) > PATIENCE * time {
+        // Infinite where a pilot was given up for a rival that was expected to cost less.
+        let expected = tracking.predicted(scene, telling).map(|(_, time)| time).filter(|time| time.is_finite());
+        if expected.unwrap_or(0.0).max(tracking.next_pilot(scene)) > PATIENCE * time {
             return Ok(None);
         }
         front_pilot(scene, tracking, time, progress)?;

@@ -21,6 +21,7 @@ use std::ops;
 use multiversion::multiversion;
 
 use super::sizes::MOST_CELLS;
+use crate::elementary::{larger, lesser};
 use crate::law::{Aligned, LANES};
 
 /// Fraction of an alternating velocity difference that is redistributed between two nodes while an elastic wave passes a cell. A step
@@ -150,18 +151,6 @@ fn differences(v: &[f64], w: &mut [f64]) -> [u64; 4] {
         range.add(w[i]);
     }
     [range.any, range.all, range.least, range.largest]
-}
-
-/// The lesser of two numbers; the second where that cannot be said. One instruction, other than [`f64::min`].
-#[inline(always)]
-fn lesser(a: f64, b: f64) -> f64 {
-    if a < b { a } else { b }
-}
-
-/// The larger of two numbers, likewise.
-#[inline(always)]
-fn larger(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
 }
 
 /// A velocity difference as its sense and its size, and its neighbours', positive where they have its sense.

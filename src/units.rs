@@ -82,6 +82,8 @@ impl Quantity {
 impl std::fmt::Display for Quantity {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
+            // Not as a row of zeros.
+            Self::Number(value) if *value != 0.0 && !(1e-4..1e9).contains(&value.abs()) => write!(f, "{value:e}"),
             Self::Number(value) => write!(f, "{value}"),
             Self::Text(text) => write!(f, "{text}"),
         }

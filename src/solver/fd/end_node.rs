@@ -42,6 +42,8 @@ pub struct EndNode {
     held: bool,
     /// Cells beside it have yielded.
     yielded: bool,
+    /// Their force limits what the step ahead takes over, see [`Impulses::are_limited`].
+    limited: bool,
     /// It was suddenly made to move in the latest step.
     struck: bool,
     /// Taken by the grid filter, J.
@@ -108,6 +110,7 @@ impl EndNode {
             throughput: 0.0,
             held: false,
             yielded: false,
+            limited: false,
             struck: false,
             damped: 0.0,
             log: None,
@@ -150,8 +153,15 @@ impl EndNode {
     /// Takes the node from half a step before `time` to half a step after it. `sigma_cell` is the stress at `time`
     /// in the end cell, beside which some have `yielded`.
     pub fn advance(&mut self, time: f64, sigma_cell: f64, yielded: bool) {
+        let cell = -self.node.area * sigma_cell;
+        self.prepare(cell, yielded);
+        self.advance_showing(time, cell, sigma_cell);
+    }
+
+    /// Settles what a step under the force `cell` (N) takes over from the one before, whatever the force turns out to be.
+    fn prepare(&mut self, cell: f64, yielded: bool) {
         self.yielded = yielded;
-        self.advance_showing(time, -self.node.area * sigma_cell, sigma_cell);
+        self.limited = self.impulses.are_limited(cell, self.is_bounded());
     }
 
     /// The same under the force `cell` (N) of the end cell; `shown` is its stress for the record.
@@ -160,14 +170,14 @@ impl EndNode {
         let Motion { force, velocity, met, held } = self.respond(&step, cell);
         self.struck = held && (!self.held || self.model.jumps(time, self.dt));
         self.stress = if self.struck { shown } else { -force / self.face.area };
-        let ahead = 2.0 * force - self.impulses.passed_on(cell, self.is_bounded());
+        let ahead = 2.0 * force - self.impulses.passed_on(cell, self.limited);
         self.means = [self.means[1], ahead];
         self.start = None;
         let impulse = self.dt
             * if self.is_exact() {
                 self.impulses.take(ahead, cell)
             } else {
-                self.impulses.push(ahead, cell, self.is_bounded())
+                self.impulses.push(ahead, cell, self.limited)
             };
         (self.body, self.body_energy) = (self.model.body(), self.model.energy(self.displacement));
         self.model.advance(&step, &Push { force: ahead, velocity, impulse }, met);
@@ -188,6 +198,12 @@ impl EndNode {
         self.node.impedance = mass / self.dt;
     }
 
+    /// Settles what a step takes over from the one before where the bar gives about the impulse `pull`, N s in +x. So the answer to a
+    /// pull that is looked for does not jump.
+    pub(super) fn prepare_for(&mut self, pull: f64, yielded: bool) {
+        self.prepare(-self.face.inward * pull / self.dt, yielded);
+    }
+
     /// Velocity change of the step around `time` if the bar gives that mass an impulse of `pull`, N s in +x.
     pub(super) fn answer(&self, time: f64, pull: f64) -> f64 {
         let motion = self.respond(&self.step(time), -self.face.inward * pull / self.dt);
@@ -195,14 +211,13 @@ impl EndNode {
     }
 
     /// Takes that step. `sigma_cell` is the stress of the end cell, for the record.
-    pub(super) fn advance_by(&mut self, time: f64, pull: f64, sigma_cell: f64, yielded: bool) {
-        self.yielded = yielded;
+    pub(super) fn advance_by(&mut self, time: f64, pull: f64, sigma_cell: f64) {
         self.advance_showing(time, -self.face.inward * pull / self.dt, sigma_cell);
     }
 
     /// Force and velocity of a step under the force `cell` (N) of the end cell.
     fn respond(&self, step: &Step, cell: f64) -> Motion {
-        let passed_on = self.impulses.passed_on(cell, self.is_bounded());
+        let passed_on = self.impulses.passed_on(cell, self.limited);
         let bar = self.node.response(cell, passed_on);
         let relation = self.model.relation(step, &bar);
         let [ahead, velocity] = relation.meet(&bar);

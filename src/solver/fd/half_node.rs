@@ -77,14 +77,18 @@ pub(super) struct Impulses {
 }
 
 impl Impulses {
-    /// f-, the half of which acts in the step in which the cells' force is `cells` (N).
+    /// Whether the cells' force `cells` (N) limits f-.
     ///
     /// What stops a node at once is the elastic answer, above what cells that have yielded can carry (`bounded`): if their force is still
     /// growing no wave has come back, and it is no more than that.
-    pub fn passed_on(&self, cells: f64, bounded: bool) -> f64 {
+    pub fn are_limited(&self, cells: f64, bounded: bool) -> bool {
         let last = self.forces[0];
-        let grows = bounded && cells.abs() >= self.cells.abs() && cells * last > 0.0;
-        if grows && cells.abs() < last.abs() { cells } else { last }
+        bounded && cells.abs() >= self.cells.abs() && cells * last > 0.0 && cells.abs() < last.abs()
+    }
+
+    /// f-, the half of which acts in the step in which the cells' force is `cells` (N), `limited` by it or not.
+    pub fn passed_on(&self, cells: f64, limited: bool) -> f64 {
+        if limited { cells } else { self.forces[0] }
     }
 
     /// Takes the force of a step in which the half node is the characteristic.
@@ -96,8 +100,8 @@ impl Impulses {
     /// Takes the force of a step. Where the last three changes alternate in sign, half of the least of them is taken back. Returns what
     /// the step gives to the bar, per time: the mean of the force asked for and the one that is passed on, with what of the step before
     /// was not.
-    pub fn push(&mut self, f: f64, cells: f64, bounded: bool) -> f64 {
-        let passed_on = self.passed_on(cells, bounded);
+    pub fn push(&mut self, f: f64, cells: f64, limited: bool) -> f64 {
+        let passed_on = self.passed_on(cells, limited);
         let not_passed_on = self.forces[0] - passed_on;
         let changes = [f - passed_on, passed_on - self.forces[1], self.forces[1] - self.forces[2]];
         let alternate = changes[0] * changes[1] < 0.0 && changes[1] * changes[2] < 0.0;

@@ -219,6 +219,8 @@ impl Implicit {
         let right_sides = [self.change[0], self.change[n]];
         self.matrix.solve(&mut self.change);
         let pulls = self.matrix.left_for_ends(right_sides, &self.change);
+        left.prepare_for(pulls[0], !blocks[0].is_elastic());
+        right.prepare_for(pulls[1], !blocks[blocks.len() - 1].is_elastic());
         if self.rubbing.is_empty() {
             self.move_ends(time, pulls, blocks, left, right);
         } else {
@@ -280,9 +282,9 @@ impl Implicit {
         let cross = self.matrix.cross();
         let change = if cross == 0.0 { 0.0 } else { self.right_end_change(time, pulls, left, right) };
         let (first, last) = (&blocks[0], &blocks[blocks.len() - 1]);
-        left.advance_by(time, pulls[0] - cross * change, first.sigma[0], !first.is_elastic());
+        left.advance_by(time, pulls[0] - cross * change, first.sigma[0]);
         let change = left.velocity_after() - left.velocity_before();
-        right.advance_by(time, pulls[1] - cross * change, last.sigma[last.sigma.len() - 1], !last.is_elastic());
+        right.advance_by(time, pulls[1] - cross * change, last.sigma[last.sigma.len() - 1]);
     }
 
     /// Change of the right end's velocity that the left end's answer to it brings about. An end that is given an impulse moves by at most

@@ -100,8 +100,8 @@ impl Contact {
         let held = [0, 1].map(|k| Response { force: cells[k], impedance: self.sides[k].impedance });
         let mean = force_at(0.0, &held);
         let bounded = yielded || !self.are_characteristics;
-        let limited = self.impulses.are_limited(mean, bounded);
-        let passed_on = self.impulses.passed_on(mean, limited);
+        let choice = self.impulses.choose(mean, bounded);
+        let passed_on = self.impulses.passed_on(mean, choice);
         let bars = [0, 1].map(|k| self.sides[k].response(cells[k], passed_on));
         self.now = self.ahead;
         let closer = -dt * self.opening_rate();
@@ -109,7 +109,7 @@ impl Contact {
         let touches = self.ahead.advance(dt, force, free_rate(&bars));
         let force = if touches { force } else { 0.0 };
         if bounded {
-            self.impulses.push(force, mean, limited);
+            self.impulses.push(force, mean, choice);
         } else {
             self.impulses.take(force, mean);
         }

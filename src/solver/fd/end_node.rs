@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::grid_filter;
-use super::half_node::{HalfNode, Impulses};
+use super::half_node::{HalfNode, Impulses, PassedOn};
 use crate::bar::EndCondition;
 use crate::bar::ends::{self, Body, EndModel, Face, Push, Response, Step};
 use crate::solver::{EndSample, EndState};
@@ -42,8 +42,8 @@ pub struct EndNode {
     held: bool,
     /// Cells beside it have yielded.
     yielded: bool,
-    /// Their force limits what the step ahead takes over, see [`Impulses::are_limited`].
-    limited: bool,
+    /// What the present step takes over, see [`Impulses::choose`].
+    passed_on: PassedOn,
     /// It was suddenly made to move in the latest step.
     struck: bool,
     /// Taken by the grid filter, J.
@@ -110,7 +110,7 @@ impl EndNode {
             throughput: 0.0,
             held: false,
             yielded: false,
-            limited: false,
+            passed_on: PassedOn::default(),
             struck: false,
             damped: 0.0,
             log: None,
@@ -161,7 +161,7 @@ impl EndNode {
     /// Settles what a step under the force `cell` (N) takes over from the one before, whatever the force turns out to be.
     fn prepare(&mut self, cell: f64, yielded: bool) {
         self.yielded = yielded;
-        self.limited = self.impulses.are_limited(cell, self.is_bounded());
+        self.passed_on = self.impulses.choose(cell, self.is_bounded());
     }
 
     /// The same under the force `cell` (N) of the end cell; `shown` is its stress for the record.
@@ -170,14 +170,14 @@ impl EndNode {
         let Motion { force, velocity, met, held } = self.respond(&step, cell);
         self.struck = held && (!self.held || self.model.jumps(time, self.dt));
         self.stress = if self.struck { shown } else { -force / self.face.area };
-        let ahead = 2.0 * force - self.impulses.passed_on(cell, self.limited);
+        let ahead = 2.0 * force - self.impulses.passed_on(cell, self.passed_on);
         self.means = [self.means[1], ahead];
         self.start = None;
         let impulse = self.dt
             * if self.is_exact() {
                 self.impulses.take(ahead, cell)
             } else {
-                self.impulses.push(ahead, cell, self.limited)
+                self.impulses.push(ahead, cell, self.passed_on)
             };
         (self.body, self.body_energy) = (self.model.body(), self.model.energy(self.displacement));
         self.model.advance(&step, &Push { force: ahead, velocity, impulse }, met);
@@ -217,7 +217,7 @@ impl EndNode {
 
     /// Force and velocity of a step under the force `cell` (N) of the end cell.
     fn respond(&self, step: &Step, cell: f64) -> Motion {
-        let passed_on = self.impulses.passed_on(cell, self.limited);
+        let passed_on = self.impulses.passed_on(cell, self.passed_on);
         let bar = self.node.response(cell, passed_on);
         let relation = self.model.relation(step, &bar);
         let [ahead, velocity] = relation.meet(&bar);

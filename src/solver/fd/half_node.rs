@@ -67,6 +67,16 @@ impl HalfNode {
     }
 }
 
+/// What a step takes over from the one before as f-.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub(super) enum PassedOn {
+    /// The force f of that step.
+    #[default]
+    LastForce,
+    /// The force of the cells, which is less.
+    CellForce,
+}
+
 /// The forces f of the latest steps.
 #[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
 pub(super) struct Impulses {
@@ -77,18 +87,22 @@ pub(super) struct Impulses {
 }
 
 impl Impulses {
-    /// Whether the cells' force `cells` (N) limits f-.
+    /// What is f- in a step in which the cells' force is about `cells` (N).
     ///
     /// What stops a node at once is the elastic answer, above what cells that have yielded can carry (`bounded`): if their force is still
     /// growing no wave has come back, and it is no more than that.
-    pub fn are_limited(&self, cells: f64, bounded: bool) -> bool {
+    pub fn choose(&self, cells: f64, bounded: bool) -> PassedOn {
         let last = self.forces[0];
-        bounded && cells.abs() >= self.cells.abs() && cells * last > 0.0 && cells.abs() < last.abs()
+        let grows = bounded && cells.abs() >= self.cells.abs() && cells * last > 0.0;
+        if grows && cells.abs() < last.abs() { PassedOn::CellForce } else { PassedOn::LastForce }
     }
 
-    /// f-, the half of which acts in the step in which the cells' force is `cells` (N), `limited` by it or not.
-    pub fn passed_on(&self, cells: f64, limited: bool) -> f64 {
-        if limited { cells } else { self.forces[0] }
+    /// f-, the half of which acts in the step in which the cells' force is `cells` (N).
+    pub fn passed_on(&self, cells: f64, passed_on: PassedOn) -> f64 {
+        match passed_on {
+            PassedOn::LastForce => self.forces[0],
+            PassedOn::CellForce => cells,
+        }
     }
 
     /// Takes the force of a step in which the half node is the characteristic.
@@ -100,8 +114,8 @@ impl Impulses {
     /// Takes the force of a step. Where the last three changes alternate in sign, half of the least of them is taken back. Returns what
     /// the step gives to the bar, per time: the mean of the force asked for and the one that is passed on, with what of the step before
     /// was not.
-    pub fn push(&mut self, f: f64, cells: f64, limited: bool) -> f64 {
-        let passed_on = self.passed_on(cells, limited);
+    pub fn push(&mut self, f: f64, cells: f64, passed_on: PassedOn) -> f64 {
+        let passed_on = self.passed_on(cells, passed_on);
         let not_passed_on = self.forces[0] - passed_on;
         let changes = [f - passed_on, passed_on - self.forces[1], self.forces[1] - self.forces[2]];
         let alternate = changes[0] * changes[1] < 0.0 && changes[1] * changes[2] < 0.0;

@@ -27,6 +27,7 @@ const EFFECTS: &[(&str, &str)] = &[
     ("Johnson-Cook, heat", "heat = { fraction = 0.9 }\nrate = { model = \"johnson-cook\", C = 0.014, reference = 1 }"),
     ("Cowper-Symonds", "rate = { model = \"cowper-symonds\", D = 40, q = 5 }"),
     ("kinematic", "hardening = \"kinematic\""),
+    ("Armstrong-Frederick", "hardening = { armstrong-frederick = { C = 5e9, gamma = 50 } }"),
     ("kinematic, rate", "hardening = \"kinematic\"\nrate = { model = \"malvern\", k = 1e7 }"),
     (
         "kinematic, JC, heat",

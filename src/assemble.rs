@@ -7,8 +7,8 @@ use crate::bar::{Bar, Segment, initial_fans};
 use crate::law::rate::{Heated, Overstress, RateLaw, Timed};
 use crate::law::rupture::{Criteria, Criterion};
 use crate::law::{
-    Backbone, CellLaw, DataEnd, Envelope, Indexed, Isotropic, Mixed, Overlay, PathIndependent, RowLaw, Rows, Searched,
-    Table, TwoSided, WithTemperature,
+    ArmstrongFrederick, BackStress, Backbone, CellLaw, DataEnd, Envelope, Indexed, Isotropic, Mixed, Overlay,
+    PathIndependent, RowLaw, Rows, Searched, Table, TwoSided, WithTemperature,
 };
 use crate::material::{Curve, Heating, Material, Sense};
 use crate::record::Stepped;
@@ -149,11 +149,7 @@ pub fn characteristic_net(scene: &Scene, cells: usize) -> Net {
 pub fn rate_law(material: &Material, effects: &Effects) -> RateLaw {
     let law = effects.rate.and_then(|rate| Overstress::of(rate, material));
     let overstress = law.unwrap_or(Overstress::RATE_INDEPENDENT);
-    let kinematic = match effects.hardening {
-        None | Some(HardeningRule::Isotropic) => 0.0,
-        Some(HardeningRule::Kinematic) => 1.0,
-        Some(HardeningRule::Mixed(fraction)) => fraction,
-    };
+    let kinematic = effects.hardening.map_or(0.0, HardeningRule::kinematic_fraction);
     // Where the temperature is a state of its own, the curves are the cold ones.
     let cold = material.heating.as_ref().map(|heating| heating.cold.iter().collect());
     let curves: Vec<&Curve> =
@@ -163,7 +159,7 @@ pub fn rate_law(material: &Material, effects: &Effects) -> RateLaw {
 }
 
 fn moves(effects: &Effects) -> bool {
-    !matches!(effects.hardening, None | Some(HardeningRule::Isotropic))
+    effects.hardening.is_some_and(HardeningRule::moves)
 }
 
 /// What heats a segment where the temperature is a state of each cell. Where hardening is isotropic, flow takes no time, and the segment
@@ -214,12 +210,7 @@ pub fn segment_law(segment: &Segment, effects: &Effects) -> SegmentLaw {
 
 /// The flow rule of a tracked bar under the scene's effects; kinematic hardening is that along one line.
 pub fn flow(effects: &Effects) -> Flow {
-    match effects.hardening {
-        None => Flow::PathIndependent,
-        Some(HardeningRule::Isotropic) => Flow::Plastic { kinematic: 0.0 },
-        Some(HardeningRule::Kinematic) => Flow::Plastic { kinematic: 1.0 },
-        Some(HardeningRule::Mixed(kinematic)) => Flow::Plastic { kinematic },
-    }
+    effects.hardening.map_or(Flow::PathIndependent, |rule| Flow::Plastic { kinematic: rule.kinematic_fraction() })
 }
 
 /// Picks the fastest form in which the table can be read.
@@ -259,6 +250,9 @@ fn choose_law<B: Backbone + 'static>(
         Some(HardeningRule::Kinematic) if table.is_multilinear() => warming(Overlay::new(backbone, table), material),
         Some(HardeningRule::Kinematic) => warming(Mixed { backbone, yield_stress, kinematic: 1.0 }, material),
         Some(HardeningRule::Mixed(kinematic)) => warming(Mixed { backbone, yield_stress, kinematic }, material),
+        Some(HardeningRule::ArmstrongFrederick { c, gamma }) => {
+            rows(ArmstrongFrederick::new(backbone, BackStress::new(c, gamma, material.modulus)))
+        }
     }
 }
 

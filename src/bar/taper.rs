@@ -98,6 +98,21 @@ impl Taper {
             |(x, size): (&[f64], &[f64])| power * (size[1] - size[0]).abs() / ((x[1] - x[0]) * size[0].min(size[1]));
         self.x.windows(2).zip(self.size.windows(2)).map(pair).fold(0.0, f64::max)
     }
+
+    /// The parts in which the area only grows or only falls: their lengths, m, and the logarithms of what it grows by.
+    pub fn stretches(&self) -> Vec<[f64; 2]> {
+        let power = if self.profile == Profile::Area { 1.0 } else { 2.0 };
+        let rows = self.x.windows(2).zip(self.size.windows(2));
+        let mut stretches: Vec<[f64; 2]> = Vec::new();
+        for (x, size) in rows {
+            let (length, grown) = (x[1] - x[0], power * (size[1] / size[0]).ln());
+            match stretches.last_mut() {
+                Some(last) if last[1] * grown >= 0.0 => *last = [last[0] + length, last[1] + grown],
+                _ => stretches.push([length, grown]),
+            }
+        }
+        stretches
+    }
 }
 
 #[cfg(test)]

@@ -9,6 +9,7 @@
 //! end. State is exactly what the law needs, `N` numbers a cell of a [`CellLaw`].
 
 mod aligned;
+mod armstrong_frederick;
 mod backbone;
 mod data_end;
 mod elastic;
@@ -27,6 +28,7 @@ use crate::material::Sense;
 use crate::root::bisect;
 
 pub use aligned::{Aligned, AlignedRow, aligned_row, split_off};
+pub use armstrong_frederick::{ArmstrongFrederick, BackStress};
 pub(crate) use backbone::PieceIndex;
 pub use backbone::{Backbone, Envelope, Indexed, Line, Searched, Table, TwoSided};
 pub use data_end::{DataEnd, FirstPassed, Flowing, Limit, Passed, Reached, StrainedRow};

@@ -4,7 +4,7 @@
 
 use std::collections::BTreeSet;
 
-use miniz_oxide::deflate::compress_to_vec_zlib;
+use libdeflater::{CompressionLvl, Compressor};
 use pdf_writer::types::{LineCapStyle, LineJoinStyle};
 use pdf_writer::{Content, Filter, Finish, Name, Pdf, Rect, Ref};
 use resvg::tiny_skia::{PathSegment, Pixmap, Point};
@@ -13,9 +13,6 @@ use usvg::{Group, ImageKind, Node, Paint, Transform};
 
 /// Points for each px of 1/96 inch.
 const POINTS: f32 = 0.75;
-/// Of deflate: as small as zlib's own default.
-const LEVEL: u8 = 6;
-
 /// What is wrong with a picture.
 type Reason = String;
 
@@ -29,6 +26,14 @@ pub(super) fn pdf(tree: &usvg::Tree) -> Result<Vec<u8>, Reason> {
     page.content.transform([POINTS, 0.0, 0.0, -POINTS, 0.0, height]);
     page.group(tree.root())?;
     Ok(page.document(width, height))
+}
+
+fn compressed(data: &[u8]) -> Vec<u8> {
+    let mut compressor = Compressor::new(CompressionLvl::default());
+    let mut compressed = vec![0; compressor.zlib_compress_bound(data.len())];
+    let length = compressor.zlib_compress(data, &mut compressed).expect("room for the longest result");
+    compressed.truncate(length);
+    compressed
 }
 
 /// What is on the page so far.
@@ -179,9 +184,9 @@ impl Page {
         states.finish();
         resources.finish();
         written.finish();
-        pdf.stream(contents, &compress_to_vec_zlib(&self.content.finish(), LEVEL)).filter(Filter::FlateDecode);
+        pdf.stream(contents, &compressed(&self.content.finish())).filter(Filter::FlateDecode);
         for (index, pixels) in self.images.iter().enumerate() {
-            let data = compress_to_vec_zlib(&on_white(pixels), LEVEL);
+            let data = compressed(&on_white(pixels));
             let mut picture = pdf.image_xobject(image(index), &data);
             picture.filter(Filter::FlateDecode);
             picture.width(pixels.width() as i32).height(pixels.height() as i32).bits_per_component(8);

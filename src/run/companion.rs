@@ -87,8 +87,8 @@ pub(super) fn error_figure(
 /// without steps, as of a taper so slight that it is one piece.
 fn coarser_staircase(scene: &Scene) -> Option<Scene> {
     let cut = scene.discretized.as_ref()?;
-    let step = cut.reflects.max(cut.largest_step);
-    (step > 0.0).then(|| cut.original.discretized_finer_than((COARSER * step).min(COARSEST)))
+    let has_steps = cut.of.len() > cut.original.bar.segments.len() || cut.steps > 0;
+    has_steps.then(|| cut.original.discretized_finer_than((COARSER * cut.share).min(COARSEST)))
 }
 
 /// Of a run whose fronts were all kept; `unresolved` is what part of its energy rounding moved.

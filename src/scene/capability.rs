@@ -75,6 +75,9 @@ const METHODS: &[Row] = &[
     row("`hardening` kinematic", several_lines,
         "kinematic hardening along several lines, as that of {}", "it stores no reversal points", MIXED,
         [Yes, Yes, Only("curves with one hardening line"), Yes]),
+    row("`hardening` Armstrong-Frederick", |a| when(armstrong_frederick(a)),
+        "Armstrong-Frederick hardening", "it takes the curve of reverse flow from that of first loading", MIXED,
+        [Yes, No, No, No]),
     row("`effects = \"auto\"`", |a| when(a.auto),
         "effects = \"auto\"", "", "name the effects",
         [Yes, No, Yes, Other]),
@@ -139,6 +142,11 @@ fn heat(asked: &Asked<'_>) -> bool {
 
 fn ball(asked: &Asked<'_>) -> bool {
     asked.ends.iter().any(|end| matches!(end, EndCondition::Ball { .. }))
+}
+
+fn armstrong_frederick(asked: &Asked<'_>) -> bool {
+    let rule = asked.effects.hardening.as_ref().map(Placed::get_ref);
+    matches!(rule, Some(RawHardening::ArmstrongFrederick(_)))
 }
 
 /// Hardening moves the elastic range.
@@ -277,6 +285,8 @@ const IN_TORSION: &str = "`{1}` is not simulated in torsion";
 
 #[rustfmt::skip]
 const TOGETHER: &[Pair] = &[
+    Pair { first: recalled, second: rated,   message: "`{1}` is not simulated together with `{2}`",
+           help: "use hardening = \"kinematic\" or { mixed = 0 to 1 }, or remove `{2}` from [effects]" },
     Pair { first: rupture,  second: torsion, message: IN_TORSION, help: GOES_ON },
     Pair { first: heating,  second: torsion, message: IN_TORSION, help: AXIAL },
     Pair { first: along,    second: torsion, message: IN_TORSION, help: AXIAL },
@@ -302,6 +312,21 @@ fn rupture(parts: &Parts<'_>) -> Option<Found> {
 
 fn heating(parts: &Parts<'_>) -> Option<Found> {
     effect("heat", parts.effects.heat.as_ref())
+}
+
+fn recalled(parts: &Parts<'_>) -> Option<Found> {
+    let rule = parts.effects.hardening.as_ref();
+    let rule = rule.filter(|rule| matches!(rule.get_ref(), RawHardening::ArmstrongFrederick(_)));
+    rule.map(|rule| Found {
+        name: "armstrong-frederick".to_owned(),
+        key: "effects.hardening".to_owned(),
+        span: rule.span(),
+    })
+}
+
+/// What makes the elastic range a matter of more than plastic strain: the first of the two effects that is on.
+fn rated(parts: &Parts<'_>) -> Option<Found> {
+    effect("rate", parts.effects.rate.as_ref()).or_else(|| heating(parts))
 }
 
 /// What acts along the bar: the first of the two effects that is on.

@@ -14,7 +14,7 @@
 use std::sync::Arc;
 
 use super::{Method, Scene};
-use crate::bar::{Bar, InitialProfile, Joint, Origin, Segment};
+use crate::bar::{Bar, InitialProfile, Joint, Origin, Segment, Taper};
 use crate::law::rupture::Site;
 
 /// Of a scene whose tapered segments were cut into pieces: what was asked for.
@@ -24,6 +24,8 @@ pub struct TaperDiscretization {
     pub original: Scene,
     /// For each piece, the segment of the scene that was asked for.
     pub of: Vec<usize>,
+    /// No step was to be larger: those on either side of a thick place may be equal, and leave none.
+    pub share: f64,
     /// Largest part of a wave's force that a step between two pieces of a segment reflects.
     pub reflects: f64,
     /// Largest step of the staircase of an initial state, relative to the largest size of its quantity; 0 where there is none.
@@ -97,7 +99,7 @@ impl Scene {
         let reflected = |pair: &[Segment]| ((pair[1].area - pair[0].area) / (pair[1].area + pair[0].area)).abs();
         let reflects = joints.map(|(pair, _)| reflected(pair)).fold(0.0, f64::max);
         scene.discretized =
-            Some(Box::new(TaperDiscretization { original: self.clone(), of, reflects, largest_step, steps }));
+            Some(Box::new(TaperDiscretization { original: self.clone(), of, share, reflects, largest_step, steps }));
         scene
     }
 
@@ -135,19 +137,22 @@ fn share(method: &Method) -> Option<f64> {
 /// Pieces that a tapered segment needs by this method; 1 where it follows the taper, or there is none.
 pub(super) fn pieces_needed(segment: &Segment, method: &Method) -> f64 {
     match (&segment.taper, share(method)) {
-        (Some(taper), Some(share)) => needed(taper.steepest() * segment.length, share),
+        (Some(taper), Some(share)) => needed(taper, segment.length, share),
         _ => 1.0,
     }
 }
 
-fn needed(change: f64, share: f64) -> f64 {
+fn needed(taper: &Taper, length: f64, share: f64) -> f64 {
     // Neighbouring means differ by a factor of at most e^(change/pieces), which reflects tanh of half its exponent.
-    (change / (2.0 * share)).ceil().max(1.0)
+    let steps = (taper.steepest() * length / (2.0 * share)).ceil().max(1.0);
+    // Pieces that each have both sides of a thick or thin place would all be alike.
+    let seen = |[part, grown]: [f64; 2]| if grown.abs() > share && part < length { 2.0 * length / part } else { 1.0 };
+    taper.stretches().into_iter().map(seen).fold(steps, f64::max).ceil()
 }
 
 fn pieces(scene: &Scene, segment: &Segment, share: f64) -> Vec<Segment> {
     let Some(taper) = &segment.taper else { return vec![segment.clone()] };
-    let mut count = needed(taper.steepest() * segment.length, share);
+    let mut count = needed(taper, segment.length, share);
     if let Method::CharacteristicNet { cells } = scene.solve.method {
         // A whole number of cells in each piece, as nearly as may be.
         let own = cells as f64 * segment.length / segment.material.c0() / scene.bar.transit_time();

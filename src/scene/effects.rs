@@ -5,6 +5,7 @@ use serde::Serialize;
 use super::Damping;
 use crate::law::rupture::Cause;
 pub use crate::material::Rate;
+use crate::units::{Dimension, System, format};
 
 /// Effects beyond path-independent loading. The default is none.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
@@ -38,6 +39,15 @@ pub enum HardeningRule {
     Kinematic,
     /// The elastic range moves by the given fraction (0 to 1) of the hardening at the accumulated plastic strain.
     Mixed(f64),
+    /// The back stress a has `da = C d(eps_p) - gamma a dp`: [`crate::law::ArmstrongFrederick`].
+    #[serde(rename = "armstrong-frederick")]
+    ArmstrongFrederick {
+        /// Pa, > 0.
+        #[serde(rename = "C")]
+        c: f64,
+        /// > 0.
+        gamma: f64,
+    },
 }
 
 /// Adiabatic heating, see [`crate::material::Heating`]; the other constants are the materials' own.
@@ -88,11 +98,28 @@ impl Effects {
 }
 
 impl HardeningRule {
+    /// Part of the hardening along the curve that moves the elastic range, 0 to 1; 0 where that is not a matter of the curve.
+    pub fn kinematic_fraction(self) -> f64 {
+        match self {
+            Self::Isotropic | Self::ArmstrongFrederick { .. } => 0.0,
+            Self::Kinematic => 1.0,
+            Self::Mixed(fraction) => fraction,
+        }
+    }
+
+    /// The elastic range moves.
+    pub fn moves(self) -> bool {
+        self != Self::Isotropic
+    }
+
     fn describe(self) -> String {
         match self {
             Self::Isotropic => "isotropic".to_owned(),
             Self::Kinematic => "kinematic".to_owned(),
             Self::Mixed(fraction) => format!("mixed {fraction}"),
+            Self::ArmstrongFrederick { c, gamma } => {
+                format!("armstrong-frederick C = {}, gamma = {gamma}", format(c, Dimension::Stress, System::Si))
+            }
         }
     }
 }

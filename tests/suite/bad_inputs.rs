@@ -38,6 +38,7 @@ const SCENES: &[(&str, &str)] = &[
     ("value = \"-3 m/s\"\n", ""),
     ("[right]\nkind = \"free\"\n", ""),
     ("\"isotropic\"", "{ mixed = 2 }"),
+    ("\"isotropic\"", "{ armstrong-frederick = { C = \"30 GPa\" } }"),
     ("\"isotropic\"", "3"),
     ("hardening", "hardning"),
     ("until = \"20 us\"\n", ""),

@@ -148,10 +148,14 @@ fn limits(plastic: f64, hardening: &str) -> [f64; 2] {
 #[test]
 fn the_elastic_range_is_where_hardening_left_it() {
     let flow = |p: f64| YIELD + HARDENING / (1.0 - HARDENING / E) * p;
+    let recalled = "hardening = { armstrong-frederick = { C = 5e9, gamma = 100 } }";
+    let back = |p: f64| 50e6 * (1.0 - (-100.0 * p).exp());
     for (hardening, plastic, [high, low]) in [
         ("hardening = \"isotropic\"", 0.01, [flow(0.01), -flow(0.01)]),
         ("hardening = \"isotropic\"", -0.01, [flow(0.01), -flow(0.01)]),
         ("hardening = \"kinematic\"", 0.005, [flow(0.005), flow(0.005) - 2.0 * YIELD]),
+        (recalled, 0.005, [flow(0.005), 2.0 * back(0.005) - flow(0.005)]),
+        (recalled, -0.005, [flow(0.005) - 2.0 * back(0.005), -flow(0.005)]),
         ("hardening = \"kinematic\"", -0.005, [2.0 * YIELD - flow(0.005), -flow(0.005)]),
     ] {
         let [pulled, pushed] = limits(plastic, hardening);

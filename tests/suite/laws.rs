@@ -4,7 +4,8 @@ use crate::common;
 
 use barwave::law::rate::{Overstress, RateLaw, Timed};
 use barwave::law::{
-    Backbone, CellLaw, Envelope, Indexed, Isotropic, Line, Mixed, Overlay, PathIndependent, Searched, Table, TwoSided,
+    ArmstrongFrederick, BackStress, Backbone, CellLaw, Envelope, Indexed, Isotropic, Line, Mixed, Overlay,
+    PathIndependent, Searched, Table, TwoSided,
 };
 use barwave::material::{Beyond, Curve};
 use common::MODULUS;
@@ -183,11 +184,11 @@ fn isotropic_flow_dissipates<B: Backbone>(law: &Isotropic<B>, reach: f64) {
 }
 
 /// With a back stress it is the stress above it that dissipates; the rest of the work is stored, and can come back.
-fn mixed_flow_dissipates<B: Backbone>(law: &Mixed<B>, reach: f64) {
+fn moving_flow_dissipates<L: CellLaw<N>, const N: usize>(law: &L, reach: f64) {
     let mut point = Point::new(law);
     for increment in to_and_fro(reach) {
         let plastic = point.step(increment);
-        let above_back_stress = point.sigma - point.state[2];
+        let above_back_stress = point.sigma - law.back_stress(point.state);
         assert!(above_back_stress * plastic >= 0.0, "{above_back_stress:e} {plastic:e}");
     }
 }
@@ -223,13 +224,35 @@ fn every_law<B: Backbone + Clone>(backbone: &B, table: &Table) {
     isotropic_flow_dissipates(&Isotropic(backbone.clone()), far(table));
     for kinematic in [0.0, 0.3, 1.0] {
         contract(&mixed(kinematic), table, true);
-        mixed_flow_dissipates(&mixed(kinematic), far(table));
+        moving_flow_dissipates(&mixed(kinematic), far(table));
+    }
+    for (limit, gamma) in [(0.4, 1e3), (0.9, 50.0)] {
+        let back = BackStress::new(limit * yield_stress * gamma, gamma, MODULUS);
+        let law = ArmstrongFrederick::new(backbone.clone(), back);
+        contract(&law, table, true);
+        moving_flow_dissipates(&law, far(table));
     }
     if table.is_multilinear() {
         contract(&Overlay::new(backbone.clone(), table), table, true);
     }
     mixed_without_kinematic_part_is_isotropic(backbone, table);
     kinematic_keeps_its_elastic_range(&mixed(1.0), table);
+}
+
+/// A back stress that rises as the curve does and recalls nothing leaves the size of the elastic range as it is.
+#[test]
+fn armstrong_frederick_without_recall_is_kinematic_along_one_line() {
+    let (table, hardening) = (bilinear(), 20e9);
+    let backbone = Searched(table.clone());
+    let rise = hardening / (1.0 - hardening / MODULUS);
+    let law = ArmstrongFrederick::new(backbone.clone(), BackStress::new(rise, 1e-9, MODULUS));
+    let kinematic = Mixed { backbone, yield_stress: table.yield_stress(), kinematic: 1.0 };
+    let (mut one, mut other) = (Point::new(&law), Point::new(&kinematic));
+    let reach = far(&table);
+    for increment in to_and_fro(reach) {
+        let plastic = one.step(increment) - other.step(increment);
+        assert!((one.sigma - other.sigma).abs() < ROUND_OFF * reach && plastic.abs() < ROUND_OFF * reach);
+    }
 }
 
 fn table(rows: &[(f64, f64)], beyond: Beyond) -> Table {

@@ -349,11 +349,7 @@ fn cases() -> Vec<Case> {
 #[test]
 fn all_ends_and_joints_agree_with_leapfrog_where_flow_is_infinitely_quick() {
     for case in cases() {
-        let kinematic = match case.hardening {
-            HardeningRule::Isotropic => 0.0,
-            HardeningRule::Kinematic => 1.0,
-            HardeningRule::Mixed(b) => b,
-        };
+        let kinematic = case.hardening.kinematic_fraction();
         let difference = |cells: usize| {
             let stiff = Overstress::Malvern { k: 1e20 };
             let mut bar = net::net(case.segments.clone(), case.ends.clone(), stiff, kinematic, cells);

@@ -102,6 +102,13 @@ const CASES: &[Case] = &[
         &["unknown value `isotopic`", "did you mean `isotropic`?"],
     ),
     case(
+        "\"isotropic\"",
+        "{ armstrong-frederick = { C = \"300 GPa\", gamma = 100 } }",
+        "armstrong-frederick",
+        "effects.hardening.armstrong-frederick",
+        &["no elastic range is left", "C/gamma = 3 GPa", "less than the flow stress", "reduce C, or increase gamma"],
+    ),
+    case(
         "\"stress\", ",
         "\"stres\", ",
         "stres",

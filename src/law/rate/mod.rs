@@ -199,11 +199,12 @@ impl RateLaw {
         self.side(sense).pieces()[history.piece[sense] as usize].slope
     }
 
-    /// Stress that a cell can carry at most in a sense (0 tension, 1 compression), Pa: infinite unless it does not depend on the rate
-    /// and its static curve ends level.
-    pub fn largest_stress(&self, sense: usize) -> f64 {
+    /// Elastic limit that a cell can come to by flow in one sense (0 tension, 1 compression), Pa: infinite unless the static curve ends level.
+    pub fn largest_limit(&self, sense: usize, history: &History) -> f64 {
+        let back = if sense == 0 { history.back } else { -history.back };
+        let known = self.kinematic * (self.static_stress(history, sense) - self.side(sense).yield_stress());
         match self.side(sense).pieces() {
-            [.., last] if last.slope == 0.0 && self.overstress == Overstress::RATE_INDEPENDENT => last.stress,
+            [.., last] if last.slope == 0.0 => back + last.stress - known,
             _ => f64::INFINITY,
         }
     }

@@ -18,7 +18,7 @@ type Hdf<T> = hdf5::Result<T>;
 /// Samples in a chunk of the fields. A chunk is a piece of one frame, so that a chunk on the disk never changes: HDF5
 /// moves a compressed chunk that is written again, and a process killed between that and the next flush leaves a
 /// chunk that cannot be decompressed (1 kill in 5 of a writer at full speed, with chunks of 64 frames).
-const CHUNK_COLUMNS: usize = 16_384;
+pub(super) const CHUNK_COLUMNS: usize = 16_384;
 /// Rows in a chunk of a history. Histories are not compressed, so that a chunk grows in place, for the same reason.
 pub(super) const TRACE_ROWS: usize = 1024;
 /// Rows in a chunk of the frame times and of the ledger.

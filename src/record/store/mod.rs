@@ -34,6 +34,7 @@
 mod attributes;
 mod bounded;
 mod checkpoint;
+mod chunks;
 mod claim;
 mod columns;
 mod create;

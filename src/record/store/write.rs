@@ -7,9 +7,12 @@ use ndarray::{ArrayView2, s};
 
 use super::attributes::{get_text, put, put_quantity, put_text, text};
 use super::checkpoint::{self, Checkpoint, Rows};
+use super::chunks::RowChunks;
 use super::claim::{Claim, GONE, in_place, remove_unnamed};
 use super::columns::{append, cut, is_longer};
-use super::create::{SAMPLE, TRACE_ROWS, build, end_columns, gauge_columns, gauge_links, ledger_columns};
+use super::create::{
+    CHUNK_COLUMNS, SAMPLE, TRACE_ROWS, build, end_columns, gauge_columns, gauge_links, ledger_columns,
+};
 use super::figures;
 use super::open_rw;
 use super::paths::PathTable;
@@ -18,7 +21,7 @@ use super::tables::{self, Column};
 use super::{Header, INTERRUPTED, Layout, Message, RUNNING, RunFigures, Side, Trailer};
 use crate::destination;
 use crate::error::{Error, Result};
-use crate::record::{AuditRow, ErrorTable, Frame, FrontRow, LedgerRow, MaterialRecord, Precision, Trace};
+use crate::record::{AuditRow, Compression, ErrorTable, Frame, FrontRow, LedgerRow, MaterialRecord, Precision, Trace};
 
 type Hdf<T> = hdf5::Result<T>;
 
@@ -53,6 +56,8 @@ struct Frames {
     time: Dataset,
     fields: Vec<Dataset>,
     precision: Precision,
+    /// None: the filters of the datasets are those of the library.
+    chunks: Option<RowChunks>,
     columns: usize,
     written: usize,
     times: Vec<f64>,
@@ -299,6 +304,7 @@ impl Frames {
             time: file.dataset("time")?,
             fields,
             precision: layout.precision,
+            chunks: (layout.compression == Compression::Deflate).then(RowChunks::new),
             columns: layout.x.len(),
             written: 0,
             times: Vec::new(),
@@ -351,10 +357,16 @@ impl Frames {
         let (start, end) = (self.written, self.written + rows);
         for (dataset, block) in self.fields.iter().zip(&mut self.blocks) {
             dataset.resize((end, self.columns))?;
-            let view = ArrayView2::from_shape((rows, self.columns), block).map_err(|e| e.to_string())?;
-            match self.precision {
-                Precision::F64 => dataset.write_slice(view, s![start..end, ..])?,
-                Precision::F32 => dataset.write_slice(&view.mapv(|v| v as f32), s![start..end, ..])?,
+            if let Some(chunks) = &mut self.chunks {
+                for (row, values) in (start..end).zip(block.chunks(self.columns)) {
+                    chunks.write(dataset, row, self.columns.min(CHUNK_COLUMNS), values, self.precision)?;
+                }
+            } else {
+                let view = ArrayView2::from_shape((rows, self.columns), block).map_err(|e| e.to_string())?;
+                match self.precision {
+                    Precision::F64 => dataset.write_slice(view, s![start..end, ..])?,
+                    Precision::F32 => dataset.write_slice(&view.mapv(|v| v as f32), s![start..end, ..])?,
+                }
             }
             block.clear();
         }

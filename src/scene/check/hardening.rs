@@ -6,7 +6,10 @@ use super::super::{Effects, HardeningRule};
 use super::Checker;
 use crate::bar::{Bar, Segment};
 use crate::error::Result;
-use crate::law::Table;
+use crate::law::rate::Hardening;
+use crate::law::{BackStress, Table};
+use crate::typed::Placed;
+use crate::units::{Dimension, System, format};
 
 impl Checker<'_> {
     /// Hardening and rate; what else the scene names comes on top.
@@ -22,9 +25,12 @@ impl Checker<'_> {
             RawHardening::Isotropic => HardeningRule::Isotropic,
             RawHardening::Kinematic => HardeningRule::Kinematic,
             RawHardening::Mixed(fraction) => HardeningRule::Mixed(self.si(fraction)?),
+            RawHardening::ArmstrongFrederick(back) => {
+                HardeningRule::ArmstrongFrederick { c: self.si(&back.c)?, gamma: self.si(&back.gamma)? }
+            }
         };
         let two_branches = bar.segments.iter().find(|s| s.material.compression.is_some());
-        if let (Some(segment), HardeningRule::Kinematic | HardeningRule::Mixed(_)) = (two_branches, kind) {
+        if let Some(segment) = two_branches.filter(|_| kind != HardeningRule::Isotropic) {
             let name = &segment.material.name;
             let message = format!("kinematic hardening needs one curve for both senses; `{name}` has two");
             let help = "use hardening = \"isotropic\", or a material without a compression curve of its own";
@@ -39,7 +45,33 @@ impl Checker<'_> {
             let allowed = "\"isotropic\" or { mixed = 0 to 1 }";
             return Err(self.error(hardening.span(), key, message).allowed(allowed).help(help).into());
         }
+        if let HardeningRule::ArmstrongFrederick { c, gamma } = kind {
+            self.leaves_an_elastic_range(hardening, [c, gamma], bar)?;
+        }
         Ok(Effects { hardening: Some(kind), rate, ..Effects::default() })
+    }
+
+    /// The back stress of Armstrong and Frederick is less than the flow stress at any plastic strain.
+    fn leaves_an_elastic_range(&self, hardening: &Placed<RawHardening>, [c, gamma]: [f64; 2], bar: &Bar) -> Result<()> {
+        for segment in &bar.segments {
+            let modulus = segment.material.modulus;
+            let curve = Hardening::new(&table(segment));
+            let Some(p) = BackStress::new(c, gamma, modulus).uses_up(curve.pieces()) else { continue };
+            let message = format!(
+                "no elastic range is left: the back stress comes to the flow stress of `{}` at a plastic strain of {}, and tends to C/gamma = {}",
+                segment.material.name,
+                format(p / modulus, Dimension::None, System::Si),
+                format(c / gamma, Dimension::Stress, System::Si)
+            );
+            let help = "reduce C, or increase gamma";
+            let allowed = "(C/gamma)(1 - exp(-gamma p)) less than the flow stress at any plastic strain p";
+            return Err(self
+                .error(hardening.span(), "effects.hardening.armstrong-frederick", message)
+                .allowed(allowed)
+                .help(help)
+                .into());
+        }
+        Ok(())
     }
 }
 

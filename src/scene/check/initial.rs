@@ -6,8 +6,8 @@ use super::Checker;
 use super::distribution::{ACCUMULATED, PLASTIC, STRAIN, STRESS, TEMPERATURE};
 use crate::bar::{Bar, Initial, Segment};
 use crate::error::{Error, Result};
-use crate::law::Table;
 use crate::law::rate::Hardening;
+use crate::law::{BackStress, Table};
 use crate::material::{Curve, Sense};
 use crate::scene::discretized::{MOST_PIECES, steps_needed};
 use crate::units::{Dimension, System, format};
@@ -106,7 +106,7 @@ impl Checker<'_> {
             let help = "add hardening = \"isotropic\" to [effects]";
             return Err(self.at_key(given, &keys, message).help(help).into());
         }
-        if given.raw.initial_of(given.k, ACCUMULATED).is_some() && moves(effects) > 0.0 {
+        if given.raw.initial_of(given.k, ACCUMULATED).is_some() && moves(effects) {
             let message =
                 "with kinematic or mixed hardening, the accumulated plastic strain does not determine the elastic range"
                     .to_owned();
@@ -241,13 +241,8 @@ fn states(given: &Given<'_>, corners: &[f64]) -> Vec<(Initial, String)> {
     places.into_iter().flat_map(of).collect()
 }
 
-/// Part of the hardening that moves the elastic range.
-fn moves(effects: &Effects) -> f64 {
-    match effects.hardening {
-        None | Some(HardeningRule::Isotropic) => 0.0,
-        Some(HardeningRule::Kinematic) => 1.0,
-        Some(HardeningRule::Mixed(fraction)) => fraction,
-    }
+fn moves(effects: &Effects) -> bool {
+    effects.hardening.is_some_and(HardeningRule::moves)
 }
 
 /// Stresses between which a place in an initial state is elastic, Pa.
@@ -261,14 +256,16 @@ fn elastic_range(segment: &Segment, initial: &Initial, effects: &Effects) -> [f6
     };
     let heating = segment.material.heating.as_ref().filter(|heating| heating.warms());
     let softening = heating.map_or(1.0, |heating| heating.softening(initial.temperature_rise));
-    let kinematic = moves(effects);
-    let p = modulus * if kinematic == 0.0 { initial.accumulated } else { initial.plastic_strain.abs() };
-    if kinematic == 0.0 {
+    let p = modulus * if moves(effects) { initial.plastic_strain.abs() } else { initial.accumulated };
+    if !moves(effects) {
         return [-flow(&compression, p), flow(&tension, p)].map(|limit| softening * limit);
     }
     // Hardening that moves the range needs one curve for both senses.
-    let (first, grown) = (tension.yield_stress(), flow(&tension, p) - tension.yield_stress());
-    let back = (kinematic * grown).copysign(initial.plastic_strain);
-    let half = first + (1.0 - kinematic) * grown;
+    let flow_stress = flow(&tension, p);
+    let moved = match effects.hardening {
+        Some(HardeningRule::ArmstrongFrederick { c, gamma }) => BackStress::new(c, gamma, modulus).first_loading(p),
+        rule => rule.map_or(0.0, HardeningRule::kinematic_fraction) * (flow_stress - tension.yield_stress()),
+    };
+    let (back, half) = (moved.copysign(initial.plastic_strain), flow_stress - moved);
     [back - half, back + half].map(|limit| softening * limit)
 }

@@ -125,4 +125,19 @@ pub enum RawHardening {
     /// The elastic range moves by this fraction of the hardening, and widens by the rest; the hardening is that of the
     /// curve at the accumulated plastic strain.
     Mixed(Of<Plain, Within<0, 1>>),
+    /// Nonlinear kinematic hardening: the back stress a has da = C d(plastic strain) - gamma a dp, p being the accumulated plastic
+    /// strain, and the elastic range is as wide as first loading along the curve requires. C/gamma must be less than the flow stress. For the
+    /// method "fd".
+    ArmstrongFrederick(RawArmstrongFrederick),
+}
+
+/// Constants of a back stress.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RawArmstrongFrederick {
+    /// Initial slope of the back stress over the plastic strain.
+    #[serde(rename = "C")]
+    pub c: Of<Stress, Positive>,
+    /// Rate of saturation: the back stress tends to C/gamma.
+    pub gamma: Of<Plain, Positive>,
 }

@@ -392,6 +392,11 @@ impl Block {
         false
     }
 
+    /// Cells have yielded.
+    pub fn is_plastic(&self) -> bool {
+        self.stage == Stage::Plastic
+    }
+
     /// E times the signed plastic strain of local cell `i`, Pa.
     pub fn plastic_strain(&self, law: &dyn RowLaw, i: usize) -> f64 {
         if self.stage == Stage::Plastic { law.plastic_strain(&self.state, i) } else { 0.0 }

@@ -5,6 +5,39 @@ use super::quantity::Quantity;
 use super::segment::Constants;
 use crate::law::RowLaw;
 
+/// A quantity in all cells of a block, into `out`; as [`cell_value`], to the bit.
+pub(super) fn block_values(
+    quantity: Quantity,
+    block: &Block,
+    law: &dyn RowLaw,
+    constants: &Constants,
+    outer: [f64; 2],
+    out: &mut [f64],
+) {
+    match quantity {
+        Quantity::Stress => out.copy_from_slice(&block.sigma),
+        Quantity::Strain if !block.is_plastic() => {
+            // What has no sign has none in the strain, either.
+            out.iter_mut().zip(&block.sigma[..]).for_each(|(out, sigma)| *out = (sigma + 0.0) / constants.modulus);
+        }
+        Quantity::Velocity if block.taper.is_none() => {
+            let gain = constants.velocity_gain;
+            let mut left = outer[0];
+            let inner = block.sigma.windows(2).zip(&block.v[1..]);
+            let right = inner.map(|(sigma, v)| v - 0.5 * (gain * (sigma[1] - sigma[0])));
+            for (out, right) in out.iter_mut().zip(right.chain([outer[1]])) {
+                *out = 0.5 * (left + right);
+                left = right;
+            }
+        }
+        _ => {
+            for (i, out) in out.iter_mut().enumerate() {
+                *out = cell_value(quantity, block, law, constants, outer, i);
+            }
+        }
+    }
+}
+
 /// A quantity in local cell `i` of a block; `outer` are the velocities of its two edge nodes at the time of the stresses.
 #[inline]
 pub(super) fn cell_value(

@@ -1,7 +1,7 @@
 //! Reading many cells of a bar.
 
 use super::block::Block;
-use super::cell_value::cell_value;
+use super::cell_value::{block_values, cell_value};
 use super::leapfrog::Leapfrog;
 use super::nodes::Nodes;
 use super::quantity::Quantity;
@@ -32,6 +32,17 @@ impl<'a> Reader<'a> {
         // Nothing else reads them.
         let outer = if quantity == Quantity::Velocity { nodes(bar).beside(k) } else { [f64::NAN; 2] };
         Self { bar, quantity, k, block, law, constants, outer }
+    }
+
+    /// The quantity in all cells of the bar, into `out` (one entry a cell).
+    pub fn all(mut self, out: &mut [f64]) {
+        if self.bar.implicit.is_some() {
+            return out.iter_mut().enumerate().for_each(|(cell, out)| *out = self.value(cell));
+        }
+        for k in 0..self.bar.blocks.len() {
+            let Self { quantity, block, law, constants, outer, .. } = Self::in_block(self.bar, self.quantity, k);
+            block_values(quantity, block, law, constants, outer, &mut out[block.cells.clone()]);
+        }
     }
 
     /// The quantity in this cell of the bar.

@@ -31,10 +31,7 @@ impl Leapfrog {
 
     /// A quantity in every cell, into `out` (one entry a cell).
     pub fn profile(&self, quantity: Quantity, out: &mut [f64]) {
-        let mut reader = Reader::new(self, quantity);
-        for (cell, out) in out.iter_mut().enumerate() {
-            *out = reader.value(cell);
-        }
+        Reader::new(self, quantity).all(out);
     }
 
     /// Displacement of every cell centre, m: the left end's, and the strain summed up to the place.

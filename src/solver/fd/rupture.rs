@@ -9,6 +9,8 @@
 //! part. So a place that has not yielded breaks only where its neighbours have come to the threshold, too; in a place
 //! that flows no pulse can have done that.
 
+use std::cmp::Ordering;
+
 use super::block::{Block, Stage};
 use super::breaking::{Breaking, Unresolved};
 use super::contact::Contact;
@@ -99,7 +101,7 @@ impl Leapfrog {
     fn most_overdue(&self, breaking: &mut Breaking) -> Option<Due> {
         let mut worst: Option<Due> = None;
         let mut consider = |breaking: &mut Breaking, due: Due| {
-            if worst.is_some_and(|worst| !self.breaks_before(&due, &worst)) {
+            if worst.is_some_and(|worst| !self.breaks_before(breaking, &due, &worst)) {
                 return;
             }
             if self.may_break(breaking, &due) {
@@ -125,18 +127,33 @@ impl Leapfrog {
     }
 
     /// Of two cells that are due the one farther beyond its criterion breaks first; of equal ones, as on a level part of the curve, the
-    /// one that has flowed more, else the one nearer to the middle of the bar: never the one that comes first in memory, since the
-    /// mirrored bar breaks at the mirrored place.
-    fn breaks_before(&self, a: &Due, b: &Due) -> bool {
+    /// one that has flowed more, else the one nearer to the middle of the bar, else the one on the side of which more is near to breaking:
+    /// never the one that comes first in memory, since the mirrored bar breaks at the mirrored place.
+    fn breaks_before(&self, breaking: &Breaking, a: &Due, b: &Due) -> bool {
         let flowed = |due: &Due| {
             let block = &self.blocks[due.block];
             block.accumulated(self.laws[block.segment].law.as_ref(), due.cell) / self.constants[block.segment].modulus
         };
-        let off_centre =
-            |due: &Due| (2 * (self.blocks[due.block].cells.start + due.cell) + 1).abs_diff(self.grid.cells());
-        larger(a.share, b.share)
-            .or_else(|| larger(flowed(a), flowed(b)))
-            .unwrap_or_else(|| off_centre(a) < off_centre(b))
+        let cell = |due: &Due| self.blocks[due.block].cells.start + due.cell;
+        let off_centre = |due: &Due| (2 * cell(due) + 1).abs_diff(self.grid.cells());
+        larger(a.share, b.share).or_else(|| larger(flowed(a), flowed(b))).unwrap_or_else(|| {
+            match off_centre(a).cmp(&off_centre(b)) {
+                Ordering::Equal if cell(a) < cell(b) => !self.right_is_nearer(breaking, cell(a), cell(b)),
+                Ordering::Equal => self.right_is_nearer(breaking, cell(b), cell(a)),
+                order => order == Ordering::Less,
+            }
+        })
+    }
+
+    /// Of places that are alike: going on from cell `left` to the left and from cell `right` to the right, the right side is the first that is
+    /// nearer to breaking.
+    fn right_is_nearer(&self, breaking: &Breaking, left: usize, right: usize) -> bool {
+        let share = |cell: usize| {
+            let (k, i) = self.block_of(cell);
+            self.share(k, i, &breaking.criteria.segments[self.blocks[k].segment])
+        };
+        let pairs = (0..=left).rev().zip(right..self.grid.cells());
+        pairs.into_iter().find_map(|(left, right)| larger(share(right), share(left))).unwrap_or(false)
     }
 
     /// A quick look at a whole block.
@@ -306,7 +323,11 @@ impl Leapfrog {
             }
         });
         let off_centre = nodes.map(|node| (2 * node).abs_diff(self.grid.cells()));
-        nodes[usize::from(larger(sides[1], sides[0]).unwrap_or(off_centre[1] < off_centre[0]))]
+        let right = larger(sides[1], sides[0]).unwrap_or_else(|| match off_centre[1].cmp(&off_centre[0]) {
+            Ordering::Equal => self.right_is_nearer(breaking, cell, cell),
+            order => order == Ordering::Less,
+        });
+        nodes[usize::from(right)]
     }
 
     fn is_joint(&self, node: usize) -> bool {

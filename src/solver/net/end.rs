@@ -152,11 +152,13 @@ impl End {
     fn respond(&self, relation: &Relation, bar: &Response, part: &Part) -> Answer {
         let [elastic, _] = relation.meet(bar);
         let share = INSIDE * relation.of_velocity / (relation.of_velocity + relation.of_force * bar.impedance);
-        let stress = -elastic / self.face.area;
+        let load = |share| Load { stress: -elastic / self.face.area, share, time: self.dt };
+        let node = self.node(part);
+        let (mut flow, mut history) = part.flow_of_border(node, load(share));
         // What the curve cannot carry pulls at the face all the same, and accelerates it as if it were elastic.
-        let too_much = stress.abs() > part.law.largest_stress(usize::from(stress < 0.0));
-        let share = if too_much { INSIDE } else { share };
-        let (flow, history) = part.flow_of_border(self.node(part), Load { stress, share, time: self.dt });
+        if part.runs_away(node, load(share), &flow) {
+            (flow, history) = part.flow_of_border(node, load(INSIDE));
+        }
         let flowed = Response { force: bar.force + self.face.area * (0.25 * flow.plastic), ..*bar };
         let [force, velocity] = relation.meet(&flowed);
         Answer { force, velocity, flow, history, met: true }

@@ -247,6 +247,16 @@ impl Part {
         self.borders.flow(&self.law, node, load, [beside; 2])
     }
 
+    /// True where no flow takes the static curve of such a node to the stress that acts on it, and it flows more in a step than a node
+    /// whose stress falls could.
+    pub fn runs_away(&self, node: usize, load: Load, flow: &Flow) -> bool {
+        let Some((sense, excess)) = beyond(load.stress, self.borders.low[node], self.borders.high[node]) else {
+            return false;
+        };
+        let (stress, relaxed) = (if sense == 0 { load.stress } else { -load.stress }, 2.0 * excess / INSIDE);
+        flow.plastic.abs() > relaxed && stress > self.law.largest_limit(sense, &self.borders.history[node])
+    }
+
     /// Accounts for a flow of such a node under `stress`, the mean of those before and after it; it is half a node.
     pub fn account(&mut self, node: usize, stress: f64, flow: &Flow, history: History) {
         self.work.add(Work::of(0.5, stress, flow));

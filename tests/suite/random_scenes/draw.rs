@@ -457,10 +457,15 @@ fn history(d: &mut Draw, frame: &Frame, largest: f64, signed: bool) -> (&'static
 
 fn effects(d: &mut Draw, frame: &Frame) -> Keys {
     let mut keys = Keys::new();
-    let hardening = d.pick(&["", "isotropic", "isotropic", "kinematic", "mixed"]);
+    let hardening = d.pick(&["", "isotropic", "isotropic", "kinematic", "mixed", "armstrong-frederick"]);
     match hardening {
         "" => {}
         "mixed" => keys.push(("hardening", Value::Same(format!("{{ mixed = {} }}", d.between(0.0, 1.0))))),
+        "armstrong-frederick" => {
+            let (limit, gamma) = (d.decades(1e6, 1e9), d.decades(10.0, 1e4));
+            let rule = format!("{{ armstrong-frederick = {{ C = {}, gamma = {gamma} }} }}", limit * gamma);
+            keys.push(("hardening", Value::Same(rule)));
+        }
         word => keys.push(("hardening", Value::word(word))),
     }
     if d.one_in(5) {

@@ -319,6 +319,8 @@ fn gives_back(scene: &Scene) -> bool {
     let kinematic = match scene.effects.hardening {
         Some(HardeningRule::Mixed(kinematic)) => kinematic,
         Some(HardeningRule::Kinematic) if by_tangent => 1.0,
+        // Its back stress may be more than half of the elastic range.
+        Some(HardeningRule::ArmstrongFrederick { .. }) => return true,
         _ => 0.0,
     };
     let several = |curve: &Curve| curve.slopes().count() > if curve.beyond() == Beyond::Extend { 2 } else { 1 };

@@ -76,6 +76,10 @@ fn range(most: f64, started: bool, velocity: f64, held: f64) -> [f64; 2] {
 
 /// The impulse of friction in a range on a node whose velocity rises with it, and whether that brings it to rest.
 fn against([least, most]: [f64; 2], velocity: impl Fn(f64) -> f64) -> (f64, bool) {
+    // What rests of itself needs none, not even that of rounding.
+    if least <= 0.0 && most >= 0.0 && velocity(0.0) == 0.0 {
+        return (0.0, true);
+    }
     let (mut low, mut high) = ((least, velocity(least)), (most, velocity(most)));
     if low.1 > 0.0 {
         return (low.0, false);

@@ -14,7 +14,7 @@ use crate::material::{Curve, Heating, Material, Sense};
 use crate::record::Stepped;
 use crate::scene::{Effects, HardeningRule, Method, Scene};
 use crate::snapshot::Snapshot;
-use crate::solver::fd::{DistributedForces, Grid, Leapfrog, SegmentLaw};
+use crate::solver::fd::{DistributedForces, Grid, Leapfrog, SegmentLaw, Shocks};
 use crate::solver::moc::{FrontTracking, Settings};
 use crate::solver::muscl::Muscl;
 use crate::solver::net::{Lattice, Net};
@@ -204,8 +204,27 @@ pub fn segment_law(segment: &Segment, effects: &Effects) -> SegmentLaw {
     SegmentLaw {
         yield_stress: tension.yield_stress().min(compression.yield_stress()),
         end: DataEnd::new([&tension, &compression], material.modulus, material.loading),
+        shocks: shocks([&tension, &compression], material, effects),
         law: choose_backbone(material, &tension, compression, effects),
     }
+}
+
+/// Part of the stress by which a curve lies below its concave hull where its shocks take no energy that matters: that of the scatter of test
+/// records.
+const SCATTER: f64 = 0.02;
+
+/// Which waves of a segment can be shocks.
+fn shocks(tables: [&Table; 2], material: &Material, effects: &Effects) -> Shocks {
+    let jump = |[from, to]: [[f64; 2]; 2]| {
+        ((to[1] - from[1]) * (to[0] - from[0]) / (material.modulus * material.density)).sqrt()
+    };
+    let loading = tables.map(|table| table.chords(SCATTER).into_iter().map(jump).fold(f64::NAN, f64::max));
+    let both_ways = effects.hardening.is_none() && effects.rate.is_none();
+    let unloading = tables.map(|table| match table.lines() {
+        [_, .., last] if both_ways => jump([[0.0; 2], [last.start, last.offset + last.slope * last.start]]),
+        _ => f64::NAN,
+    });
+    Shocks { loading, unloading }
 }
 
 /// The flow rule of a tracked bar under the scene's effects; kinematic hardening is that along one line.

@@ -89,7 +89,9 @@ impl<B: Backbone> CellLaw<4> for ArmstrongFrederick<B> {
             z - p - self.backbone.yielding_stress(z, sense)
         };
         let most = flow(lacks);
-        if most <= 0.0 {
+        // Not where both are infinite, along a curve that never yields.
+        let yields = most > 0.0;
+        if !yields {
             return Response { sigma: predictor, state: [p, signed, back, first], plastic: 0.0 };
         }
         let fades = |flow: f64| lacks * (-self.back.recall * flow).exp();

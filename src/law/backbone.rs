@@ -122,6 +122,32 @@ impl Table {
         self.lines.len() > 2 && self.is_concave()
     }
 
+    /// The chords of the concave hull under which the table lies by more than this part of its stress: (z, y) at both ends. Loading waves that
+    /// run along them are shocks.
+    pub fn chords(&self, scatter: f64) -> Vec<[[f64; 2]; 2]> {
+        let mut knots: Vec<[f64; 2]> = self.lines.iter().map(|line| [line.start, line.at(line.start)]).collect();
+        let last = self.lines[self.lines.len() - 1];
+        if last.slope > 0.0 && last.start > 0.0 {
+            knots.push([2.0 * last.start, last.at(2.0 * last.start)]);
+        }
+        let rise = |[from, to]: [[f64; 2]; 2]| (to[1] - from[1]) / (to[0] - from[0]);
+        let mut hull: Vec<[f64; 2]> = Vec::new();
+        for &knot in &knots {
+            while let [.., before, last] = hull[..]
+                && rise([before, last]) <= rise([last, knot])
+            {
+                hull.pop();
+            }
+            hull.push(knot);
+        }
+        let below = |chord: [[f64; 2]; 2], [z, y]: [f64; 2]| {
+            let above = chord[0][1] + rise(chord) * (z - chord[0][0]);
+            z > chord[0][0] && z < chord[1][0] && above - y > scatter * y
+        };
+        let chords = hull.windows(2).map(|pair| [pair[0], pair[1]]);
+        chords.filter(|&chord| knots.iter().any(|&knot| below(chord, knot))).collect()
+    }
+
     /// True where slopes never grow along the table: it is then the lowest of its lines.
     pub fn is_concave(&self) -> bool {
         self.lines.windows(2).all(|w| w[1].slope <= w[0].slope)
@@ -442,6 +468,19 @@ mod tests {
             assert_eq!(indexed.stress(z, 1.0), z);
         }
         assert!((table.yield_stress() - 200e6).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_curve_that_stiffens_lies_below_chords_of_its_hull() {
+        let chords = |rows: &[(f64, f64)], scatter: f64| {
+            Table::new(&Curve::new(rows, Beyond::Rupture).expect("rows rise"), 200e9).chords(scatter)
+        };
+        assert!(power_law().chords(1e-12).is_empty() && chords(&[(0.001, 200e6)], 0.0).is_empty());
+        // At (0.011, 210 MPa) the chord from (0.001, 200 MPa) to (0.021, 400 MPa) is at 300 MPa.
+        let rows = [(0.001, 200e6), (0.011, 210e6), (0.021, 400e6)];
+        let [[from, to]] = chords(&rows, 0.42)[..] else { panic!("one chord") };
+        assert!((from[0] - 2e8).abs() < 1.0 && (to[0] - 4.2e9).abs() < 1.0 && (to[1] - 4e8).abs() < 1.0);
+        assert!(chords(&rows, 0.43).is_empty());
     }
 
     #[test]

@@ -99,6 +99,12 @@ fn rows() -> Vec<(&'static str, String, &'static str, String)> {
     vec![
         ("`hardening` isotropic, mixed", plain(), STRUCK, on("hardening = { mixed = 0.3 }")),
         ("`hardening` kinematic", plain(), STRUCK, on("hardening = \"kinematic\"")),
+        (
+            "`hardening` Armstrong-Frederick",
+            plain(),
+            STRUCK,
+            on("hardening = { armstrong-frederick = { C = 1e9, gamma = 100 } }"),
+        ),
         ("`rate`", plain(), STRUCK, String::new()),
         ("`heat`, isotropic", plain(), STRUCK, on("heat = {}")),
         (

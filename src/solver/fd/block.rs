@@ -7,7 +7,7 @@ use std::ops::Range;
 use multiversion::multiversion;
 use serde::{Deserialize, Serialize};
 
-use super::grid_filter::{self, Filter, Gaps};
+use super::grid_filter::{self, Beside, Filter, Gaps};
 use super::quantity::Quantity;
 use super::signals::{Signals, inner_nodes};
 use super::sizes::MOST_CELLS;
@@ -247,26 +247,26 @@ impl Block {
         self.inner = [self.v[1], self.v[self.sigma.len() - 1]];
     }
 
-    /// Damps the ripples of the block's inner nodes; `outside` are the velocities of
-    /// the nodes next to the block in its own segment. The nodes at its two edges belong to the caller, who finds their
+    /// Damps the ripples of the block's inner nodes; `outside` is what is next to it. The nodes at its two edges belong to the caller, who finds their
     /// share in `impulses_at_edges`.
     pub fn apply_grid_filter(
         &mut self,
         velocity_gain: f64,
         filter: Filter,
-        outside: [Option<f64>; 2],
+        outside: [Beside; 2],
         scratch: &mut Scratch,
     ) {
         let Scratch { work, gaps, .. } = scratch;
         let (cells, active, v) = (self.sigma.len(), self.active.clone(), &mut self.v);
         let (at_left, at_right) = (active.start == 0, active.end == cells);
         let outside = [
-            if at_left { outside[0] } else { Some(v[active.start - 1]) },
-            if at_right { outside[1] } else { Some(v[active.end + 1]) },
+            if at_left { outside[0] } else { Beside::Node(v[active.start - 1]) },
+            if at_right { outside[1] } else { Beside::Node(v[active.end + 1]) },
         ];
         gaps.read(&v[active.start..=active.end], outside, filter.rounding);
         self.impulses_at_edges = [0.0; 2];
-        if gaps.are_smooth() {
+        let flow = self.flow.get(active.clone()).unwrap_or_default();
+        if gaps.are_smooth(flow, filter) {
             return;
         }
         // Cells at rest hand nothing over: they do not flow, and beyond the first one nothing alternates.
@@ -277,8 +277,7 @@ impl Block {
         if !at_right {
             impulses[active.end] = 0.0;
         }
-        let flow = self.flow.get(active.clone()).unwrap_or_default();
-        let anything = gaps.find(flow, filter, &mut impulses[active.clone()]);
+        let anything = gaps.find(flow, &self.sigma[active.clone()], filter, &mut impulses[active.clone()]);
         self.impulses_at_edges =
             [if at_left { impulses[0] } else { 0.0 }, if at_right { impulses[cells - 1] } else { 0.0 }];
         if !anything {

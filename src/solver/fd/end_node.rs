@@ -259,13 +259,23 @@ impl EndNode {
         self.model = ends::model(&EndCondition::Free, self.face);
     }
 
-    /// The grid filter changes the node's velocity (m/s, in +x), unless that is prescribed just now. `sigma_cell` is the stress
-    /// of the end cell.
+    /// The grid filter changes the node's velocity (m/s, in +x); where that is prescribed just now the end takes the impulse. `sigma_cell` is
+    /// the stress of the end cell.
     pub(super) fn damp(&mut self, change: f64, sigma_cell: f64) {
-        if change == 0.0 || self.is_held() {
+        if change == 0.0 {
             return;
         }
         let change = self.face.inward * change;
+        if self.is_held() {
+            let impulse = -change * self.node.impedance * self.dt;
+            let given = impulse * self.node.after;
+            self.impulse += self.face.inward * impulse;
+            self.throughput += impulse.abs();
+            self.work += given;
+            self.work_on_node += given;
+            self.damped += given;
+            return;
+        }
         let velocity_increment = (self.force + self.node.area * sigma_cell) / self.node.impedance;
         self.damped +=
             0.5 * self.node.impedance * self.dt * grid_filter::node(velocity_increment, change, &mut self.node.after);

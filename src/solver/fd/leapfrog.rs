@@ -8,6 +8,7 @@ use super::edge::{Edge, contacts, edges};
 use super::end_node::{EndGrid, EndNode};
 use super::fan::StartingFan;
 use super::grid::Grid;
+use super::grid_filter::Shocks;
 use super::implicit::{DistributedForces, Implicit};
 use super::segment::{Constants, SegmentLaw};
 use super::sizes::block_sizes;
@@ -83,16 +84,20 @@ impl Leapfrog {
         leapfrog
     }
 
-    /// The same with what acts along the bar; without joints that can open. A bar along which nothing acts is the plain one.
+    /// The same with what acts along the bar; without joints that can open. A bar along which nothing acts is the plain one. There is no
+    /// artificial viscosity: ends account for no impulses but those of the nodes.
     pub fn with_along(
         bar: &Bar,
         grid: Grid,
-        laws: Vec<SegmentLaw>,
+        mut laws: Vec<SegmentLaw>,
         ends: [EndCondition; 2],
         along: &DistributedForces,
     ) -> Self {
         if along.is_nothing() {
             return Self::new(bar, grid, laws, ends);
+        }
+        for law in &mut laws {
+            law.shocks = Shocks::NONE;
         }
         let mut leapfrog = Self::before_start(bar, grid, laws, ends);
         debug_assert!(leapfrog.contacts.is_empty());
@@ -121,8 +126,9 @@ impl Leapfrog {
     }
 
     fn before_start(bar: &Bar, grid: Grid, laws: Vec<SegmentLaw>, ends: [EndCondition; 2]) -> Self {
-        let segments = bar.segments.iter().zip(&grid.segments);
-        let constants: Vec<_> = segments.map(|(segment, part)| Constants::new(segment, part, grid.dt)).collect();
+        let segments = bar.segments.iter().zip(&grid.segments).zip(&laws);
+        let constants: Vec<_> =
+            segments.map(|((segment, part), law)| Constants::new(segment, part, grid.dt, law.shocks)).collect();
         let blocks = blocks(bar, &grid);
         let mut edges = edges(&blocks, &constants);
         let contacts = contacts(bar, grid.dt, &blocks, &constants, &mut edges);

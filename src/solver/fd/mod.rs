@@ -33,6 +33,7 @@ pub use breaking::Unresolved;
 pub use contact::ContactState;
 pub use end_node::EndNode;
 pub use grid::{Grid, SegmentGrid};
+pub use grid_filter::Shocks;
 pub use implicit::DistributedForces;
 pub use leapfrog::{Leapfrog, Log, LoggedCell};
 pub use quantity::Quantity;

@@ -126,7 +126,7 @@ mod tests {
     use crate::material::{Beyond, Curve, Material, Sense};
     use crate::solver::fd::block::Scratch;
     use crate::solver::fd::segment::Constants;
-    use crate::solver::fd::{DistributedForces, Grid, Leapfrog, SegmentLaw};
+    use crate::solver::fd::{DistributedForces, Grid, Leapfrog, SegmentLaw, Shocks};
 
     const YIELD: f64 = 200e6;
 
@@ -140,7 +140,7 @@ mod tests {
     fn bar(material: Material, law: Arc<dyn RowLaw>) -> Leapfrog {
         let end = DataEnd::of(&material);
         let bar = Bar { segments: vec![Segment::new(1.0, 1.0, material)], area_given: true };
-        let law = SegmentLaw { law, yield_stress: YIELD, end };
+        let law = SegmentLaw { law, yield_stress: YIELD, end, shocks: Shocks::NONE };
         let struck = EndCondition::Velocity { history: History::constant(20.0), release: Some(5e-5) };
         Leapfrog::new(&bar, Grid::new(&bar, 1301, 1.0), vec![law], [struck, EndCondition::Fixed])
     }
@@ -244,6 +244,7 @@ mod tests {
         let laws = segments.iter().map(|&(_, _, moves)| SegmentLaw {
             law: law(moves),
             yield_stress: YIELD,
+            shocks: Shocks::NONE,
             end: DataEnd::of(&material),
         });
         let laws = laws.collect();

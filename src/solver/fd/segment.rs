@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::SegmentGrid;
-use super::grid_filter::Filter;
+use super::grid_filter::{Filter, Shocks};
 use crate::bar::Segment;
 use crate::law::{DataEnd, RowLaw};
 
@@ -16,6 +16,8 @@ pub struct SegmentLaw {
     pub yield_stress: f64,
     /// Where its data end.
     pub end: DataEnd,
+    /// Which of its waves can be shocks.
+    pub shocks: Shocks,
 }
 
 /// Constants of a segment.
@@ -37,7 +39,7 @@ pub(super) struct Constants {
 
 impl Constants {
     /// In steps of `dt` (s).
-    pub fn new(segment: &Segment, part: &SegmentGrid, dt: f64) -> Self {
+    pub fn new(segment: &Segment, part: &SegmentGrid, dt: f64, shocks: Shocks) -> Self {
         let (modulus, density, c0) = (segment.material.modulus, segment.material.density, segment.material.c0());
         let courant = c0 * dt / part.dx;
         Self {
@@ -48,7 +50,7 @@ impl Constants {
             cell_volume: segment.area * part.dx,
             area: segment.area,
             courant,
-            filter: Filter::new(c0, courant),
+            filter: Filter::new(c0, courant, shocks),
         }
     }
 }

@@ -7,6 +7,7 @@ use super::cell_value::cell_value;
 use super::contact::Contact;
 use super::edge::{Edge, last};
 use super::end_node::EndNode;
+use super::grid_filter::Beside;
 use super::nodes::Nodes;
 use super::segment::{Constants, SegmentLaw};
 
@@ -188,18 +189,20 @@ impl Subdomain<'_> {
         }
     }
 
-    /// Velocities, before they are damped, of the nodes next to block `k` inside its neighbours, where these are of its own
-    /// segment. At an end that is not held the bar goes on as in a mirror.
-    fn nodes_outside(&self, k: usize) -> [Option<f64>; 2] {
+    /// What is next to block `k`: the nodes inside its neighbours, before they are damped, where these are of its own segment. At an end
+    /// that is not held the bar goes on as in a mirror.
+    fn nodes_outside(&self, k: usize) -> [Beside; 2] {
         let block = &self.blocks[k];
         let cells = block.sigma.len();
-        let mirrored = |end: usize, node: usize| {
-            let end_node = self.ends[end].as_ref()?;
-            (!end_node.is_held()).then_some(block.v[node])
+        let mirrored = |end: usize, node: usize| match &self.ends[end] {
+            Some(end_node) if end_node.is_held() => Beside::Held,
+            Some(_) => Beside::Node(block.v[node]),
+            None => Beside::Joint,
         };
         let parted = |edge: usize| self.contacts.iter().any(|contact| contact.edge == self.first + edge);
         let inside = |other: &Block, edge: usize, side: usize| {
-            (other.segment == block.segment && !parted(edge)).then(|| other.undamped(side))
+            let whole = other.segment == block.segment && !parted(edge);
+            if whole { Beside::Node(other.undamped(side)) } else { Beside::Joint }
         };
         let left = match k.checked_sub(1) {
             None => mirrored(0, 1),

@@ -88,9 +88,6 @@ pub fn check(spec: &Spec) -> Checked {
 const AGREE: [f64; 3] = [0.04, 0.07, 0.15];
 /// How many times as many: a load that is shorter than the time of a cell is not resolved before.
 const FINER: [usize; 6] = [1, 2, 4, 8, 16, 32];
-/// Along a curve that is followed both ways what falls back is a shock. Leapfrog has no viscosity for it: it rings behind a shock instead of
-/// losing energy there. Below this part of all energy, taken by the method, that shows in no mean.
-const SHOCKS: f64 = 0.1;
 /// Strain above which plastic waves are so slow that some ten cells do not resolve them.
 const RESOLVED: f64 = 0.1;
 /// Stresses of bars in uniform motion are rounding, Pa.
@@ -148,13 +145,11 @@ fn resolved_from(spec: &Spec) -> usize {
     FINER.iter().position(|by| dt <= f64::from(*by as u32) * shortest).unwrap_or(FINER.len())
 }
 
-/// Curves that are followed both ways, where methods mean different things: see `leapfrog_keeps_what_unloading_shocks_lose` and
-/// `what_gathers_at_a_place_comes_back_on_a_grid_alone`.
+/// Curves that are followed both ways, where strain gathers: see `what_gathers_at_a_place_comes_back_on_a_grid_alone` and, between two grids,
+/// `what_gathers_in_cells_comes_back_by_their_size`.
 fn are_different_problems(pair: &[(Method, &Figures)]) -> bool {
-    let any = |wanted: Method| pair.iter().any(|(method, _)| *method == wanted);
     let (a, b) = (pair[0].1, pair[1].1);
-    let shocks = any(Method::Leapfrog) && a.taken.max(b.taken) > SHOCKS;
-    a.returns && (shocks || (any(Method::Moc) && (a.gathers || b.gathers)))
+    a.returns && (a.gathers || b.gathers)
 }
 
 /// An end under a stress above all that its curve carries, which falls back later: see

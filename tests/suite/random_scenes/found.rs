@@ -1030,8 +1030,35 @@ fn the_middle_cell_of_a_level_stress_breaks_on_the_same_side_as_in_the_mirror() 
 fn a_bar_that_is_thick_in_the_middle_has_an_error_figure() {
     let bar = bar(STEEL).replace("area = 1e-4", "area = [[0, 1e-4], [0.095, 1.09e-4], [0.19, 1e-4]]");
     let solve = "until = 6e-5\nmethod = \"moc\"\nfront-tolerance = 0.01";
-    let scene = scene(&text(&bar, "kind = \"velocity\"\nvalue = 5", "hardening = \"isotropic\"", solve));
+    let scene = scene(&text(&bar, "kind = \"velocity\"\nvalue = 3", "hardening = \"isotropic\"", solve));
     let summary = run(&scene, None, &mut |_| ControlFlow::Continue(())).unwrap_or_else(|e| panic!("{e}"));
     let error = summary.error.expect("a companion").value;
     assert!(error > 1e-3 && error < 0.2, "{error}");
+}
+
+/// Leapfrog had no viscosity for the shock along a curve that stiffens: it rang behind it, the peaks stayed as plastic strain, and the bar was
+/// 14 % off on 80 cells and 18 % on 2560.
+#[test]
+fn leapfrog_follows_a_shock_along_a_curve_that_stiffens() {
+    let stiffens = "{ density = 5210, modulus = 7e10, beyond = \"extend\", curve = { table = [[6.91e-4, 4.837e7], [1.465e-3, 5.5684e7], [3.53e-3, 5.675e7], [4.4e-3, 6.29e7], [2.36e-2, 6.558e7], [2.496e-2, 7.095e7], [4.286e-2, 3.453e8], [4.963e-2, 5.688e8]] } }";
+    let by = |solve: &str| {
+        let bar = bar(stiffens).replace("0.19", "0.02");
+        let solve = format!("until = 1.2e-5\n{solve}");
+        figures_of(&text(&bar, "kind = \"velocity\"\nvalue = 35.2", "hardening = \"isotropic\"", &solve))
+            .expect("it runs")
+    };
+    let tracked = by("method = \"moc\"");
+    for cells in [80, 640] {
+        let differs = by(&format!("cells = {cells}")).differs(&tracked);
+        assert!(differs.largest() < 0.05, "{cells} cells: {differs:?}");
+    }
+}
+
+/// An initial plastic strain of a curve that never yields was sought up to an infinite stress, where what flows is not a number.
+#[test]
+fn a_curve_that_never_yields_has_no_back_stress() {
+    let elastic = "{ density = 4080, modulus = 7e10, beyond = \"extend\", curve = { table = [[8.76e-4, 6.132e7]] } }";
+    let bar = format!("{}plastic-strain = 0.005\n", bar(elastic));
+    let effects = "hardening = { armstrong-frederick = { C = 1.6e10, gamma = 8790 } }";
+    assert!(figures_of(&text(&bar, "kind = \"velocity\"\nvalue = 3", effects, "until = 9e-5\ncells = 60")).is_some());
 }

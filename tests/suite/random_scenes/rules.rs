@@ -142,10 +142,10 @@ fn a_stress_above_the_curve_leaves_its_impulse_in_the_end_cell() {
     }
 }
 
-/// The rule that leaves leapfrog out of the comparison where shocks take much: along a curve that is followed both ways unloading is a
-/// shock, and leapfrog has no viscosity that takes what is lost there. On finer cells its difference to the two others stays.
+/// Along a curve that is followed both ways unloading is a shock. Leapfrog takes what is lost there by artificial viscosity; without it its
+/// difference to the two others was 9 to 20 %, on any number of cells.
 #[test]
-fn leapfrog_keeps_what_unloading_shocks_lose() {
+fn leapfrog_loses_what_unloading_shocks_take() {
     let bilinear = "{ density = 4590, modulus = 7e10, beyond = \"extend\", curve = { table = [[1.15e-3, 8.05e7], [2.4265e-3, 8.8577692e7]] } }";
     let bar = bar(bilinear).replace("0.19", "1.99").replace("1e-4", "213e-6");
     let by = |solve: &str| {
@@ -156,12 +156,29 @@ fn leapfrog_keeps_what_unloading_shocks_lose() {
         figures.expect("it runs")
     };
     let tracked = by("method = \"moc\"\nfront-tolerance = 1e-2\nmax-events = 1000000");
+    let differs = |solve: &str| by(solve).differs(&tracked).stress;
     for cells in [120, 480] {
-        let conservative = by(&format!("scheme = \"muscl\"\ncells = {cells}"));
-        let leapfrog = by(&format!("cells = {cells}\ncfl = 0.5"));
-        let [agrees, differs] = [&conservative, &leapfrog].map(|figures| figures.differs(&tracked).stress);
-        assert!(agrees < 0.04 && differs > 0.08, "{cells} cells: {agrees} and {differs}");
-        assert!(leapfrog.taken < conservative.taken, "{} and {}", leapfrog.taken, conservative.taken);
+        let conservative = differs(&format!("scheme = \"muscl\"\ncells = {cells}"));
+        let leapfrog = differs(&format!("cells = {cells}\ncfl = 0.5"));
+        assert!(conservative < 0.04 && leapfrog < 0.06, "{cells} cells: {conservative} and {leapfrog}");
+    }
+}
+
+/// The same between two grids: above the critical velocity the strain of the end cell goes with its size, and so does what it gives back along a
+/// curve that is followed both ways. Finer cells do not bring the grids together, and by each the strain of the end grows.
+#[test]
+fn what_gathers_in_cells_comes_back_by_their_size() {
+    let level = "{ density = 6530, modulus = 2e11, curve = { table = [[1.01e-3, 2.02e8], [0.5, 2.02e8]] } }";
+    let by = |scheme: &str, cells: usize| {
+        let left = "kind = \"velocity\"\nhistory = [[0, -9.6], [1.3e-5, -9.6], [1.3e-5, 9], [5.54e-5, 9]]";
+        let solve = format!("until = 5.54e-5\nscheme = \"{scheme}\"\ncells = {cells}");
+        let text = text(&bar(level).replace("0.19", "0.101"), left, "", &solve);
+        figures_of(&text.replace("[right]\nkind = \"free\"", "[right]\nkind = \"fixed\"")).expect("it runs")
+    };
+    for cells in [50, 200] {
+        let [leapfrog, muscl] = ["leapfrog", "muscl"].map(|scheme| by(scheme, cells));
+        let differs = leapfrog.differs(&muscl);
+        assert!(leapfrog.returns && differs.stress.max(differs.velocity) > 0.06, "{cells} cells: {differs:?}");
     }
 }
 

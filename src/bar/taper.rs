@@ -91,9 +91,14 @@ impl Taper {
         volume / (to - from)
     }
 
+    /// The area goes with this power of the size.
+    fn power(&self) -> f64 {
+        if self.profile == Profile::Area { 1.0 } else { 2.0 }
+    }
+
     /// The largest |dA/dx|/A, 1/m.
     pub fn steepest(&self) -> f64 {
-        let power = if self.profile == Profile::Area { 1.0 } else { 2.0 };
+        let power = self.power();
         let pair =
             |(x, size): (&[f64], &[f64])| power * (size[1] - size[0]).abs() / ((x[1] - x[0]) * size[0].min(size[1]));
         self.x.windows(2).zip(self.size.windows(2)).map(pair).fold(0.0, f64::max)
@@ -101,7 +106,7 @@ impl Taper {
 
     /// The parts in which the area only grows or only falls: their lengths, m, and the logarithms of what it grows by.
     pub fn stretches(&self) -> Vec<[f64; 2]> {
-        let power = if self.profile == Profile::Area { 1.0 } else { 2.0 };
+        let power = self.power();
         let rows = self.x.windows(2).zip(self.size.windows(2));
         let mut stretches: Vec<[f64; 2]> = Vec::new();
         for (x, size) in rows {

@@ -13,6 +13,7 @@ use usvg::{Group, ImageKind, Node, Paint, Transform};
 
 /// Points for each px of 1/96 inch.
 const POINTS: f32 = 0.75;
+
 /// What is wrong with a picture.
 type Reason = String;
 

@@ -75,7 +75,7 @@ const METHODS: &[Row] = &[
     row("`hardening` kinematic", several_lines,
         "kinematic hardening along several lines, as that of {}", "it stores no reversal points", MIXED,
         [Yes, Yes, Only("curves with one hardening line"), Yes]),
-    row("`hardening` Armstrong-Frederick", |a| when(armstrong_frederick(a)),
+    row("`hardening` Armstrong-Frederick", |a| when(a.effects.armstrong_frederick().is_some()),
         "Armstrong-Frederick hardening", "it takes the curve of reverse flow from that of first loading", MIXED,
         [Yes, No, No, No]),
     row("`effects = \"auto\"`", |a| when(a.auto),
@@ -144,11 +144,6 @@ fn ball(asked: &Asked<'_>) -> bool {
     asked.ends.iter().any(|end| matches!(end, EndCondition::Ball { .. }))
 }
 
-fn armstrong_frederick(asked: &Asked<'_>) -> bool {
-    let rule = asked.effects.hardening.as_ref().map(Placed::get_ref);
-    matches!(rule, Some(RawHardening::ArmstrongFrederick(_)))
-}
-
 /// Hardening moves the elastic range.
 fn moves(asked: &Asked<'_>) -> bool {
     asked.effects.hardening.as_ref().is_some_and(|u| !matches!(u.get_ref(), RawHardening::Isotropic))
@@ -186,6 +181,11 @@ impl RawEffects {
     /// Where it is said that lateral motion has inertia, if it has.
     pub(super) fn lateral_inertia(&self) -> Option<&Placed<bool>> {
         self.lateral_inertia.as_ref().filter(|on| *on.get_ref())
+    }
+
+    /// Where Armstrong-Frederick hardening is asked for, if it is.
+    fn armstrong_frederick(&self) -> Option<&Placed<RawHardening>> {
+        self.hardening.as_ref().filter(|rule| matches!(rule.get_ref(), RawHardening::ArmstrongFrederick(_)))
     }
 
     /// Hardening is that of [`crate::law::Overlay`] wherever a curve has several lines of it. With a rate or heat it is not.
@@ -315,9 +315,7 @@ fn heating(parts: &Parts<'_>) -> Option<Found> {
 }
 
 fn recalled(parts: &Parts<'_>) -> Option<Found> {
-    let rule = parts.effects.hardening.as_ref();
-    let rule = rule.filter(|rule| matches!(rule.get_ref(), RawHardening::ArmstrongFrederick(_)));
-    rule.map(|rule| Found {
+    parts.effects.armstrong_frederick().map(|rule| Found {
         name: "armstrong-frederick".to_owned(),
         key: "effects.hardening".to_owned(),
         span: rule.span(),

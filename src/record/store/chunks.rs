@@ -1,5 +1,5 @@
 //! Rows of a field, compressed here and written as they are: as the library's own shuffle and deflate filters do it, which set up the
-//! compression anew for every chunk and take three times as long.
+//! compression anew for every chunk and take nearly twice as long.
 #![allow(unsafe_code)]
 
 use std::ptr;

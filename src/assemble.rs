@@ -7,8 +7,8 @@ use crate::bar::{Bar, Segment, initial_fans};
 use crate::law::rate::{Heated, Overstress, RateLaw, Timed};
 use crate::law::rupture::{Criteria, Criterion};
 use crate::law::{
-    ArmstrongFrederick, BackStress, Backbone, CellLaw, DataEnd, Envelope, Indexed, Isotropic, Mixed, Overlay,
-    PathIndependent, RowLaw, Rows, Searched, Table, TwoSided, WithTemperature,
+    ArmstrongFrederick, BackStress, Backbone, CellLaw, Chord, DataEnd, Envelope, Indexed, Isotropic, Mixed, Overlay,
+    PathIndependent, RowLaw, Rows, Searched, Table, TwoSided,
 };
 use crate::material::{Curve, Heating, Material, Sense};
 use crate::record::Stepped;
@@ -215,15 +215,10 @@ const SCATTER: f64 = 0.02;
 
 /// Which waves of a segment can be shocks.
 fn shocks(tables: [&Table; 2], material: &Material, effects: &Effects) -> Shocks {
-    let jump = |[from, to]: [[f64; 2]; 2]| {
-        ((to[1] - from[1]) * (to[0] - from[0]) / (material.modulus * material.density)).sqrt()
-    };
-    let loading = tables.map(|table| table.chords(SCATTER).into_iter().map(jump).fold(f64::NAN, f64::max));
+    let distance = |chord: Chord| chord.relative_distance(material.modulus);
+    let loading = tables.map(|table| table.chords(SCATTER).into_iter().map(distance).fold(0.0, f64::max));
     let both_ways = effects.hardening.is_none() && effects.rate.is_none();
-    let unloading = tables.map(|table| match table.lines() {
-        [_, .., last] if both_ways => jump([[0.0; 2], [last.start, last.offset + last.slope * last.start]]),
-        _ => f64::NAN,
-    });
+    let unloading = tables.map(|table| table.chord_from_origin().filter(|_| both_ways).map_or(0.0, distance));
     Shocks { loading, unloading }
 }
 
@@ -275,14 +270,14 @@ fn choose_law<B: Backbone + 'static>(
     }
 }
 
-/// The law as it stands, which can tell the temperature where its tables are those of a heated material.
+/// A law that can tell the temperature where its tables are those of a heated material.
 fn warming<L: CellLaw<N> + 'static, const N: usize>(law: L, material: &Material) -> Arc<dyn RowLaw> {
     match &material.heating {
-        Some(heating) => rows(WithTemperature::new(law, heating, material.modulus)),
+        Some(heating) => Arc::new(Rows::adiabatic(law, heating, material.modulus)),
         None => rows(law),
     }
 }
 
 fn rows<L: CellLaw<N> + 'static, const N: usize>(law: L) -> Arc<dyn RowLaw> {
-    Arc::new(Rows(law))
+    Arc::new(Rows::new(law))
 }

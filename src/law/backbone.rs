@@ -59,6 +59,33 @@ pub struct Table {
 /// their line, and any physical change of slope is far larger.
 const SAME_SLOPE: f64 = 1e-12;
 
+/// A chord of a table.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Chord {
+    /// (z, y) at both ends, Pa.
+    pub ends: [[f64; 2]; 2],
+    /// Largest difference in stress to the table between them, Pa.
+    pub distance: f64,
+}
+
+impl Chord {
+    /// Largest difference to the table over rho (change of velocity)^2 of a wave that runs along the chord, for the modulus of the table, Pa.
+    pub fn relative_distance(&self, modulus: f64) -> f64 {
+        let [from, to] = self.ends;
+        self.distance * modulus / ((to[1] - from[1]) * (to[0] - from[0]))
+    }
+}
+
+/// Slope of the line through two points (z, y).
+fn slope(from: [f64; 2], to: [f64; 2]) -> f64 {
+    (to[1] - from[1]) / (to[0] - from[0])
+}
+
+/// Stress at z of the line through two points (z, y), Pa.
+fn stress_on([from, to]: [[f64; 2]; 2], z: f64) -> f64 {
+    from[1] + slope(from, to) * (z - from[0])
+}
+
 impl Table {
     /// The table of a loading curve with elastic modulus `modulus` (Pa, >= every slope of the curve). Drops in
     /// stress are filled (see [`Curve::running_maximum`]): a falling stress cannot travel as a wave.
@@ -122,30 +149,42 @@ impl Table {
         self.lines.len() > 2 && self.is_concave()
     }
 
-    /// The chords of the concave hull under which the table lies by more than this part of its stress: (z, y) at both ends. Loading waves that
-    /// run along them are shocks.
-    pub fn chords(&self, scatter: f64) -> Vec<[[f64; 2]; 2]> {
+    /// The chords of the concave hull under which the table lies by more than this part of its stress. Loading waves that run along them are
+    /// shocks.
+    pub fn chords(&self, scatter: f64) -> Vec<Chord> {
         let mut knots: Vec<[f64; 2]> = self.lines.iter().map(|line| [line.start, line.at(line.start)]).collect();
         let last = self.lines[self.lines.len() - 1];
         if last.slope > 0.0 && last.start > 0.0 {
             knots.push([2.0 * last.start, last.at(2.0 * last.start)]);
         }
-        let rise = |[from, to]: [[f64; 2]; 2]| (to[1] - from[1]) / (to[0] - from[0]);
         let mut hull: Vec<[f64; 2]> = Vec::new();
         for &knot in &knots {
             while let [.., before, last] = hull[..]
-                && rise([before, last]) <= rise([last, knot])
+                && slope(before, last) <= slope(last, knot)
             {
                 hull.pop();
             }
             hull.push(knot);
         }
-        let below = |chord: [[f64; 2]; 2], [z, y]: [f64; 2]| {
-            let above = chord[0][1] + rise(chord) * (z - chord[0][0]);
-            z > chord[0][0] && z < chord[1][0] && above - y > scatter * y
+        let above = |chord: [[f64; 2]; 2]| {
+            let between = knots.iter().filter(move |[z, _]| *z > chord[0][0] && *z < chord[1][0]);
+            between.map(move |&knot| (stress_on(chord, knot[0]) - knot[1], knot[1]))
         };
-        let chords = hull.windows(2).map(|pair| [pair[0], pair[1]]);
-        chords.filter(|&chord| knots.iter().any(|&knot| below(chord, knot))).collect()
+        let chord = |ends: [[f64; 2]; 2]| {
+            let scattered = above(ends).all(|(distance, stress)| distance <= scatter * stress);
+            let distance = above(ends).fold(0.0, |most, (distance, _)| f64::max(most, distance));
+            (!scattered).then_some(Chord { ends, distance })
+        };
+        hull.windows(2).filter_map(|pair| chord([pair[0], pair[1]])).collect()
+    }
+
+    /// The chord from the origin to twice the strain of the last knot, and how far the table lies above it; none without knots beyond the
+    /// elastic line.
+    pub fn chord_from_origin(&self) -> Option<Chord> {
+        let [_, .., last] = self.lines[..] else { return None };
+        let ends = [[0.0; 2], [2.0 * last.start, last.at(2.0 * last.start)]];
+        let above = self.lines.iter().map(|line| line.at(line.start) - stress_on(ends, line.start));
+        Some(Chord { ends, distance: above.fold(0.0, f64::max) })
     }
 
     /// True where slopes never grow along the table: it is then the lowest of its lines.
@@ -478,7 +517,7 @@ mod tests {
         assert!(power_law().chords(1e-12).is_empty() && chords(&[(0.001, 200e6)], 0.0).is_empty());
         // At (0.011, 210 MPa) the chord from (0.001, 200 MPa) to (0.021, 400 MPa) is at 300 MPa.
         let rows = [(0.001, 200e6), (0.011, 210e6), (0.021, 400e6)];
-        let [[from, to]] = chords(&rows, 0.42)[..] else { panic!("one chord") };
+        let [Chord { ends: [from, to], .. }] = chords(&rows, 0.42)[..] else { panic!("one chord") };
         assert!((from[0] - 2e8).abs() < 1.0 && (to[0] - 4.2e9).abs() < 1.0 && (to[1] - 4e8).abs() < 1.0);
         assert!(chords(&rows, 0.43).is_empty());
     }

@@ -24,16 +24,17 @@ pub mod rupture;
 
 use std::ops::Range;
 
-use crate::material::Sense;
+use crate::material::{Heating, Sense};
 use crate::root::bisect;
+
+use heat::AdiabaticTemperature;
 
 pub use aligned::{Aligned, AlignedRow, aligned_row, split_off};
 pub use armstrong_frederick::{ArmstrongFrederick, BackStress};
 pub(crate) use backbone::PieceIndex;
-pub use backbone::{Backbone, Envelope, Indexed, Line, Searched, Table, TwoSided};
+pub use backbone::{Backbone, Chord, Envelope, Indexed, Line, Searched, Table, TwoSided};
 pub use data_end::{DataEnd, FirstPassed, Flowing, Limit, Passed, Reached, StrainedRow};
 pub use elastic::elastic_row;
-pub use heat::WithTemperature;
 pub use overlay::Overlay;
 pub use path_independent::PathIndependent;
 pub use plastic::{Isotropic, Mixed};
@@ -283,10 +284,6 @@ pub trait RowLaw: Send + Sync {
     /// As [`RowLaw::advance`], with E times the strain increment of every cell (Pa) given; `work` is as in [`Row`].
     fn strain(&self, increment: &[f64], sigma: &mut [f64], state: &mut [f64], work: &mut [f64]);
 
-    /// The step in which a row that was elastic so far first yields: `sigma` holds the elastic predictor, `state`
-    /// is zero; both are made right. Otherwise as [`RowLaw::advance`].
-    fn first_yield(&self, row: Row<'_>, state: &mut [f64]) -> Advanced;
-
     /// True where another step without strain would change no bit of these cells of the row.
     fn rests(&self, sigma: &[f64], state: &[f64], cells: Range<usize>) -> bool;
 
@@ -330,7 +327,23 @@ pub trait RowLaw: Send + Sync {
 
 /// Makes a [`RowLaw`] of a [`CellLaw`].
 #[derive(Debug, Clone)]
-pub struct Rows<L, const N: usize>(pub L);
+pub struct Rows<L, const N: usize> {
+    law: L,
+    /// Where the law runs on adiabatic tables.
+    adiabatic: Option<AdiabaticTemperature>,
+}
+
+impl<L: CellLaw<N>, const N: usize> Rows<L, N> {
+    /// Of a law that knows its temperature itself, or knows none.
+    pub fn new(law: L) -> Self {
+        Self { law, adiabatic: None }
+    }
+
+    /// Of a law that runs on the adiabatic tables of a material of this modulus, Pa.
+    pub fn adiabatic(law: L, heating: &Heating, modulus: f64) -> Self {
+        Self { law, adiabatic: Some(AdiabaticTemperature { heating: heating.clone(), modulus }) }
+    }
+}
 
 impl<L: CellLaw<N>, const N: usize> RowLaw for Rows<L, N> {
     fn state_len(&self) -> usize {
@@ -338,54 +351,50 @@ impl<L: CellLaw<N>, const N: usize> RowLaw for Rows<L, N> {
     }
 
     fn advance(&self, row: Row<'_>, state: &mut [f64]) -> Advanced {
-        row::advance::<L, N, false>(&self.0, row, state)
+        row::advance(&self.law, row, state)
     }
 
     fn strain(&self, increment: &[f64], sigma: &mut [f64], state: &mut [f64], work: &mut [f64]) {
-        row::strain(&self.0, increment, sigma, state, work);
-    }
-
-    fn first_yield(&self, row: Row<'_>, state: &mut [f64]) -> Advanced {
-        row::advance::<L, N, true>(&self.0, row, state)
+        row::strain(&self.law, increment, sigma, state, work);
     }
 
     fn rests(&self, sigma: &[f64], state: &[f64], mut cells: Range<usize>) -> bool {
         cells.all(|i| {
             let before = cell_state(state, i);
-            let after = self.0.respond(sigma[i], self.0.base(sigma[i], before), before);
+            let after = self.law.respond(sigma[i], self.law.base(sigma[i], before), before);
             after.plastic == 0.0 && after.sigma == sigma[i] && after.state == before
         })
     }
 
     fn note_limits(&self, end: &DataEnd, row: &StrainedRow<'_>, passed: &mut FirstPassed) {
-        data_end::note_limits(&self.0, end, row, passed);
+        data_end::note_limits(&self.law, end, row, passed);
     }
 
     fn plastic_strain(&self, state: &[f64], i: usize) -> f64 {
-        self.0.plastic_strain(cell_state(state, i))
+        self.law.plastic_strain(cell_state(state, i))
     }
 
     fn accumulated(&self, state: &[f64], i: usize) -> f64 {
-        self.0.accumulated(cell_state(state, i))
+        self.law.accumulated(cell_state(state, i))
     }
 
     fn back_stress(&self, state: &[f64], i: usize) -> f64 {
-        self.0.back_stress(cell_state(state, i))
+        self.law.back_stress(cell_state(state, i))
     }
 
     fn reversals(&self, state: &[f64], i: usize) -> Reversals {
-        self.0.reversals(if state.is_empty() { [0.0; N] } else { cell_state(state, i) })
+        self.law.reversals(if state.is_empty() { [0.0; N] } else { cell_state(state, i) })
     }
 
     fn overstress_work(&self, state: &[f64]) -> f64 {
         if !L::TAKES_TIME {
             return 0.0;
         }
-        (0..state.len() / N).map(|i| self.0.overstress_work(cell_state(state, i))).sum()
+        (0..state.len() / N).map(|i| self.law.overstress_work(cell_state(state, i))).sum()
     }
 
     fn deformed(&self, deformed: &Deformed) -> Vec<f64> {
-        self.0.deformed(deformed).to_vec()
+        self.law.deformed(deformed).to_vec()
     }
 
     fn clear_resolved(&self, state: &[f64], flow: &mut [i8]) {
@@ -393,24 +402,28 @@ impl<L: CellLaw<N>, const N: usize> RowLaw for Rows<L, N> {
             return;
         }
         for (i, flow) in flow.iter_mut().enumerate().filter(|(_, flow)| **flow != 0) {
-            *flow *= i8::from(self.0.keeps_up(cell_state(state, i)));
+            *flow *= i8::from(self.law.keeps_up(cell_state(state, i)));
         }
     }
 
     fn temperature(&self, state: &[f64], i: usize) -> f64 {
-        self.0.temperature(if state.is_empty() { [0.0; N] } else { cell_state(state, i) })
+        let state = if state.is_empty() { [0.0; N] } else { cell_state(state, i) };
+        match &self.adiabatic {
+            Some(adiabatic) => adiabatic.at(self.law.plastic_strain(state), self.law.accumulated(state)),
+            None => self.law.temperature(state),
+        }
     }
 
     fn heat_fraction(&self) -> f64 {
-        self.0.heat_fraction()
+        self.adiabatic.as_ref().map_or_else(|| self.law.heat_fraction(), |adiabatic| adiabatic.heating.fraction)
     }
 
     fn flows(&self, state: &[f64], i: usize) -> bool {
-        L::TAKES_TIME && self.0.flows(cell_state(state, i))
+        L::TAKES_TIME && self.law.flows(cell_state(state, i))
     }
 
     fn largest_strain(&self, sigma: &[f64], state: &[f64]) -> f64 {
-        let strain = |(i, sigma): (usize, &f64)| sigma + self.0.plastic_strain(cell_state(state, i));
+        let strain = |(i, sigma): (usize, &f64)| sigma + self.law.plastic_strain(cell_state(state, i));
         sigma.iter().enumerate().map(strain).fold(0.0, f64::max)
     }
 }

@@ -51,15 +51,10 @@ struct Piece<'a, const N: usize> {
     flow: &'a mut [i8; CHUNK],
 }
 
-/// One step of a row, cell by cell without any coupling between them. With `FIRST`, `sigma` holds the predictor of a row that
-/// was elastic until now. The work is summed in [`LANES`] partial sums: the same bits whatever the width of the processor's
-/// registers.
+/// One step of a row, cell by cell without any coupling between them. The work is summed in [`LANES`] partial sums: the same bits
+/// whatever the width of the processor's registers.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
-pub(super) fn advance<L: CellLaw<N>, const N: usize, const FIRST: bool>(
-    law: &L,
-    row: Row<'_>,
-    state: &mut [f64],
-) -> Advanced {
+pub(super) fn advance<L: CellLaw<N>, const N: usize>(law: &L, row: Row<'_>, state: &mut [f64]) -> Advanced {
     let mut columns = columns::<N>(state, row.sigma.len());
     let Row { gain, v, sigma, work, mut turned, flow, cells: Range { start: mut from, end } } = row;
     let mut totals = [[0.0; LANES]; 3];
@@ -79,7 +74,7 @@ pub(super) fn advance<L: CellLaw<N>, const N: usize, const FIRST: bool>(
                 flow: cut_mut(flow, from),
             },
         };
-        step::<L, N, FIRST>(law, gain, piece, &mut totals);
+        step(law, gain, piece, &mut totals);
         if let Some(few) = few {
             let n = stepped.len();
             sigma[stepped.clone()].copy_from_slice(&few.sigma[..n]);
@@ -183,7 +178,7 @@ fn read<const N: usize>(columns: &[&mut [f64; CHUNK]; N], i: usize) -> [f64; N] 
 }
 
 #[inline(always)]
-fn step<L: CellLaw<N>, const N: usize, const FIRST: bool>(
+fn step<L: CellLaw<N>, const N: usize>(
     law: &L,
     gain: f64,
     piece: Piece<'_, N>,
@@ -193,7 +188,7 @@ fn step<L: CellLaw<N>, const N: usize, const FIRST: bool>(
     let [mut predictor, mut abscissa, mut table] = [const { Aligned([0.0; CHUNK]) }; 3];
     let (predictor, abscissa, table) = (&mut predictor.0, &mut abscissa.0, &mut table.0);
     // Cells that flowed in the step before mostly still do.
-    if L::BOUNDS_ELASTICITY && !FIRST && flow.iter().fold(0, |any, sense| any | sense) == 0 {
+    if L::BOUNDS_ELASTICITY && flow.iter().fold(0, |any, sense| any | sense) == 0 {
         let mut size = [0.0; LANES];
         let [mut least, mut most] = [f64::INFINITY, 0.0].map(|accumulated| [accumulated; LANES]);
         for from in (0..CHUNK).step_by(LANES) {
@@ -222,26 +217,24 @@ fn step<L: CellLaw<N>, const N: usize, const FIRST: bool>(
         for i in 0..CHUNK {
             let increment = gain * (right[i] - left[i]);
             let before = read(&columns, i);
-            predictor[i] = if FIRST { sigma[i] } else { law.base(sigma[i], before) + increment };
+            predictor[i] = law.base(sigma[i], before) + increment;
             abscissa[i] = law.table_abscissa(predictor[i], before);
         }
         law.interpolate(abscissa, predictor, table);
     }
-    let steps = L::TAKES_TIME.then(|| timed::<L, N, FIRST>(law, gain, [left, right], sigma, &columns));
+    let steps = L::TAKES_TIME.then(|| timed(law, gain, [left, right], sigma, &columns));
     // What any cell does, in the bits of numbers that are 0 in the others: cheaper than comparisons.
     let [mut turned_work, mut plastic] = [const { Aligned([0.0; CHUNK]) }; 2];
     let (turned_work, plastic) = (&mut turned_work.0, &mut plastic.0);
     let [mut onsets, mut flows] = [0_u64; 2];
     for i in 0..CHUNK {
-        let (before, now) = (read(&columns, i), sigma[i]);
-        let increment = if L::READS_TABLE && !FIRST { 0.0 } else { gain * (right[i] - left[i]) };
-        let sigma_before = if FIRST { now - increment } else { now };
+        let (before, sigma_before) = (read(&columns, i), sigma[i]);
         let after = if let Some(steps) = &steps {
             steps.of(i)
         } else if L::READS_TABLE {
             law.return_map(predictor[i], before, table[i])
         } else {
-            law.respond(sigma_before, if FIRST { now } else { law.base(now, before) + increment }, before)
+            law.respond(sigma_before, law.base(sigma_before, before) + gain * (right[i] - left[i]), before)
         };
         let onset = law.onset(sigma_before, before, &after);
         let turns = onset < 0.0;
@@ -300,25 +293,23 @@ fn extreme(mut lanes: [f64; LANES], chosen: impl Fn(f64, f64) -> f64) -> f64 {
 
 /// The steps of a law that takes time: most cells at once, the others one by one.
 #[inline(always)]
-fn timed<L: CellLaw<N>, const N: usize, const FIRST: bool>(
+fn timed<L: CellLaw<N>, const N: usize>(
     law: &L,
     gain: f64,
     [left, right]: [&[f64; CHUNK]; 2],
     sigma: &[f64; CHUNK],
     columns: &[&mut [f64; CHUNK]; N],
 ) -> Steps<N> {
-    let [mut before, mut predictor] = [const { Aligned([0.0; CHUNK]) }; 2];
-    let (before, predictor) = (&mut before.0, &mut predictor.0);
+    let mut predictor = const { Aligned([0.0; CHUNK]) };
+    let predictor = &mut predictor.0;
     for i in 0..CHUNK {
-        let increment = gain * (right[i] - left[i]);
-        before[i] = if FIRST { sigma[i] - increment } else { sigma[i] };
-        predictor[i] = if FIRST { sigma[i] } else { law.base(sigma[i], read(columns, i)) + increment };
+        predictor[i] = law.base(sigma[i], read(columns, i)) + gain * (right[i] - left[i]);
     }
     let mut steps = Steps::unknown();
-    law.respond_to_most(before, predictor, columns.each_ref().map(|column| &**column), &mut steps);
+    law.respond_to_most(sigma, predictor, columns.each_ref().map(|column| &**column), &mut steps);
     for i in 0..CHUNK {
         if steps.known[i] == 0 {
-            steps.set(i, &law.respond_to_other(before[i], predictor[i], read(columns, i)));
+            steps.set(i, &law.respond_to_other(sigma[i], predictor[i], read(columns, i)));
         }
     }
     steps
@@ -428,7 +419,7 @@ mod tests {
                     flow: &mut flow,
                     cells: 0..cells,
                 };
-                let advanced = advance::<L, N, false>(law, row, &mut state);
+                let advanced = advance(law, row, &mut state);
                 let (mut sums, mut turned, mut largest) = ([0.0; LANES], [0.0; LANES], 0.0_f64);
                 for i in 0..cells {
                     let before = std::array::from_fn(|k| state_before[k * cells + i]);
@@ -489,7 +480,7 @@ mod tests {
                 flow: &mut flow,
                 cells: stepped,
             };
-            advance::<_, 2, false>(&law, row, &mut state);
+            advance(&law, row, &mut state);
             (sigma, state, work, flow)
         };
         let whole = step(0..cells);

@@ -229,22 +229,14 @@ fn a_bar_whose_temperature_is_a_state_is_that_of_the_curve() {
 fn along(material: &Material, path: &[f64], steps: usize, effects: &Effects) -> Vec<f64> {
     let law = stepped_law(&segment(material.clone(), 1.0), effects, 1e-6).law;
     let (mut sigma, mut state) = (vec![0.0], vec![0.0; law.state_len()]);
-    let (mut strain, mut first, mut seen) = (0.0, true, Vec::new());
+    let (mut strain, mut seen) = (0.0, Vec::new());
     for &to in path {
         let increment = (to - strain) / steps as f64;
         for _ in 0..steps {
             let v = [0.0, increment];
-            if first {
-                sigma[0] = MODULUS * increment;
-            }
             let (work, flow) = (&mut [0.0], &mut [0]);
             let row = Row { gain: MODULUS, v: &v, sigma: &mut sigma, work, turned: None, flow, cells: 0..1 };
-            if first {
-                law.first_yield(row, &mut state)
-            } else {
-                law.advance(row, &mut state)
-            };
-            first = false;
+            law.advance(row, &mut state);
         }
         strain = to;
         seen.extend([sigma[0] / YIELD, law.temperature(&state, 0) / REFERENCE]);

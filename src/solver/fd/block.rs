@@ -82,6 +82,8 @@ pub(super) struct Block {
     /// Sense of the flow (1 or -1) of cells that flowed in the latest step (not where the rate of flow is resolved), else 0; empty until the
     /// block yields.
     pub flow: Vec<i8>,
+    /// 1 in cells that have flowed; empty until the block yields, and where there can be no shocks.
+    have_flowed: Vec<i8>,
     pub cells: Range<usize>,
     pub segment: usize,
     /// Running sum over cells and steps of the plastic work as [`RowLaw::advance`] gives it, times the cells' relative areas.
@@ -131,6 +133,7 @@ impl Block {
             v: aligned_row(n + 1, velocity),
             state: aligned_row(0, 0.0),
             flow: Vec::new(),
+            have_flowed: Vec::new(),
             plastic: 0.0,
             turned: 0.0,
             impulses_at_edges: [0.0; 2],
@@ -178,6 +181,7 @@ impl Block {
             v,
             state,
             flow: if self.flow.is_empty() { Vec::new() } else { self.flow.split_off(at) },
+            have_flowed: if self.have_flowed.is_empty() { Vec::new() } else { self.have_flowed.split_off(at) },
             plastic: 0.0,
             turned: 0.0,
             impulses_at_edges: [0.0; 2],
@@ -263,6 +267,11 @@ impl Block {
             if at_left { outside[0] } else { Beside::Node(v[active.start - 1]) },
             if at_right { outside[1] } else { Beside::Node(v[active.end + 1]) },
         ];
+        if filter.takes_shocks() && !self.flow.is_empty() {
+            self.have_flowed.resize(cells, 0);
+            let flow = &self.flow[active.clone()];
+            self.have_flowed[active.clone()].iter_mut().zip(flow).for_each(|(have, flow)| *have |= flow & 1);
+        }
         gaps.read(&v[active.start..=active.end], outside, filter.rounding);
         self.impulses_at_edges = [0.0; 2];
         let flow = self.flow.get(active.clone()).unwrap_or_default();
@@ -277,7 +286,9 @@ impl Block {
         if !at_right {
             impulses[active.end] = 0.0;
         }
-        let anything = gaps.find(flow, &self.sigma[active.clone()], filter, &mut impulses[active.clone()]);
+        let have_flowed = self.have_flowed.get(active.clone()).unwrap_or_default();
+        let row = grid_filter::Cells { flow, have_flowed, sigma: &self.sigma[active.clone()] };
+        let anything = gaps.find(&row, filter, &mut impulses[active.clone()]);
         self.impulses_at_edges =
             [if at_left { impulses[0] } else { 0.0 }, if at_right { impulses[cells - 1] } else { 0.0 }];
         if !anything {
@@ -334,8 +345,7 @@ impl Block {
     }
 
     fn advance_stress(&mut self, law: BlockLaw<'_>, scratch: &mut Scratch) {
-        let first = self.stage == Stage::Elastic;
-        if first && self.stays_elastic(law) {
+        if self.is_elastic() && self.stays_elastic(law) {
             return;
         }
         let (cells, active) = (self.sigma.len(), self.active.clone());
@@ -351,7 +361,7 @@ impl Block {
             cells: active.clone(),
         };
         let state = &mut self.state;
-        let advanced = if first { law.law.first_yield(row, state) } else { law.law.advance(row, state) };
+        let advanced = law.law.advance(row, state);
         let (work, turned) = (&work[active.clone()], &turned[active.clone()]);
         if self.keeps_work {
             self.absorbed.resize(cells, 0.0);
@@ -373,7 +383,7 @@ impl Block {
         }
     }
 
-    /// Takes the elastic step; false where the block yields in it, and has plastic state from then on.
+    /// Takes the elastic step. Where the block yields in it, takes it back, gives the block plastic state, and returns false.
     fn stays_elastic(&mut self, law: BlockLaw<'_>) -> bool {
         let Range { start, end } = self.active;
         let peak = elastic_row(law.stress_gain, &self.v[start..=end], &mut self.sigma[start..end]);
@@ -383,6 +393,7 @@ impl Block {
             }
             return true;
         }
+        elastic_row(-law.stress_gain, &self.v[start..=end], &mut self.sigma[start..end]);
         let cells = self.sigma.len();
         self.stage = Stage::Plastic;
         self.state = aligned_row(law.law.state_len() * cells, 0.0);

@@ -15,7 +15,8 @@
 //! **Shocks.** Along a curve that stiffens loading waves run together, and along one that is followed both ways unloading ones. A shock takes
 //! energy, for which the scheme has nothing: it would go on as oscillations, whose peaks are kept as plastic strain. Where there can be
 //! shocks, the filter damps all of the strain rate of a cell that flows, as artificial viscosity does (Landshoff): a shock is some three
-//! cells wide then. Elastic oscillations remain behind strong ones.
+//! cells wide then. In a cell that has flowed and is elastic again it damps what exceeds the mean of the neighbours', a hyperviscosity: the elastic
+//! waves of a few cells that a shock leaves behind decay, long ones go on.
 //!
 //! All are equal and opposite impulses on the two nodes of the cell: momentum is conserved to the last bit, and the energy
 //! taken is booked as `numerical` in the ledger. On bilinear bars (plastic wave speed 0.1 to 0.97 c0) the error in
@@ -40,13 +41,18 @@ const ZIGZAG_SHARE: f64 = 0.125;
 /// of three times the yield stress falls from 0.7 % to 0.2 % between 0.05 and 0.1, and no further.
 const OVERSHOOT_SHARE: f64 = 0.1;
 
-/// Likewise, fraction of the whole velocity difference of a flowing cell where there can be shocks. The shock of
-/// `runs/lock-up.toml` is 8 % too slow without it, 4 % with 0.1 and 2 % with 0.2 in all flowing cells: oscillations leave peaks as plastic strain.
-const VISCOUS_SHARE: f64 = 0.2;
+/// Likewise, most of the whole velocity difference of a flowing cell where there can be shocks.
+const VISCOUS_SHARE: f64 = 0.5;
 
-/// That share per velocity difference, relative to the jump of the strongest shock: a shock a few cells wide has all of it, while the damping of
-/// smooth waves goes with the square of the cell size. That shock then is 3 % too slow.
-const VISCOUS_RISE: f64 = 1.0;
+/// Cells of a shock. The stress that artificial viscosity adds goes with the square of the velocity difference (von Neumann and Richtmyer), so that
+/// the damping of smooth waves goes with the square of the cell size. Where the velocity changes evenly on this many cells, that stress is the largest
+/// difference between the curve and the chord along which the shock runs.
+const SHOCK_CELLS: f64 = 4.0;
+
+/// Likewise, fraction of what a velocity difference exceeds the mean of its neighbours', in a cell that has flowed and does not flow now, where there
+/// can be shocks. It takes the elastic waves of a few cells that a shock leaves behind: one of 8 cells falls to a tenth on some 500 cells, one of
+/// 80 cells on 5e6.
+const RINGING_SHARE: f64 = 0.1;
 
 /// More than this would turn an odd-even mode round, and is not stable where waves run a cell in a step.
 const LARGEST_SHARE: f64 = 0.25;
@@ -67,10 +73,12 @@ pub(super) struct Filter {
     /// that loads and of one that unloads.
     viscous: f64,
     rise: [[f64; 2]; 2],
+    /// Of what exceeds the mean of the neighbours' in a cell that has flowed.
+    ringing: f64,
 }
 
-/// Waves of a segment that can be shocks: the largest jump of the velocity in one of tension and in one of compression, m/s; not a number where
-/// there is none.
+/// Waves of a segment that can be shocks, in tension and in compression: the largest difference in stress between the curve and the chord along
+/// which a shock runs, over rho (change of velocity)^2; 0 where there are none.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shocks {
     /// Those of loading: the curve stiffens.
@@ -81,19 +89,20 @@ pub struct Shocks {
 
 impl Shocks {
     /// There are none.
-    pub const NONE: Self = Self { loading: [f64::NAN; 2], unloading: [f64::NAN; 2] };
+    pub const NONE: Self = Self { loading: [0.0; 2], unloading: [0.0; 2] };
 }
 
 impl Filter {
     /// Where elastic waves run at `c0` (m/s), with this Courant number.
     pub fn new(c0: f64, courant: f64, shocks: Shocks) -> Self {
-        let rise = |jump: f64| if jump > 0.0 { VISCOUS_RISE * courant / jump } else { 0.0 };
+        let rise = |distance: f64| SHOCK_CELLS * SHOCK_CELLS * distance * courant / c0;
         Self {
             rounding: ROUNDING * c0,
             zigzag: ZIGZAG_SHARE * courant,
             overshoot: OVERSHOOT_SHARE * courant,
             viscous: VISCOUS_SHARE * courant,
             rise: [0, 1].map(|side| [rise(shocks.loading[side]), rise(shocks.unloading[side])]),
+            ringing: RINGING_SHARE * courant,
         }
     }
 
@@ -105,7 +114,7 @@ impl Filter {
     }
 
     /// Differences that support each other are damped, too.
-    fn takes_shocks(&self) -> bool {
+    pub fn takes_shocks(&self) -> bool {
         self.rise != [[0.0; 2]; 2]
     }
 }
@@ -121,6 +130,17 @@ pub(super) struct Gaps {
     cells: usize,
     outside: [Beside; 2],
     smooth: bool,
+}
+
+/// What the filter must know of cells.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Cells<'a> {
+    /// Sense of the flow of each; empty where the block has not yielded.
+    pub flow: &'a [i8],
+    /// 1 in those that have flowed before or flow now; empty where there can be no shocks.
+    pub have_flowed: &'a [i8],
+    /// Stresses, Pa.
+    pub sigma: &'a [f64],
 }
 
 /// What is next to a row of nodes.
@@ -166,16 +186,16 @@ impl Gaps {
         self.smooth && !(filter.takes_shocks() && flows(flow))
     }
 
-    /// Impulses as velocity differences, one a cell, into `impulses`. `flow` is the sense of the flow of each cell (empty where the block has
-    /// not yielded), `sigma` their stresses. At a prescribed end the last cell has no neighbour to be compared with, and only artificial viscosity; beside a joint it is not
-    /// damped. Returns whether any is not zero.
-    pub fn find(&self, flow: &[i8], sigma: &[f64], filter: Filter, impulses: &mut [f64]) -> bool {
+    /// Impulses as velocity differences, one a cell, into `impulses`. At a prescribed end the last cell has no neighbour to be compared with,
+    /// and only artificial viscosity; beside a joint it is not damped. Returns whether any is not zero.
+    pub fn find(&self, cells: &Cells<'_>, filter: Filter, impulses: &mut [f64]) -> bool {
+        let Cells { flow, sigma, .. } = *cells;
         let w = &self.w.0[LANES - 1..=LANES + self.cells];
-        let shocks = flows(flow) && filter.takes_shocks();
-        let anything = match (flows(flow), shocks) {
-            (false, _) => find(w, filter, impulses),
-            (true, false) => find_flowing(w, flow, filter, impulses),
-            (true, true) => find_shocks(w, flow, sigma, filter, impulses),
+        let shocks = !cells.have_flowed.is_empty();
+        let anything = match (shocks, flows(flow)) {
+            (true, _) => find_shocks(w, cells, filter, impulses),
+            (false, true) => find_flowing(w, flow, filter, impulses),
+            (false, false) => find(w, filter, impulses),
         };
         for (cell, outside) in [0, self.cells - 1].into_iter().zip(self.outside) {
             impulses[cell] = match outside {
@@ -260,6 +280,15 @@ fn viscosity(w: f64, flow: f64, rise: f64, filter: Filter) -> f64 {
     if flow * w > filter.rounding { lesser(rise * w.abs(), filter.viscous) } else { 0.0 }
 }
 
+/// The part of the size of a velocity difference that exceeds the mean of its neighbours', in a cell that `rings`. (Only what makes it smaller:
+/// an impulse that made it larger would give energy where its neighbours have none.)
+#[inline(always)]
+fn ringing(w: [f64; 3], rings: bool, filter: Filter) -> f64 {
+    let (_, size, neighbours) = seen_from(w);
+    let above = larger(size - 0.5 * (neighbours[0] + neighbours[1]), 0.0);
+    if rings && size > filter.rounding { filter.ringing * above } else { 0.0 }
+}
+
 /// Impulse of a cell as a velocity difference: the odd-even part of `w` and, where the cell is strained further in the sense of its `flow`, the
 /// overshoot.
 /// (Not where it has turned since: kinetic energy is that of the mean of this difference and the one a step before, which was larger and of
@@ -303,16 +332,17 @@ fn find_flowing(w: &[f64], flow: &[i8], filter: Filter, impulses: &mut [f64]) ->
 
 /// The same where there can be shocks.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
-fn find_shocks(w: &[f64], flow: &[i8], sigma: &[f64], filter: Filter, impulses: &mut [f64]) -> bool {
+fn find_shocks(w: &[f64], row: &Cells<'_>, filter: Filter, impulses: &mut [f64]) -> bool {
     let cells = impulses.len();
     let (left, here, right) = (&w[..cells], &w[1..=cells], &w[2..cells + 2]);
-    let (flow, sigma) = (&flow[..cells], &sigma[..cells]);
+    let (flow, have_flowed, sigma) = (&row.flow[..cells], &row.have_flowed[..cells], &row.sigma[..cells]);
     let mut bits = 0;
     for i in 0..cells {
         let (sense, size) = (f64::from(flow[i]), here[i].abs());
         let ripples = impulse([left[i], here[i], right[i]], sense, filter).abs();
         let viscous = viscosity(here[i], sense, filter.rise_of(sense, sigma[i]), filter) * size;
-        impulses[i] = lesser(ripples + viscous, LARGEST_SHARE * size).copysign(here[i]);
+        let ringing = ringing([left[i], here[i], right[i]], have_flowed[i] & !flow[i] & 1 != 0, filter);
+        impulses[i] = lesser(ripples + viscous + ringing, LARGEST_SHARE * size).copysign(here[i]);
         bits |= impulses[i].to_bits();
     }
     bits & Range::SIZE != 0

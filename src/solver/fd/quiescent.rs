@@ -202,16 +202,16 @@ mod tests {
             assert_rest(bar(material, law));
         };
         let mixed = |backbone: Indexed| Mixed { backbone, yield_stress: YIELD, kinematic: 0.4 };
-        of(2, &|table| Arc::new(Rows(Isotropic(Envelope::<4>::new(table).expect("few lines")))));
-        of(60, &|table| Arc::new(Rows(Isotropic(Indexed::new(table).expect("fits")))));
-        of(60, &|table| Arc::new(Rows(mixed(Indexed::new(table).expect("fits")))));
+        of(2, &|table| Arc::new(Rows::new(Isotropic(Envelope::<4>::new(table).expect("few lines")))));
+        of(60, &|table| Arc::new(Rows::new(Isotropic(Indexed::new(table).expect("fits")))));
+        of(60, &|table| Arc::new(Rows::new(mixed(Indexed::new(table).expect("fits")))));
     }
 
     #[test]
     fn nodes_under_uneven_stress_do_not_rest() {
         let material = material(2);
         let table = Table::new(material.branch(Sense::Tension), material.modulus);
-        let bar = bar(material, Arc::new(Rows(Isotropic(Searched(table)))));
+        let bar = bar(material, Arc::new(Rows::new(Isotropic(Searched(table)))));
         let law = law_of(&bar.laws[0], &bar.constants[0]);
         let at_work = |stressed: Range<usize>| {
             let mut block = bar.blocks[1].clone();
@@ -236,9 +236,9 @@ mod tests {
         let law = |moves: bool| -> Arc<dyn RowLaw> {
             let backbone = Indexed::new(&table).expect("fits");
             if moves {
-                Arc::new(Rows(Mixed { backbone, yield_stress: YIELD, kinematic: 0.7 }))
+                Arc::new(Rows::new(Mixed { backbone, yield_stress: YIELD, kinematic: 0.7 }))
             } else {
-                Arc::new(Rows(Isotropic(backbone)))
+                Arc::new(Rows::new(Isotropic(backbone)))
             }
         };
         let laws = segments.iter().map(|&(_, _, moves)| SegmentLaw {

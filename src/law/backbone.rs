@@ -157,25 +157,22 @@ impl Table {
         if last.slope > 0.0 && last.start > 0.0 {
             knots.push([2.0 * last.start, last.at(2.0 * last.start)]);
         }
-        let mut hull: Vec<[f64; 2]> = Vec::new();
-        for &knot in &knots {
+        let mut hull: Vec<usize> = Vec::new();
+        for k in 0..knots.len() {
             while let [.., before, last] = hull[..]
-                && slope(before, last) <= slope(last, knot)
+                && slope(knots[before], knots[last]) <= slope(knots[last], knots[k])
             {
                 hull.pop();
             }
-            hull.push(knot);
+            hull.push(k);
         }
-        let above = |chord: [[f64; 2]; 2]| {
-            let between = knots.iter().filter(move |[z, _]| *z > chord[0][0] && *z < chord[1][0]);
-            between.map(move |&knot| (stress_on(chord, knot[0]) - knot[1], knot[1]))
+        let chord = |from: usize, to: usize| {
+            let ends = [knots[from], knots[to]];
+            let below = knots[from + 1..to].iter().map(|&[z, y]| [stress_on(ends, z) - y, y]);
+            let matters = below.clone().any(|[distance, stress]| distance > scatter * stress);
+            matters.then(|| Chord { ends, distance: below.map(|[distance, _]| distance).fold(0.0, f64::max) })
         };
-        let chord = |ends: [[f64; 2]; 2]| {
-            let scattered = above(ends).all(|(distance, stress)| distance <= scatter * stress);
-            let distance = above(ends).fold(0.0, |most, (distance, _)| f64::max(most, distance));
-            (!scattered).then_some(Chord { ends, distance })
-        };
-        hull.windows(2).filter_map(|pair| chord([pair[0], pair[1]])).collect()
+        hull.windows(2).filter_map(|pair| chord(pair[0], pair[1])).collect()
     }
 
     /// The chord from the origin to twice the strain of the last knot, and how far the table lies above it; none without knots beyond the

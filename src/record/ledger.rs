@@ -17,6 +17,9 @@ pub struct Ledger {
     momentum_scale: f64,
     /// The largest energy that was in the bar or came in through an end so far, J: all of it may leave again, to rounding.
     energy_scale: f64,
+    /// The initial energy or the largest work of an end so far, J: unlike what the columns hold, it does not grow with an energy
+    /// that the method adds.
+    supplied: f64,
     worst_energy: f64,
     worst_momentum: f64,
     most_given: f64,
@@ -31,6 +34,7 @@ impl Ledger {
             arm: 1.0,
             momentum_scale: (2.0 * start.energy * start.mass).sqrt(),
             energy_scale: start.energy,
+            supplied: start.energy,
             worst_energy: 0.0,
             worst_momentum: 0.0,
             most_given: 0.0,
@@ -49,13 +53,14 @@ impl Ledger {
         let ([left, right], impulse) = (now.work, now.impulse[0] + now.impulse[1] + now.impulse_along);
         let put_in = self.start.energy + left + right;
         let held: f64 = now.energies.values().iter().map(|energy| energy.abs()).sum();
-        self.energy_scale = self.energy_scale.max(left.abs()).max(right.abs()).max(held);
+        self.supplied = self.supplied.max(left.abs()).max(right.abs());
+        self.energy_scale = self.energy_scale.max(self.supplied).max(held);
         let residual = relative(now.energies.total() - put_in, self.energy_scale);
         self.momentum_scale = self.momentum_scale.max(now.momentum_scale);
         let missing = relative(now.energies.momentum - self.start.momentum - impulse, self.momentum_scale);
         self.worst_energy = self.worst_energy.max(residual.abs());
         self.worst_momentum = self.worst_momentum.max(missing.abs());
-        self.most_given = self.most_given.max(relative(-now.energies.numerical, self.energy_scale));
+        self.most_given = self.most_given.max(relative(-now.energies.numerical, self.supplied));
         LedgerRow {
             time: bar.time(),
             energies: Energies { momentum: self.arm * now.energies.momentum, ..now.energies },
@@ -71,7 +76,7 @@ impl Ledger {
         self.worst_energy
     }
 
-    /// Most energy that the method itself has given to the bar so far, as a part of all there was; 0 where it only took some.
+    /// Most energy that the method itself has given to the bar so far, as a part of what it was supplied with; 0 where it only took some.
     pub fn most_given(&self) -> f64 {
         self.most_given
     }
@@ -95,4 +100,48 @@ impl Snapshot for Ledger {
 
 fn relative(missing: f64, scale: f64) -> f64 {
     if missing == 0.0 { 0.0 } else { missing / scale }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::record::Field;
+    use crate::solver::EndState;
+
+    /// A bar that starts with 1 J and holds what the test says.
+    struct Bar(Energies);
+
+    impl View for Bar {
+        type Places = ();
+
+        fn time(&self) -> f64 {
+            0.0
+        }
+
+        fn sample(&self, _: Field, (): &(), _: &mut [f64]) {}
+
+        fn ends(&self) -> [EndState; 2] {
+            [EndState::default(); 2]
+        }
+
+        fn start(&self) -> Start {
+            Start { energy: 1.0, momentum: 0.0, mass: 1.0 }
+        }
+
+        fn account(&self) -> Account {
+            Account { energies: self.0, ..Account::default() }
+        }
+    }
+
+    /// The scale of what a method added is what the bar was supplied with, not what the columns hold of it.
+    #[test]
+    fn energy_from_the_method_is_a_part_of_what_the_bar_was_supplied_with() {
+        let mut bar = Bar(Energies { kinetic: 1.0, ..Energies::default() });
+        let mut ledger = Ledger::new(&bar);
+        ledger.row(&bar);
+        assert_eq!(ledger.most_given(), 0.0);
+        bar.0 = Energies { elastic: 90.0, half_step: -84.0, numerical: -5.0, ..Energies::default() };
+        assert_eq!(ledger.row(&bar).residual, 0.0);
+        assert_eq!(ledger.most_given(), 5.0);
+    }
 }

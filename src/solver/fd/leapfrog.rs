@@ -10,6 +10,7 @@ use super::fan::StartingFan;
 use super::grid::Grid;
 use super::grid_filter::Shocks;
 use super::implicit::{DistributedForces, Implicit};
+use super::initial;
 use super::segment::{Constants, SegmentLaw};
 use super::sizes::block_sizes;
 use super::subdomain::{Common, Subdomain};
@@ -380,10 +381,7 @@ fn blocks(bar: &Bar, grid: &Grid) -> Vec<Block> {
             let mut block = Block::new(start..start + cells, k, bar.segments[k].velocity);
             block.taper = BlockTaper::of(&bar.segments[k], part, &block.cells);
             if bar.segments[k].profile.is_some() {
-                block.start_with(|node| {
-                    let [from, to] = part.beside(node);
-                    bar.segments[k].velocity_between(from, to)
-                });
+                block.start_with(|node| initial::velocity(&bar.segments[k], part, node));
             }
             start += cells;
             blocks.push(block);

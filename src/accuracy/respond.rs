@@ -122,7 +122,7 @@ impl<S: Stepped> Listen<S> for OnGrid {
         if course.instants.is_empty() {
             return (Self { listener: None, steps }, None);
         }
-        let mut traces = Traces::new(Sampling::at(bar.grid(), course.gauges.to_vec()), false);
+        let mut traces = Traces::new(Sampling::at(bar.grid(), course.gauges.to_vec()), false, bar.sudden_loads().ends);
         let mut listener = GridListener::new(scene, bar, course.instants, course.gauges.len());
         bar.watch(&traces);
         bar.add_to(&mut traces);

@@ -26,6 +26,27 @@ impl std::fmt::Display for Origin {
     }
 }
 
+/// What drives a fan.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Driver {
+    /// A velocity: of an end, or of the other side of a joint.
+    Velocity,
+    /// A stress.
+    Stress,
+    /// A body, which is slowed down.
+    Body,
+}
+
+impl Driver {
+    fn of(end: &EndCondition) -> Self {
+        match end {
+            EndCondition::Stress { .. } => Self::Stress,
+            EndCondition::Striker { .. } => Self::Body,
+            _ => Self::Velocity,
+        }
+    }
+}
+
 /// One fan of fronts into one segment.
 #[derive(Debug, Clone, PartialEq)]
 pub struct InitialFan {
@@ -47,8 +68,28 @@ pub struct InitialFan {
     pub sudden: bool,
     /// First time at which the driving value falls back (or is released), s; infinite where it never does.
     pub loads_until: f64,
+    /// Time up to which what drives it stays as it is at t = 0, s: 0 where it grows from nothing. A striker is slowed down; it counts as
+    /// steady while that changes the force by less than [`STEADY`].
+    pub holds_until: f64,
+    /// What drives it.
+    pub driver: Driver,
     /// Nothing else sends waves into the bar until this fan meets a joint or the other end.
     pub alone: bool,
+}
+
+/// Part of the force of a striker that it may lose and still count as steady.
+const STEADY: f64 = 0.02;
+
+impl InitialFan {
+    /// Time (s) up to which its origin is in the state behind it, in a segment of this `length` (m): what drives it does not change, and no
+    /// other wave has come. 0 where that state is not known.
+    pub fn known_until(&self, length: f64) -> f64 {
+        let known = !self.fan.above_critical && !self.fan.beyond_data;
+        let Some(first) = self.fan.edges.first().filter(|_| known) else { return 0.0 };
+        // Other waves may come to meet it from the far side.
+        let room = if self.alone { length } else { 0.5 * length };
+        (room / first.speed).min(self.holds_until)
+    }
 }
 
 /// All fans of a bar with its ends, left to right; none of a bar with an initial state, in which waves do not start from zero stress.
@@ -93,7 +134,9 @@ pub(crate) fn acts_without_fan(end: &EndCondition, direction: f64, rest: f64) ->
 fn from_end(end: &EndCondition, origin: Origin, x: f64, segment: usize, at: &Segment) -> Option<InitialFan> {
     let direction = if origin == Origin::Left { 1.0 } else { -1.0 };
     let density = at.material.density;
-    let imposed = Imposed::of(end, direction, at.velocity)?;
+    let [left_area, right_area] = at.end_areas();
+    let impedance = at.material.impedance() * if direction > 0.0 { left_area } else { right_area };
+    let imposed = Imposed::of(end, direction, at.velocity, impedance)?;
     // A wave running in +x behind which the bar moves faster in +x compresses it, and likewise mirrored.
     let (sense, fan) = match imposed.kind {
         Kind::Velocity(jump) => {
@@ -115,6 +158,8 @@ fn from_end(end: &EndCondition, origin: Origin, x: f64, segment: usize, at: &Seg
         velocity_ahead: at.velocity,
         sudden: imposed.sudden,
         loads_until: imposed.loads_until,
+        holds_until: imposed.holds_until,
+        driver: Driver::of(end),
         alone: false,
     })
 }
@@ -124,6 +169,7 @@ struct Imposed {
     kind: Kind,
     sudden: bool,
     loads_until: f64,
+    holds_until: f64,
 }
 
 enum Kind {
@@ -134,24 +180,34 @@ enum Kind {
 }
 
 impl Imposed {
-    fn of(end: &EndCondition, direction: f64, rest: f64) -> Option<Self> {
-        let steady = |jump: f64| Self { kind: Kind::Velocity(jump), sudden: true, loads_until: f64::INFINITY };
+    /// `impedance` (N s/m) is that of the bar.
+    fn of(end: &EndCondition, direction: f64, rest: f64, impedance: f64) -> Option<Self> {
+        let forever = f64::INFINITY;
+        let steady =
+            |jump: f64| Self { kind: Kind::Velocity(jump), sudden: true, loads_until: forever, holds_until: forever };
         match end {
             EndCondition::Velocity { history, release } => {
                 let (peak, until) = peak(history, rest);
-                let loads_until = until.min(release.unwrap_or(f64::INFINITY));
-                Some(Self { kind: Kind::Velocity(peak), sudden: history.is_constant(), loads_until })
+                let released = release.unwrap_or(forever);
+                Some(Self {
+                    kind: Kind::Velocity(peak),
+                    sudden: history.is_constant(),
+                    loads_until: until.min(released),
+                    holds_until: holds_until(history, rest + peak).min(released),
+                })
             }
             EndCondition::Stress { history } => {
                 let (peak, loads_until) = peak(history, 0.0);
-                Some(Self { kind: Kind::Stress(peak), sudden: history.is_constant(), loads_until })
+                let holds_until = holds_until(history, peak);
+                Some(Self { kind: Kind::Stress(peak), sudden: history.is_constant(), loads_until, holds_until })
             }
             EndCondition::Fixed => Some(steady(-rest)),
             // The bar moves towards a wall at the left when its velocity is negative.
             EndCondition::Wall { gap } if *gap == 0.0 && rest * direction < 0.0 => Some(steady(-rest)),
             // Strongest at the first touch: from then on the bar slows it down.
-            EndCondition::Striker { velocity, .. } if (velocity - rest) * direction > 0.0 => {
-                Some(Self { kind: Kind::Velocity(velocity - rest), sudden: false, loads_until: 0.0 })
+            EndCondition::Striker { mass, velocity } if (velocity - rest) * direction > 0.0 => {
+                let holds_until = STEADY * mass / impedance;
+                Some(Self { kind: Kind::Velocity(velocity - rest), sudden: false, loads_until: 0.0, holds_until })
             }
             EndCondition::Wall { .. }
             | EndCondition::Free
@@ -180,6 +236,17 @@ fn peak(history: &super::History, rest: f64) -> (f64, f64) {
     (best, f64::INFINITY)
 }
 
+/// Time up to which a history has this value from t = 0 on, s.
+fn holds_until(history: &super::History, value: f64) -> f64 {
+    if history.at(0.0) != value {
+        return 0.0;
+    }
+    let rows = history.time().iter().zip(history.value());
+    let held = rows.skip_while(|row| *row.0 == 0.0 && *row.1 != value).take_while(|row| *row.1 == value).last();
+    let last = history.value().last() == Some(&value) && held.is_some_and(|row| Some(row.0) == history.time().last());
+    if last { f64::INFINITY } else { held.map_or(0.0, |row| *row.0) }
+}
+
 /// Two segments that start with different velocities: the force at which both fans agree on the joint's velocity.
 fn from_joint(k: usize, x: f64, left: &Segment, right: &Segment) -> Vec<InitialFan> {
     let closing = left.velocity - right.velocity;
@@ -205,6 +272,8 @@ fn from_joint(k: usize, x: f64, left: &Segment, right: &Segment) -> Vec<InitialF
             velocity_ahead: at.velocity,
             sudden: true,
             loads_until: f64::INFINITY,
+            holds_until: f64::INFINITY,
+            driver: Driver::Velocity,
             alone: false,
         })
         .collect()

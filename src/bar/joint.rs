@@ -25,6 +25,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::ends::Response;
+use super::sudden_load::SuddenLoad;
 
 /// How two segments meet.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -48,6 +49,8 @@ pub struct Contact {
     lost: f64,
     elapsed: f64,
     pressed: Pressed,
+    /// What the faces carry from t = 0 on for a while, as a stress on this area, m^2.
+    sudden: Option<(SuddenLoad, f64)>,
 }
 
 /// What the faces of a joint carried so far, where a solver goes on in steps.
@@ -72,7 +75,7 @@ impl Contact {
 
     /// Where a bar breaks.
     pub fn broken() -> Self {
-        Self { start: 0.0, gap: 0.0, open: true, lost: 0.0, elapsed: 0.0, pressed: Pressed::default() }
+        Self { start: 0.0, gap: 0.0, open: true, lost: 0.0, elapsed: 0.0, pressed: Pressed::default(), sudden: None }
     }
 
     /// Distance of the faces, m, >= 0.
@@ -100,8 +103,17 @@ impl Contact {
         self.pressed
     }
 
+    /// The faces are suddenly loaded at t = 0; `area` (m^2) is that of the side whose stress this is.
+    pub fn load(&mut self, load: SuddenLoad, area: f64) {
+        self.sudden = Some((load, area));
+    }
+
     /// Notes the force (N) of the step that was taken.
     pub fn note(&mut self, dt: f64, force: f64) {
+        let force = match self.sudden {
+            Some((load, area)) => -area * load.joint(self.elapsed - dt, -force / area),
+            None => force,
+        };
         if force > self.pressed.peak * (1.0 + 1e-9) {
             (self.pressed.peak, self.pressed.time_of_peak) = (force, self.elapsed - dt);
         }

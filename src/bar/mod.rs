@@ -7,6 +7,8 @@ mod history;
 mod initial;
 mod initial_fan;
 pub mod joint;
+mod sudden_load;
+mod sudden_loads;
 mod taper;
 
 use std::sync::Arc;
@@ -16,8 +18,10 @@ pub use hertz::Hertz;
 pub use history::{History, RowFault};
 pub use initial::{Distribution, Initial, InitialProfile};
 pub(crate) use initial_fan::acts_without_fan;
-pub use initial_fan::{InitialFan, Origin, initial_fans};
+pub use initial_fan::{Driver, InitialFan, Origin, initial_fans};
 pub use joint::Joint;
+pub use sudden_load::SuddenLoad;
+pub use sudden_loads::SuddenLoads;
 pub use taper::{Profile, Taper};
 
 use crate::material::Material;

@@ -117,8 +117,11 @@ fn one_output_each(args: &Args) -> Result<()> {
 fn run_file(args: &Args, file: &Path, every: Option<Duration>, outputs: &mut Vec<PathBuf>) -> Result<()> {
     if !store::is_hdf5(file) {
         let scene = Problem::read(file, &args.overrides)?;
-        let folder = file.parent().unwrap_or(Path::new(""));
-        return run_scene(args, scene, &default_output(args, folder, None), every, outputs);
+        // A pipe has a folder in which nothing can be written, and a number for a name.
+        let is_pipe = !destination::is_stdout(file) && !file.is_file();
+        let folder = file.parent().filter(|_| !is_pipe).unwrap_or(Path::new(""));
+        let stem = is_pipe.then(|| "scene".to_owned());
+        return run_scene(args, scene, &default_output(args, folder, stem), every, outputs);
     }
     let stored = StoredScene::read(file)?;
     let overrides = [&stored.overrides[..], &args.overrides].concat();

@@ -3,8 +3,8 @@
 use super::lines::Lines;
 use super::width;
 use crate::record::{
-    AuditRow, AutoChoice, ChoiceSummary, EndSummary, Figures, FrontSummary, LengthSummary, RuptureSummary, Summary,
-    TorsionSummary,
+    AuditRow, AutoChoice, ChoiceSummary, EndSummary, Figures, FrontSummary, INTERIOR, LengthSummary, RuptureSummary,
+    Summary, TorsionSummary,
 };
 use crate::units::{Dimension, System, format};
 
@@ -167,7 +167,9 @@ pub(super) fn note_lines(notes: &[String]) -> impl Iterator<Item = String> {
 
 /// The critical velocity as text. For a compressed bar, nothing is printed if the data end before it.
 pub(super) fn add_critical(lines: &mut Lines, critical: Option<String>, fronts: &[FrontSummary]) {
-    let pulled = fronts.iter().any(|front| front.stress_behind > 0.0);
+    // Fronts that load the bar from rest in tension, not reflections of compression.
+    let loads = |front: &FrontSummary| front.stress_ahead >= 0.0 && front.stress_behind > front.stress_ahead;
+    let pulled = fronts.iter().any(|front| front.origin != INTERIOR && loads(front));
     let none = || pulled.then(|| "not reached within the data of the curve".to_owned());
     if let Some(text) = critical.or_else(none) {
         lines.add("critical velocity", text);

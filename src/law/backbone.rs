@@ -175,13 +175,18 @@ impl Table {
         hull.windows(2).filter_map(|pair| chord(pair[0], pair[1])).collect()
     }
 
-    /// The chord from the origin to twice the strain of the last knot, and how far the table lies above it; none without knots beyond the
-    /// elastic line.
-    pub fn chord_from_origin(&self) -> Option<Chord> {
-        let [_, .., last] = self.lines[..] else { return None };
-        let ends = [[0.0; 2], [2.0 * last.start, last.at(2.0 * last.start)]];
-        let above = self.lines.iter().map(|line| line.at(line.start) - stress_on(ends, line.start));
-        Some(Chord { ends, distance: above.fold(0.0, f64::max) })
+    /// Chords from the origin to points of the table beyond yield, up to twice the strain of its last knot, each 1.4 times as far as the one before;
+    /// none without knots beyond the elastic line. Unloading along the table runs along such chords, as shocks.
+    pub fn chords_from_origin(&self) -> impl Iterator<Item = Chord> {
+        let knots = || self.lines[1..].iter().map(|line| line.start);
+        let (first, last) =
+            (self.lines.get(1).map_or(1.0, |line| line.start), 2.0 * knots().next_back().unwrap_or(0.0));
+        let ends = std::iter::successors(Some(last), |end| Some(end / std::f64::consts::SQRT_2));
+        ends.take_while(move |&end| end > first).map(move |end| {
+            let ends = [[0.0; 2], [end, self.at(end)]];
+            let above = knots().take_while(|&z| z < end).map(|z| self.at(z) - stress_on(ends, z));
+            Chord { ends, distance: above.fold(0.0, f64::max) }
+        })
     }
 
     /// True where slopes never grow along the table: it is then the lowest of its lines.

@@ -2,11 +2,13 @@
 //!
 //! A grid knows the push on an end as a mean over each step. Where it varies smoothly its value between two steps is the mean of both.
 //! Where it jumps between them, because a front arrives or a body strikes, straight lines through the steps before and after give the
-//! values on both sides: two rows at one time, of second order like all others.
+//! values on both sides: two rows at one time, of second order like all others. What is known of an end that is suddenly loaded comes first:
+//! see [`SuddenLoad`].
 
 use serde::{Deserialize, Serialize};
 
 use super::Trace;
+use crate::bar::SuddenLoad;
 use crate::solver::{EndSample, EndState};
 
 /// A change between two steps is a jump where those before and after it are smaller by this factor. Over smooth data it is their mean.
@@ -25,15 +27,17 @@ pub struct EndRows {
     samples: Vec<(f64, EndSample)>,
     /// Samples of them whose rows are written: 0 at the start of the run, else 1.
     written: usize,
+    /// What is known of the end for a while from t = 0 on.
+    sudden: Option<SuddenLoad>,
     /// Largest magnitudes of the means over steps so far.
     largest: EndState,
     rows: Trace,
 }
 
 impl EndRows {
-    /// Without rows, which go into a history with these columns.
-    pub fn new(rows: Trace) -> Self {
-        Self { rows, ..Self::default() }
+    /// Without rows, which go into a history with these columns, of an end that is loaded like this.
+    pub fn new(rows: Trace, sudden: Option<SuddenLoad>) -> Self {
+        Self { sudden, rows, ..Self::default() }
     }
 
     /// Number of rows that can be taken.
@@ -43,7 +47,8 @@ impl EndRows {
 
     /// Adds samples, each one step after the last.
     pub fn add(&mut self, samples: impl Iterator<Item = (f64, EndSample)>) {
-        self.samples.extend(samples);
+        let sudden = self.sudden;
+        self.samples.extend(samples.map(|(time, sample)| (time, shown(sudden, time, sample))));
         self.write(AHEAD);
     }
 
@@ -109,6 +114,15 @@ impl EndRows {
         self.rows.time.push(time);
         self.rows.stress.push(state.stress);
         self.rows.velocity.push(state.velocity);
+    }
+}
+
+/// A sample as the history shows it: of an end that is suddenly loaded the state that is known, as long as the first cells overshoot.
+fn shown(sudden: Option<SuddenLoad>, time: f64, sample: EndSample) -> EndSample {
+    let EndState { stress, velocity } = if sample.now.stress.is_nan() { sample.latest } else { sample.now };
+    match sudden.and_then(|load| load.end(time, [stress, velocity])) {
+        Some([stress, velocity]) => EndSample { now: EndState { stress, velocity }, latest: EndState::UNKNOWN },
+        None => sample,
     }
 }
 

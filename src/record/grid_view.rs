@@ -3,6 +3,7 @@
 use super::stepped::{Stepped, log_stepwise};
 use super::view::{Account, ContactReading, Start, View};
 use super::{Field, Traces};
+use crate::bar::SuddenLoads;
 use crate::bar::joint::Contact;
 use crate::law::FirstPassed;
 use crate::law::rupture::Rupture;
@@ -160,6 +161,9 @@ macro_rules! stepped {
 
 stepped!(
     Leapfrog,
+    fn sudden_loads(&self) -> SuddenLoads {
+        self.sudden_loads().clone()
+    },
     fn read(&self, quantity: Quantity, places: &Sampling, out: &mut [f64]) {
         let mut reader = Reader::new(self, quantity);
         places.read(|cell| reader.value(cell), out);
@@ -186,7 +190,12 @@ stepped!(
     }
 );
 stepped!(Net);
-stepped!(Muscl);
+stepped!(
+    Muscl,
+    fn sudden_loads(&self) -> SuddenLoads {
+        self.sudden_loads().clone()
+    }
+);
 
 /// A field at some places of a bar in cells; `displacements` are those of the cells' centres, m.
 fn sample(

@@ -12,8 +12,8 @@ pub struct Ledger {
     start: Start,
     /// 1, or in torsion the radius by which momenta become angular ones, m.
     arm: f64,
-    /// Momentum that has gone through the bar so far: at first that of all its parts as if they moved one way, the scale
-    /// where opposing parts cancel.
+    /// Momentum transferred through the bar so far; initially the sum of the magnitudes of the momenta of its parts, which
+    /// remains a scale if they cancel.
     momentum_scale: f64,
     /// The largest energy that was in the bar or came in through an end so far, J: all of it may leave again, to rounding.
     energy_scale: f64,

@@ -1,6 +1,7 @@
 //! Access of the recorders to a bar advanced in equal steps on a grid.
 
 use super::{Traces, View};
+use crate::bar::SuddenLoads;
 use crate::law::FirstPassed;
 use crate::solver::EndSample;
 use crate::solver::fd::{Grid, Quantity, Sampling, Unresolved};
@@ -35,6 +36,11 @@ pub trait Stepped: View<Places = Sampling> {
     /// Adds the current state to every history.
     fn add_to(&self, traces: &mut Traces) {
         traces.add(self.time(), self.end_samples(), |quantity, cell| self.value(quantity, cell));
+    }
+
+    /// What is known of ends and joints for a while from t = 0 on.
+    fn sudden_loads(&self) -> SuddenLoads {
+        SuddenLoads::default()
     }
 
     /// Both ends after the latest step.

@@ -101,12 +101,12 @@ pub struct AutoChoice {
 /// Additional results of front tracking; the keys are on the level of those of [`Summary`].
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct TrackingSummary {
-    /// How much waves may be thinned out, relative to `stress_scale`.
+    /// Smallest stress jump that is tracked as a front of its own, relative to `stress_scale`.
     pub front_tolerance: f64,
     /// Largest stress that the scene's data can reach.
     #[serde(rename = "stress_scale_Pa")]
     pub stress_scale: f64,
-    /// Fronts under way at the end.
+    /// Fronts in the bar at the end.
     pub fronts_under_way: usize,
     /// events / `step_wall_s`.
     pub events_per_s: f64,

@@ -3,10 +3,10 @@
 use super::AuditRow;
 use crate::material::{Material, Sense};
 
-/// Uncertainty of the temperature from which it is worth a note, K: it softens common metals by less than 0.1 %.
+/// Smallest uncertainty of the temperature that is reported, K: it softens common metals by less than 0.1 %.
 const UNCERTAIN: f64 = 1.0;
 
-/// Part of the plastic strain that must have gone back before a place counts as one that flowed in both senses.
+/// Fraction of the plastic strain that must have been reversed before a place counts as one that flowed in both senses.
 const BOTH_SENSES: f64 = 1e-6;
 
 /// The largest of some temperatures above the reference temperature, K; none where nothing heats the material.
@@ -16,7 +16,7 @@ pub fn largest_rise(material: &Material, temperatures: impl Iterator<Item = f64>
 }
 
 /// A material with different curves in tension and compression some of whose places flowed in both senses, on its adiabatic
-/// curves: they take the temperature as if all flow had gone one way. Their true temperature lies between those of the
+/// curves: these give the temperature of flow in one sense only. Their true temperature lies between those of the
 /// two curves. `places` are accumulated and signed plastic strains.
 pub fn flowed_both_ways(material: &Material, places: impl Iterator<Item = (f64, f64)>) -> Option<AuditRow> {
     let heating = material.heating.as_ref().filter(|heating| heating.warms())?;

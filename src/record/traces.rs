@@ -2,6 +2,7 @@
 
 use super::Trace;
 use super::end_rows::EndRows;
+use crate::bar::SuddenLoad;
 use crate::solver::EndSample;
 use crate::solver::fd::{Log, Quantity, Sampling, between};
 
@@ -21,13 +22,13 @@ pub struct Traces {
 }
 
 impl Traces {
-    /// Gauges at the places of `places`, which read the temperature where there is `heat`, and both ends.
-    pub fn new(places: Sampling, heat: bool) -> Self {
+    /// Gauges at the places of `places`, which read the temperature where there is `heat`, and both ends, which may be loaded suddenly.
+    pub fn new(places: Sampling, heat: bool, sudden: [Option<SuddenLoad>; 2]) -> Self {
         let gauges = places.x().iter().map(|_| gauge(heat)).collect();
         let mut cells = places.cells_read();
         cells.sort_unstable();
         cells.dedup();
-        Self { places, cells, gauges, ends: [EndRows::new(end()), EndRows::new(end())], heat }
+        Self { places, cells, gauges, ends: sudden.map(|load| EndRows::new(end(), load)), heat }
     }
 
     /// The cells that gauges read, increasing.

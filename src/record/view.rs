@@ -26,7 +26,7 @@ pub trait View {
         [None; 2]
     }
 
-    /// The joints that can open, where the solver goes on in steps.
+    /// The joints that can open, if the solver advances in time steps.
     fn contacts(&self) -> Vec<ContactReading> {
         Vec::new()
     }
@@ -74,8 +74,8 @@ pub struct Account {
     pub work: [f64; 2],
     /// Impulse of the left and the right end, positive in +x.
     pub impulse: [f64; 2],
-    /// Impulse of what acts along the bar, external damping and a foundation.
+    /// Impulse of distributed forces: external damping and a foundation.
     pub impulse_along: f64,
-    /// Momentum that has gone through the bar: what a missing one is to be compared with.
+    /// Momentum transferred through the bar: the scale of the momentum residual.
     pub momentum_scale: f64,
 }

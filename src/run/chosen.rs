@@ -8,7 +8,7 @@ use crate::error::Result;
 use crate::record::AutoChoice;
 use crate::scene::Scene;
 
-/// What was chosen up to the run under way.
+/// The choices made before the current run.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(super) struct Chosen {
     /// By `effects = "auto"`: runs so far, this one included, and the decisions before it.

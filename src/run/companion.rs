@@ -101,8 +101,8 @@ fn exact(unresolved: f64) -> ErrorFigure {
     accuracy::figure(ErrorTable::of(|_| Some(value)), reference.into())
 }
 
-/// The settings of a companion: three times the error. That of thinned waves goes with the tolerance; that of ramps with the
-/// square of their steps, which are larger than tolerances below [`crate::solver::moc::RAMP_STEP`].
+/// The settings of a companion: three times the error. The error of merged waves is proportional to the tolerance; that of
+/// ramps to the square of their steps, which are larger than tolerances below [`crate::solver::moc::RAMP_STEP`].
 pub(super) fn coarser(settings: Settings) -> Settings {
     let front_tolerance = COARSER * settings.front_tolerance;
     let ramps = if settings.front_tolerance < settings.step() { COARSER.sqrt() } else { COARSER };

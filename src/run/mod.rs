@@ -72,7 +72,7 @@ pub enum Progress {
         until: f64,
         /// Events so far.
         events: u64,
-        /// Fronts under way.
+        /// Number of fronts.
         fronts: usize,
     },
 }

@@ -132,13 +132,15 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
         let twisted = twisted(scene, sampling.x());
         let frames = Frames::new(scene.record.times.clone(), scene.record.fields.clone(), sampling).twisted(twisted);
         let places = super::history_places(scene);
-        let recorder = RunRecorder::open(scene, target, frames.x().to_vec(), "", started)?;
+        let mut recorder = RunRecorder::open(scene, target, frames.x().to_vec(), "", started)?;
+        let sudden = bar.sudden_loads();
+        recorder.tally.start_under(&sudden, &scene.bar);
         let tracker = FrontTracker::new(&scene.bar, bar.grid(), &recorder.initial_fans, [&scene.left, &scene.right]);
         // sigma = rho c0 v holds where nothing acts along the bar.
         let plain = assemble::along(&scene.bar, &scene.effects).is_none();
         let probe = ElasticProbe::new(&scene.bar, &recorder.initial_fans, scene.solve.until).filter(|_| plain);
         let audit = Audit::new(&super::case(scene, Some(bar.grid().cells())));
-        let traces = Traces::new(Sampling::at(bar.grid(), places), scene.effects.heat.is_some());
+        let traces = Traces::new(Sampling::at(bar.grid(), places), scene.effects.heat.is_some(), sudden.ends);
         bar.watch(&traces);
         let steps = bar.grid().steps_to(scene.solve.until);
         let listener = scene.solve.estimate_error.then(|| {

@@ -238,10 +238,10 @@ fn a_scene_with_friction_runs_and_says_so() {
     let (right, text) = barwave(SCENE, &["run", "scene.toml", "--json", "-o", "out.h5"]);
     assert!(right, "{text}");
     let summary: serde_json::Value = serde_json::from_str(&text).expect("one JSON value");
-    assert!(text.contains("damping: friction = 20000 N/m"), "{text}");
+    assert!(text.contains("damping: friction = 20 kN/m"), "{text}");
     assert!(summary["ledger"]["energy_residual"].as_f64().expect("a residual").abs() < 1e-10, "{text}");
     let (right, plan) = barwave(SCENE, &["plan", "scene.toml"]);
-    assert!(right && plan.contains("friction = 20000 N/m"), "{plan}");
+    assert!(right && plan.contains("friction = 20 kN/m"), "{plan}");
 }
 
 #[test]

@@ -72,6 +72,7 @@ mod similarity;
 mod solution;
 mod split_hopkinson;
 mod store;
+mod sudden_loads;
 mod sweep;
 mod taper;
 mod taylor_cylinders;

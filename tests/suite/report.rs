@@ -157,8 +157,13 @@ fn the_page_has_the_tables() {
     let folder = tempfile::tempdir().unwrap();
     let file = finished(&folder.path().join("a.h5"));
     let page = page(&file, &Figure::default()).unwrap();
-    for text in ["x = &quot;&lt;&amp;&gt;&quot;", "it would be 9 K warmer", "(matters)", "+1.00", "speed, theory (m/s)"]
-    {
+    for text in [
+        "x = &quot;&lt;&amp;&gt;&quot;",
+        "it would be 9 K warmer",
+        "(above the threshold)",
+        "+1.00",
+        "speed, theory (m/s)",
+    ] {
         assert!(page.contains(text), "{text}");
     }
     assert!(!page.contains("http:") || page.matches("http:").count() == page.matches("http://www.w3.org/").count());

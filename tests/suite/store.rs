@@ -7,7 +7,7 @@ use std::path::Path;
 use barwave::error::Error;
 use barwave::material::Provenance;
 use barwave::record::store::{
-    FORMAT_VERSION, Geometry, Header, Layout, Part, RUNNING, ResultFile, RunFigures, Side, Writer,
+    FORMAT_VERSION, Geometry, Header, Layout, Part, RUNNING, ResultFile, RunFigures, Side, StoredScene, Writer,
 };
 use barwave::record::{
     AuditRow, Compression, ErrorFigure, Field, Frame, FrontRow, LedgerRow, MaterialRecord, PathRow, Precision, Trace,
@@ -314,6 +314,9 @@ fn files_of_another_format_version_are_refused() {
         let Error::Input(error) = ResultFile::open(&path).unwrap_err() else { panic!("no input error") };
         assert!(error.message.contains(&format!("format version {version}; this program reads {FORMAT_VERSION}")));
         assert!(error.help.contains(said), "{}", error.help);
+        // The scene of an older one can be run again, that of a newer one may mean something else.
+        let scene = StoredScene::read(&path).map(|_| ()).map_err(|error| error.to_string());
+        assert!(version < FORMAT_VERSION || scene.is_err_and(|error| error.contains("format version")));
     }
 }
 

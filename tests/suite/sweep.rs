@@ -92,6 +92,8 @@ fn threads_shards_and_merging_change_no_byte() {
     let variables = [("SLURM_ARRAY_TASK_ID", "2"), ("SLURM_ARRAY_TASK_COUNT", "3"), ("SLURM_ARRAY_TASK_MIN", "1")];
     assert!(slurm.envs(variables).status().expect("it starts").success());
     done(path, &["merge", "parts", "-o", "all.h5"]);
+    done(path, &["merge", "parts", "-o", "a/new/all.h5"]);
+    assert!(path.join("a/new/all.csv").is_file());
     assert_eq!(table, text(path, "all.csv"));
     // Rows of another sweep are not mixed in.
     std::fs::write(path.join("other.toml"), SPEEDS.replace("count = 12", "count = 3")).expect("a file");

@@ -1,4 +1,4 @@
-//! `barwave study tension-impact` against the theory of von Karman and Duwez.
+//! `barwave study tension-impact` against the theory of von Kármán and Duwez.
 
 use crate::common::binary;
 

@@ -39,6 +39,11 @@ impl Finding {
         Self { estimate: f64::NAN, text: format!("not estimated: {why}"), remedy: String::new() }
     }
 
+    /// There is no estimate: the named material (or its curve) lacks `what`.
+    pub fn lacks(name: &str, what: &str) -> Self {
+        Self::unknown(format_args!("{name} lacks {what}"))
+    }
+
     pub fn row(self, effect: &str, threshold: f64) -> AuditRow {
         let Self { estimate, text, remedy } = self;
         AuditRow { effect: effect.to_owned(), estimate, threshold, finding: text, remedy }

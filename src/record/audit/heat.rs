@@ -80,8 +80,9 @@ impl Heat {
 
     pub fn finding(&self, materials: &[Arc<Material>], places: &Places, share: impl Fn(f64) -> f64) -> Finding {
         if self.media.iter().all(Option::is_none) {
-            let missing = materials[0].constants.heat.missing().join(", ");
-            return Finding::unknown(std::format!("{} has no {missing} in [heat]", materials[0].name));
+            let missing = materials[0].constants.heat.missing();
+            let missing: Vec<String> = missing.iter().map(|key| std::format!("`{key}`")).collect();
+            return Finding::lacks(&materials[0].name, &std::format!("{} in [heat]", missing.join(", ")));
         }
         let Some((rise, lost, time, place)) = self.hottest else {
             return Finding::nothing("no material with [heat] constants deformed plastically");

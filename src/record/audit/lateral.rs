@@ -59,7 +59,7 @@ fn finding(case: &Case<'_>) -> Finding {
         return Finding::nothing("the bar is not loaded");
     }
     if let Some(unknown) = pulses.iter().find(|p| p.segment.material.poisson.is_none()) {
-        return Finding::unknown(std::format!("{} has no `poisson`", unknown.segment.material.name));
+        return Finding::lacks(&unknown.segment.material.name, "`poisson`");
     }
     let sizes = pulses.iter().fold(Sizes::default(), |all, pulse| all.and(pulse, case));
     if sizes.stress <= 0.0 {

@@ -84,7 +84,7 @@ impl RateRise {
 
     pub fn finding(&self, materials: &[Arc<Material>], places: &Places, share: impl Fn(f64) -> f64) -> Finding {
         if self.media.iter().all(Option::is_none) {
-            return Finding::unknown(std::format!("{} has no constants in [rate]", materials[0].name));
+            return Finding::lacks(&materials[0].name, "constants in [rate]");
         }
         let Some((rate, rise, time, place)) = self.quickest.filter(|q| q.0 > 0.0) else {
             return Finding::nothing("no material with [rate] constants deformed plastically");

@@ -46,7 +46,7 @@ impl TensileStrain {
             return if known {
                 Finding::nothing("no section was strained in tension")
             } else {
-                Finding::unknown(std::format!("the curve of {} has no fracture strain", materials[0].name))
+                Finding::lacks(&std::format!("the curve of {}", materials[0].name), "a fracture strain")
             };
         };
         let message = std::format!(

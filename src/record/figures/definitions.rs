@@ -72,7 +72,7 @@ pub(super) static PART: &[Definition<Part>] = &[
     }),
     row(
         ("permanent_elongation", Dimension::Length, "permanent elongation"),
-        "final length less initial length, the integral of the plastic strain",
+        "final length minus initial length, the integral of the plastic strain",
         |part| part.length.map(|[first, last]| last - first),
     ),
     row(
@@ -98,7 +98,7 @@ pub(super) const RESIDUAL_PROFILE: (&str, &str) = (
 pub(super) static LOAD: &[Definition<Site>] = &[
     row(
         ("peak_force", Dimension::Force, "peak"),
-        "force of largest magnitude with its sign, tension positive; at a joint that breaks, up to the break and of fragments in contact; \
+        "force of largest magnitude with its sign, tension positive; at a fractured joint, including later contact of the fragments; \
          needs an area",
         |site| site.area.map(|area| area * site.load.peak.value),
     ),

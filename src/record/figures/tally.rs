@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::bar::Bar;
+use crate::bar::{Bar, SuddenLoad, SuddenLoads};
 use crate::record::Trace;
 
 /// A value counts as larger than the largest so far if it exceeds it by this part: the ripple of rounding on a constant stress does not
@@ -44,6 +44,8 @@ pub(super) struct Load {
     /// Of the last row, s.
     pub last_time: f64,
     no_stress: f64,
+    /// What is known of it for a while from t = 0 on, and the stress of the rows over that stress.
+    sudden: Option<(SuddenLoad, f64)>,
 }
 
 impl Load {
@@ -54,7 +56,8 @@ impl Load {
     /// A row counts to the next one if both carry stress; none counts after `last` (s).
     fn add(&mut self, rows: &Trace, last: f64) {
         for (&time, &stress) in rows.time.iter().zip(&rows.stress).take_while(|&(&time, _)| time <= last) {
-            self.peak.add(time, stress);
+            let known = |(load, ratio): (SuddenLoad, f64)| ratio * load.joint(time, stress / ratio);
+            self.peak.add(time, self.sudden.map_or(stress, known));
             let is_released = stress.abs() <= self.no_stress;
             if !is_released && !self.is_released {
                 self.duration += time - self.last_time;
@@ -86,6 +89,13 @@ impl Tally {
         let loads: Vec<Load> = bar.segments.iter().map(|segment| Load::new(segment.material.modulus)).collect();
         let last = loads.len() - 1;
         Self { ends: [loads[0], loads[last]], gauges: vec![Gauge::default(); gauges], joints: loads[..last].to_vec() }
+    }
+
+    /// What is known of the joints for a while from t = 0 on; the rows of ends show it themselves.
+    pub fn start_under(&mut self, loads: &SuddenLoads, bar: &Bar) {
+        for &(k, load, area) in &loads.joints {
+            self.joints[k].sudden = Some((load, area / bar.segments[k].end_areas()[1]));
+        }
     }
 
     /// Number of the scene's gauges.

@@ -233,7 +233,7 @@ pub struct RunFigures {
 
 /// The writing end of a result file.
 ///
-/// Every method passes its data to the writer thread; an error of that thread (a full disk, say) comes back from the
+/// Every method passes its data to the writer thread; an error of that thread (a full disk, say) is returned by the
 /// next call. Dropping a writer without [`Writer::finish`] flushes what it was given and leaves `outcome = "running"`.
 #[derive(Debug)]
 pub struct Writer {
@@ -244,7 +244,7 @@ pub struct Writer {
     thread: Option<JoinHandle<Result<()>>>,
 }
 
-/// What goes to the writing thread.
+/// Message to the writer thread.
 #[derive(Debug)]
 enum Message {
     Frame(Frame),

@@ -26,7 +26,7 @@ const COLUMNS: [PathColumn; 6] = [
     ("t0", "s", "time of the start", |row| row.t0),
     ("x1", "m", "position of the end", |row| row.x1),
     ("t1", "s", "time of the end", |row| row.t1),
-    ("stress_jump", "Pa", "stress behind less stress ahead", |row| row.stress_jump),
+    ("stress_jump", "Pa", "stress behind minus stress ahead", |row| row.stress_jump),
     ("speed", "m/s", "speed, positive in +x", |row| row.speed),
 ];
 
@@ -118,7 +118,7 @@ impl PathTable {
         size_of::<i64>() * (COLUMNS.len() + 1) * (self.waiting.len() + self.waiting.len() / 8).next_multiple_of(CHUNK)
     }
 
-    /// Writes the waiting rows, as far as a run that goes on can.
+    /// Writes the complete blocks of the waiting rows; the run continues.
     pub fn write(&mut self) -> Hdf<bool> {
         self.write_rows(self.waiting.len() - self.waiting.len() % self.multiple)
     }

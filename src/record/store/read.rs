@@ -103,6 +103,11 @@ impl StoredScene {
     /// As for [`ResultFile::open`].
     pub fn read(path: &Path) -> Result<Self> {
         let file = open(path)?;
+        if let Ok(newer) = get::<u32>(&file, "format_version")
+            && newer > FORMAT_VERSION
+        {
+            return Err(other_version(path, Some(newer)).into());
+        }
         let read = || -> Hdf<Self> {
             let resolved: serde_json::Value =
                 serde_json::from_str(&get_text(&file, "scene_resolved")?).unwrap_or_default();

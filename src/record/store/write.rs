@@ -269,7 +269,7 @@ impl Sink {
         self.claim.release(self.file.size());
     }
 
-    /// Says in a file that cannot be gone on with why that is. Its frames are all there.
+    /// Writes to a file that cannot be continued the reason for this. All its frames are kept.
     pub fn abandon(&self, error: &Error) {
         let Error::File { reason, .. } = error else { return };
         let said = put_text(&self.file, "reason", reason)

@@ -15,8 +15,8 @@ use crate::units::{Dimension, System, format};
 /// Rounding of values that were put together, relative.
 const ROUNDING: f64 = 1e-9;
 
-/// Plastic strains below this are rounding.
-const LEAST_STRAIN: f64 = 1e-15;
+/// Plastic strains below this are rounding, where a steep table crosses zero.
+const LEAST_STRAIN: f64 = 1e-12;
 
 /// A segment with its number, where it is said what it starts with, and where its left end is, m.
 struct Given<'a> {

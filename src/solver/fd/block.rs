@@ -82,7 +82,7 @@ pub(super) struct Block {
     /// Sense of the flow (1 or -1) of cells that flowed in the latest step (not where the rate of flow is resolved), else 0; empty until the
     /// block yields.
     pub flow: Vec<i8>,
-    /// 1 in cells that have flowed; empty until the block yields, and where there can be no shocks.
+    /// How cells have flowed, see [`grid_filter::note_flow`]; empty until the block yields, and where there can be no shocks.
     have_flowed: Vec<i8>,
     pub cells: Range<usize>,
     pub segment: usize,
@@ -269,8 +269,8 @@ impl Block {
         ];
         if filter.takes_shocks() && !self.flow.is_empty() {
             self.have_flowed.resize(cells, 0);
-            let flow = &self.flow[active.clone()];
-            self.have_flowed[active.clone()].iter_mut().zip(flow).for_each(|(have, flow)| *have |= flow & 1);
+            let cells = active.clone();
+            grid_filter::note_flow(&self.flow[cells.clone()], &self.sigma[cells.clone()], &mut self.have_flowed[cells]);
         }
         gaps.read(&v[active.start..=active.end], outside, filter.rounding);
         self.impulses_at_edges = [0.0; 2];

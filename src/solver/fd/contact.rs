@@ -6,6 +6,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::half_node::{HalfNode, Impulses};
+use crate::bar::SuddenLoad;
 use crate::bar::ends::Response;
 use crate::bar::joint::{self, force_at, free_rate};
 
@@ -30,6 +31,8 @@ pub(super) struct Contact {
     force: f64,
     /// Their force on each other over the steps ahead.
     impulses: Impulses,
+    /// Force up to which both bars are elastic, N.
+    limit: f64,
 }
 
 /// A joint that can open, as it is at a moment.
@@ -57,6 +60,7 @@ impl Contact {
         contact: joint::Contact,
         velocities: [f64; 2],
         [masses, areas, impedances]: [[f64; 2]; 3],
+        yield_stresses: [f64; 2],
         dt: f64,
     ) -> Self {
         let side = |k: usize| HalfNode::new(INWARD[k] * velocities[k], 0.5 * masses[k], areas[k], dt);
@@ -70,7 +74,13 @@ impl Contact {
             ahead: contact,
             force: 0.0,
             impulses: Impulses::default(),
+            limit: (areas[0] * yield_stresses[0]).min(areas[1] * yield_stresses[1]),
         }
+    }
+
+    /// The faces are suddenly loaded like this at t = 0; see [`joint::Contact::load`].
+    pub fn load(&mut self, load: SuddenLoad, area: f64) {
+        self.ahead.load(load, area);
     }
 
     /// See [`HalfNode::start_under`].
@@ -115,7 +125,9 @@ impl Contact {
         }
         let before = std::mem::replace(&mut self.force, 0.5 * (force + passed_on));
         self.ahead.lose(0.5 * (before + self.force), closer);
-        self.ahead.note(dt, self.force);
+        // What stops half a cell, more than its bar can carry, is not what the faces carry.
+        let stops = (self.force - mean).abs() > self.limit;
+        self.ahead.note(dt, if stops { mean.max(0.0) } else { self.force });
         self.move_on(cells);
     }
 

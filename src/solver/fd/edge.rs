@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::block::Block;
 use super::contact::Contact;
 use super::grid_filter;
-use super::segment::Constants;
+use super::segment::{Constants, SegmentLaw};
 use crate::bar::{Bar, joint};
 
 /// The node between two blocks: inside a segment, or at a bonded joint. In the place of a joint that can open it is an
@@ -136,6 +136,7 @@ pub(super) fn contacts(
     dt: f64,
     blocks: &[Block],
     constants: &[Constants],
+    laws: &[SegmentLaw],
     edges: &mut [Edge],
 ) -> Vec<Contact> {
     let mut contacts = Vec::new();
@@ -148,7 +149,8 @@ pub(super) fn contacts(
             let velocities = [last(&pair[0].v), pair[1].v[0]];
             let place = [k, segments[0], pair[1].cells.start];
             edges[k] = Edge::EMPTY;
-            contacts.push(Contact::new(place, contact, velocities, beside(pair, constants, dt), dt));
+            let yields = segments.map(|k| laws[k].yield_stress);
+            contacts.push(Contact::new(place, contact, velocities, beside(pair, constants, dt), yields, dt));
         }
     }
     contacts

@@ -16,6 +16,8 @@ pub struct EndNode {
     face: Face,
     node: HalfNode,
     dt: f64,
+    /// Force up to which the bar is elastic, N.
+    limit: f64,
     /// Force on the end at the current time, N, with the impulse of a sudden motion.
     force: f64,
     /// The stress for the record, see [`EndNode::stress`].
@@ -83,6 +85,8 @@ pub struct EndGrid {
     pub cell_area: f64,
     /// Initial velocity, m/s.
     pub velocity: f64,
+    /// Size of the stress up to which the end cell is elastic, Pa.
+    pub yield_stress: f64,
 }
 
 impl EndNode {
@@ -95,6 +99,7 @@ impl EndNode {
             face,
             node: HalfNode::new(velocity, 0.5 * grid.density * grid.dx * grid.cell_area, grid.cell_area, grid.dt),
             dt: grid.dt,
+            limit: grid.yield_stress * grid.area,
             force: 0.0,
             stress: 0.0,
             impulses: Impulses::default(),
@@ -168,7 +173,9 @@ impl EndNode {
     fn advance_showing(&mut self, time: f64, cell: f64, shown: f64) {
         let (step, previous) = (self.step(time), self.force);
         let Motion { force, velocity, met, held } = self.respond(&step, cell);
-        self.struck = held && (!self.held || self.model.jumps(time, self.dt));
+        // More than the bar can carry on half a cell: it is stopped, perhaps over two steps.
+        let stopped = (force - cell).abs() > self.limit;
+        self.struck = held && (!self.held || stopped || self.model.jumps(time, self.dt));
         self.stress = if self.struck { shown } else { -force / self.face.area };
         let ahead = 2.0 * force - self.impulses.passed_on(cell, self.passed_on);
         self.means = [self.means[1], ahead];
@@ -313,7 +320,7 @@ impl EndNode {
     /// half node is the characteristic.
     pub(super) fn sample(&self, is_elastic: bool) -> EndSample {
         let [mean, _] = self.means;
-        let latest = if is_elastic && !mean.is_nan() && self.is_characteristic() {
+        let latest = if is_elastic && mean.abs() <= self.limit && self.is_characteristic() {
             EndState { stress: -mean / self.face.area, velocity: self.velocity_before() }
         } else {
             EndState::UNKNOWN

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
-use crate::bar::Bar;
+use crate::bar::{Bar, Segment};
 
 /// One segment's part of the grid.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -28,6 +28,20 @@ impl SegmentGrid {
     pub fn beside(&self, node: usize) -> [f64; 2] {
         let (i, count) = ((node - self.cells.start) as f64, self.cells.len() as f64);
         [(i - 0.5).max(0.0), (i + 0.5).min(count)].map(|i| self.dx * i)
+    }
+
+    /// Velocity (m/s) of a node of a segment half a step after t = 0, without what initial stresses give it: that of its cells' common
+    /// momentum. At Courant number 1 this is the elastic solution at that time, (v(x - c dt/2) + v(x + c dt/2))/2 of the cells' mean
+    /// velocities v. What alternates from node to node vanishes; the grid would let it grow with every step.
+    pub(super) fn initial_velocity(&self, segment: &Segment, node: usize) -> f64 {
+        let (mut mass, mut momentum) = (0.0, 0.0);
+        for cell in node.saturating_sub(1).max(self.cells.start)..=node.min(self.cells.end - 1) {
+            let [from, to] = self.cell(cell);
+            let area = segment.mean_area(from, to);
+            mass += area;
+            momentum += area * segment.velocity_between(from, to);
+        }
+        momentum / mass
     }
 }
 

@@ -109,12 +109,14 @@ impl Filter {
     }
 
     /// Part of the velocity difference `w` that artificial viscosity takes of a cell that flows in this sense under this stress: none where it does
-    /// not flow on.
+    /// not flow on. A shock that reverses the stress `crosses` the elastic range and loads on the other side: there it takes what it takes of an
+    /// unloading cell.
     #[inline(always)]
-    fn viscosity(&self, w: f64, flow: f64, sigma: f64) -> f64 {
+    fn viscosity(&self, w: f64, flow: f64, sigma: f64, crosses: bool) -> f64 {
         let rises = if sigma < 0.0 { self.rise[1] } else { self.rise[0] };
-        let unloads = usize::from(flow * sigma < 0.0);
-        if flow * w > self.rounding { lesser(rises[unloads] * w.abs(), self.viscous[unloads]) } else { 0.0 }
+        let unloads = usize::from(flow * sigma < 0.0 || crosses);
+        let goes_on = if crosses && flow == 0.0 { w.abs() } else { flow * w };
+        if goes_on > self.rounding { lesser(rises[unloads] * w.abs(), self.viscous[unloads]) } else { 0.0 }
     }
 
     /// Differences that support each other are damped, too.
@@ -141,7 +143,7 @@ pub(super) struct Gaps {
 pub(super) struct Cells<'a> {
     /// Sense of the flow of each; empty where the block has not yielded.
     pub flow: &'a [i8],
-    /// 1 in those that have flowed before or flow now; empty where there can be no shocks.
+    /// How each has flowed, see [`note_flow`]; empty where there can be no shocks.
     pub have_flowed: &'a [i8],
     /// Stresses, Pa.
     pub sigma: &'a [f64],
@@ -206,7 +208,7 @@ impl Gaps {
                 Beside::Node(_) => impulses[cell],
                 Beside::Held if shocks => {
                     let (sense, w) = (f64::from(flow[cell]), w[cell + 1]);
-                    w * filter.viscosity(w, sense, sigma[cell])
+                    w * filter.viscosity(w, sense, sigma[cell], crosses(cells.have_flowed[cell]))
                 }
                 Beside::Held | Beside::Joint => 0.0,
             };
@@ -216,6 +218,25 @@ impl Gaps {
         }
         anything
     }
+}
+
+/// Steps after it unloaded in flow in which a cell may still be inside a shock: four cells at a quarter of the elastic speed.
+const CROSSING: i8 = 16;
+
+/// Notes in a row of cells how they have flowed: 0 never, 1 some time ago, more for those that unload in flow now or did so in the last [`CROSSING`]
+/// steps.
+pub(super) fn note_flow(flow: &[i8], sigma: &[f64], have_flowed: &mut [i8]) {
+    for ((have, &flow), &sigma) in have_flowed.iter_mut().zip(flow).zip(sigma) {
+        let unloads = f64::from(flow) * sigma < 0.0;
+        let older = if *have > 1 { *have - 1 } else { *have | (flow & 1) };
+        *have = if unloads { CROSSING + 1 } else { older };
+    }
+}
+
+/// A cell may be inside a shock that reverses the stress.
+#[inline(always)]
+fn crosses(have_flowed: i8) -> bool {
+    have_flowed > 1
 }
 
 /// Some cell flows.
@@ -338,8 +359,8 @@ fn find_shocks(w: &[f64], row: &Cells<'_>, filter: Filter, impulses: &mut [f64])
     for i in 0..cells {
         let (sense, size) = (f64::from(flow[i]), here[i].abs());
         let ripples = impulse([left[i], here[i], right[i]], sense, filter).abs();
-        let viscous = filter.viscosity(here[i], sense, sigma[i]) * size;
-        let ringing = ringing([left[i], here[i], right[i]], have_flowed[i] & !flow[i] & 1 != 0, filter);
+        let viscous = filter.viscosity(here[i], sense, sigma[i], crosses(have_flowed[i])) * size;
+        let ringing = ringing([left[i], here[i], right[i]], have_flowed[i] > 0 && flow[i] == 0, filter);
         impulses[i] = lesser(ripples + viscous + ringing, LARGEST_SHARE * size).copysign(here[i]);
         bits |= impulses[i].to_bits();
     }

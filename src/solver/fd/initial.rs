@@ -1,4 +1,4 @@
-//! Bars that are stressed, have yielded or move unevenly at t = 0.
+//! Bars that are stressed or have yielded at t = 0.
 //!
 //! What held the bar is taken away at t = 0. Velocities are known half a step later and have felt the stresses for half a step by
 //! then: the nodes meet half of them first ([`Leapfrog::meet_half`]), which makes elastic waves exact at Courant number 1 from the
@@ -8,9 +8,8 @@
 
 use super::block::{Block, Stage};
 use super::edge::last;
-use super::grid::SegmentGrid;
 use super::leapfrog::Leapfrog;
-use crate::bar::{Bar, Segment};
+use crate::bar::Bar;
 use crate::law::aligned_row;
 
 impl Leapfrog {
@@ -61,20 +60,6 @@ impl Leapfrog {
         }
         self.initial_energy = Some(self.energies());
     }
-}
-
-/// Velocity (m/s) of a node of a segment half a step after t = 0, without what initial stresses give it: that of its cells' common
-/// momentum. At Courant number 1 this is the elastic solution at that time, (v(x - c dt/2) + v(x + c dt/2))/2 of the cells' mean
-/// velocities v. What alternates from node to node vanishes; the grid would let it grow with every step.
-pub(super) fn velocity(segment: &Segment, part: &SegmentGrid, node: usize) -> f64 {
-    let (mut mass, mut momentum) = (0.0, 0.0);
-    for cell in node.saturating_sub(1).max(part.cells.start)..=node.min(part.cells.end - 1) {
-        let [from, to] = part.cell(cell);
-        let area = segment.mean_area(from, to);
-        mass += area;
-        momentum += area * segment.velocity_between(from, to);
-    }
-    momentum / mass
 }
 
 impl Block {

@@ -10,13 +10,12 @@ use super::fan::StartingFan;
 use super::grid::Grid;
 use super::grid_filter::Shocks;
 use super::implicit::{DistributedForces, Implicit};
-use super::initial;
 use super::segment::{Constants, SegmentLaw};
 use super::sizes::block_sizes;
 use super::subdomain::{Common, Subdomain};
 use super::sweep::division;
 use super::taper::BlockTaper;
-use crate::bar::{Bar, EndCondition};
+use crate::bar::{Bar, EndCondition, SuddenLoads};
 use crate::solver::{EndSample, Energies};
 
 /// What a bar logged, step by step.
@@ -64,6 +63,8 @@ pub struct Leapfrog {
     pub(super) implicit: Option<Box<Implicit>>,
     /// What suddenly moved ends start with.
     pub(super) fans: Vec<StartingFan>,
+    /// What is known of ends and joints for a while from t = 0 on.
+    pub(super) sudden: SuddenLoads,
     /// Energies at t = 0 of a bar with an initial state.
     pub(super) initial_energy: Option<Energies>,
 }
@@ -132,7 +133,7 @@ impl Leapfrog {
             segments.map(|((segment, part), law)| Constants::new(segment, part, grid.dt, law.shocks)).collect();
         let blocks = blocks(bar, &grid);
         let mut edges = edges(&blocks, &constants);
-        let contacts = contacts(bar, grid.dt, &blocks, &constants, &mut edges);
+        let contacts = contacts(bar, grid.dt, &blocks, &constants, &laws, &mut edges);
         let end_grid = |k: usize, side: usize| {
             let (segment, part) = (&bar.segments[k], &grid.segments[k]);
             let block = if side == 0 { &blocks[0] } else { &blocks[blocks.len() - 1] };
@@ -145,6 +146,7 @@ impl Leapfrog {
                 area: segment.end_areas()[side],
                 cell_area: segment.area * block.area(cell),
                 velocity: block.v[if side == 0 { 0 } else { cell + 1 }],
+                yield_stress: laws[k].yield_stress,
             }
         };
         let [left, right] = ends;
@@ -165,6 +167,7 @@ impl Leapfrog {
             rupture: None,
             implicit: None,
             fans: Vec::new(),
+            sudden: SuddenLoads::default(),
             initial_energy: None,
         }
     }
@@ -381,7 +384,7 @@ fn blocks(bar: &Bar, grid: &Grid) -> Vec<Block> {
             let mut block = Block::new(start..start + cells, k, bar.segments[k].velocity);
             block.taper = BlockTaper::of(&bar.segments[k], part, &block.cells);
             if bar.segments[k].profile.is_some() {
-                block.start_with(|node| initial::velocity(&bar.segments[k], part, node));
+                block.start_with(|node| part.initial_velocity(&bar.segments[k], node));
             }
             start += cells;
             blocks.push(block);

@@ -354,7 +354,8 @@ impl Leapfrog {
         self.edges[k].part();
         let pair = &self.blocks[k..=k + 1];
         let (place, cells) = ([k, pair[0].segment, node], beside(pair, &self.constants, self.grid.dt));
-        let mut contact = Contact::new(place, joint::Contact::broken(), [velocity; 2], cells, self.grid.dt);
+        let yields = [pair[0].segment, pair[1].segment].map(|k| self.laws[k].yield_stress);
+        let mut contact = Contact::new(place, joint::Contact::broken(), [velocity; 2], cells, yields, self.grid.dt);
         contact.part([last(&pair[0].sigma), pair[1].sigma[0]], self.grid.dt);
         let place = self.contacts.partition_point(|other| other.edge < k);
         self.contacts.insert(place, contact);

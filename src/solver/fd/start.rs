@@ -12,7 +12,7 @@
 use super::fan::{Front, StartingFan};
 use super::grid_filter;
 use super::leapfrog::Leapfrog;
-use crate::bar::{EndCondition, InitialFan, Origin};
+use crate::bar::{Driver, EndCondition, InitialFan, Origin, SuddenLoads};
 use crate::solver::EndState;
 
 /// Cells that the slowest front travels before the scheme takes over, where the bar has room. Copper on a wall at 60 m/s, 200 cells: the
@@ -50,6 +50,24 @@ impl Leapfrog {
         self
     }
 
+    /// The same bar at t = 0, of which this is known.
+    #[must_use]
+    pub fn under_sudden_loads(mut self, loads: SuddenLoads) -> Self {
+        for &(k, load, area) in &loads.joints {
+            self.contacts
+                .iter_mut()
+                .filter(|contact| contact.segment == k)
+                .for_each(|contact| contact.load(load, area));
+        }
+        self.sudden = loads;
+        self
+    }
+
+    /// What is known of ends and joints for a while from t = 0 on.
+    pub fn sudden_loads(&self) -> &SuddenLoads {
+        &self.sudden
+    }
+
     /// An end just after t = 0, if the bar is elastic there.
     fn elastic_start(&self, condition: &EndCondition, side: usize, yields_at_once: bool) -> Option<EndState> {
         let (end, block) = match side {
@@ -65,17 +83,18 @@ impl Leapfrog {
 
     fn starting_fan(&self, initial_fan: &InitialFan, side: usize) -> Option<StartingFan> {
         let fan = &initial_fan.fan;
-        let known = initial_fan.sudden && !fan.above_critical && !fan.beyond_data;
-        let slowest = fan.edges.last().filter(|edge| known && fan.edges.len() > 1 && edge.speed > 0.0)?;
+        // The node of an end under a given stress finds its own velocity: it runs ahead of nodes that are made to move.
+        if initial_fan.driver != Driver::Velocity {
+            return None;
+        }
+        let slowest = fan.edges.last().filter(|edge| fan.edges.len() > 1 && edge.speed > 0.0)?;
         let block = if side == 0 { &self.blocks[0] } else { &self.blocks[self.blocks.len() - 1] };
         if block.taper.is_some() {
             return None;
         }
         let (part, dt) = (&self.grid.segments[initial_fan.segment], self.grid.dt);
         let wanted = (CELLS * part.dx / (slowest.speed * dt)).ceil();
-        // Other waves may come to meet it from the far side.
-        let room = part.dx * part.cells.len() as f64 / if initial_fan.alone { 1.0 } else { 2.0 };
-        let possible = (room / (fan.edges[0].speed * dt)).min(initial_fan.loads_until / dt).floor() - 1.0;
+        let possible = (initial_fan.known_until(part.dx * part.cells.len() as f64) / dt).floor() - 1.0;
         let sense = -initial_fan.direction * initial_fan.sense.sign();
         let mut velocity = initial_fan.velocity_ahead;
         let fronts = fan.edges.iter().map(|edge| {
@@ -163,7 +182,7 @@ impl Leapfrog {
 /// The end behind a fan, where it holds just after t = 0.
 fn behind(initial_fan: &InitialFan) -> Option<EndState> {
     let InitialFan { fan, sense, direction, .. } = initial_fan;
-    let at_start = initial_fan.sudden || initial_fan.loads_until == 0.0;
+    let at_start = initial_fan.holds_until > 0.0 || initial_fan.loads_until == 0.0;
     (at_start && !fan.above_critical && !fan.beyond_data).then(|| EndState {
         stress: sense.sign() * fan.stress,
         velocity: initial_fan.velocity_ahead - direction * sense.sign() * fan.velocity,

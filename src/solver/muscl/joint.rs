@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 use super::block::Block;
 use super::face::{response, under};
 use super::part::Part;
-use crate::bar;
 use crate::bar::joint::{Contact, force_at};
+use crate::bar::{self, SuddenLoad};
 use crate::wave::riemann::{FaceState, Flux, Point, Side, Star, Workspace, solve};
 
 /// A joint.
@@ -21,6 +21,11 @@ pub(super) struct Joint {
 impl Joint {
     pub fn new(joint: bar::Joint, edge: usize) -> Self {
         Self { edge, contact: Contact::new(joint) }
+    }
+
+    /// The faces are suddenly loaded like this at t = 0; see [`Contact::load`].
+    pub fn load(&mut self, load: SuddenLoad, area: f64) {
+        self.contact.iter_mut().for_each(|contact| contact.load(load, area));
     }
 
     /// Displacement of the right face against the left one since the start, m.

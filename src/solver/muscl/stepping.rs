@@ -8,7 +8,7 @@ use super::face;
 use super::joint::Joint;
 use super::kernel::Scratch;
 use super::part::Part;
-use crate::bar::{Bar, EndCondition, Initial};
+use crate::bar::{Bar, EndCondition, Initial, SuddenLoads};
 use crate::law::FirstPassed;
 use crate::solver::EndState;
 use crate::solver::fd::{Grid, SegmentLaw};
@@ -29,6 +29,8 @@ pub struct Muscl {
     /// Just after t = 0.
     pub(super) start: [EndState; 2],
     pub(super) joints: Vec<Joint>,
+    /// What is known of ends and joints for a while from t = 0 on.
+    sudden: SuddenLoads,
     pub(super) step: usize,
     pub(super) passed: FirstPassed,
     parallel: bool,
@@ -60,10 +62,38 @@ impl Muscl {
         let (ends, work, state, passed) =
             ([left, right], Workspace::default(), vec![0.0; state_len], FirstPassed::default());
         let start = [EndState::default(); 2];
-        let mut muscl =
-            Self { grid, parts, blocks, ends, start, joints, step: 0, passed, parallel, scratch, work, state };
+        let mut muscl = Self {
+            grid,
+            parts,
+            blocks,
+            ends,
+            start,
+            joints,
+            sudden: SuddenLoads::default(),
+            step: 0,
+            passed,
+            parallel,
+            scratch,
+            work,
+            state,
+        };
         muscl.start_ends();
         muscl
+    }
+
+    /// The same bar at t = 0, of which this is known.
+    #[must_use]
+    pub fn under_sudden_loads(mut self, loads: SuddenLoads) -> Self {
+        for &(k, load, area) in &loads.joints {
+            self.joints[k].load(load, area);
+        }
+        self.sudden = loads;
+        self
+    }
+
+    /// What is known of ends and joints for a while from t = 0 on.
+    pub fn sudden_loads(&self) -> &SuddenLoads {
+        &self.sudden
     }
 
     fn start_ends(&mut self) {

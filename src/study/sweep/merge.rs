@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use super::journal::Journal;
 use super::metrics::Row;
 use super::table::write_tables;
+use crate::destination;
 use crate::error::{Error, InputError, Result};
 
 /// Missing cases that are named.
@@ -38,6 +39,7 @@ pub fn merge(folders: &[PathBuf], output: &Path, partial: bool) -> Result<usize>
     if !missing.is_empty() && !partial {
         return Err(Error::Checks(describe(&missing, plan.cases())));
     }
+    destination::make_folder(output)?;
     write_tables(&output.with_extension("csv"), output, &plan, &rows)?;
     Ok(rows.len())
 }

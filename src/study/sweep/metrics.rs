@@ -19,7 +19,7 @@ pub enum Status {
     Done,
     /// The bar broke.
     Rupture,
-    /// The run could not go on.
+    /// The run was stopped by an error.
     Stopped,
     /// The scene is wrong with these values.
     Refused,

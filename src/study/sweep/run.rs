@@ -39,7 +39,7 @@ struct Under<'a> {
 }
 
 /// Runs the cases of a shard that have no row in the folder yet, and writes `table.csv` and `sweep.h5` there. Rows are kept as cases end:
-/// a sweep that is stopped or killed loses only the cases under way. `on_row` gets every new row. Cases are run by all threads of the
+/// a sweep that is stopped or killed loses only the running cases. `on_row` gets every new row. Cases are run by all threads of the
 /// pool; the table does not depend on how many there are.
 ///
 /// # Errors

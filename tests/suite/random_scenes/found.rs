@@ -1108,3 +1108,40 @@ fn an_initial_velocity_that_the_grid_does_not_resolve_does_not_grow() {
         }
     }
 }
+
+/// Shocks from tension to compression along a curve that is followed both ways had no viscosity where they cross the elastic range: the stress was 29 %
+/// off with any number of cells. What is left, 7 %, does not fall with the cells: it is the speed of the shock.
+#[test]
+fn shocks_that_reverse_the_stress_are_near_those_of_the_godunov_scheme() {
+    let material = "{ density = 6550, modulus = \"200 GPa\", beyond = \"extend\", curve = { formula = \"ramberg-osgood\", yield = \"330 MPa\", n = 8.96 } }";
+    let history = "[[0e0, 349000000], [1.09e-5, 349000000], [1.09e-5, -337000000], [3.22e-5, -337000000], [3.22e-5, 374000000], [9.64e-5, 233000000]]";
+    let by = |scheme: &str, cells: usize| {
+        let scene = scene(&format!(
+            "[bar]\nlength = 0.447\narea = \"237 mm^2\"\nmaterial = {material}\nvelocity = 26.7\n[left]\nkind = \"dashpot\"\ncoefficient = \
+             802\n[right]\nkind = \"stress\"\nhistory = {history}\n[solve]\nuntil = 2.69e-4\nmethod = \"fd\"\nscheme = \"{scheme}\"\ncells = \
+             {cells}\ncfl = 0.708\n[record]\nframes = 2\n"
+        ));
+        let solution = solve(&scene, &mut |_| ControlFlow::Continue(())).unwrap_or_else(|e| panic!("{e}"));
+        (solution.x.to_vec(), solution.last(Field::Stress).expect("a recorded field").to_vec())
+    };
+    let [(x, leapfrog), (centres, godunov)] = [by("leapfrog", 1600), by("muscl", 1600)];
+    assert_eq!(x, centres);
+    let largest = godunov.iter().fold(0.0_f64, |largest, stress| largest.max(stress.abs()));
+    let apart = leapfrog.iter().zip(&godunov).map(|(a, b)| (a - b).abs()).sum::<f64>();
+    let difference = apart / (x.len() as f64 * largest);
+    assert!(difference < 0.08, "{difference}");
+}
+
+/// The size of a plastic strain was rounded where a steep table crosses zero: below its own plastic strain by 1.09e-15.
+#[test]
+fn a_steep_table_of_plastic_strain_may_cross_zero() {
+    let bar = format!(
+        "{}plastic-strain = [[0, 0.00146], [0.1065, -0.00303], [0.1066, 0.0155], [0.142, -0.00282]]\n",
+        bar(STEEL)
+    )
+    .replace("0.19", "0.142");
+    scene(&text(&bar, "kind = \"free\"", "hardening = \"isotropic\"", "until = 1e-5\ncells = 60"));
+    let mirrored = "[[0, -0.00282], [0.0354, 0.0155], [0.0355, -0.00303], [0.142, 0.00146]]";
+    let bar = format!("{}plastic-strain = {mirrored}\n", self::bar(STEEL)).replace("0.19", "0.142");
+    scene(&text(&bar, "kind = \"free\"", "hardening = \"isotropic\"", "until = 1e-5\ncells = 60"));
+}

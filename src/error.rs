@@ -12,7 +12,7 @@ pub enum Error {
     /// The input is wrong; exit code 2.
     #[error(transparent)]
     Input(#[from] InputError),
-    /// The run could not go on; exit code 1.
+    /// The run was stopped by an error; exit code 1.
     #[error(transparent)]
     Run(#[from] RunError),
     /// A file could not be read or written; exit code 1 (an input file that is missing is an [`InputError`]).
@@ -136,14 +136,14 @@ impl std::fmt::Display for InputError {
 
 impl std::error::Error for InputError {}
 
-/// A run that could not go on: why, when and where.
+/// The error that stopped a run: reason, time and place.
 #[derive(Debug, Clone)]
 pub struct RunError {
-    /// Why, with the values that tell.
+    /// Reason, with the values involved.
     pub reason: String,
     /// Simulated time, s.
     pub time: f64,
-    /// Place on the bar, m; none where no place is to blame.
+    /// Place on the bar, m; none if the error has no place.
     pub x: Option<f64>,
     /// What to do about it.
     pub help: String,

@@ -7,11 +7,11 @@ use std::path::Path;
 
 use crate::error::InputError;
 
-/// Largest text that is read, bytes: a million rows of a record. A scene has some kilobytes.
+/// Largest text file that is read, bytes: a million rows of a record. A scene has a few kilobytes.
 pub const MOST_BYTES: u64 = 64 << 20;
 
 const TOO_LARGE: &str =
-    "a scene or material is a text file of some kilobytes; keep only every tenth or hundredth row of a long record";
+    "a scene or material is a text file of a few kilobytes; keep only every tenth or hundredth row of a long record";
 
 /// The files that a scene names, with their contents: the scene can be read again if they have changed or are gone.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]

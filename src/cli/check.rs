@@ -16,7 +16,7 @@ use crate::study::sweep::Sweep;
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  barwave check scene.toml materials/steel.toml\n  barwave check - < scene.toml")]
 pub(crate) struct Args {
-    /// Scene, material and sweep files; which is which is seen from their content.
+    /// Scene, material and sweep files; the kind is determined from the content.
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
 }

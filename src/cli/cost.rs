@@ -289,7 +289,7 @@ fn orders(cost: &Cost) -> String {
     cost.order_fits.iter().map(line).collect()
 }
 
-/// What was left out, and under what circumstances all this was measured.
+/// Skipped points, and the conditions of the measurement.
 fn notes(cost: &Cost, written: Option<&Path>) -> String {
     let mut lines = Vec::new();
     for unable in &cost.unable {

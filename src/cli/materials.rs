@@ -21,7 +21,7 @@ pub(crate) struct Args {
 
 #[derive(Debug, clap::Subcommand)]
 enum Action {
-    /// List every material that can be named (default).
+    /// List all available materials (default).
     List(ListArgs),
     /// Show one material: constants, provenance, critical velocity and table.
     Show(ShowArgs),

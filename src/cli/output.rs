@@ -12,7 +12,7 @@ use crate::destination;
 use crate::error::{Error, InputError, Result};
 use crate::record::store;
 
-/// Writes text to stdout, within its width. A reader that has gone away (`barwave ... | head`) is no error.
+/// Writes text to stdout, wrapped at its width. A closed pipe (`barwave ... | head`) is not an error.
 pub(crate) fn text(text: &str) -> Result<()> {
     match width::of_stdout() {
         Some(width) => bytes(width::wrap(text, width).as_bytes()),
@@ -138,7 +138,7 @@ pub(crate) fn text_beside<'a>(files: impl IntoIterator<Item = Option<&'a Path>>,
     text(said)
 }
 
-/// Names the files that were written: text of its own, or a JSON list of paths.
+/// Reports the files that were written: as this text, or as a JSON list of paths.
 pub(crate) fn written(paths: &[&Path], said: &str) -> Result<()> {
     if !settings::json() {
         return text(said);
@@ -149,7 +149,7 @@ pub(crate) fn written(paths: &[&Path], said: &str) -> Result<()> {
 
 /// Writes one JSON object as a line to stderr.
 pub(crate) fn json_note(value: &impl Serialize) {
-    // What cannot be told is not told.
+    // An error here is ignored.
     let _ = serde_json::to_string(&Versioned::new(value)).map(|line| note(&(line + "\n")));
 }
 

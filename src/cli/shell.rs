@@ -17,7 +17,7 @@ use crate::typed;
                   completions zsh > _barwave"
 )]
 pub(crate) struct CompletionsArgs {
-    /// The shell; its completions go to stdout.
+    /// Shell; its completions are written to standard output.
     shell: clap_complete::Shell,
 }
 
@@ -25,7 +25,7 @@ pub(crate) struct CompletionsArgs {
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  barwave man | man -l -\n  barwave man -o man1")]
 pub(crate) struct ManArgs {
-    /// Folder for the pages of all commands. Without it, the main page goes to stdout.
+    /// Folder for the pages of all commands. Without it, the main page is written to standard output.
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
 }
@@ -36,7 +36,7 @@ pub(crate) struct ManArgs {
     after_help = "Examples:\n  barwave schema > scene.schema.json\n  barwave schema material > material.schema.json"
 )]
 pub(crate) struct SchemaArgs {
-    /// What the schema describes; it goes to stdout.
+    /// Kind of file that the schema describes; the schema is written to standard output.
     #[arg(value_enum, default_value_t = Described::Scene)]
     file: Described,
 }

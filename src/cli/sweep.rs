@@ -24,13 +24,13 @@ pub(crate) struct Args {
     #[arg(value_name = "SWEEP.toml")]
     sweep: PathBuf,
     /// Folder of the results [default: the name of the sweep, in `runs/out` if a folder `runs` exists, else beside the sweep file];
-    /// it is made if it is missing.
+    /// created if missing.
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
     /// Run shard I of N of the cases, into the folder `shard-I-of-N` inside DIR [default: from the environment of a Slurm job array or MPI, else all cases].
     #[arg(long, value_name = "I/N")]
     shard: Option<Shard>,
-    /// Figure of the metrics against the longest axis (.svg, .png, .pdf, .html); of the usual ones where the sweep file names none.
+    /// Figure of the metrics against the longest axis (.svg, .png, .pdf, .html); default metrics if the sweep file names none.
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
     /// Continue a sweep that was stopped or killed: run only the cases that have no row yet.

@@ -70,7 +70,7 @@ pub struct Flowing {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DataEnd {
     modulus: f64,
-    /// Of the last knot in tension and in compression; infinite where the curve goes on.
+    /// Of the last knot in tension and in compression; infinite if the curve is extended.
     strain: [f64; 2],
     /// Plastic strain there.
     plastic: [f64; 2],

@@ -1,11 +1,11 @@
-//! sigma = f(eps) in loading and unloading: the theory of von Karman, without elastic unloading.
+//! sigma = f(eps) in loading and unloading: the theory of von Kármán, without elastic unloading.
 
 use super::{Backbone, CellLaw, Response};
 
-/// Stress follows the loading curve up and down: right while no yielded point unloads.
+/// Stress follows the loading curve in loading and unloading: exact while no yielded point unloads.
 ///
 /// State: `[E eps_p signed]`, the part of E eps that is not sigma. Its "plastic" work is all work beyond the
-/// elastic energy sigma^2/(2E); where the strain goes back that work is given back too.
+/// elastic energy sigma^2/(2E); it is recovered when the strain decreases.
 #[derive(Debug, Clone)]
 pub struct PathIndependent<B>(pub B);
 
@@ -15,7 +15,7 @@ impl<B: Backbone> CellLaw<1> for PathIndependent<B> {
         sigma + inelastic
     }
 
-    /// What is stored along the curve comes back.
+    /// The work along the curve is recovered.
     #[inline(always)]
     fn onset(&self, _: f64, _: [f64; 1], _: &Response<1>) -> f64 {
         0.0

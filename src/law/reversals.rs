@@ -7,8 +7,8 @@
 //! sigma = sigma_r + 2 f((z - z_r)/2),
 //! ```
 //!
-//! until it comes back to the reversal before. The loop between the two is then closed and forgotten, and the stress goes on
-//! along the branch in which the loop began (Madelung's rules); past the mirror image of the first reversal it is first loading
+//! until it returns to the previous reversal. The cycle between the two is then closed and forgotten, and the stress continues
+//! along the branch in which the cycle began (Madelung's rules); past the mirror image of the first reversal it is first loading
 //! again. With a curve that is straight between knots and whose slopes fall (`w_k = E_(k-1) - E_k > 0`), this is the stress of
 //! elastic-perfectly-plastic elements in parallel, of moduli `w_k` and the yield strains of the knots (Besseling's overlay).
 //!

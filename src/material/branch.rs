@@ -183,7 +183,7 @@ impl<'a> Given<'a> {
             Data::Table(_, numbers) => {
                 let key = format!("{}.table", self.name);
                 let of_row = numbers.get(row).map(|TableRow(a, b)| a.span().start..b.span().end);
-                // A table without rows has nothing but itself to show.
+                // An empty table: the error points at the table itself.
                 let span = of_row.or_else(|| keys.span_of(&key)).unwrap_or(0..0);
                 keys.error(span, &key, message)
             }

@@ -126,8 +126,8 @@ impl Curve {
         self.slope(self.strain.len() - 2)
     }
 
-    /// Stress at a strain >= 0; past the last knot the last slope goes on with `Beyond::Extend`, otherwise the
-    /// last stress is held.
+    /// Stress at a strain >= 0; past the last knot with the last slope if `Beyond::Extend`, otherwise the
+    /// last stress.
     pub fn stress_at(&self, strain: f64) -> f64 {
         let last = self.strain.len() - 1;
         let upper = self.strain.partition_point(|&knot| knot <= strain);

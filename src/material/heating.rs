@@ -1,8 +1,8 @@
 //! Adiabatic heating: plastic work raises the temperature and lowers the flow stress.
 //!
-//! While all its flow goes one way, and hardening is isotropic, the work of a plastic strain p is that of the curve,
-//! whatever happened between, so that the temperature is a function of p: the heated material is one with another curve,
-//! the adiabatic one. Solvers that run on it pay nothing for the heat.
+//! With isotropic hardening and flow in one sense only, the work of a plastic strain p is the area under the curve,
+//! whatever the elastic excursions between. The temperature is then a function of p, and the heated material is equivalent to
+//! one with another curve, the adiabatic one. Solvers use this curve at no extra cost.
 
 use serde::Serialize;
 
@@ -11,7 +11,7 @@ use super::tabulate::refine;
 use super::{Beyond, Curve, CurveError, Material, SLOPE_ROUND_OFF, Sense};
 use crate::units::Dimension;
 
-/// Fraction of the plastic work that heats where neither scene nor material says (Taylor and Quinney 1934).
+/// Default fraction of the plastic work that is converted to heat (Taylor and Quinney 1934).
 pub const DEFAULT_FRACTION: f64 = 0.9;
 
 /// Distance in stress between the adiabatic table and the cold one softened, over the largest stress of the cold one.
@@ -32,7 +32,7 @@ pub struct Heating {
     pub specific_heat: f64,
     /// Temperature at the start, at which the cold curve holds, K.
     pub reference_temperature: f64,
-    /// Where the stress is gone, K.
+    /// Temperature at which the flow stress vanishes, K.
     pub melting_temperature: f64,
     /// m of the softening `1 - ((T - reference)/(melting - reference))^m`.
     pub exponent: f64,
@@ -105,13 +105,12 @@ fn power(share: f64, exponent: f64) -> f64 {
 }
 
 impl Heating {
-    /// False where no part of the work heats: nothing then differs from the cold material.
+    /// False if the heated fraction is zero: the material then is the cold one.
     pub fn warms(&self) -> bool {
         self.fraction > 0.0
     }
 
-    /// Temperature after plastic work per volume, J/m^3, since the start: K, no more than where it melts (what comes
-    /// beyond melts it).
+    /// Temperature after plastic work per volume, J/m^3, since the start: K, at most the melting temperature.
     pub fn temperature_after(&self, work: f64) -> f64 {
         (self.reference_temperature + self.fraction * work / self.capacity).min(self.melting_temperature)
     }
@@ -180,7 +179,7 @@ impl Heating {
     }
 }
 
-/// Goes on along the last slope of an extended curve, to where it melts.
+/// Continues an extended curve along its last slope, to the melting point.
 fn extend(
     cold: &Curve,
     modulus: f64,
@@ -210,7 +209,7 @@ fn extend(
         breaks.push(2.0 * last(&breaks));
     }
     rows.extend(refine(&point, &breaks, TOLERANCE, top).rows.into_iter().skip(1));
-    // What is left goes on level.
+    // The rest is level.
     let end = last(&breaks);
     let (strain, stress) = point(end);
     rows.push((strain + end, stress));

@@ -129,21 +129,21 @@ pub struct Material {
     pub provenance: Provenance,
 }
 
-/// What a curve rests on.
+/// Source of a curve.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
 pub struct Provenance {
     /// The publication, as the file states it.
     pub citation: String,
     /// What was measured.
     pub measured: String,
-    /// How sure: `measured`, `fitted` or `handbook`.
+    /// Confidence: `measured`, `fitted` or `handbook`.
     pub confidence: String,
     /// File the material was read from, or "built-in", or "inline".
     pub origin: String,
 }
 
 impl Material {
-    /// A material that is known by its density (kg/m^3, > 0) and one table alone: modulus from the steepest
+    /// A material with this density (kg/m^3, > 0) and one table: modulus from the steepest
     /// slope, the same curve in compression.
     pub fn from_curve(name: impl Into<String>, density: f64, curve: Curve) -> Self {
         Self {

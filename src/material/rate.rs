@@ -11,7 +11,7 @@ use super::{HeatConstants, Material};
 use crate::error::{InputError, Result};
 use crate::input::Document;
 use crate::typed::{Key, NotNegative, Of, Placed, Plain, Positive};
-use crate::units::{Dimension, Measure, measures};
+use crate::units::{Dimension, Measure, System, format, measures};
 
 /// A constant of a law.
 struct Constant {
@@ -233,7 +233,7 @@ impl Rate {
     pub fn describe(self) -> String {
         let Some((model, values)) = self.parts() else { return "material".to_owned() };
         let one = |(constant, value): (&Constant, &f64)| {
-            format!("{} = {value} {}", constant.key, constant.dimension.si_symbol()).trim_end().to_owned()
+            format!("{} = {}", constant.key, format(*value, constant.dimension, System::Si))
         };
         let constants: Vec<String> = model.constants().iter().zip(&values).map(one).collect();
         format!("{} {}", model.name(), constants.join(", "))

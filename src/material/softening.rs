@@ -15,7 +15,7 @@ const GAUSS: [(f64, f64); 4] = [
 /// From this x on theta is 1 to the last bit, and d omega/dx its limit 1/m.
 const MELTED: f64 = 40.0;
 
-/// A piece that has come some way. Kept as x = -ln(1 - theta), which goes on for ever and about as evenly as the work does.
+/// State of a heated element, stored as x = -ln(1 - theta), which is unbounded and grows about in proportion to the work.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct AdiabaticState {
     exponent: f64,

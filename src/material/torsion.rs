@@ -19,8 +19,8 @@ use super::{Beyond, Curve, CurveError, Loading, Material};
 /// Largest distance in stress of a nominal curve from the integral, over its largest stress.
 pub const TORSION_TOLERANCE: f64 = 1e-4;
 
-/// How far a curve that goes on for ever is integrated, in parts of its last strain: the core then counts for less than
-/// 1/8^3 of what the nominal slope misses.
+/// Upper limit of the integration of an unbounded curve, relative to its last strain: the core then contributes less than
+/// 1/8^3 of the error of the nominal slope.
 const EXTENDED: f64 = 8.0;
 
 /// A round section: inner over outer radius, 0 <= q < 1.

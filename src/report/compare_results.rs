@@ -60,10 +60,10 @@ fn profiles(files: &[ResultFile], names: &[String], all: &[Difference], field: F
     Ok(Some(Panel { heading, axes: ["position x (m)".into(), label], series }))
 }
 
-/// Part of the largest value below which there is nothing to see.
+/// Values below this fraction of the largest one are invisible in a plot.
 const UNSEEN: f64 = 1e-3;
 
-/// Keeps the part of the bar in which there is something to see, where that is less than half of it.
+/// Crops the series to the visible part of the bar if that is less than half of it.
 fn zoom(series: &mut [Series]) {
     let points = || series.iter().flat_map(|one| &one.points);
     let largest = points().fold(0.0_f64, |largest, point| largest.max(point.1.abs()));

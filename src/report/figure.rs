@@ -47,20 +47,20 @@ const ALL: [PanelName; 8] = [
 /// What a figure shows of a result.
 #[derive(Debug, Clone, Default)]
 pub struct Figure {
-    /// None: stress, or else the first field there is.
+    /// None: stress if the file has it, else its first field.
     pub field: Option<Field>,
     /// Units of all axes.
     pub units: Units,
-    /// In this order; empty: all that the file has something for, under a title.
+    /// In this order; empty: all panels for which the file has data, under a title.
     pub panels: Vec<PanelName>,
-    /// Width and height of the whole, px of 1/96 inch; none: as large as the panels need.
+    /// Width and height of the figure, px of 1/96 inch; none: the size of the panels.
     pub size: Option<[f64; 2]>,
 }
 
-/// Draws a result file as one SVG: what is in the file is drawn, what is not leaves no hole.
+/// Draws a result file as one SVG. Panels without data are omitted.
 ///
 /// # Errors
-/// [`InputError`] where the file has not the field or panel, or no frame at all, or where the size is too small; a file that cannot be read.
+/// [`InputError`] if the file lacks the field or panel, has no frame or cannot be read, or if the size is too small.
 pub fn draw(file: &ResultFile, figure: &Figure) -> Result<String> {
     let heading = figure.panels.is_empty().then(|| heading(file.metadata()));
     if let Some(impact) = file.impact()? {

@@ -1,4 +1,4 @@
-//! The page of a result file: its figure, and in tables what a figure cannot say.
+//! The page of a result file: figure and tables.
 
 use super::display::{Unit, Units, four_digits};
 use super::figure::{Figure, pictures};
@@ -18,7 +18,7 @@ const PANEL: [f64; 2] = [420.0, 330.0];
 /// Fronts that the page lists; a tracked run can end with thousands.
 const MOST_FRONTS: usize = 100;
 
-/// One HTML page that needs nothing else: the panels, metadata, fronts, ledger, audit, materials, scene.
+/// A self-contained HTML page: the panels, metadata, fronts, ledger, audit, materials, scene.
 ///
 /// # Errors
 /// As for [`draw`](super::draw).
@@ -38,7 +38,7 @@ pub fn page(file: &ResultFile, figure: &Figure) -> Result<String> {
     let optional = [
         ("Fronts", &fronts),
         ("Ledger", &ledger),
-        ("What was left out", &audit),
+        ("Neglected effects", &audit),
         ("Materials", &materials),
         ("Scene", &scene),
     ];
@@ -87,7 +87,7 @@ fn method_rows(metadata: &Metadata) -> Rows {
     let mut rows = Rows::new();
     let mut add = |name: &str, value: String| rows.push(vec![name.into(), value]);
     let outcome = if metadata.is_unfinished() {
-        "unfinished: the run still goes on, or was killed".into()
+        "unfinished: the run is in progress or was killed".into()
     } else {
         metadata.outcome.clone()
     };
@@ -126,7 +126,7 @@ fn cost_rows(metadata: &Metadata) -> Rows {
             add("errors", table.to_string());
         }
     }
-    for (name, seconds) in [("wall time", metadata.wall_seconds), ("of which stepping", metadata.step_wall_seconds)] {
+    for (name, seconds) in [("wall time", metadata.wall_seconds), ("time steps", metadata.step_wall_seconds)] {
         if let Some(seconds) = seconds {
             add(name, format!("{} s", four_digits(seconds)));
         }
@@ -225,7 +225,7 @@ fn audit_list(file: &ResultFile) -> Result<String> {
         .map(|row| {
             let line = format!("<b>{}</b>: {}", escape(&row.effect), escape(&row.advice()));
             if row.estimate.abs() >= row.threshold {
-                format!("<li>{line} <em>(matters)</em></li>\n")
+                format!("<li>{line} <em>(above the threshold)</em></li>\n")
             } else {
                 format!("<li>{line}</li>\n")
             }
@@ -239,8 +239,8 @@ fn materials_table(file: &ResultFile, units: Units) -> Result<String> {
     let head = ["material", "knots"].map(String::from).into_iter().chain([
         density.label("density"),
         stress.label("modulus"),
-        "rests on".into(),
-        "sure".into(),
+        "source".into(),
+        "confidence".into(),
     ]);
     let rows: Vec<Vec<String>> = file
         .materials()?

@@ -20,7 +20,7 @@ type Reason = String;
 /// A document of one page as large as the drawing.
 ///
 /// # Errors
-/// One sentence: the drawing has something that is not written here.
+/// A message: the drawing has an element that is not supported.
 pub(super) fn pdf(tree: &usvg::Tree) -> Result<Vec<u8>, Reason> {
     let (width, height) = (tree.size().width() * POINTS, tree.size().height() * POINTS);
     let mut page = Page { content: Content::new(), images: Vec::new(), opacities: BTreeSet::new() };

@@ -121,7 +121,7 @@ pub fn png(svg: &str, scale: f32) -> std::result::Result<Vec<u8>, String> {
 /// Draws SVG text as a PDF file of one page, 1 px as 1/96 inch.
 ///
 /// # Errors
-/// One sentence: text that is no SVG, or has something that figures do not have.
+/// A message: invalid SVG, or an SVG element that is not supported.
 pub fn pdf(svg: &str) -> std::result::Result<Vec<u8>, String> {
     super::pdf::pdf(&tree(svg)?)
 }

@@ -20,20 +20,20 @@ pub(super) enum Solver {
     Net,
 }
 
-/// Whether a solver can follow a part of a scene.
+/// Whether a solver supports a part of a scene.
 #[derive(Debug, Clone, Copy)]
 enum Can {
     Yes,
-    /// In a way of its own.
+    /// In a different form.
     As(&'static str),
     No,
-    /// Not what the row refuses, but what its title says more generally.
+    /// A restricted case of the title of the row.
     Only(&'static str),
-    /// The solver is another one then.
+    /// The method then uses another solver.
     Other,
 }
 
-/// What a scene asks of its method.
+/// What a scene requires of its method.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Asked<'a> {
     pub(super) effects: &'a RawEffects,
@@ -43,17 +43,17 @@ pub(super) struct Asked<'a> {
     pub(super) ends: &'a [EndCondition],
 }
 
-/// A part of a scene and the solvers that can follow it.
+/// A part of a scene and the solvers that support it.
 struct Row {
     /// In the table of the guide.
     title: &'static str,
-    /// Whether it is asked for, and of what (for `{}` in the name).
+    /// Whether the scene requires it, and the text for `{}` in the name.
     asked: fn(&Asked<'_>) -> Option<String>,
     /// In messages.
     name: &'static str,
-    /// Why some solvers cannot follow it; empty: the rest of the message says so.
+    /// Why some solvers do not support it; may be empty.
     why: &'static str,
-    /// What to do where another method is not wanted; empty: nothing.
+    /// Alternative to another method; may be empty.
     or: &'static str,
     can: [Can; 4],
 }
@@ -61,13 +61,13 @@ struct Row {
 use Can::{As, No, Only, Other, Yes};
 
 const IN_PIECES: Can = As("as uniform pieces");
-const NOT_ONE_CURVE: &str = "the temperature is then a state of each cell, not one of the curve";
+const NOT_ONE_CURVE: &str = "the temperature is then a state variable of each cell, not a function of plastic strain";
 const NO_CHARACTERISTICS: &str = "it couples all nodes of a grid";
-/// The alternative where hardening cannot be that of elements in parallel.
+/// The alternative to the overlay model.
 pub(super) const MIXED: &str =
     "use hardening = { mixed = 1 }, which moves the elastic range along the curve by the accumulated plastic strain";
 
-/// In the order in which refusals are looked for. The columns: leapfrog, Godunov, front tracking, net.
+/// In the order of the checks. The columns: leapfrog, Godunov, front tracking, net.
 #[rustfmt::skip]
 const METHODS: &[Row] = &[
     row("`hardening` isotropic, mixed", |_| None, "isotropic hardening", "", "",
@@ -76,7 +76,7 @@ const METHODS: &[Row] = &[
         "kinematic hardening along several lines, as that of {}", "it stores no reversal points", MIXED,
         [Yes, Yes, Only("curves with one hardening line"), Yes]),
     row("`hardening` Armstrong-Frederick", |a| when(a.effects.armstrong_frederick().is_some()),
-        "Armstrong-Frederick hardening", "it takes the curve of reverse flow from that of first loading", MIXED,
+        "Armstrong-Frederick hardening", "its reverse-flow curve is derived from the first-loading curve", MIXED,
         [Yes, No, No, No]),
     row("`effects = \"auto\"`", |a| when(a.auto),
         "effects = \"auto\"", "", "name the effects",
@@ -167,7 +167,7 @@ fn stiffens(asked: &Asked<'_>) -> Option<String> {
     material_of(asked, |s| moves(asked) && !concave(s))
 }
 
-/// The temperature is a state of its own from the start.
+/// The temperature is a state variable from the start.
 fn starts_warm(asked: &Asked<'_>) -> bool {
     let warms = |s: &Segment| s.material.heating.as_ref().is_some_and(|heating| heating.warms());
     asked.bar.segments.iter().any(|s| warms(s) && (s.has_yielded() || s.starts_warm()))
@@ -178,17 +178,17 @@ fn tapered(bar: &Bar) -> Option<usize> {
 }
 
 impl RawEffects {
-    /// Where it is said that lateral motion has inertia, if it has.
+    /// The key `lateral-inertia` if it is true.
     pub(super) fn lateral_inertia(&self) -> Option<&Placed<bool>> {
         self.lateral_inertia.as_ref().filter(|on| *on.get_ref())
     }
 
-    /// Where Armstrong-Frederick hardening is asked for, if it is.
+    /// The key `hardening` if it is Armstrong-Frederick.
     fn armstrong_frederick(&self) -> Option<&Placed<RawHardening>> {
         self.hardening.as_ref().filter(|rule| matches!(rule.get_ref(), RawHardening::ArmstrongFrederick(_)))
     }
 
-    /// Hardening is that of [`crate::law::Overlay`] wherever a curve has several lines of it. With a rate or heat it is not.
+    /// Hardening is that of [`crate::law::Overlay`] where a curve has several hardening lines; never with a rate or heat.
     pub(super) fn overlays(&self) -> bool {
         let kinematic = self.hardening.as_ref().is_some_and(|u| matches!(u.get_ref(), RawHardening::Kinematic));
         kinematic && self.rate.is_none() && self.heat.is_none()
@@ -206,7 +206,7 @@ impl Solver {
         }
     }
 
-    /// How a scene asks for it, and what that is.
+    /// The keys that select it, with the name of the method.
     fn words(self) -> &'static str {
         match self {
             Self::Leapfrog => "method = \"fd\"",
@@ -216,18 +216,18 @@ impl Solver {
         }
     }
 
-    /// The first part of a scene that it cannot follow.
+    /// The first part of a scene that it does not support.
     fn misses(self, asked: &Asked<'_>) -> Option<(&'static Row, String)> {
         let mut missed = METHODS.iter().filter(|row| matches!(row.can[self as usize], No | Only(_)));
         missed.find_map(|row| Some((row, (row.asked)(asked)?)))
     }
 
-    /// It can follow all of a scene.
+    /// It supports the whole scene.
     pub(super) fn can(self, asked: &Asked<'_>) -> bool {
         self.misses(asked).is_none()
     }
 
-    /// The solvers that can follow all of a scene, as a help line names them beside this one.
+    /// The other solvers that support the whole scene, as help lines name them.
     fn instead(self, asked: &Asked<'_>) -> Vec<&'static str> {
         let of_moc = if rate(asked) { Self::Net } else { Self::FrontTracking };
         let leapfrog = if self == Self::Godunov { "scheme = \"leapfrog\"" } else { Self::Leapfrog.words() };
@@ -236,7 +236,7 @@ impl Solver {
     }
 }
 
-/// Refuses a solver that cannot follow a part of the scene, at its name.
+/// Refuses a solver that does not support a part of the scene; the error points at the key of the method.
 pub(super) fn method_can(document: &Document, raw: &RawSolve, solver: Solver, asked: &Asked<'_>) -> Result<()> {
     let Some((row, of)) = solver.misses(asked) else { return Ok(()) };
     let (key, span, allowed) = if solver == Solver::Godunov {
@@ -256,22 +256,22 @@ pub(super) fn method_can(document: &Document, raw: &RawSolve, solver: Solver, as
     Err(document.error(span.unwrap_or(0..0), key, message).allowed(allowed).help(help).into())
 }
 
-/// A part of a scene, as it is given.
+/// A part of a scene and its place in the file.
 struct Found {
-    /// In messages; of a segment its number.
+    /// Name in messages; the number of a segment.
     name: String,
     key: String,
     span: Range<usize>,
 }
 
-/// Where the parts of a scene stand that may exclude each other.
+/// The parts of a scene that can exclude each other.
 struct Parts<'a> {
     raw_bar: &'a RawBar,
     effects: &'a RawEffects,
     bar: &'a Bar,
 }
 
-/// Two parts of a scene that do not go together by any method. In the texts `{1}` and `{2}` are their names; the first is refused.
+/// Two parts of a scene that exclude each other in every method. `{1}` and `{2}` in the texts are their names; the error points at the first.
 struct Pair {
     first: fn(&Parts<'_>) -> Option<Found>,
     second: fn(&Parts<'_>) -> Option<Found>,
@@ -322,12 +322,12 @@ fn recalled(parts: &Parts<'_>) -> Option<Found> {
     })
 }
 
-/// What makes the elastic range a matter of more than plastic strain: the first of the two effects that is on.
+/// `rate` or `heat`, with which the elastic range depends on more than the plastic strain: the first that is on.
 fn rated(parts: &Parts<'_>) -> Option<Found> {
     effect("rate", parts.effects.rate.as_ref()).or_else(|| heating(parts))
 }
 
-/// What acts along the bar: the first of the two effects that is on.
+/// Distributed forces, `damping` or `lateral-inertia`: the first that is on.
 fn along(parts: &Parts<'_>) -> Option<Found> {
     let lateral = || effect("lateral-inertia", parts.effects.lateral_inertia());
     effect("damping", parts.effects.damping.as_ref()).or_else(lateral)
@@ -350,7 +350,7 @@ fn taper(parts: &Parts<'_>) -> Option<Found> {
     Some(Found { name: (k + 1).to_string(), key, span })
 }
 
-/// Refuses parts of a scene that do not go together.
+/// Refuses parts of a scene that exclude each other.
 pub(super) fn all_go_together(document: &Document, raw_bar: &RawBar, effects: &RawEffects, bar: &Bar) -> Result<()> {
     let parts = Parts { raw_bar, effects, bar };
     for pair in TOGETHER {
@@ -363,15 +363,15 @@ pub(super) fn all_go_together(document: &Document, raw_bar: &RawBar, effects: &R
     Ok(())
 }
 
-/// Keys that a scene has not, which have a meaning elsewhere: what it is, and the way out.
+/// Keys that a bar scene does not have but that name a known feature: the feature, and the alternative.
 #[rustfmt::skip]
 const ELSEWHERE: &[(&str, &str, &str)] = &[
     ("striker", "a striking body of its own",
-     "give an end kind = \"striker\" with mass and velocity, or lay two segments together with joint = \"contact\""),
-    ("solve.viscosity", "artificial viscosity", "leave it out"),
+     "give an end kind = \"striker\" with mass and velocity, or join two segments with joint = \"contact\""),
+    ("solve.viscosity", "artificial viscosity", "remove it"),
 ];
 
-/// The error of a scene that cannot be read, which says more where it is such a key.
+/// Replaces the error "unknown key" by an explanation if the key is in [`ELSEWHERE`].
 pub(super) fn not_a_key(error: Error) -> Error {
     let Error::Input(error) = error else { return error };
     let word = ELSEWHERE.iter().find(|(key, ..)| *key == error.key && error.message.starts_with("unknown key"));

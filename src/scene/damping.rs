@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::Result;
 use crate::input::Document;
 use crate::typed::{Key as _, NotNegative, Of, Or};
-use crate::units::{Dimension, measures};
+use crate::units::{Dimension, System, format, measures};
 
 /// What a force acts on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -46,12 +46,14 @@ macro_rules! forces {
         impl Damping {
             pub(super) const NAMES: &[&str] = &[$(stringify!($name),)*];
 
-            /// As it is listed: "internal = 20000 Pa*s, external = 300 N*s/m^2".
+            /// As it is listed: "internal = 20 kPa s, external = 300 N s/m^2".
             pub(super) fn describe(self) -> String {
                 let all = [$((stringify!($name), self.$name, Dimension::$dimension),)*];
                 let on = all.iter().filter(|(_, value, _)| *value > 0.0);
-                let parts: Vec<String> =
-                    on.map(|(name, value, dimension)| format!("{name} = {value} {}", dimension.si_symbol().replace('*', " "))).collect();
+                let one = |(name, value, dimension): &(&str, f64, Dimension)| {
+                    format!("{name} = {}", format(*value, *dimension, System::Si).replace('*', " "))
+                };
+                let parts: Vec<String> = on.map(one).collect();
                 parts.join(", ")
             }
         }

@@ -127,8 +127,10 @@ impl HardeningRule {
 impl Rupture {
     fn describe(&self) -> String {
         match (self.cause, self.threshold) {
-            (Cause::Energy, Some(energy)) => format!("energy = {energy} J/m^3"),
-            (Cause::Spall, Some(stress)) => format!("spall = {stress} Pa"),
+            (Cause::Energy, Some(energy)) => {
+                format!("energy = {}", format(energy, Dimension::EnergyDensity, System::Si))
+            }
+            (Cause::Spall, Some(stress)) => format!("spall = {}", format(stress, Dimension::Stress, System::Si)),
             (cause, _) => cause.name().to_owned(),
         }
     }

@@ -247,8 +247,8 @@ pub enum Method {
     },
     /// The method of characteristics: fronts followed one by one, no grid.
     FrontTracking {
-        /// How much waves may be thinned out, relative to the largest stress that the scene's data can reach, 0 <= and < 1;
-        /// 0 keeps them all.
+        /// Smallest stress jump that is tracked as a front of its own, relative to the largest stress that the scene's data can
+        /// reach, 0 <= and < 1; 0 tracks all.
         front_tolerance: f64,
         /// Most events that the run may take, >= 1.
         event_budget: u64,

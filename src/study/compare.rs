@@ -9,7 +9,7 @@ use crate::wave::similarity;
 /// One material of a comparison.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Compared {
-    /// Critical velocity, and what it rests on.
+    /// Critical velocity, and its criterion.
     pub critical: CriticalRow,
     /// Elastic modulus, Pa.
     #[serde(rename = "modulus_Pa")]
@@ -18,7 +18,7 @@ pub struct Compared {
     pub elastic_speed_m_s: f64,
     /// The knots of the curve, from the origin on.
     pub curve: Vec<CurvePoint>,
-    /// Impact velocity against the strain that it leaves behind, up to the ultimate point or the last knot: the knots,
+    /// Impact velocity against the strain behind the wave, up to the ultimate point or the last knot: the knots,
     /// the places where the stress comes back after a drop, and points between, since the velocity is not straight
     /// there.
     pub loading: Vec<LoadingPoint>,

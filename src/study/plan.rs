@@ -93,26 +93,26 @@ pub enum Work {
         bytes_per_yielded_cell: usize,
         /// Solver memory if the whole bar yields, bytes.
         memory_bytes: usize,
-        /// Stepping time if every cell is at work all the time, s: between an elastic and an all-plastic run.
+        /// Stepping time if every cell is active in every step, s: of an elastic and of an all-plastic run.
         expected_s: [f64; 2],
-        /// What only a characteristic net has.
+        /// Of a characteristic net only.
         #[serde(flatten)]
         net: Option<NetWork>,
     },
-    /// By fronts: how many meet depends on what they make of each other, which only the run finds out.
+    /// Front tracking. The number of interactions is not known before the run.
     Fronts {
         /// Of the largest stress that the scene's data can reach.
         front_tolerance: f64,
         /// That stress.
         #[serde(rename = "stress_scale_Pa")]
         stress_scale: f64,
-        /// Fronts under way after t = 0.
+        /// Fronts that exist after t = 0.
         first_fronts: usize,
-        /// Straight pieces of the curve with the most of them.
+        /// Largest number of linear pieces of a curve.
         lines: usize,
         /// Meetings that the run may take.
         event_budget: u64,
-        /// Solver memory of a front under way.
+        /// Solver memory of a front, bytes.
         bytes_per_front: usize,
         /// Time if the whole budget is used, s.
         longest_s: f64,
@@ -162,10 +162,10 @@ const PLASTIC_COST: f64 = 6.0;
 const RATE_MALVERN: f64 = 40e-9;
 const RATE_OTHER: f64 = 150e-9;
 
-/// Time of a step of a node where something acts along the bar. Measured at 10000 cells.
+/// Time of a step of a node with distributed forces. Measured at 10000 cells.
 const SWEEP: f64 = 8e-9;
 
-/// The same of a cell whose temperature is a state, which is gone through until it stands.
+/// The same of a cell whose temperature is a state variable, found by iteration.
 const HEATED: f64 = 200e-9;
 
 /// Time that the coarse runs of a plan may take: `tolerance`, `effects = "auto"` and the estimates of neglected effects.
@@ -391,7 +391,7 @@ fn effects(
     std::iter::once(plasticity(scene, initial_fans)).chain(Effects::KEYS.iter().map(planned)).collect()
 }
 
-/// The first waves decide whether a bar yields; reflections may make it yield later, which the run itself finds out.
+/// Whether the first waves yield the bar. Reflections may do so later; only the run shows this.
 fn plasticity(scene: &Scene, initial_fans: &[crate::bar::InitialFan]) -> PlannedEffect {
     let yields = initial_fans.iter().any(|l| {
         let material = &scene.bar.segments[l.segment].material;
@@ -405,13 +405,11 @@ fn plasticity(scene: &Scene, initial_fans: &[crate::bar::InitialFan]) -> Planned
         (true, _) => "the curves are straight lines",
         _ if worked => "the bar has an initial plastic strain",
         _ if scene.bar.has_initial_state() => {
-            "the first waves of a bar with an initial stress are not predicted: the elastic kernel is used until a cell first \
-             yields"
+            "the first waves of a bar with an initial stress are not predicted; plastic flow starts only if a wave exceeds the \
+             elastic limit"
         }
         (_, true) => "the first waves exceed the elastic limit",
-        (_, false) => {
-            "the first waves stay below the elastic limit: the elastic kernel is used until a reflection yields a cell"
-        }
+        (_, false) => "the first waves are elastic; plastic flow starts only if a reflection exceeds the elastic limit",
     };
     let (effect, on) = ("plasticity".into(), (yields || worked) && !linear);
     PlannedEffect { effect, on, why: why.into(), estimate: None, threshold: None }

@@ -30,7 +30,7 @@ impl Line {
         Knot { strain, stress: self.from.stress + self.slope * (strain - self.from.strain) }
     }
 
-    /// True where the piece goes on past this strain.
+    /// True if the piece extends beyond this strain.
     fn contains(self, strain: f64) -> bool {
         self.to.is_none_or(|to| strain < to.strain)
     }

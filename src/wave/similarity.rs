@@ -61,7 +61,7 @@ pub struct Fan {
     pub beyond_data: bool,
 }
 
-/// Critical impact velocity of one curve, and what it rests on.
+/// Critical impact velocity of one curve, and its criterion.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Critical {
     /// m/s.
@@ -70,7 +70,7 @@ pub struct Critical {
     pub strain: f64,
     /// Stress of the ultimate point, Pa.
     pub stress: f64,
-    /// What makes it the ultimate point.
+    /// Criterion of the ultimate point.
     pub reason: UltimateReason,
 }
 

@@ -23,7 +23,7 @@ pub(crate) struct Args {
 enum Command {
     /// The curve from arrival times of strain levels at gauges along a bar (simple-wave theory).
     Arrivals(arrivals::Args),
-    /// The curve from the strain along a wire after an impact (von Karman and Duwez).
+    /// The curve from the strain along a wire after an impact (von Kármán and Duwez).
     ResidualStrain(residual::Args),
     /// The specimen's stress, strain and strain rate from the gauges of a split-Hopkinson set.
     Hopkinson(hopkinson::Args),

@@ -51,7 +51,7 @@ pub(super) struct Random {
     /// Seed of the random numbers.
     #[arg(long, default_value_t = 1)]
     pub(super) seed: u64,
-    /// Add normally distributed noise to the measured strains, with a standard deviation of this fraction of the largest strain of each record, e.g. "1 %": what a planned test would show.
+    /// Add normally distributed noise to the measured strains, with a standard deviation of this fraction of the largest strain of each record, e.g. "1 %", to assess a planned test.
     #[arg(long, value_name = "PART", value_parser = quantity::not_negative(Dimension::None))]
     pub(super) noise: Option<f64>,
 }

@@ -48,10 +48,10 @@ pub(super) struct Args {
     /// Unit of the stresses or forces where the record names none, e.g. MPa or kN (default: Pa or N).
     #[arg(long)]
     unit: Option<String>,
-    /// Gauge length, which makes strains of extensions, e.g. "25 mm".
+    /// Gauge length, which converts extensions to strains, e.g. "25 mm".
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     gauge_length: Option<Quantity>,
-    /// Initial cross-section, which makes stresses of forces, e.g. "28.3 mm^2".
+    /// Initial cross-section, which converts forces to stresses, e.g. "28.3 mm^2".
     #[arg(long, conflicts_with = "diameter", allow_hyphen_values = true)]
     area: Option<Quantity>,
     /// Initial diameter of a round specimen, e.g. "6 mm".

@@ -43,7 +43,7 @@ pub(crate) struct Args {
     /// Cells of the grid; for a material.
     #[arg(long, value_name = "N", default_value_t = 200)]
     cells: usize,
-    /// Folder of the results [default: `tension-impact-<material>`, in `runs/out` if there is a folder `runs`]; it is made if it is missing.
+    /// Folder of the results [default: `tension-impact-<material>`, in `runs/out` if there is a folder `runs`]; created if missing.
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
     /// Figure (.svg, .png, .pdf, .html) [default: `tension-impact.svg` in the folder].

@@ -4,7 +4,7 @@
 //! counts (also with both at once). Elastic limits, back stress, and the static stress that a law of overstress asks for, are
 //! those of the cold curve times g = 1 - ((T - Tref)/(Tm - Tref))^m. The step is that of [`super::Timed`]: flow at the step's
 //! own strain rate while the limits go, straight, to those of the plastic strain and the temperature at its end, which are
-//! found with the flow. T is held below melting, where the stress is gone.
+//! found with the flow. T is limited to the melting temperature, where the stress vanishes.
 //!
 //! What warms is the work of the static stress, that of the cold curve times the g of the step's mean temperature, and the
 //! work of the overstress as the energy account has it. Second order in the step.

@@ -119,8 +119,8 @@ pub enum RawHardening {
     /// Isotropic hardening: tension and compression harden equally.
     Isotropic,
     /// The elastic range keeps its size and moves. Unloading and reverse loading follow the curve doubled in size (Masing's
-    /// rule), and closed loops leave no trace: elastic-perfectly-plastic elements in parallel (Besseling). Needs a curve that never
-    /// stiffens. Under a rate or heat it is `{ mixed = 1 }`.
+    /// rule), and closed cycles restore the state: elastic-perfectly-plastic elements in parallel (Besseling). Needs a curve that never
+    /// stiffens. With `rate` or `heat` it is equivalent to `{ mixed = 1 }`.
     Kinematic,
     /// The elastic range moves by this fraction of the hardening, and widens by the rest; the hardening is that of the
     /// curve at the accumulated plastic strain.

@@ -90,11 +90,11 @@ kinds! {
     "absorbing": Absorbing(NoKeys);
     /// A linear dashpot to the ground; the bar needs an area.
     "dashpot": Dashpot(Dashpot);
-    /// A rigid wall that pushes but does not pull; not in torsion.
+    /// A rigid wall in unilateral contact (compression only); not in torsion.
     "wall": Wall(Wall);
-    /// A rigid mass that touches the end at the start, pushes, and flies on where it would have to pull; the bar needs an area.
+    /// A rigid mass in contact with the end at t = 0; it separates when the contact force vanishes; the bar needs an area.
     "striker": Striker(Striker), in torsion TwistingStriker(TwistingStriker);
-    /// An elastic ball that touches the end at the start; Hertz's contact, without a pull; the bar needs an area.
+    /// An elastic ball in contact at t = 0; Hertzian contact, compression only; the bar needs an area.
     "ball": Ball(Ball), in torsion BallOnLever(BallOnLever);
     /// A linear spring to the ground; the bar needs an area.
     "spring": Spring(Spring);

@@ -22,14 +22,14 @@ const LONG: f64 = 1.0;
 const REPEAT_FOR: f64 = 0.15;
 const MOST_REPEATS: f64 = 41.0;
 
-/// The study's clock, its end, and the one who may ask it to stop.
+/// The study's clock, its deadline, and the progress callback, which can stop it.
 pub(super) struct Watch<'a> {
     pub started: Instant,
-    /// Time at which the part of the study under way has to end, s.
+    /// Time at which the current part of the study has to end, s.
     pub until: f64,
-    /// What is under way, for the progress line.
+    /// Current activity, for the progress line.
     pub what: String,
-    /// Told what is under way and how much time has gone, s.
+    /// Called with the current activity and the elapsed time, s; `Break` stops the study.
     pub progress: &'a mut dyn FnMut(&str, f64) -> ControlFlow<()>,
 }
 
@@ -39,7 +39,7 @@ impl Watch<'_> {
         self.started.elapsed().as_secs_f64()
     }
 
-    /// Shows progress; an error where the run under way has to end.
+    /// Reports progress; an error if the current run has to end.
     pub fn look(&mut self) -> Result<(), Halt> {
         let now = self.now();
         if (self.progress)(&self.what, now).is_break() {

@@ -58,21 +58,21 @@ pub enum Whole {
     Took(f64),
     /// The user interrupted.
     Interrupted,
-    /// It would take, or took, longer than allowed.
+    /// It exceeded the time limit, or was predicted to.
     OutOfTime,
-    /// It did not get to its end.
+    /// It failed.
     Failed(String),
 }
 
-/// What a study needs of its caller.
+/// What the caller of a study provides.
 pub struct Hooks<'a> {
-    /// Time for all of it, s, > 0.
+    /// Time budget of the study, s, > 0.
     pub budget: f64,
-    /// What the errors are of.
+    /// Quantity whose error is measured.
     pub measure: Measure,
-    /// Runs the scene with these overrides in a process of its own, for at most so long (s).
+    /// Runs the scene with these overrides in a separate process, with this time limit, s.
     pub whole: &'a mut dyn FnMut(&[String], f64) -> Whole,
-    /// Told what is under way and how much time has gone, s.
+    /// Called with the current activity and the elapsed time, s; `Break` stops the study.
     pub progress: &'a mut dyn FnMut(&str, f64) -> ControlFlow<()>,
 }
 

@@ -25,17 +25,17 @@ pub struct Cost {
     pub orders: serde_json::Map<String, serde_json::Value>,
     /// How these were found.
     pub order_fits: Vec<OrderFit>,
-    /// The cheapest way to each tolerance.
+    /// The cheapest method for each tolerance.
     pub cheapest: Vec<CostToTolerance>,
-    /// Every method's way to each tolerance.
+    /// Cost of each method for each tolerance.
     pub reach: Vec<CostToTolerance>,
-    /// What each effect adds.
+    /// Additional cost of each effect.
     pub effects: Vec<EffectCost>,
     /// How time and memory grow.
     pub growth: Vec<Growth>,
-    /// What was left out, and why.
+    /// Skipped points, and the reasons.
     pub skipped: Vec<Skipped>,
-    /// Methods that cannot do the scene, and why.
+    /// Methods that do not support the scene, and the reasons.
     pub unable: Vec<Unable>,
     /// Time that the study was given, s.
     pub budget_s: f64,

@@ -29,7 +29,7 @@ pub enum Resolution {
 }
 
 impl Resolution {
-    /// What works so finely by a method and scheme.
+    /// This resolution with a method and scheme.
     pub(super) fn solved_by(self, [method, scheme]: [&str; 2]) -> SolvedBy {
         let (cells, front_tolerance) = match self {
             Self::Cells(cells) => (Some(cells), None),

@@ -1,8 +1,8 @@
-//! What every result must satisfy, however hard its scene.
+//! Conditions that every result must satisfy.
 //!
 //! - No number is missing or infinite.
 //! - Kinetic, elastic and stored energies are not negative; dissipated ones never decrease.
-//! - The method has not given energy to the bar.
+//! - The method has not added energy to the bar.
 //! - Fields stay within the bounds that the scene states.
 //! - The total variation of stress and velocity stays below that of the data, see [`super::variation`].
 

@@ -59,14 +59,14 @@ impl Method {
     }
 }
 
-/// What became of a case by a method.
+/// Result of a case by one method.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Tried {
     /// The case.
     pub case: &'static str,
     /// The method.
     pub method: Method,
-    /// "done", "rupture"; "refused" where the method does not take the scene; "stopped" where the run could not go on.
+    /// "done", "rupture"; "refused" if the method does not support the scene; "stopped" if the run ended with an error.
     pub outcome: String,
     /// Why it was refused or stopped; empty otherwise.
     pub reason: String,

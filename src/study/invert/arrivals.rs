@@ -3,7 +3,7 @@
 //! In a simple wave that enters a bar at rest, each strain propagates at its own constant speed c(eps), so it passes the distance x at
 //! t = t0(eps) + x/c(eps). The slope of the line through its arrivals gives c; sigma = rho integral c^2 d eps. Nothing need be known of
 //! the loading but that it does not decrease. Shocks give the speed of their chord, so the result is the concave hull of the curve.
-//! Th. von Karman, P. Duwez, J. Appl. Phys. 21, 1950; N. Cristescu, Dynamic Plasticity, 1967.
+//! Th. von Kármán, P. Duwez, J. Appl. Phys. 21, 1950; N. Cristescu, Dynamic Plasticity, 1967.
 //!
 //! It does not hold where reflected waves have arrived, nor where the stress depends on the strain rate.
 

@@ -1,7 +1,7 @@
 //! Stress-strain curves from measurements on bars and wires: the inverse problem of the simulation.
 //!
 //! - [`arrivals`]: arrival times of strain levels at gauges along a bar (simple-wave theory).
-//! - [`residual`]: the strain left along a wire after an impact (von Karman and Duwez).
+//! - [`residual`]: the strain left along a wire after an impact (von Kármán and Duwez).
 //! - [`hopkinson`]: the gauges on the bars of a split-Hopkinson set.
 //!
 //! Strains and stresses are magnitudes, engineering measures, positive in the sense of the loading.

@@ -1,4 +1,4 @@
-//! From the strain along a wire after an impact to the curve, as Th. von Karman and P. Duwez evaluated their tests (J. Appl. Phys. 21,
+//! From the strain along a wire after an impact to the curve, as Th. von Kármán and P. Duwez evaluated their tests (J. Appl. Phys. 21,
 //! 1950).
 //!
 //! While the end moves at the impact velocity, the strain eps stands at x = c(eps) t. When the end is released at the time T, an elastic

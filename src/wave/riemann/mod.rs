@@ -12,7 +12,7 @@
 //! the knots of both: no iteration. Where a path stiffens (lock-up, return along a path-independent curve) the last
 //! edge of its hull is a chord that depends on F, phi is a root of F there, and F is found by halving down to the
 //! last bit. A path that ends level (perfect plasticity) caps F: the velocities then differ and the jump stays at the
-//! point. Sources: the graphical method of Bohnenblust (von Karman, Bohnenblust and Hyers 1942) and, for the hull,
+//! point. Sources: the graphical method of Bohnenblust (von Kármán, Bohnenblust and Hyers 1942) and, for the hull,
 //! Holden and Risebro, Front Tracking for Hyperbolic Conservation Laws, chapter 2.
 
 mod face;

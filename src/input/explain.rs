@@ -39,6 +39,7 @@ impl Document {
             let message = format!("`{name}` and its old name `{old}` are both given");
             return self.error(span, &key, message).help(format!("remove `{old}`"));
         }
+        let tidy = plain_syntax(&tidy, self.text.get(span.clone()).unwrap_or_default()).unwrap_or(tidy);
         let wrong_type = tidy.starts_with("found ");
         let help = match (wrong_type, tidy.split_once("expected ")) {
             (true, Some((_, expected))) => format!("write {expected} here"),
@@ -109,6 +110,29 @@ fn plain_types(message: &str, value: &str) -> String {
         (None, None) => return format!("{found}, expected {expected}"),
     };
     format!("found {found}, expected {expected}")
+}
+
+/// What the reader says of its grammar, in the words of users; none where it needs no other.
+fn plain_syntax(message: &str, value: &str) -> Option<String> {
+    let value = value.lines().next().unwrap_or_default().trim();
+    let all = |parts: &[&str]| parts.iter().all(|part| message.contains(part));
+    if all(&["wanted exactly 1 element"]) {
+        return Some("one entry is allowed in this table, several are given".to_owned());
+    }
+    if all(&["string values must be quoted"]) {
+        return Some(if value.is_empty() {
+            "a value is missing".to_owned()
+        } else {
+            format!("text without quotes: `{value}`")
+        });
+    }
+    if all(&["invalid float"]) || all(&["invalid integer"]) || all(&["invalid number"]) {
+        return Some("malformed number".to_owned());
+    }
+    if all(&["invalid basic string"]) || all(&["invalid literal string"]) {
+        return Some("the closing quote of a string is missing".to_owned());
+    }
+    all(&["cannot recurse further"]).then(|| "lists or tables are nested too deeply".to_owned())
 }
 
 fn split_first<'a, 'b>(words: &'b [&'a str]) -> (&'a str, &'b [&'a str]) {
@@ -194,6 +218,15 @@ mod tests {
         assert_eq!((error.key.as_str(), line(&error)), ("bar.length", 2));
         assert!(error.message.contains("boolean `true`"), "{}", error.message);
         assert!(error.help.contains("a number, or a string with a unit"), "{}", error.help);
+    }
+
+    #[test]
+    fn the_grammar_of_the_reader_stays_with_it() {
+        let said = |text: &str| wrong(text).message;
+        assert_eq!(said("title =\n"), "a value is missing");
+        assert_eq!(said("title = \"x\n"), "the closing quote of a string is missing");
+        assert_eq!(said("[bar]\nlength = 1.2.3\n"), "malformed number");
+        assert_eq!(said(&format!("title = {}\n", "[".repeat(3000))), "lists or tables are nested too deeply");
     }
 
     #[test]

@@ -9,8 +9,8 @@ use crate::units::measures::Time;
 /// Most cells that a run can be asked for: with the frames that wait to be written they take about a gigabyte, and a wave needs as many
 /// steps to pass them.
 pub(in crate::scene) const MOST_CELLS: usize = 10_000_000;
-/// Most events that a run can be asked for: a week at a microsecond each.
-const MOST_EVENTS: usize = 1_000_000_000_000;
+/// Most events that a run can be asked for: with their paths they take about 64 GiB of memory.
+const MOST_EVENTS: usize = 400_000_000;
 
 /// Numerical method and end time.
 #[derive(Debug, Deserialize, JsonSchema)]

@@ -82,3 +82,22 @@ fn an_end_under_a_constant_stress_has_the_strain_of_the_curve() {
         assert!((largest / exact - 1.0).abs() < 0.08, "{cells} cells: {largest} for {exact}");
     }
 }
+
+/// With internal damping the force of a sudden impact is that of the rate of strain, far above yield: it is not the inertia of half a cell, and
+/// histories show it. They showed the stress of the curve.
+#[test]
+fn a_damped_bar_shows_its_viscous_force() {
+    let damped = copper("", "kind = \"striker\"\nmass = 1\nvelocity = 20").replace("\"copper-annealed\"", &material());
+    let solve = "method = \"fd\"\ncells = 400\n[effects.damping]\ninternal = \"20 kPa*s\"";
+    let force = peak(&damped, solve, "/figures/left/peak_force_N");
+    assert!(force < -1.5 * YIELD * 1e-4, "{force:e} N");
+}
+
+/// Pa.
+const YIELD: f64 = 400e6;
+
+fn material() -> String {
+    format!(
+        "{{ density = 7800, modulus = 2e11, beyond = \"extend\", curve = {{ table = [[0.002, {YIELD}], [0.05, 500e6]] }} }}"
+    )
+}

@@ -202,6 +202,8 @@ impl EndNode {
 
     /// The end moves this mass, kg, in place of half its cell's.
     pub(super) fn set_mass(&mut self, mass: f64) {
+        // The force of the bar holds more than the stress of a cell then.
+        self.limit = f64::INFINITY;
         self.node.impedance = mass / self.dt;
     }
 

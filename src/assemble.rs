@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use crate::bar::{Bar, Segment, SuddenLoads, initial_fans};
+use crate::bar::{Bar, InitialFan, Segment, SuddenLoads, initial_fans};
 use crate::law::rate::{Heated, Overstress, RateLaw, Timed};
 use crate::law::rupture::{Criteria, Criterion};
 use crate::law::{
@@ -54,8 +54,13 @@ pub fn leapfrog(scene: &Scene, cells: usize, cfl: f64) -> Leapfrog {
     let bar = if let Some(along) = along(&scene.bar, &scene.effects) {
         Leapfrog::with_along(&scene.bar, grid, laws, ends.clone(), &along).starting_with(&ends, &[], at_once)
     } else {
-        let fans = if follows_curves(scene) { initial_fans(&scene.bar, &ends[0], &ends[1]) } else { Vec::new() };
-        let sudden = if follows_curves(scene) { sudden_loads(scene, &grid) } else { SuddenLoads::default() };
+        let (fans, sudden) = if follows_curves(scene) {
+            let fans = initial_fans(&scene.bar, &ends[0], &ends[1]);
+            let sudden = sudden_loads(scene, &fans, &grid);
+            (fans, sudden)
+        } else {
+            Default::default()
+        };
         let bar = Leapfrog::new(&scene.bar, grid, laws, ends.clone()).starting_with(&ends, &fans, at_once);
         bar.under_sudden_loads(sudden)
     };
@@ -76,14 +81,15 @@ pub fn muscl(scene: &Scene, cells: usize, cfl: f64) -> Muscl {
     let grid = Grid::new(&scene.bar, cells, cfl);
     let laws = scene.bar.segments.iter().map(|s| segment_law(s, &scene.effects)).collect();
     let media = scene.bar.segments.iter().map(|s| medium(s, &scene.effects)).collect();
-    let sudden = sudden_loads(scene, &grid);
+    let fans = initial_fans(&scene.bar, &scene.left, &scene.right);
+    let sudden = sudden_loads(scene, &fans, &grid);
     let ends = [scene.left.clone(), scene.right.clone()];
     Muscl::new(&scene.bar, grid, laws, media, ends).under_sudden_loads(sudden)
 }
 
-fn sudden_loads(scene: &Scene, grid: &Grid) -> SuddenLoads {
+fn sudden_loads(scene: &Scene, fans: &[InitialFan], grid: &Grid) -> SuddenLoads {
     let dx: Vec<f64> = grid.segments.iter().map(|part| part.dx).collect();
-    SuddenLoads::new(&scene.bar, [&scene.left, &scene.right], &dx)
+    SuddenLoads::new(&scene.bar, [&scene.left, &scene.right], fans, &dx)
 }
 
 /// Stress differences that are rounding where states are summed up over many steps, as a part of the yield stress.
@@ -227,10 +233,11 @@ fn shocks(tables: [&Table; 2], material: &Material, effects: &Effects) -> Shocks
     let distance = |chord: Chord| chord.relative_distance(material.modulus);
     let loading = tables.map(|table| table.chords(SCATTER).into_iter().map(distance).fold(0.0, f64::max));
     let both_ways = effects.hardening.is_none() && effects.rate.is_none();
-    let unloading = tables.map(|table| {
-        let chords = table.chords_from_origin().filter(|_| both_ways);
-        chords.map(distance).fold(0.0, f64::max)
-    });
+    let unloading = if both_ways {
+        tables.map(|table| table.chords_from_origin().map(distance).fold(0.0, f64::max))
+    } else {
+        [0.0; 2]
+    };
     Shocks { loading, unloading }
 }
 

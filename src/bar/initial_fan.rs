@@ -33,18 +33,8 @@ pub enum Driver {
     Velocity,
     /// A stress.
     Stress,
-    /// A body, which is slowed down.
+    /// A body, which the bar slows down.
     Body,
-}
-
-impl Driver {
-    fn of(end: &EndCondition) -> Self {
-        match end {
-            EndCondition::Stress { .. } => Self::Stress,
-            EndCondition::Striker { .. } => Self::Body,
-            _ => Self::Velocity,
-        }
-    }
 }
 
 /// One fan of fronts into one segment.
@@ -84,11 +74,17 @@ impl InitialFan {
     /// Time (s) up to which its origin is in the state behind it, in a segment of this `length` (m): what drives it does not change, and no
     /// other wave has come. 0 where that state is not known.
     pub fn known_until(&self, length: f64) -> f64 {
-        let known = !self.fan.above_critical && !self.fan.beyond_data;
-        let Some(first) = self.fan.edges.first().filter(|_| known) else { return 0.0 };
+        let Some(first) = self.fan.edges.first().filter(|_| self.state_behind().is_some()) else { return 0.0 };
         // Other waves may come to meet it from the far side.
         let room = if self.alone { length } else { 0.5 * length };
         (room / first.speed).min(self.holds_until)
+    }
+
+    /// Stress (Pa) and velocity (m/s) behind it; none above the critical velocity or beyond the data of the curve.
+    pub fn state_behind(&self) -> Option<[f64; 2]> {
+        let known = !self.fan.above_critical && !self.fan.beyond_data;
+        let sense = self.sense.sign();
+        known.then_some([sense * self.fan.stress, self.velocity_ahead - self.direction * sense * self.fan.velocity])
     }
 }
 
@@ -138,16 +134,11 @@ fn from_end(end: &EndCondition, origin: Origin, x: f64, segment: usize, at: &Seg
     let impedance = at.material.impedance() * if direction > 0.0 { left_area } else { right_area };
     let imposed = Imposed::of(end, direction, at.velocity, impedance)?;
     // A wave running in +x behind which the bar moves faster in +x compresses it, and likewise mirrored.
-    let (sense, fan) = match imposed.kind {
-        Kind::Velocity(jump) => {
-            let sense = Sense::of(-direction * jump);
-            (sense, fan_at_velocity(at.material.branch(sense), density, jump.abs()))
-        }
-        Kind::Stress(stress) => {
-            let sense = Sense::of(stress);
-            (sense, fan_at_stress(at.material.branch(sense), density, stress.abs()))
-        }
-    };
+    let under_stress = imposed.driver == Driver::Stress;
+    let sense = Sense::of(if under_stress { imposed.change } else { -direction * imposed.change });
+    let (curve, change) = (at.material.branch(sense), imposed.change.abs());
+    let fan =
+        if under_stress { fan_at_stress(curve, density, change) } else { fan_at_velocity(curve, density, change) };
     (!fan.edges.is_empty() || fan.above_critical).then_some(InitialFan {
         origin,
         x,
@@ -159,38 +150,39 @@ fn from_end(end: &EndCondition, origin: Origin, x: f64, segment: usize, at: &Seg
         sudden: imposed.sudden,
         loads_until: imposed.loads_until,
         holds_until: imposed.holds_until,
-        driver: Driver::of(end),
+        driver: imposed.driver,
         alone: false,
     })
 }
 
 /// What an end imposes on the bar at its strongest.
 struct Imposed {
-    kind: Kind,
+    driver: Driver,
+    /// Of the velocity, m/s; of the stress where that drives, Pa.
+    change: f64,
     sudden: bool,
     loads_until: f64,
     holds_until: f64,
-}
-
-enum Kind {
-    /// Velocity change, m/s.
-    Velocity(f64),
-    /// Stress, Pa.
-    Stress(f64),
 }
 
 impl Imposed {
     /// `impedance` (N s/m) is that of the bar.
     fn of(end: &EndCondition, direction: f64, rest: f64, impedance: f64) -> Option<Self> {
         let forever = f64::INFINITY;
-        let steady =
-            |jump: f64| Self { kind: Kind::Velocity(jump), sudden: true, loads_until: forever, holds_until: forever };
+        let steady = |change: f64| Self {
+            driver: Driver::Velocity,
+            change,
+            sudden: true,
+            loads_until: forever,
+            holds_until: forever,
+        };
         match end {
             EndCondition::Velocity { history, release } => {
                 let (peak, until) = peak(history, rest);
                 let released = release.unwrap_or(forever);
                 Some(Self {
-                    kind: Kind::Velocity(peak),
+                    driver: Driver::Velocity,
+                    change: peak,
                     sudden: history.is_constant(),
                     loads_until: until.min(released),
                     holds_until: holds_until(history, rest + peak).min(released),
@@ -198,16 +190,26 @@ impl Imposed {
             }
             EndCondition::Stress { history } => {
                 let (peak, loads_until) = peak(history, 0.0);
-                let holds_until = holds_until(history, peak);
-                Some(Self { kind: Kind::Stress(peak), sudden: history.is_constant(), loads_until, holds_until })
+                Some(Self {
+                    driver: Driver::Stress,
+                    change: peak,
+                    sudden: history.is_constant(),
+                    loads_until,
+                    holds_until: holds_until(history, peak),
+                })
             }
             EndCondition::Fixed => Some(steady(-rest)),
             // The bar moves towards a wall at the left when its velocity is negative.
             EndCondition::Wall { gap } if *gap == 0.0 && rest * direction < 0.0 => Some(steady(-rest)),
             // Strongest at the first touch: from then on the bar slows it down.
             EndCondition::Striker { mass, velocity } if (velocity - rest) * direction > 0.0 => {
-                let holds_until = STEADY * mass / impedance;
-                Some(Self { kind: Kind::Velocity(velocity - rest), sudden: false, loads_until: 0.0, holds_until })
+                Some(Self {
+                    driver: Driver::Body,
+                    change: velocity - rest,
+                    sudden: false,
+                    loads_until: 0.0,
+                    holds_until: STEADY * mass / impedance,
+                })
             }
             EndCondition::Wall { .. }
             | EndCondition::Free
@@ -241,10 +243,9 @@ fn holds_until(history: &super::History, value: f64) -> f64 {
     if history.at(0.0) != value {
         return 0.0;
     }
-    let rows = history.time().iter().zip(history.value());
-    let held = rows.skip_while(|row| *row.0 == 0.0 && *row.1 != value).take_while(|row| *row.1 == value).last();
-    let last = history.value().last() == Some(&value) && held.is_some_and(|row| Some(row.0) == history.time().last());
-    if last { f64::INFINITY } else { held.map_or(0.0, |row| *row.0) }
+    let start = history.time().partition_point(|&time| time <= 0.0).max(1) - 1;
+    let change = history.value()[start..].iter().position(|&other| other != value);
+    change.map_or(f64::INFINITY, |k| history.time()[start + k.max(1) - 1])
 }
 
 /// Two segments that start with different velocities: the force at which both fans agree on the joint's velocity.
@@ -297,4 +298,22 @@ fn joint_force(target: f64, velocity: impl Fn(f64) -> f64, limit: f64) -> f64 {
         return high;
     }
     bisect([low, high], 0.0, |force| velocity(force) < target)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bar::History;
+
+    #[test]
+    fn a_history_holds_its_value_up_to_the_row_before_another() {
+        let until =
+            |rows: &[(f64, f64)], value: f64| holds_until(&History::new(rows).expect("rows are in order"), value);
+        assert_eq!(until(&[(0.0, 3.0)], 3.0), f64::INFINITY);
+        assert_eq!(until(&[(0.0, 0.0), (0.0, 3.0), (2.0, 3.0), (2.0, 0.0)], 3.0), 2.0);
+        assert_eq!(until(&[(0.0, 3.0), (1.0, 3.0), (2.0, 0.0), (4.0, 3.0)], 3.0), 1.0);
+        assert_eq!(until(&[(0.0, 3.0), (2.0, 0.0)], 3.0), 0.0);
+        assert_eq!(until(&[(0.0, 0.0), (2.0, 3.0)], 3.0), 0.0);
+        assert_eq!(until(&[(1.0, 3.0), (2.0, 3.0)], 3.0), 0.0);
+    }
 }

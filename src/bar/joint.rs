@@ -49,7 +49,7 @@ pub struct Contact {
     lost: f64,
     elapsed: f64,
     pressed: Pressed,
-    /// What the faces carry from t = 0 on for a while, as a stress on this area, m^2.
+    /// A sudden load, with its force, N, tension positive.
     sudden: Option<(SuddenLoad, f64)>,
 }
 
@@ -103,19 +103,17 @@ impl Contact {
         self.pressed
     }
 
-    /// The faces are suddenly loaded at t = 0; `area` (m^2) is that of the side whose stress this is.
-    pub fn load(&mut self, load: SuddenLoad, area: f64) {
-        self.sudden = Some((load, area));
+    /// The faces are suddenly loaded, with this `force` (N, tension positive).
+    pub fn load(&mut self, load: SuddenLoad, force: f64) {
+        self.sudden = Some((load, force));
     }
 
     /// Notes the force (N) of the step that was taken.
     pub fn note(&mut self, dt: f64, force: f64) {
-        let force = match self.sudden {
-            Some((load, area)) => -area * load.joint(self.elapsed - dt, -force / area),
-            None => force,
-        };
+        let time = self.elapsed - dt;
+        let force = self.sudden.map_or(force, |(load, known)| load.blend(time, -known, force));
         if force > self.pressed.peak * (1.0 + 1e-9) {
-            (self.pressed.peak, self.pressed.time_of_peak) = (force, self.elapsed - dt);
+            (self.pressed.peak, self.pressed.time_of_peak) = (force, time);
         }
     }
 

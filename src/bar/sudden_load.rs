@@ -1,43 +1,44 @@
-//! Ends and joints that are suddenly loaded beyond yield.
+//! The exact state of an end or a joint that is suddenly loaded beyond yield.
 //!
-//! What starts there is a fan of fronts, and the state behind it holds until another wave comes. A scheme on a grid does not know that state
-//! while its first cells are partly ahead of the fan: their mean stress is another, and overshoots, by the same part with any number of
-//! cells. Leapfrog with a striker gave 65 MPa after the first step for 161 MPa, and 169 MPa later; the Godunov scheme at a shock 2.8 and 7.5 MPa for
-//! 5 MPa; faces that meet carried the elastic impact of half a cell, more than twice the force. So histories and peaks of that time show the state that
-//! is known. Nothing changes in the bar: momentum and energy are booked as the scheme has them.
+//! Such a load starts a fan of fronts, and the state behind the fan is constant until another wave arrives. On a grid, the first cells contain
+//! the fan at first. Their mean stress differs from that behind it and overshoots, by the same fraction at any resolution: for 161 MPa behind
+//! the fan of a striker, leapfrog gave 65 MPa after the first step and then 169 MPa; for 5 MPa behind a shock, the Godunov scheme gave 2.8 and
+//! then 7.5 MPa; the force between colliding faces was the elastic impact of half a cell, more than twice the exact one. Histories and
+//! peaks therefore show the exact state at first. The solution in the bar, and its momentum and energy, are those of the scheme.
 
 use serde::{Deserialize, Serialize};
 
-/// The state of an end or a joint that is suddenly loaded beyond yield, as long as it is known exactly and a scheme on a grid does not know it
-/// yet. Histories and peaks show it; it changes nothing in the bar.
+/// A sudden load: the state behind its fan, and the time for which histories and peaks show it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SuddenLoad {
-    /// Just after t = 0, Pa.
+    /// Behind the fan, Pa.
     pub stress: f64,
-    /// Just after t = 0, m/s.
+    /// Behind the fan, m/s.
     pub velocity: f64,
-    /// Change of stress with the velocity of an end that a body drives, as it unloads, Pa s/m.
+    /// Of an end that a body drives: change of stress with velocity in unloading, Pa s/m.
     pub(super) by_body: Option<f64>,
-    /// From when the faces meet, s, and for so long, s.
+    /// Start, s: later than 0 if a gap closes first.
     pub(super) from: f64,
+    /// Duration, s.
     pub(super) lasts: f64,
 }
 
 impl SuddenLoad {
-    /// Stress (Pa) and velocity (m/s) of an end at `time` (s), for which the scheme has these: the known ones up to half of the time, from
-    /// there on more and more the scheme's. None before and after.
+    /// Stress (Pa) and velocity (m/s) of an end at `time` (s), given those of the scheme; none outside the time of the load.
     pub fn end(&self, time: f64, [stress, velocity]: [f64; 2]) -> Option<[f64; 2]> {
-        let weight = self.weight(time)?;
-        let blend = |known: f64, scheme: f64| weight * known + (1.0 - weight) * scheme;
+        self.weight(time)?;
         Some(match self.by_body {
-            Some(impedance) => [blend(self.stress + impedance * (velocity - self.velocity), stress), velocity],
-            None => [blend(self.stress, stress), blend(self.velocity, velocity)],
+            Some(impedance) => {
+                [self.blend(time, self.stress + impedance * (velocity - self.velocity), stress), velocity]
+            }
+            None => [self.blend(time, self.stress, stress), self.blend(time, self.velocity, velocity)],
         })
     }
 
-    /// The stress at `time` (s) of a joint, for which the scheme has this one.
-    pub fn joint(&self, time: f64, stress: f64) -> f64 {
-        self.weight(time).map_or(stress, |weight| weight * self.stress + (1.0 - weight) * stress)
+    /// A quantity at `time` (s): the known value in the first half of the load, then a mean with that of the scheme, which goes over to
+    /// the scheme's at its end.
+    pub fn blend(&self, time: f64, known: f64, scheme: f64) -> f64 {
+        self.weight(time).map_or(scheme, |weight| weight * known + (1.0 - weight) * scheme)
     }
 
     fn weight(&self, time: f64) -> Option<f64> {

@@ -112,27 +112,25 @@ fn plain_types(message: &str, value: &str) -> String {
     format!("found {found}, expected {expected}")
 }
 
-/// What the reader says of its grammar, in the words of users; none where it needs no other.
+/// A complaint of the reader about its grammar, in the words of users; none where it needs no other.
 fn plain_syntax(message: &str, value: &str) -> Option<String> {
     let value = value.lines().next().unwrap_or_default().trim();
-    let all = |parts: &[&str]| parts.iter().all(|part| message.contains(part));
-    if all(&["wanted exactly 1 element"]) {
-        return Some("one entry is allowed in this table, several are given".to_owned());
-    }
-    if all(&["string values must be quoted"]) {
-        return Some(if value.is_empty() {
-            "a value is missing".to_owned()
-        } else {
-            format!("text without quotes: `{value}`")
-        });
-    }
-    if all(&["invalid float"]) || all(&["invalid integer"]) || all(&["invalid number"]) {
-        return Some("malformed number".to_owned());
-    }
-    if all(&["invalid basic string"]) || all(&["invalid literal string"]) {
-        return Some("the closing quote of a string is missing".to_owned());
-    }
-    all(&["cannot recurse further"]).then(|| "lists or tables are nested too deeply".to_owned())
+    let unquoted =
+        || if value.is_empty() { "a value is missing".to_owned() } else { format!("text without quotes: `{value}`") };
+    let says = |part: &str| message.contains(part);
+    Some(if says("wanted exactly 1 element") {
+        "one entry is allowed in this table, several are given".to_owned()
+    } else if says("string values must be quoted") {
+        unquoted()
+    } else if says("invalid float") || says("invalid integer") {
+        "malformed number".to_owned()
+    } else if says("invalid basic string") || says("invalid literal string") {
+        "the closing quote of a string is missing".to_owned()
+    } else if says("cannot recurse further") {
+        "lists or tables are nested too deeply".to_owned()
+    } else {
+        return None;
+    })
 }
 
 fn split_first<'a, 'b>(words: &'b [&'a str]) -> (&'a str, &'b [&'a str]) {

@@ -175,16 +175,19 @@ impl Table {
         hull.windows(2).filter_map(|pair| chord(pair[0], pair[1])).collect()
     }
 
-    /// Chords from the origin to points of the table beyond yield, up to twice the strain of its last knot, each 1.4 times as far as the one before;
-    /// none without knots beyond the elastic line. Unloading along the table runs along such chords, as shocks.
+    /// Chords from the origin to points of the table beyond yield, up to twice the strain of its last knot, each sqrt(2) times as long as the one
+    /// before; none without knots beyond the elastic line. Shocks of unloading along the table run along such chords.
     pub fn chords_from_origin(&self) -> impl Iterator<Item = Chord> {
-        let knots = || self.lines[1..].iter().map(|line| line.start);
-        let (first, last) =
-            (self.lines.get(1).map_or(1.0, |line| line.start), 2.0 * knots().next_back().unwrap_or(0.0));
+        let [first, last] = match self.lines[..] {
+            [_, first, .., last] => [first.start, 2.0 * last.start],
+            [_, only] => [only.start, 2.0 * only.start],
+            _ => [0.0; 2],
+        };
         let ends = std::iter::successors(Some(last), |end| Some(end / std::f64::consts::SQRT_2));
-        ends.take_while(move |&end| end > first).map(move |end| {
+        ends.take_while(move |&end| end > first).map(|end| {
             let ends = [[0.0; 2], [end, self.at(end)]];
-            let above = knots().take_while(|&z| z < end).map(|z| self.at(z) - stress_on(ends, z));
+            let knots = self.lines.iter().take_while(|line| line.start < end);
+            let above = knots.map(|line| line.at(line.start) - stress_on(ends, line.start));
             Chord { ends, distance: above.fold(0.0, f64::max) }
         })
     }

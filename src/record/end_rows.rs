@@ -2,7 +2,7 @@
 //!
 //! A grid knows the push on an end as a mean over each step. Where it varies smoothly its value between two steps is the mean of both.
 //! Where it jumps between them, because a front arrives or a body strikes, straight lines through the steps before and after give the
-//! values on both sides: two rows at one time, of second order like all others. What is known of an end that is suddenly loaded comes first:
+//! values on both sides: two rows at one time, of second order like all others. The exact state of a sudden load comes first:
 //! see [`SuddenLoad`].
 
 use serde::{Deserialize, Serialize};
@@ -27,7 +27,7 @@ pub struct EndRows {
     samples: Vec<(f64, EndSample)>,
     /// Samples of them whose rows are written: 0 at the start of the run, else 1.
     written: usize,
-    /// What is known of the end for a while from t = 0 on.
+    /// How the end is suddenly loaded, if it is.
     sudden: Option<SuddenLoad>,
     /// Largest magnitudes of the means over steps so far.
     largest: EndState,
@@ -117,7 +117,7 @@ impl EndRows {
     }
 }
 
-/// A sample as the history shows it: of an end that is suddenly loaded the state that is known, as long as the first cells overshoot.
+/// A sample as the history shows it: during a sudden load with the exact state.
 fn shown(sudden: Option<SuddenLoad>, time: f64, sample: EndSample) -> EndSample {
     let EndState { stress, velocity } = if sample.now.stress.is_nan() { sample.latest } else { sample.now };
     match sudden.and_then(|load| load.end(time, [stress, velocity])) {

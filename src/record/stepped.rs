@@ -38,7 +38,7 @@ pub trait Stepped: View<Places = Sampling> {
         traces.add(self.time(), self.end_samples(), |quantity, cell| self.value(quantity, cell));
     }
 
-    /// What is known of ends and joints for a while from t = 0 on.
+    /// Exact states of suddenly loaded ends and joints.
     fn sudden_loads(&self) -> SuddenLoads {
         SuddenLoads::default()
     }

@@ -1,6 +1,11 @@
 //! Peak forces of ends and joints that are suddenly loaded beyond yield: both schemes on a grid, at any resolution, against front tracking, which
 //! has the exact force.
 
+use std::ops::ControlFlow;
+use std::path::Path;
+
+use barwave::run::solve;
+use barwave::scene::Scene;
 use serde_json::Value;
 
 use crate::common::binary;
@@ -95,4 +100,20 @@ fn a_damped_bar_shows_its_viscous_force() {
     let summary: Value = serde_json::from_slice(&run.stdout).expect("JSON");
     let force = summary["figures"]["left"]["peak_force_N"].as_f64().expect("a force");
     assert!(force < -1.5 * 210e3, "{force:e} N");
+}
+
+/// Behind the fan of a tapered bar the state changes as the fan travels: the history is that of the scheme.
+#[test]
+fn a_tapered_bar_shows_no_constant_state() {
+    let first = |area: &str| {
+        let scene = copper("", "kind = \"striker\"\nmass = 50\nvelocity = 30").replace("\"1 cm^2\"", area);
+        let text = format!(
+            "{scene}[effects]\nhardening = \"isotropic\"\n[solve]\nuntil = \"5 us\"\nmethod = \"fd\"\ncells = 400\n"
+        );
+        let scene = Scene::parse("taper", &text, Path::new("."), &[]).unwrap_or_else(|e| panic!("{e}"));
+        let [left, _] = solve(&scene, &mut |_| ControlFlow::Continue(())).unwrap_or_else(|e| panic!("{e}")).ends;
+        left.stress[3] / left.stress[0]
+    };
+    let [uniform, tapered] = ["1e-4", "[[0, 1e-4], [0.2, 3e-4]]"].map(first);
+    assert!((uniform - 1.0).abs() < 1e-3 && (tapered - 1.0).abs() > 0.1, "{uniform} {tapered}");
 }

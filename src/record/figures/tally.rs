@@ -44,7 +44,7 @@ pub(super) struct Load {
     /// Of the last row, s.
     pub last_time: f64,
     no_stress: f64,
-    /// What is known of it for a while from t = 0 on, and the stress of the rows over that stress.
+    /// A sudden load of a joint, with its stress in the rows, Pa.
     sudden: Option<(SuddenLoad, f64)>,
 }
 
@@ -56,8 +56,7 @@ impl Load {
     /// A row counts to the next one if both carry stress; none counts after `last` (s).
     fn add(&mut self, rows: &Trace, last: f64) {
         for (&time, &stress) in rows.time.iter().zip(&rows.stress).take_while(|&(&time, _)| time <= last) {
-            let known = |(load, ratio): (SuddenLoad, f64)| ratio * load.joint(time, stress / ratio);
-            self.peak.add(time, self.sudden.map_or(stress, known));
+            self.peak.add(time, self.sudden.map_or(stress, |(load, known)| load.blend(time, known, stress)));
             let is_released = stress.abs() <= self.no_stress;
             if !is_released && !self.is_released {
                 self.duration += time - self.last_time;
@@ -91,10 +90,10 @@ impl Tally {
         Self { ends: [loads[0], loads[last]], gauges: vec![Gauge::default(); gauges], joints: loads[..last].to_vec() }
     }
 
-    /// What is known of the joints for a while from t = 0 on; the rows of ends show it themselves.
+    /// Joints are suddenly loaded; the rows of ends include their sudden loads.
     pub fn start_under(&mut self, loads: &SuddenLoads, bar: &Bar) {
-        for &(k, load, area) in &loads.joints {
-            self.joints[k].sudden = Some((load, area / bar.segments[k].end_areas()[1]));
+        for &(k, load, force) in &loads.joints {
+            self.joints[k].sudden = Some((load, force / bar.segments[k].end_areas()[1]));
         }
     }
 

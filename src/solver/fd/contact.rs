@@ -79,8 +79,8 @@ impl Contact {
     }
 
     /// The faces are suddenly loaded like this at t = 0; see [`joint::Contact::load`].
-    pub fn load(&mut self, load: SuddenLoad, area: f64) {
-        self.ahead.load(load, area);
+    pub fn load(&mut self, load: SuddenLoad, force: f64) {
+        self.ahead.load(load, force);
     }
 
     /// See [`HalfNode::start_under`].

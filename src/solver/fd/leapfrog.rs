@@ -63,7 +63,7 @@ pub struct Leapfrog {
     pub(super) implicit: Option<Box<Implicit>>,
     /// What suddenly moved ends start with.
     pub(super) fans: Vec<StartingFan>,
-    /// What is known of ends and joints for a while from t = 0 on.
+    /// Exact states of suddenly loaded ends and joints.
     pub(super) sudden: SuddenLoads,
     /// Energies at t = 0 of a bar with an initial state.
     pub(super) initial_energy: Option<Energies>,

@@ -28,7 +28,7 @@ const AHEAD: usize = 2;
 
 impl Leapfrog {
     /// The same bar, the ends of which start with these fans. For a bar at t = 0 whose laws follow the curves of the fans and take no
-    /// time; fans of joints, weaker ones that leave the bar elastic, and those above critical are passed over.
+    /// time. Passed over are fans of joints, of strikers, of ends under a given stress, those that leave the bar elastic, and those above critical.
     ///
     /// The first rows of the histories of the `ends` are the states just after t = 0. A bar that does not yield `at_once` is elastic then.
     #[must_use]
@@ -50,20 +50,20 @@ impl Leapfrog {
         self
     }
 
-    /// The same bar at t = 0, of which this is known.
+    /// The same bar at t = 0, whose ends and joints are loaded like this.
     #[must_use]
     pub fn under_sudden_loads(mut self, loads: SuddenLoads) -> Self {
-        for &(k, load, area) in &loads.joints {
+        for &(k, load, force) in &loads.joints {
             self.contacts
                 .iter_mut()
                 .filter(|contact| contact.segment == k)
-                .for_each(|contact| contact.load(load, area));
+                .for_each(|contact| contact.load(load, force));
         }
         self.sudden = loads;
         self
     }
 
-    /// What is known of ends and joints for a while from t = 0 on.
+    /// Exact states of suddenly loaded ends and joints.
     pub fn sudden_loads(&self) -> &SuddenLoads {
         &self.sudden
     }
@@ -87,6 +87,7 @@ impl Leapfrog {
         if initial_fan.driver != Driver::Velocity {
             return None;
         }
+        let [stress, velocity_behind] = initial_fan.state_behind()?;
         let slowest = fan.edges.last().filter(|edge| fan.edges.len() > 1 && edge.speed > 0.0)?;
         let block = if side == 0 { &self.blocks[0] } else { &self.blocks[self.blocks.len() - 1] };
         if block.taper.is_some() {
@@ -107,8 +108,8 @@ impl Leapfrog {
             side,
             segment: initial_fan.segment,
             fronts,
-            velocity_behind: initial_fan.velocity_ahead + sense * fan.velocity,
-            stress: initial_fan.sense.sign() * fan.stress,
+            velocity_behind,
+            stress,
             ramp: RAMP * part.dx,
             steps: wanted.min(possible).max(0.0) as usize,
             nodes: if initial_fan.alone { part.cells.len() } else { (part.cells.len() - 1) / 2 },
@@ -181,10 +182,7 @@ impl Leapfrog {
 
 /// The end behind a fan, where it holds just after t = 0.
 fn behind(initial_fan: &InitialFan) -> Option<EndState> {
-    let InitialFan { fan, sense, direction, .. } = initial_fan;
     let at_start = initial_fan.holds_until > 0.0 || initial_fan.loads_until == 0.0;
-    (at_start && !fan.above_critical && !fan.beyond_data).then(|| EndState {
-        stress: sense.sign() * fan.stress,
-        velocity: initial_fan.velocity_ahead - direction * sense.sign() * fan.velocity,
-    })
+    let [stress, velocity] = initial_fan.state_behind().filter(|_| at_start)?;
+    Some(EndState { stress, velocity })
 }

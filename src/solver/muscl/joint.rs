@@ -24,8 +24,8 @@ impl Joint {
     }
 
     /// The faces are suddenly loaded like this at t = 0; see [`Contact::load`].
-    pub fn load(&mut self, load: SuddenLoad, area: f64) {
-        self.contact.iter_mut().for_each(|contact| contact.load(load, area));
+    pub fn load(&mut self, load: SuddenLoad, force: f64) {
+        self.contact.iter_mut().for_each(|contact| contact.load(load, force));
     }
 
     /// Displacement of the right face against the left one since the start, m.

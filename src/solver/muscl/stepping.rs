@@ -29,7 +29,7 @@ pub struct Muscl {
     /// Just after t = 0.
     pub(super) start: [EndState; 2],
     pub(super) joints: Vec<Joint>,
-    /// What is known of ends and joints for a while from t = 0 on.
+    /// Exact states of suddenly loaded ends and joints.
     sudden: SuddenLoads,
     pub(super) step: usize,
     pub(super) passed: FirstPassed,
@@ -81,17 +81,17 @@ impl Muscl {
         muscl
     }
 
-    /// The same bar at t = 0, of which this is known.
+    /// The same bar at t = 0, whose ends and joints are loaded like this.
     #[must_use]
     pub fn under_sudden_loads(mut self, loads: SuddenLoads) -> Self {
-        for &(k, load, area) in &loads.joints {
-            self.joints[k].load(load, area);
+        for &(k, load, force) in &loads.joints {
+            self.joints[k].load(load, force);
         }
         self.sudden = loads;
         self
     }
 
-    /// What is known of ends and joints for a while from t = 0 on.
+    /// Exact states of suddenly loaded ends and joints.
     pub fn sudden_loads(&self) -> &SuddenLoads {
         &self.sudden
     }

@@ -59,7 +59,7 @@ pub struct InitialFan {
     /// First time at which the driving value falls back (or is released), s; infinite where it never does.
     pub loads_until: f64,
     /// Time up to which what drives it stays as it is at t = 0, s: 0 where it grows from nothing. A striker is slowed down; it counts as
-    /// steady while that changes the force by less than [`STEADY`].
+    /// steady while that changes the force by less than 2 %.
     pub holds_until: f64,
     /// What drives it.
     pub driver: Driver,

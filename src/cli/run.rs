@@ -192,8 +192,10 @@ fn show(args: &Args, path: &Path, simulate: impl FnOnce(OnProgress<'_>) -> Resul
     let shown = path.display();
     let summary = summary.inspect_err(|error| match error {
         Error::Interrupted => output::remark(&interrupted(args, path, run_of(path) != before)),
-        Error::Run(_) => output::remark(&std::format!("the frames up to the error are in {shown}\n")),
-        Error::Input(_) | Error::File { .. } | Error::Checks(_) => {}
+        Error::Run(_) if run_of(path) != before => {
+            output::remark(&std::format!("the frames up to the error are in {shown}\n"));
+        }
+        Error::Run(_) | Error::Input(_) | Error::File { .. } | Error::Checks(_) => {}
     })?;
     output::detail(|| {
         let (all, steps) = (summary.wall_s, summary.step_wall_s);

@@ -1,18 +1,24 @@
 //! Notes on improbable constants of a valid material.
 
 use super::{Loading, Material, Sense};
+use crate::units::{Dimension, System, format};
 
 /// Young's modulus of diamond, Pa: nothing is stiffer.
 const STIFFEST: f64 = 1.22e12;
 /// Density of osmium, kg/m^3: nothing is denser.
 const DENSEST: f64 = 22_650.0;
+/// Elastic wave speeds of solids, m/s: soft rubber has 30, diamond 18,000.
+const WAVE_SPEEDS: std::ops::Range<f64> = 10.0..25_000.0;
 /// First slopes closer to the modulus are those of rows with three digits.
 const ROUNDED: f64 = 0.99;
 
 impl Material {
     /// A sentence each.
     pub fn notes(&self) -> Vec<String> {
-        [self.too_stiff(), self.too_dense(), self.never_elastic()].into_iter().flatten().collect()
+        [self.too_stiff(), self.too_dense(), self.improbable_wave_speed(), self.never_elastic()]
+            .into_iter()
+            .flatten()
+            .collect()
     }
 
     fn too_stiff(&self) -> Option<String> {
@@ -27,6 +33,21 @@ impl Material {
         (density > DENSEST).then(|| {
             format!("the density of `{name}` is {density:.0} kg/m^3: denser than osmium (22600 kg/m^3); check the number and \
                      its unit")
+        })
+    }
+
+    /// Modulus and density in units that do not fit each other. What is too stiff or too dense has its own note.
+    fn improbable_wave_speed(&self) -> Option<String> {
+        let (name, c0) = (&self.name, self.c0());
+        let noted = self.modulus > STIFFEST || self.density > DENSEST;
+        (!noted && !WAVE_SPEEDS.contains(&c0)).then(|| {
+            format!(
+                "the elastic wave speed of `{name}` is {}, outside that of solids (soft rubber 30 m/s, diamond \
+                 18000 m/s); without a unit the density, {} kg/m^3, and the modulus, {:e} Pa, are in SI: check both",
+                format(c0, Dimension::Velocity, System::Si),
+                self.density,
+                self.modulus
+            )
         })
     }
 

@@ -3,12 +3,14 @@
 use std::sync::Arc;
 
 use super::{HardeningRule, Method, Rate, Scene};
-use crate::bar::{EndCondition, Segment};
+use crate::bar::{EndCondition, Joint, Segment};
 use crate::law::Table;
 use crate::law::rate::Overstress;
 
 /// A grid is noted where its step is below this part of what the other segments could take.
 const SMALL_STEP: f64 = 0.5;
+/// A history is noted whose first change comes later than this many times the end of the run.
+const LATE: f64 = 10.0;
 
 impl Scene {
     /// A sentence each.
@@ -19,7 +21,7 @@ impl Scene {
         let bar = self.short_segment().into_iter().chain(self.rate_independent_segments());
         let bar = bar.chain(self.hardening_that_gives_back());
         let deprecated = super::deprecated::notes(&self.text, &self.overrides);
-        bar.chain(self.misses()).chain(materials).chain(deprecated).collect()
+        bar.chain(self.misses()).chain(self.late_histories()).chain(materials).chain(deprecated).collect()
     }
 
     /// Beside segments that feel the strain rate, those whose material states no constants for it.
@@ -54,26 +56,49 @@ impl Scene {
         ))
     }
 
-    /// Strikers and balls that move away from the bar.
+    /// Strikers, balls, walls and contact joints whose two sides move apart at the start.
     fn misses(&self) -> Vec<String> {
-        let last = self.bar.segments.len() - 1;
-        let ends = [("left", &self.left, 0, 1.0), ("right", &self.right, last, -1.0)];
-        let note = |(side, end, segment, inward): (&str, &EndCondition, usize, f64)| {
-            let (word, velocity) = match *end {
+        let segments = &self.bar.segments;
+        let speeds = |k: usize| segments[k].end_velocities();
+        let ends =
+            [("left", &self.left, speeds(0)[0], 1.0), ("right", &self.right, speeds(segments.len() - 1)[1], -1.0)];
+        let at_end = ends.into_iter().filter_map(|(side, end, own, inward)| {
+            let (what, velocity) = match *end {
                 EndCondition::Striker { velocity, .. } => ("striker", velocity),
                 EndCondition::Ball { velocity, .. } => ("ball", velocity),
+                EndCondition::Wall { .. } => ("wall", 0.0),
                 _ => return None,
             };
-            let own = self.bar.segments[segment].end_velocities()[usize::from(inward < 0.0)];
-            (inward * (velocity - own) < 0.0).then(|| {
+            let against = format!("at {own} m/s, {what} at {velocity} m/s");
+            (inward * (velocity - own) < 0.0)
+                .then(|| format!("the bar and the {what} at the {side} end move apart ({against})"))
+        });
+        let at_joint = segments.windows(2).enumerate().filter_map(|(k, pair)| {
+            let (ahead, behind) = (pair[0].end_velocities()[1], pair[1].end_velocities()[0]);
+            (matches!(pair[0].joint, Joint::Contact { .. }) && behind > ahead)
+                .then(|| format!("the segments move apart at joint {} ({ahead} m/s and {behind} m/s)", k + 1))
+        });
+        at_end
+            .chain(at_joint)
+            .map(|note| format!("{note}: velocities are positive in +x, from left to right"))
+            .collect()
+    }
+
+    /// Histories that have hardly begun when the run ends, mostly times without their unit.
+    fn late_histories(&self) -> Option<String> {
+        let until = self.solve.until;
+        [("left", &self.left), ("right", &self.right)].into_iter().find_map(|(side, end)| {
+            let (EndCondition::Velocity { history, .. } | EndCondition::Stress { history }) = end else { return None };
+            let first = history.value()[0];
+            let change = history.value().iter().position(|&value| value != first)?;
+            let time = history.time()[change];
+            (time > until * LATE).then(|| {
                 format!(
-                    "the {word} at the {side} end moves away from the bar, at {velocity} against {own} m/s: velocities are \
-                     positive in +x, \
-                     from left to right"
+                    "the history at the {side} end has its first change at {time} s, long after the end of the run \
+                     ({until:.3e} s): give its times a unit, such as \"10 us\", or in a CSV file the header `time [us]`"
                 )
             })
-        };
-        ends.into_iter().filter_map(note).collect()
+        })
     }
 
     /// A segment too short for a cell of the others' transit time is one cell, and its step holds for the whole bar.

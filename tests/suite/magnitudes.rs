@@ -148,13 +148,42 @@ fn a_material_that_looks_wrong_is_noted() {
 fn a_striker_that_moves_away_is_noted() {
     assert_noted(
         &with(LEFT, "kind = \"striker\"\nmass = 1\nvelocity = -3"),
-        &["the striker at the left end moves away"],
+        &["the bar and the striker at the left end move apart (at 0 m/s, striker at -3 m/s)"],
     );
     let ball = "kind = \"ball\"\nradius = 0.01\ndensity = 7800\nrigid = true\nbar-poisson = 0.3\nvelocity = 3";
     assert_noted(
         &with("[right]\nkind = \"free\"", &format!("[right]\n{ball}")),
-        &["the ball at the right end moves away"],
+        &["the bar and the ball at the right end move apart (at 0 m/s, ball at 3 m/s)"],
     );
+}
+
+#[test]
+fn a_bar_that_moves_away_from_what_it_shall_hit_is_noted() {
+    let flies = |scene: String, velocity: &str| {
+        scene.replace("length = \"1 m\"", &format!("length = \"1 m\"\nvelocity = {velocity}"))
+    };
+    let wall = with(LEFT, "kind = \"wall\"");
+    assert_noted(
+        &flies(wall.clone(), "5"),
+        &["the bar and the wall at the left end move apart (at 5 m/s, wall at 0 m/s)"],
+    );
+    let folder = tempfile::tempdir().expect("a folder");
+    let (code, text) = says(folder.path(), "check", &flies(wall, "-5"));
+    assert!(code == Some(0) && !text.contains("move apart"), "{text}");
+}
+
+/// Metals have 1000 to 13000 m/s.
+#[test]
+fn a_wave_speed_of_no_solid_is_noted() {
+    assert_noted(&with("7800", "7.8"), &["the elastic wave speed of `steel` is 160128 m/s", "the density, 7.8 kg/m^3"]);
+    let megapascals = with("\"200 GPa\"", "200000").replace("\"200 MPa\"", "200").replace("\"400 MPa\"", "400");
+    assert_noted(&megapascals.replace("3 m/s", "1 m/s"), &["is 5.0637 m/s", "the modulus, 2e5 Pa"]);
+}
+
+#[test]
+fn a_history_in_microseconds_without_a_unit_is_noted() {
+    let rows = with("value = \"3 m/s\"", "history = [[0, 0], [10, 3], [100, 3]]");
+    assert_noted(&rows, &["the history at the left end has its first change at 10 s", "`time [us]`"]);
 }
 
 /// 50 Hz were read as 50 rad/s.

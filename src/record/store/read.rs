@@ -306,7 +306,14 @@ fn other_version(path: &Path, found: Option<u32>) -> InputError {
 }
 
 fn damaged(path: &Path, error: &hdf5::Error) -> InputError {
-    wrong(path, &format!("the result file is damaged: {error}"), "copy it again, or run its scene again")
+    let said = error.to_string();
+    // The library names its functions before the cause.
+    let cause = said.rsplit(": ").next().filter(|_| said.starts_with("H5"));
+    let message = match cause {
+        Some(cause) => format!("the result file is damaged: HDF5 cannot read it ({cause})"),
+        None => format!("the result file is damaged: {said}"),
+    };
+    wrong(path, &message, "copy it again, or run its scene again")
 }
 
 fn cannot_open(path: &Path, why: &NotOpened) -> InputError {

@@ -256,10 +256,9 @@ impl Sink {
         let waiting = self.frames.bytes()
             + tables.map(Table::bytes).sum::<usize>()
             + self.paths.as_ref().map_or(0, PathTable::bytes);
+        let kept = if self.frames.written > 0 { "; the frames written before are kept" } else { "" };
         self.claim.reserve(self.file.size(), waiting as u64 + more).map_err(|e| match e {
-            Error::File { path, reason } => {
-                Error::File { path, reason: reason + "; the frames written before are kept" }
-            }
+            Error::File { path, reason } => Error::File { path, reason: reason + kept },
             other => other,
         })
     }

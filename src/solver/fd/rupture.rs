@@ -99,17 +99,7 @@ impl Leapfrog {
 
     /// The cell that is farthest beyond its criterion, if one is.
     fn most_overdue(&self, breaking: &mut Breaking) -> Option<Due> {
-        let mut worst: Option<Due> = None;
-        let mut consider = |breaking: &mut Breaking, due: Due| {
-            if worst.is_some_and(|worst| !self.breaks_before(breaking, &due, &worst)) {
-                return;
-            }
-            if self.may_break(breaking, &due) {
-                worst = Some(due);
-            } else {
-                self.note_unresolved(breaking, &due);
-            }
-        };
+        let (mut free, mut held): (Vec<Due>, Option<Due>) = (Vec::new(), None);
         for (k, block) in self.blocks.iter().enumerate() {
             let (criterion, notch) = (breaking.criteria.segments[block.segment], self.edge_notch(breaking, k));
             if !self.can_break(block, &criterion, notch) {
@@ -118,31 +108,38 @@ impl Leapfrog {
             for i in 0..block.sigma.len() {
                 let notch = notch.at(i, block.sigma.len());
                 let share = notch * self.share(k, i, &criterion);
-                if Criterion::is_met(share, 1.0) {
-                    consider(breaking, Due { block: k, cell: i, share });
+                let due = Due { block: k, cell: i, share };
+                if !Criterion::is_met(share, 1.0) {
+                } else if self.may_break(breaking, &due) {
+                    free.push(due);
+                } else if held.is_none_or(|held| share > held.share) {
+                    held = Some(due);
                 }
             }
         }
-        worst
+        let first = self.first_to_break(breaking, free);
+        if let Some(held) = held.filter(|held| first.is_none_or(|first| held.share > first.share)) {
+            self.note_unresolved(breaking, &held);
+        }
+        first
     }
 
-    /// Of two cells that are due the one farther beyond its criterion breaks first; of equal ones, as on a level part of the curve, the
-    /// one that has flowed more, else the one nearer to the middle of the bar, else the one on the side of which more is near to breaking:
-    /// never the one that comes first in memory, since the mirrored bar breaks at the mirrored place.
-    fn breaks_before(&self, breaking: &Breaking, a: &Due, b: &Due) -> bool {
+    /// Of cells that are due the one farthest beyond its criterion breaks first; of equal ones, as on a level part of the curve, the one that
+    /// has flowed most, then the one nearest to the middle of the bar, then the one on the side of which more is near to breaking. Never the
+    /// one that comes first in memory, since the mirrored bar breaks at the mirrored place: each rule compares with the largest value of all,
+    /// as values that are equal to rounding, pair by pair along the bar, may differ from its one end to the other.
+    fn first_to_break(&self, breaking: &Breaking, mut due: Vec<Due>) -> Option<Due> {
         let flowed = |due: &Due| {
             let block = &self.blocks[due.block];
             block.accumulated(self.laws[block.segment].law.as_ref(), due.cell) / self.constants[block.segment].modulus
         };
         let cell = |due: &Due| self.blocks[due.block].cells.start + due.cell;
         let off_centre = |due: &Due| (2 * cell(due) + 1).abs_diff(self.grid.cells());
-        larger(a.share, b.share).or_else(|| larger(flowed(a), flowed(b))).unwrap_or_else(|| {
-            match off_centre(a).cmp(&off_centre(b)) {
-                Ordering::Equal if cell(a) < cell(b) => !self.right_is_nearer(breaking, cell(a), cell(b)),
-                Ordering::Equal => self.right_is_nearer(breaking, cell(b), cell(a)),
-                order => order == Ordering::Less,
-            }
-        })
+        keep_largest(&mut due, |due| due.share);
+        keep_largest(&mut due, flowed);
+        keep_largest(&mut due, |due| -(off_centre(due) as f64));
+        let (&left, &right) = (due.first()?, due.last()?);
+        Some(if self.right_is_nearer(breaking, cell(&left), cell(&right)) { right } else { left })
     }
 
     /// Of places that are alike: going on from cell `left` to the left and from cell `right` to the right, the right side is the first that is
@@ -382,6 +379,12 @@ fn larger(a: f64, b: f64) -> Option<bool> {
     let rounding = (EQUAL * a.abs().max(b.abs())).min(f64::MAX);
     let equal = a == b || (a - b).abs() <= rounding;
     (!equal).then_some(a > b)
+}
+
+/// Those of which `value` is the largest, to rounding; in their order.
+fn keep_largest(due: &mut Vec<Due>, value: impl Fn(&Due) -> f64) {
+    let largest = due.iter().map(&value).fold(f64::NEG_INFINITY, f64::max);
+    due.retain(|due| larger(largest, value(due)).is_none());
 }
 
 /// Notch factors at the left and right edge of a block.

@@ -182,6 +182,27 @@ fn what_gathers_in_cells_comes_back_by_their_size() {
     }
 }
 
+/// The same for a push that is beyond what the curve can carry away for 3 us only: it is known by the strain, which goes with the cells.
+#[test]
+fn a_short_push_beyond_the_level_part_strains_the_end_cell_by_its_size() {
+    let level = "{ density = 2250, modulus = 2e11, beyond = \"extend\", curve = { table = [[4.18e-3, 8.36e8], [0.5, 8.36e8]] } }";
+    let by = |scheme: &str, cells: usize| {
+        let left = "kind = \"velocity\"\nhistory = [[0, 0], [4e-7, 46], [3.26e-6, 46], [3.26e-6, -13], [1e-5, -13]]";
+        let solve = format!("until = 1e-5\nscheme = \"{scheme}\"\ncells = {cells}");
+        let text = text(&bar(level).replace("0.19", "0.0116"), left, "", &solve);
+        figures_of(&text.replace("[right]\nkind = \"free\"", "[right]\nkind = \"absorbing\"")).expect("it runs")
+    };
+    for scheme in ["leapfrog", "muscl"] {
+        let [coarse, fine] = [20, 80].map(|cells| by(scheme, cells));
+        assert!(
+            coarse.returns && !coarse.gathers && fine.strain > 2.5 * coarse.strain,
+            "{scheme}: {} {}",
+            coarse.strain,
+            fine.strain
+        );
+    }
+}
+
 /// The rule that leaves front tracking out where strain gathers along a curve that is followed both ways: the cells of a grid next to the
 /// joint are strained along the level line, and give that energy back; front tracking knows no such cell and takes the energy away.
 #[test]

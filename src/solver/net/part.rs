@@ -15,6 +15,10 @@ use crate::solver::fd::SegmentGrid;
 /// other half.
 pub(super) const INSIDE: f64 = 0.5;
 
+/// How much more a border may flow in a step than a node inside the bar that relaxes to its curve. At an absorbing end, whose stress falls by
+/// half as much, it is twice as much: clearly above that, so that rounding decides nothing there.
+const RUN_AWAY: f64 = 3.0;
+
 /// Nodes that are looked at together: if none is beyond its elastic limits there is nothing to do for them.
 const GROUP: usize = 32;
 
@@ -247,13 +251,13 @@ impl Part {
         self.borders.flow(&self.law, node, load, [beside; 2])
     }
 
-    /// True where no flow takes the static curve of such a node to the stress that acts on it, and it flows more in a step than a node
-    /// whose stress falls could.
+    /// True where no flow takes the static curve of such a node to the stress that acts on it, and it flows more in a step than
+    /// [`RUN_AWAY`] allows.
     pub fn runs_away(&self, node: usize, load: Load, flow: &Flow) -> bool {
         let Some((sense, excess)) = beyond(load.stress, self.borders.low[node], self.borders.high[node]) else {
             return false;
         };
-        let (stress, relaxed) = (if sense == 0 { load.stress } else { -load.stress }, 2.0 * excess / INSIDE);
+        let (stress, relaxed) = (if sense == 0 { load.stress } else { -load.stress }, RUN_AWAY * excess / INSIDE);
         flow.plastic.abs() > relaxed && stress > self.law.largest_limit(sense, &self.borders.history[node])
     }
 

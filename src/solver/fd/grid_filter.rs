@@ -56,11 +56,14 @@ const SHOCK_CELLS: f64 = 4.0;
 /// 80 cells on 5e6.
 const RINGING_SHARE: f64 = 0.1;
 
-/// Most of a velocity difference that a step may take: it damps an odd-even mode critically. Of such a mode, of velocity v and stress s, a step at
-/// Courant number C makes v' = q (v + a s), s' = s - b v' with a b = 4 C^2 and q = 1 - 4 share, so that the eigenvalues have the product q and the
-/// sum 1 + q - 4 C^2 q. They are equal, and as small as they can be, for q = 1/(1 + 2 C)^2. With more (q = 0) no velocity is left and the stress stays
-/// for ever: it was 35 MPa from cell to cell behind a shock of 250 MPa.
-fn largest_share(courant: f64) -> f64 {
+/// Most of a velocity difference that a step may take: more would turn an odd-even mode round, and is not stable where waves run a cell in a step.
+const LARGEST_SHARE: f64 = 0.25;
+
+/// Most of one that alternates in sign with its neighbours: it damps an odd-even mode critically. Of such a mode, of velocity v and stress s, a step
+/// at Courant number C makes v' = q (v + a s), s' = s - b v' with a b = 4 C^2 and q = 1 - 4 share, so that the eigenvalues have the product q and the
+/// sum 1 + q - 4 C^2 q. They are equal, and as small as they can be, for q = 1/(1 + 2 C)^2. With more, at last q = 0, no velocity is left and the
+/// stress stays for ever: it was 35 MPa from cell to cell behind a shock of 250 MPa.
+fn largest_alternating_share(courant: f64) -> f64 {
     0.25 * (1.0 - (1.0 + 2.0 * courant).powi(-2))
 }
 
@@ -82,8 +85,8 @@ pub(super) struct Filter {
     rise: [[f64; 2]; 2],
     /// Of what exceeds the mean of the neighbours' in a cell that has flowed.
     ringing: f64,
-    /// Of all together.
-    most: f64,
+    /// Of all together where the difference alternates.
+    alternating: f64,
 }
 
 /// Waves of a segment that can be shocks, in tension and in compression: the largest difference in stress between the curve and the chord along
@@ -112,7 +115,7 @@ impl Filter {
             viscous: VISCOUS_SHARES.map(|share| share * courant),
             rise: [0, 1].map(|side| [rise(shocks.loading[side]), rise(shocks.unloading[side])]),
             ringing: RINGING_SHARE * courant,
-            most: largest_share(courant),
+            alternating: largest_alternating_share(courant),
         }
     }
 
@@ -301,10 +304,16 @@ fn seen_from([left, w, right]: [f64; 3]) -> (f64, f64, [f64; 2]) {
     (sense, w.abs(), [sense * left, sense * right])
 }
 
+/// A difference has the other sign than both its neighbours.
+#[inline(always)]
+fn alternates([left, right]: [f64; 2], filter: Filter) -> bool {
+    larger(left, right) < -filter.rounding
+}
+
 /// The odd-even part of a difference of this size.
 #[inline(always)]
-fn alternating(size: f64, [left, right]: [f64; 2], filter: Filter) -> f64 {
-    if larger(left, right) < -filter.rounding { filter.zigzag * size } else { 0.0 }
+fn alternating(size: f64, neighbours: [f64; 2], filter: Filter) -> f64 {
+    if alternates(neighbours, filter) { filter.zigzag * size } else { 0.0 }
 }
 
 /// The part of the size of a velocity difference that exceeds the mean of its neighbours', in a cell that `rings`. (Only what makes it smaller:
@@ -369,7 +378,9 @@ fn find_shocks(w: &[f64], row: &Cells<'_>, filter: Filter, impulses: &mut [f64])
         let ripples = impulse([left[i], here[i], right[i]], sense, filter).abs();
         let viscous = filter.viscosity(here[i], sense, sigma[i], crosses(have_flowed[i])) * size;
         let ringing = ringing([left[i], here[i], right[i]], have_flowed[i] > 0 && flow[i] == 0, filter);
-        impulses[i] = lesser(ripples + viscous + ringing, filter.most * size).copysign(here[i]);
+        let (_, _, neighbours) = seen_from([left[i], here[i], right[i]]);
+        let most = if alternates(neighbours, filter) { filter.alternating } else { LARGEST_SHARE };
+        impulses[i] = lesser(ripples + viscous + ringing, most * size).copysign(here[i]);
         bits |= impulses[i].to_bits();
     }
     bits & Range::SIZE != 0

@@ -29,7 +29,9 @@ pub(super) fn show_of(error: &Error, file: &Path) {
 /// Writes a usage error to stderr as an object.
 pub(super) fn show_usage(error: &clap::Error) {
     let text = error.render().to_string();
-    let message = text.lines().next().unwrap_or_default().trim_start_matches("error: ").to_owned();
+    // The first paragraph: which arguments are missing stands in lines of their own.
+    let lines = text.lines().take_while(|line| !line.trim().is_empty()).map(str::trim);
+    let message = lines.collect::<Vec<_>>().join(" ").trim_start_matches("error: ").to_owned();
     let code = u8::try_from(error.exit_code()).unwrap_or(1);
     let help = Some("`barwave --help` lists the commands, `barwave COMMAND --help` their options".to_owned());
     output::json_note(&Failure { error: Details { message, help, ..Details::of_kind("usage", code) } });

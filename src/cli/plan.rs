@@ -102,8 +102,9 @@ fn work_lines(work: &Work, units: System) -> Vec<(&'static str, String)> {
             let grid = std::format!("{cells} cells, {steps} steps of {}", time(dt_s));
             let most = bytes(memory_bytes);
             let memory = std::format!("{elastic} bytes per elastic cell, {yielded} per yielded cell: at most {most}");
-            let [quick, slow] = expected_s.map(time);
-            let expected = std::format!("{quick} to {slow} for the time steps on one thread, if every cell is active");
+            let [quick, slow] = expected_s.map(|seconds| time(rounded(seconds)));
+            let expected =
+                std::format!("about {quick} to {slow} for the time steps on one thread, if every cell is active");
             let lines = [("grid", grid), ("memory", memory), ("expected time", expected)];
             lines.into_iter().chain(net.iter().flat_map(net_lines)).collect()
         }
@@ -125,6 +126,12 @@ fn work_lines(work: &Work, units: System) -> Vec<(&'static str, String)> {
             vec![("fronts", fronts), tolerance, ("events", events), ("memory", memory), ("expected time", expected)]
         }
     }
+}
+
+/// To two digits: an estimate has no more.
+fn rounded(value: f64) -> f64 {
+    let last = 10.0_f64.powf(value.log10().floor() - 1.0);
+    if value > 0.0 { (value / last).round() * last } else { value }
 }
 
 fn events_text(event_budget: u64) -> String {

@@ -69,7 +69,7 @@ fn add_figures(lines: &mut Lines, figures: &Figures, units: System) {
     for group in figures.0.iter().filter(|group| group.tells) {
         let shown = group.figures.iter().filter(|figure| !figure.phrase.is_empty());
         let parts = shown.enumerate().flat_map(|(k, figure)| {
-            let same_fact = ["at", "until"].iter().any(|word| figure.phrase.starts_with(word));
+            let same_fact = figure.phrase.starts_with("at");
             let separator = if k == 0 {
                 ""
             } else if same_fact {

@@ -28,6 +28,12 @@ impl Figure {
         let unit = self.dimension.si_symbol().replace(['/', '*'], "_").replace('^', "");
         if unit.is_empty() { self.key.to_owned() } else { format!("{}_{unit}", self.key) }
     }
+
+    /// Value in the summary: numbers of contacts, modes and steps are integers there.
+    pub fn json_value(&self) -> serde_json::Value {
+        let counts = self.name.ends_with("_count") || self.name.ends_with("steps");
+        if counts && self.value.is_finite() { (self.value as u64).into() } else { self.value.into() }
+    }
 }
 
 /// A column of a table; all are equally long.

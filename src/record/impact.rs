@@ -40,10 +40,11 @@ impl Serialize for ImpactSummary {
         map.serialize_entry("scheme", solution.scheme)?;
         map.serialize_entry("effects", &[(); 0])?;
         for figure in &solution.figures {
-            map.serialize_entry(&figure.json_key(), &figure.value)?;
+            map.serialize_entry(&figure.json_key(), &figure.json_value())?;
         }
         if !solution.gauges.is_empty() {
-            let of = |figures: &[Figure]| figures.iter().map(|f| (f.json_key(), f.value)).collect::<BTreeMap<_, _>>();
+            let of =
+                |figures: &[Figure]| figures.iter().map(|f| (f.json_key(), f.json_value())).collect::<BTreeMap<_, _>>();
             let gauges: BTreeMap<_, _> = solution.gauges.iter().map(|(name, figures)| (name, of(figures))).collect();
             map.serialize_entry("gauges", &gauges)?;
         }

@@ -441,7 +441,7 @@ fn off(scene: &Scene, key: &str, row: Option<&AuditRow>) -> PlannedEffect {
     PlannedEffect {
         effect: key.to_owned(),
         on: false,
-        why: format!("{start}: {finding}"),
+        why: format!("{start}; {finding}"),
         estimate,
         threshold: estimate.and(row.map(|row| row.threshold)),
     }

@@ -115,6 +115,10 @@ fn errors_are_json_on_stderr() {
     }
     let (code, error) = error_of(&["run", "--no-such-option", "--json"]);
     assert_eq!((code, &error["kind"]), (Some(2), &"usage".into()));
+    // All of the first paragraph, not its first line alone.
+    let (code, error) = error_of(&["sweep", "--json"]);
+    assert_eq!(code, Some(2));
+    assert!(error["message"].as_str().is_some_and(|text| text.contains("not provided: <")), "{error}");
     let (code, error) = error_of(&["man", "--json"]);
     assert_eq!((code, &error["key"]), (Some(2), &"--json".into()));
 }

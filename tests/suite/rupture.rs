@@ -345,3 +345,29 @@ fn a_pulse_too_short_for_the_grid_is_reported() {
     let (broken, rows) = short(2000);
     assert!(broken >= 1 && rows.is_empty(), "{broken} {rows:?}");
 }
+
+/// Waves that meet at a fixed end take a bar past the largest stress of its falling curve: stresses and energies do not depend on the cells,
+/// the largest strain does, and the run says so.
+#[test]
+fn a_softening_bar_says_that_its_strain_depends_on_the_cells() {
+    let curve = "[[0.001, 200e6], [0.01, 300e6], [0.05, 250e6], [0.2, 100e6]]";
+    let material = format!(
+        "{{ name = \"falls\", density = 7800, modulus = 200e9, beyond = \"extend\", curve = {{ table = {curve} }} }}"
+    );
+    let by = |cells: usize, effects: &str| {
+        let (left, right) = ("kind = \"velocity\"\nvalue = -12", "kind = \"fixed\"");
+        let scene = bar(&material, left, right, effects, &format!("until = 120e-6\nmethod = \"fd\"\ncells = {cells}"));
+        let solution =
+            barwave::run::solve(&scene, &mut |_| ControlFlow::Continue(())).unwrap_or_else(|e| panic!("{e}"));
+        let strain =
+            solution.last(Field::Strain).expect("a recorded field").iter().fold(0.0_f64, |most, e| most.max(*e));
+        let note =
+            solution.summary.audit.iter().find(|row| row.effect == "rupture").expect("it is off").finding.clone();
+        (strain, note, solution.ledger.last().expect("a row").energies.plastic)
+    };
+    let [(coarse, note, few), (fine, _, many)] = [100, 400].map(|cells| by(cells, "hardening = \"isotropic\""));
+    assert!(fine > 1.5 * coarse && (few / many - 1.0).abs() < 0.01, "{coarse} and {fine}, {few} and {many} J");
+    assert!(note.contains("the strain localizes") && note.contains("depend on the cell size"), "{note}");
+    let (_, with_rate, _) = by(100, "hardening = \"isotropic\"\nrate = { model = \"cowper-symonds\", D = 40, q = 5 }");
+    assert!(!with_rate.contains("cell size"), "{with_rate}");
+}

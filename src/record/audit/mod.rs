@@ -191,7 +191,7 @@ impl Audit {
             rows.push(row("heat", &|| self.heat.finding(materials, places, share)));
         }
         if broken.is_empty() && self.off.rupture {
-            rows.push(row("rupture", &|| self.tensile.finding(materials, places)));
+            rows.push(row("rupture", &|| self.tensile.finding(materials, places, !self.off.rate)));
         }
         rows.extend(broken.into_iter().map(|row| AuditRow { threshold: self.tolerance, ..row }));
         rows.extend(self.joints.row());

@@ -10,12 +10,16 @@ use super::places::Places;
 use super::{AuditRow, Reading};
 use crate::bar::InitialFan;
 use crate::law::{Limit, Reached};
-use crate::material::{Material, Sense};
+use crate::material::{Material, Sense, UltimateReason};
 use crate::solver::fd::{CELLS_TO_BREAK, Unresolved};
 use crate::units::{Dimension, System, format};
 
 /// A share of the critical strain from here on counts as all of it: what is missing is rounding.
 const REACHED: f64 = 1.0 - 1e-12;
+
+/// What is true past the largest stress of a curve without rate dependence.
+const LOCALIZES: &str = "; past the largest stress of its curve the strain localizes, and without rate dependence the largest strain and the \
+                         width of that zone depend on the cell size";
 
 /// The largest tensile strain against the critical one.
 #[derive(Debug, Default, Serialize, Deserialize)]
@@ -40,7 +44,8 @@ impl TensileStrain {
         }
     }
 
-    pub fn finding(&self, materials: &[Arc<Material>], places: &Places) -> Finding {
+    /// `rate`: plastic flow depends on the strain rate, which gives a localized zone its width.
+    pub fn finding(&self, materials: &[Arc<Material>], places: &Places, rate: bool) -> Finding {
         let Some((share, strain, time, place)) = self.largest else {
             let known = materials.iter().any(|m| m.branch(Sense::Tension).ultimate().is_some());
             return if known {
@@ -55,7 +60,10 @@ impl TensileStrain {
             100.0 * share,
             materials[places.segment[place]].name,
         );
+        let ultimate = materials[places.segment[place]].branch(Sense::Tension).ultimate();
+        let localizes = !rate && ultimate.is_some_and(|ultimate| ultimate.reason == UltimateReason::MaximumStress);
         if share >= REACHED {
+            let message = if localizes { message + LOCALIZES } else { message };
             Finding::decisive(message, "rupture = \"critical-strain\"")
         } else {
             Finding::nothing(message)

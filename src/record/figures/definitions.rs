@@ -128,7 +128,7 @@ pub(super) static LOAD: &[Definition<Site>] = &[
         |site| site.contact.map(|contact| contact.duration),
     ),
     row(
-        ("time_of_release", Dimension::Time, "until"),
+        ("time_of_release", Dimension::Time, "released at"),
         "time at which the contact force last became zero; absent if it acts at the end of the run",
         |site| site.contact.and_then(|contact| contact.released),
     ),

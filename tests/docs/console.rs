@@ -117,9 +117,15 @@ fn fresh(shown: &[String], printed: &[String]) -> Vec<String> {
     let last = shown.iter().rposition(|line| line == ELISION).unwrap_or(first);
     let tail = (shown.len() - last - 1).min(printed.len());
     let head = first.min(printed.len() - tail);
-    let labelled = |line: &String| {
+    let mut at = head;
+    // Lines of one label follow each other in the order of the output.
+    let mut labelled = |line: &String| {
         let label = line.trim().split("  ").next().unwrap_or_default();
-        printed[head..].iter().find(|printed| printed.trim().starts_with(label)).unwrap_or(line).clone()
+        let Some(k) = printed[at..].iter().position(|printed| printed.trim().starts_with(label)) else {
+            return line.clone();
+        };
+        at += k + 1;
+        printed[at - 1].clone()
     };
     let between = shown[first..=last].iter().map(|line| if line == ELISION { line.clone() } else { labelled(line) });
     [&printed[..head], &between.collect::<Vec<_>>(), &printed[printed.len() - tail..]].concat()

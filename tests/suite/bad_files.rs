@@ -291,6 +291,29 @@ fn damaged_results_are_one_error_and_no_allocation() {
     assert!(refused > 60, "{refused}");
 }
 
+/// The HDF5 library asks for as much memory as a text is said to have bytes, before it looks for the text: a length that is damaged ends in one
+/// error, whether the memory is there or not.
+#[test]
+fn a_damaged_length_of_a_text_is_one_error() {
+    let (folder, path) = result();
+    let at = {
+        let file = hdf5::File::open(&path).expect("a result");
+        file.dataset("fronts/origin").expect("names").offset().expect("contiguous") as usize
+    };
+    let mut bytes = std::fs::read(&path).expect("a result");
+    bytes[at..at + 4].copy_from_slice(&0x7ff8_0000_u32.to_le_bytes());
+    std::fs::remove_file(&path).expect("a result");
+    std::fs::write(&path, &bytes).expect("written");
+    for kilobytes in [1_500_000, 5_000_000] {
+        let limited = format!("ulimit -v {kilobytes}; exec \"$@\"");
+        let arguments = ["-c", &limited, "bash", env!("CARGO_BIN_EXE_barwave"), "report", "a.h5", "-o", "a.svg"];
+        let drawn = Command::new("bash").args(arguments).current_dir(folder.path()).output().expect("bash");
+        let text = message(&drawn);
+        assert_eq!((drawn.status.code(), text.matches("error: ").count()), (Some(2), 1), "{text}");
+        assert!(text.contains("the result file is damaged"), "{text}");
+    }
+}
+
 /// Puts a dataset of numbers in the place of another, or nothing.
 fn reshape(path: &Path, name: &str, shape: Option<&[usize]>) {
     let file = hdf5::File::open_rw(path).expect("a result");

@@ -20,17 +20,21 @@ pub(super) fn column<T: H5Type>(dataset: &Dataset) -> Hdf<Vec<T>> {
 }
 
 /// # Errors
-/// The dataset says that it has more values than its part of the file can hold.
+/// The dataset says that it, or one of its chunks, has more values than its part of the file can hold.
 pub(super) fn check(dataset: &Dataset) -> Hdf<()> {
-    let values: f64 = dataset.shape().iter().map(|&n| n as f64).product();
     let stored = dataset.storage_size().min(dataset.file()?.size()) as f64;
     let compressed = if dataset.filters().is_empty() { 1.0 } else { COMPRESSION };
-    let bytes = values * dataset.dtype()?.size() as f64;
-    if bytes <= compressed * stored + FREE {
-        return Ok(());
+    let size = dataset.dtype()?.size() as f64;
+    for (what, shape) in [("", Some(dataset.shape())), ("chunks of ", dataset.chunk())] {
+        let Some(shape) = shape else { continue };
+        let values: f64 = shape.iter().map(|&n| n as f64).product();
+        if values * size > compressed * stored + FREE {
+            let shape = shape.iter().map(ToString::to_string).collect::<Vec<_>>().join(" x ");
+            let name = dataset.name();
+            return Err(format!("`{name}` has {what}the shape {shape}, but only {stored} bytes in the file").into());
+        }
     }
-    let shape = dataset.shape().iter().map(ToString::to_string).collect::<Vec<_>>().join(" x ");
-    Err(format!("`{}` has the shape {shape}, but only {stored} bytes in the file", dataset.name()).into())
+    Ok(())
 }
 
 /// The values of an attribute, one after another; attributes are not compressed.

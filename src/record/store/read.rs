@@ -193,6 +193,7 @@ impl ResultFile {
                     .into());
                 }
             }
+            bounded::check(&dataset)?;
             dataset.read_slice_2d(s![rows.start..rows.end, ..])
         })
     }

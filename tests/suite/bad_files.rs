@@ -314,6 +314,29 @@ fn a_damaged_length_of_a_text_is_one_error() {
     }
 }
 
+/// The HDF5 library went round for ever in a heap of texts whose free space has the size 0.
+#[test]
+fn a_heap_without_an_end_is_one_error() {
+    let (folder, path) = result();
+    let mut bytes = std::fs::read(&path).expect("a result");
+    let number =
+        |bytes: &[u8], at: usize| u64::from_le_bytes(bytes[at..at + 8].try_into().expect("eight bytes")) as usize;
+    // The free space of the first heap that has some.
+    let heaps = (0..bytes.len() - 8).filter(|&at| bytes[at..at + 8] == *b"GCOL\x01\0\0\0");
+    let free = heaps.filter_map(|heap| {
+        let (mut at, end) = (heap + 16, heap + number(&bytes, heap + 8));
+        while at + 16 <= end && bytes[at..at + 2] != [0, 0] {
+            at += 16 + number(&bytes, at + 8).next_multiple_of(8);
+        }
+        (at + 16 <= end).then_some(at)
+    });
+    let at = free.min().expect("a heap with free space");
+    bytes[at + 8..at + 16].fill(0);
+    std::fs::write(&path, &bytes).expect("written");
+    let text = message(&barwave(folder.path(), &["report", "a.h5", "-o", "a.svg"]));
+    assert!(text.contains("a list of texts in it has no end") && text.matches("error: ").count() == 1, "{text}");
+}
+
 /// Puts a dataset of numbers in the place of another, or nothing.
 fn reshape(path: &Path, name: &str, shape: Option<&[usize]>) {
     let file = hdf5::File::open_rw(path).expect("a result");

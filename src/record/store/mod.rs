@@ -43,6 +43,7 @@ mod driver;
 mod existing;
 mod figures;
 mod filters;
+mod heap;
 mod impact;
 #[cfg(unix)]
 mod journal;

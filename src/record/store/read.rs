@@ -7,10 +7,10 @@ use hdf5::{File, Group};
 use ndarray::{Array2, s};
 
 use super::attributes::{get, get_text, get_texts};
-use super::bounded;
 use super::shared::{NotOpened, SharedFile};
 use super::tables::{numbers as column, texts};
 use super::{FORMAT_VERSION, RUNNING, Side, paths};
+use super::{bounded, heap};
 use crate::error::{InputError, Result};
 use crate::material::Provenance;
 use crate::record::{AuditRow, ErrorFigure, ErrorTable, Field, FrontRow, LedgerRow, MaterialRecord, PathRow, Trace};
@@ -273,6 +273,11 @@ fn open(path: &Path) -> Result<SharedFile> {
         return Err(wrong(path, "no such file", "name a result file that `barwave run` wrote").into());
     }
     super::recover(path);
+    // What cannot be read here is told by the library.
+    if !heap::have_ends(path).unwrap_or(true) {
+        let message = "the result file is damaged: a list of texts in it has no end";
+        return Err(wrong(path, message, "copy it again, or run its scene again").into());
+    }
     let file = SharedFile::open(path).map_err(|e| cannot_open(path, &e))?;
     let format: Hdf<String> = get_text(&file, "format");
     if format.ok().as_deref() != Some("barwave") {

@@ -62,23 +62,23 @@ pub trait Simulation {
     /// The bar and what is kept of its way.
     fn bar(&mut self) -> (&mut Self::Solver, Option<&mut <Self::Solver as Solver>::Log>);
 
-    /// Looks at the bar after a stretch of its way.
+    /// Looks at the bar after an interval.
     ///
     /// # Errors
     /// What ends the simulation here.
-    fn look(&mut self, stretch: Stretch) -> Result<(), Self::Error>;
+    fn look(&mut self, stretch: Interval) -> Result<(), Self::Error>;
 }
 
-/// A stretch of a bar's way.
+/// What the solver did between two looks.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Stretch {
+pub struct Interval {
     /// Time that the solver took, s.
     pub seconds: f64,
     /// Whether the bar is at the mark, or the reason why it cannot be advanced.
     pub arrived: Result<bool, Stopped>,
 }
 
-/// Simulates a bar up to its end, with a look after every stretch of at most so much work (cell-steps, or events).
+/// Simulates a bar up to its end, with a look after every interval of at most so much work (cell-steps, or events).
 ///
 /// # Errors
 /// Those of [`Simulation::look`].
@@ -87,7 +87,7 @@ pub fn simulate<S: Simulation>(simulation: &mut S, work: u64) -> Result<(), S::E
         let (bar, log) = simulation.bar();
         let before = Instant::now();
         let arrived = bar.advance_toward(mark, work, log);
-        simulation.look(Stretch { seconds: before.elapsed().as_secs_f64(), arrived })?;
+        simulation.look(Interval { seconds: before.elapsed().as_secs_f64(), arrived })?;
     }
     Ok(())
 }

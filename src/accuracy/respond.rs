@@ -4,7 +4,7 @@ use super::listen::{FrontListener, GridListener};
 use super::response::Response;
 use crate::bar::Bar;
 use crate::record::{StepGauges, Stepped, Traces};
-use crate::simulate::{Simulation, Solver, Stretch, simulate};
+use crate::simulate::{Interval, Simulation, Solver, simulate};
 use crate::solver::fd::Sampling;
 use crate::solver::moc::{FrontSegment, FrontTracking, Stopped};
 
@@ -100,10 +100,10 @@ impl<S: Respond, E, P: FnMut(&S, S::Mark) -> Result<(), E>> Simulation for Respo
         (self.bar, self.log.as_mut())
     }
 
-    fn look(&mut self, stretch: Stretch) -> Result<(), Ended<E>> {
-        self.seconds += stretch.seconds;
-        self.listener.look(self.bar, self.log.as_mut(), stretch.arrived == Ok(true));
-        stretch.arrived.map_err(Ended::Stopped)?;
+    fn look(&mut self, interval: Interval) -> Result<(), Ended<E>> {
+        self.seconds += interval.seconds;
+        self.listener.look(self.bar, self.log.as_mut(), interval.arrived == Ok(true));
+        interval.arrived.map_err(Ended::Stopped)?;
         (self.pause)(self.bar, self.listener.last()).map_err(Ended::Asked)
     }
 }

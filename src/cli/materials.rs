@@ -130,10 +130,11 @@ fn show(args: &ShowArgs) -> Result<()> {
 }
 
 /// Members of a material that have a unit, and their names with it. Constants of rate laws have the names and units of material files.
-const UNITS: [(&str, &str); 6] = [
+const UNITS: [(&str, &str); 7] = [
     ("density", "density_kg_m3"),
     ("modulus", "modulus_Pa"),
     ("stress", "stress_Pa"),
+    ("table_error", "table_error_Pa"),
     ("specific_heat", "specific_heat_J_kg_K"),
     ("melting_temperature", "melting_temperature_K"),
     ("reference_temperature", "reference_temperature_K"),

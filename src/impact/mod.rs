@@ -77,8 +77,7 @@ fn account(solution: &mut Solution, ledger: &Table, history: &History) {
     let residual = ledger.column("residual").iter().fold(0.0, |most: f64, r| most.max(r.abs()));
     let long_name = "largest residual of the energy ledger, relative to the energy at the start";
     solution.figures.push(Figure::new("energy_residual", Dimension::None, long_name, residual));
-    solution.figures.push(Figure::new("steps", Dimension::None, "time steps", history.steps as f64));
-    let (steps, long_name) = (history.contact_steps as f64, "time steps in contact");
-    solution.figures.push(Figure::new("contact_steps", Dimension::None, long_name, steps));
+    solution.figures.push(Figure::count("steps", "time steps", history.steps));
+    solution.figures.push(Figure::count("contact_steps", "time steps in contact", history.contact_steps));
     solution.lines.push(Line::new("energy", "largest residual {}", &[(residual, Dimension::None)]));
 }

@@ -15,12 +15,19 @@ pub struct Figure {
     pub long_name: &'static str,
     /// SI; NaN where there is none.
     pub value: f64,
+    /// It counts something: an integer in the summary.
+    pub is_count: bool,
 }
 
 impl Figure {
     /// With one name in file and summary.
     pub fn new(name: &'static str, dimension: Dimension, long_name: &'static str, value: f64) -> Self {
-        Self { name, key: name, dimension, long_name, value }
+        Self { name, key: name, dimension, long_name, value, is_count: false }
+    }
+
+    /// A number of things.
+    pub fn count(name: &'static str, long_name: &'static str, count: usize) -> Self {
+        Self { is_count: true, ..Self::new(name, Dimension::None, long_name, count as f64) }
     }
 
     /// Key in the summary: `peak_force` and N give "`peak_force_N`".
@@ -29,10 +36,9 @@ impl Figure {
         if unit.is_empty() { self.key.to_owned() } else { format!("{}_{unit}", self.key) }
     }
 
-    /// Value in the summary: numbers of contacts, modes and steps are integers there.
+    /// Value in the summary.
     pub fn json_value(&self) -> serde_json::Value {
-        let counts = self.name.ends_with("_count") || self.name.ends_with("steps");
-        if counts && self.value.is_finite() { (self.value as u64).into() } else { self.value.into() }
+        if self.is_count { (self.value as u64).into() } else { self.value.into() }
     }
 }
 

@@ -7,7 +7,7 @@ use crate::assemble;
 use crate::bar::initial_fans;
 use crate::record::{Audit, AuditRow, LOOKS, Stepped, Traces, View};
 use crate::scene::{Method, Scene};
-use crate::simulate::{Simulation, Stretch, simulate};
+use crate::simulate::{Interval, Simulation, simulate};
 use crate::solver::fd::{Leapfrog, Sampling};
 use std::ops::ControlFlow;
 
@@ -70,7 +70,7 @@ impl Simulation for Estimate<'_> {
         (&mut self.bar, None)
     }
 
-    fn look(&mut self, _: Stretch) -> Result<(), Early> {
+    fn look(&mut self, _: Interval) -> Result<(), Early> {
         if self.bar.not_finite().is_some() || limits(&self.bar).iter().any(|limit| limit.stops(self.scene)) {
             return Err(Early);
         }

@@ -17,7 +17,7 @@ use crate::record::{
     LedgerSummary, ResidualProfile, SegmentEnd, Stepped, Summary, Traces,
 };
 use crate::scene::Rate;
-use crate::simulate::{Simulation, Stretch, simulate};
+use crate::simulate::{Interval, Simulation, simulate};
 use crate::snapshot::Snapshot;
 use crate::solver::fd::{Quantity, Sampling, SegmentGrid};
 
@@ -45,7 +45,7 @@ const CELLS_FROM_END: usize = 4;
 /// step itself; those that follow are dropped.
 const STEPS_BETWEEN_LIMIT_CHECKS: usize = 32;
 
-/// Work of a stretch that ends at the next look alone.
+/// Work of an interval that ends at the next look alone.
 const UP_TO_THE_LOOK: u64 = u64::MAX;
 
 /// Runs a scene on the grid of `bar`.
@@ -109,8 +109,8 @@ impl<S: Stepped + Snapshot> Simulation for Run<'_, S> {
         (&mut self.bar, Some(&mut self.traces))
     }
 
-    fn look(&mut self, stretch: Stretch) -> Result<()> {
-        self.recorder.stepping += stretch.seconds;
+    fn look(&mut self, interval: Interval) -> Result<()> {
+        self.recorder.stepping += interval.seconds;
         self.check_limits()?;
         self.record()?;
         self.take_frames()?;

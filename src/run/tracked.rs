@@ -16,7 +16,7 @@ use crate::record::{
     Paths, ResidualProfile, SegmentEnd, StepGauges, Summary, TrackedFronts, TrackingSummary, Twisted, View,
 };
 use crate::scene::Scene;
-use crate::simulate::{Simulation, Stretch, simulate};
+use crate::simulate::{Interval, Simulation, simulate};
 use crate::solver::moc::{FrontSegment, FrontTracking, Piece, Settings, Stopped};
 
 /// Events between two calls of the progress function: some milliseconds, and about 200 kB of front segments.
@@ -105,13 +105,13 @@ impl Simulation for Run<'_> {
         (&mut self.bar, Some(&mut self.ended))
     }
 
-    fn look(&mut self, stretch: Stretch) -> Result<()> {
-        self.recorder.stepping += stretch.seconds;
+    fn look(&mut self, interval: Interval) -> Result<()> {
+        self.recorder.stepping += interval.seconds;
         self.collect()?;
         let pause = self.pauses.last().map_or(Pause::End, |pause| pause.1);
         // A look in between is no news.
-        let news = !matches!(pause, Pause::AuditLook | Pause::Instant) || stretch.arrived != Ok(true);
-        match stretch.arrived {
+        let news = !matches!(pause, Pause::AuditLook | Pause::Instant) || interval.arrived != Ok(true);
+        match interval.arrived {
             Ok(true) => self.arrive()?,
             Ok(false) => {}
             Err(why) => {

@@ -1,6 +1,7 @@
 //! From the record of a tension or compression test to a curve: reading, cleaning, elastic line, proof stress, smoothing, knots.
 
 mod clean;
+mod decimate;
 mod fit;
 mod heading;
 mod modulus;
@@ -10,7 +11,6 @@ mod repeats;
 mod smooth;
 mod table;
 mod text;
-mod thin;
 
 pub use heading::Kind;
 pub use modulus::ElasticLine;

@@ -3,9 +3,9 @@
 use serde::Serialize;
 
 use super::clean::{clean, count};
+use super::decimate::decimate;
 use super::modulus::{ElasticLine, elastic_line};
 use super::smooth::{Smooth, smooth};
-use super::thin::thin;
 use super::{modulus, noise};
 use crate::error::InputError;
 
@@ -94,7 +94,7 @@ pub fn reduce(record: &[(f64, f64)], how: &Reduce) -> Result<Reduction, InputErr
         rows[rows.len() - 1].0,
         mean_noise / 1e6
     ));
-    let knots = thin(&curve, how.tolerance);
+    let knots = decimate(&curve, how.tolerance);
     changes.push(format!(
         "{} points kept: within {} % of the largest stress and of the velocity of each segment",
         knots.len(),

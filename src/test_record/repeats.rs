@@ -1,7 +1,7 @@
 //! One curve with a band from several repeats of one test.
 
+use super::decimate::decimate;
 use super::reduce::Reduction;
-use super::thin::thin;
 use crate::error::InputError;
 use crate::material::{Beyond, Curve, Scatter, TestCurve, mean_curve};
 
@@ -28,7 +28,7 @@ pub fn combine(tests: &[(String, Reduction)], tolerance: f64) -> Result<Repeats,
     };
     let tests = tests.iter().map(curve).collect::<Result<Vec<_>, InputError>>()?;
     let (modulus, rows) = mean_curve(&tests.iter().collect::<Vec<_>>());
-    let knots = thin(&rows, tolerance);
+    let knots = decimate(&rows, tolerance);
     let deviation = deviation(&tests, &knots);
     Ok(Repeats { modulus, knots, scatter: Scatter { deviation, tests } })
 }

@@ -1,11 +1,13 @@
 //! Commands in ```` ```console ```` blocks and their output.
 //!
 //! The commands of a page run in order in one temporary folder that has `runs/`. A block with the mark `file: NAME` is first
-//! written to that folder. Of the shown output, `...` stands for any number of lines. A command without output is only run.
+//! written to that folder. Of the shown output, `...` stands for any number of lines. A command without output is only run. One that is
+//! shown as interrupted receives SIGINT once its result file is there.
 
 use std::fmt::Write as _;
 use std::path::Path;
-use std::process::Command;
+use std::process::{Command, Stdio};
+use std::time::Duration;
 
 use crate::page::{Page, read, root, update};
 
@@ -59,8 +61,8 @@ pub fn words(line: &str) -> Vec<String> {
     words
 }
 
-/// A folder with `runs/` and the files that the page shows.
-fn folder_of(page: &Page) -> tempfile::TempDir {
+/// A folder with `runs/`.
+pub fn folder_with_runs() -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     std::fs::create_dir(folder.path().join("runs")).expect("a folder");
     for scene in std::fs::read_dir(root().join("runs")).expect("runs").map(|entry| entry.expect("an entry").path()) {
@@ -68,6 +70,12 @@ fn folder_of(page: &Page) -> tempfile::TempDir {
             std::fs::copy(&scene, folder.path().join("runs").join(scene.file_name().expect("a name"))).expect("a copy");
         }
     }
+    folder
+}
+
+/// The same with the files that the page shows.
+fn folder_of(page: &Page) -> tempfile::TempDir {
+    let folder = folder_with_runs();
     for block in page.blocks() {
         if let Some(name) = block.marked("file") {
             std::fs::write(folder.path().join(name), block.text()).expect("a file");
@@ -76,16 +84,31 @@ fn folder_of(page: &Page) -> tempfile::TempDir {
     folder
 }
 
-fn run(folder: &Path, command: &str) -> (bool, Vec<String>) {
+pub fn run(folder: &Path, command: &str) -> (bool, Vec<String>) {
+    run_until(folder, command, None)
+}
+
+/// Runs a command until it ends, or is interrupted once there is this file.
+fn run_until(folder: &Path, command: &str, interrupted_at: Option<&str>) -> (bool, Vec<String>) {
     let arguments = words(command);
     assert_eq!(arguments[0], "barwave", "{command}");
-    let output = Command::new(env!("CARGO_BIN_EXE_barwave"))
+    let mut child = Command::new(env!("CARGO_BIN_EXE_barwave"))
         .current_dir(folder)
         .args(&arguments[1..])
         .env_remove("BARWAVE_MATERIALS")
         .env_remove("COLUMNS")
-        .output()
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
         .expect("the program starts");
+    if let Some(file) = interrupted_at {
+        while !folder.join(file).exists() && child.try_wait().expect("its state").is_none() {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("a signal");
+    }
+    let output = child.wait_with_output().expect("the program ends");
     let text = [output.stdout, output.stderr].concat();
     let lines = String::from_utf8(text).expect("text").lines().map(|line| line.trim_end().to_owned()).collect();
     (output.status.success(), lines)
@@ -147,9 +170,12 @@ pub fn check(page: &Page) -> (String, usize) {
         for (k, &start) in starts.iter().enumerate() {
             let end = starts.get(k + 1).copied().unwrap_or(block.lines.len());
             let (command, shown) = (&block.lines[start][2..], &block.lines[start + 1..end]);
-            let (success, printed) = run(folder.path(), command);
+            let interrupted_at =
+                shown.iter().find_map(|line| line.strip_prefix("interrupted: the frames so far are in "));
+            let (success, printed) = run_until(folder.path(), command, interrupted_at);
             count += 1;
-            let fails = shown.iter().any(|line| line.starts_with("error") || line.contains("\"error\":{\"kind\""));
+            let is_error = |line: &String| line.starts_with("error") || line.contains("\"error\":{\"kind\"");
+            let fails = interrupted_at.is_some() || shown.iter().any(is_error);
             let place = format!("{}:{}: {command}", page.path.display(), block.first + start + 1);
             if success == fails {
                 let _ = writeln!(wrong, "{place}\nsuccess: {success}\n{}", printed.join("\n"));

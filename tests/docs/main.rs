@@ -10,6 +10,7 @@ mod links;
 mod page;
 mod reference;
 mod scenes;
+mod shell;
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -30,6 +31,14 @@ fn commands_print_what_the_pages_show() {
     let wrong: String = checked.iter().map(|(wrong, _)| wrong.as_str()).collect();
     assert!(wrong.is_empty() || update(), "\n{wrong}");
     assert!(checked.iter().map(|(_, count)| count).sum::<usize>() > 20);
+}
+
+#[test]
+fn shell_commands_run_or_name_what_exists() {
+    let checked: Vec<(String, usize)> = pages().par_iter().map(shell::wrong).collect();
+    let wrong: String = checked.iter().map(|(wrong, _)| wrong.as_str()).collect();
+    assert!(wrong.is_empty(), "\n{wrong}");
+    assert!(checked.iter().map(|(_, count)| count).sum::<usize>() > 10);
 }
 
 #[test]

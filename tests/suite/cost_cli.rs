@@ -125,7 +125,7 @@ fn methods_are_compared_in_a_bar_without_stress_at_the_end() {
         "solve.cells=100",
     ];
     for measure in ["field", "peak-force"] {
-        let mut arguments = vec!["--json", "--budget", "6s", "--measure", measure];
+        let mut arguments = vec!["--json", "--budget", "4s", "--measure", measure];
         arguments.extend(pulse.iter().flat_map(|set| ["--set", set]));
         let found = json(&cost(folder.path(), "bilinear-p2.toml", &arguments));
         let points = list(&found, "points");

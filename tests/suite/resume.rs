@@ -135,7 +135,7 @@ fn tracked(left: &str, right: &str, effects: &str, solve: &str) -> String {
 fn tracked_scenes() -> Vec<(&'static str, String)> {
     let (free, plastic) = ("kind = \"free\"", "hardening = \"isotropic\"");
     let let_go =
-        include_str!("../../runs/copper-released.toml").replace("front-tolerance = 1e-3", "front-tolerance = 3e-3");
+        include_str!("../../runs/copper-released.toml").replace("front-tolerance = 1e-3", "front-tolerance = 6e-3");
     let pulse = "kind = \"stress\"\nhistory = [[0, 0], [10e-6, -180e6], [20e-6, 0]]";
     let ramps = "kind = \"velocity\"\ncsv = \"blow.csv\"";
     let joint = "[[bar.segment]]\nlength = 0.4\ndiameter = \"20 mm\"\nmaterial = \"steel.toml\"\njoint = \"contact\"\n\
@@ -364,7 +364,7 @@ fn push(end: &mut dyn EndModel, steps: std::ops::Range<u32>, impedance: f64) -> 
         let step = Step { time: f64::from(k) * dt, dt, displacement };
         let bar = Response { force: 1e4 * impedance.sqrt() * (0.3 * f64::from(k)).sin(), impedance };
         let relation = end.relation(&step, &bar);
-        let [force, velocity] = relation.meet(&bar);
+        let [force, velocity] = relation.solve_with(&bar);
         let met = !relation.unilateral || force > 0.0;
         let force = if met { force } else { 0.0 };
         end.advance(&step, &Push { force, velocity, impulse: force * dt }, met);
@@ -617,35 +617,4 @@ fn what_cannot_be_resumed_is_one_error() {
     let output = barwave(folder.path(), &["run", "--resume", "a.h5"]);
     assert!(output.status.success(), "{}", message(&output));
     assert_same(&path("done.h5"), &path("a.h5"), "after all");
-}
-
-#[test]
-fn the_commands_of_the_page_on_resuming_work() {
-    let page = include_str!("../../docs/resume.md");
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let folder = tempfile::tempdir().expect("a folder");
-    std::fs::create_dir(folder.path().join("runs")).expect("made");
-    for entry in std::fs::read_dir(root.join("runs")).expect("scenes").flatten() {
-        std::fs::copy(entry.path(), folder.path().join("runs").join(entry.file_name())).ok();
-    }
-    let block = page.split("```sh\n").nth(1).and_then(|rest| rest.split("```").next()).expect("commands");
-    let commands: Vec<&str> = block.lines().filter_map(|line| line.strip_prefix("barwave ")).collect();
-    let [begin, resume] = commands[..] else { panic!("{commands:?}") };
-    let words = |line: &'static str| line.split('#').next().unwrap_or("").split_whitespace().collect::<Vec<_>>();
-    let child = start(folder.path(), &words(begin));
-    let result = folder.path().join(words(resume)[2]);
-    while frames_in(&result) == 0 {
-        std::thread::sleep(Duration::from_millis(5));
-    }
-    signal(&child, "INT");
-    let output = child.wait_with_output().expect("it ends");
-    assert_eq!(output.status.code(), Some(130), "{}", message(&output));
-    assert!(
-        message(&output).contains(&format!("resume with: barwave {}", words(resume).join(" "))),
-        "{}",
-        message(&output)
-    );
-    let output = barwave(folder.path(), &words(resume));
-    assert!(output.status.success(), "{}", message(&output));
-    assert_eq!(ResultFile::open(&result).expect("a result").metadata().outcome, "done");
 }

@@ -124,7 +124,7 @@ impl Relation {
 
     /// Force and velocity at which bar and end agree, whether or not that is a pull.
     /// Returns p and u.
-    pub fn meet(&self, bar: &Response) -> [f64; 2] {
+    pub fn solve_with(&self, bar: &Response) -> [f64; 2] {
         let (a, b, c) = (self.of_velocity, self.of_force, self.value);
         let sum = a + b * bar.impedance;
         let velocity = (c - b * bar.force) / sum;
@@ -273,7 +273,7 @@ pub fn agree(
 /// Force and velocity just after the beginning of a step, against a bar that answers at once by `bar`.
 pub fn at_once(model: &dyn EndModel, step: &Step, bar: &Response) -> [f64; 2] {
     let relation = model.relation(&step.short(), bar);
-    let [force, velocity] = relation.meet(bar);
+    let [force, velocity] = relation.solve_with(bar);
     if relation.unilateral && force <= 0.0 { [0.0, bar.velocity(0.0)] } else { [force, velocity] }
 }
 

@@ -132,7 +132,7 @@ impl Beam {
             figure("striker_velocity", Velocity, "velocity of the striker at the end", last),
             figure("restitution", Plain, "minus the ratio of final to initial velocity of the striker", restitution),
             figure("end_time", Time, "end of the integration", history.end),
-            Figure { key: "modes", ..figure("mode_count", Plain, "modes of the beam", modes as f64) },
+            Figure { key: "modes", ..Figure::count("mode_count", "modes of the beam", modes) },
             figure(
                 "error",
                 Plain,
@@ -158,7 +158,7 @@ impl Beam {
         let figure = |name, dimension, long_name, value| Figure::new(name, dimension, long_name, value);
         let Some(first) = history.touches.first() else { return };
         solution.figures.extend([
-            figure("contact_count", Plain, "number of contacts", history.touches.len() as f64),
+            Figure::count("contact_count", "number of contacts", history.touches.len()),
             figure("peak_force", Force, "largest contact force of the first contact", first.peak_force),
             figure("time_of_peak", Time, "time of the largest contact force", first.peak_time),
             figure("contact_duration", Time, "duration of the first contact", first.duration()),

@@ -181,11 +181,10 @@ impl Problem for Beam {
         let mebibytes = self.expected_bytes() / f64::from(1 << 20);
         solution.lines.push(Line::new("histories", format!("about {mebibytes:.1} MiB"), &[]));
         solution.figures.extend([
-            Figure::new(
+            Figure::count(
                 "expected_steps",
-                Plain,
                 "approximate time steps per integration",
-                self.expected_steps().ceil(),
+                self.expected_steps().ceil() as usize,
             ),
             Figure::new("expected_bytes", Plain, "approximate size of the histories in bytes", self.expected_bytes()),
         ]);

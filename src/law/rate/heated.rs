@@ -14,7 +14,7 @@
 //! cools by the fraction beta of it, as it warmed when the work was stored. A law that splits stored from dissipated work otherwise
 //! (Rosakis et al., J. Mech. Phys. Solids 48, 2000) would need a measured beta that depends on the path.
 
-use super::many::{FOUND, MOLTEN, Warming, step_most};
+use super::many::{FOUND, MOLTEN, TemperatureRise, step_most};
 use super::step::{Flowing, readings_of_state, step};
 use super::{Course, Driven, History, Overstress, RateLaw};
 use crate::law::{CellLaw, Deformed, Response, Steps, respond_alone};
@@ -75,7 +75,7 @@ struct Cell<'a, const N: usize> {
 }
 
 /// Where a flow would take a cell.
-struct Warmed {
+struct Flowed {
     history: History,
     rise: f64,
     softening: f64,
@@ -93,11 +93,11 @@ impl<const N: usize> Cell<'_, N> {
     }
 
     /// The cell after a flow.
-    fn warmed(&self, driven: Driven, sense: usize, flow: f64) -> Warmed {
+    fn flowed(&self, driven: Driven, sense: usize, flow: f64) -> Flowed {
         let (law, heating) = (&self.heated.law, &self.heated.heating);
         let mut history = self.history;
         if flow <= 0.0 {
-            return Warmed { history, rise: self.rise, softening: self.softening };
+            return Flowed { history, rise: self.rise, softening: self.softening };
         }
         law.advance(flow, sense, &mut history);
         let (cold, end) = (self.cold_limit(&self.history, sense), self.cold_limit(&history, sense));
@@ -108,25 +108,25 @@ impl<const N: usize> Cell<'_, N> {
         for _ in 0..PASSES {
             let left = driven.excess + driven.rise - flow - (softening * end - self.softening * cold);
             let mean = self.heated.softening(0.5 * (self.rise + rise));
-            let warm = mean * work + 0.5 * (driven.excess + left.max(0.0)) * flow;
+            let heat = mean * work + 0.5 * (driven.excess + left.max(0.0)) * flow;
             let before = rise;
-            rise = (self.rise + self.heated.rise * warm).clamp(0.0, heating.range());
+            rise = (self.rise + self.heated.rise * heat).clamp(0.0, heating.range());
             softening = self.heated.softening(rise);
             if (rise - before).abs() <= FOUND * heating.range() {
                 break;
             }
         }
         self.latest.set([rise, softening]);
-        Warmed { history, rise, softening }
+        Flowed { history, rise, softening }
     }
 
     /// What flows if the limits go on to those after a flow.
     fn answer(&self, driven: Driven, sense: usize, flow: f64) -> f64 {
-        let (law, end) = (&self.heated.law, self.warmed(driven, sense, flow));
+        let (law, end) = (&self.heated.law, self.flowed(driven, sense, flow));
         let limit = |g: f64, history: &History| g * self.cold_limit(history, sense);
         let stress = |g: f64, history: &History| g * self.cold_stress(history, sense);
         let course = Course {
-            law: law.overstress().warmed(0.5 * (self.rise + end.rise)),
+            law: law.overstress().at_rise(0.5 * (self.rise + end.rise)),
             limit: limit(end.softening, &end.history) - limit(self.softening, &self.history),
             flow_stress: [stress(self.softening, &self.history), stress(end.softening, &end.history)],
         };
@@ -152,7 +152,7 @@ impl<const N: usize> Flowing for Cell<'_, N> {
     }
 
     fn advance(&mut self, driven: Driven, flow: f64, sense: usize) {
-        let Warmed { history, rise, softening } = self.warmed(driven, sense, flow);
+        let Flowed { history, rise, softening } = self.flowed(driven, sense, flow);
         (self.history, self.rise, self.softening) = (history, rise, softening);
     }
 
@@ -161,7 +161,7 @@ impl<const N: usize> Flowing for Cell<'_, N> {
     }
 
     fn law(&self, sense: usize) -> (Overstress, f64) {
-        (self.heated.law.overstress().warmed(self.rise), self.softening * self.cold_stress(&self.history, sense))
+        (self.heated.law.overstress().at_rise(self.rise), self.softening * self.cold_stress(&self.history, sense))
     }
 }
 
@@ -183,8 +183,8 @@ impl<const N: usize> CellLaw<N> for Heated<N> {
         after: &mut Steps<N, W>,
     ) {
         let Self { time, rise, heating, .. } = self;
-        let warming = Warming { rise: *rise, range: heating.range(), exponent: heating.exponent };
-        step_most(&self.law, *time, Some(warming), [sigma, predictor], state, after);
+        let temperature = TemperatureRise { rise: *rise, range: heating.range(), exponent: heating.exponent };
+        step_most(&self.law, *time, Some(temperature), [sigma, predictor], state, after);
     }
 
     fn respond(&self, sigma: f64, predictor: f64, state: [f64; N]) -> Response<N> {

@@ -27,9 +27,9 @@ pub(super) const FOUND: f64 = 1e-13;
 /// What is left of the strength of metal that melts: nothing that counts, and no division by zero.
 pub(super) const MOLTEN: f64 = 1e-9;
 
-/// How flow warms and softens.
+/// Temperature rise by plastic work, and thermal softening.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Warming {
+pub(super) struct TemperatureRise {
     /// Rise by E times plastic work, K/Pa^2.
     pub rise: f64,
     /// From the reference temperature to melting, K.
@@ -37,7 +37,7 @@ pub(super) struct Warming {
     pub exponent: f64,
 }
 
-impl Warming {
+impl TemperatureRise {
     /// Factors of the static stresses at rises in temperature.
     #[inline(always)]
     fn softening<const W: usize>(self, rise: &[f64; W], softening: &mut [f64; W]) {
@@ -59,11 +59,11 @@ impl Warming {
 
     /// The temperatures after flows, from the ones before, of some cells.
     #[inline(always)]
-    fn warm<const W: usize>(self, start: &Start<W>, found: &mut Found<W>, of: &[u64; W]) {
+    fn heat<const W: usize>(self, start: &Start<W>, found: &mut Found<W>, of: &[u64; W]) {
         let mut softening = [0.0; W];
         let mut middle = [0.0; W];
         for i in 0..W {
-            middle[i] = 0.5 * (start.warmth[i] + found.warmth[i]);
+            middle[i] = 0.5 * (start.temperature_rise[i] + found.temperature_rise[i]);
         }
         self.softening(&middle, &mut softening);
         for i in 0..W {
@@ -72,11 +72,11 @@ impl Warming {
             let left = excess + start.rise[i] - flow - (found.softening[i] * end - start.softening[i] * cold);
             let overstress = 0.5 * (excess + if left > 0.0 { left } else { 0.0 });
             let work = (softening[i] * (0.5 * (cold + end)) + overstress) * flow;
-            let warmth = start.warmth[i] + self.rise * work;
-            let warmth = if warmth < self.range { warmth } else { self.range };
-            found.warmth[i] = if of[i] != 0 { warmth } else { found.warmth[i] };
+            let temperature_rise = start.temperature_rise[i] + self.rise * work;
+            let temperature_rise = if temperature_rise < self.range { temperature_rise } else { self.range };
+            found.temperature_rise[i] = if of[i] != 0 { temperature_rise } else { found.temperature_rise[i] };
         }
-        self.softening(&found.warmth, &mut found.softening);
+        self.softening(&found.temperature_rise, &mut found.softening);
     }
 }
 
@@ -101,7 +101,7 @@ struct Start<const W: usize> {
     slope: [f64; W],
     end: [f64; W],
     /// Rise in temperature, K, and factor of the cold curve.
-    warmth: [f64; W],
+    temperature_rise: [f64; W],
     softening: [f64; W],
     /// What the law of overstress knows at the start.
     of_law: [f64; W],
@@ -121,7 +121,7 @@ struct Found<const W: usize> {
     /// The flow tried before, and by how much its answer was off.
     before: [f64; W],
     off: [f64; W],
-    warmth: [f64; W],
+    temperature_rise: [f64; W],
     softening: [f64; W],
     /// 1 where a flow is looked for and not found.
     sought: [u64; W],
@@ -135,7 +135,7 @@ struct Many<'a, L> {
     /// As [`super::RateLaw::moving`] gives them.
     moving: [f64; 2],
     time: f64,
-    warming: Option<Warming>,
+    heating: Option<TemperatureRise>,
 }
 
 /// Steps the cells of a law of which there is a plain formula, see [`Many::step`]; no others.
@@ -143,7 +143,7 @@ struct Many<'a, L> {
 pub(super) fn step_most<const N: usize, const W: usize>(
     law: &RateLaw,
     time: f64,
-    warming: Option<Warming>,
+    heating: Option<TemperatureRise>,
     cells: [&[f64; W]; 2],
     state: [&[f64; W]; N],
     after: &mut Steps<N, W>,
@@ -151,19 +151,19 @@ pub(super) fn step_most<const N: usize, const W: usize>(
     let (curves, moving) = (law.curves(), law.moving());
     match law.overstress {
         Overstress::Malvern { k } => {
-            Many { law: Malvern { k }, curves, moving, time, warming }.step(cells, state, after);
+            Many { law: Malvern { k }, curves, moving, time, heating }.step(cells, state, after);
         }
         Overstress::JohnsonCook { c, rate } => {
-            Many { law: JohnsonCook { c, rate }, curves, moving, time, warming }.step(cells, state, after);
+            Many { law: JohnsonCook { c, rate }, curves, moving, time, heating }.step(cells, state, after);
         }
         Overstress::CowperSymonds { rate, exponent } if exponent > 1.0 => {
             let law = PowerAboveOne { rate, exponent, thermal: None };
-            Many { law, curves, moving, time, warming }.step(cells, state, after);
+            Many { law, curves, moving, time, heating }.step(cells, state, after);
         }
         // Its rate depends on the temperature itself, too.
-        Overstress::ZerilliArmstrong { stress, sensitivity, rate, .. } if sensitivity < 1.0 && warming.is_none() => {
+        Overstress::ZerilliArmstrong { stress, sensitivity, rate, .. } if sensitivity < 1.0 && heating.is_none() => {
             let law = PowerAboveOne { rate, exponent: sensitivity.recip(), thermal: Some(stress) };
-            Many { law, curves, moving, time, warming }.step(cells, state, after);
+            Many { law, curves, moving, time, heating }.step(cells, state, after);
         }
         _ => {}
     }
@@ -183,7 +183,7 @@ impl<L: Closed> Many<'_, L> {
             flow: [0.0; W],
             before: [f64::NAN; W],
             off: [f64::NAN; W],
-            warmth: start.warmth,
+            temperature_rise: start.temperature_rise,
             softening: start.softening,
             sought: [0; W],
         };
@@ -200,8 +200,8 @@ impl<L: Closed> Many<'_, L> {
             }
             self.sweep(&start, &mut found);
         }
-        if let Some(warming) = self.warming {
-            warming.warm(&start, &mut found, &[1; W]);
+        if let Some(heating) = self.heating {
+            heating.heat(&start, &mut found, &[1; W]);
         }
         for i in 0..W {
             let (flow, softening) = (found.flow[i], found.softening[i]);
@@ -224,8 +224,8 @@ impl<L: Closed> Many<'_, L> {
             let f_end = softening * (limit_end - start.beside[i]);
             flown.note(i, [sigma[i], predictor[i]], |x| self.law.width(x, f_end), state, after);
             let flows = after.plastic[i] != 0.0;
-            if self.warming.is_some() {
-                after.state[5][i] = if flows { found.warmth[i] } else { start.warmth[i] };
+            if self.heating.is_some() {
+                after.state[5][i] = if flows { found.temperature_rise[i] } else { start.temperature_rise[i] };
             }
             if self.moves::<N>() {
                 after.state[N - 1][i] = start.back[i] + self.moving[0] * start.slope[i] * after.plastic[i];
@@ -236,7 +236,7 @@ impl<L: Closed> Many<'_, L> {
     /// The state has a back stress, at its end.
     #[inline(always)]
     fn moves<const N: usize>(&self) -> bool {
-        N > 5 + usize::from(self.warming.is_some())
+        N > 5 + usize::from(self.heating.is_some())
     }
 
     #[inline(always)]
@@ -260,13 +260,13 @@ impl<L: Closed> Many<'_, L> {
             back: zeros,
             slope: located.slope,
             end: located.end,
-            warmth: zeros,
+            temperature_rise: zeros,
             softening: [1.0; W],
             of_law: zeros,
         };
-        if let Some(warming) = self.warming {
-            start.warmth = *state[5];
-            warming.softening(&start.warmth, &mut start.softening);
+        if let Some(heating) = self.heating {
+            start.temperature_rise = *state[5];
+            heating.softening(&start.temperature_rise, &mut start.softening);
         }
         if self.moves::<N>() {
             start.back = *state[N - 1];
@@ -293,15 +293,15 @@ impl<L: Closed> Many<'_, L> {
     /// Works out flows and temperatures from the ones before.
     #[inline(always)]
     fn sweep<const W: usize>(&self, start: &Start<W>, found: &mut Found<W>) {
-        let warmth_before = found.warmth;
-        if let Some(warming) = self.warming {
+        let rise_before = found.temperature_rise;
+        if let Some(heating) = self.heating {
             let sought = found.sought;
-            warming.warm(start, found, &sought);
+            heating.heat(start, found, &sought);
         }
-        let near = self.warming.map_or(0.0, |warming| FOUND * warming.range * warming.range);
+        let near = self.heating.map_or(0.0, |heating| FOUND * heating.range * heating.range);
         for i in 0..W {
             let (excess, rise, flow) = (start.excess[i], start.rise[i], found.flow[i]);
-            let (cold, slope, warmth) = (start.cold[i], start.slope[i], found.warmth[i]);
+            let (cold, slope, temperature_rise) = (start.cold[i], start.slope[i], found.temperature_rise[i]);
             let [g, g_end] = [start.softening[i], found.softening[i]];
             // Rise of the elastic limit over the flow, and of the static stress.
             let rises = |cold: f64| g_end * slope + if flow > 0.0 { (g_end - g) * cold / flow } else { 0.0 };
@@ -326,7 +326,7 @@ impl<L: Closed> Many<'_, L> {
             let tolerance = Tolerance::of_differences(excess + rise.abs()).at(flow);
             let is_there = holds
                 & (error.abs() <= tolerance)
-                & ((warmth - warmth_before[i]).abs() * (warmth - start.warmth[i]) <= near);
+                & ((temperature_rise - rise_before[i]).abs() * (temperature_rise - start.temperature_rise[i]) <= near);
             found.before[i] = flow;
             found.off[i] = off;
             found.flow[i] = if found.sought[i] != 0 { next } else { flow };

@@ -72,7 +72,7 @@ impl Overstress {
                 let temperature = material.constants.heat.reference_temperature?;
                 let thermal = [c3 - c4 * reference.ln(), c4];
                 let cold = Self::ZerilliArmstrong { stress: c1, sensitivity: 0.0, rate: modulus * reference, thermal };
-                Some(cold.warmed(temperature))
+                Some(cold.at_rise(temperature))
             }
             Rate::Material => material.constants.rate.iter().find_map(|&law| Self::of(law, material)),
         }
@@ -80,7 +80,7 @@ impl Overstress {
 
     /// The law at a temperature higher by `rise`, K.
     #[must_use]
-    pub fn warmed(self, rise: f64) -> Self {
+    pub fn at_rise(self, rise: f64) -> Self {
         let Self::ZerilliArmstrong { stress, sensitivity, rate, thermal } = self else { return self };
         let [decay, slope] = thermal;
         let stress = stress * (-decay * rise).max(LEAST_LOG).exp();

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::super::raw::{Along, Given, INITIAL, RawBar, RawInitial};
+use super::super::raw::{Given, INITIAL, RawBar, RawDistribution, RawInitial};
 use super::Checker;
 use super::csv_history::{Abscissa, MadeOfRows};
 use crate::bar::{Bar, Distribution, InitialProfile, Segment};
@@ -71,7 +71,7 @@ impl Checker<'_> {
         if let Some(value) = given.uniform() {
             return self.document.number_at(&value, dimension, allowed).map(Distribution::constant);
         }
-        if let Along::Csv(file) = given.value {
+        if let RawDistribution::Csv(file) = given.value {
             let make = |rows: &[(f64, f64)]| table(rows, length, allowed);
             return self.csv_rows(&file.csv, key, &X, dimension, make, [ROWS, ROWS_HELP]);
         }

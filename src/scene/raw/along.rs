@@ -20,7 +20,7 @@ pub type Motion = Either<Velocity, AngularVelocity>;
 
 /// A quantity along the bar, as it was typed.
 #[derive(Debug)]
-pub enum Along {
+pub enum RawDistribution {
     /// All along.
     Uniform(Quantity),
     /// Rows [x, value]: x in m, never decreasing; straight between rows, a repeated x is a jump, beyond the outermost rows their values
@@ -32,16 +32,16 @@ pub enum Along {
 
 /// The same with its dimension and range; in a file of its own, where it can be.
 #[derive(Debug)]
-pub struct AlongBar<D, R = Finite, const CSV: bool = true>(Along, PhantomData<(D, R)>);
+pub struct Distributed<D, R = Finite, const CSV: bool = true>(RawDistribution, PhantomData<(D, R)>);
 
 /// An area or a diameter: one, or a table of them along the segment.
-pub type Section<D> = AlongBar<D, Positive, false>;
+pub type Section<D> = Distributed<D, Positive, false>;
 
 /// A value along the bar with all that is needed to read it.
 #[derive(Debug, Clone)]
 pub struct Given<'a> {
     pub span: Span<usize>,
-    pub value: &'a Along,
+    pub value: &'a RawDistribution,
     /// In an axial bar, and in torsion.
     dimensions: [Dimension; 2],
     pub allowed: Allowed,
@@ -54,17 +54,17 @@ impl Given<'_> {
 
     /// The one value, where it is one.
     pub fn uniform(&self) -> Option<Number> {
-        let Along::Uniform(value) = self.value else { return None };
+        let RawDistribution::Uniform(value) = self.value else { return None };
         Some(Number::new(self.span.clone(), value.clone()))
     }
 
     /// The rows of a table; none where it is no table.
     pub fn rows(&self) -> &[Row] {
-        if let Along::Table(rows) = self.value { rows } else { &[] }
+        if let RawDistribution::Table(rows) = self.value { rows } else { &[] }
     }
 }
 
-impl<D: Measure, R: Range, const CSV: bool> Placed<AlongBar<D, R, CSV>> {
+impl<D: Measure, R: Range, const CSV: bool> Placed<Distributed<D, R, CSV>> {
     pub(in crate::scene) fn given(&self) -> Given<'_> {
         let dimensions = [D::DIMENSION, D::IN_TORSION];
         Given { span: self.span(), value: &self.get_ref().0, dimensions, allowed: R::ALLOWED }
@@ -80,13 +80,13 @@ pub struct RawTableFile {
     pub csv: Placed<String>,
 }
 
-impl<D: Measure, R: Range, const CSV: bool> JsonSchema for AlongBar<D, R, CSV> {
+impl<D: Measure, R: Range, const CSV: bool> JsonSchema for Distributed<D, R, CSV> {
     fn inline_schema() -> bool {
         true
     }
 
     fn schema_name() -> Cow<'static, str> {
-        "AlongBar".into()
+        "Distributed".into()
     }
 
     fn schema_id() -> Cow<'static, str> {
@@ -107,7 +107,7 @@ impl<D: Measure, R: Range, const CSV: bool> JsonSchema for AlongBar<D, R, CSV> {
     }
 }
 
-impl<'de, D, R, const CSV: bool> Deserialize<'de> for AlongBar<D, R, CSV> {
+impl<'de, D, R, const CSV: bool> Deserialize<'de> for Distributed<D, R, CSV> {
     fn deserialize<S: Deserializer<'de>>(deserializer: S) -> Result<Self, S::Error> {
         deserializer.deserialize_any(Choice::<CSV>).map(|along| Self(along, PhantomData))
     }
@@ -117,7 +117,7 @@ impl<'de, D, R, const CSV: bool> Deserialize<'de> for AlongBar<D, R, CSV> {
 struct Choice<const CSV: bool>;
 
 impl<'de, const CSV: bool> Visitor<'de> for Choice<CSV> {
-    type Value = Along;
+    type Value = RawDistribution;
 
     fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(if CSV {
@@ -127,30 +127,30 @@ impl<'de, const CSV: bool> Visitor<'de> for Choice<CSV> {
         })
     }
 
-    fn visit_f64<E>(self, value: f64) -> Result<Along, E> {
-        Ok(Along::Uniform(Quantity::Number(value)))
+    fn visit_f64<E>(self, value: f64) -> Result<RawDistribution, E> {
+        Ok(RawDistribution::Uniform(Quantity::Number(value)))
     }
 
-    fn visit_i64<E>(self, value: i64) -> Result<Along, E> {
-        Ok(Along::Uniform(Quantity::Number(value as f64)))
+    fn visit_i64<E>(self, value: i64) -> Result<RawDistribution, E> {
+        Ok(RawDistribution::Uniform(Quantity::Number(value as f64)))
     }
 
-    fn visit_u64<E>(self, value: u64) -> Result<Along, E> {
-        Ok(Along::Uniform(Quantity::Number(value as f64)))
+    fn visit_u64<E>(self, value: u64) -> Result<RawDistribution, E> {
+        Ok(RawDistribution::Uniform(Quantity::Number(value as f64)))
     }
 
-    fn visit_str<E>(self, value: &str) -> Result<Along, E> {
-        Ok(Along::Uniform(Quantity::Text(value.to_owned())))
+    fn visit_str<E>(self, value: &str) -> Result<RawDistribution, E> {
+        Ok(RawDistribution::Uniform(Quantity::Text(value.to_owned())))
     }
 
-    fn visit_seq<A: SeqAccess<'de>>(self, rows: A) -> Result<Along, A::Error> {
-        Vec::deserialize(SeqAccessDeserializer::new(rows)).map(Along::Table)
+    fn visit_seq<A: SeqAccess<'de>>(self, rows: A) -> Result<RawDistribution, A::Error> {
+        Vec::deserialize(SeqAccessDeserializer::new(rows)).map(RawDistribution::Table)
     }
 
-    fn visit_map<A: MapAccess<'de>>(self, file: A) -> Result<Along, A::Error> {
+    fn visit_map<A: MapAccess<'de>>(self, file: A) -> Result<RawDistribution, A::Error> {
         if !CSV {
             return Err(A::Error::invalid_type(Unexpected::Map, &self));
         }
-        RawTableFile::deserialize(MapAccessDeserializer::new(file)).map(Along::Csv)
+        RawTableFile::deserialize(MapAccessDeserializer::new(file)).map(RawDistribution::Csv)
     }
 }

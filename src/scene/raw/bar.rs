@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 use serde::de::Deserializer;
 
-use super::along::{AlongBar, Given, Motion, Section};
+use super::along::{Distributed, Given, Motion, Section};
 use super::choice::text_or_table;
 use crate::material::RawMaterial;
 use crate::typed::{Key, NotNegative, Of, Or, Placed, Plain, Positive, Within};
@@ -58,17 +58,17 @@ macro_rules! pieces {
                 /// Material: a library name, a path to a material file, or an inline table. Required, except for a bar of segments.
                 pub material: Option<Placed<MaterialChoice>>,
                 /// Initial velocity, positive in +x. Like all initial values, a constant, rows [x, value] with x from the left end of the bar or segment, or { csv = "file.csv" }. Default: 0.
-                pub velocity: Option<Placed<AlongBar<Motion>>>,
+                pub velocity: Option<Placed<Distributed<Motion>>>,
                 /// Initial stress, tension positive, within the elastic range; in torsion the shear stress at the surface. External supports are removed at t = 0. Default: 0.
-                pub stress: Option<Placed<AlongBar<Stress>>>,
+                pub stress: Option<Placed<Distributed<Stress>>>,
                 /// Initial strain (engineering, including plastic strain), instead of `stress`.
-                pub strain: Option<Placed<AlongBar<Plain>>>,
+                pub strain: Option<Placed<Distributed<Plain>>>,
                 /// Initial plastic strain (engineering) from quasi-static loading, positive in tension; it hardens. Needs the effect `hardening` or `rate`; with `heat`, leapfrog only. Default: 0.
-                pub plastic_strain: Option<Placed<AlongBar<Plain>>>,
+                pub plastic_strain: Option<Placed<Distributed<Plain>>>,
                 /// Initial accumulated plastic strain, at least the magnitude of `plastic-strain`; for isotropic hardening. Default: the magnitude of `plastic-strain` (monotonic loading).
-                pub accumulated_plastic_strain: Option<Placed<AlongBar<Plain, NotNegative>>>,
+                pub accumulated_plastic_strain: Option<Placed<Distributed<Plain, NotNegative>>>,
                 /// Initial temperature, from the reference temperature of the material to below its melting temperature; needs the effect `heat` and leapfrog. Default: the reference temperature.
-                pub temperature: Option<Placed<AlongBar<Temperature, Positive>>>,
+                pub temperature: Option<Placed<Distributed<Temperature, Positive>>>,
                 $($own)*
             }
 

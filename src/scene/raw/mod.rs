@@ -15,7 +15,7 @@ use serde::Deserialize;
 
 use crate::typed::{Later, Placed};
 
-pub(super) use along::{Along, Given};
+pub(super) use along::{Given, RawDistribution};
 pub(super) use bar::{INITIAL, MaterialChoice, Notch, RawBar, RawInitial, RawJoint, RawPiece, RawSegment};
 pub(super) use body::{BodyKeys, raw_body};
 pub(super) use effects::{EffectsChoice, RateChoice, RawEffects, RawHardening, RawRupture};

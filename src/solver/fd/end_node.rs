@@ -229,7 +229,7 @@ impl EndNode {
         let passed_on = self.impulses.passed_on(cell, self.passed_on);
         let bar = self.node.response(cell, passed_on);
         let relation = self.model.relation(step, &bar);
-        let [ahead, velocity] = relation.meet(&bar);
+        let [ahead, velocity] = relation.solve_with(&bar);
         let met = !relation.unilateral || ahead > 0.0;
         if relation.of_velocity == 0.0 || !met {
             // The force is known; the velocity follows.

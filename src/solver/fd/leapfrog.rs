@@ -79,7 +79,7 @@ impl Leapfrog {
             leapfrog.meet_half();
         }
         leapfrog.share_edges();
-        leapfrog.whole().meet_all();
+        leapfrog.whole().update_all_interfaces();
         if stressed {
             leapfrog.complete_initial(bar);
         }
@@ -207,7 +207,7 @@ impl Leapfrog {
             self.step = step;
             self.advance_nodes();
         } else {
-            self.whole().advance_and_meet(step, scratch);
+            self.whole().advance_all(step, scratch);
             self.step = step;
         }
         if self.step < self.starts_until() {
@@ -240,7 +240,7 @@ impl Leapfrog {
         self
     }
 
-    /// The whole bar as the acts of a step see it.
+    /// The whole bar as the stages of a step see it.
     fn whole(&mut self) -> Subdomain<'_> {
         Subdomain {
             common: Common {

@@ -110,7 +110,9 @@ impl Leapfrog {
                 let share = notch * self.share(k, i, &criterion);
                 let due = Due { block: k, cell: i, share };
                 if !Criterion::is_met(share, 1.0) {
-                } else if self.may_break(breaking, &due) {
+                    continue;
+                }
+                if self.may_break(breaking, &due) {
                     free.push(due);
                 } else if held.is_none_or(|held| share > held.share) {
                     held = Some(due);

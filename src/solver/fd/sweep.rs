@@ -1,8 +1,8 @@
 //! The order in which the blocks of a bar take their steps.
 //!
-//! A step is five acts, each on a block or on the edge to its left (edges 0 and B of B blocks are the bar's ends):
+//! A step has five stages, each of a block or on the edge to its left (edges 0 and B of B blocks are the bar's ends):
 //!
-//! | act | of | needs, of the same step |
+//! | stage | of | needs, of the same step |
 //! |---|---|---|
 //! | advance | a block: its stresses, then its inner nodes | the step before finished on both its edges |
 //! | `update_interfaces` | an edge: its node, from the stresses on both sides | both neighbours advanced |
@@ -14,7 +14,7 @@
 //! neighbours two blocks to the left the next one, and so on, step after step; then the same for the blocks to the right,
 //! and a long bar comes through the cache once for many steps. On several threads each has a part of the bar, on which it
 //! steps inwards from what it does not know of its neighbours; the triangles that are left between two parts are then
-//! filled. Every act is the same in any order, and so is every bit of the result.
+//! filled. Every stage gives the same in any order, and so is every bit of the result.
 
 use std::ops::Range;
 
@@ -27,7 +27,7 @@ const DEPTH: usize = 32;
 /// Blocks that take a step before those to their left take the next one: as many as the first-level cache holds.
 const TILE: i64 = 8;
 
-/// Blocks that an act of the next step stays behind this one's.
+/// Blocks that a stage of the next step stays behind this one's.
 const LAG: i64 = 2;
 
 /// Fewest blocks for a thread of its own: fewer cost less than to wake it.
@@ -113,17 +113,17 @@ impl StageRanges {
     }
 }
 
-/// The whole bar, act by act.
+/// The whole bar, stage by stage.
 impl Subdomain<'_> {
     /// The stresses and inner nodes of all blocks in a step, and the nodes between them.
-    pub fn advance_and_meet(&mut self, step: usize, scratch: &mut Scratch) {
+    pub fn advance_all(&mut self, step: usize, scratch: &mut Scratch) {
         let StageRanges { advance, update_interfaces, .. } = StageRanges::all(self.common.blocks as i64);
         self.advance(advance, step, scratch);
         self.update_interfaces(update_interfaces, step);
     }
 
     /// The edges of all blocks at t = 0.
-    pub fn meet_all(&mut self) {
+    pub fn update_all_interfaces(&mut self) {
         self.update_interfaces(StageRanges::all(self.common.blocks as i64).update_interfaces, 0);
     }
 
@@ -154,7 +154,7 @@ impl Subdomain<'_> {
         Scratch::lend(|scratch| {
             for s in 0..steps {
                 let lag = LAG * s as i64;
-                self.act(s, &StageRanges::between(middle - lag, middle + lag), scratch);
+                self.compute(s, &StageRanges::between(middle - lag, middle + lag), scratch);
             }
         });
     }
@@ -197,27 +197,27 @@ impl Subdomain<'_> {
             let first = (tile - LAG - to).max(0) / LAG;
             let last = ((tile + TILE + LAG - from) / LAG).min(steps as i64 - 1);
             for s in first..=last {
-                let mut acts = StageRanges::following(tile - LAG * s, tile - LAG * s + TILE);
+                let mut stages = StageRanges::following(tile - LAG * s, tile - LAG * s + TILE);
                 if !at_start {
-                    acts = acts.and(&StageRanges::right_of(from + LAG * s));
+                    stages = stages.and(&StageRanges::right_of(from + LAG * s));
                 }
                 if !at_end {
-                    acts = acts.and(&StageRanges::left_of(to - LAG * s));
+                    stages = stages.and(&StageRanges::left_of(to - LAG * s));
                 }
-                self.act(s as usize, &acts, scratch);
+                self.compute(s as usize, &stages, scratch);
             }
             tile += TILE;
         }
     }
 
     /// The stages of step number `s` of this sweep, as far as the bar has them.
-    fn act(&mut self, s: usize, acts: &StageRanges, scratch: &mut Scratch) {
-        let acts = acts.and(&StageRanges::all(self.common.blocks as i64));
+    fn compute(&mut self, s: usize, stages: &StageRanges, scratch: &mut Scratch) {
+        let stages = stages.and(&StageRanges::all(self.common.blocks as i64));
         let step = self.common.step + s + 1;
-        self.advance(acts.advance, step, scratch);
-        self.update_interfaces(acts.update_interfaces, step);
-        self.damp(acts.damp, step, scratch);
-        self.finish(acts.finish);
-        self.note(acts.note);
+        self.advance(stages.advance, step, scratch);
+        self.update_interfaces(stages.update_interfaces, step);
+        self.damp(stages.damp, step, scratch);
+        self.finish(stages.finish);
+        self.note(stages.note);
     }
 }

@@ -7,8 +7,8 @@ use super::nearness::{REST, same_motion};
 use crate::bar::ends::{Face, Relation, Response};
 use crate::wave::riemann::{Point, Side, solve};
 
-/// A step is stretched by this much, at most, to end with the arrival of a front.
-const STRETCH: f64 = 1.5;
+/// Longest step, in terms of the one that is wanted: it is extended up to here to end with the arrival of a front.
+const LONGEST_STEP: f64 = 1.5;
 
 /// Most repeats until a body and a bar that flows agree: each is a step of Newton's method.
 const MOST_REPEATS: usize = 20;
@@ -90,9 +90,9 @@ impl FrontTracking {
     /// The end's next step begins; where a body moves with it, it ends with the arrival of a front.
     fn begin_step(&mut self, which: usize, bar: &Point, segment: u32) {
         let length = self.ends[which].end_step(bar).map(|wish| {
-            let reach = STRETCH * self.media[segment as usize].c0();
+            let reach = LONGEST_STEP * self.media[segment as usize].c0();
             let arrival = self.arrival(which, reach * wish);
-            if arrival <= STRETCH * wish { arrival } else { wish }
+            if arrival <= LONGEST_STEP * wish { arrival } else { wish }
         });
         self.ends[which].begin_step(length, bar);
     }

@@ -252,7 +252,7 @@ impl End {
         if gap > 0.0 {
             return if closing < 0.0 { now + gap / closing } else { now };
         }
-        let [pull, _] = self.stepping.model.relation(&self.stepping.step(next), bar).meet(bar);
+        let [pull, _] = self.stepping.model.relation(&self.stepping.step(next), bar).solve_with(bar);
         let (before, push) = self.stepping.latest;
         if push <= 0.0 || pull >= 0.0 {
             return now;
@@ -264,7 +264,7 @@ impl End {
     fn resolving_contact(&self, most: f64, bar: &Response) -> f64 {
         let (Some(control), mut length) = (&self.control, most) else { return most };
         for _ in 0..3 {
-            let [force, _] = self.stepping.model.relation(&self.stepping.step(length), bar).meet(bar);
+            let [force, _] = self.stepping.model.relation(&self.stepping.step(length), bar).solve_with(bar);
             let change = (force - self.stepping.held.force).abs();
             if change <= control.largest_change() {
                 break;

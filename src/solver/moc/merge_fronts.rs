@@ -103,7 +103,7 @@ impl FrontTracking {
         }
     }
 
-    /// Takes out the nodes that are gone and sets the states and meetings of the others.
+    /// Takes out the nodes that are gone and sets the states and interactions of the others.
     fn put_back(&mut self, scratch: &Scratch) {
         let last = scratch.ids.len() - 1;
         for i in 1..last {

@@ -1,7 +1,7 @@
 //! The method of characteristics for rate-independent bars: wave-front tracking with unloading.
 //!
 //! The law is straight between knots, so from piecewise constant data every solution is piecewise constant, bounded
-//! by straight fronts in (x, t). The fronts are followed from one meeting to the next; where they meet, or reach an
+//! by straight fronts in (x, t). The fronts are followed from one interaction to the next; where they meet, or reach an
 //! end, a joint or a place where histories differ, a Riemann problem ([`crate::wave::riemann`]) tells what leaves.
 //! No grid, no numerical diffusion: exact for the table, to rounding. This is the graphical method of Bohnenblust
 //! with the bookkeeping of Holden and Risebro (Front Tracking for Hyperbolic Conservation Laws).
@@ -13,11 +13,11 @@ mod contact;
 mod end;
 mod front_segment;
 mod front_segments;
+mod interaction;
 mod joint_clock;
 mod known_limits;
 mod limits;
 mod list;
-mod meeting;
 mod merge_fronts;
 mod merging;
 mod nearness;

@@ -19,7 +19,7 @@ pub(super) const SAME_STRESS: f64 = 1e-13;
 /// run to and fro between two places where histories differ, fed by the rounding that it meets there.
 pub(super) const REST: f64 = 8.0;
 
-/// States behind the waves of one meeting that differ by less than this times the rounding are made one. Far less than [`REST`]: what this adds to a
+/// States behind the waves of one interaction that differ by less than this times the rounding are made one. Far less than [`REST`]: what this adds to a
 /// wave must not make one of it that is strong enough to run on.
 pub(super) const ONE_STATE: f64 = 2.0;
 

@@ -54,7 +54,7 @@ impl FrontTracking {
         self.now
     }
 
-    /// Events so far: meetings, and steps of the ends.
+    /// Events so far: interactions, and steps of the ends.
     pub fn events(&self) -> u64 {
         self.events
     }

@@ -1,14 +1,14 @@
 //! Sampling of a front-tracking bar at many positions in one pass, and its advance in batches.
 
+use super::interaction::Interaction;
 use super::list::{Kind, Node};
-use super::meeting::Meeting;
 use super::openings::Opening;
 use super::{FrontTracking, Stopped};
 use crate::wave::riemann::Point;
 
 impl FrontTracking {
-    /// Memory of a front under way: its node, and its next meeting in the queue.
-    pub const BYTES_PER_FRONT: usize = size_of::<Node>() + size_of::<Meeting>();
+    /// Memory of a front under way: its node, and its next interaction in the queue.
+    pub const BYTES_PER_FRONT: usize = size_of::<Node>() + size_of::<Interaction>();
 
     /// Hands on the state at every place of `x` (m, increasing, in 0..=length): its index, segment and state. One pass
     /// over the fronts. On a front: the state behind it; on a contact or joint: the right one.

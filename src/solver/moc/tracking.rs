@@ -8,10 +8,10 @@ use serde::{Deserialize, Serialize};
 
 use super::breaking::Breaking;
 use super::end::{End, Scales, face};
+use super::interaction::Interaction;
 use super::joint_clock::Contact;
 use super::known_limits::Limits;
 use super::list::{Kind, List, NONE, Node};
-use super::meeting::Meeting;
 use super::merging::FrontMerging;
 use super::nearness::{Nearness, SAME_STRESS};
 use super::openings::Openings;
@@ -62,7 +62,7 @@ pub struct FrontTracking {
     /// Joints that can open.
     pub(super) contacts: Vec<Contact>,
     pub(super) list: List,
-    pub(super) queue: BinaryHeap<Reverse<Meeting>>,
+    pub(super) queue: BinaryHeap<Reverse<Interaction>>,
     pub(super) now: f64,
     pub(super) events: u64,
     pub(super) budget: u64,
@@ -175,9 +175,9 @@ impl FrontTracking {
     pub fn advance_to(&mut self, until: f64) -> Result<(), Stopped> {
         loop {
             self.limits.check(until)?;
-            let meeting = self.next_meeting();
+            let interaction = self.next_interaction();
             let (own, id) = self.next_own();
-            let time = meeting.map_or(f64::INFINITY, |m| m.time).min(own);
+            let time = interaction.map_or(f64::INFINITY, |m| m.time).min(own);
             // Not between events of one time, whose order is a matter of rounding.
             if time > self.now + self.nearness.time && self.merging.is_due(self.list.len(), self.events) {
                 self.merge_fronts();
@@ -192,8 +192,8 @@ impl FrontTracking {
             }
             self.events += 1;
             self.now = self.now.max(time);
-            match meeting {
-                Some(m) if m.time <= time => self.meet(m)?,
+            match interaction {
+                Some(m) if m.time <= time => self.interact(m)?,
                 _ => self.gather(id, id, self.list.get(id).x)?,
             }
         }
@@ -211,8 +211,8 @@ impl FrontTracking {
         first
     }
 
-    /// The next meeting that still holds, left in the queue.
-    fn next_meeting(&mut self) -> Option<Meeting> {
+    /// The next interaction that still holds, left in the queue.
+    fn next_interaction(&mut self) -> Option<Interaction> {
         while let Some(&Reverse(m)) = self.queue.peek() {
             let (left, right) = (self.list.get(m.left), self.list.get(m.right));
             if left.stamp == m.left_stamp && right.stamp == m.right_stamp && left.next == m.right {
@@ -223,7 +223,7 @@ impl FrontTracking {
         None
     }
 
-    fn meet(&mut self, m: Meeting) -> Result<(), Stopped> {
+    fn interact(&mut self, m: Interaction) -> Result<(), Stopped> {
         self.queue.pop();
         let (left, right) = (self.list.get(m.left), self.list.get(m.right));
         // What stands still tells the place exactly; else the slower one.
@@ -288,7 +288,7 @@ impl FrontTracking {
         if sum > 0.0 && apart > self.nearness.place { x + moment / sum } else { place }
     }
 
-    /// Enters the meeting of a node with the next one, if they ever meet.
+    /// Enters the interaction of a node with the next one, if there ever is one.
     pub(super) fn schedule(&mut self, left: u32) {
         let a = self.list.get(left);
         if a.next == NONE {
@@ -298,7 +298,7 @@ impl FrontTracking {
         let closing = a.speed - b.speed;
         if closing > 0.0 {
             let distance = (b.at(self.now) - a.at(self.now)).max(0.0);
-            self.queue.push(Reverse(Meeting {
+            self.queue.push(Reverse(Interaction {
                 time: self.now + distance / closing,
                 left,
                 right: a.next,

@@ -113,13 +113,13 @@ impl End {
         let face = &self.face;
         let bar = response(part, &near.point, face.inward);
         let mut relation = self.model.relation(step, &bar);
-        let mut flux = self.meet(&relation, &bar, part, near, work);
+        let mut flux = self.flux(&relation, &bar, part, near, work);
         if self.model.is_nonlinear() {
             relation = ends::agree(self.model.as_ref(), step, &bar, |relation| {
-                let flux = self.meet(relation, &bar, part, near, work);
+                let flux = self.flux(relation, &bar, part, near, work);
                 [-face.area * flux.stress, face.inward * flux.velocity]
             });
-            flux = self.meet(&relation, &bar, part, near, work);
+            flux = self.flux(&relation, &bar, part, near, work);
         }
         if relation.unilateral && flux.stress >= 0.0 {
             return (under(0.0, face.inward, part, near, work), false);
@@ -128,13 +128,13 @@ impl End {
     }
 
     /// The Riemann problem against a relation.
-    fn meet(&self, relation: &Relation, bar: &Response, part: &Part, near: &FaceState, work: &mut Workspace) -> Flux {
+    fn flux(&self, relation: &Relation, bar: &Response, part: &Part, near: &FaceState, work: &mut Workspace) -> Flux {
         let Relation { of_velocity, of_force, value, .. } = *relation;
         let face = &self.face;
         if of_velocity == 0.0 {
             return under(-value / of_force / face.area, face.inward, part, near, work);
         }
-        let [force, velocity] = relation.meet(bar);
+        let [force, velocity] = relation.solve_with(bar);
         let stress = -force / face.area;
         if part.faces.stays_elastic(near, stress) {
             return Flux { stress, velocity: face.inward * velocity };

@@ -71,9 +71,9 @@ impl Joint {
 
     /// What goes through its left and its right face in a step.
     pub fn step_flux(&mut self, dt: f64, parts: [&Part; 2], near: &[FaceState; 2], work: &mut Workspace) -> [Flux; 2] {
-        let Some(contact) = &mut self.contact else { return meeting(0.0, parts, near, work) };
+        let Some(contact) = &mut self.contact else { return closed_fluxes(0.0, parts, near, work) };
         let free = [under(0.0, -1.0, parts[0], &near[0], work), under(0.0, 1.0, parts[1], &near[1], work)];
-        let closed = meeting(contact.closing_rate(dt), parts, near, work);
+        let closed = closed_fluxes(contact.closing_rate(dt), parts, near, work);
         let (force, gap) = (-closed[0].stress * parts[0].area, contact.gap());
         if !contact.advance(dt, force, free[1].velocity - free[0].velocity) {
             return free;
@@ -85,7 +85,7 @@ impl Joint {
 }
 
 /// Both sides together, while their gap grows at `rate` (m/s).
-fn meeting(rate: f64, [a, b]: [&Part; 2], [left, right]: &[FaceState; 2], work: &mut Workspace) -> [Flux; 2] {
+fn closed_fluxes(rate: f64, [a, b]: [&Part; 2], [left, right]: &[FaceState; 2], work: &mut Workspace) -> [Flux; 2] {
     let half = 0.5 * rate;
     let bars = [response(a, &left.point, -1.0), response(b, &right.point, 1.0)];
     let force = force_at(rate, &bars);

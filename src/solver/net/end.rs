@@ -150,7 +150,7 @@ impl End {
     }
 
     fn respond(&self, relation: &Relation, bar: &Response, part: &Part) -> Answer {
-        let [elastic, _] = relation.meet(bar);
+        let [elastic, _] = relation.solve_with(bar);
         let share = INSIDE * relation.of_velocity / (relation.of_velocity + relation.of_force * bar.impedance);
         let load = |share| Load { stress: -elastic / self.face.area, share, time: self.dt };
         let node = self.node(part);
@@ -160,7 +160,7 @@ impl End {
             (flow, history) = part.flow_of_border(node, load(INSIDE));
         }
         let flowed = Response { force: bar.force + self.face.area * (0.25 * flow.plastic), ..*bar };
-        let [force, velocity] = relation.meet(&flowed);
+        let [force, velocity] = relation.solve_with(&flowed);
         Answer { force, velocity, flow, history, met: true }
     }
 

@@ -58,11 +58,11 @@ impl Joint {
     /// One step.
     pub fn pass(&mut self, left: &mut Part, right: &mut Part, dt: f64) -> Passed {
         let bars = [bar(left, 1), bar(right, 0)];
-        let Some(contact) = &mut self.contact else { return meet(left, right, &bars, Some(0.0), dt).0 };
+        let Some(contact) = &mut self.contact else { return couple(left, right, &bars, Some(0.0), dt).0 };
         let (gap, rate) = (contact.gap(), contact.closing_rate(dt));
         // Free sides flow next to nothing without stress.
         let touches = contact.advance(dt, force_at(rate, &bars), free_rate(&bars));
-        let (passed, force) = meet(left, right, &bars, touches.then_some(rate), dt);
+        let (passed, force) = couple(left, right, &bars, touches.then_some(rate), dt);
         if touches {
             contact.lose(force, gap);
             contact.note(dt, force);
@@ -92,7 +92,7 @@ fn bar(part: &Part, side: usize) -> Response {
 }
 
 /// Sides that hold together while their gap grows at `rate` (m/s), or do not touch without one; and the force between them.
-fn meet(left: &mut Part, right: &mut Part, bars: &[Response; 2], rate: Option<f64>, dt: f64) -> (Passed, f64) {
+fn couple(left: &mut Part, right: &mut Part, bars: &[Response; 2], rate: Option<f64>, dt: f64) -> (Passed, f64) {
     let force_of = |bars: &[Response; 2]| rate.map_or(0.0, |rate| force_at(rate, bars));
     let held = if rate.is_some() { INSIDE / (bars[0].impedance + bars[1].impedance) } else { 0.0 };
     let nodes = [left.f.len(), 0];

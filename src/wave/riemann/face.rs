@@ -347,7 +347,7 @@ impl Faces {
         let lines = self.medium.lines(sense);
         let last = lines.y.len() - 1;
         let cap = if lines.slope[last] == 0.0 { lines.y[last] } else { f64::INFINITY };
-        let stress = meet(&a, &b, target, cap)?;
+        let stress = intersection(&a, &b, target, cap)?;
         let (from_left, from_right) =
             (left.point.velocity + sense * a.change(stress).0, right.point.velocity - sense * b.change(stress).0);
         Some(Flux { stress: sense * stress, velocity: 0.5 * (from_left + from_right) })
@@ -495,7 +495,7 @@ impl<'a> Branch<'a> {
 const MOST_STEPS: usize = 80;
 
 /// The stress in 0..cap at which both changes add up to `target`; none where there is none.
-fn meet(a: &Branch, b: &Branch, target: f64, cap: f64) -> Option<f64> {
+fn intersection(a: &Branch, b: &Branch, target: f64, cap: f64) -> Option<f64> {
     let total = |stress: f64| {
         let ((first, steep_first), (second, steep_second)) = (a.change(stress), b.change(stress));
         (first + second - target, steep_first + steep_second)

@@ -54,7 +54,7 @@ impl Implicit {
     fn taken(&self, shift: Option<&[f64]>) -> Taken {
         let mut taken = Taken::default();
         let (v, w) = (&self.after[..], &self.change[..]);
-        if self.acts.internal {
+        if self.active.internal {
             for (weights, Range { start, end }) in self.weights.cells() {
                 let nodes = start..=end;
                 let shift = shift.map(|shift| &shift[nodes.clone()]);
@@ -63,7 +63,7 @@ impl Implicit {
                 taken.after += after;
             }
         }
-        if self.acts.external {
+        if self.active.external {
             for (weights, nodes) in self.weights.nodes() {
                 let impulse = |[v, w, _]: [f64; 3]| weights.drag * v + weights.drag_mass * w;
                 let [before, after, impulse] = self.at_nodes(nodes, shift, v, impulse);
@@ -127,7 +127,7 @@ impl Implicit {
             let of = [&shift, &self.after, &self.change].map(|of| &of[nodes.clone()]);
             lost += mass * lost_at_nodes(of);
         }
-        if self.acts.lateral {
+        if self.active.lateral {
             for (weights, cells) in self.weights.cells() {
                 let of = [&shift, &self.after, &self.change].map(|of| &of[cells.start..=cells.end]);
                 lost += weights.lateral * lost_in_cells(of);
@@ -186,7 +186,7 @@ impl Implicit {
             total.half_step += weights.mass * (0.5 * product - 0.125 * square);
             total.momentum += 0.5 * weights.mass * sum;
         }
-        if self.acts.lateral {
+        if self.active.lateral {
             for (weights, Range { start, end }) in self.weights.cells() {
                 let [[v0, v1], [w0, w1]] = [v, w].map(|of| [&of[start..end], &of[start + 1..=end]]);
                 let [product, square] = sums([v0, v1, w0, w1], |[v0, v1, w0, w1]| {

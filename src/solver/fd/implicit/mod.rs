@@ -67,7 +67,7 @@ impl DistributedForces {
 
 /// There are internal and external dampers; some cells move sideways.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
-struct Acts {
+struct ActiveForces {
     internal: bool,
     external: bool,
     lateral: bool,
@@ -90,7 +90,7 @@ pub(super) struct Implicit {
     rubbing: Vec<f64>,
     /// For the grid filter; empty until the bar yields.
     shift: Vec<f64>,
-    acts: Acts,
+    active: ActiveForces,
     latest: Taken,
     /// Energy taken by dampers so far, J, as the staggered scheme balances it and with the mean velocity of each step; and by the ripple
     /// damping.
@@ -120,7 +120,7 @@ impl Implicit {
             place: vec![0.0; if along.foundation > 0.0 { nodes } else { 0 }],
             rubbing: vec![0.0; if along.friction > 0.0 { nodes } else { 0 }],
             shift: Vec::new(),
-            acts: Acts {
+            active: ActiveForces {
                 internal: along.internal > 0.0,
                 external: along.external > 0.0,
                 lateral: along.lateral.iter().any(|&l| l > 0.0),
@@ -259,7 +259,7 @@ impl Implicit {
         }
         let n = change.len() - 1;
         change[n] = -from_left;
-        if self.acts.external {
+        if self.active.external {
             for (w, nodes) in self.weights.nodes() {
                 for (change, v) in change[nodes.clone()].iter_mut().zip(&v[nodes]) {
                     *change -= w.drag * v;

@@ -2,9 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-/// The next meeting of two neighbours; out of date once one of them is gone or they are no longer neighbours.
+/// The next interaction of two neighbours; out of date once one of them is gone or they are no longer neighbours.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub(super) struct Meeting {
+pub(super) struct Interaction {
     pub time: f64,
     pub left: u32,
     pub right: u32,
@@ -12,15 +12,15 @@ pub(super) struct Meeting {
     pub right_stamp: u64,
 }
 
-impl Eq for Meeting {}
+impl Eq for Interaction {}
 
-impl PartialOrd for Meeting {
+impl PartialOrd for Interaction {
     fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl Ord for Meeting {
+impl Ord for Interaction {
     fn cmp(&self, other: &Self) -> std::cmp::Ordering {
         self.time.total_cmp(&other.time).then(self.left_stamp.cmp(&other.left_stamp))
     }

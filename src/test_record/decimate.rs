@@ -7,7 +7,7 @@ const VELOCITY_FLOOR: f64 = 0.02;
 /// Knots between which straight lines follow the curve (strain increasing). Stresses differ by no more than `tolerance` over the largest
 /// one. Nor does the velocity of a rising piece, the sum of sqrt(d stress d strain), by more than `tolerance` of it. The first row, the
 /// last and the largest are kept. Pieces are split where they are farthest from the curve (Ramer 1972; Douglas and Peucker 1973).
-pub(super) fn thin(curve: &[(f64, f64)], tolerance: f64) -> Vec<(f64, f64)> {
+pub(super) fn decimate(curve: &[(f64, f64)], tolerance: f64) -> Vec<(f64, f64)> {
     let Some(top) = (0..curve.len()).max_by(|a, b| curve[*a].1.total_cmp(&curve[*b].1)) else { return Vec::new() };
     let velocity = velocities(curve);
     let (stress_limit, velocity_floor) = (tolerance * curve[top].1, VELOCITY_FLOOR * tolerance * velocity[top]);
@@ -53,7 +53,7 @@ mod tests {
     #[test]
     fn the_curve_is_followed_within_the_tolerance() {
         let curve: Vec<(f64, f64)> = (0..=1000).map(|i| f64::from(i) / 1000.0).map(|x| (x, x * (1.6 - x))).collect();
-        let knots = thin(&curve, 1e-3);
+        let knots = decimate(&curve, 1e-3);
         assert!(knots.len() < 40, "{}", knots.len());
         assert!(knots.contains(&(0.8, 0.8 * 0.8)));
         for &(x, y) in &curve {

@@ -156,7 +156,9 @@ fn bytes_of(path: &Path) -> Result<Vec<u8>, InputError> {
         let size = metadata.len().div_ceil(1 << 20);
         return Err(too_large(&shown, &format!("{size} MiB")));
     }
-    bounded(File::open(path).map_err(failed)?, &shown)
+    let bytes = bounded(File::open(path).map_err(failed)?, &shown)?;
+    log::info!("read {shown}: {} bytes", bytes.len());
+    Ok(bytes)
 }
 
 /// The text on standard input, without a byte-order mark; `shown` names it in messages.
@@ -164,7 +166,9 @@ fn bytes_of(path: &Path) -> Result<Vec<u8>, InputError> {
 /// # Errors
 /// As for [`read`].
 pub fn read_stdin(shown: &str) -> Result<String, InputError> {
-    decode(bounded(std::io::stdin().lock(), shown)?, shown)
+    let bytes = bounded(std::io::stdin().lock(), shown)?;
+    log::info!("read {shown}: {} bytes", bytes.len());
+    decode(bytes, shown)
 }
 
 fn bounded(source: impl Read, shown: &str) -> Result<Vec<u8>, InputError> {

@@ -5,6 +5,7 @@ mod compare;
 mod compare_results;
 mod cost;
 mod critical;
+mod details;
 mod impact;
 mod impact_cost;
 mod interrupt;
@@ -109,6 +110,9 @@ enum Command {
 /// Runs the command line of this process.
 pub fn main() -> ExitCode {
     settings::read(std::env::args_os());
+    if settings::verbose() {
+        details::show();
+    }
     let parsed = Cli::command().color(settings::parser_colors()).try_get_matches();
     let cli = match parsed.and_then(|matches| Cli::from_arg_matches(&matches)) {
         Ok(cli) => cli,
@@ -158,7 +162,7 @@ fn dispatch(cli: &Cli) -> Result<u8> {
     if let Some((key, threads)) = cli.threads.map(|n| ("--threads", n)).or_else(variable) {
         use_threads(key, threads)?;
     }
-    output::detail(|| format!("{}, {} threads", output::program(), rayon::current_num_threads()));
+    log::info!("{}, {} threads", output::program(), rayon::current_num_threads());
     if let Command::Run(args) = &cli.command {
         return run::run(args);
     }

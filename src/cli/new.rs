@@ -134,7 +134,9 @@ fn write_new(path: &Path, text: &str) -> Result<()> {
         // Nothing half-written stays under the name; that it cannot be deleted either adds nothing.
         let _ = std::fs::remove_file(path);
         Error::file(path, e)
-    })
+    })?;
+    log::info!("wrote {}: {} bytes", path.display(), text.len());
+    Ok(())
 }
 
 #[cfg(test)]

@@ -57,13 +57,6 @@ pub(crate) fn default_folder(beside: &Path) -> PathBuf {
     if Path::new("runs").is_dir() { PathBuf::from("runs/out") } else { beside.to_owned() }
 }
 
-/// Writes a detail to stderr with `--verbose`.
-pub(crate) fn detail(text: impl FnOnce() -> String) {
-    if settings::verbose() {
-        note(&format!("{}\n", text()));
-    }
-}
-
 /// The program with its version and, where that is known, its commit.
 pub(crate) fn program() -> String {
     let revision = store::git_revision().map(|revision| format!(" ({revision})")).unwrap_or_default();

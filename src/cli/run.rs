@@ -17,7 +17,7 @@ use crate::input::Document;
 use crate::record::Summary;
 use crate::record::store::{self, Existing, ResultFile, StoredScene};
 use crate::run::{self, Progress};
-use crate::scene::{ImpactScene, Problem, Scene};
+use crate::scene::{ImpactScene, Problem};
 use crate::text_file;
 use crate::units::{Dimension, Quantity, System, format};
 
@@ -129,7 +129,7 @@ fn run_file(args: &Args, file: &Path, every: Option<Duration>, outputs: &mut Vec
     let folder = file.parent().unwrap_or(Path::new(""));
     let stem = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let base = PathBuf::from(&stored.files.base).join(&document.file);
-    output::detail(|| std::format!("scene and {} files stored in {}", stored.files.texts.len(), file.display()));
+    log::info!("scene and {} files stored in {}", stored.files.texts.len(), file.display());
     // A run that finds an effect missing reads the scene again.
     text_file::stored(stored.files, || {
         let scene = Problem::of_document(&document, &base, &overrides)?;
@@ -160,20 +160,10 @@ fn run_scene(
         Problem::Impact(scene) => return run_impact(args, &scene, &path),
     };
     scene.solve.estimate_error = args.estimate_error;
-    describe(&scene, &path);
     show(args, &path, |progress| match every {
         Some(every) => run::run_with_checkpoints(&scene, &path, every, progress),
         None => run::run(&scene, Some(&path), progress),
     })
-}
-
-/// What is read and written, with `--verbose`.
-fn describe(scene: &Scene, path: &Path) {
-    output::detail(|| std::format!("scene {}: {} bytes", scene.name, scene.text.len()));
-    for (file, text) in &scene.files.texts {
-        output::detail(|| std::format!("read {file}: {} bytes", text.len()));
-    }
-    output::detail(|| std::format!("writing {}", path.display()));
 }
 
 /// Options of a run in progress.
@@ -197,10 +187,8 @@ fn show(args: &Args, path: &Path, simulate: impl FnOnce(OnProgress<'_>) -> Resul
         }
         Error::Run(_) | Error::Input(_) | Error::File { .. } | Error::Checks(_) => {}
     })?;
-    output::detail(|| {
-        let (all, steps) = (summary.wall_s, summary.step_wall_s);
-        std::format!("time steps {steps:.3} s, other {:.3} s", all - steps)
-    });
+    let (all, steps) = (summary.wall_s, summary.step_wall_s);
+    log::info!("time steps {steps:.3} s, other {:.3} s", all - steps);
     if args.json {
         return print_json(args, &summary);
     }

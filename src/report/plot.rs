@@ -101,7 +101,9 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
         // Nothing more can be done where even the leftover cannot be removed; the first error is the one to tell.
         let _ = std::fs::remove_file(&temporary);
         Error::file(path, e)
-    })
+    })?;
+    log::info!("wrote {}: {} bytes", path.display(), bytes.len());
+    Ok(())
 }
 
 /// Draws SVG text as a PNG file, `scale` pixels a unit.

@@ -247,7 +247,13 @@ fn colours_and_details_are_as_asked_for() {
     let is_coloured =
         |when: &str| err(&barwave(folder.path(), &["--color", when, "run", "wrong.toml"])).contains('\x1b');
     assert_eq!(["always", "never", "auto"].map(is_coloured), [true, false, false]);
-    let detailed = barwave(folder.path(), &["run", "a.toml", "-v", "--quiet"]);
-    let said = err(&detailed);
-    assert!(["barwave 0", "threads", "writing a.h5", "time steps"].iter().all(|word| said.contains(word)), "{said}");
+    let shows = |arguments: &[&str], expected: &[&str]| {
+        let said = err(&barwave(folder.path(), &[arguments, &["-v"]].concat()));
+        assert!(expected.iter().all(|part| said.contains(part)), "{said}");
+    };
+    shows(&["run", "a.toml", "--quiet"], &["barwave 0", "threads", "read a.toml: ", "writing a.h5", "time steps"]);
+    shows(&["report", "a.h5", "-o", "a.svg"], &["reading a.h5", "wrote a.svg: "]);
+    shows(&["check", "a.toml"], &["read a.toml: "]);
+    shows(&["new", "fresh"], &["wrote fresh.toml: "]);
+    assert_eq!(err(&barwave(folder.path(), &["check", "a.toml"])), "");
 }

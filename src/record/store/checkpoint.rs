@@ -115,7 +115,9 @@ impl Checkpoint {
         written.and_then(|()| std::fs::rename(&temporary, &path)).map_err(|e| {
             let _ = std::fs::remove_file(&temporary);
             failed(&e)
-        })
+        })?;
+        log::info!("wrote {}: {} bytes", path.display(), head.len() + sum.len() + state.len());
+        Ok(())
     }
 
     /// The checkpoint of a result file; none where there is none.

@@ -42,6 +42,7 @@ pub(super) fn in_place(path: &Path, build: impl Fn(&hdf5::File) -> hdf5::Result<
             std::fs::rename(&temporary, path).map(|()| claim).map_err(|e| Error::file(path, e))
         });
     if built.is_ok() {
+        log::info!("writing {}", path.display());
         super::remove_journal(path);
         remove_unnamed(path);
     } else {

@@ -279,6 +279,7 @@ fn open(path: &Path) -> Result<SharedFile> {
         return Err(wrong(path, message, "copy it again, or run its scene again").into());
     }
     let file = SharedFile::open(path).map_err(|e| cannot_open(path, &e))?;
+    log::info!("reading {}", path.display());
     let format: Hdf<String> = get_text(&file, "format");
     if format.ok().as_deref() != Some("barwave") {
         return Err(wrong(

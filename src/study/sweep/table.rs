@@ -85,7 +85,9 @@ fn write_csv(path: &Path, plan: &Plan, rows: &[Row], (names, metrics): Metrics<'
         csv.write_record(cells).map_err(failed)?;
     }
     csv.flush().map_err(|e| Error::file(path, e))?;
-    std::fs::rename(&temporary, path).map_err(|e| Error::file(path, e))
+    std::fs::rename(&temporary, path).map_err(|e| Error::file(path, e))?;
+    log::info!("wrote {}: {} rows", path.display(), rows.len());
+    Ok(())
 }
 
 /// A text without the quotes of TOML.

@@ -5,7 +5,7 @@ use std::io::IsTerminal;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
-use std::time::Duration;
+use std::time::{Duration, SystemTime};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
@@ -15,7 +15,7 @@ use crate::destination;
 use crate::error::{Error, InputError, Result};
 use crate::input::Document;
 use crate::record::Summary;
-use crate::record::store::{self, Existing, ResultFile, StoredScene};
+use crate::record::store::{self, Existing, StoredScene};
 use crate::run::{self, Progress};
 use crate::scene::{ImpactScene, Problem};
 use crate::text_file;
@@ -173,7 +173,7 @@ type OnProgress<'a> = &'a mut dyn FnMut(Progress) -> ControlFlow<()>;
 fn show(args: &Args, path: &Path, simulate: impl FnOnce(OnProgress<'_>) -> Result<Summary>) -> Result<()> {
     let stop = interrupt::flag();
     let bar = progress_bar(args.quiet || args.json);
-    let before = if args.resume.is_some() { None } else { run_of(path) };
+    let before = if args.resume.is_some() { None } else { made_at(path) };
     let summary = simulate(&mut |at: Progress| {
         show_progress(&bar, &at, args.quiet || args.json);
         if stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
@@ -181,8 +181,8 @@ fn show(args: &Args, path: &Path, simulate: impl FnOnce(OnProgress<'_>) -> Resul
     bar.finish_and_clear();
     let shown = path.display();
     let summary = summary.inspect_err(|error| match error {
-        Error::Interrupted => output::remark(&interrupted(args, path, run_of(path) != before)),
-        Error::Run(_) if run_of(path) != before => {
+        Error::Interrupted => output::remark(&interrupted(args, path, made_at(path) != before)),
+        Error::Run(_) if made_at(path) != before => {
             output::remark(&std::format!("the frames up to the error are in {shown}\n"));
         }
         Error::Run(_) | Error::Input(_) | Error::File { .. } | Error::Checks(_) => {}
@@ -200,9 +200,10 @@ fn print_json(args: &Args, summary: &impl serde::Serialize) -> Result<()> {
     if args.scenes.len() > 1 { output::json_line(summary) } else { output::json(summary) }
 }
 
-/// The run whose result is in a file, if there is one.
-fn run_of(path: &Path) -> Option<String> {
-    ResultFile::open(path).ok().map(|file| file.run_id())
+/// When the file was made, if there is one: a run makes its own before it begins.
+fn made_at(path: &Path) -> Option<SystemTime> {
+    let metadata = std::fs::metadata(path).ok()?;
+    metadata.created().or_else(|_| metadata.modified()).ok()
 }
 
 /// What an interrupted run leaves, if it `began`, and how it is resumed.

@@ -21,6 +21,8 @@
 //! # Ok::<(), barwave::error::Error>(())
 //! ```
 //!
+//! Every file that is read or written is reported to the [`log`] facade at the level `Info`.
+//!
 //! The library is layered: a module imports only from those above it in this list.
 //! Stress is engineering (nominal) stress, tension positive; x is the Lagrangian coordinate from the left
 //! end; velocity is positive in +x; all values are in SI units.

@@ -8,7 +8,6 @@ use super::profiles;
 use super::svg::{Stroke, THEORY};
 use super::view::{View, nearest};
 use crate::error::Result;
-use crate::record::store::Side;
 use crate::record::{Field, FrontRow};
 
 /// Speed of every front over the strains that it carries: theory as steps, measurement as rings.
@@ -53,9 +52,8 @@ pub(super) fn similarity(view: &View) -> Result<Option<LinePanel>> {
     fan.sort_by(|a, b| a.speed.abs().total_cmp(&b.speed.abs()));
     let field = if !view.asked && view.file.fields().contains(&Field::Strain) { Field::Strain } else { view.field };
     let unit = view.units.velocity();
-    // Until the first front meets another wave, or the load changes.
+    // Until the first front meets another wave.
     let until = fan.iter().map(|f| f.last_seen).filter(|t| t.is_finite()).fold(view.end_time, f64::min);
-    let until = until.min(held_until(view, side, fan.first().map_or(0.0, |f| f.stress_behind))?);
     let last = 1.15 * fan.last().map_or(0.0, |f| f.speed.abs()) * unit.factor;
     let mut frames: Vec<usize> =
         (1..=SIMILAR).map(|i| nearest(&view.time, until * i as f64 / SIMILAR as f64)).collect();
@@ -78,19 +76,6 @@ pub(super) fn similarity(view: &View) -> Result<Option<LinePanel>> {
     let limits: Vec<f64> = series.iter().flat_map(|s| view.limits(&s.points)).collect();
     let y = Axis::around(view.units.field(field).label(name), limits.into_iter().chain([0.0]));
     Ok(Some(LinePanel { heading, x: Axis::new(unit.label(label), 0.0, last), y, series }))
-}
-
-/// Difference of the stress at an end from that behind the fan, relative to it, up to which the load is constant.
-const CONSTANT: f64 = 0.02;
-
-/// When the stress at an end stops to be `stress` (Pa), s; infinite where it never does.
-fn held_until(view: &View, side: &str, stress: f64) -> Result<f64> {
-    let end = view.file.end(if side == "left" { Side::Left } else { Side::Right })?;
-    let is_held = |now: &f64| (now - stress).abs() <= CONSTANT * stress.abs();
-    let first = end.stress.iter().position(is_held).unwrap_or(end.stress.len());
-    let held = end.stress[first..].iter().take_while(|now| is_held(now)).count();
-    let changes = first + held < end.stress.len();
-    Ok(if changes { end.time[first + held - 1] } else { f64::INFINITY })
 }
 
 /// A frame over the distance from the end divided by time.

@@ -314,22 +314,3 @@ fn a_spike_that_the_axis_cuts_off_is_named() {
     let svg = draw(&ResultFile::open(&path).unwrap(), &figure).unwrap();
     assert!(svg.contains("extends to \u{2212}9000"), "{svg}");
 }
-
-/// The solution over x/t is that of a constant load: frames after its change are not compared with it.
-#[test]
-fn the_panel_over_x_t_ends_where_the_load_changes() {
-    let folder = tempfile::tempdir().unwrap();
-    let scene = "[bar]\nlength = 1\narea = 1e-4\nmaterial = \"copper-annealed\"\n[left]\nkind = \"velocity\"\n\
-                 history = [[0, -12], [\"60 us\", -12], [\"60 us\", 5], [\"1 ms\", 5]]\n[right]\nkind = \"free\"\n\
-                 [effects]\nhardening = \"isotropic\"\n[solve]\nuntil = \"120 us\"\ncells = 400\n[record]\nframes = 13\n";
-    std::fs::write(folder.path().join("pulse.toml"), scene).unwrap();
-    let output = binary::barwave(folder.path(), &["run", "pulse.toml", "-o", "pulse.h5", "--quiet"]);
-    assert!(output.status.success(), "{output:?}");
-    let file = ResultFile::open(&folder.path().join("pulse.h5")).unwrap();
-    let svg = draw(&file, &Figure { panels: vec![PanelName::SelfSimilar], ..Figure::default() }).unwrap();
-    let times: Vec<f64> = svg
-        .split('>')
-        .filter_map(|text| text.split_once(" us<").or_else(|| text.split_once(" µs<"))?.0.parse().ok())
-        .collect();
-    assert_eq!(times, [20.0, 40.0]);
-}

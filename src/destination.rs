@@ -1,5 +1,7 @@
-//! Where files may be written: never in place of a folder, a device, a named pipe or a socket.
+//! Where files may be written: never in place of a folder, a device, a named pipe or a socket; and how: whole or not at all.
 
+use std::fs::OpenOptions;
+use std::io::{ErrorKind, Write as _};
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, InputError};
@@ -38,5 +40,72 @@ pub fn make_folder(path: &Path) -> Result<(), Error> {
     match path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
         Some(folder) => std::fs::create_dir_all(folder).map_err(|e| Error::file(folder, e)),
         None => Ok(()),
+    }
+}
+
+/// Writes a file under a temporary name and then renames it: the final name never holds half a file. Missing folders are made; `-` is
+/// standard output.
+///
+/// # Errors
+/// The folder cannot be written to, or what stands there must not be replaced.
+pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Error> {
+    if is_stdout(path) {
+        let mut stdout = std::io::stdout().lock();
+        let written = stdout.write_all(bytes).and_then(|()| stdout.flush());
+        // A reader that has gone away is no error.
+        return written.or_else(|e| match e.kind() {
+            ErrorKind::BrokenPipe => Ok(()),
+            _ => Err(Error::file(path, e)),
+        });
+    }
+    make_folder(path)?;
+    let target = resolve(path)?;
+    let mut name = target.file_name().unwrap_or_default().to_owned();
+    name.push(format!(".{}.part", std::process::id()));
+    let temporary = target.with_file_name(name);
+    std::fs::write(&temporary, bytes).and_then(|()| std::fs::rename(&temporary, target)).map_err(|e| {
+        // Nothing more can be done where even the leftover cannot be removed; the first error is the one to tell.
+        let _ = std::fs::remove_file(&temporary);
+        Error::file(path, e)
+    })?;
+    log_written(path, bytes.len());
+    Ok(())
+}
+
+/// Writes a file that must not exist, whole or not at all; `exists` is the error where it does.
+///
+/// # Errors
+/// That one, or the disk's.
+pub fn write_new(path: &Path, bytes: &[u8], exists: impl Fn() -> Error) -> Result<(), Error> {
+    let mut file = OpenOptions::new().write(true).create_new(true).open(path).map_err(|e| match e.kind() {
+        ErrorKind::AlreadyExists => exists(),
+        _ => Error::file(path, e),
+    })?;
+    file.write_all(bytes).map_err(|e| {
+        // Nothing half-written stays under the name; that it cannot be deleted either adds nothing.
+        let _ = std::fs::remove_file(path);
+        Error::file(path, e)
+    })?;
+    log_written(path, bytes.len());
+    Ok(())
+}
+
+/// Tells `--verbose` of a file that was written.
+pub fn log_written(path: &Path, bytes: usize) {
+    log::info!("wrote {}: {bytes} bytes", path.display());
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_appears_whole_or_not_at_all() {
+        let folder = tempfile::tempdir().expect("a folder");
+        write_whole(&folder.path().join("a.txt"), b"abc").expect("it can be written");
+        write_whole(&folder.path().join("no/such/b.txt"), b"abc").expect("folders are made");
+        assert!(write_whole(&folder.path().join("a.txt/b.txt"), b"abc").is_err());
+        let names: Vec<_> = std::fs::read_dir(folder.path()).expect("a folder").flatten().collect();
+        assert_eq!(names.len(), 2, "a.txt and the folder: {names:?}");
     }
 }

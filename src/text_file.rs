@@ -156,9 +156,7 @@ fn bytes_of(path: &Path) -> Result<Vec<u8>, InputError> {
         let size = metadata.len().div_ceil(1 << 20);
         return Err(too_large(&shown, &format!("{size} MiB")));
     }
-    let bytes = bounded(File::open(path).map_err(failed)?, &shown)?;
-    log::info!("read {shown}: {} bytes", bytes.len());
-    Ok(bytes)
+    bounded(File::open(path).map_err(failed)?, &shown)
 }
 
 /// The text on standard input, without a byte-order mark; `shown` names it in messages.
@@ -166,9 +164,7 @@ fn bytes_of(path: &Path) -> Result<Vec<u8>, InputError> {
 /// # Errors
 /// As for [`read`].
 pub fn read_stdin(shown: &str) -> Result<String, InputError> {
-    let bytes = bounded(std::io::stdin().lock(), shown)?;
-    log::info!("read {shown}: {} bytes", bytes.len());
-    decode(bytes, shown)
+    decode(bounded(std::io::stdin().lock(), shown)?, shown)
 }
 
 fn bounded(source: impl Read, shown: &str) -> Result<Vec<u8>, InputError> {
@@ -178,6 +174,7 @@ fn bounded(source: impl Read, shown: &str) -> Result<Vec<u8>, InputError> {
     if bytes.len() as u64 > MOST_BYTES {
         return Err(too_large(shown, &format!("more than {} MiB", MOST_BYTES >> 20)));
     }
+    log::info!("read {shown}: {} bytes", bytes.len());
     Ok(bytes)
 }
 

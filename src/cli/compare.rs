@@ -7,6 +7,7 @@ use super::compare_results::{self, Outputs};
 use super::critical::SenseArg;
 use super::result_file::is_result;
 use super::{critical, output};
+use crate::destination;
 use crate::error::{Error, InputError, Result};
 use crate::record::Field;
 use crate::report::{self, plot};
@@ -58,7 +59,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let materials = critical::load(if args.all { &every } else { &args.names })?;
     let compared = compare(&materials, args.sense.into());
     match args.output.as_deref() {
-        Some(path) if is_csv => plot::write_whole(path, csv(&compared).as_bytes())?,
+        Some(path) if is_csv => destination::write_whole(path, csv(&compared).as_bytes())?,
         Some(path) => plot::save(path, "Materials side by side", &report::compare::figure(&compared))?,
         None => {}
     }

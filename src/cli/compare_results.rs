@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use super::output;
+use crate::destination;
 use crate::error::{InputError, Result};
 use crate::record::Field;
 use crate::record::store::ResultFile;
@@ -32,7 +33,7 @@ pub(super) fn run(paths: &[PathBuf], outputs: &Outputs<'_>) -> Result<()> {
             .into());
     }
     match outputs.file {
-        Some(path) if output::is_csv(path) => plot::write_whole(path, csv(&differences).as_bytes())?,
+        Some(path) if output::is_csv(path) => destination::write_whole(path, csv(&differences).as_bytes())?,
         Some(path) => {
             let svg = report::compare_results::figure(&files, &differences, outputs.field)?;
             plot::save(path, "Results side by side", &svg)?;

@@ -12,6 +12,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::scratch::Scratch;
 use super::{interrupt, output};
+use crate::destination;
 use crate::error::{Error, InputError, Result};
 use crate::record::{Measure, SolvedBy};
 use crate::report::{self, plot};
@@ -117,9 +118,9 @@ fn of_impact(args: &Args, scene: &ImpactScene, kind: Option<&Kind>, budget: f64)
     bar.finish_and_clear();
     let found = found?;
     match (args.output.as_deref(), kind) {
-        (Some(path), Some(Kind::Csv)) => plot::write_whole(path, super::impact_cost::csv(&found).as_bytes())?,
+        (Some(path), Some(Kind::Csv)) => destination::write_whole(path, super::impact_cost::csv(&found).as_bytes())?,
         (Some(path), Some(Kind::Json)) => {
-            plot::write_whole(path, output::json_text(&found)?.as_bytes())?;
+            destination::write_whole(path, output::json_text(&found)?.as_bytes())?;
         }
         (Some(path), Some(Kind::Picture)) => plot::save(path, &found.scene, &report::impact_cost::figure(&found))?,
         _ => {}
@@ -167,8 +168,8 @@ fn kind(path: &Path) -> Result<Kind> {
 
 fn write(path: &Path, kind: &Kind, cost: &Cost) -> Result<()> {
     match kind {
-        Kind::Csv => plot::write_whole(path, csv(&cost.points).as_bytes()),
-        Kind::Json => plot::write_whole(path, output::json_text(cost)?.as_bytes()),
+        Kind::Csv => destination::write_whole(path, csv(&cost.points).as_bytes()),
+        Kind::Json => destination::write_whole(path, output::json_text(cost)?.as_bytes()),
         Kind::Picture => plot::save(path, &cost.scene, &report::cost::figure(cost)),
     }
 }

@@ -8,9 +8,9 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::output;
+use crate::destination;
 use crate::error::{Error, InputError, Result};
 use crate::material::{self, Curve, HeatingError, Material, Scatter, Sense, TestCurve, library, mean_curve};
-use crate::report::plot::write_whole;
 use crate::study::bracket::{Apparent, Confirmation, RateAndHeat, apparent, confirm};
 use crate::study::critical::{CriticalRow, critical};
 use crate::study::sensitivity::{Interval, sensitivity};
@@ -123,7 +123,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         studied.sort_by(|a, b| velocity(b).total_cmp(&velocity(a)));
     }
     if let Some(path) = &args.output {
-        write_whole(path, tables::csv(&studied).as_bytes())?;
+        destination::write_whole(path, tables::csv(&studied).as_bytes())?;
     }
     if args.json {
         return output::json_list(&studied);

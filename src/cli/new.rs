@@ -1,7 +1,5 @@
 //! `barwave new`.
 
-use std::fs::OpenOptions;
-use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use super::{output, settings};
@@ -76,10 +74,10 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         if path.exists() {
             return Err(exists(&path));
         }
-        write_new(&scene, &text(&scene, Kind::Bar))?;
+        destination::write_new(&scene, text(&scene, Kind::Bar).as_bytes(), || exists(&scene))?;
         wrote.push(scene);
     }
-    write_new(&path, &text(&path, args.kind))?;
+    destination::write_new(&path, text(&path, args.kind).as_bytes(), || exists(&path))?;
     let command = args.kind.command();
     let names: Vec<String> = wrote.iter().map(|path| path.display().to_string()).collect();
     let said = format!(
@@ -122,21 +120,6 @@ fn text(path: &Path, kind: Kind) -> String {
 fn exists(path: &Path) -> Error {
     let error = InputError::new(format!("`{}` exists already", path.display()));
     error.help("choose another name, or delete the file first").into()
-}
-
-/// Writes a file that must not exist, whole or not at all.
-fn write_new(path: &Path, text: &str) -> Result<()> {
-    let mut file = OpenOptions::new().write(true).create_new(true).open(path).map_err(|e| match e.kind() {
-        ErrorKind::AlreadyExists => exists(path),
-        _ => Error::file(path, e),
-    })?;
-    file.write_all(text.as_bytes()).map_err(|e| {
-        // Nothing half-written stays under the name; that it cannot be deleted either adds nothing.
-        let _ = std::fs::remove_file(path);
-        Error::file(path, e)
-    })?;
-    log::info!("wrote {}: {} bytes", path.display(), text.len());
-    Ok(())
 }
 
 #[cfg(test)]

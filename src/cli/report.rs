@@ -7,7 +7,7 @@ use crate::destination;
 use crate::error::Result;
 use crate::record::Field;
 use crate::record::store::ResultFile;
-use crate::report::plot::{Format, save, write_whole};
+use crate::report::plot::{Format, save};
 use crate::report::{Figure, PanelName, Units, draw, page};
 use crate::units::System;
 
@@ -49,7 +49,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     };
     let figure = Figure { field: args.field, units, panels: args.panels.clone(), size: args.size };
     match format {
-        Format::Html => write_whole(&path, page(&file, &figure)?.as_bytes())?,
+        Format::Html => destination::write_whole(&path, page(&file, &figure)?.as_bytes())?,
         Format::Svg | Format::Png | Format::Pdf => save(&path, &file.metadata().title, &draw(&file, &figure)?)?,
     }
     if file.metadata().is_unfinished() && !settings::json() {

@@ -7,8 +7,8 @@ use std::sync::atomic::Ordering;
 
 use super::scratch::Scratch;
 use super::{interrupt, output};
+use crate::destination;
 use crate::error::{Error, InputError, Result};
-use crate::report::plot;
 use crate::study::hard_cases::{CASES, HardCase, Method, Tried, run_case};
 
 /// Options of `barwave stability`.
@@ -39,7 +39,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     output::check(args.json, [args.output.as_deref()])?;
     let tried = try_all(&cases, !args.json && args.output.as_deref() != Some(Path::new("-")))?;
     if let Some(path) = &args.output {
-        plot::write_whole(path, markdown(&cases, &tried).as_bytes())?;
+        destination::write_whole(path, markdown(&cases, &tried).as_bytes())?;
     }
     if args.json {
         output::json_list(&tried)?;

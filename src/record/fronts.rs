@@ -183,6 +183,7 @@ impl Front {
             speed_measured: direction * self.speed(),
             position: self.initial_fan.x + direction * distance,
             last_seen,
+            load_held_until: self.initial_fan.holds_until,
             arrivals: arrivals.collect(),
         }
     }

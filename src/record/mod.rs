@@ -237,6 +237,8 @@ pub struct FrontRow {
     pub position: f64,
     /// When it was last seen, s: the end of the run, or when it met another wave.
     pub last_seen: f64,
+    /// Until when the load that sent it out is as at t = 0, s: infinite where it never changes, NaN for [`INTERIOR`].
+    pub load_held_until: f64,
     /// Arrival time at each gauge in the layout's order, s; NaN where it did not get there.
     pub arrivals: Vec<f64>,
 }

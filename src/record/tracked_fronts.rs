@@ -76,6 +76,7 @@ fn edge_row(initial_fan: &InitialFan, edge: &Edge, piece: Option<&FrontSegment>,
         speed_measured: piece.map_or(f64::NAN, speed),
         position: piece.map_or(f64::NAN, |t| t.x[1]),
         last_seen: piece.map_or(f64::NAN, |t| t.t[1]),
+        load_held_until: initial_fan.holds_until,
         arrivals: gauges.iter().map(|(_, x)| piece.map_or(f64::NAN, |t| arrival(t, *x))).collect(),
     }
 }
@@ -94,6 +95,7 @@ fn front_row(bar: &FrontTracking, piece: &FrontSegment, gauges: &[(String, f64)]
         speed_measured: measured,
         position: piece.x[1],
         last_seen: piece.t[1],
+        load_held_until: f64::NAN,
         arrivals: gauges.iter().map(|(_, x)| arrival(piece, *x)).collect(),
     }
 }

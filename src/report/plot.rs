@@ -3,14 +3,13 @@
 //! SVG and HTML name the font `DejaVu Sans` with common substitutes; PNG and PDF are drawn with `DejaVu Sans` itself, which
 //! is part of the program, so they look the same on a machine without fonts.
 
-use std::io::{ErrorKind, Write as _};
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
 use resvg::{tiny_skia, usvg};
 
 use super::html::{html, picture};
-use crate::destination;
+use crate::destination::{is_stdout, write_whole};
 use crate::error::{Error, InputError, Result};
 
 /// Pixels of a PNG for each SVG unit: 2.5 makes a panel of 520 units 1300 pixels wide, 300 dpi over 11 cm.
@@ -49,7 +48,7 @@ impl Format {
             "png" => Ok(Self::Png),
             "pdf" => Ok(Self::Pdf),
             "html" | "htm" => Ok(Self::Html),
-            _ if destination::is_stdout(path) => Ok(Self::Svg),
+            _ if is_stdout(path) => Ok(Self::Svg),
             _ => Err(InputError::new(format!("unknown picture format `{}`", path.display()))
                 .key("-o")
                 .allowed("a file name ending in .svg, .png, .pdf or .html")
@@ -75,35 +74,6 @@ pub fn save(path: &Path, title: &str, svg: &str) -> Result<()> {
 /// A page of one figure.
 fn page(title: &str, svg: &str) -> String {
     html(title, &[("", &["<figure class=\"whole\">\n", &picture(title, svg), "</figure>"].concat())])
-}
-
-/// Writes a file under a temporary name and then renames it: the final name never holds half a file. Missing folders are made; `-` is
-/// standard output.
-///
-/// # Errors
-/// The folder cannot be written to, or what stands there must not be replaced.
-pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
-    if destination::is_stdout(path) {
-        let mut stdout = std::io::stdout().lock();
-        let written = stdout.write_all(bytes).and_then(|()| stdout.flush());
-        // A reader that has gone away is no error.
-        return written.or_else(|e| match e.kind() {
-            ErrorKind::BrokenPipe => Ok(()),
-            _ => Err(Error::file(path, e)),
-        });
-    }
-    destination::make_folder(path)?;
-    let target = destination::resolve(path)?;
-    let mut name = target.file_name().unwrap_or_default().to_owned();
-    name.push(format!(".{}.part", std::process::id()));
-    let temporary = target.with_file_name(name);
-    std::fs::write(&temporary, bytes).and_then(|()| std::fs::rename(&temporary, target)).map_err(|e| {
-        // Nothing more can be done where even the leftover cannot be removed; the first error is the one to tell.
-        let _ = std::fs::remove_file(&temporary);
-        Error::file(path, e)
-    })?;
-    log::info!("wrote {}: {} bytes", path.display(), bytes.len());
-    Ok(())
 }
 
 /// Draws SVG text as a PNG file, `scale` pixels a unit.
@@ -172,15 +142,5 @@ mod tests {
         assert_eq!(Format::of(Path::new("b.pdf")).expect("known"), Format::Pdf);
         assert_eq!(Format::of(Path::new("b.eps")).expect_err("unknown").exit_code(), 2);
         assert_eq!(Format::of(Path::new("svg")).expect_err("unknown").exit_code(), 2);
-    }
-
-    #[test]
-    fn a_file_appears_whole_or_not_at_all() {
-        let folder = tempfile::tempdir().expect("a folder");
-        write_whole(&folder.path().join("a.txt"), b"abc").expect("it can be written");
-        write_whole(&folder.path().join("no/such/b.txt"), b"abc").expect("folders are made");
-        assert!(write_whole(&folder.path().join("a.txt/b.txt"), b"abc").is_err());
-        let names: Vec<_> = std::fs::read_dir(folder.path()).expect("a folder").flatten().collect();
-        assert_eq!(names.len(), 2, "a.txt and the folder: {names:?}");
     }
 }

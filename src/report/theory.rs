@@ -52,8 +52,9 @@ pub(super) fn similarity(view: &View) -> Result<Option<LinePanel>> {
     fan.sort_by(|a, b| a.speed.abs().total_cmp(&b.speed.abs()));
     let field = if !view.asked && view.file.fields().contains(&Field::Strain) { Field::Strain } else { view.field };
     let unit = view.units.velocity();
-    // Until the first front meets another wave.
-    let until = fan.iter().map(|f| f.last_seen).filter(|t| t.is_finite()).fold(view.end_time, f64::min);
+    // Until the first front meets another wave, or the end sends out one that theory does not have.
+    let bounds = fan.iter().flat_map(|f| [f.last_seen, f.load_held_until]);
+    let until = bounds.filter(|t| t.is_finite()).fold(view.end_time, f64::min);
     let last = 1.15 * fan.last().map_or(0.0, |f| f.speed.abs()) * unit.factor;
     let mut frames: Vec<usize> =
         (1..=SIMILAR).map(|i| nearest(&view.time, until * i as f64 / SIMILAR as f64)).collect();
@@ -211,6 +212,7 @@ mod tests {
             speed_measured: f64::NAN,
             position: f64::NAN,
             last_seen: 1.0,
+            load_held_until: f64::INFINITY,
             arrivals: Vec::new(),
         };
         let fan = [front(500.0, 0.02, 0.001), front(5000.0, 0.001, 0.0)];

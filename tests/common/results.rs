@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use barwave::record::store::ResultFile;
+use hdf5::file::FileBuilder;
 use hdf5::types::{FloatSize, TypeDescriptor, VarLenUnicode};
 use hdf5::{Container, File, Group};
 
@@ -10,10 +11,14 @@ use hdf5::{Container, File, Group};
 const OF_THE_RUN: [&str; 6] =
     ["created", "run_id", "wall_seconds", "step_wall_seconds", "DIMENSION_LIST", "REFERENCE_LIST"];
 
+/// Opens HDF5 files without a lock, which a child that another test forks would keep.
+pub fn unlocked() -> FileBuilder {
+    File::with_options().with_fapl(|access| access.file_locking(false)).clone()
+}
+
 /// Everything in a file: its attributes and datasets by name, numbers as their bits.
 fn everything(path: &Path) -> Vec<(String, Vec<u8>)> {
-    // Without a lock, which a child that another test forks would keep.
-    let file = File::with_options().with_fapl(|access| access.file_locking(false)).open(path);
+    let file = unlocked().open(path);
     let file = file.unwrap_or_else(|e| panic!("{}: {e}", path.display()));
     let mut all = Vec::new();
     collect(&file, &mut all);

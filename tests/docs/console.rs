@@ -85,11 +85,15 @@ fn folder_of(page: &Page) -> tempfile::TempDir {
 }
 
 pub fn run(folder: &Path, command: &str) -> (bool, Vec<String>) {
-    run_until(folder, command, None)
+    let (code, lines) = run_until(folder, command, None);
+    (code == Some(0), lines)
 }
 
-/// Runs a command until it ends, or is interrupted once there is this file.
-fn run_until(folder: &Path, command: &str, interrupted_at: Option<&str>) -> (bool, Vec<String>) {
+/// Exit code of an interrupted command.
+const INTERRUPTED: i32 = 130;
+
+/// Runs a command until it ends, or is interrupted once there is this file; its exit code and what it printed.
+fn run_until(folder: &Path, command: &str, interrupted_at: Option<&str>) -> (Option<i32>, Vec<String>) {
     let arguments = words(command);
     assert_eq!(arguments[0], "barwave", "{command}");
     let mut child = Command::new(env!("CARGO_BIN_EXE_barwave"))
@@ -111,7 +115,7 @@ fn run_until(folder: &Path, command: &str, interrupted_at: Option<&str>) -> (boo
     let output = child.wait_with_output().expect("the program ends");
     let text = [output.stdout, output.stderr].concat();
     let lines = String::from_utf8(text).expect("text").lines().map(|line| line.trim_end().to_owned()).collect();
-    (output.status.success(), lines)
+    (output.status.code(), lines)
 }
 
 /// The first shown line that the output does not have; none if all agree.
@@ -172,13 +176,17 @@ pub fn check(page: &Page) -> (String, usize) {
             let (command, shown) = (&block.lines[start][2..], &block.lines[start + 1..end]);
             let interrupted_at =
                 shown.iter().find_map(|line| line.strip_prefix("interrupted: the frames so far are in "));
-            let (success, printed) = run_until(folder.path(), command, interrupted_at);
+            let (code, printed) = run_until(folder.path(), command, interrupted_at);
             count += 1;
             let is_error = |line: &String| line.starts_with("error") || line.contains("\"error\":{\"kind\"");
-            let fails = interrupted_at.is_some() || shown.iter().any(is_error);
+            let expected = match code {
+                _ if interrupted_at.is_some() => code == Some(INTERRUPTED),
+                Some(code) if shown.iter().any(is_error) => code != 0,
+                _ => code == Some(0),
+            };
             let place = format!("{}:{}: {command}", page.path.display(), block.first + start + 1);
-            if success == fails {
-                let _ = writeln!(wrong, "{place}\nsuccess: {success}\n{}", printed.join("\n"));
+            if !expected {
+                let _ = writeln!(wrong, "{place}\nexit code: {code:?}\n{}", printed.join("\n"));
             }
             if let Some(line) = difference(shown, &printed).filter(|_| !shown.is_empty()) {
                 let _ = writeln!(wrong, "{place}\n{line}\nis not in\n{}\n", printed.join("\n"));

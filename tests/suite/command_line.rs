@@ -8,6 +8,7 @@ use std::process::{Command, Output, Stdio};
 use serde_json::Value;
 
 use crate::common::binary::barwave;
+use crate::common::results::unlocked;
 
 const SCENE: &str = "[bar]\nlength = 1\narea = \"1 cm^2\"\nmaterial = \"mild-steel\"\n[left]\nkind = \"velocity\"\nvalue = -1\n\
                      [right]\nkind = \"free\"\n[solve]\nuntil = \"50 us\"\ncells = 100\n";
@@ -82,14 +83,12 @@ fn a_scene_runs_again_from_its_result_alone() {
     assert_eq!(again.status.code(), Some(0), "{}", err(&again));
     let summary: Value = serde_json::from_str(&out(&again)).unwrap();
     assert_eq!((&summary["cells"], &summary["output"]), (&80.into(), &"a_solve.cells=80_rerun.h5".into()));
-    // Without a lock, which a child that another test forks would keep.
-    let opened = || hdf5::File::with_options().with_fapl(|access| access.file_locking(false)).clone();
     let stress = |name: &str| {
-        opened().open(folder.path().join(name)).unwrap().dataset("stress").unwrap().read_raw::<f64>().unwrap()
+        unlocked().open(folder.path().join(name)).unwrap().dataset("stress").unwrap().read_raw::<f64>().unwrap()
     };
     assert_eq!(stress("a_solve.cells=80.h5"), stress("a_solve.cells=80_rerun.h5"));
     // The file of another format version cannot be read as a result, but its scene can be run.
-    let old = opened().open_rw(folder.path().join("a_solve.cells=80.h5")).unwrap();
+    let old = unlocked().open_rw(folder.path().join("a_solve.cells=80.h5")).unwrap();
     old.attr("format_version").unwrap().write_scalar(&1_u32).unwrap();
     old.close().unwrap();
     let again =

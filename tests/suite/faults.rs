@@ -2,6 +2,7 @@
 #![cfg(unix)]
 
 use crate::common::binary;
+use crate::common::results::unlocked;
 
 use std::fs::File;
 use std::io::Write;
@@ -178,8 +179,7 @@ fn a_result_replaces_results_and_nothing_else_unless_forced() {
 
 /// An HDF5 file that barwave did not write.
 fn hdf5_file(path: &Path) {
-    // Without a lock, which a child that another test forks would keep.
-    let file = hdf5::File::with_options().with_fapl(|access| access.file_locking(false)).create(path).expect("a file");
+    let file = unlocked().create(path).expect("a file");
     file.new_dataset::<f64>().shape(3).create("a").expect("a dataset").write_raw(&[1.0, 2.0, 3.0]).expect("written");
 }
 

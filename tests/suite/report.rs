@@ -25,6 +25,7 @@ fn front(speed: f64, stress_behind: f64) -> FrontRow {
         speed_measured: speed * 1.01,
         position: speed * 1e-4,
         last_seen: 1e-4,
+        load_held_until: f64::INFINITY,
         arrivals: vec![5e-5],
     }
 }
@@ -313,4 +314,32 @@ fn a_spike_that_the_axis_cuts_off_is_named() {
     let figure = Figure { panels: vec![PanelName::Gauges], ..Figure::default() };
     let svg = draw(&ResultFile::open(&path).unwrap(), &figure).unwrap();
     assert!(svg.contains("extends to \u{2212}9000"), "{svg}");
+}
+
+/// The panel over x/t of a bar whose end moves like this; none where the file has no data for it.
+fn over_x_t(value: &str) -> Option<String> {
+    let folder = tempfile::tempdir().unwrap();
+    let material =
+        "{ name = \"steel\", density = 7800, modulus = 200e9, curve = { table = [[0.001, 200e6], [0.021, 600e6]] } }";
+    let scene = format!(
+        "[bar]\nlength = 1\nmaterial = {material}\n[left]\nkind = \"velocity\"\n{value}\n[right]\nkind = \"absorbing\"\n\
+         [solve]\ncells = 200\nuntil = \"120 us\"\n[record]\nframes = 13\n"
+    );
+    std::fs::write(folder.path().join("a.toml"), scene).unwrap();
+    let output = binary::barwave(folder.path(), &["run", "a.toml", "-o", "a.h5", "--quiet"]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let figure = Figure { panels: vec![PanelName::SelfSimilar], ..Figure::default() };
+    draw(&ResultFile::open(&folder.path().join("a.h5")).unwrap(), &figure).ok()
+}
+
+#[test]
+fn the_panel_over_x_t_ends_where_the_load_changes() {
+    let shows = |svg: &str, time: &str| svg.contains(&format!(">{time} \u{b5}s<"));
+    let held = over_x_t("value = -12").unwrap();
+    assert!(shows(&held, "40") && shows(&held, "80") && shows(&held, "120"), "{held}");
+    let reversed = over_x_t("history = [[0, -12], [60e-6, -12], [60e-6, 5]]").unwrap();
+    assert!(shows(&reversed, "20") && shows(&reversed, "40") && shows(&reversed, "60"), "{reversed}");
+    assert!(!shows(&reversed, "80") && !shows(&reversed, "120"), "{reversed}");
+    // The fan of theory is that of 20 m/s, which is not there before 60 us.
+    assert_eq!(over_x_t("history = [[0, -12], [60e-6, -12], [60e-6, -20]]"), None);
 }

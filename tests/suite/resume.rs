@@ -15,7 +15,7 @@ use barwave::record::Field;
 use barwave::record::store::{Checkpoint, ResultFile};
 use binary::barwave;
 use common::{BUSY_AREA, busy_ends};
-use results::assert_same;
+use results::{assert_same, unlocked};
 use serde_json::Value;
 
 /// The end of a scene that takes some tenths of a second to run.
@@ -576,9 +576,7 @@ fn what_cannot_be_resumed_is_one_error() {
     refused(&["--resume", "none.h5"], &["no such file"]);
     std::fs::write(path("text.h5"), "no result").expect("written");
     refused(&["--resume", "text.h5"], &["not an HDF5 file"]);
-    // Without a lock, which a child that another test forks would keep.
-    let foreign = hdf5::File::with_options().with_fapl(|access| access.file_locking(false)).create(path("foreign.h5"));
-    let foreign = foreign.expect("a file");
+    let foreign = unlocked().create(path("foreign.h5")).expect("a file");
     foreign.close().expect("closed");
     refused(&["--resume", "foreign.h5"], &["not a barwave result"]);
 

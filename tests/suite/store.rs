@@ -90,6 +90,7 @@ fn front() -> FrontRow {
         speed_measured: 4999.0,
         position: 0.745,
         last_seen: 149e-6,
+        load_held_until: 60e-6,
         arrivals: vec![1e-4, f64::NAN],
     }
 }

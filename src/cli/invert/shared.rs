@@ -79,7 +79,7 @@ impl Outputs {
     /// Writes the material file where one is asked for.
     pub(super) fn write_material(&self, material: &MaterialText<'_>, knots: &[(f64, f64, f64)]) -> Result<()> {
         let Some(path) = &self.output else { return Ok(()) };
-        plot::write_whole(path, material_text(material, knots).as_bytes())
+        destination::write_whole(path, material_text(material, knots).as_bytes())
     }
 
     /// Writes the figure and the table where they are asked for.
@@ -88,7 +88,7 @@ impl Outputs {
             plot::save(path, title, &svg())?;
         }
         if let Some(path) = &self.csv {
-            plot::write_whole(path, csv().as_bytes())?;
+            destination::write_whole(path, csv().as_bytes())?;
         }
         Ok(())
     }

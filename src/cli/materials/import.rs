@@ -10,7 +10,7 @@ use crate::destination;
 use crate::error::{Error, InputError, Result};
 use crate::input::Document;
 use crate::material::{self, Beyond, Material, Measure, RawMaterial, Sense, engineering_from_true};
-use crate::report::plot::{Format, save, write_whole};
+use crate::report::plot::{Format, save};
 use crate::report::test_record::{Drawn, figure};
 use crate::test_record::{self, Kind, MaterialText, Reading, Record, Reduce, Reduction, Repeats};
 use crate::units::{Dimension, Quantity};
@@ -187,7 +187,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
     let raw: RawMaterial = document.parse()?;
     let material = material::resolve(raw, &document, "", Path::new(""))?;
     plausible(&material, &imported)?;
-    write_whole(&path, text.as_bytes())?;
+    destination::write_whole(&path, text.as_bytes())?;
     if let Some(plot) = &args.plot {
         draw(plot, &material.name, &imported, &curve)?;
     }

@@ -12,6 +12,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use crate::destination::log_written;
 use crate::error::{Error, InputError, Result};
 use crate::record::PathRow;
 use crate::snapshot::{pack, unpack};
@@ -116,7 +117,7 @@ impl Checkpoint {
             let _ = std::fs::remove_file(&temporary);
             failed(&e)
         })?;
-        log::info!("wrote {}: {} bytes", path.display(), head.len() + sum.len() + state.len());
+        log_written(&path, head.len() + sum.len() + state.len());
         Ok(())
     }
 

@@ -23,7 +23,7 @@ const SEARCHED: u64 = 16 << 20;
 pub(super) fn have_ends(path: &Path) -> Result<bool> {
     let mut file = File::open(path)?;
     let length = file.metadata()?.len();
-    let mut part = Vec::new();
+    let mut part = Vec::with_capacity(usize::try_from(length.min(SEARCHED)).unwrap_or_default());
     for start in [0, length.saturating_sub(SEARCHED).max(SEARCHED)] {
         part.clear();
         file.seek(SeekFrom::Start(start))?;

@@ -457,6 +457,8 @@ fn read_fronts(group: &Group, gauges: &[String]) -> Hdf<Vec<FrontRow>> {
     let [speed, measured] = ["speed", "speed_measured"].map(|name| column(group, name));
     let [position, last_seen] = ["position", "last_seen"].map(|name| column(group, name));
     let (speeds, places) = ([speed?, measured?], [position?, last_seen?]);
+    // Not in files of earlier versions.
+    let load_held_until = column(group, "load_held_until").unwrap_or_default();
     let arrivals =
         gauges.iter().map(|gauge| column(group, &format!("arrival_{gauge}"))).collect::<Hdf<Vec<Vec<f64>>>>()?;
     let at = |values: &[f64], row: usize| values.get(row).copied().unwrap_or(f64::NAN);
@@ -470,6 +472,7 @@ fn read_fronts(group: &Group, gauges: &[String]) -> Hdf<Vec<FrontRow>> {
         speed_measured: at(&speeds[1], row),
         position: at(&places[0], row),
         last_seen: at(&places[1], row),
+        load_held_until: at(&load_held_until, row),
         arrivals: arrivals.iter().map(|times| at(times, row)).collect(),
     };
     Ok(texts(group, "origin")?.into_iter().enumerate().map(front).collect())

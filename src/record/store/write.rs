@@ -447,6 +447,7 @@ fn write_fronts(file: &File, fronts: &[FrontRow], gauges: &[(String, String)]) -
         number("speed_measured", "m/s", "speed measured in the fields", |f| f.speed_measured),
         number("position", "m", "last position in the undeformed bar", |f| f.position),
         number("last_seen", "s", "time of the last position", |f| f.last_seen),
+        number("load_held_until", "s", "time until which the load at the origin is constant", |f| f.load_held_until),
     ];
     for (index, (link, name)) in gauges.iter().enumerate() {
         let times = fronts.iter().map(|f| f.arrivals.get(index).copied().unwrap_or(f64::NAN)).collect();

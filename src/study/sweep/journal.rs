@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 use super::metrics::Row;
 use super::plan::Plan;
 use super::shard::Shard;
+use crate::destination::write_whole;
 use crate::error::{Error, InputError, Result};
 
 /// Names in the folder.
@@ -63,7 +64,7 @@ impl Journal {
         let path = folder.join(PLAN);
         let begun = Begun { plan: plan.clone(), shard: [shard.index, shard.count] };
         let json = serde_json::to_string_pretty(&begun).map_err(|e| Error::file(&path, e))?;
-        std::fs::write(&path, json + "\n").map_err(|e| Error::file(&path, e))?;
+        write_whole(&path, (json + "\n").as_bytes())?;
         Self::open(folder)
     }
 

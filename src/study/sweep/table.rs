@@ -7,6 +7,7 @@ use serde_json::Value;
 
 use super::metrics::Row;
 use super::plan::{Combine, Plan};
+use crate::destination::write_whole;
 use crate::error::{Error, Result};
 use crate::record::store::{SweepColumn, SweepFile, Values, write_sweep};
 
@@ -65,8 +66,7 @@ type Metrics<'a> = (&'a [String], &'a [Vec<&'a Value>]);
 /// Names first, then a comment with the SI units of the axes.
 fn write_csv(path: &Path, plan: &Plan, rows: &[Row], (names, metrics): Metrics<'_>) -> Result<()> {
     let failed = |e: csv::Error| Error::file(path, e);
-    let temporary = path.with_extension("csv.tmp");
-    let mut csv = csv::WriterBuilder::new().flexible(true).from_path(&temporary).map_err(failed)?;
+    let mut csv = csv::WriterBuilder::new().flexible(true).from_writer(Vec::new());
     let axes = plan.axes.iter().map(|axis| axis.key.as_str());
     let header = std::iter::once(CASE).chain(axes).chain([STATUS, REASON]);
     csv.write_record(header.chain(names.iter().map(String::as_str))).map_err(failed)?;
@@ -84,10 +84,7 @@ fn write_csv(path: &Path, plan: &Plan, rows: &[Row], (names, metrics): Metrics<'
         let cells = cells.chain([row.status.name().to_owned(), row.reason.clone()]).chain(metrics);
         csv.write_record(cells).map_err(failed)?;
     }
-    csv.flush().map_err(|e| Error::file(path, e))?;
-    std::fs::rename(&temporary, path).map_err(|e| Error::file(path, e))?;
-    log::info!("wrote {}: {} rows", path.display(), rows.len());
-    Ok(())
+    write_whole(path, &csv.into_inner().map_err(|e| Error::file(path, e.into_error()))?)
 }
 
 /// A text without the quotes of TOML.

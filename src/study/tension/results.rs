@@ -5,6 +5,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::plan::{METRICS, Test};
+use crate::destination::write_whole;
 use crate::error::{Error, Result};
 use crate::record::Field;
 use crate::record::store::{ResultFile, SweepColumn, SweepFile, Values, write_sweep};
@@ -137,7 +138,7 @@ const NUMBERS: [Number; 5] = [
 /// A file error.
 pub fn write_csv(path: &Path, results: &Results) -> Result<()> {
     let failed = |e: csv::Error| Error::file(path, e);
-    let mut csv = csv::Writer::from_path(path).map_err(failed)?;
+    let mut csv = csv::Writer::from_writer(Vec::new());
     let names = NUMBERS.iter().map(|number| number.0);
     csv.write_record(["velocity_m_s", "status", "reason"].into_iter().chain(names)).map_err(failed)?;
     for point in &results.points {
@@ -145,7 +146,7 @@ pub fn write_csv(path: &Path, results: &Results) -> Result<()> {
         let first = [format!("{:?}", point.velocity_m_s), point.status.to_owned(), point.reason.clone()];
         csv.write_record(first.into_iter().chain(numbers)).map_err(failed)?;
     }
-    csv.flush().map_err(|e| Error::file(path, e))
+    write_whole(path, &csv.into_inner().map_err(|e| Error::file(path, e.into_error()))?)
 }
 
 /// Writes an HDF5 file with the velocities as coordinate, and the residual strain over velocity and place.

@@ -6,7 +6,7 @@ use super::lines::Lines;
 use super::output;
 use super::summary::{add_critical, front_lines, note_lines};
 use crate::error::Result;
-use crate::run::plan_impact;
+use crate::run::{Trial, plan_impact};
 use crate::scene::Problem;
 use crate::study::plan::{InitialSteps, NetWork, Plan, Staircase, Work, plan};
 use crate::units::{Dimension, System, format};
@@ -53,7 +53,7 @@ fn text(plan: &Plan, units: System) -> String {
         let size = effect.estimate.map_or_else(String::new, |e| std::format!(" ({:.2} %)", 100.0 * e));
         lines.add(if effect.on { "on" } else { "off" }, std::format!("{}{size}: {}", effect.effect, effect.why));
     }
-    for (label, value) in work_lines(&plan.work, units) {
+    for (label, value) in work_lines(&plan.work, units).into_iter().chain(trial_lines(&plan.trial, units)) {
         lines.add(label, value);
     }
     if let Some(Staircase { pieces, reflects }) = plan.staircase {
@@ -96,34 +96,21 @@ fn work_lines(work: &Work, units: System) -> Vec<(&'static str, String)> {
             bytes_per_elastic_cell: elastic,
             bytes_per_yielded_cell: yielded,
             memory_bytes,
-            expected_s,
             net,
         } => {
             let grid = std::format!("{cells} cells, {steps} steps of {}", time(dt_s));
             let most = bytes(memory_bytes);
             let memory = std::format!("{elastic} bytes per elastic cell, {yielded} per yielded cell: at most {most}");
-            let [quick, slow] = expected_s.map(|seconds| time(rounded(seconds)));
-            let expected =
-                std::format!("about {quick} to {slow} for the time steps on one thread, if every cell is active");
-            let lines = [("grid", grid), ("memory", memory), ("expected time", expected)];
+            let lines = [("grid", grid), ("memory", memory)];
             lines.into_iter().chain(net.iter().flat_map(net_lines)).collect()
         }
-        Work::Fronts {
-            front_tolerance,
-            stress_scale,
-            first_fronts,
-            lines,
-            event_budget,
-            bytes_per_front,
-            longest_s,
-        } => {
+        Work::Fronts { front_tolerance, stress_scale, first_fronts, lines, event_budget, bytes_per_front } => {
             let fronts = std::format!("{first_fronts} after t = 0; the curve has {lines} straight segments");
-            let events = events_text(event_budget);
+            let events = std::format!("at most {event_budget}");
             let memory = std::format!("{bytes_per_front} bytes per active front, for any length of bar");
-            let (longest, stress) = (time(longest_s), format(stress_scale, Dimension::Stress, units));
-            let expected = std::format!("not known in advance; about {longest} if all events are used");
+            let stress = format(stress_scale, Dimension::Stress, units);
             let tolerance = ("front tolerance", tolerance_text(front_tolerance, &stress));
-            vec![("fronts", fronts), tolerance, ("events", events), ("memory", memory), ("expected time", expected)]
+            vec![("fronts", fronts), tolerance, ("events", events), ("memory", memory)]
         }
     }
 }
@@ -134,9 +121,13 @@ fn rounded(value: f64) -> f64 {
     if value > 0.0 { (value / last).round() * last } else { value }
 }
 
-fn events_text(event_budget: u64) -> String {
-    let unknown = "number not known in advance";
-    std::format!("{unknown}; the run stops after {event_budget}")
+fn trial_lines(trial: &Trial, units: System) -> Vec<(&'static str, String)> {
+    let is_whole = trial.share >= 1.0;
+    let tried = if is_whole { "the whole run".into() } else { std::format!("{:.2} % of the run", 100.0 * trial.share) };
+    let [shortest, longest] = trial.seconds.map(|seconds| format(rounded(seconds), Dimension::Time, units));
+    let time = std::format!("{shortest} to {longest} for the solver, from a trial of {tried}");
+    let events = trial.events.map(|events| ("expected events", events.to_string()));
+    events.into_iter().chain([("expected time", time)]).collect()
 }
 
 fn tolerance_text(front_tolerance: f64, stress: &str) -> String {

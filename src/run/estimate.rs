@@ -85,7 +85,7 @@ impl Simulation for Estimate<'_> {
     }
 }
 
-fn limits(bar: &impl Stepped) -> Vec<AtLimit> {
+pub(super) fn limits(bar: &impl Stepped) -> Vec<AtLimit> {
     let (centres, dt) = (bar.grid().centres(), bar.grid().dt);
     bar.passed().in_order().map(|passed| AtLimit::on_grid(&passed, &centres, dt)).collect()
 }

@@ -16,6 +16,7 @@ mod output;
 mod resume;
 mod stepped;
 mod tracked;
+mod trial;
 
 pub use impact::{plan_impact, run_impact};
 pub use output::Solution;
@@ -49,6 +50,7 @@ use crate::wave::similarity;
 pub use auto::choose;
 pub use choice::predict;
 pub use estimate::estimate;
+pub use trial::{Trial, trial};
 
 /// How far a run is.
 #[derive(Debug, Clone)]

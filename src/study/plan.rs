@@ -8,10 +8,10 @@ use serde::Serialize;
 use crate::assemble;
 use crate::bar::{Segment, initial_fans};
 use crate::error::Error;
-use crate::law::{Table, elastic_row};
+use crate::law::Table;
 use crate::material::Sense;
 use crate::record::{AuditRow, AutoChoice, FrontSummary};
-use crate::run::{self, Progress};
+use crate::run::{self, Progress, Trial};
 use crate::scene::{Effects, Method, Rate, Scene};
 use crate::solver::fd::{DistributedForces, Grid, TAPER_BYTES_PER_CELL};
 use crate::solver::moc::{FrontTracking, Settings};
@@ -36,6 +36,9 @@ pub struct Plan {
     /// What the method takes; its keys stand beside the others.
     #[serde(flatten)]
     pub work: Work,
+    /// How long it takes on this machine; its keys stand beside the others.
+    #[serde(flatten)]
+    pub trial: Trial,
     /// Fields before compression, bytes.
     pub field_bytes: usize,
     /// Fronts that the theory sends out at the start.
@@ -93,13 +96,11 @@ pub enum Work {
         bytes_per_yielded_cell: usize,
         /// Solver memory if the whole bar yields, bytes.
         memory_bytes: usize,
-        /// Stepping time if every cell is active in every step, s: of an elastic and of an all-plastic run.
-        expected_s: [f64; 2],
         /// Of a characteristic net only.
         #[serde(flatten)]
         net: Option<NetWork>,
     },
-    /// Front tracking. The number of interactions is not known before the run.
+    /// Front tracking.
     Fronts {
         /// Of the largest stress that the scene's data can reach.
         front_tolerance: f64,
@@ -114,8 +115,6 @@ pub enum Work {
         event_budget: u64,
         /// Solver memory of a front, bytes.
         bytes_per_front: usize,
-        /// Time if the whole budget is used, s.
-        longest_s: f64,
     },
 }
 
@@ -154,25 +153,11 @@ pub struct PlannedEffect {
     pub threshold: Option<f64>,
 }
 
-/// Time of one step of one yielded cell over that of an elastic cell, all kernels and the grid filter included.
-/// Measured on bilinear and 60-knot curves at 10000 cells; it differs by a factor of two between processors.
-const PLASTIC_COST: f64 = 6.0;
-
-/// Time of a step of a flowing rate-dependent cell on the grid: by Malvern's law, and by those with a power or a logarithm.
-const RATE_MALVERN: f64 = 40e-9;
-const RATE_OTHER: f64 = 150e-9;
-
-/// Time of a step of a node with distributed forces. Measured at 10000 cells.
-const SWEEP: f64 = 8e-9;
-
-/// The same of a cell whose temperature is a state variable, found by iteration.
-const HEATED: f64 = 200e-9;
-
 /// Time that the coarse runs of a plan may take: `tolerance`, `effects = "auto"` and the estimates of neglected effects.
 const LIMIT: Duration = Duration::from_millis(800);
 
 /// Makes the plan, with the effects that `effects = "auto"` would start with. Coarse runs that take longer than about a second are
-/// stopped, and the plan says what it does not know.
+/// stopped, and the plan says what it does not know. The run itself is tried for some tenths of a second.
 pub fn plan(scene: &Scene) -> Plan {
     let started = Instant::now();
     let within =
@@ -197,6 +182,7 @@ pub fn plan(scene: &Scene) -> Plan {
         choice,
         auto: scene.auto.as_ref().map(|auto| auto.choices.clone()),
         work,
+        trial: run::trial(scene),
         field_bytes: samples * size_of::<f64>(),
         fronts: all.iter().flat_map(fronts).collect(),
         critical_velocity: run::critical_velocity(asked, &all),
@@ -236,6 +222,14 @@ fn choose(scene: &Scene, within: &mut dyn FnMut(Progress) -> ControlFlow<()>) ->
     Some((chosen, PlannedChoice { tolerance: tolerance.value, schemes, how }))
 }
 
+/// Solver memory of a scene on a grid if the whole bar yields, bytes; 0 by front tracking.
+pub fn memory(scene: &Scene) -> usize {
+    match work(scene).0 {
+        Work::Grid { memory_bytes, .. } => memory_bytes,
+        Work::Fronts { .. } => 0,
+    }
+}
+
 /// The work by the scene's method, and its cells.
 fn work(scene: &Scene) -> (Work, usize) {
     match scene.solve.method {
@@ -254,12 +248,9 @@ fn work(scene: &Scene) -> (Work, usize) {
     }
 }
 
-/// What a cell takes, elastic and once it flows.
+/// Solver memory of a cell, elastic and once it flows, bytes; and what a net says of itself.
 struct Cell {
-    /// Solver memory.
     bytes: [usize; 2],
-    /// Time of a step, s.
-    seconds: [f64; 2],
     net: Option<NetWork>,
 }
 
@@ -274,7 +265,6 @@ fn grid_work(scene: &Scene, grid: &Grid, cell: &Cell) -> (Work, usize) {
         bytes_per_elastic_cell: elastic,
         bytes_per_yielded_cell: yielded,
         memory_bytes: cells * yielded,
-        expected_s: cell.seconds.map(|one| one * (cells * steps) as f64),
         net: cell.net,
     };
     (work, cells)
@@ -292,48 +282,22 @@ fn leapfrog_cell(scene: &Scene, grid: &Grid) -> Cell {
     let [nodes, yielded_nodes] = along.as_ref().map_or([0; 2], DistributedForces::bytes_per_cell);
     let elastic = 2 * number + sections + nodes;
     let yielded = (2 + law.law.state_len()) * number + 1 + work_kept + sections + yielded_nodes;
-    let sweep = if along.is_some() { SWEEP } else { 0.0 };
-    let elastic_cell = elastic_seconds_per_cell_step();
-    let heated = scene.bar.segments.iter().any(|s| assemble::heat_of_state(s, &scene.effects).is_some());
-    let flowing = match scene.effects.rate {
-        _ if heated => HEATED,
-        None => PLASTIC_COST * elastic_cell,
-        Some(Rate::Malvern { .. }) => RATE_MALVERN,
-        Some(_) => RATE_OTHER,
-    };
-    Cell { bytes: [elastic, yielded], seconds: [elastic_cell, flowing].map(|one| one + sweep), net: None }
+    Cell { bytes: [elastic, yielded], net: None }
 }
-
-/// Time of a step of a cell by muscl while it is elastic, and where it flows over the knots of a curve. Measured on bilinear
-/// and 60-knot curves at 10000 cells; it differs by a factor of two between processors.
-const MUSCL_ELASTIC: f64 = 3e-9;
-const MUSCL_FLOWING: f64 = 60e-9;
 
 fn muscl_cell(scene: &Scene) -> Cell {
     let law = assemble::segment_law(&scene.bar.segments[0], &scene.effects);
     let bytes = [2, 2 + law.law.state_len()].map(|numbers| numbers * size_of::<f64>());
-    Cell { bytes, seconds: [MUSCL_ELASTIC, MUSCL_FLOWING], net: None }
+    Cell { bytes, net: None }
 }
-
-/// Time of a step of a cell of the net while it is elastic, and with both of its nodes flowing: by Malvern's law, and by
-/// those with a power or a logarithm. Measured on bilinear and 60-knot curves at 1000 and 10000 cells; it differs by a
-/// factor of two between processors.
-const NET_ELASTIC: f64 = 1e-9;
-const NET_MALVERN: f64 = 20e-9;
-const NET_OTHER: f64 = 180e-9;
 
 fn net_cell(scene: &Scene, lattice: &Lattice) -> Cell {
     let k = if let Some(Rate::Malvern { k }) = scene.effects.rate { Some(k) } else { None };
-    let flowing = if k.is_some() { NET_MALVERN } else { NET_OTHER };
     Cell {
         bytes: [Net::BYTES_PER_CELL; 2],
-        seconds: [NET_ELASTIC, flowing],
         net: Some(NetWork { largest_transit_shift: lattice.shift, k_dt: k.map(|k| k * lattice.grid.dt) }),
     }
 }
-
-/// Time of one event. Measured on curves of 10 to 60 straight pieces; it differs by a factor of two between processors.
-const SECONDS_PER_EVENT: f64 = 1e-6;
 
 fn front_work(scene: &Scene, front_tolerance: f64, event_budget: u64) -> Work {
     let settings = Settings { front_tolerance, event_budget, ..Settings::default() };
@@ -348,7 +312,6 @@ fn front_work(scene: &Scene, front_tolerance: f64, event_budget: u64) -> Work {
         lines: scene.bar.segments.iter().map(lines).max().unwrap_or(0),
         event_budget,
         bytes_per_front: FrontTracking::BYTES_PER_FRONT,
-        longest_s: SECONDS_PER_EVENT * event_budget as f64,
     }
 }
 
@@ -457,19 +420,4 @@ fn without(key: &str) -> &'static str {
         "damping" => "the only dissipation is plastic work",
         _ => "lateral inertia is neglected",
     }
-}
-
-/// Time of the elastic kernel on this machine: the shortest of some runs over one row in the cache.
-fn elastic_seconds_per_cell_step() -> f64 {
-    let (v, mut sigma) = (vec![0.0; 513], vec![0.0; 512]);
-    let mut best = f64::INFINITY;
-    for _ in 0..20 {
-        let start = Instant::now();
-        for _ in 0..100 {
-            std::hint::black_box(elastic_row(1.0, std::hint::black_box(&v), &mut sigma));
-        }
-        best = best.min(start.elapsed().as_secs_f64() / 51_200.0);
-    }
-    // The velocity half of the step costs about as much again.
-    2.0 * best
 }

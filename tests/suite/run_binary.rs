@@ -749,10 +749,17 @@ fn plans_of_both_methods_are_made() {
     };
     assert_keys(&plan("bilinear-p2.toml"), &["cells", "dt_s", "steps", "memory_bytes", "expected_s"], "fd");
     let tracked = plan("copper-released.toml");
-    assert_keys(&tracked, &["front_tolerance", "stress_scale_Pa", "first_fronts", "lines", "event_budget"], "moc");
+    let keys = ["front_tolerance", "stress_scale_Pa", "first_fronts", "lines", "event_budget", "expected_s"];
+    assert_keys(&tracked, &keys, "moc");
     assert!(tracked.get("cells").is_none() && tracked.get("steps").is_none());
     let text = String::from_utf8(barwave(&runs(), &["plan", "copper-released.toml"]).stdout).expect("text");
-    assert!(text.contains("not known in advance"), "{text}");
+    assert!(text.contains("at most 100000000") && text.contains("expected time"), "{text}");
+    let exact = plan("bilinear-p2-moc.toml");
+    let folder = tempfile::tempdir().expect("a folder");
+    let output = folder.path().join("a.h5").display().to_string();
+    let run = barwave(&runs(), &["run", "bilinear-p2-moc.toml", "-o", &output, "--json"]);
+    let run: Value = serde_json::from_slice(&run.stdout).expect("one JSON value");
+    assert_eq!((&exact["tried_share"], &exact["expected_events"]), (&1.0.into(), &run["events"]));
 }
 
 #[test]

@@ -8,7 +8,7 @@ use super::source::{Family, Resolution, Source};
 use super::{Instants, Whole};
 use crate::scene::Scene;
 use crate::solver::moc::FrontTracking;
-use crate::study::plan::{Work, plan};
+use crate::study::plan;
 
 /// Runs the points of the ladders.
 pub(super) struct Bench<'a> {
@@ -94,9 +94,6 @@ impl Bench<'_> {
 pub(super) fn memory(scene: &Scene, pass: &Pass) -> u64 {
     match &pass.tracked {
         Some(bar) => (bar.pieces * FrontTracking::BYTES_PER_FRONT) as u64,
-        None => match plan(scene).work {
-            Work::Grid { memory_bytes, .. } => memory_bytes as u64,
-            Work::Fronts { .. } => 0,
-        },
+        None => plan::memory(scene) as u64,
     }
 }

@@ -1,0 +1,233 @@
+//! How long the solver takes for a run on this machine: tried out, from the start of the run and a coarse run of the same scene.
+
+use super::estimate::limits;
+use super::{companion, history_places};
+use crate::assemble;
+use crate::record::{Stepped, Traces};
+use crate::scene::{Method, Scene, Solve};
+use crate::simulate::{Interval, Simulation, Solver, simulate};
+use crate::snapshot::Snapshot;
+use crate::solver::fd::Sampling;
+use crate::solver::moc::{FrontTracking, Settings};
+use serde::Serialize;
+use std::time::Instant;
+
+/// Time after which the start of the run ends, and the coarse run, s.
+const LIMIT: f64 = 0.2;
+
+/// Readings of the clock over a run on a grid, about as many as a run makes between its steps.
+const LOOKS: usize = 400;
+
+/// Events between two readings.
+const EVENTS: u64 = 500;
+
+/// Cells of the largest grid that is tried. The time of a larger one goes with the square of the cells.
+const MOST_CELLS: usize = 1 << 20;
+/// Cells of the smallest grid that shows where the work is.
+const LEAST_CELLS: usize = 50;
+
+/// Factor by which the time of a run differs from one time to the next, and from what its start tells.
+const WHOLE: f64 = 1.4;
+const EXTRAPOLATED: f64 = 2.0;
+
+/// What a trial tells of a run.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Trial {
+    /// Time of the solver, s, shortest and longest.
+    #[serde(rename = "expected_s")]
+    pub seconds: [f64; 2],
+    /// Events, where fronts are tracked and the whole run was tried.
+    #[serde(rename = "expected_events", skip_serializing_if = "Option::is_none")]
+    pub events: Option<u64>,
+    /// Share of the end time up to which the run was tried; 1: all of it.
+    #[serde(rename = "tried_share")]
+    pub share: f64,
+}
+
+/// Tries a scene for some tenths of a second. A scene that asks for pieces has to be in pieces already, see [`Scene::in_pieces`].
+pub fn trial(scene: &Scene) -> Trial {
+    let method = scene.solve.method;
+    let tried = method.with_cells(method.cells().unwrap_or_default().min(MOST_CELLS));
+    let start = follow(scene, tried);
+    let part = if start.ended {
+        1.0
+    } else {
+        let coarse = coarser(tried, &start).map(|coarse| follow(scene, coarse));
+        coarse.map_or(start.share(), |coarse| coarse.part(start.share()))
+    };
+    let larger = method.cells().unwrap_or_default() as f64 / tried.cells().unwrap_or_default().max(1) as f64;
+    let mut seconds = larger.max(1.0).powi(2) * start.seconds() / part;
+    if let Method::FrontTracking { event_budget, .. } = method {
+        seconds = seconds.min(event_budget as f64 * start.seconds() / start.events.max(1) as f64);
+    }
+    let events = (start.ended && tried.cells().is_none()).then_some(start.events);
+    let factor = if start.ended && larger <= 1.0 { WHOLE } else { EXTRAPOLATED };
+    Trial { seconds: [seconds / factor, seconds * factor], events, share: start.share() }
+}
+
+/// A method whose run takes about a half of [`LIMIT`], if that of `start` takes longer.
+fn coarser(method: Method, start: &Course) -> Option<Method> {
+    let less = (0.5 * LIMIT * start.share() / start.seconds()).sqrt();
+    if let Method::FrontTracking { front_tolerance, event_budget } = method {
+        let settings = Settings { front_tolerance, event_budget, ..Settings::default() };
+        let coarser = companion::coarser(settings).front_tolerance.max(front_tolerance / less);
+        return (coarser > 0.0).then(|| method.with_front_tolerance(coarser));
+    }
+    let cells = (less * method.cells()? as f64) as usize;
+    Some(method.with_cells(cells.max(LEAST_CELLS))).filter(|coarse| coarse.cells() < method.cells())
+}
+
+/// How a run went on.
+#[derive(Debug, Default)]
+struct Course {
+    /// Share of the end time, and time of the solver up to then, s.
+    points: Vec<[f64; 2]>,
+    /// Events up to the last point.
+    events: u64,
+    /// The run came to its end, or cannot go on.
+    ended: bool,
+}
+
+impl Course {
+    fn seconds(&self) -> f64 {
+        self.points.last().map_or(0.0, |point| point[1])
+    }
+
+    /// Of the end time, at least what can be divided by.
+    fn share(&self) -> f64 {
+        if self.ended { 1.0 } else { self.points.last().map_or(0.0, |point| point[0]).max(f64::EPSILON) }
+    }
+
+    /// Part of its whole time that is spent when this share of the end time is reached. A run that did not come to its end is taken to go
+    /// on as it went on average.
+    fn part(&self, share: f64) -> f64 {
+        let next = self.points.partition_point(|point| point[0] < share);
+        let [before, after] = [next.wrapping_sub(1), next].map(|k| self.points.get(k));
+        let whole = self.seconds() / self.share();
+        let at = match (before, after) {
+            (Some(a), Some(b)) => a[1] + (b[1] - a[1]) * (share - a[0]) / (b[0] - a[0]),
+            (None, Some(b)) => b[1] * share / b[0],
+            (_, None) => whole * share,
+        };
+        if at > 0.0 { at / whole } else { share }
+    }
+}
+
+/// The course of a scene by a method, for [`LIMIT`] at the longest.
+fn follow(scene: &Scene, method: Method) -> Course {
+    let scene = &Scene { solve: Solve { method, ..scene.solve.clone() }, ..scene.clone() };
+    assemble::solve(scene, Task { scene })
+}
+
+struct Task<'a> {
+    scene: &'a Scene,
+}
+
+impl assemble::Task for Task<'_> {
+    type Output = Course;
+
+    fn on_grid(self, bar: impl Stepped + Snapshot) -> Course {
+        let scene = self.scene;
+        let places = Sampling::at(bar.grid(), history_places(scene));
+        let mut log = Traces::new(places, scene.effects.heat.is_some(), bar.sudden_loads().ends);
+        let mut bar = bar;
+        bar.watch(&log);
+        bar.add_to(&mut log);
+        let steps = bar.grid().steps_to(scene.solve.until);
+        let next = move |bar: &_| (Stepped::step(bar) + (steps / LOOKS).max(1)).min(steps);
+        let at = move |bar: &_| (Stepped::step(bar) as f64 / steps as f64, 0);
+        let stops = |bar: &_| limits(bar).iter().any(|limit| limit.stops(scene));
+        Tried { bar, log, next, at, stops, work: u64::MAX, course: Course::default() }.course()
+    }
+
+    fn by_fronts(self, settings: Settings) -> Course {
+        let (scene, until) = (self.scene, self.scene.solve.until);
+        let before = Instant::now();
+        let bar = assemble::front_tracking(scene, Settings { front_segments: true, stop_at_limits: true, ..settings });
+        let course = Course { points: vec![[0.0, before.elapsed().as_secs_f64()]], ..Course::default() };
+        let at = move |bar: &FrontTracking| (bar.time() / until, bar.events());
+        Tried { bar, log: Vec::new(), next: move |_: &_| until, at, stops: |_: &_| false, work: EVENTS, course }
+            .course()
+    }
+}
+
+/// A bar that is followed for a while.
+struct Tried<S: Solver, N, A, E> {
+    bar: S,
+    log: S::Log,
+    /// Where it is looked at next.
+    next: N,
+    /// Share of the end time, and events.
+    at: A,
+    /// Nothing is known from here on.
+    stops: E,
+    /// Work between two looks at the most.
+    work: u64,
+    course: Course,
+}
+
+impl<S, N, A, E> Tried<S, N, A, E>
+where
+    S: Solver,
+    N: Fn(&S) -> S::Mark,
+    A: Fn(&S) -> (f64, u64),
+    E: Fn(&S) -> bool,
+{
+    fn course(mut self) -> Course {
+        let work = self.work;
+        // What ends it early leaves a course up to then.
+        let _: Result<(), Early> = simulate(&mut self, work);
+        self.course
+    }
+}
+
+/// The trial ended before the end time.
+struct Early;
+
+impl<S, N, A, E> Simulation for Tried<S, N, A, E>
+where
+    S: Solver,
+    N: Fn(&S) -> S::Mark,
+    A: Fn(&S) -> (f64, u64),
+    E: Fn(&S) -> bool,
+{
+    type Solver = S;
+    type Error = Early;
+
+    fn next(&self) -> Option<S::Mark> {
+        (!self.course.ended).then(|| (self.next)(&self.bar))
+    }
+
+    fn bar(&mut self) -> (&mut S, Option<&mut S::Log>) {
+        (&mut self.bar, Some(&mut self.log))
+    }
+
+    fn look(&mut self, interval: Interval) -> Result<(), Early> {
+        let (share, events) = (self.at)(&self.bar);
+        let seconds = self.course.seconds() + interval.seconds;
+        self.course.points.push([share, seconds]);
+        self.course.events = events;
+        self.course.ended = share >= 1.0 || interval.arrived.is_err() || (self.stops)(&self.bar);
+        if seconds > LIMIT { Err(Early) } else { Ok(()) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_part_of_a_course_is_read_between_its_points() {
+        let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-15, "{a}, not {b}");
+        let course = |points: &[[f64; 2]], ended| Course { points: points.to_vec(), events: 0, ended };
+        let whole = course(&[[0.5, 1.0], [1.0, 4.0]], true);
+        near(whole.part(0.25), 0.125);
+        near(whole.part(0.75), 0.625);
+        let begun = course(&[[0.25, 1.0], [0.5, 3.0]], false);
+        near(begun.part(0.5), 0.5);
+        near(begun.part(0.25), 1.0 / 6.0);
+        near(begun.part(0.75), 0.75);
+        // Nothing to tell from.
+        near(course(&[], false).part(0.3), 0.3);
+    }
+}

@@ -753,7 +753,7 @@ fn plans_of_both_methods_are_made() {
     assert_keys(&tracked, &keys, "moc");
     assert!(tracked.get("cells").is_none() && tracked.get("steps").is_none());
     let text = String::from_utf8(barwave(&runs(), &["plan", "copper-released.toml"]).stdout).expect("text");
-    assert!(text.contains("at most 100000000") && text.contains("expected time"), "{text}");
+    assert!(text.contains("at most 10000000") && text.contains("expected time"), "{text}");
     let exact = plan("bilinear-p2-moc.toml");
     let folder = tempfile::tempdir().expect("a folder");
     let output = folder.path().join("a.h5").display().to_string();

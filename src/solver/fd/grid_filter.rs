@@ -210,7 +210,8 @@ impl Gaps {
         let w = &self.w.0[LANES - 1..=LANES + self.cells];
         let shocks = !cells.have_flowed.is_empty();
         let anything = match (shocks, flows(flow)) {
-            (true, _) => find_shocks(w, cells, filter, impulses),
+            (true, false) if none_crosses(cells.have_flowed) => find_shocks::<false>(w, cells, filter, impulses),
+            (true, _) => find_shocks::<true>(w, cells, filter, impulses),
             (false, true) => find_flowing(w, flow, filter, impulses),
             (false, false) => find(w, filter, impulses),
         };
@@ -237,10 +238,26 @@ const CROSSING: i8 = 16;
 /// Notes in a row of cells how they have flowed: 0 never, 1 some time ago, more for those that unload in flow now or did so in the last [`CROSSING`]
 /// steps.
 pub(super) fn note_flow(flow: &[i8], sigma: &[f64], have_flowed: &mut [i8]) {
-    for ((have, &flow), &sigma) in have_flowed.iter_mut().zip(flow).zip(sigma) {
-        let unloads = f64::from(flow) * sigma < 0.0;
-        let older = if *have > 1 { *have - 1 } else { *have | (flow & 1) };
-        *have = if unloads { CROSSING + 1 } else { older };
+    // 0 and 1 stay as they are without flow.
+    if flows(flow) || !none_crosses(have_flowed) {
+        note_new_flow(flow, sigma, have_flowed);
+    }
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
+fn note_new_flow(flow: &[i8], sigma: &[f64], have_flowed: &mut [i8]) {
+    let cells = have_flowed.len();
+    let (flow, sigma) = (&flow[..cells], &sigma[..cells]);
+    let mut pulled = [0; MOST_CELLS];
+    let pulled = &mut pulled[..cells];
+    // Numbers of their own first: compilers know no loop for numbers of different sizes.
+    for i in 0..cells {
+        pulled[i] = (i64::from(sigma[i] > 0.0) - i64::from(sigma[i] < 0.0)) as i8;
+    }
+    for i in 0..cells {
+        let have = have_flowed[i];
+        let older = if have > 1 { have - 1 } else { have | (flow[i] & 1) };
+        have_flowed[i] = if flow[i] * pulled[i] < 0 { CROSSING + 1 } else { older };
     }
 }
 
@@ -248,6 +265,11 @@ pub(super) fn note_flow(flow: &[i8], sigma: &[f64], have_flowed: &mut [i8]) {
 #[inline(always)]
 fn crosses(have_flowed: i8) -> bool {
     have_flowed > 1
+}
+
+/// No cell may.
+fn none_crosses(have_flowed: &[i8]) -> bool {
+    have_flowed.iter().fold(0, |any, have| any | have) <= 1
 }
 
 /// Some cell flows.
@@ -366,19 +388,24 @@ fn find_flowing(w: &[f64], flow: &[i8], filter: Filter, impulses: &mut [f64]) ->
     bits & Range::SIZE != 0
 }
 
-/// The same where there can be shocks.
+/// The same where there can be shocks; `FLOWS`: some cell flows, or crosses the elastic range in one.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
-fn find_shocks(w: &[f64], row: &Cells<'_>, filter: Filter, impulses: &mut [f64]) -> bool {
+fn find_shocks<const FLOWS: bool>(w: &[f64], row: &Cells<'_>, filter: Filter, impulses: &mut [f64]) -> bool {
     let cells = impulses.len();
     let (left, here, right) = (&w[..cells], &w[1..=cells], &w[2..cells + 2]);
     let (flow, have_flowed, sigma) = (&row.flow[..cells], &row.have_flowed[..cells], &row.sigma[..cells]);
     let mut bits = 0;
     for i in 0..cells {
-        let (sense, size) = (f64::from(flow[i]), here[i].abs());
-        let ripples = impulse([left[i], here[i], right[i]], sense, filter).abs();
-        let viscous = filter.viscosity(here[i], sense, sigma[i], crosses(have_flowed[i])) * size;
-        let ringing = ringing([left[i], here[i], right[i]], have_flowed[i] > 0 && flow[i] == 0, filter);
-        let (_, _, neighbours) = seen_from([left[i], here[i], right[i]]);
+        let w = [left[i], here[i], right[i]];
+        let (_, size, neighbours) = seen_from(w);
+        let [ripples, viscous] = if FLOWS {
+            let sense = f64::from(flow[i]);
+            let viscosity = filter.viscosity(here[i], sense, sigma[i], crosses(have_flowed[i]));
+            [impulse(w, sense, filter).abs(), viscosity * size]
+        } else {
+            [alternating(size, neighbours, filter), 0.0]
+        };
+        let ringing = ringing(w, have_flowed[i] > 0 && !(FLOWS && flow[i] != 0), filter);
         let most = if alternates(neighbours, filter) { filter.alternating } else { LARGEST_SHARE };
         impulses[i] = lesser(ripples + viscous + ringing, most * size).copysign(here[i]);
         bits |= impulses[i].to_bits();

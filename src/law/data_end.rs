@@ -105,6 +105,13 @@ impl DataEnd {
         accumulated < self.least && stress > -self.full
     }
 
+    /// The same of points that have never yielded, under stresses of at most `peak` and a yield stress in either sense of at least
+    /// `yield_stress`, Pa: below that none flows.
+    pub fn is_far_below_yield(&self, peak: f64, yield_stress: f64) -> bool {
+        let flows = peak * (1.0 + 2.0 * NUDGE) >= yield_stress;
+        self.is_far(if flows { 0.0 } else { f64::NEG_INFINITY }, -peak)
+    }
+
     /// The limit that a point has reached, if it has. Where it must flow for that, `flows` is asked, with the limit.
     pub fn reached(&self, point: &Flowing, flows: impl FnOnce(Limit) -> bool) -> Option<Reached> {
         let Flowing { sense, accumulated, strain } = *point;

@@ -388,7 +388,7 @@ impl Block {
         let Range { start, end } = self.active;
         let peak = elastic_row(law.stress_gain, &self.v[start..=end], &mut self.sigma[start..end]);
         if peak <= law.yield_stress {
-            if !law.end.is_far(0.0, -peak) {
+            if !law.end.is_far_below_yield(peak, law.yield_stress) {
                 self.note_limits(law);
             }
             return true;

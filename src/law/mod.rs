@@ -49,6 +49,16 @@ pub const LANES: usize = 8;
 /// Cells of a row that are stepped together.
 pub const CHUNK: usize = 64;
 
+/// Distance from yield, relative to the stress, within which a cell's own return mapping decides. The difference between a stress and that on
+/// the curve, which the mapping compares, is this times 1 less the slope of the curve: above rounding up to a slope of 1 - 1e-6.
+const CLOSE_TO_YIELD: f64 = 1e-9;
+
+/// Largest stress in either sense within an elastic range, Pa, but for what is [`CLOSE_TO_YIELD`]; 0 of a range that has moved beyond 0.
+fn within([low, high]: [f64; 2]) -> f64 {
+    let margin = 2.0 * CLOSE_TO_YIELD * (high.abs() + low.abs());
+    (high - margin).min(-low - margin).max(0.0)
+}
+
 /// One step of one cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Response<const N: usize> {
@@ -170,6 +180,12 @@ pub trait CellLaw<const N: usize>: Send + Sync + Sized {
         false
     }
 
+    /// Stress up to which all of these cells stay elastic in either sense, and their states as they are, Pa; 0 where that is not known.
+    /// None of them yields below `yield_stress`.
+    fn elastic_up_to(&self, _yield_stress: f64, _cells: impl Iterator<Item = [f64; N]>) -> f64 {
+        0.0
+    }
+
     /// E times the signed plastic strain, Pa.
     fn plastic_strain(&self, state: [f64; N]) -> f64;
 
@@ -284,6 +300,9 @@ pub trait RowLaw: Send + Sync {
     /// As [`RowLaw::advance`], with E times the strain increment of every cell (Pa) given; `work` is as in [`Row`].
     fn strain(&self, increment: &[f64], sigma: &mut [f64], state: &mut [f64], work: &mut [f64]);
 
+    /// As in [`CellLaw::elastic_up_to`], for all cells of a row.
+    fn elastic_up_to(&self, yield_stress: f64, state: &[f64]) -> f64;
+
     /// True where another step without strain would change no bit of these cells of the row.
     fn rests(&self, sigma: &[f64], state: &[f64], cells: Range<usize>) -> bool;
 
@@ -356,6 +375,10 @@ impl<L: CellLaw<N>, const N: usize> RowLaw for Rows<L, N> {
 
     fn strain(&self, increment: &[f64], sigma: &mut [f64], state: &mut [f64], work: &mut [f64]) {
         row::strain(&self.law, increment, sigma, state, work);
+    }
+
+    fn elastic_up_to(&self, yield_stress: f64, state: &[f64]) -> f64 {
+        self.law.elastic_up_to(yield_stress, (0..state.len() / N).map(|i| cell_state(state, i)))
     }
 
     fn rests(&self, sigma: &[f64], state: &[f64], mut cells: Range<usize>) -> bool {

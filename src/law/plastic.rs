@@ -4,7 +4,7 @@
 //! hardening `h = f - sigma_y`, the stress behind a step follows without iteration: a point on the table obeys
 //! `E p' + sigma_y + h(p') = z`, so the table itself, read at `z = (elastic predictor) + E p`, is the solution.
 
-use super::{Backbone, CellLaw, Deformed, Response};
+use super::{Backbone, CLOSE_TO_YIELD, CellLaw, Deformed, Response, within};
 
 /// Isotropic hardening: tension and compression harden alike.
 ///
@@ -13,9 +13,8 @@ use super::{Backbone, CellLaw, Deformed, Response};
 #[derive(Debug, Clone)]
 pub struct Isotropic<B>(pub B);
 
-/// Distance from yield, relative to the stress, within which a cell's own return mapping decides. The difference between a stress and that on
-/// the curve, which the mapping compares, is this times 1 less the slope of the curve: above rounding up to a slope of 1 - 1e-6.
-const CLOSE_TO_YIELD: f64 = 1e-9;
+/// Repetitions in which the elastic limit is approached: each leaves the slope of the curve over E of what was missing.
+const TOWARDS_YIELD: usize = 8;
 
 impl<B: Backbone> CellLaw<2> for Isotropic<B> {
     const BOUNDS_ELASTICITY: bool = true;
@@ -26,6 +25,18 @@ impl<B: Backbone> CellLaw<2> for Isotropic<B> {
         let size = size * (1.0 + CLOSE_TO_YIELD);
         let [tension, compression] = [1.0, -1.0].map(|sign| self.0.stress(size + accumulated, sign));
         size <= tension && size <= compression
+    }
+
+    fn elastic_up_to(&self, yield_stress: f64, cells: impl Iterator<Item = [f64; 2]>) -> f64 {
+        let least = cells.map(|state| state[0]).fold(f64::INFINITY, f64::min);
+        let curve = |size: f64| self.0.stress(size, 1.0).min(self.0.stress(size, -1.0));
+        // The elastic limit is the size at which curve(size + least) = size. Each of these is nearer to it from below.
+        let mut size = yield_stress.max(curve(least));
+        for _ in 0..TOWARDS_YIELD {
+            size = curve(size + least);
+        }
+        let size = within([-size, size]);
+        if self.is_elastic_up_to(size, least) { size } else { 0.0 }
     }
 
     #[inline(always)]
@@ -92,6 +103,14 @@ pub struct Mixed<B> {
 }
 
 impl<B: Backbone> CellLaw<4> for Mixed<B> {
+    fn elastic_up_to(&self, _yield_stress: f64, cells: impl Iterator<Item = [f64; 4]>) -> f64 {
+        let range = |[_, _, back, h]: [f64; 4]| {
+            let half = self.yield_stress + (1.0 - self.kinematic) * h;
+            [back - half, back + half]
+        };
+        cells.map(|state| within(range(state))).fold(f64::INFINITY, f64::min)
+    }
+
     #[inline(always)]
     fn base(&self, sigma: f64, _state: [f64; 4]) -> f64 {
         sigma

@@ -384,7 +384,7 @@ pub(super) fn strain<L: CellLaw<N>, const N: usize>(
 mod tests {
     use super::*;
     use crate::law::rate::{Heated, LAWS, Overstress, RateLaw, Timed, heating};
-    use crate::law::{Backbone, Envelope, Indexed, Isotropic, Mixed, PathIndependent, Searched, Table};
+    use crate::law::{Backbone, Envelope, Indexed, Isotropic, Mixed, PathIndependent, Response, Searched, Table};
     use crate::material::{Beyond, Curve};
 
     const MODULUS: f64 = 200e9;
@@ -447,6 +447,15 @@ mod tests {
             let cell = |i: usize| law.accumulated(std::array::from_fn(|k| state[k * cells + i]));
             let least = (0..cells).map(cell).fold(f64::INFINITY, f64::min);
             assert_eq!(law.is_elastic_up_to(size, least), L::BOUNDS_ELASTICITY, "all cells are unloaded");
+            let states = || (0..cells).map(|i| std::array::from_fn(|k| state[k * cells + i]));
+            let up_to = law.elastic_up_to(0.0, states());
+            for (stress, before) in
+                [up_to, -up_to].into_iter().flat_map(|stress| states().map(move |state| (stress, state)))
+            {
+                let after = law.respond(0.0, law.base(stress, before), before);
+                let elastic = Response { sigma: stress, state: before, plastic: 0.0 };
+                assert!(up_to == 0.0 || after == elastic, "{after:?}, not {elastic:?}");
+            }
         }
     }
 

@@ -195,6 +195,14 @@ macro_rules! readings_of_state {
             2.0 * (up * high - down * low + after.state[4] - state[4])
         }
 
+        fn elastic_up_to(&self, _yield_stress: f64, cells: impl Iterator<Item = [f64; N]>) -> f64 {
+            let up_to = |state: [f64; N]| {
+                let flows = state[2] != 0.0 || state[3] != 0.0;
+                if flows { 0.0 } else { $crate::law::within(self.limits(state)) }
+            };
+            cells.map(up_to).fold(f64::INFINITY, f64::min)
+        }
+
         #[inline]
         fn plastic_strain(&self, state: [f64; N]) -> f64 {
             state[1]

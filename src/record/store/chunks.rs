@@ -1,8 +1,6 @@
-//! Rows of a field, compressed here and written as they are: as the library's own shuffle and deflate filters do it, which set up the
-//! compression anew for every chunk and take nearly twice as long.
+//! Rows of a field and columns of a table, compressed here and written as they are: as the library's own shuffle and deflate filters do it,
+//! which set up the compression anew for every chunk and take nearly twice as long.
 #![allow(unsafe_code)]
-
-use std::ptr;
 
 use hdf5::Dataset;
 use hdf5_sys::h5d::H5Dwrite_chunk;
@@ -14,28 +12,28 @@ use crate::record::Precision;
 /// Fields are close to incompressible beyond what the shuffled bytes have in common.
 const LEVEL: i32 = 1;
 
-/// Compresses chunks of one row each.
-pub(super) struct RowChunks {
+/// Compresses chunks.
+pub(super) struct Chunks {
     compressor: Compressor,
-    shuffled: Vec<u8>,
+    bytes: Vec<u8>,
     compressed: Vec<u8>,
 }
 
-impl std::fmt::Debug for RowChunks {
+impl std::fmt::Debug for Chunks {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        formatter.write_str("RowChunks")
+        formatter.write_str("Chunks")
     }
 }
 
-impl RowChunks {
+impl Chunks {
     pub fn new() -> Self {
         let level = CompressionLvl::new(LEVEL).unwrap_or_default();
-        Self { compressor: Compressor::new(level), shuffled: Vec::new(), compressed: Vec::new() }
+        Self { compressor: Compressor::new(level), bytes: Vec::new(), compressed: Vec::new() }
     }
 
     /// Writes row `row` of a dataset whose chunks are 1 by `columns` and whose filters are shuffle and deflate. The dataset has the row
     /// already, empty.
-    pub fn write(
+    pub fn write_row(
         &mut self,
         dataset: &Dataset,
         row: usize,
@@ -48,19 +46,42 @@ impl RowChunks {
                 Precision::F64 => self.shuffle(part, columns, f64::to_ne_bytes),
                 Precision::F32 => self.shuffle(part, columns, |value| (value as f32).to_ne_bytes()),
             }
-            self.compressed.resize(self.compressor.zlib_compress_bound(self.shuffled.len()), 0);
-            let compressed = self.compressor.zlib_compress(&self.shuffled, &mut self.compressed);
-            let length = compressed.map_err(|e| e.to_string())?;
-            write_chunk(dataset, [row as u64, (k * columns) as u64], &self.compressed[..length])?;
+            self.write(dataset, &[row as u64, (k * columns) as u64])?;
         }
         Ok(())
     }
 
+    /// Writes numbers from row `start` on, a multiple of `length`, into a dataset whose chunks have `length` rows and whose filter is deflate.
+    /// The dataset has the rows already, empty.
+    pub fn write_numbers(
+        &mut self,
+        dataset: &Dataset,
+        start: usize,
+        length: usize,
+        values: &[f64],
+    ) -> hdf5::Result<()> {
+        for (k, part) in values.chunks(length).enumerate() {
+            self.bytes.clear();
+            self.bytes.extend(part.iter().flat_map(|value| value.to_ne_bytes()));
+            self.bytes.resize(size_of::<f64>() * length, 0);
+            self.write(dataset, &[(start + k * length) as u64])?;
+        }
+        Ok(())
+    }
+
+    /// Compresses the bytes of a chunk and writes it.
+    fn write(&mut self, dataset: &Dataset, offset: &[u64]) -> hdf5::Result<()> {
+        self.compressed.resize(self.compressor.zlib_compress_bound(self.bytes.len()), 0);
+        let compressed = self.compressor.zlib_compress(&self.bytes, &mut self.compressed);
+        let length = compressed.map_err(|e| e.to_string())?;
+        write_chunk(dataset, offset, &self.compressed[..length])
+    }
+
     /// All first bytes of a chunk of `columns` numbers, then all second ones, and so on; a chunk at the right edge is filled up with zeros.
     fn shuffle<const BYTES: usize>(&mut self, values: &[f64], columns: usize, bytes: impl Fn(f64) -> [u8; BYTES]) {
-        self.shuffled.clear();
-        self.shuffled.resize(BYTES * columns, 0);
-        for (k, plane) in self.shuffled.chunks_exact_mut(columns).enumerate() {
+        self.bytes.clear();
+        self.bytes.resize(BYTES * columns, 0);
+        for (k, plane) in self.bytes.chunks_exact_mut(columns).enumerate() {
             for (byte, value) in plane.iter_mut().zip(values) {
                 *byte = bytes(*value)[k];
             }
@@ -68,19 +89,15 @@ impl RowChunks {
     }
 }
 
-/// Writes a chunk as it is to be on the disk.
-fn write_chunk(dataset: &Dataset, offset: [u64; 2], bytes: &[u8]) -> hdf5::Result<()> {
+/// Writes a chunk as it is to be on the disk; `offset` has a number for each dimension of the dataset.
+fn write_chunk(dataset: &Dataset, offset: &[u64], bytes: &[u8]) -> hdf5::Result<()> {
+    if offset.len() != dataset.ndim() {
+        return Err(format!("a chunk in {} dimensions for `{}`", offset.len(), dataset.name()).into());
+    }
     hdf5::sync::sync(|| {
-        // SAFETY: the dataset lives through the call and has two dimensions, as the offset; the bytes are as many as said.
+        // SAFETY: the dataset lives through the call and has as many dimensions as the offset; the bytes are as many as said.
         let status = unsafe {
-            H5Dwrite_chunk(
-                dataset.id(),
-                H5P_DEFAULT,
-                0,
-                ptr::from_ref(&offset).cast(),
-                bytes.len(),
-                bytes.as_ptr().cast(),
-            )
+            H5Dwrite_chunk(dataset.id(), H5P_DEFAULT, 0, offset.as_ptr(), bytes.len(), bytes.as_ptr().cast())
         };
         hdf5::h5check(status).map(|_| ())
     })

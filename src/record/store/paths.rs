@@ -6,6 +6,7 @@ use hdf5::{Dataset, Extent, File, Group};
 use ndarray::s;
 
 use super::attributes::{describe, put, put_text};
+use super::chunks::Chunks;
 use super::columns::{append, cut};
 use super::filters::{compressed, shuffled};
 use super::{bounded, scales};
@@ -77,6 +78,8 @@ pub(super) struct PathTable {
     numbers: Dataset,
     waiting: Vec<PathRow>,
     written: usize,
+    /// Where they are compressed here.
+    chunks: Option<Chunks>,
     /// What is written before the end comes in multiples of this.
     multiple: usize,
 }
@@ -86,7 +89,8 @@ impl PathTable {
         let group = file.group("paths")?;
         let columns = COLUMNS.iter().map(|column| group.dataset(column.0)).collect::<Hdf<Vec<_>>>()?;
         let multiple = if compression == Compression::None { 1 } else { CHUNK };
-        Ok(Self { numbers: group.dataset(NUMBER)?, group, columns, waiting: Vec::new(), written: 0, multiple })
+        let chunks = (compression == Compression::Deflate).then(Chunks::new);
+        Ok(Self { numbers: group.dataset(NUMBER)?, group, columns, waiting: Vec::new(), written: 0, chunks, multiple })
     }
 
     /// Keeps the first rows alone, and those that waited when there were so many.
@@ -131,7 +135,13 @@ impl PathTable {
         let (start, end) = (self.written, self.written + rows);
         for (column, (.., value)) in self.columns.iter().zip(COLUMNS) {
             let values: Vec<f64> = self.waiting[..rows].iter().map(value).collect();
-            append(column, start, &values)?;
+            match &mut self.chunks {
+                Some(chunks) => {
+                    column.resize(end)?;
+                    chunks.write_numbers(column, start, CHUNK, &values)?;
+                }
+                None => append(column, start, &values)?,
+            }
         }
         self.numbers.resize(end)?;
         let numbers: Vec<i64> = (0_i64..).skip(start).take(rows).collect();

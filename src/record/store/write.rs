@@ -7,7 +7,7 @@ use ndarray::{ArrayView2, s};
 
 use super::attributes::{get_text, put, put_quantity, put_text, text};
 use super::checkpoint::{self, Checkpoint, Rows};
-use super::chunks::RowChunks;
+use super::chunks::Chunks;
 use super::claim::{Claim, GONE, in_place, remove_unnamed};
 use super::columns::{append, cut, is_longer};
 use super::create::{
@@ -57,7 +57,7 @@ struct Frames {
     fields: Vec<Dataset>,
     precision: Precision,
     /// None: the filters of the datasets are those of the library.
-    chunks: Option<RowChunks>,
+    chunks: Option<Chunks>,
     columns: usize,
     written: usize,
     times: Vec<f64>,
@@ -303,7 +303,7 @@ impl Frames {
             time: file.dataset("time")?,
             fields,
             precision: layout.precision,
-            chunks: (layout.compression == Compression::Deflate).then(RowChunks::new),
+            chunks: (layout.compression == Compression::Deflate).then(Chunks::new),
             columns: layout.x.len(),
             written: 0,
             times: Vec::new(),
@@ -358,7 +358,7 @@ impl Frames {
             dataset.resize((end, self.columns))?;
             if let Some(chunks) = &mut self.chunks {
                 for (row, values) in (start..end).zip(block.chunks(self.columns)) {
-                    chunks.write(dataset, row, self.columns.min(CHUNK_COLUMNS), values, self.precision)?;
+                    chunks.write_row(dataset, row, self.columns.min(CHUNK_COLUMNS), values, self.precision)?;
                 }
             } else {
                 let view = ArrayView2::from_shape((rows, self.columns), block).map_err(|e| e.to_string())?;

@@ -41,6 +41,9 @@ impl Scratch {
 pub(super) const WATCHED: [Quantity; 4] =
     [Quantity::Stress, Quantity::Strain, Quantity::Velocity, Quantity::Temperature];
 
+/// Steps without flow after which a yielded block is taken to be elastic for a while.
+const STEPS_WITHOUT_FLOW: u32 = 16;
+
 /// What a block's cells have met so far; decides which kernel they need.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) enum Stage {
@@ -66,6 +69,11 @@ pub(super) struct Block {
     /// Velocities of the first and the last inner node before the damping of the latest step, for that of the neighbours.
     inner: [f64; 2],
     pub stage: Stage,
+    /// Steps that no cell of the yielded block flowed in; and the stress up to which its cells stay elastic then, Pa, 0 where that is not known.
+    #[serde(skip)]
+    steps_without_flow: u32,
+    #[serde(skip)]
+    elastic_up_to: f64,
     /// Every step computes all cells: what leaving some out is compared with.
     #[cfg(test)]
     #[serde(skip)]
@@ -126,6 +134,8 @@ impl Block {
             cells,
             segment,
             stage: Stage::Elastic,
+            steps_without_flow: 0,
+            elastic_up_to: 0.0,
             #[cfg(test)]
             always_active: false,
             active: 0..0,
@@ -174,6 +184,8 @@ impl Block {
             cells: middle..self.cells.end,
             segment: self.segment,
             stage: self.stage,
+            steps_without_flow: 0,
+            elastic_up_to: 0.0,
             #[cfg(test)]
             always_active: self.always_active,
             active: 0..cells - at,
@@ -345,7 +357,7 @@ impl Block {
     }
 
     fn advance_stress(&mut self, law: BlockLaw<'_>, scratch: &mut Scratch) {
-        if self.is_elastic() && self.stays_elastic(law) {
+        if self.is_elastic() && self.stays_elastic(law) || self.is_elastic_again(law, scratch) {
             return;
         }
         let (cells, active) = (self.sigma.len(), self.active.clone());
@@ -381,6 +393,38 @@ impl Block {
         if !law.end.is_far(advanced.accumulated, 0.0) {
             self.note_limits(law);
         }
+        self.note_flow(law);
+    }
+
+    /// Takes down whether a cell flowed in the latest step, and after some steps without flow up to which stress none will.
+    fn note_flow(&mut self, law: BlockLaw<'_>) {
+        if grid_filter::flows(&self.flow) {
+            self.steps_without_flow = 0;
+            return;
+        }
+        self.steps_without_flow = self.steps_without_flow.saturating_add(1);
+        if self.steps_without_flow == STEPS_WITHOUT_FLOW {
+            let up_to = law.law.elastic_up_to(law.yield_stress, &self.state);
+            let accumulated = (0..self.sigma.len()).map(|i| law.law.accumulated(&self.state, i)).fold(0.0, f64::max);
+            self.elastic_up_to = if law.end.is_far(accumulated, -up_to) { up_to } else { 0.0 };
+        }
+    }
+
+    /// Takes the step of a yielded block whose cells are known to stay elastic: what the law would do, bit for bit. False where one may flow,
+    /// and nothing is done.
+    fn is_elastic_again(&mut self, law: BlockLaw<'_>, scratch: &mut Scratch) -> bool {
+        if self.elastic_up_to == 0.0 {
+            return false;
+        }
+        let Range { start, end } = self.active;
+        let (before, sigma) = (&mut scratch.work.0[start..end], &mut self.sigma[start..end]);
+        before.copy_from_slice(sigma);
+        let is_elastic = elastic_row(law.stress_gain, &self.v[start..=end], sigma) <= self.elastic_up_to;
+        if !is_elastic {
+            sigma.copy_from_slice(before);
+            (self.steps_without_flow, self.elastic_up_to) = (0, 0.0);
+        }
+        is_elastic
     }
 
     /// Takes the elastic step. Where the block yields in it, takes it back, gives the block plastic state, and returns false.

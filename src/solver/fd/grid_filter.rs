@@ -273,7 +273,7 @@ fn none_crosses(have_flowed: &[i8]) -> bool {
 }
 
 /// Some cell flows.
-fn flows(flow: &[i8]) -> bool {
+pub(super) fn flows(flow: &[i8]) -> bool {
     flow.iter().fold(0, |any, sense| any | sense) != 0
 }
 

@@ -44,12 +44,12 @@ pub(super) fn nominal(scene: &Scene, method: Method) -> f64 {
     match (method, scene.effects.rate) {
         (Method::FrontTracking { .. }, _) => 3e-6,
         (Method::Muscl { .. }, _) => 60e-9,
-        (Method::Leapfrog { .. }, None) => 4e-9,
+        (Method::Leapfrog { .. }, None) => 2e-9,
         (Method::Leapfrog { .. }, Some(_)) => {
             if malvern {
-                40e-9
+                5e-9
             } else {
-                150e-9
+                14e-9
             }
         }
         (Method::CharacteristicNet { .. }, _) => {

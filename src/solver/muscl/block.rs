@@ -56,6 +56,14 @@ pub(super) struct Block {
     pub work: Workspace,
 }
 
+/// Whether a cell is in compression beyond a stiffening knot of its curve, and how many such knots it has passed.
+pub(super) type Stiffenings = (bool, usize);
+
+/// True where a stiffening knot of the curve lies between a cell and one of the two next on either side: inside a shock, or next to it.
+fn in_shock(near: [Stiffenings; 5]) -> bool {
+    near != [near[0]; 5]
+}
+
 impl Block {
     pub fn new(cells: Range<usize>, part: usize, velocity: f64) -> Self {
         let row = cells.len() + 2 * GHOSTS;
@@ -114,7 +122,7 @@ impl Block {
     }
 
     /// How many stiffening knots of its curve a cell has passed, and whether in compression.
-    fn stiffenings(&self, knots: &[Vec<f64>; 2], part: &Part, i: usize) -> (bool, usize) {
+    fn stiffenings(&self, knots: &[Vec<f64>; 2], part: &Part, i: usize) -> Stiffenings {
         let accumulated = if self.stage == Stage::Plastic { part.law.law.accumulated(&self.state, i) } else { 0.0 };
         let stress = self.sigma[i];
         let e_equivalent_strain = stress.abs() + accumulated;
@@ -122,17 +130,27 @@ impl Block {
         (passed > 0 && stress < 0.0, passed)
     }
 
-    /// True where a stiffening knot of the curve lies between a cell and one of the two next on either side: inside a shock,
-    /// or next to it.
-    fn in_shock(&self, part: &Part, i: usize) -> bool {
-        let Some(knots) = &part.stiffens else { return false };
-        let here = self.stiffenings(knots, part, i);
-        [i - 2, i - 1, i + 1, i + 2].into_iter().any(|i| self.stiffenings(knots, part, i) != here)
-    }
-
     /// True where a cell has no slopes: in a shock, or next to it; where the scheme has given energy, or next to there.
     pub fn is_first_order(&self, part: &Part, i: usize) -> bool {
-        [i - 1, i, i + 1].into_iter().any(|i| self.owes(part, i)) || self.in_shock(part, i)
+        let here = |knots| in_shock([i - 2, i - 1, i, i + 1, i + 2].map(|i| self.stiffenings(knots, part, i)));
+        self.owes_near(part, i) || part.stiffens.as_ref().is_some_and(here)
+    }
+
+    /// [`Self::is_first_order`] for all cells but the two next to each end, into `flat`.
+    pub fn find_first_order(&self, part: &Part, passed: &mut [Stiffenings], flat: &mut [bool]) {
+        let row = self.sigma.len();
+        if let Some(knots) = &part.stiffens {
+            passed[..row].iter_mut().enumerate().for_each(|(i, passed)| *passed = self.stiffenings(knots, part, i));
+            let here = passed[..row].windows(5).map(|near| in_shock([near[0], near[1], near[2], near[3], near[4]]));
+            flat[2..row - 2].iter_mut().zip(here).for_each(|(flat, here)| *flat = here);
+        }
+        if part.most_energy_defect.is_some() {
+            (2..row - 2).for_each(|i| flat[i] |= self.owes_near(part, i));
+        }
+    }
+
+    fn owes_near(&self, part: &Part, i: usize) -> bool {
+        [i - 1, i, i + 1].into_iter().any(|i| self.owes(part, i))
     }
 
     /// True where slopes gave a cell more energy than they may.

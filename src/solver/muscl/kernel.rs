@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use multiversion::multiversion;
 
-use super::block::{Block, GHOSTS, ROW, Stage};
+use super::block::{Block, GHOSTS, ROW, Stage, Stiffenings};
 use super::front;
 use super::part::Part;
 use super::slope::{cap, capped, limited};
@@ -42,6 +42,7 @@ pub(super) struct Scratch {
     gained: [f64; ROW],
     /// The cell has no slopes.
     flat: [bool; ROW],
+    passed: [Stiffenings; ROW],
     /// Strain slopes (E times, Pa) of cells inside fronts that are carried along.
     steep: [Option<f64>; ROW],
 }
@@ -61,6 +62,7 @@ impl Scratch {
             lost: [0.0; ROW],
             gained: [0.0; ROW],
             flat: [false; ROW],
+            passed: [(false, 0); ROW],
             steep: [None; ROW],
         }
     }
@@ -321,9 +323,10 @@ fn flatten(block: &Block, part: &Part, scratch: &mut Scratch) {
     if part.stiffens.is_none() && part.most_energy_defect.is_none() {
         return;
     }
-    let Scratch { carried, increment, slope, flat, .. } = scratch;
-    for i in (2..row - 2).filter(|&i| block.is_first_order(part, i)) {
-        (slope[i], increment[i], flat[i]) = (0.0, 0.0, true);
+    let Scratch { carried, increment, slope, flat, passed, .. } = scratch;
+    block.find_first_order(part, passed, flat);
+    for i in (2..row - 2).filter(|&i| flat[i]) {
+        (slope[i], increment[i]) = (0.0, 0.0);
         (carried.left[1][i], carried.right[1][i]) = (block.v[i], block.v[i]);
     }
 }

@@ -65,44 +65,26 @@ impl Implicit {
         }
         if self.active.external {
             for (weights, nodes) in self.weights.nodes() {
-                let impulse = |[v, w, _]: [f64; 3]| weights.drag * v + weights.drag_mass * w;
-                let [before, after, impulse] = self.at_nodes(nodes, shift, v, impulse);
+                let shift = shift.map(|shift| &shift[nodes.clone()]);
+                let drag = [weights.drag, weights.drag_mass];
+                let [before, after, impulse] = of_drag(drag, &v[nodes.clone()], &w[nodes], shift);
                 taken.before += before;
                 taken.after += after;
                 taken.impulse -= impulse;
             }
         }
         if !self.rubbing.is_empty() {
-            let [before, after, impulse] = self.at_nodes(0..v.len(), shift, &self.rubbing, |[_, _, rubbing]| -rubbing);
+            let [before, after, impulse] = of_friction(&self.rubbing, v, w, shift);
             taken.rubbed = [before, after];
             taken.impulse -= impulse;
         }
         if !self.place.is_empty() {
             let dt = self.weights.dt;
             for (weights, nodes) in self.weights.nodes() {
-                let [subdomain] = sums([&self.place[nodes.clone()], &w[nodes]], |[u, w]| [u + 0.25 * dt * w]);
-                taken.impulse -= dt * weights.spring * subdomain;
+                taken.impulse -= dt * weights.spring * sum_of_places(dt, &self.place[nodes.clone()], &w[nodes]);
             }
         }
         taken
-    }
-
-    /// Sums over nodes of impulses against the motion (N s): times the velocity before and after the step, and alone. They follow from the
-    /// velocity, its change and a number of each node.
-    #[inline(always)]
-    fn at_nodes(
-        &self,
-        nodes: Range<usize>,
-        shift: Option<&[f64]>,
-        of_node: &[f64],
-        impulse: impl Fn([f64; 3]) -> f64,
-    ) -> [f64; 3] {
-        let all = [&self.after, &self.change, of_node, shift.unwrap_or(&self.after)];
-        sums(all.map(|of| &of[nodes.clone()]), |[v, w, own, shifted]| {
-            let impulse = impulse([v, w, own]);
-            let shift = if shift.is_some() { shifted } else { 0.0 };
-            [impulse * v, impulse * (v + w + shift), impulse]
-        })
     }
 
     /// Takes over what the grid filter made of the nodes after the latest step, and books what it took: the blocks' own
@@ -226,6 +208,37 @@ fn of_dampers(viscous: f64, v: &[f64], w: &[f64], shift: Option<&[f64]>) -> [f64
         let shifted = if shift.is_some() { s1 - s0 } else { 0.0 };
         [impulse * rate, impulse * (rate + change + shifted)]
     })
+}
+
+/// The same of external dampers (impulse per velocity before the step, and per change), and the impulses, against the motion, N s.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
+fn of_drag([drag, drag_mass]: [f64; 2], v: &[f64], w: &[f64], shift: Option<&[f64]>) -> [f64; 3] {
+    at_nodes([v, w, v], shift, |[v, w, _]| drag * v + drag_mass * w)
+}
+
+/// The same of friction, `rubbing` being its impulses on the nodes.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
+fn of_friction(rubbing: &[f64], v: &[f64], w: &[f64], shift: Option<&[f64]>) -> [f64; 3] {
+    at_nodes([v, w, rubbing], shift, |[_, _, rubbing]| -rubbing)
+}
+
+/// Sums over nodes of impulses against the motion (N s): times the velocity before and after the step, and alone. They follow from the
+/// velocity, its change and a number of each node.
+#[inline(always)]
+fn at_nodes([v, w, own]: [&[f64]; 3], shift: Option<&[f64]>, impulse: impl Fn([f64; 3]) -> f64) -> [f64; 3] {
+    let is_shifted = shift.is_some();
+    sums([v, w, own, shift.unwrap_or(v)], |[v, w, own, shift]| {
+        let impulse = impulse([v, w, own]);
+        let shift = if is_shifted { shift } else { 0.0 };
+        [impulse * v, impulse * (v + w + shift), impulse]
+    })
+}
+
+/// Sum over nodes of the displacements with which a foundation acts in a step, m.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
+fn sum_of_places(dt: f64, place: &[f64], w: &[f64]) -> f64 {
+    let [sum] = sums([place, w], |[u, w]| [u + 0.25 * dt * w]);
+    sum
 }
 
 /// What nodes of mass 2 lose by shifts, from the velocities before the shift and their change in the step.

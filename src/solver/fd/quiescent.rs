@@ -207,6 +207,37 @@ mod tests {
         of(60, &|table| Arc::new(Rows::new(mixed(Indexed::new(table).expect("fits")))));
     }
 
+    /// Steps a bar beside another that takes all steps by the law: all bits must be the same.
+    fn assert_elastic_again(skipping: &mut Leapfrog, whole: &mut Leapfrog) {
+        whole.blocks.iter_mut().for_each(|block| block.always_active = true);
+        let (mut elastic, mut flows_again) = (0, 0);
+        for step in 0..4000 {
+            let known: Vec<bool> = skipping.blocks.iter().map(|block| block.elastic_up_to > 0.0).collect();
+            skipping.advance();
+            whole.advance();
+            for ((a, b), known) in skipping.blocks.iter().zip(&whole.blocks).zip(known) {
+                assert!(a.sigma == b.sigma && a.v == b.v, "cells {:?}, step {step}", a.cells);
+                assert!(a.state == b.state && a.flow == b.flow, "states of cells {:?}, step {step}", a.cells);
+                elastic += usize::from(known && !a.at_rest());
+                flows_again += usize::from(known && a.flow.iter().any(|&flow| flow != 0));
+            }
+        }
+        assert!(elastic > 1000 && flows_again > 0, "{elastic} steps taken as elastic, {flows_again} flows after them");
+    }
+
+    #[test]
+    fn yielded_blocks_that_stay_elastic_step_as_their_law_does() {
+        let table = |material: &Material| Table::new(material.branch(Sense::Tension), material.modulus);
+        let of = |law: &dyn Fn(&Table) -> Arc<dyn RowLaw>| {
+            let material = material(60);
+            let law = law(&table(&material));
+            assert_elastic_again(&mut bar(material.clone(), law.clone()), &mut bar(material, law));
+        };
+        of(&|table| Arc::new(Rows::new(Isotropic(Indexed::new(table).expect("fits")))));
+        let mixed = |backbone: Indexed| Mixed { backbone, yield_stress: YIELD, kinematic: 0.4 };
+        of(&|table| Arc::new(Rows::new(mixed(Indexed::new(table).expect("fits")))));
+    }
+
     #[test]
     fn nodes_under_uneven_stress_do_not_rest() {
         let material = material(2);

@@ -73,7 +73,7 @@ pub(crate) struct Cli {
 enum Command {
     /// Simulate one scene and write its result file.
     Run(run::Args),
-    /// Show what a run would do and what it would cost, without running it.
+    /// Show what a run would do and what it would cost; writes nothing.
     Plan(plan::Args),
     /// Validate scenes and materials.
     Check(check::Args),

@@ -1,4 +1,4 @@
-//! `barwave plan`: method, work and estimates of a run, without running it.
+//! `barwave plan`: method, work and estimates of a run, before it.
 
 use std::path::PathBuf;
 

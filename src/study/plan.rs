@@ -1,4 +1,4 @@
-//! Method, work and estimates of a run, without running it.
+//! Method, work and estimates of a run, before it.
 
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};

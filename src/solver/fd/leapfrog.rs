@@ -172,6 +172,12 @@ impl Leapfrog {
         }
     }
 
+    /// How many parts are swept side by side, and for how many steps in one go.
+    fn division(&self) -> (usize, usize) {
+        let at_work = if self.threads == 1 { 0 } else { self.blocks.iter().filter(|block| !block.at_rest()).count() };
+        division(at_work, self.threads)
+    }
+
     /// One step: stresses from velocities, then velocities from stresses. Allocates nothing, but for the plastic
     /// state of a block in the step in which it first yields.
     pub fn advance(&mut self) {
@@ -183,11 +189,11 @@ impl Leapfrog {
         if !self.sweeps() {
             return (0..steps).for_each(|_| self.advance_together());
         }
-        let (parts, depth) = division(self.blocks.len(), self.threads);
         let starting = steps.min(self.starts_until().saturating_sub(self.step));
         (0..starting).for_each(|_| self.advance_together());
         let mut to_go = steps - starting;
         while to_go > 0 {
+            let (parts, depth) = self.division();
             let now = to_go.min(depth);
             self.whole().sweep(now, parts);
             self.step += now;

@@ -18,7 +18,7 @@
 
 use std::ops::Range;
 
-use super::block::Scratch;
+use super::block::{Block, Scratch};
 use super::subdomain::Subdomain;
 
 /// Most steps in one go. Twice as many blocks pass through the second-level cache in that time.
@@ -30,18 +30,30 @@ const TILE: i64 = 8;
 /// Blocks that a stage of the next step stays behind this one's.
 const LAG: i64 = 2;
 
-/// Fewest blocks for a thread of its own: fewer cost less than to wake it.
+/// Fewest blocks at work for a thread of its own: fewer cost less than to wake it.
 const PART: usize = 64;
 
-/// Blocks of a part for every step of a sweep: parts shrink by two blocks a step on either side, and the triangles between
+/// Blocks at work of a part for every step of a sweep: parts shrink by two blocks a step on either side, and the triangles between
 /// them, which fewer threads fill, are to be a small share.
 const PART_PER_STEP: usize = 16;
 
-/// How many parts of a bar of so many blocks are swept side by side on so many threads, and for how many steps in one go.
-pub(super) fn division(blocks: usize, threads: usize) -> (usize, usize) {
-    match threads.min(blocks / PART) {
+/// Fewest blocks of a part for every step of a sweep, at rest or not: the triangles on both sides do not meet.
+const LEAST_PER_STEP: usize = 8;
+
+/// How many parts of a bar with so many blocks at work are swept side by side on so many threads, and for how many steps in one go.
+pub(super) fn division(at_work: usize, threads: usize) -> (usize, usize) {
+    match threads.min(at_work / PART) {
         0 | 1 => (1, DEPTH),
-        parts => (parts, DEPTH.min(blocks / parts / PART_PER_STEP)),
+        parts => (parts, DEPTH.min(at_work / parts / PART_PER_STEP)),
+    }
+}
+
+/// Time of a step of a block, in that of an elastic one.
+fn work(block: &Block) -> usize {
+    match (block.at_rest(), block.is_elastic()) {
+        (true, _) => 0,
+        (false, true) => 1,
+        (false, false) => 4,
     }
 }
 
@@ -147,7 +159,7 @@ impl Subdomain<'_> {
         if parts == 1 {
             return Scratch::lend(|scratch| self.sweep_tiles(steps, scratch));
         }
-        let at = self.blocks.len() * (parts / 2) / parts;
+        let at = self.fair_cut(steps, parts);
         let middle = (self.first + at) as i64;
         let [mut left, mut right] = self.split(at);
         rayon::join(|| left.sweep(steps, parts / 2), || right.sweep(steps, parts - parts / 2));
@@ -157,6 +169,18 @@ impl Subdomain<'_> {
                 self.compute(s, &StageRanges::between(middle - lag, middle + lag), scratch);
             }
         });
+    }
+
+    /// Where the first half of the parts ends, so that all have the same work: the number of blocks before it.
+    fn fair_cut(&self, steps: usize, parts: usize) -> usize {
+        let all: usize = self.blocks.iter().map(work).sum();
+        let (share, mut done) = (all * (parts / 2) / parts, 0);
+        let at = self.blocks.iter().position(|block| {
+            done += work(block);
+            done > share
+        });
+        let (blocks, least) = (self.blocks.len(), LEAST_PER_STEP * steps);
+        at.unwrap_or(blocks).clamp(least * (parts / 2), blocks - least * (parts - parts / 2))
     }
 
     /// Two subdomains, without the edge between them.

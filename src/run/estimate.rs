@@ -1,11 +1,11 @@
 //! Estimated influence of the neglected effects of a scene before the run: the audit of a run on a coarse grid, which takes some
 //! milliseconds.
 
-use super::limits::AtLimit;
+use super::limits::limits;
 use super::{Progress, case, struck_too_hard};
 use crate::assemble;
 use crate::bar::initial_fans;
-use crate::record::{Audit, AuditRow, LOOKS, Stepped, Traces, View};
+use crate::record::{Audit, AuditRow, LOOKS, Traces, View};
 use crate::scene::{Method, Scene};
 use crate::simulate::{Interval, Simulation, simulate};
 use crate::solver::fd::{Leapfrog, Sampling};
@@ -83,9 +83,4 @@ impl Simulation for Estimate<'_> {
             ControlFlow::Continue(()) => Ok(()),
         }
     }
-}
-
-pub(super) fn limits(bar: &impl Stepped) -> Vec<AtLimit> {
-    let (centres, dt) = (bar.grid().centres(), bar.grid().dt);
-    bar.passed().in_order().map(|passed| AtLimit::on_grid(&passed, &centres, dt)).collect()
 }

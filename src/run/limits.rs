@@ -3,7 +3,7 @@
 use crate::error::{Error, RunError};
 use crate::law::{Limit, Passed, Reached};
 use crate::material::Material;
-use crate::record::{self, AuditRow};
+use crate::record::{self, AuditRow, Stepped};
 use crate::scene::Scene;
 use crate::solver::moc::PointAtLimit;
 
@@ -52,4 +52,10 @@ impl AtLimit {
         let Limit::EndOfData(sense) = self.reached.limit else { return None };
         (!self.stops(scene)).then(|| record::past_data(sense, self.time, self.x, self.material(scene)))
     }
+}
+
+/// Where a bar on a grid came to a limit, in the order of time.
+pub(super) fn limits(bar: &impl Stepped) -> Vec<AtLimit> {
+    let (centres, dt) = (bar.grid().centres(), bar.grid().dt);
+    bar.passed().in_order().map(|passed| AtLimit::on_grid(&passed, &centres, dt)).collect()
 }

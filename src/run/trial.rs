@@ -1,6 +1,6 @@
 //! How long the solver takes for a run on this machine: tried out, from the start of the run and a coarse run of the same scene.
 
-use super::estimate::limits;
+use super::limits::limits;
 use super::{companion, history_places};
 use crate::assemble;
 use crate::record::{Stepped, Traces};
@@ -126,11 +126,10 @@ struct Task<'a> {
 impl assemble::Task for Task<'_> {
     type Output = Course;
 
-    fn on_grid(self, bar: impl Stepped + Snapshot) -> Course {
+    fn on_grid(self, mut bar: impl Stepped + Snapshot) -> Course {
         let scene = self.scene;
         let places = Sampling::at(bar.grid(), history_places(scene));
         let mut log = Traces::new(places, scene.effects.heat.is_some(), bar.sudden_loads().ends);
-        let mut bar = bar;
         bar.watch(&log);
         bar.add_to(&mut log);
         let steps = bar.grid().steps_to(scene.solve.until);

@@ -393,11 +393,11 @@ impl Block {
         if !law.end.is_far(advanced.accumulated, 0.0) {
             self.note_limits(law);
         }
-        self.note_flow(law);
+        self.look_for_flow(law);
     }
 
     /// Takes down whether a cell flowed in the latest step, and after some steps without flow up to which stress none will.
-    fn note_flow(&mut self, law: BlockLaw<'_>) {
+    fn look_for_flow(&mut self, law: BlockLaw<'_>) {
         if grid_filter::flows(&self.flow) {
             self.steps_without_flow = 0;
             return;

@@ -56,8 +56,8 @@ pub(super) struct Block {
     pub work: Workspace,
 }
 
-/// Whether a cell is in compression beyond a stiffening knot of its curve, and how many such knots it has passed.
-pub(super) type Stiffenings = (bool, usize);
+/// How many stiffening knots of its curve a cell has passed, in tension and compression.
+pub(super) type Stiffenings = [usize; 2];
 
 /// True where a stiffening knot of the curve lies between a cell and one of the two next on either side: inside a shock, or next to it.
 fn in_shock(near: [Stiffenings; 5]) -> bool {
@@ -121,13 +121,18 @@ impl Block {
         self.sigma[i] + plastic
     }
 
-    /// How many stiffening knots of its curve a cell has passed, and whether in compression.
+    /// How many stiffening knots of its curve a cell has passed. Hardening tells that, not the stress: a cell that unloads, through
+    /// zero stress or not, passes none.
     fn stiffenings(&self, knots: &[Vec<f64>; 2], part: &Part, i: usize) -> Stiffenings {
-        let accumulated = if self.stage == Stage::Plastic { part.law.law.accumulated(&self.state, i) } else { 0.0 };
-        let stress = self.sigma[i];
-        let e_equivalent_strain = stress.abs() + accumulated;
-        let passed = knots[usize::from(stress < 0.0)].iter().take_while(|&&knot| knot <= e_equivalent_strain).count();
-        (passed > 0 && stress < 0.0, passed)
+        let along = if part.path_independent {
+            let z = self.e_equivalent_strain(part, i);
+            [z, -z]
+        } else if self.stage == Stage::Plastic {
+            [part.law.law.accumulated(&self.state, i); 2]
+        } else {
+            [0.0; 2]
+        };
+        [0, 1].map(|side| knots[side].iter().take_while(|&&knot| knot < along[side]).count())
     }
 
     /// True where a cell has no slopes: in a shock, or next to it; where the scheme has given energy, or next to there.

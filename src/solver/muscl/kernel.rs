@@ -62,7 +62,7 @@ impl Scratch {
             lost: [0.0; ROW],
             gained: [0.0; ROW],
             flat: [false; ROW],
-            passed: [(false, 0); ROW],
+            passed: [[0; 2]; ROW],
             steep: [None; ROW],
         }
     }

@@ -21,7 +21,8 @@ pub struct Part {
     pub(super) gain: f64,
     /// dt/(rho dx), m/s per Pa.
     pub(super) velocity_gain: f64,
-    /// E times the strains at which the curve stiffens, in tension and compression, Pa; none along most curves.
+    /// E times the strains (of a curve followed both ways) or accumulated plastic strains at which the curve stiffens, in tension and
+    /// compression, Pa; none along most curves.
     pub(super) stiffens: Option<[Vec<f64>; 2]>,
     /// Stress up to which everything is elastic, Pa.
     pub(super) limit: f64,

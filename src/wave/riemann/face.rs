@@ -427,11 +427,14 @@ impl Faces {
         (self.reach[side(sense)][line] + if rise > 0.0 { lines.compliance[line] * rise } else { 0.0 }, line)
     }
 
-    /// E times the strains at which the curve stiffens, in tension and compression, Pa.
+    /// E times the strains (of a curve followed both ways) or plastic strains beyond which the curve stiffens, in tension and compression,
+    /// Pa; by rounding more, so that what comes to rest at a knot has not passed it.
     pub fn stiffenings(&self) -> [Vec<f64>; 2] {
+        let both_ways = self.medium.flow == Flow::PathIndependent;
         [1.0, -1.0].map(|sense| {
             let lines = self.medium.lines(sense);
-            (1..lines.z.len()).filter(|&k| lines.slope[k] > lines.slope[k - 1]).map(|k| lines.z[k]).collect()
+            let at = |k: usize| lines.z[k] - if both_ways { 0.0 } else { lines.y[k] } + self.medium.round_off;
+            (1..lines.z.len()).filter(|&k| lines.slope[k] > lines.slope[k - 1]).map(at).collect()
         })
     }
 }

@@ -207,7 +207,8 @@ impl Scratch {
                     return None;
                 }
                 lifted.accumulated = lifted.accumulated.max(lifted.plastic.abs());
-                if medium.overstress(&lifted) > most.max(medium.overstress(piece)) + rounding {
+                let over = medium.overstress(&lifted);
+                if over > most + rounding && over > medium.overstress(piece) + rounding {
                     return None;
                 }
                 let volume = medium.area * (self.x[i + 1] - self.x[i]).max(0.0);

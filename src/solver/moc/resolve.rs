@@ -3,7 +3,30 @@
 use super::FrontTracking;
 use super::list::{Kind, Node};
 use super::nearness::{ONE_STATE, REST, in_balance, same_motion};
-use crate::wave::riemann::{Emitted, Path, Point, Side, solve};
+use super::tracking::Scratch;
+use crate::wave::riemann::{Emitted, Path, Point, Side, Workspace, solve};
+
+impl Scratch {
+    /// Sends the waves of two sides; the states behind them, and whether a level curve keeps their velocities apart.
+    fn send(&mut self, left: Side<'_>, right: Side<'_>) -> (Point, Point, bool) {
+        let star = solve(left, right, &mut self.work);
+        let tau = |path: &Path| (path.sense() * star.force / path.area()).min(path.cap());
+        let Workspace { left, right } = &mut self.work;
+        let behind_left = left.emit(tau(left), -1.0, &mut self.sent_left);
+        let behind_right = right.emit(tau(right), 1.0, &mut self.sent_right);
+        (behind_left, behind_right, star.capped)
+    }
+
+    /// The same of one elastic wave, or none, on either side.
+    fn send_elastic(&mut self, ahead: [&Point; 2], waves: [Emitted; 2]) -> (Point, Point, bool) {
+        for (k, sent) in [&mut self.sent_left, &mut self.sent_right].into_iter().enumerate() {
+            sent.clear();
+            sent.extend((waves[k].behind != *ahead[k]).then_some(waves[k]));
+        }
+        let [left, right] = waves.map(|wave| wave.behind);
+        (left, right, false)
+    }
+}
 
 impl FrontTracking {
     /// Solves the Riemann problem of the nodes `first..=last` that meet at x now, and puts what it sends in their place.
@@ -145,11 +168,11 @@ impl FrontTracking {
             self.scratch.sent_right.clear();
             return (left, right, false);
         }
-        let star = solve(Side::Bar(a, &left), Side::Bar(b, &right), &mut self.scratch.work);
-        let tau = |path: &Path| (path.sense() * star.force / path.area()).min(path.cap());
-        let (path_left, path_right) = (&mut self.scratch.work.left, &mut self.scratch.work.right);
-        let mut behind_left = path_left.emit(tau(path_left), -1.0, &mut self.scratch.sent_left);
-        let mut behind_right = path_right.emit(tau(path_right), 1.0, &mut self.scratch.sent_right);
+        let waves = inside.then(|| a.elastic_waves(&left, &right)).flatten();
+        let (mut behind_left, mut behind_right, capped) = match waves {
+            Some(waves) => self.scratch.send_elastic([&left, &right], waves),
+            None => self.scratch.send(Side::Bar(a, &left), Side::Bar(b, &right)),
+        };
         // Rounding travels with a front instead of staying behind as a step at rest that the next wave meets. (A step
         // in velocity stays where a curve is level, or so nearly level that the wave's stress is rounding.)
         if inside && same_motion(&behind_left, &behind_right, a, ONE_STATE) {
@@ -161,7 +184,7 @@ impl FrontTracking {
                 inner.behind = behind_left;
             }
         }
-        (behind_left, behind_right, star.capped)
+        (behind_left, behind_right, capped)
     }
 
     /// Puts the fronts sent in -x behind `prev`; the last node before x afterwards.

@@ -82,6 +82,8 @@ pub(super) struct Lines {
     pub slope: Vec<f64>,
     /// 1/(rho c) of the line, m/(s Pa); infinite where it is level.
     pub compliance: Vec<f64>,
+    /// Flow stress of first loading, Pa; infinite along a curve that never leaves the elastic line.
+    pub first_yield: f64,
 }
 
 impl Lines {
@@ -102,7 +104,9 @@ impl Lines {
         for k in 1..z.len() {
             p[k] = p[k - 1] + (1.0 - slope[k - 1]) * (z[k] - z[k - 1]);
         }
-        Self { z, y, p, slope, compliance }
+        let mut lines = Self { z, y, p, slope, compliance, first_yield: 0.0 };
+        lines.first_yield = lines.at_accumulated(0.0).2;
+        lines
     }
 
     /// Where a point with this accumulated plastic strain meets the table: line, z and y, Pa. On a stretch of
@@ -121,7 +125,7 @@ impl Lines {
 
     /// Flow stress at this accumulated plastic strain less that of first loading, Pa; 0 along a curve that never leaves the elastic line.
     fn hardening_at(&self, p: f64) -> f64 {
-        let rise = self.at_accumulated(p).2 - self.at_accumulated(0.0).2;
+        let rise = self.at_accumulated(p).2 - self.first_yield;
         if rise.is_finite() { rise } else { 0.0 }
     }
 

@@ -15,6 +15,7 @@
 //! point. Sources: the graphical method of Bohnenblust (von Kármán, Bohnenblust and Hyers 1942) and, for the hull,
 //! Holden and Risebro, Front Tracking for Hyperbolic Conservation Laws, chapter 2.
 
+mod elastic;
 mod face;
 mod medium;
 mod overlay;

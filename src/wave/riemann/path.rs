@@ -102,7 +102,6 @@ impl Path {
         let lines = medium.lines(self.sense);
         let tau = self.sense * self.start.stress;
         let (mut k, mut z, mut y) = lines.at_accumulated(self.start.accumulated);
-        let virgin = lines.at_accumulated(0.0).2;
         let elastic = 1.0 / medium.impedance();
         if y.is_infinite() {
             self.plastic_from = f64::INFINITY;
@@ -114,7 +113,7 @@ impl Path {
             k += 1;
             (z, y) = (lines.z[k], lines.y[k]);
         }
-        let limit = self.sense * self.start.back + y - kinematic * (y - virgin);
+        let limit = self.sense * self.start.back + y - kinematic * (y - lines.first_yield);
         if limit - tau > self.round_off {
             self.push(tau, z - (limit - tau), 1.0, elastic);
             self.plastic_from = limit;

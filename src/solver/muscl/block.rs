@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
+use super::history::History;
 use super::part::Part;
 use crate::bar::Segment;
 use crate::solver::fd::SegmentGrid;
@@ -45,6 +46,9 @@ pub(super) struct Block {
     /// What the scheme's slopes gave to every cell and it has not taken back, W/m^2, <= 0; empty until the block yields, and along
     /// curves without a level stretch.
     pub energy_defect: Vec<f64>,
+    /// What the law states tell, where cells have a past of their own.
+    #[serde(skip)]
+    pub histories: Vec<History>,
     /// What goes through the first and the last face, where that is an end or a joint.
     pub outer: [Option<Flux>; 2],
     /// Running sum over cells and steps of the plastic work as the law gives it, Pa^2.
@@ -54,14 +58,6 @@ pub(super) struct Block {
     /// For the Riemann problems that are not simple.
     #[serde(skip)]
     pub work: Workspace,
-}
-
-/// How many stiffening knots of its curve a cell has passed, in tension and compression.
-pub(super) type Stiffenings = [usize; 2];
-
-/// True where a stiffening knot of the curve lies between a cell and one of the two next on either side: inside a shock, or next to it.
-fn in_shock(near: [Stiffenings; 5]) -> bool {
-    near != [near[0]; 5]
 }
 
 impl Block {
@@ -75,6 +71,7 @@ impl Block {
             v: vec![velocity; row],
             state: Vec::new(),
             energy_defect: Vec::new(),
+            histories: Vec::new(),
             outer: [None, None],
             plastic: 0.0,
             lost: 0.0,
@@ -121,40 +118,7 @@ impl Block {
         self.sigma[i] + plastic
     }
 
-    /// How many stiffening knots of its curve a cell has passed. Hardening tells that, not the stress: a cell that unloads, through
-    /// zero stress or not, passes none.
-    fn stiffenings(&self, knots: &[Vec<f64>; 2], part: &Part, i: usize) -> Stiffenings {
-        let along = if part.path_independent {
-            let z = self.e_equivalent_strain(part, i);
-            [z, -z]
-        } else if self.stage == Stage::Plastic {
-            [part.law.law.accumulated(&self.state, i); 2]
-        } else {
-            [0.0; 2]
-        };
-        [0, 1].map(|side| knots[side].iter().take_while(|&&knot| knot < along[side]).count())
-    }
-
-    /// True where a cell has no slopes: in a shock, or next to it; where the scheme has given energy, or next to there.
-    pub fn is_first_order(&self, part: &Part, i: usize) -> bool {
-        let here = |knots| in_shock([i - 2, i - 1, i, i + 1, i + 2].map(|i| self.stiffenings(knots, part, i)));
-        self.owes_near(part, i) || part.stiffens.as_ref().is_some_and(here)
-    }
-
-    /// [`Self::is_first_order`] for all cells but the two next to each end, into `flat`.
-    pub fn find_first_order(&self, part: &Part, passed: &mut [Stiffenings], flat: &mut [bool]) {
-        let row = self.sigma.len();
-        if let Some(knots) = &part.stiffens {
-            passed[..row].iter_mut().enumerate().for_each(|(i, passed)| *passed = self.stiffenings(knots, part, i));
-            let here = passed[..row].windows(5).map(|near| in_shock([near[0], near[1], near[2], near[3], near[4]]));
-            flat[2..row - 2].iter_mut().zip(here).for_each(|(flat, here)| *flat = here);
-        }
-        if part.most_energy_defect.is_some() {
-            (2..row - 2).for_each(|i| flat[i] |= self.owes_near(part, i));
-        }
-    }
-
-    fn owes_near(&self, part: &Part, i: usize) -> bool {
+    pub fn owes_near(&self, part: &Part, i: usize) -> bool {
         [i - 1, i, i + 1].into_iter().any(|i| self.owes(part, i))
     }
 
@@ -182,6 +146,22 @@ impl Block {
         }
     }
 
+    /// The law state of a cell is another one.
+    fn forget(&mut self, i: usize) {
+        if let Some(history) = self.histories.get_mut(i) {
+            *history = History::UNKNOWN;
+        }
+    }
+
+    /// Forgets the histories of cells that have done plastic work.
+    pub fn note_flow(&mut self, work: &[f64]) {
+        for (history, &work) in self.histories.iter_mut().zip(work) {
+            if work != 0.0 {
+                *history = History::UNKNOWN;
+            }
+        }
+    }
+
     /// Copies the nearest cells of a neighbour of the same segment, which lies on `side`.
     pub fn copy_from(&mut self, side: usize, other: &Self, part: &Part) {
         let numbers = if other.stage == Stage::Plastic { part.law.law.state_len() } else { 0 };
@@ -197,6 +177,7 @@ impl Block {
                     let at = number * self.sigma.len() + to;
                     self.state[at] = other.state_at(number, from);
                 }
+                self.forget(to);
                 if let Some(energy_defect) = self.energy_defect.get_mut(to) {
                     *energy_defect = other.energy_defect.get(from).copied().unwrap_or(0.0);
                 }
@@ -214,6 +195,7 @@ impl Block {
                 for number in 0..part.law.law.state_len() {
                     self.state[number * rows + to] = self.state[number * rows + cell];
                 }
+                self.forget(to);
                 if part.path_independent {
                     self.state[to] = e_equivalent_strain - stress;
                 }

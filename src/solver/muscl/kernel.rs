@@ -4,8 +4,9 @@ use std::ops::Range;
 
 use multiversion::multiversion;
 
-use super::block::{Block, GHOSTS, ROW, Stage, Stiffenings};
+use super::block::{Block, GHOSTS, ROW, Stage};
 use super::front;
+use super::history::WITHIN;
 use super::part::Part;
 use super::slope::{cap, capped, limited};
 use crate::law::{LANES, flows};
@@ -42,7 +43,8 @@ pub(super) struct Scratch {
     gained: [f64; ROW],
     /// The cell has no slopes.
     flat: [bool; ROW],
-    passed: [Stiffenings; ROW],
+    /// Between the cell and the next one lies a stiffening knot of the curve.
+    changes: [bool; ROW],
     /// Strain slopes (E times, Pa) of cells inside fronts that are carried along.
     steep: [Option<f64>; ROW],
 }
@@ -62,7 +64,7 @@ impl Scratch {
             lost: [0.0; ROW],
             gained: [0.0; ROW],
             flat: [false; ROW],
-            passed: [[0; 2]; ROW],
+            changes: [false; ROW],
             steep: [None; ROW],
         }
     }
@@ -259,6 +261,7 @@ fn plastic(block: &mut Block, part: &Part, scratch: &mut Scratch) {
     if part.path_independent {
         carry_curve(block, part, scratch);
     } else {
+        block.update_histories(part);
         carry_history(block, part, scratch);
     }
     acoustic(Elastic::of(part), row, &scratch.carried, &mut scratch.through);
@@ -277,6 +280,7 @@ fn plastic(block: &mut Block, part: &Part, scratch: &mut Scratch) {
     stress[..row].copy_from_slice(&block.sigma);
     let work = &mut ahead.work[..row];
     law.strain(&increment[..row], &mut block.sigma, &mut block.state, work);
+    block.note_flow(work);
     block.plastic += work[GHOSTS..row - GHOSTS].iter().sum::<f64>();
     block.lost += push(part.velocity_gain, &mut block.v, &stress[..row], &block.sigma, through, lost);
     let cells = GHOSTS..row - GHOSTS;
@@ -323,8 +327,8 @@ fn flatten(block: &Block, part: &Part, scratch: &mut Scratch) {
     if part.stiffens.is_none() && part.most_energy_defect.is_none() {
         return;
     }
-    let Scratch { carried, increment, slope, flat, passed, .. } = scratch;
-    block.find_first_order(part, passed, flat);
+    let Scratch { carried, increment, slope, flat, changes, .. } = scratch;
+    block.find_first_order(part, changes, flat);
     for i in (2..row - 2).filter(|&i| flat[i]) {
         (slope[i], increment[i]) = (0.0, 0.0);
         (carried.left[1][i], carried.right[1][i]) = (block.v[i], block.v[i]);
@@ -435,35 +439,26 @@ fn correct_curve(block: &mut Block, part: &Part, scratch: &mut Scratch) {
 /// What flowing cells gain of stress along the curve in half a step. That is only foreseen: a wave from next door may take
 /// it back, and then as if it had not been, along the curve. Were it taken back elastically, fronts would leave ripples.
 fn gain(block: &Block, part: &Part, cells: Range<usize>, scratch: &mut Scratch) {
-    let law = part.law.law.as_ref();
     let Scratch { ahead, gained, .. } = scratch;
     for i in cells {
         gained[i] = 0.0;
         if ahead.work[i] != 0.0 {
-            let (accumulated, back) = (law.accumulated(&block.state, i), law.back_stress(&block.state, i));
-            let sense = if ahead.sigma[i] < back { -1.0 } else { 1.0 };
-            gained[i] = (sense * ahead.sigma[i] - part.faces.limit(accumulated, back, sense)).max(0.0);
+            let sense = if ahead.sigma[i] < part.law.law.back_stress(&block.state, i) { -1.0 } else { 1.0 };
+            gained[i] = (sense * ahead.sigma[i] - block.histories[i].limit(sense)).max(0.0);
         }
     }
 }
 
-/// What makes an elastic range that a stress was just within no smaller: rounding.
-const WITHIN: f64 = 1.0 + 1e-12;
-
 /// The same, where cells have histories.
 fn correct_history(block: &mut Block, part: &Part, scratch: &mut Scratch) {
-    let (row, limit) = (block.sigma.len(), part.limit);
+    let (row, limit) = (block.sigma.len(), part.limit * (1.0 + WITHIN));
     let isotropic = part.isotropic();
     let law = part.law.law.as_ref();
     let cells = block.carried();
     gain(block, part, cells.clone(), scratch);
     let Scratch { carried: Reconstructed { left, right }, through, ahead, gained, .. } = scratch;
     let state = &ahead.state[..law.state_len() * row];
-    // Elastic ranges extend from their middle at least to where the cell is, or to where its face is while it flows.
-    let within = |stress: f64, i: usize, face: f64, back: f64| {
-        let known = if ahead.work[i] == 0.0 { ahead.sigma[i] } else { face } - back;
-        gained[i] == 0.0 && known * (stress - back) >= 0.0 && (stress - back).abs() <= known.abs() * WITHIN
-    };
+    let within = |stress: f64, i: usize| ahead.work[i] == 0.0 && block.histories[i].contains(stress);
     let near = |i: usize, outward: f64, stress: f64, velocity: f64, back: f64, work: &mut Workspace| {
         let point = Point { stress, velocity, accumulated: law.accumulated(state, i), back, ..Point::default() };
         let reversals = law.reversals(&block.state, i);
@@ -476,14 +471,11 @@ fn correct_history(block: &mut Block, part: &Part, scratch: &mut Scratch) {
     for face in cells.start + 1..cells.end {
         let (i, j) = (face - 1, face);
         let stress = through.stress[face];
-        if isotropic && stress.abs() <= limit * WITHIN {
+        if isotropic && stress.abs() <= limit || within(stress, i) && within(stress, j) {
             continue;
         }
         let middle = |i: usize| if isotropic { 0.0 } else { law.back_stress(state, i) };
         let backs = [middle(i), middle(j)];
-        if within(stress, i, right[0][i], backs[0]) && within(stress, j, left[0][j], backs[1]) {
-            continue;
-        }
         let a = near(i, 1.0, right[0][i], right[1][i], backs[0], &mut block.work);
         let b = near(j, -1.0, left[0][j], left[1][j], backs[1], &mut block.work);
         through.set(face, part.faces.solve(&a, &b, &mut block.work));

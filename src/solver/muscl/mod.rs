@@ -30,6 +30,7 @@ mod block;
 mod end;
 mod face;
 mod front;
+mod history;
 mod joint;
 mod kernel;
 mod part;

@@ -42,7 +42,7 @@ pub(super) const PATIENCE: f64 = 2.0;
 pub(super) fn nominal(scene: &Scene, method: Method) -> f64 {
     let malvern = matches!(scene.effects.rate, Some(Rate::Malvern { .. }));
     match (method, scene.effects.rate) {
-        (Method::FrontTracking { .. }, _) => 3e-6,
+        (Method::FrontTracking { .. }, _) => 1.3e-6,
         (Method::Muscl { .. }, _) => 60e-9,
         (Method::Leapfrog { .. }, None) => 2e-9,
         (Method::Leapfrog { .. }, Some(_)) => {

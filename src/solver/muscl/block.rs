@@ -146,6 +146,16 @@ impl Block {
         }
     }
 
+    /// Brings the histories of a yielded block's cells up to date, where these have a past of their own.
+    pub fn update_histories(&mut self, part: &Part) {
+        self.histories.resize(self.sigma.len(), History::UNKNOWN);
+        for (i, history) in self.histories.iter_mut().enumerate() {
+            if history.is_unknown() {
+                *history = History::of(part, &self.state, i);
+            }
+        }
+    }
+
     /// The law state of a cell is another one.
     fn forget(&mut self, i: usize) {
         if let Some(history) = self.histories.get_mut(i) {

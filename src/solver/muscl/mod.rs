@@ -29,6 +29,7 @@
 mod block;
 mod end;
 mod face;
+mod first_order;
 mod front;
 mod history;
 mod joint;

@@ -141,7 +141,7 @@ impl Implicit {
         total.half_step += self.foundation_of_motion(|v, change| v - change) - self.spring_start;
         if !self.place.is_empty() {
             for (weights, nodes) in self.weights.nodes() {
-                let [squares] = sums([&self.place[nodes]], |[u]| [u * u]);
+                let squares = sum([&self.place[nodes]], |[u]| u * u);
                 total.foundation += 0.5 * weights.spring * squares;
             }
         }
@@ -160,20 +160,24 @@ impl Implicit {
         let mut total = Energies::default();
         let (v, w) = (&self.after[..], &self.change[..]);
         for (weights, nodes) in self.weights.nodes() {
-            let [product, square, sum] = sums([&v[nodes.clone()], &w[nodes]], |[v, w]| {
-                let (after, before) = (after(v, w), v - w);
-                [after * before, (after + before) * (after + before), after + before]
-            });
+            let of = [&v[nodes.clone()], &w[nodes]];
+            let both = |[v, w]: [f64; 2]| after(v, w) + (v - w);
+            let product = sum(of, |[v, w]| after(v, w) * (v - w));
+            let square = sum(of, |of| both(of) * both(of));
             total.kinetic += 0.125 * weights.mass * square;
             total.half_step += weights.mass * (0.5 * product - 0.125 * square);
-            total.momentum += 0.5 * weights.mass * sum;
+            total.momentum += 0.5 * weights.mass * sum(of, both);
         }
         if self.active.lateral {
             for (weights, Range { start, end }) in self.weights.cells() {
                 let [[v0, v1], [w0, w1]] = [v, w].map(|of| [&of[start..end], &of[start + 1..=end]]);
-                let [product, square] = sums([v0, v1, w0, w1], |[v0, v1, w0, w1]| {
-                    let (after, before) = (after(v1, w1) - after(v0, w0), (v1 - w1) - (v0 - w0));
-                    [after * before, (after + before) * (after + before)]
+                let after = |v0, v1, w0, w1| after(v1, w1) - after(v0, w0);
+                let before = |v0: f64, v1: f64, w0: f64, w1: f64| (v1 - w1) - (v0 - w0);
+                let of = [v0, v1, w0, w1];
+                let product = sum(of, |[v0, v1, w0, w1]| after(v0, v1, w0, w1) * before(v0, v1, w0, w1));
+                let square = sum(of, |[v0, v1, w0, w1]| {
+                    let both = after(v0, v1, w0, w1) + before(v0, v1, w0, w1);
+                    both * both
                 });
                 total.kinetic += 0.125 * weights.lateral * square;
                 total.half_step += weights.lateral * (0.5 * product - 0.125 * square);
@@ -189,7 +193,7 @@ impl Implicit {
         }
         let dt = self.weights.dt;
         let of = |(weights, nodes): (&NodeWeights, Range<usize>)| {
-            let [product] = sums([&self.after[nodes.clone()], &self.change[nodes]], |[v, w]| [v * before(v, w)]);
+            let product = sum([&self.after[nodes.clone()], &self.change[nodes]], |[v, w]| v * before(v, w));
             0.125 * dt * dt * weights.spring * product
         };
         self.weights.nodes().map(of).sum()
@@ -201,13 +205,27 @@ impl Implicit {
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
 fn of_dampers(viscous: f64, v: &[f64], w: &[f64], shift: Option<&[f64]>) -> [f64; 2] {
     let cells = v.len() - 1;
-    let [[v0, v1], [w0, w1], [s0, s1]] = [v, w, shift.unwrap_or(v)].map(|of| [&of[..cells], &of[1..]]);
-    sums([v0, v1, w0, w1, s0, s1], |[v0, v1, w0, w1, s0, s1]| {
+    let [[v0, v1], [w0, w1]] = [v, w].map(|of| [&of[..cells], &of[1..]]);
+    // Rate before the step, its change, and the impulse.
+    let of = |v0: f64, v1: f64, w0: f64, w1: f64| {
         let (rate, change) = (v1 - v0, w1 - w0);
-        let impulse = viscous * (rate + 0.5 * change);
-        let shifted = if shift.is_some() { s1 - s0 } else { 0.0 };
-        [impulse * rate, impulse * (rate + change + shifted)]
-    })
+        (rate, change, viscous * (rate + 0.5 * change))
+    };
+    let before = sum([v0, v1, w0, w1], |[v0, v1, w0, w1]| {
+        let (rate, _, impulse) = of(v0, v1, w0, w1);
+        impulse * rate
+    });
+    let after = match shift {
+        None => sum([v0, v1, w0, w1], |[v0, v1, w0, w1]| {
+            let (rate, change, impulse) = of(v0, v1, w0, w1);
+            impulse * (rate + change)
+        }),
+        Some(shift) => sum([v0, v1, w0, w1, &shift[..cells], &shift[1..]], |[v0, v1, w0, w1, s0, s1]| {
+            let (rate, change, impulse) = of(v0, v1, w0, w1);
+            impulse * (rate + change + (s1 - s0))
+        }),
+    };
+    [before, after]
 }
 
 /// The same of external dampers (impulse per velocity before the step, and per change), and the impulses, against the motion, N s.
@@ -226,26 +244,24 @@ fn of_friction(rubbing: &[f64], v: &[f64], w: &[f64], shift: Option<&[f64]>) -> 
 /// velocity, its change and a number of each node.
 #[inline(always)]
 fn at_nodes([v, w, own]: [&[f64]; 3], shift: Option<&[f64]>, impulse: impl Fn([f64; 3]) -> f64) -> [f64; 3] {
-    let is_shifted = shift.is_some();
-    sums([v, w, own, shift.unwrap_or(v)], |[v, w, own, shift]| {
-        let impulse = impulse([v, w, own]);
-        let shift = if is_shifted { shift } else { 0.0 };
-        [impulse * v, impulse * (v + w + shift), impulse]
-    })
+    let of_before = sum([v, w, own], |[v, w, own]| impulse([v, w, own]) * v);
+    let of_after = match shift {
+        None => sum([v, w, own], |[v, w, own]| impulse([v, w, own]) * (v + w)),
+        Some(shift) => sum([v, w, own, shift], |[v, w, own, shift]| impulse([v, w, own]) * (v + w + shift)),
+    };
+    [of_before, of_after, sum([v, w, own], &impulse)]
 }
 
 /// Sum over nodes of the displacements with which a foundation acts in a step, m.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
 fn sum_of_places(dt: f64, place: &[f64], w: &[f64]) -> f64 {
-    let [sum] = sums([place, w], |[u, w]| [u + 0.25 * dt * w]);
-    sum
+    sum([place, w], |[u, w]| u + 0.25 * dt * w)
 }
 
 /// What nodes of mass 2 lose by shifts, from the velocities before the shift and their change in the step.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
 fn lost_at_nodes(of: [&[f64]; 3]) -> f64 {
-    let [sum] = sums(of, |[shift, after, change]| [shift * (2.0 * after - change + shift)]);
-    sum
+    sum(of, |[shift, after, change]| shift * (2.0 * after - change + shift))
 }
 
 /// What they lose by that in the motion of neighbours against each other.
@@ -253,45 +269,41 @@ fn lost_at_nodes(of: [&[f64]; 3]) -> f64 {
 fn lost_in_cells([shift, after, change]: [&[f64]; 3]) -> f64 {
     let cells = shift.len() - 1;
     let [[s0, s1], [v0, v1], [w0, w1]] = [shift, after, change].map(|of| [&of[..cells], &of[1..]]);
-    let [sum] = sums([s0, s1, v0, v1, w0, w1], |[s0, s1, v0, v1, w0, w1]| {
+    sum([s0, s1, v0, v1, w0, w1], |[s0, s1, v0, v1, w0, w1]| {
         let both = |v: f64, w: f64, s: f64| 2.0 * v - w + s;
-        [(s1 - s0) * (both(v1, w1, s1) - both(v0, w0, s0))]
-    });
-    sum
+        (s1 - s0) * (both(v1, w1, s1) - both(v0, w0, s0))
+    })
 }
 
-/// Sums of terms of columns of one length, in lanes that the processor can take side by side.
+/// Partial sums: as many as the processor adds in the time of one addition.
+const WIDE: usize = 4 * LANES;
+
+/// Sum of the terms of columns of one length, in lanes that the processor takes side by side. (Compilers do so for one sum only, not for several.)
 #[expect(
     clippy::needless_range_loop,
     reason = "closures of iterators and arrays are calls here, and cost more than the sums"
 )]
 #[inline(always)]
-fn sums<const M: usize, const N: usize>(columns: [&[f64]; M], term: impl Fn([f64; M]) -> [f64; N]) -> [f64; N] {
-    let (mut lanes, mut values) = ([[0.0; LANES]; N], [0.0; M]);
-    let (cells, groups) = (columns[0].len(), columns[0].len() / LANES);
-    let mut chunks: [&[[f64; LANES]]; M] = [&[]; M];
+fn sum<const M: usize>(columns: [&[f64]; M], term: impl Fn([f64; M]) -> f64) -> f64 {
+    let (mut lanes, mut values) = ([0.0; WIDE], [0.0; M]);
+    let (cells, groups) = (columns[0].len(), columns[0].len() / WIDE);
+    let mut chunks: [&[[f64; WIDE]]; M] = [&[]; M];
     for c in 0..M {
         chunks[c] = &columns[c].as_chunks().0[..groups];
     }
     for k in 0..groups {
-        for lane in 0..LANES {
+        for lane in 0..WIDE {
             for c in 0..M {
                 values[c] = chunks[c][k][lane];
             }
-            let terms = term(values);
-            for n in 0..N {
-                lanes[n][lane] += terms[n];
-            }
+            lanes[lane] += term(values);
         }
     }
-    for i in LANES * groups..cells {
+    for i in WIDE * groups..cells {
         for c in 0..M {
             values[c] = columns[c][i];
         }
-        let terms = term(values);
-        for n in 0..N {
-            lanes[n][0] += terms[n];
-        }
+        lanes[0] += term(values);
     }
-    lanes.map(|lane| lane.iter().sum())
+    lanes.iter().sum()
 }

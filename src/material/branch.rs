@@ -3,8 +3,10 @@
 use std::ops::Range;
 
 use super::csv::{self, CsvTable};
+use super::formula::{self, RawCurve, RawTabulate};
 use super::keys::Keys;
-use super::raw::{RawCurve, RawMaterial, RawTabulate, TableRow};
+use super::raw::RawMaterial;
+use super::row::TableRow;
 use super::{Beyond, Curve, CurveError, Law, Measure, Sense, Tabulate, Tabulated, tabulate_law, tabulate_true_rows};
 use crate::error::{Error, InputError, Result};
 use crate::input::Allowed;
@@ -196,7 +198,7 @@ impl<'a> Data<'a> {
     fn read(raw: &'a Placed<RawCurve>, name: &str, keys: Keys<'_>) -> Result<Self> {
         let curve = raw.get_ref();
         if curve.formula.is_none() {
-            super::law_keys::refuse_constants(curve, name, keys)?;
+            formula::refuse_constants(curve, name, keys)?;
         }
         match (&curve.table, &curve.csv, &curve.formula) {
             (Some(table), None, None) => Ok(Self::Table(table_rows(table, curve, name, keys)?, table)),
@@ -206,7 +208,7 @@ impl<'a> Data<'a> {
                     let error = keys.error(unit.span(), &format!("{name}.unit"), "`unit` does not apply to a formula");
                     return Err(error.help("write units with the constants, e.g. K = \"530 MPa\"").into());
                 }
-                let law = super::law_keys::read(*formula.get_ref(), formula.span(), curve, name, keys)?;
+                let law = formula::read(formula, curve, name, keys)?;
                 Ok(Self::Law(law, formula.span()))
             }
             _ => {

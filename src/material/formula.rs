@@ -1,83 +1,106 @@
 //! Named hardening laws: flow stress against plastic strain (Hollomon: against total strain).
 
-use serde::{Deserialize, Serialize};
+use std::ops::Range;
 
-/// A hardening law with its constants; stresses in Pa.
-///
-/// `e_p` is the plastic strain, `e` the total strain, both in the measure (true or engineering) that the material
-/// file names. Every law but Hollomon's adds an elastic strain `stress/E`.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub enum Law {
-    /// stress = K e^n of the total strain, from where that meets the elastic line. (Hollomon 1945)
-    Hollomon {
-        /// K, Pa, > 0.
-        k: f64,
-        /// n, 0 < n < 1.
-        n: f64,
-    },
-    /// stress = yield + K `e_p`^n. (Ludwik 1909)
-    Ludwik {
-        /// Pa, > 0.
-        yield_stress: f64,
-        /// K, Pa, >= 0.
-        k: f64,
-        /// n, 0 < n <= 1.
-        n: f64,
-    },
-    /// stress = K (prestrain + `e_p`)^n. (Swift 1952)
-    Swift {
-        /// K, Pa, > 0.
-        k: f64,
-        /// Strain, > 0.
-        prestrain: f64,
-        /// n, 0 < n <= 1.
-        n: f64,
-    },
-    /// stress = saturation - (saturation - yield) exp(-`e_p`/strain). (Voce 1948)
-    Voce {
-        /// Pa, > 0.
-        yield_stress: f64,
-        /// Pa, > yield.
-        saturation: f64,
-        /// Characteristic plastic strain, > 0.
-        strain: f64,
-    },
-    /// e = stress/E + offset (stress/yield)^n. (Ramberg and Osgood 1943)
-    RambergOsgood {
-        /// Stress at which the plastic strain is `offset`, Pa, > 0.
-        yield_stress: f64,
-        /// Plastic strain at the yield stress, > 0; usually 0.002.
-        offset: f64,
-        /// n, > 1.
-        n: f64,
-    },
-    /// stress = A + B `e_p`^n: the static part of Johnson and Cook's law (1983).
-    JohnsonCook {
-        /// A, Pa, > 0.
-        a: f64,
-        /// B, Pa, >= 0.
-        b: f64,
-        /// n, 0 < n <= 1.
-        n: f64,
-    },
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize, Serializer};
+
+use super::keys::Keys;
+use super::laws::{Constant, LawKeys, LawTable, laws};
+use super::row::TableRow;
+use super::{Beyond, Measure, Sense};
+use crate::error::Result;
+use crate::input::{Allowed, Document};
+use crate::typed::{Key, NotNegative, Of, Or, Placed, Plain, Positive, Within};
+use crate::units::measures::Stress;
+use crate::units::{Dimension, Quantity};
+
+laws! {
+    /// A hardening law with its constants, SI.
+    ///
+    /// `ep` is the plastic strain, `e` the total strain, both in the measure (true or engineering) that the material
+    /// file names. Every law but Hollomon's adds an elastic strain `stress/E`.
+    enum Law {}
+    /// Name of a law, as in `formula = "hollomon"`.
+    pub enum Formula by "formula";
+    /// A curve: exactly one of `table`, `csv` and `formula`.
+    struct RawCurve {
+        /// Rows [strain, stress]; magnitudes; strain increasing. Plain stresses are in `unit`.
+        #[schemars(with = "Option<Vec<(Quantity, Quantity)>>")]
+        pub table: Option<Vec<TableRow>>,
+        /// A file with the columns strain, stress, relative to this one. A header may give units: `stress_MPa` or
+        /// `stress (MPa)`, `strain (%)`.
+        pub csv: Option<Placed<String>>,
+        /// A named law; its constants are in the same table.
+        pub formula: Option<Placed<Formula>>,
+        /// Unit of plain stresses in `table` or `csv`, e.g. "MPa" (default: Pa).
+        pub unit: Option<Placed<String>>,
+        /// As at the top level.
+        pub measure: Option<Placed<Measure>>,
+        /// As at the top level.
+        pub sense: Option<Placed<Sense>>,
+        /// As at the top level.
+        pub beyond: Option<Placed<Beyond>>,
+        /// Conversion of a formula to a table.
+        pub tabulate: Option<RawTabulate>,
+    }
+    constants {
+        /// Hollomon, Ludwik, Swift: strength coefficient; 0 in Ludwik's law alone.
+        k "K": Option<Of<Stress, NotNegative>>;
+        /// All but Voce: exponent; 1e-4 to 0.99 in Hollomon's law, 1.01 to 1000 in that of Ramberg and Osgood, up to 1 in the others.
+        n "n": Option<Of<Plain, Positive>>;
+        /// Johnson-Cook: yield stress.
+        a "A": Option<Of<Stress, Positive>>;
+        /// Johnson-Cook: hardening coefficient.
+        b "B": Option<Of<Stress, NotNegative>>;
+        /// Ludwik, Voce, Ramberg-Osgood: yield stress.
+        yield_stress "yield": Option<Of<Stress, Positive>>;
+        /// Voce: saturation stress, above the yield stress.
+        saturation "saturation": Option<Of<Stress, Positive>>;
+        /// Voce: characteristic plastic strain.
+        strain "strain": Option<Of<Plain, Positive>>;
+        /// Swift: strain before the test.
+        prestrain "prestrain": Option<Of<Plain, Positive>>;
+        /// Ramberg-Osgood: plastic strain at the yield stress.
+        #[schemars(default)]
+        offset "offset": Or<Of<Plain, Positive>, 2, 1000>;
+    }
+    laws {
+        /// Hollomon K e^n
+        /// of the total strain, from where that meets the elastic line (1945).
+        // n = 1 would be a straight line that never leaves the elastic one, or never meets it.
+        Hollomon "hollomon" { k = "530 MPa" in Allowed::Positive, n = 0.44 in Allowed::Within(1e-4, 0.99) }
+        /// Ludwik yield + K ep^n
+        /// (1909).
+        Ludwik "ludwik" { yield_stress = "90 MPa", k = "300 MPa", n = 0.4 in UP_TO_1 }
+        /// Swift K (prestrain + ep)^n
+        /// (1952).
+        Swift "swift" { k = "600 MPa" in Allowed::Positive, prestrain = 0.002, n = 0.2 in UP_TO_1 }
+        /// Voce saturation - (saturation - yield) exp(-ep/strain)
+        /// (1948).
+        Voce "voce" { yield_stress = "20 MPa", saturation = "308 MPa", strain = 0.17 }
+        /// Ramberg-Osgood e = stress/E + offset (stress/yield)^n
+        /// (1943).
+        RambergOsgood "ramberg-osgood" {
+            yield_stress = "250 MPa", offset = 0.002, n = 10 in Allowed::Within(1.01, 1000.0)
+        }
+        /// Johnson-Cook A + B ep^n
+        /// (1983): the static part of their law.
+        JohnsonCook "johnson-cook" { a = "792 MPa", b = "510 MPa", n = 0.26 in UP_TO_1 }
+    }
 }
 
-/// Name of a law, as in `formula = "hollomon"`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum Formula {
-    /// K e^n of the total strain.
-    Hollomon,
-    /// yield + K ep^n.
-    Ludwik,
-    /// K (prestrain + ep)^n.
-    Swift,
-    /// saturation - (saturation - yield) exp(-ep/strain).
-    Voce,
-    /// e = stress/E + offset (stress/yield)^n.
-    RambergOsgood,
-    /// A + B ep^n.
-    JohnsonCook,
+const UP_TO_1: Allowed = Allowed::Above(0.0, 1.0);
+
+/// Conversion of a formula (or a true table) to an engineering table.
+#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct RawTabulate {
+    /// Largest error of the stress, relative to the largest stress.
+    #[schemars(default)]
+    pub tolerance: Or<Of<Plain, Within<1, 10_000_000, 100_000_000>>, 1, 1000>,
+    /// Engineering strain at the end of the table; at most 0.9 for a compression table from symmetry = "true". Default: 1.5 times the true strain at the largest engineering stress; without a maximum 0.5, and 0.777 (a true strain of 1.5) in compression of true stress and strain.
+    pub to_strain: Option<Of<Plain, Positive>>,
 }
 
 impl Law {
@@ -116,32 +139,36 @@ impl Law {
 
 impl std::fmt::Display for Law {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        const MPA: f64 = 1e6;
-        match *self {
-            Self::Hollomon { k, n } => write!(f, "Hollomon K e^n: K = {} MPa, n = {n}", k / MPA),
-            Self::Ludwik { yield_stress, k, n } => {
-                write!(f, "Ludwik yield + K ep^n: yield = {} MPa, K = {} MPa, n = {n}", yield_stress / MPA, k / MPA)
-            }
-            Self::Swift { k, prestrain, n } => {
-                write!(f, "Swift K (prestrain + ep)^n: K = {} MPa, prestrain = {prestrain}, n = {n}", k / MPA)
-            }
-            Self::Voce { yield_stress, saturation, strain } => write!(
-                f,
-                "Voce saturation - (saturation - yield) exp(-ep/strain): yield = {} MPa, saturation = {} MPa, \
-                 strain = {strain}",
-                yield_stress / MPA,
-                saturation / MPA
-            ),
-            Self::RambergOsgood { yield_stress, offset, n } => write!(
-                f,
-                "Ramberg-Osgood e = stress/E + offset (stress/yield)^n: yield = {} MPa, offset = {offset}, n = {n}",
-                yield_stress / MPA
-            ),
-            Self::JohnsonCook { a, b, n } => {
-                write!(f, "Johnson-Cook A + B ep^n: A = {} MPa, B = {} MPa, n = {n}", a / MPA, b / MPA)
-            }
-        }
+        let (keys, values) = self.stated();
+        let constants = keys.list(&values, |value, dimension| match dimension {
+            Dimension::Stress => format!("{} MPa", value / 1e6),
+            _ => value.to_string(),
+        });
+        write!(f, "{}: {constants}", keys.title)
     }
+}
+
+/// The law of a curve that stands under `name`.
+pub(super) fn read(formula: &Placed<Formula>, curve: &RawCurve, name: &str, keys: Keys<'_>) -> Result<Law> {
+    let law = formula.get_ref().law(curve, keys.doc, &keys.key(name), formula.span())?;
+    if let Law::Voce { yield_stress, saturation, .. } = law
+        && saturation <= yield_stress
+    {
+        let message = format!("{saturation:e} Pa is not above the yield stress {yield_stress:e} Pa");
+        let place = curve.saturation.place().unwrap_or_default();
+        let help = "set `saturation` to the stress that the curve approaches from below";
+        let error = keys.error(place, &format!("{name}.saturation"), message);
+        return Err(error.allowed("saturation > yield").help(help).into());
+    }
+    Ok(law)
+}
+
+/// Refuses constants where there is no formula.
+pub(super) fn refuse_constants(curve: &RawCurve, name: &str, keys: Keys<'_>) -> Result<()> {
+    let given = RawCurve::CONSTANTS.iter().find_map(|constant| constant.given(curve));
+    let Some((key, place)) = given else { return Ok(()) };
+    let error = keys.error(place, &format!("{name}.{key}"), "is a constant of a formula, but `formula` is not given");
+    Err(error.help("add e.g. formula = \"hollomon\", or remove the constant").into())
 }
 
 #[cfg(test)]

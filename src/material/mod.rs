@@ -9,11 +9,12 @@ mod formula;
 mod heat_constants;
 mod heating;
 mod keys;
-mod law_keys;
+mod laws;
 pub mod library;
 mod plausible;
 mod rate;
 mod raw;
+mod row;
 mod scatter;
 mod softening;
 mod tabulate;
@@ -34,7 +35,7 @@ pub(crate) use rate::{RateModel, RawRate, TEMPERATURE};
 pub use raw::RawMaterial;
 pub use scatter::{Scatter, TestCurve, mean_curve};
 pub use tabulate::{
-    Measure, Tabulate, Tabulated, engineering_from_true, tabulate_law, tabulate_true_rows, true_from_engineering,
+    Tabulate, Tabulated, engineering_from_true, tabulate_law, tabulate_true_rows, true_from_engineering,
 };
 pub use torsion::{TORSION_TOLERANCE, TubeSection};
 
@@ -74,6 +75,17 @@ impl Sense {
             Self::Compression => "compression",
         }
     }
+}
+
+/// Which strain and stress a curve is given in.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Measure {
+    /// Elongation over initial length; force over initial area.
+    #[default]
+    Engineering,
+    /// Logarithmic strain; force over current area.
+    True,
 }
 
 /// What the stresses and strains of a curve are.

@@ -4,7 +4,8 @@ use serde::Serialize;
 
 use super::csv;
 use super::keys::Keys;
-use super::raw::{RawBand, RawTest, TableRow};
+use super::raw::{RawBand, RawTest};
+use super::row::TableRow;
 use super::{Beyond, Curve};
 use crate::error::{InputError, Result};
 use crate::input::Allowed;

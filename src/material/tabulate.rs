@@ -4,21 +4,8 @@
 //! compression, in magnitudes, e = 1 - exp(-eps), s = sigma/(1 - e). The elastic part is kept straight in the
 //! engineering measure, s = E e, so that elastic waves have one speed.
 
-use serde::{Deserialize, Serialize};
-
-use super::{Law, SLOPE_ROUND_OFF, Sense};
+use super::{Law, Measure, SLOPE_ROUND_OFF, Sense};
 use crate::root::bisect;
-
-/// Which strain and stress a curve is given in.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum Measure {
-    /// Elongation over initial length; force over initial area.
-    #[default]
-    Engineering,
-    /// Logarithmic strain; force over current area.
-    True,
-}
 
 /// How a law becomes a table.
 #[derive(Debug, Clone, Copy, PartialEq)]

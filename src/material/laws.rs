@@ -1,0 +1,254 @@
+//! Laws of materials as files state them, each declared once with its constants: the formulas of curves and the laws of the strain rate.
+
+use std::ops::Range;
+
+use serde::ser::{SerializeMap, Serializer};
+
+use crate::error::{InputError, Result};
+use crate::input::{Allowed, Document, Number};
+use crate::typed::{self, Key, Of, Or};
+use crate::units::{Dimension, Measure};
+
+/// Type of the key of a constant; it may be absent, since other laws do without.
+pub(super) trait ConstantKey: Key {
+    const DIMENSION: Dimension;
+    const ALLOWED: Allowed;
+    const DEFAULT: Option<f64> = None;
+}
+
+impl<D: Measure, R: typed::Range> ConstantKey for Option<Of<D, R>> {
+    const DIMENSION: Dimension = D::DIMENSION;
+    const ALLOWED: Allowed = R::ALLOWED;
+}
+
+impl<D: Measure, R: typed::Range, const N: i64, const PER: i64> ConstantKey for Or<Of<D, R>, N, PER> {
+    const DIMENSION: Dimension = D::DIMENSION;
+    const ALLOWED: Allowed = R::ALLOWED;
+    const DEFAULT: Option<f64> = Some(N as f64 / PER as f64);
+}
+
+/// A constant, which is a key of the table `Raw`.
+pub(super) struct Constant<Raw> {
+    key: &'static str,
+    /// As a file states it.
+    example: &'static str,
+    dimension: Dimension,
+    allowed: Allowed,
+    default: Option<f64>,
+    typed: fn(&Raw) -> Option<&Number>,
+}
+
+impl<Raw> Constant<Raw> {
+    pub(super) const fn new<K: ConstantKey>(key: &'static str, typed: fn(&Raw) -> Option<&Number>) -> Self {
+        Self { key, example: "", dimension: K::DIMENSION, allowed: K::ALLOWED, default: K::DEFAULT, typed }
+    }
+
+    /// In one law.
+    pub(super) const fn with_example(self, example: &'static str) -> Self {
+        Self { example, ..self }
+    }
+
+    /// In a law whose range is narrower than that of the key.
+    pub(super) const fn within(self, allowed: Allowed) -> Self {
+        Self { allowed, ..self }
+    }
+
+    /// Its key and place, if it is given.
+    pub(super) fn given(&self, raw: &Raw) -> Option<(&'static str, Range<usize>)> {
+        Some((self.key, (self.typed)(raw)?.span()))
+    }
+}
+
+/// A law in files.
+pub(super) struct LawKeys<Raw: 'static> {
+    /// The key that selects it by its name.
+    pub(super) selector: &'static str,
+    pub(super) name: &'static str,
+    /// First line of its description.
+    pub(super) title: &'static str,
+    pub(super) constants: &'static [Constant<Raw>],
+}
+
+impl<Raw> LawKeys<Raw> {
+    fn join(&self, one: impl FnMut(&Constant<Raw>) -> String) -> String {
+        self.constants.iter().map(one).collect::<Vec<_>>().join(", ")
+    }
+
+    /// The keys of its constants.
+    fn keys(&self) -> String {
+        self.join(|constant| constant.key.to_owned())
+    }
+
+    /// Its constants as a file states them.
+    pub(super) fn example(&self) -> String {
+        self.join(|constant| format!("{} = {}", constant.key, constant.example))
+    }
+
+    /// Its constants for readers: "K = 530 MPa, n = 0.44".
+    pub(super) fn list(&self, values: &[f64], show: impl Fn(f64, Dimension) -> String) -> String {
+        let mut values = values.iter();
+        self.join(|constant| {
+            let value = values.next().map_or_else(String::new, |&value| show(value, constant.dimension));
+            format!("{} = {value}", constant.key)
+        })
+    }
+
+    /// The law as files state it.
+    pub(super) fn serialize<S: Serializer>(
+        &self,
+        values: &[f64],
+        serializer: S,
+    ) -> std::result::Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(1 + values.len()))?;
+        map.serialize_entry(self.selector, self.name)?;
+        for (constant, value) in self.constants.iter().zip(values) {
+            map.serialize_entry(constant.key, value)?;
+        }
+        map.end()
+    }
+}
+
+/// The constants of a law under `key` at `span` of a document.
+pub(super) struct LawTable<'a, Raw: 'static> {
+    pub(super) law: LawKeys<Raw>,
+    pub(super) raw: &'a Raw,
+    pub(super) document: &'a Document,
+    pub(super) key: &'a str,
+    pub(super) span: Range<usize>,
+}
+
+impl<Raw> LawTable<'_, Raw> {
+    fn error(&self, span: Range<usize>, constant: &str, message: String) -> InputError {
+        let LawKeys { selector, name, .. } = self.law;
+        let help = format!("{selector} = \"{name}\" uses {}; e.g. {}", self.law.keys(), self.law.example());
+        self.document.error(span, &format!("{}.{constant}", self.key), message).help(help)
+    }
+
+    /// Refuses constants that only other laws have.
+    pub(super) fn refuse_others(&self, all: &[Constant<Raw>]) -> Result<()> {
+        let own = |key: &str| self.law.constants.iter().any(|constant| constant.key == key);
+        let mut given = all.iter().filter_map(|constant| constant.given(self.raw));
+        let Some((other, place)) = given.find(|(key, _)| !own(key)) else { return Ok(()) };
+        let message = format!("is not a constant of {} = \"{}\"", self.law.selector, self.law.name);
+        Err(self.error(place, other, message).allowed(self.law.keys()).into())
+    }
+
+    /// The constants of the law, in order.
+    pub(super) fn numbers<const N: usize>(&self) -> Result<[f64; N]> {
+        let mut numbers = [0.0; N];
+        for (number, constant) in numbers.iter_mut().zip(self.law.constants) {
+            *number = self.number(constant)?;
+        }
+        Ok(numbers)
+    }
+
+    fn number(&self, constant: &Constant<Raw>) -> Result<f64> {
+        let missing = || self.error(self.span.clone(), constant.key, format!("`{}` is missing", constant.key)).into();
+        match (constant.typed)(self.raw) {
+            Some(number) => self.document.number_at(number, constant.dimension, constant.allowed),
+            None => constant.default.ok_or_else(missing),
+        }
+    }
+}
+
+/// Declares laws: the type of a law, that of its name, and the table of a file in which its constants are keys. A row of a constant: its name
+/// in Rust, its key, and the type of the key. A row of a law: its name in Rust and in files, and its constants by their names in Rust,
+/// each with an example, and its range where this is narrower than that of the key.
+macro_rules! laws {
+    (
+        $(#[doc = $law_doc:literal])*
+        enum $law:ident { $($(#[doc = $other_doc:literal])* $other:ident $other_name:literal)? }
+        $(#[doc = $name_doc:literal])*
+        $vis:vis enum $name:ident by $selector:literal;
+        $(#[doc = $raw_doc:literal])*
+        struct $raw:ident { $($field:tt)* }
+        constants {$(
+            $(#[doc = $meaning:literal])*
+            $(#[schemars($default:ident)])?
+            $c:ident $key:literal: $key_type:ty;
+        )*}
+        laws {$(
+            #[doc = $title:literal]
+            $(#[doc = $doc:literal])*
+            $variant:ident $text:literal { $($constant:ident = $example:literal $(in $range:expr)?),* }
+        )*}
+    ) => {
+        // What is declared of a constant, by its name.
+        macro_rules! constant {$(
+            ($c key) => { Constant::new::<$key_type>($key, |raw: &$raw| raw.$c.typed()) };
+            ($c meaning) => { concat!($($meaning,)* " (`", stringify!($key_type), "`)") };
+        )*}
+
+        $(#[doc = $law_doc])*
+        #[derive(Debug, Clone, Copy, PartialEq)]
+        pub enum $law {
+            $(
+                #[doc = $title]
+                $(#[doc = $doc])*
+                $variant { $(#[doc = constant!($constant meaning)] $constant: f64,)* },
+            )*
+            $($(#[doc = $other_doc])* $other,)?
+        }
+
+        $(#[doc = $name_doc])*
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+        $vis enum $name {
+            $(#[doc = $title] $(#[doc = $doc])* #[serde(rename = $text)] $variant,)*
+        }
+
+        $(#[doc = $raw_doc])*
+        #[derive(Debug, Clone, Deserialize, JsonSchema)]
+        #[serde(deny_unknown_fields, rename_all = "kebab-case")]
+        pub struct $raw {
+            $($field)*
+            $($(#[doc = $meaning])* $(#[schemars($default)])? #[serde(rename = $key)] $c: $key_type,)*
+        }
+
+        impl $raw {
+            const CONSTANTS: &'static [Constant<Self>] = &[$(constant!($c key)),*];
+        }
+
+        impl $name {
+            fn keys(self) -> LawKeys<$raw> {
+                let (name, title, constants): (_, &str, &[_]) = match self {
+                    $(Self::$variant => ($text, $title, const {
+                        &[$(constant!($constant key).with_example(stringify!($example))$(.within($range))?),*]
+                    }),)*
+                };
+                LawKeys { selector: $selector, name, title: title.trim_ascii(), constants }
+            }
+
+            /// The law with its constants, which stand under `key` at `span` of a document; those of other laws are refused.
+            pub(crate) fn law(self, raw: &$raw, document: &Document, key: &str, span: Range<usize>) -> Result<$law> {
+                let table = LawTable { law: self.keys(), raw, document, key, span };
+                table.refuse_others($raw::CONSTANTS)?;
+                Ok(match self {$(
+                    Self::$variant => {
+                        let [$($constant),*] = table.numbers()?;
+                        $law::$variant { $($constant),* }
+                    }
+                )*})
+            }
+        }
+
+        impl $law {
+            /// As files state it, and the values of its constants.
+            fn stated(self) -> (LawKeys<$raw>, Vec<f64>) {
+                match self {
+                    $(Self::$variant { $($constant),* } => ($name::$variant.keys(), vec![$($constant),*]),)*
+                    $(Self::$other => {
+                        (LawKeys { selector: $selector, name: $other_name, title: "", constants: &[] }, Vec::new())
+                    })?
+                }
+            }
+        }
+
+        impl Serialize for $law {
+            fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+                let (keys, values) = self.stated();
+                keys.serialize(&values, serializer)
+            }
+        }
+    };
+}
+pub(super) use laws;

@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize, Serializer};
 
 use super::keys::Keys;
-use super::laws::{Constant, LawKeys, LawTable, laws};
+use super::laws::{Constant, LawKeys, laws};
 use super::row::TableRow;
 use super::{Beyond, Measure, Sense};
 use crate::error::Result;

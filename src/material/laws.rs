@@ -2,9 +2,10 @@
 
 use std::ops::Range;
 
-use serde::ser::{SerializeMap, Serializer};
+use serde::Serializer;
+use serde_json::json;
 
-use crate::error::{InputError, Result};
+use crate::error::Result;
 use crate::input::{Allowed, Document, Number};
 use crate::typed::{self, Key, Of, Or};
 use crate::units::{Dimension, Measure};
@@ -29,28 +30,18 @@ impl<D: Measure, R: typed::Range, const N: i64, const PER: i64> ConstantKey for 
 
 /// A constant, which is a key of the table `Raw`.
 pub(super) struct Constant<Raw> {
-    key: &'static str,
+    pub(super) key: &'static str,
     /// As a file states it.
-    example: &'static str,
-    dimension: Dimension,
-    allowed: Allowed,
-    default: Option<f64>,
-    typed: fn(&Raw) -> Option<&Number>,
+    pub(super) example: &'static str,
+    pub(super) dimension: Dimension,
+    pub(super) allowed: Allowed,
+    pub(super) default: Option<f64>,
+    pub(super) typed: fn(&Raw) -> Option<&Number>,
 }
 
 impl<Raw> Constant<Raw> {
     pub(super) const fn new<K: ConstantKey>(key: &'static str, typed: fn(&Raw) -> Option<&Number>) -> Self {
         Self { key, example: "", dimension: K::DIMENSION, allowed: K::ALLOWED, default: K::DEFAULT, typed }
-    }
-
-    /// In one law.
-    pub(super) const fn with_example(self, example: &'static str) -> Self {
-        Self { example, ..self }
-    }
-
-    /// In a law whose range is narrower than that of the key.
-    pub(super) const fn within(self, allowed: Allowed) -> Self {
-        Self { allowed, ..self }
     }
 
     /// Its key and place, if it is given.
@@ -99,61 +90,45 @@ impl<Raw> LawKeys<Raw> {
         values: &[f64],
         serializer: S,
     ) -> std::result::Result<S::Ok, S::Error> {
-        let mut map = serializer.serialize_map(Some(1 + values.len()))?;
-        map.serialize_entry(self.selector, self.name)?;
-        for (constant, value) in self.constants.iter().zip(values) {
-            map.serialize_entry(constant.key, value)?;
+        let constants = self.constants.iter().zip(values).map(|(constant, value)| (constant.key, json!(value)));
+        serializer.collect_map(std::iter::once((self.selector, json!(self.name))).chain(constants))
+    }
+
+    /// The constants in order, which stand under `key` at `span` of a document; others of `all` are refused.
+    pub(super) fn numbers<const N: usize>(
+        &self,
+        raw: &Raw,
+        all: &[Constant<Raw>],
+        document: &Document,
+        key: &str,
+        span: &Range<usize>,
+    ) -> Result<[f64; N]> {
+        let selected = format!("{} = \"{}\"", self.selector, self.name);
+        let error = |span, constant: &str, message: String| {
+            let help = format!("{selected} uses {}; e.g. {}", self.keys(), self.example());
+            document.error(span, &format!("{key}.{constant}"), message).help(help)
+        };
+        let own = |key: &str| self.constants.iter().any(|constant| constant.key == key);
+        if let Some((other, place)) = all.iter().filter_map(|c| c.given(raw)).find(|(key, _)| !own(key)) {
+            let message = format!("is not a constant of {selected}");
+            return Err(error(place, other, message).allowed(self.keys()).into());
         }
-        map.end()
-    }
-}
-
-/// The constants of a law under `key` at `span` of a document.
-pub(super) struct LawTable<'a, Raw: 'static> {
-    pub(super) law: LawKeys<Raw>,
-    pub(super) raw: &'a Raw,
-    pub(super) document: &'a Document,
-    pub(super) key: &'a str,
-    pub(super) span: Range<usize>,
-}
-
-impl<Raw> LawTable<'_, Raw> {
-    fn error(&self, span: Range<usize>, constant: &str, message: String) -> InputError {
-        let LawKeys { selector, name, .. } = self.law;
-        let help = format!("{selector} = \"{name}\" uses {}; e.g. {}", self.law.keys(), self.law.example());
-        self.document.error(span, &format!("{}.{constant}", self.key), message).help(help)
-    }
-
-    /// Refuses constants that only other laws have.
-    pub(super) fn refuse_others(&self, all: &[Constant<Raw>]) -> Result<()> {
-        let own = |key: &str| self.law.constants.iter().any(|constant| constant.key == key);
-        let mut given = all.iter().filter_map(|constant| constant.given(self.raw));
-        let Some((other, place)) = given.find(|(key, _)| !own(key)) else { return Ok(()) };
-        let message = format!("is not a constant of {} = \"{}\"", self.law.selector, self.law.name);
-        Err(self.error(place, other, message).allowed(self.law.keys()).into())
-    }
-
-    /// The constants of the law, in order.
-    pub(super) fn numbers<const N: usize>(&self) -> Result<[f64; N]> {
         let mut numbers = [0.0; N];
-        for (number, constant) in numbers.iter_mut().zip(self.law.constants) {
-            *number = self.number(constant)?;
+        for (number, constant) in numbers.iter_mut().zip(self.constants) {
+            let missing = || error(span.clone(), constant.key, format!("`{}` is missing", constant.key));
+            *number = match (constant.typed)(raw) {
+                Some(typed) => document.number_at(typed, constant.dimension, constant.allowed)?,
+                None => constant.default.ok_or_else(missing)?,
+            };
         }
         Ok(numbers)
     }
-
-    fn number(&self, constant: &Constant<Raw>) -> Result<f64> {
-        let missing = || self.error(self.span.clone(), constant.key, format!("`{}` is missing", constant.key)).into();
-        match (constant.typed)(self.raw) {
-            Some(number) => self.document.number_at(number, constant.dimension, constant.allowed),
-            None => constant.default.ok_or_else(missing),
-        }
-    }
 }
 
-/// Declares laws: the type of a law, that of its name, and the table of a file in which its constants are keys. A row of a constant: its name
-/// in Rust, its key, and the type of the key. A row of a law: its name in Rust and in files, and its constants by their names in Rust,
-/// each with an example, and its range where this is narrower than that of the key.
+/// Declares laws: the type of a law (with one more value, if it has one that has no constants and no name to be selected by), that of its
+/// name, and the table of a file in which its constants are keys. A row of a constant: its name in Rust, its key, and the type of the key.
+/// A row of a law: its name in Rust and in files, and its constants by their names in Rust, each with an example, and its range where this
+/// is narrower than that of the key.
 macro_rules! laws {
     (
         $(#[doc = $law_doc:literal])*
@@ -212,7 +187,11 @@ macro_rules! laws {
             fn keys(self) -> LawKeys<$raw> {
                 let (name, title, constants): (_, &str, &[_]) = match self {
                     $(Self::$variant => ($text, $title, const {
-                        &[$(constant!($constant key).with_example(stringify!($example))$(.within($range))?),*]
+                        &[$(Constant {
+                            example: stringify!($example),
+                            $(allowed: $range,)?
+                            ..constant!($constant key)
+                        }),*]
                     }),)*
                 };
                 LawKeys { selector: $selector, name, title: title.trim_ascii(), constants }
@@ -220,11 +199,10 @@ macro_rules! laws {
 
             /// The law with its constants, which stand under `key` at `span` of a document; those of other laws are refused.
             pub(crate) fn law(self, raw: &$raw, document: &Document, key: &str, span: Range<usize>) -> Result<$law> {
-                let table = LawTable { law: self.keys(), raw, document, key, span };
-                table.refuse_others($raw::CONSTANTS)?;
+                let keys = self.keys();
                 Ok(match self {$(
                     Self::$variant => {
-                        let [$($constant),*] = table.numbers()?;
+                        let [$($constant),*] = keys.numbers(raw, $raw::CONSTANTS, document, key, &span)?;
                         $law::$variant { $($constant),* }
                     }
                 )*})

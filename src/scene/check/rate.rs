@@ -20,7 +20,7 @@ impl Checker<'_> {
             return Err(self.missing(raw.span(), "effects.rate.model", &help));
         };
         let model = *model.get_ref();
-        let law = raw_rate.law(model, self.document, "effects.rate", raw.span())?;
+        let law = model.law(raw_rate, self.document, "effects.rate", raw.span())?;
         if let Some(segment) = bar.segments.iter().find(|s| law.lacks_temperature(&s.material)) {
             let message = format!("needs the reference temperature of the curve of `{}`", segment.material.name);
             return Err(self.error(raw.span(), "effects.rate", message).help(TEMPERATURE).into());

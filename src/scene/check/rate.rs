@@ -37,7 +37,7 @@ impl Checker<'_> {
         let error =
             self.error(raw.span(), "effects.rate", format!("no material of the bar has rate constants, e.g. `{name}`"));
         let help = format!(
-            "give the material [rate.johnson-cook], [rate.cowper-symonds] or [rate.malvern], or set a law in the scene, e.g. {}",
+            "give the material [rate.johnson-cook], [rate.zerilli-armstrong], [rate.cowper-symonds] or [rate.malvern], or set a law in the scene, e.g. {}",
             RateModel::JohnsonCook.example()
         );
         Err(error.help(help).into())

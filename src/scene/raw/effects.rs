@@ -89,8 +89,8 @@ pub enum RawRupture {
 #[derive(Debug, JsonSchema)]
 #[schemars(untagged)]
 pub enum RateChoice {
-    /// From the materials: Johnson-Cook, Cowper-Symonds or Malvern, the first of them that a material states; a material
-    /// that states none does not feel the rate.
+    /// From the materials: Johnson-Cook, Zerilli-Armstrong, Cowper-Symonds or Malvern, the first of them that a material states; a
+    /// material that states none does not feel the rate.
     Material(MaterialWord),
     /// From the scene, the same for all segments.
     Law(Box<RawRate>),

@@ -106,7 +106,7 @@ impl Faces {
     /// Of a medium.
     pub fn new(medium: Medium) -> Self {
         let impedance = medium.impedance();
-        let virgin = [1.0, -1.0].map(|sense| medium.lines(sense).at_accumulated(0.0).2);
+        let virgin = [1.0, -1.0].map(|sense| medium.lines(sense).first_yield);
         let falls = |lines: &Lines| lines.slope.windows(2).all(|pair| pair[1] <= pair[0]);
         let reach = [1.0, -1.0].map(|sense| {
             let lines = medium.lines(sense);

@@ -246,45 +246,71 @@ pub fn flow(effects: &Effects) -> Flow {
     effects.hardening.map_or(Flow::PathIndependent, |rule| Flow::Plastic { kinematic: rule.kinematic_fraction() })
 }
 
-/// Picks the fastest form in which the table can be read.
+/// The hardening law over the fastest form in which the table can be read.
 fn choose_backbone(material: &Material, tension: &Table, compression: Table, effects: &Effects) -> Arc<dyn RowLaw> {
     if material.compression.is_some() {
         let indexed = (Indexed::new(tension), Indexed::new(&compression));
-        return if let (Some(first), Some(compression)) = indexed {
-            choose_law(TwoSided { tension: first, compression }, tension, material, effects)
+        return if let (Some(tension), Some(compression)) = indexed {
+            of_two_curves(TwoSided { tension, compression }, effects.hardening, material)
         } else {
-            let both = TwoSided { tension: Searched(tension.clone()), compression: Searched(compression) };
-            choose_law(both, tension, material, effects)
+            let tension = Searched(tension.clone());
+            of_two_curves(TwoSided { tension, compression: Searched(compression) }, effects.hardening, material)
         };
     }
-    if let Some(two) = Envelope::<2>::new(tension) {
-        choose_law(two, tension, material, effects)
-    } else if let Some(four) = Envelope::<4>::new(tension) {
-        choose_law(four, tension, material, effects)
-    } else if let Some(eight) = Envelope::<8>::new(tension) {
-        choose_law(eight, tension, material, effects)
-    } else if let Some(indexed) = Indexed::new(tension) {
-        choose_law(indexed, tension, material, effects)
-    } else {
-        choose_law(Searched(tension.clone()), tension, material, effects)
+    match effects.hardening {
+        // What searches for the flow of each cell gains nothing by the short forms of few lines.
+        Some(HardeningRule::Kinematic) if tension.is_multilinear() => match Indexed::new(tension) {
+            Some(indexed) => warming(Overlay::new(indexed, tension), material),
+            None => warming(Overlay::new(Searched(tension.clone()), tension), material),
+        },
+        Some(HardeningRule::ArmstrongFrederick { c, gamma }) => {
+            let back = BackStress::new(c, gamma, material.modulus);
+            match Indexed::new(tension) {
+                Some(indexed) => rows(ArmstrongFrederick::new(indexed, back)),
+                None => rows(ArmstrongFrederick::new(Searched(tension.clone()), back)),
+            }
+        }
+        rule => {
+            if let Some(two) = Envelope::<2>::new(tension) {
+                of_one_curve(two, rule, tension, material)
+            } else if let Some(four) = Envelope::<4>::new(tension) {
+                of_one_curve(four, rule, tension, material)
+            } else if let Some(eight) = Envelope::<8>::new(tension) {
+                of_one_curve(eight, rule, tension, material)
+            } else if let Some(indexed) = Indexed::new(tension) {
+                of_one_curve(indexed, rule, tension, material)
+            } else {
+                of_one_curve(Searched(tension.clone()), rule, tension, material)
+            }
+        }
     }
 }
 
-fn choose_law<B: Backbone + 'static>(
+/// With a curve for each sense: hardening is isotropic, as scenes are checked for.
+fn of_two_curves<B: Backbone + 'static>(
     backbone: B,
+    rule: Option<HardeningRule>,
+    material: &Material,
+) -> Arc<dyn RowLaw> {
+    match rule {
+        None => rows(PathIndependent(backbone)),
+        Some(_) => warming(Isotropic(backbone), material),
+    }
+}
+
+/// With one curve for both senses, and hardening that is isotropic, or moves the elastic range by a fixed fraction.
+fn of_one_curve<B: Backbone + 'static>(
+    backbone: B,
+    rule: Option<HardeningRule>,
     table: &Table,
     material: &Material,
-    effects: &Effects,
 ) -> Arc<dyn RowLaw> {
-    let yield_stress = table.yield_stress();
-    match effects.hardening {
+    match rule {
         None => rows(PathIndependent(backbone)),
         Some(HardeningRule::Isotropic) => warming(Isotropic(backbone), material),
-        Some(HardeningRule::Kinematic) if table.is_multilinear() => warming(Overlay::new(backbone, table), material),
-        Some(HardeningRule::Kinematic) => warming(Mixed { backbone, yield_stress, kinematic: 1.0 }, material),
-        Some(HardeningRule::Mixed(kinematic)) => warming(Mixed { backbone, yield_stress, kinematic }, material),
-        Some(HardeningRule::ArmstrongFrederick { c, gamma }) => {
-            rows(ArmstrongFrederick::new(backbone, BackStress::new(c, gamma, material.modulus)))
+        Some(rule) => {
+            let (yield_stress, kinematic) = (table.yield_stress(), rule.kinematic_fraction());
+            warming(Mixed { backbone, yield_stress, kinematic }, material)
         }
     }
 }

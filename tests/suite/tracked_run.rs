@@ -242,3 +242,19 @@ fn a_run_that_is_interrupted_keeps_what_it_has() {
     assert_eq!((file.metadata().outcome.as_str(), file.time().expect("times").len()), ("interrupted", 20));
     assert!(!file.paths().expect("paths").is_empty());
 }
+
+/// The bar is elastic: its end shares every step with a falling weight, and what gathers at the face is nothing, not rounding of either sign.
+#[test]
+fn energies_that_a_bar_dissipates_are_never_below_zero() {
+    let text = std::fs::read_to_string("runs/falling-weight.toml").expect("a scene of the examples");
+    let scene = Scene::parse("falling-weight.toml", &text, Path::new("runs"), &[]).unwrap_or_else(|e| panic!("{e}"));
+    let folder = tempfile::tempdir().expect("a folder");
+    let ledger = result(&scene, folder.path()).ledger().expect("a ledger");
+    assert!(ledger.len() > 10, "{} rows", ledger.len());
+    for row in ledger {
+        let all = row.energies;
+        let dissipated = [all.plastic, all.heat, all.viscoplastic, all.concentrated, all.fracture];
+        let least = dissipated.into_iter().fold(f64::INFINITY, f64::min);
+        assert!(least >= 0.0, "{least:e} J at {} s", row.time);
+    }
+}

@@ -27,10 +27,9 @@ impl FrontTracking {
     /// Merges neighbouring waves of every kind once.
     pub(super) fn merge_fronts(&mut self) {
         let mut scratch = std::mem::take(&mut self.merging.scratch);
-        self.spread_out(&mut scratch);
-        let before = self.content(self.end_nodes[0], self.end_nodes[1]);
+        let energy = self.spread_out(&mut scratch);
         let Unshown { plastic, heat } = self.booked.unshown;
-        self.merging.start(before.energy, plastic + heat);
+        self.merging.start(energy, plastic + heat);
         let mut start = 0;
         while start + 1 < scratch.ids.len() {
             let end = (start + 1..scratch.ids.len() - 1)
@@ -39,41 +38,40 @@ impl FrontTracking {
             self.collect_between(&mut scratch, start, end);
             start = end;
         }
-        self.merging.merge(&mut scratch, &self.media);
+        let taken = self.merging.merge(&mut scratch, &self.media);
         self.put_back(&scratch);
-        let after = self.content(self.end_nodes[0], self.end_nodes[1]);
-        self.merging.energy += before.energy - after.energy;
-        self.booked.shifted.momentum += after.momentum - before.momentum;
+        self.merging.energy += taken.energy;
+        self.booked.shifted.momentum -= taken.momentum;
         self.merging.scratch = scratch;
         let nodes = self.list.len();
         self.merging.passed(nodes, self.events);
     }
 
-    /// The list as arrays: nodes, where they are, how fast (none: a border), and the pieces to their right.
-    fn spread_out(&self, scratch: &mut Scratch) {
-        scratch.ids.clear();
-        scratch.x.clear();
-        scratch.wave.clear();
-        scratch.pieces.clear();
-        let (mut id, mut left) = (self.end_nodes[0], Point::default());
+    /// The list as arrays: nodes, where they are, how fast (none: a border), and the pieces to their right with their lengths. Returns the
+    /// energy of the bar, J.
+    fn spread_out(&self, scratch: &mut Scratch) -> f64 {
+        scratch.clear();
+        let (mut id, mut left, mut energy) = (self.end_nodes[0], Point::default(), 0.0);
         while id != NONE {
             let node = self.list.get(id);
+            let length = if node.next == NONE { 0.0 } else { self.length_after(node) };
+            let medium = &self.media[node.segment as usize];
+            energy += medium.area * length * medium.energy(&node.right);
             scratch.ids.push(id);
             scratch.x.push(node.at(self.now));
+            scratch.lengths.push(length);
             scratch.pieces.push(node.right);
             scratch.wave.push(match node.kind {
                 Kind::Front => Some(node.speed),
-                Kind::Contact => {
-                    let medium = &self.media[node.segment as usize];
-                    same_motion(&left, &node.right, medium, 2.0 * REST).then_some(0.0)
-                }
+                Kind::Contact => same_motion(&left, &node.right, medium, 2.0 * REST).then_some(0.0),
                 Kind::End | Kind::Joint => None,
             });
             left = node.right;
             id = node.next;
         }
-        scratch.gone.clear();
         scratch.gone.resize(scratch.ids.len(), false);
+        scratch.lifted.resize(scratch.ids.len(), false);
+        energy
     }
 
     /// The steps between two borders, kind by kind.
@@ -106,7 +104,7 @@ impl FrontTracking {
     /// Takes out the nodes that are gone and sets the states and interactions of the others.
     fn put_back(&mut self, scratch: &Scratch) {
         let last = scratch.ids.len() - 1;
-        for i in 1..last {
+        for i in (1..last).filter(|&i| scratch.gone[i] || scratch.lifted[i - 1] || scratch.lifted[i]) {
             let (left, node) = (self.list.get(scratch.ids[i - 1]).right, *self.list.get(scratch.ids[i]));
             let changed = left != scratch.pieces[i - 1] || node.right != scratch.pieces[i];
             if node.kind == Kind::Front && (scratch.gone[i] || changed) {
@@ -120,7 +118,7 @@ impl FrontTracking {
         for i in 0..last {
             if scratch.gone[i] {
                 self.drop_node(scratch.ids[i]);
-            } else {
+            } else if scratch.lifted[i] {
                 self.list.get_mut(scratch.ids[i]).right = scratch.pieces[i];
             }
         }

@@ -6,6 +6,7 @@ use std::collections::BinaryHeap;
 use serde::{Deserialize, Serialize};
 
 use super::nearness::REST;
+use super::place::Content;
 use crate::wave::riemann::{Medium, Path, Point};
 
 /// The allowance, over (front tolerance)^2 times stress scale times length. Steps of height delta that are delta apart
@@ -58,12 +59,15 @@ pub(super) struct Scratch {
     pub ids: Vec<u32>,
     pub x: Vec<f64>,
     pub wave: Vec<Option<f64>>,
+    /// States to the right of the nodes, how long they are, m, and which of them a merge has changed.
     pub pieces: Vec<Point>,
+    pub lengths: Vec<f64>,
+    pub lifted: Vec<bool>,
     pub gone: Vec<bool>,
     pub kind: Vec<(f64, usize)>,
     steps: Vec<Step>,
     pairs: BinaryHeap<Reverse<Pair>>,
-    lifted: Vec<Point>,
+    trial: Vec<Point>,
 }
 
 /// A step of one kind's function: over the pieces `first..last`, between two nodes of that kind.
@@ -158,6 +162,17 @@ impl FrontMerging {
 }
 
 impl Scratch {
+    /// Forgets the nodes of the passage before.
+    pub fn clear(&mut self) {
+        self.ids.clear();
+        self.x.clear();
+        self.wave.clear();
+        self.pieces.clear();
+        self.lengths.clear();
+        self.lifted.clear();
+        self.gone.clear();
+    }
+
     /// Adds the steps between the nodes `kind[from..to]`, all of one kind.
     pub fn collect(&mut self, from: usize, to: usize, segment: usize) {
         let start = self.steps.len();
@@ -191,13 +206,13 @@ impl Scratch {
         k
     }
 
-    /// Lifts the pieces of two steps to one height and returns the energy that this takes, J. Not if that takes less than `least`, nor if it
+    /// Lifts the pieces of two steps to one height and returns the energy and momentum that this takes. Not if that takes less than `least`, nor if it
     /// takes one of them past its yield stress by more than `most` (Pa), or further than it is, nor if it takes back flow that never was: where
     /// plastic waves of both directions are, the mean of one kind can be less than what the others have done.
-    fn lift(&mut self, steps: [Step; 2], height: &Point, medium: &Medium, most: f64, least: f64) -> Option<f64> {
-        self.lifted.clear();
+    fn lift(&mut self, steps: [Step; 2], height: &Point, medium: &Medium, most: f64, least: f64) -> Option<Content> {
+        self.trial.clear();
         let rounding = REST * medium.round_off;
-        let mut taken = 0.0;
+        let mut taken = Content::default();
         for step in steps {
             for i in step.first..step.last {
                 let piece = &self.pieces[i];
@@ -211,23 +226,28 @@ impl Scratch {
                 if over > most + rounding && over > medium.overstress(piece) + rounding {
                     return None;
                 }
-                let volume = medium.area * (self.x[i + 1] - self.x[i]).max(0.0);
-                taken += volume * (medium.energy(piece) - medium.energy(&lifted));
-                self.lifted.push(lifted);
+                let volume = medium.area * self.lengths[i];
+                taken.energy += volume * (medium.energy(piece) - medium.energy(&lifted));
+                taken.momentum += volume * medium.density * (piece.velocity - lifted.velocity);
+                self.trial.push(lifted);
             }
         }
-        if taken < least {
+        if taken.energy < least {
             return None;
         }
-        self.pieces[steps[0].first..steps[1].last].copy_from_slice(&self.lifted);
+        let pieces = steps[0].first..steps[1].last;
+        self.pieces[pieces.clone()].copy_from_slice(&self.trial);
+        self.lifted[pieces].fill(true);
         Some(taken)
     }
 }
 
 impl FrontMerging {
     /// Makes neighbouring steps one as long as that changes no more than allowed, and marks the nodes that go. Those that change the least come
-    /// first, wherever they are: in the order of place a bar and its mirror image would be merged in different ways.
-    pub fn merge(&mut self, scratch: &mut Scratch, media: &[Medium]) {
+    /// first, wherever they are: in the order of place a bar and its mirror image would be merged in different ways. Returns what this takes
+    /// from the bar.
+    pub fn merge(&mut self, scratch: &mut Scratch, media: &[Medium]) -> Content {
+        let mut all = Content::default();
         for k in 0..scratch.steps.len() {
             self.consider([k, scratch.steps[k].sides[1]], scratch, media);
         }
@@ -241,14 +261,17 @@ impl FrontMerging {
             let medium = &media[a.segment];
             let most = if change > TRIFLE * self.allowance { 0.0 } else { self.overstress };
             let Some(taken) = scratch.lift([a, b], &height, medium, most, -self.credit) else { continue };
-            self.credit += taken;
+            self.credit += taken.energy;
             self.changed += change;
+            all.energy += taken.energy;
+            all.momentum += taken.momentum;
             let k = scratch.replace(steps, height);
             let sides = scratch.steps[k].sides;
             self.consider([sides[0], k], scratch, media);
             self.consider([k, sides[1]], scratch, media);
         }
         scratch.steps.clear();
+        all
     }
 
     /// Notes two steps that may become one.

@@ -14,8 +14,8 @@ pub(super) struct Account {
     pub work: f64,
     /// That of the force at the face, J: less than what a body lost, by what its steps do not resolve.
     pub on_face: f64,
-    /// That of the force at the bar's edge, J: less, by what strain that gathers at the face takes.
-    pub on_edge: f64,
+    /// What of that the strain takes which gathers at the face, J, >= 0.
+    pub gathered: f64,
     /// Impulse given to the bar, N s, into the bar.
     pub impulse: f64,
 }
@@ -42,11 +42,11 @@ pub(super) struct Stepping {
     pub until: f64,
     /// Of the face at the start of the step, m.
     pub displacement: f64,
-    /// Over the step so far: displacement (m), impulse (N s), work at the face and at the bar's edge (J).
+    /// Over the step so far: displacement (m), impulse (N s), work at the face, and what of that gathers there (J).
     moved: f64,
     impulse: f64,
     on_face: f64,
-    on_edge: f64,
+    gathered: f64,
     /// Since when, and what holds.
     since: f64,
     pub held: Held,
@@ -70,7 +70,7 @@ impl Stepping {
             moved: 0.0,
             impulse: 0.0,
             on_face: 0.0,
-            on_edge: 0.0,
+            gathered: 0.0,
             since: 0.0,
             held: Held { force: 0.0, velocity, edge: velocity },
             met: false,
@@ -85,7 +85,8 @@ impl Stepping {
         self.moved += velocity * dt;
         self.impulse += force * dt;
         self.on_face += force * velocity * dt;
-        self.on_edge += force * edge * dt;
+        // Where none gathers the velocities differ by rounding, in either sense.
+        self.gathered += (force * (velocity - edge) * dt).max(0.0);
         self.since = t;
     }
 
@@ -104,10 +105,10 @@ impl Stepping {
             self.latest = (self.start + 0.5 * elapsed, push.force);
         }
         self.account.on_face += self.on_face;
-        self.account.on_edge += self.on_edge;
+        self.account.gathered += self.gathered;
         self.account.impulse += self.impulse;
         self.displacement += self.moved;
-        (self.moved, self.impulse, self.on_face, self.on_edge) = (0.0, 0.0, 0.0, 0.0);
+        (self.moved, self.impulse, self.on_face, self.gathered) = (0.0, 0.0, 0.0, 0.0);
         self.start = self.since;
     }
 

@@ -65,7 +65,7 @@ impl FrontTracking {
         for (k, end) in self.ends.iter().enumerate() {
             let account = end.account(self.time());
             sum.work[k] = account.work;
-            sum.concentrated += account.on_face - account.on_edge;
+            sum.concentrated += account.gathered;
             sum.thinned += account.work - account.on_face;
             sum.impulse[k] = end.face.inward * account.impulse;
         }

@@ -35,7 +35,9 @@ impl History {
 
     /// The cell comes to this stress (Pa) elastically.
     pub fn contains(&self, stress: f64) -> bool {
-        let rounding = WITHIN * (self.high - self.low);
+        // A curve may never leave its elastic line in one sense.
+        let width = self.high - self.low;
+        let rounding = WITHIN * if width.is_finite() { width } else { self.high.abs().min(self.low.abs()) };
         self.low - rounding <= stress && stress <= self.high + rounding
     }
 

@@ -13,10 +13,7 @@ impl Medium {
             }
             Flow::Plastic { kinematic } => {
                 let sense = 1.0_f64.copysign(stress - point.stress);
-                let lines = self.lines(sense);
-                let (.., flow_stress) = lines.at_accumulated(point.accumulated);
-                let hardening = if kinematic == 0.0 { 0.0 } else { kinematic * (flow_stress - lines.first_yield) };
-                sense * (stress - point.back) < flow_stress - hardening - self.round_off
+                sense * stress < self.limit(point.accumulated, point.back, sense, kinematic) - self.round_off
             }
             Flow::Overlay => false,
         }

@@ -59,8 +59,6 @@ pub struct Faces {
     /// Half of rho c0, and half of its reciprocal.
     half_impedance: f64,
     half_compliance: f64,
-    /// Elastic limit of first loading in tension and compression, Pa.
-    virgin: [f64; 2],
     /// Slopes fall along both curves.
     concave: bool,
     /// Velocity change from zero stress to the start of every line, m/s.
@@ -106,7 +104,6 @@ impl Faces {
     /// Of a medium.
     pub fn new(medium: Medium) -> Self {
         let impedance = medium.impedance();
-        let virgin = [1.0, -1.0].map(|sense| medium.lines(sense).first_yield);
         let falls = |lines: &Lines| lines.slope.windows(2).all(|pair| pair[1] <= pair[0]);
         let reach = [1.0, -1.0].map(|sense| {
             let lines = medium.lines(sense);
@@ -120,7 +117,6 @@ impl Faces {
         Self {
             half_impedance: 0.5 * impedance,
             half_compliance: 0.5 / impedance,
-            virgin,
             concave: falls(medium.lines(1.0)) && falls(medium.lines(-1.0)),
             reach,
             medium,
@@ -129,7 +125,7 @@ impl Faces {
 
     /// The smaller elastic limit of first loading, Pa.
     pub fn yield_stress(&self) -> f64 {
-        self.virgin[0].min(self.virgin[1])
+        self.medium.lines(1.0).first_yield.min(self.medium.lines(-1.0).first_yield)
     }
 
     /// The answer where both sides stay elastic. Kernels that compute it for themselves use the same form, and so get the
@@ -169,7 +165,8 @@ impl Faces {
         }
         let Flow::Plastic { kinematic } = self.medium.flow else {
             let z = near.point.stress + near.point.plastic;
-            return z.abs() <= self.virgin[side(z)] && stress.abs() <= self.virgin[side(stress)];
+            return z.abs() <= self.medium.lines(z).first_yield
+                && stress.abs() <= self.medium.lines(stress).first_yield;
         };
         sense * stress <= self.loading_path(near, sense, kinematic).limit
     }
@@ -177,7 +174,7 @@ impl Faces {
     fn plastic(&self, kinematic: f64, left: &FaceState, right: &FaceState, work: &mut Workspace) -> Flux {
         let elastic = self.elastic(left, right);
         let sense = if elastic.stress < left.point.back { -1.0 } else { 1.0 };
-        if kinematic == 0.0 && sense * elastic.stress <= self.virgin[side(sense)] {
+        if kinematic == 0.0 && sense * elastic.stress <= self.medium.lines(sense).first_yield {
             return elastic;
         }
         let sense_right = if elastic.stress < right.point.back { -1.0 } else { 1.0 };
@@ -187,7 +184,11 @@ impl Faces {
         }
         let start = a.limit.min(b.limit);
         let low = |near: &FaceState, limit: f64| {
-            if kinematic == 0.0 { -self.virgin[side(-sense)] } else { 2.0 * sense * near.point.back - limit }
+            if kinematic == 0.0 {
+                -self.medium.lines(-sense).first_yield
+            } else {
+                2.0 * sense * near.point.back - limit
+            }
         };
         let reached = start >= low(left, a.limit) && start >= low(right, b.limit);
         let walks = sense == sense_right && reached && (self.concave || one_line(&a, &b));
@@ -202,7 +203,7 @@ impl Faces {
         let lines = self.medium.lines(sense);
         let own = sense * near.point.stress;
         let (line, _, y) = lines.at_accumulated(near.point.accumulated);
-        let limit = sense * near.point.back + y - kinematic * (y - self.virgin[side(sense)]);
+        let limit = sense * near.point.back + lines.half_range(y, kinematic);
         if near.flowing != sense && own <= limit || !limit.is_finite() {
             return LoadingPath { lines, own, limit, line, shift: limit - y, elastic: true };
         }
@@ -272,7 +273,7 @@ impl Faces {
         let sense = if flows { near.flowing } else { 1.0_f64.copysign(point.stress - point.back) };
         let lines = self.medium.lines(sense);
         let (line, _, y) = lines.at_accumulated(point.accumulated);
-        let limit = sense * point.back + y - kinematic * (y - self.virgin[side(sense)]);
+        let limit = sense * point.back + lines.half_range(y, kinematic);
         if !limit.is_finite() {
             return point;
         }
@@ -294,7 +295,7 @@ impl Faces {
         let elastic = self.elastic(left, right);
         let reach = |near: &FaceState| near.point.stress + near.point.plastic;
         let (z_left, z_right) = (reach(left), reach(right));
-        let within = |z: f64| z.abs() <= self.virgin[side(z)];
+        let within = |z: f64| z.abs() <= self.medium.lines(z).first_yield;
         if within(z_left) && within(z_right) && within(elastic.stress) {
             return elastic;
         }
@@ -383,10 +384,9 @@ impl Faces {
         let kinematic = match self.medium.flow {
             Flow::Plastic { kinematic } => kinematic,
             Flow::PathIndependent => return f64::INFINITY,
-            Flow::Overlay => return sense * back + self.virgin[side(sense)],
+            Flow::Overlay => return sense * back + self.medium.lines(sense).first_yield,
         };
-        let y = self.medium.lines(sense).at_accumulated(accumulated).2;
-        sense * back + y - kinematic * (y - self.virgin[side(sense)])
+        self.medium.limit(accumulated, back, sense, kinematic)
     }
 
     /// The curves have a level stretch.

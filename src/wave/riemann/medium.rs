@@ -123,6 +123,12 @@ impl Lines {
         (k, self.z[k] + beyond, self.y[k] + self.slope[k] * beyond)
     }
 
+    /// From the back stress to the limit of the elastic range, Pa, where isotropic hardening would have raised the flow stress to y (Pa) and this
+    /// part of it (0 to 1) moves the back stress instead; infinite along a curve that never leaves the elastic line.
+    pub fn half_range(&self, y: f64, kinematic: f64) -> f64 {
+        if y.is_finite() { y - kinematic * (y - self.first_yield) } else { y }
+    }
+
     /// Flow stress at this accumulated plastic strain less that of first loading, Pa; 0 along a curve that never leaves the elastic line.
     fn hardening_at(&self, p: f64) -> f64 {
         let rise = self.at_accumulated(p).2 - self.first_yield;
@@ -210,11 +216,20 @@ impl Medium {
             Flow::Plastic { kinematic } => kinematic,
             Flow::Overlay => 1.0,
         };
-        let back = |sense: f64| kinematic * self.lines(sense).hardening_at(point.accumulated);
         let from_middle = point.stress - point.back;
-        let flow_stress = self.lines(from_middle).at_accumulated(point.accumulated).2;
-        let over = from_middle.abs() - (flow_stress - back(from_middle));
-        if kinematic > 0.0 { over.max(point.back.abs() - back(point.back)) } else { over }
+        let over = from_middle.abs() - self.limit(point.accumulated, 0.0, from_middle, kinematic);
+        if kinematic == 0.0 {
+            return over;
+        }
+        let back = kinematic * self.lines(point.back).hardening_at(point.accumulated);
+        over.max(point.back.abs() - back)
+    }
+
+    /// sense * stress at which a point with this accumulated plastic strain (times E, Pa) and back stress (Pa) starts to flow, Pa, where this part
+    /// of the hardening (0 to 1) is kinematic; infinite where the curve never leaves its elastic line.
+    pub(super) fn limit(&self, accumulated: f64, back: f64, sense: f64, kinematic: f64) -> f64 {
+        let lines = self.lines(sense);
+        sense * back + lines.half_range(lines.at_accumulated(accumulated).2, kinematic)
     }
 
     /// Signed plastic strain of a point.

@@ -113,7 +113,7 @@ impl Path {
             k += 1;
             (z, y) = (lines.z[k], lines.y[k]);
         }
-        let limit = self.sense * self.start.back + y - kinematic * (y - lines.first_yield);
+        let limit = self.sense * self.start.back + lines.half_range(y, kinematic);
         if limit - tau > self.round_off {
             self.push(tau, z - (limit - tau), 1.0, elastic);
             self.plastic_from = limit;

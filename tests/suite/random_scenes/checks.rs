@@ -7,6 +7,7 @@ use std::path::Path;
 
 use barwave::bar::EndCondition;
 use barwave::error::{Error, RunError};
+use barwave::law::Table;
 use barwave::material::Sense;
 use barwave::record::Summary;
 use barwave::run::run;
@@ -169,17 +170,28 @@ fn is_driven_beyond_and_unloaded(spec: &Spec, pair: &[(Method, &Figures)]) -> bo
     tracked && driven_beyond(spec).any(|falls| falls)
 }
 
-/// The ends under a stress above all that their curves carry, and whether it falls back later. There strain gathers, by any method.
+/// The ends under a stress above all that their curves carry, and whether it falls back later. There strain gathers, by any method. After a
+/// flow in the other sense a curve carries less by what the elastic range has moved, there and back: see
+/// `an_end_that_is_turned_round_carries_less`.
 fn driven_beyond(spec: &Spec) -> impl Iterator<Item = bool> {
     let scene = Scene::parse("driven.toml", &spec.text(Method::Leapfrog, 1), Path::new("."), &[]);
     let falls = scene.map_or([None; 2], |scene| {
         let last = scene.bar.segments.len() - 1;
+        let kinematic = scene.effects.hardening.map_or(0.0, |rule| rule.kinematic_fraction());
         [(&scene.left, 0), (&scene.right, last)].map(|(end, segment)| match end {
             EndCondition::Stress { history } => {
-                let branch = scene.bar.segments[segment].material.branch(Sense::of(history.extreme()));
-                let most = branch.running_maximum().stress().iter().fold(0.0, |most: f64, s| most.max(*s));
+                let material = &scene.bar.segments[segment].material;
+                let beyond = [Sense::Tension, Sense::Compression].iter().any(|&sense| {
+                    let most =
+                        material.branch(sense).running_maximum().stress().iter().fold(0.0, |a: f64, b| a.max(*b));
+                    let sign = if sense == Sense::Tension { 1.0 } else { -1.0 };
+                    let largest = |sign: f64| history.value().iter().fold(0.0, |a: f64, b| a.max(sign * b));
+                    let flow_stress = Table::new(material.branch(sense), material.modulus).yield_stress();
+                    let moved = 2.0 * kinematic * (largest(-sign) - flow_stress).max(0.0);
+                    largest(sign) > most - moved
+                });
                 let falls = history.value().windows(2).any(|pair| pair[1].abs() < pair[0].abs());
-                (history.extreme().abs() > most).then_some(falls)
+                beyond.then_some(falls)
             }
             _ => None,
         })

@@ -102,9 +102,9 @@ fn plain_types(message: &str, value: &str) -> String {
     };
     let typed = found.strip_prefix("invalid type: ").or_else(|| found.strip_prefix("invalid value: "));
     let found = match (typed, found.strip_prefix("invalid length ")) {
-        (Some("map"), _) if value.starts_with(|c: char| c.is_ascii_digit()) => "date or time".to_owned(),
-        (Some("map"), _) => "table".to_owned(),
-        (Some("sequence"), _) => "list".to_owned(),
+        (Some("map"), _) if value.starts_with(|c: char| c.is_ascii_digit()) => "a date or time".to_owned(),
+        (Some("map"), _) => "a table".to_owned(),
+        (Some("sequence"), _) => "a list".to_owned(),
         (Some(typed), _) => typed.trim_end_matches(" as i128").trim_end_matches(" as u128").to_owned(),
         (None, Some(length)) => format!("a list of {length}"),
         (None, None) => return format!("{found}, expected {expected}"),

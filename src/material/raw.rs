@@ -7,7 +7,7 @@ use super::formula::RawCurve;
 use super::rate::RawRates;
 use super::row::TableRow;
 use super::{Beyond, Loading, Measure, Sense};
-use crate::typed::{Of, Placed, Plain, Poisson, Positive, Within};
+use crate::typed::{Example, Of, Placed, Plain, Poisson, Positive, Within, optional_table, table};
 use crate::units::Quantity;
 use crate::units::measures::{Density, SpecificHeat, Stress, Temperature};
 
@@ -39,8 +39,10 @@ pub struct RawMaterial {
     /// curve; "true" converts the same true curve to compression.
     pub symmetry: Option<Placed<Measure>>,
     /// The stress-strain curve of first loading.
+    #[serde(deserialize_with = "table")]
     pub curve: Placed<RawCurve>,
     /// First loading in compression, if different; magnitudes.
+    #[serde(default, deserialize_with = "optional_table")]
     pub compression: Option<Placed<RawCurve>>,
     /// Constants of rate laws.
     pub rate: Option<RawRates>,
@@ -95,6 +97,10 @@ pub struct RawHeat {
     /// Softening exponent m.
     #[serde(rename = "m")]
     pub exponent: Option<Of<Plain, Within<1, 10_000, 100>>>,
+}
+
+impl Example for RawCurve {
+    const EXPECTING: &str = "a table such as { table = [[strain, stress], ...] }";
 }
 
 /// `[source]`: origin of the curve.

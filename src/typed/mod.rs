@@ -3,10 +3,12 @@
 
 mod names;
 mod schema;
+mod table;
 mod values;
 
 pub use names::keys_of;
 pub use schema::{VALUE, schema};
+pub use table::{Example, optional_table, table};
 pub use values::{
     Above, Below, Between, Count, Either, Finite, Key, Later, NotNegative, Of, OneNumber, Or, Placed, Poisson,
     Positive, Range, Row, Rows, Within, pairs,

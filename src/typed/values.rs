@@ -12,7 +12,7 @@ use crate::units::{Dimension, Measure};
 
 /// A value with its place in the text.
 #[derive(Debug, Clone)]
-pub struct Placed<T>(Spanned<T>);
+pub struct Placed<T>(pub(super) Spanned<T>);
 
 impl<T> Placed<T> {
     /// The bytes of the text.

@@ -189,8 +189,8 @@ fn the_words_of_the_parser_reach_nobody() {
         (material("{ table = [[0.001]] }"), "found a list of 1, expected a row [strain, stress]"),
         (material("{ table = [[0.001, 2e8, 3]] }"), "found a list of 3, expected a row [strain, stress]"),
         (material("{ table = [0.001, 2e8] }"), "found floating point `0.001`, expected a row [strain, stress]"),
-        (material("[]"), "found a list of 0, expected a table"),
-        (material("[[1]]"), "expected"),
+        (material("[]"), "found a list, expected a table such as { table ="),
+        (material("[[1]]"), "found a list, expected a table such as"),
         (steel.clone() + "[record]\ngauges = 3\n", "found integer `3`, expected a table"),
         (
             steel.clone() + "[record]\ngauges = 99999999999999999999\n",

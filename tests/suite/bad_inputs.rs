@@ -29,6 +29,8 @@ const SCENES: &[(&str, &str)] = &[
     ("\"mild-steel\"", "\"no/such/file.toml\""),
     ("\"mild-steel\"", "[1]"),
     ("\"mild-steel\"", "{ density = 7800, modulus = 2e11, beyond = \"extend\", curve = { table = [[1]] } }"),
+    ("\"mild-steel\"", "{ density = 7800, modulus = 2e11, beyond = \"extend\", curve = [[0.001, 2e8], [0.1, 4e8]] }"),
+    ("hardening = \"isotropic\"", "heat = [0.9]"),
     ("kind = \"velocity\"\n", ""),
     ("\"velocity\"", "\"velocty\""),
     ("\"velocity\"", "\"stress\""),

@@ -782,7 +782,7 @@ const CASES: &[Case] = &[
         "solve.until",
         &["date or time, expected a number", "help: write a number"],
     ),
-    case("frames = 101", "times = [[0, 1]]", "times", "record.times.0", &["found list, expected a number"]),
+    case("frames = 101", "times = [[0, 1]]", "times", "record.times.0", &["found a list, expected a number"]),
     case(
         "[[0.001, \"200 MPa\"], [0.1, \"400 MPa\"]]",
         "[]",

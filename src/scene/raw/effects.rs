@@ -6,7 +6,7 @@ use serde::{Deserialize, Deserializer};
 use super::super::damping::RawDamping;
 use super::choice::text_or_table;
 use crate::material::RawRate;
-use crate::typed::{Of, Placed, Plain, Positive, Within};
+use crate::typed::{Example, Of, Placed, Plain, Positive, Within, optional_table};
 use crate::units::measures::{EnergyDensity, Stress};
 
 /// Which effects are simulated.
@@ -55,6 +55,7 @@ pub struct RawEffects {
     /// Adiabatic heating by plastic work, and thermal softening: `{ fraction = 0.9 }`, or `{}`; implies
     /// hardening = "isotropic" unless `hardening` is set. Needs the materials' `[heat]` constants. Default: none; the temperature is
     /// constant.
+    #[serde(default, deserialize_with = "optional_table")]
     pub heat: Option<Placed<RawHeat>>,
     /// Fracture; the simulation continues with the fragments: "critical-strain", `{ energy = "500 ft*lbf/in^3" }` or
     /// `{ spall = "2 GPa" }`. Default: none; the bar does not fracture.
@@ -71,6 +72,10 @@ pub struct RawEffects {
 pub struct RawHeat {
     /// Fraction of the plastic work converted to heat. Default: that of the material, else 0.9.
     pub fraction: Option<Of<Plain, Within<0, 1>>>,
+}
+
+impl Example for RawHeat {
+    const EXPECTING: &str = "a table such as { fraction = 0.9 }";
 }
 
 /// When the bar breaks. Only tension breaks it.

@@ -1,7 +1,7 @@
 //! The Riemann problem at an end of the bar: the relation a u + b p = c of the end against the waves of the bar.
 
 use super::FrontTracking;
-use super::end::Arrival;
+use super::end::{Answer, Arrival};
 use super::list::NONE;
 use super::nearness::{REST, same_motion};
 use crate::bar::ends::{Face, Relation, Response};
@@ -12,18 +12,6 @@ const LONGEST_STEP: f64 = 1.5;
 
 /// Most repeats until a body and a bar that flows agree: each is a step of Newton's method.
 const MOST_REPEATS: usize = 20;
-
-/// What an end sends is in the scratch of its side; this is behind it.
-#[derive(Debug, Clone, Copy)]
-struct Answer {
-    behind: Point,
-    /// Of the face, m/s, into the bar.
-    velocity: f64,
-    /// The curve could not carry what was asked for.
-    short: bool,
-    /// False where a weak wave went by.
-    answers: bool,
-}
 
 impl FrontTracking {
     pub(super) fn resolve_end(&mut self, which: usize, id: u32, x: f64) {
@@ -40,7 +28,7 @@ impl FrontTracking {
         }
         self.note_limit(1 - which, segment, [&bar, &answer.behind], x);
         let end = &mut self.ends[which];
-        end.update(&answer.behind, answer.velocity, answer.answers);
+        end.update(&answer);
         if answer.short && end.demands {
             end.record.above_critical.get_or_insert(self.now);
         }

@@ -31,6 +31,19 @@ pub struct EndRecord {
     pub above_critical: Option<f64>,
 }
 
+/// What an end sends is in the scratch of its side; this is behind it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Answer {
+    /// State of the bar's edge.
+    pub behind: Point,
+    /// Of the face, m/s, into the bar.
+    pub velocity: f64,
+    /// The curve could not carry what was asked for.
+    pub short: bool,
+    /// False where a weak wave went by.
+    pub answers: bool,
+}
+
 /// What a wave that arrives, or time, does to the step of an end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Arrival {
@@ -304,11 +317,12 @@ impl End {
         (self.imposed, self.control) = (None, None);
     }
 
-    /// Takes the answer: the state of the bar's edge, and the velocity of the face into the bar, from now on. `answers`: the wave
-    /// that arrived was answered.
-    pub fn update(&mut self, behind: &Point, velocity: f64, answers: bool) {
+    /// Takes the answer: the state of the bar's edge, and the velocity of the face into the bar, from now on.
+    pub fn update(&mut self, &Answer { ref behind, velocity, short, answers }: &Answer) {
         let Face { inward, area, impedance, .. } = self.face;
-        self.stepping.held = Held { force: -area * behind.stress, velocity, edge: inward * behind.velocity };
+        // But for rounding the edge moves with the face, unless strain gathers.
+        let edge = if short { inward * behind.velocity } else { velocity };
+        self.stepping.held = Held { force: -area * behind.stress, velocity, edge };
         if answers {
             self.answered = *behind;
         }

@@ -14,7 +14,7 @@ pub(super) struct Account {
     pub work: f64,
     /// That of the force at the face, J: less than what a body lost, by what its steps do not resolve.
     pub on_face: f64,
-    /// What of that the strain takes which gathers at the face, J, >= 0.
+    /// What of that the strain takes which gathers at the face, J.
     pub gathered: f64,
     /// Impulse given to the bar, N s, into the bar.
     pub impulse: f64,
@@ -27,7 +27,7 @@ pub(super) struct Held {
     pub force: f64,
     /// Of the face, m/s, into the bar.
     pub velocity: f64,
-    /// Of the bar's edge: another one where the bar's curve is level, and strain gathers at the face.
+    /// Of the bar's edge: another one only where the bar's curve is level, and strain gathers at the face.
     pub edge: f64,
 }
 
@@ -85,8 +85,7 @@ impl Stepping {
         self.moved += velocity * dt;
         self.impulse += force * dt;
         self.on_face += force * velocity * dt;
-        // Where none gathers the velocities differ by rounding, in either sense.
-        self.gathered += (force * (velocity - edge) * dt).max(0.0);
+        self.gathered += force * (velocity - edge) * dt;
         self.since = t;
     }
 

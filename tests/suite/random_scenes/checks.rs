@@ -177,7 +177,7 @@ fn driven_beyond(spec: &Spec) -> impl Iterator<Item = bool> {
     let scene = Scene::parse("driven.toml", &spec.text(Method::Leapfrog, 1), Path::new("."), &[]);
     let falls = scene.map_or([None; 2], |scene| {
         let last = scene.bar.segments.len() - 1;
-        let kinematic = scene.effects.hardening.map_or(0.0, |rule| rule.kinematic_fraction());
+        let kinematic = scene.effects.hardening.map_or(0.0, barwave::scene::HardeningRule::kinematic_fraction);
         [(&scene.left, 0), (&scene.right, last)].map(|(end, segment)| match end {
             EndCondition::Stress { history } => {
                 let material = &scene.bar.segments[segment].material;

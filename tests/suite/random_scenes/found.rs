@@ -1251,3 +1251,14 @@ fn hardened_cells_unload_through_zero_stress_alike_in_the_mirrored_bar() {
     let differs = one.mirrored().differs(&mirrored);
     assert!(differs.largest() < 1e-9, "{differs:?}");
 }
+
+/// Kinematic hardening gives back what it stored where a point flows back before its stress has changed sign. So does the strain that gathers at
+/// an end once the curve is used up: what it takes can be less than nothing. Counted as nothing, a twentieth of all energy was missing.
+#[test]
+fn strain_that_gathers_at_an_end_gives_back_what_the_back_stress_stored() {
+    let short = "{ density = 6880, modulus = \"120 GPa\", beyond = \"rupture\", curve = { table = [[3.74e-4, 4.488e7], [9.9484e-4, 1.05e8], [4.94428e-3, 3.519e8], [1.11946e-2, 3.9977e8]] } }";
+    let left = "kind = \"velocity\"\nhistory = [[0, 26.5], [3.77e-7, -7.79], [1.51e-6, -7.79]]";
+    let solve = "until = 2e-6\nmethod = \"moc\"\nfront-tolerance = 1e-2";
+    let figures = followed(&text(&bar(short).replace("0.19", "0.0775"), left, "hardening = { mixed = 0.75 }", solve));
+    assert!(figures.gathers);
+}

@@ -27,15 +27,17 @@ impl Block {
         self.owes_near(part, i) || (part.stiffens.is_some() && in_shock())
     }
 
-    /// [`Self::is_first_order`] for all cells but the two next to each end, into `flat`; `changes` is room for as many.
+    /// [`Self::is_first_order`] for all cells but the two next to each end, into `flat`; `changes` is room for as many. Histories are up to
+    /// date.
     pub fn find_first_order(&self, part: &Part, changes: &mut [bool], flat: &mut [bool]) {
         let row = self.sigma.len();
         if part.stiffens.is_some() {
-            let mut before = self.stiffenings(part, 0);
+            let passed = |i| self.histories.get(i).map_or_else(|| self.stiffenings(part, i), |history| history.passed);
+            let mut before = passed(0);
             for (i, change) in (1..row).zip(changes.iter_mut()) {
-                let passed = self.stiffenings(part, i);
-                *change = passed != before;
-                before = passed;
+                let here = passed(i);
+                *change = here != before;
+                before = here;
             }
             for (flat, near) in flat[2..row - 2].iter_mut().zip(changes[..row - 1].windows(4)) {
                 *flat = near[0] | near[1] | near[2] | near[3];

@@ -8,6 +8,9 @@ pub(super) type Stiffenings = [u32; 2];
 /// What makes an elastic range that a stress was just within no smaller: rounding.
 pub(super) const WITHIN: f64 = 1e-12;
 
+/// Part of its elastic range by which a stress is inside it whatever rounding says.
+const INSIDE: f64 = 1e-9;
+
 /// The history of a cell with its own past.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct History {
@@ -41,10 +44,22 @@ impl History {
         self.low - rounding <= stress && stress <= self.high + rounding
     }
 
+    /// The same, but for stresses near its limits: a law then does not flow either.
+    fn contains_safely(&self, stress: f64) -> bool {
+        let near = INSIDE * (self.high - self.low);
+        self.low + near <= stress && stress <= self.high - near
+    }
+
     /// sense * stress at which the cell starts to flow, Pa.
     pub fn limit(&self, sense: f64) -> f64 {
         if sense < 0.0 { -self.low } else { self.high }
     }
+}
+
+/// True where no cell of a row comes near to a limit of its elastic range: all laws then do no more than to add the increments (Pa).
+pub(super) fn stay_elastic(histories: &[History], sigma: &[f64], increment: &[f64]) -> bool {
+    let after = sigma.iter().zip(increment).map(|(sigma, increment)| sigma + increment);
+    histories.iter().zip(after).all(|(history, stress)| history.contains_safely(stress))
 }
 
 /// Stiffening knots passed with so much of what [`Part::stiffens`] counts, Pa.

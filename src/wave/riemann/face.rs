@@ -397,13 +397,16 @@ impl Faces {
     /// A flowing side before it gained `gained` (Pa, >= 0) along the curve, moved along its own wave: the Riemann problem has
     /// the same answer, but for one that lies below what it started from. `outward` is +1 for the left side, -1 for the right.
     pub fn before(&self, near: FaceState, gained: f64, outward: f64, work: &mut Workspace) -> FaceState {
-        if self.medium.flow == Flow::Overlay {
-            return self.overlay_before(near, gained, outward, &mut work.left);
-        }
+        let kinematic = match self.medium.flow {
+            Flow::Plastic { kinematic } => kinematic,
+            Flow::PathIndependent => return near,
+            Flow::Overlay => return self.overlay_before(near, gained, outward, &mut work.left),
+        };
         let FaceState { point, flowing: sense, .. } = near;
-        let (_, _, y) = self.medium.lines(sense).at_accumulated(point.accumulated);
-        let top = y + sense * point.stress - self.limit(point.accumulated, point.back, sense);
-        let (from, to) = (self.moved(sense, top - gained), self.moved(sense, top));
+        let lines = self.medium.lines(sense);
+        let (line, _, y) = lines.at_accumulated(point.accumulated);
+        let top = y + sense * point.stress - (sense * point.back + lines.half_range(y, kinematic));
+        let (from, to) = (self.moved(sense, top - gained, line), self.moved(sense, top, line));
         let change = to.0 - from.0;
         // A shock is not taken back by halves.
         if !change.is_finite() || !(self.concave || from.1 == to.1) {
@@ -417,12 +420,17 @@ impl Faces {
         FaceState { point, ..near }
     }
 
-    /// Velocity change along the curve from zero stress to y, and the line on which that is. Within rounding above a knot y is at the
-    /// knot: the line that follows may be level, and no velocity brings a rise along it.
-    fn moved(&self, sense: f64, y: f64) -> (f64, usize) {
+    /// Velocity change along the curve from zero stress to y, and the line on which that is, looked for from `line` on. Within rounding above
+    /// a knot y is at the knot: the line that follows may be level, and no velocity brings a rise along it.
+    fn moved(&self, sense: f64, y: f64, mut line: usize) -> (f64, usize) {
         let lines = self.medium.lines(sense);
         let at_knot = y - self.medium.round_off;
-        let line = lines.y.partition_point(|&start| start < at_knot).max(1) - 1;
+        while line + 1 < lines.y.len() && lines.y[line + 1] < at_knot {
+            line += 1;
+        }
+        while line > 0 && lines.y[line] >= at_knot {
+            line -= 1;
+        }
         let rise = y - lines.y[line];
         (self.reach[side(sense)][line] + if rise > 0.0 { lines.compliance[line] * rise } else { 0.0 }, line)
     }

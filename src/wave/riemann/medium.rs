@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::law::{Backbone, Deformed, Table};
+use crate::law::{Backbone, Deformed, PieceIndex, Table};
 
 /// How a point that has yielded behaves when its stress falls back.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -84,6 +84,9 @@ pub(super) struct Lines {
     pub compliance: Vec<f64>,
     /// Flow stress of first loading, Pa; infinite along a curve that never leaves the elastic line.
     pub first_yield: f64,
+    /// Which of the lines from `plastic_from` on holds at an accumulated plastic strain, where they are many.
+    index: Option<PieceIndex>,
+    plastic_from: usize,
 }
 
 impl Lines {
@@ -104,7 +107,9 @@ impl Lines {
         for k in 1..z.len() {
             p[k] = p[k - 1] + (1.0 - slope[k - 1]) * (z[k] - z[k - 1]);
         }
-        let mut lines = Self { z, y, p, slope, compliance, first_yield: 0.0 };
+        let plastic_from = p.partition_point(|&start| start <= 0.0) - 1;
+        let index = PieceIndex::new(&p[plastic_from..]);
+        let mut lines = Self { z, y, p, slope, compliance, first_yield: 0.0, index, plastic_from };
         lines.first_yield = lines.at_accumulated(0.0).2;
         lines
     }
@@ -114,7 +119,10 @@ impl Lines {
     pub fn at_accumulated(&self, p: f64) -> (usize, f64, f64) {
         // Rounding may leave a point that never flowed just below 0; the first, elastic line is not meant by that.
         let p = p.max(0.0);
-        let k = self.p.partition_point(|&start| start <= p).max(1) - 1;
+        let k = match &self.index {
+            Some(index) => self.plastic_from + index.find(p) as usize,
+            None => self.p.partition_point(|&start| start <= p).max(1) - 1,
+        };
         // Only a last line can be elastic here: its far end is at infinity.
         if self.slope[k] == 1.0 {
             return (k, f64::INFINITY, f64::INFINITY);

@@ -265,3 +265,39 @@ impl Medium {
         &self.lines[usize::from(sense < 0.0)]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::material::{Beyond, Curve};
+
+    fn medium(rows: &[(f64, f64)], flow: Flow) -> Medium {
+        let table = Table::new(&Curve::new(rows, Beyond::Extend).expect("a curve"), 2e11);
+        Medium::new([&table, &table], 2e11, 7800.0, 1e-4, flow, 1e-5)
+    }
+
+    #[test]
+    fn the_line_of_a_point_is_the_last_that_starts_at_or_before_its_plastic_strain() {
+        let power = |k: i32| 1e-3 * 1.2_f64.powi(k);
+        let rows: Vec<(f64, f64)> = (0..40).map(|k| (power(k), 2e8 * (power(k) / 1e-3).powf(0.2))).collect();
+        for rows in [&rows[..], &rows[..2], &rows[..1]] {
+            let medium = medium(rows, Flow::Plastic { kinematic: 0.0 });
+            let lines = medium.lines(1.0);
+            let knots = lines.p.iter().flat_map(|&p| [p, p.next_up(), p.next_down(), 1.01 * p, 1e3 * p]);
+            for p in knots.filter(|p| *p >= 0.0) {
+                let last = lines.p.iter().rposition(|&start| start <= p);
+                assert_eq!(Some(lines.at_accumulated(p).0), last, "{p:e} of {} lines", lines.p.len());
+            }
+        }
+    }
+
+    #[test]
+    fn a_curve_that_never_leaves_its_elastic_line_has_no_limit() {
+        for kinematic in [0.0, 0.4, 1.0] {
+            let medium = medium(&[(1e-3, 2e8)], Flow::Plastic { kinematic });
+            for sense in [1.0, -1.0] {
+                assert_eq!(medium.limit(0.0, 0.0, sense, kinematic), f64::INFINITY);
+            }
+        }
+    }
+}

@@ -251,10 +251,10 @@ fn choose_backbone(material: &Material, tension: &Table, compression: Table, eff
     if material.compression.is_some() {
         let indexed = (Indexed::new(tension), Indexed::new(&compression));
         return if let (Some(tension), Some(compression)) = indexed {
-            of_two_curves(TwoSided { tension, compression }, effects.hardening, material)
+            without_back_stress(TwoSided { tension, compression }, effects.hardening, material)
         } else {
             let tension = Searched(tension.clone());
-            of_two_curves(TwoSided { tension, compression: Searched(compression) }, effects.hardening, material)
+            without_back_stress(TwoSided { tension, compression: Searched(compression) }, effects.hardening, material)
         };
     }
     match effects.hardening {
@@ -286,8 +286,8 @@ fn choose_backbone(material: &Material, tension: &Table, compression: Table, eff
     }
 }
 
-/// With a curve for each sense: hardening is isotropic, as scenes are checked for.
-fn of_two_curves<B: Backbone + 'static>(
+/// Without a back stress. A curve for each sense has none, as scenes are checked for.
+fn without_back_stress<B: Backbone + 'static>(
     backbone: B,
     rule: Option<HardeningRule>,
     material: &Material,
@@ -305,9 +305,8 @@ fn of_one_curve<B: Backbone + 'static>(
     table: &Table,
     material: &Material,
 ) -> Arc<dyn RowLaw> {
-    match rule {
-        None => rows(PathIndependent(backbone)),
-        Some(HardeningRule::Isotropic) => warming(Isotropic(backbone), material),
+    match rule.filter(|rule| rule.moves()) {
+        None => without_back_stress(backbone, rule, material),
         Some(rule) => {
             let (yield_stress, kinematic) = (table.yield_stress(), rule.kinematic_fraction());
             warming(Mixed { backbone, yield_stress, kinematic }, material)

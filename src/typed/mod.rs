@@ -1,11 +1,13 @@
 //! Typed values of keys: place in the text, and numbers with dimension, range and default as part of the type. Reading, messages
 //! and the JSON schema follow from the declaration.
 
+mod choice;
 mod names;
 mod schema;
 mod table;
 mod values;
 
+pub use choice::text_or_table;
 pub use names::keys_of;
 pub use schema::{VALUE, schema};
 pub use table::{Example, optional_table, table};

@@ -1,13 +1,10 @@
 //! Tables that are nothing else: derived code takes a list for a table, by position, and complains of its members.
 
-use std::fmt::Formatter;
-use std::marker::PhantomData;
-
-use serde::de::value::MapAccessDeserializer;
-use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
+use serde::de::{Deserialize, Deserializer};
 use toml::Spanned;
 
 use super::Placed;
+use super::choice::text_or_table;
 
 /// A table of which messages show an example.
 pub trait Example {
@@ -36,20 +33,6 @@ struct Table<T>(T);
 
 impl<'de, T: Deserialize<'de> + Example> Deserialize<'de> for Table<T> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(Map(PhantomData))
-    }
-}
-
-struct Map<T>(PhantomData<T>);
-
-impl<'de, T: Deserialize<'de> + Example> Visitor<'de> for Map<T> {
-    type Value = Table<T>;
-
-    fn expecting(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
-        f.write_str(T::EXPECTING)
-    }
-
-    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Table<T>, A::Error> {
-        T::deserialize(MapAccessDeserializer::new(map)).map(Table)
+        text_or_table(deserializer, T::EXPECTING, |_| None, Self)
     }
 }

@@ -7,9 +7,8 @@ use serde::Deserialize;
 use serde::de::Deserializer;
 
 use super::along::{Distributed, Given, Motion, Section};
-use super::choice::text_or_table;
 use crate::material::RawMaterial;
-use crate::typed::{Key, NotNegative, Of, Or, Placed, Plain, Positive, Within};
+use crate::typed::{Key, NotNegative, Of, Or, Placed, Plain, Positive, Within, text_or_table};
 use crate::units::measures::{Area, Length, Stress, Temperature};
 
 /// Largest notch factor: sharper ones are cracks, which are another matter.

@@ -4,9 +4,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer};
 
 use super::super::damping::RawDamping;
-use super::choice::text_or_table;
 use crate::material::RawRate;
-use crate::typed::{Example, Of, Placed, Plain, Positive, Within, optional_table};
+use crate::typed::{Example, Of, Placed, Plain, Positive, Within, optional_table, text_or_table};
 use crate::units::measures::{EnergyDensity, Stress};
 
 /// Which effects are simulated.

@@ -4,7 +4,6 @@
 mod along;
 mod bar;
 mod body;
-mod choice;
 mod effects;
 mod ends;
 mod record;

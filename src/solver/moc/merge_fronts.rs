@@ -17,6 +17,7 @@ use super::FrontTracking;
 use super::list::{Kind, NONE, Node};
 use super::merging::{Scratch, neighbours};
 use super::nearness::{REST, same_motion};
+use super::place::Content;
 use super::tracking::Unshown;
 use crate::wave::riemann::{Flow, Point};
 
@@ -51,19 +52,21 @@ impl FrontTracking {
     /// energy of the bar, J.
     fn spread_out(&self, scratch: &mut Scratch) -> f64 {
         scratch.clear();
-        let (mut id, mut left, mut energy) = (self.end_nodes[0], Point::default(), 0.0);
+        let (mut id, mut left, mut content) = (self.end_nodes[0], Point::default(), Content::default());
         while id != NONE {
             let node = self.list.get(id);
             let length = if node.next == NONE { 0.0 } else { self.length_after(node) };
-            let medium = &self.media[node.segment as usize];
-            energy += medium.area * length * medium.energy(&node.right);
+            self.add_piece(node, length, &mut content);
             scratch.ids.push(id);
             scratch.x.push(node.at(self.now));
             scratch.lengths.push(length);
             scratch.pieces.push(node.right);
             scratch.wave.push(match node.kind {
                 Kind::Front => Some(node.speed),
-                Kind::Contact => same_motion(&left, &node.right, medium, 2.0 * REST).then_some(0.0),
+                Kind::Contact => {
+                    let medium = &self.media[node.segment as usize];
+                    same_motion(&left, &node.right, medium, 2.0 * REST).then_some(0.0)
+                }
                 Kind::End | Kind::Joint => None,
             });
             left = node.right;
@@ -71,7 +74,7 @@ impl FrontTracking {
         }
         scratch.gone.resize(scratch.ids.len(), false);
         scratch.lifted.resize(scratch.ids.len(), false);
-        energy
+        content.energy
     }
 
     /// The steps between two borders, kind by kind.

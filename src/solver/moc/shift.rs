@@ -10,7 +10,7 @@ impl FrontTracking {
         self.list.get(node.next).place(self.now).from(node.place(self.now))
     }
 
-    fn add_piece(&self, node: &Node, length: f64, sum: &mut Content) {
+    pub(super) fn add_piece(&self, node: &Node, length: f64, sum: &mut Content) {
         let medium = &self.media[node.segment as usize];
         let volume = medium.area * length;
         sum.energy += volume * medium.energy(&node.right);

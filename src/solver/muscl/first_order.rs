@@ -8,15 +8,15 @@ impl Block {
     /// How many stiffening knots of its curve a cell has passed. Hardening tells that, not the stress: a cell that unloads, through
     /// zero stress or not, passes none.
     fn stiffenings(&self, part: &Part, i: usize) -> Stiffenings {
+        if let Some(history) = self.histories.get(i).filter(|history| !history.is_unknown()) {
+            return history.passed;
+        }
         if part.path_independent {
             let z = self.e_equivalent_strain(part, i);
             return passed(part, [z, -z]);
         }
-        match (self.stage, self.histories.get(i)) {
-            (Stage::Plastic, Some(history)) if !history.is_unknown() => history.passed,
-            (Stage::Plastic, _) => passed(part, [part.law.law.accumulated(&self.state, i); 2]),
-            _ => passed(part, [0.0; 2]),
-        }
+        let yielded = self.stage == Stage::Plastic;
+        passed(part, [if yielded { part.law.law.accumulated(&self.state, i) } else { 0.0 }; 2])
     }
 
     /// True where a cell has no slopes: where a stiffening knot of the curve lies between it and one of the two next on either side, in a
@@ -27,17 +27,15 @@ impl Block {
         self.owes_near(part, i) || (part.stiffens.is_some() && in_shock())
     }
 
-    /// [`Self::is_first_order`] for all cells but the two next to each end, into `flat`; `changes` is room for as many. Histories are up to
-    /// date.
+    /// [`Self::is_first_order`] for all cells but the two next to each end, into `flat`; `changes` is room for as many.
     pub fn find_first_order(&self, part: &Part, changes: &mut [bool], flat: &mut [bool]) {
         let row = self.sigma.len();
         if part.stiffens.is_some() {
-            let passed = |i| self.histories.get(i).map_or_else(|| self.stiffenings(part, i), |history| history.passed);
-            let mut before = passed(0);
+            let mut before = self.stiffenings(part, 0);
             for (i, change) in (1..row).zip(changes.iter_mut()) {
-                let here = passed(i);
-                *change = here != before;
-                before = here;
+                let passed = self.stiffenings(part, i);
+                *change = passed != before;
+                before = passed;
             }
             for (flat, near) in flat[2..row - 2].iter_mut().zip(changes[..row - 1].windows(4)) {
                 *flat = near[0] | near[1] | near[2] | near[3];

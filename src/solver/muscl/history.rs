@@ -56,10 +56,11 @@ impl History {
     }
 }
 
-/// True where no cell of a row comes near to a limit of its elastic range: all laws then do no more than to add the increments (Pa).
+/// True where histories are known and no cell of a row comes near to a limit of its elastic range: all laws then do no more than to add the
+/// increments (Pa).
 pub(super) fn stay_elastic(histories: &[History], sigma: &[f64], increment: &[f64]) -> bool {
     let after = sigma.iter().zip(increment).map(|(sigma, increment)| sigma + increment);
-    histories.iter().zip(after).all(|(history, stress)| history.contains_safely(stress))
+    !histories.is_empty() && histories.iter().zip(after).all(|(history, stress)| history.contains_safely(stress))
 }
 
 /// Stiffening knots passed with so much of what [`Part::stiffens`] counts, Pa.

@@ -6,10 +6,10 @@ use multiversion::multiversion;
 
 use super::block::{Block, GHOSTS, ROW, Stage};
 use super::front;
-use super::history::{WITHIN, stay_elastic};
+use super::history::{History, WITHIN, stay_elastic};
 use super::part::Part;
 use super::slope::{cap, capped, limited};
-use crate::law::{LANES, flows};
+use crate::law::{LANES, RowLaw, flows};
 use crate::wave::riemann::{FaceState, Faces, Flux, Point, Workspace};
 
 /// What the elastic kernel must know of a segment.
@@ -279,12 +279,8 @@ fn plastic(block: &mut Block, part: &Part, scratch: &mut Scratch) {
     }
     stress[..row].copy_from_slice(&block.sigma);
     let work = &mut ahead.work[..row];
-    if !part.path_independent && stay_elastic(&block.histories, &block.sigma, &increment[..row]) {
-        add_elastic(&increment[..row], &mut block.sigma, work);
-    } else {
-        law.strain(&increment[..row], &mut block.sigma, &mut block.state, work);
-        block.note_flow(work);
-    }
+    strain(law, &block.histories, &increment[..row], &mut block.sigma, &mut block.state, work);
+    block.note_flow(work);
     block.plastic += work[GHOSTS..row - GHOSTS].iter().sum::<f64>();
     block.lost += push(part.velocity_gain, &mut block.v, &stress[..row], &block.sigma, through, lost);
     let cells = GHOSTS..row - GHOSTS;
@@ -293,10 +289,21 @@ fn plastic(block: &mut Block, part: &Part, scratch: &mut Scratch) {
     block.note_owed(&lost[..row - 2 * GHOSTS]);
 }
 
-/// What every law does where nothing flows.
-fn add_elastic(increment: &[f64], sigma: &mut [f64], work: &mut [f64]) {
-    sigma.iter_mut().zip(increment).for_each(|(sigma, increment)| *sigma += increment);
-    work.fill(0.0);
+/// [`RowLaw::strain`]; where the histories tell that no cell flows, without the law.
+fn strain(
+    law: &dyn RowLaw,
+    histories: &[History],
+    increment: &[f64],
+    sigma: &mut [f64],
+    state: &mut [f64],
+    work: &mut [f64],
+) {
+    if stay_elastic(histories, sigma, increment) {
+        sigma.iter_mut().zip(increment).for_each(|(sigma, increment)| *sigma += increment);
+        work.fill(0.0);
+    } else {
+        law.strain(increment, sigma, state, work);
+    }
 }
 
 /// Plastic work that the mean stress of a step does, times 2 E per volume, Pa^2: of E times the strain, and the stress before and after.
@@ -405,11 +412,8 @@ fn carry_history(block: &Block, part: &Part, scratch: &mut Scratch) {
     ahead.sigma[..row].copy_from_slice(&block.sigma);
     let state = &mut ahead.state[..law.state_len() * row];
     state.copy_from_slice(&block.state);
-    if stay_elastic(&block.histories, &block.sigma, &increment[..row]) {
-        add_elastic(&increment[..row], &mut ahead.sigma[..row], &mut ahead.work[..row]);
-    } else {
-        law.strain(&increment[..row], &mut ahead.sigma[..row], state, &mut ahead.work[..row]);
-    }
+    let (sigma, work) = (&mut ahead.sigma[..row], &mut ahead.work[..row]);
+    strain(law, &block.histories, &increment[..row], sigma, state, work);
     // A cell that comes to its yield stress and no farther does not flow, whatever rounding says.
     for (work, &sigma) in ahead.work[..row].iter_mut().zip(&ahead.sigma[..row]) {
         *work = if flows(*work, sigma) { *work } else { 0.0 };

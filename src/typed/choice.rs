@@ -14,7 +14,7 @@ struct TextOrTable<T, R> {
 }
 
 /// Reads a text or a table. A derive of an untagged enum would lose the places of the numbers inside, and the names of wrong keys.
-pub(super) fn text_or_table<'de, D: Deserializer<'de>, T, R: Deserialize<'de>>(
+pub fn text_or_table<'de, D: Deserializer<'de>, T, R: Deserialize<'de>>(
     deserializer: D,
     expecting: &'static str,
     text: fn(&str) -> Option<T>,

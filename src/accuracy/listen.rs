@@ -16,7 +16,7 @@ const ON_STEP: f64 = 1e-6;
 /// Instants that are kept whatever the cells.
 const LEAST_INSTANTS: usize = 4;
 /// Rows of a history, at least and at most.
-const ROWS: [usize; 2] = [1 << 10, 1 << 16];
+const ROWS: [usize; 2] = [1 << 10, 1 << 20];
 
 /// Instants of a grid of so many cells, from those that were asked for (increasing).
 fn instants(asked: &[f64], cells: usize) -> Vec<f64> {
@@ -120,7 +120,7 @@ impl GridListener {
 
     /// What was gathered.
     pub fn response(&self) -> Response {
-        let shape = |history: &History| Shape::Points(history.rows.clone());
+        let shape = |history: &History| Shape::Points(history.points());
         Response {
             ends: self.ends.iter().map(shape).collect(),
             gauges: self.gauges.iter().map(shape).collect(),
@@ -141,36 +141,66 @@ fn profile(bar: &impl Stepped, quantity: Quantity) -> Shape {
     Shape::Cells(Cells { segments: bar.grid().segments.clone(), values })
 }
 
-/// A history in no more than so many rows: every second one is dropped where it would get longer.
+/// A history in about so many rows: every second step is dropped where it would get longer, but not one with a jump, which has a row
+/// on either side.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 struct History {
-    rows: Vec<(f64, f64)>,
+    rows: Vec<Row>,
+    /// The last row, kept or not.
+    last: Option<Row>,
     most: usize,
     every: usize,
-    seen: usize,
     /// Largest magnitude of all rows.
     largest: f64,
 }
 
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+struct Row {
+    step: usize,
+    time: f64,
+    stress: f64,
+}
+
 impl History {
     fn new(most: usize) -> Self {
-        Self { rows: Vec::new(), most, every: 1, seen: 0, largest: 0.0 }
+        Self { rows: Vec::new(), last: None, most, every: 1, largest: 0.0 }
     }
 
     fn add(&mut self, time: f64, stress: f64) {
         self.largest = self.largest.max(stress.abs());
-        if self.seen.is_multiple_of(self.every) {
-            self.rows.push((time, stress));
+        let (step, other_side) = match self.last {
+            None => (0, None),
+            Some(last) if last.time == time => (last.step, Some(last)),
+            Some(last) => (last.step + 1, None),
+        };
+        let row = Row { step, time, stress };
+        self.last = Some(row);
+        let kept = step.is_multiple_of(self.every);
+        if let Some(before) = other_side.filter(|_| !kept) {
+            self.rows.push(before);
+        }
+        if kept || other_side.is_some() {
+            self.rows.push(row);
             if self.rows.len() > self.most {
-                let mut k = 0;
-                self.rows.retain(|_| {
-                    k += 1;
-                    k % 2 == 1
-                });
-                self.every *= 2;
+                self.thin();
             }
         }
-        self.seen += 1;
+    }
+
+    fn thin(&mut self) {
+        self.every *= 2;
+        let rows = &self.rows;
+        let with = |k: usize, other: Option<usize>| {
+            other.and_then(|k| rows.get(k)).is_some_and(|row| row.step == rows[k].step)
+        };
+        let kept =
+            |&k: &usize| rows[k].step.is_multiple_of(self.every) || with(k, k.checked_sub(1)) || with(k, Some(k + 1));
+        self.rows = (0..rows.len()).filter(kept).map(|k| rows[k]).collect();
+        self.most = self.most.max(2 * self.rows.len());
+    }
+
+    fn points(&self) -> Vec<(f64, f64)> {
+        self.rows.iter().map(|row| (row.time, row.stress)).collect()
     }
 }
 
@@ -249,8 +279,28 @@ mod tests {
             history.add(f64::from(k), if k == 501 { -9.0 } else { 1.0 });
         }
         assert!(history.rows.len() <= 17 && history.rows.len() > 8, "{}", history.rows.len());
-        let gaps: Vec<f64> = history.rows.windows(2).map(|pair| pair[1].0 - pair[0].0).collect();
+        let gaps: Vec<f64> = history.rows.windows(2).map(|pair| pair[1].time - pair[0].time).collect();
         assert!(gaps.iter().all(|gap| *gap == gaps[0]), "{gaps:?}");
         assert_eq!(history.largest, 9.0);
+    }
+
+    #[test]
+    fn jumps_outlast_the_thinning_of_a_history() {
+        let mut history = History::new(16);
+        for k in 0..1000 {
+            history.add(f64::from(k), if k <= 333 { 0.0 } else { 1.0 });
+            if k == 333 {
+                history.add(f64::from(k), 1.0);
+            }
+        }
+        let at: Vec<f64> = history.points().iter().filter(|row| row.0 == 333.0).map(|row| row.1).collect();
+        assert_eq!((at, history.rows.len() <= 18), (vec![0.0, 1.0], true));
+        // Nothing but jumps: none is dropped.
+        let mut history = History::new(16);
+        for k in 0..100 {
+            history.add(f64::from(k), 0.0);
+            history.add(f64::from(k), 1.0);
+        }
+        assert_eq!(history.rows.len(), 200);
     }
 }

@@ -31,8 +31,18 @@ pub struct Cells {
     pub values: Vec<f64>,
 }
 
+/// Side from which a value is read where a quantity jumps.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Side {
+    Before,
+    After,
+}
+
 /// Cells on both sides of a pair that must be there for its curvature.
 const BESIDE: usize = 2;
+
+/// Part of a place that is rounding: times are sums of steps, and two runs meet a wave at the same time up to this.
+const ROUNDING: f64 = 1e-9;
 
 impl Shape {
     /// Steps from the two rows that a history has for each of its steps.
@@ -49,10 +59,10 @@ impl Shape {
     }
 
     /// Value at a place.
-    pub fn at(&self, x: f64) -> f64 {
+    fn at(&self, x: f64, side: Side) -> f64 {
         match self {
-            Self::Steps { edges, values, .. } => values[edges.partition_point(|&edge| edge < x)],
-            Self::Points(points) => between(points, x),
+            Self::Steps { edges, values, .. } => values[edges.partition_point(|&edge| side.is_past(edge, x))],
+            Self::Points(points) => between(points, x, side),
             Self::Cells(cells) => cells.at(x),
         }
     }
@@ -77,26 +87,35 @@ impl Shape {
         }
     }
 
-    /// Integrals of |difference| and of the reference's magnitude. Points are read where they are and cells at their centres, each for
-    /// the stretch that it stands for; two rows of steps are integrated exactly.
+    /// Integrals of |difference| and of the reference's magnitude. Points are read where they are, the second of two at one place
+    /// behind the jump, and cells at their centres, each for the stretch that it stands for; two rows of steps are integrated exactly.
     pub fn apart(&self, reference: &Self) -> (f64, f64) {
-        let sum = |parts: &mut dyn Iterator<Item = (f64, f64)>| {
-            parts.fold((0.0, 0.0), |(apart, total), (width, x)| {
-                let expected = reference.at(x);
-                (apart + width * (self.at(x) - expected).abs(), total + width * expected.abs())
+        let sum = |parts: &mut dyn Iterator<Item = (f64, f64, Side)>| {
+            parts.fold((0.0, 0.0), |(apart, total), (width, x, side)| {
+                let expected = reference.at(x, side);
+                (apart + width * (self.at(x, side) - expected).abs(), total + width * expected.abs())
             })
         };
+        let before = |(width, x)| (width, x, Side::Before);
         match (self, reference) {
-            (Self::Cells(cells), _) | (Self::Steps { .. }, Self::Cells(cells)) => sum(&mut cells.parts()),
-            (Self::Points(points), _) | (_, Self::Points(points)) => {
-                sum(&mut widths(points).into_iter().zip(points).map(|(width, point)| (width, point.0)))
-            }
+            (Self::Cells(cells), _) | (Self::Steps { .. }, Self::Cells(cells)) => sum(&mut cells.parts().map(before)),
+            (Self::Points(points), _) | (_, Self::Points(points)) => sum(&mut readings(points)),
             (Self::Steps { edges, ends, .. }, Self::Steps { edges: other, .. }) => {
                 let mut all: Vec<f64> = edges.iter().chain(other).chain(ends).copied().collect();
                 all.retain(|x| (ends[0]..=ends[1]).contains(x));
                 all.sort_by(f64::total_cmp);
-                sum(&mut all.windows(2).map(|pair| (pair[1] - pair[0], 0.5 * (pair[0] + pair[1]))))
+                sum(&mut all.windows(2).map(|pair| before((pair[1] - pair[0], 0.5 * (pair[0] + pair[1])))))
             }
+        }
+    }
+}
+
+impl Side {
+    /// Whether what is at `place` lies before what is read at `x`.
+    fn is_past(self, place: f64, x: f64) -> bool {
+        match self {
+            Self::Before => place < x - ROUNDING * x.abs(),
+            Self::After => place <= x + ROUNDING * x.abs(),
         }
     }
 }
@@ -140,13 +159,22 @@ impl Cells {
 /// Distance from the centre of a cell that is rounding, in cells.
 const CENTRE: f64 = 1e-6;
 
-fn between(points: &[(f64, f64)], x: f64) -> f64 {
-    let after = points.partition_point(|point| point.0 < x);
+fn between(points: &[(f64, f64)], x: f64, side: Side) -> f64 {
+    let after = points.partition_point(|point| side.is_past(point.0, x));
     match (after.checked_sub(1).map(|k| points[k]), points.get(after)) {
-        (Some((x0, y0)), Some(&(x1, y1))) if x1 > x0 => y0 + (y1 - y0) * (x - x0) / (x1 - x0),
+        (Some((x0, y0)), Some(&(x1, y1))) if x1 > x0 => y0 + (y1 - y0) * ((x - x0) / (x1 - x0)).clamp(0.0, 1.0),
         (_, Some(&(_, y))) | (Some((_, y)), None) => y,
         (None, None) => 0.0,
     }
+}
+
+/// The stretch that each point stands for, its place, and the side of a jump on which it is.
+fn readings(points: &[(f64, f64)]) -> impl Iterator<Item = (f64, f64, Side)> + '_ {
+    widths(points).into_iter().enumerate().map(|(k, width)| {
+        let x = points[k].0;
+        let second = k > 0 && !Side::Before.is_past(points[k - 1].0, x);
+        (width, x, if second { Side::After } else { Side::Before })
+    })
 }
 
 /// The stretch that each point stands for: half-way to its neighbours, and as far out at the ends.
@@ -198,10 +226,27 @@ mod tests {
         for shape in [points, cells] {
             assert_eq!(distance(&shape(&[3.0, 3.0, 0.0, 0.0]), &steps(&[0.5], &[3.0, 0.0])), Some(0.0));
             assert_eq!(distance(&shape(&[3.0, 3.0, 1.0, 0.0]), &steps(&[0.5], &[3.0, 0.0])), Some(1.0 / 6.0));
-            assert_eq!(shape(&[0.0, 1.0, 2.0, 3.0]).at(0.25), 0.5);
-            assert_eq!(shape(&[0.0, 1.0, 2.0, 3.0]).at(-1.0), 0.0);
-            assert_eq!(shape(&[0.0, 1.0, 2.0, 3.0]).at(9.0), 3.0);
+            assert_eq!(shape(&[0.0, 1.0, 2.0, 3.0]).at(0.25, Side::Before), 0.5);
+            assert_eq!(shape(&[0.0, 1.0, 2.0, 3.0]).at(-1.0, Side::Before), 0.0);
+            assert_eq!(shape(&[0.0, 1.0, 2.0, 3.0]).at(9.0, Side::Before), 3.0);
         }
+    }
+
+    #[test]
+    fn a_jump_that_both_histories_have_is_no_difference() {
+        // The wave arrives at 1 s, in the other history up to rounding; before it 0, behind it 5 and falling.
+        let history = |count: usize, arrival: f64| {
+            let before = (0..count).map(|k| (k as f64 / count as f64, 0.0));
+            let behind = (0..=count).map(|k| (arrival + k as f64 / count as f64, 5.0 - k as f64 / count as f64));
+            Shape::Points(before.chain([(arrival, 0.0)]).chain(behind).collect())
+        };
+        for arrival in [1.0 - 2e-16, 1.0, 1.0 + 2e-16] {
+            let apart = history(10, 1.0).apart(&history(40, arrival)).0;
+            assert!(apart < 1e-14, "{arrival} {apart}");
+            let apart = history(10, 1.0).apart(&steps(&[arrival], &[0.0, 5.0])).0;
+            assert!((apart - 0.55).abs() < 1e-14, "{arrival} {apart}");
+        }
+        assert!(history(10, 1.0).apart(&history(40, 1.05)).0 > 0.2);
     }
 
     #[test]

@@ -36,6 +36,9 @@ use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::error::{InputError, Result};
 
+/// Heading of the options that every command has: clap lists them between its own ones otherwise.
+const OF_ALL: &str = "Options of all commands";
+
 /// 1D elastic-plastic waves in bars: plastic wave fronts, critical impact velocity, HDF5 fields.
 #[derive(Debug, Parser)]
 #[command(name = "barwave", version, propagate_version = true)]
@@ -45,15 +48,16 @@ use crate::error::{InputError, Result};
 )]
 pub(crate) struct Cli {
     /// Threads to use, 1 to 1024 (default: all; also `RAYON_NUM_THREADS`). Results do not depend on it.
-    #[arg(long, global = true, value_name = "N")]
+    #[arg(long, global = true, value_name = "N", help_heading = OF_ALL)]
     threads: Option<usize>,
     /// Print results as JSON and nothing else; errors are JSON on stderr.
-    #[arg(long, global = true)]
+    #[arg(long, global = true, help_heading = OF_ALL)]
     json: bool,
     /// Colours of messages.
     #[arg(
         long,
         global = true,
+        help_heading = OF_ALL,
         value_enum,
         value_name = "WHEN",
         default_value = "auto",
@@ -63,7 +67,7 @@ pub(crate) struct Cli {
     )]
     color: settings::Color,
     /// Print the files read and written, and computing times, on stderr.
-    #[arg(short, long, global = true)]
+    #[arg(short, long, global = true, help_heading = OF_ALL)]
     verbose: bool,
     #[command(subcommand)]
     command: Command,

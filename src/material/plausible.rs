@@ -59,7 +59,8 @@ impl Material {
         bends.then(|| {
             format!(
                 "the curve of `{}` has no elastic part: its initial slope, {:.4e} Pa, is {:.3} of the modulus, so the material \
-                 yields at any load; add the elastic limit as the first row, or set the modulus to that slope",
+                 yields at any load; add the elastic limit as the first row (`materials import --elastic-range` fits it), or set the \
+                 modulus to that slope",
                 self.name,
                 slope,
                 slope / self.modulus

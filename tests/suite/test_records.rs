@@ -281,6 +281,34 @@ fn repeats_give_one_curve_with_a_band_that_critical_uses() {
     assert_eq!(scatter["tests"].as_array().map(Vec::len), Some(5));
 }
 
+/// Rows read off a figure: the second pair is steeper than the first.
+const READ_OFF: &str = "Strain [%];Stress [MPa]\n0;0\n0,1;70\n0,2;141\n0,25;165\n0,5;190\n1;215\n5;305\n30;410\n";
+
+#[test]
+fn the_elastic_part_of_a_short_table_is_fitted_where_its_stresses_are_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let kept = import(folder.path(), "a.csv", READ_OFF, &[]);
+    assert_eq!((number(&kept["elastic_limit_Pa"]), number(&kept["modulus_Pa"])), (0.0, 71e9));
+    assert!(kept["notes"][0].as_str().is_some_and(|note| note.contains("no elastic part")), "{kept:#}");
+    let fitted = import(folder.path(), "a.csv", READ_OFF, &["--elastic-range", "0 MPa..150 MPa"]);
+    assert!((number(&fitted["modulus_Pa"]) / 70.5e9 - 1.0).abs() < 1e-6, "{fitted:#}");
+    assert!((number(&fitted["elastic_limit_Pa"]) / 141e6 - 1.0).abs() < 1e-6, "{fitted:#}");
+    assert_eq!(fitted["notes"], serde_json::json!([]));
+    let file = std::fs::read_to_string(folder.path().join("m.toml")).expect("a material");
+    assert!(file.contains("# - elastic line of 70.500 GPa in place of 3 rows up to 141 MPa"), "{file}");
+    for (options, words) in [
+        (&["--smooth", "0.01"][..], "has 8 rows, which are kept as they are"),
+        (&["--elastic-range", "100 MPa..150 MPa"], "1 row with a stress from 100 to 150 MPa"),
+        (&["--keep-rows", "--elastic-range", "0 MPa..150 MPa"], "cannot be used with"),
+        (&["--plot", "a.svg"], "no reduction to plot"),
+    ] {
+        let fixed = ["materials", "import", "a.csv", "--density", "7850", "-o", "n.toml"];
+        let output = barwave(folder.path(), &[&fixed, options].concat());
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.code() == Some(2) && message.contains(words), "{options:?}: {message}");
+    }
+}
+
 #[test]
 fn wrong_records_are_refused_with_one_clear_error() {
     let folder = tempfile::tempdir().expect("a folder");

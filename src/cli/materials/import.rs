@@ -75,8 +75,8 @@ pub(super) struct Args {
     /// Toe correction: `on` shifts strains so that the elastic line starts at zero, `off` keeps them as recorded.
     #[arg(long, value_enum, default_value = "on")]
     toe: Switch,
-    /// Keep the rows unchanged: no toe correction, no smoothing (always with fewer than 50 rows).
-    #[arg(long)]
+    /// Keep the rows unchanged: no toe correction, no smoothing (always with fewer than 50 rows, but for --elastic-range).
+    #[arg(long, conflicts_with_all = ["elastic_range", "compliance", "smooth"])]
     keep_rows: bool,
     /// Measure of the strains and stresses of the record (default: engineering, unless the headings contain "true").
     #[arg(long, value_enum)]
@@ -164,6 +164,8 @@ struct Curve {
     rows: Vec<(f64, f64)>,
     beyond: Beyond,
     repeats: Option<Repeats>,
+    /// What was done to the rows of a short table.
+    change: Option<String>,
 }
 
 pub(super) fn run(args: &Args) -> Result<()> {
@@ -181,7 +183,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
     let (reading, how) = (reading(args)?, how(args)?);
     let imported = args.records.iter().map(|file| import(file, args, &reading, &how)).collect::<Result<Vec<_>>>()?;
     let curve = curve(args, &imported, &how)?;
-    let comments = comments(&imported);
+    let comments = comments(&imported, curve.change.as_deref());
     let text = text(args, &curve, &comments);
     let document = Document::new(path.display().to_string(), text.as_str());
     let raw: RawMaterial = document.parse()?;
@@ -194,7 +196,10 @@ pub(super) fn run(args: &Args) -> Result<()> {
     if args.json {
         return output::json(&json(&path, &imported, &material));
     }
-    output::text_beside([Some(path.as_path()), args.plot.as_deref()], &report(args, &path, &imported, &material))
+    output::text_beside(
+        [Some(path.as_path()), args.plot.as_deref()],
+        &report(args, &path, &imported, curve.change.as_deref(), &material),
+    )
 }
 
 fn refuse_existing(path: &Path, force: bool) -> Result<()> {
@@ -313,28 +318,19 @@ fn magnitudes(rows: &[(f64, f64)]) -> Vec<(f64, f64)> {
 /// The curve that the file holds: the rows of a short table, the reduced record, or the mean of several.
 fn curve(args: &Args, imported: &[Imported], how: &Reduce) -> Result<Curve> {
     let asked: Option<Beyond> = args.beyond.map(Into::into);
-    if let [only] = imported {
-        let is_true = args.is_true(&only.record);
-        return Ok(match &only.reduction {
-            Some(reduction) => {
-                let fractured = if reduction.fracture.is_some() { Beyond::Rupture } else { Beyond::Error };
-                let (modulus, rows) = (Some(reduction.modulus), reduction.knots.clone());
-                Curve {
-                    modulus,
-                    measure: Measure::Engineering,
-                    rows,
-                    beyond: asked.unwrap_or(fractured),
-                    repeats: None,
-                }
-            }
-            None => Curve {
-                modulus: how.modulus,
-                measure: if is_true { Measure::True } else { Measure::Engineering },
-                rows: kept_rows(&only.record)?,
-                beyond: asked.unwrap_or(Beyond::Error),
-                repeats: None,
-            },
+    if let [Imported { reduction: Some(reduction), .. }] = imported {
+        let fractured = if reduction.fracture.is_some() { Beyond::Rupture } else { Beyond::Error };
+        return Ok(Curve {
+            modulus: Some(reduction.modulus),
+            measure: Measure::Engineering,
+            rows: reduction.knots.clone(),
+            beyond: asked.unwrap_or(fractured),
+            repeats: None,
+            change: None,
         });
+    }
+    if let [Imported { record, reduction: None, .. }] = imported {
+        return short_table(args, record, how);
     }
     let reduced = |one: &Imported| {
         one.reduction.clone().map(|reduction| (one.record.name.clone(), reduction)).ok_or_else(|| {
@@ -350,7 +346,27 @@ fn curve(args: &Args, imported: &[Imported], how: &Reduce) -> Result<Curve> {
     let fractured = tests.iter().all(|(_, reduction)| reduction.fracture.is_some());
     let beyond = asked.unwrap_or(if fractured { Beyond::Rupture } else { Beyond::Error });
     let (modulus, rows) = (Some(repeats.modulus), repeats.knots.clone());
-    Ok(Curve { modulus, measure: Measure::Engineering, rows, beyond, repeats: Some(repeats) })
+    Ok(Curve { modulus, measure: Measure::Engineering, rows, beyond, repeats: Some(repeats), change: None })
+}
+
+/// The rows of a short table, with the elastic line that was asked for.
+fn short_table(args: &Args, record: &Record, how: &Reduce) -> Result<Curve> {
+    let unused = [("--compliance", how.compliance), ("--smooth", how.window.is_some())];
+    if let Some((key, _)) = unused.into_iter().find(|(_, set)| *set) {
+        let message = format!("{} has {} rows, which are kept as they are", record.name, record.rows.len());
+        let allowed = format!("records of at least {} rows", Reduce::FEWEST_ROWS);
+        let help = "--elastic-range and --modulus set the elastic line of a short table";
+        return Err(InputError::new(message).key(key).allowed(allowed).help(help).into());
+    }
+    let measure = if args.is_true(record) { Measure::True } else { Measure::Engineering };
+    let beyond = args.beyond.map_or(Beyond::Error, Into::into);
+    let rows = kept_rows(record)?;
+    let Some(range) = how.elastic_range else {
+        return Ok(Curve { modulus: how.modulus, measure, rows, beyond, repeats: None, change: None });
+    };
+    let straight = test_record::straighten(&rows, range, how.modulus, how.toe)?;
+    let (modulus, change) = (Some(straight.modulus), Some(straight.change));
+    Ok(Curve { modulus, measure, rows: straight.rows, beyond, repeats: None, change })
 }
 
 /// Rows of a short table, magnitudes; what is no curve is refused with its line.
@@ -364,12 +380,13 @@ fn kept_rows(record: &Record) -> Result<Vec<(f64, f64)>> {
 }
 
 /// The comment at the top of the file: records and changes.
-fn comments(imported: &[Imported]) -> Vec<String> {
+fn comments(imported: &[Imported], change: Option<&str>) -> Vec<String> {
     let mut lines = vec![format!("Imported by barwave {}.", env!("CARGO_PKG_VERSION"))];
     for one in imported {
         lines.push(format!("{}: {}.", one.record.name, one.record.columns));
         lines.extend(one.reduction.iter().flat_map(|reduction| &reduction.changes).map(|change| format!("- {change}")));
     }
+    lines.extend(change.map(|change| format!("- {change}")));
     lines
 }
 
@@ -428,8 +445,11 @@ fn draw(path: &Path, name: &str, imported: &[Imported], curve: &Curve) -> Result
         })
         .collect();
     if drawn.is_empty() {
-        let error =
-            InputError::new("--keep-rows does not reduce the record: there is no reduction to plot").key("--plot");
+        let message = format!(
+            "there is no reduction to plot: rows are kept as they are with --keep-rows, and where a record has fewer than {}",
+            Reduce::FEWEST_ROWS
+        );
+        let error = InputError::new(message).key("--plot");
         return Err(error.help("plot the material with `barwave compare FILE.toml -o FILE.svg`").into());
     }
     let mean = curve.repeats.as_ref().map(|repeats| (curve.rows.as_slice(), &repeats.scatter));
@@ -446,11 +466,12 @@ fn json(path: &Path, imported: &[Imported], material: &Material) -> serde_json::
         "modulus_Pa": material.modulus,
         "elastic_limit_Pa": material.tension.elastic_limit(material.modulus).1,
         "critical": crate::study::critical::critical(material, Sense::Tension),
+        "notes": material.notes(),
     })
 }
 
 /// The report for people.
-fn report(args: &Args, path: &Path, imported: &[Imported], material: &Material) -> String {
+fn report(args: &Args, path: &Path, imported: &[Imported], change: Option<&str>, material: &Material) -> String {
     let mut text = format!("wrote {}\n", path.display());
     for one in imported {
         let _ = writeln!(text, "record          {}: {}", one.record.name, one.record.columns);
@@ -469,6 +490,12 @@ fn report(args: &Args, path: &Path, imported: &[Imported], material: &Material) 
         limit / 1e6,
         critical_line(material, Sense::Tension)
     );
+    if let Some(change) = change {
+        let _ = writeln!(text, "  - {change}");
+    }
+    for note in material.notes() {
+        let _ = writeln!(text, "note: {note}");
+    }
     if let Some(plot) = &args.plot {
         let _ = writeln!(text, "figure          {}", plot.display());
     }

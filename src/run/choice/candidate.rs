@@ -26,6 +26,9 @@ const LEAST_STEP: f64 = 1.5;
 /// Lowest order that two pilots are believed.
 const LOWEST_ORDER: f64 = 0.3;
 
+/// A grid whose error falls to no less than this part, with so many times the cells, has a part that no grid cures.
+const STUCK: (f64, f64) = (0.8, 16.0);
+
 /// Order in the front tolerance that is assumed until two pilots tell, and those that are believed.
 pub(super) const FRONT_ORDER: f64 = 1.0;
 pub(super) const FRONT_ORDERS: [f64; 2] = [0.5, 1.2];
@@ -144,6 +147,27 @@ impl Candidate {
         finer.powf(self.growth()) * nominal(scene, self.method) * last as f64
     }
 
+    /// Takes in a pilot. A grid that more cells do not help is out.
+    pub fn add(&mut self, pilot: Pilot, tolerance: f64) {
+        self.pilots.push(pilot);
+        let stuck = |before: &&Pilot| {
+            !self.method.tracks_fronts()
+                && refinement(before, &pilot) >= STUCK.1
+                && before.estimate > tolerance
+                && pilot.estimate > STUCK.0 * before.estimate
+        };
+        let cells = |pilot: &Pilot| pilot.method.cells().unwrap_or(0);
+        if let Some(before) = self.pilots.iter().find(stuck) {
+            self.out = Some(format!(
+                "its error hardly falls with more cells ({:.1e} with {}, {:.1e} with {})",
+                before.estimate,
+                cells(before),
+                pilot.estimate,
+                cells(&pilot)
+            ));
+        }
+    }
+
     /// The method so many times finer than its last pilot.
     pub fn finer(&self, by: f64) -> Method {
         let last = self.pilots.last().map_or(self.method, |p| p.method);
@@ -207,6 +231,26 @@ mod tests {
         assert!((slow.order(&slow.pilots[1]) - 0.5).abs() < 1e-12);
         let stuck = candidate(grid, &[(0.1, 1), (0.2, 1)]);
         assert_eq!(stuck.order(&stuck.pilots[1]), LOWEST_ORDER);
+    }
+
+    #[test]
+    fn a_grid_that_more_cells_do_not_help_is_out() {
+        let out = |method: Method, estimates: &[f64]| {
+            let mut candidate = Candidate::new(method);
+            for &estimate in estimates {
+                let method = candidate.next();
+                candidate.add(Pilot { method, estimate, order: 1.0, work: 1 }, 1e-2);
+            }
+            candidate.out
+        };
+        let grid = Method::Leapfrog { cells: 1000, cfl: 1.0 };
+        assert_eq!(out(grid, &[0.1, 0.05, 0.03, 0.02, 0.012, 0.012, 0.012, 0.012]), None);
+        let why = out(grid, &[0.1, 0.05, 0.03, 0.02, 0.012, 0.012, 0.012, 0.012, 0.012]).expect("a reason");
+        assert_eq!(why, "its error hardly falls with more cells (1.2e-2 with 2048, 1.2e-2 with 32768)");
+        // What it said below the tolerance was refuted since, and fronts are few or many by chance.
+        assert_eq!(out(grid, &[0.1, 0.009, 0.012, 0.011, 0.011, 0.0105]), None);
+        let fronts = Method::FrontTracking { front_tolerance: 1e-3, event_budget: 9 };
+        assert_eq!(out(fronts, &[0.1; 6]), None);
     }
 
     #[test]

@@ -57,7 +57,7 @@ pub(super) fn run(
             return Ok(summary);
         }
         if attempt.number == MOST_REPEATS {
-            return Err(not_reached(scene, asked.value, &tried(&attempt.candidates)));
+            return Err(not_reached(scene, asked.value, &attempt.candidates));
         }
         attempt = Attempt::new(scene, asked.value, attempt.candidates, attempt.number + 1, progress)?;
         target = next;
@@ -114,7 +114,7 @@ impl Attempt {
             let choice = ChoiceSummary { tolerance, why: self.why.clone(), tried };
             return Ok(Some(Summary { choice: Some(choice), ..summary }));
         }
-        candidates[winner].pilots.push(done);
+        candidates[winner].add(done, tolerance);
         candidates[winner].missed = missed;
         Ok(None)
     }
@@ -162,7 +162,7 @@ fn race(
         let best = candidates.iter().enumerate().filter(|(_, r)| r.out.is_none());
         let best = best.min_by(|a, b| time(a.1).total_cmp(&time(b.1))).map(|best| best.0);
         let Some(best) = best else {
-            return Err(not_reached(scene, tolerance, &tried(candidates)));
+            return Err(not_reached(scene, tolerance, candidates));
         };
         let tracks = candidates[best].method.tracks_fronts();
         let leap = if tracks { LEAP_TOLERANCE } else { LEAP_CELLS };
@@ -201,7 +201,7 @@ fn pilot(
     if candidates[next].method.tracks_fronts() {
         front_pilot(scene, &mut candidates[next], rival, progress)
     } else {
-        grid_pilot(scene, &mut candidates[next], progress)
+        grid_pilot(scene, &mut candidates[next], tolerance, progress)
     }
 }
 
@@ -255,9 +255,13 @@ fn why(scene: &Scene, tolerance: f64, candidates: &[Candidate], winner: usize) -
     format!("{best}; {}", others.join("; "))
 }
 
-fn not_reached(scene: &Scene, tolerance: f64, tried: &[Tried]) -> Error {
-    let best = tried.iter().filter_map(|t| t.estimate).fold(f64::INFINITY, f64::min);
-    let reason = format!("no method reached the tolerance {tolerance:e}: the best estimate was {best:.1e}");
+fn not_reached(scene: &Scene, tolerance: f64, candidates: &[Candidate]) -> Error {
+    let best = tried(candidates).iter().filter_map(|t| t.estimate).fold(f64::INFINITY, f64::min);
+    let whys = candidates.iter().filter_map(|r| Some(format!("; {}: {}", r.method.names()[1], r.out.as_ref()?)));
+    let reason = format!(
+        "no method reached the tolerance {tolerance:e}: the best estimate was {best:.1e}{}",
+        whys.collect::<String>()
+    );
     let help =
         "increase `tolerance`, or set a method and its resolution in [solve]; `barwave cost` shows the error of each";
     RunError { reason, time: scene.solve.until, x: None, help: help.into() }.into()

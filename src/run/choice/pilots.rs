@@ -20,6 +20,7 @@ const TELLING: f64 = 0.3;
 pub(super) fn grid_pilot(
     scene: &Scene,
     candidate: &mut Candidate,
+    tolerance: f64,
     progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<()> {
     let method = candidate.next();
@@ -40,7 +41,7 @@ pub(super) fn grid_pilot(
     let responses: Vec<&Response> = all.iter().map(|run| &run.response).collect();
     let (elastic, work) = all.first().map_or((true, 0), |finest| (finest.elastic, finest.work));
     let (_, found) = extrapolate(accuracy::rules(scene, method, elastic), &responses);
-    candidate.pilots.push(Pilot { method, estimate: found.value, order: found.hope, work });
+    candidate.add(Pilot { method, estimate: found.value, order: found.hope, work }, tolerance);
     Ok(())
 }
 

@@ -2,15 +2,16 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Integral up to `t` (s) of a front of height 1 that passes at 0 and rises evenly over `width` (s).
+/// Integral up to `t` (s) of a front of height 1 that passes at 0 and rises over `width` (s), by a polynomial without kinks in slope and
+/// curvature: from those the scheme would ring.
 fn ramped(t: f64, width: f64) -> f64 {
-    let half = 0.5 * width;
-    if t >= half {
+    if t >= 0.5 * width {
         t
-    } else if t <= -half {
+    } else if t <= -0.5 * width {
         0.0
     } else {
-        0.5 * (t + half) * (t + half) / width
+        let s = t / width + 0.5;
+        width * s.powi(4) * (2.5 + s * (s - 3.0))
     }
 }
 
@@ -51,13 +52,15 @@ pub(super) struct StartingFan {
 impl StartingFan {
     /// Mean velocity over the step from `time` on at `distance` (m) from the end, m/s.
     pub fn mean_velocity(&self, distance: f64, time: f64, dt: f64) -> f64 {
-        let half_ramp = (0.5 * self.ramp).min(distance);
+        // No front is felt in the first step, in which nodes are at rest.
+        let half_ramp = |speed: f64| (0.5 * self.ramp).min(distance - speed * dt).max(0.0);
         // Fronts that have passed before the step count in full, those that arrive after it not at all.
-        let passed = self.fronts.partition_point(|front| front.speed * time >= distance + half_ramp);
-        let passing = self.fronts[passed..].iter().take_while(|front| front.speed * (time + dt) > distance - half_ramp);
+        let passed = self.fronts.partition_point(|front| front.speed * time >= distance + half_ramp(front.speed));
+        let arrives = |front: &&Front| front.speed * (time + dt) > distance - half_ramp(front.speed);
+        let passing = self.fronts[passed..].iter().take_while(arrives);
         let share = |k: usize, speed: f64| {
             let arrival = distance / speed;
-            let width = if k == 0 { 0.0 } else { 2.0 * half_ramp / speed };
+            let width = if k == 0 { 0.0 } else { 2.0 * half_ramp(speed) / speed };
             (ramped(time + dt - arrival, width) - ramped(time - arrival, width)) / dt
         };
         let ahead = self.fronts.get(passed).map_or(self.velocity_behind, |front| front.velocity_ahead);

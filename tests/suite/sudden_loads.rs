@@ -98,8 +98,41 @@ fn a_bilinear_bar_rings_little_after_its_start() {
     }
 }
 
-/// Nodes beside an end under a constant stress were made to move as the exact fan does, which its own node does not: the first cell had 48 % too much
-/// strain.
+/// Largest residual strains, which are those of the first cells. The nodes beside such an end or joint moved as the scheme had it: at any resolution
+/// 5 to 6 % too much strain at an end under a stress, 15 % (bilinear) to 22 % (copper) at a contact.
+#[test]
+fn first_cells_have_the_strain_of_the_fan() {
+    let stress = "kind = \"stress\"\nvalue = -150e6";
+    let segment = |material: &str, velocity: i32| {
+        format!(
+            "[[bar.segment]]\nlength = \"0.2 m\"\narea = \"1 cm^2\"\nmaterial = {material}\nvelocity = {velocity}\njoint = \"contact\"\n"
+        )
+    };
+    let bilinear = "{ density = 7850, modulus = \"200 GPa\", beyond = \"extend\", curve = { table = [[0.001, \"200 MPa\"], [0.05, \"1180 MPa\"]] } }";
+    let pair = |material: &str| {
+        let last = segment(material, 0).replace("joint = \"contact\"\n", "");
+        format!("{}{last}[left]\nkind = \"free\"\n[right]\nkind = \"free\"\n", segment(material, 60))
+    };
+    let welded = pair(bilinear).replace("joint = \"contact\"\n", "");
+    let cases = [
+        ("stress", copper("", stress)),
+        ("copper in contact", pair("\"copper-annealed\"")),
+        ("bilinear in contact", pair(bilinear)),
+        ("bilinear, welded", welded),
+        ("copper on steel", copper_on_steel("0 mm")),
+    ];
+    for (name, scene) in cases {
+        let strain = |solve: &str| peak(&scene, solve, "/figures/residual_strain_largest");
+        let exact = strain("method = \"moc\"");
+        for cells in [200, 1000] {
+            let error = strain(&format!("method = \"fd\"\ncells = {cells}")) / exact - 1.0;
+            println!("{name}, {cells} cells: {error:.4}");
+            assert!(error.abs() < 0.01, "{name}, {cells} cells: {error}");
+        }
+    }
+}
+
+/// Of a curve with many fronts.
 #[test]
 fn an_end_under_a_constant_stress_has_the_strain_of_the_curve() {
     let scene = "[bar]\nlength = \"0.1 m\"\narea = \"1 cm^2\"\nmaterial = \"copper-ofhc-taylor-jc\"\n[left]\nkind = \"stress\"\nvalue = -400e6\n[right]\nkind = \
@@ -107,7 +140,8 @@ fn an_end_under_a_constant_stress_has_the_strain_of_the_curve() {
     for cells in [100, 200, 800] {
         let largest = peak(scene, &format!("method = \"fd\"\ncells = {cells}"), "/figures/residual_strain_largest");
         let exact = peak(scene, "method = \"moc\"", "/figures/residual_strain_largest");
-        assert!((largest / exact - 1.0).abs() < 0.08, "{cells} cells: {largest} for {exact}");
+        println!("{cells} cells: {:.4}", largest / exact - 1.0);
+        assert!((largest / exact - 1.0).abs() < 0.01, "{cells} cells: {largest} for {exact}");
     }
 }
 

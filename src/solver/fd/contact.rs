@@ -5,6 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::grid_filter;
 use super::half_node::{HalfNode, Impulses};
 use crate::bar::SuddenLoad;
 use crate::bar::ends::Response;
@@ -129,6 +130,16 @@ impl Contact {
         let stops = (self.force - mean).abs() > self.limit;
         self.ahead.note(dt, if stops { mean.max(0.0) } else { self.force });
         self.move_on(cells);
+    }
+
+    /// Changes the velocities of the left (0) or right (1) face before and after the current time by `change` (m/s, in +x). Returns the
+    /// energy that this takes, J.
+    pub fn impose(&mut self, side: usize, change: f64, dt: f64) -> f64 {
+        let mass = self.mass(side, dt);
+        let (node, change) = (&mut self.sides[side], INWARD[side] * change);
+        let velocity_increment = node.after - node.before;
+        node.before += change;
+        -0.5 * mass * grid_filter::node(velocity_increment, change, &mut node.after)
     }
 
     fn move_on(&mut self, cells: [f64; 2]) {

@@ -292,6 +292,21 @@ impl EndNode {
         self.displacement += self.dt * change;
     }
 
+    /// Mass of the node, kg.
+    pub(super) fn mass(&self) -> f64 {
+        self.node.impedance * self.dt
+    }
+
+    /// Changes the velocities before and after the current time by `change` (m/s, in +x), with an impulse that [`Self::add_impulse`] books.
+    /// Returns the energy that this takes, J.
+    pub(super) fn impose(&mut self, change: f64) -> f64 {
+        let (mass, change) = (self.mass(), self.face.inward * change);
+        let velocity_increment = self.node.after - self.node.before;
+        self.node.before += change;
+        self.displacement += self.dt * change;
+        -0.5 * mass * grid_filter::node(velocity_increment, change, &mut self.node.after)
+    }
+
     /// The bar beyond the node gets this impulse (N s in +x) from the end in the present step, where the end is known to move with
     /// `velocity` (m/s) under `stress` (Pa).
     pub(super) fn add_impulse(&mut self, impulse: f64, velocity: f64, stress: f64) {

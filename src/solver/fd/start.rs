@@ -1,34 +1,39 @@
-//! The first steps at an end that is suddenly set in motion.
+//! The first steps at an end or a joint that is suddenly set in motion.
 //!
 //! There the bar carries a centred fan of fronts, known exactly (see [`crate::wave::similarity`]), that is narrower than a few cells. A
 //! scheme that starts it from rest overshoots, and plastic flow keeps the excess in the first cells for good, at any resolution: 12 to
 //! 20 % of the strain and of the force. So until the slowest front has travelled [`CELLS`] cells the nodes inside the fan move as the
-//! exact solution does, its slower fronts spread over [`RAMP`] cells: each node with the mean of its velocity over the step, so that every
+//! exact solution does, its plastic fronts spread over [`RAMP`] cells: each node with the mean of its velocity over the step, so that every
 //! cell has just the mean of the strain.
 //!
-//! That is an impulse on nodes. Its momentum comes from the end; what it takes from the energy, of first order in the cell size, is
-//! in `half_step`.
+//! That is an impulse on nodes. Its momentum comes from the end. At a joint there is nobody to give it: what the nodes on both sides get
+//! together, none but for the share that fronts have passed of single cells, they give back together. What it takes from the energy,
+//! of first order in the cell size, is in `half_step`.
 
 use super::fan::{Front, StartingFan};
 use super::grid_filter;
 use super::leapfrog::Leapfrog;
 use crate::bar::{Driver, EndCondition, InitialFan, Origin, SuddenLoads};
 use crate::solver::EndState;
+use crate::wave::similarity::Edge;
 
 /// Cells that the slowest front travels before the scheme takes over, where the bar has room. Copper on a wall at 60 m/s, 200 cells: the
 /// first cell has 0.9 % too much strain with 6, 0.4 % with 24; the error of all benchmarks is least near 24.
 const CELLS: f64 = 24.0;
 
-/// Cells over which fronts but the first are spread, as the scheme itself spreads them: with this shape three from a tenth to nine tenths.
+/// Cells over which fronts that are not elastic are spread, as the scheme itself spreads them: with this shape three from a tenth to nine tenths.
 /// With sharp ones the cells at which the scheme takes over keep some 1 % too much strain, as the first ones would without a start.
 const RAMP: f64 = 7.0;
+
+/// Velocities of two sides of a joint that differ by this part of their jumps are one.
+const TOGETHER: f64 = 1e-9;
 
 /// Nodes ahead of the first front that are held, too: the grid filter moves them.
 const AHEAD: usize = 2;
 
 impl Leapfrog {
     /// The same bar, the ends of which start with these fans. For a bar at t = 0 whose laws follow the curves of the fans and take no
-    /// time. Passed over are fans of joints, of strikers, of ends under a given stress, those that leave the bar elastic, and those above critical.
+    /// time. Passed over are fans of strikers, those that leave the bar elastic, and those above critical.
     ///
     /// The first rows of the histories of the `ends` are the states just after t = 0. A bar that does not yield `at_once` is elastic then.
     #[must_use]
@@ -42,12 +47,36 @@ impl Leapfrog {
                 end.start_in(state);
             }
         }
-        let fans = initial_fans.iter().filter_map(|initial_fan| {
-            let side = sides.iter().position(|side| *side == initial_fan.origin)?;
-            self.starting_fan(initial_fan, side)
-        });
-        self.fans = fans.collect();
+        self.fans = initial_fans.iter().filter_map(|fan| self.starting_fan(fan)).collect();
+        self.keep_whole_joints();
+        // Joints move with their fans from the start; what of that is energy the account begins with.
+        self.impose_fans();
+        self.fans.iter_mut().for_each(|fan| fan.lost = 0.0);
         self
+    }
+
+    /// Both sides of a joint start with their fans, for as long as the one asks for it and both are known, or neither.
+    fn keep_whole_joints(&mut self) {
+        for segment in 0..self.grid.segments.len() - 1 {
+            let here =
+                |fan: &StartingFan| fan.at_joint && [(segment, 1), (segment + 1, 0)].contains(&(fan.segment, fan.side));
+            let sides: Vec<&StartingFan> = self.fans.iter().filter(|fan| here(fan)).collect();
+            let wanted = sides.iter().map(|fan| fan.steps).max().unwrap_or(0);
+            let known = sides.iter().map(|fan| fan.known).min().unwrap_or(0);
+            // Where a level curve carries no more, the sides part.
+            let together = |a: &StartingFan, b: &StartingFan| {
+                let jump = |fan: &StartingFan| fan.fronts.iter().map(|front| front.jump.abs()).sum::<f64>();
+                (a.velocity_behind - b.velocity_behind).abs() <= TOGETHER * (jump(a) + jump(b))
+            };
+            let steps = if let [a, b] = sides[..]
+                && together(a, b)
+            {
+                wanted.min(known)
+            } else {
+                0
+            };
+            self.fans.iter_mut().filter(|fan| here(fan)).for_each(|fan| fan.steps = steps);
+        }
     }
 
     /// The same bar at t = 0, whose ends and joints are loaded like this.
@@ -81,37 +110,43 @@ impl Leapfrog {
         (answers_at_once && (carries || !yields_at_once)).then_some(state)
     }
 
-    fn starting_fan(&self, initial_fan: &InitialFan, side: usize) -> Option<StartingFan> {
+    fn starting_fan(&self, initial_fan: &InitialFan) -> Option<StartingFan> {
         let fan = &initial_fan.fan;
-        // The node of an end under a given stress finds its own velocity: it runs ahead of nodes that are made to move.
-        if initial_fan.driver != Driver::Velocity {
+        if initial_fan.driver == Driver::Body {
             return None;
         }
+        let side = usize::from(initial_fan.direction < 0.0);
         let [stress, velocity_behind] = initial_fan.state_behind()?;
-        let slowest = fan.edges.last().filter(|edge| fan.edges.len() > 1 && edge.speed > 0.0)?;
-        let block = if side == 0 { &self.blocks[0] } else { &self.blocks[self.blocks.len() - 1] };
-        if block.taper.is_some() {
+        let at_joint = matches!(initial_fan.origin, Origin::Joint(_));
+        let (part, dt) = (&self.grid.segments[initial_fan.segment], self.grid.dt);
+        let wave_speed = self.constants[initial_fan.segment].courant * part.dx / dt;
+        let elastic = |edge: &Edge| edge.speed >= wave_speed * (1.0 - 1e-9);
+        // A side of a joint that stays elastic belongs to it as well.
+        let slowest = fan.edges.last().filter(|edge| (at_joint || !elastic(edge)) && edge.speed > 0.0)?;
+        if self.blocks.iter().any(|block| block.segment == initial_fan.segment && block.taper.is_some()) {
             return None;
         }
-        let (part, dt) = (&self.grid.segments[initial_fan.segment], self.grid.dt);
-        let wanted = (CELLS * part.dx / (slowest.speed * dt)).ceil();
+        let wanted = if elastic(slowest) { 0.0 } else { (CELLS * part.dx / (slowest.speed * dt)).ceil() };
         let possible = (initial_fan.known_until(part.dx * part.cells.len() as f64) / dt).floor() - 1.0;
         let sense = -initial_fan.direction * initial_fan.sense.sign();
         let mut velocity = initial_fan.velocity_ahead;
         let fronts = fan.edges.iter().map(|edge| {
             let (velocity_ahead, jump) = (velocity, sense * edge.velocity_jump());
             velocity += jump;
-            Front { speed: edge.speed, jump, velocity_ahead }
+            Front { speed: edge.speed, elastic: elastic(edge), jump, velocity_ahead }
         });
         let fronts: Vec<Front> = fronts.collect();
         Some(StartingFan {
             side,
+            at_joint,
+            under_stress: initial_fan.driver == Driver::Stress,
             segment: initial_fan.segment,
             fronts,
             velocity_behind,
             stress,
             ramp: RAMP * part.dx,
             steps: wanted.min(possible).max(0.0) as usize,
+            known: possible.max(0.0) as usize,
             nodes: if initial_fan.alone { part.cells.len() } else { (part.cells.len() - 1) / 2 },
             lost: 0.0,
         })
@@ -124,59 +159,155 @@ impl Leapfrog {
 
     /// Makes the nodes inside the fans move as the fans do in the step ahead.
     pub(super) fn impose_fans(&mut self) {
-        let (mut fans, step) = (std::mem::take(&mut self.fans), self.step);
+        let mut fans = std::mem::take(&mut self.fans);
+        let mut joint: Option<&mut StartingFan> = None;
+        let step = self.step;
         for fan in fans.iter_mut().filter(|fan| step < fan.steps) {
-            let [impulse, energy] = self.impose(fan);
-            let end = if fan.side == 0 { &mut self.left } else { &mut self.right };
-            end.add_impulse(impulse, fan.velocity_behind, fan.stress);
-            fan.lost += impulse * fan.velocity_behind - energy;
+            match (fan.at_joint, joint.take()) {
+                (false, _) if step == 0 => {}
+                (false, _) => self.impose_at_end(fan),
+                // The fans of a joint follow each other, that of the left side first.
+                (true, Some(left)) => self.impose_at_joint(left, fan),
+                (true, None) => joint = Some(fan),
+            }
         }
+        self.share_edges();
         self.fans = fans;
     }
 
-    /// Impulse (N s in +x) and energy (J) that the nodes get.
-    fn impose(&mut self, fan: &StartingFan) -> [f64; 2] {
+    fn impose_at_end(&mut self, fan: &mut StartingFan) {
+        let Imposed { mut impulse, mut energy, .. } = self.impose(fan, Some(0.0));
+        let step = self.step;
+        let end = if fan.side == 0 { &mut self.left } else { &mut self.right };
+        if fan.under_stress {
+            let change = fan.at_its_origin(step, end.velocity_before()) - end.velocity_after();
+            impulse += end.mass() * change;
+            energy += end.impose(change);
+        }
+        end.add_impulse(impulse, fan.velocity_behind, fan.stress);
+        fan.lost += impulse * fan.velocity_behind - energy;
+    }
+
+    fn impose_at_joint(&mut self, left: &StartingFan, right: &mut StartingFan) {
+        let mut asked = Imposed::default();
+        for fan in [left, &*right] {
+            asked.add(self.impose(fan, None));
+        }
+        asked.add(self.impose_on_joint(right, None));
+        let shift = -asked.impulse / asked.mass;
+        let mut made = self.impose_on_joint(right, Some(shift));
+        for fan in [left, &*right] {
+            made.add(self.impose(fan, Some(shift)));
+        }
+        right.lost -= made.energy;
+    }
+
+    /// Impulse and energy of the nodes at the joint from which `fan` runs to the right, as [`Self::impose`].
+    fn impose_on_joint(&mut self, fan: &StartingFan, shift: Option<f64>) -> Imposed {
+        let dt = self.grid.dt;
+        let Some(right) = self.blocks.iter().position(|block| block.segment == fan.segment) else {
+            return Imposed::default();
+        };
+        let (mut imposed, edge) = (Imposed::default(), right - 1);
+        if let Some(contact) = self.contacts.iter_mut().find(|contact| contact.edge == edge) {
+            for side in [0, 1] {
+                let change = fan.velocity_behind + shift.unwrap_or(0.0) - contact.velocities(side)[1];
+                imposed.note(contact.mass(side, dt), change, 1.0);
+                if shift.is_some() {
+                    imposed.energy += contact.impose(side, change, dt);
+                }
+            }
+        } else {
+            let node = &mut self.edges[edge];
+            let change = fan.velocity_behind + shift.unwrap_or(0.0) - node.after;
+            imposed.note(node.mass, change, 1.0);
+            if shift.is_some() {
+                imposed.energy += node.impose(change);
+            }
+        }
+        imposed
+    }
+
+    /// Impulse and energy that the nodes inside a fan get, moved by `shift` (m/s) more at its origin and less and less from there on; without
+    /// one they are left as they are.
+    fn impose(&mut self, fan: &StartingFan, shift: Option<f64>) -> Imposed {
         let (time, dt) = (self.time(), self.grid.dt);
-        let reach = fan.fronts[0].speed * (time + dt);
-        let count = self.blocks.len();
         let (c, part) = (self.constants[fan.segment], &self.grid.segments[fan.segment]);
+        // Ahead of the fan at first: enough nodes to give an impulse to.
+        let reach = (fan.fronts[0].speed * (time + dt)).max(if fan.at_joint { CELLS * part.dx } else { 0.0 });
+        let weight = |distance: f64| (1.0 - distance / (reach + AHEAD as f64 * part.dx)).max(0.0);
+        let velocity =
+            |distance: f64| fan.mean_velocity(distance, time, dt) + shift.map_or(0.0, |shift| shift * weight(distance));
         let end_node = if fan.side == 0 { part.cells.start } else { part.cells.end };
         let distance = |node: usize| part.dx * node.abs_diff(end_node) as f64;
-        let (mut impulse, mut energy) = (0.0, 0.0);
-        for n in 0..count {
-            let k = if fan.side == 0 { n } else { count - 1 - n };
+        let mut imposed = Imposed::default();
+        let ours: Vec<usize> = (0..self.blocks.len()).filter(|&k| self.blocks[k].segment == fan.segment).collect();
+        for n in 0..ours.len() {
+            let k = if fan.side == 0 { ours[n] } else { ours[ours.len() - 1 - n] };
             let block = &mut self.blocks[k];
-            let ends_here = block.segment != fan.segment;
-            if ends_here || distance(block.cells.start).min(distance(block.cells.end)) >= reach + AHEAD as f64 * part.dx
-            {
+            if distance(block.cells.start).min(distance(block.cells.end)) >= reach + AHEAD as f64 * part.dx {
                 break;
             }
-            block.wake();
             let (first, cells) = (block.cells.start, block.sigma.len());
             let nodes_reached = ((reach / part.dx).ceil() as usize + AHEAD).min(fan.nodes);
             let inside = match fan.side {
                 0 => 1..cells.min((end_node + nodes_reached).saturating_sub(first)),
                 _ => (end_node.saturating_sub(nodes_reached) + 1).saturating_sub(first).max(1)..cells,
             };
-            for i in inside {
-                let change = fan.mean_velocity(distance(first + i), time, dt) - block.v[i];
-                let velocity_increment = block.velocity_increment(c.velocity_gain, i);
-                impulse += c.cell_mass * change;
-                energy -= 0.5 * c.cell_mass * grid_filter::node(velocity_increment, change, &mut block.v[i]);
+            if shift.is_some() {
+                block.wake();
             }
-            block.note_undamped();
+            for i in inside {
+                let distance = distance(first + i);
+                let change = velocity(distance) - block.v[i];
+                imposed.note(c.cell_mass, change, weight(distance));
+                if shift.is_some() {
+                    let velocity_increment = block.velocity_increment(c.velocity_gain, i);
+                    imposed.energy -=
+                        0.5 * c.cell_mass * grid_filter::node(velocity_increment, change, &mut block.v[i]);
+                }
+            }
+            if shift.is_some() {
+                block.note_undamped();
+            }
             // The edge beyond it, where that is inside the segment.
             let edge = if fan.side == 0 { k } else { k.wrapping_sub(1) };
             let beyond = if fan.side == 0 { self.blocks[k].cells.end } else { self.blocks[k].cells.start };
             let inside = part.cells.start < beyond && beyond < part.cells.end;
             if let Some(edge) = self.edges.get_mut(edge).filter(|_| inside) {
-                let change = fan.mean_velocity(distance(beyond), time, dt) - edge.after;
-                impulse += edge.mass * change;
-                energy += edge.impose(change);
+                let change = velocity(distance(beyond)) - edge.after;
+                imposed.note(edge.mass, change, weight(distance(beyond)));
+                if shift.is_some() {
+                    imposed.energy += edge.impose(change);
+                }
             }
         }
-        self.share_edges();
-        [impulse, energy]
+        imposed
+    }
+}
+
+/// What nodes get that are made to move.
+#[derive(Debug, Clone, Copy, Default)]
+struct Imposed {
+    /// N s in +x.
+    impulse: f64,
+    /// Of the nodes, each as far as it is shifted, kg.
+    mass: f64,
+    /// J.
+    energy: f64,
+}
+
+impl Imposed {
+    /// A node of this mass (kg), shifted by this part, gets this change of velocity (m/s).
+    fn note(&mut self, mass: f64, change: f64, shifted: f64) {
+        self.impulse += mass * change;
+        self.mass += mass * shifted;
+    }
+
+    fn add(&mut self, other: Self) {
+        self.impulse += other.impulse;
+        self.mass += other.mass;
+        self.energy += other.energy;
     }
 }
 

@@ -190,11 +190,11 @@ impl History {
     fn thin(&mut self) {
         self.every *= 2;
         let rows = &self.rows;
-        let with = |k: usize, other: Option<usize>| {
+        let pairs = |k: usize, other: Option<usize>| {
             other.and_then(|k| rows.get(k)).is_some_and(|row| row.step == rows[k].step)
         };
         let kept =
-            |&k: &usize| rows[k].step.is_multiple_of(self.every) || with(k, k.checked_sub(1)) || with(k, Some(k + 1));
+            |&k: &usize| rows[k].step.is_multiple_of(self.every) || pairs(k, k.checked_sub(1)) || pairs(k, Some(k + 1));
         self.rows = (0..rows.len()).filter(kept).map(|k| rows[k]).collect();
         self.most = self.most.max(2 * self.rows.len());
     }

@@ -1,4 +1,4 @@
-//! The centred fan of a suddenly moved end, as [`super::start`] imposes it on the nodes.
+//! The centred fan of an end or a joint that is suddenly loaded, as [`super::start`] imposes it on the nodes.
 
 use serde::{Deserialize, Serialize};
 
@@ -64,7 +64,7 @@ impl StartingFan {
         self.velocity_behind + if step == 1 { self.velocity_behind - before } else { 0.0 }
     }
 
-    /// Mean velocity over the step from `time` on at `distance` (m) from the end, m/s.
+    /// Mean velocity over the step from `time` on at `distance` (m) from where it starts, m/s.
     pub fn mean_velocity(&self, distance: f64, time: f64, dt: f64) -> f64 {
         // No front is felt in the first step, in which nodes are at rest.
         let half_ramp = |speed: f64| (0.5 * self.ramp).min(distance - speed * dt).max(0.0);

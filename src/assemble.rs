@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use crate::bar::{Bar, InitialFan, Segment, SuddenLoads, initial_fans};
+use crate::bar::{Bar, InitialFan, Segment, SuddenLoads, first_fans};
 use crate::law::rate::{Heated, Overstress, RateLaw, Timed};
 use crate::law::rupture::{Criteria, Criterion};
 use crate::law::{
@@ -19,6 +19,7 @@ use crate::solver::moc::{FrontTracking, Settings};
 use crate::solver::muscl::Muscl;
 use crate::solver::net::{Lattice, Net};
 use crate::wave::riemann::{Flow, Medium};
+use crate::wave::similarity::SCATTER;
 
 /// What is to be done with the bar of a scene, whatever its solver.
 pub trait Task {
@@ -55,7 +56,7 @@ pub fn leapfrog(scene: &Scene, cells: usize, cfl: f64) -> Leapfrog {
         Leapfrog::with_along(&scene.bar, grid, laws, ends.clone(), &along).starting_with(&ends, &[], at_once)
     } else {
         let (fans, sudden) = if follows_curves(scene) {
-            let fans = initial_fans(&scene.bar, &ends[0], &ends[1]);
+            let fans = first_fans(&scene.bar, &ends[0], &ends[1]);
             let sudden = sudden_loads(scene, &fans, &grid);
             (fans, sudden)
         } else {
@@ -81,7 +82,7 @@ pub fn muscl(scene: &Scene, cells: usize, cfl: f64) -> Muscl {
     let grid = Grid::new(&scene.bar, cells, cfl);
     let laws = scene.bar.segments.iter().map(|s| segment_law(s, &scene.effects)).collect();
     let media = scene.bar.segments.iter().map(|s| medium(s, &scene.effects)).collect();
-    let fans = initial_fans(&scene.bar, &scene.left, &scene.right);
+    let fans = first_fans(&scene.bar, &scene.left, &scene.right);
     let sudden = sudden_loads(scene, &fans, &grid);
     let ends = [scene.left.clone(), scene.right.clone()];
     Muscl::new(&scene.bar, grid, laws, media, ends).under_sudden_loads(sudden)
@@ -89,7 +90,7 @@ pub fn muscl(scene: &Scene, cells: usize, cfl: f64) -> Muscl {
 
 fn sudden_loads(scene: &Scene, fans: &[InitialFan], grid: &Grid) -> SuddenLoads {
     let dx: Vec<f64> = grid.segments.iter().map(|part| part.dx).collect();
-    SuddenLoads::new(&scene.bar, [&scene.left, &scene.right], fans, &dx)
+    SuddenLoads::new(&scene.bar, fans, &dx)
 }
 
 /// Stress differences that are rounding where states are summed up over many steps, as a part of the yield stress.
@@ -223,10 +224,6 @@ pub fn segment_law(segment: &Segment, effects: &Effects) -> SegmentLaw {
         law: choose_backbone(material, &tension, compression, effects),
     }
 }
-
-/// Part of the stress by which a curve lies below its concave hull where its shocks take no energy that matters: that of the scatter of test
-/// records.
-const SCATTER: f64 = 0.02;
 
 /// Which waves of a segment can be shocks.
 fn shocks(tables: [&Table; 2], material: &Material, effects: &Effects) -> Shocks {

@@ -1,6 +1,6 @@
 //! Initial fans: the centred waves emitted by ends and joints at t = 0, from the curves alone, before any reflection.
 
-use super::{Bar, EndCondition, Segment};
+use super::{Bar, EndCondition, Joint, Segment};
 use crate::material::{Curve, Sense};
 use crate::root::bisect;
 use crate::wave::similarity::{Fan, fan_at_stress, fan_at_velocity};
@@ -52,8 +52,12 @@ pub struct InitialFan {
     pub sense: Sense,
     /// The fronts, magnitudes.
     pub fan: Fan,
+    /// The slowest of them is a shock.
+    pub shock: bool,
     /// Velocity of the bar ahead, m/s.
     pub velocity_ahead: f64,
+    /// When it starts, s: 0 but for a gap that closes first. The times below count from then on.
+    pub from: f64,
     /// The largest imposed value holds from t = 0 on and never changes.
     pub sudden: bool,
     /// First time at which the driving value falls back (or is released), s; infinite where it never does.
@@ -70,6 +74,9 @@ pub struct InitialFan {
 /// Part of the force of a striker that it may lose and still count as steady.
 const STEADY: f64 = 0.02;
 
+/// Part of it up to which [`InitialFan::relief`] follows how it falls.
+const FOLLOWED: f64 = 0.2;
+
 impl InitialFan {
     /// Time (s) up to which its origin is in the state behind it, in a segment of this `length` (m): what drives it does not change, and no
     /// other wave has come. 0 where that state is not known.
@@ -77,7 +84,16 @@ impl InitialFan {
         let Some(first) = self.fan.edges.first().filter(|_| self.state_behind().is_some()) else { return 0.0 };
         // Other waves may come to meet it from the far side.
         let room = if self.alone { length } else { 0.5 * length };
-        (room / first.speed).min(self.holds_until)
+        let steady = if self.driver == Driver::Body { FOLLOWED / STEADY * self.holds_until } else { self.holds_until };
+        (room / first.speed).min(steady)
+    }
+
+    /// How much less the bar is slowed down further in than at its end, where a body drives that, s/m: a velocity `w` that the end has lost
+    /// after the time t is `w (1 - relief x/t)` at the distance x behind the slowest front. With the speed c of that front and `c0` (m/s)
+    /// it is `2 c / (c0^2 + c^2)`: two elastic waves, the second of them thrown back by the front, that is weakened along its chord.
+    pub fn relief(&self, c0: f64) -> f64 {
+        let slowest = self.fan.edges.last().map_or(0.0, |edge| edge.speed);
+        2.0 * slowest / (c0 * c0 + slowest * slowest)
     }
 
     /// Stress (Pa) and velocity (m/s) behind it; none above the critical velocity or beyond the data of the curve.
@@ -108,6 +124,47 @@ pub fn initial_fans(bar: &Bar, left: &EndCondition, right: &EndCondition) -> Vec
         fan.alone = alone;
     }
     all
+}
+
+/// The first fans of a bar: those at t = 0 or, of a bar in which nothing happens before one gap closes, that of a wall or of one joint, those
+/// of that moment.
+pub fn first_fans(bar: &Bar, left: &EndCondition, right: &EndCondition) -> Vec<InitialFan> {
+    let fans = initial_fans(bar, left, right);
+    if fans.is_empty() { at_gap(bar, [left, right]).unwrap_or_default() } else { fans }
+}
+
+fn at_gap(bar: &Bar, ends: [&EndCondition; 2]) -> Option<Vec<InitialFan>> {
+    let mut closed = bar.clone();
+    for segment in &mut closed.segments {
+        if let Joint::Contact { gap } = &mut segment.joint {
+            *gap = 0.0;
+        }
+    }
+    let [left_end, right_end] =
+        ends.map(|end| if wall_gap(end).is_some() { EndCondition::Wall { gap: 0.0 } } else { end.clone() });
+    let mut fans = initial_fans(&closed, &left_end, &right_end);
+    let origin = fans.first()?.origin;
+    let [left, right] = [0, bar.segments.len() - 1].map(|k| bar.segments[k].velocity);
+    let acts = acts_without_fan(&left_end, 1.0, left) || acts_without_fan(&right_end, -1.0, right);
+    if acts || fans.iter().any(|fan| fan.origin != origin) {
+        return None;
+    }
+    let (gap, closing) = match origin {
+        Origin::Left => (wall_gap(ends[0])?, left.abs()),
+        Origin::Right => (wall_gap(ends[1])?, right.abs()),
+        Origin::Joint(k) => {
+            let Joint::Contact { gap } = bar.segments[k].joint else { return None };
+            (gap, bar.segments[k].velocity - bar.segments[k + 1].velocity)
+        }
+    };
+    for fan in &mut fans {
+        fan.from = gap / closing;
+    }
+    Some(fans)
+}
+
+fn wall_gap(end: &EndCondition) -> Option<f64> {
+    if let EndCondition::Wall { gap } = end { Some(*gap) } else { None }
 }
 
 /// Whether an end that starts no fan sends waves into the bar before any have come to it: a bar that moves at `rest` (m/s) loads it, or a body
@@ -145,8 +202,10 @@ fn from_end(end: &EndCondition, origin: Origin, x: f64, segment: usize, at: &Seg
         segment,
         direction,
         sense,
+        shock: is_shock(&fan, curve),
         fan,
         velocity_ahead: at.velocity,
+        from: 0.0,
         sudden: imposed.sudden,
         loads_until: imposed.loads_until,
         holds_until: imposed.holds_until,
@@ -251,8 +310,8 @@ fn holds_until(history: &super::History, value: f64) -> f64 {
 /// Two segments that start with different velocities: the force at which both fans agree on the joint's velocity.
 fn from_joint(k: usize, x: f64, left: &Segment, right: &Segment) -> Vec<InitialFan> {
     let closing = left.velocity - right.velocity;
-    let carries = closing > 0.0 || left.joint == super::Joint::Bonded;
-    if closing == 0.0 || !carries || matches!(left.joint, super::Joint::Contact { gap } if gap > 0.0) {
+    let carries = closing > 0.0 || left.joint == Joint::Bonded;
+    if closing == 0.0 || !carries || matches!(left.joint, Joint::Contact { gap } if gap > 0.0) {
         return Vec::new();
     }
     let sense = Sense::of(-closing);
@@ -263,21 +322,31 @@ fn from_joint(k: usize, x: f64, left: &Segment, right: &Segment) -> Vec<InitialF
     let force = joint_force(closing.abs(), both, limit(left, left_area).min(limit(right, right_area)));
     [(k, left, left_area, -1.0), (k + 1, right, right_area, 1.0)]
         .into_iter()
-        .map(|(segment, at, area, direction)| InitialFan {
-            origin: Origin::Joint(k),
-            x,
-            segment,
-            direction,
-            sense,
-            fan: fan(at, force / area),
-            velocity_ahead: at.velocity,
-            sudden: true,
-            loads_until: f64::INFINITY,
-            holds_until: f64::INFINITY,
-            driver: Driver::Velocity,
-            alone: false,
+        .map(|(segment, at, area, direction)| {
+            let fan = fan(at, force / area);
+            InitialFan {
+                origin: Origin::Joint(k),
+                x,
+                segment,
+                direction,
+                sense,
+                shock: is_shock(&fan, at.material.branch(sense)),
+                fan,
+                velocity_ahead: at.velocity,
+                from: 0.0,
+                sudden: true,
+                loads_until: f64::INFINITY,
+                holds_until: f64::INFINITY,
+                driver: Driver::Velocity,
+                alone: false,
+            }
         })
         .collect()
+}
+
+/// The slowest front of a fan is a shock.
+fn is_shock(fan: &Fan, curve: &Curve) -> bool {
+    fan.edges.last().is_some_and(|edge| edge.is_shock(curve))
 }
 
 /// Largest stress of the curve, Pa; infinite if it increases without limit.

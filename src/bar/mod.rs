@@ -18,7 +18,7 @@ pub use hertz::Hertz;
 pub use history::{History, RowFault};
 pub use initial::{Distribution, Initial, InitialProfile};
 pub(crate) use initial_fan::acts_without_fan;
-pub use initial_fan::{Driver, InitialFan, Origin, initial_fans};
+pub use initial_fan::{Driver, InitialFan, Origin, first_fans, initial_fans};
 pub use joint::Joint;
 pub use sudden_load::SuddenLoad;
 pub use sudden_loads::SuddenLoads;

@@ -1,7 +1,7 @@
 //! Which ends and joints of a bar are suddenly loaded beyond yield.
 
-use super::initial_fan::{Driver, acts_without_fan};
-use super::{Bar, EndCondition, InitialFan, Joint, Origin, SuddenLoad, initial_fans};
+use super::initial_fan::Driver;
+use super::{Bar, InitialFan, Origin, SuddenLoad};
 
 /// Cells that the slowest front of a fan travels while the exact state is shown. Bilinear steel, annealed copper and a foam that locks up
 /// oscillate by less than 1 % of the stress from there on.
@@ -17,12 +17,8 @@ pub struct SuddenLoads {
 }
 
 impl SuddenLoads {
-    /// Of a bar with these ends and initial fans, the segments of which have cells of these lengths, m.
-    pub fn new(bar: &Bar, ends: [&EndCondition; 2], fans: &[InitialFan], dx: &[f64]) -> Self {
-        if fans.is_empty() { Self::at_gap(bar, ends, dx).unwrap_or_default() } else { Self::of_fans(bar, fans, dx) }
-    }
-
-    fn of_fans(bar: &Bar, fans: &[InitialFan], dx: &[f64]) -> Self {
+    /// Of a bar with these first fans, the segments of which have cells of these lengths, m.
+    pub fn new(bar: &Bar, fans: &[InitialFan], dx: &[f64]) -> Self {
         let load = |fan: &InitialFan| behind(fan, bar, dx[fan.segment]);
         let end = |origin: Origin| fans.iter().find(|fan| fan.origin == origin).and_then(load);
         let joint = |k: usize| {
@@ -36,41 +32,6 @@ impl SuddenLoads {
         let joints = (0..bar.segments.len() - 1).filter_map(joint).collect();
         Self { ends: [end(Origin::Left), end(Origin::Right)], joints }
     }
-
-    /// Of a bar in which nothing happens before one gap closes: that of a wall, or of one joint.
-    fn at_gap(bar: &Bar, ends: [&EndCondition; 2], dx: &[f64]) -> Option<Self> {
-        let mut closed = bar.clone();
-        for segment in &mut closed.segments {
-            if let Joint::Contact { gap } = &mut segment.joint {
-                *gap = 0.0;
-            }
-        }
-        let [left_end, right_end] =
-            ends.map(|end| if wall_gap(end).is_some() { EndCondition::Wall { gap: 0.0 } } else { end.clone() });
-        let fans = initial_fans(&closed, &left_end, &right_end);
-        let first = fans.first()?;
-        let [left, right] = [0, bar.segments.len() - 1].map(|k| bar.segments[k].velocity);
-        let acts = acts_without_fan(&left_end, 1.0, left) || acts_without_fan(&right_end, -1.0, right);
-        if acts || fans.iter().any(|fan| fan.origin != first.origin) {
-            return None;
-        }
-        let (gap, closing) = match first.origin {
-            Origin::Left => (wall_gap(ends[0])?, left.abs()),
-            Origin::Right => (wall_gap(ends[1])?, right.abs()),
-            Origin::Joint(k) => {
-                let Joint::Contact { gap } = bar.segments[k].joint else { return None };
-                (gap, bar.segments[k].velocity - bar.segments[k + 1].velocity)
-            }
-        };
-        let mut loads = Self::of_fans(&closed, &fans, dx);
-        let joints = loads.joints.iter_mut().map(|(_, load, _)| load);
-        loads.ends.iter_mut().flatten().chain(joints).for_each(|load| load.from = gap / closing);
-        Some(loads)
-    }
-}
-
-fn wall_gap(end: &EndCondition) -> Option<f64> {
-    if let EndCondition::Wall { gap } = end { Some(*gap) } else { None }
 }
 
 /// The load behind a fan, on cells of length `dx` (m); none where the segment stays elastic: grids are exact there.
@@ -82,8 +43,8 @@ fn behind(fan: &InitialFan, bar: &Bar, dx: f64) -> Option<SuddenLoad> {
     (!elastic && lasts > 0.0).then(|| SuddenLoad {
         stress,
         velocity,
-        by_body: (fan.driver == Driver::Body).then(|| -fan.direction * material.impedance()),
-        from: 0.0,
+        by_body: (fan.driver == Driver::Body).then(|| -fan.direction * material.modulus * fan.relief(material.c0())),
+        from: fan.from,
         lasts,
     })
 }

@@ -8,6 +8,10 @@ use serde::Serialize;
 use super::hull::{Hull, Knot, Line};
 use crate::material::{Beyond, Curve, UltimateReason};
 
+/// Part of its stress by which a curve may lie below its concave hull, where that takes no energy that matters: that of the scatter of test
+/// records.
+pub const SCATTER: f64 = 0.02;
+
 /// One edge of the hull: one front, carrying the material from the state ahead to the state behind.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Edge {
@@ -35,6 +39,15 @@ impl Edge {
             stress_behind: behind.stress,
             speed: (ahead.slope_to(behind) / density).sqrt(),
         }
+    }
+
+    /// The curve lies below the chord from the state ahead to the state behind, by more than [`SCATTER`].
+    pub fn is_shock(&self, curve: &Curve) -> bool {
+        let slope = (self.stress_behind - self.stress_ahead) / (self.strain_behind - self.strain_ahead);
+        let chord = |strain: f64| self.stress_ahead + slope * (strain - self.strain_ahead);
+        let inside = |strain: f64| self.strain_ahead < strain && strain < self.strain_behind;
+        let mut knots = curve.strain().iter().zip(curve.stress()).filter(|&(&strain, _)| inside(strain));
+        knots.any(|(&strain, &stress)| chord(strain) > (1.0 + SCATTER) * stress)
     }
 
     /// Velocity jump across the front, m/s: speed * d eps.

@@ -309,7 +309,7 @@ fn a_split_hopkinson_test_gives_back_the_specimen_s_curve() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path();
     let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("runs/split-hopkinson.toml");
-    done(path, &["run", &scene.to_string_lossy(), "-o", "bar.h5", "--quiet", "--set", "solve.cells=2000"]);
+    done(path, &["run", &scene.to_string_lossy(), "-o", "bar.h5", "--quiet", "--set", "solve.cells=4000"]);
     let copper = library::find("copper-annealed", Path::new("")).expect("a material");
     let copper = copper.branch(Sense::Compression);
     std::fs::write(path.join("test.csv"), records(&path.join("bar.h5"), &["incident", "transmitted"], 0.01, 7))

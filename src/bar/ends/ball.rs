@@ -57,6 +57,13 @@ impl EndModel for Ball {
         self.velocity += change;
     }
 
+    fn give(&mut self, dt: f64, impulse: f64, _: f64) -> f64 {
+        let change = -impulse / self.mass;
+        self.velocity += change;
+        self.approach += 0.5 * dt * change;
+        0.0
+    }
+
     fn body(&self) -> Option<Body> {
         Some(Body { velocity: self.velocity, gap: -self.approach })
     }

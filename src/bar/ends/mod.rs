@@ -190,6 +190,12 @@ pub trait EndModel: std::fmt::Debug + Send + Sync {
     /// Takes the step with what came of it; `held`: the relation was met (false where a unilateral end left the face free).
     fn advance(&mut self, _step: &Step, _push: &Push, _held: bool) {}
 
+    /// A body gives the bar this impulse (N s, into the bar) in the latest step of `dt` (s), besides that of the step. Returns the change of
+    /// velocity (m/s, into the bar) with which a face of this `mass` (kg) stays with it; it gives the impulse for that, too.
+    fn give(&mut self, _dt: f64, _impulse: f64, _mass: f64) -> f64 {
+        0.0
+    }
+
     /// The body that moves at this end, if there is one.
     fn body(&self) -> Option<Body> {
         None

@@ -57,6 +57,17 @@ impl EndModel for Striker {
         self.gap = if held || gap <= rounding { 0.0 } else { gap };
     }
 
+    fn give(&mut self, dt: f64, impulse: f64, mass: f64) -> f64 {
+        if self.mass == 0.0 {
+            return 0.0;
+        }
+        // With the change u of the face's velocity: gap + dt (u + (impulse + mass u)/(2 M)) = 0.
+        let change = -(self.gap / dt + 0.5 * impulse / self.mass) / (1.0 + 0.5 * mass / self.mass);
+        self.velocity -= (impulse + mass * change) / self.mass;
+        self.gap = 0.0;
+        change
+    }
+
     fn relaxation(&self, _: f64, bar: &Response) -> Option<Relaxation> {
         let force = (bar.force + bar.impedance * self.velocity).abs();
         Some(Relaxation { time: self.mass / bar.impedance, force })

@@ -34,6 +34,8 @@ pub(super) struct Contact {
     impulses: Impulses,
     /// Force up to which both bars are elastic, N.
     limit: f64,
+    /// Taken by the grid filter, J.
+    damped: f64,
 }
 
 /// A joint that can open, as it is at a moment.
@@ -76,6 +78,7 @@ impl Contact {
             force: 0.0,
             impulses: Impulses::default(),
             limit: (areas[0] * yield_stresses[0]).min(areas[1] * yield_stresses[1]),
+            damped: 0.0,
         }
     }
 
@@ -132,14 +135,36 @@ impl Contact {
         self.move_on(cells);
     }
 
-    /// Changes the velocities of the left (0) or right (1) face before and after the current time by `change` (m/s, in +x). Returns the
-    /// energy that this takes, J.
-    pub fn impose(&mut self, side: usize, change: f64, dt: f64) -> f64 {
-        let mass = self.mass(side, dt);
-        let (node, change) = (&mut self.sides[side], INWARD[side] * change);
-        let velocity_increment = node.after - node.before;
-        node.before += change;
-        -0.5 * mass * grid_filter::node(velocity_increment, change, &mut node.after)
+    /// Changes the velocities of the left and the right face before and after the current time (m/s, in +x). Returns the energy that this takes, J.
+    pub fn impose(&mut self, changes: [f64; 2], dt: f64) -> f64 {
+        let mut taken = 0.0;
+        for side in [0, 1] {
+            let mass = self.mass(side, dt);
+            let (node, change) = (&mut self.sides[side], INWARD[side] * changes[side]);
+            let velocity_increment = node.after - node.before;
+            node.before += change;
+            taken -= 0.5 * mass * grid_filter::node(velocity_increment, change, &mut node.after);
+        }
+        if changes[0] != changes[1] {
+            self.ahead.widen(dt, changes[1] - changes[0]);
+        }
+        taken
+    }
+
+    /// Takes on what the grid filter hands over in the cells on both sides, each as a velocity (m/s) of its own mass: faces that touch move
+    /// together.
+    pub fn damp(&mut self, [left, right]: [f64; 2], dt: f64) {
+        let mut changes = [-2.0 * left, 2.0 * right];
+        if !self.ahead.is_open() {
+            let masses = [0, 1].map(|side| self.mass(side, dt));
+            changes = [(masses[0] * changes[0] + masses[1] * changes[1]) / (masses[0] + masses[1]); 2];
+        }
+        self.damped -= self.impose(changes, dt);
+    }
+
+    /// Energy that the grid filter took from the faces, J.
+    pub fn damped(&self) -> f64 {
+        self.damped
     }
 
     fn move_on(&mut self, cells: [f64; 2]) {

@@ -21,6 +21,8 @@ pub(super) struct Edge {
     gain_right: f64,
     /// Node mass, kg.
     pub mass: f64,
+    /// Masses of the cells on both sides over it.
+    cells: [f64; 2],
     /// Energy that the grid filter took from the node, J.
     pub damped: f64,
     /// The latest step did not change the velocity, nor would another one with the same stresses.
@@ -35,6 +37,7 @@ impl Edge {
         gain_left: 0.0,
         gain_right: 0.0,
         mass: 0.0,
+        cells: [0.0; 2],
         damped: 0.0,
         still: false,
     };
@@ -60,11 +63,7 @@ impl Edge {
     /// Takes on what the grid filter hands over in the cells on both sides, each an impulse of its own mass; false where
     /// that is nothing.
     pub fn damp(&mut self, [left, right]: [f64; 2]) -> bool {
-        let change = if self.gain_left == self.gain_right {
-            right - left
-        } else {
-            2.0 * (self.gain_right * right - self.gain_left * left) / (self.gain_left + self.gain_right)
-        };
+        let change = self.cells[1] * right - self.cells[0] * left;
         if change != 0.0 {
             self.still = false;
             self.damped += 0.5 * self.mass * grid_filter::node(self.velocity_increment, change, &mut self.after);
@@ -107,7 +106,7 @@ pub(super) fn edges(blocks: &[Block], constants: &[Constants]) -> Vec<Edge> {
             // dt A/m, written with the segment's own gain dt/(rho dx) = dt A/(cell mass).
             (left.velocity_gain * left_mass / mass, right.velocity_gain * right_mass / mass)
         };
-        Edge { after, gain_left, gain_right, mass, ..Edge::EMPTY }
+        Edge { after, gain_left, gain_right, mass, cells: [left_mass / mass, right_mass / mass], ..Edge::EMPTY }
     };
     blocks.windows(2).map(edge).collect()
 }

@@ -276,13 +276,8 @@ impl EndNode {
         }
         let change = self.face.inward * change;
         if self.is_held() {
-            let impulse = -change * self.node.impedance * self.dt;
-            let given = impulse * self.node.after;
-            self.impulse += self.face.inward * impulse;
-            self.throughput += impulse.abs();
-            self.work += given;
-            self.work_on_node += given;
-            self.damped += given;
+            let impulse = -self.face.inward * change * self.mass();
+            self.damped += self.give(impulse, self.velocity_after());
             return;
         }
         let velocity_increment = (self.force + self.node.area * sigma_cell) / self.node.impedance;
@@ -297,7 +292,7 @@ impl EndNode {
         self.node.impedance * self.dt
     }
 
-    /// Changes the velocities before and after the current time by `change` (m/s, in +x), with an impulse that [`Self::add_impulse`] books.
+    /// Changes the velocities before and after the current time by `change` (m/s, in +x), with an impulse that [`Self::give`] books.
     /// Returns the energy that this takes, J.
     pub(super) fn impose(&mut self, change: f64) -> f64 {
         let (mass, change) = (self.mass(), self.face.inward * change);
@@ -307,14 +302,31 @@ impl EndNode {
         -0.5 * mass * grid_filter::node(velocity_increment, change, &mut self.node.after)
     }
 
-    /// The bar beyond the node gets this impulse (N s in +x) from the end in the present step, where the end is known to move with
-    /// `velocity` (m/s) under `stress` (Pa).
-    pub(super) fn add_impulse(&mut self, impulse: f64, velocity: f64, stress: f64) {
+    /// The bar beyond the node gets this impulse (N s in +x) from the end in the present step, where the end moves with `velocity` (m/s). A body
+    /// gives it of its own motion, and takes the node with it. Returns the work on that part of the bar, J.
+    pub(super) fn give(&mut self, impulse: f64, velocity: f64) -> f64 {
+        let (before, mass) = (self.model.energy(self.displacement), self.mass());
+        let change = self.face.inward * self.model.give(self.dt, self.face.inward * impulse, mass);
+        let given = before - self.model.energy(self.displacement);
+        let work = if self.model.body().is_some() { given } else { impulse * velocity };
+        let taken = if change == 0.0 { 0.0 } else { self.impose(change) };
+        let impulse = impulse + mass * change;
         self.impulse += impulse;
         self.throughput += impulse.abs();
-        self.work += impulse * velocity;
-        self.work_on_node += impulse * velocity;
+        self.work += work;
+        self.work_on_node += work;
+        work - taken
+    }
+
+    /// The record shows this stress, Pa, at the current time.
+    pub(super) fn show(&mut self, stress: f64) {
         self.stress = stress;
+    }
+
+    /// Mean velocity (m/s) of the node over the step ahead, with the body at the end where there is one.
+    pub(super) fn velocity_of_body(&self) -> f64 {
+        let gap = self.model.body().map_or(0.0, |body| body.gap);
+        self.face.inward * (self.node.after - gap / self.dt)
     }
 
     /// Energy that the grid filter took from the node, J.
@@ -431,6 +443,11 @@ impl EndNode {
     /// Displacement at the current time, m.
     pub fn displacement(&self) -> f64 {
         self.face.inward * (self.displacement - self.dt * self.node.after)
+    }
+
+    /// Displacement after the step ahead, m.
+    pub(super) fn displacement_ahead(&self) -> f64 {
+        self.face.inward * self.displacement
     }
 
     /// Work done on the bar so far, J: what a body at the end lost, else force times displacement over the steps.

@@ -37,6 +37,12 @@ pub(super) struct StartingFan {
     pub at_joint: bool,
     /// The end where it starts is under a given stress.
     pub under_stress: bool,
+    /// Where a body drives the end: [`crate::bar::InitialFan::relief`], s/m.
+    pub relief: Option<f64>,
+    /// Velocity that the end has lost since it started, m/s, in +x: that of a body falls.
+    pub slowed: f64,
+    /// Only the node where it starts is made to move: the artificial viscosity for shocks keeps the cells beyond from overshooting.
+    pub only_origin: bool,
     /// Its segment, which it does not leave while it is imposed.
     pub segment: usize,
     /// The fastest first.
@@ -47,9 +53,11 @@ pub(super) struct StartingFan {
     pub stress: f64,
     /// Length over which fronts that are not elastic are ramps, m.
     pub ramp: f64,
-    /// Steps in which it is imposed.
+    /// When it starts, s.
+    pub from: f64,
+    /// The first step at the end of which it is imposed, and those up to which it is, and up to which it is known.
+    pub first: usize,
     pub steps: usize,
-    /// Steps in which it is known.
     pub known: usize,
     /// Nodes from the end on that it may set: none that one from the far side sets.
     pub nodes: usize,
@@ -58,13 +66,7 @@ pub(super) struct StartingFan {
 }
 
 impl StartingFan {
-    /// Velocity of the node where it starts in the step after `step` (m/s), which moved with `before` (m/s) in the last one. In the first
-    /// step that was as if the bar stayed elastic: it makes up for that in the second.
-    pub fn at_its_origin(&self, step: usize, before: f64) -> f64 {
-        self.velocity_behind + if step == 1 { self.velocity_behind - before } else { 0.0 }
-    }
-
-    /// Mean velocity over the step from `time` on at `distance` (m) from where it starts, m/s.
+    /// Mean velocity over the step from `time` on, counted from its start, at `distance` (m) from where it starts, m/s.
     pub fn mean_velocity(&self, distance: f64, time: f64, dt: f64) -> f64 {
         // No front is felt in the first step, in which nodes are at rest.
         let half_ramp = |speed: f64| (0.5 * self.ramp).min(distance - speed * dt).max(0.0);
@@ -78,6 +80,16 @@ impl StartingFan {
             (ramped(time + dt - arrival, width) - ramped(time - arrival, width)) / dt
         };
         let ahead = self.fronts.get(passed).map_or(self.velocity_behind, |front| front.velocity_ahead);
-        ahead + passing.map(|front| front.jump * share(front)).sum::<f64>()
+        let steady = ahead + passing.map(|front| front.jump * share(front)).sum::<f64>();
+        // The unloading waves that a body sends after the fan take its slowest fronts away.
+        let left = (1.0 - self.relief.unwrap_or(0.0) * distance / (time + 0.5 * dt)).max(0.0);
+        let unloaded = self.velocity_behind - self.slowed * left;
+        if self.slowed > 0.0 {
+            steady.min(unloaded)
+        } else if self.slowed < 0.0 {
+            steady.max(unloaded)
+        } else {
+            steady
+        }
     }
 }

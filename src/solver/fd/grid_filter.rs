@@ -204,7 +204,7 @@ impl Gaps {
     }
 
     /// Impulses as velocity differences, one a cell, into `impulses`. At a prescribed end the last cell has no neighbour to be compared with,
-    /// and only artificial viscosity; beside a joint it is not damped. Returns whether any is not zero.
+    /// and only artificial viscosity; nor has it beside a joint. Returns whether any is not zero.
     pub fn find(&self, cells: &Cells<'_>, filter: Filter, impulses: &mut [f64]) -> bool {
         let Cells { flow, sigma, .. } = *cells;
         let w = &self.w.0[LANES - 1..=LANES + self.cells];
@@ -218,7 +218,7 @@ impl Gaps {
         for (cell, outside) in [0, self.cells - 1].into_iter().zip(self.outside) {
             impulses[cell] = match outside {
                 Beside::Node(_) => impulses[cell],
-                Beside::Held if shocks => {
+                Beside::Held | Beside::Joint if shocks => {
                     let (sense, w) = (f64::from(flow[cell]), w[cell + 1]);
                     w * filter.viscosity(w, sense, sigma[cell], crosses(cells.have_flowed[cell]))
                 }

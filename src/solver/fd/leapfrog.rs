@@ -189,15 +189,18 @@ impl Leapfrog {
         if !self.sweeps() {
             return (0..steps).for_each(|_| self.advance_together());
         }
-        let starting = steps.min(self.starts_until().saturating_sub(self.step));
-        (0..starting).for_each(|_| self.advance_together());
-        let mut to_go = steps - starting;
-        while to_go > 0 {
+        let (end, starting) = (self.step + steps, self.starting());
+        while self.step < end {
+            let next = self.step + 1;
+            if starting.contains(&next) {
+                self.advance_together();
+                continue;
+            }
+            let undisturbed = if next < starting.start { end.min(starting.start - 1) } else { end };
             let (parts, depth) = self.division();
-            let now = to_go.min(depth);
+            let now = depth.min(undisturbed - self.step);
             self.whole().sweep(now, parts);
             self.step += now;
-            to_go -= now;
         }
     }
 
@@ -216,18 +219,17 @@ impl Leapfrog {
             self.whole().advance_all(step, scratch);
             self.step = step;
         }
-        if self.step < self.starts_until() {
-            self.impose_fans();
-            self.whole().note_filter_reach(step);
-            return self.whole().note_all();
-        }
         if self.rupture.is_some() {
             self.break_where_due();
         }
-        self.whole().damp_and_finish(step, scratch);
+        self.whole().damp_all(step, scratch);
         if let Some(nodes) = &mut self.implicit {
             nodes.take_filtered(&self.blocks);
         }
+        if self.starting().contains(&self.step) {
+            self.impose_fans();
+        }
+        self.whole().note_all();
     }
 
     /// The same bar, each node of which starts with the velocity (m/s) at its place (m). For a bar at t = 0 with free ends, all

@@ -74,6 +74,7 @@ impl Leapfrog {
         }
         for contact in &self.contacts {
             total.half_step += contact.lost();
+            total.numerical += contact.damped();
             for side in [0, 1] {
                 let [before, after] = contact.velocities(side);
                 add_nodes(&mut total, contact.mass(side, self.grid.dt), NodeMotion::of(before, after));

@@ -109,11 +109,6 @@ impl Subdomain<'_> {
         }
     }
 
-    /// Ripples spread by a block in a step, also in a step in which none are damped.
-    pub fn note_filter_reach(&mut self, step: usize) {
-        (0..self.blocks.len()).for_each(|k| self.note_reach_of_filter(k, step));
-    }
-
     /// Block `k` is damped from the next step on if a neighbour is from this step on, so that blocks can be visited in any order.
     fn note_reach_of_filter(&mut self, k: usize, step: usize) {
         let damped =
@@ -132,7 +127,14 @@ impl Subdomain<'_> {
         for k in self.inner(&edges) {
             let (edge, [left, right]) = (&mut self.edges[k], pair(self.blocks, k));
             let impulses = [left.impulses_at_edges[1], right.impulses_at_edges[0]];
-            if impulses != [0.0; 2] && edge.damp(impulses) {
+            if impulses == [0.0; 2] {
+                continue;
+            }
+            if let Some(contact) = self.contacts.iter_mut().find(|contact| contact.edge == self.first + k) {
+                contact.damp(impulses, self.common.dt);
+                left.set_edge(1, contact.velocities(0)[1]);
+                right.set_edge(0, contact.velocities(1)[1]);
+            } else if edge.damp(impulses) {
                 left.set_edge(1, edge.after);
                 right.set_edge(0, edge.after);
             }

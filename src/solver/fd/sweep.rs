@@ -140,11 +140,10 @@ impl Subdomain<'_> {
     }
 
     /// The grid filter of the whole bar in a step.
-    pub fn damp_and_finish(&mut self, step: usize, scratch: &mut Scratch) {
-        let StageRanges { damp, finish, note, .. } = StageRanges::all(self.common.blocks as i64);
+    pub fn damp_all(&mut self, step: usize, scratch: &mut Scratch) {
+        let StageRanges { damp, finish, .. } = StageRanges::all(self.common.blocks as i64);
         self.damp(damp, step, scratch);
         self.finish(finish);
-        self.note(note);
     }
 
     /// Logs what is watched of the whole bar.

@@ -85,7 +85,9 @@ pub fn muscl(scene: &Scene, cells: usize, cfl: f64) -> Muscl {
     let fans = first_fans(&scene.bar, &scene.left, &scene.right);
     let sudden = sudden_loads(scene, &fans, &grid);
     let ends = [scene.left.clone(), scene.right.clone()];
-    Muscl::new(&scene.bar, grid, laws, media, ends).under_sudden_loads(sudden)
+    let bar = Muscl::new(&scene.bar, grid, laws, media, ends);
+    let bar = if follows_curves(scene) { bar.starting_with(&fans) } else { bar };
+    bar.under_sudden_loads(sudden)
 }
 
 fn sudden_loads(scene: &Scene, fans: &[InitialFan], grid: &Grid) -> SuddenLoads {

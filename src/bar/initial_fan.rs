@@ -1,5 +1,7 @@
 //! Initial fans: the centred waves emitted by ends and joints at t = 0, from the curves alone, before any reflection.
 
+use serde::{Deserialize, Serialize};
+
 use super::{Bar, EndCondition, Joint, Segment};
 use crate::material::{Curve, Sense};
 use crate::root::bisect;
@@ -27,7 +29,7 @@ impl std::fmt::Display for Origin {
 }
 
 /// What drives a fan.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Driver {
     /// A velocity: of an end, or of the other side of a joint.
     Velocity,

@@ -6,6 +6,8 @@ pub mod fd;
 pub mod moc;
 pub mod muscl;
 pub mod net;
+mod starting_fan;
 
 pub use end_state::{EndSample, EndState};
 pub use energies::Energies;
+use starting_fan::{Resolution, StartingFan};

@@ -104,7 +104,7 @@ fn a_bilinear_bar_rings_little_after_its_start() {
 
 /// Largest residual strains, which are those of the first cells. The nodes beside such an end or joint moved as the scheme had it: at any resolution
 /// 5 to 6 % too much strain at an end under a stress, 15 % (bilinear) to 22 % (copper) at a contact, also behind a gap, 9 % (copper) to 13 %
-/// (bilinear) under a striker and 10 % at a contact of a foam, beside which nothing damped its cells.
+/// (bilinear) under a striker and 10 % at a contact of a foam, beside which nothing damped its cells; by the Godunov scheme 6 to 9 % everywhere.
 #[test]
 fn first_cells_have_the_strain_of_the_fan() {
     let stress = "kind = \"stress\"\nvalue = -150e6";
@@ -144,10 +144,11 @@ fn first_cells_have_the_strain_of_the_fan() {
         let until = if name.starts_with("foam") { "600 us" } else { "20 us" };
         let strain = |solve: &str| figure(&scene, until, solve, "/figures/residual_strain_largest");
         let exact = strain("method = \"moc\"");
-        for cells in [200, 1000] {
-            let error = strain(&format!("method = \"fd\"\ncells = {cells}")) / exact - 1.0;
-            println!("{name}, {cells} cells: {error:.4}");
-            assert!(error.abs() < 0.01, "{name}, {cells} cells: {error}");
+        for (scheme, cells) in [("leapfrog", 200), ("leapfrog", 1000), ("muscl", 200), ("muscl", 1000)] {
+            let found = strain(&format!("method = \"fd\"\nscheme = \"{scheme}\"\ncells = {cells}"));
+            let error = found / exact - 1.0;
+            println!("{name}, {scheme}, {cells} cells: {error:.4}");
+            assert!(error.abs() < 0.01, "{name}, {scheme}, {cells} cells: {error}");
         }
     }
 }

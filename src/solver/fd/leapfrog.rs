@@ -6,7 +6,6 @@ use super::breaking::Breaking;
 use super::contact::{Contact, ContactState};
 use super::edge::{Edge, contacts, edges};
 use super::end_node::{EndGrid, EndNode};
-use super::fan::StartingFan;
 use super::grid::Grid;
 use super::grid_filter::Shocks;
 use super::implicit::{DistributedForces, Implicit};
@@ -16,7 +15,7 @@ use super::subdomain::{Common, Subdomain};
 use super::sweep::division;
 use super::taper::BlockTaper;
 use crate::bar::{Bar, EndCondition, SuddenLoads};
-use crate::solver::{EndSample, Energies};
+use crate::solver::{EndSample, Energies, StartingFan};
 
 /// What a bar logged, step by step.
 pub struct Log<'a> {
@@ -63,6 +62,8 @@ pub struct Leapfrog {
     pub(super) implicit: Option<Box<Implicit>>,
     /// What suddenly moved ends start with.
     pub(super) fans: Vec<StartingFan>,
+    /// Energy that ends gave for that, or the bar had, and the nodes did not get, J.
+    pub(super) lost_to_fans: f64,
     /// Exact states of suddenly loaded ends and joints.
     pub(super) sudden: SuddenLoads,
     /// Energies at t = 0 of a bar with an initial state.
@@ -167,6 +168,7 @@ impl Leapfrog {
             rupture: None,
             implicit: None,
             fans: Vec::new(),
+            lost_to_fans: 0.0,
             sudden: SuddenLoads::default(),
             initial_energy: None,
         }
@@ -189,7 +191,7 @@ impl Leapfrog {
         if !self.sweeps() {
             return (0..steps).for_each(|_| self.advance_together());
         }
-        let (end, starting) = (self.step + steps, self.starting());
+        let (end, starting) = (self.step + steps, StartingFan::steps(&self.fans));
         while self.step < end {
             let next = self.step + 1;
             if starting.contains(&next) {
@@ -226,7 +228,7 @@ impl Leapfrog {
         if let Some(nodes) = &mut self.implicit {
             nodes.take_filtered(&self.blocks);
         }
-        if self.starting().contains(&self.step) {
+        if StartingFan::steps(&self.fans).contains(&self.step) {
             self.impose_fans();
         }
         self.whole().note_all();

@@ -6,7 +6,6 @@ mod cell_value;
 mod contact;
 mod edge;
 mod end_node;
-mod fan;
 mod grid;
 mod grid_filter;
 mod half_node;

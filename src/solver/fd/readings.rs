@@ -61,7 +61,7 @@ impl Leapfrog {
         }
         let (left, right) = (&self.left, &self.right);
         let mut total = Energies { numerical: left.damped() + right.damped(), ..Energies::default() };
-        total.half_step += left.in_transit() + right.in_transit() + self.fans.iter().map(|fan| fan.lost).sum::<f64>();
+        total.half_step += left.in_transit() + right.in_transit() + self.lost_to_fans;
         for (k, block) in self.blocks.iter().enumerate() {
             let c = &self.constants[block.segment];
             self.add_material(&mut total, block);

@@ -12,18 +12,11 @@
 //! together, none but for the share that fronts have passed of single cells, they give back together. What it takes from the energy,
 //! of first order in the cell size, is in `half_step`.
 
-use std::ops::Range;
-
-use super::fan::{Front, StartingFan};
 use super::grid_filter;
 use super::leapfrog::Leapfrog;
 use crate::bar::{Driver, EndCondition, InitialFan, Origin, SuddenLoads};
-use crate::solver::EndState;
-use crate::wave::similarity::Edge;
-
-/// Cells that the slowest front travels before the scheme takes over, where the bar has room. Copper on a wall at 60 m/s, 200 cells: the
-/// first cell has 0.9 % too much strain with 6, 0.4 % with 24; the error of all benchmarks is least near 24.
-const CELLS: f64 = 24.0;
+use crate::solver::starting_fan::CELLS;
+use crate::solver::{EndState, Resolution, StartingFan};
 
 /// Cells over which fronts that are not elastic are spread, as the scheme itself spreads them: with this shape three from a tenth to nine tenths.
 /// With sharp ones the cells at which the scheme takes over keep some 1 % too much strain, as the first ones would without a start.
@@ -32,9 +25,6 @@ const RAMP: f64 = 7.0;
 /// Of the stress, see [`Leapfrog::is_viscous`]. Largest excess of strain with the fan and without: 2 and 7 % at 0.12 (a foam), 1.1 and -0.1 % at
 /// 0.21 (copper), 4 and -0.1 % at 0.3 (the foam). At a shock of the foam 1.6 and 2.2 %, in its first cells 0.1 and 2 %.
 const VISCOUS: f64 = 0.17;
-
-/// Velocities of two sides of a joint that differ by this part of their jumps are one.
-const TOGETHER: f64 = 1e-9;
 
 /// Nodes ahead of the first front that are held, too: the grid filter moves them.
 const AHEAD: usize = 2;
@@ -56,36 +46,11 @@ impl Leapfrog {
             }
         }
         self.fans = initial_fans.iter().filter_map(|fan| self.starting_fan(fan)).collect();
-        self.keep_whole_joints();
+        StartingFan::keep_whole_joints(&mut self.fans, self.grid.segments.len());
         // Joints move with their fans from the start; what of that is energy the account begins with.
         self.impose_fans();
-        self.fans.iter_mut().for_each(|fan| fan.lost = 0.0);
+        self.lost_to_fans = 0.0;
         self
-    }
-
-    /// Both sides of a joint start with their fans, for as long as the one asks for it and both are known, or neither.
-    fn keep_whole_joints(&mut self) {
-        for segment in 0..self.grid.segments.len() - 1 {
-            let here =
-                |fan: &StartingFan| fan.at_joint && [(segment, 1), (segment + 1, 0)].contains(&(fan.segment, fan.side));
-            let sides: Vec<&StartingFan> = self.fans.iter().filter(|fan| here(fan)).collect();
-            let wanted = sides.iter().map(|fan| fan.steps).max().unwrap_or(0);
-            let known = sides.iter().map(|fan| fan.known).min().unwrap_or(0);
-            // Where a level curve carries no more, the sides part.
-            let together = |a: &StartingFan, b: &StartingFan| {
-                let jump = |fan: &StartingFan| fan.fronts.iter().map(|front| front.jump.abs()).sum::<f64>();
-                (a.velocity_behind - b.velocity_behind).abs() <= TOGETHER * (jump(a) + jump(b))
-            };
-            let first = sides.iter().map(|fan| fan.first).max().unwrap_or(0);
-            let steps = if let [a, b] = sides[..]
-                && together(a, b)
-            {
-                wanted.min(known)
-            } else {
-                first
-            };
-            self.fans.iter_mut().filter(|fan| here(fan)).for_each(|fan| fan.steps = steps);
-        }
     }
 
     /// The same bar at t = 0, whose ends and joints are loaded like this.
@@ -120,53 +85,16 @@ impl Leapfrog {
     }
 
     fn starting_fan(&self, initial_fan: &InitialFan) -> Option<StartingFan> {
-        let fan = &initial_fan.fan;
-        let side = usize::from(initial_fan.direction < 0.0);
-        let [stress, velocity_behind] = initial_fan.state_behind()?;
-        let at_joint = matches!(initial_fan.origin, Origin::Joint(_));
-        let only_origin = self.is_viscous(initial_fan);
-        if only_origin && !at_joint && initial_fan.driver != Driver::Stress {
+        let segment = initial_fan.segment;
+        if self.blocks.iter().any(|block| block.segment == segment && block.taper.is_some()) {
             return None;
         }
-        let (part, dt) = (&self.grid.segments[initial_fan.segment], self.grid.dt);
-        let wave_speed = self.constants[initial_fan.segment].courant * part.dx / dt;
-        let elastic = |edge: &Edge| edge.speed >= wave_speed * (1.0 - 1e-9);
-        // A side of a joint that stays elastic belongs to it as well.
-        let slowest = fan.edges.last().filter(|edge| (at_joint || !elastic(edge)) && edge.speed > 0.0)?;
-        if self.blocks.iter().any(|block| block.segment == initial_fan.segment && block.taper.is_some()) {
-            return None;
-        }
-        let wanted = if elastic(slowest) { 0.0 } else { (CELLS * part.dx / (slowest.speed * dt)).ceil() };
-        let possible = (initial_fan.known_until(part.dx * part.cells.len() as f64) / dt).floor() - 1.0;
-        // A gap closes within a step, which the scheme takes.
-        let first = if initial_fan.from > 0.0 { (initial_fan.from / dt).floor() + 1.0 } else { 0.0 };
-        let sense = -initial_fan.direction * initial_fan.sense.sign();
-        let mut velocity = initial_fan.velocity_ahead;
-        let fronts = fan.edges.iter().map(|edge| {
-            let (velocity_ahead, jump) = (velocity, sense * edge.velocity_jump());
-            velocity += jump;
-            Front { speed: edge.speed, elastic: elastic(edge), jump, velocity_ahead }
-        });
-        let fronts: Vec<Front> = fronts.collect();
-        Some(StartingFan {
-            side,
-            at_joint,
-            under_stress: initial_fan.driver == Driver::Stress,
-            relief: (initial_fan.driver == Driver::Body).then(|| initial_fan.relief(wave_speed)),
-            slowed: 0.0,
-            only_origin,
-            segment: initial_fan.segment,
-            fronts,
-            velocity_behind,
-            stress,
-            ramp: RAMP * part.dx,
-            from: initial_fan.from,
-            first: first as usize,
-            steps: (first + wanted.min(possible).max(0.0)) as usize,
-            known: (first + possible.max(0.0)) as usize,
-            nodes: if initial_fan.alone { part.cells.len() } else { (part.cells.len() - 1) / 2 },
-            lost: 0.0,
-        })
+        let (part, c, dt) = (&self.grid.segments[segment], &self.constants[segment], self.grid.dt);
+        let wave_speed = c.courant * part.dx / dt;
+        let grid = Resolution { dx: part.dx, cells: part.cells.len(), dt, wave_speed };
+        let mut fan = StartingFan::new(initial_fan, c.cell_mass / c.cell_volume, &grid, RAMP)?;
+        fan.only_origin = self.is_viscous(initial_fan);
+        (!fan.only_origin || fan.at_joint || fan.driver == Driver::Stress).then_some(fan)
     }
 
     /// The artificial viscosity for shocks keeps the first cells from overshooting: it adds more than a part [`VISCOUS`] of the stress that the
@@ -177,18 +105,12 @@ impl Leapfrog {
         !initial_fan.shock && shocks.loading[initial_fan.sense.index()] * fan.velocity > VISCOUS * slowest
     }
 
-    /// Times, in steps, at which fans are imposed.
-    pub(super) fn starting(&self) -> Range<usize> {
-        let until = self.fans.iter().map(|fan| fan.steps).max().unwrap_or(0);
-        self.fans.iter().map(|fan| fan.first).min().unwrap_or(0)..until
-    }
-
     /// Makes the nodes inside the fans move as the fans do in the step ahead.
     pub(super) fn impose_fans(&mut self) {
         let mut fans = std::mem::take(&mut self.fans);
-        let mut joint: Option<&mut StartingFan> = None;
+        let mut joint: Option<&StartingFan> = None;
         let step = self.step;
-        for fan in fans.iter_mut().filter(|fan| (fan.first..fan.steps).contains(&step)) {
+        for fan in fans.iter_mut().filter(|fan| fan.is_imposed_at(step)) {
             match (fan.at_joint, joint.take()) {
                 (false, _) if step == 0 => {}
                 (false, _) => self.impose_at_end(fan),
@@ -204,12 +126,12 @@ impl Leapfrog {
     fn impose_at_end(&mut self, fan: &mut StartingFan) {
         let (step, dt) = (self.step, self.grid.dt);
         let end = if fan.side == 0 { &self.left } else { &self.right };
-        if fan.relief.is_some() {
+        if fan.driver == Driver::Body {
             fan.slowed = fan.velocity_behind - end.velocity_of_body();
         }
         let Imposed { mut impulse, mut energy, .. } = self.impose(fan, 0.0);
         let end = if fan.side == 0 { &mut self.left } else { &mut self.right };
-        if fan.under_stress {
+        if fan.driver == Driver::Stress {
             // In the first step it moved as if the bar stayed elastic. It makes up for that, where no viscosity would make a shock of it.
             let change = if fan.only_origin {
                 fan.velocity_behind - end.velocity_after()
@@ -219,19 +141,20 @@ impl Leapfrog {
             impulse += end.mass() * change;
             energy += end.impose(change);
         }
-        fan.lost += end.give(impulse, fan.velocity_behind) - energy;
-        end.show(fan.stress);
+        let given = end.give(impulse, fan.velocity_behind);
+        end.show(fan.stress_at_origin());
+        self.lost_to_fans += given - energy;
     }
 
-    fn impose_at_joint(&mut self, left: &StartingFan, right: &mut StartingFan) {
+    fn impose_at_joint(&mut self, left: &StartingFan, right: &StartingFan) {
         // Once as the fans are, and once more with the velocity that gives the impulse of that back.
         let mut shift = 0.0;
         for _ in 0..2 {
             let mut made = self.impose_on_joint(right, shift);
-            for fan in [left, &*right] {
+            for fan in [left, right] {
                 made.add(self.impose(fan, shift));
             }
-            right.lost -= made.energy;
+            self.lost_to_fans -= made.energy;
             shift = -made.impulse / made.mass;
         }
     }
@@ -263,10 +186,10 @@ impl Leapfrog {
         let (time, dt) = (self.time() - fan.from, self.grid.dt);
         let (c, part) = (self.constants[fan.segment], &self.grid.segments[fan.segment]);
         // Ahead of the fan at first: enough nodes to give an impulse to.
-        let reach = (fan.fronts[0].speed * (time + dt)).max(if fan.at_joint { CELLS * part.dx } else { 0.0 });
+        let reach = fan.reach(time + dt).max(if fan.at_joint { CELLS * part.dx } else { 0.0 });
         let weight = |distance: f64| (1.0 - distance / (reach + AHEAD as f64 * part.dx)).max(0.0);
         let change = |distance: f64, velocity: f64| {
-            let fans = if fan.only_origin { 0.0 } else { fan.mean_velocity(distance, time, dt) - velocity };
+            let fans = if fan.only_origin { 0.0 } else { fan.means(distance, time, dt)[0] - velocity };
             fans + shift * weight(distance)
         };
         let end_node = if fan.side == 0 { part.cells.start } else { part.cells.end };

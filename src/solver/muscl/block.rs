@@ -51,6 +51,9 @@ pub(super) struct Block {
     pub histories: Vec<History>,
     /// What goes through the first and the last face, where that is an end or a joint.
     pub outer: [Option<Flux>; 2],
+    /// What goes through faces of the row inside a fan that the bar starts with, in the step ahead.
+    #[serde(skip)]
+    pub inside_fan: Vec<(usize, Flux)>,
     /// Running sum over cells and steps of the plastic work as the law gives it, Pa^2.
     pub plastic: f64,
     /// Running sum over cells and steps of the scheme's dissipation, W/m^2.
@@ -73,6 +76,7 @@ impl Block {
             energy_defect: Vec::new(),
             histories: Vec::new(),
             outer: [None, None],
+            inside_fan: Vec::new(),
             plastic: 0.0,
             lost: 0.0,
             work: Workspace::default(),
@@ -228,6 +232,9 @@ impl Block {
 
     /// Nothing comes in from outside.
     pub fn at_rest(&self) -> bool {
+        if !self.inside_fan.is_empty() {
+            return false;
+        }
         let velocity = self.v[GHOSTS];
         let quiet = |side: usize| match self.outer[side] {
             Some(flux) => flux.stress == 0.0 && flux.velocity == velocity,

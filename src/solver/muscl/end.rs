@@ -7,7 +7,7 @@ use super::face::{response, under};
 use super::part::Part;
 use crate::bar::EndCondition;
 use crate::bar::ends::{self, Boundary, EndModel, Face, Push, Relation, Response, Step};
-use crate::solver::EndState;
+use crate::solver::{EndState, StartingFan};
 use crate::wave::riemann::{FaceState, Flux, Side, Workspace, solve};
 
 /// An end of the bar.
@@ -94,11 +94,29 @@ impl End {
     pub fn step_flux(&mut self, time: f64, dt: f64, part: &Part, near: &FaceState, work: &mut Workspace) -> Flux {
         let step = self.step(time, dt);
         let (flux, met) = self.respond(&step, part, near, work);
+        self.account(&step, flux, met)
+    }
+
+    /// The same with a flux that is known.
+    pub fn step_with(&mut self, time: f64, dt: f64, flux: Flux) -> Flux {
+        self.account(&self.step(time, dt), flux, true)
+    }
+
+    /// The same behind a fan.
+    pub fn step_behind(&mut self, time: f64, dt: f64, fan: &StartingFan) -> Flux {
+        let (step, Face { inward, area, .. }) = (self.step(time, dt), self.face);
+        let impedance = area * fan.impedance;
+        let bar = Response { force: -area * fan.stress - impedance * inward * fan.velocity_behind, impedance };
+        let [force, velocity] = self.model.relation(&step, &bar).solve_with(&bar);
+        self.account(&step, Flux { stress: -force / area, velocity: inward * velocity }, true)
+    }
+
+    fn account(&mut self, step: &Step, flux: Flux, met: bool) -> Flux {
         let (force, velocity) = (-self.face.area * flux.stress, self.face.inward * flux.velocity);
-        let push = Push { force, velocity, impulse: force * dt };
+        let push = Push { force, velocity, impulse: force * step.dt };
         let held = self.model.energy(self.displacement);
-        self.model.advance(&step, &push, met);
-        self.displacement += dt * velocity;
+        self.model.advance(step, &push, met);
+        self.displacement += step.dt * velocity;
         let given = held - self.model.energy(self.displacement);
         let on_face = push.impulse * velocity;
         self.work_on_face += on_face;

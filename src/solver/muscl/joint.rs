@@ -69,11 +69,20 @@ impl Joint {
         );
     }
 
-    /// What goes through its left and its right face in a step.
-    pub fn step_flux(&mut self, dt: f64, parts: [&Part; 2], near: &[FaceState; 2], work: &mut Workspace) -> [Flux; 2] {
-        let Some(contact) = &mut self.contact else { return closed_fluxes(0.0, parts, near, work) };
+    /// What goes through its left and its right face in a step; `known` behind fans.
+    pub fn step_flux(
+        &mut self,
+        dt: f64,
+        parts: [&Part; 2],
+        near: &[FaceState; 2],
+        known: Option<[Flux; 2]>,
+        work: &mut Workspace,
+    ) -> [Flux; 2] {
+        let Some(contact) = &mut self.contact else {
+            return known.unwrap_or_else(|| closed_fluxes(0.0, parts, near, work));
+        };
         let free = [under(0.0, -1.0, parts[0], &near[0], work), under(0.0, 1.0, parts[1], &near[1], work)];
-        let closed = closed_fluxes(contact.closing_rate(dt), parts, near, work);
+        let closed = known.unwrap_or_else(|| closed_fluxes(contact.closing_rate(dt), parts, near, work));
         let (force, gap) = (-closed[0].stress * parts[0].area, contact.gap());
         if !contact.advance(dt, force, free[1].velocity - free[0].velocity) {
             return free;

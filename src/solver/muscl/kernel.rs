@@ -89,13 +89,16 @@ impl FaceFlux {
         (self.stress[face], self.velocity[face]) = (flux.stress, flux.velocity);
     }
 
-    /// Puts in what ends and joints let through.
-    fn set_outer(&mut self, block: &Block) {
+    /// Puts in what ends, joints and known fans let through.
+    fn set_known(&mut self, block: &Block) {
         let last = block.sigma.len() - GHOSTS;
         for (side, face) in [(0, GHOSTS), (1, last)] {
             if let Some(flux) = block.outer[side] {
                 self.set(face, flux);
             }
+        }
+        for &(face, flux) in &block.inside_fan {
+            self.set(face, flux);
         }
     }
 }
@@ -135,7 +138,7 @@ fn elastic(block: &mut Block, part: &Part, scratch: &mut Scratch) -> bool {
     let Scratch { carried, through, stress, lost, .. } = scratch;
     let at_faces = carry(elastic, block.carried(), &block.sigma, &block.v, carried);
     acoustic(elastic, block.sigma.len(), carried, through);
-    through.set_outer(block);
+    through.set_known(block);
     let row = block.sigma.len();
     let peak = strain_elastic(elastic, &block.sigma, through, &mut stress[..row]);
     if at_faces > part.limit || peak > part.limit {
@@ -270,7 +273,7 @@ fn plastic(block: &mut Block, part: &Part, scratch: &mut Scratch) {
     } else {
         correct_history(block, part, scratch);
     }
-    scratch.through.set_outer(block);
+    scratch.through.set_known(block);
     let Scratch { through, ahead, increment, stress, lost, .. } = scratch;
     increment[..row].fill(0.0);
     let faces = through.velocity[GHOSTS..=row - GHOSTS].windows(2);

@@ -224,3 +224,74 @@ fn ramped(t: f64, width: f64) -> f64 {
         width * s.powi(4) * (2.5 + s * (s - 3.0))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::material::{Beyond, Curve, Sense};
+    use crate::wave::similarity::fan_at_velocity;
+
+    const DENSITY: f64 = 7850.0;
+    const MODULUS: f64 = 200e9;
+    const GRID: Resolution = Resolution { dx: 1e-3, cells: 200, dt: 1.9e-7, wave_speed: 5047.5 };
+
+    /// Of a bilinear bar whose left end suddenly moves with 30 m/s.
+    fn starting(driver: Driver, ramp: f64) -> StartingFan {
+        let curve = Curve::new(&[(0.0, 0.0), (1e-3, 200e6), (0.05, 1180e6)], Beyond::Extend).expect("a curve");
+        let fan = fan_at_velocity(&curve, DENSITY, 30.0);
+        let origin = Origin::Left;
+        let initial_fan = InitialFan {
+            origin,
+            x: 0.0,
+            segment: 0,
+            direction: 1.0,
+            sense: Sense::Compression,
+            fan,
+            shock: false,
+            velocity_ahead: 0.0,
+            from: 0.0,
+            sudden: true,
+            loads_until: f64::INFINITY,
+            holds_until: f64::INFINITY,
+            driver,
+            alone: true,
+        };
+        let wave_speed = (MODULUS / DENSITY).sqrt();
+        StartingFan::new(&initial_fan, DENSITY, &Resolution { wave_speed, ..GRID }, ramp).expect("a fan")
+    }
+
+    /// Whatever they are spread over, fronts bring a place the displacement and the impulse of sharp ones.
+    #[test]
+    fn ramps_take_nothing() {
+        let [sharp, spread] = [0.0, 7.0].map(|ramp| {
+            let fan = starting(Driver::Velocity, ramp);
+            let mut sums = [0.0; 2];
+            for step in 0..60 {
+                let means = fan.means(5.0 * GRID.dx, f64::from(step) * GRID.dt, GRID.dt);
+                sums = [0, 1].map(|k| sums[k] + means[k]);
+            }
+            sums
+        });
+        for k in [0, 1] {
+            assert!((sharp[k] / spread[k] - 1.0).abs() < 1e-12, "{sharp:?} {spread:?}");
+        }
+    }
+
+    /// At the slowest front the unloading that a body sends lies on the chord of the front, and inside it keeps momentum.
+    #[test]
+    fn unloading_waves_fit_the_front_and_the_body() {
+        let mut fan = starting(Driver::Body, 0.0);
+        fan.slowed = 0.1;
+        let (time, slowest) = (60.0 * GRID.dt, fan.fronts[1].speed);
+        let elapsed = time + 0.5 * GRID.dt;
+        let lost = |distance: f64| {
+            let [velocity, stress] = fan.means(distance, time, GRID.dt);
+            [fan.velocity_behind - velocity, stress - fan.stress]
+        };
+        let [velocity, stress] = lost(slowest * time * (1.0 - 1e-9));
+        assert!((stress / (DENSITY * slowest * velocity) - 1.0).abs() < 0.02, "{stress} {velocity}");
+        let [near, far] = [1.0, 3.0].map(|cells| lost(cells * GRID.dx)[1]);
+        let gradient = DENSITY * 0.1 / elapsed * 2.0 * GRID.dx;
+        assert!(((near - far) / gradient - 1.0).abs() < 1e-9, "{near} {far} {gradient}");
+    }
+}

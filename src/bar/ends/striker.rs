@@ -97,3 +97,19 @@ impl EndModel for Striker {
         Box::new(self.clone())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_striker_gives_keeps_momentum_and_closes_the_gap() {
+        let (dt, mass) = (1e-7, 0.02);
+        let mut striker = Striker { mass: 0.5, velocity: 30.0, gap: 2e-8 };
+        let change = striker.give(dt, 0.3, mass);
+        assert!((0.5 * striker.velocity + 0.3 + mass * change - 15.0).abs() < 1e-14);
+        // The face moves with the body's mean velocity over the step, and catches up with it.
+        let gap = 2e-8 + dt * (change - 0.5 * (striker.velocity - 30.0));
+        assert!(gap.abs() < 1e-20 && striker.gap == 0.0, "{gap}");
+    }
+}

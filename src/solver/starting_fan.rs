@@ -21,9 +21,7 @@ struct Front {
     elastic: bool,
     /// Velocity jump, m/s, in +x.
     jump: f64,
-    /// Stress jump, Pa, tension positive.
-    rise: f64,
-    /// Velocity (m/s) and stress (Pa) ahead of it.
+    /// Velocity (m/s, in +x) and stress (Pa, tension positive) ahead of it.
     ahead: [f64; 2],
 }
 
@@ -98,7 +96,7 @@ impl StartingFan {
         let fronts = fan.edges.iter().map(|edge| {
             let rise = initial_fan.sense.sign() * (edge.stress_behind - edge.stress_ahead);
             let jump = -initial_fan.direction * initial_fan.sense.sign() * edge.velocity_jump();
-            let front = Front { speed: edge.speed, elastic: elastic(edge), jump, rise, ahead };
+            let front = Front { speed: edge.speed, elastic: elastic(edge), jump, ahead };
             ahead = [ahead[0] + jump, ahead[1] + rise];
             front
         });
@@ -181,32 +179,33 @@ impl StartingFan {
 
     /// Mean velocity (m/s) and stress (Pa) over the step from `time` on, counted from its start, at `distance` (m) from where it starts.
     pub fn means(&self, distance: f64, time: f64, dt: f64) -> [f64; 2] {
-        let steady = self.steady(distance, time, dt);
-        if self.slowed == 0.0 {
-            return steady;
+        let (mut fronts, mut behind) = (&self.fronts[..], [self.velocity_behind, self.stress]);
+        if self.slowed != 0.0 {
+            // The unloading waves that a body sends after the fan take its slowest fronts away.
+            let elapsed = time + 0.5 * dt;
+            behind[0] -= self.slowed * (1.0 - self.relief * distance / elapsed).max(0.0);
+            behind[1] = self.stress_at_origin() - self.direction() * self.density * distance * self.slowed / elapsed;
+            let is_left = |front: &Front| (behind[0] - front.ahead[0]) * self.slowed > 0.0;
+            fronts = &fronts[..fronts.partition_point(is_left).max(1)];
         }
-        // The unloading waves that a body sends after the fan take its slowest fronts away.
-        let elapsed = time + 0.5 * dt;
-        let unloaded = self.velocity_behind - self.slowed * (1.0 - self.relief * distance / elapsed).max(0.0);
-        if (steady[0] - unloaded) * self.slowed <= 0.0 {
-            return steady;
-        }
-        [unloaded, self.stress_at_origin() - self.direction() * self.density * distance * self.slowed / elapsed]
+        self.through(fronts, behind, distance, time, dt)
     }
 
-    /// The same of a fan behind which nothing changes.
-    fn steady(&self, distance: f64, time: f64, dt: f64) -> [f64; 2] {
+    /// The same of the first of its fronts, with the state `behind` the last of these.
+    fn through(&self, fronts: &[Front], behind: [f64; 2], distance: f64, time: f64, dt: f64) -> [f64; 2] {
         // No front is felt in the first step, in which nodes are at rest.
         let half_ramp = |speed: f64| (0.5 * self.ramp).min(distance - speed * dt).max(0.0);
         // Fronts that have passed before the step count in full, those that arrive after it not at all.
-        let passed = self.fronts.partition_point(|front| front.speed * time >= distance + half_ramp(front.speed));
+        let passed = fronts.partition_point(|front| front.speed * time >= distance + half_ramp(front.speed));
         let arrives = |front: &&Front| front.speed * (time + dt) > distance - half_ramp(front.speed);
-        let mut means = self.fronts.get(passed).map_or([self.velocity_behind, self.stress], |front| front.ahead);
-        for &Front { speed, elastic, jump, rise, .. } in self.fronts[passed..].iter().take_while(arrives) {
+        let ahead = |k: usize| fronts.get(k).map_or(behind, |front| front.ahead);
+        let mut means = ahead(passed);
+        for (k, &Front { speed, elastic, .. }) in (passed..).zip(fronts[passed..].iter().take_while(arrives)) {
             let arrival = distance / speed;
             let width = if elastic { 0.0 } else { 2.0 * half_ramp(speed) / speed };
             let share = (ramped(time + dt - arrival, width) - ramped(time - arrival, width)) / dt;
-            means = [means[0] + jump * share, means[1] + rise * share];
+            let (before, after) = (ahead(k), ahead(k + 1));
+            means = [0, 1].map(|i| means[i] + (after[i] - before[i]) * share);
         }
         means
     }

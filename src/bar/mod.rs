@@ -21,7 +21,7 @@ pub(crate) use initial_fan::acts_without_fan;
 pub use initial_fan::{Driver, InitialFan, Origin, first_fans, initial_fans};
 pub use joint::Joint;
 pub use sudden_load::SuddenLoad;
-pub use sudden_loads::SuddenLoads;
+pub use sudden_loads::{START_CELLS, SuddenLoads};
 pub use taper::{Profile, Taper};
 
 use crate::material::Material;

@@ -1,9 +1,9 @@
 //! The exact state of an end or a joint that is suddenly loaded beyond yield.
 //!
 //! Such a load starts a fan of fronts, and the state behind the fan is constant until another wave arrives. On a grid, the first cells contain
-//! the fan at first. Their mean stress differs from that behind it and overshoots, by the same fraction at any resolution: for 161 MPa behind
-//! the fan of a striker, leapfrog gave 65 MPa after the first step and then 169 MPa; for 5 MPa behind a shock, the Godunov scheme gave 2.8 and
-//! then 7.5 MPa; the force between colliding faces was the elastic impact of half a cell, more than twice the exact one. Histories and
+//! the fan at first. Their mean stress differs from that behind it and, in a scheme that starts from rest, overshoots, by the same fraction at
+//! any resolution: for 161 MPa behind the fan of a striker, leapfrog gave 65 MPa after the first step and then 169 MPa; for 5 MPa behind a
+//! shock, the Godunov scheme gave 2.8 and then 7.5 MPa; the force between colliding faces was the elastic impact of half a cell, more than twice the exact one. Histories and
 //! peaks therefore show the exact state at first. The solution in the bar, and its momentum and energy, are those of the scheme.
 
 use serde::{Deserialize, Serialize};

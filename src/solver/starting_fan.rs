@@ -2,12 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::bar::{Driver, InitialFan, Origin};
+use crate::bar::{Driver, InitialFan, Origin, START_CELLS};
 use crate::wave::similarity::Edge;
-
-/// Cells that the slowest front travels before the scheme takes over, where the bar has room. Copper on a wall at 60 m/s, 200 cells: the
-/// first cell has 0.9 % too much strain with 6, 0.4 % with 24; the error of all benchmarks is least near 24.
-pub const CELLS: f64 = 24.0;
 
 /// Velocities of two sides of a joint that differ by this part of their jumps are one.
 const TOGETHER: f64 = 1e-9;
@@ -19,8 +15,6 @@ struct Front {
     speed: f64,
     /// It stays sharp: schemes are exact for it.
     elastic: bool,
-    /// Velocity jump, m/s, in +x.
-    jump: f64,
     /// Velocity (m/s, in +x) and stress (Pa, tension positive) ahead of it.
     ahead: [f64; 2],
 }
@@ -88,7 +82,7 @@ impl StartingFan {
         let elastic = |edge: &Edge| edge.speed >= wave_speed * (1.0 - 1e-9);
         // A side of a joint that stays elastic belongs to it as well.
         let slowest = fan.edges.last().filter(|edge| (at_joint || !elastic(edge)) && edge.speed > 0.0)?;
-        let wanted = if elastic(slowest) { 0.0 } else { (CELLS * dx / (slowest.speed * dt)).ceil() };
+        let wanted = if elastic(slowest) { 0.0 } else { (START_CELLS * dx / (slowest.speed * dt)).ceil() };
         let possible = (initial_fan.known_until(dx * cells as f64) / dt).floor() - 1.0;
         // A gap closes within a step, which the scheme takes.
         let first = if initial_fan.from > 0.0 { (initial_fan.from / dt).floor() + 1.0 } else { 0.0 };
@@ -96,7 +90,7 @@ impl StartingFan {
         let fronts = fan.edges.iter().map(|edge| {
             let rise = initial_fan.sense.sign() * (edge.stress_behind - edge.stress_ahead);
             let jump = -initial_fan.direction * initial_fan.sense.sign() * edge.velocity_jump();
-            let front = Front { speed: edge.speed, elastic: elastic(edge), jump, ahead };
+            let front = Front { speed: edge.speed, elastic: elastic(edge), ahead };
             ahead = [ahead[0] + jump, ahead[1] + rise];
             front
         });
@@ -132,7 +126,7 @@ impl StartingFan {
             let known = sides.iter().map(|fan| fan.known).min().unwrap_or(0);
             // Where a level curve carries no more, the sides part.
             let together = |a: &Self, b: &Self| {
-                let jump = |fan: &Self| fan.fronts.iter().map(|front| front.jump.abs()).sum::<f64>();
+                let jump = |fan: &Self| (fan.velocity_behind - fan.velocity_ahead()).abs();
                 (a.velocity_behind - b.velocity_behind).abs() <= TOGETHER * (jump(a) + jump(b))
             };
             let steps = match sides[..] {
@@ -143,6 +137,11 @@ impl StartingFan {
         }
     }
 
+    /// Velocity of the bar ahead of it, m/s.
+    fn velocity_ahead(&self) -> f64 {
+        self.fronts[0].ahead[0]
+    }
+
     /// It is imposed at the end of this step.
     pub fn is_imposed_at(&self, step: usize) -> bool {
         (self.first..self.steps).contains(&step)
@@ -151,7 +150,7 @@ impl StartingFan {
     /// Mean velocity (m/s) and stress (Pa) at its origin over the step of `dt` (s) in which it starts, unless that is at the beginning.
     pub fn starts_within(&self, step: usize, dt: f64) -> Option<[f64; 2]> {
         let part = (step + 1) as f64 - self.from / dt;
-        let ahead = self.fronts[0].ahead[0];
+        let ahead = self.velocity_ahead();
         let mean = [ahead + part * (self.velocity_behind - ahead), part * self.stress];
         (step + 1 == self.first && self.first < self.steps).then_some(mean)
     }
@@ -238,9 +237,8 @@ mod tests {
     fn starting(driver: Driver, ramp: f64) -> StartingFan {
         let curve = Curve::new(&[(0.0, 0.0), (1e-3, 200e6), (0.05, 1180e6)], Beyond::Extend).expect("a curve");
         let fan = fan_at_velocity(&curve, DENSITY, 30.0);
-        let origin = Origin::Left;
         let initial_fan = InitialFan {
-            origin,
+            origin: Origin::Left,
             x: 0.0,
             segment: 0,
             direction: 1.0,

@@ -2,20 +2,19 @@
 //!
 //! There the bar carries a centred fan of fronts, known exactly (see [`crate::wave::similarity`]), that is narrower than a few cells. A
 //! scheme that starts it from rest overshoots, and plastic flow keeps the excess in the first cells for good, at any resolution: 5 to
-//! 22 % of the strain. So until the slowest front has travelled [`CELLS`] cells the nodes inside the fan move as the
+//! 22 % of the strain. So until the slowest front has travelled [`START_CELLS`] cells the nodes inside the fan move as the
 //! exact solution does, its plastic fronts spread over [`RAMP`] cells: each node with the mean of its velocity over the step, so that every
 //! cell has just the mean of the strain.
 //!
 //! A body at an end slows down. The unloading waves that this sends after the fan take its slowest fronts away; see [`InitialFan::relief`].
 //!
-//! That is an impulse on nodes. Its momentum comes from the end, or from the body there. At a joint there is nobody to give it: what the nodes on both sides get
-//! together, none but for the share that fronts have passed of single cells, they give back together. What it takes from the energy,
-//! of first order in the cell size, is in `half_step`.
+//! That is an impulse on nodes. Its momentum comes from the end, or from the body there. At a joint there is nobody to give it: what the
+//! nodes on both sides get together, none but for the share that fronts have passed of single cells, they give back together. What it
+//! takes from the energy, of first order in the cell size, is in `half_step`.
 
 use super::grid_filter;
 use super::leapfrog::Leapfrog;
-use crate::bar::{Driver, EndCondition, InitialFan, Origin, SuddenLoads};
-use crate::solver::starting_fan::CELLS;
+use crate::bar::{Driver, EndCondition, InitialFan, Origin, START_CELLS, SuddenLoads};
 use crate::solver::{EndState, Resolution, StartingFan};
 
 /// Cells over which fronts that are not elastic are spread, as the scheme itself spreads them: with this shape three from a tenth to nine tenths.
@@ -31,7 +30,8 @@ const AHEAD: usize = 2;
 
 impl Leapfrog {
     /// The same bar, the ends and joints of which start with these fans. For a bar at t = 0 whose laws follow the curves of the fans and take no
-    /// time. Passed over are fans that leave the bar elastic, those above critical, and those of moving ends whose first cells viscosity takes care of.
+    /// time. Passed over are fans that leave the bar elastic, those above critical, and those of moving ends where viscosity alone keeps the first
+    /// cells from overshooting.
     ///
     /// The first rows of the histories of the `ends` are the states just after t = 0. A bar that does not yield `at_once` is elastic then.
     #[must_use]
@@ -186,7 +186,7 @@ impl Leapfrog {
         let (time, dt) = (self.time() - fan.from, self.grid.dt);
         let (c, part) = (self.constants[fan.segment], &self.grid.segments[fan.segment]);
         // Ahead of the fan at first: enough nodes to give an impulse to.
-        let reach = fan.reach(time + dt).max(if fan.at_joint { CELLS * part.dx } else { 0.0 });
+        let reach = fan.reach(time + dt).max(if fan.at_joint { START_CELLS * part.dx } else { 0.0 });
         let weight = |distance: f64| (1.0 - distance / (reach + AHEAD as f64 * part.dx)).max(0.0);
         let change = |distance: f64, velocity: f64| {
             let fans = if fan.only_origin { 0.0 } else { fan.means(distance, time, dt)[0] - velocity };

@@ -223,16 +223,25 @@ pub fn segment_law(segment: &Segment, effects: &Effects) -> SegmentLaw {
         yield_stress: tension.yield_stress().min(compression.yield_stress()),
         end: DataEnd::new([&tension, &compression], material.modulus, material.loading),
         shocks: shocks([&tension, &compression], material, effects),
+        stiffenings: if is_followed_both_ways(effects) {
+            <[Arc<[f64]>; 2]>::default()
+        } else {
+            [&tension, &compression].map(|table| table.stiffenings().collect())
+        },
         law: choose_backbone(material, &tension, compression, effects),
     }
+}
+
+/// Bars without a hardening rule and a rate unload along their curve.
+fn is_followed_both_ways(effects: &Effects) -> bool {
+    effects.hardening.is_none() && effects.rate.is_none()
 }
 
 /// Which waves of a segment can be shocks.
 fn shocks(tables: [&Table; 2], material: &Material, effects: &Effects) -> Shocks {
     let distance = |chord: Chord| chord.relative_distance(material.modulus);
     let loading = tables.map(|table| table.chords(SCATTER).into_iter().map(distance).fold(0.0, f64::max));
-    let both_ways = effects.hardening.is_none() && effects.rate.is_none();
-    let unloading = if both_ways {
+    let unloading = if is_followed_both_ways(effects) {
         tables.map(|table| table.chords_from_origin().map(distance).fold(0.0, f64::max))
     } else {
         [0.0; 2]

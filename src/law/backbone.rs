@@ -192,6 +192,12 @@ impl Table {
         })
     }
 
+    /// Plastic strains of first loading at the knots at which slopes grow, times E, ascending, Pa.
+    pub fn stiffenings(&self) -> impl Iterator<Item = f64> {
+        let plastic = |line: &Line| line.start - line.at(line.start);
+        self.lines.windows(2).filter(|w| w[1].slope > w[0].slope).map(move |w| plastic(&w[1]))
+    }
+
     /// True where slopes never grow along the table: it is then the lowest of its lines.
     pub fn is_concave(&self) -> bool {
         self.lines.windows(2).all(|w| w[1].slope <= w[0].slope)

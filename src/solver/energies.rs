@@ -40,14 +40,16 @@ energies! {
     kinetic: "kinetic energy",
     /// Recoverable strain energy, sigma^2/(2E) per volume.
     elastic: "recoverable strain energy",
-    /// Plastic work since the start on the quasi-static curve; with the effect of heat, what of it did not turn into heat.
-    plastic: "energy dissipated in plastic flow since the start, excluding heat",
+    /// Plastic work since the start on the quasi-static curve, and what shocks dissipate: the area between the curve and the chord along which
+    /// a shock runs. On a grid the latter is what the method takes in the cells of a shock; where the curve is followed both ways it is in
+    /// `numerical`. With the effect of heat, what of both did not turn into heat.
+    plastic: "energy dissipated in plastic flow and shocks since the start, excluding heat",
     /// Plastic work that turned into heat since the start, that of the overstress with it; 0 without the effect of heat. It is the same
     /// fraction of all plastic work, and decreases in reverse flow in which a back stress gives work back.
     heat: "plastic work converted to heat since the start",
     /// Plastic work of the overstress of a rate-dependent bar since the start, as far as it did not turn into heat.
     viscoplastic: "work of the overstress of a rate-dependent bar since the start",
-    /// Taken since the start by the method itself: by the grid filter or the merging of fronts; 0 in an elastic run.
+    /// Taken since the start by the method itself, shocks excluded: by the grid filter or the merging of fronts; 0 in an elastic run.
     numerical: "energy dissipated since the start by the numerical method",
     /// What the staggered grid holds between two of its half steps, of either sign and of first order in the cell size: velocities are
     /// known half a step before and after the stresses, forces of ends and joints act in halves, and a cell that goes from one side of its
@@ -64,6 +66,12 @@ energies! {
 }
 
 impl Energies {
+    /// Adds a dissipation by flow, J, of which this fraction turned into heat.
+    pub(super) fn add_flow(&mut self, dissipated: f64, heat_fraction: f64) {
+        self.plastic += (1.0 - heat_fraction) * dissipated;
+        self.heat += heat_fraction * dissipated;
+    }
+
     /// All energy in the bar, dissipated included, J.
     pub fn total(&self) -> f64 {
         self.values().iter().sum()

@@ -77,7 +77,7 @@ pub(super) static PART: &[Definition<Part>] = &[
     ),
     row(
         ("energy_absorbed", Dimension::Energy, "energy absorbed"),
-        "energy dissipated in the bar by plastic flow and fracture; needs an area",
+        "energy dissipated in the bar by plastic flow, shocks and fracture; needs an area",
         |part| part.absorbed,
     ),
     row(

@@ -100,6 +100,11 @@ pub(super) struct Block {
     pub turned: f64,
     /// Running sum of what the damping took from the block's inner nodes, see [`grid_filter::apply_impulses`].
     pub damped: f64,
+    /// The part of it in cells inside shocks, over the mass of a mean cell, and the largest that it has been, (m/s)^2: from step to step it swings.
+    pub in_shocks: f64,
+    pub taken_in_shocks: f64,
+    /// Largest accumulated plastic strain of a cell so far, times E, Pa.
+    pub reached: f64,
     /// Cells of which every step is logged, and the log: a row for each of them, step by step.
     pub watched: Vec<usize>,
     #[serde(skip)]
@@ -153,6 +158,9 @@ impl Block {
             log: Vec::new(),
             logged_at_rest: false,
             damped: 0.0,
+            in_shocks: 0.0,
+            taken_in_shocks: 0.0,
+            reached: 0.0,
             keeps_work: false,
             absorbed: Vec::new(),
             passed: FirstPassed::default(),
@@ -203,6 +211,9 @@ impl Block {
             log: Vec::new(),
             logged_at_rest: false,
             damped: 0.0,
+            in_shocks: 0.0,
+            taken_in_shocks: 0.0,
+            reached: self.reached,
             keeps_work: self.keeps_work,
             absorbed: if self.absorbed.is_empty() { Vec::new() } else { self.absorbed.split_off(at) },
             passed: FirstPassed::default(),
@@ -264,14 +275,14 @@ impl Block {
     }
 
     /// Damps the ripples of the block's inner nodes; `outside` is what is next to it. The nodes at its two edges belong to the caller, who finds their
-    /// share in `impulses_at_edges`.
-    pub fn apply_grid_filter(
+    /// share in `impulses_at_edges`. Returns the impulses of its cells, none where all are 0.
+    pub fn apply_grid_filter<'a>(
         &mut self,
         velocity_gain: f64,
         filter: Filter,
         outside: [Beside; 2],
-        scratch: &mut Scratch,
-    ) {
+        scratch: &'a mut Scratch,
+    ) -> Option<&'a [f64]> {
         let Scratch { work, gaps, .. } = scratch;
         let (cells, active, v) = (self.sigma.len(), self.active.clone(), &mut self.v);
         let (at_left, at_right) = (active.start == 0, active.end == cells);
@@ -288,7 +299,7 @@ impl Block {
         self.impulses_at_edges = [0.0; 2];
         let flow = self.flow.get(active.clone()).unwrap_or_default();
         if gaps.are_smooth(flow, filter) {
-            return;
+            return None;
         }
         // Cells at rest hand nothing over: they do not flow, and beyond the first one nothing alternates.
         let impulses = &mut work.0[..cells];
@@ -304,13 +315,14 @@ impl Block {
         self.impulses_at_edges =
             [if at_left { impulses[0] } else { 0.0 }, if at_right { impulses[cells - 1] } else { 0.0 }];
         if !anything {
-            return;
+            return None;
         }
         let nodes = inner_nodes(&active, cells);
         self.damped += match &self.taper {
             None => grid_filter::apply_impulses(velocity_gain, &self.sigma, impulses, v, nodes),
             Some(taper) => taper.apply_impulses(velocity_gain, &self.sigma, impulses, v, nodes),
         };
+        Some(impulses)
     }
 
     /// Steps the stresses of a block that is not at rest, then the nodes inside it. The nodes at its two edges belong to the
@@ -389,6 +401,7 @@ impl Block {
         };
         self.plastic += plastic;
         self.turned += turned;
+        self.reached = self.reached.max(advanced.accumulated);
         law.law.clear_resolved(&self.state, &mut self.flow);
         if !law.end.is_far(advanced.accumulated, 0.0) {
             self.note_limits(law);

@@ -280,7 +280,7 @@ impl EndNode {
             self.damped += self.give(impulse, self.velocity_after());
             return;
         }
-        let velocity_increment = (self.force + self.node.area * sigma_cell) / self.node.impedance;
+        let velocity_increment = self.velocity_increment(sigma_cell);
         self.damped +=
             0.5 * self.node.impedance * self.dt * grid_filter::node(velocity_increment, change, &mut self.node.after);
         self.node.before += change;
@@ -327,6 +327,18 @@ impl EndNode {
     pub(super) fn velocity_of_body(&self) -> f64 {
         let gap = self.model.body().map_or(0.0, |body| body.gap);
         self.face.inward * (self.node.after - gap / self.dt)
+    }
+
+    /// Velocity (m/s, in +x) at which the bar loses an impulse of the grid filter that changes the node's by `change` (m/s, in +x), see
+    /// [`Self::damp`].
+    pub(super) fn velocity_damped(&self, change: f64, sigma_cell: f64) -> f64 {
+        let from_stress = self.face.inward * self.velocity_increment(sigma_cell);
+        self.velocity_after() + if self.is_held() { 0.0 } else { 0.5 * (change - from_stress) }
+    }
+
+    /// Velocity change of the node in the latest step, into the bar, m/s.
+    fn velocity_increment(&self, sigma_cell: f64) -> f64 {
+        (self.force + self.node.area * sigma_cell) / self.node.impedance
     }
 
     /// Energy that the grid filter took from the node, J.

@@ -20,6 +20,7 @@ mod readings;
 mod rupture;
 mod sample;
 mod segment;
+mod shock_work;
 mod signals;
 mod sizes;
 mod snapshot;

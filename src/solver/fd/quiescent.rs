@@ -140,7 +140,7 @@ mod tests {
     fn bar(material: Material, law: Arc<dyn RowLaw>) -> Leapfrog {
         let end = DataEnd::of(&material);
         let bar = Bar { segments: vec![Segment::new(1.0, 1.0, material)], area_given: true };
-        let law = SegmentLaw { law, yield_stress: YIELD, end, shocks: Shocks::NONE };
+        let law = SegmentLaw { law, yield_stress: YIELD, end, shocks: Shocks::NONE, stiffenings: Default::default() };
         let struck = EndCondition::Velocity { history: History::constant(20.0), release: Some(5e-5) };
         Leapfrog::new(&bar, Grid::new(&bar, 1301, 1.0), vec![law], [struck, EndCondition::Fixed])
     }
@@ -276,6 +276,7 @@ mod tests {
             law: law(moves),
             yield_stress: YIELD,
             shocks: Shocks::NONE,
+            stiffenings: Default::default(),
             end: DataEnd::of(&material),
         });
         let laws = laws.collect();

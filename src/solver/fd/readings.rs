@@ -65,7 +65,9 @@ impl Leapfrog {
         for (k, block) in self.blocks.iter().enumerate() {
             let c = &self.constants[block.segment];
             self.add_material(&mut total, block);
-            total.numerical += 0.5 * c.cell_mass * block.damped;
+            let in_shocks = c.cell_mass * block.taken_in_shocks;
+            total.numerical += 0.5 * c.cell_mass * block.damped - in_shocks;
+            total.add_flow(in_shocks, self.laws[block.segment].law.heat_fraction());
             add_nodes(&mut total, c.cell_mass, block.inner_nodes(c.velocity_gain));
             if let Some(edge) = self.edges.get(k) {
                 total.numerical += edge.damped;
@@ -94,8 +96,8 @@ impl Leapfrog {
         let heats = law.heat_fraction();
         total.half_step -= 0.5 * c.cell_volume * block.turned / c.modulus;
         total.elastic += 0.5 * c.cell_volume * block.sum_of_squares() / c.modulus;
-        total.heat += heats * flow;
-        total.plastic += (1.0 - heats) * (flow - over);
+        total.add_flow(flow, heats);
+        total.plastic -= (1.0 - heats) * over;
         total.viscoplastic += (1.0 - heats) * over;
     }
 

@@ -18,6 +18,9 @@ pub struct SegmentLaw {
     pub end: DataEnd,
     /// Which of its waves can be shocks.
     pub shocks: Shocks,
+    /// Accumulated plastic strains at which its curve stiffens, times E, ascending, in tension and in compression, Pa; none where it is followed
+    /// both ways.
+    pub stiffenings: [Arc<[f64]>; 2],
 }
 
 /// Constants of a segment.

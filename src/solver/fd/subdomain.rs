@@ -105,8 +105,35 @@ impl Subdomain<'_> {
             let outside = self.nodes_outside(k);
             let block = &mut self.blocks[k];
             let c = &self.common.constants[block.segment];
-            block.apply_grid_filter(c.velocity_gain, c.filter, outside, scratch);
+            let impulses = block.apply_grid_filter(c.velocity_gain, c.filter, outside, scratch);
+            if let Some(impulses) = impulses.filter(|_| c.filter.takes_shocks()) {
+                self.note_shocks(k, impulses);
+            }
         }
+    }
+
+    /// Takes down what the filter, of these impulses, took in cells of block `k` inside shocks.
+    fn note_shocks(&mut self, k: usize, impulses: &[f64]) {
+        let segment = self.blocks[k].segment;
+        let (law, c) = (&self.common.laws[segment], &self.common.constants[segment]);
+        if let Some(shocks) = self.blocks[k].find_shocks(law, || self.stiffenings_beside(k, law)) {
+            let outer = self.velocities_damped(k, impulses);
+            self.blocks[k].note_shocks(&shocks, c.velocity_gain, outer, impulses);
+        }
+    }
+
+    /// Velocities (m/s) at which the nodes at both edges of block `k` lose these impulses of the filter in its cells.
+    fn velocities_damped(&self, k: usize, impulses: &[f64]) -> [f64; 2] {
+        let block = &self.blocks[k];
+        let last = block.sigma.len() - 1;
+        let changes = [impulses[0], -impulses[last]];
+        let ends = self.ends.each_ref().map(Option::as_deref);
+        let inner = Nodes { first: self.first, edges: self.edges, contacts: self.contacts, ends }.beside(k);
+        let outer = [(k == 0, 0, 0), (k + 1 == self.blocks.len(), 1, last)];
+        outer.map(|(is_outer, side, cell)| match ends[side].filter(|_| is_outer) {
+            Some(end) => end.velocity_damped(2.0 * changes[side], block.sigma[cell]),
+            None => inner[side] + 0.5 * changes[side],
+        })
     }
 
     /// Block `k` is damped from the next step on if a neighbour is from this step on, so that blocks can be visited in any order.
@@ -215,6 +242,18 @@ impl Subdomain<'_> {
             Some(other) => inside(other, k, 0),
         };
         [left, right]
+    }
+
+    /// How many stiffening knots of the curve the cells on both sides of block `k` have passed: its own where the segment ends.
+    fn stiffenings_beside(&self, k: usize, law: &SegmentLaw) -> [usize; 2] {
+        [(k.checked_sub(1), 1), (Some(k + 1), 0)].map(|(other, side)| {
+            let other =
+                other.and_then(|other| self.blocks.get(other)).filter(|other| other.segment == self.blocks[k].segment);
+            other.map_or_else(
+                || self.blocks[k].stiffenings_inside(law, 1 - side),
+                |other| other.stiffenings_inside(law, side),
+            )
+        })
     }
 
     /// Blocks by their place in the subdomain.

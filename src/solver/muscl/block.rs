@@ -58,6 +58,9 @@ pub(super) struct Block {
     pub plastic: f64,
     /// Running sum over cells and steps of the scheme's dissipation, W/m^2.
     pub lost: f64,
+    /// The same in cells inside shocks, and the largest that it has been: from step to step it swings.
+    in_shocks: f64,
+    pub lost_in_shocks: f64,
     /// For the Riemann problems that are not simple.
     #[serde(skip)]
     pub work: Workspace,
@@ -79,6 +82,8 @@ impl Block {
             inside_fan: Vec::new(),
             plastic: 0.0,
             lost: 0.0,
+            in_shocks: 0.0,
+            lost_in_shocks: 0.0,
             work: Workspace::default(),
         }
     }
@@ -139,6 +144,12 @@ impl Block {
         for (energy_defect, lost) in self.energy_defect.iter_mut().skip(GHOSTS).zip(lost) {
             *energy_defect = (*energy_defect + lost).min(0.0);
         }
+    }
+
+    /// Takes down what the scheme took from cells inside shocks in a step. What shocks dissipate never comes back.
+    pub fn note_shocks(&mut self, lost: f64) {
+        self.in_shocks += lost;
+        self.lost_in_shocks = self.lost_in_shocks.max(self.in_shocks);
     }
 
     /// From now on the block has plastic state.

@@ -27,8 +27,9 @@ impl Block {
         self.owes_near(part, i) || (part.stiffens.is_some() && in_shock())
     }
 
-    /// [`Self::is_first_order`] for all cells but the two next to each end, into `flat`; `changes` is room for as many.
-    pub fn find_first_order(&self, part: &Part, changes: &mut [bool], flat: &mut [bool]) {
+    /// [`Self::is_first_order`] for all cells but the two next to each end, into `flat`, and which of these are in a shock or next to it;
+    /// `changes` is room for as many.
+    pub fn find_first_order(&self, part: &Part, changes: &mut [bool], in_shock: &mut [bool], flat: &mut [bool]) {
         let row = self.sigma.len();
         if part.stiffens.is_some() {
             let mut before = self.stiffenings(part, 0);
@@ -37,9 +38,10 @@ impl Block {
                 *change = passed != before;
                 before = passed;
             }
-            for (flat, near) in flat[2..row - 2].iter_mut().zip(changes[..row - 1].windows(4)) {
-                *flat = near[0] | near[1] | near[2] | near[3];
+            for (in_shock, near) in in_shock[2..row - 2].iter_mut().zip(changes[..row - 1].windows(4)) {
+                *in_shock = near[0] | near[1] | near[2] | near[3];
             }
+            flat[2..row - 2].copy_from_slice(&in_shock[2..row - 2]);
         }
         if part.most_energy_defect.is_some() {
             (2..row - 2).for_each(|i| flat[i] |= self.owes_near(part, i));

@@ -41,6 +41,8 @@ pub(super) struct Scratch {
     lost: [f64; ROW],
     /// What cells gain of stress along the curve in half a step, Pa >= 0.
     gained: [f64; ROW],
+    /// The cell lies inside a shock of a stiffening curve, or next to one.
+    in_shock: [bool; ROW],
     /// The cell has no slopes.
     flat: [bool; ROW],
     /// Between the cell and the next one lies a stiffening knot of the curve.
@@ -63,6 +65,7 @@ impl Scratch {
             slope: [0.0; ROW],
             lost: [0.0; ROW],
             gained: [0.0; ROW],
+            in_shock: [false; ROW],
             flat: [false; ROW],
             changes: [false; ROW],
             steep: [None; ROW],
@@ -274,7 +277,7 @@ fn plastic(block: &mut Block, part: &Part, scratch: &mut Scratch) {
         correct_history(block, part, scratch);
     }
     scratch.through.set_known(block);
-    let Scratch { through, ahead, increment, stress, lost, .. } = scratch;
+    let Scratch { through, ahead, increment, stress, lost, in_shock, .. } = scratch;
     increment[..row].fill(0.0);
     let faces = through.velocity[GHOSTS..=row - GHOSTS].windows(2);
     for (increment, face) in increment[GHOSTS..row - GHOSTS].iter_mut().zip(faces) {
@@ -286,9 +289,12 @@ fn plastic(block: &mut Block, part: &Part, scratch: &mut Scratch) {
     block.note_flow(work);
     block.plastic += work[GHOSTS..row - GHOSTS].iter().sum::<f64>();
     block.lost += push(part.velocity_gain, &mut block.v, &stress[..row], &block.sigma, through, lost);
+    let turned = |i: usize| 0.5 * (work[i] - work_of_mean(increment[i], stress[i], block.sigma[i])) / part.gain;
     let cells = GHOSTS..row - GHOSTS;
-    let turned: f64 = cells.map(|i| work[i] - work_of_mean(increment[i], stress[i], block.sigma[i])).sum();
-    block.lost -= 0.5 * turned / part.gain;
+    block.lost -= cells.clone().map(turned).sum::<f64>();
+    if part.keeps_shocks() {
+        block.note_shocks(cells.filter(|&i| in_shock[i]).map(|i| lost[i - GHOSTS] - turned(i)).sum());
+    }
     block.note_owed(&lost[..row - 2 * GHOSTS]);
 }
 
@@ -343,12 +349,13 @@ fn carry_motion(elastic: Elastic, sigma: &[f64], v: &[f64], scratch: &mut Scratc
 ///   taken it back. Without slopes it takes energy in every cell.
 fn flatten(block: &Block, part: &Part, scratch: &mut Scratch) {
     let row = block.sigma.len();
+    scratch.in_shock[..row].fill(false);
     scratch.flat[..row].fill(false);
     if part.stiffens.is_none() && part.most_energy_defect.is_none() {
         return;
     }
-    let Scratch { carried, increment, slope, flat, changes, .. } = scratch;
-    block.find_first_order(part, changes, flat);
+    let Scratch { carried, increment, slope, in_shock, flat, changes, .. } = scratch;
+    block.find_first_order(part, changes, in_shock, flat);
     for i in (2..row - 2).filter(|&i| flat[i]) {
         (slope[i], increment[i]) = (0.0, 0.0);
         (carried.left[1][i], carried.right[1][i]) = (block.v[i], block.v[i]);

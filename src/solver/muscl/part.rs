@@ -56,6 +56,11 @@ impl Part {
         self.faces.medium.flow == Flow::Plastic { kinematic: 0.0 }
     }
 
+    /// Shocks leave their dissipation in the material: along a curve that is followed both ways it is not plastic work.
+    pub(super) fn keeps_shocks(&self) -> bool {
+        self.stiffens.is_some() && !self.path_independent
+    }
+
     /// rho A dx, kg.
     pub(super) fn cell_mass(&self) -> f64 {
         self.density * self.area * self.dx

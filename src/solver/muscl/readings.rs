@@ -108,7 +108,7 @@ impl Muscl {
         self.blocks.iter().map(|b| self.parts[b.part].cell_mass() * b.cells.len() as f64).sum()
     }
 
-    /// Energies and momentum now. `numerical` is the scheme's own dissipation.
+    /// Energies and momentum now. `numerical` is the scheme's own dissipation outside shocks.
     pub fn energies(&self) -> Energies {
         let concentrated = self.joints.iter().map(Joint::lost).sum();
         let numerical = self.ends.iter().map(|end| end.work - end.work_on_face).sum();
@@ -122,9 +122,9 @@ impl Muscl {
             total.momentum += mass * v.iter().sum::<f64>();
             total.elastic += 0.5 * volume / part.modulus * sigma.iter().map(|s| s * s).sum::<f64>();
             let (flow, heats) = (0.5 * volume / part.modulus * block.plastic, part.law.law.heat_fraction());
-            total.plastic += (1.0 - heats) * flow;
-            total.heat += heats * flow;
-            total.numerical += part.area * self.grid.dt * block.lost;
+            let [lost, in_shocks] = [block.lost, block.lost_in_shocks].map(|sum| part.area * self.grid.dt * sum);
+            total.add_flow(flow + in_shocks, heats);
+            total.numerical += lost - in_shocks;
         }
         total
     }

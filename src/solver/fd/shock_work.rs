@@ -1,0 +1,85 @@
+//! What the grid filter takes inside shocks. It stands for what the shock dissipates, and is booked with the plastic work; elsewhere it is an
+//! error of the scheme.
+
+use std::iter;
+
+use super::block::Block;
+use super::segment::SegmentLaw;
+use super::sizes::MOST_CELLS;
+
+/// Cells of a shock on either side of the one in which the curve stiffens.
+const REACH: usize = 4;
+
+/// Places of a block and beside it at which it is looked how far the curve was followed: every [`REACH`] cells.
+const MOST_PLACES: usize = MOST_CELLS.div_ceil(REACH) + 2;
+
+/// Which groups of [`REACH`] cells lie inside a shock or next to one.
+pub(super) struct InShock {
+    /// A stiffening knot lies between a place and the next one.
+    crossed: [bool; MOST_PLACES],
+}
+
+impl InShock {
+    /// For as many cells, from how many stiffening knots the cells at the places have passed.
+    fn new(passed: impl Iterator<Item = usize>) -> Option<Self> {
+        let mut crossed = [false; MOST_PLACES];
+        let mut before = None;
+        for (passed, crossed) in passed.zip(iter::once(&mut false).chain(&mut crossed)) {
+            *crossed = before.replace(passed).is_some_and(|before| before != passed);
+        }
+        crossed.contains(&true).then_some(Self { crossed })
+    }
+
+    fn contains(&self, cell: usize) -> bool {
+        let group = cell / REACH;
+        self.crossed[group..=group + 2].contains(&true)
+    }
+}
+
+impl Block {
+    /// How many of the knots at which its curve stiffens a cell has passed.
+    fn stiffenings(&self, law: &SegmentLaw, cell: usize) -> usize {
+        if self.state.is_empty() {
+            return 0;
+        }
+        let accumulated = law.law.accumulated(&self.state, cell);
+        law.stiffenings[usize::from(self.sigma[cell] < 0.0)].partition_point(|&knot| knot < accumulated)
+    }
+
+    /// The same of the cell a shock's reach inside its left (0) or right (1) end.
+    pub fn stiffenings_inside(&self, law: &SegmentLaw, side: usize) -> usize {
+        let depth = (REACH - 1).min(self.sigma.len() - 1);
+        self.stiffenings(law, if side == 0 { depth } else { self.sigma.len() - 1 - depth })
+    }
+
+    /// Its cells inside shocks; `beside` are the [`Self::stiffenings_inside`] of both neighbours.
+    pub fn find_shocks(&self, law: &SegmentLaw, beside: impl FnOnce() -> [usize; 2]) -> Option<InShock> {
+        let first = law.stiffenings.iter().filter_map(|knots| knots.first()).copied().fold(f64::INFINITY, f64::min);
+        let beside = beside();
+        if self.reached <= first && beside == [0; 2] {
+            return None;
+        }
+        let own = (0..self.sigma.len()).step_by(REACH).map(|cell| self.stiffenings(law, cell));
+        InShock::new(iter::once(beside[0]).chain(own).chain([beside[1]]))
+    }
+
+    /// Takes down what the filter, of these `impulses`, has just taken in cells inside shocks; `outer` are the velocities (m/s) of the nodes at
+    /// both edges. A cell loses its impulse times the velocity difference of its nodes at the time of the stresses, before and after the filter
+    /// in the mean, so that all cells together lose what all nodes do.
+    pub fn note_shocks(&mut self, shocks: &InShock, velocity_gain: f64, outer: [f64; 2], impulses: &[f64]) {
+        let cells = self.sigma.len();
+        let velocity = |node: usize| match node {
+            0 => outer[0],
+            node if node == cells => outer[1],
+            node => {
+                let filtered = impulses[node] - impulses[node - 1];
+                self.v[node] - 0.5 * (filtered + self.velocity_increment(velocity_gain, node))
+            }
+        };
+        let inside = self.active.clone().filter(|&cell| impulses[cell] != 0.0 && shocks.contains(cell));
+        let taken = |cell: usize| self.area(cell) * impulses[cell] * (velocity(cell + 1) - velocity(cell));
+        self.in_shocks += inside.map(taken).sum::<f64>();
+        // What shocks dissipate never comes back.
+        self.taken_in_shocks = self.taken_in_shocks.max(self.in_shocks);
+    }
+}

@@ -83,3 +83,22 @@ impl Block {
         self.taken_in_shocks = self.taken_in_shocks.max(self.in_shocks);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_within_reach_of_a_stiffening_knot_are_inside_a_shock() {
+        // Beside the block, its cells 0, 4, 8 and 12, beside it.
+        let inside = |passed: [usize; 6]| {
+            let shocks = InShock::new(passed.into_iter());
+            (0..16).filter(|&cell| shocks.as_ref().is_some_and(|shocks| shocks.contains(cell))).collect::<Vec<_>>()
+        };
+        assert!(inside([0; 6]).is_empty() && inside([3; 6]).is_empty());
+        assert_eq!(inside([1, 1, 1, 0, 0, 0]), (0..12).collect::<Vec<_>>());
+        // The knot lies between this block and the one to its right, or to its left.
+        assert_eq!(inside([1, 1, 1, 1, 1, 0]), (8..16).collect::<Vec<_>>());
+        assert_eq!(inside([1, 0, 0, 0, 0, 0]), (0..4).collect::<Vec<_>>());
+    }
+}

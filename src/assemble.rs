@@ -232,7 +232,7 @@ pub fn segment_law(segment: &Segment, effects: &Effects) -> SegmentLaw {
     }
 }
 
-/// Bars without a hardening rule and a rate unload along their curve.
+/// Bars with neither a hardening rule nor a rate law unload along their curve.
 fn is_followed_both_ways(effects: &Effects) -> bool {
     effects.hardening.is_none() && effects.rate.is_none()
 }

@@ -1,6 +1,6 @@
 //! The energy balance of every solver: each entry is declared once, here, for the ledger, result files and reports.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Declares [`Energies`] with its entries: name, a line for its dataset, and what it is.
 macro_rules! energies {
@@ -75,5 +75,26 @@ impl Energies {
     /// All energy in the bar, dissipated included, J.
     pub fn total(&self) -> f64 {
         self.values().iter().sum()
+    }
+}
+
+/// What a grid method takes in the cells of shocks, summed over steps. The sum swings from step to step; what shocks dissipate never comes
+/// back, so that it is the largest sum so far.
+#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
+pub(super) struct ShockLoss {
+    sum: f64,
+    largest: f64,
+}
+
+impl ShockLoss {
+    /// Adds what was taken in a step.
+    pub fn note(&mut self, taken: f64) {
+        self.sum += taken;
+        self.largest = self.largest.max(self.sum);
+    }
+
+    /// What shocks have dissipated.
+    pub fn dissipated(&self) -> f64 {
+        self.largest
     }
 }

@@ -15,6 +15,7 @@ use super::taper::BlockTaper;
 use crate::law::{
     Aligned, AlignedRow, DataEnd, FirstPassed, Row, RowLaw, StrainedRow, aligned_row, elastic_row, split_off,
 };
+use crate::solver::energies::ShockLoss;
 
 /// Numbers for each cell of a block that is being stepped, of no meaning before and after.
 #[derive(Debug)]
@@ -100,9 +101,8 @@ pub(super) struct Block {
     pub turned: f64,
     /// Running sum of what the damping took from the block's inner nodes, see [`grid_filter::apply_impulses`].
     pub damped: f64,
-    /// The part of it in cells inside shocks, over the mass of a mean cell, and the largest that it has been, (m/s)^2: from step to step it swings.
-    pub in_shocks: f64,
-    pub taken_in_shocks: f64,
+    /// What it took in cells inside shocks, over the mass of a mean cell, (m/s)^2.
+    pub shock_loss: ShockLoss,
     /// Largest accumulated plastic strain of a cell so far, times E, Pa.
     pub reached: f64,
     /// Cells of which every step is logged, and the log: a row for each of them, step by step.
@@ -158,8 +158,7 @@ impl Block {
             log: Vec::new(),
             logged_at_rest: false,
             damped: 0.0,
-            in_shocks: 0.0,
-            taken_in_shocks: 0.0,
+            shock_loss: ShockLoss::default(),
             reached: 0.0,
             keeps_work: false,
             absorbed: Vec::new(),
@@ -211,8 +210,7 @@ impl Block {
             log: Vec::new(),
             logged_at_rest: false,
             damped: 0.0,
-            in_shocks: 0.0,
-            taken_in_shocks: 0.0,
+            shock_loss: ShockLoss::default(),
             reached: self.reached,
             keeps_work: self.keeps_work,
             absorbed: if self.absorbed.is_empty() { Vec::new() } else { self.absorbed.split_off(at) },

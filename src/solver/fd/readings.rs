@@ -65,7 +65,7 @@ impl Leapfrog {
         for (k, block) in self.blocks.iter().enumerate() {
             let c = &self.constants[block.segment];
             self.add_material(&mut total, block);
-            let in_shocks = c.cell_mass * block.taken_in_shocks;
+            let in_shocks = c.cell_mass * block.shock_loss.dissipated();
             total.numerical += 0.5 * c.cell_mass * block.damped - in_shocks;
             total.add_flow(in_shocks, self.laws[block.segment].law.heat_fraction());
             add_nodes(&mut total, c.cell_mass, block.inner_nodes(c.velocity_gain));

@@ -53,9 +53,8 @@ impl Block {
     }
 
     /// Its cells inside shocks; `beside` are the [`Self::stiffenings_inside`] of both neighbours.
-    pub fn find_shocks(&self, law: &SegmentLaw, beside: impl FnOnce() -> [usize; 2]) -> Option<InShock> {
+    pub fn find_shocks(&self, law: &SegmentLaw, beside: [usize; 2]) -> Option<InShock> {
         let first = law.stiffenings.iter().filter_map(|knots| knots.first()).copied().fold(f64::INFINITY, f64::min);
-        let beside = beside();
         if self.reached <= first && beside == [0; 2] {
             return None;
         }
@@ -78,9 +77,7 @@ impl Block {
         };
         let inside = self.active.clone().filter(|&cell| impulses[cell] != 0.0 && shocks.contains(cell));
         let taken = |cell: usize| self.area(cell) * impulses[cell] * (velocity(cell + 1) - velocity(cell));
-        self.in_shocks += inside.map(taken).sum::<f64>();
-        // What shocks dissipate never comes back.
-        self.taken_in_shocks = self.taken_in_shocks.max(self.in_shocks);
+        self.shock_loss.note(inside.map(taken).sum());
     }
 }
 

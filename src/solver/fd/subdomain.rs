@@ -116,7 +116,7 @@ impl Subdomain<'_> {
     fn note_shocks(&mut self, k: usize, impulses: &[f64]) {
         let segment = self.blocks[k].segment;
         let (law, c) = (&self.common.laws[segment], &self.common.constants[segment]);
-        if let Some(shocks) = self.blocks[k].find_shocks(law, || self.stiffenings_beside(k, law)) {
+        if let Some(shocks) = self.blocks[k].find_shocks(law, self.stiffenings_beside(k, law)) {
             let outer = self.velocities_damped(k, impulses);
             self.blocks[k].note_shocks(&shocks, c.velocity_gain, outer, impulses);
         }

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::history::History;
 use super::part::Part;
 use crate::bar::Segment;
+use crate::solver::energies::ShockLoss;
 use crate::solver::fd::SegmentGrid;
 use crate::wave::riemann::{Flux, Workspace};
 
@@ -58,9 +59,8 @@ pub(super) struct Block {
     pub plastic: f64,
     /// Running sum over cells and steps of the scheme's dissipation, W/m^2.
     pub lost: f64,
-    /// The same in cells inside shocks, and the largest that it has been: from step to step it swings.
-    in_shocks: f64,
-    pub lost_in_shocks: f64,
+    /// The same in cells inside shocks.
+    pub shock_loss: ShockLoss,
     /// For the Riemann problems that are not simple.
     #[serde(skip)]
     pub work: Workspace,
@@ -82,8 +82,7 @@ impl Block {
             inside_fan: Vec::new(),
             plastic: 0.0,
             lost: 0.0,
-            in_shocks: 0.0,
-            lost_in_shocks: 0.0,
+            shock_loss: ShockLoss::default(),
             work: Workspace::default(),
         }
     }
@@ -144,12 +143,6 @@ impl Block {
         for (energy_defect, lost) in self.energy_defect.iter_mut().skip(GHOSTS).zip(lost) {
             *energy_defect = (*energy_defect + lost).min(0.0);
         }
-    }
-
-    /// Takes down what the scheme took from cells inside shocks in a step. What shocks dissipate never comes back.
-    pub fn note_shocks(&mut self, lost: f64) {
-        self.in_shocks += lost;
-        self.lost_in_shocks = self.lost_in_shocks.max(self.in_shocks);
     }
 
     /// From now on the block has plastic state.

@@ -293,7 +293,7 @@ fn plastic(block: &mut Block, part: &Part, scratch: &mut Scratch) {
     let cells = GHOSTS..row - GHOSTS;
     block.lost -= cells.clone().map(turned).sum::<f64>();
     if part.keeps_shocks() {
-        block.note_shocks(cells.filter(|&i| in_shock[i]).map(|i| lost[i - GHOSTS] - turned(i)).sum());
+        block.shock_loss.note(cells.filter(|&i| in_shock[i]).map(|i| lost[i - GHOSTS] - turned(i)).sum());
     }
     block.note_owed(&lost[..row - 2 * GHOSTS]);
 }

@@ -122,7 +122,8 @@ impl Muscl {
             total.momentum += mass * v.iter().sum::<f64>();
             total.elastic += 0.5 * volume / part.modulus * sigma.iter().map(|s| s * s).sum::<f64>();
             let (flow, heats) = (0.5 * volume / part.modulus * block.plastic, part.law.law.heat_fraction());
-            let [lost, in_shocks] = [block.lost, block.lost_in_shocks].map(|sum| part.area * self.grid.dt * sum);
+            let [lost, in_shocks] =
+                [block.lost, block.shock_loss.dissipated()].map(|sum| part.area * self.grid.dt * sum);
             total.add_flow(flow + in_shocks, heats);
             total.numerical += lost - in_shocks;
         }

@@ -62,7 +62,7 @@ pub struct Leapfrog {
     pub(super) implicit: Option<Box<Implicit>>,
     /// What suddenly moved ends start with.
     pub(super) fans: Vec<StartingFan>,
-    /// Energy that ends gave for that, or the bar had, and the nodes did not get, J.
+    /// Energy that ends gave for that, or the bar had, and the nodes did not get, J; without the share of shocks.
     pub(super) lost_to_fans: f64,
     /// Exact states of suddenly loaded ends and joints.
     pub(super) sudden: SuddenLoads,

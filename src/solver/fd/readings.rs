@@ -1,6 +1,8 @@
 //! Readings of a bar: fields, energies, cells beyond their data.
 
 use super::block::{Block, NodeMotion};
+use super::contact::Contact;
+use super::end_node::EndNode;
 use super::leapfrog::Leapfrog;
 use super::quantity::Quantity;
 use super::reader::Reader;
@@ -59,24 +61,21 @@ impl Leapfrog {
         if let Some(nodes) = &self.implicit {
             return self.energies_with(nodes.sums());
         }
-        let (left, right) = (&self.left, &self.right);
-        let mut total = Energies { numerical: left.damped() + right.damped(), ..Energies::default() };
-        total.half_step += left.in_transit() + right.in_transit() + self.lost_to_fans;
+        let half_step = self.left.in_transit() + self.right.in_transit() + self.lost_to_fans;
+        let mut total = Energies { numerical: self.taken_by_filter(), half_step, ..Energies::default() };
         for (k, block) in self.blocks.iter().enumerate() {
             let c = &self.constants[block.segment];
             self.add_material(&mut total, block);
             let in_shocks = c.cell_mass * block.shock_loss.dissipated();
-            total.numerical += 0.5 * c.cell_mass * block.damped - in_shocks;
+            total.numerical -= in_shocks;
             total.add_flow(in_shocks, self.laws[block.segment].law.heat_fraction());
             add_nodes(&mut total, c.cell_mass, block.inner_nodes(c.velocity_gain));
             if let Some(edge) = self.edges.get(k) {
-                total.numerical += edge.damped;
                 add_nodes(&mut total, edge.mass, NodeMotion::of(edge.before(), edge.after));
             }
         }
         for contact in &self.contacts {
             total.half_step += contact.lost();
-            total.numerical += contact.damped();
             for side in [0, 1] {
                 let [before, after] = contact.velocities(side);
                 add_nodes(&mut total, contact.mass(side, self.grid.dt), NodeMotion::of(before, after));
@@ -86,6 +85,21 @@ impl Leapfrog {
             add_nodes(&mut total, mass, NodeMotion::of(end_node.velocity_before(), end_node.velocity_after()));
         }
         total
+    }
+
+    /// What the grid filter has taken, J.
+    pub(super) fn taken_by_filter(&self) -> f64 {
+        let blocks = self.blocks.iter().map(|block| 0.5 * self.constants[block.segment].cell_mass * block.damped);
+        let edges = self.edges.iter().map(|edge| edge.damped);
+        let joints = self.contacts.iter().map(Contact::damped);
+        let ends = [&self.left, &self.right].into_iter().map(EndNode::damped);
+        blocks.chain(edges).chain(joints).chain(ends).sum()
+    }
+
+    /// The part of it that cells inside shocks lost, J.
+    pub(super) fn taken_in_shocks(&self) -> f64 {
+        let blocks = self.blocks.iter();
+        blocks.map(|block| self.constants[block.segment].cell_mass * block.shock_loss.dissipated()).sum()
     }
 
     /// Strain energy and work of flow of a block.

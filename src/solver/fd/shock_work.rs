@@ -79,6 +79,12 @@ impl Block {
         let taken = |cell: usize| self.area(cell) * impulses[cell] * (velocity(cell + 1) - velocity(cell));
         self.shock_loss.note(inside.map(taken).sum());
     }
+
+    /// Adds what start fans changed in the work of the filter inside shocks, over the mass of a mean cell, (m/s)^2.
+    pub fn note_lost_in_shocks(&mut self, lost: f64) {
+        self.damped += 2.0 * lost;
+        self.shock_loss.note(lost);
+    }
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@
 //!
 //! That is an impulse on nodes. Its momentum comes from the end, or from the body there. At a joint there is nobody to give it: what the
 //! nodes on both sides get together, none but for the share that fronts have passed of single cells, they give back together. What it
-//! takes from the energy, of first order in the cell size, is in `half_step`.
+//! takes from the energy, of first order in the cell size, is in `half_step`, but for the share of shocks.
 
 use super::grid_filter;
 use super::leapfrog::Leapfrog;
@@ -143,7 +143,22 @@ impl Leapfrog {
         }
         let given = end.give(impulse, fan.velocity_behind);
         end.show(fan.stress_at_origin());
-        self.lost_to_fans += given - energy;
+        self.note_lost(given - energy);
+    }
+
+    /// Notes energy (J) that ends gave, or the bar had, and the nodes did not get; less than 0: they got more. The fans undo what the filter has
+    /// just done to these nodes, so that its work is known only with this. The share that shocks have in that work is theirs here, too.
+    fn note_lost(&mut self, lost: f64) {
+        let in_shocks = self.taken_in_shocks();
+        if in_shocks == 0.0 {
+            self.lost_to_fans += lost;
+            return;
+        }
+        let taken = self.taken_by_filter().max(in_shocks);
+        for block in &mut self.blocks {
+            block.note_lost_in_shocks(lost * block.shock_loss.dissipated() / taken);
+        }
+        self.lost_to_fans += lost * (1.0 - in_shocks / taken);
     }
 
     fn impose_at_joint(&mut self, left: &StartingFan, right: &StartingFan) {
@@ -154,7 +169,7 @@ impl Leapfrog {
             for fan in [left, right] {
                 made.add(self.impose(fan, shift));
             }
-            self.lost_to_fans -= made.energy;
+            self.note_lost(-made.energy);
             shift = -made.impulse / made.mass;
         }
     }

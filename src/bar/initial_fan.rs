@@ -58,8 +58,10 @@ pub struct InitialFan {
     pub shock: bool,
     /// Velocity of the bar ahead, m/s.
     pub velocity_ahead: f64,
-    /// When it starts, s: 0 but for a gap that closes first. The times below count from then on.
+    /// When it starts, s: 0 but for a gap that closes first, or a wave. The times below count from then on.
     pub from: f64,
+    /// The segment through which an elastic wave comes that starts it, if one does.
+    pub wave_through: Option<usize>,
     /// The largest imposed value holds from t = 0 on and never changes.
     pub sudden: bool,
     /// First time at which the driving value falls back (or is released), s; infinite where it never does.
@@ -98,6 +100,11 @@ impl InitialFan {
         2.0 * slowest / (c0 * c0 + slowest * slowest)
     }
 
+    /// Stress ahead of it, Pa.
+    pub fn stress_ahead(&self) -> f64 {
+        self.fan.edges.first().map_or(0.0, |edge| self.sense.sign() * edge.stress_ahead)
+    }
+
     /// Stress (Pa) and velocity (m/s) behind it; none above the critical velocity or beyond the data of the curve.
     pub fn state_behind(&self) -> Option<[f64; 2]> {
         let known = !self.fan.above_critical && !self.fan.beyond_data;
@@ -121,7 +128,8 @@ pub fn initial_fans(bar: &Bar, left: &EndCondition, right: &EndCondition) -> Vec
     }
     all.extend(from_end(right, Origin::Right, bar.length(), last, &bar.segments[last]));
     let [at_left, at_right] = [0, last].map(|k| bar.segments[k].velocity);
-    let alone = all.len() == 1 && !acts_without_fan(left, 1.0, at_left) && !acts_without_fan(right, -1.0, at_right);
+    let acts = acts_without_fan(left, 1.0, at_left) || acts_without_fan(right, -1.0, at_right);
+    let alone = all.len() == 1 && !acts && !closes_later(bar);
     for fan in &mut all {
         fan.alone = alone;
     }
@@ -151,18 +159,33 @@ fn at_gap(bar: &Bar, ends: [&EndCondition; 2]) -> Option<Vec<InitialFan>> {
     if acts || fans.iter().any(|fan| fan.origin != origin) {
         return None;
     }
-    let (gap, closing) = match origin {
-        Origin::Left => (wall_gap(ends[0])?, left.abs()),
-        Origin::Right => (wall_gap(ends[1])?, right.abs()),
-        Origin::Joint(k) => {
-            let Joint::Contact { gap } = bar.segments[k].joint else { return None };
-            (gap, bar.segments[k].velocity - bar.segments[k + 1].velocity)
-        }
-    };
+    let from = gap_closes(bar, ends, origin)?;
     for fan in &mut fans {
-        fan.from = gap / closing;
+        fan.from = from;
     }
     Some(fans)
+}
+
+/// When a gap closes if both sides move as at t = 0, s; none where there is none, or it does not close.
+pub(crate) fn gap_closes(bar: &Bar, ends: [&EndCondition; 2], origin: Origin) -> Option<f64> {
+    let velocity = |k: usize| bar.segments[k].velocity;
+    let (gap, closing) = match origin {
+        Origin::Left => (wall_gap(ends[0])?, -velocity(0)),
+        Origin::Right => (wall_gap(ends[1])?, velocity(bar.segments.len() - 1)),
+        Origin::Joint(k) => {
+            let Joint::Contact { gap } = bar.segments[k].joint else { return None };
+            (gap, velocity(k) - velocity(k + 1))
+        }
+    };
+    (closing > 0.0).then(|| gap / closing)
+}
+
+/// A gap of a joint closes before any wave has come to it.
+fn closes_later(bar: &Bar) -> bool {
+    let closes = |pair: &[Segment]| {
+        matches!(pair[0].joint, Joint::Contact { gap } if gap > 0.0) && pair[0].velocity > pair[1].velocity
+    };
+    bar.segments.windows(2).any(closes)
 }
 
 fn wall_gap(end: &EndCondition) -> Option<f64> {
@@ -208,6 +231,7 @@ fn from_end(end: &EndCondition, origin: Origin, x: f64, segment: usize, at: &Seg
         fan,
         velocity_ahead: at.velocity,
         from: 0.0,
+        wave_through: None,
         sudden: imposed.sudden,
         loads_until: imposed.loads_until,
         holds_until: imposed.holds_until,
@@ -336,6 +360,7 @@ fn from_joint(k: usize, x: f64, left: &Segment, right: &Segment) -> Vec<InitialF
                 fan,
                 velocity_ahead: at.velocity,
                 from: 0.0,
+                wave_through: None,
                 sudden: true,
                 loads_until: f64::INFINITY,
                 holds_until: f64::INFINITY,

@@ -18,6 +18,7 @@ pub use hertz::Hertz;
 pub use history::{History, RowFault};
 pub use initial::{Distribution, Initial, InitialProfile};
 pub(crate) use initial_fan::acts_without_fan;
+pub(crate) use initial_fan::gap_closes;
 pub use initial_fan::{Driver, InitialFan, Origin, first_fans, initial_fans};
 pub use joint::Joint;
 pub use sudden_load::SuddenLoad;

@@ -21,7 +21,7 @@ impl SuddenLoads {
     /// Of a bar with these first fans, the segments of which have cells of these lengths, m.
     pub fn new(bar: &Bar, fans: &[InitialFan], dx: &[f64]) -> Self {
         let load = |fan: &InitialFan| behind(fan, bar, dx[fan.segment]);
-        let end = |origin: Origin| fans.iter().find(|fan| fan.origin == origin).and_then(load);
+        let end = |origin: Origin| fans.iter().filter(|fan| fan.origin == origin).find_map(load);
         let joint = |k: usize| {
             let both = || fans.iter().filter(|fan| fan.origin == Origin::Joint(k));
             let known = both().map(|fan| known_until(fan, bar)).fold(f64::INFINITY, f64::min);

@@ -11,6 +11,7 @@ mod companion;
 mod estimate;
 mod geometry;
 mod impact;
+mod joint_rows;
 mod limits;
 mod output;
 mod resume;

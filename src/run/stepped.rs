@@ -6,6 +6,7 @@ use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
 use super::accuracy;
+use super::joint_rows::JointRows;
 use super::limits::AtLimit;
 use super::{Progress, RunRecorder, RunResults, Task, flow_both_ways, twisted};
 use crate::accuracy::GridListener;
@@ -70,6 +71,7 @@ struct Run<'a, S> {
     steps: usize,
     frames: Frames,
     traces: Traces,
+    joints: JointRows,
     ledger: Ledger,
     tracker: FrontTracker,
     audit: Audit,
@@ -131,7 +133,8 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
         };
         let twisted = twisted(scene, sampling.x());
         let frames = Frames::new(scene.record.times.clone(), scene.record.fields.clone(), sampling).twisted(twisted);
-        let places = super::history_places(scene);
+        let joints = JointRows::new(&scene.bar, bar.grid(), super::joint_places(scene));
+        let places = scene.record.gauge_places().into_iter().chain(joints.places()).collect();
         let mut recorder = RunRecorder::open(scene, target, frames.x().to_vec(), "", started)?;
         let sudden = bar.sudden_loads();
         recorder.tally.start_under(&sudden, &scene.bar);
@@ -151,6 +154,7 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
             progress,
             steps,
             traces,
+            joints,
             ledger: recorder.ledger(&bar),
             watched: Sampling::at(bar.grid(), audit.places().to_vec()),
             audit,
@@ -253,7 +257,8 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
     }
 
     fn write_traces(&mut self) -> Result<()> {
-        let (gauges, ends) = self.traces.take();
+        let (mut gauges, ends) = self.traces.take();
+        self.joints.join(&mut gauges);
         if let Some(listener) = &mut self.listener {
             listener.hear(&gauges, &ends);
         }

@@ -8,6 +8,9 @@ use crate::wave::similarity::Edge;
 /// Velocities of two sides of a joint that differ by this part of their jumps are one.
 const TOGETHER: f64 = 1e-9;
 
+/// Part of a step after one by which a wave arrives with it.
+const SAME_STEP: f64 = 1e-6;
+
 /// A front of a fan.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 struct Front {
@@ -63,6 +66,8 @@ pub struct StartingFan {
     ramp: f64,
     /// When it starts, s.
     pub from: f64,
+    /// A wave from elsewhere in the bar starts it.
+    by_wave: bool,
     /// The first step at the end of which it is imposed, and those up to which it is, and up to which it is known.
     first: usize,
     steps: usize,
@@ -84,9 +89,10 @@ impl StartingFan {
         let slowest = fan.edges.last().filter(|edge| (at_joint || !elastic(edge)) && edge.speed > 0.0)?;
         let wanted = if elastic(slowest) { 0.0 } else { (START_CELLS * dx / (slowest.speed * dt)).ceil() };
         let possible = (initial_fan.known_until(dx * cells as f64) / dt).floor() - 1.0;
-        // A gap closes within a step, which the scheme takes.
-        let first = if initial_fan.from > 0.0 { (initial_fan.from / dt).floor() + 1.0 } else { 0.0 };
-        let mut ahead = [initial_fan.velocity_ahead, 0.0];
+        // The step within which a gap closes is part of it; that within which a wave arrives is the scheme's.
+        let started = initial_fan.from / dt;
+        let first = if initial_fan.wave_through.is_some() { (started - SAME_STEP).ceil() } else { started.floor() };
+        let mut ahead = [initial_fan.velocity_ahead, initial_fan.stress_ahead()];
         let fronts = fan.edges.iter().map(|edge| {
             let rise = initial_fan.sense.sign() * (edge.stress_behind - edge.stress_ahead);
             let jump = -initial_fan.direction * initial_fan.sense.sign() * edge.velocity_jump();
@@ -110,6 +116,7 @@ impl StartingFan {
             impedance: density * wave_speed * wave_speed * relief,
             ramp: ramp * dx,
             from: initial_fan.from,
+            by_wave: initial_fan.wave_through.is_some(),
             first: first as usize,
             steps: (first + wanted.min(possible).max(0.0)) as usize,
             known: (first + possible.max(0.0)) as usize,
@@ -147,23 +154,23 @@ impl StartingFan {
         (self.first..self.steps).contains(&step)
     }
 
-    /// Mean velocity (m/s) and stress (Pa) at its origin over the step of `dt` (s) in which it starts, unless that is at the beginning.
+    /// Mean velocity (m/s) and stress (Pa) at its origin over the step of `dt` (s) in which a gap closes and it starts.
     pub fn starts_within(&self, step: usize, dt: f64) -> Option<[f64; 2]> {
         let part = (step + 1) as f64 - self.from / dt;
         let ahead = self.velocity_ahead();
         let mean = [ahead + part * (self.velocity_behind - ahead), part * self.stress];
-        (step + 1 == self.first && self.first < self.steps).then_some(mean)
+        (!self.by_wave && self.from > 0.0 && step == self.first && self.first < self.steps).then_some(mean)
     }
 
-    /// Times, in steps, at which some of these are imposed.
-    pub fn steps(fans: &[Self]) -> std::ops::Range<usize> {
-        let until = fans.iter().map(|fan| fan.steps).max().unwrap_or(0);
-        fans.iter().map(|fan| fan.first).min().unwrap_or(0)..until
+    /// The first step, this one or a later one, at the end of which one of these is imposed.
+    pub fn next_step(fans: &[Self], step: usize) -> Option<usize> {
+        fans.iter().filter(|fan| step < fan.steps && fan.first < fan.steps).map(|fan| fan.first.max(step)).min()
     }
 
-    /// How far its first front gets within `time` (s) of its start, m.
+    /// How far its fronts, as spread over ramps, get within `time` (s) of its start, m.
     pub fn reach(&self, time: f64) -> f64 {
-        self.fronts[0].speed * time
+        let spread = |front: &Front| if front.elastic { 0.0 } else { 0.5 * self.ramp };
+        self.fronts.iter().map(|front| front.speed * time + spread(front)).fold(0.0, f64::max)
     }
 
     /// +1 where it runs in +x, -1 in -x.
@@ -247,6 +254,7 @@ mod tests {
             shock: false,
             velocity_ahead: 0.0,
             from: 0.0,
+            wave_through: None,
             sudden: true,
             loads_until: f64::INFINITY,
             holds_until: f64::INFINITY,

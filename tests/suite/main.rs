@@ -43,6 +43,7 @@ mod interrupted_estimates;
 mod invert;
 mod joints;
 mod kinematic;
+mod later_loads;
 mod laws;
 mod magnitudes;
 mod material_files;

@@ -137,6 +137,9 @@ impl Filter {
     }
 }
 
+/// Of a velocity difference, what of its neighbours' is none: elastic fronts stay sharp however small the ripples beside them.
+const RIPPLES: f64 = 1e-5;
+
 /// How much of a velocity difference the lesser of its neighbours' supports.
 const SUPPORT: f64 = 2.0;
 
@@ -327,16 +330,16 @@ fn seen_from([left, w, right]: [f64; 3]) -> (f64, f64, [f64; 2]) {
     (sense, w.abs(), [sense * left, sense * right])
 }
 
-/// A difference has the other sign than both its neighbours.
+/// A difference of this size has the other sign than both its neighbours, which are not ripples beside a sharp front.
 #[inline(always)]
-fn alternates([left, right]: [f64; 2], filter: Filter) -> bool {
-    larger(left, right) < -filter.rounding
+fn alternates(size: f64, [left, right]: [f64; 2], filter: Filter) -> bool {
+    larger(left, right) < -larger(filter.rounding, RIPPLES * size)
 }
 
 /// The odd-even part of a difference of this size.
 #[inline(always)]
 fn alternating(size: f64, neighbours: [f64; 2], filter: Filter) -> f64 {
-    if alternates(neighbours, filter) { filter.zigzag * size } else { 0.0 }
+    if alternates(size, neighbours, filter) { filter.zigzag * size } else { 0.0 }
 }
 
 /// The part of the size of a velocity difference that exceeds the mean of its neighbours', in a cell that `rings`. (Only what makes it smaller:
@@ -407,7 +410,7 @@ fn find_shocks<const FLOWS: bool>(w: &[f64], row: &Cells<'_>, filter: Filter, im
             [alternating(size, neighbours, filter), 0.0]
         };
         let ringing = ringing(w, have_flowed[i] > 0 && !(FLOWS && flow[i] != 0), filter);
-        let most = if alternates(neighbours, filter) { filter.alternating } else { LARGEST_SHARE };
+        let most = if alternates(size, neighbours, filter) { filter.alternating } else { LARGEST_SHARE };
         impulses[i] = lesser(ripples + viscous + ringing, most * size).copysign(here[i]);
         bits |= impulses[i].to_bits();
     }

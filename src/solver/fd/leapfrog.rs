@@ -191,14 +191,15 @@ impl Leapfrog {
         if !self.sweeps() {
             return (0..steps).for_each(|_| self.advance_together());
         }
-        let (end, starting) = (self.step + steps, StartingFan::steps(&self.fans));
+        let end = self.step + steps;
         while self.step < end {
             let next = self.step + 1;
-            if starting.contains(&next) {
+            let imposed = StartingFan::next_step(&self.fans, next);
+            if imposed == Some(next) {
                 self.advance_together();
                 continue;
             }
-            let undisturbed = if next < starting.start { end.min(starting.start - 1) } else { end };
+            let undisturbed = imposed.map_or(end, |imposed| end.min(imposed - 1));
             let (parts, depth) = self.division();
             let now = depth.min(undisturbed - self.step);
             self.whole().sweep(now, parts);
@@ -228,7 +229,7 @@ impl Leapfrog {
         if let Some(nodes) = &mut self.implicit {
             nodes.take_filtered(&self.blocks);
         }
-        if StartingFan::steps(&self.fans).contains(&self.step) {
+        if StartingFan::next_step(&self.fans, self.step) == Some(self.step) {
             self.impose_fans();
         }
         self.whole().note_all();

@@ -165,7 +165,7 @@ impl Leapfrog {
         // Once as the fans are, and once more with the velocity that gives the impulse of that back.
         let mut shift = 0.0;
         for _ in 0..2 {
-            let mut made = self.impose_on_joint(right, shift);
+            let mut made = self.impose_on_joint([left, right], shift);
             for fan in [left, right] {
                 made.add(self.impose(fan, shift));
             }
@@ -174,22 +174,23 @@ impl Leapfrog {
         }
     }
 
-    /// Impulse and energy of the nodes at the joint from which `fan` runs to the right, as [`Self::impose`].
-    fn impose_on_joint(&mut self, fan: &StartingFan, shift: f64) -> Imposed {
-        let dt = self.grid.dt;
-        let Some(right) = self.blocks.iter().position(|block| block.segment == fan.segment) else {
+    /// Impulse and energy of the nodes at the joint between two fans, as [`Self::impose`].
+    fn impose_on_joint(&mut self, fans: [&StartingFan; 2], shift: f64) -> Imposed {
+        let (time, dt) = (self.time() - fans[0].from, self.grid.dt);
+        let velocities = fans.map(|fan| fan.means(0.0, time, dt)[0] + shift);
+        let Some(right) = self.blocks.iter().position(|block| block.segment == fans[1].segment) else {
             return Imposed::default();
         };
         let (mut imposed, edge) = (Imposed::default(), right - 1);
         if let Some(contact) = self.contacts.iter_mut().find(|contact| contact.edge == edge) {
-            let changes = [0, 1].map(|side| fan.velocity_behind + shift - contact.velocities(side)[1]);
+            let changes = [0, 1].map(|side| velocities[side] - contact.velocities(side)[1]);
             for side in [0, 1] {
                 imposed.note(contact.mass(side, dt), changes[side], 1.0);
             }
             imposed.energy += contact.impose(changes, dt);
         } else {
             let node = &mut self.edges[edge];
-            let change = fan.velocity_behind + shift - node.after;
+            let change = velocities[1] - node.after;
             imposed.note(node.mass, change, 1.0);
             imposed.energy += node.impose(change);
         }
@@ -235,7 +236,8 @@ impl Leapfrog {
             // The edge beyond it, where that is inside the segment.
             let edge = if fan.side == 0 { k } else { k.wrapping_sub(1) };
             let beyond = if fan.side == 0 { self.blocks[k].cells.end } else { self.blocks[k].cells.start };
-            let inside = part.cells.start < beyond && beyond < part.cells.end;
+            let inside =
+                part.cells.start < beyond && beyond < part.cells.end && end_node.abs_diff(beyond) < nodes_reached;
             if let Some(edge) = self.edges.get_mut(edge).filter(|_| inside) {
                 let change = change(distance(beyond), edge.after);
                 imposed.note(edge.mass, change, weight(distance(beyond)));

@@ -16,6 +16,7 @@ mod front_segments;
 mod interaction;
 mod joint_clock;
 mod known_limits;
+mod later_fans;
 mod limits;
 mod list;
 mod merge_fronts;

@@ -220,7 +220,9 @@ impl Muscl {
 
     /// Gives blocks what goes through the faces inside fans.
     fn fill_fans(&mut self) {
-        if self.step > StartingFan::steps(&self.fans).end {
+        // One step more, in which they are cleared.
+        let last = self.step.saturating_sub(1);
+        if StartingFan::next_step(&self.fans, last).is_none_or(|next| next > self.step) {
             return;
         }
         self.blocks.iter_mut().for_each(|block| block.inside_fan.clear());

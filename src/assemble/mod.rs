@@ -1,5 +1,7 @@
 //! Selection of the types of a scene: which law, in which form, for which segment. The only place that does this.
 
+mod sudden_fans;
+
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -56,7 +58,7 @@ pub fn leapfrog(scene: &Scene, cells: usize, cfl: f64) -> Leapfrog {
         Leapfrog::with_along(&scene.bar, grid, laws, ends.clone(), &along).starting_with(&ends, &[], at_once)
     } else {
         let (fans, sudden) = if follows_curves(scene) {
-            let fans = first_fans(&scene.bar, &ends[0], &ends[1]);
+            let fans = sudden_fans(scene, &grid);
             let sudden = sudden_loads(scene, &fans, &grid);
             (fans, sudden)
         } else {
@@ -82,12 +84,26 @@ pub fn muscl(scene: &Scene, cells: usize, cfl: f64) -> Muscl {
     let grid = Grid::new(&scene.bar, cells, cfl);
     let laws = scene.bar.segments.iter().map(|s| segment_law(s, &scene.effects)).collect();
     let media = scene.bar.segments.iter().map(|s| medium(s, &scene.effects)).collect();
-    let fans = first_fans(&scene.bar, &scene.left, &scene.right);
+    let fans = sudden_fans(scene, &grid);
     let sudden = sudden_loads(scene, &fans, &grid);
     let ends = [scene.left.clone(), scene.right.clone()];
     let bar = Muscl::new(&scene.bar, grid, laws, media, ends);
     let bar = if follows_curves(scene) { bar.starting_with(&fans) } else { bar };
     bar.under_sudden_loads(sudden)
+}
+
+/// Events in which front tracking looks for fans that start later.
+const EVENTS: u64 = 1000;
+
+/// The fans that ends and joints start with, and those that start there later.
+fn sudden_fans(scene: &Scene, grid: &Grid) -> Vec<InitialFan> {
+    let first = first_fans(&scene.bar, &scene.left, &scene.right);
+    if !follows_curves(scene) || !sudden_fans::can_be_tracked(scene) {
+        return first;
+    }
+    let settings = Settings { event_budget: EVENTS, front_segments: true, ..Settings::default() };
+    let later = front_tracking(scene, settings).later_fans(scene.solve.until);
+    sudden_fans::with_later(first, &later, scene, grid)
 }
 
 fn sudden_loads(scene: &Scene, fans: &[InitialFan], grid: &Grid) -> SuddenLoads {

@@ -1,0 +1,144 @@
+//! Fans that start at ends and joints when gaps close or waves come to them, for schemes on a grid.
+
+use std::collections::BTreeMap;
+
+use super::{FrontSegment, FrontTracking, Stopped};
+use crate::bar::{Driver, InitialFan, Origin};
+use crate::material::Sense;
+use crate::wave::similarity::{Edge, Fan};
+
+/// Fronts closer in speed to elastic waves than this part are such waves.
+const SAME_SPEED: f64 = 1e-9;
+
+/// Part of the length of the bar within which a front has reached a place.
+const SAME_PLACE: f64 = 1e-9;
+
+/// What happens at an end or a joint at a moment: numbers of the fronts.
+#[derive(Debug, Default)]
+struct Visit {
+    arrive: Vec<usize>,
+    leave: Vec<usize>,
+}
+
+/// Visits by time, s (numbers >= 0 are in the order of their bits), and place: the left end of a segment, or the right end of the bar.
+type Visits = BTreeMap<(u64, usize), Visit>;
+
+impl FrontTracking {
+    /// Follows the bar up to `until` (s), or as far as its event budget goes, and returns the first plastic fan that starts at each end and
+    /// joint after t = 0, as long as only elastic waves of loads, not of plastic fronts, have come there: those are sharp on a grid.
+    /// For settings that keep the front segments.
+    pub fn later_fans(mut self, until: f64) -> Vec<InitialFan> {
+        if !matches!(self.advance_to(until), Ok(()) | Err(Stopped::EventBudget { .. })) {
+            return Vec::new();
+        }
+        let mut fronts = self.take_front_segments();
+        fronts.extend(self.living_front_segments());
+        let visits = self.visits(&fronts);
+        let (mut is_sharp, mut found) = (vec![false; fronts.len()], vec![None; self.segments() + 1]);
+        let mut only_sharp = vec![true; found.len()];
+        for (&(time, place), visit) in &visits {
+            only_sharp[place] &= visit.arrive.iter().all(|&k| is_sharp[k]);
+            if !only_sharp[place] {
+                continue;
+            }
+            for &k in &visit.leave {
+                is_sharp[k] = self.is_elastic(&fronts[k]);
+            }
+            if time > 0 && found[place].is_none() && !visit.leave.iter().all(|&k| is_sharp[k]) {
+                let later =
+                    visits.range((time + 1, 0)..).find(|((_, other), next)| *other == place && !next.leave.is_empty());
+                let next = later.map_or(self.now, |((time, _), _)| f64::from_bits(*time));
+                found[place] = Some(self.fans(place, visit, &fronts, next));
+            }
+        }
+        found.into_iter().flatten().flatten().collect()
+    }
+
+    fn visits(&self, fronts: &[FrontSegment]) -> Visits {
+        let places: Vec<f64> = (0..=self.segments()).map(|place| self.list.get(place as u32).x).collect();
+        let near = SAME_PLACE * places[self.segments()];
+        let place_at = |x: f64| places.iter().position(|place| (place - x).abs() <= near);
+        let mut visits = Visits::new();
+        // What ended as it started was part of an answer at that moment.
+        for (k, front) in fronts.iter().enumerate().filter(|(_, front)| front.t[1] > front.t[0]) {
+            let [from, to] = front.t.map(f64::to_bits);
+            if let Some(place) = places.iter().position(|&place| place == front.x[0]) {
+                visits.entry((from, place)).or_default().leave.push(k);
+            }
+            if let Some(place) = place_at(front.x[1]) {
+                visits.entry((to, place)).or_default().arrive.push(k);
+            }
+        }
+        visits
+    }
+
+    /// The fans of a visit into both sides; none where waves come from both. Nothing else starts there before `next` (s).
+    fn fans(&self, place: usize, visit: &Visit, fronts: &[FrontSegment], next: f64) -> Vec<InitialFan> {
+        let leaving: Vec<&FrontSegment> = visit.leave.iter().map(|&k| &fronts[k]).collect();
+        let through = visit.arrive.first().map(|&k| fronts[k].segment);
+        if visit.arrive.iter().any(|&k| Some(fronts[k].segment) != through) {
+            return Vec::new();
+        }
+        let until = leaving.iter().map(|front| front.t[1]).fold(next, f64::min);
+        let origin = match place {
+            0 => Origin::Left,
+            _ if place == self.segments() => Origin::Right,
+            _ => Origin::Joint(place - 1),
+        };
+        let sides = [place.checked_sub(1).map(|segment| (segment, -1.0)), Some((place, 1.0))];
+        let sides = sides.into_iter().flatten().filter(|&(segment, _)| segment < self.segments());
+        let fan = |(segment, direction): (usize, f64)| {
+            let (from, x) = (leaving.first()?.t[0], self.list.get(place as u32).x);
+            let mut here: Vec<&FrontSegment> =
+                leaving.iter().filter(|front| front.segment == segment).copied().collect();
+            here.sort_by(|a, b| speed(b).total_cmp(&speed(a)));
+            let [ahead, behind] = [here.first()?.ahead, here.last()?.behind];
+            let sense = Sense::of(behind.stress - ahead.stress);
+            let edges: Vec<Edge> = here.iter().map(|front| self.edge(front, sense)).collect();
+            let last = *edges.last()?;
+            Some(InitialFan {
+                origin,
+                x,
+                segment,
+                direction,
+                sense,
+                shock: last.is_shock(self.materials[segment].branch(sense)),
+                fan: Fan {
+                    edges,
+                    strain: last.strain_behind,
+                    stress: last.stress_behind,
+                    velocity: (behind.velocity - ahead.velocity).abs(),
+                    above_critical: false,
+                    beyond_data: false,
+                },
+                velocity_ahead: ahead.velocity,
+                from,
+                wave_through: through,
+                sudden: false,
+                loads_until: f64::INFINITY,
+                holds_until: until - from,
+                driver: Driver::Velocity,
+                alone: true,
+            })
+        };
+        sides.map(fan).collect::<Option<_>>().unwrap_or_default()
+    }
+
+    fn is_elastic(&self, front: &FrontSegment) -> bool {
+        let medium = &self.media[front.segment];
+        speed(front) >= (medium.modulus / medium.density).sqrt() * (1.0 - SAME_SPEED)
+    }
+
+    fn edge(&self, front: &FrontSegment, sense: Sense) -> Edge {
+        let medium = &self.media[front.segment];
+        let sides = [front.ahead, front.behind];
+        let [strain_ahead, strain_behind] = sides.map(|point| sense.sign() * medium.strain(&point));
+        let [stress_ahead, stress_behind] = sides.map(|point| sense.sign() * point.stress);
+        let speed = ((stress_behind - stress_ahead) / (medium.density * (strain_behind - strain_ahead))).sqrt();
+        Edge { strain_ahead, strain_behind, stress_ahead, stress_behind, speed }
+    }
+}
+
+fn speed(front: &FrontSegment) -> f64 {
+    ((front.x[1] - front.x[0]) / (front.t[1] - front.t[0])).abs()
+}

@@ -29,8 +29,8 @@ impl FrontTracking {
     pub(super) fn merge_fronts(&mut self) {
         let mut scratch = std::mem::take(&mut self.merging.scratch);
         let energy = self.spread_out(&mut scratch);
-        let Unshown { plastic, heat } = self.booked.unshown;
-        self.merging.start(energy, plastic + heat);
+        let Unshown { plastic, heat, against } = self.booked.unshown;
+        self.merging.start(energy, plastic + heat + against);
         let mut start = 0;
         while start + 1 < scratch.ids.len() {
             let end = (start + 1..scratch.ids.len() - 1)
@@ -134,26 +134,29 @@ impl FrontTracking {
 }
 
 impl FrontTracking {
-    /// Plastic work that a front has done since its start and that the work behind it does not show, J. The mean of two waves
-    /// has their mean work, but the work of a jump goes with the square of its height: of a wave that rises evenly and becomes one front, the
-    /// mean is more than the front does.
-    fn unshown(&self, node: &Node) -> f64 {
+    /// Adds the plastic work that a front, which may be a mean, has done since its start and that the work behind it does not show. The mean
+    /// of two waves has their mean work, but the work of a jump goes with the square of its height: of a wave that rises evenly and becomes one
+    /// front, the mean is more than the front does. Merging of waves of other kinds may even bring it to a stress of the other sign. What it
+    /// gives as it runs on is no plastic work, since no material flows against its stress less its back stress.
+    fn add_unshown(&self, node: &Node, sum: &mut Unshown) {
+        if node.kind != Kind::Front || !self.merging.is_on() {
+            return;
+        }
         let (left, right) = (self.list.get(node.prev).right, node.right);
         let (ahead, behind) = if node.speed > 0.0 { (right, left) } else { (left, right) };
         let medium = &self.media[node.segment as usize];
         let flow = (behind.plastic - ahead.plastic) / medium.modulus;
-        let work = 0.5 * (ahead.stress + behind.stress) * flow - (behind.work - ahead.work);
-        work * medium.area * node.speed.abs() * (self.now - node.t)
-    }
-
-    /// That, where the front may be a mean.
-    fn add_unshown(&self, node: &Node, sum: &mut Unshown) {
-        if node.kind == Kind::Front && self.merging.is_on() {
-            let work = self.unshown(node);
-            let heats = self.heating(node.segment as usize).map_or(0.0, |heating| heating.fraction);
-            sum.plastic += (1.0 - heats) * work;
-            sum.heat += heats * work;
-        }
+        let (stress, back) = (0.5 * (ahead.stress + behind.stress), 0.5 * (ahead.back + behind.back));
+        let against = match medium.flow {
+            Flow::Plastic { .. } => ((stress - back) * flow).min(0.0),
+            Flow::PathIndependent | Flow::Overlay => 0.0,
+        };
+        let passed = |per_volume: f64| per_volume * medium.area * node.speed.abs() * (self.now - node.t);
+        let work = passed(stress * flow - against - (behind.work - ahead.work));
+        let heats = self.heating(node.segment as usize).map_or(0.0, |heating| heating.fraction);
+        sum.plastic += (1.0 - heats) * work;
+        sum.heat += heats * work;
+        sum.against += passed(against);
     }
 
     /// Books it, before the front goes or changes.

@@ -17,8 +17,9 @@ pub struct Balance {
     pub heat: f64,
     /// Work taken at single points where a level curve keeps the velocities apart.
     pub concentrated: f64,
-    /// Energy that the scheme has taken: the spread of what the thinning of waves averages, what the steps of bodies at the ends do
-    /// not resolve, and what rounding of places and the bringing of near fronts to one point took.
+    /// Energy that the scheme has taken: the spread of what the thinning of waves averages, less what fronts give that it has brought to flow
+    /// against their stress; what the steps of bodies at the ends do not resolve; and what rounding of places and the bringing of near fronts
+    /// to one point took.
     pub thinned: f64,
     /// Momentum, positive in +x.
     pub momentum: f64,
@@ -40,12 +41,12 @@ impl Balance {
 impl FrontTracking {
     /// Energies, momentum and what came in through the ends, now.
     pub fn balance(&self) -> Balance {
-        let Unshown { plastic, heat } = self.all_unshown();
+        let Unshown { plastic, heat, against } = self.all_unshown();
         let mut sum = Balance {
             plastic,
             heat,
             concentrated: self.booked.concentrated,
-            thinned: self.merging.energy - self.booked.shifted.energy,
+            thinned: self.merging.energy + against - self.booked.shifted.energy,
             shifted: self.booked.shifted.momentum,
             ..Balance::default()
         };

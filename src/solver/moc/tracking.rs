@@ -32,11 +32,14 @@ pub(super) struct Scratch {
     pub sent_right: Vec<Emitted>,
 }
 
-/// Plastic work that is not that of a state, J.
+/// Work of fronts that is not that of a state, J.
 #[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
 pub(super) struct Unshown {
+    /// Plastic work that did not turn into heat.
     pub plastic: f64,
     pub heat: f64,
+    /// Of flow against the stress, to which merging has brought a front: <= 0, and the scheme's.
+    pub against: f64,
 }
 
 /// What nodes that are gone leave in the accounts.
@@ -44,7 +47,7 @@ pub(super) struct Unshown {
 pub(super) struct Booked {
     /// Work taken at single points, J.
     pub concentrated: f64,
-    /// Plastic work of fronts that the states behind them do not show, and what of it turned into heat, J.
+    /// Work of fronts that the states behind them do not show, J.
     pub unshown: Unshown,
     pub shifted: Shifted,
     pub opened: Openings,

@@ -1262,3 +1262,40 @@ fn strain_that_gathers_at_an_end_gives_back_what_the_back_stress_stored() {
     let figures = followed(&text(&bar(short).replace("0.19", "0.0775"), left, "hardening = { mixed = 0.75 }", solve));
     assert!(figures.gathers);
 }
+
+/// Before a load that is yet to come the front tolerance is relative to that load already, and merging leaves little of weak waves. It brought a
+/// plastic front among them to a stress of the other sign, where the front flowed on: 1.5 % of all energy was plastic work that was taken back.
+#[test]
+fn merged_waves_take_no_plastic_work_back() {
+    let text = r#"
+[[bar.segment]]
+length = 0.0925
+area = 1e-4
+material = { density = 4550, modulus = "120 GPa", beyond = "extend", curve = { table = [[6.02e-4, 7.224e7], [9.45e-3, 1.104e9]] } }
+[[bar.segment]]
+length = 0.135
+area = 1.1e-4
+material = { density = 6100, modulus = "120 GPa", beyond = "extend", curve = { table = [[0.1, 1.2e10]] } }
+[left]
+kind = "free"
+[right]
+kind = "velocity"
+history = [[0, -3.54], [5.9e-7, 3.8], [5.9e-7, 0], [1e-4, 0], [1e-4, -40]]
+[effects]
+hardening = "isotropic"
+[solve]
+until = 5e-5
+method = "moc"
+front-tolerance = 1e-2
+"#;
+    let scene = scene(text);
+    let settings = Settings { front_tolerance: 1e-2, ..Settings::default() };
+    let (mut bar, mut before) = (assemble::front_tracking(&scene, settings), 0.0);
+    for look in 1..=100 {
+        bar.advance_to(scene.solve.until * f64::from(look) / 100.0).unwrap_or_else(|e| panic!("{e}"));
+        let now = bar.balance();
+        assert!(now.plastic >= before - 1e-9 * now.total(), "{before:e} to {:e} of {:e} J", now.plastic, now.total());
+        before = now.plastic;
+    }
+    assert!(before > 0.0);
+}

@@ -23,7 +23,7 @@ impl FrontTracking {
         };
         let mut answer = self.answer_end(which, &bar, segment);
         if self.rupture.is_some() && self.breaks_at_end(which, (segment, bar, answer.behind), answer.short) {
-            self.ends[which].release();
+            self.break_off(which);
             answer = self.answer_stress(which, 0.0, &bar, segment);
         }
         self.note_limit(1 - which, segment, [&bar, &answer.behind], x);

@@ -126,15 +126,17 @@ impl Ord for Pair {
 
 impl FrontMerging {
     pub fn new(tolerance: f64, media: &[Medium], stress_scale: f64, length: f64) -> Self {
-        Self {
-            allowance: ALLOWANCE * tolerance * tolerance * stress_scale * length,
-            tolerance,
-            overstress: tolerance * stress_scale,
-            secant: media.iter().map(|m| secant(m, stress_scale)).collect(),
-            due_at_nodes: FEWEST,
-            due_at_events: EVENTS_A_NODE * FEWEST as u64,
-            ..Self::default()
-        }
+        let mut merging =
+            Self { tolerance, due_at_nodes: FEWEST, due_at_events: EVENTS_A_NODE * FEWEST as u64, ..Self::default() };
+        merging.relate_to(stress_scale, media, length);
+        merging
+    }
+
+    /// From now on merging is relative to this stress, Pa, on a bar of this length, m.
+    pub fn relate_to(&mut self, stress_scale: f64, media: &[Medium], length: f64) {
+        self.allowance = ALLOWANCE * self.tolerance * self.tolerance * stress_scale * length;
+        self.overstress = self.tolerance * stress_scale;
+        self.secant = media.iter().map(|m| secant(m, stress_scale)).collect();
     }
 
     /// Whether there is a tolerance.

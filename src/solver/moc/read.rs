@@ -61,6 +61,7 @@ impl FrontTracking {
 
     /// The stress to which tolerances are relative, Pa: the largest imposed or initial one, or the one at which the largest
     /// difference of the velocities imposed and initial meets the unstressed bar.
+    /// Merging is relative to less once an end has broken off with what it was still to impose.
     pub fn stress_scale(&self) -> f64 {
         self.stress_scale
     }

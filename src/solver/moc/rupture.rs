@@ -7,7 +7,8 @@
 use super::FrontTracking;
 use super::breaking::{Answer, strained};
 use super::joint_clock::Contact;
-use super::list::{Kind, Node};
+use super::list::{Kind, NONE, Node};
+use super::scale::stress_scale;
 use crate::law::rupture::{Rupture, Site};
 use crate::wave::riemann::{Path, Point};
 
@@ -67,6 +68,20 @@ impl FrontTracking {
             absorbed: criterion.absorbed(&place),
             bar_absorbed: now.elastic + now.plastic + now.heat,
         });
+    }
+
+    /// With an end breaks off all that it was still to impose: from now on merging is relative to what is in the bar and what the other end
+    /// imposes. Relative to a load that never comes, all that is left might be within the tolerance.
+    pub(super) fn break_off(&mut self, which: usize) {
+        self.ends[which].release();
+        self.loads[which] = None;
+        let pieces = self.list.iter().filter(|node| node.next != NONE);
+        let points: Vec<(usize, Point)> = pieces.map(|node| (node.segment as usize, node.right)).collect();
+        let scale = stress_scale(&points, &self.media, self.loads).min(self.stress_scale);
+        // Of a bar without any stress there is nothing to merge.
+        if scale > 0.0 {
+            self.merging.relate_to(scale, &self.media, self.list.get(self.end_nodes[1]).x);
+        }
     }
 
     /// Parts the bar at x, where nothing has been sent yet: from now on there are two faces.

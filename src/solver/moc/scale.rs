@@ -4,24 +4,27 @@ use crate::bar::ends::Face;
 use crate::bar::{EndCondition, History};
 use crate::wave::riemann::{Medium, Point, Side, Workspace, solve};
 
-/// See [`super::FrontTracking::stress_scale`].
-pub(super) fn stress_scale(starts: &[(usize, Point)], media: &[Medium], ends: [(&EndCondition, &Face); 2]) -> f64 {
-    let imposed = ends.map(|(condition, face)| imposed(condition, face));
-    let velocities = || starts.iter().map(|(_, start)| start.velocity).chain(imposed.iter().flat_map(|i| i.1));
+/// Largest stress (Pa) and the range of velocities (m/s, in +x) that an end imposes.
+pub(super) type Load = (f64, [f64; 2]);
+
+/// See [`super::FrontTracking::stress_scale`]: of a bar in these states, by segment, under these loads.
+pub(super) fn stress_scale(points: &[(usize, Point)], media: &[Medium], loads: [Option<Load>; 2]) -> f64 {
+    let loads = || loads.into_iter().flatten();
+    let velocities = || points.iter().map(|(_, point)| point.velocity).chain(loads().flat_map(|load| load.1));
     let range = velocities().fold(f64::MIN, f64::max) - velocities().fold(f64::MAX, f64::min);
     let mut work = Workspace::default();
-    let struck = starts.iter().map(|(k, start)| {
+    let struck = points.iter().map(|(k, point)| {
         let medium = &media[*k];
         let driver = Side::Straight { force: 0.0, velocity: -range, compliance: 0.0 };
-        let unstressed = Point { stress: 0.0, velocity: 0.0, ..*start };
+        let unstressed = Point { stress: 0.0, velocity: 0.0, ..*point };
         let stress = solve(driver, Side::Bar(medium, &unstressed), &mut work).force / medium.area;
-        stress.abs().max(start.stress.abs())
+        stress.abs().max(point.stress.abs())
     });
-    struck.fold(imposed[0].0.max(imposed[1].0), f64::max)
+    struck.fold(loads().map(|load| load.0).fold(0.0, f64::max), f64::max)
 }
 
-/// Largest stress (Pa) and the range of velocities (m/s, in +x) that an end imposes.
-fn imposed(condition: &EndCondition, face: &Face) -> (f64, [f64; 2]) {
+/// What an end imposes.
+pub(super) fn load(condition: &EndCondition, face: &Face) -> Load {
     let rest = face.inward * face.velocity;
     // What moves away from the end imposes nothing on it.
     let closing = |velocity: f64| (face.inward * velocity - face.velocity).max(0.0);

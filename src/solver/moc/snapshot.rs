@@ -36,8 +36,11 @@ impl Snapshot for FrontTracking {
             ruptures,
             ends,
         ) = unpack(saved)?;
-        for ((end, saved), site) in self.ends.iter_mut().zip(ends).zip([Site::Left, Site::Right]) {
-            end.restore(saved, ruptures.iter().any(|rupture| rupture.site == site));
+        let places = self.ends.iter_mut().zip(&mut self.loads).zip([Site::Left, Site::Right]);
+        for (((end, load), site), saved) in places.zip(ends) {
+            let broken_off = ruptures.iter().any(|rupture| rupture.site == site);
+            end.restore(saved, broken_off);
+            *load = load.filter(|_| !broken_off);
         }
         if let Some(breaking) = &mut self.rupture {
             breaking.found = ruptures;

@@ -16,7 +16,7 @@ use super::merging::FrontMerging;
 use super::nearness::{Nearness, SAME_STRESS};
 use super::openings::Openings;
 use super::place::Shifted;
-use super::scale::stress_scale;
+use super::scale::{Load, load, stress_scale};
 use super::{FrontSegment, Settings, Stopped};
 use crate::bar::{Bar, EndCondition, Segment};
 use crate::law::Table;
@@ -71,6 +71,8 @@ pub struct FrontTracking {
     pub(super) budget: u64,
     pub(super) nearness: Nearness,
     pub(super) stress_scale: f64,
+    /// What the left and the right end impose; none once it has broken off.
+    pub(super) loads: [Option<Load>; 2],
     pub(super) fronts: usize,
     pub(super) booked: Booked,
     pub(super) merging: FrontMerging,
@@ -102,7 +104,8 @@ impl FrontTracking {
         let starts: Vec<Vec<Start>> = bar.segments.iter().zip(&media).map(|(s, medium)| starts(s, medium)).collect();
         let outer = [starts[0][0].point, starts[last][starts[last].len() - 1].point];
         let faces = [face(1.0, outer[0].velocity, &media[0]), face(-1.0, outer[1].velocity, &media[last])];
-        let stress_scale = stress_scale(&all_points(&starts), &media, [(&ends[0], &faces[0]), (&ends[1], &faces[1])]);
+        let loads = [Some(load(&ends[0], &faces[0])), Some(load(&ends[1], &faces[1]))];
+        let stress_scale = stress_scale(&all_points(&starts), &media, loads);
         for medium in &mut media {
             medium.round_off = SAME_STRESS * stress_scale;
         }
@@ -134,6 +137,7 @@ impl FrontTracking {
             budget: settings.event_budget,
             nearness,
             stress_scale,
+            loads,
             fronts: 0,
             booked: Booked::default(),
             merging,

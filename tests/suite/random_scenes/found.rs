@@ -1299,3 +1299,38 @@ front-tolerance = 1e-2
     }
     assert!(before > 0.0);
 }
+
+/// The end breaks off at a tenth of its load, and waves were merged relative to the whole of it: within 1 % of that was all that was left in the
+/// bar, so that 88 % of the energy went, and the spall of the other end with it.
+#[test]
+fn a_load_that_breaks_off_no_longer_says_which_waves_are_merged() {
+    let text = r#"
+[[bar.segment]]
+length = 0.0925
+area = 1e-4
+material = { density = 4550, modulus = "120 GPa", beyond = "extend", curve = { table = [[6.02e-4, 7.224e7], [9.45e-3, 1.104e9]] } }
+[[bar.segment]]
+length = 0.135
+area = 1.1e-4
+material = { density = 6100, modulus = "120 GPa", beyond = "extend", curve = { table = [[0.1, 1.2e10]] } }
+[left]
+kind = "free"
+[right]
+kind = "velocity"
+history = [[0, -3.54], [2.24e-6, 24.3], [6.96e-6, 24.3], [6.96e-6, -37.4], [8.28e-5, -37.4]]
+[effects]
+hardening = "isotropic"
+rupture = { energy = 39200 }
+[solve]
+until = 6e-5
+method = "moc"
+front-tolerance = 1e-2
+[record]
+frames = 2
+"#;
+    let taken = followed(text).taken;
+    assert!(taken < 0.1, "{taken} of all energy");
+    let summary = run(&scene(text), None, &mut |_| ControlFlow::Continue(())).unwrap_or_else(|e| panic!("{e}"));
+    let places: Vec<f64> = summary.ruptures.iter().flatten().map(|rupture| rupture.x_m).collect();
+    assert!(places.len() == 2 && places[0] == 0.2275 && places[1] < 2e-3, "{places:?}");
+}

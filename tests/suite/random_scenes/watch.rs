@@ -154,10 +154,6 @@ fn follow_fronts(scene: &Scene, mut bar: FrontTracking, until: f64, failures: &m
         if bar.advance_to(until * f64::from(look) / f64::from(LOOKS)).is_err() {
             return watch.figures(&bar, &places[..], false);
         }
-        if bar.ruptures().first().is_some_and(|rupture| rupture.time == 0.0) {
-            // What was imposed there is gone, but tolerances are still relative to it.
-            watch.numerical = f64::INFINITY;
-        }
         watch.look(&bar, &places[..], failures);
         let Some(limits) = &limits else { continue };
         for piece in bar.pieces() {

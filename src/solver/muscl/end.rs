@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::block::Block;
-use super::face::{response, under};
+use super::face::{response, softness, under};
 use super::part::Part;
 use crate::bar::EndCondition;
 use crate::bar::ends::{self, Boundary, EndModel, Face, Push, Relation, Response, Step};
@@ -62,14 +62,12 @@ impl End {
 
     /// How the bar seems to go on beyond its end at `time`: stress, velocity and E times strain of a cell there. Such that
     /// the slopes of the last cell fit what the end does: mirrored, where that does not change.
-    pub fn beyond(&self, time: f64, dt: f64, block: &Block, part: &Part) -> [f64; 3] {
+    pub fn beyond(&self, time: f64, dt: f64, block: &Block, part: &Part, work: &mut Workspace) -> [f64; 3] {
         let (normal, area) = (-self.face.inward, self.face.area);
         let side = usize::from(normal > 0.0);
-        let (i, j) = (block.inside(side, 0), block.inside(side, 1));
+        let i = block.inside(side, 0);
         let (stress, velocity, e_equivalent_strain) = (block.sigma[i], block.v[i], block.e_equivalent_strain(part, i));
-        // Strain per elastic strain of the same stress change, from the bar's own slope.
-        let ratio = (block.e_equivalent_strain(part, j) - e_equivalent_strain) / (block.sigma[j] - stress);
-        let ratio = if ratio.is_finite() && ratio > 1.0 { ratio } else { 1.0 };
+        let mut softness = |change: f64| softness(block, part, side, change, work);
         let outward = normal * part.dx;
         let (beyond, moving) = match self.model.boundary(&self.step(time, dt), &self.latest, self.met) {
             Boundary::Velocity { value, rate } => {
@@ -77,11 +75,14 @@ impl End {
                 (stress + outward * part.density * rate, 2.0 * value - velocity)
             }
             Boundary::Force { value, rate } => {
-                (-2.0 * value / area - stress, velocity - outward * rate / area * ratio / part.modulus)
+                (-2.0 * value / area - stress, velocity - outward * rate / area * softness(-rate) / part.modulus)
             }
             Boundary::Open => (stress, velocity),
         };
-        [beyond, moving, e_equivalent_strain + ratio * (beyond - stress)]
+        let change = beyond - stress;
+        // Only a curve that is followed both ways asks for the strain.
+        let stretch = if part.path_independent { softness(change) * change } else { change };
+        [beyond, moving, e_equivalent_strain + stretch]
     }
 
     /// The state just after t = 0; `dt` is that of a step, s.

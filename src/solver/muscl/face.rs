@@ -29,6 +29,30 @@ pub(super) fn under(stress: f64, inward: f64, part: &Part, near: &FaceState, wor
     Flux { stress, velocity: point.velocity - inward * sense * change }
 }
 
+/// Stresses that differ by less than this part of them are equal but for rounding.
+const EQUAL: f64 = 1e-9;
+
+/// E times the strain per stress with which the first or the last cell of a block follows a stress that rises (`change` > 0) or falls: 1 while it
+/// stays elastic. Where it flows, it is the ratio of the differences to the next cell, which in coarse cells stands for the bend of the curve, but
+/// no more than the curve says: between cells that have flowed before by unlike amounts that ratio may be anything, and between equal
+/// stresses it is rounding.
+pub(super) fn softness(block: &Block, part: &Part, side: usize, change: f64, work: &mut Workspace) -> f64 {
+    if block.stage != Stage::Plastic || change == 0.0 {
+        return 1.0;
+    }
+    let (law, i, j) = (part.law.law.as_ref(), block.inside(side, 0), block.inside(side, 1));
+    let (stress, z) = (block.sigma[i], block.e_equivalent_strain(part, i));
+    let (accumulated, back) = (law.accumulated(&block.state, i), law.back_stress(&block.state, i));
+    let point = Point { stress, accumulated, plastic: z - stress, back, ..Point::default() };
+    let here = FaceState { point, flowing: 0.0, reversals: law.reversals(&block.state, i) };
+    work.left.fill_at_face(&part.faces.medium, &part.faces.placed(&here), 1.0_f64.copysign(change));
+    let slope = work.left.start_slope();
+    // Along a level stretch no stress rises.
+    let most = if slope > 0.0 { (1.0 / slope).max(1.0) } else { 1.0 };
+    let (rise, stretch) = (block.sigma[j] - stress, block.e_equivalent_strain(part, j) - z);
+    if rise.abs() > EQUAL * stress.abs() { (stretch / rise).clamp(1.0, most) } else { most }
+}
+
 /// Half a step from a cell to its outer face.
 struct ToFace {
     /// The cell in the rows of its block.

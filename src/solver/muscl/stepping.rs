@@ -167,7 +167,7 @@ impl Muscl {
         for (side, k) in [(0, 0), (1, last)] {
             let block = &mut self.blocks[k];
             let part = &self.parts[block.part];
-            let beyond = self.ends[side].beyond(time, dt, block, part);
+            let beyond = self.ends[side].beyond(time, dt, block, part, &mut self.work);
             block.fill_ghost_cells(side, part, beyond);
         }
         for joint in &self.joints {

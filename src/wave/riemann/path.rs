@@ -219,6 +219,11 @@ impl Path {
         self.sense
     }
 
+    /// d tau/dz where it starts: 1 where that is elastic.
+    pub fn start_slope(&self) -> f64 {
+        self.knots[0].slope
+    }
+
     /// A: forces are stresses times this, m^2.
     pub fn area(&self) -> f64 {
         self.area

@@ -28,9 +28,12 @@ impl FrontTracking {
     /// joint after t = 0, as long as only elastic waves of loads, not of plastic fronts, have come there: those are sharp on a grid.
     /// For settings that keep the front segments.
     pub fn later_fans(mut self, until: f64) -> Vec<InitialFan> {
-        if !matches!(self.advance_to(until), Ok(()) | Err(Stopped::EventBudget { .. })) {
-            return Vec::new();
-        }
+        // What is under way at the end of the run meets nothing in it.
+        let end = match self.advance_to(until) {
+            Ok(()) => f64::INFINITY,
+            Err(Stopped::EventBudget { time, .. }) => time,
+            Err(_) => return Vec::new(),
+        };
         let mut fronts = self.take_front_segments();
         fronts.extend(self.living_front_segments());
         let visits = self.visits(&fronts);
@@ -47,7 +50,7 @@ impl FrontTracking {
             if time > 0 && found[place].is_none() && !visit.leave.iter().all(|&k| is_sharp[k]) {
                 let later =
                     visits.range((time + 1, 0)..).find(|((_, other), next)| *other == place && !next.leave.is_empty());
-                let next = later.map_or(self.now, |((time, _), _)| f64::from_bits(*time));
+                let next = later.map_or(end, |((time, _), _)| f64::from_bits(*time));
                 found[place] = Some(self.fans(place, visit, &fronts, next));
             }
         }
@@ -79,7 +82,8 @@ impl FrontTracking {
         if visit.arrive.iter().any(|&k| Some(fronts[k].segment) != through) {
             return Vec::new();
         }
-        let until = leaving.iter().map(|front| front.t[1]).fold(next, f64::min);
+        let meets = |front: &&FrontSegment| (front.t[1] < self.now).then_some(front.t[1]);
+        let until = leaving.iter().filter_map(meets).fold(next, f64::min);
         let origin = match place {
             0 => Origin::Left,
             _ if place == self.segments() => Origin::Right,

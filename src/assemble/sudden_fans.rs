@@ -1,6 +1,6 @@
 //! The fans at ends and joints that a scheme on a grid follows: those at t = 0, and those that start when gaps close or waves arrive.
 
-use crate::bar::{Bar, EndCondition, InitialFan, Origin, START_CELLS, Segment, gap_closes};
+use crate::bar::{Bar, Driver, EndCondition, InitialFan, Origin, START_CELLS, Segment, drives_at_start, gap_closes};
 use crate::law::Table;
 use crate::material::Sense;
 use crate::scene::{HardeningRule, Scene};
@@ -25,17 +25,43 @@ pub(super) fn with_later(
     for fans in later.chunk_by(|a, b| a.origin == b.origin) {
         let origin = fans[0].origin;
         let stays_elastic = first.iter().filter(|fan| fan.origin == origin).all(|fan| is_elastic(fan, &scene.bar));
-        let from = start(fans, scene, grid).filter(|_| stays_elastic && moves_alone(scene, origin));
-        if let Some(from) = from {
+        let fans = if fans[0].from == 0.0 { at_start(fans, scene) } else { after_start(fans, scene, grid) };
+        if let Some(fans) = fans.filter(|_| stays_elastic) {
             // Both sides of a joint have their fans from one moment.
             first.retain(|fan| fan.origin != origin || !matches!(origin, Origin::Joint(_)));
-            first.extend(fans.iter().map(|fan| InitialFan { from, holds_until: lasts(fan, grid.dt), ..fan.clone() }));
+            first.extend(fans);
         }
     }
     first
 }
 
-/// Front tracking finds the waves of this scene. A bar with an initial state has no fans at t = 0 either.
+/// Those with which an end or a joint of a bar with an initial state starts.
+fn at_start(fans: &[InitialFan], scene: &Scene) -> Option<Vec<InitialFan>> {
+    let (end, fan) = match fans[0].origin {
+        Origin::Left => (&scene.left, &fans[0]),
+        Origin::Right => (&scene.right, &fans[0]),
+        Origin::Joint(_) => return Some(fans.iter().map(|fan| driven(fan, Driver::Velocity, f64::INFINITY)).collect()),
+    };
+    let segment = &scene.bar.segments[fan.segment];
+    let area = segment.end_areas()[usize::from(fan.origin == Origin::Right)];
+    let impedance = segment.material.impedance() * area;
+    let (driver, holds_until) = drives_at_start(end, fan.direction, segment.velocity, impedance)?;
+    (holds_until > 0.0).then(|| vec![driven(fan, driver, holds_until)])
+}
+
+/// Waves may come to meet it as soon as they can.
+fn driven(fan: &InitialFan, driver: Driver, holds_until: f64) -> InitialFan {
+    InitialFan { driver, holds_until, alone: false, ..fan.clone() }
+}
+
+/// Those that start later, on this grid.
+fn after_start(fans: &[InitialFan], scene: &Scene, grid: &Grid) -> Option<Vec<InitialFan>> {
+    let from = start(fans, scene, grid).filter(|_| moves_alone(scene, fans[0].origin))?;
+    let lasts = |fan: &InitialFan| InitialFan { from, holds_until: lasts(fan, grid.dt), ..fan.clone() };
+    Some(fans.iter().map(lasts).collect())
+}
+
+/// Front tracking finds the waves of this scene, without steps in space of its own.
 pub(super) fn can_be_tracked(scene: &Scene) -> bool {
     let several_lines = |segment: &Segment| {
         let table = |sense| Table::new(segment.material.branch(sense), segment.material.modulus);
@@ -47,12 +73,12 @@ pub(super) fn can_be_tracked(scene: &Scene) -> bool {
         Some(HardeningRule::Kinematic) => !segments.iter().any(several_lines),
         _ => true,
     };
-    rule && segments.iter().all(|segment| segment.taper.is_none()) && !scene.bar.has_initial_state()
+    rule && segments.iter().all(|segment| segment.taper.is_none() && segment.profile.is_none())
 }
 
 fn is_elastic(fan: &InitialFan, bar: &Bar) -> bool {
     let c0 = bar.segments[fan.segment].material.c0();
-    fan.fan.edges.iter().all(|edge| edge.speed >= c0 * (1.0 - SAME))
+    fan.fan.edges.iter().all(|edge| edge.is_elastic(c0))
 }
 
 /// When the fans of an end or a joint start, s. None where the grid does not have what starts them as sharply: a wave that is a jump between two

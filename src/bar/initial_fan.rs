@@ -129,7 +129,8 @@ pub fn initial_fans(bar: &Bar, left: &EndCondition, right: &EndCondition) -> Vec
     all.extend(from_end(right, Origin::Right, bar.length(), last, &bar.segments[last]));
     let [at_left, at_right] = [0, last].map(|k| bar.segments[k].velocity);
     let acts = acts_without_fan(left, 1.0, at_left) || acts_without_fan(right, -1.0, at_right);
-    let alone = all.len() == 1 && !acts && !closes_later(bar);
+    let closes = |k: usize| gap_closes(bar, [left, right], Origin::Joint(k)).is_some_and(|time| time > 0.0);
+    let alone = all.len() == 1 && !acts && !(0..last).any(closes);
     for fan in &mut all {
         fan.alone = alone;
     }
@@ -180,14 +181,6 @@ pub(crate) fn gap_closes(bar: &Bar, ends: [&EndCondition; 2], origin: Origin) ->
     (closing > 0.0).then(|| gap / closing)
 }
 
-/// A gap of a joint closes before any wave has come to it.
-fn closes_later(bar: &Bar) -> bool {
-    let closes = |pair: &[Segment]| {
-        matches!(pair[0].joint, Joint::Contact { gap } if gap > 0.0) && pair[0].velocity > pair[1].velocity
-    };
-    bar.segments.windows(2).any(closes)
-}
-
 fn wall_gap(end: &EndCondition) -> Option<f64> {
     if let EndCondition::Wall { gap } = end { Some(*gap) } else { None }
 }
@@ -207,6 +200,12 @@ pub(crate) fn acts_without_fan(end: &EndCondition, direction: f64, rest: f64) ->
         | EndCondition::Stress { .. }
         | EndCondition::Striker { .. } => false,
     }
+}
+
+/// What drives an end of a bar that moves at `rest` (m/s) and has this impedance (N s/m), and for how long it stays as it is at t = 0, s. None of
+/// ends that do nothing of their own at once.
+pub(crate) fn drives_at_start(end: &EndCondition, direction: f64, rest: f64, impedance: f64) -> Option<(Driver, f64)> {
+    Imposed::of(end, direction, rest, impedance).map(|imposed| (imposed.driver, imposed.holds_until))
 }
 
 fn from_end(end: &EndCondition, origin: Origin, x: f64, segment: usize, at: &Segment) -> Option<InitialFan> {

@@ -38,10 +38,9 @@ impl SuddenLoads {
 /// The load behind a fan, on cells of length `dx` (m); none where the segment stays elastic: grids are exact there.
 fn behind(fan: &InitialFan, bar: &Bar, dx: f64) -> Option<SuddenLoad> {
     let material = &bar.segments[fan.segment].material;
-    let ([stress, velocity], slowest) = (fan.state_behind()?, fan.fan.edges.last()?.speed);
-    let elastic = slowest >= material.c0() * (1.0 - 1e-9);
-    let lasts = known_until(fan, bar).min(START_CELLS * dx / slowest);
-    (!elastic && lasts > 0.0).then(|| SuddenLoad {
+    let ([stress, velocity], slowest) = (fan.state_behind()?, fan.fan.edges.last()?);
+    let lasts = known_until(fan, bar).min(START_CELLS * dx / slowest.speed);
+    (!slowest.is_elastic(material.c0()) && lasts > 0.0).then(|| SuddenLoad {
         stress,
         velocity,
         by_body: (fan.driver == Driver::Body).then(|| -fan.direction * material.modulus * fan.relief(material.c0())),

@@ -8,9 +8,6 @@ use crate::wave::similarity::Edge;
 /// Velocities of two sides of a joint that differ by this part of their jumps are one.
 const TOGETHER: f64 = 1e-9;
 
-/// Part of a step after one by which a wave arrives with it.
-const SAME_STEP: f64 = 1e-6;
-
 /// A front of a fan.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 struct Front {
@@ -84,14 +81,14 @@ impl StartingFan {
         let fan = &initial_fan.fan;
         let [stress, velocity_behind] = initial_fan.state_behind()?;
         let at_joint = matches!(initial_fan.origin, Origin::Joint(_));
-        let elastic = |edge: &Edge| edge.speed >= wave_speed * (1.0 - 1e-9);
+        let elastic = |edge: &Edge| edge.is_elastic(wave_speed);
         // A side of a joint that stays elastic belongs to it as well.
         let slowest = fan.edges.last().filter(|edge| (at_joint || !elastic(edge)) && edge.speed > 0.0)?;
         let wanted = if elastic(slowest) { 0.0 } else { (START_CELLS * dx / (slowest.speed * dt)).ceil() };
         let possible = (initial_fan.known_until(dx * cells as f64) / dt).floor() - 1.0;
-        // The step within which a gap closes is part of it; that within which a wave arrives is the scheme's.
-        let started = initial_fan.from / dt;
-        let first = if initial_fan.wave_through.is_some() { (started - SAME_STEP).ceil() } else { started.floor() };
+        // Waves that start a fan arrive with a whole step; that within which a gap closes is part of the fan.
+        let (started, by_wave) = (initial_fan.from / dt, initial_fan.wave_through.is_some());
+        let first = if by_wave { started.round() } else { started.floor() };
         let mut ahead = [initial_fan.velocity_ahead, initial_fan.stress_ahead()];
         let fronts = fan.edges.iter().map(|edge| {
             let rise = initial_fan.sense.sign() * (edge.stress_behind - edge.stress_ahead);
@@ -116,7 +113,7 @@ impl StartingFan {
             impedance: density * wave_speed * wave_speed * relief,
             ramp: ramp * dx,
             from: initial_fan.from,
-            by_wave: initial_fan.wave_through.is_some(),
+            by_wave,
             first: first as usize,
             steps: (first + wanted.min(possible).max(0.0)) as usize,
             known: (first + possible.max(0.0)) as usize,

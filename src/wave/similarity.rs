@@ -30,6 +30,14 @@ pub struct Edge {
     pub speed: f64,
 }
 
+/// Part by which the speed of a front may differ from that of elastic waves and be the same.
+const SAME_SPEED: f64 = 1e-9;
+
+/// A front of this `speed` is an elastic wave where those have the speed `c0`, m/s.
+pub fn is_elastic(speed: f64, c0: f64) -> bool {
+    speed >= c0 * (1.0 - SAME_SPEED)
+}
+
 impl Edge {
     fn between(ahead: Knot, behind: Knot, density: f64) -> Self {
         Self {
@@ -39,6 +47,11 @@ impl Edge {
             stress_behind: behind.stress,
             speed: (ahead.slope_to(behind) / density).sqrt(),
         }
+    }
+
+    /// It travels with the elastic wave speed `c0`, m/s, but for rounding.
+    pub fn is_elastic(&self, c0: f64) -> bool {
+        is_elastic(self.speed, c0)
     }
 
     /// The curve lies below the chord from the state ahead to the state behind, by more than [`SCATTER`].

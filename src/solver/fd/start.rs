@@ -50,6 +50,7 @@ impl Leapfrog {
         // Joints move with their fans from the start; what of that is energy the account begins with.
         self.impose_fans();
         self.lost_to_fans = 0.0;
+        self.initial_energy = self.initial_energy.map(|_| self.energies());
         self
     }
 

@@ -5,10 +5,7 @@ use std::collections::BTreeMap;
 use super::{FrontSegment, FrontTracking, Stopped};
 use crate::bar::{Driver, InitialFan, Origin};
 use crate::material::Sense;
-use crate::wave::similarity::{Edge, Fan};
-
-/// Fronts closer in speed to elastic waves than this part are such waves.
-const SAME_SPEED: f64 = 1e-9;
+use crate::wave::similarity::{Edge, Fan, is_elastic};
 
 /// Part of the length of the bar within which a front has reached a place.
 const SAME_PLACE: f64 = 1e-9;
@@ -47,7 +44,7 @@ impl FrontTracking {
             for &k in &visit.leave {
                 is_sharp[k] = self.is_elastic(&fronts[k]);
             }
-            if time > 0 && found[place].is_none() && !visit.leave.iter().all(|&k| is_sharp[k]) {
+            if found[place].is_none() && !visit.leave.iter().all(|&k| is_sharp[k]) {
                 let later =
                     visits.range((time + 1, 0)..).find(|((_, other), next)| *other == place && !next.leave.is_empty());
                 let next = later.map_or(end, |((time, _), _)| f64::from_bits(*time));
@@ -92,45 +89,51 @@ impl FrontTracking {
         let sides = [place.checked_sub(1).map(|segment| (segment, -1.0)), Some((place, 1.0))];
         let sides = sides.into_iter().flatten().filter(|&(segment, _)| segment < self.segments());
         let fan = |(segment, direction): (usize, f64)| {
-            let (from, x) = (leaving.first()?.t[0], self.list.get(place as u32).x);
             let mut here: Vec<&FrontSegment> =
                 leaving.iter().filter(|front| front.segment == segment).copied().collect();
             here.sort_by(|a, b| speed(b).total_cmp(&speed(a)));
-            let [ahead, behind] = [here.first()?.ahead, here.last()?.behind];
-            let sense = Sense::of(behind.stress - ahead.stress);
-            let edges: Vec<Edge> = here.iter().map(|front| self.edge(front, sense)).collect();
-            let last = *edges.last()?;
-            Some(InitialFan {
-                origin,
-                x,
-                segment,
-                direction,
-                sense,
-                shock: last.is_shock(self.materials[segment].branch(sense)),
-                fan: Fan {
-                    edges,
-                    strain: last.strain_behind,
-                    stress: last.stress_behind,
-                    velocity: (behind.velocity - ahead.velocity).abs(),
-                    above_critical: false,
-                    beyond_data: false,
-                },
-                velocity_ahead: ahead.velocity,
-                from,
-                wave_through: through,
-                sudden: false,
-                loads_until: f64::INFINITY,
-                holds_until: until - from,
-                driver: Driver::Velocity,
-                alone: true,
-            })
+            let fan = self.fan(&here)?;
+            Some(InitialFan { origin, direction, wave_through: through, holds_until: until - fan.from, ..fan })
         };
         sides.map(fan).collect::<Option<_>>().unwrap_or_default()
     }
 
+    /// The fan of these fronts of one segment, the fastest first, that start together: it runs in +x and is driven by a velocity for ever.
+    fn fan(&self, fronts: &[&FrontSegment]) -> Option<InitialFan> {
+        let (first, last) = (fronts.first()?, fronts.last()?);
+        let (ahead, behind, segment) = (first.ahead, last.behind, first.segment);
+        let sense = Sense::of(behind.stress - ahead.stress);
+        let edges: Vec<Edge> = fronts.iter().map(|front| self.edge(front, sense)).collect();
+        let slowest = *edges.last()?;
+        Some(InitialFan {
+            origin: Origin::Left,
+            x: first.x[0],
+            segment,
+            direction: 1.0,
+            sense,
+            shock: slowest.is_shock(self.materials[segment].branch(sense)),
+            fan: Fan {
+                edges,
+                strain: slowest.strain_behind,
+                stress: slowest.stress_behind,
+                velocity: (behind.velocity - ahead.velocity).abs(),
+                above_critical: false,
+                beyond_data: false,
+            },
+            velocity_ahead: ahead.velocity,
+            from: first.t[0],
+            wave_through: None,
+            sudden: false,
+            loads_until: f64::INFINITY,
+            holds_until: f64::INFINITY,
+            driver: Driver::Velocity,
+            alone: true,
+        })
+    }
+
     fn is_elastic(&self, front: &FrontSegment) -> bool {
         let medium = &self.media[front.segment];
-        speed(front) >= (medium.modulus / medium.density).sqrt() * (1.0 - SAME_SPEED)
+        is_elastic(speed(front), (medium.modulus / medium.density).sqrt())
     }
 
     fn edge(&self, front: &FrontSegment, sense: Sense) -> Edge {

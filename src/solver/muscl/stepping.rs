@@ -141,6 +141,7 @@ impl Muscl {
         let advance = |(blocks, scratch): (&mut [Block], &mut Scratch)| {
             for block in blocks {
                 block.advance(&parts[block.part], scratch);
+                block.inside_fan.clear();
             }
         };
         if self.parallel {
@@ -220,12 +221,6 @@ impl Muscl {
 
     /// Gives blocks what goes through the faces inside fans.
     fn fill_fans(&mut self) {
-        // One step more, in which they are cleared.
-        let last = self.step.saturating_sub(1);
-        if StartingFan::next_step(&self.fans, last).is_none_or(|next| next > self.step) {
-            return;
-        }
-        self.blocks.iter_mut().for_each(|block| block.inside_fan.clear());
         let dt = self.grid.dt;
         for fan in self.fans.iter().filter(|fan| fan.is_imposed_at(self.step)) {
             let (part, time) = (&self.grid.segments[fan.segment], self.step as f64 * dt - fan.from);

@@ -285,7 +285,8 @@ fn a_bar_that_has_yielded_flows_on_along_the_rest_of_its_curve() {
             if by == By::Fronts {
                 assert!(errors[0] < 1e-12, "{}: {errors:?}", case.hardening);
             } else {
-                assert!(errors[2] < 0.02 && order > 0.7, "{by:?} {}: {errors:?} {order}", case.hardening);
+                // Starting exactly, 100 cells have hardly begun to spread the slowest front: their error is half of what it would be.
+                assert!(errors[0] < 0.05 && errors[2] < 0.02 && order > 0.55, "{by:?} {}: {errors:?}", case.hardening);
             }
         }
     }

@@ -1,6 +1,6 @@
 //! The fans at ends and joints that a scheme on a grid follows: those at t = 0, and those that start when gaps close or waves arrive.
 
-use crate::bar::{Bar, Driver, EndCondition, InitialFan, Origin, START_CELLS, Segment, drives_at_start, gap_closes};
+use crate::bar::{Bar, Driver, EndCondition, InitialFan, Origin, START_CELLS, Segment, drives_at_start};
 use crate::law::Table;
 use crate::material::Sense;
 use crate::scene::{HardeningRule, Scene};
@@ -13,7 +13,7 @@ const SAME: f64 = 1e-9;
 const SAME_STEP: f64 = 1e-3;
 
 /// Times in a step that are told apart: what is left of rounding would tell a bar from its mirror image.
-const TIMES_IN_STEP: f64 = (1 << 20) as f64;
+const TIMES_IN_STEP: f64 = (1_u64 << 36) as f64;
 
 /// The `first` fans and, at ends and joints that have no plastic one, those of the `later` ones that are as sharp on the grid.
 pub(super) fn with_later(
@@ -82,17 +82,35 @@ fn is_elastic(fan: &InitialFan, bar: &Bar) -> bool {
 }
 
 /// When the fans of an end or a joint start, s. None where the grid does not have what starts them as sharply: a wave that is a jump between two
-/// cells, as it is where waves travel a cell in a step, or a gap between bodies to which none have come yet.
+/// cells, as it is where waves travel a cell in a step, or a gap between bodies to which only such waves have come.
 fn start(fans: &[InitialFan], scene: &Scene, grid: &Grid) -> Option<f64> {
-    let (bar, from) = (&scene.bar, fans[0].from);
+    let (bar, steps) = (&scene.bar, fans[0].from / grid.dt);
+    let is_sharp = |segment: usize| {
+        let courant = bar.segments[segment].material.c0() * grid.dt / grid.segments[segment].dx;
+        (courant - 1.0).abs() < SAME
+    };
     if let Some(through) = fans[0].wave_through {
-        let courant = bar.segments[through].material.c0() * grid.dt / grid.segments[through].dx;
-        let (steps, is_exact) = (from / grid.dt, (courant - 1.0).abs() < SAME);
-        let is_sharp = is_exact && (steps - steps.round()).abs() < SAME_STEP;
-        return (is_sharp && fans.iter().all(|fan| has_room(fan, scene, grid))).then(|| steps.round() * grid.dt);
+        let arrives = is_sharp(through) && (steps - steps.round()).abs() < SAME_STEP;
+        return (arrives && fans.iter().all(|fan| has_room(fan, scene, grid))).then(|| steps.round() * grid.dt);
     }
     let untouched = |fan: &InitialFan| fan.velocity_ahead == bar.segments[fan.segment].velocity;
-    gap_closes(bar, [&scene.left, &scene.right], fans[0].origin).filter(|_| fans.iter().all(untouched))
+    let closes = can_close(scene, fans[0].origin) && fans.iter().all(|fan| untouched(fan) || is_sharp(fan.segment));
+    closes.then(|| in_parts(steps) * grid.dt)
+}
+
+/// It is a joint, or an end that a wall may stop.
+fn can_close(scene: &Scene, origin: Origin) -> bool {
+    let is_wall = |end: &EndCondition| matches!(end, EndCondition::Wall { .. });
+    match origin {
+        Origin::Left => is_wall(&scene.left),
+        Origin::Right => is_wall(&scene.right),
+        Origin::Joint(_) => true,
+    }
+}
+
+/// Steps, rounded to parts of one.
+fn in_parts(steps: f64) -> f64 {
+    (steps * TIMES_IN_STEP).round() / TIMES_IN_STEP
 }
 
 /// Nothing meets a fan before its slowest front has travelled [`START_CELLS`] cells: the plastic fronts that it meets on a grid are spread over some
@@ -105,7 +123,7 @@ fn has_room(fan: &InitialFan, scene: &Scene, grid: &Grid) -> bool {
 
 /// For how long what drives a fan stays as it is, s.
 fn lasts(fan: &InitialFan, dt: f64) -> f64 {
-    (fan.holds_until / dt * TIMES_IN_STEP).round() / TIMES_IN_STEP * dt
+    in_parts(fan.holds_until / dt) * dt
 }
 
 /// Waves do not change how this end moves; or it is a joint.

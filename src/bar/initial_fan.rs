@@ -168,7 +168,7 @@ fn at_gap(bar: &Bar, ends: [&EndCondition; 2]) -> Option<Vec<InitialFan>> {
 }
 
 /// When a gap closes if both sides move as at t = 0, s; none where there is none, or it does not close.
-pub(crate) fn gap_closes(bar: &Bar, ends: [&EndCondition; 2], origin: Origin) -> Option<f64> {
+fn gap_closes(bar: &Bar, ends: [&EndCondition; 2], origin: Origin) -> Option<f64> {
     let velocity = |k: usize| bar.segments[k].velocity;
     let (gap, closing) = match origin {
         Origin::Left => (wall_gap(ends[0])?, -velocity(0)),

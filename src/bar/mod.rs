@@ -18,8 +18,8 @@ pub use hertz::Hertz;
 pub use history::{History, RowFault};
 pub use initial::{Distribution, Initial, InitialProfile};
 pub(crate) use initial_fan::acts_without_fan;
+pub(crate) use initial_fan::drives_at_start;
 pub use initial_fan::{Driver, InitialFan, Origin, first_fans, initial_fans};
-pub(crate) use initial_fan::{drives_at_start, gap_closes};
 pub use joint::Joint;
 pub use sudden_load::SuddenLoad;
 pub use sudden_loads::{START_CELLS, SuddenLoads};
@@ -128,6 +128,16 @@ impl Bar {
     /// Some segment is stressed, warm or has yielded at t = 0, or moves unevenly.
     pub fn has_initial_state(&self) -> bool {
         self.segments.iter().any(|segment| segment.profile.is_some() || segment.initial != Initial::default())
+    }
+
+    /// The same bar, not stressed, cold and not yielded at t = 0; velocities that change along a segment are their means.
+    #[must_use]
+    pub fn without_initial_state(&self) -> Self {
+        let mut bar = self.clone();
+        for segment in &mut bar.segments {
+            (segment.initial, segment.profile) = (Initial::default(), None);
+        }
+        bar
     }
 
     /// Total length, m.

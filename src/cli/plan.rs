@@ -74,11 +74,11 @@ fn text(plan: &Plan, units: System) -> String {
     lines.add("fields", std::format!("{} before compression", bytes(plan.field_bytes)));
     let critical = plan.critical_velocity.map(|v| {
         let verdict = match (plan.above_critical, plan.initial_state) {
-            (true, _) => "exceeded",
-            (false, true) => "of a bar without initial stress and plastic strain",
-            (false, false) => "not reached",
+            (true, _) => ", exceeded",
+            (false, true) => "",
+            (false, false) => ", not reached",
         };
-        std::format!("{}, {verdict}", format(v, Dimension::Velocity, units))
+        format(v, Dimension::Velocity, units) + verdict
     });
     add_critical(&mut lines, critical, &plan.fronts);
     lines.extend(front_lines(&plan.fronts, units));

@@ -35,7 +35,6 @@ use crate::assemble;
 use crate::bar::{InitialFan, Segment, initial_fans};
 use crate::error::{Error, Result};
 use crate::law::rupture::{Rupture, Site};
-use crate::material::Sense;
 use crate::record::store::{Checkpoint, Header, Layout, RunFigures, Side, Writer};
 use crate::record::{
     self, Account, AuditRow, AutoChoice, Case, ContactReading, ElasticCheck, EndSummary, ErrorFigure, Extreme, Figures,
@@ -46,7 +45,6 @@ use crate::record::{
 use crate::scene::{Effects, Scene, Torsion};
 use crate::snapshot::Snapshot;
 use crate::solver::moc::Settings;
-use crate::wave::similarity;
 
 pub use auto::choose;
 pub use choice::predict;
@@ -222,7 +220,7 @@ fn struck_too_hard(scene: &Scene, initial_fans: &[InitialFan], parted: bool) -> 
     if scene.effects.rate.is_some() || parted {
         return Vec::new();
     }
-    let critical = critical_velocity(scene, initial_fans).unwrap_or(f64::NAN);
+    let critical = scene.critical_velocity().unwrap_or(f64::NAN);
     let row = |initial_fan: &InitialFan| {
         let asked = InitialFan { origin: scene.original_origin(initial_fan.origin), ..initial_fan.clone() };
         above_critical(&asked, &scene.bar.segments[initial_fan.segment].material, critical)
@@ -262,13 +260,6 @@ fn case(scene: &Scene, cells: Option<usize>) -> Case<'_> {
 /// Effects of a scene by name, as they are written to files and summaries.
 pub fn effect_names(effects: &Effects, plasticity: bool) -> Vec<String> {
     plasticity.then(|| "plasticity".to_owned()).into_iter().chain(effects.names()).collect()
-}
-
-/// The critical velocity that goes with a bar's loading: of the struck material in the sense in which it is struck.
-pub fn critical_velocity(scene: &Scene, initial_fans: &[InitialFan]) -> Option<f64> {
-    let (segment, sense) = initial_fans.first().map_or((0, Sense::Tension), |l| (l.segment, l.sense));
-    let material = &scene.bar.segments[segment].material;
-    similarity::critical(material.branch(sense), material.density).map(|c| c.velocity)
 }
 
 /// Data of every run, independent of the method: the scene with its theory, and the result file.
@@ -330,7 +321,7 @@ impl<'a> RunRecorder<'a> {
     /// Opens the recorder and, if requested, the result file, or the one that is continued; `x` are the samples of the fields, m.
     fn open(scene: &'a Scene, target: &Target<'a>, x: Vec<f64>, sampling: &str, started: Instant) -> Result<Self> {
         let initial_fans = initial_fans(&scene.bar, &scene.left, &scene.right);
-        let critical = critical_velocity(scene, &initial_fans);
+        let critical = scene.critical_velocity();
         let (output, layout) = (target.path, layout(scene, x, sampling));
         let writer = match (output, &target.checkpoint) {
             (Some(path), Some(checkpoint)) => Output::File(Writer::resume(path, &layout, checkpoint)?),

@@ -3,9 +3,11 @@
 use std::sync::Arc;
 
 use super::{HardeningRule, Method, Rate, Scene};
-use crate::bar::{EndCondition, Joint, Segment};
+use crate::bar::{EndCondition, Initial, Joint, Segment, initial_fans};
 use crate::law::Table;
 use crate::law::rate::Overstress;
+use crate::material::Sense;
+use crate::wave::similarity::critical;
 
 /// A grid is noted where its step is below this part of what the other segments could take.
 const SMALL_STEP: f64 = 0.5;
@@ -19,7 +21,7 @@ impl Scene {
         let seen = |k: usize| segments[..k].iter().any(|s| Arc::ptr_eq(&s.material, &segments[k].material));
         let materials = (0..segments.len()).filter(|&k| !seen(k)).flat_map(|k| segments[k].material.notes());
         let bar = self.short_segment().into_iter().chain(self.rate_independent_segments());
-        let bar = bar.chain(self.hardening_that_gives_back());
+        let bar = bar.chain(self.hardening_that_gives_back()).chain(self.critical_velocity_of_another_state());
         let deprecated = super::deprecated::notes(&self.text, &self.overrides);
         bar.chain(self.misses()).chain(self.late_histories()).chain(materials).chain(deprecated).collect()
     }
@@ -36,6 +38,22 @@ impl Scene {
                 names.join(", ")
             )
         })
+    }
+
+    /// The critical velocity that goes with the bar's loading: of the struck material in the sense in which it is struck, without initial stress and
+    /// plastic strain; m/s. None where the data of its curve hold none.
+    pub fn critical_velocity(&self) -> Option<f64> {
+        let fans = initial_fans(&self.bar.without_initial_state(), &self.left, &self.right);
+        let (segment, sense) = fans.first().map_or((0, Sense::Tension), |fan| (fan.segment, fan.sense));
+        let material = &self.bar.segments[segment].material;
+        critical(material.branch(sense), material.density).map(|critical| critical.velocity)
+    }
+
+    /// A critical velocity is stated, but the bar is not in the state to which it belongs.
+    fn critical_velocity_of_another_state(&self) -> Option<String> {
+        let starts_otherwise = self.bar.segments.iter().any(|segment| segment.initial != Initial::default());
+        (starts_otherwise && self.critical_velocity().is_some())
+            .then(|| "the critical velocity is that of a bar without initial stress and plastic strain".to_owned())
     }
 
     /// Curves of several lines whose back stress follows the accumulated plastic strain, for more than half of their hardening.

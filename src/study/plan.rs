@@ -185,7 +185,7 @@ pub fn plan(scene: &Scene) -> Plan {
         trial: run::trial(scene),
         field_bytes: samples * size_of::<f64>(),
         fronts: all.iter().flat_map(fronts).collect(),
-        critical_velocity: run::critical_velocity(asked, &all),
+        critical_velocity: asked.critical_velocity(),
         above_critical: all.iter().any(|l| l.fan.above_critical),
         initial_state: scene.bar.has_initial_state(),
         notes: scene.notes().into_iter().chain(notes).collect(),

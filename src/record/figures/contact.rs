@@ -106,7 +106,7 @@ fn joint(records: &Records<'_>, bodies: &[Body], k: usize) -> Site {
     let mut area = records.joint_areas[k];
     if let Some(ContactReading { pressed, .. }) = records.pressed(k) {
         // The force between the faces themselves, N.
-        load.peak.value = -pressed.peak;
+        load.peak.value = 0.0 - pressed.peak;
         load.peak.at = pressed.time_of_peak;
         area = 1.0;
     } else {

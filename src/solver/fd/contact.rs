@@ -130,7 +130,7 @@ impl Contact {
         let before = std::mem::replace(&mut self.force, 0.5 * (force + passed_on));
         self.ahead.lose(0.5 * (before + self.force), closer);
         // What stops half a cell, more than its bar can carry, is not what the faces carry.
-        let stops = (self.force - mean).abs() > self.limit;
+        let stops = touches && (self.force - mean).abs() > self.limit;
         self.ahead.note(dt, if stops { mean.max(0.0) } else { self.force });
         self.move_on(cells);
     }

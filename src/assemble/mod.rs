@@ -58,7 +58,7 @@ pub fn leapfrog(scene: &Scene, cells: usize, cfl: f64) -> Leapfrog {
         Leapfrog::with_along(&scene.bar, grid, laws, ends.clone(), &along).starting_with(&ends, &[], at_once)
     } else {
         let (fans, sudden) = if follows_curves(scene) {
-            let fans = sudden_fans(scene, &grid);
+            let fans = sudden_fans(scene, &grid, sudden_fans::LATE_IN_LEAPFROG);
             let sudden = sudden_loads(scene, &fans, &grid);
             (fans, sudden)
         } else {
@@ -84,7 +84,7 @@ pub fn muscl(scene: &Scene, cells: usize, cfl: f64) -> Muscl {
     let grid = Grid::new(&scene.bar, cells, cfl);
     let laws = scene.bar.segments.iter().map(|s| segment_law(s, &scene.effects)).collect();
     let media = scene.bar.segments.iter().map(|s| medium(s, &scene.effects)).collect();
-    let fans = sudden_fans(scene, &grid);
+    let fans = sudden_fans(scene, &grid, sudden_fans::LATE_IN_MUSCL);
     let sudden = sudden_loads(scene, &fans, &grid);
     let ends = [scene.left.clone(), scene.right.clone()];
     let bar = Muscl::new(&scene.bar, grid, laws, media, ends);
@@ -96,14 +96,14 @@ pub fn muscl(scene: &Scene, cells: usize, cfl: f64) -> Muscl {
 const EVENTS: u64 = 1000;
 
 /// The fans that ends and joints start with, and those that start there later.
-fn sudden_fans(scene: &Scene, grid: &Grid) -> Vec<InitialFan> {
+fn sudden_fans(scene: &Scene, grid: &Grid, late: f64) -> Vec<InitialFan> {
     let first = first_fans(&scene.bar, &scene.left, &scene.right);
     if !follows_curves(scene) || !sudden_fans::can_be_tracked(scene) {
         return first;
     }
     let settings = Settings { event_budget: EVENTS, front_segments: true, ..Settings::default() };
     let later = front_tracking(scene, settings).later_fans(scene.solve.until);
-    sudden_fans::with_later(first, &later, scene, grid)
+    sudden_fans::with_later(first, &later, scene, (grid, late))
 }
 
 fn sudden_loads(scene: &Scene, fans: &[InitialFan], grid: &Grid) -> SuddenLoads {

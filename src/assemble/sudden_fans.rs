@@ -6,11 +6,10 @@ use crate::material::Sense;
 use crate::scene::{HardeningRule, Scene};
 use crate::solver::fd::Grid;
 
-/// Part by which speeds and times may differ that are the same.
-const SAME: f64 = 1e-9;
-
-/// Part of a step by which a wave may arrive before or after one.
-const SAME_STEP: f64 = 1e-3;
+/// Parts of a step by which a wave may arrive before or after one, and by which cells of a segment may have delayed it, to be as sharp as the start of
+/// a fan has to be. In leapfrog a wave that is 0.04 late rings beside a free face by 20 % of its stress; in the Godunov scheme none does.
+pub(super) const LATE_IN_LEAPFROG: f64 = 1e-3;
+pub(super) const LATE_IN_MUSCL: f64 = 0.05;
 
 /// Times in a step that are told apart: what is left of rounding would tell a bar from its mirror image.
 const TIMES_IN_STEP: f64 = (1_u64 << 36) as f64;
@@ -20,12 +19,12 @@ pub(super) fn with_later(
     mut first: Vec<InitialFan>,
     later: &[InitialFan],
     scene: &Scene,
-    grid: &Grid,
+    (grid, late): (&Grid, f64),
 ) -> Vec<InitialFan> {
     for fans in later.chunk_by(|a, b| a.origin == b.origin) {
         let origin = fans[0].origin;
         let stays_elastic = first.iter().filter(|fan| fan.origin == origin).all(|fan| is_elastic(fan, &scene.bar));
-        let fans = if fans[0].from == 0.0 { at_start(fans, scene) } else { after_start(fans, scene, grid) };
+        let fans = if fans[0].from == 0.0 { at_start(fans, scene) } else { after_start(fans, scene, grid, late) };
         if let Some(fans) = fans.filter(|_| stays_elastic) {
             // Both sides of a joint have their fans from one moment.
             first.retain(|fan| fan.origin != origin || !matches!(origin, Origin::Joint(_)));
@@ -55,8 +54,8 @@ fn driven(fan: &InitialFan, driver: Driver, holds_until: f64) -> InitialFan {
 }
 
 /// Those that start later, on this grid.
-fn after_start(fans: &[InitialFan], scene: &Scene, grid: &Grid) -> Option<Vec<InitialFan>> {
-    let from = start(fans, scene, grid).filter(|_| moves_alone(scene, fans[0].origin))?;
+fn after_start(fans: &[InitialFan], scene: &Scene, grid: &Grid, late: f64) -> Option<Vec<InitialFan>> {
+    let from = start(fans, scene, grid, late).filter(|_| moves_alone(scene, fans[0].origin))?;
     let lasts = |fan: &InitialFan| InitialFan { from, holds_until: lasts(fan, grid.dt), ..fan.clone() };
     Some(fans.iter().map(lasts).collect())
 }
@@ -83,14 +82,15 @@ fn is_elastic(fan: &InitialFan, bar: &Bar) -> bool {
 
 /// When the fans of an end or a joint start, s. None where the grid does not have what starts them as sharply: a wave that is a jump between two
 /// cells, as it is where waves travel a cell in a step, or a gap between bodies to which only such waves have come.
-fn start(fans: &[InitialFan], scene: &Scene, grid: &Grid) -> Option<f64> {
+fn start(fans: &[InitialFan], scene: &Scene, grid: &Grid, late: f64) -> Option<f64> {
     let (bar, steps) = (&scene.bar, fans[0].from / grid.dt);
+    // By what it comes late on the grid, a wave has spread.
     let is_sharp = |segment: usize| {
         let courant = bar.segments[segment].material.c0() * grid.dt / grid.segments[segment].dx;
-        (courant - 1.0).abs() < SAME
+        steps * (1.0 - courant) < late
     };
     if let Some(through) = fans[0].wave_through {
-        let arrives = is_sharp(through) && (steps - steps.round()).abs() < SAME_STEP;
+        let arrives = is_sharp(through) && (steps - steps.round()).abs() < late;
         return (arrives && fans.iter().all(|fan| has_room(fan, scene, grid))).then(|| steps.round() * grid.dt);
     }
     let untouched = |fan: &InitialFan| fan.velocity_ahead == bar.segments[fan.segment].velocity;

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
+use super::sharing::share_out;
 use crate::bar::{Bar, Segment};
 
 /// One segment's part of the grid.
@@ -56,17 +57,14 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// Shares about `cells` cells out over the bar; the time step is `cfl` times the shortest transit of a cell.
+    /// Shares about `cells` cells out over the bar, see [`super::sharing`]; the time step is `cfl` times the shortest transit of a cell.
     pub fn new(bar: &Bar, cells: usize, cfl: f64) -> Self {
-        let transit = bar.transit_time();
+        let transits: Vec<f64> = bar.segments.iter().map(|segment| segment.length / segment.material.c0()).collect();
         let mut segments = Vec::with_capacity(bar.segments.len());
         let (mut first, mut x0, mut dt) = (0, 0.0, f64::INFINITY);
-        for segment in &bar.segments {
-            let c0 = segment.material.c0();
-            let share = segment.length / c0 / transit;
-            let count = ((cells as f64 * share).round() as usize).max(1);
+        for (segment, count) in bar.segments.iter().zip(share_out(&transits, cells)) {
             let dx = segment.length / count as f64;
-            dt = dt.min(cfl * dx / c0);
+            dt = dt.min(cfl * dx / segment.material.c0());
             segments.push(SegmentGrid { cells: first..first + count, x0, dx });
             first += count;
             x0 += segment.length;

@@ -20,6 +20,7 @@ mod readings;
 mod rupture;
 mod sample;
 mod segment;
+mod sharing;
 mod shock_work;
 mod signals;
 mod sizes;

@@ -41,8 +41,44 @@ pub(super) fn parabola(points: impl Iterator<Item = Point> + Clone) -> Option<Fi
     Some(Fit { residual: residual(fit, points), ..fit })
 }
 
+/// Value, slope and standard error of a fit at its origin.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Estimate {
+    pub value: f64,
+    pub slope: f64,
+    pub error: f64,
+}
+
+/// A parabola at its origin, with the error that independent noise of the points (x, y, weight, variance) gives it; a line, or the mean,
+/// where the points do not determine one.
+pub(super) fn parabola_with_error(points: impl Iterator<Item = (f64, f64, f64, f64)> + Clone) -> Option<Estimate> {
+    estimate::<3>(points.clone()).or_else(|| estimate::<2>(points.clone())).or_else(|| estimate::<1>(points))
+}
+
+fn estimate<const N: usize>(points: impl Iterator<Item = (f64, f64, f64, f64)> + Clone) -> Option<Estimate> {
+    let weighted = points.clone().map(|(x, y, w, _)| (x, y, w));
+    let (unit, m, r) = normal_equations::<N>(weighted);
+    let solved = solve(m, r)?;
+    // The value is a sum of the y, each times its weight and this polynomial.
+    let part = solve(m, std::array::from_fn(|k| if k == 0 { 1.0 } else { 0.0 }))?;
+    let variance: f64 = points
+        .map(|(x, _, w, variance)| {
+            let at = part.iter().rev().fold(0.0, |sum, c| sum * (x / unit) + c);
+            (w * at).powi(2) * variance
+        })
+        .sum();
+    Some(Estimate { value: solved[0], slope: solved.get(1).map_or(0.0, |b| b / unit), error: variance.sqrt() })
+}
+
 /// Coefficients of x^0, x^1, ... of a polynomial with N of them (at most 4); none where the points do not determine them.
 pub(super) fn polynomial<const N: usize>(points: impl Iterator<Item = Point> + Clone) -> Option<[f64; N]> {
+    let (unit, m, r) = normal_equations::<N>(points);
+    let solved: [f64; N] = solve(m, r)?;
+    Some(std::array::from_fn(|k| solved[k] / unit.powi(k as i32)))
+}
+
+/// The unit of x, and the normal equations for a polynomial in x over that unit.
+fn normal_equations<const N: usize>(points: impl Iterator<Item = Point> + Clone) -> (f64, [[f64; N]; N], [f64; N]) {
     let (w, xx) = points.clone().fold((0.0, 0.0), |m, (x, _, w)| (m.0 + w, m.1 + w * x * x));
     // In x over its root mean square the normal equations are well conditioned.
     let unit = (xx / w).sqrt();
@@ -57,9 +93,7 @@ pub(super) fn polynomial<const N: usize>(points: impl Iterator<Item = Point> + C
             power *= u;
         }
     }
-    let rows = std::array::from_fn(|row| std::array::from_fn(|column| m[row + column]));
-    let solved: [f64; N] = solve(rows, r)?;
-    Some(std::array::from_fn(|k| solved[k] / unit.powi(k as i32)))
+    (unit, std::array::from_fn(|row| std::array::from_fn(|column| m[row + column])), r)
 }
 
 fn residual(fit: Fit, points: impl Iterator<Item = Point>) -> f64 {
@@ -103,6 +137,13 @@ mod tests {
             (0..20).map(|i| 1e-3 * f64::from(i)).map(|x| (x, 3.0 - 2.0 * x + 5.0 * x * x, 1.0 + x)).collect();
         let fit = parabola(points.iter().copied()).expect("a fit");
         assert!((fit.a - 3.0).abs() < 1e-10 && (fit.b + 2.0).abs() < 1e-8 && (fit.c - 5.0).abs() < 1e-5, "{fit:?}");
+        let with_error = points.iter().map(|&(x, y, w)| (x, y, w, 0.0));
+        let estimate = parabola_with_error(with_error).expect("an estimate");
+        assert!((estimate.value - 3.0).abs() < 1e-10 && (estimate.slope + 2.0).abs() < 1e-8 && estimate.error == 0.0);
+        // Five even points: the middle of the parabola is (-3, 12, 17, 12, -3)/35 of them, with an error of sqrt(17/35).
+        let even = (-2..=2).map(|x| (f64::from(x), 1.0, 1.0, 4.0));
+        let estimate = parabola_with_error(even).expect("an estimate");
+        assert!((estimate.error - 2.0 * (17.0_f64 / 35.0).sqrt()).abs() < 1e-12, "{estimate:?}");
         let fit = line(points.iter().map(|p| (p.0, 1.0 + 4.0 * p.0, 1.0))).expect("a fit");
         assert!((fit.b - 4.0).abs() < 1e-10 && fit.residual < 1e-24);
         assert!(line([(1.0, 2.0, 1.0), (1.0, 3.0, 1.0)].into_iter()).is_none());

@@ -4,6 +4,7 @@ mod clean;
 mod decimate;
 mod fit;
 mod heading;
+mod local;
 mod modulus;
 mod noise;
 mod reduce;
@@ -15,6 +16,7 @@ mod text;
 
 pub use heading::Kind;
 pub use modulus::ElasticLine;
+pub use noise::resolution;
 pub use reduce::{PROOF_OFFSET, Reduce, Reduction, reduce};
 pub use repeats::{Repeats, combine};
 pub use short_table::{Straightened, straighten};

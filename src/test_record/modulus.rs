@@ -27,6 +27,17 @@ pub(super) const LEAST_LIMIT: f64 = 1e-3;
 /// Standard errors within which rows beyond the interval still lie on its line.
 const ON_LINE: f64 = 2.5;
 
+/// A material that is linear in logarithmic strain and true stress is off its line in engineering ones by this factor times the strain,
+/// relative to the stress; up to a limit, as rows past a knee are off by more.
+const CURVED: f64 = 1.5;
+const MOST_CURVED: f64 = 4e-3;
+
+/// Rows of a line are off it by up to this part of the stress without noise.
+const STRAIGHT: f64 = 1e-3;
+
+/// Groups of rows that tell where the line ends are down to so many times shorter.
+const SHORTEST: usize = 4;
+
 /// The elastic line: stress = slope (strain - origin).
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct ElasticLine {
@@ -129,18 +140,58 @@ fn candidate(rows: &[(f64, f64)], variances: &[f64], from: usize, to: usize) -> 
     Some(Candidate { from, to, mean, fit, error, total: (error * error + by_curvature + by_ends).sqrt() })
 }
 
-/// The first row past the interval that is not on its line: groups of rows as long as their mean tells 0.5 % of the stress from noise.
+/// The first row past the interval that is not on its line. Groups of rows are compared with it that are as long as their mean tells 0.5 %
+/// of the stress from noise. Of tens of groups on the line some are off by chance: two in succession have to be, in the same sense. Shorter
+/// ones then tell where that starts.
 fn extend(rows: &[(f64, f64)], variances: &[f64], best: &Candidate, largest: f64) -> usize {
-    let mut end = best.to;
-    loop {
-        let Some(&(_, stress)) = rows.get(end) else { return rows.len() };
-        let noise = variances[end].max(variances[end - 1]).sqrt();
-        let needed = (2.0 * noise / (5e-3 * stress.max(1e-3 * largest))).powi(2).ceil().clamp(1.0, 25.0) as usize;
-        let Some(group) = rows.get(end..end + needed) else { return end };
-        let below = group.iter().map(|&(e, s)| best.fit.at(e - best.mean) - s).sum::<f64>() / needed as f64;
-        if below.abs() > ON_LINE * noise / (needed as f64).sqrt() + 1e-3 * stress {
+    let (mut end, mut shorter) = (best.to, 1);
+    while end < rows.len() {
+        let noise = variances[end].max(variances[end - 1]);
+        let told = 5e-3 * rows[end].1.max(1e-3 * largest);
+        let needed = (4.0 * noise / (told * told)).ceil().clamp(1.0, 25.0) as usize;
+        let count = (needed / shorter).max(1);
+        let off = |from: usize| rows.get(from..from + count).map(|group| off_line(group, noise, best));
+        let Some(first) = off(end) else { return end };
+        if first == 0.0 || first * off(end + count).unwrap_or(first) <= 0.0 {
+            end += count;
+        } else if count == 1 || shorter == SHORTEST {
             return end;
+        } else {
+            shorter *= 2;
         }
-        end += needed;
+    }
+    rows.len()
+}
+
+/// How far the mean of rows is below the line, Pa; 0 where noise, the error of the slope or the curvature of elastic rows explain it.
+fn off_line(group: &[(f64, f64)], noise: f64, best: &Candidate) -> f64 {
+    let count = group.len() as f64;
+    let (strain, stress) = group.iter().fold((0.0, 0.0), |sum, row| (sum.0 + row.0 / count, sum.1 + row.1 / count));
+    let below = best.fit.at(strain - best.mean) - stress;
+    let error = (noise / count + (best.error * (strain - best.mean)).powi(2)).sqrt();
+    let explained = ON_LINE * error + (STRAIGHT + (CURVED * strain).min(MOST_CURVED)) * stress;
+    if below.abs() > explained { below } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The end of the elastic line of a material that is linear in logarithmic strain and true stress up to a knee, in engineering values.
+    #[test]
+    fn the_elastic_line_ends_at_the_knee_of_a_clean_record() {
+        let (modulus, knee) = (100e9, 0.002);
+        let stress = |log: f64| if log <= knee { modulus * log } else { modulus * knee + 2e9 * (log - knee) };
+        for steps in [40, 400] {
+            let rows: Vec<(f64, f64)> = (0..5 * steps)
+                .map(|i| knee * f64::from(i) / f64::from(steps - 1))
+                .map(|log| (log.exp_m1(), stress(log) * (-log).exp()))
+                .collect();
+            let line = elastic_line(&rows, &vec![0.0; rows.len()], None).expect("a line");
+            assert!((line.slope / modulus - 1.0).abs() < 5e-3, "{line:?}");
+            // 1 % of the rows: past the knee the curve has to leave the line first.
+            let last = rows[line.end - 1].0 / knee.exp_m1();
+            assert!((0.999..1.02).contains(&last), "{steps}: {last}");
+        }
     }
 }

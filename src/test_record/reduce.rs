@@ -25,6 +25,8 @@ pub struct Reduce {
     /// Largest distance in stress of the knots' curve from the smoothed one, over the largest stress; the impact velocity of no piece
     /// between two knots differs by more than this part, either.
     pub tolerance: f64,
+    /// Step to which the stresses of the record are rounded, Pa; 0: none.
+    pub resolution: f64,
 }
 
 impl Reduce {
@@ -79,7 +81,7 @@ pub fn reduce(record: &[(f64, f64)], how: &Reduce) -> Result<Reduction, InputErr
             InputError::new(message).allowed(format!("at least {} rows of growing strain", Reduce::FEWEST_ROWS));
         return Err(error.help("check the columns; --keep-rows keeps the rows unchanged"));
     }
-    let variances = noise::variances(&rows);
+    let variances = noise::variances(&rows, how.resolution);
     let largest = rows.iter().map(|row| row.1).fold(0.0, f64::max);
     let line =
         elastic_line(&rows, &variances, how.elastic_range).filter(|line| line.slope > 0.0 && line.end < rows.len());
@@ -181,6 +183,10 @@ fn correct(
 const YIELD_DROP_NOISE: f64 = 4.0;
 const YIELD_DROP: f64 = 0.02;
 
+/// A gap in the rows past the elastic line that is longer than the line, and than that of this part of the largest stress, is too long for
+/// the tangent behind it to tell the elastic limit: the curve is straight there.
+const SHORT_LINE: f64 = 0.1;
+
 /// The elastic line and the smoothed curve behind it; no slope is above the modulus. `start` is the last row on the line.
 fn whole_curve(
     (rows, variances, largest): (&[(f64, f64)], &[f64], f64),
@@ -192,7 +198,10 @@ fn whole_curve(
     let smoothed = smooth(&rows[past..], &variances[past..], largest, window);
     let near = &variances[start.saturating_sub(25)..(start + 25).min(variances.len())];
     let noise = (near.iter().sum::<f64>() / near.len() as f64).sqrt();
-    let limit = elastic_limit(rows[start].0, &smoothed, modulus, noise).max(modulus::LEAST_LIMIT * largest / modulus);
+    let last = rows[start].0;
+    let gap = rows[past].0 - last > last.max(SHORT_LINE * largest / modulus);
+    let limit = if gap { last } else { elastic_limit(rows[start], &smoothed, modulus, noise) };
+    let limit = limit.max(modulus::LEAST_LIMIT * largest / modulus);
     let mut curve = vec![(0.0, 0.0), (limit, modulus * limit)];
     for (strain, stress) in smoothed.curve {
         let last = curve[curve.len() - 1];
@@ -203,16 +212,16 @@ fn whole_curve(
     curve
 }
 
-/// Strain at the end of the elastic line: where the curve behind it, prolonged by its tangent, meets it. `last` is the strain of the last
-/// row that may lie on the line; after an upper yield point it is the end.
-fn elastic_limit(last: f64, smoothed: &Smooth, modulus: f64, noise: f64) -> f64 {
+/// Strain at the end of the elastic line: where the curve behind it, prolonged by its tangent, meets it. `last` is the last row that may lie
+/// on the line; if it is an upper yield point it is the end.
+fn elastic_limit((last, upper): (f64, f64), smoothed: &Smooth, modulus: f64, noise: f64) -> f64 {
     let Some(&(strain, stress)) = smoothed.curve.first() else { return last };
-    let drop = modulus * last - stress;
+    let drop = upper.min(modulus * last) - stress;
     if drop > YIELD_DROP_NOISE * noise && drop > YIELD_DROP * modulus * last {
         return last;
     }
-    let slope = smoothed.slope.clamp(0.0, 0.9 * modulus);
-    ((stress - slope * strain) / (modulus - slope)).clamp(0.5 * strain, strain)
+    let slope = smoothed.slope.clamp(-0.9 * modulus, 0.9 * modulus);
+    ((stress - slope * strain) / (modulus - slope)).clamp(0.5 * last, strain)
 }
 
 /// Where the line of the modulus through a plastic strain of 0.2 % crosses the curve (ASTM E8/E8M, offset method; ISO 6892-1).

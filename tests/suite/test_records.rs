@@ -167,6 +167,69 @@ fn true_stress_and_machine_compliance_are_converted() {
     within_a_percent(&found, &RAMBERG_OSGOOD, "compliance");
 }
 
+/// Engineering strain and stress (Pa) of a material with a knee of 100 GPa and 200 MPa in logarithmic strain and true stress.
+fn with_sharp_knee(plastic: f64) -> (f64, f64) {
+    let stress = 200e6 + 400e6 * plastic.powf(0.6);
+    let strain = stress / 100e9 + plastic;
+    (strain.exp_m1(), stress * (-strain).exp())
+}
+
+/// 40 rows up to the knee and 260 beyond, with noise and rounding of the true stress (MPa): rows without them, and the text.
+fn sharp_knee_record(last: f64, noise: f64, step: f64) -> (Vec<(f64, f64)>, String) {
+    let mut random = synthetic::Random::new(3);
+    let elastic = (0..40).map(|i| 0.002 * f64::from(i) / 39.0).map(|e: f64| (e.exp_m1(), 100e9 * e * (-e).exp()));
+    let plastic = (1..=260).map(|i| with_sharp_knee(last * f64::from(i) / 260.0));
+    let rows: Vec<(f64, f64)> = elastic.chain(plastic).collect();
+    let mut text = String::from("true strain,true stress (MPa)\n");
+    for (e, s) in &rows {
+        let read = s * (1.0 + e) / 1e6 + noise * random.normal();
+        let rounded = if step > 0.0 { (read / step).round() * step } else { read };
+        let _ = writeln!(text, "{:.9},{rounded:.6}", e.ln_1p());
+    }
+    (rows, text)
+}
+
+/// Where the record is clean the curve goes through its rows, the knee included; with noise it is as near as the noise allows.
+#[test]
+fn smoothing_keeps_a_sharp_knee() {
+    let folder = tempfile::tempdir().expect("a folder");
+    // Largest plastic strain, noise and step of rounding in MPa; errors allowed: elastic limit, proof stress, critical velocity in %, and
+    // rows beyond the knee in MPa.
+    for (last, noise, step, limit, proof, velocity, off) in [
+        (0.03, 0.0, 0.0, 0.5, 0.05, 0.2, 0.4),
+        (0.2, 0.0, 0.0, 1.5, 0.1, 0.5, 0.6),
+        (0.03, 0.1, 0.0, 1.0, 0.2, 0.3, 0.6),
+        (0.2, 0.5, 0.0, 2.5, 0.6, 1.0, 2.0),
+        (0.2, 0.0, 1.0, 2.5, 0.6, 1.0, 2.0),
+    ] {
+        let (rows, text) = sharp_knee_record(last, noise, step);
+        let found = import(folder.path(), "a.csv", &text, &["--beyond", "rupture"]);
+        let what = format!("{last}, noise {noise}, step {step}");
+        let near = |name: &str, value: &Value, expected: f64, percent: f64| {
+            let error = 100.0 * (number(value) / expected - 1.0);
+            assert!(error.abs() < percent, "{what}: {name} {value}, expected {expected:e}, {error} % off");
+        };
+        let curve: Vec<(f64, f64)> =
+            (0..=20_000).map(|i| with_sharp_knee(last * (f64::from(i) / 2e4).powi(3))).collect();
+        let top = (0..curve.len()).max_by(|a, b| curve[*a].1.total_cmp(&curve[*b].1)).expect("points");
+        let front = |(a, b): ((f64, f64), (f64, f64))| ((b.0 - a.0) * (b.1 - a.1).max(0.0) / DENSITY).sqrt();
+        let knee = with_sharp_knee(0.0);
+        let critical = front(((0.0, 0.0), knee)) + curve[..=top].windows(2).map(|p| front((p[0], p[1]))).sum::<f64>();
+        let crossing = curve.iter().find(|(e, s)| *s <= 100e9 * (e - 0.002)).expect("a proof stress");
+        near("elastic limit", &found["elastic_limit_Pa"], knee.1, limit);
+        near("proof stress", &found["records"][0]["reduction"]["proof_stress_Pa"], crossing.1, proof);
+        near("critical velocity", &found["critical"]["critical_velocity_m_s"], critical, velocity);
+        let knots: Vec<(f64, f64)> =
+            serde_json::from_value(found["records"][0]["reduction"]["knots"].clone()).expect("knots");
+        for &(strain, stress) in rows[40..].iter().filter(|row| row.0 <= knots[knots.len() - 1].0) {
+            let k = knots.partition_point(|knot| knot.0 <= strain).clamp(1, knots.len() - 1);
+            let (a, b) = (knots[k - 1], knots[k]);
+            let error = (a.1 + (b.1 - a.1) * (strain - a.0) / (b.0 - a.0) - stress) / 1e6;
+            assert!(error.abs() < off, "{what}: {error} MPa off at strain {strain}");
+        }
+    }
+}
+
 /// The options for the measure, the toe and the window of the smoothing, each against the default.
 #[test]
 fn measure_toe_and_smoothing_can_be_set() {

@@ -258,7 +258,15 @@ fn how(args: &Args) -> Result<Reduce> {
     let elastic_range = args.elastic_range.as_deref().map(elastic_range).transpose()?;
     let window = args.smooth.as_ref().map(|width| si(width, Dimension::None, "--smooth")).transpose()?;
     let toe = args.toe == Switch::On;
-    Ok(Reduce { modulus, compliance: args.compliance, elastic_range, toe, window, tolerance: args.tolerance })
+    Ok(Reduce {
+        modulus,
+        compliance: args.compliance,
+        elastic_range,
+        toe,
+        window,
+        tolerance: args.tolerance,
+        resolution: 0.0,
+    })
 }
 
 /// `20 MPa..100 MPa`.
@@ -284,7 +292,9 @@ fn import(file: &Path, args: &Args, reading: &Reading, how: &Reduce) -> Result<I
     if keep {
         return Ok(Imported { shown: rows, record, reduction: None });
     }
-    let mut reduction = test_record::reduce(&rows, how).map_err(|mut e| {
+    // Before a conversion: after it the steps of rounded stresses differ from row to row.
+    let resolution = test_record::resolution(record.rows.iter().map(|row| row.1));
+    let mut reduction = test_record::reduce(&rows, &Reduce { resolution, ..*how }).map_err(|mut e| {
         e.message = format!("{}: {}", file.display(), e.message);
         e
     })?;

@@ -27,6 +27,9 @@ use serde::{Deserialize, Serialize};
 use super::ends::Response;
 use super::sudden_load::SuddenLoad;
 
+/// Part of the largest force so far that is rounding: faces that have come to rest side by side do not press on each other.
+const NO_FORCE: f64 = 1e-9;
+
 /// How two segments meet.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Joint {
@@ -60,7 +63,7 @@ pub struct Pressed {
     pub peak: f64,
     /// Start of the step in which it acted first, s.
     pub time_of_peak: f64,
-    /// Total time of the steps in which the faces touched, s.
+    /// Total time of the steps in which they pressed on each other, s.
     pub duration: f64,
     /// End of the last of them, s.
     pub pressed_until: f64,
@@ -115,6 +118,15 @@ impl Contact {
         if force > self.pressed.peak * (1.0 + 1e-9) {
             (self.pressed.peak, self.pressed.time_of_peak) = (force, time);
         }
+        if force > NO_FORCE * self.pressed.peak {
+            self.pressed.duration += dt;
+            self.pressed.pressed_until = self.elapsed;
+        }
+    }
+
+    /// The faces press on each other, by more than rounding.
+    pub fn presses(&self) -> bool {
+        self.pressed.duration > 0.0 && self.pressed.pressed_until == self.elapsed
     }
 
     /// Rate (m/s, <= 0) at which the gap is closed at the end of a step.
@@ -131,8 +143,6 @@ impl Contact {
             self.widen(dt, free_rate);
         } else {
             self.close();
-            self.pressed.duration += dt;
-            self.pressed.pressed_until = self.elapsed;
         }
         !self.open
     }
@@ -216,6 +226,17 @@ mod tests {
                 assert_eq!(contact.gap(), expected, "{pair:?} {gap}");
             }
         }
+    }
+
+    #[test]
+    fn rounding_is_no_pressing() {
+        let mut contact = Contact::new(Joint::Contact { gap: 0.0 }).expect("a contact");
+        for (force, presses) in [(2.0, true), (1.0, true), (1e-15, false), (0.0, false), (1.0, true), (1e-15, false)] {
+            contact.advance(0.25, force, 0.0);
+            contact.note(0.25, force);
+            assert_eq!(contact.presses(), presses, "{force}");
+        }
+        assert_eq!((contact.pressed().duration, contact.pressed().pressed_until), (0.75, 1.25));
     }
 
     #[test]

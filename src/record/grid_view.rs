@@ -36,7 +36,7 @@ impl View for Leapfrog {
         let starts = |joint: usize| self.grid().segments.get(joint + 1).map(|part| part.cells.start);
         let at_joints = self.contacts().filter(|contact| starts(contact.joint) == Some(contact.cell));
         at_joints
-            .map(|contact| ContactReading { joint: contact.joint, is_open: contact.is_open, pressed: contact.pressed })
+            .map(|contact| ContactReading { joint: contact.joint, presses: contact.presses, pressed: contact.pressed })
             .collect()
     }
 
@@ -87,7 +87,7 @@ macro_rules! view_of_whole_bar {
             fn contacts(&self) -> Vec<ContactReading> {
                 let reading = |(joint, contact): (usize, &Contact)| ContactReading {
                     joint,
-                    is_open: contact.is_open(),
+                    presses: contact.presses(),
                     pressed: contact.pressed(),
                 };
                 self.contacts().map(reading).collect()

@@ -48,8 +48,8 @@ pub trait View {
 pub struct ContactReading {
     /// Behind this segment, counted from 0.
     pub joint: usize,
-    /// No force passes.
-    pub is_open: bool,
+    /// A force passes.
+    pub presses: bool,
     /// What the faces carried.
     pub pressed: Pressed,
 }

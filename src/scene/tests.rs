@@ -229,6 +229,22 @@ fn errors_beside_overrides_keep_their_line_in_the_file() {
 }
 
 #[test]
+fn a_critical_velocity_is_that_of_a_bar_in_no_initial_state() {
+    let of = |overrides: &[&str]| scene("[effects]\nhardening = \"isotropic\"\n", overrides);
+    let pulled = of(&["bar.material.beyond=rupture"]);
+    let hardened = of(&["bar.material.beyond=rupture", "bar.plastic-strain=0.01"]);
+    assert!(pulled.critical_velocity().is_some() && pulled.notes().is_empty());
+    assert_eq!(hardened.critical_velocity(), pulled.critical_velocity());
+    assert_eq!(hardened.notes(), ["the critical velocity is that of a bar without initial stress and plastic strain"]);
+    // In compression the data end earlier.
+    let compression = "bar.material.compression={ table = [[0.001, 200e6], [0.05, 250e6]] }";
+    let pushed = of(&["bar.material.beyond=rupture", "bar.plastic-strain=0.01", compression, "left.value=30"]);
+    assert!(pushed.critical_velocity() < pulled.critical_velocity(), "{:?}", pushed.critical_velocity());
+    // A curve that goes on for ever has none.
+    assert!(of(&["bar.plastic-strain=0.01"]).notes().is_empty());
+}
+
+#[test]
 fn the_resolved_scene_is_complete() {
     let scene = scene("[record]\ngauges = { middle = 0.5 }\n[effects]\nhardening = { mixed = 0.3 }\n", &[]);
     let json = scene.resolved_json();

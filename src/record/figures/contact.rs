@@ -178,9 +178,9 @@ fn contact(records: &Records<'_>, face: Face) -> Option<ContactTime> {
         Face::Joint(k) if records.bar.segments[k].joint == Joint::Bonded => None,
         Face::Joint(k) => Some(match records.pressed(k) {
             None => of(&records.tally.joints[k]),
-            Some(ContactReading { is_open, pressed, .. }) => ContactTime {
+            Some(ContactReading { presses, pressed, .. }) => ContactTime {
                 duration: pressed.duration,
-                released: (is_open && pressed.duration > 0.0).then_some(pressed.pressed_until),
+                released: (!presses && pressed.duration > 0.0).then_some(pressed.pressed_until),
             },
         }),
     }

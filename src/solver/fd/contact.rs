@@ -51,8 +51,8 @@ pub struct ContactState {
     pub gap: f64,
     /// What they carried, up to the end of the step ahead.
     pub pressed: joint::Pressed,
-    /// No force passes in that step.
-    pub is_open: bool,
+    /// A force passes in that step.
+    pub presses: bool,
 }
 
 impl Contact {
@@ -213,7 +213,7 @@ impl Contact {
             force: -self.force,
             gap: self.now.gap(),
             pressed: self.ahead.pressed(),
-            is_open: self.ahead.is_open(),
+            presses: self.ahead.presses(),
         }
     }
 }

@@ -57,7 +57,7 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// Shares about `cells` cells out over the bar, see [`super::sharing`]; the time step is `cfl` times the shortest transit of a cell.
+    /// Shares about `cells` cells out over the bar, see `sharing`; the time step is `cfl` times the shortest transit of a cell.
     pub fn new(bar: &Bar, cells: usize, cfl: f64) -> Self {
         let transits: Vec<f64> = bar.segments.iter().map(|segment| segment.length / segment.material.c0()).collect();
         let mut segments = Vec::with_capacity(bar.segments.len());

@@ -297,7 +297,8 @@ fn what_the_grid_gives_goes_to_zero_with_the_cells() {
         let scene = scene(&text.replace("[right]\nkind = \"free\"", "[right]\nkind = \"stress\"\nvalue = 305e6"));
         follow(&scene, scene.solve.until, &mut Vec::new()).given
     };
-    let [coarse, fine, finest] = [120, 240, 480].map(given);
+    // With 100 to 500 cells it is 0.4 to 0.8 % and does not fall yet.
+    let [coarse, fine, finest] = [960, 1920, 3840].map(given);
     assert!(coarse > 0.002, "{coarse} of all energy: the rule is out of date");
     assert!(fine < 0.7 * coarse && finest < 0.7 * fine, "{coarse}, {fine}, {finest} of all energy");
 }

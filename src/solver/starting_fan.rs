@@ -43,6 +43,8 @@ pub struct StartingFan {
     pub driver: Driver,
     /// Velocity that this end has lost since it started, m/s, in +x.
     pub slowed: f64,
+    /// Momentum that schemes owe for both sides of its joint, N s in +x.
+    pub owed: f64,
     /// Only the node where it starts is made to move as the fan does.
     pub only_origin: bool,
     /// Its segment, which it does not leave while it is imposed.
@@ -103,6 +105,7 @@ impl StartingFan {
             at_joint,
             driver: initial_fan.driver,
             slowed: 0.0,
+            owed: 0.0,
             only_origin: false,
             segment: initial_fan.segment,
             fronts,
@@ -149,6 +152,11 @@ impl StartingFan {
     /// It is imposed at the end of this step.
     pub fn is_imposed_at(&self, step: usize) -> bool {
         (self.first..self.steps).contains(&step)
+    }
+
+    /// This is the last step at the end of which it is imposed.
+    pub fn ends_at(&self, step: usize) -> bool {
+        step + 1 == self.steps
     }
 
     /// Mean velocity (m/s) and stress (Pa) at its origin over the step of `dt` (s) in which a gap closes and it starts.

@@ -2,20 +2,19 @@
 //!
 //! There the bar carries a centred fan of fronts, known exactly (see [`crate::wave::similarity`]), that is narrower than a few cells. A
 //! scheme that starts it from rest overshoots, and plastic flow keeps the excess in the first cells for good, at any resolution: 5 to
-//! 22 % of the strain. So until the slowest front has travelled [`START_CELLS`] cells the nodes inside the fan move as the
+//! 22 % of the strain. So until the slowest front has travelled [`crate::bar::START_CELLS`] cells the nodes inside the fan move as the
 //! exact solution does, its plastic fronts spread over [`RAMP`] cells: each node with the mean of its velocity over the step, so that every
 //! cell has just the mean of the strain.
 //!
 //! A body at an end slows down. The unloading waves that this sends after the fan take its slowest fronts away; see [`InitialFan::relief`].
 //!
 //! That is an impulse on nodes. Its momentum comes from the end, or from the body there. At a joint there is nobody to give it: what the
-//! nodes on both sides get together, none but for the share that fronts have passed of single cells, they give back together, over
-//! 24 cells to either side at first. What lies ahead of the fan keeps it, and it runs off as waves: taken away again in every step, it made the force
-//! at contacts 2 % too large. What it takes from the energy, of first order in the cell size, is in `half_step`, but for the share of shocks.
+//! nodes on both sides get together, none but for the share that fronts have passed of single cells, they owe, and give back in
+//! the last step. Given back in every step, it made the force at contacts 2 % too large, or ran ahead of the waves. What it takes from the energy, of first order in the cell size, is in `half_step`, but for the share of shocks.
 
 use super::grid_filter;
 use super::leapfrog::Leapfrog;
-use crate::bar::{Driver, EndCondition, InitialFan, Origin, START_CELLS, SuddenLoads};
+use crate::bar::{Driver, EndCondition, InitialFan, Origin, SuddenLoads};
 use crate::solver::{EndState, Resolution, StartingFan};
 
 /// Cells over which fronts that are not elastic are spread, as the scheme itself spreads them: with this shape three from a tenth to nine tenths.
@@ -110,7 +109,7 @@ impl Leapfrog {
     /// Makes the nodes inside the fans move as the fans do in the step ahead.
     pub(super) fn impose_fans(&mut self) {
         let mut fans = std::mem::take(&mut self.fans);
-        let mut joint: Option<&StartingFan> = None;
+        let mut joint: Option<&mut StartingFan> = None;
         let step = self.step;
         for fan in fans.iter_mut().filter(|fan| fan.is_imposed_at(step)) {
             match (fan.at_joint, joint.take()) {
@@ -163,17 +162,28 @@ impl Leapfrog {
         self.lost_to_fans += lost * (1.0 - in_shocks / taken);
     }
 
-    fn impose_at_joint(&mut self, left: &StartingFan, right: &StartingFan) {
-        // Once as the fans are, and once more with the velocity that gives the impulse of that back.
-        let mut shift = 0.0;
-        for _ in 0..2 {
-            let mut made = self.impose_on_joint([left, right], shift);
-            for fan in [left, right] {
-                made.add(self.impose(fan, shift));
-            }
-            self.note_lost(-made.energy);
-            shift = -made.impulse / made.mass;
+    fn impose_at_joint(&mut self, left: &mut StartingFan, right: &StartingFan) {
+        let made = self.impose_on_both(left, right, 0.0);
+        left.owed += made.impulse;
+        if left.ends_at(self.step) {
+            self.impose_on_both(left, right, -left.owed / made.mass);
+            left.owed = 0.0;
         }
+    }
+
+    /// On a joint and the nodes on both sides, faster by `shift` (m/s) there.
+    fn impose_on_both(&mut self, left: &StartingFan, right: &StartingFan, shift: f64) -> Imposed {
+        let mut made = self.impose_on_joint([left, right], shift);
+        for fan in [left, right] {
+            made.add(self.impose(fan, shift));
+        }
+        self.note_lost(-made.energy);
+        made
+    }
+
+    /// Impulse that nodes at joints have got from nobody so far, N s in +x.
+    pub(super) fn owed_at_joints(&self) -> f64 {
+        self.fans.iter().map(|fan| fan.owed).sum()
     }
 
     /// Impulse and energy of the nodes at the joint between two fans, as [`Self::impose`].
@@ -203,13 +213,10 @@ impl Leapfrog {
     fn impose(&mut self, fan: &StartingFan, shift: f64) -> Imposed {
         let (time, dt) = (self.time() - fan.from, self.grid.dt);
         let (c, part) = (self.constants[fan.segment], &self.grid.segments[fan.segment]);
-        let inside = fan.reach(time + dt) + AHEAD as f64 * part.dx;
-        // Ahead of the fan at first: enough nodes to give an impulse to.
-        let reach = fan.reach(time + dt).max(if fan.at_joint { START_CELLS * part.dx } else { 0.0 });
+        let reach = fan.reach(time + dt);
         let weight = |distance: f64| (1.0 - distance / (reach + AHEAD as f64 * part.dx)).max(0.0);
         let change = |distance: f64, velocity: f64| {
-            let fans =
-                if fan.only_origin || distance > inside { 0.0 } else { fan.means(distance, time, dt)[0] - velocity };
+            let fans = if fan.only_origin { 0.0 } else { fan.means(distance, time, dt)[0] - velocity };
             fans + shift * weight(distance)
         };
         let end_node = if fan.side == 0 { part.cells.start } else { part.cells.end };

@@ -10,7 +10,9 @@
 //!
 //! That is an impulse on nodes. Its momentum comes from the end, or from the body there. At a joint there is nobody to give it: what the
 //! nodes on both sides get together, none but for the share that fronts have passed of single cells, they owe, and give back in
-//! the last step. Given back in every step, it made the force at contacts 2 % too large, or ran ahead of the waves. What it takes from the energy, of first order in the cell size, is in `half_step`, but for the share of shocks.
+//! the last step. Given back in every step, it made the force at contacts 2 % too large, or ran ahead of the waves.
+//!
+//! What all this takes from the energy, of first order in the cell size, is in `half_step`, but for the share of shocks.
 
 use super::grid_filter;
 use super::leapfrog::Leapfrog;
@@ -171,7 +173,7 @@ impl Leapfrog {
         }
     }
 
-    /// On a joint and the nodes on both sides, faster by `shift` (m/s) there.
+    /// Imposes the fans on a joint and on the nodes on both sides, faster by `shift` (m/s) at the joint.
     fn impose_on_both(&mut self, left: &StartingFan, right: &StartingFan, shift: f64) -> Imposed {
         let mut made = self.impose_on_joint([left, right], shift);
         for fan in [left, right] {

@@ -1,6 +1,6 @@
 //! The fans at ends and joints that a scheme on a grid follows: those at t = 0, and those that start when gaps close or waves arrive.
 
-use crate::bar::{Bar, Driver, EndCondition, InitialFan, Origin, START_CELLS, Segment, drives_at_start};
+use crate::bar::{Bar, Driver, EndCondition, InitialFan, Origin, Segment, drives_at_start};
 use crate::law::Table;
 use crate::material::Sense;
 use crate::scene::{HardeningRule, Scene};
@@ -36,15 +36,11 @@ pub(super) fn with_later(
 
 /// Those with which an end or a joint of a bar with an initial state starts.
 fn at_start(fans: &[InitialFan], scene: &Scene) -> Option<Vec<InitialFan>> {
-    let (end, fan) = match fans[0].origin {
-        Origin::Left => (&scene.left, &fans[0]),
-        Origin::Right => (&scene.right, &fans[0]),
-        Origin::Joint(_) => return Some(fans.iter().map(|fan| driven(fan, Driver::Velocity, f64::INFINITY)).collect()),
+    let fan = &fans[0];
+    let Some(end) = end_at(scene, fan.origin) else {
+        return Some(fans.iter().map(|fan| driven(fan, Driver::Velocity, f64::INFINITY)).collect());
     };
-    let segment = &scene.bar.segments[fan.segment];
-    let area = segment.end_areas()[usize::from(fan.origin == Origin::Right)];
-    let impedance = segment.material.impedance() * area;
-    let (driver, holds_until) = drives_at_start(end, fan.direction, segment.velocity, impedance)?;
+    let (driver, holds_until) = drives_at_start(end, fan.direction, &scene.bar.segments[fan.segment])?;
     (holds_until > 0.0).then(|| vec![driven(fan, driver, holds_until)])
 }
 
@@ -100,11 +96,15 @@ fn start(fans: &[InitialFan], scene: &Scene, grid: &Grid, late: f64) -> Option<f
 
 /// It is a joint, or an end that a wall may stop.
 fn can_close(scene: &Scene, origin: Origin) -> bool {
-    let is_wall = |end: &EndCondition| matches!(end, EndCondition::Wall { .. });
+    end_at(scene, origin).is_none_or(|end| matches!(end, EndCondition::Wall { .. }))
+}
+
+/// What holds or drives an end; none of a joint.
+fn end_at(scene: &Scene, origin: Origin) -> Option<&EndCondition> {
     match origin {
-        Origin::Left => is_wall(&scene.left),
-        Origin::Right => is_wall(&scene.right),
-        Origin::Joint(_) => true,
+        Origin::Left => Some(&scene.left),
+        Origin::Right => Some(&scene.right),
+        Origin::Joint(_) => None,
     }
 }
 
@@ -113,12 +113,11 @@ fn in_parts(steps: f64) -> f64 {
     (steps * TIMES_IN_STEP).round() / TIMES_IN_STEP
 }
 
-/// Nothing meets a fan before its slowest front has travelled [`START_CELLS`] cells: the plastic fronts that it meets on a grid are spread over some
+/// Nothing meets a fan for as long as it is followed: the plastic fronts that it meets on a grid are spread over some
 /// cells.
 fn has_room(fan: &InitialFan, scene: &Scene, grid: &Grid) -> bool {
-    let slowest = fan.fan.edges.last().map_or(0.0, |edge| edge.speed);
-    let wanted = if is_elastic(fan, &scene.bar) { 0.0 } else { START_CELLS * grid.segments[fan.segment].dx / slowest };
-    fan.known_until(scene.bar.segments[fan.segment].length) >= wanted
+    let segment = &scene.bar.segments[fan.segment];
+    fan.known_until(segment.length) >= fan.followed_for(grid.segments[fan.segment].dx, segment.material.c0())
 }
 
 /// For how long what drives a fan stays as it is, s.
@@ -128,10 +127,8 @@ fn lasts(fan: &InitialFan, dt: f64) -> f64 {
 
 /// Waves do not change how this end moves; or it is a joint.
 fn moves_alone(scene: &Scene, origin: Origin) -> bool {
-    let end = match origin {
-        Origin::Left => &scene.left,
-        Origin::Right => &scene.right,
-        Origin::Joint(_) => return true,
+    let alone = |end: &EndCondition| {
+        matches!(end, EndCondition::Fixed | EndCondition::Velocity { .. } | EndCondition::Wall { .. })
     };
-    matches!(end, EndCondition::Fixed | EndCondition::Velocity { .. } | EndCondition::Wall { .. })
+    end_at(scene, origin).is_none_or(alone)
 }

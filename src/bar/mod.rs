@@ -17,12 +17,11 @@ pub use end::EndCondition;
 pub use hertz::Hertz;
 pub use history::{History, RowFault};
 pub use initial::{Distribution, Initial, InitialProfile};
-pub(crate) use initial_fan::acts_without_fan;
-pub(crate) use initial_fan::drives_at_start;
-pub use initial_fan::{Driver, InitialFan, Origin, first_fans, initial_fans};
+pub use initial_fan::{Driver, InitialFan, Origin, START_CELLS, first_fans, initial_fans};
+pub(crate) use initial_fan::{acts_without_fan, drives_at_start};
 pub use joint::Joint;
 pub use sudden_load::SuddenLoad;
-pub use sudden_loads::{START_CELLS, SuddenLoads};
+pub use sudden_loads::SuddenLoads;
 pub use taper::{Profile, Taper};
 
 use crate::material::Material;

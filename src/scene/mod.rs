@@ -5,6 +5,7 @@ mod builder;
 mod capability;
 mod changes;
 mod check;
+mod critical;
 mod damping;
 mod deprecated;
 mod discretized;

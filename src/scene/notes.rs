@@ -3,11 +3,9 @@
 use std::sync::Arc;
 
 use super::{HardeningRule, Method, Rate, Scene};
-use crate::bar::{EndCondition, Initial, Joint, Segment, initial_fans};
+use crate::bar::{EndCondition, Initial, Joint, Segment};
 use crate::law::Table;
 use crate::law::rate::Overstress;
-use crate::material::Sense;
-use crate::wave::similarity::critical;
 
 /// A grid is noted where its step is below this part of what the other segments could take.
 const SMALL_STEP: f64 = 0.5;
@@ -38,15 +36,6 @@ impl Scene {
                 names.join(", ")
             )
         })
-    }
-
-    /// The critical velocity that goes with the bar's loading: of the struck material in the sense in which it is struck, without initial stress and
-    /// plastic strain; m/s. None where the data of its curve hold none.
-    pub fn critical_velocity(&self) -> Option<f64> {
-        let fans = initial_fans(&self.bar.without_initial_state(), &self.left, &self.right);
-        let (segment, sense) = fans.first().map_or((0, Sense::Tension), |fan| (fan.segment, fan.sense));
-        let material = &self.bar.segments[segment].material;
-        critical(material.branch(sense), material.density).map(|critical| critical.velocity)
     }
 
     /// A critical velocity is stated, but the bar is not in the state to which it belongs.

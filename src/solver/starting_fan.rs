@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::bar::{Driver, InitialFan, Origin, START_CELLS};
+use crate::bar::{Driver, InitialFan, Origin};
 use crate::wave::similarity::Edge;
 
 /// Velocities of two sides of a joint that differ by this part of their jumps are one.
@@ -85,8 +85,8 @@ impl StartingFan {
         let at_joint = matches!(initial_fan.origin, Origin::Joint(_));
         let elastic = |edge: &Edge| edge.is_elastic(wave_speed);
         // A side of a joint that stays elastic belongs to it as well.
-        let slowest = fan.edges.last().filter(|edge| (at_joint || !elastic(edge)) && edge.speed > 0.0)?;
-        let wanted = if elastic(slowest) { 0.0 } else { (START_CELLS * dx / (slowest.speed * dt)).ceil() };
+        fan.edges.last().filter(|edge| (at_joint || !elastic(edge)) && edge.speed > 0.0)?;
+        let wanted = (initial_fan.followed_for(dx, wave_speed) / dt).ceil();
         let possible = (initial_fan.known_until(dx * cells as f64) / dt).floor() - 1.0;
         // Waves that start a fan arrive with a whole step; that within which a gap closes is part of the fan.
         let (started, by_wave) = (initial_fan.from / dt, initial_fan.wave_through.is_some());

@@ -110,7 +110,15 @@ mod tests {
 
     fn shape(values: Vec<f64>) -> Shape {
         let cells = values.len();
-        Shape::Cells(Cells { segments: vec![SegmentGrid { cells: 0..cells, x0: 0.0, dx: 1.0 / cells as f64 }], values })
+        Shape::Cells(Cells {
+            segments: vec![SegmentGrid {
+                cells: 0..cells,
+                x0: 0.0,
+                spacing: 1.0 / cells as f64,
+                dx: 1.0 / cells as f64,
+            }],
+            values,
+        })
     }
 
     #[test]

@@ -124,8 +124,8 @@ impl Cells {
     /// Size and centre of each cell, m.
     fn parts(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
         self.segments.iter().flat_map(|part| {
-            let centre = |cell: usize| part.x0 + ((cell - part.cells.start) as f64 + 0.5) * part.dx;
-            part.cells.clone().map(move |cell| (part.dx, centre(cell)))
+            let centre = |cell: usize| part.x0 + ((cell - part.cells.start) as f64 + 0.5) * part.spacing;
+            part.cells.clone().map(move |cell| (part.spacing, centre(cell)))
         })
     }
 
@@ -136,7 +136,7 @@ impl Cells {
         let segment = self.segments.partition_point(|part| part.x0 <= x).max(1) - 1;
         let part = &self.segments[segment];
         let last = part.cells.len() - 1;
-        let place = ((x - part.x0) / part.dx - 0.5).clamp(0.0, last as f64);
+        let place = ((x - part.x0) / part.spacing - 0.5).clamp(0.0, last as f64);
         // A centre is read as it is, however its place is rounded.
         let place = if (place - place.round()).abs() < CENTRE { place.round() } else { place };
         let left = (place.floor() as usize).min(last.saturating_sub(1));
@@ -206,7 +206,8 @@ mod tests {
 
     fn cells(values: &[f64]) -> Shape {
         let count = values.len();
-        let segments = vec![SegmentGrid { cells: 0..count, x0: 0.0, dx: 1.0 / count as f64 }];
+        let segments =
+            vec![SegmentGrid { cells: 0..count, x0: 0.0, spacing: 1.0 / count as f64, dx: 1.0 / count as f64 }];
         Shape::Cells(Cells { segments, values: values.to_vec() })
     }
 

@@ -5,7 +5,7 @@ mod sudden_fans;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use crate::bar::{Bar, InitialFan, Segment, SuddenLoads, first_fans};
+use crate::bar::{Bar, EndCondition, InitialFan, Segment, SuddenLoads, first_fans};
 use crate::law::rate::{Heated, Overstress, RateLaw, Timed};
 use crate::law::rupture::{Criteria, Criterion};
 use crate::law::{
@@ -19,7 +19,7 @@ use crate::snapshot::Snapshot;
 use crate::solver::fd::{DistributedForces, Grid, Leapfrog, SegmentLaw, Shocks};
 use crate::solver::moc::{FrontTracking, Settings};
 use crate::solver::muscl::Muscl;
-use crate::solver::net::{Lattice, Net};
+use crate::solver::net::{self, Net};
 use crate::wave::riemann::{Flow, Medium};
 use crate::wave::similarity::SCATTER;
 
@@ -48,9 +48,26 @@ pub fn solve<T: Task>(scene: &Scene, task: T) -> T::Output {
     }
 }
 
+/// Time steps by which rounding to whole ones may shift waves in a run. In 250 cells of two materials, sharp waves are nearer to the exact ones up to
+/// that, and up to ten times farther after 20.
+const MOST_SHIFT: f64 = 2.0;
+
+/// The grid of a scene: about `cells` cells, Courant number `cfl`. Sharp waves cross a cell in a step where they can: by 1e-4 less, the scheme
+/// disperses them, by 10 % of their stress. Smooth waves do not need that, and are of second order without.
+pub fn grid(scene: &Scene, cells: usize, cfl: f64) -> Grid {
+    let (grid, bar) = (Grid::new(&scene.bar, cells, cfl), &scene.bar);
+    let smooth = bar.starts_at_rest() && ![&scene.left, &scene.right].into_iter().any(EndCondition::is_sudden);
+    if cfl < 1.0 || smooth && scene.effects.rupture.is_none() {
+        return grid;
+    }
+    let whole = grid.in_whole_steps(bar);
+    let shift = whole.transit_shift() * whole.steps_to(scene.solve.until) as f64;
+    if shift <= MOST_SHIFT { whole } else { grid }
+}
+
 /// The finite-difference bar of a scene, ready to step: about `cells` cells, Courant number `cfl`.
 pub fn leapfrog(scene: &Scene, cells: usize, cfl: f64) -> Leapfrog {
-    let grid = Grid::new(&scene.bar, cells, cfl);
+    let grid = grid(scene, cells, cfl);
     let laws = scene.bar.segments.iter().map(|s| stepped_law(s, &scene.effects, grid.dt)).collect();
     let ends = [scene.left.clone(), scene.right.clone()];
     let at_once = scene.effects.rate.is_none();
@@ -81,7 +98,7 @@ fn follows_curves(scene: &Scene) -> bool {
 
 /// The conservative finite-difference bar of a scene, ready to step: about `cells` cells, Courant number `cfl`.
 pub fn muscl(scene: &Scene, cells: usize, cfl: f64) -> Muscl {
-    let grid = Grid::new(&scene.bar, cells, cfl);
+    let grid = grid(scene, cells, cfl);
     let laws = scene.bar.segments.iter().map(|s| segment_law(s, &scene.effects)).collect();
     let media = scene.bar.segments.iter().map(|s| medium(s, &scene.effects)).collect();
     let fans = sudden_fans(scene, &grid, sudden_fans::LATE_IN_MUSCL);
@@ -101,9 +118,19 @@ fn sudden_fans(scene: &Scene, grid: &Grid, late: f64) -> Vec<InitialFan> {
     if !follows_curves(scene) || !sudden_fans::can_be_tracked(scene) {
         return first;
     }
+    let stepped = as_stepped(scene, grid);
     let settings = Settings { event_budget: EVENTS, front_segments: true, ..Settings::default() };
-    let later = front_tracking(scene, settings).later_fans(scene.solve.until);
-    sudden_fans::with_later(first, &later, scene, (grid, late))
+    let later = front_tracking(&stepped, settings).later_fans(scene.solve.until);
+    sudden_fans::with_later(first, &later, &stepped, (grid, late))
+}
+
+/// The scene with its segments as long as they are to a scheme on this grid.
+fn as_stepped(scene: &Scene, grid: &Grid) -> Scene {
+    let mut scene = scene.clone();
+    for (segment, part) in scene.bar.segments.iter_mut().zip(&grid.segments) {
+        segment.length *= part.dx / part.spacing;
+    }
+    scene
 }
 
 fn sudden_loads(scene: &Scene, fans: &[InitialFan], grid: &Grid) -> SuddenLoads {
@@ -175,7 +202,7 @@ pub fn characteristic_net(scene: &Scene, cells: usize) -> Net {
     let cut = scene.in_pieces();
     let scene = cut.as_ref().unwrap_or(scene);
     let laws = scene.bar.segments.iter().map(|s| rate_law(&s.material, &scene.effects)).collect();
-    Net::new(&scene.bar, Lattice::new(&scene.bar, cells), laws, [scene.left.clone(), scene.right.clone()])
+    Net::new(&scene.bar, net::grid(&scene.bar, cells), laws, [scene.left.clone(), scene.right.clone()])
 }
 
 /// The rate-dependent law of a material at its reference temperature. Without a rate in the effects, or constants of the material (which

@@ -57,3 +57,20 @@ pub enum EndCondition {
         stiffness: f64,
     },
 }
+
+impl EndCondition {
+    /// It can send a jump into a bar that rests: one that it imposes at some time, that of a release, or of a body or wall that is struck.
+    pub fn is_sudden(&self) -> bool {
+        match self {
+            Self::Velocity { history, release } => release.is_some() || !history.is_continuous(),
+            Self::Stress { history } => !history.is_continuous(),
+            Self::Wall { .. } | Self::Striker { .. } => true,
+            Self::Free
+            | Self::Fixed
+            | Self::Absorbing
+            | Self::Dashpot { .. }
+            | Self::Ball { .. }
+            | Self::Spring { .. } => false,
+        }
+    }
+}

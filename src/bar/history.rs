@@ -166,6 +166,11 @@ impl History {
         self.time[first..first + rows].windows(2).any(|pair| pair[0] == pair[1])
     }
 
+    /// The value rises from 0 and never jumps.
+    pub fn is_continuous(&self) -> bool {
+        self.value[0] == 0.0 && !self.jumps_between(0.0, f64::INFINITY)
+    }
+
     /// The value of largest magnitude (the first one, where several are equal).
     pub fn extreme(&self) -> f64 {
         self.value.iter().fold(0.0, |m: f64, &v| if v.abs() > m.abs() { v } else { m })

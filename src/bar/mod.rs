@@ -129,6 +129,13 @@ impl Bar {
         self.segments.iter().any(|segment| segment.profile.is_some() || segment.initial != Initial::default())
     }
 
+    /// It starts at rest, without stress, and its segments hold together.
+    pub fn starts_at_rest(&self) -> bool {
+        let bonded = |k: usize| self.segments[k].joint == Joint::Bonded;
+        let resting = self.segments.iter().all(|segment| segment.velocity == 0.0);
+        resting && !self.has_initial_state() && (0..self.segments.len() - 1).all(bonded)
+    }
+
     /// The same bar, not stressed, cold and not yielded at t = 0; velocities that change along a segment are their means.
     #[must_use]
     pub fn without_initial_state(&self) -> Self {
@@ -146,6 +153,11 @@ impl Bar {
 
     /// Transit time of an elastic wave from end to end, s.
     pub fn transit_time(&self) -> f64 {
-        self.segments.iter().map(|s| s.length / s.material.c0()).sum()
+        self.transit_times().iter().sum()
+    }
+
+    /// Those of its segments, s.
+    pub fn transit_times(&self) -> Vec<f64> {
+        self.segments.iter().map(|s| s.length / s.material.c0()).collect()
     }
 }

@@ -8,7 +8,7 @@ use super::summary::{add_critical, front_lines, note_lines};
 use crate::error::Result;
 use crate::run::{Trial, plan_impact};
 use crate::scene::Problem;
-use crate::study::plan::{InitialSteps, NetWork, Plan, Staircase, Work, plan};
+use crate::study::plan::{InitialSteps, Plan, Staircase, Work, plan};
 use crate::units::{Dimension, System, format};
 
 /// Options of `barwave plan`.
@@ -96,13 +96,18 @@ fn work_lines(work: &Work, units: System) -> Vec<(&'static str, String)> {
             bytes_per_elastic_cell: elastic,
             bytes_per_yielded_cell: yielded,
             memory_bytes,
+            largest_transit_shift: shift,
             net,
         } => {
             let grid = std::format!("{cells} cells, {steps} steps of {}", time(dt_s));
             let most = bytes(memory_bytes);
             let memory = std::format!("{elastic} bytes per elastic cell, {yielded} per yielded cell: at most {most}");
-            let lines = [("grid", grid), ("memory", memory)];
-            lines.into_iter().chain(net.iter().flat_map(net_lines)).collect()
+            let rounded = std::format!(
+                "changed by up to {shift:.1e} so that waves cross the cells of all segments in one time step"
+            );
+            let transits = (shift > 1e-9).then_some(("transit times", rounded));
+            let relaxation = net.and_then(|net| net.k_dt).map(relaxation_line);
+            [("grid", grid), ("memory", memory)].into_iter().chain(transits).chain(relaxation).collect()
         }
         Work::Fronts { front_tolerance, stress_scale, first_fronts, lines, event_budget, bytes_per_front } => {
             let fronts = std::format!("{first_fronts} after t = 0; the curve has {lines} straight segments");
@@ -138,24 +143,13 @@ fn tolerance_text(front_tolerance: f64, stress: &str) -> String {
     }
 }
 
-fn net_lines(net: &NetWork) -> Vec<(&'static str, String)> {
-    let mut lines = Vec::new();
-    if net.largest_transit_shift > 1e-9 {
-        let shift = net.largest_transit_shift;
-        lines.push((
-            "transit times",
-            std::format!("changed by up to {shift:.1e} so that all segments have one time step"),
-        ));
-    }
-    if let Some(k_dt) = net.k_dt {
-        let meaning = if k_dt > 1.0 {
-            "plastic fronts are narrower than a cell and are not resolved; use more cells"
-        } else {
-            "resolved, to second order"
-        };
-        lines.push(("relaxation", std::format!("k dt = {k_dt:.2e}: {meaning}")));
-    }
-    lines
+fn relaxation_line(k_dt: f64) -> (&'static str, String) {
+    let meaning = if k_dt > 1.0 {
+        "plastic fronts are narrower than a cell and are not resolved; use more cells"
+    } else {
+        "resolved, to second order"
+    };
+    ("relaxation", std::format!("k dt = {k_dt:.2e}: {meaning}"))
 }
 
 fn bytes(count: usize) -> String {

@@ -69,7 +69,7 @@ impl FrontTracker {
                     initial_fan: initial_fan.clone(),
                     edge: *edge,
                     window,
-                    width: FRONT_WIDTH * grid.segments[initial_fan.segment].dx,
+                    width: FRONT_WIDTH * grid.segments[initial_fan.segment].spacing,
                     level,
                     passed: 0,
                     track: Vec::new(),
@@ -132,7 +132,7 @@ impl Front {
             return;
         }
         let within = (behind - self.level) / (behind - ahead);
-        let distance = (self.passed as f64 - 0.5 + within) * part.dx;
+        let distance = (self.passed as f64 - 0.5 + within) * part.spacing;
         if self.window.undisturbed(bar.time(), distance, self.width) {
             self.track.push((bar.time(), distance));
         } else {

@@ -51,6 +51,6 @@ fn beside(bar: &Bar, grid: &Grid, k: usize) -> ([f64; 2], [f64; 2]) {
     let [left_mass, right_mass] =
         [left.material.density * left_area * a.dx, right.material.density * right_area * b.dx];
     let both = left_mass + right_mass;
-    let places = [b.x0 - 0.5 * a.dx, b.x0 + 0.5 * b.dx];
+    let places = [b.x0 - 0.5 * a.spacing, b.x0 + 0.5 * b.spacing];
     (places, [right_mass / both, right_area / left_area * left_mass / both])
 }

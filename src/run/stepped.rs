@@ -384,7 +384,7 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
         let mut profile = ResidualProfile::new(self.recorder.scene.bar.length());
         for part in &self.bar.grid().segments {
             for cell in part.cells.clone() {
-                let sides = [-0.5, 0.5].map(|half| self.centres[cell] + half * part.dx);
+                let sides = [-0.5, 0.5].map(|half| self.centres[cell] + half * part.spacing);
                 profile.add(sides, self.bar.value(Quantity::PlasticStrain, cell));
             }
         }
@@ -403,8 +403,8 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
         let segment = |(segment, part): (&Segment, &SegmentGrid)| {
             let mut end = SegmentEnd::default();
             for cell in part.cells.clone() {
-                let from = (cell - part.cells.start) as f64 * part.dx;
-                let mass = segment.material.density * segment.mean_area(from, from + part.dx) * part.dx;
+                let [from, to] = part.cell(cell);
+                let mass = segment.material.density * segment.mean_area(from, to) * part.dx;
                 end.add(&SegmentEnd {
                     elongation: part.dx * strain[cell],
                     plastic_elongation: part.dx * plastic[0][cell],

@@ -15,7 +15,7 @@ use crate::run::{self, Progress, Trial};
 use crate::scene::{Effects, Method, Rate, Scene};
 use crate::solver::fd::{DistributedForces, Grid, TAPER_BYTES_PER_CELL};
 use crate::solver::moc::{FrontTracking, Settings};
-use crate::solver::net::{Lattice, Net};
+use crate::solver::net::{self, Net};
 
 /// The plan of a scene. Keys are those of `barwave plan --json`.
 #[derive(Debug, Clone, Serialize)]
@@ -96,6 +96,8 @@ pub enum Work {
         bytes_per_yielded_cell: usize,
         /// Solver memory if the whole bar yields, bytes.
         memory_bytes: usize,
+        /// Largest relative change of a segment's transit time, made so that waves cross the cells of all segments in one time step.
+        largest_transit_shift: f64,
         /// Of a characteristic net only.
         #[serde(flatten)]
         net: Option<NetWork>,
@@ -121,8 +123,6 @@ pub enum Work {
 /// What a characteristic net says of itself.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct NetWork {
-    /// Largest relative change of a segment's transit time, made so that all segments share one time step.
-    pub largest_transit_shift: f64,
     /// Malvern's k times the time step: above 1, fronts are as wide as the net makes them. Null for other laws.
     pub k_dt: Option<f64>,
 }
@@ -234,13 +234,13 @@ pub fn memory(scene: &Scene) -> usize {
 fn work(scene: &Scene) -> (Work, usize) {
     match scene.solve.method {
         Method::Leapfrog { cells, cfl } => {
-            let grid = Grid::new(&scene.bar, cells, cfl);
+            let grid = assemble::grid(scene, cells, cfl);
             grid_work(scene, &grid, &leapfrog_cell(scene, &grid))
         }
-        Method::Muscl { cells, cfl } => grid_work(scene, &Grid::new(&scene.bar, cells, cfl), &muscl_cell(scene)),
+        Method::Muscl { cells, cfl } => grid_work(scene, &assemble::grid(scene, cells, cfl), &muscl_cell(scene)),
         Method::CharacteristicNet { cells } => {
-            let lattice = Lattice::new(&scene.bar, cells);
-            grid_work(scene, &lattice.grid, &net_cell(scene, &lattice))
+            let grid = net::grid(&scene.bar, cells);
+            grid_work(scene, &grid, &net_cell(scene, &grid))
         }
         Method::FrontTracking { front_tolerance, event_budget } => {
             (front_work(scene, front_tolerance, event_budget), 0)
@@ -265,6 +265,7 @@ fn grid_work(scene: &Scene, grid: &Grid, cell: &Cell) -> (Work, usize) {
         bytes_per_elastic_cell: elastic,
         bytes_per_yielded_cell: yielded,
         memory_bytes: cells * yielded,
+        largest_transit_shift: grid.transit_shift(),
         net: cell.net,
     };
     (work, cells)
@@ -291,12 +292,9 @@ fn muscl_cell(scene: &Scene) -> Cell {
     Cell { bytes, net: None }
 }
 
-fn net_cell(scene: &Scene, lattice: &Lattice) -> Cell {
+fn net_cell(scene: &Scene, grid: &Grid) -> Cell {
     let k = if let Some(Rate::Malvern { k }) = scene.effects.rate { Some(k) } else { None };
-    Cell {
-        bytes: [Net::BYTES_PER_CELL; 2],
-        net: Some(NetWork { largest_transit_shift: lattice.shift, k_dt: k.map(|k| k * lattice.grid.dt) }),
-    }
+    Cell { bytes: [Net::BYTES_PER_CELL; 2], net: Some(NetWork { k_dt: k.map(|k| k * grid.dt) }) }
 }
 
 fn front_work(scene: &Scene, front_tolerance: f64, event_budget: u64) -> Work {

@@ -6,7 +6,7 @@ use barwave::law::Table;
 use barwave::law::rate::{Overstress, RateLaw};
 use barwave::material::{Material, Sense};
 use barwave::solver::fd::Quantity;
-use barwave::solver::net::{Lattice, Net};
+use barwave::solver::net::{self, Net};
 
 /// The law of a material.
 pub fn law(material: &Material, overstress: Overstress, kinematic: f64) -> RateLaw {
@@ -25,7 +25,7 @@ pub fn net(
 ) -> Net {
     let laws = segments.iter().map(|s| law(&s.material, overstress, kinematic)).collect();
     let bar = Bar { segments, area_given: true };
-    Net::new(&bar, Lattice::new(&bar, cells), laws, ends)
+    Net::new(&bar, net::grid(&bar, cells), laws, ends)
 }
 
 /// Malvern's law, isotropic.

@@ -740,6 +740,30 @@ fn an_event_budget_that_runs_out_keeps_the_frames() {
     assert!(!file.paths().expect("paths").is_empty() && !file.fronts().expect("fronts").is_empty());
 }
 
+/// Only sharp waves need to cross a cell in just a step.
+#[test]
+fn plans_state_by_how_much_transit_times_are_rounded() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let shift = |drive: &str| {
+        let scene = format!(
+            "[[bar.segment]]\nlength = 0.3\nmaterial = \"copper-ofhc-jc\"\n[[bar.segment]]\nlength = 0.3\nmaterial = \"mild-steel\"\n\
+             [left]\nkind = \"velocity\"\n{drive}\n[right]\nkind = \"fixed\"\n[solve]\nmethod = \"fd\"\ncells = 500\nuntil = \"100 us\"\n"
+        );
+        std::fs::write(dir.path().join("scene.toml"), scene).expect("a folder to write to");
+        let json = binary::json(dir.path(), &["plan", "scene.toml", "--json"]);
+        let shift = json["largest_transit_shift"].as_f64().expect("a number");
+        let text = binary::done(dir.path(), &["plan", "scene.toml"]);
+        let line =
+            format!("transit times     changed by up to {shift:.1e} so that waves cross the cells of all segments");
+        assert_eq!(text.contains(&line), shift > 0.0, "{text}");
+        shift
+    };
+    let sudden = shift("value = 2");
+    assert!(sudden > 1e-7 && sudden < 1e-3, "{sudden}");
+    assert_eq!(shift("history = [[0, 0], [1e-5, 2]]"), 0.0);
+    assert!(shift("history = [[0, 0], [1e-5, 2], [1e-5, 1]]") > 0.0);
+}
+
 #[test]
 fn plans_of_both_methods_are_made() {
     let plan = |name: &str| -> Value {

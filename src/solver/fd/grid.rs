@@ -14,7 +14,9 @@ pub struct SegmentGrid {
     pub cells: Range<usize>,
     /// Place of its left end, m.
     pub x0: f64,
-    /// Cell size, m.
+    /// Distance between the centres of its cells, m.
+    pub spacing: f64,
+    /// Cell size with which the scheme computes, m: the spacing, or nearly so in [`Grid::in_whole_steps`].
     pub dx: f64,
 }
 
@@ -22,13 +24,13 @@ impl SegmentGrid {
     /// A cell, m from the segment's left end.
     pub fn cell(&self, cell: usize) -> [f64; 2] {
         let i = cell - self.cells.start;
-        [self.dx * i as f64, self.dx * (i + 1) as f64]
+        [self.spacing * i as f64, self.spacing * (i + 1) as f64]
     }
 
     /// The half cells on both sides of a node that are in the segment, m from its left end.
     pub fn beside(&self, node: usize) -> [f64; 2] {
         let (i, count) = ((node - self.cells.start) as f64, self.cells.len() as f64);
-        [(i - 0.5).max(0.0), (i + 0.5).min(count)].map(|i| self.dx * i)
+        [(i - 0.5).max(0.0), (i + 0.5).min(count)].map(|i| self.spacing * i)
     }
 
     /// Velocity (m/s) of a node of a segment half a step after t = 0, without what initial stresses give it: that of its cells' common
@@ -59,17 +61,43 @@ pub struct Grid {
 impl Grid {
     /// Shares about `cells` cells out over the bar, see `sharing`; the time step is `cfl` times the shortest transit of a cell.
     pub fn new(bar: &Bar, cells: usize, cfl: f64) -> Self {
-        let transits: Vec<f64> = bar.segments.iter().map(|segment| segment.length / segment.material.c0()).collect();
+        Self::with_counts(bar, &share_out(&bar.transit_times(), cells), cfl)
+    }
+
+    /// With these numbers of cells of the segments; the time step likewise.
+    pub fn with_counts(bar: &Bar, counts: &[usize], cfl: f64) -> Self {
         let mut segments = Vec::with_capacity(bar.segments.len());
         let (mut first, mut x0, mut dt) = (0, 0.0, f64::INFINITY);
-        for (segment, count) in bar.segments.iter().zip(share_out(&transits, cells)) {
-            let dx = segment.length / count as f64;
-            dt = dt.min(cfl * dx / segment.material.c0());
-            segments.push(SegmentGrid { cells: first..first + count, x0, dx });
-            first += count;
+        for (segment, count) in bar.segments.iter().zip(counts) {
+            let spacing = segment.length / *count as f64;
+            dt = dt.min(cfl * spacing / segment.material.c0());
+            segments.push(SegmentGrid { cells: first..first + count, x0, spacing, dx: spacing });
+            first += *count;
             x0 += segment.length;
         }
         Self { segments, dt }
+    }
+
+    /// The same cells and a time step in which elastic waves cross each of them: transit times that differ are rounded, as much up as down. The
+    /// scheme computes with segments that are so much longer or shorter; their impedance, their cross-section and the places stay as they are.
+    #[must_use]
+    pub fn in_whole_steps(&self, bar: &Bar) -> Self {
+        let transits =
+            self.segments.iter().zip(&bar.segments).map(|(part, segment)| part.spacing / segment.material.c0());
+        let (low, high) = transits.fold((f64::INFINITY, 0.0_f64), |(low, high), own| (low.min(own), high.max(own)));
+        if low == high {
+            return self.clone();
+        }
+        let mut grid = Self { dt: 2.0 / (1.0 / low + 1.0 / high), ..self.clone() };
+        for (part, segment) in grid.segments.iter_mut().zip(&bar.segments) {
+            part.dx = segment.material.c0() * grid.dt;
+        }
+        grid
+    }
+
+    /// Largest relative change of a segment's transit time by rounding to whole steps, >= 0.
+    pub fn transit_shift(&self) -> f64 {
+        self.segments.iter().map(|part| (part.dx / part.spacing - 1.0).abs()).fold(0.0, f64::max)
     }
 
     /// Steps up to a time, s: to the first that reaches it, one at least.
@@ -85,7 +113,7 @@ impl Grid {
 
     /// Cell centres, m.
     pub fn centres(&self) -> Vec<f64> {
-        let centre = |s: &SegmentGrid, i: usize| s.x0 + ((i - s.cells.start) as f64 + 0.5) * s.dx;
+        let centre = |s: &SegmentGrid, i: usize| s.x0 + ((i - s.cells.start) as f64 + 0.5) * s.spacing;
         self.segments.iter().flat_map(|s| s.cells.clone().map(move |i| centre(s, i))).collect()
     }
 
@@ -93,12 +121,49 @@ impl Grid {
     pub fn node(&self, node: usize) -> f64 {
         let k = self.segments.partition_point(|s| s.cells.end < node).min(self.segments.len() - 1);
         let segment = &self.segments[k];
-        segment.x0 + (node - segment.cells.start) as f64 * segment.dx
+        segment.x0 + (node - segment.cells.start) as f64 * segment.spacing
     }
 
     /// The segment that holds place `x` (the left one at a joint).
     pub fn segment_at(&self, x: f64) -> usize {
         let after = self.segments.partition_point(|s| s.x0 < x);
         after.max(1) - 1
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::material::{Beyond, Curve, Material};
+
+    fn bar(parts: &[(f64, f64)]) -> Bar {
+        let segment = |&(length, density): &(f64, f64)| {
+            let curve = Curve::new(&[(0.01, 2e9)], Beyond::Extend).expect("rows rise");
+            Segment::new(length, 1.0, Material::from_curve("m", density, curve))
+        };
+        Bar { segments: parts.iter().map(segment).collect(), area_given: true }
+    }
+
+    #[test]
+    fn in_whole_steps_waves_cross_a_cell_in_each() {
+        let bar = bar(&[(0.317, 7800.0), (0.123, 2700.0), (0.71, 8960.0)]);
+        let grid = Grid::new(&bar, 1000, 1.0);
+        let whole = grid.in_whole_steps(&bar);
+        assert_eq!((grid.transit_shift(), whole.centres()), (0.0, grid.centres()));
+        assert!(whole.transit_shift() > 1e-6 && whole.transit_shift() < 2e-3, "{}", whole.transit_shift());
+        let changes = whole.segments.iter().zip(&bar.segments).map(|(part, segment)| {
+            assert!((segment.material.c0() * whole.dt / part.dx - 1.0).abs() < 1e-15);
+            part.dx / part.spacing - 1.0
+        });
+        // As much longer as shorter.
+        let [low, high] = changes.fold([0.0_f64; 2], |[low, high], change| [low.min(change), high.max(change)]);
+        assert!((low + high).abs() < 1e-3 * high, "{low} {high}");
+    }
+
+    #[test]
+    fn one_segment_needs_no_rounding() {
+        let bar = bar(&[(0.317, 7800.0)]);
+        let grid = Grid::new(&bar, 123, 1.0);
+        assert_eq!(grid.in_whole_steps(&bar), grid);
     }
 }

@@ -73,7 +73,8 @@ impl Leapfrog {
     pub fn unresolved_tension(&self) -> Option<Unresolved> {
         let breaking = self.rupture.as_ref()?;
         breaking.unresolved.filter(|place| {
-            let dx = |r: &Rupture| self.grid.segments.iter().rfind(|part| part.x0 <= r.x).map_or(0.0, |part| part.dx);
+            let dx =
+                |r: &Rupture| self.grid.segments.iter().rfind(|part| part.x0 <= r.x).map_or(0.0, |part| part.spacing);
             breaking.found.iter().all(|r| (r.x - place.x).abs() > CELLS_TO_BREAK as f64 * dx(r))
         })
     }

@@ -73,7 +73,7 @@ pub fn between(weight: f64, here: f64, there: impl FnOnce() -> f64) -> f64 {
 fn locate(grid: &Grid, x: f64) -> (usize, f64) {
     let part = &grid.segments[grid.segment_at(x)];
     let last = (part.cells.len() - 1) as f64;
-    let place = ((x - part.x0) / part.dx - 0.5).clamp(0.0, last);
+    let place = ((x - part.x0) / part.spacing - 0.5).clamp(0.0, last);
     let cell = (place.floor() as usize).min(part.cells.len() - 1);
     let weight = place - cell as f64;
     (part.cells.start + cell, weight)

@@ -31,7 +31,7 @@ impl BlockTaper {
     /// Of these cells of a segment (counted over the whole bar); none where the segment is uniform.
     pub fn of(segment: &Segment, part: &SegmentGrid, cells: &Range<usize>) -> Option<Box<Self>> {
         segment.taper.as_ref()?;
-        let from = |cell: usize| (cell - part.cells.start) as f64 * part.dx;
+        let from = |cell: usize| (cell - part.cells.start) as f64 * part.spacing;
         // The last border is the segment's end, whatever rounding makes of it.
         let to = |cell: usize| from(cell + 1).min(segment.length);
         let area = cells.clone().map(|cell| segment.mean_area(from(cell), to(cell)) / segment.area).collect();

@@ -1,24 +1,12 @@
-//! One time step for all segments of a bar.
+//! The cells of a net: one time step for all segments of a bar.
 
 use crate::bar::Bar;
-use crate::solver::fd::{Grid, SegmentGrid};
+use crate::solver::fd::Grid;
 
 /// Most time steps that are tried for the one that suits all segments.
 const MOST_TRIALS: usize = 200_000;
 /// A shift that needs no better step: a hundred times below the error of a fine net.
 const GOOD_SHIFT: f64 = 1e-7;
-
-/// The cells of a net: in every segment a whole number of them, each crossed by the elastic wave in one time step.
-///
-/// Where no step divides the transit times of all segments, the step is chosen so that they all are nearly whole, and
-/// each segment's transit time is rounded to whole steps; its impedance stays as it is.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Lattice {
-    /// Cells and time step.
-    pub grid: Grid,
-    /// Largest relative change of a segment's transit time by the rounding, >= 0; 0 for a bar of one segment.
-    pub shift: f64,
-}
 
 /// A time step and what it does to the transit times.
 #[derive(Clone, Copy)]
@@ -27,30 +15,22 @@ struct Trial {
     shift: f64,
 }
 
-impl Lattice {
-    /// About `cells` cells over the bar, at least one a segment: up to a tenth more where that suits the segments better,
-    /// up to four times as many where the rounding would otherwise exceed 0.1 %.
-    pub fn new(bar: &Bar, cells: usize) -> Self {
-        let transits: Vec<f64> = bar.segments.iter().map(|s| s.length / s.material.c0()).collect();
-        let total: f64 = transits.iter().sum();
-        let cells = cells.max(1) as f64;
-        let near = best(&transits, total / cells, total / (1.1 * cells));
-        let chosen = if near.shift > 1e-3 {
-            let wide = best(&transits, total / cells, total / (4.0 * cells));
-            if wide.shift < near.shift { wide } else { near }
-        } else {
-            near
-        };
-        let mut segments = Vec::with_capacity(transits.len());
-        let (mut first, mut x0) = (0, 0.0);
-        for (segment, transit) in bar.segments.iter().zip(&transits) {
-            let count = whole(*transit, chosen.dt);
-            segments.push(SegmentGrid { cells: first..first + count, x0, dx: segment.length / count as f64 });
-            first += count;
-            x0 += segment.length;
-        }
-        Self { grid: Grid { segments, dt: chosen.dt }, shift: chosen.shift }
-    }
+/// In every segment a whole number of cells, each crossed by the elastic wave in one time step, see [`Grid::in_whole_steps`]. About `cells` over
+/// the bar, at least one a segment: up to a tenth more where that suits the segments better, up to four times as many where the rounding would
+/// otherwise exceed 0.1 %.
+pub fn grid(bar: &Bar, cells: usize) -> Grid {
+    let transits = bar.transit_times();
+    let total: f64 = transits.iter().sum();
+    let cells = cells.max(1) as f64;
+    let near = best(&transits, total / cells, total / (1.1 * cells));
+    let chosen = if near.shift > 1e-3 {
+        let wide = best(&transits, total / cells, total / (4.0 * cells));
+        if wide.shift < near.shift { wide } else { near }
+    } else {
+        near
+    };
+    let counts: Vec<usize> = transits.iter().map(|&transit| whole(transit, chosen.dt)).collect();
+    Grid::with_counts(bar, &counts, 1.0).in_whole_steps(bar)
 }
 
 fn whole(transit: f64, dt: f64) -> usize {
@@ -106,37 +86,47 @@ mod tests {
     #[test]
     fn one_segment_takes_the_cells_asked_for() {
         let bar = bar(&[(1.0, 7800.0)]);
-        let lattice = Lattice::new(&bar, 1000);
-        assert_eq!(lattice.grid.cells(), 1000);
-        assert_eq!(lattice.shift, 0.0);
-        assert!((lattice.grid.dt * 1000.0 - bar.transit_time()).abs() < 1e-15 * bar.transit_time());
+        let lattice = grid(&bar, 1000);
+        assert_eq!(lattice.cells(), 1000);
+        assert_eq!(lattice.transit_shift(), 0.0);
+        assert!((lattice.dt * 1000.0 - bar.transit_time()).abs() < 1e-15 * bar.transit_time());
     }
 
     #[test]
     fn segments_that_share_a_step_are_not_shifted() {
-        let lattice = Lattice::new(&bar(&[(0.3, 7800.0), (0.7, 7800.0)]), 1000);
-        assert!(lattice.shift < 1e-15 && lattice.grid.cells() == 1000, "{} {}", lattice.shift, lattice.grid.cells());
+        let lattice = grid(&bar(&[(0.3, 7800.0), (0.7, 7800.0)]), 1000);
+        assert!(
+            lattice.transit_shift() < 1e-15 && lattice.cells() == 1000,
+            "{} {}",
+            lattice.transit_shift(),
+            lattice.cells()
+        );
         // 9 to 16 in density: 3 to 4 in transit.
-        let lattice = Lattice::new(&bar(&[(0.5, 900.0), (0.5, 1600.0)]), 1000);
-        assert!(lattice.shift < 1e-7 && lattice.grid.cells() <= 1100, "{} {}", lattice.shift, lattice.grid.cells());
+        let lattice = grid(&bar(&[(0.5, 900.0), (0.5, 1600.0)]), 1000);
+        assert!(
+            lattice.transit_shift() < 1e-7 && lattice.cells() <= 1100,
+            "{} {}",
+            lattice.transit_shift(),
+            lattice.cells()
+        );
     }
 
     #[test]
     fn any_bar_gets_a_small_shift() {
         let parts = [(0.317, 7800.0), (0.0123, 2700.0), (0.71, 8960.0), (0.2, 4510.0)];
-        let lattice = Lattice::new(&bar(&parts), 1000);
+        let lattice = grid(&bar(&parts), 1000);
         // Four transit times and a few hundred steps to choose from: about 1/N each.
-        assert!(lattice.shift < 1e-2, "{}", lattice.shift);
-        for (part, segment) in lattice.grid.segments.iter().zip(&bar(&parts).segments) {
-            let change = lattice.grid.dt * part.cells.len() as f64 * segment.material.c0() / segment.length - 1.0;
-            assert!(change.abs() <= lattice.shift * (1.0 + 1e-9), "{change} {}", lattice.shift);
+        assert!(lattice.transit_shift() < 1e-2, "{}", lattice.transit_shift());
+        for (part, segment) in lattice.segments.iter().zip(&bar(&parts).segments) {
+            let change = lattice.dt * part.cells.len() as f64 * segment.material.c0() / segment.length - 1.0;
+            assert!(change.abs() <= lattice.transit_shift() * (1.0 + 1e-9), "{change} {}", lattice.transit_shift());
         }
     }
 
     #[test]
     fn a_sliver_has_one_cell_and_says_what_that_costs() {
-        let lattice = Lattice::new(&bar(&[(1.0, 7800.0), (1e-6, 7800.0)]), 10);
-        assert_eq!(lattice.grid.segments[1].cells.len(), 1);
-        assert!(lattice.shift > 0.9);
+        let lattice = grid(&bar(&[(1.0, 7800.0), (1e-6, 7800.0)]), 10);
+        assert_eq!(lattice.segments[1].cells.len(), 1);
+        assert!(lattice.transit_shift() > 0.3, "{}", lattice.transit_shift());
     }
 }

@@ -38,5 +38,5 @@ mod read;
 mod snapshot;
 mod stepping;
 
-pub use lattice::Lattice;
+pub use lattice::grid;
 pub use stepping::Net;

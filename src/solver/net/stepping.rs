@@ -2,7 +2,6 @@
 
 use super::end::End;
 use super::joint::Joint;
-use super::lattice::Lattice;
 use super::part::Part;
 use crate::bar::{Bar, EndCondition};
 use crate::law::FirstPassed;
@@ -24,9 +23,8 @@ pub struct Net {
 }
 
 impl Net {
-    /// A bar at t = 0 in the state of its segments. `laws` has one entry a segment.
-    pub fn new(bar: &Bar, lattice: Lattice, laws: Vec<RateLaw>, ends: [EndCondition; 2]) -> Self {
-        let Lattice { grid, .. } = lattice;
+    /// A bar at t = 0 in the state of its segments, on a [`super::grid`]. `laws` has one entry a segment.
+    pub fn new(bar: &Bar, grid: Grid, laws: Vec<RateLaw>, ends: [EndCondition; 2]) -> Self {
         let parts: Vec<Part> = bar
             .segments
             .iter()

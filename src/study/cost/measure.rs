@@ -9,9 +9,8 @@ use crate::assemble;
 use crate::record::Stepped;
 use crate::scene::{Method, Scene};
 use crate::snapshot::Snapshot;
-use crate::solver::fd::Grid;
 use crate::solver::moc::Settings;
-use crate::solver::net::Lattice;
+use crate::solver::net;
 
 /// Work between two looks at the clock: some milliseconds.
 const CELL_STEPS: u64 = 4_000_000;
@@ -97,8 +96,8 @@ pub(super) fn time_step(scene: &Scene) -> Option<f64> {
     let cut = scene.in_pieces();
     let scene = cut.as_ref().unwrap_or(scene);
     match scene.solve.method {
-        Method::Leapfrog { cells, cfl } | Method::Muscl { cells, cfl } => Some(Grid::new(&scene.bar, cells, cfl).dt),
-        Method::CharacteristicNet { cells } => Some(Lattice::new(&scene.bar, cells).grid.dt),
+        Method::Leapfrog { cells, cfl } | Method::Muscl { cells, cfl } => Some(assemble::grid(scene, cells, cfl).dt),
+        Method::CharacteristicNet { cells } => Some(net::grid(&scene.bar, cells).dt),
         Method::FrontTracking { .. } => None,
     }
 }

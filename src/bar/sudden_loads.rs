@@ -18,7 +18,9 @@ impl SuddenLoads {
         let load = |fan: &InitialFan| behind(fan, bar, dx[fan.segment]);
         let end = |origin: Origin| fans.iter().filter(|fan| fan.origin == origin).find_map(load);
         let joint = |k: usize| {
-            let both = || fans.iter().filter(|fan| fan.origin == Origin::Joint(k));
+            let here = |fan: &&InitialFan| fan.origin == Origin::Joint(k);
+            let first = fans.iter().find(|fan| here(fan) && load(fan).is_some())?;
+            let both = || fans.iter().filter(|fan| here(fan) && fan.from == first.from);
             let known = both().map(|fan| known_until(fan, bar)).fold(f64::INFINITY, f64::min);
             let area = |fan: &InitialFan| bar.segments[fan.segment].end_areas()[usize::from(fan.segment == k)];
             let loads = both().filter_map(|fan| Some((load(fan)?, area(fan))));

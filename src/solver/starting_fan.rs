@@ -126,8 +126,12 @@ impl StartingFan {
 
     /// Both sides of a joint start with their fans, for as long as the one asks for it and both are known, or neither.
     pub fn keep_whole_joints(fans: &mut [Self], segments: usize) {
-        for segment in 0..segments - 1 {
-            let here = |fan: &Self| fan.at_joint && [(segment, 1), (segment + 1, 0)].contains(&(fan.segment, fan.side));
+        let mut starts: Vec<f64> = fans.iter().map(|fan| fan.from).collect();
+        starts.sort_by(f64::total_cmp);
+        starts.dedup();
+        for (segment, from) in (0..segments - 1).flat_map(|segment| starts.iter().map(move |&from| (segment, from))) {
+            let at_joint = |fan: &Self| [(segment, 1), (segment + 1, 0)].contains(&(fan.segment, fan.side));
+            let here = |fan: &Self| fan.at_joint && fan.from == from && at_joint(fan);
             let sides: Vec<&Self> = fans.iter().filter(|fan| here(fan)).collect();
             let wanted = sides.iter().map(|fan| fan.steps).max().unwrap_or(0);
             let known = sides.iter().map(|fan| fan.known).min().unwrap_or(0);
@@ -152,6 +156,11 @@ impl StartingFan {
     /// It is imposed at the end of this step.
     pub fn is_imposed_at(&self, step: usize) -> bool {
         (self.first..self.steps).contains(&step)
+    }
+
+    /// It is imposed at the end of a later step.
+    pub fn is_imposed_after(&self, step: usize) -> bool {
+        step + 1 < self.steps && self.first < self.steps
     }
 
     /// This is the last step at the end of which it is imposed.

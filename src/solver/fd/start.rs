@@ -123,6 +123,7 @@ impl Leapfrog {
             }
         }
         self.share_edges();
+        fans.retain(|fan| fan.is_imposed_after(step));
         self.fans = fans;
     }
 

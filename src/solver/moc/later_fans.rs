@@ -21,8 +21,8 @@ struct Visit {
 type Visits = BTreeMap<(u64, usize), Visit>;
 
 impl FrontTracking {
-    /// Follows the bar up to `until` (s), or as far as its event budget goes, and returns the first plastic fan that starts at each end and
-    /// joint after t = 0, as long as only elastic waves of loads, not of plastic fronts, have come there: those are sharp on a grid.
+    /// Follows the bar up to `until` (s), or as far as its event budget goes, and returns the plastic fans that start at ends and joints, in order of
+    /// time, as long as only elastic waves of loads, not of plastic fronts, have come there: those are sharp on a grid.
     /// For settings that keep the front segments.
     pub fn later_fans(mut self, until: f64) -> Vec<InitialFan> {
         // What is under way at the end of the run meets nothing in it.
@@ -34,8 +34,8 @@ impl FrontTracking {
         let mut fronts = self.take_front_segments();
         fronts.extend(self.living_front_segments());
         let visits = self.visits(&fronts);
-        let (mut is_sharp, mut found) = (vec![false; fronts.len()], vec![None; self.segments() + 1]);
-        let mut only_sharp = vec![true; found.len()];
+        let (mut is_sharp, mut found) = (vec![false; fronts.len()], Vec::new());
+        let mut only_sharp = vec![true; self.segments() + 1];
         for (&(time, place), visit) in &visits {
             only_sharp[place] &= visit.arrive.iter().all(|&k| is_sharp[k]);
             if !only_sharp[place] {
@@ -44,14 +44,14 @@ impl FrontTracking {
             for &k in &visit.leave {
                 is_sharp[k] = self.is_elastic(&fronts[k]);
             }
-            if found[place].is_none() && !visit.leave.iter().all(|&k| is_sharp[k]) {
+            if !visit.leave.iter().all(|&k| is_sharp[k]) {
                 let later =
                     visits.range((time + 1, 0)..).find(|((_, other), next)| *other == place && !next.leave.is_empty());
                 let next = later.map_or(end, |((time, _), _)| f64::from_bits(*time));
-                found[place] = Some(self.fans(place, visit, &fronts, next));
+                found.extend(self.fans(place, visit, &fronts, next));
             }
         }
-        found.into_iter().flatten().flatten().collect()
+        found
     }
 
     fn visits(&self, fronts: &[FrontSegment]) -> Visits {

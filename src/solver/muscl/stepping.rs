@@ -182,11 +182,12 @@ impl Muscl {
         let last = self.blocks.len() - 1;
         for (side, k) in [(0, 0), (1, last)] {
             let part = &self.parts[self.blocks[k].part];
-            let here = |fan: &&mut StartingFan| !fan.at_joint && fan.side == side;
+            let step = self.step;
+            let here = |fan: &&mut StartingFan| !fan.at_joint && fan.side == side && fan.is_imposed_at(step);
             let fan = self.fans.iter_mut().find(here);
             let flux = if let Some([velocity, stress]) = fan.as_ref().and_then(|fan| fan.starts_within(self.step, dt)) {
                 self.ends[side].step_with(time, dt, Flux { stress, velocity })
-            } else if let Some(fan) = fan.filter(|fan| fan.is_imposed_at(self.step)) {
+            } else if let Some(fan) = fan {
                 let flux = self.ends[side].step_behind(time, dt, fan);
                 fan.slowed = if fan.driver == Driver::Body { fan.velocity_behind - flux.velocity } else { 0.0 };
                 flux
@@ -203,9 +204,8 @@ impl Muscl {
         for (k, joint) in self.joints.iter_mut().enumerate() {
             let behind = |segment: usize, side: usize| {
                 let here = |fan: &&StartingFan| fan.at_joint && fan.segment == segment && fan.side == side;
-                let fan = self.fans.iter().find(here)?;
-                let behind = fan.is_imposed_at(self.step).then_some([fan.velocity_behind, fan.stress]);
-                let [velocity, stress] = fan.starts_within(self.step, dt).or(behind)?;
+                let fan = self.fans.iter().filter(here).find(|fan| fan.is_imposed_at(self.step))?;
+                let [velocity, stress] = fan.starts_within(self.step, dt).unwrap_or([fan.velocity_behind, fan.stress]);
                 Some(Flux { stress, velocity })
             };
             let known = behind(k, 1).zip(behind(k + 1, 0)).map(|(left, right)| [left, right]);

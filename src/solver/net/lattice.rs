@@ -30,7 +30,7 @@ pub fn grid(bar: &Bar, cells: usize) -> Grid {
         near
     };
     let counts: Vec<usize> = transits.iter().map(|&transit| whole(transit, chosen.dt)).collect();
-    Grid::with_counts(bar, &counts, 1.0).in_whole_steps(bar)
+    Grid::with_counts(bar, &counts, 1.0).in_whole_steps(bar, f64::INFINITY)
 }
 
 fn whole(transit: f64, dt: f64) -> usize {

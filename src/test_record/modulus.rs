@@ -21,6 +21,10 @@ const RESOLUTION: f64 = 1e-3;
 /// An interval is admitted if its slope, plus twice its error, is this part of the steepest, minus four times its error.
 const ADMITTED: f64 = 0.97;
 
+/// Rows before an interval that are so many times steeper, by so many standard deviations of the noise, are the elastic ones.
+const STEEPER: f64 = 1.5;
+const SURELY: f64 = 4.0;
+
 /// Least elastic limit, over the largest stress: a curve has to start along its modulus.
 pub(super) const LEAST_LIMIT: f64 = 1e-3;
 
@@ -111,7 +115,14 @@ fn search(rows: &[(f64, f64)], variances: &[f64], largest: f64) -> Option<Candid
     // Of hundreds of intervals with few rows and much noise some are too steep by three standard errors.
     let steepest = all.iter().map(|c| c.fit.b - 4.0 * c.total).fold(0.0, f64::max);
     let admitted = all.into_iter().filter(|c| c.fit.b + 2.0 * c.total >= ADMITTED * steepest && c.fit.b > 0.0);
-    admitted.min_by(|a, b| score(a).total_cmp(&score(b)))
+    admitted.filter(|c| !follows_steeper_rows(rows, variances, c)).min_by(|a, b| score(a).total_cmp(&score(b)))
+}
+
+/// The rows before an interval rise more steeply: they are the elastic ones, too few for a line of their own.
+fn follows_steeper_rows(rows: &[(f64, f64)], variances: &[f64], c: &Candidate) -> bool {
+    let (first, start) = (rows[0], rows[c.from].0);
+    let rise = c.fit.at(start - c.mean) - first.1;
+    rise > STEEPER * c.fit.b * (start - first.0) + SURELY * variances[0].sqrt()
 }
 
 /// Relative error of the slope; below the resolution longer intervals are better.
@@ -176,6 +187,17 @@ fn off_line(group: &[(f64, f64)], noise: f64, best: &Candidate) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Five elastic rows are too few; a line through the rows past the knee had 4 % of the modulus.
+    #[test]
+    fn a_line_past_the_knee_is_none() {
+        let stress = |strain: f64| if strain < 5.2e-4 { 115e9 * strain } else { 60e6 + 4e9 * (strain - 5.2e-4) };
+        let rows: Vec<(f64, f64)> = (0..300)
+            .map(|i| 1e-4 * f64::from(i))
+            .map(|strain| (strain, (stress(strain) / 1e6).round() * 1e6))
+            .collect();
+        assert_eq!(elastic_line(&rows, &vec![0.3e12; rows.len()], None), None);
+    }
 
     /// The end of the elastic line of a material that is linear in logarithmic strain and true stress up to a knee, in engineering values.
     #[test]

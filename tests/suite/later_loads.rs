@@ -3,6 +3,8 @@
 
 use serde_json::Value;
 
+use barwave::record::store::ResultFile;
+
 use crate::common::binary;
 
 const COPPER: &str = "{ density = 8900, modulus = 115e9, beyond = \"extend\", curve = { table = [[0.0005, 57.5e6], [0.002, 90e6], [0.01, 130e6], [0.05, 200e6], [0.3, 330e6]] } }";
@@ -37,13 +39,27 @@ impl Case {
         Self { bar, ends: [left.to_owned(), right.to_owned()], until }
     }
 
-    /// A number of the summary.
-    fn figure(&self, solve: &str, pointer: &str) -> f64 {
-        let (Self { bar, ends: [left, right], until }, folder) = (self, tempfile::tempdir().expect("a folder"));
-        let scene = format!(
+    fn scene(&self, solve: &str) -> String {
+        let Self { bar, ends: [left, right], until } = self;
+        format!(
             "{bar}[left]\n{left}\n[right]\n{right}\n[effects]\nhardening = \"isotropic\"\n[solve]\nuntil = \"{until}\"\n{solve}\n\
              [record]\nframes = 2\n"
-        );
+        )
+    }
+
+    /// Stresses at a gauge, Pa.
+    fn gauge(&self, place: &str, solve: &str) -> Vec<f64> {
+        let folder = tempfile::tempdir().expect("a folder");
+        let scene = format!("{}gauges = {{ here = \"{place}\" }}\n", self.scene(solve));
+        std::fs::write(folder.path().join("scene.toml"), &scene).expect("a folder to write to");
+        binary::done(folder.path(), &["run", "scene.toml", "-o", "out.h5"]);
+        let result = ResultFile::open(&folder.path().join("out.h5")).expect("a result file");
+        result.gauges().expect("gauges").remove(0).trace.stress
+    }
+
+    /// A number of the summary.
+    fn figure(&self, solve: &str, pointer: &str) -> f64 {
+        let (scene, folder) = (self.scene(solve), tempfile::tempdir().expect("a folder"));
         std::fs::write(folder.path().join("scene.toml"), &scene).expect("a folder to write to");
         let run = binary::barwave(folder.path(), &["run", "--json", "scene.toml"]);
         assert_eq!(run.status.code(), Some(0), "{}\n{scene}", String::from_utf8_lossy(&run.stderr));
@@ -153,7 +169,7 @@ fn every_wave_that_arrives_starts_the_fan_of_the_curve() {
     let bar = segment(0.1, ALUMINIUM, -40.0, "") + &segment(0.2, BILINEAR, -40.0, "");
     let case = Case::new(bar, "kind = \"wall\"", FREE, "150 us");
     case.assert_near("on a wall", "left/peak_force_N", &[300, 1000], 2e-4);
-    case.assert_near("on a wall", "joints/1/peak_force_N", &[300, 1000], 2e-4);
+    case.assert_near("on a wall", "joints/1/peak_force_N", &[300, 1000], 3e-4);
     let fixed = "kind = \"fixed\"";
     let bar = segment(0.3, ALUMINIUM, 0.0, "") + &segment(0.3, BILINEAR, 0.0, "");
     let case = Case::new(bar, &velocity(10.0), fixed, "300 us");
@@ -181,6 +197,25 @@ fn sharp_waves_in_two_materials_do_not_ring() {
         + &segment(0.2, COPPER, 0.0, "");
     let case = Case::new(bar, FREE, FREE, "60 us");
     case.assert_near("a gap behind", "joints/2/peak_force_N", &[500, 2000], 0.002);
+}
+
+/// A known miss: cells stop flowing in whole steps, so that a sharp unloading wave that has overtaken a plastic front overshoots by leapfrog.
+#[test]
+fn an_unloading_wave_that_has_overtaken_a_plastic_front_overshoots_by_leapfrog_alone() {
+    let drive = format!("{}\nrelease = \"20 us\"", velocity(15.0));
+    let case = Case::new(segment(0.4, BILINEAR, 0.0, ""), &drive, FREE, "55 us");
+    let exact = case.gauge("0.1 m", "method = \"moc\"");
+    let (ahead, behind) = (exact.iter().copied().fold(0.0, f64::min), exact[exact.len() - 1]);
+    let overshoot = |scheme: &str, cells: usize| {
+        let stress = case.gauge("0.1 m", &format!("scheme = \"{scheme}\"\ncells = {cells}"));
+        let arrived = stress.iter().position(|s| *s < 0.9 * ahead).expect("a wave");
+        (stress[arrived..].iter().copied().fold(ahead, f64::max) - behind) / (behind - ahead)
+    };
+    for cells in [500, 2000] {
+        assert!(overshoot("muscl", cells) < 0.01, "{cells} cells");
+        let missed = overshoot("leapfrog", cells);
+        assert!(missed > 0.1 && missed < 0.6, "{cells} cells: {missed}");
+    }
 }
 
 /// The first cells kept 4 to 18 % too much strain, at any resolution.

@@ -161,3 +161,16 @@ impl Bar {
         self.segments.iter().map(|s| s.length / s.material.c0()).collect()
     }
 }
+
+#[cfg(test)]
+impl Bar {
+    /// Of elastic segments of 200 GPa with these lengths (m) and densities (kg/m^3).
+    pub(crate) fn elastic(parts: &[(f64, f64)]) -> Self {
+        use crate::material::{Beyond, Curve};
+        let segment = |&(length, density): &(f64, f64)| {
+            let curve = Curve::new(&[(0.01, 2e9)], Beyond::Extend).expect("rows rise");
+            Segment::new(length, 1.0, Material::from_curve("m", density, curve))
+        };
+        Self { segments: parts.iter().map(segment).collect(), area_given: true }
+    }
+}

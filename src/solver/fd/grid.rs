@@ -138,19 +138,10 @@ impl Grid {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::material::{Beyond, Curve, Material};
-
-    fn bar(parts: &[(f64, f64)]) -> Bar {
-        let segment = |&(length, density): &(f64, f64)| {
-            let curve = Curve::new(&[(0.01, 2e9)], Beyond::Extend).expect("rows rise");
-            Segment::new(length, 1.0, Material::from_curve("m", density, curve))
-        };
-        Bar { segments: parts.iter().map(segment).collect(), area_given: true }
-    }
 
     #[test]
     fn in_whole_steps_waves_cross_a_cell_in_each() {
-        let bar = bar(&[(0.317, 7800.0), (0.123, 2700.0), (0.71, 8960.0)]);
+        let bar = Bar::elastic(&[(0.317, 7800.0), (0.123, 2700.0), (0.71, 8960.0)]);
         let grid = Grid::new(&bar, 1000, 1.0);
         let whole = grid.in_whole_steps(&bar, 1.0);
         assert_eq!((grid.transit_shift(), whole.centres()), (0.0, grid.centres()));
@@ -166,7 +157,7 @@ mod tests {
 
     #[test]
     fn segments_that_differ_by_more_keep_their_transit_time() {
-        let bar = bar(&[(0.5, 7800.0), (0.0053, 2700.0), (0.5, 7800.0), (0.3, 8900.0)]);
+        let bar = Bar::elastic(&[(0.5, 7800.0), (0.0053, 2700.0), (0.5, 7800.0), (0.3, 8900.0)]);
         let grid = Grid::new(&bar, 500, 1.0);
         let whole = grid.in_whole_steps(&bar, 5e-3);
         assert_eq!((whole.dt, &whole.segments[1]), (grid.dt, &grid.segments[1]));
@@ -177,7 +168,7 @@ mod tests {
 
     #[test]
     fn one_segment_needs_no_rounding() {
-        let bar = bar(&[(0.317, 7800.0)]);
+        let bar = Bar::elastic(&[(0.317, 7800.0)]);
         let grid = Grid::new(&bar, 123, 1.0);
         assert_eq!(grid.in_whole_steps(&bar, 1.0), grid);
     }

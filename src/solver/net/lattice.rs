@@ -72,20 +72,10 @@ fn tuned(transits: &[f64], dt: f64) -> Trial {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bar::Segment;
-    use crate::material::{Beyond, Curve, Material};
-
-    fn bar(parts: &[(f64, f64)]) -> Bar {
-        let segment = |&(length, density): &(f64, f64)| {
-            let curve = Curve::new(&[(0.01, 2e9)], Beyond::Extend).expect("rows rise");
-            Segment::new(length, 1.0, Material::from_curve("m", density, curve))
-        };
-        Bar { segments: parts.iter().map(segment).collect(), area_given: true }
-    }
 
     #[test]
     fn one_segment_takes_the_cells_asked_for() {
-        let bar = bar(&[(1.0, 7800.0)]);
+        let bar = Bar::elastic(&[(1.0, 7800.0)]);
         let lattice = grid(&bar, 1000);
         assert_eq!(lattice.cells(), 1000);
         assert_eq!(lattice.transit_shift(), 0.0);
@@ -94,7 +84,7 @@ mod tests {
 
     #[test]
     fn segments_that_share_a_step_are_not_shifted() {
-        let lattice = grid(&bar(&[(0.3, 7800.0), (0.7, 7800.0)]), 1000);
+        let lattice = grid(&Bar::elastic(&[(0.3, 7800.0), (0.7, 7800.0)]), 1000);
         assert!(
             lattice.transit_shift() < 1e-15 && lattice.cells() == 1000,
             "{} {}",
@@ -102,7 +92,7 @@ mod tests {
             lattice.cells()
         );
         // 9 to 16 in density: 3 to 4 in transit.
-        let lattice = grid(&bar(&[(0.5, 900.0), (0.5, 1600.0)]), 1000);
+        let lattice = grid(&Bar::elastic(&[(0.5, 900.0), (0.5, 1600.0)]), 1000);
         assert!(
             lattice.transit_shift() < 1e-7 && lattice.cells() <= 1100,
             "{} {}",
@@ -114,10 +104,10 @@ mod tests {
     #[test]
     fn any_bar_gets_a_small_shift() {
         let parts = [(0.317, 7800.0), (0.0123, 2700.0), (0.71, 8960.0), (0.2, 4510.0)];
-        let lattice = grid(&bar(&parts), 1000);
+        let lattice = grid(&Bar::elastic(&parts), 1000);
         // Four transit times and a few hundred steps to choose from: about 1/N each.
         assert!(lattice.transit_shift() < 1e-2, "{}", lattice.transit_shift());
-        for (part, segment) in lattice.segments.iter().zip(&bar(&parts).segments) {
+        for (part, segment) in lattice.segments.iter().zip(&Bar::elastic(&parts).segments) {
             let change = lattice.dt * part.cells.len() as f64 * segment.material.c0() / segment.length - 1.0;
             assert!(change.abs() <= lattice.transit_shift() * (1.0 + 1e-9), "{change} {}", lattice.transit_shift());
         }
@@ -125,7 +115,7 @@ mod tests {
 
     #[test]
     fn a_sliver_has_one_cell_and_says_what_that_costs() {
-        let lattice = grid(&bar(&[(1.0, 7800.0), (1e-6, 7800.0)]), 10);
+        let lattice = grid(&Bar::elastic(&[(1.0, 7800.0), (1e-6, 7800.0)]), 10);
         assert_eq!(lattice.segments[1].cells.len(), 1);
         assert!(lattice.transit_shift() > 0.3, "{}", lattice.transit_shift());
     }

@@ -102,9 +102,7 @@ fn work_lines(work: &Work, units: System) -> Vec<(&'static str, String)> {
             let grid = std::format!("{cells} cells, {steps} steps of {}", time(dt_s));
             let most = bytes(memory_bytes);
             let memory = std::format!("{elastic} bytes per elastic cell, {yielded} per yielded cell: at most {most}");
-            let rounded = std::format!(
-                "changed by up to {shift:.1e} so that waves cross the cells of all segments in one time step"
-            );
+            let rounded = std::format!("rounded by up to {shift:.1e}: waves cross a cell in a step");
             let transits = (shift > 1e-9).then_some(("transit times", rounded));
             let relaxation = net.and_then(|net| net.k_dt).map(relaxation_line);
             [("grid", grid), ("memory", memory)].into_iter().chain(transits).chain(relaxation).collect()

@@ -96,7 +96,7 @@ pub enum Work {
         bytes_per_yielded_cell: usize,
         /// Solver memory if the whole bar yields, bytes.
         memory_bytes: usize,
-        /// Largest relative change of a segment's transit time, made so that waves cross the cells of all segments in one time step.
+        /// Largest relative change of a segment's transit time, which is rounded so that waves cross a cell in a time step.
         largest_transit_shift: f64,
         /// Of a characteristic net only.
         #[serde(flatten)]

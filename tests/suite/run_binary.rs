@@ -753,8 +753,7 @@ fn plans_state_by_how_much_transit_times_are_rounded() {
         let json = binary::json(dir.path(), &["plan", "scene.toml", "--json"]);
         let shift = json["largest_transit_shift"].as_f64().expect("a number");
         let text = binary::done(dir.path(), &["plan", "scene.toml"]);
-        let line =
-            format!("transit times     changed by up to {shift:.1e} so that waves cross the cells of all segments");
+        let line = format!("transit times     rounded by up to {shift:.1e}: waves cross a cell in a step");
         assert_eq!(text.contains(&line), shift > 0.0, "{text}");
         shift
     };

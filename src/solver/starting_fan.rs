@@ -130,8 +130,8 @@ impl StartingFan {
         starts.sort_by(f64::total_cmp);
         starts.dedup();
         for (segment, from) in (0..segments - 1).flat_map(|segment| starts.iter().map(move |&from| (segment, from))) {
-            let at_joint = |fan: &Self| [(segment, 1), (segment + 1, 0)].contains(&(fan.segment, fan.side));
-            let here = |fan: &Self| fan.at_joint && fan.from == from && at_joint(fan);
+            let beside = [(segment, 1), (segment + 1, 0)];
+            let here = |fan: &Self| fan.at_joint && fan.from == from && beside.contains(&(fan.segment, fan.side));
             let sides: Vec<&Self> = fans.iter().filter(|fan| here(fan)).collect();
             let wanted = sides.iter().map(|fan| fan.steps).max().unwrap_or(0);
             let known = sides.iter().map(|fan| fan.known).min().unwrap_or(0);
@@ -158,9 +158,9 @@ impl StartingFan {
         (self.first..self.steps).contains(&step)
     }
 
-    /// It is imposed at the end of a later step.
-    pub fn is_imposed_after(&self, step: usize) -> bool {
-        step + 1 < self.steps && self.first < self.steps
+    /// It is imposed at the end of this step or of a later one.
+    pub fn is_imposed_from(&self, step: usize) -> bool {
+        step < self.steps && self.first < self.steps
     }
 
     /// This is the last step at the end of which it is imposed.
@@ -178,7 +178,7 @@ impl StartingFan {
 
     /// The first step, this one or a later one, at the end of which one of these is imposed.
     pub fn next_step(fans: &[Self], step: usize) -> Option<usize> {
-        fans.iter().filter(|fan| step < fan.steps && fan.first < fan.steps).map(|fan| fan.first.max(step)).min()
+        fans.iter().filter(|fan| fan.is_imposed_from(step)).map(|fan| fan.first.max(step)).min()
     }
 
     /// How far its fronts, as spread over ramps, get within `time` (s) of its start, m.

@@ -7,6 +7,9 @@ use serde::{Deserialize, Serialize};
 use super::sharing::share_out;
 use crate::bar::{Bar, Segment};
 
+/// Transit times of cells that differ by this part of them at most are equal but for the rounding of numbers.
+const ROUND_OFF: f64 = 1e-14;
+
 /// One segment's part of the grid.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SegmentGrid {
@@ -87,13 +90,20 @@ impl Grid {
         let transits: Vec<f64> = self.segments.iter().zip(&bar.segments).map(transit).collect();
         let is_near = |own: f64| own <= self.dt * (1.0 + most);
         let longest = transits.iter().copied().filter(|&own| is_near(own)).fold(0.0, f64::max);
-        let mut grid = self.clone();
-        if transits.iter().all(|&own| is_near(own)) && longest > self.dt {
-            grid.dt = 2.0 / (1.0 / self.dt + 1.0 / longest);
-        }
-        for ((part, segment), &own) in grid.segments.iter_mut().zip(&bar.segments).zip(&transits) {
-            if is_near(own) && own != grid.dt {
-                part.dx = segment.material.c0() * grid.dt;
+        let all = transits.iter().all(|&own| is_near(own)) && longest > self.dt;
+        let dt = if all { 2.0 / (1.0 / self.dt + 1.0 / longest) } else { self.dt };
+        self.in_steps_of(bar, dt, is_near)
+    }
+
+    /// The same cells in steps of `dt` (s), in just one of which waves cross those whose transit time (s) `is_rounded`.
+    #[must_use]
+    pub fn in_steps_of(&self, bar: &Bar, dt: f64, is_rounded: impl Fn(f64) -> bool) -> Self {
+        let mut grid = Self { dt, ..self.clone() };
+        for (part, segment) in grid.segments.iter_mut().zip(&bar.segments) {
+            let c0 = segment.material.c0();
+            let own = part.spacing / c0;
+            if is_rounded(own) && (own - dt).abs() > ROUND_OFF * dt {
+                part.dx = c0 * dt;
             }
         }
         grid

@@ -123,7 +123,7 @@ impl Leapfrog {
             }
         }
         self.share_edges();
-        fans.retain(|fan| fan.is_imposed_after(step));
+        fans.retain(|fan| fan.is_imposed_from(step + 1));
         self.fans = fans;
     }
 

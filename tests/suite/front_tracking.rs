@@ -406,8 +406,10 @@ proptest! {
             let bound = if front_tolerance == 0.0 { 1e-10 } else { 1e-5 * front_tolerance };
             prop_assert!((sum.total() - sum.work[0] - sum.work[1]).abs() < bound * scale, "{sum:?}");
             prop_assert!((sum.momentum - sum.impulse[0] - sum.impulse[1]).abs() < bound * scale, "{sum:?}");
-            // Kinematic hardening stores energy and gives it back: only isotropic plastic work is dissipation.
-            prop_assert!(flow != ISOTROPIC || sum.plastic >= plastic - 1e-12 * scale);
+            // Kinematic hardening stores energy and gives it back: only isotropic plastic work is dissipation. It falls by what is moved where
+            // a wave overtakes a plastic one so close to its origin that they count as one, and the run states that.
+            let moved = (1e-12 + bar.unresolved()) * scale;
+            prop_assert!(flow != ISOTROPIC || sum.plastic >= plastic - moved, "{sum:?}");
             plastic = sum.plastic;
             if stopped {
                 break;

@@ -53,6 +53,9 @@ pub const CHUNK: usize = 64;
 /// the curve, which the mapping compares, is this times 1 less the slope of the curve: above rounding up to a slope of 1 - 1e-6.
 const CLOSE_TO_YIELD: f64 = 1e-9;
 
+/// Least part of a strain that is plastic in a cell that flows on. With less the strain for a given plastic strain is none that a wave could bring.
+const LEAST_FLOW: f64 = 1e-3;
+
 /// Largest stress in either sense within an elastic range, Pa, but for what is [`CLOSE_TO_YIELD`]; 0 of a range that has moved beyond 0.
 fn within([low, high]: [f64; 2]) -> f64 {
     let margin = 2.0 * CLOSE_TO_YIELD * (high.abs() + low.abs());
@@ -186,6 +189,25 @@ pub trait CellLaw<const N: usize>: Send + Sync + Sized {
         0.0
     }
 
+    /// A cell under stress `sigma`, which has just flowed, after it flowed on by about E times this plastic strain (Pa, not 0) and the strain that this takes
+    /// was taken back. Also the work of the plastic strain times 2 E per volume, Pa^2. None where it is taken back, too, where the cell goes on flowing
+    /// by itself, in time, and where the curve is very nearly as steep as the elastic line.
+    fn flow_on(&self, sigma: f64, plastic: f64, state: [f64; N]) -> Option<(Response<N>, f64)> {
+        let strained = |sigma: f64, state: [f64; N], increment: f64| {
+            self.respond(sigma, self.base(sigma, state) + increment, state)
+        };
+        let in_time = if Self::TAKES_TIME { strained(sigma, state, 0.0).plastic / plastic } else { 0.0 };
+        let part = strained(sigma, state, plastic).plastic / plastic;
+        if part.is_nan() || part < LEAST_FLOW || in_time.abs() > LEAST_FLOW {
+            return None;
+        }
+        let flowed = strained(sigma, state, plastic / part);
+        let after = strained(flowed.sigma, flowed.state, -plastic / part);
+        let work = (sigma + flowed.sigma) * flowed.plastic + (flowed.sigma + after.sigma) * after.plastic;
+        let kept = flowed.plastic + after.plastic;
+        (kept.abs() > 0.5 * flowed.plastic.abs()).then_some((Response { plastic: kept, ..after }, work))
+    }
+
     /// E times the signed plastic strain, Pa.
     fn plastic_strain(&self, state: [f64; N]) -> f64;
 
@@ -297,6 +319,10 @@ pub trait RowLaw: Send + Sync {
     /// One step of the row.
     fn advance(&self, row: Row<'_>, state: &mut [f64]) -> Advanced;
 
+    /// As [`CellLaw::flow_on`], for cell `i` of a row. Returns E times the plastic strain, Pa, and its work times 2 E per volume, Pa^2: both 0 where nothing
+    /// is done.
+    fn flow_on(&self, plastic: f64, i: usize, sigma: &mut [f64], state: &mut [f64]) -> [f64; 2];
+
     /// As [`RowLaw::advance`], with E times the strain increment of every cell (Pa) given; `work` is as in [`Row`].
     fn strain(&self, increment: &[f64], sigma: &mut [f64], state: &mut [f64], work: &mut [f64]);
 
@@ -371,6 +397,13 @@ impl<L: CellLaw<N>, const N: usize> RowLaw for Rows<L, N> {
 
     fn advance(&self, row: Row<'_>, state: &mut [f64]) -> Advanced {
         row::advance(&self.law, row, state)
+    }
+
+    fn flow_on(&self, plastic: f64, i: usize, sigma: &mut [f64], state: &mut [f64]) -> [f64; 2] {
+        let Some((after, work)) = self.law.flow_on(sigma[i], plastic, cell_state(state, i)) else { return [0.0; 2] };
+        sigma[i] = after.sigma;
+        set_cell_state(state, i, after.state);
+        [after.plastic, work]
     }
 
     fn strain(&self, increment: &[f64], sigma: &mut [f64], state: &mut [f64], work: &mut [f64]) {
@@ -454,4 +487,11 @@ impl<L: CellLaw<N>, const N: usize> RowLaw for Rows<L, N> {
 fn cell_state<const N: usize>(state: &[f64], i: usize) -> [f64; N] {
     let cells = state.len() / N;
     std::array::from_fn(|k| state[k * cells + i])
+}
+
+fn set_cell_state<const N: usize>(state: &mut [f64], i: usize, values: [f64; N]) {
+    let cells = state.len() / N;
+    for (k, value) in values.into_iter().enumerate() {
+        state[k * cells + i] = value;
+    }
 }

@@ -25,6 +25,8 @@ pub struct Row<'a> {
     /// Set to the sense of the flow (1 or -1) in cells that flow by more than rounding, to 0 in others. What it says of the step before only
     /// decides how a result is found.
     pub flow: &'a mut [i8],
+    /// Set to E `d_eps_plastic`, Pa, where `flow` is not 0; of no meaning in other cells.
+    pub plastic: &'a mut [f64],
     /// The cells that step. Nothing of the others is read or written but the velocities of the nodes between.
     pub cells: Range<usize>,
 }
@@ -49,6 +51,7 @@ struct Piece<'a, const N: usize> {
     work: &'a mut [f64; CHUNK],
     turned: Option<&'a mut [f64; CHUNK]>,
     flow: &'a mut [i8; CHUNK],
+    plastic: &'a mut [f64; CHUNK],
 }
 
 /// One step of a row, cell by cell without any coupling between them. The work is summed in [`LANES`] partial sums: the same bits
@@ -56,7 +59,7 @@ struct Piece<'a, const N: usize> {
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
 pub(super) fn advance<L: CellLaw<N>, const N: usize>(law: &L, row: Row<'_>, state: &mut [f64]) -> Advanced {
     let mut columns = columns::<N>(state, row.sigma.len());
-    let Row { gain, v, sigma, work, mut turned, flow, cells: Range { start: mut from, end } } = row;
+    let Row { gain, v, sigma, work, mut turned, flow, plastic, cells: Range { start: mut from, end } } = row;
     let mut totals = [[0.0; LANES]; 3];
     while from < end {
         let stepped = from..end.min(from + CHUNK);
@@ -72,6 +75,7 @@ pub(super) fn advance<L: CellLaw<N>, const N: usize>(law: &L, row: Row<'_>, stat
                 work: cut_mut(work, from),
                 turned: turned.as_deref_mut().map(|turned| cut_mut(turned, from)),
                 flow: cut_mut(flow, from),
+                plastic: cut_mut(plastic, from),
             },
         };
         step(law, gain, piece, &mut totals);
@@ -83,6 +87,7 @@ pub(super) fn advance<L: CellLaw<N>, const N: usize>(law: &L, row: Row<'_>, stat
                 turned[stepped.clone()].copy_from_slice(&few.turned[..n]);
             }
             flow[stepped.clone()].copy_from_slice(&few.flow[..n]);
+            plastic[stepped.clone()].copy_from_slice(&few.plastic[..n]);
             for (column, values) in columns.iter_mut().zip(&few.columns) {
                 column[stepped.clone()].copy_from_slice(&values[..n]);
             }
@@ -129,6 +134,7 @@ struct Copied<const N: usize> {
     work: [f64; CHUNK],
     turned: [f64; CHUNK],
     flow: [i8; CHUNK],
+    plastic: [f64; CHUNK],
 }
 
 impl<const N: usize> Copied<N> {
@@ -143,6 +149,7 @@ impl<const N: usize> Copied<N> {
             work: zeros,
             turned: zeros,
             flow: [0; CHUNK],
+            plastic: zeros,
         };
         copy.left[..n].copy_from_slice(&v[cells.clone()]);
         copy.right[..n].copy_from_slice(&v[cells.start + 1..=cells.end]);
@@ -163,6 +170,7 @@ impl<const N: usize> Copied<N> {
             work: &mut self.work,
             turned: Some(&mut self.turned),
             flow: &mut self.flow,
+            plastic: &mut self.plastic,
         }
     }
 }
@@ -184,7 +192,7 @@ fn step<L: CellLaw<N>, const N: usize>(
     piece: Piece<'_, N>,
     [works, turns, largest]: &mut [[f64; LANES]; 3],
 ) {
-    let Piece { left, right, sigma, mut columns, work, turned: asked, flow } = piece;
+    let Piece { left, right, sigma, mut columns, work, turned: asked, flow, plastic } = piece;
     let [mut predictor, mut abscissa, mut table] = [const { Aligned([0.0; CHUNK]) }; 3];
     let (predictor, abscissa, table) = (&mut predictor.0, &mut abscissa.0, &mut table.0);
     // Cells that flowed in the step before mostly still do.
@@ -224,8 +232,8 @@ fn step<L: CellLaw<N>, const N: usize>(
     }
     let steps = L::TAKES_TIME.then(|| timed(law, gain, [left, right], sigma, &columns));
     // What any cell does, in the bits of numbers that are 0 in the others: cheaper than comparisons.
-    let [mut turned_work, mut plastic] = [const { Aligned([0.0; CHUNK]) }; 2];
-    let (turned_work, plastic) = (&mut turned_work.0, &mut plastic.0);
+    let mut turned_work = const { Aligned([0.0; CHUNK]) };
+    let turned_work = &mut turned_work.0;
     let [mut onsets, mut flows] = [0_u64; 2];
     for i in 0..CHUNK {
         let (before, sigma_before) = (read(&columns, i), sigma[i]);
@@ -406,6 +414,7 @@ mod tests {
         for cells in [1, 7, 8, 63, 64, 65, 200, 256] {
             let (mut sigma, mut state) = (vec![0.0; cells], vec![0.0; N * cells]);
             let (mut work, mut turned, mut flow) = (vec![1.0; cells], vec![1.0; cells], vec![7; cells]);
+            let mut plastic = vec![1.0; cells];
             let mut flowed = 0;
             for step in 0..40 {
                 let v = if step < 30 { noisy(step, cells) } else { halving(&sigma) };
@@ -417,6 +426,7 @@ mod tests {
                     work: &mut work,
                     turned: Some(&mut turned),
                     flow: &mut flow,
+                    plastic: &mut plastic,
                     cells: 0..cells,
                 };
                 let advanced = advance(law, row, &mut state);
@@ -480,6 +490,7 @@ mod tests {
         let start = (vec![0.0; cells], vec![0.0; 2 * cells], vec![1.0; cells], vec![7; cells]);
         let step = |stepped: Range<usize>| {
             let (mut sigma, mut state, mut work, mut flow) = start.clone();
+            let mut plastic = vec![0.0; cells];
             let row = Row {
                 gain: MODULUS,
                 v: &v,
@@ -487,6 +498,7 @@ mod tests {
                 work: &mut work,
                 turned: None,
                 flow: &mut flow,
+                plastic: &mut plastic,
                 cells: stepped,
             };
             advance(&law, row, &mut state);

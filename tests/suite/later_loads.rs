@@ -47,14 +47,15 @@ impl Case {
         )
     }
 
-    /// Stresses at a gauge, Pa.
-    fn gauge(&self, place: &str, solve: &str) -> Vec<f64> {
+    /// Stresses at a gauge after this time (s), Pa.
+    fn gauge(&self, place: &str, after: f64, solve: &str) -> Vec<f64> {
         let folder = tempfile::tempdir().expect("a folder");
         let scene = format!("{}gauges = {{ here = \"{place}\" }}\n", self.scene(solve));
         std::fs::write(folder.path().join("scene.toml"), &scene).expect("a folder to write to");
         binary::done(folder.path(), &["run", "scene.toml", "-o", "out.h5"]);
         let result = ResultFile::open(&folder.path().join("out.h5")).expect("a result file");
-        result.gauges().expect("gauges").remove(0).trace.stress
+        let trace = result.gauges().expect("gauges").remove(0).trace;
+        trace.time.iter().zip(trace.stress).filter(|(time, _)| **time > after).map(|(_, stress)| stress).collect()
     }
 
     /// A number of the summary.
@@ -199,22 +200,42 @@ fn sharp_waves_in_two_materials_do_not_ring() {
     case.assert_near("a gap behind", "joints/2/peak_force_N", &[500, 2000], 0.002);
 }
 
-/// A known miss: cells stop flowing in whole steps, so that a sharp unloading wave that has overtaken a plastic front overshoots by leapfrog.
+/// Cells stop flowing in whole steps: the wave overshot by 29 to 56 % by leapfrog, at any resolution. What is left is a known miss.
 #[test]
-fn an_unloading_wave_that_has_overtaken_a_plastic_front_overshoots_by_leapfrog_alone() {
+fn an_unloading_wave_that_has_overtaken_a_plastic_front_overshoots_a_little_by_leapfrog_alone() {
     let drive = format!("{}\nrelease = \"20 us\"", velocity(15.0));
     let case = Case::new(segment(0.4, BILINEAR, 0.0, ""), &drive, FREE, "55 us");
-    let exact = case.gauge("0.1 m", "method = \"moc\"");
+    let exact = case.gauge("0.1 m", 0.0, "method = \"moc\"");
     let (ahead, behind) = (exact.iter().copied().fold(0.0, f64::min), exact[exact.len() - 1]);
     let overshoot = |scheme: &str, cells: usize| {
-        let stress = case.gauge("0.1 m", &format!("scheme = \"{scheme}\"\ncells = {cells}"));
+        let stress = case.gauge("0.1 m", 0.0, &format!("scheme = \"{scheme}\"\ncells = {cells}"));
         let arrived = stress.iter().position(|s| *s < 0.9 * ahead).expect("a wave");
         (stress[arrived..].iter().copied().fold(ahead, f64::max) - behind) / (behind - ahead)
     };
-    for cells in [500, 2000] {
+    for cells in [500, 1000, 2000] {
         assert!(overshoot("muscl", cells) < 0.01, "{cells} cells");
         let missed = overshoot("leapfrog", cells);
-        assert!(missed > 0.1 && missed < 0.6, "{cells} cells: {missed}");
+        assert!(missed > 0.01 && missed < 0.1, "{cells} cells: {missed}");
+    }
+}
+
+/// The wave that returns to the free end of the struck bar was taken for an oscillation: a spike of 13 to 29 % by leapfrog, at any resolution.
+#[test]
+fn a_sharp_wave_that_returns_from_a_free_end_is_no_oscillation() {
+    let bar = segment(0.02, ALUMINIUM, 60.0, "joint = \"contact\"")
+        + &segment(0.15, COPPER, 0.0, "")
+        + &segment(0.03, ELASTIC, 0.0, "");
+    let case = Case::new(bar, FREE, FREE, "56 us");
+    // The wave comes after 53.4 us.
+    let range = |solve: &str| {
+        let stress = case.gauge("0.1701 m", 53.4e-6, solve);
+        [f64::min, f64::max].map(|of| stress.iter().copied().reduce(of).expect("rows"))
+    };
+    let exact = range("method = \"moc\"");
+    for cells in [1000, 2000, 4000] {
+        let found = range(&format!("scheme = \"leapfrog\"\ncells = {cells}"));
+        let overshoot = (found[1] - exact[1]) / (exact[1] - exact[0]);
+        assert!(overshoot.abs() < 0.03, "{cells} cells: {overshoot}");
     }
 }
 

@@ -141,6 +141,24 @@ fn cycles_dissipate<L: CellLaw<N>, const N: usize>(law: &L, reach: f64, unloads:
     }
 }
 
+/// A cell that flowed flows on, its strain being what it was, and then is where loading would have brought it.
+fn flows_on<L: CellLaw<N>, const N: usize>(law: &L, reach: f64, unloads: bool) {
+    let (mut point, mut further) = (Point::new(law), Point::new(law));
+    point.go_to(0.9 * reach, 2000);
+    let plastic = point.step(5e-4 * reach);
+    let flowed = law.flow_on(point.sigma, 0.5 * plastic, point.state);
+    assert_eq!(flowed.is_some(), unloads, "{plastic:e}: {flowed:?}");
+    let Some((after, work)) = flowed else { return };
+    assert!((after.plastic / plastic - 0.5).abs() < 1e-9, "{:e} of {plastic:e}", after.plastic);
+    assert!((work / (2.0 * point.sigma * after.plastic) - 1.0).abs() < 1e-2, "{work:e}");
+    let strain = after.sigma + law.plastic_strain(after.state);
+    assert!((strain - point.z).abs() < ROUND_OFF * reach.abs(), "{strain:e}, not {:e}", point.z);
+    (point.sigma, point.state) = (after.sigma, after.state);
+    point.go_to(reach, 500);
+    further.go_to(reach, 2500);
+    assert!((point.sigma - further.sigma).abs() < 1e-9 * reach.abs(), "{:e}, not {:e}", point.sigma, further.sigma);
+}
+
 /// How far the tests load a table, as E times strain, Pa: into its last line.
 fn far(table: &Table) -> f64 {
     1.2 * table.lines()[table.lines().len() - 1].start
@@ -155,6 +173,8 @@ fn contract<L: CellLaw<N>, const N: usize>(law: &L, table: &Table, unloads: bool
     reproduces_the_table(law, table, -1.0);
     tangents(law, table, unloads);
     cycles_dissipate(law, far(table), unloads);
+    flows_on(law, far(table), unloads);
+    flows_on(law, -far(table), unloads);
 }
 
 /// `contract` with a table for each sense; `image` is the law with the two swapped.
@@ -172,6 +192,8 @@ fn two_sided_contract<L: CellLaw<N>, const N: usize>(
     reproduces_the_table(law, compression, -1.0);
     tangents(law, tension, unloads);
     cycles_dissipate(law, reach, unloads);
+    flows_on(law, far(tension), unloads);
+    flows_on(law, -far(compression), unloads);
 }
 
 /// Plastic flow takes energy in every single step: stress times plastic increment is never negative.

@@ -252,17 +252,16 @@ fn the_pattern_of_stress_that_a_rod_keeps_is_felt_only_past_zero_torque() {
     let path = |rule: HardeningRule| {
         let effects = Effects { hardening: Some(rule), ..Effects::default() };
         let law = assemble::segment_law(&segment, &effects).law;
-        let (mut sigma, mut state, mut work, mut flow) = ([0.0], vec![0.0; law.state_len()], [0.0], [0]);
+        let (mut sigma, mut state) = ([0.0], vec![0.0; law.state_len()]);
         let (mut layers, mut strain) = (Layers::new(), 0.0);
         // Largest difference on the way up, back to zero torque, and on to the same strain on the other side.
         let mut worst = [0.0_f64; 3];
         for i in 1..=3000 {
             let next = if i <= 1000 { top * f64::from(i) / 1000.0 } else { top * (1.0 - f64::from(i - 1000) / 1000.0) };
             let v = &[strain, next];
-            law.advance(
-                Row { gain: G, v, sigma: &mut sigma, work: &mut work, turned: None, flow: &mut flow, cells: 0..1 },
-                &mut state,
-            );
+            let (work, flow, plastic) = (&mut [0.0], &mut [0], &mut [0.0]);
+            let row = Row { gain: G, v, sigma: &mut sigma, work, turned: None, flow, plastic, cells: 0..1 };
+            law.advance(row, &mut state);
             strain = next;
             let truth = layers.turn_to(next);
             let part = if i <= 1000 {

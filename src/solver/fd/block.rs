@@ -11,6 +11,7 @@ use super::grid_filter::{self, Beside, Filter, Gaps};
 use super::quantity::Quantity;
 use super::signals::{Signals, inner_nodes};
 use super::sizes::MOST_CELLS;
+use super::stopping_flow::Stopped;
 use super::taper::BlockTaper;
 use crate::law::{
     Aligned, AlignedRow, DataEnd, FirstPassed, Row, RowLaw, StrainedRow, aligned_row, elastic_row, split_off,
@@ -23,12 +24,13 @@ pub(super) struct Scratch {
     work: Aligned<[f64; MOST_CELLS]>,
     turned: Aligned<[f64; MOST_CELLS]>,
     gaps: Gaps,
+    stopped: Vec<Stopped>,
 }
 
 impl Scratch {
     const fn new() -> Self {
         let cells = [0.0; MOST_CELLS];
-        Self { work: Aligned(cells), turned: Aligned(cells), gaps: Gaps::new() }
+        Self { work: Aligned(cells), turned: Aligned(cells), gaps: Gaps::new(), stopped: Vec::new() }
     }
 
     /// Lends that of the thread: it is filled with zeros once, not in every step.
@@ -91,6 +93,8 @@ pub(super) struct Block {
     /// Sense of the flow (1 or -1) of cells that flowed in the latest step (not where the rate of flow is resolved), else 0; empty until the
     /// block yields.
     pub flow: Vec<i8>,
+    /// By how much they did, see [`Row::plastic`].
+    pub flowed: AlignedRow,
     /// How cells have flowed, see [`grid_filter::note_flow`]; empty until the block yields, and where there can be no shocks.
     have_flowed: Vec<i8>,
     pub cells: Range<usize>,
@@ -128,6 +132,8 @@ pub(super) struct BlockLaw<'a> {
     pub yield_stress: f64,
     /// Where the law's data end.
     pub end: &'a DataEnd,
+    /// See [`Filter::missing_flow`].
+    pub missing_flow: f64,
     /// The step that is taken.
     pub step: usize,
 }
@@ -148,6 +154,7 @@ impl Block {
             v: aligned_row(n + 1, velocity),
             state: aligned_row(0, 0.0),
             flow: Vec::new(),
+            flowed: aligned_row(0, 0.0),
             have_flowed: Vec::new(),
             plastic: 0.0,
             turned: 0.0,
@@ -200,6 +207,7 @@ impl Block {
             v,
             state,
             flow: if self.flow.is_empty() { Vec::new() } else { self.flow.split_off(at) },
+            flowed: if self.flowed.is_empty() { aligned_row(0, 0.0) } else { split_off(&mut self.flowed, at) },
             have_flowed: if self.have_flowed.is_empty() { Vec::new() } else { self.have_flowed.split_off(at) },
             plastic: 0.0,
             turned: 0.0,
@@ -371,6 +379,7 @@ impl Block {
             return;
         }
         let (cells, active) = (self.sigma.len(), self.active.clone());
+        self.flow_on(law, &mut scratch.stopped);
         let [work, turned] = [&mut scratch.work, &mut scratch.turned].map(|of| &mut of.0[..cells]);
         let row = Row {
             gain: law.stress_gain,
@@ -380,6 +389,7 @@ impl Block {
             // Each cell's own is weighted with its area; in a bar of one area the sum says all.
             turned: self.taper.is_some().then_some(&mut *turned),
             flow: &mut self.flow,
+            plastic: &mut self.flowed,
             cells: active.clone(),
         };
         let state = &mut self.state;
@@ -399,6 +409,7 @@ impl Block {
         };
         self.plastic += plastic;
         self.turned += turned;
+        self.book_stopped(&scratch.stopped);
         self.reached = self.reached.max(advanced.accumulated);
         law.law.clear_resolved(&self.state, &mut self.flow);
         if !law.end.is_far(advanced.accumulated, 0.0) {
@@ -457,6 +468,7 @@ impl Block {
         self.stage = Stage::Plastic;
         self.state = aligned_row(law.law.state_len() * cells, 0.0);
         self.flow = vec![0; cells];
+        self.flowed = aligned_row(cells, 0.0);
         self.wake();
         false
     }

@@ -70,6 +70,7 @@ impl Block {
             self.stage = Stage::Plastic;
             self.state = aligned_row(state.len() * cells, 0.0);
             self.flow = vec![0; cells];
+            self.flowed = aligned_row(cells, 0.0);
         }
         self.state.chunks_exact_mut(cells).zip(state).for_each(|(column, &number)| column[cell] = number);
     }

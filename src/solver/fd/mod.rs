@@ -26,6 +26,7 @@ mod signals;
 mod sizes;
 mod snapshot;
 mod start;
+mod stopping_flow;
 mod subdomain;
 mod sweep;
 mod taper;

@@ -153,6 +153,7 @@ mod tests {
             velocity_gain,
             yield_stress: law.yield_stress,
             end: &law.end,
+            missing_flow: constants.filter.missing_flow(),
             step: 0,
         }
     }

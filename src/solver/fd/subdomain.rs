@@ -222,10 +222,9 @@ impl Subdomain<'_> {
     /// that is not held the bar goes on as in a mirror.
     fn nodes_outside(&self, k: usize) -> [Beside; 2] {
         let block = &self.blocks[k];
-        let cells = block.sigma.len();
-        let mirrored = |end: usize, node: usize| match &self.ends[end] {
+        let end = |end: usize| match &self.ends[end] {
             Some(end_node) if end_node.is_held() => Beside::Held,
-            Some(_) => Beside::Node(block.v[node]),
+            Some(_) => Beside::Mirror,
             None => Beside::Joint,
         };
         let parted = |edge: usize| self.contacts.iter().any(|contact| contact.edge == self.first + edge);
@@ -234,11 +233,11 @@ impl Subdomain<'_> {
             if whole { Beside::Node(other.undamped(side)) } else { Beside::Joint }
         };
         let left = match k.checked_sub(1) {
-            None => mirrored(0, 1),
+            None => end(0),
             Some(other) => inside(&self.blocks[other], other, 1),
         };
         let right = match self.blocks.get(k + 1) {
-            None => mirrored(1, cells - 1),
+            None => end(1),
             Some(other) => inside(other, k, 0),
         };
         [left, right]
@@ -281,6 +280,7 @@ impl<'a> Common<'a> {
             velocity_gain: constants.velocity_gain,
             yield_stress: law.yield_stress,
             end: &law.end,
+            missing_flow: constants.filter.missing_flow(),
             step,
         }
     }

@@ -11,12 +11,23 @@ use super::grid_filter::{self, Beside, Filter, Gaps};
 use super::quantity::Quantity;
 use super::signals::{Signals, inner_nodes};
 use super::sizes::MOST_CELLS;
-use super::stopping_flow::Stopped;
 use super::taper::BlockTaper;
 use crate::law::{
     Aligned, AlignedRow, DataEnd, FirstPassed, Row, RowLaw, StrainedRow, aligned_row, elastic_row, split_off,
 };
 use crate::solver::energies::ShockLoss;
+
+/// A cell that flowed on before it unloaded.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Stopped {
+    pub cell: usize,
+    /// Stress before and after it flowed on, Pa.
+    pub sigma: [f64; 2],
+    /// E times the plastic strain, Pa.
+    pub plastic: f64,
+    /// Its work times 2 E per volume, Pa^2.
+    pub work: f64,
+}
 
 /// Numbers for each cell of a block that is being stepped, of no meaning before and after.
 #[derive(Debug)]

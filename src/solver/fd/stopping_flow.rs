@@ -14,20 +14,8 @@
 
 use multiversion::multiversion;
 
-use super::block::{Block, BlockLaw};
+use super::block::{Block, BlockLaw, Stopped};
 use crate::elementary::lesser;
-
-/// A cell that flowed on before it unloaded.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Stopped {
-    cell: usize,
-    /// Stress before and after it flowed on, Pa.
-    sigma: [f64; 2],
-    /// E times the plastic strain, Pa.
-    plastic: f64,
-    /// Its work times 2 E per volume, Pa^2.
-    work: f64,
-}
 
 impl Block {
     /// Lets cells flow on that flowed in the step before and unload in this one. `stopped` is set to them.

@@ -53,7 +53,8 @@ pub const CHUNK: usize = 64;
 /// the curve, which the mapping compares, is this times 1 less the slope of the curve: above rounding up to a slope of 1 - 1e-6.
 const CLOSE_TO_YIELD: f64 = 1e-9;
 
-/// Least part of a strain that is plastic in a cell that flows on. With less the strain for a given plastic strain is none that a wave could bring.
+/// Least part of a strain that is plastic in a cell that flows on; else its curve is elastic there. Likewise, most of its plastic strain of a step by which a
+/// cell goes on flowing in time.
 const LEAST_FLOW: f64 = 1e-3;
 
 /// Largest stress in either sense within an elastic range, Pa, but for what is [`CLOSE_TO_YIELD`]; 0 of a range that has moved beyond 0.

@@ -144,8 +144,8 @@ impl Filter {
     }
 }
 
-/// Of a velocity difference, what of its neighbours' is none. A sharp wave that has come through a plastic front has ripples of some percent before and
-/// behind it, which do not make an oscillation of it. With 0.1 a bar that is elastic for a thousand transits gains 1 % of energy, with 0.05 none.
+/// Part of a velocity difference up to which those beside it are ripples, and not its oscillation. A sharp wave that has come through a plastic front has
+/// ripples of some percent before and behind it. With 0.1 a bar that is elastic for a thousand transits gains 1 % of energy, with 0.05 none.
 const RIPPLES: f64 = 0.05;
 
 /// How much of a velocity difference the lesser of its neighbours' supports.

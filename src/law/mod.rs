@@ -191,8 +191,8 @@ pub trait CellLaw<const N: usize>: Send + Sync + Sized {
     }
 
     /// A cell under stress `sigma`, which has just flowed, after it flowed on by about E times this plastic strain (Pa, not 0) and the strain that this takes
-    /// was taken back. Also the work of the plastic strain times 2 E per volume, Pa^2. None where it is taken back, too, where the cell goes on flowing
-    /// by itself, in time, and where the curve is very nearly as steep as the elastic line.
+    /// was taken back. Also the work of the plastic strain times 2 E per volume, Pa^2. None where the cell does not unload
+    /// elastically, where it goes on flowing by itself, in time, and where the curve is very nearly as steep as the elastic line.
     fn flow_on(&self, sigma: f64, plastic: f64, state: [f64; N]) -> Option<(Response<N>, f64)> {
         let strained = |sigma: f64, state: [f64; N], increment: f64| {
             self.respond(sigma, self.base(sigma, state) + increment, state)
@@ -204,9 +204,11 @@ pub trait CellLaw<const N: usize>: Send + Sync + Sized {
         }
         let flowed = strained(sigma, state, plastic / part);
         let after = strained(flowed.sigma, flowed.state, -plastic / part);
+        if after.plastic.abs() > LEAST_FLOW * flowed.plastic.abs() {
+            return None;
+        }
         let work = (sigma + flowed.sigma) * flowed.plastic + (flowed.sigma + after.sigma) * after.plastic;
-        let kept = flowed.plastic + after.plastic;
-        (kept.abs() > 0.5 * flowed.plastic.abs()).then_some((Response { plastic: kept, ..after }, work))
+        Some((Response { plastic: flowed.plastic + after.plastic, ..after }, work))
     }
 
     /// E times the signed plastic strain, Pa.

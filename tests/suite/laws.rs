@@ -146,6 +146,12 @@ fn flows_on<L: CellLaw<N>, const N: usize>(law: &L, reach: f64, unloads: bool) {
     let (mut point, mut further) = (Point::new(law), Point::new(law));
     point.go_to(0.9 * reach, 2000);
     let plastic = point.step(5e-4 * reach);
+    for size in [1e2, 1e4, 1e6] {
+        // From scene 14554826157596581714: so far that the way back flows, too, which gave energy.
+        if let Some((after, work)) = law.flow_on(point.sigma, size * plastic, point.state) {
+            assert!(after.plastic * plastic > 0.0 && work > 0.0, "{after:?}, {work:e} of {plastic:e} times {size:e}");
+        }
+    }
     let flowed = law.flow_on(point.sigma, 0.5 * plastic, point.state);
     assert_eq!(flowed.is_some(), unloads, "{plastic:e}: {flowed:?}");
     let Some((after, work)) = flowed else { return };

@@ -40,7 +40,7 @@ pub use path_independent::PathIndependent;
 pub use plastic::{Isotropic, Mixed};
 pub use reversals::Reversals;
 
-pub use row::{Advanced, Row, flows};
+pub use row::{Advanced, Row, any_flows, flows};
 
 /// Cells that sums run over side by side. Sums over cells keep one partial sum a lane, so that their bits do
 /// not depend on how wide the processor's registers are.
@@ -354,7 +354,7 @@ pub trait RowLaw: Send + Sync {
     fn overstress_work(&self, state: &[f64]) -> f64;
 
     /// Clears `flow` in cells that flow by a rate which the steps resolve.
-    fn clear_resolved(&self, state: &[f64], flow: &mut [i8]);
+    fn clear_resolved(&self, state: &[f64], flow: &mut [f32]);
 
     /// The state of a cell after slow loading and unloading.
     fn deformed(&self, deformed: &Deformed) -> Vec<f64>;
@@ -456,12 +456,14 @@ impl<L: CellLaw<N>, const N: usize> RowLaw for Rows<L, N> {
         self.law.deformed(deformed).to_vec()
     }
 
-    fn clear_resolved(&self, state: &[f64], flow: &mut [i8]) {
+    fn clear_resolved(&self, state: &[f64], flow: &mut [f32]) {
         if !L::TAKES_TIME {
             return;
         }
-        for (i, flow) in flow.iter_mut().enumerate().filter(|(_, flow)| **flow != 0) {
-            *flow *= i8::from(self.law.keeps_up(cell_state(state, i)));
+        for (i, flow) in flow.iter_mut().enumerate().filter(|(_, flow)| **flow != 0.0) {
+            if !self.law.keeps_up(cell_state(state, i)) {
+                *flow = 0.0;
+            }
         }
     }
 

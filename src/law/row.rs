@@ -22,11 +22,9 @@ pub struct Row<'a> {
     /// Set to what of it the mean stress of the step does not do: (`sigma_onset` - `sigma_before`) * E `d_eps_plastic`, Pa^2.
     /// Only where it is asked for cell by cell; its sum is there anyway.
     pub turned: Option<&'a mut [f64]>,
-    /// Set to the sense of the flow (1 or -1) in cells that flow by more than rounding, to 0 in others. What it says of the step before only
-    /// decides how a result is found.
-    pub flow: &'a mut [i8],
-    /// Set to E `d_eps_plastic`, Pa, where `flow` is not 0; of no meaning in other cells.
-    pub plastic: &'a mut [f64],
+    /// Set to E `d_eps_plastic`, Pa, in cells that flow by more than rounding, to 0 in others. What it says of the step before only decides how a
+    /// result is found.
+    pub flow: &'a mut [f32],
     /// The cells that step. Nothing of the others is read or written but the velocities of the nodes between.
     pub cells: Range<usize>,
 }
@@ -50,8 +48,7 @@ struct Piece<'a, const N: usize> {
     columns: [&'a mut [f64; CHUNK]; N],
     work: &'a mut [f64; CHUNK],
     turned: Option<&'a mut [f64; CHUNK]>,
-    flow: &'a mut [i8; CHUNK],
-    plastic: &'a mut [f64; CHUNK],
+    flow: &'a mut [f32; CHUNK],
 }
 
 /// One step of a row, cell by cell without any coupling between them. The work is summed in [`LANES`] partial sums: the same bits
@@ -59,7 +56,7 @@ struct Piece<'a, const N: usize> {
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
 pub(super) fn advance<L: CellLaw<N>, const N: usize>(law: &L, row: Row<'_>, state: &mut [f64]) -> Advanced {
     let mut columns = columns::<N>(state, row.sigma.len());
-    let Row { gain, v, sigma, work, mut turned, flow, plastic, cells: Range { start: mut from, end } } = row;
+    let Row { gain, v, sigma, work, mut turned, flow, cells: Range { start: mut from, end } } = row;
     let mut totals = [[0.0; LANES]; 3];
     while from < end {
         let stepped = from..end.min(from + CHUNK);
@@ -75,7 +72,6 @@ pub(super) fn advance<L: CellLaw<N>, const N: usize>(law: &L, row: Row<'_>, stat
                 work: cut_mut(work, from),
                 turned: turned.as_deref_mut().map(|turned| cut_mut(turned, from)),
                 flow: cut_mut(flow, from),
-                plastic: cut_mut(plastic, from),
             },
         };
         step(law, gain, piece, &mut totals);
@@ -87,7 +83,6 @@ pub(super) fn advance<L: CellLaw<N>, const N: usize>(law: &L, row: Row<'_>, stat
                 turned[stepped.clone()].copy_from_slice(&few.turned[..n]);
             }
             flow[stepped.clone()].copy_from_slice(&few.flow[..n]);
-            plastic[stepped.clone()].copy_from_slice(&few.plastic[..n]);
             for (column, values) in columns.iter_mut().zip(&few.columns) {
                 column[stepped.clone()].copy_from_slice(&values[..n]);
             }
@@ -133,8 +128,7 @@ struct Copied<const N: usize> {
     columns: [[f64; CHUNK]; N],
     work: [f64; CHUNK],
     turned: [f64; CHUNK],
-    flow: [i8; CHUNK],
-    plastic: [f64; CHUNK],
+    flow: [f32; CHUNK],
 }
 
 impl<const N: usize> Copied<N> {
@@ -148,8 +142,7 @@ impl<const N: usize> Copied<N> {
             columns: [zeros; N],
             work: zeros,
             turned: zeros,
-            flow: [0; CHUNK],
-            plastic: zeros,
+            flow: [0.0; CHUNK],
         };
         copy.left[..n].copy_from_slice(&v[cells.clone()]);
         copy.right[..n].copy_from_slice(&v[cells.start + 1..=cells.end]);
@@ -170,7 +163,6 @@ impl<const N: usize> Copied<N> {
             work: &mut self.work,
             turned: Some(&mut self.turned),
             flow: &mut self.flow,
-            plastic: &mut self.plastic,
         }
     }
 }
@@ -192,11 +184,11 @@ fn step<L: CellLaw<N>, const N: usize>(
     piece: Piece<'_, N>,
     [works, turns, largest]: &mut [[f64; LANES]; 3],
 ) {
-    let Piece { left, right, sigma, mut columns, work, turned: asked, flow, plastic } = piece;
+    let Piece { left, right, sigma, mut columns, work, turned: asked, flow } = piece;
     let [mut predictor, mut abscissa, mut table] = [const { Aligned([0.0; CHUNK]) }; 3];
     let (predictor, abscissa, table) = (&mut predictor.0, &mut abscissa.0, &mut table.0);
     // Cells that flowed in the step before mostly still do.
-    if L::BOUNDS_ELASTICITY && flow.iter().fold(0, |any, sense| any | sense) == 0 {
+    if L::BOUNDS_ELASTICITY && !any(flow) {
         let mut size = [0.0; LANES];
         let [mut least, mut most] = [f64::INFINITY, 0.0].map(|accumulated| [accumulated; LANES]);
         for from in (0..CHUNK).step_by(LANES) {
@@ -213,7 +205,7 @@ fn step<L: CellLaw<N>, const N: usize>(
         if law.is_elastic_up_to(extreme(size, larger), extreme(least, lesser)) {
             *sigma = *predictor;
             work.fill(0.0);
-            flow.fill(0);
+            flow.fill(0.0);
             if let Some(asked) = asked {
                 asked.fill(0.0);
             }
@@ -234,7 +226,9 @@ fn step<L: CellLaw<N>, const N: usize>(
     // What any cell does, in the bits of numbers that are 0 in the others: cheaper than comparisons.
     let mut turned_work = const { Aligned([0.0; CHUNK]) };
     let turned_work = &mut turned_work.0;
-    let [mut onsets, mut flows] = [0_u64; 2];
+    let mut plastic = const { Aligned([0.0; CHUNK]) };
+    let plastic = &mut plastic.0;
+    let [mut onsets, mut flowed] = [0_u64; 2];
     for i in 0..CHUNK {
         let (before, sigma_before) = (read(&columns, i), sigma[i]);
         let after = if let Some(steps) = &steps {
@@ -248,7 +242,7 @@ fn step<L: CellLaw<N>, const N: usize>(
         let turns = onset < 0.0;
         // The sum is never -0.
         onsets |= (onset + 0.0).to_bits();
-        flows |= after.plastic.to_bits();
+        flowed |= after.plastic.to_bits();
         plastic[i] = after.plastic;
         work[i] = (sigma_before + after.sigma) * after.plastic;
         turned_work[i] = if turns { law.turned_work(before, &after) } else { work[i] };
@@ -267,15 +261,11 @@ fn step<L: CellLaw<N>, const N: usize>(
         asked.fill(0.0);
     }
     // Whatever its sign.
-    if flows << 1 == 0 {
-        flow.fill(0);
+    if flowed << 1 == 0 {
+        flow.fill(0.0);
     } else {
-        let mut senses = [0; CHUNK];
         for i in 0..CHUNK {
-            senses[i] = sense_of_flow(plastic[i], work[i], sigma[i]);
-        }
-        for (flow, sense) in flow.iter_mut().zip(senses) {
-            *flow = sense as i8;
+            flow[i] = if flows(work[i], sigma[i]) { plastic[i] as f32 } else { 0.0 };
         }
         add(works, work);
     }
@@ -344,11 +334,16 @@ pub fn flows(work: f64, sigma: f64) -> bool {
     work.abs() > ROUNDING * sigma * sigma
 }
 
-/// 1 or -1 where a cell with this E times plastic strain (Pa), [`Row::work`] and stress (Pa) flowed by more than rounding, else 0. The sign is
-/// not that of the work: under a back stress the stress may pass zero in a flow.
+/// Some cell of a row flows, as [`Row::flow`] says.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
+pub fn any_flows(flow: &[f32]) -> bool {
+    any(flow)
+}
+
 #[inline(always)]
-fn sense_of_flow(plastic: f64, work: f64, sigma: f64) -> i64 {
-    if flows(work, sigma) { (plastic.to_bits() as i64 >> 63) | 1 } else { 0 }
+fn any(flow: &[f32]) -> bool {
+    // Bits, for which compilers know better loops than for comparisons. A sign alone is no flow.
+    flow.iter().fold(0, |any, flow| any | flow.to_bits()) << 1 != 0
 }
 
 /// Adds up numbers of cells, lane by lane.
@@ -413,8 +408,7 @@ mod tests {
     fn assert_bits_of_cells<L: CellLaw<N>, const N: usize>(law: &L) {
         for cells in [1, 7, 8, 63, 64, 65, 200, 256] {
             let (mut sigma, mut state) = (vec![0.0; cells], vec![0.0; N * cells]);
-            let (mut work, mut turned, mut flow) = (vec![1.0; cells], vec![1.0; cells], vec![7; cells]);
-            let mut plastic = vec![1.0; cells];
+            let (mut work, mut turned, mut flow) = (vec![1.0; cells], vec![1.0; cells], vec![7.0; cells]);
             let mut flowed = 0;
             for step in 0..40 {
                 let v = if step < 30 { noisy(step, cells) } else { halving(&sigma) };
@@ -426,7 +420,6 @@ mod tests {
                     work: &mut work,
                     turned: Some(&mut turned),
                     flow: &mut flow,
-                    plastic: &mut plastic,
                     cells: 0..cells,
                 };
                 let advanced = advance(law, row, &mut state);
@@ -440,12 +433,12 @@ mod tests {
                     let of_cell = if turns { law.turned_work(before, &after) } else { of_mean };
                     let after_row: [f64; N] = std::array::from_fn(|k| state[k * cells + i]);
                     assert_eq!((sigma[i], after_row, work[i]), (after.sigma, after.state, of_cell), "cell {i}");
-                    let sense = if flows(of_cell, sigma[i]) { after.plastic.signum() } else { 0.0 };
-                    assert_eq!(f64::from(flow[i]), sense, "sense of cell {i}");
+                    let expected = if flows(of_cell, sigma[i]) { after.plastic as f32 } else { 0.0 };
+                    assert_eq!(flow[i], expected, "flow of cell {i}");
                     sums[i % LANES] += of_cell;
                     turned[i % LANES] += of_cell - of_mean;
                     largest = largest.max(law.accumulated(after.state));
-                    flowed += usize::from(flow[i] != 0);
+                    flowed += usize::from(flow[i] != 0.0);
                 }
                 assert_eq!(
                     advanced,
@@ -487,10 +480,9 @@ mod tests {
     fn cells_that_do_not_step_are_left_alone() {
         let (law, cells) = (Isotropic(Indexed::new(&table(60)).expect("fits")), 200);
         let v: Vec<f64> = (0..=cells).map(|i| 2e-2 * noise(i)).collect();
-        let start = (vec![0.0; cells], vec![0.0; 2 * cells], vec![1.0; cells], vec![7; cells]);
+        let start = (vec![0.0; cells], vec![0.0; 2 * cells], vec![1.0; cells], vec![7.0; cells]);
         let step = |stepped: Range<usize>| {
             let (mut sigma, mut state, mut work, mut flow) = start.clone();
-            let mut plastic = vec![0.0; cells];
             let row = Row {
                 gain: MODULUS,
                 v: &v,
@@ -498,7 +490,6 @@ mod tests {
                 work: &mut work,
                 turned: None,
                 flow: &mut flow,
-                plastic: &mut plastic,
                 cells: stepped,
             };
             advance(&law, row, &mut state);
@@ -509,7 +500,7 @@ mod tests {
             let part = step(stepped.clone());
             for i in 0..cells {
                 let expected = if stepped.contains(&i) { &whole } else { &start };
-                let cell = |(sigma, state, work, flow): &(Vec<f64>, Vec<f64>, Vec<f64>, Vec<i8>)| {
+                let cell = |(sigma, state, work, flow): &(Vec<f64>, Vec<f64>, Vec<f64>, Vec<f32>)| {
                     (sigma[i], state[i], state[cells + i], work[i], flow[i])
                 };
                 assert_eq!(cell(&part), cell(expected), "cell {i} of {stepped:?}");

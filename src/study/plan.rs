@@ -276,13 +276,13 @@ fn leapfrog_cell(scene: &Scene, grid: &Grid) -> Cell {
     let number = size_of::<f64>();
     // A bar that can break keeps the work of its cells.
     let work_kept = usize::from(scene.effects.rupture.is_some()) * number;
-    // Stress and velocity; then the law's state, and by how much and in which sense the cell flows.
+    // Stress and velocity; then the law's state, and by how much the cell flows.
     let tapered = scene.bar.segments.iter().any(|segment| segment.taper.is_some());
     let sections = if tapered { TAPER_BYTES_PER_CELL } else { 0 };
     let along = assemble::along(&scene.bar, &scene.effects);
     let [nodes, yielded_nodes] = along.as_ref().map_or([0; 2], DistributedForces::bytes_per_cell);
     let elastic = 2 * number + sections + nodes;
-    let yielded = (3 + law.law.state_len()) * number + 1 + work_kept + sections + yielded_nodes;
+    let yielded = (2 + law.law.state_len()) * number + size_of::<f32>() + work_kept + sections + yielded_nodes;
     Cell { bytes: [elastic, yielded], net: None }
 }
 

@@ -13,7 +13,7 @@ use super::signals::{Signals, inner_nodes};
 use super::sizes::MOST_CELLS;
 use super::taper::BlockTaper;
 use crate::law::{
-    Aligned, AlignedRow, DataEnd, FirstPassed, Row, RowLaw, StrainedRow, aligned_row, elastic_row, split_off,
+    Aligned, AlignedRow, DataEnd, FirstPassed, Row, RowLaw, StrainedRow, aligned_row, any_flows, elastic_row, split_off,
 };
 use crate::solver::energies::ShockLoss;
 
@@ -23,8 +23,9 @@ pub(super) struct Stopped {
     pub cell: usize,
     /// Stress before and after it flowed on, Pa.
     pub sigma: [f64; 2],
-    /// E times the plastic strain, Pa.
+    /// E times the plastic strain of this, and that of the cell after it, Pa.
     pub plastic: f64,
+    pub strain: f64,
     /// Its work times 2 E per volume, Pa^2.
     pub work: f64,
 }
@@ -85,7 +86,7 @@ pub(super) struct Block {
     pub stage: Stage,
     /// Steps that no cell of the yielded block flowed in; and the stress up to which its cells stay elastic then, Pa, 0 where that is not known.
     #[serde(skip)]
-    steps_without_flow: u32,
+    pub steps_without_flow: u32,
     #[serde(skip)]
     pub elastic_up_to: f64,
     /// Every step computes all cells, by their law once they have yielded: what leaving some out is compared with.
@@ -101,11 +102,9 @@ pub(super) struct Block {
     pub v: AlignedRow,
     /// Law state, empty until the block yields.
     pub state: AlignedRow,
-    /// Sense of the flow (1 or -1) of cells that flowed in the latest step (not where the rate of flow is resolved), else 0; empty until the
-    /// block yields.
-    pub flow: Vec<i8>,
-    /// By how much they did, see [`Row::plastic`].
-    pub flowed: AlignedRow,
+    /// E times the plastic strain of the latest step, Pa, 0 in cells that did not flow and where the rate of flow is resolved; empty until the block
+    /// yields.
+    pub flow: Vec<f32>,
     /// How cells have flowed, see [`grid_filter::note_flow`]; empty until the block yields, and where there can be no shocks.
     have_flowed: Vec<i8>,
     pub cells: Range<usize>,
@@ -165,7 +164,6 @@ impl Block {
             v: aligned_row(n + 1, velocity),
             state: aligned_row(0, 0.0),
             flow: Vec::new(),
-            flowed: aligned_row(0, 0.0),
             have_flowed: Vec::new(),
             plastic: 0.0,
             turned: 0.0,
@@ -218,7 +216,6 @@ impl Block {
             v,
             state,
             flow: if self.flow.is_empty() { Vec::new() } else { self.flow.split_off(at) },
-            flowed: if self.flowed.is_empty() { aligned_row(0, 0.0) } else { split_off(&mut self.flowed, at) },
             have_flowed: if self.have_flowed.is_empty() { Vec::new() } else { self.have_flowed.split_off(at) },
             plastic: 0.0,
             turned: 0.0,
@@ -400,7 +397,6 @@ impl Block {
             // Each cell's own is weighted with its area; in a bar of one area the sum says all.
             turned: self.taper.is_some().then_some(&mut *turned),
             flow: &mut self.flow,
-            plastic: &mut self.flowed,
             cells: active.clone(),
         };
         let state = &mut self.state;
@@ -420,7 +416,7 @@ impl Block {
         };
         self.plastic += plastic;
         self.turned += turned;
-        self.book_stopped(&scratch.stopped);
+        self.book_stopped(law.law, &scratch.stopped);
         self.reached = self.reached.max(advanced.accumulated);
         law.law.clear_resolved(&self.state, &mut self.flow);
         if !law.end.is_far(advanced.accumulated, 0.0) {
@@ -431,7 +427,7 @@ impl Block {
 
     /// Takes down whether a cell flowed in the latest step, and after some steps without flow up to which stress none will.
     fn look_for_flow(&mut self, law: BlockLaw<'_>) {
-        if grid_filter::flows(&self.flow) {
+        if any_flows(&self.flow) {
             self.steps_without_flow = 0;
             return;
         }
@@ -478,8 +474,7 @@ impl Block {
         let cells = self.sigma.len();
         self.stage = Stage::Plastic;
         self.state = aligned_row(law.law.state_len() * cells, 0.0);
-        self.flow = vec![0; cells];
-        self.flowed = aligned_row(cells, 0.0);
+        self.flow = vec![0.0; cells];
         self.wake();
         false
     }

@@ -29,7 +29,7 @@ use multiversion::multiversion;
 
 use super::sizes::MOST_CELLS;
 use crate::elementary::{larger, lesser};
-use crate::law::{Aligned, LANES};
+use crate::law::{Aligned, LANES, any_flows};
 
 /// Fraction of an alternating velocity difference that is redistributed between two nodes while an elastic wave passes a cell. A step
 /// redistributes this times the Courant number, so that the damping of a wave does not depend on the time step. At Courant number 1 a
@@ -121,15 +121,15 @@ impl Filter {
         }
     }
 
-    /// Part of the velocity difference `w` that artificial viscosity takes of a cell that flows in this sense under this stress: none where it does
+    /// Part of the velocity difference `w` that artificial viscosity takes of a cell with this [flow](Cells::flow) under this stress: none where it does
     /// not flow on. A shock that reverses the stress `crosses` the elastic range and loads on the other side: there it takes what it takes of an
     /// unloading cell.
     #[inline(always)]
     fn viscosity(&self, w: f64, flow: f64, sigma: f64, crosses: bool) -> f64 {
         let rises = if sigma < 0.0 { self.rise[1] } else { self.rise[0] };
         let unloads = usize::from(flow * sigma < 0.0 || crosses);
-        let goes_on = if crosses && flow == 0.0 { w.abs() } else { flow * w };
-        if goes_on > self.rounding { lesser(rises[unloads] * w.abs(), self.viscous[unloads]) } else { 0.0 }
+        let goes_on = crosses && flow == 0.0 || flow * w > 0.0;
+        if goes_on && w.abs() > self.rounding { lesser(rises[unloads] * w.abs(), self.viscous[unloads]) } else { 0.0 }
     }
 
     /// What flow is missing in a cell that a sharp wave unloads, as a part of the plastic strain of the step before (see [`super::stopping_flow`]). None
@@ -164,8 +164,10 @@ pub(super) struct Gaps {
 /// What the filter must know of cells.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Cells<'a> {
-    /// Sense of the flow of each; empty where the block has not yielded.
-    pub flow: &'a [i8],
+    /// What each flowed in the latest step, see [`Row::flow`]; empty where the block has not yielded.
+    ///
+    /// [`Row::flow`]: crate::law::Row::flow
+    pub flow: &'a [f32],
     /// How each has flowed, see [`note_flow`]; empty where there can be no shocks.
     pub have_flowed: &'a [i8],
     /// Stresses, Pa.
@@ -222,8 +224,8 @@ impl Gaps {
 
     /// True where no cell can have an impulse, found from the differences as a whole: they are all rounding, or of
     /// one sign and so alike that each supports its neighbours.
-    pub fn are_smooth(&self, flow: &[i8], filter: Filter) -> bool {
-        self.smooth && !(filter.takes_shocks() && flows(flow))
+    pub fn are_smooth(&self, flow: &[f32], filter: Filter) -> bool {
+        self.smooth && !(filter.takes_shocks() && any_flows(flow))
     }
 
     /// Impulses as velocity differences, one a cell, into `impulses`. At a prescribed end the last cell has no neighbour to be compared with,
@@ -232,7 +234,7 @@ impl Gaps {
         let Cells { flow, sigma, .. } = *cells;
         let w = &self.w.0[LANES - 1..=LANES + self.cells];
         let shocks = !cells.have_flowed.is_empty();
-        let anything = match (shocks, flows(flow)) {
+        let anything = match (shocks, any_flows(flow)) {
             (true, false) if none_crosses(cells.have_flowed) => find_shocks::<false>(w, cells, filter, impulses),
             (true, _) => find_shocks::<true>(w, cells, filter, impulses),
             (false, true) => find_flowing(w, flow, filter, impulses),
@@ -242,8 +244,8 @@ impl Gaps {
             impulses[cell] = match outside {
                 Beside::Node(_) | Beside::Mirror => impulses[cell],
                 Beside::Held | Beside::Joint if shocks => {
-                    let (sense, w) = (f64::from(flow[cell]), w[cell + 1]);
-                    w * filter.viscosity(w, sense, sigma[cell], crosses(cells.have_flowed[cell]))
+                    let (flow, w) = (f64::from(flow[cell]), w[cell + 1]);
+                    w * filter.viscosity(w, flow, sigma[cell], crosses(cells.have_flowed[cell]))
                 }
                 Beside::Held | Beside::Joint => 0.0,
             };
@@ -260,27 +262,28 @@ const CROSSING: i8 = 16;
 
 /// Notes in a row of cells how they have flowed: 0 never, 1 some time ago, more for those that unload in flow now or did so in the last [`CROSSING`]
 /// steps.
-pub(super) fn note_flow(flow: &[i8], sigma: &[f64], have_flowed: &mut [i8]) {
+pub(super) fn note_flow(flow: &[f32], sigma: &[f64], have_flowed: &mut [i8]) {
     // 0 and 1 stay as they are without flow.
-    if flows(flow) || !none_crosses(have_flowed) {
+    if any_flows(flow) || !none_crosses(have_flowed) {
         note_new_flow(flow, sigma, have_flowed);
     }
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
-fn note_new_flow(flow: &[i8], sigma: &[f64], have_flowed: &mut [i8]) {
+fn note_new_flow(flow: &[f32], sigma: &[f64], have_flowed: &mut [i8]) {
     let cells = have_flowed.len();
     let (flow, sigma) = (&flow[..cells], &sigma[..cells]);
-    let mut pulled = [0; MOST_CELLS];
-    let pulled = &mut pulled[..cells];
+    let [mut flowing, mut unloading] = [[0; MOST_CELLS]; 2];
+    let (flowing, unloading) = (&mut flowing[..cells], &mut unloading[..cells]);
     // Numbers of their own first: compilers know no loop for numbers of different sizes.
     for i in 0..cells {
-        pulled[i] = (i64::from(sigma[i] > 0.0) - i64::from(sigma[i] < 0.0)) as i8;
+        flowing[i] = i8::from(flow[i] != 0.0);
+        unloading[i] = i8::from(f64::from(flow[i]) * sigma[i] < 0.0);
     }
     for i in 0..cells {
         let have = have_flowed[i];
-        let older = if have > 1 { have - 1 } else { have | (flow[i] & 1) };
-        have_flowed[i] = if flow[i] * pulled[i] < 0 { CROSSING + 1 } else { older };
+        let older = if have > 1 { have - 1 } else { have | flowing[i] };
+        have_flowed[i] = if unloading[i] != 0 { CROSSING + 1 } else { older };
     }
 }
 
@@ -293,11 +296,6 @@ fn crosses(have_flowed: i8) -> bool {
 /// No cell may.
 fn none_crosses(have_flowed: &[i8]) -> bool {
     have_flowed.iter().fold(0, |any, have| any | have) <= 1
-}
-
-/// Some cell flows.
-pub(super) fn flows(flow: &[i8]) -> bool {
-    flow.iter().fold(0, |any, sense| any | sense) != 0
 }
 
 /// The velocity differences of a row of nodes: what they have in common as bits, for which compilers know better loops than
@@ -380,8 +378,8 @@ fn impulse<const STOPS: bool>(w: [f64; 3], flow: f64, filter: Filter) -> f64 {
     let (sense, size, neighbours) = seen_from(w);
     let supported = SUPPORT * larger(lesser(neighbours[0], neighbours[1]), 0.0);
     let above = larger(size - supported, 0.0);
-    let overshoot = if flow * w[1] > filter.rounding { filter.overshoot * above } else { 0.0 };
-    let stops = STOPS && flow * w[1] < -filter.rounding;
+    let overshoot = if flow * w[1] > 0.0 { filter.overshoot * above } else { 0.0 };
+    let stops = STOPS && flow * w[1] < 0.0;
     let alternating = if stops { 0.0 } else { alternating(size, neighbours, filter) };
     sense * (alternating + overshoot)
 }
@@ -403,7 +401,7 @@ fn find(w: &[f64], filter: Filter, impulses: &mut [f64]) -> bool {
 
 /// The same in a block with cells that flow.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
-fn find_flowing(w: &[f64], flow: &[i8], filter: Filter, impulses: &mut [f64]) -> bool {
+fn find_flowing(w: &[f64], flow: &[f32], filter: Filter, impulses: &mut [f64]) -> bool {
     let cells = impulses.len();
     let (left, here, right, flow) = (&w[..cells], &w[1..=cells], &w[2..cells + 2], &flow[..cells]);
     let mut bits = 0;
@@ -425,13 +423,13 @@ fn find_shocks<const FLOWS: bool>(w: &[f64], row: &Cells<'_>, filter: Filter, im
         let w = [left[i], here[i], right[i]];
         let (_, size, neighbours) = seen_from(w);
         let [ripples, viscous] = if FLOWS {
-            let sense = f64::from(flow[i]);
-            let viscosity = filter.viscosity(here[i], sense, sigma[i], crosses(have_flowed[i]));
-            [impulse::<false>(w, sense, filter).abs(), viscosity * size]
+            let flow = f64::from(flow[i]);
+            let viscosity = filter.viscosity(here[i], flow, sigma[i], crosses(have_flowed[i]));
+            [impulse::<false>(w, flow, filter).abs(), viscosity * size]
         } else {
             [alternating(size, neighbours, filter), 0.0]
         };
-        let ringing = ringing(w, have_flowed[i] > 0 && !(FLOWS && flow[i] != 0), filter);
+        let ringing = ringing(w, have_flowed[i] > 0 && !(FLOWS && flow[i] != 0.0), filter);
         let most = if alternates(size, neighbours, filter) { filter.alternating } else { LARGEST_SHARE };
         impulses[i] = lesser(ripples + viscous + ringing, most * size).copysign(here[i]);
         bits |= impulses[i].to_bits();

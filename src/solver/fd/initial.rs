@@ -69,8 +69,7 @@ impl Block {
         if self.stage != Stage::Plastic {
             self.stage = Stage::Plastic;
             self.state = aligned_row(state.len() * cells, 0.0);
-            self.flow = vec![0; cells];
-            self.flowed = aligned_row(cells, 0.0);
+            self.flow = vec![0.0; cells];
         }
         self.state.chunks_exact_mut(cells).zip(state).for_each(|(column, &number)| column[cell] = number);
     }

@@ -108,7 +108,7 @@ impl Block {
             return false;
         }
         if plastic {
-            self.flow[cells].fill(0);
+            self.flow[cells].fill(0.0);
         }
         true
     }
@@ -174,7 +174,7 @@ mod tests {
                     for (a, b) in before.state.chunks_exact(cells).zip(after.state.chunks_exact(cells)) {
                         assert_eq!(a[i], b[i], "state of cell {i}, step {step}");
                     }
-                    assert_eq!(before.flow.get(i).copied().unwrap_or(0), 0, "flow of cell {i}, step {step}");
+                    assert_eq!(before.flow.get(i).copied().unwrap_or(0.0), 0.0, "flow of cell {i}, step {step}");
                     if i > 0 && !before.active.contains(&(i - 1)) {
                         assert_eq!(
                             before.v[i] + after.velocity_increment(law.velocity_gain, i),
@@ -220,7 +220,7 @@ mod tests {
                 assert!(a.sigma == b.sigma && a.v == b.v, "cells {:?}, step {step}", a.cells);
                 assert!(a.state == b.state && a.flow == b.flow, "states of cells {:?}, step {step}", a.cells);
                 elastic += usize::from(known && !a.at_rest());
-                flows_again += usize::from(known && a.flow.iter().any(|&flow| flow != 0));
+                flows_again += usize::from(known && a.flow.iter().any(|&flow| flow != 0.0));
             }
         }
         assert!(elastic > 1000 && flows_again > 0, "{elastic} steps taken as elastic, {flows_again} flows after them");

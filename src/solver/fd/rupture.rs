@@ -202,7 +202,7 @@ impl Leapfrog {
     fn may_break(&self, breaking: &Breaking, due: &Due) -> bool {
         let block = &self.blocks[due.block];
         let law = self.laws[block.segment].law.as_ref();
-        let flows = block.flow.get(due.cell).is_some_and(|&flow| flow != 0)
+        let flows = block.flow.get(due.cell).is_some_and(|&flow| flow != 0.0)
             || block.stage == Stage::Plastic && law.flows(&block.state, due.cell);
         let criterion = &breaking.criteria.segments[block.segment];
         let fresh = criterion.cause() == Cause::Spall || block.accumulated(law, due.cell) == 0.0;
@@ -225,7 +225,7 @@ impl Leapfrog {
     /// What the scheme may have put on top of the strain or work of a cell, as a factor: nothing where the steps resolve the
     /// rate of flow.
     fn overshoot(&self, due: &Due) -> f64 {
-        if self.blocks[due.block].flow[due.cell] == 0 {
+        if self.blocks[due.block].flow[due.cell] == 0.0 {
             return 1.0;
         }
         let cell = self.blocks[due.block].cells.start + due.cell;

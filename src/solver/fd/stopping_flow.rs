@@ -18,43 +18,35 @@ use std::ops::Range;
 use multiversion::multiversion;
 
 use super::block::{Block, BlockLaw, Stopped};
-use super::grid_filter::flows;
-use crate::elementary::lesser;
-use crate::law::CHUNK;
+use super::sizes::MOST_CELLS;
+use crate::law::{CHUNK, RowLaw};
 
 impl Block {
-    /// Lets cells flow on that flowed in the step before and unload in this one. `stopped` is set to them.
+    /// Lets cells flow on that flowed in the step before and unload in this one, by more than they are to flow on. `stopped` is set to them.
     pub fn flow_on(&mut self, law: BlockLaw<'_>, stopped: &mut Vec<Stopped>) {
         stopped.clear();
-        if law.missing_flow == 0.0 || !flows(&self.flow) {
+        if law.missing_flow == 0.0 || self.steps_without_flow > 0 {
             return;
         }
-        let end = self.active.end;
-        for from in self.active.clone().step_by(CHUNK) {
-            let piece = from..end.min(from + CHUNK);
-            if any_stops(&self.flow[piece.clone()], &self.v[piece.start..=piece.end]) {
-                self.flow_on_in(piece, law, stopped);
+        let Range { start, end } = self.active;
+        let found = find_stopping(law.stress_gain, law.missing_flow, &self.flow[start..end], &self.v[start..=end]);
+        for (piece, mut cells) in found.into_iter().enumerate() {
+            while cells != 0 {
+                let cell = start + piece * CHUNK + cells.trailing_zeros() as usize;
+                cells &= cells - 1;
+                let (before, missing) = (self.sigma[cell], law.missing_flow * f64::from(self.flow[cell]));
+                let [plastic, work] = law.law.flow_on(missing, cell, &mut self.sigma, &mut self.state);
+                let strain = law.law.plastic_strain(&self.state, cell);
+                stopped.push(Stopped { cell, sigma: [before, self.sigma[cell]], plastic, strain, work });
             }
         }
     }
 
-    fn flow_on_in(&mut self, cells: Range<usize>, law: BlockLaw<'_>, stopped: &mut Vec<Stopped>) {
-        let v = &self.v;
-        for cell in cells.filter(|&cell| stops(self.flow[cell], v[cell], v[cell + 1])) {
-            let (before, flowed) = (self.sigma[cell], self.flowed[cell]);
-            // By no more than it unloads: else it would matter what sign a rounded difference of 0 has.
-            let unloads = law.stress_gain * (v[cell + 1] - v[cell]).abs();
-            let missing = lesser(law.missing_flow * flowed.abs(), unloads).copysign(flowed);
-            let [plastic, work] = law.law.flow_on(missing, cell, &mut self.sigma, &mut self.state);
-            stopped.push(Stopped { cell, sigma: [before, self.sigma[cell]], plastic, work });
-        }
-    }
-
     /// Books their plastic work, after the step.
-    pub fn book_stopped(&mut self, stopped: &[Stopped]) {
-        for &Stopped { cell, sigma: [before, after], plastic, work } in stopped {
+    pub fn book_stopped(&mut self, law: &dyn RowLaw, stopped: &[Stopped]) {
+        for &Stopped { cell, sigma: [before, after], plastic, strain, work } in stopped {
             // The step began at the stress before: that is what its mean stress is made of, also where the cell flows in the other sense at its end.
-            let later = if self.flow[cell] == 0 { 0.0 } else { self.flowed[cell] };
+            let later = law.plastic_strain(&self.state, cell) - strain;
             let of_mean_stress = (before + self.sigma[cell]) * plastic + (before - after) * later;
             let area = self.area(cell);
             self.plastic += area * work;
@@ -66,20 +58,22 @@ impl Block {
     }
 }
 
-/// A cell between these nodes is strained in the other sense than it flowed in.
-#[inline(always)]
-fn stops(flow: i8, left: f64, right: f64) -> bool {
-    f64::from(flow) * (right - left) < 0.0
-}
-
-/// Any of these cells is.
+/// The cells that stop, as the bits of a number for each piece of [`CHUNK`] of them. `gain` is E dt/dx.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
-fn any_stops(flow: &[i8], v: &[f64]) -> bool {
-    let cells = flow.len();
-    let (left, right) = (&v[..cells], &v[1..=cells]);
-    let mut any = 0_u64;
-    for i in 0..cells {
-        any |= u64::from(stops(flow[i], left[i], right[i]));
+fn find_stopping(gain: f64, missing_flow: f64, flow: &[f32], v: &[f64]) -> [u64; MOST_CELLS / CHUNK] {
+    let mut found = [0; MOST_CELLS / CHUNK];
+    let (left, right) = (&v[..flow.len()], &v[1..]);
+    for (((found, flow), left), right) in
+        found.iter_mut().zip(flow.chunks(CHUNK)).zip(left.chunks(CHUNK)).zip(right.chunks(CHUNK))
+    {
+        let cells = flow.len();
+        let (left, right) = (&left[..cells], &right[..cells]);
+        for i in 0..cells {
+            let flow = f64::from(flow[i]);
+            // Strained in the other sense, and by more.
+            let stops = flow * (missing_flow * flow + gain * (right[i] - left[i])) < 0.0;
+            *found |= u64::from(stops) << i;
+        }
     }
-    any != 0
+    found
 }

@@ -5,7 +5,7 @@
 //! waves, in which every cell is at work: with 8 waves none of 10^6 cells yields in so few steps, with waves of 125 cells
 //! all but those at their nodes do.
 //!
-//! `cargo bench` runs it. Environment: `CC` names the compiler, `ROUNDS` the number of runs of each (7), `C_PROGRAM` a program
+//! `cargo bench` runs it. Environment: `CC` names the compiler, `ROUNDS` the number of runs of each (7), `PROBLEM` the one to run (P1, P2 or P3), `C_PROGRAM` a program
 //! to compare with that is compiled already and takes CELLS PROBLEM, or CELLS PROBLEM 1 STEPS for the 8 waves, and prints steps,
 //! seconds, anything, error.
 
@@ -232,8 +232,10 @@ fn main() {
         "{:<14}{:>9}{:>7}{:>12}{:>12}{:>9}{:>13}{:>10}{:>12}{:>12}",
         "problem", "cells", "steps", "barwave ms", "C ms", "ratio", "barwave ns", "C ns", "error", "C error"
     );
+    let only = std::env::var("PROBLEM").unwrap_or_default();
     let problems = [Problem::Elastic, Problem::Bilinear, Problem::PowerLaw];
-    for problem in problems {
+    let problems = problems.into_iter().filter(|problem| problem.name().starts_with(&only));
+    for problem in problems.clone() {
         for cells in [1000, 10_000] {
             compare(&peer, problem, cells, rounds);
         }

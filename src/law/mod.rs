@@ -40,7 +40,7 @@ pub use path_independent::PathIndependent;
 pub use plastic::{Isotropic, Mixed};
 pub use reversals::Reversals;
 
-pub use row::{Advanced, Row, any_flows, flows};
+pub use row::{Advanced, Row, any_flows, flows, piece_flows};
 
 /// Cells that sums run over side by side. Sums over cells keep one partial sum a lane, so that their bits do
 /// not depend on how wide the processor's registers are.

@@ -5,7 +5,6 @@ use std::ops::Range;
 use multiversion::multiversion;
 
 use super::{Aligned, CHUNK, CellLaw, LANES, Steps};
-use crate::elementary::{larger, lesser};
 
 /// What a step of a row reads and writes beside the state.
 #[derive(Debug)]
@@ -17,10 +16,10 @@ pub struct Row<'a> {
     /// Stresses, Pa.
     pub sigma: &'a mut [f64],
     /// Set to (`sigma_onset` + `sigma_after`) * E `d_eps_plastic`, Pa^2: the plastic work of the step times 2 E per volume,
-    /// and exactly 0 in cells that do not flow. See [`CellLaw::onset`].
-    pub work: &'a mut [f64],
+    /// and exactly 0 in cells that do not flow. See [`CellLaw::onset`]. Only where it is asked for cell by cell; its sum is there anyway.
+    pub work: Option<&'a mut [f64]>,
     /// Set to what of it the mean stress of the step does not do: (`sigma_onset` - `sigma_before`) * E `d_eps_plastic`, Pa^2.
-    /// Only where it is asked for cell by cell; its sum is there anyway.
+    /// Only where it is asked for, too.
     pub turned: Option<&'a mut [f64]>,
     /// Set to E `d_eps_plastic`, Pa, in cells that flow by more than rounding, to 0 in others. What it says of the step before only decides how a
     /// result is found.
@@ -46,7 +45,7 @@ struct Piece<'a, const N: usize> {
     right: &'a [f64; CHUNK],
     sigma: &'a mut [f64; CHUNK],
     columns: [&'a mut [f64; CHUNK]; N],
-    work: &'a mut [f64; CHUNK],
+    work: Option<&'a mut [f64; CHUNK]>,
     turned: Option<&'a mut [f64; CHUNK]>,
     flow: &'a mut [f32; CHUNK],
 }
@@ -56,8 +55,9 @@ struct Piece<'a, const N: usize> {
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
 pub(super) fn advance<L: CellLaw<N>, const N: usize>(law: &L, row: Row<'_>, state: &mut [f64]) -> Advanced {
     let mut columns = columns::<N>(state, row.sigma.len());
-    let Row { gain, v, sigma, work, mut turned, flow, cells: Range { start: mut from, end } } = row;
-    let mut totals = [[0.0; LANES]; 3];
+    let Row { gain, v, sigma, mut work, mut turned, flow, cells: Range { start: mut from, end } } = row;
+    let mut totals = [[0.0; LANES]; 2];
+    let (mut largest, mut local) = (0.0, Local::new());
     while from < end {
         let stepped = from..end.min(from + CHUNK);
         // Fewer cells than a piece has are stepped in one of their own, among cells at rest.
@@ -69,16 +69,18 @@ pub(super) fn advance<L: CellLaw<N>, const N: usize>(law: &L, row: Row<'_>, stat
                 right: cut(v, from + 1),
                 sigma: cut_mut(sigma, from),
                 columns: cut_columns(&mut columns, from),
-                work: cut_mut(work, from),
+                work: work.as_deref_mut().map(|work| cut_mut(work, from)),
                 turned: turned.as_deref_mut().map(|turned| cut_mut(turned, from)),
                 flow: cut_mut(flow, from),
             },
         };
-        step(law, gain, piece, &mut totals);
+        step(law, gain, piece, &mut local, &mut totals, &mut largest);
         if let Some(few) = few {
             let n = stepped.len();
             sigma[stepped.clone()].copy_from_slice(&few.sigma[..n]);
-            work[stepped.clone()].copy_from_slice(&few.work[..n]);
+            if let Some(work) = &mut work {
+                work[stepped.clone()].copy_from_slice(&few.work[..n]);
+            }
             if let Some(turned) = &mut turned {
                 turned[stepped.clone()].copy_from_slice(&few.turned[..n]);
             }
@@ -89,12 +91,8 @@ pub(super) fn advance<L: CellLaw<N>, const N: usize>(law: &L, row: Row<'_>, stat
         }
         from = stepped.end;
     }
-    let [work, turned, largest] = totals;
-    Advanced {
-        work: work.iter().sum(),
-        turned: turned.iter().sum(),
-        accumulated: largest.into_iter().fold(0.0, f64::max),
-    }
+    let [work, turned] = totals.map(|total| total.iter().sum());
+    Advanced { work, turned, accumulated: largest }
 }
 
 /// The state of a row, variable by variable.
@@ -160,7 +158,7 @@ impl<const N: usize> Copied<N> {
             right: &self.right,
             sigma: &mut self.sigma,
             columns: self.columns.each_mut(),
-            work: &mut self.work,
+            work: Some(&mut self.work),
             turned: Some(&mut self.turned),
             flow: &mut self.flow,
         }
@@ -177,39 +175,67 @@ fn read<const N: usize>(columns: &[&mut [f64; CHUNK]; N], i: usize) -> [f64; N] 
     state
 }
 
+/// Numbers for each cell of a piece that is being stepped. The results of a step go here first: of arrays of its own a compiler knows that they are none
+/// of those that it reads, and need not look.
+#[repr(align(64))]
+struct Local<const N: usize> {
+    predictor: [f64; CHUNK],
+    abscissa: [f64; CHUNK],
+    table: [f64; CHUNK],
+    sigma: [f64; CHUNK],
+    state: [[f64; CHUNK]; N],
+    plastic: [f64; CHUNK],
+    work: [f64; CHUNK],
+    turned_work: [f64; CHUNK],
+    flow: [f32; CHUNK],
+}
+
+impl<const N: usize> Local<N> {
+    #[inline(always)]
+    fn new() -> Self {
+        let zeros = [0.0; CHUNK];
+        Self {
+            predictor: zeros,
+            abscissa: zeros,
+            table: zeros,
+            sigma: zeros,
+            state: [zeros; N],
+            plastic: zeros,
+            work: zeros,
+            turned_work: zeros,
+            flow: [0.0; CHUNK],
+        }
+    }
+}
+
 #[inline(always)]
 fn step<L: CellLaw<N>, const N: usize>(
     law: &L,
     gain: f64,
     piece: Piece<'_, N>,
-    [works, turns, largest]: &mut [[f64; LANES]; 3],
+    local: &mut Local<N>,
+    [works, turns]: &mut [[f64; LANES]; 2],
+    largest: &mut f64,
 ) {
-    let Piece { left, right, sigma, mut columns, work, turned: asked, flow } = piece;
-    let [mut predictor, mut abscissa, mut table] = [const { Aligned([0.0; CHUNK]) }; 3];
-    let (predictor, abscissa, table) = (&mut predictor.0, &mut abscissa.0, &mut table.0);
+    let Piece { left, right, sigma, columns, work, turned, flow } = piece;
     // Cells that flowed in the step before mostly still do.
-    if L::BOUNDS_ELASTICITY && !any(flow) {
-        let mut size = [0.0; LANES];
-        let [mut least, mut most] = [f64::INFINITY, 0.0].map(|accumulated| [accumulated; LANES]);
-        for from in (0..CHUNK).step_by(LANES) {
-            for lane in 0..LANES {
-                let i = from + lane;
-                let before = read(&columns, i);
-                predictor[i] = law.base(sigma[i], before) + gain * (right[i] - left[i]);
-                size[lane] = larger(predictor[i].abs(), size[lane]);
-                let accumulated = law.accumulated(before);
-                least[lane] = lesser(accumulated, least[lane]);
-                most[lane] = larger(accumulated, most[lane]);
-            }
+    if L::BOUNDS_ELASTICITY && !piece_flows(flow) {
+        let [mut size, mut least, mut most] = [0, i64::MAX, 0];
+        for i in 0..CHUNK {
+            let before = read(&columns, i);
+            local.predictor[i] = law.base(sigma[i], before) + gain * (right[i] - left[i]);
+            size = size.max(size_bits(local.predictor[i]));
+            let accumulated = size_bits(law.accumulated(before));
+            least = least.min(accumulated);
+            most = most.max(accumulated);
         }
-        if law.is_elastic_up_to(extreme(size, larger), extreme(least, lesser)) {
-            *sigma = *predictor;
-            work.fill(0.0);
-            flow.fill(0.0);
-            if let Some(asked) = asked {
+        let [size, least, most] = [size, least, most].map(|bits| f64::from_bits(bits as u64));
+        if law.is_elastic_up_to(size, least) {
+            *sigma = local.predictor;
+            for asked in [work, turned].into_iter().flatten() {
                 asked.fill(0.0);
             }
-            largest[0] = larger(extreme(most, larger), largest[0]);
+            *largest = most.max(*largest);
             return;
         }
     }
@@ -217,76 +243,66 @@ fn step<L: CellLaw<N>, const N: usize>(
         for i in 0..CHUNK {
             let increment = gain * (right[i] - left[i]);
             let before = read(&columns, i);
-            predictor[i] = law.base(sigma[i], before) + increment;
-            abscissa[i] = law.table_abscissa(predictor[i], before);
+            local.predictor[i] = law.base(sigma[i], before) + increment;
+            local.abscissa[i] = law.table_abscissa(local.predictor[i], before);
         }
-        law.interpolate(abscissa, predictor, table);
+        law.interpolate(&local.abscissa, &local.predictor, &mut local.table);
     }
     let steps = L::TAKES_TIME.then(|| timed(law, gain, [left, right], sigma, &columns));
     // What any cell does, in the bits of numbers that are 0 in the others: cheaper than comparisons.
-    let mut turned_work = const { Aligned([0.0; CHUNK]) };
-    let turned_work = &mut turned_work.0;
-    let mut plastic = const { Aligned([0.0; CHUNK]) };
-    let plastic = &mut plastic.0;
-    let [mut onsets, mut flowed] = [0_u64; 2];
+    let ([mut onsets, mut flowed], mut most) = ([0_u64; 2], 0);
     for i in 0..CHUNK {
         let (before, sigma_before) = (read(&columns, i), sigma[i]);
         let after = if let Some(steps) = &steps {
             steps.of(i)
         } else if L::READS_TABLE {
-            law.return_map(predictor[i], before, table[i])
+            law.return_map(local.predictor[i], before, local.table[i])
         } else {
             law.respond(sigma_before, law.base(sigma_before, before) + gain * (right[i] - left[i]), before)
         };
         let onset = law.onset(sigma_before, before, &after);
-        let turns = onset < 0.0;
+        let work = (sigma_before + after.sigma) * after.plastic;
         // The sum is never -0.
         onsets |= (onset + 0.0).to_bits();
         flowed |= after.plastic.to_bits();
-        plastic[i] = after.plastic;
-        work[i] = (sigma_before + after.sigma) * after.plastic;
-        turned_work[i] = if turns { law.turned_work(before, &after) } else { work[i] };
-        sigma[i] = after.sigma;
-        for (column, value) in columns.iter_mut().zip(after.state) {
+        most = most.max(size_bits(law.accumulated(after.state)));
+        local.plastic[i] = after.plastic;
+        local.work[i] = work;
+        local.turned_work[i] = if onset < 0.0 { law.turned_work(before, &after) } else { work };
+        local.flow[i] = flow_of(after.plastic, work, after.sigma);
+        local.sigma[i] = after.sigma;
+        for (column, value) in local.state.iter_mut().zip(after.state) {
             column[i] = value;
         }
     }
+    *sigma = local.sigma;
+    for (column, values) in columns.into_iter().zip(&local.state) {
+        *column = *values;
+    }
+    *largest = f64::from_bits(most as u64).max(*largest);
     if onsets >> 63 != 0 {
-        let turned = turn(turned_work, work);
-        add(turns, &turned);
-        if let Some(asked) = asked {
-            *asked = turned;
+        let added = turn(local);
+        add(turns, &added);
+        if let Some(turned) = turned {
+            *turned = added;
         }
-    } else if let Some(asked) = asked {
-        asked.fill(0.0);
+    } else if let Some(turned) = turned {
+        turned.fill(0.0);
     }
     // Whatever its sign.
-    if flowed << 1 == 0 {
-        flow.fill(0.0);
-    } else {
-        for i in 0..CHUNK {
-            flow[i] = if flows(work[i], sigma[i]) { plastic[i] as f32 } else { 0.0 };
-        }
-        add(works, work);
+    if flowed << 1 != 0 {
+        add(works, &local.work);
     }
-    for from in (0..CHUNK).step_by(LANES) {
-        for (lane, largest) in largest.iter_mut().enumerate() {
-            *largest = larger(law.accumulated(read(&columns, from + lane)), *largest);
-        }
+    *flow = local.flow;
+    if let Some(work) = work {
+        *work = local.work;
     }
 }
 
-/// The least or the largest of numbers, as `chosen` chooses between two.
+/// The size of a number, as bits that compare as sizes do, for which compilers know better loops; those of NaN are larger than any.
 #[inline(always)]
-fn extreme(mut lanes: [f64; LANES], chosen: impl Fn(f64, f64) -> f64) -> f64 {
-    let mut width = LANES;
-    while width > 1 {
-        width /= 2;
-        for lane in 0..width {
-            lanes[lane] = chosen(lanes[lane + width], lanes[lane]);
-        }
-    }
-    lanes[0]
+fn size_bits(number: f64) -> i64 {
+    (number.to_bits() & !(1 << 63)) as i64
 }
 
 /// The steps of a law that takes time: most cells at once, the others one by one.
@@ -313,13 +329,15 @@ fn timed<L: CellLaw<N>, const N: usize>(
     steps
 }
 
-/// Corrects the work of cells that do not flow under the mean stress of the step: they are few. Returns what was added.
-#[cold]
-fn turn(turned_work: &[f64; CHUNK], work: &mut [f64; CHUNK]) -> [f64; CHUNK] {
+/// Corrects the work of cells that do not flow under the mean stress of the step: they are few. Returns what was added. (Inline: who hands arrays of its
+/// own out no longer knows what else points to them.)
+#[inline(always)]
+fn turn<const N: usize>(local: &mut Local<N>) -> [f64; CHUNK] {
     let mut added = [0.0; CHUNK];
     for i in 0..CHUNK {
-        added[i] = turned_work[i] - work[i];
-        work[i] = turned_work[i];
+        added[i] = local.turned_work[i] - local.work[i];
+        local.work[i] = local.turned_work[i];
+        local.flow[i] = flow_of(local.plastic[i], local.work[i], local.sigma[i]);
     }
     added
 }
@@ -334,14 +352,21 @@ pub fn flows(work: f64, sigma: f64) -> bool {
     work.abs() > ROUNDING * sigma * sigma
 }
 
+/// What [`Row::flow`] says of a cell with this E times plastic strain (Pa), [`Row::work`] and stress (Pa).
+#[inline(always)]
+fn flow_of(plastic: f64, work: f64, sigma: f64) -> f32 {
+    if flows(work, sigma) { plastic as f32 } else { 0.0 }
+}
+
 /// Some cell of a row flows, as [`Row::flow`] says.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
 pub fn any_flows(flow: &[f32]) -> bool {
-    any(flow)
+    piece_flows(flow)
 }
 
+/// The same of a piece of a row, for loops that the compiler turns into vectors.
 #[inline(always)]
-fn any(flow: &[f32]) -> bool {
+pub fn piece_flows(flow: &[f32]) -> bool {
     // Bits, for which compilers know better loops than for comparisons. A sign alone is no flow.
     flow.iter().fold(0, |any, flow| any | flow.to_bits()) << 1 != 0
 }
@@ -417,7 +442,7 @@ mod tests {
                     gain: MODULUS,
                     v: &v,
                     sigma: &mut sigma,
-                    work: &mut work,
+                    work: Some(&mut work),
                     turned: Some(&mut turned),
                     flow: &mut flow,
                     cells: 0..cells,
@@ -487,7 +512,7 @@ mod tests {
                 gain: MODULUS,
                 v: &v,
                 sigma: &mut sigma,
-                work: &mut work,
+                work: Some(&mut work),
                 turned: None,
                 flow: &mut flow,
                 cells: stepped,

@@ -234,8 +234,8 @@ fn along(material: &Material, path: &[f64], steps: usize, effects: &Effects) -> 
         let increment = (to - strain) / steps as f64;
         for _ in 0..steps {
             let v = [0.0, increment];
-            let (work, flow) = (&mut [0.0], &mut [0.0]);
-            let row = Row { gain: MODULUS, v: &v, sigma: &mut sigma, work, turned: None, flow, cells: 0..1 };
+            let flow = &mut [0.0];
+            let row = Row { gain: MODULUS, v: &v, sigma: &mut sigma, work: None, turned: None, flow, cells: 0..1 };
             law.advance(row, &mut state);
         }
         strain = to;

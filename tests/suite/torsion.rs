@@ -259,8 +259,8 @@ fn the_pattern_of_stress_that_a_rod_keeps_is_felt_only_past_zero_torque() {
         for i in 1..=3000 {
             let next = if i <= 1000 { top * f64::from(i) / 1000.0 } else { top * (1.0 - f64::from(i - 1000) / 1000.0) };
             let v = &[strain, next];
-            let (work, flow) = (&mut [0.0], &mut [0.0]);
-            let row = Row { gain: G, v, sigma: &mut sigma, work, turned: None, flow, cells: 0..1 };
+            let flow = &mut [0.0];
+            let row = Row { gain: G, v, sigma: &mut sigma, work: None, turned: None, flow, cells: 0..1 };
             law.advance(row, &mut state);
             strain = next;
             let truth = layers.turn_to(next);

@@ -393,8 +393,8 @@ impl Block {
             gain: law.stress_gain,
             v: &self.v,
             sigma: &mut self.sigma,
-            work,
             // Each cell's own is weighted with its area; in a bar of one area the sum says all.
+            work: (self.keeps_work || self.taper.is_some()).then_some(&mut *work),
             turned: self.taper.is_some().then_some(&mut *turned),
             flow: &mut self.flow,
             cells: active.clone(),

@@ -19,7 +19,7 @@ use multiversion::multiversion;
 
 use super::block::{Block, BlockLaw, Stopped};
 use super::sizes::MOST_CELLS;
-use crate::law::{CHUNK, RowLaw};
+use crate::law::{CHUNK, RowLaw, piece_flows};
 
 impl Block {
     /// Lets cells flow on that flowed in the step before and unload in this one, by more than they are to flow on. `stopped` is set to them.
@@ -66,6 +66,9 @@ fn find_stopping(gain: f64, missing_flow: f64, flow: &[f32], v: &[f64]) -> [u64;
     for (((found, flow), left), right) in
         found.iter_mut().zip(flow.chunks(CHUNK)).zip(left.chunks(CHUNK)).zip(right.chunks(CHUNK))
     {
+        if !piece_flows(flow) {
+            continue;
+        }
         let cells = flow.len();
         let (left, right) = (&left[..cells], &right[..cells]);
         for i in 0..cells {

@@ -333,9 +333,9 @@ fn timed<L: CellLaw<N>, const N: usize>(
 /// own out no longer knows what else points to them.)
 #[inline(always)]
 fn turn<const N: usize>(local: &mut Local<N>) -> [f64; CHUNK] {
-    let mut added = [0.0; CHUNK];
+    let mut added = local.turned_work;
     for i in 0..CHUNK {
-        added[i] = local.turned_work[i] - local.work[i];
+        added[i] -= local.work[i];
         local.work[i] = local.turned_work[i];
         local.flow[i] = flow_of(local.plastic[i], local.work[i], local.sigma[i]);
     }

@@ -334,9 +334,11 @@ fn timed<L: CellLaw<N>, const N: usize>(
 #[inline(always)]
 fn turn<const N: usize>(local: &mut Local<N>) -> [f64; CHUNK] {
     let mut added = local.turned_work;
+    for (added, work) in added.iter_mut().zip(&local.work) {
+        *added -= work;
+    }
+    local.work = local.turned_work;
     for i in 0..CHUNK {
-        added[i] -= local.work[i];
-        local.work[i] = local.turned_work[i];
         local.flow[i] = flow_of(local.plastic[i], local.work[i], local.sigma[i]);
     }
     added

@@ -39,60 +39,32 @@ pub struct Advanced {
     pub accumulated: f64,
 }
 
-/// Neighbouring cells, with the velocities of the nodes to their left and right.
-struct Piece<'a, const N: usize> {
-    left: &'a [f64; CHUNK],
-    right: &'a [f64; CHUNK],
-    sigma: &'a mut [f64; CHUNK],
-    columns: [&'a mut [f64; CHUNK]; N],
-    work: Option<&'a mut [f64; CHUNK]>,
-    turned: Option<&'a mut [f64; CHUNK]>,
-    flow: &'a mut [f32; CHUNK],
+/// Running sums of a row over its pieces. The work is summed in [`LANES`] partial sums: the same bits whatever the width of the processor's registers.
+#[derive(Default)]
+struct Totals {
+    work: [f64; LANES],
+    turned: [f64; LANES],
+    largest: f64,
 }
 
-/// One step of a row, cell by cell without any coupling between them. The work is summed in [`LANES`] partial sums: the same bits
-/// whatever the width of the processor's registers.
-#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
+/// One step of a row, cell by cell without any coupling between them.
 pub(super) fn advance<L: CellLaw<N>, const N: usize>(law: &L, row: Row<'_>, state: &mut [f64]) -> Advanced {
-    let mut columns = columns::<N>(state, row.sigma.len());
-    let Row { gain, v, sigma, mut work, mut turned, flow, cells: Range { start: mut from, end } } = row;
-    let mut totals = [[0.0; LANES]; 2];
-    let (mut largest, mut local) = (0.0, Local::new());
-    while from < end {
-        let stepped = from..end.min(from + CHUNK);
-        // Fewer cells than a piece has are stepped in one of their own, among cells at rest.
-        let mut few = (stepped.len() < CHUNK).then(|| Copied::<N>::of(stepped.clone(), v, sigma, &columns));
-        let piece = match &mut few {
-            Some(few) => few.piece(),
-            None => Piece {
-                left: cut(v, from),
-                right: cut(v, from + 1),
-                sigma: cut_mut(sigma, from),
-                columns: cut_columns(&mut columns, from),
-                work: work.as_deref_mut().map(|work| cut_mut(work, from)),
-                turned: turned.as_deref_mut().map(|turned| cut_mut(turned, from)),
-                flow: cut_mut(flow, from),
-            },
-        };
-        step(law, gain, piece, &mut local, &mut totals, &mut largest);
-        if let Some(few) = few {
-            let n = stepped.len();
-            sigma[stepped.clone()].copy_from_slice(&few.sigma[..n]);
-            if let Some(work) = &mut work {
-                work[stepped.clone()].copy_from_slice(&few.work[..n]);
-            }
-            if let Some(turned) = &mut turned {
-                turned[stepped.clone()].copy_from_slice(&few.turned[..n]);
-            }
-            flow[stepped.clone()].copy_from_slice(&few.flow[..n]);
-            for (column, values) in columns.iter_mut().zip(&few.columns) {
-                column[stepped.clone()].copy_from_slice(&values[..n]);
-            }
-        }
-        from = stepped.end;
+    let Row { gain, v, sigma, mut work, mut turned, flow, cells: Range { start, end } } = row;
+    let mut totals = Totals::default();
+    let whole = start..end - (end - start) % CHUNK;
+    let few = whole.end..end;
+    let asked = [work.as_deref_mut(), turned.as_deref_mut()];
+    step(law, gain, v, sigma, flow, state, asked, whole, &mut totals);
+    // Fewer cells than a piece has are stepped in one of their own, among cells at rest.
+    if !few.is_empty() {
+        let mut copy = Copied::<N>::of(few.clone(), v, sigma, state);
+        let Copied { v, sigma: stresses, state: columns, work: works, turned: turns, flow: flows } = &mut copy;
+        let asked = [Some(&mut works[..]), Some(&mut turns[..])];
+        step(law, gain, &v[..], stresses, flows, columns.as_flattened_mut(), asked, 0..CHUNK, &mut totals);
+        copy.put_back(few, sigma, flow, state, [work, turned]);
     }
-    let [work, turned] = totals.map(|total| total.iter().sum());
-    Advanced { work, turned, accumulated: largest }
+    let [work, turned] = [totals.work, totals.turned].map(|total| total.iter().sum());
+    Advanced { work, turned, accumulated: totals.largest }
 }
 
 /// The state of a row, variable by variable.
@@ -120,48 +92,52 @@ fn cut_columns<'a, const N: usize>(columns: &'a mut [&mut [f64]; N], from: usize
 
 /// The last cells to step, fewer than a piece has.
 struct Copied<const N: usize> {
-    left: [f64; CHUNK],
-    right: [f64; CHUNK],
+    v: [f64; CHUNK + 1],
     sigma: [f64; CHUNK],
-    columns: [[f64; CHUNK]; N],
+    state: [[f64; CHUNK]; N],
     work: [f64; CHUNK],
     turned: [f64; CHUNK],
     flow: [f32; CHUNK],
 }
 
 impl<const N: usize> Copied<N> {
-    #[inline(always)]
-    fn of(cells: Range<usize>, v: &[f64], sigma: &[f64], columns: &[&mut [f64]; N]) -> Self {
+    fn of(cells: Range<usize>, v: &[f64], sigma: &[f64], state: &[f64]) -> Self {
         let (n, zeros) = (cells.len(), [0.0; CHUNK]);
         let mut copy = Self {
-            left: zeros,
-            right: zeros,
+            v: [v[cells.end]; CHUNK + 1],
             sigma: zeros,
-            columns: [zeros; N],
+            state: [zeros; N],
             work: zeros,
             turned: zeros,
             flow: [0.0; CHUNK],
         };
-        copy.left[..n].copy_from_slice(&v[cells.clone()]);
-        copy.right[..n].copy_from_slice(&v[cells.start + 1..=cells.end]);
+        copy.v[..n].copy_from_slice(&v[cells.clone()]);
         copy.sigma[..n].copy_from_slice(&sigma[cells.clone()]);
-        for (values, column) in copy.columns.iter_mut().zip(columns) {
+        for (values, column) in copy.state.iter_mut().zip(state.chunks_exact(sigma.len())) {
             values[..n].copy_from_slice(&column[cells.clone()]);
         }
         copy
     }
 
-    #[inline(always)]
-    fn piece(&mut self) -> Piece<'_, N> {
-        Piece {
-            left: &self.left,
-            right: &self.right,
-            sigma: &mut self.sigma,
-            columns: self.columns.each_mut(),
-            work: Some(&mut self.work),
-            turned: Some(&mut self.turned),
-            flow: &mut self.flow,
+    fn put_back(
+        &self,
+        cells: Range<usize>,
+        sigma: &mut [f64],
+        flow: &mut [f32],
+        state: &mut [f64],
+        asked: [Option<&mut [f64]>; 2],
+    ) {
+        let n = cells.len();
+        for (values, column) in self.state.iter().zip(state.chunks_exact_mut(sigma.len())) {
+            column[cells.clone()].copy_from_slice(&values[..n]);
         }
+        for (asked, values) in asked.into_iter().zip([&self.work, &self.turned]) {
+            if let Some(asked) = asked {
+                asked[cells.clone()].copy_from_slice(&values[..n]);
+            }
+        }
+        flow[cells.clone()].copy_from_slice(&self.flow[..n]);
+        sigma[cells].copy_from_slice(&self.sigma[..n]);
     }
 }
 
@@ -175,127 +151,109 @@ fn read<const N: usize>(columns: &[&mut [f64; CHUNK]; N], i: usize) -> [f64; N] 
     state
 }
 
-/// Numbers for each cell of a piece that is being stepped. The results of a step go here first: of arrays of its own a compiler knows that they are none
-/// of those that it reads, and need not look.
-#[repr(align(64))]
-struct Local<const N: usize> {
-    predictor: [f64; CHUNK],
-    abscissa: [f64; CHUNK],
-    table: [f64; CHUNK],
-    sigma: [f64; CHUNK],
-    state: [[f64; CHUNK]; N],
-    plastic: [f64; CHUNK],
-    work: [f64; CHUNK],
-    turned_work: [f64; CHUNK],
-    flow: [f32; CHUNK],
-}
-
-impl<const N: usize> Local<N> {
-    #[inline(always)]
-    fn new() -> Self {
-        let zeros = [0.0; CHUNK];
-        Self {
-            predictor: zeros,
-            abscissa: zeros,
-            table: zeros,
-            sigma: zeros,
-            state: [zeros; N],
-            plastic: zeros,
-            work: zeros,
-            turned_work: zeros,
-            flow: [0.0; CHUNK],
-        }
-    }
-}
-
-#[inline(always)]
+/// One step of whole pieces of a row. `asked` are [`Row::work`] and [`Row::turned`].
+///
+/// Each row is an argument of its own, not part of a structure: compilers then know that none overlaps another, and need not look in every piece.
+#[expect(clippy::too_many_arguments)]
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
 fn step<L: CellLaw<N>, const N: usize>(
     law: &L,
     gain: f64,
-    piece: Piece<'_, N>,
-    local: &mut Local<N>,
-    [works, turns]: &mut [[f64; LANES]; 2],
-    largest: &mut f64,
+    v: &[f64],
+    sigma: &mut [f64],
+    flow: &mut [f32],
+    state: &mut [f64],
+    asked: [Option<&mut [f64]>; 2],
+    cells: Range<usize>,
+    totals: &mut Totals,
 ) {
-    let Piece { left, right, sigma, columns, work, turned, flow } = piece;
-    // Cells that flowed in the step before mostly still do.
-    if L::BOUNDS_ELASTICITY && !piece_flows(flow) {
-        let [mut size, mut least, mut most] = [0, i64::MAX, 0];
-        for i in 0..CHUNK {
-            let before = read(&columns, i);
-            local.predictor[i] = law.base(sigma[i], before) + gain * (right[i] - left[i]);
-            size = size.max(size_bits(local.predictor[i]));
-            let accumulated = size_bits(law.accumulated(before));
-            least = least.min(accumulated);
-            most = most.max(accumulated);
-        }
-        let [size, least, most] = [size, least, most].map(|bits| f64::from_bits(bits as u64));
-        if law.is_elastic_up_to(size, least) {
-            *sigma = local.predictor;
-            for asked in [work, turned].into_iter().flatten() {
-                asked.fill(0.0);
+    let mut columns = columns::<N>(state, sigma.len());
+    let [mut asked_work, mut asked_turned] = asked;
+    let [mut predictor, mut abscissa, mut table] = [const { Aligned([0.0; CHUNK]) }; 3];
+    let (predictor, abscissa, table) = (&mut predictor.0, &mut abscissa.0, &mut table.0);
+    let [mut plastic, mut work, mut turned_work] = [const { Aligned([0.0; CHUNK]) }; 3];
+    let (plastic, work, turned_work) = (&mut plastic.0, &mut work.0, &mut turned_work.0);
+    for from in cells.step_by(CHUNK) {
+        let [left, right] = [cut(v, from), cut(v, from + 1)];
+        let (sigma, flow, mut columns) = (cut_mut(sigma, from), cut_mut(flow, from), cut_columns(&mut columns, from));
+        let [asked_work, asked_turned] =
+            [&mut asked_work, &mut asked_turned].map(|asked| asked.as_deref_mut().map(|asked| cut_mut(asked, from)));
+        // Cells that flowed in the step before mostly still do.
+        if L::BOUNDS_ELASTICITY && !piece_flows(flow) {
+            let [mut size, mut least, mut most] = [0, i64::MAX, 0];
+            for i in 0..CHUNK {
+                let before = read(&columns, i);
+                predictor[i] = law.base(sigma[i], before) + gain * (right[i] - left[i]);
+                size = size.max(size_bits(predictor[i]));
+                let accumulated = size_bits(law.accumulated(before));
+                least = least.min(accumulated);
+                most = most.max(accumulated);
             }
-            *largest = most.max(*largest);
-            return;
+            let [size, least, most] = [size, least, most].map(|bits| f64::from_bits(bits as u64));
+            if law.is_elastic_up_to(size, least) {
+                *sigma = *predictor;
+                for asked in [asked_work, asked_turned].into_iter().flatten() {
+                    asked.fill(0.0);
+                }
+                totals.largest = most.max(totals.largest);
+                continue;
+            }
         }
-    }
-    if L::READS_TABLE {
+        if L::READS_TABLE {
+            for i in 0..CHUNK {
+                let increment = gain * (right[i] - left[i]);
+                let before = read(&columns, i);
+                predictor[i] = law.base(sigma[i], before) + increment;
+                abscissa[i] = law.table_abscissa(predictor[i], before);
+            }
+            law.interpolate(abscissa, predictor, table);
+        }
+        let steps = L::TAKES_TIME.then(|| timed(law, gain, [left, right], sigma, &columns));
+        // What any cell does, in the bits of numbers that are 0 in the others: cheaper than comparisons.
+        let ([mut onsets, mut flowed], mut most) = ([0_u64; 2], 0);
         for i in 0..CHUNK {
-            let increment = gain * (right[i] - left[i]);
-            let before = read(&columns, i);
-            local.predictor[i] = law.base(sigma[i], before) + increment;
-            local.abscissa[i] = law.table_abscissa(local.predictor[i], before);
+            let (before, sigma_before) = (read(&columns, i), sigma[i]);
+            let after = if let Some(steps) = &steps {
+                steps.of(i)
+            } else if L::READS_TABLE {
+                law.return_map(predictor[i], before, table[i])
+            } else {
+                law.respond(sigma_before, law.base(sigma_before, before) + gain * (right[i] - left[i]), before)
+            };
+            let onset = law.onset(sigma_before, before, &after);
+            // The sum is never -0.
+            onsets |= (onset + 0.0).to_bits();
+            flowed |= after.plastic.to_bits();
+            most = most.max(size_bits(law.accumulated(after.state)));
+            plastic[i] = after.plastic;
+            work[i] = (sigma_before + after.sigma) * after.plastic;
+            turned_work[i] = if onset < 0.0 { law.turned_work(before, &after) } else { work[i] };
+            flow[i] = flow_of(after.plastic, work[i], after.sigma);
+            sigma[i] = after.sigma;
+            for (column, value) in columns.iter_mut().zip(after.state) {
+                column[i] = value;
+            }
         }
-        law.interpolate(&local.abscissa, &local.predictor, &mut local.table);
-    }
-    let steps = L::TAKES_TIME.then(|| timed(law, gain, [left, right], sigma, &columns));
-    // What any cell does, in the bits of numbers that are 0 in the others: cheaper than comparisons.
-    let ([mut onsets, mut flowed], mut most) = ([0_u64; 2], 0);
-    for i in 0..CHUNK {
-        let (before, sigma_before) = (read(&columns, i), sigma[i]);
-        let after = if let Some(steps) = &steps {
-            steps.of(i)
-        } else if L::READS_TABLE {
-            law.return_map(local.predictor[i], before, local.table[i])
-        } else {
-            law.respond(sigma_before, law.base(sigma_before, before) + gain * (right[i] - left[i]), before)
-        };
-        let onset = law.onset(sigma_before, before, &after);
-        let work = (sigma_before + after.sigma) * after.plastic;
-        // The sum is never -0.
-        onsets |= (onset + 0.0).to_bits();
-        flowed |= after.plastic.to_bits();
-        most = most.max(size_bits(law.accumulated(after.state)));
-        local.plastic[i] = after.plastic;
-        local.work[i] = work;
-        local.turned_work[i] = if onset < 0.0 { law.turned_work(before, &after) } else { work };
-        local.flow[i] = flow_of(after.plastic, work, after.sigma);
-        local.sigma[i] = after.sigma;
-        for (column, value) in local.state.iter_mut().zip(after.state) {
-            column[i] = value;
+        totals.largest = f64::from_bits(most as u64).max(totals.largest);
+        if onsets >> 63 != 0 {
+            let added = turn(turned_work, work);
+            for i in 0..CHUNK {
+                flow[i] = flow_of(plastic[i], work[i], sigma[i]);
+            }
+            add(&mut totals.turned, &added);
+            if let Some(turned) = asked_turned {
+                *turned = added;
+            }
+        } else if let Some(turned) = asked_turned {
+            turned.fill(0.0);
         }
-    }
-    *sigma = local.sigma;
-    for (column, values) in columns.into_iter().zip(&local.state) {
-        *column = *values;
-    }
-    *largest = f64::from_bits(most as u64).max(*largest);
-    if onsets >> 63 != 0 {
-        let added = turn(local);
-        add(turns, &added);
-        if let Some(turned) = turned {
-            *turned = added;
+        // Whatever its sign.
+        if flowed << 1 != 0 {
+            add(&mut totals.work, work);
         }
-    } else if let Some(turned) = turned {
-        turned.fill(0.0);
-    }
-    // Whatever its sign.
-    if flowed << 1 != 0 {
-        add(works, &local.work);
-    }
-    *flow = local.flow;
-    if let Some(work) = work {
-        *work = local.work;
+        if let Some(asked) = asked_work {
+            *asked = *work;
+        }
     }
 }
 
@@ -329,18 +287,15 @@ fn timed<L: CellLaw<N>, const N: usize>(
     steps
 }
 
-/// Corrects the work of cells that do not flow under the mean stress of the step: they are few. Returns what was added. (Inline: who hands arrays of its
-/// own out no longer knows what else points to them.)
+/// Corrects the work of cells that do not flow under the mean stress of the step: they are few. Returns what was added. (Inline: of numbers that were
+/// handed out a compiler no longer knows what else points to them.)
 #[inline(always)]
-fn turn<const N: usize>(local: &mut Local<N>) -> [f64; CHUNK] {
-    let mut added = local.turned_work;
-    for (added, work) in added.iter_mut().zip(&local.work) {
+fn turn(turned_work: &[f64; CHUNK], work: &mut [f64; CHUNK]) -> [f64; CHUNK] {
+    let mut added = *turned_work;
+    for (added, work) in added.iter_mut().zip(work.iter()) {
         *added -= work;
     }
-    local.work = local.turned_work;
-    for i in 0..CHUNK {
-        local.flow[i] = flow_of(local.plastic[i], local.work[i], local.sigma[i]);
-    }
+    *work = *turned_work;
     added
 }
 

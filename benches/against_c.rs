@@ -5,9 +5,9 @@
 //! waves, in which every cell is at work: with 8 waves none of 10^6 cells yields in so few steps, with waves of 125 cells
 //! all but those at their nodes do.
 //!
-//! `cargo bench` runs it. Environment: `CC` names the compiler, `ROUNDS` the number of runs of each (7), `PROBLEM` the one to run (P1, P2 or P3), `C_PROGRAM` a program
-//! to compare with that is compiled already and takes CELLS PROBLEM, or CELLS PROBLEM 1 STEPS for the 8 waves, and prints steps,
-//! seconds, anything, error.
+//! `cargo bench` runs it. Environment: `CC` names the compiler, `ROUNDS` the number of runs of each (7), `PROBLEM` the one
+//! to run (P1, P2 or P3), `C_PROGRAM` a program to compare with that is compiled already and takes CELLS PROBLEM, or CELLS PROBLEM 1
+//! STEPS for the 8 waves, and prints steps, seconds, anything, error.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

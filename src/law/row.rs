@@ -39,7 +39,8 @@ pub struct Advanced {
     pub accumulated: f64,
 }
 
-/// Running sums of a row over its pieces. The work is summed in [`LANES`] partial sums: the same bits whatever the width of the processor's registers.
+/// Running sums of a row over its pieces. The work is summed in [`LANES`] partial sums: the same bits whatever the width of the
+/// processor's registers.
 #[derive(Default)]
 struct Totals {
     work: [f64; LANES],
@@ -179,25 +180,13 @@ fn step<L: CellLaw<N>, const N: usize>(
         let [asked_work, asked_turned] =
             [&mut asked_work, &mut asked_turned].map(|asked| asked.as_deref_mut().map(|asked| cut_mut(asked, from)));
         // Cells that flowed in the step before mostly still do.
-        if L::BOUNDS_ELASTICITY && !piece_flows(flow) {
-            let [mut size, mut least, mut most] = [0, i64::MAX, 0];
-            for i in 0..CHUNK {
-                let before = read(&columns, i);
-                predictor[i] = law.base(sigma[i], before) + gain * (right[i] - left[i]);
-                size = size.max(size_bits(predictor[i]));
-                let accumulated = size_bits(law.accumulated(before));
-                least = least.min(accumulated);
-                most = most.max(accumulated);
+        let may_be_elastic = L::BOUNDS_ELASTICITY && !piece_flows(flow);
+        if may_be_elastic && let Some(largest) = stay_elastic(law, gain, [left, right], sigma, &columns, predictor) {
+            for asked in [asked_work, asked_turned].into_iter().flatten() {
+                asked.fill(0.0);
             }
-            let [size, least, most] = [size, least, most].map(|bits| f64::from_bits(bits as u64));
-            if law.is_elastic_up_to(size, least) {
-                *sigma = *predictor;
-                for asked in [asked_work, asked_turned].into_iter().flatten() {
-                    asked.fill(0.0);
-                }
-                totals.largest = most.max(totals.largest);
-                continue;
-            }
+            totals.largest = largest.max(totals.largest);
+            continue;
         }
         if L::READS_TABLE {
             for i in 0..CHUNK {
@@ -255,6 +244,32 @@ fn step<L: CellLaw<N>, const N: usize>(
             *asked = *work;
         }
     }
+}
+
+/// Takes the elastic step of a piece. Returns its largest accumulated plastic strain, times E, Pa. None where a cell may flow: the stresses are as before.
+#[inline(always)]
+fn stay_elastic<L: CellLaw<N>, const N: usize>(
+    law: &L,
+    gain: f64,
+    [left, right]: [&[f64; CHUNK]; 2],
+    sigma: &mut [f64; CHUNK],
+    columns: &[&mut [f64; CHUNK]; N],
+    predictor: &mut [f64; CHUNK],
+) -> Option<f64> {
+    let [mut size, mut least, mut most] = [0, i64::MAX, 0];
+    for i in 0..CHUNK {
+        let before = read(columns, i);
+        predictor[i] = law.base(sigma[i], before) + gain * (right[i] - left[i]);
+        size = size.max(size_bits(predictor[i]));
+        let accumulated = size_bits(law.accumulated(before));
+        least = least.min(accumulated);
+        most = most.max(accumulated);
+    }
+    let [size, least, most] = [size, least, most].map(|bits| f64::from_bits(bits as u64));
+    law.is_elastic_up_to(size, least).then(|| {
+        *sigma = *predictor;
+        most
+    })
 }
 
 /// The size of a number, as bits that compare as sizes do, for which compilers know better loops; those of NaN are larger than any.

@@ -23,10 +23,11 @@ pub(super) struct Stopped {
     pub cell: usize,
     /// Stress before and after it flowed on, Pa.
     pub sigma: [f64; 2],
-    /// E times the plastic strain of this, and that of the cell after it, Pa.
+    /// E times the plastic strain by which it flowed on, Pa.
     pub plastic: f64,
-    pub strain: f64,
-    /// Its work times 2 E per volume, Pa^2.
+    /// E times the plastic strain that it had afterwards, Pa.
+    pub plastic_after: f64,
+    /// The work of flowing on times 2 E per volume, Pa^2.
     pub work: f64,
 }
 
@@ -471,12 +472,17 @@ impl Block {
             return true;
         }
         elastic_row(-law.stress_gain, &self.v[start..=end], &mut self.sigma[start..end]);
-        let cells = self.sigma.len();
-        self.stage = Stage::Plastic;
-        self.state = aligned_row(law.law.state_len() * cells, 0.0);
-        self.flow = vec![0.0; cells];
+        self.start_plastic(law.law.state_len());
         self.wake();
         false
+    }
+
+    /// Gives the block plastic state, of so many numbers a cell.
+    pub fn start_plastic(&mut self, numbers: usize) {
+        let cells = self.sigma.len();
+        self.stage = Stage::Plastic;
+        self.state = aligned_row(numbers * cells, 0.0);
+        self.flow = vec![0.0; cells];
     }
 
     /// Cells have yielded.

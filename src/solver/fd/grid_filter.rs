@@ -29,7 +29,7 @@ use multiversion::multiversion;
 
 use super::sizes::MOST_CELLS;
 use crate::elementary::{larger, lesser};
-use crate::law::{Aligned, CHUNK, LANES, any_flows, piece_flows};
+use crate::law::{Aligned, LANES, any_flows};
 
 /// Fraction of an alternating velocity difference that is redistributed between two nodes while an elastic wave passes a cell. A step
 /// redistributes this times the Courant number, so that the damping of a wave does not depend on the time step. At Courant number 1 a
@@ -388,11 +388,6 @@ fn impulse<const STOPS: bool>(w: [f64; 3], flow: f64, filter: Filter) -> f64 {
 /// whether that is anything.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
 fn find(w: &[f64], filter: Filter, impulses: &mut [f64]) -> bool {
-    find_alternating(w, filter, impulses) & Range::SIZE != 0
-}
-
-#[inline(always)]
-fn find_alternating(w: &[f64], filter: Filter, impulses: &mut [f64]) -> u64 {
     let cells = impulses.len();
     let (left, here, right) = (&w[..cells], &w[1..=cells], &w[2..cells + 2]);
     let mut bits = 0;
@@ -401,24 +396,18 @@ fn find_alternating(w: &[f64], filter: Filter, impulses: &mut [f64]) -> u64 {
         impulses[i] = sense * alternating(size, neighbours, filter);
         bits |= impulses[i].to_bits();
     }
-    bits
+    bits & Range::SIZE != 0
 }
 
-/// The same in a block with cells that flow: most of its pieces may have none.
+/// The same in a block with cells that flow.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
 fn find_flowing(w: &[f64], flow: &[f32], filter: Filter, impulses: &mut [f64]) -> bool {
+    let cells = impulses.len();
+    let (left, here, right, flow) = (&w[..cells], &w[1..=cells], &w[2..cells + 2], &flow[..cells]);
     let mut bits = 0;
-    for (piece, (flow, impulses)) in flow.chunks(CHUNK).zip(impulses.chunks_mut(CHUNK)).enumerate() {
-        let (w, cells) = (&w[piece * CHUNK..], flow.len());
-        let (left, here, right, impulses) = (&w[..cells], &w[1..=cells], &w[2..cells + 2], &mut impulses[..cells]);
-        if !piece_flows(flow) {
-            bits |= find_alternating(w, filter, impulses);
-            continue;
-        }
-        for i in 0..cells {
-            impulses[i] = impulse::<true>([left[i], here[i], right[i]], f64::from(flow[i]), filter);
-            bits |= impulses[i].to_bits();
-        }
+    for i in 0..cells {
+        impulses[i] = impulse::<true>([left[i], here[i], right[i]], f64::from(flow[i]), filter);
+        bits |= impulses[i].to_bits();
     }
     bits & Range::SIZE != 0
 }

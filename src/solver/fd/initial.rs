@@ -6,11 +6,10 @@
 //! before t = 0 where a whole step of these stresses would have begun. Where forces act along the bar, the nodes start half a step before
 //! t = 0 and take the whole step ([`super::implicit::Implicit::start_under`]).
 
-use super::block::{Block, Stage};
+use super::block::Block;
 use super::edge::last;
 use super::leapfrog::Leapfrog;
 use crate::bar::Bar;
-use crate::law::aligned_row;
 
 impl Leapfrog {
     /// The initial stresses, and the states of cells that have yielded or are warm: means over the cells.
@@ -65,12 +64,10 @@ impl Leapfrog {
 impl Block {
     /// Gives a cell its law's state; from now on the block has plastic state.
     fn set_state(&mut self, cell: usize, state: &[f64]) {
-        let cells = self.sigma.len();
-        if self.stage != Stage::Plastic {
-            self.stage = Stage::Plastic;
-            self.state = aligned_row(state.len() * cells, 0.0);
-            self.flow = vec![0.0; cells];
+        if self.is_elastic() {
+            self.start_plastic(state.len());
         }
+        let cells = self.sigma.len();
         self.state.chunks_exact_mut(cells).zip(state).for_each(|(column, &number)| column[cell] = number);
     }
 }

@@ -7,7 +7,8 @@
 //! cells of a plastic front, that is half of the front's jump, at any resolution: the wave overshot by 30 to 55 % and left
 //! stresses that alternate from cell to cell.
 //!
-//! The cell therefore flows on by half of the plastic strain of the step before, and then unloads. What this differs from half
+//! The cell therefore flows on by half of the plastic strain of the step before, and then unloads, where it unloads by more than that: less is no
+//! sharp wave, and of a difference that is rounding the sign would matter. What this differs from half
 //! of dR is, from cell to cell along the wave, the difference of numbers that vanish before and behind the plastic front. The
 //! filter's viscosity acts on a flowing cell in the same way, so that its share is missing, too ([`Filter::missing_flow`]).
 //!
@@ -36,17 +37,17 @@ impl Block {
                 cells &= cells - 1;
                 let (before, missing) = (self.sigma[cell], law.missing_flow * f64::from(self.flow[cell]));
                 let [plastic, work] = law.law.flow_on(missing, cell, &mut self.sigma, &mut self.state);
-                let strain = law.law.plastic_strain(&self.state, cell);
-                stopped.push(Stopped { cell, sigma: [before, self.sigma[cell]], plastic, strain, work });
+                let plastic_after = law.law.plastic_strain(&self.state, cell);
+                stopped.push(Stopped { cell, sigma: [before, self.sigma[cell]], plastic, plastic_after, work });
             }
         }
     }
 
     /// Books their plastic work, after the step.
     pub fn book_stopped(&mut self, law: &dyn RowLaw, stopped: &[Stopped]) {
-        for &Stopped { cell, sigma: [before, after], plastic, strain, work } in stopped {
+        for &Stopped { cell, sigma: [before, after], plastic, plastic_after, work } in stopped {
             // The step began at the stress before: that is what its mean stress is made of, also where the cell flows in the other sense at its end.
-            let later = law.plastic_strain(&self.state, cell) - strain;
+            let later = law.plastic_strain(&self.state, cell) - plastic_after;
             let of_mean_stress = (before + self.sigma[cell]) * plastic + (before - after) * later;
             let area = self.area(cell);
             self.plastic += area * work;
